@@ -1,0 +1,183 @@
+//! Elementary functions as polynomials over the lane type: the same bits at every width, no libm.
+//!
+//! Errors are measured against `f64` by `tests/lane_functions.rs`, over dense sweeps of the stated domain; they hold with
+//! and without FMA. One ulp is the distance of neighbouring floats at the result.
+//!
+//! Source of the polynomials: S. Moshier, Cephes Mathematical Library, single precision (sinf, cosf, atanf, expf, logf).
+
+use super::{Bits, Lane};
+use std::f32::consts::{FRAC_PI_2, FRAC_PI_4, LOG2_E, PI};
+
+/// Evaluates a polynomial by Horner's rule, the highest coefficient first.
+#[inline(always)]
+fn polynomial<L: Lane, const N: usize>(x: L, coefficients: [f32; N]) -> L {
+    let mut sum = L::splat(coefficients[0]);
+    for &coefficient in &coefficients[1..] {
+        sum = sum.mul_add(x, L::splat(coefficient));
+    }
+    sum
+}
+
+/// Sine and cosine of an angle in `[−π/4, π/4]`, without reduction.
+#[inline(always)]
+fn sin_cos_octant<L: Lane>(r: L) -> (L, L) {
+    let r2 = r * r;
+    let sin = polynomial(r2, [-1.951_529_6e-4, 8.332_161e-3, -1.666_665_5e-1]);
+    let sin = (sin * r2).mul_add(r, r);
+    let cos = polynomial(r2, [2.443_315_7e-5, -1.388_731_6e-3, 4.166_664_6e-2]);
+    let cos = (cos * r2).mul_add(r2, L::splat(-0.5).mul_add(r2, L::one()));
+    (sin, cos)
+}
+
+/// Turns sine and cosine of the reduced angle into those of the angle `quadrant` quarter turns further on.
+#[inline(always)]
+fn into_quadrant<L: Lane>(quadrant: L::Bits, sin: L, cos: L) -> (L, L) {
+    let one = L::Bits::splat(1);
+    let swap = (quadrant & one).equals(one);
+    let sin_sign = L::from_bits((quadrant & L::Bits::splat(2)).shl(30));
+    let cos_sign = L::from_bits((quadrant.wrapping_add(one) & L::Bits::splat(2)).shl(30));
+    (L::select(swap, cos, sin).flip_sign(sin_sign), L::select(swap, sin, cos).flip_sign(cos_sign))
+}
+
+/// Sine and cosine of an angle.
+///
+/// Units: radians. Domain: |x| ≤ 8192; beyond it the error grows; infinite and NaN give NaN.
+/// Error: absolute, ≤ 1.5e-7 (measured).
+#[inline(always)]
+pub fn sin_cos<L: Lane>(x: L) -> (L, L) {
+    // π/2 in three parts, the first two with so few bits that k times them is exact for k < 2¹³ (Cody & Waite 1980).
+    const PARTS: [f32; 3] = [1.570_312_5, 4.837_512_97e-4, 7.549_789_95e-8];
+    let k = (x * L::splat(1.0 / FRAC_PI_2) + L::splat(0.5)).floor();
+    let mut r = x;
+    for part in PARTS {
+        r = k.neg_mul_add(L::splat(part), r);
+    }
+    let (sin, cos) = sin_cos_octant(r);
+    into_quadrant(k.truncate_to_int(), sin, cos)
+}
+
+/// Sine of an angle in radians; domain and error as in [`sin_cos`].
+#[inline(always)]
+pub fn sin<L: Lane>(x: L) -> L {
+    sin_cos(x).0
+}
+
+/// Cosine of an angle in radians; domain and error as in [`sin_cos`].
+#[inline(always)]
+pub fn cos<L: Lane>(x: L) -> L {
+    sin_cos(x).1
+}
+
+/// Sine and cosine of an angle given in whole turns, as sampling needs it: reduction is exact and nearly free.
+///
+/// Units: turns (1 = 2π). Domain: 0 ≤ u < 2²⁰. Error: absolute, ≤ 1.5e-7 (measured).
+#[inline(always)]
+pub fn sin_cos_turns<L: Lane>(u: L) -> (L, L) {
+    let quarters = u * L::splat(4.0);
+    let quadrant = (quarters + L::splat(0.5)).truncate_to_int();
+    let (sin, cos) = sin_cos_octant((quarters - L::from_int(quadrant)) * L::splat(FRAC_PI_2));
+    into_quadrant(quadrant, sin, cos)
+}
+
+/// The angle of the point (x, y), as in `f32::atan2`.
+///
+/// Units: radians, in [−π, π]. Domain: all but NaN; zeros and infinities answer as IEEE 754 says.
+/// Error: ≤ 4 ulp (measured).
+#[inline(always)]
+pub fn atan2<L: Lane>(y: L, x: L) -> L {
+    let (ax, ay) = (x.abs(), y.abs());
+    let (low, high) = (ax.min(ay), ax.max(ay));
+    // Above tan(π/8) turn by π/4: atan(q) = π/4 + atan((q − 1)/(q + 1)). One division serves both cases.
+    let turn = low.gt(high * L::splat(0.414_213_56));
+    let numerator = L::select(turn, low - high, low);
+    let denominator = L::select(turn, low + high, high);
+    // 0/0 and ∞/∞ are the two corners: both components are equal there, at an angle of 0 and π/4.
+    let corner = low.eq(high) & !(low.is_finite() & low.gt(L::zero()));
+    let q = L::select(corner, L::zero(), numerator / denominator);
+    let turn = turn | (corner & low.gt(L::zero()));
+    let q2 = q * q;
+    let p = polynomial(q2, [8.053_744_5e-2, -1.387_768_6e-1, 1.997_771_1e-1, -3.333_295e-1]);
+    let atan = (p * q2).mul_add(q, q);
+    let atan = L::select(turn, atan + L::splat(FRAC_PI_4), atan);
+    let atan = L::select(ay.gt(ax), L::splat(FRAC_PI_2) - atan, atan);
+    let x_is_negative = !(x.to_bits() & L::Bits::splat(0x8000_0000)).equals(L::Bits::splat(0));
+    L::select(x_is_negative, L::splat(PI) - atan, atan).copysign(y)
+}
+
+/// eˣ.
+///
+/// Domain: all. Results below the smallest normal number are 0; above the largest, +∞. Error: ≤ 2 ulp (measured).
+#[inline(always)]
+pub fn exp<L: Lane>(x: L) -> L {
+    const OVERFLOW: f32 = 88.722_84;
+    const UNDERFLOW: f32 = -87.336_54;
+    let inside = L::select(x.lt(L::splat(UNDERFLOW)), L::splat(UNDERFLOW), x);
+    let inside = L::select(inside.gt(L::splat(OVERFLOW)), L::splat(OVERFLOW), inside);
+    let k = (inside * L::splat(LOG2_E) + L::splat(0.5)).floor();
+    // ln 2 in two parts; the first is short, so that its product with k is exact.
+    let r = k.neg_mul_add(L::splat(0.693_359_375), inside);
+    let r = k.neg_mul_add(L::splat(-2.121_944_4e-4), r);
+    let p = polynomial(
+        r,
+        [1.987_569_1e-4, 1.398_199_9e-3, 8.333_452e-3, 4.166_579_6e-2, 1.666_666_5e-1, 5.000_000_1e-1],
+    );
+    let p = (p * r).mul_add(r, r) + L::one();
+    // 2ᵏ as two factors of about 2^(k/2), because k reaches 128, one more than an exponent holds. 254 is twice the bias:
+    // it keeps the sum positive, so that halving it is a plain shift.
+    let k = k.truncate_to_int().wrapping_add(L::Bits::splat(254));
+    let half = k.shr(1);
+    let rest = k.wrapping_add(L::Bits::splat(1)).shr(1);
+    let result = p * L::from_bits(half.shl(23)) * L::from_bits(rest.shl(23));
+    let result = L::select(x.lt(L::splat(UNDERFLOW)), L::zero(), result);
+    let result = L::select(x.gt(L::splat(OVERFLOW)), L::splat(f32::INFINITY), result);
+    L::select(x.eq(x), result, x)
+}
+
+/// The natural logarithm.
+///
+/// Domain: all; 0 gives −∞, negative numbers NaN. Error: ≤ 2 ulp, or 1e-7 absolute near 1 (measured).
+#[inline(always)]
+pub fn ln<L: Lane>(x: L) -> L {
+    const SCALE: f32 = 8_388_608.0; // 2²³ lifts denormals into the normal range.
+    let denormal = x.lt(L::splat(f32::MIN_POSITIVE));
+    let scaled = L::select(denormal, x * L::splat(SCALE), x);
+    let bits = scaled.to_bits();
+    // x = m · 2ᵉ with m in [√½, √2)
+    let exponent = L::from_int(bits.shr(23)) - L::splat(126.0);
+    let exponent = L::select(denormal, exponent - L::splat(23.0), exponent);
+    let mantissa = L::from_bits((bits & L::Bits::splat(0x007f_ffff)) | L::Bits::splat(0x3f00_0000));
+    let low = mantissa.lt(L::splat(std::f32::consts::FRAC_1_SQRT_2));
+    let e = L::select(low, exponent - L::one(), exponent);
+    let f = L::select(low, mantissa + mantissa, mantissa) - L::one();
+    let f2 = f * f;
+    let p = polynomial(
+        f,
+        [
+            7.037_683_6e-2,
+            -1.151_461e-1,
+            1.167_699_9e-1,
+            -1.242_014_1e-1,
+            1.424_932_3e-1,
+            -1.666_805_8e-1,
+            2.000_071_5e-1,
+            -2.499_999_4e-1,
+            3.333_333_1e-1,
+        ],
+    );
+    let y = (p * f) * f2;
+    let y = e.mul_add(L::splat(-2.121_944_4e-4), y);
+    let y = L::splat(-0.5).mul_add(f2, y);
+    let result = e.mul_add(L::splat(0.693_359_375), f + y);
+    let result = L::select(x.eq(L::zero()), L::splat(f32::NEG_INFINITY), result);
+    let result = L::select(x.eq(L::splat(f32::INFINITY)), x, result);
+    L::select(x.ge(L::zero()), result, L::splat(f32::NAN))
+}
+
+/// xʸ as exp(y · ln x).
+///
+/// Domain: x ≥ 0 (negative x gives NaN); y = 0 gives 1. Error: relative, ≤ 2e-7 · (1 + |y · ln x|) (measured).
+#[inline(always)]
+pub fn powf<L: Lane>(x: L, y: L) -> L {
+    let power = exp(y * ln(x));
+    L::select(y.eq(L::zero()), L::one(), power)
+}

@@ -1,0 +1,234 @@
+//! Width as a type: one number or eight, behind the same arithmetic.
+//!
+//! For: the [`Lane`] trait (`f32` and [`F32x8`]), its integer companion [`Bits`] (`u32` and [`U32x8`]), its truth values
+//! [`Mask`] (`bool` and [`Mask8`]), and the elementary functions in [`functions`].
+//! May import: `wide` and `bytemuck`; it is the only importer of `wide`.
+//! Must never know: vectors, rays, scenes.
+//!
+//! # The law
+//! Every operation gives the same bits at every width. That is why nothing here is an approximation that only one
+//! width has (no `recip`, no `rsqrt`), no function comes from libm, and `min`, `max` and the polynomials are defined
+//! once. The one freedom: *which* NaN comes out of an operation is not promised (Rust does not promise it either);
+//! *that* it is a NaN is.
+//!
+//! [`Lane::mul_add`] is fused where the target has FMA and two roundings where it has not, at every width alike: one
+//! build always agrees with itself, two builds may differ in the last bit.
+//!
+//! A wider machine gets a new type that implements these traits, not a new tree of code.
+
+pub mod functions;
+mod scalar;
+mod wide8;
+
+pub use wide8::{F32x8, Mask8, U32x8};
+
+use bytemuck::Pod;
+use std::fmt::Debug;
+use std::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Neg, Not, Sub};
+
+/// Truth values of the lanes of a packet.
+pub trait Mask:
+    Copy + Debug + BitAnd<Output = Self> + BitOr<Output = Self> + BitXor<Output = Self> + Not<Output = Self>
+{
+    /// The same truth value in every lane.
+    fn splat(value: bool) -> Self;
+    /// The first `count` lanes true, the others false; all true from the width on.
+    fn first(count: usize) -> Self;
+    /// Is any lane true?
+    fn any(self) -> bool;
+    /// Is every lane true?
+    fn all(self) -> bool;
+    /// Lane `i` in bit `i`; bits from the width on are zero.
+    fn bitmask(self) -> u32;
+    /// How many lanes are true.
+    #[inline(always)]
+    fn count(self) -> usize {
+        self.bitmask().count_ones() as usize
+    }
+}
+
+/// Unsigned 32-bit integers in lanes: indices, keys, and the bit patterns of floats. Arithmetic wraps.
+pub trait Bits:
+    Copy
+    + Debug
+    + Pod
+    + Send
+    + Sync
+    + BitAnd<Output = Self>
+    + BitOr<Output = Self>
+    + BitXor<Output = Self>
+    + Not<Output = Self>
+{
+    type Mask: Mask;
+
+    fn splat(value: u32) -> Self;
+    /// Lane `i` gets `f(i)`.
+    fn from_fn(f: impl FnMut(usize) -> u32) -> Self;
+    /// The value of one lane.
+    fn get(self, lane: usize) -> u32;
+    /// As many numbers as there are lanes, from the start of `from`.
+    ///
+    /// # Panics
+    /// If `from` is shorter than the width.
+    fn load(from: &[u32]) -> Self;
+    /// Writes as many numbers as there are lanes to the start of `to`.
+    ///
+    /// # Panics
+    /// If `to` is shorter than the width.
+    fn store(self, to: &mut [u32]);
+    fn wrapping_add(self, other: Self) -> Self;
+    fn wrapping_mul(self, other: Self) -> Self;
+    /// Shift left by the same `count` < 32 in every lane.
+    fn shl(self, count: u32) -> Self;
+    /// Logical shift right by the same `count` < 32 in every lane.
+    fn shr(self, count: u32) -> Self;
+    fn equals(self, other: Self) -> Self::Mask;
+    /// Unsigned comparison.
+    fn less(self, other: Self) -> Self::Mask;
+    fn select(mask: Self::Mask, if_true: Self, if_false: Self) -> Self;
+}
+
+/// One or several `f32` on which the same arithmetic is done.
+pub trait Lane:
+    Copy
+    + Debug
+    + Pod
+    + Send
+    + Sync
+    + PartialEq
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Neg<Output = Self>
+{
+    /// Lanes in a packet.
+    const WIDTH: usize;
+    type Mask: Mask;
+    type Bits: Bits<Mask = Self::Mask>;
+    /// A permutation of lanes, as [`Lane::packing`] makes it.
+    type Packing: Copy;
+
+    fn splat(value: f32) -> Self;
+    /// Lane `i` gets `f(i)`.
+    fn from_fn(f: impl FnMut(usize) -> f32) -> Self;
+    /// The value of one lane.
+    fn get(self, lane: usize) -> f32;
+    /// As many numbers as there are lanes, from the start of `from`.
+    ///
+    /// # Panics
+    /// If `from` is shorter than the width.
+    fn load(from: &[f32]) -> Self;
+    /// Writes as many numbers as there are lanes to the start of `to`.
+    ///
+    /// # Panics
+    /// If `to` is shorter than the width.
+    fn store(self, to: &mut [f32]);
+
+    /// `self · factor + addend`: one rounding where the target has FMA, two where it has not, at every width alike.
+    fn mul_add(self, factor: Self, addend: Self) -> Self;
+    /// `addend − self · factor`, rounded like [`Lane::mul_add`].
+    #[inline(always)]
+    fn neg_mul_add(self, factor: Self, addend: Self) -> Self {
+        (-self).mul_add(factor, addend)
+    }
+    /// Correctly rounded square root.
+    fn sqrt(self) -> Self;
+
+    fn lt(self, other: Self) -> Self::Mask;
+    fn le(self, other: Self) -> Self::Mask;
+    fn eq(self, other: Self) -> Self::Mask;
+    #[inline(always)]
+    fn gt(self, other: Self) -> Self::Mask {
+        other.lt(self)
+    }
+    #[inline(always)]
+    fn ge(self, other: Self) -> Self::Mask {
+        other.le(self)
+    }
+    fn select(mask: Self::Mask, if_true: Self, if_false: Self) -> Self;
+
+    /// The bit pattern.
+    fn to_bits(self) -> Self::Bits;
+    fn from_bits(bits: Self::Bits) -> Self;
+    /// Rounds towards zero to a signed integer (in two's complement). Domain: |x| < 2³¹; outside it and for NaN the
+    /// result is 0x8000_0000.
+    fn truncate_to_int(self) -> Self::Bits;
+    /// The nearest float to a signed integer in two's complement.
+    fn from_int(int: Self::Bits) -> Self;
+
+    /// The permutation that moves the lanes of `mask` to the front, in their order. What stands behind them is
+    /// unspecified.
+    fn packing(mask: Self::Mask) -> Self::Packing;
+    fn pack(self, packing: Self::Packing) -> Self;
+    fn pack_bits(bits: Self::Bits, packing: Self::Packing) -> Self::Bits;
+
+    /// `table[index]` in each lane, for small tables that fit one register. Domain: every index, in inactive lanes too,
+    /// is below 8; what another one picks is unspecified.
+    fn pick(table: &[f32; 8], index: Self::Bits) -> Self;
+    /// Row `index` of a table in each lane, as columns: column `j` holds `rows[index][j]`.
+    ///
+    /// # Panics
+    /// If an index, in any lane, is not below `rows.len()`.
+    fn gather_rows<const N: usize>(rows: &[[f32; N]], index: Self::Bits) -> [Self; N];
+
+    #[inline(always)]
+    fn zero() -> Self {
+        Self::splat(0.0)
+    }
+    #[inline(always)]
+    fn one() -> Self {
+        Self::splat(1.0)
+    }
+
+    /// The smaller one; `other` if either is NaN or both are zeros (the x86 rule, chosen so that it costs one
+    /// instruction).
+    #[inline(always)]
+    fn min(self, other: Self) -> Self {
+        Self::select(self.lt(other), self, other)
+    }
+    /// The larger one; `other` if either is NaN or both are zeros.
+    #[inline(always)]
+    fn max(self, other: Self) -> Self {
+        Self::select(other.lt(self), self, other)
+    }
+    /// Clears the sign bit.
+    #[inline(always)]
+    fn abs(self) -> Self {
+        Self::from_bits(self.to_bits() & Self::Bits::splat(0x7fff_ffff))
+    }
+    /// The sign bit alone, as a float: +0 or −0.
+    #[inline(always)]
+    fn sign_bit(self) -> Self {
+        Self::from_bits(self.to_bits() & Self::Bits::splat(0x8000_0000))
+    }
+    /// Flips the sign where `sign` has its sign bit set (zeros and NaN included).
+    #[inline(always)]
+    fn flip_sign(self, sign: Self) -> Self {
+        Self::from_bits(self.to_bits() ^ sign.sign_bit().to_bits())
+    }
+    /// The magnitude of `self` with the sign of `sign`.
+    #[inline(always)]
+    fn copysign(self, sign: Self) -> Self {
+        Self::from_bits(self.abs().to_bits() | sign.sign_bit().to_bits())
+    }
+    /// The largest integer that is not above. Zeros keep their sign; NaN and everything from 2²³ on stays as it is.
+    #[inline(always)]
+    fn floor(self) -> Self {
+        let truncated = Self::from_int(self.truncate_to_int());
+        let floor = truncated - Self::select(self.lt(truncated), Self::one(), Self::zero());
+        let has_fraction = self.abs().lt(Self::splat(8_388_608.0));
+        Self::select(has_fraction, floor.copysign(self), self)
+    }
+    /// Is the value neither infinite nor NaN?
+    #[inline(always)]
+    fn is_finite(self) -> Self::Mask {
+        self.abs().lt(Self::splat(f32::INFINITY))
+    }
+}
+
+/// Column indices of a packet's lanes, 0, 1, 2, … as integers.
+#[inline(always)]
+pub fn lane_indices<L: Lane>() -> L::Bits {
+    L::Bits::from_fn(|lane| lane as u32)
+}

@@ -1,0 +1,275 @@
+//! Width 8: the packet types, thin shells around `wide`'s vectors.
+
+use super::{Bits, Lane, Mask};
+use bytemuck::{Pod, Zeroable};
+use std::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Neg, Not, Sub};
+use wide::{CmpEq, CmpLe, CmpLt, f32x8, i32x8, u32x8};
+
+/// Eight floats, 32 bytes, aligned to 32.
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(transparent)]
+pub struct F32x8(f32x8);
+
+/// Eight unsigned integers, 32 bytes, aligned to 32.
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(transparent)]
+pub struct U32x8(u32x8);
+
+/// Eight truth values: all bits of a lane set, or none.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(transparent)]
+pub struct Mask8(f32x8);
+
+macro_rules! forward_operator {
+    ($type:ident, $($trait:ident :: $method:ident),*) => {$(
+        impl $trait for $type {
+            type Output = Self;
+            #[inline(always)]
+            fn $method(self, other: Self) -> Self {
+                Self($trait::$method(self.0, other.0))
+            }
+        }
+    )*};
+}
+forward_operator!(F32x8, Add::add, Sub::sub, Mul::mul, Div::div);
+forward_operator!(U32x8, BitAnd::bitand, BitOr::bitor, BitXor::bitxor);
+forward_operator!(Mask8, BitAnd::bitand, BitOr::bitor, BitXor::bitxor);
+
+impl Neg for F32x8 {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Self(-self.0)
+    }
+}
+
+impl Not for U32x8 {
+    type Output = Self;
+    #[inline(always)]
+    fn not(self) -> Self {
+        Self(!self.0)
+    }
+}
+
+impl Not for Mask8 {
+    type Output = Self;
+    #[inline(always)]
+    fn not(self) -> Self {
+        Self(!self.0)
+    }
+}
+
+/// `FIRST[n]`: the first n of eight lanes set.
+const FIRST: [[u32; 8]; 9] = {
+    let mut table = [[0; 8]; 9];
+    let mut count = 0;
+    while count <= 8 {
+        let mut lane = 0;
+        while lane < count {
+            table[count][lane] = u32::MAX;
+            lane += 1;
+        }
+        count += 1;
+    }
+    table
+};
+
+/// `PACKING[m]`: the lanes of bit mask m first, in their order, then lane 0. 8 KiB.
+static PACKING: [[u32; 8]; 256] = {
+    let mut table = [[0; 8]; 256];
+    let mut mask = 0;
+    while mask < 256 {
+        let mut lane = 0;
+        let mut next = 0;
+        while lane < 8 {
+            if mask >> lane & 1 == 1 {
+                table[mask][next] = lane;
+                next += 1;
+            }
+            lane += 1;
+        }
+        mask += 1;
+    }
+    table
+};
+
+impl Mask for Mask8 {
+    #[inline(always)]
+    fn splat(value: bool) -> Self {
+        Self::first(if value { 8 } else { 0 })
+    }
+    #[inline(always)]
+    fn first(count: usize) -> Self {
+        Self(bytemuck::cast(u32x8::new(FIRST[count.min(8)])))
+    }
+    #[inline(always)]
+    fn any(self) -> bool {
+        self.0.any()
+    }
+    #[inline(always)]
+    fn all(self) -> bool {
+        self.0.all()
+    }
+    #[inline(always)]
+    fn bitmask(self) -> u32 {
+        self.0.to_bitmask()
+    }
+}
+
+impl Bits for U32x8 {
+    type Mask = Mask8;
+
+    #[inline(always)]
+    fn splat(value: u32) -> Self {
+        Self(u32x8::splat(value))
+    }
+    #[inline(always)]
+    fn from_fn(f: impl FnMut(usize) -> u32) -> Self {
+        Self(u32x8::new(std::array::from_fn(f)))
+    }
+    #[inline(always)]
+    fn get(self, lane: usize) -> u32 {
+        self.0.as_array()[lane]
+    }
+    #[inline(always)]
+    fn load(from: &[u32]) -> Self {
+        let lanes: &[u32; 8] = from.first_chunk().expect("eight numbers to load");
+        Self(u32x8::new(*lanes))
+    }
+    #[inline(always)]
+    fn store(self, to: &mut [u32]) {
+        *to.first_chunk_mut().expect("room for eight numbers") = self.0.to_array();
+    }
+    #[inline(always)]
+    fn wrapping_add(self, other: Self) -> Self {
+        Self(self.0 + other.0)
+    }
+    #[inline(always)]
+    fn wrapping_mul(self, other: Self) -> Self {
+        Self(self.0 * other.0)
+    }
+    #[inline(always)]
+    fn shl(self, count: u32) -> Self {
+        Self(self.0 << count)
+    }
+    #[inline(always)]
+    fn shr(self, count: u32) -> Self {
+        Self(self.0 >> count)
+    }
+    #[inline(always)]
+    fn equals(self, other: Self) -> Mask8 {
+        Mask8(bytemuck::cast(self.0.simd_eq(other.0)))
+    }
+    #[inline(always)]
+    fn less(self, other: Self) -> Mask8 {
+        Mask8(bytemuck::cast(self.0.simd_lt(other.0)))
+    }
+    #[inline(always)]
+    fn select(mask: Mask8, if_true: Self, if_false: Self) -> Self {
+        Self(bytemuck::cast(mask.0.select(
+            bytemuck::cast::<_, f32x8>(if_true.0),
+            bytemuck::cast::<_, f32x8>(if_false.0),
+        )))
+    }
+}
+
+impl Lane for F32x8 {
+    const WIDTH: usize = 8;
+    type Mask = Mask8;
+    type Bits = U32x8;
+    type Packing = U32x8;
+
+    #[inline(always)]
+    fn splat(value: f32) -> Self {
+        Self(f32x8::splat(value))
+    }
+    #[inline(always)]
+    fn from_fn(f: impl FnMut(usize) -> f32) -> Self {
+        Self(f32x8::new(std::array::from_fn(f)))
+    }
+    #[inline(always)]
+    fn get(self, lane: usize) -> f32 {
+        self.0.as_array()[lane]
+    }
+    #[inline(always)]
+    fn load(from: &[f32]) -> Self {
+        let lanes: &[f32; 8] = from.first_chunk().expect("eight numbers to load");
+        Self(f32x8::new(*lanes))
+    }
+    #[inline(always)]
+    fn store(self, to: &mut [f32]) {
+        *to.first_chunk_mut().expect("room for eight numbers") = self.0.to_array();
+    }
+    #[inline(always)]
+    fn mul_add(self, factor: Self, addend: Self) -> Self {
+        if cfg!(target_feature = "fma") {
+            Self(self.0.mul_add(factor.0, addend.0))
+        } else {
+            self * factor + addend
+        }
+    }
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        Self(self.0.sqrt())
+    }
+    #[inline(always)]
+    fn lt(self, other: Self) -> Mask8 {
+        Mask8(self.0.simd_lt(other.0))
+    }
+    #[inline(always)]
+    fn le(self, other: Self) -> Mask8 {
+        Mask8(self.0.simd_le(other.0))
+    }
+    #[inline(always)]
+    fn eq(self, other: Self) -> Mask8 {
+        Mask8(self.0.simd_eq(other.0))
+    }
+    #[inline(always)]
+    fn select(mask: Mask8, if_true: Self, if_false: Self) -> Self {
+        Self(mask.0.select(if_true.0, if_false.0))
+    }
+    #[inline(always)]
+    fn to_bits(self) -> U32x8 {
+        U32x8(bytemuck::cast(self.0))
+    }
+    #[inline(always)]
+    fn from_bits(bits: U32x8) -> Self {
+        Self(bytemuck::cast(bits.0))
+    }
+    #[inline(always)]
+    fn truncate_to_int(self) -> U32x8 {
+        U32x8(bytemuck::cast(self.0.fast_trunc_int()))
+    }
+    #[inline(always)]
+    fn from_int(int: U32x8) -> Self {
+        Self(f32x8::from_i32x8(bytemuck::cast::<_, i32x8>(int.0)))
+    }
+    #[inline(always)]
+    fn packing(mask: Mask8) -> U32x8 {
+        U32x8(u32x8::new(PACKING[(mask.bitmask() & 0xff) as usize]))
+    }
+    #[inline(always)]
+    fn pack(self, packing: U32x8) -> Self {
+        Self(self.0.shuffle(packing.0))
+    }
+    #[inline(always)]
+    fn pack_bits(bits: U32x8, packing: U32x8) -> U32x8 {
+        U32x8(bits.0.shuffle(packing.0))
+    }
+    #[inline(always)]
+    fn pick(table: &[f32; 8], index: U32x8) -> Self {
+        Self(f32x8::new(*table).shuffle(index.0))
+    }
+    #[inline(always)]
+    fn gather_rows<const N: usize>(rows: &[[f32; N]], index: U32x8) -> [Self; N] {
+        let index = index.0.to_array();
+        if N == 8 {
+            let row = |lane: usize| Self::load(&rows[index[lane] as usize]).0;
+            let columns = f32x8::transpose(std::array::from_fn(row));
+            std::array::from_fn(|column| Self(columns[column]))
+        } else {
+            let picked: [&[f32; N]; 8] = std::array::from_fn(|lane| &rows[index[lane] as usize]);
+            std::array::from_fn(|column| Self::from_fn(|lane| picked[lane][column]))
+        }
+    }
+}

@@ -1,0 +1,7 @@
+#![forbid(unsafe_code)]
+pub mod film;
+pub mod lane;
+pub mod math;
+pub mod render;
+pub mod sampling;
+pub mod scene;

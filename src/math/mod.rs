@@ -1,0 +1,11 @@
+//! Vectors, rays and hits whose components are lanes, and the bounds of rounding error.
+//!
+//! For: [`Vec3`], [`Ray`], [`Hit`], [`gamma`]. May import: `lane`, `glam` (for conversion). Must never know: scenes, buffers.
+
+mod precision;
+mod ray;
+mod vec3;
+
+pub use precision::{EPSILON, gamma};
+pub use ray::{Hit, MISS, Ray};
+pub use vec3::Vec3;

@@ -1,0 +1,51 @@
+//! Rays and hits of a packet.
+
+use super::Vec3;
+use crate::lane::{Bits, Lane};
+
+/// Primitive index of a ray that hit nothing.
+pub const MISS: u32 = u32::MAX;
+
+/// A packet of rays: points `origin + t · direction` with t > 0. Directions need not have unit length.
+#[derive(Clone, Copy, Debug)]
+pub struct Ray<L> {
+    pub origin: Vec3<L>,
+    pub direction: Vec3<L>,
+}
+
+impl<L: Lane> Ray<L> {
+    /// The point at `t`.
+    #[inline(always)]
+    pub fn at(&self, t: L) -> Vec3<L> {
+        self.direction.mul_add(t, self.origin)
+    }
+}
+
+/// The nearest hit of each ray so far.
+///
+/// `primitive` counts the scene's spheres first, then its triangles; [`MISS`] where nothing was hit, and there t is +∞.
+/// `u` and `v` are the barycentric weights of a triangle's second and third vertex; 0 on spheres.
+#[derive(Clone, Copy, Debug)]
+pub struct Hit<L: Lane> {
+    pub t: L,
+    pub primitive: L::Bits,
+    pub u: L,
+    pub v: L,
+}
+
+impl<L: Lane> Hit<L> {
+    #[inline(always)]
+    pub fn miss() -> Self {
+        Self {
+            t: L::splat(f32::INFINITY),
+            primitive: L::Bits::splat(MISS),
+            u: L::zero(),
+            v: L::zero(),
+        }
+    }
+    /// The lanes that hit something.
+    #[inline(always)]
+    pub fn found(&self) -> L::Mask {
+        !self.primitive.equals(L::Bits::splat(MISS))
+    }
+}

@@ -1,0 +1,58 @@
+//! Counter-based random numbers: no state, so no order of evaluation can change them.
+//!
+//! A path's key mixes seed, pixel and sample; number `dimension` of the path is a mix of its key and the dimension. For one
+//! seed and pixel the key is a bijection of the sample, so no two samples of a pixel share their numbers.
+//!
+//! # Dimensions
+//! [`PIXEL`] (2 numbers) places the sample in its pixel. Scattering event b, counted from 0, owns the [`PER_BOUNCE`]
+//! numbers from [`bounce`]`(b)` on: [`LOBE`] chooses between the lobes of a material, [`DIRECTION`] (2 numbers) the
+//! direction.
+
+use crate::lane::{Bits, Lane};
+
+/// Two numbers: where in the pixel.
+pub const PIXEL: u32 = 0;
+/// Numbers that belong to one scattering event.
+pub const PER_BOUNCE: u32 = 8;
+/// Within an event: reflect or refract.
+pub const LOBE: u32 = 0;
+/// Within an event, two numbers: the new direction.
+pub const DIRECTION: u32 = 1;
+
+/// 2³² divided by the golden ratio, odd: multiples spread evenly.
+const GOLDEN: u32 = 0x9e37_79b9;
+/// Odd, and unrelated to [`GOLDEN`], so that sample and dimension cannot make up for each other.
+const STRIDE: u32 = 0x85eb_ca6b;
+
+/// First dimension of scattering event `bounce`, counted from 0.
+#[inline(always)]
+pub const fn bounce(bounce: u32) -> u32 {
+    PER_BOUNCE * (bounce + 1)
+}
+
+/// A bijection of 32 bits that changes half of the output bits on average when one input bit changes.
+///
+/// Source: C. Wellons, "Prospecting for hash functions", 2018 (two rounds, bias 0.17).
+#[inline(always)]
+pub fn mix<B: Bits>(x: B) -> B {
+    let x = x ^ x.shr(16);
+    let x = x.wrapping_mul(B::splat(0x7feb_352d));
+    let x = x ^ x.shr(15);
+    let x = x.wrapping_mul(B::splat(0x846c_a68b));
+    x ^ x.shr(16)
+}
+
+/// The key of the paths of sample `sample` in the pixels with these indices (y · width + x).
+#[inline(always)]
+pub fn path_key<B: Bits>(seed: u32, pixel: B, sample: u32) -> B {
+    let seed = mix(seed.wrapping_mul(GOLDEN).wrapping_add(STRIDE));
+    let pixel = mix(pixel ^ B::splat(seed));
+    mix(pixel.wrapping_add(B::splat(sample.wrapping_mul(GOLDEN))))
+}
+
+/// Number `dimension` of each path, uniform in [0, 1): a multiple of 2⁻²⁴, never 1.
+#[inline(always)]
+pub fn uniform<L: Lane>(key: L::Bits, dimension: u32) -> L {
+    let bits = mix(key.wrapping_add(L::Bits::splat((dimension + 1).wrapping_mul(STRIDE))));
+    L::from_int(bits.shr(8)) * L::splat(1.0 / 16_777_216.0)
+}

@@ -1,0 +1,143 @@
+//! What a scene is: the accepted form of what the user wrote.
+//!
+//! For: [`Scene`], whose existence is the proof of validity, and the ways to get one ([`load`]). May import: `math`.
+//! Must never know: buffers, lanes, pipelines, pixels.
+//!
+//! | file | what it does |
+//! |---|---|
+//! | [`file`](self) | the native JSON as the user wrote it |
+//! | `validate` | from that to a [`Scene`], or an error that says where and how to mend it |
+//! | `thesis` | the thesis's own JSON |
+//! | `obj` | Wavefront OBJ and MTL |
+//! | `image` | texture files |
+//! | `builtin` | the scenes inside the program |
+//! | [`error`] | what can be wrong |
+
+pub mod error;
+
+pub use error::SceneError;
+
+use glam::{Vec2, Vec3};
+
+/// A valid scene: every index is in range, every number finite, every radius positive, no triangle has zero area.
+///
+/// Units: lengths in scene units; y up, right-handed; colours linear RGB; radiance in the same units everywhere.
+#[derive(Clone, Debug)]
+pub struct Scene {
+    /// Short name for tables: `builtin:three`, or the file's name.
+    pub name: String,
+    pub camera: Camera,
+    /// Pixels: width, height; each from 1 to [`MAX_SIDE`].
+    pub resolution: [u32; 2],
+    /// Scattering events allowed on a path.
+    pub max_bounces: u32,
+    pub sky: Sky,
+    pub materials: Vec<Material>,
+    pub textures: Vec<Texture>,
+    pub spheres: Vec<Sphere>,
+    pub triangles: Vec<Triangle>,
+    /// Texture coordinates of the triangles' vertices, v upwards: one entry a triangle, or none at all where nothing needs
+    /// them.
+    pub uvs: Vec<[Vec2; 3]>,
+    /// Vertex normals: one entry a triangle (zero vectors where it has none), or none at all.
+    pub normals: Vec<[Vec3; 3]>,
+    /// What was odd but not wrong, each a full sentence.
+    pub warnings: Vec<String>,
+}
+
+/// Largest width and height of a picture in pixels.
+pub const MAX_SIDE: u32 = 16_384;
+/// Largest number of scattering events on a path.
+pub const MAX_BOUNCES: u32 = 1_024;
+
+/// A pinhole camera.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Camera {
+    pub position: Vec3,
+    /// Differs from `position`.
+    pub look_at: Vec3,
+    /// Not parallel to the line of sight.
+    pub up: Vec3,
+    /// Degrees, from the lower to the upper edge of the picture; above 0 and below 180.
+    pub vertical_fov: f32,
+}
+
+/// The light that comes from where nothing is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Sky {
+    /// The same radiance from everywhere.
+    Color(Vec3),
+    /// From `bottom` (straight down) to `top` (straight up), linear in the direction's y.
+    Gradient { bottom: Vec3, top: Vec3 },
+    /// A latitude/longitude picture, its upper edge straight up, times a colour. The direction (x, y, z) is seen at
+    /// u = atan2(z, x) / 2π, wrapped to [0, 1), and at acos(y) / π from the top.
+    Texture { texture: u32, color: Vec3 },
+}
+
+/// How a surface scatters and shines.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Material {
+    pub name: String,
+    pub kind: MaterialKind,
+    /// Reflectance (transmittance of glass), each channel in [0, 1].
+    pub color: Vec3,
+    /// Multiplies `color`; of an [`MaterialKind::Emitter`], multiplies `emission`.
+    pub texture: Option<u32>,
+    /// Radiance, the same in every direction and on both sides; each channel ≥ 0.
+    pub emission: Vec3,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum MaterialKind {
+    /// Lambert.
+    Diffuse,
+    /// GGX with alpha = roughness², reflectance `color` at every angle; a mirror at roughness 0. Roughness in [0, 1].
+    Metal { roughness: f32 },
+    /// Smooth dielectric between a medium of index `ior` inside and vacuum outside; `color` scales what it transmits and
+    /// reflects. `ior` > 0.
+    Glass { ior: f32 },
+    /// The thesis's lobe: direction = normalize(reflected + roughness · u), u uniform on the unit sphere; absorbed where it
+    /// points below the surface. Roughness ≥ 0.
+    Scatter { roughness: f32 },
+    /// Shines and scatters nothing.
+    Emitter,
+}
+
+/// A picture for surfaces or the sky.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Texture {
+    pub name: String,
+    pub width: u32,
+    pub height: u32,
+    pub filter: Filter,
+    /// Linear RGB and an unused fourth number, row by row from the top; `width · height` of them.
+    pub texels: Vec<[f32; 4]>,
+}
+
+/// How a texture is read between texel centres. It repeats in both directions; on spheres and the sky the vertical
+/// direction never wraps, because v stays within [0, 1].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
+pub enum Filter {
+    Nearest,
+    #[default]
+    Bilinear,
+}
+
+/// A sphere. Its texture lies on it as the sky's picture lies on the sky: a point with outward unit normal n shows
+/// u = atan2(n.z, n.x) / 2π + `turn`, wrapped to [0, 1), and acos(n.y) / π from the top.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sphere {
+    pub center: Vec3,
+    /// Above 0.
+    pub radius: f32,
+    pub material: u32,
+    /// Whole turns around the vertical axis, in [0, 1).
+    pub turn: f32,
+}
+
+/// A triangle with an area above 0.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Triangle {
+    pub vertices: [Vec3; 3],
+    pub material: u32,
+}

@@ -3,7 +3,7 @@
 use super::{Bits, Lane, Mask};
 use bytemuck::{Pod, Zeroable};
 use std::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Neg, Not, Sub};
-use wide::{CmpEq, CmpLe, CmpLt, f32x8, i32x8, u32x8};
+use wide::{f32x8, i32x8, u32x8};
 
 /// Eight floats, 32 bytes, aligned to 32.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
@@ -166,10 +166,9 @@ impl Bits for U32x8 {
     }
     #[inline(always)]
     fn select(mask: Mask8, if_true: Self, if_false: Self) -> Self {
-        Self(bytemuck::cast(mask.0.select(
-            bytemuck::cast::<_, f32x8>(if_true.0),
-            bytemuck::cast::<_, f32x8>(if_false.0),
-        )))
+        Self(bytemuck::cast(
+            mask.0.select(bytemuck::cast::<_, f32x8>(if_true.0), bytemuck::cast::<_, f32x8>(if_false.0)),
+        ))
     }
 }
 

@@ -36,12 +36,7 @@ pub struct Hit<L: Lane> {
 impl<L: Lane> Hit<L> {
     #[inline(always)]
     pub fn miss() -> Self {
-        Self {
-            t: L::splat(f32::INFINITY),
-            primitive: L::Bits::splat(MISS),
-            u: L::zero(),
-            v: L::zero(),
-        }
+        Self { t: L::splat(f32::INFINITY), primitive: L::Bits::splat(MISS), u: L::zero(), v: L::zero() }
     }
     /// The lanes that hit something.
     #[inline(always)]

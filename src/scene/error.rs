@@ -15,3 +15,16 @@ pub struct SceneError {
     /// What to do about it.
     pub mend: Option<String>,
 }
+
+fn place(file: &Option<PathBuf>, at: &Option<String>) -> String {
+    match (file, at) {
+        (Some(file), Some(at)) => format!("\n  at {}: {at}", file.display()),
+        (Some(file), None) => format!("\n  in {}", file.display()),
+        (None, Some(at)) => format!("\n  at {at}"),
+        (None, None) => String::new(),
+    }
+}
+
+fn remedy(mend: &Option<String>) -> String {
+    mend.as_ref().map(|mend| format!("\n  {mend}")).unwrap_or_default()
+}

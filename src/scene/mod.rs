@@ -5,7 +5,7 @@
 //!
 //! | file | what it does |
 //! |---|---|
-//! | [`file`](self) | the native JSON as the user wrote it |
+//! | `file` | the native JSON as the user wrote it |
 //! | `validate` | from that to a [`Scene`], or an error that says where and how to mend it |
 //! | `thesis` | the thesis's own JSON |
 //! | `obj` | Wavefront OBJ and MTL |

@@ -1,7 +1,12 @@
 #![forbid(unsafe_code)]
+pub mod buffers;
+pub mod camera;
 pub mod film;
+pub mod integrate;
+pub mod kernel;
 pub mod lane;
 pub mod math;
 pub mod render;
 pub mod sampling;
 pub mod scene;
+pub mod traverse;

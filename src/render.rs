@@ -1,9 +1,18 @@
 //! From a scene to a film: tiles as rayon jobs.
+//!
+//! For: [`Renderer`]. May import: `film` and everything above it. Must never know: files, terminals, clocks.
 
-use crate::film::Film;
+use crate::buffers::{Buffers, Needs};
+use crate::camera::Pinhole;
+use crate::film::{Film, TileSums};
+use crate::integrate::queue::{MAX_PIXELS, Work};
+use crate::integrate::{Pipeline, World, pipeline_for};
 use crate::scene::Scene;
+use crate::traverse::{Methods, Primitives};
+use rayon::prelude::*;
+use std::sync::Mutex;
 
-/// What decides a picture besides the scene, and how it is computed (`lanes` and `threads` change no bit).
+/// What decides a picture besides the scene, and how it is computed: `lanes`, `threads` and `tile_size` change no bit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
     /// Pixels: width, height.
@@ -11,31 +20,110 @@ pub struct Settings {
     /// Scattering events allowed on a path.
     pub max_bounces: u32,
     pub seed: u32,
+    pub methods: Methods,
     /// 1 (scalar path) or 8 (packets).
     pub lanes: usize,
     /// Worker threads, at least 1.
     pub threads: usize,
+    /// Pixels of a tile: width, height; at most [`MAX_PIXELS`] together.
+    pub tile_size: [u32; 2],
+}
+
+impl Settings {
+    /// The scene's own resolution and bounces, packets, and one thread.
+    pub fn of(scene: &Scene) -> Self {
+        Self {
+            resolution: scene.resolution,
+            max_bounces: scene.max_bounces,
+            seed: 0,
+            methods: Methods::default(),
+            lanes: 8,
+            threads: 1,
+            tile_size: Self::TILE_SIZE,
+        }
+    }
+    /// Rows of whole packets, and a queue that stays in the first-level cache.
+    pub const TILE_SIZE: [u32; 2] = [16, 16];
 }
 
 /// A scene made ready for tracing.
 pub struct Renderer {
     settings: Settings,
+    world: World,
+    pipeline: Pipeline,
+    /// None for one thread: then the caller's own does the work.
+    pool: Option<rayon::ThreadPool>,
+    /// Working memory, one a thread. The locks are never contended: a thread takes its own.
+    work: Vec<Mutex<Box<Work>>>,
 }
 
 impl Renderer {
     /// Flattens the scene into buffers and starts the threads.
-    pub fn new(_scene: &Scene, settings: Settings) -> Self {
-        Self { settings }
+    ///
+    /// # Panics
+    /// If the settings are outside their documented ranges, or the system refuses threads.
+    pub fn new(scene: &Scene, settings: Settings) -> Self {
+        let Settings { resolution, tile_size, lanes, threads, .. } = settings;
+        assert!(
+            resolution.iter().all(|side| (1..=crate::scene::MAX_SIDE).contains(side)),
+            "resolution {resolution:?}"
+        );
+        let tile_pixels = tile_size[0] as usize * tile_size[1] as usize;
+        assert!((1..=MAX_PIXELS).contains(&tile_pixels), "tile size {tile_size:?}");
+        assert!(lanes == 1 || lanes == 8, "{lanes} lanes");
+        assert!(threads >= 1, "no threads");
+        let world = World {
+            buffers: Buffers::new(scene),
+            primitives: Primitives::new(scene, settings.methods),
+            camera: Pinhole::new(&scene.camera, resolution),
+            width: resolution[0],
+            max_bounces: settings.max_bounces,
+            seed: settings.seed,
+        };
+        let pipeline = pipeline_for(world.buffers.needs, lanes);
+        let pool = (threads > 1).then(|| {
+            rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("the system gives threads")
+        });
+        let work = (0..threads).map(|_| Mutex::new(Work::new())).collect();
+        Self { settings, world, pipeline, pool, work }
     }
     pub fn settings(&self) -> &Settings {
         &self.settings
     }
+    /// What the scene needs of its pipeline.
+    pub fn needs(&self) -> Needs {
+        self.world.buffers.needs
+    }
     /// An empty film for this renderer's resolution.
     pub fn film(&self) -> Film {
-        Film { resolution: self.settings.resolution, samples: 0, rays: 0 }
+        Film::new(self.settings.resolution, self.settings.tile_size)
+    }
+    /// Runs something on the renderer's threads. Called around many [`Renderer::add_samples`], it saves waking them for each.
+    pub fn on_threads<R: Send>(&self, run: impl FnOnce() -> R + Send) -> R {
+        match &self.pool {
+            Some(pool) => pool.install(run),
+            None => run(),
+        }
     }
     /// Adds `samples` samples to every pixel; they are numbered on from those the film holds.
     pub fn add_samples(&self, film: &mut Film, samples: u32) {
+        let first = film.samples;
+        let add = |sums: &mut TileSums| self.add_to_tile(sums, first, samples);
+        film.rays += match &self.pool {
+            Some(pool) => pool.install(|| film.tiles.par_iter_mut().map(add).sum::<u64>()),
+            None => film.tiles.iter_mut().map(add).sum::<u64>(),
+        };
         film.samples += samples;
+    }
+
+    fn add_to_tile(&self, sums: &mut TileSums, first: u32, samples: u32) -> u64 {
+        let thread = if self.pool.is_some() { rayon::current_thread_index().unwrap_or(0) } else { 0 };
+        let mut work = self.work[thread].lock().expect("no thread panicked with its working memory");
+        let mut rays = 0;
+        for sample in first..first + samples {
+            rays += (self.pipeline)(&self.world, sums.tile, sample, &mut work);
+            sums.add(work.radiance());
+        }
+        rays
     }
 }

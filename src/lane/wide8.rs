@@ -262,13 +262,30 @@ impl Lane for F32x8 {
     #[inline(always)]
     fn gather_rows<const N: usize>(rows: &[[f32; N]], index: U32x8) -> [Self; N] {
         let index = index.0.to_array();
+        let row = |lane: usize| &rows[index[lane] as usize];
         if N == 8 {
-            let row = |lane: usize| Self::load(&rows[index[lane] as usize]).0;
-            let columns = f32x8::transpose(std::array::from_fn(row));
+            let columns = f32x8::transpose(std::array::from_fn(|lane| Self::load(row(lane)).0));
             std::array::from_fn(|column| Self(columns[column]))
+        } else if N == 4 {
+            // Rows i and i + 4 share a register; two rounds of interleaving transpose both halves at once.
+            let pair = |lane: usize| {
+                let (low, high) = (row(lane), row(lane + 4));
+                let joined = [low[0], low[1], low[2], low[3], high[0], high[1], high[2], high[3]];
+                bytemuck::cast::<_, u32x8>(f32x8::new(joined))
+            };
+            let [a, b, c, d] = [pair(0), pair(1), pair(2), pair(3)];
+            let (ac_low, ac_high) = (a.unpack_lo(c), a.unpack_hi(c));
+            let (bd_low, bd_high) = (b.unpack_lo(d), b.unpack_hi(d));
+            let columns = [
+                ac_low.unpack_lo(bd_low),
+                ac_low.unpack_hi(bd_low),
+                ac_high.unpack_lo(bd_high),
+                ac_high.unpack_hi(bd_high),
+            ];
+            std::array::from_fn(|column| Self(bytemuck::cast(columns[column])))
         } else {
-            let picked: [&[f32; N]; 8] = std::array::from_fn(|lane| &rows[index[lane] as usize]);
-            std::array::from_fn(|column| Self::from_fn(|lane| picked[lane][column]))
+            let rows: [_; 8] = std::array::from_fn(row);
+            std::array::from_fn(|column| Self::from_fn(|lane| rows[lane][column]))
         }
     }
 }

@@ -21,7 +21,7 @@ pub const DIRECTION: u32 = 1;
 
 /// 2³² divided by the golden ratio, odd: multiples spread evenly.
 const GOLDEN: u32 = 0x9e37_79b9;
-/// Odd, and unrelated to [`GOLDEN`], so that sample and dimension cannot make up for each other.
+/// Odd, and unrelated to [`GOLDEN`], so that pixel, sample and dimension cannot make up for each other.
 const STRIDE: u32 = 0x85eb_ca6b;
 
 /// First dimension of scattering event `bounce`, counted from 0.
@@ -45,9 +45,8 @@ pub fn mix<B: Bits>(x: B) -> B {
 /// The key of the paths of sample `sample` in the pixels with these indices (y · width + x).
 #[inline(always)]
 pub fn path_key<B: Bits>(seed: u32, pixel: B, sample: u32) -> B {
-    let seed = mix(seed.wrapping_mul(GOLDEN).wrapping_add(STRIDE));
-    let pixel = mix(pixel ^ B::splat(seed));
-    mix(pixel.wrapping_add(B::splat(sample.wrapping_mul(GOLDEN))))
+    let frame = mix(seed.wrapping_mul(GOLDEN).wrapping_add(STRIDE)).wrapping_add(sample.wrapping_mul(GOLDEN));
+    mix(pixel.wrapping_mul(B::splat(STRIDE)).wrapping_add(B::splat(frame)))
 }
 
 /// Number `dimension` of each path, uniform in [0, 1): a multiple of 2⁻²⁴, never 1.

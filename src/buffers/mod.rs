@@ -1,0 +1,145 @@
+//! The scene flattened: aligned structure-of-arrays buffers, and what the scene needs.
+//!
+//! For: [`Buffers`] (spheres, triangles, materials, textures, sky, as the tracer reads them) and [`Needs`]. May import: `lane`,
+//! `math`, `kernel`, `scene`. Must never know: rays in flight, pixels, threads.
+//!
+//! Two shapes, for two ways of reading. What all lanes read together, or one primitive in all lanes, lies in *blocks* of eight, each
+//! component a packet of its own ([`SphereBlock`]): intersection streams through blocks. What each lane reads at an index of its own
+//! lies in *row tables* ([`rows::Rows`]) of eight floats a row: shading fetches rows and transposes them into packets in registers.
+
+pub mod needs;
+pub mod rows;
+mod spheres;
+mod texels;
+
+pub use needs::Needs;
+pub use spheres::{SphereBlock, Spheres};
+pub use texels::Textures;
+
+use crate::kernel::ray_triangle::TriangleMethod;
+use crate::kernel::surface::{sphere_offset, triangle_offset};
+use crate::scene::{self, MaterialKind, Scene};
+use glam::Vec3;
+use rows::Rows;
+
+/// Everything the tracer reads of a scene, except the triangles' intersection data (see [`store_triangles`]).
+pub struct Buffers {
+    pub needs: Needs,
+    pub spheres: Spheres,
+    /// One row of eight a sphere: centre, radius, offset of leaving rays, material (bits), texture turn, 0.
+    pub sphere_rows: Rows,
+    /// Two rows of eight a triangle: a, ab, offset, material (bits); ac, unit normal, 0, 0.
+    pub triangle_rows: Rows,
+    /// One row of eight a triangle: u and v of the three vertices, v downwards; empty where nothing needs it.
+    pub uv_rows: Rows,
+    /// One row of eight a material: colour, parameter, emission, kind and texture (bits; see [`MaterialCode`]).
+    pub material_rows: Rows,
+    pub has_uvs: bool,
+    pub textures: Textures,
+    pub sky: Sky,
+}
+
+/// The sky as shading reads it.
+#[derive(Clone, Copy, Debug)]
+pub struct Sky {
+    /// Radiance straight down, or everywhere, or the colour of the picture.
+    pub bottom: Vec3,
+    /// Radiance straight up minus `bottom`; zero without a gradient.
+    pub rise: Vec3,
+    /// Index of the picture, where [`Needs::SKY_TEXTURE`] holds.
+    pub texture: u32,
+}
+
+/// A material's kind and texture in one number: kind in the lowest byte, texture index + 1 above it, 0 for none.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct MaterialCode(pub u32);
+
+impl MaterialCode {
+    pub const EMITTER: u32 = 0;
+    pub const DIFFUSE: u32 = 1;
+    pub const MIRROR: u32 = 2;
+    pub const GGX: u32 = 3;
+    pub const GLASS: u32 = 4;
+    pub const SCATTER: u32 = 5;
+    /// Where the texture index starts.
+    pub const TEXTURE_SHIFT: u32 = 8;
+    /// Masks the kind.
+    pub const KIND: u32 = 0xff;
+
+    /// The code of a material, and its parameter: alpha of GGX, index of refraction of glass, roughness of scatter.
+    fn of(material: &scene::Material) -> (Self, f32) {
+        let (kind, parameter) = match material.kind {
+            MaterialKind::Emitter => (Self::EMITTER, 0.0),
+            MaterialKind::Diffuse => (Self::DIFFUSE, 0.0),
+            MaterialKind::Metal { roughness: 0.0 } => (Self::MIRROR, 0.0),
+            MaterialKind::Metal { roughness } => (Self::GGX, roughness * roughness),
+            MaterialKind::Glass { ior } => (Self::GLASS, ior),
+            MaterialKind::Scatter { roughness } => (Self::SCATTER, roughness),
+        };
+        let texture = material.texture.map_or(0, |texture| texture + 1);
+        (Self(kind | texture << Self::TEXTURE_SHIFT), parameter)
+    }
+}
+
+impl Buffers {
+    pub fn new(scene: &Scene) -> Self {
+        Self {
+            needs: Needs::of(scene),
+            spheres: Spheres::new(&scene.spheres),
+            sphere_rows: Rows::new(scene.spheres.iter().map(sphere_row)),
+            triangle_rows: Rows::new(scene.triangles.iter().flat_map(triangle_rows)),
+            uv_rows: Rows::new(
+                scene.uvs.iter().map(|[a, b, c]| [a.x, 1.0 - a.y, b.x, 1.0 - b.y, c.x, 1.0 - c.y, 0.0, 0.0]),
+            ),
+            material_rows: Rows::new(scene.materials.iter().map(material_row)),
+            has_uvs: !scene.uvs.is_empty(),
+            textures: Textures::new(&scene.textures),
+            sky: Sky::new(scene.sky),
+        }
+    }
+
+    /// Bytes held, without the triangles' intersection data.
+    pub fn bytes(&self) -> usize {
+        let rows = [&self.sphere_rows, &self.triangle_rows, &self.uv_rows, &self.material_rows];
+        rows.iter().map(|rows| rows.bytes()).sum::<usize>() + self.spheres.bytes() + self.textures.bytes()
+    }
+}
+
+/// The scene's triangles as a method of intersection wants them.
+pub fn store_triangles<T: TriangleMethod>(scene: &Scene) -> Vec<T::Stored> {
+    scene.triangles.iter().map(|triangle| T::store(triangle.vertices)).collect()
+}
+
+impl Sky {
+    fn new(sky: scene::Sky) -> Self {
+        match sky {
+            scene::Sky::Color(color) => Self { bottom: color, rise: Vec3::ZERO, texture: 0 },
+            scene::Sky::Gradient { bottom, top } => Self { bottom, rise: top - bottom, texture: 0 },
+            scene::Sky::Texture { texture, color } => Self { bottom: color, rise: Vec3::ZERO, texture },
+        }
+    }
+}
+
+fn sphere_row(sphere: &scene::Sphere) -> [f32; 8] {
+    let [x, y, z] = sphere.center.to_array();
+    let offset = sphere_offset(sphere.center, sphere.radius);
+    [x, y, z, sphere.radius, offset, f32::from_bits(sphere.material), sphere.turn, 0.0]
+}
+
+fn triangle_rows(triangle: &scene::Triangle) -> [[f32; 8]; 2] {
+    let [a, b, c] = triangle.vertices;
+    let (ab, ac) = (b - a, c - a);
+    // In f64: slivers lose their normal in f32.
+    let n = (b - a).as_dvec3().cross((c - a).as_dvec3()).normalize().as_vec3();
+    let offset = triangle_offset(triangle.vertices);
+    [
+        [a.x, a.y, a.z, ab.x, ab.y, ab.z, offset, f32::from_bits(triangle.material)],
+        [ac.x, ac.y, ac.z, n.x, n.y, n.z, 0.0, 0.0],
+    ]
+}
+
+fn material_row(material: &scene::Material) -> [f32; 8] {
+    let (code, parameter) = MaterialCode::of(material);
+    let (color, emission) = (material.color, material.emission);
+    [color.x, color.y, color.z, parameter, emission.x, emission.y, emission.z, f32::from_bits(code.0)]
+}

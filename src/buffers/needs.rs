@@ -1,0 +1,99 @@
+//! What a scene needs: the features that its pipeline must have.
+
+use super::rows::Rows;
+use crate::scene::{Filter, MaterialKind, Scene, Sky};
+
+/// A set of features. A pipeline is compiled for a set and leaves out what is not in it; any set that contains a scene's needs
+/// gives the same bits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Needs(pub u32);
+
+macro_rules! features {
+    ($($(#[$doc:meta])* $name:ident = $bit:literal, $text:literal;)*) => {
+        impl Needs {
+            $($(#[$doc])* pub const $name: Needs = Needs(1 << $bit);)*
+            /// Every feature there is.
+            pub const ALL: Needs = Needs(0 $(| 1 << $bit)*);
+            const NAMES: &'static [(Needs, &'static str)] = &[$((Needs::$name, $text)),*];
+        }
+    };
+}
+
+features! {
+    SPHERES = 0, "spheres";
+    TRIANGLES = 1, "triangles";
+    DIFFUSE = 2, "diffuse";
+    MIRROR = 3, "mirror";
+    GGX = 4, "ggx";
+    GLASS = 5, "glass";
+    SCATTER = 6, "scatter";
+    /// Some surface shines.
+    EMISSION = 7, "emission";
+    /// Some surface has a picture.
+    TEXTURES = 8, "textures";
+    /// Some texture is read between texel centres.
+    BILINEAR = 9, "bilinear";
+    SKY_GRADIENT = 10, "sky-gradient";
+    SKY_TEXTURE = 11, "sky-texture";
+    /// More spheres than a register table holds.
+    MANY_SPHERES = 12, "many-spheres";
+    /// More triangles than a register table holds.
+    MANY_TRIANGLES = 13, "many-triangles";
+    /// More materials than a register table holds.
+    MANY_MATERIALS = 14, "many-materials";
+}
+
+impl Needs {
+    pub const NONE: Needs = Needs(0);
+
+    pub const fn with(self, other: Needs) -> Needs {
+        Needs(self.0 | other.0)
+    }
+    /// Does this set hold every feature of `other`?
+    pub const fn contains(self, other: Needs) -> bool {
+        self.0 & other.0 == other.0
+    }
+    /// The names of the features, for people and reports.
+    pub fn names(self) -> Vec<&'static str> {
+        Self::NAMES.iter().filter(|(need, _)| self.contains(*need)).map(|(_, name)| *name).collect()
+    }
+
+    /// What a scene needs: of its materials, only those that some primitive wears.
+    pub fn of(scene: &Scene) -> Needs {
+        let mut needs = Needs::NONE;
+        let mut need = |condition: bool, feature: Needs| {
+            if condition {
+                needs = needs.with(feature);
+            }
+        };
+        need(!scene.spheres.is_empty(), Self::SPHERES);
+        need(!scene.triangles.is_empty(), Self::TRIANGLES);
+        need(scene.spheres.len() > Rows::FEW, Self::MANY_SPHERES);
+        // Two rows a triangle.
+        need(2 * scene.triangles.len() > Rows::FEW, Self::MANY_TRIANGLES);
+        need(scene.materials.len() > Rows::FEW, Self::MANY_MATERIALS);
+        need(matches!(scene.sky, Sky::Gradient { .. }), Self::SKY_GRADIENT);
+        need(matches!(scene.sky, Sky::Texture { .. }), Self::SKY_TEXTURE);
+        let bilinear = |texture: u32| scene.textures[texture as usize].filter == Filter::Bilinear;
+        if let Sky::Texture { texture, .. } = scene.sky {
+            need(bilinear(texture), Self::BILINEAR);
+        }
+        let mut worn = vec![false; scene.materials.len()];
+        scene.spheres.iter().for_each(|sphere| worn[sphere.material as usize] = true);
+        scene.triangles.iter().for_each(|triangle| worn[triangle.material as usize] = true);
+        for (material, _) in scene.materials.iter().zip(worn).filter(|(_, worn)| *worn) {
+            need(material.emission.max_element() > 0.0, Self::EMISSION);
+            need(material.texture.is_some(), Self::TEXTURES);
+            need(material.texture.is_some_and(bilinear), Self::BILINEAR);
+            match material.kind {
+                MaterialKind::Diffuse => need(true, Self::DIFFUSE),
+                MaterialKind::Metal { roughness: 0.0 } => need(true, Self::MIRROR),
+                MaterialKind::Metal { .. } => need(true, Self::GGX),
+                MaterialKind::Glass { .. } => need(true, Self::GLASS),
+                MaterialKind::Scatter { .. } => need(true, Self::SCATTER),
+                MaterialKind::Emitter => {}
+            }
+        }
+        needs
+    }
+}

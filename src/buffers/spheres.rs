@@ -1,0 +1,83 @@
+//! The spheres as intersection reads them.
+
+use crate::lane::Lane;
+use crate::math::Vec3;
+use crate::scene;
+use bytemuck::{Pod, Zeroable};
+
+/// Spheres in a block.
+const BLOCK: usize = 8;
+
+/// Eight spheres as a structure of arrays: each component fills a packet, two components a cache line.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C, align(64))]
+pub struct SphereBlock {
+    x: [f32; BLOCK],
+    y: [f32; BLOCK],
+    z: [f32; BLOCK],
+    /// Squared radius; negative in padding, which no ray hits.
+    radius2: [f32; BLOCK],
+}
+
+impl SphereBlock {
+    const PADDING: Self = Self { x: [0.0; BLOCK], y: [0.0; BLOCK], z: [0.0; BLOCK], radius2: [-1.0; BLOCK] };
+
+    /// One sphere in every lane: centre and squared radius.
+    #[inline(always)]
+    pub fn splat<L: Lane>(&self, index: usize) -> (Vec3<L>, L) {
+        let center = Vec3::new(L::splat(self.x[index]), L::splat(self.y[index]), L::splat(self.z[index]));
+        (center, L::splat(self.radius2[index]))
+    }
+
+    /// The block's spheres `WIDTH` at a time: centres and squared radii, in order.
+    pub fn lanes<L: Lane>(&self) -> impl Iterator<Item = (Vec3<L>, L)> {
+        let [x, y, z, radius2] =
+            [&self.x, &self.y, &self.z, &self.radius2].map(|column| bytemuck::cast_slice::<f32, L>(column));
+        (0..BLOCK / L::WIDTH).map(move |i| (Vec3::new(x[i], y[i], z[i]), radius2[i]))
+    }
+}
+
+/// All spheres, in blocks; the last one is padded.
+#[derive(Clone, Debug)]
+pub struct Spheres {
+    blocks: Vec<SphereBlock>,
+    len: usize,
+}
+
+impl Spheres {
+    pub(super) fn new(spheres: &[scene::Sphere]) -> Self {
+        let mut blocks = vec![SphereBlock::PADDING; spheres.len().div_ceil(BLOCK)];
+        for (index, sphere) in spheres.iter().enumerate() {
+            let (block, lane) = (&mut blocks[index / BLOCK], index % BLOCK);
+            (block.x[lane], block.y[lane], block.z[lane]) = sphere.center.into();
+            block.radius2[lane] = sphere.radius * sphere.radius;
+        }
+        Self { blocks, len: spheres.len() }
+    }
+    #[inline(always)]
+    pub fn len(&self) -> usize {
+        self.len
+    }
+    #[inline(always)]
+    pub fn is_empty(&self) -> bool {
+        self.len == 0
+    }
+    #[inline(always)]
+    pub fn blocks(&self) -> &[SphereBlock] {
+        &self.blocks
+    }
+    /// Calls `f` with the index of every sphere and the sphere in every lane, in order.
+    #[inline(always)]
+    pub fn for_each<L: Lane>(&self, mut f: impl FnMut(usize, Vec3<L>, L)) {
+        for (number, block) in self.blocks.iter().enumerate() {
+            let first = number * BLOCK;
+            for lane in 0..(self.len - first).min(BLOCK) {
+                let (center, radius2) = block.splat(lane);
+                f(first + lane, center, radius2);
+            }
+        }
+    }
+    pub fn bytes(&self) -> usize {
+        size_of_val(self.blocks.as_slice())
+    }
+}

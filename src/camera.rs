@@ -1,0 +1,51 @@
+//! Pixels to primary rays.
+//!
+//! For: [`Pinhole`]. May import: `lane`, `math`, `scene`. Must never know: buffers, film.
+
+use crate::lane::Lane;
+use crate::math::{Ray, Vec3};
+use crate::scene;
+
+/// A pinhole camera ready for packets: the ray through the point (x, y) of the picture, in pixels from its upper left corner, is
+/// `corner + x · right + y · down`, normalised.
+#[derive(Clone, Copy, Debug)]
+pub struct Pinhole {
+    position: glam::Vec3,
+    corner: glam::Vec3,
+    right: glam::Vec3,
+    down: glam::Vec3,
+}
+
+impl Pinhole {
+    pub fn new(camera: &scene::Camera, [width, height]: [u32; 2]) -> Self {
+        // In f64: this happens once a picture.
+        let forward = (camera.look_at.as_dvec3() - camera.position.as_dvec3()).normalize();
+        let right = forward.cross(camera.up.as_dvec3()).normalize();
+        let up = right.cross(forward);
+        let half_height = (f64::from(camera.vertical_fov).to_radians() / 2.0).tan();
+        let half_width = half_height * f64::from(width) / f64::from(height);
+        let corner = forward - right * half_width + up * half_height;
+        let right = right * (2.0 * half_width / f64::from(width));
+        let down = up * (-2.0 * half_height / f64::from(height));
+        Self {
+            position: camera.position,
+            corner: corner.as_vec3(),
+            right: right.as_vec3(),
+            down: down.as_vec3(),
+        }
+    }
+
+    /// Where all primary rays start.
+    #[inline(always)]
+    pub fn origin<L: Lane>(&self) -> Vec3<L> {
+        Vec3::splat(self.position)
+    }
+
+    /// Primary rays through points of the picture, in pixels. Directions have unit length within 2 ε.
+    #[inline(always)]
+    pub fn rays<L: Lane>(&self, x: L, y: L) -> Ray<L> {
+        let corner = Vec3::splat(self.corner);
+        let through = Vec3::splat(self.right).mul_add(x, Vec3::splat(self.down).mul_add(y, corner));
+        Ray { origin: self.origin(), direction: through.normalize() }
+    }
+}

@@ -1,0 +1,56 @@
+//! First stage: a primary ray through a random point of every pixel of the tile, and what it hits. One pass, so that rays need not
+//! be read back.
+
+use super::queue::{Queue, Work};
+use super::{Tile, World};
+use crate::camera::Pinhole;
+use crate::lane::{Bits, Lane, lane_indices};
+use crate::math::{Hit, Ray};
+use crate::sampling::random;
+use crate::traverse::Batch;
+
+/// Fills the queue with the tile's pixels, row by row, and returns how many there are.
+pub fn generate<L: Lane>(world: &World, tile: Tile, sample: u32, work: &mut Work) -> usize {
+    let stage = Stage { world, tile, sample, queue: &mut work.queue };
+    world.primitives.for_batch::<L>(&world.buffers, stage);
+    tile.pixels()
+}
+
+struct Stage<'a> {
+    world: &'a World,
+    tile: Tile,
+    sample: u32,
+    queue: &'a mut Queue,
+}
+
+impl<L: Lane> Batch<L> for Stage<'_> {
+    #[inline(always)]
+    fn run(self, closest: impl Fn(&Ray<L>) -> Hit<L>) {
+        let Tile { x: left, y: top, width, .. } = self.tile;
+        let camera: Pinhole = self.world.camera;
+        let (left, top) = (L::splat(left as f32), L::splat(top as f32));
+        // Rows by multiplication: exact, because slots are below 2¹⁰ and the quotient is rounded down from half a step up.
+        let (per_row, row_length) = (L::splat(1.0 / width as f32), L::splat(width as f32));
+        let half = L::splat(0.5);
+        for at in (0..self.tile.pixels()).step_by(L::WIDTH) {
+            let slot = L::from_int(slots::<L>(at));
+            let row = L::from_int(((slot + half) * per_row).truncate_to_int());
+            let (x, y) = (left + row.neg_mul_add(row_length, slot), top + row);
+            // Exact: there are fewer than 2²⁸ pixels, but neither factor has more than 14 bits.
+            let pixel = y.truncate_to_int().wrapping_mul(L::Bits::splat(self.world.width));
+            let pixel = pixel.wrapping_add(x.truncate_to_int());
+            let key = random::path_key(self.world.seed, pixel, self.sample);
+            let jitter_x = random::uniform::<L>(key, random::PIXEL);
+            let jitter_y = random::uniform::<L>(key, random::PIXEL + 1);
+            let ray = camera.rays(x + jitter_x, y + jitter_y);
+            self.queue.store_primary(at, ray.direction, key);
+            self.queue.store_hit(at, &closest(&ray));
+        }
+    }
+}
+
+/// The pixels of the packet that starts at `at`, before any path has moved.
+#[inline(always)]
+pub fn slots<L: Lane>(at: usize) -> L::Bits {
+    lane_indices::<L>().wrapping_add(L::Bits::splat(at as u32))
+}

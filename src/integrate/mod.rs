@@ -1,0 +1,98 @@
+//! The path estimator, as stages over queues.
+//!
+//! For: [`trace_tile`], one sample of every pixel of a tile. May import: everything above it. Must never know: threads, files.
+//!
+//! A tile's paths live in a queue in structure-of-arrays form ([`queue`]). Each stage runs over the whole queue before the
+//! next starts:
+//!
+//! ```text
+//! generate → ( extend → shade )* → finish
+//! ```
+//!
+//! `generate` makes primary rays, `extend` finds what they hit, `shade` adds light and scatters, and packs the paths that go on
+//! to the front of the queue, so that packets stay full. `finish` is the last segment's shading: light, and no scattering.
+//!
+//! # The estimator
+//! Path tracing by sampling each material's lobe: radiance is what sky and emitters add at the end of each segment, times the
+//! throughput so far. Random numbers are [`crate::sampling::random`]'s. A path has up to `max_bounces` scattering events; light is
+//! found only by hitting it.
+
+mod extend;
+mod generate;
+pub mod queue;
+mod shade;
+mod surface;
+
+use crate::buffers::{Buffers, Needs};
+use crate::camera::Pinhole;
+use crate::lane::Lane;
+use crate::traverse::Primitives;
+use queue::Work;
+
+/// All that tracing reads.
+pub struct World {
+    pub buffers: Buffers,
+    pub primitives: Primitives,
+    pub camera: Pinhole,
+    /// Pixels in a row of the picture.
+    pub width: u32,
+    pub max_bounces: u32,
+    pub seed: u32,
+}
+
+/// A rectangle of pixels, at most [`queue::MAX_PIXELS`] of them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Tile {
+    pub x: u32,
+    pub y: u32,
+    pub width: u32,
+    pub height: u32,
+}
+
+impl Tile {
+    pub fn pixels(&self) -> usize {
+        (self.width * self.height) as usize
+    }
+}
+
+/// A pipeline: [`trace_tile`] at one width, compiled for one set of needs.
+pub type Pipeline = fn(&World, Tile, u32, &mut Work) -> u64;
+
+/// Takes sample `sample` of every pixel of a tile into `work`'s radiance and returns how many rays that took. `N` holds the
+/// features this pipeline is compiled with; it must contain the scene's [`Needs`].
+pub fn trace_tile<L: Lane, const N: u32>(world: &World, tile: Tile, sample: u32, work: &mut Work) -> u64 {
+    let mut count = generate::generate::<L>(world, tile, sample, work);
+    let mut rays = count as u64;
+    if world.max_bounces == 0 {
+        shade::finish::<L, N, true>(world, work, count);
+        return rays;
+    }
+    count = shade::shade::<L, N, true>(world, work, count, 0);
+    for bounce in 1..world.max_bounces {
+        rays += count as u64;
+        extend::extend::<L>(world, work, count);
+        count = shade::shade::<L, N, false>(world, work, count, bounce);
+    }
+    extend::extend::<L>(world, work, count);
+    shade::finish::<L, N, false>(world, work, count);
+    rays + count as u64
+}
+
+/// The pipelines there are: sets of features, smallest first. Each costs compile time and program size for two widths, so only sets
+/// that measured well are here; a scene gets the first that holds its needs.
+const PIPELINES: &[(Needs, Pipeline, Pipeline)] =
+    &[pipeline::<{ MATT_AND_MIRROR_SPHERES.0 }>(), pipeline::<{ Needs::ALL.0 }>()];
+
+const MATT_AND_MIRROR_SPHERES: Needs =
+    Needs::SPHERES.with(Needs::DIFFUSE).with(Needs::MIRROR).with(Needs::SKY_GRADIENT);
+
+const fn pipeline<const N: u32>() -> (Needs, Pipeline, Pipeline) {
+    (Needs(N), trace_tile::<f32, N>, trace_tile::<crate::lane::F32x8, N>)
+}
+
+/// The pipeline for a scene's needs at a width of 1 or 8.
+pub fn pipeline_for(needs: Needs, lanes: usize) -> Pipeline {
+    let (_, scalar, packets) =
+        PIPELINES.iter().find(|(set, ..)| set.contains(needs)).expect("the last pipeline has every feature");
+    if lanes == 1 { *scalar } else { *packets }
+}

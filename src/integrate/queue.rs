@@ -1,0 +1,187 @@
+//! The paths of a tile in structure-of-arrays form.
+
+use crate::lane::{Bits, F32x8, Lane};
+use crate::math::{Hit, Ray, Vec3};
+use bytemuck::Zeroable;
+
+/// Most pixels in a tile.
+pub const MAX_PIXELS: usize = 1024;
+/// One packet more, so that the last packet may be stored whole.
+const LENGTH: usize = MAX_PIXELS + F32x8::WIDTH;
+
+type Column = [f32; LENGTH];
+type Integers = [u32; LENGTH];
+
+/// Three columns: a vector or a colour per path.
+#[derive(Clone, Copy, Zeroable)]
+#[repr(C)]
+pub struct Vectors {
+    pub x: Column,
+    pub y: Column,
+    pub z: Column,
+}
+
+impl Vectors {
+    #[inline(always)]
+    pub fn load<L: Lane>(&self, at: usize) -> Vec3<L> {
+        Vec3::new(L::load(&self.x[at..]), L::load(&self.y[at..]), L::load(&self.z[at..]))
+    }
+    #[inline(always)]
+    pub fn store<L: Lane>(&mut self, at: usize, v: Vec3<L>) {
+        v.x.store(&mut self.x[at..]);
+        v.y.store(&mut self.y[at..]);
+        v.z.store(&mut self.z[at..]);
+    }
+}
+
+/// A tile's paths, and what their last segment hit.
+#[derive(Clone, Copy, Zeroable)]
+#[repr(C)]
+pub struct Queue {
+    origin: Vectors,
+    direction: Vectors,
+    /// What radiance found from here on counts for in the pixel.
+    throughput: Vectors,
+    /// Key of the path's random numbers.
+    key: Integers,
+    /// The path's pixel, counted row by row within its tile.
+    slot: Integers,
+    t: Column,
+    primitive: Integers,
+    u: Column,
+    v: Column,
+}
+
+/// Radiance found by some paths, to be added to their pixels.
+#[derive(Clone, Copy, Zeroable)]
+#[repr(C)]
+struct Events {
+    radiance: Vectors,
+    slot: Integers,
+}
+
+/// One thread's working memory: about 80 KiB, of which a tile of 256 pixels touches a quarter.
+#[derive(Clone, Copy, Zeroable)]
+#[repr(C)]
+pub struct Work {
+    pub queue: Queue,
+    events: Events,
+    /// One sample's radiance of each pixel of the tile.
+    radiance: Vectors,
+}
+
+/// A path as it leaves a surface.
+#[derive(Clone, Copy)]
+pub struct Path<L: Lane> {
+    pub ray: Ray<L>,
+    pub throughput: Vec3<L>,
+    pub key: L::Bits,
+    pub slot: L::Bits,
+}
+
+impl Queue {
+    #[inline(always)]
+    pub fn ray<L: Lane>(&self, at: usize) -> Ray<L> {
+        Ray { origin: self.origin.load(at), direction: self.direction.load(at) }
+    }
+    #[inline(always)]
+    pub fn path<L: Lane>(&self, at: usize) -> Path<L> {
+        Path {
+            ray: self.ray(at),
+            throughput: self.throughput.load(at),
+            key: L::Bits::load(&self.key[at..]),
+            slot: L::Bits::load(&self.slot[at..]),
+        }
+    }
+    /// Direction and key of a path at its first segment, where origin, throughput and slot follow from the place in the queue.
+    #[inline(always)]
+    pub fn primary<L: Lane>(&self, at: usize) -> (Vec3<L>, L::Bits) {
+        (self.direction.load(at), L::Bits::load(&self.key[at..]))
+    }
+    #[inline(always)]
+    pub fn store_primary<L: Lane>(&mut self, at: usize, direction: Vec3<L>, key: L::Bits) {
+        self.direction.store(at, direction);
+        key.store(&mut self.key[at..]);
+    }
+    #[inline(always)]
+    pub fn store_path<L: Lane>(&mut self, at: usize, path: &Path<L>) {
+        self.origin.store(at, path.ray.origin);
+        self.direction.store(at, path.ray.direction);
+        self.throughput.store(at, path.throughput);
+        path.key.store(&mut self.key[at..]);
+        path.slot.store(&mut self.slot[at..]);
+    }
+    #[inline(always)]
+    pub fn hit<L: Lane>(&self, at: usize) -> Hit<L> {
+        Hit {
+            t: L::load(&self.t[at..]),
+            primitive: L::Bits::load(&self.primitive[at..]),
+            u: L::load(&self.u[at..]),
+            v: L::load(&self.v[at..]),
+        }
+    }
+    #[inline(always)]
+    pub fn store_hit<L: Lane>(&mut self, at: usize, hit: &Hit<L>) {
+        hit.t.store(&mut self.t[at..]);
+        hit.primitive.store(&mut self.primitive[at..]);
+        hit.u.store(&mut self.u[at..]);
+        hit.v.store(&mut self.v[at..]);
+    }
+}
+
+impl<L: Lane> Path<L> {
+    /// The lanes of a packing moved to the front.
+    #[inline(always)]
+    pub fn pack(&self, packing: L::Packing) -> Self {
+        Path {
+            ray: Ray { origin: pack(self.ray.origin, packing), direction: pack(self.ray.direction, packing) },
+            throughput: pack(self.throughput, packing),
+            key: L::pack_bits(self.key, packing),
+            slot: L::pack_bits(self.slot, packing),
+        }
+    }
+}
+
+#[inline(always)]
+fn pack<L: Lane>(v: Vec3<L>, packing: L::Packing) -> Vec3<L> {
+    Vec3::new(v.x.pack(packing), v.y.pack(packing), v.z.pack(packing))
+}
+
+impl Work {
+    pub fn new() -> Box<Self> {
+        bytemuck::zeroed_box()
+    }
+
+    /// Sets the radiance of the pixels `at`, … where every path is still at the slot of its own number.
+    #[inline(always)]
+    pub fn set_radiance<L: Lane>(&mut self, at: usize, radiance: Vec3<L>) {
+        self.radiance.store(at, radiance);
+    }
+
+    /// Notes radiance for the lanes of `mask`, behind `events` earlier ones; returns how many there are now. Counted by
+    /// [`Work::flush`].
+    #[inline(always)]
+    pub fn note<L: Lane>(&mut self, events: usize, mask: L::Mask, slot: L::Bits, radiance: Vec3<L>) -> usize {
+        use crate::lane::Mask;
+        let packing = L::packing(mask);
+        self.events.radiance.store(events, pack(radiance, packing));
+        L::pack_bits(slot, packing).store(&mut self.events.slot[events..]);
+        events + mask.count()
+    }
+
+    /// Adds the first `events` noted events to their pixels, in their order.
+    pub fn flush(&mut self, events: usize) {
+        let Vectors { x, y, z } = &self.events.radiance;
+        for (((&slot, &r), &g), &b) in self.events.slot.iter().zip(x).zip(y).zip(z).take(events) {
+            let slot = slot as usize;
+            self.radiance.x[slot] += r;
+            self.radiance.y[slot] += g;
+            self.radiance.z[slot] += b;
+        }
+    }
+
+    /// Red, green and blue of the tile's pixels, row by row; what stands behind them is unspecified.
+    pub fn radiance(&self) -> [&[f32]; 3] {
+        [&self.radiance.x, &self.radiance.y, &self.radiance.z]
+    }
+}

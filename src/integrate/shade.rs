@@ -1,0 +1,204 @@
+//! Third stage: light is added, paths scatter, and those that go on are packed to the front.
+
+use super::World;
+use super::generate::slots;
+use super::queue::{Path, Work};
+use super::surface::{Surface, Worn, needs};
+use crate::buffers::{MaterialCode, Needs};
+use crate::kernel::bsdf::{self, Scattered};
+use crate::kernel::surface::latitude_longitude;
+use crate::lane::{Bits, Lane, Mask};
+use crate::math::{Hit, Ray, Vec3};
+use crate::sampling::random;
+
+/// Shades the hits of the first `count` paths, scatters them (event number `bounce`) and returns how many go on.
+///
+/// `FIRST`: the queue holds primary rays, as [`super::generate`] left them.
+pub fn shade<L: Lane, const N: u32, const FIRST: bool>(
+    world: &World,
+    work: &mut Work,
+    count: usize,
+    bounce: u32,
+) -> usize {
+    let mut light = Light::<FIRST>::default();
+    let mut going_on = 0;
+    for at in (0..count).step_by(L::WIDTH) {
+        let path = load_path::<L, FIRST>(world, work, at);
+        let hit: Hit<L> = work.queue.hit(at);
+        let active = L::Mask::first(count - at);
+        let found = hit.found() & active;
+        let mut radiance = sky_where_missed::<L, N>(world, &path, active & !found);
+        if !found.any() {
+            light.add(work, at, active, &path, radiance);
+            continue;
+        }
+        let surface = Surface::of::<N>(world, &path, &hit, found);
+        let worn = Worn::of::<N>(world, &surface, found);
+        if needs(N, Needs::EMISSION) {
+            radiance = Vec3::select(found, worn.emission * path.throughput, radiance);
+        }
+        light.add(work, at, lit::<L, N>(active, found, radiance), &path, radiance);
+
+        let (next, alive) = scatter::<L, N>(&path, &surface, &worn, bounce, found);
+        // In place: no more paths go on than were read, so nothing unread is overwritten.
+        if alive.all() {
+            work.queue.store_path(going_on, &next);
+        } else if alive.any() {
+            work.queue.store_path(going_on, &next.pack(L::packing(alive)));
+        }
+        going_on += alive.count();
+    }
+    light.finish(work);
+    going_on
+}
+
+/// The last segment: adds light and scatters nothing.
+pub fn finish<L: Lane, const N: u32, const FIRST: bool>(world: &World, work: &mut Work, count: usize) {
+    let mut light = Light::<FIRST>::default();
+    for at in (0..count).step_by(L::WIDTH) {
+        let path = load_path::<L, FIRST>(world, work, at);
+        let hit: Hit<L> = work.queue.hit(at);
+        let active = L::Mask::first(count - at);
+        let found = hit.found() & active;
+        let mut radiance = sky_where_missed::<L, N>(world, &path, active & !found);
+        if needs(N, Needs::EMISSION) && found.any() {
+            let surface = Surface::of::<N>(world, &path, &hit, found);
+            let worn = Worn::of::<N>(world, &surface, found);
+            radiance = Vec3::select(found, worn.emission * path.throughput, radiance);
+        }
+        light.add(work, at, lit::<L, N>(active, found, radiance), &path, radiance);
+    }
+    light.finish(work);
+}
+
+/// The lanes that found light: those that missed, and, where surfaces shine, those with some radiance.
+#[inline(always)]
+fn lit<L: Lane, const N: u32>(active: L::Mask, found: L::Mask, radiance: Vec3<L>) -> L::Mask {
+    if needs(N, Needs::EMISSION) {
+        // Not `0 < sum`: NaN must reach the film, where it is counted.
+        active & !(radiance.x + radiance.y + radiance.z).eq(L::zero())
+    } else {
+        active & !found
+    }
+}
+
+/// The paths of a packet.
+#[inline(always)]
+fn load_path<L: Lane, const FIRST: bool>(world: &World, work: &Work, at: usize) -> Path<L> {
+    if !FIRST {
+        return work.queue.path(at);
+    }
+    let (direction, key) = work.queue.primary(at);
+    let ray = Ray { origin: world.camera.origin(), direction };
+    Path { ray, throughput: Vec3::repeat(L::one()), key, slot: slots::<L>(at) }
+}
+
+/// Where light goes: at the first segment every path still stands at its pixel's own place and whole packets are stored; later,
+/// events are noted and added at the end of the stage.
+#[derive(Default)]
+struct Light<const FIRST: bool> {
+    events: usize,
+}
+
+impl<const FIRST: bool> Light<FIRST> {
+    #[inline(always)]
+    fn add<L: Lane>(&mut self, work: &mut Work, at: usize, lit: L::Mask, path: &Path<L>, radiance: Vec3<L>) {
+        if FIRST {
+            work.set_radiance(at, Vec3::select(lit, radiance, Vec3::zero()));
+        } else if lit.any() {
+            self.events = work.note(self.events, lit, path.slot, radiance);
+        }
+    }
+    fn finish(self, work: &mut Work) {
+        work.flush(self.events);
+    }
+}
+
+/// The sky's light along paths that left the scene; 0 elsewhere.
+#[inline(always)]
+fn sky_where_missed<L: Lane, const N: u32>(world: &World, path: &Path<L>, missed: L::Mask) -> Vec3<L> {
+    if !missed.any() {
+        return Vec3::zero();
+    }
+    let sky = &world.buffers.sky;
+    let mut radiance = Vec3::splat(sky.bottom);
+    let direction = path.ray.direction;
+    if needs(N, Needs::SKY_GRADIENT) {
+        let height = L::splat(0.5).mul_add(direction.y, L::splat(0.5));
+        radiance = Vec3::splat(sky.rise).mul_add(height, radiance);
+    }
+    if needs(N, Needs::SKY_TEXTURE) && world.buffers.needs.contains(Needs::SKY_TEXTURE) {
+        let coordinates = latitude_longitude(direction);
+        let index = L::Bits::splat(sky.texture);
+        let bilinear = needs(N, Needs::BILINEAR);
+        let everywhere = L::Mask::splat(true);
+        radiance = radiance * world.buffers.textures.sample(index, coordinates, everywhere, missed, bilinear);
+    }
+    Vec3::select(missed, radiance * path.throughput, Vec3::zero())
+}
+
+/// Draws the next segment of each path in `found`; returns it with the lanes that go on.
+#[inline(always)]
+fn scatter<L: Lane, const N: u32>(
+    path: &Path<L>,
+    surface: &Surface<L>,
+    worn: &Worn<L>,
+    bounce: u32,
+    found: L::Mask,
+) -> (Path<L>, L::Mask) {
+    let d = path.ray.direction;
+    let outside = !L::zero().lt(d.dot(surface.outward));
+    let n = Vec3::select(outside, surface.outward, -surface.outward);
+    let dimension = random::bounce(bounce);
+    let random = |offset: u32| random::uniform::<L>(path.key, dimension + offset);
+    let wears = |kind: u32| found & worn.kind.equals(L::Bits::splat(kind));
+
+    let mut drawn = Scattered::<L> { direction: n, weight: L::one(), alive: L::Mask::splat(false) };
+    let mut take = |mask: L::Mask, lobe: Scattered<L>| {
+        drawn.direction = Vec3::select(mask, lobe.direction, drawn.direction);
+        drawn.weight = L::select(mask, lobe.weight, drawn.weight);
+        drawn.alive = drawn.alive | (mask & lobe.alive);
+    };
+    let two_numbers = || (random(random::DIRECTION), random(random::DIRECTION + 1));
+    if needs(N, Needs::DIFFUSE) {
+        let mask = wears(MaterialCode::DIFFUSE);
+        if mask.any() {
+            let (u, v) = two_numbers();
+            take(mask, bsdf::diffuse(n, u, v));
+        }
+    }
+    if needs(N, Needs::MIRROR) {
+        let mask = wears(MaterialCode::MIRROR);
+        if mask.any() {
+            take(mask, bsdf::mirror(d, n));
+        }
+    }
+    if needs(N, Needs::GGX) {
+        let mask = wears(MaterialCode::GGX);
+        if mask.any() {
+            let (u, v) = two_numbers();
+            take(mask, bsdf::ggx(d, n, worn.parameter, u, v));
+        }
+    }
+    if needs(N, Needs::GLASS) {
+        let mask = wears(MaterialCode::GLASS);
+        if mask.any() {
+            take(mask, bsdf::glass(d, n, outside, worn.parameter, random(random::LOBE)));
+        }
+    }
+    if needs(N, Needs::SCATTER) {
+        let mask = wears(MaterialCode::SCATTER);
+        if mask.any() {
+            let (u, v) = two_numbers();
+            take(mask, bsdf::scatter(d, n, worn.parameter, u, v));
+        }
+    }
+
+    let throughput = path.throughput * (worn.color * drawn.weight);
+    // A path that can carry no more light ends here. NaN goes on, to be counted at the film.
+    let dark = (throughput.x + throughput.y + throughput.z).eq(L::zero());
+    let side =
+        if needs(N, Needs::GLASS) { surface.offset.copysign(drawn.direction.dot(n)) } else { surface.offset };
+    let ray = Ray { origin: n.mul_add(side, surface.point), direction: drawn.direction };
+    (Path { ray, throughput, key: path.key, slot: path.slot }, drawn.alive & !dark)
+}

@@ -1,0 +1,145 @@
+//! Rays against a sphere.
+
+use crate::lane::{Lane, Mask};
+use crate::math::{Ray, Vec3};
+
+/// A way to intersect rays with a sphere.
+///
+/// Shapes: `WIDTH` rays against `WIDTH` spheres, lane by lane; a packet against one sphere passes it splatted.
+/// Units: distances in multiples of the direction's length.
+/// Domain: the method says which direction lengths. A zero or NaN direction misses. Inactive lanes: give them a `limit` of 0 and
+/// they miss.
+pub trait SphereMethod: Send + Sync + 'static {
+    /// What is computed once per ray.
+    type Prepared<L: Lane>: Copy;
+
+    fn prepare<L: Lane>(ray: &Ray<L>) -> Self::Prepared<L>;
+
+    /// The lanes that hit, and the nearest t of each in (0, `limit`); t is unspecified where nothing is hit.
+    fn test<L: Lane>(ray: &Self::Prepared<L>, center: Vec3<L>, radius2: L, limit: L) -> (L::Mask, L);
+}
+
+/// The discriminant from the perpendicular: how far the line passes the centre, instead of b² − 4ac.
+///
+/// Domain: directions of unit length within 1e-5, as the tracer makes them. A length error e tilts nothing: it moves the
+/// perpendicular along the ray, which changes the discriminant by e² only, and t by the factor 1 + e.
+/// Error, unit sphere at distance D: hit or miss differs from f64 in 0.0001 % of rays at D = 100, 0.0011 % at 1,000,
+/// 1.2 % at 10⁶ (naive: 45 %). The rounding of o − c dominates: |Δt| ≤ ε · |o − c| · a small number, and within about
+/// √(ε · D · r) of the silhouette hit and miss are undecided. Confirmed by `tests/kernel_sphere.rs`.
+/// Source: Haines, Günther, Akenine-Möller, "Precision Improvements for Ray/Sphere Intersection", Ray Tracing Gems ch. 7, 2019.
+pub struct Robust;
+
+impl SphereMethod for Robust {
+    type Prepared<L: Lane> = Ray<L>;
+
+    #[inline(always)]
+    fn prepare<L: Lane>(ray: &Ray<L>) -> Ray<L> {
+        *ray
+    }
+
+    #[inline(always)]
+    fn test<L: Lane>(ray: &Ray<L>, center: Vec3<L>, radius2: L, limit: L) -> (L::Mask, L) {
+        let from_center = ray.origin - center;
+        let b = -from_center.dot(ray.direction);
+        let perpendicular = ray.direction.mul_add(b, from_center);
+        let discriminant = radius2 - perpendicular.dot(perpendicular);
+        let c = from_center.dot(from_center) - radius2;
+        // A ray that starts outside and moves away has both roots behind it: most rays that leave a sphere end here.
+        let ahead = L::zero().lt(b);
+        let meets = L::zero().le(discriminant) & (ahead | c.lt(L::zero()));
+        if !meets.any() {
+            return (meets, limit);
+        }
+        // Both roots without cancellation: q has the sign of b, so nothing is subtracted.
+        let q = b + discriminant.sqrt().copysign(b);
+        let by_c = c / q;
+        let near = L::select(ahead, by_c, q);
+        let far = L::select(ahead, q, by_c);
+        nearest_in_front(meets, near, far, limit)
+    }
+}
+
+/// [`Robust`] for directions of any length between 1e-15 and 1e15, at the price of one division a ray and three products a test.
+pub struct RobustAnyLength;
+
+/// A ray and the reciprocal of its direction's squared length.
+#[derive(Clone, Copy)]
+pub struct Scaled<L> {
+    ray: Ray<L>,
+    a: L,
+    inverse_a: L,
+}
+
+impl<L: Lane> Scaled<L> {
+    #[inline(always)]
+    fn new(ray: &Ray<L>) -> Self {
+        let a = ray.direction.dot(ray.direction);
+        Self { ray: *ray, a, inverse_a: L::one() / a }
+    }
+}
+
+impl SphereMethod for RobustAnyLength {
+    type Prepared<L: Lane> = Scaled<L>;
+
+    #[inline(always)]
+    fn prepare<L: Lane>(ray: &Ray<L>) -> Scaled<L> {
+        Scaled::new(ray)
+    }
+
+    #[inline(always)]
+    fn test<L: Lane>(prepared: &Scaled<L>, center: Vec3<L>, radius2: L, limit: L) -> (L::Mask, L) {
+        let Scaled { ray, a, inverse_a } = prepared;
+        let from_center = ray.origin - center;
+        let b = -from_center.dot(ray.direction);
+        let perpendicular = ray.direction.mul_add(b * *inverse_a, from_center);
+        let discriminant = radius2 - perpendicular.dot(perpendicular);
+        let c = from_center.dot(from_center) - radius2;
+        let ahead = L::zero().lt(b);
+        let meets = L::zero().le(discriminant) & (ahead | c.lt(L::zero()));
+        if !meets.any() {
+            return (meets, limit);
+        }
+        let q = b + (*a * discriminant).sqrt().copysign(b);
+        let (by_c, by_q) = (c / q, q * *inverse_a);
+        let near = L::select(ahead, by_c, by_q);
+        let far = L::select(ahead, by_q, by_c);
+        nearest_in_front(meets, near, far, limit)
+    }
+}
+
+/// The school formula, b² − 4ac. It is here to be charted beside the robust one.
+///
+/// Error: misjudges 0.066 % of rays on a unit sphere at distance 100, 4.5 % at 1,000, 34 % at 4,096.
+pub struct Naive;
+
+impl SphereMethod for Naive {
+    type Prepared<L: Lane> = Scaled<L>;
+
+    #[inline(always)]
+    fn prepare<L: Lane>(ray: &Ray<L>) -> Scaled<L> {
+        Scaled::new(ray)
+    }
+
+    #[inline(always)]
+    fn test<L: Lane>(prepared: &Scaled<L>, center: Vec3<L>, radius2: L, limit: L) -> (L::Mask, L) {
+        let Scaled { ray, a, inverse_a } = prepared;
+        let from_center = ray.origin - center;
+        let b = L::splat(2.0) * from_center.dot(ray.direction);
+        let c = from_center.dot(from_center) - radius2;
+        let discriminant = b * b - L::splat(4.0) * *a * c;
+        let meets = L::zero().le(discriminant);
+        if !meets.any() {
+            return (meets, limit);
+        }
+        let root = discriminant.sqrt();
+        let half = L::splat(0.5) * *inverse_a;
+        nearest_in_front(meets, (-b - root) * half, (root - b) * half, limit)
+    }
+}
+
+/// Chooses the nearer root that lies in (0, limit).
+#[inline(always)]
+fn nearest_in_front<L: Lane>(meets: L::Mask, near: L, far: L, limit: L) -> (L::Mask, L) {
+    let t = L::select(L::zero().lt(near), near, far);
+    (meets & L::zero().lt(t) & t.lt(limit), t)
+}

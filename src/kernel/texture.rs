@@ -1,0 +1,74 @@
+//! Texture coordinates to texels.
+//!
+//! Shapes: one lookup per lane; every lane may read another texture. Only indices and weights are computed here: whoever holds
+//! the texels reads them.
+
+use crate::lane::{Bits, Lane};
+
+/// Size and place of each lane's texture.
+#[derive(Clone, Copy, Debug)]
+pub struct Grid<L: Lane> {
+    /// Texels in a row and in a column, as floats: ≤ 2¹⁴ each.
+    pub width: L,
+    pub height: L,
+    /// Index of the first texel.
+    pub first: L::Bits,
+}
+
+/// x − ⌊x⌋, below 1 even where rounding would give 1 (tiny negative x).
+#[inline(always)]
+fn fraction<L: Lane>(x: L) -> L {
+    (x - x.floor()).min(L::splat(1.0 - f32::EPSILON / 2.0))
+}
+
+impl<L: Lane> Grid<L> {
+    #[inline(always)]
+    fn index(&self, column: L, row: L) -> L::Bits {
+        let row_start = row.truncate_to_int().wrapping_mul(self.width.truncate_to_int());
+        self.first.wrapping_add(row_start).wrapping_add(column.truncate_to_int())
+    }
+
+    /// The texel that holds (u, v), v from the top. u repeats; v repeats, or stays at the edge where `clamp_v`.
+    ///
+    /// Domain: |u|, |v| < 2²³; any value stays inside the texture, NaN too.
+    #[inline(always)]
+    pub fn nearest(&self, u: L, v: L, clamp_v: L::Mask) -> L::Bits {
+        let v = L::select(clamp_v, v, fraction(v));
+        self.index(
+            self.clamped(fraction(u) * self.width, self.width),
+            self.clamped(v * self.height, self.height),
+        )
+    }
+
+    /// The four texels around (u, v) in the order ↖ ↗ ↙ ↘, and the weights of the right column and of the lower row.
+    ///
+    /// Domain as for [`Grid::nearest`].
+    #[inline(always)]
+    pub fn bilinear(&self, u: L, v: L, clamp_v: L::Mask) -> ([L::Bits; 4], L, L) {
+        let half = L::splat(0.5);
+        let x = fraction(u) * self.width - half;
+        let y = L::select(clamp_v, v, fraction(v)) * self.height - half;
+        let (left, top) = (x.floor(), y.floor());
+        let (right, bottom) = (left + L::one(), top + L::one());
+        let wrap = |i: L, size: L| {
+            let i = L::select(i.lt(L::zero()), i + size, i);
+            L::select(size.le(i), i - size, i)
+        };
+        let columns = [left, right].map(|i| self.clamped(wrap(i, self.width), self.width));
+        let rows =
+            [top, bottom].map(|i| self.clamped(L::select(clamp_v, i, wrap(i, self.height)), self.height));
+        let texels = [
+            self.index(columns[0], rows[0]),
+            self.index(columns[1], rows[0]),
+            self.index(columns[0], rows[1]),
+            self.index(columns[1], rows[1]),
+        ];
+        (texels, x - left, y - top)
+    }
+
+    /// Into [0, size − 1]; NaN to 0.
+    #[inline(always)]
+    fn clamped(&self, i: L, size: L) -> L {
+        i.max(L::zero()).min(size - L::one())
+    }
+}

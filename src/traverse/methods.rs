@@ -1,0 +1,107 @@
+//! The choice of equations at run time, made once per batch of rays and not per ray.
+
+use super::linear;
+use crate::buffers::{Buffers, store_triangles};
+use crate::kernel::ray_sphere::{self, SphereMethod};
+use crate::kernel::ray_triangle::{self, TriangleMethod};
+use crate::lane::Lane;
+use crate::math::{Hit, Ray};
+use crate::scene::Scene;
+
+/// Which equation intersects spheres; see [`crate::kernel::ray_sphere`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum SphereChoice {
+    #[default]
+    Robust,
+    RobustAnyLength,
+    Naive,
+}
+
+/// Which equation intersects triangles; see [`crate::kernel::ray_triangle`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum TriangleChoice {
+    #[default]
+    Woop,
+    WoopContracted,
+    MollerTrumbore,
+    BaldwinWeber,
+    Plucker,
+}
+
+/// The equations of a picture. The defaults are the ones that hold where others fail.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub struct Methods {
+    pub sphere: SphereChoice,
+    pub triangle: TriangleChoice,
+}
+
+/// The scene's triangles as the chosen method stores them.
+enum Triangles {
+    Woop(Vec<<ray_triangle::Woop as TriangleMethod>::Stored>),
+    WoopContracted(Vec<<ray_triangle::WoopContracted as TriangleMethod>::Stored>),
+    MollerTrumbore(Vec<<ray_triangle::MollerTrumbore as TriangleMethod>::Stored>),
+    BaldwinWeber(Vec<<ray_triangle::BaldwinWeber as TriangleMethod>::Stored>),
+    Plucker(Vec<<ray_triangle::Plucker as TriangleMethod>::Stored>),
+}
+
+/// A scene's primitives ready for intersection by the chosen methods.
+pub struct Primitives {
+    sphere: SphereChoice,
+    triangles: Triangles,
+}
+
+/// Something to do with many rays once the methods are known. The closure that it would be cannot be generic.
+pub trait Batch<L: Lane> {
+    /// Calls `closest` for each ray of the batch.
+    fn run(self, closest: impl Fn(&Ray<L>) -> Hit<L>);
+}
+
+impl Primitives {
+    pub fn new(scene: &Scene, methods: Methods) -> Self {
+        let triangles = match methods.triangle {
+            TriangleChoice::Woop => Triangles::Woop(store_triangles::<ray_triangle::Woop>(scene)),
+            TriangleChoice::WoopContracted => {
+                Triangles::WoopContracted(store_triangles::<ray_triangle::WoopContracted>(scene))
+            }
+            TriangleChoice::MollerTrumbore => {
+                Triangles::MollerTrumbore(store_triangles::<ray_triangle::MollerTrumbore>(scene))
+            }
+            TriangleChoice::BaldwinWeber => {
+                Triangles::BaldwinWeber(store_triangles::<ray_triangle::BaldwinWeber>(scene))
+            }
+            TriangleChoice::Plucker => Triangles::Plucker(store_triangles::<ray_triangle::Plucker>(scene)),
+        };
+        Self { sphere: methods.sphere, triangles }
+    }
+
+    /// Runs a batch of rays with the chosen methods, each compiled for itself.
+    #[inline(always)]
+    pub fn for_batch<L: Lane>(&self, buffers: &Buffers, batch: impl Batch<L>) {
+        match self.sphere {
+            SphereChoice::Robust => self.with_sphere::<L, ray_sphere::Robust>(buffers, batch),
+            SphereChoice::RobustAnyLength => {
+                self.with_sphere::<L, ray_sphere::RobustAnyLength>(buffers, batch)
+            }
+            SphereChoice::Naive => self.with_sphere::<L, ray_sphere::Naive>(buffers, batch),
+        }
+    }
+
+    #[inline(always)]
+    fn with_sphere<L: Lane, S: SphereMethod>(&self, buffers: &Buffers, batch: impl Batch<L>) {
+        use ray_triangle as tri;
+        let spheres = &buffers.spheres;
+        match &self.triangles {
+            Triangles::Woop(t) => batch.run(|ray| linear::closest::<L, S, tri::Woop>(spheres, t, ray)),
+            Triangles::WoopContracted(t) => {
+                batch.run(|ray| linear::closest::<L, S, tri::WoopContracted>(spheres, t, ray))
+            }
+            Triangles::MollerTrumbore(t) => {
+                batch.run(|ray| linear::closest::<L, S, tri::MollerTrumbore>(spheres, t, ray))
+            }
+            Triangles::BaldwinWeber(t) => {
+                batch.run(|ray| linear::closest::<L, S, tri::BaldwinWeber>(spheres, t, ray))
+            }
+            Triangles::Plucker(t) => batch.run(|ray| linear::closest::<L, S, tri::Plucker>(spheres, t, ray)),
+        }
+    }
+}

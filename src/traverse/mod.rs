@@ -1,0 +1,13 @@
+//! Which primitive a ray hits first.
+//!
+//! For: [`Methods`], the choice of equations; [`Primitives`], a scene ready for intersection; and the ways through it:
+//! [`linear`], which tests every primitive. May import: `lane`, `math`, `kernel`, `scene`, `buffers`. Must never know: queues,
+//! materials, pixels.
+//!
+//! The law of every traversal: it gives the same hit, bit for bit, as testing every primitive in order, spheres first, then
+//! triangles, the nearest t winning and the lower index on a tie.
+
+pub mod linear;
+mod methods;
+
+pub use methods::{Batch, Methods, Primitives, SphereChoice, TriangleChoice};

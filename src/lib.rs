@@ -2,6 +2,7 @@
 pub mod film;
 pub mod lane;
 pub mod math;
+pub mod reference;
 pub mod render;
 pub mod sampling;
 pub mod scene;

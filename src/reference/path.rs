@@ -1,0 +1,87 @@
+//! A whole path, from the camera through the scene to the light.
+
+use super::{Reference, lobes, texture};
+use crate::sampling::random::{PIXEL, bounce, path_key, uniform};
+use crate::scene::{MaterialKind, Sky};
+use glam::DVec3;
+
+/// What decides a path besides the scene, the pixel and the sample.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PathSettings {
+    /// Pixels: width, height.
+    pub resolution: [u32; 2],
+    /// Scattering events allowed on a path.
+    pub max_bounces: u32,
+    pub seed: u32,
+}
+
+/// How far off its surface a path leaves, relative to the lengths that made the point: some thousand times the error of
+/// the point (a few 2⁻⁵³), and far below everything that single precision can tell apart.
+const LIFT: f64 = 1e-12;
+
+impl Reference {
+    /// The radiance that sample `sample` of pixel (x, y) carries, in linear RGB.
+    pub fn path(&self, settings: PathSettings, x: u32, y: u32, sample: u32) -> [f64; 3] {
+        let key = path_key::<u32>(settings.seed, y * settings.resolution[0] + x, sample);
+        let number = |dimension: u32| f64::from(uniform::<f32>(key, dimension));
+        let (mut origin, mut direction) = self.camera_ray(
+            settings.resolution,
+            f64::from(x) + number(PIXEL),
+            f64::from(y) + number(PIXEL + 1),
+        );
+        let mut throughput = DVec3::ONE;
+        let mut light = DVec3::ZERO;
+        for b in 0..=settings.max_bounces {
+            let Some(hit) = self.closest(origin, direction) else {
+                light += throughput * self.sky(direction);
+                break;
+            };
+            let surface = self.surface(origin, direction, hit);
+            let material = &self.materials[surface.material];
+            let picture = self.lookup(material.texture, surface.uv, surface.wraps);
+            let shines = material.kind == MaterialKind::Emitter;
+            light += throughput * material.emission.as_dvec3() * if shines { picture } else { DVec3::ONE };
+            if b == settings.max_bounces {
+                break;
+            }
+            let outside = surface.normal.dot(direction) <= 0.0;
+            let normal = if outside { surface.normal } else { -surface.normal };
+            let event = |dimension: u32| number(bounce(b) + dimension);
+            let Some((scattered, weight)) = lobes::scatter(material.kind, direction, normal, outside, event)
+            else {
+                break;
+            };
+            throughput *= material.color.as_dvec3() * picture * weight;
+            direction = scattered.normalize();
+            let side = 1.0_f64.copysign(direction.dot(normal));
+            origin = surface.point + normal * (side * LIFT * surface.scale);
+        }
+        light.to_array()
+    }
+
+    /// Origin and unit direction of the ray through the point (x, y) of the picture, counted in pixels from its upper left
+    /// corner.
+    pub fn camera_ray(&self, resolution: [u32; 2], x: f64, y: f64) -> (DVec3, DVec3) {
+        let [width, height] = resolution.map(f64::from);
+        let position = self.camera.position.as_dvec3();
+        let forward = (self.camera.look_at.as_dvec3() - position).normalize();
+        let right = forward.cross(self.camera.up.as_dvec3()).normalize();
+        let up = right.cross(forward);
+        let half_height = (f64::from(self.camera.vertical_fov).to_radians() / 2.0).tan();
+        let half_width = half_height * width / height;
+        let across = (2.0 * x / width - 1.0) * half_width;
+        let upwards = (1.0 - 2.0 * y / height) * half_height;
+        (position, (forward + right * across + up * upwards).normalize())
+    }
+
+    /// The light from where nothing is, in the unit direction `d`.
+    fn sky(&self, d: DVec3) -> DVec3 {
+        match self.sky {
+            Sky::Color(color) => color.as_dvec3(),
+            Sky::Gradient { bottom, top } => bottom.as_dvec3().lerp(top.as_dvec3(), 0.5 * (d.y + 1.0)),
+            Sky::Texture { texture, color } => {
+                color.as_dvec3() * self.lookup(Some(texture), texture::on_sphere(d, 0.0), false)
+            }
+        }
+    }
+}

@@ -1,0 +1,109 @@
+//! How pictures lie on the sky, on spheres and on triangles, seen through whole paths.
+
+use super::scenes::{empty, lamp, numbered, one_pixel, sphere, wall};
+use glam::{Vec2, Vec3};
+use octray::reference::Reference;
+use octray::scene::{Camera, Filter, Material, MaterialKind, Scene, Sky, Sphere};
+
+/// What the scene shows to an eye at `position` that looks at `look_at`.
+fn seen(scene: Scene, position: Vec3, look_at: Vec3) -> [f64; 3] {
+    let forward = (look_at - position).normalize();
+    let up = if forward.y.abs() > 0.9 { Vec3::X } else { Vec3::Y };
+    let camera = Camera { position, look_at, up, vertical_fov: 1e-6 };
+    Reference::new(&Scene { camera, ..scene }).path(one_pixel(0), 0, 0, 0)
+}
+
+fn sky(filter: Filter, direction: Vec3) -> [f64; 3] {
+    let scene = Scene {
+        sky: Sky::Texture { texture: 0, color: Vec3::new(1.0, 1.0, 0.5) },
+        textures: vec![numbered(8, 4, filter)],
+        ..empty()
+    };
+    seen(scene, Vec3::ZERO, direction)
+}
+
+fn globe(filter: Filter, turn: f32, from: Vec3) -> [f64; 3] {
+    let scene = Scene {
+        materials: vec![Material { texture: Some(0), ..lamp(Vec3::ONE) }],
+        textures: vec![numbered(8, 4, filter)],
+        spheres: vec![Sphere { turn, ..sphere(Vec3::ZERO, 1.0) }],
+        ..empty()
+    };
+    seen(scene, from * 5.0, Vec3::ZERO)
+}
+
+#[track_caller]
+fn assert_near(found: [f64; 3], expected: [f64; 3]) {
+    let near = (0..3).all(|i| (found[i] - expected[i]).abs() < 1e-6);
+    assert!(near, "found {found:?}, expected {expected:?}");
+}
+
+/// Horizontal direction at u turns from +x towards +z.
+fn at(u: f32) -> Vec3 {
+    let angle = u * std::f32::consts::TAU;
+    Vec3::new(angle.cos(), 0.0, angle.sin())
+}
+
+#[test]
+fn nearest_shows_the_texel_under_the_point_at_seams_and_poles() {
+    for show in [|d| sky(Filter::Nearest, d), |d| globe(Filter::Nearest, 0.0, d)] {
+        let up = Vec3::Y * 0.01;
+        assert_eq!(show(at(0.001) + up)[..2], [0.0, 1.0], "just after the seam, above the horizon");
+        assert_eq!(show(at(-0.001) - up)[..2], [7.0, 2.0], "just before the seam, below the horizon");
+        assert_eq!(show(at(0.251) + up)[..2], [2.0, 1.0], "+z is a quarter turn");
+        assert_eq!(show(Vec3::Y)[1], 0.0, "upper pole");
+        assert_eq!(show(-Vec3::Y)[1], 3.0, "lower pole");
+    }
+    assert_eq!(sky(Filter::Nearest, Vec3::Y)[2], 0.5, "the sky's colour");
+}
+
+#[test]
+fn bilinear_wraps_columns_and_stops_at_the_poles() {
+    for show in [|d| sky(Filter::Bilinear, d), |d| globe(Filter::Bilinear, 0.0, d)] {
+        let blue = show(Vec3::X)[2];
+        assert_near(show(at(2.5 / 8.0)), [2.0, 1.5, blue]);
+        assert_near(show(at(0.0)), [3.5, 1.5, blue]);
+        assert_near(show(at(7.75 / 8.0)), [7.0 * 0.75, 1.5, blue]);
+        let steep = Vec3::new(1e-4, 1.0, 1e-4);
+        assert_near([0.0, show(steep)[1], 0.0], [0.0; 3]);
+        assert_near([0.0, show(-steep)[1], 0.0], [0.0, 3.0, 0.0]);
+        assert!(show(Vec3::Y).iter().chain(&show(-Vec3::Y)).all(|channel| channel.is_finite()));
+    }
+}
+
+#[test]
+fn turn_moves_the_picture_around_the_axis() {
+    assert_eq!(globe(Filter::Nearest, 0.5, at(0.01) + Vec3::Y * 0.01)[..2], [4.0, 1.0]);
+    assert_eq!(globe(Filter::Nearest, 0.5, at(0.51) + Vec3::Y * 0.01)[..2], [0.0, 1.0]);
+}
+
+#[test]
+fn a_texture_stays_put_when_seen_from_inside() {
+    let scene = Scene {
+        materials: vec![Material { texture: Some(0), ..lamp(Vec3::ONE) }],
+        textures: vec![numbered(8, 4, Filter::Nearest)],
+        spheres: vec![sphere(Vec3::ZERO, 1.0)],
+        ..empty()
+    };
+    assert_eq!(seen(scene, Vec3::ZERO, at(0.3) + Vec3::Y * 0.01)[..2], [2.0, 1.0]);
+}
+
+/// uv = (x, y) / 9 over the wall, the picture's upper edge at v = 1, repeated in both directions.
+#[test]
+fn triangles_wrap_both_ways_and_count_rows_from_the_top() {
+    let show = |filter, x: f32, y: f32| {
+        let mut scene = wall(MaterialKind::Emitter);
+        scene.materials[0] = Material { texture: Some(0), ..lamp(Vec3::ONE) };
+        scene.textures = vec![numbered(4, 4, filter)];
+        scene.uvs = vec![scene.triangles[0].vertices.map(|p| Vec2::new(p.x, p.y) / 9.0)];
+        let point = Vec3::new(x, y, 0.0) * 9.0;
+        seen(scene, point + Vec3::Z, point)
+    };
+    assert_eq!(show(Filter::Nearest, 0.3, 0.9), [1.0, 0.0, 1.0]);
+    assert_eq!(show(Filter::Nearest, 0.1, 0.1), [0.0, 3.0, 1.0]);
+    assert_eq!(show(Filter::Nearest, -0.1, -0.1), [3.0, 0.0, 1.0]);
+    assert_eq!(show(Filter::Nearest, 0.1, 1.1), [0.0, 3.0, 1.0]);
+    assert_near(show(Filter::Bilinear, 0.375, 0.625), [1.0, 1.0, 1.0]);
+    assert_near(show(Filter::Bilinear, 0.5, 0.5), [1.5, 1.5, 1.0]);
+    assert_near(show(Filter::Bilinear, 0.125, 1.0), [0.0, 1.5, 1.0]);
+}

@@ -6,6 +6,7 @@ pub mod integrate;
 pub mod kernel;
 pub mod lane;
 pub mod math;
+pub mod measure;
 pub mod reference;
 pub mod render;
 pub mod sampling;

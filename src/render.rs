@@ -6,7 +6,9 @@ use crate::buffers::{Buffers, Needs};
 use crate::camera::Pinhole;
 use crate::film::{Film, TileSums};
 use crate::integrate::queue::{MAX_PIXELS, Work};
-use crate::integrate::{Pipeline, World, pipeline_for};
+use crate::integrate::{Pipeline, World, generate as primary, pipeline_for};
+use crate::lane::F32x8;
+use crate::math::Hit;
 use crate::scene::Scene;
 use crate::traverse::{Methods, Primitives};
 use rayon::prelude::*;
@@ -44,6 +46,19 @@ impl Settings {
     }
     /// Rows of whole packets, and a queue that stays in the first-level cache.
     pub const TILE_SIZE: [u32; 2] = [16, 16];
+}
+
+/// A primary ray and its answer.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PrimaryHit {
+    pub x: u32,
+    pub y: u32,
+    pub origin: [f32; 3],
+    pub direction: [f32; 3],
+    /// Infinite for a miss.
+    pub t: f32,
+    /// [`crate::math::MISS`] for a miss.
+    pub primitive: u32,
 }
 
 /// A scene made ready for tracing.
@@ -114,6 +129,35 @@ impl Renderer {
             None => film.tiles.iter_mut().map(add).sum::<u64>(),
         };
         film.samples += samples;
+    }
+
+    /// The primary rays of one sample of every pixel, and what they hit, tile by tile.
+    pub fn primary_hits(&self, sample: u32) -> Vec<PrimaryHit> {
+        let mut work = Work::new();
+        let film = self.film();
+        let of_tile = |sums: &TileSums| {
+            let tile = sums.tile;
+            let count = match self.settings.lanes {
+                1 => primary::<f32>(&self.world, tile, sample, &mut work),
+                _ => primary::<F32x8>(&self.world, tile, sample, &mut work),
+            };
+            let slots = 0..count as u32;
+            let hit = |slot: u32| {
+                let at = slot as usize;
+                let (direction, _) = work.queue.primary::<f32>(at);
+                let Hit { t, primitive, .. } = work.queue.hit::<f32>(at);
+                PrimaryHit {
+                    x: tile.x + slot % tile.width,
+                    y: tile.y + slot / tile.width,
+                    origin: self.world.camera.origin::<f32>().get(0).to_array(),
+                    direction: direction.get(0).to_array(),
+                    t,
+                    primitive,
+                }
+            };
+            slots.map(hit).collect::<Vec<_>>()
+        };
+        film.tiles.iter().flat_map(of_tile).collect()
     }
 
     fn add_to_tile(&self, sums: &mut TileSums, first: u32, samples: u32) -> u64 {

@@ -23,6 +23,8 @@ pub mod queue;
 mod shade;
 mod surface;
 
+pub use generate::generate;
+
 use crate::buffers::{Buffers, Needs};
 use crate::camera::Pinhole;
 use crate::lane::Lane;
@@ -61,7 +63,7 @@ pub type Pipeline = fn(&World, Tile, u32, &mut Work) -> u64;
 /// Takes sample `sample` of every pixel of a tile into `work`'s radiance and returns how many rays that took. `N` holds the
 /// features this pipeline is compiled with; it must contain the scene's [`Needs`].
 pub fn trace_tile<L: Lane, const N: u32>(world: &World, tile: Tile, sample: u32, work: &mut Work) -> u64 {
-    let mut count = generate::generate::<L>(world, tile, sample, work);
+    let mut count = generate::<L>(world, tile, sample, work);
     let mut rays = count as u64;
     if world.max_bounces == 0 {
         shade::finish::<L, N, true>(world, work, count);

@@ -19,9 +19,8 @@ pub(super) fn scatter(
     match kind {
         MaterialKind::Emitter => None,
         MaterialKind::Diffuse => {
-            let (u, phi) = (number(DIRECTION), TAU * number(DIRECTION + 1));
-            let local = DVec3::new(u.sqrt() * phi.cos(), u.sqrt() * phi.sin(), (1.0 - u).sqrt());
-            Some((to_world(local, n), 1.0))
+            // Lambert's law: the normal plus a point on the unit sphere.
+            Some(((n + on_sphere(number)).normalize(), 1.0))
         }
         MaterialKind::Metal { roughness: 0.0 } => Some((reflect(d, n), 1.0)),
         MaterialKind::Metal { roughness } => {
@@ -44,13 +43,17 @@ pub(super) fn scatter(
             }
         }
         MaterialKind::Scatter { roughness } => {
-            let (u, phi) = (number(DIRECTION), TAU * number(DIRECTION + 1));
-            let radius = 2.0 * (u * (1.0 - u)).sqrt();
-            let on_sphere = DVec3::new(radius * phi.cos(), radius * phi.sin(), 1.0 - 2.0 * u);
-            let w = reflect(d, n) + on_sphere * f64::from(roughness);
+            let w = reflect(d, n) + on_sphere(number) * f64::from(roughness);
             (w.dot(n) > 0.0).then(|| (w.normalize(), 1.0))
         }
     }
+}
+
+/// A point on the unit sphere, uniformly.
+fn on_sphere(number: impl Fn(u32) -> f64) -> DVec3 {
+    let (u, phi) = (number(DIRECTION), TAU * number(DIRECTION + 1));
+    let radius = 2.0 * (u * (1.0 - u)).sqrt();
+    DVec3::new(radius * phi.cos(), radius * phi.sin(), 1.0 - 2.0 * u)
 }
 
 fn reflect(d: DVec3, n: DVec3) -> DVec3 {

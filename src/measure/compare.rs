@@ -1,0 +1,150 @@
+//! SIMD against scalar, bit for bit; and both against the judge.
+
+use crate::film::Picture;
+use crate::reference::{PathSettings, Reference, Verdict};
+use crate::render::{PrimaryHit, Renderer, Settings};
+use crate::scene::Scene;
+use rayon::prelude::*;
+use serde::Serialize;
+use std::time::Instant;
+
+/// What a comparison found on one scene.
+#[derive(Clone, Debug, Serialize)]
+pub struct Comparison {
+    pub scene: String,
+    pub pixels: usize,
+    pub samples: u32,
+    /// Pixels of which any bit differs between SIMD and scalar. 0 expected.
+    pub mismatched_pixels: usize,
+    pub first_mismatch: Option<Mismatch>,
+    /// Scalar time over SIMD time, the same threads.
+    pub speedup: f64,
+    pub reference: Judgement,
+}
+
+/// A pixel that SIMD and scalar see differently: linear RGB.
+#[derive(Clone, Debug, Serialize)]
+pub struct Mismatch {
+    pub x: u32,
+    pub y: u32,
+    pub simd: [f32; 3],
+    pub scalar: [f32; 3],
+}
+
+/// What the judge says, in f64, of the same random numbers.
+#[derive(Clone, Debug, Serialize)]
+pub struct Judgement {
+    /// Root of the mean squared difference of the pixels' channels.
+    pub rmse: f64,
+    /// Largest difference of a channel. One path that turns off differently (at an edge, after several bounces) can make it large.
+    pub max_abs: f64,
+    /// Primary hits beyond the documented bounds. 0 expected.
+    pub mismatched_hits: usize,
+    /// How many of the picture's pixels were judged, and with how many samples: on large meshes not all.
+    pub pixels: usize,
+    pub samples: u32,
+}
+
+/// Most object tests that judging a scene may take, and most samples of a pixel: the judge is naive.
+const MOST_TESTS: usize = 2_000_000_000;
+const MOST_SAMPLES: u32 = 16;
+
+/// Renders `samples` samples with the scalar path and with packets and compares the pictures and the judge. `settings` holds for
+/// all but lanes.
+pub fn compare(scene: &Scene, settings: Settings, samples: u32) -> Comparison {
+    let scalar = Renderer::new(scene, Settings { lanes: 1, ..settings });
+    let simd = Renderer::new(scene, Settings { lanes: 8, ..settings });
+    let (mut scalar_film, mut simd_film) = (scalar.film(), simd.film());
+    let (mut scalar_time, mut simd_time) = (0.0, 0.0);
+    let share = Share::of(scene, &settings, samples);
+    let mut to_judge = None;
+    for sample in 1..=samples {
+        simd_time += timed(|| simd.add_samples(&mut simd_film, 1));
+        scalar_time += timed(|| scalar.add_samples(&mut scalar_film, 1));
+        if sample == share.samples {
+            to_judge = Some(simd_film.picture());
+        }
+    }
+    let (simd_picture, scalar_picture) = (simd_film.picture(), scalar_film.picture());
+    let mismatches = mismatches(&simd_picture, &scalar_picture);
+    let to_judge = to_judge.expect("the judge gets at least one sample and at most all");
+    Comparison {
+        scene: scene.name.clone(),
+        pixels: simd_picture.pixels.len(),
+        samples,
+        mismatched_pixels: mismatches.len(),
+        first_mismatch: mismatches.first().map(|&index| Mismatch {
+            x: index as u32 % simd_picture.width,
+            y: index as u32 / simd_picture.width,
+            simd: simd_picture.pixels[index],
+            scalar: scalar_picture.pixels[index],
+        }),
+        speedup: scalar_time / simd_time,
+        reference: judge(scene, &simd, &to_judge, share),
+    }
+}
+
+fn timed(work: impl FnOnce()) -> f64 {
+    let start = Instant::now();
+    work();
+    start.elapsed().as_secs_f64()
+}
+
+/// Indices of the pixels that differ in any bit.
+fn mismatches(a: &Picture, b: &Picture) -> Vec<usize> {
+    let bits = |pixel: &[f32; 3]| pixel.map(f32::to_bits);
+    let pairs = a.pixels.iter().zip(&b.pixels).enumerate();
+    pairs.filter(|(_, (a, b))| bits(a) != bits(b)).map(|(index, _)| index).collect()
+}
+
+/// How much of a picture is judged.
+#[derive(Clone, Copy)]
+struct Share {
+    samples: u32,
+    /// Every so many-th pixel.
+    stride: usize,
+}
+
+impl Share {
+    fn of(scene: &Scene, settings: &Settings, samples: u32) -> Self {
+        let pixels = settings.resolution[0] as usize * settings.resolution[1] as usize;
+        // A sample of every pixel costs about this many tests: the primary hit, and a path of some segments.
+        let tests = (pixels * (scene.spheres.len() + scene.triangles.len()) * 4).max(1);
+        let affordable = u32::try_from(MOST_TESTS / tests).unwrap_or(u32::MAX).max(1);
+        Self { samples: samples.min(MOST_SAMPLES).min(affordable), stride: tests.div_ceil(MOST_TESTS) }
+    }
+}
+
+/// Judges a share of a renderer's picture, and its primary hits.
+fn judge(
+    scene: &Scene,
+    renderer: &Renderer,
+    picture: &Picture,
+    Share { samples, stride }: Share,
+) -> Judgement {
+    let reference = Reference::new(scene);
+    let Settings { resolution, max_bounces, seed, .. } = *renderer.settings();
+    let settings = PathSettings { resolution, max_bounces, seed };
+    let mut hits: Vec<PrimaryHit> = renderer.primary_hits(0);
+    hits.sort_by_key(|hit| (hit.y, hit.x));
+    let judged: Vec<(f64, f64, bool)> = hits
+        .par_iter()
+        .step_by(stride)
+        .map(|hit| {
+            let verdict = reference.check_primary(hit.origin, hit.direction, hit.t, hit.primitive);
+            let truth = reference.pixel(settings, hit.x, hit.y, samples);
+            let seen = picture.pixels[(hit.y * picture.width + hit.x) as usize];
+            let errors = std::array::from_fn::<f64, 3, _>(|c| f64::from(seen[c]) - truth[c]);
+            let squares = errors.iter().map(|error| error * error).sum::<f64>();
+            let largest = errors.iter().fold(0.0, |largest: f64, error| largest.max(error.abs()));
+            (squares, largest, verdict != Verdict::Right)
+        })
+        .collect();
+    Judgement {
+        rmse: (judged.iter().map(|(squares, ..)| squares).sum::<f64>() / (3 * judged.len()) as f64).sqrt(),
+        max_abs: judged.iter().map(|(_, largest, _)| *largest).fold(0.0, f64::max),
+        mismatched_hits: judged.iter().filter(|(.., wrong)| *wrong).count(),
+        pixels: judged.len(),
+        samples,
+    }
+}

@@ -82,11 +82,23 @@ pub fn trace_tile<L: Lane, const N: u32>(world: &World, tile: Tile, sample: u32,
 
 /// The pipelines there are: sets of features, smallest first. Each costs compile time and program size for two widths, so only sets
 /// that measured well are here; a scene gets the first that holds its needs.
-const PIPELINES: &[(Needs, Pipeline, Pipeline)] =
-    &[pipeline::<{ MATT_AND_MIRROR_SPHERES.0 }>(), pipeline::<{ Needs::ALL.0 }>()];
+const PIPELINES: &[(Needs, Pipeline, Pipeline)] = &[
+    pipeline::<{ MATT_AND_MIRROR_SPHERES.0 }>(),
+    pipeline::<{ FEW_TEXTURED.0 }>(),
+    pipeline::<{ Needs::ALL.0 }>(),
+];
 
 const MATT_AND_MIRROR_SPHERES: Needs =
     Needs::SPHERES.with(Needs::DIFFUSE).with(Needs::MIRROR).with(Needs::SKY_GRADIENT);
+
+/// The thesis's kind of scene: a handful of spheres and triangles with pictures on them.
+const FEW_TEXTURED: Needs = Needs::SPHERES
+    .with(Needs::TRIANGLES)
+    .with(Needs::DIFFUSE)
+    .with(Needs::MIRROR)
+    .with(Needs::SCATTER)
+    .with(Needs::EMISSION)
+    .with(Needs::TEXTURES);
 
 const fn pipeline<const N: u32>() -> (Needs, Pipeline, Pipeline) {
     (Needs(N), trace_tile::<f32, N>, trace_tile::<crate::lane::F32x8, N>)

@@ -93,16 +93,17 @@ impl<L: Lane> Surface<L> {
         self.material = L::Bits::select(keep, self.material, material.to_bits());
     }
 
-    /// Texture coordinates, v from the top, and where v must not wrap.
+    /// Texture coordinates of the lanes in `textured`, v from the top, and where v must not wrap.
     #[inline(always)]
-    fn texture_coordinates<const N: u32>(&self, world: &World) -> ((L, L), L::Mask) {
+    fn texture_coordinates<const N: u32>(&self, world: &World, textured: L::Mask) -> ((L, L), L::Mask) {
         let mut coordinates = (L::zero(), L::zero());
-        if needs(N, Needs::SPHERES) {
+        if needs(N, Needs::SPHERES) && (textured & self.is_sphere).any() {
             let (u, v) = latitude_longitude(self.outward);
             coordinates = (u + self.turn, v);
         }
-        if needs(N, Needs::TRIANGLES) && (!self.is_sphere).any() && world.buffers.has_uvs {
-            let [au, av, bu, bv, cu, cv, ..] = world.buffers.uv_rows.fetch::<L>(self.triangle, false);
+        if needs(N, Needs::TRIANGLES) && (textured & !self.is_sphere).any() && world.buffers.has_uvs {
+            let few = !needs(N, Needs::MANY_TRIANGLES);
+            let [au, av, bu, bv, cu, cv, ..] = world.buffers.uv_rows.fetch::<L>(self.triangle, few);
             let (u, v) = self.barycentric;
             let blend = |a: L, b: L, c: L| (b - a).mul_add(u, (c - a).mul_add(v, a));
             let keep = self.is_sphere;
@@ -141,7 +142,7 @@ impl<L: Lane> Worn<L> {
             let texture = code.shr(MaterialCode::TEXTURE_SHIFT);
             let textured = found & !texture.equals(L::Bits::splat(0));
             if textured.any() {
-                let (coordinates, clamp_v) = surface.texture_coordinates::<N>(world);
+                let (coordinates, clamp_v) = surface.texture_coordinates::<N>(world, textured);
                 let index = texture.wrapping_add(L::Bits::splat(u32::MAX));
                 let bilinear = needs(N, Needs::BILINEAR);
                 let textures = &world.buffers.textures;

@@ -57,19 +57,18 @@ pub struct Woop;
 /// aimed at edges (nothing on a target without FMA) and is here to be charted.
 pub struct WoopContracted;
 
-/// The first two vertices and the third, each row ready to be permuted in a register.
+/// Each vertex as x y z x y, so that the components from any axis on stand in cyclic order, in a row that a register holds.
 #[derive(Clone, Copy, Debug)]
-#[repr(C, align(64))]
+#[repr(C, align(32))]
 pub struct WoopTriangle {
-    ab: [f32; 8],
-    c: [f32; 8],
+    rows: [[f32; 8]; 3],
 }
 
 /// The space in which the ray is the z axis: an order of axes and a shear.
 #[derive(Clone, Copy)]
 pub struct WoopRay<L: Lane> {
-    /// The axis of each new coordinate, 0 to 2; z is the one along which the direction is longest.
-    axes: [L::Bits; 3],
+    /// The axis, 0 to 2, along which the direction is longest: it becomes z. The next two, cyclically, become x and y.
+    z_axis: L::Bits,
     /// The origin in that order.
     origin: Vec3<L>,
     /// x and y per z, and 1 per z.
@@ -81,33 +80,25 @@ impl<L: Lane> WoopRay<L> {
     fn new(ray: &Ray<L>) -> Self {
         let d = ray.direction;
         let (ax, ay, az) = (d.x.abs(), d.y.abs(), d.z.abs());
-        let z_is_x = ay.lt(ax) & az.lt(ax);
-        let z_is_y = !z_is_x & az.lt(ay);
+        let x_is_not = ax.lt(ay.max(az));
+        let y_is_not = ay.lt(az);
         let order = |v: Vec3<L>| {
-            Vec3::new(
-                L::select(z_is_x, v.y, L::select(z_is_y, v.z, v.x)),
-                L::select(z_is_x, v.z, L::select(z_is_y, v.x, v.y)),
-                L::select(z_is_x, v.x, L::select(z_is_y, v.y, v.z)),
-            )
+            let pick = |x: L, y: L, z: L| L::select(x_is_not, L::select(y_is_not, z, y), x);
+            Vec3::new(pick(v.y, v.z, v.x), pick(v.z, v.x, v.y), pick(v.x, v.y, v.z))
         };
-        let axis = |x: u32, y: u32, z: u32| {
-            let (x, y, z) = (L::Bits::splat(x), L::Bits::splat(y), L::Bits::splat(z));
-            L::Bits::select(z_is_x, x, L::Bits::select(z_is_y, y, z))
-        };
+        let axis = |axis: u32| L::Bits::splat(axis);
+        let z_axis = L::Bits::select(x_is_not, L::Bits::select(y_is_not, axis(2), axis(1)), axis(0));
         let direction = order(d);
         let inverse_z = L::one() / direction.z;
-        Self {
-            axes: [axis(1, 2, 0), axis(2, 0, 1), axis(0, 1, 2)],
-            origin: order(ray.origin),
-            shear: Vec3::new(direction.x * inverse_z, direction.y * inverse_z, inverse_z),
-        }
+        let shear = Vec3::new(direction.x * inverse_z, direction.y * inverse_z, inverse_z);
+        Self { z_axis, origin: order(ray.origin), shear }
     }
 
-    /// A vertex relative to the origin, in the ray's order of axes: components `first` to `first + 2` of `row`.
+    /// A vertex relative to the origin, in the ray's order of axes.
     #[inline(always)]
-    fn vertex(&self, row: &[f32; 8], first: u32) -> Vec3<L> {
-        let pick = |axis: L::Bits| L::pick(row, axis.wrapping_add(L::Bits::splat(first)));
-        Vec3::new(pick(self.axes[0]), pick(self.axes[1]), pick(self.axes[2])) - self.origin
+    fn vertex(&self, row: &[f32; 8]) -> Vec3<L> {
+        let pick = |steps: u32| L::pick(row, self.z_axis.wrapping_add(L::Bits::splat(steps)));
+        Vec3::new(pick(1), pick(2), pick(0)) - self.origin
     }
 
     /// Where a vertex lies across the ray.
@@ -125,7 +116,7 @@ fn woop<L: Lane>(
     limit: L,
     edge: impl Fn((L, L), (L, L)) -> L,
 ) -> TriangleHit<L> {
-    let (a, b, c) = (ray.vertex(&triangle.ab, 0), ray.vertex(&triangle.ab, 3), ray.vertex(&triangle.c, 0));
+    let [a, b, c] = [&triangle.rows[0], &triangle.rows[1], &triangle.rows[2]].map(|row| ray.vertex(row));
     let (pa, pb, pc) = (ray.sheared(a), ray.sheared(b), ray.sheared(c));
     let (u, v, w) = (edge(pc, pb), edge(pa, pc), edge(pb, pa));
     let (least, most) = (u.min(v).min(w), u.max(v).max(w));
@@ -145,11 +136,8 @@ impl TriangleMethod for Woop {
     type Stored = WoopTriangle;
     type Prepared<L: Lane> = WoopRay<L>;
 
-    fn store([a, b, c]: [glam::Vec3; 3]) -> WoopTriangle {
-        WoopTriangle {
-            ab: [a.x, a.y, a.z, b.x, b.y, b.z, 0.0, 0.0],
-            c: [c.x, c.y, c.z, 0.0, 0.0, 0.0, 0.0, 0.0],
-        }
+    fn store(vertices: [glam::Vec3; 3]) -> WoopTriangle {
+        WoopTriangle { rows: vertices.map(|v| [v.x, v.y, v.z, v.x, v.y, 0.0, 0.0, 0.0]) }
     }
     #[inline(always)]
     fn prepare<L: Lane>(ray: &Ray<L>) -> WoopRay<L> {

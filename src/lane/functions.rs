@@ -79,6 +79,17 @@ pub fn sin_cos_turns<L: Lane>(u: L) -> (L, L) {
     into_quadrant(quadrant, sin, cos)
 }
 
+/// tan(π/8): above it [`atan_octant`] wants the angle turned by π/4.
+pub const ATAN_TURN: f32 = 0.414_213_56;
+
+/// The arctangent of |q| ≤ tan(π/8), in radians, without reduction.
+#[inline(always)]
+pub fn atan_octant<L: Lane>(q: L) -> L {
+    let q2 = q * q;
+    let p = polynomial(q2, [8.053_744_5e-2, -1.387_768_6e-1, 1.997_771_1e-1, -3.333_295e-1]);
+    (p * q2).mul_add(q, q)
+}
+
 /// The angle of the point (x, y), as in `f32::atan2`.
 ///
 /// Units: radians, in [−π, π]. Domain: all but NaN; zeros and infinities answer as IEEE 754 says.
@@ -88,16 +99,14 @@ pub fn atan2<L: Lane>(y: L, x: L) -> L {
     let (ax, ay) = (x.abs(), y.abs());
     let (low, high) = (ax.min(ay), ax.max(ay));
     // Above tan(π/8) turn by π/4: atan(q) = π/4 + atan((q − 1)/(q + 1)). One division serves both cases.
-    let turn = low.gt(high * L::splat(0.414_213_56));
+    let turn = low.gt(high * L::splat(ATAN_TURN));
     let numerator = L::select(turn, low - high, low);
     let denominator = L::select(turn, low + high, high);
     // 0/0 and ∞/∞ are the two corners: both components are equal there, at an angle of 0 and π/4.
     let corner = low.eq(high) & !(low.is_finite() & low.gt(L::zero()));
     let q = L::select(corner, L::zero(), numerator / denominator);
     let turn = turn | (corner & low.gt(L::zero()));
-    let q2 = q * q;
-    let p = polynomial(q2, [8.053_744_5e-2, -1.387_768_6e-1, 1.997_771_1e-1, -3.333_295e-1]);
-    let atan = (p * q2).mul_add(q, q);
+    let atan = atan_octant(q);
     let atan = L::select(turn, atan + L::splat(FRAC_PI_4), atan);
     let atan = L::select(ay.gt(ax), L::splat(FRAC_PI_2) - atan, atan);
     let x_is_negative = !(x.to_bits() & L::Bits::splat(0x8000_0000)).equals(L::Bits::splat(0));

@@ -134,6 +134,8 @@ pub trait Lane:
     }
     /// Correctly rounded square root.
     fn sqrt(self) -> Self;
+    /// The largest integer that is not above. Zeros keep their sign.
+    fn floor(self) -> Self;
 
     fn lt(self, other: Self) -> Self::Mask;
     fn le(self, other: Self) -> Self::Mask;
@@ -211,14 +213,6 @@ pub trait Lane:
     #[inline(always)]
     fn copysign(self, sign: Self) -> Self {
         Self::from_bits(self.abs().to_bits() | sign.sign_bit().to_bits())
-    }
-    /// The largest integer that is not above. Zeros keep their sign; NaN and everything from 2²³ on stays as it is.
-    #[inline(always)]
-    fn floor(self) -> Self {
-        let truncated = Self::from_int(self.truncate_to_int());
-        let floor = truncated - Self::select(self.lt(truncated), Self::one(), Self::zero());
-        let has_fraction = self.abs().lt(Self::splat(8_388_608.0));
-        Self::select(has_fraction, floor.copysign(self), self)
     }
     /// Is the value neither infinite nor NaN?
     #[inline(always)]

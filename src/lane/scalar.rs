@@ -116,6 +116,10 @@ impl Lane for f32 {
         f32::sqrt(self)
     }
     #[inline(always)]
+    fn floor(self) -> Self {
+        f32::floor(self)
+    }
+    #[inline(always)]
     fn lt(self, other: Self) -> bool {
         self < other
     }

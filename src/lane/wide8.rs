@@ -212,6 +212,10 @@ impl Lane for F32x8 {
         Self(self.0.sqrt())
     }
     #[inline(always)]
+    fn floor(self) -> Self {
+        Self(self.0.floor())
+    }
+    #[inline(always)]
     fn lt(self, other: Self) -> Mask8 {
         Mask8(self.0.simd_lt(other.0))
     }

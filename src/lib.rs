@@ -7,6 +7,7 @@ pub mod kernel;
 pub mod lane;
 pub mod math;
 pub mod measure;
+pub mod output;
 pub mod reference;
 pub mod render;
 pub mod sampling;

@@ -1,0 +1,126 @@
+//! Writing that leaves a whole file or none.
+//!
+//! For: [`write_atomically`] and [`check`], which says beforehand whether it can succeed. May import: `std`, `tempfile`.
+//! Must never know: pictures, formats.
+//!
+//! The content goes into a temporary file in the folder of the final one, to the disk, and then takes its name in one
+//! step. A reader sees the old file or the new one; a failure on the way leaves the old one and no other.
+
+use super::error::OutputError;
+use std::fs::{self, File};
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+use tempfile::NamedTempFile;
+
+/// What to do when the file is there already.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Existing {
+    /// The new file takes its place and its permissions.
+    Replace,
+    /// Refuse.
+    Keep,
+}
+
+/// Can a file be written at `path`? Finds out by making an empty temporary file beside it, so that a long computation does
+/// not learn it at its end.
+pub fn check(path: &Path, existing: Existing) -> Result<(), OutputError> {
+    Place::of(path, existing)?.temporary().map(drop)
+}
+
+/// Writes a file through `fill`: afterwards it is whole, or the place is as it was before.
+pub fn write_atomically(
+    path: &Path,
+    existing: Existing,
+    fill: impl FnOnce(&mut BufWriter<&mut File>) -> io::Result<()>,
+) -> Result<(), OutputError> {
+    let place = Place::of(path, existing)?;
+    let failed = |source| OutputError::Write { path: path.to_owned(), source };
+    // Dropping the temporary file removes it: every early return cleans up.
+    let mut temporary = place.temporary()?;
+    let mut buffer = BufWriter::with_capacity(1 << 16, temporary.as_file_mut());
+    let filled = fill(&mut buffer).and_then(|()| buffer.flush());
+    // What a failed writing left in the buffer is not wanted; taking it apart keeps it from being written on drop.
+    drop(buffer.into_parts());
+    filled.map_err(failed)?;
+    if let Some(permissions) = place.permissions {
+        temporary.as_file().set_permissions(permissions).map_err(failed)?;
+    }
+    temporary.as_file().sync_all().map_err(failed)?;
+    let persisted = match existing {
+        Existing::Replace => temporary.persist(&place.file),
+        Existing::Keep => temporary.persist_noclobber(&place.file),
+    };
+    match persisted {
+        Ok(_) => Ok(()),
+        Err(error) if error.error.kind() == io::ErrorKind::AlreadyExists => {
+            Err(OutputError::Exists { path: path.to_owned() })
+        }
+        Err(error) => Err(failed(error.error)),
+    }
+}
+
+/// A place that was found fit for a file.
+struct Place {
+    /// Where the file goes: where the path leads, if it is a symbolic link.
+    file: PathBuf,
+    folder: PathBuf,
+    /// Those of the file that will be replaced.
+    permissions: Option<fs::Permissions>,
+}
+
+impl Place {
+    fn of(path: &Path, existing: Existing) -> Result<Self, OutputError> {
+        let path_owned = || path.to_owned();
+        if path.file_name().is_none() || path.as_os_str().as_encoded_bytes().ends_with(b"/") {
+            return Err(OutputError::IsFolder { path: path_owned() });
+        }
+        let file = if path.is_symlink() { follow(path) } else { path_owned() };
+        let folder = match file.parent() {
+            Some(parent) if !parent.as_os_str().is_empty() => parent.to_owned(),
+            _ => PathBuf::from("."),
+        };
+        match fs::metadata(&folder) {
+            Ok(found) if found.is_dir() => {}
+            Ok(_) => return Err(OutputError::NotAFolder { folder, path: path_owned() }),
+            Err(error) if error.kind() == io::ErrorKind::NotFound => {
+                return Err(OutputError::MissingFolder { folder, path: path_owned() });
+            }
+            Err(error) if error.kind() == io::ErrorKind::NotADirectory => {
+                return Err(OutputError::NotAFolder { folder, path: path_owned() });
+            }
+            Err(source) => return Err(OutputError::Unreachable { path: path_owned(), source }),
+        }
+        let permissions = match fs::metadata(&file) {
+            Ok(found) if found.is_dir() => return Err(OutputError::IsFolder { path: path_owned() }),
+            Ok(found) if !found.is_file() => return Err(OutputError::NotAFile { path: path_owned() }),
+            Ok(_) if existing == Existing::Keep => return Err(OutputError::Exists { path: path_owned() }),
+            Ok(found) if found.permissions().readonly() => {
+                return Err(OutputError::ReadOnly { path: path_owned() });
+            }
+            Ok(found) => Some(found.permissions()),
+            Err(error) if error.kind() == io::ErrorKind::NotFound => None,
+            Err(source) => return Err(OutputError::Unreachable { path: path_owned(), source }),
+        };
+        Ok(Self { file, folder, permissions })
+    }
+
+    /// An empty file in the folder that vanishes unless it is persisted.
+    fn temporary(&self) -> Result<NamedTempFile, OutputError> {
+        let mut builder = tempfile::Builder::new();
+        builder.prefix(".octray-").suffix(".tmp");
+        // The permissions of an ordinary new file, less the umask; tempfile's own default hides it from everyone else.
+        #[cfg(unix)]
+        builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+        builder
+            .tempfile_in(&self.folder)
+            .map_err(|source| OutputError::FolderNotWritable { folder: self.folder.clone(), source })
+    }
+}
+
+/// Where a symbolic link leads; one step if what it names does not exist yet.
+fn follow(link: &Path) -> PathBuf {
+    fs::canonicalize(link).unwrap_or_else(|_| match fs::read_link(link) {
+        Ok(target) => link.parent().unwrap_or(Path::new("")).join(target),
+        Err(_) => link.to_owned(),
+    })
+}

@@ -1,0 +1,31 @@
+//! Pictures as people and programs see them: tone mapping, encoding, files that are whole or absent.
+//!
+//! For: [`save`], which turns a [`Picture`] into a file, and the parts it is made of. May import: `film`.
+//! Must never know: scenes, rays, command lines, windows.
+//!
+//! | file | what it does |
+//! |---|---|
+//! | [`tone`] | from linear radiance to the eight bits of a screen |
+//! | [`encode`] | from a picture to PNG, JPEG, EXR or HDR |
+//! | [`file`] | writing that leaves a whole file or none |
+//! | [`error`] | what can go wrong on the way |
+
+pub mod encode;
+pub mod error;
+pub mod file;
+pub mod tone;
+
+pub use encode::{Format, encode};
+pub use error::OutputError;
+pub use file::{Existing, check, write_atomically};
+pub use tone::{Operator, Tone};
+
+use crate::film::Picture;
+use std::path::Path;
+
+/// Writes a picture to `path` in the format its extension names. `tone` changes PNG and JPEG alone: EXR and HDR hold the
+/// linear radiance. Afterwards the file is whole, or as it was before.
+pub fn save(path: &Path, picture: &Picture, tone: &Tone) -> Result<(), OutputError> {
+    let format = Format::of(path)?;
+    write_atomically(path, Existing::Replace, |file| encode(file, picture, format, tone))
+}

@@ -1,0 +1,138 @@
+//! From linear radiance to the eight bits of a screen: exposure, tone mapping, the sRGB curve.
+//!
+//! For: [`Tone`]. May import: `film`. Must never know: file formats, files.
+
+use crate::film::Picture;
+use std::sync::LazyLock;
+
+/// How radiance becomes the light of a screen.
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
+pub struct Tone {
+    /// Stops: the radiance is multiplied by 2^exposure before anything else.
+    pub exposure: f32,
+    pub operator: Operator,
+}
+
+/// What becomes of radiance that is brighter than a screen. Each channel by itself.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Operator {
+    /// x up to 1, and 1 from there on: true to the radiance, harsh on highlights.
+    #[default]
+    Clamp,
+    /// x / (1 + x): nothing burns out, everything is darker. Source: Reinhard et al., "Photographic Tone Reproduction for
+    /// Digital Images", SIGGRAPH 2002, equation 3.
+    Reinhard,
+    /// The look of film: deep shadows, soft highlights. Source: Krzysztof Narkowicz, "ACES Filmic Tone Mapping Curve"
+    /// (2016), a rational fit of the ACES curve; without its customary factor of 0.6 before it.
+    Aces,
+}
+
+impl Operator {
+    /// The displayed intensity in [0, 1] for a radiance. Domain: all of f32; NaN and what is below 0 show as 0, infinity as
+    /// 1.
+    pub fn map(self, radiance: f32) -> f32 {
+        // `max` answers 0 for NaN. From 1e6 on every curve is 1 to within half an eight-bit step; the bound keeps its
+        // polynomials finite.
+        let x = radiance.max(0.0).min(1e6);
+        let shown = match self {
+            Self::Clamp => x,
+            Self::Reinhard => x / (1.0 + x),
+            Self::Aces => x * (2.51 * x + 0.03) / (x * (2.43 * x + 0.59) + 0.14),
+        };
+        shown.min(1.0)
+    }
+}
+
+impl Tone {
+    /// The eight-bit sRGB values of one pixel.
+    pub fn pixel(&self, radiance: [f32; 3]) -> [u8; 3] {
+        let scale = self.exposure.exp2();
+        radiance.map(|channel| srgb_byte(self.operator.map(channel * scale)))
+    }
+
+    /// The eight-bit sRGB values of a picture: three bytes a pixel, row by row from the top.
+    pub fn bytes(&self, picture: &Picture) -> Vec<u8> {
+        let scale = self.exposure.exp2();
+        let shown = |&channel: &f32| srgb_byte(self.operator.map(channel * scale));
+        picture.pixels.as_flattened().iter().map(shown).collect()
+    }
+}
+
+/// The sRGB curve: from intensity to stored value, both in [0, 1]. Source: IEC 61966-2-1:1999.
+pub fn srgb_encode(linear: f64) -> f64 {
+    if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 }
+}
+
+/// The inverse of [`srgb_encode`].
+pub fn srgb_decode(stored: f64) -> f64 {
+    if stored <= 0.040_45 { stored / 12.92 } else { ((stored + 0.055) / 1.055).powf(2.4) }
+}
+
+/// The nearest of the 256 stored values for an intensity in [0, 1].
+///
+/// It is the number of borders at or below the intensity, a border being where the curve passes from one value's half to
+/// the next: eight comparisons and no power, which matters for a window that shows a frame many times a second.
+pub fn srgb_byte(linear: f32) -> u8 {
+    static BORDERS: LazyLock<[f32; 255]> =
+        LazyLock::new(|| std::array::from_fn(|value| srgb_decode((value as f64 + 0.5) / 255.0) as f32));
+    BORDERS.partition_point(|&border| border <= linear) as u8
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const OPERATORS: [Operator; 3] = [Operator::Clamp, Operator::Reinhard, Operator::Aces];
+
+    #[test]
+    fn srgb_byte_equals_rounding_the_curve_away_from_borders() {
+        for step in 0..=200_000 {
+            let linear = step as f32 / 200_000.0;
+            let exact = srgb_encode(f64::from(linear)) * 255.0;
+            // The two pieces of the standard's curve miss each other by 3e-8, and borders are rounded to f32.
+            if (exact - exact.floor() - 0.5).abs() > 1e-4 {
+                assert_eq!(srgb_byte(linear), exact.round() as u8, "at {linear}");
+            }
+        }
+    }
+
+    #[test]
+    fn srgb_byte_inverts_srgb_decode() {
+        for value in 0..=255_u8 {
+            assert_eq!(srgb_byte(srgb_decode(f64::from(value) / 255.0) as f32), value);
+        }
+    }
+
+    #[test]
+    fn operators_rise_from_black_to_white() {
+        for operator in OPERATORS {
+            assert_eq!(operator.map(0.0), 0.0);
+            let mut last = 0.0;
+            for step in 0..=4_000 {
+                let shown = operator.map((step as f32 / 100.0 - 20.0).exp2());
+                assert!(shown >= last && shown <= 1.0, "{operator:?} falls or leaves [0, 1] at step {step}");
+                last = shown;
+            }
+            assert!(last > 0.999, "{operator:?} ends at {last}");
+        }
+    }
+
+    #[test]
+    fn operators_accept_what_is_not_a_number_of_light() {
+        for operator in OPERATORS {
+            assert_eq!(operator.map(f32::NAN), 0.0);
+            assert_eq!(operator.map(-1.0), 0.0);
+            assert_eq!(operator.map(f32::NEG_INFINITY), 0.0);
+            assert!(operator.map(f32::INFINITY) > 0.999);
+            assert!(operator.map(f32::MAX) > 0.999);
+        }
+    }
+
+    #[test]
+    fn exposure_doubles_at_each_stop() {
+        let tone = Tone { exposure: 1.0, operator: Operator::Clamp };
+        assert_eq!(tone.pixel([0.1, 0.2, 0.3]), Tone::default().pixel([0.2, 0.4, 0.6]));
+        let tone = Tone { exposure: -1.0, operator: Operator::Clamp };
+        assert_eq!(tone.pixel([2.0, 1.0, 0.5]), Tone::default().pixel([1.0, 0.5, 0.25]));
+    }
+}

@@ -1,0 +1,48 @@
+//! Records what the program is built from and with: `OCTRAY_COMMIT` and `OCTRAY_RUSTC`. Never fails a build.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+fn main() {
+    // What decides the commit's `+changes`.
+    const SOURCES: [&str; 4] = ["src", "build.rs", "Cargo.toml", "Cargo.lock"];
+    let mut watched: Vec<PathBuf> = SOURCES.iter().map(PathBuf::from).collect();
+
+    let commit = if is_checkout() { git(&["rev-parse", "--short=12", "HEAD"]) } else { None };
+    let commit = commit.map(|commit| {
+        // The head, the branch it names, and the log that changes with either, even where branches are packed.
+        let branch = git(&["symbolic-ref", "-q", "HEAD"]);
+        let heads = ["HEAD".to_string(), "logs/HEAD".to_string(), "packed-refs".to_string()];
+        for name in heads.into_iter().chain(branch) {
+            watched.extend(git(&["rev-parse", "--git-path", &name]).map(PathBuf::from));
+        }
+        let status = ["status", "--porcelain", "--untracked-files=no", "--"];
+        let changes = git(&[&status[..], &SOURCES[..]].concat());
+        if changes.is_some_and(|changes| !changes.is_empty()) { format!("{commit}+changes") } else { commit }
+    });
+    // Cargo takes a file that is not there for one that changed.
+    for path in watched.iter().filter(|path| path.exists()) {
+        println!("cargo:rerun-if-changed={}", path.display());
+    }
+    let compiler = std::env::var("RUSTC").ok().and_then(|rustc| answer(Command::new(rustc).arg("--version")));
+    println!("cargo:rustc-env=OCTRAY_COMMIT={}", commit.as_deref().unwrap_or("unknown"));
+    println!("cargo:rustc-env=OCTRAY_RUSTC={}", compiler.as_deref().unwrap_or("rustc (version unknown)"));
+}
+
+/// Is this folder a checkout of its own, and not merely inside someone else's?
+fn is_checkout() -> bool {
+    let here = std::env::var("CARGO_MANIFEST_DIR").ok().and_then(|here| Path::new(&here).canonicalize().ok());
+    let top = git(&["rev-parse", "--show-toplevel"]).and_then(|top| Path::new(&top).canonicalize().ok());
+    here.is_some() && here == top
+}
+
+fn git(arguments: &[&str]) -> Option<String> {
+    // `status` would otherwise refresh the index, in the way of whatever else works in the checkout.
+    answer(Command::new("git").arg("--no-optional-locks").args(arguments))
+}
+
+/// What a command prints, if it runs and succeeds.
+fn answer(command: &mut Command) -> Option<String> {
+    let output = command.output().ok().filter(|output| output.status.success())?;
+    Some(String::from_utf8(output.stdout).ok()?.trim().to_string())
+}

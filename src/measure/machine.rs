@@ -1,0 +1,76 @@
+//! The machine and the build a figure was measured with.
+//!
+//! For: [`Machine`], part of every JSON report. May import: `features`. Must never know: what was measured.
+
+use super::features;
+use serde::Serialize;
+
+/// Where a figure comes from: two figures compare only if these agree.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Machine {
+    /// The processor's name for itself.
+    pub cpu: String,
+    /// Threads that run at once, as far as this process may use them.
+    pub cores: usize,
+    /// Those the program was compiled for.
+    pub target_features: Vec<&'static str>,
+    /// Version of the compiler.
+    pub rustc: &'static str,
+    /// Commit of the source, `+changes` behind it where files differed from it; `unknown` outside a checkout.
+    pub commit: &'static str,
+}
+
+impl Machine {
+    /// This machine and this build.
+    pub fn current() -> Self {
+        Self {
+            cpu: cpu(),
+            cores: cores(),
+            target_features: features::compiled(),
+            rustc: env!("OCTRAY_RUSTC"),
+            commit: env!("OCTRAY_COMMIT"),
+        }
+    }
+}
+
+/// Threads that run at once, as far as this process may use them: at least 1.
+pub fn cores() -> usize {
+    std::thread::available_parallelism().map_or(1, usize::from)
+}
+
+fn cpu() -> String {
+    let info = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+    model_name(&info).unwrap_or_else(|| std::env::consts::ARCH.to_string())
+}
+
+/// The first `model name` in the text of `/proc/cpuinfo`.
+fn model_name(info: &str) -> Option<String> {
+    info.lines()
+        .filter_map(|line| line.split_once(':'))
+        .find(|(key, value)| key.trim() == "model name" && !value.trim().is_empty())
+        .map(|(_, value)| value.split_whitespace().collect::<Vec<_>>().join(" "))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn model_name_is_the_first_and_loses_its_padding() {
+        let info =
+            "processor\t: 0\nmodel\t\t: 85\nmodel name\t: Some CPU   @ 2.00GHz \n\nmodel name\t: Other\n";
+        assert_eq!(model_name(info).as_deref(), Some("Some CPU @ 2.00GHz"));
+        assert_eq!(model_name(""), None);
+        assert_eq!(model_name("model name\t:\nCPU implementer : 0x41\n"), None);
+    }
+
+    #[test]
+    fn machine_serialises_with_every_field_filled() {
+        let json = serde_json::to_value(Machine::current()).unwrap();
+        assert!(json["cores"].as_u64().unwrap() >= 1);
+        assert!(json["rustc"].as_str().unwrap().starts_with("rustc "));
+        assert!(!json["cpu"].as_str().unwrap().is_empty());
+        assert!(!json["commit"].as_str().unwrap().is_empty());
+        assert!(json["target_features"].is_array());
+    }
+}

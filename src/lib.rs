@@ -1,6 +1,7 @@
 #![forbid(unsafe_code)]
 pub mod buffers;
 pub mod camera;
+pub mod cli;
 pub mod film;
 pub mod integrate;
 pub mod kernel;

@@ -1,0 +1,234 @@
+//! What the user typed: the arguments' names, shapes and help.
+//!
+//! For: [`Args`] and one struct a command. May import: `clap`. Must never know: which values make sense; numbers stay text
+//! here, and `options` reads them, so that every refusal has the same form.
+
+use clap::{Parser, Subcommand, ValueEnum};
+use std::path::PathBuf;
+
+const SCENE: &str = "A scene file (.json), a model (.obj), or builtin:NAME";
+
+/// A data-oriented path tracer for CPUs.
+///
+/// Traces eight rays at a time with SIMD instructions, and one at a time to check that the two agree. A scene is a file
+/// (.json), a model (.obj; framed automatically under a plain sky) or a built-in scene (builtin:NAME).
+///
+/// Exit codes: 0 success; 1 a check failed; 2 the input cannot be used; 130 Ctrl-C came before the end.
+#[derive(Debug, Parser)]
+#[command(name = "octray", version, max_term_width = 110)]
+pub struct Args {
+    #[command(subcommand)]
+    pub command: Option<Command>,
+}
+
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    Bench(BenchArgs),
+    Compare(CompareArgs),
+    Render(RenderArgs),
+    Convert(ConvertArgs),
+    Inspect(InspectArgs),
+}
+
+/// Measure frames per second, SIMD beside scalar.
+///
+/// A frame is one sample per pixel. Each scene is rendered frame after frame, first to warm up and then to measure; the
+/// median is reported with its spread, and beside it the rays per second. Loading, building and writing files are not
+/// counted.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Example:\n  octray bench builtin:three --threads 1 --json > bench.json")]
+pub struct BenchArgs {
+    /// Scene files, models, or builtin:NAME; the built-in bench scenes if none is given.
+    #[arg(value_name = "SCENE")]
+    pub scenes: Vec<String>,
+    /// Print the figures as JSON (schema octray-bench-1).
+    #[arg(long)]
+    pub json: bool,
+    /// Worker threads [default: all cores].
+    #[arg(long, value_name = "N", allow_hyphen_values = true)]
+    pub threads: Option<String>,
+    /// Measure one width only: 1 (scalar) or 8 (SIMD) [default: both].
+    #[arg(long, value_name = "1|8", allow_hyphen_values = true)]
+    pub lanes: Option<String>,
+    /// Pixels of a frame.
+    #[arg(long, value_name = "WxH", default_value = "240x135", allow_hyphen_values = true)]
+    pub size: String,
+    /// Scattering events allowed on a path.
+    #[arg(long, value_name = "N", default_value = "4", allow_hyphen_values = true)]
+    pub bounces: String,
+    /// Frames measured for each scene and width.
+    #[arg(long, value_name = "N", default_value = "50", allow_hyphen_values = true)]
+    pub frames: String,
+    /// Which random numbers to use.
+    #[arg(long, value_name = "N", default_value = "0", allow_hyphen_values = true)]
+    pub seed: String,
+    #[command(flatten)]
+    pub methods: MethodArgs,
+}
+
+/// Check that SIMD and scalar render the same picture.
+///
+/// Renders each scene at both widths and counts the pixels that differ in any bit: 0 is expected. Then both are held
+/// against a reference in double precision that shares no code with them. Exits with 1 if a check fails.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Example:\n  octray compare builtin:three --samples 64")]
+pub struct CompareArgs {
+    /// Scene files, models, or builtin:NAME; the built-in scenes if none is given.
+    #[arg(value_name = "SCENE")]
+    pub scenes: Vec<String>,
+    /// Print the figures as JSON (schema octray-compare-1).
+    #[arg(long)]
+    pub json: bool,
+    /// Worker threads [default: all cores].
+    #[arg(long, value_name = "N", allow_hyphen_values = true)]
+    pub threads: Option<String>,
+    /// Pixels of the pictures.
+    #[arg(long, value_name = "WxH", default_value = "240x135", allow_hyphen_values = true)]
+    pub size: String,
+    /// Scattering events allowed on a path.
+    #[arg(long, value_name = "N", default_value = "4", allow_hyphen_values = true)]
+    pub bounces: String,
+    /// Samples per pixel.
+    #[arg(long, value_name = "N", default_value = "16", allow_hyphen_values = true)]
+    pub samples: String,
+    /// Which random numbers to use.
+    #[arg(long, value_name = "N", default_value = "0", allow_hyphen_values = true)]
+    pub seed: String,
+    #[command(flatten)]
+    pub methods: MethodArgs,
+}
+
+/// Render a picture into a file.
+///
+/// The file's extension names its format: .png and .jpg for screens (exposure, tone mapping, sRGB), .exr and .hdr for the
+/// linear radiance. The file appears whole, at the end; one that was there before is replaced then.
+///
+/// Ctrl-C ends the rendering early: the samples so far are written as a picture, the exit code is 130, and with --json
+/// `interrupted` is true. A second Ctrl-C ends the program at once and writes nothing.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:
+  octray render builtin:three -o three.png
+  octray render scene.json -o scene.exr --samples 1024 --size 1920x1080")]
+pub struct RenderArgs {
+    #[arg(value_name = "SCENE", help = SCENE)]
+    pub scene: String,
+    /// Where the picture goes: .png, .jpg, .exr or .hdr.
+    #[arg(short, long, value_name = "FILE")]
+    pub output: PathBuf,
+    /// Samples per pixel: four times as many halve the noise.
+    #[arg(long, value_name = "N", default_value = "64", allow_hyphen_values = true)]
+    pub samples: String,
+    /// Pixels of the picture [default: the scene's].
+    #[arg(long, value_name = "WxH", allow_hyphen_values = true)]
+    pub size: Option<String>,
+    /// Scattering events allowed on a path; 0 shows only what shines [default: the scene's].
+    #[arg(long, value_name = "N", allow_hyphen_values = true)]
+    pub bounces: Option<String>,
+    /// Which random numbers to use: the same seed gives the same picture, bit by bit.
+    #[arg(long, value_name = "N", default_value = "0", allow_hyphen_values = true)]
+    pub seed: String,
+    /// Worker threads; they do not change the picture [default: all cores].
+    #[arg(long, value_name = "N", allow_hyphen_values = true)]
+    pub threads: Option<String>,
+    /// Rays traced at a time: 1 (scalar) or 8 (SIMD); they do not change the picture.
+    #[arg(long, value_name = "1|8", default_value = "8", allow_hyphen_values = true)]
+    pub lanes: String,
+    /// Brighten (above 0) or darken (below 0) .png and .jpg by so many stops, a factor of two each [default: 0].
+    #[arg(long, value_name = "STOPS", allow_hyphen_values = true)]
+    pub exposure: Option<String>,
+    /// How .png and .jpg show what is brighter than a screen [default: clamp].
+    #[arg(long, value_enum)]
+    pub tone: Option<ToneArg>,
+    #[command(flatten)]
+    pub methods: MethodArgs,
+    /// Print what was done as JSON (schema octray-render-1).
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Turn a mesh into a scene file.
+///
+/// Writes a scene in octray's own format that shows the model: a camera that frames it, a plain sky, its materials. The
+/// scene file names the model file, which has to stay where it is. An existing file is kept unless --force is given.
+#[derive(Debug, clap::Args)]
+#[command(
+    after_help = "Example:\n  octray convert bunny.obj bunny.json && octray render bunny.json -o bunny.png"
+)]
+pub struct ConvertArgs {
+    /// A Wavefront OBJ file.
+    #[arg(value_name = "MODEL.obj")]
+    pub model: PathBuf,
+    /// The scene file to write.
+    #[arg(value_name = "SCENE.json")]
+    pub scene: PathBuf,
+    /// Replace SCENE.json if it exists.
+    #[arg(long)]
+    pub force: bool,
+}
+
+/// Show what a scene holds.
+///
+/// Counts its objects, materials and textures, says how much memory they take and where the camera stands, and repeats what
+/// was odd about the file.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Example:\n  octray inspect builtin:three --json")]
+pub struct InspectArgs {
+    #[arg(value_name = "SCENE", help = SCENE)]
+    pub scene: String,
+    /// Print it as JSON (schema octray-inspect-1).
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// How rays meet surfaces.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::Args)]
+pub struct MethodArgs {
+    /// How rays meet spheres.
+    #[arg(long, value_enum, value_name = "METHOD", default_value_t)]
+    pub sphere: SphereMethod,
+    /// How rays meet triangles.
+    #[arg(long, value_enum, value_name = "METHOD", default_value_t)]
+    pub triangle: TriangleMethod,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, ValueEnum)]
+pub enum SphereMethod {
+    /// Holds for small, distant and huge spheres.
+    #[default]
+    Robust,
+    /// The textbook's quadratic formula: loses digits where the other does not.
+    Naive,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, ValueEnum)]
+pub enum TriangleMethod {
+    /// Watertight: no ray slips through between neighbours.
+    #[default]
+    Woop,
+    /// Needs nothing stored beside the vertices.
+    MollerTrumbore,
+    /// Stores a transformation for each triangle.
+    BaldwinWeber,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, ValueEnum)]
+pub enum ToneArg {
+    /// Cut it off: true to the radiance up to there.
+    #[default]
+    Clamp,
+    /// x / (1 + x): nothing burns out, everything is darker.
+    Reinhard,
+    /// The look of film: deep shadows, soft highlights.
+    Aces,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn args_are_consistent_in_claps_own_judgement() {
+        Args::command().debug_assert();
+    }
+}

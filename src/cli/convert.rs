@@ -1,0 +1,23 @@
+//! `octray convert`: from a mesh to a scene file.
+
+use super::error::CliError;
+use super::options::ConvertOptions;
+use super::terminal;
+use crate::output::{self, Existing};
+use crate::scene;
+use std::io::Write;
+use std::process::ExitCode;
+
+/// Runs the command.
+pub fn run(options: ConvertOptions) -> Result<ExitCode, CliError> {
+    let existing = if options.force { Existing::Replace } else { Existing::Keep };
+    output::check(&options.scene, existing)?;
+    let text = scene::native_from_obj(&options.model)?;
+    output::write_atomically(&options.scene, existing, |file| file.write_all(text.as_bytes()))?;
+    terminal::print(&format!(
+        "wrote {}\n  to see it: octray render {} -o picture.png\n",
+        options.scene.display(),
+        options.scene.display()
+    ))?;
+    Ok(ExitCode::SUCCESS)
+}

@@ -1,0 +1,26 @@
+//! Why a command stopped: what, where, and how to mend it.
+
+use crate::output::OutputError;
+use crate::scene::SceneError;
+use std::io;
+
+/// Why a command did not do what was asked.
+#[derive(Debug, thiserror::Error)]
+pub enum CliError {
+    /// An argument's value cannot be used.
+    #[error("{option} {value}: {why}")]
+    Value { option: &'static str, value: String, why: String },
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    #[error(transparent)]
+    Output(#[from] OutputError),
+    #[error("cannot write to standard output")]
+    Stdout(#[source] io::Error),
+    #[error(
+        "this octray was compiled for instructions that this machine does not have: {}\n  rebuild it here: {}",
+        .missing.join(", "), super::machine_check::REBUILD
+    )]
+    Machine { missing: Vec<&'static str> },
+    #[error("octray {command} is not part of this build\n  octray --help lists the commands")]
+    Unavailable { command: &'static str },
+}

@@ -1,0 +1,317 @@
+//! `octray inspect`: what a scene holds.
+
+use super::error::CliError;
+use super::options::InspectOptions;
+use super::terminal;
+use crate::scene::{self, Filter, Material, MaterialKind, Scene, Sky, Texture};
+use glam::Vec3;
+use serde::Serialize;
+use std::fmt::Write;
+use std::process::ExitCode;
+
+/// What a scene holds; the JSON report.
+#[derive(Debug, Serialize)]
+struct Inspection {
+    schema: &'static str,
+    scene: String,
+    name: String,
+    resolution: [u32; 2],
+    max_bounces: u32,
+    spheres: usize,
+    triangles: usize,
+    /// Triangles with vertex normals of their own.
+    smooth_triangles: usize,
+    /// How many materials there are of each type.
+    materials: Materials,
+    textures: Vec<TextureReport>,
+    sky: SkyReport,
+    camera: CameraReport,
+    /// The box around everything; `None` for a scene of sky alone.
+    bounds: Option<Bounds>,
+    memory_bytes: usize,
+    warnings: Vec<String>,
+}
+
+#[derive(Debug, Default, Serialize)]
+struct Materials {
+    diffuse: usize,
+    metal: usize,
+    glass: usize,
+    scatter: usize,
+    emitter: usize,
+    /// Of all of them, those that shine.
+    shining: usize,
+    /// Of all of them, those with a texture.
+    textured: usize,
+}
+
+#[derive(Debug, Serialize)]
+struct TextureReport {
+    name: String,
+    width: u32,
+    height: u32,
+    filter: &'static str,
+    memory_bytes: usize,
+}
+
+#[derive(Debug, Serialize)]
+#[serde(tag = "type", rename_all = "lowercase")]
+enum SkyReport {
+    Color { color: Vec3Report },
+    Gradient { bottom: Vec3Report, top: Vec3Report },
+    Texture { texture: String, color: Vec3Report },
+}
+
+#[derive(Debug, Serialize)]
+struct CameraReport {
+    position: Vec3Report,
+    look_at: Vec3Report,
+    up: Vec3Report,
+    vertical_fov: f32,
+}
+
+#[derive(Debug, Serialize)]
+struct Bounds {
+    lower: Vec3Report,
+    upper: Vec3Report,
+}
+
+type Vec3Report = [f32; 3];
+
+/// Runs the command.
+pub fn run(options: InspectOptions) -> Result<ExitCode, CliError> {
+    let scene = scene::load(&options.scene)?;
+    let inspection = Inspection::of(options.scene, &scene);
+    if options.json {
+        terminal::print_json(&inspection)?;
+    } else {
+        terminal::print(&inspection.text())?;
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+impl Inspection {
+    fn of(spec: String, scene: &Scene) -> Self {
+        Self {
+            schema: "octray-inspect-1",
+            scene: spec,
+            name: scene.name.clone(),
+            resolution: scene.resolution,
+            max_bounces: scene.max_bounces,
+            spheres: scene.spheres.len(),
+            triangles: scene.triangles.len(),
+            smooth_triangles: scene
+                .normals
+                .iter()
+                .filter(|normals| normals.iter().any(|n| *n != Vec3::ZERO))
+                .count(),
+            materials: Materials::of(&scene.materials),
+            textures: scene.textures.iter().map(TextureReport::of).collect(),
+            sky: SkyReport::of(scene),
+            camera: CameraReport {
+                position: scene.camera.position.into(),
+                look_at: scene.camera.look_at.into(),
+                up: scene.camera.up.into(),
+                vertical_fov: scene.camera.vertical_fov,
+            },
+            bounds: Bounds::of(scene),
+            memory_bytes: memory(scene),
+            warnings: scene.warnings.clone(),
+        }
+    }
+
+    /// The report for people: a line a fact, its name first. What a scene needs of the pipeline belongs here too.
+    fn lines(&self) -> Vec<(&'static str, String)> {
+        let [width, height] = self.resolution;
+        let smooth = match self.smooth_triangles {
+            0 => String::new(),
+            count => format!(" ({} with vertex normals)", grouped(count)),
+        };
+        let mut lines = vec![
+            ("scene", self.name.clone()),
+            ("resolution", format!("{width}×{height}")),
+            ("bounces", format!("up to {}", self.max_bounces)),
+            ("spheres", grouped(self.spheres)),
+            ("triangles", format!("{}{smooth}", grouped(self.triangles))),
+            ("materials", self.materials.text()),
+        ];
+        lines.extend(self.textures.iter().map(|texture| ("texture", texture.text())));
+        lines.extend([("sky", self.sky.text()), ("camera", self.camera.text())]);
+        let bounds = self
+            .bounds
+            .as_ref()
+            .map(|bounds| format!("{} to {}", vector(bounds.lower), vector(bounds.upper)));
+        lines.push(("bounds", bounds.unwrap_or_else(|| "none: there is nothing but sky".into())));
+        lines.push(("memory", bytes(self.memory_bytes)));
+        lines.extend(self.warnings.iter().map(|warning| ("warning", warning.clone())));
+        lines
+    }
+
+    fn text(&self) -> String {
+        self.lines().into_iter().fold(String::new(), |mut text, (name, value)| {
+            let _ = writeln!(text, "{name:<11} {value}");
+            text
+        })
+    }
+}
+
+impl Materials {
+    fn of(materials: &[Material]) -> Self {
+        let mut count = Self::default();
+        for material in materials {
+            *match material.kind {
+                MaterialKind::Diffuse => &mut count.diffuse,
+                MaterialKind::Metal { .. } => &mut count.metal,
+                MaterialKind::Glass { .. } => &mut count.glass,
+                MaterialKind::Scatter { .. } => &mut count.scatter,
+                MaterialKind::Emitter => &mut count.emitter,
+            } += 1;
+            count.shining += usize::from(material.emission != Vec3::ZERO);
+            count.textured += usize::from(material.texture.is_some());
+        }
+        count
+    }
+
+    fn text(&self) -> String {
+        let types = [
+            ("diffuse", self.diffuse),
+            ("metal", self.metal),
+            ("glass", self.glass),
+            ("scatter", self.scatter),
+            ("emitter", self.emitter),
+        ];
+        let total: usize = types.iter().map(|(_, count)| count).sum();
+        let present = types.iter().filter(|(_, count)| *count > 0);
+        let listed: Vec<String> = present.map(|(name, count)| format!("{count} {name}")).collect();
+        let mut text = if listed.is_empty() { "0".into() } else { format!("{total}: {}", listed.join(", ")) };
+        for (what, count) in [("shining", self.shining), ("textured", self.textured)] {
+            if count > 0 {
+                let _ = write!(text, "; {count} {what}");
+            }
+        }
+        text
+    }
+}
+
+impl TextureReport {
+    fn of(texture: &Texture) -> Self {
+        Self {
+            name: texture.name.clone(),
+            width: texture.width,
+            height: texture.height,
+            filter: match texture.filter {
+                Filter::Nearest => "nearest",
+                Filter::Bilinear => "bilinear",
+            },
+            memory_bytes: size_of_val(&texture.texels[..]),
+        }
+    }
+
+    fn text(&self) -> String {
+        let Self { name, width, height, filter, memory_bytes } = self;
+        format!("{name}: {width}×{height}, {filter}, {}", bytes(*memory_bytes))
+    }
+}
+
+impl SkyReport {
+    fn of(scene: &Scene) -> Self {
+        match scene.sky {
+            Sky::Color(color) => Self::Color { color: color.into() },
+            Sky::Gradient { bottom, top } => Self::Gradient { bottom: bottom.into(), top: top.into() },
+            Sky::Texture { texture, color } => {
+                Self::Texture { texture: scene.textures[texture as usize].name.clone(), color: color.into() }
+            }
+        }
+    }
+
+    fn text(&self) -> String {
+        match self {
+            Self::Color { color } => vector(*color),
+            Self::Gradient { bottom, top } => format!("{} below to {} above", vector(*bottom), vector(*top)),
+            Self::Texture { texture, color } => format!("{texture}, times {}", vector(*color)),
+        }
+    }
+}
+
+impl CameraReport {
+    fn text(&self) -> String {
+        format!("at {} towards {}, {}° high", vector(self.position), vector(self.look_at), self.vertical_fov)
+    }
+}
+
+impl Bounds {
+    fn of(scene: &Scene) -> Option<Self> {
+        let corners = scene.triangles.iter().flat_map(|triangle| triangle.vertices);
+        let poles = scene.spheres.iter().flat_map(|sphere| {
+            [sphere.center - Vec3::splat(sphere.radius), sphere.center + Vec3::splat(sphere.radius)]
+        });
+        let around = |(lower, upper): (Vec3, Vec3), point: Vec3| (lower.min(point), upper.max(point));
+        let mut points = corners.chain(poles);
+        let first = points.next()?;
+        let (lower, upper) = points.fold((first, first), around);
+        Some(Self { lower: lower.into(), upper: upper.into() })
+    }
+}
+
+/// Bytes of the scene's lists: what the buffers are made from, not what they take themselves.
+fn memory(scene: &Scene) -> usize {
+    let texels: usize = scene.textures.iter().map(|texture| size_of_val(&texture.texels[..])).sum();
+    texels
+        + size_of_val(&scene.spheres[..])
+        + size_of_val(&scene.triangles[..])
+        + size_of_val(&scene.uvs[..])
+        + size_of_val(&scene.normals[..])
+        + size_of_val(&scene.materials[..])
+}
+
+fn vector([x, y, z]: Vec3Report) -> String {
+    format!("({x}, {y}, {z})")
+}
+
+/// A count with its thousands set apart: 1 234 567.
+fn grouped(count: usize) -> String {
+    let digits = count.to_string();
+    let mut text = String::new();
+    for (index, digit) in digits.chars().enumerate() {
+        if index > 0 && (digits.len() - index).is_multiple_of(3) {
+            text.push(' ');
+        }
+        text.push(digit);
+    }
+    text
+}
+
+fn bytes(count: usize) -> String {
+    const UNITS: [&str; 4] = ["kB", "MB", "GB", "TB"];
+    if count < 1_000 {
+        return format!("{count} B");
+    }
+    let mut amount = count as f64 / 1_000.0;
+    let mut unit = 0;
+    while amount >= 999.95 && unit + 1 < UNITS.len() {
+        amount /= 1_000.0;
+        unit += 1;
+    }
+    format!("{amount:.1} {}", UNITS[unit])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn grouped_sets_thousands_apart() {
+        for (count, text) in [(0, "0"), (999, "999"), (1_000, "1 000"), (1_234_567, "1 234 567")] {
+            assert_eq!(grouped(count), text);
+        }
+    }
+
+    #[test]
+    fn bytes_picks_the_unit_that_keeps_numbers_short() {
+        for (count, text) in
+            [(0, "0 B"), (999, "999 B"), (1_000, "1.0 kB"), (999_999, "1.0 MB"), (2_500_000_000, "2.5 GB")]
+        {
+            assert_eq!(bytes(count), text);
+        }
+    }
+}

@@ -1,0 +1,105 @@
+//! The command line: raw arguments, validated options, one file a command, exit codes.
+//!
+//! For: [`main`], all that the program's `main` does. May import: everything. Must never know: equations.
+//!
+//! | file | what it does |
+//! |---|---|
+//! | [`args`] | what the user typed: the arguments' names, shapes and help |
+//! | [`options`] | what we accept: numbers in range, names known |
+//! | [`render`], [`convert`], [`inspect`], [`bench`], [`compare`] | the commands |
+//! | [`machine_check`] | refuses to start where the program's instructions do not exist |
+//! | [`terminal`] | the only writer to standard output and standard error |
+//! | [`interrupt`] | Ctrl-C |
+//! | [`error`] | what can go wrong |
+
+pub mod args;
+pub mod bench;
+pub mod compare;
+pub mod convert;
+pub mod error;
+pub mod inspect;
+pub mod interrupt;
+pub mod machine_check;
+pub mod options;
+pub mod render;
+pub mod terminal;
+
+pub use error::CliError;
+
+use args::{Args, Command};
+use clap::Parser;
+use std::process::ExitCode;
+
+/// A check found what should not be: pictures that differ, say.
+pub const CHECK_FAILED: u8 = 1;
+/// The input cannot be used: arguments, a scene, an output file, the machine.
+pub const BAD_INPUT: u8 = 2;
+/// Ctrl-C came before the end.
+pub const INTERRUPTED: u8 = 130;
+
+const WELCOME: &str = "\
+octray traces paths through scenes on the CPU, eight rays at a time. Try:
+
+  octray bench                                    frames per second, SIMD beside scalar
+  octray compare                                  do SIMD and scalar agree, bit by bit?
+  octray render builtin:three -o three.png        a picture
+  octray inspect builtin:three                    what a scene holds
+  octray convert model.obj scene.json             a scene to edit from a mesh
+
+octray --help lists everything; octray COMMAND --help explains one command.
+";
+
+/// Runs the program on the process's arguments.
+pub fn main() -> ExitCode {
+    // Before anything else: what follows may already be compiled to instructions this machine has not got.
+    let verdict = machine_check::verdict();
+    if let Err(error) = verdict.require() {
+        return report(&error);
+    }
+    // Wrong usage ends here with exit code 2; --help and --version with 0.
+    let args = Args::parse();
+    match run(args, &verdict) {
+        Ok(code) => code,
+        // Whoever read our output has seen enough.
+        Err(CliError::Stdout(error)) if error.kind() == std::io::ErrorKind::BrokenPipe => ExitCode::SUCCESS,
+        Err(error) => report(&error),
+    }
+}
+
+fn run(args: Args, verdict: &machine_check::Verdict) -> Result<ExitCode, CliError> {
+    let Some(command) = args.command else {
+        terminal::print(WELCOME)?;
+        return Ok(ExitCode::SUCCESS);
+    };
+    match command {
+        Command::Bench(args) => {
+            let options = args.try_into()?;
+            verdict.advise();
+            bench::run(options)
+        }
+        Command::Compare(args) => {
+            let options = args.try_into()?;
+            verdict.advise();
+            compare::run(options)
+        }
+        Command::Render(args) => {
+            let options = args.try_into()?;
+            verdict.advise();
+            render::run(options)
+        }
+        Command::Convert(args) => convert::run(args.into()),
+        Command::Inspect(args) => inspect::run(args.into()),
+    }
+}
+
+/// Says on standard error what went wrong and why.
+fn report(error: &CliError) -> ExitCode {
+    let mut text = format!("error: {error}");
+    let mut cause = std::error::Error::source(error);
+    while let Some(error) = cause {
+        text.push_str(&format!("\n  because: {error}"));
+        cause = error.source();
+    }
+    terminal::note(&text);
+    ExitCode::from(BAD_INPUT)
+}

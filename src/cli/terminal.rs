@@ -1,0 +1,29 @@
+//! The only writer to standard output and standard error: it never panics, whoever closes the other end.
+//!
+//! For: [`print`], [`print_json`], [`note`], [`warn`]. May import: `error`. Must never know: what is said.
+
+use super::error::CliError;
+use serde::Serialize;
+use std::io::{self, Write};
+
+/// Writes text to standard output.
+pub fn print(text: &str) -> Result<(), CliError> {
+    let mut out = io::stdout().lock();
+    out.write_all(text.as_bytes()).and_then(|()| out.flush()).map_err(CliError::Stdout)
+}
+
+/// Writes a report to standard output as indented JSON.
+pub fn print_json(report: &impl Serialize) -> Result<(), CliError> {
+    let text = serde_json::to_string_pretty(report).map_err(|error| CliError::Stdout(error.into()))?;
+    print(&(text + "\n"))
+}
+
+/// Writes a line to standard error. A closed standard error loses it: there is nowhere left to complain.
+pub fn note(line: &str) {
+    let _ = writeln!(io::stderr().lock(), "{line}");
+}
+
+/// Says on standard error that something is odd but not wrong.
+pub fn warn(sentence: &str) {
+    note(&format!("warning: {sentence}"));
+}

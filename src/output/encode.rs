@@ -91,7 +91,7 @@ pub fn encode(
 fn round_to_rgbe(pixel: [f32; 3]) -> [f32; 3] {
     const LEAST: f32 = 7.523_164e-37; // 2⁻¹²⁰
     const MOST: f32 = 1.694_847_4e38; // 255 · 2¹¹⁹
-    let pixel = pixel.map(|channel| channel.max(0.0).min(MOST));
+    let pixel = pixel.map(|channel| if channel > 0.0 { channel.min(MOST) } else { 0.0 });
     let largest = pixel[0].max(pixel[1]).max(pixel[2]);
     if largest < LEAST {
         return [0.0; 3];

@@ -31,9 +31,9 @@ impl Operator {
     /// The displayed intensity in [0, 1] for a radiance. Domain: all of f32; NaN and what is below 0 show as 0, infinity as
     /// 1.
     pub fn map(self, radiance: f32) -> f32 {
-        // `max` answers 0 for NaN. From 1e6 on every curve is 1 to within half an eight-bit step; the bound keeps its
+        // NaN is not above 0. From 1e6 on every curve is 1 to within half an eight-bit step; the bound keeps its
         // polynomials finite.
-        let x = radiance.max(0.0).min(1e6);
+        let x = if radiance > 0.0 { radiance.min(1e6) } else { 0.0 };
         let shown = match self {
             Self::Clamp => x,
             Self::Reinhard => x / (1.0 + x),

@@ -32,8 +32,8 @@ def make_spheres():
     rng = random.Random(SEED)
     materials = {
         "floor": {"type": "diffuse", "color": [0.45, 0.45, 0.48]},
-        "lamp": {"type": "emitter", "emission": [14, 11.5, 8.5]},
-        "moon": {"type": "emitter", "emission": [5, 7, 10]},
+        "lamp": {"type": "emitter", "emission": [6, 5, 3.7]},
+        "moon": {"type": "emitter", "emission": [2.6, 3.6, 5]},
         "mirror": {"type": "metal", "color": [0.95, 0.95, 0.95]},
         "gold": {"type": "metal", "color": [0.95, 0.72, 0.35], "roughness": 0.15},
         "copper": {"type": "metal", "color": [0.92, 0.55, 0.42], "roughness": 0.35},
@@ -49,8 +49,8 @@ def make_spheres():
     # The floor's top is at y = 0; the lights hang to the left and to the right.
     spheres = [
         {"center": [0, -1000, 0], "radius": 1000, "material": "floor"},
-        {"center": [-4.5, 5.2, 1.5], "radius": 1.2, "material": "lamp"},
-        {"center": [5.5, 4.2, -2], "radius": 1.0, "material": "moon"},
+        {"center": [-5.5, 6.5, 2], "radius": 2.2, "material": "lamp"},
+        {"center": [7, 5.6, -4], "radius": 1.8, "material": "moon"},
         {"center": [-1.9, 1.1, -0.6], "radius": 1.1, "material": "mirror"},
         {"center": [0.5, 1.0, 0.4], "radius": 1.0, "material": "glass"},
         {"center": [2.6, 0.9, -1.0], "radius": 0.9, "material": "gold"},
@@ -105,16 +105,16 @@ def make_cornell():
     back = [[-1, 0, -1], [1, 0, -1], [1, 2, -1], [-1, 2, -1]]
     left = [[-1, 0, 1], [-1, 0, -1], [-1, 2, -1], [-1, 2, 1]]
     right = [[1, 0, -1], [1, 0, 1], [1, 2, 1], [1, 2, -1]]
-    lamp = [[-0.3, 1.99, -0.35], [0.3, 1.99, -0.35], [0.3, 1.99, 0.15], [-0.3, 1.99, 0.15]]
+    lamp = [[-0.42, 1.99, -0.45], [0.42, 1.99, -0.45], [0.42, 1.99, 0.25], [-0.42, 1.99, 0.25]]
     room = quad(*floor, "white") + quad(*ceiling, "white") + quad(*back, "white")
     room += quad(*left, "red") + quad(*right, "green") + quad(*lamp, "lamp")
     materials = {
         "white": {"type": "diffuse", "color": [0.73, 0.73, 0.73]},
         "red": {"type": "diffuse", "color": [0.63, 0.065, 0.05]},
         "green": {"type": "diffuse", "color": [0.14, 0.45, 0.091]},
-        "lamp": {"type": "emitter", "emission": [17, 12, 6]},
+        "lamp": {"type": "emitter", "emission": [10, 7.4, 4.2]},
     }
-    camera = {"position": [0, 1, 2.75], "look_at": [0, 1, 0], "vertical_fov": 40}
+    camera = {"position": [0, 1, 2.45], "look_at": [0, 1, 0], "vertical_fov": 40}
     sky = {"color": [0, 0, 0]}
     blocks = block(-0.36, -0.32, 0.29, 1.2, 18, "white") + block(0.36, 0.22, 0.29, 0.58, -17, "white")
     write("cornell.json", camera, sky, materials, triangles=room + blocks)
@@ -123,8 +123,8 @@ def make_cornell():
         "glass": {"type": "glass", "ior": 1.5},
     }
     balls = [
-        {"center": [-0.45, 0.42, -0.35], "radius": 0.42, "material": "mirror"},
-        {"center": [0.43, 0.36, 0.2], "radius": 0.36, "material": "glass"},
+        {"center": [-0.45, 0.42, -0.5], "radius": 0.42, "material": "mirror"},
+        {"center": [0.43, 0.36, -0.12], "radius": 0.36, "material": "glass"},
     ]
     write("cornell-spheres.json", camera, sky, materials, spheres=balls, triangles=room)
 

@@ -14,7 +14,7 @@ use std::marker::PhantomData;
 pub const FORMAT: &str = "octray-1";
 
 #[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, expecting = "an object with `format`")]
 pub struct SceneFile {
     pub format: String,
     /// Missing: frames the whole scene.
@@ -34,7 +34,10 @@ pub struct SceneFile {
 }
 
 #[derive(Deserialize, Default)]
-#[serde(deny_unknown_fields)]
+#[serde(
+    deny_unknown_fields,
+    expecting = "an object such as { \"position\": [0, 1, 5], \"look_at\": [0, 1, 0] }"
+)]
 pub struct CameraFile {
     /// Missing: far enough from `look_at` to see the whole scene.
     pub position: Option<[f64; 3]>,
@@ -46,7 +49,7 @@ pub struct CameraFile {
 
 /// `color`, or `gradient`, or `texture` (which `color` then multiplies).
 #[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, expecting = "an object with `color`, `gradient` or `texture`")]
 pub struct SkyFile {
     pub color: Option<[f64; 3]>,
     pub gradient: Option<GradientFile>,
@@ -55,7 +58,7 @@ pub struct SkyFile {
 }
 
 #[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, expecting = "an object with `bottom` and `top`")]
 pub struct GradientFile {
     pub bottom: [f64; 3],
     pub top: [f64; 3],
@@ -70,7 +73,7 @@ pub enum FilterFile {
 
 /// The keys of all types together; which belong to `type` is for `material` to say.
 #[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, expecting = "an object with a `type`")]
 pub struct MaterialFile {
     pub r#type: String,
     pub color: Option<[f64; 3]>,
@@ -86,7 +89,7 @@ pub struct MaterialFile {
 }
 
 #[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, expecting = "an object with `center` and `radius`")]
 pub struct SphereFile {
     pub center: [f64; 3],
     pub radius: f64,
@@ -95,7 +98,7 @@ pub struct SphereFile {
 }
 
 #[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, expecting = "an object with `vertices`")]
 pub struct TriangleFile {
     pub vertices: [[f64; 3]; 3],
     pub uvs: Option<[[f64; 2]; 3]>,
@@ -103,7 +106,7 @@ pub struct TriangleFile {
 }
 
 #[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, expecting = "an object with `obj`")]
 pub struct MeshFile {
     pub obj: String,
     /// Missing: the materials of the model's own MTL file.
@@ -166,8 +169,10 @@ fn refusal(source: &Source, path: &str, error: &serde_json::Error) -> SceneError
     } else {
         syntax_fault(message, source.text.lines().nth(line.saturating_sub(1)).unwrap_or_default(), column)
     };
+    // A question mark stands for a key that could not be read.
+    let path = path.trim_end_matches('?').trim_end_matches('.');
     let place = match path {
-        "." => format!("line {line}, column {column}"),
+        "" => format!("line {line}, column {column}"),
         path => format!("{path}, line {line}, column {column}"),
     };
     SceneError::new(what).in_file(source.file).at(place).mend(mend)
@@ -217,7 +222,6 @@ fn data_fault(message: &str) -> (String, String) {
     let message = message
         .replace("expected f64", "expected a number")
         .replace("expected u32", "expected a whole number of 0 or more")
-        .replace("expected struct", "expected an object,")
         .replace("unknown variant", "unknown word");
     let expected = message.rsplit_once("expected ").map(|(_, expected)| expected.to_string());
     let mend =

@@ -8,6 +8,7 @@ use super::place::Source;
 use super::{Scene, SceneError, builtin, obj, thesis, validate};
 use serde::Deserialize;
 use serde::de::IgnoredAny;
+use serde_json::Value;
 use std::path::Path;
 
 /// Loads a scene: `builtin:NAME`, the path of an .obj file (framed automatically under a plain sky), or the path of a
@@ -44,6 +45,7 @@ pub fn load(spec: &str) -> Result<Scene, SceneError> {
 
 /// The keys that tell the formats apart.
 #[derive(Deserialize)]
+#[serde(expecting = "an object")]
 struct Keys {
     format: Option<IgnoredAny>,
     sphere: Option<IgnoredAny>,
@@ -52,16 +54,27 @@ struct Keys {
 }
 
 fn json_scene(source: &Source, files: &Files, name: String) -> Result<Scene, SceneError> {
-    let keys: Keys = read(source)?;
+    // Serde would take an array's entries for the keys in their order.
+    if source.text.trim_start().starts_with('[') {
+        return Err(not_a_scene(source));
+    }
+    let keys: Keys = serde_json::from_str(source.text).or_else(|_| {
+        // Reading the keys skips what they hold; reading everything finds the path of a fault inside.
+        read::<Value>(source)?;
+        read(source)
+    })?;
     if keys.format.is_some() {
         validate::scene(source, files, name)
     } else if keys.sphere.is_some() || keys.triangle.is_some() || keys.res.is_some() {
         thesis::scene(source, files, name)
     } else {
-        let mend = format!(
-            "a scene of this program starts with \"format\": \"{FORMAT}\"; one of the thesis's has the keys `sphere`, \
-             `triangle` or `res`"
-        );
-        Err(SceneError::new("this JSON is not a scene").in_file(source.file).mend(mend))
+        Err(not_a_scene(source))
     }
+}
+
+fn not_a_scene(source: &Source) -> SceneError {
+    SceneError::new("this JSON is not a scene").in_file(source.file).mend(format!(
+        "a scene of this program is an object with \"format\": \"{FORMAT}\"; one of the thesis's has the keys \
+         `sphere`, `triangle` or `res`"
+    ))
 }

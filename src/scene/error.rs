@@ -28,3 +28,19 @@ fn place(file: &Option<PathBuf>, at: &Option<String>) -> String {
 fn remedy(mend: &Option<String>) -> String {
     mend.as_ref().map(|mend| format!("\n  {mend}")).unwrap_or_default()
 }
+
+impl SceneError {
+    /// An error that knows neither its file nor its remedy yet.
+    pub(super) fn new(what: impl Into<String>) -> Self {
+        Self { what: what.into(), file: None, at: None, mend: None }
+    }
+    pub(super) fn in_file(self, file: impl Into<PathBuf>) -> Self {
+        Self { file: Some(file.into()), ..self }
+    }
+    pub(super) fn at(self, at: impl Into<String>) -> Self {
+        Self { at: Some(at.into()), ..self }
+    }
+    pub(super) fn mend(self, mend: impl Into<String>) -> Self {
+        Self { mend: Some(mend.into()), ..self }
+    }
+}

@@ -5,17 +5,39 @@
 //!
 //! | file | what it does |
 //! |---|---|
+//! | `load` | from a name on the command line to a [`Scene`] |
 //! | `file` | the native JSON as the user wrote it |
-//! | `validate` | from that to a [`Scene`], or an error that says where and how to mend it |
+//! | `validate`, `material` | from that to a [`Scene`], or an error that says where and how to mend it |
 //! | `thesis` | the thesis's own JSON |
-//! | `obj` | Wavefront OBJ and MTL |
+//! | `obj`, `mtl` | Wavefront OBJ and MTL |
+//! | `convert` | from a model to a native scene file |
+//! | `draft` | what all formats share: a scene in the making |
+//! | `check` | numbers as a scene may hold them |
 //! | `image` | texture files |
-//! | `builtin` | the scenes inside the program |
+//! | `builtin`, `files` | the scenes inside the program; files there and on disk |
+//! | `place` | where in a JSON text something stands |
 //! | [`error`] | what can be wrong |
 
+mod builtin;
+mod check;
+mod convert;
+mod draft;
 pub mod error;
+mod file;
+mod files;
+mod image;
+mod load;
+mod material;
+mod mtl;
+mod obj;
+mod place;
+mod thesis;
+mod validate;
 
+pub use builtin::names as builtin_names;
+pub use convert::{native_from_obj, native_from_obj_in};
 pub use error::SceneError;
+pub use load::load;
 
 use glam::{Vec2, Vec3};
 

@@ -1,0 +1,177 @@
+//! A scene in the making: what all formats share on the way to a [`Scene`].
+//!
+//! For: [`Draft`], which adds up materials, textures and primitives and fills in what the user left out. May import:
+//! `check`, `image`. Must never know: a file format.
+
+use super::check::has_area;
+use super::image::Textures;
+use super::{Camera, Material, MaterialKind, Scene, SceneError, Sky, Sphere, Triangle};
+use glam::{DVec3, Vec2, Vec3};
+
+/// Pictures are this large unless told otherwise: the size at which speed is measured.
+pub const RESOLUTION: [u32; 2] = [240, 135];
+/// Paths scatter this often unless told otherwise.
+pub const BOUNCES: u32 = 4;
+/// Degrees.
+pub const VERTICAL_FOV: f32 = 40.0;
+/// Indices of primitives stay positive as 32-bit integers.
+pub const MAX_PRIMITIVES: usize = i32::MAX as usize;
+
+/// An automatic camera sees the middle of the scene from this side, this many diagonals of the bounds away.
+const VIEW_FROM: DVec3 = DVec3::new(1.0, 0.5, 1.5);
+const VIEW_DIAGONALS: f64 = 1.2;
+
+#[derive(Default)]
+pub struct Draft {
+    pub materials: Vec<Material>,
+    /// Beside `materials`: scene units that one repeat of the texture covers where a triangle has no `uvs`.
+    texture_sizes: Vec<f64>,
+    default_material: Option<u32>,
+    pub textures: Textures,
+    pub spheres: Vec<Sphere>,
+    triangles: Vec<Triangle>,
+    uvs: Vec<[Vec2; 3]>,
+    normals: Vec<[Vec3; 3]>,
+    pub warnings: Vec<String>,
+}
+
+impl Draft {
+    pub fn add_material(&mut self, material: Material, texture_size: f64) -> u32 {
+        self.materials.push(material);
+        self.texture_sizes.push(texture_size);
+        (self.materials.len() - 1) as u32
+    }
+    /// The material of things that name none.
+    pub fn default_material(&mut self) -> u32 {
+        self.default_material.unwrap_or_else(|| {
+            let number = self.add_material(
+                Material {
+                    name: "default".to_string(),
+                    kind: MaterialKind::Diffuse,
+                    color: Vec3::splat(0.8),
+                    texture: None,
+                    emission: Vec3::ZERO,
+                },
+                1.0,
+            );
+            self.default_material = Some(number);
+            number
+        })
+    }
+    /// Adds a triangle and says true, or says false because it has no area. Texture coordinates are kept only where the
+    /// material has a texture; where they are missing there, they are planar.
+    #[must_use]
+    pub fn add_triangle(
+        &mut self,
+        vertices: [Vec3; 3],
+        material: u32,
+        uvs: Option<[Vec2; 3]>,
+        normals: Option<[Vec3; 3]>,
+    ) -> bool {
+        if !has_area(&vertices) {
+            return false;
+        }
+        let before = self.triangles.len();
+        if self.materials[material as usize].texture.is_some() {
+            let size = self.texture_sizes[material as usize];
+            self.uvs.resize(before, [Vec2::ZERO; 3]);
+            self.uvs.push(uvs.unwrap_or_else(|| planar_uvs(vertices.map(Vec3::as_dvec3), size)));
+        } else if !self.uvs.is_empty() {
+            self.uvs.push([Vec2::ZERO; 3]);
+        }
+        if let Some(normals) = normals {
+            self.normals.resize(before, [Vec3::ZERO; 3]);
+            self.normals.push(normals);
+        } else if !self.normals.is_empty() {
+            self.normals.push([Vec3::ZERO; 3]);
+        }
+        self.triangles.push(Triangle { vertices, material });
+        true
+    }
+    pub fn warn(&mut self, warning: impl Into<String>) {
+        self.warnings.push(warning.into());
+    }
+    /// Whether anything in the scene gives off light.
+    pub fn shines(&self) -> bool {
+        let shines = |material: u32| self.materials[material as usize].emission != Vec3::ZERO;
+        self.spheres.iter().any(|sphere| shines(sphere.material))
+            || self.triangles.iter().any(|triangle| shines(triangle.material))
+    }
+    /// The lower and upper corner of the box around everything; `None` when there is nothing.
+    pub fn bounds(&self) -> Option<(DVec3, DVec3)> {
+        let spheres = self.spheres.iter().flat_map(|sphere| {
+            let (center, radius) = (sphere.center.as_dvec3(), f64::from(sphere.radius));
+            [center - radius, center + radius]
+        });
+        let vertices = self.triangles.iter().flat_map(|triangle| triangle.vertices.map(Vec3::as_dvec3));
+        spheres.chain(vertices).fold(None, |bounds, point| {
+            let (lower, upper) = bounds.unwrap_or((point, point));
+            Some((lower.min(point), upper.max(point)))
+        })
+    }
+    /// A camera that sees the whole scene, or as much of it as the given position and target allow. Domain: the scene
+    /// is not empty.
+    pub fn framing(&self, position: Option<Vec3>, look_at: Option<Vec3>) -> Camera {
+        let (lower, upper) = self.bounds().unwrap_or_default();
+        let look_at = look_at.unwrap_or_else(|| ((lower + upper) / 2.0).as_vec3());
+        let position = position.unwrap_or_else(|| {
+            let distance = VIEW_DIAGONALS * (upper - lower).length();
+            (look_at.as_dvec3() + VIEW_FROM.normalize() * distance).as_vec3()
+        });
+        Camera { position, look_at, up: Vec3::Y, vertical_fov: VERTICAL_FOV }
+    }
+    pub fn is_empty(&self) -> bool {
+        self.spheres.is_empty() && self.triangles.is_empty()
+    }
+    /// The scene, if it holds something and not too much.
+    pub fn finish(
+        mut self,
+        name: String,
+        camera: Camera,
+        resolution: [u32; 2],
+        max_bounces: u32,
+        sky: Sky,
+    ) -> Result<Scene, SceneError> {
+        let primitives = self.spheres.len() + self.triangles.len();
+        if primitives > MAX_PRIMITIVES {
+            let what = format!("the scene holds {primitives} spheres and triangles");
+            return Err(SceneError::new(what).mend(format!("leave at most {MAX_PRIMITIVES}")));
+        }
+        let black = match sky {
+            Sky::Color(color) | Sky::Texture { color, .. } => color == Vec3::ZERO,
+            Sky::Gradient { bottom, top } => bottom == Vec3::ZERO && top == Vec3::ZERO,
+        };
+        if black && !self.shines() {
+            self.warn("Nothing in the scene shines and the sky is black: the picture will be black.");
+        }
+        Ok(Scene {
+            name,
+            camera,
+            resolution,
+            max_bounces,
+            sky,
+            materials: self.materials,
+            textures: self.textures.list,
+            spheres: self.spheres,
+            triangles: self.triangles,
+            uvs: self.uvs,
+            normals: self.normals,
+            warnings: self.warnings,
+        })
+    }
+}
+
+/// Texture coordinates of a triangle that has none: distances along two directions in its plane from its first vertex,
+/// `size` scene units to one repeat, the picture's rows running along the second direction (so v, which points up, runs
+/// against it). The thesis's mapping, affine on the triangle and therefore given by its values at the vertices.
+pub fn planar_uvs(vertices: [DVec3; 3], size: f64) -> [Vec2; 3] {
+    let [a, b, c] = vertices;
+    let n = (b - a).cross(c - a).normalize();
+    let tangent = if n.x.abs() > n.y.abs() { DVec3::new(n.z, 0.0, -n.x) } else { DVec3::new(0.0, -n.z, n.y) };
+    let tangent = tangent.normalize();
+    let bitangent = n.cross(tangent).normalize();
+    vertices.map(|p| {
+        let (u, row) = ((p - a).dot(tangent) / size, (p - a).dot(bitangent) / size);
+        Vec2::new(u as f32, (1.0 - row) as f32)
+    })
+}

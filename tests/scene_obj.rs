@@ -1,0 +1,270 @@
+//! OBJ and MTL: what they mean as scenes and as meshes in scenes, and the way back to a scene file.
+
+use glam::{Vec2, Vec3};
+use octray::scene::{MaterialKind, Scene, Sky, load, native_from_obj, native_from_obj_in};
+use std::fs;
+use std::path::Path;
+use tempfile::TempDir;
+
+fn write(folder: &TempDir, name: &str, text: impl AsRef<[u8]>) -> String {
+    let path = folder.path().join(name);
+    fs::create_dir_all(path.parent().unwrap()).unwrap();
+    fs::write(&path, text).unwrap();
+    path.to_str().unwrap().to_string()
+}
+
+fn save_picture(folder: &TempDir, name: &str) {
+    let path = folder.path().join(name);
+    fs::create_dir_all(path.parent().unwrap()).unwrap();
+    image::RgbImage::from_pixel(2, 2, image::Rgb([255, 255, 255])).save(path).unwrap();
+}
+
+fn load_obj(text: impl AsRef<[u8]>) -> Scene {
+    let folder = TempDir::new().unwrap();
+    load(&write(&folder, "m.obj", text)).unwrap_or_else(|error| panic!("{error}"))
+}
+
+const ONE: &str = "v 0 0 0\nv 2 0 0\nv 0 2 0\nf 1 2 3\n";
+
+#[test]
+fn obj_alone_is_framed_under_a_plain_sky() {
+    let scene = load_obj("v -1 -1 -1\nv 3 -1 -1\nv 3 5 2\nf 1 2 3\n");
+    assert_eq!(scene.name, "m.obj");
+    assert_eq!((scene.sky, scene.resolution, scene.max_bounces), (Sky::Color(Vec3::ONE), [240, 135], 4));
+    // Bounds from (-1,-1,-1) to (3,5,2): centre (1, 2, 0.5), diagonal sqrt(16 + 36 + 9).
+    let center = Vec3::new(1.0, 2.0, 0.5);
+    let position = center + 1.2 * 61.0_f32.sqrt() / 3.5_f32.sqrt() * Vec3::new(1.0, 0.5, 1.5);
+    assert_eq!((scene.camera.look_at, scene.camera.vertical_fov), (center, 40.0));
+    assert!(scene.camera.position.distance(position) < 1e-5, "{}", scene.camera.position);
+    let material = &scene.materials[scene.triangles[0].material as usize];
+    assert_eq!((material.kind, material.color), (MaterialKind::Diffuse, Vec3::splat(0.8)));
+}
+
+#[test]
+fn polygons_become_fans_around_their_first_corner() {
+    let scene = load_obj("v 0 0 0\nv 2 0 0\nv 3 1 0\nv 2 2 0\nv 0 2 0\nf 1 2 3 4 5\n");
+    let [a, b, c, d, e] =
+        [[0., 0.], [2., 0.], [3., 1.], [2., 2.], [0., 2.]].map(|[x, y]| Vec3::new(x, y, 0.0));
+    let triangles: Vec<[Vec3; 3]> = scene.triangles.iter().map(|triangle| triangle.vertices).collect();
+    assert_eq!(triangles, [[a, b, c], [a, c, d], [a, d, e]]);
+}
+
+#[test]
+fn negative_indices_count_back_from_the_latest() {
+    let scene = load_obj("v 9 9 9\nv 0 0 0\nv 2 0 0\nv 0 2 0\nf -3 -2 -1\nv 0 0 5\nf -1 -3 -2\n");
+    assert_eq!(scene.triangles[0].vertices, [Vec3::ZERO, 2.0 * Vec3::X, 2.0 * Vec3::Y]);
+    assert_eq!(scene.triangles[1].vertices, [5.0 * Vec3::Z, 2.0 * Vec3::X, 2.0 * Vec3::Y]);
+}
+
+#[test]
+fn statements_in_the_wild_are_read_or_passed_over() {
+    let text = b"\xef\xbb\xbf# caf\xe9 in Latin-1\r\no thing\r\ng a b\r\ns 1\r\nv 0 0 0 1.0\r\nv 2 0 0 0.5 0.5 0.5\r\n\
+        \tv  0\t2 0\r\nvt 0.5\r\nvn 0 0 1\r\nl 1 2\r\np 1\r\nf 1//1 2//1 \\\r\n 3//1\r\n\r\n";
+    let scene = load_obj(text);
+    assert_eq!(scene.triangles[0].vertices, [Vec3::ZERO, 2.0 * Vec3::X, 2.0 * Vec3::Y]);
+    assert_eq!(scene.normals, [[Vec3::Z; 3]]);
+}
+
+#[test]
+fn groups_and_materials_of_the_mtl_reach_their_triangles() {
+    let folder = TempDir::new().unwrap();
+    save_picture(&folder, "mtl/wall.png");
+    write(
+        &folder,
+        "mtl/room.mtl",
+        "newmtl wall\nKd 0.5 0.25 1\nmap_Kd -s 1 1 1 wall.png\nKs 1 1 1\nillum 2\n\nnewmtl lamp\nKd 0 0 0\n\
+         Ke 4 3 2\nnewmtl mirror\nKd 0 0 0\nKs 0.9 0.8 0.7\nillum 3\nnewmtl bright\nKd 2 1 0.5\n",
+    );
+    let path = write(
+        &folder,
+        "m.obj",
+        "mtllib mtl/room.mtl\nv 0 0 0\nv 2 0 0\nv 0 2 0\nvt 0 0\nvt 1 0\nvt 0 1\no first\nf 1 2 3\nusemtl wall\n\
+         f 1/1 2/2 3/3\nf 1 2 3\ng second\nusemtl lamp\nf 1/1 2/2 3/3\nusemtl mirror\nf 1 2 3\nusemtl bright\nf 1 2 3\n\
+         usemtl nowhere\nf 1 2 3\nf 1 2 3\n",
+    );
+    let scene = load(&path).unwrap();
+    let of = |i: usize| &scene.materials[scene.triangles[i].material as usize];
+    let names: Vec<&str> = (0..8).map(|i| of(i).name.as_str()).collect();
+    assert_eq!(names, ["default", "wall", "wall", "lamp", "mirror", "bright", "default", "default"]);
+    assert_eq!((of(1).kind, of(1).color), (MaterialKind::Diffuse, Vec3::new(0.5, 0.25, 1.0)));
+    assert_eq!(scene.textures[of(1).texture.unwrap() as usize].name, "mtl/wall.png");
+    assert_eq!((of(3).emission, of(3).color), (Vec3::new(4.0, 3.0, 2.0), Vec3::ZERO));
+    assert_eq!((of(4).kind, of(4).color), (MaterialKind::Metal { roughness: 0.0 }, Vec3::new(0.9, 0.8, 0.7)));
+    assert_eq!(of(5).color, Vec3::new(1.0, 1.0, 0.5));
+    // Given coordinates stay, missing ones are planar (n = +z, tangent (0,-1,0), bitangent n x tangent = (1,0,0), so
+    // row = x: v = 1 - x and u = -y), untextured triangles have zeros.
+    assert_eq!(scene.uvs[1], [Vec2::ZERO, Vec2::X, Vec2::Y]);
+    assert_eq!(scene.uvs[2], [Vec2::new(0.0, 1.0), Vec2::new(0.0, -1.0), Vec2::new(-2.0, 1.0)]);
+    assert_eq!((scene.uvs[0], scene.uvs[3], scene.uvs.len()), ([Vec2::ZERO; 3], [Vec2::ZERO; 3], 8));
+    assert_eq!(scene.warnings.len(), 2, "{:?}", scene.warnings);
+    assert!(scene.warnings[0].contains("`bright`") && scene.warnings[1].contains("`nowhere`"));
+}
+
+#[test]
+fn missing_mtl_and_missing_picture_are_warnings() {
+    let scene = load_obj(format!("mtllib gone.mtl\n{ONE}"));
+    assert!(scene.warnings[0].contains("gone.mtl"), "{:?}", scene.warnings);
+    let folder = TempDir::new().unwrap();
+    write(&folder, "m.mtl", "newmtl a\nmap_Kd gone.png\n");
+    let scene = load(&write(&folder, "m.obj", format!("mtllib m.mtl\nusemtl a\n{ONE}"))).unwrap();
+    assert!(scene.warnings[0].contains("gone.png") && scene.textures.is_empty(), "{:?}", scene.warnings);
+}
+
+#[test]
+fn triangles_without_area_are_dropped_with_one_warning_that_counts_them() {
+    let scene = load_obj(format!("{ONE}v 4 0 0\nf 1 1 2\nf 1 2 4\nf 1 2 2\n"));
+    assert_eq!(scene.triangles.len(), 1);
+    assert_eq!(scene.warnings.len(), 1);
+    assert!(scene.warnings[0].contains("3 triangles of zero area"), "{:?}", scene.warnings);
+}
+
+#[test]
+fn partial_normals_and_coordinates_count_as_none() {
+    let scene = load_obj(
+        "v 0 0 0\nv 2 0 0\nv 0 2 0\nvn 0 0 3\nvn 0 0 0\nf 1//1 2//1 3//1\nf 1//1 2 3//1\nf 1//2 2//1 3//1\n",
+    );
+    assert_eq!(scene.normals, [[Vec3::Z; 3], [Vec3::ZERO; 3], [Vec3::ZERO; 3]]);
+}
+
+#[test]
+fn faults_in_obj_and_mtl_name_file_line_and_remedy() {
+    let cases = [
+        ("v 0 0\n", "needs 3 numbers", "line 1", "write 3 numbers"),
+        ("v 0 0 0\nv 1 x 0\n", "`x` is not a number", "line 2", "write a number"),
+        ("v 0 0 0\n\n# note\nv nan 0 0\n", "`nan`", "line 4", "-1e18 to 1e18"),
+        ("v 0 inf 0\n", "`inf`", "line 1", "-1e18 to 1e18"),
+        ("v 0 1e19 0\n", "`1e19`", "line 1", "-1e18 to 1e18"),
+        ("v 0 0 0\nvn 0 nan 0\n", "`nan`", "line 2", "-1e18 to 1e18"),
+        ("v 0 0 0\nvt\n", "needs 1 numbers", "line 2", "write 1 numbers"),
+        ("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n", "vertex 4, but the file has 3", "line 4", "from 1 to 3"),
+        ("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 0\n", "index 0", "line 4", "count from 1"),
+        ("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 -4\n", "index -4", "line 4", "back from -1"),
+        (
+            "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1/1 2/1 3/1\n",
+            "texture coordinate 1",
+            "line 4",
+            "add what is missing",
+        ),
+        ("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1//9999999999 2 3\n", "9999999999", "line 4", "count from 1"),
+        ("v 0 0 0\nv 1 0 0\nf 1 2\n", "at least three corners", "line 3", "three vertices"),
+        ("v 0 0 0\nf 1 2 a\n", "`a`", "line 2", "v/vt/vn"),
+        ("v 0 0 0\nf /1 2 3\n", "`/1`", "line 2", "v/vt/vn"),
+        ("v 0 0 0\n", "no faces", "", "with faces"),
+        ("", "no faces", "", "with faces"),
+        ("v 0 0 0\nf 1 1 1\n", "nothing to see", "", "zero area"),
+    ];
+    for (text, what, at, mend) in cases {
+        let folder = TempDir::new().unwrap();
+        let path = write(&folder, "m.obj", text);
+        let error = load(&path).expect_err(text);
+        assert!(error.what.contains(what), "{text:?}: {error}");
+        assert_eq!(error.at.clone().unwrap_or_default(), at, "{text:?}: {error}");
+        assert!(error.mend.as_ref().unwrap().contains(mend), "{text:?}: {error}");
+        assert_eq!(error.file.as_deref(), Some(Path::new(&path)));
+    }
+    let folder = TempDir::new().unwrap();
+    let mtl = write(&folder, "m.mtl", "newmtl a\nKd 1 1\n");
+    let error = load(&write(&folder, "m.obj", format!("mtllib m.mtl\n{ONE}"))).unwrap_err();
+    assert_eq!((error.file.as_deref(), error.at.as_deref()), (Some(Path::new(&mtl)), Some("line 2")));
+    assert!(error.what.contains("needs 3 numbers"), "{error}");
+}
+
+/// The triangles of a scene file with one mesh entry; `one.obj`, `m.mtl` and whatever else stands in the folder.
+fn load_mesh(folder: &TempDir, mesh: &str) -> Scene {
+    let text = format!(
+        r#"{{ "format": "octray-1", "materials": {{ "red": {{ "type": "diffuse", "color": [1,0,0] }} }},
+            "meshes": [ {mesh} ] }}"#
+    );
+    load(&write(folder, "scene.json", text)).unwrap_or_else(|error| panic!("{error}"))
+}
+
+#[test]
+fn mesh_is_scaled_then_turned_about_x_y_z_then_moved() {
+    let folder = TempDir::new().unwrap();
+    write(&folder, "one.obj", "v 1 0 0\nv 0 1 0\nv 0 0 1\nvn 0 1 0\nf 1//1 2//1 3//1\n");
+    let of = |keys: &str| load_mesh(&folder, &format!("{{ \"obj\": \"one.obj\", {keys} }}"));
+    let vertices = |keys: &str| of(keys).triangles[0].vertices;
+    // About x by 90 degrees: y goes to z, z to -y. About y: z to x, x to -z. About z: x to y, y to -x.
+    assert_eq!(vertices("\"rotate_degrees\": [90, 0, 0]"), [Vec3::X, Vec3::Z, -Vec3::Y]);
+    assert_eq!(vertices("\"rotate_degrees\": [0, 90, 0]"), [-Vec3::Z, Vec3::Y, Vec3::X]);
+    assert_eq!(vertices("\"rotate_degrees\": [0, 0, 90]"), [Vec3::Y, -Vec3::X, Vec3::Z]);
+    // x first: (y to z), then y: (z to x). The other order would leave y where z takes it: at z.
+    assert_eq!(vertices("\"rotate_degrees\": [90, 90, 0]"), [-Vec3::Z, Vec3::X, -Vec3::Y]);
+    assert_eq!(
+        vertices("\"scale\": 3, \"rotate_degrees\": [0, 0, -90], \"translate\": [10, 0, 0]"),
+        [Vec3::new(10.0, -3.0, 0.0), Vec3::new(13.0, 0.0, 0.0), Vec3::new(10.0, 0.0, 3.0)]
+    );
+    assert_eq!(of("\"scale\": 3, \"rotate_degrees\": [90, 0, 0]").normals, [[Vec3::Z; 3]]);
+}
+
+#[test]
+fn mesh_material_overrides_the_models_own() {
+    let folder = TempDir::new().unwrap();
+    write(&folder, "m.mtl", "newmtl blue\nKd 0 0 1\n");
+    write(&folder, "one.obj", format!("mtllib m.mtl\nusemtl blue\n{ONE}"));
+    let color = |mesh: &str| {
+        let scene = load_mesh(&folder, mesh);
+        scene.materials[scene.triangles[0].material as usize].color
+    };
+    assert_eq!(color(r#"{ "obj": "one.obj", "material": "red" }"#), Vec3::X);
+    assert_eq!(color(r#"{ "obj": "one.obj" }"#), Vec3::Z);
+}
+
+#[test]
+fn faults_inside_a_mesh_name_the_mesh_file() {
+    let folder = TempDir::new().unwrap();
+    let mesh = write(&folder, "bad.obj", "v 0 0 0\nv 1 0 x\n");
+    let path = write(&folder, "s.json", r#"{ "format": "octray-1", "meshes": [ { "obj": "bad.obj" } ] }"#);
+    let error = load(&path).unwrap_err();
+    assert_eq!((error.file.as_deref(), error.at.as_deref()), (Some(Path::new(&mesh)), Some("line 2")));
+}
+
+/// Everything but the names of textures, which depend on the folder.
+fn assert_same_scene(a: &Scene, b: &Scene) {
+    assert_eq!(
+        (a.camera, a.resolution, a.max_bounces, a.sky),
+        (b.camera, b.resolution, b.max_bounces, b.sky)
+    );
+    assert_eq!(a.triangles, b.triangles);
+    assert_eq!(a.materials, b.materials);
+    assert_eq!(a.uvs, b.uvs);
+    assert_eq!(a.textures.len(), b.textures.len());
+}
+
+#[test]
+fn converted_model_loads_as_the_same_scene() {
+    let folder = TempDir::new().unwrap();
+    save_picture(&folder, "models/p.png");
+    let awkward =
+        "v 0.1 1e-30 -3.4028e10\nv 16.32150076329708 28.073750436306 -24.97914992272854\nv 1e17 0.3 7e-9\n";
+    write(
+        &folder,
+        "models/m.mtl",
+        "newmtl a \"quoted\"\nKd 0.1 0.7 0.3\nmap_Kd p.png\nnewmtl lamp\nKe 0.1 100 3e9\nnewmtl mirror\nillum 3\n",
+    );
+    let text = format!(
+        "mtllib m.mtl\n{awkward}vt 0.1 0.9\nvt 1e-7 3\nvt -0.3 0.2\nusemtl a \"quoted\"\nf 1/1 2/2 3/3\nf 3 2 1\n\
+         usemtl lamp\nf 1 2 3\nusemtl mirror\nf 1 3 2\nusemtl unknown\nf 1 2 3\n"
+    );
+    let model = write(&folder, "models/m.obj", text);
+    let direct = load(&model).unwrap();
+
+    let beside = write(&folder, "models/scene.json", native_from_obj(Path::new(&model)).unwrap());
+    let converted = load(&beside).unwrap();
+    assert_same_scene(&direct, &converted);
+    assert_eq!(converted.textures[0].name, "p.png");
+
+    let elsewhere = folder.path().join("scenes/deep");
+    let text = native_from_obj_in(Path::new(&model), &elsewhere).unwrap();
+    let converted = load(&write(&folder, "scenes/deep/scene.json", text)).unwrap();
+    assert_same_scene(&direct, &converted);
+    assert_eq!(converted.textures[0].name, "../../models/p.png");
+}
+
+#[test]
+fn conversion_of_a_broken_model_is_refused() {
+    let folder = TempDir::new().unwrap();
+    let error = native_from_obj(Path::new(&write(&folder, "m.obj", "v 0 0 0\nf 1 2 3\n"))).unwrap_err();
+    assert_eq!(error.at.as_deref(), Some("line 2"));
+    assert!(native_from_obj(&folder.path().join("gone.obj")).unwrap_err().what.contains("no such file"));
+}

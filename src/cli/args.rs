@@ -44,7 +44,7 @@ pub struct BenchArgs {
     /// Print the figures as JSON (schema octray-bench-1).
     #[arg(long)]
     pub json: bool,
-    /// Worker threads [default: all cores].
+    /// Worker threads [default: one, and SIMD once more on all cores].
     #[arg(long, value_name = "N", allow_hyphen_values = true)]
     pub threads: Option<String>,
     /// Measure one width only: 1 (scalar) or 8 (SIMD) [default: both].
@@ -56,9 +56,9 @@ pub struct BenchArgs {
     /// Scattering events allowed on a path.
     #[arg(long, value_name = "N", default_value = "4", allow_hyphen_values = true)]
     pub bounces: String,
-    /// Frames measured for each scene and width.
-    #[arg(long, value_name = "N", default_value = "50", allow_hyphen_values = true)]
-    pub frames: String,
+    /// Frames measured for each scene and engine [default: at least 50, and as many as two seconds a scene hold].
+    #[arg(long, value_name = "N", allow_hyphen_values = true)]
+    pub frames: Option<String>,
     /// Which random numbers to use.
     #[arg(long, value_name = "N", default_value = "0", allow_hyphen_values = true)]
     pub seed: String,
@@ -193,9 +193,11 @@ pub struct MethodArgs {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, ValueEnum)]
 pub enum SphereMethod {
-    /// Holds for small, distant and huge spheres.
+    /// The discriminant from the perpendicular: holds for small, distant and huge spheres.
     #[default]
     Robust,
+    /// The same for directions of any length; a little slower.
+    RobustAnyLength,
     /// The textbook's quadratic formula: loses digits where the other does not.
     Naive,
 }
@@ -205,10 +207,14 @@ pub enum TriangleMethod {
     /// Watertight: no ray slips through between neighbours.
     #[default]
     Woop,
-    /// Needs nothing stored beside the vertices.
+    /// Woop with fused multiply-add in its edge functions: leaks at edges.
+    WoopContracted,
+    /// The classic: leaks at edges and vertices.
     MollerTrumbore,
-    /// Stores a transformation for each triangle.
+    /// Stores an affine map for each triangle: fast, leaks.
     BaldwinWeber,
+    /// Tight at edges, leaks at vertices.
+    Plucker,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, ValueEnum)]

@@ -1,10 +1,79 @@
-//! `octray compare`.
+//! `octray compare`: do SIMD and scalar agree, bit by bit, and with the judge?
 
+use super::CHECK_FAILED;
+use super::bench::scenes;
 use super::error::CliError;
 use super::options::CompareOptions;
+use super::terminal;
+use crate::measure::compare::{Comparison, compare};
+use crate::render::Settings;
+use crate::scene;
+use serde::Serialize;
 use std::process::ExitCode;
 
+/// The JSON report.
+#[derive(Debug, Serialize)]
+struct Report {
+    schema: &'static str,
+    results: Vec<Comparison>,
+}
+
 /// Runs the command.
-pub fn run(_options: CompareOptions) -> Result<ExitCode, CliError> {
-    Err(CliError::Unavailable { command: "compare" })
+pub fn run(options: CompareOptions) -> Result<ExitCode, CliError> {
+    let mut report = Report { schema: "octray-compare-1", results: Vec::new() };
+    if !options.json {
+        terminal::print(&format!(
+            "{:<24}{:>10}{:>9}{:>10}{:>11}{:>12}{:>12}{:>12}\n",
+            "scene", "pixels", "samples", "differing", "speed-up", "rmse/f64", "max/f64", "wrong hits"
+        ))?;
+    }
+    for spec in scenes(&options.scenes) {
+        let scene = scene::load(&spec)?;
+        for warning in &scene.warnings {
+            terminal::warn(warning);
+        }
+        let settings = Settings {
+            resolution: options.size,
+            max_bounces: options.bounces,
+            seed: options.seed,
+            methods: options.methods,
+            threads: options.threads,
+            ..Settings::of(&scene)
+        };
+        let comparison = compare(&scene, settings, options.samples);
+        if !options.json {
+            terminal::print(&row(&comparison))?;
+        }
+        report.results.push(comparison);
+    }
+    // Wrong hits are reported, not failed on: with a naive method chosen they are what is to be seen.
+    let failed = report.results.iter().any(|result| result.mismatched_pixels > 0);
+    if options.json {
+        terminal::print_json(&report)?;
+    } else {
+        terminal::print(if failed {
+            "\nSIMD and scalar differ: this is a bug in octray; please report it with the scene.\n"
+        } else {
+            "\nSIMD and scalar pictures are the same, bit by bit.\n"
+        })?;
+    }
+    Ok(if failed { ExitCode::from(CHECK_FAILED) } else { ExitCode::SUCCESS })
+}
+
+fn row(result: &Comparison) -> String {
+    let Comparison { scene, pixels, samples, mismatched_pixels, first_mismatch, speedup, reference } = result;
+    let mut row = format!(
+        "{scene:<24}{pixels:>10}{samples:>9}{mismatched_pixels:>10}{:>11}{:>12.2e}{:>12.2e}{:>12}\n",
+        format!("{speedup:.2}×"),
+        reference.rmse,
+        reference.max_abs,
+        reference.mismatched_hits,
+    );
+    if let Some(first) = first_mismatch {
+        row += &format!(
+            "  first at ({}, {}): SIMD {:?}, scalar {:?}\n",
+            first.x, first.y, first.simd, first.scalar
+        );
+    }
+    row
 }

@@ -21,6 +21,4 @@ pub enum CliError {
         .missing.join(", "), super::machine_check::REBUILD
     )]
     Machine { missing: Vec<&'static str> },
-    #[error("octray {command} is not part of this build\n  octray --help lists the commands")]
-    Unavailable { command: &'static str },
 }

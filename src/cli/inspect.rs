@@ -3,6 +3,7 @@
 use super::error::CliError;
 use super::options::InspectOptions;
 use super::terminal;
+use crate::buffers::Needs;
 use crate::scene::{self, Filter, Material, MaterialKind, Scene, Sky, Texture};
 use glam::Vec3;
 use serde::Serialize;
@@ -28,6 +29,8 @@ struct Inspection {
     camera: CameraReport,
     /// The box around everything; `None` for a scene of sky alone.
     bounds: Option<Bounds>,
+    /// Features that the scene's pipeline must have.
+    needs: Vec<&'static str>,
     memory_bytes: usize,
     warnings: Vec<String>,
 }
@@ -115,12 +118,13 @@ impl Inspection {
                 vertical_fov: scene.camera.vertical_fov,
             },
             bounds: Bounds::of(scene),
+            needs: Needs::of(scene).names(),
             memory_bytes: memory(scene),
             warnings: scene.warnings.clone(),
         }
     }
 
-    /// The report for people: a line a fact, its name first. What a scene needs of the pipeline belongs here too.
+    /// The report for people: a line a fact, its name first.
     fn lines(&self) -> Vec<(&'static str, String)> {
         let [width, height] = self.resolution;
         let smooth = match self.smooth_triangles {
@@ -142,6 +146,7 @@ impl Inspection {
             .as_ref()
             .map(|bounds| format!("{} to {}", vector(bounds.lower), vector(bounds.upper)));
         lines.push(("bounds", bounds.unwrap_or_else(|| "none: there is nothing but sky".into())));
+        lines.push(("needs", self.needs.join(", ")));
         lines.push(("memory", bytes(self.memory_bytes)));
         lines.extend(self.warnings.iter().map(|warning| ("warning", warning.clone())));
         lines

@@ -11,6 +11,7 @@ use super::error::CliError;
 use crate::measure::machine;
 use crate::output::{Operator, Tone};
 use crate::scene::{MAX_BOUNCES, MAX_SIDE};
+use crate::traverse::{Methods, SphereChoice, TriangleChoice};
 use std::path::PathBuf;
 
 /// Most samples a pixel: up to here a sum in f32 still takes each one in.
@@ -22,24 +23,19 @@ pub const MAX_FRAMES: u32 = 1_000_000;
 /// Most stops up or down: past f32's own range in visible light.
 pub const MAX_EXPOSURE: f32 = 64.0;
 
-/// How rays meet surfaces.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Methods {
-    pub sphere: SphereMethod,
-    pub triangle: TriangleMethod,
-}
-
 #[derive(Clone, Debug, PartialEq)]
 pub struct BenchOptions {
     /// Empty: the built-in bench scenes.
     pub scenes: Vec<String>,
     pub json: bool,
-    pub threads: usize,
+    /// One thread, and packets once more on all cores, if `None`.
+    pub threads: Option<usize>,
     /// One width only; both if `None`.
     pub lanes: Option<usize>,
     pub size: [u32; 2],
     pub bounces: u32,
-    pub frames: u32,
+    /// So many per engine; by time if `None`.
+    pub frames: Option<u32>,
     pub seed: u32,
     pub methods: Methods,
 }
@@ -95,11 +91,11 @@ impl TryFrom<BenchArgs> for BenchOptions {
         Ok(Self {
             scenes: args.scenes,
             json: args.json,
-            threads: threads(args.threads)?,
+            threads: args.threads.map(|text| threads(Some(text))).transpose()?,
             lanes: args.lanes.as_deref().map(lanes).transpose()?,
             size: size(&args.size)?,
             bounces: bounces(&args.bounces)?,
-            frames: whole("--frames", &args.frames, 1, MAX_FRAMES)?,
+            frames: args.frames.map(|text| whole("--frames", &text, 1, MAX_FRAMES)).transpose()?,
             seed: seed(&args.seed)?,
             methods: args.methods.into(),
         })
@@ -159,7 +155,19 @@ impl From<InspectArgs> for InspectOptions {
 
 impl From<MethodArgs> for Methods {
     fn from(args: MethodArgs) -> Self {
-        Self { sphere: args.sphere, triangle: args.triangle }
+        let sphere = match args.sphere {
+            SphereMethod::Robust => SphereChoice::Robust,
+            SphereMethod::RobustAnyLength => SphereChoice::RobustAnyLength,
+            SphereMethod::Naive => SphereChoice::Naive,
+        };
+        let triangle = match args.triangle {
+            TriangleMethod::Woop => TriangleChoice::Woop,
+            TriangleMethod::WoopContracted => TriangleChoice::WoopContracted,
+            TriangleMethod::MollerTrumbore => TriangleChoice::MollerTrumbore,
+            TriangleMethod::BaldwinWeber => TriangleChoice::BaldwinWeber,
+            TriangleMethod::Plucker => TriangleChoice::Plucker,
+        };
+        Self { sphere, triangle }
     }
 }
 

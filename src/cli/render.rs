@@ -81,8 +81,10 @@ fn settings(scene: &Scene, options: &RenderOptions) -> Settings {
         resolution: options.size.unwrap_or(scene.resolution),
         max_bounces: options.bounces.unwrap_or(scene.max_bounces),
         seed: options.seed,
+        methods: options.methods,
         lanes: options.lanes,
         threads: options.threads,
+        ..Settings::of(scene)
     }
 }
 
@@ -194,7 +196,7 @@ mod tests {
     fn trace_adds_exactly_the_samples_asked_for() {
         let scene = scene::load("builtin:three").unwrap();
         for samples in [1, 2, 3, 7, 100] {
-            let settings = Settings { resolution: [8, 8], max_bounces: 1, seed: 0, lanes: 8, threads: 1 };
+            let settings = Settings { resolution: [8, 8], max_bounces: 1, ..Settings::of(&scene) };
             let renderer = Renderer::new(&scene, settings);
             assert_eq!(trace(&renderer, samples, &Interrupt::default()).0.samples(), samples);
         }

@@ -3,7 +3,7 @@
 use super::{Bits, Lane, Mask};
 use bytemuck::{Pod, Zeroable};
 use std::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Neg, Not, Sub};
-use wide::{f32x8, i32x8, u32x8};
+use wide::{f32x4, f32x8, i32x8, u32x8};
 
 /// Eight floats, 32 bytes, aligned to 32.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
@@ -271,22 +271,24 @@ impl Lane for F32x8 {
             let columns = f32x8::transpose(std::array::from_fn(|lane| Self::load(row(lane)).0));
             std::array::from_fn(|column| Self(columns[column]))
         } else if N == 4 {
-            // Rows i and i + 4 share a register; two rounds of interleaving transpose both halves at once.
-            let pair = |lane: usize| {
-                let (low, high) = (row(lane), row(lane + 4));
-                let joined = [low[0], low[1], low[2], low[3], high[0], high[1], high[2], high[3]];
-                bytemuck::cast::<_, u32x8>(f32x8::new(joined))
+            // Two transposes of four rows each.
+            let columns_of = |first: usize| {
+                let quad = |i: usize| {
+                    let row = row(first + i);
+                    f32x4::new([row[0], row[1], row[2], row[3]])
+                };
+                let [a, b, c, d] = [quad(0), quad(1), quad(2), quad(3)];
+                let (ac_low, ac_high) = (a.unpack_lo(c), a.unpack_hi(c));
+                let (bd_low, bd_high) = (b.unpack_lo(d), b.unpack_hi(d));
+                [
+                    ac_low.unpack_lo(bd_low),
+                    ac_low.unpack_hi(bd_low),
+                    ac_high.unpack_lo(bd_high),
+                    ac_high.unpack_hi(bd_high),
+                ]
             };
-            let [a, b, c, d] = [pair(0), pair(1), pair(2), pair(3)];
-            let (ac_low, ac_high) = (a.unpack_lo(c), a.unpack_hi(c));
-            let (bd_low, bd_high) = (b.unpack_lo(d), b.unpack_hi(d));
-            let columns = [
-                ac_low.unpack_lo(bd_low),
-                ac_low.unpack_hi(bd_low),
-                ac_high.unpack_lo(bd_high),
-                ac_high.unpack_hi(bd_high),
-            ];
-            std::array::from_fn(|column| Self(bytemuck::cast(columns[column])))
+            let (low, high) = (columns_of(0), columns_of(4));
+            std::array::from_fn(|column| Self(bytemuck::cast([low[column], high[column]])))
         } else {
             let rows: [_; 8] = std::array::from_fn(row);
             std::array::from_fn(|column| Self::from_fn(|lane| rows[lane][column]))

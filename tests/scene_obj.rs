@@ -143,7 +143,7 @@ fn faults_in_obj_and_mtl_name_file_line_and_remedy() {
             "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1/1 2/1 3/1\n",
             "texture coordinate 1",
             "line 4",
-            "add what is missing",
+            "leave its index out",
         ),
         ("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1//9999999999 2 3\n", "9999999999", "line 4", "count from 1"),
         ("v 0 0 0\nv 1 0 0\nf 1 2\n", "at least three corners", "line 3", "three vertices"),

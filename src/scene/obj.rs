@@ -180,7 +180,10 @@ impl Mesh {
                         return Err(SceneError::new(what)
                             .in_file(path)
                             .at(format!("line {}", face.line))
-                            .mend(format!("use an index from 1 to {count}, or add what is missing")));
+                            .mend(match count {
+                                0 => format!("add the missing {noun}, or leave its index out"),
+                                _ => format!("use an index from 1 to {count}, or add what is missing"),
+                            }));
                     }
                 }
             }

@@ -141,8 +141,8 @@ mod tests {
         let root = Place::Root;
         let at = |place: &Place| source.error(place, "", "").at.unwrap();
         assert_eq!(at(&root.key("a,{").item(2)), "a,{[2], line 1, column 28");
-        assert_eq!(at(&root.key("bA").item(1).item(1)), "bA[1][1], line 3, column 10");
-        assert_eq!(at(&root.key("c")), "c, line 3, column 26");
+        assert_eq!(at(&root.key("bA").item(1).item(1)), "bA[1][1], line 3, column 11");
+        assert_eq!(at(&root.key("c")), "c, line 3, column 27");
         assert_eq!(at(&root.key("missing")), "missing");
     }
 }

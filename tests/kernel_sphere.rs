@@ -36,7 +36,7 @@ fn truth(ball: Ball, ray: &Ray<f32>) -> Option<f64> {
     let a = direction.length_squared();
     let b = -from_center.dot(direction);
     let discriminant = radius2 - (from_center + direction * (b / a)).length_squared();
-    if !(discriminant >= 0.0) {
+    if discriminant < 0.0 || discriminant.is_nan() {
         return None;
     }
     let q = b + (a * discriminant).sqrt().copysign(b);
@@ -104,10 +104,12 @@ fn failures<S: SphereMethod>(ball: Ball, distance: f64, length: f64, rays: usize
     Failures { misjudged, rays, p99: quantile(&mut errors, 0.99) }
 }
 
-/// Distance; naive: this share in percent misjudged and this p99 of |Δt|/r at least; robust: at most. The figures of the recipe table
-/// were measured without FMA. FMA spares the school formula some roundings, and it misjudges a fifth less: where the target has it, three
-/// quarters of the table are required. The p99 of 10⁵ hits scatters by some percent; a quarter is allowed.
-const RECIPE: &[(f64, (f64, f64), (f64, f64))] = &[
+type Row = (f64, (f64, f64), (f64, f64));
+/// Distance; naive: this share in percent misjudged and this p99 of |Δt|/r at least; robust: at most. The figures of numerics.md. How
+/// often the school formula fails depends on where on the sphere of radius D the rays start (the rounding of |o|²); all directions
+/// together give 0.057, 4.6, 30 and 40 % without FMA, so 85 % of the table is required. FMA spares it some roundings (0.050, 3.6, 29 and
+/// 38 %): 75 %. The p99 of 10⁵ hits scatters by some percent; a quarter is allowed.
+const RECIPE: &[Row] = &[
     (100.0, (0.066, 5e-3), (0.0001, 1.8e-5)),
     (1000.0, (4.5, 0.33), (0.0011, 1.6e-4)),
     (4096.0, (34.0, 1.7), (0.0015, 6e-4)),
@@ -124,7 +126,7 @@ fn naive_fails_from_far_away_and_robust_holds() {
             failures::<RobustAnyLength>(UNIT, distance, 1.0, RAYS),
         ];
         println!("D = {distance}: {}", list(&measured));
-        let share = if cfg!(target_feature = "fma") { 0.75 } else { 1.0 };
+        let share = if cfg!(target_feature = "fma") { 0.75 } else { 0.85 };
         measured[0].assert_at_least(share * naive, 0.85 * share * naive_p99);
         measured[1].assert_at_most(robust, 1.25 * robust_p99);
         measured[2].assert_at_most(robust, 1.25 * robust_p99);

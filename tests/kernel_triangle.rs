@@ -75,7 +75,7 @@ const RAYS: usize = 16_000;
 #[test]
 fn woop_leaks_no_ray() {
     let mesh = bumpy_ball(ROWS);
-    for (scale, count) in [(1.0, 10 * RAYS), (1e-3, RAYS), (1e3, RAYS)] {
+    for (scale, count) in [(1.0, 6 * RAYS), (1e-3, RAYS), (1e3, RAYS)] {
         let mesh: Vec<_> = mesh.iter().map(|triangle| triangle.map(|vertex| vertex * scale)).collect();
         for aim in [Edges, Vertices, Anywhere] {
             assert_eq!(leaks::<Woop>(&mesh, &aimed(&mesh, scale, aim, count)), 0.0, "{aim:?}, scale {scale}");
@@ -83,7 +83,8 @@ fn woop_leaks_no_ray() {
     }
 }
 
-/// The shares of numerics.md, measured on another mesh; this one's edges and vertices leak about twice as much.
+/// The shares of numerics.md, measured on another mesh. Without FMA this one gives 10, 8 and 0.3 % as well; with it, Möller–Trumbore's
+/// test leaks twice as much: FMA makes the two triangles of an edge round differently.
 #[test]
 fn other_methods_leak_where_they_are_known_to() {
     let mesh = bumpy_ball(ROWS);
@@ -242,7 +243,8 @@ fn on_slivers<T: TriangleMethod>(aspect: f64) -> (f64, f64) {
         let ray = ray(origin, (target - origin.as_dvec3()).normalize().as_vec3());
         let [exact, u, v] = truth(triangle, &ray);
         // Rounding of the ray may put it outside, and of the vertices may leave no area.
-        if !(u.min(v).min(1.0 - u - v) > 0.0) {
+        let inside = u.min(v).min(1.0 - u - v);
+        if inside <= 0.0 || inside.is_nan() {
             continue;
         }
         match answer::<T>(triangle, &ray, f32::INFINITY) {

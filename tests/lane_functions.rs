@@ -19,8 +19,7 @@ fn worst<T: Copy>(inputs: impl Iterator<Item = T>, error: impl Fn(T) -> f64) -> 
     let mut worst = Worst { error: 0.0, at: None };
     for at in inputs {
         let error = error(at);
-        // Not `>`: a NaN must not pass.
-        if !(error <= worst.error) {
+        if error > worst.error || error.is_nan() {
             worst = Worst { error, at: Some(at) };
             if error.is_nan() {
                 break;

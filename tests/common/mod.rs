@@ -18,7 +18,7 @@ impl Dice {
     }
     /// Below `n`.
     pub fn index(&mut self, n: usize) -> usize {
-        (u64::from(self.bits()) * n as u64 >> 32) as usize
+        ((u64::from(self.bits()) * n as u64) >> 32) as usize
     }
     /// Uniform in [0, 1), with 48 bits.
     pub fn unit(&mut self) -> f64 {

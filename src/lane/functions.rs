@@ -10,7 +10,7 @@ use std::f32::consts::{FRAC_PI_2, FRAC_PI_4, LOG2_E, PI};
 
 /// Evaluates a polynomial by Horner's rule, the highest coefficient first.
 #[inline(always)]
-fn polynomial<L: Lane, const N: usize>(x: L, coefficients: [f32; N]) -> L {
+pub fn polynomial<L: Lane, const N: usize>(x: L, coefficients: [f32; N]) -> L {
     let mut sum = L::splat(coefficients[0]);
     for &coefficient in &coefficients[1..] {
         sum = sum.mul_add(x, L::splat(coefficient));

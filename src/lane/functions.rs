@@ -129,10 +129,8 @@ pub fn exp<L: Lane>(x: L) -> L {
     let k = (inside * L::splat(LOG2_E) + L::splat(0.5)).floor();
     let r = k.neg_mul_add(L::splat(LN_2_HIGH), inside);
     let r = k.neg_mul_add(L::splat(LN_2_LOW), r);
-    let p = polynomial(
-        r,
-        [1.987_569_1e-4, 1.398_199_9e-3, 8.333_452e-3, 4.166_579_6e-2, 1.666_666_5e-1, 0.5],
-    );
+    let p =
+        polynomial(r, [1.987_569_1e-4, 1.398_199_9e-3, 8.333_452e-3, 4.166_579_6e-2, 1.666_666_5e-1, 0.5]);
     let p = (p * r).mul_add(r, r) + L::one();
     // 2ᵏ as two factors of about 2^(k/2), because k reaches 128, one more than an exponent holds. 254 is twice the bias:
     // it keeps the sum positive, so that halving it is a plain shift.

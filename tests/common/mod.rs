@@ -1,0 +1,136 @@
+//! What the law tests share: dice, scenes filled in by hand, and a closed mesh.
+#![allow(dead_code)] // Every test file takes its own part.
+
+use glam::{DVec3, Vec3};
+use octray::lane::Lane;
+use octray::math::{self, Ray};
+use octray::scene::{Camera, Material, MaterialKind, Scene, Sky, Sphere, Triangle};
+
+/// xorshift64*: unrelated to the numbers under test.
+pub struct Dice(pub u64);
+
+impl Dice {
+    pub fn bits(&mut self) -> u32 {
+        self.0 ^= self.0 >> 12;
+        self.0 ^= self.0 << 25;
+        self.0 ^= self.0 >> 27;
+        (self.0.wrapping_mul(0x2545_f491_4f6c_dd1d) >> 32) as u32
+    }
+    /// Below `n`.
+    pub fn index(&mut self, n: usize) -> usize {
+        (u64::from(self.bits()) * n as u64 >> 32) as usize
+    }
+    /// Uniform in [0, 1), with 48 bits.
+    pub fn unit(&mut self) -> f64 {
+        let (high, low) = (u64::from(self.bits()), u64::from(self.bits()));
+        (high << 16 | low >> 16) as f64 / (1u64 << 48) as f64
+    }
+    /// Uniform in [−1, 1).
+    pub fn signed(&mut self) -> f64 {
+        2.0 * self.unit() - 1.0
+    }
+    /// From `low` to `high`, uniform in the logarithm.
+    pub fn scale(&mut self, low: f64, high: f64) -> f64 {
+        low * (high / low).powf(self.unit())
+    }
+    /// Uniform on the unit sphere.
+    pub fn direction(&mut self) -> DVec3 {
+        loop {
+            let v = DVec3::new(self.signed(), self.signed(), self.signed());
+            if (1e-4..=1.0).contains(&v.length_squared()) {
+                return v.normalize();
+            }
+        }
+    }
+    /// Uniform in the cube [−1, 1)³.
+    pub fn in_cube(&mut self) -> DVec3 {
+        DVec3::new(self.signed(), self.signed(), self.signed())
+    }
+    /// Weights of a triangle's vertices, uniform over its area.
+    pub fn barycentrics(&mut self) -> [f64; 3] {
+        let root = self.unit().sqrt();
+        let v = self.unit();
+        [1.0 - root, root * (1.0 - v), root * v]
+    }
+}
+
+/// The value below which a share of `p` of the values lies.
+pub fn quantile(values: &mut [f64], p: f64) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values[((values.len() - 1) as f64 * p).round() as usize]
+}
+
+/// A packet from rays, one a lane.
+pub fn packet<L: Lane>(rays: &[Ray<f32>]) -> Ray<L> {
+    let lanes = |of: fn(&Ray<f32>) -> math::Vec3<f32>| {
+        math::Vec3::new(
+            L::from_fn(|i| of(&rays[i]).x),
+            L::from_fn(|i| of(&rays[i]).y),
+            L::from_fn(|i| of(&rays[i]).z),
+        )
+    };
+    Ray { origin: lanes(|ray| ray.origin), direction: lanes(|ray| ray.direction) }
+}
+
+/// A ray of width one.
+pub fn ray(origin: Vec3, direction: Vec3) -> Ray<f32> {
+    Ray { origin: math::Vec3::splat(origin), direction: math::Vec3::splat(direction) }
+}
+
+/// Nothing under a white sky, seen from (0, 0, 5) along −z.
+pub fn empty() -> Scene {
+    Scene {
+        name: "test".into(),
+        camera: Camera { position: Vec3::Z * 5.0, look_at: Vec3::ZERO, up: Vec3::Y, vertical_fov: 40.0 },
+        resolution: [24, 16],
+        max_bounces: 4,
+        sky: Sky::Color(Vec3::ONE),
+        materials: Vec::new(),
+        textures: Vec::new(),
+        spheres: Vec::new(),
+        triangles: Vec::new(),
+        uvs: Vec::new(),
+        normals: Vec::new(),
+        warnings: Vec::new(),
+    }
+}
+
+pub fn material(kind: MaterialKind) -> Material {
+    Material { name: "m".into(), kind, color: Vec3::ONE, texture: None, emission: Vec3::ZERO }
+}
+
+pub fn sphere(center: Vec3, radius: f32, material: u32) -> Sphere {
+    Sphere { center, radius, material, turn: 0.0 }
+}
+
+pub fn triangle(vertices: [Vec3; 3], material: u32) -> Triangle {
+    Triangle { vertices, material }
+}
+
+/// A closed bumpy ball around the origin, star-shaped, of radius about 1: `4 · rows · rows` triangles or so, all vertices shared.
+pub fn bumpy_ball(rows: usize) -> Vec<[Vec3; 3]> {
+    let columns = 2 * rows;
+    let vertex = |row: usize, column: usize| {
+        let theta = std::f64::consts::PI * row as f64 / rows as f64;
+        let phi = std::f64::consts::TAU * (column % columns) as f64 / columns as f64;
+        // The poles are one vertex each.
+        let phi = if row == 0 || row == rows { 0.0 } else { phi };
+        let unit = DVec3::new(theta.sin() * phi.cos(), theta.cos(), theta.sin() * phi.sin());
+        let bump = (7.0 * unit.x + 1.0).sin() * (9.0 * unit.y).sin() * (8.0 * unit.z + 2.0).sin();
+        (unit * (1.0 + 0.2 * bump)).as_vec3()
+    };
+    let mut triangles = Vec::new();
+    for row in 0..rows {
+        for column in 0..columns {
+            let [a, b] = [vertex(row, column), vertex(row, column + 1)];
+            let [c, d] = [vertex(row + 1, column), vertex(row + 1, column + 1)];
+            if row > 0 {
+                triangles.push([a, b, c]);
+            }
+            if row + 1 < rows {
+                triangles.push([b, d, c]);
+            }
+        }
+    }
+    triangles
+}

@@ -1,0 +1,280 @@
+//! The law of one picture: its bits depend on the scene, resolution, bounces, seed and methods, and on nothing else: not on lanes, threads,
+//! tiles, or in how many calls the samples are taken.
+
+mod common;
+
+use common::{Dice, empty, material, sphere, triangle};
+use glam::{Vec2, Vec3};
+use octray::buffers::Needs;
+use octray::render::{Renderer, Settings};
+use octray::scene::{Camera, Filter, Material, MaterialKind, Scene, Sky, Texture};
+use octray::traverse::{Methods, SphereChoice, TriangleChoice};
+
+fn texture(dice: &mut Dice, width: u32, height: u32, filter: Filter) -> Texture {
+    let mut number = || dice.unit() as f32;
+    let texels = (0..width * height).map(|_| [number(), number(), number(), 0.0]).collect();
+    Texture { name: "noise".into(), width, height, filter, texels }
+}
+
+fn colored(dice: &mut Dice, kind: MaterialKind) -> Material {
+    let color = Vec3::new(dice.unit() as f32, dice.unit() as f32, dice.unit() as f32) * 0.5 + 0.5;
+    Material { color, ..material(kind) }
+}
+
+/// Spheres and triangles in front of the camera, wearing the materials by turns.
+fn furnished(
+    dice: &mut Dice,
+    materials: Vec<Material>,
+    spheres: usize,
+    triangles: usize,
+    uvs: bool,
+) -> Scene {
+    let count = materials.len();
+    let mut scene = Scene {
+        camera: Camera {
+            position: Vec3::new(0.3, 0.8, 6.0),
+            look_at: Vec3::ZERO,
+            up: Vec3::Y,
+            vertical_fov: 45.0,
+        },
+        materials,
+        ..empty()
+    };
+    for i in 0..spheres {
+        let center = (dice.in_cube() * 2.0).as_vec3();
+        let ball = sphere(center, dice.scale(0.3, 0.9) as f32, (i % count) as u32);
+        scene.spheres.push(octray::scene::Sphere { turn: dice.unit() as f32, ..ball });
+    }
+    for i in 0..triangles {
+        let center = dice.in_cube() * 2.0;
+        let vertices = [(); 3].map(|()| (center + dice.in_cube() * 1.5).as_vec3());
+        scene.triangles.push(triangle(vertices, ((i + 1) % count) as u32));
+        if uvs {
+            scene
+                .uvs
+                .push([(); 3].map(|()| Vec2::new(3.0 * dice.signed() as f32, 3.0 * dice.signed() as f32)));
+        }
+    }
+    // A floor, so that paths bounce.
+    let floor = [Vec3::new(-20.0, -2.0, -20.0), Vec3::new(0.0, -2.0, 20.0), Vec3::new(20.0, -2.0, -20.0)];
+    if triangles > 0 {
+        scene.triangles.push(triangle(floor, 0));
+        if uvs {
+            scene.uvs.push([Vec2::ZERO, Vec2::new(20.0, 0.0), Vec2::new(0.0, 20.0)]);
+        }
+    }
+    scene
+}
+
+/// Every kind of everything, more of it than fits a register table.
+fn everything() -> Scene {
+    let mut dice = Dice(51);
+    let mut materials: Vec<Material> = [
+        MaterialKind::Diffuse,
+        MaterialKind::Metal { roughness: 0.0 },
+        MaterialKind::Metal { roughness: 0.4 },
+        MaterialKind::Glass { ior: 1.5 },
+        MaterialKind::Scatter { roughness: 0.7 },
+        MaterialKind::Diffuse,
+        MaterialKind::Diffuse,
+        MaterialKind::Emitter,
+        MaterialKind::Glass { ior: 0.8 },
+        MaterialKind::Metal { roughness: 1.0 },
+    ]
+    .into_iter()
+    .map(|kind| colored(&mut dice, kind))
+    .collect();
+    materials[0].texture = Some(0);
+    materials[4].texture = Some(1);
+    materials[5].texture = Some(1);
+    materials[6].emission = Vec3::new(0.2, 0.1, 0.4);
+    materials[7].emission = Vec3::new(3.0, 2.0, 1.0);
+    materials[7].texture = Some(0);
+    let mut scene = furnished(&mut dice, materials, 20, 12, true);
+    scene.textures = vec![
+        texture(&mut dice, 5, 3, Filter::Nearest),
+        texture(&mut dice, 4, 7, Filter::Bilinear),
+        texture(&mut dice, 16, 8, Filter::Bilinear),
+    ];
+    scene.sky = Sky::Texture { texture: 2, color: Vec3::new(1.0, 0.9, 0.8) };
+    scene
+}
+
+/// What the pipeline for matt and mirroring spheres draws.
+fn matt_and_mirror() -> Scene {
+    let mut dice = Dice(52);
+    let materials = vec![
+        colored(&mut dice, MaterialKind::Diffuse),
+        colored(&mut dice, MaterialKind::Metal { roughness: 0.0 }),
+        colored(&mut dice, MaterialKind::Diffuse),
+    ];
+    Scene {
+        sky: Sky::Gradient { bottom: Vec3::ONE, top: Vec3::new(0.5, 0.7, 1.0) },
+        ..furnished(&mut dice, materials, 7, 0, false)
+    }
+}
+
+/// A handful of spheres and triangles with nearest textures: the thesis's kind of scene.
+fn few_textured() -> Scene {
+    let mut dice = Dice(53);
+    let mut materials = vec![
+        colored(&mut dice, MaterialKind::Diffuse),
+        colored(&mut dice, MaterialKind::Scatter { roughness: 1.5 }),
+        colored(&mut dice, MaterialKind::Emitter),
+        colored(&mut dice, MaterialKind::Metal { roughness: 0.0 }),
+    ];
+    materials[0].texture = Some(0);
+    materials[2].emission = Vec3::splat(2.0);
+    let textures = vec![texture(&mut dice, 6, 6, Filter::Nearest)];
+    Scene {
+        textures,
+        sky: Sky::Color(Vec3::new(0.4, 0.5, 0.6)),
+        ..furnished(&mut dice, materials, 6, 2, true)
+    }
+}
+
+/// Triangles alone, without texture coordinates, under a sky that is read at the nearest texel.
+fn triangles_alone() -> Scene {
+    let mut dice = Dice(54);
+    let mut materials =
+        vec![colored(&mut dice, MaterialKind::Diffuse), colored(&mut dice, MaterialKind::Glass { ior: 1.3 })];
+    materials[1].emission = Vec3::new(0.0, 0.3, 0.0);
+    let textures = vec![texture(&mut dice, 9, 5, Filter::Nearest)];
+    let sky = Sky::Texture { texture: 0, color: Vec3::ONE };
+    Scene { textures, sky, ..furnished(&mut dice, materials, 0, 25, false) }
+}
+
+/// A picture's bits, and how many rays it took.
+#[derive(PartialEq)]
+struct Print {
+    pixels: Vec<[u32; 3]>,
+    rays: u64,
+}
+
+impl Print {
+    /// Takes the samples in so many calls.
+    fn of(scene: &Scene, settings: Settings, calls: &[u32]) -> Self {
+        let renderer = Renderer::new(scene, settings);
+        let mut film = renderer.film();
+        calls.iter().for_each(|&samples| renderer.add_samples(&mut film, samples));
+        assert_eq!(film.discarded(), 0, "{settings:?}");
+        assert_eq!(film.samples(), calls.iter().sum::<u32>());
+        let pixels = film.picture().pixels.iter().map(|pixel| pixel.map(f32::to_bits)).collect();
+        Self { pixels, rays: film.rays() }
+    }
+    #[track_caller]
+    fn assert_same(&self, other: &Self, settings: Settings, calls: &[u32]) {
+        if self != other {
+            let width = settings.resolution[0] as usize;
+            let first = self.pixels.iter().zip(&other.pixels).position(|(a, b)| a != b);
+            let place = first.map(|index| (index % width, index / width));
+            panic!(
+                "{settings:?}, calls {calls:?}: {} and {} rays, first pixel that differs: {place:?}",
+                self.rays, other.rays
+            );
+        }
+    }
+}
+
+const TILES: [[u32; 2]; 5] = [[1, 1], [7, 3], [16, 16], [32, 32], [240, 4]];
+
+fn base(scene: &Scene, resolution: [u32; 2], max_bounces: u32) -> Settings {
+    Settings { resolution, max_bounces, seed: 5, lanes: 1, threads: 1, ..Settings::of(scene) }
+}
+
+#[test]
+fn test_scenes_need_every_feature_together() {
+    let needs = |scene: &Scene| Renderer::new(scene, Settings::of(scene)).needs();
+    let all = needs(&everything()).with(Needs::SKY_GRADIENT);
+    assert!(all.contains(Needs::ALL), "{:?}", all.names());
+    assert!(needs(&matt_and_mirror()).contains(Needs::SKY_GRADIENT));
+    assert!(!needs(&few_textured()).contains(Needs::MANY_TRIANGLES));
+}
+
+#[test]
+fn picture_is_the_same_for_all_lanes_threads_tiles_and_calls() {
+    for scene in [everything(), matt_and_mirror(), few_textured(), triangles_alone()] {
+        let base = base(&scene, [37, 23], 4);
+        let expected = Print::of(&scene, base, &[8]);
+        for lanes in [1, 8] {
+            for threads in [1, 2, 3] {
+                for tile_size in TILES {
+                    for calls in [&[8][..], &[3, 5]] {
+                        let settings = Settings { lanes, threads, tile_size, ..base };
+                        Print::of(&scene, settings, calls).assert_same(&expected, settings, calls);
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn picture_is_the_same_at_odd_resolutions_and_every_number_of_bounces() {
+    for scene in [everything(), matt_and_mirror(), few_textured(), triangles_alone()] {
+        for resolution in [[37, 23], [1, 1], [9, 1], [1, 9]] {
+            for max_bounces in [0, 1, 4, 20] {
+                let base = base(&scene, resolution, max_bounces);
+                let expected = Print::of(&scene, base, &[4]);
+                for (threads, tile_size) in [(1, [16, 16]), (2, [7, 3]), (3, [1, 1])] {
+                    let settings = Settings { lanes: 8, threads, tile_size, ..base };
+                    Print::of(&scene, settings, &[1, 3]).assert_same(&expected, settings, &[1, 3]);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn picture_is_the_same_for_all_lanes_with_every_choice_of_equations() {
+    let scene = everything();
+    for sphere in [SphereChoice::Robust, SphereChoice::RobustAnyLength, SphereChoice::Naive] {
+        for triangle in [
+            TriangleChoice::Woop,
+            TriangleChoice::WoopContracted,
+            TriangleChoice::MollerTrumbore,
+            TriangleChoice::BaldwinWeber,
+            TriangleChoice::Plucker,
+        ] {
+            let base = Settings { methods: Methods { sphere, triangle }, ..base(&scene, [37, 23], 4) };
+            let settings = Settings { lanes: 8, threads: 2, tile_size: [7, 3], ..base };
+            Print::of(&scene, settings, &[2]).assert_same(&Print::of(&scene, base, &[2]), settings, &[2]);
+        }
+    }
+}
+
+#[test]
+fn primary_hits_are_the_same_for_all_lanes_and_tiles() {
+    for scene in [everything(), triangles_alone()] {
+        let hits = |lanes, tile_size| {
+            let settings = Settings { lanes, tile_size, ..base(&scene, [37, 23], 0) };
+            let mut hits = Renderer::new(&scene, settings).primary_hits(3);
+            hits.sort_by_key(|hit| (hit.y, hit.x));
+            hits
+        };
+        let expected = hits(1, [16, 16]);
+        assert_eq!(expected.len(), 37 * 23);
+        for tile_size in TILES {
+            assert_eq!(hits(8, tile_size), expected, "{tile_size:?}");
+        }
+    }
+}
+
+#[test]
+fn seed_samples_and_bounces_change_the_picture() {
+    let scene = everything();
+    let base = base(&scene, [37, 23], 4);
+    let one = Print::of(&scene, base, &[8]);
+    // At the fifth segment most paths have ended.
+    for (other, calls, least) in [
+        (Settings { seed: 6, ..base }, 8, 0.5),
+        (base, 7, 0.5),
+        (Settings { max_bounces: 1, ..base }, 8, 0.2),
+        (Settings { max_bounces: 3, ..base }, 8, 0.05),
+    ] {
+        let other = Print::of(&scene, other, &[calls]);
+        let differ = one.pixels.iter().zip(&other.pixels).filter(|(a, b)| a != b).count();
+        let share = differ as f64 / one.pixels.len() as f64;
+        assert!(share > least, "only {differ} pixels differ");
+    }
+}

@@ -1,0 +1,182 @@
+//! The law of energy: no material adds light, none loses more than it says, and single precision in packets gives the mean that the f64
+//! judge gives.
+//!
+//! A white furnace: whatever has the colour 1 under a sky of 1 is invisible. The judge follows the same paths with the same random
+//! numbers, so pictures are compared in pairs of pixels: the difference has far less noise than either picture.
+
+mod common;
+
+use common::{empty, material, sphere, triangle};
+use glam::Vec3;
+use octray::film::Picture;
+use octray::reference::{PathSettings, Reference};
+use octray::render::{Renderer, Settings};
+use octray::scene::{Camera, Material, MaterialKind, Scene, Sky};
+
+/// Two balls over a floor, all of one material: paths go back and forth between them.
+fn room(kind: MaterialKind) -> Scene {
+    let floor = [Vec3::new(-30.0, -1.5, -30.0), Vec3::new(0.0, -1.5, 40.0), Vec3::new(30.0, -1.5, -30.0)];
+    // A single sheet of glass leads into glass without end, so there is no floor of it.
+    let is_glass = matches!(kind, MaterialKind::Glass { .. });
+    Scene {
+        camera: Camera { position: Vec3::new(0.0, 0.5, 5.0), ..empty().camera },
+        resolution: [48, 32],
+        materials: vec![material(kind)],
+        spheres: vec![sphere(Vec3::new(-0.9, 0.0, 0.0), 1.0, 0), sphere(Vec3::new(1.1, -0.2, 0.4), 0.9, 0)],
+        triangles: if is_glass { vec![] } else { vec![triangle(floor, 0)] },
+        ..empty()
+    }
+}
+
+fn render(scene: &Scene, max_bounces: u32, samples: u32, lanes: usize) -> Picture {
+    let renderer = Renderer::new(scene, Settings { max_bounces, lanes, seed: 9, ..Settings::of(scene) });
+    let mut film = renderer.film();
+    renderer.add_samples(&mut film, samples);
+    assert_eq!(film.discarded(), 0);
+    film.picture()
+}
+
+fn channels(picture: &Picture) -> impl Iterator<Item = f32> {
+    picture.pixels.iter().flatten().copied()
+}
+
+/// Enough that no path is cut off: each segment escapes with a chance of a quarter at least.
+const UNBOUNDED: u32 = 300;
+const SAMPLES: u32 = 32;
+
+#[test]
+fn white_furnace_is_exactly_white_where_every_weight_is_one() {
+    // Throughput is a product of ones, the sky is 1, and a sum of n ones divided by n is 1: no rounding anywhere. A path that is lost
+    // (absorbed below the surface, caught in it, cut off) would show as 31/32.
+    for kind in [MaterialKind::Diffuse, MaterialKind::Metal { roughness: 0.0 }] {
+        for lanes in [1, 8] {
+            let picture = render(&room(kind), UNBOUNDED, SAMPLES, lanes);
+            assert!(channels(&picture).all(|x| x == 1.0), "{kind:?}");
+        }
+    }
+}
+
+#[test]
+fn white_furnace_of_glass_is_white_within_rounding() {
+    // Entering weighs η², leaving 1/η², each rounded twice: 6 ε a passage, and few paths pass more than a dozen times.
+    for ior in [1.5, 1.05, 2.4, 0.7] {
+        let picture = render(&room(MaterialKind::Glass { ior }), UNBOUNDED, SAMPLES, 8);
+        let worst = channels(&picture).fold(0.0_f32, |worst, x| worst.max((x - 1.0).abs()));
+        println!("ior {ior}: {worst:e}");
+        assert!(worst <= 1e-5, "ior {ior}: {worst:e}");
+    }
+}
+
+#[test]
+fn absorbing_materials_never_exceed_white() {
+    for roughness in [0.1, 0.3, 0.6, 1.0] {
+        for kind in [MaterialKind::Metal { roughness }, MaterialKind::Scatter { roughness: 2.0 * roughness }]
+        {
+            let picture = render(&room(kind), UNBOUNDED, SAMPLES, 8);
+            let (mut sum, mut count) = (0.0, 0.0);
+            for x in channels(&picture) {
+                // Each weight is at most 1 up to its own rounding.
+                assert!((0.0..=1.0 + 1e-5).contains(&x), "{kind:?}: {x}");
+                sum += f64::from(x);
+                count += 1.0;
+            }
+            assert!((0.3..1.0).contains(&(sum / count)), "{kind:?} keeps {:.3} of the light", sum / count);
+        }
+    }
+}
+
+#[test]
+fn emission_adds_to_what_is_scattered() {
+    let shining = |kind| Material { emission: Vec3::new(0.5, 0.25, 2.0), ..material(kind) };
+    let scene = |kind, sky| Scene {
+        materials: vec![shining(kind)],
+        spheres: vec![sphere(Vec3::ZERO, 3.0, 0)],
+        sky: Sky::Color(sky),
+        ..empty()
+    };
+    // The ball is convex: a path shines once, goes to the sky, and adds 1. It fills the middle of the picture.
+    let middle = |picture: Picture| picture.pixels[8 * 24 + 12];
+    assert_eq!(middle(render(&scene(MaterialKind::Diffuse, Vec3::ONE), 4, SAMPLES, 8)), [1.5, 1.25, 3.0]);
+    assert_eq!(middle(render(&scene(MaterialKind::Diffuse, Vec3::ONE), 0, SAMPLES, 8)), [0.5, 0.25, 2.0]);
+    assert_eq!(middle(render(&scene(MaterialKind::Emitter, Vec3::ONE), 4, SAMPLES, 8)), [0.5, 0.25, 2.0]);
+    assert_eq!(
+        middle(render(&scene(MaterialKind::Metal { roughness: 0.0 }, Vec3::ZERO), 4, SAMPLES, 8)),
+        [0.5, 0.25, 2.0]
+    );
+}
+
+/// What a picture and the judge's differ by, over all pixels and channels.
+#[derive(Debug)]
+struct Difference {
+    /// Mean of the difference, and its standard error.
+    mean: f64,
+    standard_error: f64,
+    /// The standard error of the mean of the judge's picture alone, for comparison.
+    noise: f64,
+    /// Share of pixels that differ by more than 1 %: those one of whose paths went another way.
+    strayed: f64,
+}
+
+fn difference(scene: &Scene, max_bounces: u32, samples: u32) -> Difference {
+    let picture = render(scene, max_bounces, samples, 8);
+    let judge = Reference::new(scene);
+    let settings = PathSettings { resolution: scene.resolution, max_bounces, seed: 9 };
+    let (mut differences, mut truths) = (Vec::new(), Vec::new());
+    for (index, pixel) in picture.pixels.iter().enumerate() {
+        let (x, y) = (index as u32 % picture.width, index as u32 / picture.width);
+        let truth = judge.pixel(settings, x, y, samples);
+        // One number a pixel: its channels are not independent.
+        let luminance = |pixel: [f64; 3]| pixel.iter().sum::<f64>() / 3.0;
+        differences.push(luminance(pixel.map(f64::from)) - luminance(truth));
+        truths.push(luminance(truth));
+    }
+    let n = differences.len() as f64;
+    let moments = |values: &[f64]| {
+        let mean = values.iter().sum::<f64>() / n;
+        (mean, (values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (n - 1.0) / n).sqrt())
+    };
+    let (mean, standard_error) = moments(&differences);
+    let strayed =
+        differences.iter().zip(&truths).filter(|(d, truth)| d.abs() > 0.01 * truth.max(0.01)).count();
+    Difference { mean, standard_error, noise: moments(&truths).1, strayed: strayed as f64 / n }
+}
+
+/// The means agree within five standard errors of the paired difference, and 1e-6 for the rounding of paths that did not stray (some ten
+/// weights and colours, each rounded to 6e-8 of itself, without a preferred direction). That the pairs are pairs, so that the
+/// standard error is small, is asserted too: few pixels stray.
+#[track_caller]
+fn assert_agrees(name: &str, scene: &Scene, max_bounces: u32, strayed: f64) {
+    let found = difference(scene, max_bounces, SAMPLES);
+    println!("{name}: {found:?}");
+    assert!(found.mean.abs() <= 5.0 * found.standard_error + 1e-6, "{name}: {found:?}");
+    assert!(found.strayed <= strayed, "{name}: {found:?}");
+    assert!(found.standard_error <= 0.1 * found.noise + 1e-7, "{name}: {found:?}");
+}
+
+#[test]
+fn packets_and_judge_agree_on_the_energy_of_every_material() {
+    for kind in [
+        MaterialKind::Diffuse,
+        MaterialKind::Metal { roughness: 0.0 },
+        MaterialKind::Metal { roughness: 0.2 },
+        MaterialKind::Metal { roughness: 0.7 },
+        MaterialKind::Metal { roughness: 1.0 },
+        MaterialKind::Glass { ior: 1.5 },
+        MaterialKind::Glass { ior: 0.8 },
+        MaterialKind::Scatter { roughness: 0.4 },
+        MaterialKind::Scatter { roughness: 2.5 },
+    ] {
+        let mut scene = room(kind);
+        scene.materials[0].color = Vec3::new(0.9, 0.7, 0.5);
+        scene.materials[0].emission = Vec3::new(0.0, 0.1, 0.0);
+        scene.sky = Sky::Gradient { bottom: Vec3::new(0.2, 0.3, 0.1), top: Vec3::new(2.0, 1.0, 3.0) };
+        assert_agrees(&format!("{kind:?}"), &scene, 6, 0.02);
+    }
+}
+
+#[test]
+fn packets_and_judge_agree_on_the_furnace_of_ggx() {
+    for roughness in [0.1, 0.3, 0.6, 1.0] {
+        assert_agrees(&format!("GGX {roughness}"), &room(MaterialKind::Metal { roughness }), 50, 0.02);
+    }
+}

@@ -30,8 +30,8 @@ pub struct Film {
 #[derive(Clone, Debug)]
 pub(crate) struct TileSums {
     pub tile: Tile,
-    /// Red, green and blue.
-    channels: [CompensatedSums; 3],
+    /// Red, green and blue, a packet of pixels each, the last one padded.
+    channels: [Vec<CompensatedSum>; 3],
     /// Samples of each pixel that were left out; empty as long as there are none.
     discarded: Vec<u32>,
 }
@@ -40,35 +40,31 @@ pub(crate) struct TileSums {
 ///
 /// Error: ≤ 2 ε of the sum of magnitudes, whatever their number. Source: Kahan, "Further remarks on reducing truncation
 /// errors", CACM 8(1), 1965.
-#[derive(Clone, Debug)]
-struct CompensatedSums {
-    /// Padded to whole packets.
-    sums: Vec<F32x8>,
-    /// What `sums` holds too much.
-    excess: Vec<F32x8>,
+#[derive(Clone, Copy, Debug)]
+struct CompensatedSum {
+    sum: F32x8,
+    /// What `sum` holds too much.
+    excess: F32x8,
 }
 
-impl CompensatedSums {
-    fn new(pixels: usize) -> Self {
-        let zeros = vec![F32x8::splat(0.0); pixels.div_ceil(F32x8::WIDTH)];
-        Self { sums: zeros.clone(), excess: zeros }
-    }
+impl CompensatedSum {
+    const ZERO: Self = Self { sum: F32x8::ZERO, excess: F32x8::ZERO };
+
     #[inline(always)]
-    fn add(&mut self, packet: usize, value: F32x8) {
-        let value = value - self.excess[packet];
-        let sum = self.sums[packet] + value;
-        self.excess[packet] = (sum - self.sums[packet]) - value;
-        self.sums[packet] = sum;
+    fn add(&mut self, value: F32x8) {
+        let value = value - self.excess;
+        let sum = self.sum + value;
+        self.excess = (sum - self.sum) - value;
+        self.sum = sum;
     }
-    fn get(&self, pixel: usize) -> f64 {
-        let lane = |column: &[F32x8]| f64::from(column[pixel / F32x8::WIDTH].get(pixel % F32x8::WIDTH));
-        lane(&self.sums) - lane(&self.excess)
+    fn get(&self, lane: usize) -> f64 {
+        f64::from(self.sum.get(lane)) - f64::from(self.excess.get(lane))
     }
 }
 
 impl TileSums {
     fn new(tile: Tile) -> Self {
-        let channel = CompensatedSums::new(tile.pixels());
+        let channel = vec![CompensatedSum::ZERO; tile.pixels().div_ceil(F32x8::WIDTH)];
         Self { tile, channels: [channel.clone(), channel.clone(), channel], discarded: Vec::new() }
     }
 
@@ -76,21 +72,24 @@ impl TileSums {
     /// channel is left out and counted.
     pub fn add(&mut self, radiance: [&[f32]; 3]) {
         let pixels = self.tile.pixels();
+        let packets = pixels.div_ceil(F32x8::WIDTH);
+        let [r, g, b] = radiance.map(|channel| channel[..packets * F32x8::WIDTH].as_chunks::<8>().0);
         let [red, green, blue] = &mut self.channels;
-        for (packet, at) in (0..pixels).step_by(F32x8::WIDTH).enumerate() {
-            let [mut r, mut g, mut b] = radiance.map(|channel| F32x8::load(&channel[at..]));
+        let sums = red.iter_mut().zip(green.iter_mut()).zip(blue.iter_mut());
+        for (packet, (((r, g), b), ((red, green), blue))) in r.iter().zip(g).zip(b).zip(sums).enumerate() {
+            let [mut r, mut g, mut b] = [r, g, b].map(|channel| F32x8::load(channel));
             // x · 0 is 0 for every finite x and NaN for the others.
             let zero = F32x8::zero();
             let finite = (r * zero + g * zero + b * zero).eq(zero);
             if !finite.all() {
                 [r, g, b] = [r, g, b].map(|channel| F32x8::select(finite, channel, zero));
                 self.discarded.resize(pixels, 0);
-                let lanes = self.discarded[at..].iter_mut().take(F32x8::WIDTH);
+                let lanes = self.discarded[packet * F32x8::WIDTH..].iter_mut().take(F32x8::WIDTH);
                 lanes.enumerate().for_each(|(lane, count)| *count += (!finite.bitmask() >> lane) & 1);
             }
-            red.add(packet, r);
-            green.add(packet, g);
-            blue.add(packet, b);
+            red.add(r);
+            green.add(g);
+            blue.add(b);
         }
     }
 }
@@ -101,7 +100,9 @@ impl Film {
         let starts = |axis: usize| (0..resolution[axis]).step_by(tile_size[axis] as usize);
         let tiles = starts(1)
             .flat_map(|y| starts(0).map(move |x| (x, y)))
-            .map(|(x, y)| Tile {
+            .enumerate()
+            .map(|(number, (x, y))| Tile {
+                number,
                 x,
                 y,
                 width: tile_size[0].min(resolution[0] - x),
@@ -138,7 +139,8 @@ impl Film {
                 let index = (tile.y + row) as usize * width as usize + (tile.x + column) as usize;
                 let count = self.samples - discarded.get(slot).unwrap_or(&0);
                 let scale = 1.0 / f64::from(count.max(1));
-                pixels[index] = std::array::from_fn(|c| (channels[c].get(slot) * scale) as f32);
+                let (packet, lane) = (slot / F32x8::WIDTH, slot % F32x8::WIDTH);
+                pixels[index] = std::array::from_fn(|c| (channels[c][packet].get(lane) * scale) as f32);
             }
         }
         Picture { width, height, pixels }

@@ -1,4 +1,64 @@
+//! octray: a data-oriented path tracer for CPUs. Packets of eight rays over structure-of-arrays buffers, tile by tile, beside a scalar
+//! path that gives the same bits.
+//!
+//! Three sentences of its owner rule every choice: *both speed and accuracy count: chart one against the other; test stability where
+//! methods fail; model no more than a scene needs.*
+//!
+//! # One way through the house
+//! A scene file becomes a picture by passing through six forms. Each is built from the last; none reaches back.
+//!
+//! | form | what it is | room |
+//! |---|---|---|
+//! | scene file | what the user wrote | [`scene`] |
+//! | [`scene::Scene`] | what we accept; its existence is the proof of validity | [`scene`] |
+//! | [`buffers::Buffers`], [`buffers::Needs`] | flattened into aligned structure-of-arrays buffers, and the features the scene uses | [`buffers`] |
+//! | packets and queues | eight rays and a mask; a tile's paths in structure-of-arrays form | [`math`], [`integrate`] |
+//! | [`film::Film`] | sums of linear radiance, in a fixed order | [`film`], [`render`] |
+//! | picture file | what people see | [`output`] |
+//!
+//! Between packets and film stand the [`kernel`]s: equations that know lanes and nothing else.
+//!
+//! ```
+//! use octray::render::{Renderer, Settings};
+//!
+//! let scene = octray::scene::load("builtin:three")?;
+//! let renderer = Renderer::new(&scene, Settings { resolution: [24, 16], ..Settings::of(&scene) });
+//! let mut film = renderer.film();
+//! renderer.add_samples(&mut film, 4);
+//! assert_eq!(film.picture().pixels.len(), 24 * 16);
+//! # Ok::<(), octray::scene::SceneError>(())
+//! ```
+//!
+//! # The rooms, each importing only from above
+//! | module | idea |
+//! |---|---|
+//! | [`lane`] | width as a type: `f32` and `F32x8` behind one trait; the elementary functions, once |
+//! | [`math`] | vectors, rays and hits of lanes; rounding error as code |
+//! | [`sampling`] | random numbers that are a function of (seed, pixel, sample, dimension); warps |
+//! | [`kernel`] | intersection, scattering, texture lookup: several methods side by side |
+//! | [`scene`] | files, validation, what a scene is |
+//! | [`buffers`] | the scene flattened; what it needs |
+//! | [`camera`] | pixels to primary rays |
+//! | [`traverse`] | which primitive a ray meets first |
+//! | [`integrate`] | the path estimator, as stages over queues |
+//! | [`reference`] | the independent judge: f64, one ray, one object at a time; it imports only `scene` and the integer hash |
+//! | [`film`], [`render`], [`output`] | sums; tiles and threads; tone mapping and encoders |
+//! | [`measure`] | figures: speed, parity, the machine they come from |
+//! | [`cli`] | raw arguments, validated options, commands |
+//!
+//! `tests/architecture.rs` recovers this order from the source and fails when an arrow turns.
+//!
+//! # The laws
+//! - **One picture.** A pixel is a function of (scene, settings, pixel, sample): the same bits for scalar and SIMD, any threads, any tile
+//!   size, whole or in parts. Ties in t go to the lower primitive; sums have a fixed order; nothing is approximate on one width only.
+//! - **Width is a type.** An equation is written once over [`lane::Lane`] and run at width 1 and 8.
+//! - **The judge is independent.** It shares no equation with what it judges.
+//! - **Needs.** The shading stages are compiled for sets of features; a scene gets the smallest set that holds its own.
+//! - **Conservative culling.** Whatever skips a test gives the same hit as testing everything.
+//! - **Safe.** No `unsafe` at all: `wide` and `bytemuck` have it where it belongs.
+
 #![forbid(unsafe_code)]
+
 pub mod buffers;
 pub mod camera;
 pub mod cli;

@@ -6,11 +6,11 @@ use crate::buffers::{Buffers, Needs};
 use crate::camera::Pinhole;
 use crate::film::{Film, TileSums};
 use crate::integrate::queue::{MAX_PIXELS, Work};
-use crate::integrate::{Pipeline, World, generate as primary, pipeline_for};
+use crate::integrate::{Pipeline, Tile, World, generate as primary, pipeline_for};
 use crate::lane::F32x8;
 use crate::math::Hit;
 use crate::scene::Scene;
-use crate::traverse::{Methods, Primitives};
+use crate::traverse::{Methods, Primitives, Visible};
 use rayon::prelude::*;
 use std::sync::Mutex;
 
@@ -46,6 +46,22 @@ impl Settings {
     }
     /// Rows of whole packets, and a queue that stays in the first-level cache.
     pub const TILE_SIZE: [u32; 2] = [16, 16];
+}
+
+/// Most primitives times tiles for which [`Visible`] is found: some tens of milliseconds. Beyond it, testing everything is no way to
+/// render anyhow.
+const MOST_TO_CULL: usize = 4_000_000;
+
+/// What each tile's primary rays can meet; nothing where that is unknown or would not pay.
+fn visible(scene: &Scene, camera: &Pinhole, settings: &Settings) -> Vec<Visible> {
+    let film = Film::new(settings.resolution, settings.tile_size);
+    let primitives = scene.spheres.len() + scene.triangles.len();
+    if !settings.methods.keep_to_their_primitives() || primitives * film.tiles.len() > MOST_TO_CULL {
+        return Vec::new();
+    }
+    let tiles = film.tiles.iter().map(|sums| sums.tile);
+    let pyramid = |tile: Tile| camera.pyramid([tile.x, tile.y], [tile.width, tile.height]);
+    tiles.map(|tile| Visible::of(scene, &pyramid(tile))).collect()
 }
 
 /// A primary ray and its answer.
@@ -87,10 +103,12 @@ impl Renderer {
         assert!((1..=MAX_PIXELS).contains(&tile_pixels), "tile size {tile_size:?}");
         assert!(lanes == 1 || lanes == 8, "{lanes} lanes");
         assert!(threads >= 1, "no threads");
+        let camera = Pinhole::new(&scene.camera, resolution);
         let world = World {
+            visible: visible(scene, &camera, &settings),
             buffers: Buffers::new(scene),
             primitives: Primitives::new(scene, settings.methods),
-            camera: Pinhole::new(&scene.camera, resolution),
+            camera,
             width: resolution[0],
             max_bounces: settings.max_bounces,
             seed: settings.seed,

@@ -1,7 +1,7 @@
 //! The native scene format: what its keys mean and what stands in for those left out.
 
 use glam::{Vec2, Vec3};
-use octray::scene::{Filter, MaterialKind, Scene, Sky, builtin_names, load};
+use octray::scene::{Filter, MaterialKind, Scene, Sky, Texels, builtin_names, load};
 use std::fs;
 use std::path::Path;
 use tempfile::TempDir;
@@ -73,8 +73,8 @@ fn native_example_of_the_design_keeps_every_value() {
     let texture = &scene.textures[scene.materials[0].texture.unwrap() as usize];
     assert_eq!((texture.width, texture.height, texture.filter), (2, 1, Filter::Nearest));
     // IEC 61966-2-1: ((128/255 + 0.055) / 1.055)^2.4 = 0.2158605.
-    assert_eq!(texture.texels[0], [1.0, 0.0, 0.0, 0.0]);
-    assert!((texture.texels[1][0] - 0.215_860_5).abs() < 1e-7, "{:?}", texture.texels[1]);
+    assert_eq!(texture.texels.linear(0), [1.0, 0.0, 0.0]);
+    assert!((texture.texels.linear(1)[0] - 0.215_860_5).abs() < 1e-7, "{:?}", texture.texels.linear(1));
     assert!(scene.warnings.is_empty() && scene.normals.is_empty());
 }
 
@@ -148,7 +148,7 @@ fn sky_reads_gradient_and_texture() {
     let textured = with(r#"{ "texture": "sky.exr", "color": [3,3,3] }"#);
     assert_eq!(textured.sky, Sky::Texture { texture: 0, color: Vec3::splat(3.0) });
     // An EXR holds linear light: the numbers pass as they are.
-    assert_eq!(textured.textures[0].texels, [[2.0, 0.5, 0.25, 0.0]]);
+    assert_eq!(textured.textures[0].texels, Texels::Linear(vec![[2.0, 0.5, 0.25, 0.0]]));
     assert_eq!(textured.textures[0].filter, Filter::Bilinear);
 }
 
@@ -188,8 +188,8 @@ fn textures_of_every_format_hold_the_same_picture() {
         );
         let second = if extension == "hdr" { 0.25 } else { 0.215_860_5 };
         let texels = &scene.textures[0].texels;
-        assert_eq!(texels[0], [1.0, 0.0, 0.0, 0.0], "{extension}");
-        assert!((texels[1][1] - second).abs() < 1e-7, "{extension}: {texels:?}");
+        assert_eq!(texels.linear(0), [1.0, 0.0, 0.0], "{extension}");
+        assert!((texels.linear(1)[1] - second).abs() < 1e-7, "{extension}: {texels:?}");
     }
 }
 

@@ -10,7 +10,7 @@ from PIL import Image
 
 HERE = Path(__file__).parent
 SEED = 20250
-WIDTH, HEIGHT = 2048, 1024
+WIDTH, HEIGHT = 1024, 512
 SUN = np.array([-0.55, 0.42, 0.72])
 
 

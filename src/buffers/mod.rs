@@ -14,7 +14,7 @@ mod texels;
 
 pub use needs::Needs;
 pub use spheres::{SphereBlock, Spheres};
-pub use texels::Textures;
+pub use texels::{Abilities, Textures};
 
 use crate::kernel::ray_triangle::TriangleMethod;
 use crate::kernel::surface::{sphere_offset, triangle_offset};

@@ -1,7 +1,7 @@
 //! What a scene needs: the features that its pipeline must have.
 
 use super::rows::Rows;
-use crate::scene::{Filter, MaterialKind, Scene, Sky};
+use crate::scene::{Filter, Material, MaterialKind, Scene, Sky, Texels};
 
 /// A set of features. A pipeline is compiled for a set and leaves out what is not in it; any set that contains a scene's needs
 /// gives the same bits.
@@ -33,6 +33,8 @@ features! {
     TEXTURES = 8, "textures";
     /// Some texture is read between texel centres.
     BILINEAR = 9, "bilinear";
+    /// Some texture holds linear light, not display values.
+    LINEAR_TEXTURES = 15, "linear-textures";
     SKY_GRADIENT = 10, "sky-gradient";
     SKY_TEXTURE = 11, "sky-texture";
     /// More spheres than a register table holds.
@@ -74,17 +76,18 @@ impl Needs {
         need(scene.materials.len() > Rows::FEW, Self::MANY_MATERIALS);
         need(matches!(scene.sky, Sky::Gradient { .. }), Self::SKY_GRADIENT);
         need(matches!(scene.sky, Sky::Texture { .. }), Self::SKY_TEXTURE);
-        let bilinear = |texture: u32| scene.textures[texture as usize].filter == Filter::Bilinear;
-        if let Sky::Texture { texture, .. } = scene.sky {
-            need(bilinear(texture), Self::BILINEAR);
+        let mut texture = |texture: u32| {
+            let texture = &scene.textures[texture as usize];
+            need(texture.filter == Filter::Bilinear, Self::BILINEAR);
+            need(matches!(texture.texels, Texels::Linear(_)), Self::LINEAR_TEXTURES);
+        };
+        if let Sky::Texture { texture: sky, .. } = scene.sky {
+            texture(sky);
         }
-        let mut worn = vec![false; scene.materials.len()];
-        scene.spheres.iter().for_each(|sphere| worn[sphere.material as usize] = true);
-        scene.triangles.iter().for_each(|triangle| worn[triangle.material as usize] = true);
-        for (material, _) in scene.materials.iter().zip(worn).filter(|(_, worn)| *worn) {
+        worn_materials(scene).filter_map(|material| material.texture).for_each(texture);
+        for material in worn_materials(scene) {
             need(material.emission.max_element() > 0.0, Self::EMISSION);
             need(material.texture.is_some(), Self::TEXTURES);
-            need(material.texture.is_some_and(bilinear), Self::BILINEAR);
             match material.kind {
                 MaterialKind::Diffuse => need(true, Self::DIFFUSE),
                 MaterialKind::Metal { roughness: 0.0 } => need(true, Self::MIRROR),
@@ -96,4 +99,12 @@ impl Needs {
         }
         needs
     }
+}
+
+/// The materials that some primitive wears.
+fn worn_materials(scene: &Scene) -> impl Iterator<Item = &Material> {
+    let mut worn = vec![false; scene.materials.len()];
+    scene.spheres.iter().for_each(|sphere| worn[sphere.material as usize] = true);
+    scene.triangles.iter().for_each(|triangle| worn[triangle.material as usize] = true);
+    scene.materials.iter().zip(worn).filter(|(_, worn)| *worn).map(|(material, _)| material)
 }

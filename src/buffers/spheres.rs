@@ -66,6 +66,11 @@ impl Spheres {
     pub fn blocks(&self) -> &[SphereBlock] {
         &self.blocks
     }
+    /// One sphere in every lane: centre and squared radius.
+    #[inline(always)]
+    pub fn splat<L: Lane>(&self, index: usize) -> (Vec3<L>, L) {
+        self.blocks[index / BLOCK].splat(index % BLOCK)
+    }
     /// Calls `f` with the index of every sphere and the sphere in every lane, in order.
     #[inline(always)]
     pub fn for_each<L: Lane>(&self, mut f: impl FnMut(usize, Vec3<L>, L)) {

@@ -1,39 +1,61 @@
-//! Texels of all textures in one pool.
+//! Texels of all textures in two pools: display values and linear light.
 
 use super::rows::Rows;
-use crate::kernel::texture::Grid;
+use crate::kernel::texture::{Grid, display_to_linear};
 use crate::lane::{Bits, Lane, Mask};
 use crate::math::Vec3;
-use crate::scene::{Filter, Texture};
+use crate::scene::{Filter, Texels, Texture};
 
-/// All textures of a scene: linear RGB in rows of four floats, one pool, and a table of where each texture lies in it.
+/// All textures of a scene, and a table of where each lies in its pool.
 pub struct Textures {
-    texels: Vec<[f32; 4]>,
-    /// Width, height, first texel (bits), bilinear (1 or 0); one row a texture.
+    /// Display values, red in the lowest byte. Never empty, so that index 0 is always there for lanes that want nothing.
+    display: Vec<u32>,
+    /// Linear light. Never empty.
+    linear: Vec<[f32; 4]>,
+    /// Width, height, first texel (bits), bilinear (1 or 0), linear light (1 or 0); one row a texture.
     grids: Rows,
     /// At most [`Rows::FEW`] textures.
     few: bool,
 }
 
+/// What of textures a pipeline has to be able to do.
+#[derive(Clone, Copy)]
+pub struct Abilities {
+    /// Some texture is read between texel centres.
+    pub bilinear: bool,
+    /// Some texture holds linear light.
+    pub linear: bool,
+}
+
 impl Textures {
     pub(super) fn new(textures: &[Texture]) -> Self {
-        let mut texels = Vec::with_capacity(textures.iter().map(|texture| texture.texels.len()).sum());
-        let mut grids = Vec::with_capacity(textures.len());
+        let (mut display, mut linear, mut grids) = (vec![0], vec![[0.0; 4]], Vec::new());
         for texture in textures {
-            let first = u32::try_from(texels.len()).expect("scene validation bounds the number of texels");
+            let (first, is_linear) = match &texture.texels {
+                Texels::Display(texels) => {
+                    let first = display.len();
+                    display.extend(texels.iter().map(|&texel| u32::from_le_bytes(texel)));
+                    (first, 0.0)
+                }
+                Texels::Linear(texels) => {
+                    let first = linear.len();
+                    linear.extend_from_slice(texels);
+                    (first, 1.0)
+                }
+            };
+            let first = u32::try_from(first).expect("scene validation bounds the number of texels");
             let bilinear = if texture.filter == Filter::Bilinear { 1.0 } else { 0.0 };
             let (width, height) = (texture.width as f32, texture.height as f32);
-            grids.push([width, height, f32::from_bits(first), bilinear, 0.0, 0.0, 0.0, 0.0]);
-            texels.extend_from_slice(&texture.texels);
+            grids.push([width, height, f32::from_bits(first), bilinear, is_linear, 0.0, 0.0, 0.0]);
         }
-        Self { texels, grids: Rows::new(grids.into_iter()), few: textures.len() <= Rows::FEW }
+        Self { display, linear, grids: Rows::new(grids.into_iter()), few: textures.len() <= Rows::FEW }
     }
     pub fn bytes(&self) -> usize {
-        size_of_val(self.texels.as_slice()) + self.grids.bytes()
+        size_of_val(self.display.as_slice()) + size_of_val(self.linear.as_slice()) + self.grids.bytes()
     }
 
     /// The colour of texture `index` at (u, v), v from the top; u repeats, v repeats or stays at the edge where `clamp_v`. Only
-    /// lanes of `wanted` are looked up; the others are unspecified. `bilinear`: some texture of the scene is.
+    /// lanes of `wanted` are looked up; the others are unspecified.
     #[inline(always)]
     pub fn sample<L: Lane>(
         &self,
@@ -41,30 +63,49 @@ impl Textures {
         (u, v): (L, L),
         clamp_v: L::Mask,
         wanted: L::Mask,
-        bilinear: bool,
+        abilities: Abilities,
     ) -> Vec3<L> {
         let index = L::Bits::select(wanted, index, L::Bits::splat(0));
-        let [width, height, first, is_bilinear, ..] = self.grids.fetch::<L>(index, self.few);
+        let [width, height, first, is_bilinear, is_linear, ..] = self.grids.fetch::<L>(index, self.few);
         let grid = Grid { width, height, first: first.to_bits() };
+        let linear = wanted & L::zero().lt(is_linear);
+        let read = |texel: L::Bits| self.read::<L>(texel, wanted, linear, abilities);
         let smooth = wanted & L::zero().lt(is_bilinear);
-        if bilinear && smooth.any() {
+        if abilities.bilinear && smooth.any() {
             let (texels, right, lower) = grid.bilinear(u, v, clamp_v);
-            let [a, b, c, d] = texels.map(|texel| self.read(texel));
+            let [a, b, c, d] = texels.map(&read);
             let mix = |a: Vec3<L>, b: Vec3<L>, t: L| (b - a).mul_add(t, a);
             let blended = mix(mix(a, b, right), mix(c, d, right), lower);
             if (smooth ^ wanted).any() {
-                Vec3::select(smooth, blended, self.read(grid.nearest(u, v, clamp_v)))
+                Vec3::select(smooth, blended, read(grid.nearest(u, v, clamp_v)))
             } else {
                 blended
             }
         } else {
-            self.read(grid.nearest(u, v, clamp_v))
+            read(grid.nearest(u, v, clamp_v))
         }
     }
 
+    /// Texels of the lanes in `wanted`; those in `linear` come from the pool of linear light.
     #[inline(always)]
-    fn read<L: Lane>(&self, texel: L::Bits) -> Vec3<L> {
-        let [r, g, b, _] = L::gather_rows::<4>(&self.texels, texel);
-        Vec3::new(r, g, b)
+    fn read<L: Lane>(
+        &self,
+        texel: L::Bits,
+        wanted: L::Mask,
+        linear: L::Mask,
+        abilities: Abilities,
+    ) -> Vec3<L> {
+        let zero = L::Bits::splat(0);
+        let display = wanted & !linear;
+        let mut color = Vec3::zero();
+        if !abilities.linear || display.any() {
+            let texel = L::Bits::select(display, texel, zero);
+            color = display_to_linear::<L>(L::gather_bits(&self.display, texel));
+        }
+        if abilities.linear && linear.any() {
+            let [r, g, b, _] = L::gather_rows::<4>(&self.linear, L::Bits::select(linear, texel, zero));
+            color = Vec3::select(linear, Vec3::new(r, g, b), color);
+        }
+        color
     }
 }

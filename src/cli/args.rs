@@ -149,7 +149,9 @@ pub struct RenderArgs {
 /// Turn a mesh into a scene file.
 ///
 /// Writes a scene in octray's own format that shows the model: a camera that frames it, a plain sky, its materials. The
-/// scene file names the model file, which has to stay where it is. An existing file is kept unless --force is given.
+/// scene file holds every triangle and no longer needs the model file. Textures stay where they are, and the scene file
+/// names them relative to its own folder; vertex normals have no place in the format and are left out. An existing file is
+/// kept unless --force is given.
 #[derive(Debug, clap::Args)]
 #[command(
     after_help = "Example:\n  octray convert bunny.obj bunny.json && octray render bunny.json -o bunny.png"

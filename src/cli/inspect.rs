@@ -208,7 +208,7 @@ impl TextureReport {
                 Filter::Nearest => "nearest",
                 Filter::Bilinear => "bilinear",
             },
-            memory_bytes: size_of_val(&texture.texels[..]),
+            memory_bytes: texture.texels.bytes(),
         }
     }
 
@@ -260,7 +260,7 @@ impl Bounds {
 
 /// Bytes of the scene's lists: what the buffers are made from, not what they take themselves.
 fn memory(scene: &Scene) -> usize {
-    let texels: usize = scene.textures.iter().map(|texture| size_of_val(&texture.texels[..])).sum();
+    let texels: usize = scene.textures.iter().map(|texture| texture.texels.bytes()).sum();
     texels
         + size_of_val(&scene.spheres[..])
         + size_of_val(&scene.triangles[..])

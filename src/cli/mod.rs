@@ -6,7 +6,7 @@
 //! |---|---|
 //! | [`args`] | what the user typed: the arguments' names, shapes and help |
 //! | [`options`] | what we accept: numbers in range, names known |
-//! | [`render`], [`convert`], [`inspect`], [`bench`], [`compare`] | the commands |
+//! | [`render`], [`convert`], [`inspect`], [`mod@bench`], [`compare`] | the commands |
 //! | [`machine_check`] | refuses to start where the program's instructions do not exist |
 //! | [`terminal`] | the only writer to standard output and standard error |
 //! | [`interrupt`] | Ctrl-C |

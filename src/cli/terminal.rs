@@ -1,6 +1,6 @@
 //! The only writer to standard output and standard error: it never panics, whoever closes the other end.
 //!
-//! For: [`print`], [`print_json`], [`note`], [`warn`]. May import: `error`. Must never know: what is said.
+//! For: [`print()`], [`print_json`], [`note`], [`warn`]. May import: `error`. Must never know: what is said.
 
 use super::error::CliError;
 use serde::Serialize;

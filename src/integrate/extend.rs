@@ -8,7 +8,7 @@ use crate::traverse::Batch;
 
 /// Finds the nearest hit of the first `count` rays.
 pub fn extend<L: Lane>(world: &World, work: &mut Work, count: usize) {
-    world.primitives.for_batch::<L>(&world.buffers, Stage { queue: &mut work.queue, count });
+    world.primitives.for_batch::<L>(&world.buffers, None, Stage { queue: &mut work.queue, count });
 }
 
 struct Stage<'a> {

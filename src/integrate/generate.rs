@@ -12,7 +12,8 @@ use crate::traverse::Batch;
 /// Fills the queue with the tile's pixels, row by row, and returns how many there are.
 pub fn generate<L: Lane>(world: &World, tile: Tile, sample: u32, work: &mut Work) -> usize {
     let stage = Stage { world, tile, sample, queue: &mut work.queue };
-    world.primitives.for_batch::<L>(&world.buffers, stage);
+    let visible = world.visible.get(tile.number);
+    world.primitives.for_batch::<L>(&world.buffers, visible, stage);
     tile.pixels()
 }
 

@@ -28,7 +28,7 @@ pub use generate::generate;
 use crate::buffers::{Buffers, Needs};
 use crate::camera::Pinhole;
 use crate::lane::Lane;
-use crate::traverse::Primitives;
+use crate::traverse::{Primitives, Visible};
 use queue::Work;
 
 /// All that tracing reads.
@@ -36,6 +36,8 @@ pub struct World {
     pub buffers: Buffers,
     pub primitives: Primitives,
     pub camera: Pinhole,
+    /// What the primary rays of each tile can meet, by [`Tile::number`]; empty where finding out would not pay.
+    pub visible: Vec<Visible>,
     /// Pixels in a row of the picture.
     pub width: u32,
     pub max_bounces: u32,
@@ -45,6 +47,8 @@ pub struct World {
 /// A rectangle of pixels, at most [`queue::MAX_PIXELS`] of them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Tile {
+    /// Place in the picture's order of tiles.
+    pub number: usize,
     pub x: u32,
     pub y: u32,
     pub width: u32,

@@ -3,7 +3,7 @@
 use super::World;
 use super::generate::slots;
 use super::queue::{Path, Work};
-use super::surface::{Surface, Worn, needs};
+use super::surface::{Surface, Worn, abilities, needs};
 use crate::buffers::{MaterialCode, Needs};
 use crate::kernel::bsdf::{self, Scattered};
 use crate::kernel::surface::latitude_longitude;
@@ -130,9 +130,9 @@ fn sky_where_missed<L: Lane, const N: u32>(world: &World, path: &Path<L>, missed
     if needs(N, Needs::SKY_TEXTURE) && world.buffers.needs.contains(Needs::SKY_TEXTURE) {
         let coordinates = latitude_longitude(direction);
         let index = L::Bits::splat(sky.texture);
-        let bilinear = needs(N, Needs::BILINEAR);
         let everywhere = L::Mask::splat(true);
-        radiance = radiance * world.buffers.textures.sample(index, coordinates, everywhere, missed, bilinear);
+        radiance =
+            radiance * world.buffers.textures.sample(index, coordinates, everywhere, missed, abilities(N));
     }
     Vec3::select(missed, radiance * path.throughput, Vec3::zero())
 }

@@ -2,7 +2,7 @@
 
 use super::World;
 use super::queue::Path;
-use crate::buffers::{MaterialCode, Needs};
+use crate::buffers::{Abilities, MaterialCode, Needs};
 use crate::kernel::surface::{latitude_longitude, sphere_normal};
 use crate::lane::{Bits, Lane, Mask};
 use crate::math::{Hit, Vec3};
@@ -11,6 +11,12 @@ use crate::math::{Hit, Vec3};
 #[inline(always)]
 pub const fn needs(n: u32, feature: Needs) -> bool {
     Needs(n).contains(feature)
+}
+
+/// What of textures the feature set `N` holds.
+#[inline(always)]
+pub const fn abilities(n: u32) -> Abilities {
+    Abilities { bilinear: needs(n, Needs::BILINEAR), linear: needs(n, Needs::LINEAR_TEXTURES) }
 }
 
 /// The surfaces under a packet's hits.
@@ -144,9 +150,8 @@ impl<L: Lane> Worn<L> {
             if textured.any() {
                 let (coordinates, clamp_v) = surface.texture_coordinates::<N>(world, textured);
                 let index = texture.wrapping_add(L::Bits::splat(u32::MAX));
-                let bilinear = needs(N, Needs::BILINEAR);
                 let textures = &world.buffers.textures;
-                let texel = textures.sample(index, coordinates, clamp_v, textured, bilinear);
+                let texel = textures.sample(index, coordinates, clamp_v, textured, abilities(N));
                 let texel = Vec3::select(textured, texel, Vec3::repeat(L::one()));
                 let shines = kind.equals(L::Bits::splat(MaterialCode::EMITTER));
                 worn.emission = Vec3::select(shines, worn.emission * texel, worn.emission);

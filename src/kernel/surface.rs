@@ -50,7 +50,7 @@ pub fn sphere_normal<L: Lane>(point: Vec3<L>, center: Vec3<L>) -> Vec3<L> {
 /// from the top, in [0, 1].
 ///
 /// Domain: y may be above 1 by rounding: the angle comes from the arctangent, which stays defined and accurate at the poles.
-/// Error: ≤ 3e-7 (measured, `tests/kernel_surface.rs`).
+/// Error: ≤ 3e-7 (measured, `tests/kernel_texture.rs`).
 #[inline(always)]
 pub fn latitude_longitude<L: Lane>(n: Vec3<L>) -> (L, L) {
     let around = n.x.mul_add(n.x, n.z * n.z).sqrt();

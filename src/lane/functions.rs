@@ -8,9 +8,13 @@
 use super::{Bits, Lane};
 use std::f32::consts::{FRAC_PI_2, FRAC_PI_4, LOG2_E, PI};
 
+/// ln 2 in two parts; the first is short, so that its product with an exponent is exact.
+const LN_2_HIGH: f32 = 355.0 / 512.0;
+const LN_2_LOW: f32 = -2.121_944_4e-4;
+
 /// Evaluates a polynomial by Horner's rule, the highest coefficient first.
 #[inline(always)]
-fn polynomial<L: Lane, const N: usize>(x: L, coefficients: [f32; N]) -> L {
+pub fn polynomial<L: Lane, const N: usize>(x: L, coefficients: [f32; N]) -> L {
     let mut sum = L::splat(coefficients[0]);
     for &coefficient in &coefficients[1..] {
         sum = sum.mul_add(x, L::splat(coefficient));
@@ -46,7 +50,7 @@ fn into_quadrant<L: Lane>(quadrant: L::Bits, sin: L, cos: L) -> (L, L) {
 #[inline(always)]
 pub fn sin_cos<L: Lane>(x: L) -> (L, L) {
     // π/2 in three parts, the first two with so few bits that k times them is exact for k < 2¹³ (Cody & Waite 1980).
-    const PARTS: [f32; 3] = [1.570_312_5, 4.837_512_97e-4, 7.549_789_95e-8];
+    const PARTS: [f32; 3] = [1.570_312_5, 4.837_513e-4, 7.549_79e-8];
     let k = (x * L::splat(1.0 / FRAC_PI_2) + L::splat(0.5)).floor();
     let mut r = x;
     for part in PARTS {
@@ -123,13 +127,10 @@ pub fn exp<L: Lane>(x: L) -> L {
     let inside = L::select(x.lt(L::splat(UNDERFLOW)), L::splat(UNDERFLOW), x);
     let inside = L::select(inside.gt(L::splat(OVERFLOW)), L::splat(OVERFLOW), inside);
     let k = (inside * L::splat(LOG2_E) + L::splat(0.5)).floor();
-    // ln 2 in two parts; the first is short, so that its product with k is exact.
-    let r = k.neg_mul_add(L::splat(0.693_359_375), inside);
-    let r = k.neg_mul_add(L::splat(-2.121_944_4e-4), r);
-    let p = polynomial(
-        r,
-        [1.987_569_1e-4, 1.398_199_9e-3, 8.333_452e-3, 4.166_579_6e-2, 1.666_666_5e-1, 5.000_000_1e-1],
-    );
+    let r = k.neg_mul_add(L::splat(LN_2_HIGH), inside);
+    let r = k.neg_mul_add(L::splat(LN_2_LOW), r);
+    let p =
+        polynomial(r, [1.987_569_1e-4, 1.398_199_9e-3, 8.333_452e-3, 4.166_579_6e-2, 1.666_666_5e-1, 0.5]);
     let p = (p * r).mul_add(r, r) + L::one();
     // 2ᵏ as two factors of about 2^(k/2), because k reaches 128, one more than an exponent holds. 254 is twice the bias:
     // it keeps the sum positive, so that halving it is a plain shift.
@@ -170,13 +171,13 @@ pub fn ln<L: Lane>(x: L) -> L {
             -1.666_805_8e-1,
             2.000_071_5e-1,
             -2.499_999_4e-1,
-            3.333_333_1e-1,
+            3.333_333e-1,
         ],
     );
     let y = (p * f) * f2;
-    let y = e.mul_add(L::splat(-2.121_944_4e-4), y);
+    let y = e.mul_add(L::splat(LN_2_LOW), y);
     let y = L::splat(-0.5).mul_add(f2, y);
-    let result = e.mul_add(L::splat(0.693_359_375), f + y);
+    let result = e.mul_add(L::splat(LN_2_HIGH), f + y);
     let result = L::select(x.eq(L::zero()), L::splat(f32::NEG_INFINITY), result);
     let result = L::select(x.eq(L::splat(f32::INFINITY)), x, result);
     L::select(x.ge(L::zero()), result, L::splat(f32::NAN))

@@ -174,6 +174,12 @@ pub trait Lane:
     /// If an index, in any lane, is not below `rows.len()`.
     fn gather_rows<const N: usize>(rows: &[[f32; N]], index: Self::Bits) -> [Self; N];
 
+    /// `table[index]` in each lane.
+    ///
+    /// # Panics
+    /// If an index, in any lane, is not below `table.len()`.
+    fn gather_bits(table: &[u32], index: Self::Bits) -> Self::Bits;
+
     #[inline(always)]
     fn zero() -> Self {
         Self::splat(0.0)

@@ -170,4 +170,8 @@ impl Lane for f32 {
     fn gather_rows<const N: usize>(rows: &[[f32; N]], index: u32) -> [Self; N] {
         rows[index as usize]
     }
+    #[inline(always)]
+    fn gather_bits(table: &[u32], index: u32) -> u32 {
+        table[index as usize]
+    }
 }

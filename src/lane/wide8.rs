@@ -20,6 +20,10 @@ pub struct U32x8(u32x8);
 #[repr(transparent)]
 pub struct Mask8(f32x8);
 
+impl F32x8 {
+    pub const ZERO: Self = Self(f32x8::ZERO);
+}
+
 macro_rules! forward_operator {
     ($type:ident, $($trait:ident :: $method:ident),*) => {$(
         impl $trait for $type {
@@ -293,5 +297,10 @@ impl Lane for F32x8 {
             let rows: [_; 8] = std::array::from_fn(row);
             std::array::from_fn(|column| Self::from_fn(|lane| rows[lane][column]))
         }
+    }
+    #[inline(always)]
+    fn gather_bits(table: &[u32], index: U32x8) -> U32x8 {
+        let index = index.0.to_array();
+        U32x8::from_fn(|lane| table[index[lane] as usize])
     }
 }

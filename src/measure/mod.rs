@@ -1,6 +1,6 @@
 //! What the program says about itself in figures, and the machine they were taken on.
 //!
-//! For: [`bench`] (speed), [`compare`] (SIMD against scalar, and both against the judge), [`Machine`] (what every report of figures
+//! For: [`mod@bench`] (speed), [`compare`] (SIMD against scalar, and both against the judge), [`Machine`] (what every report of figures
 //! carries), [`features`] (vector instructions: compiled for, and present). May import: everything above it, the judge included.
 //! Must never know: command lines, terminals.
 

@@ -6,8 +6,8 @@
 //! | file | what it does |
 //! |---|---|
 //! | [`tone`] | from linear radiance to the eight bits of a screen |
-//! | [`encode`] | from a picture to PNG, JPEG, EXR or HDR |
-//! | [`file`] | writing that leaves a whole file or none |
+//! | [`mod@encode`] | from a picture to PNG, JPEG, EXR or HDR |
+//! | [`mod@file`] | writing that leaves a whole file or none |
 //! | [`error`] | what can go wrong on the way |
 
 pub mod encode;

@@ -27,8 +27,7 @@ impl Reference {
         let (width, height) = (i64::from(texture.width), i64::from(texture.height));
         let texel = |column: i64, row: i64| {
             let row = if wraps { row.rem_euclid(height) } else { row.clamp(0, height - 1) };
-            let [r, g, b, _] = texture.texels[(row * width + column.rem_euclid(width)) as usize];
-            DVec3::new(f64::from(r), f64::from(g), f64::from(b))
+            DVec3::from_array(texture.texels.linear((row * width + column.rem_euclid(width)) as usize))
         };
         let u = fraction(uv.x);
         let v = if wraps { fraction(uv.y) } else { uv.y.clamp(0.0, 1.0) };

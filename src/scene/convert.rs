@@ -28,9 +28,15 @@ pub fn native_from_obj_in(model: &Path, folder: &Path) -> Result<String, SceneEr
 
 /// The path from `folder` to a texture that the model names relative to its own folder.
 fn relative(model: &Path, folder: &Path, texture: &str) -> String {
-    let target = model.parent().unwrap_or(Path::new("")).join(texture);
-    let absolute = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
-    let (target, folder) = (absolute(&target), absolute(&folder.join(".")));
+    // Joined with a dot, an empty path is the folder we are in.
+    let folders = [model.parent().unwrap_or(Path::new("")), folder].map(|folder| folder.join("."));
+    // Only real paths can be compared: `a/../b` is `b`, unless `a` is a link. What does not exist yet has none.
+    let real = folders.each_ref().map(|folder| folder.canonicalize());
+    let [model_folder, folder] = match real {
+        [Ok(model_folder), Ok(folder)] => [model_folder, folder],
+        _ => folders.map(|folder| std::path::absolute(&folder).unwrap_or(folder)),
+    };
+    let target = model_folder.join(texture);
     let shared = target.components().zip(folder.components()).take_while(|(a, b)| a == b).count();
     if shared == 0 {
         return target.to_string_lossy().into_owned();

@@ -3,12 +3,11 @@
 //! For: [`Textures`], [`srgb_to_linear`]. May import: `files`. Must never know: what a texture lies on.
 
 use super::files::Files;
-use super::{Filter, Texture};
+use super::{Filter, Texels, Texture};
 use image::{DynamicImage, ImageFormat, ImageReader};
 use std::collections::HashMap;
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
-use std::sync::LazyLock;
 
 /// The textures of one scene; each file is loaded once for each filter.
 #[derive(Default)]
@@ -36,11 +35,6 @@ impl Textures {
 pub fn srgb_to_linear(x: f64) -> f64 {
     if x <= 0.04045 { x / 12.92 } else { ((x + 0.055) / 1.055).powf(2.4) }
 }
-
-static LINEAR_OF_BYTE: LazyLock<[f32; 256]> =
-    LazyLock::new(|| std::array::from_fn(|byte| srgb_to_linear(byte as f64 / 255.0) as f32));
-
-type Texels = Vec<[f32; 4]>;
 
 fn decode(bytes: &[u8], path: &Path) -> Result<(u32, u32, Texels), String> {
     let mut reader =
@@ -72,7 +66,7 @@ fn linear_texels(picture: DynamicImage) -> Result<Texels, String> {
             return Err(format!("the pixel in column {x}, row {y} holds {bad}, which is no amount of light"));
         }
     }
-    Ok(picture.pixels().map(|pixel| [pixel[0], pixel[1], pixel[2], 0.0]).collect())
+    Ok(Texels::Linear(picture.pixels().map(|pixel| [pixel[0], pixel[1], pixel[2], 0.0]).collect()))
 }
 
 /// The other formats hold display values (sRGB), of 8 or 16 bits.
@@ -80,12 +74,11 @@ fn display_texels(picture: DynamicImage) -> Texels {
     use DynamicImage::{ImageLuma16, ImageLumaA16, ImageRgb16, ImageRgba16};
     match picture {
         ImageLuma16(_) | ImageLumaA16(_) | ImageRgb16(_) | ImageRgba16(_) => {
+            // More than a byte holds: kept as linear light.
             let linear = |channel: u16| srgb_to_linear(f64::from(channel) / 65_535.0) as f32;
-            picture.into_rgb16().pixels().map(|p| [linear(p[0]), linear(p[1]), linear(p[2]), 0.0]).collect()
+            let texel = |p: &image::Rgb<u16>| [linear(p[0]), linear(p[1]), linear(p[2]), 0.0];
+            Texels::Linear(picture.into_rgb16().pixels().map(texel).collect())
         }
-        _ => {
-            let linear = |channel: u8| LINEAR_OF_BYTE[usize::from(channel)];
-            picture.into_rgb8().pixels().map(|p| [linear(p[0]), linear(p[1]), linear(p[2]), 0.0]).collect()
-        }
+        _ => Texels::Display(picture.into_rgb8().pixels().map(|p| [p[0], p[1], p[2], 0]).collect()),
     }
 }

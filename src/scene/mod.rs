@@ -132,8 +132,48 @@ pub struct Texture {
     pub width: u32,
     pub height: u32,
     pub filter: Filter,
-    /// Linear RGB and an unused fourth number, row by row from the top; `width · height` of them.
-    pub texels: Vec<[f32; 4]>,
+    /// Row by row from the top; `width · height` of them.
+    pub texels: Texels,
+}
+
+/// The texels of a picture, as small as its accuracy allows: a picture that fits the cache is read several times as fast.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Texels {
+    /// Display values (sRGB) of red, green and blue, and an unused fourth byte.
+    Display(Vec<[u8; 4]>),
+    /// Linear red, green and blue, and an unused fourth number.
+    Linear(Vec<[f32; 4]>),
+}
+
+impl Texels {
+    pub fn len(&self) -> usize {
+        match self {
+            Self::Display(texels) => texels.len(),
+            Self::Linear(texels) => texels.len(),
+        }
+    }
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+    pub fn bytes(&self) -> usize {
+        match self {
+            Self::Display(texels) => size_of_val(texels.as_slice()),
+            Self::Linear(texels) => size_of_val(texels.as_slice()),
+        }
+    }
+    /// One texel as linear light, display values decoded by IEC 61966-2-1.
+    pub fn linear(&self, index: usize) -> [f64; 3] {
+        match self {
+            Self::Display(texels) => {
+                let [r, g, b, _] = texels[index];
+                [r, g, b].map(|byte| image::srgb_to_linear(f64::from(byte) / 255.0))
+            }
+            Self::Linear(texels) => {
+                let [r, g, b, _] = texels[index];
+                [r, g, b].map(f64::from)
+            }
+        }
+    }
 }
 
 /// How a texture is read between texel centres. It repeats in both directions; on spheres and the sky the vertical

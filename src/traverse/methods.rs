@@ -1,6 +1,6 @@
 //! The choice of equations at run time, made once per batch of rays and not per ray.
 
-use super::linear;
+use super::{Visible, linear};
 use crate::buffers::{Buffers, store_triangles};
 use crate::kernel::ray_sphere::{self, SphereMethod};
 use crate::kernel::ray_triangle::{self, TriangleMethod};
@@ -33,6 +33,14 @@ pub enum TriangleChoice {
 pub struct Methods {
     pub sphere: SphereChoice,
     pub triangle: TriangleChoice,
+}
+
+impl Methods {
+    /// Do these methods claim hits only within rounding error of the primitive? The naive ones do not: from afar they hit spheres
+    /// at several times their radius, and slivers far off their edges.
+    pub fn keep_to_their_primitives(&self) -> bool {
+        self.sphere != SphereChoice::Naive && self.triangle == TriangleChoice::Woop
+    }
 }
 
 /// The scene's triangles as the chosen method stores them.
@@ -74,34 +82,56 @@ impl Primitives {
         Self { sphere: methods.sphere, triangles }
     }
 
-    /// Runs a batch of rays with the chosen methods, each compiled for itself.
+    /// Runs a batch of rays with the chosen methods, each compiled for itself. `visible` holds all that the rays can meet; without
+    /// it, everything is tested.
     #[inline(always)]
-    pub fn for_batch<L: Lane>(&self, buffers: &Buffers, batch: impl Batch<L>) {
+    pub fn for_batch<L: Lane>(&self, buffers: &Buffers, visible: Option<&Visible>, batch: impl Batch<L>) {
         match self.sphere {
-            SphereChoice::Robust => self.with_sphere::<L, ray_sphere::Robust>(buffers, batch),
+            SphereChoice::Robust => self.with_sphere::<L, ray_sphere::Robust>(buffers, visible, batch),
             SphereChoice::RobustAnyLength => {
-                self.with_sphere::<L, ray_sphere::RobustAnyLength>(buffers, batch)
+                self.with_sphere::<L, ray_sphere::RobustAnyLength>(buffers, visible, batch)
             }
-            SphereChoice::Naive => self.with_sphere::<L, ray_sphere::Naive>(buffers, batch),
+            SphereChoice::Naive => self.with_sphere::<L, ray_sphere::Naive>(buffers, visible, batch),
         }
     }
 
     #[inline(always)]
-    fn with_sphere<L: Lane, S: SphereMethod>(&self, buffers: &Buffers, batch: impl Batch<L>) {
-        use ray_triangle as tri;
-        let spheres = &buffers.spheres;
+    fn with_sphere<L: Lane, S: SphereMethod>(
+        &self,
+        buffers: &Buffers,
+        visible: Option<&Visible>,
+        batch: impl Batch<L>,
+    ) {
         match &self.triangles {
-            Triangles::Woop(t) => batch.run(|ray| linear::closest::<L, S, tri::Woop>(spheres, t, ray)),
-            Triangles::WoopContracted(t) => {
-                batch.run(|ray| linear::closest::<L, S, tri::WoopContracted>(spheres, t, ray))
+            Triangles::Woop(stored) => with_both::<L, S, ray_triangle::Woop>(buffers, stored, visible, batch),
+            Triangles::WoopContracted(stored) => {
+                with_both::<L, S, ray_triangle::WoopContracted>(buffers, stored, visible, batch)
             }
-            Triangles::MollerTrumbore(t) => {
-                batch.run(|ray| linear::closest::<L, S, tri::MollerTrumbore>(spheres, t, ray))
+            Triangles::MollerTrumbore(stored) => {
+                with_both::<L, S, ray_triangle::MollerTrumbore>(buffers, stored, visible, batch)
             }
-            Triangles::BaldwinWeber(t) => {
-                batch.run(|ray| linear::closest::<L, S, tri::BaldwinWeber>(spheres, t, ray))
+            Triangles::BaldwinWeber(stored) => {
+                with_both::<L, S, ray_triangle::BaldwinWeber>(buffers, stored, visible, batch)
             }
-            Triangles::Plucker(t) => batch.run(|ray| linear::closest::<L, S, tri::Plucker>(spheres, t, ray)),
+            Triangles::Plucker(stored) => {
+                with_both::<L, S, ray_triangle::Plucker>(buffers, stored, visible, batch)
+            }
         }
+    }
+}
+
+#[inline(always)]
+fn with_both<L: Lane, S: SphereMethod, T: TriangleMethod>(
+    buffers: &Buffers,
+    triangles: &[T::Stored],
+    visible: Option<&Visible>,
+    batch: impl Batch<L>,
+) {
+    let spheres = &buffers.spheres;
+    match visible {
+        Some(visible) => {
+            batch.run(|ray| linear::closest_visible::<L, S, T>(spheres, triangles, visible, ray));
+        }
+        None => batch.run(|ray| linear::closest::<L, S, T>(spheres, triangles, ray)),
     }
 }

@@ -1,7 +1,7 @@
 //! Which primitive a ray hits first.
 //!
 //! For: [`Methods`], the choice of equations; [`Primitives`], a scene ready for intersection; and the ways through it:
-//! [`linear`], which tests every primitive. May import: `lane`, `math`, `kernel`, `scene`, `buffers`. Must never know: queues,
+//! [`linear`], which tests every primitive, or for primary rays every one that their tile can see ([`Visible`]). May import: `lane`, `math`, `kernel`, `scene`, `buffers`. Must never know: queues,
 //! materials, pixels.
 //!
 //! The law of every traversal: it gives the same hit, bit for bit, as testing every primitive in order, spheres first, then
@@ -9,5 +9,7 @@
 
 pub mod linear;
 mod methods;
+mod visible;
 
 pub use methods::{Batch, Methods, Primitives, SphereChoice, TriangleChoice};
+pub use visible::Visible;

@@ -2,7 +2,7 @@
 
 use glam::{Vec2, Vec3};
 use octray::reference::PathSettings;
-use octray::scene::{Camera, Filter, Material, MaterialKind, Scene, Sky, Sphere, Texture, Triangle};
+use octray::scene::{Camera, Filter, Material, MaterialKind, Scene, Sky, Sphere, Texels, Texture, Triangle};
 
 /// Nothing under a white sky, seen from (0, 0, 5) along −z through so narrow a lens that all rays are one.
 pub fn empty() -> Scene {
@@ -66,7 +66,7 @@ pub fn numbered(width: u32, height: u32, filter: Filter) -> Texture {
         width,
         height,
         filter,
-        texels: (0..width * height).map(texel).collect(),
+        texels: Texels::Linear((0..width * height).map(texel).collect()),
     }
 }
 

@@ -1,6 +1,10 @@
 //! Pixels to primary rays.
 //!
-//! For: [`Pinhole`]. May import: `lane`, `math`, `scene`. Must never know: buffers, film.
+//! For: [`Pinhole`], and [`Pyramid`], the space it sees. May import: `lane`, `math`, `scene`. Must never know: buffers, film.
+
+mod pyramid;
+
+pub use pyramid::Pyramid;
 
 use crate::lane::Lane;
 use crate::math::{Ray, Vec3};
@@ -14,6 +18,8 @@ pub struct Pinhole {
     corner: glam::Vec3,
     right: glam::Vec3,
     down: glam::Vec3,
+    /// The line of sight, of unit length.
+    forward: glam::Vec3,
 }
 
 impl Pinhole {
@@ -32,7 +38,20 @@ impl Pinhole {
             corner: corner.as_vec3(),
             right: right.as_vec3(),
             down: down.as_vec3(),
+            forward: forward.as_vec3(),
         }
+    }
+
+    /// The pyramid that holds all primary rays through the pixels from `x`, `y` on, `width` and `height` of them.
+    pub fn pyramid(&self, [x, y]: [u32; 2], [width, height]: [u32; 2]) -> Pyramid {
+        // A pixel's edge may be hit exactly, and its direction is rounded: a thousandth of a pixel more on every side.
+        let more = 1e-3;
+        let direction =
+            |x: f64, y: f64| self.corner.as_dvec3() + self.right.as_dvec3() * x + self.down.as_dvec3() * y;
+        let (left, top) = (f64::from(x) - more, f64::from(y) - more);
+        let (right, bottom) = (f64::from(x + width) + more, f64::from(y + height) + more);
+        let corners = [(left, top), (right, top), (right, bottom), (left, bottom)];
+        Pyramid::new(self.position.as_dvec3(), corners.map(|(x, y)| direction(x, y)), self.forward.as_dvec3())
     }
 
     /// Where all primary rays start.

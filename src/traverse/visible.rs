@@ -1,0 +1,26 @@
+//! Which primitives a tile of the picture can see at all: primary rays need not test the others.
+//!
+//! Only for methods whose answers are known to stay within the pyramid's margin ([`Methods::keep_to_their_primitives`]): the naive ones
+//! claim hits far outside a primitive, and those belong to their picture.
+
+use crate::camera::Pyramid;
+use crate::scene::{Scene, Sphere, Triangle};
+
+/// Primitives in ascending order: spheres by their number, triangles counted from 0.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Visible {
+    pub spheres: Vec<u32>,
+    pub triangles: Vec<u32>,
+}
+
+impl Visible {
+    /// The scene's primitives that are not outside the pyramid.
+    pub fn of(scene: &Scene, pyramid: &Pyramid) -> Self {
+        let sphere = |s: &Sphere| !pyramid.excludes(&[s.center.as_dvec3()], f64::from(s.radius));
+        let triangle = |t: &Triangle| !pyramid.excludes(&t.vertices.map(|vertex| vertex.as_dvec3()), 0.0);
+        Self {
+            spheres: (0u32..).zip(&scene.spheres).filter(|(_, s)| sphere(s)).map(|(i, _)| i).collect(),
+            triangles: (0u32..).zip(&scene.triangles).filter(|(_, t)| triangle(t)).map(|(i, _)| i).collect(),
+        }
+    }
+}

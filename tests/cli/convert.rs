@@ -1,0 +1,43 @@
+//! `octray convert`: from a model to a scene file that shows the same.
+
+use crate::desk::{Desk, SCENE};
+use predicates::str::contains;
+use std::fs;
+
+#[test]
+fn convert_writes_a_scene_and_keeps_what_is_there() {
+    let desk = Desk::new();
+    desk.octray(&["convert", "model.obj", "new.json"]).assert().success().stdout(contains("new.json"));
+    let written = fs::read_to_string(desk.path("new.json")).unwrap();
+    serde_json::from_str::<serde_json::Value>(&written).unwrap();
+
+    desk.refuses(&["convert", "model.obj", "scene.json"], &["scene.json", "exists", "--force"]);
+    assert_eq!(fs::read_to_string(desk.path("scene.json")).unwrap(), SCENE);
+    desk.octray(&["convert", "model.obj", "scene.json", "--force"]).assert().success();
+    assert_eq!(fs::read_to_string(desk.path("scene.json")).unwrap(), written);
+    assert_eq!(desk.names(), ["model.obj", "new.json", "scene.json"]);
+}
+
+#[test]
+fn converted_models_render_the_same_wherever_the_scene_file_stands() {
+    let desk = Desk::new();
+    desk.put_textured_model();
+    fs::create_dir_all(desk.path("scenes/deep")).unwrap();
+    let model = desk.render_small("models/m.obj");
+    for scene in [
+        "models/m.json",
+        "m.json",
+        "./scenes/m.json",
+        "scenes/deep/m.json",
+        "scenes/../beside.json",
+        "scenes/deep/../../models/../scenes/around.json",
+    ] {
+        desk.octray(&["convert", "models/m.obj", scene]).assert().success().stderr("");
+        assert_eq!(desk.json(&["inspect", scene, "--json"])["materials"]["textured"], 1, "{scene}");
+        assert_eq!(desk.render_small(scene), model, "{scene}");
+    }
+    // The scene file stands alone: only the texture is still needed.
+    fs::remove_file(desk.path("models/m.obj")).unwrap();
+    fs::remove_file(desk.path("models/m.mtl")).unwrap();
+    assert_eq!(desk.render_small("scenes/deep/m.json"), model);
+}

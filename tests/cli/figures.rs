@@ -1,0 +1,102 @@
+//! `octray bench` and `octray compare`: what their reports hold.
+
+use crate::desk::Desk;
+use predicates::prelude::*;
+use predicates::str::contains;
+use serde_json::{Value, json};
+
+/// Asserts that an object has all of these keys.
+#[track_caller]
+fn assert_keys(object: &Value, keys: &str) {
+    for key in keys.split(' ') {
+        assert!(object.get(key).is_some(), "{key} is not in {object}");
+    }
+}
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap_or_else(|| panic!("{value} is not a number"))
+}
+
+#[test]
+fn bench_reports_every_engine_in_json() {
+    let desk = Desk::new();
+    let arguments = "bench scene.json builtin:three --frames 2 --size 16x9 --threads 1 --json";
+    let report = desk.json(&arguments.split(' ').collect::<Vec<_>>());
+    assert_eq!(report["schema"], "octray-bench-1");
+    assert_keys(&report["machine"], "cpu cores target_features rustc commit");
+    assert!(number(&report["machine"]["cores"]) >= 1.0);
+
+    let results = report["results"].as_array().unwrap();
+    let engines: Vec<Value> =
+        results.iter().map(|result| json!([result["scene"], result["engine"], result["lanes"]])).collect();
+    let expected = json!([
+        ["scene.json", "simd", 8],
+        ["scene.json", "scalar", 1],
+        ["builtin:three", "simd", 8],
+        ["builtin:three", "scalar", 1]
+    ]);
+    assert_eq!(json!(engines), expected);
+    for result in results {
+        assert_keys(result, "scene width height max_bounces engine lanes threads fps_median");
+        assert_keys(result, "fps_low_1_percent mrays_per_s rays_per_frame needs");
+        assert_eq!(json!([result["width"], result["height"], result["max_bounces"]]), json!([16, 9, 4]));
+        assert_eq!(json!([result["threads"], result["frames"]]), json!([1, 2]));
+        assert!(number(&result["fps_low_1_percent"]) > 0.0, "{result}");
+        assert!(number(&result["fps_median"]) >= number(&result["fps_low_1_percent"]), "{result}");
+        assert!(number(&result["rays_per_frame"]) >= 16.0 * 9.0, "{result}");
+        let mrays_per_s = number(&result["rays_per_frame"]) * number(&result["fps_median"]) / 1e6;
+        assert!((number(&result["mrays_per_s"]) / mrays_per_s - 1.0).abs() < 1e-9, "{result}");
+        assert!(result["needs"].as_array().unwrap().contains(&json!("spheres")), "{result}");
+    }
+    // No speed without its accuracy.
+    let accuracy = report["accuracy"].as_array().unwrap();
+    assert_eq!(accuracy.len(), 2);
+    assert!(accuracy.iter().all(|scene| scene["mismatched_pixels"] == 0), "{report}");
+}
+
+#[test]
+fn bench_measures_the_width_and_threads_asked_for() {
+    let desk = Desk::new();
+    for (lanes, threads) in [("1", "2"), ("8", "1")] {
+        let arguments = ["bench", "scene.json", "--frames", "2", "--size", "8x8", "--json"];
+        let report = desk.json(&[&arguments[..], &["--lanes", lanes, "--threads", threads]].concat());
+        let results = report["results"].as_array().unwrap();
+        assert_eq!(results.len(), 1, "{report}");
+        assert_eq!(results[0]["lanes"].to_string(), lanes);
+        assert_eq!(results[0]["threads"].to_string(), threads);
+    }
+}
+
+#[test]
+fn bench_prints_a_row_a_scene_and_what_it_means() {
+    let desk = Desk::new();
+    let shown = desk.octray(&["bench", "scene.json", "--frames", "2", "--size", "8x8"]).assert().success();
+    shown.stdout(contains("\nscene.json ").and(contains("speed-up")).and(contains("same, bit by bit")));
+}
+
+#[test]
+fn compare_reports_in_json_that_the_pictures_agree() {
+    let desk = Desk::new();
+    let arguments = "compare scene.json builtin:cornell --samples 2 --size 16x9 --json";
+    let report = desk.json(&arguments.split(' ').collect::<Vec<_>>());
+    assert_eq!(report["schema"], "octray-compare-1");
+    let results = report["results"].as_array().unwrap();
+    let scenes: Vec<&Value> = results.iter().map(|result| &result["scene"]).collect();
+    assert_eq!(json!(scenes), json!(["scene.json", "builtin:cornell"]));
+    for result in results {
+        assert_keys(result, "scene pixels samples mismatched_pixels first_mismatch speedup reference");
+        assert_keys(&result["reference"], "rmse max_abs mismatched_hits");
+        assert_eq!(json!([result["pixels"], result["samples"]]), json!([144, 2]));
+        assert_eq!(json!([result["mismatched_pixels"], result["first_mismatch"]]), json!([0, null]));
+        assert_eq!(result["reference"]["mismatched_hits"], 0);
+        assert!(number(&result["speedup"]) > 0.0);
+        assert!(number(&result["reference"]["rmse"]) <= number(&result["reference"]["max_abs"]));
+    }
+}
+
+#[test]
+fn compare_says_for_people_that_the_pictures_agree() {
+    let desk = Desk::new();
+    let shown = desk.octray(&["compare", "scene.json", "--samples", "1", "--size", "8x8"]).assert().success();
+    shown.stdout(contains("the same, bit by bit"));
+}

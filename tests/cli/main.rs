@@ -1,0 +1,11 @@
+//! The command line has manners: what it refuses, how it says so, and that it never panics or leaves half a file.
+
+mod convert;
+mod desk;
+mod figures;
+#[cfg(unix)]
+mod interrupt;
+mod render;
+mod scenes;
+mod streams;
+mod usage;

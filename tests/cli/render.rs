@@ -1,0 +1,112 @@
+//! `octray render`: files, reports, and the same picture from every way to compute it.
+
+use crate::desk::Desk;
+use predicates::prelude::*;
+use predicates::str::contains;
+use std::fs;
+
+#[test]
+fn render_writes_the_file_and_says_so_in_a_line() {
+    let desk = Desk::new();
+    let rendered = desk.octray(&["render", "scene.json", "-o", "a.png", "--samples", "3"]).assert().success();
+    rendered.stderr(contains("error").not()).stdout(
+        predicate::str::is_match(r"^a\.png: 8×8, 3 samples, \d+\.\d\d s, \d+\.\d Mray/s\n$").unwrap(),
+    );
+    assert_eq!(desk.names(), ["a.png", "model.obj", "scene.json"]);
+    desk.octray(&["render", "scene.json", "-o", "a.png", "--samples", "1", "--size", "5×4"])
+        .assert()
+        .success();
+    assert_eq!(
+        image::image_dimensions(desk.path("a.png")).unwrap(),
+        (5, 4),
+        "the second file replaces the first"
+    );
+}
+
+#[test]
+fn render_writes_every_format_at_the_smallest_and_at_odd_sizes() {
+    let desk = Desk::new();
+    for (size, dimensions) in [("1x1", (1, 1)), ("9x1", (9, 1)), ("1x9", (1, 9)), ("17x13", (17, 13))] {
+        for name in ["a.png", "a.jpg", "a.exr", "a.hdr"] {
+            let arguments = ["render", "scene.json", "-o", name, "--samples", "1", "--size", size];
+            desk.octray(&arguments).assert().success();
+            assert_eq!(image::image_dimensions(desk.path(name)).unwrap(), dimensions, "{name}");
+        }
+    }
+}
+
+#[test]
+fn render_reports_in_json_what_it_did() {
+    let desk = Desk::new();
+    let arguments =
+        "render scene.json -o a.exr --samples 2 --size 4x3 --bounces 1 --seed 7 --threads 1 --lanes 1 --json";
+    let arguments: Vec<&str> = arguments.split(' ').collect();
+    let output = desk.octray(&arguments).assert().success().get_output().stdout.clone();
+    let report: serde_json::Value = serde_json::from_slice(&output).unwrap();
+    for (key, value) in [
+        ("width", 4),
+        ("height", 3),
+        ("samples", 2),
+        ("max_bounces", 1),
+        ("seed", 7),
+        ("discarded_samples", 0),
+    ] {
+        assert_eq!(report[key], value, "{key}");
+    }
+    for (key, value) in [("schema", "octray-render-1"), ("scene", "scene.json"), ("output", "a.exr")] {
+        assert_eq!(report[key], value, "{key}");
+    }
+    assert_eq!(report["interrupted"], false);
+    assert!(report["seconds"].is_f64() && report["mrays_per_s"].is_f64() && report["rays"].is_u64());
+    assert_eq!(report.as_object().unwrap().len(), 13);
+}
+
+#[test]
+fn render_warns_where_exposure_has_no_effect() {
+    let desk = Desk::new();
+    let render = |output, extra: &[&str]| {
+        let arguments = [&["render", "scene.json", "--samples", "1", "-o", output], extra].concat();
+        String::from_utf8(desk.octray(&arguments).assert().success().get_output().stderr.clone()).unwrap()
+    };
+    assert!(
+        render("a.exr", &["--exposure", "-1"])
+            .contains("warning: --exposure and --tone have no effect on a.exr")
+    );
+    assert!(render("a.hdr", &["--tone", "aces"]).contains("no effect on a.hdr"));
+    assert!(!render("a.exr", &[]).contains("no effect"));
+    assert!(!render("a.png", &["--exposure", "-1.5", "--tone", "reinhard"]).contains("no effect"));
+}
+
+#[test]
+fn render_shows_the_scene() {
+    let desk = Desk::new();
+    let report = desk.json(&["render", "scene.json", "-o", "a.exr", "--samples", "4", "--json"]);
+    // A primary ray a sample, at least, and one more from the sphere in the middle.
+    assert!(report["rays"].as_u64().unwrap() > 8 * 8 * 4, "{report}");
+    assert_eq!(report["discarded_samples"], 0);
+    let pixels = desk.pixels("a.exr");
+    // The sphere is convex and alone: sky in the corner, clay times sky in the middle.
+    for (place, pixel, expected) in
+        [("corner", pixels[0], [0.5, 0.7, 1.0]), ("middle", pixels[4 * 8 + 4], [0.4, 0.35, 0.3])]
+    {
+        let near = pixel.iter().zip(expected).all(|(channel, expected)| (channel - expected).abs() < 1e-4);
+        assert!(near, "{place}: {pixel:?}, expected {expected:?}");
+    }
+}
+
+#[test]
+fn lanes_and_threads_change_no_bit_of_the_file() {
+    let desk = Desk::new();
+    let render = |scene: &str, options: &str| {
+        let arguments = format!("render {scene} -o a.exr --samples 3 --size 37x21 {options}");
+        desk.octray(&arguments.split(' ').collect::<Vec<_>>()).assert().success();
+        fs::read(desk.path("a.exr")).unwrap()
+    };
+    for scene in ["scene.json", "builtin:spheres", "builtin:cornell"] {
+        let first = render(scene, "--lanes 8 --threads 1");
+        for options in ["--lanes 8 --threads 2", "--lanes 1 --threads 1", "--lanes 1 --threads 2"] {
+            assert!(render(scene, options) == first, "{scene} differs with {options}");
+        }
+        assert!(render(scene, "--seed 1") != first, "{scene}: another seed, the same picture");
+    }
+}

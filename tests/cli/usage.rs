@@ -1,0 +1,140 @@
+//! Help, and what is refused: wrong arguments, numbers out of range, outputs that cannot be written.
+
+use crate::desk::Desk;
+use predicates::prelude::*;
+use predicates::str::contains;
+use std::fs;
+
+const COMMANDS: [&str; 5] = ["bench", "compare", "render", "convert", "inspect"];
+
+#[test]
+fn octray_alone_says_what_to_try() {
+    let desk = Desk::new();
+    let shown = desk.octray(&[]).assert().success().stderr("");
+    let said = String::from_utf8_lossy(&shown.get_output().stdout).into_owned();
+    for command in COMMANDS {
+        assert!(said.contains(&format!("octray {command}")), "{command} is not in: {said}");
+    }
+}
+
+#[test]
+fn help_explains_every_command_with_an_example() {
+    let desk = Desk::new();
+    desk.octray(&["--help"]).assert().success().stdout(contains("Exit codes")).stderr("");
+    desk.octray(&["--version"]).assert().success().stdout(contains(env!("CARGO_PKG_VERSION")));
+    for command in COMMANDS {
+        desk.octray(&[command, "--help"]).assert().success().stderr("").stdout(
+            contains("Usage: octray")
+                .and(contains("Example"))
+                .and(contains(format!("\n  octray {command} "))),
+        );
+        desk.octray(&[command, "-h"]).assert().success();
+    }
+    desk.octray(&["render", "--help"]).assert().stdout(contains("Ctrl-C").and(contains("130")));
+}
+
+#[test]
+fn wrong_usage_is_refused() {
+    let desk = Desk::new();
+    for (arguments, word) in [
+        (&["rendr"][..], "rendr"),
+        (&["--frobnicate"], "--frobnicate"),
+        (&["render"], "SCENE"),
+        (&["render", "scene.json"], "--output"),
+        (&["render", "scene.json", "-o"], "--output"),
+        (&["render", "scene.json", "-o", "a.png", "b.png"], "b.png"),
+        (&["render", "scene.json", "-o", "a.png", "--tone", "sepia"], "reinhard"),
+        (&["render", "scene.json", "-o", "a.png", "--sphere", "exact"], "robust"),
+        (&["render", "scene.json", "-o", "a.png", "--triangle", "exact"], "moller-trumbore"),
+        (&["bench", "--triangle", "exact"], "baldwin-weber"),
+        (&["compare", "--lanes", "8"], "--lanes"),
+        (&["inspect"], "SCENE"),
+        (&["inspect", "scene.json", "--force"], "--force"),
+        (&["convert", "model.obj"], "SCENE"),
+    ] {
+        desk.refuses(arguments, &[word]);
+    }
+}
+
+#[test]
+fn numbers_out_of_range_are_refused_with_their_range() {
+    let desk = Desk::new();
+    let huge = "99999999999999999999999999";
+    for (option, values, range) in [
+        ("--samples", &["0", "-1", "16777217", huge, "1.5", "many", ""][..], "from 1 to 16777216"),
+        ("--bounces", &["-1", "1025", huge, "4.0"], "from 0 to 1024"),
+        ("--seed", &["-1", "4294967296", huge], "from 0 to 4294967295"),
+        ("--threads", &["0", "-1", "1025", huge, "all"], "from 1 to 1024"),
+        ("--lanes", &["0", "2", "16", "-8", huge], "1 (scalar) or 8 (SIMD)"),
+        ("--exposure", &["nan", "inf", "-65", "1e39", "bright"], "from -64 to 64"),
+        ("--size", &["0x0", "0x8", "8x0", "1000000000x1", "16385x1", "1x16385"], "from 1 to 16384"),
+        (
+            "--size",
+            &["8", "8x", "x8", "-8x8", "8x-8", "8 x 8", "8x8x8", "eightxeight", ""],
+            "such as 240x135",
+        ),
+    ] {
+        for value in values {
+            desk.refuses(&["render", "scene.json", "-o", "a.png", option, value], &[option, value, range]);
+        }
+    }
+}
+
+#[test]
+fn bench_and_compare_refuse_the_same_numbers() {
+    let desk = Desk::new();
+    for command in ["bench", "compare"] {
+        for (option, value) in [
+            ("--threads", "0"),
+            ("--size", "0x0"),
+            ("--bounces", "1025"),
+            ("--seed", "-1"),
+            ("--size", "240"),
+        ] {
+            desk.refuses(&[command, "scene.json", option, value], &[option, value]);
+        }
+    }
+    desk.refuses(&["bench", "--frames", "0"], &["--frames", "from 1 to"]);
+    desk.refuses(&["bench", "--lanes", "4"], &["--lanes", "1 (scalar) or 8 (SIMD)"]);
+    desk.refuses(&["compare", "--samples", "0"], &["--samples", "from 1 to"]);
+}
+
+#[test]
+fn unknown_scenes_are_refused_by_name() {
+    let desk = Desk::new();
+    desk.refuses(&["inspect", "nowhere.json"], &["nowhere.json"]);
+    desk.refuses(&["render", "nowhere.json", "-o", "a.png"], &["nowhere.json"]);
+    desk.refuses(&["convert", "nowhere.obj", "new.json"], &["nowhere.obj"]);
+}
+
+#[test]
+fn outputs_that_cannot_be_written_are_refused_before_the_scene_is_read() {
+    let desk = Desk::new();
+    fs::create_dir(desk.path("folder.png")).unwrap();
+    fs::create_dir(desk.path("folder")).unwrap();
+    for (output, words) in [
+        ("picture", &[".png", ".jpg", ".exr", ".hdr"][..]),
+        ("picture.gif", &["picture.gif", ".png", ".jpg", ".exr", ".hdr"]),
+        ("-", &[".png"]),
+        ("folder", &[".png"]),
+        ("no/such/picture.png", &["no/such", "does not exist", "mkdir -p"]),
+        ("scene.json/picture.png", &["scene.json", "not a folder"]),
+        ("folder.png", &["folder.png", "is a folder"]),
+        ("new.png/", &["new.png/", "is a folder"]),
+    ] {
+        // The scene does not exist either: that the output is named shows which was looked at first.
+        desk.refuses(&["render", "nowhere.json", "-o", output], words);
+    }
+    desk.refuses(&["convert", "model.obj", "no/such/new.json"], &["no/such", "mkdir -p"]);
+    desk.refuses(&["convert", "model.obj", "folder"], &["is a folder"]);
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_folder_that_takes_no_files_is_refused_with_the_systems_reason() {
+    let desk = Desk::new();
+    desk.refuses(
+        &["render", "scene.json", "-o", "/proc/picture.png"],
+        &["cannot write in the folder", "because: "],
+    );
+}

@@ -1,0 +1,96 @@
+//! Laws: texture lookups stay inside their texture, and decoding keeps its documented error.
+
+use octray::kernel::surface::latitude_longitude;
+use octray::kernel::texture::{Grid, display_to_linear};
+use octray::math::Vec3;
+use octray::sampling::random::mix;
+use std::f64::consts::{PI, TAU};
+
+#[test]
+fn display_to_linear_is_within_its_bound_of_the_standard_for_every_byte() {
+    let mut worst = 0.0f64;
+    for byte in 0..=255u32 {
+        let x = f64::from(byte) / 255.0;
+        let truth = if x <= 0.04045 { x / 12.92 } else { ((x + 0.055) / 1.055).powf(2.4) };
+        for shift in [0, 8, 16] {
+            let color = display_to_linear::<f32>(byte << shift | 0xff00_0000);
+            let channels = [color.x, color.y, color.z];
+            for (channel, &value) in channels.iter().enumerate() {
+                if channel as u32 * 8 == shift {
+                    worst = worst.max((f64::from(value) - truth).abs() / truth.max(1e-9));
+                } else {
+                    assert_eq!(value, 0.0, "byte {byte} at {shift} reaches channel {channel}");
+                }
+            }
+        }
+    }
+    assert!(worst <= 1.3e-5, "relative error {worst:e}");
+}
+
+#[test]
+fn nearest_is_the_texel_that_holds_the_point_and_stays_inside_for_any_input() {
+    let grid = Grid::<f32> { width: 7.0, height: 5.0, first: 100 };
+    assert_eq!(grid.nearest(0.0, 0.0, false), 100);
+    assert_eq!(grid.nearest(0.999_999, 0.999_999, true), 134);
+    assert_eq!(grid.nearest(-0.01, 0.5, false), 100 + 2 * 7 + 6);
+    assert_eq!(grid.nearest(1.5 / 7.0, 3.5 / 5.0, false), 100 + 3 * 7 + 1);
+    assert_eq!(grid.nearest(0.0, 1.0, true), 100 + 4 * 7, "v = 1 is the last row where rows do not wrap");
+    assert_eq!(grid.nearest(0.0, 1.0, false), 100, "v = 1 is the first row where they do");
+    for i in 0..100_000 {
+        let [u, v] = [mix(2 * i), mix(2 * i + 1)].map(f32::from_bits);
+        // Coordinates of any size, infinities and NaN among them.
+        for clamp in [false, true] {
+            let texel = grid.nearest(u, v, clamp);
+            assert!((100..135).contains(&texel), "({u}, {v}) reads {texel}");
+            let (texels, ..) = grid.bilinear(u, v, clamp);
+            assert!(texels.iter().all(|texel| (100..135).contains(texel)), "({u}, {v}) reads {texels:?}");
+        }
+    }
+}
+
+#[test]
+fn bilinear_blends_the_four_texels_around_and_wraps_where_it_should() {
+    let grid = Grid::<f32> { width: 4.0, height: 3.0, first: 0 };
+    let (texels, right, lower) = grid.bilinear(0.5, 0.5, false);
+    assert_eq!((texels, right, lower), ([1, 2, 5, 6], 0.5, 0.0));
+    let (texels, ..) = grid.bilinear(0.0, 0.0, false);
+    assert_eq!(texels, [11, 8, 3, 0], "columns and rows wrap");
+    let (texels, ..) = grid.bilinear(0.0, 0.0, true);
+    assert_eq!(texels, [3, 0, 3, 0], "rows stop at the edge");
+    let (texels, ..) = grid.bilinear(0.99, 1.0, true);
+    assert_eq!(texels, [11, 8, 11, 8]);
+}
+
+#[test]
+fn latitude_longitude_is_within_its_bound_of_f64_also_at_poles_and_seams() {
+    let check = |n: glam::DVec3| {
+        let n = n.as_vec3();
+        let (u, v) = latitude_longitude(Vec3::<f32>::splat(n));
+        let n = n.as_dvec3();
+        let truth = [n.z.atan2(n.x) / TAU, n.x.hypot(n.z).atan2(n.y) / PI];
+        // At the seam ½ and −½ are the same column.
+        let du = (f64::from(u) - truth[0]).abs();
+        assert!(du.min((du - 1.0).abs()) <= 3e-7, "u of {n}: {u}, {}", truth[0]);
+        assert!((f64::from(v) - truth[1]).abs() <= 3e-7, "v of {n}: {v}, {}", truth[1]);
+        assert!((-0.5..=0.5).contains(&u) && (0.0..=1.0).contains(&v), "({u}, {v})");
+    };
+    for i in 0..200_000 {
+        let number = |j: u32| f64::from(mix(4 * i + j) >> 8) / f64::from(1 << 24);
+        let (z, phi) = (2.0 * number(0) - 1.0, TAU * number(1));
+        let radius = (1.0 - z * z).sqrt();
+        check(glam::DVec3::new(radius * phi.cos(), z, radius * phi.sin()));
+        // Within 10⁻³ of a pole, where (P − C)/r has |y| > 1 in a third of the hits.
+        let near = 1e-3 * number(2);
+        check(glam::DVec3::new(near * phi.cos(), (1.0 + 1e-7f64).copysign(z), near * phi.sin()));
+    }
+    for (x, y, z) in [
+        (0.0, 1.0, 0.0),
+        (0.0, -1.0, 0.0),
+        (1.0, 0.0, 0.0),
+        (-1.0, 0.0, 0.0),
+        (-1.0, 0.0, -0.0),
+        (0.0, 0.0, 1.0),
+    ] {
+        check(glam::DVec3::new(x, y, z));
+    }
+}

@@ -320,6 +320,7 @@ same_at_every_width! {
         let (texels, right, lower) = grid.bilinear(o.x, o.y, o.mask);
         let mut values = vec![Integer(grid.nearest(o.x, o.y, o.mask)), Float(right), Float(lower)];
         values.extend(texels.map(Integer));
+        values.extend(vector(texture::display_to_linear::<L>(o.i)));
         values
     };
 }

@@ -73,6 +73,25 @@ fn numbers_are_uniform_in_every_dimension() {
 }
 
 #[test]
+fn every_bit_is_set_half_of_the_time() {
+    let family = 24 * dimensions().count();
+    for dimension in dimensions() {
+        let mut set = [0; 24];
+        for x in column(2, dimension) {
+            let integer = (x * 16_777_216.0) as u32;
+            set.iter_mut().enumerate().for_each(|(bit, set)| *set += integer >> bit & 1);
+        }
+        for (bit, set) in set.into_iter().enumerate() {
+            let deviation = (f64::from(set) - 0.5 * COUNT) / (0.25 * COUNT).sqrt();
+            assert!(
+                deviation.abs() < allowed(family),
+                "dimension {dimension}, bit {bit}: {deviation:.1} standard errors off"
+            );
+        }
+    }
+}
+
+#[test]
 fn numbers_never_reach_one() {
     // All 2³² bit patterns pass through `mix`, a bijection, so the largest is reached: 1 − 2⁻²⁴.
     let largest = (u32::MAX >> 8) as f32 / 16_777_216.0;

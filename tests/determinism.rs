@@ -7,12 +7,18 @@ use common::{Dice, empty, material, sphere, triangle};
 use glam::{Vec2, Vec3};
 use octray::buffers::Needs;
 use octray::render::{Renderer, Settings};
-use octray::scene::{Camera, Filter, Material, MaterialKind, Scene, Sky, Texture};
+use octray::scene::{Camera, Filter, Material, MaterialKind, Scene, Sky, Texels, Texture};
 use octray::traverse::{Methods, SphereChoice, TriangleChoice};
 
 fn texture(dice: &mut Dice, width: u32, height: u32, filter: Filter) -> Texture {
     let mut number = || dice.unit() as f32;
-    let texels = (0..width * height).map(|_| [number(), number(), number(), 0.0]).collect();
+    let texels = (0..width * height).map(|_| [number(), number(), number(), 0.0]);
+    // Both forms of texels, by turns.
+    let texels = if width % 2 == 0 {
+        Texels::Linear(texels.collect())
+    } else {
+        Texels::Display(texels.map(|texel| texel.map(|x| (255.0 * x) as u8)).collect())
+    };
     Texture { name: "noise".into(), width, height, filter, texels }
 }
 

@@ -68,8 +68,11 @@ impl<L: Lane> Batch<L> for Collect<'_> {
 
 fn traversed<L: Lane>(scene: &Scene, methods: Methods, rays: &[Ray<f32>]) -> Vec<Answer> {
     let mut answers = Vec::new();
-    Primitives::new(scene, methods)
-        .for_batch::<L>(&Buffers::new(scene), Collect { rays, answers: &mut answers });
+    Primitives::new(scene, methods).for_batch::<L>(
+        &Buffers::new(scene),
+        None,
+        Collect { rays, answers: &mut answers },
+    );
     answers
 }
 

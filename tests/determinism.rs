@@ -10,14 +10,14 @@ use octray::render::{Renderer, Settings};
 use octray::scene::{Camera, Filter, Material, MaterialKind, Scene, Sky, Texels, Texture};
 use octray::traverse::{Methods, SphereChoice, TriangleChoice};
 
-/// Noise; nearest ones in display values, bilinear ones of an odd width in linear light.
 fn texture(dice: &mut Dice, width: u32, height: u32, filter: Filter) -> Texture {
-    let count = width * height;
-    let texels = if filter == Filter::Bilinear && width % 2 == 1 {
-        let mut number = || dice.unit() as f32;
-        Texels::Linear((0..count).map(|_| [number(), number(), number(), 0.0]).collect())
+    let mut number = || dice.unit() as f32;
+    let texels = (0..width * height).map(|_| [number(), number(), number(), 0.0]);
+    // Both forms of texels, by turns.
+    let texels = if width % 2 == 0 {
+        Texels::Linear(texels.collect())
     } else {
-        Texels::Display((0..count).map(|_| dice.bits().to_le_bytes()).collect())
+        Texels::Display(texels.map(|texel| texel.map(|x| (255.0 * x) as u8)).collect())
     };
     Texture { name: "noise".into(), width, height, filter, texels }
 }
@@ -100,7 +100,7 @@ fn everything() -> Scene {
     scene.textures = vec![
         texture(&mut dice, 5, 3, Filter::Nearest),
         texture(&mut dice, 4, 7, Filter::Bilinear),
-        texture(&mut dice, 17, 8, Filter::Bilinear),
+        texture(&mut dice, 16, 8, Filter::Bilinear),
     ];
     scene.sky = Sky::Texture { texture: 2, color: Vec3::new(1.0, 0.9, 0.8) };
     scene

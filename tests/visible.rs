@@ -90,7 +90,7 @@ fn visible_gives_the_hits_of_testing_everything_bit_for_bit() {
         {
             let visible = Visible::of(&scene, &camera.pyramid([x, y], [TILE, TILE]));
             skipped += 120 - visible.spheres.len() - visible.triangles.len();
-            let mut trace = |visible: Option<&Visible>| {
+            let trace = |visible: Option<&Visible>| {
                 let mut hits = Vec::new();
                 primitives.for_batch(&buffers, visible, Primary { camera, corner: [x, y], hits: &mut hits });
                 hits

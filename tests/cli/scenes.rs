@@ -114,14 +114,14 @@ fn inspect_reports_textures_gradient_and_needs() {
     let sky = json!({ "type": "gradient", "bottom": [0.25, 0.5, 1.0], "top": [1.0, 0.5, 0.25] });
     assert_eq!(report["sky"], sky);
     let texture = json!({
-        "name": "models/paper.png", "width": 2, "height": 2, "filter": "nearest", "memory_bytes": 64
+        "name": "models/paper.png", "width": 2, "height": 2, "filter": "nearest", "memory_bytes": 16
     });
     assert_eq!(report["textures"], json!([texture]));
     assert_eq!(report["materials"]["textured"], 1);
     let needs: Vec<&Value> = report["needs"].as_array().unwrap().iter().collect();
     assert_eq!(json!(needs), json!(["triangles", "diffuse", "textures", "sky-gradient"]));
     desk.octray(&["inspect", "gradient.json"]).assert().success().stdout(
-        contains("models/paper.png: 2×2, nearest, 64 B")
+        contains("models/paper.png: 2×2, nearest, 16 B")
             .and(contains("(0.25, 0.5, 1) below to (1, 0.5, 0.25) above"))
             .and(contains("triangles, diffuse, textures, sky-gradient\n")),
     );

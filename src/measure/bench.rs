@@ -48,9 +48,9 @@ pub struct Measurement {
     pub needs: Vec<&'static str>,
 }
 
-/// Frames of an engine that are timed before the next engine has its turn. Threads sleep while another engine works; a block this long
-/// keeps their waking up out of the median.
-const FRAMES_PER_TURN: usize = 8;
+/// How long an engine is timed before the next one has its turn: short beside the drift of a machine's clock, long beside the time that
+/// sleeping threads take to wake up.
+const TURN: Duration = Duration::from_millis(50);
 /// Fewest frames behind a median.
 const FEWEST_FRAMES: usize = 50;
 /// Frames before timing starts: caches and branch predictors fill, clocks rise.
@@ -64,13 +64,18 @@ struct Run {
 }
 
 impl Run {
+    /// Times frames until the turn is over, at least one and at most `frames`.
     fn turn(&mut self, frames: usize) {
         let Self { renderer, film, seconds, .. } = self;
         renderer.on_threads(|| {
+            let turn = Instant::now();
             for _ in 0..frames {
                 let start = Instant::now();
                 renderer.add_samples(film, 1);
                 seconds.push(start.elapsed().as_secs_f64());
+                if turn.elapsed() >= TURN {
+                    break;
+                }
             }
         });
     }
@@ -96,10 +101,10 @@ pub fn bench(scene: &Scene, settings: Settings, engines: &[Engine], effort: Effo
     while !runs.iter().all(&enough) {
         for run in &mut runs {
             let left = match effort {
-                Effort::Frames(frames) => frames as usize - run.seconds.len(),
-                Effort::Time(_) => FRAMES_PER_TURN,
+                Effort::Frames(frames) => (frames as usize).saturating_sub(run.seconds.len()),
+                Effort::Time(_) => usize::MAX,
             };
-            run.turn(left.min(FRAMES_PER_TURN));
+            run.turn(left);
         }
     }
     runs.into_iter().map(|run| measurement(scene, &run)).collect()

@@ -40,24 +40,37 @@ impl SphereMethod for Robust {
 
     #[inline(always)]
     fn test<L: Lane>(ray: &Ray<L>, center: Vec3<L>, radius2: L, limit: L) -> (L::Mask, L) {
-        let from_center = ray.origin - center;
-        let b = -from_center.dot(ray.direction);
-        let perpendicular = ray.direction.mul_add(b, from_center);
-        let discriminant = radius2 - perpendicular.dot(perpendicular);
-        let c = from_center.dot(from_center) - radius2;
-        // A ray that starts outside and moves away has both roots behind it: most rays that leave a sphere end here.
-        let ahead = L::zero().lt(b);
-        let meets = L::zero().le(discriminant) & (ahead | c.lt(L::zero()));
-        if !meets.any() {
-            return (meets, limit);
-        }
-        // Both roots without cancellation: q has the sign of b, so nothing is subtracted.
-        let q = b + discriminant.sqrt().copysign(b);
-        let by_c = c / q;
-        let near = L::select(ahead, by_c, q);
-        let far = L::select(ahead, q, by_c);
-        nearest_in_front(meets, near, far, limit)
+        by_perpendicular(ray, center, radius2, limit, |x| x, |x| x)
     }
+}
+
+/// The robust test, given how to multiply and divide by the direction's squared length.
+#[inline(always)]
+fn by_perpendicular<L: Lane>(
+    ray: &Ray<L>,
+    center: Vec3<L>,
+    radius2: L,
+    limit: L,
+    multiply: impl Fn(L) -> L,
+    divide: impl Fn(L) -> L,
+) -> (L::Mask, L) {
+    let from_center = ray.origin - center;
+    let b = -from_center.dot(ray.direction);
+    let perpendicular = ray.direction.mul_add(divide(b), from_center);
+    let discriminant = radius2 - perpendicular.dot(perpendicular);
+    let c = from_center.dot(from_center) - radius2;
+    // A ray that starts outside and moves away has both roots behind it: most rays that leave a sphere end here.
+    let ahead = L::zero().lt(b);
+    let meets = L::zero().le(discriminant) & (ahead | c.lt(L::zero()));
+    if !meets.any() {
+        return (meets, limit);
+    }
+    // Both roots without cancellation: q has the sign of b, so nothing is subtracted.
+    let q = b + multiply(discriminant).sqrt().copysign(b);
+    let (by_c, by_q) = (c / q, divide(q));
+    let near = L::select(ahead, by_c, by_q);
+    let far = L::select(ahead, by_q, by_c);
+    nearest_in_front(meets, near, far, limit)
 }
 
 /// [`Robust`] for directions of any length between 1e-15 and 1e15, at the price of one division a ray and three products a test.
@@ -90,21 +103,7 @@ impl SphereMethod for RobustAnyLength {
     #[inline(always)]
     fn test<L: Lane>(prepared: &Scaled<L>, center: Vec3<L>, radius2: L, limit: L) -> (L::Mask, L) {
         let Scaled { ray, a, inverse_a } = prepared;
-        let from_center = ray.origin - center;
-        let b = -from_center.dot(ray.direction);
-        let perpendicular = ray.direction.mul_add(b * *inverse_a, from_center);
-        let discriminant = radius2 - perpendicular.dot(perpendicular);
-        let c = from_center.dot(from_center) - radius2;
-        let ahead = L::zero().lt(b);
-        let meets = L::zero().le(discriminant) & (ahead | c.lt(L::zero()));
-        if !meets.any() {
-            return (meets, limit);
-        }
-        let q = b + (*a * discriminant).sqrt().copysign(b);
-        let (by_c, by_q) = (c / q, q * *inverse_a);
-        let near = L::select(ahead, by_c, by_q);
-        let far = L::select(ahead, by_q, by_c);
-        nearest_in_front(meets, near, far, limit)
+        by_perpendicular(ray, center, radius2, limit, |x| *a * x, |x| x * *inverse_a)
     }
 }
 

@@ -20,7 +20,8 @@ pub struct Engine {
 pub enum Effort {
     /// So many frames per engine.
     Frames(u32),
-    /// At least 50 frames per engine, and on until this time has passed for all engines together.
+    /// At least 50 frames per engine, and on until this time has passed for all engines together; where frames take so long that ten
+    /// times this time passes first, fewer, but at least 3.
     Time(Duration),
 }
 
@@ -51,10 +52,14 @@ pub struct Measurement {
 /// How long an engine is timed before the next one has its turn: short beside the drift of a machine's clock, long beside the time that
 /// sleeping threads take to wake up.
 const TURN: Duration = Duration::from_millis(50);
-/// Fewest frames behind a median.
+/// Fewest frames behind a median, and fewest where frames are so slow that patience ends.
 const FEWEST_FRAMES: usize = 50;
-/// Frames before timing starts: caches and branch predictors fill, clocks rise.
+const FEWEST_SLOW_FRAMES: usize = 3;
+/// So many times the measuring time, patience ends.
+const PATIENCE: u32 = 10;
+/// Frames before timing starts, or as many as this time holds: caches and branch predictors fill, clocks rise.
 const WARM_UP: u32 = 5;
+const WARM_UP_TIME: Duration = Duration::from_millis(200);
 
 struct Run {
     engine: Engine,
@@ -88,15 +93,21 @@ pub fn bench(scene: &Scene, settings: Settings, engines: &[Engine], effort: Effo
         .map(|&engine| {
             let Engine { lanes, threads } = engine;
             let renderer = Renderer::new(scene, Settings { lanes, threads, ..settings });
-            let mut film = renderer.film();
-            renderer.add_samples(&mut film, WARM_UP);
+            let (mut film, start) = (renderer.film(), Instant::now());
+            while film.samples() < WARM_UP && start.elapsed() < WARM_UP_TIME {
+                renderer.add_samples(&mut film, 1);
+            }
             Run { engine, film: renderer.film(), renderer, seconds: Vec::new() }
         })
         .collect();
     let start = Instant::now();
     let enough = |run: &Run| match effort {
         Effort::Frames(frames) => run.seconds.len() >= frames as usize,
-        Effort::Time(time) => run.seconds.len() >= FEWEST_FRAMES && start.elapsed() >= time,
+        Effort::Time(time) => {
+            let (frames, passed) = (run.seconds.len(), start.elapsed());
+            (frames >= FEWEST_FRAMES && passed >= time)
+                || (frames >= FEWEST_SLOW_FRAMES && passed >= time * PATIENCE)
+        }
     };
     while !runs.iter().all(&enough) {
         for run in &mut runs {

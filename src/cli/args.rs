@@ -69,7 +69,8 @@ pub struct BenchArgs {
 /// Check that SIMD and scalar render the same picture.
 ///
 /// Renders each scene at both widths and counts the pixels that differ in any bit: 0 is expected. Then both are held
-/// against a reference in double precision that shares no code with them. Exits with 1 if a check fails.
+/// against a reference in double precision that shares no code with them; wrong hits are counted, because with a naive method
+/// they are what is to be seen. Exits with 1 if a pixel differs.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example:\n  octray compare builtin:three --samples 64")]
 pub struct CompareArgs {
@@ -103,8 +104,9 @@ pub struct CompareArgs {
 /// The file's extension names its format: .png and .jpg for screens (exposure, tone mapping, sRGB), .exr and .hdr for the
 /// linear radiance. The file appears whole, at the end; one that was there before is replaced then.
 ///
-/// Ctrl-C ends the rendering early: the samples so far are written as a picture, the exit code is 130, and with --json
-/// `interrupted` is true. A second Ctrl-C ends the program at once and writes nothing.
+/// Ctrl-C ends the rendering early, when every pixel has had the sample that is being taken: the samples so far are written as a
+/// picture, the exit code is 130, and with --json `interrupted` is true. A second Ctrl-C ends the program at once and writes
+/// nothing.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   octray render builtin:three -o three.png

@@ -177,11 +177,14 @@ fn meaning(report: &Report) -> String {
         })
         .collect();
     let speed = match (ratios.iter().copied().reduce(f64::min), ratios.iter().copied().reduce(f64::max)) {
-        (Some(least), Some(most)) => format!("eight lanes are {least:.1} to {most:.1} times as fast as one"),
-        _ => "one width was measured".into(),
+        (Some(least), Some(most)) if ratios.len() > 1 => {
+            format!("eight lanes are {least:.1} to {most:.1} times as fast as one")
+        }
+        (Some(ratio), _) => format!("eight lanes are {ratio:.1} times as fast as one"),
+        _ => "one width was timed".into(),
     };
     let same = if pixels == 0 {
-        "their pictures are the same, bit by bit".into()
+        "the pictures of both are the same, bit by bit".into()
     } else {
         format!("{pixels} PIXELS DIFFER")
     };

@@ -51,10 +51,15 @@ pub fn run(options: CompareOptions) -> Result<ExitCode, CliError> {
     if options.json {
         terminal::print_json(&report)?;
     } else {
-        terminal::print(if failed {
-            "\nSIMD and scalar differ: this is a bug in octray; please report it with the scene.\n"
+        let wrong: usize = report.results.iter().map(|result| result.reference.mismatched_hits).sum();
+        let right = match wrong {
+            0 => "every judged primary hit is right".to_string(),
+            _ => format!("{wrong} primary hits are WRONG by the f64 reference"),
+        };
+        terminal::print(&if failed {
+            format!("\nSIMD and scalar DIFFER: a bug in octray, please report it with the scene; {right}.\n")
         } else {
-            "\nSIMD and scalar pictures are the same, bit by bit.\n"
+            format!("\nSIMD and scalar pictures are the same, bit by bit; {right}.\n")
         })?;
     }
     Ok(if failed { ExitCode::from(CHECK_FAILED) } else { ExitCode::SUCCESS })

@@ -41,7 +41,7 @@
 //! | [`camera`] | pixels to primary rays |
 //! | [`traverse`] | which primitive a ray meets first |
 //! | [`integrate`] | the path estimator, as stages over queues |
-//! | [`reference`] | the independent judge: f64, one ray, one object at a time; it imports only `scene` and the integer hash |
+//! | [`mod@reference`] | the independent judge: f64, one ray, one object at a time; it imports only `scene` and the integer hash |
 //! | [`film`], [`render`], [`output`] | sums; tiles and threads; tone mapping and encoders |
 //! | [`measure`] | figures: speed, parity, the machine they come from |
 //! | [`cli`] | raw arguments, validated options, commands |

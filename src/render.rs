@@ -54,12 +54,12 @@ const MOST_TO_CULL: usize = 4_000_000;
 
 /// What each tile's primary rays can meet; nothing where that is unknown or would not pay.
 fn visible(scene: &Scene, camera: &Pinhole, settings: &Settings) -> Vec<Visible> {
-    let film = Film::new(settings.resolution, settings.tile_size);
+    let tiles = Tile::cover(settings.resolution, settings.tile_size);
     let primitives = scene.spheres.len() + scene.triangles.len();
-    if !settings.methods.keep_to_their_primitives() || primitives * film.tiles.len() > MOST_TO_CULL {
+    let count = Tile::cover(settings.resolution, settings.tile_size).count();
+    if !settings.methods.keep_to_their_primitives() || primitives * count > MOST_TO_CULL {
         return Vec::new();
     }
-    let tiles = film.tiles.iter().map(|sums| sums.tile);
     let pyramid = |tile: Tile| camera.pyramid([tile.x, tile.y], [tile.width, tile.height]);
     tiles.map(|tile| Visible::of(scene, &pyramid(tile))).collect()
 }
@@ -152,9 +152,7 @@ impl Renderer {
     /// The primary rays of one sample of every pixel, and what they hit, tile by tile.
     pub fn primary_hits(&self, sample: u32) -> Vec<PrimaryHit> {
         let mut work = Work::new();
-        let film = self.film();
-        let of_tile = |sums: &TileSums| {
-            let tile = sums.tile;
+        let of_tile = |tile: Tile| {
             let count = match self.settings.lanes {
                 1 => primary::<f32>(&self.world, tile, sample, &mut work),
                 _ => primary::<F32x8>(&self.world, tile, sample, &mut work),
@@ -175,7 +173,7 @@ impl Renderer {
             };
             slots.map(hit).collect::<Vec<_>>()
         };
-        film.tiles.iter().flat_map(of_tile).collect()
+        Tile::cover(self.settings.resolution, self.settings.tile_size).flat_map(of_tile).collect()
     }
 
     fn add_to_tile(&self, sums: &mut TileSums, first: u32, samples: u32) -> u64 {

@@ -14,7 +14,7 @@ fn texture(dice: &mut Dice, width: u32, height: u32, filter: Filter) -> Texture 
     let mut number = || dice.unit() as f32;
     let texels = (0..width * height).map(|_| [number(), number(), number(), 0.0]);
     // Both forms of texels, by turns.
-    let texels = if width % 2 == 0 {
+    let texels = if width.is_multiple_of(2) {
         Texels::Linear(texels.collect())
     } else {
         Texels::Display(texels.map(|texel| texel.map(|x| (255.0 * x) as u8)).collect())

@@ -69,8 +69,8 @@ pub struct BenchArgs {
 /// Check that SIMD and scalar render the same picture.
 ///
 /// Renders each scene at both widths and counts the pixels that differ in any bit: 0 is expected. Then both are held
-/// against a reference in double precision that shares no code with them; wrong hits are counted, because with a naive method
-/// they are what is to be seen. Exits with 1 if a pixel differs.
+/// against a reference in double precision that shares no equation with them. Exits with 1 if a pixel differs, a sample was not
+/// finite, or, unless a naive method was asked for, a primary hit is wrong.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example:\n  octray compare builtin:three --samples 64")]
 pub struct CompareArgs {

@@ -1,5 +1,6 @@
 //! `octray bench`: frames per second, SIMD beside scalar.
 
+use super::CHECK_FAILED;
 use super::error::CliError;
 use super::options::BenchOptions;
 use super::terminal;
@@ -68,7 +69,8 @@ pub fn run(options: BenchOptions) -> Result<ExitCode, CliError> {
     } else {
         terminal::print(&meaning(&report))?;
     }
-    Ok(ExitCode::SUCCESS)
+    let failed = report.accuracy.iter().any(|accuracy| accuracy.failed(options.methods));
+    Ok(if failed { ExitCode::from(CHECK_FAILED) } else { ExitCode::SUCCESS })
 }
 
 /// The scenes asked for, or the built-in ones.

@@ -46,8 +46,8 @@ pub fn run(options: CompareOptions) -> Result<ExitCode, CliError> {
         }
         report.results.push(comparison);
     }
-    // Wrong hits are reported, not failed on: with a naive method chosen they are what is to be seen.
-    let failed = report.results.iter().any(|result| result.mismatched_pixels > 0);
+    let failed = report.results.iter().any(|result| result.failed(options.methods));
+    let differ = report.results.iter().any(|result| result.mismatched_pixels > 0);
     if options.json {
         terminal::print_json(&report)?;
     } else {
@@ -56,7 +56,7 @@ pub fn run(options: CompareOptions) -> Result<ExitCode, CliError> {
             0 => "every judged primary hit is right".to_string(),
             _ => format!("{wrong} primary hits are WRONG by the f64 reference"),
         };
-        terminal::print(&if failed {
+        terminal::print(&if differ {
             format!("\nSIMD and scalar DIFFER: a bug in octray, please report it with the scene; {right}.\n")
         } else {
             format!("\nSIMD and scalar pictures are the same, bit by bit; {right}.\n")
@@ -66,7 +66,8 @@ pub fn run(options: CompareOptions) -> Result<ExitCode, CliError> {
 }
 
 fn row(result: &Comparison) -> String {
-    let Comparison { scene, pixels, samples, mismatched_pixels, first_mismatch, speedup, reference } = result;
+    let Comparison { scene, pixels, samples, mismatched_pixels, first_mismatch, speedup, reference, .. } =
+        result;
     let mut row = format!(
         "{scene:<24}{pixels:>10}{samples:>9}{mismatched_pixels:>10}{:>11}{:>12.2e}{:>12.2e}{:>12}\n",
         format!("{speedup:.2}×"),
@@ -74,6 +75,9 @@ fn row(result: &Comparison) -> String {
         reference.max_abs,
         reference.mismatched_hits,
     );
+    if result.discarded_samples > 0 {
+        row += &format!("  {} samples were not finite and were left out\n", result.discarded_samples);
+    }
     if let Some(first) = first_mismatch {
         row += &format!(
             "  first at ({}, {}): SIMD {:?}, scalar {:?}\n",

@@ -56,6 +56,18 @@ pub struct Tile {
 }
 
 impl Tile {
+    /// The tiles of a picture, row by row, each at most `size` pixels wide and high.
+    pub fn cover(resolution: [u32; 2], size: [u32; 2]) -> impl Iterator<Item = Tile> {
+        let starts = move |axis: usize| (0..resolution[axis]).step_by(size[axis] as usize);
+        let corners = starts(1).flat_map(move |y| starts(0).map(move |x| (x, y)));
+        corners.enumerate().map(move |(number, (x, y))| Tile {
+            number,
+            x,
+            y,
+            width: size[0].min(resolution[0] - x),
+            height: size[1].min(resolution[1] - y),
+        })
+    }
     pub fn pixels(&self) -> usize {
         (self.width * self.height) as usize
     }

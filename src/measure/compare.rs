@@ -1,9 +1,11 @@
 //! SIMD against scalar, bit for bit; and both against the judge.
 
+use super::statistics::Times;
 use crate::film::Picture;
 use crate::reference::{PathSettings, Reference, Verdict};
 use crate::render::{PrimaryHit, Renderer, Settings};
 use crate::scene::Scene;
+use crate::traverse::Methods;
 use rayon::prelude::*;
 use serde::Serialize;
 use std::time::Instant;
@@ -17,9 +19,19 @@ pub struct Comparison {
     /// Pixels of which any bit differs between SIMD and scalar. 0 expected.
     pub mismatched_pixels: usize,
     pub first_mismatch: Option<Mismatch>,
-    /// Scalar time over SIMD time, the same threads.
+    /// Samples of both that were not finite and were left out. 0 expected.
+    pub discarded_samples: u64,
+    /// Scalar over SIMD, medians of the time of a sample, the same threads; meant for large pictures and many samples.
     pub speedup: f64,
     pub reference: Judgement,
+}
+
+impl Comparison {
+    /// Did a check fail? Pixels must not differ, no sample be left out, and no primary hit be wrong, unless a naive method was asked for.
+    pub fn failed(&self, methods: Methods) -> bool {
+        let wrong_hits = self.reference.mismatched_hits > 0 && methods.keep_to_their_primitives();
+        self.mismatched_pixels > 0 || self.discarded_samples > 0 || wrong_hits
+    }
 }
 
 /// A pixel that SIMD and scalar see differently: linear RGB.
@@ -55,12 +67,15 @@ pub fn compare(scene: &Scene, settings: Settings, samples: u32) -> Comparison {
     let scalar = Renderer::new(scene, Settings { lanes: 1, ..settings });
     let simd = Renderer::new(scene, Settings { lanes: 8, ..settings });
     let (mut scalar_film, mut simd_film) = (scalar.film(), simd.film());
-    let (mut scalar_time, mut simd_time) = (0.0, 0.0);
+    let (mut scalar_times, mut simd_times) = (Vec::new(), Vec::new());
+    for renderer in [&simd, &scalar] {
+        renderer.add_samples(&mut renderer.film(), 1);
+    }
     let share = Share::of(scene, &settings, samples);
     let mut to_judge = None;
     for sample in 1..=samples {
-        simd_time += timed(|| simd.add_samples(&mut simd_film, 1));
-        scalar_time += timed(|| scalar.add_samples(&mut scalar_film, 1));
+        simd_times.push(timed(|| simd.add_samples(&mut simd_film, 1)));
+        scalar_times.push(timed(|| scalar.add_samples(&mut scalar_film, 1)));
         if sample == share.samples {
             to_judge = Some(simd_film.picture());
         }
@@ -79,7 +94,8 @@ pub fn compare(scene: &Scene, settings: Settings, samples: u32) -> Comparison {
             simd: simd_picture.pixels[index],
             scalar: scalar_picture.pixels[index],
         }),
-        speedup: scalar_time / simd_time,
+        discarded_samples: simd_film.discarded() + scalar_film.discarded(),
+        speedup: Times::new(scalar_times).median() / Times::new(simd_times).median(),
         reference: judge(scene, &simd, &to_judge, share),
     }
 }
@@ -111,8 +127,18 @@ impl Share {
         // A sample of every pixel costs about this many tests: the primary hit, and a path of some segments.
         let tests = (pixels * (scene.spheres.len() + scene.triangles.len()) * 4).max(1);
         let affordable = u32::try_from(MOST_TESTS / tests).unwrap_or(u32::MAX).max(1);
-        Self { samples: samples.min(MOST_SAMPLES).min(affordable), stride: tests.div_ceil(MOST_TESTS) }
+        // Without a common factor with the width, so that no column is left out.
+        let mut stride = tests.div_ceil(MOST_TESTS);
+        while common_factor(stride, settings.resolution[0] as usize) > 1 {
+            stride += 1;
+        }
+        Self { samples: samples.min(MOST_SAMPLES).min(affordable), stride }
     }
+}
+
+/// The greatest one (Euclid).
+fn common_factor(a: usize, b: usize) -> usize {
+    if b == 0 { a } else { common_factor(b, a % b) }
 }
 
 /// Judges a share of a renderer's picture, and its primary hits.

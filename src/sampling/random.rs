@@ -1,7 +1,8 @@
 //! Counter-based random numbers: no state, so no order of evaluation can change them.
 //!
 //! A path's key mixes seed, pixel and sample; number `dimension` of the path is a mix of its key and the dimension. For one
-//! seed and pixel the key is a bijection of the sample, so no two samples of a pixel share their numbers.
+//! seed and pixel the key is a bijection of the sample, so no two samples of a pixel share their numbers. Two pixels far apart may share
+//! those of some samples: there are 2³² keys, and (pixel, sample) pairs whose weighted sums agree have the same one. That biases no pixel.
 //!
 //! # Dimensions
 //! [`PIXEL`] (2 numbers) places the sample in its pixel. Scattering event b, counted from 0, owns the [`PER_BOUNCE`]
@@ -21,7 +22,7 @@ pub const DIRECTION: u32 = 1;
 
 /// 2³² divided by the golden ratio, odd: multiples spread evenly.
 const GOLDEN: u32 = 0x9e37_79b9;
-/// Odd, and unrelated to [`GOLDEN`], so that pixel, sample and dimension cannot make up for each other.
+/// Odd, and unrelated to [`GOLDEN`].
 const STRIDE: u32 = 0x85eb_ca6b;
 
 /// First dimension of scattering event `bounce`, counted from 0.

@@ -6,7 +6,7 @@ use super::INTERRUPTED;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Has the user asked for an end? Ctrl-C asks, and so do the signals for termination and hang-up.
+/// Has the user asked for an end? Ctrl-C asks; hang-up is left alone, so that nohup works.
 #[derive(Clone, Default)]
 pub struct Interrupt {
     asked: Arc<AtomicBool>,
@@ -14,11 +14,12 @@ pub struct Interrupt {
 }
 
 impl Interrupt {
-    /// Listens from now on. Where that is impossible, Ctrl-C keeps its usual meaning.
+    /// Listens from now on, in background jobs too, which start with the signal ignored. Where that is impossible, Ctrl-C keeps its
+    /// usual meaning.
     pub fn listen() -> Self {
         let interrupt = Self::default();
         let heard = interrupt.clone();
-        let listening = ctrlc::try_set_handler(move || {
+        let listening = ctrlc::set_handler(move || {
             let again = heard.asked.swap(true, Ordering::SeqCst);
             if again && !heard.holding.load(Ordering::SeqCst) {
                 std::process::exit(INTERRUPTED.into());

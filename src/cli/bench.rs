@@ -76,7 +76,7 @@ pub fn run(options: BenchOptions) -> Result<ExitCode, CliError> {
 /// The scenes asked for, or the built-in ones.
 pub(super) fn scenes(asked: &[String]) -> Vec<String> {
     if asked.is_empty() {
-        scene::builtin::names().map(|name| format!("builtin:{name}")).collect()
+        scene::builtin_names().map(|name| format!("builtin:{name}")).collect()
     } else {
         asked.to_vec()
     }

@@ -18,7 +18,7 @@
 //! | `place` | where in a JSON text something stands |
 //! | [`error`] | what can be wrong |
 
-pub mod builtin;
+mod builtin;
 mod check;
 mod convert;
 mod draft;

@@ -154,8 +154,8 @@ impl Renderer {
         let mut work = Work::new();
         let of_tile = |tile: Tile| {
             let count = match self.settings.lanes {
-                1 => primary::<f32>(&self.world, tile, sample, &mut work),
-                _ => primary::<F32x8>(&self.world, tile, sample, &mut work),
+                1 => primary::<f32, { Needs::ALL.0 }>(&self.world, tile, sample, &mut work),
+                _ => primary::<F32x8, { Needs::ALL.0 }>(&self.world, tile, sample, &mut work),
             };
             let slots = 0..count as u32;
             let hit = |slot: u32| {

@@ -182,7 +182,7 @@ impl Print {
     }
 }
 
-const TILES: [[u32; 2]; 5] = [[1, 1], [7, 3], [16, 16], [32, 32], [240, 4]];
+const TILES: [[u32; 2]; 5] = [[1, 1], [7, 3], [16, 16], [32, 8], [240, 1]];
 
 fn base(scene: &Scene, resolution: [u32; 2], max_bounces: u32) -> Settings {
     Settings { resolution, max_bounces, seed: 5, lanes: 1, threads: 1, ..Settings::of(scene) }

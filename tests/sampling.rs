@@ -178,6 +178,27 @@ fn samples_of_a_pixel_never_share_their_numbers() {
     }
 }
 
+#[test]
+fn pixels_of_a_large_picture_share_few_numbers_and_none_in_rows() {
+    // 2²¹ pixels and 4 samples, spread as a key that is linear in both would repeat: it would give collisions to whole pictures.
+    let samples = [0u32, 1, 1_727, 2_501];
+    let mut keys: Vec<(u32, u32, u32)> = samples
+        .iter()
+        .flat_map(|&sample| {
+            (0..1 << 21).map(move |pixel| (random::path_key::<u32>(3, pixel, sample), pixel, sample))
+        })
+        .collect();
+    keys.sort_unstable();
+    let shared: Vec<_> = keys.windows(2).filter(|pair| pair[0].0 == pair[1].0).collect();
+    // n² / 2³³ for n = 2²³ keys of 2³² at random; within one sample there is none: 1/4 less.
+    let expected = 2f64.powi(46 - 33) * 0.75;
+    assert!((shared.len() as f64 - expected).abs() < 6.0 * expected.sqrt(), "{} collisions", shared.len());
+    let mut steps: Vec<u32> = shared.iter().map(|pair| pair[1].1.wrapping_sub(pair[0].1)).collect();
+    steps.sort_unstable();
+    let longest = steps.chunk_by(|a, b| a == b).map(<[u32]>::len).max().unwrap_or(0);
+    assert!(longest <= 4, "{longest} collisions of pixels at one and the same distance");
+}
+
 fn unit(dice: &mut Dice) -> Vec3<f32> {
     Vec3::splat(dice.direction().as_vec3())
 }

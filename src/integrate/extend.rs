@@ -2,26 +2,28 @@
 
 use super::World;
 use super::queue::{Queue, Work};
+use super::surface::needs;
+use crate::buffers::Needs;
 use crate::lane::Lane;
 use crate::math::{Hit, Ray};
 use crate::traverse::Batch;
 
 /// Finds the nearest hit of the first `count` rays.
-pub fn extend<L: Lane>(world: &World, work: &mut Work, count: usize) {
-    world.primitives.for_batch::<L>(&world.buffers, None, Stage { queue: &mut work.queue, count });
+pub fn extend<L: Lane, const N: u32>(world: &World, work: &mut Work, count: usize) {
+    world.primitives.for_batch::<L>(&world.buffers, None, Stage::<N> { queue: &mut work.queue, count });
 }
 
-struct Stage<'a> {
+struct Stage<'a, const N: u32> {
     queue: &'a mut Queue,
     count: usize,
 }
 
-impl<L: Lane> Batch<L> for Stage<'_> {
+impl<L: Lane, const N: u32> Batch<L> for Stage<'_, N> {
     #[inline(always)]
     fn run(self, closest: impl Fn(&Ray<L>) -> Hit<L>) {
         for at in (0..self.count).step_by(L::WIDTH) {
             let hit = closest(&self.queue.ray(at));
-            self.queue.store_hit(at, &hit);
+            self.queue.store_hit(at, &hit, needs(N, Needs::TRIANGLES));
         }
     }
 }

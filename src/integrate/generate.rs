@@ -2,7 +2,9 @@
 //! be read back.
 
 use super::queue::{Queue, Work};
+use super::surface::needs;
 use super::{Tile, World};
+use crate::buffers::Needs;
 use crate::camera::Pinhole;
 use crate::lane::{Bits, Lane, lane_indices};
 use crate::math::{Hit, Ray};
@@ -10,21 +12,21 @@ use crate::sampling::random;
 use crate::traverse::Batch;
 
 /// Fills the queue with the tile's pixels, row by row, and returns how many there are.
-pub fn generate<L: Lane>(world: &World, tile: Tile, sample: u32, work: &mut Work) -> usize {
-    let stage = Stage { world, tile, sample, queue: &mut work.queue };
+pub fn generate<L: Lane, const N: u32>(world: &World, tile: Tile, sample: u32, work: &mut Work) -> usize {
+    let stage = Stage::<N> { world, tile, sample, queue: &mut work.queue };
     let visible = world.visible.get(tile.number);
     world.primitives.for_batch::<L>(&world.buffers, visible, stage);
     tile.pixels()
 }
 
-struct Stage<'a> {
+struct Stage<'a, const N: u32> {
     world: &'a World,
     tile: Tile,
     sample: u32,
     queue: &'a mut Queue,
 }
 
-impl<L: Lane> Batch<L> for Stage<'_> {
+impl<L: Lane, const N: u32> Batch<L> for Stage<'_, N> {
     #[inline(always)]
     fn run(self, closest: impl Fn(&Ray<L>) -> Hit<L>) {
         let Tile { x: left, y: top, width, .. } = self.tile;
@@ -45,7 +47,7 @@ impl<L: Lane> Batch<L> for Stage<'_> {
             let jitter_y = random::uniform::<L>(key, random::PIXEL + 1);
             let ray = camera.rays(x + jitter_x, y + jitter_y);
             self.queue.store_primary(at, ray.direction, key);
-            self.queue.store_hit(at, &closest(&ray));
+            self.queue.store_hit(at, &closest(&ray), needs(N, Needs::TRIANGLES));
         }
     }
 }

@@ -79,7 +79,7 @@ pub type Pipeline = fn(&World, Tile, u32, &mut Work) -> u64;
 /// Takes sample `sample` of every pixel of a tile into `work`'s radiance and returns how many rays that took. `N` holds the
 /// features this pipeline is compiled with; it must contain the scene's [`Needs`].
 pub fn trace_tile<L: Lane, const N: u32>(world: &World, tile: Tile, sample: u32, work: &mut Work) -> u64 {
-    let mut count = generate::<L>(world, tile, sample, work);
+    let mut count = generate::<L, N>(world, tile, sample, work);
     let mut rays = count as u64;
     if world.max_bounces == 0 {
         shade::finish::<L, N, true>(world, work, count);
@@ -88,10 +88,10 @@ pub fn trace_tile<L: Lane, const N: u32>(world: &World, tile: Tile, sample: u32,
     count = shade::shade::<L, N, true>(world, work, count, 0);
     for bounce in 1..world.max_bounces {
         rays += count as u64;
-        extend::extend::<L>(world, work, count);
+        extend::extend::<L, N>(world, work, count);
         count = shade::shade::<L, N, false>(world, work, count, bounce);
     }
-    extend::extend::<L>(world, work, count);
+    extend::extend::<L, N>(world, work, count);
     shade::finish::<L, N, false>(world, work, count);
     rays + count as u64
 }

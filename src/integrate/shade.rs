@@ -147,8 +147,10 @@ fn scatter<L: Lane, const N: u32>(
     found: L::Mask,
 ) -> (Path<L>, L::Mask) {
     let d = path.ray.direction;
-    let outside = !L::zero().lt(d.dot(surface.outward));
-    let n = Vec3::select(outside, surface.outward, -surface.outward);
+    // The normal of the side from which the ray arrives: n · d ≤ 0.
+    let along = d.dot(surface.outward);
+    let n = surface.outward.flip_sign(-along);
+    let outside = !L::zero().lt(along);
     let dimension = random::bounce(bounce);
     let random = |offset: u32| random::uniform::<L>(path.key, dimension + offset);
     let wears = |kind: u32| found & worn.kind.equals(L::Bits::splat(kind));

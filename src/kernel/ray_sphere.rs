@@ -59,18 +59,19 @@ fn by_perpendicular<L: Lane>(
     let perpendicular = ray.direction.mul_add(divide(b), from_center);
     let discriminant = radius2 - perpendicular.dot(perpendicular);
     let c = from_center.dot(from_center) - radius2;
-    // A ray that starts outside and moves away has both roots behind it: most rays that leave a sphere end here.
     let ahead = L::zero().lt(b);
-    let meets = L::zero().le(discriminant) & (ahead | c.lt(L::zero()));
+    // On the surface counts as inside: the near root, 0, is no hit, the far one may be.
+    let inside = c.le(L::zero());
+    // A ray that starts outside and moves away has both roots behind it: most rays that leave a sphere end here.
+    let meets = L::zero().le(discriminant) & (ahead | inside);
     if !meets.any() {
         return (meets, limit);
     }
-    // Both roots without cancellation: q has the sign of b, so nothing is subtracted.
-    let q = b + multiply(discriminant).sqrt().copysign(b);
-    let (by_c, by_q) = (c / q, divide(q));
-    let near = L::select(ahead, by_c, by_q);
-    let far = L::select(ahead, by_q, by_c);
-    nearest_in_front(meets, near, far, limit)
+    // The roots are c/q and q. Neither cancels: q has the sign of b, so nothing is subtracted. From outside the nearer one is c/q;
+    // from inside the one in front is q where the centre lies ahead, c/q where it lies behind.
+    let q = b + multiply(discriminant).sqrt().flip_sign(b);
+    let t = L::select(inside & ahead, divide(q), c / q);
+    (meets & L::zero().lt(t) & t.lt(limit), t)
 }
 
 /// [`Robust`] for directions of any length between 1e-15 and 1e15, at the price of one division a ray and three products a test.

@@ -1,8 +1,9 @@
 //! Counter-based random numbers: no state, so no order of evaluation can change them.
 //!
 //! A path's key mixes seed, pixel and sample; number `dimension` of the path is a mix of its key and the dimension. For one
-//! seed and pixel the key is a bijection of the sample, so no two samples of a pixel share their numbers. Two pixels far apart may share
-//! those of some samples: there are 2³² keys, and (pixel, sample) pairs whose weighted sums agree have the same one. That biases no pixel.
+//! seed the key is a bijection of the sample in every pixel, and of the pixel at every sample: no two samples of a pixel share their
+//! numbers, nor do two pixels of a frame. There are 2³² keys, so a sample of one pixel may share them with another sample of some other
+//! pixel; pixels and samples are mixed one after the other, so that such pairs stand nowhere in rows. They bias no pixel.
 //!
 //! # Dimensions
 //! [`PIXEL`] (2 numbers) places the sample in its pixel. Scattering event b, counted from 0, owns the [`PER_BOUNCE`]
@@ -46,8 +47,8 @@ pub fn mix<B: Bits>(x: B) -> B {
 /// The key of the paths of sample `sample` in the pixels with these indices (y · width + x).
 #[inline(always)]
 pub fn path_key<B: Bits>(seed: u32, pixel: B, sample: u32) -> B {
-    let frame = mix(seed.wrapping_mul(GOLDEN).wrapping_add(STRIDE)).wrapping_add(sample.wrapping_mul(GOLDEN));
-    mix(pixel.wrapping_mul(B::splat(STRIDE)).wrapping_add(B::splat(frame)))
+    let seed = mix(seed.wrapping_mul(GOLDEN).wrapping_add(STRIDE));
+    mix(mix(pixel ^ B::splat(seed)).wrapping_add(B::splat(sample.wrapping_mul(GOLDEN))))
 }
 
 /// Number `dimension` of each path, uniform in [0, 1): a multiple of 2⁻²⁴, never 1.

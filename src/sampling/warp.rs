@@ -20,12 +20,12 @@ pub fn basis<L: Lane>(n: Vec3<L>) -> (Vec3<L>, Vec3<L>) {
 
 /// A unit vector around `n` with density cos θ / π: the direction from the tip of −n to a point on the unit sphere around n's foot.
 ///
-/// Domain: u, v in [0, 1). The sphere is smaller by 10⁻⁶, which no picture shows: so the sum is never the zero vector, and its
+/// Domain: u, v in [0, 1). The sphere is smaller by 4 · 10⁻⁶, which no picture shows: so the sum is never the zero vector, and its
 /// cosine with `n` is above rounding error: no direction ever points below the surface.
 /// Source: Shirley, Ray Tracing in One Weekend §9.4; Lambert's law by Archimedes' hat-box theorem.
 #[inline(always)]
 pub fn cosine_hemisphere<L: Lane>(n: Vec3<L>, u: L, v: L) -> Vec3<L> {
-    unit_sphere(u, v).mul_add(L::splat(1.0 - 1e-6), n).normalize()
+    unit_sphere(u, v).mul_add(L::splat(1.0 - 4e-6), n).normalize()
 }
 
 /// A point on the unit sphere with density 1 / 4π.

@@ -225,7 +225,9 @@ fn path_follows_the_directions_of_the_estimator() {
         let number = |i: u32| random::uniform::<f32>(key, random::bounce(0) + random::DIRECTION + i);
         let d = warp::cosine_hemisphere(lane(n), number(0), number(1));
         let found = diffuse.path(settings, 4, 2, sample)[0];
-        assert!((found - 0.5 * (f64::from(d.y) + 1.0)).abs() < 1e-5, "sample {sample}: {d:?}, {found}");
+        // The estimator's sine and cosine are off by up to 8e-7, on a vector of length 2 cos θ before it is normalised.
+        let allowed = 1e-6 / f64::from(Vec3::new(d.x, d.y, d.z).dot(n)) + 2e-6;
+        assert!((found - 0.5 * (f64::from(d.y) + 1.0)).abs() < allowed, "sample {sample}: {d:?}, {found}");
 
         let s = warp::unit_sphere(number(0), number(1));
         let w = n + Vec3::new(s.x, s.y, s.z) * 2.0;

@@ -22,6 +22,16 @@ pub struct SphereBlock {
 impl SphereBlock {
     const PADDING: Self = Self { x: [0.0; BLOCK], y: [0.0; BLOCK], z: [0.0; BLOCK], radius2: [-1.0; BLOCK] };
 
+    /// Up to eight spheres, the rest padding.
+    pub fn new<'a>(spheres: impl IntoIterator<Item = &'a scene::Sphere>) -> Self {
+        let mut block = Self::PADDING;
+        for (lane, sphere) in spheres.into_iter().enumerate() {
+            (block.x[lane], block.y[lane], block.z[lane]) = sphere.center.into();
+            block.radius2[lane] = sphere.radius * sphere.radius;
+        }
+        block
+    }
+
     /// One sphere in every lane: centre and squared radius.
     #[inline(always)]
     pub fn splat<L: Lane>(&self, index: usize) -> (Vec3<L>, L) {
@@ -46,12 +56,7 @@ pub struct Spheres {
 
 impl Spheres {
     pub(super) fn new(spheres: &[scene::Sphere]) -> Self {
-        let mut blocks = vec![SphereBlock::PADDING; spheres.len().div_ceil(BLOCK)];
-        for (index, sphere) in spheres.iter().enumerate() {
-            let (block, lane) = (&mut blocks[index / BLOCK], index % BLOCK);
-            (block.x[lane], block.y[lane], block.z[lane]) = sphere.center.into();
-            block.radius2[lane] = sphere.radius * sphere.radius;
-        }
+        let blocks = spheres.chunks(BLOCK).map(SphereBlock::new).collect();
         Self { blocks, len: spheres.len() }
     }
     #[inline(always)]

@@ -5,6 +5,7 @@
 //! scenes, queues, pixels. Kernels allocate nothing, look nothing up and never panic.
 
 pub mod bsdf;
+pub mod ray_box;
 pub mod ray_sphere;
 pub mod ray_triangle;
 pub mod surface;

@@ -1,6 +1,6 @@
 //! Rays against a triangle. Both sides count.
 
-use crate::lane::{Bits, Lane, Mask};
+use crate::lane::{Bits, F32x8, Lane, Mask};
 use crate::math::{Ray, Vec3};
 
 /// What a triangle test answers: the lanes that hit, t, and the barycentric weights of the second and third vertex; the
@@ -35,6 +35,12 @@ pub trait TriangleMethod: Send + Sync + 'static {
     fn store(vertices: [glam::Vec3; 3]) -> Self::Stored;
     fn prepare<L: Lane>(ray: &Ray<L>) -> Self::Prepared<L>;
     fn test<L: Lane>(ray: &Self::Prepared<L>, triangle: &Self::Stored, limit: L) -> TriangleHit<L>;
+
+    /// The lower and upper corner of the triangle's box, where hits are held to it: see [`super::ray_box::own_box`]. Such a method
+    /// leaves `limit` to whoever moves t into the box, so that the order of the tests cannot matter.
+    fn own_box(_: &Self::Stored) -> Option<[glam::Vec3; 2]> {
+        None
+    }
 }
 
 /// Woop's watertight test: the vertices are moved into a space where the ray is the z axis, and three edge functions are
@@ -57,7 +63,8 @@ pub struct Woop;
 /// aimed at edges (nothing on a target without FMA) and is here to be charted.
 pub struct WoopContracted;
 
-/// Each vertex as x y z x y, so that the components from any axis on stand in cyclic order, in a row that a register holds.
+/// Each vertex as x y z x y, so that the components from any axis on stand in cyclic order, in a row that a register holds. Behind the
+/// first and second vertex stand the lower and upper corner of the triangle's box.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(32))]
 pub struct WoopTriangle {
@@ -101,52 +108,120 @@ impl<L: Lane> WoopRay<L> {
         Vec3::new(pick(1), pick(2), pick(0)) - self.origin
     }
 
-    /// Where a vertex lies across the ray.
     #[inline(always)]
-    fn sheared(&self, v: Vec3<L>) -> (L, L) {
-        (self.shear.x.neg_mul_add(v.z, v.x), self.shear.y.neg_mul_add(v.z, v.y))
+    fn vertices(&self, triangle: &WoopTriangle) -> [Vec3<L>; 3] {
+        [self.vertex(&triangle.rows[0]), self.vertex(&triangle.rows[1]), self.vertex(&triangle.rows[2])]
     }
 }
 
-/// Woop's test over one way to compute the edge function p.x q.y − p.y q.x.
+/// Woop's test of triangles given by their vertices relative to the origin, in the ray's order of axes, over one way to compute the
+/// edge function p.x q.y − p.y q.x.
 #[inline(always)]
 fn woop<L: Lane>(
-    ray: &WoopRay<L>,
-    triangle: &WoopTriangle,
-    limit: L,
+    shear: Vec3<L>,
+    [a, b, c]: [Vec3<L>; 3],
     edge: impl Fn((L, L), (L, L)) -> L,
 ) -> TriangleHit<L> {
-    let [a, b, c] = [&triangle.rows[0], &triangle.rows[1], &triangle.rows[2]].map(|row| ray.vertex(row));
-    let (pa, pb, pc) = (ray.sheared(a), ray.sheared(b), ray.sheared(c));
+    // Where a vertex lies across the ray.
+    let sheared = |v: Vec3<L>| (shear.x.neg_mul_add(v.z, v.x), shear.y.neg_mul_add(v.z, v.y));
+    let (pa, pb, pc) = (sheared(a), sheared(b), sheared(c));
     let (u, v, w) = (edge(pc, pb), edge(pa, pc), edge(pb, pa));
     let (least, most) = (u.min(v).min(w), u.max(v).max(w));
     let inside = L::zero().le(least) | most.le(L::zero());
-    if !inside.any() {
-        return TriangleHit::none(limit);
-    }
-    // A zero determinant divides to infinity or NaN, and neither is in (0, limit).
+    // Rays that leave a surface pierce it behind their origin: told by signs, before the branch and without a division.
     let determinant = u + v + w;
+    let scaled_t = u.mul_add(a.z, v.mul_add(b.z, w * c.z)) * shear.z;
+    let inside = inside & !(scaled_t.flip_sign(determinant)).lt(L::zero());
+    if !inside.any() {
+        return TriangleHit::none(L::splat(f32::INFINITY));
+    }
+    // A zero determinant divides to infinity or NaN, and neither is a distance.
     let inverse = L::one() / determinant;
-    let t = u.mul_add(a.z, v.mul_add(b.z, w * c.z)) * ray.shear.z * inverse;
-    let mask = inside & L::zero().lt(t) & t.lt(limit);
+    let t = scaled_t * inverse;
+    let mask = inside & L::zero().lt(t) & t.lt(L::splat(f32::INFINITY));
     TriangleHit { mask, t, u: v * inverse, v: w * inverse }
 }
+
+/// The edge function as two rounded products: no mul_add here, see [`Woop`].
+#[inline(always)]
+fn exact_edge<L: Lane>(p: (L, L), q: (L, L)) -> L {
+    p.0 * q.1 - p.1 * q.0
+}
+
+/// Eight triangles as a structure of arrays: the x, y and z of the first vertex, of the second, of the third; NaN where there is
+/// none.
+pub type EightTriangles = [[f32; 8]; 9];
+
+impl WoopRay<f32> {
+    /// One ray against eight triangles: lane by lane the same numbers as the packet's test.
+    #[inline(always)]
+    pub fn test_eight(&self, triangles: &EightTriangles) -> TriangleHit<F32x8> {
+        let [x, y, z] = ORDERS[(self.z_axis & 3) as usize];
+        let splat = F32x8::splat;
+        let origin = Vec3::new(splat(self.origin.x), splat(self.origin.y), splat(self.origin.z));
+        let shear = Vec3::new(splat(self.shear.x), splat(self.shear.y), splat(self.shear.z));
+        let row = |row: usize| F32x8::load(&triangles[row]);
+        let vertex = |first: usize| Vec3::new(row(first + x), row(first + y), row(first + z)) - origin;
+        woop(shear, [vertex(0), vertex(3), vertex(6)], exact_edge)
+    }
+}
+
+impl WoopRay<f32> {
+    /// One ray against one triangle given by its vertices.
+    #[inline(always)]
+    pub fn test_one(&self, vertices: [Vec3<f32>; 3]) -> TriangleHit<f32> {
+        let order = ORDERS[(self.z_axis & 3) as usize];
+        let vertex = |v: Vec3<f32>| {
+            let v = [v.x, v.y, v.z];
+            Vec3::new(v[order[0]], v[order[1]], v[order[2]]) - self.origin
+        };
+        woop(self.shear, vertices.map(vertex), exact_edge)
+    }
+}
+
+impl<L: Lane> WoopRay<L> {
+    /// Rays against one triangle given by its corners.
+    #[inline(always)]
+    pub fn test_corners(&self, corners: [glam::Vec3; 3]) -> TriangleHit<L> {
+        let is = |axis: u32| self.z_axis.equals(L::Bits::splat(axis));
+        let (x, y) = (is(0), is(1));
+        let vertex = |v: glam::Vec3| {
+            let [a, b, c] = v.to_array().map(L::splat);
+            let pick = |of_x: L, of_y: L, of_z: L| L::select(x, of_x, L::select(y, of_y, of_z));
+            Vec3::new(pick(b, c, a), pick(c, a, b), pick(a, b, c)) - self.origin
+        };
+        woop(self.shear, corners.map(vertex), exact_edge)
+    }
+}
+
+/// The axes that become x, y and z, by the one that becomes z. Four entries, so that two bits index it.
+const ORDERS: [[usize; 3]; 4] = [[1, 2, 0], [2, 0, 1], [0, 1, 2], [0, 1, 2]];
 
 impl TriangleMethod for Woop {
     type Stored = WoopTriangle;
     type Prepared<L: Lane> = WoopRay<L>;
 
     fn store(vertices: [glam::Vec3; 3]) -> WoopTriangle {
-        WoopTriangle { rows: vertices.map(|v| [v.x, v.y, v.z, v.x, v.y, 0.0, 0.0, 0.0]) }
+        let [a, b, c] = vertices;
+        let (lo, hi) = (a.min(b).min(c), a.max(b).max(c));
+        let row = |v: glam::Vec3, rest: glam::Vec3| [v.x, v.y, v.z, v.x, v.y, rest.x, rest.y, rest.z];
+        WoopTriangle { rows: [row(a, lo), row(b, hi), row(c, glam::Vec3::ZERO)] }
+    }
+    #[inline(always)]
+    fn own_box(triangle: &WoopTriangle) -> Option<[glam::Vec3; 2]> {
+        let corner = |row: usize| {
+            let [.., x, y, z] = triangle.rows[row];
+            glam::Vec3::new(x, y, z)
+        };
+        Some([corner(0), corner(1)])
     }
     #[inline(always)]
     fn prepare<L: Lane>(ray: &Ray<L>) -> WoopRay<L> {
         WoopRay::new(ray)
     }
     #[inline(always)]
-    fn test<L: Lane>(ray: &WoopRay<L>, triangle: &WoopTriangle, limit: L) -> TriangleHit<L> {
-        // No mul_add here: see the type's documentation.
-        woop(ray, triangle, limit, |p, q| p.0 * q.1 - p.1 * q.0)
+    fn test<L: Lane>(ray: &WoopRay<L>, triangle: &WoopTriangle, _: L) -> TriangleHit<L> {
+        woop(ray.shear, ray.vertices(triangle), exact_edge)
     }
 }
 
@@ -163,7 +238,8 @@ impl TriangleMethod for WoopContracted {
     }
     #[inline(always)]
     fn test<L: Lane>(ray: &WoopRay<L>, triangle: &WoopTriangle, limit: L) -> TriangleHit<L> {
-        woop(ray, triangle, limit, |p, q| p.1.neg_mul_add(q.0, p.0 * q.1))
+        let found = woop(ray.shear, ray.vertices(triangle), |p, q| p.1.neg_mul_add(q.0, p.0 * q.1));
+        TriangleHit { mask: found.mask & found.t.lt(limit), ..found }
     }
 }
 

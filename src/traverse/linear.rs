@@ -2,6 +2,7 @@
 
 use super::Visible;
 use crate::buffers::Spheres;
+use crate::kernel::ray_box::{Reach, Slabs, own_box};
 use crate::kernel::ray_sphere::SphereMethod;
 use crate::kernel::ray_triangle::TriangleMethod;
 use crate::lane::{Bits, Lane, Mask};
@@ -14,6 +15,7 @@ use crate::math::{Hit, Ray, Vec3};
 pub fn closest<L: Lane, S: SphereMethod, T: TriangleMethod>(
     spheres: &Spheres,
     triangles: &[T::Stored],
+    reach: Reach,
     ray: &Ray<L>,
 ) -> Hit<L> {
     let mut hit = Hit::miss();
@@ -26,7 +28,7 @@ pub fn closest<L: Lane, S: SphereMethod, T: TriangleMethod>(
     if !triangles.is_empty() {
         let prepared = T::prepare(ray);
         for (index, triangle) in (spheres.len() as u32..).zip(triangles) {
-            meet_triangle::<L, T>(&mut hit, &prepared, index, triangle);
+            meet_triangle::<L, T>(&mut hit, ray, reach, &prepared, index, triangle);
         }
     }
     hit
@@ -37,6 +39,7 @@ pub fn closest<L: Lane, S: SphereMethod, T: TriangleMethod>(
 pub fn closest_visible<L: Lane, S: SphereMethod, T: TriangleMethod>(
     spheres: &Spheres,
     triangles: &[T::Stored],
+    reach: Reach,
     visible: &Visible,
     ray: &Ray<L>,
 ) -> Hit<L> {
@@ -52,7 +55,8 @@ pub fn closest_visible<L: Lane, S: SphereMethod, T: TriangleMethod>(
         let prepared = T::prepare(ray);
         for &index in &visible.triangles {
             let triangle = &triangles[index as usize];
-            meet_triangle::<L, T>(&mut hit, &prepared, spheres.len() as u32 + index, triangle);
+            let number = spheres.len() as u32 + index;
+            meet_triangle::<L, T>(&mut hit, ray, reach, &prepared, number, triangle);
         }
     }
     hit
@@ -74,15 +78,26 @@ fn meet_sphere<L: Lane, S: SphereMethod>(
 #[inline(always)]
 fn meet_triangle<L: Lane, T: TriangleMethod>(
     hit: &mut Hit<L>,
-    ray: &T::Prepared<L>,
+    ray: &Ray<L>,
+    reach: Reach,
+    prepared: &T::Prepared<L>,
     index: u32,
     triangle: &T::Stored,
 ) {
-    let found = T::test(ray, triangle, hit.t);
-    if found.mask.any() {
-        hit.t = L::select(found.mask, found.t, hit.t);
-        hit.primitive = L::Bits::select(found.mask, L::Bits::splat(index), hit.primitive);
-        hit.u = L::select(found.mask, found.u, hit.u);
-        hit.v = L::select(found.mask, found.v, hit.v);
+    let found = T::test(prepared, triangle, hit.t);
+    if !found.mask.any() {
+        return;
     }
+    let (mask, t) = match T::own_box(triangle) {
+        // Made ready for boxes here and not before: few packets come so far.
+        Some(corners) => {
+            let [lo, hi] = corners.map(Vec3::splat);
+            own_box(&Slabs::new(ray, reach), (lo, hi), found.mask, found.t, hit.t)
+        }
+        None => (found.mask, found.t),
+    };
+    hit.t = L::select(mask, t, hit.t);
+    hit.primitive = L::Bits::select(mask, L::Bits::splat(index), hit.primitive);
+    hit.u = L::select(mask, found.u, hit.u);
+    hit.v = L::select(mask, found.v, hit.v);
 }

@@ -1,7 +1,9 @@
 //! The choice of equations at run time, made once per batch of rays and not per ray.
 
+use super::hierarchy::reach_of;
 use super::{Visible, linear};
 use crate::buffers::{Buffers, store_triangles};
+use crate::kernel::ray_box::Reach;
 use crate::kernel::ray_sphere::{self, SphereMethod};
 use crate::kernel::ray_triangle::{self, TriangleMethod};
 use crate::lane::Lane;
@@ -56,6 +58,7 @@ enum Triangles {
 pub struct Primitives {
     sphere: SphereChoice,
     triangles: Triangles,
+    reach: Reach,
 }
 
 /// Something to do with many rays once the methods are known. The closure that it would be cannot be generic.
@@ -79,7 +82,7 @@ impl Primitives {
             }
             TriangleChoice::Plucker => Triangles::Plucker(store_triangles::<ray_triangle::Plucker>(scene)),
         };
-        Self { sphere: methods.sphere, triangles }
+        Self { sphere: methods.sphere, triangles, reach: reach_of(scene) }
     }
 
     /// Runs a batch of rays with the chosen methods, each compiled for itself. `visible` holds all that the rays can meet; without
@@ -103,18 +106,20 @@ impl Primitives {
         batch: impl Batch<L>,
     ) {
         match &self.triangles {
-            Triangles::Woop(stored) => with_both::<L, S, ray_triangle::Woop>(buffers, stored, visible, batch),
+            Triangles::Woop(stored) => {
+                with_both::<L, S, ray_triangle::Woop>(buffers, stored, self.reach, visible, batch)
+            }
             Triangles::WoopContracted(stored) => {
-                with_both::<L, S, ray_triangle::WoopContracted>(buffers, stored, visible, batch)
+                with_both::<L, S, ray_triangle::WoopContracted>(buffers, stored, self.reach, visible, batch)
             }
             Triangles::MollerTrumbore(stored) => {
-                with_both::<L, S, ray_triangle::MollerTrumbore>(buffers, stored, visible, batch)
+                with_both::<L, S, ray_triangle::MollerTrumbore>(buffers, stored, self.reach, visible, batch)
             }
             Triangles::BaldwinWeber(stored) => {
-                with_both::<L, S, ray_triangle::BaldwinWeber>(buffers, stored, visible, batch)
+                with_both::<L, S, ray_triangle::BaldwinWeber>(buffers, stored, self.reach, visible, batch)
             }
             Triangles::Plucker(stored) => {
-                with_both::<L, S, ray_triangle::Plucker>(buffers, stored, visible, batch)
+                with_both::<L, S, ray_triangle::Plucker>(buffers, stored, self.reach, visible, batch)
             }
         }
     }
@@ -124,14 +129,15 @@ impl Primitives {
 fn with_both<L: Lane, S: SphereMethod, T: TriangleMethod>(
     buffers: &Buffers,
     triangles: &[T::Stored],
+    reach: Reach,
     visible: Option<&Visible>,
     batch: impl Batch<L>,
 ) {
     let spheres = &buffers.spheres;
     match visible {
         Some(visible) => {
-            batch.run(|ray| linear::closest_visible::<L, S, T>(spheres, triangles, visible, ray));
+            batch.run(|ray| linear::closest_visible::<L, S, T>(spheres, triangles, reach, visible, ray));
         }
-        None => batch.run(|ray| linear::closest::<L, S, T>(spheres, triangles, ray)),
+        None => batch.run(|ray| linear::closest::<L, S, T>(spheres, triangles, reach, ray)),
     }
 }

@@ -7,8 +7,14 @@
 //! The law of every traversal: it gives the same hit, bit for bit, as testing every primitive in order, spheres first, then
 //! triangles, the nearest t winning and the lower index on a tie.
 
+pub mod frustum;
+pub mod hierarchy;
 pub mod linear;
 mod methods;
+pub mod rays;
+pub mod scalar;
+pub mod single;
+pub mod stream;
 mod visible;
 
 pub use methods::{Batch, Methods, Primitives, SphereChoice, TriangleChoice};

@@ -1,0 +1,284 @@
+//! A scene's primitives in the leaves of a hierarchy, and how one ray meets a leaf. Every traversal of the hierarchy ends here.
+
+use crate::buffers::SphereBlock;
+use crate::bvh::{Bounds, Bvh, Child, LEAF, Leaf, Quality};
+use crate::kernel::ray_box::{Reach, Slabs, own_box};
+use crate::kernel::ray_sphere::{Robust, SphereMethod};
+use crate::kernel::ray_triangle::{EightTriangles, TriangleHit, TriangleMethod, Woop, WoopRay};
+use crate::lane::{Bits, F32x8, Lane, Mask, Mask8, U32x8};
+use crate::math::{Hit, Ray, Vec3};
+use crate::scene::Scene;
+
+/// The hierarchy, and the primitives of its leaves as intersection reads them.
+pub struct Hierarchy {
+    pub bvh: Bvh,
+    pub reach: Reach,
+    triangles: Vec<TriangleLeaf>,
+    spheres: Vec<SphereLeaf>,
+}
+
+/// Up to eight triangles: 320 bytes.
+#[derive(Clone, Copy, Debug)]
+#[repr(C, align(64))]
+pub struct TriangleLeaf {
+    vertices: EightTriangles,
+    primitives: [u32; LEAF],
+}
+
+/// Up to eight spheres.
+#[derive(Clone, Copy, Debug)]
+#[repr(C, align(64))]
+struct SphereLeaf {
+    spheres: SphereBlock,
+    primitives: [u32; LEAF],
+}
+
+/// How far rays and boxes reach in a scene: [`Reach`] of all its primitives.
+pub fn reach_of(scene: &Scene) -> Reach {
+    let vertices = scene.triangles.iter().flat_map(|triangle| triangle.vertices);
+    let of_triangles = vertices.map(|vertex| vertex.abs().max_element()).fold(0.0, f32::max);
+    let corner = |sphere: &crate::scene::Sphere| {
+        let Bounds { lo, hi } = Bounds::of_sphere(sphere.center, sphere.radius);
+        lo.abs().max(hi.abs()).max_element()
+    };
+    let extent = scene.spheres.iter().map(corner).fold(of_triangles, f32::max);
+    let spheres = scene.spheres.iter();
+    spheres.fold(Reach::new(extent), |reach, sphere| reach.with_sphere(sphere.center, sphere.radius))
+}
+
+impl Hierarchy {
+    pub fn new(scene: &Scene, quality: Quality) -> Self {
+        let bvh = Bvh::new(scene, quality);
+        let first_triangle = scene.spheres.len();
+        let triangle_leaf = |leaf: &Leaf| {
+            let mut vertices = [[f32::NAN; LEAF]; 9];
+            for (lane, &primitive) in leaf.primitives().iter().enumerate() {
+                let corners = scene.triangles[primitive as usize - first_triangle].vertices;
+                let components = corners.iter().flat_map(|corner| corner.to_array());
+                vertices.iter_mut().zip(components).for_each(|(row, component)| row[lane] = component);
+            }
+            TriangleLeaf { vertices, primitives: leaf.primitives }
+        };
+        let sphere_leaf = |leaf: &Leaf| {
+            let spheres = leaf.primitives().iter().map(|&primitive| &scene.spheres[primitive as usize]);
+            SphereLeaf { spheres: SphereBlock::new(spheres), primitives: leaf.primitives }
+        };
+        Self {
+            reach: reach_of(scene),
+            triangles: bvh.triangle_leaves.iter().map(triangle_leaf).collect(),
+            spheres: bvh.sphere_leaves.iter().map(sphere_leaf).collect(),
+            bvh,
+        }
+    }
+
+    /// Bytes of nodes and leaves.
+    pub fn bytes(&self) -> usize {
+        self.bvh.bytes() + size_of_val(self.triangles.as_slice()) + size_of_val(self.spheres.as_slice())
+    }
+
+    /// Meets all primitives of a leaf at once.
+    #[inline(always)]
+    pub fn meet_leaf(&self, leaf: Child, ray: &SingleRay, hit: &mut Hit<f32>) {
+        if leaf.is_spheres() {
+            self.meet_spheres(leaf.index(), &ray.ray, hit);
+        } else {
+            self.meet_triangles(leaf.index(), &ray.woop, &ray.slabs, hit);
+        }
+    }
+
+    /// A ray against up to eight triangles.
+    #[inline(always)]
+    pub fn meet_triangles(&self, leaf: usize, woop: &WoopRay<f32>, slabs: &Slabs<f32>, hit: &mut Hit<f32>) {
+        let leaf = &self.triangles[leaf];
+        let found = woop.test_eight(&leaf.vertices);
+        if found.mask.any() {
+            leaf.accept(slabs, &found, hit);
+        }
+    }
+
+    /// A ray against up to eight spheres.
+    #[inline(never)]
+    pub fn meet_spheres(&self, leaf: usize, ray: &Ray<f32>, hit: &mut Hit<f32>) {
+        let leaf = &self.spheres[leaf];
+        let splat = |v: Vec3<f32>| Vec3::new(F32x8::splat(v.x), F32x8::splat(v.y), F32x8::splat(v.z));
+        let ray = Ray { origin: splat(ray.origin), direction: splat(ray.direction) };
+        for (center, radius2) in leaf.spheres.lanes::<F32x8>() {
+            let limit = F32x8::splat(beyond(hit.t));
+            let (mask, t) = Robust::test::<F32x8>(&Robust::prepare(&ray), center, radius2, limit);
+            let none = F32x8::zero();
+            take_nearest(mask, &leaf.primitives, [t, none, none], hit);
+        }
+    }
+
+    /// The primitives of a leaf one after the other: what the scalar baseline does.
+    #[inline(always)]
+    pub fn meet_leaf_one_by_one(&self, leaf: Child, ray: &SingleRay, hit: &mut Hit<f32>) {
+        if leaf.is_spheres() {
+            let leaf = &self.spheres[leaf.index()];
+            for (lane, &primitive) in used(&leaf.primitives).iter().enumerate() {
+                let (center, radius2) = leaf.spheres.splat::<f32>(lane);
+                let (mask, t) = Robust::test::<f32>(&ray.ray, center, radius2, beyond(hit.t));
+                take(mask, primitive, [t, 0.0, 0.0], hit);
+            }
+        } else {
+            let leaf = &self.triangles[leaf.index()];
+            for (lane, &primitive) in used(&leaf.primitives).iter().enumerate() {
+                let rows = &leaf.vertices;
+                let vertex =
+                    |first: usize| Vec3::new(rows[first][lane], rows[first + 1][lane], rows[first + 2][lane]);
+                let corners = [vertex(0), vertex(3), vertex(6)];
+                let found = ray.woop.test_one(corners);
+                if found.mask {
+                    let (mask, t) = own_box(&ray.slabs, box_of(corners), found.mask, found.t, beyond(hit.t));
+                    take(mask, primitive, [t, found.u, found.v], hit);
+                }
+            }
+        }
+    }
+}
+
+/// One ray, ready for boxes and triangles.
+#[derive(Clone, Copy)]
+pub struct SingleRay {
+    pub ray: Ray<f32>,
+    pub slabs: Slabs<f32>,
+    pub woop: WoopRay<f32>,
+}
+
+impl SingleRay {
+    #[inline(always)]
+    pub fn new(ray: Ray<f32>, reach: Reach) -> Self {
+        Self { ray, slabs: Slabs::new(&ray, reach), woop: Woop::prepare(&ray) }
+    }
+}
+
+/// The limit that lets equal distances pass: among them the lowest number wins, in whatever order they come.
+#[inline(always)]
+fn beyond(t: f32) -> f32 {
+    // Not next_up: its special cases would cost branches. t is positive, or −∞ for rays that want nothing more.
+    if t < f32::INFINITY && t >= 0.0 { f32::from_bits(t.to_bits() + 1) } else { t }
+}
+
+/// Triangle corners to lower and upper corner of their box: exact.
+#[inline(always)]
+fn box_of<L: Lane>([a, b, c]: [Vec3<L>; 3]) -> (Vec3<L>, Vec3<L>) {
+    (
+        Vec3::new(a.x.min(b.x).min(c.x), a.y.min(b.y).min(c.y), a.z.min(b.z).min(c.z)),
+        Vec3::new(a.x.max(b.x).max(c.x), a.y.max(b.y).max(c.y), a.z.max(b.z).max(c.z)),
+    )
+}
+
+fn used(primitives: &[u32; LEAF]) -> &[u32] {
+    let len = primitives.iter().position(|&one| one == Leaf::NONE).unwrap_or(LEAF);
+    &primitives[..len]
+}
+
+impl Hierarchy {
+    #[inline(always)]
+    pub fn triangle_leaf(&self, leaf: usize) -> &TriangleLeaf {
+        &self.triangles[leaf]
+    }
+
+    /// A packet against up to eight spheres, one after the other.
+    #[inline(never)]
+    pub fn packet_meets_spheres(&self, leaf: usize, ray: &Ray<F32x8>, hit: &mut Hit<F32x8>) {
+        let leaf = &self.spheres[leaf];
+        let prepared = Robust::prepare(ray);
+        for (lane, &primitive) in used(&leaf.primitives).iter().enumerate() {
+            let (center, radius2) = leaf.spheres.splat::<F32x8>(lane);
+            let infinite = F32x8::splat(f32::INFINITY);
+            let (mask, t) = Robust::test::<F32x8>(&prepared, center, radius2, infinite);
+            take_lanes(mask, primitive, [t, F32x8::zero(), F32x8::zero()], hit);
+        }
+    }
+}
+
+/// [`take`] in every lane; says whether any took it.
+#[inline(always)]
+fn take_lanes(mask: Mask8, primitive: u32, [t, u, v]: [F32x8; 3], hit: &mut Hit<F32x8>) -> bool {
+    let number = U32x8::splat(primitive);
+    let nearer = mask & (t.lt(hit.t) | (t.eq(hit.t) & number.less(hit.primitive)));
+    hit.t = F32x8::select(nearer, t, hit.t);
+    hit.primitive = U32x8::select(nearer, number, hit.primitive);
+    hit.u = F32x8::select(nearer, u, hit.u);
+    hit.v = F32x8::select(nearer, v, hit.v);
+    nearer.any()
+}
+
+impl TriangleLeaf {
+    /// The planes of the triangles' boxes, as nodes hold them; NaN where there is none.
+    #[inline(always)]
+    pub fn boxes(&self) -> [[f32; LEAF]; 6] {
+        let row = |row: usize| F32x8::load(&self.vertices[row]);
+        let vertex = |first: usize| Vec3::new(row(first), row(first + 1), row(first + 2));
+        let (lo, hi) = box_of([vertex(0), vertex(3), vertex(6)]);
+        [lo.x, lo.y, lo.z, hi.x, hi.y, hi.z].map(|plane| bytemuck::cast(plane))
+    }
+
+    /// A packet against one of the triangles; says whether any ray found a nearer hit.
+    #[inline(always)]
+    pub fn packet_meets(
+        &self,
+        lane: usize,
+        ray: &Ray<F32x8>,
+        reach: Reach,
+        woop: &WoopRay<F32x8>,
+        hit: &mut Hit<F32x8>,
+    ) -> bool {
+        let corner =
+            |first: usize| glam::Vec3::from_array([0, 1, 2].map(|axis| self.vertices[first + axis][lane]));
+        let corners = [corner(0), corner(3), corner(6)];
+        let found = woop.test_corners(corners);
+        found.mask.any() && accept_lanes(corners, self.primitives[lane], ray, reach, &found, hit)
+    }
+
+    /// Holds what was found to the own boxes and keeps the nearest. Rare and out of line: the loops that call it stay in registers.
+    #[cold]
+    #[inline(never)]
+    fn accept(&self, slabs: &Slabs<f32>, found: &TriangleHit<F32x8>, hit: &mut Hit<f32>) {
+        let row = |row: usize| F32x8::load(&self.vertices[row]);
+        let vertex = |first: usize| Vec3::new(row(first), row(first + 1), row(first + 2));
+        let splat = |v: Vec3<f32>| Vec3::new(F32x8::splat(v.x), F32x8::splat(v.y), F32x8::splat(v.z));
+        let slabs = Slabs { inverse: splat(slabs.inverse), near: splat(slabs.near), far: splat(slabs.far) };
+        let limit = F32x8::splat(beyond(hit.t));
+        let corners = box_of([vertex(0), vertex(3), vertex(6)]);
+        let (mask, t) = own_box(&slabs, corners, found.mask, found.t, limit);
+        take_nearest(mask, &self.primitives, [t, found.u, found.v], hit);
+    }
+}
+
+/// Takes a hit that is nearer, or as near and of a lower number.
+#[inline(always)]
+fn take(mask: bool, primitive: u32, [t, u, v]: [f32; 3], hit: &mut Hit<f32>) {
+    if mask && (t < hit.t || (t == hit.t && primitive < hit.primitive)) {
+        *hit = Hit { t, primitive, u, v };
+    }
+}
+
+/// Takes the nearest hit of the lanes in `mask`.
+#[inline(always)]
+fn take_nearest(mask: Mask8, primitives: &[u32; LEAF], [t, u, v]: [F32x8; 3], hit: &mut Hit<f32>) {
+    let mut lanes = mask.bitmask();
+    while lanes != 0 {
+        let lane = (lanes.trailing_zeros() & 7) as usize;
+        take(true, primitives[lane], [t, u, v].map(|column| column.get(lane)), hit);
+        lanes &= lanes - 1;
+    }
+}
+
+/// Holds what a packet found to the triangle's own box and keeps what is nearer.
+#[cold]
+#[inline(never)]
+fn accept_lanes(
+    corners: [glam::Vec3; 3],
+    primitive: u32,
+    ray: &Ray<F32x8>,
+    reach: Reach,
+    found: &TriangleHit<F32x8>,
+    hit: &mut Hit<F32x8>,
+) -> bool {
+    let infinite = F32x8::splat(f32::INFINITY);
+    let corners = box_of(corners.map(Vec3::splat));
+    let (mask, t) = own_box(&Slabs::new(ray, reach), corners, found.mask, found.t, infinite);
+    take_lanes(mask, primitive, [t, found.u, found.v], hit)
+}

@@ -1,0 +1,67 @@
+//! Many rays in structure-of-arrays form, and their answers: what traversals of whole batches read and write.
+
+use super::hierarchy::SingleRay;
+use crate::kernel::ray_box::Reach;
+use crate::lane::Lane;
+use crate::math::{Hit, Ray, Vec3};
+
+/// Rays as columns of equal length.
+#[derive(Clone, Copy)]
+pub struct Rays<'a> {
+    pub origin: [&'a [f32]; 3],
+    pub direction: [&'a [f32]; 3],
+}
+
+/// Hits as columns. Before a traversal `t` holds how far each ray reaches and `primitive` [`crate::math::MISS`].
+pub struct Hits<'a> {
+    pub t: &'a mut [f32],
+    pub primitive: &'a mut [u32],
+    pub u: &'a mut [f32],
+    pub v: &'a mut [f32],
+}
+
+impl<'a> Rays<'a> {
+    pub fn len(&self) -> usize {
+        self.origin[0].len()
+    }
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+    /// `WIDTH` rays from `at` on.
+    #[inline(always)]
+    pub fn packet<L: Lane>(&self, at: usize) -> Ray<L> {
+        let load = |columns: &[&[f32]; 3]| {
+            Vec3::new(L::load(&columns[0][at..]), L::load(&columns[1][at..]), L::load(&columns[2][at..]))
+        };
+        Ray { origin: load(&self.origin), direction: load(&self.direction) }
+    }
+    #[inline(always)]
+    pub fn single(&self, at: usize, reach: Reach) -> SingleRay {
+        SingleRay::new(self.packet::<f32>(at), reach)
+    }
+    pub fn range(&self, range: std::ops::Range<usize>) -> Rays<'a> {
+        Rays {
+            origin: self.origin.map(|column| &column[range.clone()]),
+            direction: self.direction.map(|column| &column[range.clone()]),
+        }
+    }
+}
+
+impl Hits<'_> {
+    #[inline(always)]
+    pub fn get(&self, at: usize) -> Hit<f32> {
+        Hit { t: self.t[at], primitive: self.primitive[at], u: self.u[at], v: self.v[at] }
+    }
+    #[inline(always)]
+    pub fn set(&mut self, at: usize, hit: &Hit<f32>) {
+        (self.t[at], self.primitive[at], self.u[at], self.v[at]) = (hit.t, hit.primitive, hit.u, hit.v);
+    }
+    pub fn range(&mut self, range: std::ops::Range<usize>) -> Hits<'_> {
+        Hits {
+            t: &mut self.t[range.clone()],
+            primitive: &mut self.primitive[range.clone()],
+            u: &mut self.u[range.clone()],
+            v: &mut self.v[range],
+        }
+    }
+}

@@ -38,6 +38,7 @@
 //! | [`kernel`] | intersection, scattering, texture lookup: several methods side by side |
 //! | [`scene`] | files, validation, what a scene is |
 //! | [`buffers`] | the scene flattened; what it needs |
+//! | [`bvh`] | the hierarchy of boxes over the scene, built and checked |
 //! | [`camera`] | pixels to primary rays |
 //! | [`traverse`] | which primitive a ray meets first |
 //! | [`integrate`] | the path estimator, as stages over queues |
@@ -60,6 +61,7 @@
 #![forbid(unsafe_code)]
 
 pub mod buffers;
+pub mod bvh;
 pub mod camera;
 pub mod cli;
 pub mod film;

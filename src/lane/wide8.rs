@@ -211,6 +211,23 @@ impl Lane for F32x8 {
             self * factor + addend
         }
     }
+    // On x86 the instruction itself; compare and select, which the compiler does not join, elsewhere.
+    #[inline(always)]
+    fn min(self, other: Self) -> Self {
+        if cfg!(target_arch = "x86_64") {
+            Self(self.0.fast_min(other.0))
+        } else {
+            Self::select(self.lt(other), self, other)
+        }
+    }
+    #[inline(always)]
+    fn max(self, other: Self) -> Self {
+        if cfg!(target_arch = "x86_64") {
+            Self(self.0.fast_max(other.0))
+        } else {
+            Self::select(other.lt(self), self, other)
+        }
+    }
     #[inline(always)]
     fn sqrt(self) -> Self {
         Self(self.0.sqrt())

@@ -1,0 +1,121 @@
+//! Boxes along the axes: as others read them, and packed for the builder.
+
+use crate::lane::{F32x8, Lane, Mask8};
+use bytemuck::{Pod, Zeroable};
+use glam::Vec3;
+
+/// The points between `lo` and `hi`, faces included. Units: scene units.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bounds {
+    pub lo: Vec3,
+    pub hi: Vec3,
+}
+
+impl Bounds {
+    /// The box that holds nothing: the union with it changes nothing, and no ray hits it.
+    pub const EMPTY: Self = Self { lo: Vec3::INFINITY, hi: Vec3::NEG_INFINITY };
+
+    /// Exactly the smallest box: no rounding.
+    pub fn of_triangle([a, b, c]: [Vec3; 3]) -> Self {
+        Self { lo: a.min(b).min(c), hi: a.max(b).max(c) }
+    }
+    /// A box that truly holds the sphere: centre ± radius is rounded by at most half a unit in the last place, so one unit
+    /// outwards is enough. Domain: |centre| + radius well below f32's largest number, as scenes have it.
+    pub fn of_sphere(center: Vec3, radius: f32) -> Self {
+        let outwards = |x: Vec3, to: fn(f32) -> f32| Vec3::new(to(x.x), to(x.y), to(x.z));
+        Self { lo: outwards(center - radius, f32::next_down), hi: outwards(center + radius, f32::next_up) }
+    }
+    pub fn union(self, other: Self) -> Self {
+        Self { lo: self.lo.min(other.lo), hi: self.hi.max(other.hi) }
+    }
+    /// Does this box hold all points of the other one?
+    pub fn contains(self, other: Self) -> bool {
+        self.lo.cmple(other.lo).all() && self.hi.cmpge(other.hi).all()
+    }
+    pub fn is_empty(self) -> bool {
+        !self.lo.cmple(self.hi).all()
+    }
+    /// Half the surface in f64, which holds the square of every f32; 0 for the empty box.
+    pub fn half_area(self) -> f64 {
+        if self.is_empty() {
+            return 0.0;
+        }
+        let e = self.hi.as_dvec3() - self.lo.as_dvec3();
+        e.x * e.y + e.y * e.z + e.z * e.x
+    }
+}
+
+/// A box as one packet: `lo` in lanes 0 to 2, `−hi` in lanes 4 to 6, so that a union is one `min`.
+///
+/// Lane 3 carries a primitive's number in the boxes of primitives; it and lane 7 mean nothing in unions.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(transparent)]
+pub(super) struct PackedBox(F32x8);
+
+/// Numbers are kept as normal floats, because arithmetic runs over them and denormals are slow: from 2⁻¹²⁶ upwards.
+const NUMBER_BASE: u32 = 0x0080_0000;
+/// Primitives of one hierarchy: their numbers stay finite floats, and bits of references free.
+pub const MAX_PRIMITIVES: usize = 1 << 30;
+
+impl PackedBox {
+    pub fn new(bounds: Bounds, number: u32) -> Self {
+        let ([a, b, c], [x, y, z]) = (bounds.lo.to_array(), (-bounds.hi).to_array());
+        Self(bytemuck::cast([a, b, c, f32::from_bits(number + NUMBER_BASE), x, y, z, 0.0]))
+    }
+    #[inline(always)]
+    pub fn empty() -> Self {
+        Self(F32x8::splat(f32::INFINITY))
+    }
+    /// The primitive that a box of one was made for.
+    #[inline(always)]
+    pub fn number(self) -> u32 {
+        bytemuck::cast::<_, [u32; 8]>(self.0)[3] - NUMBER_BASE
+    }
+    #[inline(always)]
+    pub fn union(self, other: Self) -> Self {
+        Self(self.0.min(other.0))
+    }
+    pub fn bounds(self) -> Bounds {
+        let [a, b, c, _, x, y, z, _]: [f32; 8] = bytemuck::cast(self.0);
+        Bounds { lo: Vec3::new(a, b, c), hi: -Vec3::new(x, y, z) }
+    }
+    #[inline(always)]
+    pub fn lanes(self) -> F32x8 {
+        self.0
+    }
+    /// The box where `mask` holds, which is in all lanes or in none; else the empty one.
+    #[inline(always)]
+    pub fn only(self, mask: Mask8) -> Self {
+        Self(F32x8::select(mask, self.0, F32x8::splat(f32::INFINITY)))
+    }
+    /// Lower and upper half exchanged: `−hi`, `lo`.
+    #[inline(always)]
+    fn turned(self) -> F32x8 {
+        F32x8::pick(bytemuck::cast_ref(&self.0), bytemuck::cast([4, 5, 6, 7, 0, 1, 2, 3]))
+    }
+    /// Twice the centre as a box of one point: lo + hi, −(lo + hi).
+    #[inline(always)]
+    pub fn center(self) -> Self {
+        Self(self.0 - self.turned())
+    }
+    /// hi − lo in lanes 0 to 2, never negative.
+    #[inline(always)]
+    pub fn extent(self) -> [f32; 3] {
+        let [x, y, z, ..]: [f32; 8] = bytemuck::cast((-(self.0 + self.turned())).max(F32x8::zero()));
+        [x, y, z]
+    }
+    pub fn half_area(self) -> f64 {
+        let [x, y, z] = self.extent();
+        let (x, y, z) = (f64::from(x), f64::from(y), f64::from(z));
+        x * y + y * z + z * x
+    }
+    /// Half the surfaces of eight boxes, measured in `scale`⁻²; 0 for empty ones.
+    #[inline(always)]
+    pub fn half_areas(boxes: &[Self; 8], scale: F32x8) -> F32x8 {
+        let rows: &[[f32; 8]] = bytemuck::cast_slice(boxes);
+        let [a, b, c, _, x, y, z, _] = F32x8::gather_rows(rows, bytemuck::cast([0, 1, 2, 3, 4, 5, 6, 7]));
+        let extent = |lo: F32x8, minus_hi: F32x8| (-(lo + minus_hi) * scale).max(F32x8::zero());
+        let (x, y, z) = (extent(a, x), extent(b, y), extent(c, z));
+        x.mul_add(y + z, y * z)
+    }
+}

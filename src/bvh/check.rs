@@ -1,0 +1,216 @@
+//! Is a hierarchy valid, and what is it like? For tests and reports: nothing here is fast.
+
+use super::{Bounds, Bvh, Child, LEAF, MAX_DEPTH, WIDE, cost};
+
+/// Figures of a hierarchy. Costs are expected numbers for a random line that meets the root's box: surfaces over the root's.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Statistics {
+    pub wide_nodes: usize,
+    pub binary_nodes: usize,
+    pub leaves: usize,
+    pub primitives: usize,
+    /// Filled slots of a wide node, of 8, on average.
+    pub node_fill: f64,
+    /// Primitives of a leaf, of 8, on average.
+    pub leaf_fill: f64,
+    /// Levels of nodes above the deepest leaf.
+    pub wide_depth: usize,
+    pub binary_depth: usize,
+    /// Wide nodes, leaves and primitives that a random line tests.
+    pub node_visits: f64,
+    pub leaf_visits: f64,
+    pub primitive_tests: f64,
+    /// `node_visits` and `leaf_visits`, weighted as the builder does.
+    pub cost: f64,
+    /// References that a traversal of the wide tree may have to remember at once.
+    pub stack: usize,
+    pub bytes: usize,
+}
+
+/// Walks the wide tree.
+struct Walk<'a, F> {
+    bvh: &'a Bvh,
+    bounds: F,
+    seen: Vec<u32>,
+    statistics: Statistics,
+    area: f64,
+}
+
+type Verdict<T> = Result<T, String>;
+
+/// Proves that the hierarchy over `count` primitives (`spheres` spheres first) with the given boxes is valid, or says what is wrong.
+pub fn check(
+    bvh: &Bvh,
+    spheres: usize,
+    count: usize,
+    bounds: impl Fn(usize) -> Bounds,
+) -> Verdict<Statistics> {
+    let leaves = bvh.triangle_leaves.len() + bvh.sphere_leaves.len();
+    let statistics = Statistics {
+        wide_nodes: bvh.wide.len(),
+        binary_nodes: bvh.binary.len(),
+        leaves,
+        primitives: count,
+        node_fill: 0.0,
+        leaf_fill: 0.0,
+        wide_depth: 0,
+        binary_depth: 0,
+        node_visits: 0.0,
+        leaf_visits: 0.0,
+        primitive_tests: 0.0,
+        cost: 0.0,
+        stack: 0,
+        bytes: bvh.bytes(),
+    };
+    let area = bvh.bounds.half_area().max(f64::MIN_POSITIVE);
+    let mut walk = Walk { bvh, bounds, seen: vec![0; count], statistics, area };
+
+    let mut next_leaf = [0; 2];
+    let mut next_node = 1;
+    let (root, stack) = walk.node(0, 1, bvh.bounds, spheres, &mut next_leaf, &mut next_node)?;
+    expect(root == bvh.bounds, || format!("bounds {:?} are not those of the root, {root:?}", bvh.bounds))?;
+    expect(next_node == bvh.wide.len(), || format!("{} wide nodes, {next_node} reached", bvh.wide.len()))?;
+    expect(next_leaf == [bvh.triangle_leaves.len(), bvh.sphere_leaves.len()], || "lost leaves".into())?;
+    if let Some(lost) = walk.seen.iter().position(|&times| times != 1) {
+        return Err(format!("primitive {lost} is in {} leaves", walk.seen[lost]));
+    }
+
+    next_leaf = [0; 2];
+    let (mut next, mut deepest) = (0, 0);
+    walk.binary(&mut next, 0, &mut deepest, &mut next_leaf)?;
+    expect(next == bvh.binary.len(), || format!("{} binary nodes, {next} reached", bvh.binary.len()))?;
+    expect(next_leaf == [bvh.triangle_leaves.len(), bvh.sphere_leaves.len()], || {
+        "the binary tree has other leaves".into()
+    })?;
+
+    let mut statistics = walk.statistics;
+    statistics.node_fill = (bvh.wide.len() - 1 + leaves) as f64 / bvh.wide.len() as f64;
+    statistics.leaf_fill = count as f64 / leaves.max(1) as f64;
+    statistics.cost = cost::NODE * statistics.node_visits + cost::LEAF * statistics.leaf_visits;
+    statistics.binary_depth = deepest as usize;
+    statistics.stack = stack.max(1);
+    Ok(statistics)
+}
+
+fn expect(holds: bool, otherwise: impl FnOnce() -> String) -> Verdict<()> {
+    if holds { Ok(()) } else { Err(otherwise()) }
+}
+
+impl<F: Fn(usize) -> Bounds> Walk<'_, F> {
+    /// The union of the boxes below a wide node, and the references that it may leave on a stack.
+    fn node(
+        &mut self,
+        node: usize,
+        level: usize,
+        around: Bounds,
+        spheres: usize,
+        next_leaf: &mut [usize; 2],
+        next_node: &mut usize,
+    ) -> Verdict<(Bounds, usize)> {
+        let wide = *self.bvh.wide.get(node).ok_or_else(|| format!("wide node {node} is out of range"))?;
+        expect(level <= MAX_DEPTH as usize, || format!("wide node {node} is {level} levels deep"))?;
+        self.statistics.wide_depth = self.statistics.wide_depth.max(level);
+        self.statistics.node_visits += around.half_area() / self.area;
+        let filled = wide.children().iter().take_while(|&&child| child != Child::NONE).count();
+        let (mut union, mut deepest) = (Bounds::EMPTY, 0);
+        for slot in 0..WIDE {
+            let (child, bounds) = (wide.children()[slot], wide.bounds(slot));
+            let place = || format!("slot {slot} of wide node {node}");
+            if slot >= filled {
+                expect(child == Child::NONE && bounds == Bounds::EMPTY, || {
+                    format!("{} is not empty", place())
+                })?;
+                continue;
+            }
+            let below = if child.is_leaf() {
+                self.leaf(child, bounds, spheres, next_leaf)?
+            } else {
+                expect(child.index() == *next_node, || {
+                    format!("{} refers to {}, out of order", place(), child.index())
+                })?;
+                *next_node += 1;
+                let (below, stack) =
+                    self.node(child.index(), level + 1, bounds, spheres, next_leaf, next_node)?;
+                deepest = deepest.max(stack);
+                below
+            };
+            expect(below == bounds, || format!("{} has box {bounds:?} around {below:?}", place()))?;
+            union = union.union(bounds);
+        }
+        expect(filled > 1 || self.bvh.wide.len() == 1, || format!("wide node {node} has {filled} children"))?;
+        Ok((union, (filled + deepest.saturating_sub(1)).max(filled)))
+    }
+
+    fn leaf(
+        &mut self,
+        child: Child,
+        bounds: Bounds,
+        spheres: usize,
+        next_leaf: &mut [usize; 2],
+    ) -> Verdict<Bounds> {
+        let (leaves, next) = if child.is_spheres() {
+            (&self.bvh.sphere_leaves, &mut next_leaf[1])
+        } else {
+            (&self.bvh.triangle_leaves, &mut next_leaf[0])
+        };
+        let leaf =
+            leaves.get(child.index()).ok_or_else(|| format!("leaf {} is out of range", child.index()))?;
+        expect(child.index() == *next, || format!("leaf {} stands in place {next}", child.index()))?;
+        *next += 1;
+        let primitives = leaf.primitives();
+        expect(!primitives.is_empty(), || format!("leaf {} is empty", child.index()))?;
+        expect(leaf.primitives[primitives.len()..].iter().all(|&one| one == super::Leaf::NONE), || {
+            format!("leaf {} has a gap", child.index())
+        })?;
+        expect(primitives.is_sorted(), || format!("leaf {} is out of order", child.index()))?;
+        let mut union = Bounds::EMPTY;
+        for &primitive in primitives {
+            let number = primitive as usize;
+            expect(number < self.seen.len(), || format!("primitive {number} is out of range"))?;
+            expect((number < spheres) == child.is_spheres(), || {
+                format!("primitive {number} is of the wrong kind")
+            })?;
+            self.seen[number] += 1;
+            union = union.union((self.bounds)(number));
+        }
+        let share = bounds.half_area() / self.area;
+        self.statistics.leaf_visits += share;
+        self.statistics.primitive_tests += share * primitives.len() as f64;
+        debug_assert!(primitives.len() <= LEAF);
+        Ok(union)
+    }
+
+    /// The union of the boxes below the next binary node.
+    fn binary(
+        &mut self,
+        next: &mut usize,
+        depth: u32,
+        deepest: &mut u32,
+        next_leaf: &mut [usize; 2],
+    ) -> Verdict<Bounds> {
+        let index = *next;
+        let node =
+            *self.bvh.binary.get(index).ok_or_else(|| format!("binary node {index} is out of range"))?;
+        *next += 1;
+        expect(depth <= MAX_DEPTH, || format!("binary node {index} is at depth {depth}"))?;
+        *deepest = depth.max(*deepest);
+        let child = node.child();
+        let union = if child == Child::NONE {
+            Bounds::EMPTY
+        } else if child.is_leaf() {
+            let place = &mut next_leaf[usize::from(child.is_spheres())];
+            expect(child.index() == *place, || {
+                format!("binary node {index} refers to leaf {}", child.index())
+            })?;
+            *place += 1;
+            let primitives = self.bvh.leaf(child).primitives();
+            primitives.iter().fold(Bounds::EMPTY, |union, &one| union.union((self.bounds)(one as usize)))
+        } else {
+            let left = self.binary(next, depth + 1, deepest, next_leaf)?;
+            expect(child.index() == *next, || format!("binary node {index} refers to {}", child.index()))?;
+            left.union(self.binary(next, depth + 1, deepest, next_leaf)?)
+        };
+        expect(union == node.bounds(), || format!("binary node {index} has a box of its own"))?;
+        Ok(union)
+    }
+}

@@ -1,0 +1,81 @@
+//! What a hierarchy costs, and which binary nodes become wide nodes and leaves so that it costs least.
+//!
+//! The cost of a wide hierarchy is the sum of the half surfaces of its nodes times [`NODE`] and of its leaves times [`LEAF`]: what a
+//! random ray pays. By dynamic programming from the leaves upwards, the cheapest forest of at most j wide subtrees is known for each
+//! binary node and each j from 1 to 8; a wide node over a binary node has the cheapest forest of 8 as its children.
+//!
+//! Source: Ylitie, Karras, Laine, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs", 2017, section 3.1.
+
+use super::WIDE;
+
+/// Cost of testing one ray against the eight boxes of a node.
+pub(super) const NODE: f64 = 1.0;
+/// Cost of testing one ray against the up to eight primitives of a leaf.
+pub(super) const LEAF: f64 = 1.3;
+
+/// `costs[j − 1]`: the cost of the cheapest forest of at most j trees for a binary node.
+///
+/// In f64, because squares of mixed scales leave f32's range.
+pub(super) struct Costs([f64; WIDE - 1]);
+
+/// What the cheapest forests of a binary node are made of.
+///
+/// `plan[0]`: is one tree for the node a leaf (0) or a wide node (else how many of the 8 children go to the left)?
+/// `plan[j − 1]`: how many of at most j trees go to the left child; 0 where one tree fewer is as good.
+#[derive(Clone, Copy)]
+pub(super) struct Plan([u8; WIDE - 1]);
+
+impl Plan {
+    pub const LEAF: Self = Self([0; WIDE - 1]);
+
+    pub fn is_leaf(self) -> bool {
+        self.0[0] == 0
+    }
+    /// How many children of the wide node over this node come from its left child, at most; at most the rest of 8 from its right.
+    pub fn left_of_node(self) -> usize {
+        self.0[0] as usize
+    }
+    /// How many of at most `trees` trees come from the left child, and how many there are in all; `None` for a single tree.
+    pub fn left_of_forest(self, trees: usize) -> Option<(usize, usize)> {
+        let fewest = (2..=trees).rev().find(|&j| self.0[j - 1] > 0)?;
+        Some((self.0[fewest - 1] as usize, fewest))
+    }
+}
+
+impl Costs {
+    pub fn of_leaf(half_area: f64) -> Self {
+        Self([LEAF * half_area; WIDE - 1])
+    }
+    /// Is a leaf of a few primitives better cut into two, where both halves have surfaces of `halves` together?
+    pub fn improved_by_cut(&self, halves: f64) -> bool {
+        LEAF * halves < self.0[0]
+    }
+
+    /// For an inner binary node: its own half surface, the costs of its children, and those of the leaf that it may become.
+    pub fn of_inner(half_area: f64, left: &Self, right: &Self, leaf: Option<Self>) -> (Self, Plan) {
+        let cheapest = |trees: usize| {
+            let mut best = (f64::INFINITY, 0);
+            for of_left in 1..trees {
+                let cost = left.0[of_left - 1] + right.0[trees - of_left - 1];
+                if cost < best.0 {
+                    best = (cost, of_left);
+                }
+            }
+            best
+        };
+        let (mut costs, mut plan) = ([0.0; WIDE - 1], [0; WIDE - 1]);
+        let (children, of_left) = cheapest(WIDE);
+        (costs[0], plan[0]) = (NODE * half_area + children, of_left as u8);
+        if let Some(leaf) = leaf
+            && leaf.0[0] <= costs[0]
+        {
+            (costs[0], plan[0]) = (leaf.0[0], 0);
+        }
+        for trees in 2..WIDE {
+            let (cost, of_left) = cheapest(trees);
+            (costs[trees - 1], plan[trees - 1]) =
+                if cost < costs[trees - 2] { (cost, of_left as u8) } else { (costs[trees - 2], 0) };
+        }
+        (Self(costs), Plan(plan))
+    }
+}

@@ -1,0 +1,135 @@
+//! The nodes and leaves that traversals read.
+
+use super::bounds::Bounds;
+use crate::lane::Lane;
+use bytemuck::{Pod, Zeroable};
+use glam::Vec3;
+
+/// Children of a wide node.
+pub const WIDE: usize = 8;
+/// Most primitives in a leaf.
+pub const LEAF: usize = 8;
+
+/// What a child slot refers to: a node, a leaf of triangles, a leaf of spheres, or nothing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
+#[repr(transparent)]
+pub struct Child(pub u32);
+
+impl Child {
+    /// Set in leaves.
+    pub const LEAF: u32 = 1 << 31;
+    /// Set in leaves of spheres.
+    pub const SPHERES: u32 = 1 << 30;
+    /// Masks the index of a leaf among those of its kind.
+    pub const INDEX: u32 = Self::SPHERES - 1;
+    /// Nothing; its box is empty, so no ray asks. It has the leaf's bits set, and its index is out of range.
+    pub const NONE: Self = Self(u32::MAX);
+
+    #[inline(always)]
+    pub fn is_leaf(self) -> bool {
+        self.0 & Self::LEAF != 0
+    }
+    /// Of a leaf: does it hold spheres?
+    #[inline(always)]
+    pub fn is_spheres(self) -> bool {
+        self.0 & Self::SPHERES != 0
+    }
+    /// The index of a node, or of a leaf among those of its kind.
+    #[inline(always)]
+    pub fn index(self) -> usize {
+        (self.0 & Self::INDEX) as usize
+    }
+}
+
+/// Eight boxes and what is in them: four cache lines.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C, align(64))]
+pub struct WideNode {
+    planes: [[f32; WIDE]; 6],
+    children: [Child; WIDE],
+    /// So that every node starts a cache line.
+    unused: [u32; WIDE],
+}
+
+impl WideNode {
+    /// No child.
+    pub const EMPTY: Self = {
+        let (lo, hi) = ([f32::INFINITY; WIDE], [f32::NEG_INFINITY; WIDE]);
+        Self { planes: [lo, lo, lo, hi, hi, hi], children: [Child::NONE; WIDE], unused: [0; WIDE] }
+    };
+
+    pub(super) fn set(&mut self, slot: usize, bounds: Bounds, child: Child) {
+        for axis in 0..3 {
+            self.planes[axis][slot] = bounds.lo[axis];
+            self.planes[3 + axis][slot] = bounds.hi[axis];
+        }
+        self.children[slot] = child;
+    }
+    /// Filled slots come first.
+    #[inline(always)]
+    pub fn children(&self) -> &[Child; WIDE] {
+        &self.children
+    }
+    /// The planes of the children's boxes, one a slot: the lower ones along x, y, z, then the upper ones. Where there is no child the
+    /// lower ones are +∞ and the upper ones −∞.
+    #[inline(always)]
+    pub fn planes(&self) -> &[[f32; WIDE]; 6] {
+        &self.planes
+    }
+    /// One plane of the children, `WIDTH` slots at a time from `first`.
+    #[inline(always)]
+    pub fn plane<L: Lane>(&self, plane: usize, first: usize) -> L {
+        L::load(&self.planes[plane][first..])
+    }
+    pub fn bounds(&self, slot: usize) -> Bounds {
+        let [a, b, c, x, y, z] = self.planes.each_ref().map(|plane| plane[slot]);
+        Bounds { lo: Vec3::new(a, b, c), hi: Vec3::new(x, y, z) }
+    }
+}
+
+/// A node of the binary tree, half a cache line. Nodes stand in depth-first order: the left child of an inner node stands behind it.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C, align(32))]
+pub struct BinaryNode {
+    lo: [f32; 3],
+    /// The right child of an inner node; a leaf's reference.
+    child: Child,
+    hi: [f32; 3],
+    /// Along which axis the centres of the children's boxes are furthest apart; bit 2 is set where the left child is the upper one.
+    order: u32,
+}
+
+impl BinaryNode {
+    pub(super) fn new(bounds: Bounds, child: Child, order: u32) -> Self {
+        Self { lo: bounds.lo.to_array(), child, hi: bounds.hi.to_array(), order }
+    }
+    /// Of an inner node, its right child; of a leaf, which one.
+    #[inline(always)]
+    pub fn child(&self) -> Child {
+        self.child
+    }
+    #[inline(always)]
+    pub fn bounds(&self) -> Bounds {
+        Bounds { lo: self.lo.into(), hi: self.hi.into() }
+    }
+    /// Does a ray that runs upwards (in bit `axis` of `upwards`) along the axis of the cut meet the left child first?
+    #[inline(always)]
+    pub fn left_first(&self, upwards: u32) -> bool {
+        (upwards >> (self.order & 3) & 1) != (self.order >> 2)
+    }
+}
+
+/// Up to eight primitives of one kind, numbered as hits are: spheres first, then triangles.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Leaf {
+    /// Ascending; [`Leaf::NONE`] behind the last one.
+    pub primitives: [u32; LEAF],
+}
+
+impl Leaf {
+    pub const NONE: u32 = u32::MAX;
+    pub fn primitives(&self) -> &[u32] {
+        let len = self.primitives.iter().position(|&one| one == Self::NONE).unwrap_or(LEAF);
+        &self.primitives[..len]
+    }
+}

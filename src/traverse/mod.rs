@@ -7,6 +7,7 @@
 //! The law of every traversal: it gives the same hit, bit for bit, as testing every primitive in order, spheres first, then
 //! triangles, the nearest t winning and the lower index on a tie.
 
+pub mod batch;
 pub mod frustum;
 pub mod hierarchy;
 pub mod linear;

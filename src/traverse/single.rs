@@ -31,14 +31,14 @@ impl Stack {
         F32x8::pack_bits(children, packing).store(&mut self.child[at & (STACK - 1)..]);
         near.pack(packing).store(&mut self.near[at & (STACK - 1)..]);
         let count = passes.count();
-        let last = (at + count).wrapping_sub(1);
-        let mut nearest = last;
-        for i in at..last {
-            if self.near[i & (STACK - 1)] < self.near[nearest & (STACK - 1)] {
-                nearest = i;
-            }
-        }
         if count > 1 {
+            let last = at + count - 1;
+            let mut nearest = last;
+            for i in at..last {
+                if self.near[i & (STACK - 1)] < self.near[nearest & (STACK - 1)] {
+                    nearest = i;
+                }
+            }
             self.child.swap(nearest & (STACK - 1), last & (STACK - 1));
             self.near.swap(nearest & (STACK - 1), last & (STACK - 1));
         }

@@ -1,0 +1,114 @@
+//! The ways through a hierarchy, side by side: whole batches of rays by any of them.
+
+use super::frustum::{self, TILE};
+use super::hierarchy::Hierarchy;
+use super::rays::{Hits, Rays};
+use super::scalar;
+use super::single::{self, Stack};
+use super::stream::Stream;
+
+/// A way through a hierarchy. All give the same hits, bit for bit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Traversal {
+    /// One ray on the binary tree: the baseline.
+    Scalar,
+    /// One ray against eight boxes.
+    Single,
+    /// Tiles of camera rays in a frustum; other rays as [`Traversal::Stream`] does them.
+    Packet,
+    /// All rays together down the tree.
+    Stream,
+    /// What measured fastest for rays like these.
+    #[default]
+    Hybrid,
+}
+
+impl Traversal {
+    pub const ALL: [Self; 5] = [Self::Scalar, Self::Single, Self::Packet, Self::Stream, Self::Hybrid];
+
+    /// As the command line and reports name it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Scalar => "scalar",
+            Self::Single => "single",
+            Self::Packet => "packet",
+            Self::Stream => "stream",
+            Self::Hybrid => "hybrid",
+        }
+    }
+    /// Lanes it works with.
+    pub fn lanes(self) -> usize {
+        if self == Self::Scalar { 1 } else { 8 }
+    }
+}
+
+/// Working memory of a thread.
+#[derive(Default)]
+pub struct Tracer {
+    stack: Stack,
+    stream: Stream,
+}
+
+impl Tracer {
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Improves the hits of all rays. With `ANY`, each ray ends at the first hit found: then only whether `primitive` is
+    /// [`crate::math::MISS`] means anything.
+    pub fn trace<const ANY: bool>(
+        &mut self,
+        traversal: Traversal,
+        hierarchy: &Hierarchy,
+        rays: &Rays,
+        hits: &mut Hits,
+    ) {
+        match traversal {
+            Traversal::Scalar => {
+                one_by_one(hierarchy, rays, hits, |ray, hit| scalar::trace::<ANY>(hierarchy, ray, hit));
+            }
+            Traversal::Single => {
+                let stack = &mut self.stack;
+                one_by_one(hierarchy, rays, hits, |ray, hit| {
+                    single::trace::<ANY>(hierarchy, ray, stack, hit)
+                });
+            }
+            Traversal::Stream => self.stream.trace::<ANY>(hierarchy, rays, hits),
+            Traversal::Packet | Traversal::Hybrid => self.tiles::<ANY>(hierarchy, rays, hits),
+        }
+    }
+
+    /// Tiles that run together in a frustum, and what is between them in streams.
+    fn tiles<const ANY: bool>(&mut self, hierarchy: &Hierarchy, rays: &Rays, hits: &mut Hits) {
+        let mut left = 0;
+        for first in (0..rays.len()).step_by(TILE) {
+            let tile = first..rays.len().min(first + TILE);
+            let together = !ANY
+                && frustum::trace_tile(
+                    hierarchy,
+                    &rays.range(tile.clone()),
+                    &mut hits.range(tile.clone()),
+                    &mut self.stack,
+                );
+            if together {
+                self.stream.trace::<ANY>(hierarchy, &rays.range(left..first), &mut hits.range(left..first));
+                left = tile.end;
+            }
+        }
+        let rest = left..rays.len();
+        self.stream.trace::<ANY>(hierarchy, &rays.range(rest.clone()), &mut hits.range(rest));
+    }
+}
+
+fn one_by_one(
+    hierarchy: &Hierarchy,
+    rays: &Rays,
+    hits: &mut Hits,
+    mut trace: impl FnMut(&super::hierarchy::SingleRay, &mut crate::math::Hit<f32>),
+) {
+    for at in 0..rays.len() {
+        let mut hit = hits.get(at);
+        trace(&rays.single(at, hierarchy.reach), &mut hit);
+        hits.set(at, &hit);
+    }
+}

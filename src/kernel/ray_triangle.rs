@@ -83,6 +83,15 @@ pub struct WoopRay<L: Lane> {
 }
 
 impl<L: Lane> WoopRay<L> {
+    /// The axis that becomes z, the origin in the ray's order of axes, and the shear: to be kept and put together again.
+    #[inline(always)]
+    pub fn into_parts(self) -> (L::Bits, Vec3<L>, Vec3<L>) {
+        (self.z_axis, self.origin, self.shear)
+    }
+    #[inline(always)]
+    pub fn from_parts(z_axis: L::Bits, origin: Vec3<L>, shear: Vec3<L>) -> Self {
+        Self { z_axis, origin, shear }
+    }
     #[inline(always)]
     fn new(ray: &Ray<L>) -> Self {
         let d = ray.direction;

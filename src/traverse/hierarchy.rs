@@ -82,17 +82,23 @@ impl Hierarchy {
         if leaf.is_spheres() {
             self.meet_spheres(leaf.index(), &ray.ray, hit);
         } else {
-            self.meet_triangles(leaf.index(), &ray.woop, &ray.slabs, hit);
+            self.meet_triangles(leaf.index(), &ray.woop, || ray.slabs, hit);
         }
     }
 
     /// A ray against up to eight triangles.
     #[inline(always)]
-    pub fn meet_triangles(&self, leaf: usize, woop: &WoopRay<f32>, slabs: &Slabs<f32>, hit: &mut Hit<f32>) {
+    pub fn meet_triangles(
+        &self,
+        leaf: usize,
+        woop: &WoopRay<f32>,
+        slabs: impl FnOnce() -> Slabs<f32>,
+        hit: &mut Hit<f32>,
+    ) {
         let leaf = &self.triangles[leaf];
         let found = woop.test_eight(&leaf.vertices);
         if found.mask.any() {
-            leaf.accept(slabs, &found, hit);
+            leaf.accept(&slabs(), &found, hit);
         }
     }
 

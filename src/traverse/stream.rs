@@ -10,34 +10,70 @@ use super::hierarchy::{Hierarchy, SingleRay};
 use super::rays::{Hits, Rays};
 use super::single::{self, Stack};
 use crate::bvh::{Child, WIDE};
-use crate::kernel::ray_box::Slabs;
-use crate::kernel::ray_triangle::WoopRay;
+use crate::kernel::ray_box::{Reach, Slabs};
+use crate::kernel::ray_triangle::{TriangleMethod, Woop, WoopRay};
 use crate::lane::{Bits, F32x8, Lane, Mask, U32x8};
-use crate::math::{Hit, MISS};
+use crate::math::{Hit, MISS, Ray, Vec3};
+use bytemuck::{Pod, Zeroable};
 
 /// Rays of a batch: their records fill half of a second-level cache.
 pub const BATCH: usize = 4096;
 /// Lists of at most so many rays go on one by one.
 const FEW: usize = 3;
 
-/// What a ray keeps through its batch: two cache lines, of which boxes need the first.
-#[derive(Clone, Copy)]
+/// What boxes and triangles want of a ray: one cache line.
+#[derive(Clone, Copy, Pod, Zeroable)]
 #[repr(C, align(64))]
 struct Record {
-    slabs: Slabs<f32>,
+    /// As [`Slabs`] names them.
+    inverse: [f32; 3],
+    near: [f32; 3],
+    far: [f32; 3],
     /// Found so far; how far the ray reaches, and −∞ where it wants nothing more.
     t: f32,
+    /// As [`WoopRay`] keeps them.
+    origin: [f32; 3],
+    shear: [f32; 3],
+}
+
+impl Record {
+    /// Eight rays made ready: their records, and the axes of their triangle tests.
+    #[inline(always)]
+    fn of_packet(ray: &Ray<F32x8>, reach: Reach, t: F32x8) -> ([Self; 8], U32x8) {
+        let slabs = Slabs::new(ray, reach);
+        let (axis, origin, shear) = Woop::prepare(ray).into_parts();
+        let columns = [slabs.inverse, slabs.near, slabs.far, origin, shear].map(|v| [v.x, v.y, v.z]);
+        let [[a, b, c], [d, e, f], [g, h, i], [j, k, l], [m, n, o]] = columns;
+        let lanes = U32x8::from_fn(|lane| lane as u32);
+        let turned = |columns: [F32x8; 8]| F32x8::gather_rows::<8>(bytemuck::cast_slice(&columns), lanes);
+        let (low, high) = (turned([a, b, c, d, e, f, g, h]), turned([i, t, j, k, l, m, n, o]));
+        (std::array::from_fn(|lane| bytemuck::cast([low[lane], high[lane]])), axis)
+    }
+
+    fn slabs(&self) -> Slabs<f32> {
+        let vector = |[x, y, z]: [f32; 3]| Vec3::new(x, y, z);
+        Slabs { inverse: vector(self.inverse), near: vector(self.near), far: vector(self.far) }
+    }
+    fn woop(&self, axis: u32) -> WoopRay<f32> {
+        let vector = |[x, y, z]: [f32; 3]| Vec3::new(x, y, z);
+        WoopRay::from_parts(axis, vector(self.origin), vector(self.shear))
+    }
+}
+
+/// What a ray found, besides t.
+#[derive(Clone, Copy, Default)]
+struct Found {
     primitive: u32,
     u: f32,
     v: f32,
-    /// Which of the rays it is.
-    source: u32,
-    woop: WoopRay<f32>,
+    /// The axis of the ray's triangle tests.
+    axis: u32,
 }
 
-/// Working memory of a thread: about 0.6 MiB.
+/// Working memory of a thread: about half a MiB.
 pub struct Stream {
     records: Vec<Record>,
+    found: Vec<Found>,
     /// Lists of rays, one after the other, like a stack.
     lists: Vec<u32>,
     /// The boxes that each ray of a list passes, one bit a box.
@@ -54,8 +90,9 @@ impl Default for Stream {
 impl Stream {
     pub fn new() -> Self {
         Self {
-            records: Vec::with_capacity(BATCH),
-            lists: Vec::new(),
+            records: vec![Record::zeroed(); BATCH],
+            found: vec![Found::default(); BATCH],
+            lists: vec![0; 16 * BATCH],
             masks: vec![0; BATCH + WIDE],
             stack: Stack::new(),
         }
@@ -64,51 +101,60 @@ impl Stream {
     /// Improves the hits of all rays; with `ANY`, each ends at the first hit found.
     pub fn trace<const ANY: bool>(&mut self, hierarchy: &Hierarchy, rays: &Rays, hits: &mut Hits) {
         for first in (0..rays.len()).step_by(BATCH) {
-            let count = BATCH.min(rays.len() - first);
-            self.batch::<ANY>(
-                hierarchy,
-                &rays.range(first..first + count),
-                &mut hits.range(first..first + count),
-            );
+            let batch = first..rays.len().min(first + BATCH);
+            self.batch::<ANY>(hierarchy, &rays.range(batch.clone()), &mut hits.range(batch));
         }
     }
 
     fn batch<const ANY: bool>(&mut self, hierarchy: &Hierarchy, rays: &Rays, hits: &mut Hits) {
-        self.records.clear();
-        let mut octants = [0usize; 9];
-        let octant = |at: usize| {
-            let sign = |column: &[f32]| usize::from(column[at].is_sign_negative());
-            let [x, y, z] = &rays.direction;
-            sign(x) | sign(y) << 1 | sign(z) << 2
+        let count = rays.len();
+        let whole = count - count % WIDE;
+        for at in (0..whole).step_by(WIDE) {
+            self.enter(at, &rays.packet(at), hierarchy.reach, F32x8::load(&hits.t[at..]));
+        }
+        if whole < count {
+            // The last packet repeats its first ray.
+            let lane = |column: &[f32]| F32x8::from_fn(|lane| *column[whole..].get(lane).unwrap_or(&column[whole]));
+            let vector = |columns: [&[f32]; 3]| Vec3::new(lane(columns[0]), lane(columns[1]), lane(columns[2]));
+            let ray = Ray { origin: vector(rays.origin), direction: vector(rays.direction) };
+            self.enter(whole, &ray, hierarchy.reach, lane(hits.t));
+        }
+        let Self { records, found, lists, .. } = &mut *self;
+        let mut ends = [0usize; 8];
+        let octant = |record: &Record| {
+            let [x, y, z] = record.inverse.map(|inverse| usize::from(inverse < 0.0));
+            x | y << 1 | z << 2
         };
-        for at in 0..rays.len() {
-            let ray = rays.single(at, hierarchy.reach);
-            let Hit { t, primitive, u, v } = hits.get(at);
-            let SingleRay { slabs, woop, .. } = ray;
-            self.records.push(Record { slabs, t, primitive, u, v, source: at as u32, woop });
-            octants[octant(at) + 1] += 1;
+        for (at, record) in records[..count].iter().enumerate() {
+            ends[octant(record)] += 1;
+            (found[at].primitive, found[at].u, found[at].v) = (hits.primitive[at], hits.u[at], hits.v[at]);
+        }
+        let mut sum = 0;
+        let starts = ends.map(|count| (sum, sum += count).0);
+        ends = starts;
+        for (at, record) in (0u32..).zip(&records[..count]) {
+            let end = &mut ends[octant(record)];
+            lists[*end] = at;
+            *end += 1;
         }
         for octant in 0..8 {
-            octants[octant + 1] += octants[octant];
-        }
-        let starts = octants;
-        self.lists.clear();
-        self.lists.resize(rays.len() + WIDE, 0);
-        for at in 0..rays.len() {
-            let place = &mut octants[octant(at)];
-            self.lists[*place] = at as u32;
-            *place += 1;
-        }
-        for octant in 0..8 {
-            let (start, end) = (starts[octant], starts[octant + 1]);
+            let (start, end) = (starts[octant], ends[octant]);
             if start < end {
                 let mut walk = Walk { stream: self, hierarchy, rays, octant };
-                walk.node::<ANY>(0, start, end - start, rays.len() + WIDE);
+                walk.node::<ANY>(0, start, end - start, count + WIDE);
             }
         }
-        for record in &self.records {
-            let &Record { t, primitive, u, v, source, .. } = record;
-            hits.set(source as usize, &Hit { t, primitive, u, v });
+        for (at, (record, found)) in self.records[..count].iter().zip(&self.found).enumerate() {
+            hits.set(at, &Hit { t: record.t, primitive: found.primitive, u: found.u, v: found.v });
+        }
+    }
+
+    #[inline(always)]
+    fn enter(&mut self, at: usize, ray: &Ray<F32x8>, reach: Reach, t: F32x8) {
+        let (records, axes) = Record::of_packet(ray, reach, t);
+        self.records[at..at + WIDE].copy_from_slice(&records);
+        for (lane, found) in self.found[at..at + WIDE].iter_mut().enumerate() {
+            found.axis = axes.get(lane);
         }
     }
 }
@@ -133,18 +179,18 @@ impl Walk<'_> {
         let mut distances = F32x8::zero();
         let mut all = 0;
         for (mask, &ray) in masks.iter_mut().zip(&lists[start..start + count]) {
-            let Record { slabs, t, .. } = &records[ray as usize];
-            let [x, y, z] = [slabs.inverse.x, slabs.inverse.y, slabs.inverse.z].map(F32x8::splat);
+            let Record { inverse, near, far, t, .. } = &records[ray as usize & (BATCH - 1)];
             let splat = F32x8::splat;
+            let [x, y, z] = inverse.map(splat);
             let near = first[0]
-                .mul_add(x, splat(slabs.near.x))
-                .max(first[1].mul_add(y, splat(slabs.near.y)))
-                .max(first[2].mul_add(z, splat(slabs.near.z)))
+                .mul_add(x, splat(near[0]))
+                .max(first[1].mul_add(y, splat(near[1])))
+                .max(first[2].mul_add(z, splat(near[2])))
                 .max(F32x8::zero());
             let far = second[0]
-                .mul_add(x, splat(slabs.far.x))
-                .min(second[1].mul_add(y, splat(slabs.far.y)))
-                .min(second[2].mul_add(z, splat(slabs.far.z)))
+                .mul_add(x, splat(far[0]))
+                .min(second[1].mul_add(y, splat(far[1])))
+                .min(second[2].mul_add(z, splat(far[2])))
                 .min(splat(*t));
             let passes = near.le(far);
             distances = distances + F32x8::select(passes, near, F32x8::zero());
@@ -197,31 +243,31 @@ impl Walk<'_> {
         }
     }
 
+    /// Lets a listed ray that still wants something meet something.
     #[inline(always)]
-    fn meet<const ANY: bool>(&mut self, ray: usize, meet: impl FnOnce(&mut Stream, &Record, &mut Hit<f32>)) {
-        let record = self.stream.records[ray];
-        let mut hit = Hit { t: record.t, primitive: record.primitive, u: record.u, v: record.v };
-        meet(self.stream, &record, &mut hit);
-        let record = &mut self.stream.records[ray];
-        (record.t, record.primitive, record.u, record.v) = (hit.t, hit.primitive, hit.u, hit.v);
-        if ANY && hit.primitive != MISS {
-            record.t = f32::NEG_INFINITY;
+    fn meet<const ANY: bool>(&mut self, listed: usize, meet: impl FnOnce(&mut Stack, &Record, u32, usize, &mut Hit<f32>)) {
+        let Stream { records, found, lists, stack, .. } = &mut *self.stream;
+        let ray = lists[listed] as usize & (BATCH - 1);
+        let (record, found) = (&mut records[ray], &mut found[ray]);
+        if ANY && record.t < 0.0 {
+            return;
         }
+        let mut hit = Hit { t: record.t, primitive: found.primitive, u: found.u, v: found.v };
+        meet(stack, record, found.axis, ray, &mut hit);
+        (found.primitive, found.u, found.v) = (hit.primitive, hit.u, hit.v);
+        record.t = if ANY && hit.primitive != MISS { f32::NEG_INFINITY } else { hit.t };
     }
 
     fn leaf<const ANY: bool>(&mut self, leaf: Child, start: usize, count: usize) {
         let (hierarchy, rays) = (self.hierarchy, self.rays);
-        for at in start..start + count {
-            let ray = self.stream.lists[at] as usize;
-            if ANY && self.stream.records[ray].t < 0.0 {
-                continue;
-            }
+        for listed in start..start + count {
             if leaf.is_spheres() {
-                let single = rays.packet::<f32>(self.stream.records[ray].source as usize);
-                self.meet::<ANY>(ray, |_, _, hit| hierarchy.meet_spheres(leaf.index(), &single, hit));
+                self.meet::<ANY>(listed, |_, _, _, ray, hit| {
+                    hierarchy.meet_spheres(leaf.index(), &rays.packet::<f32>(ray), hit);
+                });
             } else {
-                self.meet::<ANY>(ray, |_, record, hit| {
-                    hierarchy.meet_triangles(leaf.index(), &record.woop, &record.slabs, hit);
+                self.meet::<ANY>(listed, |_, record, axis, _, hit| {
+                    hierarchy.meet_triangles(leaf.index(), &record.woop(axis), || record.slabs(), hit);
                 });
             }
         }
@@ -229,15 +275,11 @@ impl Walk<'_> {
 
     fn one_by_one<const ANY: bool>(&mut self, child: Child, start: usize, count: usize) {
         let (hierarchy, rays) = (self.hierarchy, self.rays);
-        for at in start..start + count {
-            let ray = self.stream.lists[at] as usize;
-            if ANY && self.stream.records[ray].t < 0.0 {
-                continue;
-            }
-            self.meet::<ANY>(ray, |stream, record, hit| {
-                let ray = rays.packet::<f32>(record.source as usize);
-                let single = SingleRay { ray, slabs: record.slabs, woop: record.woop };
-                single::trace_from::<ANY>(hierarchy, child, &single, &mut stream.stack, hit);
+        for listed in start..start + count {
+            self.meet::<ANY>(listed, |stack, record, axis, ray, hit| {
+                let ray = rays.packet::<f32>(ray);
+                let single = SingleRay { ray, slabs: record.slabs(), woop: record.woop(axis) };
+                single::trace_from::<ANY>(hierarchy, child, &single, stack, hit);
             });
         }
     }

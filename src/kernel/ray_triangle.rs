@@ -157,9 +157,8 @@ fn exact_edge<L: Lane>(p: (L, L), q: (L, L)) -> L {
     p.0 * q.1 - p.1 * q.0
 }
 
-/// Eight triangles as a structure of arrays: the x, y and z of the first vertex, of the second, of the third; NaN where there is
-/// none.
-pub type EightTriangles = [[f32; 8]; 9];
+/// Eight triangles as a structure of arrays: three vertices of three components of eight lanes; NaN where there is none.
+pub type EightTriangles = [[[f32; 8]; 3]; 3];
 
 impl WoopRay<f32> {
     /// One ray against eight triangles: lane by lane the same numbers as the packet's test.
@@ -169,9 +168,9 @@ impl WoopRay<f32> {
         let splat = F32x8::splat;
         let origin = Vec3::new(splat(self.origin.x), splat(self.origin.y), splat(self.origin.z));
         let shear = Vec3::new(splat(self.shear.x), splat(self.shear.y), splat(self.shear.z));
-        let row = |row: usize| F32x8::load(&triangles[row]);
-        let vertex = |first: usize| Vec3::new(row(first + x), row(first + y), row(first + z)) - origin;
-        woop(shear, [vertex(0), vertex(3), vertex(6)], exact_edge)
+        let row = |vertex: usize, axis: usize| F32x8::load(&triangles[vertex][axis]);
+        let vertex = |vertex: usize| Vec3::new(row(vertex, x), row(vertex, y), row(vertex, z)) - origin;
+        woop(shear, [vertex(0), vertex(1), vertex(2)], exact_edge)
     }
 }
 
@@ -189,16 +188,31 @@ impl WoopRay<f32> {
 }
 
 impl<L: Lane> WoopRay<L> {
+    /// The axis that becomes z, where it is the same in all lanes.
+    #[inline(always)]
+    pub fn common_axis(&self) -> Option<u32> {
+        let first = self.z_axis.get(0);
+        self.z_axis.equals(L::Bits::splat(first)).all().then_some(first)
+    }
+
     /// Rays against one triangle given by its corners.
     #[inline(always)]
-    pub fn test_corners(&self, corners: [glam::Vec3; 3]) -> TriangleHit<L> {
+    pub fn test_corners(&self, corners: [[f32; 3]; 3]) -> TriangleHit<L> {
         let is = |axis: u32| self.z_axis.equals(L::Bits::splat(axis));
         let (x, y) = (is(0), is(1));
-        let vertex = |v: glam::Vec3| {
-            let [a, b, c] = v.to_array().map(L::splat);
+        let vertex = |v: [f32; 3]| {
+            let [a, b, c] = v.map(L::splat);
             let pick = |of_x: L, of_y: L, of_z: L| L::select(x, of_x, L::select(y, of_y, of_z));
             Vec3::new(pick(b, c, a), pick(c, a, b), pick(a, b, c)) - self.origin
         };
+        woop(self.shear, corners.map(vertex), exact_edge)
+    }
+
+    /// The same where all lanes have this one axis.
+    #[inline(always)]
+    pub fn test_corners_along(&self, axis: u32, corners: [[f32; 3]; 3]) -> TriangleHit<L> {
+        let [x, y, z] = ORDERS[(axis & 3) as usize];
+        let vertex = |v: [f32; 3]| Vec3::new(L::splat(v[x]), L::splat(v[y]), L::splat(v[z])) - self.origin;
         woop(self.shear, corners.map(vertex), exact_edge)
     }
 }

@@ -9,11 +9,10 @@
 //!
 //! Source: Reshetov, Soupikov, Hurley, "Multi-Level Ray Tracing Algorithm", SIGGRAPH 2005.
 
-use super::hierarchy::Hierarchy;
+use super::hierarchy::{Hierarchy, Packet};
 use super::rays::{Hits, Rays};
 use super::single::Stack;
 use crate::bvh::{Child, WIDE, WideNode};
-use crate::kernel::ray_triangle::{TriangleMethod, Woop, WoopRay};
 use crate::lane::{Bits, F32x8, Lane, Mask, Mask8, U32x8};
 use crate::math::{Hit, Ray, Vec3};
 
@@ -95,25 +94,33 @@ impl Frustum {
         Self { slopes, ..self }
     }
 
-    /// How far along its axis the frustum meets each of eight boxes, given by their planes, and which of them it meets before `limit`.
+    /// How far along its axis the frustum meets each of eight boxes, given by their lower and upper planes along an axis, and which
+    /// of them it meets before `limit`.
     #[inline(always)]
-    fn pass(&self, planes: &[[f32; WIDE]; 6], limit: f32) -> (F32x8, Mask8) {
+    fn pass(&self, planes: impl Fn(usize) -> (F32x8, F32x8), limit: f32) -> (F32x8, Mask8) {
         let splat = F32x8::splat;
         let [main, ..] = self.axes;
-        let (origin, padding) = (splat(self.origin[main]), splat(self.padding));
-        let (lo, hi) = (F32x8::load(&planes[main]) - origin, F32x8::load(&planes[main + 3]) - origin);
-        let (near, far) = if self.backwards { (-hi, -lo) } else { (lo, hi) };
-        let (near, far) = ((near - padding).max(F32x8::zero()), far + padding);
+        let (lo, hi) = planes(main);
+        let (inner, outer) =
+            (splat(self.origin[main] + self.padding), splat(self.origin[main] - self.padding));
+        let (near, far) = if self.backwards { (outer - hi, inner - lo) } else { (lo - inner, hi - outer) };
+        let near = near.max(F32x8::zero());
         let mut meets = near.le(far.min(splat(limit)));
         for i in 0..2 {
             let axis = self.axes[i + 1];
-            let origin = splat(self.origin[axis]);
-            let lo = F32x8::load(&planes[axis]) - origin - padding;
-            let hi = F32x8::load(&planes[axis + 3]) - origin + padding;
+            let (lo, hi) = planes(axis);
+            let (lo, hi) =
+                (lo - splat(self.origin[axis] + self.padding), hi - splat(self.origin[axis] - self.padding));
             let [low, high] = self.slopes[i].map(splat);
             meets = meets & (low * near).min(low * far).le(hi) & lo.le((high * near).max(high * far));
         }
         (near, meets)
+    }
+
+    /// [`Frustum::pass`] of a node's boxes.
+    #[inline(always)]
+    fn pass_node(&self, planes: &[[f32; WIDE]; 6], limit: f32) -> (F32x8, Mask8) {
+        self.pass(|axis| (F32x8::load(&planes[axis]), F32x8::load(&planes[axis + 3])), limit)
     }
 }
 
@@ -131,7 +138,7 @@ impl Cut {
         let mut open = Some(Child(0));
         while let Some(node) = open {
             let node = &hierarchy.bvh.wide[node.index()];
-            let (_, meets) = frustum.pass(node.planes(), f32::INFINITY);
+            let (_, meets) = frustum.pass_node(node.planes(), f32::INFINITY);
             let mut lanes = meets.bitmask();
             while lanes != 0 {
                 let lane = (lanes.trailing_zeros() & 7) as usize;
@@ -159,7 +166,7 @@ impl Cut {
         let nodes = (0..self.filled).filter(|&i| !self.children[i].is_leaf());
         let largest = nodes.max_by(|&i, &j| area(i).total_cmp(&area(j)))?;
         let child = self.children[largest];
-        let (_, meets) = frustum.pass(hierarchy.bvh.wide[child.index()].planes(), f32::INFINITY);
+        let (_, meets) = frustum.pass_node(hierarchy.bvh.wide[child.index()].planes(), f32::INFINITY);
         if self.filled - 1 + meets.count() > WIDE {
             return None;
         }
@@ -175,17 +182,15 @@ impl Cut {
 struct Walk<'a> {
     hierarchy: &'a Hierarchy,
     frustum: Frustum,
-    ray: Ray<F32x8>,
-    woop: WoopRay<F32x8>,
+    packet: Packet,
     hit: Hit<F32x8>,
     /// How far along the frustum's axis there may be nearer hits.
     limit: f32,
 }
 
 impl Walk<'_> {
-    fn run(&mut self, cut: &Cut, stack: &mut Stack) {
-        let (near, meets) = self.frustum.pass(&cut.planes, self.limit);
-        let mut waiting = stack.put(0, &cut.children, near, meets);
+    /// Visits what waits on the stack, and what is below it.
+    fn run(&mut self, stack: &mut Stack, mut waiting: usize) {
         while waiting > 0 {
             waiting -= 1;
             let (child, near) = stack.get(waiting);
@@ -196,7 +201,7 @@ impl Walk<'_> {
                 self.leaf(child);
             } else {
                 let node = &self.hierarchy.bvh.wide[child.index()];
-                let (near, meets) = self.frustum.pass(node.planes(), self.limit);
+                let (near, meets) = self.frustum.pass_node(node.planes(), self.limit);
                 waiting += stack.put(waiting, node.children(), near, meets);
             }
         }
@@ -205,18 +210,18 @@ impl Walk<'_> {
     #[inline(always)]
     fn leaf(&mut self, leaf: Child) {
         if leaf.is_spheres() {
-            self.hierarchy.packet_meets_spheres(leaf.index(), &self.ray, &mut self.hit);
+            self.hierarchy.packet_meets_spheres(leaf.index(), &self.packet.ray, &mut self.hit);
             self.shorten();
             return;
         }
         let leaf = self.hierarchy.triangle_leaf(leaf.index());
-        let (_, meets) = self.frustum.pass(&leaf.boxes(), self.limit);
+        let (_, meets) = self.frustum.pass(|axis| leaf.planes(axis), self.limit);
         let mut lanes = meets.bitmask();
         let mut closer = false;
         while lanes != 0 {
             let lane = (lanes.trailing_zeros() & 7) as usize;
             lanes &= lanes - 1;
-            closer |= leaf.packet_meets(lane, &self.ray, self.hierarchy.reach, &self.woop, &mut self.hit);
+            closer |= leaf.packet_meets(lane, &self.packet, &mut self.hit);
         }
         if closer {
             self.shorten();
@@ -226,7 +231,7 @@ impl Walk<'_> {
     /// Measures again how far the packet's rays reach along the axis: their furthest hit, and a little more for rounding.
     #[inline(never)]
     fn shorten(&mut self) {
-        let along = axis_of(self.ray.direction, self.frustum.axes[0]).abs();
+        let along = axis_of(self.packet.ray.direction, self.frustum.axes[0]).abs();
         self.limit = -lowest(-(self.hit.t * along)) * (1.0 + 4.0 * f32::EPSILON);
     }
 }
@@ -262,9 +267,14 @@ pub fn trace_tile(hierarchy: &Hierarchy, rays: &Rays, hits: &mut Hits, stack: &m
             v: F32x8::load(&hits.v[at..]),
         };
         let frustum = axes.between(slopes[packet], slopes[packet]);
-        let woop = Woop::prepare(&ray);
-        let mut walk = Walk { hierarchy, frustum, ray, woop, hit, limit: f32::INFINITY };
-        walk.run(&cut, stack);
+        let (near, meets) = frustum.pass_node(&cut.planes, f32::INFINITY);
+        if !meets.any() {
+            continue;
+        }
+        let waiting = stack.put(0, &cut.children, near, meets);
+        let packet = Packet::new(ray, hierarchy.reach);
+        let mut walk = Walk { hierarchy, frustum, packet, hit, limit: f32::INFINITY };
+        walk.run(stack, waiting);
         walk.hit.t.store(&mut hits.t[at..]);
         walk.hit.primitive.store(&mut hits.primitive[at..]);
         walk.hit.u.store(&mut hits.u[at..]);

@@ -51,11 +51,15 @@ impl Hierarchy {
         let bvh = Bvh::new(scene, quality);
         let first_triangle = scene.spheres.len();
         let triangle_leaf = |leaf: &Leaf| {
-            let mut vertices = [[f32::NAN; LEAF]; 9];
+            let mut vertices = [[[f32::NAN; LEAF]; 3]; 3];
             for (lane, &primitive) in leaf.primitives().iter().enumerate() {
                 let corners = scene.triangles[primitive as usize - first_triangle].vertices;
                 let components = corners.iter().flat_map(|corner| corner.to_array());
-                vertices.iter_mut().zip(components).for_each(|(row, component)| row[lane] = component);
+                vertices
+                    .iter_mut()
+                    .flatten()
+                    .zip(components)
+                    .for_each(|(row, component)| row[lane] = component);
             }
             TriangleLeaf { vertices, primitives: leaf.primitives }
         };
@@ -129,10 +133,7 @@ impl Hierarchy {
         } else {
             let leaf = &self.triangles[leaf.index()];
             for (lane, &primitive) in used(&leaf.primitives).iter().enumerate() {
-                let rows = &leaf.vertices;
-                let vertex =
-                    |first: usize| Vec3::new(rows[first][lane], rows[first + 1][lane], rows[first + 2][lane]);
-                let corners = [vertex(0), vertex(3), vertex(6)];
+                let corners = leaf.corners(lane).map(|[x, y, z]| Vec3::new(x, y, z));
                 let found = ray.woop.test_one(corners);
                 if found.mask {
                     let (mask, t) = own_box(&ray.slabs, box_of(corners), found.mask, found.t, beyond(hit.t));
@@ -155,6 +156,23 @@ impl SingleRay {
     #[inline(always)]
     pub fn new(ray: Ray<f32>, reach: Reach) -> Self {
         Self { ray, slabs: Slabs::new(&ray, reach), woop: Woop::prepare(&ray) }
+    }
+}
+
+/// Eight rays, ready for boxes and triangles.
+pub struct Packet {
+    pub ray: Ray<F32x8>,
+    pub slabs: Slabs<F32x8>,
+    pub woop: WoopRay<F32x8>,
+    /// See [`WoopRay::common_axis`].
+    axis: Option<u32>,
+}
+
+impl Packet {
+    #[inline(always)]
+    pub fn new(ray: Ray<F32x8>, reach: Reach) -> Self {
+        let woop = Woop::prepare(&ray);
+        Self { ray, slabs: Slabs::new(&ray, reach), axis: woop.common_axis(), woop }
     }
 }
 
@@ -212,42 +230,38 @@ fn take_lanes(mask: Mask8, primitive: u32, [t, u, v]: [F32x8; 3], hit: &mut Hit<
 }
 
 impl TriangleLeaf {
-    /// The planes of the triangles' boxes, as nodes hold them; NaN where there is none.
+    /// The lower and the upper planes of the triangles' boxes along an axis; NaN where there is none.
     #[inline(always)]
-    pub fn boxes(&self) -> [[f32; LEAF]; 6] {
-        let row = |row: usize| F32x8::load(&self.vertices[row]);
-        let vertex = |first: usize| Vec3::new(row(first), row(first + 1), row(first + 2));
-        let (lo, hi) = box_of([vertex(0), vertex(3), vertex(6)]);
-        [lo.x, lo.y, lo.z, hi.x, hi.y, hi.z].map(|plane| bytemuck::cast(plane))
+    pub fn planes(&self, axis: usize) -> (F32x8, F32x8) {
+        let [a, b, c] = [0, 1, 2].map(|vertex| F32x8::load(&self.vertices[vertex][axis]));
+        (a.min(b).min(c), a.max(b).max(c))
+    }
+
+    #[inline(always)]
+    fn corners(&self, lane: usize) -> [[f32; 3]; 3] {
+        [0, 1, 2].map(|vertex| [0, 1, 2].map(|axis| self.vertices[vertex][axis][lane]))
     }
 
     /// A packet against one of the triangles; says whether any ray found a nearer hit.
     #[inline(always)]
-    pub fn packet_meets(
-        &self,
-        lane: usize,
-        ray: &Ray<F32x8>,
-        reach: Reach,
-        woop: &WoopRay<F32x8>,
-        hit: &mut Hit<F32x8>,
-    ) -> bool {
-        let corner =
-            |first: usize| glam::Vec3::from_array([0, 1, 2].map(|axis| self.vertices[first + axis][lane]));
-        let corners = [corner(0), corner(3), corner(6)];
-        let found = woop.test_corners(corners);
-        found.mask.any() && accept_lanes(corners, self.primitives[lane], ray, reach, &found, hit)
+    pub fn packet_meets(&self, lane: usize, packet: &Packet, hit: &mut Hit<F32x8>) -> bool {
+        let corners = self.corners(lane);
+        let found = match packet.axis {
+            Some(axis) => packet.woop.test_corners_along(axis, corners),
+            None => packet.woop.test_corners(corners),
+        };
+        found.mask.any() && accept_lanes(corners, self.primitives[lane], packet, &found, hit)
     }
 
     /// Holds what was found to the own boxes and keeps the nearest. Rare and out of line: the loops that call it stay in registers.
     #[cold]
     #[inline(never)]
     fn accept(&self, slabs: &Slabs<f32>, found: &TriangleHit<F32x8>, hit: &mut Hit<f32>) {
-        let row = |row: usize| F32x8::load(&self.vertices[row]);
-        let vertex = |first: usize| Vec3::new(row(first), row(first + 1), row(first + 2));
+        let vertex = |[x, y, z]: &[[f32; LEAF]; 3]| Vec3::new(F32x8::load(x), F32x8::load(y), F32x8::load(z));
         let splat = |v: Vec3<f32>| Vec3::new(F32x8::splat(v.x), F32x8::splat(v.y), F32x8::splat(v.z));
         let slabs = Slabs { inverse: splat(slabs.inverse), near: splat(slabs.near), far: splat(slabs.far) };
         let limit = F32x8::splat(beyond(hit.t));
-        let corners = box_of([vertex(0), vertex(3), vertex(6)]);
+        let corners = box_of(self.vertices.each_ref().map(vertex));
         let (mask, t) = own_box(&slabs, corners, found.mask, found.t, limit);
         take_nearest(mask, &self.primitives, [t, found.u, found.v], hit);
     }
@@ -276,15 +290,14 @@ fn take_nearest(mask: Mask8, primitives: &[u32; LEAF], [t, u, v]: [F32x8; 3], hi
 #[cold]
 #[inline(never)]
 fn accept_lanes(
-    corners: [glam::Vec3; 3],
+    corners: [[f32; 3]; 3],
     primitive: u32,
-    ray: &Ray<F32x8>,
-    reach: Reach,
+    packet: &Packet,
     found: &TriangleHit<F32x8>,
     hit: &mut Hit<F32x8>,
 ) -> bool {
     let infinite = F32x8::splat(f32::INFINITY);
-    let corners = box_of(corners.map(Vec3::splat));
-    let (mask, t) = own_box(&Slabs::new(ray, reach), corners, found.mask, found.t, infinite);
+    let splat = |[x, y, z]: [f32; 3]| Vec3::new(F32x8::splat(x), F32x8::splat(y), F32x8::splat(z));
+    let (mask, t) = own_box(&packet.slabs, box_of(corners.map(splat)), found.mask, found.t, infinite);
     take_lanes(mask, primitive, [t, found.u, found.v], hit)
 }

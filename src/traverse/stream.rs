@@ -61,7 +61,8 @@ impl Record {
 }
 
 /// What a ray found, besides t.
-#[derive(Clone, Copy, Default)]
+#[derive(Clone, Copy, Zeroable)]
+#[repr(C)]
 struct Found {
     primitive: u32,
     u: f32,
@@ -72,8 +73,8 @@ struct Found {
 
 /// Working memory of a thread: about half a MiB.
 pub struct Stream {
-    records: Vec<Record>,
-    found: Vec<Found>,
+    records: Box<[Record; BATCH]>,
+    found: Box<[Found; BATCH]>,
     /// Lists of rays, one after the other, like a stack.
     lists: Vec<u32>,
     /// The boxes that each ray of a list passes, one bit a box.
@@ -90,8 +91,8 @@ impl Default for Stream {
 impl Stream {
     pub fn new() -> Self {
         Self {
-            records: vec![Record::zeroed(); BATCH],
-            found: vec![Found::default(); BATCH],
+            records: bytemuck::zeroed_box(),
+            found: bytemuck::zeroed_box(),
             lists: vec![0; 16 * BATCH],
             masks: vec![0; BATCH + WIDE],
             stack: Stack::new(),
@@ -114,8 +115,10 @@ impl Stream {
         }
         if whole < count {
             // The last packet repeats its first ray.
-            let lane = |column: &[f32]| F32x8::from_fn(|lane| *column[whole..].get(lane).unwrap_or(&column[whole]));
-            let vector = |columns: [&[f32]; 3]| Vec3::new(lane(columns[0]), lane(columns[1]), lane(columns[2]));
+            let lane =
+                |column: &[f32]| F32x8::from_fn(|lane| *column[whole..].get(lane).unwrap_or(&column[whole]));
+            let vector =
+                |columns: [&[f32]; 3]| Vec3::new(lane(columns[0]), lane(columns[1]), lane(columns[2]));
             let ray = Ray { origin: vector(rays.origin), direction: vector(rays.direction) };
             self.enter(whole, &ray, hierarchy.reach, lane(hits.t));
         }
@@ -144,7 +147,7 @@ impl Stream {
                 walk.node::<ANY>(0, start, end - start, count + WIDE);
             }
         }
-        for (at, (record, found)) in self.records[..count].iter().zip(&self.found).enumerate() {
+        for (at, (record, found)) in self.records[..count].iter().zip(self.found.iter()).enumerate() {
             hits.set(at, &Hit { t: record.t, primitive: found.primitive, u: found.u, v: found.v });
         }
     }
@@ -245,7 +248,11 @@ impl Walk<'_> {
 
     /// Lets a listed ray that still wants something meet something.
     #[inline(always)]
-    fn meet<const ANY: bool>(&mut self, listed: usize, meet: impl FnOnce(&mut Stack, &Record, u32, usize, &mut Hit<f32>)) {
+    fn meet<const ANY: bool>(
+        &mut self,
+        listed: usize,
+        meet: impl FnOnce(&mut Stack, &Record, u32, usize, &mut Hit<f32>),
+    ) {
         let Stream { records, found, lists, stack, .. } = &mut *self.stream;
         let ray = lists[listed] as usize & (BATCH - 1);
         let (record, found) = (&mut records[ray], &mut found[ray]);

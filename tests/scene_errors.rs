@@ -75,7 +75,12 @@ fn unknown_keys_are_refused_with_the_nearest_known_one() {
         "did you mean `sky`?",
     );
     let text = sphere("{ \"center\": [0,0,0], \"radius\": 1, \"colour\": 3 }");
-    assert_refused(text, "unknown key `colour`", "spheres[0]", "center, radius, material, turn_degrees");
+    assert_refused(
+        text,
+        "unknown key `colour`",
+        "spheres[0]",
+        "center, radius, material, turn_degrees, picture_from",
+    );
     assert_refused(material("\"type\": \"diffuse\", \"colour\": 1"), "`colour`", "materials.m", "`color`");
     assert_refused(with("\"camera\": { \"fov\": 40 }"), "`fov`", "camera", "vertical_fov");
 }

@@ -47,6 +47,7 @@ impl Reference {
             center: sphere.center.as_dvec3(),
             radius: f64::from(sphere.radius),
             turn: f64::from(sphere.turn),
+            picture_from: sphere.picture_from,
             material: sphere.material as usize,
         });
         let triangles = scene.triangles.iter().enumerate().map(|(index, triangle)| Triangle {

@@ -19,7 +19,7 @@ use super::files::Files;
 use super::image::srgb_to_linear;
 use super::place::{Place, Source};
 use super::validate::check_resolution;
-use super::{Camera, Filter, Material, MaterialKind, Scene, SceneError, Sky, Sphere};
+use super::{Camera, Filter, Material, MaterialKind, Scene, SceneError, Side, Sky, Sphere};
 use glam::{DVec3, Vec3};
 use serde::Deserialize;
 use serde::de::IgnoredAny;
@@ -195,6 +195,8 @@ impl Loader<'_> {
             radius: radius(self.source, &place.key("radius"), file.radius)?,
             material: self.material(&surface, place)?,
             turn: 0.5,
+            // Its program reads every ball's picture from inside: right for its skies, mirrored on the others.
+            picture_from: Side::Inside,
         };
         self.draft.spheres.push(sphere);
         Ok(())

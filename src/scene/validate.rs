@@ -5,10 +5,10 @@
 
 use super::check::{WITHIN_BOUNDS, camera_fault, fits, nearest, number, radius, vec2, vec3};
 use super::draft::{BOUNCES, Draft, RESOLUTION, VERTICAL_FOV};
-use super::file::{CameraFile, FORMAT, MeshFile, SceneFile, SphereFile, TriangleFile, read};
+use super::file::{CameraFile, FORMAT, MeshFile, SceneFile, SideFile, SphereFile, TriangleFile, read};
 use super::files::Files;
 use super::place::{Place, Source};
-use super::{Camera, MAX_BOUNCES, MAX_SIDE, Scene, SceneError, Sky, Sphere, material, obj};
+use super::{Camera, MAX_BOUNCES, MAX_SIDE, Scene, SceneError, Side, Sky, Sphere, material, obj};
 use glam::{DMat3, DVec3, Vec3};
 use std::collections::HashMap;
 
@@ -141,6 +141,10 @@ fn add_sphere(
         material: named(source, draft, names, file.material.as_ref(), place)?,
         turn,
     };
+        picture_from: match file.picture_from {
+            Some(SideFile::Inside) => Side::Inside,
+            Some(SideFile::Outside) | None => Side::Outside,
+        },
     draft.spheres.push(sphere);
     Ok(())
 }

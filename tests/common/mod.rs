@@ -4,7 +4,7 @@
 use glam::{DVec3, Vec3};
 use octray::lane::Lane;
 use octray::math::{self, Ray};
-use octray::scene::{Camera, Material, MaterialKind, Scene, Sky, Sphere, Triangle};
+use octray::scene::{Camera, Material, MaterialKind, Scene, Side, Sky, Sphere, Triangle};
 
 /// xorshift64*: unrelated to the numbers under test.
 pub struct Dice(pub u64);
@@ -100,7 +100,7 @@ pub fn material(kind: MaterialKind) -> Material {
 }
 
 pub fn sphere(center: Vec3, radius: f32, material: u32) -> Sphere {
-    Sphere { center, radius, material, turn: 0.0 }
+    Sphere { center, radius, material, turn: 0.0, picture_from: Side::Outside }
 }
 
 pub fn triangle(vertices: [Vec3; 3], material: u32) -> Triangle {

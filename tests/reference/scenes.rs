@@ -2,7 +2,9 @@
 
 use glam::{Vec2, Vec3};
 use octray::reference::PathSettings;
-use octray::scene::{Camera, Filter, Material, MaterialKind, Scene, Sky, Sphere, Texels, Texture, Triangle};
+use octray::scene::{
+    Camera, Filter, Material, MaterialKind, Scene, Side, Sky, Sphere, Texels, Texture, Triangle,
+};
 
 /// Nothing under a white sky, seen from (0, 0, 5) along −z through so narrow a lens that all rays are one.
 pub fn empty() -> Scene {
@@ -35,7 +37,7 @@ pub fn lamp(radiance: Vec3) -> Material {
 }
 
 pub fn sphere(center: Vec3, radius: f32) -> Sphere {
-    Sphere { center, radius, material: 0, turn: 0.0 }
+    Sphere { center, radius, material: 0, turn: 0.0, picture_from: Side::Outside }
 }
 
 pub fn triangle(vertices: [Vec3; 3]) -> Triangle {

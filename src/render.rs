@@ -14,7 +14,17 @@ use crate::traverse::{Methods, Primitives, Visible};
 use rayon::prelude::*;
 use std::sync::Mutex;
 
-/// What decides a picture besides the scene, and how it is computed: `lanes`, `threads` and `tile_size` change no bit.
+/// Which of the pipelines in [`crate::integrate`] a scene gets.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum PipelineChoice {
+    /// The one compiled for the smallest set of features that holds the scene's needs.
+    #[default]
+    Needed,
+    /// The one with every feature: to measure and to test what leaving features out is worth.
+    General,
+}
+
+/// What decides a picture besides the scene, and how it is computed: `lanes`, `threads`, `tile_size` and `pipeline` change no bit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
     /// Pixels: width, height.
@@ -29,6 +39,7 @@ pub struct Settings {
     pub threads: usize,
     /// Pixels of a tile: width, height; at most [`MAX_PIXELS`] together.
     pub tile_size: [u32; 2],
+    pub pipeline: PipelineChoice,
 }
 
 impl Settings {
@@ -42,6 +53,7 @@ impl Settings {
             lanes: 8,
             threads: 1,
             tile_size: Self::TILE_SIZE,
+            pipeline: PipelineChoice::default(),
         }
     }
     /// Rows of whole packets, and a queue that stays in the first-level cache.
@@ -113,7 +125,11 @@ impl Renderer {
             max_bounces: settings.max_bounces,
             seed: settings.seed,
         };
-        let pipeline = pipeline_for(world.buffers.needs, lanes);
+        let features = match settings.pipeline {
+            PipelineChoice::Needed => world.buffers.needs,
+            PipelineChoice::General => Needs::ALL,
+        };
+        let pipeline = pipeline_for(features, lanes);
         let pool = (threads > 1).then(|| {
             rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("the system gives threads")
         });

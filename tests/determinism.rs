@@ -6,8 +6,11 @@ mod common;
 use common::{Dice, empty, material, sphere, triangle};
 use glam::{Vec2, Vec3};
 use octray::buffers::Needs;
-use octray::render::{Renderer, Settings};
-use octray::scene::{Camera, Filter, Material, MaterialKind, Scene, Sky, Texels, Texture};
+use octray::integrate::pipeline_for;
+use octray::render::{PipelineChoice, Renderer, Settings};
+use octray::scene::{
+    Camera, Filter, Material, MaterialKind, Scene, Side, Sky, Texels, Texture, builtin_names, load,
+};
 use octray::traverse::{Methods, SphereChoice, TriangleChoice};
 
 fn texture(dice: &mut Dice, width: u32, height: u32, filter: Filter) -> Texture {
@@ -49,7 +52,8 @@ fn furnished(
     for i in 0..spheres {
         let center = (dice.in_cube() * 2.0).as_vec3();
         let ball = sphere(center, dice.scale(0.3, 0.9) as f32, (i % count) as u32);
-        scene.spheres.push(octray::scene::Sphere { turn: dice.unit() as f32, ..ball });
+        let picture_from = [Side::Outside, Side::Inside][i % 2];
+        scene.spheres.push(octray::scene::Sphere { turn: dice.unit() as f32, picture_from, ..ball });
     }
     for i in 0..triangles {
         let center = dice.in_cube() * 2.0;
@@ -150,6 +154,31 @@ fn triangles_alone() -> Scene {
     Scene { textures, sky, ..furnished(&mut dice, materials, 0, 25, false) }
 }
 
+/// A tilted mirror, seen so much from the side that rounding points some reflections below it, and behind it a red light that shows
+/// what starts below the mirror.
+fn grazed_mirror() -> Scene {
+    let mut materials =
+        vec![material(MaterialKind::Metal { roughness: 0.0 }), material(MaterialKind::Emitter)];
+    materials[1].emission = Vec3::new(5.0, 0.0, 0.0);
+    let along = Vec3::new(0.6, 0.3, -0.7).normalize();
+    let across = along.cross(Vec3::new(0.2, 0.9, 0.1)).normalize();
+    let above = across.cross(along);
+    let point =
+        |forwards: f32, sideways: f32, height: f32| along * forwards + across * sideways + above * height;
+    let far = 1e5;
+    let mirror = [point(-far, -far, 0.0), point(far, 3.0 * far, 0.0), point(far, -3.0 * far, 0.0)];
+    // Paths leave the mirror about one unit from it; the light ends a little below it.
+    let light =
+        [point(2.0 * far, -3.0 * far, -0.4), point(2.0 * far, 3.0 * far, -0.4), point(2.0 * far, 0.0, -far)];
+    let position = point(0.0, 0.0, 1e-3);
+    Scene {
+        camera: Camera { position, look_at: position + along * 100.0, up: above, vertical_fov: 5e-5 },
+        materials,
+        triangles: vec![triangle(mirror, 0), triangle(light, 1)],
+        ..empty()
+    }
+}
+
 /// A picture's bits, and how many rays it took.
 #[derive(PartialEq)]
 struct Print {
@@ -213,6 +242,24 @@ fn picture_is_the_same_for_all_lanes_threads_tiles_and_calls() {
             }
         }
     }
+}
+
+#[test]
+fn picture_is_the_same_from_the_pipeline_with_every_feature() {
+    let builtin = builtin_names().map(|name| load(&format!("builtin:{name}")).unwrap());
+    let own = [everything(), matt_and_mirror(), few_textured(), triangles_alone(), grazed_mirror()];
+    let mut specialised = 0;
+    for scene in builtin.chain(own) {
+        for lanes in [1, 8] {
+            let needed = Settings { lanes, ..base(&scene, [61, 37], 6) };
+            let general = Settings { pipeline: PipelineChoice::General, ..needed };
+            Print::of(&scene, general, &[5]).assert_same(&Print::of(&scene, needed, &[5]), general, &[5]);
+            let pipelines = [Needs::of(&scene), Needs::ALL].map(|needs| pipeline_for(needs, lanes));
+            specialised += u32::from(!std::ptr::fn_addr_eq(pipelines[0], pipelines[1]));
+        }
+    }
+    // The test means something only where there are two pipelines.
+    assert!(specialised >= 8, "only {specialised} scenes and widths have a pipeline of their own");
 }
 
 #[test]

@@ -64,6 +64,9 @@ pub struct BenchArgs {
     pub seed: String,
     #[command(flatten)]
     pub methods: MethodArgs,
+    /// Compiled for what the scene needs, or with every feature: the pictures are the same, the speed is not.
+    #[arg(long, value_enum, value_name = "PIPELINE", default_value_t)]
+    pub pipeline: PipelineArg,
 }
 
 /// Check that SIMD and scalar render the same picture.
@@ -97,6 +100,9 @@ pub struct CompareArgs {
     pub seed: String,
     #[command(flatten)]
     pub methods: MethodArgs,
+    /// Compiled for what the scene needs, or with every feature: the pictures are the same, the speed is not.
+    #[arg(long, value_enum, value_name = "PIPELINE", default_value_t)]
+    pub pipeline: PipelineArg,
 }
 
 /// Render a picture into a file.
@@ -143,6 +149,9 @@ pub struct RenderArgs {
     pub tone: Option<ToneArg>,
     #[command(flatten)]
     pub methods: MethodArgs,
+    /// Compiled for what the scene needs, or with every feature: it does not change the picture.
+    #[arg(long, value_enum, value_name = "PIPELINE", default_value_t)]
+    pub pipeline: PipelineArg,
     /// Print what was done as JSON (schema octray-render-1).
     #[arg(long)]
     pub json: bool,
@@ -219,6 +228,16 @@ pub enum TriangleMethod {
     BaldwinWeber,
     /// Tight at edges, leaks at vertices.
     Plucker,
+}
+
+/// What the shading stages are compiled for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, ValueEnum)]
+pub enum PipelineArg {
+    /// The smallest set of features that holds the scene's needs.
+    #[default]
+    Needed,
+    /// Every feature.
+    General,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, ValueEnum)]

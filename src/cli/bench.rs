@@ -98,6 +98,7 @@ fn settings(scene: &Scene, options: &BenchOptions) -> Settings {
         max_bounces: options.bounces,
         seed: options.seed,
         methods: options.methods,
+        pipeline: options.pipeline,
         ..Settings::of(scene)
     }
 }

@@ -37,6 +37,7 @@ pub fn run(options: CompareOptions) -> Result<ExitCode, CliError> {
             max_bounces: options.bounces,
             seed: options.seed,
             methods: options.methods,
+            pipeline: options.pipeline,
             threads: options.threads,
             ..Settings::of(&scene)
         };

@@ -82,6 +82,7 @@ fn settings(scene: &Scene, options: &RenderOptions) -> Settings {
         max_bounces: options.bounces.unwrap_or(scene.max_bounces),
         seed: options.seed,
         methods: options.methods,
+        pipeline: options.pipeline,
         lanes: options.lanes,
         threads: options.threads,
         ..Settings::of(scene)

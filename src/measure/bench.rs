@@ -2,7 +2,7 @@
 
 use super::statistics::Times;
 use crate::film::Film;
-use crate::render::{Renderer, Settings};
+use crate::render::{PipelineChoice, Renderer, Settings};
 use crate::scene::Scene;
 use serde::Serialize;
 use std::time::{Duration, Instant};
@@ -47,6 +47,8 @@ pub struct Measurement {
     pub mrays_per_s: f64,
     pub rays_per_frame: f64,
     pub needs: Vec<&'static str>,
+    /// `needed` or `general`.
+    pub pipeline: &'static str,
 }
 
 /// How long an engine is timed before the next one has its turn: short beside the drift of a machine's clock, long beside the time that
@@ -140,5 +142,9 @@ fn measurement(scene: &Scene, run: &Run) -> Measurement {
         mrays_per_s: rays_per_frame / times.median() / 1e6,
         rays_per_frame,
         needs: run.renderer.needs().names(),
+        pipeline: match settings.pipeline {
+            PipelineChoice::Needed => "needed",
+            PipelineChoice::General => "general",
+        },
     }
 }

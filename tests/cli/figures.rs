@@ -64,7 +64,20 @@ fn bench_measures_the_width_and_threads_asked_for() {
         assert_eq!(results.len(), 1, "{report}");
         assert_eq!(results[0]["lanes"].to_string(), lanes);
         assert_eq!(results[0]["threads"].to_string(), threads);
+        assert_eq!(results[0]["pipeline"], "needed");
     }
+}
+
+#[test]
+fn bench_and_compare_take_the_pipeline_asked_for() {
+    let desk = Desk::new();
+    let arguments = "bench builtin:three --frames 2 --size 8x8 --threads 1 --pipeline general --json";
+    let report = desk.json(&arguments.split(' ').collect::<Vec<_>>());
+    let results = report["results"].as_array().unwrap();
+    assert!(results.iter().all(|result| result["pipeline"] == "general"), "{report}");
+    let arguments = "compare builtin:three --samples 1 --size 8x8 --pipeline general --json";
+    let report = desk.json(&arguments.split(' ').collect::<Vec<_>>());
+    assert_eq!(report["results"][0]["mismatched_pixels"], 0);
 }
 
 #[test]

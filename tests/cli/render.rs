@@ -104,7 +104,12 @@ fn lanes_and_threads_change_no_bit_of_the_file() {
     };
     for scene in ["scene.json", "builtin:spheres", "builtin:cornell"] {
         let first = render(scene, "--lanes 8 --threads 1");
-        for options in ["--lanes 8 --threads 2", "--lanes 1 --threads 1", "--lanes 1 --threads 2"] {
+        for options in [
+            "--lanes 8 --threads 2",
+            "--lanes 1 --threads 1",
+            "--lanes 1 --threads 2",
+            "--lanes 8 --threads 1 --pipeline general",
+        ] {
             assert!(render(scene, options) == first, "{scene} differs with {options}");
         }
         assert!(render(scene, "--seed 1") != first, "{scene}: another seed, the same picture");

@@ -47,6 +47,7 @@ fn wrong_usage_is_refused() {
         (&["render", "scene.json", "-o", "a.png", "--sphere", "exact"], "robust"),
         (&["render", "scene.json", "-o", "a.png", "--triangle", "exact"], "moller-trumbore"),
         (&["bench", "--triangle", "exact"], "baldwin-weber"),
+        (&["bench", "--pipeline", "special"], "general"),
         (&["compare", "--lanes", "8"], "--lanes"),
         (&["inspect"], "SCENE"),
         (&["inspect", "scene.json", "--force"], "--force"),

@@ -30,7 +30,13 @@ const ONE: &str = "v 0 0 0\nv 2 0 0\nv 0 2 0\nf 1 2 3\n";
 fn obj_alone_is_framed_under_a_plain_sky() {
     let scene = load_obj("v -1 -1 -1\nv 3 -1 -1\nv 3 5 2\nf 1 2 3\n");
     assert_eq!(scene.name, "m.obj");
-    assert_eq!((scene.sky, scene.resolution, scene.max_bounces), (Sky::Color(Vec3::ONE), [240, 135], 4));
+    assert_eq!((scene.resolution, scene.max_bounces), ([240, 135], 4));
+    // Brighter above than below, and grey: form shows, colours stay.
+    let Sky::Gradient { bottom, top } = scene.sky else { panic!("{:?}", scene.sky) };
+    assert!(
+        top == Vec3::ONE && bottom == Vec3::splat(bottom.x) && (0.01..0.2).contains(&bottom.x),
+        "{bottom}"
+    );
     // Bounds from (-1,-1,-1) to (3,5,2): centre (1, 2, 0.5), diagonal sqrt(16 + 36 + 9).
     let center = Vec3::new(1.0, 2.0, 0.5);
     let position = center + 1.2 * 61.0_f32.sqrt() / 3.5_f32.sqrt() * Vec3::new(1.0, 0.5, 1.5);

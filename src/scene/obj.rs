@@ -270,6 +270,10 @@ pub fn add(
     Ok(None)
 }
 
+/// The sky over a model that is a scene of its own: white above and nearly black below, so that what faces up, aside and down differs.
+/// Under one colour, a matt shape shows nothing but its creases.
+const SKY: Sky = Sky::Gradient { bottom: Vec3::splat(0.05), top: Vec3::ONE };
+
 /// A model as a scene of its own: framed automatically under a plain sky.
 pub fn scene(text: &[u8], path: &Path, name: String) -> Result<Scene, SceneError> {
     let files = Files::beside(path);
@@ -285,7 +289,5 @@ pub fn scene(text: &[u8], path: &Path, name: String) -> Result<Scene, SceneError
         let mend = "scale the model up, or move it nearer to the origin";
         return Err(SceneError::new(format!("the mesh cannot be framed: {what}")).in_file(path).mend(mend));
     }
-    draft
-        .finish(name, camera, RESOLUTION, BOUNCES, Sky::Color(Vec3::ONE))
-        .map_err(|error| error.in_file(path))
+    draft.finish(name, camera, RESOLUTION, BOUNCES, SKY).map_err(|error| error.in_file(path))
 }

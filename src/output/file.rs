@@ -111,10 +111,16 @@ impl Place {
         // The permissions of an ordinary new file, less the umask; tempfile's own default hides it from everyone else.
         #[cfg(unix)]
         builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-        builder
-            .tempfile_in(&self.folder)
-            .map_err(|source| OutputError::FolderNotWritable { folder: self.folder.clone(), source })
+        builder.tempfile_in(&self.folder).map_err(|error| OutputError::FolderNotWritable {
+            folder: self.folder.clone(),
+            source: bare(error),
+        })
     }
+}
+
+/// What kind of error it is, without the temporary file's name in it: nobody has heard of that file.
+fn bare(error: io::Error) -> io::Error {
+    error.kind().into()
 }
 
 /// Where a symbolic link leads; one step if what it names does not exist yet.

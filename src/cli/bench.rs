@@ -3,7 +3,7 @@
 use super::CHECK_FAILED;
 use super::error::CliError;
 use super::options::BenchOptions;
-use super::terminal;
+use super::terminal::{self, figure};
 use crate::measure::bench::{Effort, Engine, Measurement, bench};
 use crate::measure::compare::{Comparison, compare};
 use crate::measure::{Machine, machine};
@@ -140,7 +140,7 @@ fn row(results: &[Measurement], accuracy: &Comparison) -> String {
     let all = results.iter().skip(1).find(|result| result.engine == "simd");
     let fps = |result: Option<&Measurement>| {
         result.map_or(String::new(), |result| {
-            format!("{:.0} ({:.0})", result.fps_median, result.fps_low_1_percent)
+            format!("{} ({})", figure(result.fps_median, 0), figure(result.fps_low_1_percent, 0))
         })
     };
     let ratio = |over: Option<&Measurement>, under: Option<&Measurement>| match (over, under) {
@@ -150,14 +150,14 @@ fn row(results: &[Measurement], accuracy: &Comparison) -> String {
     let mut text = String::new();
     let _ = writeln!(
         text,
-        "{:<24}{:>18}{:>18}{:>9}{:>18}{:>9}{:>9.1}{:>8}{:>8}",
+        "{:<24}{:>18}{:>18}{:>9}{:>18}{:>9}{:>9}{:>8}{:>8}",
         first.scene,
         fps(simd),
         fps(scalar),
         ratio(simd, scalar),
         fps(all),
         ratio(all, simd),
-        first.mrays_per_s,
+        figure(first.mrays_per_s, 1),
         accuracy.mismatched_pixels,
         accuracy.reference.mismatched_hits,
     );

@@ -4,7 +4,7 @@ use super::INTERRUPTED;
 use super::error::CliError;
 use super::interrupt::Interrupt;
 use super::options::RenderOptions;
-use super::terminal;
+use super::terminal::{self, figure};
 use crate::film::Film;
 use crate::output::{self, Existing, Format};
 use crate::render::{Renderer, Settings};
@@ -133,7 +133,7 @@ impl Progress {
 
     fn show(&self, film: &Film, time: Duration) {
         if !self.0.is_hidden() {
-            self.0.set_message(format!("{:.1} Mray/s", mrays_per_s(film.rays(), time)));
+            self.0.set_message(format!("{} Mray/s", figure(mrays_per_s(film.rays(), time), 1)));
         }
         self.0.set_position(film.samples().into());
     }
@@ -171,9 +171,10 @@ impl Report {
     fn line(&self, wanted: u32) -> String {
         let Self { output, width, height, samples, seconds, mrays_per_s, .. } = self;
         let of_wanted = if self.interrupted { format!(" of {wanted}") } else { String::new() };
+        let rate = figure(*mrays_per_s, 1);
         let plural = if *samples == 1 && !self.interrupted { "" } else { "s" };
         format!(
-            "{output}: {width}×{height}, {samples}{of_wanted} sample{plural}, {seconds:.2} s, {mrays_per_s:.1} Mray/s\n"
+            "{output}: {width}×{height}, {samples}{of_wanted} sample{plural}, {seconds:.2} s, {rate} Mray/s\n"
         )
     }
 }

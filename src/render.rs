@@ -87,6 +87,8 @@ pub struct PrimaryHit {
     pub t: f32,
     /// [`crate::math::MISS`] for a miss.
     pub primitive: u32,
+    /// Barycentric weights of a triangle's second and third vertex; 0 elsewhere.
+    pub weights: [f32; 2],
 }
 
 /// A scene made ready for tracing.
@@ -177,7 +179,7 @@ impl Renderer {
             let hit = |slot: u32| {
                 let at = slot as usize;
                 let (direction, _) = work.queue.primary::<f32>(at);
-                let Hit { t, primitive, .. } = work.queue.hit::<f32>(at);
+                let Hit { t, primitive, u, v } = work.queue.hit::<f32>(at);
                 PrimaryHit {
                     x: tile.x + slot % tile.width,
                     y: tile.y + slot / tile.width,
@@ -185,6 +187,7 @@ impl Renderer {
                     direction: direction.get(0).to_array(),
                     t,
                     primitive,
+                    weights: [u, v],
                 }
             };
             slots.map(hit).collect::<Vec<_>>()

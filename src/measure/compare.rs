@@ -157,13 +157,16 @@ fn judge(
         .par_iter()
         .step_by(stride)
         .map(|hit| {
-            let verdict = reference.check_primary(hit.origin, hit.direction, hit.t, hit.primitive);
+            let verdicts = [
+                reference.check_primary(hit.origin, hit.direction, hit.t, hit.primitive),
+                reference.check_weights(hit.origin, hit.direction, hit.primitive, hit.weights),
+            ];
             let truth = reference.pixel(settings, hit.x, hit.y, samples);
             let seen = picture.pixels[(hit.y * picture.width + hit.x) as usize];
             let errors = std::array::from_fn::<f64, 3, _>(|c| f64::from(seen[c]) - truth[c]);
             let squares = errors.iter().map(|error| error * error).sum::<f64>();
             let largest = errors.iter().fold(0.0, |largest: f64, error| largest.max(error.abs()));
-            (squares, largest, verdict != Verdict::Right)
+            (squares, largest, verdicts != [Verdict::Right; 2])
         })
         .collect();
     Judgement {

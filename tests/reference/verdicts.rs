@@ -26,8 +26,8 @@ fn naive_roots(origin: Vec3, d: Vec3, sphere: &Sphere) -> Option<[f32; 2]> {
     (discriminant >= 0.0).then_some([(-b - root) / (2.0 * a), (-b + root) / (2.0 * a)])
 }
 
-/// Woop's watertight triangle in f32, without the fallback to f64.
-fn woop(origin: Vec3, d: Vec3, triangle: &Triangle) -> Option<f32> {
+/// Woop's watertight triangle in f32, without the fallback to f64: t, and the weights of the second and third vertex.
+fn woop(origin: Vec3, d: Vec3, triangle: &Triangle) -> Option<(f32, [f32; 2])> {
     let z = if d.x.abs() > d.y.abs().max(d.z.abs()) { 0 } else { 1 + usize::from(d.z.abs() >= d.y.abs()) };
     let (x, y) = ((z + 1) % 3, (z + 2) % 3);
     let (shear_x, shear_y, scale) = (d[x] / d[z], d[y] / d[z], 1.0 / d[z]);
@@ -41,7 +41,7 @@ fn woop(origin: Vec3, d: Vec3, triangle: &Triangle) -> Option<f32> {
     let det = u + v + w;
     let outside = (u < 0.0 || v < 0.0 || w < 0.0) && (u > 0.0 || v > 0.0 || w > 0.0);
     let t = (u * a[2] + v * b[2] + w * c[2]) / det;
-    (!outside && det != 0.0 && t > 0.0).then_some(t)
+    (!outside && det != 0.0 && t > 0.0).then_some((t, [v / det, w / det]))
 }
 
 type Roots = fn(Vec3, Vec3, &Sphere) -> Option<[f32; 2]>;
@@ -52,7 +52,7 @@ fn answer(scene: &Scene, roots: Roots, origin: Vec3, d: Vec3) -> (f32, u32) {
         .spheres
         .iter()
         .map(|sphere| roots(origin, d, sphere).and_then(|roots| roots.into_iter().find(|&t| t > 0.0)));
-    let triangles = scene.triangles.iter().map(|triangle| woop(origin, d, triangle));
+    let triangles = scene.triangles.iter().map(|triangle| woop(origin, d, triangle).map(|(t, _)| t));
     let mut nearest = (f32::INFINITY, MISS);
     for (index, t) in spheres.chain(triangles).enumerate() {
         if t.is_some_and(|t| t < nearest.0) {
@@ -134,6 +134,40 @@ fn rounding_of_a_good_kernel_is_right() {
             );
         }
         assert!((40_000..95_000).contains(&hits), "{hits} hits: both answers are put to the test");
+    }
+}
+
+/// The weights of a good kernel pass on every shape of triangle; wrong ones are flagged wherever single precision can tell.
+#[test]
+fn weights_of_a_good_kernel_are_right_and_wrong_ones_are_flagged() {
+    let mut dice = Dice(13);
+    let (mut judged, mut flagged) = (0, [0; 4]);
+    for ray in 0..100_000 {
+        let (scene, origin, d) = triangle_recipe(&mut dice);
+        let Some((_, [u, v])) = woop(origin, d, &scene.triangles[0]) else { continue };
+        let reference = Reference::new(&scene);
+        let verdict = |weights| reference.check_weights(origin.to_array(), d.to_array(), 0, weights);
+        assert_eq!(
+            verdict([u, v]),
+            Verdict::Right,
+            "ray {ray}: {origin:?} {d:?} {u} {v} {:?}",
+            scene.triangles
+        );
+        judged += 1;
+        for weights in [[f32::NAN, v], [u, f32::NAN], [-1e-3, v], [u, 1.001 - u]] {
+            assert_eq!(verdict(weights), Verdict::Invalid);
+        }
+        // Swapped, of the wrong vertices, and off by a hundredth and a thousandth: less than single precision knows of slivers.
+        let wrong = [[v, u], [1.0 - u - v, u], [0.99 * u, v], [u, 0.999 * v]];
+        for (count, weights) in flagged.iter_mut().zip(wrong) {
+            *count += u32::from(verdict(weights) != Verdict::Right);
+        }
+    }
+    println!("{judged} hits, flagged {flagged:?}");
+    assert!(judged > 40_000, "{judged}");
+    let least = [0.8, 0.8, 0.6, 0.2];
+    for (count, least) in flagged.into_iter().zip(least) {
+        assert!(f64::from(count) > least * f64::from(judged), "{flagged:?} of {judged}");
     }
 }
 

@@ -70,7 +70,8 @@ fn by_perpendicular<L: Lane>(
     // The roots are c/q and q. Neither cancels: q has the sign of b, so nothing is subtracted. From outside the nearer one is c/q;
     // from inside the one in front is q where the centre lies ahead, c/q where it lies behind.
     let q = b + multiply(discriminant).sqrt().flip_sign(b);
-    let t = L::select(inside & ahead, divide(q), c / q);
+    // Asked of q and not of b, which from the very centre is a zero of either sign.
+    let t = L::select(inside & L::zero().lt(q), divide(q), c / q);
     (meets & L::zero().lt(t) & t.lt(limit), t)
 }
 

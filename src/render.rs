@@ -8,7 +8,7 @@ use crate::film::{Film, TileSums};
 use crate::integrate::queue::{MAX_PIXELS, Work};
 use crate::integrate::{Pipeline, Tile, World, generate as primary, pipeline_for};
 use crate::lane::F32x8;
-use crate::math::Hit;
+use crate::math::{Hit, MISS};
 use crate::scene::Scene;
 use crate::traverse::{Methods, Primitives, Visible};
 use rayon::prelude::*;
@@ -170,6 +170,8 @@ impl Renderer {
     /// The primary rays of one sample of every pixel, and what they hit, tile by tile.
     pub fn primary_hits(&self, sample: u32) -> Vec<PrimaryHit> {
         let mut work = Work::new();
+        let spheres = self.world.buffers.spheres.len() as u32;
+        let on_triangle = |primitive: u32| primitive != MISS && primitive >= spheres;
         let of_tile = |tile: Tile| {
             let count = match self.settings.lanes {
                 1 => primary::<f32, { Needs::ALL.0 }>(&self.world, tile, sample, &mut work),
@@ -187,7 +189,7 @@ impl Renderer {
                     direction: direction.get(0).to_array(),
                     t,
                     primitive,
-                    weights: [u, v],
+                    weights: if on_triangle(primitive) { [u, v] } else { [0.0; 2] },
                 }
             };
             slots.map(hit).collect::<Vec<_>>()

@@ -26,7 +26,7 @@ use rows::Rows;
 pub struct Buffers {
     pub needs: Needs,
     pub spheres: Spheres,
-    /// One row of eight a sphere: centre, radius, offset of leaving rays, material (bits), texture turn (see [`picture_turn`]), 0.
+    /// One row of eight a sphere: centre, radius, offset of leaving rays, material (bits), texture turn (see `picture_turn`), 0.
     pub sphere_rows: Rows,
     /// Two rows of eight a triangle: a, ab, offset, material (bits); ac, unit normal, 0, 0.
     pub triangle_rows: Rows,

@@ -6,9 +6,10 @@ mod common;
 use common::{Dice, empty, material, sphere, triangle};
 use glam::{Vec2, Vec3};
 use octray::buffers::Needs;
-use octray::render::{Renderer, Settings};
+use octray::render::{Renderer, Settings, Watch};
 use octray::scene::{Camera, Filter, Material, MaterialKind, Scene, Sky, Texels, Texture};
 use octray::traverse::{Methods, SphereChoice, TriangleChoice};
+use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 
 fn texture(dice: &mut Dice, width: u32, height: u32, filter: Filter) -> Texture {
     let mut number = || dice.unit() as f32;
@@ -212,6 +213,52 @@ fn picture_is_the_same_for_all_lanes_threads_tiles_and_calls() {
                 }
             }
         }
+    }
+}
+
+/// Stops after so many samples of tiles.
+struct StopAfter {
+    tiles: AtomicU32,
+    rays: AtomicU64,
+}
+
+impl Watch for StopAfter {
+    fn stop(&self) -> bool {
+        self.tiles.load(Ordering::SeqCst) == 0
+    }
+    fn done(&self, _pixels: usize, rays: u64) {
+        // Other threads may be at work on one more when the last one is counted.
+        let _ = self.tiles.fetch_update(Ordering::SeqCst, Ordering::SeqCst, |left| left.checked_sub(1));
+        self.rays.fetch_add(rays, Ordering::SeqCst);
+    }
+}
+
+#[test]
+fn picture_that_was_stopped_midway_is_of_whole_samples_and_goes_on_to_the_same() {
+    let scene = everything();
+    let base = Settings { tile_size: [7, 3], lanes: 8, ..base(&scene, [37, 23], 4) };
+    let prints: Vec<Print> = (0..=5).map(|samples| Print::of(&scene, base, &[samples])).collect();
+    for (threads, tiles) in [(1, 0), (1, 1), (1, 17), (2, 30), (1, 100), (3, 150)] {
+        let renderer = Renderer::new(&scene, Settings { threads, ..base });
+        let mut film = renderer.film();
+        let watch = StopAfter { tiles: tiles.into(), rays: 0.into() };
+        renderer.add_samples(&mut film, 1);
+        renderer.add_samples_watched(&mut film, 4, &watch);
+        let (least, most) = (film.samples(), film.most_samples());
+        assert!(least >= 1 && most <= 5 && (tiles == 0) == (most == 1), "{least} to {most} samples");
+        for (index, pixel) in film.picture().pixels.iter().enumerate() {
+            let bits = pixel.map(f32::to_bits);
+            let known = (least..=most).any(|samples| prints[samples as usize].pixels[index] == bits);
+            assert!(known, "pixel {index} is not that of {least} to {most} samples");
+        }
+        assert_eq!(film.rays(), prints[1].rays + watch.rays.into_inner(), "what was taken was counted");
+        renderer.add_samples(&mut film, 5 - least);
+        assert_eq!((film.samples(), film.most_samples()), (5, 5));
+        let pixels: Vec<_> = film.picture().pixels.iter().map(|pixel| pixel.map(f32::to_bits)).collect();
+        assert!(
+            pixels == prints[5].pixels && film.rays() == prints[5].rays,
+            "{threads} threads, {tiles} tiles"
+        );
     }
 }
 

@@ -48,6 +48,13 @@ fn bench_reports_every_engine_in_json() {
         assert!((number(&result["mrays_per_s"]) / mrays_per_s - 1.0).abs() < 1e-9, "{result}");
         assert!(result["needs"].as_array().unwrap().contains(&json!("spheres")), "{result}");
     }
+    // The speed-up stands with the faster engine.
+    for pair in results.chunks(2) {
+        assert_eq!(json!([pair[0]["speedup"]["rounds"], pair[0]["scaling"]]), json!([1, null]));
+        assert_eq!(json!([pair[1]["speedup"], pair[1]["scaling"]]), json!([null, null]));
+        let [median, low] = [&pair[0]["speedup"]["median"], &pair[0]["speedup"]["spread"][0]].map(number);
+        assert!(median > 0.0 && low == median, "one round has no spread: {}", pair[0]);
+    }
     // No speed without its accuracy.
     let accuracy = report["accuracy"].as_array().unwrap();
     assert_eq!(accuracy.len(), 2);
@@ -89,7 +96,10 @@ fn compare_reports_in_json_that_the_pictures_agree() {
         assert_eq!(json!([result["pixels"], result["samples"]]), json!([144, 2]));
         assert_eq!(json!([result["mismatched_pixels"], result["first_mismatch"]]), json!([0, null]));
         assert_eq!(result["reference"]["mismatched_hits"], 0);
-        assert!(number(&result["speedup"]) > 0.0);
+        let spread = [0, 1].map(|end| number(&result["speedup_spread"][end]));
+        let speedup = number(&result["speedup"]);
+        assert!(0.0 < spread[0] && spread[0] <= speedup && speedup <= spread[1], "{result}");
+        assert!(number(&result["speedup_rounds"]) >= 1.0, "{result}");
         assert!(number(&result["reference"]["rmse"]) <= number(&result["reference"]["max_abs"]));
     }
 }

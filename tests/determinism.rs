@@ -3,25 +3,13 @@
 
 mod common;
 
-use common::{Dice, empty, material, sphere, triangle};
+use common::{Dice, empty, material, noise, sphere, triangle};
 use glam::{Vec2, Vec3};
 use octray::buffers::Needs;
 use octray::render::{Renderer, Settings, Watch};
-use octray::scene::{Camera, Filter, Material, MaterialKind, Scene, Sky, Texels, Texture};
+use octray::scene::{Camera, Filter, Material, MaterialKind, Scene, Sky};
 use octray::traverse::{Methods, SphereChoice, TriangleChoice};
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
-
-fn texture(dice: &mut Dice, width: u32, height: u32, filter: Filter) -> Texture {
-    let mut number = || dice.unit() as f32;
-    let texels = (0..width * height).map(|_| [number(), number(), number(), 0.0]);
-    // Both forms of texels, by turns.
-    let texels = if width.is_multiple_of(2) {
-        Texels::Linear(texels.collect())
-    } else {
-        Texels::Display(texels.map(|texel| texel.map(|x| (255.0 * x) as u8)).collect())
-    };
-    Texture { name: "noise".into(), width, height, filter, texels }
-}
 
 fn colored(dice: &mut Dice, kind: MaterialKind) -> Material {
     let color = Vec3::new(dice.unit() as f32, dice.unit() as f32, dice.unit() as f32) * 0.5 + 0.5;
@@ -99,9 +87,9 @@ fn everything() -> Scene {
     materials[7].texture = Some(0);
     let mut scene = furnished(&mut dice, materials, 20, 12, true);
     scene.textures = vec![
-        texture(&mut dice, 5, 3, Filter::Nearest),
-        texture(&mut dice, 4, 7, Filter::Bilinear),
-        texture(&mut dice, 16, 8, Filter::Bilinear),
+        noise(&mut dice, 5, 3, Filter::Nearest),
+        noise(&mut dice, 4, 7, Filter::Bilinear),
+        noise(&mut dice, 16, 8, Filter::Bilinear),
     ];
     scene.sky = Sky::Texture { texture: 2, color: Vec3::new(1.0, 0.9, 0.8) };
     scene
@@ -132,7 +120,7 @@ fn few_textured() -> Scene {
     ];
     materials[0].texture = Some(0);
     materials[2].emission = Vec3::splat(2.0);
-    let textures = vec![texture(&mut dice, 6, 6, Filter::Nearest)];
+    let textures = vec![noise(&mut dice, 6, 6, Filter::Nearest)];
     Scene {
         textures,
         sky: Sky::Color(Vec3::new(0.4, 0.5, 0.6)),
@@ -146,7 +134,7 @@ fn triangles_alone() -> Scene {
     let mut materials =
         vec![colored(&mut dice, MaterialKind::Diffuse), colored(&mut dice, MaterialKind::Glass { ior: 1.3 })];
     materials[1].emission = Vec3::new(0.0, 0.3, 0.0);
-    let textures = vec![texture(&mut dice, 9, 5, Filter::Nearest)];
+    let textures = vec![noise(&mut dice, 9, 5, Filter::Nearest)];
     let sky = Sky::Texture { texture: 0, color: Vec3::ONE };
     Scene { textures, sky, ..furnished(&mut dice, materials, 0, 25, false) }
 }

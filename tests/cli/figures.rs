@@ -4,6 +4,8 @@ use crate::desk::Desk;
 use predicates::prelude::*;
 use predicates::str::contains;
 use serde_json::{Value, json};
+use std::path::Path;
+use std::process::Command;
 
 /// Asserts that an object has all of these keys.
 #[track_caller]
@@ -59,6 +61,29 @@ fn bench_reports_every_engine_in_json() {
     let accuracy = report["accuracy"].as_array().unwrap();
     assert_eq!(accuracy.len(), 2);
     assert!(accuracy.iter().all(|scene| scene["mismatched_pixels"] == 0), "{report}");
+}
+
+#[test]
+fn bench_names_the_commit_it_was_built_from() {
+    let desk = Desk::new();
+    let report = desk.json(&["bench", "scene.json", "--frames", "1", "--size", "8x8", "--json"]);
+    let named = report["machine"]["commit"].as_str().unwrap();
+    let git = |arguments: &[&str]| {
+        let output = Command::new("git").args(arguments).current_dir(env!("CARGO_MANIFEST_DIR")).output();
+        let output = output.ok().filter(|output| output.status.success());
+        output.map(|output| String::from_utf8(output.stdout).unwrap().trim().to_owned())
+    };
+    let here = Path::new(env!("CARGO_MANIFEST_DIR")).canonicalize().unwrap();
+    match git(&["rev-parse", "--show-toplevel"]) {
+        Some(top) if Path::new(&top).canonicalize().unwrap() == here => {
+            let head = git(&["rev-parse", "HEAD"]).unwrap();
+            assert!(
+                head.starts_with(named.trim_end_matches("+changes")),
+                "{named} is built in, {head} is here"
+            );
+        }
+        _ => assert_eq!(named, "unknown", "there is no checkout"),
+    }
 }
 
 #[test]

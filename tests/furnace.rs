@@ -198,7 +198,11 @@ fn packets_and_judge_agree_on_pictures_on_spheres_triangles_and_sky() {
             materials: vec![
                 shown(MaterialKind::Diffuse, 0),
                 lamp,
-                shown(MaterialKind::Metal { roughness: 0.0 }, 1),
+                // A path without red still carries light.
+                Material {
+                    color: Vec3::new(0.0, 0.8, 0.6),
+                    ..shown(MaterialKind::Metal { roughness: 0.0 }, 1)
+                },
             ],
             textures,
             spheres: vec![ball(-1.3, 0.15, 0), ball(0.0, 0.4, 1), ball(1.3, 0.7, 2)],

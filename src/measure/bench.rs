@@ -126,3 +126,23 @@ fn measurement(scene: &Scene, run: &Run, runs: &[Run]) -> Measurement {
         needs: renderer.needs().names(),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn measurement_gives_the_median_the_1_percent_low_and_the_spread_of_its_frames() {
+        let scene = crate::scene::load("builtin:three").unwrap();
+        let settings = Settings { resolution: [8, 8], ..Settings::of(&scene) };
+        let mut timed = Timed::new(Renderer::new(&scene, settings));
+        timed.turn(1, TURN);
+        timed.seconds = (1..=100).map(f64::from).collect();
+        let run = Run { engine: Engine { lanes: 8, threads: 1 }, timed };
+        let found = measurement(&scene, &run, &[]);
+        assert_eq!((found.frames, found.engine), (100, "simd"));
+        assert_eq!((found.fps_median, found.fps_low_1_percent), (1.0 / 50.5, 1.0 / 99.0));
+        assert_eq!(found.fps_spread, [1.0 / 90.0, 1.0 / 10.0]);
+        assert_eq!((found.speedup, found.scaling), (None, None), "nothing else was timed");
+    }
+}

@@ -198,3 +198,23 @@ fn judge(
         samples,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::traverse::SphereChoice;
+
+    #[test]
+    fn comparison_fails_for_pixels_samples_and_hits_but_not_for_naive_hits() {
+        let scene = crate::scene::load("builtin:three").unwrap();
+        let good = compare(&scene, Settings { resolution: [8, 8], ..Settings::of(&scene) }, 1);
+        let (default, naive) =
+            (Methods::default(), Methods { sphere: SphereChoice::Naive, ..Methods::default() });
+        assert!(!good.failed(default));
+        assert!(Comparison { mismatched_pixels: 1, ..good.clone() }.failed(naive));
+        assert!(Comparison { discarded_samples: 1, ..good.clone() }.failed(naive));
+        let hits = Judgement { mismatched_hits: 1, ..good.reference.clone() };
+        let wrong = Comparison { reference: hits, ..good };
+        assert!(wrong.failed(default) && !wrong.failed(naive));
+    }
+}

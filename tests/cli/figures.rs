@@ -1,6 +1,6 @@
 //! `octray bench` and `octray compare`: what their reports hold.
 
-use crate::desk::Desk;
+use crate::desk::{Desk, SCENE};
 use predicates::prelude::*;
 use predicates::str::contains;
 use serde_json::{Value, json};
@@ -100,6 +100,17 @@ fn bench_measures_the_width_and_threads_asked_for() {
 }
 
 #[test]
+fn bench_traces_the_paths_of_the_seed_asked_for() {
+    let desk = Desk::new();
+    let rays = |seed| {
+        let arguments = ["bench", "scene.json", "--frames", "1", "--size", "64x64", "--json", "--seed", seed];
+        number(&desk.json(&arguments)["results"][0]["rays_per_frame"])
+    };
+    assert_ne!(rays("1"), rays("2"));
+    assert_eq!(rays("1"), rays("1"));
+}
+
+#[test]
 fn bench_prints_a_row_a_scene_and_what_it_means() {
     let desk = Desk::new();
     let shown = desk.octray(&["bench", "scene.json", "--frames", "2", "--size", "8x8"]).assert().success();
@@ -134,4 +145,19 @@ fn compare_says_for_people_that_the_pictures_agree() {
     let desk = Desk::new();
     let shown = desk.octray(&["compare", "scene.json", "--samples", "1", "--size", "8x8"]).assert().success();
     shown.stdout(contains("the same, bit by bit"));
+}
+
+#[test]
+fn compare_counts_the_wrong_hits_of_a_naive_method_and_forgives_them() {
+    let desk = Desk::new();
+    // A small ball seen from far away: the naive equation cancels, the default one holds.
+    let far = SCENE.replace(r#""center": [0, 0, 0]"#, r#""center": [0, 0, -3000]"#).replace("40 }", "0.1 }");
+    desk.write("far.json", &far);
+    let wrong_hits = |method| {
+        let arguments =
+            ["compare", "far.json", "--samples", "1", "--size", "16x16", "--json", "--sphere", method];
+        number(&desk.json(&arguments)["results"][0]["reference"]["mismatched_hits"])
+    };
+    assert_eq!(wrong_hits("robust"), 0.0);
+    assert!(wrong_hits("naive") > 10.0);
 }

@@ -266,26 +266,6 @@ fn picture_is_the_same_at_odd_resolutions_and_every_number_of_bounces() {
     }
 }
 
-/// Packets look few primitives and materials up in registers and more of them in memory.
-#[test]
-fn picture_is_the_same_for_all_lanes_at_every_count_near_the_size_of_a_register() {
-    for count in 1..=18 {
-        let mut dice = Dice(55);
-        let materials = (0..count).map(|_| colored(&mut dice, MaterialKind::Diffuse)).collect();
-        let all = furnished(&mut dice, materials, count, count, false);
-        let few = |scene: Scene| Scene { materials: vec![material(MaterialKind::Diffuse)], ..scene };
-        let mut triangles = few(Scene { spheres: Vec::new(), ..all.clone() });
-        triangles.triangles.iter_mut().for_each(|triangle| triangle.material = 0);
-        let mut spheres = few(Scene { triangles: Vec::new(), ..all.clone() });
-        spheres.spheres.iter_mut().for_each(|sphere| sphere.material = 0);
-        for scene in [all, triangles, spheres] {
-            let base = base(&scene, [37, 23], 4);
-            let settings = Settings { lanes: 8, ..base };
-            Print::of(&scene, settings, &[1]).assert_same(&Print::of(&scene, base, &[1]), settings, &[1]);
-        }
-    }
-}
-
 #[test]
 fn picture_is_the_same_for_all_lanes_with_every_choice_of_equations() {
     let scene = everything();

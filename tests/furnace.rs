@@ -214,3 +214,26 @@ fn packets_and_judge_agree_on_pictures_on_spheres_triangles_and_sky() {
         assert_agrees(&format!("{filter:?}"), &scene, 4, 0.02);
     }
 }
+
+/// Few primitives and materials are looked up in tables of eight, alike at both widths: a table that is too short shows only here.
+#[test]
+fn packets_and_judge_agree_at_every_count_near_the_size_of_a_table() {
+    for count in [1, 4, 5, 8, 9, 12] {
+        let mut dice = Dice(62);
+        let mut scene = empty();
+        for i in 0..count {
+            let color = Vec3::new(0.2, 0.5, 0.9) + 0.1 * dice.in_cube().as_vec3();
+            scene.materials.push(Material { color, ..material(MaterialKind::Diffuse) });
+            let center = Vec3::new((i % 4) as f32 - 1.5, (i / 4) as f32 - 1.0, 0.0);
+            scene.spheres.push(sphere(center - Vec3::Z, 0.4, i));
+            let vertices = [(); 3].map(|()| center + 0.5 * dice.direction().as_vec3());
+            scene.triangles.push(triangle(vertices, i));
+        }
+        scene.sky = Sky::Gradient { bottom: Vec3::new(0.2, 0.3, 0.1), top: Vec3::new(2.0, 1.0, 3.0) };
+        let triangles = Scene { spheres: Vec::new(), ..scene.clone() };
+        let spheres = Scene { triangles: Vec::new(), ..scene.clone() };
+        for (name, scene) in [("both", scene), ("triangles", triangles), ("spheres", spheres)] {
+            assert_agrees(&format!("{count} {name}"), &scene, 4, 0.02);
+        }
+    }
+}

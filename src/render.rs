@@ -1,6 +1,6 @@
 //! From a scene to a film: tiles as rayon jobs.
 //!
-//! For: [`Renderer`]. May import: `film` and everything above it. Must never know: files, terminals, clocks.
+//! For: [`Renderer`], and [`Watch`] to follow it and stop it. May import: `film` and everything above it. Must never know: files, terminals, clocks.
 
 use crate::buffers::{Buffers, Needs};
 use crate::camera::Pinhole;
@@ -91,6 +91,21 @@ pub struct PrimaryHit {
     pub weights: [f32; 2],
 }
 
+/// What looks on while samples are taken, from all threads at once. `()` does not care.
+pub trait Watch: Sync {
+    /// Asked before each sample of a tile: shall no more be taken?
+    fn stop(&self) -> bool;
+    /// Told after each sample of a tile: so many pixels, and the rays that it took.
+    fn done(&self, pixels: usize, rays: u64);
+}
+
+impl Watch for () {
+    fn stop(&self) -> bool {
+        false
+    }
+    fn done(&self, _pixels: usize, _rays: u64) {}
+}
+
 /// A scene made ready for tracing.
 pub struct Renderer {
     settings: Settings,
@@ -156,15 +171,19 @@ impl Renderer {
             None => run(),
         }
     }
-    /// Adds `samples` samples to every pixel; they are numbered on from those the film holds.
+    /// Adds `samples` samples to every pixel; they are numbered on from those it has had.
     pub fn add_samples(&self, film: &mut Film, samples: u32) {
-        let first = film.samples;
-        let add = |sums: &mut TileSums| self.add_to_tile(sums, first, samples);
+        self.add_samples_watched(film, samples, &());
+    }
+    /// Brings every pixel to `samples` more than [`Film::samples`], unless `watch` stops it before. Then tiles are left with different
+    /// numbers of samples, all of them whole: a pixel's bits are those that its own number gives it in any other film.
+    pub fn add_samples_watched(&self, film: &mut Film, samples: u32, watch: &dyn Watch) {
+        let goal = film.samples() + samples;
+        let add = |sums: &mut TileSums| self.add_to_tile(sums, goal, watch);
         film.rays += match &self.pool {
             Some(pool) => pool.install(|| film.tiles.par_iter_mut().map(add).sum::<u64>()),
             None => film.tiles.iter_mut().map(add).sum::<u64>(),
         };
-        film.samples += samples;
     }
 
     /// The primary rays of one sample of every pixel, and what they hit, tile by tile.
@@ -197,14 +216,17 @@ impl Renderer {
         Tile::cover(self.settings.resolution, self.settings.tile_size).flat_map(of_tile).collect()
     }
 
-    fn add_to_tile(&self, sums: &mut TileSums, first: u32, samples: u32) -> u64 {
+    /// Takes samples until the tile has had `goal`; returns the rays.
+    fn add_to_tile(&self, sums: &mut TileSums, goal: u32, watch: &dyn Watch) -> u64 {
         let thread = if self.pool.is_some() { rayon::current_thread_index().unwrap_or(0) } else { 0 };
         let mut work = self.work[thread].lock().expect("no thread panicked with its working memory");
-        let mut rays = 0;
-        for sample in first..first + samples {
-            rays += (self.pipeline)(&self.world, sums.tile, sample, &mut work);
+        let mut total = 0;
+        while sums.samples < goal && !watch.stop() {
+            let rays = (self.pipeline)(&self.world, sums.tile, sums.samples, &mut work);
             sums.add(work.radiance());
+            watch.done(sums.tile.pixels(), rays);
+            total += rays;
         }
-        rays
+        total
     }
 }

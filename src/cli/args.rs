@@ -110,9 +110,9 @@ pub struct CompareArgs {
 /// The file's extension names its format: .png and .jpg for screens (exposure, tone mapping, sRGB), .exr and .hdr for the
 /// linear radiance. The file appears whole, at the end; one that was there before is replaced then.
 ///
-/// Ctrl-C ends the rendering early, when every pixel has had the sample that is being taken: the samples so far are written as a
-/// picture, the exit code is 130, and with --json `interrupted` is true. A second Ctrl-C ends the program at once and writes
-/// nothing.
+/// Ctrl-C ends the rendering early: the samples so far are written as a picture, the exit code is 130, and with --json `interrupted` is
+/// true. In scenes where a sample takes long, some parts of the picture then have one sample more than others; those that have had none
+/// are black. A second Ctrl-C ends the program at once and writes nothing.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   octray render builtin:three -o three.png

@@ -1,9 +1,11 @@
 //! `octray bench` and `octray compare`: what their reports hold.
 
-use crate::desk::Desk;
+use crate::desk::{Desk, SCENE};
 use predicates::prelude::*;
 use predicates::str::contains;
 use serde_json::{Value, json};
+use std::path::Path;
+use std::process::Command;
 
 /// Asserts that an object has all of these keys.
 #[track_caller]
@@ -48,10 +50,40 @@ fn bench_reports_every_engine_in_json() {
         assert!((number(&result["mrays_per_s"]) / mrays_per_s - 1.0).abs() < 1e-9, "{result}");
         assert!(result["needs"].as_array().unwrap().contains(&json!("spheres")), "{result}");
     }
+    // The speed-up stands with the faster engine.
+    for pair in results.chunks(2) {
+        assert_eq!(json!([pair[0]["speedup"]["rounds"], pair[0]["scaling"]]), json!([1, null]));
+        assert_eq!(json!([pair[1]["speedup"], pair[1]["scaling"]]), json!([null, null]));
+        let [median, low] = [&pair[0]["speedup"]["median"], &pair[0]["speedup"]["spread"][0]].map(number);
+        assert!(median > 0.0 && low == median, "one round has no spread: {}", pair[0]);
+    }
     // No speed without its accuracy.
     let accuracy = report["accuracy"].as_array().unwrap();
     assert_eq!(accuracy.len(), 2);
     assert!(accuracy.iter().all(|scene| scene["mismatched_pixels"] == 0), "{report}");
+}
+
+#[test]
+fn bench_names_the_commit_it_was_built_from() {
+    let desk = Desk::new();
+    let report = desk.json(&["bench", "scene.json", "--frames", "1", "--size", "8x8", "--json"]);
+    let named = report["machine"]["commit"].as_str().unwrap();
+    let git = |arguments: &[&str]| {
+        let output = Command::new("git").args(arguments).current_dir(env!("CARGO_MANIFEST_DIR")).output();
+        let output = output.ok().filter(|output| output.status.success());
+        output.map(|output| String::from_utf8(output.stdout).unwrap().trim().to_owned())
+    };
+    let here = Path::new(env!("CARGO_MANIFEST_DIR")).canonicalize().unwrap();
+    match git(&["rev-parse", "--show-toplevel"]) {
+        Some(top) if Path::new(&top).canonicalize().unwrap() == here => {
+            let head = git(&["rev-parse", "HEAD"]).unwrap();
+            assert!(
+                head.starts_with(named.trim_end_matches("+changes")),
+                "{named} is built in, {head} is here"
+            );
+        }
+        _ => assert_eq!(named, "unknown", "there is no checkout"),
+    }
 }
 
 #[test]
@@ -81,6 +113,17 @@ fn bench_and_compare_take_the_pipeline_asked_for() {
 }
 
 #[test]
+fn bench_traces_the_paths_of_the_seed_asked_for() {
+    let desk = Desk::new();
+    let rays = |seed| {
+        let arguments = ["bench", "scene.json", "--frames", "1", "--size", "64x64", "--json", "--seed", seed];
+        number(&desk.json(&arguments)["results"][0]["rays_per_frame"])
+    };
+    assert_ne!(rays("1"), rays("2"));
+    assert_eq!(rays("1"), rays("1"));
+}
+
+#[test]
 fn bench_prints_a_row_a_scene_and_what_it_means() {
     let desk = Desk::new();
     let shown = desk.octray(&["bench", "scene.json", "--frames", "2", "--size", "8x8"]).assert().success();
@@ -102,7 +145,10 @@ fn compare_reports_in_json_that_the_pictures_agree() {
         assert_eq!(json!([result["pixels"], result["samples"]]), json!([144, 2]));
         assert_eq!(json!([result["mismatched_pixels"], result["first_mismatch"]]), json!([0, null]));
         assert_eq!(result["reference"]["mismatched_hits"], 0);
-        assert!(number(&result["speedup"]) > 0.0);
+        let spread = [0, 1].map(|end| number(&result["speedup_spread"][end]));
+        let speedup = number(&result["speedup"]);
+        assert!(0.0 < spread[0] && spread[0] <= speedup && speedup <= spread[1], "{result}");
+        assert!(number(&result["speedup_rounds"]) >= 1.0, "{result}");
         assert!(number(&result["reference"]["rmse"]) <= number(&result["reference"]["max_abs"]));
     }
 }
@@ -112,4 +158,19 @@ fn compare_says_for_people_that_the_pictures_agree() {
     let desk = Desk::new();
     let shown = desk.octray(&["compare", "scene.json", "--samples", "1", "--size", "8x8"]).assert().success();
     shown.stdout(contains("the same, bit by bit"));
+}
+
+#[test]
+fn compare_counts_the_wrong_hits_of_a_naive_method_and_forgives_them() {
+    let desk = Desk::new();
+    // A small ball seen from far away: the naive equation cancels, the default one holds.
+    let far = SCENE.replace(r#""center": [0, 0, 0]"#, r#""center": [0, 0, -3000]"#).replace("40 }", "0.1 }");
+    desk.write("far.json", &far);
+    let wrong_hits = |method| {
+        let arguments =
+            ["compare", "far.json", "--samples", "1", "--size", "16x16", "--json", "--sphere", method];
+        number(&desk.json(&arguments)["results"][0]["reference"]["mismatched_hits"])
+    };
+    assert_eq!(wrong_hits("robust"), 0.0);
+    assert!(wrong_hits("naive") > 10.0);
 }

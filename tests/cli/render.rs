@@ -47,6 +47,7 @@ fn render_reports_in_json_what_it_did() {
         ("width", 4),
         ("height", 3),
         ("samples", 2),
+        ("most_samples", 2),
         ("max_bounces", 1),
         ("seed", 7),
         ("discarded_samples", 0),
@@ -58,7 +59,7 @@ fn render_reports_in_json_what_it_did() {
     }
     assert_eq!(report["interrupted"], false);
     assert!(report["seconds"].is_f64() && report["mrays_per_s"].is_f64() && report["rays"].is_u64());
-    assert_eq!(report.as_object().unwrap().len(), 13);
+    assert_eq!(report.as_object().unwrap().len(), 14);
 }
 
 #[test]

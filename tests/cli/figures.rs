@@ -4,6 +4,7 @@ use crate::desk::{Desk, SCENE};
 use predicates::prelude::*;
 use predicates::str::contains;
 use serde_json::{Value, json};
+use std::fs;
 use std::path::Path;
 use std::process::Command;
 
@@ -158,6 +159,29 @@ fn compare_says_for_people_that_the_pictures_agree() {
     let desk = Desk::new();
     let shown = desk.octray(&["compare", "scene.json", "--samples", "1", "--size", "8x8"]).assert().success();
     shown.stdout(contains("the same, bit by bit"));
+}
+
+/// Light beyond single precision: a picture of nearly the brightest texel there is, brightened further.
+#[test]
+fn bench_and_compare_exit_with_1_when_a_check_failed() {
+    let desk = Desk::new();
+    let texel = [128, 128, 128, 255];
+    fs::write(
+        desk.path("sun.hdr"),
+        [b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 1\n", &texel[..]].concat(),
+    )
+    .unwrap();
+    let sky = r#"{ "texture": "sun.hdr", "color": [1e18, 1e18, 1e18] }"#;
+    desk.write("overflow.json", &SCENE.replace(r#"{ "color": [0.5, 0.7, 1.0] }"#, sky));
+    // The good scene comes last: it must not make up for the other.
+    let scenes = ["overflow.json", "scene.json", "--size", "8x8"];
+    for command in [["compare", "--samples", "1"], ["bench", "--frames", "1"]] {
+        desk.octray(&[&command[..], &scenes].concat()).assert().code(1);
+    }
+    let failed = desk.octray(&["compare", "overflow.json", "--samples", "1", "--size", "8x8", "--json"]);
+    let failed = { failed }.assert().code(1);
+    let report: Value = serde_json::from_slice(&failed.get_output().stdout).unwrap();
+    assert!(number(&report["results"][0]["discarded_samples"]) > 0.0, "{report}");
 }
 
 #[test]

@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 fn main() {
-    // What decides the commit's `+changes`.
-    const SOURCES: [&str; 4] = ["src", "build.rs", "Cargo.toml", "Cargo.lock"];
+    // What decides the commit's `+changes`: all that goes into the program, the scenes inside it included.
+    const SOURCES: [&str; 6] = ["src", "scenes", "build.rs", "Cargo.toml", "Cargo.lock", ".cargo"];
     let mut watched: Vec<PathBuf> = SOURCES.iter().map(PathBuf::from).collect();
 
     let commit = if is_checkout() { git(&["rev-parse", "--short=12", "HEAD"]) } else { None };

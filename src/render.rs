@@ -1,6 +1,6 @@
 //! From a scene to a film: tiles as rayon jobs.
 //!
-//! For: [`Renderer`]. May import: `film` and everything above it. Must never know: files, terminals, clocks.
+//! For: [`Renderer`], and [`Watch`] to follow it and stop it. May import: `film` and everything above it. Must never know: files, terminals, clocks.
 
 use crate::buffers::{Buffers, Needs};
 use crate::camera::Pinhole;
@@ -8,13 +8,23 @@ use crate::film::{Film, TileSums};
 use crate::integrate::queue::{MAX_PIXELS, Work};
 use crate::integrate::{Pipeline, Tile, World, generate as primary, pipeline_for};
 use crate::lane::F32x8;
-use crate::math::Hit;
+use crate::math::{Hit, MISS};
 use crate::scene::Scene;
 use crate::traverse::{Methods, Primitives, Visible};
 use rayon::prelude::*;
 use std::sync::Mutex;
 
-/// What decides a picture besides the scene, and how it is computed: `lanes`, `threads` and `tile_size` change no bit.
+/// Which of the pipelines in [`crate::integrate`] a scene gets.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum PipelineChoice {
+    /// The one compiled for the smallest set of features that holds the scene's needs.
+    #[default]
+    Needed,
+    /// The one with every feature: to measure and to test what leaving features out is worth.
+    General,
+}
+
+/// What decides a picture besides the scene, and how it is computed: `lanes`, `threads`, `tile_size` and `pipeline` change no bit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
     /// Pixels: width, height.
@@ -29,6 +39,7 @@ pub struct Settings {
     pub threads: usize,
     /// Pixels of a tile: width, height; at most [`MAX_PIXELS`] together.
     pub tile_size: [u32; 2],
+    pub pipeline: PipelineChoice,
 }
 
 impl Settings {
@@ -42,6 +53,7 @@ impl Settings {
             lanes: 8,
             threads: 1,
             tile_size: Self::TILE_SIZE,
+            pipeline: PipelineChoice::default(),
         }
     }
     /// Rows of whole packets, and a queue that stays in the first-level cache.
@@ -75,6 +87,23 @@ pub struct PrimaryHit {
     pub t: f32,
     /// [`crate::math::MISS`] for a miss.
     pub primitive: u32,
+    /// Barycentric weights of a triangle's second and third vertex; 0 elsewhere.
+    pub weights: [f32; 2],
+}
+
+/// What looks on while samples are taken, from all threads at once. `()` does not care.
+pub trait Watch: Sync {
+    /// Asked before each sample of a tile: shall no more be taken?
+    fn stop(&self) -> bool;
+    /// Told after each sample of a tile: so many pixels, and the rays that it took.
+    fn done(&self, pixels: usize, rays: u64);
+}
+
+impl Watch for () {
+    fn stop(&self) -> bool {
+        false
+    }
+    fn done(&self, _pixels: usize, _rays: u64) {}
 }
 
 /// A scene made ready for tracing.
@@ -113,7 +142,11 @@ impl Renderer {
             max_bounces: settings.max_bounces,
             seed: settings.seed,
         };
-        let pipeline = pipeline_for(world.buffers.needs, lanes);
+        let features = match settings.pipeline {
+            PipelineChoice::Needed => world.buffers.needs,
+            PipelineChoice::General => Needs::ALL,
+        };
+        let pipeline = pipeline_for(features, lanes);
         let pool = (threads > 1).then(|| {
             rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("the system gives threads")
         });
@@ -138,20 +171,26 @@ impl Renderer {
             None => run(),
         }
     }
-    /// Adds `samples` samples to every pixel; they are numbered on from those the film holds.
+    /// Adds `samples` samples to every pixel; they are numbered on from those it has had.
     pub fn add_samples(&self, film: &mut Film, samples: u32) {
-        let first = film.samples;
-        let add = |sums: &mut TileSums| self.add_to_tile(sums, first, samples);
+        self.add_samples_watched(film, samples, &());
+    }
+    /// Brings every pixel to `samples` more than [`Film::samples`], unless `watch` stops it before. Then tiles are left with different
+    /// numbers of samples, all of them whole: a pixel's bits are those that its own number gives it in any other film.
+    pub fn add_samples_watched(&self, film: &mut Film, samples: u32, watch: &dyn Watch) {
+        let goal = film.samples() + samples;
+        let add = |sums: &mut TileSums| self.add_to_tile(sums, goal, watch);
         film.rays += match &self.pool {
             Some(pool) => pool.install(|| film.tiles.par_iter_mut().map(add).sum::<u64>()),
             None => film.tiles.iter_mut().map(add).sum::<u64>(),
         };
-        film.samples += samples;
     }
 
     /// The primary rays of one sample of every pixel, and what they hit, tile by tile.
     pub fn primary_hits(&self, sample: u32) -> Vec<PrimaryHit> {
         let mut work = Work::new();
+        let spheres = self.world.buffers.spheres.len() as u32;
+        let on_triangle = |primitive: u32| primitive != MISS && primitive >= spheres;
         let of_tile = |tile: Tile| {
             let count = match self.settings.lanes {
                 1 => primary::<f32, { Needs::ALL.0 }>(&self.world, tile, sample, &mut work),
@@ -161,7 +200,7 @@ impl Renderer {
             let hit = |slot: u32| {
                 let at = slot as usize;
                 let (direction, _) = work.queue.primary::<f32>(at);
-                let Hit { t, primitive, .. } = work.queue.hit::<f32>(at);
+                let Hit { t, primitive, u, v } = work.queue.hit::<f32>(at);
                 PrimaryHit {
                     x: tile.x + slot % tile.width,
                     y: tile.y + slot / tile.width,
@@ -169,6 +208,7 @@ impl Renderer {
                     direction: direction.get(0).to_array(),
                     t,
                     primitive,
+                    weights: if on_triangle(primitive) { [u, v] } else { [0.0; 2] },
                 }
             };
             slots.map(hit).collect::<Vec<_>>()
@@ -176,14 +216,17 @@ impl Renderer {
         Tile::cover(self.settings.resolution, self.settings.tile_size).flat_map(of_tile).collect()
     }
 
-    fn add_to_tile(&self, sums: &mut TileSums, first: u32, samples: u32) -> u64 {
+    /// Takes samples until the tile has had `goal`; returns the rays.
+    fn add_to_tile(&self, sums: &mut TileSums, goal: u32, watch: &dyn Watch) -> u64 {
         let thread = if self.pool.is_some() { rayon::current_thread_index().unwrap_or(0) } else { 0 };
         let mut work = self.work[thread].lock().expect("no thread panicked with its working memory");
-        let mut rays = 0;
-        for sample in first..first + samples {
-            rays += (self.pipeline)(&self.world, sums.tile, sample, &mut work);
+        let mut total = 0;
+        while sums.samples < goal && !watch.stop() {
+            let rays = (self.pipeline)(&self.world, sums.tile, sums.samples, &mut work);
             sums.add(work.radiance());
+            watch.done(sums.tile.pixels(), rays);
+            total += rays;
         }
-        rays
+        total
     }
 }

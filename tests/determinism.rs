@@ -3,24 +3,14 @@
 
 mod common;
 
-use common::{Dice, empty, material, sphere, triangle};
+use common::{Dice, empty, material, noise, sphere, triangle};
 use glam::{Vec2, Vec3};
 use octray::buffers::Needs;
-use octray::render::{Renderer, Settings};
-use octray::scene::{Camera, Filter, Material, MaterialKind, Scene, Sky, Texels, Texture};
+use octray::integrate::pipeline_for;
+use octray::render::{PipelineChoice, Renderer, Settings, Watch};
+use octray::scene::{Camera, Filter, Material, MaterialKind, Scene, Side, Sky, builtin_names, load};
 use octray::traverse::{Methods, SphereChoice, TriangleChoice};
-
-fn texture(dice: &mut Dice, width: u32, height: u32, filter: Filter) -> Texture {
-    let mut number = || dice.unit() as f32;
-    let texels = (0..width * height).map(|_| [number(), number(), number(), 0.0]);
-    // Both forms of texels, by turns.
-    let texels = if width.is_multiple_of(2) {
-        Texels::Linear(texels.collect())
-    } else {
-        Texels::Display(texels.map(|texel| texel.map(|x| (255.0 * x) as u8)).collect())
-    };
-    Texture { name: "noise".into(), width, height, filter, texels }
-}
+use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 
 fn colored(dice: &mut Dice, kind: MaterialKind) -> Material {
     let color = Vec3::new(dice.unit() as f32, dice.unit() as f32, dice.unit() as f32) * 0.5 + 0.5;
@@ -49,7 +39,8 @@ fn furnished(
     for i in 0..spheres {
         let center = (dice.in_cube() * 2.0).as_vec3();
         let ball = sphere(center, dice.scale(0.3, 0.9) as f32, (i % count) as u32);
-        scene.spheres.push(octray::scene::Sphere { turn: dice.unit() as f32, ..ball });
+        let picture_from = [Side::Outside, Side::Inside][i % 2];
+        scene.spheres.push(octray::scene::Sphere { turn: dice.unit() as f32, picture_from, ..ball });
     }
     for i in 0..triangles {
         let center = dice.in_cube() * 2.0;
@@ -98,9 +89,9 @@ fn everything() -> Scene {
     materials[7].texture = Some(0);
     let mut scene = furnished(&mut dice, materials, 20, 12, true);
     scene.textures = vec![
-        texture(&mut dice, 5, 3, Filter::Nearest),
-        texture(&mut dice, 4, 7, Filter::Bilinear),
-        texture(&mut dice, 16, 8, Filter::Bilinear),
+        noise(&mut dice, 5, 3, Filter::Nearest),
+        noise(&mut dice, 4, 7, Filter::Bilinear),
+        noise(&mut dice, 16, 8, Filter::Bilinear),
     ];
     scene.sky = Sky::Texture { texture: 2, color: Vec3::new(1.0, 0.9, 0.8) };
     scene
@@ -131,7 +122,7 @@ fn few_textured() -> Scene {
     ];
     materials[0].texture = Some(0);
     materials[2].emission = Vec3::splat(2.0);
-    let textures = vec![texture(&mut dice, 6, 6, Filter::Nearest)];
+    let textures = vec![noise(&mut dice, 6, 6, Filter::Nearest)];
     Scene {
         textures,
         sky: Sky::Color(Vec3::new(0.4, 0.5, 0.6)),
@@ -145,9 +136,34 @@ fn triangles_alone() -> Scene {
     let mut materials =
         vec![colored(&mut dice, MaterialKind::Diffuse), colored(&mut dice, MaterialKind::Glass { ior: 1.3 })];
     materials[1].emission = Vec3::new(0.0, 0.3, 0.0);
-    let textures = vec![texture(&mut dice, 9, 5, Filter::Nearest)];
+    let textures = vec![noise(&mut dice, 9, 5, Filter::Nearest)];
     let sky = Sky::Texture { texture: 0, color: Vec3::ONE };
     Scene { textures, sky, ..furnished(&mut dice, materials, 0, 25, false) }
+}
+
+/// A tilted mirror, seen so much from the side that rounding points some reflections below it, and behind it a red light that shows
+/// what starts below the mirror.
+fn grazed_mirror() -> Scene {
+    let mut materials =
+        vec![material(MaterialKind::Metal { roughness: 0.0 }), material(MaterialKind::Emitter)];
+    materials[1].emission = Vec3::new(5.0, 0.0, 0.0);
+    let along = Vec3::new(0.6, 0.3, -0.7).normalize();
+    let across = along.cross(Vec3::new(0.2, 0.9, 0.1)).normalize();
+    let above = across.cross(along);
+    let point =
+        |forwards: f32, sideways: f32, height: f32| along * forwards + across * sideways + above * height;
+    let far = 1e5;
+    let mirror = [point(-far, -far, 0.0), point(far, 3.0 * far, 0.0), point(far, -3.0 * far, 0.0)];
+    // Paths leave the mirror about one unit from it; the light ends a little below it.
+    let light =
+        [point(2.0 * far, -3.0 * far, -0.4), point(2.0 * far, 3.0 * far, -0.4), point(2.0 * far, 0.0, -far)];
+    let position = point(0.0, 0.0, 1e-3);
+    Scene {
+        camera: Camera { position, look_at: position + along * 100.0, up: above, vertical_fov: 5e-5 },
+        materials,
+        triangles: vec![triangle(mirror, 0), triangle(light, 1)],
+        ..empty()
+    }
 }
 
 /// A picture's bits, and how many rays it took.
@@ -213,6 +229,70 @@ fn picture_is_the_same_for_all_lanes_threads_tiles_and_calls() {
             }
         }
     }
+}
+
+/// Stops after so many samples of tiles.
+struct StopAfter {
+    tiles: AtomicU32,
+    rays: AtomicU64,
+}
+
+impl Watch for StopAfter {
+    fn stop(&self) -> bool {
+        self.tiles.load(Ordering::SeqCst) == 0
+    }
+    fn done(&self, _pixels: usize, rays: u64) {
+        // Other threads may be at work on one more when the last one is counted.
+        let _ = self.tiles.fetch_update(Ordering::SeqCst, Ordering::SeqCst, |left| left.checked_sub(1));
+        self.rays.fetch_add(rays, Ordering::SeqCst);
+    }
+}
+
+#[test]
+fn picture_that_was_stopped_midway_is_of_whole_samples_and_goes_on_to_the_same() {
+    let scene = everything();
+    let base = Settings { tile_size: [7, 3], lanes: 8, ..base(&scene, [37, 23], 4) };
+    let prints: Vec<Print> = (0..=5).map(|samples| Print::of(&scene, base, &[samples])).collect();
+    for (threads, tiles) in [(1, 0), (1, 1), (1, 17), (2, 30), (1, 100), (3, 150)] {
+        let renderer = Renderer::new(&scene, Settings { threads, ..base });
+        let mut film = renderer.film();
+        let watch = StopAfter { tiles: tiles.into(), rays: 0.into() };
+        renderer.add_samples(&mut film, 1);
+        renderer.add_samples_watched(&mut film, 4, &watch);
+        let (least, most) = (film.samples(), film.most_samples());
+        assert!(least >= 1 && most <= 5 && (tiles == 0) == (most == 1), "{least} to {most} samples");
+        for (index, pixel) in film.picture().pixels.iter().enumerate() {
+            let bits = pixel.map(f32::to_bits);
+            let known = (least..=most).any(|samples| prints[samples as usize].pixels[index] == bits);
+            assert!(known, "pixel {index} is not that of {least} to {most} samples");
+        }
+        assert_eq!(film.rays(), prints[1].rays + watch.rays.into_inner(), "what was taken was counted");
+        renderer.add_samples(&mut film, 5 - least);
+        assert_eq!((film.samples(), film.most_samples()), (5, 5));
+        let pixels: Vec<_> = film.picture().pixels.iter().map(|pixel| pixel.map(f32::to_bits)).collect();
+        assert!(
+            pixels == prints[5].pixels && film.rays() == prints[5].rays,
+            "{threads} threads, {tiles} tiles"
+        );
+    }
+}
+
+#[test]
+fn picture_is_the_same_from_the_pipeline_with_every_feature() {
+    let builtin = builtin_names().map(|name| load(&format!("builtin:{name}")).unwrap());
+    let own = [everything(), matt_and_mirror(), few_textured(), triangles_alone(), grazed_mirror()];
+    let mut specialised = 0;
+    for scene in builtin.chain(own) {
+        for lanes in [1, 8] {
+            let needed = Settings { lanes, ..base(&scene, [61, 37], 6) };
+            let general = Settings { pipeline: PipelineChoice::General, ..needed };
+            Print::of(&scene, general, &[5]).assert_same(&Print::of(&scene, needed, &[5]), general, &[5]);
+            let pipelines = [Needs::of(&scene), Needs::ALL].map(|needs| pipeline_for(needs, lanes));
+            specialised += u32::from(!std::ptr::fn_addr_eq(pipelines[0], pipelines[1]));
+        }
+    }
+    // The test means something only where there are two pipelines.
+    assert!(specialised >= 8, "only {specialised} scenes and widths have a pipeline of their own");
 }
 
 #[test]

@@ -6,12 +6,14 @@
 
 mod common;
 
-use common::{empty, material, sphere, triangle};
-use glam::Vec3;
+use common::{Dice, empty, material, noise, sphere, triangle};
+use glam::{Vec2, Vec3};
+use octray::buffers::Needs;
 use octray::film::Picture;
+use octray::integrate::pipeline_for;
 use octray::reference::{PathSettings, Reference};
 use octray::render::{Renderer, Settings};
-use octray::scene::{Camera, Material, MaterialKind, Scene, Sky};
+use octray::scene::{Camera, Filter, Material, MaterialKind, Scene, Sky, Sphere};
 
 /// Two balls over a floor, all of one material: paths go back and forth between them.
 fn room(kind: MaterialKind) -> Scene {
@@ -179,4 +181,76 @@ fn packets_and_judge_agree_on_the_furnace_of_ggx() {
     for roughness in [0.1, 0.3, 0.6, 1.0] {
         assert_agrees(&format!("GGX {roughness}"), &room(MaterialKind::Metal { roughness }), 50, 0.02);
     }
+}
+
+/// A tilted wall behind three balls, all with pictures on them, under a sky that is one.
+#[test]
+fn packets_and_judge_agree_on_pictures_on_spheres_triangles_and_sky() {
+    for filter in [Filter::Nearest, Filter::Bilinear] {
+        let mut dice = Dice(61);
+        let textures = vec![noise(&mut dice, 7, 5, filter), noise(&mut dice, 4, 6, filter)];
+        let shown = |kind, texture| Material { texture: Some(texture), ..material(kind) };
+        let lamp = Material { emission: Vec3::new(1.0, 2.0, 0.5), ..shown(MaterialKind::Emitter, 1) };
+        let wall = [Vec3::new(-6.0, -5.0, -2.0), Vec3::new(6.0, -4.0, -1.0), Vec3::new(1.0, 6.0, -3.0)];
+        let ball = |x: f32, turn: f32, material: u32| Sphere {
+            turn,
+            ..sphere(Vec3::new(x, 0.2 * x, 0.0), 0.6, material)
+        };
+        let scene = Scene {
+            materials: vec![
+                shown(MaterialKind::Diffuse, 0),
+                lamp,
+                // A path without red still carries light.
+                Material {
+                    color: Vec3::new(0.0, 0.8, 0.6),
+                    ..shown(MaterialKind::Metal { roughness: 0.0 }, 1)
+                },
+            ],
+            textures,
+            spheres: vec![ball(-1.3, 0.15, 0), ball(0.0, 0.4, 1), ball(1.3, 0.7, 2)],
+            triangles: vec![triangle(wall, 0)],
+            uvs: vec![[Vec2::new(0.1, 0.2), Vec2::new(2.3, 0.4), Vec2::new(0.7, 1.9)]],
+            sky: Sky::Texture { texture: 0, color: Vec3::new(1.0, 0.5, 2.0) },
+            ..empty()
+        };
+        assert_agrees(&format!("{filter:?}"), &scene, 4, 0.02);
+    }
+}
+
+/// Few primitives and materials are looked up in tables of eight, alike at both widths: a table that is too short shows only here. The
+/// two skies are those of the two pipelines that have such tables.
+#[test]
+fn packets_and_judge_agree_at_every_count_near_the_size_of_a_table() {
+    for count in [1, 4, 5, 8, 9, 12] {
+        let mut dice = Dice(62);
+        let mut scene = empty();
+        for i in 0..count {
+            let color = Vec3::new(0.2, 0.5, 0.9) + 0.1 * dice.in_cube().as_vec3();
+            scene.materials.push(Material { color, ..material(MaterialKind::Diffuse) });
+            let center = Vec3::new((i % 4) as f32 - 1.5, (i / 4) as f32 - 1.0, 0.0);
+            scene.spheres.push(sphere(center - Vec3::Z, 0.4, i));
+            let vertices = [(); 3].map(|()| center + 0.5 * dice.direction().as_vec3());
+            scene.triangles.push(triangle(vertices, i));
+        }
+        let triangles = Scene { spheres: Vec::new(), ..scene.clone() };
+        let spheres = Scene { triangles: Vec::new(), ..scene.clone() };
+        let gradient = Sky::Gradient { bottom: Vec3::new(0.2, 0.3, 0.1), top: Vec3::new(2.0, 1.0, 3.0) };
+        for (name, scene, most) in [("both", scene, 4), ("triangles", triangles, 4), ("spheres", spheres, 8)]
+        {
+            for sky in [Sky::Color(Vec3::ONE), gradient] {
+                let scene = Scene { sky, ..scene.clone() };
+                assert_agrees(&format!("{count} {name} under {sky:?}"), &scene, 4, 0.02);
+                // The test means something only where the tables are used.
+                let tables = has_own_pipeline(&scene);
+                let has_any = matches!(sky, Sky::Color(_)) || scene.triangles.is_empty();
+                assert_eq!(tables, has_any && count <= most, "{count} {name} under {sky:?}");
+            }
+        }
+    }
+}
+
+/// Is the scene rendered by less than the pipeline with every feature?
+fn has_own_pipeline(scene: &Scene) -> bool {
+    let [own, general] = [Needs::of(scene), Needs::ALL].map(|needs| pipeline_for(needs, 8));
+    !std::ptr::fn_addr_eq(own, general)
 }

@@ -75,7 +75,12 @@ fn unknown_keys_are_refused_with_the_nearest_known_one() {
         "did you mean `sky`?",
     );
     let text = sphere("{ \"center\": [0,0,0], \"radius\": 1, \"colour\": 3 }");
-    assert_refused(text, "unknown key `colour`", "spheres[0]", "center, radius, material, turn_degrees");
+    assert_refused(
+        text,
+        "unknown key `colour`",
+        "spheres[0]",
+        "center, radius, material, turn_degrees, picture_from",
+    );
     assert_refused(material("\"type\": \"diffuse\", \"colour\": 1"), "`colour`", "materials.m", "`color`");
     assert_refused(with("\"camera\": { \"fov\": 40 }"), "`fov`", "camera", "vertical_fov");
 }
@@ -353,7 +358,13 @@ fn meshes_that_cannot_be_used_are_refused() {
             "smaller",
         ),
     ];
-    for (keys, what, at, mend) in cases {
+    fs::write(folder.path().join("flat.obj"), "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n").unwrap();
+    let collapsed = [
+        ("\"obj\": \"one.obj\", \"scale\": 1e-30", "`one.obj`", "meshes[0], line 3", "larger `scale`"),
+        ("\"obj\": \"one.obj\", \"translate\": [1e17,0,0]", "zero area", "meshes[0]", "smaller `translate`"),
+        ("\"obj\": \"flat.obj\"", "zero area", "meshes[0]", "export the model again"),
+    ];
+    for (keys, what, at, mend) in cases.into_iter().chain(collapsed) {
         let error = refuse(folder.path(), mesh(keys));
         assert!(error.what.contains(what), "{error}");
         assert!(error.at.as_ref().unwrap().starts_with(at), "{error}");

@@ -194,7 +194,7 @@ fn textures_of_every_format_hold_the_same_picture() {
 }
 
 #[test]
-fn planar_mapping_follows_the_tangent_of_the_normal_and_texture_size() {
+fn planar_mapping_lies_in_the_plane_with_its_upper_edge_up() {
     let folder = TempDir::new().unwrap();
     save_picture(&folder.path().join("p.png"));
     let scene = load_in(
@@ -206,12 +206,41 @@ fn planar_mapping_follows_the_tangent_of_the_normal_and_texture_size() {
           { "vertices": [[1,5,1],[1,5,5],[7,5,1]], "material": "m" },
           { "vertices": [[0,0,0],[0,4,0],[0,0,6]], "material": "m" } ] }"#,
     );
-    // First textured one: edges (0,0,4) and (6,0,0), n = (0,1,0); |n.x| > |n.y| is false, so tangent = (0, -n.z, n.y)
-    // = (0,0,1) and bitangent = n x tangent = (1,0,0). In units of 2: u = z/2, row = x/2, v = 1 - row.
-    assert_eq!(scene.uvs[1], [Vec2::new(0.0, 1.0), Vec2::new(2.0, 1.0), Vec2::new(0.0, -2.0)]);
-    // Second: n = (1,0,0), tangent = (n.z, 0, -n.x) = (0,0,-1), bitangent = n x tangent = (0,1,0).
-    assert_eq!(scene.uvs[2], [Vec2::new(0.0, 1.0), Vec2::new(0.0, -1.0), Vec2::new(-3.0, 1.0)]);
+    // The first textured one lies flat: u = x/2, v = -z/2, less whole repeats so that the least is in [0, 1).
+    assert_eq!(scene.uvs[1], [Vec2::new(0.5, 2.5), Vec2::new(0.5, 0.5), Vec2::new(3.5, 2.5)]);
+    // The second stands and is seen from +x: u = -z/2, v = y/2.
+    assert_eq!(scene.uvs[2], [Vec2::new(3.0, 0.0), Vec2::new(3.0, 2.0), Vec2::new(0.0, 0.0)]);
     assert_eq!(scene.uvs[0], [Vec2::ZERO; 3]);
+}
+
+/// Each point of a plane shows the same of the picture, whichever triangle it belongs to and however that lists its vertices.
+#[test]
+fn planar_mapping_is_the_planes_and_not_the_triangles() {
+    let folder = TempDir::new().unwrap();
+    save_picture(&folder.path().join("p.png"));
+    // A parallelogram on a slope, far enough out to have whole repeats to leave away.
+    let [a, b, c, d] = [[10.0, 3.0, -7.0], [12.0, 4.5, -7.5], [11.5, 6.0, -9.0], [9.5, 4.5, -8.5]];
+    let orders = [[a, b, c], [c, a, b], [a, c, b], [b, a, c], [a, c, d], [d, c, a]];
+    let triangles = orders.map(|vertices| format!(r#"{{ "vertices": {vertices:?}, "material": "m" }}"#));
+    let text = format!(
+        r#"{{ "format": "octray-1", "materials": {{ "m": {{ "type": "diffuse", "texture": "p.png" }} }},
+        "triangles": [ {} ] }}"#,
+        triangles.join(", ")
+    );
+    let scene = load_in(&folder, &text);
+    let mut seen: Vec<([f64; 3], Vec2)> = Vec::new();
+    for (vertices, uvs) in orders.iter().zip(&scene.uvs) {
+        for (&vertex, &uv) in vertices.iter().zip(uvs) {
+            match seen.iter().find(|(known, _)| *known == vertex) {
+                Some(&(_, known)) => {
+                    let apart = uv - known - (uv - known).round();
+                    assert!(apart.abs().max_element() < 1e-5, "{vertex:?}: {uv} and {known}");
+                }
+                None => seen.push((vertex, uv)),
+            }
+        }
+    }
+    assert_eq!(seen.len(), 4);
 }
 
 #[test]

@@ -30,7 +30,13 @@ const ONE: &str = "v 0 0 0\nv 2 0 0\nv 0 2 0\nf 1 2 3\n";
 fn obj_alone_is_framed_under_a_plain_sky() {
     let scene = load_obj("v -1 -1 -1\nv 3 -1 -1\nv 3 5 2\nf 1 2 3\n");
     assert_eq!(scene.name, "m.obj");
-    assert_eq!((scene.sky, scene.resolution, scene.max_bounces), (Sky::Color(Vec3::ONE), [240, 135], 4));
+    assert_eq!((scene.resolution, scene.max_bounces), ([240, 135], 4));
+    // Brighter above than below, and grey: form shows, colours stay.
+    let Sky::Gradient { bottom, top } = scene.sky else { panic!("{:?}", scene.sky) };
+    assert!(
+        top == Vec3::ONE && bottom == Vec3::splat(bottom.x) && (0.01..0.2).contains(&bottom.x),
+        "{bottom}"
+    );
     // Bounds from (-1,-1,-1) to (3,5,2): centre (1, 2, 0.5), diagonal sqrt(16 + 36 + 9).
     let center = Vec3::new(1.0, 2.0, 0.5);
     let position = center + 1.2 * 61.0_f32.sqrt() / 3.5_f32.sqrt() * Vec3::new(1.0, 0.5, 1.5);
@@ -91,13 +97,72 @@ fn groups_and_materials_of_the_mtl_reach_their_triangles() {
     assert_eq!((of(3).emission, of(3).color), (Vec3::new(4.0, 3.0, 2.0), Vec3::ZERO));
     assert_eq!((of(4).kind, of(4).color), (MaterialKind::Metal { roughness: 0.0 }, Vec3::new(0.9, 0.8, 0.7)));
     assert_eq!(of(5).color, Vec3::new(1.0, 1.0, 0.5));
-    // Given coordinates stay, missing ones are planar (n = +z, tangent (0,-1,0), bitangent n x tangent = (1,0,0), so
-    // row = x: v = 1 - x and u = -y), untextured triangles have zeros.
+    // Given coordinates stay, missing ones are planar (seen from +z: u = x, v = y), untextured triangles have zeros.
     assert_eq!(scene.uvs[1], [Vec2::ZERO, Vec2::X, Vec2::Y]);
-    assert_eq!(scene.uvs[2], [Vec2::new(0.0, 1.0), Vec2::new(0.0, -1.0), Vec2::new(-2.0, 1.0)]);
+    assert_eq!(scene.uvs[2], [Vec2::ZERO, 2.0 * Vec2::X, 2.0 * Vec2::Y]);
     assert_eq!((scene.uvs[0], scene.uvs[3], scene.uvs.len()), ([Vec2::ZERO; 3], [Vec2::ZERO; 3], 8));
     assert_eq!(scene.warnings.len(), 2, "{:?}", scene.warnings);
     assert!(scene.warnings[0].contains("`bright`") && scene.warnings[1].contains("`nowhere`"));
+}
+
+/// The one material that a triangle wears which uses an MTL of one material, and the warnings with their path cut off.
+fn with_material(statements: &str) -> (MaterialKind, Vec3, Vec<String>) {
+    let folder = TempDir::new().unwrap();
+    let mtl = write(&folder, "m.mtl", format!("newmtl a\n{statements}"));
+    let scene = load(&write(&folder, "m.obj", format!("mtllib m.mtl\nusemtl a\n{ONE}"))).unwrap();
+    let material = &scene.materials[scene.triangles[0].material as usize];
+    assert!(material.texture.is_none());
+    let cut =
+        |warning: &String| warning.strip_prefix(&mtl).expect("warnings start with the file").to_string();
+    (material.kind, material.color, scene.warnings.iter().map(cut).collect())
+}
+
+#[test]
+fn what_clearly_means_glass_is_glass() {
+    for (statements, ior) in [
+        ("illum 7\nNi 1.33", 1.33),
+        ("illum 6\n", 1.5),
+        ("illum 6\nNi 0", 1.5),
+        ("illum 7\nd 1", 1.5),
+        ("illum 4", 1.5),
+        ("illum 4\nTr 1\nNi 1.7", 1.7),
+        ("illum 9\nd 0.9", 1.5),
+        ("d 0.1\nNi 1.45\nillum 2", 1.45),
+        ("d -halo 0.1\nNi 1.45", 1.45),
+        ("Tr 0.8\nNi 1.2", 1.2),
+    ] {
+        let (kind, color, warnings) = with_material(&format!("Kd 0.2 0.3 0.4\n{statements}\n"));
+        assert_eq!((kind, color), (MaterialKind::Glass { ior }, Vec3::ONE), "{statements}");
+        assert!(warnings.is_empty(), "{statements}: {warnings:?}");
+    }
+    let (_, color, _) = with_material("illum 7\nTf 0.5 0.75 2\n");
+    assert_eq!(color, Vec3::new(0.5, 0.75, 1.0));
+    assert_eq!(with_material("illum 7\nTf 0 0 0\n").1, Vec3::ONE, "black glass is no glass");
+}
+
+#[test]
+fn what_is_left_out_of_a_material_is_a_warning_with_its_line() {
+    for (statements, warning) in [
+        ("d 0.7\n", ":2: what is partly transparent, and no glass, is shown opaque."),
+        ("Ni 1\nd 0.1\n", ":3: what is partly transparent, and no glass, is shown opaque."),
+        ("illum 3\nTr 0.25\n", ":3: what is partly transparent, and no glass, is shown opaque."),
+        ("Kd 1 1 1\nillum 5\n", ":3: `illum 5` is shown matt: what mirrors is `illum 3`, glass `illum 7`."),
+        ("illum 4\nd 1\n", ":2: `illum 4` is shown matt: what mirrors is `illum 3`, glass `illum 7`."),
+        ("illum 7\nNi 1.0\n", ":3: glass with `Ni 1` bends no light and cannot be seen."),
+        ("illum 7\nmap_Kd p.png\n", ":2: glass is shown without its `map_Kd`."),
+        ("map_d leaf.png\n", ":2: `map_d` is not read."),
+        ("map_Bump b.png\nPm 1\nmap_Bump c.png\n", ":2: `map_Bump` is not read (1 more like it)."),
+    ] {
+        let (kind, _, warnings) = with_material(statements);
+        assert_eq!(warnings.first().map(String::as_str), Some(warning), "{statements}");
+        assert_eq!(
+            matches!(kind, MaterialKind::Glass { .. }),
+            warning.contains("glass with") || warning.contains("glass is")
+        );
+    }
+    let silent = "# note\nKa 1 1 1\nKs 1 1 1\nNs 20\nNi 1.45\nd 1\nTr 0\nTf 1 1 1\nillum 2\nmap_Ks s.png\n\n";
+    assert_eq!(with_material(silent).2, [""; 0]);
+    assert_eq!(with_material("Tr 1\n").2, [""; 0], "what some programs write of opaque things");
 }
 
 #[test]

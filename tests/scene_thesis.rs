@@ -1,7 +1,7 @@
 //! The thesis's own scene format: its values in our axes and our units.
 
 use glam::{Vec2, Vec3};
-use octray::scene::{Filter, MaterialKind, Scene, Sky, load};
+use octray::scene::{Filter, MaterialKind, Scene, Side, Sky, load};
 use std::fs;
 use std::path::Path;
 use tempfile::TempDir;
@@ -39,6 +39,7 @@ fn example_of_the_description_loads_with_one_warning() {
     assert_eq!(scene.sky, Sky::Color(Vec3::new(linear(0.2), linear(0.3), linear(0.4))));
     assert_eq!(scene.spheres[0].center, Vec3::new(0.0, -5.0, 0.0));
     assert_eq!((scene.spheres[0].radius, scene.spheres[0].turn), (8.0, 0.5));
+    assert_eq!(scene.spheres[0].picture_from, Side::Inside);
     let of = |number: u32| &scene.materials[number as usize];
     let lamp = of(scene.spheres[0].material);
     assert_eq!((lamp.kind, lamp.emission, lamp.texture), (MaterialKind::Emitter, Vec3::X, None));

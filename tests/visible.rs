@@ -1,13 +1,17 @@
 //! Law: leaving out what a tile cannot see changes no hit (conservative culling).
 
+mod common;
+
+use common::{Dice, empty, material, sphere};
 use glam::Vec3;
 use octray::buffers::Buffers;
 use octray::camera::Pinhole;
 use octray::lane::F32x8;
 use octray::math::{Hit, Ray};
+use octray::render::{Renderer, Settings};
 use octray::sampling::random::mix;
-use octray::scene::{Camera, Material, MaterialKind, Scene, Sky, Sphere, Triangle};
-use octray::traverse::{Batch, Methods, Primitives, Visible};
+use octray::scene::{Camera, MaterialKind, Scene, Triangle};
+use octray::traverse::{Batch, Methods, Primitives, SphereChoice, Visible};
 
 const RESOLUTION: [u32; 2] = [64, 48];
 const TILE: u32 = 8;
@@ -17,31 +21,18 @@ fn scene(seed: u32, camera: Camera) -> Scene {
     let number = |i: u32| f32::from_bits(mix(seed ^ mix(i)) >> 9 | 0x3f80_0000) - 1.0;
     let point = |i: u32| Vec3::new(number(i), number(i + 1), number(i + 2)) * 40.0 - 20.0;
     let size = |i: u32| 10f32.powf(number(i) * 4.0 - 3.0);
-    let sphere = |i: u32| Sphere { center: point(8 * i), radius: size(8 * i + 3), material: 0, turn: 0.0 };
+    let ball = |i: u32| sphere(point(8 * i), size(8 * i + 3), 0);
     let triangle = |i: u32| {
         let (i, a) = (16 * i + 100_000, point(16 * i + 100_000));
         let side = |j: u32| (point(i + j) / 20.0) * size(i + j + 3);
         Triangle { vertices: [a, a + side(4), a + side(8)], material: 0 }
     };
     Scene {
-        name: "random".into(),
         camera,
-        resolution: RESOLUTION,
-        max_bounces: 1,
-        sky: Sky::Color(Vec3::ONE),
-        materials: vec![Material {
-            name: "clay".into(),
-            kind: MaterialKind::Diffuse,
-            color: Vec3::ONE,
-            texture: None,
-            emission: Vec3::ZERO,
-        }],
-        textures: vec![],
-        spheres: (0..60).map(sphere).collect(),
+        materials: vec![material(MaterialKind::Diffuse)],
+        spheres: (0..60).map(ball).collect(),
         triangles: (0..60).map(triangle).collect(),
-        uvs: vec![],
-        normals: vec![],
-        warnings: vec![],
+        ..empty()
     }
 }
 
@@ -105,13 +96,142 @@ fn visible_gives_the_hits_of_testing_everything_bit_for_bit() {
     assert!(found > 20_000, "only {found} of 110,592 rays hit anything");
 }
 
+/// Primary rays through the four edges of a tile, as rounding leaves them.
+fn edge_rays(camera: &Pinhole, [x, y]: [u32; 2]) -> [Vec<Ray<f32>>; 4] {
+    let (left, top, side) = (x as f32, y as f32, TILE as f32);
+    let edge = |from: [f32; 2], step: [f32; 2]| {
+        let steps = (0..=64).map(|i| i as f32 / 64.0 * side);
+        steps.map(|s| camera.rays(from[0] + s * step[0], from[1] + s * step[1])).collect()
+    };
+    let (right, bottom) = (left + side, top + side);
+    [
+        edge([left, top], [1.0, 0.0]),
+        edge([left, bottom], [1.0, 0.0]),
+        edge([left, top], [0.0, 1.0]),
+        edge([right, top], [0.0, 1.0]),
+    ]
+}
+
+/// Puts specks on the rays through a tile's edges and triangles between them that lie beside the tile, and asserts that culling keeps
+/// whatever is hit. Returns how many rays hit a sphere and how many a triangle, each tried alone.
+fn edges_are_kept(view: Camera, resolution: [u32; 2], corner: [u32; 2]) -> [usize; 2] {
+    // A power of two, so that points lie exactly on their rays, and specks smaller than most rays stray (half a rounding or so).
+    const AWAY: f32 = 8.0;
+    const SPECK: f32 = 1e-7;
+    let camera = Pinhole::new(&view, resolution);
+    let edges = edge_rays(&camera, corner);
+    let point = |ray: &Ray<f32>| ray.at(AWAY).get(0);
+    let middle = camera.rays(corner[0] as f32 + TILE as f32 / 2.0, corner[1] as f32 + TILE as f32 / 2.0);
+    let materials = vec![material(MaterialKind::Diffuse)];
+    let mut specks = Scene { camera: view, materials, ..empty() };
+    let mut beside = specks.clone();
+    for edge in &edges {
+        specks.spheres.extend(edge.iter().map(|ray| sphere(point(ray), SPECK, 0)));
+        for pair in edge.windows(4) {
+            let [a, b] = [point(&pair[0]), point(&pair[3])];
+            let outwards = (a + b - 2.0 * point(&middle)).normalize();
+            let triangle = Triangle { vertices: [a, b, a + outwards], material: 0 };
+            if (b - a).cross(outwards).length() > 0.0 {
+                beside.triangles.push(triangle);
+            }
+        }
+    }
+    let rays: Vec<Ray<f32>> = edges.into_iter().flatten().collect();
+    [specks, beside].map(|scene| {
+        let visible = Visible::of(&scene, &camera.pyramid(corner, [TILE, TILE]));
+        let (buffers, primitives) = (Buffers::new(&scene), Primitives::new(&scene, Methods::default()));
+        let trace = |visible: Option<&Visible>| {
+            let mut hits = Vec::new();
+            primitives.for_batch::<f32>(&buffers, visible, Given { rays: &rays, hits: &mut hits });
+            hits
+        };
+        let everything = trace(None);
+        assert_eq!(trace(Some(&visible)), everything, "{view:?}, tile at {corner:?}");
+        everything.iter().filter(|&&[_, primitive]| primitive != octray::math::MISS).count()
+    })
+}
+
+/// Rays, and what they hit: t and the primitive.
+struct Given<'a> {
+    rays: &'a [Ray<f32>],
+    hits: &'a mut Vec<[u32; 2]>,
+}
+
+impl Batch<f32> for Given<'_> {
+    fn run(self, closest: impl Fn(&Ray<f32>) -> Hit<f32>) {
+        let answer = |hit: Hit<f32>| [hit.t.to_bits(), hit.primitive];
+        self.hits.extend(self.rays.iter().map(|ray| answer(closest(ray))));
+    }
+}
+
+/// Directions all around, none along an axis.
+fn views(vertical_fov: f32) -> impl Iterator<Item = Camera> {
+    let mut dice = Dice(71);
+    (0..8).map(move |_| {
+        let look_at = dice.direction().as_vec3();
+        Camera { position: Vec3::ZERO, look_at, up: dice.direction().as_vec3(), vertical_fov }
+    })
+}
+
+/// Pixels are not much larger than the rounding of a direction: what keeps the hits is the pyramid's own margin.
+#[test]
+fn visible_keeps_what_edge_rays_of_a_narrow_view_hit() {
+    for fov in [1e-2, 1e-3, 1e-4] {
+        let hits = views(fov).map(|view| edges_are_kept(view, RESOLUTION, [24, 16]));
+        let [spheres, triangles] = hits.fold([0, 0], |[a, b], [c, d]| [a + c, b + d]);
+        println!("{fov} degrees: {spheres} spheres, {triangles} triangles hit by 2,080 rays");
+        assert!(spheres > 100 && triangles > 100, "{fov}: only {spheres} and {triangles} hits");
+    }
+}
+
+/// In the middle of a very wide picture, directions are small differences of long vectors: what keeps the hits is the share of a pixel
+/// that the camera adds.
+#[test]
+fn visible_keeps_what_edge_rays_of_a_wide_view_hit() {
+    for (fov, resolution) in [(179.9, RESOLUTION), (179.99, [1000, 1000]), (179.99, [16_384, 16_384])] {
+        let middle = resolution.map(|side| side / 2);
+        let beside = middle.map(|side| side - TILE);
+        let tiles = [middle, beside, [middle[0], beside[1]]];
+        let hits = views(fov).flat_map(|view| tiles.map(|tile| edges_are_kept(view, resolution, tile)));
+        let [spheres, triangles] = hits.fold([0, 0], |[a, b], [c, d]| [a + c, b + d]);
+        println!("{fov} degrees: {spheres} spheres, {triangles} triangles hit by 6,240 rays");
+        assert!(spheres > 300 && triangles > 300, "{fov}: only {spheres} and {triangles} hits");
+    }
+}
+
+/// Tiles change no bit for any choice of equations, also where an equation claims hits far outside its primitive: a tile that sees only
+/// what is there would lose them.
+#[test]
+fn visible_is_not_used_where_equations_stray_from_their_primitives() {
+    let camera = Camera { position: Vec3::Z * 2e4, look_at: Vec3::ZERO, up: Vec3::Y, vertical_fov: 0.1 };
+    let scene = Scene {
+        camera,
+        materials: vec![material(MaterialKind::Diffuse)],
+        spheres: vec![sphere(Vec3::new(0.2, 0.1, 0.0), 1.0, 0)],
+        ..empty()
+    };
+    let hits = |sphere, tile_size| {
+        let methods = Methods { sphere, ..Methods::default() };
+        let settings = Settings { resolution: [32, 32], methods, tile_size, ..Settings::of(&scene) };
+        let mut hits = Renderer::new(&scene, settings).primary_hits(0);
+        hits.sort_by_key(|hit| (hit.y, hit.x));
+        hits
+    };
+    for sphere in [SphereChoice::Robust, SphereChoice::RobustAnyLength, SphereChoice::Naive] {
+        assert!(hits(sphere, [16, 16]) == hits(sphere, [2, 2]), "{sphere:?}: the tiles show in the hits");
+    }
+    // The test means something only if the naive equation does stray here.
+    let count = |sphere| hits(sphere, [16, 16]).iter().filter(|hit| hit.primitive == 0).count();
+    let [robust, naive] = [SphereChoice::Robust, SphereChoice::Naive].map(count);
+    assert!(naive > 2 * robust, "{naive} naive hits, {robust} robust ones");
+}
+
 #[test]
 fn visible_keeps_what_the_camera_stands_in_and_drops_what_is_behind() {
     let camera = Camera { position: Vec3::ZERO, look_at: Vec3::NEG_Z, up: Vec3::Y, vertical_fov: 40.0 };
     let mut scene = scene(1, camera);
-    let sphere =
-        |z: f32, radius: f32| Sphere { center: Vec3::new(0.0, 0.0, z), radius, material: 0, turn: 0.0 };
-    scene.spheres = vec![sphere(0.0, 100.0), sphere(5.0, 1.0), sphere(-5.0, 1.0), sphere(5.0, 6.0)];
+    let ball = |z: f32, radius: f32| sphere(Vec3::Z * z, radius, 0);
+    scene.spheres = vec![ball(0.0, 100.0), ball(5.0, 1.0), ball(-5.0, 1.0), ball(5.0, 6.0)];
     scene.triangles.clear();
     let pyramid = Pinhole::new(&camera, RESOLUTION).pyramid([28, 20], [TILE, TILE]);
     assert_eq!(Visible::of(&scene, &pyramid).spheres, [0, 2, 3]);

@@ -18,7 +18,7 @@ pub use texels::{Abilities, Textures};
 
 use crate::kernel::ray_triangle::TriangleMethod;
 use crate::kernel::surface::{sphere_offset, triangle_offset};
-use crate::scene::{self, MaterialKind, Scene};
+use crate::scene::{self, MaterialKind, Scene, Side};
 use glam::Vec3;
 use rows::Rows;
 
@@ -26,7 +26,7 @@ use rows::Rows;
 pub struct Buffers {
     pub needs: Needs,
     pub spheres: Spheres,
-    /// One row of eight a sphere: centre, radius, offset of leaving rays, material (bits), texture turn, 0.
+    /// One row of eight a sphere: centre, radius, offset of leaving rays, material (bits), texture turn (see `picture_turn`), 0.
     pub sphere_rows: Rows,
     /// Two rows of eight a triangle: a, ab, offset, material (bits); ac, unit normal, 0, 0.
     pub triangle_rows: Rows,
@@ -123,7 +123,16 @@ impl Sky {
 fn sphere_row(sphere: &scene::Sphere) -> [f32; 8] {
     let [x, y, z] = sphere.center.to_array();
     let offset = sphere_offset(sphere.center, sphere.radius);
-    [x, y, z, sphere.radius, offset, f32::from_bits(sphere.material), sphere.turn, 0.0]
+    [x, y, z, sphere.radius, offset, f32::from_bits(sphere.material), picture_turn(sphere), 0.0]
+}
+
+/// A sphere's turn, its sign bit set (on 0 too) where the picture reads right from outside: with the angle's sign flipped by that
+/// bit, the angle plus this number is u on both sides.
+fn picture_turn(sphere: &scene::Sphere) -> f32 {
+    match sphere.picture_from {
+        Side::Inside => sphere.turn,
+        Side::Outside => -sphere.turn,
+    }
 }
 
 fn triangle_rows(triangle: &scene::Triangle) -> [[f32; 8]; 2] {

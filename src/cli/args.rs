@@ -64,6 +64,9 @@ pub struct BenchArgs {
     pub seed: String,
     #[command(flatten)]
     pub methods: MethodArgs,
+    /// Compiled for what the scene needs, or with every feature: the pictures are the same, the speed is not.
+    #[arg(long, value_enum, value_name = "PIPELINE", default_value_t)]
+    pub pipeline: PipelineArg,
 }
 
 /// Check that SIMD and scalar render the same picture.
@@ -97,6 +100,9 @@ pub struct CompareArgs {
     pub seed: String,
     #[command(flatten)]
     pub methods: MethodArgs,
+    /// Compiled for what the scene needs, or with every feature: the pictures are the same, the speed is not.
+    #[arg(long, value_enum, value_name = "PIPELINE", default_value_t)]
+    pub pipeline: PipelineArg,
 }
 
 /// Render a picture into a file.
@@ -104,9 +110,9 @@ pub struct CompareArgs {
 /// The file's extension names its format: .png and .jpg for screens (exposure, tone mapping, sRGB), .exr and .hdr for the
 /// linear radiance. The file appears whole, at the end; one that was there before is replaced then.
 ///
-/// Ctrl-C ends the rendering early, when every pixel has had the sample that is being taken: the samples so far are written as a
-/// picture, the exit code is 130, and with --json `interrupted` is true. A second Ctrl-C ends the program at once and writes
-/// nothing.
+/// Ctrl-C ends the rendering early: the samples so far are written as a picture, the exit code is 130, and with --json `interrupted` is
+/// true. In scenes where a sample takes long, some parts of the picture then have one sample more than others; those that have had none
+/// are black. A second Ctrl-C ends the program at once and writes nothing.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   octray render builtin:three -o three.png
@@ -143,6 +149,9 @@ pub struct RenderArgs {
     pub tone: Option<ToneArg>,
     #[command(flatten)]
     pub methods: MethodArgs,
+    /// Compiled for what the scene needs, or with every feature: it does not change the picture.
+    #[arg(long, value_enum, value_name = "PIPELINE", default_value_t)]
+    pub pipeline: PipelineArg,
     /// Print what was done as JSON (schema octray-render-1).
     #[arg(long)]
     pub json: bool,
@@ -219,6 +228,16 @@ pub enum TriangleMethod {
     BaldwinWeber,
     /// Tight at edges, leaks at vertices.
     Plucker,
+}
+
+/// What the shading stages are compiled for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, ValueEnum)]
+pub enum PipelineArg {
+    /// The smallest set of features that holds the scene's needs.
+    #[default]
+    Needed,
+    /// Every feature.
+    General,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, ValueEnum)]

@@ -2,10 +2,12 @@
 
 use super::CHECK_FAILED;
 use super::error::CliError;
+use super::memory;
 use super::options::BenchOptions;
-use super::terminal;
-use crate::measure::bench::{Effort, Engine, Measurement, bench};
-use crate::measure::compare::{Comparison, compare};
+use super::terminal::{self, figure};
+use crate::measure::bench::{Effort, Engine, FEWEST_FRAMES, Measurement, bench};
+use crate::measure::compare::{BYTES_PER_PIXEL as COMPARE_BYTES_PER_PIXEL, Comparison, compare};
+use crate::measure::turns::Ratio;
 use crate::measure::{Machine, machine};
 use crate::render::{Renderer, Settings};
 use crate::scene::{self, Scene};
@@ -16,6 +18,9 @@ use std::time::{Duration, Instant};
 
 /// Measuring time of a scene, all engines together: six built-in scenes stay below 20 seconds.
 const PER_SCENE: Duration = Duration::from_secs(2);
+
+/// A 1 % low below this share of the median means that something else took the processor away.
+const BUSY: f64 = 0.6;
 
 /// The JSON report.
 #[derive(Debug, Serialize)]
@@ -49,6 +54,7 @@ pub fn run(options: BenchOptions) -> Result<ExitCode, CliError> {
             terminal::warn(warning);
         }
         let settings = settings(&scene, &options);
+        memory::check(settings.resolution, COMPARE_BYTES_PER_PIXEL)?;
         if index == 0 {
             report.first_frame_ms = first_frame(&scene, settings, start);
             if !options.json {
@@ -68,6 +74,9 @@ pub fn run(options: BenchOptions) -> Result<ExitCode, CliError> {
         terminal::print_json(&report)?;
     } else {
         terminal::print(&meaning(&report))?;
+    }
+    if let Some(sentence) = busy(&report.results) {
+        terminal::warn(&sentence);
     }
     let failed = report.accuracy.iter().any(|accuracy| accuracy.failed(options.methods));
     Ok(if failed { ExitCode::from(CHECK_FAILED) } else { ExitCode::SUCCESS })
@@ -98,6 +107,7 @@ fn settings(scene: &Scene, options: &BenchOptions) -> Settings {
         max_bounces: options.bounces,
         seed: options.seed,
         methods: options.methods,
+        pipeline: options.pipeline,
         ..Settings::of(scene)
     }
 }
@@ -115,8 +125,9 @@ fn heading(report: &Report, settings: &Settings) -> String {
     let vector = ["avx512f", "avx2", "fma", "sse4.1"].into_iter().find(|f| target_features.contains(f));
     format!(
         "{cpu}, {cores} cores, built for {} by {rustc}, commit {commit}\n\
-         {width}×{height}, 1 sample a frame, up to {} bounces; fps: median (1 % low)\n\n\
-         {:<24}{:>18}{:>18}{:>9}{:>18}{:>9}{:>9}{:>8}{:>8}\n",
+         {width}×{height}, 1 sample a frame, up to {} bounces\n\
+         fps: median (1 % low); speed-up and scaling: median of the rounds (10 to 90 % of them)\n\n\
+         {:<24}{:>14}{:>14}{:>18}{:>14}{:>18}{:>8}{:>9}{:>7}\n",
         vector.unwrap_or("plain x86-64"),
         settings.max_bounces,
         "scene",
@@ -139,45 +150,55 @@ fn row(results: &[Measurement], accuracy: &Comparison) -> String {
     let all = results.iter().skip(1).find(|result| result.engine == "simd");
     let fps = |result: Option<&Measurement>| {
         result.map_or(String::new(), |result| {
-            format!("{:.0} ({:.0})", result.fps_median, result.fps_low_1_percent)
+            format!("{} ({})", figure(result.fps_median, 0), figure(result.fps_low_1_percent, 0))
         })
     };
-    let ratio = |over: Option<&Measurement>, under: Option<&Measurement>| match (over, under) {
-        (Some(over), Some(under)) => format!("{:.2}×", over.fps_median / under.fps_median),
-        _ => String::new(),
+    let ratio = |of: fn(&Measurement) -> Option<Ratio>| {
+        results.iter().find_map(of).map_or(String::new(), |ratio| shown(ratio.median, ratio.spread))
     };
     let mut text = String::new();
     let _ = writeln!(
         text,
-        "{:<24}{:>18}{:>18}{:>9}{:>18}{:>9}{:>9.1}{:>8}{:>8}",
+        "{:<24}{:>14}{:>14}{:>18}{:>14}{:>18}{:>8}{:>9}{:>7}",
         first.scene,
         fps(simd),
         fps(scalar),
-        ratio(simd, scalar),
+        ratio(|result| result.speedup),
         fps(all),
-        ratio(all, simd),
-        first.mrays_per_s,
+        ratio(|result| result.scaling),
+        figure(first.mrays_per_s, 1),
         accuracy.mismatched_pixels,
         accuracy.reference.mismatched_hits,
     );
     text
 }
 
+/// A ratio and its spread.
+pub(super) fn shown(median: f64, [low, high]: [f64; 2]) -> String {
+    format!("{median:.2}× ({low:.1}–{high:.1})")
+}
+
+/// The sentence about the engine that was held up most, if one was. Below [`FEWEST_FRAMES`] the 1 % low is the slowest frame, whatever slowed
+/// it.
+fn busy(results: &[Measurement]) -> Option<String> {
+    let share = |result: &Measurement| result.fps_low_1_percent / result.fps_median;
+    let timed = results.iter().filter(|result| result.frames >= FEWEST_FRAMES);
+    let worst = timed.min_by(|a, b| share(a).total_cmp(&share(b))).filter(|worst| share(worst) < BUSY)?;
+    let Measurement { scene, engine, threads, .. } = worst;
+    let plural = if *threads == 1 { "" } else { "s" };
+    Some(format!(
+        "the machine is busy: the 1 % low of {scene} ({engine}, {threads} thread{plural}) is {:.0} % of its median; end other programs, or \
+         trust the speed-ups alone.",
+        100.0 * share(worst)
+    ))
+}
+
 /// What the table says, in a line.
 fn meaning(report: &Report) -> String {
     let pixels: usize = report.accuracy.iter().map(|accuracy| accuracy.mismatched_pixels).sum();
     let hits: usize = report.accuracy.iter().map(|accuracy| accuracy.reference.mismatched_hits).sum();
-    let ratios: Vec<f64> = report
-        .results
-        .iter()
-        .filter(|result| result.engine == "scalar")
-        .filter_map(|scalar| {
-            let same = |simd: &&Measurement| {
-                simd.engine == "simd" && simd.scene == scalar.scene && simd.threads == scalar.threads
-            };
-            report.results.iter().find(same).map(|simd| simd.fps_median / scalar.fps_median)
-        })
-        .collect();
+    let ratios = report.results.iter().filter_map(|result| Some(result.speedup?.median));
+    let ratios: Vec<f64> = ratios.collect();
     let speed = match (ratios.iter().copied().reduce(f64::min), ratios.iter().copied().reduce(f64::max)) {
         (Some(least), Some(most)) if ratios.len() > 1 => {
             format!("eight lanes are {least:.1} to {most:.1} times as fast as one")
@@ -196,4 +217,39 @@ fn meaning(report: &Report) -> String {
         format!("{hits} PRIMARY HITS ARE WRONG by the f64 reference")
     };
     format!("\n{speed}; {same}; {right}.\n")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn busy_names_the_engine_that_was_held_up_most() {
+        let result = |scene: &str, frames, low| Measurement {
+            scene: scene.into(),
+            width: 240,
+            height: 135,
+            max_bounces: 4,
+            engine: "simd",
+            lanes: 8,
+            threads: 2,
+            frames,
+            fps_median: 100.0,
+            fps_low_1_percent: low,
+            fps_spread: [low, 100.0],
+            mrays_per_s: 1.0,
+            rays_per_frame: 1e4,
+            speedup: None,
+            scaling: None,
+            needs: Vec::new(),
+            pipeline: "needed",
+        };
+        let few = result("few", FEWEST_FRAMES - 1, 1.0);
+        assert_eq!(busy(&[few.clone(), result("calm", 99, 61.0)]), None);
+        let sentence = busy(&[few, result("bad", 99, 50.0), result("worse", 99, 40.0)]).unwrap();
+        assert!(
+            sentence.contains("busy") && sentence.contains("worse (simd, 2 threads) is 40 %"),
+            "{sentence}"
+        );
+    }
 }

@@ -1,15 +1,19 @@
 //! `octray compare`: do SIMD and scalar agree, bit by bit, and with the judge?
 
 use super::CHECK_FAILED;
-use super::bench::scenes;
+use super::bench::{scenes, shown};
 use super::error::CliError;
+use super::memory;
 use super::options::CompareOptions;
 use super::terminal;
-use crate::measure::compare::{Comparison, compare};
+use crate::measure::compare::{BYTES_PER_PIXEL, Comparison, compare};
 use crate::render::Settings;
 use crate::scene;
 use serde::Serialize;
 use std::process::ExitCode;
+
+/// A speed-up of fewer rounds says nothing.
+const FEWEST_ROUNDS: usize = 3;
 
 /// The JSON report.
 #[derive(Debug, Serialize)]
@@ -23,7 +27,7 @@ pub fn run(options: CompareOptions) -> Result<ExitCode, CliError> {
     let mut report = Report { schema: "octray-compare-1", results: Vec::new() };
     if !options.json {
         terminal::print(&format!(
-            "{:<24}{:>10}{:>9}{:>10}{:>11}{:>12}{:>12}{:>12}\n",
+            "{:<24}{:>10}{:>9}{:>10}{:>18}{:>12}{:>12}{:>12}\n",
             "scene", "pixels", "samples", "differing", "speed-up", "rmse/f64", "max/f64", "wrong hits"
         ))?;
     }
@@ -37,9 +41,11 @@ pub fn run(options: CompareOptions) -> Result<ExitCode, CliError> {
             max_bounces: options.bounces,
             seed: options.seed,
             methods: options.methods,
+            pipeline: options.pipeline,
             threads: options.threads,
             ..Settings::of(&scene)
         };
+        memory::check(settings.resolution, BYTES_PER_PIXEL)?;
         let comparison = compare(&scene, settings, options.samples);
         if !options.json {
             terminal::print(&row(&comparison))?;
@@ -66,15 +72,21 @@ pub fn run(options: CompareOptions) -> Result<ExitCode, CliError> {
 }
 
 fn row(result: &Comparison) -> String {
-    let Comparison { scene, pixels, samples, mismatched_pixels, first_mismatch, speedup, reference, .. } =
-        result;
+    let Comparison { scene, pixels, samples, mismatched_pixels, first_mismatch, reference, .. } = result;
+    let known = result.speedup_rounds >= FEWEST_ROUNDS;
     let mut row = format!(
-        "{scene:<24}{pixels:>10}{samples:>9}{mismatched_pixels:>10}{:>11}{:>12.2e}{:>12.2e}{:>12}\n",
-        format!("{speedup:.2}×"),
+        "{scene:<24}{pixels:>10}{samples:>9}{mismatched_pixels:>10}{:>18}{:>12.2e}{:>12.2e}{:>12}\n",
+        if known { shown(result.speedup, result.speedup_spread) } else { "–".into() },
         reference.rmse,
         reference.max_abs,
         reference.mismatched_hits,
     );
+    if !known {
+        row += &format!(
+            "  speed-up: {} samples were timed; give --samples {FEWEST_ROUNDS} or more\n",
+            result.speedup_rounds
+        );
+    }
     if result.discarded_samples > 0 {
         row += &format!("  {} samples were not finite and were left out\n", result.discarded_samples);
     }

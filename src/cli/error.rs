@@ -17,6 +17,11 @@ pub enum CliError {
     #[error("cannot write to standard output")]
     Stdout(#[source] io::Error),
     #[error(
+        "{takes}, and {available} are available\n  give a smaller one, such as --size {}x{}, or end other programs",
+        .fits[0], .fits[1]
+    )]
+    Memory { takes: String, available: String, fits: [u32; 2] },
+    #[error(
         "this octray was compiled for instructions that this machine does not have: {}\n  rebuild it here: {}",
         .missing.join(", "), super::machine_check::REBUILD
     )]

@@ -1,15 +1,16 @@
-//! Ctrl-C: the first asks for an end, the second is the end.
+//! Ctrl-C: the first asks for an end, the second is the end, with nothing written.
 //!
 //! For: [`Interrupt`]. May import: `ctrlc`. Must never know: what is interrupted.
 
 use super::INTERRUPTED;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
 /// Has the user asked for an end? Ctrl-C asks; hang-up is left alone, so that nohup works.
 #[derive(Clone, Default)]
 pub struct Interrupt {
-    asked: Arc<AtomicBool>,
+    /// How often.
+    asked: Arc<AtomicU32>,
     holding: Arc<AtomicBool>,
 }
 
@@ -20,7 +21,7 @@ impl Interrupt {
         let interrupt = Self::default();
         let heard = interrupt.clone();
         let listening = ctrlc::set_handler(move || {
-            let again = heard.asked.swap(true, Ordering::SeqCst);
+            let again = heard.asked.fetch_add(1, Ordering::SeqCst) > 0;
             if again && !heard.holding.load(Ordering::SeqCst) {
                 std::process::exit(INTERRUPTED.into());
             }
@@ -33,11 +34,16 @@ impl Interrupt {
 
     /// Has the user asked?
     pub fn asked(&self) -> bool {
-        self.asked.load(Ordering::SeqCst)
+        self.asked.load(Ordering::SeqCst) > 0
     }
 
-    /// From now on a second Ctrl-C no longer ends the program: a file is being written, which takes a moment and must
-    /// not stay half done.
+    /// Has the user asked more than once: an end at once, and no picture?
+    pub fn insisted(&self) -> bool {
+        self.asked.load(Ordering::SeqCst) > 1
+    }
+
+    /// From now on a second Ctrl-C no longer ends the program: a file is being written, and the half of it has to be taken away. Whoever
+    /// writes looks at [`Interrupt::insisted`].
     pub fn hold(&self) {
         self.holding.store(true, Ordering::SeqCst);
     }

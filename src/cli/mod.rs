@@ -8,8 +8,10 @@
 //! | [`options`] | what we accept: numbers in range, names known |
 //! | [`render`], [`convert`], [`inspect`], [`mod@bench`], [`compare`] | the commands |
 //! | [`machine_check`] | refuses to start where the program's instructions do not exist |
+//! | [`memory`] | refuses pictures that do not fit |
 //! | [`terminal`] | the only writer to standard output and standard error |
 //! | [`interrupt`] | Ctrl-C |
+//! | [`progress`] | how far a rendering is |
 //! | [`error`] | what can go wrong |
 
 pub mod args;
@@ -20,7 +22,9 @@ pub mod error;
 pub mod inspect;
 pub mod interrupt;
 pub mod machine_check;
+pub mod memory;
 pub mod options;
+pub mod progress;
 pub mod render;
 pub mod terminal;
 

@@ -1,15 +1,17 @@
 //! What we accept: numbers in range, names known, defaults filled in.
 //!
-//! For: one struct a command, made from its raw arguments or refused. May import: `args`, `output`, `scene`'s limits.
+//! For: one struct a command, made from its raw arguments or refused. May import: `args`, `output`, `render`'s and
+//! `traverse`'s choices, `scene`'s limits.
 //! Must never know: how a command does its work.
 
 use super::args::{
-    BenchArgs, CompareArgs, ConvertArgs, InspectArgs, MethodArgs, RenderArgs, SphereMethod, ToneArg,
-    TriangleMethod,
+    BenchArgs, CompareArgs, ConvertArgs, InspectArgs, MethodArgs, PipelineArg, RenderArgs, SphereMethod,
+    ToneArg, TriangleMethod,
 };
 use super::error::CliError;
 use crate::measure::machine;
 use crate::output::{Operator, Tone};
+use crate::render::PipelineChoice;
 use crate::scene::{MAX_BOUNCES, MAX_SIDE};
 use crate::traverse::{Methods, SphereChoice, TriangleChoice};
 use std::path::PathBuf;
@@ -38,6 +40,7 @@ pub struct BenchOptions {
     pub frames: Option<u32>,
     pub seed: u32,
     pub methods: Methods,
+    pub pipeline: PipelineChoice,
 }
 
 #[derive(Clone, Debug, PartialEq)]
@@ -51,6 +54,7 @@ pub struct CompareOptions {
     pub samples: u32,
     pub seed: u32,
     pub methods: Methods,
+    pub pipeline: PipelineChoice,
 }
 
 #[derive(Clone, Debug, PartialEq)]
@@ -69,6 +73,7 @@ pub struct RenderOptions {
     /// Was exposure or tone mapping asked for?
     pub tone_asked: bool,
     pub methods: Methods,
+    pub pipeline: PipelineChoice,
     pub json: bool,
 }
 
@@ -98,6 +103,7 @@ impl TryFrom<BenchArgs> for BenchOptions {
             frames: args.frames.map(|text| whole("--frames", &text, 1, MAX_FRAMES)).transpose()?,
             seed: seed(&args.seed)?,
             methods: args.methods.into(),
+            pipeline: args.pipeline.into(),
         })
     }
 }
@@ -114,6 +120,7 @@ impl TryFrom<CompareArgs> for CompareOptions {
             samples: samples(&args.samples)?,
             seed: seed(&args.seed)?,
             methods: args.methods.into(),
+            pipeline: args.pipeline.into(),
         })
     }
 }
@@ -136,6 +143,7 @@ impl TryFrom<RenderArgs> for RenderOptions {
                 operator: args.tone.unwrap_or_default().into(),
             },
             methods: args.methods.into(),
+            pipeline: args.pipeline.into(),
             json: args.json,
         })
     }
@@ -168,6 +176,15 @@ impl From<MethodArgs> for Methods {
             TriangleMethod::Plucker => TriangleChoice::Plucker,
         };
         Self { sphere, triangle }
+    }
+}
+
+impl From<PipelineArg> for PipelineChoice {
+    fn from(pipeline: PipelineArg) -> Self {
+        match pipeline {
+            PipelineArg::Needed => Self::Needed,
+            PipelineArg::General => Self::General,
+        }
     }
 }
 

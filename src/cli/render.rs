@@ -3,20 +3,24 @@
 use super::INTERRUPTED;
 use super::error::CliError;
 use super::interrupt::Interrupt;
+use super::memory;
 use super::options::RenderOptions;
-use super::terminal;
+use super::progress::{Progress, mrays_per_s};
+use super::terminal::{self, figure};
 use crate::film::Film;
 use crate::output::{self, Existing, Format};
-use crate::render::{Renderer, Settings};
+use crate::render::{Renderer, Settings, Watch};
 use crate::scene::{self, Scene};
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde::Serialize;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
-/// How long a chunk of samples should take: short enough for Ctrl-C and the progress bar to feel immediate, long enough
-/// that starting and ending it costs nothing.
+/// How long a chunk of samples should take: short enough for Ctrl-C to feel immediate, long enough that starting and ending it costs
+/// nothing.
 const CHUNK: Duration = Duration::from_millis(100);
+/// How long a chunk may take to end by itself after Ctrl-C, so that every pixel has the same number of samples; one that takes longer
+/// stops between tiles.
+const GRACE: Duration = Duration::from_millis(300);
 
 /// What was done; the JSON report.
 #[derive(Debug, Serialize)]
@@ -26,7 +30,9 @@ struct Report {
     output: String,
     width: u32,
     height: u32,
+    /// Samples that every pixel has had, and the most that one has had: more only where Ctrl-C came in the middle of one.
     samples: u32,
+    most_samples: u32,
     max_bounces: u32,
     seed: u32,
     /// Wall time of the tracing alone.
@@ -54,13 +60,25 @@ pub fn run(options: RenderOptions) -> Result<ExitCode, CliError> {
     }
 
     let settings = settings(&scene, &options);
+    memory::check(settings.resolution, Film::BYTES_PER_PIXEL)?;
     let renderer = Renderer::new(&scene, settings);
     let interrupt = Interrupt::listen();
-    let (film, time) = trace(&renderer, options.samples, &interrupt);
+    let mut film = renderer.film();
+    let progress = Progress::new(settings.resolution, options.samples);
+    let time = trace(&renderer, &mut film, options.samples, &interrupt, &progress);
+    progress.writing(&options.output);
+    let (report, begun) = (Report::of(&options, &settings, &film, time), film.pixels_begun());
+    let picture = film.picture();
+    // Encoders need memory of their own: in place of the film's and the scene's.
+    drop((film, renderer, scene));
     interrupt.hold();
-    output::save(&options.output, &film.picture(), &options.tone)?;
+    let saved = output::save_unless(&options.output, &picture, &options.tone, &|| interrupt.insisted());
+    progress.end();
+    if saved.is_err() && interrupt.insisted() {
+        return Ok(ExitCode::from(INTERRUPTED));
+    }
+    saved?;
 
-    let report = Report::of(&options, &settings, &film, time);
     if report.discarded_samples > 0 {
         terminal::warn(&format!(
             "{} samples were not finite numbers and were left out; this is a bug in octray: please report it with the \
@@ -71,7 +89,7 @@ pub fn run(options: RenderOptions) -> Result<ExitCode, CliError> {
     if options.json {
         terminal::print_json(&report)?;
     } else {
-        terminal::print(&report.line(options.samples))?;
+        terminal::print(&report.line(options.samples, begun))?;
     }
     Ok(if report.interrupted { ExitCode::from(INTERRUPTED) } else { ExitCode::SUCCESS })
 }
@@ -82,31 +100,45 @@ fn settings(scene: &Scene, options: &RenderOptions) -> Settings {
         max_bounces: options.bounces.unwrap_or(scene.max_bounces),
         seed: options.seed,
         methods: options.methods,
+        pipeline: options.pipeline,
         lanes: options.lanes,
         threads: options.threads,
         ..Settings::of(scene)
     }
 }
 
-/// Adds samples in chunks until there are enough or the user has asked for an end; at least one chunk. Also says how long
-/// it took.
-fn trace(renderer: &Renderer, samples: u32, interrupt: &Interrupt) -> (Film, Duration) {
-    let progress = Progress::new(samples);
-    let mut film = renderer.film();
+/// Adds samples in chunks until there are enough or the user has asked for an end; says how long it took.
+fn trace(
+    renderer: &Renderer,
+    film: &mut Film,
+    samples: u32,
+    interrupt: &Interrupt,
+    progress: &Progress,
+) -> Duration {
     let mut chunk = 1;
     let start = Instant::now();
-    while film.samples() < samples {
-        let began = Instant::now();
-        renderer.add_samples(&mut film, chunk);
-        progress.show(&film, start.elapsed());
-        if interrupt.asked() {
-            break;
-        }
-        chunk = next_chunk(chunk, began.elapsed()).min(samples - film.samples());
+    while film.samples() < samples && !interrupt.asked() {
+        let watched = Chunk { began: Instant::now(), interrupt, progress };
+        renderer.add_samples_watched(film, chunk, &watched);
+        chunk = next_chunk(chunk, watched.began.elapsed()).min(samples - film.samples());
     }
-    let time = start.elapsed();
-    progress.end();
-    (film, time)
+    start.elapsed()
+}
+
+/// A chunk under way: tells the progress, hears the interruption.
+struct Chunk<'a> {
+    began: Instant,
+    interrupt: &'a Interrupt,
+    progress: &'a Progress,
+}
+
+impl Watch for Chunk<'_> {
+    fn stop(&self) -> bool {
+        self.interrupt.asked() && self.began.elapsed() >= GRACE
+    }
+    fn done(&self, pixels: usize, rays: u64) {
+        self.progress.add(pixels, rays);
+    }
 }
 
 /// How many samples to trace next, given how long the last ones took: as many as should take [`CHUNK`], but not more than
@@ -114,36 +146,6 @@ fn trace(renderer: &Renderer, samples: u32, interrupt: &Interrupt) -> (Film, Dur
 fn next_chunk(last: u32, took: Duration) -> u32 {
     let fitting = f64::from(last) * CHUNK.as_secs_f64() / took.as_secs_f64().max(1e-9);
     (fitting as u32).clamp(1, last.saturating_mul(4))
-}
-
-/// The bar on standard error; there is none where standard error is not a terminal.
-struct Progress(ProgressBar);
-
-impl Progress {
-    fn new(samples: u32) -> Self {
-        let bar = ProgressBar::with_draw_target(Some(samples.into()), ProgressDrawTarget::stderr_with_hz(10));
-        let template = "{wide_bar} {pos}/{len} samples  {msg}  {eta} left";
-        bar.set_style(
-            ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar()),
-        );
-        bar.set_message("starting");
-        Self(bar)
-    }
-
-    fn show(&self, film: &Film, time: Duration) {
-        if !self.0.is_hidden() {
-            self.0.set_message(format!("{:.1} Mray/s", mrays_per_s(film.rays(), time)));
-        }
-        self.0.set_position(film.samples().into());
-    }
-
-    fn end(self) {
-        self.0.finish_and_clear();
-    }
-}
-
-fn mrays_per_s(rays: u64, time: Duration) -> f64 {
-    rays as f64 / time.as_secs_f64().max(1e-9) / 1e6
 }
 
 impl Report {
@@ -156,6 +158,7 @@ impl Report {
             width,
             height,
             samples: film.samples(),
+            most_samples: film.most_samples(),
             max_bounces: settings.max_bounces,
             seed: settings.seed,
             seconds: time.as_secs_f64(),
@@ -166,13 +169,24 @@ impl Report {
         }
     }
 
-    /// The line for people.
-    fn line(&self, wanted: u32) -> String {
-        let Self { output, width, height, samples, seconds, mrays_per_s, .. } = self;
+    /// The line for people; so many samples were asked for, and so many pixels have had one.
+    fn line(&self, wanted: u32, begun: u64) -> String {
+        let Self { output, width, height, samples, most_samples, seconds, mrays_per_s, .. } = self;
+        let had = if samples == most_samples {
+            samples.to_string()
+        } else {
+            format!("{samples} to {most_samples}")
+        };
         let of_wanted = if self.interrupted { format!(" of {wanted}") } else { String::new() };
+        let rate = figure(*mrays_per_s, 1);
         let plural = if *samples == 1 && !self.interrupted { "" } else { "s" };
+        let black = 1.0 - begun as f64 / (f64::from(*width) * f64::from(*height));
+        let black = match black > 0.0 {
+            true => format!("; {:.0} % of the picture has had none and is black", 100.0 * black),
+            false => String::new(),
+        };
         format!(
-            "{output}: {width}×{height}, {samples}{of_wanted} sample{plural}, {seconds:.2} s, {mrays_per_s:.1} Mray/s\n"
+            "{output}: {width}×{height}, {had}{of_wanted} sample{plural}, {seconds:.2} s, {rate} Mray/s{black}\n"
         )
     }
 }
@@ -198,7 +212,9 @@ mod tests {
         for samples in [1, 2, 3, 7, 100] {
             let settings = Settings { resolution: [8, 8], max_bounces: 1, ..Settings::of(&scene) };
             let renderer = Renderer::new(&scene, settings);
-            assert_eq!(trace(&renderer, samples, &Interrupt::default()).0.samples(), samples);
+            let (mut film, progress) = (renderer.film(), Progress::new(settings.resolution, samples));
+            trace(&renderer, &mut film, samples, &Interrupt::default(), &progress);
+            assert_eq!((film.samples(), film.most_samples()), (samples, samples));
         }
     }
 }

@@ -88,6 +88,9 @@ pub fn trace_tile<L: Lane, const N: u32>(world: &World, tile: Tile, sample: u32,
     count = shade::shade::<L, N, true>(world, work, count, 0);
     for bounce in 1..world.max_bounces {
         rays += count as u64;
+        if bounce.is_multiple_of(STRAIGHT) {
+            work.queue.normalize_directions::<L>(count);
+        }
         extend::extend::<L, N>(world, work, count);
         count = shade::shade::<L, N, false>(world, work, count, bounce);
     }
@@ -95,6 +98,12 @@ pub fn trace_tile<L: Lane, const N: u32>(world: &World, tile: Tile, sample: u32,
     shade::finish::<L, N, false>(world, work, count);
     rays + count as u64
 }
+
+/// Directions are brought back to unit length after so many events. A mirror whose normal has the length 1 + δ, |δ| ≤ 2 ε, multiplies
+/// a direction's length by up to 1 + 4 δ, and rounds by 4 ε: 12 ε or 7.2e-7 an event, always the same way between two mirrors. Eight
+/// events stay below 6e-6; the robust sphere test asks for 1e-5. Measured: 5e-5 after 1,024 events if nothing is done,
+/// `tests/long_paths.rs`.
+const STRAIGHT: u32 = 8;
 
 /// The pipelines there are: sets of features, smallest first. Each costs compile time and program size for two widths, so only sets
 /// that measured well are here; a scene gets the first that holds its needs.

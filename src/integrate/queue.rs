@@ -111,6 +111,13 @@ impl Queue {
         path.key.store(&mut self.key[at..]);
         path.slot.store(&mut self.slot[at..]);
     }
+    /// Brings the directions of the first `count` paths back to unit length.
+    pub fn normalize_directions<L: Lane>(&mut self, count: usize) {
+        for at in (0..count).step_by(L::WIDTH) {
+            let direction: Vec3<L> = self.direction.load(at);
+            self.direction.store(at, direction.normalize());
+        }
+    }
     #[inline(always)]
     pub fn hit<L: Lane>(&self, at: usize) -> Hit<L> {
         Hit {

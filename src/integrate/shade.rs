@@ -199,8 +199,13 @@ fn scatter<L: Lane, const N: u32>(
     let throughput = path.throughput * (worn.color * drawn.weight);
     // A path that can carry no more light ends here. NaN goes on, to be counted at the film.
     let dark = (throughput.x + throughput.y + throughput.z).eq(L::zero());
-    let side =
-        if needs(N, Needs::GLASS) { surface.offset.copysign(drawn.direction.dot(n)) } else { surface.offset };
+    // Only glass is left on the far side: a reflection that rounding points a little below its surface is not, in any pipeline.
+    let side = if needs(N, Needs::GLASS) {
+        let through = surface.offset.copysign(drawn.direction.dot(n));
+        L::select(wears(MaterialCode::GLASS), through, surface.offset)
+    } else {
+        surface.offset
+    };
     let ray = Ray { origin: n.mul_add(side, surface.point), direction: drawn.direction };
     (Path { ray, throughput, key: path.key, slot: path.slot }, drawn.alive & !dark)
 }

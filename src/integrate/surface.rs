@@ -105,7 +105,7 @@ impl<L: Lane> Surface<L> {
         let mut coordinates = (L::zero(), L::zero());
         if needs(N, Needs::SPHERES) && (textured & self.is_sphere).any() {
             let (u, v) = latitude_longitude(self.outward);
-            coordinates = (u + self.turn, v);
+            coordinates = (u.flip_sign(self.turn) + self.turn, v);
         }
         if needs(N, Needs::TRIANGLES) && (textured & !self.is_sphere).any() && world.buffers.has_uvs {
             let few = !needs(N, Needs::MANY_TRIANGLES);

@@ -1,8 +1,10 @@
 //! Frames per second: SIMD beside scalar, in alternation.
+//!
+//! For: [`bench()`]. May import: `turns`, `statistics`, and what they may. Must never know: how figures are shown.
 
-use super::statistics::Times;
-use crate::film::Film;
-use crate::render::{Renderer, Settings};
+use super::statistics::Quantiles;
+use super::turns::{Ratio, Timed};
+use crate::render::{PipelineChoice, Renderer, Settings};
 use crate::scene::Scene;
 use serde::Serialize;
 use std::time::{Duration, Instant};
@@ -46,44 +48,26 @@ pub struct Measurement {
     /// Rays (closest-hit or any-hit queries of active lanes) over wall time of the median frame, in millions a second.
     pub mrays_per_s: f64,
     pub rays_per_frame: f64,
+    /// How many times as fast as the scalar engine on as many threads; `None` for that engine itself and where it was not timed.
+    pub speedup: Option<Ratio>,
+    /// How many times as fast as the first engine of the same width, which had fewer threads; `None` for that engine itself.
+    pub scaling: Option<Ratio>,
     pub needs: Vec<&'static str>,
+    /// `needed` or `general`.
+    pub pipeline: &'static str,
 }
 
 /// How long an engine is timed before the next one has its turn: short beside the drift of a machine's clock, long beside the time that
 /// sleeping threads take to wake up.
 const TURN: Duration = Duration::from_millis(50);
 /// Fewest frames behind a median, and fewest where frames are so slow that patience ends.
-const FEWEST_FRAMES: usize = 50;
+pub const FEWEST_FRAMES: usize = 50;
 const FEWEST_SLOW_FRAMES: usize = 3;
 /// So many times the measuring time, patience ends.
 const PATIENCE: u32 = 10;
-/// Frames before timing starts, or as many as this time holds: caches and branch predictors fill, clocks rise.
-const WARM_UP: u32 = 5;
-const WARM_UP_TIME: Duration = Duration::from_millis(200);
-
 struct Run {
     engine: Engine,
-    renderer: Renderer,
-    film: Film,
-    seconds: Vec<f64>,
-}
-
-impl Run {
-    /// Times frames until the turn is over, at least one and at most `frames`.
-    fn turn(&mut self, frames: usize) {
-        let Self { renderer, film, seconds, .. } = self;
-        renderer.on_threads(|| {
-            let turn = Instant::now();
-            for _ in 0..frames {
-                let start = Instant::now();
-                renderer.add_samples(film, 1);
-                seconds.push(start.elapsed().as_secs_f64());
-                if turn.elapsed() >= TURN {
-                    break;
-                }
-            }
-        });
-    }
+    timed: Timed,
 }
 
 /// Times the engines on a scene, in alternation, after a warm-up. `settings` holds for all but lanes and threads.
@@ -93,18 +77,14 @@ pub fn bench(scene: &Scene, settings: Settings, engines: &[Engine], effort: Effo
         .map(|&engine| {
             let Engine { lanes, threads } = engine;
             let renderer = Renderer::new(scene, Settings { lanes, threads, ..settings });
-            let (mut film, start) = (renderer.film(), Instant::now());
-            while film.samples() < WARM_UP && start.elapsed() < WARM_UP_TIME {
-                renderer.add_samples(&mut film, 1);
-            }
-            Run { engine, film: renderer.film(), renderer, seconds: Vec::new() }
+            Run { engine, timed: Timed::new(renderer) }
         })
         .collect();
     let start = Instant::now();
     let enough = |run: &Run| match effort {
-        Effort::Frames(frames) => run.seconds.len() >= frames as usize,
+        Effort::Frames(frames) => run.timed.seconds.len() >= frames as usize,
         Effort::Time(time) => {
-            let (frames, passed) = (run.seconds.len(), start.elapsed());
+            let (frames, passed) = (run.timed.seconds.len(), start.elapsed());
             (frames >= FEWEST_FRAMES && passed >= time)
                 || (frames >= FEWEST_SLOW_FRAMES && passed >= time * PATIENCE)
         }
@@ -112,33 +92,63 @@ pub fn bench(scene: &Scene, settings: Settings, engines: &[Engine], effort: Effo
     while !runs.iter().all(&enough) {
         for run in &mut runs {
             let left = match effort {
-                Effort::Frames(frames) => (frames as usize).saturating_sub(run.seconds.len()),
+                Effort::Frames(frames) => (frames as usize).saturating_sub(run.timed.seconds.len()),
                 Effort::Time(_) => usize::MAX,
             };
-            run.turn(left);
+            run.timed.turn(left, TURN);
         }
     }
-    runs.into_iter().map(|run| measurement(scene, &run)).collect()
+    runs.iter().map(|run| measurement(scene, run, &runs)).collect()
 }
 
-fn measurement(scene: &Scene, run: &Run) -> Measurement {
-    let times = Times::new(run.seconds.clone());
-    let settings = run.renderer.settings();
-    let rays_per_frame = run.film.rays() as f64 / f64::from(run.film.samples());
+fn measurement(scene: &Scene, run: &Run, runs: &[Run]) -> Measurement {
+    let Run { engine, timed: Timed { renderer, film, seconds, .. } } = run;
+    let times = Quantiles::of(seconds.clone());
+    let settings = renderer.settings();
+    let rays_per_frame = film.rays() as f64 / f64::from(film.samples());
+    let ratio_to = |other: &Run| Ratio::of(&run.timed, &other.timed);
+    let scalar = Engine { lanes: 1, ..*engine };
+    let first = runs.iter().find(|other| other.engine.lanes == engine.lanes);
     Measurement {
         scene: scene.name.clone(),
         width: settings.resolution[0],
         height: settings.resolution[1],
         max_bounces: settings.max_bounces,
-        engine: if run.engine.lanes == 1 { "scalar" } else { "simd" },
-        lanes: run.engine.lanes,
-        threads: run.engine.threads,
+        engine: if engine.lanes == 1 { "scalar" } else { "simd" },
+        lanes: engine.lanes,
+        threads: engine.threads,
         frames: times.count(),
         fps_median: 1.0 / times.median(),
-        fps_low_1_percent: 1.0 / times.quantile(0.99),
-        fps_spread: [1.0 / times.quantile(0.9), 1.0 / times.quantile(0.1)],
+        fps_low_1_percent: 1.0 / times.at(0.99),
+        fps_spread: [1.0 / times.at(0.9), 1.0 / times.at(0.1)],
         mrays_per_s: rays_per_frame / times.median() / 1e6,
         rays_per_frame,
-        needs: run.renderer.needs().names(),
+        speedup: runs.iter().find(|other| *engine != scalar && other.engine == scalar).and_then(ratio_to),
+        scaling: first.filter(|first| first.engine.threads < engine.threads).and_then(ratio_to),
+        needs: renderer.needs().names(),
+        pipeline: match settings.pipeline {
+            PipelineChoice::Needed => "needed",
+            PipelineChoice::General => "general",
+        },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn measurement_gives_the_median_the_1_percent_low_and_the_spread_of_its_frames() {
+        let scene = crate::scene::load("builtin:three").unwrap();
+        let settings = Settings { resolution: [8, 8], ..Settings::of(&scene) };
+        let mut timed = Timed::new(Renderer::new(&scene, settings));
+        timed.turn(1, TURN);
+        timed.seconds = (1..=100).map(f64::from).collect();
+        let run = Run { engine: Engine { lanes: 8, threads: 1 }, timed };
+        let found = measurement(&scene, &run, &[]);
+        assert_eq!((found.frames, found.engine), (100, "simd"));
+        assert_eq!((found.fps_median, found.fps_low_1_percent), (1.0 / 50.5, 1.0 / 99.0));
+        assert_eq!(found.fps_spread, [1.0 / 90.0, 1.0 / 10.0]);
+        assert_eq!((found.speedup, found.scaling), (None, None), "nothing else was timed");
     }
 }

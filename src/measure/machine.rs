@@ -38,6 +38,18 @@ pub fn cores() -> usize {
     std::thread::available_parallelism().map_or(1, usize::from)
 }
 
+/// Bytes that programs may still take without others being swapped out, by the system's own estimate; `None` where we have no way to ask
+/// (other systems than Linux).
+pub fn available_memory() -> Option<u64> {
+    mem_available(&std::fs::read_to_string("/proc/meminfo").ok()?)
+}
+
+/// `MemAvailable` in the text of `/proc/meminfo`, which counts in KiB.
+fn mem_available(info: &str) -> Option<u64> {
+    let line = info.lines().find_map(|line| line.strip_prefix("MemAvailable:"))?;
+    line.trim().strip_suffix(" kB")?.parse::<u64>().ok()?.checked_mul(1024)
+}
+
 fn cpu() -> String {
     let info = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
     model_name(&info).unwrap_or_else(|| std::env::consts::ARCH.to_string())
@@ -62,6 +74,16 @@ mod tests {
         assert_eq!(model_name(info).as_deref(), Some("Some CPU @ 2.00GHz"));
         assert_eq!(model_name(""), None);
         assert_eq!(model_name("model name\t:\nCPU implementer : 0x41\n"), None);
+    }
+
+    #[test]
+    fn mem_available_is_read_in_bytes() {
+        let info = "MemTotal:       24000000 kB\nMemFree:  1 kB\nMemAvailable:   16000000 kB\n";
+        assert_eq!(mem_available(info), Some(16_384_000_000));
+        assert_eq!(mem_available("MemTotal: 1 kB\n"), None);
+        assert_eq!(mem_available("MemAvailable: many kB\n"), None);
+        #[cfg(target_os = "linux")]
+        assert!(available_memory().unwrap() > 1_000_000);
     }
 
     #[test]

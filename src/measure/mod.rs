@@ -9,5 +9,6 @@ pub mod compare;
 pub mod features;
 pub mod machine;
 pub mod statistics;
+pub mod turns;
 
 pub use machine::Machine;

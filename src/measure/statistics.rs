@@ -1,22 +1,22 @@
 //! What many measurements say together.
 
-/// Frame times of one engine, sorted.
+/// Measurements, sorted.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Times {
-    /// Seconds, ascending; at least one.
+pub struct Quantiles {
+    /// Ascending; at least one.
     sorted: Vec<f64>,
 }
 
-impl Times {
+impl Quantiles {
     /// # Panics
     /// If there are none.
-    pub fn new(mut seconds: Vec<f64>) -> Self {
-        assert!(!seconds.is_empty(), "no measurements");
-        seconds.sort_by(f64::total_cmp);
-        Self { sorted: seconds }
+    pub fn of(mut values: Vec<f64>) -> Self {
+        assert!(!values.is_empty(), "no measurements");
+        values.sort_by(f64::total_cmp);
+        Self { sorted: values }
     }
-    /// The time below which a fraction of the measurements lies (nearest rank).
-    pub fn quantile(&self, fraction: f64) -> f64 {
+    /// The value below which a fraction of the measurements lies (nearest rank).
+    pub fn at(&self, fraction: f64) -> f64 {
         let rank = (fraction * self.sorted.len() as f64).ceil() as usize;
         self.sorted[rank.clamp(1, self.sorted.len()) - 1]
     }
@@ -36,20 +36,20 @@ impl Times {
 
 #[cfg(test)]
 mod tests {
-    use super::Times;
+    use super::Quantiles;
 
     #[test]
     fn median_is_the_middle_of_odd_and_the_mean_of_the_middles_of_even_counts() {
-        assert_eq!(Times::new(vec![3.0, 1.0, 2.0]).median(), 2.0);
-        assert_eq!(Times::new(vec![4.0, 1.0, 2.0, 3.0]).median(), 2.5);
+        assert_eq!(Quantiles::of(vec![3.0, 1.0, 2.0]).median(), 2.0);
+        assert_eq!(Quantiles::of(vec![4.0, 1.0, 2.0, 3.0]).median(), 2.5);
     }
 
     #[test]
     fn quantile_is_the_nearest_rank() {
-        let hundred = Times::new((1..=100).map(f64::from).collect());
-        assert_eq!(hundred.quantile(0.99), 99.0);
-        assert_eq!(hundred.quantile(0.1), 10.0);
-        assert_eq!(hundred.quantile(0.0), 1.0);
-        assert_eq!(hundred.quantile(1.0), 100.0);
+        let hundred = Quantiles::of((1..=100).map(f64::from).collect());
+        assert_eq!(hundred.at(0.99), 99.0);
+        assert_eq!(hundred.at(0.1), 10.0);
+        assert_eq!(hundred.at(0.0), 1.0);
+        assert_eq!(hundred.at(1.0), 100.0);
     }
 }

@@ -12,12 +12,12 @@ pub enum OutputError {
     )]
     UnknownFormat { path: PathBuf },
     #[error(
-        "`{}` is a folder, not a file\n  name a file in it, such as {}", .path.display(), .path.join("picture.png").display()
+        "`{}` is a folder, not a file\n  add the name of a file in it", .path.display()
     )]
     IsFolder { path: PathBuf },
     #[error(
         "`{}` is neither a file nor a folder (a device or a pipe?)\n  \
-         a picture is written beside its place and then moved there: name an ordinary file", .path.display()
+         a file is written beside its place and then moved there: name an ordinary file", .path.display()
     )]
     NotAFile { path: PathBuf },
     #[error(

@@ -8,7 +8,7 @@
 
 use super::error::OutputError;
 use std::fs::{self, File};
-use std::io::{self, BufWriter, Write};
+use std::io::{self, BufWriter, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
 
@@ -56,6 +56,28 @@ pub fn write_atomically(
             Err(OutputError::Exists { path: path.to_owned() })
         }
         Err(error) => Err(failed(error.error)),
+    }
+}
+
+/// A writer that fails once `given_up` says so: a large file takes seconds.
+pub struct Unless<'a, W> {
+    pub inner: W,
+    pub given_up: &'a dyn Fn() -> bool,
+}
+
+impl<W: Write> Write for Unless<'_, W> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        // Not `ErrorKind::Interrupted`, which asks for another attempt.
+        if (self.given_up)() { Err(io::Error::other("given up")) } else { self.inner.write(bytes) }
+    }
+    fn flush(&mut self) -> io::Result<()> {
+        self.inner.flush()
+    }
+}
+
+impl<W: Seek> Seek for Unless<'_, W> {
+    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+        self.inner.seek(to)
     }
 }
 
@@ -111,10 +133,16 @@ impl Place {
         // The permissions of an ordinary new file, less the umask; tempfile's own default hides it from everyone else.
         #[cfg(unix)]
         builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-        builder
-            .tempfile_in(&self.folder)
-            .map_err(|source| OutputError::FolderNotWritable { folder: self.folder.clone(), source })
+        builder.tempfile_in(&self.folder).map_err(|error| OutputError::FolderNotWritable {
+            folder: self.folder.clone(),
+            source: bare(error),
+        })
     }
+}
+
+/// What kind of error it is, without the temporary file's name in it: nobody has heard of that file.
+fn bare(error: io::Error) -> io::Error {
+    error.kind().into()
 }
 
 /// Where a symbolic link leads; one step if what it names does not exist yet.

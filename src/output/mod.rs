@@ -1,6 +1,6 @@
 //! Pictures as people and programs see them: tone mapping, encoding, files that are whole or absent.
 //!
-//! For: [`save`], which turns a [`Picture`] into a file, and the parts it is made of. May import: `film`.
+//! For: [`save`] and [`save_unless`], which turn a [`Picture`] into a file, and the parts they are made of. May import: `film`.
 //! Must never know: scenes, rays, command lines, windows.
 //!
 //! | file | what it does |
@@ -17,7 +17,7 @@ pub mod tone;
 
 pub use encode::{Format, encode};
 pub use error::OutputError;
-pub use file::{Existing, check, write_atomically};
+pub use file::{Existing, Unless, check, write_atomically};
 pub use tone::{Operator, Tone};
 
 use crate::film::Picture;
@@ -26,6 +26,18 @@ use std::path::Path;
 /// Writes a picture to `path` in the format its extension names. `tone` changes PNG and JPEG alone: EXR and HDR hold the
 /// linear radiance. Afterwards the file is whole, or as it was before.
 pub fn save(path: &Path, picture: &Picture, tone: &Tone) -> Result<(), OutputError> {
+    save_unless(path, picture, tone, &|| false)
+}
+
+/// As [`save`]; fails, and leaves the place as it was before, once `given_up` says so.
+pub fn save_unless(
+    path: &Path,
+    picture: &Picture,
+    tone: &Tone,
+    given_up: &dyn Fn() -> bool,
+) -> Result<(), OutputError> {
     let format = Format::of(path)?;
-    write_atomically(path, Existing::Replace, |file| encode(file, picture, format, tone))
+    write_atomically(path, Existing::Replace, |inner| {
+        encode(Unless { inner, given_up }, picture, format, tone)
+    })
 }

@@ -1,12 +1,14 @@
 //! Spheres and triangles in double precision, and the nearest of them.
 
 use super::Reference;
+use crate::scene::Side;
 use glam::{DVec2, DVec3};
 
 pub(super) struct Sphere {
     pub center: DVec3,
     pub radius: f64,
     pub turn: f64,
+    pub picture_from: Side,
     pub material: usize,
 }
 
@@ -99,7 +101,7 @@ impl Sphere {
             point: self.center + normal * self.radius,
             normal,
             material: self.material,
-            uv: super::texture::on_sphere(normal, self.turn),
+            uv: super::texture::on_sphere(normal, self.turn, self.picture_from),
             wraps: false,
             scale: self.center.abs().max_element() + self.radius,
         }

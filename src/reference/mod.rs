@@ -1,7 +1,7 @@
 //! The independent judge: the same picture in f64, one ray and one object at a time, written to be obviously right.
 //!
 //! For: answering what a ray truly hits ([`Reference::closest`]), whether a single-precision answer is as right as single
-//! precision can be ([`Reference::check_primary`]), and what a path, a pixel truly carries ([`Reference::path`],
+//! precision can be ([`Reference::check_primary`], [`Reference::check_weights`]), and what a path, a pixel truly carries ([`Reference::path`],
 //! [`Reference::pixel`]).
 //! May import: the types of `scene`, the integer hash and the dimensions of `sampling::random` (at width one; judge and
 //! judged follow the same paths because they draw the same numbers), and glam's `DVec3`.
@@ -47,6 +47,7 @@ impl Reference {
             center: sphere.center.as_dvec3(),
             radius: f64::from(sphere.radius),
             turn: f64::from(sphere.turn),
+            picture_from: sphere.picture_from,
             material: sphere.material as usize,
         });
         let triangles = scene.triangles.iter().enumerate().map(|(index, triangle)| Triangle {

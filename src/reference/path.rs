@@ -2,7 +2,7 @@
 
 use super::{Reference, lobes, texture};
 use crate::sampling::random::{PIXEL, bounce, path_key, uniform};
-use crate::scene::{MaterialKind, Sky};
+use crate::scene::{MaterialKind, Side, Sky};
 use glam::DVec3;
 
 /// What decides a path besides the scene, the pixel and the sample.
@@ -80,7 +80,7 @@ impl Reference {
             Sky::Color(color) => color.as_dvec3(),
             Sky::Gradient { bottom, top } => bottom.as_dvec3().lerp(top.as_dvec3(), 0.5 * (d.y + 1.0)),
             Sky::Texture { texture, color } => {
-                color.as_dvec3() * self.lookup(Some(texture), texture::on_sphere(d, 0.0), false)
+                color.as_dvec3() * self.lookup(Some(texture), texture::on_sphere(d, 0.0, Side::Inside), false)
             }
         }
     }

@@ -1,14 +1,20 @@
 //! How pictures are read: at a point of the unit square, columns from the left, rows from the top.
 
 use super::Reference;
-use crate::scene::Filter;
+use crate::scene::{Filter, Side};
 use glam::{DVec2, DVec3};
 use std::f64::consts::{PI, TAU};
 
-/// Where a sphere, or the sky, shows its picture in the direction of the unit vector `n`: u = atan2(z, x) / 2π + `turn`,
-/// wrapped to [0, 1), and v = acos(y) / π from the top.
-pub(super) fn on_sphere(n: DVec3, turn: f64) -> DVec2 {
-    DVec2::new(fraction(n.z.atan2(n.x) / TAU + turn), n.y.clamp(-1.0, 1.0).acos() / PI)
+/// Where a sphere, or the sky, shows its picture in the direction of the unit vector `n`: v = acos(y) / π from the top; u, in
+/// [0, 1), grows to the right for an eye on the side from which the picture reads right, that is clockwise seen from above for
+/// one inside.
+pub(super) fn on_sphere(n: DVec3, turn: f64, picture_from: Side) -> DVec2 {
+    let clockwise = n.z.atan2(n.x) / TAU + turn;
+    let u = match picture_from {
+        Side::Inside => clockwise,
+        Side::Outside => 1.0 - clockwise,
+    };
+    DVec2::new(fraction(u), n.y.clamp(-1.0, 1.0).acos() / PI)
 }
 
 /// x without its whole part, in [0, 1). (Of −10⁻¹⁷ the subtraction makes 1.)

@@ -65,8 +65,14 @@ fn text(scene: &Scene, texture_path: &dyn Fn(&str) -> String) -> String {
     );
     entry("resolution", json!(scene.resolution).to_string());
     entry("max_bounces", json!(scene.max_bounces).to_string());
-    if let Sky::Color(color) = scene.sky {
-        entry("sky", format!("{{ \"color\": {} }}", vec3(color)));
+    match scene.sky {
+        Sky::Color(color) => entry("sky", format!("{{ \"color\": {} }}", vec3(color))),
+        Sky::Gradient { bottom, top } => {
+            let (bottom, top) = (vec3(bottom), vec3(top));
+            entry("sky", format!("{{ \"gradient\": {{ \"bottom\": {bottom}, \"top\": {top} }} }}"));
+        }
+        // No model brings a picture of the sky.
+        Sky::Texture { .. } => {}
     }
     let materials = scene.materials.iter().zip(&names).map(|(material, name)| {
         format!("    {}: {}", json!(name), material_text(scene, material, texture_path))

@@ -6,7 +6,7 @@
 use super::check::has_area;
 use super::image::Textures;
 use super::{Camera, Material, MaterialKind, Scene, SceneError, Sky, Sphere, Triangle};
-use glam::{DVec3, Vec2, Vec3};
+use glam::{DVec2, DVec3, Vec2, Vec3};
 
 /// Pictures are this large unless told otherwise: the size at which speed is measured.
 pub const RESOLUTION: [u32; 2] = [240, 135];
@@ -75,7 +75,7 @@ impl Draft {
         if self.materials[material as usize].texture.is_some() {
             let size = self.texture_sizes[material as usize];
             self.uvs.resize(before, [Vec2::ZERO; 3]);
-            self.uvs.push(uvs.unwrap_or_else(|| planar_uvs(vertices.map(Vec3::as_dvec3), size)));
+            self.uvs.push(uvs.unwrap_or_else(|| planar_uvs(vertices, size)));
         } else if !self.uvs.is_empty() {
             self.uvs.push([Vec2::ZERO; 3]);
         }
@@ -161,17 +161,25 @@ impl Draft {
     }
 }
 
-/// Texture coordinates of a triangle that has none: distances along two directions in its plane from its first vertex,
-/// `size` scene units to one repeat, the picture's rows running along the second direction (so v, which points up, runs
-/// against it). The thesis's mapping, affine on the triangle and therefore given by its values at the vertices.
-pub fn planar_uvs(vertices: [DVec3; 3], size: f64) -> [Vec2; 3] {
-    let [a, b, c] = vertices;
+/// Texture coordinates of a triangle that has none: where its points lie in its plane, `size` scene units to one repeat.
+///
+/// They depend on the plane and on nothing else of the triangle, so that the picture goes on across neighbours in one plane. On
+/// what lies flatter than [`FLAT`], the picture's upper edge points to −z, and it reads right from above; elsewhere it points to
+/// +y, and it reads right from the side of +z or, where z does not tell, of +x.
+fn planar_uvs(vertices: [Vec3; 3], size: f64) -> [Vec2; 3] {
+    let [a, b, c] = vertices.map(Vec3::as_dvec3);
     let n = (b - a).cross(c - a).normalize();
-    let tangent = if n.x.abs() > n.y.abs() { DVec3::new(n.z, 0.0, -n.x) } else { DVec3::new(0.0, -n.z, n.y) };
-    let tangent = tangent.normalize();
-    let bitangent = n.cross(tangent).normalize();
-    vertices.map(|p| {
-        let (u, row) = ((p - a).dot(tangent) / size, (p - a).dot(bitangent) / size);
-        Vec2::new(u as f32, (1.0 - row) as f32)
-    })
+    let flat = n.y.abs() > FLAT;
+    let (front, up) = if flat { (DVec3::Y, DVec3::NEG_Z) } else { (DVec3::new(0.3, 0.0, 1.0), DVec3::Y) };
+    let n = if n.dot(front) < 0.0 { -n } else { n };
+    let up = (up - n * n.dot(up)).normalize();
+    let right = up.cross(n);
+    let uvs = [a, b, c].map(|p| DVec2::new(p.dot(right), p.dot(up)) / size);
+    // Whole repeats do not show, and single precision has better uses for its digits.
+    let whole = uvs[0].min(uvs[1]).min(uvs[2]).floor();
+    uvs.map(|uv| (uv - whole).as_vec2())
 }
+
+/// Cosine of the steepest slope (40°) on which a picture lies as on a floor: not one that people build, where rounding would tear a
+/// surface apart.
+const FLAT: f64 = 0.77;

@@ -95,6 +95,15 @@ pub struct SphereFile {
     pub radius: f64,
     pub material: Option<String>,
     pub turn_degrees: Option<f64>,
+    /// Missing: outside.
+    pub picture_from: Option<SideFile>,
+}
+
+#[derive(Deserialize, Clone, Copy)]
+#[serde(rename_all = "lowercase")]
+pub enum SideFile {
+    Outside,
+    Inside,
 }
 
 #[derive(Deserialize)]

@@ -185,16 +185,28 @@ pub enum Filter {
     Bilinear,
 }
 
-/// A sphere. Its texture lies on it as the sky's picture lies on the sky: a point with outward unit normal n shows
-/// u = atan2(n.z, n.x) / 2π + `turn`, wrapped to [0, 1), and acos(n.y) / π from the top.
+/// A sphere. A point with outward unit normal n shows its texture at acos(n.y) / π from the top and, with a = atan2(n.z, n.x) / 2π,
+/// at u = a + `turn` where the picture reads right from inside (as the sky's does), at u = −(a + `turn`) where it does from
+/// outside; both wrapped to [0, 1).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sphere {
     pub center: Vec3,
     /// Above 0.
     pub radius: f32,
     pub material: u32,
-    /// Whole turns around the vertical axis, in [0, 1).
+    /// Whole turns of the picture around the vertical axis, anticlockwise seen from above, in [0, 1).
     pub turn: f32,
+    pub picture_from: Side,
+}
+
+/// The side of a sphere from which its picture is not mirrored.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Side {
+    /// A globe.
+    #[default]
+    Outside,
+    /// A sky.
+    Inside,
 }
 
 /// A triangle with an area above 0.

@@ -1,10 +1,25 @@
 //! Wavefront MTL: the materials that an OBJ file names.
 //!
-//! For: [`load`]. May import: `draft`, `files`, `obj` (its reading of lines). Must never know: triangles.
+//! For: [`load`]. May import: `check`, `draft`, `files`, `obj` (its reading of lines). Must never know: triangles.
 //!
-//! Read are Kd (linear reflectance), map_Kd, Ke (radiance), and of the illumination models only 3, a mirror that
-//! reflects Ks; everything else a material may say means nothing here.
+//! Read are Kd (linear reflectance), map_Kd, Ke (radiance), and what makes a mirror or glass:
+//!
+//! | statements | material |
+//! |---|---|
+//! | `illum 3` | a mirror that reflects Ks, or Kd where there is none |
+//! | `illum 6`, `illum 7` (refraction) | glass |
+//! | `illum 4`, `illum 9` ("glass on"), unless it is stated to be opaque | glass |
+//! | opacity below a half and `Ni` above 1 | glass |
+//! | everything else | matt |
+//!
+//! Opacity is `d`, or else 1 − `Tr`; a `Tr` of exactly 1 is what some programs write for opaque things, and counts as nothing
+//! said. Glass has the index `Ni` (1.5 where that is missing or 0) and the colour `Tf` (white where that is missing or black);
+//! it fills its mesh: a pane needs two sides.
+//!
+//! Highlights (Ks, Ns) and ambient light (Ka) are left out of every model and in silence. Whatever else is left out is a
+//! warning, once for each kind and library, at the line where it stands first.
 
+use super::check::MIN_LENGTH;
 use super::draft::Draft;
 use super::files::Files;
 use super::obj::{Fault, logical_lines, name, numbers, words};
@@ -35,7 +50,10 @@ pub fn load(
             let path = folder.join(name);
             match files.read(&path) {
                 Ok(text) => {
-                    for entry in parse(&text, &path)? {
+                    let mut notes = Notes::default();
+                    let entries = parse(&text, &path, &mut notes)?;
+                    notes.warn(&path, draft);
+                    for entry in entries {
                         let number = entry.add(name, &path, files, draft);
                         numbers.insert(entry.name, number);
                     }
@@ -50,6 +68,35 @@ pub fn load(
     Ok(numbers)
 }
 
+/// Statements of these keywords change nothing, and nobody is told.
+const SILENT: [&[u8]; 6] = [b"Ka", b"Ns", b"sharpness", b"map_Ka", b"map_Ks", b"map_Ns"];
+/// Where a material does not say it: window glass.
+const IOR: f64 = 1.5;
+/// Below this much opacity, what bends light is glass, and not a leaf or a curtain.
+const CLEAR: f64 = 0.5;
+
+/// What was passed over: each kind once, with the line where it stands first and how often it stands.
+#[derive(Default)]
+struct Notes(Vec<(String, usize, usize)>);
+
+impl Notes {
+    fn add(&mut self, line: usize, what: String) {
+        match self.0.iter_mut().find(|(known, ..)| *known == what) {
+            Some((.., count)) => *count += 1,
+            None => self.0.push((what, line, 1)),
+        }
+    }
+    fn warn(self, path: &Path, draft: &mut Draft) {
+        for (what, line, count) in self.0 {
+            let more = if count > 1 { format!(" ({} more like it)", count - 1) } else { String::new() };
+            draft.warn(format!("{}:{line}: {what}{more}.", path.display()));
+        }
+    }
+}
+
+/// A number, and the line that states it.
+type Stated = Option<(f64, usize)>;
+
 #[derive(Default)]
 struct Entry {
     name: String,
@@ -57,10 +104,17 @@ struct Entry {
     specular: DVec3,
     emission: DVec3,
     picture: Option<String>,
-    mirror: bool,
+    illumination: Stated,
+    /// `d`.
+    opacity: Stated,
+    /// `Tr`.
+    transparency: Stated,
+    ior: Stated,
+    /// `Tf`, where it is three numbers.
+    filter: Option<DVec3>,
 }
 
-fn parse(text: &[u8], path: &Path) -> Result<Vec<Entry>, SceneError> {
+fn parse(text: &[u8], path: &Path, notes: &mut Notes) -> Result<Vec<Entry>, SceneError> {
     let mut entries: Vec<Entry> = Vec::new();
     for (line, content) in logical_lines(text) {
         let fault =
@@ -74,15 +128,24 @@ fn parse(text: &[u8], path: &Path) -> Result<Vec<Entry>, SceneError> {
         }
         // What stands before the first material belongs to none.
         let Some(entry) = entries.last_mut() else { continue };
+        let stated =
+            |rest: &[u8]| numbers::<1>(rest, "this statement").map(|[x]| Some((x, line))).map_err(fault);
         match keyword {
             b"Kd" => entry.diffuse = Some(color(rest).map_err(fault)?),
             b"Ks" => entry.specular = color(rest).map_err(fault)?,
             b"Ke" => entry.emission = color(rest).map_err(fault)?,
             b"map_Kd" => entry.picture = picture(rest),
-            b"illum" => entry.mirror = words(rest).next() == Some(b"3"),
-            _ => {}
+            b"illum" => entry.illumination = stated(rest)?,
+            // A halo is denser towards its edge; what it is denser than comes last.
+            b"d" => entry.opacity = stated(rest.trim_ascii().strip_prefix(b"-halo").unwrap_or(rest))?,
+            b"Tr" => entry.transparency = stated(rest)?,
+            b"Ni" => entry.ior = stated(rest)?,
+            b"Tf" => entry.filter = numbers::<3>(rest, "a colour").ok().map(DVec3::from),
+            _ if SILENT.contains(&keyword) || keyword.is_empty() || keyword.starts_with(b"#") => {}
+            _ => notes.add(line, format!("`{}` is not read", String::from_utf8_lossy(keyword))),
         }
     }
+    entries.iter().for_each(|entry| entry.confess(notes));
     Ok(entries)
 }
 
@@ -107,19 +170,78 @@ fn picture(rest: &[u8]) -> Option<String> {
     rest.split_whitespace().next_back().map(str::to_string)
 }
 
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Look {
+    Matt,
+    Mirror,
+    Glass,
+}
+
 impl Entry {
+    /// 1 is opaque; `None` where nothing is said.
+    fn stated_opacity(&self) -> Stated {
+        let transparency = self.transparency.filter(|&(x, _)| x != 1.0);
+        self.opacity.or(transparency.map(|(x, line)| (1.0 - x, line)))
+    }
+
+    /// As the table at the head of this file has it.
+    fn look(&self) -> Look {
+        let opacity = self.stated_opacity().map(|(opacity, _)| opacity);
+        let bends = self.ior.is_some_and(|(ior, _)| ior > 1.0);
+        match self.illumination.map(|(model, _)| model as u32) {
+            Some(3) => Look::Mirror,
+            Some(6 | 7) => Look::Glass,
+            Some(4 | 9) if opacity.is_none_or(|opacity| opacity < 1.0) => Look::Glass,
+            _ if bends && opacity.is_some_and(|opacity| opacity < CLEAR) => Look::Glass,
+            _ => Look::Matt,
+        }
+    }
+
+    /// Notes what the material says of its look and does not get.
+    fn confess(&self, notes: &mut Notes) {
+        let look = self.look();
+        if look != Look::Glass
+            && let Some((_, line)) = self.stated_opacity().filter(|&(opacity, _)| opacity < 1.0)
+        {
+            notes.add(line, "what is partly transparent, and no glass, is shown opaque".to_string());
+        }
+        if let (Look::Matt, Some((model, line))) = (look, self.illumination)
+            && [4.0, 5.0, 8.0, 9.0].contains(&model)
+        {
+            notes.add(
+                line,
+                format!("`illum {model}` is shown matt: what mirrors is `illum 3`, glass `illum 7`"),
+            );
+        }
+        if look == Look::Glass
+            && let Some((_, line)) = self.ior.filter(|&(ior, _)| ior == 1.0)
+        {
+            notes.add(line, "glass with `Ni 1` bends no light and cannot be seen".to_string());
+        }
+        if look == Look::Glass && self.picture.is_some() {
+            let line = [self.illumination, self.stated_opacity()].into_iter().flatten().next();
+            notes.add(line.map_or(1, |(_, line)| line), "glass is shown without its `map_Kd`".to_string());
+        }
+    }
+
     /// Adds the material to the draft; `library` is the MTL's name as the OBJ has it, `path` where it was found.
     fn add(&self, library: &str, path: &Path, files: &Files, draft: &mut Draft) -> u32 {
         let mirror_color = if self.specular == DVec3::ZERO { None } else { Some(self.specular) };
-        let given = if self.mirror { mirror_color.or(self.diffuse) } else { self.diffuse };
+        let look = self.look();
+        let given = match look {
+            Look::Matt => self.diffuse,
+            Look::Mirror => mirror_color.or(self.diffuse),
+            Look::Glass => self.filter.filter(|filter| filter.max_element() > 0.0),
+        };
         // A textured material without Kd shows its picture as it is.
-        let plain = if self.picture.is_some() || self.mirror { DVec3::ONE } else { DVec3::splat(0.8) };
+        let plain = if self.picture.is_some() || look != Look::Matt { DVec3::ONE } else { DVec3::splat(0.8) };
         let color = given.unwrap_or(plain);
         if color.max_element() > 1.0 {
             let (path, name) = (path.display(), &self.name);
             draft.warn(format!("{path}: the colour of `{name}` is above 1 and was lowered to 1."));
         }
-        let texture = self.picture.as_ref().and_then(|picture| {
+        let picture = self.picture.as_ref().filter(|_| look != Look::Glass);
+        let texture = picture.and_then(|picture| {
             let folder = path.parent().unwrap_or(Path::new(""));
             let slashed = picture.replace('\\', "/");
             let spelt = if files.exists(&folder.join(picture)) { picture } else { &slashed };
@@ -133,11 +255,18 @@ impl Entry {
                 })
                 .ok()
         });
-        let kind = if self.mirror { MaterialKind::Metal { roughness: 0.0 } } else { MaterialKind::Diffuse };
+        let kind = match look {
+            Look::Matt => MaterialKind::Diffuse,
+            Look::Mirror => MaterialKind::Metal { roughness: 0.0 },
+            Look::Glass => {
+                let ior = self.ior.map_or(IOR, |(ior, _)| if ior < MIN_LENGTH { IOR } else { ior });
+                MaterialKind::Glass { ior: ior as f32 }
+            }
+        };
         let material = Material {
             name: self.name.clone(),
             kind,
-            color: color.min(DVec3::ONE).as_vec3(),
+            color: color.clamp(DVec3::ZERO, DVec3::ONE).as_vec3(),
             texture,
             emission: self.emission.as_vec3().max(Vec3::ZERO),
         };

@@ -212,9 +212,17 @@ fn index(word: Option<&[u8]>, count: usize) -> Result<u32, Fault> {
     })
 }
 
+/// Why a mesh cannot be where its placement puts it.
+pub enum Misplaced {
+    /// This point lies beyond the bounds of a scene.
+    TooFar(DVec3),
+    /// None of its triangles has an area in single precision.
+    NoArea,
+}
+
 /// Adds a mesh's triangles to the draft: polygons become fans around their first corner; triangles without an area are
 /// left out, with one warning that counts them. All have `material`, or else the materials of the model's own MTL.
-/// `Some(point)` when the placement carries a point beyond the bounds of a scene.
+/// `Some` where the placement makes the mesh unusable.
 pub fn add(
     mesh: &Mesh,
     path: &Path,
@@ -222,7 +230,7 @@ pub fn add(
     draft: &mut Draft,
     material: Option<u32>,
     placement: &Placement,
-) -> Result<Option<DVec3>, SceneError> {
+) -> Result<Option<Misplaced>, SceneError> {
     let own = match material {
         Some(_) => HashMap::new(),
         None => mtl::load(&mesh.libraries, path, files, draft)?,
@@ -238,11 +246,11 @@ pub fn add(
     }
     let positions: Vec<DVec3> = mesh.positions.iter().map(|&p| placement.point(p)).collect();
     if let Some(&outside) = positions.iter().find(|p| !p.to_array().into_iter().all(fits)) {
-        return Ok(Some(outside));
+        return Ok(Some(Misplaced::TooFar(outside)));
     }
     let normals: Vec<Vec3> = mesh.normals.iter().map(|n| (placement.turn * n.as_dvec3()).as_vec3()).collect();
 
-    let mut without_area = 0;
+    let (mut without_area, mut with_area) = (0, 0);
     for face in &mesh.faces {
         let material = match material.or_else(|| own[face.material?]) {
             Some(material) => material,
@@ -258,10 +266,14 @@ pub fn add(
             let normals = all_have(|corner| corner.normal)
                 .then(|| fan.map(|corner| normals[corner.normal as usize]))
                 .filter(|normals| normals.iter().all(|&normal| normal != Vec3::ZERO));
-            if !draft.add_triangle(vertices, material, uvs, normals) {
-                without_area += 1;
+            match draft.add_triangle(vertices, material, uvs, normals) {
+                true => with_area += 1,
+                false => without_area += 1,
             }
         }
+    }
+    if with_area == 0 {
+        return Ok(Some(Misplaced::NoArea));
     }
     if without_area > 0 {
         let (noun, verb) = if without_area == 1 { ("triangle", "was") } else { ("triangles", "were") };
@@ -270,14 +282,18 @@ pub fn add(
     Ok(None)
 }
 
+/// The sky over a model that is a scene of its own: white above and nearly black below, so that what faces up, aside and down differs.
+/// Under one colour, a matt shape shows nothing but its creases.
+const SKY: Sky = Sky::Gradient { bottom: Vec3::splat(0.05), top: Vec3::ONE };
+
 /// A model as a scene of its own: framed automatically under a plain sky.
 pub fn scene(text: &[u8], path: &Path, name: String) -> Result<Scene, SceneError> {
     let files = Files::beside(path);
     let mut draft = Draft::default();
     let mesh = parse(text, path)?;
-    add(&mesh, path, &files, &mut draft, None, &Placement::AS_IT_IS)?;
-    if draft.is_empty() {
-        let mend = "export the model again: all its faces have zero area";
+    // Where the file has it, no point is too far: they were read within the bounds.
+    if add(&mesh, path, &files, &mut draft, None, &Placement::AS_IT_IS)?.is_some() {
+        let mend = "export the model again, or larger: all its faces have zero area in single precision";
         return Err(SceneError::new("the mesh has nothing to see").in_file(path).mend(mend));
     }
     let camera = draft.framing(None, None);
@@ -285,7 +301,5 @@ pub fn scene(text: &[u8], path: &Path, name: String) -> Result<Scene, SceneError
         let mend = "scale the model up, or move it nearer to the origin";
         return Err(SceneError::new(format!("the mesh cannot be framed: {what}")).in_file(path).mend(mend));
     }
-    draft
-        .finish(name, camera, RESOLUTION, BOUNCES, Sky::Color(Vec3::ONE))
-        .map_err(|error| error.in_file(path))
+    draft.finish(name, camera, RESOLUTION, BOUNCES, SKY).map_err(|error| error.in_file(path))
 }

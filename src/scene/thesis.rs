@@ -13,14 +13,14 @@
 //! - a triangle's planar mapping is computed before the inversion and carried by its vertices.
 
 use super::check::{MAX_NUMBER, camera_fault, number, radius, vec3};
-use super::draft::{BOUNCES, Draft, RESOLUTION, planar_uvs};
+use super::draft::{BOUNCES, Draft, RESOLUTION};
 use super::file::read;
 use super::files::Files;
 use super::image::srgb_to_linear;
 use super::place::{Place, Source};
 use super::validate::check_resolution;
-use super::{Camera, Filter, Material, MaterialKind, Scene, SceneError, Sky, Sphere};
-use glam::{DVec3, Vec3};
+use super::{Camera, Filter, Material, MaterialKind, Scene, SceneError, Side, Sky, Sphere};
+use glam::{DVec3, Vec2, Vec3};
 use serde::Deserialize;
 use serde::de::IgnoredAny;
 use std::collections::{BTreeMap, HashMap, HashSet};
@@ -195,6 +195,8 @@ impl Loader<'_> {
             radius: radius(self.source, &place.key("radius"), file.radius)?,
             material: self.material(&surface, place)?,
             turn: 0.5,
+            // Its program reads every ball's picture from inside: right for its skies, mirrored on the others.
+            picture_from: Side::Inside,
         };
         self.draft.spheres.push(sphere);
         Ok(())
@@ -216,7 +218,7 @@ impl Loader<'_> {
             ));
         }
         let material = self.material(&surface, place)?;
-        let uvs = planar_uvs(corners, TEXTURE_SIZE);
+        let uvs = planar_uvs(corners);
         Ok(self.draft.add_triangle(corners.map(inverted), material, Some(uvs), None))
     }
     fn material(&mut self, surface: &Surface, place: &Place) -> Result<u32, SceneError> {
@@ -281,6 +283,21 @@ impl Loader<'_> {
             })
             .ok()
     }
+}
+
+/// Its triangles' texture coordinates: distances along two directions in the plane from the first vertex, [`TEXTURE_SIZE`] scene
+/// units to one repeat, the picture's rows running along the second direction (so v, which points up, runs against it). The
+/// mapping is affine and therefore given by its values at the vertices.
+fn planar_uvs(vertices: [DVec3; 3]) -> [Vec2; 3] {
+    let [a, b, c] = vertices;
+    let n = (b - a).cross(c - a).normalize();
+    let tangent = if n.x.abs() > n.y.abs() { DVec3::new(n.z, 0.0, -n.x) } else { DVec3::new(0.0, -n.z, n.y) };
+    let tangent = tangent.normalize();
+    let bitangent = n.cross(tangent).normalize();
+    vertices.map(|p| {
+        let (u, row) = ((p - a).dot(tangent) / TEXTURE_SIZE, (p - a).dot(bitangent) / TEXTURE_SIZE);
+        Vec2::new(u as f32, (1.0 - row) as f32)
+    })
 }
 
 /// The files that a texture path may mean: from the scene's folder, from each folder above it, from the working folder;

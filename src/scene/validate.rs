@@ -5,10 +5,11 @@
 
 use super::check::{WITHIN_BOUNDS, camera_fault, fits, nearest, number, radius, vec2, vec3};
 use super::draft::{BOUNCES, Draft, RESOLUTION, VERTICAL_FOV};
-use super::file::{CameraFile, FORMAT, MeshFile, SceneFile, SphereFile, TriangleFile, read};
+use super::file::{CameraFile, FORMAT, MeshFile, SceneFile, SideFile, SphereFile, TriangleFile, read};
 use super::files::Files;
+use super::obj::Misplaced;
 use super::place::{Place, Source};
-use super::{Camera, MAX_BOUNCES, MAX_SIDE, Scene, SceneError, Sky, Sphere, material, obj};
+use super::{Camera, MAX_BOUNCES, MAX_SIDE, Scene, SceneError, Side, Sky, Sphere, material, obj};
 use glam::{DMat3, DVec3, Vec3};
 use std::collections::HashMap;
 
@@ -140,6 +141,10 @@ fn add_sphere(
         radius: radius(source, &place.key("radius"), file.radius)?,
         material: named(source, draft, names, file.material.as_ref(), place)?,
         turn,
+        picture_from: match file.picture_from {
+            Some(SideFile::Inside) => Side::Inside,
+            Some(SideFile::Outside) | None => Side::Outside,
+        },
     };
     draft.spheres.push(sphere);
     Ok(())
@@ -215,9 +220,15 @@ fn add_mesh(
         source.error(&place.key("obj"), what, mend)
     })?;
     let mesh = obj::parse(&text, &path)?;
-    let outside = obj::add(&mesh, &path, files, draft, material, &placement)?;
-    match outside {
-        Some(point) => {
+    match obj::add(&mesh, &path, files, draft, material, &placement)? {
+        Some(Misplaced::NoArea) => {
+            let what =
+                format!("nothing of the mesh `{}` can be seen: all its faces have zero area", file.obj);
+            let mend = "use a larger `scale`, a smaller `translate`, or export the model again: single precision must \
+                        tell its vertices apart";
+            Err(source.error(place, what, mend))
+        }
+        Some(Misplaced::TooFar(point)) => {
             let what = format!("the mesh reaches {point}, too far from the origin");
             Err(source.error(place, what, format!("use a smaller `scale` or `translate`: {WITHIN_BOUNDS}")))
         }

@@ -41,3 +41,21 @@ fn converted_models_render_the_same_wherever_the_scene_file_stands() {
     fs::remove_file(desk.path("models/m.mtl")).unwrap();
     assert_eq!(desk.render_small("scenes/deep/m.json"), model);
 }
+
+#[test]
+fn convert_refuses_names_that_no_command_would_read() {
+    let desk = Desk::new();
+    desk.write("model.stl", "solid\n");
+    for (model, scene, words) in [
+        ("model.obj", "new.txt", &["SCENE.json new.txt", "end in .json", "write to new.json"][..]),
+        ("model.obj", "new", &["write to new.json"]),
+        ("model.stl", "new.json", &["MODEL.obj model.stl", "export", ".obj"]),
+        ("scene.json", "new.json", &["MODEL.obj scene.json", "a scene already", "octray render"]),
+        ("builtin:three", "new.json", &["a scene already"]),
+    ] {
+        desk.refuses(&["convert", model, scene], words);
+    }
+    desk.write("LOUD.OBJ", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    desk.octray(&["convert", "LOUD.OBJ", "LOUD.JSON"]).assert().success();
+    desk.render_small("LOUD.JSON");
+}

@@ -1,9 +1,12 @@
 //! `octray bench` and `octray compare`: what their reports hold.
 
-use crate::desk::Desk;
+use crate::desk::{Desk, SCENE};
 use predicates::prelude::*;
 use predicates::str::contains;
 use serde_json::{Value, json};
+use std::fs;
+use std::path::Path;
+use std::process::Command;
 
 /// Asserts that an object has all of these keys.
 #[track_caller]
@@ -48,10 +51,40 @@ fn bench_reports_every_engine_in_json() {
         assert!((number(&result["mrays_per_s"]) / mrays_per_s - 1.0).abs() < 1e-9, "{result}");
         assert!(result["needs"].as_array().unwrap().contains(&json!("spheres")), "{result}");
     }
+    // The speed-up stands with the faster engine.
+    for pair in results.chunks(2) {
+        assert_eq!(json!([pair[0]["speedup"]["rounds"], pair[0]["scaling"]]), json!([1, null]));
+        assert_eq!(json!([pair[1]["speedup"], pair[1]["scaling"]]), json!([null, null]));
+        let [median, low] = [&pair[0]["speedup"]["median"], &pair[0]["speedup"]["spread"][0]].map(number);
+        assert!(median > 0.0 && low == median, "one round has no spread: {}", pair[0]);
+    }
     // No speed without its accuracy.
     let accuracy = report["accuracy"].as_array().unwrap();
     assert_eq!(accuracy.len(), 2);
     assert!(accuracy.iter().all(|scene| scene["mismatched_pixels"] == 0), "{report}");
+}
+
+#[test]
+fn bench_names_the_commit_it_was_built_from() {
+    let desk = Desk::new();
+    let report = desk.json(&["bench", "scene.json", "--frames", "1", "--size", "8x8", "--json"]);
+    let named = report["machine"]["commit"].as_str().unwrap();
+    let git = |arguments: &[&str]| {
+        let output = Command::new("git").args(arguments).current_dir(env!("CARGO_MANIFEST_DIR")).output();
+        let output = output.ok().filter(|output| output.status.success());
+        output.map(|output| String::from_utf8(output.stdout).unwrap().trim().to_owned())
+    };
+    let here = Path::new(env!("CARGO_MANIFEST_DIR")).canonicalize().unwrap();
+    match git(&["rev-parse", "--show-toplevel"]) {
+        Some(top) if Path::new(&top).canonicalize().unwrap() == here => {
+            let head = git(&["rev-parse", "HEAD"]).unwrap();
+            assert!(
+                head.starts_with(named.trim_end_matches("+changes")),
+                "{named} is built in, {head} is here"
+            );
+        }
+        _ => assert_eq!(named, "unknown", "there is no checkout"),
+    }
 }
 
 #[test]
@@ -64,7 +97,31 @@ fn bench_measures_the_width_and_threads_asked_for() {
         assert_eq!(results.len(), 1, "{report}");
         assert_eq!(results[0]["lanes"].to_string(), lanes);
         assert_eq!(results[0]["threads"].to_string(), threads);
+        assert_eq!(results[0]["pipeline"], "needed");
     }
+}
+
+#[test]
+fn bench_and_compare_take_the_pipeline_asked_for() {
+    let desk = Desk::new();
+    let arguments = "bench builtin:three --frames 2 --size 8x8 --threads 1 --pipeline general --json";
+    let report = desk.json(&arguments.split(' ').collect::<Vec<_>>());
+    let results = report["results"].as_array().unwrap();
+    assert!(results.iter().all(|result| result["pipeline"] == "general"), "{report}");
+    let arguments = "compare builtin:three --samples 1 --size 8x8 --pipeline general --json";
+    let report = desk.json(&arguments.split(' ').collect::<Vec<_>>());
+    assert_eq!(report["results"][0]["mismatched_pixels"], 0);
+}
+
+#[test]
+fn bench_traces_the_paths_of_the_seed_asked_for() {
+    let desk = Desk::new();
+    let rays = |seed| {
+        let arguments = ["bench", "scene.json", "--frames", "1", "--size", "64x64", "--json", "--seed", seed];
+        number(&desk.json(&arguments)["results"][0]["rays_per_frame"])
+    };
+    assert_ne!(rays("1"), rays("2"));
+    assert_eq!(rays("1"), rays("1"));
 }
 
 #[test]
@@ -89,7 +146,10 @@ fn compare_reports_in_json_that_the_pictures_agree() {
         assert_eq!(json!([result["pixels"], result["samples"]]), json!([144, 2]));
         assert_eq!(json!([result["mismatched_pixels"], result["first_mismatch"]]), json!([0, null]));
         assert_eq!(result["reference"]["mismatched_hits"], 0);
-        assert!(number(&result["speedup"]) > 0.0);
+        let spread = [0, 1].map(|end| number(&result["speedup_spread"][end]));
+        let speedup = number(&result["speedup"]);
+        assert!(0.0 < spread[0] && spread[0] <= speedup && speedup <= spread[1], "{result}");
+        assert!(number(&result["speedup_rounds"]) >= 1.0, "{result}");
         assert!(number(&result["reference"]["rmse"]) <= number(&result["reference"]["max_abs"]));
     }
 }
@@ -99,4 +159,42 @@ fn compare_says_for_people_that_the_pictures_agree() {
     let desk = Desk::new();
     let shown = desk.octray(&["compare", "scene.json", "--samples", "1", "--size", "8x8"]).assert().success();
     shown.stdout(contains("the same, bit by bit"));
+}
+
+/// Light beyond single precision: a picture of nearly the brightest texel there is, brightened further.
+#[test]
+fn bench_and_compare_exit_with_1_when_a_check_failed() {
+    let desk = Desk::new();
+    let texel = [128, 128, 128, 255];
+    fs::write(
+        desk.path("sun.hdr"),
+        [b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 1\n", &texel[..]].concat(),
+    )
+    .unwrap();
+    let sky = r#"{ "texture": "sun.hdr", "color": [1e18, 1e18, 1e18] }"#;
+    desk.write("overflow.json", &SCENE.replace(r#"{ "color": [0.5, 0.7, 1.0] }"#, sky));
+    // The good scene comes last: it must not make up for the other.
+    let scenes = ["overflow.json", "scene.json", "--size", "8x8"];
+    for command in [["compare", "--samples", "1"], ["bench", "--frames", "1"]] {
+        desk.octray(&[&command[..], &scenes].concat()).assert().code(1);
+    }
+    let failed = desk.octray(&["compare", "overflow.json", "--samples", "1", "--size", "8x8", "--json"]);
+    let failed = { failed }.assert().code(1);
+    let report: Value = serde_json::from_slice(&failed.get_output().stdout).unwrap();
+    assert!(number(&report["results"][0]["discarded_samples"]) > 0.0, "{report}");
+}
+
+#[test]
+fn compare_counts_the_wrong_hits_of_a_naive_method_and_forgives_them() {
+    let desk = Desk::new();
+    // A small ball seen from far away: the naive equation cancels, the default one holds.
+    let far = SCENE.replace(r#""center": [0, 0, 0]"#, r#""center": [0, 0, -3000]"#).replace("40 }", "0.1 }");
+    desk.write("far.json", &far);
+    let wrong_hits = |method| {
+        let arguments =
+            ["compare", "far.json", "--samples", "1", "--size", "16x16", "--json", "--sphere", method];
+        number(&desk.json(&arguments)["results"][0]["reference"]["mismatched_hits"])
+    };
+    assert_eq!(wrong_hits("robust"), 0.0);
+    assert!(wrong_hits("naive") > 10.0);
 }

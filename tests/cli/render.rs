@@ -10,7 +10,7 @@ fn render_writes_the_file_and_says_so_in_a_line() {
     let desk = Desk::new();
     let rendered = desk.octray(&["render", "scene.json", "-o", "a.png", "--samples", "3"]).assert().success();
     rendered.stderr(contains("error").not()).stdout(
-        predicate::str::is_match(r"^a\.png: 8×8, 3 samples, \d+\.\d\d s, \d+\.\d Mray/s\n$").unwrap(),
+        predicate::str::is_match(r"^a\.png: 8×8, 3 samples, \d+\.\d\d s, \d+\.\d+ Mray/s\n$").unwrap(),
     );
     assert_eq!(desk.names(), ["a.png", "model.obj", "scene.json"]);
     desk.octray(&["render", "scene.json", "-o", "a.png", "--samples", "1", "--size", "5×4"])
@@ -47,6 +47,7 @@ fn render_reports_in_json_what_it_did() {
         ("width", 4),
         ("height", 3),
         ("samples", 2),
+        ("most_samples", 2),
         ("max_bounces", 1),
         ("seed", 7),
         ("discarded_samples", 0),
@@ -58,7 +59,7 @@ fn render_reports_in_json_what_it_did() {
     }
     assert_eq!(report["interrupted"], false);
     assert!(report["seconds"].is_f64() && report["mrays_per_s"].is_f64() && report["rays"].is_u64());
-    assert_eq!(report.as_object().unwrap().len(), 13);
+    assert_eq!(report.as_object().unwrap().len(), 14);
 }
 
 #[test]
@@ -104,7 +105,12 @@ fn lanes_and_threads_change_no_bit_of_the_file() {
     };
     for scene in ["scene.json", "builtin:spheres", "builtin:cornell"] {
         let first = render(scene, "--lanes 8 --threads 1");
-        for options in ["--lanes 8 --threads 2", "--lanes 1 --threads 1", "--lanes 1 --threads 2"] {
+        for options in [
+            "--lanes 8 --threads 2",
+            "--lanes 1 --threads 1",
+            "--lanes 1 --threads 2",
+            "--lanes 8 --threads 1 --pipeline general",
+        ] {
             assert!(render(scene, options) == first, "{scene} differs with {options}");
         }
         assert!(render(scene, "--seed 1") != first, "{scene}: another seed, the same picture");

@@ -47,6 +47,7 @@ fn wrong_usage_is_refused() {
         (&["render", "scene.json", "-o", "a.png", "--sphere", "exact"], "robust"),
         (&["render", "scene.json", "-o", "a.png", "--triangle", "exact"], "moller-trumbore"),
         (&["bench", "--triangle", "exact"], "baldwin-weber"),
+        (&["bench", "--pipeline", "special"], "general"),
         (&["compare", "--lanes", "8"], "--lanes"),
         (&["inspect"], "SCENE"),
         (&["inspect", "scene.json", "--force"], "--force"),
@@ -126,7 +127,9 @@ fn outputs_that_cannot_be_written_are_refused_before_the_scene_is_read() {
         desk.refuses(&["render", "nowhere.json", "-o", output], words);
     }
     desk.refuses(&["convert", "model.obj", "no/such/new.json"], &["no/such", "mkdir -p"]);
-    desk.refuses(&["convert", "model.obj", "folder"], &["is a folder"]);
+    desk.refuses(&["convert", "model.obj", "folder"], &["is a folder", "add the name of a file"]);
+    let said = desk.octray(&["convert", "model.obj", "folder"]).assert().code(2).get_output().stderr.clone();
+    assert!(!String::from_utf8_lossy(&said).contains("picture"), "convert writes no picture");
 }
 
 #[cfg(target_os = "linux")]
@@ -137,4 +140,7 @@ fn a_folder_that_takes_no_files_is_refused_with_the_systems_reason() {
         &["render", "scene.json", "-o", "/proc/picture.png"],
         &["cannot write in the folder", "because: "],
     );
+    let said = desk.octray(&["render", "scene.json", "-o", "/proc/picture.png"]).assert().code(2);
+    let said = String::from_utf8_lossy(&said.get_output().stderr).into_owned();
+    assert!(!said.contains(".tmp"), "a file that nobody asked for is named: {said}");
 }

@@ -4,7 +4,9 @@
 use glam::{DVec3, Vec3};
 use octray::lane::Lane;
 use octray::math::{self, Ray};
-use octray::scene::{Camera, Material, MaterialKind, Scene, Sky, Sphere, Triangle};
+use octray::scene::{
+    Camera, Filter, Material, MaterialKind, Scene, Side, Sky, Sphere, Texels, Texture, Triangle,
+};
 
 /// xorshift64*: unrelated to the numbers under test.
 pub struct Dice(pub u64);
@@ -100,11 +102,24 @@ pub fn material(kind: MaterialKind) -> Material {
 }
 
 pub fn sphere(center: Vec3, radius: f32, material: u32) -> Sphere {
-    Sphere { center, radius, material, turn: 0.0 }
+    Sphere { center, radius, material, turn: 0.0, picture_from: Side::Outside }
 }
 
 pub fn triangle(vertices: [Vec3; 3], material: u32) -> Triangle {
     Triangle { vertices, material }
+}
+
+/// A texture of random numbers in [0, 1).
+pub fn noise(dice: &mut Dice, width: u32, height: u32, filter: Filter) -> Texture {
+    let mut number = || dice.unit() as f32;
+    let texels = (0..width * height).map(|_| [number(), number(), number(), 0.0]);
+    // Both forms of texels, by turns.
+    let texels = if width.is_multiple_of(2) {
+        Texels::Linear(texels.collect())
+    } else {
+        Texels::Display(texels.map(|texel| texel.map(|x| (255.0 * x) as u8)).collect())
+    };
+    Texture { name: "noise".into(), width, height, filter, texels }
 }
 
 /// A closed bumpy ball around the origin, star-shaped, of radius about 1: `4 · rows · rows` triangles or so, all vertices shared.

@@ -1,6 +1,7 @@
 //! Whole paths: furnaces, closed forms, and integrals by quadrature.
 
-use super::scenes::{ball, empty, lamp, one_pixel, sphere, triangle, wall};
+use super::scenes::{ball, empty, lamp, one_pixel, wall};
+use crate::common::{sphere, triangle};
 use glam::{DVec3, Vec3};
 use octray::reference::{PathSettings, Reference};
 use octray::sampling::{random, warp};
@@ -144,7 +145,7 @@ fn metal_under_a_gradient_is_the_integral_of_its_lobe() {
 fn glass_ball_lets_its_centred_ray_straight_through() {
     for ior in [1.33f32, 1.5, 2.4, 0.75] {
         let scene = ball(MaterialKind::Glass { ior });
-        let mut behind = sphere(Vec3::Z * -9.0, 1.0);
+        let mut behind = sphere(Vec3::Z * -9.0, 1.0, 0);
         behind.material = 1;
         let judge = Reference::new(&Scene {
             sky: Sky::Color(Vec3::ZERO),
@@ -246,11 +247,11 @@ fn mirrors_and_colours_multiply_along_a_path() {
     let mut scene = empty();
     let mirror = Material {
         color: Vec3::new(0.5, 0.25, 1.0),
-        ..super::scenes::material(MaterialKind::Metal { roughness: 0.0 })
+        ..crate::common::material(MaterialKind::Metal { roughness: 0.0 })
     };
     scene.materials = vec![mirror];
     let wall = |z: f32| [Vec3::new(-9.0, -3.0, z), Vec3::new(9.0, -3.0, z), Vec3::new(0.0, 2.5, z)];
-    scene.triangles = vec![triangle(wall(0.0)), triangle(wall(2.0))];
+    scene.triangles = vec![triangle(wall(0.0), 0), triangle(wall(2.0), 0)];
     scene.camera =
         Camera { position: Vec3::new(0.0, -2.0, 1.0), look_at: Vec3::new(0.0, -1.0, 0.0), ..scene.camera };
     // It meets the walls at y = −1 and y = 1, and passes above the first at y = 3.

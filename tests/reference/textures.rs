@@ -1,9 +1,10 @@
 //! How pictures lie on the sky, on spheres and on triangles, seen through whole paths.
 
-use super::scenes::{empty, lamp, numbered, one_pixel, sphere, wall};
+use super::scenes::{empty, lamp, numbered, one_pixel, wall};
+use crate::common::sphere;
 use glam::{Vec2, Vec3};
 use octray::reference::Reference;
-use octray::scene::{Camera, Filter, Material, MaterialKind, Scene, Sky, Sphere};
+use octray::scene::{Camera, Filter, Material, MaterialKind, Scene, Side, Sky, Sphere};
 
 /// What the scene shows to an eye at `position` that looks at `look_at`.
 fn seen(scene: Scene, position: Vec3, look_at: Vec3) -> [f64; 3] {
@@ -22,11 +23,12 @@ fn sky(filter: Filter, direction: Vec3) -> [f64; 3] {
     seen(scene, Vec3::ZERO, direction)
 }
 
-fn globe(filter: Filter, turn: f32, from: Vec3) -> [f64; 3] {
+/// A ball seen from outside.
+fn globe(filter: Filter, turn: f32, picture_from: Side, from: Vec3) -> [f64; 3] {
     let scene = Scene {
         materials: vec![Material { texture: Some(0), ..lamp(Vec3::ONE) }],
         textures: vec![numbered(8, 4, filter)],
-        spheres: vec![Sphere { turn, ..sphere(Vec3::ZERO, 1.0) }],
+        spheres: vec![Sphere { turn, picture_from, ..sphere(Vec3::ZERO, 1.0, 0) }],
         ..empty()
     };
     seen(scene, from * 5.0, Vec3::ZERO)
@@ -46,7 +48,7 @@ fn at(u: f32) -> Vec3 {
 
 #[test]
 fn nearest_shows_the_texel_under_the_point_at_seams_and_poles() {
-    for show in [|d| sky(Filter::Nearest, d), |d| globe(Filter::Nearest, 0.0, d)] {
+    for show in [|d| sky(Filter::Nearest, d), |d| globe(Filter::Nearest, 0.0, Side::Inside, d)] {
         let up = Vec3::Y * 0.01;
         assert_eq!(show(at(0.001) + up)[..2], [0.0, 1.0], "just after the seam, above the horizon");
         assert_eq!(show(at(-0.001) - up)[..2], [7.0, 2.0], "just before the seam, below the horizon");
@@ -59,7 +61,7 @@ fn nearest_shows_the_texel_under_the_point_at_seams_and_poles() {
 
 #[test]
 fn bilinear_wraps_columns_and_stops_at_the_poles() {
-    for show in [|d| sky(Filter::Bilinear, d), |d| globe(Filter::Bilinear, 0.0, d)] {
+    for show in [|d| sky(Filter::Bilinear, d), |d| globe(Filter::Bilinear, 0.0, Side::Inside, d)] {
         let blue = show(Vec3::X)[2];
         assert_near(show(at(2.5 / 8.0)), [2.0, 1.5, blue]);
         assert_near(show(at(0.0)), [3.5, 1.5, blue]);
@@ -73,8 +75,23 @@ fn bilinear_wraps_columns_and_stops_at_the_poles() {
 
 #[test]
 fn turn_moves_the_picture_around_the_axis() {
-    assert_eq!(globe(Filter::Nearest, 0.5, at(0.01) + Vec3::Y * 0.01)[..2], [4.0, 1.0]);
-    assert_eq!(globe(Filter::Nearest, 0.5, at(0.51) + Vec3::Y * 0.01)[..2], [0.0, 1.0]);
+    let column = |turn, side, u| globe(Filter::Nearest, turn, side, at(u) + Vec3::Y * 0.01)[0];
+    assert_eq!([0.01, 0.51].map(|u| column(0.5, Side::Inside, u)), [4.0, 0.0]);
+    // Both kinds turn anticlockwise seen from above: what was at u is at u - 1/4.
+    for u in [0.05, 0.3, 0.6, 0.95] {
+        for side in [Side::Inside, Side::Outside] {
+            assert_eq!(column(0.25, side, u - 0.25), column(0.0, side, u), "{side:?}, {u}");
+        }
+    }
+}
+
+#[test]
+fn pictures_from_outside_are_those_from_inside_mirrored() {
+    for u in [0.01, 0.3, 0.49, 0.51, 0.99] {
+        let [outside, inside] = [Side::Outside, Side::Inside]
+            .map(|side| globe(Filter::Nearest, 0.0, side, at(u) + Vec3::Y * 0.01));
+        assert_eq!((outside[0], outside[1]), (7.0 - inside[0], inside[1]), "{u}");
+    }
 }
 
 #[test]
@@ -82,7 +99,7 @@ fn a_texture_stays_put_when_seen_from_inside() {
     let scene = Scene {
         materials: vec![Material { texture: Some(0), ..lamp(Vec3::ONE) }],
         textures: vec![numbered(8, 4, Filter::Nearest)],
-        spheres: vec![sphere(Vec3::ZERO, 1.0)],
+        spheres: vec![Sphere { picture_from: Side::Inside, ..sphere(Vec3::ZERO, 1.0, 0) }],
         ..empty()
     };
     assert_eq!(seen(scene, Vec3::ZERO, at(0.3) + Vec3::Y * 0.01)[..2], [2.0, 1.0]);

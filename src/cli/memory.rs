@@ -1,0 +1,87 @@
+//! Large pictures: what they will take is said before hours are spent on them.
+//!
+//! For: [`check`], and [`bytes`] to write sizes. May import: `machine`, for what is there. Must never know: what the memory is for.
+
+use super::error::CliError;
+use super::terminal;
+use crate::measure::machine;
+
+/// From here on it is worth a line, and from this share of what is available.
+const LARGE: u64 = 2_000_000_000;
+const LARGE_SHARE: f64 = 0.25;
+
+/// Does a picture of this size fit, at so many bytes a pixel? Warns where it is large, and refuses what is more than the system calls
+/// available.
+pub fn check(size: [u32; 2], bytes_per_pixel: usize) -> Result<(), CliError> {
+    if let Some(sentence) = judge(size, bytes_per_pixel, machine::available_memory())? {
+        terminal::warn(&sentence);
+    }
+    Ok(())
+}
+
+/// The sentence to warn with, if any.
+fn judge(size: [u32; 2], bytes_per_pixel: usize, available: Option<u64>) -> Result<Option<String>, CliError> {
+    let [width, height] = size;
+    let needed = u64::from(width) * u64::from(height) * bytes_per_pixel as u64;
+    let takes = format!("{width}×{height} pixels take about {} of memory", bytes(needed));
+    match available {
+        Some(available) if needed > available => {
+            // The same shape, smaller.
+            let shrink = (available as f64 / needed as f64).sqrt();
+            let fits = size.map(|side| ((f64::from(side) * shrink) as u32).max(1));
+            Err(CliError::Memory { takes, available: bytes(available), fits })
+        }
+        Some(available) if needed > LARGE || needed as f64 > LARGE_SHARE * available as f64 => {
+            Ok(Some(format!("{takes}; {} are available.", bytes(available))))
+        }
+        None if needed > LARGE => Ok(Some(format!("{takes}."))),
+        _ => Ok(None),
+    }
+}
+
+/// A size for people, in powers of a thousand.
+pub fn bytes(count: u64) -> String {
+    const UNITS: [&str; 4] = ["kB", "MB", "GB", "TB"];
+    if count < 1_000 {
+        return format!("{count} B");
+    }
+    let mut amount = count as f64 / 1_000.0;
+    let mut unit = 0;
+    while amount >= 999.95 && unit + 1 < UNITS.len() {
+        amount /= 1_000.0;
+        unit += 1;
+    }
+    format!("{amount:.1} {}", UNITS[unit])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn judge_warns_of_large_pictures_and_refuses_what_does_not_fit() {
+        let quiet = |size, available| judge(size, 40, available).unwrap().is_none();
+        assert!(quiet([240, 135], Some(1_000_000_000)) && quiet([240, 135], None));
+        assert!(quiet([7000, 7000], Some(100_000_000_000)), "1.96 GB of a hundred");
+        let warned = |size, available| judge(size, 40, available).unwrap().unwrap();
+        assert_eq!(
+            warned([8000, 8000], Some(100_000_000_000)),
+            "8000×8000 pixels take about 2.6 GB of memory; 100.0 GB are available."
+        );
+        assert!(warned([8000, 8000], None).ends_with("2.6 GB of memory."));
+        assert!(warned([1000, 1000], Some(150_000_000)).contains("40.0 MB"), "more than a quarter");
+        assert!(warned([1000, 1000], Some(40_000_000)).contains("40.0 MB"), "it just fits");
+        let refused = judge([16_384, 8_192], 40, Some(1_000_000_000)).unwrap_err().to_string();
+        assert!(refused.contains("5.4 GB") && refused.contains("1.0 GB"), "{refused}");
+        assert!(refused.contains("--size 7071x3535"), "{refused}");
+    }
+
+    #[test]
+    fn bytes_picks_the_unit_that_keeps_numbers_short() {
+        for (count, text) in
+            [(0, "0 B"), (999, "999 B"), (1_000, "1.0 kB"), (999_999, "1.0 MB"), (2_500_000_000, "2.5 GB")]
+        {
+            assert_eq!(bytes(count), text);
+        }
+    }
+}

@@ -133,10 +133,12 @@ impl Renderer {
         assert!(lanes == 1 || lanes == 8, "{lanes} lanes");
         assert!(threads >= 1, "no threads");
         let camera = Pinhole::new(&scene.camera, resolution);
+        let primitives = Primitives::new(scene, settings.methods, lanes);
+        let linear = primitives.hierarchy().is_none();
         let world = World {
-            visible: visible(scene, &camera, &settings),
+            visible: if linear { visible(scene, &camera, &settings) } else { Vec::new() },
             buffers: Buffers::new(scene),
-            primitives: Primitives::new(scene, settings.methods),
+            primitives,
             camera,
             width: resolution[0],
             max_bounces: settings.max_bounces,

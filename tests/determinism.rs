@@ -322,7 +322,10 @@ fn picture_is_the_same_for_all_lanes_with_every_choice_of_equations() {
             TriangleChoice::BaldwinWeber,
             TriangleChoice::Plucker,
         ] {
-            let base = Settings { methods: Methods { sphere, triangle }, ..base(&scene, [37, 23], 4) };
+            let base = Settings {
+                methods: Methods { sphere, triangle, ..Methods::default() },
+                ..base(&scene, [37, 23], 4)
+            };
             let settings = Settings { lanes: 8, threads: 2, tile_size: [7, 3], ..base };
             Print::of(&scene, settings, &[2]).assert_same(&Print::of(&scene, base, &[2]), settings, &[2]);
         }

@@ -47,7 +47,7 @@ fn sign(bit: usize) -> f32 {
 fn departure(scene: &Scene, max_bounces: u32, lanes: usize) -> f64 {
     let world = World {
         buffers: Buffers::new(scene),
-        primitives: Primitives::new(scene, Methods::default()),
+        primitives: Primitives::new(scene, Methods::default(), 8),
         camera: Pinhole::new(&scene.camera, [16, 16]),
         visible: Vec::new(),
         width: 16,

@@ -13,7 +13,7 @@ use octray::kernel::ray_triangle::{self, TriangleMethod};
 use octray::lane::{Bits, F32x8, Lane};
 use octray::math::{self, Hit, MISS, Ray};
 use octray::scene::{MaterialKind, Scene};
-use octray::traverse::{Batch, Methods, Primitives, SphereChoice, TriangleChoice};
+use octray::traverse::{Batch, Methods, Primitives, SphereChoice, TraversalChoice, TriangleChoice};
 
 /// A hit's bits: t, primitive, u, v.
 type Answer = [u32; 4];
@@ -68,7 +68,7 @@ impl<L: Lane> Batch<L> for Collect<'_> {
 
 fn traversed<L: Lane>(scene: &Scene, methods: Methods, rays: &[Ray<f32>]) -> Vec<Answer> {
     let mut answers = Vec::new();
-    Primitives::new(scene, methods).for_batch::<L>(
+    Primitives::new(scene, methods, 8).for_batch::<L>(
         &Buffers::new(scene),
         None,
         Collect { rays, answers: &mut answers },
@@ -102,7 +102,7 @@ fn assert_law_of_all(scene: &Scene, rays: &[Ray<f32>]) -> Vec<Vec<Answer>> {
         rays: &[Ray<f32>],
     ) -> Vec<Vec<Answer>> {
         use TriangleChoice as Choice;
-        let methods = |triangle| Methods { sphere, triangle };
+        let methods = |triangle| Methods { sphere, triangle, traversal: TraversalChoice::Linear };
         vec![
             assert_law::<S, ray_triangle::Woop>(scene, methods(Choice::Woop), rays),
             assert_law::<S, ray_triangle::WoopContracted>(scene, methods(Choice::WoopContracted), rays),

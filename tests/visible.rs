@@ -11,7 +11,14 @@ use octray::math::{Hit, Ray};
 use octray::render::{Renderer, Settings};
 use octray::sampling::random::mix;
 use octray::scene::{Camera, MaterialKind, Scene, Triangle};
-use octray::traverse::{Batch, Methods, Primitives, SphereChoice, Visible};
+use octray::traverse::{Batch, Methods, Primitives, SphereChoice, TraversalChoice, Visible};
+
+/// Tiles cull where every primitive is tested.
+const LINEAR: Methods = Methods {
+    sphere: SphereChoice::Robust,
+    triangle: octray::traverse::TriangleChoice::Woop,
+    traversal: TraversalChoice::Linear,
+};
 
 const RESOLUTION: [u32; 2] = [64, 48];
 const TILE: u32 = 8;
@@ -74,7 +81,7 @@ fn visible_gives_the_hits_of_testing_everything_bit_for_bit() {
         let camera =
             Camera { position, look_at: position + towards, up: Vec3::new(0.1, 1.0, 0.2), vertical_fov };
         let scene = scene(seed, camera);
-        let (buffers, primitives) = (Buffers::new(&scene), Primitives::new(&scene, Methods::default()));
+        let (buffers, primitives) = (Buffers::new(&scene), Primitives::new(&scene, LINEAR, 8));
         let camera = Pinhole::new(&scene.camera, RESOLUTION);
         for (y, x) in
             (0..RESOLUTION[1]).step_by(8).flat_map(|y| (0..RESOLUTION[0]).step_by(8).map(move |x| (y, x)))
@@ -139,7 +146,7 @@ fn edges_are_kept(view: Camera, resolution: [u32; 2], corner: [u32; 2]) -> [usiz
     let rays: Vec<Ray<f32>> = edges.into_iter().flatten().collect();
     [specks, beside].map(|scene| {
         let visible = Visible::of(&scene, &camera.pyramid(corner, [TILE, TILE]));
-        let (buffers, primitives) = (Buffers::new(&scene), Primitives::new(&scene, Methods::default()));
+        let (buffers, primitives) = (Buffers::new(&scene), Primitives::new(&scene, LINEAR, 8));
         let trace = |visible: Option<&Visible>| {
             let mut hits = Vec::new();
             primitives.for_batch::<f32>(&buffers, visible, Given { rays: &rays, hits: &mut hits });

@@ -202,6 +202,28 @@ pub struct MethodArgs {
     /// How rays meet triangles.
     #[arg(long, value_enum, value_name = "METHOD", default_value_t)]
     pub triangle: TriangleMethod,
+    /// How rays find what they meet: it does not change the picture.
+    #[arg(long, value_enum, value_name = "WAY", default_value_t)]
+    pub traversal: TraversalArg,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, ValueEnum)]
+pub enum TraversalArg {
+    /// Every primitive of small scenes, the hierarchy's fastest ways in others.
+    #[default]
+    Needed,
+    /// Every primitive is tested.
+    Linear,
+    /// One ray on the binary tree; what --lanes 1 takes.
+    Scalar,
+    /// One ray against eight boxes.
+    Single,
+    /// Tiles of camera rays in a frustum, others in streams.
+    Packet,
+    /// Many rays together down the tree.
+    Stream,
+    /// The fastest for each kind of rays.
+    Hybrid,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, ValueEnum)]

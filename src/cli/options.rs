@@ -6,14 +6,15 @@
 
 use super::args::{
     BenchArgs, CompareArgs, ConvertArgs, InspectArgs, MethodArgs, PipelineArg, RenderArgs, SphereMethod,
-    ToneArg, TriangleMethod,
+    ToneArg, TraversalArg, TriangleMethod,
 };
 use super::error::CliError;
 use crate::measure::machine;
 use crate::output::{Operator, Tone};
 use crate::render::PipelineChoice;
 use crate::scene::{MAX_BOUNCES, MAX_SIDE};
-use crate::traverse::{Methods, SphereChoice, TriangleChoice};
+use crate::traverse::batch::Traversal;
+use crate::traverse::{Methods, SphereChoice, TraversalChoice, TriangleChoice};
 use std::path::PathBuf;
 
 /// Most samples a pixel: up to here a sum in f32 still takes each one in.
@@ -175,7 +176,16 @@ impl From<MethodArgs> for Methods {
             TriangleMethod::BaldwinWeber => TriangleChoice::BaldwinWeber,
             TriangleMethod::Plucker => TriangleChoice::Plucker,
         };
-        Self { sphere, triangle }
+        let traversal = match args.traversal {
+            TraversalArg::Needed => TraversalChoice::Needed,
+            TraversalArg::Linear => TraversalChoice::Linear,
+            TraversalArg::Scalar => TraversalChoice::Through(Traversal::Scalar),
+            TraversalArg::Single => TraversalChoice::Through(Traversal::Single),
+            TraversalArg::Packet => TraversalChoice::Through(Traversal::Packet),
+            TraversalArg::Stream => TraversalChoice::Through(Traversal::Stream),
+            TraversalArg::Hybrid => TraversalChoice::Through(Traversal::Hybrid),
+        };
+        Self { sphere, triangle, traversal }
     }
 }
 

@@ -14,6 +14,14 @@ use crate::traverse::Batch;
 /// Fills the queue with the tile's pixels, row by row, and returns how many there are.
 pub fn generate<L: Lane, const N: u32>(world: &World, tile: Tile, sample: u32, work: &mut Work) -> usize {
     let stage = Stage::<N> { world, tile, sample, queue: &mut work.queue };
+    if let Some((hierarchy, traversal)) = world.primitives.hierarchy() {
+        Batch::<L>::run(stage, |_| Hit::miss());
+        for at in (0..tile.pixels()).step_by(L::WIDTH) {
+            work.queue.store_origin::<L>(at, world.camera.origin());
+        }
+        work.trace(hierarchy, traversal, tile.pixels());
+        return tile.pixels();
+    }
     let visible = world.visible.get(tile.number);
     world.primitives.for_batch::<L>(&world.buffers, visible, stage);
     tile.pixels()

@@ -1,7 +1,10 @@
 //! The paths of a tile in structure-of-arrays form.
 
 use crate::lane::{Bits, F32x8, Lane};
-use crate::math::{Hit, Ray, Vec3};
+use crate::math::{Hit, MISS, Ray, Vec3};
+use crate::traverse::batch::{Tracer, Traversal};
+use crate::traverse::hierarchy::Hierarchy;
+use crate::traverse::rays::{Hits, Rays};
 use bytemuck::Zeroable;
 
 /// Most pixels in a tile. Columns for more would lie whole pages apart, all in the same few sets of the cache: 2 % slower.
@@ -25,6 +28,9 @@ impl Vectors {
     #[inline(always)]
     pub fn load<L: Lane>(&self, at: usize) -> Vec3<L> {
         Vec3::new(L::load(&self.x[at..]), L::load(&self.y[at..]), L::load(&self.z[at..]))
+    }
+    fn first(&self, count: usize) -> [&[f32]; 3] {
+        [&self.x[..count], &self.y[..count], &self.z[..count]]
     }
     #[inline(always)]
     pub fn store<L: Lane>(&mut self, at: usize, v: Vec3<L>) {
@@ -60,11 +66,10 @@ struct Events {
     slot: Integers,
 }
 
-/// One thread's working memory: 24 KiB, which a first-level cache holds.
-#[derive(Clone, Copy, Zeroable)]
-#[repr(C)]
+/// One thread's working memory: 24 KiB, which a first-level cache holds, and that of traversals of a hierarchy.
 pub struct Work {
     pub queue: Queue,
+    tracer: Tracer,
     events: Events,
     /// One sample's radiance of each pixel of the tile.
     radiance: Vectors,
@@ -102,6 +107,11 @@ impl Queue {
     pub fn store_primary<L: Lane>(&mut self, at: usize, direction: Vec3<L>, key: L::Bits) {
         self.direction.store(at, direction);
         key.store(&mut self.key[at..]);
+    }
+    /// Where the ray at `at` and those of its packet start, where a traversal reads it.
+    #[inline(always)]
+    pub fn store_origin<L: Lane>(&mut self, at: usize, origin: Vec3<L>) {
+        self.origin.store(at, origin);
     }
     #[inline(always)]
     pub fn store_path<L: Lane>(&mut self, at: usize, path: &Path<L>) {
@@ -159,7 +169,22 @@ fn pack<L: Lane>(v: Vec3<L>, packing: L::Packing) -> Vec3<L> {
 
 impl Work {
     pub fn new() -> Box<Self> {
-        bytemuck::zeroed_box()
+        let (queue, events, radiance) = (Queue::zeroed(), Events::zeroed(), Vectors::zeroed());
+        Box::new(Self { queue, events, radiance, tracer: Tracer::new() })
+    }
+
+    /// Finds the nearest hits of the first `count` rays in a hierarchy.
+    pub fn trace(&mut self, hierarchy: &Hierarchy, traversal: Traversal, count: usize) {
+        let Queue { origin, direction, t, primitive, u, v, .. } = &mut self.queue;
+        let rays = Rays { origin: origin.first(count), direction: direction.first(count) };
+        let [t, u, v] = [t, u, v].map(|column| &mut column[..count]);
+        let primitive = &mut primitive[..count];
+        t.fill(f32::INFINITY);
+        primitive.fill(MISS);
+        // Spheres and misses have none.
+        u.fill(0.0);
+        v.fill(0.0);
+        self.tracer.trace::<false>(traversal, hierarchy, &rays, &mut Hits { t, primitive, u, v });
     }
 
     /// Sets the radiance of the pixels `at`, … where every path is still at the slot of its own number.

@@ -46,7 +46,8 @@ impl Traversal {
 #[derive(Default)]
 pub struct Tracer {
     stack: Stack,
-    stream: Stream,
+    /// Half a MiB, made when it is first wanted.
+    stream: Option<Box<Stream>>,
 }
 
 impl Tracer {
@@ -73,7 +74,7 @@ impl Tracer {
                     single::trace::<ANY>(hierarchy, ray, stack, hit)
                 });
             }
-            Traversal::Stream => self.stream.trace::<ANY>(hierarchy, rays, hits),
+            Traversal::Stream => self.stream().trace::<ANY>(hierarchy, rays, hits),
             Traversal::Packet | Traversal::Hybrid => self.tiles::<ANY>(hierarchy, rays, hits),
         }
     }
@@ -91,12 +92,17 @@ impl Tracer {
                     &mut self.stack,
                 );
             if together {
-                self.stream.trace::<ANY>(hierarchy, &rays.range(left..first), &mut hits.range(left..first));
+                let apart = left..first;
+                self.stream().trace::<ANY>(hierarchy, &rays.range(apart.clone()), &mut hits.range(apart));
                 left = tile.end;
             }
         }
         let rest = left..rays.len();
-        self.stream.trace::<ANY>(hierarchy, &rays.range(rest.clone()), &mut hits.range(rest));
+        self.stream().trace::<ANY>(hierarchy, &rays.range(rest.clone()), &mut hits.range(rest));
+    }
+
+    fn stream(&mut self) -> &mut Stream {
+        self.stream.get_or_insert_with(Box::default)
     }
 }
 

@@ -1,8 +1,10 @@
 //! The choice of equations at run time, made once per batch of rays and not per ray.
 
-use super::hierarchy::reach_of;
+use super::batch::Traversal;
+use super::hierarchy::{Hierarchy, reach_of};
 use super::{Visible, linear};
 use crate::buffers::{Buffers, store_triangles};
+use crate::bvh::Quality;
 use crate::kernel::ray_box::Reach;
 use crate::kernel::ray_sphere::{self, SphereMethod};
 use crate::kernel::ray_triangle::{self, TriangleMethod};
@@ -35,9 +37,38 @@ pub enum TriangleChoice {
 pub struct Methods {
     pub sphere: SphereChoice,
     pub triangle: TriangleChoice,
+    pub traversal: TraversalChoice,
 }
 
+/// How rays find what they meet.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum TraversalChoice {
+    /// Whatever measured fastest for a scene of so many primitives: [`MOST_FOR_LINEAR`].
+    #[default]
+    Needed,
+    /// Every primitive is tested.
+    Linear,
+    /// Through a hierarchy. Only the default equations have one; the others test every primitive.
+    Through(Traversal),
+}
+
+/// Most primitives that are tested one by one: with more, a hierarchy is faster.
+pub const MOST_FOR_LINEAR: usize = 24;
+
 impl Methods {
+    /// The traversal of a hierarchy over so many primitives at a width of 1 or 8; `None` where every primitive is tested.
+    pub fn traversal_of(&self, primitives: usize, lanes: usize) -> Option<Traversal> {
+        if self.sphere != SphereChoice::Robust || self.triangle != TriangleChoice::Woop {
+            return None;
+        }
+        let default = if lanes == 1 { Traversal::Scalar } else { Traversal::Hybrid };
+        match self.traversal {
+            TraversalChoice::Linear => None,
+            TraversalChoice::Needed => (primitives > MOST_FOR_LINEAR).then_some(default),
+            TraversalChoice::Through(_) if lanes == 1 => Some(default),
+            TraversalChoice::Through(traversal) => Some(traversal),
+        }
+    }
     /// Do these methods claim hits only within rounding error of the primitive? The naive ones do not: from afar they hit spheres
     /// at several times their radius, and slivers far off their edges.
     pub fn keep_to_their_primitives(&self) -> bool {
@@ -59,6 +90,8 @@ pub struct Primitives {
     sphere: SphereChoice,
     triangles: Triangles,
     reach: Reach,
+    /// The way through a hierarchy, where there is one; then the other fields hold nothing.
+    hierarchy: Option<(Hierarchy, Traversal)>,
 }
 
 /// Something to do with many rays once the methods are known. The closure that it would be cannot be generic.
@@ -68,7 +101,14 @@ pub trait Batch<L: Lane> {
 }
 
 impl Primitives {
-    pub fn new(scene: &Scene, methods: Methods) -> Self {
+    /// For packets of `lanes` rays: with a hierarchy where [`Methods::traversal_of`] says so.
+    pub fn new(scene: &Scene, methods: Methods, lanes: usize) -> Self {
+        let primitives = scene.spheres.len() + scene.triangles.len();
+        if let Some(traversal) = methods.traversal_of(primitives, lanes) {
+            let hierarchy = Some((Hierarchy::new(scene, Quality::default()), traversal));
+            let triangles = Triangles::Woop(Vec::new());
+            return Self { sphere: methods.sphere, triangles, reach: Reach::default(), hierarchy };
+        }
         let triangles = match methods.triangle {
             TriangleChoice::Woop => Triangles::Woop(store_triangles::<ray_triangle::Woop>(scene)),
             TriangleChoice::WoopContracted => {
@@ -82,10 +122,16 @@ impl Primitives {
             }
             TriangleChoice::Plucker => Triangles::Plucker(store_triangles::<ray_triangle::Plucker>(scene)),
         };
-        Self { sphere: methods.sphere, triangles, reach: reach_of(scene) }
+        Self { sphere: methods.sphere, triangles, reach: reach_of(scene), hierarchy: None }
     }
 
-    /// Runs a batch of rays with the chosen methods, each compiled for itself. `visible` holds all that the rays can meet; without
+    /// The hierarchy and the way through it, where there is one: then batches go to [`super::batch::Tracer`].
+    #[inline(always)]
+    pub fn hierarchy(&self) -> Option<(&Hierarchy, Traversal)> {
+        self.hierarchy.as_ref().map(|(hierarchy, traversal)| (hierarchy, *traversal))
+    }
+
+    /// Tests every primitive; only without a hierarchy. Runs a batch of rays with the chosen methods, each compiled for itself. `visible` holds all that the rays can meet; without
     /// it, everything is tested.
     #[inline(always)]
     pub fn for_batch<L: Lane>(&self, buffers: &Buffers, visible: Option<&Visible>, batch: impl Batch<L>) {

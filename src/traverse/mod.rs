@@ -1,8 +1,16 @@
 //! Which primitive a ray hits first.
 //!
-//! For: [`Methods`], the choice of equations; [`Primitives`], a scene ready for intersection; and the ways through it:
-//! [`linear`], which tests every primitive, or for primary rays every one that their tile can see ([`Visible`]). May import: `lane`, `math`, `kernel`, `scene`, `buffers`. Must never know: queues,
-//! materials, pixels.
+//! For: [`Methods`], the choice of equations; [`Primitives`], a scene ready for intersection; and the ways through it. May import:
+//! `lane`, `math`, `kernel`, `scene`, `buffers`, `bvh`, `camera`. Must never know: queues, materials, pixels.
+//!
+//! | way | for |
+//! |---|---|
+//! | [`linear`] | few primitives: every one is tested, or for primary rays every one that their tile can see ([`Visible`]) |
+//! | [`scalar`] | one ray on the binary tree: the baseline |
+//! | [`single`] | one ray against eight boxes and eight primitives at once |
+//! | [`frustum`] | tiles of camera rays |
+//! | [`stream`] | batches of rays without order |
+//! | [`batch`] | the choice between them |
 //!
 //! The law of every traversal: it gives the same hit, bit for bit, as testing every primitive in order, spheres first, then
 //! triangles, the nearest t winning and the lower index on a tie.
@@ -18,5 +26,7 @@ pub mod single;
 pub mod stream;
 mod visible;
 
-pub use methods::{Batch, Methods, Primitives, SphereChoice, TriangleChoice};
+pub use methods::{
+    Batch, MOST_FOR_LINEAR, Methods, Primitives, SphereChoice, TraversalChoice, TriangleChoice,
+};
 pub use visible::Visible;

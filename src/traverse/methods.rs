@@ -43,7 +43,7 @@ pub struct Methods {
 /// How rays find what they meet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum TraversalChoice {
-    /// Whatever measured fastest for a scene of so many primitives: [`MOST_FOR_LINEAR`].
+    /// Whatever measured fastest for a scene of so many primitives.
     #[default]
     Needed,
     /// Every primitive is tested.
@@ -52,19 +52,25 @@ pub enum TraversalChoice {
     Through(Traversal),
 }
 
-/// Most primitives that are tested one by one: with more, a hierarchy is faster.
-pub const MOST_FOR_LINEAR: usize = 24;
+/// Up to here primitives are tested one by one, and beyond it a hierarchy is faster: a box with 34 triangles takes as long either way,
+/// 50 balls three times as long through the hierarchy.
+const MOST_FOR_LINEAR: usize = 150;
+
+/// What testing every primitive costs, in tests of a sphere.
+fn linear_cost(scene: &Scene) -> usize {
+    scene.spheres.len() + 4 * scene.triangles.len()
+}
 
 impl Methods {
-    /// The traversal of a hierarchy over so many primitives at a width of 1 or 8; `None` where every primitive is tested.
-    pub fn traversal_of(&self, primitives: usize, lanes: usize) -> Option<Traversal> {
+    /// The traversal of a scene's hierarchy at a width of 1 or 8; `None` where every primitive is tested.
+    pub fn traversal_of(&self, scene: &Scene, lanes: usize) -> Option<Traversal> {
         if self.sphere != SphereChoice::Robust || self.triangle != TriangleChoice::Woop {
             return None;
         }
         let default = if lanes == 1 { Traversal::Scalar } else { Traversal::Hybrid };
         match self.traversal {
             TraversalChoice::Linear => None,
-            TraversalChoice::Needed => (primitives > MOST_FOR_LINEAR).then_some(default),
+            TraversalChoice::Needed => (linear_cost(scene) > MOST_FOR_LINEAR).then_some(default),
             TraversalChoice::Through(_) if lanes == 1 => Some(default),
             TraversalChoice::Through(traversal) => Some(traversal),
         }
@@ -103,8 +109,7 @@ pub trait Batch<L: Lane> {
 impl Primitives {
     /// For packets of `lanes` rays: with a hierarchy where [`Methods::traversal_of`] says so.
     pub fn new(scene: &Scene, methods: Methods, lanes: usize) -> Self {
-        let primitives = scene.spheres.len() + scene.triangles.len();
-        if let Some(traversal) = methods.traversal_of(primitives, lanes) {
+        if let Some(traversal) = methods.traversal_of(scene, lanes) {
             let hierarchy = Some((Hierarchy::new(scene, Quality::default()), traversal));
             let triangles = Triangles::Woop(Vec::new());
             return Self { sphere: methods.sphere, triangles, reach: Reach::default(), hierarchy };

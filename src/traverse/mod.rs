@@ -26,7 +26,5 @@ pub mod single;
 pub mod stream;
 mod visible;
 
-pub use methods::{
-    Batch, MOST_FOR_LINEAR, Methods, Primitives, SphereChoice, TraversalChoice, TriangleChoice,
-};
+pub use methods::{Batch, Methods, Primitives, SphereChoice, TraversalChoice, TriangleChoice};
 pub use visible::Visible;

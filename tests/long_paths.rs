@@ -75,7 +75,7 @@ fn directions_keep_unit_length_over_the_longest_paths() {
     }
 }
 
-/// The bound of one reflection, 4 δ + 4 ε, for normals as long as rounding makes them.
+/// The bound of one reflection, 4 δ + 9 ε (where `integrate` says how often to mend lengths), for normals as long as rounding makes them.
 #[test]
 fn reflection_lengthens_by_no_more_than_its_bound() {
     const EPSILON: f64 = 1.0 / 16_777_216.0;
@@ -89,7 +89,7 @@ fn reflection_lengthens_by_no_more_than_its_bound() {
         }
         let reflected = math::Vec3::<f32>::splat(d).reflect(math::Vec3::splat(n)).get(0);
         let growth = (length(reflected) / length(d) - 1.0).abs();
-        let bound = 4.0 * (length(n) - 1.0).abs() + 4.0 * EPSILON;
+        let bound = 4.0 * (length(n) - 1.0).abs() + 9.0 * EPSILON;
         worst = worst.max(growth / bound);
         assert!(growth <= bound, "{d} at {n}: {growth:e}, bound {bound:e}");
     }

@@ -13,6 +13,7 @@
 //! | `convert` | from a model to a native scene file |
 //! | `draft` | what all formats share: a scene in the making |
 //! | `check` | numbers as a scene may hold them |
+//! | `framing` | the camera that sees everything |
 //! | `image` | texture files |
 //! | `builtin`, `files` | the scenes inside the program; files there and on disk |
 //! | `place` | where in a JSON text something stands |
@@ -25,6 +26,7 @@ mod draft;
 pub mod error;
 mod file;
 mod files;
+mod framing;
 mod image;
 mod load;
 mod material;

@@ -110,14 +110,12 @@ fn first_frame(scene: &Scene, settings: Settings, start: Instant) -> f64 {
 }
 
 fn heading(report: &Report, settings: &Settings) -> String {
-    let Machine { cpu, cores, target_features, rustc, commit } = &report.machine;
     let [width, height] = settings.resolution;
-    let vector = ["avx512f", "avx2", "fma", "sse4.1"].into_iter().find(|f| target_features.contains(f));
     format!(
-        "{cpu}, {cores} cores, built for {} by {rustc}, commit {commit}\n\
+        "{}\n\
          {width}×{height}, 1 sample a frame, up to {} bounces; fps: median (1 % low)\n\n\
          {:<24}{:>18}{:>18}{:>9}{:>18}{:>9}{:>9}{:>8}{:>8}\n",
-        vector.unwrap_or("plain x86-64"),
+        report.machine,
         settings.max_bounces,
         "scene",
         "SIMD",

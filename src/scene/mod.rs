@@ -16,6 +16,7 @@
 //! | `framing` | the camera that sees everything |
 //! | `image` | texture files |
 //! | `builtin`, `files` | the scenes inside the program; files there and on disk |
+//! | `procedural` | meshes of any size, made by rule |
 //! | `place` | where in a JSON text something stands |
 //! | [`error`] | what can be wrong |
 
@@ -33,6 +34,7 @@ mod material;
 mod mtl;
 mod obj;
 mod place;
+mod procedural;
 mod thesis;
 mod validate;
 

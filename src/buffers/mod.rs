@@ -17,7 +17,7 @@ pub use spheres::{SphereBlock, Spheres};
 pub use texels::{Abilities, Textures};
 
 use crate::kernel::ray_triangle::TriangleMethod;
-use crate::kernel::surface::{sphere_offset, triangle_offset};
+use crate::kernel::surface::{sphere_offset, triangle_normal, triangle_offset};
 use crate::scene::{self, MaterialKind, Scene, Side};
 use glam::Vec3;
 use rows::Rows;
@@ -138,9 +138,7 @@ fn picture_turn(sphere: &scene::Sphere) -> f32 {
 fn triangle_rows(triangle: &scene::Triangle) -> [[f32; 8]; 2] {
     let [a, b, c] = triangle.vertices;
     let (ab, ac) = (b - a, c - a);
-    // In f64, differences too: slivers, and triangles far from the origin, lose their normal in f32.
-    let [a64, b64, c64] = triangle.vertices.map(|vertex| vertex.as_dvec3());
-    let n = (b64 - a64).cross(c64 - a64).normalize().as_vec3();
+    let n = triangle_normal(triangle.vertices);
     let offset = triangle_offset(triangle.vertices);
     [
         [a.x, a.y, a.z, ab.x, ab.y, ab.z, offset, f32::from_bits(triangle.material)],

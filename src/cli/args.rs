@@ -26,6 +26,7 @@ pub enum Command {
     Bench(BenchArgs),
     Compare(CompareArgs),
     Render(RenderArgs),
+    Rays(RaysArgs),
     Convert(ConvertArgs),
     Inspect(InspectArgs),
 }
@@ -157,6 +158,43 @@ pub struct RenderArgs {
     pub json: bool,
 }
 
+/// Measure rays per second, by kind of ray and way of tracing.
+///
+/// Three kinds: primary rays from a camera that sees the whole scene (4×2 pixels a packet), one shadow ray from each of their hits
+/// (cosine-weighted, a quarter of the scene's diagonal long, any hit), and one diffuse ray from each (cosine-weighted, nearest
+/// hit). They are traced from prepared arrays, and making them is not counted. All ways of tracing take turns; the
+/// median is reported with its spread. Exits with 1 if any way finds another hit than one scalar ray at a time does.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:
+  octray rays bunny.obj
+  octray rays builtin:knot:1000000 --size 240x135 --threads 1 --json > rays.json
+  octray rays bunny.obj --dump bunny-rays")]
+pub struct RaysArgs {
+    #[arg(value_name = "SCENE", help = SCENE)]
+    pub scene: String,
+    /// Print the figures as JSON (schema octray-rays-1).
+    #[arg(long)]
+    pub json: bool,
+    /// Write rays, nearest hits and triangles into this folder, for other programs to trace; perf/README.md has the format.
+    #[arg(long, value_name = "DIR")]
+    pub dump: Option<PathBuf>,
+    /// Pixels that primary rays go through.
+    #[arg(long, value_name = "WxH", default_value = "960x540", allow_hyphen_values = true)]
+    pub size: String,
+    /// Worker threads [default: one, and once more all cores].
+    #[arg(long, value_name = "N", allow_hyphen_values = true)]
+    pub threads: Option<String>,
+    /// Measure one way of tracing only [default: all that suit the rays].
+    #[arg(long, value_enum, value_name = "NAME")]
+    pub traversal: Option<WayArg>,
+    /// Passes measured for each way [default: at least 7, and as many as a second for each kind of ray holds].
+    #[arg(long, value_name = "N", allow_hyphen_values = true)]
+    pub passes: Option<String>,
+    /// Which random numbers to use.
+    #[arg(long, value_name = "N", default_value = "0", allow_hyphen_values = true)]
+    pub seed: String,
+}
+
 /// Turn a mesh into a scene file.
 ///
 /// Writes a scene in octray's own format that shows the model: a camera that frames it, a plain sky, its materials. The
@@ -260,6 +298,22 @@ pub enum PipelineArg {
     Needed,
     /// Every feature.
     General,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum WayArg {
+    /// Test every primitive.
+    Linear,
+    /// One scalar ray on the binary tree: the baseline.
+    Scalar,
+    /// One ray against eight boxes and eight triangles at a time.
+    Single,
+    /// Packets and tiles of camera rays in frusta.
+    Packet,
+    /// Thousands of rays together down the tree.
+    Stream,
+    /// What measured fastest for the rays at hand.
+    Hybrid,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, ValueEnum)]

@@ -120,15 +120,13 @@ fn first_frame(scene: &Scene, settings: Settings, start: Instant) -> f64 {
 }
 
 fn heading(report: &Report, settings: &Settings) -> String {
-    let Machine { cpu, cores, target_features, rustc, commit } = &report.machine;
     let [width, height] = settings.resolution;
-    let vector = ["avx512f", "avx2", "fma", "sse4.1"].into_iter().find(|f| target_features.contains(f));
     format!(
-        "{cpu}, {cores} cores, built for {} by {rustc}, commit {commit}\n\
+        "{}\n\
          {width}×{height}, 1 sample a frame, up to {} bounces\n\
          fps: median (1 % low); speed-up and scaling: median of the rounds (10 to 90 % of them)\n\n\
          {:<24}{:>14}{:>14}{:>18}{:>14}{:>18}{:>8}{:>9}{:>7}\n",
-        vector.unwrap_or("plain x86-64"),
+        report.machine,
         settings.max_bounces,
         "scene",
         "SIMD",

@@ -6,7 +6,7 @@
 //! |---|---|
 //! | [`args`] | what the user typed: the arguments' names, shapes and help |
 //! | [`options`] | what we accept: numbers in range, names known |
-//! | [`render`], [`convert`], [`inspect`], [`mod@bench`], [`compare`] | the commands |
+//! | [`render`], [`convert`], [`inspect`], [`mod@bench`], [`compare`], [`rays`] | the commands |
 //! | [`machine_check`] | refuses to start where the program's instructions do not exist |
 //! | [`memory`] | refuses pictures that do not fit |
 //! | [`terminal`] | the only writer to standard output and standard error |
@@ -25,6 +25,7 @@ pub mod machine_check;
 pub mod memory;
 pub mod options;
 pub mod progress;
+pub mod rays;
 pub mod render;
 pub mod terminal;
 
@@ -47,6 +48,7 @@ octray traces paths through scenes on the CPU, eight rays at a time. Try:
   octray bench                                    frames per second, SIMD beside scalar
   octray compare                                  do SIMD and scalar agree, bit by bit?
   octray render builtin:three -o three.png        a picture
+  octray rays builtin:knot:100000                 rays per second, every way of tracing them
   octray inspect builtin:three                    what a scene holds
   octray convert model.obj scene.json             a scene to edit from a mesh
 
@@ -90,6 +92,11 @@ fn run(args: Args, verdict: &machine_check::Verdict) -> Result<ExitCode, CliErro
             let options = args.try_into()?;
             verdict.advise();
             render::run(options)
+        }
+        Command::Rays(args) => {
+            let options = args.try_into()?;
+            verdict.advise();
+            rays::run(options)
         }
         Command::Convert(args) => convert::run(args.into()),
         Command::Inspect(args) => inspect::run(args.into()),

@@ -5,11 +5,12 @@
 //! Must never know: how a command does its work.
 
 use super::args::{
-    BenchArgs, CompareArgs, ConvertArgs, InspectArgs, MethodArgs, PipelineArg, RenderArgs, SphereMethod,
-    ToneArg, TraversalArg, TriangleMethod,
+    BenchArgs, CompareArgs, ConvertArgs, InspectArgs, MethodArgs, PipelineArg, RaysArgs, RenderArgs,
+    SphereMethod, ToneArg, TraversalArg, TriangleMethod, WayArg,
 };
 use super::error::CliError;
 use crate::measure::machine;
+use crate::measure::ways::Way;
 use crate::output::{Operator, Tone};
 use crate::render::PipelineChoice;
 use crate::scene::{MAX_BOUNCES, MAX_SIDE};
@@ -23,6 +24,10 @@ pub const MAX_SAMPLES: u32 = 1 << 24;
 pub const MAX_THREADS: u32 = 1_024;
 /// Most frames measured.
 pub const MAX_FRAMES: u32 = 1_000_000;
+/// Most passes over rays measured.
+pub const MAX_PASSES: u32 = 1_000_000;
+/// Most pixels for rays in prepared arrays: 3840×2160, and about 1.5 GB.
+pub const MAX_RAYS: u32 = 1 << 23;
 /// Most stops up or down: past f32's own range in visible light.
 pub const MAX_EXPOSURE: f32 = 64.0;
 
@@ -76,6 +81,22 @@ pub struct RenderOptions {
     pub methods: Methods,
     pub pipeline: PipelineChoice,
     pub json: bool,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+pub struct RaysOptions {
+    pub scene: String,
+    pub json: bool,
+    pub dump: Option<PathBuf>,
+    /// At most [`MAX_RAYS`] pixels.
+    pub size: [u32; 2],
+    /// One thread, and once more all cores, if `None`.
+    pub threads: Option<usize>,
+    /// All if `None`.
+    pub traversal: Option<Way>,
+    /// So many per way; by time if `None`.
+    pub passes: Option<u32>,
+    pub seed: u32,
 }
 
 #[derive(Clone, Debug, PartialEq)]
@@ -147,6 +168,40 @@ impl TryFrom<RenderArgs> for RenderOptions {
             pipeline: args.pipeline.into(),
             json: args.json,
         })
+    }
+}
+
+impl TryFrom<RaysArgs> for RaysOptions {
+    type Error = CliError;
+    fn try_from(args: RaysArgs) -> Result<Self, CliError> {
+        let size = size(&args.size)?;
+        if size[0] * size[1] > MAX_RAYS {
+            let why = format!("all rays are held in memory: give at most {MAX_RAYS} pixels");
+            return Err(refuse("--size", &args.size, why));
+        }
+        Ok(Self {
+            scene: args.scene,
+            json: args.json,
+            dump: args.dump,
+            size,
+            threads: args.threads.map(|text| threads(Some(text))).transpose()?,
+            traversal: args.traversal.map(Way::from),
+            passes: args.passes.map(|text| whole("--passes", &text, 1, MAX_PASSES)).transpose()?,
+            seed: seed(&args.seed)?,
+        })
+    }
+}
+
+impl From<WayArg> for Way {
+    fn from(traversal: WayArg) -> Self {
+        match traversal {
+            WayArg::Linear => Self::Linear,
+            WayArg::Scalar => Self::Tree(Traversal::Scalar),
+            WayArg::Single => Self::Tree(Traversal::Single),
+            WayArg::Packet => Self::Tree(Traversal::Packet),
+            WayArg::Stream => Self::Tree(Traversal::Stream),
+            WayArg::Hybrid => Self::Tree(Traversal::Hybrid),
+        }
     }
 }
 

@@ -38,6 +38,14 @@ pub fn triangle_offset(vertices: [glam::Vec3; 3]) -> f32 {
     EPSILON * (16.0 * (largest + longest as f32) + sliver as f32)
 }
 
+/// The unit normal of a triangle with an area, to the side from which its vertices turn counter-clockwise.
+///
+/// In f64, differences too: slivers, and triangles far from the origin, lose their normal in f32.
+pub fn triangle_normal(vertices: [glam::Vec3; 3]) -> glam::Vec3 {
+    let [a, b, c] = vertices.map(|vertex| vertex.as_dvec3());
+    (b - a).cross(c - a).normalize().as_vec3()
+}
+
 /// The outward unit normal of a sphere at a point near its surface.
 ///
 /// Domain: the point is not the centre.

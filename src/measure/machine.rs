@@ -4,6 +4,7 @@
 
 use super::features;
 use serde::Serialize;
+use std::fmt;
 
 /// Where a figure comes from: two figures compare only if these agree.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
@@ -30,6 +31,16 @@ impl Machine {
             rustc: env!("OCTRAY_RUSTC"),
             commit: env!("OCTRAY_COMMIT"),
         }
+    }
+}
+
+/// In one line.
+impl fmt::Display for Machine {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let Self { cpu, cores, target_features, rustc, commit } = self;
+        let vector = ["avx512f", "avx2", "fma", "sse4.1"].into_iter().find(|f| target_features.contains(f));
+        let vector = vector.unwrap_or("plain x86-64");
+        write!(f, "{cpu}, {cores} cores, built for {vector} by {rustc}, commit {commit}")
     }
 }
 

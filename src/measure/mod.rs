@@ -1,6 +1,7 @@
 //! What the program says about itself in figures, and the machine they were taken on.
 //!
-//! For: [`mod@bench`] (speed), [`compare`] (SIMD against scalar, and both against the judge), [`Machine`] (what every report of figures
+//! For: [`mod@bench`] (speed of frames), [`rays`] (speed of rays by kind: [`ray_sets`], [`ways`]; for other programs: [`ray_dump`]),
+//! [`compare`] (SIMD against scalar, and both against the judge), [`Machine`] (what every report of figures
 //! carries), [`features`] (vector instructions: compiled for, and present). May import: everything above it, the judge included.
 //! Must never know: command lines, terminals.
 
@@ -8,7 +9,11 @@ pub mod bench;
 pub mod compare;
 pub mod features;
 pub mod machine;
+pub mod ray_dump;
+pub mod ray_sets;
+pub mod rays;
 pub mod statistics;
 pub mod turns;
+pub mod ways;
 
 pub use machine::Machine;

@@ -32,6 +32,8 @@ pub enum OutputError {
         .folder.display()
     )]
     FolderNotWritable { folder: PathBuf, source: io::Error },
+    #[error("cannot make the folder `{}`\n  choose another place", .folder.display())]
+    FolderNotMade { folder: PathBuf, source: io::Error },
     #[error("`{}` is protected against writing\n  choose another name, or: chmod u+w '{}'", .path.display(), .path.display())]
     ReadOnly { path: PathBuf },
     #[error("`{}` exists already\n  choose another name, or give --force to replace it", .path.display())]

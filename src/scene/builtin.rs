@@ -1,9 +1,9 @@
 //! The scenes inside the program, and the pictures they use.
 //!
-//! For: [`names`], [`text`], [`embedded`]. May import: `check` (for suggestions). Must never know: a file format.
+//! For: [`names`], [`text`], [`embedded`]. May import: `check` and `procedural` (for suggestions). Must never know: a file format.
 
-use super::SceneError;
 use super::check::nearest;
+use super::{SceneError, procedural};
 use std::path::Path;
 
 /// How the command line asks for a scene inside the program.
@@ -32,7 +32,7 @@ pub fn names() -> impl Iterator<Item = &'static str> {
 pub fn text(name: &str) -> Result<&'static str, SceneError> {
     SCENES.iter().find(|&&(known, _)| known == name).map(|&(_, text)| text).ok_or_else(|| {
         let guess = nearest(name, names()).map(|near| format!("did you mean `{PREFIX}{near}`? "));
-        let names: Vec<&str> = names().collect();
+        let names: Vec<String> = names().map(String::from).chain(procedural::names()).collect();
         SceneError::new(format!("there is no scene `{PREFIX}{name}`")).mend(format!(
             "{}the names are {}",
             guess.unwrap_or_default(),

@@ -1,9 +1,10 @@
 //! A scene in the making: what all formats share on the way to a [`Scene`].
 //!
 //! For: [`Draft`], which adds up materials, textures and primitives and fills in what the user left out. May import:
-//! `check`, `image`. Must never know: a file format.
+//! `check`, `framing`, `image`. Must never know: a file format.
 
 use super::check::has_area;
+use super::framing::{bounds, framing};
 use super::image::Textures;
 use super::{Camera, Material, MaterialKind, Scene, SceneError, Sky, Sphere, Triangle};
 use glam::{DVec2, DVec3, Vec2, Vec3};
@@ -12,14 +13,8 @@ use glam::{DVec2, DVec3, Vec2, Vec3};
 pub const RESOLUTION: [u32; 2] = [240, 135];
 /// Paths scatter this often unless told otherwise.
 pub const BOUNCES: u32 = 4;
-/// Degrees.
-pub const VERTICAL_FOV: f32 = 40.0;
 /// Indices of primitives stay positive as 32-bit integers.
 pub const MAX_PRIMITIVES: usize = i32::MAX as usize;
-
-/// An automatic camera sees the middle of the scene from this side, this many diagonals of the bounds away.
-const VIEW_FROM: DVec3 = DVec3::new(1.0, 0.5, 1.5);
-const VIEW_DIAGONALS: f64 = 1.2;
 
 #[derive(Default)]
 pub struct Draft {
@@ -97,28 +92,10 @@ impl Draft {
         self.spheres.iter().any(|sphere| shines(sphere.material))
             || self.triangles.iter().any(|triangle| shines(triangle.material))
     }
-    /// The lower and upper corner of the box around everything; `None` when there is nothing.
-    pub fn bounds(&self) -> Option<(DVec3, DVec3)> {
-        let spheres = self.spheres.iter().flat_map(|sphere| {
-            let (center, radius) = (sphere.center.as_dvec3(), f64::from(sphere.radius));
-            [center - radius, center + radius]
-        });
-        let vertices = self.triangles.iter().flat_map(|triangle| triangle.vertices.map(Vec3::as_dvec3));
-        spheres.chain(vertices).fold(None, |bounds, point| {
-            let (lower, upper) = bounds.unwrap_or((point, point));
-            Some((lower.min(point), upper.max(point)))
-        })
-    }
     /// A camera that sees the whole scene, or as much of it as the given position and target allow. Domain: the scene
     /// is not empty.
     pub fn framing(&self, position: Option<Vec3>, look_at: Option<Vec3>) -> Camera {
-        let (lower, upper) = self.bounds().unwrap_or_default();
-        let look_at = look_at.unwrap_or_else(|| ((lower + upper) / 2.0).as_vec3());
-        let position = position.unwrap_or_else(|| {
-            let distance = VIEW_DIAGONALS * (upper - lower).length();
-            (look_at.as_dvec3() + VIEW_FROM.normalize() * distance).as_vec3()
-        });
-        Camera { position, look_at, up: Vec3::Y, vertical_fov: VERTICAL_FOV }
+        framing(bounds(&self.spheres, &self.triangles).unwrap_or_default(), position, look_at)
     }
     pub fn is_empty(&self) -> bool {
         self.spheres.is_empty() && self.triangles.is_empty()

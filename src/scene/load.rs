@@ -5,16 +5,19 @@
 use super::file::{FORMAT, read};
 use super::files::{Files, read_named};
 use super::place::Source;
-use super::{Scene, SceneError, builtin, obj, thesis, validate};
+use super::{Scene, SceneError, builtin, obj, procedural, thesis, validate};
 use serde::Deserialize;
 use serde::de::IgnoredAny;
 use serde_json::Value;
 use std::path::Path;
 
-/// Loads a scene: `builtin:NAME`, the path of an .obj file (framed automatically under a plain sky), or the path of a
+/// Loads a scene: `builtin:NAME`, a mesh made by rule (`builtin:knot:N`), the path of an .obj file (framed automatically under a plain sky), or the path of a
 /// .json file in the native format or the thesis's own.
 pub fn load(spec: &str) -> Result<Scene, SceneError> {
     if let Some(name) = spec.strip_prefix(builtin::PREFIX) {
+        if let Some(shape) = procedural::read(name)? {
+            return shape.scene(spec);
+        }
         let source = Source { file: Path::new(spec), text: builtin::text(name)? };
         return json_scene(&source, &Files::Embedded, spec.to_string());
     }

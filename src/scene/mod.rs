@@ -13,8 +13,10 @@
 //! | `convert` | from a model to a native scene file |
 //! | `draft` | what all formats share: a scene in the making |
 //! | `check` | numbers as a scene may hold them |
+//! | `framing` | the camera that sees everything |
 //! | `image` | texture files |
 //! | `builtin`, `files` | the scenes inside the program; files there and on disk |
+//! | `procedural` | meshes of any size, made by rule |
 //! | `place` | where in a JSON text something stands |
 //! | [`error`] | what can be wrong |
 
@@ -25,12 +27,14 @@ mod draft;
 pub mod error;
 mod file;
 mod files;
+mod framing;
 mod image;
 mod load;
 mod material;
 mod mtl;
 mod obj;
 mod place;
+mod procedural;
 mod thesis;
 mod validate;
 

@@ -4,9 +4,10 @@
 //! text came from.
 
 use super::check::{WITHIN_BOUNDS, camera_fault, fits, nearest, number, radius, vec2, vec3};
-use super::draft::{BOUNCES, Draft, RESOLUTION, VERTICAL_FOV};
+use super::draft::{BOUNCES, Draft, RESOLUTION};
 use super::file::{CameraFile, FORMAT, MeshFile, SceneFile, SideFile, SphereFile, TriangleFile, read};
 use super::files::Files;
+use super::framing::VERTICAL_FOV;
 use super::obj::Misplaced;
 use super::place::{Place, Source};
 use super::{Camera, MAX_BOUNCES, MAX_SIDE, Scene, SceneError, Side, Sky, Sphere, material, obj};

@@ -1,0 +1,204 @@
+//! Rays as renderers meet them, in prepared arrays: from the camera, and from what those hit.
+//!
+//! For: [`RaySet`], [`Answers`], and both together, [`Prepared`]. May import: everything above it. Must never know: clocks, files.
+//!
+//! Three kinds ([`Kind`]). Primary rays go through the pixels' middles. From each of their hits one shadow ray and one diffuse ray
+//! leave on the side from which the primary ray came, cosine-weighted around the normal, from a point that stands off the surface by
+//! the house's error bound ([`crate::kernel::surface`]). Their random numbers are a function of seed and pixel alone.
+
+use crate::camera::Pinhole;
+use crate::integrate::Tile;
+use crate::kernel::surface::{sphere_normal, sphere_offset, triangle_normal, triangle_offset};
+use crate::math::{Hit, MISS, Ray, Vec3};
+use crate::sampling::random::{DIRECTION, bounce, path_key, uniform};
+use crate::sampling::warp::cosine_hemisphere;
+use crate::scene::Scene;
+use crate::traverse::rays::{Hits, Rays};
+use serde::Serialize;
+
+/// Pixels of a tile: width, height. A tile's rays stand together in the arrays.
+pub const TILE: [u32; 2] = [16, 16];
+/// Pixels of a packet.
+const BLOCK: [u32; 2] = [4, 2];
+/// Shadow rays reach so many diagonals of the scene.
+const SHADOW_REACH: f64 = 0.25;
+
+/// Where rays come from, and what is asked of them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Kind {
+    /// From the camera: the nearest hit.
+    Primary,
+    /// From surfaces, of limited reach: any hit. Ambient occlusion.
+    Shadow,
+    /// From surfaces: the nearest hit.
+    Diffuse,
+}
+
+impl Kind {
+    /// As reports and files name it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Primary => "primary",
+            Self::Shadow => "shadow",
+            Self::Diffuse => "diffuse",
+        }
+    }
+    /// Is it enough to know whether there is a hit?
+    pub fn any_hit(self) -> bool {
+        self == Self::Shadow
+    }
+}
+
+/// Rays of one kind as columns of equal length.
+#[derive(Clone, Debug)]
+pub struct RaySet {
+    pub kind: Kind,
+    pub origin: [Vec<f32>; 3],
+    pub direction: [Vec<f32>; 3],
+    /// Hits count up to here, in units of t: directions have unit length, so a distance.
+    pub reach: Vec<f32>,
+}
+
+/// The pixels of a picture in the order of primary rays: tile by tile, and in a tile block by block. Tiles that the picture's edge
+/// cuts come last, so that all others start at a multiple of their size.
+pub fn pixels(size: [u32; 2]) -> Vec<[u32; 2]> {
+    let whole = |tile: &Tile| [tile.width, tile.height] == TILE;
+    let (whole, cut): (Vec<Tile>, Vec<Tile>) = Tile::cover(size, TILE).partition(whole);
+    let mut pixels = Vec::with_capacity(size[0] as usize * size[1] as usize);
+    for tile in whole.iter().chain(&cut) {
+        for block in Tile::cover([tile.width, tile.height], BLOCK) {
+            let (left, top) = (tile.x + block.x, tile.y + block.y);
+            let rows = top..top + block.height;
+            pixels.extend(rows.flat_map(|y| (left..left + block.width).map(move |x| [x, y])));
+        }
+    }
+    pixels
+}
+
+impl RaySet {
+    fn with_capacity(kind: Kind, rays: usize) -> Self {
+        let column = || Vec::with_capacity(rays);
+        let columns = || [column(), column(), column()];
+        Self { kind, origin: columns(), direction: columns(), reach: column() }
+    }
+
+    fn push(&mut self, ray: Ray<f32>, reach: f32) {
+        let Ray { origin, direction } = ray;
+        self.origin.iter_mut().zip([origin.x, origin.y, origin.z]).for_each(|(column, x)| column.push(x));
+        let components = [direction.x, direction.y, direction.z];
+        self.direction.iter_mut().zip(components).for_each(|(column, x)| column.push(x));
+        self.reach.push(reach);
+    }
+
+    /// The rays through the middles of these pixels.
+    pub fn primary(camera: &Pinhole, pixels: &[[u32; 2]]) -> Self {
+        let mut set = Self::with_capacity(Kind::Primary, pixels.len());
+        for pixel in pixels {
+            let [x, y] = pixel.map(|x| x as f32 + 0.5);
+            set.push(camera.rays(x, y), f32::INFINITY);
+        }
+        set
+    }
+
+    /// One ray of this kind from every hit of the primary rays through `pixels`, in their order. `width`: pixels of a row.
+    pub fn from_hits(
+        kind: Kind,
+        scene: &Scene,
+        primary: &Prepared,
+        pixels: &[[u32; 2]],
+        width: u32,
+        seed: u32,
+    ) -> Self {
+        let Prepared { set: rays, nearest: answers } = primary;
+        let (lower, upper) = scene.bounds();
+        // The two kinds go different ways: each has the numbers of a scattering event of its own.
+        let (reach, event) = match kind {
+            Kind::Shadow => ((SHADOW_REACH * (upper - lower).length()) as f32, 0),
+            _ => (f32::INFINITY, 1),
+        };
+        let mut set = Self::with_capacity(kind, answers.count());
+        for (at, &[x, y]) in pixels.iter().enumerate() {
+            let hit = answers.get(at);
+            if hit.primitive != MISS {
+                let (origin, normal) = leave(scene, &rays.rays().packet::<f32>(at), &hit);
+                let key = path_key(seed, y * width + x, 0);
+                let random = |number: u32| uniform::<f32>(key, bounce(event) + DIRECTION + number);
+                let direction = cosine_hemisphere(normal, random(0), random(1));
+                set.push(Ray { origin, direction }, reach);
+            }
+        }
+        set
+    }
+
+    pub fn len(&self) -> usize {
+        self.reach.len()
+    }
+    pub fn is_empty(&self) -> bool {
+        self.reach.is_empty()
+    }
+    /// As traversals read them.
+    pub fn rays(&self) -> Rays<'_> {
+        Rays {
+            origin: self.origin.each_ref().map(Vec::as_slice),
+            direction: self.direction.each_ref().map(Vec::as_slice),
+        }
+    }
+}
+
+/// Where a ray may start from what another one hit, and the unit normal on the side from which that one came.
+fn leave(scene: &Scene, ray: &Ray<f32>, hit: &Hit<f32>) -> (Vec3<f32>, Vec3<f32>) {
+    let number = hit.primitive as usize;
+    let (point, outward, offset) = match scene.spheres.get(number) {
+        Some(sphere) => {
+            let center = Vec3::splat(sphere.center);
+            let outward = sphere_normal(ray.at(hit.t), center);
+            (outward.mul_add(sphere.radius, center), outward, sphere_offset(sphere.center, sphere.radius))
+        }
+        None => {
+            let vertices = scene.triangles[number - scene.spheres.len()].vertices;
+            let [a, b, c] = vertices;
+            let (a, ab, ac) = (Vec3::splat(a), Vec3::splat(b - a), Vec3::splat(c - a));
+            let point = ab.mul_add(hit.u, ac.mul_add(hit.v, a));
+            (point, Vec3::splat(triangle_normal(vertices)), triangle_offset(vertices))
+        }
+    };
+    let normal = outward.flip_sign(-ray.direction.dot(outward));
+    (normal.mul_add(offset, point), normal)
+}
+
+/// What was found for each ray of a set, as columns.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Answers {
+    /// For a miss, how far the ray reaches.
+    pub t: Vec<f32>,
+    pub primitive: Vec<u32>,
+    pub u: Vec<f32>,
+    pub v: Vec<f32>,
+}
+
+impl Answers {
+    /// Nothing found yet.
+    pub fn none(set: &RaySet) -> Self {
+        let zeros = || vec![0.0; set.len()];
+        Self { t: set.reach.clone(), primitive: vec![MISS; set.len()], u: zeros(), v: zeros() }
+    }
+    /// As traversals write them.
+    pub fn hits(&mut self) -> Hits<'_> {
+        Hits { t: &mut self.t, primitive: &mut self.primitive, u: &mut self.u, v: &mut self.v }
+    }
+    pub fn get(&self, at: usize) -> Hit<f32> {
+        Hit { t: self.t[at], primitive: self.primitive[at], u: self.u[at], v: self.v[at] }
+    }
+    /// How many rays hit something.
+    pub fn count(&self) -> usize {
+        self.primitive.iter().filter(|&&primitive| primitive != MISS).count()
+    }
+}
+
+/// Rays, and the nearest hit of each within its reach.
+#[derive(Clone, Debug)]
+pub struct Prepared {
+    pub set: RaySet,
+    pub nearest: Answers,
+}

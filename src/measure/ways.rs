@@ -1,0 +1,157 @@
+//! The ways to trace a set of rays, on one thread or many.
+//!
+//! For: [`Way`], [`Ground`] (a scene made ready for all of them) and [`Team`]. May import: `ray_sets` and all rooms above. Must never
+//! know: clocks.
+
+use super::ray_sets::{Answers, RaySet};
+use crate::buffers::{Buffers, store_triangles};
+use crate::kernel::ray_sphere::Robust;
+use crate::kernel::ray_triangle::{TriangleMethod, Woop};
+use crate::lane::{Bits, F32x8, Lane};
+use crate::math::MISS;
+use crate::scene::Scene;
+use crate::traverse::batch::{Tracer, Traversal};
+use crate::traverse::hierarchy::Hierarchy;
+use crate::traverse::linear;
+use crate::traverse::rays::{Hits, Rays};
+use rayon::prelude::*;
+use std::sync::Mutex;
+
+/// Rays that a thread takes at a time: whole tiles, and a whole batch of a stream.
+const CHUNK: usize = 4096;
+
+/// How to find what rays hit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Way {
+    /// Testing every primitive, eight rays at a time.
+    Linear,
+    /// Through the hierarchy.
+    Tree(Traversal),
+}
+
+impl Way {
+    /// As the command line and reports name it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Linear => "linear",
+            Self::Tree(traversal) => traversal.name(),
+        }
+    }
+    /// Lanes it works with.
+    pub fn lanes(self) -> usize {
+        match self {
+            Self::Linear => F32x8::WIDTH,
+            Self::Tree(traversal) => traversal.lanes(),
+        }
+    }
+    /// All of them, the baseline first.
+    pub fn all() -> impl Iterator<Item = Self> {
+        Traversal::ALL.into_iter().map(Self::Tree).chain([Self::Linear])
+    }
+}
+
+/// A scene made ready for every way.
+pub struct Ground {
+    pub hierarchy: Hierarchy,
+    buffers: Buffers,
+    triangles: Vec<<Woop as TriangleMethod>::Stored>,
+}
+
+impl Ground {
+    pub fn new(scene: &Scene, hierarchy: Hierarchy) -> Self {
+        Self { hierarchy, buffers: Buffers::new(scene), triangles: store_triangles::<Woop>(scene) }
+    }
+
+    /// Improves the hits of all rays; with `ANY`, each ray is content with any hit.
+    fn trace<const ANY: bool>(&self, way: Way, tracer: &mut Tracer, rays: &Rays, hits: &mut Hits) {
+        match way {
+            Way::Tree(traversal) => tracer.trace::<ANY>(traversal, &self.hierarchy, rays, hits),
+            Way::Linear => {
+                let packets = rays.len() - rays.len() % F32x8::WIDTH;
+                self.test_all::<F32x8>(&rays.range(0..packets), &mut hits.range(0..packets));
+                let rest = packets..rays.len();
+                self.test_all::<f32>(&rays.range(rest.clone()), &mut hits.range(rest));
+            }
+        }
+    }
+
+    /// Domain: whole packets.
+    fn test_all<L: Lane>(&self, rays: &Rays, hits: &mut Hits) {
+        let (spheres, triangles, reach) = (&self.buffers.spheres, &self.triangles, self.hierarchy.reach);
+        for at in (0..rays.len()).step_by(L::WIDTH) {
+            let hit = linear::closest::<L, Robust, Woop>(spheres, triangles, reach, &rays.packet(at));
+            let limit = L::load(&hits.t[at..]);
+            let within = hit.found() & hit.t.le(limit);
+            let zero = L::zero();
+            L::select(within, hit.t, limit).store(&mut hits.t[at..]);
+            L::Bits::select(within, hit.primitive, L::Bits::splat(MISS)).store(&mut hits.primitive[at..]);
+            L::select(within, hit.u, zero).store(&mut hits.u[at..]);
+            L::select(within, hit.v, zero).store(&mut hits.v[at..]);
+        }
+    }
+}
+
+/// Threads with working memory.
+pub struct Team {
+    /// None for one thread: then the caller's own does the work.
+    pool: Option<rayon::ThreadPool>,
+    /// One a thread. The locks are never contended: a thread takes its own.
+    tracers: Vec<Mutex<Tracer>>,
+}
+
+impl Team {
+    /// # Panics
+    /// If the system refuses threads.
+    pub fn new(threads: usize) -> Self {
+        let pool = (threads > 1).then(|| {
+            rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("the system gives threads")
+        });
+        Self { pool, tracers: (0..threads).map(|_| Mutex::new(Tracer::new())).collect() }
+    }
+    pub fn threads(&self) -> usize {
+        self.tracers.len()
+    }
+    /// Runs something on the team's threads. Called around [`Team::forget`] and [`Team::trace`], it finds them awake.
+    pub fn run<R: Send>(&self, run: impl FnOnce() -> R + Send) -> R {
+        match &self.pool {
+            Some(pool) => pool.install(run),
+            None => run(),
+        }
+    }
+    /// Nothing found yet, again.
+    pub fn forget(&self, set: &RaySet, answers: &mut Answers) {
+        self.each_chunk(set.len(), answers, |first, hits| {
+            hits.t.copy_from_slice(&set.reach[first..first + hits.t.len()]);
+            hits.primitive.fill(MISS);
+            hits.u.fill(0.0);
+            hits.v.fill(0.0);
+        });
+    }
+    /// Finds what the rays hit; with `ANY`, whether they hit something.
+    pub fn trace<const ANY: bool>(&self, way: Way, ground: &Ground, set: &RaySet, answers: &mut Answers) {
+        self.each_chunk(set.len(), answers, |first, hits| {
+            let thread = if self.pool.is_some() { rayon::current_thread_index().unwrap_or(0) } else { 0 };
+            let mut tracer = self.tracers[thread].lock().expect("no thread panicked with its working memory");
+            let range = first..first + hits.t.len();
+            ground.trace::<ANY>(way, &mut tracer, &set.rays().range(range), hits);
+        });
+    }
+
+    /// All answers at once on one thread, and in chunks on more; `work` is told the number of its first ray.
+    fn each_chunk(&self, rays: usize, answers: &mut Answers, work: impl Fn(usize, &mut Hits) + Sync) {
+        if self.pool.is_none() {
+            return work(0, &mut answers.hits());
+        }
+        debug_assert_eq!(rays, answers.t.len());
+        let Answers { t, primitive, u, v } = answers;
+        let columns = (
+            t.par_chunks_mut(CHUNK),
+            primitive.par_chunks_mut(CHUNK),
+            u.par_chunks_mut(CHUNK),
+            v.par_chunks_mut(CHUNK),
+        );
+        columns.into_par_iter().enumerate().for_each(|(chunk, (t, primitive, u, v))| {
+            work(chunk * CHUNK, &mut Hits { t, primitive, u, v });
+        });
+    }
+}

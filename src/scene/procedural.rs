@@ -1,0 +1,270 @@
+//! Meshes of any size, made by rule: for seeing how cost grows.
+//!
+//! For: [`read`], and [`Shape::scene`]. May import: `builtin` (for its prefix), `draft`. Must never know: a file format.
+//!
+//! `terrain:N` is a height field with lakes, `knot:N` a closed tube tied in a trefoil; N is about how many triangles they have (the
+//! knot has at least 18). Their shapes do not depend on N, only how finely they are cut.
+
+use super::builtin::PREFIX;
+use super::draft::{BOUNCES, Draft, RESOLUTION};
+use super::{Camera, Material, MaterialKind, Scene, SceneError, Sky};
+use glam::{DVec3, Vec3};
+use std::f64::consts::TAU;
+
+const FEWEST: usize = 2;
+const MOST: usize = 4_000_000;
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    Terrain,
+    Knot,
+}
+
+const KINDS: [(&str, Kind); 2] = [("terrain", Kind::Terrain), ("knot", Kind::Knot)];
+
+/// What to make.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Shape {
+    kind: Kind,
+    triangles: usize,
+}
+
+/// As they follow `builtin:`.
+pub fn names() -> impl Iterator<Item = String> {
+    KINDS.iter().map(|(name, _)| format!("{name}:N"))
+}
+
+/// The shape that a name asks for: none if the name is not of a shape, an error if it does not say properly how fine.
+pub fn read(name: &str) -> Result<Option<Shape>, SceneError> {
+    let (word, count) = name.split_once(':').unwrap_or((name, ""));
+    let Some(&(word, kind)) = KINDS.iter().find(|(known, _)| *known == word) else { return Ok(None) };
+    let digits = !count.is_empty() && count.bytes().all(|byte| byte.is_ascii_digit());
+    match count.parse() {
+        Ok(triangles) if digits && (FEWEST..=MOST).contains(&triangles) => {
+            Ok(Some(Shape { kind, triangles }))
+        }
+        _ => Err(SceneError::new(format!("`{PREFIX}{name}` does not say how many triangles to make"))
+            .mend(format!("give {PREFIX}{word}:N with a whole number N from {FEWEST} to {MOST}"))),
+    }
+}
+
+impl Shape {
+    /// Makes it.
+    pub fn scene(self, name: &str) -> Result<Scene, SceneError> {
+        let mut draft = Draft::default();
+        let (camera, sky) = match self.kind {
+            Kind::Terrain => terrain(&mut draft, self.triangles / 2),
+            Kind::Knot => knot(&mut draft, self.triangles / 2),
+        };
+        draft.finish(name.to_string(), camera, RESOLUTION, BOUNCES, sky)
+    }
+}
+
+fn material(name: &str, kind: MaterialKind, color: [f32; 3]) -> Material {
+    Material { name: name.into(), kind, color: color.into(), texture: None, emission: Vec3::ZERO }
+}
+
+/// Adds a net of `columns` × `rows` meshes, two triangles each, with knots at `point` and materials by three corners.
+fn add_net(
+    draft: &mut Draft,
+    [columns, rows]: [usize; 2],
+    point: impl Fn(usize, usize) -> Vec3,
+    material: impl Fn([Vec3; 3]) -> u32,
+) {
+    let row = |y: usize| (0..=columns).map(|x| point(x, y)).collect::<Vec<Vec3>>();
+    let mut lower = row(0);
+    for y in 1..=rows {
+        let upper = row(y);
+        for (low, high) in lower.windows(2).zip(upper.windows(2)) {
+            for corners in [[low[0], high[0], high[1]], [low[0], high[1], low[1]]] {
+                // What has no area does not matter.
+                let _ = draft.add_triangle(corners, material(corners), None, None);
+            }
+        }
+        lower = upper;
+    }
+}
+
+/// Scene units along x and z.
+const TERRAIN_SIDE: f64 = 10.0;
+/// Where lakes stand.
+const WATER: f64 = 0.42;
+
+fn terrain(draft: &mut Draft, cells: usize) -> (Camera, Sky) {
+    let grass = draft.add_material(material("grass", MaterialKind::Diffuse, [0.19, 0.25, 0.08]), 1.0);
+    let rock = draft.add_material(material("rock", MaterialKind::Diffuse, [0.34, 0.29, 0.25]), 1.0);
+    let snow = draft.add_material(material("snow", MaterialKind::Diffuse, [0.88, 0.9, 0.93]), 1.0);
+    let water = MaterialKind::Metal { roughness: 0.12 };
+    let water = draft.add_material(material("water", water, [0.32, 0.45, 0.52]), 1.0);
+    let columns = ((cells as f64).sqrt().round() as usize).max(1);
+    let rows = (cells / columns).max(1);
+    let at = |i: usize, count: usize| (i as f64 / count as f64 - 0.5) * TERRAIN_SIDE;
+    let point = |x: usize, y: usize| {
+        let (x, z) = (at(x, columns), at(y, rows));
+        DVec3::new(x, height(x, z).max(WATER), z).as_vec3()
+    };
+    add_net(draft, [columns, rows], point, |[a, b, c]| {
+        let upwards = (b - a).cross(c - a).normalize_or(Vec3::Y).y;
+        let top = a.y.max(b.y).max(c.y);
+        match () {
+            () if f64::from(top) <= WATER => water,
+            () if top + 0.6 * upwards > 1.75 => snow,
+            () if upwards > 0.75 && top < 1.2 => grass,
+            () => rock,
+        }
+    });
+    let camera = Camera {
+        position: Vec3::new(2.6, 2.6, 5.4),
+        look_at: Vec3::new(0.3, 0.6, 0.0),
+        up: Vec3::Y,
+        vertical_fov: 38.0,
+    };
+    (camera, Sky::Gradient { bottom: Vec3::new(1.15, 0.95, 0.8), top: Vec3::new(0.35, 0.6, 1.1) })
+}
+
+/// Height of the ground in scene units: a ridged multifractal. Sums and products alone, so every machine gives the same.
+///
+/// Source: Musgrave, in Ebert et al., Texturing and Modeling, 3ed ch. 16.
+fn height(x: f64, z: f64) -> f64 {
+    let (mut sum, mut weight, mut scale) = (0.0, 1.0, 0.22);
+    for octave in 0..11 {
+        let ridge = 1.0 - noise(x * scale, z * scale, octave).abs();
+        let signal = ridge * ridge * weight;
+        sum += signal * 0.55_f64.powi(octave as i32);
+        // Valleys stay smooth.
+        weight = (1.6 * signal).min(1.0);
+        scale *= 2.03;
+    }
+    1.35 * sum - 0.75
+}
+
+/// Smooth noise in [−1, 1]: random numbers at whole coordinates, and between them a polynomial with two derivatives.
+fn noise(x: f64, z: f64, octave: u32) -> f64 {
+    let (left, near) = (x.floor(), z.floor());
+    let smooth = |t: f64| t * t * t * (t * (t * 6.0 - 15.0) + 10.0);
+    let (u, v) = (smooth(x - left), smooth(z - near));
+    let value = |dx: i64, dz: i64| {
+        let hash = mix((left as i64 + dx) as u32 ^ mix((near as i64 + dz) as u32 ^ mix(octave + 1)));
+        f64::from(hash) / f64::from(u32::MAX) * 2.0 - 1.0
+    };
+    let blend = |a: f64, b: f64, t: f64| a + (b - a) * t;
+    blend(blend(value(0, 0), value(1, 0), u), blend(value(0, 1), value(1, 1), u), v)
+}
+
+/// Source: C. Wellons, "Prospecting for hash functions", 2018. A scene knows nothing of sampling, which has another one.
+fn mix(mut x: u32) -> u32 {
+    x = (x ^ (x >> 15)).wrapping_mul(0x2c1b_3c6d);
+    x = (x ^ (x >> 12)).wrapping_mul(0x297a_2d39);
+    x ^ (x >> 15)
+}
+
+/// The trefoil winds this often around the axis of a torus while it winds that often around the torus's ring.
+const WINDINGS: [f64; 2] = [2.0, 3.0];
+/// Radii of the ring and of the torus around it, and the tube's; scene units.
+const RING: f64 = 1.0;
+const TORUS: f64 = 0.45;
+const TUBE: f64 = 0.28;
+
+fn knot(draft: &mut Draft, cells: usize) -> (Camera, Sky) {
+    let copper = MaterialKind::Metal { roughness: 0.35 };
+    let copper = draft.add_material(material("copper", copper, [0.9, 0.45, 0.24]), 1.0);
+    let [around_axis, around_ring] = WINDINGS;
+    // Meshes are about square.
+    let length = TAU * (around_axis * RING).hypot(around_ring * TORUS);
+    let around = ((cells as f64 * TAU * TUBE / length).sqrt().round() as usize).max(3);
+    let along = (cells / around).max(3);
+    let point = |x: usize, y: usize| {
+        // The last knots of the net are its first ones: not a bit of a gap.
+        let turn = |i: usize, count: usize| (i % count) as f64 / count as f64 * TAU;
+        on_tube(turn(x, along), turn(y, around)).as_vec3()
+    };
+    add_net(draft, [along, around], point, |_| copper);
+    let camera = Camera {
+        position: Vec3::new(1.2, 3.9, 3.0),
+        look_at: Vec3::new(0.0, 0.0, 0.05),
+        up: Vec3::Y,
+        vertical_fov: 38.0,
+    };
+    (camera, Sky::Gradient { bottom: Vec3::new(0.05, 0.06, 0.09), top: Vec3::new(1.2, 1.25, 1.35) })
+}
+
+/// The point at an angle `s` along the knot and `t` around the tube, whose ribs wind along it.
+fn on_tube(s: f64, t: f64) -> DVec3 {
+    let [around_axis, around_ring] = WINDINGS;
+    let ((sin_axis, cos_axis), (sin_ring, cos_ring)) =
+        ((around_axis * s).sin_cos(), (around_ring * s).sin_cos());
+    let outwards = DVec3::new(cos_axis, 0.0, sin_axis);
+    let forwards = DVec3::new(-sin_axis, 0.0, cos_axis);
+    let radius = RING + TORUS * cos_ring;
+    let center = outwards * radius + DVec3::Y * (TORUS * sin_ring);
+    let tangent = forwards * (around_axis * radius)
+        + (DVec3::Y * cos_ring - outwards * sin_ring) * (around_ring * TORUS);
+    // The torus's normal is at right angles to every curve on it, and returns to itself where the knot does.
+    let normal = outwards * cos_ring + DVec3::Y * sin_ring;
+    let binormal = tangent.normalize().cross(normal);
+    let ribs = 1.0 + 0.07 * (5.0 * t + 24.0 * s).sin();
+    center + (normal * t.cos() + binormal * t.sin()) * (TUBE * ribs)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::HashMap;
+
+    fn make(name: &str) -> Scene {
+        read(name).unwrap().unwrap().scene(name).unwrap()
+    }
+
+    #[test]
+    fn shapes_have_about_as_many_triangles_as_asked_for() {
+        for kind in ["terrain", "knot"] {
+            for count in [18, 1_000, 54_321, 200_000] {
+                let made = make(&format!("{kind}:{count}")).triangles.len();
+                assert!(made.abs_diff(count) <= count / 50 + 2, "{kind}:{count} has {made}");
+            }
+        }
+        assert_eq!(make("terrain:2").triangles.len(), 2);
+        assert_eq!(make("terrain:3").triangles.len(), 2);
+        assert_eq!(make("knot:2").triangles.len(), 18);
+    }
+
+    #[test]
+    fn shapes_keep_their_size_however_finely_they_are_cut() {
+        for kind in ["terrain", "knot"] {
+            let [coarse, fine] = ["20000", "300000"].map(|count| make(&format!("{kind}:{count}")).bounds());
+            assert!((coarse.0 - fine.0).length() < 0.1 && (coarse.1 - fine.1).length() < 0.1, "{kind}");
+        }
+    }
+
+    #[test]
+    fn knot_is_closed_and_its_triangles_face_outwards() {
+        for count in [18, 5_000] {
+            let scene = make(&format!("knot:{count}"));
+            let mut edges: HashMap<[[u32; 3]; 2], i32> = HashMap::new();
+            let bits = |v: Vec3| v.to_array().map(f32::to_bits);
+            let mut volume = 0.0;
+            for triangle in &scene.triangles {
+                let [a, b, c] = triangle.vertices;
+                volume += a.as_dvec3().dot(b.as_dvec3().cross(c.as_dvec3())) / 6.0;
+                for [from, to] in [[a, b], [b, c], [c, a]] {
+                    *edges.entry([bits(from), bits(to)]).or_default() += 1;
+                    *edges.entry([bits(to), bits(from)]).or_default() -= 1;
+                }
+            }
+            assert!(edges.values().all(|&surplus| surplus == 0), "knot:{count} has a gap");
+            assert!(volume > 0.0, "knot:{count} is inside out: {volume}");
+        }
+    }
+
+    #[test]
+    fn counts_that_make_no_sense_are_refused_with_the_range() {
+        for name in
+            ["terrain", "knot:", "knot:1", "knot:4000001", "terrain:-2", "terrain:+2", "knot:1e3", "knot: 9"]
+        {
+            let error = read(name).unwrap_err().to_string();
+            assert!(error.contains("from 2 to 4000000"), "{name}: {error}");
+        }
+        assert_eq!(read("three").unwrap(), None);
+        assert_eq!(read("knots:5").unwrap(), None);
+    }
+}

@@ -240,24 +240,24 @@ impl Walk<'_> {
 /// run together from one origin.
 pub fn trace_tile(hierarchy: &Hierarchy, rays: &Rays, hits: &mut Hits, stack: &mut Stack) -> bool {
     let count = rays.len();
-    if count < 8 || count % 8 != 0 || count > TILE {
+    if !count.is_multiple_of(8) || !(8..=TILE).contains(&count) {
         return false;
     }
     let first = rays.packet::<f32>(0);
     let axes = Frustum::along(first.direction, first.origin, hierarchy);
     let mut slopes = [[F32x8::zero(); 2]; TILE / 8];
     let (mut low, mut high) = ([F32x8::splat(f32::INFINITY); 2], [F32x8::splat(f32::NEG_INFINITY); 2]);
-    for packet in 0..count / 8 {
+    for (packet, slopes) in slopes[..count / 8].iter_mut().enumerate() {
         let ray = rays.packet::<F32x8>(packet * 8);
         let Some(of_packet) = axes.slopes(&ray) else { return false };
-        slopes[packet] = of_packet;
+        *slopes = of_packet;
         for i in 0..2 {
             (low[i], high[i]) = (low[i].min(of_packet[i]), high[i].max(of_packet[i]));
         }
     }
     let tile = axes.between(low, high);
     let Some(cut) = Cut::of(hierarchy, &tile) else { return true };
-    for packet in 0..count / 8 {
+    for (packet, &slopes) in slopes[..count / 8].iter().enumerate() {
         let at = packet * 8;
         let ray = rays.packet::<F32x8>(at);
         let hit = Hit {
@@ -266,7 +266,7 @@ pub fn trace_tile(hierarchy: &Hierarchy, rays: &Rays, hits: &mut Hits, stack: &m
             u: F32x8::load(&hits.u[at..]),
             v: F32x8::load(&hits.v[at..]),
         };
-        let frustum = axes.between(slopes[packet], slopes[packet]);
+        let frustum = axes.between(slopes, slopes);
         let (near, meets) = frustum.pass_node(&cut.planes, f32::INFINITY);
         if !meets.any() {
             continue;

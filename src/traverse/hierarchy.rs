@@ -180,7 +180,7 @@ impl Packet {
 #[inline(always)]
 fn beyond(t: f32) -> f32 {
     // Not next_up: its special cases would cost branches. t is positive, or −∞ for rays that want nothing more.
-    if t < f32::INFINITY && t >= 0.0 { f32::from_bits(t.to_bits() + 1) } else { t }
+    if (0.0..f32::INFINITY).contains(&t) { f32::from_bits(t.to_bits() + 1) } else { t }
 }
 
 /// Triangle corners to lower and upper corner of their box: exact.

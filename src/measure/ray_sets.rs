@@ -202,3 +202,116 @@ pub struct Prepared {
     pub set: RaySet,
     pub nearest: Answers,
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bvh::Quality;
+    use crate::measure::rays::prepare;
+    use crate::measure::ways::{Ground, Team};
+    use crate::scene::load;
+    use crate::traverse::hierarchy::Hierarchy;
+
+    fn prepared(scene: &Scene, size: [u32; 2], seed: u32) -> Vec<Prepared> {
+        let ground = Ground::new(scene, Hierarchy::new(scene, Quality::default()));
+        prepare(scene, &ground, &Team::new(2), size, seed).unwrap()
+    }
+
+    fn vector([x, y, z]: &[Vec<f32>; 3], at: usize) -> glam::Vec3 {
+        glam::Vec3::new(x[at], y[at], z[at])
+    }
+
+    #[test]
+    fn pixels_are_all_there_once_whatever_the_size() {
+        for size in [[1, 1], [4, 2], [5, 3], [16, 16], [17, 16], [33, 47], [960, 540]] {
+            let mut pixels = pixels(size);
+            assert_eq!(pixels.len(), (size[0] * size[1]) as usize, "{size:?}");
+            pixels.sort_by_key(|&[x, y]| (y, x));
+            let rows = (0..size[1]).flat_map(|y| (0..size[0]).map(move |x| [x, y]));
+            assert!(pixels.into_iter().eq(rows), "{size:?}");
+        }
+    }
+
+    #[test]
+    fn pixels_of_whole_tiles_and_blocks_stand_together() {
+        let pixels = pixels([40, 50]);
+        let span = |pixels: &[[u32; 2]], axis: usize| {
+            let values = || pixels.iter().map(|pixel| pixel[axis]);
+            (values().min().unwrap(), values().max().unwrap())
+        };
+        for tile in pixels[..2 * 3 * 256].chunks(256) {
+            for axis in 0..2 {
+                let (low, high) = span(tile, axis);
+                assert_eq!((low % 16, high), (0, low + 15));
+            }
+            for block in tile.chunks(8) {
+                let ((left, right), (top, bottom)) = (span(block, 0), span(block, 1));
+                assert_eq!((left % 4, right, top % 2, bottom), (0, left + 3, 0, top + 1));
+            }
+        }
+    }
+
+    #[test]
+    fn rays_leave_from_the_side_on_which_the_primary_ray_arrived_and_miss_their_own_surface() {
+        // Convex from outside and from inside: a ball, and the inner side of a box.
+        for (name, all_hit) in [("builtin:three", false), ("builtin:cornell", true)] {
+            let scene = load(name).unwrap();
+            let [primary, shadow, diffuse] = &prepared(&scene, [70, 50], 3)[..] else {
+                panic!("three kinds")
+            };
+            let hits: Vec<usize> =
+                (0..primary.set.len()).filter(|&at| primary.nearest.primitive[at] != MISS).collect();
+            assert!(hits.len() > 100, "{name}");
+            for secondary in [shadow, diffuse] {
+                assert_eq!(secondary.set.len(), hits.len(), "{name}");
+                for (at, &from) in hits.iter().enumerate() {
+                    let hit = primary.nearest.get(from);
+                    let ray = primary.set.rays().packet::<f32>(from);
+                    let (origin, normal) = leave(&scene, &ray, &hit);
+                    assert_eq!(origin.get(0), vector(&secondary.set.origin, at));
+                    let direction = vector(&secondary.set.direction, at);
+                    assert!(
+                        normal.get(0).dot(ray.direction.get(0)) <= 0.0 && normal.get(0).dot(direction) > 0.0
+                    );
+                    let distance = origin.get(0).distance(ray.at(hit.t).get(0));
+                    assert!(distance < 1e-3 * hit.t, "{name}: {distance} at {}", hit.t);
+                    assert_ne!(secondary.nearest.primitive[at], hit.primitive, "{name}");
+                }
+            }
+            let (lower, upper) = scene.bounds();
+            let reach = (0.25 * (upper - lower).length()) as f32;
+            assert!(shadow.set.reach.iter().all(|&one| one == reach));
+            assert!(!all_hit || shadow.nearest.t.iter().all(|&t| t <= reach));
+            assert_ne!(shadow.set.direction, diffuse.set.direction);
+        }
+    }
+
+    #[test]
+    fn directions_follow_the_cosine() {
+        let scene = load("builtin:terrain:2").unwrap();
+        let sets = prepared(&scene, [200, 200], 1);
+        for secondary in &sets[1..] {
+            // The whole terrain is two triangles: the mean cosine about their normals is 2/3, with a variance of 1/18.
+            let hits = (0..sets[0].set.len()).filter(|&at| sets[0].nearest.primitive[at] != MISS);
+            let cosines: Vec<f64> = hits
+                .enumerate()
+                .map(|(at, from)| {
+                    let ray = sets[0].set.rays().packet::<f32>(from);
+                    let (_, normal) = leave(&scene, &ray, &sets[0].nearest.get(from));
+                    f64::from(normal.get(0).dot(vector(&secondary.set.direction, at)))
+                })
+                .collect();
+            let mean = cosines.iter().sum::<f64>() / cosines.len() as f64;
+            let error = (1.0 / 18.0 / cosines.len() as f64).sqrt();
+            assert!(cosines.len() > 3_000 && (mean - 2.0 / 3.0).abs() < 4.0 * error, "{mean} ± {error}");
+        }
+    }
+
+    #[test]
+    fn sets_are_a_function_of_scene_size_and_seed() {
+        let scene = load("builtin:knot:500").unwrap();
+        let directions = |seed| prepared(&scene, [60, 40], seed).pop().unwrap().set.direction;
+        assert_eq!(directions(5), directions(5));
+        assert_ne!(directions(5), directions(6));
+    }
+}

@@ -5,7 +5,7 @@ use predicates::prelude::*;
 use predicates::str::contains;
 use std::fs;
 
-const COMMANDS: [&str; 5] = ["bench", "compare", "render", "convert", "inspect"];
+const COMMANDS: [&str; 6] = ["bench", "compare", "render", "rays", "convert", "inspect"];
 
 #[test]
 fn octray_alone_says_what_to_try() {

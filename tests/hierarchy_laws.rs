@@ -201,6 +201,33 @@ fn frustum_equals_testing_every_primitive() {
     }
 }
 
+#[test]
+fn rays_that_are_none_miss_and_a_hit_at_the_reach_is_none() {
+    let mut scene = mixture(&mut Dice(14), 40, 1, 0.0, 0.0);
+    scene.spheres.push(sphere(Vec3::new(10.0, 0.0, 0.0), 1e-18, 0));
+    let mut set = Set::default();
+    let (nan, infinity) = (f32::NAN, f32::INFINITY);
+    for direction in [Vec3::NAN, Vec3::ZERO, Vec3::new(0.0, 0.0, nan), Vec3::new(nan, 1.0, 0.0)] {
+        set.push(Vec3::ONE, direction, infinity);
+    }
+    for origin in [Vec3::NAN, Vec3::INFINITY, Vec3::new(-20.0, 0.0, 0.0), Vec3::new(0.0, -20.0, 0.0)] {
+        set.push(origin, Vec3::X, infinity);
+        set.push(origin, Vec3::Y, infinity);
+        set.push(origin, Vec3::Z, infinity);
+    }
+    let mut dice = Dice(15);
+    let first = set.reach.len();
+    for _ in 0..500 {
+        set.push(dice.direction().as_vec3() * 8.0, dice.direction().as_vec3(), infinity);
+    }
+    set.check(&scene, "no rays at all");
+    let answers = set.linear(&scene);
+    for (reach, answer) in set.reach[first..].iter_mut().zip(&answers[first..]) {
+        *reach = f32::from_bits(answer[0]);
+    }
+    set.check(&scene, "reaches that end at the hit");
+}
+
 /// A closed ball of triangles around the origin: no ray from inside may leave it, above all not through edges and vertices.
 #[test]
 fn closed_meshes_do_not_leak() {

@@ -37,7 +37,7 @@ pub trait TriangleMethod: Send + Sync + 'static {
     fn test<L: Lane>(ray: &Self::Prepared<L>, triangle: &Self::Stored, limit: L) -> TriangleHit<L>;
 
     /// The lower and upper corner of the triangle's box, where hits are held to it: see [`super::ray_box::own_box`]. Such a method
-    /// leaves `limit` to whoever moves t into the box, so that the order of the tests cannot matter.
+    /// is asked without a limit, which is for the t that was moved into the box: so the order of the tests cannot matter.
     fn own_box(_: &Self::Stored) -> Option<[glam::Vec3; 2]> {
         None
     }
@@ -243,8 +243,9 @@ impl TriangleMethod for Woop {
         WoopRay::new(ray)
     }
     #[inline(always)]
-    fn test<L: Lane>(ray: &WoopRay<L>, triangle: &WoopTriangle, _: L) -> TriangleHit<L> {
-        woop(ray.shear, ray.vertices(triangle), exact_edge)
+    fn test<L: Lane>(ray: &WoopRay<L>, triangle: &WoopTriangle, limit: L) -> TriangleHit<L> {
+        let found = woop(ray.shear, ray.vertices(triangle), exact_edge);
+        TriangleHit { mask: found.mask & found.t.lt(limit), ..found }
     }
 }
 

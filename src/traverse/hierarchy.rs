@@ -221,7 +221,9 @@ impl Hierarchy {
 #[inline(always)]
 fn take_lanes(mask: Mask8, primitive: u32, [t, u, v]: [F32x8; 3], hit: &mut Hit<F32x8>) -> bool {
     let number = U32x8::splat(primitive);
-    let nearer = mask & (t.lt(hit.t) | (t.eq(hit.t) & number.less(hit.primitive)));
+    let one = U32x8::splat(1);
+    let lower = number.wrapping_add(one).less(hit.primitive.wrapping_add(one));
+    let nearer = mask & (t.lt(hit.t) | (t.eq(hit.t) & lower));
     hit.t = F32x8::select(nearer, t, hit.t);
     hit.primitive = U32x8::select(nearer, number, hit.primitive);
     hit.u = F32x8::select(nearer, u, hit.u);
@@ -270,7 +272,9 @@ impl TriangleLeaf {
 /// Takes a hit that is nearer, or as near and of a lower number.
 #[inline(always)]
 fn take(mask: bool, primitive: u32, [t, u, v]: [f32; 3], hit: &mut Hit<f32>) {
-    if mask && (t < hit.t || (t == hit.t && primitive < hit.primitive)) {
+    // One more, so that a miss is below every number: a hit at the reach itself is none.
+    let lower = primitive.wrapping_add(1) < hit.primitive.wrapping_add(1);
+    if mask && (t < hit.t || (t == hit.t && lower)) {
         *hit = Hit { t, primitive, u, v };
     }
 }

@@ -84,11 +84,13 @@ fn meet_triangle<L: Lane, T: TriangleMethod>(
     index: u32,
     triangle: &T::Stored,
 ) {
-    let found = T::test(prepared, triangle, hit.t);
+    let corners = T::own_box(triangle);
+    let limit = if corners.is_some() { L::splat(f32::INFINITY) } else { hit.t };
+    let found = T::test(prepared, triangle, limit);
     if !found.mask.any() {
         return;
     }
-    let (mask, t) = match T::own_box(triangle) {
+    let (mask, t) = match corners {
         // Made ready for boxes here and not before: few packets come so far.
         Some(corners) => {
             let [lo, hi] = corners.map(Vec3::splat);

@@ -96,8 +96,9 @@ impl SplatSlabs {
         };
         let near = |axis: usize| plane(self.first[axis], axis, &self.near);
         let far = |axis: usize| plane(self.second[axis], axis, &self.far);
-        let entry = near(0).max(near(1)).max(near(2)).max(F32x8::zero());
-        let exit = far(0).min(far(1)).min(far(2)).min(F32x8::splat(reach));
+        // In this order a NaN, which min and max take from their second operand, is kept and passes no box, not even an empty one.
+        let entry = F32x8::zero().max(near(0).max(near(1)).max(near(2)));
+        let exit = F32x8::splat(reach).min(far(0).min(far(1)).min(far(2)));
         (entry, entry.le(exit))
     }
 }

@@ -188,13 +188,13 @@ impl Walk<'_> {
             let near = first[0]
                 .mul_add(x, splat(near[0]))
                 .max(first[1].mul_add(y, splat(near[1])))
-                .max(first[2].mul_add(z, splat(near[2])))
-                .max(F32x8::zero());
+                .max(first[2].mul_add(z, splat(near[2])));
             let far = second[0]
                 .mul_add(x, splat(far[0]))
                 .min(second[1].mul_add(y, splat(far[1])))
-                .min(second[2].mul_add(z, splat(far[2])))
-                .min(splat(*t));
+                .min(second[2].mul_add(z, splat(far[2])));
+            // In this order a NaN is kept and passes no box, not even an empty one.
+            let (near, far) = (F32x8::zero().max(near), splat(*t).min(far));
             let passes = near.le(far);
             distances = distances + F32x8::select(passes, near, F32x8::zero());
             *mask = passes.bitmask();

@@ -184,9 +184,9 @@ pub struct RaysArgs {
     /// Worker threads [default: one, and once more all cores].
     #[arg(long, value_name = "N", allow_hyphen_values = true)]
     pub threads: Option<String>,
-    /// Measure one way of tracing only [default: all that suit the rays].
-    #[arg(long, value_enum, value_name = "NAME")]
-    pub traversal: Option<WayArg>,
+    /// Measure one way of tracing only; `needed` are all that suit the rays.
+    #[arg(long, value_enum, value_name = "WAY", default_value_t)]
+    pub traversal: TraversalArg,
     /// Passes measured for each way [default: at least 7, and as many as a second for each kind of ray holds].
     #[arg(long, value_name = "N", allow_hyphen_values = true)]
     pub passes: Option<String>,
@@ -247,20 +247,20 @@ pub struct MethodArgs {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, ValueEnum)]
 pub enum TraversalArg {
-    /// Every primitive of small scenes, the hierarchy's fastest ways in others.
+    /// What suits: every primitive of small scenes, the hierarchy's fastest ways in others.
     #[default]
     Needed,
     /// Every primitive is tested.
     Linear,
-    /// One ray on the binary tree; what --lanes 1 takes.
+    /// One ray on the binary tree, without SIMD: the baseline, and what --lanes 1 takes.
     Scalar,
-    /// One ray against eight boxes.
+    /// One ray against eight boxes, and against eight primitives.
     Single,
     /// Tiles of camera rays in a frustum, others in streams.
     Packet,
     /// Many rays together down the tree.
     Stream,
-    /// The fastest for each kind of rays.
+    /// What measured fastest for the rays at hand.
     Hybrid,
 }
 
@@ -298,22 +298,6 @@ pub enum PipelineArg {
     Needed,
     /// Every feature.
     General,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum WayArg {
-    /// Test every primitive.
-    Linear,
-    /// One scalar ray on the binary tree: the baseline.
-    Scalar,
-    /// One ray against eight boxes and eight triangles at a time.
-    Single,
-    /// Packets and tiles of camera rays in frusta.
-    Packet,
-    /// Thousands of rays together down the tree.
-    Stream,
-    /// What measured fastest for the rays at hand.
-    Hybrid,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, ValueEnum)]

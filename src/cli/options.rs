@@ -6,7 +6,7 @@
 
 use super::args::{
     BenchArgs, CompareArgs, ConvertArgs, InspectArgs, MethodArgs, PipelineArg, RaysArgs, RenderArgs,
-    SphereMethod, ToneArg, TraversalArg, TriangleMethod, WayArg,
+    SphereMethod, ToneArg, TraversalArg, TriangleMethod,
 };
 use super::error::CliError;
 use crate::measure::machine;
@@ -92,7 +92,7 @@ pub struct RaysOptions {
     pub size: [u32; 2],
     /// One thread, and once more all cores, if `None`.
     pub threads: Option<usize>,
-    /// All if `None`.
+    /// All that suit the rays if `None`.
     pub traversal: Option<Way>,
     /// So many per way; by time if `None`.
     pub passes: Option<u32>,
@@ -185,23 +185,10 @@ impl TryFrom<RaysArgs> for RaysOptions {
             dump: args.dump,
             size,
             threads: args.threads.map(|text| threads(Some(text))).transpose()?,
-            traversal: args.traversal.map(Way::from),
+            traversal: Way::of(args.traversal.into()),
             passes: args.passes.map(|text| whole("--passes", &text, 1, MAX_PASSES)).transpose()?,
             seed: seed(&args.seed)?,
         })
-    }
-}
-
-impl From<WayArg> for Way {
-    fn from(traversal: WayArg) -> Self {
-        match traversal {
-            WayArg::Linear => Self::Linear,
-            WayArg::Scalar => Self::Tree(Traversal::Scalar),
-            WayArg::Single => Self::Tree(Traversal::Single),
-            WayArg::Packet => Self::Tree(Traversal::Packet),
-            WayArg::Stream => Self::Tree(Traversal::Stream),
-            WayArg::Hybrid => Self::Tree(Traversal::Hybrid),
-        }
     }
 }
 
@@ -231,16 +218,21 @@ impl From<MethodArgs> for Methods {
             TriangleMethod::BaldwinWeber => TriangleChoice::BaldwinWeber,
             TriangleMethod::Plucker => TriangleChoice::Plucker,
         };
-        let traversal = match args.traversal {
-            TraversalArg::Needed => TraversalChoice::Needed,
-            TraversalArg::Linear => TraversalChoice::Linear,
-            TraversalArg::Scalar => TraversalChoice::Through(Traversal::Scalar),
-            TraversalArg::Single => TraversalChoice::Through(Traversal::Single),
-            TraversalArg::Packet => TraversalChoice::Through(Traversal::Packet),
-            TraversalArg::Stream => TraversalChoice::Through(Traversal::Stream),
-            TraversalArg::Hybrid => TraversalChoice::Through(Traversal::Hybrid),
-        };
-        Self { sphere, triangle, traversal }
+        Self { sphere, triangle, traversal: args.traversal.into() }
+    }
+}
+
+impl From<TraversalArg> for TraversalChoice {
+    fn from(traversal: TraversalArg) -> Self {
+        match traversal {
+            TraversalArg::Needed => Self::Needed,
+            TraversalArg::Linear => Self::Linear,
+            TraversalArg::Scalar => Self::Through(Traversal::Scalar),
+            TraversalArg::Single => Self::Through(Traversal::Single),
+            TraversalArg::Packet => Self::Through(Traversal::Packet),
+            TraversalArg::Stream => Self::Through(Traversal::Stream),
+            TraversalArg::Hybrid => Self::Through(Traversal::Hybrid),
+        }
     }
 }
 

@@ -10,6 +10,7 @@ use crate::kernel::ray_triangle::{TriangleMethod, Woop};
 use crate::lane::{Bits, F32x8, Lane};
 use crate::math::MISS;
 use crate::scene::Scene;
+use crate::traverse::TraversalChoice;
 use crate::traverse::batch::{Tracer, Traversal};
 use crate::traverse::hierarchy::Hierarchy;
 use crate::traverse::linear;
@@ -42,6 +43,14 @@ impl Way {
         match self {
             Self::Linear => F32x8::WIDTH,
             Self::Tree(traversal) => traversal.lanes(),
+        }
+    }
+    /// The one that was asked for; `None` where that is left to what suits.
+    pub fn of(choice: TraversalChoice) -> Option<Self> {
+        match choice {
+            TraversalChoice::Needed => None,
+            TraversalChoice::Linear => Some(Self::Linear),
+            TraversalChoice::Through(traversal) => Some(Self::Tree(traversal)),
         }
     }
     /// All of them, the baseline first.

@@ -1,6 +1,7 @@
 //! Boxes along the axes: as others read them, and packed for the builder.
 
 use crate::lane::{F32x8, Lane, Mask8};
+use crate::scene::Scene;
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
@@ -24,6 +25,13 @@ impl Bounds {
     pub fn of_sphere(center: Vec3, radius: f32) -> Self {
         let outwards = |x: Vec3, to: fn(f32) -> f32| Vec3::new(to(x.x), to(x.y), to(x.z));
         Self { lo: outwards(center - radius, f32::next_down), hi: outwards(center + radius, f32::next_up) }
+    }
+    /// Of a scene's primitive by its number: spheres first, then triangles.
+    pub fn of_primitive(scene: &Scene, number: usize) -> Self {
+        match scene.spheres.get(number) {
+            Some(sphere) => Self::of_sphere(sphere.center, sphere.radius),
+            None => Self::of_triangle(scene.triangles[number - scene.spheres.len()].vertices),
+        }
     }
     pub fn union(self, other: Self) -> Self {
         Self { lo: self.lo.min(other.lo), hi: self.hi.max(other.hi) }

@@ -1,14 +1,15 @@
 //! Is a hierarchy valid, and what is it like? For tests and reports: nothing here is fast.
 
 use super::{Bounds, Bvh, Child, LEAF, MAX_DEPTH, WIDE, cost};
+use crate::scene::Scene;
+use serde::Serialize;
 
 /// Figures of a hierarchy. Costs are expected numbers for a random line that meets the root's box: surfaces over the root's.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Statistics {
     pub wide_nodes: usize,
     pub binary_nodes: usize,
     pub leaves: usize,
-    pub primitives: usize,
     /// Filled slots of a wide node, of 8, on average.
     pub node_fill: f64,
     /// Primitives of a leaf, of 8, on average.
@@ -24,7 +25,6 @@ pub struct Statistics {
     pub cost: f64,
     /// References that a traversal of the wide tree may have to remember at once.
     pub stack: usize,
-    pub bytes: usize,
 }
 
 /// Walks the wide tree.
@@ -38,6 +38,13 @@ struct Walk<'a, F> {
 
 type Verdict<T> = Result<T, String>;
 
+/// [`check`], of a scene's own hierarchy.
+pub fn check_scene(bvh: &Bvh, scene: &Scene) -> Verdict<Statistics> {
+    let spheres = scene.spheres.len();
+    let count = spheres + scene.triangles.len();
+    check(bvh, spheres, count, |number| Bounds::of_primitive(scene, number))
+}
+
 /// Proves that the hierarchy over `count` primitives (`spheres` spheres first) with the given boxes is valid, or says what is wrong.
 pub fn check(
     bvh: &Bvh,
@@ -50,7 +57,6 @@ pub fn check(
         wide_nodes: bvh.wide.len(),
         binary_nodes: bvh.binary.len(),
         leaves,
-        primitives: count,
         node_fill: 0.0,
         leaf_fill: 0.0,
         wide_depth: 0,
@@ -60,7 +66,6 @@ pub fn check(
         primitive_tests: 0.0,
         cost: 0.0,
         stack: 0,
-        bytes: bvh.bytes(),
     };
     let area = bvh.bounds.half_area().max(f64::MIN_POSITIVE);
     let mut walk = Walk { bvh, bounds, seen: vec![0; count], statistics, area };

@@ -66,12 +66,9 @@ pub struct Bvh {
 
 impl Bvh {
     pub fn new(scene: &Scene, quality: Quality) -> Self {
-        let (spheres, triangles) = (&scene.spheres, &scene.triangles);
-        let count = spheres.len() + triangles.len();
-        Self::of_boxes(spheres.len(), count, quality, |number| match spheres.get(number) {
-            Some(sphere) => Bounds::of_sphere(sphere.center, sphere.radius),
-            None => Bounds::of_triangle(triangles[number - spheres.len()].vertices),
-        })
+        let spheres = scene.spheres.len();
+        let count = spheres + scene.triangles.len();
+        Self::of_boxes(spheres, count, quality, |number| Bounds::of_primitive(scene, number))
     }
 
     /// A hierarchy over `count` primitives with boxes of their own; the first `spheres` of them are spheres.

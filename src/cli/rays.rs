@@ -4,7 +4,8 @@ use super::CHECK_FAILED;
 use super::error::CliError;
 use super::options::RaysOptions;
 use super::terminal;
-use crate::measure::rays::{self, BuildTime, Measurement, Tree};
+use crate::bvh::check::{Statistics, check_scene};
+use crate::measure::rays::{self, BuildTime, Measurement};
 use crate::measure::ways::{Ground, Team, Way};
 use crate::measure::{Machine, machine, ray_dump};
 use crate::scene;
@@ -28,7 +29,7 @@ struct Report {
     builds: Vec<BuildTime>,
     /// Nodes, and leaves with all that tracing reads.
     bvh_bytes: usize,
-    tree: Option<Tree>,
+    tree: Option<Statistics>,
     /// What makes the hierarchy invalid: a fault of the program.
     fault: Option<String>,
     results: Vec<Measurement>,
@@ -53,7 +54,7 @@ pub fn run(options: RaysOptions) -> Result<ExitCode, CliError> {
     let mut building = vec![1];
     building.extend(threads.iter().filter(|&&threads| threads > 1));
     let (hierarchy, builds) = rays::build(&scene, &building);
-    let tree = Tree::of(&scene, &hierarchy);
+    let tree = check_scene(&hierarchy.bvh, &scene);
     let mut report = Report {
         schema: "octray-rays-1",
         machine: Machine::current(),
@@ -139,8 +140,8 @@ fn heading(report: &Report) -> String {
     );
     match (&report.tree, &report.fault) {
         (Some(tree), _) => {
-            let Tree { wide_nodes, node_fill, leaves, leaf_fill, wide_depth, .. } = tree;
-            let Tree { node_visits, leaf_visits, cost, .. } = tree;
+            let Statistics { wide_nodes, node_fill, leaves, leaf_fill, wide_depth, .. } = tree;
+            let Statistics { node_visits, leaf_visits, cost, .. } = tree;
             let _ = writeln!(
                 text,
                 "{wide_nodes} nodes with {node_fill:.1} children, {leaves} leaves with {leaf_fill:.1} primitives, \

@@ -8,7 +8,7 @@
 use super::ray_sets::{Answers, Kind, Prepared, RaySet, pixels};
 use super::statistics::Quantiles;
 use super::ways::{Ground, Team, Way};
-use crate::bvh::{Bounds, Quality, check};
+use crate::bvh::Quality;
 use crate::camera::Pinhole;
 use crate::math::MISS;
 use crate::scene::{Scene, SceneError};
@@ -35,24 +35,6 @@ pub struct BuildTime {
     /// Median.
     pub ms: f64,
     pub builds: usize,
-}
-
-/// Figures of a hierarchy; see [`check::Statistics`].
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Tree {
-    pub wide_nodes: usize,
-    pub binary_nodes: usize,
-    pub leaves: usize,
-    /// Filled slots of 8, and primitives of a leaf of 8, on average.
-    pub node_fill: f64,
-    pub leaf_fill: f64,
-    pub wide_depth: usize,
-    pub binary_depth: usize,
-    /// Wide nodes, leaves and primitives that a random line through the root's box tests, and what the builder reckons they cost.
-    pub node_visits: f64,
-    pub leaf_visits: f64,
-    pub primitive_tests: f64,
-    pub cost: f64,
 }
 
 /// Builds the scene's hierarchy several times on each of these numbers of threads, in turn.
@@ -83,31 +65,6 @@ pub fn build(scene: &Scene, threads: &[usize]) -> (Hierarchy, Vec<BuildTime>) {
     };
     let times = threads.iter().zip(seconds).map(time).collect();
     (hierarchy.expect("at least one was built"), times)
-}
-
-impl Tree {
-    /// Proves the hierarchy valid and measures it, or says what is wrong with it.
-    pub fn of(scene: &Scene, hierarchy: &Hierarchy) -> Result<Self, String> {
-        let (spheres, triangles) = (&scene.spheres, &scene.triangles);
-        let bounds = |number: usize| match spheres.get(number) {
-            Some(sphere) => Bounds::of_sphere(sphere.center, sphere.radius),
-            None => Bounds::of_triangle(triangles[number - spheres.len()].vertices),
-        };
-        let found = check::check(&hierarchy.bvh, spheres.len(), spheres.len() + triangles.len(), bounds)?;
-        Ok(Self {
-            wide_nodes: found.wide_nodes,
-            binary_nodes: found.binary_nodes,
-            leaves: found.leaves,
-            node_fill: found.node_fill,
-            leaf_fill: found.leaf_fill,
-            wide_depth: found.wide_depth,
-            binary_depth: found.binary_depth,
-            node_visits: found.node_visits,
-            leaf_visits: found.leaf_visits,
-            primitive_tests: found.primitive_tests,
-            cost: found.cost,
-        })
-    }
 }
 
 /// What every way is held against: one scalar ray at a time.

@@ -43,6 +43,7 @@
 //! | [`traverse`] | which primitive a ray meets first |
 //! | [`integrate`] | the path estimator, as stages over queues |
 //! | [`mod@reference`] | the independent judge: f64, one ray, one object at a time; it imports only `scene` and the integer hash |
+//! | [`threads`] | worker threads, each with working memory of its own |
 //! | [`film`], [`render`], [`output`] | sums; tiles and threads; tone mapping and encoders |
 //! | [`measure`] | figures: speed, parity, the machine they come from |
 //! | [`cli`] | raw arguments, validated options, commands |
@@ -75,4 +76,5 @@ pub mod reference;
 pub mod render;
 pub mod sampling;
 pub mod scene;
+pub mod threads;
 pub mod traverse;

@@ -10,9 +10,9 @@ use crate::integrate::{Pipeline, Tile, World, generate as primary, pipeline_for}
 use crate::lane::F32x8;
 use crate::math::{Hit, MISS};
 use crate::scene::Scene;
+use crate::threads::Threads;
 use crate::traverse::{Methods, Primitives, Visible};
 use rayon::prelude::*;
-use std::sync::Mutex;
 
 /// Which of the pipelines in [`crate::integrate`] a scene gets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -111,10 +111,7 @@ pub struct Renderer {
     settings: Settings,
     world: World,
     pipeline: Pipeline,
-    /// None for one thread: then the caller's own does the work.
-    pool: Option<rayon::ThreadPool>,
-    /// Working memory, one a thread. The locks are never contended: a thread takes its own.
-    work: Vec<Mutex<Box<Work>>>,
+    threads: Threads<Box<Work>>,
 }
 
 impl Renderer {
@@ -131,7 +128,6 @@ impl Renderer {
         let tile_pixels = tile_size[0] as usize * tile_size[1] as usize;
         assert!((1..=MAX_PIXELS).contains(&tile_pixels), "tile size {tile_size:?}");
         assert!(lanes == 1 || lanes == 8, "{lanes} lanes");
-        assert!(threads >= 1, "no threads");
         let camera = Pinhole::new(&scene.camera, resolution);
         let primitives = Primitives::new(scene, settings.methods, lanes);
         let linear = primitives.hierarchy().is_none();
@@ -149,11 +145,7 @@ impl Renderer {
             PipelineChoice::General => Needs::ALL,
         };
         let pipeline = pipeline_for(features, lanes);
-        let pool = (threads > 1).then(|| {
-            rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("the system gives threads")
-        });
-        let work = (0..threads).map(|_| Mutex::new(Work::new())).collect();
-        Self { settings, world, pipeline, pool, work }
+        Self { settings, world, pipeline, threads: Threads::new(threads, Work::new) }
     }
     pub fn settings(&self) -> &Settings {
         &self.settings
@@ -168,10 +160,7 @@ impl Renderer {
     }
     /// Runs something on the renderer's threads. Called around many [`Renderer::add_samples`], it saves waking them for each.
     pub fn on_threads<R: Send>(&self, run: impl FnOnce() -> R + Send) -> R {
-        match &self.pool {
-            Some(pool) => pool.install(run),
-            None => run(),
-        }
+        self.threads.run(run)
     }
     /// Adds `samples` samples to every pixel; they are numbered on from those it has had.
     pub fn add_samples(&self, film: &mut Film, samples: u32) {
@@ -182,9 +171,9 @@ impl Renderer {
     pub fn add_samples_watched(&self, film: &mut Film, samples: u32, watch: &dyn Watch) {
         let goal = film.samples() + samples;
         let add = |sums: &mut TileSums| self.add_to_tile(sums, goal, watch);
-        film.rays += match &self.pool {
-            Some(pool) => pool.install(|| film.tiles.par_iter_mut().map(add).sum::<u64>()),
-            None => film.tiles.iter_mut().map(add).sum::<u64>(),
+        film.rays += match self.threads.alone() {
+            true => film.tiles.iter_mut().map(add).sum::<u64>(),
+            false => self.threads.run(|| film.tiles.par_iter_mut().map(add).sum::<u64>()),
         };
     }
 
@@ -220,8 +209,7 @@ impl Renderer {
 
     /// Takes samples until the tile has had `goal`; returns the rays.
     fn add_to_tile(&self, sums: &mut TileSums, goal: u32, watch: &dyn Watch) -> u64 {
-        let thread = if self.pool.is_some() { rayon::current_thread_index().unwrap_or(0) } else { 0 };
-        let mut work = self.work[thread].lock().expect("no thread panicked with its working memory");
+        let mut work = self.threads.own();
         let mut total = 0;
         while sums.samples < goal && !watch.stop() {
             let rays = (self.pipeline)(&self.world, sums.tile, sums.samples, &mut work);

@@ -20,6 +20,7 @@ const ORDER: &[&str] = &[
     "traverse",
     "integrate",
     "reference",
+    "threads",
     "film",
     "render",
     "output",

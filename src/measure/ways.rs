@@ -10,13 +10,13 @@ use crate::kernel::ray_triangle::{TriangleMethod, Woop};
 use crate::lane::{Bits, F32x8, Lane};
 use crate::math::MISS;
 use crate::scene::Scene;
+use crate::threads::Threads;
 use crate::traverse::TraversalChoice;
 use crate::traverse::batch::{Tracer, Traversal};
 use crate::traverse::hierarchy::Hierarchy;
 use crate::traverse::linear;
 use crate::traverse::rays::{Hits, Rays};
 use rayon::prelude::*;
-use std::sync::Mutex;
 
 /// Rays that a thread takes at a time: whole tiles, and a whole batch of a stream.
 const CHUNK: usize = 4096;
@@ -100,32 +100,21 @@ impl Ground {
     }
 }
 
-/// Threads with working memory.
-pub struct Team {
-    /// None for one thread: then the caller's own does the work.
-    pool: Option<rayon::ThreadPool>,
-    /// One a thread. The locks are never contended: a thread takes its own.
-    tracers: Vec<Mutex<Tracer>>,
-}
+/// Threads that trace.
+pub struct Team(Threads<Tracer>);
 
 impl Team {
     /// # Panics
-    /// If the system refuses threads.
+    /// If there are to be no threads, or the system refuses them.
     pub fn new(threads: usize) -> Self {
-        let pool = (threads > 1).then(|| {
-            rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("the system gives threads")
-        });
-        Self { pool, tracers: (0..threads).map(|_| Mutex::new(Tracer::new())).collect() }
+        Self(Threads::new(threads, Tracer::new))
     }
     pub fn threads(&self) -> usize {
-        self.tracers.len()
+        self.0.count()
     }
     /// Runs something on the team's threads. Called around [`Team::forget`] and [`Team::trace`], it finds them awake.
     pub fn run<R: Send>(&self, run: impl FnOnce() -> R + Send) -> R {
-        match &self.pool {
-            Some(pool) => pool.install(run),
-            None => run(),
-        }
+        self.0.run(run)
     }
     /// Nothing found yet, again.
     pub fn forget(&self, set: &RaySet, answers: &mut Answers) {
@@ -139,16 +128,14 @@ impl Team {
     /// Finds what the rays hit; with `ANY`, whether they hit something.
     pub fn trace<const ANY: bool>(&self, way: Way, ground: &Ground, set: &RaySet, answers: &mut Answers) {
         self.each_chunk(set.len(), answers, |first, hits| {
-            let thread = if self.pool.is_some() { rayon::current_thread_index().unwrap_or(0) } else { 0 };
-            let mut tracer = self.tracers[thread].lock().expect("no thread panicked with its working memory");
             let range = first..first + hits.t.len();
-            ground.trace::<ANY>(way, &mut tracer, &set.rays().range(range), hits);
+            ground.trace::<ANY>(way, &mut self.0.own(), &set.rays().range(range), hits);
         });
     }
 
     /// All answers at once on one thread, and in chunks on more; `work` is told the number of its first ray.
     fn each_chunk(&self, rays: usize, answers: &mut Answers, work: impl Fn(usize, &mut Hits) + Sync) {
-        if self.pool.is_none() {
+        if self.0.alone() {
             return work(0, &mut answers.hits());
         }
         debug_assert_eq!(rays, answers.t.len());

@@ -9,7 +9,8 @@ use octray::buffers::Needs;
 use octray::integrate::pipeline_for;
 use octray::render::{PipelineChoice, Renderer, Settings, Watch};
 use octray::scene::{Camera, Filter, Material, MaterialKind, Scene, Side, Sky, builtin_names, load};
-use octray::traverse::{Methods, SphereChoice, TriangleChoice};
+use octray::traverse::batch::Traversal;
+use octray::traverse::{Methods, SphereChoice, TraversalChoice, TriangleChoice};
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 
 fn colored(dice: &mut Dice, kind: MaterialKind) -> Material {
@@ -65,6 +66,15 @@ fn furnished(
 
 /// Every kind of everything, more of it than fits a register table.
 fn everything() -> Scene {
+    everything_of(12)
+}
+
+/// The same, and so much of it that it goes through the hierarchy.
+fn crowd() -> Scene {
+    everything_of(45)
+}
+
+fn everything_of(triangles: usize) -> Scene {
     let mut dice = Dice(51);
     let mut materials: Vec<Material> = [
         MaterialKind::Diffuse,
@@ -87,7 +97,7 @@ fn everything() -> Scene {
     materials[6].emission = Vec3::new(0.2, 0.1, 0.4);
     materials[7].emission = Vec3::new(3.0, 2.0, 1.0);
     materials[7].texture = Some(0);
-    let mut scene = furnished(&mut dice, materials, 20, 12, true);
+    let mut scene = furnished(&mut dice, materials, 20, triangles, true);
     scene.textures = vec![
         noise(&mut dice, 5, 3, Filter::Nearest),
         noise(&mut dice, 4, 7, Filter::Bilinear),
@@ -207,15 +217,16 @@ fn base(scene: &Scene, resolution: [u32; 2], max_bounces: u32) -> Settings {
 #[test]
 fn test_scenes_need_every_feature_together() {
     let needs = |scene: &Scene| Renderer::new(scene, Settings::of(scene)).needs();
-    let all = needs(&everything()).with(Needs::SKY_GRADIENT);
+    let all = needs(&crowd()).with(Needs::SKY_GRADIENT);
     assert!(all.contains(Needs::ALL), "{:?}", all.names());
     assert!(needs(&matt_and_mirror()).contains(Needs::SKY_GRADIENT));
     assert!(!needs(&few_textured()).contains(Needs::MANY_TRIANGLES));
+    assert!(!needs(&everything()).contains(Needs::HIERARCHY));
 }
 
 #[test]
 fn picture_is_the_same_for_all_lanes_threads_tiles_and_calls() {
-    for scene in [everything(), matt_and_mirror(), few_textured(), triangles_alone()] {
+    for scene in [everything(), crowd(), matt_and_mirror(), few_textured(), triangles_alone()] {
         let base = base(&scene, [37, 23], 4);
         let expected = Print::of(&scene, base, &[8]);
         for lanes in [1, 8] {
@@ -328,6 +339,26 @@ fn picture_is_the_same_for_all_lanes_with_every_choice_of_equations() {
             };
             let settings = Settings { lanes: 8, threads: 2, tile_size: [7, 3], ..base };
             Print::of(&scene, settings, &[2]).assert_same(&Print::of(&scene, base, &[2]), settings, &[2]);
+        }
+    }
+}
+
+#[test]
+fn picture_is_the_same_through_every_traversal() {
+    for scene in [everything(), crowd(), matt_and_mirror(), few_textured(), triangles_alone()] {
+        let by = |traversal, lanes| Settings {
+            methods: Methods { traversal, ..Methods::default() },
+            lanes,
+            ..base(&scene, [37, 23], 4)
+        };
+        let linear = by(TraversalChoice::Linear, 1);
+        let expected = Print::of(&scene, linear, &[4]);
+        let through = Traversal::ALL.map(TraversalChoice::Through);
+        for traversal in through.into_iter().chain([TraversalChoice::Linear, TraversalChoice::Needed]) {
+            for lanes in [1, 8] {
+                let settings = by(traversal, lanes);
+                Print::of(&scene, settings, &[4]).assert_same(&expected, settings, &[4]);
+            }
         }
     }
 }

@@ -43,10 +43,23 @@ features! {
     MANY_TRIANGLES = 13, "many-triangles";
     /// More materials than a register table holds.
     MANY_MATERIALS = 14, "many-materials";
+    /// Testing every primitive costs more than [`Needs::MOST_LINEAR_COST`]. Every pipeline can go through a hierarchy, because
+    /// any scene may be asked to; a scene that needs one gets it unasked.
+    HIERARCHY = 16, "hierarchy";
 }
 
 impl Needs {
     pub const NONE: Needs = Needs(0);
+    /// Up to here primitives are tested one by one, and beyond it a hierarchy is faster. Measured: a box with 34 triangles takes as
+    /// long either way, 50 balls three times as long through the hierarchy.
+    pub const MOST_LINEAR_COST: usize = 150;
+
+    /// What testing every primitive costs a ray, in tests of a sphere.
+    pub fn linear_cost(scene: &Scene) -> usize {
+        scene.spheres.len() + Self::TRIANGLE_COST * scene.triangles.len()
+    }
+    /// What testing a triangle costs, in tests of a sphere.
+    pub const TRIANGLE_COST: usize = 4;
 
     pub const fn with(self, other: Needs) -> Needs {
         Needs(self.0 | other.0)
@@ -74,6 +87,7 @@ impl Needs {
         // Two rows a triangle.
         need(2 * scene.triangles.len() > Rows::FEW, Self::MANY_TRIANGLES);
         need(scene.materials.len() > Rows::FEW, Self::MANY_MATERIALS);
+        need(Self::linear_cost(scene) > Self::MOST_LINEAR_COST, Self::HIERARCHY);
         need(matches!(scene.sky, Sky::Gradient { .. }), Self::SKY_GRADIENT);
         need(matches!(scene.sky, Sky::Texture { .. }), Self::SKY_TEXTURE);
         let mut texture = |texture: u32| {

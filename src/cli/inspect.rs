@@ -1,11 +1,18 @@
-//! `octray inspect`: what a scene holds.
+//! `octray inspect`: what a scene holds, and which way its rays go.
 
+use super::CHECK_FAILED;
 use super::error::CliError;
 use super::memory::bytes;
 use super::options::InspectOptions;
-use super::terminal;
+use super::terminal::{self, figure};
 use crate::buffers::Needs;
+use crate::bvh::check::{Statistics, check_scene};
+use crate::lane::{F32x8, Lane};
+use crate::measure::machine;
+use crate::measure::rays::{self, BuildTime};
+use crate::measure::ways::Way;
 use crate::scene::{self, Filter, Material, MaterialKind, Scene, Sky, Texture};
+use crate::traverse::Methods;
 use glam::Vec3;
 use serde::Serialize;
 use std::fmt::Write;
@@ -33,7 +40,34 @@ struct Inspection {
     /// Features that the scene's pipeline must have.
     needs: Vec<&'static str>,
     memory_bytes: usize,
+    traversal: TraversalReport,
+    /// Where rays go through one.
+    hierarchy: Option<HierarchyReport>,
     warnings: Vec<String>,
+}
+
+/// How rays find what they meet, and why.
+#[derive(Debug, Serialize)]
+struct TraversalReport {
+    /// The way of rays from the camera, as `--traversal` names it.
+    primary: &'static str,
+    /// The way of those that bounced.
+    bounces: &'static str,
+    /// What testing every primitive costs a ray, in tests of a sphere.
+    linear_cost: usize,
+    /// Up to here, that is faster than a hierarchy.
+    most_linear_cost: usize,
+}
+
+#[derive(Debug, Serialize)]
+struct HierarchyReport {
+    build: BuildTime,
+    /// Nodes, and leaves with all that tracing reads.
+    bytes: usize,
+    bytes_per_primitive: f64,
+    tree: Option<Statistics>,
+    /// What makes it invalid: a fault of the program.
+    fault: Option<String>,
 }
 
 #[derive(Debug, Default, Serialize)]
@@ -91,11 +125,13 @@ pub fn run(options: InspectOptions) -> Result<ExitCode, CliError> {
     } else {
         terminal::print(&inspection.text())?;
     }
-    Ok(ExitCode::SUCCESS)
+    let valid = inspection.hierarchy.is_none_or(|hierarchy| hierarchy.fault.is_none());
+    Ok(if valid { ExitCode::SUCCESS } else { ExitCode::from(CHECK_FAILED) })
 }
 
 impl Inspection {
     fn of(spec: String, scene: &Scene) -> Self {
+        let way = Methods::default().traversal_of(scene, F32x8::WIDTH).map_or(Way::Linear, Way::Tree);
         Self {
             schema: "octray-inspect-1",
             scene: spec,
@@ -121,6 +157,8 @@ impl Inspection {
             bounds: Bounds::of(scene),
             needs: Needs::of(scene).names(),
             memory_bytes: memory(scene),
+            traversal: TraversalReport::of(way, scene),
+            hierarchy: (way != Way::Linear).then(|| HierarchyReport::of(scene)),
             warnings: scene.warnings.clone(),
         }
     }
@@ -149,6 +187,8 @@ impl Inspection {
         lines.push(("bounds", bounds.unwrap_or_else(|| "none: there is nothing but sky".into())));
         lines.push(("needs", self.needs.join(", ")));
         lines.push(("memory", bytes(self.memory_bytes as u64)));
+        lines.extend(self.traversal.lines());
+        lines.extend(self.hierarchy.as_ref().map(|hierarchy| ("hierarchy", hierarchy.text())));
         lines.extend(self.warnings.iter().map(|warning| ("warning", warning.clone())));
         lines
     }
@@ -242,6 +282,65 @@ impl SkyReport {
 impl CameraReport {
     fn text(&self) -> String {
         format!("at {} towards {}, {}° high", vector(self.position), vector(self.look_at), self.vertical_fov)
+    }
+}
+
+impl TraversalReport {
+    fn of(way: Way, scene: &Scene) -> Self {
+        Self {
+            // One choice for all rays: the ways through a hierarchy see for themselves which rays run together.
+            primary: way.name(),
+            bounces: way.name(),
+            linear_cost: Needs::linear_cost(scene),
+            most_linear_cost: Needs::MOST_LINEAR_COST,
+        }
+    }
+
+    fn lines(&self) -> [(&'static str, String); 2] {
+        let Self { primary, bounces, linear_cost, most_linear_cost } = self;
+        let (relation, faster) = match linear_cost > most_linear_cost {
+            true => ("above", "a hierarchy is faster"),
+            false => ("up to", "that is faster than a hierarchy"),
+        };
+        let cost = format!(
+            "testing everything would cost a ray {} (1 a sphere, {} a triangle)",
+            grouped(*linear_cost),
+            Needs::TRIANGLE_COST
+        );
+        let why = format!("{cost}; {relation} {most_linear_cost}, {faster}");
+        [("traversal", format!("{primary} for primary rays, {bounces} for bounces")), ("why", why)]
+    }
+}
+
+impl HierarchyReport {
+    fn of(scene: &Scene) -> Self {
+        let (hierarchy, mut builds) = rays::build(scene, &[machine::cores()], 1);
+        let tree = check_scene(&hierarchy.bvh, scene);
+        let bytes = hierarchy.bytes();
+        Self {
+            build: builds.remove(0),
+            bytes,
+            bytes_per_primitive: bytes as f64 / (scene.spheres.len() + scene.triangles.len()) as f64,
+            fault: tree.as_ref().err().cloned(),
+            tree: tree.ok(),
+        }
+    }
+
+    fn text(&self) -> String {
+        let Some(tree) = &self.tree else {
+            return format!("INVALID: {}", self.fault.as_deref().unwrap_or_default());
+        };
+        let BuildTime { threads, ms, .. } = self.build;
+        let threads = if threads == 1 { "one thread".into() } else { format!("{threads} threads") };
+        format!(
+            "{} nodes in {} levels, {} leaves; {}, {:.0} bytes a primitive; built in {} ms on {threads}",
+            grouped(tree.wide_nodes),
+            tree.wide_depth,
+            grouped(tree.leaves),
+            bytes(self.bytes as u64),
+            self.bytes_per_primitive,
+            figure(ms, 1),
+        )
     }
 }
 

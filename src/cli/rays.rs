@@ -13,6 +13,9 @@ use serde::Serialize;
 use std::fmt::Write;
 use std::process::ExitCode;
 
+/// Fewest builds behind the median of the time they take.
+const FEWEST_BUILDS: usize = 3;
+
 /// The JSON report.
 #[derive(Debug, Serialize)]
 struct Report {
@@ -53,7 +56,7 @@ pub fn run(options: RaysOptions) -> Result<ExitCode, CliError> {
     let threads = threads(&options);
     let mut building = vec![1];
     building.extend(threads.iter().filter(|&&threads| threads > 1));
-    let (hierarchy, builds) = rays::build(&scene, &building);
+    let (hierarchy, builds) = rays::build(&scene, &building, FEWEST_BUILDS);
     let tree = check_scene(&hierarchy.bvh, &scene);
     let mut report = Report {
         schema: "octray-rays-1",

@@ -21,8 +21,7 @@ use std::time::{Duration, Instant};
 const FEWEST_PASSES: usize = 7;
 /// Short passes go on until this time has passed for all ways of a kind together.
 const PER_KIND: Duration = Duration::from_secs(1);
-/// Builds behind a median: at least so many, and on until this time or this number is reached.
-const FEWEST_BUILDS: usize = 3;
+/// Builds behind a median: at least as many as are asked for, and on until this time or this number is reached.
 const MOST_BUILDS: usize = 15;
 const BUILDING: Duration = Duration::from_millis(500);
 /// Most rays times primitives that a linear pass may test: about a second on one thread.
@@ -37,11 +36,11 @@ pub struct BuildTime {
     pub builds: usize,
 }
 
-/// Builds the scene's hierarchy several times on each of these numbers of threads, in turn.
+/// Builds the scene's hierarchy at least `fewest` times on each of these numbers of threads, in turn.
 ///
 /// # Panics
 /// If there is no number of threads, or the system refuses threads.
-pub fn build(scene: &Scene, threads: &[usize]) -> (Hierarchy, Vec<BuildTime>) {
+pub fn build(scene: &Scene, threads: &[usize], fewest: usize) -> (Hierarchy, Vec<BuildTime>) {
     // The builder takes the threads of the pool it runs in: one thread needs a pool too.
     let pool = |&threads: &usize| {
         rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("the system gives threads")
@@ -50,7 +49,7 @@ pub fn build(scene: &Scene, threads: &[usize]) -> (Hierarchy, Vec<BuildTime>) {
     let mut seconds = vec![Vec::new(); threads.len()];
     let mut hierarchy = None;
     let start = Instant::now();
-    while seconds[0].len() < FEWEST_BUILDS || (seconds[0].len() < MOST_BUILDS && start.elapsed() < BUILDING) {
+    while seconds[0].len() < fewest || (seconds[0].len() < MOST_BUILDS && start.elapsed() < BUILDING) {
         for (pool, seconds) in pools.iter().zip(&mut seconds) {
             // Two large hierarchies at a time are one too many.
             drop(hierarchy.take());

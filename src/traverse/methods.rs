@@ -3,7 +3,7 @@
 use super::batch::Traversal;
 use super::hierarchy::{Hierarchy, reach_of};
 use super::{Visible, linear};
-use crate::buffers::{Buffers, store_triangles};
+use crate::buffers::{Buffers, Needs, store_triangles};
 use crate::bvh::Quality;
 use crate::kernel::ray_box::Reach;
 use crate::kernel::ray_sphere::{self, SphereMethod};
@@ -43,22 +43,13 @@ pub struct Methods {
 /// How rays find what they meet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum TraversalChoice {
-    /// Whatever measured fastest for a scene of so many primitives.
+    /// Whatever measured fastest for a scene of so many primitives: see [`Needs::HIERARCHY`].
     #[default]
     Needed,
     /// Every primitive is tested.
     Linear,
     /// Through a hierarchy. Only the default equations have one; the others test every primitive.
     Through(Traversal),
-}
-
-/// Up to here primitives are tested one by one, and beyond it a hierarchy is faster: a box with 34 triangles takes as long either way,
-/// 50 balls three times as long through the hierarchy.
-const MOST_FOR_LINEAR: usize = 150;
-
-/// What testing every primitive costs, in tests of a sphere.
-fn linear_cost(scene: &Scene) -> usize {
-    scene.spheres.len() + 4 * scene.triangles.len()
 }
 
 impl Methods {
@@ -70,7 +61,7 @@ impl Methods {
         let default = if lanes == 1 { Traversal::Scalar } else { Traversal::Hybrid };
         match self.traversal {
             TraversalChoice::Linear => None,
-            TraversalChoice::Needed => (linear_cost(scene) > MOST_FOR_LINEAR).then_some(default),
+            TraversalChoice::Needed => Needs::of(scene).contains(Needs::HIERARCHY).then_some(default),
             TraversalChoice::Through(_) if lanes == 1 => Some(default),
             TraversalChoice::Through(traversal) => Some(traversal),
         }

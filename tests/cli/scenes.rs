@@ -128,6 +128,73 @@ fn inspect_reports_textures_gradient_and_needs() {
 }
 
 #[test]
+fn inspect_shows_which_way_rays_go_and_why() {
+    let desk = Desk::new();
+    let balls = |count: usize| {
+        let ball = |x: usize| json!({ "center": [3 * x, 0, 0], "radius": 1 });
+        json!({ "format": "octray-1", "spheres": (0..count).map(ball).collect::<Vec<_>>() }).to_string()
+    };
+    desk.write("few.json", &balls(150));
+    desk.write("many.json", &balls(151));
+    for (scene, cost, way) in [
+        ("scene.json", 1, "linear"),
+        ("model.obj", 4, "linear"),
+        ("builtin:cornell", 128, "linear"),
+        ("few.json", 150, "linear"),
+        ("many.json", 151, "hybrid"),
+        ("builtin:knot:2000", 8_000, "hybrid"),
+    ] {
+        let report = desk.json(&["inspect", scene, "--json"]);
+        let mut traversal = report["traversal"].clone();
+        let found = traversal["linear_cost"].take().as_u64().unwrap();
+        assert!(found.abs_diff(cost) <= cost / 50, "{scene}: {found}");
+        let expected =
+            json!({ "primary": way, "bounces": way, "linear_cost": null, "most_linear_cost": 150 });
+        assert_eq!(traversal, expected, "{scene}");
+        assert_eq!(report["hierarchy"].is_null(), way == "linear", "{scene}");
+        assert_eq!(report["needs"].as_array().unwrap().contains(&json!("hierarchy")), way != "linear");
+    }
+    desk.octray(&["inspect", "scene.json"]).assert().success().stdout(
+        contains("traversal   linear for primary rays, linear for bounces\n")
+            .and(contains("cost a ray 1 (1 a sphere, 4 a triangle); up to 150, that is faster"))
+            .and(contains("\nhierarchy").not()),
+    );
+}
+
+#[test]
+fn inspect_shows_the_hierarchy_that_rays_go_through() {
+    let desk = Desk::new();
+    let report = desk.json(&["inspect", "builtin:knot:2000", "--json"]);
+    let (hierarchy, triangles) = (&report["hierarchy"], report["triangles"].as_u64().unwrap());
+    assert_eq!(hierarchy["fault"], Value::Null);
+    assert!(hierarchy["build"]["ms"].as_f64().unwrap() > 0.0, "{hierarchy}");
+    assert!(hierarchy["build"]["threads"].as_u64().unwrap() >= 1, "{hierarchy}");
+    let bytes = hierarchy["bytes"].as_u64().unwrap();
+    let each = hierarchy["bytes_per_primitive"].as_f64().unwrap();
+    assert!((each * triangles as f64 - bytes as f64).abs() < 1.0 && each > 36.0, "{hierarchy}");
+    let [nodes, leaves, levels] = ["wide_nodes", "leaves", "wide_depth"].map(|key| &hierarchy["tree"][key]);
+    assert!(leaves.as_u64().unwrap() >= triangles.div_ceil(8), "{hierarchy}");
+    // As `rays` counts them.
+    let arguments = ["builtin:knot:2000", "--json", "--size", "8x8", "--passes", "1", "--threads", "1"];
+    let rays = desk.json(&[&["rays"], &arguments[..]].concat());
+    assert_eq!((&rays["tree"], &rays["bvh_bytes"]), (&hierarchy["tree"], &hierarchy["bytes"]));
+
+    let grouped = |number: &Value| {
+        let number = number.as_u64().unwrap();
+        if number < 1_000 { number.to_string() } else { format!("{} {:03}", number / 1_000, number % 1_000) }
+    };
+    let shown =
+        format!("hierarchy   {} nodes in {levels} levels, {} leaves; ", grouped(nodes), grouped(leaves));
+    desk.octray(&["inspect", "builtin:knot:2000"]).assert().success().stdout(
+        contains("traversal   hybrid for primary rays, hybrid for bounces\n")
+            .and(contains("above 150, a hierarchy is faster"))
+            .and(contains(shown))
+            .and(contains(format!(", {each:.0} bytes a primitive; built in ")))
+            .and(contains(" ms on ")),
+    );
+}
+
+#[test]
 fn a_model_is_a_scene() {
     let desk = Desk::new();
     desk.render_small("model.obj");

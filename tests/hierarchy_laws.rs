@@ -12,7 +12,8 @@ use octray::traverse::batch::{Tracer, Traversal};
 use octray::traverse::hierarchy::Hierarchy;
 use octray::traverse::rays::{Hits, Rays};
 use octray::traverse::single::Stack;
-use octray::traverse::{Batch, Methods, Primitives, TraversalChoice, frustum};
+use octray::traverse::tile::{self, CUT};
+use octray::traverse::{Batch, Methods, Primitives, TraversalChoice};
 
 #[derive(Default)]
 struct Set {
@@ -50,7 +51,7 @@ impl Set {
         let (mut t, mut primitive, mut u, mut v) =
             (vec![f32::INFINITY; 256], vec![MISS; 256], vec![0.0; 256], vec![0.0; 256]);
         let mut hits = Hits { t: &mut t, primitive: &mut primitive, u: &mut u, v: &mut v };
-        frustum::trace_tile(hierarchy, &self.rays().range(0..256), &mut hits, &mut Stack::new())
+        tile::trace(hierarchy, &self.rays().range(0..256), &mut hits, &mut Stack::new(), CUT)
     }
     /// Every primitive tested in order, at a width of one.
     fn linear(&self, scene: &Scene) -> Answers {

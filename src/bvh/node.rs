@@ -76,6 +76,11 @@ impl WideNode {
     pub fn planes(&self) -> &[[f32; WIDE]; 6] {
         &self.planes
     }
+    /// The planes as rows, with the two rows behind them.
+    #[inline(always)]
+    pub fn boxes(&self) -> &[[f32; WIDE]; 8] {
+        bytemuck::cast_ref(self)
+    }
     /// One plane of the children, `WIDTH` slots at a time from `first`.
     #[inline(always)]
     pub fn plane<L: Lane>(&self, plane: usize, first: usize) -> L {

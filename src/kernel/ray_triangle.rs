@@ -208,12 +208,14 @@ impl<L: Lane> WoopRay<L> {
         woop(self.shear, corners.map(vertex), exact_edge)
     }
 
-    /// The same where all lanes have this one axis.
+    /// Rays that all have this one axis against one triangle of eight.
     #[inline(always)]
-    pub fn test_corners_along(&self, axis: u32, corners: [[f32; 3]; 3]) -> TriangleHit<L> {
+    pub fn test_lane_along(&self, axis: u32, triangles: &EightTriangles, lane: usize) -> TriangleHit<L> {
         let [x, y, z] = ORDERS[(axis & 3) as usize];
-        let vertex = |v: [f32; 3]| Vec3::new(L::splat(v[x]), L::splat(v[y]), L::splat(v[z])) - self.origin;
-        woop(self.shear, corners.map(vertex), exact_edge)
+        let vertex = |[a, b, c]: [f32; 3]| Vec3::new(L::splat(a), L::splat(b), L::splat(c)) - self.origin;
+        let lane = lane & 7;
+        let corners = triangles.each_ref().map(|rows| vertex([rows[x][lane], rows[y][lane], rows[z][lane]]));
+        woop(self.shear, corners, exact_edge)
     }
 }
 

@@ -1,55 +1,43 @@
-//! Camera rays by the tile: a frustum around many rays is tested once where each ray would be.
+//! Around many rays at once: what none of them can reach.
 //!
-//! A tile's frustum descends first, always opening the largest box, until eight entries are left that together hold all that the tile can see:
-//! its cut. No entry, and the tile is empty. Each packet then starts at the cut with a frustum of its own and goes down nearest first;
-//! boxes are held against the frustum alone. In a leaf the triangles outside the frustum are left out, and the packet meets the rest
-//! one by one.
+//! Rays from one origin that all run along one axis lie between a lowest and a highest slope along each of the other two: four planes.
+//! A box is left out where it lies wholly beyond one of them. Of its corners only the one nearest to the inside is asked, and a plane
+//! holds the direction of one axis, so it takes one FMA a plane.
 //!
-//! Conservative: a ray that passes a padded box ([`crate::kernel::ray_box::Slabs`]) meets it within (|o| + E) 2⁻²⁰; the frustum leaves twice that.
+//! Conservative: a ray that passes a padded box ([`crate::kernel::ray_box::Slabs`]) meets it within (|o| + E) 2⁻²⁰; the frustum leaves
+//! twice that.
 //!
 //! Source: Reshetov, Soupikov, Hurley, "Multi-Level Ray Tracing Algorithm", SIGGRAPH 2005.
 
-use super::hierarchy::{Hierarchy, Packet};
-use super::rays::{Hits, Rays};
-use super::single::Stack;
-use crate::bvh::{Child, WIDE, WideNode};
-use crate::lane::{Bits, F32x8, Lane, Mask, Mask8, U32x8};
-use crate::math::{Hit, Ray, Vec3};
+use super::rays::Rays;
+use crate::kernel::ray_box::Reach;
+use crate::lane::{F32x8, Lane, Mask, Mask8};
+use crate::math::{Ray, Vec3};
 
-/// Rays of a tile.
-pub const TILE: usize = 256;
+/// Eight boxes, one a lane: their lower and upper planes along an axis.
+type Planes = [F32x8; 2];
 
-/// Around rays with one origin: between two slopes along each of two axes, per step along the third.
+/// Where the rays of a tile start, and along which axis they run.
 #[derive(Clone, Copy)]
-struct Frustum {
+pub struct Stem {
     /// The axis along which all rays run, then the other two.
     axes: [usize; 3],
-    /// The rays run downwards along the first axis.
-    backwards: bool,
+    /// 1 or −1: whether they run upwards or downwards along it.
+    forward: f32,
     origin: [f32; 3],
     /// How much further boxes reach on every side.
     padding: f32,
-    /// Least and largest slope along the other two axes.
-    slopes: [[f32; 2]; 2],
 }
 
-fn axis_of<L: Copy>(v: Vec3<L>, axis: usize) -> L {
-    [v.x, v.y, v.z][axis]
-}
+/// Slopes of the packets of a tile along the two other axes, per step along the first.
+pub type Slopes<const PACKETS: usize> = [[F32x8; PACKETS]; 2];
 
-fn lowest(x: F32x8) -> f32 {
-    let lanes: [f32; 8] = bytemuck::cast(x);
-    let pairs = [0, 1, 2, 3].map(|i| if lanes[i] < lanes[i + 4] { lanes[i] } else { lanes[i + 4] });
-    let low = if pairs[0] < pairs[2] { pairs[0] } else { pairs[2] };
-    let high = if pairs[1] < pairs[3] { pairs[1] } else { pairs[3] };
-    if low < high { low } else { high }
-}
-
-impl Frustum {
-    /// The frustum's axes for rays like this one, without slopes yet.
-    fn along(direction: Vec3<f32>, origin: Vec3<f32>, hierarchy: &Hierarchy) -> Self {
-        let d = [direction.x, direction.y, direction.z];
-        let size = d.map(f32::abs);
+impl Stem {
+    /// That of rays like this one; `None` where rounding knows no bound.
+    pub fn of(ray: &Ray<f32>, reach: Reach) -> Option<Self> {
+        let components = |v: Vec3<f32>| [v.x, v.y, v.z];
+        let (direction, origin) = (components(ray.direction), components(ray.origin));
+        let size = direction.map(f32::abs);
         let main = if size[0] >= size[1] && size[0] >= size[2] {
             0
         } else if size[1] >= size[2] {
@@ -57,228 +45,144 @@ impl Frustum {
         } else {
             2
         };
+        let far = origin.into_iter().fold(0.0, |far: f32, o| far.max(o.abs()));
+        let padding = (reach.room(ray.origin) + far) * f32::powi(0.5, 19);
+        let forward = 1f32.copysign(direction[main]);
         let axes = [main, (main + 1) % 3, (main + 2) % 3];
-        let far = origin.x.abs().max(origin.y.abs()).max(origin.z.abs());
-        let padding = (hierarchy.reach.room(origin) + far) * f32::powi(0.5, 19);
-        let origin = [origin.x, origin.y, origin.z];
-        Self { axes, backwards: d[main] < 0.0, origin, padding, slopes: [[0.0; 2]; 2] }
+        padding.is_finite().then_some(Self { axes, forward, origin, padding })
     }
 
-    /// The slopes of a packet's rays; `None` where one does not run along the frustum's axis.
+    /// The slopes of all rays, and the least and the greatest of each kind; `None` where one starts elsewhere or does not run along the
+    /// axis. Domain: whole packets, no more than there is room for.
     #[inline(always)]
-    fn slopes(&self, ray: &Ray<F32x8>) -> Option<[F32x8; 2]> {
-        let main = axis_of(ray.direction, self.axes[0]);
-        let main = if self.backwards { -main } else { main };
-        let same_origin = (0..3).fold(Mask8::splat(true), |same, axis| {
-            same & axis_of(ray.origin, axis).eq(F32x8::splat(self.origin[axis]))
-        });
-        // A slope of more than 2²⁰ has no use for a frustum.
-        let others =
-            axis_of(ray.direction, self.axes[1]).abs().max(axis_of(ray.direction, self.axes[2]).abs());
-        let runs = (others * F32x8::splat(f32::powi(0.5, 20))).lt(main);
-        if !(same_origin & runs).all() {
-            return None;
+    pub fn slopes<const N: usize>(&self, rays: &Rays, slopes: &mut Slopes<N>) -> Option<[[F32x8; 2]; 2]> {
+        let mut fits = Mask8::splat(true);
+        for (column, origin) in rays.origin.iter().zip(self.origin) {
+            for packet in column.as_chunks::<8>().0 {
+                fits = fits & F32x8::load(packet).eq(F32x8::splat(origin));
+            }
         }
-        let inverse = F32x8::one() / main;
-        Some([1, 2].map(|i| axis_of(ray.direction, self.axes[i]) * inverse))
+        let [main, a, b] = self.axes.map(|axis| rays.direction[axis].as_chunks::<8>().0);
+        let mut span = [[F32x8::splat(f32::INFINITY), F32x8::splat(f32::NEG_INFINITY)]; 2];
+        let [to_a, to_b] = slopes;
+        for ((((main, a), b), to_a), to_b) in main.iter().zip(a).zip(b).zip(to_a).zip(to_b) {
+            let main = F32x8::load(main) * F32x8::splat(self.forward);
+            let inverse = F32x8::one() / main;
+            for (i, (others, to)) in [(a, to_a), (b, to_b)].into_iter().enumerate() {
+                let slope = F32x8::load(others) * inverse;
+                // A greater slope has no use for a frustum, and NaN is no slope.
+                fits = fits & slope.abs().le(F32x8::splat(f32::powi(2.0, 20)));
+                span[i] = [span[i][0].min(slope), span[i][1].max(slope)];
+                *to = slope;
+            }
+            fits = fits & F32x8::zero().lt(main);
+        }
+        fits.all().then(|| span.map(|[low, high]| [F32x8::splat(lowest(low)), F32x8::splat(-lowest(-high))]))
     }
 
-    /// Between these slopes, and a little more for the rounding of slopes and products: 8 ε of the larger one.
+    /// How far along the axis the packet's rays are at `t`.
     #[inline(always)]
-    fn between(self, low: [F32x8; 2], high: [F32x8; 2]) -> Self {
-        let slopes = [0, 1].map(|i| {
-            let (low, high) = (lowest(low[i]), -lowest(-high[i]));
-            let more = low.abs().max(high.abs()) * f32::powi(0.5, 21);
-            [low - more, high + more]
+    pub fn depth(&self, direction: Vec3<F32x8>, t: F32x8) -> F32x8 {
+        [direction.x, direction.y, direction.z][self.axes[0]].abs() * t
+    }
+
+    /// Around all rays between these slopes, which are one frustum's a lane: for each of the other axes the least and the greatest.
+    #[inline(always)]
+    pub fn frusta(&self, spans: [[F32x8; 2]; 2]) -> Frusta {
+        let Self { axes: [main, others @ ..], forward, origin, padding } = *self;
+        let side = |i: usize, slope: F32x8, steepest: F32x8, outwards: f32| {
+            let outwards = F32x8::splat(outwards);
+            // For the rounding of slopes, 8 ε of the steeper one; then the box's padding along both axes.
+            let slope = (outwards * steepest).mul_add(F32x8::splat(f32::powi(0.5, 21)), slope);
+            let tilt = slope * F32x8::splat(-forward);
+            let bound = tilt.mul_add(F32x8::splat(origin[main]), F32x8::splat(origin[others[i]]));
+            let room = F32x8::splat(padding) * (F32x8::one() + slope.abs());
+            [bytemuck::cast(tilt), bytemuck::cast(room.mul_add(outwards, bound))]
+        };
+        let sides = [0, 1].map(|i| {
+            let [low, high] = spans[i];
+            let steepest = low.abs().max(high.abs());
+            [side(i, low, steepest, -1.0), side(i, high, steepest, 1.0)]
         });
-        Self { slopes, ..self }
+        Frusta { sides }
     }
 
-    /// How far along its axis the frustum meets each of eight boxes, given by their lower and upper planes along an axis, and which
-    /// of them it meets before `limit`.
+    /// One of them.
     #[inline(always)]
-    fn pass(&self, planes: impl Fn(usize) -> (F32x8, F32x8), limit: f32) -> (F32x8, Mask8) {
-        let splat = F32x8::splat;
-        let [main, ..] = self.axes;
-        let (lo, hi) = planes(main);
-        let (inner, outer) =
-            (splat(self.origin[main] + self.padding), splat(self.origin[main] - self.padding));
-        let (near, far) = if self.backwards { (outer - hi, inner - lo) } else { (lo - inner, hi - outer) };
-        let near = near.max(F32x8::zero());
-        let mut meets = near.le(far.min(splat(limit)));
-        for i in 0..2 {
-            let axis = self.axes[i + 1];
-            let (lo, hi) = planes(axis);
-            let (lo, hi) =
-                (lo - splat(self.origin[axis] + self.padding), hi - splat(self.origin[axis] - self.padding));
-            let [low, high] = self.slopes[i].map(splat);
-            meets = meets & (low * near).min(low * far).le(hi) & lo.le((high * near).max(high * far));
+    pub fn frustum(&self, frusta: &Frusta, lane: usize) -> Frustum {
+        let start = self.forward * self.origin[self.axes[0]];
+        let side = |[tilt, bound]: &[[f32; 8]; 2]| Side {
+            tilt: F32x8::splat(tilt[lane & 7]),
+            bound: F32x8::splat(bound[lane & 7]),
+        };
+        Frustum {
+            axes: self.axes,
+            forward: F32x8::splat(self.forward),
+            near: F32x8::splat(-start - self.padding),
+            far: F32x8::splat(-start + self.padding),
+            sides: frusta.sides.each_ref().map(|[lower, upper]| [side(lower), side(upper)]),
+        }
+    }
+}
+
+/// Eight frusta on one stem.
+pub struct Frusta {
+    /// For each of the two other axes the lower and the upper side: see [`Side`].
+    sides: [[[[f32; 8]; 2]; 2]; 2],
+}
+
+pub fn lowest(x: F32x8) -> f32 {
+    let lanes: [f32; 8] = bytemuck::cast(x);
+    let lower = |a: f32, b: f32| if a < b { a } else { b };
+    let pairs = [0, 1, 2, 3].map(|i| lower(lanes[i], lanes[i + 4]));
+    lower(lower(pairs[0], pairs[2]), lower(pairs[1], pairs[3]))
+}
+
+/// The planes around some rays.
+#[derive(Clone, Copy)]
+pub struct Frustum {
+    /// As in [`Stem`].
+    axes: [usize; 3],
+    forward: F32x8,
+    /// What takes a coordinate along the axis to a distance along it: at most so far, at least so far.
+    near: F32x8,
+    far: F32x8,
+    /// For each of the other axes, the lower and the upper one.
+    sides: [[Side; 2]; 2],
+}
+
+/// A point lies on a side where its coordinate across plus `tilt` times its coordinate along the axis is `bound`.
+#[derive(Clone, Copy)]
+struct Side {
+    tilt: F32x8,
+    bound: F32x8,
+}
+
+impl Frustum {
+    /// How far along the axis each box begins, at most, and which boxes a ray may meet before `limit`. Empty boxes and NaN are left
+    /// out. `planes` gives the boxes' planes along an axis.
+    #[inline(always)]
+    pub fn pass(&self, planes: impl Fn(usize) -> Planes, limit: f32) -> (F32x8, Mask8) {
+        let [main, a, b] = self.axes.map(planes);
+        let pick = |sign: F32x8, [lo, hi]: Planes| F32x8::select(F32x8::zero().le(sign), hi, lo);
+        let near = pick(-self.forward, main).mul_add(self.forward, self.near);
+        let far = pick(self.forward, main).mul_add(self.forward, self.far);
+        let mut meets = near.le(F32x8::splat(limit)) & F32x8::zero().le(far);
+        for ([lower, upper], [lo, hi]) in self.sides.iter().zip([a, b]) {
+            // The corner that is furthest to the inside.
+            let most = pick(lower.tilt, main).mul_add(lower.tilt, hi);
+            let least = pick(-upper.tilt, main).mul_add(upper.tilt, lo);
+            meets = meets & (lower.bound.le(most) & least.le(upper.bound));
         }
         (near, meets)
     }
 
-    /// [`Frustum::pass`] of a node's boxes.
+    /// [`Frustum::pass`] of boxes that stand as in a node.
     #[inline(always)]
-    fn pass_node(&self, planes: &[[f32; WIDE]; 6], limit: f32) -> (F32x8, Mask8) {
-        self.pass(|axis| (F32x8::load(&planes[axis]), F32x8::load(&planes[axis + 3])), limit)
+    pub fn pass_boxes(&self, boxes: &Boxes, limit: f32) -> (F32x8, Mask8) {
+        self.pass(|axis| [F32x8::load(&boxes[axis & 3]), F32x8::load(&boxes[(axis & 3) + 3])], limit)
     }
 }
 
-/// Up to eight entries that together hold all that a tile can see.
-struct Cut {
-    planes: [[f32; WIDE]; 6],
-    children: [Child; WIDE],
-    filled: usize,
-}
-
-impl Cut {
-    /// The entries below the root, or nothing where the frustum meets nothing.
-    fn of(hierarchy: &Hierarchy, frustum: &Frustum) -> Option<Self> {
-        let mut cut = Self { planes: *WideNode::EMPTY.planes(), children: [Child::NONE; WIDE], filled: 0 };
-        let mut open = Some(Child(0));
-        while let Some(node) = open {
-            let node = &hierarchy.bvh.wide[node.index()];
-            let (_, meets) = frustum.pass_node(node.planes(), f32::INFINITY);
-            let mut lanes = meets.bitmask();
-            while lanes != 0 {
-                let lane = (lanes.trailing_zeros() & 7) as usize;
-                lanes &= lanes - 1;
-                cut.put(cut.filled, node.planes().map(|plane| plane[lane]), node.children()[lane]);
-                cut.filled += 1;
-            }
-            open = cut.take_largest(hierarchy, frustum);
-        }
-        (cut.filled > 0).then_some(cut)
-    }
-
-    fn put(&mut self, slot: usize, planes: [f32; 6], child: Child) {
-        self.planes.iter_mut().zip(planes).for_each(|(plane, value)| plane[slot] = value);
-        self.children[slot] = child;
-    }
-
-    /// Takes out the node with the largest box whose children find room.
-    fn take_largest(&mut self, hierarchy: &Hierarchy, frustum: &Frustum) -> Option<Child> {
-        let [a, b, c, x, y, z] = self.planes;
-        let area = |i: usize| {
-            let (x, y, z) = (x[i] - a[i], y[i] - b[i], z[i] - c[i]);
-            x * y + y * z + z * x
-        };
-        let nodes = (0..self.filled).filter(|&i| !self.children[i].is_leaf());
-        let largest = nodes.max_by(|&i, &j| area(i).total_cmp(&area(j)))?;
-        let child = self.children[largest];
-        let (_, meets) = frustum.pass_node(hierarchy.bvh.wide[child.index()].planes(), f32::INFINITY);
-        if self.filled - 1 + meets.count() > WIDE {
-            return None;
-        }
-        let last = self.filled - 1;
-        self.put(largest, self.planes.map(|plane| plane[last]), self.children[last]);
-        self.put(last, WideNode::EMPTY.planes().map(|plane| plane[0]), Child::NONE);
-        self.filled = last;
-        Some(child)
-    }
-}
-
-/// A packet on its way down.
-struct Walk<'a> {
-    hierarchy: &'a Hierarchy,
-    frustum: Frustum,
-    packet: Packet,
-    hit: Hit<F32x8>,
-    /// How far along the frustum's axis there may be nearer hits.
-    limit: f32,
-}
-
-impl Walk<'_> {
-    /// Visits what waits on the stack, and what is below it.
-    fn run(&mut self, stack: &mut Stack, mut waiting: usize) {
-        while waiting > 0 {
-            waiting -= 1;
-            let (child, near) = stack.get(waiting);
-            if near > self.limit {
-                continue;
-            }
-            if child.is_leaf() {
-                self.leaf(child);
-            } else {
-                let node = &self.hierarchy.bvh.wide[child.index()];
-                let (near, meets) = self.frustum.pass_node(node.planes(), self.limit);
-                waiting += stack.put(waiting, node.children(), near, meets);
-            }
-        }
-    }
-
-    #[inline(always)]
-    fn leaf(&mut self, leaf: Child) {
-        if leaf.is_spheres() {
-            self.hierarchy.packet_meets_spheres(leaf.index(), &self.packet.ray, &mut self.hit);
-            self.shorten();
-            return;
-        }
-        let leaf = self.hierarchy.triangle_leaf(leaf.index());
-        let (_, meets) = self.frustum.pass(|axis| leaf.planes(axis), self.limit);
-        let mut lanes = meets.bitmask();
-        let mut closer = false;
-        while lanes != 0 {
-            let lane = (lanes.trailing_zeros() & 7) as usize;
-            lanes &= lanes - 1;
-            closer |= leaf.packet_meets(lane, &self.packet, &mut self.hit);
-        }
-        if closer {
-            self.shorten();
-        }
-    }
-
-    /// Measures again how far the packet's rays reach along the axis: their furthest hit, and a little more for rounding.
-    #[inline(never)]
-    fn shorten(&mut self) {
-        let along = axis_of(self.packet.ray.direction, self.frustum.axes[0]).abs();
-        self.limit = -lowest(-(self.hit.t * along)) * (1.0 + 4.0 * f32::EPSILON);
-    }
-}
-
-/// Improves the hits of up to [`TILE`] camera rays, which come in with the rays' reach; says no and does nothing if they do not
-/// run together from one origin.
-pub fn trace_tile(hierarchy: &Hierarchy, rays: &Rays, hits: &mut Hits, stack: &mut Stack) -> bool {
-    let count = rays.len();
-    if !count.is_multiple_of(8) || !(8..=TILE).contains(&count) {
-        return false;
-    }
-    let first = rays.packet::<f32>(0);
-    let axes = Frustum::along(first.direction, first.origin, hierarchy);
-    let mut slopes = [[F32x8::zero(); 2]; TILE / 8];
-    let (mut low, mut high) = ([F32x8::splat(f32::INFINITY); 2], [F32x8::splat(f32::NEG_INFINITY); 2]);
-    for (packet, slopes) in slopes[..count / 8].iter_mut().enumerate() {
-        let ray = rays.packet::<F32x8>(packet * 8);
-        let Some(of_packet) = axes.slopes(&ray) else { return false };
-        *slopes = of_packet;
-        for i in 0..2 {
-            (low[i], high[i]) = (low[i].min(of_packet[i]), high[i].max(of_packet[i]));
-        }
-    }
-    let tile = axes.between(low, high);
-    let Some(cut) = Cut::of(hierarchy, &tile) else { return true };
-    for (packet, &slopes) in slopes[..count / 8].iter().enumerate() {
-        let at = packet * 8;
-        let ray = rays.packet::<F32x8>(at);
-        let hit = Hit {
-            t: F32x8::load(&hits.t[at..]),
-            primitive: U32x8::load(&hits.primitive[at..]),
-            u: F32x8::load(&hits.u[at..]),
-            v: F32x8::load(&hits.v[at..]),
-        };
-        let frustum = axes.between(slopes, slopes);
-        let (near, meets) = frustum.pass_node(&cut.planes, f32::INFINITY);
-        if !meets.any() {
-            continue;
-        }
-        let waiting = stack.put(0, &cut.children, near, meets);
-        let packet = Packet::new(ray, hierarchy.reach);
-        let mut walk = Walk { hierarchy, frustum, packet, hit, limit: f32::INFINITY };
-        walk.run(stack, waiting);
-        walk.hit.t.store(&mut hits.t[at..]);
-        walk.hit.primitive.store(&mut hits.primitive[at..]);
-        walk.hit.u.store(&mut hits.u[at..]);
-        walk.hit.v.store(&mut hits.v[at..]);
-    }
-    true
-}
+/// Eight boxes: the lower planes along x, y, z, the upper ones, and two rows that nobody reads.
+pub type Boxes = [[f32; 8]; 8];

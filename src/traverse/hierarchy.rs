@@ -159,20 +159,21 @@ impl SingleRay {
     }
 }
 
-/// Eight rays, ready for boxes and triangles.
+/// Eight rays, ready for triangles.
 pub struct Packet {
     pub ray: Ray<F32x8>,
-    pub slabs: Slabs<F32x8>,
-    pub woop: WoopRay<F32x8>,
+    woop: WoopRay<F32x8>,
     /// See [`WoopRay::common_axis`].
     axis: Option<u32>,
+    /// Made for the first hit: many packets meet nothing.
+    slabs: Option<Slabs<F32x8>>,
 }
 
 impl Packet {
     #[inline(always)]
-    pub fn new(ray: Ray<F32x8>, reach: Reach) -> Self {
+    pub fn new(ray: Ray<F32x8>) -> Self {
         let woop = Woop::prepare(&ray);
-        Self { ray, slabs: Slabs::new(&ray, reach), axis: woop.common_axis(), woop }
+        Self { ray, axis: woop.common_axis(), woop, slabs: None }
     }
 }
 
@@ -205,15 +206,17 @@ impl Hierarchy {
 
     /// A packet against up to eight spheres, one after the other.
     #[inline(never)]
-    pub fn packet_meets_spheres(&self, leaf: usize, ray: &Ray<F32x8>, hit: &mut Hit<F32x8>) {
+    pub fn packet_meets_spheres(&self, leaf: usize, ray: &Ray<F32x8>, hit: &mut Hit<F32x8>) -> bool {
+        let mut closer = false;
         let leaf = &self.spheres[leaf];
         let prepared = Robust::prepare(ray);
         for (lane, &primitive) in used(&leaf.primitives).iter().enumerate() {
             let (center, radius2) = leaf.spheres.splat::<F32x8>(lane);
             let infinite = F32x8::splat(f32::INFINITY);
             let (mask, t) = Robust::test::<F32x8>(&prepared, center, radius2, infinite);
-            take_lanes(mask, primitive, [t, F32x8::zero(), F32x8::zero()], hit);
+            closer |= take_lanes(mask, primitive, [t, F32x8::zero(), F32x8::zero()], hit);
         }
+        closer
     }
 }
 
@@ -234,25 +237,41 @@ fn take_lanes(mask: Mask8, primitive: u32, [t, u, v]: [F32x8; 3], hit: &mut Hit<
 impl TriangleLeaf {
     /// The lower and the upper planes of the triangles' boxes along an axis; NaN where there is none.
     #[inline(always)]
-    pub fn planes(&self, axis: usize) -> (F32x8, F32x8) {
-        let [a, b, c] = [0, 1, 2].map(|vertex| F32x8::load(&self.vertices[vertex][axis]));
-        (a.min(b).min(c), a.max(b).max(c))
+    pub fn planes(&self, axis: usize) -> [F32x8; 2] {
+        let [a, b, c] = self.vertices.each_ref().map(|vertex| F32x8::load(&vertex[axis]));
+        [a.min(b).min(c), a.max(b).max(c)]
     }
 
     #[inline(always)]
     fn corners(&self, lane: usize) -> [[f32; 3]; 3] {
-        [0, 1, 2].map(|vertex| [0, 1, 2].map(|axis| self.vertices[vertex][axis][lane]))
+        self.vertices.each_ref().map(|vertex| vertex.each_ref().map(|row| row[lane & 7]))
     }
 
     /// A packet against one of the triangles; says whether any ray found a nearer hit.
     #[inline(always)]
-    pub fn packet_meets(&self, lane: usize, packet: &Packet, hit: &mut Hit<F32x8>) -> bool {
-        let corners = self.corners(lane);
+    pub fn packet_meets(&self, lane: usize, reach: Reach, packet: &mut Packet, hit: &mut Hit<F32x8>) -> bool {
         let found = match packet.axis {
-            Some(axis) => packet.woop.test_corners_along(axis, corners),
-            None => packet.woop.test_corners(corners),
+            Some(axis) => packet.woop.test_lane_along(axis, &self.vertices, lane),
+            None => packet.woop.test_corners(self.corners(lane)),
         };
-        found.mask.any() && accept_lanes(corners, self.primitives[lane], packet, &found, hit)
+        found.mask.any() && self.accept_lanes(lane, reach, packet, &found, hit)
+    }
+
+    /// Holds what a packet found to the triangle's own box and keeps what is nearer. Out of line: the loop that calls it stays in registers.
+    #[inline(never)]
+    fn accept_lanes(
+        &self,
+        lane: usize,
+        reach: Reach,
+        packet: &mut Packet,
+        found: &TriangleHit<F32x8>,
+        hit: &mut Hit<F32x8>,
+    ) -> bool {
+        let infinite = F32x8::splat(f32::INFINITY);
+        let splat = |[x, y, z]: [f32; 3]| Vec3::new(F32x8::splat(x), F32x8::splat(y), F32x8::splat(z));
+        let slabs = packet.slabs.get_or_insert_with(|| Slabs::new(&packet.ray, reach));
+        let (mask, t) = own_box(slabs, box_of(self.corners(lane).map(splat)), found.mask, found.t, infinite);
+        take_lanes(mask, self.primitives[lane & 7], [t, found.u, found.v], hit)
     }
 
     /// Holds what was found to the own boxes and keeps the nearest. Rare and out of line: the loops that call it stay in registers.
@@ -288,20 +307,4 @@ fn take_nearest(mask: Mask8, primitives: &[u32; LEAF], [t, u, v]: [F32x8; 3], hi
         take(true, primitives[lane], [t, u, v].map(|column| column.get(lane)), hit);
         lanes &= lanes - 1;
     }
-}
-
-/// Holds what a packet found to the triangle's own box and keeps what is nearer.
-#[cold]
-#[inline(never)]
-fn accept_lanes(
-    corners: [[f32; 3]; 3],
-    primitive: u32,
-    packet: &Packet,
-    found: &TriangleHit<F32x8>,
-    hit: &mut Hit<F32x8>,
-) -> bool {
-    let infinite = F32x8::splat(f32::INFINITY);
-    let splat = |[x, y, z]: [f32; 3]| Vec3::new(F32x8::splat(x), F32x8::splat(y), F32x8::splat(z));
-    let (mask, t) = own_box(&packet.slabs, box_of(corners.map(splat)), found.mask, found.t, infinite);
-    take_lanes(mask, primitive, [t, found.u, found.v], hit)
 }

@@ -8,7 +8,7 @@
 //! | [`linear`] | few primitives: every one is tested, or for primary rays every one that their tile can see ([`Visible`]) |
 //! | [`scalar`] | one ray on the binary tree: the baseline |
 //! | [`single`] | one ray against eight boxes and eight primitives at once |
-//! | [`frustum`] | tiles of camera rays |
+//! | [`tile`] | camera rays by the tile, each packet in a [`frustum`] |
 //! | [`stream`] | batches of rays without order |
 //! | [`batch`] | the choice between them |
 //!
@@ -24,6 +24,7 @@ pub mod rays;
 pub mod scalar;
 pub mod single;
 pub mod stream;
+pub mod tile;
 mod visible;
 
 pub use methods::{Batch, Methods, Primitives, SphereChoice, TraversalChoice, TriangleChoice};

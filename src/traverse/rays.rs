@@ -20,6 +20,11 @@ pub struct Hits<'a> {
     pub v: &'a mut [f32],
 }
 
+#[inline(always)]
+fn load<L: Lane>([x, y, z]: &[&[f32]; 3], at: usize) -> Vec3<L> {
+    Vec3::new(L::load(&x[at..]), L::load(&y[at..]), L::load(&z[at..]))
+}
+
 impl<'a> Rays<'a> {
     pub fn len(&self) -> usize {
         self.origin[0].len()
@@ -30,10 +35,7 @@ impl<'a> Rays<'a> {
     /// `WIDTH` rays from `at` on.
     #[inline(always)]
     pub fn packet<L: Lane>(&self, at: usize) -> Ray<L> {
-        let load = |columns: &[&[f32]; 3]| {
-            Vec3::new(L::load(&columns[0][at..]), L::load(&columns[1][at..]), L::load(&columns[2][at..]))
-        };
-        Ray { origin: load(&self.origin), direction: load(&self.direction) }
+        Ray { origin: load(&self.origin, at), direction: load(&self.direction, at) }
     }
     #[inline(always)]
     pub fn single(&self, at: usize, reach: Reach) -> SingleRay {

@@ -1,0 +1,262 @@
+//! Camera rays by the tile.
+//!
+//! The frustum around a whole tile goes down the tree first, level by level, until its [`CUT`] is full of entries that together hold all
+//! that the tile can see, nearest first. No entry, and the tile is empty. Then each packet, with a frustum of its own, takes those
+//! entries in order; below them it goes down nearest first. In a leaf the triangles outside the frustum are left out, and the packet
+//! meets the rest one by one.
+//!
+//! Source: Reshetov, Soupikov, Hurley, "Multi-Level Ray Tracing Algorithm", SIGGRAPH 2005: entry points for tiles.
+
+use super::frustum::{Boxes, Frustum, Stem, lowest};
+use super::hierarchy::{Hierarchy, Packet};
+use super::rays::{Hits, Rays};
+use super::single::Stack;
+use crate::bvh::{Child, WIDE};
+use crate::lane::{Bits, F32x8, Lane, Mask, U32x8};
+use crate::math::Hit;
+
+/// Most rays of a tile.
+pub const TILE: usize = 256;
+/// Most packets of a tile.
+const PACKETS: usize = TILE / 8;
+/// Most entries of a cut.
+pub const CUT: usize = 32;
+
+/// Entries that together hold all that a tile can see, nearest first.
+struct Cut {
+    boxes: [Boxes; CUT / WIDE],
+    children: [Child; CUT],
+    filled: usize,
+}
+
+/// A box of a node that the tile meets.
+#[derive(Clone, Copy)]
+struct Entry {
+    near: f32,
+    child: Child,
+    /// Where the box stands.
+    node: u32,
+    slot: u32,
+}
+
+/// The lanes of a mask, lowest first.
+#[inline(always)]
+fn lanes(mask: impl Mask) -> impl Iterator<Item = usize> {
+    let mut left = mask.bitmask();
+    std::iter::from_fn(move || {
+        let lane = left.trailing_zeros() as usize & 7;
+        (left != 0).then(|| (left &= left - 1, lane).1)
+    })
+}
+
+impl Cut {
+    fn of(hierarchy: &Hierarchy, frustum: &Frustum) -> Self {
+        let mut entries = [Entry { near: 0.0, child: Child(0), node: 0, slot: 0 }; CUT];
+        let mut filled = 1;
+        // Level by level, as long as there is room: each round opens what the one before found.
+        let mut opened = true;
+        while opened {
+            opened = false;
+            for at in (0..filled).rev() {
+                let Entry { child, .. } = entries[at];
+                if child.is_leaf() {
+                    continue;
+                }
+                let node = &hierarchy.bvh.wide[child.index()];
+                let (near, meets) = frustum.pass_boxes(node.boxes(), f32::INFINITY);
+                if filled - 1 + meets.count() > CUT {
+                    continue;
+                }
+                filled -= 1;
+                entries[at] = entries[filled];
+                for slot in lanes(meets) {
+                    let (near, parent) = (near.get(slot), child.index() as u32);
+                    entries[filled] =
+                        Entry { near, child: node.children()[slot], node: parent, slot: slot as u32 };
+                    filled += 1;
+                }
+                opened = true;
+            }
+        }
+        let entries = &mut entries[..filled];
+        entries.sort_unstable_by(|a, b| a.near.total_cmp(&b.near));
+        let mut cut = Self { boxes: [EMPTY; CUT / WIDE], children: [Child::NONE; CUT], filled };
+        for (at, entry) in entries.iter().enumerate() {
+            let from = hierarchy.bvh.wide[entry.node as usize].boxes();
+            let to = &mut cut.boxes[at / WIDE];
+            for plane in 0..6 {
+                to[plane][at % WIDE] = from[plane][entry.slot as usize];
+            }
+            cut.children[at] = entry.child;
+        }
+        cut
+    }
+}
+
+/// No box.
+const EMPTY: Boxes = {
+    let (lo, hi) = ([f32::INFINITY; 8], [f32::NEG_INFINITY; 8]);
+    [lo, lo, lo, hi, hi, hi, lo, lo]
+};
+
+/// A packet on its way down.
+struct Walk<'a> {
+    hierarchy: &'a Hierarchy,
+    stem: &'a Stem,
+    frustum: &'a Frustum,
+    packet: Packet,
+    hit: Hit<F32x8>,
+    /// How far along the frustum's axis there may be nearer hits.
+    limit: f32,
+    /// Found a hit.
+    closer: bool,
+}
+
+impl<'a> Walk<'a> {
+    #[inline(always)]
+    fn new(
+        hierarchy: &'a Hierarchy,
+        stem: &'a Stem,
+        frustum: &'a Frustum,
+        rays: &Rays,
+        hits: &Hits,
+        at: usize,
+    ) -> Self {
+        let hit = Hit {
+            t: F32x8::load(&hits.t[at..]),
+            primitive: U32x8::load(&hits.primitive[at..]),
+            u: F32x8::load(&hits.u[at..]),
+            v: F32x8::load(&hits.v[at..]),
+        };
+        let packet = Packet::new(rays.packet::<F32x8>(at));
+        Self { hierarchy, stem, frustum, packet, hit, limit: f32::INFINITY, closer: false }
+    }
+
+    /// Visits all entries of the tile's cut.
+    #[inline(always)]
+    fn run(mut self, cut: &Cut, hits: &mut Hits, at: usize, stack: &mut Stack) {
+        for (boxes, children) in
+            cut.boxes.iter().zip(cut.children.as_chunks::<WIDE>().0).take(cut.filled.div_ceil(WIDE))
+        {
+            let (near, meets) = self.frustum.pass_boxes(boxes, self.limit);
+            for lane in lanes(meets) {
+                if near.get(lane) <= self.limit {
+                    self.visit(children[lane], stack);
+                }
+            }
+        }
+        if self.closer {
+            self.hit.t.store(&mut hits.t[at..]);
+            self.hit.primitive.store(&mut hits.primitive[at..]);
+            self.hit.u.store(&mut hits.u[at..]);
+            self.hit.v.store(&mut hits.v[at..]);
+        }
+    }
+
+    /// Visits a child of a node, and what is below it.
+    #[inline(always)]
+    fn visit(&mut self, child: Child, stack: &mut Stack) {
+        if child.is_leaf() {
+            self.leaf(child);
+        } else {
+            self.below(child, stack);
+        }
+    }
+
+    fn below(&mut self, child: Child, stack: &mut Stack) {
+        let mut next = child;
+        let mut waiting = 0;
+        loop {
+            if next.is_leaf() {
+                self.leaf(next);
+            } else {
+                let node = &self.hierarchy.bvh.wide[next.index()];
+                let (near, meets) = self.frustum.pass_boxes(node.boxes(), self.limit);
+                if meets.any() {
+                    waiting += stack.put(waiting, node.children(), near, meets);
+                }
+            }
+            loop {
+                if waiting == 0 {
+                    return;
+                }
+                waiting -= 1;
+                let (child, near) = stack.get(waiting);
+                if near <= self.limit {
+                    next = child;
+                    break;
+                }
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn leaf(&mut self, leaf: Child) {
+        if leaf.is_spheres() {
+            if self.hierarchy.packet_meets_spheres(leaf.index(), &self.packet.ray, &mut self.hit) {
+                self.shorten();
+            }
+            return;
+        }
+        let leaf = self.hierarchy.triangle_leaf(leaf.index());
+        let (_, meets) = self.frustum.pass(|axis| leaf.planes(axis), self.limit);
+        let mut closer = false;
+        for lane in lanes(meets) {
+            closer |= leaf.packet_meets(lane, self.hierarchy.reach, &mut self.packet, &mut self.hit);
+        }
+        if closer {
+            self.shorten();
+        }
+    }
+
+    /// Measures again how far the packet's rays reach along the axis: their furthest hit, and a little more for rounding.
+    #[inline(never)]
+    fn shorten(&mut self) {
+        self.closer = true;
+        let furthest = -lowest(-self.stem.depth(self.packet.ray.direction, self.hit.t));
+        let limit = furthest + furthest.abs() * (4.0 * f32::EPSILON);
+        self.limit = if limit.is_nan() { f32::INFINITY } else { limit };
+    }
+}
+
+/// The lowest and highest lane of each of eight rows.
+#[inline(always)]
+fn spans(rows: &[F32x8]) -> [F32x8; 2] {
+    let order = U32x8::from_fn(|lane| lane as u32);
+    let [first, rest @ ..] = F32x8::gather_rows::<8>(bytemuck::cast_slice(rows), order);
+    rest.into_iter().fold([first, first], |[low, high], x| [low.min(x), high.max(x)])
+}
+
+/// Improves the hits of up to [`TILE`] camera rays, which come in with the rays' reach; says no and does nothing if they do not
+/// run together from one origin, or if more than `most_nodes` entries of their cut are nodes that found no room to be opened.
+pub fn trace(
+    hierarchy: &Hierarchy,
+    rays: &Rays,
+    hits: &mut Hits,
+    stack: &mut Stack,
+    most_nodes: usize,
+) -> bool {
+    let count = rays.len();
+    if !count.is_multiple_of(8) || !(8..=TILE).contains(&count) {
+        return false;
+    }
+    let packets = count / 8;
+    let Some(stem) = Stem::of(&rays.packet::<f32>(0), hierarchy.reach) else { return false };
+    let mut slopes = [[F32x8::zero(); PACKETS]; 2];
+    let Some(span) = stem.slopes(rays, &mut slopes) else { return false };
+    let cut = Cut::of(hierarchy, &stem.frustum(&stem.frusta(span), 0));
+    if cut.filled == 0 {
+        return true;
+    }
+    if cut.children[..cut.filled].iter().filter(|child| !child.is_leaf()).count() > most_nodes {
+        return false;
+    }
+    for first in (0..packets).step_by(8) {
+        let frusta = stem.frusta(slopes.each_ref().map(|rows| spans(&rows[first..first + 8])));
+        for at in first..packets.min(first + 8) {
+            let frustum = stem.frustum(&frusta, at - first);
+            Walk::new(hierarchy, &stem, &frustum, rays, hits, at * 8).run(&cut, hits, at * 8, stack);
+        }
+    }
+    true
+}

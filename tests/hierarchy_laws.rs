@@ -51,7 +51,7 @@ impl Set {
         let (mut t, mut primitive, mut u, mut v) =
             (vec![f32::INFINITY; 256], vec![MISS; 256], vec![0.0; 256], vec![0.0; 256]);
         let mut hits = Hits { t: &mut t, primitive: &mut primitive, u: &mut u, v: &mut v };
-        tile::trace(hierarchy, &self.rays().range(0..256), &mut hits, &mut Stack::new(), CUT)
+        tile::trace(hierarchy, &self.rays().range(0..256), &mut hits, &mut Stack::new(), CUT, ())
     }
     /// Every primitive tested in order, at a width of one.
     fn linear(&self, scene: &Scene) -> Answers {

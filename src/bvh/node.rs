@@ -70,6 +70,10 @@ impl WideNode {
     pub fn children(&self) -> &[Child; WIDE] {
         &self.children
     }
+    /// How many slots are filled.
+    pub fn filled(&self) -> usize {
+        self.children.iter().filter(|&&child| child != Child::NONE).count()
+    }
     /// The planes of the children's boxes, one a slot: the lower ones along x, y, z, then the upper ones. Where there is no child the
     /// lower ones are +∞ and the upper ones −∞.
     #[inline(always)]

@@ -5,6 +5,7 @@ use super::rays::{Hits, Rays};
 use super::scalar;
 use super::single::{self, Stack};
 use super::stream::Stream;
+use super::tally::{Counter, Tally};
 use super::tile::{self, CUT, TILE};
 
 /// A tile whose cut keeps more nodes than this sees more triangles than its packets can share: its rays go on in streams. Measured on
@@ -68,19 +69,45 @@ impl Tracer {
         rays: &Rays,
         hits: &mut Hits,
     ) {
+        self.tallied::<ANY>(traversal, hierarchy, rays, hits, ());
+    }
+
+    /// The same, and counts what is tested.
+    pub fn count<const ANY: bool>(
+        &mut self,
+        traversal: Traversal,
+        hierarchy: &Hierarchy,
+        rays: &Rays,
+        hits: &mut Hits,
+        counter: &Counter,
+    ) {
+        self.tallied::<ANY>(traversal, hierarchy, rays, hits, counter);
+    }
+
+    #[inline(always)]
+    fn tallied<const ANY: bool>(
+        &mut self,
+        traversal: Traversal,
+        hierarchy: &Hierarchy,
+        rays: &Rays,
+        hits: &mut Hits,
+        tally: impl Tally,
+    ) {
         match traversal {
             Traversal::Scalar => {
-                one_by_one(hierarchy, rays, hits, |ray, hit| scalar::trace::<ANY>(hierarchy, ray, hit));
+                one_by_one(hierarchy, rays, hits, move |ray, hit| {
+                    scalar::trace::<ANY>(hierarchy, ray, hit, tally)
+                });
             }
             Traversal::Single => {
                 let stack = &mut self.stack;
-                one_by_one(hierarchy, rays, hits, |ray, hit| {
-                    single::trace::<ANY>(hierarchy, ray, stack, hit)
+                one_by_one(hierarchy, rays, hits, move |ray, hit| {
+                    single::trace::<ANY>(hierarchy, ray, stack, hit, tally)
                 });
             }
-            Traversal::Stream => self.stream().trace::<ANY>(hierarchy, rays, hits),
-            Traversal::Packet => self.tiles::<ANY>(hierarchy, rays, hits, CUT),
-            Traversal::Hybrid => self.tiles::<ANY>(hierarchy, rays, hits, FEW_NODES),
+            Traversal::Stream => self.stream().trace::<ANY>(hierarchy, rays, hits, tally),
+            Traversal::Packet => self.tiles::<ANY>(hierarchy, rays, hits, CUT, tally),
+            Traversal::Hybrid => self.tiles::<ANY>(hierarchy, rays, hits, FEW_NODES, tally),
         }
     }
 
@@ -91,6 +118,7 @@ impl Tracer {
         rays: &Rays,
         hits: &mut Hits,
         most_nodes: usize,
+        tally: impl Tally,
     ) {
         let mut left = 0;
         for first in (0..rays.len()).step_by(TILE) {
@@ -102,15 +130,21 @@ impl Tracer {
                     &mut hits.range(tile.clone()),
                     &mut self.stack,
                     most_nodes,
+                    tally,
                 );
             if together {
                 let apart = left..first;
-                self.stream().trace::<ANY>(hierarchy, &rays.range(apart.clone()), &mut hits.range(apart));
+                self.stream().trace::<ANY>(
+                    hierarchy,
+                    &rays.range(apart.clone()),
+                    &mut hits.range(apart),
+                    tally,
+                );
                 left = tile.end;
             }
         }
         let rest = left..rays.len();
-        self.stream().trace::<ANY>(hierarchy, &rays.range(rest.clone()), &mut hits.range(rest));
+        self.stream().trace::<ANY>(hierarchy, &rays.range(rest.clone()), &mut hits.range(rest), tally);
     }
 
     fn stream(&mut self) -> &mut Stream {

@@ -80,6 +80,11 @@ impl Hierarchy {
         self.bvh.bytes() + size_of_val(self.triangles.as_slice()) + size_of_val(self.spheres.as_slice())
     }
 
+    /// How many primitives a leaf holds.
+    pub fn filled(&self, leaf: Child) -> usize {
+        self.bvh.leaf(leaf).primitives().len()
+    }
+
     /// Meets all primitives of a leaf at once.
     #[inline(always)]
     pub fn meet_leaf(&self, leaf: Child, ray: &SingleRay, hit: &mut Hit<f32>) {

@@ -127,6 +127,21 @@ impl Primitives {
         self.hierarchy.as_ref().map(|(hierarchy, traversal)| (hierarchy, *traversal))
     }
 
+    /// How many spheres and triangles [`Primitives::for_batch`] tests each ray against.
+    pub fn linear(&self, buffers: &Buffers, visible: Option<&Visible>) -> [usize; 2] {
+        if let Some(visible) = visible {
+            return [visible.spheres.len(), visible.triangles.len()];
+        }
+        let triangles = match &self.triangles {
+            Triangles::Woop(stored) => stored.len(),
+            Triangles::WoopContracted(stored) => stored.len(),
+            Triangles::MollerTrumbore(stored) => stored.len(),
+            Triangles::BaldwinWeber(stored) => stored.len(),
+            Triangles::Plucker(stored) => stored.len(),
+        };
+        [buffers.spheres.len(), triangles]
+    }
+
     /// Tests every primitive; only without a hierarchy. Runs a batch of rays with the chosen methods, each compiled for itself. `visible` holds all that the rays can meet; without
     /// it, everything is tested.
     #[inline(always)]

@@ -12,6 +12,8 @@
 //! | [`stream`] | batches of rays without order |
 //! | [`batch`] | the choice between them |
 //!
+//! [`tally`] counts what they test.
+//!
 //! The law of every traversal: it gives the same hit, bit for bit, as testing every primitive in order, spheres first, then
 //! triangles, the nearest t winning and the lower index on a tie.
 
@@ -24,6 +26,7 @@ pub mod rays;
 pub mod scalar;
 pub mod single;
 pub mod stream;
+pub mod tally;
 pub mod tile;
 mod visible;
 

@@ -1,12 +1,13 @@
 //! One ray on the binary tree, one box and one primitive at a time: the honest baseline.
 
 use super::hierarchy::{Hierarchy, SingleRay};
+use super::tally::Tally;
 use crate::bvh::{Child, MAX_DEPTH};
 use crate::kernel::ray_box::Slabs;
 use crate::math::{Hit, MISS, Vec3};
 
 /// Improves `hit`, which comes in with the ray's reach; with `ANY`, ends at the first hit found.
-pub fn trace<const ANY: bool>(hierarchy: &Hierarchy, ray: &SingleRay, hit: &mut Hit<f32>) {
+pub fn trace<const ANY: bool>(hierarchy: &Hierarchy, ray: &SingleRay, hit: &mut Hit<f32>, tally: impl Tally) {
     let nodes = &hierarchy.bvh.binary;
     let mut stack = [(0u32, 0f32); MAX_DEPTH as usize + 2];
     let mut waiting = 0;
@@ -18,7 +19,8 @@ pub fn trace<const ANY: bool>(hierarchy: &Hierarchy, ray: &SingleRay, hit: &mut 
         let corner = |v: glam::Vec3| Vec3::new(v.x, v.y, v.z);
         entry(&ray.slabs, corner(bounds.lo), corner(bounds.hi), reach)
     };
-    if enter(0, hit.t) > hit.t {
+    tally.boxes(1, 1);
+    if enter(0, hit.t).is_nan() {
         return;
     }
     let mut node = 0;
@@ -26,6 +28,7 @@ pub fn trace<const ANY: bool>(hierarchy: &Hierarchy, ray: &SingleRay, hit: &mut 
         let child = nodes[node].child();
         if child.is_leaf() {
             if child != Child::NONE {
+                tally.leaf_one_by_one(hierarchy, child);
                 hierarchy.meet_leaf_one_by_one(child, ray, hit);
                 if ANY && hit.primitive != MISS {
                     return;
@@ -34,6 +37,7 @@ pub fn trace<const ANY: bool>(hierarchy: &Hierarchy, ray: &SingleRay, hit: &mut 
         } else {
             let (left, right) = (node + 1, child.index());
             let (first, second) = if nodes[node].left_first(upwards) { (left, right) } else { (right, left) };
+            tally.boxes(2, 2);
             let (near, far) = (enter(first, hit.t), enter(second, hit.t));
             if near <= hit.t {
                 if far <= hit.t {

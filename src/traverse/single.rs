@@ -4,6 +4,7 @@
 //! on with the nearest.
 
 use super::hierarchy::{Hierarchy, SingleRay};
+use super::tally::Tally;
 use crate::bvh::{Child, MAX_STACK, WIDE, WideNode};
 use crate::lane::{Bits, F32x8, Lane, Mask, Mask8, U32x8};
 use crate::math::{Hit, MISS};
@@ -104,8 +105,14 @@ impl SplatSlabs {
 }
 
 /// Improves `hit`, which comes in with the ray's reach; with `ANY`, ends at the first hit found.
-pub fn trace<const ANY: bool>(hierarchy: &Hierarchy, ray: &SingleRay, stack: &mut Stack, hit: &mut Hit<f32>) {
-    trace_from::<ANY>(hierarchy, Child(0), ray, stack, hit);
+pub fn trace<const ANY: bool>(
+    hierarchy: &Hierarchy,
+    ray: &SingleRay,
+    stack: &mut Stack,
+    hit: &mut Hit<f32>,
+    tally: impl Tally,
+) {
+    trace_from::<ANY>(hierarchy, Child(0), ray, stack, hit, tally);
 }
 
 /// The same below one node or leaf.
@@ -116,18 +123,21 @@ pub fn trace_from<const ANY: bool>(
     ray: &SingleRay,
     stack: &mut Stack,
     hit: &mut Hit<f32>,
+    tally: impl Tally,
 ) {
     let slabs = SplatSlabs::new(ray);
     let mut waiting = 0;
     let mut next = from;
     loop {
         if next.is_leaf() {
+            tally.leaf(hierarchy, next, 1);
             hierarchy.meet_leaf(next, ray, hit);
             if ANY && hit.primitive != MISS {
                 return;
             }
         } else {
             let node = &hierarchy.bvh.wide[next.index()];
+            tally.node(node, 1);
             let (entry, passes) = slabs.pass(node, hit.t);
             let passed = passes.count();
             if passed == 1 {

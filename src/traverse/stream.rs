@@ -9,6 +9,7 @@
 use super::hierarchy::{Hierarchy, SingleRay};
 use super::rays::{Hits, Rays};
 use super::single::{self, Stack};
+use super::tally::Tally;
 use crate::bvh::{Child, WIDE};
 use crate::kernel::ray_box::{Reach, Slabs};
 use crate::kernel::ray_triangle::{TriangleMethod, Woop, WoopRay};
@@ -100,14 +101,26 @@ impl Stream {
     }
 
     /// Improves the hits of all rays; with `ANY`, each ends at the first hit found.
-    pub fn trace<const ANY: bool>(&mut self, hierarchy: &Hierarchy, rays: &Rays, hits: &mut Hits) {
+    pub fn trace<const ANY: bool>(
+        &mut self,
+        hierarchy: &Hierarchy,
+        rays: &Rays,
+        hits: &mut Hits,
+        tally: impl Tally,
+    ) {
         for first in (0..rays.len()).step_by(BATCH) {
             let batch = first..rays.len().min(first + BATCH);
-            self.batch::<ANY>(hierarchy, &rays.range(batch.clone()), &mut hits.range(batch));
+            self.batch::<ANY>(hierarchy, &rays.range(batch.clone()), &mut hits.range(batch), tally);
         }
     }
 
-    fn batch<const ANY: bool>(&mut self, hierarchy: &Hierarchy, rays: &Rays, hits: &mut Hits) {
+    fn batch<const ANY: bool>(
+        &mut self,
+        hierarchy: &Hierarchy,
+        rays: &Rays,
+        hits: &mut Hits,
+        tally: impl Tally,
+    ) {
         let count = rays.len();
         let whole = count - count % WIDE;
         for at in (0..whole).step_by(WIDE) {
@@ -143,7 +156,7 @@ impl Stream {
         for octant in 0..8 {
             let (start, end) = (starts[octant], ends[octant]);
             if start < end {
-                let mut walk = Walk { stream: self, hierarchy, rays, octant };
+                let mut walk = Walk { stream: self, hierarchy, rays, octant, tally };
                 walk.node::<ANY>(0, start, end - start, count + WIDE);
             }
         }
@@ -163,17 +176,19 @@ impl Stream {
 }
 
 /// One octant of a batch on its way down.
-struct Walk<'a> {
+struct Walk<'a, T> {
     stream: &'a mut Stream,
     hierarchy: &'a Hierarchy,
     rays: &'a Rays<'a>,
     octant: usize,
+    tally: T,
 }
 
-impl Walk<'_> {
+impl<T: Tally> Walk<'_, T> {
     /// The `count` rays listed from `start` on, through a node; `free` is where new lists may start.
     fn node<const ANY: bool>(&mut self, node: usize, start: usize, count: usize, free: usize) {
         let node = &self.hierarchy.bvh.wide[node];
+        self.tally.node(node, count);
         let Stream { records, lists, masks, .. } = &mut *self.stream;
         let planes = node.planes();
         let first = |axis: usize| F32x8::load(&planes[axis + 3 * (self.octant >> axis & 1)]);
@@ -266,6 +281,11 @@ impl Walk<'_> {
     }
 
     fn leaf<const ANY: bool>(&mut self, leaf: Child, start: usize, count: usize) {
+        if T::COUNTS {
+            let wants = |&&ray: &&u32| !ANY || self.stream.records[ray as usize].t >= 0.0;
+            let met = self.stream.lists[start..start + count].iter().filter(wants).count();
+            self.tally.leaf(self.hierarchy, leaf, met);
+        }
         let (hierarchy, rays) = (self.hierarchy, self.rays);
         for listed in start..start + count {
             if leaf.is_spheres() {
@@ -281,12 +301,12 @@ impl Walk<'_> {
     }
 
     fn one_by_one<const ANY: bool>(&mut self, child: Child, start: usize, count: usize) {
-        let (hierarchy, rays) = (self.hierarchy, self.rays);
+        let (hierarchy, rays, tally) = (self.hierarchy, self.rays, self.tally);
         for listed in start..start + count {
-            self.meet::<ANY>(listed, |stack, record, axis, ray, hit| {
+            self.meet::<ANY>(listed, move |stack, record, axis, ray, hit| {
                 let ray = rays.packet::<f32>(ray);
                 let single = SingleRay { ray, slabs: record.slabs(), woop: record.woop(axis) };
-                single::trace_from::<ANY>(hierarchy, child, &single, stack, hit);
+                single::trace_from::<ANY>(hierarchy, child, &single, stack, hit, tally);
             });
         }
     }

@@ -11,6 +11,7 @@ use super::frustum::{Boxes, Frustum, Stem, lowest};
 use super::hierarchy::{Hierarchy, Packet};
 use super::rays::{Hits, Rays};
 use super::single::Stack;
+use super::tally::Tally;
 use crate::bvh::{Child, WIDE};
 use crate::lane::{Bits, F32x8, Lane, Mask, U32x8};
 use crate::math::Hit;
@@ -50,7 +51,7 @@ fn lanes(mask: impl Mask) -> impl Iterator<Item = usize> {
 }
 
 impl Cut {
-    fn of(hierarchy: &Hierarchy, frustum: &Frustum) -> Self {
+    fn of(hierarchy: &Hierarchy, frustum: &Frustum, tally: impl Tally) -> Self {
         let mut entries = [Entry { near: 0.0, child: Child(0), node: 0, slot: 0 }; CUT];
         let mut filled = 1;
         // Level by level, as long as there is room: each round opens what the one before found.
@@ -63,6 +64,7 @@ impl Cut {
                     continue;
                 }
                 let node = &hierarchy.bvh.wide[child.index()];
+                tally.node(node, 1);
                 let (near, meets) = frustum.pass_boxes(node.boxes(), f32::INFINITY);
                 if filled - 1 + meets.count() > CUT {
                     continue;
@@ -100,7 +102,7 @@ const EMPTY: Boxes = {
 };
 
 /// A packet on its way down.
-struct Walk<'a> {
+struct Walk<'a, T> {
     hierarchy: &'a Hierarchy,
     stem: &'a Stem,
     frustum: &'a Frustum,
@@ -110,9 +112,10 @@ struct Walk<'a> {
     limit: f32,
     /// Found a hit.
     closer: bool,
+    tally: T,
 }
 
-impl<'a> Walk<'a> {
+impl<'a, T: Tally> Walk<'a, T> {
     #[inline(always)]
     fn new(
         hierarchy: &'a Hierarchy,
@@ -121,6 +124,7 @@ impl<'a> Walk<'a> {
         rays: &Rays,
         hits: &Hits,
         at: usize,
+        tally: T,
     ) -> Self {
         let hit = Hit {
             t: F32x8::load(&hits.t[at..]),
@@ -129,12 +133,13 @@ impl<'a> Walk<'a> {
             v: F32x8::load(&hits.v[at..]),
         };
         let packet = Packet::new(rays.packet::<F32x8>(at));
-        Self { hierarchy, stem, frustum, packet, hit, limit: f32::INFINITY, closer: false }
+        Self { hierarchy, stem, frustum, packet, hit, limit: f32::INFINITY, closer: false, tally }
     }
 
     /// Visits all entries of the tile's cut.
     #[inline(always)]
     fn run(mut self, cut: &Cut, hits: &mut Hits, at: usize, stack: &mut Stack) {
+        self.tally.boxes(cut.filled.div_ceil(WIDE), cut.filled);
         for (boxes, children) in
             cut.boxes.iter().zip(cut.children.as_chunks::<WIDE>().0).take(cut.filled.div_ceil(WIDE))
         {
@@ -171,6 +176,7 @@ impl<'a> Walk<'a> {
                 self.leaf(next);
             } else {
                 let node = &self.hierarchy.bvh.wide[next.index()];
+                self.tally.node(node, 1);
                 let (near, meets) = self.frustum.pass_boxes(node.boxes(), self.limit);
                 if meets.any() {
                     waiting += stack.put(waiting, node.children(), near, meets);
@@ -193,16 +199,18 @@ impl<'a> Walk<'a> {
     #[inline(always)]
     fn leaf(&mut self, leaf: Child) {
         if leaf.is_spheres() {
+            self.tally.packet_at_spheres(self.hierarchy, leaf);
             if self.hierarchy.packet_meets_spheres(leaf.index(), &self.packet.ray, &mut self.hit) {
                 self.shorten();
             }
             return;
         }
-        let leaf = self.hierarchy.triangle_leaf(leaf.index());
-        let (_, meets) = self.frustum.pass(|axis| leaf.planes(axis), self.limit);
+        let triangles = self.hierarchy.triangle_leaf(leaf.index());
+        let (_, meets) = self.frustum.pass(|axis| triangles.planes(axis), self.limit);
+        self.tally.packet_at_triangles(self.hierarchy, leaf, meets);
         let mut closer = false;
         for lane in lanes(meets) {
-            closer |= leaf.packet_meets(lane, self.hierarchy.reach, &mut self.packet, &mut self.hit);
+            closer |= triangles.packet_meets(lane, self.hierarchy.reach, &mut self.packet, &mut self.hit);
         }
         if closer {
             self.shorten();
@@ -229,12 +237,14 @@ fn spans(rows: &[F32x8]) -> [F32x8; 2] {
 
 /// Improves the hits of up to [`TILE`] camera rays, which come in with the rays' reach; says no and does nothing if they do not
 /// run together from one origin, or if more than `most_nodes` entries of their cut are nodes that found no room to be opened.
+#[inline(never)]
 pub fn trace(
     hierarchy: &Hierarchy,
     rays: &Rays,
     hits: &mut Hits,
     stack: &mut Stack,
     most_nodes: usize,
+    tally: impl Tally,
 ) -> bool {
     let count = rays.len();
     if !count.is_multiple_of(8) || !(8..=TILE).contains(&count) {
@@ -244,7 +254,7 @@ pub fn trace(
     let Some(stem) = Stem::of(&rays.packet::<f32>(0), hierarchy.reach) else { return false };
     let mut slopes = [[F32x8::zero(); PACKETS]; 2];
     let Some(span) = stem.slopes(rays, &mut slopes) else { return false };
-    let cut = Cut::of(hierarchy, &stem.frustum(&stem.frusta(span), 0));
+    let cut = Cut::of(hierarchy, &stem.frustum(&stem.frusta(span), 0), tally);
     if cut.filled == 0 {
         return true;
     }
@@ -255,7 +265,7 @@ pub fn trace(
         let frusta = stem.frusta(slopes.each_ref().map(|rows| spans(&rows[first..first + 8])));
         for at in first..packets.min(first + 8) {
             let frustum = stem.frustum(&frusta, at - first);
-            Walk::new(hierarchy, &stem, &frustum, rays, hits, at * 8).run(&cut, hits, at * 8, stack);
+            Walk::new(hierarchy, &stem, &frustum, rays, hits, at * 8, tally).run(&cut, hits, at * 8, stack);
         }
     }
     true

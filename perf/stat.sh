@@ -21,7 +21,7 @@ what=$1
 words=("$@")
 case $what in rays | render) ;; *) say "counts rays or render, not $what; see --help" && exit 2 ;; esac
 has() { case " ${words[*]} " in *" $1 "* | *" $1="*) ;; *) return 1 ;; esac; }
-for mine in --threads --passes --samples --json; do
+for mine in --threads --passes --samples --json --stats; do
     if has $mine; then say "chooses $mine itself" && exit 2; fi
 done
 
@@ -88,7 +88,7 @@ count_by_simulation() {
         # Only tracing counts. Each pass begins a new file: the first has the making of rays, then come two for each kind of ray,
         # the second with warm caches.
         simulate "$scratch/out" --dump-before=octray::measure::rays::Run::pass \
-            --toggle-collect='octray::measure::ways::Team::trace::{{closure}}' "$octray" "$@" --passes 1
+            --toggle-collect=octray::measure::ways::Team::trace_chunk "$octray" "$@" --passes 1
         results "$scratch/report" >"$scratch/results"
         mv "$scratch/out" "$scratch/out.$(($(wc -l <"$scratch/results") * 2 + 1))"
         while read -r kind way rays; do

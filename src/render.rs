@@ -6,6 +6,7 @@ use crate::buffers::{Buffers, Needs};
 use crate::camera::Pinhole;
 use crate::film::{Film, TileSums};
 use crate::integrate::queue::{MAX_PIXELS, Work};
+use crate::integrate::stats::Stats;
 use crate::integrate::{Pipeline, Tile, World, generate as primary, pipeline_for};
 use crate::lane::F32x8;
 use crate::math::{Hit, MISS};
@@ -162,6 +163,16 @@ impl Renderer {
     pub fn on_threads<R: Send>(&self, run: impl FnOnce() -> R + Send) -> R {
         self.threads.run(run)
     }
+    /// Notes from here on what samples take, which costs some time of its own and no bit of the picture.
+    pub fn start_stats(&self) {
+        self.threads.each(|work| work.start_stats());
+    }
+    /// What was noted, summed over all threads; from here on no more is.
+    pub fn take_stats(&self) -> Stats {
+        let mut sum = Stats::default();
+        self.threads.each(|work| sum += &work.take_stats());
+        sum
+    }
     /// Adds `samples` samples to every pixel; they are numbered on from those it has had.
     pub fn add_samples(&self, film: &mut Film, samples: u32) {
         self.add_samples_watched(film, samples, &());
@@ -214,6 +225,7 @@ impl Renderer {
         while sums.samples < goal && !watch.stop() {
             let rays = (self.pipeline)(&self.world, sums.tile, sums.samples, &mut work);
             sums.add(work.radiance());
+            work.enter(None);
             watch.done(sums.tile.pixels(), rays);
             total += rays;
         }

@@ -37,6 +37,15 @@ impl<W: Send> Threads<W> {
             None => run(),
         }
     }
+    /// All working memories, one after the other. Not while threads work.
+    ///
+    /// # Panics
+    /// If work panicked with one before.
+    pub fn each(&self, mut run: impl FnMut(&mut W)) {
+        let memories = self.memories.iter();
+        memories
+            .for_each(|memory| run(&mut memory.lock().expect("no thread panicked with its working memory")));
+    }
     /// The working memory of the thread that asks, which is one of these: the caller, where it is alone, else one inside [`Threads::run`].
     ///
     /// # Panics

@@ -11,7 +11,7 @@ use crate::traverse::Batch;
 /// Finds the nearest hit of the first `count` rays.
 pub fn extend<L: Lane, const N: u32>(world: &World, work: &mut Work, count: usize) {
     if let Some((hierarchy, traversal)) = world.primitives.hierarchy() {
-        work.trace(hierarchy, traversal, count);
+        work.trace(hierarchy, traversal, count, false);
         return;
     }
     world.primitives.for_batch::<L>(&world.buffers, None, Stage::<N> { queue: &mut work.queue, count });

@@ -19,7 +19,7 @@ pub fn generate<L: Lane, const N: u32>(world: &World, tile: Tile, sample: u32, w
         for at in (0..tile.pixels()).step_by(L::WIDTH) {
             work.queue.store_origin::<L>(at, world.camera.origin());
         }
-        work.trace(hierarchy, traversal, tile.pixels());
+        work.trace(hierarchy, traversal, tile.pixels(), true);
         return tile.pixels();
     }
     let visible = world.visible.get(tile.number);

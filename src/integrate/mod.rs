@@ -21,6 +21,7 @@ mod extend;
 mod generate;
 pub mod queue;
 mod shade;
+pub mod stats;
 mod surface;
 
 pub use generate::generate;
@@ -30,6 +31,7 @@ use crate::camera::Pinhole;
 use crate::lane::Lane;
 use crate::traverse::{Primitives, Visible};
 use queue::Work;
+use stats::Stage;
 
 /// All that tracing reads.
 pub struct World {
@@ -79,22 +81,29 @@ pub type Pipeline = fn(&World, Tile, u32, &mut Work) -> u64;
 /// Takes sample `sample` of every pixel of a tile into `work`'s radiance and returns how many rays that took. `N` holds the
 /// features this pipeline is compiled with; it must contain the scene's [`Needs`].
 pub fn trace_tile<L: Lane, const N: u32>(world: &World, tile: Tile, sample: u32, work: &mut Work) -> u64 {
+    work.enter(Some(Stage::Generate));
     let mut count = generate::<L, N>(world, tile, sample, work);
     let mut rays = count as u64;
     if world.max_bounces == 0 {
+        work.enter_with::<L>(Stage::Finish, world, tile, 0, count);
         shade::finish::<L, N, true>(world, work, count);
         return rays;
     }
+    work.enter_with::<L>(Stage::Shade, world, tile, 0, count);
     count = shade::shade::<L, N, true>(world, work, count, 0);
     for bounce in 1..world.max_bounces {
         rays += count as u64;
+        work.enter_with::<L>(Stage::Extend, world, tile, bounce, count);
         if bounce.is_multiple_of(STRAIGHT) {
             work.queue.normalize_directions::<L>(count);
         }
         extend::extend::<L, N>(world, work, count);
+        work.enter(Some(Stage::Shade));
         count = shade::shade::<L, N, false>(world, work, count, bounce);
     }
+    work.enter_with::<L>(Stage::Extend, world, tile, world.max_bounces, count);
     extend::extend::<L, N>(world, work, count);
+    work.enter(Some(Stage::Finish));
     shade::finish::<L, N, false>(world, work, count);
     rays + count as u64
 }

@@ -1,5 +1,7 @@
 //! The paths of a tile in structure-of-arrays form.
 
+use super::stats::{Meter, Stage, Stats};
+use super::{Tile, World};
 use crate::lane::{Bits, F32x8, Lane};
 use crate::math::{Hit, MISS, Ray, Vec3};
 use crate::traverse::batch::{Tracer, Traversal};
@@ -73,6 +75,8 @@ pub struct Work {
     events: Events,
     /// One sample's radiance of each pixel of the tile.
     radiance: Vectors,
+    /// Notes what the work takes, where somebody asks.
+    meter: Option<Box<Meter>>,
 }
 
 /// A path as it leaves a surface.
@@ -167,14 +171,57 @@ fn pack<L: Lane>(v: Vec3<L>, packing: L::Packing) -> Vec3<L> {
     Vec3::new(v.x.pack(packing), v.y.pack(packing), v.z.pack(packing))
 }
 
+/// Never in line: hardly ever wanted.
+#[cold]
+#[inline(never)]
+fn note_segment(meter: &mut Meter, world: &World, tile: Tile, bounces: u32, (rays, width): (usize, usize)) {
+    let visible = if bounces == 0 { world.visible.get(tile.number) } else { None };
+    let linear = world.primitives.hierarchy().is_none();
+    let each = linear.then(|| world.primitives.linear(&world.buffers, visible));
+    meter.segment(bounces, rays, width, each);
+}
+
 impl Work {
     pub fn new() -> Box<Self> {
         let (queue, events, radiance) = (Queue::zeroed(), Events::zeroed(), Vectors::zeroed());
-        Box::new(Self { queue, events, radiance, tracer: Tracer::new() })
+        Box::new(Self { queue, events, radiance, tracer: Tracer::new(), meter: None })
     }
 
-    /// Finds the nearest hits of the first `count` rays in a hierarchy.
-    pub fn trace(&mut self, hierarchy: &Hierarchy, traversal: Traversal, count: usize) {
+    /// Notes what the work takes from here on.
+    pub fn start_stats(&mut self) {
+        self.meter = Some(Box::default());
+    }
+    /// What was noted; from here on no more is.
+    pub fn take_stats(&mut self) -> Stats {
+        self.meter.take().map(|meter| meter.stats()).unwrap_or_default()
+    }
+    /// Says which stage begins; `None` after the last.
+    #[inline(always)]
+    pub fn enter(&mut self, stage: Option<Stage>) {
+        if let Some(meter) = &mut self.meter {
+            meter.enter(stage);
+        }
+    }
+    /// Says which stage begins, and that so many rays have bounced so many times.
+    #[inline(always)]
+    pub fn enter_with<L: Lane>(
+        &mut self,
+        stage: Stage,
+        world: &World,
+        tile: Tile,
+        bounces: u32,
+        rays: usize,
+    ) {
+        if let Some(meter) = &mut self.meter {
+            note_segment(meter, world, tile, bounces, (rays, L::WIDTH));
+            meter.enter(Some(stage));
+        }
+    }
+
+    /// Finds the nearest hits of the first `count` rays, primary ones or others, in a hierarchy.
+    #[inline(always)]
+    pub fn trace(&mut self, hierarchy: &Hierarchy, traversal: Traversal, count: usize, primary: bool) {
+        let before = self.meter.as_mut().and_then(|meter| meter.enter(Some(Stage::Trace)));
         let Queue { origin, direction, t, primitive, u, v, .. } = &mut self.queue;
         let rays = Rays { origin: origin.first(count), direction: direction.first(count) };
         let [t, u, v] = [t, u, v].map(|column| &mut column[..count]);
@@ -184,7 +231,15 @@ impl Work {
         // Spheres and misses have none.
         u.fill(0.0);
         v.fill(0.0);
-        self.tracer.trace::<false>(traversal, hierarchy, &rays, &mut Hits { t, primitive, u, v });
+        let mut hits = Hits { t, primitive, u, v };
+        match &mut self.meter {
+            None => self.tracer.trace::<false>(traversal, hierarchy, &rays, &mut hits),
+            Some(meter) => {
+                let counter = meter.counter(primary);
+                self.tracer.count::<false>(traversal, hierarchy, &rays, &mut hits, counter);
+                meter.enter(before);
+            }
+        }
     }
 
     /// Sets the radiance of the pixels `at`, … where every path is still at the slot of its own number.

@@ -1,7 +1,7 @@
 //! What the program says about itself in figures, and the machine they were taken on.
 //!
 //! For: [`mod@bench`] (speed of frames), [`rays`] (speed of rays by kind: [`ray_sets`], [`ways`]; for other programs: [`ray_dump`]),
-//! [`compare`] (SIMD against scalar, and both against the judge), [`Machine`] (what every report of figures
+//! [`stats`] (time by stage, tests a ray), [`compare`] (SIMD against scalar, and both against the judge), [`Machine`] (what every report of figures
 //! carries), [`features`] (vector instructions: compiled for, and present). May import: everything above it, the judge included.
 //! Must never know: command lines, terminals.
 
@@ -13,6 +13,7 @@ pub mod ray_dump;
 pub mod ray_sets;
 pub mod rays;
 pub mod statistics;
+pub mod stats;
 pub mod turns;
 pub mod ways;
 

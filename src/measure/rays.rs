@@ -7,6 +7,7 @@
 
 use super::ray_sets::{Answers, Kind, Prepared, RaySet, pixels};
 use super::statistics::Quantiles;
+use super::stats::RayStats;
 use super::ways::{Ground, Team, Way};
 use crate::bvh::Quality;
 use crate::camera::Pinhole;
@@ -147,7 +148,8 @@ struct Run<'a> {
 }
 
 impl Run<'_> {
-    /// Traces all rays once; returns the seconds that took.
+    /// Traces all rays once; returns the seconds that took. Never in line: `perf/stat.sh` knows it by name.
+    #[inline(never)]
     fn pass(&mut self, ground: &Ground, rays: &Prepared, answers: &mut Answers) -> f64 {
         let Prepared { set, nearest } = rays;
         let team = self.team;
@@ -203,6 +205,9 @@ pub fn measure(
     let run = |team, way| Run { way, team, seconds: Vec::new(), hits: 0, disagreements: 0, first: None };
     let ways = || ways.iter().copied().filter(|&way| applies(way, set.kind));
     let mut runs: Vec<Run> = teams.iter().flat_map(|team| ways().map(move |way| run(team, way))).collect();
+    if runs.is_empty() {
+        return Vec::new();
+    }
     // Caches and branch predictors fill, threads start.
     for run in &mut runs {
         run.pass(ground, rays, &mut answers);
@@ -222,6 +227,13 @@ pub fn measure(
     runs.into_iter().map(|run| measurement(set, run)).collect()
 }
 
+/// What these ways test for one kind of rays: each traces them once, on one thread, and no more time is measured. Ways that do not
+/// apply to the kind are left out.
+pub fn count(ground: &Ground, rays: &Prepared, ways: &[Way]) -> Vec<RayStats> {
+    let ways = ways.iter().filter(|&&way| applies(way, rays.set.kind));
+    ways.map(|&way| RayStats::count(ground, way, &rays.set)).collect()
+}
+
 fn measurement(set: &RaySet, run: Run) -> Measurement {
     let times = Quantiles::of(run.seconds);
     // A clock may stand still over no rays.
@@ -238,5 +250,26 @@ fn measurement(set: &RaySet, run: Run) -> Measurement {
         passes: times.count(),
         disagreements: run.disagreements,
         first_disagreement: run.first,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::load;
+
+    #[test]
+    fn measure_takes_no_time_where_no_way_applies() {
+        let scene = load("builtin:terrain:2").unwrap();
+        let ground = Ground::new(&scene, Hierarchy::new(&scene, Quality::default()));
+        let teams = [Team::new(1)];
+        let packet = [Way::Tree(Traversal::Packet)];
+        let sets = prepare(&scene, &ground, &teams[0], [64, 48], 0).unwrap();
+        for rays in &sets[1..] {
+            let start = Instant::now();
+            assert!(measure(&ground, rays, &packet, &teams, None).is_empty());
+            assert!(start.elapsed() < PER_KIND, "{:?} for nothing", start.elapsed());
+        }
+        assert_eq!(measure(&ground, &sets[0], &packet, &teams, Some(1)).len(), 1);
     }
 }

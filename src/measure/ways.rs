@@ -16,6 +16,7 @@ use crate::traverse::batch::{Tracer, Traversal};
 use crate::traverse::hierarchy::Hierarchy;
 use crate::traverse::linear;
 use crate::traverse::rays::{Hits, Rays};
+use crate::traverse::tally::{Counter, Counts};
 use rayon::prelude::*;
 
 /// Rays that a thread takes at a time: whole tiles, and a whole batch of a stream.
@@ -84,6 +85,31 @@ impl Ground {
         }
     }
 
+    /// What is tested for these rays, chunk by chunk as more than one thread would trace them.
+    pub fn count(&self, way: Way, set: &RaySet) -> Counts {
+        let (mut tracer, mut answers, counter) = (Tracer::new(), Answers::none(set), Counter::default());
+        let mut hits = answers.hits();
+        for first in (0..set.len()).step_by(CHUNK) {
+            let range = first..set.len().min(first + CHUNK);
+            let (rays, hits) = (&set.rays().range(range.clone()), &mut hits.range(range));
+            match (way, set.kind.any_hit()) {
+                (Way::Linear, _) => {
+                    let each = [self.buffers.spheres.len(), self.triangles.len()];
+                    // As it traces: whole packets, and the rest one by one.
+                    let packets = rays.len() / F32x8::WIDTH + rays.len() % F32x8::WIDTH;
+                    counter.linear(each, packets, rays.len());
+                }
+                (Way::Tree(traversal), true) => {
+                    tracer.count::<true>(traversal, &self.hierarchy, rays, hits, &counter);
+                }
+                (Way::Tree(traversal), false) => {
+                    tracer.count::<false>(traversal, &self.hierarchy, rays, hits, &counter);
+                }
+            }
+        }
+        counter.get()
+    }
+
     /// Domain: whole packets.
     fn test_all<L: Lane>(&self, rays: &Rays, hits: &mut Hits) {
         let (spheres, triangles, reach) = (&self.buffers.spheres, &self.triangles, self.hierarchy.reach);
@@ -128,9 +154,22 @@ impl Team {
     /// Finds what the rays hit; with `ANY`, whether they hit something.
     pub fn trace<const ANY: bool>(&self, way: Way, ground: &Ground, set: &RaySet, answers: &mut Answers) {
         self.each_chunk(set.len(), answers, |first, hits| {
-            let range = first..first + hits.t.len();
-            ground.trace::<ANY>(way, &mut self.0.own(), &set.rays().range(range), hits);
+            self.trace_chunk::<ANY>(way, ground, set, first, hits);
         });
+    }
+
+    /// Never in line: `perf/stat.sh` knows it by name.
+    #[inline(never)]
+    fn trace_chunk<const ANY: bool>(
+        &self,
+        way: Way,
+        ground: &Ground,
+        set: &RaySet,
+        first: usize,
+        hits: &mut Hits,
+    ) {
+        let range = first..first + hits.t.len();
+        ground.trace::<ANY>(way, &mut self.0.own(), &set.rays().range(range), hits);
     }
 
     /// All answers at once on one thread, and in chunks on more; `work` is told the number of its first ray.

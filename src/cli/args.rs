@@ -45,6 +45,10 @@ pub struct BenchArgs {
     /// Print the figures as JSON (schema octray-bench-1).
     #[arg(long)]
     pub json: bool,
+    /// After the measured frames, render some more that are not, and say where their time goes (by stage), how many rays there are of
+    /// each kind, how full their packets are, and how many boxes and primitives a ray is tested against.
+    #[arg(long)]
+    pub stats: bool,
     /// Worker threads [default: one, and SIMD once more on all cores].
     #[arg(long, value_name = "N", allow_hyphen_values = true)]
     pub threads: Option<String>,
@@ -156,6 +160,10 @@ pub struct RenderArgs {
     /// Print what was done as JSON (schema octray-render-1).
     #[arg(long)]
     pub json: bool,
+    /// Say where the time goes (by stage), how many rays there are of each kind, how full their packets are, and how many boxes and
+    /// primitives a ray is tested against. Counting takes some time, and does not change the picture.
+    #[arg(long)]
+    pub stats: bool,
 }
 
 /// Measure rays per second, by kind of ray and way of tracing.
@@ -175,6 +183,9 @@ pub struct RaysArgs {
     /// Print the figures as JSON (schema octray-rays-1).
     #[arg(long)]
     pub json: bool,
+    /// Trace all rays once more, outside of what is measured, and say how many boxes, triangles and spheres a ray is tested against.
+    #[arg(long)]
+    pub stats: bool,
     /// Write rays, nearest hits and triangles into this folder, for other programs to trace; perf/README.md has the format.
     #[arg(long, value_name = "DIR")]
     pub dump: Option<PathBuf>,

@@ -4,6 +4,7 @@ use super::CHECK_FAILED;
 use super::error::CliError;
 use super::memory;
 use super::options::BenchOptions;
+use super::stats;
 use super::terminal::{self, figure};
 use crate::measure::bench::{Effort, Engine, FEWEST_FRAMES, Measurement, bench};
 use crate::measure::compare::{BYTES_PER_PIXEL as COMPARE_BYTES_PER_PIXEL, Comparison, compare};
@@ -62,7 +63,7 @@ pub fn run(options: BenchOptions) -> Result<ExitCode, CliError> {
             }
         }
         let effort = options.frames.map_or(Effort::Time(PER_SCENE), Effort::Frames);
-        let results = bench(&scene, settings, &engines, effort);
+        let results = bench(&scene, settings, &engines, effort, options.stats);
         let accuracy = compare(&scene, settings, 1);
         if !options.json {
             terminal::print(&row(&results, &accuracy))?;
@@ -74,6 +75,9 @@ pub fn run(options: BenchOptions) -> Result<ExitCode, CliError> {
         terminal::print_json(&report)?;
     } else {
         terminal::print(&meaning(&report))?;
+        if options.stats {
+            terminal::print(&stats_of(&report.results))?;
+        }
     }
     if let Some(sentence) = busy(&report.results) {
         terminal::warn(&sentence);
@@ -191,6 +195,15 @@ fn busy(results: &[Measurement]) -> Option<String> {
     ))
 }
 
+/// A table a scene, a column an engine, and what the tables mean.
+fn stats_of(results: &[Measurement]) -> String {
+    let tables = results.chunk_by(|a, b| a.scene == b.scene).map(|of_scene| {
+        let columns: Vec<_> = of_scene.iter().filter_map(|result| result.stats.as_ref()).collect();
+        stats::frames(&of_scene[0].scene, &columns)
+    });
+    tables.collect::<String>() + &stats::meaning_of_frames()
+}
+
 /// What the table says, in a line.
 fn meaning(report: &Report) -> String {
     let pixels: usize = report.accuracy.iter().map(|accuracy| accuracy.mismatched_pixels).sum();
@@ -241,6 +254,7 @@ mod tests {
             scaling: None,
             needs: Vec::new(),
             pipeline: "needed",
+            stats: None,
         };
         let few = result("few", FEWEST_FRAMES - 1, 1.0);
         assert_eq!(busy(&[few.clone(), result("calm", 99, 61.0)]), None);

@@ -10,6 +10,7 @@
 //! | [`machine_check`] | refuses to start where the program's instructions do not exist |
 //! | [`memory`] | refuses pictures that do not fit |
 //! | [`terminal`] | the only writer to standard output and standard error |
+//! | [`stats`] | the tables of `--stats` |
 //! | [`interrupt`] | Ctrl-C |
 //! | [`progress`] | how far a rendering is |
 //! | [`error`] | what can go wrong |
@@ -27,6 +28,7 @@ pub mod options;
 pub mod progress;
 pub mod rays;
 pub mod render;
+pub mod stats;
 pub mod terminal;
 
 pub use error::CliError;

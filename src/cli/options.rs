@@ -36,6 +36,7 @@ pub struct BenchOptions {
     /// Empty: the built-in bench scenes.
     pub scenes: Vec<String>,
     pub json: bool,
+    pub stats: bool,
     /// One thread, and packets once more on all cores, if `None`.
     pub threads: Option<usize>,
     /// One width only; both if `None`.
@@ -81,12 +82,14 @@ pub struct RenderOptions {
     pub methods: Methods,
     pub pipeline: PipelineChoice,
     pub json: bool,
+    pub stats: bool,
 }
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct RaysOptions {
     pub scene: String,
     pub json: bool,
+    pub stats: bool,
     pub dump: Option<PathBuf>,
     /// At most [`MAX_RAYS`] pixels.
     pub size: [u32; 2],
@@ -118,6 +121,7 @@ impl TryFrom<BenchArgs> for BenchOptions {
         Ok(Self {
             scenes: args.scenes,
             json: args.json,
+            stats: args.stats,
             threads: args.threads.map(|text| threads(Some(text))).transpose()?,
             lanes: args.lanes.as_deref().map(lanes).transpose()?,
             size: size(&args.size)?,
@@ -167,6 +171,7 @@ impl TryFrom<RenderArgs> for RenderOptions {
             methods: args.methods.into(),
             pipeline: args.pipeline.into(),
             json: args.json,
+            stats: args.stats,
         })
     }
 }
@@ -182,6 +187,7 @@ impl TryFrom<RaysArgs> for RaysOptions {
         Ok(Self {
             scene: args.scene,
             json: args.json,
+            stats: args.stats,
             dump: args.dump,
             size,
             threads: args.threads.map(|text| threads(Some(text))).transpose()?,

@@ -3,9 +3,10 @@
 use super::CHECK_FAILED;
 use super::error::CliError;
 use super::options::RaysOptions;
-use super::terminal;
+use super::{stats, terminal};
 use crate::bvh::check::{Statistics, check_scene};
 use crate::measure::rays::{self, BuildTime, Measurement};
+use crate::measure::stats::RayStats;
 use crate::measure::ways::{Ground, Team, Way};
 use crate::measure::{Machine, machine, ray_dump};
 use crate::scene;
@@ -36,6 +37,9 @@ struct Report {
     /// What makes the hierarchy invalid: a fault of the program.
     fault: Option<String>,
     results: Vec<Measurement>,
+    /// With `--stats`: a pass that was not timed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    stats: Option<Vec<RayStats>>,
     /// What was not measured, and why: each a full sentence.
     left_out: Vec<String>,
 }
@@ -73,6 +77,7 @@ pub fn run(options: RaysOptions) -> Result<ExitCode, CliError> {
         fault: tree.as_ref().err().cloned(),
         tree: tree.ok(),
         results: Vec::new(),
+        stats: options.stats.then(Vec::new),
         left_out: Vec::new(),
     };
     if !options.json {
@@ -104,11 +109,17 @@ pub fn run(options: RaysOptions) -> Result<ExitCode, CliError> {
             results.iter().try_for_each(|result| terminal::print(&row(result)))?;
         }
         report.results.extend(results);
+        if let Some(stats) = &mut report.stats {
+            stats.extend(rays::count(&ground, prepared, &ways));
+        }
     }
     if options.json {
         terminal::print_json(&report)?;
     } else {
         terminal::print(&meaning(&report))?;
+        if let Some(taken) = &report.stats {
+            terminal::print(&stats::rays(taken))?;
+        }
     }
     let failed = report.fault.is_some() || report.results.iter().any(|result| result.disagreements > 0);
     Ok(if failed { ExitCode::from(CHECK_FAILED) } else { ExitCode::SUCCESS })

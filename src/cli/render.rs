@@ -6,8 +6,10 @@ use super::interrupt::Interrupt;
 use super::memory;
 use super::options::RenderOptions;
 use super::progress::{Progress, mrays_per_s};
+use super::stats;
 use super::terminal::{self, figure};
 use crate::film::Film;
+use crate::measure::stats::FrameStats;
 use crate::output::{self, Existing, Format};
 use crate::render::{Renderer, Settings, Watch};
 use crate::scene::{self, Scene};
@@ -41,6 +43,9 @@ struct Report {
     mrays_per_s: f64,
     discarded_samples: u64,
     interrupted: bool,
+    /// With `--stats`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    stats: Option<FrameStats>,
 }
 
 /// Runs the command.
@@ -62,12 +67,18 @@ pub fn run(options: RenderOptions) -> Result<ExitCode, CliError> {
     let settings = settings(&scene, &options);
     memory::check(settings.resolution, Film::BYTES_PER_PIXEL)?;
     let renderer = Renderer::new(&scene, settings);
+    if options.stats {
+        renderer.start_stats();
+    }
     let interrupt = Interrupt::listen();
     let mut film = renderer.film();
     let progress = Progress::new(settings.resolution, options.samples);
     let time = trace(&renderer, &mut film, options.samples, &interrupt, &progress);
     progress.writing(&options.output);
-    let (report, begun) = (Report::of(&options, &settings, &film, time), film.pixels_begun());
+    let (mut report, begun) = (Report::of(&options, &settings, &film, time), film.pixels_begun());
+    report.stats = options
+        .stats
+        .then(|| FrameStats::of(&renderer.take_stats(), settings.lanes, settings.threads, film.samples()));
     let picture = film.picture();
     // Encoders need memory of their own: in place of the film's and the scene's.
     drop((film, renderer, scene));
@@ -90,6 +101,10 @@ pub fn run(options: RenderOptions) -> Result<ExitCode, CliError> {
         terminal::print_json(&report)?;
     } else {
         terminal::print(&report.line(options.samples, begun))?;
+        if let Some(taken) = &report.stats {
+            terminal::print(&stats::frames("stage", &[taken]))?;
+            terminal::print(&stats::meaning_of_frames())?;
+        }
     }
     Ok(if report.interrupted { ExitCode::from(INTERRUPTED) } else { ExitCode::SUCCESS })
 }
@@ -166,6 +181,7 @@ impl Report {
             mrays_per_s: mrays_per_s(film.rays(), time),
             discarded_samples: film.discarded(),
             interrupted: film.samples() < options.samples,
+            stats: None,
         }
     }
 

@@ -3,6 +3,7 @@
 //! For: [`bench()`]. May import: `turns`, `statistics`, and what they may. Must never know: how figures are shown.
 
 use super::statistics::Quantiles;
+use super::stats::FrameStats;
 use super::turns::{Ratio, Timed};
 use crate::render::{PipelineChoice, Renderer, Settings};
 use crate::scene::Scene;
@@ -55,6 +56,9 @@ pub struct Measurement {
     pub needs: Vec<&'static str>,
     /// `needed` or `general`.
     pub pipeline: &'static str,
+    /// Of frames that were not timed, where [`FrameStats`] were asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stats: Option<FrameStats>,
 }
 
 /// How long an engine is timed before the next one has its turn: short beside the drift of a machine's clock, long beside the time that
@@ -63,6 +67,8 @@ const TURN: Duration = Duration::from_millis(50);
 /// Fewest frames behind a median, and fewest where frames are so slow that patience ends.
 pub const FEWEST_FRAMES: usize = 50;
 const FEWEST_SLOW_FRAMES: usize = 3;
+/// So long frames are rendered for [`FrameStats`].
+const STATS_TIME: Duration = Duration::from_millis(250);
 /// So many times the measuring time, patience ends.
 const PATIENCE: u32 = 10;
 struct Run {
@@ -70,8 +76,15 @@ struct Run {
     timed: Timed,
 }
 
-/// Times the engines on a scene, in alternation, after a warm-up. `settings` holds for all but lanes and threads.
-pub fn bench(scene: &Scene, settings: Settings, engines: &[Engine], effort: Effort) -> Vec<Measurement> {
+/// Times the engines on a scene, in alternation, after a warm-up. `settings` holds for all but lanes and threads. With `stats`, each
+/// engine then renders some more frames that are not timed.
+pub fn bench(
+    scene: &Scene,
+    settings: Settings,
+    engines: &[Engine],
+    effort: Effort,
+    stats: bool,
+) -> Vec<Measurement> {
     let mut runs: Vec<Run> = engines
         .iter()
         .map(|&engine| {
@@ -98,7 +111,22 @@ pub fn bench(scene: &Scene, settings: Settings, engines: &[Engine], effort: Effo
             run.timed.turn(left, TURN);
         }
     }
-    runs.iter().map(|run| measurement(scene, run, &runs)).collect()
+    let with_stats =
+        |run: &Run| Measurement { stats: stats.then(|| frame_stats(run)), ..measurement(scene, run, &runs) };
+    runs.iter().map(with_stats).collect()
+}
+
+/// Renders frames of their own, the first ones of the picture.
+fn frame_stats(run: &Run) -> FrameStats {
+    let Run { engine: Engine { lanes, threads }, timed: Timed { renderer, .. } } = run;
+    let (mut film, start) = (renderer.film(), Instant::now());
+    renderer.start_stats();
+    renderer.on_threads(|| {
+        while film.samples() == 0 || start.elapsed() < STATS_TIME {
+            renderer.add_samples(&mut film, 1);
+        }
+    });
+    FrameStats::of(&renderer.take_stats(), *lanes, *threads, film.samples())
 }
 
 fn measurement(scene: &Scene, run: &Run, runs: &[Run]) -> Measurement {
@@ -130,6 +158,7 @@ fn measurement(scene: &Scene, run: &Run, runs: &[Run]) -> Measurement {
             PipelineChoice::Needed => "needed",
             PipelineChoice::General => "general",
         },
+        stats: None,
     }
 }
 

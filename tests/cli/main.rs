@@ -8,5 +8,6 @@ mod interrupt;
 mod rays;
 mod render;
 mod scenes;
+mod stats;
 mod streams;
 mod usage;

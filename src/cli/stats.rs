@@ -1,0 +1,112 @@
+//! The tables of `--stats`.
+//!
+//! For: [`frames`], [`rays`]. May import: `measure`'s reports, `terminal`. Must never know: commands.
+
+use super::terminal::figure;
+use crate::measure::stats::{BounceStats, FrameStats, PerRay, RayStats, TestStats};
+use std::fmt::Write;
+
+/// Most bounces that a table shows; the JSON report has all.
+const MOST_BOUNCES: usize = 12;
+
+/// What the words of the tables mean.
+const TESTS: &str = "\
+A test is one ray, or one frustum around many rays, against one box or primitive; in brackets the steps, of up to eight tests at
+once, that they took.
+";
+const FRAMES: &str = "\
+Stages: nanoseconds a ray of any kind, summed over threads, with the cost of counting; share of all stages. Where every primitive is
+tested, generate and extend find the hits, else trace does. Lanes in use: rays over the lanes of the packets that hold them.
+";
+
+/// A column for each of these; `heading` names the rows.
+pub fn frames(heading: &str, columns: &[&FrameStats]) -> String {
+    let mut table = Table { text: String::from("\n") };
+    table.row(heading, columns.iter().map(|column| engine(column)));
+    for (at, stage) in columns[0].stages.iter().enumerate() {
+        let of = |column: &&FrameStats| {
+            let stage = &column.stages[at];
+            let time = format!("{} ns", figure(stage.ns_per_ray, 1));
+            format!("{time} {:>5.1} %", 100.0 * stage.share)
+        };
+        table.row(stage.stage, columns.iter().map(of));
+    }
+    for (at, kind) in columns[0].kinds.iter().enumerate() {
+        let share = |column: &&FrameStats| {
+            let rays = column.kinds[at].rays as f64;
+            let frames = f64::from(column.frames.max(1));
+            let share = 100.0 * rays / (column.rays as f64).max(1.0);
+            format!("{:.0} {share:>5.1} %", rays / frames)
+        };
+        table.row(&format!("{} rays a sample", kind.kind), columns.iter().map(share));
+        for (what, of) in KINDS {
+            let counted = |column: &&FrameStats| of(&column.kinds[at].tests).tests > 0;
+            if columns.iter().any(counted) {
+                let cell = |column: &&FrameStats| cell(of(&column.kinds[at].tests));
+                table.row(&format!("  {what} tests a ray"), columns.iter().map(cell));
+            }
+        }
+    }
+    let bounces = columns.iter().map(|column| column.bounces.len()).max().unwrap_or(0);
+    for bounce in 0..bounces.min(MOST_BOUNCES) {
+        let of = |column: &&FrameStats| {
+            let lanes = |bounce: &BounceStats| {
+                let share = 100.0 * bounce.rays as f64 / column.rays as f64;
+                format!("{:.1} % {share:>5.1} %", 100.0 * bounce.lanes_in_use)
+            };
+            column.bounces.get(bounce).map_or(String::new(), lanes)
+        };
+        table.row(&format!("lanes in use, bounce {bounce}"), columns.iter().map(of));
+    }
+    if bounces > MOST_BOUNCES {
+        let _ = writeln!(table.text, "  (and {} bounces more: --json has them)", bounces - MOST_BOUNCES);
+    }
+    table.text
+}
+
+/// What the tables of [`frames`] mean.
+pub fn meaning_of_frames() -> String {
+    format!("\n{FRAMES}{TESTS}")
+}
+
+/// A row for each kind of rays and way of tracing.
+pub fn rays(rows: &[RayStats]) -> String {
+    let mut text = format!("\n{:<9}{:<10}", "kind", "traversal");
+    KINDS.iter().for_each(|(what, _)| text.push_str(&format!("{:>24}", format!("{what} tests a ray"))));
+    text.push('\n');
+    for row in rows {
+        let _ = write!(text, "{:<9}{:<10}", row.kind.name(), row.traversal);
+        KINDS.iter().for_each(|(_, of)| text.push_str(&format!("{:>24}", cell(of(&row.tests)))));
+        text.push('\n');
+    }
+    text + TESTS
+}
+
+type Of = fn(&TestStats) -> PerRay;
+const KINDS: [(&str, Of); 3] =
+    [("box", |tests| tests.boxes), ("triangle", |tests| tests.triangles), ("sphere", |tests| tests.spheres)];
+
+fn cell(tests: PerRay) -> String {
+    format!("{:.2} ({:.2})", tests.tests_per_ray, tests.steps_per_ray)
+}
+
+/// As a column is headed.
+fn engine(column: &FrameStats) -> String {
+    let FrameStats { lanes, threads, .. } = column;
+    let plural = if *threads == 1 { "" } else { "s" };
+    format!("{}, {threads} thread{plural}", if *lanes == 1 { "scalar" } else { "SIMD" })
+}
+
+struct Table {
+    text: String,
+}
+
+impl Table {
+    fn row(&mut self, name: &str, cells: impl Iterator<Item = String>) {
+        let _ = write!(self.text, "{name:<28}");
+        cells.for_each(|cell| {
+            let _ = write!(self.text, "{cell:>20}");
+        });
+        self.text.push('\n');
+    }
+}

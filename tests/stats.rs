@@ -1,0 +1,184 @@
+//! What `--stats` counts is what happens: counts by hand, sums that agree, and nothing else changed by counting.
+
+mod common;
+
+use common::{empty, material, sphere, triangle};
+use glam::Vec3;
+use octray::bvh::Quality;
+use octray::film::Picture;
+use octray::integrate::stats::{Segment, Stage, Stats};
+use octray::math::MISS;
+use octray::measure::stats::FrameStats;
+use octray::render::{Renderer, Settings};
+use octray::scene::{MaterialKind, Scene, load};
+use octray::traverse::batch::{Tracer, Traversal};
+use octray::traverse::hierarchy::Hierarchy;
+use octray::traverse::rays::{Hits, Rays};
+use octray::traverse::tally::{Counter, Counts, Tests};
+use octray::traverse::{Methods, TraversalChoice};
+
+/// Two triangles far from each other in the plane z = 0, around (−3, 0) and (3, 0).
+fn two_triangles() -> Scene {
+    let around =
+        |x: f32| [Vec3::new(x - 1.0, -1.0, 0.0), Vec3::new(x + 1.0, -1.0, 0.0), Vec3::new(x, 1.0, 0.0)];
+    Scene {
+        materials: vec![material(MaterialKind::Diffuse)],
+        triangles: [-3.0, 3.0].map(|x| triangle(around(x), 0)).to_vec(),
+        ..empty()
+    }
+}
+
+/// What is counted for rays that start at (x, 0, 5) and run almost along −z, and how many of them hit something.
+fn counted(scene: &Scene, traversal: Traversal, starts: &[f32]) -> (Counts, usize) {
+    let hierarchy = Hierarchy::new(scene, Quality::default());
+    let count = starts.len();
+    let tilt: Vec<f32> = (0..count).map(|at| at as f32 * 1e-3).collect();
+    let (zeros, ones) = (vec![0.0; count], vec![-1.0; count]);
+    let fives = vec![5.0; count];
+    let origin = [starts, &zeros, &fives];
+    let rays = Rays { origin, direction: [&tilt, &zeros, &ones] };
+    let counter = Counter::default();
+    let (mut t, mut primitive) = (vec![f32::INFINITY; count], vec![MISS; count]);
+    let (mut u, mut v) = (zeros.clone(), zeros.clone());
+    let mut hits = Hits { t: &mut t, primitive: &mut primitive, u: &mut u, v: &mut v };
+    Tracer::new().count::<false>(traversal, &hierarchy, &rays, &mut hits, &counter);
+    (counter.get(), primitive.iter().filter(|&&one| one != MISS).count())
+}
+
+fn tests(tests: u64, steps: u64) -> Tests {
+    Tests { tests, steps }
+}
+
+#[test]
+fn tests_of_two_triangles_are_those_counted_by_hand() {
+    let scene = two_triangles();
+    let bvh = Hierarchy::new(&scene, Quality::default()).bvh;
+    assert_eq!((bvh.wide[0].filled(), bvh.binary.len()), (1, 1), "both triangles are in one leaf");
+    // One ray at the left triangle, one at nothing between them, one past everything: the box for all three, the triangles for two.
+    let starts = [-3.0, 0.0, 50.0];
+    let none = tests(0, 0);
+    let one_by_one = Counts { boxes: tests(3, 3), triangles: tests(4, 4), spheres: none };
+    assert_eq!(counted(&scene, Traversal::Scalar, &starts), (one_by_one, 1));
+    for traversal in [Traversal::Single, Traversal::Stream, Traversal::Packet, Traversal::Hybrid] {
+        let expected = Counts { boxes: tests(3, 3), triangles: tests(4, 2), spheres: none };
+        assert_eq!(counted(&scene, traversal, &starts), (expected, 1), "{traversal:?}");
+    }
+    // A packet that sees the left triangle alone. The frustum of its tile meets the leaf's box, and so does its own, which then is held
+    // against both triangles' boxes, in a step each; then all eight rays meet one triangle.
+    for traversal in [Traversal::Packet, Traversal::Hybrid] {
+        let expected = Counts { boxes: tests(4, 3), triangles: tests(8, 1), spheres: none };
+        assert_eq!(counted(&scene, traversal, &[-3.0; 8]), (expected, 8), "{traversal:?}");
+    }
+}
+
+#[test]
+fn tests_of_a_leaf_are_its_primitives_and_no_empty_lane() {
+    // Three spheres so near each other that nothing divides them.
+    let spheres: Vec<_> = [0.0, 0.01, 0.02].map(|x| sphere(Vec3::new(x, 0.0, 0.0), 1.0, 0)).into();
+    let scene = Scene { materials: vec![material(MaterialKind::Diffuse)], spheres, ..empty() };
+    let boxes = |traversal, starts: &[f32]| counted(&scene, traversal, starts).0;
+    let none = tests(0, 0);
+    for traversal in [Traversal::Single, Traversal::Stream] {
+        let expected = Counts { boxes: tests(2, 2), triangles: none, spheres: tests(3, 1) };
+        assert_eq!(boxes(traversal, &[0.0, 9.0]), expected, "{traversal:?}");
+    }
+    let expected = Counts { boxes: tests(2, 2), triangles: none, spheres: tests(3, 3) };
+    assert_eq!(boxes(Traversal::Scalar, &[0.0, 9.0]), expected);
+    let expected = Counts { boxes: tests(2, 2), triangles: none, spheres: tests(24, 3) };
+    assert_eq!(boxes(Traversal::Packet, &[0.0; 8]), expected);
+}
+
+/// The picture and the rays of some samples, and what was noted meanwhile, if that was asked for.
+fn rendered(scene: &Scene, settings: Settings, with: bool) -> (Picture, u64, Stats) {
+    let renderer = Renderer::new(scene, settings);
+    let mut film = renderer.film();
+    if with {
+        renderer.start_stats();
+    }
+    renderer.add_samples(&mut film, 3);
+    let stats = renderer.take_stats();
+    assert_eq!(renderer.take_stats(), Stats::default(), "it was taken");
+    (film.picture(), film.rays(), stats)
+}
+
+fn settings(scene: &Scene, traversal: TraversalChoice, lanes: usize, threads: usize) -> Settings {
+    let methods = Methods { traversal, ..Methods::default() };
+    Settings { resolution: [50, 35], max_bounces: 3, methods, lanes, threads, ..Settings::of(scene) }
+}
+
+fn ways() -> impl Iterator<Item = TraversalChoice> {
+    Traversal::ALL.map(TraversalChoice::Through).into_iter().chain([TraversalChoice::Linear])
+}
+
+#[test]
+fn counting_changes_no_bit_and_no_number_of_threads_changes_the_counts() {
+    for name in ["builtin:three", "builtin:cornell-spheres", "builtin:knot:500"] {
+        let scene = load(name).unwrap();
+        for (way, lanes) in ways().flat_map(|way| [(way, 1), (way, 8)]) {
+            let of = |threads, with| rendered(&scene, settings(&scene, way, lanes, threads), with);
+            let (plain, counted, on_three) = (of(1, false), of(1, true), of(3, true));
+            assert!(plain.0 == counted.0 && plain.0 == on_three.0, "{name}, {way:?}, {lanes} lanes");
+            assert_eq!(plain.2, Stats::default());
+            let timeless = |stats: &Stats| Stats { times: Default::default(), ..stats.clone() };
+            assert_eq!(timeless(&counted.2), timeless(&on_three.2), "{name}, {way:?}, {lanes} lanes");
+        }
+    }
+}
+
+#[test]
+fn rays_by_kind_are_all_rays_and_packets_hold_them() {
+    for name in ["builtin:three", "builtin:cornell", "builtin:knot:500"] {
+        let scene = load(name).unwrap();
+        for lanes in [1, 8] {
+            let settings = settings(&scene, TraversalChoice::Needed, lanes, 2);
+            let (_, rays, stats) = rendered(&scene, settings, true);
+            assert_eq!(stats.primary_rays(), 3 * 50 * 35, "{name}");
+            assert_eq!(stats.primary_rays() + stats.bounced_rays(), rays, "{name}");
+            assert_eq!(stats.segments.len(), 4, "{name}: one segment more than bounces");
+            assert!(stats.segments.is_sorted_by(|a, b| a.rays >= b.rays), "{name}");
+            for Segment { rays, packets } in &stats.segments {
+                assert!(
+                    *rays <= packets * lanes as u64 && packets * lanes as u64 <= rays + 12 * 3 * 7,
+                    "{name}"
+                );
+            }
+            let report = FrameStats::of(&stats, lanes, 2, 3);
+            assert_eq!((report.rays, report.kinds[0].rays), (rays, stats.primary_rays()));
+            assert!(report.bounces.iter().all(|bounce| bounce.lanes_in_use <= 1.0), "{name}");
+            let shares: f64 = report.stages.iter().map(|stage| stage.share).sum();
+            assert!((shares - 1.0).abs() < 1e-9 && report.seconds > 0.0, "{name}: {shares}");
+            // In scenes without a hierarchy nothing is traced in one.
+            let traced = stats.times[Stage::Trace as usize].as_nanos() > 0;
+            assert_eq!(traced, stats.primary.boxes.tests > 0, "{name}");
+            assert_eq!(traced, name.contains("knot"));
+        }
+    }
+}
+
+#[test]
+fn all_lanes_are_in_use_before_the_first_bounce_of_whole_tiles() {
+    let scene = load("builtin:spheres").unwrap();
+    let settings = Settings { resolution: [64, 48], lanes: 8, ..Settings::of(&scene) };
+    let stats = rendered(&scene, settings, true).2;
+    assert_eq!(stats.segments[0], Segment { rays: 3 * 64 * 48, packets: 3 * 64 * 48 / 8 });
+    assert_eq!(FrameStats::of(&stats, 8, 1, 3).bounces[0].lanes_in_use, 1.0);
+}
+
+#[test]
+fn testing_everything_tests_every_primitive() {
+    let scene = load("builtin:cornell-spheres").unwrap();
+    let [spheres, triangles] = [scene.spheres.len() as u64, scene.triangles.len() as u64];
+    for lanes in [1, 8] {
+        let stats = rendered(&scene, settings(&scene, TraversalChoice::Linear, lanes, 1), true).2;
+        let packets: u64 = stats.segments[1..].iter().map(|segment| segment.packets).sum();
+        let of = |each: u64| tests(stats.bounced_rays() * each, packets * each);
+        assert_eq!(
+            stats.bounced,
+            Counts { boxes: tests(0, 0), triangles: of(triangles), spheres: of(spheres) }
+        );
+        // Primary rays meet only what their tile can see.
+        let primary = [stats.primary.spheres, stats.primary.triangles].map(|tests| tests.tests);
+        let rays = stats.primary_rays();
+        assert!(primary[0] <= rays * spheres && primary[1] < rays * triangles && primary[1] > rays);
+    }
+}

@@ -16,7 +16,8 @@ once, that they took.
 ";
 const FRAMES: &str = "\
 Stages: nanoseconds a ray of any kind, summed over threads, with the cost of counting; share of all stages. Where every primitive is
-tested, generate and extend find the hits, else trace does. Lanes in use: rays over the lanes of the packets that hold them.
+tested, generate and extend find the hits, else trace does. Lanes in use: rays over the lanes of the packets that hold them, and the
+share of all rays that have bounced so often.
 ";
 
 /// A column for each of these; `heading` names the rows.
@@ -29,7 +30,9 @@ pub fn frames(heading: &str, columns: &[&FrameStats]) -> String {
             let time = format!("{} ns", figure(stage.ns_per_ray, 1));
             format!("{time} {:>5.1} %", 100.0 * stage.share)
         };
-        table.row(stage.stage, columns.iter().map(of));
+        if columns.iter().any(|column| column.stages[at].seconds > 0.0) {
+            table.row(stage.stage, columns.iter().map(of));
+        }
     }
     for (at, kind) in columns[0].kinds.iter().enumerate() {
         let share = |column: &&FrameStats| {
@@ -87,7 +90,10 @@ const KINDS: [(&str, Of); 3] =
     [("box", |tests| tests.boxes), ("triangle", |tests| tests.triangles), ("sphere", |tests| tests.spheres)];
 
 fn cell(tests: PerRay) -> String {
-    format!("{:.2} ({:.2})", tests.tests_per_ray, tests.steps_per_ray)
+    match tests.tests {
+        0 => "-".into(),
+        _ => format!("{:.2} ({:.2})", tests.tests_per_ray, tests.steps_per_ray),
+    }
 }
 
 /// As a column is headed.

@@ -67,8 +67,9 @@ const TURN: Duration = Duration::from_millis(50);
 /// Fewest frames behind a median, and fewest where frames are so slow that patience ends.
 pub const FEWEST_FRAMES: usize = 50;
 const FEWEST_SLOW_FRAMES: usize = 3;
-/// So long frames are rendered for [`FrameStats`].
+/// So long the slowest engine renders frames for [`FrameStats`].
 const STATS_TIME: Duration = Duration::from_millis(250);
+const MOST_STATS_FRAMES: f64 = 1_000.0;
 /// So many times the measuring time, patience ends.
 const PATIENCE: u32 = 10;
 struct Run {
@@ -111,18 +112,24 @@ pub fn bench(
             run.timed.turn(left, TURN);
         }
     }
-    let with_stats =
-        |run: &Run| Measurement { stats: stats.then(|| frame_stats(run)), ..measurement(scene, run, &runs) };
+    // The same frames for all, so that they trace the same rays.
+    let median = |run: &Run| Quantiles::of(run.timed.seconds.clone()).median();
+    let slowest = runs.iter().map(median).fold(0.0, f64::max);
+    let frames = (STATS_TIME.as_secs_f64() / slowest).clamp(1.0, MOST_STATS_FRAMES) as u32;
+    let with_stats = |run: &Run| Measurement {
+        stats: stats.then(|| frame_stats(run, frames)),
+        ..measurement(scene, run, &runs)
+    };
     runs.iter().map(with_stats).collect()
 }
 
-/// Renders frames of their own, the first ones of the picture.
-fn frame_stats(run: &Run) -> FrameStats {
+/// Renders so many frames of their own, the first ones of the picture.
+fn frame_stats(run: &Run, frames: u32) -> FrameStats {
     let Run { engine: Engine { lanes, threads }, timed: Timed { renderer, .. } } = run;
-    let (mut film, start) = (renderer.film(), Instant::now());
+    let mut film = renderer.film();
     renderer.start_stats();
     renderer.on_threads(|| {
-        while film.samples() == 0 || start.elapsed() < STATS_TIME {
+        for _ in 0..frames {
             renderer.add_samples(&mut film, 1);
         }
     });

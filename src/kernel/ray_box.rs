@@ -79,7 +79,8 @@ impl<L: Lane> Slabs<L> {
     #[inline(always)]
     pub fn new(ray: &Ray<L>, reach: Reach) -> Self {
         let d = ray.direction;
-        let least = d.x.abs().max(d.y.abs()).max(d.z.abs()) * L::splat(f32::powi(0.5, 60));
+        // A sum and not the largest, so that a NaN in one component is in all planes: such a ray passes no box.
+        let least = (d.x.abs() + d.y.abs() + d.z.abs()) * L::splat(f32::powi(0.5, 60));
         let room = reach.room(ray.origin);
         let axis = |origin: L, direction: L| {
             let inverse = L::one() / direction.abs().max(least).copysign(direction);

@@ -100,8 +100,7 @@ fn frustum_improves_hits_from_before() {
     for axis in 0..6 {
         let mut set = View::along(&mut dice, axis, 0.5, 0.0).rays(2 * TILE);
         let nearest = set.linear(&scene);
-        for i in 0..set.len() {
-            let [t, primitive, ..] = nearest[i];
+        for (i, &[t, primitive, ..]) in nearest.iter().enumerate() {
             let t = f32::from_bits(t);
             // As near as the nearest, by another number or the same; nearer; further.
             (set.reach[i], set.primitive[i]) = match i % 6 {

@@ -41,9 +41,8 @@ pub fn reach_of(scene: &Scene) -> Reach {
         let Bounds { lo, hi } = Bounds::of_sphere(sphere.center, sphere.radius);
         lo.abs().max(hi.abs()).max_element()
     };
-    let extent = scene.spheres.iter().map(corner).fold(of_triangles, f32::max);
-    let spheres = scene.spheres.iter();
-    spheres.fold(Reach::new(extent), |reach, sphere| reach.with_sphere(sphere.center, sphere.radius))
+    let reach = Reach::new(scene.spheres.iter().map(corner).fold(of_triangles, f32::max));
+    if scene.spheres.is_empty() { reach } else { reach.with_spheres() }
 }
 
 impl Hierarchy {

@@ -19,7 +19,7 @@ use crate::traverse::rays::{Hits, Rays};
 use rayon::prelude::*;
 
 /// Rays that a thread takes at a time: whole tiles, and a whole batch of a stream.
-const CHUNK: usize = 4096;
+const CHUNK: usize = crate::traverse::stream::BATCH;
 
 /// How to find what rays hit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

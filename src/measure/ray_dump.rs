@@ -17,7 +17,7 @@
 //! | octray's primitive; 0xffffffff for a miss | u32 |
 //! | octray's u and v: weights of a triangle's second and third vertex; 0 on spheres and for a miss | 2 columns of f32 |
 //!
-//! The answers are those of the nearest hit within reach, for shadow rays too. Hits have 0 < t ≤ reach.
+//! The answers are those of the nearest hit within reach, for shadow rays too. Hits have 0 < t < reach.
 //!
 //! `triangles.bin` holds the triangles, in the order in which hits number them:
 //!

@@ -20,7 +20,7 @@ use crate::traverse::tally::{Counter, Counts};
 use rayon::prelude::*;
 
 /// Rays that a thread takes at a time: whole tiles, and a whole batch of a stream.
-const CHUNK: usize = 4096;
+const CHUNK: usize = crate::traverse::stream::BATCH;
 
 /// How to find what rays hit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -116,7 +116,7 @@ impl Ground {
         for at in (0..rays.len()).step_by(L::WIDTH) {
             let hit = linear::closest::<L, Robust, Woop>(spheres, triangles, reach, &rays.packet(at));
             let limit = L::load(&hits.t[at..]);
-            let within = hit.found() & hit.t.le(limit);
+            let within = hit.found() & hit.t.lt(limit);
             let zero = L::zero();
             L::select(within, hit.t, limit).store(&mut hits.t[at..]);
             L::Bits::select(within, hit.primitive, L::Bits::splat(MISS)).store(&mut hits.primitive[at..]);

@@ -41,9 +41,8 @@ pub fn reach_of(scene: &Scene) -> Reach {
         let Bounds { lo, hi } = Bounds::of_sphere(sphere.center, sphere.radius);
         lo.abs().max(hi.abs()).max_element()
     };
-    let extent = scene.spheres.iter().map(corner).fold(of_triangles, f32::max);
-    let spheres = scene.spheres.iter();
-    spheres.fold(Reach::new(extent), |reach, sphere| reach.with_sphere(sphere.center, sphere.radius))
+    let reach = Reach::new(scene.spheres.iter().map(corner).fold(of_triangles, f32::max));
+    if scene.spheres.is_empty() { reach } else { reach.with_spheres() }
 }
 
 impl Hierarchy {
@@ -91,23 +90,11 @@ impl Hierarchy {
         if leaf.is_spheres() {
             self.meet_spheres(leaf.index(), &ray.ray, hit);
         } else {
-            self.meet_triangles(leaf.index(), &ray.woop, || ray.slabs, hit);
-        }
-    }
-
-    /// A ray against up to eight triangles.
-    #[inline(always)]
-    pub fn meet_triangles(
-        &self,
-        leaf: usize,
-        woop: &WoopRay<f32>,
-        slabs: impl FnOnce() -> Slabs<f32>,
-        hit: &mut Hit<f32>,
-    ) {
-        let leaf = &self.triangles[leaf];
-        let found = woop.test_eight(&leaf.vertices);
-        if found.mask.any() {
-            leaf.accept(&slabs(), &found, hit);
+            let leaf = &self.triangles[leaf.index()];
+            let found = leaf.test(&ray.woop);
+            if found.mask.any() {
+                leaf.accept(&ray.slabs, &found, hit);
+            }
         }
     }
 
@@ -247,6 +234,12 @@ impl TriangleLeaf {
         [a.min(b).min(c), a.max(b).max(c)]
     }
 
+    /// A ray against all of them: what is found has yet to be held to the own boxes, by [`TriangleLeaf::accept`].
+    #[inline(always)]
+    pub fn test(&self, woop: &WoopRay<f32>) -> TriangleHit<F32x8> {
+        woop.test_eight(&self.vertices)
+    }
+
     #[inline(always)]
     fn corners(&self, lane: usize) -> [[f32; 3]; 3] {
         self.vertices.each_ref().map(|vertex| vertex.each_ref().map(|row| row[lane & 7]))
@@ -282,7 +275,7 @@ impl TriangleLeaf {
     /// Holds what was found to the own boxes and keeps the nearest. Rare and out of line: the loops that call it stay in registers.
     #[cold]
     #[inline(never)]
-    fn accept(&self, slabs: &Slabs<f32>, found: &TriangleHit<F32x8>, hit: &mut Hit<f32>) {
+    pub fn accept(&self, slabs: &Slabs<f32>, found: &TriangleHit<F32x8>, hit: &mut Hit<f32>) {
         let vertex = |[x, y, z]: &[[f32; LEAF]; 3]| Vec3::new(F32x8::load(x), F32x8::load(y), F32x8::load(z));
         let splat = |v: Vec3<f32>| Vec3::new(F32x8::splat(v.x), F32x8::splat(v.y), F32x8::splat(v.z));
         let slabs = Slabs { inverse: splat(slabs.inverse), near: splat(slabs.near), far: splat(slabs.far) };

@@ -1,6 +1,8 @@
 //! What the law tests share: dice, scenes filled in by hand, and a closed mesh.
 #![allow(dead_code)] // Every test file takes its own part.
 
+pub mod rays;
+
 use glam::{DVec3, Vec3};
 use octray::lane::Lane;
 use octray::math::{self, Ray};

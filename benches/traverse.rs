@@ -1,0 +1,83 @@
+//! The hierarchy alone: building it, and every way through it, as the time of one ray.
+//!
+//! The rays are those of `octray rays` on a knot of 20,000 triangles at 240×135: from the camera, to find shadows, and from bounces.
+//! Before a way is timed, its hits are held against those of one scalar ray at a time, bit by bit.
+
+use criterion::{BenchmarkId, Criterion, Throughput};
+use octray::bvh::Quality;
+use octray::math::MISS;
+use octray::measure::ray_sets::{Answers, Kind, Prepared};
+use octray::measure::rays;
+use octray::measure::ways::{Ground, Team, Way};
+use octray::scene;
+use octray::traverse::batch::Traversal;
+use octray::traverse::hierarchy::Hierarchy;
+use std::hint::black_box;
+use std::time::Duration;
+
+const SCENE: &str = "builtin:knot:20000";
+const SIZE: [u32; 2] = [240, 135];
+
+fn main() {
+    let mut criterion = Criterion::default()
+        .sample_size(20)
+        .warm_up_time(Duration::from_millis(200))
+        .measurement_time(Duration::from_millis(800))
+        .configure_from_args();
+    let scene = scene::load(SCENE).expect("a scene inside the program");
+
+    let mut group = criterion.benchmark_group("build");
+    group.throughput(Throughput::Elements(scene.triangles.len() as u64));
+    group.bench_function("all-threads", |bencher| {
+        bencher.iter(|| Hierarchy::new(black_box(&scene), Quality::default()))
+    });
+    group.finish();
+
+    let ground = Ground::new(&scene, Hierarchy::new(&scene, Quality::default()));
+    let team = Team::new(1);
+    let sets = rays::prepare(&scene, &ground, &team, SIZE, 0).expect("the scene has an outside");
+    for rays in &sets {
+        let kind = rays.set.kind;
+        let mut group = criterion.benchmark_group(kind.name());
+        group.throughput(Throughput::Elements(rays.set.len() as u64));
+        for traversal in Traversal::ALL {
+            // Rays that do not run together have no frustum: `packet` is `stream` then.
+            if traversal == Traversal::Packet && kind != Kind::Primary {
+                continue;
+            }
+            let way = Way::Tree(traversal);
+            let mut answers = Answers::none(&rays.set);
+            trace(way, &team, &ground, rays, &mut answers);
+            check(way, rays, &answers);
+            group.bench_function(BenchmarkId::from_parameter(way.name()), |bencher| {
+                bencher.iter(|| trace(way, &team, &ground, black_box(rays), &mut answers));
+            });
+        }
+        group.finish();
+    }
+    criterion.final_summary();
+}
+
+fn trace(way: Way, team: &Team, ground: &Ground, rays: &Prepared, answers: &mut Answers) {
+    team.forget(&rays.set, answers);
+    if rays.set.kind.any_hit() {
+        team.trace::<true>(way, ground, &rays.set, answers);
+    } else {
+        team.trace::<false>(way, ground, &rays.set, answers);
+    }
+}
+
+/// # Panics
+/// If the way finds other hits than one scalar ray at a time.
+fn check(way: Way, rays: &Prepared, answers: &Answers) {
+    let (kind, nearest) = (rays.set.kind, &rays.nearest);
+    assert!(nearest.count() > rays.set.len() / 100, "{}: {} hits are too few", kind.name(), nearest.count());
+    if kind.any_hit() {
+        let hit = |answers: &Answers| -> Vec<bool> {
+            answers.primitive.iter().map(|&primitive| primitive != MISS).collect()
+        };
+        assert!(hit(answers) == hit(nearest), "{}: {} hits otherwise", kind.name(), way.name());
+    } else {
+        assert!(answers == nearest, "{}: {} hits otherwise", kind.name(), way.name());
+    }
+}

@@ -1,0 +1,143 @@
+//! Sets of rays, what every traversal finds for them, and what testing every primitive finds.
+
+use super::{Dice, empty, material, sphere, triangle};
+use glam::Vec3;
+use octray::buffers::Buffers;
+use octray::bvh::Quality;
+use octray::math::{Hit, MISS, Ray};
+use octray::scene::{MaterialKind, Scene};
+use octray::traverse::batch::{Tracer, Traversal};
+use octray::traverse::hierarchy::Hierarchy;
+use octray::traverse::rays::{Hits, Rays};
+use octray::traverse::single::Stack;
+use octray::traverse::tile::{self, CUT};
+use octray::traverse::{Batch, Methods, Primitives, TraversalChoice};
+
+/// t, primitive, u and v of each ray, as bits.
+pub type Answers = Vec<[u32; 4]>;
+
+/// Rays, and what is known of their hits before.
+#[derive(Default)]
+pub struct Set {
+    pub origin: [Vec<f32>; 3],
+    pub direction: [Vec<f32>; 3],
+    /// How far each ray reaches: in units of t, where it has hit before or where it ends.
+    pub reach: Vec<f32>,
+    /// What it has hit there; [`MISS`] for nothing.
+    pub primitive: Vec<u32>,
+}
+
+/// The weights that hits from before come with.
+const BEFORE: [f32; 2] = [0.125, 0.25];
+
+impl Set {
+    pub fn push(&mut self, origin: Vec3, direction: Vec3, reach: f32) {
+        for axis in 0..3 {
+            self.origin[axis].push(origin[axis]);
+            self.direction[axis].push(direction[axis]);
+        }
+        self.reach.push(reach);
+        self.primitive.push(MISS);
+    }
+    pub fn len(&self) -> usize {
+        self.reach.len()
+    }
+    pub fn rays(&self) -> Rays<'_> {
+        Rays {
+            origin: self.origin.each_ref().map(Vec::as_slice),
+            direction: self.direction.each_ref().map(Vec::as_slice),
+        }
+    }
+    /// Runs something on columns of hits as they are before tracing; returns what it returns, and the hits.
+    fn with_hits<R>(&self, run: impl FnOnce(&mut Hits) -> R) -> (R, Answers) {
+        let weight = |i: usize| {
+            let of_hit = |&one: &u32| if one == MISS { 0.0 } else { BEFORE[i] };
+            self.primitive.iter().map(of_hit).collect::<Vec<f32>>()
+        };
+        let (mut t, mut primitive, mut u, mut v) =
+            (self.reach.clone(), self.primitive.clone(), weight(0), weight(1));
+        let mut hits = Hits { t: &mut t, primitive: &mut primitive, u: &mut u, v: &mut v };
+        let result = run(&mut hits);
+        let bits = |i: usize| [t[i].to_bits(), primitive[i], u[i].to_bits(), v[i].to_bits()];
+        (result, (0..self.len()).map(bits).collect())
+    }
+    pub fn through<const ANY: bool>(&self, hierarchy: &Hierarchy, traversal: Traversal) -> Answers {
+        self.with_hits(|hits| Tracer::new().trace::<ANY>(traversal, hierarchy, &self.rays(), hits)).1
+    }
+    /// Are the first rays, a tile at most, ones for which there is a frustum?
+    pub fn goes_in_a_frustum(&self, hierarchy: &Hierarchy) -> bool {
+        let tile = 0..self.len().min(tile::TILE);
+        let rays = self.rays().range(tile.clone());
+        self.with_hits(|hits| {
+            tile::trace(hierarchy, &rays, &mut hits.range(tile), &mut Stack::new(), CUT, ())
+        })
+        .0
+    }
+    /// Every primitive tested in order, at a width of one.
+    pub fn linear(&self, scene: &Scene) -> Answers {
+        struct All<'a>(&'a Set, Answers, &'a mut Answers);
+        impl Batch<f32> for All<'_> {
+            fn run(self, closest: impl Fn(&Ray<f32>) -> Hit<f32>) {
+                let Self(set, before, answers) = self;
+                for (at, before) in before.into_iter().enumerate() {
+                    let Hit { t, primitive, u, v } = closest(&set.rays().packet::<f32>(at));
+                    // Testing everything knows no reach: there and beyond it nothing was to be found, but what is as far as the hit from
+                    // before and has a lower number.
+                    let reach = set.reach[at];
+                    let known = set.primitive[at];
+                    let lower = known != MISS && primitive < known;
+                    answers.push(match primitive != MISS && (t < reach || (t == reach && lower)) {
+                        true => [t.to_bits(), primitive, u.to_bits(), v.to_bits()],
+                        false => before,
+                    });
+                }
+            }
+        }
+        let methods = Methods { traversal: TraversalChoice::Linear, ..Methods::default() };
+        let mut answers = Vec::new();
+        let before = self.with_hits(|_| ()).1;
+        let primitives = Primitives::new(scene, methods, 1);
+        primitives.for_batch::<f32>(&Buffers::new(scene), None, All(self, before, &mut answers));
+        answers
+    }
+    /// Asserts that every traversal finds what testing everything finds; returns how many rays hit something.
+    pub fn check(&self, scene: &Scene, what: &str) -> usize {
+        let hierarchy = Hierarchy::new(scene, Quality::default());
+        let expected = self.linear(scene);
+        for traversal in Traversal::ALL {
+            let name = traversal.name();
+            let found = self.through::<false>(&hierarchy, traversal);
+            for (at, (found, expected)) in found.iter().zip(&expected).enumerate() {
+                let ray = self.rays().packet::<f32>(at);
+                let reach = self.reach[at];
+                assert_eq!(found, expected, "{what}, {name}: ray {at}, {ray:?} to {reach}");
+            }
+            let found = self.through::<true>(&hierarchy, traversal);
+            for (at, (found, expected)) in found.iter().zip(&expected).enumerate() {
+                assert_eq!(found[1] == MISS, expected[1] == MISS, "{what}, any hit, {name}: ray {at}");
+            }
+        }
+        expected.iter().filter(|answer| answer[1] != MISS).count()
+    }
+}
+
+/// Triangles and spheres over `scales` powers of ten around a centre, slivers among them.
+pub fn mixture(dice: &mut Dice, triangles: usize, spheres: usize, scales: f64, offset: f32) -> Scene {
+    let mut scene = Scene { materials: vec![material(MaterialKind::Diffuse)], ..empty() };
+    let mut number = |range: f64| ((2.0 * dice.unit() - 1.0) * range) as f32;
+    let mut point = |range: f32| Vec3::new(number(1.0), number(1.0), number(1.0)) * range;
+    for i in 0..triangles + spheres {
+        let size = 10f32.powf(-(scales as f32) * (i % 7) as f32 / 6.0);
+        let center = point(4.0) + offset;
+        if i < spheres {
+            scene.spheres.push(sphere(center, 0.3 * size, 0));
+        } else {
+            let long = if i % 5 == 0 { 1e-4 } else { 1.0 };
+            let (a, b) = (point(size), point(size * long));
+            if a.cross(b).length() > 0.0 {
+                scene.triangles.push(triangle([center, center + a, center + a * 0.5 + b], 0));
+            }
+        }
+    }
+    scene
+}

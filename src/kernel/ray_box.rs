@@ -40,7 +40,7 @@ pub struct Reach {
 /// Measured: 5.2 ε D at most, with FMA and without (`tests/kernel_sphere_box.rs`, which fails if this were eight times less).
 const OF_ORIGIN: f32 = 4.0;
 
-/// How much larger the box of a sphere is made on every side, so that what seems to be hit of the sphere lies in it: see [`OF_ORIGIN`].
+/// How much larger the box of a sphere is made on every side, so that what seems to be hit of the sphere lies in it: see `OF_ORIGIN`.
 pub fn room_of_sphere(center: glam::Vec3, radius: f32) -> f32 {
     radius * f32::powi(0.5, 16) + center.length() * f32::powi(0.5, 19)
 }

@@ -4,7 +4,7 @@
 //! A box is left out where it lies wholly beyond one of them. Of its corners only the one nearest to the inside is asked, and a plane
 //! holds the direction of one axis, so it takes one FMA a plane.
 //!
-//! Conservative: a ray that passes a padded box ([`crate::kernel::ray_box::Slabs`]) meets it within (|o| + E) 2⁻²⁰; the frustum leaves
+//! Conservative: a ray that passes a padded box ([`crate::kernel::ray_box::Slabs`]) meets it within (|o| + room) 2⁻²⁰; the frustum leaves
 //! twice that.
 //!
 //! Source: Reshetov, Soupikov, Hurley, "Multi-Level Ray Tracing Algorithm", SIGGRAPH 2005.

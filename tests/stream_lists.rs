@@ -1,0 +1,27 @@
+//! Lists of a stream's rays that fill what room there is: many rays, not whole packets of them, through boxes that all of them pass.
+
+mod common;
+
+use common::rays::Set;
+use common::{Dice, empty, material, triangle};
+use glam::Vec3;
+use octray::scene::{MaterialKind, Scene};
+
+#[test]
+fn lists_grow_when_every_ray_passes_every_box() {
+    let mut dice = Dice(95);
+    let mut scene = Scene { materials: vec![material(MaterialKind::Diffuse)], ..empty() };
+    for layer in 0..4500 {
+        let z = layer as f32 * 2e-4;
+        let corners = [Vec3::new(-90.0, -90.0, z), Vec3::new(90.0, -90.0, z), Vec3::new(0.0, 90.0, z)];
+        scene.triangles.push(triangle(corners, 0));
+    }
+    for count in [8191, 8185] {
+        let mut set = Set::default();
+        for _ in 0..count {
+            let aim = Vec3::new(dice.unit() as f32, dice.unit() as f32, 10.0);
+            set.push(Vec3::new(0.0, 0.0, -5.0), aim.normalize(), f32::INFINITY);
+        }
+        assert_eq!(set.check(&scene, &format!("{count} rays")), count);
+    }
+}

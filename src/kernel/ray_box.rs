@@ -74,8 +74,8 @@ pub struct Slabs<L> {
 }
 
 impl<L: Lane> Slabs<L> {
-    /// Padding, in units of t: (|o| + E) 2⁻²¹ |1/d| along each axis, E the scene's extent: eight roundings of everything that the FMA
-    /// adds up. No hit is lost: `tests/hierarchy_laws.rs`, at corners, in the planes of faces, in awkward directions.
+    /// Padding, in units of t: (|o| + room) 2⁻²¹ |1/d| along each axis, |o| along that axis and room of [`Reach::room`]: eight roundings
+    /// of everything that the FMA adds up. No hit is lost: `tests/hierarchy_laws.rs`, at corners, in the planes of faces, in awkward directions.
     #[inline(always)]
     pub fn new(ray: &Ray<L>, reach: Reach) -> Self {
         let d = ray.direction;

@@ -4,8 +4,8 @@
 //! A box is left out where it lies wholly beyond one of them. Of its corners only the one nearest to the inside is asked, and a plane
 //! holds the direction of one axis, so it takes one FMA a plane.
 //!
-//! Conservative: a ray that passes a padded box ([`crate::kernel::ray_box::Slabs`]) meets it within (|o| + room) 2⁻²⁰; the frustum leaves
-//! twice that.
+//! Conservative: a ray that passes a padded box ([`crate::kernel::ray_box::Slabs`]) meets it within (|o| + room) 2⁻²⁰, |o| the largest
+//! component and room as [`Reach::room`] gives it; the frustum leaves twice that, along both axes of a side.
 //!
 //! Source: Reshetov, Soupikov, Hurley, "Multi-Level Ray Tracing Algorithm", SIGGRAPH 2005.
 
@@ -92,7 +92,7 @@ impl Stem {
         let Self { axes: [main, others @ ..], forward, origin, padding } = *self;
         let side = |i: usize, slope: F32x8, steepest: F32x8, outwards: f32| {
             let outwards = F32x8::splat(outwards);
-            // For the rounding of slopes, 8 ε of the steeper one; then the box's padding along both axes.
+            // For the rounding of slopes, 8 ε of the steeper one (the padding alone would do); then the box's padding along both axes.
             let slope = (outwards * steepest).mul_add(F32x8::splat(f32::powi(0.5, 21)), slope);
             let tilt = slope * F32x8::splat(-forward);
             let bound = tilt.mul_add(F32x8::splat(origin[main]), F32x8::splat(origin[others[i]]));
@@ -129,13 +129,6 @@ impl Stem {
 pub struct Frusta {
     /// For each of the two other axes the lower and the upper side: see [`Side`].
     sides: [[[[f32; 8]; 2]; 2]; 2],
-}
-
-pub fn lowest(x: F32x8) -> f32 {
-    let lanes: [f32; 8] = bytemuck::cast(x);
-    let lower = |a: f32, b: f32| if a < b { a } else { b };
-    let pairs = [0, 1, 2, 3].map(|i| lower(lanes[i], lanes[i + 4]));
-    lower(lower(pairs[0], pairs[2]), lower(pairs[1], pairs[3]))
 }
 
 /// The planes around some rays.
@@ -186,3 +179,10 @@ impl Frustum {
 
 /// Eight boxes: the lower planes along x, y, z, the upper ones, and two rows that nobody reads.
 pub type Boxes = [[f32; 8]; 8];
+
+/// The lowest lane; NaN counts for nothing.
+pub fn lowest(x: F32x8) -> f32 {
+    let lanes: [f32; 8] = bytemuck::cast(x);
+    let pairs = [0, 1, 2, 3].map(|i| lanes[i].min(lanes[i + 4]));
+    pairs[0].min(pairs[2]).min(pairs[1].min(pairs[3]))
+}

@@ -142,8 +142,8 @@ impl Primitives {
         [buffers.spheres.len(), triangles]
     }
 
-    /// Tests every primitive; only without a hierarchy. Runs a batch of rays with the chosen methods, each compiled for itself. `visible` holds all that the rays can meet; without
-    /// it, everything is tested.
+    /// Runs a batch of rays, every primitive tested, with the chosen methods, each compiled for itself; only without a hierarchy.
+    /// `visible` holds all that the rays can meet; without it, everything is tested.
     #[inline(always)]
     pub fn for_batch<L: Lane>(&self, buffers: &Buffers, visible: Option<&Visible>, batch: impl Batch<L>) {
         match self.sphere {

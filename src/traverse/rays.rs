@@ -12,7 +12,8 @@ pub struct Rays<'a> {
     pub direction: [&'a [f32]; 3],
 }
 
-/// Hits as columns. Before a traversal `t` holds how far each ray reaches and `primitive` [`crate::math::MISS`].
+/// Hits as columns. Before a traversal `t` holds how far each ray reaches, which NaN, 0 and less make nowhere, and `primitive`
+/// [`crate::math::MISS`]; or both what was hit there before.
 pub struct Hits<'a> {
     pub t: &'a mut [f32],
     pub primitive: &'a mut [u32],

@@ -1,8 +1,8 @@
 //! Many rays down the tree together: each node is read once for all rays that reach it, and its planes stay in registers.
 //!
 //! A batch of rays is sorted by octant, so that all of them meet the planes of a box in the same order. At a node each ray of its list is
-//! tested against eight boxes; the masks are compressed into a list of rays for each child. Children follow in the order of their mean entry
-//! distance. Lists too short to pay go on as single rays.
+//! tested against eight boxes; the masks are compressed into a list of rays for each child. Children follow in
+//! the order of their mean entry distance, or as they stand where any hit will do. Lists too short to pay go on as single rays.
 //!
 //! Source: Tsakok, "Faster Incoherent Rays: Multi-BVH Ray Stream Tracing", HPG 2009.
 
@@ -53,19 +53,23 @@ impl Record {
     }
 
     fn slabs(&self) -> Slabs<f32> {
-        let vector = |[x, y, z]: [f32; 3]| Vec3::new(x, y, z);
         Slabs { inverse: vector(self.inverse), near: vector(self.near), far: vector(self.far) }
     }
+
     /// Notes what the ray, at this place of its batch, has found.
     #[inline(always)]
     fn keep<const ANY: bool>(&mut self, ray: usize, hit: &Hit<f32>, hits: &mut Hits) {
         self.t = if ANY && hit.primitive != MISS { f32::NEG_INFINITY } else { hit.t };
         hits.set(ray, hit);
     }
+
     fn woop(&self, axis: u32) -> WoopRay<f32> {
-        let vector = |[x, y, z]: [f32; 3]| Vec3::new(x, y, z);
         WoopRay::from_parts(axis, vector(self.origin), vector(self.shear))
     }
+}
+
+fn vector([x, y, z]: [f32; 3]) -> Vec3<f32> {
+    Vec3::new(x, y, z)
 }
 
 /// In lists: a ray's place in its batch, and above it the axis of its triangle tests.
@@ -203,7 +207,7 @@ impl<T: Tally> Walk<'_, '_, T> {
                 .mul_add(x, splat(far[0]))
                 .min(second[1].mul_add(y, splat(far[1])))
                 .min(second[2].mul_add(z, splat(far[2])));
-            // In this order a NaN is kept and passes no box, not even an empty one.
+            // A NaN is in both, and passes no box, not even an empty one: one of the two keeps it.
             let (near, far) = (F32x8::zero().max(near), splat(*t).min(far));
             let passes = near.le(far);
             if !ANY {

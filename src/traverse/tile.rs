@@ -217,13 +217,12 @@ impl<'a, T: Tally> Walk<'a, T> {
         }
     }
 
-    /// Measures again how far the packet's rays reach along the axis: their furthest hit, and a little more for rounding.
+    /// Measures again how far the packet's rays reach along the axis: to their furthest hit.
     #[inline(never)]
     fn shorten(&mut self) {
         self.closer = true;
-        let furthest = -lowest(-self.stem.depth(self.packet.ray.direction, self.hit.t));
-        let limit = furthest + furthest.abs() * (4.0 * f32::EPSILON);
-        self.limit = if limit.is_nan() { f32::INFINITY } else { limit };
+        // Rounding is monotone: no box that a ray meets within its hit begins beyond this.
+        self.limit = -lowest(-self.stem.depth(self.packet.ray.direction, self.hit.t));
     }
 }
 
@@ -235,8 +234,9 @@ fn spans(rows: &[F32x8]) -> [F32x8; 2] {
     rest.into_iter().fold([first, first], |[low, high], x| [low.min(x), high.max(x)])
 }
 
-/// Improves the hits of up to [`TILE`] camera rays, which come in with the rays' reach; says no and does nothing if they do not
-/// run together from one origin, or if more than `most_nodes` entries of their cut are nodes that found no room to be opened.
+/// Improves the hits of up to [`TILE`] camera rays, which come in with the rays' reach. Says no and does nothing if they are not whole
+/// packets or do not run together from one origin, or if more than `most_nodes` entries of their cut are nodes that found no room to be
+/// opened.
 #[inline(never)]
 pub fn trace(
     hierarchy: &Hierarchy,

@@ -1,7 +1,6 @@
 //! The nodes and leaves that traversals read.
 
 use super::bounds::Bounds;
-use crate::lane::Lane;
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
@@ -84,11 +83,6 @@ impl WideNode {
     #[inline(always)]
     pub fn boxes(&self) -> &[[f32; WIDE]; 8] {
         bytemuck::cast_ref(self)
-    }
-    /// One plane of the children, `WIDTH` slots at a time from `first`.
-    #[inline(always)]
-    pub fn plane<L: Lane>(&self, plane: usize, first: usize) -> L {
-        L::load(&self.planes[plane][first..])
     }
     pub fn bounds(&self, slot: usize) -> Bounds {
         let [a, b, c, x, y, z] = self.planes.each_ref().map(|plane| plane[slot]);

@@ -172,9 +172,7 @@ impl WoopRay<f32> {
         let vertex = |vertex: usize| Vec3::new(row(vertex, x), row(vertex, y), row(vertex, z)) - origin;
         woop(shear, [vertex(0), vertex(1), vertex(2)], exact_edge)
     }
-}
 
-impl WoopRay<f32> {
     /// One ray against one triangle given by its vertices.
     #[inline(always)]
     pub fn test_one(&self, vertices: [Vec3<f32>; 3]) -> TriangleHit<f32> {

@@ -22,7 +22,7 @@ pub struct Hierarchy {
 #[repr(C, align(64))]
 pub struct TriangleLeaf {
     vertices: EightTriangles,
-    primitives: [u32; LEAF],
+    primitives: Leaf,
 }
 
 /// Up to eight spheres.
@@ -30,7 +30,7 @@ pub struct TriangleLeaf {
 #[repr(C, align(64))]
 struct SphereLeaf {
     spheres: SphereBlock,
-    primitives: [u32; LEAF],
+    primitives: Leaf,
 }
 
 /// How far rays and boxes reach in a scene: [`Reach`] of all its primitives.
@@ -60,11 +60,11 @@ impl Hierarchy {
                     .zip(components)
                     .for_each(|(row, component)| row[lane] = component);
             }
-            TriangleLeaf { vertices, primitives: leaf.primitives }
+            TriangleLeaf { vertices, primitives: *leaf }
         };
         let sphere_leaf = |leaf: &Leaf| {
             let spheres = leaf.primitives().iter().map(|&primitive| &scene.spheres[primitive as usize]);
-            SphereLeaf { spheres: SphereBlock::new(spheres), primitives: leaf.primitives }
+            SphereLeaf { spheres: SphereBlock::new(spheres), primitives: *leaf }
         };
         Self {
             reach: reach_of(scene),
@@ -102,13 +102,12 @@ impl Hierarchy {
     #[inline(never)]
     pub fn meet_spheres(&self, leaf: usize, ray: &Ray<f32>, hit: &mut Hit<f32>) {
         let leaf = &self.spheres[leaf];
-        let splat = |v: Vec3<f32>| Vec3::new(F32x8::splat(v.x), F32x8::splat(v.y), F32x8::splat(v.z));
-        let ray = Ray { origin: splat(ray.origin), direction: splat(ray.direction) };
+        let ray = Ray { origin: in_every_lane(ray.origin), direction: in_every_lane(ray.direction) };
         for (center, radius2) in leaf.spheres.lanes::<F32x8>() {
             let limit = F32x8::splat(beyond(hit.t));
             let (mask, t) = Robust::test::<F32x8>(&Robust::prepare(&ray), center, radius2, limit);
             let none = F32x8::zero();
-            take_nearest(mask, &leaf.primitives, [t, none, none], hit);
+            take_nearest(mask, &leaf.primitives.primitives, [t, none, none], hit);
         }
     }
 
@@ -117,14 +116,14 @@ impl Hierarchy {
     pub fn meet_leaf_one_by_one(&self, leaf: Child, ray: &SingleRay, hit: &mut Hit<f32>) {
         if leaf.is_spheres() {
             let leaf = &self.spheres[leaf.index()];
-            for (lane, &primitive) in used(&leaf.primitives).iter().enumerate() {
+            for (lane, &primitive) in leaf.primitives.primitives().iter().enumerate() {
                 let (center, radius2) = leaf.spheres.splat::<f32>(lane);
                 let (mask, t) = Robust::test::<f32>(&ray.ray, center, radius2, beyond(hit.t));
                 take(mask, primitive, [t, 0.0, 0.0], hit);
             }
         } else {
             let leaf = &self.triangles[leaf.index()];
-            for (lane, &primitive) in used(&leaf.primitives).iter().enumerate() {
+            for (lane, &primitive) in leaf.primitives.primitives().iter().enumerate() {
                 let corners = leaf.corners(lane).map(|[x, y, z]| Vec3::new(x, y, z));
                 let found = ray.woop.test_one(corners);
                 if found.mask {
@@ -133,6 +132,26 @@ impl Hierarchy {
                 }
             }
         }
+    }
+
+    #[inline(always)]
+    pub fn triangle_leaf(&self, leaf: usize) -> &TriangleLeaf {
+        &self.triangles[leaf]
+    }
+
+    /// A packet against up to eight spheres, one after the other.
+    #[inline(never)]
+    pub fn packet_meets_spheres(&self, leaf: usize, ray: &Ray<F32x8>, hit: &mut Hit<F32x8>) -> bool {
+        let mut closer = false;
+        let leaf = &self.spheres[leaf];
+        let prepared = Robust::prepare(ray);
+        for (lane, &primitive) in leaf.primitives.primitives().iter().enumerate() {
+            let (center, radius2) = leaf.spheres.splat::<F32x8>(lane);
+            let infinite = F32x8::splat(f32::INFINITY);
+            let (mask, t) = Robust::test::<F32x8>(&prepared, center, radius2, infinite);
+            closer |= take_lanes(mask, primitive, [t, F32x8::zero(), F32x8::zero()], hit);
+        }
+        closer
     }
 }
 
@@ -185,31 +204,10 @@ fn box_of<L: Lane>([a, b, c]: [Vec3<L>; 3]) -> (Vec3<L>, Vec3<L>) {
     )
 }
 
-fn used(primitives: &[u32; LEAF]) -> &[u32] {
-    let len = primitives.iter().position(|&one| one == Leaf::NONE).unwrap_or(LEAF);
-    &primitives[..len]
-}
-
-impl Hierarchy {
-    #[inline(always)]
-    pub fn triangle_leaf(&self, leaf: usize) -> &TriangleLeaf {
-        &self.triangles[leaf]
-    }
-
-    /// A packet against up to eight spheres, one after the other.
-    #[inline(never)]
-    pub fn packet_meets_spheres(&self, leaf: usize, ray: &Ray<F32x8>, hit: &mut Hit<F32x8>) -> bool {
-        let mut closer = false;
-        let leaf = &self.spheres[leaf];
-        let prepared = Robust::prepare(ray);
-        for (lane, &primitive) in used(&leaf.primitives).iter().enumerate() {
-            let (center, radius2) = leaf.spheres.splat::<F32x8>(lane);
-            let infinite = F32x8::splat(f32::INFINITY);
-            let (mask, t) = Robust::test::<F32x8>(&prepared, center, radius2, infinite);
-            closer |= take_lanes(mask, primitive, [t, F32x8::zero(), F32x8::zero()], hit);
-        }
-        closer
-    }
+/// A ray's vector in every lane.
+#[inline(always)]
+fn in_every_lane(v: Vec3<f32>) -> Vec3<F32x8> {
+    Vec3::new(F32x8::splat(v.x), F32x8::splat(v.y), F32x8::splat(v.z))
 }
 
 /// [`take`] in every lane; says whether any took it.
@@ -269,7 +267,7 @@ impl TriangleLeaf {
         let splat = |[x, y, z]: [f32; 3]| Vec3::new(F32x8::splat(x), F32x8::splat(y), F32x8::splat(z));
         let slabs = packet.slabs.get_or_insert_with(|| Slabs::new(&packet.ray, reach));
         let (mask, t) = own_box(slabs, box_of(self.corners(lane).map(splat)), found.mask, found.t, infinite);
-        take_lanes(mask, self.primitives[lane & 7], [t, found.u, found.v], hit)
+        take_lanes(mask, self.primitives.primitives[lane & 7], [t, found.u, found.v], hit)
     }
 
     /// Holds what was found to the own boxes and keeps the nearest. Rare and out of line: the loops that call it stay in registers.
@@ -277,12 +275,13 @@ impl TriangleLeaf {
     #[inline(never)]
     pub fn accept(&self, slabs: &Slabs<f32>, found: &TriangleHit<F32x8>, hit: &mut Hit<f32>) {
         let vertex = |[x, y, z]: &[[f32; LEAF]; 3]| Vec3::new(F32x8::load(x), F32x8::load(y), F32x8::load(z));
-        let splat = |v: Vec3<f32>| Vec3::new(F32x8::splat(v.x), F32x8::splat(v.y), F32x8::splat(v.z));
-        let slabs = Slabs { inverse: splat(slabs.inverse), near: splat(slabs.near), far: splat(slabs.far) };
+        let Slabs { inverse, near, far } = *slabs;
+        let [inverse, near, far] = [inverse, near, far].map(in_every_lane);
+        let slabs = Slabs { inverse, near, far };
         let limit = F32x8::splat(beyond(hit.t));
         let corners = box_of(self.vertices.each_ref().map(vertex));
         let (mask, t) = own_box(&slabs, corners, found.mask, found.t, limit);
-        take_nearest(mask, &self.primitives, [t, found.u, found.v], hit);
+        take_nearest(mask, &self.primitives.primitives, [t, found.u, found.v], hit);
     }
 }
 

@@ -20,6 +20,7 @@
 mod extend;
 mod generate;
 pub mod queue;
+mod scatter;
 mod shade;
 pub mod stats;
 mod surface;

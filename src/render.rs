@@ -134,7 +134,7 @@ impl Renderer {
         let linear = primitives.hierarchy().is_none();
         let world = World {
             visible: if linear { visible(scene, &camera, &settings) } else { Vec::new() },
-            buffers: Buffers::new(scene),
+            buffers: Buffers::with_lights(scene, settings.methods.lights),
             primitives,
             camera,
             width: resolution[0],

@@ -6,7 +6,7 @@ use common::{empty, material, sphere, triangle};
 use glam::Vec3;
 use octray::bvh::Quality;
 use octray::film::Picture;
-use octray::integrate::stats::{Segment, Stage, Stats};
+use octray::integrate::stats::{RayKind, Segment, Stage, Stats};
 use octray::math::MISS;
 use octray::measure::stats::FrameStats;
 use octray::render::{Renderer, Settings};
@@ -132,8 +132,8 @@ fn rays_by_kind_are_all_rays_and_packets_hold_them() {
         for lanes in [1, 8] {
             let settings = settings(&scene, TraversalChoice::Needed, lanes, 2);
             let (_, rays, stats) = rendered(&scene, settings, true);
-            assert_eq!(stats.primary_rays(), 3 * 50 * 35, "{name}");
-            assert_eq!(stats.primary_rays() + stats.bounced_rays(), rays, "{name}");
+            assert_eq!(stats.rays(RayKind::Primary), 3 * 50 * 35, "{name}");
+            assert_eq!(stats.rays(RayKind::Primary) + stats.rays(RayKind::Bounce), rays, "{name}");
             assert_eq!(stats.segments.len(), 4, "{name}: one segment more than bounces");
             assert!(stats.segments.is_sorted_by(|a, b| a.rays >= b.rays), "{name}");
             for Segment { rays, packets } in &stats.segments {
@@ -143,13 +143,13 @@ fn rays_by_kind_are_all_rays_and_packets_hold_them() {
                 );
             }
             let report = FrameStats::of(&stats, lanes, 2, 3);
-            assert_eq!((report.rays, report.kinds[0].rays), (rays, stats.primary_rays()));
+            assert_eq!((report.rays, report.kinds[0].rays), (rays, stats.rays(RayKind::Primary)));
             assert!(report.bounces.iter().all(|bounce| bounce.lanes_in_use <= 1.0), "{name}");
             let shares: f64 = report.stages.iter().map(|stage| stage.share).sum();
             assert!((shares - 1.0).abs() < 1e-9 && report.seconds > 0.0, "{name}: {shares}");
             // In scenes without a hierarchy nothing is traced in one.
             let traced = stats.times[Stage::Trace as usize].as_nanos() > 0;
-            assert_eq!(traced, stats.primary.boxes.tests > 0, "{name}");
+            assert_eq!(traced, stats.counts[0].boxes.tests > 0, "{name}");
             assert_eq!(traced, name.contains("knot"));
         }
     }
@@ -171,14 +171,14 @@ fn testing_everything_tests_every_primitive() {
     for lanes in [1, 8] {
         let stats = rendered(&scene, settings(&scene, TraversalChoice::Linear, lanes, 1), true).2;
         let packets: u64 = stats.segments[1..].iter().map(|segment| segment.packets).sum();
-        let of = |each: u64| tests(stats.bounced_rays() * each, packets * each);
+        let of = |each: u64| tests(stats.rays(RayKind::Bounce) * each, packets * each);
         assert_eq!(
-            stats.bounced,
+            stats.counts[1],
             Counts { boxes: tests(0, 0), triangles: of(triangles), spheres: of(spheres) }
         );
         // Primary rays meet only what their tile can see.
-        let primary = [stats.primary.spheres, stats.primary.triangles].map(|tests| tests.tests);
-        let rays = stats.primary_rays();
+        let primary = [stats.counts[0].spheres, stats.counts[0].triangles].map(|tests| tests.tests);
+        let rays = stats.rays(RayKind::Primary);
         assert!(primary[0] <= rays * spheres && primary[1] < rays * triangles && primary[1] > rays);
     }
 }

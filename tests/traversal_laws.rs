@@ -102,7 +102,8 @@ fn assert_law_of_all(scene: &Scene, rays: &[Ray<f32>]) -> Vec<Vec<Answer>> {
         rays: &[Ray<f32>],
     ) -> Vec<Vec<Answer>> {
         use TriangleChoice as Choice;
-        let methods = |triangle| Methods { sphere, triangle, traversal: TraversalChoice::Linear };
+        let methods =
+            |triangle| Methods { sphere, triangle, traversal: TraversalChoice::Linear, ..Methods::default() };
         vec![
             assert_law::<S, ray_triangle::Woop>(scene, methods(Choice::Woop), rays),
             assert_law::<S, ray_triangle::WoopContracted>(scene, methods(Choice::WoopContracted), rays),

@@ -18,6 +18,7 @@ const LINEAR: Methods = Methods {
     sphere: SphereChoice::Robust,
     triangle: octray::traverse::TriangleChoice::Woop,
     traversal: TraversalChoice::Linear,
+    lights: octray::buffers::LightChoice::Auto,
 };
 
 const RESOLUTION: [u32; 2] = [64, 48];

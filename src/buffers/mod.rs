@@ -7,11 +7,13 @@
 //! component a packet of its own ([`SphereBlock`]): intersection streams through blocks. What each lane reads at an index of its own
 //! lies in *row tables* ([`rows::Rows`]) of eight floats a row: shading fetches rows and transposes them into packets in registers.
 
+mod lights;
 pub mod needs;
 pub mod rows;
 mod spheres;
 mod texels;
 
+pub use lights::{LightChoice, Lights};
 pub use needs::Needs;
 pub use spheres::{SphereBlock, Spheres};
 pub use texels::{Abilities, Textures};
@@ -26,9 +28,10 @@ use rows::Rows;
 pub struct Buffers {
     pub needs: Needs,
     pub spheres: Spheres,
-    /// One row of eight a sphere: centre, radius, offset of leaving rays, material (bits), texture turn (see `picture_turn`), 0.
+    /// One row of eight a sphere: centre, radius, offset of leaving rays, material (bits), texture turn (see `picture_turn`), chance
+    /// of being chosen as a light.
     pub sphere_rows: Rows,
-    /// Two rows of eight a triangle: a, ab, offset, material (bits); ac, unit normal, 0, 0.
+    /// Two rows of eight a triangle: a, ab, offset, material (bits); ac, unit normal, chance of being chosen as a light, 0.
     pub triangle_rows: Rows,
     /// One row of eight a triangle: u and v of the three vertices, v downwards; empty where nothing needs it.
     pub uv_rows: Rows,
@@ -37,6 +40,7 @@ pub struct Buffers {
     pub has_uvs: bool,
     pub textures: Textures,
     pub sky: Sky,
+    pub lights: Lights,
 }
 
 /// The sky as shading reads it.
@@ -82,12 +86,29 @@ impl MaterialCode {
 }
 
 impl Buffers {
+    /// With the emitters that it pays to look for.
     pub fn new(scene: &Scene) -> Self {
+        Self::with_lights(scene, LightChoice::default())
+    }
+
+    pub fn with_lights(scene: &Scene, choice: LightChoice) -> Self {
+        let lights = Lights::new(scene, choice);
+        let mut needs = Needs::of(scene);
+        if !lights.is_empty() {
+            needs = needs.with(Needs::LIGHTS);
+        }
+        if lights.len() > Lights::FEW {
+            needs = needs.with(Needs::MANY_LIGHTS);
+        }
+        let chance = |number: usize| lights.chances.get(number).copied().unwrap_or(0.0);
+        let spheres = scene.spheres.iter().enumerate();
+        let triangles = scene.triangles.iter().enumerate();
+        let of_triangle = |(number, triangle)| triangle_rows(triangle, chance(scene.spheres.len() + number));
         Self {
-            needs: Needs::of(scene),
+            needs,
             spheres: Spheres::new(&scene.spheres),
-            sphere_rows: Rows::new(scene.spheres.iter().map(sphere_row)),
-            triangle_rows: Rows::new(scene.triangles.iter().flat_map(triangle_rows)),
+            sphere_rows: Rows::new(spheres.map(|(number, sphere)| sphere_row(sphere, chance(number)))),
+            triangle_rows: Rows::new(triangles.flat_map(of_triangle)),
             uv_rows: Rows::new(
                 scene.uvs.iter().map(|[a, b, c]| [a.x, 1.0 - a.y, b.x, 1.0 - b.y, c.x, 1.0 - c.y, 0.0, 0.0]),
             ),
@@ -95,13 +116,17 @@ impl Buffers {
             has_uvs: !scene.uvs.is_empty(),
             textures: Textures::new(&scene.textures),
             sky: Sky::new(scene.sky),
+            lights,
         }
     }
 
     /// Bytes held, without the triangles' intersection data.
     pub fn bytes(&self) -> usize {
         let rows = [&self.sphere_rows, &self.triangle_rows, &self.uv_rows, &self.material_rows];
-        rows.iter().map(|rows| rows.bytes()).sum::<usize>() + self.spheres.bytes() + self.textures.bytes()
+        rows.iter().map(|rows| rows.bytes()).sum::<usize>()
+            + self.spheres.bytes()
+            + self.textures.bytes()
+            + self.lights.bytes()
     }
 }
 
@@ -120,10 +145,10 @@ impl Sky {
     }
 }
 
-fn sphere_row(sphere: &scene::Sphere) -> [f32; 8] {
+fn sphere_row(sphere: &scene::Sphere, chance: f32) -> [f32; 8] {
     let [x, y, z] = sphere.center.to_array();
     let offset = sphere_offset(sphere.center, sphere.radius);
-    [x, y, z, sphere.radius, offset, f32::from_bits(sphere.material), picture_turn(sphere), 0.0]
+    [x, y, z, sphere.radius, offset, f32::from_bits(sphere.material), picture_turn(sphere), chance]
 }
 
 /// A sphere's turn, its sign bit set (on 0 too) where the picture reads right from outside: with the angle's sign flipped by that
@@ -135,14 +160,14 @@ fn picture_turn(sphere: &scene::Sphere) -> f32 {
     }
 }
 
-fn triangle_rows(triangle: &scene::Triangle) -> [[f32; 8]; 2] {
+fn triangle_rows(triangle: &scene::Triangle, chance: f32) -> [[f32; 8]; 2] {
     let [a, b, c] = triangle.vertices;
     let (ab, ac) = (b - a, c - a);
     let n = triangle_normal(triangle.vertices);
     let offset = triangle_offset(triangle.vertices);
     [
         [a.x, a.y, a.z, ab.x, ab.y, ab.z, offset, f32::from_bits(triangle.material)],
-        [ac.x, ac.y, ac.z, n.x, n.y, n.z, 0.0, 0.0],
+        [ac.x, ac.y, ac.z, n.x, n.y, n.z, chance, 0.0],
     ]
 }
 

@@ -46,6 +46,10 @@ features! {
     /// Testing every primitive costs more than [`Needs::MOST_LINEAR_COST`]. Every pipeline can go through a hierarchy, because
     /// any scene may be asked to; a scene that needs one gets it unasked.
     HIERARCHY = 16, "hierarchy";
+    /// Paths look for emitters.
+    LIGHTS = 17, "lights";
+    /// More emitters than a register table holds.
+    MANY_LIGHTS = 31, "many-lights";
 }
 
 impl Needs {

@@ -4,13 +4,13 @@ use crate::lane::Lane;
 use bytemuck::{Pod, Zeroable};
 
 /// Eight floats that start where a vector register can load them at once.
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
 #[repr(C, align(32))]
 struct Row([f32; 8]);
 
 /// A table of rows of eight floats, and its first eight rows once more as columns: a table that small is read by permuting
 /// registers, without touching memory per lane.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Rows {
     rows: Vec<Row>,
     first_as_columns: [Row; 8],

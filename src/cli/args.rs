@@ -256,6 +256,19 @@ pub struct MethodArgs {
     /// the fastest ways through a hierarchy.
     #[arg(long, value_enum, value_name = "WAY", default_value_t)]
     pub traversal: TraversalArg,
+    /// Which emitters paths look for, besides finding them by chance: `auto`, those for which it pays; `on`, all; `off`, none. It
+    /// changes the noise, not the picture behind it.
+    #[arg(long, value_enum, value_name = "CHOICE", default_value_t)]
+    pub lights: LightArg,
+}
+
+/// Which emitters paths look for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
+pub enum LightArg {
+    #[default]
+    Auto,
+    On,
+    Off,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, ValueEnum)]

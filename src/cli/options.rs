@@ -5,10 +5,11 @@
 //! Must never know: how a command does its work.
 
 use super::args::{
-    BenchArgs, CompareArgs, ConvertArgs, InspectArgs, MethodArgs, PipelineArg, RaysArgs, RenderArgs,
-    SphereMethod, ToneArg, TraversalArg, TriangleMethod,
+    BenchArgs, CompareArgs, ConvertArgs, InspectArgs, LightArg, MethodArgs, PipelineArg, RaysArgs,
+    RenderArgs, SphereMethod, ToneArg, TraversalArg, TriangleMethod,
 };
 use super::error::CliError;
+use crate::buffers::LightChoice;
 use crate::measure::machine;
 use crate::measure::ways::Way;
 use crate::output::{Operator, Tone};
@@ -224,7 +225,12 @@ impl From<MethodArgs> for Methods {
             TriangleMethod::BaldwinWeber => TriangleChoice::BaldwinWeber,
             TriangleMethod::Plucker => TriangleChoice::Plucker,
         };
-        Self { sphere, triangle, traversal: args.traversal.into() }
+        let lights = match args.lights {
+            LightArg::Auto => LightChoice::Auto,
+            LightArg::On => LightChoice::On,
+            LightArg::Off => LightChoice::Off,
+        };
+        Self { sphere, triangle, traversal: args.traversal.into(), lights }
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::World;
 use super::queue::{Queue, Work};
+use super::stats::RayKind;
 use super::surface::needs;
 use crate::buffers::Needs;
 use crate::lane::Lane;
@@ -11,7 +12,7 @@ use crate::traverse::Batch;
 /// Finds the nearest hit of the first `count` rays.
 pub fn extend<L: Lane, const N: u32>(world: &World, work: &mut Work, count: usize) {
     if let Some((hierarchy, traversal)) = world.primitives.hierarchy() {
-        work.trace(hierarchy, traversal, count, false);
+        work.trace(hierarchy, traversal, count, RayKind::Bounce);
         return;
     }
     world.primitives.for_batch::<L>(&world.buffers, None, Stage::<N> { queue: &mut work.queue, count });

@@ -2,6 +2,7 @@
 //! be read back.
 
 use super::queue::{Queue, Work};
+use super::stats::RayKind;
 use super::surface::needs;
 use super::{Tile, World};
 use crate::buffers::Needs;
@@ -19,7 +20,7 @@ pub fn generate<L: Lane, const N: u32>(world: &World, tile: Tile, sample: u32, w
         for at in (0..tile.pixels()).step_by(L::WIDTH) {
             work.queue.store_origin::<L>(at, world.camera.origin());
         }
-        work.trace(hierarchy, traversal, tile.pixels(), true);
+        work.trace(hierarchy, traversal, tile.pixels(), RayKind::Primary);
         return tile.pixels();
     }
     let visible = world.visible.get(tile.number);

@@ -6,19 +6,21 @@
 //! next starts:
 //!
 //! ```text
-//! generate → ( extend → shade )* → finish
+//! generate → ( extend → shade → search )* → finish
 //! ```
 //!
 //! `generate` makes primary rays, `extend` finds what they hit, `shade` adds light and scatters, and packs the paths that go on
-//! to the front of the queue, so that packets stay full. `finish` is the last segment's shading: light, and no scattering.
+//! to the front of the queue, so that packets stay full; where the scene has lights to look for, it draws rays to them, and `search`
+//! adds what arrives ([`light`]). `finish` is the last segment's shading: light, and no scattering.
 //!
 //! # The estimator
 //! Path tracing by sampling each material's lobe: radiance is what sky and emitters add at the end of each segment, times the
-//! throughput so far. Random numbers are [`crate::sampling::random`]'s. A path has up to `max_bounces` scattering events; light is
-//! found only by hitting it.
+//! throughput so far. Random numbers are [`crate::sampling::random`]'s. A path has up to `max_bounces` scattering events. Light is found
+//! by hitting it, and emitters that are worth it by looking for them too, with multiple importance sampling.
 
 mod extend;
 mod generate;
+mod light;
 pub mod queue;
 mod scatter;
 mod shade;
@@ -91,8 +93,10 @@ pub fn trace_tile<L: Lane, const N: u32>(world: &World, tile: Tile, sample: u32,
         return rays;
     }
     work.enter_with::<L>(Stage::Shade, world, tile, 0, count);
-    count = shade::shade::<L, N, true>(world, work, count, 0);
+    let mut shaded = shade::shade::<L, N, true>(world, work, count, 0);
+    rays += search::<L, N>(world, work, &shaded);
     for bounce in 1..world.max_bounces {
+        count = shaded.going_on;
         rays += count as u64;
         work.enter_with::<L>(Stage::Extend, world, tile, bounce, count);
         if bounce.is_multiple_of(STRAIGHT) {
@@ -100,13 +104,24 @@ pub fn trace_tile<L: Lane, const N: u32>(world: &World, tile: Tile, sample: u32,
         }
         extend::extend::<L, N>(world, work, count);
         work.enter(Some(Stage::Shade));
-        count = shade::shade::<L, N, false>(world, work, count, bounce);
+        shaded = shade::shade::<L, N, false>(world, work, count, bounce);
+        rays += search::<L, N>(world, work, &shaded);
     }
+    count = shaded.going_on;
     work.enter_with::<L>(Stage::Extend, world, tile, world.max_bounces, count);
     extend::extend::<L, N>(world, work, count);
     work.enter(Some(Stage::Finish));
     shade::finish::<L, N, false>(world, work, count);
     rays + count as u64
+}
+
+/// Traces the rays to lights and adds what arrives; returns how many there are.
+#[inline(always)]
+fn search<L: Lane, const N: u32>(world: &World, work: &mut Work, shaded: &shade::Shaded) -> u64 {
+    if surface::needs(N, Needs::LIGHTS) && shaded.searching > 0 {
+        light::arrive::<L>(world, work, shaded.searching);
+    }
+    shaded.searching as u64
 }
 
 /// Directions are brought back to unit length after so many events. A mirror whose normal has the length 1 + δ, |δ| ≤ 2 ε, multiplies

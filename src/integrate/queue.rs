@@ -1,6 +1,7 @@
 //! The paths of a tile in structure-of-arrays form.
 
-use super::stats::{Meter, Stage, Stats};
+use super::light::Search;
+use super::stats::{Meter, RayKind, Stage, Stats};
 use super::{Tile, World};
 use crate::lane::{Bits, F32x8, Lane};
 use crate::math::{Hit, MISS, Ray, Vec3};
@@ -14,8 +15,8 @@ pub const MAX_PIXELS: usize = 256;
 /// One packet more, so that the last packet may be stored whole.
 const LENGTH: usize = MAX_PIXELS + F32x8::WIDTH;
 
-type Column = [f32; LENGTH];
-type Integers = [u32; LENGTH];
+pub type Column = [f32; LENGTH];
+pub type Integers = [u32; LENGTH];
 
 /// Three columns: a vector or a colour per path.
 #[derive(Clone, Copy, Zeroable)]
@@ -50,6 +51,9 @@ pub struct Queue {
     direction: Vectors,
     /// What radiance found from here on counts for in the pixel.
     throughput: Vectors,
+    /// One over the density of the path's direction, per solid angle; 0 where light sampling could not have drawn it. Only where lights
+    /// are sampled.
+    inverse: Column,
     /// Key of the path's random numbers.
     key: Integers,
     /// The path's pixel, counted row by row within its tile.
@@ -68,9 +72,10 @@ struct Events {
     slot: Integers,
 }
 
-/// One thread's working memory: 24 KiB, which a first-level cache holds, and that of traversals of a hierarchy.
+/// One thread's working memory: 24 KiB, which a first-level cache holds, 12 more for rays to lights, and that of traversals of a hierarchy.
 pub struct Work {
     pub queue: Queue,
+    pub search: Search,
     tracer: Tracer,
     events: Events,
     /// One sample's radiance of each pixel of the tile.
@@ -84,6 +89,8 @@ pub struct Work {
 pub struct Path<L: Lane> {
     pub ray: Ray<L>,
     pub throughput: Vec3<L>,
+    /// One over the density of the ray's direction, in sr; 0 where light sampling could not have drawn it.
+    pub inverse: L,
     pub key: L::Bits,
     pub slot: L::Bits,
 }
@@ -93,11 +100,13 @@ impl Queue {
     pub fn ray<L: Lane>(&self, at: usize) -> Ray<L> {
         Ray { origin: self.origin.load(at), direction: self.direction.load(at) }
     }
+    /// `lights`: are lights sampled? Without, what it says of densities means nothing.
     #[inline(always)]
-    pub fn path<L: Lane>(&self, at: usize) -> Path<L> {
+    pub fn path<L: Lane>(&self, at: usize, lights: bool) -> Path<L> {
         Path {
             ray: self.ray(at),
             throughput: self.throughput.load(at),
+            inverse: if lights { L::load(&self.inverse[at..]) } else { L::zero() },
             key: L::Bits::load(&self.key[at..]),
             slot: L::Bits::load(&self.slot[at..]),
         }
@@ -118,10 +127,13 @@ impl Queue {
         self.origin.store(at, origin);
     }
     #[inline(always)]
-    pub fn store_path<L: Lane>(&mut self, at: usize, path: &Path<L>) {
+    pub fn store_path<L: Lane>(&mut self, at: usize, path: &Path<L>, lights: bool) {
         self.origin.store(at, path.ray.origin);
         self.direction.store(at, path.ray.direction);
         self.throughput.store(at, path.throughput);
+        if lights {
+            path.inverse.store(&mut self.inverse[at..]);
+        }
         path.key.store(&mut self.key[at..]);
         path.slot.store(&mut self.slot[at..]);
     }
@@ -160,6 +172,7 @@ impl<L: Lane> Path<L> {
         Path {
             ray: Ray { origin: pack(self.ray.origin, packing), direction: pack(self.ray.direction, packing) },
             throughput: pack(self.throughput, packing),
+            inverse: self.inverse.pack(packing),
             key: L::pack_bits(self.key, packing),
             slot: L::pack_bits(self.slot, packing),
         }
@@ -167,7 +180,7 @@ impl<L: Lane> Path<L> {
 }
 
 #[inline(always)]
-fn pack<L: Lane>(v: Vec3<L>, packing: L::Packing) -> Vec3<L> {
+pub fn pack<L: Lane>(v: Vec3<L>, packing: L::Packing) -> Vec3<L> {
     Vec3::new(v.x.pack(packing), v.y.pack(packing), v.z.pack(packing))
 }
 
@@ -184,7 +197,14 @@ fn note_segment(meter: &mut Meter, world: &World, tile: Tile, bounces: u32, (ray
 impl Work {
     pub fn new() -> Box<Self> {
         let (queue, events, radiance) = (Queue::zeroed(), Events::zeroed(), Vectors::zeroed());
-        Box::new(Self { queue, events, radiance, tracer: Tracer::new(), meter: None })
+        Box::new(Self {
+            queue,
+            search: Search::zeroed(),
+            events,
+            radiance,
+            tracer: Tracer::new(),
+            meter: None,
+        })
     }
 
     /// Notes what the work takes from here on.
@@ -218,9 +238,38 @@ impl Work {
         }
     }
 
+    /// Says that rays to lights are traced next, and how many.
+    #[inline(always)]
+    pub fn enter_search<L: Lane>(&mut self, world: &World, rays: usize) {
+        if let Some(meter) = &mut self.meter {
+            let linear = world.primitives.hierarchy().is_none();
+            meter.search(rays, L::WIDTH, linear.then(|| world.primitives.linear(&world.buffers, None)));
+            meter.enter(Some(Stage::Light));
+        }
+    }
+
+    /// Finds out which of the first `count` rays to lights meet something within their reach: notes it as their hit in the queue.
+    pub fn trace_search(&mut self, hierarchy: &Hierarchy, traversal: Traversal, count: usize) {
+        let Search { origin, direction, reach, .. } = &self.search;
+        let rays = Rays { origin: origin.first(count), direction: direction.first(count) };
+        let Queue { t, primitive, u, v, .. } = &mut self.queue;
+        let [t, u, v] = [t, u, v].map(|column| &mut column[..count]);
+        let primitive = &mut primitive[..count];
+        t.copy_from_slice(&reach[..count]);
+        primitive.fill(MISS);
+        let mut hits = Hits { t, primitive, u, v };
+        match &mut self.meter {
+            None => self.tracer.trace::<true>(traversal, hierarchy, &rays, &mut hits),
+            Some(meter) => {
+                let counter = meter.counter(RayKind::Light);
+                self.tracer.count::<true>(traversal, hierarchy, &rays, &mut hits, counter);
+            }
+        }
+    }
+
     /// Finds the nearest hits of the first `count` rays, primary ones or others, in a hierarchy.
     #[inline(always)]
-    pub fn trace(&mut self, hierarchy: &Hierarchy, traversal: Traversal, count: usize, primary: bool) {
+    pub fn trace(&mut self, hierarchy: &Hierarchy, traversal: Traversal, count: usize, kind: RayKind) {
         let before = self.meter.as_mut().and_then(|meter| meter.enter(Some(Stage::Trace)));
         let Queue { origin, direction, t, primitive, u, v, .. } = &mut self.queue;
         let rays = Rays { origin: origin.first(count), direction: direction.first(count) };
@@ -235,7 +284,7 @@ impl Work {
         match &mut self.meter {
             None => self.tracer.trace::<false>(traversal, hierarchy, &rays, &mut hits),
             Some(meter) => {
-                let counter = meter.counter(primary);
+                let counter = meter.counter(kind);
                 self.tracer.count::<false>(traversal, hierarchy, &rays, &mut hits, counter);
                 meter.enter(before);
             }

@@ -8,7 +8,16 @@ use crate::lane::{Bits, Lane, Mask};
 use crate::math::{Ray, Vec3};
 use crate::sampling::random;
 
-/// Draws the next segment of each path in `found`; returns it with the lanes that go on.
+/// Paths as they leave a surface.
+pub struct Drawn<L: Lane> {
+    pub path: Path<L>,
+    /// The lanes that go on.
+    pub alive: L::Mask,
+    /// The density in solid angle with which the direction was drawn; infinite where no other way of drawing could have found it.
+    pub pdf: L,
+}
+
+/// Draws the next segment of each path in `found`.
 #[inline(always)]
 pub fn scatter<L: Lane, const N: u32>(
     path: &Path<L>,
@@ -16,7 +25,7 @@ pub fn scatter<L: Lane, const N: u32>(
     worn: &Worn<L>,
     bounce: u32,
     found: L::Mask,
-) -> (Path<L>, L::Mask) {
+) -> Drawn<L> {
     let d = path.ray.direction;
     // The normal of the side from which the ray arrives: n · d ≤ 0.
     let along = d.dot(surface.outward);
@@ -78,5 +87,32 @@ pub fn scatter<L: Lane, const N: u32>(
         surface.offset
     };
     let ray = Ray { origin: n.mul_add(side, surface.point), direction: drawn.direction };
-    (Path { ray, throughput, key: path.key, slot: path.slot }, drawn.alive & !dark)
+    let pdf = drawn.direction.dot(n) * L::splat(std::f32::consts::FRAC_1_PI);
+    let pdf = L::select(wears(MaterialCode::DIFFUSE), pdf, L::splat(f32::INFINITY));
+    let path = Path { ray, throughput, inverse: L::zero(), key: path.key, slot: path.slot };
+    Drawn { path, alive: drawn.alive & !dark, pdf }
+}
+
+/// f·cosθ with the colour, and the density in solid angle of drawing the direction.
+pub struct Passed<L: Lane> {
+    pub value: Vec3<L>,
+    pub pdf: L,
+}
+
+pub fn evaluate<L: Lane, const N: u32>(
+    d: Vec3<L>,
+    surface: &Surface<L>,
+    worn: &Worn<L>,
+    towards: Vec3<L>,
+    mask: L::Mask,
+) -> Passed<L> {
+    let n = surface.outward.flip_sign(-d.dot(surface.outward));
+    let cos = towards.dot(n);
+    let ok = mask & L::zero().lt(cos) & worn.kind.equals(L::Bits::splat(MaterialCode::DIFFUSE));
+    let pdf = L::select(ok, cos * L::splat(std::f32::consts::FRAC_1_PI), L::zero());
+    Passed { value: worn.color * pdf, pdf }
+}
+
+pub fn samples_lights<L: Lane>(worn: &Worn<L>) -> L::Mask {
+    worn.kind.equals(L::Bits::splat(MaterialCode::DIFFUSE))
 }

@@ -2,15 +2,16 @@
 
 use super::World;
 use super::generate::slots;
+use super::light::{look, weight_by_chance};
 use super::queue::{Path, Work};
-use super::scatter::scatter;
+use super::scatter::{Drawn, scatter};
 use super::surface::{Surface, Worn, abilities, needs};
 use crate::buffers::Needs;
 use crate::kernel::surface::latitude_longitude;
 use crate::lane::{Bits, Lane, Mask};
 use crate::math::{Hit, Ray, Vec3};
 
-/// Shades the hits of the first `count` paths, scatters them (event number `bounce`) and returns how many go on.
+/// Shades the hits of the first `count` paths, draws lights for them, and scatters them (event number `bounce`).
 ///
 /// `FIRST`: the queue holds primary rays, as [`super::generate`] left them.
 pub fn shade<L: Lane, const N: u32, const FIRST: bool>(
@@ -18,11 +19,12 @@ pub fn shade<L: Lane, const N: u32, const FIRST: bool>(
     work: &mut Work,
     count: usize,
     bounce: u32,
-) -> usize {
+) -> Shaded {
     let mut light = Light::<FIRST>::default();
-    let mut going_on = 0;
+    let (mut going_on, mut searching) = (0, 0);
+    let search = needs(N, Needs::LIGHTS) && !world.buffers.lights.is_empty();
     for at in (0..count).step_by(L::WIDTH) {
-        let path = load_path::<L, FIRST>(world, work, at);
+        let path = load_path::<L, N, FIRST>(world, work, at);
         let hit: Hit<L> = work.queue.hit(at);
         let active = L::Mask::first(count - at);
         let found = hit.found() & active;
@@ -34,28 +36,58 @@ pub fn shade<L: Lane, const N: u32, const FIRST: bool>(
         let surface = Surface::of::<N>(world, &path, &hit, found);
         let worn = Worn::of::<N>(world, &surface, found);
         if needs(N, Needs::EMISSION) {
-            radiance = Vec3::select(found, worn.emission * path.throughput, radiance);
+            radiance = Vec3::select(found, emitted::<L, N, FIRST>(&path, &surface, &worn), radiance);
         }
         light.add(work, at, lit::<L, N>(active, found, radiance), &path, radiance);
 
-        let (next, alive) = scatter::<L, N>(&path, &surface, &worn, bounce, found);
+        let drawn = scatter::<L, N>(&path, &surface, &worn, bounce, found);
+        if search {
+            let (hit, when) = ((&surface, &worn), (bounce, found));
+            searching = look::<L, N>(world, (work, searching), &path, &drawn, hit, when);
+        }
         // In place: no more paths go on than were read, so nothing unread is overwritten.
+        let Drawn { mut path, alive, pdf } = drawn;
+        if needs(N, Needs::LIGHTS) {
+            path.inverse = L::one() / pdf.max(L::splat(1e-30));
+        }
         if alive.all() {
-            work.queue.store_path(going_on, &next);
+            work.queue.store_path(going_on, &path, needs(N, Needs::LIGHTS));
         } else if alive.any() {
-            work.queue.store_path(going_on, &next.pack(L::packing(alive)));
+            work.queue.store_path(going_on, &path.pack(L::packing(alive)), needs(N, Needs::LIGHTS));
         }
         going_on += alive.count();
     }
     light.finish(work);
-    going_on
+    Shaded { going_on, searching }
+}
+
+/// What a run over the queue leaves in front of it.
+pub struct Shaded {
+    /// Paths that go on.
+    pub going_on: usize,
+    /// Rays to lights, for [`super::light::arrive`].
+    pub searching: usize,
+}
+
+/// The light that the surfaces themselves give to their paths. What the search for lights may find as well counts by its weight.
+#[inline(always)]
+fn emitted<L: Lane, const N: u32, const FIRST: bool>(
+    path: &Path<L>,
+    surface: &Surface<L>,
+    worn: &Worn<L>,
+) -> Vec3<L> {
+    let emitted = worn.emission * path.throughput;
+    if FIRST || !needs(N, Needs::LIGHTS) {
+        return emitted;
+    }
+    emitted * weight_by_chance(path.inverse, surface.light_density)
 }
 
 /// The last segment: adds light and scatters nothing.
 pub fn finish<L: Lane, const N: u32, const FIRST: bool>(world: &World, work: &mut Work, count: usize) {
     let mut light = Light::<FIRST>::default();
     for at in (0..count).step_by(L::WIDTH) {
-        let path = load_path::<L, FIRST>(world, work, at);
+        let path = load_path::<L, N, FIRST>(world, work, at);
         let hit: Hit<L> = work.queue.hit(at);
         let active = L::Mask::first(count - at);
         let found = hit.found() & active;
@@ -63,7 +95,7 @@ pub fn finish<L: Lane, const N: u32, const FIRST: bool>(world: &World, work: &mu
         if needs(N, Needs::EMISSION) && found.any() {
             let surface = Surface::of::<N>(world, &path, &hit, found);
             let worn = Worn::of::<N>(world, &surface, found);
-            radiance = Vec3::select(found, worn.emission * path.throughput, radiance);
+            radiance = Vec3::select(found, emitted::<L, N, FIRST>(&path, &surface, &worn), radiance);
         }
         light.add(work, at, lit::<L, N>(active, found, radiance), &path, radiance);
     }
@@ -83,13 +115,13 @@ fn lit<L: Lane, const N: u32>(active: L::Mask, found: L::Mask, radiance: Vec3<L>
 
 /// The paths of a packet.
 #[inline(always)]
-fn load_path<L: Lane, const FIRST: bool>(world: &World, work: &Work, at: usize) -> Path<L> {
+fn load_path<L: Lane, const N: u32, const FIRST: bool>(world: &World, work: &Work, at: usize) -> Path<L> {
     if !FIRST {
-        return work.queue.path(at);
+        return work.queue.path(at, needs(N, Needs::LIGHTS));
     }
     let (direction, key) = work.queue.primary(at);
     let ray = Ray { origin: world.camera.origin(), direction };
-    Path { ray, throughput: Vec3::repeat(L::one()), key, slot: slots::<L>(at) }
+    Path { ray, throughput: Vec3::repeat(L::one()), inverse: L::zero(), key, slot: slots::<L>(at) }
 }
 
 /// Where light goes: at the first segment every path still stands at its pixel's own place and whole packets are stored; later,

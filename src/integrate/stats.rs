@@ -15,14 +15,17 @@ pub enum Stage {
     Extend,
     /// Finds what rays hit in a hierarchy.
     Trace,
-    /// Adds light, scatters, packs.
+    /// Adds light, scatters, draws lights, packs.
     Shade,
+    /// Finds out which lights are seen, and adds theirs.
+    Light,
     /// Adds the light of paths that have had all their bounces, and the tile's sample to the film.
     Finish,
 }
 
 impl Stage {
-    pub const ALL: [Self; 5] = [Self::Generate, Self::Extend, Self::Trace, Self::Shade, Self::Finish];
+    pub const ALL: [Self; 6] =
+        [Self::Generate, Self::Extend, Self::Trace, Self::Shade, Self::Light, Self::Finish];
 
     /// As reports name it.
     pub fn name(self) -> &'static str {
@@ -31,7 +34,32 @@ impl Stage {
             Self::Extend => "extend",
             Self::Trace => "trace",
             Self::Shade => "shade",
+            Self::Light => "light",
             Self::Finish => "finish",
+        }
+    }
+}
+
+/// What a ray is for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RayKind {
+    /// From the camera.
+    Primary,
+    /// From a surface that scattered.
+    Bounce,
+    /// To a point of a light.
+    Light,
+}
+
+impl RayKind {
+    pub const ALL: [Self; 3] = [Self::Primary, Self::Bounce, Self::Light];
+
+    /// As reports name it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Primary => "primary",
+            Self::Bounce => "bounce",
+            Self::Light => "light",
         }
     }
 }
@@ -43,10 +71,10 @@ pub struct Stats {
     pub times: [Duration; Stage::ALL.len()],
     /// Segments of paths: primary rays, then those after one bounce, and so on.
     pub segments: Vec<Segment>,
-    /// What primary rays are tested against.
-    pub primary: Counts,
-    /// What rays that bounced are tested against.
-    pub bounced: Counts,
+    /// Rays to lights.
+    pub search: Segment,
+    /// What rays are tested against, in the order of [`RayKind::ALL`].
+    pub counts: [Counts; RayKind::ALL.len()],
 }
 
 /// The rays that have bounced so many times.
@@ -58,11 +86,13 @@ pub struct Segment {
 }
 
 impl Stats {
-    pub fn primary_rays(&self) -> u64 {
-        self.segments.first().map_or(0, |first| first.rays)
-    }
-    pub fn bounced_rays(&self) -> u64 {
-        self.segments.iter().skip(1).map(|segment| segment.rays).sum()
+    /// How many rays there were of a kind.
+    pub fn rays(&self, kind: RayKind) -> u64 {
+        match kind {
+            RayKind::Primary => self.segments.first().map_or(0, |first| first.rays),
+            RayKind::Bounce => self.segments.iter().skip(1).map(|segment| segment.rays).sum(),
+            RayKind::Light => self.search.rays,
+        }
     }
 }
 
@@ -79,8 +109,8 @@ impl AddAssign<&Self> for Stats {
         let most = self.segments.len().max(other.segments.len());
         self.segments.resize(most, Segment::default());
         self.segments.iter_mut().zip(&other.segments).for_each(|(segment, other)| *segment += *other);
-        self.primary += other.primary;
-        self.bounced += other.bounced;
+        self.search += other.search;
+        self.counts.iter_mut().zip(other.counts).for_each(|(counts, other)| *counts += other);
     }
 }
 
@@ -89,8 +119,8 @@ impl AddAssign<&Self> for Stats {
 pub struct Meter {
     times: [Duration; Stage::ALL.len()],
     segments: Vec<Segment>,
-    primary: Counter,
-    bounced: Counter,
+    search: Segment,
+    counters: [Counter; RayKind::ALL.len()],
     /// The stage under way.
     stage: Option<Stage>,
     since: Instant,
@@ -98,16 +128,21 @@ pub struct Meter {
 
 impl Default for Meter {
     fn default() -> Self {
-        let (primary, bounced) = (Counter::default(), Counter::default());
-        let times = [Duration::ZERO; Stage::ALL.len()];
-        Self { times, segments: Vec::new(), primary, bounced, stage: None, since: Instant::now() }
+        Self {
+            times: [Duration::ZERO; Stage::ALL.len()],
+            segments: Vec::new(),
+            search: Segment::default(),
+            counters: Default::default(),
+            stage: None,
+            since: Instant::now(),
+        }
     }
 }
 
 impl Meter {
     pub fn stats(&self) -> Stats {
-        let Self { times, ref segments, ref primary, ref bounced, .. } = *self;
-        Stats { times, segments: segments.clone(), primary: primary.get(), bounced: bounced.get() }
+        let Self { times, ref segments, search, ref counters, .. } = *self;
+        Stats { times, segments: segments.clone(), search, counts: counters.each_ref().map(Counter::get) }
     }
     /// From here on time belongs to this stage, or to none. Returns the stage that it belonged to.
     #[cold]
@@ -131,12 +166,23 @@ impl Meter {
             self.segments.resize(at + 1, Segment::default());
         }
         self.segments[at] += Segment { rays: rays as u64, packets: packets as u64 };
+        let kind = if bounces == 0 { RayKind::Primary } else { RayKind::Bounce };
         if let Some(each) = each {
-            self.counter(bounces == 0).linear(each, packets, rays);
+            self.counter(kind).linear(each, packets, rays);
         }
     }
-    /// Where tests of primary rays count, or of those that bounced.
-    pub fn counter(&self, primary: bool) -> &Counter {
-        if primary { &self.primary } else { &self.bounced }
+    /// So many rays go to lights; the rest as in [`Meter::segment`].
+    #[cold]
+    #[inline(never)]
+    pub fn search(&mut self, rays: usize, width: usize, each: Option<[usize; 2]>) {
+        let packets = rays.div_ceil(width);
+        self.search += Segment { rays: rays as u64, packets: packets as u64 };
+        if let Some(each) = each {
+            self.counter(RayKind::Light).linear(each, packets, rays);
+        }
+    }
+    /// Where tests of rays of a kind count.
+    pub fn counter(&self, kind: RayKind) -> &Counter {
+        &self.counters[kind as usize]
     }
 }

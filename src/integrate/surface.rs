@@ -3,9 +3,10 @@
 use super::World;
 use super::queue::Path;
 use crate::buffers::{Abilities, MaterialCode, Needs};
+use crate::kernel::light;
 use crate::kernel::surface::{latitude_longitude, sphere_normal};
 use crate::lane::{Bits, Lane, Mask};
-use crate::math::{Hit, Vec3};
+use crate::math::{Hit, Ray, Vec3};
 
 /// Does the feature set `N` hold this feature? Constant for the compiler.
 #[inline(always)]
@@ -34,6 +35,8 @@ pub struct Surface<L: Lane> {
     triangle: L::Bits,
     turn: L,
     barycentric: (L, L),
+    /// The density with which light sampling at the ray's origin draws the ray's direction, in 1/sr; 0 where it never does.
+    pub light_density: L,
 }
 
 impl<L: Lane> Surface<L> {
@@ -57,13 +60,14 @@ impl<L: Lane> Surface<L> {
             triangle,
             turn: L::zero(),
             barycentric: (hit.u, hit.v),
+            light_density: L::zero(),
         };
         if needs(N, Needs::SPHERES) && (!needs(N, Needs::TRIANGLES) || (found & is_sphere).any()) {
             let index = L::Bits::select(found & is_sphere, hit.primitive, zero);
             surface.set_sphere::<N>(world, path, hit, index);
         }
         if needs(N, Needs::TRIANGLES) && (!needs(N, Needs::SPHERES) || (found & !is_sphere).any()) {
-            surface.set_triangle::<N>(world);
+            surface.set_triangle::<N>(world, path, hit);
         }
         surface
     }
@@ -71,24 +75,28 @@ impl<L: Lane> Surface<L> {
     #[inline(always)]
     fn set_sphere<const N: u32>(&mut self, world: &World, path: &Path<L>, hit: &Hit<L>, index: L::Bits) {
         let few = !needs(N, Needs::MANY_SPHERES);
-        let [x, y, z, radius, offset, material, turn, _] = world.buffers.sphere_rows.fetch::<L>(index, few);
+        let [x, y, z, radius, offset, material, turn, chance] =
+            world.buffers.sphere_rows.fetch::<L>(index, few);
         let center = Vec3::new(x, y, z);
         self.outward = sphere_normal(path.ray.at(hit.t), center);
         self.point = self.outward.mul_add(radius, center);
         self.offset = offset;
         self.material = material.to_bits();
         self.turn = turn;
+        if needs(N, Needs::LIGHTS) && L::zero().lt(chance).any() {
+            self.light_density = chance * light::sphere_density(center - path.ray.origin, radius);
+        }
     }
 
     /// Overwrites the lanes on triangles.
     #[inline(always)]
-    fn set_triangle<const N: u32>(&mut self, world: &World) {
+    fn set_triangle<const N: u32>(&mut self, world: &World, path: &Path<L>, hit: &Hit<L>) {
         let few = !needs(N, Needs::MANY_TRIANGLES);
         let first = self.triangle.shl(1);
         let [ax, ay, az, abx, aby, abz, offset, material] =
             world.buffers.triangle_rows.fetch::<L>(first, few);
         let second = first | L::Bits::splat(1);
-        let [acx, acy, acz, nx, ny, nz, ..] = world.buffers.triangle_rows.fetch::<L>(second, few);
+        let [acx, acy, acz, nx, ny, nz, chance, _] = world.buffers.triangle_rows.fetch::<L>(second, few);
         let (u, v) = self.barycentric;
         let (ab, ac) = (Vec3::new(abx, aby, abz), Vec3::new(acx, acy, acz));
         let point = ab.mul_add(u, ac.mul_add(v, Vec3::new(ax, ay, az)));
@@ -97,6 +105,12 @@ impl<L: Lane> Surface<L> {
         self.outward = Vec3::select(keep, self.outward, Vec3::new(nx, ny, nz));
         self.offset = L::select(keep, self.offset, offset);
         self.material = L::Bits::select(keep, self.material, material.to_bits());
+        if needs(N, Needs::LIGHTS) && (!keep & L::zero().lt(chance)).any() {
+            let Ray { origin, direction } = path.ray;
+            let a = Vec3::new(ax, ay, az) - origin;
+            let density = chance * light::triangle_density(a, ab, ac, direction, hit.t);
+            self.light_density = L::select(keep, self.light_density, density);
+        }
     }
 
     /// Texture coordinates of the lanes in `textured`, v from the top, and where v must not wrap.

@@ -5,7 +5,7 @@
 
 use super::ray_sets::{Kind, RaySet};
 use super::ways::{Ground, Way};
-use crate::integrate::stats::{Segment, Stage, Stats};
+use crate::integrate::stats::{RayKind, Segment, Stage, Stats};
 use crate::traverse::tally::{Counts, Tests};
 use serde::Serialize;
 
@@ -20,7 +20,7 @@ pub struct FrameStats {
     /// Seconds of all stages, summed over the threads; the clock's own cost and that of counting are in them.
     pub seconds: f64,
     pub stages: Vec<StageStats>,
-    /// Primary rays, then those that bounced.
+    /// Primary rays, those that bounced, those to lights.
     pub kinds: Vec<KindStats>,
     /// By how often rays have bounced, from 0.
     pub bounces: Vec<BounceStats>,
@@ -39,7 +39,7 @@ pub struct StageStats {
 
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct KindStats {
-    /// `primary` or `bounce`.
+    /// `primary`, `bounce` or `light`.
     pub kind: &'static str,
     pub rays: u64,
     #[serde(flatten)]
@@ -106,15 +106,17 @@ impl TestStats {
 impl FrameStats {
     /// Of so many samples of every pixel.
     pub fn of(stats: &Stats, lanes: usize, threads: usize, frames: u32) -> Self {
-        let [primary, bounced] = [stats.primary_rays(), stats.bounced_rays()];
-        let rays = primary + bounced;
+        let rays = RayKind::ALL.iter().map(|&kind| stats.rays(kind)).sum();
         let seconds = stats.times.iter().map(|time| time.as_secs_f64()).sum();
         let stage = |(stage, time): (Stage, &std::time::Duration)| {
             let time = time.as_secs_f64();
             let (share, ns_per_ray) = (ratio(time, seconds), ratio(time * 1e9, rays as f64));
             StageStats { stage: stage.name(), seconds: time, share, ns_per_ray }
         };
-        let kind = |kind, rays, counts| KindStats { kind, rays, tests: TestStats::of(counts, rays) };
+        let kind = |(kind, counts): (RayKind, &Counts)| {
+            let rays = stats.rays(kind);
+            KindStats { kind: kind.name(), rays, tests: TestStats::of(counts, rays) }
+        };
         let bounce = |(bounce, &Segment { rays, packets }): (usize, &Segment)| {
             let lanes_in_use = ratio(rays as f64, (packets * lanes as u64) as f64);
             BounceStats { bounce, rays, packets, lanes_in_use }
@@ -126,7 +128,7 @@ impl FrameStats {
             rays,
             seconds,
             stages: Stage::ALL.into_iter().zip(&stats.times).map(stage).collect(),
-            kinds: vec![kind("primary", primary, &stats.primary), kind("bounce", bounced, &stats.bounced)],
+            kinds: RayKind::ALL.into_iter().zip(&stats.counts).map(kind).collect(),
             bounces: stats.segments.iter().enumerate().map(bounce).collect(),
         }
     }

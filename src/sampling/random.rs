@@ -7,8 +7,8 @@
 //!
 //! # Dimensions
 //! [`PIXEL`] (2 numbers) places the sample in its pixel. Scattering event b, counted from 0, owns the [`PER_BOUNCE`]
-//! numbers from [`bounce`]`(b)` on: [`LOBE`] chooses between the lobes of a material, [`DIRECTION`] (2 numbers) the
-//! direction.
+//! numbers from [`bounce`]`(b)` on: [`LOBE`] chooses between the lobes of a material, [`LIGHT`] a light, [`DIRECTION`] (2 numbers) the
+//! direction, [`LIGHT_POINT`] (2 numbers) a point of the light.
 
 use crate::lane::{Bits, Lane};
 
@@ -18,8 +18,14 @@ pub const PIXEL: u32 = 0;
 pub const PER_BOUNCE: u32 = 8;
 /// Within an event: reflect or refract.
 pub const LOBE: u32 = 0;
+/// Within an event: which light.
+pub const LIGHT: u32 = 1;
 /// Within an event, two numbers: the new direction.
-pub const DIRECTION: u32 = 1;
+pub const DIRECTION: u32 = 2;
+/// Within an event, two numbers: where on the light.
+pub const LIGHT_POINT: u32 = 4;
+/// Within an event: which light, where there are so many that one number has too few digits.
+pub const LIGHT_AGAIN: u32 = 6;
 
 /// 2³² divided by the golden ratio, odd: multiples spread evenly.
 const GOLDEN: u32 = 0x9e37_79b9;

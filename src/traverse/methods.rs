@@ -3,7 +3,7 @@
 use super::batch::Traversal;
 use super::hierarchy::{Hierarchy, reach_of};
 use super::{Visible, linear};
-use crate::buffers::{Buffers, Needs, store_triangles};
+use crate::buffers::{Buffers, LightChoice, Needs, store_triangles};
 use crate::bvh::Quality;
 use crate::kernel::ray_box::Reach;
 use crate::kernel::ray_sphere::{self, SphereMethod};
@@ -32,12 +32,13 @@ pub enum TriangleChoice {
     Plucker,
 }
 
-/// The equations of a picture. The defaults are the ones that hold where others fail.
+/// The equations of a picture, and how it finds what it looks for. The defaults are the ones that hold where others fail.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub struct Methods {
     pub sphere: SphereChoice,
     pub triangle: TriangleChoice,
     pub traversal: TraversalChoice,
+    pub lights: LightChoice,
 }
 
 /// How rays find what they meet.

@@ -1,0 +1,225 @@
+//! The emitters that paths look for, and how likely each is chosen.
+
+use super::rows::Rows;
+use crate::kernel::surface::{sphere_offset, triangle_offset};
+use crate::lane::{Bits, Lane};
+use crate::scene::{MaterialKind, Scene, Sphere, Triangle};
+use std::f32::consts::PI;
+
+/// Which emitters paths look for, besides finding them by chance.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum LightChoice {
+    /// Those for which it pays: not the spheres that surround the scene, and none where every surface is a mirror or glass.
+    #[default]
+    Auto,
+    /// All that can be looked for.
+    On,
+    /// None.
+    Off,
+}
+
+/// The emitters that paths look for: two rows of eight each.
+///
+/// Sphere: centre, radius, emission, 0; 0 (seven times), offset of rays that end there. Triangle: a, 0, emission, 0; ab, ac, 0, offset.
+/// Chosen in constant time, each by its share of all power: Walker, "An Efficient Method for Generating Discrete Random Variables with
+/// General Distributions", ACM TOMS 3(3), 1977; the table by Vose, IEEE TSE 17(9), 1991.
+#[derive(Clone, Debug, Default)]
+pub struct Lights {
+    rows: Rows,
+    /// Bits of the fraction up to which a slot stands for the light of its own number.
+    keep: Vec<u32>,
+    /// The light that a slot stands for above it.
+    other: Vec<u32>,
+    /// The chance of each primitive of the scene to be chosen, spheres first; empty without lights.
+    pub chances: Vec<f32>,
+}
+
+/// A light for each lane.
+pub struct Chosen<L> {
+    /// Centre of a sphere, first corner of a triangle.
+    pub at: [L; 3],
+    /// 0 for triangles.
+    pub radius: L,
+    pub emission: [L; 3],
+    pub ab: [L; 3],
+    pub ac: [L; 3],
+    pub offset: L,
+    /// The probability of choosing it.
+    pub chance: L,
+}
+
+impl Lights {
+    /// Most lights whose rows fit the register form.
+    pub const FEW: usize = Rows::FEW / 2;
+    /// From here on one random number has too few digits to choose with.
+    const MANY: usize = 1 << 12;
+
+    pub fn new(scene: &Scene, choice: LightChoice) -> Self {
+        let primitives = scene.spheres.len() + scene.triangles.len();
+        let mut powers = vec![0.0; primitives];
+        if choice != LightChoice::Off && anything_scatters(scene) {
+            for (power, number) in powers.iter_mut().zip(0..) {
+                *power = power_of(scene, number, choice);
+            }
+        }
+        let total: f64 = powers.iter().sum();
+        if total <= 0.0 || !total.is_finite() {
+            return Self::default();
+        }
+        let lights: Vec<usize> = (0..primitives).filter(|&number| powers[number] > 0.0).collect();
+        let shares: Vec<f64> = lights.iter().map(|&number| powers[number] / total).collect();
+        let (keep, other) = alias_table(&shares);
+        Self {
+            rows: Rows::new(
+                lights.iter().zip(&shares).flat_map(|(&number, &share)| rows(scene, number, share as f32)),
+            ),
+            keep: keep.into_iter().map(f32::to_bits).collect(),
+            other,
+            chances: powers.iter().map(|power| (power / total) as f32).collect(),
+        }
+    }
+    pub fn len(&self) -> usize {
+        self.keep.len()
+    }
+    pub fn is_empty(&self) -> bool {
+        self.keep.is_empty()
+    }
+    pub fn bytes(&self) -> usize {
+        self.rows.bytes() + size_of_val(self.keep.as_slice()) * 2 + size_of_val(self.chances.as_slice())
+    }
+
+    /// Chooses by a number in [0, 1); `more` gives another one where one is not enough. `few` promises at most [`Lights::FEW`] lights.
+    /// Domain: there are lights.
+    #[inline(always)]
+    pub fn choose<L: Lane>(&self, number: L, more: impl Fn() -> L, few: bool) -> Chosen<L> {
+        let scaled = number * L::splat(self.len() as f32);
+        let slot = scaled.truncate_to_int();
+        // Rounding up to the length itself is possible.
+        let last = L::Bits::splat(self.len() as u32 - 1);
+        let slot = L::Bits::select(last.less(slot), last, slot);
+        let fraction = if self.len() < Self::MANY { scaled - L::from_int(slot) } else { more() };
+        let light = if self.len() == 1 {
+            slot
+        } else {
+            let keep = L::from_bits(L::gather_bits(&self.keep, slot));
+            L::Bits::select(fraction.lt(keep), slot, L::gather_bits(&self.other, slot))
+        };
+        let first = light.shl(1);
+        let [x, y, z, radius, r, g, b, chance] = self.rows.fetch::<L>(first, few);
+        let [abx, aby, abz, acx, acy, acz, _, offset] = self.rows.fetch::<L>(first | L::Bits::splat(1), few);
+        Chosen {
+            at: [x, y, z],
+            radius,
+            emission: [r, g, b],
+            ab: [abx, aby, abz],
+            ac: [acx, acy, acz],
+            offset,
+            chance,
+        }
+    }
+}
+
+/// Does some surface scatter light from a lamp into other directions than a lamp's mirror image?
+fn anything_scatters(scene: &Scene) -> bool {
+    scene.materials.iter().any(|material| match material.kind {
+        MaterialKind::Emitter | MaterialKind::Glass { .. } => false,
+        MaterialKind::Metal { roughness } => roughness > 0.0,
+        _ => true,
+    })
+}
+
+/// The power that a primitive gives off, 0 if paths shall not look for it.
+fn power_of(scene: &Scene, number: usize, choice: LightChoice) -> f64 {
+    let shines = |material: u32| {
+        let material = &scene.materials[material as usize];
+        // A lamp with a picture is found by chance alone: its light at a point is not known here.
+        let pictured = material.kind == MaterialKind::Emitter && material.texture.is_some();
+        if pictured { 0.0 } else { f64::from(material.emission.element_sum()) / 3.0 }
+    };
+    match scene.spheres.get(number) {
+        Some(sphere) if choice == LightChoice::Auto && surrounds(scene, number) => {
+            debug_assert!(sphere.radius > 0.0);
+            0.0
+        }
+        Some(&Sphere { radius, material, .. }) => {
+            let radius = f64::from(radius);
+            4.0 * f64::from(PI) * f64::from(PI) * radius * radius * shines(material)
+        }
+        None => {
+            let Triangle { vertices, material } = scene.triangles[number - scene.spheres.len()];
+            let [a, b, c] = vertices.map(|vertex| vertex.as_dvec3());
+            // Both sides shine.
+            f64::from(PI) * (b - a).cross(c - a).length() * shines(material)
+        }
+    }
+}
+
+/// Does the camera stand within this sphere? Then every ray that leaves the other things finds it by itself.
+fn surrounds(scene: &Scene, number: usize) -> bool {
+    let sphere = scene.spheres[number];
+    let to = scene.camera.position.as_dvec3() - sphere.center.as_dvec3();
+    to.length() < f64::from(sphere.radius)
+}
+
+fn rows(scene: &Scene, number: usize, chance: f32) -> [[f32; 8]; 2] {
+    let emission = |material: u32| scene.materials[material as usize].emission;
+    match scene.spheres.get(number) {
+        Some(&Sphere { center, radius, material, .. }) => {
+            let e = emission(material);
+            let offset = sphere_offset(center, radius);
+            [
+                [center.x, center.y, center.z, radius, e.x, e.y, e.z, chance],
+                [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, offset],
+            ]
+        }
+        None => {
+            let Triangle { vertices, material } = scene.triangles[number - scene.spheres.len()];
+            let [a, b, c] = vertices;
+            let (ab, ac, e) = (b - a, c - a, emission(material));
+            let offset = triangle_offset(vertices);
+            [[a.x, a.y, a.z, 0.0, e.x, e.y, e.z, chance], [ab.x, ab.y, ab.z, ac.x, ac.y, ac.z, 0.0, offset]]
+        }
+    }
+}
+
+/// Slots of equal width: up to the first number of a slot's width it stands for itself, above it for the second.
+fn alias_table(shares: &[f64]) -> (Vec<f32>, Vec<u32>) {
+    let count = shares.len();
+    let mut rest: Vec<f64> = shares.iter().map(|share| share * count as f64).collect();
+    let mut keep = vec![1.0; count];
+    let mut other: Vec<u32> = (0..count as u32).collect();
+    let (mut small, mut large): (Vec<usize>, Vec<usize>) = (0..count).partition(|&slot| rest[slot] < 1.0);
+    while let (Some(&short), Some(&long)) = (small.last(), large.last()) {
+        small.pop();
+        keep[short] = rest[short] as f32;
+        other[short] = long as u32;
+        rest[long] -= 1.0 - rest[short];
+        if rest[long] < 1.0 {
+            large.pop();
+            small.push(long);
+        }
+    }
+    // What is left over is 1 but for rounding.
+    (keep, other)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn alias_tables_give_each_its_share() {
+        for shares in [vec![1.0], vec![0.5, 0.5], vec![0.7, 0.1, 0.2], vec![0.001, 0.002, 0.003, 0.994]] {
+            let (keep, other) = alias_table(&shares);
+            let mut given = vec![0.0; shares.len()];
+            for slot in 0..shares.len() {
+                let width = 1.0 / shares.len() as f64;
+                given[slot] += width * f64::from(keep[slot]);
+                given[other[slot] as usize] += width * (1.0 - f64::from(keep[slot]));
+            }
+            for (given, share) in given.iter().zip(&shares) {
+                assert!((given - share).abs() < 1e-7, "{given} of {share}");
+            }
+        }
+    }
+}

@@ -1,0 +1,313 @@
+//! Looking for lights: directions are drawn as their densities say, what arrives is what closed forms say, and searching changes no
+//! expectation.
+
+mod common;
+
+use common::{Dice, empty, material, sphere, triangle};
+use glam::{DVec3, Vec3};
+use octray::buffers::LightChoice;
+use octray::film::Picture;
+use octray::kernel::light::{Aim, aim_at_sphere, aim_at_triangle, sphere_density, triangle_density};
+use octray::lane::{F32x8, Lane};
+use octray::math;
+use octray::render::{Renderer, Settings};
+use octray::scene::{Camera, Material, MaterialKind, Scene, Sky, load};
+use octray::traverse::Methods;
+use std::f64::consts::PI;
+
+fn vector(v: DVec3) -> math::Vec3<f32> {
+    math::Vec3::splat(v.as_vec3())
+}
+
+fn double(v: math::Vec3<f32>) -> DVec3 {
+    v.get(0).as_dvec3()
+}
+
+/// Midpoints of `side` × `side` cells of the unit square.
+fn square(side: u32) -> impl Iterator<Item = (f32, f32)> {
+    let middle = move |i: u32| (i as f32 + 0.5) / side as f32;
+    (0..side).flat_map(move |i| (0..side).map(move |j| (middle(i), middle(j))))
+}
+
+/// What a Lambertian point would receive from an emitter of radiance 1: the mean of direction / density, whose product with a normal
+/// is the irradiance as long as the emitter is above the horizon.
+fn vector_irradiance(aim: impl Fn(f32, f32) -> Aim<f32>, side: u32) -> DVec3 {
+    let sum: DVec3 = square(side)
+        .map(|(u, v)| {
+            let aim = aim(u, v);
+            double(aim.direction) / f64::from(aim.density)
+        })
+        .sum();
+    sum / f64::from(side * side)
+}
+
+/// Lambert's formula for a polygon seen from the origin: half the sum of the edges' angles, each along the normal of its plane.
+fn polygon_irradiance(corners: [DVec3; 3]) -> DVec3 {
+    let edge = |i: usize| {
+        let (a, b) = (corners[i].normalize(), corners[(i + 1) % 3].normalize());
+        let normal = a.cross(b);
+        normal * (normal.length().atan2(a.dot(b)) / normal.length())
+    };
+    (edge(0) + edge(1) + edge(2)) * 0.5
+}
+
+fn solid_angle([a, b, c]: [DVec3; 3]) -> f64 {
+    let [a, b, c] = [a, b, c].map(DVec3::normalize);
+    2.0 * a.dot(b.cross(c)).abs().atan2(1.0 + a.dot(b) + b.dot(c) + c.dot(a))
+}
+
+#[test]
+fn a_sphere_gives_the_irradiance_of_the_closed_form() {
+    let mut dice = Dice(1);
+    for _ in 0..300 {
+        let radius = dice.scale(1e-4, 1e4);
+        let distance = radius * dice.scale(1.001, 1e5);
+        let center = dice.direction() * distance;
+        let aim = |u, v| aim_at_sphere(vector(center), radius as f32, u, v);
+        // π sin² of half its angle, towards its centre.
+        let truth = center.normalize() * PI * (radius / distance).powi(2);
+        let error = (vector_irradiance(aim, 64) - truth).length() / truth.length();
+        assert!(error < 5e-4, "radius {radius:e} at {distance:e}: {error:e}");
+    }
+}
+
+/// Corners that a point at the origin sees from far to near, blunt to sharp.
+fn corners(dice: &mut Dice) -> [DVec3; 3] {
+    let size = dice.scale(1e-3, 1e3);
+    let middle = dice.direction() * size * dice.scale(1e-2, 1e3);
+    [(); 3].map(|()| middle + dice.direction() * size)
+}
+
+fn aim_at(corners: [DVec3; 3], u: f32, v: f32) -> Aim<f32> {
+    let [a, b, c] = corners;
+    aim_at_triangle(vector(a), vector(b - a), vector(c - a), u, v)
+}
+
+#[test]
+fn a_triangle_gives_the_irradiance_of_lamberts_formula() {
+    let mut dice = Dice(2);
+    let (mut whole, mut by_area) = (0, 0);
+    for _ in 0..1000 {
+        let corners = corners(&mut dice);
+        let omega = solid_angle(corners);
+        let [a, b, c] = corners;
+        let normal = (b - a).cross(c - a).normalize();
+        let height = a.dot(normal).abs() / a.length().max(b.length()).max(c.length());
+        // Nearly edge-on its single-precision corners are another triangle's.
+        if height < 0.02 {
+            continue;
+        }
+        if omega < 1e-3 { by_area += 1 } else { whole += 1 }
+        let mine = vector_irradiance(|u, v| aim_at(corners, u, v), 96);
+        let truth = polygon_irradiance(corners);
+        // The order of the corners decides the sign of Lambert's vector.
+        let error = (mine - truth).length().min((mine + truth).length()) / truth.length();
+        assert!(error < 2e-3, "{corners:?}, {omega:e} sr: {error:e}");
+    }
+    assert!(whole > 200 && by_area > 200, "{whole} {by_area}");
+}
+
+#[test]
+fn directions_within_a_triangle_are_spread_as_their_density_says() {
+    let mut dice = Dice(3);
+    let (mut worst, mut tried) = (0.0_f64, 0);
+    while tried < 60 {
+        let corners = corners(&mut dice);
+        if solid_angle(corners) < 2e-3 {
+            continue;
+        }
+        tried += 1;
+        // Four times the triangle in four, each with its own share of the solid angle.
+        let mut cells = vec![corners];
+        for _ in 0..3 {
+            let split = |[a, b, c]: [DVec3; 3]| {
+                let (ab, bc, ca) = ((a + b) * 0.5, (b + c) * 0.5, (c + a) * 0.5);
+                [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]
+            };
+            cells = cells.into_iter().flat_map(split).collect();
+        }
+        let total: f64 = cells.iter().map(|&cell| solid_angle(cell)).sum();
+        let mut counts = vec![0.0; cells.len()];
+        let draws = 64 * 64 * 4;
+        for _ in 0..draws {
+            let aim = aim_at(corners, dice.unit() as f32, dice.unit() as f32);
+            let direction = double(aim.direction);
+            // On the nearest cell: where the smallest of the three volumes is largest.
+            let inside = |cell: &[DVec3; 3]| {
+                let [a, b, c] = cell.map(DVec3::normalize);
+                let sign = a.cross(b).dot(c).signum();
+                let edges = [a.cross(b), b.cross(c), c.cross(a)];
+                edges.map(|edge| sign * edge.normalize().dot(direction)).into_iter().fold(f64::MAX, f64::min)
+            };
+            let best = (0..cells.len()).max_by(|&i, &j| inside(&cells[i]).total_cmp(&inside(&cells[j])));
+            counts[best.unwrap()] += 1.0;
+        }
+        let chi_squared: f64 = cells
+            .iter()
+            .zip(&counts)
+            .map(|(&cell, count)| {
+                let expected = f64::from(draws) * solid_angle(cell) / total;
+                (count - expected).powi(2) / expected.max(1.0)
+            })
+            .sum();
+        // Wilson and Hilferty: the cube root is nearly normal.
+        let freedom = cells.len() as f64 - 1.0;
+        let spread = 2.0 / (9.0 * freedom);
+        worst = worst.max(((chi_squared / freedom).cbrt() - (1.0 - spread)) / spread.sqrt());
+    }
+    assert!(worst < 4.5, "{worst} standard deviations");
+}
+
+#[test]
+fn a_direction_has_the_density_it_was_drawn_with() {
+    let mut dice = Dice(4);
+    for _ in 0..20_000 {
+        let (u, v) = (dice.unit() as f32, dice.unit() as f32);
+        let corners @ [a, b, c] = corners(&mut dice);
+        let aim = aim_at(corners, u, v);
+        let again = triangle_density(vector(a), vector(b - a), vector(c - a), aim.direction, aim.t);
+        assert!(aim.density == again || aim.density == 0.0, "{} {again}", aim.density);
+        let radius = dice.scale(1e-3, 1e3);
+        let center = dice.direction() * radius * dice.scale(0.1, 1e4);
+        let aim = aim_at_sphere(vector(center), radius as f32, u, v);
+        assert_eq!(aim.density, sphere_density(vector(center), radius as f32));
+        assert_eq!(aim.density > 0.0, center.as_vec3().length() > radius as f32, "{center} {radius}");
+        if aim.density > 0.0 {
+            assert!(double(aim.normal).dot(double(aim.direction)) < 1e-3 && aim.t > 0.0);
+        }
+    }
+}
+
+#[test]
+fn aims_are_the_same_at_every_width() {
+    let mut dice = Dice(5);
+    for _ in 0..2_000 {
+        let all: [([DVec3; 3], f32, f32, f32); 8] = std::array::from_fn(|_| {
+            (corners(&mut dice), dice.scale(1e-3, 1e3) as f32, dice.unit() as f32, dice.unit() as f32)
+        });
+        let wide = |of: &dyn Fn(usize) -> DVec3| {
+            let at = |axis: usize| F32x8::from_fn(|lane| of(lane).as_vec3()[axis]);
+            math::Vec3::new(at(0), at(1), at(2))
+        };
+        let [a, ab, ac] = [
+            wide(&|lane| all[lane].0[0]),
+            wide(&|lane| all[lane].0[1] - all[lane].0[0]),
+            wide(&|lane| all[lane].0[2] - all[lane].0[0]),
+        ];
+        let radius = F32x8::from_fn(|lane| all[lane].1);
+        let (u, v) = (F32x8::from_fn(|lane| all[lane].2), F32x8::from_fn(|lane| all[lane].3));
+        let (triangles, spheres) = (aim_at_triangle(a, ab, ac, u, v), aim_at_sphere(a, radius, u, v));
+        for (lane, &(corners, radius, u, v)) in all.iter().enumerate() {
+            let one = aim_at(corners, u, v);
+            let bits = |v: Vec3| v.to_array().map(f32::to_bits);
+            assert_eq!(bits(triangles.direction.get(lane)), bits(one.direction.get(0)));
+            assert_eq!(triangles.density.get(lane).to_bits(), one.density.to_bits());
+            let one = aim_at_sphere(vector(corners[0]), radius, u, v);
+            if one.density > 0.0 {
+                assert_eq!(bits(spheres.direction.get(lane)), bits(one.direction.get(0)));
+                assert_eq!(spheres.density.get(lane).to_bits(), one.density.to_bits());
+            }
+        }
+    }
+}
+
+fn lamp(radiance: f32) -> Material {
+    Material { emission: Vec3::splat(radiance), ..material(MaterialKind::Emitter) }
+}
+
+fn render(scene: &Scene, lights: LightChoice, samples: u32, seed: u32) -> Picture {
+    let methods = Methods { lights, ..Methods::default() };
+    let renderer = Renderer::new(scene, Settings { methods, seed, ..Settings::of(scene) });
+    let mut film = renderer.film();
+    renderer.add_samples(&mut film, samples);
+    assert_eq!(film.discarded(), 0);
+    film.picture()
+}
+
+fn mean(picture: &Picture) -> f64 {
+    let sum: f64 = picture.pixels.iter().flatten().map(|&x| f64::from(x)).sum();
+    sum / (3 * picture.pixels.len()) as f64
+}
+
+/// A floor that fills the picture, seen from straight above at `height`, near `foot`, and dark otherwise.
+fn floor(foot: Vec3, height: f32) -> Scene {
+    let [a, b, c] = [Vec3::new(-1.0, 0.0, -1.0), Vec3::new(0.0, 0.0, 2.0), Vec3::new(1.0, 0.0, -1.0)];
+    let corners = [a, b, c].map(|corner| foot + corner * 100.0 * height);
+    Scene {
+        camera: Camera { position: foot + Vec3::Y * height, look_at: foot, up: Vec3::Z, vertical_fov: 0.5 },
+        resolution: [8, 8],
+        max_bounces: 1,
+        sky: Sky::Color(Vec3::ZERO),
+        materials: vec![material(MaterialKind::Diffuse)],
+        triangles: vec![triangle(corners, 0)],
+        ..empty()
+    }
+}
+
+#[test]
+fn a_lamp_lights_the_floor_as_the_closed_form_says_at_every_scale() {
+    // A lamp in its own way, or a density that is not what was drawn, would show.
+    for scale in [1e-3, 1.0, 1e3] {
+        for away in [Vec3::ZERO, Vec3::new(30.0, -20.0, 50.0)] {
+            let foot = away * scale;
+            let mut scene = floor(foot, 2.0 * scale);
+            let center = foot + Vec3::new(0.6, 0.8, 0.0) * scale;
+            scene.spheres = vec![sphere(center, 0.1 * scale, 1)];
+            scene.materials.push(lamp(50.0));
+            // Radiance 50, sin² = 0.01, cos = 0.8, of π / π.
+            let truth = 50.0 * 0.01 * 0.8;
+            let got = mean(&render(&scene, LightChoice::Auto, 64, 1));
+            assert!((got / truth - 1.0).abs() < 2e-3, "sphere, {scale} {away}: {got} of {truth}");
+
+            let corners = [Vec3::new(0.5, 0.7, 0.0), Vec3::new(0.7, 0.8, 0.1), Vec3::new(0.6, 0.9, -0.2)];
+            scene.spheres.clear();
+            scene.triangles.push(triangle(corners.map(|corner| foot + corner * scale), 1));
+            let seen = corners.map(|corner| corner.as_dvec3());
+            let truth = 50.0 / PI * polygon_irradiance(seen).y.abs();
+            let got = mean(&render(&scene, LightChoice::Auto, 64, 1));
+            assert!((got / truth - 1.0).abs() < 4e-3, "triangle, {scale} {away}: {got} of {truth}");
+        }
+    }
+}
+
+/// Standard errors between the means of two ways of rendering, from independent runs of each, and the ratio of their variances.
+fn compare(scene: &Scene, ways: [LightChoice; 2], samples: [u32; 2], runs: u32) -> (f64, f64) {
+    let of = |way: usize| {
+        let seeds = (1..=runs).map(|run| run + 1000 * way as u32);
+        let means: Vec<f64> = seeds.map(|seed| mean(&render(scene, ways[way], samples[way], seed))).collect();
+        let average = means.iter().sum::<f64>() / f64::from(runs);
+        let variance = means.iter().map(|m| (m - average).powi(2)).sum::<f64>() / f64::from(runs - 1);
+        (average, variance / f64::from(runs))
+    };
+    let ((a, of_a), (b, of_b)) = (of(0), of(1));
+    println!("{}: {a} ± {} against {b} ± {}", scene.name, of_a.sqrt(), of_b.sqrt());
+    ((a - b) / (of_a + of_b).sqrt(), of_b / of_a)
+}
+
+#[test]
+fn searching_changes_no_expectation() {
+    let small = |name: &str| Scene { resolution: [24, 16], ..load(name).unwrap() };
+    let mut many = floor(Vec3::ZERO, 2.0);
+    many.name = "many lamps".into();
+    let mut dice = Dice(7);
+    many.max_bounces = 3;
+    for _ in 0..40 {
+        many.materials.push(lamp(dice.scale(0.1, 10.0) as f32));
+        let number = many.materials.len() as u32 - 1;
+        let at = (dice.in_cube() + DVec3::Y * 1.2).as_vec3();
+        if dice.unit() < 0.5 {
+            many.spheres.push(sphere(at, dice.scale(0.05, 0.3) as f32, number));
+        } else {
+            let corners = [(); 3].map(|()| at + (dice.in_cube() * 0.3).as_vec3());
+            many.triangles.push(triangle(corners, number));
+        }
+    }
+    // The floor shines too: light found on the way from one of its points to itself would show.
+    many.materials[0].emission = Vec3::splat(0.2);
+    many.camera.vertical_fov = 30.0;
+    for scene in [small("builtin:cornell"), small("builtin:cornell-spheres"), many] {
+        let (z, ratio) = compare(&scene, [LightChoice::On, LightChoice::Off], [64, 256], 24);
+        println!("{}: {z:.2} standard errors, variance {ratio:.1}", scene.name);
+        assert!(z.abs() < 3.5, "{}: {z} standard errors", scene.name);
+    }
+}

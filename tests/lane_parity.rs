@@ -10,7 +10,7 @@ use common::Dice;
 use octray::kernel::{bsdf, surface, texture};
 use octray::lane::{Bits, F32x8, Lane, Mask, Mask8, U32x8, functions, lane_indices};
 use octray::math::Vec3;
-use octray::sampling::{random, warp};
+use octray::sampling::{Sampler, random, warp};
 use std::f32::consts::PI;
 
 /// What an operation may read: three floats, three integers, a truth value.
@@ -233,6 +233,7 @@ same_at_every_width! {
         Integer(o.i.wrapping_add(o.j)), Integer(o.i.wrapping_mul(o.j)),
         Integer(o.i.shl(0)), Integer(o.i.shl(1)), Integer(o.i.shl(23)), Integer(o.i.shl(31)),
         Integer(o.i.shr(0)), Integer(o.i.shr(1)), Integer(o.i.shr(23)), Integer(o.i.shr(31)),
+        Integer(o.i.reverse()),
     ];
     integer_comparisons_are_the_same_at_every_width: |o| [Truth(o.i.equals(o.j)), Truth(o.i.less(o.j))];
     integer_logic_is_the_same_at_every_width: |o| [
@@ -263,6 +264,16 @@ same_at_every_width! {
             Integer(random::mix(o.i)), Integer(key), Integer(random::path_key(u32::MAX, o.j, u32::MAX)),
             Float(random::uniform::<L>(key, 0)), Float(random::uniform::<L>(o.i, 77)),
         ]
+    };
+    samplers_are_the_same_at_every_width: |o| {
+        let mut values = Vec::new();
+        for sampler in [Sampler::Sobol, Sampler::Random] {
+            let key = sampler.key(7, o.i, 12);
+            let (first, second) = (sampler.pair::<L>(key, 12, 8), sampler.pair::<L>(o.j, u32::MAX, 0));
+            values.extend([first.0, first.1, second.0, second.1, sampler.one(key, 77, 13)].map(Float));
+            values.push(Integer(key));
+        }
+        values
     };
     warps_are_the_same_at_every_width: |o| {
         let n = Vec3::new(o.x, o.y, o.z);

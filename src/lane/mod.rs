@@ -82,6 +82,8 @@ pub trait Bits:
     fn shl(self, count: u32) -> Self;
     /// Logical shift right by the same `count` < 32 in every lane.
     fn shr(self, count: u32) -> Self;
+    /// The bits in the opposite order: bit 0 becomes bit 31.
+    fn reverse(self) -> Self;
     fn equals(self, other: Self) -> Self::Mask;
     /// Unsigned comparison.
     fn less(self, other: Self) -> Self::Mask;

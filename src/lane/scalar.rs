@@ -66,6 +66,10 @@ impl Bits for u32 {
         self >> count
     }
     #[inline(always)]
+    fn reverse(self) -> Self {
+        self.reverse_bits()
+    }
+    #[inline(always)]
     fn equals(self, other: Self) -> bool {
         self == other
     }

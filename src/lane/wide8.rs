@@ -3,7 +3,7 @@
 use super::{Bits, Lane, Mask};
 use bytemuck::{Pod, Zeroable};
 use std::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Neg, Not, Sub};
-use wide::{f32x4, f32x8, i32x8, u32x8};
+use wide::{f32x4, f32x8, i32x8, u8x32, u32x8};
 
 /// Eight floats, 32 bytes, aligned to 32.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
@@ -97,6 +97,32 @@ static PACKING: [[u32; 8]; 256] = {
     table
 };
 
+/// For each byte of a register, the place in its half of the byte that stands there when those of each lane are turned round.
+const SWAPPED: [u8; 32] = {
+    let mut table = [0; 32];
+    let mut byte = 0;
+    while byte < 32 {
+        table[byte] = (byte % 16) as u8 ^ 3;
+        byte += 1;
+    }
+    table
+};
+
+/// The reverse of half a byte, as a low half and as a high half; twice, because bytes are shuffled within halves of registers.
+const REVERSED_TO_LOW: [u8; 32] = reversed(4);
+const REVERSED_TO_HIGH: [u8; 32] = reversed(0);
+
+/// `table[n]`: the 8 bits of n in reverse order, shifted right.
+const fn reversed(shift: u32) -> [u8; 32] {
+    let mut table = [0; 32];
+    let mut index = 0;
+    while index < 32 {
+        table[index] = (index as u8 % 16).reverse_bits() >> shift;
+        index += 1;
+    }
+    table
+}
+
 impl Mask for Mask8 {
     #[inline(always)]
     fn splat(value: bool) -> Self {
@@ -159,6 +185,30 @@ impl Bits for U32x8 {
     #[inline(always)]
     fn shr(self, count: u32) -> Self {
         Self(self.0 >> count)
+    }
+    #[inline(always)]
+    fn reverse(self) -> Self {
+        if cfg!(target_feature = "avx2") {
+            // Byte shuffles: the bytes of each lane change places, then each half of a byte looks up its reverse.
+            let bytes: u8x32 = bytemuck::cast(self.0);
+            let swapped = Self(bytemuck::cast(bytes.swizzle_half_relaxed(u8x32::new(SWAPPED))));
+            let halves = Self::splat(0x0f0f_0f0f);
+            let look_up = |table: [u8; 32], half: Self| {
+                Self(bytemuck::cast(u8x32::new(table).swizzle_half_relaxed(bytemuck::cast(half.0))))
+            };
+            look_up(REVERSED_TO_HIGH, swapped & halves) | look_up(REVERSED_TO_LOW, swapped.shr(4) & halves)
+        } else {
+            // Neighbours change places: bits, pairs, halves of bytes, bytes, halves.
+            let swap = |x: Self, count: u32, low: u32| {
+                let low = Self::splat(low);
+                (x.shr(count) & low) | (x & low).shl(count)
+            };
+            let x = swap(self, 1, 0x5555_5555);
+            let x = swap(x, 2, 0x3333_3333);
+            let x = swap(x, 4, 0x0f0f_0f0f);
+            let x = swap(x, 8, 0x00ff_00ff);
+            x.shr(16) | x.shl(16)
+        }
     }
     #[inline(always)]
     fn equals(self, other: Self) -> Mask8 {

@@ -6,29 +6,30 @@
 //! pixel; pixels and samples are mixed one after the other, so that such pairs stand nowhere in rows. They bias no pixel.
 //!
 //! # Dimensions
-//! [`PIXEL`] (2 numbers) places the sample in its pixel. Scattering event b, counted from 0, owns the [`PER_BOUNCE`]
-//! numbers from [`bounce`]`(b)` on: [`LOBE`] chooses between the lobes of a material, [`LIGHT`] a light, [`DIRECTION`] (2 numbers) the
-//! direction, [`LIGHT_POINT`] (2 numbers) a point of the light.
+//! They come in pairs, an even one and the next, which [`super::sobol`] spreads together. [`PIXEL`] (a pair) places the sample in
+//! its pixel. Scattering event b, counted from 0, owns the [`PER_BOUNCE`] numbers from [`bounce`]`(b)` on: [`LOBE`] chooses
+//! between the lobes of a material and [`LIGHT`] between lights (together a pair), [`DIRECTION`] (a pair) gives the new direction and
+//! [`LIGHT_POINT`] (a pair) the point on the light; [`LIGHT_AGAIN`] helps to choose between many lights; 7 is free.
 
 use crate::lane::{Bits, Lane};
 
-/// Two numbers: where in the pixel.
+/// A pair: where in the pixel.
 pub const PIXEL: u32 = 0;
-/// Numbers that belong to one scattering event.
+/// Numbers that belong to one scattering event; even, so that pairs stay pairs.
 pub const PER_BOUNCE: u32 = 8;
 /// Within an event: reflect or refract.
 pub const LOBE: u32 = 0;
 /// Within an event: which light.
 pub const LIGHT: u32 = 1;
-/// Within an event, two numbers: the new direction.
+/// Within an event, a pair: the new direction.
 pub const DIRECTION: u32 = 2;
-/// Within an event, two numbers: where on the light.
+/// Within an event, a pair: where on the light.
 pub const LIGHT_POINT: u32 = 4;
 /// Within an event: which light, where there are so many that one number has too few digits.
 pub const LIGHT_AGAIN: u32 = 6;
 
 /// 2³² divided by the golden ratio, odd: multiples spread evenly.
-const GOLDEN: u32 = 0x9e37_79b9;
+pub(super) const GOLDEN: u32 = 0x9e37_79b9;
 /// Odd, and unrelated to [`GOLDEN`].
 const STRIDE: u32 = 0x85eb_ca6b;
 
@@ -50,16 +51,33 @@ pub fn mix<B: Bits>(x: B) -> B {
     x ^ x.shr(16)
 }
 
-/// The key of the paths of sample `sample` in the pixels with these indices (y · width + x).
+/// The key of the pixels with these indices (y · width + x): for one seed a bijection.
+#[inline(always)]
+pub fn pixel_key<B: Bits>(seed: u32, pixel: B) -> B {
+    let seed = mix(seed.wrapping_mul(GOLDEN).wrapping_add(STRIDE));
+    mix(pixel ^ B::splat(seed))
+}
+
+/// The key of the paths of sample `sample` in the pixels with these indices.
 #[inline(always)]
 pub fn path_key<B: Bits>(seed: u32, pixel: B, sample: u32) -> B {
-    let seed = mix(seed.wrapping_mul(GOLDEN).wrapping_add(STRIDE));
-    mix(mix(pixel ^ B::splat(seed)).wrapping_add(B::splat(sample.wrapping_mul(GOLDEN))))
+    mix(pixel_key(seed, pixel).wrapping_add(B::splat(sample.wrapping_mul(GOLDEN))))
 }
 
 /// Number `dimension` of each path, uniform in [0, 1): a multiple of 2⁻²⁴, never 1.
 #[inline(always)]
 pub fn uniform<L: Lane>(key: L::Bits, dimension: u32) -> L {
-    let bits = mix(key.wrapping_add(L::Bits::splat((dimension + 1).wrapping_mul(STRIDE))));
+    unit_interval(hashed(key, dimension))
+}
+
+/// 32 bits for each key in dimension `dimension`.
+#[inline(always)]
+pub(super) fn hashed<B: Bits>(key: B, dimension: u32) -> B {
+    mix(key.wrapping_add(B::splat((dimension + 1).wrapping_mul(STRIDE))))
+}
+
+/// The upper 24 bits as a number in [0, 1).
+#[inline(always)]
+pub(super) fn unit_interval<L: Lane>(bits: L::Bits) -> L {
     L::from_int(bits.shr(8)) * L::splat(1.0 / 16_777_216.0)
 }

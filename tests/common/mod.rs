@@ -2,6 +2,7 @@
 #![allow(dead_code)] // Every test file takes its own part.
 
 pub mod rays;
+pub mod statistics;
 
 use glam::{DVec3, Vec3};
 use octray::lane::Lane;

@@ -38,6 +38,8 @@ fn picture_is_the_judges_for_every_kind_of_material() {
         MaterialKind::Glass { ior: 1.5 },
         MaterialKind::Glass { ior: 0.7 },
         MaterialKind::Scatter { roughness: 0.8 },
+        MaterialKind::Plastic { roughness: 0.0, ior: 1.5 },
+        MaterialKind::Plastic { roughness: 0.4, ior: 1.8 },
     ] {
         let scene = balls(kind);
         let settings = Settings { resolution: [48, 32], max_bounces: 6, seed: 3, ..Settings::of(&scene) };

@@ -46,6 +46,7 @@ features! {
     /// Testing every primitive costs more than [`Needs::MOST_LINEAR_COST`]. Every pipeline can go through a hierarchy, because
     /// any scene may be asked to; a scene that needs one gets it unasked.
     HIERARCHY = 16, "hierarchy";
+    PLASTIC = 18, "plastic";
 }
 
 impl Needs {
@@ -108,6 +109,7 @@ impl Needs {
                 MaterialKind::Metal { .. } => need(true, Self::GGX),
                 MaterialKind::Glass { .. } => need(true, Self::GLASS),
                 MaterialKind::Scatter { .. } => need(true, Self::SCATTER),
+                MaterialKind::Plastic { .. } => need(true, Self::PLASTIC),
                 MaterialKind::Emitter => {}
             }
         }

@@ -20,10 +20,10 @@
 mod extend;
 mod generate;
 pub mod queue;
-mod scatter;
+pub mod scatter;
 mod shade;
 pub mod stats;
-mod surface;
+pub mod surface;
 
 pub use generate::generate;
 

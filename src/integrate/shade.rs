@@ -3,7 +3,7 @@
 use super::World;
 use super::generate::slots;
 use super::queue::{Path, Work};
-use super::scatter::scatter;
+use super::scatter::{Drawn, scatter};
 use super::surface::{Surface, Worn, abilities, needs};
 use crate::buffers::Needs;
 use crate::kernel::surface::latitude_longitude;
@@ -38,7 +38,7 @@ pub fn shade<L: Lane, const N: u32, const FIRST: bool>(
         }
         light.add(work, at, lit::<L, N>(active, found, radiance), &path, radiance);
 
-        let (next, alive) = scatter::<L, N>(&path, &surface, &worn, bounce, found);
+        let Drawn { path: next, alive, .. } = scatter::<L, N>(&path, &surface, &worn, bounce, found);
         // In place: no more paths go on than were read, so nothing unread is overwritten.
         if alive.all() {
             work.queue.store_path(going_on, &next);

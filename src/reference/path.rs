@@ -47,11 +47,12 @@ impl Reference {
             let outside = surface.normal.dot(direction) <= 0.0;
             let normal = if outside { surface.normal } else { -surface.normal };
             let event = |dimension: u32| number(bounce(b) + dimension);
-            let Some((scattered, weight)) = lobes::scatter(material.kind, direction, normal, outside, event)
-            else {
+            let color = material.color.as_dvec3() * picture;
+            let drawn = lobes::scatter(material.kind, color, direction, normal, outside, event);
+            let Some((scattered, weight)) = drawn else {
                 break;
             };
-            throughput *= material.color.as_dvec3() * picture * weight;
+            throughput *= weight;
             direction = scattered.normalize();
             let side = 1.0_f64.copysign(direction.dot(normal));
             origin = surface.point + normal * (side * LIFT * surface.scale);

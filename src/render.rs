@@ -140,6 +140,7 @@ impl Renderer {
             width: resolution[0],
             max_bounces: settings.max_bounces,
             seed: settings.seed,
+            sampler: settings.methods.sampler,
         };
         let features = match settings.pipeline {
             PipelineChoice::Needed => world.buffers.needs,

@@ -87,6 +87,8 @@ fn everything_of(triangles: usize) -> Scene {
         MaterialKind::Emitter,
         MaterialKind::Glass { ior: 0.8 },
         MaterialKind::Metal { roughness: 1.0 },
+        MaterialKind::Plastic { roughness: 0.0, ior: 1.5 },
+        MaterialKind::Plastic { roughness: 0.5, ior: 1.7 },
     ]
     .into_iter()
     .map(|kind| colored(&mut dice, kind))

@@ -122,7 +122,8 @@ struct Difference {
 fn difference(scene: &Scene, max_bounces: u32, samples: u32) -> Difference {
     let picture = render(scene, max_bounces, samples, 8);
     let judge = Reference::new(scene);
-    let settings = PathSettings { resolution: scene.resolution, max_bounces, seed: 9 };
+    let settings =
+        PathSettings { resolution: scene.resolution, max_bounces, seed: 9, sampler: Default::default() };
     let (mut differences, mut truths) = (Vec::new(), Vec::new());
     for (index, pixel) in picture.pixels.iter().enumerate() {
         let (x, y) = (index as u32 % picture.width, index as u32 / picture.width);

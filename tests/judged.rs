@@ -38,6 +38,8 @@ fn picture_is_the_judges_for_every_kind_of_material() {
         MaterialKind::Glass { ior: 1.5 },
         MaterialKind::Glass { ior: 0.7 },
         MaterialKind::Scatter { roughness: 0.8 },
+        MaterialKind::Plastic { roughness: 0.0, ior: 1.5 },
+        MaterialKind::Plastic { roughness: 0.4, ior: 1.8 },
     ] {
         let scene = balls(kind);
         let settings = Settings { resolution: [48, 32], max_bounces: 6, seed: 3, ..Settings::of(&scene) };
@@ -45,7 +47,12 @@ fn picture_is_the_judges_for_every_kind_of_material() {
         let mut film = renderer.film();
         renderer.add_samples(&mut film, 2);
         let judge = Reference::new(&scene);
-        let path = PathSettings { resolution: settings.resolution, max_bounces: 6, seed: 3 };
+        let path = PathSettings {
+            resolution: settings.resolution,
+            max_bounces: 6,
+            seed: 3,
+            sampler: Default::default(),
+        };
         let picture = film.picture();
         let off = picture.pixels.iter().zip(0u32..).filter(|(pixel, index)| {
             let truth = judge.pixel(path, index % 48, index / 48, 2);

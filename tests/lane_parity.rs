@@ -307,15 +307,31 @@ same_at_every_width! {
         let (alpha, ior) = (L::from_int(o.k.wrapping_add(L::Bits::splat(1))) * L::splat(0.125), L::splat(1.5));
         let mut values = Vec::new();
         for drawn in [
-            bsdf::diffuse(n, u, v),
-            bsdf::mirror(d, n),
-            bsdf::scatter(d, n, alpha, u, v),
-            bsdf::ggx(d, n, alpha, u, v),
-            bsdf::glass(d, n, o.mask, ior, u),
+            bsdf::diffuse::sample(n, u, v),
+            bsdf::mirror::sample(d, n),
+            bsdf::scatter::sample(d, n, alpha, u, v),
+            bsdf::ggx::sample(d, n, alpha, u, v),
+            bsdf::glass::sample(d, n, o.mask, ior, u),
         ] {
             values.extend(vector(drawn.direction));
-            values.extend([Float(drawn.weight), Truth(drawn.alive)]);
+            values.extend([Float(drawn.weight), Float(drawn.pdf), Truth(drawn.alive)]);
         }
+        let towards = Vec3::new(o.z, o.x, -o.y).normalize();
+        for lobe in [
+            bsdf::diffuse::evaluate(n, towards),
+            bsdf::scatter::evaluate(d, n, alpha, towards),
+            bsdf::ggx::evaluate(d, n, alpha, towards),
+        ] {
+            values.extend([Float(lobe.value), Float(lobe.pdf)]);
+        }
+        let color = Vec3::new(u, v, L::splat(0.5));
+        let plastic = bsdf::plastic::Plastic { color, alpha, ior, transmitted: L::splat(0.9) };
+        let (drawn, weight) = plastic.sample(d, n, v, (u, v));
+        values.extend(vector(drawn.direction).into_iter().chain(vector(weight)));
+        values.extend([Float(drawn.pdf), Truth(drawn.alive)]);
+        let lobe = plastic.evaluate(d, n, towards);
+        values.extend(vector(lobe.value));
+        values.push(Float(lobe.pdf));
         values
     };
     surfaces_are_the_same_at_every_width: |o| {

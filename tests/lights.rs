@@ -97,7 +97,11 @@ fn a_triangle_gives_the_irradiance_of_lamberts_formula() {
         if height < 0.02 {
             continue;
         }
-        if omega < 1e-3 { by_area += 1 } else { whole += 1 }
+        if omega < 1e-3 {
+            by_area += 1
+        } else {
+            whole += 1
+        }
         let mine = vector_irradiance(|u, v| aim_at(corners, u, v), 96);
         let truth = polygon_irradiance(corners);
         // The order of the corners decides the sign of Lambert's vector.

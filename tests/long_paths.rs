@@ -53,6 +53,7 @@ fn departure(scene: &Scene, max_bounces: u32, lanes: usize) -> f64 {
         width: 16,
         max_bounces,
         seed: 1,
+        sampler: octray::sampling::Sampler::default(),
     };
     let tile = Tile { number: 0, x: 0, y: 0, width: 16, height: 16 };
     let mut work = Work::new();

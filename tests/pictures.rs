@@ -49,7 +49,12 @@ fn row(scene: &Scene) -> Vec<f32> {
     });
     assert_eq!(packets, scalar);
     let judge = Reference::new(scene);
-    let path = PathSettings { resolution: [31, 1], max_bounces: 0, seed: settings.seed };
+    let path = PathSettings {
+        resolution: [31, 1],
+        max_bounces: 0,
+        seed: settings.seed,
+        sampler: Default::default(),
+    };
     let judged: Vec<f32> = (0..31).map(|x| judge.pixel(path, x, 0, 1)[0] as f32).collect();
     // A point near the edge of a column may round into its neighbour.
     let apart = packets.iter().zip(&judged).map(|(a, b)| (a - b).rem_euclid(COLUMNS as f32));

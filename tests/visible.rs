@@ -19,6 +19,7 @@ const LINEAR: Methods = Methods {
     triangle: octray::traverse::TriangleChoice::Woop,
     traversal: TraversalChoice::Linear,
     lights: octray::buffers::LightChoice::Auto,
+    sampler: octray::sampling::Sampler::Sobol,
 };
 
 const RESOLUTION: [u32; 2] = [64, 48];

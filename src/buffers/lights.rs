@@ -88,21 +88,22 @@ impl Lights {
         self.rows.bytes() + size_of_val(self.keep.as_slice()) * 2 + size_of_val(self.chances.as_slice())
     }
 
-    /// Chooses by a number in [0, 1); `more` gives another one where one is not enough. `few` promises at most [`Lights::FEW`] lights.
+    /// Chooses by a number in [0, 1), where there is a choice; `more` gives another one where one is not enough. `few` promises at most [`Lights::FEW`] lights.
     /// Domain: there are lights.
     #[inline(always)]
-    pub fn choose<L: Lane>(&self, number: L, more: impl Fn() -> L, few: bool) -> Chosen<L> {
-        let scaled = number * L::splat(self.len() as f32);
-        let slot = scaled.truncate_to_int();
-        // Rounding up to the length itself is possible.
-        let last = L::Bits::splat(self.len() as u32 - 1);
-        let slot = L::Bits::select(last.less(slot), last, slot);
-        let fraction = if self.len() < Self::MANY { scaled - L::from_int(slot) } else { more() };
-        let light = if self.len() == 1 {
-            slot
-        } else {
-            let keep = L::from_bits(L::gather_bits(&self.keep, slot));
-            L::Bits::select(fraction.lt(keep), slot, L::gather_bits(&self.other, slot))
+    pub fn choose<L: Lane>(&self, number: impl Fn() -> L, more: impl Fn() -> L, few: bool) -> Chosen<L> {
+        let light = match self.len() {
+            1 => L::Bits::splat(0),
+            count => {
+                let scaled = number() * L::splat(count as f32);
+                // Rounding up to the length itself is possible.
+                let last = L::Bits::splat(count as u32 - 1);
+                let slot = scaled.truncate_to_int();
+                let slot = L::Bits::select(last.less(slot), last, slot);
+                let fraction = if count < Self::MANY { scaled - L::from_int(slot) } else { more() };
+                let keep = L::from_bits(L::gather_bits(&self.keep, slot));
+                L::Bits::select(fraction.lt(keep), slot, L::gather_bits(&self.other, slot))
+            }
         };
         let first = light.shl(1);
         let [x, y, z, radius, r, g, b, chance] = self.rows.fetch::<L>(first, few);

@@ -18,6 +18,7 @@ pub use needs::Needs;
 pub use spheres::{SphereBlock, Spheres};
 pub use texels::{Abilities, Textures};
 
+use crate::kernel::bsdf::plastic;
 use crate::kernel::ray_triangle::TriangleMethod;
 use crate::kernel::surface::{sphere_offset, triangle_normal, triangle_offset};
 use crate::scene::{self, MaterialKind, Scene, Side};
@@ -37,6 +38,8 @@ pub struct Buffers {
     pub uv_rows: Rows,
     /// One row of eight a material: colour, parameter, emission, kind and texture (bits; see [`MaterialCode`]).
     pub material_rows: Rows,
+    /// One row of eight a material, read where [`Needs::PLASTIC`] holds: index of refraction, mean transmittance of plastic's coat; 0.
+    pub detail_rows: Rows,
     pub has_uvs: bool,
     pub textures: Textures,
     pub sky: Sky,
@@ -65,12 +68,13 @@ impl MaterialCode {
     pub const GGX: u32 = 3;
     pub const GLASS: u32 = 4;
     pub const SCATTER: u32 = 5;
+    pub const PLASTIC: u32 = 6;
     /// Where the texture index starts.
     pub const TEXTURE_SHIFT: u32 = 8;
     /// Masks the kind.
     pub const KIND: u32 = 0xff;
 
-    /// The code of a material, and its parameter: alpha of GGX, index of refraction of glass, roughness of scatter.
+    /// The code of a material, and its parameter: alpha of GGX and of plastic's coat, index of refraction of glass, roughness of scatter.
     fn of(material: &scene::Material) -> (Self, f32) {
         let (kind, parameter) = match material.kind {
             MaterialKind::Emitter => (Self::EMITTER, 0.0),
@@ -79,6 +83,7 @@ impl MaterialCode {
             MaterialKind::Metal { roughness } => (Self::GGX, roughness * roughness),
             MaterialKind::Glass { ior } => (Self::GLASS, ior),
             MaterialKind::Scatter { roughness } => (Self::SCATTER, roughness),
+            MaterialKind::Plastic { roughness, .. } => (Self::PLASTIC, roughness * roughness),
         };
         let texture = material.texture.map_or(0, |texture| texture + 1);
         (Self(kind | texture << Self::TEXTURE_SHIFT), parameter)
@@ -113,6 +118,7 @@ impl Buffers {
                 scene.uvs.iter().map(|[a, b, c]| [a.x, 1.0 - a.y, b.x, 1.0 - b.y, c.x, 1.0 - c.y, 0.0, 0.0]),
             ),
             material_rows: Rows::new(scene.materials.iter().map(material_row)),
+            detail_rows: Rows::new(scene.materials.iter().map(detail_row)),
             has_uvs: !scene.uvs.is_empty(),
             textures: Textures::new(&scene.textures),
             sky: Sky::new(scene.sky),
@@ -122,7 +128,8 @@ impl Buffers {
 
     /// Bytes held, without the triangles' intersection data.
     pub fn bytes(&self) -> usize {
-        let rows = [&self.sphere_rows, &self.triangle_rows, &self.uv_rows, &self.material_rows];
+        let Self { sphere_rows, triangle_rows, uv_rows, material_rows, detail_rows, .. } = self;
+        let rows = [sphere_rows, triangle_rows, uv_rows, material_rows, detail_rows];
         rows.iter().map(|rows| rows.bytes()).sum::<usize>()
             + self.spheres.bytes()
             + self.textures.bytes()
@@ -175,4 +182,15 @@ fn material_row(material: &scene::Material) -> [f32; 8] {
     let (code, parameter) = MaterialCode::of(material);
     let (color, emission) = (material.color, material.emission);
     [color.x, color.y, color.z, parameter, emission.x, emission.y, emission.z, f32::from_bits(code.0)]
+}
+
+/// What only some materials have; see [`Buffers::detail_rows`].
+fn detail_row(material: &scene::Material) -> [f32; 8] {
+    let (ior, transmitted) = match material.kind {
+        MaterialKind::Plastic { roughness, ior } => {
+            (ior, plastic::mean_transmittance(ior, roughness * roughness))
+        }
+        _ => (1.0, 1.0),
+    };
+    [ior, transmitted, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]
 }

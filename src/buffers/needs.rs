@@ -50,6 +50,7 @@ features! {
     LIGHTS = 17, "lights";
     /// More emitters than a register table holds.
     MANY_LIGHTS = 31, "many-lights";
+    PLASTIC = 18, "plastic";
 }
 
 impl Needs {
@@ -112,6 +113,7 @@ impl Needs {
                 MaterialKind::Metal { .. } => need(true, Self::GGX),
                 MaterialKind::Glass { .. } => need(true, Self::GLASS),
                 MaterialKind::Scatter { .. } => need(true, Self::SCATTER),
+                MaterialKind::Plastic { .. } => need(true, Self::PLASTIC),
                 MaterialKind::Emitter => {}
             }
         }

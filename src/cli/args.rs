@@ -260,6 +260,19 @@ pub struct MethodArgs {
     /// changes the noise, not the picture behind it.
     #[arg(long, value_enum, value_name = "CHOICE", default_value_t)]
     pub lights: LightArg,
+    /// Where random numbers come from: well spread points, or numbers independent of each other. It changes the noise, not the picture
+    /// behind it.
+    #[arg(long, value_enum, value_name = "SAMPLER", default_value_t)]
+    pub sampler: SamplerArg,
+}
+
+/// Where random numbers come from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
+pub enum SamplerArg {
+    /// Owen-scrambled Sobol points.
+    #[default]
+    Sobol,
+    Random,
 }
 
 /// Which emitters paths look for.

@@ -76,6 +76,7 @@ struct Materials {
     metal: usize,
     glass: usize,
     scatter: usize,
+    plastic: usize,
     emitter: usize,
     /// Of all of them, those that shine.
     shining: usize,
@@ -210,6 +211,7 @@ impl Materials {
                 MaterialKind::Metal { .. } => &mut count.metal,
                 MaterialKind::Glass { .. } => &mut count.glass,
                 MaterialKind::Scatter { .. } => &mut count.scatter,
+                MaterialKind::Plastic { .. } => &mut count.plastic,
                 MaterialKind::Emitter => &mut count.emitter,
             } += 1;
             count.shining += usize::from(material.emission != Vec3::ZERO);
@@ -224,6 +226,7 @@ impl Materials {
             ("metal", self.metal),
             ("glass", self.glass),
             ("scatter", self.scatter),
+            ("plastic", self.plastic),
             ("emitter", self.emitter),
         ];
         let total: usize = types.iter().map(|(_, count)| count).sum();

@@ -6,7 +6,7 @@
 
 use super::args::{
     BenchArgs, CompareArgs, ConvertArgs, InspectArgs, LightArg, MethodArgs, PipelineArg, RaysArgs,
-    RenderArgs, SphereMethod, ToneArg, TraversalArg, TriangleMethod,
+    RenderArgs, SamplerArg, SphereMethod, ToneArg, TraversalArg, TriangleMethod,
 };
 use super::error::CliError;
 use crate::buffers::LightChoice;
@@ -14,6 +14,7 @@ use crate::measure::machine;
 use crate::measure::ways::Way;
 use crate::output::{Operator, Tone};
 use crate::render::PipelineChoice;
+use crate::sampling::Sampler;
 use crate::scene::{MAX_BOUNCES, MAX_SIDE};
 use crate::traverse::batch::Traversal;
 use crate::traverse::{Methods, SphereChoice, TraversalChoice, TriangleChoice};
@@ -225,12 +226,16 @@ impl From<MethodArgs> for Methods {
             TriangleMethod::BaldwinWeber => TriangleChoice::BaldwinWeber,
             TriangleMethod::Plucker => TriangleChoice::Plucker,
         };
+        let sampler = match args.sampler {
+            SamplerArg::Sobol => Sampler::Sobol,
+            SamplerArg::Random => Sampler::Random,
+        };
         let lights = match args.lights {
             LightArg::Auto => LightChoice::Auto,
             LightArg::On => LightChoice::On,
             LightArg::Off => LightChoice::Off,
         };
-        Self { sphere, triangle, traversal: args.traversal.into(), lights }
+        Self { sphere, triangle, traversal: args.traversal.into(), lights, sampler }
     }
 }
 

@@ -51,9 +51,9 @@ impl<L: Lane, const N: u32> Batch<L> for Stage<'_, N> {
             // Exact: there are fewer than 2²⁸ pixels, but neither factor has more than 14 bits.
             let pixel = y.truncate_to_int().wrapping_mul(L::Bits::splat(self.world.width));
             let pixel = pixel.wrapping_add(x.truncate_to_int());
-            let key = random::path_key(self.world.seed, pixel, self.sample);
-            let jitter_x = random::uniform::<L>(key, random::PIXEL);
-            let jitter_y = random::uniform::<L>(key, random::PIXEL + 1);
+            let sampler = self.world.sampler;
+            let key = sampler.key(self.world.seed, pixel, self.sample);
+            let (jitter_x, jitter_y) = sampler.pair::<L>(key, self.sample, random::PIXEL);
             let ray = camera.rays(x + jitter_x, y + jitter_y);
             self.queue.store_primary(at, ray.direction, key);
             self.queue.store_hit(at, &closest(&ray), needs(N, Needs::TRIANGLES));

@@ -14,7 +14,7 @@ use crate::buffers::Needs;
 use crate::kernel::light::{aim_at_sphere, aim_at_triangle};
 use crate::lane::{Bits, Lane, Mask};
 use crate::math::{Hit, MISS, Ray, Vec3};
-use crate::sampling::random;
+use crate::sampling::{Event, random};
 use crate::traverse::Batch;
 use bytemuck::Zeroable;
 
@@ -51,17 +51,17 @@ pub fn look<L: Lane, const N: u32>(
     path: &Path<L>,
     drawn: &Drawn<L>,
     (surface, worn): (&Surface<L>, &Worn<L>),
-    (bounce, found): (u32, L::Mask),
+    (event, found): (Event, L::Mask),
 ) -> usize {
     let mask = found & samples_lights::<L>(worn);
     if !mask.any() {
         return count;
     }
-    let number = |offset: u32| random::uniform::<L>(path.key, random::bounce(bounce) + offset);
-    let (u, v) = (number(random::LIGHT_POINT), number(random::LIGHT_POINT + 1));
+    let (u, v) = event.pair::<L>(path.key, random::LIGHT_POINT);
+    let number = |dimension: u32| event.one::<L>(path.key, dimension);
     let lights = &world.buffers.lights;
     let few = !needs(N, Needs::MANY_LIGHTS);
-    let light = lights.choose::<L>(number(random::LIGHT), || number(random::LIGHT_AGAIN), few);
+    let light = lights.choose::<L>(|| number(random::LIGHT), || number(random::LIGHT_AGAIN), few);
     let vector = |[x, y, z]: [L; 3]| Vec3::new(x, y, z);
     // From where the path goes on, so that scattering in the same direction would find the same density.
     let origin = drawn.path.ray.origin;

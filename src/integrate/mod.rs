@@ -15,23 +15,24 @@
 //!
 //! # The estimator
 //! Path tracing by sampling each material's lobe: radiance is what sky and emitters add at the end of each segment, times the
-//! throughput so far. Random numbers are [`crate::sampling::random`]'s. A path has up to `max_bounces` scattering events. Light is found
+//! throughput so far. Random numbers are [`Sampler`]'s. A path has up to `max_bounces` scattering events. Light is found
 //! by hitting it, and emitters that are worth it by looking for them too, with multiple importance sampling.
 
 mod extend;
 mod generate;
 mod light;
 pub mod queue;
-mod scatter;
+pub mod scatter;
 mod shade;
 pub mod stats;
-mod surface;
+pub mod surface;
 
 pub use generate::generate;
 
 use crate::buffers::{Buffers, Needs};
 use crate::camera::Pinhole;
 use crate::lane::Lane;
+use crate::sampling::{Event, Sampler};
 use crate::traverse::{Primitives, Visible};
 use queue::Work;
 use stats::Stage;
@@ -47,6 +48,7 @@ pub struct World {
     pub width: u32,
     pub max_bounces: u32,
     pub seed: u32,
+    pub sampler: Sampler,
 }
 
 /// A rectangle of pixels, at most [`queue::MAX_PIXELS`] of them.
@@ -87,13 +89,14 @@ pub fn trace_tile<L: Lane, const N: u32>(world: &World, tile: Tile, sample: u32,
     work.enter(Some(Stage::Generate));
     let mut count = generate::<L, N>(world, tile, sample, work);
     let mut rays = count as u64;
+    let event = |bounce: u32| Event::new(world.sampler, sample, bounce);
     if world.max_bounces == 0 {
         work.enter_with::<L>(Stage::Finish, world, tile, 0, count);
         shade::finish::<L, N, true>(world, work, count);
         return rays;
     }
     work.enter_with::<L>(Stage::Shade, world, tile, 0, count);
-    let mut shaded = shade::shade::<L, N, true>(world, work, count, 0);
+    let mut shaded = shade::shade::<L, N, true>(world, work, count, event(0));
     rays += search::<L, N>(world, work, &shaded);
     for bounce in 1..world.max_bounces {
         count = shaded.going_on;
@@ -104,7 +107,7 @@ pub fn trace_tile<L: Lane, const N: u32>(world: &World, tile: Tile, sample: u32,
         }
         extend::extend::<L, N>(world, work, count);
         work.enter(Some(Stage::Shade));
-        shaded = shade::shade::<L, N, false>(world, work, count, bounce);
+        shaded = shade::shade::<L, N, false>(world, work, count, event(bounce));
         rays += search::<L, N>(world, work, &shaded);
     }
     count = shaded.going_on;

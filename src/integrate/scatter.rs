@@ -1,19 +1,23 @@
-//! Scattering events: where paths go on, and how much light a surface would pass on from a given direction.
+//! Scattering events: where paths go on, and how much light a surface passes on into a given direction.
 
 use super::queue::Path;
 use super::surface::{Surface, Worn, needs};
 use crate::buffers::{MaterialCode, Needs};
-use crate::kernel::bsdf::{self, Scattered};
+use crate::kernel::bsdf::plastic::Plastic;
+use crate::kernel::bsdf::{self, Evaluated, Scattered};
 use crate::lane::{Bits, Lane, Mask};
 use crate::math::{Ray, Vec3};
-use crate::sampling::random;
+use crate::sampling::{Event, random};
 
-/// Paths as they leave a surface.
+pub use crate::kernel::bsdf::Passed;
+
+/// The next segments of paths.
 pub struct Drawn<L: Lane> {
+    /// The paths as they leave the surface.
     pub path: Path<L>,
-    /// The lanes that go on.
+    /// Those that go on.
     pub alive: L::Mask,
-    /// The density in solid angle with which the direction was drawn; infinite where no other way of drawing could have found it.
+    /// Density of the direction per solid angle; `f32::INFINITY` of delta lobes.
     pub pdf: L,
 }
 
@@ -23,82 +27,83 @@ pub fn scatter<L: Lane, const N: u32>(
     path: &Path<L>,
     surface: &Surface<L>,
     worn: &Worn<L>,
-    bounce: u32,
+    event: Event,
     found: L::Mask,
 ) -> Drawn<L> {
     let d = path.ray.direction;
-    // The normal of the side from which the ray arrives: n · d ≤ 0.
-    let along = d.dot(surface.outward);
-    let n = surface.outward.flip_sign(-along);
-    let outside = !L::zero().lt(along);
-    let dimension = random::bounce(bounce);
-    let random = |offset: u32| random::uniform::<L>(path.key, dimension + offset);
-    let wears = |kind: u32| found & worn.kind.equals(L::Bits::splat(kind));
+    let Facing { n, outside } = Facing::of(d, surface);
+    let lobe_number = || event.one::<L>(path.key, random::LOBE);
 
-    let mut drawn = Scattered::<L> { direction: n, weight: L::one(), alive: L::Mask::splat(false) };
+    let nothing = L::Mask::splat(false);
+    let mut drawn = Scattered::<L> { direction: n, weight: L::one(), pdf: L::zero(), alive: nothing };
+    let mut color = worn.color;
     let mut take = |mask: L::Mask, lobe: Scattered<L>| {
         drawn.direction = Vec3::select(mask, lobe.direction, drawn.direction);
         drawn.weight = L::select(mask, lobe.weight, drawn.weight);
+        drawn.pdf = L::select(mask, lobe.pdf, drawn.pdf);
         drawn.alive = drawn.alive | (mask & lobe.alive);
     };
-    let two_numbers = || (random(random::DIRECTION), random(random::DIRECTION + 1));
+    let two_numbers = || event.pair::<L>(path.key, random::DIRECTION);
     if needs(N, Needs::DIFFUSE) {
-        let mask = wears(MaterialCode::DIFFUSE);
+        let mask = worn.wears(MaterialCode::DIFFUSE, found);
         if mask.any() {
             let (u, v) = two_numbers();
-            take(mask, bsdf::diffuse(n, u, v));
+            take(mask, bsdf::diffuse::sample(n, u, v));
         }
     }
     if needs(N, Needs::MIRROR) {
-        let mask = wears(MaterialCode::MIRROR);
+        let mask = worn.wears(MaterialCode::MIRROR, found);
         if mask.any() {
-            take(mask, bsdf::mirror(d, n));
+            take(mask, bsdf::mirror::sample(d, n));
         }
     }
     if needs(N, Needs::GGX) {
-        let mask = wears(MaterialCode::GGX);
+        let mask = worn.wears(MaterialCode::GGX, found);
         if mask.any() {
             let (u, v) = two_numbers();
-            take(mask, bsdf::ggx(d, n, worn.parameter, u, v));
+            take(mask, bsdf::ggx::sample(d, n, worn.parameter, u, v));
         }
     }
     if needs(N, Needs::GLASS) {
-        let mask = wears(MaterialCode::GLASS);
+        let mask = worn.wears(MaterialCode::GLASS, found);
         if mask.any() {
-            take(mask, bsdf::glass(d, n, outside, worn.parameter, random(random::LOBE)));
+            take(mask, bsdf::glass::sample(d, n, outside, worn.parameter, lobe_number()));
         }
     }
     if needs(N, Needs::SCATTER) {
-        let mask = wears(MaterialCode::SCATTER);
+        let mask = worn.wears(MaterialCode::SCATTER, found);
         if mask.any() {
             let (u, v) = two_numbers();
-            take(mask, bsdf::scatter(d, n, worn.parameter, u, v));
+            take(mask, bsdf::scatter::sample(d, n, worn.parameter, u, v));
+        }
+    }
+    if needs(N, Needs::PLASTIC) {
+        let mask = worn.wears(MaterialCode::PLASTIC, found);
+        if mask.any() {
+            let (lobe, weight) = worn.plastic().sample(d, n, lobe_number(), two_numbers());
+            take(mask, lobe);
+            color = Vec3::select(mask, weight, color);
         }
     }
 
-    let throughput = path.throughput * (worn.color * drawn.weight);
+    let throughput = path.throughput * (color * drawn.weight);
     // A path that can carry no more light ends here. NaN goes on, to be counted at the film.
     let dark = (throughput.x + throughput.y + throughput.z).eq(L::zero());
     // Only glass is left on the far side: a reflection that rounding points a little below its surface is not, in any pipeline.
     let side = if needs(N, Needs::GLASS) {
         let through = surface.offset.copysign(drawn.direction.dot(n));
-        L::select(wears(MaterialCode::GLASS), through, surface.offset)
+        L::select(worn.wears(MaterialCode::GLASS, found), through, surface.offset)
     } else {
         surface.offset
     };
     let ray = Ray { origin: n.mul_add(side, surface.point), direction: drawn.direction };
-    let pdf = drawn.direction.dot(n) * L::splat(std::f32::consts::FRAC_1_PI);
-    let pdf = L::select(wears(MaterialCode::DIFFUSE), pdf, L::splat(f32::INFINITY));
     let path = Path { ray, throughput, inverse: L::zero(), key: path.key, slot: path.slot };
-    Drawn { path, alive: drawn.alive & !dark, pdf }
+    Drawn { path, alive: drawn.alive & !dark, pdf: drawn.pdf }
 }
 
-/// f·cosθ with the colour, and the density in solid angle of drawing the direction.
-pub struct Passed<L: Lane> {
-    pub value: Vec3<L>,
-    pub pdf: L,
-}
-
+/// What the surfaces of the lanes in `mask` pass on of the light that comes from `towards`, into the direction from which `d`
+/// arrived, and the density with which [`scatter`] draws `towards`. Zero in other lanes, below the surface, and of delta lobes.
+#[inline(always)]
 pub fn evaluate<L: Lane, const N: u32>(
     d: Vec3<L>,
     surface: &Surface<L>,
@@ -106,13 +111,77 @@ pub fn evaluate<L: Lane, const N: u32>(
     towards: Vec3<L>,
     mask: L::Mask,
 ) -> Passed<L> {
-    let n = surface.outward.flip_sign(-d.dot(surface.outward));
-    let cos = towards.dot(n);
-    let ok = mask & L::zero().lt(cos) & worn.kind.equals(L::Bits::splat(MaterialCode::DIFFUSE));
-    let pdf = L::select(ok, cos * L::splat(std::f32::consts::FRAC_1_PI), L::zero());
-    Passed { value: worn.color * pdf, pdf }
+    let Facing { n, .. } = Facing::of(d, surface);
+    let mut passed = Passed { value: Vec3::zero(), pdf: L::zero() };
+    let mut take = |mask: L::Mask, lobe: Passed<L>| {
+        passed.value = Vec3::select(mask, lobe.value, passed.value);
+        passed.pdf = L::select(mask, lobe.pdf, passed.pdf);
+    };
+    let colored = |Evaluated { value, pdf }: Evaluated<L>| Passed { value: worn.color * value, pdf };
+    if needs(N, Needs::DIFFUSE) {
+        let mask = worn.wears(MaterialCode::DIFFUSE, mask);
+        if mask.any() {
+            take(mask, colored(bsdf::diffuse::evaluate(n, towards)));
+        }
+    }
+    if needs(N, Needs::GGX) {
+        let mask = worn.wears(MaterialCode::GGX, mask);
+        if mask.any() {
+            take(mask, colored(bsdf::ggx::evaluate(d, n, worn.parameter, towards)));
+        }
+    }
+    if needs(N, Needs::SCATTER) {
+        let mask = worn.wears(MaterialCode::SCATTER, mask);
+        if mask.any() {
+            take(mask, colored(bsdf::scatter::evaluate(d, n, worn.parameter, towards)));
+        }
+    }
+    if needs(N, Needs::PLASTIC) {
+        let mask = worn.wears(MaterialCode::PLASTIC, mask);
+        if mask.any() {
+            take(mask, worn.plastic().evaluate(d, n, towards));
+        }
+    }
+    passed
 }
 
+/// The lanes that wear a lobe for which [`evaluate`] may be above zero. What they are in other lanes than those that hit
+/// something is unspecified.
+#[inline(always)]
 pub fn samples_lights<L: Lane>(worn: &Worn<L>) -> L::Mask {
-    worn.kind.equals(L::Bits::splat(MaterialCode::DIFFUSE))
+    let wears = |kind: u32| worn.kind.equals(L::Bits::splat(kind));
+    let wide = |least: f32| L::splat(least).le(worn.parameter);
+    wears(MaterialCode::DIFFUSE)
+        | wears(MaterialCode::PLASTIC)
+        | (wears(MaterialCode::GGX) & !bsdf::ggx::is_narrow(worn.parameter))
+        | (wears(MaterialCode::SCATTER) & wide(bsdf::scatter::NARROW))
+}
+
+/// A surface as a ray sees it.
+struct Facing<L: Lane> {
+    /// The normal of the side from which the ray arrives: n · d ≤ 0.
+    n: Vec3<L>,
+    /// It arrives at the outward side.
+    outside: L::Mask,
+}
+
+impl<L: Lane> Facing<L> {
+    #[inline(always)]
+    fn of(d: Vec3<L>, surface: &Surface<L>) -> Self {
+        let along = d.dot(surface.outward);
+        Self { n: surface.outward.flip_sign(-along), outside: !L::zero().lt(along) }
+    }
+}
+
+impl<L: Lane> Worn<L> {
+    /// The lanes of `among` that wear this kind of material.
+    #[inline(always)]
+    fn wears(&self, kind: u32, among: L::Mask) -> L::Mask {
+        among & self.kind.equals(L::Bits::splat(kind))
+    }
+    #[inline(always)]
+    fn plastic(&self) -> Plastic<L> {
+        let Self { color, parameter: alpha, ior, transmitted, .. } = *self;
+        Plastic { color, alpha, ior, transmitted }
+    }
 }

@@ -10,15 +10,16 @@ use crate::buffers::Needs;
 use crate::kernel::surface::latitude_longitude;
 use crate::lane::{Bits, Lane, Mask};
 use crate::math::{Hit, Ray, Vec3};
+use crate::sampling::Event;
 
-/// Shades the hits of the first `count` paths, draws lights for them, and scatters them (event number `bounce`).
+/// Shades the hits of the first `count` paths, draws lights for them, and scatters them.
 ///
 /// `FIRST`: the queue holds primary rays, as [`super::generate`] left them.
 pub fn shade<L: Lane, const N: u32, const FIRST: bool>(
     world: &World,
     work: &mut Work,
     count: usize,
-    bounce: u32,
+    event: Event,
 ) -> Shaded {
     let mut light = Light::<FIRST>::default();
     let (mut going_on, mut searching) = (0, 0);
@@ -40,9 +41,9 @@ pub fn shade<L: Lane, const N: u32, const FIRST: bool>(
         }
         light.add(work, at, lit::<L, N>(active, found, radiance), &path, radiance);
 
-        let drawn = scatter::<L, N>(&path, &surface, &worn, bounce, found);
+        let drawn = scatter::<L, N>(&path, &surface, &worn, event, found);
         if search {
-            let (hit, when) = ((&surface, &worn), (bounce, found));
+            let (hit, when) = ((&surface, &worn), (event, found));
             searching = look::<L, N>(world, (work, searching), &path, &drawn, hit, when);
         }
         // In place: no more paths go on than were read, so nothing unread is overwritten.

@@ -146,6 +146,9 @@ pub struct Worn<L: Lane> {
     pub color: Vec3<L>,
     pub parameter: L,
     pub emission: Vec3<L>,
+    /// Plastic's index of refraction, and how much its coat lets in.
+    pub ior: L,
+    pub transmitted: L,
 }
 
 impl<L: Lane> Worn<L> {
@@ -157,7 +160,12 @@ impl<L: Lane> Worn<L> {
         let [r, g, b, parameter, er, eg, eb, code] = world.buffers.material_rows.fetch::<L>(index, few);
         let code = code.to_bits();
         let kind = code & L::Bits::splat(MaterialCode::KIND);
-        let mut worn = Self { kind, color: Vec3::new(r, g, b), parameter, emission: Vec3::new(er, eg, eb) };
+        let (color, emission) = (Vec3::new(r, g, b), Vec3::new(er, eg, eb));
+        let (ior, transmitted) = (L::one(), L::one());
+        let mut worn = Self { kind, color, parameter, emission, ior, transmitted };
+        if needs(N, Needs::PLASTIC) && world.buffers.needs.contains(Needs::PLASTIC) {
+            [worn.ior, worn.transmitted, ..] = world.buffers.detail_rows.fetch::<L>(index, few);
+        }
         if needs(N, Needs::TEXTURES) {
             let texture = code.shr(MaterialCode::TEXTURE_SHIFT);
             let textured = found & !texture.equals(L::Bits::splat(0));

@@ -1,6 +1,7 @@
 //! SIMD against scalar, bit for bit; and both against the judge.
 
 use super::turns::{Ratio, Timed};
+use crate::buffers::{LightChoice, Needs};
 use crate::film::Picture;
 use crate::reference::{PathSettings, Reference, Verdict};
 use crate::render::{PrimaryHit, Renderer, Settings};
@@ -96,7 +97,10 @@ pub fn compare(scene: &Scene, settings: Settings, samples: u32) -> Comparison {
     }
     let speedup = Ratio::of(&simd, &scalar).expect("there was a sample, so there was a round");
     let mismatches = mismatches(&simd_picture, &scalar_picture);
-    let to_judge = to_judge.expect("the judge gets at least one sample and at most all");
+    let to_judge = match simd.renderer.needs().contains(Needs::LIGHTS) {
+        true => by_chance(scene, settings, share.samples),
+        false => to_judge.expect("the judge gets at least one sample and at most all"),
+    };
     Comparison {
         scene: scene.name.clone(),
         pixels: simd_picture.pixels.len(),
@@ -114,6 +118,15 @@ pub fn compare(scene: &Scene, settings: Settings, samples: u32) -> Comparison {
         speedup_rounds: speedup.rounds,
         reference: judge(scene, &simd.renderer, &to_judge, share),
     }
+}
+
+/// The picture without search for lights: the judge finds light by chance alone, and can only follow paths that do so too.
+fn by_chance(scene: &Scene, settings: Settings, samples: u32) -> Picture {
+    let methods = Methods { lights: LightChoice::Off, ..settings.methods };
+    let renderer = Renderer::new(scene, Settings { methods, lanes: 8, ..settings });
+    let mut film = renderer.film();
+    renderer.add_samples(&mut film, samples);
+    film.picture()
 }
 
 /// Times rounds of turns that are long enough to mean something, in place of those before.
@@ -173,8 +186,8 @@ fn judge(
     Share { samples, stride }: Share,
 ) -> Judgement {
     let reference = Reference::new(scene);
-    let Settings { resolution, max_bounces, seed, .. } = *renderer.settings();
-    let settings = PathSettings { resolution, max_bounces, seed };
+    let Settings { resolution, max_bounces, seed, methods, .. } = *renderer.settings();
+    let settings = PathSettings { resolution, max_bounces, seed, sampler: methods.sampler };
     let mut hits: Vec<PrimaryHit> = renderer.primary_hits(0);
     hits.sort_by_key(|hit| (hit.y, hit.x));
     let judged: Vec<(f64, f64, bool)> = hits

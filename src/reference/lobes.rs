@@ -3,20 +3,22 @@
 use crate::sampling::random::{DIRECTION, LOBE};
 use crate::scene::MaterialKind;
 use glam::DVec3;
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
-/// The new direction and the weight of it beside the material's colour; nothing where the light is absorbed.
+/// The new direction and what of the light goes there, colour included; nothing where the light is absorbed.
 ///
 /// `d` and `n` are unit vectors, n · d ≤ 0. `outside`: the light comes from where the surface's own normal points.
 /// `number` is the event's random number of a dimension.
 pub(super) fn scatter(
     kind: MaterialKind,
+    color: DVec3,
     d: DVec3,
     n: DVec3,
     outside: bool,
     number: impl Fn(u32) -> f64,
-) -> Option<(DVec3, f64)> {
-    match kind {
+) -> Option<(DVec3, DVec3)> {
+    let colored = |(direction, weight): (DVec3, f64)| (direction, color * weight);
+    let drawn = match kind {
         MaterialKind::Emitter => None,
         MaterialKind::Diffuse => {
             // Lambert's law: the normal plus a point on the unit sphere.
@@ -46,7 +48,71 @@ pub(super) fn scatter(
             let w = reflect(d, n) + on_sphere(number) * f64::from(roughness);
             (w.dot(n) > 0.0).then(|| (w.normalize(), 1.0))
         }
+        MaterialKind::Plastic { roughness, ior } => {
+            let alpha = f64::from(roughness) * f64::from(roughness);
+            return plastic(color, alpha, f64::from(ior), d, n, number);
+        }
+    };
+    drawn.map(colored)
+}
+
+/// A coat of GGX over a matt base: the equations at the head of `kernel/bsdf/plastic.rs`, weighed by the density with which the
+/// estimator draws.
+fn plastic(
+    color: DVec3,
+    alpha: f64,
+    ior: f64,
+    d: DVec3,
+    n: DVec3,
+    number: impl Fn(u32) -> f64,
+) -> Option<(DVec3, DVec3)> {
+    let reflected = |cos: f64| {
+        let cos_t = (1.0 - (1.0 - cos * cos) / (ior * ior)).sqrt();
+        fresnel(1.0 / ior, cos, cos_t)
+    };
+    let let_in = |cos: f64| 1.0 - reflected(cos + (1.0 - cos) * 0.43 * alpha.powf(1.5));
+    // 2 ∫ T(c) c dc by Simpson's rule.
+    let steps = 2000;
+    let transmitted = (0..=steps).map(|i| {
+        let c = f64::from(i) / f64::from(steps);
+        let weight = if i == 0 || i == steps { 1.0 } else { 2.0 + 2.0 * f64::from(i % 2) };
+        weight * 2.0 * let_in(c) * c
+    });
+    let transmitted = transmitted.sum::<f64>() / (3.0 * f64::from(steps));
+    let base = color / ((DVec3::ONE - color) * ior * ior + color * transmitted);
+
+    let out = to_local(-d, n);
+    let entered = let_in(out.z);
+    let brightest = base.max_element() * transmitted * entered;
+    let on_coat = (1.0 - entered) / (1.0 - entered + brightest);
+    let smooth = alpha < 1.0 / 8192.0;
+    let towards = if number(LOBE) < on_coat {
+        let (towards, weight) = ggx(out, alpha, number(DIRECTION), number(DIRECTION + 1));
+        if smooth {
+            let facet = (towards + out).normalize().dot(out);
+            let weight = DVec3::splat(weight * reflected(facet) / on_coat);
+            return (towards.z > 0.0).then(|| (to_world(towards, n), weight));
+        }
+        towards
+    } else {
+        to_local((n + on_sphere(number)).normalize(), n)
+    };
+    if towards.z <= 0.0 {
+        return None;
     }
+    let lambert = towards.z / PI;
+    let mut value = base * entered * let_in(towards.z) * lambert;
+    let mut density = (1.0 - on_coat) * lambert;
+    if !smooth {
+        let half = (towards + out).normalize();
+        let [lambda_out, lambda_in] = [out, towards].map(|w| lambda(w, alpha));
+        let slope = half.z * half.z * (alpha * alpha - 1.0) + 1.0;
+        let distribution = alpha * alpha / (PI * slope * slope);
+        let visible = distribution / (4.0 * out.z * (1.0 + lambda_out));
+        value += visible * (1.0 + lambda_out) / (1.0 + lambda_out + lambda_in) * reflected(half.dot(out));
+        density += on_coat * visible;
+    }
+    Some((to_world(towards, n), value / density))
 }
 
 /// A point on the unit sphere, uniformly.
@@ -80,12 +146,14 @@ fn ggx(wo: DVec3, alpha: f64, u: f64, v: f64) -> (DVec3, f64) {
     let h = DVec3::new(sin * phi.cos(), sin * phi.sin(), z) + stretched;
     let m = DVec3::new(alpha * h.x, alpha * h.y, h.z).normalize();
     let wi = m * (2.0 * wo.dot(m)) - wo;
-    let lambda = |w: DVec3| {
-        let tan2 = (w.x * w.x + w.y * w.y) / (w.z * w.z);
-        0.5 * ((1.0 + alpha * alpha * tan2).sqrt() - 1.0)
-    };
     // (1 + Λo) / (1 + Λo + Λi), which is 1 where wo lies in the surface and Λo is infinite.
-    (wi, 1.0 / (1.0 + lambda(wi) / (1.0 + lambda(wo))))
+    (wi, 1.0 / (1.0 + lambda(wi, alpha) / (1.0 + lambda(wo, alpha))))
+}
+
+/// Smith's Λ of GGX.
+fn lambda(w: DVec3, alpha: f64) -> f64 {
+    let tan2 = (w.x * w.x + w.y * w.y) / (w.z * w.z);
+    0.5 * ((1.0 + alpha * alpha * tan2).sqrt() - 1.0)
 }
 
 /// Tangent and bitangent of the unit vector `n`.

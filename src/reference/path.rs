@@ -1,7 +1,8 @@
 //! A whole path, from the camera through the scene to the light.
 
 use super::{Reference, lobes, texture};
-use crate::sampling::random::{PIXEL, bounce, path_key, uniform};
+use crate::sampling::Sampler;
+use crate::sampling::random::{PIXEL, bounce};
 use crate::scene::{MaterialKind, Side, Sky};
 use glam::DVec3;
 
@@ -13,6 +14,7 @@ pub struct PathSettings {
     /// Scattering events allowed on a path.
     pub max_bounces: u32,
     pub seed: u32,
+    pub sampler: Sampler,
 }
 
 /// How far off its surface a path leaves, relative to the lengths that made the point: some thousand times the error of
@@ -22,8 +24,8 @@ const LIFT: f64 = 1e-12;
 impl Reference {
     /// The radiance that sample `sample` of pixel (x, y) carries, in linear RGB.
     pub fn path(&self, settings: PathSettings, x: u32, y: u32, sample: u32) -> [f64; 3] {
-        let key = path_key::<u32>(settings.seed, y * settings.resolution[0] + x, sample);
-        let number = |dimension: u32| f64::from(uniform::<f32>(key, dimension));
+        let key = settings.sampler.key::<u32>(settings.seed, y * settings.resolution[0] + x, sample);
+        let number = |dimension: u32| f64::from(settings.sampler.one::<f32>(key, sample, dimension));
         let (mut origin, mut direction) = self.camera_ray(
             settings.resolution,
             f64::from(x) + number(PIXEL),
@@ -47,11 +49,12 @@ impl Reference {
             let outside = surface.normal.dot(direction) <= 0.0;
             let normal = if outside { surface.normal } else { -surface.normal };
             let event = |dimension: u32| number(bounce(b) + dimension);
-            let Some((scattered, weight)) = lobes::scatter(material.kind, direction, normal, outside, event)
-            else {
+            let color = material.color.as_dvec3() * picture;
+            let drawn = lobes::scatter(material.kind, color, direction, normal, outside, event);
+            let Some((scattered, weight)) = drawn else {
                 break;
             };
-            throughput *= material.color.as_dvec3() * picture * weight;
+            throughput *= weight;
             direction = scattered.normalize();
             let side = 1.0_f64.copysign(direction.dot(normal));
             origin = surface.point + normal * (side * LIFT * surface.scale);

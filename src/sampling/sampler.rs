@@ -46,3 +46,28 @@ impl Sampler {
         }
     }
 }
+
+/// The numbers of one scattering event of a sample, in all its pixels.
+#[derive(Clone, Copy, Debug)]
+pub struct Event {
+    sampler: Sampler,
+    sample: u32,
+    first: u32,
+}
+
+impl Event {
+    /// Event number `bounce`, counted from 0.
+    pub fn new(sampler: Sampler, sample: u32, bounce: u32) -> Self {
+        Self { sampler, sample, first: random::bounce(bounce) }
+    }
+    /// Numbers `dimension` and `dimension + 1` of the event; see [`Sampler::pair`].
+    #[inline(always)]
+    pub fn pair<L: Lane>(self, key: L::Bits, dimension: u32) -> (L, L) {
+        self.sampler.pair(key, self.sample, self.first + dimension)
+    }
+    /// Number `dimension` of the event alone.
+    #[inline(always)]
+    pub fn one<L: Lane>(self, key: L::Bits, dimension: u32) -> L {
+        self.sampler.one(key, self.sample, self.first + dimension)
+    }
+}

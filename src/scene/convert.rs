@@ -122,11 +122,15 @@ fn material_text(scene: &Scene, material: &Material, texture_path: &dyn Fn(&str)
         MaterialKind::Metal { roughness } => ("metal", Some(("roughness", roughness))),
         MaterialKind::Scatter { roughness } => ("scatter", Some(("roughness", roughness))),
         MaterialKind::Glass { ior } => ("glass", Some(("ior", ior))),
+        MaterialKind::Plastic { roughness, .. } => ("plastic", Some(("roughness", roughness))),
         MaterialKind::Emitter => ("emitter", None),
     };
     set("type", json!(kind));
     if let Some((key, value)) = key {
         set(key, json!(f64::from(value)));
+    }
+    if let MaterialKind::Plastic { ior, .. } = material.kind {
+        set("ior", json!(f64::from(ior)));
     }
     if material.kind != MaterialKind::Emitter {
         set("color", channels(material.color));

@@ -13,7 +13,9 @@ use glam::Vec3;
 /// Texture sizes below this are mistakes: a single-precision texture coordinate could not be finite everywhere.
 const MIN_TEXTURE_SIZE: f64 = MIN_LENGTH;
 
-const TYPES: [&str; 5] = ["diffuse", "metal", "glass", "scatter", "emitter"];
+const TYPES: [&str; 6] = ["diffuse", "metal", "plastic", "glass", "scatter", "emitter"];
+/// Types that have a roughness.
+const ROUGH: [&str; 3] = ["metal", "plastic", "scatter"];
 
 /// Adds one material to the draft and gives its number.
 pub fn material(
@@ -30,6 +32,10 @@ pub fn material(
         "metal" => {
             MaterialKind::Metal { roughness: fraction(source, &roughness, file.roughness.unwrap_or(0.0))? }
         }
+        "plastic" => MaterialKind::Plastic {
+            roughness: fraction(source, &roughness, file.roughness.unwrap_or(0.0))?,
+            ior: coat_ior(source, &place.key("ior"), file.ior.unwrap_or(1.5))?,
+        },
         "glass" => MaterialKind::Glass { ior: ior(source, &place.key("ior"), file.ior.unwrap_or(1.5))? },
         "scatter" => {
             let roughness = not_negative(source, &roughness, file.roughness.unwrap_or(0.0))?;
@@ -40,7 +46,7 @@ pub fn material(
     let emitter = kind == MaterialKind::Emitter;
     let color = match file.color {
         Some(color) => reflectance(source, &place.key("color"), color)?,
-        None if kind == MaterialKind::Diffuse => Vec3::splat(0.8),
+        None if matches!(kind, MaterialKind::Diffuse | MaterialKind::Plastic { .. }) => Vec3::splat(0.8),
         None => Vec3::ONE,
     };
     let emission = match file.emission {
@@ -66,10 +72,6 @@ pub fn material(
 /// Refuses unknown types and keys that do not belong to the type.
 fn check_keys(source: &Source, file: &MaterialFile, place: &Place) -> Result<(), SceneError> {
     let name = file.r#type.as_str();
-    if name == "plastic" {
-        let mend = "use `diffuse` for its base colour, or `metal` with a small roughness for its shine";
-        return Err(source.error(&place.key("type"), "`plastic` is not available in this version", mend));
-    }
     if !TYPES.contains(&name) {
         let guess = nearest(name, TYPES).map(|near| format!("did you mean `{near}`? ")).unwrap_or_default();
         let mend = format!("{guess}the types are {}", TYPES.join(", "));
@@ -83,11 +85,11 @@ fn check_keys(source: &Source, file: &MaterialFile, place: &Place) -> Result<(),
     let refuse = |key: &str, mend: &str| {
         Err(source.error(&place.key(key), format!("`{key}` does not belong to a {name} material"), mend))
     };
-    if file.roughness.is_some() && !["metal", "scatter"].contains(&name) {
-        return refuse("roughness", "remove it, or make the type `metal` or `scatter`");
+    if file.roughness.is_some() && !ROUGH.contains(&name) {
+        return refuse("roughness", "remove it, or make the type `metal`, `plastic` or `scatter`");
     }
-    if file.ior.is_some() && name != "glass" {
-        return refuse("ior", "remove it, or make the type `glass`");
+    if file.ior.is_some() && !["glass", "plastic"].contains(&name) {
+        return refuse("ior", "remove it, or make the type `glass` or `plastic`");
     }
     if file.color.is_some() && name == "emitter" {
         return refuse("color", "remove it: an emitter scatters nothing; its light is `emission`");
@@ -109,6 +111,16 @@ fn ior(source: &Source, place: &Place, x: f64) -> Result<f32, SceneError> {
         return Err(source.error(place, format!("an index of refraction of {x} is impossible"), mend));
     }
     number(source, place, x)
+}
+
+/// Of a coat. Above 3 there is none, and the model would make light (`kernel::bsdf::plastic`).
+fn coat_ior(source: &Source, place: &Place, x: f64) -> Result<f32, SceneError> {
+    if !(1.0..=3.0).contains(&x) {
+        let what = format!("a coat cannot have an index of refraction of {x}");
+        let mend = "write a number from 1 to 3: varnish and most plastics are about 1.5";
+        return Err(source.error(place, what, mend));
+    }
+    Ok(x as f32)
 }
 
 fn texture(

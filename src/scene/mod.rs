@@ -125,6 +125,9 @@ pub enum MaterialKind {
     /// The thesis's lobe: direction = normalize(reflected + roughness · u), u uniform on the unit sphere; absorbed where it
     /// points below the surface. Roughness ≥ 0.
     Scatter { roughness: f32 },
+    /// A dielectric coat of index `ior` over Lambert's base of colour `color`: GGX with alpha = roughness², smooth at roughness
+    /// 0. Roughness in [0, 1], `ior` in [1, 3].
+    Plastic { roughness: f32, ior: f32 },
     /// Shines and scatters nothing.
     Emitter,
 }

@@ -10,6 +10,7 @@ use crate::kernel::ray_sphere::{self, SphereMethod};
 use crate::kernel::ray_triangle::{self, TriangleMethod};
 use crate::lane::Lane;
 use crate::math::{Hit, Ray};
+use crate::sampling::Sampler;
 use crate::scene::Scene;
 
 /// Which equation intersects spheres; see [`crate::kernel::ray_sphere`].
@@ -39,6 +40,7 @@ pub struct Methods {
     pub triangle: TriangleChoice,
     pub traversal: TraversalChoice,
     pub lights: LightChoice,
+    pub sampler: Sampler,
 }
 
 /// How rays find what they meet.

@@ -220,7 +220,7 @@ fn path_follows_the_directions_of_the_estimator() {
     let mut lobe = scene.clone();
     lobe.materials[0].kind = MaterialKind::Scatter { roughness: 2.0 };
     let (diffuse, scatter) = (Reference::new(&scene), Reference::new(&lobe));
-    let settings = PathSettings { resolution: [5, 3], max_bounces: 1, seed: 11 };
+    let settings = PathSettings { resolution: [5, 3], max_bounces: 1, seed: 11, sampler: Default::default() };
     for sample in 0..1000 {
         let key = random::path_key::<u32>(11, 2 * 5 + 4, sample);
         let number = |i: u32| random::uniform::<f32>(key, random::bounce(0) + random::DIRECTION + i);
@@ -275,7 +275,7 @@ fn camera_rays_span_the_field_of_view() {
 #[test]
 fn pixel_is_the_average_of_its_paths() {
     let judge = Reference::new(&wide(ball(MaterialKind::Scatter { roughness: 1.0 })));
-    let settings = PathSettings { resolution: [4, 3], max_bounces: 3, seed: 1 };
+    let settings = PathSettings { resolution: [4, 3], max_bounces: 3, seed: 1, sampler: Default::default() };
     let sum: f64 = (0..10).map(|sample| judge.path(settings, 1, 2, sample)[1]).sum();
     assert_eq!(judge.pixel(settings, 1, 2, 10)[1], sum / 10.0);
     assert_eq!(judge.pixel(settings, 1, 2, 0), [0.0; 3]);

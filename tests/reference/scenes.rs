@@ -12,7 +12,7 @@ pub fn empty() -> Scene {
 }
 
 pub fn one_pixel(max_bounces: u32) -> PathSettings {
-    PathSettings { resolution: [1, 1], max_bounces, seed: 7 }
+    PathSettings { resolution: [1, 1], max_bounces, seed: 7, sampler: Default::default() }
 }
 
 pub fn lamp(radiance: Vec3) -> Material {

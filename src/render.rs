@@ -143,8 +143,8 @@ impl Renderer {
             sampler: settings.methods.sampler,
         };
         let features = match settings.pipeline {
-            PipelineChoice::Needed => world.buffers.needs,
-            PipelineChoice::General => Needs::ALL,
+            PipelineChoice::Needed if settings.methods.meet_by_default() => world.buffers.needs,
+            _ => Needs::ALL,
         };
         let pipeline = pipeline_for(features, lanes);
         Self { settings, world, pipeline, threads: Threads::new(threads, Work::new) }

@@ -1,6 +1,7 @@
 //! The emitters that paths look for, and how likely each is chosen.
 
 use super::rows::Rows;
+use super::sky_light::SkyLight;
 use crate::kernel::surface::{sphere_offset, triangle_offset};
 use crate::lane::{Bits, Lane};
 use crate::scene::{MaterialKind, Scene, Sphere, Triangle};
@@ -20,7 +21,8 @@ pub enum LightChoice {
 
 /// The emitters that paths look for: two rows of eight each.
 ///
-/// Sphere: centre, radius, emission, 0; 0 (seven times), offset of rays that end there. Triangle: a, 0, emission, 0; ab, ac, 0, offset.
+/// Sphere: centre, radius, emission, chance; 0 (seven times), offset of rays that end there. Triangle: a, 0, emission, chance; ab, ac, 0,
+/// offset. Sky, the last one: 0 (three times), [`SKY_RADIUS`], 0 (three times), chance; zeros.
 /// Chosen in constant time, each by its share of all power: Walker, "An Efficient Method for Generating Discrete Random Variables with
 /// General Distributions", ACM TOMS 3(3), 1977; the table by Vose, IEEE TSE 17(9), 1991.
 #[derive(Clone, Debug, Default)]
@@ -30,15 +32,22 @@ pub struct Lights {
     keep: Vec<u32>,
     /// The light that a slot stands for above it.
     other: Vec<u32>,
-    /// The chance of each primitive of the scene to be chosen, spheres first; empty without lights.
+    /// The chance of each primitive of the scene to be chosen, spheres first, and of the sky; empty without lights.
     pub chances: Vec<f32>,
+    /// The sky's picture, if it is one of the lights, and its chance.
+    pub sky: Option<(SkyLight, f32)>,
 }
+
+/// What stands for a radius where the light is the sky.
+const SKY_RADIUS: f32 = -1.0;
+/// From this [`SkyLight::contrast`] on it pays to look for the sky's bright places.
+const LEAST_CONTRAST: f64 = 2.0;
 
 /// A light for each lane.
 pub struct Chosen<L> {
     /// Centre of a sphere, first corner of a triangle.
     pub at: [L; 3],
-    /// 0 for triangles.
+    /// 0 for triangles, below for the sky.
     pub radius: L,
     pub emission: [L; 3],
     pub ab: [L; 3],
@@ -56,17 +65,18 @@ impl Lights {
 
     pub fn new(scene: &Scene, choice: LightChoice) -> Self {
         let primitives = scene.spheres.len() + scene.triangles.len();
-        let mut powers = vec![0.0; primitives];
-        if choice != LightChoice::Off && anything_scatters(scene) {
-            for (power, number) in powers.iter_mut().zip(0..) {
-                *power = power_of(scene, number, choice);
-            }
+        if choice == LightChoice::Off || !anything_scatters(scene) {
+            return Self::default();
         }
+        let mut powers: Vec<f64> = (0..primitives).map(|number| power_of(scene, number, choice)).collect();
+        let sky =
+            SkyLight::of(scene).filter(|sky| choice == LightChoice::On || sky.contrast >= LEAST_CONTRAST);
+        powers.push(sky.as_ref().map_or(0.0, |sky| sky_power(scene, sky)));
         let total: f64 = powers.iter().sum();
         if total <= 0.0 || !total.is_finite() {
             return Self::default();
         }
-        let lights: Vec<usize> = (0..primitives).filter(|&number| powers[number] > 0.0).collect();
+        let lights: Vec<usize> = (0..=primitives).filter(|&number| powers[number] > 0.0).collect();
         let shares: Vec<f64> = lights.iter().map(|&number| powers[number] / total).collect();
         let (keep, other) = alias_table(&shares);
         Self {
@@ -76,6 +86,7 @@ impl Lights {
             keep: keep.into_iter().map(f32::to_bits).collect(),
             other,
             chances: powers.iter().map(|power| (power / total) as f32).collect(),
+            sky: sky.map(|sky| (sky, (powers[primitives] / total) as f32)),
         }
     }
     pub fn len(&self) -> usize {
@@ -85,7 +96,10 @@ impl Lights {
         self.keep.is_empty()
     }
     pub fn bytes(&self) -> usize {
-        self.rows.bytes() + size_of_val(self.keep.as_slice()) * 2 + size_of_val(self.chances.as_slice())
+        self.rows.bytes()
+            + size_of_val(self.keep.as_slice()) * 2
+            + size_of_val(self.chances.as_slice())
+            + self.sky.as_ref().map_or(0, |(sky, _)| sky.bytes())
     }
 
     /// Chooses by a number in [0, 1), where there is a choice; `more` gives another one where one is not enough. `few` promises at most [`Lights::FEW`] lights.
@@ -155,6 +169,13 @@ fn power_of(scene: &Scene, number: usize, choice: LightChoice) -> f64 {
     }
 }
 
+/// What arrives from the sky at a ball around the scene.
+fn sky_power(scene: &Scene, sky: &SkyLight) -> f64 {
+    let (lower, upper) = scene.bounds();
+    let radius = (upper - lower).length() / 2.0;
+    4.0 * f64::from(PI) * f64::from(PI) * radius * radius * sky.mean
+}
+
 /// Does the camera stand within this sphere? Then every ray that leaves the other things finds it by itself.
 fn surrounds(scene: &Scene, number: usize) -> bool {
     let sphere = scene.spheres[number];
@@ -163,6 +184,9 @@ fn surrounds(scene: &Scene, number: usize) -> bool {
 }
 
 fn rows(scene: &Scene, number: usize, chance: f32) -> [[f32; 8]; 2] {
+    if number == scene.spheres.len() + scene.triangles.len() {
+        return [[0.0, 0.0, 0.0, SKY_RADIUS, 0.0, 0.0, 0.0, chance], [0.0; 8]];
+    }
     let emission = |material: u32| scene.materials[material as usize].emission;
     match scene.spheres.get(number) {
         Some(&Sphere { center, radius, material, .. }) => {

@@ -10,11 +10,13 @@
 mod lights;
 pub mod needs;
 pub mod rows;
+mod sky_light;
 mod spheres;
 mod texels;
 
 pub use lights::{LightChoice, Lights};
 pub use needs::Needs;
+pub use sky_light::SkyLight;
 pub use spheres::{SphereBlock, Spheres};
 pub use texels::{Abilities, Textures};
 

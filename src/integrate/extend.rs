@@ -15,7 +15,12 @@ pub fn extend<L: Lane, const N: u32>(world: &World, work: &mut Work, count: usiz
         work.trace(hierarchy, traversal, count, RayKind::Bounce);
         return;
     }
-    world.primitives.for_batch::<L>(&world.buffers, None, Stage::<N> { queue: &mut work.queue, count });
+    let stage = Stage::<N> { queue: &mut work.queue, count };
+    if const { N == Needs::ALL.0 } {
+        world.primitives.for_batch::<L>(&world.buffers, None, stage);
+    } else {
+        world.primitives.for_default_batch::<L>(&world.buffers, None, stage);
+    }
 }
 
 struct Stage<'a, const N: u32> {

@@ -24,7 +24,11 @@ pub fn generate<L: Lane, const N: u32>(world: &World, tile: Tile, sample: u32, w
         return tile.pixels();
     }
     let visible = world.visible.get(tile.number);
-    world.primitives.for_batch::<L>(&world.buffers, visible, stage);
+    if const { N == Needs::ALL.0 } {
+        world.primitives.for_batch::<L>(&world.buffers, visible, stage);
+    } else {
+        world.primitives.for_default_batch::<L>(&world.buffers, visible, stage);
+    }
     tile.pixels()
 }
 

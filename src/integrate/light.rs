@@ -8,6 +8,7 @@
 use super::World;
 use super::queue::{Column, Integers, Path, Vectors, Work, pack};
 use super::scatter::{Drawn, evaluate, samples_lights};
+use super::shade::sky_radiance;
 use super::stats::Stage;
 use super::surface::{Surface, Worn, needs};
 use crate::buffers::Needs;
@@ -68,7 +69,7 @@ pub fn look<L: Lane, const N: u32>(
     let at = vector(light.at) - origin;
     let is_sphere = L::zero().lt(light.radius);
     let (spheres, triangles) = ((mask & is_sphere).any(), (mask & !is_sphere).any());
-    let aim = match (needs(N, Needs::SPHERES) && spheres, needs(N, Needs::TRIANGLES) && triangles) {
+    let mut aim = match (needs(N, Needs::SPHERES) && spheres, needs(N, Needs::TRIANGLES) && triangles) {
         (true, false) => aim_at_sphere(at, light.radius, u, v),
         (false, _) => aim_at_triangle(at, vector(light.ab), vector(light.ac), u, v),
         (true, true) => {
@@ -76,21 +77,33 @@ pub fn look<L: Lane, const N: u32>(
             triangle.or(is_sphere, aim_at_sphere(at, light.radius, u, v))
         }
     };
+    let mut emission = vector(light.emission);
+    if needs(N, Needs::SKY_TEXTURE)
+        && let Some((sky, _)) = &lights.sky
+    {
+        let is_sky = mask & light.radius.lt(L::zero());
+        if is_sky.any() {
+            aim = aim.or(is_sky, sky.aim(u, v));
+            let seen = sky_radiance::<L, N>(world, aim.direction, is_sky);
+            emission = Vec3::select(is_sky, seen, emission);
+        }
+    }
     let passed = evaluate::<L, N>(path.ray.direction, surface, worn, aim.direction, mask);
     let density = light.chance * aim.density;
     let possible = mask & L::zero().lt(density);
     let inverse = L::one() / L::select(possible, density, L::one());
     // 1 − its complement would cancel; this is the same heuristic from the other side.
     let weight = weight_by_chance(inverse, passed.pdf);
-    let radiance = path.throughput * passed.value * vector(light.emission) * (weight * inverse);
+    let radiance = path.throughput * passed.value * emission * (weight * inverse);
     let carries = possible & !(radiance.x + radiance.y + radiance.z).eq(L::zero());
     if !carries.any() {
         return count;
     }
     let end = aim.normal.mul_add(light.offset, aim.direction * aim.t);
     let length = end.dot(end).sqrt();
-    let direction = end * (L::one() / length);
-    let reach = length * L::splat(1.0 - SHORT);
+    let far = !aim.t.is_finite();
+    let direction = Vec3::select(far, aim.direction, end * (L::one() / length));
+    let reach = L::select(far, aim.t, length * L::splat(1.0 - SHORT));
     work.search.store(count, L::packing(carries), &Ray { origin, direction }, reach, radiance, path.slot);
     count + carries.count()
 }

@@ -134,7 +134,8 @@ fn search<L: Lane, const N: u32>(world: &World, work: &mut Work, shaded: &shade:
 const STRAIGHT: u32 = 8;
 
 /// The pipelines there are: sets of features, smallest first. Each costs compile time and program size for two widths, so only sets
-/// that measured well are here; a scene gets the first that holds its needs.
+/// that measured well are here; a scene gets the first that holds its needs. All but the last meet spheres and triangles by the default
+/// equations alone: the fifteen pairs of equations are most of a pipeline's code.
 const PIPELINES: &[(Needs, Pipeline, Pipeline)] = &[
     pipeline::<{ MATT_AND_MIRROR_SPHERES.0 }>(),
     pipeline::<{ FEW_TEXTURED.0 }>(),

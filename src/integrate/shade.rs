@@ -29,7 +29,7 @@ pub fn shade<L: Lane, const N: u32, const FIRST: bool>(
         let hit: Hit<L> = work.queue.hit(at);
         let active = L::Mask::first(count - at);
         let found = hit.found() & active;
-        let mut radiance = sky_where_missed::<L, N>(world, &path, active & !found);
+        let mut radiance = sky_where_missed::<L, N, FIRST>(world, &path, active & !found);
         if !found.any() {
             light.add(work, at, active, &path, radiance);
             continue;
@@ -92,7 +92,7 @@ pub fn finish<L: Lane, const N: u32, const FIRST: bool>(world: &World, work: &mu
         let hit: Hit<L> = work.queue.hit(at);
         let active = L::Mask::first(count - at);
         let found = hit.found() & active;
-        let mut radiance = sky_where_missed::<L, N>(world, &path, active & !found);
+        let mut radiance = sky_where_missed::<L, N, FIRST>(world, &path, active & !found);
         if needs(N, Needs::EMISSION) && found.any() {
             let surface = Surface::of::<N>(world, &path, &hit, found);
             let worn = Worn::of::<N>(world, &surface, found);
@@ -146,15 +146,33 @@ impl<const FIRST: bool> Light<FIRST> {
     }
 }
 
-/// The sky's light along paths that left the scene; 0 elsewhere.
+/// The sky's light along paths that left the scene; 0 elsewhere. What the search for lights may find as well counts by its weight.
 #[inline(always)]
-fn sky_where_missed<L: Lane, const N: u32>(world: &World, path: &Path<L>, missed: L::Mask) -> Vec3<L> {
+fn sky_where_missed<L: Lane, const N: u32, const FIRST: bool>(
+    world: &World,
+    path: &Path<L>,
+    missed: L::Mask,
+) -> Vec3<L> {
     if !missed.any() {
         return Vec3::zero();
     }
+    let mut radiance = sky_radiance::<L, N>(world, path.ray.direction, missed) * path.throughput;
+    if !FIRST
+        && needs(N, Needs::LIGHTS)
+        && needs(N, Needs::SKY_TEXTURE)
+        && let Some((sky, chance)) = &world.buffers.lights.sky
+    {
+        let density = sky.density(latitude_longitude(path.ray.direction)) * L::splat(*chance);
+        radiance = radiance * weight_by_chance(path.inverse, density);
+    }
+    Vec3::select(missed, radiance, Vec3::zero())
+}
+
+/// The sky in a direction; unspecified where it is not `wanted`.
+#[inline(always)]
+pub fn sky_radiance<L: Lane, const N: u32>(world: &World, direction: Vec3<L>, wanted: L::Mask) -> Vec3<L> {
     let sky = &world.buffers.sky;
     let mut radiance = Vec3::splat(sky.bottom);
-    let direction = path.ray.direction;
     if needs(N, Needs::SKY_GRADIENT) {
         let height = L::splat(0.5).mul_add(direction.y, L::splat(0.5));
         radiance = Vec3::splat(sky.rise).mul_add(height, radiance);
@@ -164,7 +182,7 @@ fn sky_where_missed<L: Lane, const N: u32>(world: &World, path: &Path<L>, missed
         let index = L::Bits::splat(sky.texture);
         let everywhere = L::Mask::splat(true);
         radiance =
-            radiance * world.buffers.textures.sample(index, coordinates, everywhere, missed, abilities(N));
+            radiance * world.buffers.textures.sample(index, coordinates, everywhere, wanted, abilities(N));
     }
-    Vec3::select(missed, radiance * path.throughput, Vec3::zero())
+    radiance
 }

@@ -4,7 +4,7 @@ use super::scenes::{ball, empty, lamp, one_pixel, wall};
 use crate::common::{sphere, triangle};
 use glam::{DVec3, Vec3};
 use octray::reference::{PathSettings, Reference};
-use octray::sampling::{random, warp};
+use octray::sampling::{Sampler, random, warp};
 use octray::scene::{Camera, Material, MaterialKind, Scene, Sky};
 use std::f64::consts::PI;
 
@@ -220,17 +220,17 @@ fn path_follows_the_directions_of_the_estimator() {
     let mut lobe = scene.clone();
     lobe.materials[0].kind = MaterialKind::Scatter { roughness: 2.0 };
     let (diffuse, scatter) = (Reference::new(&scene), Reference::new(&lobe));
-    let settings = PathSettings { resolution: [5, 3], max_bounces: 1, seed: 11, sampler: Default::default() };
-    for sample in 0..1000 {
-        let key = random::path_key::<u32>(11, 2 * 5 + 4, sample);
-        let number = |i: u32| random::uniform::<f32>(key, random::bounce(0) + random::DIRECTION + i);
-        let d = warp::cosine_hemisphere(lane(n), number(0), number(1));
+    for (sampler, sample) in (0..500).flat_map(|sample| [(Sampler::Sobol, sample), (Sampler::Random, sample)]) {
+        let settings = PathSettings { resolution: [5, 3], max_bounces: 1, seed: 11, sampler };
+        let key = sampler.key::<u32>(11, 2 * 5 + 4, sample);
+        let (u, v) = sampler.pair::<f32>(key, sample, random::bounce(0) + random::DIRECTION);
+        let d = warp::cosine_hemisphere(lane(n), u, v);
         let found = diffuse.path(settings, 4, 2, sample)[0];
         // The estimator's sine and cosine are off by up to 8e-7, on a vector of length 2 cos θ before it is normalised.
         let allowed = 1e-6 / f64::from(Vec3::new(d.x, d.y, d.z).dot(n)) + 2e-6;
         assert!((found - 0.5 * (f64::from(d.y) + 1.0)).abs() < allowed, "sample {sample}: {d:?}, {found}");
 
-        let s = warp::unit_sphere(number(0), number(1));
+        let s = warp::unit_sphere(u, v);
         let w = n + Vec3::new(s.x, s.y, s.z) * 2.0;
         let found = scatter.path(settings, 4, 2, sample)[0];
         let expected = if w.dot(n) > 0.0 { 0.5 * (w.normalize().y + 1.0) } else { 0.0 };

@@ -1,5 +1,5 @@
 //! The kernels alone: every way to intersect spheres and triangles, at both widths, as the time of one test of one ray
-//! against one primitive.
+//! against one primitive; and the numbers of both samplers, as the time of a pair for one path.
 //!
 //! Rays come in packets of neighbours, as cameras and mirrors make them; most tests miss, as they do in scenes. Every
 //! lane's answer is used. Before a method is timed, its hits are counted: the same at both widths, and as many as stated. No ray passes
@@ -10,8 +10,9 @@ use criterion::{BenchmarkGroup, Criterion, Throughput};
 use glam::Vec3 as Point;
 use octray::kernel::ray_sphere::{self, SphereMethod};
 use octray::kernel::ray_triangle::{self, TriangleMethod};
-use octray::lane::{F32x8, Lane, Mask};
+use octray::lane::{Bits, F32x8, Lane, Mask};
 use octray::math::{Ray, Vec3};
+use octray::sampling::Sampler;
 use std::hint::black_box;
 use std::time::Duration;
 
@@ -20,6 +21,9 @@ const RAYS: usize = 512;
 /// Primitives of each kind: what a small scene holds; all of them stay in the first-level cache.
 const PRIMITIVES: usize = 64;
 const TESTS: u64 = (RAYS * PRIMITIVES) as u64;
+/// Samples for which each ray's path draws a pair of numbers.
+const SAMPLES: u32 = 64;
+const PAIRS: u64 = RAYS as u64 * SAMPLES as u64;
 
 fn main() {
     let mut criterion = Criterion::default()
@@ -42,6 +46,12 @@ fn main() {
     triangles::<ray_triangle::MollerTrumbore>(&mut group, "moller-trumbore", 519);
     triangles::<ray_triangle::BaldwinWeber>(&mut group, "baldwin-weber", 519);
     triangles::<ray_triangle::Plucker>(&mut group, "plucker", 519);
+    group.finish();
+
+    let mut group = criterion.benchmark_group("sampler");
+    group.throughput(Throughput::Elements(PAIRS));
+    pairs(&mut group, "sobol", Sampler::Sobol);
+    pairs(&mut group, "random", Sampler::Random);
     group.finish();
 
     criterion.final_summary();
@@ -115,6 +125,41 @@ fn all_triangles<L: Lane, T: TriangleMethod>(rays: &[Ray<L>], triangles: &[T::St
         }
     }
     tally.found()
+}
+
+/// Times pairs of numbers for paths whose keys are given. Their sum must be that of uniform numbers, at both widths.
+///
+/// # Panics
+/// If it is not.
+fn pairs(group: &mut BenchmarkGroup<WallTime>, name: &str, sampler: Sampler) {
+    let (wide, single) = (keys::<F32x8>(), keys::<f32>());
+    let simd = || all_pairs::<F32x8>(sampler, black_box(&wide));
+    let scalar = || all_pairs::<f32>(sampler, black_box(&single));
+    for sum in [simd(), scalar()] {
+        // 2 · PAIRS numbers of variance 1/12: the standard error of their mean is 0.0011.
+        let mean = sum / (2 * PAIRS) as f32;
+        assert!((mean - 0.5).abs() < 0.006, "{name}: numbers of mean {mean}");
+    }
+    group.bench_function(format!("{name}/simd"), |bencher| bencher.iter(simd));
+    group.bench_function(format!("{name}/scalar"), |bencher| bencher.iter(scalar));
+}
+
+fn keys<L: Lane>() -> Vec<L::Bits> {
+    let lanes = |packet: usize| L::Bits::from_fn(|lane| (packet * L::WIDTH + lane) as u32);
+    (0..RAYS / L::WIDTH).map(|packet| Sampler::Sobol.key(0, lanes(packet), 0)).collect()
+}
+
+fn all_pairs<L: Lane>(sampler: Sampler, keys: &[L::Bits]) -> f32 {
+    let mut sums = [L::zero(); 2];
+    for sample in 0..SAMPLES {
+        // A number that the compiler does not see through, as in a path.
+        let dimension = black_box(8);
+        for &key in keys {
+            let (x, y) = sampler.pair::<L>(key, sample, dimension);
+            sums = [sums[0] + x, sums[1] + y];
+        }
+    }
+    (0..L::WIDTH).map(|lane| sums[0].get(lane) + sums[1].get(lane)).sum()
 }
 
 /// Uses every lane of every answer.

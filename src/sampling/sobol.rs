@@ -39,15 +39,15 @@ pub fn pair<L: Lane>(key: L::Bits, sample: u32, dimension: u32) -> (L, L) {
 /// Vegdahl's hash, whole: Owen scrambling of reversed digits.
 #[inline(always)]
 fn shuffle(x: u32, seed: u32) -> u32 {
-    let x = spread(x, 0x3d20_adea);
-    spread(spread(step(x, seed), 0x0552_6c56), 0x53a2_2864)
+    scramble(spread(x, 0x3d20_adea), seed)
 }
 
-/// Two of its four rounds. With them the variance of integrals is that of a true Owen scrambling (`tests/sobol.rs`); the
-/// other two change nothing that could be measured beyond 3 %.
+/// The hash without its first round, which what is shuffled already does not need: mean square and tails of the error of integrals are those
+/// of a true Owen scrambling (measured). With one round less the mean square is still the same, and the tails are heavier: the
+/// fourth moment of the error is up to twice as large.
 #[inline(always)]
 fn scramble<B: Bits>(x: B, seed: B) -> B {
-    spread(step(x, seed), 0x0552_6c56)
+    spread(spread(step(x, seed), 0x0552_6c56), 0x53a2_2864)
 }
 
 /// The round that depends on the seed: a sum and a product with an odd number.

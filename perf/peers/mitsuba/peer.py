@@ -55,12 +55,11 @@ class Lights:
             return {name: shape(0, False)}
         emission = rgb(material["emission"])
         if mi.variant().startswith("scalar"):
-            # Python is too slow for single rays: two shapes back to back.
-            if material["type"] == "glass":
-                raise ValueError(f"material `{name}` is glass that shines, which the scalar variants cannot be told")
+            # Python is too slow for single rays: two shapes back to back. Not for glass, whose faces would count twice.
             sides = {name: shape(0, False), f"{name} back": shape(self.gap, True)}
             return {side: {**it, "light": {"type": "area", "radiance": emission}} for side, it in sides.items()}
-        return {name: {**shape(0, False), "light": {"type": "two_faced_area", "radiance": emission}}}
+        # Named, because the loader would make equal lights one, and a light belongs to one shape.
+        return {name: {**shape(0, False), "light": {"type": "two_faced_area", "radiance": emission, "shape": name}}}
 
 
 def register_two_faced_area():
@@ -71,6 +70,7 @@ def register_two_faced_area():
         def __init__(self, props):
             super().__init__(props)
             self.radiance = mi.Color3f(props["radiance"])
+            self.shape_name = props["shape"]
             self.m_flags = mi.EmitterFlags.Surface
 
         def eval(self, si, active=True):
@@ -89,7 +89,7 @@ def register_two_faced_area():
             return dr.select(active, self.radiance, 0)
 
         def to_string(self):
-            return f"TwoFacedArea[{self.radiance}]"
+            return f"TwoFacedArea[{self.shape_name}, {self.radiance}]"
 
     mi.register_emitter("two_faced_area", TwoFacedArea)
 

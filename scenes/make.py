@@ -1,4 +1,4 @@
-"""Makes spheres.json, cornell.json and cornell-spheres.json beside this file. The same seed gives the same scenes."""
+"""Makes spheres.json, cornell.json, cornell-spheres.json and balls.json beside this file. The same seed gives the same scenes."""
 
 import json
 import math
@@ -129,6 +129,32 @@ def make_cornell():
     write("cornell-spheres.json", camera, sky, materials, spheres=balls, triangles=room)
 
 
+def make_balls():
+    # Ten balls in a field under an even sky: no lamp, and every path that leaves the scene finds light.
+    materials = {
+        "field": {"type": "diffuse", "color": [0.5, 0.44, 0.3]},
+        "mirror": {"type": "metal", "color": [0.92, 0.92, 0.92]},
+        "brass": {"type": "metal", "color": [0.9, 0.7, 0.38]},
+        "glass": {"type": "glass", "ior": 1.5},
+        "red": {"type": "diffuse", "color": [0.72, 0.16, 0.12]},
+        "ochre": {"type": "diffuse", "color": [0.8, 0.5, 0.14]},
+        "blue": {"type": "diffuse", "color": [0.14, 0.26, 0.6]},
+        "white": {"type": "diffuse", "color": [0.8, 0.8, 0.78]},
+    }
+    # x, z and radius: each rests on the field.
+    places = [
+        (-1.45, -0.5, 1.0, "mirror"), (0.55, -0.9, 0.85, "red"), (0.1, 0.95, 0.5, "glass"), (2.3, -0.25, 0.7, "glass"),
+        (-3.3, -1.3, 0.75, "ochre"), (1.35, 0.95, 0.38, "blue"), (-1.2, 1.35, 0.36, "white"), (-2.6, 0.85, 0.42, "brass"),
+        (3.2, 1.05, 0.36, "red"), (2.2, -2.9, 0.9, "white"),
+    ]
+    balls = [{"center": [x, r, z], "radius": r, "material": material} for x, z, r, material in places]
+    field = quad([-60, 0, 60], [60, 0, 60], [60, 0, -60], [-60, 0, -60], "field")
+    camera = {"position": [0.5, 2.2, 7.2], "look_at": [0.05, 0.5, 0], "vertical_fov": 34}
+    sky = {"color": [0.7, 0.82, 1.0]}
+    write("balls.json", camera, sky, materials, spheres=balls, triangles=field)
+
+
 if __name__ == "__main__":
     make_spheres()
     make_cornell()
+    make_balls()

@@ -34,6 +34,7 @@
 //! |---|---|
 //! | [`lane`] | width as a type: `f32` and `F32x8` behind one trait; the elementary functions, once |
 //! | [`math`] | vectors, rays and hits of lanes; rounding error as code |
+//! | [`wording`] | numbers and nouns as people read them |
 //! | [`sampling`] | random numbers that are a function of (seed, pixel, sample, dimension), independent or well spread; warps |
 //! | [`kernel`] | intersection, scattering, texture lookup: several methods side by side |
 //! | [`scene`] | files, validation, what a scene is |
@@ -78,3 +79,4 @@ pub mod sampling;
 pub mod scene;
 pub mod threads;
 pub mod traverse;
+pub mod wording;

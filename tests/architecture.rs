@@ -11,6 +11,7 @@ use std::path::{Path, PathBuf};
 const ORDER: &[&str] = &[
     "lane",
     "math",
+    "wording",
     "sampling",
     "kernel",
     "scene",

@@ -181,3 +181,41 @@ fn frustum_keeps_what_rounding_hits_beside_it() {
     }
     assert!(hits > 200, "{hits}");
 }
+
+/// Copies of triangles, seen from so far away that rounding puts their hits before their boxes, which reach hardly anywhere themselves: the
+/// first copy counts, and the frustum must not leave it out because another one has been hit.
+#[test]
+fn frustum_keeps_the_first_of_copies_seen_from_afar() {
+    let mut dice = Dice(93);
+    let mut hits = 0;
+    for round in 0..240 {
+        let (axis, away) = (round % 6, [1e3, 1e4, 1e6][round / 6 % 3]);
+        let [main, a, b] = [axis % 3, (axis + 1) % 3, (axis + 2) % 3];
+        let mut towards = DVec3::ZERO;
+        towards[main] = [1.0, -1.0][axis / 3];
+        let origin = (dice.direction() * 0.1 - towards * away).as_vec3();
+        let mut set = Set::default();
+        // Every other tile is narrower than its directions can tell.
+        let spread = if round % 2 == 0 { 0.0 } else { 0.3 / away };
+        for i in 0..TILE {
+            let [x, y] = steps(i);
+            let mut d = towards;
+            (d[a], d[b]) = (spread * x, spread * y);
+            set.push(origin, d.normalize().as_vec3(), f32::INFINITY);
+        }
+        let mut scene = Scene { materials: vec![material(MaterialKind::Diffuse)], ..empty() };
+        for depth in [-0.5, 0.0, 0.5].map(|depth| depth + 0.2 * dice.unit()) {
+            let corner = |i: f64| {
+                let (sin, cos) = (i * std::f64::consts::TAU / 3.0).sin_cos();
+                let mut v = towards * (depth + 0.01 * i);
+                (v[a], v[b]) = (3.0 * cos, 3.0 * sin);
+                v.as_vec3()
+            };
+            let vertices = [0.0, 1.0, 2.0].map(corner);
+            scene.triangles.extend([(); 30].map(|()| triangle(vertices, 0)));
+        }
+        assert!(set.goes_in_a_frustum(&Hierarchy::new(&scene, Quality::default())), "round {round}");
+        hits += set.check(&scene, &format!("round {round}, {away} away"));
+    }
+    assert_eq!(hits, 240 * TILE);
+}

@@ -7,7 +7,7 @@
 mod common;
 
 use common::{Dice, packet, quantile, ray};
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use octray::kernel::ray_sphere::{Naive, Robust, RobustAnyLength, SphereMethod};
 use octray::lane::{F32x8, Lane, Mask};
 use octray::math::{self, Ray};
@@ -225,6 +225,36 @@ fn rays_from_the_surface_inwards_hit_and_every_answer_lies_on_the_sphere() {
     }
     check::<Robust>();
     check::<RobustAnyLength>();
+}
+
+/// Both roots are next to zero there, and rounding alone decides whether there is a hit: but where there is one, it is close by.
+#[test]
+fn rays_along_the_surface_hit_nothing_that_is_not_on_it() {
+    fn check<S: SphereMethod>(length: f64) {
+        let mut dice = Dice(9);
+        let mut hits = 0;
+        for i in 0..400_000 {
+            let radius = [1.0, dice.scale(1e-6, 1e6) as f32][i % 2];
+            let normal = if i % 5 == 0 { DVec3::AXES[dice.index(3)] } else { dice.direction() };
+            let center = if i % 3 == 0 { DVec3::ZERO } else { dice.in_cube() * f64::from(radius) };
+            let ball = Ball { center: center.as_vec3(), radius };
+            // Exactly on the surface, or as near as rounding comes, or some steps of it off.
+            let off = [0.0, dice.signed(), 8.0 * dice.signed()][dice.index(3)] / f64::from(1 << 24);
+            let origin = ball.center.as_dvec3() + normal * (f64::from(radius) * (1.0 + off));
+            let tangent = normal.cross(dice.direction()).normalize_or(normal.any_orthonormal_vector());
+            let tilt = if i % 7 == 0 { 0.0 } else { dice.scale(1e-12, 1e-2) };
+            let direction = (tangent + normal * (tilt * dice.signed().signum())).normalize() * length;
+            let ray = ray(origin.as_vec3(), direction.as_vec3());
+            if let Some(t) = answer::<S>(ball, &ray, f32::INFINITY) {
+                hits += 1;
+                assert!(lies_on(ball, &ray, t), "{ball:?}, {ray:?}: {t}, in f64 {:?}", truth(ball, &ray));
+            }
+        }
+        assert!(hits > 50_000, "{hits}");
+    }
+    check::<Robust>(1.0);
+    check::<RobustAnyLength>(1.0);
+    check::<RobustAnyLength>(1e-3);
 }
 
 #[test]

@@ -384,6 +384,9 @@ fn names_that_are_no_scenes_are_refused() {
         (path("folder.json"), "folder", ".json or .obj"),
         (path("scene.txt"), "not the name of a scene", ".json or .obj"),
         ("three".to_string(), "not the name of a scene", "did you mean `builtin:three`?"),
+        ("knot:100".to_string(), "not the name of a scene", "did you mean `builtin:knot:100`?"),
+        ("terrian:100".to_string(), "not the name of a scene", "did you mean `builtin:terrain:100`?"),
+        ("terrain".to_string(), "not the name of a scene", "did you mean `builtin:terrain:N`?"),
         (String::new(), "not the name of a scene", ".json or .obj"),
     ];
     for (spec, what, mend) in cases {
@@ -409,6 +412,15 @@ fn unknown_builtin_lists_the_names() {
     let mend = error.mend.unwrap();
     assert!(error.what.contains("builtin:cornel"));
     assert!(mend.contains("did you mean `builtin:cornell`?") && mend.contains("chess"), "{mend}");
+    for (name, near) in
+        [("knott:5", "knot:5"), ("Knot:7", "knot:7"), ("terain", "terrain:N"), ("knots:", "knot:N")]
+    {
+        let error = load(&format!("builtin:{name}")).unwrap_err();
+        assert!(error.what.contains(&format!("no scene `builtin:{name}`")), "{error}");
+        let mend = error.mend.unwrap();
+        assert!(mend.starts_with(&format!("did you mean `builtin:{near}`? ")), "{name}: {mend}");
+        assert!(mend.contains("cornell") && mend.contains("knot:N"), "{name}: {mend}");
+    }
 }
 
 #[test]

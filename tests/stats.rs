@@ -4,7 +4,8 @@ mod common;
 
 use common::{empty, material, sphere, triangle};
 use glam::Vec3;
-use octray::bvh::Quality;
+use octray::bvh::check::check_scene;
+use octray::bvh::{LEAF, Quality};
 use octray::film::Picture;
 use octray::integrate::stats::{RayKind, Segment, Stage, Stats};
 use octray::math::MISS;
@@ -29,7 +30,7 @@ fn two_triangles() -> Scene {
 }
 
 /// What is counted for rays that start at (x, 0, 5) and run almost along −z, and how many of them hit something.
-fn counted(scene: &Scene, traversal: Traversal, starts: &[f32]) -> (Counts, usize) {
+fn counted<const ANY: bool>(scene: &Scene, traversal: Traversal, starts: &[f32]) -> (Counts, usize) {
     let hierarchy = Hierarchy::new(scene, Quality::default());
     let count = starts.len();
     let tilt: Vec<f32> = (0..count).map(|at| at as f32 * 1e-3).collect();
@@ -41,7 +42,7 @@ fn counted(scene: &Scene, traversal: Traversal, starts: &[f32]) -> (Counts, usiz
     let (mut t, mut primitive) = (vec![f32::INFINITY; count], vec![MISS; count]);
     let (mut u, mut v) = (zeros.clone(), zeros.clone());
     let mut hits = Hits { t: &mut t, primitive: &mut primitive, u: &mut u, v: &mut v };
-    Tracer::new().count::<false>(traversal, &hierarchy, &rays, &mut hits, &counter);
+    Tracer::new().count::<ANY>(traversal, &hierarchy, &rays, &mut hits, &counter);
     (counter.get(), primitive.iter().filter(|&&one| one != MISS).count())
 }
 
@@ -58,16 +59,16 @@ fn tests_of_two_triangles_are_those_counted_by_hand() {
     let starts = [-3.0, 0.0, 50.0];
     let none = tests(0, 0);
     let one_by_one = Counts { boxes: tests(3, 3), triangles: tests(4, 4), spheres: none };
-    assert_eq!(counted(&scene, Traversal::Scalar, &starts), (one_by_one, 1));
+    assert_eq!(counted::<false>(&scene, Traversal::Scalar, &starts), (one_by_one, 1));
     for traversal in [Traversal::Single, Traversal::Stream, Traversal::Packet, Traversal::Hybrid] {
         let expected = Counts { boxes: tests(3, 3), triangles: tests(4, 2), spheres: none };
-        assert_eq!(counted(&scene, traversal, &starts), (expected, 1), "{traversal:?}");
+        assert_eq!(counted::<false>(&scene, traversal, &starts), (expected, 1), "{traversal:?}");
     }
     // A packet that sees the left triangle alone. The frustum of its tile meets the leaf's box, and so does its own, which then is held
     // against both triangles' boxes, in a step each; then all eight rays meet one triangle.
     for traversal in [Traversal::Packet, Traversal::Hybrid] {
         let expected = Counts { boxes: tests(4, 3), triangles: tests(8, 1), spheres: none };
-        assert_eq!(counted(&scene, traversal, &[-3.0; 8]), (expected, 8), "{traversal:?}");
+        assert_eq!(counted::<false>(&scene, traversal, &[-3.0; 8]), (expected, 8), "{traversal:?}");
     }
 }
 
@@ -76,7 +77,7 @@ fn tests_of_a_leaf_are_its_primitives_and_no_empty_lane() {
     // Three spheres so near each other that nothing divides them.
     let spheres: Vec<_> = [0.0, 0.01, 0.02].map(|x| sphere(Vec3::new(x, 0.0, 0.0), 1.0, 0)).into();
     let scene = Scene { materials: vec![material(MaterialKind::Diffuse)], spheres, ..empty() };
-    let boxes = |traversal, starts: &[f32]| counted(&scene, traversal, starts).0;
+    let boxes = |traversal, starts: &[f32]| counted::<false>(&scene, traversal, starts).0;
     let none = tests(0, 0);
     for traversal in [Traversal::Single, Traversal::Stream] {
         let expected = Counts { boxes: tests(2, 2), triangles: none, spheres: tests(3, 1) };
@@ -86,6 +87,61 @@ fn tests_of_a_leaf_are_its_primitives_and_no_empty_lane() {
     assert_eq!(boxes(Traversal::Scalar, &[0.0, 9.0]), expected);
     let expected = Counts { boxes: tests(2, 2), triangles: none, spheres: tests(24, 3) };
     assert_eq!(boxes(Traversal::Packet, &[0.0; 8]), expected);
+}
+
+/// Big triangles across the way of the rays of [`counted`], or big spheres around their start. Every ray hits all of them and starts in all
+/// their boxes: nothing but an end at the first hit spares a test.
+fn all_in_the_way(count: usize, triangles: bool) -> Scene {
+    let mut scene = Scene { materials: vec![material(MaterialKind::Diffuse)], ..empty() };
+    for i in 0..count {
+        let share = i as f32 / count as f32;
+        if triangles {
+            // Through (0, 0, z), in a plane as steep as 3 in 10, from below z = 4 to above z = 5.
+            let (z, turn) = (4.9 - 0.8 * share, 2.4 * i as f32);
+            let corner = |third: f32| {
+                let angle = turn + third * std::f32::consts::TAU / 3.0;
+                Vec3::new(10.0 * angle.cos(), 10.0 * angle.sin(), z + 3.0 * (angle - 2.0 * turn).cos())
+            };
+            scene.triangles.push(triangle([0.0, 1.0, 2.0].map(corner), 0));
+        } else {
+            let center = Vec3::new(0.3 * (7.0 * share).sin(), 0.3 * (9.0 * share).cos(), 5.0);
+            scene.spheres.push(sphere(center, 1.0 + share, 0));
+        }
+    }
+    scene
+}
+
+#[test]
+fn any_hit_ends_at_the_first_and_the_nearest_does_not() {
+    let mut faults = Vec::new();
+    for triangles in [true, false] {
+        let scene = all_in_the_way(600, triangles);
+        let bvh = Hierarchy::new(&scene, Quality::default()).bvh;
+        let levels = check_scene(&bvh, &scene).unwrap().wide_depth as u64;
+        let met = |counts: &Counts| if triangles { counts.triangles.tests } else { counts.spheres.tests };
+        for traversal in Traversal::ALL {
+            for rays in [1, 2, 16] {
+                let starts = vec![0.0; rays];
+                let (nearest, hit_nearest) = counted::<false>(&scene, traversal, &starts);
+                let (any, hit_any) = counted::<true>(&scene, traversal, &starts);
+                let count = rays as u64;
+                let what = format!(
+                    "{traversal:?}, {rays} rays, triangles {triangles}: {any:?}, nearest {nearest:?}"
+                );
+                assert_eq!((met(&nearest), hit_nearest, hit_any), (600 * count, rays, rays), "{what}");
+                // One leaf, and the way down to it. Where many rays go together, those that have ended still stand in lists of nodes.
+                let boxes = match (traversal, rays) {
+                    (Traversal::Scalar, _) => nearest.boxes.steps / 4,
+                    (Traversal::Single, _) | (_, 1 | 2) => levels * count,
+                    _ => 8 * levels * count,
+                };
+                if met(&any) > LEAF as u64 * count || any.boxes.steps > boxes {
+                    faults.push(what);
+                }
+            }
+        }
+    }
+    assert!(faults.is_empty(), "{}", faults.join("\n"));
 }
 
 /// The picture and the rays of some samples, and what was noted meanwhile, if that was asked for.

@@ -117,7 +117,7 @@ pub struct CompareArgs {
 ///
 /// Ctrl-C ends the rendering early: the samples so far are written as a picture, the exit code is 130, and with --json `interrupted` is
 /// true. In scenes where a sample takes long, some parts of the picture then have one sample more than others; those that have had none
-/// are black. A second Ctrl-C ends the program at once and writes nothing.
+/// are black; where no part has had one yet, nothing is written. A second Ctrl-C ends the program at once and writes nothing.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   octray render builtin:three -o three.png

@@ -4,6 +4,7 @@ use super::CHECK_FAILED;
 use super::error::CliError;
 use super::memory;
 use super::options::BenchOptions;
+use super::scenes;
 use super::stats;
 use super::terminal::{self, figure};
 use crate::measure::bench::{Effort, Engine, FEWEST_FRAMES, Measurement, bench};
@@ -12,6 +13,7 @@ use crate::measure::turns::Ratio;
 use crate::measure::{Machine, machine};
 use crate::render::{Renderer, Settings};
 use crate::scene::{self, Scene};
+use crate::wording::{counted, grouped};
 use serde::Serialize;
 use std::fmt::Write;
 use std::process::ExitCode;
@@ -49,13 +51,13 @@ pub fn run(options: BenchOptions) -> Result<ExitCode, CliError> {
         results: Vec::new(),
         accuracy: Vec::new(),
     };
-    for (index, spec) in scenes(&options.scenes).iter().enumerate() {
+    memory::check(options.size, COMPARE_BYTES_PER_PIXEL)?;
+    for (index, spec) in scenes::asked_for(&options.scenes)?.iter().enumerate() {
         let scene = scene::load(spec)?;
         for warning in &scene.warnings {
             terminal::warn(warning);
         }
         let settings = settings(&scene, &options);
-        memory::check(settings.resolution, COMPARE_BYTES_PER_PIXEL)?;
         if index == 0 {
             report.first_frame_ms = first_frame(&scene, settings, start);
             if !options.json {
@@ -84,15 +86,6 @@ pub fn run(options: BenchOptions) -> Result<ExitCode, CliError> {
     }
     let failed = report.accuracy.iter().any(|accuracy| accuracy.failed(options.methods));
     Ok(if failed { ExitCode::from(CHECK_FAILED) } else { ExitCode::SUCCESS })
-}
-
-/// The scenes asked for, or the built-in ones.
-pub(super) fn scenes(asked: &[String]) -> Vec<String> {
-    if asked.is_empty() {
-        scene::builtin_names().map(|name| format!("builtin:{name}")).collect()
-    } else {
-        asked.to_vec()
-    }
 }
 
 fn engines(options: &BenchOptions) -> Vec<Engine> {
@@ -127,11 +120,11 @@ fn heading(report: &Report, settings: &Settings) -> String {
     let [width, height] = settings.resolution;
     format!(
         "{}\n\
-         {width}×{height}, 1 sample a frame, up to {} bounces\n\
+         {width}×{height}, 1 sample a frame, up to {}\n\
          fps: median (1 % low); speed-up and scaling: median of the rounds (10 to 90 % of them)\n\n\
-         {:<24}{:>14}{:>14}{:>18}{:>14}{:>18}{:>8}{:>9}{:>7}\n",
+         {:<24}{:>16}{:>16}{:>18}{:>16}{:>18}{:>8}{:>9}{:>9}\n",
         report.machine,
-        settings.max_bounces,
+        counted(settings.max_bounces, "bounce", "bounces"),
         "scene",
         "SIMD",
         "scalar",
@@ -161,7 +154,7 @@ fn row(results: &[Measurement], accuracy: &Comparison) -> String {
     let mut text = String::new();
     let _ = writeln!(
         text,
-        "{:<24}{:>14}{:>14}{:>18}{:>14}{:>18}{:>8}{:>9}{:>7}",
+        "{:<24}{:>16}{:>16}{:>18}{:>16}{:>18}{:>8}{:>9}{:>9}",
         first.scene,
         fps(simd),
         fps(scalar),
@@ -169,8 +162,8 @@ fn row(results: &[Measurement], accuracy: &Comparison) -> String {
         fps(all),
         ratio(|result| result.scaling),
         figure(first.mrays_per_s, 1),
-        accuracy.mismatched_pixels,
-        accuracy.reference.mismatched_hits,
+        grouped(accuracy.mismatched_pixels),
+        grouped(accuracy.reference.mismatched_hits),
     );
     text
 }
@@ -187,9 +180,9 @@ fn busy(results: &[Measurement]) -> Option<String> {
     let timed = results.iter().filter(|result| result.frames >= FEWEST_FRAMES);
     let worst = timed.min_by(|a, b| share(a).total_cmp(&share(b))).filter(|worst| share(worst) < BUSY)?;
     let Measurement { scene, engine, threads, .. } = worst;
-    let plural = if *threads == 1 { "" } else { "s" };
+    let threads = counted(threads, "thread", "threads");
     Some(format!(
-        "the machine is busy: the 1 % low of {scene} ({engine}, {threads} thread{plural}) is {:.0} % of its median; end other programs, or \
+        "the machine is busy: the 1 % low of {scene} ({engine}, {threads}) is {:.0} % of its median; end other programs, or \
          trust the speed-ups alone.",
         100.0 * share(worst)
     ))
@@ -220,12 +213,12 @@ fn meaning(report: &Report) -> String {
     let same = if pixels == 0 {
         "the pictures of both are the same, bit by bit".into()
     } else {
-        format!("{pixels} PIXELS DIFFER")
+        counted(pixels, "PIXEL DIFFERS", "PIXELS DIFFER")
     };
     let right = if hits == 0 {
         "every primary hit is right by the f64 reference".into()
     } else {
-        format!("{hits} PRIMARY HITS ARE WRONG by the f64 reference")
+        counted(hits, "PRIMARY HIT IS", "PRIMARY HITS ARE") + " WRONG by the f64 reference"
     };
     format!("\n{speed}; {same}; {right}.\n")
 }

@@ -1,14 +1,16 @@
 //! `octray compare`: do SIMD and scalar agree, bit by bit, and with the judge?
 
 use super::CHECK_FAILED;
-use super::bench::{scenes, shown};
+use super::bench::shown;
 use super::error::CliError;
 use super::memory;
 use super::options::CompareOptions;
+use super::scenes;
 use super::terminal;
 use crate::measure::compare::{BYTES_PER_PIXEL, Comparison, compare};
 use crate::render::Settings;
 use crate::scene;
+use crate::wording::{counted, grouped};
 use serde::Serialize;
 use std::process::ExitCode;
 
@@ -25,13 +27,15 @@ struct Report {
 /// Runs the command.
 pub fn run(options: CompareOptions) -> Result<ExitCode, CliError> {
     let mut report = Report { schema: "octray-compare-1", results: Vec::new() };
+    memory::check(options.size, BYTES_PER_PIXEL)?;
+    let scenes = scenes::asked_for(&options.scenes)?;
     if !options.json {
         terminal::print(&format!(
-            "{:<24}{:>10}{:>9}{:>10}{:>18}{:>12}{:>12}{:>12}\n",
+            "{:<24}{:>12}{:>12}{:>12}{:>18}{:>12}{:>12}{:>12}\n",
             "scene", "pixels", "samples", "differing", "speed-up", "rmse/f64", "max/f64", "wrong hits"
         ))?;
     }
-    for spec in scenes(&options.scenes) {
+    for spec in scenes {
         let scene = scene::load(&spec)?;
         for warning in &scene.warnings {
             terminal::warn(warning);
@@ -45,7 +49,6 @@ pub fn run(options: CompareOptions) -> Result<ExitCode, CliError> {
             threads: options.threads,
             ..Settings::of(&scene)
         };
-        memory::check(settings.resolution, BYTES_PER_PIXEL)?;
         let comparison = compare(&scene, settings, options.samples);
         if !options.json {
             terminal::print(&row(&comparison))?;
@@ -60,7 +63,7 @@ pub fn run(options: CompareOptions) -> Result<ExitCode, CliError> {
         let wrong: usize = report.results.iter().map(|result| result.reference.mismatched_hits).sum();
         let right = match wrong {
             0 => "every judged primary hit is right".to_string(),
-            _ => format!("{wrong} primary hits are WRONG by the f64 reference"),
+            _ => counted(wrong, "primary hit is", "primary hits are") + " WRONG by the f64 reference",
         };
         terminal::print(&if differ {
             format!("\nSIMD and scalar DIFFER: a bug in octray, please report it with the scene; {right}.\n")
@@ -75,20 +78,24 @@ fn row(result: &Comparison) -> String {
     let Comparison { scene, pixels, samples, mismatched_pixels, first_mismatch, reference, .. } = result;
     let known = result.speedup_rounds >= FEWEST_ROUNDS;
     let mut row = format!(
-        "{scene:<24}{pixels:>10}{samples:>9}{mismatched_pixels:>10}{:>18}{:>12.2e}{:>12.2e}{:>12}\n",
+        "{scene:<24}{:>12}{:>12}{:>12}{:>18}{:>12.2e}{:>12.2e}{:>12}\n",
+        grouped(pixels),
+        grouped(samples),
+        grouped(mismatched_pixels),
         if known { shown(result.speedup, result.speedup_spread) } else { "–".into() },
         reference.rmse,
         reference.max_abs,
-        reference.mismatched_hits,
+        grouped(reference.mismatched_hits),
     );
     if !known {
         row += &format!(
-            "  speed-up: {} samples were timed; give --samples {FEWEST_ROUNDS} or more\n",
-            result.speedup_rounds
+            "  speed-up: {} timed; give --samples {FEWEST_ROUNDS} or more\n",
+            counted(result.speedup_rounds, "sample was", "samples were")
         );
     }
     if result.discarded_samples > 0 {
-        row += &format!("  {} samples were not finite and were left out\n", result.discarded_samples);
+        let discarded = counted(result.discarded_samples, "sample was", "samples were");
+        row += &format!("  {discarded} not finite and left out\n");
     }
     if let Some(first) = first_mismatch {
         row += &format!(

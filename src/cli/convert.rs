@@ -12,9 +12,10 @@ use std::process::ExitCode;
 /// Runs the command.
 pub fn run(options: ConvertOptions) -> Result<ExitCode, CliError> {
     let existing = if options.force { Existing::Replace } else { Existing::Keep };
+    check_model(&options)?;
     // Before the scene file's name is judged, so that a folder is called a folder.
     output::check(&options.scene, existing)?;
-    check_names(&options)?;
+    check_scene(&options.scene)?;
     let folder = options.scene.parent().unwrap_or(Path::new(""));
     let text = scene::native_from_obj_in(&options.model, folder)?;
     output::write_atomically(&options.scene, existing, |file| file.write_all(text.as_bytes()))?;
@@ -26,28 +27,40 @@ pub fn run(options: ConvertOptions) -> Result<ExitCode, CliError> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Scenes and models are known by their extensions: another one would be read as something else, or not at all.
-fn check_names(ConvertOptions { model, scene, .. }: &ConvertOptions) -> Result<(), CliError> {
-    let ends_in = |path: &Path, wanted: &str| {
-        path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(wanted))
-    };
-    let refuse = |option, path: &Path, why: String| {
-        Err(CliError::Value { option, value: path.display().to_string(), why })
-    };
+// Scenes and models are known by their extensions: another one would be read as something else, or not at all.
+
+fn ends_in(path: &Path, wanted: &str) -> bool {
+    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(wanted))
+}
+
+fn refuse(file: &Path, what: &'static str, mend: String) -> Result<(), CliError> {
+    Err(CliError::Name { file: file.into(), what, mend })
+}
+
+fn check_model(ConvertOptions { model, scene, .. }: &ConvertOptions) -> Result<(), CliError> {
+    let [from, to] = [model, scene].map(|path| path.display());
     if ends_in(model, "json") || model.to_string_lossy().starts_with("builtin:") {
-        return refuse("MODEL.obj", model, "this is a scene already: octray render shows it as it is".into());
+        let mend = match ends_in(scene, "obj") {
+            true => format!("the model comes first: octray convert {to} {from}"),
+            false => format!("octray render {from} -o picture.png shows it as it is"),
+        };
+        return refuse(model, "is a scene already, not a model", mend);
     }
     if !ends_in(model, "obj") {
-        return refuse(
-            "MODEL.obj",
-            model,
-            "only Wavefront OBJ is read: export the model as an .obj file".into(),
-        );
-    }
-    if !ends_in(scene, "json") {
-        let better = scene.with_extension("json");
-        let why = format!("scenes are read from files that end in .json: write to {}", better.display());
-        return refuse("SCENE.json", scene, why);
+        let mend = "export the model as Wavefront OBJ: that is the one format that convert reads";
+        return refuse(model, "is not an .obj file", mend.into());
     }
     Ok(())
+}
+
+fn check_scene(scene: &Path) -> Result<(), CliError> {
+    if ends_in(scene, "json") {
+        return Ok(());
+    }
+    let better = scene.with_extension("json");
+    refuse(
+        scene,
+        "would not be read as a scene, as it does not end in .json",
+        format!("write to {}", better.display()),
+    )
 }

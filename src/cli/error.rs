@@ -3,6 +3,7 @@
 use crate::output::OutputError;
 use crate::scene::SceneError;
 use std::io;
+use std::path::PathBuf;
 
 /// Why a command did not do what was asked.
 #[derive(Debug, thiserror::Error)]
@@ -10,6 +11,9 @@ pub enum CliError {
     /// An argument's value cannot be used.
     #[error("{option} {value}: {why}")]
     Value { option: &'static str, value: String, why: String },
+    /// The name of a file cannot be used.
+    #[error("`{}` {what}\n  {mend}", .file.display())]
+    Name { file: PathBuf, what: &'static str, mend: String },
     #[error(transparent)]
     Scene(#[from] SceneError),
     #[error(transparent)]

@@ -4,15 +4,11 @@ use super::CHECK_FAILED;
 use super::error::CliError;
 use super::memory::bytes;
 use super::options::InspectOptions;
-use super::terminal::{self, figure};
+use super::routes::{HierarchyReport, TraversalReport};
+use super::terminal;
 use crate::buffers::Needs;
-use crate::bvh::check::{Statistics, check_scene};
-use crate::lane::{F32x8, Lane};
-use crate::measure::machine;
-use crate::measure::rays::{self, BuildTime};
-use crate::measure::ways::Way;
 use crate::scene::{self, Filter, Material, MaterialKind, Scene, Sky, Texture};
-use crate::traverse::Methods;
+use crate::wording::grouped;
 use glam::Vec3;
 use serde::Serialize;
 use std::fmt::Write;
@@ -44,30 +40,6 @@ struct Inspection {
     /// Where rays go through one.
     hierarchy: Option<HierarchyReport>,
     warnings: Vec<String>,
-}
-
-/// How rays find what they meet, and why.
-#[derive(Debug, Serialize)]
-struct TraversalReport {
-    /// The way of rays from the camera, as `--traversal` names it.
-    primary: &'static str,
-    /// The way of those that bounced.
-    bounces: &'static str,
-    /// What testing every primitive costs a ray, in tests of a sphere.
-    linear_cost: usize,
-    /// Up to here, that is faster than a hierarchy.
-    most_linear_cost: usize,
-}
-
-#[derive(Debug, Serialize)]
-struct HierarchyReport {
-    build: BuildTime,
-    /// Nodes, and leaves with all that tracing reads.
-    bytes: usize,
-    bytes_per_primitive: f64,
-    tree: Option<Statistics>,
-    /// What makes it invalid: a fault of the program.
-    fault: Option<String>,
 }
 
 #[derive(Debug, Default, Serialize)]
@@ -126,13 +98,13 @@ pub fn run(options: InspectOptions) -> Result<ExitCode, CliError> {
     } else {
         terminal::print(&inspection.text())?;
     }
-    let valid = inspection.hierarchy.is_none_or(|hierarchy| hierarchy.fault.is_none());
+    let valid = inspection.hierarchy.is_none_or(|hierarchy| hierarchy.is_valid());
     Ok(if valid { ExitCode::SUCCESS } else { ExitCode::from(CHECK_FAILED) })
 }
 
 impl Inspection {
     fn of(spec: String, scene: &Scene) -> Self {
-        let way = Methods::default().traversal_of(scene, F32x8::WIDTH).map_or(Way::Linear, Way::Tree);
+        let traversal = TraversalReport::of(scene);
         Self {
             schema: "octray-inspect-1",
             scene: spec,
@@ -158,8 +130,8 @@ impl Inspection {
             bounds: Bounds::of(scene),
             needs: Needs::of(scene).names(),
             memory_bytes: memory(scene),
-            traversal: TraversalReport::of(way, scene),
-            hierarchy: (way != Way::Linear).then(|| HierarchyReport::of(scene)),
+            hierarchy: traversal.needs_hierarchy().then(|| HierarchyReport::of(scene)),
+            traversal,
             warnings: scene.warnings.clone(),
         }
     }
@@ -288,65 +260,6 @@ impl CameraReport {
     }
 }
 
-impl TraversalReport {
-    fn of(way: Way, scene: &Scene) -> Self {
-        Self {
-            // One choice for all rays: the ways through a hierarchy see for themselves which rays run together.
-            primary: way.name(),
-            bounces: way.name(),
-            linear_cost: Needs::linear_cost(scene),
-            most_linear_cost: Needs::MOST_LINEAR_COST,
-        }
-    }
-
-    fn lines(&self) -> [(&'static str, String); 2] {
-        let Self { primary, bounces, linear_cost, most_linear_cost } = self;
-        let (relation, faster) = match linear_cost > most_linear_cost {
-            true => ("above", "a hierarchy is faster"),
-            false => ("up to", "that is faster than a hierarchy"),
-        };
-        let cost = format!(
-            "testing everything would cost a ray {} (1 a sphere, {} a triangle)",
-            grouped(*linear_cost),
-            Needs::TRIANGLE_COST
-        );
-        let why = format!("{cost}; {relation} {most_linear_cost}, {faster}");
-        [("traversal", format!("{primary} for primary rays, {bounces} for bounces")), ("why", why)]
-    }
-}
-
-impl HierarchyReport {
-    fn of(scene: &Scene) -> Self {
-        let (hierarchy, mut builds) = rays::build(scene, &[machine::cores()], 1);
-        let tree = check_scene(&hierarchy.bvh, scene);
-        let bytes = hierarchy.bytes();
-        Self {
-            build: builds.remove(0),
-            bytes,
-            bytes_per_primitive: bytes as f64 / (scene.spheres.len() + scene.triangles.len()) as f64,
-            fault: tree.as_ref().err().cloned(),
-            tree: tree.ok(),
-        }
-    }
-
-    fn text(&self) -> String {
-        let Some(tree) = &self.tree else {
-            return format!("INVALID: {}", self.fault.as_deref().unwrap_or_default());
-        };
-        let BuildTime { threads, ms, .. } = self.build;
-        let threads = if threads == 1 { "one thread".into() } else { format!("{threads} threads") };
-        format!(
-            "{} nodes in {} levels, {} leaves; {}, {:.0} bytes a primitive; built in {} ms on {threads}",
-            grouped(tree.wide_nodes),
-            tree.wide_depth,
-            grouped(tree.leaves),
-            bytes(self.bytes as u64),
-            self.bytes_per_primitive,
-            figure(ms, 1),
-        )
-    }
-}
-
 impl Bounds {
     fn of(scene: &Scene) -> Option<Self> {
         let corners = scene.triangles.iter().flat_map(|triangle| triangle.vertices);
@@ -374,29 +287,4 @@ fn memory(scene: &Scene) -> usize {
 
 fn vector([x, y, z]: Vec3Report) -> String {
     format!("({x}, {y}, {z})")
-}
-
-/// A count with its thousands set apart: 1 234 567.
-fn grouped(count: usize) -> String {
-    let digits = count.to_string();
-    let mut text = String::new();
-    for (index, digit) in digits.chars().enumerate() {
-        if index > 0 && (digits.len() - index).is_multiple_of(3) {
-            text.push(' ');
-        }
-        text.push(digit);
-    }
-    text
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn grouped_sets_thousands_apart() {
-        for (count, text) in [(0, "0"), (999, "999"), (1_000, "1 000"), (1_234_567, "1 234 567")] {
-            assert_eq!(grouped(count), text);
-        }
-    }
 }

@@ -1,8 +1,9 @@
-//! Ctrl-C: the first asks for an end, the second is the end, with nothing written.
+//! Ctrl-C: the first asks for an end, the second is the end, with nothing written. So is the first where there is nothing to write yet.
 //!
-//! For: [`Interrupt`]. May import: `ctrlc`. Must never know: what is interrupted.
+//! For: [`Interrupt`]. May import: `ctrlc`, `terminal`. Must never know: what is interrupted.
 
-use super::INTERRUPTED;
+use super::{INTERRUPTED, terminal};
+use std::io::IsTerminal;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
@@ -11,6 +12,7 @@ use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 pub struct Interrupt {
     /// How often.
     asked: Arc<AtomicU32>,
+    begun: Arc<AtomicBool>,
     holding: Arc<AtomicBool>,
 }
 
@@ -21,15 +23,31 @@ impl Interrupt {
         let interrupt = Self::default();
         let heard = interrupt.clone();
         let listening = ctrlc::set_handler(move || {
+            if !heard.begun.load(Ordering::SeqCst) {
+                // Below the line that may tell the progress.
+                let line = if std::io::stderr().is_terminal() { "\n" } else { "" };
+                terminal::note(&format!(
+                    "{line}Ctrl-C came before any part of the picture was done: nothing was written."
+                ));
+                std::process::exit(INTERRUPTED.into());
+            }
             let again = heard.asked.fetch_add(1, Ordering::SeqCst) > 0;
             if again && !heard.holding.load(Ordering::SeqCst) {
                 std::process::exit(INTERRUPTED.into());
             }
         });
         if let Err(error) = listening {
-            super::terminal::warn(&format!("Ctrl-C will end the program without a picture: {error}."));
+            terminal::warn(&format!("Ctrl-C will end the program without a picture: {error}."));
         }
         interrupt
+    }
+
+    /// From now on there is something that an early end can keep: before, the first Ctrl-C ends the program.
+    pub fn begun(&self) {
+        // Told after every tile, from all threads: one that only reads takes the line from nobody.
+        if !self.begun.load(Ordering::Relaxed) {
+            self.begun.store(true, Ordering::SeqCst);
+        }
     }
 
     /// Has the user asked?

@@ -5,8 +5,10 @@
 //! | file | what it does |
 //! |---|---|
 //! | [`args`] | what the user typed: the arguments' names, shapes and help |
-//! | [`options`] | what we accept: numbers in range, names known |
+//! | [`options`], [`numbers`] | what we accept: names known, numbers in range |
 //! | [`render`], [`convert`], [`inspect`], [`mod@bench`], [`compare`], [`rays`] | the commands |
+//! | [`scenes`] | the scenes of commands that take several |
+//! | [`routes`] | which way a scene's rays go, for `inspect` |
 //! | [`machine_check`] | refuses to start where the program's instructions do not exist |
 //! | [`memory`] | refuses pictures that do not fit |
 //! | [`terminal`] | the only writer to standard output and standard error |
@@ -24,10 +26,13 @@ pub mod inspect;
 pub mod interrupt;
 pub mod machine_check;
 pub mod memory;
+pub mod numbers;
 pub mod options;
 pub mod progress;
 pub mod rays;
 pub mod render;
+pub mod routes;
+pub mod scenes;
 pub mod stats;
 pub mod terminal;
 

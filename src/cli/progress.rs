@@ -3,6 +3,7 @@
 //! For: [`Progress`]. May import: `terminal`, `indicatif`. Must never know: what is rendered, or how.
 
 use super::terminal::figure;
+use crate::wording::grouped;
 use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 use std::fmt::Write;
 use std::path::Path;
@@ -76,7 +77,8 @@ fn style(template: &str) -> ProgressStyle {
 fn figures(done: u64, pixels: u64, samples: u32, rays: u64, time: Duration) -> String {
     let share = done as f64 / (pixels * u64::from(samples)) as f64;
     let rate = figure(mrays_per_s(rays, time), 1);
-    let mut text = format!("{:.1} %  {}/{samples} samples  {rate} Mray/s", share * 100.0, done / pixels);
+    let of = format!("{}/{}", grouped(done / pixels), grouped(samples));
+    let mut text = format!("{:.1} %  {of} samples  {rate} Mray/s", share * 100.0);
     if (SETTLED_SHARE..1.0).contains(&share) && time >= SETTLED {
         let left = time.mul_f64((1.0 - share) / share).max(Duration::from_secs(1));
         // The parts of a picture cost differently: before each was seen once, the rest is a guess.

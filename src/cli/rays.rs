@@ -2,14 +2,17 @@
 
 use super::CHECK_FAILED;
 use super::error::CliError;
+use super::memory::bytes;
 use super::options::RaysOptions;
-use super::{stats, terminal};
+use super::stats;
+use super::terminal::{self, figure};
 use crate::bvh::check::{Statistics, check_scene};
 use crate::measure::rays::{self, BuildTime, Measurement};
 use crate::measure::stats::RayStats;
 use crate::measure::ways::{Ground, Team, Way};
 use crate::measure::{Machine, machine, ray_dump};
 use crate::scene;
+use crate::wording::{counted, grouped};
 use serde::Serialize;
 use std::fmt::Write;
 use std::process::ExitCode;
@@ -137,19 +140,22 @@ fn threads(options: &RaysOptions) -> Vec<usize> {
 fn heading(report: &Report) -> String {
     let mut text = format!("{}\n", report.machine);
     let Report { scene, triangles, spheres, width, height, .. } = report;
-    let _ =
-        writeln!(text, "{scene}: {triangles} triangles, {spheres} spheres; {width}×{height} primary rays");
-    let built = |build: &BuildTime| match build.threads {
-        1 => format!("{:.1} ms on one thread", build.ms),
-        threads => format!("{:.1} ms on {threads}", build.ms),
+    let _ = writeln!(
+        text,
+        "{scene}: {}, {}; {width}×{height} primary rays",
+        counted(triangles, "triangle", "triangles"),
+        counted(spheres, "sphere", "spheres")
+    );
+    let built = |build: &BuildTime| {
+        format!("{} ms on {}", figure(build.ms, 1), counted(build.threads, "thread", "threads"))
     };
     let built: Vec<String> = report.builds.iter().map(built).collect();
     let primitives = (triangles + spheres).max(1);
     let _ = writeln!(
         text,
-        "hierarchy: built in {}; {} bytes, {:.0} a primitive",
+        "hierarchy: built in {}; {}, {:.0} bytes a primitive",
         built.join(", "),
-        report.bvh_bytes,
+        bytes(report.bvh_bytes as u64),
         report.bvh_bytes as f64 / primitives as f64
     );
     match (&report.tree, &report.fault) {
@@ -158,8 +164,11 @@ fn heading(report: &Report) -> String {
             let Statistics { node_visits, leaf_visits, cost, .. } = tree;
             let _ = writeln!(
                 text,
-                "{wide_nodes} nodes with {node_fill:.1} children, {leaves} leaves with {leaf_fill:.1} primitives, \
-                 {wide_depth} levels; a random line tests {node_visits:.1} nodes and {leaf_visits:.1} leaves, cost {cost:.1}"
+                "{} of {node_fill:.1} boxes, {} of {leaf_fill:.1} primitives, {}; a random line tests {node_visits:.1} nodes and \
+                 {leaf_visits:.1} leaves, cost {cost:.1}",
+                counted(wide_nodes, "node", "nodes"),
+                counted(leaves, "leaf", "leaves"),
+                counted(wide_depth, "level", "levels")
             );
         }
         (None, fault) => {
@@ -168,7 +177,7 @@ fn heading(report: &Report) -> String {
     }
     let _ = writeln!(
         text,
-        "\n{:<9}{:>9}{:>9}  {:<10}{:>6}{:>8}{:>9}{:>19}{:>8}",
+        "\n{:<9}{:>11}{:>11}  {:<10}{:>6}{:>8}{:>9}{:>19}{:>8}",
         "kind", "rays", "hits", "traversal", "lanes", "threads", "Mray/s", "10 % to 90 %", "differ"
     );
     text
@@ -177,16 +186,16 @@ fn heading(report: &Report) -> String {
 fn row(result: &Measurement) -> String {
     let [low, high] = result.mrays_per_s_spread;
     format!(
-        "{:<9}{:>9}{:>9}  {:<10}{:>6}{:>8}{:>9.2}{:>19}{:>8}\n",
+        "{:<9}{:>11}{:>11}  {:<10}{:>6}{:>8}{:>9.2}{:>19}{:>8}\n",
         result.kind.name(),
-        result.rays,
-        result.hits,
+        grouped(result.rays),
+        grouped(result.hits),
         result.traversal,
         result.lanes,
         result.threads,
         result.mrays_per_s,
         format!("{low:.2} to {high:.2}"),
-        result.disagreements
+        grouped(result.disagreements)
     )
 }
 
@@ -200,13 +209,13 @@ fn meaning(report: &Report) -> String {
         if let Some(first) = &result.first_disagreement {
             let _ = writeln!(
                 text,
-                "{} OF {} {} RAYS DIFFER for {} on {} threads: first number {}, {:?} instead of {:?}",
-                result.disagreements,
-                result.rays,
+                "{} OF {} {} RAYS DIFFER for {} on {}: first number {}, {:?} instead of {:?}",
+                grouped(result.disagreements),
+                grouped(result.rays),
                 result.kind.name(),
                 result.traversal,
-                result.threads,
-                first.ray,
+                counted(result.threads, "thread", "threads"),
+                grouped(first.ray),
                 first.found,
                 first.expected
             );

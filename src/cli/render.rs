@@ -13,6 +13,7 @@ use crate::measure::stats::FrameStats;
 use crate::output::{self, Existing, Format};
 use crate::render::{Renderer, Settings, Watch};
 use crate::scene::{self, Scene};
+use crate::wording::{counted, grouped};
 use serde::Serialize;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
@@ -92,9 +93,8 @@ pub fn run(options: RenderOptions) -> Result<ExitCode, CliError> {
 
     if report.discarded_samples > 0 {
         terminal::warn(&format!(
-            "{} samples were not finite numbers and were left out; this is a bug in octray: please report it with the \
-             scene.",
-            report.discarded_samples
+            "{} no finite numbers and left out; this is a bug in octray: please report it with the scene.",
+            counted(report.discarded_samples, "sample was", "samples were")
         ));
     }
     if options.json {
@@ -152,6 +152,7 @@ impl Watch for Chunk<'_> {
         self.interrupt.asked() && self.began.elapsed() >= GRACE
     }
     fn done(&self, pixels: usize, rays: u64) {
+        self.interrupt.begun();
         self.progress.add(pixels, rays);
     }
 }
@@ -189,11 +190,11 @@ impl Report {
     fn line(&self, wanted: u32, begun: u64) -> String {
         let Self { output, width, height, samples, most_samples, seconds, mrays_per_s, .. } = self;
         let had = if samples == most_samples {
-            samples.to_string()
+            grouped(samples)
         } else {
-            format!("{samples} to {most_samples}")
+            format!("{} to {}", grouped(samples), grouped(most_samples))
         };
-        let of_wanted = if self.interrupted { format!(" of {wanted}") } else { String::new() };
+        let of_wanted = if self.interrupted { format!(" of {}", grouped(wanted)) } else { String::new() };
         let rate = figure(*mrays_per_s, 1);
         let plural = if *samples == 1 && !self.interrupted { "" } else { "s" };
         let black = 1.0 - begun as f64 / (f64::from(*width) * f64::from(*height));

@@ -4,6 +4,7 @@
 
 use super::terminal::figure;
 use crate::measure::stats::{BounceStats, FrameStats, PerRay, RayStats, TestStats};
+use crate::wording::{counted, grouped};
 use std::fmt::Write;
 
 /// Most bounces that a table shows; the JSON report has all.
@@ -39,7 +40,7 @@ pub fn frames(heading: &str, columns: &[&FrameStats]) -> String {
             let rays = column.kinds[at].rays as f64;
             let frames = f64::from(column.frames.max(1));
             let share = 100.0 * rays / (column.rays as f64).max(1.0);
-            format!("{:.0} {share:>5.1} %", rays / frames)
+            format!("{} {share:>5.1} %", grouped(format!("{:.0}", rays / frames)))
         };
         table.row(&format!("{} rays a sample", kind.kind), columns.iter().map(share));
         for (what, of) in KINDS {
@@ -62,7 +63,8 @@ pub fn frames(heading: &str, columns: &[&FrameStats]) -> String {
         table.row(&format!("lanes in use, bounce {bounce}"), columns.iter().map(of));
     }
     if bounces > MOST_BOUNCES {
-        let _ = writeln!(table.text, "  (and {} bounces more: --json has them)", bounces - MOST_BOUNCES);
+        let more = counted(bounces - MOST_BOUNCES, "bounce", "bounces");
+        let _ = writeln!(table.text, "  (and {more} more: --json has them)");
     }
     table.text
 }
@@ -92,15 +94,19 @@ const KINDS: [(&str, Of); 3] =
 fn cell(tests: PerRay) -> String {
     match tests.tests {
         0 => "-".into(),
-        _ => format!("{:.2} ({:.2})", tests.tests_per_ray, tests.steps_per_ray),
+        _ => format!("{} ({})", hundredths(tests.tests_per_ray), hundredths(tests.steps_per_ray)),
     }
+}
+
+fn hundredths(x: f64) -> String {
+    grouped(format!("{x:.2}"))
 }
 
 /// As a column is headed.
 fn engine(column: &FrameStats) -> String {
     let FrameStats { lanes, threads, .. } = column;
-    let plural = if *threads == 1 { "" } else { "s" };
-    format!("{}, {threads} thread{plural}", if *lanes == 1 { "scalar" } else { "SIMD" })
+    let threads = counted(threads, "thread", "threads");
+    format!("{}, {threads}", if *lanes == 1 { "scalar" } else { "SIMD" })
 }
 
 struct Table {
@@ -111,7 +117,7 @@ impl Table {
     fn row(&mut self, name: &str, cells: impl Iterator<Item = String>) {
         let _ = write!(self.text, "{name:<28}");
         cells.for_each(|cell| {
-            let _ = write!(self.text, "{cell:>20}");
+            let _ = write!(self.text, "{cell:>22}");
         });
         self.text.push('\n');
     }

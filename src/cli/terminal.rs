@@ -3,6 +3,7 @@
 //! For: [`print()`], [`print_json`], [`note`], [`warn`]; and [`figure`], how numbers are written. May import: `error`. Must never know: what is said.
 
 use super::error::CliError;
+use crate::wording::grouped;
 use serde::Serialize;
 use std::io::{self, Write};
 
@@ -22,7 +23,7 @@ pub fn print_json(report: &impl Serialize) -> Result<(), CliError> {
 pub fn figure(x: f64, decimals: usize) -> String {
     // As a float's cast saturates, 0 and what is not finite get no decimals without end.
     let needed = (1.0 - x.log10().floor()).clamp(0.0, 12.0) as usize;
-    format!("{x:.0$}", decimals.max(if x > 0.0 { needed } else { 0 }))
+    grouped(format!("{x:.0$}", decimals.max(if x > 0.0 { needed } else { 0 })))
 }
 
 /// Writes a line to standard error. A closed standard error loses it: there is nowhere left to complain.
@@ -48,7 +49,8 @@ mod tests {
             (0.0432, 1, "0.043"),
             (1.2e-7, 1, "0.00000012"),
             (0.0, 1, "0.0"),
-            (1667.3, 0, "1667"),
+            (1667.3, 0, "1,667"),
+            (12_345.678, 1, "12,345.7"),
             (12.3, 0, "12"),
             (5.31, 0, "5.3"),
             (0.27, 0, "0.27"),

@@ -34,6 +34,7 @@ pub struct Reach {
 /// - From outside t = c / Q, where c = B² + H² − r² is off by δ = 3 ε D² + ε r², and t by 4 ε t. The hit is before the line's nearest
 ///   point by B − t ≤ h + ρ, ρ = 7 ε D + (α² + η + δ) / Q. Its distance x from the centre has
 ///   x² ≤ H² + (h + ρ)² ≤ r² + η + 14 ε r D + min(1, 2 r / D) (η + δ) + ρ²: as h ≤ Q / 2, α² is made up for by the α² above.
+/// - Where t = Q, because c / Q is beyond it, B − t = −β − h, less than that.
 /// - Where Q² ≥ 24 ε D² that is (r + 20 ε D)² at most; elsewhere D² = H² + B² is. The rounding of f moves all of it by ε D: 21 in all.
 /// - A direction of length 1 + e multiplies b and t: what is left is e h (B − h) / (B + h) < e r, and |e| ≤ 10⁻⁵ < 2⁻¹⁶.
 ///

@@ -1,8 +1,9 @@
 //! The machine and the build a figure was measured with.
 //!
-//! For: [`Machine`], part of every JSON report. May import: `features`. Must never know: what was measured.
+//! For: [`Machine`], part of every JSON report. May import: `features`, `wording`. Must never know: what was measured.
 
 use super::features;
+use crate::wording::counted;
 use serde::Serialize;
 use std::fmt;
 
@@ -40,7 +41,8 @@ impl fmt::Display for Machine {
         let Self { cpu, cores, target_features, rustc, commit } = self;
         let vector = ["avx512f", "avx2", "fma", "sse4.1"].into_iter().find(|f| target_features.contains(f));
         let vector = vector.unwrap_or("plain x86-64");
-        write!(f, "{cpu}, {cores} cores, built for {vector} by {rustc}, commit {commit}")
+        let cores = counted(cores, "core", "cores");
+        write!(f, "{cpu}, {cores}, built for {vector} by {rustc}, commit {commit}")
     }
 }
 

@@ -1,6 +1,6 @@
 //! The scenes inside the program, and the pictures they use.
 //!
-//! For: [`names`], [`text`], [`embedded`]. May import: `check` and `procedural` (for suggestions). Must never know: a file format.
+//! For: [`names`], [`text`], [`embedded`], [`guess`]. May import: `check` and `procedural` (for suggestions). Must never know: a file format.
 
 use super::check::nearest;
 use super::{SceneError, procedural};
@@ -32,14 +32,24 @@ pub fn names() -> impl Iterator<Item = &'static str> {
 /// The scene file of that name.
 pub fn text(name: &str) -> Result<&'static str, SceneError> {
     SCENES.iter().find(|&&(known, _)| known == name).map(|&(_, text)| text).ok_or_else(|| {
-        let guess = nearest(name, names()).map(|near| format!("did you mean `{PREFIX}{near}`? "));
-        let names: Vec<String> = names().map(String::from).chain(procedural::names()).collect();
+        let guess = guess(name).map(|near| format!("did you mean `{near}`? "));
+        let made = procedural::words().map(|word| format!("{word}:N"));
+        let names: Vec<String> = names().map(String::from).chain(made).collect();
         SceneError::new(format!("there is no scene `{PREFIX}{name}`")).mend(format!(
             "{}the names are {}",
             guess.unwrap_or_default(),
             names.join(", ")
         ))
     })
+}
+
+/// How to ask for the scene inside the program, or made by rule, whose name is next to this one; none if none is near.
+pub fn guess(name: &str) -> Option<String> {
+    let (word, count) = name.split_once(':').map_or((name, None), |(word, count)| (word, Some(count)));
+    if let Some(word) = nearest(word, procedural::words()) {
+        return Some(format!("{PREFIX}{word}:{}", count.filter(|count| !count.is_empty()).unwrap_or("N")));
+    }
+    nearest(name, names()).map(|near| format!("{PREFIX}{near}"))
 }
 
 /// The content of a file that a scene inside the program refers to.

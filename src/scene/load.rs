@@ -28,9 +28,9 @@ pub fn load(spec: &str) -> Result<Scene, SceneError> {
         return obj::scene(&read_named(path)?, path, name);
     }
     if extension != "json" {
-        let mend = match builtin::text(spec) {
-            Ok(_) => format!("did you mean `{}{spec}`?", builtin::PREFIX),
-            Err(_) => "give a .json or .obj file, or `builtin:NAME`".to_string(),
+        let mend = match builtin::guess(spec) {
+            Some(near) => format!("did you mean `{near}`?"),
+            None => "give a .json or .obj file, or `builtin:NAME`".to_string(),
         };
         return Err(SceneError::new("this is not the name of a scene").in_file(path).mend(mend));
     }

@@ -1,6 +1,6 @@
 //! Meshes of any size, made by rule: for seeing how cost grows.
 //!
-//! For: [`read`], and [`Shape::scene`]. May import: `builtin` (for its prefix), `draft`. Must never know: a file format.
+//! For: [`read`], and [`Shape::scene`]. May import: `builtin` (for its prefix), `draft`, `wording`. Must never know: a file format.
 //!
 //! `terrain:N` is a height field with lakes, `knot:N` a closed tube tied in a trefoil; N is about how many triangles they have (the
 //! knot has at least 18). Their shapes do not depend on N, only how finely they are cut.
@@ -8,6 +8,7 @@
 use super::builtin::PREFIX;
 use super::draft::{BOUNCES, Draft, RESOLUTION};
 use super::{Camera, Material, MaterialKind, Scene, SceneError, Sky};
+use crate::wording::grouped;
 use glam::{DVec3, Vec3};
 use std::f64::consts::TAU;
 
@@ -29,9 +30,9 @@ pub struct Shape {
     triangles: usize,
 }
 
-/// As they follow `builtin:`.
-pub fn names() -> impl Iterator<Item = String> {
-    KINDS.iter().map(|(name, _)| format!("{name}:N"))
+/// The words that a number follows, as they follow `builtin:`.
+pub fn words() -> impl Iterator<Item = &'static str> {
+    KINDS.iter().map(|&(word, _)| word)
 }
 
 /// The shape that a name asks for: none if the name is not of a shape, an error if it does not say properly how fine.
@@ -39,13 +40,20 @@ pub fn read(name: &str) -> Result<Option<Shape>, SceneError> {
     let (word, count) = name.split_once(':').unwrap_or((name, ""));
     let Some(&(word, kind)) = KINDS.iter().find(|(known, _)| *known == word) else { return Ok(None) };
     let digits = !count.is_empty() && count.bytes().all(|byte| byte.is_ascii_digit());
-    match count.parse() {
-        Ok(triangles) if digits && (FEWEST..=MOST).contains(&triangles) => {
-            Ok(Some(Shape { kind, triangles }))
-        }
-        _ => Err(SceneError::new(format!("`{PREFIX}{name}` does not say how many triangles to make"))
-            .mend(format!("give {PREFIX}{word}:N with a whole number N from {FEWEST} to {MOST}"))),
+    if !digits {
+        return Err(SceneError::new(format!("`{PREFIX}{name}` does not say how many triangles to make"))
+            .mend(format!("give {PREFIX}{word}:N with a whole number N {}", range())));
     }
+    match count.parse() {
+        Ok(triangles) if (FEWEST..=MOST).contains(&triangles) => Ok(Some(Shape { kind, triangles })),
+        _ => Err(SceneError::new(format!("`{PREFIX}{name}`: {count} is out of range"))
+            .mend(format!("give a whole number {}", range()))),
+    }
+}
+
+/// How many triangles a shape may be asked for.
+fn range() -> String {
+    format!("from {} to {}", grouped(FEWEST), grouped(MOST))
 }
 
 impl Shape {
@@ -266,11 +274,15 @@ mod tests {
 
     #[test]
     fn counts_that_make_no_sense_are_refused_with_the_range() {
-        for name in
-            ["terrain", "knot:", "knot:1", "knot:4000001", "terrain:-2", "terrain:+2", "knot:1e3", "knot: 9"]
-        {
-            let error = read(name).unwrap_err().to_string();
-            assert!(error.contains("from 2 to 4000000"), "{name}: {error}");
+        for (names, what) in [
+            (&["terrain", "knot:", "terrain:-2", "terrain:+2", "knot:1e3", "knot: 9"][..], "does not say"),
+            (&["knot:1", "knot:0", "terrain:4000001"], "out of range"),
+            (&["knot:99999999999", "terrain:99999999999999999999999"], "out of range"),
+        ] {
+            for name in names {
+                let error = read(name).unwrap_err().to_string();
+                assert!(error.contains(what) && error.contains("from 2 to 4,000,000"), "{name}: {error}");
+            }
         }
         assert_eq!(read("three").unwrap(), None);
         assert_eq!(read("knots:5").unwrap(), None);

@@ -266,38 +266,35 @@ impl<T: Tally> Walk<'_, '_, T> {
     }
 
     fn leaf<const ANY: bool>(&mut self, leaf: Child, start: usize, count: usize) {
-        if T::COUNTS {
-            let Stream { records, lists, .. } = &*self.stream;
-            let wants = |&&entry: &&u32| !ANY || records[entry as usize & (BATCH - 1)].t >= 0.0;
-            let met = lists[start..start + count].iter().filter(wants).count();
-            self.tally.leaf(self.hierarchy, leaf, met);
-        }
-        let Self { stream, hierarchy, rays, hits, .. } = self;
+        let Self { stream, hierarchy, rays, hits, tally, .. } = self;
         let Stream { records, lists, .. } = &mut **stream;
         let listed = &lists[start..start + count];
         if leaf.is_spheres() {
             for &entry in listed {
                 let ray = entry as usize & (BATCH - 1);
                 let record = &mut records[ray];
-                if !(ANY && record.t < 0.0) {
-                    let mut hit = Hit { t: record.t, ..hits.get(ray) };
-                    hierarchy.meet_spheres(leaf.index(), &rays.packet::<f32>(ray), &mut hit);
-                    record.keep::<ANY>(ray, &hit, hits);
+                if ANY && record.t < 0.0 {
+                    continue;
                 }
+                tally.leaf(hierarchy, leaf, 1);
+                let mut hit = Hit { t: record.t, ..hits.get(ray) };
+                hierarchy.meet_spheres(leaf.index(), &rays.packet::<f32>(ray), &mut hit);
+                record.keep::<ANY>(ray, &hit, hits);
             }
             return;
         }
-        let leaf = hierarchy.triangle_leaf(leaf.index());
+        let triangles = hierarchy.triangle_leaf(leaf.index());
         for &entry in listed {
             let ray = entry as usize & (BATCH - 1);
             let record = &mut records[ray];
             if ANY && record.t < 0.0 {
                 continue;
             }
-            let found = leaf.test(&record.woop(entry >> AXIS));
+            tally.leaf(hierarchy, leaf, 1);
+            let found = triangles.test(&record.woop(entry >> AXIS));
             if found.mask.any() {
                 let mut hit = Hit { t: record.t, ..hits.get(ray) };
-                leaf.accept(&record.slabs(), &found, &mut hit);
+                triangles.accept(&record.slabs(), &found, &mut hit);
                 record.keep::<ANY>(ray, &hit, hits);
             }
         }

@@ -16,8 +16,6 @@ use std::ops::AddAssign;
 
 /// Who is told of a traversal's work.
 pub trait Tally: Copy {
-    /// Is it worth while to find out what to tell?
-    const COUNTS: bool;
     /// So many tests of boxes in so many steps.
     #[inline(always)]
     fn boxes(self, _steps: usize, _tests: usize) {}
@@ -39,12 +37,9 @@ pub trait Tally: Copy {
 }
 
 /// Nobody.
-impl Tally for () {
-    const COUNTS: bool = false;
-}
+impl Tally for () {}
 
 impl Tally for &Counter {
-    const COUNTS: bool = true;
     fn boxes(self, steps: usize, tests: usize) {
         self.add(|counts| &mut counts.boxes, steps, tests);
     }

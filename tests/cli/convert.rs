@@ -47,10 +47,19 @@ fn convert_refuses_names_that_no_command_would_read() {
     let desk = Desk::new();
     desk.write("model.stl", "solid\n");
     for (model, scene, words) in [
-        ("model.obj", "new.txt", &["SCENE.json new.txt", "end in .json", "write to new.json"][..]),
+        (
+            "model.obj",
+            "new.txt",
+            &["`new.txt` would not be read as a scene", "end in .json", "write to new.json"][..],
+        ),
         ("model.obj", "new", &["write to new.json"]),
-        ("model.stl", "new.json", &["MODEL.obj model.stl", "export", ".obj"]),
-        ("scene.json", "new.json", &["MODEL.obj scene.json", "a scene already", "octray render"]),
+        (
+            "model.stl",
+            "new.json",
+            &["error: `model.stl` is not an .obj file\n", "export the model as Wavefront OBJ"],
+        ),
+        ("scene.json", "new.json", &["`scene.json` is a scene already", "octray render scene.json"]),
+        ("scene.json", "model.obj", &["the model comes first: octray convert model.obj scene.json"]),
         ("builtin:three", "new.json", &["a scene already"]),
     ] {
         desk.refuses(&["convert", model, scene], words);

@@ -161,6 +161,23 @@ fn compare_says_for_people_that_the_pictures_agree() {
     shown.stdout(contains("the same, bit by bit"));
 }
 
+#[test]
+fn bench_and_compare_refuse_a_bad_scene_before_they_measure_a_good_one() {
+    let desk = Desk::new();
+    desk.write("bad.json", &SCENE.replace("\"radius\": 1", "\"radius\": -1"));
+    for command in [&["compare", "--samples", "1"][..], &["bench", "--frames", "1"]] {
+        for (bad, word) in [
+            ("nowhere.json", "no such file"),
+            ("bad.json", "spheres[0].radius"),
+            ("builtin:thre", "builtin:three"),
+        ] {
+            let scenes = ["--size", "8x8", "scene.json", "builtin:three", bad];
+            // Nothing stands on standard output: no table was begun.
+            desk.refuses(&[command, &scenes[..]].concat(), &[bad, word]);
+        }
+    }
+}
+
 /// Light beyond single precision: a picture of nearly the brightest texel there is, brightened further.
 #[test]
 fn bench_and_compare_exit_with_1_when_a_check_failed() {

@@ -181,7 +181,7 @@ fn inspect_shows_the_hierarchy_that_rays_go_through() {
 
     let grouped = |number: &Value| {
         let number = number.as_u64().unwrap();
-        if number < 1_000 { number.to_string() } else { format!("{} {:03}", number / 1_000, number % 1_000) }
+        if number < 1_000 { number.to_string() } else { format!("{},{:03}", number / 1_000, number % 1_000) }
     };
     let shown =
         format!("hierarchy   {} nodes in {levels} levels, {} leaves; ", grouped(nodes), grouped(leaves));

@@ -62,13 +62,13 @@ fn numbers_out_of_range_are_refused_with_their_range() {
     let desk = Desk::new();
     let huge = "99999999999999999999999999";
     for (option, values, range) in [
-        ("--samples", &["0", "-1", "16777217", huge, "1.5", "many", ""][..], "from 1 to 16777216"),
-        ("--bounces", &["-1", "1025", huge, "4.0"], "from 0 to 1024"),
-        ("--seed", &["-1", "4294967296", huge], "from 0 to 4294967295"),
-        ("--threads", &["0", "-1", "1025", huge, "all"], "from 1 to 1024"),
+        ("--samples", &["0", "-1", "16777217", huge, "1.5", "many", ""][..], "from 1 to 16,777,216"),
+        ("--bounces", &["-1", "1025", huge, "4.0"], "from 0 to 1,024"),
+        ("--seed", &["-1", "4294967296", huge], "from 0 to 4,294,967,295"),
+        ("--threads", &["0", "-1", "1025", huge, "all"], "from 1 to 1,024"),
         ("--lanes", &["0", "2", "16", "-8", huge], "1 (scalar) or 8 (SIMD)"),
         ("--exposure", &["nan", "inf", "-65", "1e39", "bright"], "from -64 to 64"),
-        ("--size", &["0x0", "0x8", "8x0", "1000000000x1", "16385x1", "1x16385"], "from 1 to 16384"),
+        ("--size", &["0x0", "0x8", "8x0", "1000000000x1", "16385x1", "1x16385"], "from 1 to 16,384"),
         (
             "--size",
             &["8", "8x", "x8", "-8x8", "8x-8", "8 x 8", "8x8x8", "eightxeight", ""],

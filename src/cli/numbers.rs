@@ -1,0 +1,161 @@
+//! Numbers as they are typed: read, held to their ranges, or refused with what to give instead.
+//!
+//! For: one function a kind of number. May import: `error`, `scene`'s limits, `wording`. Must never know: which command asks.
+
+use super::error::CliError;
+use crate::measure::machine;
+use crate::scene::{MAX_BOUNCES, MAX_SIDE};
+use crate::wording::grouped;
+
+/// Most samples a pixel: up to here a sum in f32 still takes each one in.
+pub const MAX_SAMPLES: u32 = 1 << 24;
+/// Most worker threads: beyond any machine, below what exhausts one.
+pub const MAX_THREADS: u32 = 1_024;
+/// Most stops up or down: past f32's own range in visible light.
+pub const MAX_EXPOSURE: f32 = 64.0;
+
+/// Worker threads; all cores where nothing was typed.
+pub fn threads(text: Option<String>) -> Result<usize, CliError> {
+    match text {
+        Some(text) => Ok(whole("--threads", &text, 1, MAX_THREADS)? as usize),
+        None => Ok(machine::cores()),
+    }
+}
+
+/// Rays at a time.
+pub fn lanes(text: &str) -> Result<usize, CliError> {
+    match text {
+        "1" => Ok(1),
+        "8" => Ok(8),
+        _ => Err(refuse("--lanes", text, "give 1 (scalar) or 8 (SIMD)")),
+    }
+}
+
+/// Samples a pixel.
+pub fn samples(text: &str) -> Result<u32, CliError> {
+    whole("--samples", text, 1, MAX_SAMPLES)
+}
+
+/// Scattering events on a path.
+pub fn bounces(text: &str) -> Result<u32, CliError> {
+    whole("--bounces", text, 0, MAX_BOUNCES)
+}
+
+/// Which random numbers.
+pub fn seed(text: &str) -> Result<u32, CliError> {
+    whole("--seed", text, 0, u32::MAX)
+}
+
+/// Stops up or down.
+pub fn exposure(text: &str) -> Result<f32, CliError> {
+    match text.parse::<f32>() {
+        Ok(stops) if stops.abs() <= MAX_EXPOSURE => Ok(stops),
+        _ => Err(refuse("--exposure", text, format!("give a number from -{MAX_EXPOSURE} to {MAX_EXPOSURE}"))),
+    }
+}
+
+/// Reads `WxH` or `W×H`.
+pub fn size(text: &str) -> Result<[u32; 2], CliError> {
+    let shape = "give width and height as WIDTHxHEIGHT, such as 240x135";
+    let (width, height) = text.split_once(['x', 'X', '×']).ok_or_else(|| refuse("--size", text, shape))?;
+    let side = |digits: &str| match read(digits) {
+        Reading::Number(side) if (1..=u64::from(MAX_SIDE)).contains(&side) => Ok(side as u32),
+        Reading::Number(_) | Reading::TooLarge => Err(refuse(
+            "--size",
+            text,
+            format!("width and height may be from 1 to {} pixels", grouped(MAX_SIDE)),
+        )),
+        Reading::Other => Err(refuse("--size", text, shape)),
+    };
+    Ok([side(width)?, side(height)?])
+}
+
+/// A whole number in a range.
+pub fn whole(option: &'static str, text: &str, least: u32, most: u32) -> Result<u32, CliError> {
+    match read(text) {
+        Reading::Number(number) if (u64::from(least)..=u64::from(most)).contains(&number) => {
+            Ok(number as u32)
+        }
+        _ => Err(refuse(
+            option,
+            text,
+            format!("give a whole number from {} to {}", grouped(least), grouped(most)),
+        )),
+    }
+}
+
+enum Reading {
+    Number(u64),
+    TooLarge,
+    Other,
+}
+
+/// Reads decimal digits and nothing else: no sign, no spaces.
+fn read(text: &str) -> Reading {
+    if text.is_empty() || !text.bytes().all(|byte| byte.is_ascii_digit()) {
+        return Reading::Other;
+    }
+    text.parse().map_or(Reading::TooLarge, Reading::Number)
+}
+
+/// That an option's value cannot be used, and what to give instead.
+pub fn refuse(option: &'static str, value: &str, why: impl Into<String>) -> CliError {
+    CliError::Value { option, value: value.to_string(), why: why.into() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn size_accepts_every_cross() {
+        for text in ["240x135", "240X135", "240×135"] {
+            assert_eq!(size(text).unwrap(), [240, 135], "{text}");
+        }
+        assert_eq!(size("1x16384").unwrap(), [1, 16_384]);
+    }
+
+    #[test]
+    fn size_refuses_the_rest_with_a_remedy() {
+        for text in [
+            "",
+            "x",
+            "240",
+            "240x",
+            "x135",
+            "240x135x1",
+            "-1x1",
+            "+1x1",
+            " 1x1",
+            "1 x 1",
+            "1.5x2",
+            "axb",
+            "١x١",
+        ] {
+            let message = size(text).unwrap_err().to_string();
+            assert!(message.starts_with("--size ") && message.contains("240x135"), "{text}: {message}");
+        }
+        for text in ["0x0", "0x1", "1x0", "16385x1", "1x16385", "1000000000x1", "99999999999999999999999x1"] {
+            let message = size(text).unwrap_err().to_string();
+            assert!(message.contains("from 1 to 16,384"), "{text}: {message}");
+        }
+    }
+
+    #[test]
+    fn whole_keeps_to_its_range() {
+        assert_eq!(whole("--n", "1", 1, 9).unwrap(), 1);
+        assert_eq!(whole("--n", "9", 1, 9).unwrap(), 9);
+        assert_eq!(seed("4294967295").unwrap(), u32::MAX);
+        for text in ["0", "10", "-1", "1.0", "1e0", "", "nan", "4294967297", "18446744073709551617"] {
+            assert!(whole("--n", text, 1, 9).unwrap_err().to_string().contains("from 1 to 9"), "{text}");
+        }
+    }
+
+    #[test]
+    fn exposure_is_finite_and_bounded() {
+        assert_eq!(exposure("-1.5").unwrap(), -1.5);
+        for text in ["nan", "inf", "-inf", "65", "-65", "1e99", "bright", ""] {
+            assert!(exposure(text).is_err(), "{text}");
+        }
+    }
+}

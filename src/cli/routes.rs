@@ -1,0 +1,112 @@
+//! Which way a scene's rays go and why, and the hierarchy that they go through: a part of what `octray inspect` tells.
+//!
+//! For: [`TraversalReport`], [`HierarchyReport`]. May import: `measure`, `bvh`'s check, `traverse`'s choices. Must never know: what else a
+//! scene holds.
+
+use super::memory::bytes;
+use super::terminal::figure;
+use crate::buffers::Needs;
+use crate::bvh::check::{Statistics, check_scene};
+use crate::lane::{F32x8, Lane};
+use crate::measure::machine;
+use crate::measure::rays::{self, BuildTime};
+use crate::measure::ways::Way;
+use crate::scene::Scene;
+use crate::traverse::Methods;
+use crate::wording::{counted, grouped};
+use serde::Serialize;
+
+/// How rays find what they meet, and why.
+#[derive(Debug, Serialize)]
+pub struct TraversalReport {
+    /// The way of rays from the camera, as `--traversal` names it.
+    primary: &'static str,
+    /// The way of those that bounced.
+    bounces: &'static str,
+    /// What testing every primitive costs a ray, in tests of a sphere.
+    linear_cost: usize,
+    /// Up to here, that is faster than a hierarchy.
+    most_linear_cost: usize,
+}
+
+#[derive(Debug, Serialize)]
+pub struct HierarchyReport {
+    build: BuildTime,
+    /// Nodes, and leaves with all that tracing reads.
+    bytes: usize,
+    bytes_per_primitive: f64,
+    tree: Option<Statistics>,
+    /// What makes it invalid: a fault of the program.
+    fault: Option<String>,
+}
+
+impl TraversalReport {
+    pub fn of(scene: &Scene) -> Self {
+        let way = Methods::default().traversal_of(scene, F32x8::WIDTH).map_or(Way::Linear, Way::Tree);
+        Self {
+            // One choice for all rays: the ways through a hierarchy see for themselves which rays run together.
+            primary: way.name(),
+            bounces: way.name(),
+            linear_cost: Needs::linear_cost(scene),
+            most_linear_cost: Needs::MOST_LINEAR_COST,
+        }
+    }
+
+    /// Do they go through a hierarchy?
+    pub fn needs_hierarchy(&self) -> bool {
+        self.primary != Way::Linear.name()
+    }
+
+    /// For people: a fact's name, and the fact.
+    pub fn lines(&self) -> [(&'static str, String); 2] {
+        let Self { primary, bounces, linear_cost, most_linear_cost } = self;
+        let (relation, faster) = match linear_cost > most_linear_cost {
+            true => ("above", "a hierarchy is faster"),
+            false => ("up to", "that is faster than a hierarchy"),
+        };
+        let cost = format!(
+            "testing everything would cost a ray {} (1 a sphere, {} a triangle)",
+            grouped(*linear_cost),
+            Needs::TRIANGLE_COST
+        );
+        let why = format!("{cost}; {relation} {most_linear_cost}, {faster}");
+        [("traversal", format!("{primary} for primary rays, {bounces} for bounces")), ("why", why)]
+    }
+}
+
+impl HierarchyReport {
+    /// Builds it, on all cores, and checks it.
+    pub fn of(scene: &Scene) -> Self {
+        let (hierarchy, mut builds) = rays::build(scene, &[machine::cores()], 1);
+        let tree = check_scene(&hierarchy.bvh, scene);
+        let bytes = hierarchy.bytes();
+        Self {
+            build: builds.remove(0),
+            bytes,
+            bytes_per_primitive: bytes as f64 / (scene.spheres.len() + scene.triangles.len()) as f64,
+            fault: tree.as_ref().err().cloned(),
+            tree: tree.ok(),
+        }
+    }
+
+    pub fn is_valid(&self) -> bool {
+        self.fault.is_none()
+    }
+
+    pub fn text(&self) -> String {
+        let Some(tree) = &self.tree else {
+            return format!("INVALID: {}", self.fault.as_deref().unwrap_or_default());
+        };
+        let BuildTime { threads, ms, .. } = self.build;
+        format!(
+            "{} in {}, {}; {}, {:.0} bytes a primitive; built in {} ms on {}",
+            counted(tree.wide_nodes, "node", "nodes"),
+            counted(tree.wide_depth, "level", "levels"),
+            counted(tree.leaves, "leaf", "leaves"),
+            bytes(self.bytes as u64),
+            self.bytes_per_primitive,
+            figure(ms, 1),
+            counted(threads, "thread", "threads"),
+        )
+    }
+}

@@ -5,7 +5,7 @@ use super::generate::slots;
 use super::queue::{Path, Work};
 use super::scatter::{Drawn, scatter};
 use super::surface::{Surface, Worn, abilities, needs};
-use crate::buffers::Needs;
+use crate::buffers::{Meaning, Needs};
 use crate::kernel::surface::latitude_longitude;
 use crate::lane::{Bits, Lane, Mask};
 use crate::math::{Hit, Ray, Vec3};
@@ -130,8 +130,15 @@ fn sky_where_missed<L: Lane, const N: u32>(world: &World, path: &Path<L>, missed
         let coordinates = latitude_longitude(direction);
         let index = L::Bits::splat(sky.texture);
         let everywhere = L::Mask::splat(true);
-        radiance =
-            radiance * world.buffers.textures.sample(index, coordinates, everywhere, missed, abilities(N));
+        radiance = radiance
+            * world.buffers.textures.sample(
+                index,
+                coordinates,
+                everywhere,
+                missed,
+                abilities(N),
+                Meaning::Light,
+            );
     }
     Vec3::select(missed, radiance * path.throughput, Vec3::zero())
 }

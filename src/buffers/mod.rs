@@ -18,11 +18,11 @@ pub use lights::{LightChoice, Lights};
 pub use needs::Needs;
 pub use sky_light::SkyLight;
 pub use spheres::{SphereBlock, Spheres};
-pub use texels::{Abilities, Textures};
+pub use texels::{Abilities, Meaning, Textures};
 
 use crate::kernel::bsdf::plastic;
 use crate::kernel::ray_triangle::TriangleMethod;
-use crate::kernel::surface::{sphere_offset, triangle_normal, triangle_offset};
+use crate::kernel::surface::{self, sphere_offset, triangle_normal, triangle_offset};
 use crate::scene::{self, MaterialKind, Scene, Side};
 use glam::Vec3;
 use rows::Rows;
@@ -40,7 +40,13 @@ pub struct Buffers {
     pub uv_rows: Rows,
     /// One row of eight a material: colour, parameter, emission, kind and texture (bits; see [`MaterialCode`]).
     pub material_rows: Rows,
-    /// One row of eight a material, read where [`Needs::PLASTIC`] holds: index of refraction, mean transmittance of plastic's coat; 0.
+    /// Two rows of eight a triangle: normals of the first two vertices, 0, 0; of the third, 0. Empty where all are flat.
+    pub normal_rows: Rows,
+    /// One row of eight a triangle: unit vector along growing u, +1 or −1 (v grows to its left, or right, seen from outside), 0; all 0
+    /// where u leads nowhere. Empty where no triangle has a normal map.
+    pub tangent_rows: Rows,
+    /// One row of eight a material, read where [`Needs::DETAILS`] meets: index of refraction, mean transmittance of plastic's coat,
+    /// roughness map and normal map (bits: index + 1, 0 for none), 0.
     pub detail_rows: Rows,
     pub has_uvs: bool,
     pub textures: Textures,
@@ -120,6 +126,8 @@ impl Buffers {
                 scene.uvs.iter().map(|[a, b, c]| [a.x, 1.0 - a.y, b.x, 1.0 - b.y, c.x, 1.0 - c.y, 0.0, 0.0]),
             ),
             material_rows: Rows::new(scene.materials.iter().map(material_row)),
+            normal_rows: Rows::new(scene.normals.iter().flat_map(normal_rows)),
+            tangent_rows: Rows::new(tangent_rows(scene)),
             detail_rows: Rows::new(scene.materials.iter().map(detail_row)),
             has_uvs: !scene.uvs.is_empty(),
             textures: Textures::new(&scene.textures),
@@ -130,9 +138,10 @@ impl Buffers {
 
     /// Bytes held, without the triangles' intersection data.
     pub fn bytes(&self) -> usize {
-        let Self { sphere_rows, triangle_rows, uv_rows, material_rows, detail_rows, .. } = self;
-        let rows = [sphere_rows, triangle_rows, uv_rows, material_rows, detail_rows];
-        rows.iter().map(|rows| rows.bytes()).sum::<usize>()
+        let Self { sphere_rows, triangle_rows, uv_rows, normal_rows, tangent_rows, .. } = self;
+        let rows = [sphere_rows, triangle_rows, uv_rows, normal_rows, tangent_rows];
+        let rows = rows.into_iter().chain([&self.material_rows, &self.detail_rows]);
+        rows.map(Rows::bytes).sum::<usize>()
             + self.spheres.bytes()
             + self.textures.bytes()
             + self.lights.bytes()
@@ -194,5 +203,21 @@ fn detail_row(material: &scene::Material) -> [f32; 8] {
         }
         _ => (1.0, 1.0),
     };
-    [ior, transmitted, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]
+    let code = |map: Option<u32>| f32::from_bits(map.map_or(0, |index| index + 1));
+    [ior, transmitted, code(material.roughness_map), code(material.normal_map), 0.0, 0.0, 0.0, 0.0]
+}
+
+fn normal_rows([a, b, c]: &[Vec3; 3]) -> [[f32; 8]; 2] {
+    [[a.x, a.y, a.z, b.x, b.y, b.z, 0.0, 0.0], [c.x, c.y, c.z, 0.0, 0.0, 0.0, 0.0, 0.0]]
+}
+
+/// See [`Buffers::tangent_rows`].
+fn tangent_rows(scene: &Scene) -> impl Iterator<Item = [f32; 8]> {
+    let mapped =
+        |triangle: &scene::Triangle| scene.materials[triangle.material as usize].normal_map.is_some();
+    let any = scene.triangles.iter().any(mapped);
+    scene.triangles.iter().zip(&scene.uvs).filter(move |_| any).map(|(triangle, uvs)| {
+        let (tangent, hand) = surface::triangle_tangent(triangle.vertices, *uvs);
+        [tangent.x, tangent.y, tangent.z, hand, 0.0, 0.0, 0.0, 0.0]
+    })
 }

@@ -2,6 +2,7 @@
 
 use super::rows::Rows;
 use crate::scene::{Filter, Material, MaterialKind, Scene, Sky, Texels};
+use glam::Vec3;
 
 /// A set of features. A pipeline is compiled for a set and leaves out what is not in it; any set that contains a scene's needs
 /// gives the same bits.
@@ -51,10 +52,18 @@ features! {
     /// More emitters than a register table holds.
     MANY_LIGHTS = 31, "many-lights";
     PLASTIC = 18, "plastic";
+    /// Some triangle has vertex normals.
+    SMOOTH_NORMALS = 19, "smooth-normals";
+    NORMAL_MAPS = 20, "normal-maps";
+    ROUGHNESS_MAPS = 21, "roughness-maps";
 }
 
 impl Needs {
     pub const NONE: Needs = Needs(0);
+    /// What makes normals for shading differ from those of the surface.
+    pub const BENT_NORMALS: Needs = Self::SMOOTH_NORMALS.with(Self::NORMAL_MAPS);
+    /// What reads the second table of materials.
+    pub const DETAILS: Needs = Self::PLASTIC.with(Self::NORMAL_MAPS).with(Self::ROUGHNESS_MAPS);
     /// Up to here primitives are tested one by one, and beyond it a hierarchy is faster. Measured: a box with 34 triangles takes as
     /// long either way, 50 balls three times as long through the hierarchy.
     pub const MOST_LINEAR_COST: usize = 150;
@@ -72,6 +81,10 @@ impl Needs {
     /// Does this set hold every feature of `other`?
     pub const fn contains(self, other: Needs) -> bool {
         self.0 & other.0 == other.0
+    }
+    /// Does this set hold some feature of `other`?
+    pub const fn meets(self, other: Needs) -> bool {
+        self.0 & other.0 != 0
     }
     /// The names of the features, for people and reports.
     pub fn names(self) -> Vec<&'static str> {
@@ -103,10 +116,13 @@ impl Needs {
         if let Sky::Texture { texture: sky, .. } = scene.sky {
             texture(sky);
         }
-        worn_materials(scene).filter_map(|material| material.texture).for_each(texture);
+        worn_materials(scene).flat_map(Material::pictures).for_each(texture);
+        need(scene.normals.iter().any(|normals| normals[0] != Vec3::ZERO), Self::SMOOTH_NORMALS);
         for material in worn_materials(scene) {
             need(material.emission.max_element() > 0.0, Self::EMISSION);
             need(material.texture.is_some(), Self::TEXTURES);
+            need(material.normal_map.is_some(), Self::NORMAL_MAPS);
+            need(material.roughness_map.is_some(), Self::ROUGHNESS_MAPS);
             match material.kind {
                 MaterialKind::Diffuse => need(true, Self::DIFFUSE),
                 MaterialKind::Metal { roughness: 0.0 } => need(true, Self::MIRROR),

@@ -1,14 +1,14 @@
 //! Texels of all textures in two pools: display values and linear light.
 
 use super::rows::Rows;
-use crate::kernel::texture::{Grid, display_to_linear};
+use crate::kernel::texture::{Grid, bytes_to_unit, display_to_linear};
 use crate::lane::{Bits, Lane, Mask};
 use crate::math::Vec3;
 use crate::scene::{Filter, Texels, Texture};
 
 /// All textures of a scene, and a table of where each lies in its pool.
 pub struct Textures {
-    /// Display values, red in the lowest byte. Never empty, so that index 0 is always there for lanes that want nothing.
+    /// Display values or data, red in the lowest byte. Never empty, so that index 0 is always there for lanes that want nothing.
     display: Vec<u32>,
     /// Linear light. Never empty.
     linear: Vec<[f32; 4]>,
@@ -27,12 +27,21 @@ pub struct Abilities {
     pub linear: bool,
 }
 
+/// What a lookup wants of a texture.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum Meaning {
+    /// Linear light: display values are decoded.
+    Light,
+    /// The numbers as they stand.
+    Data,
+}
+
 impl Textures {
     pub(super) fn new(textures: &[Texture]) -> Self {
         let (mut display, mut linear, mut grids) = (vec![0], vec![[0.0; 4]], Vec::new());
         for texture in textures {
             let (first, is_linear) = match &texture.texels {
-                Texels::Display(texels) => {
+                Texels::Display(texels) | Texels::Data(texels) => {
                     let first = display.len();
                     display.extend(texels.iter().map(|&texel| u32::from_le_bytes(texel)));
                     (first, 0.0)
@@ -54,7 +63,7 @@ impl Textures {
         size_of_val(self.display.as_slice()) + size_of_val(self.linear.as_slice()) + self.grids.bytes()
     }
 
-    /// The colour of texture `index` at (u, v), v from the top; u repeats, v repeats or stays at the edge where `clamp_v`. Only
+    /// The colour, or the data, of texture `index` at (u, v), v from the top; u repeats, v repeats or stays at the edge where `clamp_v`. Only
     /// lanes of `wanted` are looked up; the others are unspecified.
     #[inline(always)]
     pub fn sample<L: Lane>(
@@ -64,12 +73,13 @@ impl Textures {
         clamp_v: L::Mask,
         wanted: L::Mask,
         abilities: Abilities,
+        meaning: Meaning,
     ) -> Vec3<L> {
         let index = L::Bits::select(wanted, index, L::Bits::splat(0));
         let [width, height, first, is_bilinear, is_linear, ..] = self.grids.fetch::<L>(index, self.few);
         let grid = Grid { width, height, first: first.to_bits() };
         let linear = wanted & L::zero().lt(is_linear);
-        let read = |texel: L::Bits| self.read::<L>(texel, wanted, linear, abilities);
+        let read = |texel: L::Bits| self.read::<L>(texel, wanted, linear, abilities, meaning);
         let smooth = wanted & L::zero().lt(is_bilinear);
         if abilities.bilinear && smooth.any() {
             let (texels, right, lower) = grid.bilinear(u, v, clamp_v);
@@ -94,13 +104,18 @@ impl Textures {
         wanted: L::Mask,
         linear: L::Mask,
         abilities: Abilities,
+        meaning: Meaning,
     ) -> Vec3<L> {
         let zero = L::Bits::splat(0);
         let display = wanted & !linear;
         let mut color = Vec3::zero();
         if !abilities.linear || display.any() {
             let texel = L::Bits::select(display, texel, zero);
-            color = display_to_linear::<L>(L::gather_bits(&self.display, texel));
+            let texel = L::gather_bits(&self.display, texel);
+            color = match meaning {
+                Meaning::Light => display_to_linear::<L>(texel),
+                Meaning::Data => bytes_to_unit::<L>(texel),
+            };
         }
         if abilities.linear && linear.any() {
             let [r, g, b, _] = L::gather_rows::<4>(&self.linear, L::Bits::select(linear, texel, zero));

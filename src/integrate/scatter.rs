@@ -5,6 +5,7 @@ use super::surface::{Surface, Worn, needs};
 use crate::buffers::{MaterialCode, Needs};
 use crate::kernel::bsdf::plastic::Plastic;
 use crate::kernel::bsdf::{self, Evaluated, Scattered};
+use crate::kernel::normals;
 use crate::lane::{Bits, Lane, Mask};
 use crate::math::{Ray, Vec3};
 use crate::sampling::{Event, random};
@@ -31,7 +32,8 @@ pub fn scatter<L: Lane, const N: u32>(
     found: L::Mask,
 ) -> Drawn<L> {
     let d = path.ray.direction;
-    let Facing { n, outside } = Facing::of(d, surface);
+    let facing = Facing::of::<N>(d, surface, worn);
+    let Facing { own, n, matt, outside } = facing;
     let lobe_number = || event.one::<L>(path.key, random::LOBE);
 
     let nothing = L::Mask::splat(false);
@@ -48,7 +50,7 @@ pub fn scatter<L: Lane, const N: u32>(
         let mask = worn.wears(MaterialCode::DIFFUSE, found);
         if mask.any() {
             let (u, v) = two_numbers();
-            take(mask, bsdf::diffuse::sample(n, u, v));
+            take(mask, bsdf::diffuse::sample(matt, u, v));
         }
     }
     if needs(N, Needs::MIRROR) {
@@ -86,17 +88,26 @@ pub fn scatter<L: Lane, const N: u32>(
         }
     }
 
+    if Needs(N).meets(Needs::BENT_NORMALS) && worn.bent.any() {
+        let passes = through_glass::<L, N>(d, &facing, worn, &mut drawn);
+        // On the reflecting side nothing goes on below the surface.
+        drawn.alive = drawn.alive & (!worn.bent | passes | L::zero().lt(drawn.direction.dot(own)));
+        let shadowed = worn.bent & drawn.pdf.lt(L::splat(f32::INFINITY));
+        let factor = facing.terminator::<N>(worn, drawn.direction);
+        drawn.weight = L::select(shadowed, drawn.weight * factor, drawn.weight);
+    }
+
     let throughput = path.throughput * (color * drawn.weight);
     // A path that can carry no more light ends here. NaN goes on, to be counted at the film.
     let dark = (throughput.x + throughput.y + throughput.z).eq(L::zero());
     // Only glass is left on the far side: a reflection that rounding points a little below its surface is not, in any pipeline.
     let side = if needs(N, Needs::GLASS) {
-        let through = surface.offset.copysign(drawn.direction.dot(n));
+        let through = surface.offset.copysign(drawn.direction.dot(own));
         L::select(worn.wears(MaterialCode::GLASS, found), through, surface.offset)
     } else {
         surface.offset
     };
-    let ray = Ray { origin: n.mul_add(side, surface.point), direction: drawn.direction };
+    let ray = Ray { origin: own.mul_add(side, surface.point), direction: drawn.direction };
     let path = Path { ray, throughput, inverse: L::zero(), key: path.key, slot: path.slot };
     Drawn { path, alive: drawn.alive & !dark, pdf: drawn.pdf }
 }
@@ -111,7 +122,8 @@ pub fn evaluate<L: Lane, const N: u32>(
     towards: Vec3<L>,
     mask: L::Mask,
 ) -> Passed<L> {
-    let Facing { n, .. } = Facing::of(d, surface);
+    let facing = Facing::of::<N>(d, surface, worn);
+    let Facing { own, n, matt, .. } = facing;
     let mut passed = Passed { value: Vec3::zero(), pdf: L::zero() };
     let mut take = |mask: L::Mask, lobe: Passed<L>| {
         passed.value = Vec3::select(mask, lobe.value, passed.value);
@@ -121,7 +133,7 @@ pub fn evaluate<L: Lane, const N: u32>(
     if needs(N, Needs::DIFFUSE) {
         let mask = worn.wears(MaterialCode::DIFFUSE, mask);
         if mask.any() {
-            take(mask, colored(bsdf::diffuse::evaluate(n, towards)));
+            take(mask, colored(bsdf::diffuse::evaluate(matt, towards)));
         }
     }
     if needs(N, Needs::GGX) {
@@ -142,6 +154,13 @@ pub fn evaluate<L: Lane, const N: u32>(
             take(mask, worn.plastic().evaluate(d, n, towards));
         }
     }
+    if Needs(N).meets(Needs::BENT_NORMALS) && worn.bent.any() {
+        let factor = facing.terminator::<N>(worn, towards);
+        let below = worn.bent & !L::zero().lt(towards.dot(own));
+        passed.value = Vec3::select(worn.bent, passed.value * factor, passed.value);
+        passed.value = Vec3::select(below, Vec3::zero(), passed.value);
+        passed.pdf = L::select(below, L::zero(), passed.pdf);
+    }
     passed
 }
 
@@ -157,20 +176,62 @@ pub fn samples_lights<L: Lane>(worn: &Worn<L>) -> L::Mask {
         | (wears(MaterialCode::SCATTER) & wide(bsdf::scatter::NARROW))
 }
 
-/// A surface as a ray sees it.
+/// A surface as a ray sees it. All normals are on the side from which the ray arrives.
+#[derive(Clone, Copy)]
 struct Facing<L: Lane> {
-    /// The normal of the side from which the ray arrives: n · d ≤ 0.
+    /// The surface's own: decides sides.
+    own: Vec3<L>,
+    /// For what reflects and refracts: n · d ≤ 0.
     n: Vec3<L>,
-    /// It arrives at the outward side.
+    /// For what is matt: smooth from one triangle to the next, however steeply it is seen.
+    matt: Vec3<L>,
+    /// The ray arrives at the outward side.
     outside: L::Mask,
 }
 
 impl<L: Lane> Facing<L> {
     #[inline(always)]
-    fn of(d: Vec3<L>, surface: &Surface<L>) -> Self {
+    fn of<const N: u32>(d: Vec3<L>, surface: &Surface<L>, worn: &Worn<L>) -> Self {
         let along = d.dot(surface.outward);
-        Self { n: surface.outward.flip_sign(-along), outside: !L::zero().lt(along) }
+        let own = surface.outward.flip_sign(-along);
+        let (mut n, mut matt) = (own, own);
+        if Needs(N).meets(Needs::BENT_NORMALS) && worn.bent.any() {
+            matt = Vec3::select(worn.bent, worn.normal.flip_sign(-along), own);
+            n = Vec3::select(worn.bent, normals::bend(d, matt, own), own);
+        }
+        Self { own, n, matt, outside: !L::zero().lt(along) }
     }
+
+    /// How much light the lobes of bent normals let pass towards `w`.
+    #[inline(always)]
+    fn terminator<const N: u32>(&self, worn: &Worn<L>, w: Vec3<L>) -> L {
+        let mut normal = self.n;
+        if needs(N, Needs::DIFFUSE) {
+            let is_matt = worn.kind.equals(L::Bits::splat(MaterialCode::DIFFUSE));
+            normal = Vec3::select(is_matt, self.matt, normal);
+        }
+        normals::terminator(w, normal, self.own)
+    }
+}
+
+/// The lanes with bent normals that go through glass. What a bent normal would refract without leaving the side it came from is
+/// reflected instead.
+#[inline(always)]
+fn through_glass<L: Lane, const N: u32>(
+    d: Vec3<L>,
+    facing: &Facing<L>,
+    worn: &Worn<L>,
+    drawn: &mut Scattered<L>,
+) -> L::Mask {
+    if !needs(N, Needs::GLASS) {
+        return L::Mask::splat(false);
+    }
+    let refracts = worn.wears(MaterialCode::GLASS, worn.bent) & drawn.direction.dot(facing.n).lt(L::zero());
+    let through = drawn.direction.dot(facing.own).lt(L::zero());
+    let stays = refracts & !through;
+    drawn.direction = Vec3::select(stays, d.reflect(facing.n), drawn.direction);
+    drawn.weight = L::select(stays, L::one(), drawn.weight);
+    refracts & through
 }
 
 impl<L: Lane> Worn<L> {

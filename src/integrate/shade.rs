@@ -6,7 +6,7 @@ use super::light::{look, weight_by_chance};
 use super::queue::{Path, Work};
 use super::scatter::{Drawn, scatter};
 use super::surface::{Surface, Worn, abilities, needs};
-use crate::buffers::Needs;
+use crate::buffers::{Meaning, Needs};
 use crate::kernel::surface::latitude_longitude;
 use crate::lane::{Bits, Lane, Mask};
 use crate::math::{Hit, Ray, Vec3};
@@ -181,8 +181,15 @@ pub fn sky_radiance<L: Lane, const N: u32>(world: &World, direction: Vec3<L>, wa
         let coordinates = latitude_longitude(direction);
         let index = L::Bits::splat(sky.texture);
         let everywhere = L::Mask::splat(true);
-        radiance =
-            radiance * world.buffers.textures.sample(index, coordinates, everywhere, wanted, abilities(N));
+        radiance = radiance
+            * world.buffers.textures.sample(
+                index,
+                coordinates,
+                everywhere,
+                wanted,
+                abilities(N),
+                Meaning::Light,
+            );
     }
     radiance
 }

@@ -2,9 +2,9 @@
 
 use super::World;
 use super::queue::Path;
-use crate::buffers::{Abilities, MaterialCode, Needs};
-use crate::kernel::light;
+use crate::buffers::{Abilities, MaterialCode, Meaning, Needs};
 use crate::kernel::surface::{latitude_longitude, sphere_normal};
+use crate::kernel::{light, normals};
 use crate::lane::{Bits, Lane, Mask};
 use crate::math::{Hit, Ray, Vec3};
 
@@ -113,9 +113,46 @@ impl<L: Lane> Surface<L> {
         }
     }
 
-    /// Texture coordinates of the lanes in `textured`, v from the top, and where v must not wrap.
+    /// The blended vertex normals of the lanes in `found`, and where there are some; elsewhere the surfaces' own.
     #[inline(always)]
-    fn texture_coordinates<const N: u32>(&self, world: &World, textured: L::Mask) -> ((L, L), L::Mask) {
+    fn smooth_normal<const N: u32>(&self, world: &World, found: L::Mask) -> (Vec3<L>, L::Mask) {
+        let on_triangle = found & !self.is_sphere;
+        if !on_triangle.any() {
+            return (self.outward, L::Mask::splat(false));
+        }
+        let few = !needs(N, Needs::MANY_TRIANGLES);
+        let first = self.triangle.shl(1);
+        let second = first | L::Bits::splat(1);
+        let [ax, ay, az, bx, by, bz, ..] = world.buffers.normal_rows.fetch::<L>(first, few);
+        let [cx, cy, cz, ..] = world.buffers.normal_rows.fetch::<L>(second, few);
+        let corners = [Vec3::new(ax, ay, az), Vec3::new(bx, by, bz), Vec3::new(cx, cy, cz)];
+        let (normal, some) = normals::smooth(corners, self.barycentric, self.outward);
+        let bent = on_triangle & some;
+        (Vec3::select(bent, normal, self.outward), bent)
+    }
+
+    /// The direction of growing u in the lanes of `mapped`, and the hand of the frame (see [`normals::mapped`]).
+    #[inline(always)]
+    fn tangent<const N: u32>(&self, world: &World, mapped: L::Mask) -> (Vec3<L>, L) {
+        let (mut tangent, mut hand) = (Vec3::zero(), L::zero());
+        if needs(N, Needs::SPHERES) && (mapped & self.is_sphere).any() {
+            let inside = self.turn.to_bits().shr(31).equals(L::Bits::splat(0));
+            (tangent, hand) = normals::sphere_tangent(self.outward, inside);
+        }
+        let on_triangle = mapped & !self.is_sphere;
+        if needs(N, Needs::TRIANGLES) && on_triangle.any() {
+            let few = !needs(N, Needs::MANY_TRIANGLES);
+            let index = L::Bits::select(on_triangle, self.triangle, L::Bits::splat(0));
+            let [x, y, z, w, ..] = world.buffers.tangent_rows.fetch::<L>(index, few);
+            tangent = Vec3::select(self.is_sphere, tangent, Vec3::new(x, y, z));
+            hand = L::select(self.is_sphere, hand, w);
+        }
+        (tangent, hand)
+    }
+
+    /// Texture coordinates of the lanes in `textured`.
+    #[inline(always)]
+    fn texture_coordinates<const N: u32>(&self, world: &World, textured: L::Mask) -> Coordinates<L> {
         let mut coordinates = (L::zero(), L::zero());
         if needs(N, Needs::SPHERES) && (textured & self.is_sphere).any() {
             let (u, v) = latitude_longitude(self.outward);
@@ -149,6 +186,10 @@ pub struct Worn<L: Lane> {
     /// Plastic's index of refraction, and how much its coat lets in.
     pub ior: L,
     pub transmitted: L,
+    /// Unit normal for scattering, about on the outward side, where `bent`.
+    pub normal: Vec3<L>,
+    /// Where that is another one than the surface's own.
+    pub bent: L::Mask,
 }
 
 impl<L: Lane> Worn<L> {
@@ -159,27 +200,103 @@ impl<L: Lane> Worn<L> {
         let index = L::Bits::select(found, surface.material, L::Bits::splat(0));
         let [r, g, b, parameter, er, eg, eb, code] = world.buffers.material_rows.fetch::<L>(index, few);
         let code = code.to_bits();
-        let kind = code & L::Bits::splat(MaterialCode::KIND);
-        let (color, emission) = (Vec3::new(r, g, b), Vec3::new(er, eg, eb));
-        let (ior, transmitted) = (L::one(), L::one());
-        let mut worn = Self { kind, color, parameter, emission, ior, transmitted };
-        if needs(N, Needs::PLASTIC) && world.buffers.needs.contains(Needs::PLASTIC) {
-            [worn.ior, worn.transmitted, ..] = world.buffers.detail_rows.fetch::<L>(index, few);
+        let mut worn = Self {
+            kind: code & L::Bits::splat(MaterialCode::KIND),
+            color: Vec3::new(r, g, b),
+            parameter,
+            emission: Vec3::new(er, eg, eb),
+            ior: L::one(),
+            transmitted: L::one(),
+            normal: surface.outward,
+            bent: L::Mask::splat(false),
+        };
+        if needs(N, Needs::SMOOTH_NORMALS) && world.buffers.needs.contains(Needs::SMOOTH_NORMALS) {
+            (worn.normal, worn.bent) = surface.smooth_normal::<N>(world, found);
         }
-        if needs(N, Needs::TEXTURES) {
+        let none = L::Bits::splat(0);
+        let (mut roughness_map, mut normal_map) = (none, none);
+        if Needs(N).meets(Needs::DETAILS) && world.buffers.needs.meets(Needs::DETAILS) {
+            let [ior, transmitted, roughness, normal, ..] = world.buffers.detail_rows.fetch::<L>(index, few);
+            (worn.ior, worn.transmitted) = (ior, transmitted);
+            (roughness_map, normal_map) = (roughness.to_bits(), normal.to_bits());
+        }
+        if Needs(N).meets(PICTURES) {
             let texture = code.shr(MaterialCode::TEXTURE_SHIFT);
-            let textured = found & !texture.equals(L::Bits::splat(0));
-            if textured.any() {
-                let (coordinates, clamp_v) = surface.texture_coordinates::<N>(world, textured);
-                let index = texture.wrapping_add(L::Bits::splat(u32::MAX));
-                let textures = &world.buffers.textures;
-                let texel = textures.sample(index, coordinates, clamp_v, textured, abilities(N));
-                let texel = Vec3::select(textured, texel, Vec3::repeat(L::one()));
-                let shines = kind.equals(L::Bits::splat(MaterialCode::EMITTER));
-                worn.emission = Vec3::select(shines, worn.emission * texel, worn.emission);
-                worn.color = worn.color * texel;
+            let pictured = found & !(texture | roughness_map | normal_map).equals(none);
+            if pictured.any() {
+                let coordinates = surface.texture_coordinates::<N>(world, pictured);
+                worn.look_up::<N>(world, coordinates, found, texture);
+                worn.roughen::<N>(world, coordinates, found, roughness_map);
+                worn.emboss::<N>(world, surface, coordinates, found, normal_map);
             }
         }
         worn
     }
+
+    /// Applies the pictures of colour; `code` is index + 1, 0 for none.
+    #[inline(always)]
+    fn look_up<const N: u32>(&mut self, world: &World, at: Coordinates<L>, found: L::Mask, code: L::Bits) {
+        if !needs(N, Needs::TEXTURES) {
+            return;
+        }
+        let textured = found & !code.equals(L::Bits::splat(0));
+        if textured.any() {
+            let texel = texel::<L, N>(world, at, textured, code, Meaning::Light);
+            let texel = Vec3::select(textured, texel, Vec3::repeat(L::one()));
+            let shines = self.kind.equals(L::Bits::splat(MaterialCode::EMITTER));
+            self.emission = Vec3::select(shines, self.emission * texel, self.emission);
+            self.color = self.color * texel;
+        }
+    }
+
+    /// Multiplies roughness, which is the parameter of `scatter` and the root of everybody else's.
+    #[inline(always)]
+    fn roughen<const N: u32>(&mut self, world: &World, at: Coordinates<L>, found: L::Mask, code: L::Bits) {
+        let mapped = found & !code.equals(L::Bits::splat(0));
+        if needs(N, Needs::ROUGHNESS_MAPS) && mapped.any() {
+            let factor = texel::<L, N>(world, at, mapped, code, Meaning::Data).x.min(L::one());
+            let scatters = self.kind.equals(L::Bits::splat(MaterialCode::SCATTER));
+            let factor = L::select(scatters, factor, factor * factor);
+            self.parameter = L::select(mapped, self.parameter * factor, self.parameter);
+        }
+    }
+
+    #[inline(always)]
+    fn emboss<const N: u32>(
+        &mut self,
+        world: &World,
+        surface: &Surface<L>,
+        at: Coordinates<L>,
+        found: L::Mask,
+        code: L::Bits,
+    ) {
+        let mapped = found & !code.equals(L::Bits::splat(0));
+        if needs(N, Needs::NORMAL_MAPS) && mapped.any() {
+            let texel = texel::<L, N>(world, at, mapped, code, Meaning::Data);
+            let (tangent, hand) = surface.tangent::<N>(world, mapped);
+            let (normal, some) = normals::mapped(texel, self.normal, tangent, hand);
+            let mapped = mapped & some;
+            self.normal = Vec3::select(mapped, normal, self.normal);
+            self.bent = self.bent | mapped;
+        }
+    }
+}
+
+/// What looks up textures on surfaces.
+const PICTURES: Needs = Needs::TEXTURES.with(Needs::ROUGHNESS_MAPS).with(Needs::NORMAL_MAPS);
+
+/// Texture coordinates, v from the top, and where v must not wrap.
+type Coordinates<L> = ((L, L), <L as Lane>::Mask);
+
+/// The texels of the lanes in `wanted`; `code` is index + 1.
+#[inline(always)]
+fn texel<L: Lane, const N: u32>(
+    world: &World,
+    (coordinates, clamp_v): Coordinates<L>,
+    wanted: L::Mask,
+    code: L::Bits,
+    meaning: Meaning,
+) -> Vec3<L> {
+    let index = code.wrapping_add(L::Bits::splat(u32::MAX));
+    world.buffers.textures.sample(index, coordinates, clamp_v, wanted, abilities(N), meaning)
 }

@@ -46,6 +46,23 @@ pub fn triangle_normal(vertices: [glam::Vec3; 3]) -> glam::Vec3 {
     (b - a).cross(c - a).normalize().as_vec3()
 }
 
+/// The unit vector along growing u on a triangle with these texture coordinates, and +1 where v grows along normal × tangent, −1 where
+/// against it. Zeros where u grows nowhere.
+///
+/// In f64, like the normal.
+pub fn triangle_tangent(vertices: [glam::Vec3; 3], uvs: [glam::Vec2; 3]) -> (glam::Vec3, f32) {
+    let [a, b, c] = vertices.map(|vertex| vertex.as_dvec3());
+    let [p, q, r] = uvs.map(|uv| uv.as_dvec2());
+    let (ab, ac, pq, pr) = (b - a, c - a, q - p, r - p);
+    let area = pq.perp_dot(pr);
+    if area == 0.0 {
+        return (glam::Vec3::ZERO, 0.0);
+    }
+    // Scaled by the area's sign alone: only directions count.
+    let tangent = ((ab * pr.y - ac * pq.y) * area.signum()).normalize_or_zero().as_vec3();
+    (tangent, area.signum() as f32)
+}
+
 /// The outward unit normal of a sphere at a point near its surface.
 ///
 /// Domain: the point is not the centre.

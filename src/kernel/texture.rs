@@ -75,6 +75,13 @@ impl<L: Lane> Grid<L> {
     }
 }
 
+/// The bytes of a texel, red in the lowest, over 255.
+#[inline(always)]
+pub fn bytes_to_unit<L: Lane>(texel: L::Bits) -> Vec3<L> {
+    let unit = |byte: L::Bits| L::from_int(byte & L::Bits::splat(0xff)) * L::splat(1.0 / 255.0);
+    Vec3::new(unit(texel), unit(texel.shr(8)), unit(texel.shr(16)))
+}
+
 /// Display values (sRGB) of a texel, red in the lowest byte, as linear light.
 ///
 /// Error: relative ≤ 1.3e-5, measured over all 256 values, `tests/kernel_texture.rs`. A polynomial and not a table: a table would be

@@ -15,6 +15,8 @@ pub(super) struct Sphere {
 pub(super) struct Triangle {
     pub vertices: [DVec3; 3],
     pub uvs: [DVec2; 3],
+    /// Unit vertex normals, or zeros.
+    pub normals: [DVec3; 3],
     pub material: usize,
 }
 
@@ -35,6 +37,11 @@ pub(super) struct Surface {
     pub point: DVec3,
     /// Unit; a sphere's points outwards, a triangle's where its vertices turn anticlockwise.
     pub normal: DVec3,
+    /// Unit vector for scattering, where it is not `normal`; about on its side.
+    pub bent: Option<DVec3>,
+    /// Unit vector along growing u, zero where it grows nowhere; v grows on the side of `hand` · normal × right.
+    pub right: DVec3,
+    pub hand: f64,
     pub material: usize,
     /// Where to read a texture: u, and v from the top.
     pub uv: DVec2,
@@ -97,7 +104,16 @@ impl Sphere {
     /// The point of the surface nearest to `point`.
     fn surface(&self, point: DVec3) -> Surface {
         let normal = (point - self.center).normalize();
+        let turned = DVec3::new(normal.z, 0.0, -normal.x);
+        let east = if turned.length() < 1e-6 { DVec3::X } else { turned.normalize() };
+        let hand = match self.picture_from {
+            Side::Outside => 1.0,
+            Side::Inside => -1.0,
+        };
         Surface {
+            bent: None,
+            right: east * hand,
+            hand,
             point: self.center + normal * self.radius,
             normal,
             material: self.material,
@@ -128,9 +144,21 @@ impl Triangle {
         let [a, b, c] = self.vertices;
         let weights = [1.0 - u - v, u, v];
         let uv = self.uvs[0] * weights[0] + self.uvs[1] * weights[1] + self.uvs[2] * weights[2];
+        let normal = (b - a).cross(c - a).normalize();
+        let blend =
+            self.normals[0] * weights[0] + self.normals[1] * weights[1] + self.normals[2] * weights[2];
+        let bent = (blend.length() > 0.01).then(|| blend.normalize());
+        let [p, q, r] = self.uvs;
+        // Solves b − a = (q − p).x ∂P/∂u + (q − p).y ∂P/∂v, and the same for c, for ∂P/∂u.
+        let determinant = (q - p).perp_dot(r - p);
+        let right = ((b - a) * (r - p).y - (c - a) * (q - p).y) / determinant;
+        let right = if determinant == 0.0 { DVec3::ZERO } else { right.normalize_or_zero() };
         Surface {
+            bent: bent.map(|bent| if bent.dot(normal) < 0.0 { -bent } else { bent }),
+            right,
+            hand: determinant.signum(),
             point: a * weights[0] + b * weights[1] + c * weights[2],
-            normal: (b - a).cross(c - a).normalize(),
+            normal,
             material: self.material,
             uv: DVec2::new(uv.x, 1.0 - uv.y),
             wraps: true,

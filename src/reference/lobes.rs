@@ -7,26 +7,94 @@ use std::f64::consts::{PI, TAU};
 
 /// The new direction and what of the light goes there, colour included; nothing where the light is absorbed.
 ///
-/// `d` and `n` are unit vectors, n · d ≤ 0. `outside`: the light comes from where the surface's own normal points.
-/// `number` is the event's random number of a dimension.
+/// `rougher` multiplies the material's roughness. `number` is the event's random number of a dimension.
 pub(super) fn scatter(
     kind: MaterialKind,
+    rougher: f64,
     color: DVec3,
     d: DVec3,
-    n: DVec3,
-    outside: bool,
+    facing: &Facing,
     number: impl Fn(u32) -> f64,
 ) -> Option<(DVec3, DVec3)> {
-    let colored = |(direction, weight): (DVec3, f64)| (direction, color * weight);
+    let Facing { own, n, matt, .. } = *facing;
+    let (towards, weight, is_delta) = draw(kind, rougher, color, d, facing, number)?;
+    if !facing.bent || towards.dot(own) < 0.0 && matches!(kind, MaterialKind::Glass { .. }) {
+        return Some((towards, weight));
+    }
+    let about = if kind == MaterialKind::Diffuse { matt } else { n };
+    let shadow = if is_delta { 1.0 } else { terminator(towards, about, own) };
+    (towards.dot(own) > 0.0).then_some((towards, weight * shadow))
+}
+
+/// A surface as a ray sees it; all normals on the side from which the ray arrives.
+pub(super) struct Facing {
+    /// The surface's own.
+    pub own: DVec3,
+    /// For reflection and refraction.
+    n: DVec3,
+    /// For what is matt.
+    matt: DVec3,
+    /// Are these different from the surface's own?
+    bent: bool,
+    /// The light comes from where the surface's own normal points.
+    outside: bool,
+}
+
+impl Facing {
+    /// `bent`: another normal for scattering, on the side of `normal`.
+    pub(super) fn of(d: DVec3, normal: DVec3, bent: Option<DVec3>) -> Self {
+        let outside = normal.dot(d) <= 0.0;
+        let side = if outside { 1.0 } else { -1.0 };
+        let own = normal * side;
+        let matt = bent.map_or(own, |bent| bent * side);
+        let n = if bent.is_some() { bend(d, matt, own) } else { own };
+        Self { own, n, matt, bent: bent.is_some(), outside }
+    }
+}
+
+/// `normal`, turned towards `own` until what it mirrors is above the surface: by half the sine at which d arrives, at most 0.01.
+///
+/// Source: Keller et al., "The Iray Light Transport Simulation and Rendering System", 2017, §A.3.
+fn bend(d: DVec3, normal: DVec3, own: DVec3) -> DVec3 {
+    let mirrored = reflect(d, normal);
+    let least = (-0.5 * d.dot(own)).min(0.01).max(1e-6);
+    let above = mirrored.dot(own);
+    if above >= least {
+        return normal;
+    }
+    ((mirrored + own * (least - above)).normalize() - d).try_normalize().unwrap_or(own)
+}
+
+/// Source: Chiang, Li, Burley, "Taming the Shadow Terminator", SIGGRAPH Talks 2019.
+fn terminator(w: DVec3, normal: DVec3, own: DVec3) -> f64 {
+    let g = (w.dot(own).max(0.0) / (w.dot(normal) * normal.dot(own)).max(1e-12)).min(1.0);
+    g + g * g - g * g * g
+}
+
+/// Direction, weight, and whether the lobe is a delta lobe, not shadowed yet.
+fn draw(
+    kind: MaterialKind,
+    rougher: f64,
+    color: DVec3,
+    d: DVec3,
+    facing: &Facing,
+    number: impl Fn(u32) -> f64,
+) -> Option<(DVec3, DVec3, bool)> {
+    let Facing { own, n, matt, outside, .. } = *facing;
+    let mut is_delta = false;
     let drawn = match kind {
         MaterialKind::Emitter => None,
         MaterialKind::Diffuse => {
             // Lambert's law: the normal plus a point on the unit sphere.
-            Some(((n + on_sphere(number)).normalize(), 1.0))
+            Some(((matt + on_sphere(number)).normalize(), 1.0))
         }
-        MaterialKind::Metal { roughness: 0.0 } => Some((reflect(d, n), 1.0)),
+        MaterialKind::Metal { roughness: 0.0 } => {
+            is_delta = true;
+            Some((reflect(d, n), 1.0))
+        }
         MaterialKind::Metal { roughness } => {
-            let alpha = f64::from(roughness) * f64::from(roughness);
+            let alpha = (f64::from(roughness) * rougher).powi(2);
+            is_delta = alpha < NARROWEST_ALPHA;
             let (wi, weight) = ggx(to_local(-d, n), alpha, number(DIRECTION), number(DIRECTION + 1));
             (wi.z > 0.0).then(|| (to_world(wi, n), weight))
         }
@@ -37,61 +105,89 @@ pub(super) fn scatter(
             let sin2_t = eta * eta * (1.0 - cos_i * cos_i);
             let cos_t = (1.0 - sin2_t).max(0.0).sqrt();
             let reflected = if sin2_t >= 1.0 { 1.0 } else { fresnel(eta, cos_i, cos_t) };
-            if number(LOBE) < reflected {
+            is_delta = true;
+            let refracted = d * eta + n * (eta * cos_i - cos_t);
+            // A bent normal may refract what would not cross the surface: that is reflected.
+            if number(LOBE) < reflected || (facing.bent && refracted.dot(own) >= 0.0) {
                 Some((reflect(d, n), 1.0))
             } else {
                 // Radiance is compressed in the denser medium: η² on each passage.
-                Some((d * eta + n * (eta * cos_i - cos_t), eta * eta))
+                Some((refracted, eta * eta))
             }
         }
         MaterialKind::Scatter { roughness } => {
-            let w = reflect(d, n) + on_sphere(number) * f64::from(roughness);
+            let roughness = f64::from(roughness) * rougher;
+            is_delta = roughness < NARROWEST_CONE;
+            let w = reflect(d, n) + on_sphere(number) * roughness;
             (w.dot(n) > 0.0).then(|| (w.normalize(), 1.0))
         }
         MaterialKind::Plastic { roughness, ior } => {
-            let alpha = f64::from(roughness) * f64::from(roughness);
-            return plastic(color, alpha, f64::from(ior), d, n, number);
+            let roughness = f64::from(roughness);
+            let transmitted = transmitted(f64::from(ior), roughness * roughness);
+            let coat = Coat { ior: f64::from(ior), alpha: (roughness * rougher).powi(2), transmitted };
+            return plastic(color, &coat, d, n, number);
         }
     };
-    drawn.map(colored)
+    drawn.map(|(towards, weight)| (towards, color * weight, is_delta))
+}
+
+/// Below these, lobes count as delta lobes: `kernel::bsdf` says why.
+const NARROWEST_ALPHA: f64 = 1.0 / 8192.0;
+const NARROWEST_CONE: f64 = 1.0 / 64.0;
+
+struct Coat {
+    ior: f64,
+    alpha: f64,
+    /// Of light from everywhere, at the roughness that the material states, whatever its map says.
+    transmitted: f64,
+}
+
+/// What the coat reflects of light at a cosine.
+fn reflected(ior: f64, cos: f64) -> f64 {
+    let cos_t = (1.0 - (1.0 - cos * cos) / (ior * ior)).sqrt();
+    fresnel(1.0 / ior, cos, cos_t)
+}
+
+/// What it lets in; steeper where it is rough.
+fn let_in(ior: f64, alpha: f64, cos: f64) -> f64 {
+    1.0 - reflected(ior, cos + (1.0 - cos) * 0.43 * alpha.powf(1.5))
+}
+
+/// 2 ∫ T(c) c dc by Simpson's rule.
+fn transmitted(ior: f64, alpha: f64) -> f64 {
+    let steps = 200;
+    let terms = (0..=steps).map(|i| {
+        let c = f64::from(i) / f64::from(steps);
+        let weight = if i == 0 || i == steps { 1.0 } else { 2.0 + 2.0 * f64::from(i % 2) };
+        weight * 2.0 * let_in(ior, alpha, c) * c
+    });
+    terms.sum::<f64>() / (3.0 * f64::from(steps))
 }
 
 /// A coat of GGX over a matt base: the equations at the head of `kernel/bsdf/plastic.rs`, weighed by the density with which the
 /// estimator draws.
 fn plastic(
     color: DVec3,
-    alpha: f64,
-    ior: f64,
+    coat: &Coat,
     d: DVec3,
     n: DVec3,
     number: impl Fn(u32) -> f64,
-) -> Option<(DVec3, DVec3)> {
-    let reflected = |cos: f64| {
-        let cos_t = (1.0 - (1.0 - cos * cos) / (ior * ior)).sqrt();
-        fresnel(1.0 / ior, cos, cos_t)
-    };
-    let let_in = |cos: f64| 1.0 - reflected(cos + (1.0 - cos) * 0.43 * alpha.powf(1.5));
-    // 2 ∫ T(c) c dc by Simpson's rule.
-    let steps = 2000;
-    let transmitted = (0..=steps).map(|i| {
-        let c = f64::from(i) / f64::from(steps);
-        let weight = if i == 0 || i == steps { 1.0 } else { 2.0 + 2.0 * f64::from(i % 2) };
-        weight * 2.0 * let_in(c) * c
-    });
-    let transmitted = transmitted.sum::<f64>() / (3.0 * f64::from(steps));
+) -> Option<(DVec3, DVec3, bool)> {
+    let Coat { ior, alpha, transmitted } = *coat;
+    let reflected = |cos: f64| reflected(ior, cos);
+    let let_in = |cos: f64| let_in(ior, alpha, cos);
     let base = color / ((DVec3::ONE - color) * ior * ior + color * transmitted);
-
     let out = to_local(-d, n);
     let entered = let_in(out.z);
     let brightest = base.max_element() * transmitted * entered;
     let on_coat = (1.0 - entered) / (1.0 - entered + brightest);
-    let smooth = alpha < 1.0 / 8192.0;
+    let smooth = alpha < NARROWEST_ALPHA;
     let towards = if number(LOBE) < on_coat {
         let (towards, weight) = ggx(out, alpha, number(DIRECTION), number(DIRECTION + 1));
         if smooth {
             let facet = (towards + out).normalize().dot(out);
             let weight = DVec3::splat(weight * reflected(facet) / on_coat);
-            return (towards.z > 0.0).then(|| (to_world(towards, n), weight));
+            return (towards.z > 0.0).then(|| (to_world(towards, n), weight, true));
         }
         towards
     } else {
@@ -112,7 +208,7 @@ fn plastic(
         value += visible * (1.0 + lambda_out) / (1.0 + lambda_out + lambda_in) * reflected(half.dot(out));
         density += on_coat * visible;
     }
-    Some((to_world(towards, n), value / density))
+    Some((to_world(towards, n), value / density, false))
 }
 
 /// A point on the unit sphere, uniformly.

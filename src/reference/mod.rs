@@ -30,7 +30,7 @@ use crate::scene::{Camera, Material, Scene, Sky, Texture};
 use geometry::{Sphere, Triangle};
 use glam::{DVec2, DVec3};
 
-/// A scene in double precision. Vertex normals are left out: the estimator shades with the geometric normal.
+/// A scene in double precision.
 pub struct Reference {
     camera: Camera,
     sky: Sky,
@@ -52,6 +52,10 @@ impl Reference {
         });
         let triangles = scene.triangles.iter().enumerate().map(|(index, triangle)| Triangle {
             vertices: triangle.vertices.map(|vertex| vertex.as_dvec3()),
+            normals: scene
+                .normals
+                .get(index)
+                .map_or([DVec3::ZERO; 3], |normals| normals.map(|n| n.as_dvec3())),
             uvs: scene.uvs.get(index).map_or([DVec2::ZERO; 3], |uvs| uvs.map(|uv| uv.as_dvec2())),
             material: triangle.material as usize,
         });

@@ -1,5 +1,6 @@
 //! A whole path, from the camera through the scene to the light.
 
+use super::geometry::Surface;
 use super::{Reference, lobes, texture};
 use crate::sampling::Sampler;
 use crate::sampling::random::{PIXEL, bounce};
@@ -46,11 +47,13 @@ impl Reference {
             if b == settings.max_bounces {
                 break;
             }
-            let outside = surface.normal.dot(direction) <= 0.0;
-            let normal = if outside { surface.normal } else { -surface.normal };
+            let roughness = self.lookup(material.roughness_map, surface.uv, surface.wraps).x.min(1.0);
+            let bent = self.relief(material.normal_map, &surface).or(surface.bent);
+            let facing = lobes::Facing::of(direction, surface.normal, bent);
+            let normal = facing.own;
             let event = |dimension: u32| number(bounce(b) + dimension);
             let color = material.color.as_dvec3() * picture;
-            let drawn = lobes::scatter(material.kind, color, direction, normal, outside, event);
+            let drawn = lobes::scatter(material.kind, roughness, color, direction, &facing, event);
             let Some((scattered, weight)) = drawn else {
                 break;
             };
@@ -60,6 +63,21 @@ impl Reference {
             origin = surface.point + normal * (side * LIFT * surface.scale);
         }
         light.to_array()
+    }
+
+    /// The normal that a normal map means, on the outward side, if it means one.
+    fn relief(&self, map: Option<u32>, surface: &Surface) -> Option<DVec3> {
+        let texel = self.lookup(Some(map?), surface.uv, surface.wraps);
+        let around = surface.bent.unwrap_or(surface.normal);
+        let right = surface.right - around * surface.right.dot(around);
+        if right.length() < 0.01 {
+            return None;
+        }
+        let right = right.normalize();
+        let up = around.cross(right) * surface.hand;
+        let [x, y, z] = (texel * 2.0 - 1.0).to_array();
+        let normal = right * x + up * y + around * z.max(0.0);
+        (normal.length() > 0.01).then(|| normal.normalize())
     }
 
     /// Origin and unit direction of the ray through the point (x, y) of the picture, counted in pixels from its upper left

@@ -3,7 +3,7 @@
 //! For: [`native_from_obj`]. May import: scene's own files. Must never know: how a scene file is read.
 //!
 //! Every number is written so that reading it gives the same bits. Textures stay files, named as the model's materials
-//! name them; vertex normals have no place in the format.
+//! name them.
 
 use super::file::FORMAT;
 use super::files::read_named;
@@ -82,9 +82,13 @@ fn text(scene: &Scene, texture_path: &dyn Fn(&str) -> String) -> String {
     for (i, triangle) in scene.triangles.iter().enumerate() {
         let [a, b, c] = triangle.vertices.map(vec3);
         write!(text, "    {{ \"vertices\": [{a}, {b}, {c}]").expect("text grows");
-        if scene.materials[triangle.material as usize].texture.is_some() {
+        if scene.materials[triangle.material as usize].pictures().next().is_some() {
             let [a, b, c] = scene.uvs[i].map(vec2);
             write!(text, ", \"uvs\": [{a}, {b}, {c}]").expect("text grows");
+        }
+        if let Some(normals) = scene.normals.get(i).filter(|normals| normals[0] != Vec3::ZERO) {
+            let [a, b, c] = normals.map(vec3);
+            write!(text, ", \"normals\": [{a}, {b}, {c}]").expect("text grows");
         }
         let comma = if i + 1 < scene.triangles.len() { "," } else { "" };
         let material = json!(names[triangle.material as usize]);
@@ -138,11 +142,17 @@ fn material_text(scene: &Scene, material: &Material, texture_path: &dyn Fn(&str)
     if material.emission != Vec3::ZERO {
         set("emission", channels(material.emission));
     }
-    if let Some(texture) = material.texture {
-        let texture = &scene.textures[texture as usize];
-        set("texture", json!(texture_path(&texture.name)));
-        if texture.filter == Filter::Nearest {
-            set("filter", json!("nearest"));
+    let pictures = [
+        ("texture", material.texture),
+        ("roughness_map", material.roughness_map),
+        ("normal_map", material.normal_map),
+    ];
+    for (key, picture) in pictures {
+        if let Some(texture) = picture.map(|index| &scene.textures[index as usize]) {
+            set(key, json!(texture_path(&texture.name)));
+            if texture.filter == Filter::Nearest {
+                set("filter", json!("nearest"));
+            }
         }
     }
     Value::Object(keys).to_string()
@@ -200,6 +210,8 @@ mod tests {
             kind: MaterialKind::Diffuse,
             color: Vec3::ONE,
             texture: None,
+            roughness_map: None,
+            normal_map: None,
             emission: Vec3::ZERO,
         };
         assert_eq!(

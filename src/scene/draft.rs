@@ -45,6 +45,8 @@ impl Draft {
                     kind: MaterialKind::Diffuse,
                     color: Vec3::splat(0.8),
                     texture: None,
+                    roughness_map: None,
+                    normal_map: None,
                     emission: Vec3::ZERO,
                 },
                 1.0,
@@ -54,7 +56,8 @@ impl Draft {
         })
     }
     /// Adds a triangle and says true, or says false because it has no area. Texture coordinates are kept only where the
-    /// material has a texture; where they are missing there, they are planar.
+    /// material has pictures; where they are missing there, they are planar. Normals, of unit length, are kept only where they
+    /// are not those of the flat triangle.
     #[must_use]
     pub fn add_triangle(
         &mut self,
@@ -67,14 +70,14 @@ impl Draft {
             return false;
         }
         let before = self.triangles.len();
-        if self.materials[material as usize].texture.is_some() {
+        if self.materials[material as usize].pictures().next().is_some() {
             let size = self.texture_sizes[material as usize];
             self.uvs.resize(before, [Vec2::ZERO; 3]);
             self.uvs.push(uvs.unwrap_or_else(|| planar_uvs(vertices, size)));
         } else if !self.uvs.is_empty() {
             self.uvs.push([Vec2::ZERO; 3]);
         }
-        if let Some(normals) = normals {
+        if let Some(normals) = normals.filter(|normals| is_smooth(vertices, *normals)) {
             self.normals.resize(before, [Vec3::ZERO; 3]);
             self.normals.push(normals);
         } else if !self.normals.is_empty() {
@@ -136,6 +139,13 @@ impl Draft {
             warnings: self.warnings,
         })
     }
+}
+
+/// Does some normal differ from the triangle's own, on either side, by more than 2·10⁻⁴: more than models round to?
+fn is_smooth(vertices: [Vec3; 3], normals: [Vec3; 3]) -> bool {
+    let [a, b, c] = vertices.map(Vec3::as_dvec3);
+    let flat = (b - a).cross(c - a).normalize();
+    normals.iter().any(|normal| normal.as_dvec3().cross(flat).length() > 2e-4)
 }
 
 /// Texture coordinates of a triangle that has none: where its points lie in its plane, `size` scene units to one repeat.

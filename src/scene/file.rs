@@ -5,7 +5,7 @@
 use super::SceneError;
 use super::check::nearest;
 use super::place::Source;
-use serde::de::{DeserializeOwned, Error, IgnoredAny, MapAccess, Visitor};
+use serde::de::{DeserializeOwned, Error, MapAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 use std::fmt;
 use std::marker::PhantomData;
@@ -81,11 +81,11 @@ pub struct MaterialFile {
     pub roughness: Option<f64>,
     pub ior: Option<f64>,
     pub texture: Option<String>,
+    pub roughness_map: Option<String>,
+    pub normal_map: Option<String>,
     /// Scene units that one repeat of the texture covers on triangles without `uvs`.
     pub texture_size: Option<f64>,
     pub filter: Option<FilterFile>,
-    /// A word of the format that this version refuses.
-    pub normal_map: Option<IgnoredAny>,
 }
 
 #[derive(Deserialize)]
@@ -111,6 +111,8 @@ pub enum SideFile {
 pub struct TriangleFile {
     pub vertices: [[f64; 3]; 3],
     pub uvs: Option<[[f64; 2]; 3]>,
+    /// Missing: flat.
+    pub normals: Option<[[f64; 3]; 3]>,
     pub material: Option<String>,
 }
 

@@ -9,21 +9,37 @@ use std::collections::HashMap;
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
 
-/// The textures of one scene; each file is loaded once for each filter.
+/// The textures of one scene; each file is loaded once for each filter and meaning.
 #[derive(Default)]
 pub struct Textures {
     pub list: Vec<Texture>,
-    known: HashMap<(PathBuf, Filter), u32>,
+    known: HashMap<(PathBuf, Filter, Meaning), u32>,
+}
+
+/// What the numbers in a picture are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Meaning {
+    /// Colours: files of display values are decoded.
+    Light,
+    /// Directions or roughness: read as they stand.
+    Data,
 }
 
 impl Textures {
     /// The number of the texture at a resolved path, or the reason why there is none. `name` is for people.
-    pub fn load(&mut self, files: &Files, path: &Path, name: &str, filter: Filter) -> Result<u32, String> {
-        let key = (path.to_path_buf(), filter);
+    pub fn load(
+        &mut self,
+        files: &Files,
+        path: &Path,
+        name: &str,
+        filter: Filter,
+        meaning: Meaning,
+    ) -> Result<u32, String> {
+        let key = (path.to_path_buf(), filter, meaning);
         if let Some(&known) = self.known.get(&key) {
             return Ok(known);
         }
-        let (width, height, texels) = decode(&files.read(path)?, path)?;
+        let (width, height, texels) = decode(&files.read(path)?, path, meaning)?;
         let number = self.list.len() as u32;
         self.list.push(Texture { name: name.to_string(), width, height, filter, texels });
         self.known.insert(key, number);
@@ -36,7 +52,7 @@ pub fn srgb_to_linear(x: f64) -> f64 {
     if x <= 0.04045 { x / 12.92 } else { ((x + 0.055) / 1.055).powf(2.4) }
 }
 
-fn decode(bytes: &[u8], path: &Path) -> Result<(u32, u32, Texels), String> {
+fn decode(bytes: &[u8], path: &Path, meaning: Meaning) -> Result<(u32, u32, Texels), String> {
     let mut reader =
         ImageReader::new(Cursor::new(bytes)).with_guessed_format().map_err(|error| error.to_string())?;
     // TGA has no magic number: its name must tell.
@@ -53,7 +69,7 @@ fn decode(bytes: &[u8], path: &Path) -> Result<(u32, u32, Texels), String> {
     }
     let texels = match format {
         ImageFormat::Hdr | ImageFormat::OpenExr => linear_texels(picture)?,
-        _ => display_texels(picture),
+        _ => display_texels(picture, meaning),
     };
     Ok((width, height, texels))
 }
@@ -69,16 +85,22 @@ fn linear_texels(picture: DynamicImage) -> Result<Texels, String> {
     Ok(Texels::Linear(picture.pixels().map(|pixel| [pixel[0], pixel[1], pixel[2], 0.0]).collect()))
 }
 
-/// The other formats hold display values (sRGB), of 8 or 16 bits.
-fn display_texels(picture: DynamicImage) -> Texels {
+/// The other formats hold display values (sRGB), or data, of 8 or 16 bits.
+fn display_texels(picture: DynamicImage, meaning: Meaning) -> Texels {
     use DynamicImage::{ImageLuma16, ImageLumaA16, ImageRgb16, ImageRgba16};
     match picture {
         ImageLuma16(_) | ImageLumaA16(_) | ImageRgb16(_) | ImageRgba16(_) => {
-            // More than a byte holds: kept as linear light.
-            let linear = |channel: u16| srgb_to_linear(f64::from(channel) / 65_535.0) as f32;
+            // More than a byte holds: kept as linear numbers.
+            let linear = |channel: u16| {
+                let x = f64::from(channel) / 65_535.0;
+                (if meaning == Meaning::Light { srgb_to_linear(x) } else { x }) as f32
+            };
             let texel = |p: &image::Rgb<u16>| [linear(p[0]), linear(p[1]), linear(p[2]), 0.0];
             Texels::Linear(picture.into_rgb16().pixels().map(texel).collect())
         }
-        _ => Texels::Display(picture.into_rgb8().pixels().map(|p| [p[0], p[1], p[2], 0]).collect()),
+        _ => {
+            let texels = picture.into_rgb8().pixels().map(|p| [p[0], p[1], p[2], 0]).collect();
+            if meaning == Meaning::Light { Texels::Display(texels) } else { Texels::Data(texels) }
+        }
     }
 }

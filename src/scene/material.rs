@@ -6,6 +6,7 @@ use super::check::{MIN_LENGTH, fraction, nearest, not_negative, number, radiance
 use super::draft::Draft;
 use super::file::{FilterFile, MaterialFile, SkyFile};
 use super::files::Files;
+use super::image::Meaning;
 use super::place::{Place, Source};
 use super::{Filter, Material, MaterialKind, SceneError, Sky};
 use glam::Vec3;
@@ -27,18 +28,18 @@ pub fn material(
 ) -> Result<u32, SceneError> {
     check_keys(source, file, place)?;
     let roughness = place.key("roughness");
+    // A map alone is the roughness itself.
+    let stated_roughness = file.roughness.unwrap_or(if file.roughness_map.is_some() { 1.0 } else { 0.0 });
     let kind = match file.r#type.as_str() {
         "diffuse" => MaterialKind::Diffuse,
-        "metal" => {
-            MaterialKind::Metal { roughness: fraction(source, &roughness, file.roughness.unwrap_or(0.0))? }
-        }
+        "metal" => MaterialKind::Metal { roughness: fraction(source, &roughness, stated_roughness)? },
         "plastic" => MaterialKind::Plastic {
-            roughness: fraction(source, &roughness, file.roughness.unwrap_or(0.0))?,
+            roughness: fraction(source, &roughness, stated_roughness)?,
             ior: coat_ior(source, &place.key("ior"), file.ior.unwrap_or(1.5))?,
         },
         "glass" => MaterialKind::Glass { ior: ior(source, &place.key("ior"), file.ior.unwrap_or(1.5))? },
         "scatter" => {
-            let roughness = not_negative(source, &roughness, file.roughness.unwrap_or(0.0))?;
+            let roughness = not_negative(source, &roughness, stated_roughness)?;
             MaterialKind::Scatter { roughness }
         }
         _ => MaterialKind::Emitter,
@@ -54,10 +55,13 @@ pub fn material(
         None if emitter => Vec3::ONE,
         None => Vec3::ZERO,
     };
-    let texture = match &file.texture {
-        Some(path) => Some(texture(source, files, draft, &place.key("texture"), path, file.filter)?),
-        None => None,
+    let mut picture = |key: &'static str, path: &Option<String>, meaning| {
+        let load = |path| texture(source, files, draft, &place.key(key), path, (file.filter, meaning));
+        path.as_deref().map(load).transpose()
     };
+    let texture = picture("texture", &file.texture, Meaning::Light)?;
+    let roughness_map = picture("roughness_map", &file.roughness_map, Meaning::Data)?;
+    let normal_map = picture("normal_map", &file.normal_map, Meaning::Data)?;
     let texture_size = match file.texture_size {
         Some(size) if size < MIN_TEXTURE_SIZE => {
             let mend = "write how many scene units one repeat of the texture covers, above 0";
@@ -66,7 +70,9 @@ pub fn material(
         Some(size) => f64::from(number(source, &place.key("texture_size"), size)?),
         None => 1.0,
     };
-    Ok(draft.add_material(Material { name: name.clone(), kind, color, texture, emission }, texture_size))
+    let name = name.clone();
+    let material = Material { name, kind, color, texture, roughness_map, normal_map, emission };
+    Ok(draft.add_material(material, texture_size))
 }
 
 /// Refuses unknown types and keys that do not belong to the type.
@@ -77,16 +83,22 @@ fn check_keys(source: &Source, file: &MaterialFile, place: &Place) -> Result<(),
         let mend = format!("{guess}the types are {}", TYPES.join(", "));
         return Err(source.error(&place.key("type"), format!("unknown material type `{name}`"), mend));
     }
-    if file.normal_map.is_some() {
-        let mend = "remove it; put the bumps into the mesh, or paint them into `texture`";
-        let what = "`normal_map` is not available in this version";
-        return Err(source.error(&place.key("normal_map"), what, mend));
-    }
     let refuse = |key: &str, mend: &str| {
         Err(source.error(&place.key(key), format!("`{key}` does not belong to a {name} material"), mend))
     };
     if file.roughness.is_some() && !ROUGH.contains(&name) {
         return refuse("roughness", "remove it, or make the type `metal`, `plastic` or `scatter`");
+    }
+    if file.roughness_map.is_some() && !ROUGH.contains(&name) {
+        return refuse("roughness_map", "remove it, or make the type `metal`, `plastic` or `scatter`");
+    }
+    if file.roughness_map.is_some() && file.roughness == Some(0.0) {
+        let mend = "remove it, or give `roughness` a number above 0, which it multiplies";
+        let what = "a `roughness_map` cannot roughen a `roughness` of 0";
+        return Err(source.error(&place.key("roughness_map"), what, mend));
+    }
+    if file.normal_map.is_some() && name == "emitter" {
+        return refuse("normal_map", "remove it: an emitter scatters nothing");
     }
     if file.ior.is_some() && !["glass", "plastic"].contains(&name) {
         return refuse("ior", "remove it, or make the type `glass` or `plastic`");
@@ -94,7 +106,7 @@ fn check_keys(source: &Source, file: &MaterialFile, place: &Place) -> Result<(),
     if file.color.is_some() && name == "emitter" {
         return refuse("color", "remove it: an emitter scatters nothing; its light is `emission`");
     }
-    if file.texture.is_none() {
+    if [&file.texture, &file.roughness_map, &file.normal_map].iter().all(|picture| picture.is_none()) {
         let present = [("filter", file.filter.is_some()), ("texture_size", file.texture_size.is_some())];
         if let Some((key, _)) = present.iter().find(|(_, present)| *present) {
             let what = format!("`{key}` without a `texture`");
@@ -129,14 +141,14 @@ fn texture(
     draft: &mut Draft,
     place: &Place,
     path: &str,
-    filter: Option<FilterFile>,
+    (filter, meaning): (Option<FilterFile>, Meaning),
 ) -> Result<u32, SceneError> {
     let filter = match filter {
         Some(FilterFile::Nearest) => Filter::Nearest,
         Some(FilterFile::Bilinear) | None => Filter::Bilinear,
     };
     let full = files.resolve(path);
-    draft.textures.load(files, &full, path, filter).map_err(|reason| {
+    draft.textures.load(files, &full, path, filter, meaning).map_err(|reason| {
         let mend = format!(
             "it was looked for at {}: give the path of a picture (png, jpg, bmp, tga, hdr, exr) relative to the scene file",
             full.display()
@@ -171,7 +183,7 @@ pub fn sky(
         }
         SkyFile { color, texture: Some(path), filter, .. } => Ok(Sky::Texture {
             color: radiance(source, &place.key("color"), color.unwrap_or([1.0; 3]))?,
-            texture: texture(source, files, draft, &place.key("texture"), path, *filter)?,
+            texture: texture(source, files, draft, &place.key("texture"), path, (*filter, Meaning::Light))?,
         }),
         SkyFile { color: Some(color), .. } => Ok(Sky::Color(radiance(source, &place.key("color"), *color)?)),
         _ => {

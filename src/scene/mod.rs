@@ -65,7 +65,7 @@ pub struct Scene {
     /// Texture coordinates of the triangles' vertices, v upwards: one entry a triangle, or none at all where nothing needs
     /// them.
     pub uvs: Vec<[Vec2; 3]>,
-    /// Vertex normals: one entry a triangle (zero vectors where it has none), or none at all.
+    /// Unit vertex normals: one entry a triangle (zero vectors where it is flat), or none at all where everything is.
     pub normals: Vec<[Vec3; 3]>,
     /// What was odd but not wrong, each a full sentence.
     pub warnings: Vec<String>,
@@ -109,8 +109,20 @@ pub struct Material {
     pub color: Vec3,
     /// Multiplies `color`; of an [`MaterialKind::Emitter`], multiplies `emission`.
     pub texture: Option<u32>,
+    /// Its red, linear, multiplies the roughness of what has one; what is above 1 counts as 1.
+    pub roughness_map: Option<u32>,
+    /// A relief in the frame of the surface: x = 2 red − 1 along growing u, y = 2 green − 1 along growing v (up), z = 2 blue − 1 along
+    /// the outward normal, as OpenGL has it. Seen from behind, it is the same relief from behind.
+    pub normal_map: Option<u32>,
     /// Radiance, the same in every direction and on both sides; each channel ≥ 0.
     pub emission: Vec3,
+}
+
+impl Material {
+    /// Everything that is looked up at texture coordinates.
+    pub fn pictures(&self) -> impl Iterator<Item = u32> {
+        [self.texture, self.roughness_map, self.normal_map].into_iter().flatten()
+    }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -148,6 +160,8 @@ pub struct Texture {
 pub enum Texels {
     /// Display values (sRGB) of red, green and blue, and an unused fourth byte.
     Display(Vec<[u8; 4]>),
+    /// Numbers that are no light, from 0 to 1 in 255 steps: directions, roughness.
+    Data(Vec<[u8; 4]>),
     /// Linear red, green and blue, and an unused fourth number.
     Linear(Vec<[f32; 4]>),
 }
@@ -155,7 +169,7 @@ pub enum Texels {
 impl Texels {
     pub fn len(&self) -> usize {
         match self {
-            Self::Display(texels) => texels.len(),
+            Self::Display(texels) | Self::Data(texels) => texels.len(),
             Self::Linear(texels) => texels.len(),
         }
     }
@@ -164,16 +178,20 @@ impl Texels {
     }
     pub fn bytes(&self) -> usize {
         match self {
-            Self::Display(texels) => size_of_val(texels.as_slice()),
+            Self::Display(texels) | Self::Data(texels) => size_of_val(texels.as_slice()),
             Self::Linear(texels) => size_of_val(texels.as_slice()),
         }
     }
-    /// One texel as linear light, display values decoded by IEC 61966-2-1.
+    /// One texel as linear light, display values decoded by IEC 61966-2-1, or as the numbers that it holds.
     pub fn linear(&self, index: usize) -> [f64; 3] {
         match self {
             Self::Display(texels) => {
                 let [r, g, b, _] = texels[index];
                 [r, g, b].map(|byte| image::srgb_to_linear(f64::from(byte) / 255.0))
+            }
+            Self::Data(texels) => {
+                let [r, g, b, _] = texels[index];
+                [r, g, b].map(|byte| f64::from(byte) / 255.0)
             }
             Self::Linear(texels) => {
                 let [r, g, b, _] = texels[index];

@@ -2,26 +2,36 @@
 //!
 //! For: [`load`]. May import: `check`, `draft`, `files`, `obj` (its reading of lines). Must never know: triangles.
 //!
-//! Read are Kd (linear reflectance), map_Kd, Ke (radiance), and what makes a mirror or glass:
+//! Read are Kd (linear reflectance), map_Kd, Ke (radiance), `norm` (a normal map), and what makes a mirror, metal, plastic or glass:
 //!
 //! | statements | material |
 //! |---|---|
-//! | `illum 3` | a mirror that reflects Ks, or Kd where there is none |
+//! | `illum 3` | metal that reflects Ks, or Kd where there is none; a mirror unless `Pr` says otherwise |
 //! | `illum 6`, `illum 7` (refraction) | glass |
 //! | `illum 4`, `illum 9` ("glass on"), unless it is stated to be opaque | glass |
 //! | opacity below a half and `Ni` above 1 | glass |
+//! | `Pm` of a half or more | metal that reflects Kd |
+//! | `Pr` or `map_Pr` | plastic |
+//! | `illum 2`, or none, with Ks above 0 and `Ns` of 1 or more | plastic |
 //! | everything else | matt |
+//!
+//! The first line that fits counts. Metal and plastic are as rough as `Pr` times `map_Pr` says; where neither is there, plastic is as
+//! rough as a highlight of `Ns`: alpha = √(2 / (Ns + 2)) (Walter et al., "Microfacet Models for Refraction through Rough Surfaces", 2007,
+//! §5), and metal a mirror after `illum 3`, else of roughness ½. Plastic's index is `Ni` where that is above 1 and at most 3, else 1.5:
+//! how bright its highlight is follows from that and not from Ks.
 //!
 //! Opacity is `d`, or else 1 − `Tr`; a `Tr` of exactly 1 is what some programs write for opaque things, and counts as nothing
 //! said. Glass has the index `Ni` (1.5 where that is missing or 0) and the colour `Tf` (white where that is missing or black);
 //! it fills its mesh: a pane needs two sides.
 //!
-//! Highlights (Ks, Ns) and ambient light (Ka) are left out of every model and in silence. Whatever else is left out is a
+//! Other highlights (Ks, Ns) and ambient light (Ka) are left out of every model and in silence, and so are clear coats, sheen and
+//! anisotropy of 0. Whatever else is left out is a
 //! warning, once for each kind and library, at the line where it stands first.
 
 use super::check::MIN_LENGTH;
 use super::draft::Draft;
 use super::files::Files;
+use super::image::Meaning;
 use super::obj::{Fault, logical_lines, name, numbers, words};
 use super::{Filter, Material, MaterialKind, SceneError};
 use glam::{DVec3, Vec3};
@@ -69,7 +79,9 @@ pub fn load(
 }
 
 /// Statements of these keywords change nothing, and nobody is told.
-const SILENT: [&[u8]; 6] = [b"Ka", b"Ns", b"sharpness", b"map_Ka", b"map_Ks", b"map_Ns"];
+const SILENT: [&[u8]; 5] = [b"Ka", b"sharpness", b"map_Ka", b"map_Ks", b"map_Ns"];
+/// These change nothing where they say 0.
+const LAYERS: [&[u8]; 5] = [b"Pc", b"Pcr", b"Ps", b"aniso", b"anisor"];
 /// Where a material does not say it: window glass.
 const IOR: f64 = 1.5;
 /// Below this much opacity, what bends light is glass, and not a leaf or a curtain.
@@ -110,6 +122,14 @@ struct Entry {
     /// `Tr`.
     transparency: Stated,
     ior: Stated,
+    /// `Ns`.
+    shine: f64,
+    /// `Pm`.
+    metallic: Stated,
+    /// `Pr`.
+    roughness: Option<f64>,
+    roughness_map: Option<String>,
+    normal_map: Option<String>,
     /// `Tf`, where it is three numbers.
     filter: Option<DVec3>,
 }
@@ -140,6 +160,12 @@ fn parse(text: &[u8], path: &Path, notes: &mut Notes) -> Result<Vec<Entry>, Scen
             b"d" => entry.opacity = stated(rest.trim_ascii().strip_prefix(b"-halo").unwrap_or(rest))?,
             b"Tr" => entry.transparency = stated(rest)?,
             b"Ni" => entry.ior = stated(rest)?,
+            b"Ns" => [entry.shine] = numbers::<1>(rest, "this statement").map_err(fault)?,
+            b"Pm" => entry.metallic = stated(rest)?,
+            b"Pr" => entry.roughness = stated(rest)?.map(|(x, _)| x.clamp(0.0, 1.0)),
+            b"map_Pr" => entry.roughness_map = picture(rest),
+            b"norm" | b"map_Kn" => entry.normal_map = picture(rest),
+            _ if LAYERS.contains(&keyword) && numbers::<1>(rest, "a layer") == Ok([0.0]) => {}
             b"Tf" => entry.filter = numbers::<3>(rest, "a colour").ok().map(DVec3::from),
             _ if SILENT.contains(&keyword) || keyword.is_empty() || keyword.starts_with(b"#") => {}
             _ => notes.add(line, format!("`{}` is not read", String::from_utf8_lossy(keyword))),
@@ -173,7 +199,8 @@ fn picture(rest: &[u8]) -> Option<String> {
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Look {
     Matt,
-    Mirror,
+    Metal,
+    Plastic,
     Glass,
 }
 
@@ -189,11 +216,36 @@ impl Entry {
         let opacity = self.stated_opacity().map(|(opacity, _)| opacity);
         let bends = self.ior.is_some_and(|(ior, _)| ior > 1.0);
         match self.illumination.map(|(model, _)| model as u32) {
-            Some(3) => Look::Mirror,
+            Some(3) => Look::Metal,
             Some(6 | 7) => Look::Glass,
             Some(4 | 9) if opacity.is_none_or(|opacity| opacity < 1.0) => Look::Glass,
             _ if bends && opacity.is_some_and(|opacity| opacity < CLEAR) => Look::Glass,
+            _ if self.metallic.is_some_and(|(metallic, _)| metallic >= 0.5) => Look::Metal,
+            _ if self.roughness.is_some() || self.roughness_map.is_some() => Look::Plastic,
+            Some(2) | None if self.specular != DVec3::ZERO && self.shine >= 1.0 => Look::Plastic,
             _ => Look::Matt,
+        }
+    }
+
+    fn kind(&self) -> MaterialKind {
+        let stated = self.roughness.or(self.roughness_map.as_ref().map(|_| 1.0));
+        let ior = self.ior.map(|(ior, _)| ior);
+        match self.look() {
+            Look::Matt => MaterialKind::Diffuse,
+            Look::Metal => {
+                let is_mirror = self.illumination.is_some_and(|(model, _)| model as u32 == 3);
+                let roughness = stated.unwrap_or(if is_mirror { 0.0 } else { 0.5 });
+                MaterialKind::Metal { roughness: roughness as f32 }
+            }
+            Look::Plastic => {
+                // alpha is the square of the roughness.
+                let roughness = stated.unwrap_or((2.0 / (self.shine + 2.0)).powf(0.25));
+                let ior = ior.filter(|&ior| ior > 1.0 && ior <= 3.0).unwrap_or(IOR);
+                MaterialKind::Plastic { roughness: roughness as f32, ior: ior as f32 }
+            }
+            Look::Glass => {
+                MaterialKind::Glass { ior: ior.filter(|&ior| ior >= MIN_LENGTH).unwrap_or(IOR) as f32 }
+            }
         }
     }
 
@@ -205,7 +257,7 @@ impl Entry {
         {
             notes.add(line, "what is partly transparent, and no glass, is shown opaque".to_string());
         }
-        if let (Look::Matt, Some((model, line))) = (look, self.illumination)
+        if let (Look::Matt | Look::Plastic, Some((model, line))) = (look, self.illumination)
             && [4.0, 5.0, 8.0, 9.0].contains(&model)
         {
             notes.add(
@@ -229,45 +281,48 @@ impl Entry {
         let mirror_color = if self.specular == DVec3::ZERO { None } else { Some(self.specular) };
         let look = self.look();
         let given = match look {
-            Look::Matt => self.diffuse,
-            Look::Mirror => mirror_color.or(self.diffuse),
+            Look::Matt | Look::Plastic => self.diffuse,
+            Look::Metal if self.metallic.is_none() => mirror_color.or(self.diffuse),
+            Look::Metal => self.diffuse,
             Look::Glass => self.filter.filter(|filter| filter.max_element() > 0.0),
         };
         // A textured material without Kd shows its picture as it is.
-        let plain = if self.picture.is_some() || look != Look::Matt { DVec3::ONE } else { DVec3::splat(0.8) };
+        let is_matt = matches!(look, Look::Matt | Look::Plastic);
+        let plain = if self.picture.is_some() || !is_matt { DVec3::ONE } else { DVec3::splat(0.8) };
         let color = given.unwrap_or(plain);
         if color.max_element() > 1.0 {
             let (path, name) = (path.display(), &self.name);
             draft.warn(format!("{path}: the colour of `{name}` is above 1 and was lowered to 1."));
         }
-        let picture = self.picture.as_ref().filter(|_| look != Look::Glass);
-        let texture = picture.and_then(|picture| {
+        let mut load = |picture: &Option<String>, meaning| {
+            let picture = picture.as_ref()?;
             let folder = path.parent().unwrap_or(Path::new(""));
             let slashed = picture.replace('\\', "/");
             let spelt = if files.exists(&folder.join(picture)) { picture } else { &slashed };
             let shown = Path::new(library).parent().unwrap_or(Path::new("")).join(spelt);
             let shown = shown.to_string_lossy();
-            let loaded = draft.textures.load(files, &folder.join(spelt), &shown, Filter::Bilinear);
+            let loaded = draft.textures.load(files, &folder.join(spelt), &shown, Filter::Bilinear, meaning);
             loaded
                 .map_err(|reason| {
                     let (path, name) = (path.display(), &self.name);
-                    draft.warn(format!("{path}: the texture `{picture}` of `{name}` is left out: {reason}."));
+                    let warning =
+                        format!("{path}: the texture `{picture}` of `{name}` is left out: {reason}.");
+                    draft.warnings.push(warning);
                 })
                 .ok()
-        });
-        let kind = match look {
-            Look::Matt => MaterialKind::Diffuse,
-            Look::Mirror => MaterialKind::Metal { roughness: 0.0 },
-            Look::Glass => {
-                let ior = self.ior.map_or(IOR, |(ior, _)| if ior < MIN_LENGTH { IOR } else { ior });
-                MaterialKind::Glass { ior: ior as f32 }
-            }
         };
+        let kind = self.kind();
+        let texture = if look == Look::Glass { None } else { load(&self.picture, Meaning::Light) };
+        let is_rough = matches!(kind, MaterialKind::Metal { roughness } | MaterialKind::Plastic { roughness, .. } if roughness > 0.0);
+        let roughness_map = if is_rough { load(&self.roughness_map, Meaning::Data) } else { None };
+        let normal_map = load(&self.normal_map, Meaning::Data);
         let material = Material {
             name: self.name.clone(),
             kind,
             color: color.clamp(DVec3::ZERO, DVec3::ONE).as_vec3(),
             texture,
+            roughness_map,
+            normal_map,
             emission: self.emission.as_vec3().max(Vec3::ZERO),
         };
         draft.add_material(material, 1.0)

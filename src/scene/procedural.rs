@@ -69,7 +69,15 @@ impl Shape {
 }
 
 fn material(name: &str, kind: MaterialKind, color: [f32; 3]) -> Material {
-    Material { name: name.into(), kind, color: color.into(), texture: None, emission: Vec3::ZERO }
+    Material {
+        name: name.into(),
+        kind,
+        color: color.into(),
+        texture: None,
+        roughness_map: None,
+        normal_map: None,
+        emission: Vec3::ZERO,
+    }
 }
 
 /// The whole number nearest to a quotient.

@@ -16,7 +16,7 @@ use super::check::{MAX_NUMBER, camera_fault, number, radius, vec3};
 use super::draft::{BOUNCES, Draft, RESOLUTION};
 use super::file::read;
 use super::files::Files;
-use super::image::srgb_to_linear;
+use super::image::{Meaning, srgb_to_linear};
 use super::place::{Place, Source};
 use super::validate::check_resolution;
 use super::{Camera, Filter, Material, MaterialKind, Scene, SceneError, Side, Sky, Sphere};
@@ -257,7 +257,15 @@ impl Loader<'_> {
         if let Some(&number) = self.known.get(&key) {
             return Ok(number);
         }
-        let material = Material { name: place.to_string(), kind, color, texture, emission };
+        let material = Material {
+            name: place.to_string(),
+            kind,
+            color,
+            texture,
+            roughness_map: None,
+            normal_map: None,
+            emission,
+        };
         let number = self.draft.add_material(material, TEXTURE_SIZE);
         self.known.insert(key, number);
         Ok(number)
@@ -270,7 +278,9 @@ impl Loader<'_> {
         }
         let found = candidates(self.files, path).into_iter().find(|path| self.files.exists(path));
         let loaded = match found {
-            Some(found) => self.draft.textures.load(self.files, &found, path, Filter::Nearest),
+            Some(found) => {
+                self.draft.textures.load(self.files, &found, path, Filter::Nearest, Meaning::Light)
+            }
             None => {
                 Err("no such file beside the scene, in the folders above it or in the working folder"
                     .to_string())

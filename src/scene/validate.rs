@@ -173,11 +173,27 @@ fn add_triangle(
         ]),
         None => None,
     };
+    let normals =
+        file.normals.map(|normals| vertex_normals(source, &place.key("normals"), normals)).transpose()?;
     let material = named(source, draft, names, file.material.as_ref(), place)?;
-    if !draft.add_triangle(vertices, material, uvs, None) {
+    if !draft.add_triangle(vertices, material, uvs, normals) {
         return Err(source.error(&at_vertices, zero_area(&vertices), AREA_MEND));
     }
     Ok(())
+}
+
+/// Of any length but 0; here they get length 1.
+fn vertex_normals(source: &Source, place: &Place, normals: [[f64; 3]; 3]) -> Result<[Vec3; 3], SceneError> {
+    let mut units = [Vec3::ZERO; 3];
+    for (i, normal) in normals.into_iter().enumerate() {
+        vec3(source, &place.item(i), normal)?;
+        units[i] = DVec3::from(normal).normalize_or_zero().as_vec3();
+        if units[i] == Vec3::ZERO {
+            let mend = "write a direction away from the surface, or remove `normals`";
+            return Err(source.error(&place.item(i), "a normal of length zero", mend));
+        }
+    }
+    Ok(units)
 }
 
 fn zero_area([a, b, c]: &[Vec3; 3]) -> &'static str {

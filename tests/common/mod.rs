@@ -101,7 +101,15 @@ pub fn empty() -> Scene {
 }
 
 pub fn material(kind: MaterialKind) -> Material {
-    Material { name: "m".into(), kind, color: Vec3::ONE, texture: None, emission: Vec3::ZERO }
+    Material {
+        name: "m".into(),
+        kind,
+        color: Vec3::ONE,
+        texture: None,
+        roughness_map: None,
+        normal_map: None,
+        emission: Vec3::ZERO,
+    }
 }
 
 pub fn sphere(center: Vec3, radius: f32, material: u32) -> Sphere {

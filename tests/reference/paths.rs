@@ -220,7 +220,8 @@ fn path_follows_the_directions_of_the_estimator() {
     let mut lobe = scene.clone();
     lobe.materials[0].kind = MaterialKind::Scatter { roughness: 2.0 };
     let (diffuse, scatter) = (Reference::new(&scene), Reference::new(&lobe));
-    for (sampler, sample) in (0..500).flat_map(|sample| [(Sampler::Sobol, sample), (Sampler::Random, sample)]) {
+    for (sampler, sample) in (0..500).flat_map(|sample| [(Sampler::Sobol, sample), (Sampler::Random, sample)])
+    {
         let settings = PathSettings { resolution: [5, 3], max_bounces: 1, seed: 11, sampler };
         let key = sampler.key::<u32>(11, 2 * 5 + 4, sample);
         let (u, v) = sampler.pair::<f32>(key, sample, random::bounce(0) + random::DIRECTION);

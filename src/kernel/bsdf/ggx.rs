@@ -75,12 +75,13 @@ fn shadowing<L: Lane>(alpha: L, cos_out: L, cos_in: L) -> L {
 /// grazing angles divide by nothing small.
 #[inline(always)]
 fn density<L: Lane>(d: Vec3<L>, n: Vec3<L>, alpha: L, towards: Vec3<L>) -> L {
-    let half = towards - d;
-    let (along, across) = (half.dot(n), half.cross(n));
+    let across = (towards - d).cross(n);
+    let cos = cos_out(d, n);
+    // Never 0: a grazing ray that goes straight on has no half vector.
+    let along = cos + towards.dot(n).max(L::zero());
     let (along2, across2) = (along * along, across.dot(across));
     let alpha2 = alpha * alpha;
     let ratio = alpha * (along2 + across2) / alpha2.mul_add(along2, across2);
-    let cos = cos_out(d, n);
     let sin2 = cos.neg_mul_add(cos, L::one()).max(L::zero());
     let visible = cos + cos.mul_add(cos, alpha2 * sin2).sqrt();
     L::splat(0.5 * FRAC_1_PI) * (ratio * ratio) / visible

@@ -58,7 +58,8 @@ pub fn mean_transmittance(ior: f32, alpha: f32) -> f32 {
 impl<L: Lane> Plastic<L> {
     #[inline(always)]
     fn fresnel(&self, cos: L) -> L {
-        boundary(L::one() / self.ior, cos.min(L::one()).max(L::zero())).fresnel
+        // Not 0, where an index of 1 knows no answer.
+        boundary(L::one() / self.ior, cos.min(L::one()).max(L::splat(1e-6))).fresnel
     }
     /// T of a direction by its cosine.
     #[inline(always)]

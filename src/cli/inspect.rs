@@ -6,9 +6,9 @@ use super::memory::bytes;
 use super::options::InspectOptions;
 use super::routes::{HierarchyReport, TraversalReport};
 use super::terminal;
-use crate::buffers::Needs;
+use crate::buffers::{Buffers, LightChoice, Lights, SkyLight};
 use crate::scene::{self, Filter, Material, MaterialKind, Scene, Sky, Texture};
-use crate::wording::grouped;
+use crate::wording::{counted, grouped};
 use glam::Vec3;
 use serde::Serialize;
 use std::fmt::Write;
@@ -35,6 +35,7 @@ struct Inspection {
     bounds: Option<Bounds>,
     /// Features that the scene's pipeline must have.
     needs: Vec<&'static str>,
+    lights: LightReport,
     memory_bytes: usize,
     traversal: TraversalReport,
     /// Where rays go through one.
@@ -71,6 +72,19 @@ enum SkyReport {
     Color { color: Vec3Report },
     Gradient { bottom: Vec3Report, top: Vec3Report },
     Texture { texture: String, color: Vec3Report },
+}
+
+/// What of the scene's light paths look for; the rest they find by chance.
+#[derive(Debug, Serialize)]
+struct LightReport {
+    /// Spheres and triangles that shine.
+    emitters: usize,
+    /// Those of them that paths look for.
+    sought: usize,
+    /// Do they look for the bright places of the sky's picture?
+    sky: bool,
+    /// The mean square of the sky's picture over the square of its mean, over all directions.
+    sky_contrast: Option<f64>,
 }
 
 #[derive(Debug, Serialize)]
@@ -128,7 +142,8 @@ impl Inspection {
                 vertical_fov: scene.camera.vertical_fov,
             },
             bounds: Bounds::of(scene),
-            needs: Needs::of(scene).names(),
+            needs: Buffers::new(scene).needs.names(),
+            lights: LightReport::of(scene),
             memory_bytes: memory(scene),
             hierarchy: traversal.needs_hierarchy().then(|| HierarchyReport::of(scene)),
             traversal,
@@ -159,6 +174,7 @@ impl Inspection {
             .map(|bounds| format!("{} to {}", vector(bounds.lower), vector(bounds.upper)));
         lines.push(("bounds", bounds.unwrap_or_else(|| "none: there is nothing but sky".into())));
         lines.push(("needs", self.needs.join(", ")));
+        lines.push(("lights", self.lights.text()));
         lines.push(("memory", bytes(self.memory_bytes as u64)));
         lines.extend(self.traversal.lines());
         lines.extend(self.hierarchy.as_ref().map(|hierarchy| ("hierarchy", hierarchy.text())));
@@ -231,6 +247,36 @@ impl TextureReport {
     fn text(&self) -> String {
         let Self { name, width, height, filter, memory_bytes } = self;
         format!("{name}: {width}×{height}, {filter}, {}", bytes(*memory_bytes as u64))
+    }
+}
+
+impl LightReport {
+    fn of(scene: &Scene) -> Self {
+        let lights = Lights::new(scene, LightChoice::Auto);
+        let shines = |material: u32| scene.materials[material as usize].emission != Vec3::ZERO;
+        let spheres = scene.spheres.iter().filter(|sphere| shines(sphere.material)).count();
+        let triangles = scene.triangles.iter().filter(|triangle| shines(triangle.material)).count();
+        Self {
+            emitters: spheres + triangles,
+            sought: lights.len() - usize::from(lights.sky.is_some()),
+            sky: lights.sky.is_some(),
+            sky_contrast: SkyLight::of(scene).map(|sky| sky.contrast),
+        }
+    }
+
+    fn text(&self) -> String {
+        let emitters = match (self.emitters, self.sought) {
+            (0, _) => "nothing in the scene shines".to_string(),
+            (1, 0) => "paths find the one emitter by chance".to_string(),
+            (emitters, 0) => format!("paths find all {} emitters by chance", grouped(emitters)),
+            (emitters, sought) => {
+                format!("paths look for {} of {}", grouped(sought), counted(emitters, "emitter", "emitters"))
+            }
+        };
+        let Some(contrast) = self.sky_contrast else { return emitters };
+        let sky =
+            if self.sky { "they look for the sky's bright places" } else { "they find the sky by chance" };
+        format!("{emitters}; {sky} (contrast {contrast:.1})")
     }
 }
 

@@ -22,6 +22,7 @@ const ORDER: &[&str] = &[
     "reference",
     "threads",
     "film",
+    "adaptive",
     "render",
     "output",
     "measure",

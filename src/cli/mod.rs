@@ -5,13 +5,15 @@
 //! | file | what it does |
 //! |---|---|
 //! | [`args`] | what the user typed: the arguments' names, shapes and help |
-//! | [`options`] | what we accept: numbers in range, names known |
+//! | [`options`], [`limits`] | what we accept: numbers in range, names known |
 //! | [`render`], [`convert`], [`inspect`], [`mod@bench`], [`compare`], [`rays`] | the commands |
 //! | [`machine_check`] | refuses to start where the program's instructions do not exist |
 //! | [`memory`] | refuses pictures that do not fit |
 //! | [`terminal`] | the only writer to standard output and standard error |
 //! | [`stats`] | the tables of `--stats` |
 //! | [`interrupt`] | Ctrl-C |
+//! | [`trace`] | takes samples until a limit is reached |
+//! | [`samples_map`] | a picture of how many samples pixels have had |
 //! | [`progress`] | how far a rendering is |
 //! | [`error`] | what can go wrong |
 
@@ -22,14 +24,17 @@ pub mod convert;
 pub mod error;
 pub mod inspect;
 pub mod interrupt;
+pub mod limits;
 pub mod machine_check;
 pub mod memory;
 pub mod options;
 pub mod progress;
 pub mod rays;
 pub mod render;
+pub mod samples_map;
 pub mod stats;
 pub mod terminal;
+pub mod trace;
 
 pub use error::CliError;
 

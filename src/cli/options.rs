@@ -9,6 +9,7 @@ use super::args::{
     SphereMethod, ToneArg, TraversalArg, TriangleMethod,
 };
 use super::error::CliError;
+use super::limits::Limits;
 use crate::measure::machine;
 use crate::measure::ways::Way;
 use crate::output::{Operator, Tone};
@@ -68,7 +69,9 @@ pub struct CompareOptions {
 pub struct RenderOptions {
     pub scene: String,
     pub output: PathBuf,
-    pub samples: u32,
+    /// Where the numbers of samples go.
+    pub samples_map: Option<PathBuf>,
+    pub limits: Limits,
     /// The scene's if `None`.
     pub size: Option<[u32; 2]>,
     /// The scene's if `None`.
@@ -157,7 +160,8 @@ impl TryFrom<RenderArgs> for RenderOptions {
         Ok(Self {
             scene: args.scene,
             output: args.output,
-            samples: samples(&args.samples)?,
+            samples_map: args.samples_map,
+            limits: args.limits.try_into()?,
             size: args.size.as_deref().map(size).transpose()?,
             bounces: args.bounces.as_deref().map(bounces).transpose()?,
             seed: seed(&args.seed)?,
@@ -276,7 +280,7 @@ fn lanes(text: &str) -> Result<usize, CliError> {
     }
 }
 
-fn samples(text: &str) -> Result<u32, CliError> {
+pub(super) fn samples(text: &str) -> Result<u32, CliError> {
     whole("--samples", text, 1, MAX_SAMPLES)
 }
 
@@ -309,7 +313,7 @@ fn size(text: &str) -> Result<[u32; 2], CliError> {
     Ok([side(width)?, side(height)?])
 }
 
-fn whole(option: &'static str, text: &str, least: u32, most: u32) -> Result<u32, CliError> {
+pub(super) fn whole(option: &'static str, text: &str, least: u32, most: u32) -> Result<u32, CliError> {
     match read(text) {
         Reading::Number(number) if (u64::from(least)..=u64::from(most)).contains(&number) => {
             Ok(number as u32)
@@ -332,7 +336,7 @@ fn read(text: &str) -> Reading {
     text.parse().map_or(Reading::TooLarge, Reading::Number)
 }
 
-fn refuse(option: &'static str, value: &str, why: impl Into<String>) -> CliError {
+pub(super) fn refuse(option: &'static str, value: &str, why: impl Into<String>) -> CliError {
     CliError::Value { option, value: value.to_string(), why: why.into() }
 }
 

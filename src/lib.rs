@@ -45,7 +45,8 @@
 //! | [`integrate`] | the path estimator, as stages over queues |
 //! | [`mod@reference`] | the independent judge: f64, one ray, one object at a time; it imports only `scene` and the integer hash |
 //! | [`threads`] | worker threads, each with working memory of its own |
-//! | [`film`], [`render`], [`output`] | sums; tiles and threads; tone mapping and encoders |
+//! | [`film`], [`adaptive`] | sums; when a block of pixels has had samples enough |
+//! | [`render`], [`output`] | tiles and threads; tone mapping and encoders |
 //! | [`measure`] | figures: speed, parity, the machine they come from |
 //! | [`cli`] | raw arguments, validated options, commands |
 //!
@@ -62,6 +63,7 @@
 
 #![forbid(unsafe_code)]
 
+pub mod adaptive;
 pub mod buffers;
 pub mod bvh;
 pub mod camera;

@@ -160,6 +160,10 @@ impl Renderer {
     pub fn film(&self) -> Film {
         Film::new(self.settings.resolution, self.settings.tile_size)
     }
+    /// An empty film that sums how far samples differ, as [`crate::adaptive`] needs it.
+    pub fn film_with_noise(&self) -> Film {
+        self.film().with_noise()
+    }
     /// Runs something on the renderer's threads. Called around many [`Renderer::add_samples`], it saves waking them for each.
     pub fn on_threads<R: Send>(&self, run: impl FnOnce() -> R + Send) -> R {
         self.threads.run(run)
@@ -182,7 +186,17 @@ impl Renderer {
     /// numbers of samples, all of them whole: a pixel's bits are those that its own number gives it in any other film.
     pub fn add_samples_watched(&self, film: &mut Film, samples: u32, watch: &dyn Watch) {
         let goal = film.samples() + samples;
-        let add = |sums: &mut TileSums| self.add_to_tile(sums, goal, watch);
+        self.bring_tiles_watched(film, |_, _| goal, watch);
+    }
+    /// Brings each tile to the samples that `goal` says, given its number and the samples it has had, unless `watch` stops it before.
+    /// A tile that has had more keeps them.
+    pub fn bring_tiles_watched(
+        &self,
+        film: &mut Film,
+        goal: impl Fn(usize, u32) -> u32 + Sync,
+        watch: &dyn Watch,
+    ) {
+        let add = |sums: &mut TileSums| self.add_to_tile(sums, goal(sums.tile.number, sums.samples), watch);
         film.rays += match self.threads.alone() {
             true => film.tiles.iter_mut().map(add).sum::<u64>(),
             false => self.threads.run(|| film.tiles.par_iter_mut().map(add).sum::<u64>()),

@@ -23,6 +23,7 @@ const ORDER: &[&str] = &[
     "reference",
     "threads",
     "film",
+    "adaptive",
     "render",
     "output",
     "measure",

@@ -5,13 +5,14 @@ mod common;
 
 use common::{Dice, empty, material, sphere, triangle};
 use glam::{DVec3, Vec3};
-use octray::buffers::LightChoice;
+use octray::buffers::{LightChoice, SkyLight};
 use octray::film::Picture;
 use octray::kernel::light::{Aim, aim_at_sphere, aim_at_triangle, sphere_density, triangle_density};
+use octray::kernel::surface::latitude_longitude;
 use octray::lane::{F32x8, Lane};
 use octray::math;
 use octray::render::{Renderer, Settings};
-use octray::scene::{Camera, Material, MaterialKind, Scene, Sky, load};
+use octray::scene::{Camera, Filter, Material, MaterialKind, Scene, Sky, Texels, Texture, load};
 use octray::traverse::Methods;
 use std::f64::consts::PI;
 
@@ -288,30 +289,122 @@ fn compare(scene: &Scene, ways: [LightChoice; 2], samples: [u32; 2], runs: u32) 
     ((a - b) / (of_a + of_b).sqrt(), of_b / of_a)
 }
 
-#[test]
-fn searching_changes_no_expectation() {
-    let small = |name: &str| Scene { resolution: [24, 16], ..load(name).unwrap() };
-    let mut many = floor(Vec3::ZERO, 2.0);
-    many.name = "many lamps".into();
+/// Lamps of both shapes and of all sizes over a floor that shines too: light found on the way from one of its points to itself would show.
+fn many_lamps() -> Scene {
+    let mut scene = Scene { name: "many lamps".into(), max_bounces: 3, ..floor(Vec3::ZERO, 2.0) };
     let mut dice = Dice(7);
-    many.max_bounces = 3;
     for _ in 0..40 {
-        many.materials.push(lamp(dice.scale(0.1, 10.0) as f32));
-        let number = many.materials.len() as u32 - 1;
+        scene.materials.push(lamp(dice.scale(0.1, 10.0) as f32));
+        let number = scene.materials.len() as u32 - 1;
         let at = (dice.in_cube() + DVec3::Y * 1.2).as_vec3();
         if dice.unit() < 0.5 {
-            many.spheres.push(sphere(at, dice.scale(0.05, 0.3) as f32, number));
+            scene.spheres.push(sphere(at, dice.scale(0.05, 0.3) as f32, number));
         } else {
             let corners = [(); 3].map(|()| at + (dice.in_cube() * 0.3).as_vec3());
-            many.triangles.push(triangle(corners, number));
+            scene.triangles.push(triangle(corners, number));
         }
     }
-    // The floor shines too: light found on the way from one of its points to itself would show.
-    many.materials[0].emission = Vec3::splat(0.2);
-    many.camera.vertical_fov = 30.0;
-    for scene in [small("builtin:cornell"), small("builtin:cornell-spheres"), many] {
-        let (z, ratio) = compare(&scene, [LightChoice::On, LightChoice::Off], [64, 256], 24);
-        println!("{}: {z:.2} standard errors, variance {ratio:.1}", scene.name);
+    scene.materials[0].emission = Vec3::splat(1e-3);
+    scene.camera.vertical_fov = 30.0;
+    scene
+}
+
+/// Holds what is found with and without search, and with other random numbers, against each other.
+fn search_against_chance(samples: u32, runs: u32) {
+    let small = |name: &str| Scene { resolution: [24, 16], ..load(name).unwrap() };
+    for scene in [small("builtin:cornell"), small("builtin:cornell-spheres"), many_lamps()] {
+        let ways = [LightChoice::On, LightChoice::Off];
+        let (z, ratio) = compare(&scene, ways, [samples, 4 * samples], runs);
+        println!("{}: {z:.2} standard errors, variance {ratio:.2}", scene.name);
         assert!(z.abs() < 3.5, "{}: {z} standard errors", scene.name);
     }
+}
+
+#[test]
+fn searching_changes_no_expectation() {
+    search_against_chance(64, 24);
+}
+
+#[test]
+#[ignore = "takes some minutes"]
+fn searching_changes_no_expectation_at_a_tenth_of_the_noise() {
+    search_against_chance(1024, 160);
+}
+
+/// A dim sky with a sun of one texel, and dark rows below.
+fn sunny(filter: Filter) -> Texture {
+    let (width, height) = (37, 20);
+    let mut texels: Vec<[f32; 4]> = (0..width * height)
+        .map(|i| if i / width < 14 { [0.2 + 0.01 * (i % 7) as f32; 4] } else { [0.0; 4] })
+        .collect();
+    texels[(5 * width + 9) as usize] = [300.0, 250.0, 200.0, 0.0];
+    Texture { name: "sun".into(), width, height, filter, texels: Texels::Linear(texels) }
+}
+
+fn under_the_sun(filter: Filter) -> Scene {
+    Scene {
+        textures: vec![sunny(filter)],
+        sky: Sky::Texture { texture: 0, color: Vec3::ONE },
+        ..floor(Vec3::ZERO, 2.0)
+    }
+}
+
+#[test]
+fn directions_to_a_sky_have_the_density_of_their_cell() {
+    let sky = SkyLight::of(&under_the_sun(Filter::Nearest)).unwrap();
+    assert!(sky.contrast > 50.0, "{}", sky.contrast);
+    let (side, mut other, mut solid_angle, mut sun) = (512, 0, 0.0, 0.0);
+    for (u, v) in square(side) {
+        let aim = sky.aim::<f32>(u, v);
+        let again: f32 = sky.density(latitude_longitude(aim.direction));
+        other += usize::from(aim.density != again);
+        solid_angle += 1.0 / f64::from(aim.density);
+        sun += f64::from(u8::from(aim.density > 1.0));
+        assert!(aim.density > 0.0 && aim.direction.y > (PI * 14.0 / 20.0).cos() as f32 - 1e-5);
+    }
+    let draws = f64::from(side * side);
+    // Rounding at the edges of cells; and nothing is drawn where the sky is black.
+    assert!((other as f64) < 1e-3 * draws, "{other} of {draws}");
+    let seen = 2.0 * PI * (1.0 - (PI * 14.0 / 20.0).cos());
+    assert!((solid_angle / draws / seen - 1.0).abs() < 0.02, "{} of {seen}", solid_angle / draws);
+    // The sun has 250 of 250 + the rest's mean of 0.23 times its number of texels, by solid angle.
+    let share = sun / draws;
+    assert!((0.5..0.9).contains(&share), "{share}");
+}
+
+#[test]
+fn searching_a_sky_changes_no_expectation_and_takes_its_noise_away() {
+    for filter in [Filter::Nearest, Filter::Bilinear] {
+        let scene = under_the_sun(filter);
+        let (z, ratio) = compare(&scene, [LightChoice::Auto, LightChoice::Off], [64, 1024], 24);
+        // Per sample, sixteen times that.
+        println!("{filter:?}: {z:.2} standard errors, variance {ratio:.1}");
+        assert!(z.abs() < 3.5, "{filter:?}: {z} standard errors");
+        assert!(16.0 * ratio > 5.0, "{filter:?}: {ratio}");
+    }
+}
+
+#[test]
+fn a_small_light_is_ten_times_less_noisy_for_being_looked_for() {
+    let mut scene = floor(Vec3::ZERO, 2.0);
+    scene.camera.vertical_fov = 40.0;
+    scene.resolution = [32, 18];
+    scene.spheres =
+        vec![sphere(Vec3::new(0.5, 1.5, 0.2), 0.05, 1), sphere(Vec3::new(0.1, 0.3, 0.1), 0.25, 0)];
+    scene.materials.push(lamp(200.0));
+    scene.max_bounces = 4;
+    let truth = render(&scene, LightChoice::Auto, 16_384, 99);
+    let error = |lights| {
+        let picture = render(&scene, lights, 16, 1);
+        let pixels = picture.pixels.iter().zip(&truth.pixels);
+        // What sees the lamp itself is as noisy either way.
+        let squares: Vec<f64> = pixels
+            .filter(|(_, truth)| truth[0] < 20.0)
+            .map(|(pixel, truth)| f64::from(pixel[0] - truth[0]).powi(2))
+            .collect();
+        (squares.iter().sum::<f64>() / squares.len() as f64).sqrt()
+    };
+    let (with, without) = (error(LightChoice::Auto), error(LightChoice::Off));
+    println!("error at 16 samples: {with} with, {without} without search");
+    assert!(with * 10.0 < without, "{with} {without}");
 }

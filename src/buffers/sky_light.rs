@@ -3,7 +3,7 @@
 use crate::kernel::light::Aim;
 use crate::lane::{Bits, Lane, functions};
 use crate::math::Vec3;
-use crate::scene::{Scene, Sky, Texture};
+use crate::scene::{Filter, Scene, Sky, Texture};
 use std::f64::consts::{PI, TAU};
 
 /// A latitude/longitude grid of cells; within a cell all directions are equally likely.
@@ -63,22 +63,27 @@ impl SkyLight {
     fn new(picture: &Texture, color: f64) -> Self {
         let (width, height) = (picture.width as usize, picture.height as usize);
         let (columns, rows) = (picture.width.min(MOST[0]) as usize, picture.height.min(MOST[1]) as usize);
+        // What of a texel's light falls on its neighbours before and after, and on itself: between texels' centres the picture is blended.
+        let spread: &[(usize, f64)] = match picture.filter {
+            Filter::Nearest => &[(1, 1.0)],
+            Filter::Bilinear => &[(0, 0.125), (1, 0.75), (2, 0.125)],
+        };
         let mut sums = vec![0.0; rows * columns];
         let mut taken = vec![0.0; rows * columns];
         for y in 0..height {
             for x in 0..width {
                 let radiance = color * picture.texels.linear(y * width + x).iter().sum::<f64>() / 3.0;
-                // A quarter at each of its corners: between texels the picture is blended.
-                for (right, down) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
-                    let column = ((x + right) * columns / width) % columns;
-                    let row = ((y + down) * rows / height).min(rows - 1);
-                    sums[row * columns + column] += radiance;
-                    taken[row * columns + column] += 1.0;
+                for (&(right, across), &(below, down)) in
+                    spread.iter().flat_map(|x| spread.iter().map(move |y| (x, y)))
+                {
+                    let column = (x + width + right - 1) % width * columns / width;
+                    let row = (y + below).saturating_sub(1).min(height - 1) * rows / height;
+                    sums[row * columns + column] += across * down * radiance;
+                    taken[row * columns + column] += across * down;
                 }
             }
         }
-        let radiances: Vec<f64> =
-            sums.iter().zip(&taken).map(|(sum, taken)| sum / f64::max(*taken, 1.0)).collect();
+        let radiances: Vec<f64> = sums.iter().zip(&taken).map(|(sum, taken)| sum / taken).collect();
         let edge = |row: usize| (PI * row as f64 / rows as f64).cos();
         let solid_angle = |row: usize| (edge(row) - edge(row + 1)) * TAU / columns as f64;
         let row_powers: Vec<f64> = (0..rows)

@@ -115,22 +115,36 @@ pub struct CompareArgs {
 /// The file's extension names its format: .png and .jpg for screens (exposure, tone mapping, sRGB), .exr and .hdr for the
 /// linear radiance. The file appears whole, at the end; one that was there before is replaced then.
 ///
+/// Without limits of your own, every pixel gets 64 samples. --samples, --time-limit and --target-error may be combined: the first that is
+/// reached ends the rendering, and the report says which.
+///
+/// --target-error looks at blocks of 16×16 pixels after 16, 32, 64, … samples. A block's error is the standard error of its pixels' luminance
+/// (root mean square), as a share of the pixel's luminance, of the block's mean where the pixel is brighter than that, and of a tenth of the
+/// picture's brightness where it is darker. E bounds the root mean square over the picture, 2 E every block; blocks that are easy stop early, and
+/// those that are harder than others get more samples, and may keep more error. It is an estimate from the samples themselves: light that
+/// hardly any sample finds, such as caustics, may be missed by it. And it is biased in principle: blocks that look calm by chance stop, mostly
+/// those that have missed such light, and are a little too dark. Where all pixels have the same number of samples, nothing is biased.
+///
 /// Ctrl-C ends the rendering early: the samples so far are written as a picture, the exit code is 130, and with --json `interrupted` is
 /// true. In scenes where a sample takes long, some parts of the picture then have one sample more than others; those that have had none
 /// are black; where no part has had one yet, nothing is written. A second Ctrl-C ends the program at once and writes nothing.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   octray render builtin:three -o three.png
-  octray render scene.json -o scene.exr --samples 1024 --size 1920x1080")]
+  octray render scene.json -o scene.exr --samples 1024 --size 1920x1080
+  octray render scene.json -o scene.png --target-error 0.05 --time-limit 600 --samples-map where.png")]
 pub struct RenderArgs {
     #[arg(value_name = "SCENE", help = SCENE)]
     pub scene: String,
     /// Where the picture goes: .png, .jpg, .exr or .hdr.
     #[arg(short, long, value_name = "FILE")]
     pub output: PathBuf,
-    /// Samples per pixel: four times as many halve the noise.
-    #[arg(long, value_name = "N", default_value = "64", allow_hyphen_values = true)]
-    pub samples: String,
+    #[command(flatten)]
+    pub limits: LimitArgs,
+    /// Also write how many samples each pixel has had: as they are into .exr and .hdr, as shades (white for the most, half as bright to the eye for
+    /// the square root of it) into .png and .jpg.
+    #[arg(long, value_name = "FILE")]
+    pub samples_map: Option<PathBuf>,
     /// Pixels of the picture [default: the scene's].
     #[arg(long, value_name = "WxH", allow_hyphen_values = true)]
     pub size: Option<String>,
@@ -164,6 +178,25 @@ pub struct RenderArgs {
     /// primitives a ray is tested against. Counting takes some time, and does not change the picture.
     #[arg(long)]
     pub stats: bool,
+}
+
+/// When a rendering ends.
+#[derive(Debug, clap::Args)]
+pub struct LimitArgs {
+    /// Samples per pixel: four times as many halve the noise [default: 64; with --target-error at most 16384; with --time-limit as many as
+    /// it holds].
+    #[arg(long, value_name = "N", allow_hyphen_values = true)]
+    pub samples: Option<String>,
+    /// Stop where the picture is good enough: at a relative standard error of E over the picture, such as 0.05 for five per cent, and 2 E in
+    /// every block of 16×16 pixels. Parts that are easy stop early.
+    #[arg(long, value_name = "E", allow_hyphen_values = true)]
+    pub target_error: Option<String>,
+    /// With --target-error: samples that every pixel gets before anything is judged [default: 16].
+    #[arg(long, value_name = "N", allow_hyphen_values = true, requires = "target_error")]
+    pub min_samples: Option<String>,
+    /// Stop after so many seconds of tracing, between samples of the whole picture where one fits; loading and writing come on top.
+    #[arg(long, value_name = "SECONDS", allow_hyphen_values = true)]
+    pub time_limit: Option<String>,
 }
 
 /// Measure rays per second, by kind of ray and way of tracing.

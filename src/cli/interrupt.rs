@@ -50,6 +50,11 @@ impl Interrupt {
         }
     }
 
+    /// As Ctrl-C does.
+    #[cfg(test)]
+    pub fn ask(&self) {
+        self.asked.fetch_add(1, Ordering::SeqCst);
+    }
     /// Has the user asked?
     pub fn asked(&self) -> bool {
         self.asked.load(Ordering::SeqCst) > 0

@@ -5,7 +5,7 @@
 //! | file | what it does |
 //! |---|---|
 //! | [`args`] | what the user typed: the arguments' names, shapes and help |
-//! | [`options`], [`numbers`] | what we accept: names known, numbers in range |
+//! | [`options`], [`numbers`], [`limits`] | what we accept: names known, numbers in range |
 //! | [`render`], [`convert`], [`inspect`], [`mod@bench`], [`compare`], [`rays`] | the commands |
 //! | [`scenes`] | the scenes of commands that take several |
 //! | [`routes`] | which way a scene's rays go, for `inspect` |
@@ -14,6 +14,8 @@
 //! | [`terminal`] | the only writer to standard output and standard error |
 //! | [`stats`] | the tables of `--stats` |
 //! | [`interrupt`] | Ctrl-C |
+//! | [`trace`] | takes samples until a limit is reached |
+//! | [`samples_map`] | a picture of how many samples pixels have had |
 //! | [`progress`] | how far a rendering is |
 //! | [`error`] | what can go wrong |
 
@@ -24,6 +26,7 @@ pub mod convert;
 pub mod error;
 pub mod inspect;
 pub mod interrupt;
+pub mod limits;
 pub mod machine_check;
 pub mod memory;
 pub mod numbers;
@@ -32,9 +35,11 @@ pub mod progress;
 pub mod rays;
 pub mod render;
 pub mod routes;
+pub mod samples_map;
 pub mod scenes;
 pub mod stats;
 pub mod terminal;
+pub mod trace;
 
 pub use error::CliError;
 

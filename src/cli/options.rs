@@ -9,6 +9,7 @@ use super::args::{
     RenderArgs, SamplerArg, SphereMethod, ToneArg, TraversalArg, TriangleMethod,
 };
 use super::error::CliError;
+use super::limits::Limits;
 use super::numbers::{bounces, exposure, lanes, refuse, samples, seed, size, threads, whole};
 use crate::buffers::LightChoice;
 use crate::measure::ways::Way;
@@ -64,7 +65,9 @@ pub struct CompareOptions {
 pub struct RenderOptions {
     pub scene: String,
     pub output: PathBuf,
-    pub samples: u32,
+    /// Where the numbers of samples go.
+    pub samples_map: Option<PathBuf>,
+    pub limits: Limits,
     /// The scene's if `None`.
     pub size: Option<[u32; 2]>,
     /// The scene's if `None`.
@@ -153,7 +156,8 @@ impl TryFrom<RenderArgs> for RenderOptions {
         Ok(Self {
             scene: args.scene,
             output: args.output,
-            samples: samples(&args.samples)?,
+            samples_map: args.samples_map,
+            limits: args.limits.try_into()?,
             size: args.size.as_deref().map(size).transpose()?,
             bounces: args.bounces.as_deref().map(bounces).transpose()?,
             seed: seed(&args.seed)?,

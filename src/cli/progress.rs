@@ -22,25 +22,33 @@ pub struct Progress {
     /// Counts samples of single pixels, so that it moves during the first sample of the picture.
     bar: ProgressBar,
     rays: Arc<AtomicU64>,
+    pixels: u64,
+    /// Samples of single pixels that there will be, as far as is known.
+    expected: Arc<AtomicU64>,
 }
 
 impl Progress {
-    /// Starts now: so many samples of a picture.
-    pub fn new([width, height]: [u32; 2], samples: u32) -> Self {
+    /// Starts now, and ends after so much time, if that is limited.
+    pub fn new([width, height]: [u32; 2], limit: Option<Duration>) -> Self {
         let pixels = u64::from(width) * u64::from(height);
-        let total = pixels * u64::from(samples);
-        let rays = Arc::new(AtomicU64::new(0));
-        let bar = ProgressBar::with_draw_target(Some(total), ProgressDrawTarget::stderr_with_hz(10));
-        let (counted, start) = (rays.clone(), Instant::now());
+        let (rays, expected) = (Arc::new(AtomicU64::new(0)), Arc::new(AtomicU64::new(0)));
+        let bar = ProgressBar::with_draw_target(Some(pixels), ProgressDrawTarget::stderr_with_hz(10));
+        let (counted, all, start) = (rays.clone(), expected.clone(), Instant::now());
         let say = move |state: &ProgressState, out: &mut dyn Write| {
-            let rays = counted.load(Ordering::Relaxed);
-            let _ = out.write_str(&figures(state.pos(), pixels, samples, rays, start.elapsed()));
+            let [rays, expected] = [&counted, &all].map(|count| count.load(Ordering::Relaxed));
+            let _ = out.write_str(&figures(state.pos(), pixels, expected, rays, start.elapsed(), limit));
         };
         bar.set_style(style("{wide_bar} {figures}").with_key("figures", say));
         if !bar.is_hidden() {
             bar.enable_steady_tick(REDRAW);
         }
-        Self { bar, rays }
+        Self { bar, rays, pixels, expected }
+    }
+
+    /// So many samples of single pixels there will be, in all.
+    pub fn expect(&self, pixel_samples: u64) {
+        self.expected.store(pixel_samples, Ordering::Relaxed);
+        self.bar.set_length(pixel_samples.max(self.pixels));
     }
 
     /// Counts a sample of so many pixels, and its rays.
@@ -73,16 +81,27 @@ fn style(template: &str) -> ProgressStyle {
     ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar())
 }
 
-/// What stands behind the bar: `done` samples of single pixels, so many of which are a sample of the picture.
-fn figures(done: u64, pixels: u64, samples: u32, rays: u64, time: Duration) -> String {
-    let share = done as f64 / (pixels * u64::from(samples)) as f64;
+/// What stands behind the bar: `done` of `expected` samples of single pixels, so many of which are a sample of the picture.
+fn figures(
+    done: u64,
+    pixels: u64,
+    expected: u64,
+    rays: u64,
+    time: Duration,
+    limit: Option<Duration>,
+) -> String {
+    let of_samples = done as f64 / expected.max(1) as f64;
+    let of_time = limit.map_or(0.0, |limit| time.div_duration_f64(limit).min(1.0));
+    let share = of_samples.max(of_time);
     let rate = figure(mrays_per_s(rays, time), 1);
-    let of = format!("{}/{}", grouped(done / pixels), grouped(samples));
-    let mut text = format!("{:.1} %  {of} samples  {rate} Mray/s", share * 100.0);
+    // Where the time will end it, nobody knows how many samples there will be.
+    let all =
+        if of_samples < of_time { String::new() } else { format!("/{}", grouped(expected.div_ceil(pixels))) };
+    let mut text = format!("{:.1} %  {}{all} samples  {rate} Mray/s", share * 100.0, grouped(done / pixels));
     if (SETTLED_SHARE..1.0).contains(&share) && time >= SETTLED {
         let left = time.mul_f64((1.0 - share) / share).max(Duration::from_secs(1));
         // The parts of a picture cost differently: before each was seen once, the rest is a guess.
-        let guess = if done < pixels { "perhaps " } else { "" };
+        let guess = if done < pixels && of_time < of_samples { "perhaps " } else { "" };
         let _ = write!(text, "  {guess}{} left", HumanDuration(left));
     }
     text
@@ -95,8 +114,8 @@ mod tests {
     #[test]
     fn figures_move_within_a_sample_and_tell_the_time_left_only_when_it_is_known() {
         let seconds = Duration::from_secs;
-        let after = |done, time| figures(done, 1_000, 4, 2_000_000 * time, seconds(time));
-        assert_eq!(figures(0, 1_000, 4, 0, Duration::ZERO), "0.0 %  0/4 samples  0.0 Mray/s");
+        let after = |done, time| figures(done, 1_000, 4_000, 2_000_000 * time, seconds(time), None);
+        assert_eq!(figures(0, 1_000, 4_000, 0, Duration::ZERO, None), "0.0 %  0/4 samples  0.0 Mray/s");
         assert_eq!(after(16, 60), "0.4 %  0/4 samples  2.0 Mray/s", "too little is done");
         assert_eq!(after(2_000, 1), "50.0 %  2/4 samples  2.0 Mray/s", "too little time has passed");
         assert_eq!(after(400, 6), "10.0 %  0/4 samples  2.0 Mray/s  perhaps 54 seconds left");
@@ -107,5 +126,15 @@ mod tests {
             "never none before the end"
         );
         assert_eq!(after(4_000, 9), "100.0 %  4/4 samples  2.0 Mray/s");
+    }
+
+    #[test]
+    fn figures_go_by_the_clock_where_it_will_end_first() {
+        let seconds = Duration::from_secs;
+        let after =
+            |done, time| figures(done, 1_000, 4_000, 2_000_000 * time, seconds(time), Some(seconds(10)));
+        assert_eq!(after(500, 5), "50.0 %  0 samples  2.0 Mray/s  5 seconds left");
+        assert_eq!(after(3_000, 5), "75.0 %  3/4 samples  2.0 Mray/s  2 seconds left");
+        assert_eq!(after(500, 12), "100.0 %  0 samples  2.0 Mray/s");
     }
 }

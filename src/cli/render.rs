@@ -6,24 +6,21 @@ use super::interrupt::Interrupt;
 use super::memory;
 use super::options::RenderOptions;
 use super::progress::{Progress, mrays_per_s};
+use super::samples_map;
 use super::stats;
 use super::terminal::{self, figure};
+use super::trace::{End, trace};
+use crate::adaptive::{Reached, WORST};
 use crate::film::Film;
+use crate::film::noise::Noise;
 use crate::measure::stats::FrameStats;
 use crate::output::{self, Existing, Format};
-use crate::render::{Renderer, Settings, Watch};
+use crate::render::{Renderer, Settings};
 use crate::scene::{self, Scene};
 use crate::wording::{counted, grouped};
 use serde::Serialize;
 use std::process::ExitCode;
-use std::time::{Duration, Instant};
-
-/// How long a chunk of samples should take: short enough for Ctrl-C to feel immediate, long enough that starting and ending it costs
-/// nothing.
-const CHUNK: Duration = Duration::from_millis(100);
-/// How long a chunk may take to end by itself after Ctrl-C, so that every pixel has the same number of samples; one that takes longer
-/// stops between tiles.
-const GRACE: Duration = Duration::from_millis(300);
+use std::time::Duration;
 
 /// What was done; the JSON report.
 #[derive(Debug, Serialize)]
@@ -33,9 +30,15 @@ struct Report {
     output: String,
     width: u32,
     height: u32,
-    /// Samples that every pixel has had, and the most that one has had: more only where Ctrl-C came in the middle of one.
+    /// Samples that every pixel has had, and the most that one has had: more only with a target, or where the end came in the middle of one.
     samples: u32,
     most_samples: u32,
+    mean_samples: f64,
+    ended_by: End,
+    time_limit: Option<f64>,
+    target_error: Option<f64>,
+    /// With a target; null in them is "unknown".
+    estimated_error: Option<EstimatedError>,
     max_bounces: u32,
     seed: u32,
     /// Wall time of the tracing alone.
@@ -49,11 +52,19 @@ struct Report {
     stats: Option<FrameStats>,
 }
 
+/// What [`crate::adaptive`] says of the picture.
+#[derive(Clone, Copy, Debug, Serialize)]
+struct EstimatedError {
+    rms: f64,
+    largest: f64,
+}
+
 /// Runs the command.
 pub fn run(options: RenderOptions) -> Result<ExitCode, CliError> {
     // What can be known to fail fails before hours of rendering.
     let format = Format::of(&options.output)?;
     output::check(&options.output, Existing::Replace)?;
+    samples_map::check(&options)?;
     let scene = scene::load(&options.scene)?;
     for warning in &scene.warnings {
         terminal::warn(warning);
@@ -66,24 +77,33 @@ pub fn run(options: RenderOptions) -> Result<ExitCode, CliError> {
     }
 
     let settings = settings(&scene, &options);
-    memory::check(settings.resolution, Film::BYTES_PER_PIXEL)?;
+    let adaptive = options.limits.target.is_some();
+    let noise = if adaptive { Noise::BYTES_PER_PIXEL } else { 0 };
+    memory::check(settings.resolution, Film::BYTES_PER_PIXEL + noise)?;
     let renderer = Renderer::new(&scene, settings);
     if options.stats {
         renderer.start_stats();
     }
     let interrupt = Interrupt::listen();
-    let mut film = renderer.film();
-    let progress = Progress::new(settings.resolution, options.samples);
-    let time = trace(&renderer, &mut film, options.samples, &interrupt, &progress);
+    let mut film = if adaptive { renderer.film_with_noise() } else { renderer.film() };
+    let progress = Progress::new(settings.resolution, options.limits.time);
+    let (time, end) = trace(&renderer, &mut film, &options.limits, &interrupt, &progress);
     progress.writing(&options.output);
-    let (mut report, begun) = (Report::of(&options, &settings, &film, time), film.pixels_begun());
+    let (mut report, begun) = (Report::of(&options, &settings, &film, time, end), film.pixels_begun());
+    let frames = report.mean_samples.round() as u32;
     report.stats = options
         .stats
-        .then(|| FrameStats::of(&renderer.take_stats(), settings.lanes, settings.threads, film.samples()));
+        .then(|| FrameStats::of(&renderer.take_stats(), settings.lanes, settings.threads, frames));
+    interrupt.hold();
+    if let Some(file) = &options.samples_map {
+        if let Err(error) = samples_map::save(file, &film, &|| interrupt.insisted()) {
+            progress.end();
+            return if interrupt.insisted() { Ok(ExitCode::from(INTERRUPTED)) } else { Err(error) };
+        }
+    }
     let picture = film.picture();
     // Encoders need memory of their own: in place of the film's and the scene's.
     drop((film, renderer, scene));
-    interrupt.hold();
     let saved = output::save_unless(&options.output, &picture, &options.tone, &|| interrupt.insisted());
     progress.end();
     if saved.is_err() && interrupt.insisted() {
@@ -100,7 +120,7 @@ pub fn run(options: RenderOptions) -> Result<ExitCode, CliError> {
     if options.json {
         terminal::print_json(&report)?;
     } else {
-        terminal::print(&report.line(options.samples, begun))?;
+        terminal::print(&report.line(options.limits.samples, begun))?;
         if let Some(taken) = &report.stats {
             terminal::print(&stats::frames("stage", &[taken]))?;
             terminal::print(&stats::meaning_of_frames())?;
@@ -122,51 +142,14 @@ fn settings(scene: &Scene, options: &RenderOptions) -> Settings {
     }
 }
 
-/// Adds samples in chunks until there are enough or the user has asked for an end; says how long it took.
-fn trace(
-    renderer: &Renderer,
-    film: &mut Film,
-    samples: u32,
-    interrupt: &Interrupt,
-    progress: &Progress,
-) -> Duration {
-    let mut chunk = 1;
-    let start = Instant::now();
-    while film.samples() < samples && !interrupt.asked() {
-        let watched = Chunk { began: Instant::now(), interrupt, progress };
-        renderer.add_samples_watched(film, chunk, &watched);
-        chunk = next_chunk(chunk, watched.began.elapsed()).min(samples - film.samples());
-    }
-    start.elapsed()
-}
-
-/// A chunk under way: tells the progress, hears the interruption.
-struct Chunk<'a> {
-    began: Instant,
-    interrupt: &'a Interrupt,
-    progress: &'a Progress,
-}
-
-impl Watch for Chunk<'_> {
-    fn stop(&self) -> bool {
-        self.interrupt.asked() && self.began.elapsed() >= GRACE
-    }
-    fn done(&self, pixels: usize, rays: u64) {
-        self.interrupt.begun();
-        self.progress.add(pixels, rays);
-    }
-}
-
-/// How many samples to trace next, given how long the last ones took: as many as should take [`CHUNK`], but not more than
-/// four times as many as before, because a short time measures poorly.
-fn next_chunk(last: u32, took: Duration) -> u32 {
-    let fitting = f64::from(last) * CHUNK.as_secs_f64() / took.as_secs_f64().max(1e-9);
-    (fitting as u32).clamp(1, last.saturating_mul(4))
-}
-
 impl Report {
-    fn of(options: &RenderOptions, settings: &Settings, film: &Film, time: Duration) -> Self {
+    fn of(options: &RenderOptions, settings: &Settings, film: &Film, time: Duration, end: End) -> Self {
         let [width, height] = settings.resolution;
+        let target = &options.limits.target;
+        let estimated = target.map(|_| {
+            let Reached { rms, largest } = Reached::of(film);
+            EstimatedError { rms, largest }
+        });
         Self {
             schema: "octray-render-1",
             scene: options.scene.clone(),
@@ -175,13 +158,18 @@ impl Report {
             height,
             samples: film.samples(),
             most_samples: film.most_samples(),
+            mean_samples: film.mean_samples(),
+            ended_by: end,
+            time_limit: options.limits.time.map(|time| time.as_secs_f64()),
+            target_error: target.map(|target| target.error),
+            estimated_error: estimated,
             max_bounces: settings.max_bounces,
             seed: settings.seed,
             seconds: time.as_secs_f64(),
             rays: film.rays(),
             mrays_per_s: mrays_per_s(film.rays(), time),
             discarded_samples: film.discarded(),
-            interrupted: film.samples() < options.samples,
+            interrupted: end == End::Interrupt,
             stats: None,
         }
     }
@@ -196,42 +184,44 @@ impl Report {
         };
         let of_wanted = if self.interrupted { format!(" of {}", grouped(wanted)) } else { String::new() };
         let rate = figure(*mrays_per_s, 1);
-        let plural = if *samples == 1 && !self.interrupted { "" } else { "s" };
+        let plural = if had == "1" && !self.interrupted { "" } else { "s" };
+        let mean = match samples == most_samples {
+            true => String::new(),
+            false => format!(" (mean {})", figure(self.mean_samples, 0)),
+        };
         let black = 1.0 - begun as f64 / (f64::from(*width) * f64::from(*height));
         let black = match black > 0.0 {
             true => format!("; {:.0} % of the picture has had none and is black", 100.0 * black),
             false => String::new(),
         };
         format!(
-            "{output}: {width}×{height}, {had}{of_wanted} sample{plural}, {seconds:.2} s, {rate} Mray/s{black}\n"
+            "{output}: {width}×{height}, {had}{of_wanted} sample{plural}{mean}, {seconds:.2} s, {rate} Mray/s{black}\n{}",
+            self.ending()
         )
     }
-}
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn next_chunk_aims_at_its_time_and_grows_slowly() {
-        assert_eq!(next_chunk(10, CHUNK), 10);
-        assert_eq!(next_chunk(10, CHUNK * 2), 5);
-        assert_eq!(next_chunk(10, CHUNK / 2), 20);
-        assert_eq!(next_chunk(10, CHUNK / 100), 40);
-        assert_eq!(next_chunk(1, CHUNK * 100), 1);
-        assert_eq!(next_chunk(10, Duration::ZERO), 40);
-        assert_eq!(next_chunk(u32::MAX, Duration::ZERO), u32::MAX);
-    }
-
-    #[test]
-    fn trace_adds_exactly_the_samples_asked_for() {
-        let scene = scene::load("builtin:three").unwrap();
-        for samples in [1, 2, 3, 7, 100] {
-            let settings = Settings { resolution: [8, 8], max_bounces: 1, ..Settings::of(&scene) };
-            let renderer = Renderer::new(&scene, settings);
-            let (mut film, progress) = (renderer.film(), Progress::new(settings.resolution, samples));
-            trace(&renderer, &mut film, samples, &Interrupt::default(), &progress);
-            assert_eq!((film.samples(), film.most_samples()), (samples, samples));
+    /// What ended it, where more than the number of samples could have, and the error reached.
+    fn ending(&self) -> String {
+        if self.target_error.is_none() && self.time_limit.is_none() {
+            return String::new();
         }
+        let by = match self.ended_by {
+            End::Samples => "the limit of samples",
+            End::TargetError => "the target error",
+            End::TimeLimit => "the time limit",
+            End::Interrupt => "Ctrl-C",
+        };
+        let errors = match (&self.estimated_error, self.target_error) {
+            (Some(error), Some(target)) if error.rms.is_finite() => {
+                let [rms, largest, target, worst] =
+                    [error.rms, error.largest, target, WORST * target].map(|error| figure(error, 1));
+                format!(
+                    "; estimated error {rms} ({target} asked for), in the worst block {largest} ({worst})"
+                )
+            }
+            (Some(_), _) => "; too few samples to estimate the error".to_string(),
+            _ => String::new(),
+        };
+        format!("ended by {by}{errors}\n")
     }
 }

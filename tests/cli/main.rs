@@ -5,6 +5,7 @@ mod desk;
 mod figures;
 #[cfg(unix)]
 mod interrupt;
+mod limits;
 mod rays;
 mod render;
 mod scenes;

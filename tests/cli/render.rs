@@ -59,7 +59,12 @@ fn render_reports_in_json_what_it_did() {
     }
     assert_eq!(report["interrupted"], false);
     assert!(report["seconds"].is_f64() && report["mrays_per_s"].is_f64() && report["rays"].is_u64());
-    assert_eq!(report.as_object().unwrap().len(), 14);
+    assert_eq!(report["mean_samples"], 2.0);
+    assert_eq!(report["ended_by"], "samples");
+    for key in ["time_limit", "target_error", "estimated_error"] {
+        assert!(report[key].is_null(), "{key}");
+    }
+    assert_eq!(report.as_object().unwrap().len(), 19);
 }
 
 #[test]

@@ -3,10 +3,14 @@
 //! For: [`Film`], which tiles fill, and [`Picture`], what it averages to. May import: `lane`, `integrate` (for the shape of tiles).
 //! Must never know: scenes, tone mapping, files.
 //!
-//! Sums are compensated: a plain f32 sum is off by 5e-6 after a million samples and stalls at 2²⁴ of them.
+//! Sums are compensated: a plain f32 sum is off by 5e-6 after a million samples and stalls at 2²⁴ of them. How far samples differ
+//! ([`mod@noise`]) is summed only in films that are made for it.
+
+pub mod noise;
 
 use crate::integrate::Tile;
 use crate::lane::{F32x8, Lane, Mask, Mask8};
+use noise::Noise;
 
 /// A picture in linear RGB, row by row from the top: what a film averages to, before anyone sees it.
 #[derive(Clone, Debug, PartialEq)]
@@ -35,6 +39,8 @@ pub(crate) struct TileSums {
     packets: Vec<[CompensatedSum; 3]>,
     /// Samples of each pixel that were left out; empty as long as there are none.
     discarded: Vec<u32>,
+    /// How far samples differ, where somebody asks.
+    pub noise: Option<Noise>,
 }
 
 /// Sums of f32 that keep what rounding loses: as accurate as f64 in the same space, at the full width of the lanes.
@@ -66,7 +72,7 @@ impl CompensatedSum {
 impl TileSums {
     fn new(tile: Tile) -> Self {
         let packets = vec![[CompensatedSum::ZERO; 3]; tile.pixels().div_ceil(F32x8::WIDTH)];
-        Self { tile, samples: 0, packets, discarded: Vec::new() }
+        Self { tile, samples: 0, packets, discarded: Vec::new(), noise: None }
     }
 
     /// Adds one sample of every pixel: red, green and blue, each padded to whole packets. A sample with a NaN or infinite
@@ -88,7 +94,18 @@ impl TileSums {
                 sum.add(value);
             }
         }
+        if let Some(noise) = &mut self.noise {
+            noise.add(self.samples, channels);
+        }
         self.samples += 1;
+    }
+
+    /// The average of a pixel's finite samples; black before the first one.
+    pub fn mean(&self, slot: usize) -> [f64; 3] {
+        let count = self.samples - self.discarded.get(slot).unwrap_or(&0);
+        let scale = 1.0 / f64::from(count.max(1));
+        let (packet, lane) = (slot / F32x8::WIDTH, slot % F32x8::WIDTH);
+        std::array::from_fn(|c| self.packets[packet][c].get(lane) * scale)
     }
 }
 
@@ -121,6 +138,12 @@ impl Film {
         Self { resolution, tiles, rays: 0 }
     }
 
+    /// The same, and it sums how far samples differ: [`Noise::BYTES_PER_PIXEL`] more.
+    pub(crate) fn with_noise(mut self) -> Self {
+        self.tiles.iter_mut().for_each(|tile| tile.noise = Some(Noise::new(tile.packets.len())));
+        self
+    }
+
     /// Pixels: width, height.
     pub fn resolution(&self) -> [u32; 2] {
         self.resolution
@@ -132,6 +155,15 @@ impl Film {
     /// The most samples that a pixel has had: more than [`Film::samples`] where taking them was stopped midway.
     pub fn most_samples(&self) -> u32 {
         self.tiles.iter().map(|tile| tile.samples).max().unwrap_or(0)
+    }
+    /// Samples of single pixels, all together.
+    pub fn pixel_samples(&self) -> u64 {
+        self.tiles.iter().map(|tile| tile.tile.pixels() as u64 * u64::from(tile.samples)).sum()
+    }
+    /// Samples a pixel has had on average.
+    pub fn mean_samples(&self) -> f64 {
+        let [width, height] = self.resolution.map(f64::from);
+        self.pixel_samples() as f64 / (width * height)
     }
     /// Pixels that have had a sample.
     pub fn pixels_begun(&self) -> u64 {
@@ -147,16 +179,23 @@ impl Film {
     }
     /// The average of each pixel's own finite samples, whatever others have had; black before the first one.
     pub fn picture(&self) -> Picture {
+        self.draw(|tile, slot| tile.mean(slot).map(|channel| channel as f32))
+    }
+    /// How many samples each pixel has had, in all three channels.
+    pub fn counts(&self) -> Picture {
+        self.draw(|tile, _| [tile.samples as f32; 3])
+    }
+
+    /// A picture of what `pixel` makes of each tile and slot.
+    fn draw(&self, pixel: impl Fn(&TileSums, usize) -> [f32; 3]) -> Picture {
         let [width, height] = self.resolution;
         let mut pixels = vec![[0.0; 3]; width as usize * height as usize];
-        for TileSums { tile, samples, packets, discarded } in &self.tiles {
+        for sums in &self.tiles {
+            let tile = sums.tile;
             for slot in 0..tile.pixels() {
                 let (column, row) = (slot as u32 % tile.width, slot as u32 / tile.width);
                 let index = (tile.y + row) as usize * width as usize + (tile.x + column) as usize;
-                let count = samples - discarded.get(slot).unwrap_or(&0);
-                let scale = 1.0 / f64::from(count.max(1));
-                let (packet, lane) = (slot / F32x8::WIDTH, slot % F32x8::WIDTH);
-                pixels[index] = std::array::from_fn(|c| (packets[packet][c].get(lane) * scale) as f32);
+                pixels[index] = pixel(sums, slot);
             }
         }
         Picture { width, height, pixels }

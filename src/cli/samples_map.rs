@@ -1,0 +1,55 @@
+//! `--samples-map`: a picture of how many samples each pixel has had.
+//!
+//! For: [`check`], [`save`]. May import: `film`, `output`. Must never know: why pixels have had different numbers.
+
+use super::error::CliError;
+use super::numbers::refuse;
+use super::options::RenderOptions;
+use crate::film::{Film, Picture};
+use crate::output::tone::srgb_decode;
+use crate::output::{self, Existing, Format, Tone};
+use std::path::Path;
+
+/// Can it be written where it shall be? Finds out before anything is rendered.
+pub fn check(options: &RenderOptions) -> Result<(), CliError> {
+    let Some(file) = &options.samples_map else { return Ok(()) };
+    Format::of(file)?;
+    if *file == options.output {
+        let why = "the picture itself goes there: give another file";
+        return Err(refuse("--samples-map", &file.display().to_string(), why));
+    }
+    Ok(output::check(file, Existing::Replace)?)
+}
+
+/// Writes it; fails, and leaves no file, once `given_up` says so.
+pub fn save(file: &Path, film: &Film, given_up: &dyn Fn() -> bool) -> Result<(), CliError> {
+    let mut counts = film.counts();
+    if !Format::of(file)?.is_linear() {
+        shade(&mut counts, film.most_samples());
+    }
+    Ok(output::save_unless(file, &counts, &Tone::default(), given_up)?)
+}
+
+/// From counts to what a screen shows them as: even steps to the eye for even factors, white for `most`, black for none and for one.
+fn shade(counts: &mut Picture, most: u32) {
+    let whole = f64::from(most.max(2)).ln();
+    for pixel in &mut counts.pixels {
+        let shown = f64::from(pixel[0].max(1.0)).ln() / whole;
+        *pixel = [srgb_decode(shown) as f32; 3];
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shade_gives_even_steps_for_even_factors() {
+        let pixels = [0.0, 1.0, 4.0, 16.0, 64.0, 256.0].map(|count| [count; 3]).to_vec();
+        let mut counts = Picture { width: 6, height: 1, pixels };
+        shade(&mut counts, 256);
+        let bytes = Tone::default().bytes(&counts);
+        let shown: Vec<u8> = bytes.into_iter().step_by(3).collect();
+        assert_eq!(shown, [0, 0, 64, 128, 191, 255]);
+    }
+}

@@ -1,0 +1,137 @@
+//! How far a tile's samples differ, and what that says of their mean.
+//!
+//! For: [`Noise`]. May import: `lane`. Must never know: blocks, targets, when enough is enough.
+//!
+//! # The estimate
+//! Of every four samples of a pixel that follow each other, beginning at a multiple of four, d is the luminance of the first two less
+//! that of the last two. Where samples are independent, E d² = 4 σ², and the mean of n samples has the variance σ²/n: its estimate is
+//! (Σ d² / 4 groups) / n, without bias, with n / 4 degrees of freedom, and 0 without rounding where all samples are equal (a sum of
+//! squares less a square of the sum would not be).
+//!
+//! Samples may also be spread more evenly than by chance: with Owen's scrambling the points 4 k to 4 k + 3 of Sobol's sequence are a net,
+//! and so are their two halves. Then d holds only what two points leave over, but still more than all n of them do, and the estimate errs to the
+//! safe side. Halves by turns (even against odd) would not do: even points all lie in one half of the pixel.
+
+use crate::lane::{F32x8, Lane};
+
+/// Samples in a group.
+pub const GROUP: u32 = 4;
+/// What red, green and blue weigh in luminance. Source: ITU-R BT.709-6, 2015, section 3.
+const LUMINANCE: [f32; 3] = [0.2126, 0.7152, 0.0722];
+
+/// The luminance of linear RGB.
+pub fn luminance(color: [f64; 3]) -> f64 {
+    color.iter().zip(LUMINANCE).map(|(channel, weight)| channel * f64::from(weight)).sum()
+}
+
+/// How far the samples of a tile's pixels differ, packet by packet.
+#[derive(Clone, Debug)]
+pub struct Noise {
+    packets: Vec<Spread>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Spread {
+    /// d of the group under way.
+    difference: F32x8,
+    /// Σ d² of the groups that are whole. A plain sum: four million of them leave three digits, and two would do.
+    squares: F32x8,
+}
+
+impl Noise {
+    pub const BYTES_PER_PIXEL: usize = size_of::<Spread>() / F32x8::WIDTH;
+
+    pub(super) fn new(packets: usize) -> Self {
+        Self { packets: vec![Spread { difference: F32x8::zero(), squares: F32x8::zero() }; packets] }
+    }
+
+    /// Adds sample number `sample` of every pixel, counted from 0. One that is not finite counts as black.
+    pub(super) fn add(&mut self, sample: u32, [r, g, b]: [&[[f32; F32x8::WIDTH]]; 3]) {
+        let zero = F32x8::zero();
+        let weights = LUMINANCE.map(F32x8::splat);
+        let sign = F32x8::splat(if sample % GROUP < GROUP / 2 { 1.0 } else { -1.0 });
+        let whole = sample % GROUP == GROUP - 1;
+        for (((spread, r), g), b) in self.packets.iter_mut().zip(r).zip(g).zip(b) {
+            let [r, g, b] = [r, g, b].map(|channel| F32x8::load(channel));
+            let luminance = r.mul_add(weights[0], g.mul_add(weights[1], b * weights[2]));
+            // x · 0 is 0 for every finite x and NaN for the others.
+            let luminance = F32x8::select((luminance * zero).eq(zero), luminance, zero);
+            spread.difference = luminance.mul_add(sign, spread.difference);
+            if whole {
+                spread.squares = spread.difference.mul_add(spread.difference, spread.squares);
+                spread.difference = zero;
+            }
+        }
+    }
+
+    /// The estimated variance of a pixel's mean luminance after so many samples; infinite before the first whole group.
+    pub(crate) fn variance_of_mean(&self, slot: usize, samples: u32) -> f64 {
+        let squares = f64::from(self.packets[slot / F32x8::WIDTH].squares.get(slot % F32x8::WIDTH));
+        let groups = samples / GROUP;
+        if groups == 0 {
+            return f64::INFINITY;
+        }
+        squares / (f64::from(GROUP) * f64::from(groups) * f64::from(samples))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The estimate for a pixel whose sample i is grey of the brightness `value(i)`.
+    fn estimate(samples: u32, value: impl Fn(u32) -> f32) -> f64 {
+        let mut noise = Noise::new(1);
+        (0..samples).for_each(|sample| noise.add(sample, [&[[value(sample); 8]]; 3]));
+        noise.variance_of_mean(5, samples)
+    }
+
+    /// Uniform in [0, 1).
+    fn uniform(i: u32) -> f32 {
+        (crate::sampling::random::mix(i) >> 8) as f32 / 16_777_216.0
+    }
+
+    #[test]
+    fn variance_of_mean_is_right_for_independent_samples() {
+        for samples in [16, 1024, 1027] {
+            // Uniform samples have the variance 1/12. 1000 pixels of n/4 groups: of d², σ(d²) ≤ √2 E d².
+            let pixels = 1000;
+            let mean = (0..pixels).map(|pixel| estimate(samples, |i| uniform(pixel * 2048 + i))).sum::<f64>()
+                / f64::from(pixels);
+            let truth = 1.0 / 12.0 / f64::from(samples);
+            let tolerance = 4.0 * (2.0 / f64::from(pixels * samples / GROUP)).sqrt();
+            assert!((mean / truth - 1.0).abs() < tolerance, "{samples}: {mean} for {truth}");
+        }
+    }
+
+    #[test]
+    fn variance_of_mean_is_none_where_samples_are_equal_and_unknown_before_four() {
+        assert_eq!(estimate(4096, |_| 0.1), 0.0);
+        assert_eq!(estimate(3, |_| 0.1), f64::INFINITY);
+        assert_eq!(estimate(4, |_| 0.1), 0.0);
+        assert_eq!(estimate(4, |i| if i == 2 { f32::NAN } else { 0.0 }), 0.0, "left out");
+        assert!(estimate(4, |i| if i == 2 { 1.0 } else { 0.0 }) > 0.0);
+    }
+
+    #[test]
+    fn variance_of_mean_errs_to_the_safe_side_for_nets() {
+        // An edge and a slope across the pixel, met by van der Corput's sequence, Sobol's first dimension, shifted by digits.
+        let functions: [fn(f32) -> f32; 2] = [|x| x, |x| f32::from(x < 0.3)];
+        for (value, truth) in functions.into_iter().zip([0.5, 0.3f64]) {
+            for samples in [16, 64, 256] {
+                let pixels = 200;
+                let (mut estimated, mut true_square) = (0.0, 0.0);
+                for pixel in 0..pixels {
+                    let shift = crate::sampling::random::mix(pixel + 7u32);
+                    let sample = |i: u32| value(((i.reverse_bits() ^ shift) >> 8) as f32 / 16_777_216.0);
+                    estimated += estimate(samples, sample);
+                    let mean = (0..samples).map(|i| f64::from(sample(i))).sum::<f64>() / f64::from(samples);
+                    true_square += (mean - truth).powi(2);
+                }
+                let independent = truth * (1.0 - truth) / f64::from(samples) * f64::from(pixels);
+                assert!(estimated > true_square, "{samples}: {estimated} for {true_square}");
+                assert!(estimated < 1.5 * independent, "{samples}: not even what chance would do");
+            }
+        }
+    }
+}

@@ -41,6 +41,9 @@ pub struct Settings {
     /// Pixels of a tile: width, height; at most [`MAX_PIXELS`] together.
     pub tile_size: [u32; 2],
     pub pipeline: PipelineChoice,
+    /// The most radiance that a sample may bring to a channel; infinite without a limit, as by default. A limit takes light away: the
+    /// picture is darker than the truth by what it cuts off.
+    pub clamp: f32,
 }
 
 impl Settings {
@@ -55,6 +58,7 @@ impl Settings {
             threads: 1,
             tile_size: Self::TILE_SIZE,
             pipeline: PipelineChoice::default(),
+            clamp: f32::INFINITY,
         }
     }
     /// Rows of whole packets, and a queue that stays in the first-level cache.
@@ -239,6 +243,9 @@ impl Renderer {
         let mut total = 0;
         while sums.samples < goal && !watch.stop() {
             let rays = (self.pipeline)(&self.world, sums.tile, sums.samples, &mut work);
+            if self.settings.clamp < f32::INFINITY {
+                work.clamp(self.settings.clamp);
+            }
             sums.add(work.radiance());
             work.enter(None);
             watch.done(sums.tile.pixels(), rays);

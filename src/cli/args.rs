@@ -160,6 +160,10 @@ pub struct RenderArgs {
     /// Rays traced at a time: 1 (scalar) or 8 (SIMD); they do not change the picture.
     #[arg(long, value_name = "1|8", default_value = "8", allow_hyphen_values = true)]
     pub lanes: String,
+    /// The most radiance that a sample may bring to a channel. It takes bright specks away, and light with them: the picture is
+    /// biased, darker than the truth by what is cut off [default: no limit].
+    #[arg(long, value_name = "MOST", allow_hyphen_values = true)]
+    pub clamp: Option<String>,
     /// Brighten (above 0) or darken (below 0) .png and .jpg by so many stops, a factor of two each [default: 0].
     #[arg(long, value_name = "STOPS", allow_hyphen_values = true)]
     pub exposure: Option<String>,

@@ -54,6 +54,14 @@ pub fn exposure(text: &str) -> Result<f32, CliError> {
     }
 }
 
+/// Radiance.
+pub fn clamp(text: &str) -> Result<f32, CliError> {
+    match text.parse::<f32>() {
+        Ok(most) if most > 0.0 && most.is_finite() => Ok(most),
+        _ => Err(refuse("--clamp", text, "give a number above 0, or leave it out for no limit")),
+    }
+}
+
 /// Reads `WxH` or `W×H`.
 pub fn size(text: &str) -> Result<[u32; 2], CliError> {
     let shape = "give width and height as WIDTHxHEIGHT, such as 240x135";
@@ -148,6 +156,15 @@ mod tests {
         assert_eq!(seed("4294967295").unwrap(), u32::MAX);
         for text in ["0", "10", "-1", "1.0", "1e0", "", "nan", "4294967297", "18446744073709551617"] {
             assert!(whole("--n", text, 1, 9).unwrap_err().to_string().contains("from 1 to 9"), "{text}");
+        }
+    }
+
+    #[test]
+    fn clamp_is_finite_and_above_zero() {
+        assert_eq!(clamp("10").unwrap(), 10.0);
+        for text in ["0", "-1", "nan", "inf", "", "ten"] {
+            let message = clamp(text).unwrap_err().to_string();
+            assert!(message.contains("--clamp") && message.contains("above 0"), "{text}: {message}");
         }
     }
 

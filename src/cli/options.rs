@@ -10,7 +10,7 @@ use super::args::{
 };
 use super::error::CliError;
 use super::limits::Limits;
-use super::numbers::{bounces, exposure, lanes, refuse, samples, seed, size, threads, whole};
+use super::numbers::{bounces, clamp, exposure, lanes, refuse, samples, seed, size, threads, whole};
 use crate::buffers::LightChoice;
 use crate::measure::ways::Way;
 use crate::output::{Operator, Tone};
@@ -76,6 +76,8 @@ pub struct RenderOptions {
     pub threads: usize,
     pub lanes: usize,
     pub tone: Tone,
+    /// The most that a sample may bring to a channel; infinite without a limit.
+    pub clamp: f32,
     /// Was exposure or tone mapping asked for?
     pub tone_asked: bool,
     pub methods: Methods,
@@ -163,6 +165,7 @@ impl TryFrom<RenderArgs> for RenderOptions {
             seed: seed(&args.seed)?,
             threads: threads(args.threads)?,
             lanes: lanes(&args.lanes)?,
+            clamp: args.clamp.as_deref().map_or(Ok(f32::INFINITY), clamp)?,
             tone_asked: args.exposure.is_some() || args.tone.is_some(),
             tone: Tone {
                 exposure: args.exposure.as_deref().map_or(Ok(0.0), exposure)?,

@@ -41,6 +41,8 @@ struct Report {
     estimated_error: Option<EstimatedError>,
     max_bounces: u32,
     seed: u32,
+    /// The most that a sample could bring to a channel: then the picture is biased. Null without a limit.
+    clamp: Option<f32>,
     /// Wall time of the tracing alone.
     seconds: f64,
     rays: u64,
@@ -138,6 +140,7 @@ fn settings(scene: &Scene, options: &RenderOptions) -> Settings {
         pipeline: options.pipeline,
         lanes: options.lanes,
         threads: options.threads,
+        clamp: options.clamp,
         ..Settings::of(scene)
     }
 }
@@ -165,6 +168,7 @@ impl Report {
             estimated_error: estimated,
             max_bounces: settings.max_bounces,
             seed: settings.seed,
+            clamp: Some(settings.clamp).filter(|clamp| clamp.is_finite()),
             seconds: time.as_secs_f64(),
             rays: film.rays(),
             mrays_per_s: mrays_per_s(film.rays(), time),

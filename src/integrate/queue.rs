@@ -319,6 +319,14 @@ impl Work {
         }
     }
 
+    /// Cuts radiance off above `most`. What is not finite stays, to be counted at the film.
+    pub fn clamp(&mut self, most: f32) {
+        let Vectors { x, y, z } = &mut self.radiance;
+        for value in [x, y, z].into_iter().flatten().filter(|value| **value > most && value.is_finite()) {
+            *value = most;
+        }
+    }
+
     /// Red, green and blue of the tile's pixels, row by row; what stands behind them is unspecified.
     pub fn radiance(&self) -> [&[f32]; 3] {
         [&self.radiance.x, &self.radiance.y, &self.radiance.z]

@@ -121,3 +121,21 @@ fn lanes_and_threads_change_no_bit_of_the_file() {
         assert!(render(scene, "--seed 1") != first, "{scene}: another seed, the same picture");
     }
 }
+
+#[test]
+fn clamp_cuts_bright_samples_off_and_is_told() {
+    let desk = Desk::new();
+    let render = |file: &str, more: &[&str]| {
+        let plain = ["render", "builtin:cornell", "-o", file, "--samples", "4", "--size", "24x16", "--json"];
+        desk.json(&[&plain, more].concat())
+    };
+    assert!(render("plain.exr", &[])["clamp"].is_null(), "no limit by default");
+    assert_eq!(render("clamped.exr", &["--clamp", "0.5"])["clamp"], 0.5);
+    let [plain, clamped] = ["plain.exr", "clamped.exr"].map(|file| desk.pixels(file));
+    assert!(clamped.iter().flatten().all(|&value| value <= 0.5));
+    // What is dark in every sample stays as it is, and what is cut off is missing: a lamp is in the picture.
+    assert!(plain.iter().zip(&clamped).any(|(plain, clamped)| plain == clamped && *plain != [0.0; 3]));
+    assert!(plain.iter().zip(&clamped).all(|(p, c)| (0..3).all(|i| c[i] <= p[i])));
+    assert!(plain.iter().flatten().any(|&value| value > 5.0));
+    desk.refuses(&["render", "scene.json", "-o", "a.png", "--clamp", "0"], &["--clamp", "above 0"]);
+}

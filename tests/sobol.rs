@@ -217,8 +217,10 @@ fn two_pairs_of_a_pixel_meet_as_independent_orders_do() {
     all_within(deviations);
 }
 
-/// Functions on the square, with their integrals.
-const FUNCTIONS: [(&str, fn(Point) -> f64, f64); 3] = [
+/// A function on the square: its name, itself, its integral.
+type Integrand = (&'static str, fn(Point) -> f64, f64);
+
+const FUNCTIONS: [Integrand; 3] = [
     ("smooth", |[x, y]| (-x * x - y * y).exp(), 0.557_746_285_351_034_2),
     ("disc", |[x, y]| f64::from(u8::from(x * x + y * y < 1.0)), FRAC_PI_4),
     ("edge", |[x, y]| f64::from(u8::from(x + 0.37 * y < 0.6)), 0.415),

@@ -288,7 +288,7 @@ fn turn_degrees_wraps_to_less_than_a_turn() {
 #[test]
 fn builtin_scenes_load_with_what_their_names_promise() {
     let names: Vec<&str> = builtin_names().collect();
-    assert_eq!(names, ["thesis", "three", "spheres", "cornell", "cornell-spheres", "chess"]);
+    assert_eq!(names, ["thesis", "three", "spheres", "cornell", "cornell-spheres", "materials", "chess"]);
     let counts: Vec<(usize, usize)> = names
         .iter()
         .map(|name| {
@@ -299,7 +299,7 @@ fn builtin_scenes_load_with_what_their_names_promise() {
             (scene.spheres.len(), scene.triangles.len())
         })
         .collect();
-    assert_eq!(counts, [(3, 2), (3, 0), (50, 0), (0, 32), (2, 12), (4, 2)]);
+    assert_eq!(counts, [(3, 2), (3, 0), (50, 0), (0, 32), (2, 12), (13, 0), (4, 2)]);
 }
 
 #[test]

@@ -9,12 +9,13 @@ use std::path::Path;
 /// How the command line asks for a scene inside the program.
 pub const PREFIX: &str = "builtin:";
 
-const SCENES: [(&str, &str); 6] = [
+const SCENES: [(&str, &str); 7] = [
     ("thesis", include_str!("../../scenes/thesis.json")),
     ("three", include_str!("../../scenes/three.json")),
     ("spheres", include_str!("../../scenes/spheres.json")),
     ("cornell", include_str!("../../scenes/cornell.json")),
     ("cornell-spheres", include_str!("../../scenes/cornell-spheres.json")),
+    ("materials", include_str!("../../scenes/materials.json")),
     ("chess", include_str!("../../scenes/chess.json")),
 ];
 

@@ -99,7 +99,17 @@ fn everything_of(triangles: usize) -> Scene {
     materials[6].emission = Vec3::new(0.2, 0.1, 0.4);
     materials[7].emission = Vec3::new(3.0, 2.0, 1.0);
     materials[7].texture = Some(0);
+    materials[2].roughness_map = Some(2);
+    materials[4].roughness_map = Some(1);
+    materials[8].normal_map = Some(2);
+    materials[9].normal_map = Some(1);
+    materials[0].normal_map = Some(2);
+    materials[11].roughness_map = Some(0);
     let mut scene = furnished(&mut dice, materials, 20, triangles, true);
+    // Every other triangle is smooth.
+    scene.normals = (0..scene.triangles.len())
+        .map(|i| [(); 3].map(|()| if i % 2 == 0 { dice.direction().as_vec3() } else { Vec3::ZERO }))
+        .collect();
     scene.textures = vec![
         noise(&mut dice, 5, 3, Filter::Nearest),
         noise(&mut dice, 4, 7, Filter::Bilinear),

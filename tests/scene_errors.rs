@@ -212,19 +212,45 @@ fn colours_outside_their_range_are_refused() {
 #[test]
 fn material_types_that_do_not_exist_are_refused() {
     assert_refused(material("\"type\": \"metl\""), "`metl`", "materials.m.type", "did you mean `metal`?");
-    assert_refused(material("\"type\": \"velvet\""), "`velvet`", "materials.m.type", "diffuse, metal, glass");
-    let text = material("\"type\": \"plastic\", \"ior\": 1.5");
-    assert_refused(text, "not available in this version", "materials.m.type", "use `diffuse`");
-    let text = material("\"type\": \"diffuse\", \"normal_map\": \"n.png\"");
-    assert_refused(text, "not available in this version", "materials.m.normal_map", "remove it");
+    assert_refused(
+        material("\"type\": \"velvet\""),
+        "`velvet`",
+        "materials.m.type",
+        "diffuse, metal, plastic",
+    );
+}
+
+#[test]
+fn coats_and_maps_that_make_no_sense_are_refused() {
+    for ior in ["0.9", "3.5", "-1"] {
+        let text = material(&format!("\"type\": \"plastic\", \"ior\": {ior}"));
+        assert_refused(text, ior, "materials.m.ior, line 3", "from 1 to 3");
+    }
+    let text = material("\"type\": \"plastic\", \"roughness\": 1.5");
+    assert_refused(text, "1.5 is outside", "materials.m.roughness", "from 0 to 1");
+    let text = material("\"type\": \"metal\", \"roughness\": 0, \"roughness_map\": \"r.png\"");
+    assert_refused(text, "cannot roughen", "materials.m.roughness_map", "above 0");
+    for key in ["roughness_map", "normal_map"] {
+        let text = material(&format!("\"type\": \"metal\", \"{key}\": \"gone.png\""));
+        assert_refused(text, "gone.png", &format!("materials.m.{key}"), "relative to the scene file");
+    }
+}
+
+#[test]
+fn normals_without_a_direction_are_refused() {
+    let text = "{ \"format\": \"octray-1\", \"triangles\": [ { \"vertices\": [[0,0,0],[1,0,0],[0,1,0]], \
+                \"normals\": [[0,0,1],[0,0,0],[0,0,1]] } ] }";
+    assert_refused(text, "length zero", "triangles[0].normals[1]", "away from the surface");
 }
 
 #[test]
 fn keys_of_another_material_type_are_refused() {
     let cases = [
         ("\"type\": \"diffuse\", \"ior\": 1.5", "ior", "glass"),
-        ("\"type\": \"diffuse\", \"roughness\": 0.5", "roughness", "`metal` or `scatter`"),
-        ("\"type\": \"glass\", \"roughness\": 0.5", "roughness", "`metal` or `scatter`"),
+        ("\"type\": \"diffuse\", \"roughness\": 0.5", "roughness", "`plastic` or `scatter`"),
+        ("\"type\": \"diffuse\", \"roughness_map\": \"r.png\"", "roughness_map", "`plastic` or `scatter`"),
+        ("\"type\": \"emitter\", \"normal_map\": \"n.png\"", "normal_map", "scatters nothing"),
+        ("\"type\": \"glass\", \"roughness\": 0.5", "roughness", "`plastic` or `scatter`"),
         ("\"type\": \"emitter\", \"color\": [1,1,1]", "color", "`emission`"),
         ("\"type\": \"diffuse\", \"filter\": \"nearest\"", "filter", "add a `texture`"),
         ("\"type\": \"diffuse\", \"texture_size\": 2", "texture_size", "add a `texture`"),

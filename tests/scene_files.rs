@@ -288,7 +288,9 @@ fn turn_degrees_wraps_to_less_than_a_turn() {
 #[test]
 fn builtin_scenes_load_with_what_their_names_promise() {
     let names: Vec<&str> = builtin_names().collect();
-    assert_eq!(names, ["thesis", "three", "spheres", "cornell", "cornell-spheres", "balls", "chess"]);
+    let expected =
+        ["thesis", "three", "spheres", "cornell", "cornell-spheres", "balls", "materials", "chess"];
+    assert_eq!(names, expected);
     let counts: Vec<(usize, usize)> = names
         .iter()
         .map(|name| {
@@ -299,7 +301,7 @@ fn builtin_scenes_load_with_what_their_names_promise() {
             (scene.spheres.len(), scene.triangles.len())
         })
         .collect();
-    assert_eq!(counts, [(3, 2), (3, 0), (50, 0), (0, 32), (2, 12), (10, 2), (4, 2)]);
+    assert_eq!(counts, [(3, 2), (3, 0), (50, 0), (0, 32), (2, 12), (10, 2), (13, 0), (4, 2)]);
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! OBJ and MTL: what they mean as scenes and as meshes in scenes, and the way back to a scene file.
 
 use glam::{Vec2, Vec3};
-use octray::scene::{MaterialKind, Scene, Sky, load, native_from_obj, native_from_obj_in};
+use octray::scene::{MaterialKind, Scene, Sky, Texels, load, native_from_obj, native_from_obj_in};
 use std::fs;
 use std::path::Path;
 use tempfile::TempDir;
@@ -65,10 +65,19 @@ fn negative_indices_count_back_from_the_latest() {
 #[test]
 fn statements_in_the_wild_are_read_or_passed_over() {
     let text = b"\xef\xbb\xbf# caf\xe9 in Latin-1\r\no thing\r\ng a b\r\ns 1\r\nv 0 0 0 1.0\r\nv 2 0 0 0.5 0.5 0.5\r\n\
-        \tv  0\t2 0\r\nvt 0.5\r\nvn 0 0 1\r\nl 1 2\r\np 1\r\nf 1//1 2//1 \\\r\n 3//1\r\n\r\n";
+        \tv  0\t2 0\r\nvt 0.5\r\nvn 0 1 1\r\nl 1 2\r\np 1\r\nf 1//1 2//1 \\\r\n 3//1\r\n\r\n";
     let scene = load_obj(text);
     assert_eq!(scene.triangles[0].vertices, [Vec3::ZERO, 2.0 * Vec3::X, 2.0 * Vec3::Y]);
-    assert_eq!(scene.normals, [[Vec3::Z; 3]]);
+    assert_eq!(scene.normals, [[Vec3::new(0.0, 1.0, 1.0).normalize(); 3]]);
+}
+
+#[test]
+fn normals_of_flat_triangles_are_left_out_on_either_side() {
+    // Off by what six digits round, and pointing backwards.
+    for normal in ["0 0 1", "0 0 -2", "0.00001 0 1"] {
+        let scene = load_obj(format!("v 0 0 0\nv 2 0 0\nv 0 2 0\nvn {normal}\nf 1//1 2//1 3//1\n"));
+        assert!(scene.normals.is_empty(), "{normal}: {:?}", scene.normals);
+    }
 }
 
 #[test]
@@ -141,6 +150,50 @@ fn what_clearly_means_glass_is_glass() {
 }
 
 #[test]
+fn what_clearly_means_metal_or_plastic_is_that() {
+    let plastic = |roughness, ior| MaterialKind::Plastic { roughness, ior };
+    let kd = Vec3::new(0.5, 0.25, 1.0);
+    for (statements, kind, color) in [
+        (
+            "illum 3\nKs 0.9 0.8 0.7\nPr 0.25",
+            MaterialKind::Metal { roughness: 0.25 },
+            Vec3::new(0.9, 0.8, 0.7),
+        ),
+        ("Pm 1\nPr 0.3\nKs 1 1 1\nPc 0\nPcr 0.03\naniso 0", MaterialKind::Metal { roughness: 0.3 }, kd),
+        ("Pm 0.5", MaterialKind::Metal { roughness: 0.5 }, kd),
+        ("Pm 0.4\nPr 0.3", plastic(0.3, 1.5), kd),
+        ("Pr 2\nNi 1.8", plastic(1.0, 1.8), kd),
+        // √(2 / 32) is a quarter, whose root is a half.
+        ("Ks 0.1 0.1 0.1\nNs 30\nillum 2\nNi 7", plastic(0.5, 1.5), kd),
+        ("Ks 0.1 0.1 0.1\nNs 30\nNi 1", plastic(0.5, 1.5), kd),
+        ("Ks 0 0 0\nNs 30\nillum 2", MaterialKind::Diffuse, kd),
+        ("Ks 1 1 1\nNs 0\nillum 2", MaterialKind::Diffuse, kd),
+        ("Ks 1 1 1\nNs 30\nillum 1", MaterialKind::Diffuse, kd),
+    ] {
+        let (found, shade, warnings) = with_material(&format!("Kd 0.5 0.25 1\n{statements}\n"));
+        assert_eq!((found, shade), (kind, color), "{statements}");
+        let layers: Vec<&String> = warnings.iter().filter(|w| !w.contains("`Pcr`")).collect();
+        assert!(layers.is_empty(), "{statements}: {warnings:?}");
+    }
+    assert_eq!(with_material("Pc 0.5\n").2, [":2: `Pc` is not read."]);
+}
+
+#[test]
+fn maps_of_the_mtl_are_read_as_numbers() {
+    let folder = TempDir::new().unwrap();
+    image::RgbImage::from_pixel(2, 1, image::Rgb([51, 128, 255])).save(folder.path().join("n.png")).unwrap();
+    write(&folder, "m.mtl", "newmtl a\nmap_Kd n.png\nmap_Pr n.png\nnorm -bm 1 n.png\n");
+    let scene = load(&write(&folder, "m.obj", format!("mtllib m.mtl\nusemtl a\n{ONE}"))).unwrap();
+    let material = &scene.materials[scene.triangles[0].material as usize];
+    assert_eq!(material.kind, MaterialKind::Plastic { roughness: 1.0, ior: 1.5 });
+    // One file, two meanings.
+    assert_eq!((material.texture, material.roughness_map, material.normal_map), (Some(0), Some(1), Some(1)));
+    assert_eq!(scene.textures[1].texels, Texels::Data(vec![[51, 128, 255, 0]; 2]));
+    assert_eq!(scene.textures[0].texels, Texels::Display(vec![[51, 128, 255, 0]; 2]));
+    assert!((scene.textures[1].texels.linear(0)[0] - 0.2).abs() < 1e-9);
+}
+
+#[test]
 fn what_is_left_out_of_a_material_is_a_warning_with_its_line() {
     for (statements, warning) in [
         ("d 0.7\n", ":2: what is partly transparent, and no glass, is shown opaque."),
@@ -186,9 +239,10 @@ fn triangles_without_area_are_dropped_with_one_warning_that_counts_them() {
 #[test]
 fn partial_normals_and_coordinates_count_as_none() {
     let scene = load_obj(
-        "v 0 0 0\nv 2 0 0\nv 0 2 0\nvn 0 0 3\nvn 0 0 0\nf 1//1 2//1 3//1\nf 1//1 2 3//1\nf 1//2 2//1 3//1\n",
+        "v 0 0 0\nv 2 0 0\nv 0 2 0\nvn 0 3 3\nvn 0 0 0\nf 1//1 2//1 3//1\nf 1//1 2 3//1\nf 1//2 2//1 3//1\n",
     );
-    assert_eq!(scene.normals, [[Vec3::Z; 3], [Vec3::ZERO; 3], [Vec3::ZERO; 3]]);
+    let tilted = Vec3::new(0.0, 1.0, 1.0).normalize();
+    assert_eq!(scene.normals, [[tilted; 3], [Vec3::ZERO; 3], [Vec3::ZERO; 3]]);
 }
 
 #[test]

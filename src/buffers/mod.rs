@@ -204,7 +204,8 @@ fn detail_row(material: &scene::Material) -> [f32; 8] {
         _ => (1.0, 1.0),
     };
     let code = |map: Option<u32>| f32::from_bits(map.map_or(0, |index| index + 1));
-    [ior, transmitted, code(material.roughness_map), code(material.normal_map), 0.0, 0.0, 0.0, 0.0]
+    let roughness_map = material.roughness_map.filter(|_| material.kind.has_roughness());
+    [ior, transmitted, code(roughness_map), code(material.normal_map), 0.0, 0.0, 0.0, 0.0]
 }
 
 fn normal_rows([a, b, c]: &[Vec3; 3]) -> [[f32; 8]; 2] {

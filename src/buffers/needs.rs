@@ -122,7 +122,7 @@ impl Needs {
             need(material.emission.max_element() > 0.0, Self::EMISSION);
             need(material.texture.is_some(), Self::TEXTURES);
             need(material.normal_map.is_some(), Self::NORMAL_MAPS);
-            need(material.roughness_map.is_some(), Self::ROUGHNESS_MAPS);
+            need(material.roughness_map.is_some() && material.kind.has_roughness(), Self::ROUGHNESS_MAPS);
             match material.kind {
                 MaterialKind::Diffuse => need(true, Self::DIFFUSE),
                 MaterialKind::Metal { roughness: 0.0 } => need(true, Self::MIRROR),

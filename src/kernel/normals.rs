@@ -9,8 +9,8 @@
 //! - Every lobe but a delta lobe is shadowed by [`terminator`] (Chiang, Li, Burley, "Taming the Shadow Terminator", SIGGRAPH Talks
 //!   2019): smoothly to black where the surface itself turns away. What is drawn below the surface is absorbed.
 //!
-//! Both only take light away: on a smooth ball of 80 triangles, whose normals are up to 21° off, some percent of what a matt one
-//! scatters (`tests/smooth.rs` says how many).
+//! Both only take light away: on a smooth ball of 80 triangles, whose normals are up to 21° off, 3.9 % of what a white matt one
+//! scatters, 2.9 to 4.4 % with a coat or as rough metal, nothing as a mirror, 0.2 % as glass (measured, `tests/smooth.rs`).
 
 use crate::lane::Lane;
 use crate::math::Vec3;
@@ -60,7 +60,8 @@ pub fn sphere_tangent<L: Lane>(n: Vec3<L>, inside: L::Mask) -> (Vec3<L>, L) {
 
 /// `normal`, or as much of it as keeps the mirror direction of `d` above the surface, whose own normal is `own`, with d · own < 0.
 ///
-/// Above: at half the angle (its sine) at which d arrives, and no more than 0.01.
+/// Above: at half the angle (its sine) at which d arrives, and no more than 0.01. Error: 2 · 10⁻⁷ over that sine (measured,
+/// `tests/smooth.rs`), because d and its mirror image nearly cancel: whoever leaves asks again.
 #[inline(always)]
 pub fn bend<L: Lane>(d: Vec3<L>, normal: Vec3<L>, own: Vec3<L>) -> Vec3<L> {
     let mirrored = d.reflect(normal);

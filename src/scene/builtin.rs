@@ -9,13 +9,14 @@ use std::path::Path;
 /// How the command line asks for a scene inside the program.
 pub const PREFIX: &str = "builtin:";
 
-const SCENES: [(&str, &str); 7] = [
+const SCENES: [(&str, &str); 8] = [
     ("thesis", include_str!("../../scenes/thesis.json")),
     ("three", include_str!("../../scenes/three.json")),
     ("spheres", include_str!("../../scenes/spheres.json")),
     ("cornell", include_str!("../../scenes/cornell.json")),
     ("cornell-spheres", include_str!("../../scenes/cornell-spheres.json")),
     ("balls", include_str!("../../scenes/balls.json")),
+    ("materials", include_str!("../../scenes/materials.json")),
     ("chess", include_str!("../../scenes/chess.json")),
 ];
 

@@ -125,6 +125,18 @@ impl Material {
     }
 }
 
+impl MaterialKind {
+    /// Does a roughness map change it?
+    pub fn has_roughness(self) -> bool {
+        match self {
+            Self::Metal { roughness } | Self::Plastic { roughness, .. } | Self::Scatter { roughness } => {
+                roughness > 0.0
+            }
+            Self::Diffuse | Self::Glass { .. } | Self::Emitter => false,
+        }
+    }
+}
+
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum MaterialKind {
     /// Lambert.

@@ -313,8 +313,8 @@ impl Entry {
         };
         let kind = self.kind();
         let texture = if look == Look::Glass { None } else { load(&self.picture, Meaning::Light) };
-        let is_rough = matches!(kind, MaterialKind::Metal { roughness } | MaterialKind::Plastic { roughness, .. } if roughness > 0.0);
-        let roughness_map = if is_rough { load(&self.roughness_map, Meaning::Data) } else { None };
+        let roughness_map =
+            if kind.has_roughness() { load(&self.roughness_map, Meaning::Data) } else { None };
         let normal_map = load(&self.normal_map, Meaning::Data);
         let material = Material {
             name: self.name.clone(),

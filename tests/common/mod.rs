@@ -160,3 +160,38 @@ pub fn bumpy_ball(rows: usize) -> Vec<[Vec3; 3]> {
     }
     triangles
 }
+
+/// A ball of 80 triangles of one material with the normals of the sphere, seen under a sky that tells directions.
+pub fn smooth_ball(kind: MaterialKind) -> Scene {
+    let golden = 0.5 * (1.0 + 5.0_f32.sqrt());
+    let mut corners = Vec::new();
+    for (a, b) in [(1.0, golden), (1.0, -golden), (-1.0, golden), (-1.0, -golden)] {
+        corners.extend([Vec3::new(0.0, a, b), Vec3::new(a, b, 0.0), Vec3::new(b, 0.0, a)]);
+    }
+    let near = |a: Vec3, b: Vec3| (a.distance(b) - 2.0).abs() < 1e-3;
+    let mut scene = Scene {
+        camera: Camera { position: Vec3::new(0.4, 0.6, 3.6), ..empty().camera },
+        sky: Sky::Gradient { bottom: Vec3::new(0.1, 0.3, 0.2), top: Vec3::new(1.0, 0.8, 0.6) },
+        materials: vec![Material { color: Vec3::new(0.9, 0.8, 0.7), ..material(kind) }],
+        ..empty()
+    };
+    for (i, &a) in corners.iter().enumerate() {
+        for (j, &b) in corners.iter().enumerate().skip(i + 1) {
+            for &c in corners.iter().skip(j + 1) {
+                if !(near(a, b) && near(b, c) && near(c, a)) {
+                    continue;
+                }
+                // Outwards.
+                let [a, b, c] = if a.dot(b.cross(c)) > 0.0 { [a, b, c] } else { [a, c, b] };
+                let [ab, bc, ca] = [a + b, b + c, c + a];
+                for face in [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]] {
+                    let normals = face.map(Vec3::normalize);
+                    scene.triangles.push(triangle(normals, 0));
+                    scene.normals.push(normals);
+                }
+            }
+        }
+    }
+    assert_eq!(scene.triangles.len(), 80);
+    scene
+}

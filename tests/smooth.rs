@@ -84,7 +84,7 @@ fn bent_normals_mirror_above_the_surface_and_face_the_ray() {
         let mirrored = d - bent * (2.0 * d.dot(bent));
         // Half of the sine of arrival, off by what the half vector loses when it is as short as that.
         let sine = (-d.dot(own)).max(1e-6);
-        let off = 1e-6 + 2e-7 / sine;
+        let off = 1e-6 + 1e-6 / sine;
         let least = (0.5 * sine).min(0.01) - off;
         assert!(mirrored.dot(own) >= least, "{d}, {normal}, {own}: {bent}, {}", mirrored.dot(own));
         assert!(bent.dot(d) <= off, "{d}, {normal}, {own}: {bent}");

@@ -60,7 +60,7 @@ pub fn sphere_tangent<L: Lane>(n: Vec3<L>, inside: L::Mask) -> (Vec3<L>, L) {
 
 /// `normal`, or as much of it as keeps the mirror direction of `d` above the surface, whose own normal is `own`, with d · own < 0.
 ///
-/// Above: at half the angle (its sine) at which d arrives, and no more than 0.01. Error: 2 · 10⁻⁷ over that sine (measured,
+/// Above: at half the angle (its sine) at which d arrives, and no more than 0.01. Error: 10⁻⁶ over that sine (measured,
 /// `tests/smooth.rs`), because d and its mirror image nearly cancel: whoever leaves asks again.
 #[inline(always)]
 pub fn bend<L: Lane>(d: Vec3<L>, normal: Vec3<L>, own: Vec3<L>) -> Vec3<L> {

@@ -57,7 +57,7 @@ impl Facing {
 /// Source: Keller et al., "The Iray Light Transport Simulation and Rendering System", 2017, §A.3.
 fn bend(d: DVec3, normal: DVec3, own: DVec3) -> DVec3 {
     let mirrored = reflect(d, normal);
-    let least = (-0.5 * d.dot(own)).min(0.01).max(1e-6);
+    let least = (-0.5 * d.dot(own)).clamp(1e-6, 0.01);
     let above = mirrored.dot(own);
     if above >= least {
         return normal;

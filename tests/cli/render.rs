@@ -64,7 +64,7 @@ fn render_reports_in_json_what_it_did() {
     for key in ["time_limit", "target_error", "estimated_error"] {
         assert!(report[key].is_null(), "{key}");
     }
-    assert_eq!(report.as_object().unwrap().len(), 19);
+    assert_eq!(report.as_object().unwrap().len(), 20);
 }
 
 #[test]

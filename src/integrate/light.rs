@@ -45,7 +45,9 @@ pub fn weight_by_chance<L: Lane>(inverse_chance: L, search: L) -> L {
 
 /// Draws a light for each path of a packet that scatters at `surface`, and notes the ray behind `count` earlier ones; returns how many
 /// there are now.
-#[inline(always)]
+///
+/// Never in line: it is much code, wanted in two places.
+#[inline(never)]
 pub fn look<L: Lane, const N: u32>(
     world: &World,
     (work, count): (&mut Work, usize),

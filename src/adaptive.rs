@@ -33,7 +33,18 @@
 //!
 //! # Bias
 //! Who stops by his own estimate is biased in principle: samples that by chance look calm are kept, those that do not are watered down
-//! (Kirk, Arvo, "Unbiased Sampling Techniques for Image Synthesis", SIGGRAPH 1991).
+//! (Kirk, Arvo, "Unbiased Sampling Techniques for Image Synthesis", SIGGRAPH 1991). Their remedy, deciding by samples that are then not shown,
+//! costs half of all samples where counts double, more than stopping early gains; and a block that happens to find rare light would keep it as
+//! bright dots. Here 256 pixels decide together, so that a pixel's own noise hardly counts. Measured, means of 12 to 24 seeds against long
+//! runs: less than 2e-4 of the brightness in the scenes `three`, `thesis` and `chess` at targets from 0.1 to 0.2 (`tests/adaptive.rs` holds it below a
+//! hundredth of the target), nothing above the uncertainty of 1e-3 in `spheres` and `cornell-spheres`. It shows where blocks stop before they
+//! have met what is rare: a floor under a calm sky with a sixth of its light from a lamp that one path in 18,000 finds came out 2.3 % too dark at a target
+//! of 0.2 and at most 2,048 samples; with one path in 1,600, 0.1 %.
+//!
+//! # Gain
+//! Rays to the same relative error over the picture, every pixel alike over stopping early, at 240×135 and targets of 0.05 and 0.1: `chess`
+//! 1.5 times as many, `three` 1.2 to 1.5, `thesis` 1.3, `spheres` 1.1, `cornell-spheres` 1.0, where all is equally hard. For the absolute error,
+//! to which dark parts add little, 0.9 to 1.2 times.
 
 use crate::film::Film;
 use crate::film::TileSums;

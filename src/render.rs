@@ -25,7 +25,8 @@ pub enum PipelineChoice {
     General,
 }
 
-/// What decides a picture besides the scene, and how it is computed: `lanes`, `threads`, `tile_size` and `pipeline` change no bit.
+/// What decides a picture besides the scene, and how it is computed: `lanes`, `threads`, `tile_size` and `pipeline` change no bit (but
+/// tiles are the blocks by which [`crate::adaptive`] decides how many samples to take).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
     /// Pixels: width, height.

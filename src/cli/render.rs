@@ -94,11 +94,11 @@ pub fn run(options: RenderOptions) -> Result<ExitCode, CliError> {
         .stats
         .then(|| FrameStats::of(&renderer.take_stats(), settings.lanes, settings.threads, frames));
     interrupt.hold();
-    if let Some(file) = &options.samples_map {
-        if let Err(error) = samples_map::save(file, &film, &|| interrupt.insisted()) {
-            progress.end();
-            return if interrupt.insisted() { Ok(ExitCode::from(INTERRUPTED)) } else { Err(error) };
-        }
+    if let Some(file) = &options.samples_map
+        && let Err(error) = samples_map::save(file, &film, &|| interrupt.insisted())
+    {
+        progress.end();
+        return if interrupt.insisted() { Ok(ExitCode::from(INTERRUPTED)) } else { Err(error) };
     }
     let picture = film.picture();
     // Encoders need memory of their own: in place of the film's and the scene's.
@@ -213,8 +213,8 @@ impl Report {
         };
         let errors = match (&self.estimated_error, self.target_error) {
             (Some(error), Some(target)) if error.rms.is_finite() => {
-                let [rms, largest, target, worst] =
-                    [error.rms, error.largest, target, WORST * target].map(|error| figure(error, 1));
+                let [rms, largest] = [error.rms, error.largest].map(|error| figure(error, 1));
+                let worst = WORST * target;
                 format!(
                     "; estimated error {rms} ({target} asked for), in the worst block {largest} ({worst})"
                 )

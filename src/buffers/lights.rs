@@ -22,7 +22,7 @@ pub enum LightChoice {
 /// The emitters that paths look for: two rows of eight each.
 ///
 /// Sphere: centre, radius, emission, chance; 0 (seven times), offset of rays that end there. Triangle: a, 0, emission, chance; ab, ac, 0,
-/// offset. Sky, the last one: 0 (three times), [`SKY_RADIUS`], 0 (three times), chance; zeros.
+/// offset. Sky, the last one: 0 (three times), `SKY_RADIUS`, 0 (three times), chance; zeros.
 /// Chosen in constant time, each by its share of all power: Walker, "An Efficient Method for Generating Discrete Random Variables with
 /// General Distributions", ACM TOMS 3(3), 1977; the table by Vose, IEEE TSE 17(9), 1991.
 #[derive(Clone, Debug, Default)]

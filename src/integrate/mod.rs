@@ -11,7 +11,7 @@
 //!
 //! `generate` makes primary rays, `extend` finds what they hit, `shade` adds light and scatters, and packs the paths that go on
 //! to the front of the queue, so that packets stay full; where the scene has lights to look for, it draws rays to them, and `search`
-//! adds what arrives ([`light`]). `finish` is the last segment's shading: light, and no scattering.
+//! adds what arrives (`light`). `finish` is the last segment's shading: light, and no scattering.
 //!
 //! # The estimator
 //! Path tracing by sampling each material's lobe: radiance is what sky and emitters add at the end of each segment, times the

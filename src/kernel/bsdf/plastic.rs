@@ -10,7 +10,7 @@
 //! ```
 //!
 //! Reciprocal. With a smooth coat and a = 1 it returns all light, F(o) + T(o) = 1. A rough coat's facets show themselves more steeply
-//! to a grazing ray than its plane does, so T is that of the cosine c + (1 − c) κ α^1.5 with κ = [`STEEPER`]: the largest that creates no light,
+//! to a grazing ray than its plane does, so T is that of the cosine c + (1 − c) κ α^1.5 with κ = `STEEPER`: the largest that creates no light,
 //! by quadrature (0.07 % at most, for indices from 1 to 3). What a rough coat loses is stated where it is measured, `tests/lobes.rs`.
 //!
 //! Source: Wolff, Nayar, Oren, "Improved Diffuse Reflection Models for Computer Vision", IJCV 1998; Jakob, Mitsuba, `plastic`;

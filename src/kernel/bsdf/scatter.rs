@@ -17,7 +17,7 @@
 //!
 //! # The rim
 //! For ρ < 1 the density grows as 1 / q towards the rim of the cone: integrably, but without bound, and rounding puts some drawn
-//! directions beyond it. So x = q² / ρ² is kept above η = [`RIM`], and the cone widened to x > −η. To first order the ring that this adds
+//! directions beyond it. So x = q² / ρ² is kept above η = `RIM`, and the cone widened to x > −η. To first order the ring that this adds
 //! holds what the floor takes away, c √η / 2 each, so that the density's integral stays 1; it is moved by η ρ / 2c at most,
 //! 0.002°. Error: x is off by a few 2⁻²⁴ / ρ, below η down to [`NARROW`].
 

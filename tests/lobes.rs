@@ -259,11 +259,15 @@ fn weight_is_value_over_density() {
             }
             assert_eq!(pdf, drawn.pdf, "{lobe:?}");
             let off = (drawn.weight * pdf - value).abs().max_element() / value.max_element().max(1e-30);
+            // GGX: shadowing of what leaves at a grazing angle, whose cosine is off by some 2⁻²⁴ in either frame.
+            let allowed = 5e-4 + 1e-6 / drawn.direction.dot(n).max(1e-9);
+            assert!(
+                off < allowed,
+                "{lobe:?}: weight · pdf is off by {off:e} of the value, {allowed:e} allowed"
+            );
             worst = worst.max(off);
         }
         println!("{lobe:?}: {worst:e}");
-        // GGX: shadowing of what leaves at a grazing angle, whose cosine rounds to 2⁻²⁴ in either frame.
-        assert!(worst < 2e-3, "{lobe:?}: weight · pdf is off by {worst:e} of the value");
     }
 }
 

@@ -196,8 +196,9 @@ impl Target {
 }
 
 fn blocks(film: &Film) -> Vec<Block> {
-    let brightness = brightness(film);
-    film.tiles.iter().map(|tile| block(tile, FLOOR * brightness)).collect()
+    let luminances: Vec<f64> = film.tiles.iter().map(mean_luminance).collect();
+    let floor = FLOOR * brightness(film, &luminances);
+    film.tiles.iter().zip(luminances).map(|(tile, luminance)| block(tile, luminance, floor)).collect()
 }
 
 fn mean_luminance(tile: &TileSums) -> f64 {
@@ -206,17 +207,17 @@ fn mean_luminance(tile: &TileSums) -> f64 {
 }
 
 /// The square of the mean root of the blocks' luminance.
-fn brightness(film: &Film) -> f64 {
-    let roots =
-        film.tiles.iter().map(|tile| tile.tile.pixels() as f64 * mean_luminance(tile).max(0.0).sqrt());
+fn brightness(film: &Film, luminances: &[f64]) -> f64 {
+    let tiles = film.tiles.iter().zip(luminances);
+    let roots = tiles.map(|(tile, luminance)| tile.tile.pixels() as f64 * luminance.max(0.0).sqrt());
     let [width, height] = film.resolution().map(f64::from);
     (roots.sum::<f64>() / (width * height)).powi(2)
 }
 
-fn block(tile: &TileSums, floor: f64) -> Block {
+/// `mean`: the tile's [`mean_luminance`].
+fn block(tile: &TileSums, mean: f64, floor: f64) -> Block {
     let noise = tile.noise.as_ref().expect("the film was made to sum noise");
     let pixels = tile.tile.pixels();
-    let mean = mean_luminance(tile);
     let squares = (0..pixels).map(|slot| {
         let variance = noise.variance_of_mean(slot, tile.samples);
         let against = luminance(tile.mean(slot)).min(mean).max(floor);

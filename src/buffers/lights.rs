@@ -1,9 +1,11 @@
 //! The emitters that paths look for, and how likely each is chosen.
 
+use super::needs::Needs;
 use super::rows::Rows;
 use super::sky_light::SkyLight;
 use crate::kernel::surface::{sphere_offset, triangle_offset};
 use crate::lane::{Bits, Lane};
+use crate::math::Vec3;
 use crate::scene::{MaterialKind, Scene, Sphere, Triangle};
 use std::f32::consts::PI;
 
@@ -44,14 +46,14 @@ const SKY_RADIUS: f32 = -1.0;
 const LEAST_CONTRAST: f64 = 2.0;
 
 /// A light for each lane.
-pub struct Chosen<L> {
+pub struct Chosen<L: Lane> {
     /// Centre of a sphere, first corner of a triangle.
-    pub at: [L; 3],
+    pub at: Vec3<L>,
     /// 0 for triangles, below for the sky.
     pub radius: L,
-    pub emission: [L; 3],
-    pub ab: [L; 3],
-    pub ac: [L; 3],
+    pub emission: Vec3<L>,
+    pub ab: Vec3<L>,
+    pub ac: Vec3<L>,
     pub offset: L,
     /// The probability of choosing it.
     pub chance: L,
@@ -79,14 +81,23 @@ impl Lights {
         let lights: Vec<usize> = (0..=primitives).filter(|&number| powers[number] > 0.0).collect();
         let shares: Vec<f64> = lights.iter().map(|&number| powers[number] / total).collect();
         let (keep, other) = alias_table(&shares);
+        let chances: Vec<f32> = powers.iter().map(|power| (power / total) as f32).collect();
         Self {
             rows: Rows::new(
                 lights.iter().zip(&shares).flat_map(|(&number, &share)| rows(scene, number, share as f32)),
             ),
             keep: keep.into_iter().map(f32::to_bits).collect(),
             other,
-            chances: powers.iter().map(|power| (power / total) as f32).collect(),
-            sky: sky.map(|sky| (sky, (powers[primitives] / total) as f32)),
+            sky: sky.map(|sky| (sky, chances[primitives])),
+            chances,
+        }
+    }
+    /// What searching for them needs of a pipeline.
+    pub fn needs(&self) -> Needs {
+        match self.len() {
+            0 => Needs::NONE,
+            count if count > Self::FEW => Needs::LIGHTS.with(Needs::MANY_LIGHTS),
+            _ => Needs::LIGHTS,
         }
     }
     pub fn len(&self) -> usize {
@@ -123,11 +134,11 @@ impl Lights {
         let [x, y, z, radius, r, g, b, chance] = self.rows.fetch::<L>(first, few);
         let [abx, aby, abz, acx, acy, acz, _, offset] = self.rows.fetch::<L>(first | L::Bits::splat(1), few);
         Chosen {
-            at: [x, y, z],
+            at: Vec3::new(x, y, z),
             radius,
-            emission: [r, g, b],
-            ab: [abx, aby, abz],
-            ac: [acx, acy, acz],
+            emission: Vec3::new(r, g, b),
+            ab: Vec3::new(abx, aby, abz),
+            ac: Vec3::new(acx, acy, acz),
             offset,
             chance,
         }
@@ -152,10 +163,7 @@ fn power_of(scene: &Scene, number: usize, choice: LightChoice) -> f64 {
         if pictured { 0.0 } else { f64::from(material.emission.element_sum()) / 3.0 }
     };
     match scene.spheres.get(number) {
-        Some(sphere) if choice == LightChoice::Auto && surrounds(scene, number) => {
-            debug_assert!(sphere.radius > 0.0);
-            0.0
-        }
+        Some(sphere) if choice == LightChoice::Auto && surrounds(scene, sphere) => 0.0,
         Some(&Sphere { radius, material, .. }) => {
             let radius = f64::from(radius);
             4.0 * f64::from(PI) * f64::from(PI) * radius * radius * shines(material)
@@ -177,8 +185,7 @@ fn sky_power(scene: &Scene, sky: &SkyLight) -> f64 {
 }
 
 /// Does the camera stand within this sphere? Then every ray that leaves the other things finds it by itself.
-fn surrounds(scene: &Scene, number: usize) -> bool {
-    let sphere = scene.spheres[number];
+fn surrounds(scene: &Scene, sphere: &Sphere) -> bool {
     let to = scene.camera.position.as_dvec3() - sphere.center.as_dvec3();
     to.length() < f64::from(sphere.radius)
 }

@@ -18,7 +18,7 @@ pub use lights::{LightChoice, Lights};
 pub use needs::Needs;
 pub use sky_light::SkyLight;
 pub use spheres::{SphereBlock, Spheres};
-pub use texels::{Abilities, Meaning, Textures};
+pub use texels::{Abilities, Textures};
 
 use crate::kernel::bsdf::plastic;
 use crate::kernel::ray_triangle::TriangleMethod;
@@ -106,19 +106,12 @@ impl Buffers {
 
     pub fn with_lights(scene: &Scene, choice: LightChoice) -> Self {
         let lights = Lights::new(scene, choice);
-        let mut needs = Needs::of(scene);
-        if !lights.is_empty() {
-            needs = needs.with(Needs::LIGHTS);
-        }
-        if lights.len() > Lights::FEW {
-            needs = needs.with(Needs::MANY_LIGHTS);
-        }
         let chance = |number: usize| lights.chances.get(number).copied().unwrap_or(0.0);
         let spheres = scene.spheres.iter().enumerate();
         let triangles = scene.triangles.iter().enumerate();
         let of_triangle = |(number, triangle)| triangle_rows(triangle, chance(scene.spheres.len() + number));
         Self {
-            needs,
+            needs: Needs::of(scene).with(lights.needs()),
             spheres: Spheres::new(&scene.spheres),
             sphere_rows: Rows::new(spheres.map(|(number, sphere)| sphere_row(sphere, chance(number)))),
             triangle_rows: Rows::new(triangles.flat_map(of_triangle)),

@@ -4,7 +4,7 @@ use super::rows::Rows;
 use crate::kernel::texture::{Grid, bytes_to_unit, display_to_linear};
 use crate::lane::{Bits, Lane, Mask};
 use crate::math::Vec3;
-use crate::scene::{Filter, Texels, Texture};
+use crate::scene::{Filter, Meaning, Texels, Texture};
 
 /// All textures of a scene, and a table of where each lies in its pool.
 pub struct Textures {
@@ -25,15 +25,6 @@ pub struct Abilities {
     pub bilinear: bool,
     /// Some texture holds linear light.
     pub linear: bool,
-}
-
-/// What a lookup wants of a texture.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub enum Meaning {
-    /// Linear light: display values are decoded.
-    Light,
-    /// The numbers as they stand.
-    Data,
 }
 
 impl Textures {

@@ -6,7 +6,7 @@ use super::memory::bytes;
 use super::options::InspectOptions;
 use super::routes::{HierarchyReport, TraversalReport};
 use super::terminal;
-use crate::buffers::{Buffers, LightChoice, Lights, SkyLight};
+use crate::buffers::{LightChoice, Lights, Needs, SkyLight};
 use crate::scene::{self, Filter, Material, MaterialKind, Scene, Sky, Texture};
 use crate::wording::{counted, grouped};
 use glam::Vec3;
@@ -119,6 +119,7 @@ pub fn run(options: InspectOptions) -> Result<ExitCode, CliError> {
 impl Inspection {
     fn of(spec: String, scene: &Scene) -> Self {
         let traversal = TraversalReport::of(scene);
+        let lights = Lights::new(scene, LightChoice::default());
         Self {
             schema: "octray-inspect-1",
             scene: spec,
@@ -142,8 +143,8 @@ impl Inspection {
                 vertical_fov: scene.camera.vertical_fov,
             },
             bounds: Bounds::of(scene),
-            needs: Buffers::new(scene).needs.names(),
-            lights: LightReport::of(scene),
+            needs: Needs::of(scene).with(lights.needs()).names(),
+            lights: LightReport::of(scene, &lights),
             memory_bytes: memory(scene),
             hierarchy: traversal.needs_hierarchy().then(|| HierarchyReport::of(scene)),
             traversal,
@@ -251,8 +252,7 @@ impl TextureReport {
 }
 
 impl LightReport {
-    fn of(scene: &Scene) -> Self {
-        let lights = Lights::new(scene, LightChoice::Auto);
+    fn of(scene: &Scene, lights: &Lights) -> Self {
         let shines = |material: u32| scene.materials[material as usize].emission != Vec3::ZERO;
         let spheres = scene.spheres.iter().filter(|sphere| shines(sphere.material)).count();
         let triangles = scene.triangles.iter().filter(|triangle| shines(triangle.material)).count();
@@ -260,7 +260,10 @@ impl LightReport {
             emitters: spheres + triangles,
             sought: lights.len() - usize::from(lights.sky.is_some()),
             sky: lights.sky.is_some(),
-            sky_contrast: SkyLight::of(scene).map(|sky| sky.contrast),
+            sky_contrast: match &lights.sky {
+                Some((sky, _)) => Some(sky.contrast),
+                None => SkyLight::of(scene).map(|sky| sky.contrast),
+            },
         }
     }
 

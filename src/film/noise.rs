@@ -54,8 +54,7 @@ impl Noise {
         for (((spread, r), g), b) in self.packets.iter_mut().zip(r).zip(g).zip(b) {
             let [r, g, b] = [r, g, b].map(|channel| F32x8::load(channel));
             let luminance = r.mul_add(weights[0], g.mul_add(weights[1], b * weights[2]));
-            // x · 0 is 0 for every finite x and NaN for the others.
-            let luminance = F32x8::select((luminance * zero).eq(zero), luminance, zero);
+            let luminance = F32x8::select(luminance.is_finite(), luminance, zero);
             spread.difference = luminance.mul_add(sign, spread.difference);
             if whole {
                 spread.squares = spread.difference.mul_add(spread.difference, spread.squares);

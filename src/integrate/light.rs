@@ -65,21 +65,20 @@ pub fn look<L: Lane, const N: u32>(
     let lights = &world.buffers.lights;
     let few = !needs(N, Needs::MANY_LIGHTS);
     let light = lights.choose::<L>(|| number(random::LIGHT), || number(random::LIGHT_AGAIN), few);
-    let vector = |[x, y, z]: [L; 3]| Vec3::new(x, y, z);
     // From where the path goes on, so that scattering in the same direction would find the same density.
     let origin = drawn.path.ray.origin;
-    let at = vector(light.at) - origin;
+    let at = light.at - origin;
     let is_sphere = L::zero().lt(light.radius);
     let (spheres, triangles) = ((mask & is_sphere).any(), (mask & !is_sphere).any());
     let mut aim = match (needs(N, Needs::SPHERES) && spheres, needs(N, Needs::TRIANGLES) && triangles) {
         (true, false) => aim_at_sphere(at, light.radius, u, v),
-        (false, _) => aim_at_triangle(at, vector(light.ab), vector(light.ac), u, v),
+        (false, _) => aim_at_triangle(at, light.ab, light.ac, u, v),
         (true, true) => {
-            let triangle = aim_at_triangle(at, vector(light.ab), vector(light.ac), u, v);
+            let triangle = aim_at_triangle(at, light.ab, light.ac, u, v);
             triangle.or(is_sphere, aim_at_sphere(at, light.radius, u, v))
         }
     };
-    let mut emission = vector(light.emission);
+    let mut emission = light.emission;
     if needs(N, Needs::SKY_TEXTURE)
         && let Some((sky, _)) = &lights.sky
     {

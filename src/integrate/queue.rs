@@ -5,6 +5,7 @@ use super::stats::{Meter, RayKind, Stage, Stats};
 use super::{Tile, World};
 use crate::lane::{Bits, F32x8, Lane};
 use crate::math::{Hit, MISS, Ray, Vec3};
+use crate::traverse::Visible;
 use crate::traverse::batch::{Tracer, Traversal};
 use crate::traverse::hierarchy::Hierarchy;
 use crate::traverse::rays::{Hits, Rays};
@@ -189,9 +190,13 @@ pub fn pack<L: Lane>(v: Vec3<L>, packing: L::Packing) -> Vec3<L> {
 #[inline(never)]
 fn note_segment(meter: &mut Meter, world: &World, tile: Tile, bounces: u32, (rays, width): (usize, usize)) {
     let visible = if bounces == 0 { world.visible.get(tile.number) } else { None };
+    meter.segment(bounces, rays, width, tests_of_each(world, visible));
+}
+
+/// How many spheres and triangles each ray is tested against, where there is no hierarchy.
+fn tests_of_each(world: &World, visible: Option<&Visible>) -> Option<[usize; 2]> {
     let linear = world.primitives.hierarchy().is_none();
-    let each = linear.then(|| world.primitives.linear(&world.buffers, visible));
-    meter.segment(bounces, rays, width, each);
+    linear.then(|| world.primitives.linear(&world.buffers, visible))
 }
 
 impl Work {
@@ -242,8 +247,7 @@ impl Work {
     #[inline(always)]
     pub fn enter_search<L: Lane>(&mut self, world: &World, rays: usize) {
         if let Some(meter) = &mut self.meter {
-            let linear = world.primitives.hierarchy().is_none();
-            meter.search(rays, L::WIDTH, linear.then(|| world.primitives.linear(&world.buffers, None)));
+            meter.search(rays, L::WIDTH, tests_of_each(world, None));
             meter.enter(Some(Stage::Light));
         }
     }
@@ -257,14 +261,14 @@ impl Work {
         let primitive = &mut primitive[..count];
         t.copy_from_slice(&reach[..count]);
         primitive.fill(MISS);
-        let mut hits = Hits { t, primitive, u, v };
-        match &mut self.meter {
-            None => self.tracer.trace::<true>(traversal, hierarchy, &rays, &mut hits),
-            Some(meter) => {
-                let counter = meter.counter(RayKind::Light);
-                self.tracer.count::<true>(traversal, hierarchy, &rays, &mut hits, counter);
-            }
-        }
+        let counter = self.meter.as_ref().map(|meter| meter.counter(RayKind::Light));
+        self.tracer.trace_noted::<true>(
+            traversal,
+            hierarchy,
+            &rays,
+            &mut Hits { t, primitive, u, v },
+            counter,
+        );
     }
 
     /// Finds the nearest hits of the first `count` rays, primary ones or others, in a hierarchy.
@@ -280,15 +284,15 @@ impl Work {
         // Spheres and misses have none.
         u.fill(0.0);
         v.fill(0.0);
-        let mut hits = Hits { t, primitive, u, v };
-        match &mut self.meter {
-            None => self.tracer.trace::<false>(traversal, hierarchy, &rays, &mut hits),
-            Some(meter) => {
-                let counter = meter.counter(kind);
-                self.tracer.count::<false>(traversal, hierarchy, &rays, &mut hits, counter);
-                meter.enter(before);
-            }
-        }
+        let counter = self.meter.as_ref().map(|meter| meter.counter(kind));
+        self.tracer.trace_noted::<false>(
+            traversal,
+            hierarchy,
+            &rays,
+            &mut Hits { t, primitive, u, v },
+            counter,
+        );
+        self.enter(before);
     }
 
     /// Sets the radiance of the pixels `at`, … where every path is still at the slot of its own number.

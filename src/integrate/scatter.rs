@@ -18,8 +18,6 @@ pub struct Drawn<L: Lane> {
     pub path: Path<L>,
     /// Those that go on.
     pub alive: L::Mask,
-    /// Density of the direction per solid angle; `f32::INFINITY` of delta lobes.
-    pub pdf: L,
 }
 
 /// Draws the next segment of each path in `found`.
@@ -108,8 +106,9 @@ pub fn scatter<L: Lane, const N: u32>(
         surface.offset
     };
     let ray = Ray { origin: own.mul_add(side, surface.point), direction: drawn.direction };
-    let path = Path { ray, throughput, inverse: L::zero(), key: path.key, slot: path.slot };
-    Drawn { path, alive: drawn.alive & !dark, pdf: drawn.pdf }
+    let inverse = if needs(N, Needs::LIGHTS) { L::one() / drawn.pdf.max(L::splat(1e-30)) } else { L::zero() };
+    let path = Path { ray, throughput, inverse, key: path.key, slot: path.slot };
+    Drawn { path, alive: drawn.alive & !dark }
 }
 
 /// What the surfaces of the lanes in `mask` pass on of the light that comes from `towards`, into the direction from which `d`

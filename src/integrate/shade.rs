@@ -6,11 +6,12 @@ use super::light::{look, weight_by_chance};
 use super::queue::{Path, Work};
 use super::scatter::{Drawn, scatter};
 use super::surface::{Surface, Worn, abilities, needs};
-use crate::buffers::{Meaning, Needs};
+use crate::buffers::Needs;
 use crate::kernel::surface::latitude_longitude;
 use crate::lane::{Bits, Lane, Mask};
 use crate::math::{Hit, Ray, Vec3};
 use crate::sampling::Event;
+use crate::scene::Meaning;
 
 /// Shades the hits of the first `count` paths, draws lights for them, and scatters them.
 ///
@@ -47,10 +48,7 @@ pub fn shade<L: Lane, const N: u32, const FIRST: bool>(
             searching = look::<L, N>(world, (work, searching), &path, &drawn, hit, when);
         }
         // In place: no more paths go on than were read, so nothing unread is overwritten.
-        let Drawn { mut path, alive, pdf } = drawn;
-        if needs(N, Needs::LIGHTS) {
-            path.inverse = L::one() / pdf.max(L::splat(1e-30));
-        }
+        let Drawn { path, alive } = drawn;
         if alive.all() {
             work.queue.store_path(going_on, &path, needs(N, Needs::LIGHTS));
         } else if alive.any() {

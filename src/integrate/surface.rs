@@ -2,11 +2,12 @@
 
 use super::World;
 use super::queue::Path;
-use crate::buffers::{Abilities, MaterialCode, Meaning, Needs};
+use crate::buffers::{Abilities, MaterialCode, Needs};
 use crate::kernel::surface::{latitude_longitude, sphere_normal};
 use crate::kernel::{light, normals};
 use crate::lane::{Bits, Lane, Mask};
 use crate::math::{Hit, Ray, Vec3};
+use crate::scene::Meaning;
 
 /// Does the feature set `N` hold this feature? Constant for the compiler.
 #[inline(always)]

@@ -41,6 +41,7 @@ mod validate;
 pub use builtin::names as builtin_names;
 pub use convert::{native_from_obj, native_from_obj_in};
 pub use error::SceneError;
+pub use image::Meaning;
 pub use load::load;
 
 use glam::{Vec2, Vec3};

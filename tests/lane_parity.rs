@@ -10,7 +10,7 @@ use common::Dice;
 use octray::kernel::{bsdf, surface, texture};
 use octray::lane::{Bits, F32x8, Lane, Mask, Mask8, U32x8, functions, lane_indices};
 use octray::math::Vec3;
-use octray::sampling::{Sampler, random, warp};
+use octray::sampling::{Numbers, Sampler, random, warp};
 use std::f32::consts::PI;
 
 /// What an operation may read: three floats, three integers, a truth value.
@@ -269,8 +269,9 @@ same_at_every_width! {
         let mut values = Vec::new();
         for sampler in [Sampler::Sobol, Sampler::Random] {
             let key = sampler.key(7, o.i, 12);
-            let (first, second) = (sampler.pair::<L>(key, 12, 8), sampler.pair::<L>(o.j, u32::MAX, 0));
-            values.extend([first.0, first.1, second.0, second.1, sampler.one(key, 77, 13)].map(Float));
+            let [some, other] = [Numbers::new(sampler, 7, 12, 8), Numbers::new(sampler, u32::MAX, u32::MAX, 0)];
+            let (first, second) = (some.pair::<L>(key, 2), other.pair::<L>(o.j, 0));
+            values.extend([first.0, first.1, second.0, second.1, some.one(key, 5)].map(Float));
             values.push(Integer(key));
         }
         values

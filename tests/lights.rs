@@ -374,13 +374,15 @@ fn directions_to_a_sky_have_the_density_of_their_cell() {
 
 #[test]
 fn searching_a_sky_changes_no_expectation_and_takes_its_noise_away() {
-    for filter in [Filter::Nearest, Filter::Bilinear] {
+    // Where cells are even, much; where light falls off within them, less. Other seeds gave 3.2 to 11 for the second: a ratio of variances of
+    // 24 runs each, with heavy tails.
+    for (filter, least) in [(Filter::Nearest, 500.0), (Filter::Bilinear, 2.0)] {
         let scene = under_the_sun(filter);
         let (z, ratio) = compare(&scene, [LightChoice::Auto, LightChoice::Off], [64, 1024], 24);
         // Per sample, sixteen times that.
         println!("{filter:?}: {z:.2} standard errors, variance {ratio:.1}");
         assert!(z.abs() < 3.5, "{filter:?}: {z} standard errors");
-        assert!(16.0 * ratio > 5.0, "{filter:?}: {ratio}");
+        assert!(16.0 * ratio > least, "{filter:?}: {ratio}");
     }
 }
 

@@ -8,19 +8,24 @@ mod common;
 
 use common::Dice;
 use common::statistics::{allowed, chi_squared_deviation, correlation, joint};
-use octray::sampling::{Sampler, random};
+use octray::sampling::{Numbers, Sampler, random};
 use std::f64::consts::{FRAC_PI_4, TAU};
 
 type Point = [f64; 2];
 
 fn point(sampler: Sampler, seed: u32, pixel: u32, sample: u32, dimension: u32) -> Point {
     let key = sampler.key::<u32>(seed, pixel, sample);
-    let (x, y) = sampler.pair::<f32>(key, sample, dimension);
+    let (x, y) = Numbers::new(sampler, seed, sample, dimension).pair::<f32>(key, 0);
     [f64::from(x), f64::from(y)]
 }
 
 fn points(sampler: Sampler, pixel: u32, dimension: u32, count: u32) -> Vec<Point> {
     (0..count).map(|sample| point(sampler, 7, pixel, sample, dimension)).collect()
+}
+
+/// Of one pixel: all pixels of a seed share what lies behind their points, and its luck.
+fn points_of_seed(sampler: Sampler, seed: u32, dimension: u32, count: u32) -> Vec<Point> {
+    (0..count).map(|sample| point(sampler, seed, 9, sample, dimension)).collect()
 }
 
 /// Where pairs begin: in the pixel, and those of some scattering events.
@@ -175,13 +180,13 @@ fn pixels_pairs_and_seeds_have_nothing_in_common() {
 }
 
 #[test]
-fn two_pairs_of_a_pixel_meet_as_independent_orders_do() {
+fn two_pairs_meet_as_independent_orders_do() {
     // A number of one pair against a number of another on a 4 × 4 grid: the sum of squares of (count − n/16), over n.
     // Independent numbers give 15/16. In Walsh functions of the two first digits, the padded points have no error in the 6 that
     // are constant along one of the two numbers. Samples 2i and 2i + 1 have opposite first digits in both: 2 instead of 1 for the product of both
     // first digits. Samples that differ in bit 1 of their index share the first digit in half of the cases, then have
     // opposite second digits: 1 + 2 · ½ · ½ for the 4 functions with both second digits; 1 for the other 4. In all 12/16.
-    const PIXELS: u32 = 3000;
+    const SEEDS: u32 = 3000;
     let used: Vec<u32> = pairs().collect();
     let couples: Vec<[u32; 2]> =
         [[0, 1], [1, 2], [2, 3], [3, 6], [1, 7]].map(|[i, j]| [used[i], used[j]]).into();
@@ -190,8 +195,8 @@ fn two_pairs_of_a_pixel_meet_as_independent_orders_do() {
         for &[d, e] in &couples {
             for count in [16, 64, 256] {
                 let mut sums = [[0.0; 2]; 4];
-                for pixel in 0..PIXELS {
-                    let (a, b) = (points(sampler, pixel, d, count), points(sampler, pixel, e, count));
+                for seed in 0..SEEDS {
+                    let [a, b] = [d, e].map(|of| points_of_seed(sampler, seed, of, count));
                     for (axes, sums) in sums.iter_mut().enumerate() {
                         let mut cells = [0.0; 16];
                         for (a, b) in a.iter().zip(&b) {
@@ -204,8 +209,8 @@ fn two_pairs_of_a_pixel_meet_as_independent_orders_do() {
                     }
                 }
                 for (axes, [sum, squares]) in sums.into_iter().enumerate() {
-                    let mean = sum / f64::from(PIXELS);
-                    let error = ((squares / f64::from(PIXELS) - mean * mean) / f64::from(PIXELS)).sqrt();
+                    let mean = sum / f64::from(SEEDS);
+                    let error = ((squares / f64::from(SEEDS) - mean * mean) / f64::from(SEEDS)).sqrt();
                     let what = format!(
                         "{sampler:?}, dimensions {d} and {e}, axes {axes}, {count} samples: {mean:.3}"
                     );
@@ -251,8 +256,8 @@ fn integrals_are_as_good_as_a_true_owen_scrambling_makes_them() {
         let of_textbook: Vec<Vec<Point>> =
             (0..PIXELS / 2).map(|_| textbook::points(&mut dice, count)).collect();
         for (name, f, integral) in FUNCTIONS {
-            let sobol = errors(PIXELS, f, integral, |pixel| points(Sampler::Sobol, pixel, 10, count));
-            let random = errors(PIXELS, f, integral, |pixel| points(Sampler::Random, pixel, 10, count));
+            let of = |sampler| errors(PIXELS, f, integral, |seed| points_of_seed(sampler, seed, 10, count));
+            let (sobol, random) = (of(Sampler::Sobol), of(Sampler::Random));
             let textbook = errors(PIXELS / 2, f, integral, |pixel| of_textbook[pixel as usize].clone());
             let bias = sobol[0] / (sobol[1] / f64::from(PIXELS)).sqrt();
             let (gain, loss) = (random[1] / sobol[1], sobol[1] / textbook[1]);
@@ -291,7 +296,8 @@ fn errors_have_no_heavier_tails_than_a_true_owen_scrambling_gives_them() {
     const PIXELS: u32 = 6000;
     let mut dice = Dice(55);
     let of_textbook: Vec<Vec<Point>> = (0..PIXELS / 2).map(|_| textbook::points(&mut dice, 64)).collect();
-    let of_sobol: Vec<Vec<Point>> = (0..PIXELS).map(|pixel| points(Sampler::Sobol, pixel, 10, 64)).collect();
+    let of_sobol: Vec<Vec<Point>> =
+        (0..PIXELS).map(|seed| points_of_seed(Sampler::Sobol, seed, 10, 64)).collect();
     let smooth = FUNCTIONS[0];
     for (name, f, integral) in [smooth, ("wave", |[x, _]| (TAU * 16.0 * x).cos(), 0.0)] {
         let moment = |pixels: &[Vec<Point>]| {
@@ -304,12 +310,36 @@ fn errors_have_no_heavier_tails_than_a_true_owen_scrambling_gives_them() {
 }
 
 #[test]
+fn whatever_the_seed_errors_of_pixels_have_no_bias_and_nothing_in_common() {
+    const PIXELS: u32 = 4096;
+    let mut deviations = Vec::new();
+    for seed in 0..8 {
+        for (name, f, integral) in FUNCTIONS {
+            let mean = |pixel: u32| {
+                let points = (0..16).map(|sample| point(Sampler::Sobol, seed, pixel, sample, 10));
+                points.map(f).sum::<f64>() / 16.0 - integral
+            };
+            let errors: Vec<f64> = (0..PIXELS).map(mean).collect();
+            let square = errors.iter().map(|error| error * error).sum::<f64>() / f64::from(PIXELS);
+            let bias = errors.iter().sum::<f64>() / (f64::from(PIXELS) * square).sqrt();
+            deviations.push((bias, format!("{name}, seed {seed}: mean error")));
+            for step in [1, 2, WIDTH as usize] {
+                let product = errors.iter().zip(&errors[step..]).map(|(a, b)| a * b).sum::<f64>();
+                let what = format!("{name}, seed {seed}: errors of pixels {step} apart");
+                deviations.push((product / (f64::from(PIXELS).sqrt() * square), what));
+            }
+        }
+    }
+    all_within(deviations);
+}
+
+#[test]
 fn waves_do_not_resonate_with_the_lines_of_a_net() {
     // Too fine for few samples to gain anything: scrambling keeps the error from resonating with the net's lines.
     for (a, b) in [(3.0, 2.0), (8.0, 8.0), (16.0, -15.0)] {
         let wave = |[x, y]: Point| (TAU * (a * x + b * y)).cos();
         let mean_square = (0..4000)
-            .map(|pixel| points(Sampler::Sobol, pixel, 0, 16).into_iter().map(wave).sum::<f64>() / 16.0)
+            .map(|seed| points_of_seed(Sampler::Sobol, seed, 0, 16).into_iter().map(wave).sum::<f64>() / 16.0)
             .map(|mean| mean * mean)
             .sum::<f64>()
             / 4000.0;
@@ -325,7 +355,7 @@ fn numbers_are_multiples_of_two_to_the_minus_24_below_one() {
         let mut largest = 0.0_f32;
         for _ in 0..2_000_000 {
             let (key, sample, dimension) = (dice.bits(), dice.bits(), dice.bits() >> 20 & !1);
-            let (x, y) = sampler.pair::<f32>(key, sample, dimension);
+            let (x, y) = Numbers::new(sampler, 7, sample, dimension).pair::<f32>(key, 0);
             for x in [x, y] {
                 assert!((0.0..1.0).contains(&x) && (x * 16_777_216.0).fract() == 0.0, "{sampler:?}: {x}");
                 largest = largest.max(x);
@@ -344,15 +374,19 @@ fn one_number_is_half_of_its_pair() {
             (dice.bits(), dice.bits(), dice.bits(), dice.bits() >> 24 & !1);
         for sampler in [Sampler::Sobol, Sampler::Random] {
             let key = sampler.key::<u32>(seed, pixel, sample);
-            let pair = sampler.pair::<f32>(key, sample, dimension);
-            let one = |dimension: u32| sampler.one::<f32>(key, sample, dimension);
-            assert_eq!((one(dimension), one(dimension + 1)), pair, "{sampler:?}");
+            let numbers = Numbers::new(sampler, seed, sample, dimension);
+            for pair in [0, 2, 4, 6] {
+                let of_itself = Numbers::new(sampler, seed, sample, dimension + pair).pair::<f32>(key, 0);
+                assert_eq!(numbers.pair::<f32>(key, pair), of_itself, "{sampler:?}");
+                let one = |dimension: u32| numbers.one::<f32>(key, dimension);
+                assert_eq!((one(pair), one(pair + 1)), of_itself, "{sampler:?}");
+            }
         }
         let key = random::path_key::<u32>(seed, pixel, sample);
         assert_eq!(Sampler::Random.key::<u32>(seed, pixel, sample), key);
         assert_eq!(
-            Sampler::Random.one::<f32>(key, sample, dimension),
-            random::uniform::<f32>(key, dimension)
+            Numbers::new(Sampler::Random, seed, sample, dimension).one::<f32>(key, 1),
+            random::uniform::<f32>(key, dimension + 1)
         );
     }
 }

@@ -62,6 +62,8 @@ pub struct Chosen<L: Lane> {
 impl Lights {
     /// Most lights whose rows fit the register form.
     pub const FEW: usize = Rows::FEW / 2;
+    /// Up to here a number that chooses a light has digits enough left for a point on it: at least 18.
+    const SHARED: usize = 64;
     /// From here on one random number has too few digits to choose with.
     const MANY: usize = 1 << 12;
 
@@ -113,27 +115,43 @@ impl Lights {
             + self.sky.as_ref().map_or(0, |(sky, _)| sky.bytes())
     }
 
-    /// Chooses by a number in [0, 1), where there is a choice; `more` gives another one where one is not enough. `few` promises at most [`Lights::FEW`] lights.
+    /// Chooses by `u`, and returns what is left of it: a number in [0, 1) as well spread over the chosen light as `u` is over all of
+    /// them. Among very many lights `number` chooses, or that and `more`, and `u` is left whole. `few` promises at most [`Lights::FEW`]
+    /// lights.
+    ///
     /// Domain: there are lights.
     #[inline(always)]
-    pub fn choose<L: Lane>(&self, number: impl Fn() -> L, more: impl Fn() -> L, few: bool) -> Chosen<L> {
+    pub fn choose<L: Lane>(
+        &self,
+        u: L,
+        number: impl Fn() -> L,
+        more: impl Fn() -> L,
+        few: bool,
+    ) -> (Chosen<L>, L) {
+        let mut rest = u;
         let light = match self.len() {
             1 => L::Bits::splat(0),
             count => {
-                let scaled = number() * L::splat(count as f32);
+                let shared = few || count <= Self::SHARED;
+                let scaled = if shared { u } else { number() } * L::splat(count as f32);
                 // Rounding up to the length itself is possible.
                 let last = L::Bits::splat(count as u32 - 1);
                 let slot = scaled.truncate_to_int();
                 let slot = L::Bits::select(last.less(slot), last, slot);
                 let fraction = if count < Self::MANY { scaled - L::from_int(slot) } else { more() };
                 let keep = L::from_bits(L::gather_bits(&self.keep, slot));
-                L::Bits::select(fraction.lt(keep), slot, L::gather_bits(&self.other, slot))
+                let own = fraction.lt(keep);
+                if shared {
+                    let above = (fraction - keep) / (L::one() - keep);
+                    rest = L::select(own, fraction / keep, above).min(L::splat(1.0 - f32::EPSILON / 2.0));
+                }
+                L::Bits::select(own, slot, L::gather_bits(&self.other, slot))
             }
         };
         let first = light.shl(1);
         let [x, y, z, radius, r, g, b, chance] = self.rows.fetch::<L>(first, few);
         let [abx, aby, abz, acx, acy, acz, _, offset] = self.rows.fetch::<L>(first | L::Bits::splat(1), few);
-        Chosen {
+        let chosen = Chosen {
             at: Vec3::new(x, y, z),
             radius,
             emission: Vec3::new(r, g, b),
@@ -141,7 +159,8 @@ impl Lights {
             ac: Vec3::new(acx, acy, acz),
             offset,
             chance,
-        }
+        };
+        (chosen, rest)
     }
 }
 

@@ -9,7 +9,7 @@ use crate::buffers::Needs;
 use crate::camera::Pinhole;
 use crate::lane::{Bits, Lane, lane_indices};
 use crate::math::{Hit, Ray};
-use crate::sampling::random;
+use crate::sampling::{Numbers, random};
 use crate::traverse::Batch;
 
 /// Fills the queue with the tile's pixels, row by row, and returns how many there are.
@@ -48,6 +48,8 @@ impl<L: Lane, const N: u32> Batch<L> for Stage<'_, N> {
         // Rows by multiplication: exact, because slots are below 2¹⁰ and the quotient is rounded down from half a step up.
         let (per_row, row_length) = (L::splat(1.0 / width as f32), L::splat(width as f32));
         let half = L::splat(0.5);
+        let World { sampler, seed, .. } = *self.world;
+        let numbers = Numbers::new(sampler, seed, self.sample, random::PIXEL);
         for at in (0..self.tile.pixels()).step_by(L::WIDTH) {
             let slot = L::from_int(slots::<L>(at));
             let row = L::from_int(((slot + half) * per_row).truncate_to_int());
@@ -55,9 +57,8 @@ impl<L: Lane, const N: u32> Batch<L> for Stage<'_, N> {
             // Exact: there are fewer than 2²⁸ pixels, but neither factor has more than 14 bits.
             let pixel = y.truncate_to_int().wrapping_mul(L::Bits::splat(self.world.width));
             let pixel = pixel.wrapping_add(x.truncate_to_int());
-            let sampler = self.world.sampler;
-            let key = sampler.key(self.world.seed, pixel, self.sample);
-            let (jitter_x, jitter_y) = sampler.pair::<L>(key, self.sample, random::PIXEL);
+            let key = sampler.key(seed, pixel, self.sample);
+            let (jitter_x, jitter_y) = numbers.pair::<L>(key, 0);
             let ray = camera.rays(x + jitter_x, y + jitter_y);
             self.queue.store_primary(at, ray.direction, key);
             self.queue.store_hit(at, &closest(&ray), needs(N, Needs::TRIANGLES));

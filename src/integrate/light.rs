@@ -15,7 +15,7 @@ use crate::buffers::Needs;
 use crate::kernel::light::{aim_at_sphere, aim_at_triangle};
 use crate::lane::{Bits, Lane, Mask};
 use crate::math::{Hit, MISS, Ray, Vec3};
-use crate::sampling::{Event, random};
+use crate::sampling::{Numbers, random};
 use crate::traverse::Batch;
 use bytemuck::Zeroable;
 
@@ -54,17 +54,17 @@ pub fn look<L: Lane, const N: u32>(
     path: &Path<L>,
     drawn: &Drawn<L>,
     (surface, worn): (&Surface<L>, &Worn<L>),
-    (event, found): (Event, L::Mask),
+    (numbers, found): (&Numbers, L::Mask),
 ) -> usize {
     let mask = found & samples_lights::<L>(worn);
     if !mask.any() {
         return count;
     }
-    let (u, v) = event.pair::<L>(path.key, random::LIGHT_POINT);
-    let number = |dimension: u32| event.one::<L>(path.key, dimension);
+    let (u, v) = numbers.pair::<L>(path.key, random::LIGHT_POINT);
+    let number = |dimension: u32| numbers.one::<L>(path.key, dimension);
     let lights = &world.buffers.lights;
     let few = !needs(N, Needs::MANY_LIGHTS);
-    let light = lights.choose::<L>(|| number(random::LIGHT), || number(random::LIGHT_AGAIN), few);
+    let (light, u) = lights.choose::<L>(u, || number(random::LIGHT), || number(random::LIGHT_AGAIN), few);
     // From where the path goes on, so that scattering in the same direction would find the same density.
     let origin = drawn.path.ray.origin;
     let at = light.at - origin;

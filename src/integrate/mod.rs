@@ -32,7 +32,7 @@ pub use generate::generate;
 use crate::buffers::{Buffers, Needs};
 use crate::camera::Pinhole;
 use crate::lane::Lane;
-use crate::sampling::{Event, Sampler};
+use crate::sampling::{Numbers, Sampler, random};
 use crate::traverse::{Primitives, Visible};
 use queue::Work;
 use stats::Stage;
@@ -89,14 +89,14 @@ pub fn trace_tile<L: Lane, const N: u32>(world: &World, tile: Tile, sample: u32,
     work.enter(Some(Stage::Generate));
     let mut count = generate::<L, N>(world, tile, sample, work);
     let mut rays = count as u64;
-    let event = |bounce: u32| Event::new(world.sampler, sample, bounce);
+    let numbers = |bounce: u32| Numbers::new(world.sampler, world.seed, sample, random::bounce(bounce));
     if world.max_bounces == 0 {
         work.enter_with::<L>(Stage::Finish, world, tile, 0, count);
         shade::finish::<L, N, true>(world, work, count);
         return rays;
     }
     work.enter_with::<L>(Stage::Shade, world, tile, 0, count);
-    let mut shaded = shade::shade::<L, N, true>(world, work, count, event(0));
+    let mut shaded = shade::shade::<L, N, true>(world, work, count, &numbers(0));
     rays += search::<L, N>(world, work, &shaded);
     for bounce in 1..world.max_bounces {
         count = shaded.going_on;
@@ -107,7 +107,7 @@ pub fn trace_tile<L: Lane, const N: u32>(world: &World, tile: Tile, sample: u32,
         }
         extend::extend::<L, N>(world, work, count);
         work.enter(Some(Stage::Shade));
-        shaded = shade::shade::<L, N, false>(world, work, count, event(bounce));
+        shaded = shade::shade::<L, N, false>(world, work, count, &numbers(bounce));
         rays += search::<L, N>(world, work, &shaded);
     }
     count = shaded.going_on;

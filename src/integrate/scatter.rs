@@ -8,7 +8,7 @@ use crate::kernel::bsdf::{self, Evaluated, Scattered};
 use crate::kernel::normals;
 use crate::lane::{Bits, Lane, Mask};
 use crate::math::{Ray, Vec3};
-use crate::sampling::{Event, random};
+use crate::sampling::{Numbers, random};
 
 pub use crate::kernel::bsdf::Passed;
 
@@ -26,13 +26,13 @@ pub fn scatter<L: Lane, const N: u32>(
     path: &Path<L>,
     surface: &Surface<L>,
     worn: &Worn<L>,
-    event: Event,
+    numbers: &Numbers,
     found: L::Mask,
 ) -> Drawn<L> {
     let d = path.ray.direction;
     let facing = Facing::of::<N>(d, surface, worn);
     let Facing { own, n, matt, outside } = facing;
-    let lobe_number = || event.one::<L>(path.key, random::LOBE);
+    let lobe_number = || numbers.one::<L>(path.key, random::LOBE);
 
     let nothing = L::Mask::splat(false);
     let mut drawn = Scattered::<L> { direction: n, weight: L::one(), pdf: L::zero(), alive: nothing };
@@ -43,7 +43,7 @@ pub fn scatter<L: Lane, const N: u32>(
         drawn.pdf = L::select(mask, lobe.pdf, drawn.pdf);
         drawn.alive = drawn.alive | (mask & lobe.alive);
     };
-    let two_numbers = || event.pair::<L>(path.key, random::DIRECTION);
+    let two_numbers = || numbers.pair::<L>(path.key, random::DIRECTION);
     if needs(N, Needs::DIFFUSE) {
         let mask = worn.wears(MaterialCode::DIFFUSE, found);
         if mask.any() {

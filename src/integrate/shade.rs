@@ -10,7 +10,7 @@ use crate::buffers::Needs;
 use crate::kernel::surface::latitude_longitude;
 use crate::lane::{Bits, Lane, Mask};
 use crate::math::{Hit, Ray, Vec3};
-use crate::sampling::Event;
+use crate::sampling::Numbers;
 use crate::scene::Meaning;
 
 /// Shades the hits of the first `count` paths, draws lights for them, and scatters them.
@@ -20,7 +20,7 @@ pub fn shade<L: Lane, const N: u32, const FIRST: bool>(
     world: &World,
     work: &mut Work,
     count: usize,
-    event: Event,
+    numbers: &Numbers,
 ) -> Shaded {
     let mut light = Light::<FIRST>::default();
     let (mut going_on, mut searching) = (0, 0);
@@ -42,9 +42,9 @@ pub fn shade<L: Lane, const N: u32, const FIRST: bool>(
         }
         light.add(work, at, lit::<L, N>(active, found, radiance), &path, radiance);
 
-        let drawn = scatter::<L, N>(&path, &surface, &worn, event, found);
+        let drawn = scatter::<L, N>(&path, &surface, &worn, numbers, found);
         if search {
-            let (hit, when) = ((&surface, &worn), (event, found));
+            let (hit, when) = ((&surface, &worn), (numbers, found));
             searching = look::<L, N>(world, (work, searching), &path, &drawn, hit, when);
         }
         // In place: no more paths go on than were read, so nothing unread is overwritten.

@@ -2,8 +2,8 @@
 
 use super::geometry::Surface;
 use super::{Reference, lobes, texture};
-use crate::sampling::Sampler;
 use crate::sampling::random::{PIXEL, bounce};
+use crate::sampling::{Numbers, Sampler};
 use crate::scene::{MaterialKind, Side, Sky};
 use glam::DVec3;
 
@@ -26,12 +26,13 @@ impl Reference {
     /// The radiance that sample `sample` of pixel (x, y) carries, in linear RGB.
     pub fn path(&self, settings: PathSettings, x: u32, y: u32, sample: u32) -> [f64; 3] {
         let key = settings.sampler.key::<u32>(settings.seed, y * settings.resolution[0] + x, sample);
-        let number = |dimension: u32| f64::from(settings.sampler.one::<f32>(key, sample, dimension));
-        let (mut origin, mut direction) = self.camera_ray(
-            settings.resolution,
-            f64::from(x) + number(PIXEL),
-            f64::from(y) + number(PIXEL + 1),
-        );
+        let numbers = |first: u32| {
+            let numbers = Numbers::new(settings.sampler, settings.seed, sample, first);
+            move |dimension: u32| f64::from(numbers.one::<f32>(key, dimension))
+        };
+        let in_pixel = numbers(PIXEL);
+        let (mut origin, mut direction) =
+            self.camera_ray(settings.resolution, f64::from(x) + in_pixel(0), f64::from(y) + in_pixel(1));
         let mut throughput = DVec3::ONE;
         let mut light = DVec3::ZERO;
         for b in 0..=settings.max_bounces {
@@ -51,9 +52,9 @@ impl Reference {
             let bent = self.relief(material.normal_map, &surface).or(surface.bent);
             let facing = lobes::Facing::of(direction, surface.normal, bent);
             let normal = facing.own;
-            let event = |dimension: u32| number(bounce(b) + dimension);
             let color = material.color.as_dvec3() * picture;
-            let drawn = lobes::scatter(material.kind, roughness, color, direction, &facing, event);
+            let drawn =
+                lobes::scatter(material.kind, roughness, color, direction, &facing, numbers(bounce(b)));
             let Some((scattered, weight)) = drawn else {
                 break;
             };

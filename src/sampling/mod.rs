@@ -9,4 +9,4 @@ mod sampler;
 pub mod sobol;
 pub mod warp;
 
-pub use sampler::{Event, Sampler};
+pub use sampler::{Numbers, Sampler};

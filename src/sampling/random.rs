@@ -8,8 +8,8 @@
 //! # Dimensions
 //! They come in pairs, an even one and the next, which [`super::sobol`] spreads together. [`PIXEL`] (a pair) places the sample in
 //! its pixel. Scattering event b, counted from 0, owns the [`PER_BOUNCE`] numbers from [`bounce`]`(b)` on: [`LOBE`] chooses
-//! between the lobes of a material and [`LIGHT`] between lights (together a pair), [`DIRECTION`] (a pair) gives the new direction and
-//! [`LIGHT_POINT`] (a pair) the point on the light; [`LIGHT_AGAIN`] helps to choose between many lights; 7 is free.
+//! between the lobes of a material, [`DIRECTION`] (a pair) gives the new direction and [`LIGHT_POINT`] (a pair) the light and the point on
+//! it; among many lights [`LIGHT`] chooses (with [`LOBE`] a pair), and [`LIGHT_AGAIN`] helps it; 7 is free.
 
 use crate::lane::{Bits, Lane};
 
@@ -19,11 +19,11 @@ pub const PIXEL: u32 = 0;
 pub const PER_BOUNCE: u32 = 8;
 /// Within an event: reflect or refract.
 pub const LOBE: u32 = 0;
-/// Within an event: which light.
+/// Within an event: which light, where [`LIGHT_POINT`] has too few digits for light and point.
 pub const LIGHT: u32 = 1;
 /// Within an event, a pair: the new direction.
 pub const DIRECTION: u32 = 2;
-/// Within an event, a pair: where on the light.
+/// Within an event, a pair: which light, and where on it.
 pub const LIGHT_POINT: u32 = 4;
 /// Within an event: which light, where there are so many that one number has too few digits.
 pub const LIGHT_AGAIN: u32 = 6;
@@ -54,8 +54,13 @@ pub fn mix<B: Bits>(x: B) -> B {
 /// The key of the pixels with these indices (y · width + x): for one seed a bijection.
 #[inline(always)]
 pub fn pixel_key<B: Bits>(seed: u32, pixel: B) -> B {
-    let seed = mix(seed.wrapping_mul(GOLDEN).wrapping_add(STRIDE));
-    mix(pixel ^ B::splat(seed))
+    mix(pixel ^ B::splat(seed_key(seed)))
+}
+
+/// The key of all that the pixels of a picture share: a bijection.
+#[inline(always)]
+pub(super) fn seed_key(seed: u32) -> u32 {
+    mix(seed.wrapping_mul(GOLDEN).wrapping_add(STRIDE))
 }
 
 /// The key of the paths of sample `sample` in the pixels with these indices.

@@ -14,7 +14,7 @@ pub enum Sampler {
 }
 
 impl Sampler {
-    /// What [`Sampler::pair`] wants to know of sample `sample` in the pixels with these indices (y · width + x).
+    /// What [`Numbers`] want to know of sample `sample` in the pixels with these indices (y · width + x).
     #[inline(always)]
     pub fn key<B: Bits>(self, seed: u32, pixel: B, sample: u32) -> B {
         match self {
@@ -22,52 +22,53 @@ impl Sampler {
             Self::Random => random::path_key(seed, pixel, sample),
         }
     }
+}
 
-    /// Numbers `dimension` (even) and `dimension + 1` of sample `sample`, which is the sample of `key`: each uniform in [0, 1), a multiple of
-    /// 2⁻²⁴, never 1.
+/// The numbers of one sample in all pixels: those from dimension `first` on, which belong to the place in the pixel or to a scattering
+/// event.
+#[derive(Clone, Copy, Debug)]
+pub struct Numbers {
+    sampler: Sampler,
+    first: u32,
+    /// Of [`Sampler::Sobol`]: each pair before it is scrambled.
+    points: [[u32; 2]; PAIRS],
+}
+
+const PAIRS: usize = random::PER_BOUNCE as usize / 2;
+
+impl Numbers {
+    /// Numbers `first` (even) and the [`random::PER_BOUNCE`] − 1 after it of sample `sample`.
     #[inline(always)]
-    pub fn pair<L: Lane>(self, key: L::Bits, sample: u32, dimension: u32) -> (L, L) {
+    pub fn new(sampler: Sampler, seed: u32, sample: u32, first: u32) -> Self {
+        debug_assert!(first.is_multiple_of(2), "a pair begins at an even dimension");
+        let points = match sampler {
+            Sampler::Sobol => std::array::from_fn(|pair| sobol::point(seed, sample, first + 2 * pair as u32)),
+            Sampler::Random => [[0; 2]; PAIRS],
+        };
+        Self { sampler, first, points }
+    }
+
+    /// Numbers `first` + `dimension` (even) and the next of the pixels with these keys, which are [`Sampler::key`]'s for the same seed and
+    /// sample: each uniform in [0, 1), a multiple of 2⁻²⁴, never 1.
+    #[inline(always)]
+    pub fn pair<L: Lane>(&self, key: L::Bits, dimension: u32) -> (L, L) {
         debug_assert!(dimension.is_multiple_of(2), "a pair begins at an even dimension");
-        match self {
-            Self::Sobol => sobol::pair(key, sample, dimension),
-            Self::Random => (random::uniform(key, dimension), random::uniform(key, dimension + 1)),
+        let at = self.first + dimension;
+        match self.sampler {
+            Sampler::Sobol => sobol::pair(key, self.points[dimension as usize / 2], at),
+            Sampler::Random => (random::uniform(key, at), random::uniform(key, at + 1)),
         }
     }
 
-    /// Number `dimension` alone: one of its pair.
+    /// Number `first` + `dimension` alone: one of its pair.
     #[inline(always)]
-    pub fn one<L: Lane>(self, key: L::Bits, sample: u32, dimension: u32) -> L {
-        match self {
-            Self::Sobol => {
-                let (first, second) = sobol::pair(key, sample, dimension & !1);
+    pub fn one<L: Lane>(&self, key: L::Bits, dimension: u32) -> L {
+        match self.sampler {
+            Sampler::Sobol => {
+                let (first, second) = self.pair(key, dimension & !1);
                 if dimension & 1 == 0 { first } else { second }
             }
-            Self::Random => random::uniform(key, dimension),
+            Sampler::Random => random::uniform(key, self.first + dimension),
         }
-    }
-}
-
-/// The numbers of one scattering event of a sample, in all its pixels.
-#[derive(Clone, Copy, Debug)]
-pub struct Event {
-    sampler: Sampler,
-    sample: u32,
-    first: u32,
-}
-
-impl Event {
-    /// Event number `bounce`, counted from 0.
-    pub fn new(sampler: Sampler, sample: u32, bounce: u32) -> Self {
-        Self { sampler, sample, first: random::bounce(bounce) }
-    }
-    /// Numbers `dimension` and `dimension + 1` of the event; see [`Sampler::pair`].
-    #[inline(always)]
-    pub fn pair<L: Lane>(self, key: L::Bits, dimension: u32) -> (L, L) {
-        self.sampler.pair(key, self.sample, self.first + dimension)
-    }
-    /// Number `dimension` of the event alone.
-    #[inline(always)]
-    pub fn one<L: Lane>(self, key: L::Bits, dimension: u32) -> L {
-        self.sampler.one(key, self.sample, self.first + dimension)
     }
 }

@@ -4,7 +4,7 @@ use super::scenes::{ball, empty, lamp, one_pixel, wall};
 use crate::common::{sphere, triangle};
 use glam::{DVec3, Vec3};
 use octray::reference::{PathSettings, Reference};
-use octray::sampling::{Sampler, random, warp};
+use octray::sampling::{Numbers, Sampler, random, warp};
 use octray::scene::{Camera, Material, MaterialKind, Scene, Sky};
 use std::f64::consts::PI;
 
@@ -224,7 +224,8 @@ fn path_follows_the_directions_of_the_estimator() {
     {
         let settings = PathSettings { resolution: [5, 3], max_bounces: 1, seed: 11, sampler };
         let key = sampler.key::<u32>(11, 2 * 5 + 4, sample);
-        let (u, v) = sampler.pair::<f32>(key, sample, random::bounce(0) + random::DIRECTION);
+        let numbers = Numbers::new(sampler, 11, sample, random::bounce(0));
+        let (u, v) = numbers.pair::<f32>(key, random::DIRECTION);
         let d = warp::cosine_hemisphere(lane(n), u, v);
         let found = diffuse.path(settings, 4, 2, sample)[0];
         // The estimator's sine and cosine are off by up to 8e-7, on a vector of length 2 cos θ before it is normalised.

@@ -148,8 +148,8 @@ impl Renderer {
             sampler: settings.methods.sampler,
         };
         let features = match settings.pipeline {
-            PipelineChoice::Needed if settings.methods.meet_by_default() => world.buffers.needs,
-            _ => Needs::ALL,
+            PipelineChoice::Needed => world.buffers.needs,
+            PipelineChoice::General => Needs::ALL,
         };
         let pipeline = pipeline_for(features, lanes);
         Self { settings, world, pipeline, threads: Threads::new(threads, Work::new) }

@@ -1,25 +1,23 @@
 //! Second stage: what every ray of the queue hits.
 
 use super::World;
-use super::queue::{Queue, Work};
+use super::queue::{Column, Integers, Queue, Vectors, Work};
 use super::stats::RayKind;
 use super::surface::needs;
 use crate::buffers::Needs;
-use crate::lane::Lane;
-use crate::math::{Hit, Ray};
-use crate::traverse::Batch;
+use crate::lane::{Bits, Lane};
+use crate::math::{Hit, MISS, Ray};
+use crate::traverse::{Batch, Visible};
 
 /// Finds the nearest hit of the first `count` rays.
 pub fn extend<L: Lane, const N: u32>(world: &World, work: &mut Work, count: usize) {
     if let Some((hierarchy, traversal)) = world.primitives.hierarchy() {
         work.trace(hierarchy, traversal, count, RayKind::Bounce);
-        return;
-    }
-    let stage = Stage::<N> { queue: &mut work.queue, count };
-    if const { N == Needs::ALL.0 } {
-        world.primitives.for_batch::<L>(&world.buffers, None, stage);
-    } else {
+    } else if world.primitives.meets_by_default() {
+        let stage = Stage::<N> { queue: &mut work.queue, count };
         world.primitives.for_default_batch::<L>(&world.buffers, None, stage);
+    } else {
+        meet::<L>(world, None, work.queue.segments(count));
     }
 }
 
@@ -34,6 +32,44 @@ impl<L: Lane, const N: u32> Batch<L> for Stage<'_, N> {
         for at in (0..self.count).step_by(L::WIDTH) {
             let hit = closest(&self.queue.ray(at));
             self.queue.store_hit(at, &hit, needs(N, Needs::TRIANGLES));
+        }
+    }
+}
+
+/// Rays, and where their hits go.
+pub struct Segments<'a> {
+    pub count: usize,
+    pub origin: &'a Vectors,
+    pub direction: &'a Vectors,
+    /// From where on nothing counts as hit; without it everything does.
+    pub reach: Option<&'a Column>,
+    pub t: &'a mut Column,
+    pub primitive: &'a mut Integers,
+    pub u: &'a mut Column,
+    pub v: &'a mut Column,
+}
+
+/// Finds nearest hits by testing everything, or everything `visible`, with whichever equations were chosen.
+///
+/// One for all pipelines: fifteen pairs of equations are much code.
+#[inline(never)]
+pub fn meet<L: Lane>(world: &World, visible: Option<&Visible>, segments: Segments) {
+    world.primitives.for_batch::<L>(&world.buffers, visible, segments);
+}
+
+impl<L: Lane> Batch<L> for Segments<'_> {
+    #[inline(always)]
+    fn run(self, closest: impl Fn(&Ray<L>) -> Hit<L>) {
+        for at in (0..self.count).step_by(L::WIDTH) {
+            let mut hit = closest(&Ray { origin: self.origin.load(at), direction: self.direction.load(at) });
+            if let Some(reach) = self.reach {
+                let before = hit.t.lt(L::load(&reach[at..]));
+                hit.primitive = L::Bits::select(before, hit.primitive, L::Bits::splat(MISS));
+            }
+            hit.t.store(&mut self.t[at..]);
+            hit.primitive.store(&mut self.primitive[at..]);
+            hit.u.store(&mut self.u[at..]);
+            hit.v.store(&mut self.v[at..]);
         }
     }
 }

@@ -1,6 +1,7 @@
 //! First stage: a primary ray through a random point of every pixel of the tile, and what it hits. One pass, so that rays need not
 //! be read back.
 
+use super::extend::meet;
 use super::queue::{Queue, Work};
 use super::stats::RayKind;
 use super::surface::needs;
@@ -14,22 +15,22 @@ use crate::traverse::Batch;
 
 /// Fills the queue with the tile's pixels, row by row, and returns how many there are.
 pub fn generate<L: Lane, const N: u32>(world: &World, tile: Tile, sample: u32, work: &mut Work) -> usize {
+    let (count, visible) = (tile.pixels(), world.visible.get(tile.number));
     let stage = Stage::<N> { world, tile, sample, queue: &mut work.queue };
-    if let Some((hierarchy, traversal)) = world.primitives.hierarchy() {
-        Batch::<L>::run(stage, |_| Hit::miss());
-        for at in (0..tile.pixels()).step_by(L::WIDTH) {
-            work.queue.store_origin::<L>(at, world.camera.origin());
-        }
-        work.trace(hierarchy, traversal, tile.pixels(), RayKind::Primary);
-        return tile.pixels();
-    }
-    let visible = world.visible.get(tile.number);
-    if const { N == Needs::ALL.0 } {
-        world.primitives.for_batch::<L>(&world.buffers, visible, stage);
-    } else {
+    let hierarchy = world.primitives.hierarchy();
+    if hierarchy.is_none() && world.primitives.meets_by_default() {
         world.primitives.for_default_batch::<L>(&world.buffers, visible, stage);
+        return count;
     }
-    tile.pixels()
+    Batch::<L>::run(stage, |_| Hit::miss());
+    for at in (0..count).step_by(L::WIDTH) {
+        work.queue.store_origin::<L>(at, world.camera.origin());
+    }
+    match hierarchy {
+        Some((hierarchy, traversal)) => work.trace(hierarchy, traversal, count, RayKind::Primary),
+        None => meet::<L>(world, visible, work.queue.segments(count)),
+    }
+    count
 }
 
 struct Stage<'a, const N: u32> {

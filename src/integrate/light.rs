@@ -6,6 +6,7 @@
 //! 1995, §3.
 
 use super::World;
+use super::extend::meet;
 use super::queue::{Column, Integers, Path, Vectors, Work, pack};
 use super::scatter::{Drawn, evaluate, samples_lights};
 use super::shade::sky_radiance;
@@ -14,9 +15,8 @@ use super::surface::{Surface, Worn, needs};
 use crate::buffers::Needs;
 use crate::kernel::light::{aim_at_sphere, aim_at_triangle};
 use crate::lane::{Bits, Lane, Mask};
-use crate::math::{Hit, MISS, Ray, Vec3};
+use crate::math::{Hit, Ray, Vec3};
 use crate::sampling::{Numbers, random};
-use crate::traverse::Batch;
 use bytemuck::Zeroable;
 
 /// A ray to a light ends this share of its length before it: far more than the error of a hit's distance, so that no light is in its
@@ -133,7 +133,7 @@ pub fn arrive<L: Lane>(world: &World, work: &mut Work, count: usize) {
     work.enter_search::<L>(world, count);
     match world.primitives.hierarchy() {
         Some((hierarchy, traversal)) => work.trace_search(hierarchy, traversal, count),
-        None => world.primitives.for_batch::<L>(&world.buffers, None, Reaching { work, count }),
+        None => meet::<L>(world, None, work.segments_to_lights(count)),
     }
     let mut events = 0;
     for at in (0..count).step_by(L::WIDTH) {
@@ -147,24 +147,4 @@ pub fn arrive<L: Lane>(world: &World, work: &mut Work, count: usize) {
     }
     work.flush(events);
     work.enter(Some(Stage::Shade));
-}
-
-/// Notes in the queue what is in the way of rays to lights, where every primitive is tested.
-struct Reaching<'a> {
-    work: &'a mut Work,
-    count: usize,
-}
-
-impl<L: Lane> Batch<L> for Reaching<'_> {
-    #[inline(always)]
-    fn run(self, closest: impl Fn(&Ray<L>) -> Hit<L>) {
-        let Work { search, queue, .. } = self.work;
-        for at in (0..self.count).step_by(L::WIDTH) {
-            let ray = Ray { origin: search.origin.load(at), direction: search.direction.load(at) };
-            let mut hit = closest(&ray);
-            let before = hit.t.lt(L::load(&search.reach[at..]));
-            hit.primitive = L::Bits::select(before, hit.primitive, L::Bits::splat(MISS));
-            queue.store_hit(at, &hit, false);
-        }
-    }
 }

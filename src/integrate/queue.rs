@@ -1,5 +1,6 @@
 //! The paths of a tile in structure-of-arrays form.
 
+use super::extend::Segments;
 use super::light::Search;
 use super::stats::{Meter, RayKind, Stage, Stats};
 use super::{Tile, World};
@@ -97,6 +98,11 @@ pub struct Path<L: Lane> {
 }
 
 impl Queue {
+    /// The first `count` rays, and their hits.
+    pub fn segments(&mut self, count: usize) -> Segments<'_> {
+        let Queue { origin, direction, t, primitive, u, v, .. } = self;
+        Segments { count, origin, direction, reach: None, t, primitive, u, v }
+    }
     #[inline(always)]
     pub fn ray<L: Lane>(&self, at: usize) -> Ray<L> {
         Ray { origin: self.origin.load(at), direction: self.direction.load(at) }
@@ -250,6 +256,13 @@ impl Work {
             meter.search(rays, L::WIDTH, tests_of_each(world, None));
             meter.enter(Some(Stage::Light));
         }
+    }
+
+    /// The first `count` rays to lights, and the queue's place for hits.
+    pub fn segments_to_lights(&mut self, count: usize) -> Segments<'_> {
+        let Search { origin, direction, reach, .. } = &self.search;
+        let Queue { t, primitive, u, v, .. } = &mut self.queue;
+        Segments { count, origin, direction, reach: Some(reach), t, primitive, u, v }
     }
 
     /// Finds out which of the first `count` rays to lights meet something within their reach: notes it as their hit in the queue.

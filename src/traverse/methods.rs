@@ -69,10 +69,6 @@ impl Methods {
             TraversalChoice::Through(traversal) => Some(traversal),
         }
     }
-    /// Are spheres and triangles met by the default equations? Only for them are pipelines specialised.
-    pub fn meet_by_default(&self) -> bool {
-        self.sphere == SphereChoice::default() && self.triangle == TriangleChoice::default()
-    }
     /// Do these methods claim hits only within rounding error of the primitive? The naive ones do not: from afar they hit spheres
     /// at several times their radius, and slivers far off their edges.
     pub fn keep_to_their_primitives(&self) -> bool {
@@ -149,6 +145,12 @@ impl Primitives {
         [buffers.spheres.len(), triangles]
     }
 
+    /// Are these the default equations? Only they are compiled into pipelines.
+    #[inline(always)]
+    pub fn meets_by_default(&self) -> bool {
+        self.sphere == SphereChoice::default() && matches!(self.triangles, Triangles::Woop(_))
+    }
+
     /// Runs a batch of rays, every primitive tested, with the chosen methods, each compiled for itself; only without a hierarchy.
     /// `visible` holds all that the rays can meet; without it, everything is tested.
     #[inline(always)]
@@ -165,7 +167,7 @@ impl Primitives {
     /// [`Primitives::for_batch`] with the default equations alone: a fifteenth of its code.
     ///
     /// # Panics
-    /// If other triangle equations were chosen; not [`Methods::meet_by_default`].
+    /// If other triangle equations were chosen: not [`Primitives::meets_by_default`].
     #[inline(always)]
     pub fn for_default_batch<L: Lane>(
         &self,
@@ -174,7 +176,7 @@ impl Primitives {
         batch: impl Batch<L>,
     ) {
         let Triangles::Woop(stored) = &self.triangles else {
-            unreachable!("a specialised pipeline knows the default equations only");
+            unreachable!("other equations than the default ones go another way");
         };
         with_both::<L, ray_sphere::Robust, ray_triangle::Woop>(buffers, stored, self.reach, visible, batch);
     }

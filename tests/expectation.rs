@@ -1,0 +1,162 @@
+//! The law of all ways to find light: they differ in noise and not in what they expect. Every material, on a sphere, on a smooth mesh and under maps,
+//! is lit by lamps of both shapes and a sky, and rendered with and without search, with well spread and with independent numbers; Welch's t
+//! holds the means of independent runs against each other, over the picture and in parts of it.
+
+mod common;
+
+use common::statistics::allowed;
+use common::{Dice, material, noise, smooth_ball, sphere, triangle};
+use glam::Vec3;
+use octray::buffers::LightChoice;
+use octray::film::Picture;
+use octray::render::{Renderer, Settings};
+use octray::sampling::Sampler;
+use octray::scene::{Filter, Material, MaterialKind, Scene, Sky};
+use octray::traverse::Methods;
+
+const KINDS: [MaterialKind; 8] = [
+    MaterialKind::Diffuse,
+    MaterialKind::Metal { roughness: 0.2 },
+    MaterialKind::Metal { roughness: 0.7 },
+    MaterialKind::Plastic { roughness: 0.0, ior: 1.5 },
+    MaterialKind::Plastic { roughness: 0.5, ior: 1.5 },
+    MaterialKind::Scatter { roughness: 0.4 },
+    MaterialKind::Scatter { roughness: 2.0 },
+    MaterialKind::Glass { ior: 1.5 },
+];
+
+/// What is lit: a ball, as a sphere or as triangles with smooth normals.
+fn balls(kind: MaterialKind) -> [Scene; 4] {
+    let smooth = smooth_ball(kind);
+    let round = Scene {
+        triangles: Vec::new(),
+        normals: Vec::new(),
+        spheres: vec![sphere(Vec3::ZERO, 1.0, 0)],
+        ..smooth.clone()
+    };
+    let mapped = |scene: &Scene| {
+        let mut scene = scene.clone();
+        let mut dice = Dice(71);
+        scene.textures =
+            vec![noise(&mut dice, 8, 6, Filter::Bilinear), noise(&mut dice, 7, 5, Filter::Nearest)];
+        scene.materials[0].roughness_map = kind.has_roughness().then_some(0);
+        scene.materials[0].normal_map = Some(1);
+        let at = |v: Vec3| glam::Vec2::new(0.5 + 0.4 * v.x, 0.5 + 0.3 * v.y + 0.1 * v.z);
+        scene.uvs = scene.triangles.iter().map(|triangle| triangle.vertices.map(at)).collect();
+        scene
+    };
+    let [mapped_round, mapped_smooth] = [mapped(&round), mapped(&smooth)];
+    [round, smooth, mapped_round, mapped_smooth]
+}
+
+/// Under a dim sky, between a round lamp and one of a triangle that is half below the ball's horizon, over a floor that throws light back.
+fn lit(mut scene: Scene) -> Scene {
+    let lamp = |radiance: Vec3| Material { emission: radiance, ..material(MaterialKind::Emitter) };
+    let first = scene.materials.len() as u32;
+    scene.materials.extend([
+        lamp(Vec3::new(9.0, 6.0, 3.0)),
+        lamp(Vec3::new(2.0, 4.0, 8.0)),
+        Material { color: Vec3::splat(0.5), ..material(MaterialKind::Diffuse) },
+    ]);
+    scene.spheres.push(sphere(Vec3::new(-1.5, 1.6, 1.2), 0.4, first));
+    let corners = [Vec3::new(1.6, -0.6, 0.9), Vec3::new(1.5, 1.1, 1.6), Vec3::new(1.9, 0.4, -0.5)];
+    let floor = [Vec3::new(-9.0, -1.4, -9.0), Vec3::new(0.0, -1.4, 18.0), Vec3::new(9.0, -1.4, -9.0)];
+    for (corners, material) in [(corners, first + 1), (floor, first + 2)] {
+        scene.triangles.push(triangle(corners, material));
+        if !scene.normals.is_empty() {
+            scene.normals.push([Vec3::ZERO; 3]);
+        }
+        if !scene.uvs.is_empty() {
+            scene.uvs.push([glam::Vec2::ZERO; 3]);
+        }
+    }
+    Scene {
+        resolution: [24, 16],
+        max_bounces: 3,
+        sky: Sky::Gradient { bottom: Vec3::splat(0.1), top: Vec3::splat(0.3) },
+        ..scene
+    }
+}
+
+const RUNS: u32 = 24;
+/// Parts of the picture: columns and rows.
+const PARTS: [usize; 2] = [3, 2];
+
+/// Means of the whole picture and of its parts.
+fn means(picture: &Picture) -> Vec<f64> {
+    let (width, height) = (picture.width as usize, picture.height as usize);
+    let mut sums = vec![(0.0, 0.0); 1 + PARTS[0] * PARTS[1]];
+    for (at, pixel) in picture.pixels.iter().enumerate() {
+        let part = at / width * PARTS[1] / height * PARTS[0] + at % width * PARTS[0] / width;
+        // Nothing here is brighter than the lamps, but what meets them by chance alone is noise that says nothing.
+        let value = f64::from(pixel[0] + pixel[1] + pixel[2]);
+        for of in [0, 1 + part] {
+            sums[of].0 += value;
+            sums[of].1 += 1.0;
+        }
+    }
+    sums.into_iter().map(|(sum, count)| sum / count).collect()
+}
+
+/// For each of [`means`], the runs' average and the square of its standard error.
+fn runs(scene: &Scene, methods: Methods, samples: u32, first_seed: u32) -> Vec<[f64; 2]> {
+    let of_runs: Vec<Vec<f64>> = (0..RUNS)
+        .map(|run| {
+            let renderer =
+                Renderer::new(scene, Settings { methods, seed: first_seed + run, ..Settings::of(scene) });
+            let mut film = renderer.film();
+            renderer.add_samples(&mut film, samples);
+            assert_eq!(film.discarded(), 0);
+            means(&film.picture())
+        })
+        .collect();
+    let n = f64::from(RUNS);
+    (0..of_runs[0].len())
+        .map(|of| {
+            let average = of_runs.iter().map(|run| run[of]).sum::<f64>() / n;
+            let squares = of_runs.iter().map(|run| (run[of] - average).powi(2)).sum::<f64>();
+            [average, squares / (n - 1.0) / n]
+        })
+        .collect()
+}
+
+/// Welch's t of each of [`means`], and the relative standard error of the whole.
+fn welch(a: &[[f64; 2]], b: &[[f64; 2]]) -> (Vec<f64>, f64) {
+    let of = |(a, b): (&[f64; 2], &[f64; 2])| (a[0] - b[0]) / (a[1] + b[1]).sqrt();
+    (a.iter().zip(b).map(of).collect(), (a[0][1] + b[0][1]).sqrt() / a[0][0])
+}
+
+#[test]
+fn search_and_spread_change_no_expectation_on_matt_things_and_metal() {
+    check(&KINDS[..3]);
+}
+
+#[test]
+fn search_and_spread_change_no_expectation_on_coats_lobes_and_glass() {
+    check(&KINDS[3..]);
+}
+
+fn check(kinds: &[MaterialKind]) {
+    let with = |lights, sampler| Methods { lights, sampler, ..Methods::default() };
+    let mut deviations = Vec::new();
+    for &kind in kinds {
+        for (scene, shape) in
+            balls(kind).into_iter().map(lit).zip(["sphere", "smooth", "mapped sphere", "mapped smooth"])
+        {
+            let sought = runs(&scene, with(LightChoice::On, Sampler::Sobol), 16, 1);
+            let by_chance = runs(&scene, with(LightChoice::Off, Sampler::Sobol), 128, 1001);
+            let independent = runs(&scene, with(LightChoice::On, Sampler::Random), 16, 2001);
+            for (other, what) in [(by_chance, "by chance"), (independent, "independent numbers")] {
+                let (t, error) = welch(&sought, &other);
+                println!("{kind:?}, {shape}, {what}: t {:.2}, error {:.2} %", t[0], 100.0 * error);
+                assert!(error < 0.012, "{kind:?}, {shape}, {what}: noise that hides everything, {error}");
+                deviations.extend(t.into_iter().map(|t| (t, format!("{kind:?}, {shape}, {what}"))));
+            }
+        }
+    }
+    // Of 23 and 23 degrees of freedom: tails a little heavier than the normal's.
+    let most = 1.15 * allowed(deviations.len());
+    for (t, what) in deviations {
+        assert!(t.abs() < most, "{what}: {t:.1} standard errors of {most:.1}");
+    }
+}

@@ -4,7 +4,7 @@
 //!
 //! | file | what it does |
 //! |---|---|
-//! | [`args`] | what the user typed: the arguments' names, shapes and help |
+//! | [`args`], [`choices`] | what the user typed: the arguments' names, shapes and help |
 //! | [`options`], [`numbers`], [`limits`] | what we accept: names known, numbers in range |
 //! | [`render`], [`convert`], [`inspect`], [`mod@bench`], [`compare`], [`rays`] | the commands |
 //! | [`scenes`] | the scenes of commands that take several |
@@ -21,6 +21,7 @@
 
 pub mod args;
 pub mod bench;
+pub mod choices;
 pub mod compare;
 pub mod convert;
 pub mod error;

@@ -1,12 +1,12 @@
 //! What we accept: numbers in range, names known, defaults filled in.
 //!
-//! For: one struct a command, made from its raw arguments or refused. May import: `args`, `numbers`, `output`, `render`'s and
+//! For: one struct a command, made from its raw arguments or refused. May import: `args`, `choices`, `numbers`, `output`, `render`'s and
 //! `traverse`'s choices.
 //! Must never know: how a command does its work.
 
-use super::args::{
-    BenchArgs, CompareArgs, ConvertArgs, InspectArgs, LightArg, MethodArgs, PipelineArg, RaysArgs,
-    RenderArgs, SamplerArg, SphereMethod, ToneArg, TraversalArg, TriangleMethod,
+use super::args::{BenchArgs, CompareArgs, ConvertArgs, InspectArgs, RaysArgs, RenderArgs};
+use super::choices::{
+    LightArg, MethodArgs, PipelineArg, SamplerArg, SphereMethod, ToneArg, TraversalArg, TriangleMethod,
 };
 use super::error::CliError;
 use super::limits::Limits;

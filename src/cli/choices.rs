@@ -1,0 +1,110 @@
+//! What the user chooses between: methods, ways, pipelines, tones. The help of each choice stands beside it.
+
+use clap::ValueEnum;
+
+/// How rays meet surfaces.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::Args)]
+pub struct MethodArgs {
+    /// How rays meet spheres.
+    #[arg(long, value_enum, value_name = "METHOD", default_value_t)]
+    pub sphere: SphereMethod,
+    /// How rays meet triangles.
+    #[arg(long, value_enum, value_name = "METHOD", default_value_t)]
+    pub triangle: TriangleMethod,
+    /// How rays find what they meet: it does not change the picture. Of small scenes `needed` tests every primitive; in others it takes
+    /// the fastest ways through a hierarchy.
+    #[arg(long, value_enum, value_name = "WAY", default_value_t)]
+    pub traversal: TraversalArg,
+    /// Which emitters paths look for, besides finding them by chance: `auto`, those for which it pays; `on`, all; `off`, none. It
+    /// changes the noise, not the picture behind it.
+    #[arg(long, value_enum, value_name = "CHOICE", default_value_t)]
+    pub lights: LightArg,
+    /// Where random numbers come from: well spread points, or numbers independent of each other. It changes the noise, not the picture
+    /// behind it.
+    #[arg(long, value_enum, value_name = "SAMPLER", default_value_t)]
+    pub sampler: SamplerArg,
+}
+
+/// Where random numbers come from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
+pub enum SamplerArg {
+    /// Owen-scrambled Sobol points.
+    #[default]
+    Sobol,
+    Random,
+}
+
+/// Which emitters paths look for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
+pub enum LightArg {
+    #[default]
+    Auto,
+    On,
+    Off,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, ValueEnum)]
+pub enum TraversalArg {
+    /// What suits.
+    #[default]
+    Needed,
+    /// Every primitive is tested.
+    Linear,
+    /// One ray on the binary tree, without SIMD: the baseline, and what --lanes 1 takes.
+    Scalar,
+    /// One ray against eight boxes, and against eight primitives.
+    Single,
+    /// Tiles of camera rays in a frustum, others in streams.
+    Packet,
+    /// Many rays together down the tree.
+    Stream,
+    /// What measured fastest for the rays at hand.
+    Hybrid,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, ValueEnum)]
+pub enum SphereMethod {
+    /// The discriminant from the perpendicular: holds for small, distant and huge spheres.
+    #[default]
+    Robust,
+    /// The same for directions of any length; a little slower.
+    RobustAnyLength,
+    /// The textbook's quadratic formula: loses digits where the other does not.
+    Naive,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, ValueEnum)]
+pub enum TriangleMethod {
+    /// Watertight: no ray slips through between neighbours.
+    #[default]
+    Woop,
+    /// Woop with fused multiply-add in its edge functions: leaks at edges.
+    WoopContracted,
+    /// The classic: leaks at edges and vertices.
+    MollerTrumbore,
+    /// Stores an affine map for each triangle: fast, leaks.
+    BaldwinWeber,
+    /// Tight at edges, leaks at vertices.
+    Plucker,
+}
+
+/// What the shading stages are compiled for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, ValueEnum)]
+pub enum PipelineArg {
+    /// The smallest set of features that holds the scene's needs.
+    #[default]
+    Needed,
+    /// Every feature.
+    General,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, ValueEnum)]
+pub enum ToneArg {
+    /// Cut it off: true to the radiance up to there.
+    #[default]
+    Clamp,
+    /// x / (1 + x): nothing burns out, everything is darker.
+    Reinhard,
+    /// The look of film: deep shadows, soft highlights.
+    Aces,
+}

@@ -1,0 +1,51 @@
+//! The classic, by Cramer's rule.
+
+use super::{TriangleHit, TriangleMethod};
+use crate::lane::{Lane, Mask};
+use crate::math::{Ray, Vec3};
+
+/// A vertex and the two edges that leave it.
+#[derive(Clone, Copy, Debug)]
+pub struct Edges {
+    a: glam::Vec3,
+    ab: glam::Vec3,
+    ac: glam::Vec3,
+}
+
+/// Möller and Trumbore's test: solves for t and the barycentrics by Cramer's rule.
+///
+/// Error: loses about 10 % of the rays aimed at edges shared by two triangles and 8 % of those aimed at vertices; with FMA 16 % and
+/// 22 % (`tests/kernel_triangle.rs`).
+/// Source: Möller, Trumbore, "Fast, Minimum Storage Ray/Triangle Intersection", JGT 2(1), 1997 (non-culling branch, without
+/// an epsilon on the determinant, which would make small triangles vanish).
+pub struct MollerTrumbore;
+
+impl TriangleMethod for MollerTrumbore {
+    type Stored = Edges;
+    type Prepared<L: Lane> = Ray<L>;
+
+    fn store([a, b, c]: [glam::Vec3; 3]) -> Edges {
+        Edges { a, ab: b - a, ac: c - a }
+    }
+    #[inline(always)]
+    fn prepare<L: Lane>(ray: &Ray<L>) -> Ray<L> {
+        *ray
+    }
+    #[inline(always)]
+    fn test<L: Lane>(ray: &Ray<L>, triangle: &Edges, limit: L) -> TriangleHit<L> {
+        let (ab, ac) = (Vec3::splat(triangle.ab), Vec3::splat(triangle.ac));
+        let p = ray.direction.cross(ac);
+        let inverse = L::one() / ab.dot(p);
+        let from_a = ray.origin - Vec3::splat(triangle.a);
+        let u = from_a.dot(p) * inverse;
+        let inside = L::zero().le(u) & u.le(L::one());
+        if !inside.any() {
+            return TriangleHit::none(limit);
+        }
+        let q = from_a.cross(ab);
+        let v = ray.direction.dot(q) * inverse;
+        let t = ac.dot(q) * inverse;
+        let mask = inside & L::zero().le(v) & (u + v).le(L::one()) & L::zero().lt(t) & t.lt(limit);
+        TriangleHit { mask, t, u, v }
+    }
+}

@@ -1,0 +1,42 @@
+//! Signed volumes of the edges.
+
+use super::{TriangleHit, TriangleMethod};
+use crate::lane::{Lane, Mask};
+use crate::math::{Ray, Vec3};
+
+/// Plücker coordinates: the ray passes the three edges on the same side.
+///
+/// Error: edges are computed alike from both sides and do not leak; vertices do: 0.3 % of aimed rays, with FMA 1.8 %
+/// (`tests/kernel_triangle.rs`).
+/// Source: Shevtsov et al., "Ray-Triangle Intersection Algorithm for Modern CPU Architectures", GraphiCon 2007.
+pub struct Plucker;
+
+impl TriangleMethod for Plucker {
+    type Stored = [glam::Vec3; 3];
+    type Prepared<L: Lane> = Ray<L>;
+
+    fn store(vertices: [glam::Vec3; 3]) -> [glam::Vec3; 3] {
+        vertices
+    }
+    #[inline(always)]
+    fn prepare<L: Lane>(ray: &Ray<L>) -> Ray<L> {
+        *ray
+    }
+    #[inline(always)]
+    fn test<L: Lane>(ray: &Ray<L>, vertices: &[glam::Vec3; 3], limit: L) -> TriangleHit<L> {
+        let [a, b, c] = vertices.map(|v| Vec3::splat(v) - ray.origin);
+        // The volume spanned by the direction and an edge, computed so that both triangles of the edge see opposite numbers.
+        let side = |p: Vec3<L>, q: Vec3<L>| ray.direction.dot((q - p).cross(q + p));
+        let (u, v, w) = (side(b, c), side(c, a), side(a, b));
+        let (least, most) = (u.min(v).min(w), u.max(v).max(w));
+        let inside = L::zero().le(least) | most.le(L::zero());
+        if !inside.any() {
+            return TriangleHit::none(limit);
+        }
+        let normal = (b - a).cross(c - a);
+        let t = normal.dot(a) / normal.dot(ray.direction);
+        let inverse = L::one() / (u + v + w);
+        let mask = inside & L::zero().lt(t) & t.lt(limit);
+        TriangleHit { mask, t, u: v * inverse, v: w * inverse }
+    }
+}

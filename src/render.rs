@@ -116,6 +116,7 @@ impl Watch for () {
 pub struct Renderer {
     settings: Settings,
     world: World,
+    features: Needs,
     pipeline: Pipeline,
     threads: Threads<Box<Work>>,
 }
@@ -147,15 +148,19 @@ impl Renderer {
             seed: settings.seed,
             sampler: settings.methods.sampler,
         };
-        let features = match settings.pipeline {
+        let needs = match settings.pipeline {
             PipelineChoice::Needed => world.buffers.needs,
             PipelineChoice::General => Needs::ALL,
         };
-        let pipeline = pipeline_for(features, lanes);
-        Self { settings, world, pipeline, threads: Threads::new(threads, Work::new) }
+        let (features, pipeline) = pipeline_for(needs, lanes);
+        Self { settings, world, features, pipeline, threads: Threads::new(threads, Work::new) }
     }
     pub fn settings(&self) -> &Settings {
         &self.settings
+    }
+    /// What its pipeline has: the scene's needs, and what shares the pipeline with them.
+    pub fn features(&self) -> Needs {
+        self.features
     }
     /// What the scene needs of its pipeline.
     pub fn needs(&self) -> Needs {

@@ -121,8 +121,8 @@ fn heading(report: &Report, settings: &Settings) -> String {
     format!(
         "{}\n\
          {width}×{height}, 1 sample a frame, up to {}\n\
-         fps: median (1 % low); speed-up and scaling: median of the rounds (10 to 90 % of them)\n\n\
-         {:<24}{:>16}{:>16}{:>18}{:>16}{:>18}{:>8}{:>9}{:>9}\n",
+         fps: median (1 % low); speed-up, scaling and gain: median of the rounds (10 to 90 % of them)\n\n\
+         {:<24}{:>16}{:>16}{:>18}{:>16}{:>18}{:>18}{:>8}{:>9}{:>9}\n",
         report.machine,
         counted(settings.max_bounces, "bounce", "bounces"),
         "scene",
@@ -131,6 +131,7 @@ fn heading(report: &Report, settings: &Settings) -> String {
         "speed-up",
         "all cores",
         "scaling",
+        "gain of needs",
         "Mray/s",
         "pixels≠",
         "hits≠"
@@ -154,13 +155,14 @@ fn row(results: &[Measurement], accuracy: &Comparison) -> String {
     let mut text = String::new();
     let _ = writeln!(
         text,
-        "{:<24}{:>16}{:>16}{:>18}{:>16}{:>18}{:>8}{:>9}{:>9}",
+        "{:<24}{:>16}{:>16}{:>18}{:>16}{:>18}{:>18}{:>8}{:>9}{:>9}",
         first.scene,
         fps(simd),
         fps(scalar),
         ratio(|result| result.speedup),
         fps(all),
         ratio(|result| result.scaling),
+        ratio(|result| result.gain),
         figure(first.mrays_per_s, 1),
         grouped(accuracy.mismatched_pixels),
         grouped(accuracy.reference.mismatched_hits),
@@ -220,7 +222,9 @@ fn meaning(report: &Report) -> String {
     } else {
         counted(hits, "PRIMARY HIT IS", "PRIMARY HITS ARE") + " WRONG by the f64 reference"
     };
-    format!("\n{speed}; {same}; {right}.\n")
+    let gain =
+        "Gain of needs: SIMD against the pipeline with every feature; empty where a scene gets that one.";
+    format!("\n{speed}; {same}; {right}.\n{gain}\n")
 }
 
 #[cfg(test)]
@@ -247,6 +251,7 @@ mod tests {
             scaling: None,
             needs: Vec::new(),
             pipeline: "needed",
+            gain: None,
             stats: None,
         };
         let few = result("few", FEWEST_FRAMES - 1, 1.0);

@@ -174,9 +174,9 @@ const fn pipeline<const N: u32>() -> (Needs, Pipeline, Pipeline) {
     (Needs(N), trace_tile::<f32, N>, trace_tile::<crate::lane::F32x8, N>)
 }
 
-/// The pipeline for a scene's needs at a width of 1 or 8.
-pub fn pipeline_for(needs: Needs, lanes: usize) -> Pipeline {
-    let (_, scalar, packets) =
+/// The pipeline for a scene's needs at a width of 1 or 8, and the features that it has.
+pub fn pipeline_for(needs: Needs, lanes: usize) -> (Needs, Pipeline) {
+    let (features, scalar, packets) =
         PIPELINES.iter().find(|(set, ..)| set.contains(needs)).expect("the last pipeline has every feature");
-    if lanes == 1 { *scalar } else { *packets }
+    (*features, if lanes == 1 { *scalar } else { *packets })
 }

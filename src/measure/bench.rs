@@ -5,6 +5,7 @@
 use super::statistics::Quantiles;
 use super::stats::FrameStats;
 use super::turns::{Ratio, Timed};
+use crate::buffers::Needs;
 use crate::render::{PipelineChoice, Renderer, Settings};
 use crate::scene::Scene;
 use serde::Serialize;
@@ -56,6 +57,9 @@ pub struct Measurement {
     pub needs: Vec<&'static str>,
     /// `needed` or `general`.
     pub pipeline: &'static str,
+    /// How many times as fast as the pipeline with every feature at the same width and threads. Measured of the first engine; `None` where
+    /// that is the scene's own.
+    pub gain: Option<Ratio>,
     /// Of frames that were not timed, where [`FrameStats`] were asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stats: Option<FrameStats>,
@@ -75,6 +79,25 @@ const PATIENCE: u32 = 10;
 struct Run {
     engine: Engine,
     timed: Timed,
+    /// The same with every feature, if that is another pipeline and asked for.
+    general: Option<Timed>,
+}
+
+impl Run {
+    fn new(scene: &Scene, settings: Settings, engine: Engine, against_general: bool) -> Self {
+        let Engine { lanes, threads } = engine;
+        let of = |pipeline| Renderer::new(scene, Settings { lanes, threads, pipeline, ..settings });
+        let renderer = of(settings.pipeline);
+        let against_general = against_general && renderer.features() != Needs::ALL;
+        let general = against_general.then(|| Timed::new(of(PipelineChoice::General)));
+        Self { engine, timed: Timed::new(renderer), general }
+    }
+    fn turn(&mut self, frames: usize) {
+        self.timed.turn(frames, TURN);
+        if let Some(general) = &mut self.general {
+            general.turn(frames, TURN);
+        }
+    }
 }
 
 /// Times the engines on a scene, in alternation, after a warm-up. `settings` holds for all but lanes and threads. With `stats`, each
@@ -86,14 +109,9 @@ pub fn bench(
     effort: Effort,
     stats: bool,
 ) -> Vec<Measurement> {
-    let mut runs: Vec<Run> = engines
-        .iter()
-        .map(|&engine| {
-            let Engine { lanes, threads } = engine;
-            let renderer = Renderer::new(scene, Settings { lanes, threads, ..settings });
-            Run { engine, timed: Timed::new(renderer) }
-        })
-        .collect();
+    let engines = engines.iter().enumerate();
+    let mut runs: Vec<Run> =
+        engines.map(|(number, &engine)| Run::new(scene, settings, engine, number == 0)).collect();
     let start = Instant::now();
     let enough = |run: &Run| match effort {
         Effort::Frames(frames) => run.timed.seconds.len() >= frames as usize,
@@ -109,7 +127,7 @@ pub fn bench(
                 Effort::Frames(frames) => (frames as usize).saturating_sub(run.timed.seconds.len()),
                 Effort::Time(_) => usize::MAX,
             };
-            run.timed.turn(left, TURN);
+            run.turn(left);
         }
     }
     // The same frames for all, so that they trace the same rays.
@@ -125,7 +143,7 @@ pub fn bench(
 
 /// Renders so many frames of their own, the first ones of the picture.
 fn frame_stats(run: &Run, frames: u32) -> FrameStats {
-    let Run { engine: Engine { lanes, threads }, timed: Timed { renderer, .. } } = run;
+    let Run { engine: Engine { lanes, threads }, timed: Timed { renderer, .. }, .. } = run;
     let mut film = renderer.film();
     renderer.start_stats();
     renderer.on_threads(|| {
@@ -137,7 +155,7 @@ fn frame_stats(run: &Run, frames: u32) -> FrameStats {
 }
 
 fn measurement(scene: &Scene, run: &Run, runs: &[Run]) -> Measurement {
-    let Run { engine, timed: Timed { renderer, film, seconds, .. } } = run;
+    let Run { engine, timed: Timed { renderer, film, seconds, .. }, general } = run;
     let times = Quantiles::of(seconds.clone());
     let settings = renderer.settings();
     let rays_per_frame = film.rays() as f64 / f64::from(film.samples());
@@ -165,6 +183,7 @@ fn measurement(scene: &Scene, run: &Run, runs: &[Run]) -> Measurement {
             PipelineChoice::Needed => "needed",
             PipelineChoice::General => "general",
         },
+        gain: general.as_ref().and_then(|general| Ratio::of(&run.timed, general)),
         stats: None,
     }
 }
@@ -180,11 +199,12 @@ mod tests {
         let mut timed = Timed::new(Renderer::new(&scene, settings));
         timed.turn(1, TURN);
         timed.seconds = (1..=100).map(f64::from).collect();
-        let run = Run { engine: Engine { lanes: 8, threads: 1 }, timed };
+        let run = Run { engine: Engine { lanes: 8, threads: 1 }, timed, general: None };
         let found = measurement(&scene, &run, &[]);
         assert_eq!((found.frames, found.engine), (100, "simd"));
         assert_eq!((found.fps_median, found.fps_low_1_percent), (1.0 / 50.5, 1.0 / 99.0));
         assert_eq!(found.fps_spread, [1.0 / 90.0, 1.0 / 10.0]);
-        assert_eq!((found.speedup, found.scaling), (None, None), "nothing else was timed");
+        let others = (found.speedup, found.scaling, found.gain);
+        assert_eq!(others, (None, None, None), "nothing else was timed");
     }
 }

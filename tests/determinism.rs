@@ -69,6 +69,20 @@ fn everything() -> Scene {
     everything_of(12)
 }
 
+/// A lamp that paths look for, the first sphere, beside triangles that shine with a picture, which they do not look for.
+fn lamp_and_sign() -> Scene {
+    let mut dice = Dice(88);
+    let shining =
+        |emission: f32| Material { emission: Vec3::splat(emission), ..material(MaterialKind::Emitter) };
+    let materials =
+        vec![shining(9.0), Material { texture: Some(0), ..shining(2.0) }, material(MaterialKind::Diffuse)];
+    let mut scene = furnished(&mut dice, materials, 3, 5, true);
+    scene.textures = vec![noise(&mut dice, 8, 8, Filter::Nearest)];
+    scene.spheres.iter_mut().skip(1).for_each(|sphere| sphere.material = 2);
+    scene.triangles.iter_mut().for_each(|triangle| triangle.material = triangle.material.clamp(1, 2));
+    Scene { sky: Sky::Color(Vec3::ZERO), ..scene }
+}
+
 /// The same, and so much of it that it goes through the hierarchy.
 fn crowd() -> Scene {
     everything_of(45)
@@ -238,7 +252,9 @@ fn test_scenes_need_every_feature_together() {
 
 #[test]
 fn picture_is_the_same_for_all_lanes_threads_tiles_and_calls() {
-    for scene in [everything(), crowd(), matt_and_mirror(), few_textured(), triangles_alone()] {
+    for scene in
+        [everything(), crowd(), matt_and_mirror(), few_textured(), triangles_alone(), lamp_and_sign()]
+    {
         let base = base(&scene, [37, 23], 4);
         let expected = Print::of(&scene, base, &[8]);
         for lanes in [1, 8] {
@@ -303,7 +319,14 @@ fn picture_that_was_stopped_midway_is_of_whole_samples_and_goes_on_to_the_same()
 #[test]
 fn picture_is_the_same_from_the_pipeline_with_every_feature() {
     let builtin = builtin_names().map(|name| load(&format!("builtin:{name}")).unwrap());
-    let own = [everything(), matt_and_mirror(), few_textured(), triangles_alone(), grazed_mirror()];
+    let own = [
+        everything(),
+        matt_and_mirror(),
+        few_textured(),
+        triangles_alone(),
+        grazed_mirror(),
+        lamp_and_sign(),
+    ];
     let mut specialised = 0;
     for scene in builtin.chain(own) {
         for lanes in [1, 8] {
@@ -357,7 +380,9 @@ fn picture_is_the_same_for_all_lanes_with_every_choice_of_equations() {
 
 #[test]
 fn picture_is_the_same_through_every_traversal() {
-    for scene in [everything(), crowd(), matt_and_mirror(), few_textured(), triangles_alone()] {
+    for scene in
+        [everything(), crowd(), matt_and_mirror(), few_textured(), triangles_alone(), lamp_and_sign()]
+    {
         let by = |traversal, lanes| Settings {
             methods: Methods { traversal, ..Methods::default() },
             lanes,

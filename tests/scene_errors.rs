@@ -57,6 +57,8 @@ fn broken_json_names_line_and_column() {
     assert_refused("{ \"format\"\n \"octray-1\" }", "broken JSON", "line 2, column 2", "mend the JSON");
     assert_refused(with("\"max_bounces\": 3 // few"), "broken JSON", "line 3", "comma");
     assert_refused("{} {}", "trailing characters", "line 1, column 4", "remove what follows");
+    let four = r#"{"format": "octray-1", "camera": {"position": [0, 1, 5, 0]}}"#;
+    assert_refused(four, "too many entries in this list", "camera.position", "remove those from here on");
     assert_refused("[1, 2]", "not a scene", "", "octray-1");
     assert_refused("\"scene\"", "string", "line 1", "write an object");
 }

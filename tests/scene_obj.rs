@@ -374,7 +374,7 @@ fn converted_model_loads_as_the_same_scene() {
     assert_eq!(converted.textures[0].name, "p.png");
 
     let elsewhere = folder.path().join("scenes/deep");
-    let text = native_from_obj_in(Path::new(&model), &elsewhere).unwrap();
+    let (text, _) = native_from_obj_in(Path::new(&model), &elsewhere).unwrap();
     let converted = load(&write(&folder, "scenes/deep/scene.json", text)).unwrap();
     assert_same_scene(&direct, &converted);
     assert_eq!(converted.textures[0].name, "../../models/p.png");

@@ -17,7 +17,10 @@ pub fn run(options: ConvertOptions) -> Result<ExitCode, CliError> {
     output::check(&options.scene, existing)?;
     check_scene(&options.scene)?;
     let folder = options.scene.parent().unwrap_or(Path::new(""));
-    let text = scene::native_from_obj_in(&options.model, folder)?;
+    let (text, warnings) = scene::native_from_obj_in(&options.model, folder)?;
+    for warning in &warnings {
+        terminal::warn(warning);
+    }
     output::write_atomically(&options.scene, existing, |file| file.write_all(text.as_bytes()))?;
     terminal::print(&format!(
         "wrote {}\n  to see it: octray render {} -o picture.png\n",

@@ -8,17 +8,24 @@ use super::options::RenderOptions;
 use crate::film::{Film, Picture};
 use crate::output::tone::srgb_decode;
 use crate::output::{self, Existing, Format, Tone};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Can it be written where it shall be? Finds out before anything is rendered.
 pub fn check(options: &RenderOptions) -> Result<(), CliError> {
     let Some(file) = &options.samples_map else { return Ok(()) };
     Format::of(file)?;
-    if *file == options.output {
+    if place(file) == place(&options.output) {
         let why = "the picture itself goes there: give another file";
         return Err(refuse("--samples-map", &file.display().to_string(), why));
     }
     Ok(output::check(file, Existing::Replace)?)
+}
+
+/// The file that a path means, whichever way it leads there; the path itself where its folder is none.
+fn place(path: &Path) -> PathBuf {
+    let folder = path.parent().unwrap_or(Path::new("")).join(".").canonicalize();
+    let of_new = |folder: PathBuf| path.file_name().map(|name| folder.join(name));
+    path.canonicalize().ok().or_else(|| folder.ok().and_then(of_new)).unwrap_or_else(|| path.into())
 }
 
 /// Writes it; fails, and leaves no file, once `given_up` says so.

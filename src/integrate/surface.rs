@@ -106,10 +106,14 @@ impl<L: Lane> Surface<L> {
         self.outward = Vec3::select(keep, self.outward, Vec3::new(nx, ny, nz));
         self.offset = L::select(keep, self.offset, offset);
         self.material = L::Bits::select(keep, self.material, material.to_bits());
-        if needs(N, Needs::LIGHTS) && (!keep & L::zero().lt(chance)).any() {
-            let Ray { origin, direction } = path.ray;
-            let a = Vec3::new(ax, ay, az) - origin;
-            let density = chance * light::triangle_density(a, ab, ac, direction, hit.t);
+        if needs(N, Needs::LIGHTS) {
+            let mut density = L::zero();
+            if (!keep & L::zero().lt(chance)).any() {
+                let Ray { origin, direction } = path.ray;
+                let a = Vec3::new(ax, ay, az) - origin;
+                density = chance * light::triangle_density(a, ab, ac, direction, hit.t);
+            }
+            // Triangles that are no lamps too: their lanes hold what some sphere would have there.
             self.light_density = L::select(keep, self.light_density, density);
         }
     }

@@ -17,13 +17,13 @@ use std::path::Path;
 /// The text of a scene file that shows the model as [`load`](super::load) would. Texture paths are relative to the
 /// model's folder, so that the file works there.
 pub fn native_from_obj(model: &Path) -> Result<String, SceneError> {
-    native_from_obj_in(model, model.parent().unwrap_or(Path::new("")))
+    Ok(native_from_obj_in(model, model.parent().unwrap_or(Path::new("")))?.0)
 }
 
-/// The same for a scene file in another folder.
-pub fn native_from_obj_in(model: &Path, folder: &Path) -> Result<String, SceneError> {
+/// The same for a scene file in another folder, and what is odd about the model, a sentence each.
+pub fn native_from_obj_in(model: &Path, folder: &Path) -> Result<(String, Vec<String>), SceneError> {
     let scene = obj::scene(&read_named(model)?, model, String::new())?;
-    Ok(text(&scene, &|texture| relative(model, folder, texture)))
+    Ok((text(&scene, &|texture| relative(model, folder, texture)), scene.warnings))
 }
 
 /// The path from `folder` to a texture that the model names relative to its own folder.

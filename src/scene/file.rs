@@ -177,6 +177,8 @@ fn refusal(source: &Source, path: &str, error: &serde_json::Error) -> SceneError
     let message = message.strip_suffix(&format!(" at line {line} column {column}")).unwrap_or(&message);
     let (what, mend) = if error.is_data() {
         data_fault(message)
+    } else if message == "trailing characters" && path != "." {
+        ("there are too many entries in this list".to_string(), "remove those from here on".to_string())
     } else {
         syntax_fault(message, source.text.lines().nth(line.saturating_sub(1)).unwrap_or_default(), column)
     };
@@ -233,6 +235,7 @@ fn data_fault(message: &str) -> (String, String) {
     let message = message
         .replace("expected f64", "expected a number")
         .replace("expected u32", "expected a whole number of 0 or more")
+        .replace("expected a sequence", "expected an array")
         .replace("unknown variant", "unknown word");
     let expected = message.rsplit_once("expected ").map(|(_, expected)| expected.to_string());
     let mend =

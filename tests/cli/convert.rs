@@ -43,6 +43,16 @@ fn converted_models_render_the_same_wherever_the_scene_file_stands() {
 }
 
 #[test]
+fn convert_says_what_of_a_model_it_leaves_out() {
+    let desk = Desk::new();
+    desk.write("odd.mtl", "newmtl a\nKd 1 1 1\nd 0.5\n");
+    desk.write("odd.obj", "mtllib odd.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\nf 1 2 3\n");
+    let said = desk.warnings(&["convert", "odd.obj", "odd.json"]);
+    assert!(said.contains("odd.mtl"), "{said}");
+    assert_eq!(said, desk.warnings(&["compare", "odd.obj", "--samples", "1", "--size", "4x4"]));
+}
+
+#[test]
 fn convert_refuses_names_that_no_command_would_read() {
     let desk = Desk::new();
     desk.write("model.stl", "solid\n");

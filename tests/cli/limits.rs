@@ -159,6 +159,7 @@ fn limits_out_of_range_are_refused_with_their_range() {
     with(&["--target-error", "0.1", "--min-samples", "3"], &["--min-samples", "from 4 to 16,384"]);
     with(&["--target-error", "0.1", "--samples", "8", "--min-samples", "9"], &["from 4 to 8"]);
     with(&["--samples-map", "a.png"], &["--samples-map a.png", "give another file"]);
+    with(&["--samples-map", "./a.png"], &["--samples-map ./a.png", "give another file"]);
     with(&["--samples-map", "b.txt"], &["b.txt", ".png"]);
     with(&["--samples-map", "no/such/b.png"], &["no/such", "mkdir -p"]);
 }

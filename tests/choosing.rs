@@ -5,7 +5,7 @@ mod common;
 
 use common::{Dice, empty, material, sphere, triangle};
 use glam::Vec3;
-use octray::buffers::{LightChoice, Lights, Needs};
+use octray::buffers::{LightChoice, Lights, Needs, SkyLight};
 use octray::film::Picture;
 use octray::render::{PipelineChoice, Renderer, Settings};
 use octray::scene::{Camera, Filter, Material, MaterialKind, Scene, Sky, Texels, Texture};
@@ -245,4 +245,27 @@ fn a_sky_beside_a_lamp_gives_what_both_closed_forms_say() {
     let methods = Methods { lights: LightChoice::On, ..Methods::default() };
     let got = mean(&render(&scene, Settings { methods, ..Settings::of(&scene) }, 1024));
     assert!((got / truth - 1.0).abs() < 0.01, "{got} of {truth}");
+}
+
+#[test]
+fn directions_to_a_sky_are_spread_all_over_its_cells() {
+    let mut scene = empty();
+    let texels = Texels::Linear(vec![[1.0; 4]; 32]);
+    scene.textures =
+        vec![Texture { name: "even".into(), width: 8, height: 4, filter: Filter::Nearest, texels }];
+    scene.sky = Sky::Texture { texture: 0, color: Vec3::ONE };
+    let sky = SkyLight::of(&scene).unwrap();
+    // An even sky: every sixty-fourth of the turn and of the height gets as many of a grid of directions as every other.
+    const SIDE: usize = 512;
+    let mut counts = [[0; 64]; 2];
+    for (i, j) in (0..SIDE).flat_map(|i| (0..SIDE).map(move |j| (i, j))) {
+        let at = |i: usize| (i as f32 + 0.5) / SIDE as f32;
+        let direction = sky.aim::<f32>(at(i), at(j)).direction.get(0).as_dvec3();
+        let turn = (direction.z.atan2(direction.x) / std::f64::consts::TAU).rem_euclid(1.0);
+        counts[0][(turn * 64.0) as usize % 64] += 1;
+        counts[1][((0.5 - 0.5 * direction.y) * 64.0) as usize] += 1;
+    }
+    for count in counts.into_iter().flatten() {
+        assert!((count as f64 / (SIDE * SIDE / 64) as f64 - 1.0).abs() < 0.02, "{counts:?}");
+    }
 }

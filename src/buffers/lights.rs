@@ -25,8 +25,8 @@ pub enum LightChoice {
 ///
 /// Sphere: centre, radius, emission, chance; 0 (seven times), offset of rays that end there. Triangle: a, 0, emission, chance; ab, ac, 0,
 /// offset. Sky, the last one: 0 (three times), `SKY_RADIUS`, 0 (three times), chance; zeros.
-/// Chosen in constant time, each by its share of all power: Walker, "An Efficient Method for Generating Discrete Random Variables with
-/// General Distributions", ACM TOMS 3(3), 1977; the table by Vose, IEEE TSE 17(9), 1991.
+/// Chosen in constant time, each by its share of all power, or as [`LEAST`] says: Walker, "An Efficient Method for Generating Discrete
+/// Random Variables with General Distributions", ACM TOMS 3(3), 1977; the table by Vose, IEEE TSE 17(9), 1991.
 #[derive(Clone, Debug, Default)]
 pub struct Lights {
     rows: Rows,
@@ -45,6 +45,11 @@ const SKY_RADIUS: f32 = -1.0;
 /// From this [`SkyLight::contrast`] on it pays to look for the sky's bright places.
 const LEAST_CONTRAST: f64 = 2.0;
 
+/// No light is chosen less often than this share of the average. Random numbers have 24 digits: a light that few or none of them choose is
+/// drawn more or less often than its chance says, and only at some of its points. A candle beside a lamp 10⁹ times as bright would give 59
+/// times its light (`tests/choosing.rs`). Costs no more than this share of all searches.
+const LEAST: f64 = 1.0 / 64.0;
+
 /// A light for each lane.
 pub struct Chosen<L: Lane> {
     /// Centre of a sphere, first corner of a triangle.
@@ -62,10 +67,9 @@ pub struct Chosen<L: Lane> {
 impl Lights {
     /// Most lights whose rows fit the register form.
     pub const FEW: usize = Rows::FEW / 2;
-    /// Up to here a number that chooses a light has digits enough left for a point on it: at least 18.
+    /// Up to here a number that chooses a light has digits enough left for a point on it: 18 on average, and 12 where the light is as
+    /// weak as [`LEAST`] lets it be.
     const SHARED: usize = 64;
-    /// From here on one random number has too few digits to choose with.
-    const MANY: usize = 1 << 12;
 
     pub fn new(scene: &Scene, choice: LightChoice) -> Self {
         let primitives = scene.spheres.len() + scene.triangles.len();
@@ -81,9 +85,10 @@ impl Lights {
             return Self::default();
         }
         let lights: Vec<usize> = (0..=primitives).filter(|&number| powers[number] > 0.0).collect();
-        let shares: Vec<f64> = lights.iter().map(|&number| powers[number] / total).collect();
+        let shares = shares(lights.iter().map(|&number| powers[number] / total).collect());
         let (keep, other) = alias_table(&shares);
-        let chances: Vec<f32> = powers.iter().map(|power| (power / total) as f32).collect();
+        let mut chances = vec![0.0; powers.len()];
+        lights.iter().zip(&shares).for_each(|(&number, &share)| chances[number] = share as f32);
         Self {
             rows: Rows::new(
                 lights.iter().zip(&shares).flat_map(|(&number, &share)| rows(scene, number, share as f32)),
@@ -116,8 +121,7 @@ impl Lights {
     }
 
     /// Chooses by `u`, and returns what is left of it: a number in [0, 1) as well spread over the chosen light as `u` is over all of
-    /// them. Among very many lights `number` chooses, or that and `more`, and `u` is left whole. `few` promises at most [`Lights::FEW`]
-    /// lights.
+    /// them. Among more than 64 lights `number` and `more` choose, and `u` is left whole. `few` promises at most [`Lights::FEW`] lights.
     ///
     /// Domain: there are lights.
     #[inline(always)]
@@ -138,7 +142,7 @@ impl Lights {
                 let last = L::Bits::splat(count as u32 - 1);
                 let slot = scaled.truncate_to_int();
                 let slot = L::Bits::select(last.less(slot), last, slot);
-                let fraction = if count < Self::MANY { scaled - L::from_int(slot) } else { more() };
+                let fraction = if shared { scaled - L::from_int(slot) } else { more() };
                 let keep = L::from_bits(L::gather_bits(&self.keep, slot));
                 let own = fraction.lt(keep);
                 if shared {
@@ -231,6 +235,14 @@ fn rows(scene: &Scene, number: usize, chance: f32) -> [[f32; 8]; 2] {
             [[a.x, a.y, a.z, 0.0, e.x, e.y, e.z, chance], [ab.x, ab.y, ab.z, ac.x, ac.y, ac.z, 0.0, offset]]
         }
     }
+}
+
+/// The chances of lights with these shares of all power: the shares, but none below [`LEAST`] of the average.
+fn shares(mut shares: Vec<f64>) -> Vec<f64> {
+    let least = LEAST / shares.len() as f64;
+    shares.iter_mut().for_each(|share| *share = share.max(least));
+    let total: f64 = shares.iter().sum();
+    shares.into_iter().map(|share| share / total).collect()
 }
 
 /// Slots of equal width: up to the first number of a slot's width it stands for itself, above it for the second.

@@ -9,7 +9,7 @@
 //! They come in pairs, an even one and the next, which [`super::sobol`] spreads together. [`PIXEL`] (a pair) places the sample in
 //! its pixel. Scattering event b, counted from 0, owns the [`PER_BOUNCE`] numbers from [`bounce`]`(b)` on: [`LOBE`] chooses
 //! between the lobes of a material, [`DIRECTION`] (a pair) gives the new direction and [`LIGHT_POINT`] (a pair) the light and the point on
-//! it; among many lights [`LIGHT`] chooses (with [`LOBE`] a pair), and [`LIGHT_AGAIN`] helps it; 7 is free.
+//! it; among many lights [`LIGHT`] (with [`LOBE`] a pair) and [`LIGHT_AGAIN`] choose; 7 is free.
 
 use crate::lane::{Bits, Lane};
 
@@ -25,7 +25,7 @@ pub const LIGHT: u32 = 1;
 pub const DIRECTION: u32 = 2;
 /// Within an event, a pair: which light, and where on it.
 pub const LIGHT_POINT: u32 = 4;
-/// Within an event: which light, where there are so many that one number has too few digits.
+/// Within an event: which of two lights, where [`LIGHT`] chose both.
 pub const LIGHT_AGAIN: u32 = 6;
 
 /// 2³² divided by the golden ratio, odd: multiples spread evenly.

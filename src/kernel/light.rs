@@ -131,6 +131,7 @@ pub fn triangle_density<L: Lane>(a: Vec3<L>, ab: Vec3<L>, ac: Vec3<L>, direction
 
 /// A direction towards a triangle: all equally likely, or all its points where it is seen small.
 ///
+/// Domain: edges of at least 1e-10 scene units; below, the square of the area leaves single precision, and `normal` is none.
 /// Source: Arvo, "Stratified Sampling of Spherical Triangles", SIGGRAPH 1995; in the form without angles of Peters, "BRDF Importance
 /// Sampling for Polygonal Lights", ACM TOG 40(4), 2021, §4.
 #[inline(always)]

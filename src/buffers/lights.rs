@@ -25,7 +25,7 @@ pub enum LightChoice {
 ///
 /// Sphere: centre, radius, emission, chance; 0 (seven times), offset of rays that end there. Triangle: a, 0, emission, chance; ab, ac, 0,
 /// offset. Sky, the last one: 0 (three times), `SKY_RADIUS`, 0 (three times), chance; zeros.
-/// Chosen in constant time, each by its share of all power, or as [`LEAST`] says: Walker, "An Efficient Method for Generating Discrete
+/// Chosen in constant time, each by its share of all power, or as `LEAST` says: Walker, "An Efficient Method for Generating Discrete
 /// Random Variables with General Distributions", ACM TOMS 3(3), 1977; the table by Vose, IEEE TSE 17(9), 1991.
 #[derive(Clone, Debug, Default)]
 pub struct Lights {
@@ -68,7 +68,7 @@ impl Lights {
     /// Most lights whose rows fit the register form.
     pub const FEW: usize = Rows::FEW / 2;
     /// Up to here a number that chooses a light has digits enough left for a point on it: 18 on average, and 12 where the light is as
-    /// weak as [`LEAST`] lets it be.
+    /// weak as `LEAST` lets it be.
     const SHARED: usize = 64;
 
     pub fn new(scene: &Scene, choice: LightChoice) -> Self {

@@ -49,7 +49,9 @@ fn convert_says_what_of_a_model_it_leaves_out() {
     desk.write("odd.obj", "mtllib odd.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\nf 1 2 3\n");
     let said = desk.warnings(&["convert", "odd.obj", "odd.json"]);
     assert!(said.contains("odd.mtl"), "{said}");
-    assert_eq!(said, desk.warnings(&["compare", "odd.obj", "--samples", "1", "--size", "4x4"]));
+    let of_compare = desk.warnings(&["compare", "odd.obj", "--samples", "1", "--size", "4x4"]);
+    // A plain build also says so there.
+    assert!(of_compare.ends_with(&said), "{of_compare}");
 }
 
 #[test]

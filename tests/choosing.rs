@@ -3,17 +3,13 @@
 
 mod common;
 
-use common::{Dice, empty, material, sphere, triangle};
+use common::{Dice, empty, floor, lamp, material, mean, sphere, triangle};
 use glam::Vec3;
 use octray::buffers::{LightChoice, Lights, Needs, SkyLight};
 use octray::film::Picture;
 use octray::render::{PipelineChoice, Renderer, Settings};
-use octray::scene::{Camera, Filter, Material, MaterialKind, Scene, Sky, Texels, Texture};
+use octray::scene::{Filter, Material, MaterialKind, Scene, Sky, Texels, Texture};
 use octray::traverse::{Methods, SphereChoice, TriangleChoice};
-
-fn lamp(radiance: f32) -> Material {
-    Material { emission: Vec3::splat(radiance), ..material(MaterialKind::Emitter) }
-}
 
 /// Round lamps in a row, each at its own number, of these radiances.
 fn lamps(radiances: &[f32]) -> Scene {
@@ -128,29 +124,10 @@ fn render(scene: &Scene, settings: Settings, samples: u32) -> Picture {
     film.picture()
 }
 
-/// A floor of `scale`, seen from straight above, its middle lit by what stands there.
-fn floor(scale: f32) -> Scene {
-    let corners = [Vec3::new(-1.0, 0.0, -1.0), Vec3::new(0.0, 0.0, 2.0), Vec3::new(1.0, 0.0, -1.0)];
-    let position = Vec3::Y * 2.0 * scale;
-    Scene {
-        camera: Camera { position, look_at: Vec3::ZERO, up: Vec3::Z, vertical_fov: 0.5 },
-        resolution: [8, 8],
-        max_bounces: 1,
-        sky: Sky::Color(Vec3::ZERO),
-        materials: vec![material(MaterialKind::Diffuse)],
-        triangles: vec![triangle(corners.map(|corner| corner * 200.0 * scale), 0)],
-        ..empty()
-    }
-}
-
-fn mean(picture: &Picture) -> f64 {
-    picture.pixels.iter().map(|pixel| f64::from(pixel[0])).sum::<f64>() / picture.pixels.len() as f64
-}
-
 #[test]
 fn tables_hold_as_many_lights_as_they_promise() {
     for count in 1..=10 {
-        let mut scene = floor(1.0);
+        let mut scene = floor(Vec3::ZERO, 2.0);
         scene.camera.vertical_fov = 60.0;
         for number in 0..count {
             scene.materials.push(lamp(1.0 + number as f32));
@@ -168,7 +145,7 @@ fn tables_hold_as_many_lights_as_they_promise() {
 
 /// A lamp over the floor's middle, of either shape, and what the floor there gets of it.
 fn under_a_lamp(scale: f32, round: bool) -> (Scene, f64) {
-    let mut scene = floor(scale);
+    let mut scene = floor(Vec3::ZERO, 2.0 * scale);
     scene.materials.push(lamp(50.0));
     if round {
         scene.spheres = vec![sphere(Vec3::new(0.6, 0.8, 0.0) * scale, 0.1 * scale, 1)];
@@ -191,14 +168,8 @@ fn lamps_are_found_by_every_choice_of_equations() {
         scene
             .triangles
             .push(triangle([[-9.0, 3.0, -9.0], [9.0, 3.0, -9.0], [0.0, 3.0, 9.0]].map(Vec3::from), 0));
-        for sphere in [SphereChoice::Robust, SphereChoice::RobustAnyLength, SphereChoice::Naive] {
-            for triangle in [
-                TriangleChoice::Woop,
-                TriangleChoice::WoopContracted,
-                TriangleChoice::MollerTrumbore,
-                TriangleChoice::BaldwinWeber,
-                TriangleChoice::Plucker,
-            ] {
+        for sphere in SphereChoice::ALL {
+            for triangle in TriangleChoice::ALL {
                 let methods = Methods { sphere, triangle, lights: LightChoice::On, ..Methods::default() };
                 let got = mean(&render(&scene, Settings { methods, ..Settings::of(&scene) }, 64));
                 assert!((got / truth - 1.0).abs() < 0.01, "{sphere:?}, {triangle:?}: {got} of {truth}");
@@ -227,16 +198,21 @@ fn lamps_light_and_are_shaded_at_every_scale() {
     }
 }
 
+/// A picture of even light all around.
+fn put_even_sky(scene: &mut Scene) {
+    let texels = Texels::Linear(vec![[1.0; 4]; 32]);
+    scene.textures =
+        vec![Texture { name: "even".into(), width: 8, height: 4, filter: Filter::Nearest, texels }];
+    scene.sky = Sky::Texture { texture: 0, color: Vec3::ONE };
+}
+
 /// The sky's chance counts on both sides, by search and by chance: here it is about two thirds.
 #[test]
 fn a_sky_beside_a_lamp_gives_what_both_closed_forms_say() {
     let (mut scene, lamp) = under_a_lamp(1.0, true);
     let corners = [Vec3::new(-0.3, 0.0, -0.3), Vec3::new(0.0, 0.0, 0.5), Vec3::new(0.3, 0.0, -0.3)];
     scene.triangles[0] = triangle(corners, 0);
-    let texels = Texels::Linear(vec![[1.0; 4]; 32]);
-    scene.textures =
-        vec![Texture { name: "even".into(), width: 8, height: 4, filter: Filter::Nearest, texels }];
-    scene.sky = Sky::Texture { texture: 0, color: Vec3::ONE };
+    put_even_sky(&mut scene);
     let lights = Lights::new(&scene, LightChoice::On);
     let (_, chance) = lights.sky.as_ref().unwrap();
     assert!((0.4..0.8).contains(chance), "{chance}");
@@ -250,10 +226,7 @@ fn a_sky_beside_a_lamp_gives_what_both_closed_forms_say() {
 #[test]
 fn directions_to_a_sky_are_spread_all_over_its_cells() {
     let mut scene = empty();
-    let texels = Texels::Linear(vec![[1.0; 4]; 32]);
-    scene.textures =
-        vec![Texture { name: "even".into(), width: 8, height: 4, filter: Filter::Nearest, texels }];
-    scene.sky = Sky::Texture { texture: 0, color: Vec3::ONE };
+    put_even_sky(&mut scene);
     let sky = SkyLight::of(&scene).unwrap();
     // An even sky: every sixty-fourth of the turn and of the height gets as many of a grid of directions as every other.
     const SIDE: usize = 512;

@@ -360,14 +360,8 @@ fn picture_is_the_same_at_odd_resolutions_and_every_number_of_bounces() {
 #[test]
 fn picture_is_the_same_for_all_lanes_with_every_choice_of_equations() {
     let scene = everything();
-    for sphere in [SphereChoice::Robust, SphereChoice::RobustAnyLength, SphereChoice::Naive] {
-        for triangle in [
-            TriangleChoice::Woop,
-            TriangleChoice::WoopContracted,
-            TriangleChoice::MollerTrumbore,
-            TriangleChoice::BaldwinWeber,
-            TriangleChoice::Plucker,
-        ] {
+    for sphere in SphereChoice::ALL {
+        for triangle in TriangleChoice::ALL {
             let base = Settings {
                 methods: Methods { sphere, triangle, ..Methods::default() },
                 ..base(&scene, [37, 23], 4)

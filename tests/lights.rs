@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{Dice, empty, material, sphere, triangle};
+use common::{Dice, floor, lamp, mean, sphere, triangle};
 use glam::{DVec3, Vec3};
 use octray::buffers::{LightChoice, SkyLight};
 use octray::film::Picture;
@@ -12,7 +12,7 @@ use octray::kernel::surface::latitude_longitude;
 use octray::lane::{F32x8, Lane};
 use octray::math;
 use octray::render::{Renderer, Settings};
-use octray::scene::{Camera, Filter, Material, MaterialKind, Scene, Sky, Texels, Texture, load};
+use octray::scene::{Filter, Scene, Sky, Texels, Texture, load};
 use octray::traverse::Methods;
 use std::f64::consts::PI;
 
@@ -216,10 +216,6 @@ fn aims_are_the_same_at_every_width() {
     }
 }
 
-fn lamp(radiance: f32) -> Material {
-    Material { emission: Vec3::splat(radiance), ..material(MaterialKind::Emitter) }
-}
-
 fn render(scene: &Scene, lights: LightChoice, samples: u32, seed: u32) -> Picture {
     let methods = Methods { lights, ..Methods::default() };
     let renderer = Renderer::new(scene, Settings { methods, seed, ..Settings::of(scene) });
@@ -227,26 +223,6 @@ fn render(scene: &Scene, lights: LightChoice, samples: u32, seed: u32) -> Pictur
     renderer.add_samples(&mut film, samples);
     assert_eq!(film.discarded(), 0);
     film.picture()
-}
-
-fn mean(picture: &Picture) -> f64 {
-    let sum: f64 = picture.pixels.iter().flatten().map(|&x| f64::from(x)).sum();
-    sum / (3 * picture.pixels.len()) as f64
-}
-
-/// A floor that fills the picture, seen from straight above at `height`, near `foot`, and dark otherwise.
-fn floor(foot: Vec3, height: f32) -> Scene {
-    let [a, b, c] = [Vec3::new(-1.0, 0.0, -1.0), Vec3::new(0.0, 0.0, 2.0), Vec3::new(1.0, 0.0, -1.0)];
-    let corners = [a, b, c].map(|corner| foot + corner * 100.0 * height);
-    Scene {
-        camera: Camera { position: foot + Vec3::Y * height, look_at: foot, up: Vec3::Z, vertical_fov: 0.5 },
-        resolution: [8, 8],
-        max_bounces: 1,
-        sky: Sky::Color(Vec3::ZERO),
-        materials: vec![material(MaterialKind::Diffuse)],
-        triangles: vec![triangle(corners, 0)],
-        ..empty()
-    }
 }
 
 #[test]

@@ -222,8 +222,7 @@ fn meaning(report: &Report) -> String {
     } else {
         counted(hits, "PRIMARY HIT IS", "PRIMARY HITS ARE") + " WRONG by the f64 reference"
     };
-    let gain =
-        "Gain of needs: SIMD against the pipeline with every feature; empty where a scene gets that one.";
+    let gain = "Gain of needs: against the pipeline with every feature; empty where a scene gets that one.";
     format!("\n{speed}; {same}; {right}.\n{gain}\n")
 }
 

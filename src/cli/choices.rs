@@ -1,4 +1,6 @@
 //! What the user chooses between: methods, ways, pipelines, tones. The help of each choice stands beside it.
+//!
+//! For: [`MethodArgs`] and an enum for each choice. May import: `clap`. Must never know: what a choice does.
 
 use clap::ValueEnum;
 
@@ -26,7 +28,7 @@ pub struct MethodArgs {
 }
 
 /// Where random numbers come from.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum SamplerArg {
     /// Owen-scrambled Sobol points.
     #[default]
@@ -35,7 +37,7 @@ pub enum SamplerArg {
 }
 
 /// Which emitters paths look for.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum LightArg {
     #[default]
     Auto,

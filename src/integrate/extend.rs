@@ -7,6 +7,10 @@ use super::surface::needs;
 use crate::buffers::Needs;
 use crate::lane::{Bits, Lane};
 use crate::math::{Hit, MISS, Ray};
+use crate::traverse::batch::{Tracer, Traversal};
+use crate::traverse::hierarchy::Hierarchy;
+use crate::traverse::rays::{Hits, Rays};
+use crate::traverse::tally::Counter;
 use crate::traverse::{Batch, Visible};
 
 /// Finds the nearest hit of the first `count` rays.
@@ -47,6 +51,38 @@ pub struct Segments<'a> {
     pub primitive: &'a mut Integers,
     pub u: &'a mut Column,
     pub v: &'a mut Column,
+}
+
+impl Segments<'_> {
+    /// Finds nearest hits in a hierarchy, or with `ANY` only whether there are some.
+    #[inline(always)]
+    pub fn trace<const ANY: bool>(
+        self,
+        tracer: &mut Tracer,
+        hierarchy: &Hierarchy,
+        traversal: Traversal,
+        counter: Option<&Counter>,
+    ) {
+        let Segments { count, origin, direction, reach, t, primitive, u, v } = self;
+        let rays = Rays { origin: origin.first(count), direction: direction.first(count) };
+        let [t, u, v] = [t, u, v].map(|column| &mut column[..count]);
+        let primitive = &mut primitive[..count];
+        match reach {
+            Some(reach) => t.copy_from_slice(&reach[..count]),
+            None => t.fill(f32::INFINITY),
+        }
+        primitive.fill(MISS);
+        if !ANY {
+            // Spheres and misses have none.
+            u.fill(0.0);
+            v.fill(0.0);
+        }
+        let mut hits = Hits { t, primitive, u, v };
+        match counter {
+            None => tracer.trace::<ANY>(traversal, hierarchy, &rays, &mut hits),
+            Some(counter) => tracer.count::<ANY>(traversal, hierarchy, &rays, &mut hits, counter),
+        }
+    }
 }
 
 /// Finds nearest hits by testing everything, or everything `visible`, with whichever equations were chosen.

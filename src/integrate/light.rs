@@ -6,8 +6,8 @@
 //! 1995, §3.
 
 use super::World;
-use super::extend::meet;
-use super::queue::{Column, Integers, Path, Vectors, Work, pack};
+use super::extend::{Segments, meet};
+use super::queue::{Column, Integers, Path, Queue, Vectors, Work, pack};
 use super::scatter::{Drawn, evaluate, samples_lights};
 use super::shade::sky_radiance;
 use super::stats::Stage;
@@ -110,6 +110,11 @@ pub fn look<L: Lane, const N: u32>(
 }
 
 impl Search {
+    /// The first `count` rays; their hits go where `queue` has its own.
+    pub fn segments<'a>(&'a self, queue: &'a mut Queue, count: usize) -> Segments<'a> {
+        let Search { origin, direction, reach, .. } = self;
+        Segments { origin, direction, reach: Some(reach), ..queue.segments(count) }
+    }
     #[inline(always)]
     fn store<L: Lane>(
         &mut self,
@@ -133,7 +138,7 @@ pub fn arrive<L: Lane>(world: &World, work: &mut Work, count: usize) {
     work.enter_search::<L>(world, count);
     match world.primitives.hierarchy() {
         Some((hierarchy, traversal)) => work.trace_search(hierarchy, traversal, count),
-        None => meet::<L>(world, None, work.segments_to_lights(count)),
+        None => meet::<L>(world, None, work.search.segments(&mut work.queue, count)),
     }
     let mut events = 0;
     for at in (0..count).step_by(L::WIDTH) {

@@ -5,11 +5,10 @@ use super::light::Search;
 use super::stats::{Meter, RayKind, Stage, Stats};
 use super::{Tile, World};
 use crate::lane::{Bits, F32x8, Lane};
-use crate::math::{Hit, MISS, Ray, Vec3};
+use crate::math::{Hit, Ray, Vec3};
 use crate::traverse::Visible;
 use crate::traverse::batch::{Tracer, Traversal};
 use crate::traverse::hierarchy::Hierarchy;
-use crate::traverse::rays::{Hits, Rays};
 use bytemuck::Zeroable;
 
 /// Most pixels in a tile. Columns for more would lie whole pages apart, all in the same few sets of the cache: 2 % slower.
@@ -34,7 +33,7 @@ impl Vectors {
     pub fn load<L: Lane>(&self, at: usize) -> Vec3<L> {
         Vec3::new(L::load(&self.x[at..]), L::load(&self.y[at..]), L::load(&self.z[at..]))
     }
-    fn first(&self, count: usize) -> [&[f32]; 3] {
+    pub fn first(&self, count: usize) -> [&[f32]; 3] {
         [&self.x[..count], &self.y[..count], &self.z[..count]]
     }
     #[inline(always)]
@@ -258,53 +257,19 @@ impl Work {
         }
     }
 
-    /// The first `count` rays to lights, and the queue's place for hits.
-    pub fn segments_to_lights(&mut self, count: usize) -> Segments<'_> {
-        let Search { origin, direction, reach, .. } = &self.search;
-        let Queue { t, primitive, u, v, .. } = &mut self.queue;
-        Segments { count, origin, direction, reach: Some(reach), t, primitive, u, v }
-    }
-
     /// Finds out which of the first `count` rays to lights meet something within their reach: notes it as their hit in the queue.
     pub fn trace_search(&mut self, hierarchy: &Hierarchy, traversal: Traversal, count: usize) {
-        let Search { origin, direction, reach, .. } = &self.search;
-        let rays = Rays { origin: origin.first(count), direction: direction.first(count) };
-        let Queue { t, primitive, u, v, .. } = &mut self.queue;
-        let [t, u, v] = [t, u, v].map(|column| &mut column[..count]);
-        let primitive = &mut primitive[..count];
-        t.copy_from_slice(&reach[..count]);
-        primitive.fill(MISS);
         let counter = self.meter.as_ref().map(|meter| meter.counter(RayKind::Light));
-        self.tracer.trace_noted::<true>(
-            traversal,
-            hierarchy,
-            &rays,
-            &mut Hits { t, primitive, u, v },
-            counter,
-        );
+        let segments = self.search.segments(&mut self.queue, count);
+        segments.trace::<true>(&mut self.tracer, hierarchy, traversal, counter);
     }
 
     /// Finds the nearest hits of the first `count` rays, primary ones or others, in a hierarchy.
     #[inline(always)]
     pub fn trace(&mut self, hierarchy: &Hierarchy, traversal: Traversal, count: usize, kind: RayKind) {
         let before = self.meter.as_mut().and_then(|meter| meter.enter(Some(Stage::Trace)));
-        let Queue { origin, direction, t, primitive, u, v, .. } = &mut self.queue;
-        let rays = Rays { origin: origin.first(count), direction: direction.first(count) };
-        let [t, u, v] = [t, u, v].map(|column| &mut column[..count]);
-        let primitive = &mut primitive[..count];
-        t.fill(f32::INFINITY);
-        primitive.fill(MISS);
-        // Spheres and misses have none.
-        u.fill(0.0);
-        v.fill(0.0);
         let counter = self.meter.as_ref().map(|meter| meter.counter(kind));
-        self.tracer.trace_noted::<false>(
-            traversal,
-            hierarchy,
-            &rays,
-            &mut Hits { t, primitive, u, v },
-            counter,
-        );
+        self.queue.segments(count).trace::<false>(&mut self.tracer, hierarchy, traversal, counter);
         self.enter(before);
     }
 

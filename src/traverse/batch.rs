@@ -84,22 +84,6 @@ impl Tracer {
         self.tallied::<ANY>(traversal, hierarchy, rays, hits, counter);
     }
 
-    /// The same, and counts where there is somebody who asks.
-    #[inline(always)]
-    pub fn trace_noted<const ANY: bool>(
-        &mut self,
-        traversal: Traversal,
-        hierarchy: &Hierarchy,
-        rays: &Rays,
-        hits: &mut Hits,
-        counter: Option<&Counter>,
-    ) {
-        match counter {
-            None => self.trace::<ANY>(traversal, hierarchy, rays, hits),
-            Some(counter) => self.count::<ANY>(traversal, hierarchy, rays, hits, counter),
-        }
-    }
-
     #[inline(always)]
     fn tallied<const ANY: bool>(
         &mut self,

@@ -22,6 +22,10 @@ pub enum SphereChoice {
     Naive,
 }
 
+impl SphereChoice {
+    pub const ALL: [Self; 3] = [Self::Robust, Self::RobustAnyLength, Self::Naive];
+}
+
 /// Which equation intersects triangles; see [`crate::kernel::ray_triangle`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum TriangleChoice {
@@ -31,6 +35,11 @@ pub enum TriangleChoice {
     MollerTrumbore,
     BaldwinWeber,
     Plucker,
+}
+
+impl TriangleChoice {
+    pub const ALL: [Self; 5] =
+        [Self::Woop, Self::WoopContracted, Self::MollerTrumbore, Self::BaldwinWeber, Self::Plucker];
 }
 
 /// The equations of a picture, and how it finds what it looks for. The defaults are the ones that hold where others fail.

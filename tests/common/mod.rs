@@ -5,6 +5,7 @@ pub mod rays;
 pub mod statistics;
 
 use glam::{DVec3, Vec3};
+use octray::film::Picture;
 use octray::lane::Lane;
 use octray::math::{self, Ray};
 use octray::scene::{
@@ -118,6 +119,32 @@ pub fn sphere(center: Vec3, radius: f32, material: u32) -> Sphere {
 
 pub fn triangle(vertices: [Vec3; 3], material: u32) -> Triangle {
     Triangle { vertices, material }
+}
+
+/// Shines in all colours alike.
+pub fn lamp(radiance: f32) -> Material {
+    Material { emission: Vec3::splat(radiance), ..material(MaterialKind::Emitter) }
+}
+
+/// A floor that fills the picture, seen from straight above at `height`, near `foot`, and dark otherwise.
+pub fn floor(foot: Vec3, height: f32) -> Scene {
+    let [a, b, c] = [Vec3::new(-1.0, 0.0, -1.0), Vec3::new(0.0, 0.0, 2.0), Vec3::new(1.0, 0.0, -1.0)];
+    let corners = [a, b, c].map(|corner| foot + corner * 100.0 * height);
+    Scene {
+        camera: Camera { position: foot + Vec3::Y * height, look_at: foot, up: Vec3::Z, vertical_fov: 0.5 },
+        resolution: [8, 8],
+        max_bounces: 1,
+        sky: Sky::Color(Vec3::ZERO),
+        materials: vec![material(MaterialKind::Diffuse)],
+        triangles: vec![triangle(corners, 0)],
+        ..empty()
+    }
+}
+
+/// Of all pixels and channels.
+pub fn mean(picture: &Picture) -> f64 {
+    let sum: f64 = picture.pixels.iter().flatten().map(|&x| f64::from(x)).sum();
+    sum / (3 * picture.pixels.len()) as f64
 }
 
 /// A texture of random numbers in [0, 1).

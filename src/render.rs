@@ -158,6 +158,11 @@ impl Renderer {
     pub fn settings(&self) -> &Settings {
         &self.settings
     }
+    /// Other random numbers from here on: for pictures that differ in nothing else.
+    pub fn set_seed(&mut self, seed: u32) {
+        self.settings.seed = seed;
+        self.world.seed = seed;
+    }
     /// What its pipeline has: the scene's needs, and what shares the pipeline with them.
     pub fn features(&self) -> Needs {
         self.features

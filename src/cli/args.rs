@@ -28,6 +28,7 @@ pub enum Command {
     Compare(CompareArgs),
     Render(RenderArgs),
     Rays(RaysArgs),
+    Chart(ChartArgs),
     Convert(ConvertArgs),
     Inspect(InspectArgs),
 }
@@ -243,6 +244,40 @@ pub struct RaysArgs {
     /// Which random numbers to use.
     #[arg(long, value_name = "N", default_value = "0", allow_hyphen_values = true)]
     pub seed: String,
+}
+
+/// Chart speed against accuracy.
+///
+/// Three charts: the equations alone (nanoseconds a test against failures and errors), pictures (error against time for every way to render,
+/// from one sample a pixel on, with the Pareto front marked), and frames (what has accumulated in a window after a moment). Errors are
+/// held against a truth that is rendered first, with other random numbers, and kept in the folder for the next run.
+///
+/// Writes report.html (one page that needs no other file), an .svg a figure, .csv tables and chart.json. Exits with 1 if a way that promises
+/// the default's very picture gave another.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Example:\n  octray chart builtin:three builtin:cornell -o charts --budget 60")]
+pub struct ChartArgs {
+    /// Scene files, models, or builtin:NAME; the built-in scenes if none is given.
+    #[arg(value_name = "SCENE")]
+    pub scenes: Vec<String>,
+    /// The folder for all files; made if it is not there.
+    #[arg(short, long, value_name = "DIR")]
+    pub output: PathBuf,
+    /// Print the figures as JSON too (schema octray-chart-1).
+    #[arg(long)]
+    pub json: bool,
+    /// Time for everything together: more of it means more samples, smaller bands, and a better truth [default: 20 for each scene].
+    #[arg(long, value_name = "SECONDS", allow_hyphen_values = true)]
+    pub budget: Option<String>,
+    /// Pixels of a frame; multiples of 3, as pictures for the first chart have a third of them in width and height.
+    #[arg(long, value_name = "WxH", default_value = "240x135", allow_hyphen_values = true)]
+    pub size: String,
+    /// Scattering events allowed on a path.
+    #[arg(long, value_name = "N", default_value = "4", allow_hyphen_values = true)]
+    pub bounces: String,
+    /// Pictures behind every median: as many random seeds, 8 or more.
+    #[arg(long, value_name = "N", default_value = "8", allow_hyphen_values = true)]
+    pub seeds: String,
 }
 
 /// Turn a mesh into a scene file.

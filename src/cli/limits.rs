@@ -59,9 +59,10 @@ fn target(text: &str) -> Result<f64, CliError> {
     })
 }
 
-fn seconds(text: &str) -> Result<Duration, CliError> {
+/// A time, in seconds.
+pub fn seconds(option: &'static str, text: &str) -> Result<Duration, CliError> {
     let [least, most] = SECONDS;
-    within("--time-limit", text, SECONDS, || format!("give seconds from {least} to {most}"))
+    within(option, text, SECONDS, || format!("give seconds from {least} to {most}"))
         .map(Duration::from_secs_f64)
 }
 

@@ -6,7 +6,8 @@
 //! |---|---|
 //! | [`args`], [`choices`] | what the user typed: the arguments' names, shapes and help |
 //! | [`options`], [`numbers`], [`limits`] | what we accept: names known, numbers in range |
-//! | [`render`], [`convert`], [`inspect`], [`mod@bench`], [`compare`], [`rays`] | the commands |
+//! | [`render`], [`convert`], [`inspect`], [`mod@bench`], [`compare`], [`rays`], [`chart`] | the commands |
+//! | [`truths`] | truths that were rendered before, for `chart` |
 //! | [`scenes`] | the scenes of commands that take several |
 //! | [`routes`] | which way a scene's rays go, for `inspect` |
 //! | [`machine_check`] | refuses to start where the program's instructions do not exist |
@@ -21,6 +22,7 @@
 
 pub mod args;
 pub mod bench;
+pub mod chart;
 pub mod choices;
 pub mod compare;
 pub mod convert;
@@ -41,6 +43,7 @@ pub mod scenes;
 pub mod stats;
 pub mod terminal;
 pub mod trace;
+pub mod truths;
 
 pub use error::CliError;
 
@@ -62,6 +65,7 @@ octray traces paths through scenes on the CPU, eight rays at a time. Try:
   octray compare                                  do SIMD and scalar agree, bit by bit?
   octray render builtin:three -o three.png        a picture
   octray rays builtin:knot:100000                 rays per second, every way of tracing them
+  octray chart builtin:three -o charts            speed against accuracy, charted
   octray inspect builtin:three                    what a scene holds
   octray convert model.obj scene.json             a scene to edit from a mesh
 
@@ -110,6 +114,11 @@ fn run(args: Args, verdict: &machine_check::Verdict) -> Result<ExitCode, CliErro
             let options = args.try_into()?;
             verdict.advise();
             rays::run(options)
+        }
+        Command::Chart(args) => {
+            let options = args.try_into()?;
+            verdict.advise();
+            chart::run(options)
         }
         Command::Convert(args) => convert::run(args.into()),
         Command::Inspect(args) => inspect::run(args.into()),

@@ -4,14 +4,16 @@
 //! `traverse`'s choices.
 //! Must never know: how a command does its work.
 
-use super::args::{BenchArgs, CompareArgs, ConvertArgs, InspectArgs, RaysArgs, RenderArgs};
+use super::args::{BenchArgs, ChartArgs, CompareArgs, ConvertArgs, InspectArgs, RaysArgs, RenderArgs};
 use super::choices::{
     LightArg, MethodArgs, PipelineArg, SamplerArg, SphereMethod, ToneArg, TraversalArg, TriangleMethod,
 };
 use super::error::CliError;
-use super::limits::Limits;
+use super::limits::{Limits, seconds};
 use super::numbers::{bounces, clamp, exposure, lanes, refuse, samples, seed, size, threads, whole};
 use crate::buffers::LightChoice;
+use crate::measure::chart::pictures;
+use crate::measure::chart::truth::SHRINK;
 use crate::measure::ways::Way;
 use crate::output::{Operator, Tone};
 use crate::render::PipelineChoice;
@@ -20,11 +22,14 @@ use crate::traverse::batch::Traversal;
 use crate::traverse::{Methods, SphereChoice, TraversalChoice, TriangleChoice};
 use crate::wording::grouped;
 use std::path::PathBuf;
+use std::time::Duration;
 
 /// Most frames measured.
 pub const MAX_FRAMES: u32 = 1_000_000;
 /// Most passes over rays measured.
 pub const MAX_PASSES: u32 = 1_000_000;
+/// Most seeds of a chart.
+pub const MAX_SEEDS: u32 = 1_000;
 /// Most pixels for rays in prepared arrays: 3840×2160, and about 1.5 GB.
 pub const MAX_RAYS: u32 = 1 << 23;
 
@@ -101,6 +106,20 @@ pub struct RaysOptions {
     /// So many per way; by time if `None`.
     pub passes: Option<u32>,
     pub seed: u32,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+pub struct ChartOptions {
+    /// Empty: the built-in scenes.
+    pub scenes: Vec<String>,
+    pub output: PathBuf,
+    pub json: bool,
+    /// So much a scene if `None`.
+    pub budget: Option<Duration>,
+    /// Of a frame: multiples of [`SHRINK`].
+    pub size: [u32; 2],
+    pub bounces: u32,
+    pub seeds: u32,
 }
 
 #[derive(Clone, Debug, PartialEq)]
@@ -197,6 +216,27 @@ impl TryFrom<RaysArgs> for RaysOptions {
             traversal: Way::of(args.traversal.into()),
             passes: args.passes.map(|text| whole("--passes", &text, 1, MAX_PASSES)).transpose()?,
             seed: seed(&args.seed)?,
+        })
+    }
+}
+
+impl TryFrom<ChartArgs> for ChartOptions {
+    type Error = CliError;
+    fn try_from(args: ChartArgs) -> Result<Self, CliError> {
+        let size = size(&args.size)?;
+        if size.iter().any(|side| side % SHRINK != 0) {
+            let [width, height] = size.map(|side| side.next_multiple_of(SHRINK));
+            let why = format!("pictures have a third of its width and height: give multiples of 3, such as {width}x{height}");
+            return Err(refuse("--size", &args.size, why));
+        }
+        Ok(Self {
+            scenes: args.scenes,
+            output: args.output,
+            json: args.json,
+            budget: args.budget.as_deref().map(|text| seconds("--budget", text)).transpose()?,
+            size,
+            bounces: bounces(&args.bounces)?,
+            seeds: whole("--seeds", &args.seeds, pictures::SEEDS, MAX_SEEDS)?,
         })
     }
 }

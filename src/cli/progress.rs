@@ -1,6 +1,6 @@
 //! How far a rendering is: a line on standard error, where that is a terminal.
 //!
-//! For: [`Progress`]. May import: `terminal`, `indicatif`. Must never know: what is rendered, or how.
+//! For: [`Progress`], and [`Countdown`] of what ends by the clock. May import: `terminal`, `indicatif`. Must never know: what is rendered, or how.
 
 use super::terminal::figure;
 use crate::wording::grouped;
@@ -64,6 +64,47 @@ impl Progress {
         self.bar.set_style(style("{spinner} writing {msg}"));
         self.bar.set_message(file.display().to_string());
         self.bar.tick();
+    }
+
+    /// Takes the line away.
+    pub fn end(self) {
+        self.bar.finish_and_clear();
+    }
+}
+
+/// A line for what ends by the clock: how much of its time is over, and what it does.
+pub struct Countdown {
+    bar: ProgressBar,
+}
+
+impl Countdown {
+    /// Began at `start` and is to take so much time.
+    pub fn new(start: Instant, time: Duration) -> Self {
+        let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr_with_hz(10));
+        let passed = move || start.elapsed().div_duration_f64(time).min(1.0);
+        let filled = move |_: &ProgressState, out: &mut dyn Write| {
+            let _ = out.write_str(&"█".repeat((passed() * 30.0) as usize));
+        };
+        let say = move |_: &ProgressState, out: &mut dyn Write| {
+            let left = time.saturating_sub(start.elapsed()).max(Duration::from_secs(1));
+            let _ = write!(out, "{:.0} %  {} left", passed() * 100.0, HumanDuration(left));
+        };
+        let template = style("{filled:30!.cyan/blue} {say}  {msg}");
+        bar.set_style(template.with_key("filled", filled).with_key("say", say));
+        if !bar.is_hidden() {
+            bar.enable_steady_tick(REDRAW);
+        }
+        Self { bar }
+    }
+
+    /// From now on it does this.
+    pub fn step(&self, what: &str) {
+        self.bar.set_message(what.to_owned());
+    }
+
+    /// Something that writes above the line.
+    pub fn above(&self, say: impl FnOnce()) {
+        self.bar.suspend(say);
     }
 
     /// Takes the line away.

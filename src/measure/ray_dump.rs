@@ -40,12 +40,6 @@ use std::path::Path;
 const RAYS: &[u8; 8] = b"OCTRAYS1";
 const TRIANGLES: &[u8; 8] = b"OCTRITR1";
 
-/// Makes the folder, unless it is there.
-pub fn prepare(folder: &Path) -> Result<(), OutputError> {
-    fs::create_dir_all(folder)
-        .map_err(|source| OutputError::FolderNotMade { folder: folder.to_owned(), source })
-}
-
 /// Writes all files.
 pub fn write(folder: &Path, scene: &Scene, rays: &[Prepared]) -> Result<(), OutputError> {
     rays.iter().try_for_each(|rays| write_rays(folder, rays))?;

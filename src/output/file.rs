@@ -1,6 +1,6 @@
 //! Writing that leaves a whole file or none.
 //!
-//! For: [`write_atomically`] and [`check`], which says beforehand whether it can succeed. May import: `std`, `tempfile`.
+//! For: [`write_atomically`], [`save_text`], [`make_folder`], and [`check`], which says beforehand whether writing can succeed. May import: `std`, `tempfile`.
 //! Must never know: pictures, formats.
 //!
 //! The content goes into a temporary file in the folder of the final one, to the disk, and then takes its name in one
@@ -57,6 +57,17 @@ pub fn write_atomically(
         }
         Err(error) => Err(failed(error.error)),
     }
+}
+
+/// Writes a text, in place of what was there.
+pub fn save_text(path: &Path, text: &str) -> Result<(), OutputError> {
+    write_atomically(path, Existing::Replace, |file| file.write_all(text.as_bytes()))
+}
+
+/// Makes a folder, and those above it, unless it is there.
+pub fn make_folder(folder: &Path) -> Result<(), OutputError> {
+    fs::create_dir_all(folder)
+        .map_err(|source| OutputError::FolderNotMade { folder: folder.to_owned(), source })
 }
 
 /// A writer that fails once `given_up` says so: a large file takes seconds.

@@ -1,0 +1,150 @@
+//! Who is better where: time and error together.
+//!
+//! For: [`Way`]. May import: `statistics`. Must never know: what is rendered.
+//!
+//! A configuration is known at a few points, and lies on straight lines between them (in logarithms). After its last point its error is taken to
+//! fall with the root of time, as that of independent samples does; before its first one it has nothing to show.
+
+use crate::measure::statistics::Quantiles;
+
+/// Seconds and errors of one configuration.
+pub struct Way {
+    /// By seed, then by level; in logarithms.
+    seeds: Vec<Vec<[f64; 2]>>,
+    /// Their medians, by level.
+    medians: Vec<[f64; 2]>,
+}
+
+impl Way {
+    /// From seconds and errors by level, each by seed; both above 0.
+    pub fn new(levels: impl Iterator<Item = (Vec<f64>, Vec<f64>)>) -> Self {
+        let mut way = Self { seeds: Vec::new(), medians: Vec::new() };
+        for (seconds, errors) in levels {
+            way.seeds.resize(seconds.len(), Vec::new());
+            for (seed, (time, error)) in way.seeds.iter_mut().zip(seconds.iter().zip(&errors)) {
+                seed.push([time.ln(), error.ln()]);
+            }
+            way.medians.push([seconds, errors].map(|values| Quantiles::of(values).median().ln()));
+        }
+        way
+    }
+
+    /// By the medians, has this one a smaller error in the time of a level of the other?
+    pub fn passes_below(&self, other: &Way, level: usize) -> bool {
+        let [time, error] = other.medians[level];
+        error_at(&self.medians, time).is_some_and(|ours| ours < error)
+    }
+
+    /// Has this one a smaller error in the time of a level of the other for at least nine of ten seeds?
+    fn beats(&self, other: &Way, level: usize) -> bool {
+        let better = |(ours, theirs): (&Vec<[f64; 2]>, &Vec<[f64; 2]>)| {
+            let [time, error] = theirs[level];
+            error_at(ours, time).is_some_and(|ours| ours < error)
+        };
+        let seeds = self.seeds.iter().zip(&other.seeds);
+        10 * seeds.filter(|pair| better(*pair)).count() >= 9 * self.seeds.len()
+    }
+
+    /// If at every level some of the others beats this one: the one that does so at the last level, and by most.
+    pub fn dominated_by<'a>(&self, others: &[(&'a str, &Way)]) -> Option<&'a str> {
+        let last = self.medians.len() - 1;
+        let beaten = (0..=last).all(|level| others.iter().any(|(_, other)| other.beats(self, level)));
+        let time = self.medians[last][0];
+        let error = |other: &Way| error_at(&other.medians, time).unwrap_or(f64::INFINITY);
+        let at_last = others.iter().filter(|(_, other)| beaten && other.beats(self, last));
+        at_last.min_by(|a, b| error(a.1).total_cmp(&error(b.1))).map(|(name, _)| *name)
+    }
+
+    /// How many times as long as `default` it takes to its own last error.
+    pub fn time_to_last_error_over(&self, default: &Way) -> f64 {
+        let [time, error] = self.medians[self.medians.len() - 1];
+        (time - time_at(&default.medians, error)).exp()
+    }
+}
+
+/// How error falls with time where nothing is known: logarithms over logarithms.
+const SLOPE: f64 = -0.5;
+
+/// The error that a way has reached at a time, in logarithms; `None` before its first point.
+fn error_at(way: &[[f64; 2]], time: f64) -> Option<f64> {
+    let (first, last) = (way.first()?, way.last()?);
+    if time < first[0] {
+        return None;
+    }
+    let after = way.partition_point(|point| point[0] <= time);
+    if after == way.len() {
+        return Some(last[1] + SLOPE * (time - last[0]));
+    }
+    let ([t0, e0], [t1, e1]) = (way[after - 1], way[after]);
+    Some(e0 + (e1 - e0) * (time - t0) / (t1 - t0))
+}
+
+/// The time at which a way first reaches an error, in logarithms.
+fn time_at(way: &[[f64; 2]], error: f64) -> f64 {
+    let reached = way.iter().position(|point| point[1] <= error);
+    match reached {
+        // Fewer samples than one: as if its error had grown with the root as well.
+        Some(0) => way[0][0] + (error - way[0][1]) / SLOPE,
+        Some(at) => {
+            let ([t0, e0], [t1, e1]) = (way[at - 1], way[at]);
+            t0 + (t1 - t0) * (error - e0) / (e1 - e0)
+        }
+        None => {
+            let [time, last] = way[way.len() - 1];
+            time + (error - last) / SLOPE
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// `speed` times as fast as one second a sample with an error of `noise`; seeds differ by a few per cent.
+    fn way(speed: f64, noise: f64, levels: u32) -> Way {
+        Way::new((0..levels).map(|level| {
+            let samples = f64::from(1 << level);
+            let seeds = [0.97, 1.0, 1.02];
+            let seconds = seeds.map(|seed| samples / speed * seed);
+            let errors = seeds.map(|seed| noise / samples.sqrt() / seed);
+            (seconds.to_vec(), errors.to_vec())
+        }))
+    }
+
+    #[test]
+    fn twice_as_fast_is_half_the_time_to_equal_error() {
+        let (slow, fast) = (way(1.0, 1.0, 5), way(2.0, 1.0, 5));
+        assert!((slow.time_to_last_error_over(&fast) - 2.0).abs() < 1e-9);
+        assert!((fast.time_to_last_error_over(&slow) - 0.5).abs() < 1e-9);
+        assert!((way(1.0, 2.0, 5).time_to_last_error_over(&slow) - 4.0).abs() < 1e-9, "error counts squared");
+    }
+
+    #[test]
+    fn what_is_slower_at_the_same_error_is_dominated_although_it_is_measured_longer() {
+        let (slow, fast) = (way(1.0, 1.0, 8), way(3.0, 1.0, 3));
+        assert_eq!(slow.dominated_by(&[("fast", &fast)]), Some("fast"));
+        assert_eq!(fast.dominated_by(&[("slow", &slow)]), None);
+        assert!(fast.passes_below(&slow, 7) && !slow.passes_below(&fast, 2));
+    }
+
+    #[test]
+    fn what_is_first_or_ends_lower_is_not_dominated() {
+        // A quick start with much noise, and a slow start with little.
+        let (quick, good) = (way(8.0, 4.0, 6), way(1.0, 1.0, 6));
+        assert_eq!(quick.dominated_by(&[("good", &good)]), None, "before the first sample of the other");
+        assert_eq!(good.dominated_by(&[("quick", &quick)]), None);
+        // Two per cent of time are less than the seeds differ by.
+        let (a, b) = (way(1.0, 1.0, 6), way(1.005, 1.0, 6));
+        assert!(b.passes_below(&a, 3));
+        let jitter = Way::new([(vec![1.0, 1.02, 0.99], vec![1.0, 1.0, 1.0])].into_iter());
+        let other = Way::new([(vec![0.995, 0.99, 1.0], vec![1.0, 1.0, 1.0])].into_iter());
+        assert_eq!(jitter.dominated_by(&[("other", &other)]), None, "one seed of three says otherwise");
+    }
+
+    #[test]
+    fn each_point_may_be_beaten_by_another() {
+        let middle = way(1.0, 1.0, 6);
+        let early = Way::new([(vec![0.1; 3], vec![0.5; 3])].into_iter());
+        assert_eq!(middle.dominated_by(&[("early", &early)]), Some("early"));
+    }
+}

@@ -1,0 +1,231 @@
+//! The equations alone: what a test costs, and what it gets wrong where it is hard.
+//!
+//! For: [`measure`]. May import: `kernel_set`, `stability`. Must never know: how it is drawn.
+
+use crate::kernel::ray_box::BoxMethod;
+use crate::kernel::ray_sphere::SphereMethod;
+use crate::kernel::ray_triangle::TriangleMethod;
+use crate::lane::{F32x8, Lane};
+use crate::measure::kernel_set::{self as set, Found};
+use crate::measure::stability::methods::{Method, box_methods, sphere_methods, triangle_methods};
+use crate::measure::stability::{Effort, recipe};
+use crate::measure::statistics::Quantiles;
+use serde::Serialize;
+use std::hint::black_box;
+use std::time::{Duration, Instant};
+
+/// One method at one width.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Kernel {
+    /// `sphere`, `triangle` or `box`.
+    pub family: &'static str,
+    pub method: &'static str,
+    pub default: bool,
+    pub lanes: usize,
+    /// Nanoseconds of one core for one ray against one primitive.
+    pub ns: f64,
+    /// 10 % of the turns took less than the first, 10 % more than the second.
+    pub ns_spread: [f64; 2],
+    /// The 99th percentile of the error of t, in the unit of `hard_case`'s recipe; null for boxes, which have none.
+    pub p99: Option<f64>,
+    /// The share of cases that fail.
+    pub failures: f64,
+    /// Which recipes of `octray stability` say so, and where on their axes: for `p99`, and for `failures`.
+    pub error_case: Option<Case>,
+    pub failure_case: Case,
+}
+
+/// A place in a recipe.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Case {
+    pub recipe: &'static str,
+    pub place: f64,
+}
+
+/// Where methods differ.
+struct Family {
+    name: &'static str,
+    error: Option<Case>,
+    failure: Case,
+}
+
+const SPHERES: Family = Family {
+    name: "sphere",
+    error: Some(Case { recipe: "spheres-far", place: 1e3 }),
+    failure: Case { recipe: "spheres-far", place: 1e3 },
+};
+const TRIANGLES: Family = Family {
+    name: "triangle",
+    error: Some(Case { recipe: "triangles-slivers", place: 1e4 }),
+    failure: Case { recipe: "triangles-edges", place: 1.0 },
+};
+const BOXES: Family =
+    Family { name: "box", error: None, failure: Case { recipe: "boxes-corners", place: 1.0 } };
+
+/// All rays against all primitives, once.
+type Work = Box<dyn Fn() -> Found>;
+
+fn simd_spheres<S: SphereMethod>() -> Work {
+    sphere_tests::<F32x8, S>()
+}
+fn scalar_spheres<S: SphereMethod>() -> Work {
+    sphere_tests::<f32, S>()
+}
+fn sphere_tests<L: Lane, S: SphereMethod>() -> Work {
+    let (rays, spheres) = (set::rays::<L>(), set::spheres());
+    Box::new(move || set::all_spheres::<L, S>(black_box(&rays), black_box(&spheres)))
+}
+
+fn simd_triangles<T: TriangleMethod>() -> Work {
+    triangle_tests::<F32x8, T>()
+}
+fn scalar_triangles<T: TriangleMethod>() -> Work {
+    triangle_tests::<f32, T>()
+}
+fn triangle_tests<L: Lane, T: TriangleMethod>() -> Work {
+    let (rays, triangles) = (set::rays::<L>(), set::triangles::<T>());
+    Box::new(move || set::all_triangles::<L, T>(black_box(&rays), black_box(&triangles)))
+}
+
+fn simd_boxes<B: BoxMethod>() -> Work {
+    box_tests::<F32x8, B>()
+}
+fn scalar_boxes<B: BoxMethod>() -> Work {
+    box_tests::<f32, B>()
+}
+fn box_tests<L: Lane, B: BoxMethod>() -> Work {
+    let (rays, boxes) = (set::rays::<L>(), set::boxes());
+    Box::new(move || set::all_boxes::<L, B>(black_box(&rays), black_box(&boxes)))
+}
+
+/// Something to time.
+struct Timed {
+    family: &'static Family,
+    method: &'static str,
+    default: bool,
+    lanes: usize,
+    work: Work,
+    /// Nanoseconds a test, turn by turn.
+    turns: Vec<f64>,
+}
+
+/// A turn: long beside the clock's own time, short beside the drift of a machine's clock.
+const TURN: Duration = Duration::from_micros(500);
+/// The share of cases of the stability command; its errors at one place, of few methods, are cheap.
+const EFFORT: Effort = Effort(0.25);
+
+/// Times every method at both widths by turns until `end`, at least three each, after finding out what they get wrong.
+pub fn measure(end: Instant) -> Vec<Kernel> {
+    let mut all = Vec::new();
+    let mut add = |family, lanes, methods: &[Method<fn() -> Work>]| {
+        all.extend(methods.iter().map(|method| {
+            let (method, default, work) = (method.name, method.default, (method.run)());
+            Timed { family, method, default, lanes, work, turns: Vec::new() }
+        }));
+    };
+    add(&SPHERES, 8, &sphere_methods!(simd_spheres));
+    add(&SPHERES, 1, &sphere_methods!(scalar_spheres));
+    add(&TRIANGLES, 8, &triangle_methods!(simd_triangles));
+    add(&TRIANGLES, 1, &triangle_methods!(scalar_triangles));
+    add(&BOXES, 8, &box_methods!(simd_boxes));
+    add(&BOXES, 1, &box_methods!(scalar_boxes));
+    let errors: Vec<_> = all.iter().map(errors).collect();
+    while all[0].turns.len() < 3 || Instant::now() < end {
+        all.iter_mut().for_each(Timed::turn);
+    }
+    all.iter().zip(errors).map(|(timed, errors)| timed.kernel(errors)).collect()
+}
+
+impl Timed {
+    fn turn(&mut self) {
+        let (start, mut rounds) = (Instant::now(), 0);
+        while start.elapsed() < TURN {
+            black_box((self.work)());
+            rounds += 1;
+        }
+        self.turns.push(start.elapsed().as_secs_f64() * 1e9 / (rounds * set::TESTS) as f64);
+    }
+
+    fn kernel(&self, (p99, failures): (Option<f64>, f64)) -> Kernel {
+        let turns = Quantiles::of(self.turns.clone());
+        Kernel {
+            family: self.family.name,
+            method: self.method,
+            default: self.default,
+            lanes: self.lanes,
+            ns: turns.median(),
+            ns_spread: [turns.at(0.1), turns.at(0.9)],
+            p99,
+            failures,
+            error_case: self.family.error,
+            failure_case: self.family.failure,
+        }
+    }
+}
+
+/// The 99th percentile of the error, and the share that fails, by the family's recipes.
+fn errors(timed: &Timed) -> (Option<f64>, f64) {
+    let at = |case: Case| {
+        let recipe = recipe(case.recipe).expect("the recipe that the family names");
+        recipe.point(timed.method, case.place, EFFORT).expect("the recipe has every method of the family")
+    };
+    let failure = at(timed.family.failure);
+    let p99 = timed.family.error.map(|case| at(case).p99);
+    (p99, failure.failures as f64 / failure.tested as f64)
+}
+
+impl Kernel {
+    /// Another method of the family at the same width that is no worse in anything and better in something, beyond the spread of the
+    /// turns: the fastest of these.
+    pub fn dominated_by<'a>(&self, all: &'a [Kernel]) -> Option<&'a Kernel> {
+        let better = |other: &&Kernel| {
+            let peer = (other.family, other.lanes) == (self.family, self.lanes) && other.method != self.method;
+            let errors = (other.p99.unwrap_or(0.0), other.failures);
+            let ours = (self.p99.unwrap_or(0.0), self.failures);
+            let as_right = errors.0 <= ours.0 && errors.1 <= ours.1;
+            peer && as_right && other.ns_spread[1] < self.ns_spread[0]
+        };
+        all.iter().filter(better).min_by(|a, b| a.ns.total_cmp(&b.ns))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_method_is_timed_at_both_widths_and_the_robust_ones_hold() {
+        let kernels = measure(Instant::now());
+        for kernel in &kernels {
+            assert!(kernel.ns > 0.0 && kernel.ns_spread[0] <= kernel.ns && kernel.ns <= kernel.ns_spread[1]);
+            if kernel.default && kernel.family != "sphere" {
+                assert_eq!(kernel.failures, 0.0, "{kernel:?}");
+            }
+        }
+        let count = |lanes| kernels.iter().filter(|kernel| kernel.lanes == lanes).count();
+        assert!(count(1) == count(8) && count(8) >= 12);
+        let failures = |method| kernels.iter().find(|kernel| kernel.method == method).unwrap().failures;
+        assert!(failures("naive") > 100.0 * failures("robust"));
+        assert!(failures("moller-trumbore") > 0.05);
+    }
+
+    #[test]
+    fn dominated_is_what_is_slower_and_no_more_right() {
+        let case = Case { recipe: "r", place: 1.0 };
+        let of = |method, ns: f64, failures| Kernel {
+            family: "sphere",
+            method,
+            default: false,
+            lanes: 8,
+            ns,
+            ns_spread: [ns * 0.95, ns * 1.05],
+            p99: Some(1e-6),
+            failures,
+            error_case: None,
+            failure_case: case,
+        };
+        let all = [of("fast", 1.0, 0.1), of("right", 2.0, 0.0), of("bad", 3.0, 0.1), of("as fast", 1.02, 0.1)];
+        let by = |number: usize| all[number].dominated_by(&all).map(|other| other.method);
+        assert_eq!([by(0), by(1), by(2), by(3)], [None, None, Some("fast"), None]);
+    }
+}

@@ -1,0 +1,108 @@
+//! Speed against accuracy: what every way to render costs, and what it gets wrong.
+//!
+//! For: [`SceneChart`] and [`Chart`], the data of `octray chart`: [`mod@kernels`], [`mod@pictures`], [`mod@frames`], held against a
+//! [`mod@truth`]. May import: what `measure` may. Must never know: files, drawings.
+
+pub mod configurations;
+pub mod frames;
+pub mod front;
+pub mod kernels;
+pub mod pictures;
+pub mod truth;
+
+use super::Machine;
+use crate::render::Settings;
+use crate::scene::Scene;
+use configurations::Configuration;
+use serde::Serialize;
+use std::time::{Duration, Instant};
+use truth::{Quality, SHRINK, Truth};
+
+/// All that one run found.
+#[derive(Clone, Debug, Serialize)]
+pub struct Chart {
+    pub schema: &'static str,
+    pub machine: Machine,
+    /// Asked for, and taken.
+    pub budget_s: f64,
+    pub seconds: f64,
+    pub max_bounces: u32,
+    /// Behind every median of `pictures`.
+    pub seeds: u32,
+    pub kernels: Vec<kernels::Kernel>,
+    pub scenes: Vec<SceneChart>,
+}
+
+pub const SCHEMA: &str = "octray-chart-1";
+
+/// What was found on one scene.
+#[derive(Clone, Debug, Serialize)]
+pub struct SceneChart {
+    pub scene: String,
+    /// Pixels of `pictures`, and of `frames`.
+    pub size: [u32; 2],
+    pub frame_size: [u32; 2],
+    pub truth: Quality,
+    pub pictures: Vec<pictures::Line>,
+    pub frames: Vec<frames::Frames>,
+}
+
+/// Shares of a scene's time: up to where the truth is rendered, and up to where pictures are.
+const TRUTH_SHARE: f64 = 0.3;
+const PICTURES_SHARE: f64 = 0.75;
+/// Enough for the truth: [`pictures::TRUTH_FACTOR`] times the samples of the best picture, at the small size; and that many times the
+/// samples of a frame after half a second at a thousand a second.
+const MOST_TRUTH_SAMPLES: u32 = 16_384;
+/// The configurations that are worth looking at in a window; those of the same bits are one picture at another rate.
+const AT_THE_WINDOW: [&str; 5] = [configurations::DEFAULT, "scalar", "random numbers", "lights off", "lights on"];
+
+/// How one scene is charted.
+#[derive(Clone, Copy, Debug)]
+pub struct Plan {
+    /// Of the pictures; frames have [`SHRINK`] times as many pixels in width and in height.
+    pub size: [u32; 2],
+    pub max_bounces: u32,
+    pub seeds: u32,
+    /// All of the machine's; pictures are timed on one.
+    pub threads: usize,
+    pub start: Instant,
+    pub time: Duration,
+}
+
+impl Plan {
+    fn at(&self, share: f64) -> Instant {
+        self.start + self.time.mul_f64(share)
+    }
+
+    /// The default's, for a frame.
+    pub fn frame(&self, scene: &Scene) -> Settings {
+        let resolution = self.size.map(|side| side * SHRINK);
+        Settings { resolution, max_bounces: self.max_bounces, ..Settings::of(scene) }
+    }
+
+    /// Renders the truth.
+    pub fn truth(&self, scene: &Scene) -> Truth {
+        let making = truth::Making::new(scene, self.frame(scene), self.threads);
+        making.until(self.at(TRUTH_SHARE), MOST_TRUTH_SAMPLES)
+    }
+
+    /// Charts the scene in the time that is left of the plan's; `step` is told what begins.
+    pub fn chart(&self, scene: &Scene, truth: &Truth, step: &dyn Fn(&str)) -> SceneChart {
+        let default = Settings { resolution: self.size, ..self.frame(scene) };
+        let configurations = configurations::of_scene(scene, default);
+        step("pictures");
+        let end = self.at(PICTURES_SHARE);
+        let pictures = pictures::measure(scene, &configurations, truth, self.seeds, end);
+        step("frames");
+        let watched: Vec<Configuration> =
+            configurations.into_iter().filter(|one| AT_THE_WINDOW.contains(&one.name)).collect();
+        SceneChart {
+            scene: scene.name.clone(),
+            size: self.size,
+            frame_size: self.size.map(|side| side * SHRINK),
+            truth: truth.quality,
+            pictures,
+            frames: frames::measure(scene, &watched, truth, self.threads, self.at(1.0)),
+        }
+    }
+}

@@ -1,0 +1,131 @@
+//! The kernels alone: a set of rays and primitives, all tested against all.
+//!
+//! For: [`rays`], [`spheres`], [`triangles`], [`all_spheres`], [`all_triangles`], [`all_boxes`]. May import: `kernel`, `lane`, `math`. Must never know: clocks.
+//!
+//! Rays come in packets of neighbours, as cameras and mirrors make them; most tests miss, as they do in scenes. Every
+//! lane's answer is used. No ray passes within 1e-6 of an edge or a silhouette, so that rounding decides nothing: hits are those of double
+//! precision.
+
+use crate::kernel::ray_sphere::SphereMethod;
+use crate::kernel::ray_triangle::TriangleMethod;
+use crate::lane::{F32x8, Lane, Mask};
+use crate::math::{Ray, Vec3};
+use glam::Vec3 as Point;
+
+/// Rays: 64 packets of eight.
+pub const RAYS: usize = 512;
+/// Primitives of each kind: what a small scene holds; all of them stay in the first-level cache.
+pub const PRIMITIVES: usize = 64;
+/// Tests of one ray against one primitive.
+pub const TESTS: usize = RAYS * PRIMITIVES;
+
+/// The spheres: centre and squared radius.
+pub fn spheres() -> Vec<(Point, f32)> {
+    (0..PRIMITIVES as u32).map(sphere).collect()
+}
+
+/// The triangles, as a method keeps them.
+pub fn triangles<T: TriangleMethod>() -> Vec<T::Stored> {
+    (0..PRIMITIVES as u32).map(triangle).map(T::store).collect()
+}
+
+/// What all tests of a set found.
+#[derive(Clone, Copy, Debug)]
+pub struct Found {
+    pub hits: usize,
+    /// Sum of t over the hits.
+    pub distance: f32,
+}
+
+/// Every ray against every primitive.
+pub fn all_spheres<L: Lane, S: SphereMethod>(rays: &[Ray<L>], spheres: &[(Point, f32)]) -> Found {
+    let mut tally = Tally::new();
+    for ray in rays {
+        let prepared = S::prepare(ray);
+        for &(center, radius2) in spheres {
+            let (mask, t) =
+                S::test(&prepared, Vec3::splat(center), L::splat(radius2), L::splat(f32::INFINITY));
+            tally.add(mask, t);
+        }
+    }
+    tally.found()
+}
+
+/// Every ray against every primitive.
+pub fn all_triangles<L: Lane, T: TriangleMethod>(rays: &[Ray<L>], triangles: &[T::Stored]) -> Found {
+    let mut tally = Tally::new();
+    for ray in rays {
+        let prepared = T::prepare(ray);
+        for triangle in triangles {
+            let hit = T::test(&prepared, triangle, L::splat(f32::INFINITY));
+            tally.add(hit.mask, hit.t);
+        }
+    }
+    tally.found()
+}
+
+/// Uses every lane of every answer.
+struct Tally<L> {
+    hits: usize,
+    distance: L,
+}
+
+impl<L: Lane> Tally<L> {
+    fn new() -> Self {
+        Self { hits: 0, distance: L::zero() }
+    }
+    #[inline(always)]
+    fn add(&mut self, mask: L::Mask, t: L) {
+        self.hits += mask.count();
+        self.distance = self.distance + L::select(mask, t, L::zero());
+    }
+    fn found(&self) -> Found {
+        let distance = (0..L::WIDTH).map(|lane| self.distance.get(lane)).sum();
+        Found { hits: self.hits, distance }
+    }
+}
+
+/// Number `number` of item `item`, uniform in [0, 1): the same in every run, however the program makes its own (SplitMix64's mixer).
+fn random(item: u32, number: u32) -> f32 {
+    let mut x =
+        (u64::from(item) << 32 | u64::from(number)).wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    (x >> 40) as f32 / (1 << 24) as f32
+}
+
+/// A point in the cube [−1, 1]³, from three numbers.
+fn point(item: u32, first: u32) -> Point {
+    Point::from_array(std::array::from_fn(|axis| 2.0 * random(item, first + axis as u32) - 1.0))
+}
+
+/// The rays in packets: from outside through the cube of primitives, eight neighbours a packet.
+pub fn rays<L: Lane>() -> Vec<Ray<L>> {
+    let ray = |index: usize| {
+        // Far above the primitives' items.
+        let (packet, lane) = ((1 << 16) + (index / F32x8::WIDTH) as u32, (1 << 17) + index as u32);
+        let origin = 4.0 * (point(packet, 0) + Point::splat(1e-3)).normalize();
+        (origin, (point(packet, 3) + 0.05 * point(lane, 0) - origin).normalize())
+    };
+    (0..RAYS / L::WIDTH)
+        .map(|packet| {
+            let lanes = |of: &dyn Fn(usize) -> Point| {
+                let component = |axis: usize| L::from_fn(|lane| of(packet * L::WIDTH + lane)[axis]);
+                Vec3::new(component(0), component(1), component(2))
+            };
+            Ray { origin: lanes(&|index| ray(index).0), direction: lanes(&|index| ray(index).1) }
+        })
+        .collect()
+}
+
+/// A sphere in the cube: centre and squared radius.
+fn sphere(index: u32) -> (Point, f32) {
+    let radius = 0.05 + 0.25 * random(index, 3);
+    (point(index, 0), radius * radius)
+}
+
+/// A triangle in the cube.
+fn triangle(index: u32) -> [Point; 3] {
+    let center = point(index, 0);
+    [3, 6, 9].map(|first| center + 0.5 * point(index, first))
+}

@@ -1,0 +1,242 @@
+//! The three charts: equations, pictures, frames.
+//!
+//! For: [`drawings`]. May import: `plot`, `measure::chart`. Must never know: files, pages.
+
+use super::plot::{Axis, Figure, Line};
+use crate::measure::chart::kernels::Kernel;
+use crate::measure::chart::pictures::{Point, Spread};
+use crate::measure::chart::{Chart, SceneChart, configurations::DEFAULT};
+use crate::wording::grouped;
+
+/// A figure, and the file name it goes by, without its extension.
+#[derive(Clone, Debug)]
+pub struct Drawing {
+    pub name: String,
+    pub figure: Figure,
+}
+
+/// What error is drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Measure {
+    Rmse,
+    Relmse,
+    Flip,
+}
+
+impl Measure {
+    pub const ALL: [Self; 3] = [Self::Rmse, Self::Relmse, Self::Flip];
+
+    /// In file names.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Rmse => "rmse",
+            Self::Relmse => "relmse",
+            Self::Flip => "flip",
+        }
+    }
+    fn label(self) -> &'static str {
+        match self {
+            Self::Rmse => "root mean square error (radiance)",
+            Self::Relmse => "relMSE without the worst 0.1 % of pixels",
+            Self::Flip => "mean FLIP of the displayed picture",
+        }
+    }
+    fn of(self, point: &Point) -> Spread {
+        match self {
+            Self::Rmse => point.rmse,
+            Self::Relmse => point.relmse_trimmed,
+            Self::Flip => point.flip,
+        }
+    }
+}
+
+/// All of a chart's figures.
+pub fn drawings(chart: &Chart) -> Vec<Drawing> {
+    let mut all = vec![failures(&chart.kernels), errors(&chart.kernels)];
+    for scene in &chart.scenes {
+        all.extend(Measure::ALL.map(|measure| pictures(chart, scene, measure)));
+        all.push(frames(scene));
+    }
+    all
+}
+
+/// A scene's name as a part of a file's: letters and digits, and hyphens for all else.
+pub fn file_name(scene: &str) -> String {
+    let plain = |c: char| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '-' };
+    let name: String = scene.strip_prefix("builtin:").unwrap_or(scene).chars().map(plain).collect();
+    let words: Vec<&str> = name.split('-').filter(|word| !word.is_empty()).collect();
+    words.join("-")
+}
+
+/// Error against time on a scene.
+pub fn pictures(chart: &Chart, scene: &SceneChart, measure: Measure) -> Drawing {
+    let [width, height] = scene.size;
+    let line = |line: &crate::measure::chart::pictures::Line| {
+        let at = |point: &Point| [point.seconds.median, measure.of(point).median];
+        let band = |point: &Point| {
+            let Spread { p10, p90, .. } = measure.of(point);
+            [point.seconds.median, p10, p90]
+        };
+        let ringed = line.points.iter().enumerate().filter(|(_, point)| point.on_front);
+        Line {
+            name: line.configuration.into(),
+            strong: line.configuration == DEFAULT,
+            dashed: line.pictures_unlike_default.is_some() && line.configuration != DEFAULT,
+            points: line.points.iter().map(at).collect(),
+            band: line.points.iter().map(band).collect(),
+            ringed: match measure {
+                Measure::Rmse => ringed.map(|(number, _)| number).collect(),
+                _ => Vec::new(),
+            },
+        }
+    };
+    let lines: Vec<Line> = scene.pictures.iter().map(line).collect();
+    let mut notes = vec![
+        format!(
+            "{width}×{height}, one thread, {} seeds: median, and 10 to 90 % of them; every point has twice the samples of the one before",
+            chart.seeds
+        ),
+        "dashed: the very pictures of the default, at another speed; dotted: lines of equal efficiency, four times apart".into(),
+    ];
+    if measure == Measure::Rmse {
+        notes.push("rings: no other configuration has a smaller error in as much time".into());
+    }
+    let guides = if measure == Measure::Relmse { diagonals(&lines, -1.0) } else { diagonals(&lines, -0.5) };
+    let name = match measure {
+        Measure::Rmse => format!("{}-pictures", file_name(&scene.scene)),
+        _ => format!("{}-pictures-{}", file_name(&scene.scene), measure.name()),
+    };
+    let figure = Figure {
+        title: format!("{}: error against time", scene.scene),
+        notes,
+        x: Axis { label: "seconds of tracing".into(), log: true },
+        y: Axis { label: measure.label().into(), log: true },
+        lines,
+        guides,
+    };
+    Drawing { name, figure }
+}
+
+/// Lines along which error falls with time to the power `slope`, each for four times the time of the next, over all data.
+fn diagonals(lines: &[Line], slope: f64) -> Vec<[[f64; 2]; 2]> {
+    let points = || lines.iter().flat_map(|line| &line.points).filter(|point| point[1] > 0.0);
+    let range = |axis: usize| {
+        let values = points().map(move |point| point[axis]);
+        (values.clone().fold(f64::INFINITY, f64::min), values.fold(0.0, f64::max))
+    };
+    let ((first, last), (low, high)) = (range(0), range(1));
+    if low > high {
+        return Vec::new();
+    }
+    // A line is told by its time at the largest error.
+    let start = first * (low / high).powf(-1.0 / slope) / 4.0;
+    let times = std::iter::successors(Some(start), |time| Some(4.0 * time)).take_while(|time| *time < last * 4.0);
+    let end = 16.0 * last;
+    times.map(|time| [[time, high], [end, high * (end / time).powf(slope)]]).collect()
+}
+
+/// Error of what has accumulated in a window, against its rate.
+pub fn frames(scene: &SceneChart) -> Drawing {
+    let [width, height] = scene.frame_size;
+    let lines = scene.frames.iter().map(|frames| {
+        let known = frames.moments.iter().filter_map(|moment| Some((moment, moment.rmse?)));
+        let points = known.map(|(_, rmse)| [frames.fps.median, rmse.median]).collect();
+        let strong = frames.configuration == DEFAULT;
+        Line { name: frames.configuration.into(), strong, points, ..Line::default() }
+    });
+    let threads = scene.frames.first().map_or(1, |frames| frames.threads);
+    let figure = Figure {
+        title: format!("{}: what a window shows", scene.scene),
+        notes: vec![
+            format!("{width}×{height}, {}", crate::wording::counted(threads, "thread", "threads")),
+            "from top to bottom: the error after 1/30 s, 1/5 s and 1 s of accumulation".into(),
+        ],
+        x: Axis { label: "frames per second".into(), log: true },
+        y: Axis { label: Measure::Rmse.label().into(), log: true },
+        lines: lines.collect(),
+        guides: Vec::new(),
+    };
+    Drawing { name: format!("{}-frames", file_name(&scene.scene)), figure }
+}
+
+/// Failures of the equations against what they cost.
+pub fn failures(kernels: &[Kernel]) -> Drawing {
+    let figure = Figure {
+        title: "Equations: what a test costs, and how often it is wrong".into(),
+        notes: cases(kernels, |kernel| Some(kernel.failure_case)),
+        y: Axis { label: "share of the hard cases that fail".into(), log: true },
+        ..of_kernels(kernels, |kernel| Some(kernel.failures))
+    };
+    Drawing { name: "kernels-failures".into(), figure }
+}
+
+/// Errors of t against what the equations cost.
+pub fn errors(kernels: &[Kernel]) -> Drawing {
+    let figure = Figure {
+        title: "Equations: what a test costs, and how far off t is".into(),
+        notes: cases(kernels, |kernel| kernel.error_case),
+        y: Axis { label: "error of t, 99th percentile".into(), log: true },
+        ..of_kernels(kernels, |kernel| kernel.p99)
+    };
+    Drawing { name: "kernels-errors".into(), figure }
+}
+
+/// A line a method: from eight lanes to one.
+fn of_kernels(kernels: &[Kernel], error: impl Fn(&Kernel) -> Option<f64>) -> Figure {
+    let mut lines: Vec<Line> = Vec::new();
+    for kernel in kernels {
+        let Some(error) = error(kernel) else { continue };
+        let name = format!("{}: {}", kernel.family, kernel.method);
+        match lines.iter_mut().find(|line| line.name == name) {
+            Some(line) => line.points.push([kernel.ns, error]),
+            None => lines.push(Line {
+                name,
+                strong: kernel.default,
+                points: vec![[kernel.ns, error]],
+                ..Line::default()
+            }),
+        }
+    }
+    let x = Axis { label: "nanoseconds for one ray and one primitive (eight lanes, and one)".into(), log: true };
+    Figure { x, lines, ..Figure::default() }
+}
+
+/// Which recipe stands behind each family's numbers.
+fn cases(
+    kernels: &[Kernel],
+    case: impl Fn(&Kernel) -> Option<crate::measure::chart::kernels::Case>,
+) -> Vec<String> {
+    let mut notes = Vec::new();
+    for kernel in kernels {
+        let Some(case) = case(kernel) else { continue };
+        let note = format!("{}: {} at {}", kernel.family, case.recipe, grouped(case.place));
+        if !notes.contains(&note) {
+            notes.push(note);
+        }
+    }
+    vec![format!("left end of a line: SIMD, right end: scalar; recipes: {}", notes.join("; "))]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn file_names_hold_nothing_that_a_shell_or_a_folder_would_mind() {
+        assert_eq!(file_name("builtin:cornell-spheres"), "cornell-spheres");
+        assert_eq!(file_name("../My scenes/Kitchen 2.json"), "my-scenes-kitchen-2-json");
+        assert_eq!(file_name("builtin:terrain:2000"), "terrain-2000");
+    }
+
+    #[test]
+    fn diagonals_cross_all_data_with_the_slope() {
+        let line = Line { points: vec![[0.01, 1.0], [1.0, 0.1]], ..Line::default() };
+        let guides = diagonals(&[line], -0.5);
+        for [[t0, e0], [t1, e1]] in &guides {
+            assert!(((e1 / e0).ln() / (t1 / t0).ln() + 0.5).abs() < 1e-9);
+        }
+        let at_low: Vec<f64> = guides.iter().map(|[[time, _], _]| *time).collect();
+        assert!(at_low[0] <= 0.01 / 100.0 && at_low[at_low.len() - 1] >= 0.25, "{at_low:?}");
+        assert!(diagonals(&[], -0.5).is_empty());
+    }
+}

@@ -1,0 +1,230 @@
+//! A chart as one page of HTML that needs no other file: figures, tables, and where the numbers come from.
+//!
+//! For: [`page`]. May import: `chart`, `measure::chart`, `maud` (which escapes all text). Must never know: files.
+
+use super::chart::{self, Drawing, Measure};
+use crate::measure::chart::kernels::Kernel;
+use crate::measure::chart::pictures::{Line, Spread};
+use crate::measure::chart::{Chart, SceneChart, configurations::DEFAULT};
+use crate::wording::counted;
+use maud::{DOCTYPE, Markup, PreEscaped, html};
+
+/// Readable on a phone (one column, tables that scroll by themselves), on a desk, and in print (no figure is torn apart).
+const STYLE: &str = "
+body { font: 16px/1.5 sans-serif; max-width: 72rem; margin: 0 auto; padding: 1rem; color: #222; background: #fff }
+h1, h2, h3 { line-height: 1.2 }
+figure { margin: 1rem 0 }
+svg { display: block; width: 100%; height: auto }
+.wide { overflow-x: auto }
+table { border-collapse: collapse; font-size: 0.9rem; font-variant-numeric: tabular-nums }
+th, td { padding: 0.25rem 0.75rem; border-bottom: 1px solid #ccc; text-align: right; white-space: nowrap }
+th:first-child, td:first-child, .text { text-align: left }
+.default { font-weight: bold }
+small { color: #555 }
+@media print { figure, table { break-inside: avoid } details { display: block } body { max-width: none; font-size: 11px } }
+";
+
+/// The page.
+pub fn page(chart: &Chart) -> String {
+    let page = html! {
+        (DOCTYPE)
+        html lang="en" {
+            head {
+                meta charset="utf-8";
+                meta name="viewport" content="width=device-width, initial-scale=1";
+                title { "octray: speed against accuracy" }
+                style { (PreEscaped(STYLE)) }
+            }
+            body {
+                h1 { "Speed against accuracy" }
+                p { (introduction()) }
+                (verdict(chart))
+                @for scene in &chart.scenes { (of_scene(chart, scene)) }
+                (equations(chart))
+                (source(chart))
+            }
+        }
+    };
+    page.into_string()
+}
+
+fn introduction() -> Markup {
+    html! {
+        "Every way to render is measured twice: by what it costs, and by how far it is from the truth. One that lies further to the left is faster, one that \
+         lies lower is more right. Of two lines the lower left one is the better; where they cross, it depends on how much time there is."
+    }
+}
+
+/// What was found, in words.
+fn verdict(chart: &Chart) -> Markup {
+    let default = |scene: &SceneChart| scene.pictures.iter().find(|line| line.configuration == DEFAULT).cloned();
+    let on_front = |scene: &&SceneChart| default(scene).is_some_and(|line| line.dominated_by.is_none());
+    let count = chart.scenes.iter().filter(on_front).count();
+    let unlike: usize =
+        chart.scenes.iter().flat_map(|scene| &scene.pictures).filter_map(|line| line.pictures_unlike_default).sum();
+    let dominated: Vec<&Kernel> = chart.kernels.iter().filter(|one| one.dominated_by(&chart.kernels).is_some()).collect();
+    html! {
+        h2 { "What was found" }
+        ul {
+            li { "The default lies on the measured front of " (count) " of " (counted(chart.scenes.len(), "scene", "scenes")) "." }
+            li {
+                @if unlike == 0 { "Ways that promise the default's very picture gave it, bit by bit." }
+                @else { (counted(unlike, "picture", "pictures")) " DIFFERED from the default's where all bits should agree: a bug in octray." }
+            }
+            @for scene in &chart.scenes {
+                @for line in &scene.pictures {
+                    @if let Some(better) = line.dominated_by {
+                        li {
+                            (scene.scene) ": " em { (line.configuration) } " is dominated: slower and no more right than " em { (better) } ", "
+                            (times(line.time_to_equal_error)) " the default's time to equal error."
+                        }
+                    }
+                }
+            }
+            @for kernel in dominated {
+                @let by = kernel.dominated_by(&chart.kernels).map_or("", |other| other.method);
+                li { (kernel.family) " equation " em { (kernel.method) } ", " (lanes(kernel)) ", is dominated by " em { (by) } "." }
+            }
+        }
+        p { small { "What is dominated is kept where it teaches something: the scalar path is the check on SIMD, naive equations show what robust ones are for." } }
+    }
+}
+
+fn of_scene(chart: &Chart, scene: &SceneChart) -> Markup {
+    let [width, height] = scene.frame_size;
+    html! {
+        h2 { (scene.scene) }
+        (figure(&chart::pictures(chart, scene, Measure::Rmse)))
+        details {
+            summary { "The same by relative error and as the eye sees it" }
+            (figure(&chart::pictures(chart, scene, Measure::Relmse)))
+            (figure(&chart::pictures(chart, scene, Measure::Flip)))
+        }
+        (pictures_table(scene))
+        p {
+            small {
+                "The truth: " (counted(scene.truth.samples, "sample", "samples")) " per pixel at " (width) "×" (height)
+                " with independent numbers and other seeds; its own error is " (number(scene.truth.frame_rmse)) ", and "
+                (number(scene.truth.small_rmse)) " at a third of the size" @if scene.truth.cached { " (kept from an earlier run)" } "."
+            }
+        }
+        (figure(&chart::frames(scene)))
+        (frames_table(scene))
+    }
+}
+
+fn pictures_table(scene: &SceneChart) -> Markup {
+    let last = |line: &Line| line.points.last().cloned();
+    html! {
+        div class="wide" {
+            table {
+                tr {
+                    th { "configuration" } th { "time to equal error" } th { "samples" } th { "seconds" } th { "RMSE" } th { "relMSE" }
+                    th { "relMSE, trimmed" } th { "FLIP" } th class="text" { "verdict" }
+                }
+                @for line in &scene.pictures {
+                    @if let Some(point) = last(line) {
+                        tr class=[(line.configuration == DEFAULT).then_some("default")] {
+                            td { (line.configuration) } td { (times(line.time_to_equal_error)) } td { (format!("{:.0}", point.samples)) }
+                            td { (number(point.seconds.median)) } td { (number(point.rmse.median)) } td { (number(point.relmse.median)) }
+                            td { (number(point.relmse_trimmed.median)) } td { (number(point.flip.median)) }
+                            td class="text" {
+                                @match line.dominated_by {
+                                    Some(better) => { "dominated by " (better) }
+                                    None => "on the front",
+                                }
+                                @if line.pictures_unlike_default.is_some_and(|count| count > 0) { ", and NOT the default's bits" }
+                            }
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+fn frames_table(scene: &SceneChart) -> Markup {
+    html! {
+        div class="wide" {
+            table {
+                tr {
+                    th { "configuration" } th { "frames per second" }
+                    @for moment in scene.frames.iter().take(1).flat_map(|frames| &frames.moments) {
+                        th { "RMSE after " (format!("{:.2} s", moment.after_s)) } th { "FLIP" }
+                    }
+                }
+                @for frames in &scene.frames {
+                    tr class=[(frames.configuration == DEFAULT).then_some("default")] {
+                        td { (frames.configuration) } td { (spread(&frames.fps)) }
+                        @for moment in &frames.moments {
+                            td { @match &moment.rmse { Some(rmse) => (spread(rmse)), None => "below the truth's" } }
+                            td { (spread(&moment.flip)) }
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+fn equations(chart: &Chart) -> Markup {
+    html! {
+        h2 { "The equations alone" }
+        (figure(&chart::failures(&chart.kernels)))
+        (figure(&chart::errors(&chart.kernels)))
+        div class="wide" {
+            table {
+                tr { th { "equation" } th class="text" { "width" } th { "ns a test" } th { "10 to 90 %" } th { "fails" } th { "error of t, p99" } }
+                @for kernel in &chart.kernels {
+                    tr class=[kernel.default.then_some("default")] {
+                        td { (kernel.family) ": " (kernel.method) } td class="text" { (lanes(kernel)) } td { (format!("{:.2}", kernel.ns)) }
+                        td { (format!("{:.2}–{:.2}", kernel.ns_spread[0], kernel.ns_spread[1])) } td { (percent(kernel.failures)) }
+                        td { (kernel.p99.map_or("–".to_owned(), number)) }
+                    }
+                }
+            }
+        }
+    }
+}
+
+fn source(chart: &Chart) -> Markup {
+    html! {
+        h2 { "Where the numbers come from" }
+        p {
+            "Machine: " (chart.machine) ". Instruction sets compiled for: " (chart.machine.target_features.join(", ")) ". Taken in "
+            (format!("{:.0} s", chart.seconds)) " of " (format!("{:.0} s", chart.budget_s)) " allowed; up to "
+            (counted(chart.max_bounces, "bounce", "bounces")) ". The same numbers are in chart.json, pictures.csv, frames.csv and kernels.csv beside this page."
+        }
+    }
+}
+
+fn figure(drawing: &Drawing) -> Markup {
+    html! { figure { (PreEscaped(drawing.figure.svg())) } }
+}
+
+fn lanes(kernel: &Kernel) -> &'static str {
+    if kernel.lanes == 1 { "scalar" } else { "SIMD" }
+}
+
+fn number(x: f64) -> String {
+    match x {
+        0.0 => "0".into(),
+        x if (0.01..10_000.0).contains(&x.abs()) => format!("{x:.*}", (2 - x.abs().log10().floor() as i32).max(0) as usize),
+        x => format!("{x:.1e}"),
+    }
+}
+
+fn times(ratio: f64) -> String {
+    format!("{}×", number(ratio))
+}
+
+fn percent(share: f64) -> String {
+    format!("{} %", number(100.0 * share))
+}
+
+fn spread(spread: &Spread) -> String {
+    if spread.p10 == spread.p90 {
+        return number(spread.median);
+    }
+    format!("{} ({}–{})", number(spread.median), number(spread.p10), number(spread.p90))
+}

@@ -3,7 +3,8 @@
 //! For: [`mod@bench`] (speed of frames), [`rays`] (speed of rays by kind: [`ray_sets`], [`ways`]; for other programs: [`ray_dump`]),
 //! [`stats`] (time by stage, tests a ray), [`compare`] (SIMD against scalar, and both against the judge), [`mod@errors`] and [`mod@flip`]
 //! (how far a picture is from the true one, in numbers and to the eye), [`Machine`] (what every report of figures
-//! carries), [`features`] (vector instructions: compiled for, and present). May import: everything above it, the judge included.
+//! carries), [`stability`] (where methods fail), [`features`] (vector instructions: compiled for, and present). May import: everything
+//! above it, the judge included.
 //! Must never know: command lines, terminals.
 
 pub mod bench;
@@ -15,6 +16,7 @@ pub mod machine;
 pub mod ray_dump;
 pub mod ray_sets;
 pub mod rays;
+pub mod stability;
 pub mod statistics;
 pub mod stats;
 pub mod turns;

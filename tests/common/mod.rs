@@ -6,81 +6,16 @@ pub mod statistics;
 
 use glam::{DVec3, Vec3};
 use octray::film::Picture;
-use octray::lane::Lane;
-use octray::math::{self, Ray};
+pub use octray::measure::stability::Dice;
+pub use octray::measure::stability::aim::{packet, ray};
 use octray::scene::{
     Camera, Filter, Material, MaterialKind, Scene, Side, Sky, Sphere, Texels, Texture, Triangle,
 };
-
-/// xorshift64*: unrelated to the numbers under test.
-pub struct Dice(pub u64);
-
-impl Dice {
-    pub fn bits(&mut self) -> u32 {
-        self.0 ^= self.0 >> 12;
-        self.0 ^= self.0 << 25;
-        self.0 ^= self.0 >> 27;
-        (self.0.wrapping_mul(0x2545_f491_4f6c_dd1d) >> 32) as u32
-    }
-    /// Below `n`.
-    pub fn index(&mut self, n: usize) -> usize {
-        ((u64::from(self.bits()) * n as u64) >> 32) as usize
-    }
-    /// Uniform in [0, 1), with 48 bits.
-    pub fn unit(&mut self) -> f64 {
-        let (high, low) = (u64::from(self.bits()), u64::from(self.bits()));
-        (high << 16 | low >> 16) as f64 / (1u64 << 48) as f64
-    }
-    /// Uniform in [−1, 1).
-    pub fn signed(&mut self) -> f64 {
-        2.0 * self.unit() - 1.0
-    }
-    /// From `low` to `high`, uniform in the logarithm.
-    pub fn scale(&mut self, low: f64, high: f64) -> f64 {
-        low * (high / low).powf(self.unit())
-    }
-    /// Uniform on the unit sphere.
-    pub fn direction(&mut self) -> DVec3 {
-        loop {
-            let v = DVec3::new(self.signed(), self.signed(), self.signed());
-            if (1e-4..=1.0).contains(&v.length_squared()) {
-                return v.normalize();
-            }
-        }
-    }
-    /// Uniform in the cube [−1, 1)³.
-    pub fn in_cube(&mut self) -> DVec3 {
-        DVec3::new(self.signed(), self.signed(), self.signed())
-    }
-    /// Weights of a triangle's vertices, uniform over its area.
-    pub fn barycentrics(&mut self) -> [f64; 3] {
-        let root = self.unit().sqrt();
-        let v = self.unit();
-        [1.0 - root, root * (1.0 - v), root * v]
-    }
-}
 
 /// The value below which a share of `p` of the values lies.
 pub fn quantile(values: &mut [f64], p: f64) -> f64 {
     values.sort_by(f64::total_cmp);
     values[((values.len() - 1) as f64 * p).round() as usize]
-}
-
-/// A packet from rays, one a lane.
-pub fn packet<L: Lane>(rays: &[Ray<f32>]) -> Ray<L> {
-    let lanes = |of: fn(&Ray<f32>) -> math::Vec3<f32>| {
-        math::Vec3::new(
-            L::from_fn(|i| of(&rays[i]).x),
-            L::from_fn(|i| of(&rays[i]).y),
-            L::from_fn(|i| of(&rays[i]).z),
-        )
-    };
-    Ray { origin: lanes(|ray| ray.origin), direction: lanes(|ray| ray.direction) }
-}
-
-/// A ray of width one.
-pub fn ray(origin: Vec3, direction: Vec3) -> Ray<f32> {
-    Ray { origin: math::Vec3::splat(origin), direction: math::Vec3::splat(direction) }
 }
 
 /// Nothing under a white sky, seen from (0, 0, 5) along −z.

@@ -36,7 +36,7 @@ impl TryFrom<LimitArgs> for Limits {
     type Error = CliError;
     fn try_from(args: LimitArgs) -> Result<Self, CliError> {
         let error = args.target_error.as_deref().map(target).transpose()?;
-        let time = args.time_limit.as_deref().map(seconds).transpose()?;
+        let time = args.time_limit.as_deref().map(|text| seconds("--time-limit", text)).transpose()?;
         let samples = match (&args.samples, time, error) {
             (Some(text), ..) => samples(text)?,
             (None, Some(_), _) => MAX_SAMPLES,

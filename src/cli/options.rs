@@ -226,7 +226,9 @@ impl TryFrom<ChartArgs> for ChartOptions {
         let size = size(&args.size)?;
         if size.iter().any(|side| side % SHRINK != 0) {
             let [width, height] = size.map(|side| side.next_multiple_of(SHRINK));
-            let why = format!("pictures have a third of its width and height: give multiples of 3, such as {width}x{height}");
+            let why = format!(
+                "pictures have a third of its width and height: give multiples of 3, such as {width}x{height}"
+            );
             return Err(refuse("--size", &args.size, why));
         }
         Ok(Self {

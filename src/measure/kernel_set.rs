@@ -6,6 +6,7 @@
 //! lane's answer is used. No ray passes within 1e-6 of an edge or a silhouette, so that rounding decides nothing: hits are those of double
 //! precision.
 
+use crate::kernel::ray_box::{BoxMethod, Reach};
 use crate::kernel::ray_sphere::SphereMethod;
 use crate::kernel::ray_triangle::TriangleMethod;
 use crate::lane::{F32x8, Lane, Mask};
@@ -16,6 +17,8 @@ use glam::Vec3 as Point;
 pub const RAYS: usize = 512;
 /// Primitives of each kind: what a small scene holds; all of them stay in the first-level cache.
 pub const PRIMITIVES: usize = 64;
+/// No coordinate of a box is larger.
+const EXTENT: f32 = 2.0;
 /// Tests of one ray against one primitive.
 pub const TESTS: usize = RAYS * PRIMITIVES;
 
@@ -46,6 +49,25 @@ pub fn all_spheres<L: Lane, S: SphereMethod>(rays: &[Ray<L>], spheres: &[(Point,
             let (mask, t) =
                 S::test(&prepared, Vec3::splat(center), L::splat(radius2), L::splat(f32::INFINITY));
             tally.add(mask, t);
+        }
+    }
+    tally.found()
+}
+
+/// The boxes, by their lower and upper corners: those of the triangles.
+pub fn boxes() -> Vec<[Point; 2]> {
+    let of = |[a, b, c]: [Point; 3]| [a.min(b).min(c), a.max(b).max(c)];
+    (0..PRIMITIVES as u32).map(|index| of(triangle(index))).collect()
+}
+
+/// Every ray against every box; t is where it enters.
+pub fn all_boxes<L: Lane, B: BoxMethod>(rays: &[Ray<L>], boxes: &[[Point; 2]]) -> Found {
+    let mut tally = Tally::new();
+    for ray in rays {
+        let prepared = B::prepare(ray, Reach::new(EXTENT));
+        for &[lo, hi] in boxes {
+            let (near, far) = B::pass(&prepared, Vec3::splat(lo), Vec3::splat(hi));
+            tally.add(near.le(far) & L::zero().le(far), near);
         }
     }
     tally.found()

@@ -8,10 +8,12 @@
 //! Must never know: command lines, terminals.
 
 pub mod bench;
+pub mod chart;
 pub mod compare;
 pub mod errors;
 pub mod features;
 pub mod flip;
+pub mod kernel_set;
 pub mod machine;
 pub mod ray_dump;
 pub mod ray_sets;

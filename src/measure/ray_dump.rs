@@ -33,7 +33,6 @@ use super::ray_sets::Prepared;
 use crate::math::MISS;
 use crate::output::{Existing, OutputError, write_atomically};
 use crate::scene::Scene;
-use std::fs;
 use std::io::{self, Write};
 use std::path::Path;
 

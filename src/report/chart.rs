@@ -130,7 +130,8 @@ fn diagonals(lines: &[Line], slope: f64) -> Vec<[[f64; 2]; 2]> {
     }
     // A line is told by its time at the largest error.
     let start = first * (low / high).powf(-1.0 / slope) / 4.0;
-    let times = std::iter::successors(Some(start), |time| Some(4.0 * time)).take_while(|time| *time < last * 4.0);
+    let times =
+        std::iter::successors(Some(start), |time| Some(4.0 * time)).take_while(|time| *time < last * 4.0);
     let end = 16.0 * last;
     times.map(|time| [[time, high], [end, high * (end / time).powf(slope)]]).collect()
 }
@@ -197,7 +198,8 @@ fn of_kernels(kernels: &[Kernel], error: impl Fn(&Kernel) -> Option<f64>) -> Fig
             }),
         }
     }
-    let x = Axis { label: "nanoseconds for one ray and one primitive (eight lanes, and one)".into(), log: true };
+    let x =
+        Axis { label: "nanoseconds for one ray and one primitive (eight lanes, and one)".into(), log: true };
     Figure { x, lines, ..Figure::default() }
 }
 

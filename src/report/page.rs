@@ -57,12 +57,18 @@ fn introduction() -> Markup {
 
 /// What was found, in words.
 fn verdict(chart: &Chart) -> Markup {
-    let default = |scene: &SceneChart| scene.pictures.iter().find(|line| line.configuration == DEFAULT).cloned();
+    let default =
+        |scene: &SceneChart| scene.pictures.iter().find(|line| line.configuration == DEFAULT).cloned();
     let on_front = |scene: &&SceneChart| default(scene).is_some_and(|line| line.dominated_by.is_none());
     let count = chart.scenes.iter().filter(on_front).count();
-    let unlike: usize =
-        chart.scenes.iter().flat_map(|scene| &scene.pictures).filter_map(|line| line.pictures_unlike_default).sum();
-    let dominated: Vec<&Kernel> = chart.kernels.iter().filter(|one| one.dominated_by(&chart.kernels).is_some()).collect();
+    let unlike: usize = chart
+        .scenes
+        .iter()
+        .flat_map(|scene| &scene.pictures)
+        .filter_map(|line| line.pictures_unlike_default)
+        .sum();
+    let dominated: Vec<&Kernel> =
+        chart.kernels.iter().filter(|one| one.dominated_by(&chart.kernels).is_some()).collect();
     html! {
         h2 { "What was found" }
         ul {
@@ -209,7 +215,9 @@ fn lanes(kernel: &Kernel) -> &'static str {
 fn number(x: f64) -> String {
     match x {
         0.0 => "0".into(),
-        x if (0.01..10_000.0).contains(&x.abs()) => format!("{x:.*}", (2 - x.abs().log10().floor() as i32).max(0) as usize),
+        x if (0.01..10_000.0).contains(&x.abs()) => {
+            format!("{x:.*}", (2 - x.abs().log10().floor() as i32).max(0) as usize)
+        }
         x => format!("{x:.1e}"),
     }
 }

@@ -32,9 +32,25 @@ fn cells(spread: Spread) -> [String; 3] {
 /// A row for each configuration and number of samples.
 pub fn pictures(chart: &Chart) -> String {
     let mut table = Table::new(&[
-        "scene", "configuration", "samples", "seconds", "seconds_p10", "seconds_p90", "rmse", "rmse_p10", "rmse_p90",
-        "relmse", "relmse_p10", "relmse_p90", "relmse_trimmed", "relmse_trimmed_p10", "relmse_trimmed_p90", "flip",
-        "flip_p10", "flip_p90", "on_front",
+        "scene",
+        "configuration",
+        "samples",
+        "seconds",
+        "seconds_p10",
+        "seconds_p90",
+        "rmse",
+        "rmse_p10",
+        "rmse_p90",
+        "relmse",
+        "relmse_p10",
+        "relmse_p90",
+        "relmse_trimmed",
+        "relmse_trimmed_p10",
+        "relmse_trimmed_p90",
+        "flip",
+        "flip_p10",
+        "flip_p90",
+        "on_front",
     ]);
     for scene in &chart.scenes {
         for line in &scene.pictures {
@@ -54,8 +70,23 @@ pub fn pictures(chart: &Chart) -> String {
 /// A row for each configuration and moment.
 pub fn frames(chart: &Chart) -> String {
     let mut table = Table::new(&[
-        "scene", "configuration", "threads", "seeds", "fps", "fps_p10", "fps_p90", "after_s", "samples", "samples_p10",
-        "samples_p90", "rmse", "rmse_p10", "rmse_p90", "flip", "flip_p10", "flip_p90",
+        "scene",
+        "configuration",
+        "threads",
+        "seeds",
+        "fps",
+        "fps_p10",
+        "fps_p90",
+        "after_s",
+        "samples",
+        "samples_p10",
+        "samples_p90",
+        "rmse",
+        "rmse_p10",
+        "rmse_p90",
+        "flip",
+        "flip_p10",
+        "flip_p90",
     ]);
     for scene in &chart.scenes {
         for frames in &scene.frames {
@@ -77,8 +108,19 @@ pub fn frames(chart: &Chart) -> String {
 /// A row for each method and width.
 pub fn kernels(chart: &Chart) -> String {
     let mut table = Table::new(&[
-        "family", "method", "default", "lanes", "ns", "ns_p10", "ns_p90", "failures", "failure_recipe", "failure_place",
-        "p99", "error_recipe", "error_place",
+        "family",
+        "method",
+        "default",
+        "lanes",
+        "ns",
+        "ns_p10",
+        "ns_p90",
+        "failures",
+        "failure_recipe",
+        "failure_place",
+        "p99",
+        "error_recipe",
+        "error_place",
     ]);
     for kernel in &chart.kernels {
         let case = kernel.error_case;

@@ -109,7 +109,10 @@ mod tests {
         assert!(three.contains(&"naive spheres") && three.contains(&"hierarchy"));
         let cornell = names("builtin:cornell");
         assert!(cornell.contains(&"lights off") && cornell.contains(&"Baldwin–Weber"));
-        assert!(!cornell.contains(&"naive spheres") && !cornell.contains(&"lights on"), "auto takes all lamps");
+        assert!(
+            !cornell.contains(&"naive spheres") && !cornell.contains(&"lights on"),
+            "auto takes all lamps"
+        );
         let terrain = names("builtin:terrain:2000");
         assert!(terrain.contains(&"streams") && !terrain.contains(&"every primitive tested"), "{terrain:?}");
     }

@@ -167,11 +167,11 @@ impl Timed {
 fn errors(timed: &Timed) -> (Option<f64>, f64) {
     let at = |case: Case| {
         let recipe = recipe(case.recipe).expect("the recipe that the family names");
-        recipe.point(timed.method, case.place, EFFORT).expect("the recipe has every method of the family")
+        let method = recipe.method(timed.method).expect("the recipe has every method of the family");
+        recipe.at(method, case.place, EFFORT)
     };
     let failure = at(timed.family.failure);
-    let p99 = timed.family.error.map(|case| at(case).p99);
-    (p99, failure.failures as f64 / failure.tested as f64)
+    (timed.family.error.and_then(|case| at(case).p99), failure.rate())
 }
 
 impl Kernel {
@@ -179,7 +179,8 @@ impl Kernel {
     /// turns: the fastest of these.
     pub fn dominated_by<'a>(&self, all: &'a [Kernel]) -> Option<&'a Kernel> {
         let better = |other: &&Kernel| {
-            let peer = (other.family, other.lanes) == (self.family, self.lanes) && other.method != self.method;
+            let peer =
+                (other.family, other.lanes) == (self.family, self.lanes) && other.method != self.method;
             let errors = (other.p99.unwrap_or(0.0), other.failures);
             let ours = (self.p99.unwrap_or(0.0), self.failures);
             let as_right = errors.0 <= ours.0 && errors.1 <= ours.1;
@@ -224,7 +225,8 @@ mod tests {
             error_case: None,
             failure_case: case,
         };
-        let all = [of("fast", 1.0, 0.1), of("right", 2.0, 0.0), of("bad", 3.0, 0.1), of("as fast", 1.02, 0.1)];
+        let all =
+            [of("fast", 1.0, 0.1), of("right", 2.0, 0.0), of("bad", 3.0, 0.1), of("as fast", 1.02, 0.1)];
         let by = |number: usize| all[number].dominated_by(&all).map(|other| other.method);
         assert_eq!([by(0), by(1), by(2), by(3)], [None, None, Some("fast"), None]);
     }

@@ -54,7 +54,8 @@ const PICTURES_SHARE: f64 = 0.75;
 /// samples of a frame after half a second at a thousand a second.
 const MOST_TRUTH_SAMPLES: u32 = 16_384;
 /// The configurations that are worth looking at in a window; those of the same bits are one picture at another rate.
-const AT_THE_WINDOW: [&str; 5] = [configurations::DEFAULT, "scalar", "random numbers", "lights off", "lights on"];
+const AT_THE_WINDOW: [&str; 5] =
+    [configurations::DEFAULT, "scalar", "random numbers", "lights off", "lights on"];
 
 /// How one scene is charted.
 #[derive(Clone, Copy, Debug)]

@@ -138,7 +138,7 @@ impl<'a> Run<'a> {
     /// Twice the samples for every seed; or half the target error, from the first sample on.
     fn level(&mut self, truth: &Truth, flip: &Flip, most: u32) {
         let start = Instant::now();
-        let mut level = Level::default();
+        let (mut level, seeds) = (Level::default(), self.films.len() as f64);
         for (seed, (film, seconds)) in (1..).zip(&mut self.films) {
             self.renderer.set_seed(seed);
             if self.configuration.adaptive {
@@ -152,7 +152,7 @@ impl<'a> Run<'a> {
                 *seconds += clock.elapsed().as_secs_f64();
             }
             let picture = film.picture();
-            level.samples += film.mean_samples() / f64::from(self.films.len() as u32);
+            level.samples += film.mean_samples() / seeds;
             level.seconds.push(*seconds);
             level.errors.push(Errors::of(&picture, &truth.small));
             level.flip.push(flip.against(&picture));
@@ -190,7 +190,8 @@ fn lines(runs: &[Run]) -> Vec<Line> {
         let others: Vec<(&str, &Way)> = others.map(|(other, way)| (runs[other].name(), way)).collect();
         let way = &ways[number];
         let point = |(at, level): (usize, &Level)| {
-            let spread = |of: fn(&Errors) -> f64| Spread::of(&level.errors.iter().map(of).collect::<Vec<_>>());
+            let spread =
+                |of: fn(&Errors) -> f64| Spread::of(&level.errors.iter().map(of).collect::<Vec<_>>());
             Point {
                 samples: level.samples,
                 seconds: Spread::of(&level.seconds),
@@ -253,7 +254,9 @@ mod tests {
         assert_eq!(default[0].samples, 1.0);
         assert!(default.len() > 3, "three seconds are many samples");
         for pair in default.windows(2) {
-            assert!(pair[1].samples == 2.0 * pair[0].samples && pair[1].seconds.median > pair[0].seconds.median);
+            assert!(
+                pair[1].samples == 2.0 * pair[0].samples && pair[1].seconds.median > pair[0].seconds.median
+            );
         }
         let (first, last) = (&default[0], &default[default.len() - 1]);
         assert!(last.rmse.median < 0.7 * first.rmse.median && last.flip.median < first.flip.median);

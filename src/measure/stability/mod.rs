@@ -10,13 +10,17 @@
 //! | file | what fails there |
 //! |---|---|
 //! | [`spheres`] | spheres that are far, huge, tiny, touched, left from inside |
+//! | [`triangles`] | edges and vertices of closed meshes, slivers, sizes, grazing rays |
+//! | [`boxes`] | corners, planes of faces, boxes far from the origin |
 //!
 //! To add a recipe: put it into the `RECIPES` of its file. To add a file: name its `RECIPES` in [`recipes`].
 
 pub mod aim;
+pub mod boxes;
 pub mod dice;
 pub mod methods;
 pub mod spheres;
+pub mod triangles;
 
 pub use dice::Dice;
 pub use methods::Method;
@@ -27,7 +31,7 @@ use serde::Serialize;
 
 /// All recipes, in the order in which they are told.
 pub fn recipes() -> impl Iterator<Item = &'static Recipe> {
-    const FILES: &[&[Recipe]] = &[spheres::RECIPES];
+    const FILES: &[&[Recipe]] = &[spheres::RECIPES, triangles::RECIPES, boxes::RECIPES];
     FILES.iter().copied().flatten()
 }
 

@@ -10,13 +10,23 @@
 //! | file | what fails there |
 //! |---|---|
 //! | [`spheres`] | spheres that are far, huge, tiny, touched, left from inside |
+//! | [`meshes`] | edges and vertices of closed meshes |
+//! | [`triangles`] | slivers, sizes, distances, grazing rays |
+//! | [`boxes`] | corners, planes of faces, boxes far from the origin |
+//! | [`leaving`] | triangles that are hit again by what leaves them |
+//! | [`shells`] | the same of spheres; what is close to a surface and lost |
 //!
 //! To add a recipe: put it into the `RECIPES` of its file. To add a file: name its `RECIPES` in [`recipes`].
 
 pub mod aim;
+pub mod boxes;
 pub mod dice;
+pub mod leaving;
+pub mod meshes;
 pub mod methods;
+pub mod shells;
 pub mod spheres;
+pub mod triangles;
 
 pub use dice::Dice;
 pub use methods::Method;
@@ -27,7 +37,14 @@ use serde::Serialize;
 
 /// All recipes, in the order in which they are told.
 pub fn recipes() -> impl Iterator<Item = &'static Recipe> {
-    const FILES: &[&[Recipe]] = &[spheres::RECIPES];
+    const FILES: &[&[Recipe]] = &[
+        spheres::RECIPES,
+        meshes::RECIPES,
+        triangles::RECIPES,
+        boxes::RECIPES,
+        leaving::RECIPES,
+        shells::RECIPES,
+    ];
     FILES.iter().copied().flatten()
 }
 

@@ -17,6 +17,7 @@ use octray::traverse::{Batch, Methods, Primitives, SphereChoice, TraversalChoice
 const LINEAR: Methods = Methods {
     sphere: SphereChoice::Robust,
     triangle: octray::traverse::TriangleChoice::Woop,
+    boxes: octray::traverse::BoxChoice::PaddedFma,
     traversal: TraversalChoice::Linear,
     lights: octray::buffers::LightChoice::Auto,
     sampler: octray::sampling::Sampler::Sobol,

@@ -123,6 +123,7 @@ fn text(chart: &Chart, folder: &Path) -> String {
             let verdict = match line.dominated_by {
                 _ if line.is_broken() => "NOT the default's picture".to_owned(),
                 Some(better) => format!("dominated by {better}"),
+                None if !line.robust => "on the front, but not robust".to_owned(),
                 None => "on the front".to_owned(),
             };
             text += &format!(

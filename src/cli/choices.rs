@@ -7,12 +7,22 @@ use clap::ValueEnum;
 /// How rays meet surfaces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::Args)]
 pub struct MethodArgs {
-    /// How rays meet spheres.
-    #[arg(long, value_enum, value_name = "METHOD", default_value_t)]
-    pub sphere: SphereMethod,
-    /// How rays meet triangles.
-    #[arg(long, value_enum, value_name = "METHOD", default_value_t)]
-    pub triangle: TriangleMethod,
+    /// The equations that hold where others fail; the default, said aloud.
+    #[arg(long, conflicts_with = "fast")]
+    pub robust: bool,
+    /// The fastest equations on the front that `octray chart` measures: in scenes that test every triangle, baldwin-weber, which leaks at edges;
+    /// in others the defaults are the fastest.
+    #[arg(long)]
+    pub fast: bool,
+    /// How rays meet spheres [default: robust].
+    #[arg(long, value_enum, value_name = "METHOD")]
+    pub sphere: Option<SphereMethod>,
+    /// How rays meet triangles [default: woop].
+    #[arg(long, value_enum, value_name = "METHOD")]
+    pub triangle: Option<TriangleMethod>,
+    /// How rays meet boxes, those of a hierarchy and a triangle's own [default: padded-fma].
+    #[arg(long = "box", value_enum, value_name = "METHOD")]
+    pub boxes: Option<BoxMethod>,
     /// How rays find what they meet: it does not change the picture. Of small scenes `needed` tests every primitive; in others it takes
     /// the fastest ways through a hierarchy.
     #[arg(long, value_enum, value_name = "WAY", default_value_t)]
@@ -64,10 +74,9 @@ pub enum TraversalArg {
     Hybrid,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum SphereMethod {
     /// The discriminant from the perpendicular: holds for small, distant and huge spheres.
-    #[default]
     Robust,
     /// The same for directions of any length; a little slower.
     RobustAnyLength,
@@ -75,10 +84,9 @@ pub enum SphereMethod {
     Naive,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum TriangleMethod {
     /// Watertight: no ray slips through between neighbours.
-    #[default]
     Woop,
     /// Woop with fused multiply-add in its edge functions: leaks at edges.
     WoopContracted,
@@ -88,6 +96,14 @@ pub enum TriangleMethod {
     BaldwinWeber,
     /// Tight at edges, leaks at vertices.
     Plucker,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum BoxMethod {
+    /// One multiply-add a plane, padded by what rounding can do: loses no hit.
+    PaddedFma,
+    /// The same without padding: no faster, and loses hits at corners and edges.
+    Fma,
 }
 
 /// What the shading stages are compiled for.

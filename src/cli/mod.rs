@@ -5,7 +5,7 @@
 //! | file | what it does |
 //! |---|---|
 //! | [`args`], [`choices`] | what the user typed: the arguments' names, shapes and help |
-//! | [`options`], [`numbers`], [`limits`] | what we accept: names known, numbers in range |
+//! | [`options`], [`methods`], [`numbers`], [`limits`] | what we accept: names known, numbers in range |
 //! | [`render`], [`convert`], [`inspect`], [`mod@bench`], [`compare`], [`rays`], [`chart`] | the commands |
 //! | [`truths`] | truths that were rendered before, for `chart` |
 //! | [`scenes`] | the scenes of commands that take several |
@@ -32,6 +32,7 @@ pub mod interrupt;
 pub mod limits;
 pub mod machine_check;
 pub mod memory;
+pub mod methods;
 pub mod numbers;
 pub mod options;
 pub mod progress;

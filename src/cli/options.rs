@@ -1,25 +1,19 @@
 //! What we accept: numbers in range, names known, defaults filled in.
 //!
-//! For: one struct a command, made from its raw arguments or refused. May import: `args`, `choices`, `numbers`, `output`, `render`'s and
-//! `traverse`'s choices.
+//! For: one struct a command, made from its raw arguments or refused. May import: `args`, `choices`, `methods`, `numbers`, `output`, `render`'s choices.
 //! Must never know: how a command does its work.
 
 use super::args::{BenchArgs, ChartArgs, CompareArgs, ConvertArgs, InspectArgs, RaysArgs, RenderArgs};
-use super::choices::{
-    LightArg, MethodArgs, PipelineArg, SamplerArg, SphereMethod, ToneArg, TraversalArg, TriangleMethod,
-};
+use super::choices::{PipelineArg, ToneArg};
 use super::error::CliError;
 use super::limits::{Limits, seconds};
+use super::methods::MethodOptions;
 use super::numbers::{bounces, clamp, exposure, lanes, refuse, samples, seed, size, threads, whole};
-use crate::buffers::LightChoice;
 use crate::measure::chart::pictures;
 use crate::measure::chart::truth::SHRINK;
 use crate::measure::ways::Way;
 use crate::output::{Operator, Tone};
 use crate::render::PipelineChoice;
-use crate::sampling::Sampler;
-use crate::traverse::batch::Traversal;
-use crate::traverse::{Methods, SphereChoice, TraversalChoice, TriangleChoice};
 use crate::wording::grouped;
 use std::path::PathBuf;
 use std::time::Duration;
@@ -48,7 +42,7 @@ pub struct BenchOptions {
     /// So many per engine; by time if `None`.
     pub frames: Option<u32>,
     pub seed: u32,
-    pub methods: Methods,
+    pub methods: MethodOptions,
     pub pipeline: PipelineChoice,
 }
 
@@ -62,7 +56,7 @@ pub struct CompareOptions {
     pub bounces: u32,
     pub samples: u32,
     pub seed: u32,
-    pub methods: Methods,
+    pub methods: MethodOptions,
     pub pipeline: PipelineChoice,
 }
 
@@ -85,7 +79,7 @@ pub struct RenderOptions {
     pub clamp: f32,
     /// Was exposure or tone mapping asked for?
     pub tone_asked: bool,
-    pub methods: Methods,
+    pub methods: MethodOptions,
     pub pipeline: PipelineChoice,
     pub json: bool,
     pub stats: bool,
@@ -252,47 +246,6 @@ impl From<ConvertArgs> for ConvertOptions {
 impl From<InspectArgs> for InspectOptions {
     fn from(args: InspectArgs) -> Self {
         Self { scene: args.scene, json: args.json }
-    }
-}
-
-impl From<MethodArgs> for Methods {
-    fn from(args: MethodArgs) -> Self {
-        let sphere = match args.sphere {
-            SphereMethod::Robust => SphereChoice::Robust,
-            SphereMethod::RobustAnyLength => SphereChoice::RobustAnyLength,
-            SphereMethod::Naive => SphereChoice::Naive,
-        };
-        let triangle = match args.triangle {
-            TriangleMethod::Woop => TriangleChoice::Woop,
-            TriangleMethod::WoopContracted => TriangleChoice::WoopContracted,
-            TriangleMethod::MollerTrumbore => TriangleChoice::MollerTrumbore,
-            TriangleMethod::BaldwinWeber => TriangleChoice::BaldwinWeber,
-            TriangleMethod::Plucker => TriangleChoice::Plucker,
-        };
-        let sampler = match args.sampler {
-            SamplerArg::Sobol => Sampler::Sobol,
-            SamplerArg::Random => Sampler::Random,
-        };
-        let lights = match args.lights {
-            LightArg::Auto => LightChoice::Auto,
-            LightArg::On => LightChoice::On,
-            LightArg::Off => LightChoice::Off,
-        };
-        Self { sphere, triangle, traversal: args.traversal.into(), lights, sampler }
-    }
-}
-
-impl From<TraversalArg> for TraversalChoice {
-    fn from(traversal: TraversalArg) -> Self {
-        match traversal {
-            TraversalArg::Needed => Self::Needed,
-            TraversalArg::Linear => Self::Linear,
-            TraversalArg::Scalar => Self::Through(Traversal::Scalar),
-            TraversalArg::Single => Self::Through(Traversal::Single),
-            TraversalArg::Packet => Self::Through(Traversal::Packet),
-            TraversalArg::Stream => Self::Through(Traversal::Stream),
-            TraversalArg::Hybrid => Self::Through(Traversal::Hybrid),
-        }
     }
 }
 

@@ -136,7 +136,7 @@ fn settings(scene: &Scene, options: &RenderOptions) -> Settings {
         resolution: options.size.unwrap_or(scene.resolution),
         max_bounces: options.bounces.unwrap_or(scene.max_bounces),
         seed: options.seed,
-        methods: options.methods,
+        methods: options.methods.of(scene),
         pipeline: options.pipeline,
         lanes: options.lanes,
         threads: options.threads,

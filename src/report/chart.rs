@@ -3,7 +3,7 @@
 //! For: [`drawings`]. May import: `plot`, `measure::chart`. Must never know: files, pages.
 
 use super::plot::{Axis, Figure, Line};
-use crate::measure::chart::kernels::Kernel;
+use crate::measure::chart::kernels::{Case, Kernel};
 use crate::measure::chart::pictures::{Point, Spread};
 use crate::measure::chart::{Chart, SceneChart, configurations::DEFAULT};
 use crate::wording::grouped;
@@ -52,7 +52,7 @@ impl Measure {
 
 /// All of a chart's figures.
 pub fn drawings(chart: &Chart) -> Vec<Drawing> {
-    let mut all = vec![failures(&chart.kernels), errors(&chart.kernels)];
+    let mut all = equations(&chart.kernels);
     for scene in &chart.scenes {
         all.extend(Measure::ALL.map(|measure| pictures(chart, scene, measure)));
         all.push(frames(scene));
@@ -160,63 +160,58 @@ pub fn frames(scene: &SceneChart) -> Drawing {
     Drawing { name: format!("{}-frames", file_name(&scene.scene)), figure }
 }
 
-/// Failures of the equations against what they cost.
-pub fn failures(kernels: &[Kernel]) -> Drawing {
-    let figure = Figure {
-        title: "Equations: what a test costs, and how often it is wrong".into(),
-        notes: cases(kernels, |kernel| Some(kernel.failure_case)),
-        y: Axis { label: "share of the hard cases that fail".into(), log: true },
-        ..of_kernels(kernels, |kernel| Some(kernel.failures))
-    };
-    Drawing { name: "kernels-failures".into(), figure }
+/// What the equations of each family cost, against how often they fail and how far off t is.
+pub fn equations(kernels: &[Kernel]) -> Vec<Drawing> {
+    let families = kernels.chunk_by(|a, b| a.family == b.family).map(|of_family| of_family[0].family);
+    let mut names: Vec<&str> = families.collect();
+    names.sort_unstable();
+    names.dedup();
+    names.iter().flat_map(|family| of_family(family, kernels)).collect()
 }
 
-/// Errors of t against what the equations cost.
-pub fn errors(kernels: &[Kernel]) -> Drawing {
-    let figure = Figure {
-        title: "Equations: what a test costs, and how far off t is".into(),
-        notes: cases(kernels, |kernel| kernel.error_case),
-        y: Axis { label: "error of t, 99th percentile".into(), log: true },
-        ..of_kernels(kernels, |kernel| kernel.p99)
+fn of_family(family: &str, kernels: &[Kernel]) -> Vec<Drawing> {
+    let kernels: Vec<&Kernel> = kernels.iter().filter(|kernel| kernel.family == family).collect();
+    let of = |name, title, case: Case, label: &str, error: &dyn Fn(&Kernel) -> Option<f64>| Drawing {
+        name: format!("kernels-{family}-{name}"),
+        figure: Figure {
+            title: format!("{family} equations: what a test costs, and {title}"),
+            notes: vec![format!(
+                "left end of a line: SIMD, right end: scalar; stability recipe {} at {}",
+                case.recipe,
+                grouped(case.place)
+            )],
+            x: Axis { label: "nanoseconds for one ray and one primitive".into(), log: true },
+            y: Axis { label: label.into(), log: true },
+            lines: widths(&kernels, error),
+            guides: Vec::new(),
+        },
     };
-    Drawing { name: "kernels-errors".into(), figure }
+    let first = kernels[0];
+    let failures = |kernel: &Kernel| Some(kernel.failures);
+    let mut all =
+        vec![of("failures", "how often it is wrong", first.failure_case, "share that fails", &failures)];
+    if let Some(case) = first.error_case {
+        all.push(of("errors", "how far off t is", case, "error of t, 99th percentile", &|kernel| kernel.p99));
+    }
+    all
 }
 
 /// A line a method: from eight lanes to one.
-fn of_kernels(kernels: &[Kernel], error: impl Fn(&Kernel) -> Option<f64>) -> Figure {
+fn widths(kernels: &[&Kernel], error: &dyn Fn(&Kernel) -> Option<f64>) -> Vec<Line> {
     let mut lines: Vec<Line> = Vec::new();
     for kernel in kernels {
         let Some(error) = error(kernel) else { continue };
-        let name = format!("{}: {}", kernel.family, kernel.method);
-        match lines.iter_mut().find(|line| line.name == name) {
+        match lines.iter_mut().find(|line| line.name == kernel.method) {
             Some(line) => line.points.push([kernel.ns, error]),
             None => lines.push(Line {
-                name,
+                name: kernel.method.into(),
                 strong: kernel.default,
                 points: vec![[kernel.ns, error]],
                 ..Line::default()
             }),
         }
     }
-    let x =
-        Axis { label: "nanoseconds for one ray and one primitive (eight lanes, and one)".into(), log: true };
-    Figure { x, lines, ..Figure::default() }
-}
-
-/// Which recipe stands behind each family's numbers.
-fn cases(
-    kernels: &[Kernel],
-    case: impl Fn(&Kernel) -> Option<crate::measure::chart::kernels::Case>,
-) -> Vec<String> {
-    let mut notes = Vec::new();
-    for kernel in kernels {
-        let Some(case) = case(kernel) else { continue };
-        let note = format!("{}: {} at {}", kernel.family, case.recipe, grouped(case.place));
-        if !notes.contains(&note) {
-            notes.push(note);
-        }
-    }
-    vec![format!("left end of a line: SIMD, right end: scalar; recipes: {}", notes.join("; "))]
+    lines
 }
 
 #[cfg(test)]

@@ -139,6 +139,7 @@ fn pictures_table(scene: &SceneChart) -> Markup {
                                     Some(better) => { "dominated by " (better) }
                                     None => "on the front",
                                 }
+                                @if !line.robust { ", by equations that fail where others hold" }
                                 @if line.pictures_unlike_default.is_some_and(|count| count > 0) { ", and NOT the default's bits" }
                             }
                         }
@@ -176,8 +177,7 @@ fn frames_table(scene: &SceneChart) -> Markup {
 fn equations(chart: &Chart) -> Markup {
     html! {
         h2 { "The equations alone" }
-        (figure(&chart::failures(&chart.kernels)))
-        (figure(&chart::errors(&chart.kernels)))
+        @for drawing in chart::equations(&chart.kernels) { (figure(&drawing)) }
         div class="wide" {
             table {
                 tr { th { "equation" } th class="text" { "width" } th { "ns a test" } th { "10 to 90 %" } th { "fails" } th { "error of t, p99" } }

@@ -1,15 +1,8 @@
-//! The choice of equations at run time, made once per batch of rays and not per ray.
+//! What there is to choose between when rays are traced, at run time.
 
 use super::batch::Traversal;
-use super::hierarchy::{Hierarchy, reach_of};
-use super::{Visible, linear};
-use crate::buffers::{Buffers, LightChoice, Needs, store_triangles};
-use crate::bvh::Quality;
-use crate::kernel::ray_box::Reach;
-use crate::kernel::ray_sphere::{self, SphereMethod};
-use crate::kernel::ray_triangle::{self, TriangleMethod};
-use crate::lane::Lane;
-use crate::math::{Hit, Ray};
+use crate::buffers::{LightChoice, Needs};
+use crate::lane::{F32x8, Lane};
 use crate::sampling::Sampler;
 use crate::scene::Scene;
 
@@ -42,11 +35,23 @@ impl TriangleChoice {
         [Self::Woop, Self::WoopContracted, Self::MollerTrumbore, Self::BaldwinWeber, Self::Plucker];
 }
 
+/// Which equation intersects boxes; see [`crate::kernel::ray_box`]. Others than these have no place in a hierarchy: `octray chart` shows them, and
+/// each is slower than the default, or as fast and wrong.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum BoxChoice {
+    #[default]
+    PaddedFma,
+    /// Without padding: no faster, as padding is added once a ray, and hits are lost at corners and edges. Different traversals lose different
+    /// ones.
+    Fma,
+}
+
 /// The equations of a picture, and how it finds what it looks for. The defaults are the ones that hold where others fail.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub struct Methods {
     pub sphere: SphereChoice,
     pub triangle: TriangleChoice,
+    pub boxes: BoxChoice,
     pub traversal: TraversalChoice,
     pub lights: LightChoice,
     pub sampler: Sampler,
@@ -65,6 +70,23 @@ pub enum TraversalChoice {
 }
 
 impl Methods {
+    /// The fastest point of the measured front (`octray chart`): equations that leak at edges and vertices, where they pay. In a
+    /// hierarchy, and among spheres alone, nothing is faster than the defaults.
+    pub fn fast(scene: &Scene) -> Self {
+        let default = Self::default();
+        match default.traversal_of(scene, F32x8::WIDTH) {
+            Some(_) => default,
+            None => Self { triangle: TriangleChoice::BaldwinWeber, ..default },
+        }
+    }
+    /// Does testing boxes lose no hit? Then pictures have the same bits whatever way their rays go.
+    pub fn lose_no_hit(&self) -> bool {
+        self.boxes == BoxChoice::PaddedFma
+    }
+    /// Are these the equations that hold where others fail?
+    pub fn are_robust(&self) -> bool {
+        self.sphere != SphereChoice::Naive && self.triangle == TriangleChoice::Woop && self.lose_no_hit()
+    }
     /// The traversal of a scene's hierarchy at a width of 1 or 8; `None` where every primitive is tested.
     pub fn traversal_of(&self, scene: &Scene, lanes: usize) -> Option<Traversal> {
         if self.sphere != SphereChoice::Robust || self.triangle != TriangleChoice::Woop {
@@ -82,154 +104,5 @@ impl Methods {
     /// at several times their radius, and slivers far off their edges.
     pub fn keep_to_their_primitives(&self) -> bool {
         self.sphere != SphereChoice::Naive && self.triangle == TriangleChoice::Woop
-    }
-}
-
-/// The scene's triangles as the chosen method stores them.
-enum Triangles {
-    Woop(Vec<<ray_triangle::Woop as TriangleMethod>::Stored>),
-    WoopContracted(Vec<<ray_triangle::WoopContracted as TriangleMethod>::Stored>),
-    MollerTrumbore(Vec<<ray_triangle::MollerTrumbore as TriangleMethod>::Stored>),
-    BaldwinWeber(Vec<<ray_triangle::BaldwinWeber as TriangleMethod>::Stored>),
-    Plucker(Vec<<ray_triangle::Plucker as TriangleMethod>::Stored>),
-}
-
-/// A scene's primitives ready for intersection by the chosen methods.
-pub struct Primitives {
-    sphere: SphereChoice,
-    triangles: Triangles,
-    reach: Reach,
-    /// The way through a hierarchy, where there is one; then the other fields hold nothing.
-    hierarchy: Option<(Hierarchy, Traversal)>,
-}
-
-/// Something to do with many rays once the methods are known. The closure that it would be cannot be generic.
-pub trait Batch<L: Lane> {
-    /// Calls `closest` for each ray of the batch.
-    fn run(self, closest: impl Fn(&Ray<L>) -> Hit<L>);
-}
-
-impl Primitives {
-    /// For packets of `lanes` rays: with a hierarchy where [`Methods::traversal_of`] says so.
-    pub fn new(scene: &Scene, methods: Methods, lanes: usize) -> Self {
-        if let Some(traversal) = methods.traversal_of(scene, lanes) {
-            let hierarchy = Some((Hierarchy::new(scene, Quality::default()), traversal));
-            let triangles = Triangles::Woop(Vec::new());
-            return Self { sphere: methods.sphere, triangles, reach: Reach::default(), hierarchy };
-        }
-        let triangles = match methods.triangle {
-            TriangleChoice::Woop => Triangles::Woop(store_triangles::<ray_triangle::Woop>(scene)),
-            TriangleChoice::WoopContracted => {
-                Triangles::WoopContracted(store_triangles::<ray_triangle::WoopContracted>(scene))
-            }
-            TriangleChoice::MollerTrumbore => {
-                Triangles::MollerTrumbore(store_triangles::<ray_triangle::MollerTrumbore>(scene))
-            }
-            TriangleChoice::BaldwinWeber => {
-                Triangles::BaldwinWeber(store_triangles::<ray_triangle::BaldwinWeber>(scene))
-            }
-            TriangleChoice::Plucker => Triangles::Plucker(store_triangles::<ray_triangle::Plucker>(scene)),
-        };
-        Self { sphere: methods.sphere, triangles, reach: reach_of(scene), hierarchy: None }
-    }
-
-    /// The hierarchy and the way through it, where there is one: then batches go to [`super::batch::Tracer`].
-    #[inline(always)]
-    pub fn hierarchy(&self) -> Option<(&Hierarchy, Traversal)> {
-        self.hierarchy.as_ref().map(|(hierarchy, traversal)| (hierarchy, *traversal))
-    }
-
-    /// How many spheres and triangles [`Primitives::for_batch`] tests each ray against.
-    pub fn linear(&self, buffers: &Buffers, visible: Option<&Visible>) -> [usize; 2] {
-        if let Some(visible) = visible {
-            return [visible.spheres.len(), visible.triangles.len()];
-        }
-        let triangles = match &self.triangles {
-            Triangles::Woop(stored) => stored.len(),
-            Triangles::WoopContracted(stored) => stored.len(),
-            Triangles::MollerTrumbore(stored) => stored.len(),
-            Triangles::BaldwinWeber(stored) => stored.len(),
-            Triangles::Plucker(stored) => stored.len(),
-        };
-        [buffers.spheres.len(), triangles]
-    }
-
-    /// Are these the default equations? Only they are compiled into pipelines.
-    #[inline(always)]
-    pub fn meets_by_default(&self) -> bool {
-        self.sphere == SphereChoice::default() && matches!(self.triangles, Triangles::Woop(_))
-    }
-
-    /// Runs a batch of rays, every primitive tested, with the chosen methods, each compiled for itself; only without a hierarchy.
-    /// `visible` holds all that the rays can meet; without it, everything is tested.
-    #[inline(always)]
-    pub fn for_batch<L: Lane>(&self, buffers: &Buffers, visible: Option<&Visible>, batch: impl Batch<L>) {
-        match self.sphere {
-            SphereChoice::Robust => self.with_sphere::<L, ray_sphere::Robust>(buffers, visible, batch),
-            SphereChoice::RobustAnyLength => {
-                self.with_sphere::<L, ray_sphere::RobustAnyLength>(buffers, visible, batch)
-            }
-            SphereChoice::Naive => self.with_sphere::<L, ray_sphere::Naive>(buffers, visible, batch),
-        }
-    }
-
-    /// [`Primitives::for_batch`] with the default equations alone: a fifteenth of its code.
-    ///
-    /// # Panics
-    /// If other triangle equations were chosen: not [`Primitives::meets_by_default`].
-    #[inline(always)]
-    pub fn for_default_batch<L: Lane>(
-        &self,
-        buffers: &Buffers,
-        visible: Option<&Visible>,
-        batch: impl Batch<L>,
-    ) {
-        let Triangles::Woop(stored) = &self.triangles else {
-            unreachable!("other equations than the default ones go another way");
-        };
-        with_both::<L, ray_sphere::Robust, ray_triangle::Woop>(buffers, stored, self.reach, visible, batch);
-    }
-
-    #[inline(always)]
-    fn with_sphere<L: Lane, S: SphereMethod>(
-        &self,
-        buffers: &Buffers,
-        visible: Option<&Visible>,
-        batch: impl Batch<L>,
-    ) {
-        match &self.triangles {
-            Triangles::Woop(stored) => {
-                with_both::<L, S, ray_triangle::Woop>(buffers, stored, self.reach, visible, batch)
-            }
-            Triangles::WoopContracted(stored) => {
-                with_both::<L, S, ray_triangle::WoopContracted>(buffers, stored, self.reach, visible, batch)
-            }
-            Triangles::MollerTrumbore(stored) => {
-                with_both::<L, S, ray_triangle::MollerTrumbore>(buffers, stored, self.reach, visible, batch)
-            }
-            Triangles::BaldwinWeber(stored) => {
-                with_both::<L, S, ray_triangle::BaldwinWeber>(buffers, stored, self.reach, visible, batch)
-            }
-            Triangles::Plucker(stored) => {
-                with_both::<L, S, ray_triangle::Plucker>(buffers, stored, self.reach, visible, batch)
-            }
-        }
-    }
-}
-
-#[inline(always)]
-fn with_both<L: Lane, S: SphereMethod, T: TriangleMethod>(
-    buffers: &Buffers,
-    triangles: &[T::Stored],
-    reach: Reach,
-    visible: Option<&Visible>,
-    batch: impl Batch<L>,
-) {
-    let spheres = &buffers.spheres;
-    match visible {
-        Some(visible) => {
-            batch.run(|ray| linear::closest_visible::<L, S, T>(spheres, triangles, reach, visible, ray));
-        }
-        None => batch.run(|ray| linear::closest::<L, S, T>(spheres, triangles, reach, ray)),
     }
 }

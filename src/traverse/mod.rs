@@ -22,6 +22,7 @@ pub mod frustum;
 pub mod hierarchy;
 pub mod linear;
 mod methods;
+mod primitives;
 pub mod rays;
 pub mod scalar;
 pub mod single;
@@ -30,5 +31,6 @@ pub mod tally;
 pub mod tile;
 mod visible;
 
-pub use methods::{Batch, Methods, Primitives, SphereChoice, TraversalChoice, TriangleChoice};
+pub use methods::{BoxChoice, Methods, SphereChoice, TraversalChoice, TriangleChoice};
+pub use primitives::{Batch, Primitives};
 pub use visible::Visible;

@@ -42,7 +42,12 @@ pub struct Reach {
     extent: f32,
     /// [`OF_ORIGIN`] where there are spheres, else 0.
     spheres: f32,
+    /// How much of all that a ray's boxes are padded by: [`PADDING`], or nothing.
+    padding: f32,
 }
+
+/// Eight roundings: 2⁻²¹.
+const PADDING: f32 = 1.0 / 2_097_152.0;
 
 /// Spheres may seem to be hit up to r 2⁻¹⁶ + D 2⁻¹⁹ outside, D the distance of ray origin and centre: 32 ε D, and something for directions
 /// that are not of unit length. With D ≤ |o| + |c| the parts of r and c widen the sphere's own box ([`room_of_sphere`]), |o| all boxes.
@@ -72,11 +77,15 @@ pub fn room_of_sphere(center: glam::Vec3, radius: f32) -> f32 {
 impl Reach {
     /// Of a scene whose boxes have no coordinate beyond this.
     pub const fn new(extent: f32) -> Self {
-        Self { extent, spheres: 0.0 }
+        Self { extent, spheres: 0.0, padding: PADDING }
     }
     /// Makes room for the hits of spheres.
     pub const fn with_spheres(self) -> Self {
         Self { spheres: OF_ORIGIN, ..self }
+    }
+    /// Loses hits: to see what padding is for.
+    pub const fn without_padding(self) -> Self {
+        Self { padding: 0.0, ..self }
     }
     /// All that padding is measured against for a ray from here, without |o| itself: in units of 2²¹.
     #[inline(always)]

@@ -23,11 +23,11 @@ impl<L: Lane> Slabs<L> {
         let d = ray.direction;
         // A sum and not the largest, so that a NaN in one component is in all planes: such a ray passes no box.
         let least = (d.x.abs() + d.y.abs() + d.z.abs()) * L::splat(f32::powi(0.5, 60));
-        let room = reach.room(ray.origin);
+        let (room, share) = (reach.room(ray.origin), L::splat(reach.padding));
         let axis = |origin: L, direction: L| {
             let inverse = L::one() / direction.abs().max(least).copysign(direction);
             let middle = -(origin * inverse);
-            let padding = (origin.abs() + room) * inverse.abs() * L::splat(f32::powi(0.5, 21));
+            let padding = (origin.abs() + room) * inverse.abs() * share;
             (inverse, middle - padding, middle + padding)
         };
         let (x, y, z) = (axis(ray.origin.x, d.x), axis(ray.origin.y, d.y), axis(ray.origin.z, d.z));

@@ -9,7 +9,7 @@ use crate::render::{PipelineChoice, Renderer, Settings};
 use crate::sampling::Sampler;
 use crate::scene::Scene;
 use crate::traverse::batch::Traversal;
-use crate::traverse::{Methods, SphereChoice, TraversalChoice, TriangleChoice};
+use crate::traverse::{BoxChoice, Methods, SphereChoice, TraversalChoice, TriangleChoice};
 
 /// One way to render.
 #[derive(Clone, Debug, PartialEq)]
@@ -21,6 +21,8 @@ pub struct Configuration {
     pub adaptive: bool,
     /// Does it promise the very bits of the default, only faster or slower?
     pub same_bits: bool,
+    /// Do its equations hold where others fail? A picture's error hardly shows it, so what is faster without it is not called better.
+    pub robust: bool,
 }
 
 /// The name of what everything else is compared with.
@@ -31,7 +33,10 @@ const MOST_LINEAR: usize = 4_000;
 
 /// The configurations that can differ on this scene, the default first. `settings` are the default's.
 pub fn of_scene(scene: &Scene, settings: Settings) -> Vec<Configuration> {
-    let of = |name, settings, same_bits| Configuration { name, settings, adaptive: false, same_bits };
+    let of = |name, settings: Settings, same_bits| {
+        let robust = settings.methods.are_robust();
+        Configuration { name, settings, adaptive: false, same_bits, robust }
+    };
     let with = |name, same_bits, change: &dyn Fn(&mut Methods)| {
         let mut methods = settings.methods;
         change(&mut methods);
@@ -52,7 +57,7 @@ pub fn of_scene(scene: &Scene, settings: Settings) -> Vec<Configuration> {
         let one = with(name, false, &|methods| methods.lights = lights);
         add(differs(scene, &renderer, one.settings), one);
     }
-    add(true, Configuration { name: "adaptive", settings, adaptive: true, same_bits: false });
+    add(true, Configuration { adaptive: true, ..of("adaptive", settings, false) });
 
     let hierarchy = settings.methods.traversal_of(scene, settings.lanes).is_some();
     let linear = Needs::linear_cost(scene) <= MOST_LINEAR;
@@ -66,6 +71,7 @@ pub fn of_scene(scene: &Scene, settings: Settings) -> Vec<Configuration> {
     }
 
     let equations = linear && !hierarchy;
+    add(hierarchy, with("boxes without padding", false, &|methods| methods.boxes = BoxChoice::Fma));
     let sphere = |sphere| with("naive spheres", false, &|methods: &mut Methods| methods.sphere = sphere);
     add(equations && !scene.spheres.is_empty(), sphere(SphereChoice::Naive));
     for (name, triangle) in [

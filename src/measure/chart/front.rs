@@ -45,13 +45,20 @@ impl Way {
         10 * seeds.filter(|pair| better(*pair)).count() >= 9 * self.seeds.len()
     }
 
-    /// If at every level some of the others beats this one: the one that does so at the last level, and by most.
+    /// If at every level some of the others beats this one: the first that does so at all of them, or else at the last and by most.
     pub fn dominated_by<'a>(&self, others: &[(&'a str, &Way)]) -> Option<&'a str> {
+        let levels = 0..self.medians.len();
+        let everywhere = |(_, other): &&(&str, &Way)| levels.clone().all(|level| other.beats(self, level));
+        if let Some((name, _)) = others.iter().find(everywhere) {
+            return Some(name);
+        }
+        let somewhere = |level| others.iter().any(|(_, other)| other.beats(self, level));
+        if !levels.clone().all(somewhere) {
+            return None;
+        }
         let last = self.medians.len() - 1;
-        let beaten = (0..=last).all(|level| others.iter().any(|(_, other)| other.beats(self, level)));
-        let time = self.medians[last][0];
-        let error = |other: &Way| error_at(&other.medians, time).unwrap_or(f64::INFINITY);
-        let at_last = others.iter().filter(|(_, other)| beaten && other.beats(self, last));
+        let error = |other: &Way| error_at(&other.medians, self.medians[last][0]).unwrap_or(f64::INFINITY);
+        let at_last = others.iter().filter(|(_, other)| other.beats(self, last));
         at_last.min_by(|a, b| error(a.1).total_cmp(&error(b.1))).map(|(name, _)| *name)
     }
 

@@ -52,7 +52,7 @@ pub struct Point {
     pub relmse_trimmed: Spread,
     /// Mean FLIP of the displayed picture.
     pub flip: Spread,
-    /// Does no other configuration have a smaller error in as much time, by the medians of `rmse`?
+    /// Does no other robust configuration have a smaller error in as much time, by the medians of `rmse`?
     pub on_front: bool,
 }
 
@@ -61,6 +61,8 @@ pub struct Point {
 pub struct Line {
     pub configuration: &'static str,
     pub points: Vec<Point>,
+    /// Do its equations hold where others fail? One that does not is compared with all, and none is called worse than it.
+    pub robust: bool,
     /// Pictures that differ from the default's with the same seed and samples, where they should not; `None` where they may.
     pub pictures_unlike_default: Option<usize>,
     /// How many times as long as the default it takes to the same error (root mean square), by the means of the squares over all seeds
@@ -186,7 +188,8 @@ fn lines(runs: &[Run]) -> Vec<Line> {
     let ways: Vec<Way> = runs.iter().map(Run::way).collect();
     let default = &runs[0];
     let line = |(number, run): (usize, &Run)| {
-        let others = ways.iter().enumerate().filter(|(other, _)| *other != number);
+        let others = ways.iter().enumerate();
+        let others = others.filter(|(other, _)| *other != number && runs[*other].configuration.robust);
         let others: Vec<(&str, &Way)> = others.map(|(other, way)| (runs[other].name(), way)).collect();
         let way = &ways[number];
         let point = |(at, level): (usize, &Level)| {
@@ -208,6 +211,7 @@ fn lines(runs: &[Run]) -> Vec<Line> {
         };
         Line {
             configuration: run.name(),
+            robust: run.configuration.robust,
             points: run.levels.iter().enumerate().map(point).collect(),
             pictures_unlike_default: run.configuration.same_bits.then(unlike),
             time_to_equal_error: way.time_to_last_error_over(&ways[0]),

@@ -1,0 +1,178 @@
+//! A scene's primitives, ready for the chosen equations: the choice is made once per batch of rays and not per ray.
+
+use super::batch::Traversal;
+use super::hierarchy::{Hierarchy, reach_of};
+use super::methods::{BoxChoice, Methods, SphereChoice, TriangleChoice};
+use super::{Visible, linear};
+use crate::buffers::{Buffers, store_triangles};
+use crate::bvh::Quality;
+use crate::kernel::ray_box::Reach;
+use crate::kernel::ray_sphere::{self, SphereMethod};
+use crate::kernel::ray_triangle::{self, TriangleMethod};
+use crate::lane::Lane;
+use crate::math::{Hit, Ray};
+use crate::scene::Scene;
+
+/// The scene's triangles as the chosen method stores them.
+enum Triangles {
+    Woop(Vec<<ray_triangle::Woop as TriangleMethod>::Stored>),
+    WoopContracted(Vec<<ray_triangle::WoopContracted as TriangleMethod>::Stored>),
+    MollerTrumbore(Vec<<ray_triangle::MollerTrumbore as TriangleMethod>::Stored>),
+    BaldwinWeber(Vec<<ray_triangle::BaldwinWeber as TriangleMethod>::Stored>),
+    Plucker(Vec<<ray_triangle::Plucker as TriangleMethod>::Stored>),
+}
+
+/// A scene's primitives ready for intersection by the chosen methods.
+pub struct Primitives {
+    sphere: SphereChoice,
+    triangles: Triangles,
+    reach: Reach,
+    /// The way through a hierarchy, where there is one; then the other fields hold nothing.
+    hierarchy: Option<(Hierarchy, Traversal)>,
+}
+
+/// Something to do with many rays once the methods are known. The closure that it would be cannot be generic.
+pub trait Batch<L: Lane> {
+    /// Calls `closest` for each ray of the batch.
+    fn run(self, closest: impl Fn(&Ray<L>) -> Hit<L>);
+}
+
+impl Primitives {
+    /// For packets of `lanes` rays: with a hierarchy where [`Methods::traversal_of`] says so.
+    pub fn new(scene: &Scene, methods: Methods, lanes: usize) -> Self {
+        if let Some(traversal) = methods.traversal_of(scene, lanes) {
+            let mut hierarchy = Hierarchy::new(scene, Quality::default());
+            hierarchy.reach = padded(hierarchy.reach, methods.boxes);
+            let (triangles, reach) = (Triangles::Woop(Vec::new()), Reach::default());
+            return Self {
+                sphere: methods.sphere,
+                triangles,
+                reach,
+                hierarchy: Some((hierarchy, traversal)),
+            };
+        }
+        let triangles = match methods.triangle {
+            TriangleChoice::Woop => Triangles::Woop(store_triangles::<ray_triangle::Woop>(scene)),
+            TriangleChoice::WoopContracted => {
+                Triangles::WoopContracted(store_triangles::<ray_triangle::WoopContracted>(scene))
+            }
+            TriangleChoice::MollerTrumbore => {
+                Triangles::MollerTrumbore(store_triangles::<ray_triangle::MollerTrumbore>(scene))
+            }
+            TriangleChoice::BaldwinWeber => {
+                Triangles::BaldwinWeber(store_triangles::<ray_triangle::BaldwinWeber>(scene))
+            }
+            TriangleChoice::Plucker => Triangles::Plucker(store_triangles::<ray_triangle::Plucker>(scene)),
+        };
+        let reach = padded(reach_of(scene), methods.boxes);
+        Self { sphere: methods.sphere, triangles, reach, hierarchy: None }
+    }
+
+    /// The hierarchy and the way through it, where there is one: then batches go to [`super::batch::Tracer`].
+    #[inline(always)]
+    pub fn hierarchy(&self) -> Option<(&Hierarchy, Traversal)> {
+        self.hierarchy.as_ref().map(|(hierarchy, traversal)| (hierarchy, *traversal))
+    }
+
+    /// How many spheres and triangles [`Primitives::for_batch`] tests each ray against.
+    pub fn linear(&self, buffers: &Buffers, visible: Option<&Visible>) -> [usize; 2] {
+        if let Some(visible) = visible {
+            return [visible.spheres.len(), visible.triangles.len()];
+        }
+        let triangles = match &self.triangles {
+            Triangles::Woop(stored) => stored.len(),
+            Triangles::WoopContracted(stored) => stored.len(),
+            Triangles::MollerTrumbore(stored) => stored.len(),
+            Triangles::BaldwinWeber(stored) => stored.len(),
+            Triangles::Plucker(stored) => stored.len(),
+        };
+        [buffers.spheres.len(), triangles]
+    }
+
+    /// Are these the default equations? Only they are compiled into pipelines.
+    #[inline(always)]
+    pub fn meets_by_default(&self) -> bool {
+        self.sphere == SphereChoice::default() && matches!(self.triangles, Triangles::Woop(_))
+    }
+
+    /// Runs a batch of rays, every primitive tested, with the chosen methods, each compiled for itself; only without a hierarchy.
+    /// `visible` holds all that the rays can meet; without it, everything is tested.
+    #[inline(always)]
+    pub fn for_batch<L: Lane>(&self, buffers: &Buffers, visible: Option<&Visible>, batch: impl Batch<L>) {
+        match self.sphere {
+            SphereChoice::Robust => self.with_sphere::<L, ray_sphere::Robust>(buffers, visible, batch),
+            SphereChoice::RobustAnyLength => {
+                self.with_sphere::<L, ray_sphere::RobustAnyLength>(buffers, visible, batch)
+            }
+            SphereChoice::Naive => self.with_sphere::<L, ray_sphere::Naive>(buffers, visible, batch),
+        }
+    }
+
+    /// [`Primitives::for_batch`] with the default equations alone: a fifteenth of its code.
+    ///
+    /// # Panics
+    /// If other triangle equations were chosen: not [`Primitives::meets_by_default`].
+    #[inline(always)]
+    pub fn for_default_batch<L: Lane>(
+        &self,
+        buffers: &Buffers,
+        visible: Option<&Visible>,
+        batch: impl Batch<L>,
+    ) {
+        let Triangles::Woop(stored) = &self.triangles else {
+            unreachable!("other equations than the default ones go another way");
+        };
+        with_both::<L, ray_sphere::Robust, ray_triangle::Woop>(buffers, stored, self.reach, visible, batch);
+    }
+
+    #[inline(always)]
+    fn with_sphere<L: Lane, S: SphereMethod>(
+        &self,
+        buffers: &Buffers,
+        visible: Option<&Visible>,
+        batch: impl Batch<L>,
+    ) {
+        match &self.triangles {
+            Triangles::Woop(stored) => {
+                with_both::<L, S, ray_triangle::Woop>(buffers, stored, self.reach, visible, batch)
+            }
+            Triangles::WoopContracted(stored) => {
+                with_both::<L, S, ray_triangle::WoopContracted>(buffers, stored, self.reach, visible, batch)
+            }
+            Triangles::MollerTrumbore(stored) => {
+                with_both::<L, S, ray_triangle::MollerTrumbore>(buffers, stored, self.reach, visible, batch)
+            }
+            Triangles::BaldwinWeber(stored) => {
+                with_both::<L, S, ray_triangle::BaldwinWeber>(buffers, stored, self.reach, visible, batch)
+            }
+            Triangles::Plucker(stored) => {
+                with_both::<L, S, ray_triangle::Plucker>(buffers, stored, self.reach, visible, batch)
+            }
+        }
+    }
+}
+
+/// How far boxes reach, given how they are met.
+fn padded(reach: Reach, boxes: BoxChoice) -> Reach {
+    match boxes {
+        BoxChoice::PaddedFma => reach,
+        BoxChoice::Fma => reach.without_padding(),
+    }
+}
+
+#[inline(always)]
+fn with_both<L: Lane, S: SphereMethod, T: TriangleMethod>(
+    buffers: &Buffers,
+    triangles: &[T::Stored],
+    reach: Reach,
+    visible: Option<&Visible>,
+    batch: impl Batch<L>,
+) {
+    let spheres = &buffers.spheres;
+    match visible {
+        Some(visible) => {
+            batch.run(|ray| linear::closest_visible::<L, S, T>(spheres, triangles, reach, visible, ray));
+        }
+        None => batch.run(|ray| linear::closest::<L, S, T>(spheres, triangles, reach, ray)),
+    }
+}

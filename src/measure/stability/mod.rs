@@ -10,13 +10,27 @@
 //! | file | what fails there |
 //! |---|---|
 //! | [`spheres`] | spheres that are far, huge, tiny, touched, left from inside |
+//! | [`textures`] | poles and seam of a sphere, coordinates far from the first repeat |
+//! | [`scattering`] | directions that cancel, normals for shading |
+//! | [`lamps`] | lamps that are small, near, around, seen edge-on |
+//! | [`numbers`] | the largest random numbers, long and large sums, what is no number |
+//! | [`mirrors`] | thousands of reflections |
+//! | [`cameras`] | fields of view near 0° and 180°, cameras inside of things |
+//! | [`scenes`] | all sizes in one scene, surfaces that coincide |
 //!
 //! To add a recipe: put it into the `RECIPES` of its file. To add a file: name its `RECIPES` in [`recipes`].
 
 pub mod aim;
+pub mod cameras;
 pub mod dice;
+pub mod lamps;
 pub mod methods;
+pub mod mirrors;
+pub mod numbers;
+pub mod scattering;
+pub mod scenes;
 pub mod spheres;
+pub mod textures;
 
 pub use dice::Dice;
 pub use methods::Method;
@@ -27,7 +41,16 @@ use serde::Serialize;
 
 /// All recipes, in the order in which they are told.
 pub fn recipes() -> impl Iterator<Item = &'static Recipe> {
-    const FILES: &[&[Recipe]] = &[spheres::RECIPES];
+    const FILES: &[&[Recipe]] = &[
+        spheres::RECIPES,
+        textures::RECIPES,
+        scattering::RECIPES,
+        lamps::RECIPES,
+        numbers::RECIPES,
+        mirrors::RECIPES,
+        cameras::RECIPES,
+        scenes::RECIPES,
+    ];
     FILES.iter().copied().flatten()
 }
 

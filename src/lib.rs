@@ -48,6 +48,7 @@
 //! | [`film`], [`adaptive`] | sums; when a block of pixels has had samples enough |
 //! | [`render`], [`output`] | tiles and threads; tone mapping and encoders |
 //! | [`measure`] | figures: speed, parity, the machine they come from |
+//! | [`report`] | figures as people read them: drawn, tabled, on a page |
 //! | [`cli`] | raw arguments, validated options, commands |
 //!
 //! `tests/architecture.rs` recovers this order from the source and fails when an arrow turns.
@@ -77,6 +78,7 @@ pub mod measure;
 pub mod output;
 pub mod reference;
 pub mod render;
+pub mod report;
 pub mod sampling;
 pub mod scene;
 pub mod threads;

@@ -27,6 +27,7 @@ const ORDER: &[&str] = &[
     "render",
     "output",
     "measure",
+    "report",
     "viewer",
     "cli",
 ];

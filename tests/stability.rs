@@ -13,3 +13,25 @@ fn default_methods_keep_their_bounds_in_every_recipe() {
         }
     }
 }
+
+#[test]
+fn show() {
+    for recipe in recipes() {
+        let start = std::time::Instant::now();
+        let outcome = recipe.run(Effort(0.25));
+        println!("{} {:.2?} {}", outcome.recipe, start.elapsed(), if outcome.holds() { "" } else { "FAILS" });
+        for curve in &outcome.curves {
+            print!("  {:24}", curve.method);
+            for p in &curve.points {
+                print!(
+                    " | {:.0e}: {:.4}% {:.1e}{}",
+                    p.x,
+                    100.0 * p.rate(),
+                    p.p99.unwrap_or(f64::NAN),
+                    if p.holds() { "" } else { " FAILS" }
+                );
+            }
+            println!();
+        }
+    }
+}

@@ -1,4 +1,4 @@
-//! Rays against a triangle, by four methods side by side. Both sides count.
+//! Rays against a triangle, by several methods side by side. Both sides count.
 
 mod baldwin_weber;
 mod moller_trumbore;
@@ -6,7 +6,7 @@ mod plucker;
 mod woop;
 
 pub use baldwin_weber::{AffineMap, BaldwinWeber};
-pub use moller_trumbore::{Edges, MollerTrumbore};
+pub use moller_trumbore::{Edges, MollerTrumbore, MollerTrumboreEpsilon};
 pub use plucker::Plucker;
 pub use woop::{EightTriangles, Woop, WoopContracted, WoopRay, WoopTriangle};
 

@@ -33,19 +33,49 @@ impl TriangleMethod for MollerTrumbore {
     }
     #[inline(always)]
     fn test<L: Lane>(ray: &Ray<L>, triangle: &Edges, limit: L) -> TriangleHit<L> {
-        let (ab, ac) = (Vec3::splat(triangle.ab), Vec3::splat(triangle.ac));
-        let p = ray.direction.cross(ac);
-        let inverse = L::one() / ab.dot(p);
-        let from_a = ray.origin - Vec3::splat(triangle.a);
-        let u = from_a.dot(p) * inverse;
-        let inside = L::zero().le(u) & u.le(L::one());
-        if !inside.any() {
-            return TriangleHit::none(limit);
-        }
-        let q = from_a.cross(ab);
-        let v = ray.direction.dot(q) * inverse;
-        let t = ac.dot(q) * inverse;
-        let mask = inside & L::zero().le(v) & (u + v).le(L::one()) & L::zero().lt(t) & t.lt(limit);
-        TriangleHit { mask, t, u, v }
+        cramer(ray, triangle, limit, |_| L::Mask::splat(true))
     }
+}
+
+/// [`MollerTrumbore`] as it is often copied: determinants between −1e-6 and 1e-6 count as parallel. It is here to be charted.
+///
+/// Error: as without; and triangles with edges below some 1e-3 are not there, because the determinant is an area, and no angle.
+/// Source: the same paper, whose listing has an epsilon of 1e-6.
+pub struct MollerTrumboreEpsilon;
+
+impl TriangleMethod for MollerTrumboreEpsilon {
+    type Stored = Edges;
+    type Prepared<L: Lane> = Ray<L>;
+
+    fn store(vertices: [glam::Vec3; 3]) -> Edges {
+        MollerTrumbore::store(vertices)
+    }
+    #[inline(always)]
+    fn prepare<L: Lane>(ray: &Ray<L>) -> Ray<L> {
+        *ray
+    }
+    #[inline(always)]
+    fn test<L: Lane>(ray: &Ray<L>, triangle: &Edges, limit: L) -> TriangleHit<L> {
+        cramer(ray, triangle, limit, |determinant| L::splat(1e-6).le(determinant.abs()))
+    }
+}
+
+/// The test, given which determinants it takes.
+#[inline(always)]
+fn cramer<L: Lane>(ray: &Ray<L>, triangle: &Edges, limit: L, takes: impl Fn(L) -> L::Mask) -> TriangleHit<L> {
+    let (ab, ac) = (Vec3::splat(triangle.ab), Vec3::splat(triangle.ac));
+    let p = ray.direction.cross(ac);
+    let determinant = ab.dot(p);
+    let inverse = L::one() / determinant;
+    let from_a = ray.origin - Vec3::splat(triangle.a);
+    let u = from_a.dot(p) * inverse;
+    let inside = takes(determinant) & L::zero().le(u) & u.le(L::one());
+    if !inside.any() {
+        return TriangleHit::none(limit);
+    }
+    let q = from_a.cross(ab);
+    let v = ray.direction.dot(q) * inverse;
+    let t = ac.dot(q) * inverse;
+    let mask = inside & L::zero().le(v) & (u + v).le(L::one()) & L::zero().lt(t) & t.lt(limit);
+    TriangleHit { mask, t, u, v }
 }

@@ -161,13 +161,7 @@ fn inside(dice: &mut Dice, from_wall: f64, cases: usize, look: fn(&Scene) -> Vec
         let mut scene = empty();
         let towards = if number % 2 == 0 {
             let (center, radius) = (center.as_vec3(), size as f32);
-            scene.spheres.push(Sphere {
-                center,
-                radius,
-                material: 0,
-                turn: 0.0,
-                picture_from: Side::Outside,
-            });
+            scene.spheres.push(sphere(center, radius));
             dice.direction()
         } else {
             put_box(&mut scene, dice, center, size)[dice.index(3)]

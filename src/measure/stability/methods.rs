@@ -30,6 +30,24 @@ macro_rules! sphere_methods {
     };
 }
 
+/// The same for every [`TriangleMethod`](crate::kernel::ray_triangle::TriangleMethod).
+macro_rules! triangle_methods {
+    ($run:ident) => {
+        $crate::measure::stability::methods::list!($run, ray_triangle;
+            default "woop" Woop, other "woop-contracted" WoopContracted, other "moller-trumbore" MollerTrumbore,
+            other "moller-trumbore-epsilon" MollerTrumboreEpsilon, other "baldwin-weber" BaldwinWeber, other "plucker" Plucker)
+    };
+}
+
+/// The same for every [`BoxMethod`](crate::kernel::ray_box::BoxMethod).
+macro_rules! box_methods {
+    ($run:ident) => {
+        $crate::measure::stability::methods::list!($run, ray_box;
+            default "padded-fma" Padded, other "by-sign" BySign, other "by-sign-2-ulp" BySignWidened, other "fma" Contracted,
+            other "x86-min-max" X86MinMax, other "ieee-min-max" IeeeMinMax)
+    };
+}
+
 /// Rows of `default|other "name" Type`, types in a module of `kernel`.
 macro_rules! list {
     ($run:ident, $family:ident; $($role:ident $name:literal $method:ident),+) => {
@@ -37,4 +55,4 @@ macro_rules! list {
     };
 }
 
-pub(crate) use {list, sphere_methods};
+pub(crate) use {box_methods, list, sphere_methods, triangle_methods};

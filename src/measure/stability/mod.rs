@@ -10,6 +10,11 @@
 //! | file | what fails there |
 //! |---|---|
 //! | [`spheres`] | spheres that are far, huge, tiny, touched, left from inside |
+//! | [`meshes`] | edges and vertices of closed meshes |
+//! | [`triangles`] | slivers, sizes, distances, grazing rays |
+//! | [`boxes`] | corners, planes of faces, boxes far from the origin |
+//! | [`leaving`] | triangles that are hit again by what leaves them |
+//! | [`shells`] | the same of spheres; what is close to a surface and lost |
 //! | [`textures`] | poles and seam of a sphere, coordinates far from the first repeat |
 //! | [`scattering`] | directions that cancel, normals for shading |
 //! | [`lamps`] | lamps that are small, near, around, seen edge-on |
@@ -21,16 +26,21 @@
 //! To add a recipe: put it into the `RECIPES` of its file. To add a file: name its `RECIPES` in [`recipes`].
 
 pub mod aim;
+pub mod boxes;
 pub mod cameras;
 pub mod dice;
 pub mod lamps;
+pub mod leaving;
+pub mod meshes;
 pub mod methods;
 pub mod mirrors;
 pub mod numbers;
 pub mod scattering;
 pub mod scenes;
+pub mod shells;
 pub mod spheres;
 pub mod textures;
+pub mod triangles;
 
 pub use dice::Dice;
 pub use methods::Method;
@@ -43,6 +53,11 @@ use serde::Serialize;
 pub fn recipes() -> impl Iterator<Item = &'static Recipe> {
     const FILES: &[&[Recipe]] = &[
         spheres::RECIPES,
+        meshes::RECIPES,
+        triangles::RECIPES,
+        boxes::RECIPES,
+        leaving::RECIPES,
+        shells::RECIPES,
         textures::RECIPES,
         scattering::RECIPES,
         lamps::RECIPES,

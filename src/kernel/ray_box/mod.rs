@@ -1,4 +1,4 @@
-//! Rays against boxes along the axes.
+//! Rays against boxes along the axes, by several methods side by side; pictures are made with [`Slabs`].
 //!
 //! The law of a hierarchy is that it loses no hit. Two things together keep it:
 //!
@@ -9,8 +9,31 @@
 //!
 //! Source: the slab test of Kay, Kajiya, 1986, as one FMA a plane; padding instead of Ize, "Robust BVH Ray Traversal", JCGT 2(2), 2013.
 
+mod forms;
+mod slabs;
+
+pub use forms::{BySign, BySignWidened, Contracted, IeeeMinMax, X86MinMax};
+pub use slabs::{Padded, Slabs};
+
 use crate::lane::Lane;
 use crate::math::{Ray, Vec3};
+
+/// A way to intersect rays with a box.
+///
+/// Shapes: `WIDTH` rays against `WIDTH` boxes, lane by lane.
+/// Units: t in multiples of the direction's length.
+/// Domain: any direction; the method says what becomes of those along an axis. Boxes whose lower corner is not above the upper one.
+/// The box is passed if the ray enters it not after it leaves it, and does not leave it before its own origin.
+pub trait BoxMethod: Send + Sync + 'static {
+    /// What is computed once per ray.
+    type Prepared<L: Lane>: Copy;
+
+    /// `reach` is of use to methods that pad.
+    fn prepare<L: Lane>(ray: &Ray<L>, reach: Reach) -> Self::Prepared<L>;
+
+    /// Where each ray enters and leaves its box, given by its lower and upper corner.
+    fn pass<L: Lane>(ray: &Self::Prepared<L>, lo: Vec3<L>, hi: Vec3<L>) -> (L, L);
+}
 
 /// What a scene adds to the padding of its boxes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -63,64 +86,15 @@ impl Reach {
     }
 }
 
-/// A ray made ready for boxes: the intervals of t within pairs of planes are `plane · inverse + near` to `plane · inverse + far`.
-#[derive(Clone, Copy, Debug)]
-pub struct Slabs<L> {
-    /// 1 / direction; directions along an axis are turned off it by 2⁻⁶⁰ of their length.
-    pub inverse: Vec3<L>,
-    /// −origin / direction, less the padding.
-    pub near: Vec3<L>,
-    /// −origin / direction, and the padding.
-    pub far: Vec3<L>,
-}
-
-impl<L: Lane> Slabs<L> {
-    /// Padding, in units of t: (|o| + room) 2⁻²¹ |1/d| along each axis, |o| along that axis and room of [`Reach::room`]: eight roundings
-    /// of everything that the FMA adds up. No hit is lost: `tests/hierarchy_laws.rs`, at corners, in the planes of faces, in awkward directions.
-    #[inline(always)]
-    pub fn new(ray: &Ray<L>, reach: Reach) -> Self {
-        let d = ray.direction;
-        // A sum and not the largest, so that a NaN in one component is in all planes: such a ray passes no box.
-        let least = (d.x.abs() + d.y.abs() + d.z.abs()) * L::splat(f32::powi(0.5, 60));
-        let room = reach.room(ray.origin);
-        let axis = |origin: L, direction: L| {
-            let inverse = L::one() / direction.abs().max(least).copysign(direction);
-            let middle = -(origin * inverse);
-            let padding = (origin.abs() + room) * inverse.abs() * L::splat(f32::powi(0.5, 21));
-            (inverse, middle - padding, middle + padding)
-        };
-        let (x, y, z) = (axis(ray.origin.x, d.x), axis(ray.origin.y, d.y), axis(ray.origin.z, d.z));
-        Self {
-            inverse: Vec3::new(x.0, y.0, z.0),
-            near: Vec3::new(x.1, y.1, z.1),
-            far: Vec3::new(x.2, y.2, z.2),
-        }
-    }
-
-    /// Where each ray enters and leaves its box, from its planes in the order in which the ray meets them. It passes the box if the
-    /// first is not above the second; the first may be negative.
-    #[inline(always)]
-    pub fn interval(&self, first: Vec3<L>, second: Vec3<L>) -> (L, L) {
-        let plane = |plane: L, inverse: L, rest: L| plane.mul_add(inverse, rest);
-        let near = plane(first.x, self.inverse.x, self.near.x)
-            .max(plane(first.y, self.inverse.y, self.near.y))
-            .max(plane(first.z, self.inverse.z, self.near.z));
-        let far = plane(second.x, self.inverse.x, self.far.x)
-            .min(plane(second.y, self.inverse.y, self.far.y))
-            .min(plane(second.z, self.inverse.z, self.far.z));
-        (near, far)
-    }
-
-    /// The same for boxes given by their lower and upper corners.
-    #[inline(always)]
-    pub fn pass(&self, lo: Vec3<L>, hi: Vec3<L>) -> (L, L) {
-        let backwards = |inverse: L| inverse.lt(L::zero());
-        let [x, y, z] = [self.inverse.x, self.inverse.y, self.inverse.z].map(backwards);
-        let pick = |a: Vec3<L>, b: Vec3<L>| {
-            Vec3::new(L::select(x, b.x, a.x), L::select(y, b.y, a.y), L::select(z, b.z, a.z))
-        };
-        self.interval(pick(lo, hi), pick(hi, lo))
-    }
+/// The planes of a box in the order in which a ray meets them, by the sign of what it divides by.
+#[inline(always)]
+fn in_order<L: Lane>(inverse: Vec3<L>, lo: Vec3<L>, hi: Vec3<L>) -> (Vec3<L>, Vec3<L>) {
+    let backwards = |inverse: L| inverse.lt(L::zero());
+    let [x, y, z] = [inverse.x, inverse.y, inverse.z].map(backwards);
+    let pick = |a: Vec3<L>, b: Vec3<L>| {
+        Vec3::new(L::select(x, b.x, a.x), L::select(y, b.y, a.y), L::select(z, b.z, a.z))
+    };
+    (pick(lo, hi), pick(hi, lo))
 }
 
 /// The rule of the own box: of lanes that hit a triangle at `t`, those that pass its box in front of `limit`, and t moved into it.

@@ -1,0 +1,375 @@
+//! Lines in a plane, drawn as SVG.
+//!
+//! For: [`Figure`]. May import: `plotters`, and nothing else does. Must never know: what the numbers mean.
+//!
+//! Of plotters only the SVG backend is used, so no font library is needed: whoever shows the file has the fonts.
+
+use plotters::element::DashedPathElement;
+use plotters::prelude::*;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
+
+/// A drawing.
+#[derive(Clone, Debug, Default)]
+pub struct Figure {
+    pub title: String,
+    /// What one has to know to read it; one line each, under the title.
+    pub notes: Vec<String>,
+    pub x: Axis,
+    pub y: Axis,
+    pub lines: Vec<Line>,
+    /// Thin lines behind the data that help to compare, such as those of equal efficiency.
+    pub guides: Vec<[[f64; 2]; 2]>,
+}
+
+/// What a coordinate means. The range is that of the data.
+#[derive(Clone, Debug, Default)]
+pub struct Axis {
+    pub label: String,
+    /// By powers of ten. Numbers that are not above 0 are drawn at the lower edge, at a tick called "0".
+    pub log: bool,
+}
+
+/// A way through points.
+#[derive(Clone, Debug, Default)]
+pub struct Line {
+    pub name: String,
+    /// Drawn thicker than others, and named in bold: the default.
+    pub strong: bool,
+    /// Dashes tell two families of lines apart.
+    pub dashed: bool,
+    pub points: Vec<[f64; 2]>,
+    /// x, and from where to where y lies; none or one a point.
+    pub band: Vec<[f64; 3]>,
+    /// Points of this line that get a ring, by number: those of the Pareto front.
+    pub ringed: Vec<usize>,
+}
+
+/// Units of the picture, which is scaled to whatever place it is given; twice those of a page, because plotters rounds to whole ones.
+const SIZE: [u32; 2] = [1_800, 1_080];
+const TEXT: u32 = 26;
+const LEGEND_LINE: i32 = 34;
+/// Width of a letter, as a share of the size of the text.
+const LETTER: f64 = 0.55;
+
+/// Okabe and Ito's colours, which people with any kind of colour vision tell apart; yellow, too pale on white, left out.
+const COLORS: [RGBColor; 7] = [
+    RGBColor(0, 114, 178),
+    RGBColor(213, 94, 0),
+    RGBColor(0, 158, 115),
+    RGBColor(204, 121, 167),
+    RGBColor(86, 180, 233),
+    RGBColor(230, 159, 0),
+    RGBColor(80, 80, 80),
+];
+const FONT: &str = "sans-serif";
+
+type Canvas<'a> = DrawingArea<SVGBackend<'a>, plotters::coord::Shift>;
+type Drawn = Result<(), DrawingAreaErrorKind<std::io::Error>>;
+
+impl Figure {
+    /// The drawing as the text of an SVG file, without a fixed size on the page.
+    pub fn svg(&self) -> String {
+        let mut text = String::new();
+        let area = SVGBackend::with_string(&mut text, (SIZE[0], SIZE[1])).into_drawing_area();
+        // Writing into a string cannot fail.
+        self.draw(&area).expect("drawing into memory");
+        drop(area);
+        without_fixed_size(&text, &self.title)
+    }
+
+    fn draw(&self, area: &Canvas) -> Drawn {
+        area.fill(&WHITE)?;
+        let title = (FONT, TEXT + 10).into_font().style(FontStyle::Bold).color(&BLACK);
+        area.draw_text(&self.title, &title, (30, 24))?;
+        let small = (FONT, TEXT - 2).into_font().color(&RGBColor(70, 70, 70));
+        for (number, note) in self.notes.iter().enumerate() {
+            area.draw_text(note, &small, (30, 74 + 32 * number as i32))?;
+        }
+        let top = 84 + 32 * self.notes.len() as i32;
+        let longest = self.lines.iter().map(|line| line.name.chars().count()).max().unwrap_or(0);
+        let legend = (longest as f64 * LETTER * f64::from(TEXT)) as i32 + 120;
+        let [width, height] = SIZE.map(|side| side as i32);
+        self.draw_plane(area, [150, width - legend - 20], [top, height - 100])?;
+        self.draw_legend(area, width - legend + 10, top + 20)
+    }
+
+    /// Axes and data between these units of the picture: left and right, top and bottom.
+    fn draw_plane(&self, area: &Canvas, [left, right]: [i32; 2], [top, bottom]: [i32; 2]) -> Drawn {
+        let of = |axis: usize| {
+            let points =
+                self.lines.iter().flat_map(move |line| line.points.iter().map(move |point| point[axis]));
+            let bands =
+                self.lines.iter().flat_map(|line| line.band.iter().flat_map(|band| [band[1], band[2]]));
+            points.chain(bands.filter(move |_| axis == 1)).collect::<Vec<_>>()
+        };
+        let x = Range::of(&self.x, &of(0), [left, right]);
+        let y = Range::of(&self.y, &of(1), [bottom, top]);
+        let grid = RGBColor(225, 225, 225).stroke_width(2);
+        let text = |font: FontDesc<'static>, x, y| font.color(&BLACK).pos(Pos::new(x, y));
+        let font = || (FONT, TEXT).into_font();
+        for &tick in &x.ticks {
+            let at = x.unit(tick);
+            area.draw(&PathElement::new([(at, top), (at, bottom)], grid))?;
+            area.draw_text(&x.label(tick), &text(font(), HPos::Center, VPos::Top), (at, bottom + 12))?;
+        }
+        for &tick in &y.ticks {
+            let at = y.unit(tick);
+            area.draw(&PathElement::new([(left, at), (right, at)], grid))?;
+            area.draw_text(&y.label(tick), &text(font(), HPos::Right, VPos::Center), (left - 12, at))?;
+        }
+        area.draw(&Rectangle::new([(left, top), (right, bottom)], RGBColor(90, 90, 90).stroke_width(2)))?;
+        let style = text(font(), HPos::Center, VPos::Top);
+        area.draw_text(&self.x.label, &style, ((left + right) / 2, bottom + 56))?;
+        let style = text(font().transform(FontTransform::Rotate270), HPos::Center, VPos::Top);
+        area.draw_text(&self.y.label, &style, (16, (top + bottom) / 2))?;
+        let place = |[a, b]: [f64; 2]| (x.unit(x.place(a)), y.unit(y.place(b)));
+        for guide in &self.guides {
+            let ends = guide.map(|[a, b]| (x.place(a), y.place(b)));
+            if let Some(ends) = clip(ends, [x.low, x.high], [y.low, y.high]) {
+                let ends = ends.map(|(a, b)| (x.unit(a), y.unit(b)));
+                area.draw(&DashedPathElement::new(ends, 4, 8, RGBColor(150, 150, 150).stroke_width(1)))?;
+            }
+        }
+        for (number, line) in self.lines.iter().enumerate() {
+            draw_line(area, line, number, &place)?;
+        }
+        Ok(())
+    }
+
+    fn draw_legend(&self, area: &Canvas, left: i32, top: i32) -> Drawn {
+        for (number, line) in self.lines.iter().enumerate() {
+            let y = top + LEGEND_LINE * number as i32;
+            draw_way(area, line, number, &[(left, y), (left + 56, y)])?;
+            draw_mark(area, (left + 28, y), number)?;
+            let font = (FONT, TEXT).into_font();
+            let font = if line.strong { font.style(FontStyle::Bold) } else { font };
+            let style = font.color(&BLACK).pos(Pos::new(HPos::Left, VPos::Center));
+            area.draw_text(&line.name, &style, (left + 70, y))?;
+        }
+        Ok(())
+    }
+}
+
+fn draw_line(area: &Canvas, line: &Line, number: usize, place: &impl Fn([f64; 2]) -> (i32, i32)) -> Drawn {
+    let color = COLORS[number % COLORS.len()];
+    if line.band.len() > 1 {
+        let below = line.band.iter().map(|&[x, low, _]| place([x, low]));
+        let above = line.band.iter().rev().map(|&[x, _, high]| place([x, high]));
+        area.draw(&Polygon::new(below.chain(above).collect::<Vec<_>>(), color.mix(0.15).filled()))?;
+    }
+    let points: Vec<_> = line.points.iter().map(|&point| place(point)).collect();
+    draw_way(area, line, number, &points)?;
+    for &point in &points {
+        draw_mark(area, point, number)?;
+    }
+    for &point in line.ringed.iter().filter_map(|&at| points.get(at)) {
+        area.draw(&Circle::new(point, 14, BLACK.stroke_width(3)))?;
+    }
+    Ok(())
+}
+
+fn draw_way(area: &Canvas, line: &Line, number: usize, points: &[(i32, i32)]) -> Drawn {
+    let style = COLORS[number % COLORS.len()].stroke_width(if line.strong { 7 } else { 3 });
+    match line.dashed {
+        true => area.draw(&DashedPathElement::new(points.to_vec(), 10, 8, style)),
+        false => area.draw(&PathElement::new(points.to_vec(), style)),
+    }
+}
+
+/// Lines of one colour differ in the marks of their points.
+fn draw_mark(area: &Canvas, at: (i32, i32), number: usize) -> Drawn {
+    let color = COLORS[number % COLORS.len()];
+    match number / COLORS.len() {
+        0 => area.draw(&Circle::new(at, 6, color.filled())),
+        1 => area.draw(&TriangleMarker::new(at, 10, color.filled())),
+        _ => area.draw(&Cross::new(at, 8, color.stroke_width(3))),
+    }
+}
+
+/// From where to where an axis goes, in its own coordinate: the number, or its logarithm to base 10.
+struct Range {
+    log: bool,
+    low: f64,
+    high: f64,
+    ticks: Vec<f64>,
+    /// Where numbers lie that have no logarithm.
+    zero: Option<f64>,
+    /// Where `low` and `high` lie, in units of the picture.
+    units: [i32; 2],
+}
+
+impl Range {
+    fn of(axis: &Axis, numbers: &[f64], units: [i32; 2]) -> Self {
+        let shown = |number: &f64| number.is_finite() && (!axis.log || *number > 0.0);
+        let coordinates = numbers.iter().copied().filter(shown);
+        let coordinates: Vec<f64> =
+            coordinates.map(|number| if axis.log { number.log10() } else { number }).collect();
+        let least = coordinates.iter().copied().reduce(f64::min).unwrap_or(0.0);
+        let most = coordinates.iter().copied().reduce(f64::max).unwrap_or(1.0);
+        let has_zero = axis.log && numbers.iter().any(|&number| number <= 0.0);
+        let (mut low, high, mut ticks) = if axis.log { decades(least, most) } else { steps(least, most) };
+        let zero = has_zero.then(|| {
+            low -= 0.06 * (high - low) + 0.2;
+            low + 0.03 * (high - low)
+        });
+        ticks.extend(zero);
+        Self { log: axis.log, low, high, ticks, zero, units }
+    }
+
+    fn place(&self, number: f64) -> f64 {
+        match self.zero {
+            Some(zero) if number <= 0.0 => zero,
+            _ if self.log => number.log10(),
+            _ => number,
+        }
+    }
+
+    /// Where a coordinate lies in the picture.
+    fn unit(&self, at: f64) -> i32 {
+        let [low, high] = self.units.map(f64::from);
+        (low + (high - low) * (at - self.low) / (self.high - self.low)).round() as i32
+    }
+
+    fn label(&self, at: f64) -> String {
+        match self.zero {
+            Some(zero) if at == zero => "0".into(),
+            _ if self.log => power(at),
+            _ => format!("{}", (at * 1e9).round() / 1e9),
+        }
+    }
+}
+
+/// The range around these logarithms, and ticks: powers of ten, and where there are few of them also 2 and 5 times these.
+fn decades(least: f64, most: f64) -> (f64, f64, Vec<f64>) {
+    let margin = 0.04 * (most - least) + 0.02;
+    let (low, high) = (least - margin, most + margin);
+    let wide = high - low;
+    let every = (wide / 8.0).ceil().max(1.0) as i32;
+    let factors: &[f64] = if wide > 2.5 { &[1.0] } else { &[1.0, 2.0, 5.0] };
+    let powers = (low.floor() as i32..=high.ceil() as i32).filter(|power| power.rem_euclid(every) == 0);
+    let ticks = powers.flat_map(|power| factors.iter().map(move |factor| f64::from(power) + factor.log10()));
+    (low, high, ticks.filter(|&tick| tick >= low && tick <= high).collect())
+}
+
+/// The range around these numbers, and ticks at 1, 2 or 5 times a power of ten.
+fn steps(least: f64, most: f64) -> (f64, f64, Vec<f64>) {
+    let wide = if most > least { most - least } else { least.abs().max(1.0) };
+    let (low, high) = (least - 0.04 * wide, most + 0.04 * wide);
+    let power = 10f64.powf((wide / 6.0).log10().floor());
+    let step =
+        power * [1.0, 2.0, 5.0, 10.0].into_iter().find(|factor| factor * power * 8.0 >= wide).unwrap_or(10.0);
+    let ticks = (0..20).map(|number| (low / step).ceil() * step + f64::from(number) * step);
+    (low, high, ticks.take_while(|&tick| tick <= high).collect())
+}
+
+/// A number by its logarithm: as it is where that is short, or as a power of ten.
+fn power(logarithm: f64) -> String {
+    let exponent = logarithm.floor() as i32;
+    let factor = 10f64.powf(logarithm - f64::from(exponent)).round() as i32;
+    if (-3..4).contains(&exponent) {
+        let number = f64::from(factor) * 10f64.powi(exponent);
+        return format!("{}", (number * 1e6).round() / 1e6);
+    }
+    let raised: String = exponent
+        .to_string()
+        .chars()
+        .map(|digit| match digit {
+            '-' => '⁻',
+            digit => ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'][digit as usize - '0' as usize],
+        })
+        .collect();
+    if factor == 1 { format!("10{raised}") } else { format!("{factor}·10{raised}") }
+}
+
+/// The part of a way from one end to the other that lies in the ranges.
+fn clip(ends: [(f64, f64); 2], x: [f64; 2], y: [f64; 2]) -> Option<[(f64, f64); 2]> {
+    let [a, b] = ends;
+    let (mut from, mut to) = (0.0f64, 1.0f64);
+    for (start, end, [low, high]) in [(a.0, b.0, x), (a.1, b.1, y)] {
+        let way = end - start;
+        let (first, last) = ((low - start) / way, (high - start) / way);
+        if way == 0.0 {
+            if start < low || start > high {
+                return None;
+            }
+        } else {
+            (from, to) = (from.max(first.min(last)), to.min(first.max(last)));
+        }
+    }
+    let at = |share: f64| (a.0 + (b.0 - a.0) * share, a.1 + (b.1 - a.1) * share);
+    (from < to).then(|| [at(from), at(to)])
+}
+
+/// The drawing as wide as its place, and named for those who hear it.
+fn without_fixed_size(text: &str, title: &str) -> String {
+    let fixed = format!("width=\"{}\" height=\"{}\" ", SIZE[0], SIZE[1]);
+    let named = text.replacen(&fixed, "role=\"img\" ", 1);
+    let title = title.replace('&', "&amp;").replace('<', "&lt;");
+    match named.find("\n") {
+        Some(end) => format!("{}\n<title>{title}</title>{}", &named[..end], &named[end..]),
+        None => named,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn line(points: &[[f64; 2]]) -> Line {
+        Line { name: "way".into(), points: points.to_vec(), ..Line::default() }
+    }
+
+    #[test]
+    fn numbers_without_a_logarithm_lie_below_all_others_at_a_tick_of_their_own() {
+        let range = Range::of(&Axis { log: true, ..Axis::default() }, &[0.0, 1e-6, 1.0], [0, 100]);
+        assert!(range.low < range.place(0.0) && range.place(0.0) < range.place(1e-6));
+        assert_eq!(range.label(range.place(0.0)), "0");
+        assert_eq!(range.label(-6.0), "10⁻⁶");
+    }
+
+    #[test]
+    fn ticks_are_round_and_inside() {
+        let (low, high, ticks) = steps(0.0, 13.0);
+        assert_eq!(ticks, [0.0, 2.0, 4.0, 6.0, 8.0, 10.0, 12.0]);
+        assert!(low < 0.0 && high > 13.0);
+        let (_, _, ticks) = decades(0.0, 1.0);
+        let texts: Vec<_> = ticks.into_iter().map(power).collect();
+        assert_eq!(texts, ["1", "2", "5", "10"]);
+        assert_eq!(decades(-12.0, 4.0).2.len(), 6, "every third");
+        assert_eq!(power(5f64.log10() - 9.0), "5·10⁻⁹");
+    }
+
+    #[test]
+    fn guides_end_at_the_edges() {
+        let unit = [0.0, 1.0];
+        assert_eq!(clip([(-1.0, -1.0), (2.0, 2.0)], unit, unit), Some([(0.0, 0.0), (1.0, 1.0)]));
+        assert_eq!(clip([(-1.0, 2.0), (2.0, 2.0)], unit, unit), None);
+    }
+
+    #[test]
+    fn drawing_holds_names_marks_and_bands_and_scales() {
+        let mut figure = Figure {
+            title: "time < error".into(),
+            notes: vec!["a note".into()],
+            x: Axis { label: "time".into(), log: true },
+            y: Axis { label: "error".into(), log: true },
+            lines: vec![line(&[[1.0, 1.0], [10.0, 0.1], [100.0, 0.0]])],
+            guides: vec![[[1.0, 1.0], [100.0, 0.1]]],
+        };
+        let plain = figure.svg();
+        assert!(plain.starts_with("<svg role=\"img\" viewBox="), "{}", &plain[..80]);
+        for part in ["<title>time &lt; error</title>", "a note", ">\nway\n<", ">\n0\n<", "</svg>"] {
+            assert!(plain.contains(part), "{part}");
+        }
+        figure.lines[0].ringed = vec![0];
+        figure.lines[0].band = vec![[1.0, 0.5, 2.0], [10.0, 0.05, 0.2]];
+        let rich = figure.svg();
+        assert_eq!(rich.matches("<circle").count(), plain.matches("<circle").count() + 1);
+        assert_eq!(rich.matches("<polygon").count(), plain.matches("<polygon").count() + 1);
+    }
+
+    #[test]
+    fn nothing_to_draw_is_drawn() {
+        assert!(Figure::default().svg().ends_with("</svg>\n"));
+    }
+}

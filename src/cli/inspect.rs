@@ -1,6 +1,7 @@
 //! `octray inspect`: what a scene holds, and which way its rays go.
 
 use super::CHECK_FAILED;
+use super::defaults::DefaultReport;
 use super::error::CliError;
 use super::memory::bytes;
 use super::options::InspectOptions;
@@ -38,6 +39,8 @@ struct Inspection {
     lights: LightReport,
     memory_bytes: usize,
     traversal: TraversalReport,
+    /// The methods it gets unless others are asked for.
+    defaults: Vec<DefaultReport>,
     /// Where rays go through one.
     hierarchy: Option<HierarchyReport>,
     warnings: Vec<String>,
@@ -148,6 +151,7 @@ impl Inspection {
             memory_bytes: memory(scene),
             hierarchy: traversal.needs_hierarchy().then(|| HierarchyReport::of(scene)),
             traversal,
+            defaults: DefaultReport::all(scene),
             warnings: scene.warnings.clone(),
         }
     }
@@ -178,6 +182,7 @@ impl Inspection {
         lines.push(("lights", self.lights.text()));
         lines.push(("memory", bytes(self.memory_bytes as u64)));
         lines.extend(self.traversal.lines());
+        lines.extend(self.defaults.iter().map(|default| ("default", default.text())));
         lines.extend(self.hierarchy.as_ref().map(|hierarchy| ("hierarchy", hierarchy.text())));
         lines.extend(self.warnings.iter().map(|warning| ("warning", warning.clone())));
         lines

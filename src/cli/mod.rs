@@ -9,7 +9,7 @@
 //! | [`render`], [`convert`], [`inspect`], [`mod@bench`], [`compare`], [`rays`], [`chart`] | the commands |
 //! | [`truths`] | truths that were rendered before, for `chart` |
 //! | [`scenes`] | the scenes of commands that take several |
-//! | [`routes`] | which way a scene's rays go, for `inspect` |
+//! | [`routes`], [`defaults`] | which way a scene's rays go and which methods it gets, for `inspect` |
 //! | [`machine_check`] | refuses to start where the program's instructions do not exist |
 //! | [`memory`] | refuses pictures that do not fit |
 //! | [`terminal`] | the only writer to standard output and standard error |
@@ -26,6 +26,7 @@ pub mod chart;
 pub mod choices;
 pub mod compare;
 pub mod convert;
+pub mod defaults;
 pub mod error;
 pub mod inspect;
 pub mod interrupt;

@@ -10,7 +10,7 @@ use crate::render::{PrimaryHit, Renderer, Settings};
 use crate::sampling::Sampler;
 use crate::scene::{Camera, Material, MaterialKind, Scene, Side, Sky, Sphere, Triangle};
 use crate::traverse::batch::Traversal;
-use crate::traverse::{Methods, SphereChoice, TraversalChoice, TriangleChoice};
+use crate::traverse::{BoxChoice, Methods, SphereChoice, TraversalChoice, TriangleChoice};
 use glam::{DQuat, DVec3, Vec3};
 use std::f64::consts::TAU;
 
@@ -58,7 +58,8 @@ pub struct Way {
 impl Way {
     const fn with(sphere: SphereChoice, triangle: TriangleChoice, traversal: TraversalChoice) -> Self {
         let (lights, sampler) = (LightChoice::Off, Sampler::Sobol);
-        Self { methods: Methods { sphere, triangle, traversal, lights, sampler }, lanes: 8 }
+        let boxes = BoxChoice::PaddedFma;
+        Self { methods: Methods { sphere, triangle, boxes, traversal, lights, sampler }, lanes: 8 }
     }
     /// The school's equations.
     const NAIVE: Self =

@@ -130,3 +130,27 @@ fn ways_that_are_measured_agree_and_a_hit_at_the_reach_is_none() {
         assert!(traced(&set, way) == expected, "{}", way.name());
     }
 }
+
+/// What padding is for, seen through the whole of a hierarchy.
+#[test]
+fn without_padding_hits_are_lost_at_corners() {
+    let mut dice = Dice(17);
+    let scene = mixture(&mut dice, 300, 0, 1.0, 1000.0);
+    let mut set = Set::default();
+    let corners: Vec<Vec3> = scene.triangles.iter().flat_map(|triangle| triangle.vertices).collect();
+    for _ in 0..20_000 {
+        let target = corners[dice.index(corners.len())];
+        let origin = target + dice.in_cube().as_vec3() * 8.0;
+        set.push(origin, (target - origin).try_normalize().unwrap_or(Vec3::X), f32::INFINITY);
+    }
+    let mut hierarchy = Hierarchy::new(&scene, Quality::default());
+    let found = |hierarchy: &Hierarchy| {
+        let answers = set.through::<false>(hierarchy, octray::traverse::batch::Traversal::Hybrid);
+        answers.iter().filter(|answer| answer[1] != MISS).count()
+    };
+    let padded = found(&hierarchy);
+    hierarchy.reach = hierarchy.reach.without_padding();
+    let unpadded = found(&hierarchy);
+    println!("{padded} hits with padding, {unpadded} without");
+    assert!(padded > 5_000 && unpadded < padded - padded / 50, "{unpadded} of {padded}");
+}

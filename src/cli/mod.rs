@@ -6,7 +6,7 @@
 //! |---|---|
 //! | [`args`], [`choices`] | what the user typed: the arguments' names, shapes and help |
 //! | [`options`], [`methods`], [`numbers`], [`limits`] | what we accept: names known, numbers in range |
-//! | [`render`], [`convert`], [`inspect`], [`mod@bench`], [`compare`], [`rays`], [`chart`] | the commands |
+//! | [`render`], [`convert`], [`inspect`], [`mod@bench`], [`compare`], [`rays`], [`stability`], [`chart`] | the commands |
 //! | [`truths`] | truths that were rendered before, for `chart` |
 //! | [`scenes`] | the scenes of commands that take several |
 //! | [`routes`], [`defaults`] | which way a scene's rays go and which methods it gets, for `inspect` |
@@ -42,6 +42,7 @@ pub mod render;
 pub mod routes;
 pub mod samples_map;
 pub mod scenes;
+pub mod stability;
 pub mod stats;
 pub mod terminal;
 pub mod trace;
@@ -68,6 +69,7 @@ octray traces paths through scenes on the CPU, eight rays at a time. Try:
   octray render builtin:three -o three.png        a picture
   octray rays builtin:knot:100000                 rays per second, every way of tracing them
   octray chart builtin:three -o charts            speed against accuracy, charted
+  octray stability                                where methods fail, and which hold
   octray inspect builtin:three                    what a scene holds
   octray convert model.obj scene.json             a scene to edit from a mesh
 
@@ -121,6 +123,11 @@ fn run(args: Args, verdict: &machine_check::Verdict) -> Result<ExitCode, CliErro
             let options = args.try_into()?;
             verdict.advise();
             chart::run(options)
+        }
+        Command::Stability(args) => {
+            let options = args.into();
+            verdict.advise();
+            stability::run(options)
         }
         Command::Convert(args) => convert::run(args.into()),
         Command::Inspect(args) => inspect::run(args.into()),

@@ -3,7 +3,9 @@
 //! For: one struct a command, made from its raw arguments or refused. May import: `args`, `choices`, `methods`, `numbers`, `output`, `render`'s choices.
 //! Must never know: how a command does its work.
 
-use super::args::{BenchArgs, ChartArgs, CompareArgs, ConvertArgs, InspectArgs, RaysArgs, RenderArgs};
+use super::args::{
+    BenchArgs, ChartArgs, CompareArgs, ConvertArgs, InspectArgs, RaysArgs, RenderArgs, StabilityArgs,
+};
 use super::choices::{PipelineArg, ToneArg};
 use super::error::CliError;
 use super::limits::{Limits, seconds};
@@ -11,6 +13,7 @@ use super::methods::MethodOptions;
 use super::numbers::{bounces, clamp, exposure, lanes, refuse, samples, seed, size, threads, whole};
 use crate::measure::chart::pictures;
 use crate::measure::chart::truth::SHRINK;
+use crate::measure::stability::{Recipe, recipes};
 use crate::measure::ways::Way;
 use crate::output::{Operator, Tone};
 use crate::render::PipelineChoice;
@@ -100,6 +103,14 @@ pub struct RaysOptions {
     /// So many per way; by time if `None`.
     pub passes: Option<u32>,
     pub seed: u32,
+}
+
+#[derive(Clone, Debug)]
+pub struct StabilityOptions {
+    pub json: bool,
+    pub output: Option<PathBuf>,
+    /// At least one.
+    pub recipes: Vec<&'static Recipe>,
 }
 
 #[derive(Clone, Debug, PartialEq)]
@@ -234,6 +245,15 @@ impl TryFrom<ChartArgs> for ChartOptions {
             bounces: bounces(&args.bounces)?,
             seeds: whole("--seeds", &args.seeds, pictures::SEEDS, MAX_SEEDS)?,
         })
+    }
+}
+
+impl From<StabilityArgs> for StabilityOptions {
+    fn from(args: StabilityArgs) -> Self {
+        let wanted =
+            |recipe: &&Recipe| args.only.is_empty() || args.only.iter().any(|name| name == recipe.name);
+        let recipes = recipes().filter(wanted).collect();
+        Self { json: args.json, output: args.output, recipes }
     }
 }
 

@@ -1,6 +1,6 @@
 //! Rays and answers as files that other programs can read, to trace the very same rays.
 //!
-//! For: [`prepare`], [`write()`]. May import: `ray_sets`, `scene`, `output`. Must never know: how rays are traced.
+//! For: [`write()`]. May import: `ray_sets`, `scene`, `output`. Must never know: how rays are traced.
 //!
 //! # Format
 //! Plain binary, little-endian, without padding. `primary.rays`, `shadow.rays` and `diffuse.rays` hold columns, one after the

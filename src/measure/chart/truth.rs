@@ -60,13 +60,15 @@ impl Making {
 
     /// Takes samples until `end` or until there are `most`; at least one for each half.
     pub fn until(mut self, end: Instant, most: u32) -> Truth {
+        let of_half = most.div_ceil(2).max(1);
         loop {
+            // Many at once spare waking threads, few at once keep the end in sight.
+            let had = self.films[0].samples();
+            let samples = (had / 16).clamp(1, of_half - had);
             for (renderer, film) in self.renderers.iter().zip(&mut self.films) {
-                // Many at once spare waking threads, few at once keep the end in sight.
-                let samples = (film.samples() / 16).clamp(1, most.div_ceil(2).max(1));
                 renderer.add_samples(film, samples);
             }
-            if Instant::now() >= end || self.films[0].samples() >= most.div_ceil(2) {
+            if Instant::now() >= end || self.films[0].samples() >= of_half {
                 return Truth::of_halves(self.films.each_ref().map(Film::picture), self.films[0].samples());
             }
         }

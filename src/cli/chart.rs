@@ -34,6 +34,9 @@ pub fn run(options: ChartOptions) -> Result<ExitCode, CliError> {
         terminal::warn("this is a debug build: its figures say nothing. Use cargo run --release -- chart.");
     }
     let names = scenes::asked_for(&options.scenes)?;
+    if let [only] = &names[..] {
+        scene::load(only)?;
+    }
     let budget = options.budget.unwrap_or(A_SCENE * names.len() as u32);
     output::make_folder(&options.output)?;
     let countdown = Countdown::new(start, budget);

@@ -1,5 +1,6 @@
 //! The command line has manners: what it refuses, how it says so, and that it never panics or leaves half a file.
 
+mod chart;
 mod convert;
 mod desk;
 mod figures;

@@ -115,9 +115,7 @@ impl Buffers {
             spheres: Spheres::new(&scene.spheres),
             sphere_rows: Rows::new(spheres.map(|(number, sphere)| sphere_row(sphere, chance(number)))),
             triangle_rows: Rows::new(triangles.flat_map(of_triangle)),
-            uv_rows: Rows::new(
-                scene.uvs.iter().map(|[a, b, c]| [a.x, 1.0 - a.y, b.x, 1.0 - b.y, c.x, 1.0 - c.y, 0.0, 0.0]),
-            ),
+            uv_rows: Rows::new(scene.uvs.iter().map(uv_row)),
             material_rows: Rows::new(scene.materials.iter().map(material_row)),
             normal_rows: Rows::new(scene.normals.iter().flat_map(normal_rows)),
             tangent_rows: Rows::new(tangent_rows(scene)),
@@ -203,6 +201,13 @@ fn detail_row(material: &scene::Material) -> [f32; 8] {
 
 fn normal_rows([a, b, c]: &[Vec3; 3]) -> [[f32; 8]; 2] {
     [[a.x, a.y, a.z, b.x, b.y, b.z, 0.0, 0.0], [c.x, c.y, c.z, 0.0, 0.0, 0.0, 0.0, 0.0]]
+}
+
+/// See [`Buffers::uv_rows`].
+fn uv_row(uvs: &[glam::Vec2; 3]) -> [f32; 8] {
+    let [au, bu, cu] = surface::repeats_taken_away(uvs.map(|uv| f64::from(uv.x)));
+    let [av, bv, cv] = surface::repeats_taken_away(uvs.map(|uv| 1.0 - f64::from(uv.y)));
+    [au, av, bu, bv, cu, cv, 0.0, 0.0]
 }
 
 /// See [`Buffers::tangent_rows`].

@@ -131,7 +131,7 @@ fn search<L: Lane, const N: u32>(world: &World, work: &mut Work, shaded: &shade:
 /// a direction's length by up to 1 + 4 δ, and rounds by up to 9 ε, without FMA: 3 ε of d·n, doubled, go along the normal, 2 ε come from the
 /// product with it, ε from the sum. That is 17 ε or 1.0e-6 an event, always the same way between two mirrors. Eight events stay below
 /// 8.2e-6; the robust sphere test asks for 1e-5. Measured: 5e-5 after 1,024 events if nothing is done, `tests/long_paths.rs`.
-const STRAIGHT: u32 = 8;
+pub const STRAIGHT: u32 = 8;
 
 /// The pipelines there are: sets of features, smallest first. Each costs two to four seconds of compilation and 100 to 200 kB of program for its
 /// two widths, so only sets that measured well are here; a scene gets the first that holds its needs. Against the general one, measured:

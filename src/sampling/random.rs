@@ -83,6 +83,6 @@ pub(super) fn hashed<B: Bits>(key: B, dimension: u32) -> B {
 
 /// The upper 24 bits as a number in [0, 1).
 #[inline(always)]
-pub(super) fn unit_interval<L: Lane>(bits: L::Bits) -> L {
+pub(crate) fn unit_interval<L: Lane>(bits: L::Bits) -> L {
     L::from_int(bits.shr(8)) * L::splat(1.0 / 16_777_216.0)
 }

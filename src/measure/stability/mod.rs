@@ -15,17 +15,31 @@
 //! | [`boxes`] | corners, planes of faces, boxes far from the origin |
 //! | [`leaving`] | triangles that are hit again by what leaves them |
 //! | [`shells`] | the same of spheres; what is close to a surface and lost |
+//! | [`textures`] | poles and seam of a sphere, coordinates far from the first repeat |
+//! | [`scattering`] | directions that cancel, normals for shading |
+//! | [`lamps`] | lamps that are small, near, around, seen edge-on |
+//! | [`numbers`] | the largest random numbers, long and large sums, what is no number |
+//! | [`mirrors`] | thousands of reflections |
+//! | [`cameras`] | fields of view near 0° and 180°, cameras inside of things |
+//! | [`scenes`] | all sizes in one scene, surfaces that coincide |
 //!
 //! To add a recipe: put it into the `RECIPES` of its file. To add a file: name its `RECIPES` in [`recipes`].
 
 pub mod aim;
 pub mod boxes;
+pub mod cameras;
 pub mod dice;
+pub mod lamps;
 pub mod leaving;
 pub mod meshes;
 pub mod methods;
+pub mod mirrors;
+pub mod numbers;
+pub mod scattering;
+pub mod scenes;
 pub mod shells;
 pub mod spheres;
+pub mod textures;
 pub mod triangles;
 
 pub use dice::Dice;
@@ -44,6 +58,13 @@ pub fn recipes() -> impl Iterator<Item = &'static Recipe> {
         boxes::RECIPES,
         leaving::RECIPES,
         shells::RECIPES,
+        textures::RECIPES,
+        scattering::RECIPES,
+        lamps::RECIPES,
+        numbers::RECIPES,
+        mirrors::RECIPES,
+        cameras::RECIPES,
+        scenes::RECIPES,
     ];
     FILES.iter().copied().flatten()
 }

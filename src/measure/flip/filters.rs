@@ -1,0 +1,105 @@
+//! Filters that are products of one in x and one in y.
+//!
+//! For: [`Kernel`], [`rows`], [`columns`]. Must never know: colours.
+//!
+//! A pixel beyond the border is the border's nearest one.
+
+/// The weights of a filter in one direction, an odd number: the middle one is the pixel's own.
+#[derive(Clone, Debug)]
+pub struct Kernel(Vec<f32>);
+
+impl Kernel {
+    /// `weight(x)` at the whole x within `radius`, times `scale(weights)`.
+    fn new(radius: usize, weight: impl Fn(f64) -> f64, scale: impl Fn(f64, f64) -> f64) -> Self {
+        let radius = radius as i32;
+        let weights: Vec<f64> = (-radius..=radius).map(|x| weight(f64::from(x))).collect();
+        let sum: f64 = weights.iter().sum();
+        let scaled = weights.iter().map(|&weight| (weight * scale(weight, sum)) as f32);
+        Self(scaled.collect())
+    }
+    /// Weights that sum to 1. Those at the ends that f32 would not notice beside the middle one are left away.
+    pub fn blur(radius: usize, weight: impl Fn(f64) -> f64) -> Self {
+        let (middle, noticed) = (weight(0.0), f64::from(f32::EPSILON) / 16.0);
+        let needed = (0..=radius).rev().find(|&x| weight(x as f64) > middle * noticed);
+        Self::new(needed.unwrap_or(0), weight, |_, sum| 1.0 / sum)
+    }
+    /// Weights whose positive ones sum to 1 and whose negative ones to −1.
+    pub fn difference(radius: usize, weight: impl Fn(f64) -> f64) -> Self {
+        let sums = |sign: f64| -> f64 {
+            let radius = radius as i32;
+            (-radius..=radius).map(|x| (sign * weight(f64::from(x))).max(0.0)).sum()
+        };
+        let (positive, negative) = (sums(1.0), sums(-1.0));
+        Self::new(radius, weight, |weight, _| 1.0 / if weight > 0.0 { positive } else { negative })
+    }
+    fn radius(&self) -> usize {
+        self.0.len() / 2
+    }
+}
+
+/// `sum += weight · values`, number by number.
+fn add(sum: &mut [f32], weight: f32, values: &[f32]) {
+    sum.iter_mut().zip(values).for_each(|(sum, value)| *sum += weight * value);
+}
+
+/// The picture filtered along its rows of `width` pixels, by each kernel.
+pub fn rows<const N: usize>(values: &[f32], width: usize, kernels: [&Kernel; N]) -> [Vec<f32>; N] {
+    let radius = kernels.iter().map(|kernel| kernel.radius()).max().unwrap_or(0);
+    let mut padded = vec![0.0; width + 2 * radius];
+    let mut filtered = kernels.map(|_| vec![0.0; values.len()]);
+    for (y, row) in values.chunks_exact(width).enumerate() {
+        padded[..radius].fill(row[0]);
+        padded[radius..radius + width].copy_from_slice(row);
+        padded[radius + width..].fill(row[width - 1]);
+        for (kernel, filtered) in kernels.iter().zip(&mut filtered) {
+            let from = radius - kernel.radius();
+            for (i, &weight) in kernel.0.iter().enumerate() {
+                add(&mut filtered[y * width..][..width], weight, &padded[from + i..]);
+            }
+        }
+    }
+    filtered
+}
+
+/// The picture filtered along its columns.
+pub fn columns(values: &[f32], width: usize, kernel: &Kernel) -> Vec<f32> {
+    let (height, radius) = (values.len() / width, kernel.radius());
+    let mut filtered = vec![0.0; values.len()];
+    for (y, sum) in filtered.chunks_exact_mut(width).enumerate() {
+        for (i, &weight) in kernel.0.iter().enumerate() {
+            let from = (y + i).saturating_sub(radius).min(height - 1);
+            add(sum, weight, &values[from * width..][..width]);
+        }
+    }
+    filtered
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn filters_spread_a_point_by_their_weights_and_repeat_the_border() {
+        let kernel = Kernel::blur(1, |x| 2.0 - x.abs());
+        assert_eq!(kernel.0, [0.25, 0.5, 0.25]);
+        let point = [1.0, 0.0, 0.0, 0.0, 0.0, 0.0];
+        let [across] = rows(&point, 3, [&kernel]);
+        assert_eq!(across, [0.75, 0.25, 0.0, 0.0, 0.0, 0.0]);
+        assert_eq!(columns(&across, 3, &kernel), [0.5625, 0.1875, 0.0, 0.1875, 0.0625, 0.0]);
+    }
+
+    #[test]
+    fn difference_is_none_on_what_is_even_and_one_at_a_step() {
+        let kernel = Kernel::difference(2, |x| -x);
+        let step = [3.0, 3.0, 3.0, 3.0, 4.0, 4.0, 4.0, 4.0];
+        let [edge] = rows(&step, 8, [&kernel]);
+        for (at, truth) in [0.0, 0.0, 2.0 / 3.0, 1.0, 1.0, 2.0 / 3.0, 0.0, 0.0].into_iter().enumerate() {
+            assert!((edge[at].abs() - truth).abs() < 1e-6, "{edge:?}");
+        }
+    }
+
+    #[test]
+    fn blur_leaves_away_what_nobody_notices() {
+        assert_eq!(Kernel::blur(100, |x| (-x * x).exp()).0.len(), 9);
+    }
+}

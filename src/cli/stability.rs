@@ -122,7 +122,8 @@ fn table(outcome: &Outcome) -> String {
 
 /// A place on an axis: short numbers as they are.
 fn place(x: f64) -> String {
-    if x == 0.0 || (1e-3..1e5).contains(&x) { format!("{x}") } else { format!("{x:e}") }
+    let text = if x == 0.0 || (1e-3..1e5).contains(&x) { format!("{x}") } else { format!("{x:e}") };
+    if text.len() < FIGURE { text } else { format!("{x:.1e}") }
 }
 
 fn verdict(report: &Report) -> String {
@@ -192,6 +193,9 @@ mod tests {
 
     #[test]
     fn places_are_short() {
-        assert_eq!([0.0, 1e-6, 0.02, 1.0, 4096.0, 1e5].map(place), ["0", "1e-6", "0.02", "1", "4096", "1e5"]);
+        assert_eq!(
+            [0.0, 1e-6, 0.02, 4096.0, 1e5, 4294967296.0].map(place),
+            ["0", "1e-6", "0.02", "4096", "1e5", "4.3e9"]
+        );
     }
 }

@@ -47,7 +47,7 @@
 //! | [`threads`] | worker threads, each with working memory of its own |
 //! | [`film`], [`adaptive`] | sums; when a block of pixels has had samples enough |
 //! | [`render`], [`output`] | tiles and threads; tone mapping and encoders |
-//! | [`measure`] | figures: speed, parity, the machine they come from |
+//! | [`measure`] | figures: speed, parity, where methods fail, the machine they come from |
 //! | [`report`] | figures as people read them: drawn, tabled, on a page |
 //! | [`cli`] | raw arguments, validated options, commands |
 //!

@@ -6,53 +6,13 @@
 mod common;
 
 use common::{Dice, packet, ray};
-use glam::{DVec3, Vec3};
-use octray::kernel::ray_box::{Reach, Slabs, own_box};
+use glam::Vec3;
+use octray::kernel::ray_box::{
+    BoxMethod, BySign, BySignWidened, Contracted, IeeeMinMax, Padded, Reach, Slabs, X86MinMax, own_box,
+};
 use octray::lane::{F32x8, Lane, Mask};
 use octray::math::{self, Ray};
-
-#[derive(Clone, Copy, Debug)]
-struct Cuboid {
-    lo: Vec3,
-    hi: Vec3,
-}
-
-impl Cuboid {
-    fn extent(&self) -> f32 {
-        self.lo.abs().max(self.hi.abs()).max_element()
-    }
-    /// The box as one point sees it: in every axis the lower plane, the upper one, or between.
-    fn point(&self, dice: &mut Dice) -> DVec3 {
-        let (lo, hi) = (self.lo.as_dvec3(), self.hi.as_dvec3());
-        let share = DVec3::from_array([(); 3].map(|()| match dice.index(3) {
-            0 => 0.0,
-            1 => 1.0,
-            _ => dice.unit(),
-        }));
-        lo + (hi - lo) * share
-    }
-    /// Grown by as much on every side, in f64.
-    fn grown(&self, by: f64) -> (DVec3, DVec3) {
-        (self.lo.as_dvec3() - by, self.hi.as_dvec3() + by)
-    }
-}
-
-/// Where the ray is in the box, by its t; the first is above the second where it misses.
-fn truth((lo, hi): (DVec3, DVec3), origin: Vec3, direction: Vec3) -> (f64, f64) {
-    let (mut near, mut far) = (f64::NEG_INFINITY, f64::INFINITY);
-    for axis in 0..3 {
-        let (o, d) = (f64::from(origin[axis]), f64::from(direction[axis]));
-        if d == 0.0 {
-            if o < lo[axis] || o > hi[axis] {
-                return (f64::INFINITY, f64::NEG_INFINITY);
-            }
-        } else {
-            let (a, b) = ((lo[axis] - o) / d, (hi[axis] - o) / d);
-            (near, far) = (near.max(a.min(b)), far.min(a.max(b)));
-        }
-    }
-    (near, far)
-}
+use octray::measure::stability::boxes::{Cuboid, SCALES, aimed, meets, padding, passing, truth};
 
 fn corner<L: Lane>(v: Vec3) -> math::Vec3<L> {
     math::Vec3::splat(v)
@@ -62,53 +22,15 @@ fn computed(cuboid: Cuboid, extent: f32, ray: &Ray<f32>) -> (f32, f32) {
     Slabs::new(ray, Reach::new(extent)).pass(corner(cuboid.lo), corner(cuboid.hi))
 }
 
-/// A box of any size and place within ±`scale`, flat ones among them.
-fn cuboid(dice: &mut Dice, scale: f64) -> Cuboid {
-    let center = dice.in_cube() * scale;
-    let half = DVec3::from_array([(); 3].map(|()| match dice.index(5) {
-        0 => 0.0,
-        _ => 0.5 * dice.scale(1e-6, 1.0) * scale,
-    }));
-    Cuboid { lo: (center - half).as_vec3(), hi: (center + half).as_vec3() }
-}
-
-/// Components that divide by zero, or nearly.
-const AWKWARD: [f32; 10] =
-    [0.0, -0.0, 1e-17, -1e-17, 1e-18, -1e-19, 1e-40, -1e-40, f32::from_bits(1), -1e-30];
-
-/// A ray towards a point of the box, often a corner or a point of an edge; often with components next to zero, and then often in the plane
-/// of a face.
-fn aimed(dice: &mut Dice, cuboid: &Cuboid, scale: f64) -> Ray<f32> {
-    let target = cuboid.point(dice);
-    let mut origin = match dice.index(4) {
-        0 => cuboid.point(dice).as_vec3(),
-        1 => (dice.in_cube() * (100.0 * scale)).as_vec3(),
-        _ => (dice.in_cube() * (2.0 * scale)).as_vec3(),
-    };
-    let mut direction = (target - origin.as_dvec3()).normalize_or(dice.direction()).as_vec3();
-    if dice.index(2) == 0 {
-        let first = dice.index(3);
-        for axis in [first, (first + 1) % 3].into_iter().take(1 + dice.index(2)) {
-            direction[axis] = AWKWARD[dice.index(AWKWARD.len())];
-            origin[axis] = target[axis] as f32;
-        }
-        direction = direction.as_dvec3().normalize_or(DVec3::X).as_vec3();
-    }
-    ray(origin, direction)
-}
-
-const SCALES: [f64; 7] = [1e-15, 1e-6, 1e-2, 1.0, 1e3, 1e6, 1e15];
-
 #[test]
 fn the_interval_holds_the_true_one_at_all_scales() {
     let mut dice = Dice(71);
     let (mut hits, mut rays) = (0, 0);
     for scale in SCALES {
         for _ in 0..150_000 {
-            let cuboid = cuboid(&mut dice, scale);
+            let cuboid = Cuboid::random(&mut dice, scale);
             let ray = aimed(&mut dice, &cuboid, scale);
-            let (origin, direction) = (ray.origin.get(0), ray.direction.get(0));
-            let (enter, leave) = truth(cuboid.grown(0.0), origin, direction);
+            let (enter, leave) = truth(cuboid.grown(0.0), &ray);
             rays += 1;
             if enter <= leave && leave >= 0.0 {
                 hits += 1;
@@ -129,20 +51,11 @@ fn boxes_that_are_missed_by_two_paddings_are_missed() {
     let (mut misses, mut close) = (0, 0);
     for scale in SCALES {
         for _ in 0..100_000 {
-            let cuboid = cuboid(&mut dice, scale);
-            let origin = (dice.in_cube() * (4.0 * scale)).as_vec3();
-            let padding = f64::from(origin.abs().max_element() + cuboid.extent()) * 0.5f64.powi(21);
-            let outwards = DVec3::from_array([(); 3].map(|()| dice.signed().signum()));
-            let target = cuboid.point(&mut dice) + outwards * (padding * 6.0 * dice.unit());
-            let direction = (target - origin.as_dvec3()).normalize_or(DVec3::X).as_vec3();
-            let meets = |by: f64| {
-                let (enter, leave) = truth(cuboid.grown(by * padding), origin, direction);
-                enter <= leave && leave >= 0.0
-            };
-            if !meets(2.0) {
+            let cuboid = Cuboid::random(&mut dice, scale);
+            if let Some(ray) = passing(&mut dice, &cuboid, scale, 2.0) {
                 misses += 1;
-                close += usize::from(meets(3.0));
-                let ray = ray(origin, direction);
+                let padding = padding(&cuboid, ray.origin.get(0));
+                close += usize::from(meets(cuboid.grown(3.0 * padding), &ray));
                 let (near, far) = computed(cuboid, cuboid.extent(), &ray);
                 assert!(near > far || far < 0.0, "{cuboid:?}, {ray:?}: {near} to {far}");
             }
@@ -173,7 +86,7 @@ fn nested_boxes_have_nested_intervals_and_a_hit_in_one_is_in_all_around_it() {
     let mut dice = Dice(73);
     for scale in SCALES {
         for _ in 0..60_000 {
-            let outer = cuboid(&mut dice, scale);
+            let outer = Cuboid::random(&mut dice, scale);
             let inner = within(&mut dice, outer);
             let ray = aimed(&mut dice, &inner, scale);
             let slabs = Slabs::new(&ray, Reach::new(outer.extent()));
@@ -199,7 +112,7 @@ fn packets_agree_with_single_rays_in_every_bit() {
     let same = |a: f32, b: f32| a.to_bits() == b.to_bits() || (a.is_nan() && b.is_nan());
     for round in 0..20_000 {
         let scale = SCALES[round % SCALES.len()];
-        let cuboids: [Cuboid; 8] = std::array::from_fn(|_| cuboid(&mut dice, scale));
+        let cuboids: [Cuboid; 8] = std::array::from_fn(|_| Cuboid::random(&mut dice, scale));
         let mut rays: [Ray<f32>; 8] = std::array::from_fn(|lane| aimed(&mut dice, &cuboids[lane], scale));
         if round % 10 == 0 {
             rays[dice.index(8)].direction.y = f32::NAN;
@@ -267,4 +180,31 @@ fn empty_boxes_are_never_passed_and_rays_of_nan_pass_no_box() {
             assert!(!passes(&nothing, around) && !passes(&nothing, empty));
         }
     }
+}
+
+/// The other forms too, NaN and infinities included.
+#[test]
+fn every_method_gives_packets_the_bits_of_single_rays() {
+    fn check<B: BoxMethod>() {
+        let mut dice = Dice(76);
+        let same = |a: f32, b: f32| a.to_bits() == b.to_bits() || (a.is_nan() && b.is_nan());
+        for round in 0..4_000 {
+            let scale = SCALES[round % SCALES.len()];
+            let cuboid = Cuboid::random(&mut dice, scale);
+            let rays: [Ray<f32>; 8] = std::array::from_fn(|_| aimed(&mut dice, &cuboid, scale));
+            let reach = Reach::new(cuboid.extent());
+            let packet = B::prepare(&packet::<F32x8>(&rays), reach);
+            let (near, far) = B::pass(&packet, corner(cuboid.lo), corner(cuboid.hi));
+            for (lane, ray) in rays.iter().enumerate() {
+                let single = B::pass(&B::prepare(ray, reach), corner(cuboid.lo), corner(cuboid.hi));
+                assert!(same(near.get(lane), single.0) && same(far.get(lane), single.1), "{ray:?}");
+            }
+        }
+    }
+    check::<Padded>();
+    check::<BySign>();
+    check::<BySignWidened>();
+    check::<Contracted>();
+    check::<X86MinMax>();
+    check::<IeeeMinMax>();
 }

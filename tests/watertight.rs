@@ -6,10 +6,11 @@
 mod common;
 
 use common::rays::Set;
-use common::{Dice, bumpy_ball, empty, material, triangle};
+use common::{Dice, empty, material, triangle};
 use glam::{DVec3, Vec3};
 use octray::bvh::Quality;
 use octray::math::MISS;
+use octray::measure::stability::meshes::bumpy_ball;
 use octray::scene::{MaterialKind, Scene};
 use octray::traverse::batch::Traversal;
 use octray::traverse::hierarchy::Hierarchy;

@@ -1,9 +1,11 @@
 //! What the user typed: the arguments' names, shapes and help.
 //!
-//! For: [`Args`] and one struct a command. May import: `clap`. Must never know: which values make sense; numbers stay text
+//! For: [`Args`] and one struct a command. May import: `clap`, and the names of recipes. Must never know: which values make sense; numbers stay text
 //! here, and `options` reads them, so that every refusal has the same form.
 
 use super::choices::{MethodArgs, PipelineArg, ToneArg, TraversalArg};
+use crate::measure::stability::recipes;
+use clap::builder::PossibleValuesParser;
 use clap::{Parser, Subcommand};
 use std::path::PathBuf;
 
@@ -28,6 +30,7 @@ pub enum Command {
     Compare(CompareArgs),
     Render(RenderArgs),
     Rays(RaysArgs),
+    Stability(StabilityArgs),
     Convert(ConvertArgs),
     Inspect(InspectArgs),
 }
@@ -243,6 +246,29 @@ pub struct RaysArgs {
     /// Which random numbers to use.
     #[arg(long, value_name = "N", default_value = "0", allow_hyphen_values = true)]
     pub seed: String,
+}
+
+/// Show where methods fail.
+///
+/// Makes every method of intersecting spheres, triangles and boxes, and of leaving surfaces, fail on purpose: far away, huge, tiny, at edges, in
+/// planes of faces, close to each other. Every method gets the same cases, judged in double precision; how often it fails and how far it is off
+/// stands in a table, by distance, scale or shape. The seeds are fixed: the figures are the same on every run and any number of threads, and
+/// differ a little between builds with and without FMA. Exits with 1 if a default method does not keep its bounds.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:
+  octray stability
+  octray stability --only spheres-far mesh-edges -o charts
+  octray stability --json > stability.json")]
+pub struct StabilityArgs {
+    /// Print the figures as JSON (schema octray-stability-1).
+    #[arg(long)]
+    pub json: bool,
+    /// Also write the JSON and a chart of each recipe (SVG) into this folder, which is made if it is not there.
+    #[arg(short, long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+    /// Run these recipes only.
+    #[arg(long, value_name = "NAME", num_args = 1.., value_parser = PossibleValuesParser::new(recipes().map(|recipe| recipe.name)))]
+    pub only: Vec<String>,
 }
 
 /// Turn a mesh into a scene file.

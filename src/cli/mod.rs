@@ -6,7 +6,7 @@
 //! |---|---|
 //! | [`args`], [`choices`] | what the user typed: the arguments' names, shapes and help |
 //! | [`options`], [`numbers`], [`limits`] | what we accept: names known, numbers in range |
-//! | [`render`], [`convert`], [`inspect`], [`mod@bench`], [`compare`], [`rays`] | the commands |
+//! | [`render`], [`convert`], [`inspect`], [`mod@bench`], [`compare`], [`rays`], [`stability`] | the commands |
 //! | [`scenes`] | the scenes of commands that take several |
 //! | [`routes`] | which way a scene's rays go, for `inspect` |
 //! | [`machine_check`] | refuses to start where the program's instructions do not exist |
@@ -38,6 +38,7 @@ pub mod render;
 pub mod routes;
 pub mod samples_map;
 pub mod scenes;
+pub mod stability;
 pub mod stats;
 pub mod terminal;
 pub mod trace;
@@ -62,6 +63,7 @@ octray traces paths through scenes on the CPU, eight rays at a time. Try:
   octray compare                                  do SIMD and scalar agree, bit by bit?
   octray render builtin:three -o three.png        a picture
   octray rays builtin:knot:100000                 rays per second, every way of tracing them
+  octray stability                                where methods fail, and which hold
   octray inspect builtin:three                    what a scene holds
   octray convert model.obj scene.json             a scene to edit from a mesh
 
@@ -110,6 +112,11 @@ fn run(args: Args, verdict: &machine_check::Verdict) -> Result<ExitCode, CliErro
             let options = args.try_into()?;
             verdict.advise();
             rays::run(options)
+        }
+        Command::Stability(args) => {
+            let options = args.into();
+            verdict.advise();
+            stability::run(options)
         }
         Command::Convert(args) => convert::run(args.into()),
         Command::Inspect(args) => inspect::run(args.into()),

@@ -1,10 +1,10 @@
 //! What we accept: numbers in range, names known, defaults filled in.
 //!
-//! For: one struct a command, made from its raw arguments or refused. May import: `args`, `choices`, `numbers`, `output`, `render`'s and
+//! For: one struct a command, made from its raw arguments or refused. May import: `args`, `choices`, `numbers`, `output`, `measure`'s, `render`'s and
 //! `traverse`'s choices.
 //! Must never know: how a command does its work.
 
-use super::args::{BenchArgs, CompareArgs, ConvertArgs, InspectArgs, RaysArgs, RenderArgs};
+use super::args::{BenchArgs, CompareArgs, ConvertArgs, InspectArgs, RaysArgs, RenderArgs, StabilityArgs};
 use super::choices::{
     LightArg, MethodArgs, PipelineArg, SamplerArg, SphereMethod, ToneArg, TraversalArg, TriangleMethod,
 };
@@ -12,6 +12,7 @@ use super::error::CliError;
 use super::limits::Limits;
 use super::numbers::{bounces, clamp, exposure, lanes, refuse, samples, seed, size, threads, whole};
 use crate::buffers::LightChoice;
+use crate::measure::stability::{Recipe, recipes};
 use crate::measure::ways::Way;
 use crate::output::{Operator, Tone};
 use crate::render::PipelineChoice;
@@ -101,6 +102,14 @@ pub struct RaysOptions {
     /// So many per way; by time if `None`.
     pub passes: Option<u32>,
     pub seed: u32,
+}
+
+#[derive(Clone, Debug)]
+pub struct StabilityOptions {
+    pub json: bool,
+    pub output: Option<PathBuf>,
+    /// At least one.
+    pub recipes: Vec<&'static Recipe>,
 }
 
 #[derive(Clone, Debug, PartialEq)]
@@ -198,6 +207,15 @@ impl TryFrom<RaysArgs> for RaysOptions {
             passes: args.passes.map(|text| whole("--passes", &text, 1, MAX_PASSES)).transpose()?,
             seed: seed(&args.seed)?,
         })
+    }
+}
+
+impl From<StabilityArgs> for StabilityOptions {
+    fn from(args: StabilityArgs) -> Self {
+        let wanted =
+            |recipe: &&Recipe| args.only.is_empty() || args.only.iter().any(|name| name == recipe.name);
+        let recipes = recipes().filter(wanted).collect();
+        Self { json: args.json, output: args.output, recipes }
     }
 }
 

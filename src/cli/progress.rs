@@ -1,6 +1,6 @@
-//! How far a rendering is: a line on standard error, where that is a terminal.
+//! How far a rendering, or a list of tasks, is: a line on standard error, where that is a terminal.
 //!
-//! For: [`Progress`]. May import: `terminal`, `indicatif`. Must never know: what is rendered, or how.
+//! For: [`Progress`], [`Tasks`]. May import: `terminal`, `indicatif`. Must never know: what is rendered, or how.
 
 use super::terminal::figure;
 use crate::wording::grouped;
@@ -66,6 +66,35 @@ impl Progress {
         self.bar.tick();
     }
 
+    /// Takes the line away.
+    pub fn end(self) {
+        self.bar.finish_and_clear();
+    }
+}
+
+/// How far a list of tasks is: a line of the same kind, with the name of the task at hand.
+pub struct Tasks {
+    bar: ProgressBar,
+}
+
+impl Tasks {
+    pub fn new(count: usize) -> Self {
+        let bar = ProgressBar::with_draw_target(Some(count as u64), ProgressDrawTarget::stderr_with_hz(10));
+        bar.set_style(style("{wide_bar} {pos}/{len} {msg}"));
+        if !bar.is_hidden() {
+            bar.enable_steady_tick(REDRAW);
+        }
+        Self { bar }
+    }
+    /// Shows what is begun now.
+    pub fn begin(&self, task: &'static str) {
+        self.bar.set_message(task);
+    }
+    /// Runs something that writes to the terminal, with the line out of its way, and counts the task.
+    pub fn done<R>(&self, tell: impl FnOnce() -> R) -> R {
+        self.bar.inc(1);
+        self.bar.suspend(tell)
+    }
     /// Takes the line away.
     pub fn end(self) {
         self.bar.finish_and_clear();

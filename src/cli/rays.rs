@@ -11,6 +11,7 @@ use crate::measure::rays::{self, BuildTime, Measurement};
 use crate::measure::stats::RayStats;
 use crate::measure::ways::{Ground, Team, Way};
 use crate::measure::{Machine, machine, ray_dump};
+use crate::output;
 use crate::scene;
 use crate::wording::{counted, grouped};
 use serde::Serialize;
@@ -58,7 +59,7 @@ pub fn run(options: RaysOptions) -> Result<ExitCode, CliError> {
     scene.warnings.iter().for_each(|warning| terminal::warn(warning));
     scene.overview()?;
     if let Some(folder) = &options.dump {
-        ray_dump::prepare(folder)?;
+        output::make_folder(folder)?;
     }
     let threads = threads(&options);
     let mut building = vec![1];

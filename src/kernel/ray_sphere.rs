@@ -28,7 +28,7 @@ pub trait SphereMethod: Send + Sync + 'static {
 /// Error, unit sphere at distance D: hit or miss differs from f64 in 0.0001 % of rays at D = 100, 0.0011 % at 1,000,
 /// 1.2 % at 10⁶ (naive: 45 %). The rounding of o − c dominates: |Δt| ≤ ε · |o − c| · a small number, and within about
 /// √(ε · D · r) of the silhouette hit and miss are undecided; so they are for rays that start within about ε r of the surface and run
-/// along it, where both roots are next to zero: a hit that is found there is not far away. Confirmed by `tests/kernel_sphere.rs`; t is never
+/// along it, where both roots are next to zero: a hit that is found there is not far away. Confirmed by `tests/stability.rs`; t is never
 /// too small by more than boxes allow (`tests/kernel_sphere_box.rs`).
 /// Source: Haines, Günther, Akenine-Möller, "Precision Improvements for Ray/Sphere Intersection", Ray Tracing Gems ch. 7, 2019.
 pub struct Robust;

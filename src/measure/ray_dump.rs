@@ -1,6 +1,6 @@
 //! Rays and answers as files that other programs can read, to trace the very same rays.
 //!
-//! For: [`prepare`], [`write()`]. May import: `ray_sets`, `scene`, `output`. Must never know: how rays are traced.
+//! For: [`write()`]. May import: `ray_sets`, `scene`, `output`. Must never know: how rays are traced.
 //!
 //! # Format
 //! Plain binary, little-endian, without padding. `primary.rays`, `shadow.rays` and `diffuse.rays` hold columns, one after the
@@ -33,18 +33,11 @@ use super::ray_sets::Prepared;
 use crate::math::MISS;
 use crate::output::{Existing, OutputError, write_atomically};
 use crate::scene::Scene;
-use std::fs;
 use std::io::{self, Write};
 use std::path::Path;
 
 const RAYS: &[u8; 8] = b"OCTRAYS1";
 const TRIANGLES: &[u8; 8] = b"OCTRITR1";
-
-/// Makes the folder, unless it is there.
-pub fn prepare(folder: &Path) -> Result<(), OutputError> {
-    fs::create_dir_all(folder)
-        .map_err(|source| OutputError::FolderNotMade { folder: folder.to_owned(), source })
-}
 
 /// Writes all files.
 pub fn write(folder: &Path, scene: &Scene, rays: &[Prepared]) -> Result<(), OutputError> {

@@ -1,6 +1,6 @@
 //! Writing that leaves a whole file or none.
 //!
-//! For: [`write_atomically`] and [`check`], which says beforehand whether it can succeed. May import: `std`, `tempfile`.
+//! For: [`write_atomically`], [`make_folder`], and [`check`], which says beforehand whether it can succeed. May import: `std`, `tempfile`.
 //! Must never know: pictures, formats.
 //!
 //! The content goes into a temporary file in the folder of the final one, to the disk, and then takes its name in one
@@ -25,6 +25,12 @@ pub enum Existing {
 /// not learn it at its end.
 pub fn check(path: &Path, existing: Existing) -> Result<(), OutputError> {
     Place::of(path, existing)?.temporary().map(drop)
+}
+
+/// Makes the folder, and those it lies in, unless it is there.
+pub fn make_folder(folder: &Path) -> Result<(), OutputError> {
+    fs::create_dir_all(folder)
+        .map_err(|source| OutputError::FolderNotMade { folder: folder.to_owned(), source })
 }
 
 /// Writes a file through `fill`: afterwards it is whole, or the place is as it was before.

@@ -17,7 +17,7 @@ pub mod tone;
 
 pub use encode::{Format, encode};
 pub use error::OutputError;
-pub use file::{Existing, Unless, check, write_atomically};
+pub use file::{Existing, Unless, check, make_folder, write_atomically};
 pub use tone::{Operator, Tone};
 
 use crate::film::Picture;

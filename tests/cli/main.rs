@@ -9,6 +9,7 @@ mod limits;
 mod rays;
 mod render;
 mod scenes;
+mod stability;
 mod stats;
 mod streams;
 mod usage;

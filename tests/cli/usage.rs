@@ -5,7 +5,7 @@ use predicates::prelude::*;
 use predicates::str::contains;
 use std::fs;
 
-const COMMANDS: [&str; 6] = ["bench", "compare", "render", "rays", "convert", "inspect"];
+const COMMANDS: [&str; 7] = ["bench", "compare", "render", "rays", "stability", "convert", "inspect"];
 
 #[test]
 fn octray_alone_says_what_to_try() {
@@ -49,6 +49,9 @@ fn wrong_usage_is_refused() {
         (&["bench", "--triangle", "exact"], "baldwin-weber"),
         (&["bench", "--pipeline", "special"], "general"),
         (&["compare", "--lanes", "8"], "--lanes"),
+        (&["stability", "--only", "spheres-fa"], "spheres-far"),
+        (&["stability", "--only"], "--only"),
+        (&["stability", "spheres-far"], "spheres-far"),
         (&["inspect"], "SCENE"),
         (&["inspect", "scene.json", "--force"], "--force"),
         (&["convert", "model.obj"], "SCENE"),

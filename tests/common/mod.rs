@@ -4,19 +4,17 @@
 pub mod rays;
 pub mod statistics;
 
-use glam::{DVec3, Vec3};
+use glam::Vec3;
 use octray::film::Picture;
-pub use octray::measure::stability::Dice;
-pub use octray::measure::stability::aim::{packet, ray};
 use octray::scene::{
     Camera, Filter, Material, MaterialKind, Scene, Side, Sky, Sphere, Texels, Texture, Triangle,
 };
 
-/// The value below which a share of `p` of the values lies.
-pub fn quantile(values: &mut [f64], p: f64) -> f64 {
-    values.sort_by(f64::total_cmp);
-    values[((values.len() - 1) as f64 * p).round() as usize]
-}
+// The numbers and rays of `octray stability`.
+#[allow(unused_imports)]
+pub use octray::measure::stability::Dice;
+#[allow(unused_imports)]
+pub use octray::measure::stability::aim::{packet, ray};
 
 /// Nothing under a white sky, seen from (0, 0, 5) along −z.
 pub fn empty() -> Scene {
@@ -93,34 +91,6 @@ pub fn noise(dice: &mut Dice, width: u32, height: u32, filter: Filter) -> Textur
         Texels::Display(texels.map(|texel| texel.map(|x| (255.0 * x) as u8)).collect())
     };
     Texture { name: "noise".into(), width, height, filter, texels }
-}
-
-/// A closed bumpy ball around the origin, star-shaped, of radius about 1: `4 · rows · rows` triangles or so, all vertices shared.
-pub fn bumpy_ball(rows: usize) -> Vec<[Vec3; 3]> {
-    let columns = 2 * rows;
-    let vertex = |row: usize, column: usize| {
-        let theta = std::f64::consts::PI * row as f64 / rows as f64;
-        let phi = std::f64::consts::TAU * (column % columns) as f64 / columns as f64;
-        // The poles are one vertex each.
-        let phi = if row == 0 || row == rows { 0.0 } else { phi };
-        let unit = DVec3::new(theta.sin() * phi.cos(), theta.cos(), theta.sin() * phi.sin());
-        let bump = (7.0 * unit.x + 1.0).sin() * (9.0 * unit.y).sin() * (8.0 * unit.z + 2.0).sin();
-        (unit * (1.0 + 0.2 * bump)).as_vec3()
-    };
-    let mut triangles = Vec::new();
-    for row in 0..rows {
-        for column in 0..columns {
-            let [a, b] = [vertex(row, column), vertex(row, column + 1)];
-            let [c, d] = [vertex(row + 1, column), vertex(row + 1, column + 1)];
-            if row > 0 {
-                triangles.push([a, b, c]);
-            }
-            if row + 1 < rows {
-                triangles.push([b, d, c]);
-            }
-        }
-    }
-    triangles
 }
 
 /// A ball of 80 triangles of one material with the normals of the sphere, seen under a sky that tells directions.

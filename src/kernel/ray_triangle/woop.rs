@@ -17,8 +17,8 @@ use crate::math::{Ray, Vec3};
 ///
 /// Domain: lengths from 1e-12 to 1e12, because three of them are multiplied: triangles of 1e-15 are missed now and then, or their t is
 /// wrong, and those of 1e15 are always missed.
-/// Error: 0 leaks on edges and vertices (96,000 aimed rays each); p99 relative error of t 1e-4 on slivers of aspect 10⁴.
-/// Confirmed by `tests/kernel_triangle.rs` and `tests/stability.rs`.
+/// Error: 0 leaks on edges and vertices (360,000 aimed rays each, `octray stability`); p99 relative error of t 1e-4 on slivers of aspect 10⁴.
+/// Confirmed by `tests/stability.rs`.
 /// Source: Woop, Benthin, Wald, "Watertight Ray/Triangle Intersection", JCGT 2(1), 2013.
 pub struct Woop;
 

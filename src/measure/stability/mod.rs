@@ -179,6 +179,8 @@ pub struct Outcome {
     pub failure: &'static str,
     pub error: Option<&'static str>,
     pub source: &'static str,
+    /// Does the default method keep its bounds?
+    pub holds: bool,
     pub curves: Vec<Curve>,
 }
 
@@ -209,9 +211,9 @@ impl Outcome {
     pub fn curve(&self, method: &str) -> Option<&Curve> {
         self.curves.iter().find(|curve| curve.method == method)
     }
-    /// Does the default method keep its bounds?
-    pub fn holds(&self) -> bool {
-        self.curves.iter().flat_map(|curve| &curve.points).all(Point::holds)
+    /// Where the default method does not keep its bounds.
+    pub fn faults(&self) -> impl Iterator<Item = &Point> {
+        self.curves.iter().flat_map(|curve| &curve.points).filter(|point| !point.holds())
     }
 }
 
@@ -243,6 +245,7 @@ impl Recipe {
             default: method.default,
             points: self.places.iter().map(|&x| self.at(method, x, effort)).collect(),
         };
+        let curves: Vec<Curve> = self.methods.iter().map(curve).collect();
         Outcome {
             recipe: self.name,
             title: self.title,
@@ -250,7 +253,8 @@ impl Recipe {
             failure: self.failure,
             error: self.error,
             source: self.source,
-            curves: self.methods.iter().map(curve).collect(),
+            holds: curves.iter().flat_map(|curve| &curve.points).all(Point::holds),
+            curves,
         }
     }
 

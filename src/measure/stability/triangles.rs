@@ -32,7 +32,7 @@ pub const RECIPES: &[Recipe] = &[
         name: "triangles-scale",
         title: "Well-shaped triangles of all sizes",
         axis: "longest edge",
-        places: &[1e-15, 1e-12, 1e-9, 1e-6, 1e-3, 1.0, 1e3, 1e6, 1e9, 1e12, 1e15],
+        places: &[1e-15, 1e-12, 1e-8, 1e-4, 1.0, 1e4, 1e8, 1e12, 1e15],
         failure: "hit or miss misjudged, further from an edge than rounding reaches",
         error: Some("|Δt| / (t + edge)"),
         source: WOOP,

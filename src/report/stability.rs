@@ -1,0 +1,123 @@
+//! What recipes found, as figures: failures along the axis, and errors.
+//!
+//! For: [`figures`], [`percent`]. May import: `plot`, `measure`. Must never know: files.
+
+use super::plot::{Axis, Figure, Line};
+use crate::measure::stability::{Curve, Outcome, Point};
+use crate::wording::grouped;
+
+/// The figures of a recipe, each with a name for its file: failures, and errors where they are measured.
+pub fn figures(outcome: &Outcome) -> Vec<(String, Figure)> {
+    let failures = (outcome.recipe.to_string(), failures(outcome));
+    let errors = outcome.error.map(|error| (format!("{}-error", outcome.recipe), errors(outcome, error)));
+    [Some(failures), errors].into_iter().flatten().collect()
+}
+
+fn failures(outcome: &Outcome) -> Figure {
+    let tested = outcome.curves.iter().flat_map(|curve| &curve.points).map(|point| point.tested);
+    let least = tested.min().unwrap_or(0).max(1);
+    let seen = format!("{} cases a point: one failure is {}.", grouped(least), percent(1.0 / least as f64));
+    let notes = vec![format!("Failure: {}.", outcome.failure), seen];
+    let of = |curve: &Curve| Line {
+        points: curve.points.iter().map(|point| [point.x, 100.0 * point.rate()]).collect(),
+        ..line(curve)
+    };
+    figure(outcome, notes, "failures, %", outcome.curves.iter().map(of).collect())
+}
+
+fn errors(outcome: &Outcome, error: &str) -> Figure {
+    let notes = vec![
+        format!("{error} where the method did not fail: 99th percentile."),
+        "The band of the default method goes from its median to its largest error.".into(),
+    ];
+    let of = |curve: &Curve| {
+        let with = |y: fn(&Point) -> Option<f64>| {
+            curve.points.iter().filter_map(move |point| Some((point.x, y(point)?)))
+        };
+        let points = with(|point| point.p99).map(|(x, p99)| [x, p99]).collect();
+        let spread = with(|point| point.p50).zip(with(|point| point.max));
+        let band = spread.map(|((x, p50), (_, max))| [x, p50, max]);
+        Line { points, band: if curve.default { band.collect() } else { Vec::new() }, ..line(curve) }
+    };
+    figure(outcome, notes, error, outcome.curves.iter().map(of).collect())
+}
+
+fn line(curve: &Curve) -> Line {
+    let name = if curve.default { format!("{} (default)", curve.method) } else { curve.method.to_string() };
+    Line { name, strong: curve.default, ..Line::default() }
+}
+
+fn figure(outcome: &Outcome, notes: Vec<String>, y: &str, lines: Vec<Line>) -> Figure {
+    Figure {
+        title: outcome.title.to_string(),
+        notes,
+        x: Axis { label: outcome.axis.to_string(), log: true },
+        y: Axis { label: y.to_string(), log: true },
+        lines,
+        guides: Vec::new(),
+    }
+}
+
+/// A share with two digits that say something: 0, 0.0013 %, 4.5 %, 100 %.
+pub fn percent(share: f64) -> String {
+    let percent = 100.0 * share;
+    if percent == 0.0 {
+        return "0 %".into();
+    }
+    // Two digits would make 100 of 99.6.
+    if percent > 99.0 && percent < 100.0 {
+        return format!("{:.1} %", percent.min(99.9));
+    }
+    let decimals = (1.0 - percent.log10().floor()).clamp(0.0, 9.0) as usize;
+    format!("{percent:.decimals$} %")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn percent_has_two_digits_and_calls_only_nothing_0_and_all_100() {
+        let shares = [0.0, 2.5e-6, 0.000_013, 0.045, 0.5, 0.996, 0.99999, 1.0];
+        let texts = ["0 %", "0.00025 %", "0.0013 %", "4.5 %", "50 %", "99.6 %", "99.9 %", "100 %"];
+        assert_eq!(shares.map(percent), texts);
+    }
+
+    #[test]
+    fn figures_show_every_method_and_mark_the_default() {
+        let point = |x, failures, p99| Point {
+            x,
+            tested: 1000,
+            failures,
+            p50: p99,
+            p90: p99,
+            p99,
+            max: p99.map(|p99: f64| 2.0 * p99),
+            bound: None,
+        };
+        let curve = |method, default| Curve {
+            method,
+            default,
+            points: vec![point(1.0, 0, Some(1e-6)), point(10.0, 5, None)],
+        };
+        let outcome = Outcome {
+            recipe: "far",
+            title: "Far away",
+            axis: "distance",
+            failure: "missed",
+            error: Some("|Δt|"),
+            source: "somebody",
+            holds: true,
+            curves: vec![curve("robust", true), curve("naive", false)],
+        };
+        let figures = figures(&outcome);
+        let names: Vec<&str> = figures.iter().map(|(name, _)| name.as_str()).collect();
+        assert_eq!(names, ["far", "far-error"]);
+        let [failures, errors] = [0, 1].map(|number| &figures[number].1);
+        assert_eq!(failures.lines[0].points, [[1.0, 0.0], [10.0, 0.5]]);
+        assert_eq!(failures.lines.iter().map(|line| line.strong).collect::<Vec<_>>(), [true, false]);
+        assert!(failures.lines[0].name.contains("default") && !failures.lines[1].name.contains("default"));
+        assert_eq!((&errors.lines[1].points[..], errors.lines[0].band.len()), (&[[1.0, 1e-6]][..], 1));
+        assert_eq!(super::figures(&Outcome { error: None, ..outcome }).len(), 1);
+    }
+}

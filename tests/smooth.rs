@@ -85,7 +85,7 @@ fn bent_normals_mirror_above_the_surface_and_face_the_ray() {
         let mirrored = d - bent * (2.0 * d.dot(bent));
         // Half of the sine of arrival.
         let sine = (-d.dot(own)).max(1e-6);
-        let off = 1e-6;
+        let off = 2e-6;
         let least = (0.5 * sine).min(0.01) - off;
         worst = worst.max(least + off - mirrored.dot(own));
         assert!(mirrored.dot(own) >= least, "{d}, {normal}, {own}: {bent}, {}", mirrored.dot(own));

@@ -133,10 +133,10 @@ fn cameras_far_from_the_origin_and_close_to_walls_see_what_is_there() {
 
 #[test]
 fn what_is_huge_hides_what_is_small_only_beyond_single_precision() {
-    fails_and_holds("scenes-mixed", 1e5, ["naive", "robust"], 0.0);
-    for method in ["naive", "robust"] {
-        assert!(at("scenes-mixed", method, 3e7).rate() > 0.0, "{method} is not out of its depth");
-    }
+    // The naive equation loses the small ball itself, as it does at 1,000 radii of any ball.
+    fails_and_holds("scenes-mixed", 1.0, ["naive", "robust"], 0.002);
+    fails_and_holds("scenes-mixed", 1e5, ["naive", "robust"], 0.002);
+    assert!(at("scenes-mixed", "robust", 1e8).rate() > 0.05, "out of its depth");
 }
 
 #[test]

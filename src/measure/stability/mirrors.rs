@@ -17,7 +17,7 @@ pub const RECIPES: &[Recipe] = &[Recipe {
     failure: "the ray leaves the room, or its direction is longer or shorter than 1 by more than 1e-5",
     error: Some("|Δ direction| in radians, but for the sides that the room has mirrored"),
     source: "kernel::ray_sphere, which asks for unit length within 1e-5",
-    cases: 96,
+    cases: 48,
     methods: &[
         Method::other("point-along-ray", |dice, x, cases| room(dice, x, cases, along_ray, 1)),
         Method::other("never-mended", |dice, x, cases| room(dice, x, cases, off_surface, u32::MAX)),

@@ -17,7 +17,7 @@ use std::f64::consts::TAU;
 pub const RECIPES: &[Recipe] = &[
     Recipe {
         name: "scenes-mixed",
-        title: "A small ball that lies on a huge one, seen from ten times its size away",
+        title: "A small ball that lies on a huge one, seen from a thousand times its size away",
         axis: "radius of the huge ball / radius of the small one",
         places: &[1.0, 1e2, 1e3, 1e4, 1e5, 1e6, 3e6, 1e7, 3e7, 1e8],
         failure: "the small ball is not seen where it is a tenth of its radius in front",
@@ -119,11 +119,11 @@ fn mixed(dice: &mut Dice, ratio: f64, cases: usize, way: Way) -> Tally {
         };
         let balls = [ball(-ratio * small, ratio * small), ball(small, small)];
         let along = up.cross(dice.direction()).normalize();
-        let eye = contact + (up * dice.scale(0.5, 5.0) + along).normalize() * (10.0 * small);
+        let eye = contact + (up * dice.scale(0.5, 5.0) + along).normalize() * (1000.0 * small);
         let mut scene = empty();
         scene.spheres = balls.map(|Ball { center, radius }| sphere(center, radius)).into();
         let (position, look_at) = (eye.as_vec3(), balls[1].center);
-        scene.camera = Camera { position, look_at, up: along.cross(up).as_vec3(), vertical_fov: 12.0 };
+        scene.camera = Camera { position, look_at, up: along.cross(up).as_vec3(), vertical_fov: 0.12 };
         for hit in seen(&scene, way) {
             let ray = ray(hit.origin.into(), hit.direction.into());
             let [ground, nearest] = balls.map(|ball| truth(ball, &ray).unwrap_or(f64::INFINITY));

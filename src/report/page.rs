@@ -9,19 +9,19 @@ use crate::measure::chart::{Chart, SceneChart, configurations::DEFAULT};
 use crate::wording::counted;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
-/// Readable on a phone (one column, tables that scroll by themselves), on a desk, and in print (no figure is torn apart).
+/// Readable on a phone (one column; tables and figures scroll by themselves instead of shrinking), on a desk, and in print (no figure is torn apart).
 const STYLE: &str = "
 body { font: 16px/1.5 sans-serif; max-width: 72rem; margin: 0 auto; padding: 1rem; color: #222; background: #fff }
 h1, h2, h3 { line-height: 1.2 }
-figure { margin: 1rem 0 }
-svg { display: block; width: 100%; height: auto }
+figure { margin: 1rem 0; overflow-x: auto }
+svg { display: block; width: 100%; min-width: 50rem; height: auto }
 .wide { overflow-x: auto }
 table { border-collapse: collapse; font-size: 0.9rem; font-variant-numeric: tabular-nums }
 th, td { padding: 0.25rem 0.75rem; border-bottom: 1px solid #ccc; text-align: right; white-space: nowrap }
 th:first-child, td:first-child, .text { text-align: left }
 .default { font-weight: bold }
 small { color: #555 }
-@media print { figure, table { break-inside: avoid } details { display: block } body { max-width: none; font-size: 11px } }
+@media print { svg { min-width: 0 } figure, table { break-inside: avoid } details { display: block } body { max-width: none; font-size: 11px } }
 ";
 
 /// The page.

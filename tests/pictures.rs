@@ -1,10 +1,12 @@
 //! Law: a picture on a sphere reads from left to right for an eye on the side that the scene names, and is mirrored from the other;
 //! the sky reads right from where everybody sees it. Columns of red 0, 1, 2, … stand for the letters of a text.
+//!
+//! And whole repeats of a picture on triangles are nothing.
 
 mod common;
 
-use common::{empty, material, sphere};
-use glam::Vec3;
+use common::{empty, material, sphere, triangle};
+use glam::{Vec2, Vec3};
 use octray::reference::{PathSettings, Reference};
 use octray::render::{Renderer, Settings};
 use octray::scene::{
@@ -120,5 +122,26 @@ fn builtin_skies_on_spheres_read_right_from_inside() {
         let scene = load(name).unwrap();
         let sky = scene.spheres.iter().find(|sphere| sphere.radius == 1000.0).unwrap();
         assert_eq!(sky.picture_from, Side::Inside, "{name}");
+    }
+}
+
+#[test]
+fn whole_repeats_of_a_triangles_picture_change_no_bit() {
+    let corners = [Vec3::new(-4.0, -4.0, 0.0), Vec3::new(4.0, -4.0, 0.0), Vec3::new(0.0, 5.0, 0.0)];
+    // A step of single precision near 10⁶ is a sixteenth.
+    let uvs = [Vec2::new(0.0, 0.25), Vec2::new(0.75, 0.0), Vec2::new(0.5, 0.9375)];
+    let shifted = |by: Vec2| {
+        let mut scene = Scene { triangles: vec![triangle(corners, 0)], ..ball(Side::Outside) };
+        scene.spheres.clear();
+        scene.uvs = vec![uvs.map(|uv| uv + by)];
+        let renderer = Renderer::new(&scene, Settings::of(&scene));
+        let mut film = renderer.film();
+        renderer.add_samples(&mut film, 2);
+        film.picture()
+    };
+    let near = shifted(Vec2::ZERO);
+    assert!(near.pixels.iter().any(|pixel| pixel[0] != near.pixels[0][0]), "the picture shows");
+    for by in [Vec2::new(1.0, -7.0), Vec2::new(-1e6, 1e6)] {
+        assert!(shifted(by) == near, "{by}");
     }
 }

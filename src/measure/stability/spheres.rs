@@ -125,7 +125,7 @@ pub fn truth(ball: Ball, ray: &Ray<f32>) -> Option<f64> {
 }
 
 /// How far the point at t lies off the sphere, and how far the rounding of a good kernel may put it, 40 ε (|o − c| + r): see
-/// [`crate::reference::verdict`].
+/// `reference::verdict`.
 pub fn off(ball: Ball, ray: &Ray<f32>, t: f32) -> (f64, f64) {
     let (origin, direction) = exactly(ray);
     let (center, radius) = (ball.center.as_dvec3(), f64::from(ball.radius));

@@ -99,6 +99,8 @@ struct Run<'a> {
     levels: Vec<Level>,
     /// All time that went into this configuration, errors included.
     spent: Duration,
+    /// Of that, what rendering the level at hand has taken, and all that went into the one before.
+    rendering: Duration,
     last: Duration,
     done: bool,
 }
@@ -115,10 +117,14 @@ pub fn measure(
     let most = MOST_SAMPLES.min(truth.small_samples() / TRUTH_FACTOR).max(1);
     let mut runs: Vec<Run> = configurations.iter().map(|one| Run::new(scene, one, truth, seeds)).collect();
     let slice = end.saturating_duration_since(Instant::now()) / runs.len() as u32;
-    // Level by level, so that a machine that grows slow does so for all configurations.
+    // Level by level, seed by seed, and each seed by turns: a machine that grows slow for a while does so for all configurations.
     while runs.iter().any(|run| !run.done) {
-        for run in runs.iter_mut().filter(|run| !run.done) {
-            run.level(truth, &flip, most);
+        let mut active: Vec<&mut Run> = runs.iter_mut().filter(|run| !run.done).collect();
+        for seed in 0..seeds {
+            active.iter_mut().for_each(|run| run.render(seed, most));
+        }
+        for run in active {
+            run.end_level(truth, &flip, most);
             run.done |= run.spent + 2 * run.last > slice;
         }
     }
@@ -133,28 +139,33 @@ impl<'a> Run<'a> {
         // Caches fill, threads wake up.
         renderer.add_samples(&mut renderer.film(), 1);
         let films = (0..seeds).map(|_| (renderer.film(), 0.0)).collect();
-        let (levels, last) = (Vec::new(), Duration::ZERO);
-        Self { configuration, renderer, films, levels, spent: start.elapsed(), last, done: false }
+        let none = Duration::ZERO;
+        let (levels, spent) = (Vec::new(), start.elapsed());
+        Self { configuration, renderer, films, levels, spent, rendering: none, last: none, done: false }
     }
 
-    /// Twice the samples for every seed; or half the target error, from the first sample on.
-    fn level(&mut self, truth: &Truth, flip: &Flip, most: u32) {
+    /// Twice the samples for this seed, the first being 0; or half the target error, from the first sample on.
+    fn render(&mut self, seed: u32, most: u32) {
+        let (film, seconds) = &mut self.films[seed as usize];
+        self.renderer.set_seed(seed + 1);
         let start = Instant::now();
-        let (mut level, seeds) = (Level::default(), self.films.len() as f64);
-        for (seed, (film, seconds)) in (1..).zip(&mut self.films) {
-            self.renderer.set_seed(seed);
-            if self.configuration.adaptive {
-                let error = FIRST_TARGET * 0.5f64.powi(self.levels.len() as i32);
-                let clock = Instant::now();
-                *film = to_target(&self.renderer, &Target { error, least: LEAST.min(most), most });
-                *seconds = clock.elapsed().as_secs_f64();
-            } else {
-                let clock = Instant::now();
-                self.renderer.add_samples(film, film.samples().max(1));
-                *seconds += clock.elapsed().as_secs_f64();
-            }
+        if self.configuration.adaptive {
+            let error = FIRST_TARGET * 0.5f64.powi(self.levels.len() as i32);
+            *film = to_target(&self.renderer, &Target { error, least: LEAST.min(most), most });
+            *seconds = start.elapsed().as_secs_f64();
+        } else {
+            self.renderer.add_samples(film, film.samples().max(1));
+            *seconds += start.elapsed().as_secs_f64();
+        }
+        self.rendering += start.elapsed();
+    }
+
+    /// After all seeds have had their turn: what there is to say of them, outside of what is timed.
+    fn end_level(&mut self, truth: &Truth, flip: &Flip, most: u32) {
+        let (start, mut level) = (Instant::now(), Level::default());
+        for (film, seconds) in &self.films {
             let picture = film.picture();
-            level.samples += film.mean_samples() / seeds;
+            level.samples += film.mean_samples() / self.films.len() as f64;
             level.seconds.push(*seconds);
             level.errors.push(Errors::of(&picture, &truth.small));
             level.flip.push(flip.against(&picture));
@@ -162,7 +173,7 @@ impl<'a> Run<'a> {
         }
         self.done = level.samples * 2.0 > f64::from(most);
         self.levels.push(level);
-        self.last = start.elapsed();
+        self.last = std::mem::take(&mut self.rendering) + start.elapsed();
         self.spent += self.last;
     }
 }

@@ -101,7 +101,7 @@ fn write(folder: &Path, chart: &Chart) -> Result<(), CliError> {
     save("pictures.csv".into(), &tables::pictures(chart))?;
     save("frames.csv".into(), &tables::frames(chart))?;
     save("kernels.csv".into(), &tables::kernels(chart))?;
-    save("chart.json".into(), &(serde_json::to_string_pretty(chart).expect("figures are JSON") + "\n"))?;
+    output::save_json(&folder.join("chart.json"), chart)?;
     Ok(save("report.html".into(), &page(chart))?)
 }
 

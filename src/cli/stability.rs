@@ -7,7 +7,7 @@ use super::progress::Tasks;
 use super::terminal;
 use crate::measure::Machine;
 use crate::measure::stability::{Bound, Curve, Effort, Outcome, Point};
-use crate::output::{self, Existing, write_atomically};
+use crate::output::{self, Existing};
 use crate::report::stability::{figures, percent};
 use crate::wording::{counted, grouped};
 use serde::Serialize;
@@ -64,16 +64,9 @@ pub fn run(options: StabilityOptions) -> Result<ExitCode, CliError> {
 
 fn write(folder: &Path, report: &Report) -> Result<(), CliError> {
     for (name, figure) in report.recipes.iter().flat_map(figures) {
-        let path = folder.join(format!("{name}.svg"));
-        write_atomically(&path, Existing::Replace, |file| {
-            std::io::Write::write_all(file, figure.svg().as_bytes())
-        })?;
+        output::save_text(&folder.join(format!("{name}.svg")), &figure.svg())?;
     }
-    write_atomically(&folder.join(JSON), Existing::Replace, |file| {
-        serde_json::to_writer_pretty(&mut *file, report)?;
-        std::io::Write::write_all(file, b"\n")
-    })?;
-    Ok(())
+    Ok(output::save_json(&folder.join(JSON), report)?)
 }
 
 /// Room for a name and for a figure.

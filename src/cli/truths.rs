@@ -49,6 +49,5 @@ pub fn save(place: &Path, truth: &Truth) -> Result<(), CliError> {
     let quality = place.with_extension("json");
     output::make_folder(place.parent().unwrap_or(Path::new(".")))?;
     output::save(&place.with_extension("exr"), &truth.frame, &Tone::default())?;
-    let text = serde_json::to_string_pretty(&truth.quality).expect("numbers are JSON");
-    Ok(output::save_text(&quality, &text)?)
+    Ok(output::save_json(&quality, &truth.quality)?)
 }

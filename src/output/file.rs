@@ -1,12 +1,13 @@
 //! Writing that leaves a whole file or none.
 //!
-//! For: [`write_atomically`], [`save_text`], [`make_folder`], and [`check`], which says beforehand whether writing can succeed. May import: `std`, `tempfile`.
+//! For: [`write_atomically`], [`save_text`], [`save_json`], [`make_folder`], and [`check`], which says beforehand whether writing can succeed. May import: `std`, `tempfile`, `serde_json`.
 //! Must never know: pictures, formats.
 //!
 //! The content goes into a temporary file in the folder of the final one, to the disk, and then takes its name in one
 //! step. A reader sees the old file or the new one; a failure on the way leaves the old one and no other.
 
 use super::error::OutputError;
+use serde::Serialize;
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
@@ -62,6 +63,14 @@ pub fn write_atomically(
 /// Writes a text, in place of what was there.
 pub fn save_text(path: &Path, text: &str) -> Result<(), OutputError> {
     write_atomically(path, Existing::Replace, |file| file.write_all(text.as_bytes()))
+}
+
+/// Writes something as indented JSON, in place of what was there.
+pub fn save_json(path: &Path, what: &impl Serialize) -> Result<(), OutputError> {
+    write_atomically(path, Existing::Replace, |file| {
+        serde_json::to_writer_pretty(&mut *file, what)?;
+        file.write_all(b"\n")
+    })
 }
 
 /// Makes a folder, and those above it, unless it is there.

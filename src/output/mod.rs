@@ -1,6 +1,6 @@
 //! Pictures as people and programs see them: tone mapping, encoding, files that are whole or absent.
 //!
-//! For: [`save`] and [`save_unless`], which turn a [`Picture`] into a file, [`save_text`], and the parts they are made of. May import: `film`.
+//! For: [`save`] and [`save_unless`], which turn a [`Picture`] into a file, [`save_text`] and [`save_json`], and the parts they are made of. May import: `film`.
 //! Must never know: scenes, rays, command lines, windows.
 //!
 //! | file | what it does |
@@ -17,7 +17,7 @@ pub mod tone;
 
 pub use encode::{Format, encode};
 pub use error::OutputError;
-pub use file::{Existing, Unless, check, make_folder, save_text, write_atomically};
+pub use file::{Existing, Unless, check, make_folder, save_json, save_text, write_atomically};
 pub use tone::{Operator, Tone};
 
 use crate::film::Picture;

@@ -285,8 +285,8 @@ pub struct ChartArgs {
 
 /// Show where methods fail.
 ///
-/// Makes every method of intersecting spheres, triangles and boxes, and of leaving surfaces, fail on purpose: far away, huge, tiny, at edges, in
-/// planes of faces, close to each other. Every method gets the same cases, judged in double precision; how often it fails and how far it is off
+/// Makes every method fail on purpose: of intersecting spheres, triangles and boxes, of leaving surfaces, of reading pictures, of scattering and aiming
+/// at lamps, of summing samples, of cameras and whole scenes; far away, huge, tiny, at edges, in planes of faces, close to each other. Every method gets the same cases, judged in double precision; how often it fails and how far it is off
 /// stands in a table, by distance, scale or shape. The seeds are fixed: the figures are the same on every run and any number of threads, and
 /// differ a little between builds with and without FMA. Exits with 1 if a default method does not keep its bounds.
 #[derive(Debug, clap::Args)]
@@ -331,7 +331,7 @@ pub struct ConvertArgs {
 ///
 /// Counts its objects, materials and textures, says how much memory they take and where the camera stands, and repeats what
 /// was odd about the file. Says which way its rays go and why: whether every primitive is tested or a hierarchy of boxes leads to the
-/// few that matter; such a hierarchy is built, timed and checked. Exits with 1 if it is not valid.
+/// few that matter; such a hierarchy is built, timed and checked. Says which methods it gets unless others are asked for, and why. Exits with 1 if it is not valid.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example:\n  octray inspect builtin:three --json")]
 pub struct InspectArgs {

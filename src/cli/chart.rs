@@ -12,7 +12,8 @@ use crate::measure::chart::truth::SHRINK;
 use crate::measure::chart::{Chart, Plan, SCHEMA, kernels};
 use crate::measure::{Machine, machine};
 use crate::output;
-use crate::report::{chart::drawings, page::page, tables};
+use crate::report::chart::{drawings, verdict};
+use crate::report::{page::page, tables};
 use crate::scene;
 use crate::wording::grouped;
 use std::path::{Path, PathBuf};
@@ -24,6 +25,9 @@ const KERNELS_SHARE: f64 = 0.08;
 const KERNELS_MOST: Duration = Duration::from_secs(10);
 /// What is left at the end for drawing and writing.
 const WRITING: Duration = Duration::from_millis(500);
+/// From here on a budget is said to be exceeded, and a machine to be busy: times of the default's seeds, 90 % over 10 %.
+const MOST_OVER: f64 = 1.1;
+const BUSY: f64 = 1.5;
 /// Without `--budget`, for each scene.
 const A_SCENE: Duration = Duration::from_secs(20);
 
@@ -76,7 +80,10 @@ pub fn run(options: ChartOptions) -> Result<ExitCode, CliError> {
             }
         };
         let step = |what: &str| countdown.step(&format!("{}: {what}", scene.name));
-        chart.scenes.push(plan.chart(&scene, &truth, &step));
+        let mut charted = plan.chart(&scene, &truth, &step);
+        // As it was asked for: files in different folders may have one name.
+        charted.scene = name.clone();
+        chart.scenes.push(charted);
     }
     countdown.step("drawing");
     chart.seconds = start.elapsed().as_secs_f64();
@@ -88,8 +95,31 @@ pub fn run(options: ChartOptions) -> Result<ExitCode, CliError> {
     } else {
         terminal::print(&text(&chart, &options.output))?;
     }
+    for sentence in doubts(&chart) {
+        terminal::warn(&sentence);
+    }
     let broken = chart.scenes.iter().flat_map(|scene| &scene.pictures).any(Line::is_broken);
     Ok(if broken { ExitCode::from(CHECK_FAILED) } else { ExitCode::SUCCESS })
+}
+
+/// What makes the figures worth less than they look.
+fn doubts(chart: &Chart) -> Vec<String> {
+    let mut doubts = Vec::new();
+    let (took, budget) = (chart.seconds, chart.budget_s);
+    if took > MOST_OVER * budget {
+        let enough = figure(took.ceil(), 0);
+        doubts.push(format!("it took {took:.1} s of {budget} s: the least that there is to do. Give --budget {enough} or more."));
+    }
+    for scene in &chart.scenes {
+        let last = scene.pictures.first().and_then(|line| line.points.last());
+        if last.is_some_and(|point| point.seconds.p90 > BUSY * point.seconds.p10) {
+            doubts.push(format!(
+                "the machine was busy during {}: the same work took more than {BUSY} times as long now and then.",
+                scene.scene
+            ));
+        }
+    }
+    doubts
 }
 
 /// The page, its drawings and its tables.
@@ -103,6 +133,10 @@ fn write(folder: &Path, chart: &Chart) -> Result<(), CliError> {
     save("kernels.csv".into(), &tables::kernels(chart))?;
     output::save_json(&folder.join("chart.json"), chart)?;
     Ok(save("report.html".into(), &page(chart))?)
+}
+
+fn times(ratio: f64) -> String {
+    if ratio.is_finite() { format!("{}×", figure(ratio, 2)) } else { "–".into() }
 }
 
 /// What was found, for people.
@@ -123,19 +157,14 @@ fn text(chart: &Chart, folder: &Path) -> String {
         );
         for line in &scene.pictures {
             let Some(last) = line.points.last() else { continue };
-            let verdict = match line.dominated_by {
-                _ if line.is_broken() => "NOT the default's picture".to_owned(),
-                Some(better) => format!("dominated by {better}"),
-                None if !line.robust => "on the front, but not robust".to_owned(),
-                None => "on the front".to_owned(),
-            };
             text += &format!(
-                "{:<24}{:>12}{:>12}{:>12.2e}{:>13}×  {verdict}\n",
+                "{:<24}{:>12}{:>12}{:>12.2e}{:>14}  {}\n",
                 line.configuration,
                 figure(last.samples, 0),
                 figure(last.seconds.median, 3),
                 last.rmse.median,
-                figure(line.time_to_equal_error, 2),
+                times(line.time_to_equal_error),
+                verdict(line),
             );
         }
     }

@@ -58,6 +58,9 @@ pub fn run(options: StabilityOptions) -> Result<ExitCode, CliError> {
         terminal::print_json(&report)?;
     } else {
         terminal::print(&verdict(&report))?;
+        if let Some(folder) = &options.output {
+            terminal::print(&format!("Charts and {JSON} are in {}.\n", folder.display()))?;
+        }
     }
     Ok(if report.holds { ExitCode::SUCCESS } else { ExitCode::from(CHECK_FAILED) })
 }
@@ -92,7 +95,10 @@ fn table(outcome: &Outcome) -> String {
     row(&mut text, "", &|point| place(point.x), places);
     for Curve { method, default, points } in curves {
         let name = format!("{method}{}", if *default { " *" } else { "" });
-        let failures = |point: &Point| percent(point.rate()).trim_end_matches(" %").to_string();
+        let failures = |point: &Point| {
+            let share = percent(point.rate()).trim_end_matches(" %").to_string();
+            if point.promises_nothing() { format!("({share})") } else { share }
+        };
         row(&mut text, &name, &failures, points);
         if error.is_some() {
             let error = |point: &Point| point.p99.map_or("-".into(), |p99| format!("{p99:.1e}"));
@@ -124,7 +130,7 @@ fn verdict(report: &Report) -> String {
         report.recipes.iter().filter(|outcome| !outcome.holds).map(|outcome| outcome.recipe).collect();
     match failed[..] {
         [] => format!(
-            "\nThe default methods (*) keep their bounds in {}.\n",
+            "\nThe default methods (*) keep their bounds in {}. In brackets: places where they promise nothing.\n",
             counted(report.recipes.len(), "recipe", "recipes")
         ),
         _ => format!("\nTHE DEFAULT METHODS (*) DO NOT KEEP THEIR BOUNDS in {}.\n", failed.join(", ")),

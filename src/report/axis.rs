@@ -10,6 +10,17 @@ pub struct Axis {
     pub log: bool,
 }
 
+impl Axis {
+    /// As it is written beside the axis.
+    pub(super) fn name(&self) -> String {
+        if self.log { format!("{} (logarithmic)", self.label) } else { self.label.clone() }
+    }
+}
+
+/// A logarithmic axis spans as much at least, and has as many ticks if it can.
+const LEAST_DECADES: f64 = 0.5;
+const FEWEST_TICKS: usize = 3;
+
 /// From where to where an axis goes, in its own coordinate: the number, or its logarithm to base 10.
 pub(super) struct Range {
     log: bool,
@@ -63,16 +74,21 @@ impl Range {
     }
 }
 
-/// The range around these logarithms, and ticks: powers of ten, and where there are few of them also 2 and 5 times these.
+/// The range around these logarithms, and ticks: powers of ten, and where there are few of them also 2 and 5 times these, or all digits.
 fn decades(least: f64, most: f64) -> (f64, f64, Vec<f64>) {
-    let margin = 0.04 * (most - least) + 0.02;
+    let margin = (0.04 * (most - least)).max(LEAST_DECADES / 2.0 - (most - least) / 2.0) + 0.02;
     let (low, high) = (least - margin, most + margin);
-    let wide = high - low;
-    let every = (wide / 8.0).ceil().max(1.0) as i32;
-    let factors: &[f64] = if wide > 2.5 { &[1.0] } else { &[1.0, 2.0, 5.0] };
-    let powers = (low.floor() as i32..=high.ceil() as i32).filter(|power| power.rem_euclid(every) == 0);
-    let ticks = powers.flat_map(|power| factors.iter().map(move |factor| f64::from(power) + factor.log10()));
-    (low, high, ticks.filter(|&tick| tick >= low && tick <= high).collect())
+    let every = ((high - low) / 8.0).ceil().max(1.0) as i32;
+    let ticks = |factors: &[u8]| {
+        let powers = (low.floor() as i32..=high.ceil() as i32).filter(|power| power.rem_euclid(every) == 0);
+        let all = powers.flat_map(|power| {
+            factors.iter().map(move |&factor| f64::from(power) + f64::from(factor).log10())
+        });
+        all.filter(|&tick| tick >= low && tick <= high).collect::<Vec<f64>>()
+    };
+    let sets: [&[u8]; 3] = [&[1], &[1, 2, 5], &[1, 2, 3, 4, 5, 6, 8]];
+    let enough = sets.into_iter().map(ticks).find(|ticks| ticks.len() >= FEWEST_TICKS);
+    (low, high, enough.unwrap_or_else(|| ticks(sets[2])))
 }
 
 /// The range around these numbers, and ticks at 1, 2 or 5 times a power of ten.

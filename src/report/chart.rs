@@ -3,10 +3,11 @@
 //! For: [`drawings`]. May import: `plot`, `measure::chart`. Must never know: files, pages.
 
 use super::plot::{Axis, Figure, Line};
+use crate::measure::chart::configurations::{DEFAULT, NAMES};
 use crate::measure::chart::kernels::{Case, Kernel};
 use crate::measure::chart::pictures::{Point, Spread};
-use crate::measure::chart::{Chart, SceneChart, configurations::DEFAULT};
-use crate::wording::grouped;
+use crate::measure::chart::{Chart, SceneChart, pictures};
+use crate::wording::{counted, grouped};
 
 /// A figure, and the file name it goes by, without its extension.
 #[derive(Clone, Debug)]
@@ -54,7 +55,7 @@ impl Measure {
 pub fn drawings(chart: &Chart) -> Vec<Drawing> {
     let mut all = equations(&chart.kernels);
     for scene in &chart.scenes {
-        all.extend(Measure::ALL.map(|measure| pictures(chart, scene, measure)));
+        all.extend(Measure::ALL.map(|measure| of_pictures(chart, scene, measure)));
         all.push(frames(scene));
     }
     all
@@ -69,9 +70,9 @@ pub fn file_name(scene: &str) -> String {
 }
 
 /// Error against time on a scene.
-pub fn pictures(chart: &Chart, scene: &SceneChart, measure: Measure) -> Drawing {
+pub fn of_pictures(chart: &Chart, scene: &SceneChart, measure: Measure) -> Drawing {
     let [width, height] = scene.size;
-    let line = |line: &crate::measure::chart::pictures::Line| {
+    let line = |line: &pictures::Line| {
         let at = |point: &Point| [point.seconds.median, measure.of(point).median];
         let band = |point: &Point| {
             let Spread { p10, p90, .. } = measure.of(point);
@@ -81,6 +82,7 @@ pub fn pictures(chart: &Chart, scene: &SceneChart, measure: Measure) -> Drawing 
         Line {
             name: line.configuration.into(),
             strong: line.configuration == DEFAULT,
+            style: style(line.configuration),
             dashed: line.pictures_unlike_default.is_some() && line.configuration != DEFAULT,
             points: line.points.iter().map(at).collect(),
             band: line.points.iter().map(band).collect(),
@@ -93,13 +95,13 @@ pub fn pictures(chart: &Chart, scene: &SceneChart, measure: Measure) -> Drawing 
     let lines: Vec<Line> = scene.pictures.iter().map(line).collect();
     let mut notes = vec![
         format!(
-            "{width}×{height}, one thread, {} seeds: median, and 10 to 90 % of them; every point has twice the samples of the one before",
+            "{width}×{height}, one thread, {} seeds: median, and 10 to 90 % of them; every point has twice the samples of the one before (adaptive: half the target error)",
             chart.seeds
         ),
         "dashed: the very pictures of the default, at another speed; dotted: lines of equal efficiency, four times apart".into(),
     ];
     if measure == Measure::Rmse {
-        notes.push("rings: no other configuration has a smaller error in as much time".into());
+        notes.push("rings: no other robust configuration has a smaller error in as much time".into());
     }
     let guides = if measure == Measure::Relmse { diagonals(&lines, -1.0) } else { diagonals(&lines, -0.5) };
     let name = match measure {
@@ -115,6 +117,25 @@ pub fn pictures(chart: &Chart, scene: &SceneChart, measure: Measure) -> Drawing 
         guides,
     };
     Drawing { name, figure }
+}
+
+/// The same colour in every figure.
+fn style(configuration: &str) -> Option<usize> {
+    NAMES.iter().position(|name| *name == configuration)
+}
+
+/// What became of a configuration, in words.
+pub fn verdict(line: &pictures::Line) -> String {
+    let rings = line.points.iter().filter(|point| point.on_front).count();
+    let place = match line.dominated_by {
+        _ if line.is_broken() => "NOT the default's picture".to_owned(),
+        Some(better) => format!("dominated by {better}"),
+        None if rings > 0 => {
+            format!("on the front at {rings} of {}", counted(line.points.len(), "point", "points"))
+        }
+        None => "behind the front by less than the spread".to_owned(),
+    };
+    if line.robust { place } else { place + "; not robust" }
 }
 
 /// Lines along which error falls with time to the power `slope`, each for four times the time of the next, over all data.
@@ -143,13 +164,18 @@ pub fn frames(scene: &SceneChart) -> Drawing {
         let known = frames.moments.iter().filter_map(|moment| Some((moment, moment.rmse?)));
         let points = known.map(|(_, rmse)| [frames.fps.median, rmse.median]).collect();
         let strong = frames.configuration == DEFAULT;
-        Line { name: frames.configuration.into(), strong, points, ..Line::default() }
+        let style = style(frames.configuration);
+        Line { name: frames.configuration.into(), strong, style, points, ..Line::default() }
     });
-    let threads = scene.frames.first().map_or(1, |frames| frames.threads);
+    let (threads, seeds) = scene.frames.first().map_or((1, 0), |frames| (frames.threads, frames.seeds));
     let figure = Figure {
         title: format!("{}: what a window shows", scene.scene),
         notes: vec![
-            format!("{width}×{height}, {}", crate::wording::counted(threads, "thread", "threads")),
+            format!(
+                "{width}×{height}, {}, {}",
+                counted(threads, "thread", "threads"),
+                counted(seeds, "seed", "seeds")
+            ),
             "from top to bottom: the error after 1/30 s, 1/5 s and 1 s of accumulation".into(),
         ],
         x: Axis { label: "frames per second".into(), log: true },
@@ -187,9 +213,8 @@ fn of_family(family: &str, kernels: &[Kernel]) -> Vec<Drawing> {
         },
     };
     let first = kernels[0];
-    let failures = |kernel: &Kernel| Some(kernel.failures);
-    let mut all =
-        vec![of("failures", "how often it is wrong", first.failure_case, "share that fails", &failures)];
+    let failures = |kernel: &Kernel| Some(100.0 * kernel.failures);
+    let mut all = vec![of("failures", "how often it is wrong", first.failure_case, "failures, %", &failures)];
     if let Some(case) = first.error_case {
         all.push(of("errors", "how far off t is", case, "error of t, 99th percentile", &|kernel| kernel.p99));
     }

@@ -29,6 +29,8 @@ pub struct Line {
     pub name: String,
     /// Drawn thicker than others, and named in bold: the default.
     pub strong: bool,
+    /// Its colour and mark, by number: lines that are told apart keep theirs from figure to figure. By default the line's place among the others.
+    pub style: Option<usize>,
     /// Dashes tell two families of lines apart.
     pub dashed: bool,
     pub points: Vec<[f64; 2]>,
@@ -113,9 +115,9 @@ impl Figure {
         }
         area.draw(&Rectangle::new([(left, top), (right, bottom)], RGBColor(90, 90, 90).stroke_width(2)))?;
         let style = text(font(), HPos::Center, VPos::Top);
-        area.draw_text(&self.x.label, &style, ((left + right) / 2, bottom + 56))?;
+        area.draw_text(&self.x.name(), &style, ((left + right) / 2, bottom + 56))?;
         let style = text(font().transform(FontTransform::Rotate270), HPos::Center, VPos::Top);
-        area.draw_text(&self.y.label, &style, (16, (top + bottom) / 2))?;
+        area.draw_text(&self.y.name(), &style, (16, (top + bottom) / 2))?;
         let place = |[a, b]: [f64; 2]| (x.unit(x.place(a)), y.unit(y.place(b)));
         for guide in &self.guides {
             let ends = guide.map(|[a, b]| (x.place(a), y.place(b)));
@@ -125,7 +127,7 @@ impl Figure {
             }
         }
         for (number, line) in self.lines.iter().enumerate() {
-            draw_line(area, line, number, &place)?;
+            draw_line(area, line, line.style.unwrap_or(number), &place)?;
         }
         Ok(())
     }
@@ -133,8 +135,9 @@ impl Figure {
     fn draw_legend(&self, area: &Canvas, left: i32, top: i32) -> Drawn {
         for (number, line) in self.lines.iter().enumerate() {
             let y = top + LEGEND_LINE * number as i32;
-            draw_way(area, line, number, &[(left, y), (left + 56, y)])?;
-            draw_mark(area, (left + 28, y), number)?;
+            let style = line.style.unwrap_or(number);
+            draw_way(area, line, style, &[(left, y), (left + 56, y)])?;
+            draw_mark(area, (left + 28, y), style)?;
             let font = (FONT, TEXT).into_font();
             let font = if line.strong { font.style(FontStyle::Bold) } else { font };
             let style = font.color(&BLACK).pos(Pos::new(HPos::Left, VPos::Center));

@@ -17,12 +17,17 @@ fn failures(outcome: &Outcome) -> Figure {
     let tested = outcome.curves.iter().flat_map(|curve| &curve.points).map(|point| point.tested);
     let least = tested.min().unwrap_or(0).max(1);
     let seen = format!("{} cases a point: one failure is {}.", grouped(least), percent(1.0 / least as f64));
-    let notes = vec![format!("Failure: {}.", outcome.failure), seen];
+    let mut notes = vec![format!("Failure: {}.", outcome.failure), seen];
+    let open = in_order(outcome).flat_map(|curve| &curve.points).filter(|point| point.promises_nothing());
+    let open: Vec<String> = open.map(|point| format!("{:e}", point.x)).collect();
+    if !open.is_empty() {
+        notes.push(format!("Of the default method, nothing is promised at {}.", open.join(", ")));
+    }
     let of = |curve: &Curve| Line {
         points: curve.points.iter().map(|point| [point.x, 100.0 * point.rate()]).collect(),
         ..line(curve)
     };
-    figure(outcome, notes, "failures, %", outcome.curves.iter().map(of).collect())
+    figure(outcome, notes, "failures, %", in_order(outcome).map(of).collect())
 }
 
 fn errors(outcome: &Outcome, error: &str) -> Figure {
@@ -39,7 +44,13 @@ fn errors(outcome: &Outcome, error: &str) -> Figure {
         let band = spread.map(|((x, p50), (_, max))| [x, p50, max]);
         Line { points, band: if curve.default { band.collect() } else { Vec::new() }, ..line(curve) }
     };
-    figure(outcome, notes, error, outcome.curves.iter().map(of).collect())
+    figure(outcome, notes, error, in_order(outcome).map(of).collect())
+}
+
+/// The default first, so that it has the same colour everywhere.
+fn in_order(outcome: &Outcome) -> impl Iterator<Item = &Curve> {
+    let of = |default| outcome.curves.iter().filter(move |curve| curve.default == default);
+    of(true).chain(of(false))
 }
 
 fn line(curve: &Curve) -> Line {

@@ -28,6 +28,27 @@ pub struct Configuration {
 /// The name of what everything else is compared with.
 pub const DEFAULT: &str = "default";
 
+/// All names that there are, each at its place in every chart.
+pub const NAMES: [&str; 17] = [
+    DEFAULT,
+    "scalar",
+    "general pipeline",
+    "random numbers",
+    "lights off",
+    "lights on",
+    "adaptive",
+    "hierarchy",
+    "every primitive tested",
+    "streams",
+    "packets",
+    "single rays",
+    "boxes without padding",
+    "naive spheres",
+    "Möller–Trumbore",
+    "Baldwin–Weber",
+    "Plücker",
+];
+
 /// Above this cost of testing everything (in tests of a sphere, as [`Needs::linear_cost`] counts), nobody waits for it.
 const MOST_LINEAR: usize = 4_000;
 
@@ -119,6 +140,8 @@ mod tests {
             !cornell.contains(&"naive spheres") && !cornell.contains(&"lights on"),
             "auto takes all lamps"
         );
+        let all = three.iter().chain(&cornell);
+        assert!(all.clone().all(|name| NAMES.contains(name)), "every one has a colour of its own");
         let terrain = names("builtin:terrain:2000");
         assert!(terrain.contains(&"streams") && !terrain.contains(&"every primitive tested"), "{terrain:?}");
     }

@@ -25,7 +25,7 @@ pub struct Moment {
     pub after_s: f64,
     /// Samples per pixel: whole frames, the one under way at the moment included.
     pub samples: Spread,
-    /// Against the truth, whose own error is taken out; null where it is the larger of the two.
+    /// Against the truth, whose own error is taken out; null where what is left is smaller than that, and so not known.
     pub rmse: Option<Spread>,
     /// Mean FLIP of the displayed picture; the truth's own noise is in it.
     pub flip: Spread,
@@ -115,7 +115,7 @@ fn frames(
         Moment {
             after_s,
             samples: Spread::of(&pictures().map(|(_, samples)| f64::from(*samples)).collect::<Vec<_>>()),
-            rmse: rmse.iter().all(|error| error.is_finite()).then(|| Spread::of(&rmse)),
+            rmse: rmse.iter().all(|&error| error >= truth.quality.frame_rmse).then(|| Spread::of(&rmse)),
             flip: Spread::of(&pictures().map(|(picture, _)| flip.against(picture)).collect::<Vec<_>>()),
         }
     };

@@ -224,6 +224,10 @@ impl Point {
         let at = |share| quantiles.as_ref().map(|quantiles| quantiles.at(share));
         Self { x, tested, failures, p50: at(0.5), p90: at(0.9), p99: at(0.99), max: at(1.0), bound }
     }
+    /// Is this a place of the default method where it promises nothing?
+    pub fn promises_nothing(&self) -> bool {
+        self.bound.is_some_and(|bound| bound.failures >= 1.0)
+    }
     /// Failures as a share of what was tested.
     pub fn rate(&self) -> f64 {
         self.failures as f64 / self.tested as f64

@@ -23,6 +23,7 @@ fn chart() -> Chart {
         threads: 1,
         start: Instant::now(),
         time: Duration::from_secs(2),
+        budget: Duration::from_secs(2),
     };
     let truth = plan.truth(&scene);
     let scenes = vec![plan.chart(&scene, &truth, &|_| ())];
@@ -115,7 +116,10 @@ fn browser_shows_the_page_on_a_phone_and_prints_it() {
         let [needed, given, figures, narrowest] = numbers[..] else { panic!("{seen}") };
         println!("{needed} of {given} pixels, {figures} figures, the narrowest {narrowest}");
         assert!(needed <= given, "the page is wider than the window");
-        assert!(figures >= 7 && narrowest >= 800.min(given), "figures keep their letters readable, and scroll");
+        assert!(
+            figures >= 7 && narrowest >= 800.min(given),
+            "figures keep their letters readable, and scroll"
+        );
     }
     let printed =
         browser().unwrap().arg(format!("--print-to-pdf={}", pdf.display())).arg(&file).output().unwrap();

@@ -64,10 +64,12 @@ pub fn run(options: ChartOptions) -> Result<ExitCode, CliError> {
             threads: machine::cores(),
             start: Instant::now(),
             time: left / (names.len() - number) as u32,
+            budget: budget / names.len() as u32,
         };
         countdown.step(&format!("{}: truth", scene.name));
         let place = truths::place(&options.output, &scene, options.size, options.bounces);
-        let truth = match truths::load(&place, options.size) {
+        let kept = truths::load(&place, options.size);
+        let truth = match kept.filter(|truth| plan.is_content_with(&truth.quality)) {
             Some(truth) => truth,
             None => {
                 let truth = plan.truth(&scene);
@@ -126,8 +128,8 @@ fn text(chart: &Chart, folder: &Path) -> String {
             let verdict = match line.dominated_by {
                 _ if line.is_broken() => "NOT the default's picture".to_owned(),
                 Some(better) => format!("dominated by {better}"),
-                None if !line.robust => "on the front, but not robust".to_owned(),
-                None => "on the front".to_owned(),
+                None if !line.robust => format!("{}, but not robust", line.standing()),
+                None => line.standing().to_owned(),
             };
             text += &format!(
                 "{:<24}{:>12}{:>12}{:>12.2e}{:>13}×  {verdict}\n",

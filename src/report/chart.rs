@@ -150,7 +150,7 @@ pub fn frames(scene: &SceneChart) -> Drawing {
         title: format!("{}: what a window shows", scene.scene),
         notes: vec![
             format!("{width}×{height}, {}", crate::wording::counted(threads, "thread", "threads")),
-            "from top to bottom: the error after 1/30 s, 1/5 s and 1 s of accumulation".into(),
+            "from top to bottom: the error after 1/30 s, 1/5 s and 1 s of accumulation, the frame under way included".into(),
         ],
         x: Axis { label: "frames per second".into(), log: true },
         y: Axis { label: Measure::Rmse.label().into(), log: true },

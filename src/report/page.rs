@@ -81,7 +81,7 @@ fn verdict(chart: &Chart) -> Markup {
                 @for line in &scene.pictures {
                     @if let Some(better) = line.dominated_by {
                         li {
-                            (scene.scene) ": " em { (line.configuration) } " is dominated: slower and no more right than " em { (better) } ", "
+                            (scene.scene) ": " em { (line.configuration) } " is dominated: wherever it stands, another is more right in as much time, at its end " em { (better) } "; "
                             (times(line.time_to_equal_error)) " the default's time to equal error."
                         }
                     }
@@ -110,8 +110,9 @@ fn of_scene(chart: &Chart, scene: &SceneChart) -> Markup {
         p {
             small {
                 "The truth: " (counted(scene.truth.samples, "sample", "samples")) " per pixel at " (width) "×" (height)
-                " with independent numbers and other seeds; its own error is " (number(scene.truth.frame_rmse)) ", and "
-                (number(scene.truth.small_rmse)) " at a third of the size" @if scene.truth.cached { " (kept from an earlier run)" } "."
+                " by octray's own default methods, with independent numbers and other seeds; its own error is " (number(scene.truth.frame_rmse)) ", and "
+                (number(scene.truth.small_rmse)) " at a third of the size" @if scene.truth.cached { " (kept from an earlier run)" }
+                ". The errors above hold that too; from the root mean squares below it is taken out."
             }
         }
         (figure(&chart::frames(scene)))
@@ -137,7 +138,7 @@ fn pictures_table(scene: &SceneChart) -> Markup {
                             td class="text" {
                                 @match line.dominated_by {
                                     Some(better) => { "dominated by " (better) }
-                                    None => "on the front",
+                                    None => (line.standing()),
                                 }
                                 @if !line.robust { ", by equations that fail where others hold" }
                                 @if line.pictures_unlike_default.is_some_and(|count| count > 0) { ", and NOT the default's bits" }

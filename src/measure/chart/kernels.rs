@@ -26,7 +26,7 @@ pub struct Kernel {
     pub ns: f64,
     /// 10 % of the turns took less than the first, 10 % more than the second.
     pub ns_spread: [f64; 2],
-    /// The 99th percentile of the error of t, in the unit of `hard_case`'s recipe; null for boxes, which have none.
+    /// The 99th percentile of the error of t, in the unit of `error_case`'s recipe; null for boxes, which have none.
     pub p99: Option<f64>,
     /// The share of cases that fail.
     pub failures: f64,

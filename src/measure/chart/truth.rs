@@ -141,7 +141,11 @@ mod tests {
     use super::*;
 
     fn truth(samples: u32) -> Truth {
-        let scene = crate::scene::load("builtin:cornell").unwrap();
+        truth_of("builtin:cornell", samples)
+    }
+
+    fn truth_of(scene: &str, samples: u32) -> Truth {
+        let scene = crate::scene::load(scene).unwrap();
         let settings = Settings { resolution: [48, 27], ..Settings::of(&scene) };
         let budget = Duration::from_secs(60);
         Making::new(&scene, settings, 1).until(Instant::now() + budget, samples, budget)
@@ -157,6 +161,15 @@ mod tests {
         ] {
             let measured = corrected(Errors::of(rough_picture, fine_picture).rmse, of_fine);
             assert!((0.8..1.25).contains(&(measured / rmse)), "{measured} against {rmse}");
+        }
+    }
+
+    /// In a scene in which no few pixels hold most of the noise, as those at the rim of a lamp do: one distance says little of few.
+    #[test]
+    fn own_error_falls_with_the_root_of_samples_as_that_of_independent_numbers() {
+        let [few, many] = [16, 1_600].map(|samples| truth_of("builtin:three", samples).quality);
+        for falls in [few.frame_rmse / many.frame_rmse, few.small_rmse / many.small_rmse] {
+            assert!((8.5..11.5).contains(&falls), "{falls}");
         }
     }
 

@@ -23,6 +23,7 @@ fn chart() -> Chart {
         threads: 1,
         start: Instant::now(),
         time: Duration::from_secs(2),
+        budget: Duration::from_secs(2),
     };
     let truth = plan.truth(&scene);
     let scenes = vec![plan.chart(&scene, &truth, &|_| ())];

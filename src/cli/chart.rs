@@ -68,10 +68,12 @@ pub fn run(options: ChartOptions) -> Result<ExitCode, CliError> {
             threads: machine::cores(),
             start: Instant::now(),
             time: left / (names.len() - number) as u32,
+            budget: budget / names.len() as u32,
         };
         countdown.step(&format!("{}: truth", scene.name));
         let place = truths::place(&options.output, &scene, options.size, options.bounces);
-        let truth = match truths::load(&place, options.size) {
+        let kept = truths::load(&place, options.size);
+        let truth = match kept.filter(|truth| plan.is_content_with(&truth.quality)) {
             Some(truth) => truth,
             None => {
                 let truth = plan.truth(&scene);

@@ -3,7 +3,8 @@
 //! For: [`load`], [`save`]. May import: `output`, `measure::chart`. Must never know: how a truth is made.
 //!
 //! A truth is kept as an .exr of the frame and a .json of its quality beside it, under a name that holds a fingerprint of all that decides
-//! it: the scene with all its pictures, size, bounces, and the commit of the program.
+//! it: the scene with all its pictures, size, bounces, the commit of the program, and which build of it this is: a commit with changes is many
+//! programs.
 
 use super::error::CliError;
 use crate::film::Picture;
@@ -16,6 +17,7 @@ use std::fmt::Write;
 use std::fs;
 use std::hash::{DefaultHasher, Hasher};
 use std::path::{Path, PathBuf};
+use std::time::SystemTime;
 
 /// Where the truth of this scene is kept, without an extension.
 pub fn place(folder: &Path, scene: &Scene, size: [u32; 2], max_bounces: u32) -> PathBuf {
@@ -28,8 +30,14 @@ pub fn place(folder: &Path, scene: &Scene, size: [u32; 2], max_bounces: u32) -> 
     }
     let mut hashed = Hashed(DefaultHasher::new());
     // A scene's debugging text holds all that it is, and every f32 in as many digits as tell it from all others.
-    let _ = write!(hashed, "{scene:?} {size:?} {max_bounces} {}", Machine::current().commit);
+    let _ = write!(hashed, "{scene:?} {size:?} {max_bounces} {} {:?}", Machine::current().commit, build());
     folder.join("truth").join(format!("{}-{:016x}", file_name(&scene.name), hashed.0.finish()))
+}
+
+/// When the program was built, and its length; `None` where the system does not say.
+fn build() -> Option<(SystemTime, u64)> {
+    let file = fs::metadata(std::env::current_exe().ok()?).ok()?;
+    Some((file.modified().ok()?, file.len()))
 }
 
 /// The truth that is kept there; `None` where there is none that can be read, or its size is another.
@@ -50,4 +58,45 @@ pub fn save(place: &Path, truth: &Truth) -> Result<(), CliError> {
     output::make_folder(place.parent().unwrap_or(Path::new(".")))?;
     output::save(&place.with_extension("exr"), &truth.frame, &Tone::default())?;
     Ok(output::save_json(&quality, &truth.quality)?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn places_differ_in_all_that_decides_a_truth() {
+        let scene = crate::scene::load("builtin:cornell").unwrap();
+        let of = |scene: &Scene, size, bounces| place(Path::new("."), scene, size, bounces);
+        let one = of(&scene, [48, 27], 4);
+        assert_eq!(one, of(&scene.clone(), [48, 27], 4));
+        let mut moved = scene.clone();
+        moved.triangles[7].vertices[1].y = moved.triangles[7].vertices[1].y.next_up();
+        let mut shining = scene.clone();
+        shining.materials[0].emission.z += 1e-6;
+        for (other, what) in [
+            (of(&scene, [48, 30], 4), "size"),
+            (of(&scene, [48, 27], 5), "bounces"),
+            (of(&moved, [48, 27], 4), "one bit of a vertex"),
+            (of(&shining, [48, 27], 4), "light"),
+        ] {
+            assert_ne!(one, other, "{what}");
+        }
+    }
+
+    #[test]
+    fn truth_is_kept_bit_by_bit() {
+        let folder = tempfile::tempdir().unwrap();
+        let place = folder.path().join("truth").join("one");
+        let pixels = (0..18).map(|at| [at as f32 / 7.0, 1e-9 * at as f32, 1e4 / (1 + at) as f32]).collect();
+        let frame = Picture { width: 6, height: 3, pixels };
+        let quality =
+            Quality { samples: 14, frame_rmse: 0.1, small_rmse: 0.1 / 3.0, budget_s: 1.5, cached: false };
+        let truth = Truth::kept(frame, quality);
+        save(&place, &truth).unwrap();
+        assert_eq!(load(&place, [6, 3]), Some(truth));
+        assert_eq!(load(&place, [3, 6]), None);
+        fs::remove_file(place.with_extension("json")).unwrap();
+        assert_eq!(load(&place, [6, 3]), None, "a picture of which nothing is known");
+    }
 }

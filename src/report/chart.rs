@@ -133,7 +133,7 @@ pub fn verdict(line: &pictures::Line) -> String {
         None if rings > 0 => {
             format!("on the front at {rings} of {}", counted(line.points.len(), "point", "points"))
         }
-        None => "behind the front by less than the spread".to_owned(),
+        None => "behind the front, not everywhere by more than the seeds differ".to_owned(),
     };
     if line.robust { place } else { place + "; not robust" }
 }
@@ -176,7 +176,7 @@ pub fn frames(scene: &SceneChart) -> Drawing {
                 counted(threads, "thread", "threads"),
                 counted(seeds, "seed", "seeds")
             ),
-            "from top to bottom: the error after 1/30 s, 1/5 s and 1 s of accumulation".into(),
+            "from top to bottom: the error after 1/30 s, 1/5 s and 1 s of accumulation, the frame under way included".into(),
         ],
         x: Axis { label: "frames per second".into(), log: true },
         y: Axis { label: Measure::Rmse.label().into(), log: true },

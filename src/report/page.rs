@@ -105,7 +105,7 @@ fn dominated(scene: &SceneChart, line: &Line, better: &str) -> Markup {
     let time = |line: &Line| times(line.time_to_equal_error);
     html! {
         li {
-            (scene.scene) ": " em { (line.configuration) } " is dominated by " em { (better) } ", which has a smaller error in the same time at every point"
+            (scene.scene) ": " em { (line.configuration) } " is dominated: wherever it stands, another is more right in as much time, at its end " em { (better) }
             @if let Some(by) = by { " (" (time(line)) " and " (time(by)) " the default's time to its last error)" } "."
         }
     }
@@ -122,8 +122,9 @@ fn of_scene(chart: &Chart, scene: &SceneChart) -> Markup {
         p {
             small {
                 "The truth: " (counted(scene.truth.samples, "sample", "samples")) " per pixel at " (width) "×" (height)
-                " with independent numbers and other seeds; its own error is " (number(scene.truth.frame_rmse)) ", and "
-                (number(scene.truth.small_rmse)) " at a third of the size" @if scene.truth.cached { " (kept from an earlier run)" } "."
+                " by octray's own default methods, with independent numbers and other seeds; its own error is " (number(scene.truth.frame_rmse)) ", and "
+                (number(scene.truth.small_rmse)) " at a third of the size" @if scene.truth.cached { " (kept from an earlier run)" }
+                ". The errors above hold that too; from the root mean squares below it is taken out."
             }
         }
         (figure(&chart::frames(scene)))

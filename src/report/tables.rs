@@ -142,3 +142,114 @@ pub fn kernels(chart: &Chart) -> String {
     }
     table.text()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::measure::Machine;
+    use crate::measure::chart::frames::{Frames, Moment};
+    use crate::measure::chart::kernels::{Case, Kernel};
+    use crate::measure::chart::pictures::{Line, Point};
+    use crate::measure::chart::truth::Quality;
+    use crate::measure::chart::{SCHEMA, SceneChart};
+
+    /// Numbers that are all unlike: a median of this, and a spread of a fifth and a quarter.
+    fn around(median: f64) -> Spread {
+        Spread { median, p10: median - 0.2, p90: median + 0.25 }
+    }
+
+    fn chart() -> Chart {
+        let point = Point {
+            samples: 1.5,
+            seconds: around(2.0),
+            rmse: around(3.0),
+            relmse: around(4.0),
+            relmse_trimmed: around(5.0),
+            flip: around(6.0),
+            on_front: true,
+        };
+        let line = Line {
+            configuration: "one, with a comma",
+            points: vec![point],
+            robust: true,
+            pictures_unlike_default: None,
+            time_to_equal_error: 1.0,
+            dominated_by: None,
+        };
+        let moment = |after_s, rmse| Moment { after_s, samples: around(20.0), rmse, flip: around(40.0) };
+        let frames = Frames {
+            configuration: "two",
+            threads: 7,
+            seeds: 9,
+            fps: around(10.0),
+            moments: vec![moment(0.5, Some(around(30.0))), moment(0.75, None)],
+        };
+        let scene = SceneChart {
+            scene: "three".into(),
+            size: [1, 1],
+            frame_size: [3, 3],
+            truth: Quality { samples: 2, frame_rmse: 0.1, small_rmse: 0.1, budget_s: 1.0, cached: false },
+            pictures: vec![line],
+            frames: vec![frames],
+        };
+        let kernel = Kernel {
+            family: "box",
+            method: "fma",
+            default: false,
+            lanes: 8,
+            ns: 0.5,
+            ns_spread: [0.25, 0.75],
+            p99: Some(0.125),
+            failures: 0.0625,
+            error_case: Some(Case { recipe: "off", place: 11.0 }),
+            failure_case: Case { recipe: "lost", place: 12.0 },
+        };
+        Chart {
+            schema: SCHEMA,
+            machine: Machine::current(),
+            budget_s: 1.0,
+            seconds: 1.0,
+            max_bounces: 4,
+            seeds: 8,
+            kernels: vec![kernel],
+            scenes: vec![scene],
+        }
+    }
+
+    /// The columns of the table's row, as `name=cell`.
+    fn named(table: &str, row: usize) -> String {
+        let mut reader = csv::Reader::from_reader(table.as_bytes());
+        let header = reader.headers().unwrap().clone();
+        let row = reader.records().nth(row).unwrap().unwrap();
+        let cells: Vec<String> =
+            header.iter().zip(&row).map(|(name, cell)| format!("{name}={cell}")).collect();
+        cells.join(" ")
+    }
+
+    #[test]
+    fn cells_stand_below_their_names() {
+        let chart = chart();
+        assert_eq!(
+            named(&pictures(&chart), 0),
+            "scene=three configuration=one, with a comma samples=1.5 seconds=2 seconds_p10=1.8 seconds_p90=2.25 \
+             rmse=3 rmse_p10=2.8 rmse_p90=3.25 relmse=4 relmse_p10=3.8 relmse_p90=4.25 \
+             relmse_trimmed=5 relmse_trimmed_p10=4.8 relmse_trimmed_p90=5.25 flip=6 flip_p10=5.8 flip_p90=6.25 on_front=true"
+        );
+        let of_frames = "scene=three configuration=two threads=7 seeds=9 fps=10 fps_p10=9.8 fps_p90=10.25";
+        let samples = "samples=20 samples_p10=19.8 samples_p90=20.25";
+        let flip = "flip=40 flip_p10=39.8 flip_p90=40.25";
+        assert_eq!(
+            named(&frames(&chart), 0),
+            format!("{of_frames} after_s=0.5 {samples} rmse=30 rmse_p10=29.8 rmse_p90=30.25 {flip}")
+        );
+        assert_eq!(
+            named(&frames(&chart), 1),
+            format!("{of_frames} after_s=0.75 {samples} rmse= rmse_p10= rmse_p90= {flip}")
+        );
+        assert_eq!(
+            named(&kernels(&chart), 0),
+            "family=box method=fma default=false lanes=8 ns=0.5 ns_p10=0.25 ns_p90=0.75 failures=0.0625 failure_recipe=lost \
+             failure_place=12 p99=0.125 error_recipe=off error_place=11"
+        );
+    }
+}

@@ -127,3 +127,30 @@ fn frames(
         moments: MOMENTS.iter().enumerate().map(moment).collect(),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::measure::chart::truth::Quality;
+
+    #[test]
+    fn the_error_of_the_truth_is_taken_out() {
+        let grey = |value| Picture { width: 3, height: 3, pixels: vec![[value; 3]; 9] };
+        let of = |frame_rmse| {
+            let quality = Quality { samples: 2, frame_rmse, small_rmse: 1.0, budget_s: 1.0, cached: false };
+            let truth = Truth::kept(grey(1.0), quality);
+            let pictures = vec![(grey(7.0), 1), (grey(6.0), 2), (grey(4.0), 5)];
+            let taken = Accumulation { pictures, seconds: vec![0.5, 0.25, 0.125] };
+            frames("one", 1, &[taken], &truth, &Flip::of(&truth.frame))
+        };
+        let frames = of(3.0);
+        assert_eq!((frames.fps.median, frames.seeds), (4.0, 1));
+        assert_eq!(
+            frames.moments.iter().map(|moment| moment.samples.median).collect::<Vec<_>>(),
+            [1.0, 2.0, 5.0]
+        );
+        let rmse = |frames: &Frames, moment: usize| frames.moments[moment].rmse.map(|rmse| rmse.median);
+        assert!((rmse(&frames, 1).unwrap() - 4.0).abs() < 1e-6, "5 seen, 3 of them the truth's");
+        assert_eq!(rmse(&of(3.5), 2), None, "3 seen, and the truth may be off by more");
+    }
+}

@@ -127,6 +127,33 @@ mod tests {
     }
 
     #[test]
+    fn beyond_its_points_a_way_goes_on_with_the_root_of_time() {
+        let (rough, fine) = (way(1.0, 1.0, 2), way(1.0, 1.0, 6));
+        // Sixteen times the samples of the last point, and a sixteenth of those of the first.
+        assert!((fine.time_to_last_error_over(&rough) - 1.0).abs() < 1e-9);
+        assert!((way(1.0, 4.0, 1).time_to_last_error_over(&fine) - 16.0).abs() < 1e-9);
+        let stays_below = |speed| fine.passes_below(&way(speed, 1.0, 12), 11);
+        assert!(stays_below(0.99) && !stays_below(1.01));
+    }
+
+    #[test]
+    fn between_its_points_a_way_is_a_line_of_logarithms() {
+        let between = Way::new([(vec![2.9], vec![3.0f64.sqrt().recip()])].into_iter());
+        assert!(!way(1.0, 1.0, 6).passes_below(&between, 0) && way(1.1, 1.0, 6).passes_below(&between, 0));
+    }
+
+    #[test]
+    fn nine_of_ten_seeds_are_enough_and_eight_are_not() {
+        let of = |worse: usize| {
+            let errors = (0..10).map(|seed| if seed < worse { 2.0 } else { 0.5 }).collect();
+            Way::new([(vec![1.0; 10], errors)].into_iter())
+        };
+        let one = Way::new([(vec![1.0; 10], vec![1.0; 10])].into_iter());
+        assert_eq!(one.dominated_by(&[("nine", &of(1))]), Some("nine"));
+        assert_eq!(one.dominated_by(&[("eight", &of(2))]), None);
+    }
+
+    #[test]
     fn what_is_slower_at_the_same_error_is_dominated_although_it_is_measured_longer() {
         let (slow, fast) = (way(1.0, 1.0, 8), way(3.0, 1.0, 3));
         assert_eq!(slow.dominated_by(&[("fast", &fast)]), Some("fast"));

@@ -26,7 +26,7 @@ pub struct Kernel {
     pub ns: f64,
     /// 10 % of the turns took less than the first, 10 % more than the second.
     pub ns_spread: [f64; 2],
-    /// The 99th percentile of the error of t, in the unit of `hard_case`'s recipe; null for boxes, which have none.
+    /// The 99th percentile of the error of t, in the unit of `error_case`'s recipe; null for boxes, which have none.
     pub p99: Option<f64>,
     /// The share of cases that fail.
     pub failures: f64,
@@ -229,5 +229,22 @@ mod tests {
             [of("fast", 1.0, 0.1), of("right", 2.0, 0.0), of("bad", 3.0, 0.1), of("as fast", 1.02, 0.1)];
         let by = |number: usize| all[number].dominated_by(&all).map(|other| other.method);
         assert_eq!([by(0), by(1), by(2), by(3)], [None, None, Some("fast"), None]);
+        let exact = Kernel { p99: Some(1e-7), ..of("exact", 4.0, 0.1) };
+        assert_eq!(exact.dominated_by(&all), None, "slower, and more right where it does not fail");
+    }
+
+    #[test]
+    fn turns_tell_nanoseconds_of_one_test() {
+        let slept = Duration::from_millis(1);
+        let work: Work = Box::new(move || {
+            std::thread::sleep(slept);
+            Found { hits: 0, distance: 0.0 }
+        });
+        let mut timed =
+            Timed { family: &BOXES, method: "sleep", default: false, lanes: 8, work, turns: Vec::new() };
+        timed.turn();
+        // Systems sleep longer than they are asked to, and never shorter.
+        let least = slept.as_nanos() as f64 / (64.0 * 512.0);
+        assert!((least..50.0 * least).contains(&timed.turns[0]), "{:?}", timed.turns);
     }
 }

@@ -68,6 +68,8 @@ pub struct Plan {
     pub threads: usize,
     pub start: Instant,
     pub time: Duration,
+    /// What the user allowed for this scene; `time` is what other work has left of it.
+    pub budget: Duration,
 }
 
 impl Plan {
@@ -84,7 +86,12 @@ impl Plan {
     /// Renders the truth.
     pub fn truth(&self, scene: &Scene) -> Truth {
         let making = truth::Making::new(scene, self.frame(scene), self.threads);
-        making.until(self.at(TRUTH_SHARE), MOST_TRUTH_SAMPLES)
+        making.until(self.at(TRUTH_SHARE), MOST_TRUTH_SAMPLES, self.budget)
+    }
+
+    /// Is a truth that was kept worth its place? One that a run with much less time made would limit the samples of all pictures.
+    pub fn is_content_with(&self, kept: &Quality) -> bool {
+        kept.samples >= MOST_TRUTH_SAMPLES || kept.budget_s >= 0.5 * self.budget.as_secs_f64()
     }
 
     /// Charts the scene in the time that is left of the plan's; `step` is told what begins.
@@ -105,5 +112,28 @@ impl Plan {
             pictures,
             frames: frames::measure(scene, &watched, truth, self.threads, self.at(1.0)),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn truths_of_hasty_runs_are_not_for_patient_ones() {
+        let plan = |seconds| Plan {
+            size: [16, 9],
+            max_bounces: 4,
+            seeds: 8,
+            threads: 1,
+            start: Instant::now(),
+            time: Duration::from_secs(1),
+            budget: Duration::from_secs(seconds),
+        };
+        let kept =
+            |samples| Quality { samples, frame_rmse: 0.1, small_rmse: 0.03, budget_s: 20.0, cached: true };
+        assert!(plan(20).is_content_with(&kept(100)) && plan(30).is_content_with(&kept(100)));
+        assert!(!plan(50).is_content_with(&kept(100)));
+        assert!(plan(5000).is_content_with(&kept(MOST_TRUTH_SAMPLES)), "there is none better");
     }
 }

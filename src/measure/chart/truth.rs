@@ -12,7 +12,7 @@ use crate::render::{Renderer, Settings};
 use crate::sampling::Sampler;
 use crate::scene::Scene;
 use serde::{Deserialize, Serialize};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 /// So many pixels of a frame, in width and in height, are one of the small pictures.
 pub const SHRINK: u32 = 3;
@@ -36,6 +36,8 @@ pub struct Quality {
     /// Its own standard error: root mean square over pixels and channels.
     pub frame_rmse: f64,
     pub small_rmse: f64,
+    /// Seconds of the budget of the run that made it.
+    pub budget_s: f64,
     /// Was it read from an earlier run?
     #[serde(default)]
     pub cached: bool,
@@ -58,8 +60,8 @@ impl Making {
         Self { renderers, films }
     }
 
-    /// Takes samples until `end` or until there are `most`; at least one for each half.
-    pub fn until(mut self, end: Instant, most: u32) -> Truth {
+    /// Takes samples until `end`, which is what `budget` leaves it, or until there are `most`; at least one for each half.
+    pub fn until(mut self, end: Instant, most: u32, budget: Duration) -> Truth {
         let of_half = most.div_ceil(2).max(1);
         loop {
             // Many at once spare waking threads, few at once keep the end in sight.
@@ -69,20 +71,22 @@ impl Making {
                 renderer.add_samples(film, samples);
             }
             if Instant::now() >= end || self.films[0].samples() >= of_half {
-                return Truth::of_halves(self.films.each_ref().map(Film::picture), self.films[0].samples());
+                let halves = self.films.each_ref().map(Film::picture);
+                return Truth::of_halves(halves, self.films[0].samples(), budget);
             }
         }
     }
 }
 
 impl Truth {
-    fn of_halves([a, b]: [Picture; 2], samples_of_half: u32) -> Self {
+    fn of_halves([a, b]: [Picture; 2], samples_of_half: u32, budget: Duration) -> Self {
         let [small_a, small_b] = [&a, &b].map(shrunk);
         let half_distance = |a: &Picture, b: &Picture| Errors::of(a, b).rmse / 2.0;
         let quality = Quality {
             samples: 2 * samples_of_half,
             frame_rmse: half_distance(&a, &b),
             small_rmse: half_distance(&small_a, &small_b),
+            budget_s: budget.as_secs_f64(),
             cached: false,
         };
         Self { frame: mean(&a, &b), small: mean(&small_a, &small_b), quality }
@@ -135,12 +139,16 @@ fn shrunk(picture: &Picture) -> Picture {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::time::Duration;
 
     fn truth(samples: u32) -> Truth {
-        let scene = crate::scene::load("builtin:cornell").unwrap();
+        truth_of("builtin:cornell", samples)
+    }
+
+    fn truth_of(scene: &str, samples: u32) -> Truth {
+        let scene = crate::scene::load(scene).unwrap();
         let settings = Settings { resolution: [48, 27], ..Settings::of(&scene) };
-        Making::new(&scene, settings, 1).until(Instant::now() + Duration::from_secs(60), samples)
+        let budget = Duration::from_secs(60);
+        Making::new(&scene, settings, 1).until(Instant::now() + budget, samples, budget)
     }
 
     #[test]
@@ -154,6 +162,21 @@ mod tests {
             let measured = corrected(Errors::of(rough_picture, fine_picture).rmse, of_fine);
             assert!((0.8..1.25).contains(&(measured / rmse)), "{measured} against {rmse}");
         }
+    }
+
+    /// In a scene in which no few pixels hold most of the noise, as those at the rim of a lamp do: one distance says little of few.
+    #[test]
+    fn own_error_falls_with_the_root_of_samples_as_that_of_independent_numbers() {
+        let [few, many] = [16, 1_600].map(|samples| truth_of("builtin:three", samples).quality);
+        for falls in [few.frame_rmse / many.frame_rmse, few.small_rmse / many.small_rmse] {
+            assert!((8.5..11.5).contains(&falls), "{falls}");
+        }
+    }
+
+    #[test]
+    fn independent_errors_add_up_in_their_squares() {
+        assert!((corrected(5.0, 3.0) - 4.0).abs() < 1e-12);
+        assert!(corrected(1.0, 1.1).is_nan());
     }
 
     #[test]

@@ -157,10 +157,15 @@ impl Tally {
         self.tested += 1;
         self.failures += usize::from(failed);
     }
-    /// A case in which it did not fail, and was off by this.
+    /// A case in which it did not fail, and was off by this. An answer that is off by no number, or infinitely, is a failure: quantiles
+    /// would put it where nobody looks.
     pub fn off_by(&mut self, error: f64) {
-        self.tested += 1;
-        self.errors.push(error);
+        if error.is_finite() {
+            self.tested += 1;
+            self.errors.push(error);
+        } else {
+            self.count(true);
+        }
     }
     fn join(mut self, other: Self) -> Self {
         self.tested += other.tested;
@@ -315,6 +320,13 @@ mod tests {
         };
         assert_eq!(on(1), on(3));
         assert!(on(1).tested > 1000);
+    }
+
+    #[test]
+    fn answers_that_are_no_number_are_failures() {
+        let mut tally = Tally::default();
+        [1e-6, f64::NAN, -f64::NAN, f64::INFINITY].into_iter().for_each(|error| tally.off_by(error));
+        assert_eq!(tally, Tally { tested: 4, failures: 3, errors: vec![1e-6] });
     }
 
     #[test]

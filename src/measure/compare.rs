@@ -219,7 +219,7 @@ fn judge(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::traverse::SphereChoice;
+    use crate::traverse::{BoxChoice, SphereChoice};
 
     #[test]
     fn comparison_fails_for_pixels_samples_and_hits_but_not_for_naive_hits() {
@@ -229,6 +229,11 @@ mod tests {
             (Methods::default(), Methods { sphere: SphereChoice::Naive, ..Methods::default() });
         assert!(!good.failed(default));
         assert!(Comparison { mismatched_pixels: 1, ..good.clone() }.failed(naive));
+        let unpadded = Methods { boxes: BoxChoice::Fma, ..default };
+        assert!(
+            !Comparison { mismatched_pixels: 1, ..good.clone() }.failed(unpadded),
+            "each way loses its own"
+        );
         assert!(Comparison { discarded_samples: 1, ..good.clone() }.failed(naive));
         let hits = Judgement { mismatched_hits: 1, ..good.reference.clone() };
         let wrong = Comparison { reference: hits, ..good };

@@ -176,3 +176,22 @@ fn with_both<L: Lane, S: SphereMethod, T: TriangleMethod>(
         None => batch.run(|ray| linear::closest::<L, S, T>(spheres, triangles, reach, ray)),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn boxes_without_padding_have_none_in_a_hierarchy_and_out_of_it() {
+        for scene in ["builtin:cornell", "builtin:knot:2000"] {
+            let scene = crate::scene::load(scene).unwrap();
+            let reach = |boxes| {
+                let primitives = Primitives::new(&scene, Methods { boxes, ..Methods::default() }, 8);
+                primitives.hierarchy().map_or(primitives.reach, |(hierarchy, _)| hierarchy.reach)
+            };
+            assert_eq!(reach(BoxChoice::PaddedFma), reach_of(&scene));
+            assert_eq!(reach(BoxChoice::Fma), reach_of(&scene).without_padding());
+            assert_ne!(reach(BoxChoice::Fma), reach_of(&scene));
+        }
+    }
+}

@@ -38,9 +38,8 @@ pub fn run(options: ChartOptions) -> Result<ExitCode, CliError> {
         terminal::warn("this is a debug build: its figures say nothing. Use cargo run --release -- chart.");
     }
     let names = scenes::asked_for(&options.scenes)?;
-    if let [only] = &names[..] {
-        scene::load(only)?;
-    }
+    // Before the equations take their time; it is read once, as the others are read when it is their turn.
+    let mut first = names.first().map(|name| scene::load(name)).transpose()?;
     let budget = options.budget.unwrap_or(A_SCENE * names.len() as u32);
     output::make_folder(&options.output)?;
     let countdown = Countdown::new(start, budget);
@@ -58,7 +57,7 @@ pub fn run(options: ChartOptions) -> Result<ExitCode, CliError> {
         scenes: Vec::new(),
     };
     for (number, name) in names.iter().enumerate() {
-        let scene = scene::load(name)?;
+        let scene = first.take().map_or_else(|| scene::load(name), Ok)?;
         scene.warnings.iter().for_each(|warning| countdown.above(|| terminal::warn(warning)));
         let left = (start + budget).saturating_duration_since(Instant::now() + WRITING);
         let plan = Plan {

@@ -13,6 +13,7 @@ use crate::measure::statistics::Quantiles;
 use crate::render::{Renderer, Settings};
 use crate::scene::Scene;
 use serde::Serialize;
+use std::hash::{DefaultHasher, Hasher};
 use std::time::{Duration, Instant};
 
 /// Fewest seeds behind a median.
@@ -204,11 +205,11 @@ fn to_target(renderer: &Renderer, target: &Target) -> Film {
     film
 }
 
-/// Pictures of the same bits have the same one; others hardly ever (FNV-1a).
+/// Pictures of the same bits have the same one; others hardly ever.
 fn fingerprint(pixels: &[[f32; 3]]) -> u64 {
-    pixels.iter().flatten().fold(0xcbf2_9ce4_8422_2325, |hash, channel| {
-        (hash ^ u64::from(channel.to_bits())).wrapping_mul(0x0000_0100_0000_01b3)
-    })
+    let mut hasher = DefaultHasher::new();
+    hasher.write(bytemuck::cast_slice(pixels));
+    hasher.finish()
 }
 
 /// What the runs say of themselves and of each other; the first is the default.

@@ -32,16 +32,12 @@ impl Progress {
     pub fn new([width, height]: [u32; 2], limit: Option<Duration>) -> Self {
         let pixels = u64::from(width) * u64::from(height);
         let (rays, expected) = (Arc::new(AtomicU64::new(0)), Arc::new(AtomicU64::new(0)));
-        let bar = ProgressBar::with_draw_target(Some(pixels), ProgressDrawTarget::stderr_with_hz(10));
         let (counted, all, start) = (rays.clone(), expected.clone(), Instant::now());
         let say = move |state: &ProgressState, out: &mut dyn Write| {
             let [rays, expected] = [&counted, &all].map(|count| count.load(Ordering::Relaxed));
             let _ = out.write_str(&figures(state.pos(), pixels, expected, rays, start.elapsed(), limit));
         };
-        bar.set_style(style("{wide_bar} {figures}").with_key("figures", say));
-        if !bar.is_hidden() {
-            bar.enable_steady_tick(REDRAW);
-        }
+        let bar = line(Some(pixels), style("{wide_bar} {figures}").with_key("figures", say));
         Self { bar, rays, pixels, expected }
     }
 
@@ -80,7 +76,6 @@ pub struct Countdown {
 impl Countdown {
     /// Began at `start` and is to take so much time.
     pub fn new(start: Instant, time: Duration) -> Self {
-        let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr_with_hz(10));
         let passed = move || start.elapsed().div_duration_f64(time).min(1.0);
         let filled = move |_: &ProgressState, out: &mut dyn Write| {
             let _ = out.write_str(&"█".repeat((passed() * 30.0) as usize));
@@ -90,11 +85,7 @@ impl Countdown {
             let _ = write!(out, "{:.0} %  {} left", passed() * 100.0, HumanDuration(left));
         };
         let template = style("{filled:30!.cyan/blue} {say}  {msg}");
-        bar.set_style(template.with_key("filled", filled).with_key("say", say));
-        if !bar.is_hidden() {
-            bar.enable_steady_tick(REDRAW);
-        }
-        Self { bar }
+        Self { bar: line(None, template.with_key("filled", filled).with_key("say", say)) }
     }
 
     /// From now on it does this.
@@ -120,12 +111,7 @@ pub struct Tasks {
 
 impl Tasks {
     pub fn new(count: usize) -> Self {
-        let bar = ProgressBar::with_draw_target(Some(count as u64), ProgressDrawTarget::stderr_with_hz(10));
-        bar.set_style(style("{wide_bar} {pos}/{len} {msg}"));
-        if !bar.is_hidden() {
-            bar.enable_steady_tick(REDRAW);
-        }
-        Self { bar }
+        Self { bar: line(Some(count as u64), style("{wide_bar} {pos}/{len} {msg}")) }
     }
 
     /// Shows what is begun now.
@@ -146,6 +132,16 @@ impl Tasks {
 /// Millions of rays a second.
 pub fn mrays_per_s(rays: u64, time: Duration) -> f64 {
     rays as f64 / time.as_secs_f64().max(1e-9) / 1e6
+}
+
+/// A line on standard error, drawn again and again by a thread of its own, if somebody can see it.
+fn line(length: Option<u64>, style: ProgressStyle) -> ProgressBar {
+    let bar = ProgressBar::with_draw_target(length, ProgressDrawTarget::stderr_with_hz(10));
+    bar.set_style(style);
+    if !bar.is_hidden() {
+        bar.enable_steady_tick(REDRAW);
+    }
+    bar
 }
 
 fn style(template: &str) -> ProgressStyle {

@@ -67,14 +67,19 @@ fn pinhole(camera: &Camera, x: f32, y: f32) -> glam::Vec3 {
     Pinhole::new(camera, SIZE).rays(x, y).direction.get(0)
 }
 
-/// As the book has it that many begin with: the picture's corner and the point in the picture are places in the world.
-fn in_the_world(camera: &Camera, x: f32, y: f32) -> glam::Vec3 {
+/// In f32: the picture's pixels; forward, right and up; half of the width and height of the picture at the distance 1.
+fn frame(camera: &Camera) -> ([f32; 2], [glam::Vec3; 3], [f32; 2]) {
     let [width, height] = SIZE.map(|side| side as f32);
     let forward = (camera.look_at - camera.position).normalize();
     let right = forward.cross(camera.up).normalize();
     let up = right.cross(forward);
     let half_height = (camera.vertical_fov.to_radians() / 2.0).tan();
-    let half_width = half_height * width / height;
+    ([width, height], [forward, right, up], [half_height * width / height, half_height])
+}
+
+/// As the book has it that many begin with: the picture's corner and the point in the picture are places in the world.
+fn in_the_world(camera: &Camera, x: f32, y: f32) -> glam::Vec3 {
+    let ([width, height], [forward, right, up], [half_width, half_height]) = frame(camera);
     let corner = camera.position + forward - right * half_width + up * half_height;
     let point = corner + right * (x * 2.0 * half_width / width) - up * (y * 2.0 * half_height / height);
     (point - camera.position).normalize()
@@ -82,12 +87,7 @@ fn in_the_world(camera: &Camera, x: f32, y: f32) -> glam::Vec3 {
 
 /// The same without the camera's place, and still every step in f32.
 fn in_single(camera: &Camera, x: f32, y: f32) -> glam::Vec3 {
-    let [width, height] = SIZE.map(|side| side as f32);
-    let forward = (camera.look_at - camera.position).normalize();
-    let right = forward.cross(camera.up).normalize();
-    let up = right.cross(forward);
-    let half_height = (camera.vertical_fov.to_radians() / 2.0).tan();
-    let half_width = half_height * width / height;
+    let ([width, height], [forward, right, up], [half_width, half_height]) = frame(camera);
     let (across, upwards) = (2.0 * x / width - 1.0, 1.0 - 2.0 * y / height);
     (forward + right * (across * half_width) + up * (upwards * half_height)).normalize()
 }

@@ -8,6 +8,7 @@ use crate::kernel::ray_triangle::{EightTriangles, TriangleHit, TriangleMethod, W
 use crate::lane::{Bits, F32x8, Lane, Mask, Mask8, U32x8};
 use crate::math::{Hit, Ray, Vec3};
 use crate::scene::Scene;
+use rayon::prelude::*;
 
 /// The hierarchy, and the primitives of its leaves as intersection reads them.
 pub struct Hierarchy {
@@ -33,6 +34,9 @@ struct SphereLeaf {
     primitives: Leaf,
 }
 
+/// Fewest leaves that are worth another thread.
+const FILL: usize = 256;
+
 /// How far rays and boxes reach in a scene: [`Reach`] of all its primitives.
 pub fn reach_of(scene: &Scene) -> Reach {
     let vertices = scene.triangles.iter().flat_map(|triangle| triangle.vertices);
@@ -47,7 +51,7 @@ pub fn reach_of(scene: &Scene) -> Reach {
 
 impl Hierarchy {
     pub fn new(scene: &Scene, quality: Quality) -> Self {
-        let bvh = Bvh::new(scene, quality);
+        let (bvh, reach) = rayon::join(|| Bvh::new(scene, quality), || reach_of(scene));
         let first_triangle = scene.spheres.len();
         let triangle_leaf = |leaf: &Leaf| {
             let mut vertices = [[[f32::NAN; LEAF]; 3]; 3];
@@ -66,10 +70,11 @@ impl Hierarchy {
             let spheres = leaf.primitives().iter().map(|&primitive| &scene.spheres[primitive as usize]);
             SphereLeaf { spheres: SphereBlock::new(spheres), primitives: *leaf }
         };
+        let (triangles, spheres) = (bvh.triangle_leaves.par_iter(), bvh.sphere_leaves.par_iter());
         Self {
-            reach: reach_of(scene),
-            triangles: bvh.triangle_leaves.iter().map(triangle_leaf).collect(),
-            spheres: bvh.sphere_leaves.iter().map(sphere_leaf).collect(),
+            triangles: triangles.with_min_len(FILL).map(triangle_leaf).collect(),
+            spheres: spheres.with_min_len(FILL).map(sphere_leaf).collect(),
+            reach,
             bvh,
         }
     }

@@ -13,12 +13,20 @@ use crate::lane::{F32x8, Lane, Mask, Mask8};
 use noise::Noise;
 
 /// A picture in linear RGB, row by row from the top: what a film averages to, before anyone sees it.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Picture {
     pub width: u32,
     pub height: u32,
     /// `width · height` pixels.
     pub pixels: Vec<[f32; 3]>,
+}
+
+impl Picture {
+    /// Takes memory only where the picture grows. What it holds afterwards is unspecified.
+    pub fn resize(&mut self, [width, height]: [u32; 2]) {
+        (self.width, self.height) = (width, height);
+        self.pixels.resize(width as usize * height as usize, [0.0; 3]);
+    }
 }
 
 /// The running sums of a picture. Made by [`crate::render::Renderer::film`].
@@ -73,6 +81,15 @@ impl TileSums {
     fn new(tile: Tile) -> Self {
         let packets = vec![[CompensatedSum::ZERO; 3]; tile.pixels().div_ceil(F32x8::WIDTH)];
         Self { tile, samples: 0, packets, discarded: Vec::new(), noise: None }
+    }
+
+    fn clear(&mut self) {
+        self.packets.fill([CompensatedSum::ZERO; 3]);
+        self.samples = 0;
+        self.discarded.clear();
+        if let Some(noise) = &mut self.noise {
+            *noise = Noise::new(self.packets.len());
+        }
     }
 
     /// Adds one sample of every pixel: red, green and blue, each padded to whole packets. A sample with a NaN or infinite
@@ -144,6 +161,12 @@ impl Film {
         self
     }
 
+    /// Empty again, and takes no memory anew.
+    pub fn clear(&mut self) {
+        self.tiles.iter_mut().for_each(TileSums::clear);
+        self.rays = 0;
+    }
+
     /// Pixels: width, height.
     pub fn resolution(&self) -> [u32; 2] {
         self.resolution
@@ -179,17 +202,26 @@ impl Film {
     }
     /// The average of each pixel's own finite samples, whatever others have had; black before the first one.
     pub fn picture(&self) -> Picture {
-        self.draw(|tile, slot| tile.mean(slot).map(|channel| channel as f32))
+        let mut picture = Picture::default();
+        self.picture_into(&mut picture);
+        picture
+    }
+    /// The same into a picture that was made before; takes memory only where it must grow.
+    pub fn picture_into(&self, picture: &mut Picture) {
+        self.draw_into(picture, |tile, slot| tile.mean(slot).map(|channel| channel as f32));
     }
     /// How many samples each pixel has had, in all three channels.
     pub fn counts(&self) -> Picture {
-        self.draw(|tile, _| [tile.samples as f32; 3])
+        let mut picture = Picture::default();
+        self.draw_into(&mut picture, |tile, _| [tile.samples as f32; 3]);
+        picture
     }
 
-    /// A picture of what `pixel` makes of each tile and slot.
-    fn draw(&self, pixel: impl Fn(&TileSums, usize) -> [f32; 3]) -> Picture {
-        let [width, height] = self.resolution;
-        let mut pixels = vec![[0.0; 3]; width as usize * height as usize];
+    /// Fills the picture with what `pixel` makes of each tile and slot.
+    fn draw_into(&self, picture: &mut Picture, pixel: impl Fn(&TileSums, usize) -> [f32; 3]) {
+        let [width, _] = self.resolution;
+        picture.resize(self.resolution);
+        let pixels = &mut picture.pixels;
         for sums in &self.tiles {
             let tile = sums.tile;
             for slot in 0..tile.pixels() {
@@ -198,7 +230,6 @@ impl Film {
                 pixels[index] = pixel(sums, slot);
             }
         }
-        Picture { width, height, pixels }
     }
 }
 

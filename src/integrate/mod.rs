@@ -18,8 +18,10 @@
 //! throughput so far. Random numbers are [`Sampler`]'s. A path has up to `max_bounces` scattering events. Light is found
 //! by hitting it, and emitters that are worth it by looking for them too, with multiple importance sampling.
 
+pub mod cost;
 mod extend;
 mod generate;
+pub mod guides;
 mod light;
 pub mod queue;
 pub mod scatter;

@@ -5,10 +5,12 @@ use super::light::Search;
 use super::stats::{Meter, RayKind, Stage, Stats};
 use super::{Tile, World};
 use crate::lane::{Bits, F32x8, Lane};
-use crate::math::{Hit, Ray, Vec3};
+use crate::math::{Hit, MISS, Ray, Vec3};
 use crate::traverse::Visible;
 use crate::traverse::batch::{Tracer, Traversal};
 use crate::traverse::hierarchy::Hierarchy;
+use crate::traverse::rays::{Hits, Rays};
+use crate::traverse::tally::{Counter, Counts};
 use bytemuck::Zeroable;
 
 /// Most pixels in a tile. Columns for more would lie whole pages apart, all in the same few sets of the cache: 2 % slower.
@@ -83,6 +85,42 @@ pub struct Work {
     radiance: Vectors,
     /// Notes what the work takes, where somebody asks.
     meter: Option<Box<Meter>>,
+    /// Notes how far each pixel's path goes, where somebody asks.
+    probe: Option<Box<Probe>>,
+}
+
+/// How far a pixel's path went, and how full the packets were that it went in.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct PathShape {
+    /// Rays: 1 without a bounce.
+    pub segments: u32,
+    /// Active lanes of the packets that held them, summed.
+    pub lanes: u32,
+}
+
+/// Notes the shape of a tile's paths, by slot.
+pub struct Probe {
+    pub paths: [PathShape; MAX_PIXELS],
+}
+
+impl Default for Probe {
+    fn default() -> Self {
+        Self { paths: [PathShape::default(); MAX_PIXELS] }
+    }
+}
+
+impl Probe {
+    /// The first `rays` paths have a segment more. Before the first bounce each stands at the slot of its own number.
+    #[cold]
+    #[inline(never)]
+    fn note<L: Lane>(&mut self, slots: &Integers, bounces: u32, rays: usize) {
+        for (at, &slot) in slots.iter().enumerate().take(rays) {
+            let packet = at - at % L::WIDTH;
+            let path = &mut self.paths[if bounces == 0 { at } else { slot as usize }];
+            path.segments += 1;
+            path.lanes += L::WIDTH.min(rays - packet) as u32;
+        }
+    }
 }
 
 /// A path as it leaves a surface.
@@ -101,6 +139,10 @@ impl Queue {
     pub fn segments(&mut self, count: usize) -> Segments<'_> {
         let Queue { origin, direction, t, primitive, u, v, .. } = self;
         Segments { count, origin, direction, reach: None, t, primitive, u, v }
+    }
+    /// The first `count` rays.
+    pub fn rays(&self, count: usize) -> Rays<'_> {
+        Rays { origin: self.origin.first(count), direction: self.direction.first(count) }
     }
     #[inline(always)]
     pub fn ray<L: Lane>(&self, at: usize) -> Ray<L> {
@@ -214,6 +256,7 @@ impl Work {
             radiance,
             tracer: Tracer::new(),
             meter: None,
+            probe: None,
         })
     }
 
@@ -246,6 +289,18 @@ impl Work {
             note_segment(meter, world, tile, bounces, (rays, L::WIDTH));
             meter.enter(Some(stage));
         }
+        if let Some(probe) = &mut self.probe {
+            probe.note::<L>(&self.queue.slot, bounces, rays);
+        }
+    }
+
+    /// Notes from here on how far the paths of a tile go.
+    pub fn start_probe(&mut self) {
+        self.probe = Some(Box::default());
+    }
+    /// What was noted of the tile's pixels, row by row; nothing where nothing was to be.
+    pub fn take_probe(&mut self) -> Box<Probe> {
+        self.probe.take().unwrap_or_default()
     }
 
     /// Says that rays to lights are traced next, and how many.
@@ -271,6 +326,16 @@ impl Work {
         let counter = self.meter.as_ref().map(|meter| meter.counter(kind));
         self.queue.segments(count).trace::<false>(&mut self.tracer, hierarchy, traversal, counter);
         self.enter(before);
+    }
+
+    /// What it takes to find the nearest hit of the ray at `at`, traced by itself.
+    pub fn count_one(&mut self, hierarchy: &Hierarchy, traversal: Traversal, at: usize) -> Counts {
+        let counter = Counter::default();
+        let rays = self.queue.rays(at + 1).range(at..at + 1);
+        let (mut t, mut primitive, mut u, mut v) = ([f32::INFINITY], [MISS], [0.0], [0.0]);
+        let mut hits = Hits { t: &mut t, primitive: &mut primitive, u: &mut u, v: &mut v };
+        self.tracer.count::<false>(traversal, hierarchy, &rays, &mut hits, &counter);
+        counter.get()
     }
 
     /// Sets the radiance of the pixels `at`, … where every path is still at the slot of its own number.

@@ -73,6 +73,13 @@ impl<L: Lane> Surface<L> {
         surface
     }
 
+    /// A number for what is seen as one thing: each sphere, and all triangles of a material.
+    #[inline(always)]
+    pub fn object(&self, world: &World, hit: &Hit<L>) -> L::Bits {
+        let of_material = self.material.wrapping_add(L::Bits::splat(world.buffers.spheres.len() as u32));
+        L::Bits::select(self.is_sphere, hit.primitive, of_material)
+    }
+
     #[inline(always)]
     fn set_sphere<const N: u32>(&mut self, world: &World, path: &Path<L>, hit: &Hit<L>, index: L::Bits) {
         let few = !needs(N, Needs::MANY_SPHERES);

@@ -16,11 +16,19 @@ pub struct Visible {
 impl Visible {
     /// The scene's primitives that are not outside the pyramid.
     pub fn of(scene: &Scene, pyramid: &Pyramid) -> Self {
+        let mut visible = Self::default();
+        visible.find(scene, pyramid);
+        visible
+    }
+
+    /// The same in place.
+    pub fn find(&mut self, scene: &Scene, pyramid: &Pyramid) {
         let sphere = |s: &Sphere| !pyramid.excludes(&[s.center.as_dvec3()], f64::from(s.radius));
         let triangle = |t: &Triangle| !pyramid.excludes(&t.vertices.map(|vertex| vertex.as_dvec3()), 0.0);
-        Self {
-            spheres: (0u32..).zip(&scene.spheres).filter(|(_, s)| sphere(s)).map(|(i, _)| i).collect(),
-            triangles: (0u32..).zip(&scene.triangles).filter(|(_, t)| triangle(t)).map(|(i, _)| i).collect(),
-        }
+        let (spheres, triangles) = ((0u32..).zip(&scene.spheres), (0u32..).zip(&scene.triangles));
+        self.spheres.clear();
+        self.spheres.extend(spheres.filter(|(_, s)| sphere(s)).map(|(i, _)| i));
+        self.triangles.clear();
+        self.triangles.extend(triangles.filter(|(_, t)| triangle(t)).map(|(i, _)| i));
     }
 }

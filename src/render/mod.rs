@@ -1,6 +1,8 @@
 //! From a scene to a film: tiles as rayon jobs.
 //!
-//! For: [`Renderer`], and [`Watch`] to follow it and stop it. May import: `film` and everything above it. Must never know: files, terminals, clocks.
+//! For: [`Renderer`], and [`Watch`] to follow it and stop it; [`survey`] tells what pixels see and take besides light. May import: `film` and everything above it. Must never know: files, terminals, clocks.
+
+pub mod survey;
 
 use crate::buffers::{Buffers, Needs};
 use crate::camera::Pinhole;
@@ -10,7 +12,7 @@ use crate::integrate::stats::Stats;
 use crate::integrate::{Pipeline, Tile, World, generate as primary, pipeline_for};
 use crate::lane::F32x8;
 use crate::math::{Hit, MISS};
-use crate::scene::Scene;
+use crate::scene::{Camera, Scene};
 use crate::threads::Threads;
 use crate::traverse::{Methods, Primitives, Visible};
 use rayon::prelude::*;
@@ -69,17 +71,32 @@ impl Settings {
 /// Most primitives times tiles for which [`Visible`] is found: some tens of milliseconds. Beyond it, testing everything is no way to
 /// render anyhow.
 const MOST_TO_CULL: usize = 4_000_000;
+/// The same for a camera that moves on with every frame: a millisecond at most.
+const MOST_TO_CULL_MOVING: usize = 40_000;
 
-/// What each tile's primary rays can meet; nothing where that is unknown or would not pay.
-fn visible(scene: &Scene, camera: &Pinhole, settings: &Settings) -> Vec<Visible> {
-    let tiles = Tile::cover(settings.resolution, settings.tile_size);
-    let primitives = scene.spheres.len() + scene.triangles.len();
-    let count = Tile::cover(settings.resolution, settings.tile_size).count();
-    if !settings.methods.keep_to_their_primitives() || primitives * count > MOST_TO_CULL {
-        return Vec::new();
+/// Finds what each tile's primary rays can meet; nothing where that is unknown or more than `most` to find out.
+fn find_visible(
+    visible: &mut Vec<Visible>,
+    scene: &Scene,
+    camera: &Pinhole,
+    settings: &Settings,
+    most: usize,
+) {
+    let tiles = || Tile::cover(settings.resolution, settings.tile_size);
+    let (primitives, count) = (scene.spheres.len() + scene.triangles.len(), tiles().count());
+    if !settings.methods.keep_to_their_primitives() || primitives * count > most {
+        visible.clear();
+        return;
     }
-    let pyramid = |tile: Tile| camera.pyramid([tile.x, tile.y], [tile.width, tile.height]);
-    tiles.map(|tile| Visible::of(scene, &pyramid(tile))).collect()
+    visible.resize_with(count, Visible::default);
+    for (tile, visible) in tiles().zip(visible) {
+        visible.find(scene, &camera.pyramid([tile.x, tile.y], [tile.width, tile.height]));
+    }
+}
+
+fn check_resolution(resolution: [u32; 2]) {
+    let fits = resolution.iter().all(|side| (1..=crate::scene::MAX_SIDE).contains(side));
+    assert!(fits, "resolution {resolution:?}");
 }
 
 /// A primary ray and its answer.
@@ -128,18 +145,18 @@ impl Renderer {
     /// If the settings are outside their documented ranges, or the system refuses threads.
     pub fn new(scene: &Scene, settings: Settings) -> Self {
         let Settings { resolution, tile_size, lanes, threads, .. } = settings;
-        assert!(
-            resolution.iter().all(|side| (1..=crate::scene::MAX_SIDE).contains(side)),
-            "resolution {resolution:?}"
-        );
+        check_resolution(resolution);
         let tile_pixels = tile_size[0] as usize * tile_size[1] as usize;
         assert!((1..=MAX_PIXELS).contains(&tile_pixels), "tile size {tile_size:?}");
         assert!(lanes == 1 || lanes == 8, "{lanes} lanes");
         let camera = Pinhole::new(&scene.camera, resolution);
         let primitives = Primitives::new(scene, settings.methods, lanes);
-        let linear = primitives.hierarchy().is_none();
+        let mut visible = Vec::new();
+        if primitives.hierarchy().is_none() {
+            find_visible(&mut visible, scene, &camera, &settings, MOST_TO_CULL);
+        }
         let world = World {
-            visible: if linear { visible(scene, &camera, &settings) } else { Vec::new() },
+            visible,
             buffers: Buffers::with_lights(scene, settings.methods.lights),
             primitives,
             camera,
@@ -162,6 +179,25 @@ impl Renderer {
     pub fn set_seed(&mut self, seed: u32) {
         self.settings.seed = seed;
         self.world.seed = seed;
+    }
+    /// Another camera, resolution and number of bounces from here on, for a renderer that was made for `scene`. Films made before
+    /// fit only where the resolution is the same.
+    ///
+    /// # Panics
+    /// If the resolution is outside its documented range.
+    pub fn set_view(&mut self, scene: &Scene, camera: &Camera, resolution: [u32; 2], max_bounces: u32) {
+        check_resolution(resolution);
+        (self.settings.resolution, self.settings.max_bounces) = (resolution, max_bounces);
+        let world = &mut self.world;
+        world.camera = Pinhole::new(camera, resolution);
+        (world.width, world.max_bounces) = (resolution[0], max_bounces);
+        if world.primitives.hierarchy().is_none() {
+            find_visible(&mut world.visible, scene, &world.camera, &self.settings, MOST_TO_CULL_MOVING);
+        }
+    }
+    /// Where pixels look.
+    pub fn camera(&self) -> &Pinhole {
+        &self.world.camera
     }
     /// What its pipeline has: the scene's needs, and what shares the pipeline with them.
     pub fn features(&self) -> Needs {

@@ -1,0 +1,79 @@
+//! What pixels see and what they take, besides light: for filters, views of the scene, and heat maps.
+
+use super::Renderer;
+use crate::integrate::guides::{self, Guides};
+use crate::integrate::queue::PathShape;
+use crate::integrate::{Tile, cost};
+use rayon::prelude::*;
+use std::sync::Mutex;
+
+pub use crate::integrate::cost::Cost;
+
+/// A number or a few for each pixel, row by row from the top.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Map<T> {
+    pub width: u32,
+    pub height: u32,
+    /// `width · height` of them.
+    pub pixels: Vec<T>,
+}
+
+impl<T: Clone + Default> Map<T> {
+    /// Takes memory only where the map grows. What it holds afterwards is unspecified.
+    fn resize(&mut self, [width, height]: [u32; 2]) {
+        (self.width, self.height) = (width, height);
+        self.pixels.resize(width as usize * height as usize, T::default());
+    }
+}
+
+impl Renderer {
+    /// The surface under the middle of every pixel.
+    pub fn guides_into(&self, guides: &mut Guides) {
+        guides.resize(self.settings.resolution);
+        let (length, rows) = guides.rows();
+        let fill = |(y, row): (usize, &mut [f32])| {
+            guides::look(&self.world, y as u32, row, &mut self.threads.own());
+        };
+        match self.threads.alone() {
+            true => rows.chunks_mut(length).enumerate().for_each(fill),
+            false => self.threads.run(|| rows.par_chunks_mut(length).enumerate().for_each(fill)),
+        }
+    }
+
+    /// What it takes to find what the ray through the middle of each pixel meets, that ray by itself.
+    pub fn costs_into(&self, costs: &mut Map<Cost>) {
+        costs.resize(self.settings.resolution);
+        let width = costs.width as usize;
+        let fill = |(y, row): (usize, &mut [Cost])| {
+            cost::of_row(&self.world, self.settings.tile_size, y as u32, row, &mut self.threads.own());
+        };
+        match self.threads.alone() {
+            true => costs.pixels.chunks_mut(width).enumerate().for_each(fill),
+            false => self.threads.run(|| costs.pixels.par_chunks_mut(width).enumerate().for_each(fill)),
+        }
+    }
+
+    /// How far the paths of one sample go, as packets of [`super::Settings::lanes`] trace them.
+    pub fn path_shapes_into(&self, sample: u32, shapes: &mut Map<PathShape>) {
+        shapes.resize(self.settings.resolution);
+        let width = shapes.width as usize;
+        let shapes = Mutex::new(shapes);
+        let trace = |tile: Tile| {
+            let mut work = self.threads.own();
+            work.start_probe();
+            (self.pipeline)(&self.world, tile, sample, &mut work);
+            work.enter(None);
+            let probe = work.take_probe();
+            let mut shapes = shapes.lock().expect("no thread panicked while it copied");
+            let rows = shapes.pixels.chunks_mut(width).skip(tile.y as usize);
+            for (row, paths) in rows.zip(probe.paths[..tile.pixels()].chunks(tile.width as usize)) {
+                row[tile.x as usize..][..paths.len()].copy_from_slice(paths);
+            }
+        };
+        let tiles = Tile::cover(self.settings.resolution, self.settings.tile_size);
+        match self.threads.alone() {
+            true => tiles.for_each(trace),
+            false => self.threads.run(|| tiles.par_bridge().for_each(trace)),
+        }
+    }
+}

@@ -14,7 +14,8 @@ const SCENE: &str = "A scene file (.json), a model (.obj), or builtin:NAME";
 /// A data-oriented path tracer for CPUs.
 ///
 /// Traces eight rays at a time with SIMD instructions, and one at a time to check that the two agree. A scene is a file
-/// (.json), a model (.obj; framed automatically under a plain sky) or a built-in scene (builtin:NAME).
+/// (.json), a model (.obj; framed automatically under a plain sky) or a built-in scene (builtin:NAME). The file may be a view of another
+/// scene: every command takes the camera from it, and render alone its options.
 ///
 /// Exit codes: 0 success; 1 a check failed; 2 the input cannot be used; 130 Ctrl-C came before the end.
 #[derive(Debug, Parser)]
@@ -131,6 +132,10 @@ pub struct CompareArgs {
 /// those that have missed such light, and are a little too dark: by less than a fiftieth of a per cent in most scenes, by some per cent where
 /// much light comes by one path in ten thousand. Where all pixels have the same number of samples, nothing is biased.
 ///
+/// A view (a .json file of the format octray-view-1) names another scene and says how it is looked at. Its `render` holds defaults for options of
+/// this command, by their names; an option given here wins. --fast and --robust win over all its equations, and --samples, --time-limit and
+/// --target-error over its samples.
+///
 /// Ctrl-C ends the rendering early: the samples so far are written as a picture, the exit code is 130, and with --json `interrupted` is
 /// true. In scenes where a sample takes long, some parts of the picture then have one sample more than others; those that have had none
 /// are black; where no part has had one yet, nothing is written. A second Ctrl-C ends the program at once and writes nothing.
@@ -157,9 +162,9 @@ pub struct RenderArgs {
     /// Scattering events allowed on a path; 0 shows only what shines [default: the scene's].
     #[arg(long, value_name = "N", allow_hyphen_values = true)]
     pub bounces: Option<String>,
-    /// Which random numbers to use: the same seed gives the same picture, bit by bit.
-    #[arg(long, value_name = "N", default_value = "0", allow_hyphen_values = true)]
-    pub seed: String,
+    /// Which random numbers to use: the same seed gives the same picture, bit by bit [default: 0].
+    #[arg(long, value_name = "N", allow_hyphen_values = true)]
+    pub seed: Option<String>,
     /// Worker threads; they do not change the picture [default: all cores].
     #[arg(long, value_name = "N", allow_hyphen_values = true)]
     pub threads: Option<String>,
@@ -178,9 +183,9 @@ pub struct RenderArgs {
     pub tone: Option<ToneArg>,
     #[command(flatten)]
     pub methods: MethodArgs,
-    /// Compiled for what the scene needs, or with every feature: it does not change the picture.
-    #[arg(long, value_enum, value_name = "PIPELINE", default_value_t)]
-    pub pipeline: PipelineArg,
+    /// Compiled for what the scene needs, or with every feature: it does not change the picture [default: needed].
+    #[arg(long, value_enum, value_name = "PIPELINE")]
+    pub pipeline: Option<PipelineArg>,
     /// Print what was done as JSON (schema octray-render-1).
     #[arg(long)]
     pub json: bool,

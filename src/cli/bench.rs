@@ -12,7 +12,7 @@ use crate::measure::compare::{BYTES_PER_PIXEL as COMPARE_BYTES_PER_PIXEL, Compar
 use crate::measure::turns::Ratio;
 use crate::measure::{Machine, machine};
 use crate::render::{Renderer, Settings};
-use crate::scene::{self, Scene};
+use crate::scene::Scene;
 use crate::wording::{counted, grouped};
 use serde::Serialize;
 use std::fmt::Write;
@@ -54,7 +54,7 @@ pub fn run(options: BenchOptions) -> Result<ExitCode, CliError> {
     memory::check(options.size, COMPARE_BYTES_PER_PIXEL)?;
     let mut failed = false;
     for (index, spec) in scenes::asked_for(&options.scenes)?.iter().enumerate() {
-        let scene = scene::load(spec)?;
+        let scene = scenes::load(spec)?;
         for warning in &scene.warnings {
             terminal::warn(warning);
         }

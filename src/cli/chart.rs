@@ -14,7 +14,6 @@ use crate::measure::{Machine, machine};
 use crate::output;
 use crate::report::chart::{drawings, verdict};
 use crate::report::{page::page, tables};
-use crate::scene;
 use crate::wording::grouped;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -39,7 +38,7 @@ pub fn run(options: ChartOptions) -> Result<ExitCode, CliError> {
     }
     let names = scenes::asked_for(&options.scenes)?;
     // Before the equations take their time; it is read once, as the others are read when it is their turn.
-    let mut first = names.first().map(|name| scene::load(name)).transpose()?;
+    let mut first = names.first().map(|name| scenes::load(name)).transpose()?;
     let budget = options.budget.unwrap_or(A_SCENE * names.len() as u32);
     output::make_folder(&options.output)?;
     let countdown = Countdown::new(start, budget);
@@ -57,7 +56,7 @@ pub fn run(options: ChartOptions) -> Result<ExitCode, CliError> {
         scenes: Vec::new(),
     };
     for (number, name) in names.iter().enumerate() {
-        let scene = first.take().map_or_else(|| scene::load(name), Ok)?;
+        let scene = first.take().map_or_else(|| scenes::load(name), Ok)?;
         scene.warnings.iter().for_each(|warning| countdown.above(|| terminal::warn(warning)));
         let left = (start + budget).saturating_duration_since(Instant::now() + WRITING);
         let plan = Plan {

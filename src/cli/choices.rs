@@ -24,32 +24,30 @@ pub struct MethodArgs {
     #[arg(long = "box", value_enum, value_name = "METHOD")]
     pub boxes: Option<BoxMethod>,
     /// How rays find what they meet: it does not change the picture. Of small scenes `needed` tests every primitive; in others it takes
-    /// the fastest ways through a hierarchy.
-    #[arg(long, value_enum, value_name = "WAY", default_value_t)]
-    pub traversal: TraversalArg,
+    /// the fastest ways through a hierarchy [default: needed].
+    #[arg(long, value_enum, value_name = "WAY")]
+    pub traversal: Option<TraversalArg>,
     /// Which emitters paths look for, besides finding them by chance: `auto`, those for which it pays; `on`, all; `off`, none. It
-    /// changes the noise, not the picture behind it.
-    #[arg(long, value_enum, value_name = "CHOICE", default_value_t)]
-    pub lights: LightArg,
+    /// changes the noise, not the picture behind it [default: auto].
+    #[arg(long, value_enum, value_name = "CHOICE")]
+    pub lights: Option<LightArg>,
     /// Where random numbers come from: well spread points, or numbers independent of each other. It changes the noise, not the picture
-    /// behind it.
-    #[arg(long, value_enum, value_name = "SAMPLER", default_value_t)]
-    pub sampler: SamplerArg,
+    /// behind it [default: sobol].
+    #[arg(long, value_enum, value_name = "SAMPLER")]
+    pub sampler: Option<SamplerArg>,
 }
 
 /// Where random numbers come from.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum SamplerArg {
     /// Owen-scrambled Sobol points.
-    #[default]
     Sobol,
     Random,
 }
 
 /// Which emitters paths look for.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum LightArg {
-    #[default]
     Auto,
     On,
     Off,
@@ -116,10 +114,9 @@ pub enum PipelineArg {
     General,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum ToneArg {
     /// Cut it off: true to the radiance up to there.
-    #[default]
     Clamp,
     /// x / (1 + x): nothing burns out, everything is darker.
     Reinhard,

@@ -9,7 +9,6 @@ use super::scenes;
 use super::terminal;
 use crate::measure::compare::{BYTES_PER_PIXEL, Comparison, compare};
 use crate::render::Settings;
-use crate::scene;
 use crate::wording::{counted, grouped};
 use serde::Serialize;
 use std::process::ExitCode;
@@ -37,7 +36,7 @@ pub fn run(options: CompareOptions) -> Result<ExitCode, CliError> {
     }
     let (mut failed, mut lossy) = (false, false);
     for spec in scenes {
-        let scene = scene::load(&spec)?;
+        let scene = scenes::load(&spec)?;
         for warning in &scene.warnings {
             terminal::warn(warning);
         }

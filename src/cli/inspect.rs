@@ -1,14 +1,16 @@
 //! `octray inspect`: what a scene holds, and which way its rays go.
 
 use super::CHECK_FAILED;
+use super::asked::ViewReport;
 use super::defaults::DefaultReport;
 use super::error::CliError;
 use super::memory::bytes;
 use super::options::InspectOptions;
 use super::routes::{HierarchyReport, TraversalReport};
+use super::scenes;
 use super::terminal;
 use crate::buffers::{LightChoice, Lights, Needs, SkyLight};
-use crate::scene::{self, Filter, Material, MaterialKind, Scene, Sky, Texture};
+use crate::scene::{Filter, Material, MaterialKind, Scene, Sky, Texture};
 use crate::wording::{counted, grouped};
 use glam::Vec3;
 use serde::Serialize;
@@ -21,6 +23,8 @@ struct Inspection {
     schema: &'static str,
     scene: String,
     name: String,
+    /// What its file says, if that is a view.
+    view: Option<ViewReport>,
     resolution: [u32; 2],
     max_bounces: u32,
     spheres: usize,
@@ -108,7 +112,7 @@ type Vec3Report = [f32; 3];
 
 /// Runs the command.
 pub fn run(options: InspectOptions) -> Result<ExitCode, CliError> {
-    let scene = scene::load(&options.scene)?;
+    let scene = scenes::load(&options.scene)?;
     let inspection = Inspection::of(options.scene, &scene);
     if options.json {
         terminal::print_json(&inspection)?;
@@ -127,6 +131,7 @@ impl Inspection {
             schema: "octray-inspect-1",
             scene: spec,
             name: scene.name.clone(),
+            view: scene.view.as_ref().map(ViewReport::of),
             resolution: scene.resolution,
             max_bounces: scene.max_bounces,
             spheres: scene.spheres.len(),
@@ -163,14 +168,15 @@ impl Inspection {
             0 => String::new(),
             count => format!(" ({} with vertex normals)", grouped(count)),
         };
-        let mut lines = vec![
-            ("scene", self.name.clone()),
+        let mut lines = vec![("scene", self.name.clone())];
+        lines.extend(self.view.iter().flat_map(ViewReport::lines));
+        lines.extend([
             ("resolution", format!("{width}×{height}")),
             ("bounces", format!("up to {}", self.max_bounces)),
             ("spheres", grouped(self.spheres)),
             ("triangles", format!("{}{smooth}", grouped(self.triangles))),
             ("materials", self.materials.text()),
-        ];
+        ]);
         lines.extend(self.textures.iter().map(|texture| ("texture", texture.text())));
         lines.extend([("sky", self.sky.text()), ("camera", self.camera.text())]);
         let bounds = self

@@ -32,23 +32,35 @@ pub struct Limits {
     pub time: Option<Duration>,
 }
 
-impl TryFrom<LimitArgs> for Limits {
-    type Error = CliError;
-    fn try_from(args: LimitArgs) -> Result<Self, CliError> {
+impl Limits {
+    /// So many samples of every pixel, however long they take.
+    pub fn of_samples(samples: u32) -> Self {
+        Self { samples, target: None, time: None }
+    }
+    /// Those that were asked for, if any were.
+    pub fn asked(args: LimitArgs) -> Result<Option<Self>, CliError> {
+        if args.samples.is_none() && args.target_error.is_none() && args.time_limit.is_none() {
+            return Ok(None);
+        }
         let error = args.target_error.as_deref().map(target).transpose()?;
         let time = args.time_limit.as_deref().map(|text| seconds("--time-limit", text)).transpose()?;
-        let samples = match (&args.samples, time, error) {
-            (Some(text), ..) => samples(text)?,
-            (None, Some(_), _) => MAX_SAMPLES,
-            (None, None, Some(_)) => MOST_SAMPLES,
-            (None, None, None) => SAMPLES,
+        let samples = match (&args.samples, time) {
+            (Some(text), _) => samples(text)?,
+            (None, Some(_)) => MAX_SAMPLES,
+            (None, None) => MOST_SAMPLES,
         };
         let least = match &args.min_samples {
             Some(text) => whole("--min-samples", text, FEWEST_SAMPLES, samples.max(FEWEST_SAMPLES))?,
             None => LEAST_SAMPLES.min(samples),
         };
         let target = error.map(|error| Target { error, least, most: samples });
-        Ok(Self { samples, target, time })
+        Ok(Some(Self { samples, target, time }))
+    }
+}
+
+impl Default for Limits {
+    fn default() -> Self {
+        Self::of_samples(SAMPLES)
     }
 }
 
@@ -90,7 +102,8 @@ mod tests {
     ) -> Result<Limits, CliError> {
         let [samples, target_error, min_samples, time_limit] =
             [samples, target_error, min_samples, time_limit].map(|text| text.map(String::from));
-        LimitArgs { samples, target_error, min_samples, time_limit }.try_into()
+        Limits::asked(LimitArgs { samples, target_error, min_samples, time_limit })
+            .map(Option::unwrap_or_default)
     }
 
     #[test]

@@ -12,29 +12,44 @@ use crate::traverse::batch::Traversal;
 use crate::traverse::{BoxChoice, Methods, SphereChoice, TraversalChoice, TriangleChoice};
 
 /// The methods asked for; which ones `--fast` means depends on the scene.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MethodOptions {
-    fast: bool,
+    /// `--fast`, or `--robust`; `None` is the latter, not said.
+    fast: Option<bool>,
     /// Said by name, and so stronger than `--fast`.
     sphere: Option<SphereChoice>,
     triangle: Option<TriangleChoice>,
     boxes: Option<BoxChoice>,
-    traversal: TraversalChoice,
-    lights: LightChoice,
-    sampler: Sampler,
+    traversal: Option<TraversalChoice>,
+    lights: Option<LightChoice>,
+    sampler: Option<Sampler>,
 }
 
 impl MethodOptions {
     /// The methods of this scene's picture.
     pub fn of(&self, scene: &Scene) -> Methods {
-        let base = if self.fast { Methods::fast(scene) } else { Methods::default() };
+        let base = if self.fast == Some(true) { Methods::fast(scene) } else { Methods::default() };
         Methods {
             sphere: self.sphere.unwrap_or(base.sphere),
             triangle: self.triangle.unwrap_or(base.triangle),
             boxes: self.boxes.unwrap_or(base.boxes),
-            traversal: self.traversal,
-            lights: self.lights,
-            sampler: self.sampler,
+            traversal: self.traversal.unwrap_or(base.traversal),
+            lights: self.lights.unwrap_or(base.lights),
+            sampler: self.sampler.unwrap_or(base.sampler),
+        }
+    }
+
+    /// These, and what `weaker` asks for besides. Who asks for all equations at once wants none of the other's.
+    pub fn or(self, weaker: Self) -> Self {
+        let equations = if self.fast.is_some() { Self::default() } else { weaker };
+        Self {
+            fast: self.fast.or(weaker.fast),
+            sphere: self.sphere.or(equations.sphere),
+            triangle: self.triangle.or(equations.triangle),
+            boxes: self.boxes.or(equations.boxes),
+            traversal: self.traversal.or(weaker.traversal),
+            lights: self.lights.or(weaker.lights),
+            sampler: self.sampler.or(weaker.sampler),
         }
     }
 }
@@ -42,13 +57,13 @@ impl MethodOptions {
 impl From<MethodArgs> for MethodOptions {
     fn from(args: MethodArgs) -> Self {
         Self {
-            fast: args.fast,
+            fast: (args.fast || args.robust).then_some(args.fast),
             sphere: args.sphere.map(Into::into),
             triangle: args.triangle.map(Into::into),
             boxes: args.boxes.map(Into::into),
-            traversal: args.traversal.into(),
-            lights: args.lights.into(),
-            sampler: args.sampler.into(),
+            traversal: args.traversal.map(Into::into),
+            lights: args.lights.map(Into::into),
+            sampler: args.sampler.map(Into::into),
         }
     }
 }

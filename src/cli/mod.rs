@@ -6,9 +6,10 @@
 //! |---|---|
 //! | [`args`], [`choices`] | what the user typed: the arguments' names, shapes and help |
 //! | [`options`], [`methods`], [`numbers`], [`limits`] | what we accept: names known, numbers in range |
+//! | [`asked`] | what options or a view ask of a still |
 //! | [`render`], [`convert`], [`inspect`], [`mod@bench`], [`compare`], [`rays`], [`stability`], [`chart`] | the commands |
 //! | [`truths`] | truths that were rendered before, for `chart` |
-//! | [`scenes`] | the scenes of commands that take several |
+//! | [`scenes`] | the scenes that commands take |
 //! | [`routes`], [`defaults`] | which way a scene's rays go and which methods it gets, for `inspect` |
 //! | [`machine_check`] | refuses to start where the program's instructions do not exist |
 //! | [`memory`] | refuses pictures that do not fit |
@@ -21,6 +22,7 @@
 //! | [`error`] | what can go wrong |
 
 pub mod args;
+pub mod asked;
 pub mod bench;
 pub mod chart;
 pub mod choices;

@@ -1,11 +1,12 @@
 //! What we accept: numbers in range, names known, defaults filled in.
 //!
-//! For: one struct a command, made from its raw arguments or refused. May import: `args`, `choices`, `methods`, `numbers`, `output`, `render`'s choices.
+//! For: one struct a command, made from its raw arguments or refused. May import: `args`, `asked`, `choices`, `methods`, `numbers`, `output`, `render`'s choices.
 //! Must never know: how a command does its work.
 
 use super::args::{
     BenchArgs, ChartArgs, CompareArgs, ConvertArgs, InspectArgs, RaysArgs, RenderArgs, StabilityArgs,
 };
+use super::asked::Asked;
 use super::choices::{PipelineArg, ToneArg};
 use super::error::CliError;
 use super::limits::{Limits, seconds};
@@ -15,7 +16,7 @@ use crate::measure::chart::pictures;
 use crate::measure::chart::truth::SHRINK;
 use crate::measure::stability::{Recipe, recipes};
 use crate::measure::ways::Way;
-use crate::output::{Operator, Tone};
+use crate::output::Operator;
 use crate::render::PipelineChoice;
 use crate::wording::grouped;
 use std::path::PathBuf;
@@ -69,21 +70,14 @@ pub struct RenderOptions {
     pub output: PathBuf,
     /// Where the numbers of samples go.
     pub samples_map: Option<PathBuf>,
-    pub limits: Limits,
     /// The scene's if `None`.
     pub size: Option<[u32; 2]>,
     /// The scene's if `None`.
     pub bounces: Option<u32>,
-    pub seed: u32,
     pub threads: usize,
     pub lanes: usize,
-    pub tone: Tone,
-    /// The most that a sample may bring to a channel; infinite without a limit.
-    pub clamp: f32,
-    /// Was exposure or tone mapping asked for?
-    pub tone_asked: bool,
-    pub methods: MethodOptions,
-    pub pipeline: PipelineChoice,
+    /// What a view may ask for as well.
+    pub asked: Asked,
     pub json: bool,
     pub stats: bool,
 }
@@ -183,20 +177,19 @@ impl TryFrom<RenderArgs> for RenderOptions {
             scene: args.scene,
             output: args.output,
             samples_map: args.samples_map,
-            limits: args.limits.try_into()?,
             size: args.size.as_deref().map(size).transpose()?,
             bounces: args.bounces.as_deref().map(bounces).transpose()?,
-            seed: seed(&args.seed)?,
             threads: threads(args.threads)?,
             lanes: lanes(&args.lanes)?,
-            clamp: args.clamp.as_deref().map_or(Ok(f32::INFINITY), clamp)?,
-            tone_asked: args.exposure.is_some() || args.tone.is_some(),
-            tone: Tone {
-                exposure: args.exposure.as_deref().map_or(Ok(0.0), exposure)?,
-                operator: args.tone.unwrap_or_default().into(),
+            asked: Asked {
+                limits: Limits::asked(args.limits)?,
+                seed: args.seed.as_deref().map(seed).transpose()?,
+                exposure: args.exposure.as_deref().map(exposure).transpose()?,
+                tone: args.tone.map(Into::into),
+                clamp: args.clamp.as_deref().map(clamp).transpose()?,
+                methods: args.methods.into(),
+                pipeline: args.pipeline.map(Into::into),
             },
-            methods: args.methods.into(),
-            pipeline: args.pipeline.into(),
             json: args.json,
             stats: args.stats,
         })

@@ -4,6 +4,7 @@ use super::CHECK_FAILED;
 use super::error::CliError;
 use super::memory::bytes;
 use super::options::RaysOptions;
+use super::scenes;
 use super::stats;
 use super::terminal::{self, figure};
 use crate::bvh::check::{Statistics, check_scene};
@@ -12,7 +13,6 @@ use crate::measure::stats::RayStats;
 use crate::measure::ways::{Ground, Team, Way};
 use crate::measure::{Machine, machine, ray_dump};
 use crate::output;
-use crate::scene;
 use crate::wording::{counted, grouped};
 use serde::Serialize;
 use std::fmt::Write;
@@ -55,7 +55,7 @@ pub fn run(options: RaysOptions) -> Result<ExitCode, CliError> {
             "this is a debug build: its figures say nothing. Use cargo run --release -- rays SCENE.",
         );
     }
-    let scene = scene::load(&options.scene)?;
+    let scene = scenes::load(&options.scene)?;
     scene.warnings.iter().for_each(|warning| terminal::warn(warning));
     scene.overview()?;
     if let Some(folder) = &options.dump {

@@ -1,12 +1,15 @@
 //! `octray render`: a still.
 
 use super::INTERRUPTED;
+use super::asked::Asked;
 use super::error::CliError;
 use super::interrupt::Interrupt;
+use super::limits::Limits;
 use super::memory;
 use super::options::RenderOptions;
 use super::progress::{Progress, mrays_per_s};
 use super::samples_map;
+use super::scenes;
 use super::stats;
 use super::terminal::{self, figure};
 use super::trace::{End, trace};
@@ -16,7 +19,7 @@ use crate::film::noise::Noise;
 use crate::measure::stats::FrameStats;
 use crate::output::{self, Existing, Format};
 use crate::render::{Renderer, Settings};
-use crate::scene::{self, Scene};
+use crate::scene::Scene;
 use crate::wording::{counted, grouped};
 use serde::Serialize;
 use std::process::ExitCode;
@@ -67,19 +70,22 @@ pub fn run(options: RenderOptions) -> Result<ExitCode, CliError> {
     let format = Format::of(&options.output)?;
     output::check(&options.output, Existing::Replace)?;
     samples_map::check(&options)?;
-    let scene = scene::load(&options.scene)?;
+    let scene = scenes::load(&options.scene)?;
+    let asked = options.asked.or(Asked::of(&scene)?);
+    let limits = asked.limits.unwrap_or_default();
     for warning in &scene.warnings {
         terminal::warn(warning);
     }
-    if format.is_linear() && options.tone_asked {
+    // Of the options alone: a view says it for all formats at once.
+    if format.is_linear() && (options.asked.exposure.is_some() || options.asked.tone.is_some()) {
         terminal::warn(&format!(
             "--exposure and --tone have no effect on {}: it holds the linear radiance.",
             options.output.display()
         ));
     }
 
-    let settings = settings(&scene, &options);
-    let adaptive = options.limits.target.is_some();
+    let settings = settings(&scene, &options, &asked);
+    let adaptive = limits.target.is_some();
     let noise = if adaptive { Noise::BYTES_PER_PIXEL } else { 0 };
     memory::check(settings.resolution, Film::BYTES_PER_PIXEL + noise)?;
     let renderer = Renderer::new(&scene, settings);
@@ -88,10 +94,11 @@ pub fn run(options: RenderOptions) -> Result<ExitCode, CliError> {
     }
     let interrupt = Interrupt::listen();
     let mut film = if adaptive { renderer.film_with_noise() } else { renderer.film() };
-    let progress = Progress::new(settings.resolution, options.limits.time);
-    let (time, end) = trace(&renderer, &mut film, &options.limits, &interrupt, &progress);
+    let progress = Progress::new(settings.resolution, limits.time);
+    let (time, end) = trace(&renderer, &mut film, &limits, &interrupt, &progress);
     progress.writing(&options.output);
-    let (mut report, begun) = (Report::of(&options, &settings, &film, time, end), film.pixels_begun());
+    let (mut report, begun) =
+        (Report::of(&options, &limits, &settings, &film, time, end), film.pixels_begun());
     let frames = report.mean_samples.round() as u32;
     report.stats = options
         .stats
@@ -106,7 +113,7 @@ pub fn run(options: RenderOptions) -> Result<ExitCode, CliError> {
     let picture = film.picture();
     // Encoders need memory of their own: in place of the film's and the scene's.
     drop((film, renderer, scene));
-    let saved = output::save_unless(&options.output, &picture, &options.tone, &|| interrupt.insisted());
+    let saved = output::save_unless(&options.output, &picture, &asked.shown(), &|| interrupt.insisted());
     progress.end();
     if saved.is_err() && interrupt.insisted() {
         return Ok(ExitCode::from(INTERRUPTED));
@@ -122,7 +129,7 @@ pub fn run(options: RenderOptions) -> Result<ExitCode, CliError> {
     if options.json {
         terminal::print_json(&report)?;
     } else {
-        terminal::print(&report.line(options.limits.samples, begun))?;
+        terminal::print(&report.line(limits.samples, begun))?;
         if let Some(taken) = &report.stats {
             terminal::print(&stats::frames("stage", &[taken]))?;
             terminal::print(&stats::meaning_of_frames())?;
@@ -131,24 +138,32 @@ pub fn run(options: RenderOptions) -> Result<ExitCode, CliError> {
     Ok(if report.interrupted { ExitCode::from(INTERRUPTED) } else { ExitCode::SUCCESS })
 }
 
-fn settings(scene: &Scene, options: &RenderOptions) -> Settings {
+fn settings(scene: &Scene, options: &RenderOptions, asked: &Asked) -> Settings {
+    let scenes_own = Settings::of(scene);
     Settings {
         resolution: options.size.unwrap_or(scene.resolution),
         max_bounces: options.bounces.unwrap_or(scene.max_bounces),
-        seed: options.seed,
-        methods: options.methods.of(scene),
-        pipeline: options.pipeline,
+        seed: asked.seed.unwrap_or(scenes_own.seed),
+        methods: asked.methods.of(scene),
+        pipeline: asked.pipeline.unwrap_or(scenes_own.pipeline),
         lanes: options.lanes,
         threads: options.threads,
-        clamp: options.clamp,
-        ..Settings::of(scene)
+        clamp: asked.clamp.unwrap_or(scenes_own.clamp),
+        ..scenes_own
     }
 }
 
 impl Report {
-    fn of(options: &RenderOptions, settings: &Settings, film: &Film, time: Duration, end: End) -> Self {
+    fn of(
+        options: &RenderOptions,
+        limits: &Limits,
+        settings: &Settings,
+        film: &Film,
+        time: Duration,
+        end: End,
+    ) -> Self {
         let [width, height] = settings.resolution;
-        let target = &options.limits.target;
+        let target = &limits.target;
         let estimated = target.map(|_| {
             let Reached { rms, largest } = Reached::of(film);
             EstimatedError { rms, largest }
@@ -163,7 +178,7 @@ impl Report {
             most_samples: film.most_samples(),
             mean_samples: film.mean_samples(),
             ended_by: end,
-            time_limit: options.limits.time.map(|time| time.as_secs_f64()),
+            time_limit: limits.time.map(|time| time.as_secs_f64()),
             target_error: target.map(|target| target.error),
             estimated_error: estimated,
             max_bounces: settings.max_bounces,

@@ -1,9 +1,17 @@
-//! The scenes of commands that take several.
+//! The scenes that commands take.
 //!
-//! For: [`asked_for`]. May import: `scene`. Must never know: what is done with them.
+//! For: [`load`], and [`asked_for`] for several. May import: `scene`, `asked`. Must never know: what is done with them.
 
+use super::asked::Asked;
 use super::error::CliError;
-use crate::scene;
+use crate::scene::{self, Scene};
+
+/// The scene of that name. A view that asks for what does not exist is refused by every command, not only by the one that would do it.
+pub fn load(name: &str) -> Result<Scene, CliError> {
+    let scene = scene::load(name)?;
+    Asked::of(&scene)?;
+    Ok(scene)
+}
 
 /// The names of the scenes asked for, or of the built-in ones.
 ///
@@ -15,7 +23,7 @@ pub fn asked_for(names: &[String]) -> Result<Vec<String>, CliError> {
     }
     if names.len() > 1 {
         for name in names {
-            scene::load(name)?;
+            load(name)?;
         }
     }
     Ok(names.to_vec())

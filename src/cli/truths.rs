@@ -29,8 +29,28 @@ pub fn place(folder: &Path, scene: &Scene, size: [u32; 2], max_bounces: u32) -> 
         }
     }
     let mut hashed = Hashed(DefaultHasher::new());
-    // A scene's debugging text holds all that it is, and every f32 in as many digits as tell it from all others.
-    let _ = write!(hashed, "{scene:?} {size:?} {max_bounces} {} {:?}", Machine::current().commit, build());
+    // Where a scene was read, and how a still of it is rendered, changes nothing of its truth.
+    let Scene {
+        files: _,
+        view: _,
+        name,
+        camera,
+        resolution,
+        max_bounces: own_bounces,
+        sky,
+        materials,
+        textures,
+        spheres,
+        triangles,
+        uvs,
+        normals,
+        warnings,
+    } = scene;
+    // Debugging text holds all that they are, and every f32 in as many digits as tell it from all others.
+    let looks = (name, camera, resolution, own_bounces, sky, materials, textures, warnings);
+    let shapes = (spheres, triangles, uvs, normals);
+    let program = (Machine::current().commit, build());
+    let _ = write!(hashed, "{looks:?} {shapes:?} {size:?} {max_bounces} {program:?}");
     folder.join("truth").join(format!("{}-{:016x}", file_name(&scene.name), hashed.0.finish()))
 }
 
@@ -69,7 +89,8 @@ mod tests {
         let scene = crate::scene::load("builtin:cornell").unwrap();
         let of = |scene: &Scene, size, bounces| place(Path::new("."), scene, size, bounces);
         let one = of(&scene, [48, 27], 4);
-        assert_eq!(one, of(&scene.clone(), [48, 27], 4));
+        let elsewhere = Scene { files: vec!["elsewhere.json".into()], ..scene.clone() };
+        assert_eq!(one, of(&elsewhere, [48, 27], 4), "the same scene from another place");
         let mut moved = scene.clone();
         moved.triangles[7].vertices[1].y = moved.triangles[7].vertices[1].y.next_up();
         let mut shining = scene.clone();

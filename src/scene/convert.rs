@@ -6,9 +6,10 @@
 //! name them.
 
 use super::file::FORMAT;
-use super::files::read_named;
+use super::files::Files;
+use super::writing::{camera, number, relative, vec2, vec3};
 use super::{Filter, Material, MaterialKind, Scene, SceneError, Sky, obj};
-use glam::{Vec2, Vec3};
+use glam::Vec3;
 use serde_json::{Map, Value, json};
 use std::collections::HashMap;
 use std::fmt::Write;
@@ -22,28 +23,10 @@ pub fn native_from_obj(model: &Path) -> Result<String, SceneError> {
 
 /// The same for a scene file in another folder, and what is odd about the model, a sentence each.
 pub fn native_from_obj_in(model: &Path, folder: &Path) -> Result<(String, Vec<String>), SceneError> {
-    let scene = obj::scene(&read_named(model)?, model, String::new())?;
-    Ok((text(&scene, &|texture| relative(model, folder, texture)), scene.warnings))
-}
-
-/// The path from `folder` to a texture that the model names relative to its own folder.
-fn relative(model: &Path, folder: &Path, texture: &str) -> String {
-    // Joined with a dot, an empty path is the folder we are in.
-    let folders = [model.parent().unwrap_or(Path::new("")), folder].map(|folder| folder.join("."));
-    // Only real paths can be compared: `a/../b` is `b`, unless `a` is a link. What does not exist yet has none.
-    let real = folders.each_ref().map(|folder| folder.canonicalize());
-    let [model_folder, folder] = match real {
-        [Ok(model_folder), Ok(folder)] => [model_folder, folder],
-        _ => folders.map(|folder| std::path::absolute(&folder).unwrap_or(folder)),
-    };
-    let target = model_folder.join(texture);
-    let shared = target.components().zip(folder.components()).take_while(|(a, b)| a == b).count();
-    if shared == 0 {
-        return target.to_string_lossy().into_owned();
-    }
-    let up = folder.components().skip(shared).map(|_| "..".to_string());
-    let down = target.components().skip(shared).map(|part| part.as_os_str().to_string_lossy().into_owned());
-    up.chain(down).collect::<Vec<_>>().join("/")
+    let files = Files::beside(model);
+    let scene = obj::scene(&files.read_named(model)?, model, &files, String::new())?;
+    let models = model.parent().unwrap_or(Path::new(""));
+    Ok((text(&scene, &|texture| relative(models, texture, folder)), scene.warnings))
 }
 
 fn text(scene: &Scene, texture_path: &dyn Fn(&str) -> String) -> String {
@@ -52,17 +35,7 @@ fn text(scene: &Scene, texture_path: &dyn Fn(&str) -> String) -> String {
     let mut entry =
         |key: &str, value: String| writeln!(text, "  {}: {value},", json!(key)).expect("text grows");
     entry("format", json!(FORMAT).to_string());
-    let camera = scene.camera;
-    entry(
-        "camera",
-        format!(
-            "{{ \"position\": {}, \"look_at\": {}, \"up\": {}, \"vertical_fov\": {} }}",
-            vec3(camera.position),
-            vec3(camera.look_at),
-            vec3(camera.up),
-            number(camera.vertical_fov)
-        ),
-    );
+    entry("camera", camera(&scene.camera));
     entry("resolution", json!(scene.resolution).to_string());
     entry("max_bounces", json!(scene.max_bounces).to_string());
     match scene.sky {
@@ -162,46 +135,9 @@ fn channels(color: Vec3) -> Value {
     Value::Array(color.to_array().iter().map(|&x| number(x).parse().expect("a JSON number")).collect())
 }
 
-fn vec3(v: Vec3) -> String {
-    format!("[{}, {}, {}]", number(v.x), number(v.y), number(v.z))
-}
-
-fn vec2(v: Vec2) -> String {
-    format!("[{}, {}]", number(v.x), number(v.y))
-}
-
-/// The shortest decimal that reads back as the same bits. Reading goes through f64, so what is shortest for f32 could in
-/// principle round twice; then f64's digits serve.
-fn number(x: f32) -> String {
-    let short = json_digits(f64::from(x).abs() >= 1e16, &x);
-    let read_back = short.parse::<f64>().map(|read| read as f32);
-    if read_back.is_ok_and(|read| read.to_bits() == x.to_bits()) {
-        short
-    } else {
-        json_digits(false, &f64::from(x))
-    }
-}
-
-/// `{:e}` keeps huge numbers short; JSON reads both forms.
-fn json_digits<T: std::fmt::Display + std::fmt::LowerExp>(huge: bool, x: &T) -> String {
-    if huge { format!("{x:e}") } else { format!("{x}") }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn number_reads_back_as_the_same_bits_at_any_magnitude() {
-        // Every bit pattern at a stride that is a large prime: all exponents, many fractions.
-        for bits in (0..u32::MAX).step_by(104_729) {
-            let x = f32::from_bits(bits);
-            if x.is_finite() {
-                let read: f64 = serde_json::from_str(&number(x)).unwrap();
-                assert_eq!((read as f32).to_bits(), bits, "{x:e} written as {}", number(x));
-            }
-        }
-    }
 
     #[test]
     fn unique_names_numbers_what_stands_twice() {

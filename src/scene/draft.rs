@@ -137,6 +137,8 @@ impl Draft {
             uvs: self.uvs,
             normals: self.normals,
             warnings: self.warnings,
+            files: Vec::new(),
+            view: None,
         })
     }
 }

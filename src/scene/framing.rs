@@ -8,7 +8,7 @@ use super::{Camera, Scene, SceneError, Sphere, Triangle};
 use glam::{DVec3, Vec3};
 
 /// Degrees.
-pub const VERTICAL_FOV: f32 = 40.0;
+const VERTICAL_FOV: f32 = 40.0;
 /// The middle of the scene is seen from this side, this many diagonals of the bounds away.
 const VIEW_FROM: DVec3 = DVec3::new(1.0, 0.5, 1.5);
 const VIEW_DIAGONALS: f64 = 1.2;

@@ -3,60 +3,87 @@
 //! For: [`load`]. May import: scene's own files. Must never know: what a scene is used for.
 
 use super::file::{FORMAT, read};
-use super::files::{Files, read_named};
-use super::place::Source;
-use super::{Scene, SceneError, builtin, obj, procedural, thesis, validate};
+use super::files::Files;
+use super::place::{Place, Source};
+use super::{Scene, SceneError, builtin, obj, procedural, thesis, validate, view};
 use serde::Deserialize;
 use serde::de::IgnoredAny;
 use serde_json::Value;
 use std::path::Path;
 
 /// Loads a scene: `builtin:NAME`, a mesh made by rule (`builtin:knot:N`), the path of an .obj file (framed automatically under a plain sky), or the path of a
-/// .json file in the native format or the thesis's own.
+/// .json file in the native format or the thesis's own, or of a view of any of these.
 pub fn load(spec: &str) -> Result<Scene, SceneError> {
     if let Some(name) = spec.strip_prefix(builtin::PREFIX) {
-        if let Some(shape) = procedural::read(name)? {
-            return shape.scene(spec);
-        }
-        let source = Source { file: Path::new(spec), text: builtin::text(name)? };
-        return json_scene(&source, &Files::Embedded, spec.to_string());
+        return built_in(spec, name);
     }
     let path = Path::new(spec);
-    let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
-    let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    if extension == "obj" {
-        return obj::scene(&read_named(path)?, path, name);
-    }
-    if extension != "json" {
+    if !may_be_scene(path) {
         let mend = match builtin::guess(spec) {
             Some(near) => format!("did you mean `{near}`?"),
             None => "give a .json or .obj file, or `builtin:NAME`".to_string(),
         };
         return Err(SceneError::new("this is not the name of a scene").in_file(path).mend(mend));
     }
-    let bytes = read_named(path)?;
-    let text = std::str::from_utf8(&bytes).map_err(|error| {
+    let files = Files::beside(path);
+    let bytes = files.read_named(path)?;
+    from_disk(path, &bytes, files, &viewed)
+}
+
+fn built_in(spec: &str, name: &str) -> Result<Scene, SceneError> {
+    if let Some(shape) = procedural::read(name)? {
+        return shape.scene(spec);
+    }
+    let source = Source { file: Path::new(spec), text: builtin::text(name)? };
+    json_scene(&source, &Files::embedded(), spec.to_string(), &viewed)
+}
+
+fn has_extension(path: &Path, wanted: &str) -> bool {
+    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(wanted))
+}
+
+fn may_be_scene(path: &Path) -> bool {
+    has_extension(path, "json") || has_extension(path, "obj")
+}
+
+/// What to do with a text that is a view.
+type OnView<'a> = &'a dyn Fn(&Source, &Files, String) -> Result<Scene, SceneError>;
+
+/// The scene in a file whose content was read through `files`.
+fn from_disk(path: &Path, bytes: &[u8], files: Files, on_view: OnView) -> Result<Scene, SceneError> {
+    let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let mut scene = if has_extension(path, "obj") {
+        obj::scene(bytes, path, &files, name)?
+    } else {
+        json_scene(&Source { file: path, text: utf8(path, bytes)? }, &files, name, on_view)?
+    };
+    let viewed = std::mem::replace(&mut scene.files, files.into_opened());
+    scene.files.extend(viewed);
+    Ok(scene)
+}
+
+fn utf8<'a>(path: &Path, bytes: &'a [u8]) -> Result<&'a str, SceneError> {
+    let text = std::str::from_utf8(bytes).map_err(|error| {
         let line = bytes[..error.valid_up_to()].iter().filter(|&&byte| byte == b'\n').count() + 1;
         SceneError::new("the text is not UTF-8")
             .in_file(path)
             .at(format!("line {line}"))
             .mend("save the file as UTF-8")
     })?;
-    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-    json_scene(&Source { file: path, text }, &Files::beside(path), name)
+    Ok(text.strip_prefix('\u{feff}').unwrap_or(text))
 }
 
 /// The keys that tell the formats apart.
 #[derive(Deserialize)]
 #[serde(expecting = "an object")]
 struct Keys {
-    format: Option<IgnoredAny>,
+    format: Option<Value>,
     sphere: Option<IgnoredAny>,
     triangle: Option<IgnoredAny>,
     res: Option<IgnoredAny>,
 }
 
-fn json_scene(source: &Source, files: &Files, name: String) -> Result<Scene, SceneError> {
+fn json_scene(source: &Source, files: &Files, name: String, on_view: OnView) -> Result<Scene, SceneError> {
     // Serde would take an array's entries for the keys in their order.
     if source.text.trim_start().starts_with('[') {
         return Err(not_a_scene(source));
@@ -66,12 +93,13 @@ fn json_scene(source: &Source, files: &Files, name: String) -> Result<Scene, Sce
         read::<Value>(source)?;
         read(source)
     })?;
-    if keys.format.is_some() {
-        validate::scene(source, files, name)
-    } else if keys.sphere.is_some() || keys.triangle.is_some() || keys.res.is_some() {
-        thesis::scene(source, files, name)
-    } else {
-        Err(not_a_scene(source))
+    match keys.format {
+        Some(format) if format == view::FORMAT => on_view(source, files, name),
+        Some(_) => validate::scene(source, files, name),
+        None if keys.sphere.is_some() || keys.triangle.is_some() || keys.res.is_some() => {
+            thesis::scene(source, files, name)
+        }
+        None => Err(not_a_scene(source)),
     }
 }
 
@@ -80,4 +108,35 @@ fn not_a_scene(source: &Source) -> SceneError {
         "a scene of this program is an object with \"format\": \"{FORMAT}\"; one of the thesis's has the keys \
          `sphere`, `triangle` or `res`"
     ))
+}
+
+/// What a view shows.
+fn viewed(source: &Source, files: &Files, name: String) -> Result<Scene, SceneError> {
+    let file = view::read(source)?;
+    let scene = named_in_view(source, files, &file.scene)?;
+    view::show(source, file, scene, name)
+}
+
+/// The scene that a view names.
+fn named_in_view(source: &Source, files: &Files, spec: &str) -> Result<Scene, SceneError> {
+    const MEND: &str = "give the path of a .json or .obj file relative to the view, or `builtin:NAME`";
+    let root = Place::Root;
+    let fault = |what: String, mend: &str| source.error(&root.key("scene"), what, mend);
+    if let Some(name) = spec.strip_prefix(builtin::PREFIX) {
+        return built_in(spec, name)
+            .map_err(|error| fault(error.what, error.mend.as_deref().unwrap_or(MEND)));
+    }
+    let path = files.resolve(spec);
+    if !may_be_scene(&path) {
+        return Err(fault(format!("`{spec}` is not the name of a scene"), MEND));
+    }
+    // Its own files lie beside it; what it read is added to what the view read.
+    let files = Files::beside(&path);
+    let bytes = files.read(&path).map_err(|reason| {
+        let mend = format!("it was looked for at {}: {MEND}", path.display());
+        fault(format!("cannot read the scene `{spec}`: {reason}"), &mend)
+    })?;
+    from_disk(&path, &bytes, files, &|_, _, _| {
+        Err(fault(format!("`{spec}` is a view itself"), "name the scene that it is a view of"))
+    })
 }

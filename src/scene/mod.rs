@@ -11,6 +11,8 @@
 //! | `thesis` | the thesis's own JSON |
 //! | `obj`, `mtl` | Wavefront OBJ and MTL |
 //! | `convert` | from a model to a native scene file |
+//! | `view` | another scene, and how it is looked at: read and written |
+//! | `writing` | what writers of the native formats share |
 //! | `draft` | what all formats share: a scene in the making |
 //! | `check` | numbers as a scene may hold them |
 //! | `framing` | the camera that sees everything |
@@ -37,14 +39,18 @@ mod place;
 mod procedural;
 mod thesis;
 mod validate;
+mod view;
+mod writing;
 
 pub use builtin::names as builtin_names;
 pub use convert::{native_from_obj, native_from_obj_in};
 pub use error::SceneError;
 pub use image::Meaning;
 pub use load::load;
+pub use view::{Rendering, View};
 
 use glam::{Vec2, Vec3};
+use std::path::PathBuf;
 
 /// A valid scene: every index is in range, every number finite, every radius positive, no triangle has zero area.
 ///
@@ -70,6 +76,11 @@ pub struct Scene {
     pub normals: Vec<[Vec3; 3]>,
     /// What was odd but not wrong, each a full sentence.
     pub warnings: Vec<String>,
+    /// The files that it was read from, each path once and as it was opened: the scene file first; after a view, the scene that it names. None
+    /// of a scene inside the program.
+    pub files: Vec<PathBuf>,
+    /// What its file says, if that is a view: camera, resolution and bounces of the scene are what the view makes them.
+    pub view: Option<View>,
 }
 
 /// Largest width and height of a picture in pixels.

@@ -287,12 +287,11 @@ pub fn add(
 const SKY: Sky = Sky::Gradient { bottom: Vec3::splat(0.05), top: Vec3::ONE };
 
 /// A model as a scene of its own: framed automatically under a plain sky.
-pub fn scene(text: &[u8], path: &Path, name: String) -> Result<Scene, SceneError> {
-    let files = Files::beside(path);
+pub fn scene(text: &[u8], path: &Path, files: &Files, name: String) -> Result<Scene, SceneError> {
     let mut draft = Draft::default();
     let mesh = parse(text, path)?;
     // Where the file has it, no point is too far: they were read within the bounds.
-    if add(&mesh, path, &files, &mut draft, None, &Placement::AS_IT_IS)?.is_some() {
+    if add(&mesh, path, files, &mut draft, None, &Placement::AS_IT_IS)?.is_some() {
         let mend = "export the model again, or larger: all its faces have zero area in single precision";
         return Err(SceneError::new("the mesh has nothing to see").in_file(path).mend(mend));
     }

@@ -314,8 +314,8 @@ fn planar_uvs(vertices: [DVec3; 3]) -> [Vec2; 3] {
 /// as written, and with its slashes leaning forward.
 fn candidates(files: &Files, path: &str) -> Vec<PathBuf> {
     let spellings = [path.to_string(), path.replace('\\', "/")];
-    let Files::Disk(folder) = files else { return spellings.map(|path| files.resolve(&path)).to_vec() };
-    let absolute = std::path::absolute(folder.join(".")).unwrap_or_else(|_| folder.clone());
+    let Some(folder) = files.folder() else { return spellings.map(|path| files.resolve(&path)).to_vec() };
+    let absolute = std::path::absolute(folder.join(".")).unwrap_or_else(|_| folder.to_path_buf());
     let folders = absolute.ancestors().chain([Path::new("")]);
     folders.flat_map(|folder| spellings.iter().map(move |path| folder.join(path))).collect()
 }

@@ -7,10 +7,9 @@ use super::check::{WITHIN_BOUNDS, camera_fault, fits, nearest, number, radius, v
 use super::draft::{BOUNCES, Draft, RESOLUTION};
 use super::file::{CameraFile, FORMAT, MeshFile, SceneFile, SideFile, SphereFile, TriangleFile, read};
 use super::files::Files;
-use super::framing::VERTICAL_FOV;
 use super::obj::Misplaced;
 use super::place::{Place, Source};
-use super::{Camera, MAX_BOUNCES, MAX_SIDE, Scene, SceneError, Side, Sky, Sphere, material, obj};
+use super::{Camera, MAX_BOUNCES, MAX_SIDE, Scene, SceneError, Side, Sky, Sphere, material, obj, view};
 use glam::{DMat3, DVec3, Vec3};
 use std::collections::HashMap;
 
@@ -22,19 +21,14 @@ pub fn scene(source: &Source, files: &Files, name: String) -> Result<Scene, Scen
     let root = Place::Root;
     if file.format != FORMAT {
         let what = format!("the format `{}` is unknown", file.format);
-        return Err(source.error(&root.key("format"), what, format!("write \"format\": \"{FORMAT}\"")));
+        let mend =
+            format!("write \"format\": \"{FORMAT}\", or \"{}\" for a view of another scene", view::FORMAT);
+        return Err(source.error(&root.key("format"), what, mend));
     }
     let resolution = file.resolution.unwrap_or(RESOLUTION);
     check_resolution(source, &root.key("resolution"), resolution)?;
     let max_bounces = file.max_bounces.unwrap_or(BOUNCES);
-    if max_bounces > MAX_BOUNCES {
-        let mend = format!("write a number from 0 to {MAX_BOUNCES}");
-        return Err(source.error(
-            &root.key("max_bounces"),
-            format!("{max_bounces} bounces are too many"),
-            mend,
-        ));
-    }
+    check_bounces(source, &root.key("max_bounces"), max_bounces)?;
 
     let mut draft = Draft::default();
     let mut names = Names::new();
@@ -65,7 +59,8 @@ pub fn scene(source: &Source, files: &Files, name: String) -> Result<Scene, Scen
         None if draft.shines() => Sky::Color(Vec3::ZERO),
         None => Sky::Color(Vec3::ONE),
     };
-    let camera = camera(source, &draft, file.camera.as_ref(), &root.key("camera"))?;
+    let framed = |position, look_at| draft.framing(position, look_at);
+    let camera = camera(source, &root.key("camera"), &file.camera.unwrap_or_default(), framed)?;
     draft.finish(name, camera, resolution, max_bounces, sky).map_err(|error| error.in_file(source.file))
 }
 
@@ -79,22 +74,30 @@ pub fn check_resolution(source: &Source, place: &Place, resolution: [u32; 2]) ->
     Ok(())
 }
 
-fn camera(
+pub fn check_bounces(source: &Source, place: &Place, bounces: u32) -> Result<(), SceneError> {
+    if bounces > MAX_BOUNCES {
+        let mend = format!("write a number from 0 to {MAX_BOUNCES}");
+        return Err(source.error(place, format!("{bounces} bounces are too many"), mend));
+    }
+    Ok(())
+}
+
+/// The camera that a file describes; `otherwise` is what it leaves out, made for the position and the target that it gives.
+pub fn camera(
     source: &Source,
-    draft: &Draft,
-    file: Option<&CameraFile>,
     place: &Place,
+    file: &CameraFile,
+    otherwise: impl FnOnce(Option<Vec3>, Option<Vec3>) -> Camera,
 ) -> Result<Camera, SceneError> {
-    let missing = CameraFile::default();
-    let file = file.unwrap_or(&missing);
     let point =
         |key: &'static str, v: Option<[f64; 3]>| v.map(|v| vec3(source, &place.key(key), v)).transpose();
-    let mut camera = draft.framing(point("position", file.position)?, point("look_at", file.look_at)?);
+    let mut camera = otherwise(point("position", file.position)?, point("look_at", file.look_at)?);
     if let Some(up) = point("up", file.up)? {
         camera.up = up;
     }
-    camera.vertical_fov =
-        number(source, &place.key("vertical_fov"), file.vertical_fov.unwrap_or(f64::from(VERTICAL_FOV)))?;
+    if let Some(degrees) = file.vertical_fov {
+        camera.vertical_fov = number(source, &place.key("vertical_fov"), degrees)?;
+    }
     match camera_fault(&camera) {
         Some((key, what, mend)) => Err(source.error(&place.key(key), what, mend)),
         None => Ok(camera),

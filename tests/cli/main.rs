@@ -14,3 +14,4 @@ mod stability;
 mod stats;
 mod streams;
 mod usage;
+mod views;

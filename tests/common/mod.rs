@@ -31,6 +31,8 @@ pub fn empty() -> Scene {
         uvs: Vec::new(),
         normals: Vec::new(),
         warnings: Vec::new(),
+        files: Vec::new(),
+        view: None,
     }
 }
 

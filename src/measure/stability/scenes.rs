@@ -94,6 +94,8 @@ pub fn empty() -> Scene {
         uvs: Vec::new(),
         normals: Vec::new(),
         warnings: Vec::new(),
+        files: Vec::new(),
+        view: None,
     }
 }
 

@@ -171,6 +171,19 @@ fn written_views_read_back_in_every_bit() {
 }
 
 #[test]
+fn numbers_of_a_view_are_rounded_once_as_on_the_command_line() {
+    let folder = TempDir::new().unwrap();
+    // Just below the middle of two neighbours in f32; the nearest f64 is the middle itself, from which a second rounding would go up.
+    let digits = "1.00000017881393432617187499";
+    let more = format!(", \"render\": {{ \"exposure\": {digits}, \"clamp\": {digits} }}");
+    let render =
+        load(&write(folder.path(), "v.json", &view("builtin:three", &more))).unwrap().view.unwrap().render;
+    let typed: f32 = digits.parse().unwrap();
+    assert_ne!(typed, digits.parse::<f64>().unwrap() as f32);
+    assert_eq!((render.exposure, render.clamp), (Some(typed), Some(typed)));
+}
+
+#[test]
 fn views_of_a_scene_name_it_from_any_folder() {
     let folder = TempDir::new().unwrap();
     let folder = folder.path();
@@ -223,7 +236,7 @@ fn faults_in_a_view_name_their_place_and_a_remedy() {
     let fov = r#""camera": { "fov": 9 }"#;
     assert_refused(&of(fov), "unknown key `fov`", "camera.fov, line 4", "vertical_fov");
     let sample = r#""render": { "sample": 9 }"#;
-    assert_refused(&of(sample), "`sample`", "render.sample, line 4, column 23", "did you mean `samples`?");
+    assert_refused(&of(sample), "`sample`", "render.sample, line 4, column 22", "did you mean `samples`?");
     assert_refused(&of(r#""render": { "tone": 3 }"#), "3", "render.tone, line 4", "write a string here");
     assert_refused(&of(r#""render": { "seed": -1 }"#), "-1", "render.seed, line 4", "whole number");
     assert_refused(&of(r#""render": { "exposure": 1e99 }"#), "finite", "render.exposure, line 4", "number");

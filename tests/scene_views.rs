@@ -141,16 +141,17 @@ fn written_views_read_back_in_every_bit() {
         }
     };
     let mut point = || Vec3::from_array(std::array::from_fn(|_| next()));
+    let zeros = [Vec3::splat(-0.0), Vec3::new(-0.0, 0.0, 1.0), Vec3::new(0.0, 1.0, -0.0)];
     let mut read = 0;
     for turn in 0..2_000 {
-        let (position, look_at) = if turn == 0 { (Vec3::splat(-0.0), Vec3::Z) } else { (point(), point()) };
-        let vertical_fov = point().x.abs();
-        let up = point();
+        let [position, look_at, up] = if turn == 0 { zeros } else { std::array::from_fn(|_| point()) };
+        let vertical_fov = if turn == 0 { 33.3 } else { point().x.abs() };
         let exposure = Some(point().y);
         // Where it is up to chance whether there can be such a camera, there are enough that can.
-        let sine =
-            (look_at - position).as_dvec3().normalize_or_zero().cross(up.as_dvec3().normalize_or_zero());
-        if !(1e-3..180.0).contains(&vertical_fov) || !(1e-4..).contains(&sine.length()) {
+        let sight = (look_at - position).as_dvec3();
+        let sine = sight.normalize_or_zero().cross(up.as_dvec3().normalize_or_zero()).length();
+        if !((1e-3..180.0).contains(&vertical_fov) && sight.length() > 1e-17 && sine > 1e-4) {
+            assert_ne!(turn, 0);
             continue;
         }
         let view = View {

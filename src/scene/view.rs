@@ -17,17 +17,17 @@ pub const FORMAT: &str = "octray-view-1";
 
 /// What a file of the format `octray-view-1` says. A view that is written and read again is the same in every bit.
 ///
-/// Domain of what is written: finite numbers that a scene may hold. A file that is whole or absent takes two steps:
+/// Domain of what is written: finite numbers that a scene may hold.
 ///
 /// ```
 /// use octray::scene::{Rendering, View, load};
 ///
-/// let folder = std::env::temp_dir();
-/// let mut view = View::of(&load("builtin:three")?, &folder);
+/// let folder = tempfile::tempdir()?;
+/// let mut view = View::of(&load("builtin:three")?, folder.path());
 /// view.render = Rendering { samples: Some(37), tone: Some("aces".into()), ..Rendering::default() };
-/// octray::output::save_text(&folder.join("octray-view-example.json"), &view.text())?;
-/// assert_eq!(load(folder.join("octray-view-example.json").to_str().unwrap())?.view, Some(view));
-/// # std::fs::remove_file(folder.join("octray-view-example.json"))?;
+/// let file = folder.path().join("shot.json");
+/// octray::output::save_text(&file, &view.text())?;
+/// assert_eq!(load(file.to_str().unwrap())?.view, Some(view));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]

@@ -47,6 +47,7 @@
 //! | [`threads`] | worker threads, each with working memory of its own |
 //! | [`film`], [`adaptive`] | sums; when a block of pixels has had samples enough |
 //! | [`render`], [`output`] | tiles and threads; tone mapping and encoders |
+//! | [`display`] | from film to window while the camera moves: smoothing edges, removing noise, keeping what was seen before |
 //! | [`measure`] | figures: speed, parity, where methods fail, the machine they come from |
 //! | [`report`] | figures as people read them: drawn, tabled, on a page |
 //! | [`cli`] | raw arguments, validated options, commands |
@@ -69,6 +70,7 @@ pub mod buffers;
 pub mod bvh;
 pub mod camera;
 pub mod cli;
+pub mod display;
 pub mod film;
 pub mod integrate;
 pub mod kernel;

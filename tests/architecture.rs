@@ -26,6 +26,7 @@ const ORDER: &[&str] = &[
     "adaptive",
     "render",
     "output",
+    "display",
     "measure",
     "report",
     "viewer",

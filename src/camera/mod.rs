@@ -70,4 +70,22 @@ impl Pinhole {
         let through = Vec3::splat(self.right).mul_add(x, Vec3::splat(self.down).mul_add(y, corner));
         Ray { origin: self.origin(), direction: through.normalize() }
     }
+
+    /// Where in the picture a direction from the camera points, in pixels from its upper left corner, and whether that is in front of the
+    /// camera: the inverse of [`Pinhole::rays`]. Of what is behind, the numbers mean nothing.
+    ///
+    /// Units: a direction of any length. Error: 1e-3 of a pixel in pictures of up to 4,096 pixels a side (measured, `tests/history.rs`).
+    #[inline(always)]
+    pub fn project<L: Lane>(&self, direction: Vec3<L>) -> (L, L, L::Mask) {
+        // Corner, right and down are at right angles to the line of sight but for the corner's part along it, which is 1.
+        let depth = direction.dot(Vec3::splat(self.forward));
+        let on_plane = direction * (L::one() / depth) - Vec3::splat(self.corner);
+        let along = |side: glam::Vec3| on_plane.dot(Vec3::splat(side / side.length_squared()));
+        (along(self.right), along(self.down), L::zero().lt(depth))
+    }
+
+    /// The width of a pixel at the distance 1, in scene units.
+    pub fn pixel_size(&self) -> f32 {
+        self.right.length()
+    }
 }

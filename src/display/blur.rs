@@ -1,0 +1,42 @@
+//! The simplest way to soften edges and noise.
+//!
+//! For: [`Blur`]. May import: `rows`, `film`. Must never know: guides, cameras.
+
+use super::rows;
+use crate::film::Picture;
+
+/// The blur of the bachelor's thesis from which octray comes: the mean of 3×3 pixels, the middle one counted twice (their sum over 10). Beyond
+/// the picture's border, its outermost pixels go on.
+///
+/// Cost: ten additions a channel. Law: of light, it takes none away and adds none but at borders; edges lose their sharpness as noise does.
+#[derive(Clone, Debug, Default)]
+pub struct Blur {
+    shown: Picture,
+}
+
+impl Blur {
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// The picture, blurred.
+    pub fn filter(&mut self, picture: &Picture) -> &Picture {
+        let [width, height] = [picture.width, picture.height].map(|side| side as usize);
+        self.shown.resize([picture.width, picture.height]);
+        rows::each(&mut self.shown.pixels, width, |y, row| {
+            let line = |y: usize| &picture.pixels[y * width..][..width];
+            let [above, here, below] = [y.saturating_sub(1), y, (y + 1).min(height - 1)].map(line);
+            let pixel = |[left, x, right]: [usize; 3]| {
+                std::array::from_fn(|c| {
+                    let sum = |line: &[[f32; 3]]| line[left][c] + line[x][c] + line[right][c];
+                    (sum(above) + (sum(here) + here[x][c]) + sum(below)) / 10.0
+                })
+            };
+            let last = width - 1;
+            for (x, shown) in row.iter_mut().enumerate() {
+                *shown = pixel([x.saturating_sub(1), x, (x + 1).min(last)]);
+            }
+        });
+        &self.shown
+    }
+}

@@ -1,0 +1,44 @@
+//! Rows of pixels, in parallel where there are threads for it.
+//!
+//! For: [`each`], [`each_two`], [`packet`]. May import: `lane`, `rayon`. Must never know: what a row holds.
+
+use crate::lane::{F32x8, Lane};
+use rayon::prelude::*;
+
+/// Outside of a pool, parallel iterators would wake threads that nobody asked for.
+fn in_a_pool() -> bool {
+    rayon::current_thread_index().is_some()
+}
+
+/// Does something to every row of so many numbers, given its number from the top.
+pub fn each<T: Send>(numbers: &mut [T], length: usize, row: impl Fn(usize, &mut [T]) + Sync) {
+    match in_a_pool() {
+        true => numbers.par_chunks_mut(length).enumerate().for_each(|(y, numbers)| row(y, numbers)),
+        false => numbers.chunks_mut(length).enumerate().for_each(|(y, numbers)| row(y, numbers)),
+    }
+}
+
+/// The same with the rows of two kinds of numbers.
+pub fn each_two<T: Send, U: Send>(
+    (first, of_first): (&mut [T], usize),
+    (second, of_second): (&mut [U], usize),
+    row: impl Fn(usize, &mut [T], &mut [U]) + Sync,
+) {
+    let row = |(y, (first, second)): (usize, (&mut [T], &mut [U]))| row(y, first, second);
+    match in_a_pool() {
+        true => {
+            let second = second.par_chunks_mut(of_second);
+            first.par_chunks_mut(of_first).zip(second).enumerate().for_each(row);
+        }
+        false => first.chunks_mut(of_first).zip(second.chunks_mut(of_second)).enumerate().for_each(row),
+    }
+}
+
+/// Eight numbers of a row from `at` on; 0 beyond its end.
+#[inline(always)]
+pub fn packet(row: &[f32], at: usize) -> F32x8 {
+    match row.get(at..at + F32x8::WIDTH) {
+        Some(whole) => F32x8::load(whole),
+        None => F32x8::from_fn(|lane| row.get(at + lane).copied().unwrap_or(0.0)),
+    }
+}

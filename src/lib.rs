@@ -50,6 +50,7 @@
 //! | [`display`] | from film to window while the camera moves: smoothing edges, removing noise, keeping what was seen before |
 //! | [`measure`] | figures: speed, parity, where methods fail, the machine they come from |
 //! | [`report`] | figures as people read them: drawn, tabled, on a page |
+//! | `viewer` | a window, or a terminal, to walk through a scene in (feature `viewer`) |
 //! | [`cli`] | raw arguments, validated options, commands |
 //!
 //! `tests/architecture.rs` recovers this order from the source and fails when an arrow turns.
@@ -85,4 +86,6 @@ pub mod sampling;
 pub mod scene;
 pub mod threads;
 pub mod traverse;
+#[cfg(feature = "viewer")]
+pub mod viewer;
 pub mod wording;

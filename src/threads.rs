@@ -2,12 +2,12 @@
 //!
 //! For: [`Threads`]. May import: `rayon`. Must never know: what the work is.
 
-use std::sync::{Mutex, MutexGuard};
+use std::sync::{Arc, Mutex, MutexGuard};
 
 /// So many threads, and as many working memories.
 pub struct Threads<W> {
     /// None for one thread: then the caller's own does the work.
-    pool: Option<rayon::ThreadPool>,
+    pool: Option<Arc<rayon::ThreadPool>>,
     /// The locks are never contended: a thread takes its own.
     memories: Vec<Mutex<W>>,
 }
@@ -18,7 +18,8 @@ impl<W: Send> Threads<W> {
     pub fn new(count: usize, memory: impl Fn() -> W) -> Self {
         assert!(count >= 1, "no threads");
         let pool = (count > 1).then(|| {
-            rayon::ThreadPoolBuilder::new().num_threads(count).build().expect("the system gives threads")
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(count).build();
+            Arc::new(pool.expect("the system gives threads"))
         });
         Self { pool, memories: (0..count).map(|_| Mutex::new(memory())).collect() }
     }
@@ -37,6 +38,10 @@ impl<W: Send> Threads<W> {
             None => run(),
         }
     }
+    /// What runs work on these threads and does not borrow them.
+    pub fn handle(&self) -> Handle {
+        Handle(self.pool.clone())
+    }
     /// All working memories, one after the other. Not while threads work.
     ///
     /// # Panics
@@ -54,6 +59,19 @@ impl<W: Send> Threads<W> {
         // Alone, the caller may be a thread of another pool, with a number there.
         let thread = if self.alone() { 0 } else { rayon::current_thread_index().unwrap_or(0) };
         self.memories[thread].lock().expect("no thread panicked with its working memory")
+    }
+}
+
+/// Threads to run on; see [`Threads::handle`].
+pub struct Handle(Option<Arc<rayon::ThreadPool>>);
+
+impl Handle {
+    /// As [`Threads::run`].
+    pub fn run<R: Send>(&self, run: impl FnOnce() -> R + Send) -> R {
+        match &self.0 {
+            Some(pool) => pool.install(run),
+            None => run(),
+        }
     }
 }
 

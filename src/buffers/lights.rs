@@ -21,6 +21,17 @@ pub enum LightChoice {
     Off,
 }
 
+impl LightChoice {
+    /// As the command line and reports name it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Auto => "auto",
+            Self::On => "on",
+            Self::Off => "off",
+        }
+    }
+}
+
 /// The emitters that paths look for: two rows of eight each.
 ///
 /// Sphere: centre, radius, emission, chance; 0 (seven times), offset of rays that end there. Triangle: a, 0, emission, chance; ab, ac, 0,

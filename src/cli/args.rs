@@ -32,6 +32,8 @@ pub enum Command {
     Render(RenderArgs),
     Rays(RaysArgs),
     Chart(ChartArgs),
+    #[cfg(feature = "viewer")]
+    View(super::view::ViewArgs),
     Stability(StabilityArgs),
     Convert(ConvertArgs),
     Inspect(InspectArgs),

@@ -18,6 +18,14 @@ pub enum CliError {
     Scene(#[from] SceneError),
     #[error(transparent)]
     Output(#[from] OutputError),
+    #[cfg(feature = "viewer")]
+    #[error(transparent)]
+    Window(#[from] crate::viewer::WindowError),
+    /// There is nothing to show.
+    #[error("{what}\n  {mend}")]
+    Nothing { what: String, mend: &'static str },
+    #[error("cannot draw in this terminal")]
+    Terminal(#[source] io::Error),
     #[error("cannot write to standard output")]
     Stdout(#[source] io::Error),
     #[error(

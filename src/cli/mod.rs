@@ -8,6 +8,7 @@
 //! | [`options`], [`methods`], [`numbers`], [`limits`] | what we accept: names known, numbers in range |
 //! | [`asked`] | what options or a view ask of a still |
 //! | [`render`], [`convert`], [`inspect`], [`mod@bench`], [`compare`], [`rays`], [`stability`], [`chart`] | the commands |
+//! | [`render`], [`convert`], [`inspect`], [`mod@bench`], [`compare`], [`rays`], [`stability`], [`chart`], `view` | the commands |
 //! | [`truths`] | truths that were rendered before, for `chart` |
 //! | [`scenes`] | the scenes that commands take |
 //! | [`routes`], [`defaults`] | which way a scene's rays go and which methods it gets, for `inspect` |
@@ -49,6 +50,8 @@ pub mod stats;
 pub mod terminal;
 pub mod trace;
 pub mod truths;
+#[cfg(feature = "viewer")]
+pub mod view;
 
 pub use error::CliError;
 
@@ -69,6 +72,7 @@ octray traces paths through scenes on the CPU, eight rays at a time. Try:
   octray bench                                    frames per second, SIMD beside scalar
   octray compare                                  do SIMD and scalar agree, bit by bit?
   octray render builtin:three -o three.png        a picture
+  octray view                                     a window to walk through them
   octray rays builtin:knot:100000                 rays per second, every way of tracing them
   octray chart builtin:three -o charts            speed against accuracy, charted
   octray stability                                where methods fail, and which hold
@@ -125,6 +129,12 @@ fn run(args: Args, verdict: &machine_check::Verdict) -> Result<ExitCode, CliErro
             let options = args.try_into()?;
             verdict.advise();
             chart::run(options)
+        }
+        #[cfg(feature = "viewer")]
+        Command::View(args) => {
+            let options = args.try_into()?;
+            verdict.advise();
+            view::run(options)
         }
         Command::Stability(args) => {
             let options = args.into();

@@ -81,6 +81,11 @@ impl History {
         (self.seen_from, self.still) = (None, 0);
     }
 
+    /// The last picture.
+    pub fn shown(&self) -> &Picture {
+        &self.shown
+    }
+
     /// Samples that each pixel of the last picture stands for, row by row from the top.
     pub fn counts(&self) -> &[f32] {
         &self.counts

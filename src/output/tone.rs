@@ -28,6 +28,16 @@ pub enum Operator {
 }
 
 impl Operator {
+    pub const ALL: [Self; 3] = [Self::Clamp, Self::Reinhard, Self::Aces];
+
+    /// As the command line and reports name it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Clamp => "clamp",
+            Self::Reinhard => "reinhard",
+            Self::Aces => "aces",
+        }
+    }
     /// The displayed intensity in [0, 1] for a radiance. Domain: all of f32; NaN and what is below 0 show as 0, infinity as
     /// 1.
     pub fn map(self, radiance: f32) -> f32 {
@@ -48,6 +58,15 @@ impl Tone {
     pub fn pixel(&self, radiance: [f32; 3]) -> [u8; 3] {
         let scale = self.exposure.exp2();
         radiance.map(|channel| srgb_byte(self.operator.map(channel * scale)))
+    }
+
+    /// The eight-bit sRGB values of pixels as windows want them: 0x00RRGGBB.
+    pub fn words(&self, pixels: &[[f32; 3]], words: &mut [u32]) {
+        let scale = self.exposure.exp2();
+        for (word, pixel) in words.iter_mut().zip(pixels) {
+            let [r, g, b] = pixel.map(|channel| srgb_byte(self.operator.map(channel * scale)));
+            *word = u32::from_be_bytes([0, r, g, b]);
+        }
     }
 
     /// The eight-bit sRGB values of a picture: three bytes a pixel, row by row from the top.
@@ -82,8 +101,6 @@ pub fn srgb_byte(linear: f32) -> u8 {
 mod tests {
     use super::*;
 
-    const OPERATORS: [Operator; 3] = [Operator::Clamp, Operator::Reinhard, Operator::Aces];
-
     #[test]
     fn srgb_byte_equals_rounding_the_curve_away_from_borders() {
         for step in 0..=200_000 {
@@ -105,7 +122,7 @@ mod tests {
 
     #[test]
     fn operators_rise_from_black_to_white() {
-        for operator in OPERATORS {
+        for operator in Operator::ALL {
             assert_eq!(operator.map(0.0), 0.0);
             let mut last = 0.0;
             for step in 0..=4_000 {
@@ -119,13 +136,24 @@ mod tests {
 
     #[test]
     fn operators_accept_what_is_not_a_number_of_light() {
-        for operator in OPERATORS {
+        for operator in Operator::ALL {
             assert_eq!(operator.map(f32::NAN), 0.0);
             assert_eq!(operator.map(-1.0), 0.0);
             assert_eq!(operator.map(f32::NEG_INFINITY), 0.0);
             assert!(operator.map(f32::INFINITY) > 0.999);
             assert!(operator.map(f32::MAX) > 0.999);
         }
+    }
+
+    #[test]
+    fn words_and_bytes_hold_the_same() {
+        let picture = Picture { width: 2, height: 1, pixels: vec![[0.1, 0.5, 2.0], [1.0, 0.0, 0.02]] };
+        let tone = Tone { exposure: -0.7, operator: Operator::Aces };
+        let mut words = [u32::MAX; 2];
+        tone.words(&picture.pixels, &mut words);
+        let bytes: Vec<u8> = words.iter().flat_map(|word| word.to_be_bytes()[1..].to_vec()).collect();
+        assert_eq!(bytes, tone.bytes(&picture));
+        assert!(words.iter().all(|word| word >> 24 == 0));
     }
 
     #[test]

@@ -27,6 +27,16 @@ pub enum PipelineChoice {
     General,
 }
 
+impl PipelineChoice {
+    /// As the command line and reports name it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Needed => "needed",
+            Self::General => "general",
+        }
+    }
+}
+
 /// What decides a picture besides the scene, and how it is computed: `lanes`, `threads`, `tile_size` and `pipeline` change no bit (but
 /// tiles are the blocks by which [`crate::adaptive`] decides how many samples to take).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -218,6 +228,11 @@ impl Renderer {
     /// Runs something on the renderer's threads. Called around many [`Renderer::add_samples`], it saves waking them for each.
     pub fn on_threads<R: Send>(&self, run: impl FnOnce() -> R + Send) -> R {
         self.threads.run(run)
+    }
+    /// Runs something on the renderer's threads with the renderer in hand, which may change it. One of the threads is busy with it: it takes its
+    /// part in the work that it starts.
+    pub fn hold<R: Send>(&mut self, run: impl FnOnce(&mut Self) -> R + Send) -> R {
+        self.threads.handle().run(|| run(self))
     }
     /// Notes from here on what samples take, which costs some time of its own and no bit of the picture.
     pub fn start_stats(&self) {

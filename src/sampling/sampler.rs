@@ -14,6 +14,16 @@ pub enum Sampler {
 }
 
 impl Sampler {
+    /// As the command line and reports name it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Sobol => "sobol",
+            Self::Random => "random",
+        }
+    }
+}
+
+impl Sampler {
     /// What [`Numbers`] want to know of sample `sample` in the pixels with these indices (y · width + x).
     #[inline(always)]
     pub fn key<B: Bits>(self, seed: u32, pixel: B, sample: u32) -> B {

@@ -17,6 +17,15 @@ pub enum SphereChoice {
 
 impl SphereChoice {
     pub const ALL: [Self; 3] = [Self::Robust, Self::RobustAnyLength, Self::Naive];
+
+    /// As the command line and reports name it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Robust => "robust",
+            Self::RobustAnyLength => "robust-any-length",
+            Self::Naive => "naive",
+        }
+    }
 }
 
 /// Which equation intersects triangles; see [`crate::kernel::ray_triangle`].
@@ -33,6 +42,17 @@ pub enum TriangleChoice {
 impl TriangleChoice {
     pub const ALL: [Self; 5] =
         [Self::Woop, Self::WoopContracted, Self::MollerTrumbore, Self::BaldwinWeber, Self::Plucker];
+
+    /// As the command line and reports name it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Woop => "woop",
+            Self::WoopContracted => "woop-contracted",
+            Self::MollerTrumbore => "moller-trumbore",
+            Self::BaldwinWeber => "baldwin-weber",
+            Self::Plucker => "plucker",
+        }
+    }
 }
 
 /// Which equation intersects boxes; see [`crate::kernel::ray_box`]. Others than these have no place in a hierarchy: `octray chart` shows them, and
@@ -44,6 +64,16 @@ pub enum BoxChoice {
     /// Without padding: no faster, as padding is added once a ray, and hits are lost at corners and edges. Different traversals lose different
     /// ones.
     Fma,
+}
+
+impl BoxChoice {
+    /// As the command line and reports name it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::PaddedFma => "padded-fma",
+            Self::Fma => "fma",
+        }
+    }
 }
 
 /// The equations of a picture, and how it finds what it looks for. The defaults are the ones that hold where others fail.
@@ -67,6 +97,17 @@ pub enum TraversalChoice {
     Linear,
     /// Through a hierarchy. Only the default equations have one; the others test every primitive.
     Through(Traversal),
+}
+
+impl TraversalChoice {
+    /// As the command line and reports name it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Needed => "needed",
+            Self::Linear => "linear",
+            Self::Through(traversal) => traversal.name(),
+        }
+    }
 }
 
 impl Methods {

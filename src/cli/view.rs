@@ -1,0 +1,248 @@
+//! `octray view`: a window, or a terminal, to walk through scenes in.
+//!
+//! For: [`ViewArgs`], [`ViewOptions`], [`run`]. May import: `viewer`. Must never know: what keys do.
+
+use super::asked::Asked;
+use super::choices::{MethodArgs, PipelineArg, ToneArg};
+use super::error::CliError;
+use super::numbers::{bounces, clamp, exposure, lanes, seed, size, threads, whole};
+use super::scenes;
+use super::terminal::{self, figure};
+use crate::measure::machine::Machine;
+use crate::scene::{self, Scene};
+use crate::viewer::playlist::Playlist;
+use crate::viewer::window::Presented;
+use crate::viewer::{self, Options, Summary};
+use serde::Serialize;
+use std::io::IsTerminal;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+/// Walk through scenes in a window.
+///
+/// The picture gathers samples for as long as the camera stands; while it moves, what earlier frames saw stands in for samples. H shows all
+/// keys: W A S D walk, Space and Shift rise and sink, arrows and the mouse turn, + and - zoom, Page Down and Page Up change the scene, Tab takes
+/// a screenshot. Files may be dropped on the window; a scene whose file changes is read again.
+///
+/// --terminal draws with half characters in true colour instead, for machines without a display; Ctrl-C ends it.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:
+  octray view
+  octray view scene.json model.obj scenes/
+  octray view builtin:thesis --terminal
+  octray view builtin:three --frames 600 --json > view.json")]
+pub struct ViewArgs {
+    /// Scene files, models, folders of them, or builtin:NAME; the built-in scenes if none is given.
+    #[arg(value_name = "SCENE")]
+    pub scenes: Vec<String>,
+    /// Draw in this terminal instead of a window.
+    #[arg(long)]
+    pub terminal: bool,
+    /// Pixels of the picture; the window is larger where the screen has room [default: the scene's].
+    #[arg(long, value_name = "WxH", allow_hyphen_values = true)]
+    pub size: Option<String>,
+    /// Scattering events allowed on a path [default: the scene's].
+    #[arg(long, value_name = "N", allow_hyphen_values = true)]
+    pub bounces: Option<String>,
+    /// Which random numbers a standing picture is made of [default: 0].
+    #[arg(long, value_name = "N", allow_hyphen_values = true)]
+    pub seed: Option<String>,
+    /// Worker threads [default: all cores].
+    #[arg(long, value_name = "N", allow_hyphen_values = true)]
+    pub threads: Option<String>,
+    /// Rays traced at a time: 1 (scalar) or 8 (SIMD).
+    #[arg(long, value_name = "1|8", default_value = "8", allow_hyphen_values = true)]
+    pub lanes: String,
+    /// Hold so many frames a second by coarser pixels.
+    #[arg(long, value_name = "N", allow_hyphen_values = true)]
+    pub target_fps: Option<String>,
+    /// The most radiance that a sample may bring to a channel [default: no limit].
+    #[arg(long, value_name = "MOST", allow_hyphen_values = true)]
+    pub clamp: Option<String>,
+    /// Brighten (above 0) or darken (below 0) by so many stops [default: 0].
+    #[arg(long, value_name = "STOPS", allow_hyphen_values = true)]
+    pub exposure: Option<String>,
+    /// How what is brighter than a screen is shown [default: clamp].
+    #[arg(long, value_enum)]
+    pub tone: Option<ToneArg>,
+    /// The folder for screenshots.
+    #[arg(long, value_name = "FOLDER", default_value = ".")]
+    pub screenshots: PathBuf,
+    /// End after so many frames.
+    #[arg(long, value_name = "N", allow_hyphen_values = true)]
+    pub frames: Option<String>,
+    /// At the end, print what frames took as JSON (schema octray-window-1).
+    #[arg(long)]
+    pub json: bool,
+    #[command(flatten)]
+    pub methods: MethodArgs,
+    /// Compiled for what the scene needs, or with every feature: it does not change the picture [default: needed].
+    #[arg(long, value_enum, value_name = "PIPELINE")]
+    pub pipeline: Option<PipelineArg>,
+}
+
+/// What `view` accepts.
+pub struct ViewOptions {
+    scenes: Vec<String>,
+    terminal: bool,
+    json: bool,
+    size: Option<[u32; 2]>,
+    bounces: Option<u32>,
+    threads: usize,
+    lanes: usize,
+    target: Option<u32>,
+    frames: Option<u64>,
+    screenshots: PathBuf,
+    /// Stronger than what a view says itself.
+    asked: Asked,
+}
+
+/// Most frames a second that can be held.
+const MOST_FPS: u32 = 1_000;
+
+impl TryFrom<ViewArgs> for ViewOptions {
+    type Error = CliError;
+    fn try_from(args: ViewArgs) -> Result<Self, CliError> {
+        let whole_of =
+            |option, text: Option<String>, most| text.map(|text| whole(option, &text, 1, most)).transpose();
+        Ok(Self {
+            scenes: args.scenes,
+            terminal: args.terminal,
+            json: args.json,
+            size: args.size.as_deref().map(size).transpose()?,
+            bounces: args.bounces.as_deref().map(bounces).transpose()?,
+            threads: threads(args.threads)?,
+            lanes: lanes(&args.lanes)?,
+            target: whole_of("--target-fps", args.target_fps, MOST_FPS)?,
+            frames: whole_of("--frames", args.frames, u32::MAX)?.map(u64::from),
+            screenshots: args.screenshots,
+            asked: Asked {
+                limits: None,
+                seed: args.seed.as_deref().map(seed).transpose()?,
+                exposure: args.exposure.as_deref().map(exposure).transpose()?,
+                tone: args.tone.map(Into::into),
+                clamp: args.clamp.as_deref().map(clamp).transpose()?,
+                methods: args.methods.into(),
+                pipeline: args.pipeline.map(Into::into),
+            },
+        })
+    }
+}
+
+impl ViewOptions {
+    /// What the viewer starts with, given its first scene: seed, tone, limits are its own from then on.
+    fn viewer(&self, first: &Scene) -> Result<Options, CliError> {
+        let asked = self.asked.or(Asked::of(first)?);
+        let methods = self.asked.methods;
+        Ok(Options {
+            size: self.size,
+            bounces: self.bounces,
+            seed: asked.seed.unwrap_or(0),
+            pipeline: asked.pipeline.unwrap_or_default(),
+            clamp: asked.clamp.unwrap_or(f32::INFINITY),
+            threads: self.threads,
+            lanes: self.lanes,
+            tone: asked.shown(),
+            target: self.target,
+            // Views that come later are not held to their words: a wrong one asks for nothing.
+            methods: Box::new(move |scene| {
+                methods.or(Asked::of(scene).unwrap_or_default().methods).of(scene)
+            }),
+            frames: self.frames,
+            screenshots: self.screenshots.clone(),
+        })
+    }
+}
+
+/// What frames took; the JSON report.
+#[derive(Debug, Serialize)]
+struct Report {
+    schema: &'static str,
+    machine: Machine,
+    /// `window` or `terminal`.
+    front_end: &'static str,
+    /// Frames handed over, and those a second.
+    frames: u64,
+    fps: f64,
+    /// Samples of whole pictures, in all and a second.
+    samples: f64,
+    samples_per_s: f64,
+    /// Shares of the engine's time in which samples were taken and frames painted.
+    tracing_share: f64,
+    painting_share: f64,
+    /// Milliseconds that painting a frame took, and enlarging and handing it to the display.
+    painting_ms: f64,
+    presenting_ms: Option<f64>,
+    /// Milliseconds from an event to the frame that answers it: mean and longest; null where nothing happened.
+    answer_ms: Option<f64>,
+    slowest_answer_ms: Option<f64>,
+}
+
+impl Report {
+    fn of(summary: &Summary, presented: Option<&Presented>) -> Self {
+        let elapsed = summary.elapsed.as_secs_f64().max(1e-9);
+        let frames = summary.frames.max(1) as f64;
+        let answered = |ms: f64| (summary.answered > 0).then_some(ms);
+        Self {
+            schema: "octray-window-1",
+            machine: Machine::current(),
+            front_end: if presented.is_some() { "window" } else { "terminal" },
+            frames: summary.frames,
+            fps: summary.frames.saturating_sub(1) as f64 / elapsed,
+            samples: summary.samples,
+            samples_per_s: summary.samples / elapsed,
+            tracing_share: summary.tracing.as_secs_f64() / elapsed,
+            painting_share: summary.painting.as_secs_f64() / elapsed,
+            painting_ms: summary.painting.as_secs_f64() * 1e3 / frames,
+            presenting_ms: presented.map(|shown| shown.time.as_secs_f64() * 1e3 / shown.frames.max(1) as f64),
+            answer_ms: answered(summary.answers.as_secs_f64() * 1e3 / summary.answered.max(1) as f64),
+            slowest_answer_ms: answered(summary.slowest_answer.as_secs_f64() * 1e3),
+        }
+    }
+
+    fn line(&self) -> String {
+        let presenting = self.presenting_ms.map(|ms| format!(", presenting {} ms", figure(ms, 2)));
+        format!(
+            "{} frames, {} fps; {} samples/s; painting a frame {} ms{}\n",
+            self.frames,
+            figure(self.fps, 0),
+            figure(self.samples_per_s, 0),
+            figure(self.painting_ms, 2),
+            presenting.unwrap_or_default()
+        )
+    }
+}
+
+/// Runs the command.
+pub fn run(options: ViewOptions) -> Result<ExitCode, CliError> {
+    let mut names = options.scenes.clone();
+    if names.is_empty() {
+        names = scene::builtin_names().map(|name| format!("builtin:{name}")).collect();
+    }
+    let Some(playlist) = Playlist::new(&names) else {
+        let what = format!("there is no scene (.json) and no model (.obj) in {}", names.join(", "));
+        return Err(CliError::Nothing { what, mend: "name a folder that holds some, or a file" });
+    };
+    if options.terminal && !std::io::stdout().is_terminal() {
+        let what = "--terminal needs a terminal to draw in, and standard output is none".to_string();
+        return Err(CliError::Nothing { what, mend: "octray render writes a picture into a file" });
+    }
+    let first = scenes::load(playlist.current())?;
+    for warning in &first.warnings {
+        terminal::warn(warning);
+    }
+    let viewer = options.viewer(&first)?;
+    let report = if options.terminal {
+        let summary = viewer::terminal(viewer, playlist, first).map_err(CliError::Terminal)?;
+        Report::of(&summary, None)
+    } else {
+        let (summary, presented) = viewer::window(viewer, playlist, first)?;
+        Report::of(&summary, Some(&presented))
+    };
+    if options.json {
+        terminal::print_json(&report)?;
+    } else if options.frames.is_some() {
+        terminal::print(&report.line())?;
+    }
+    Ok(ExitCode::SUCCESS)
+}

@@ -1,0 +1,279 @@
+//! What keys do: one table, from which the state machine acts and the help is written.
+//!
+//! For: [`Key`], [`Action`], [`action_of`], [`help`]. May import: nothing of the viewer. Must never know: windows, terminals.
+
+use super::views::View;
+
+/// A key, whoever reports it. Letters are lower case; letters for walking are told by their place on the keyboard where that is known.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Key {
+    Char(char),
+    Up,
+    Down,
+    Left,
+    Right,
+    Shift,
+    Control,
+    Tab,
+    Escape,
+    PageUp,
+    PageDown,
+    Home,
+    F1,
+    F5,
+}
+
+/// What goes on for as long as a key is held.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Motion {
+    Forward,
+    Back,
+    Left,
+    Right,
+    Up,
+    Down,
+    TurnLeft,
+    TurnRight,
+    TurnUp,
+    TurnDown,
+    /// Everything else four times as fast.
+    Fast,
+}
+
+impl Motion {
+    pub const COUNT: usize = Self::Fast as usize + 1;
+}
+
+/// What happens once when a key goes down.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Command {
+    NextScene,
+    PreviousScene,
+    Reload,
+    /// The scene's own camera again.
+    Home,
+    Narrower,
+    Wider,
+    FewerBounces,
+    MoreBounces,
+    Coarser,
+    Finer,
+    NextTarget,
+    NextThreads,
+    SwitchLanes,
+    NextMethods,
+    NextTraversal,
+    Brighter,
+    Darker,
+    NextTone,
+    Show(View),
+    SwitchReprojection,
+    NextFilter,
+    SwitchDenoiser,
+    Screenshot,
+    SwitchMap,
+    SwitchOverlay,
+    SwitchHelp,
+    /// Lets the mouse go.
+    Release,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Action {
+    Hold(Motion),
+    Do(Command),
+}
+
+/// Keys that do one thing or a pair of opposites.
+pub struct Binding {
+    pub keys: &'static [(Key, Action)],
+    /// As people read them.
+    pub label: &'static str,
+    pub meaning: &'static str,
+}
+
+const fn hold(key: Key, motion: Motion) -> (Key, Action) {
+    (key, Action::Hold(motion))
+}
+const fn on(key: Key, command: Command) -> (Key, Action) {
+    (key, Action::Do(command))
+}
+const fn letter(letter: char, command: Command) -> (Key, Action) {
+    on(Key::Char(letter), command)
+}
+
+/// All of them, in the order of the help.
+pub const BINDINGS: &[Binding] = &[
+    Binding {
+        keys: &[
+            hold(Key::Char('w'), Motion::Forward),
+            hold(Key::Char('s'), Motion::Back),
+            hold(Key::Char('a'), Motion::Left),
+            hold(Key::Char('d'), Motion::Right),
+        ],
+        label: "W A S D",
+        meaning: "walk",
+    },
+    Binding {
+        keys: &[
+            hold(Key::Char(' '), Motion::Up),
+            hold(Key::Shift, Motion::Down),
+            hold(Key::Char('z'), Motion::Down),
+        ],
+        label: "Space, Shift or Z",
+        meaning: "rise, sink",
+    },
+    Binding {
+        keys: &[
+            hold(Key::Left, Motion::TurnLeft),
+            hold(Key::Right, Motion::TurnRight),
+            hold(Key::Up, Motion::TurnUp),
+            hold(Key::Down, Motion::TurnDown),
+        ],
+        label: "arrows, mouse",
+        meaning: "turn; a click catches the mouse, Esc lets it go",
+    },
+    Binding {
+        keys: &[hold(Key::Control, Motion::Fast)],
+        label: "Ctrl",
+        meaning: "four times as fast while held",
+    },
+    Binding {
+        keys: &[letter('+', Command::Narrower), letter('=', Command::Narrower), letter('-', Command::Wider)],
+        label: "+ -, wheel",
+        meaning: "narrower, wider field of view",
+    },
+    Binding { keys: &[on(Key::Home, Command::Home)], label: "Home", meaning: "the scene's own camera" },
+    Binding {
+        keys: &[
+            on(Key::PageDown, Command::NextScene),
+            on(Key::PageUp, Command::PreviousScene),
+            letter('.', Command::NextScene),
+            letter(',', Command::PreviousScene),
+        ],
+        label: "PgDn PgUp or . ,",
+        meaning: "next, previous scene",
+    },
+    Binding {
+        keys: &[letter('r', Command::Reload), on(Key::F5, Command::Reload)],
+        label: "R",
+        meaning: "read the scene's files again (they are watched, too)",
+    },
+    Binding {
+        keys: &[
+            letter('1', Command::Show(View::Picture)),
+            letter('2', Command::Show(View::Normals)),
+            letter('3', Command::Show(View::Albedo)),
+            letter('4', Command::Show(View::Depth)),
+            letter('5', Command::Show(View::Barycentrics)),
+            letter('6', Command::Show(View::Light)),
+            letter('7', Command::Show(View::Bounces)),
+            letter('8', Command::Show(View::Cost)),
+            letter('9', Command::Show(View::Samples)),
+            letter('0', Command::Show(View::Lanes)),
+        ],
+        label: "1 to 9, 0",
+        meaning: "picture, normals, albedo, depth, barycentrics, n·l, bounces, cost, samples, lanes",
+    },
+    Binding {
+        keys: &[letter('t', Command::SwitchReprojection)],
+        label: "T",
+        meaning: "temporal reprojection while moving, or not",
+    },
+    Binding {
+        keys: &[letter('f', Command::NextFilter)],
+        label: "F",
+        meaning: "antialiasing of what is shown: none, 3×3 blur, FXAA",
+    },
+    Binding { keys: &[letter('n', Command::SwitchDenoiser)], label: "N", meaning: "denoiser, or none" },
+    Binding {
+        keys: &[letter('[', Command::FewerBounces), letter(']', Command::MoreBounces)],
+        label: "[ ]",
+        meaning: "fewer, more bounces",
+    },
+    Binding {
+        keys: &[letter('j', Command::Coarser), letter('k', Command::Finer)],
+        label: "J K",
+        meaning: "coarser, finer pixels",
+    },
+    Binding {
+        keys: &[letter('g', Command::NextTarget)],
+        label: "G",
+        meaning: "frame rate to hold by coarser pixels: none, 15, 30, 60",
+    },
+    Binding {
+        keys: &[letter('c', Command::NextThreads)],
+        label: "C",
+        meaning: "threads: 1, 2, 4 and so on, all",
+    },
+    Binding { keys: &[letter('l', Command::SwitchLanes)], label: "L", meaning: "SIMD or scalar" },
+    Binding {
+        keys: &[letter('x', Command::NextMethods)],
+        label: "X",
+        meaning: "equations: as asked, robust, fast, naive",
+    },
+    Binding {
+        keys: &[letter('v', Command::NextTraversal)],
+        label: "V",
+        meaning: "traversal: needed, linear, scalar, single, packet, stream, hybrid",
+    },
+    Binding {
+        keys: &[letter('e', Command::Brighter), letter('q', Command::Darker)],
+        label: "E Q",
+        meaning: "brighter, darker",
+    },
+    Binding {
+        keys: &[letter('o', Command::NextTone)],
+        label: "O",
+        meaning: "tone mapping: clamp, Reinhard, ACES",
+    },
+    Binding { keys: &[letter('m', Command::SwitchMap)], label: "M", meaning: "map from above" },
+    Binding {
+        keys: &[on(Key::Tab, Command::Screenshot), letter('p', Command::Screenshot)],
+        label: "Tab, P",
+        meaning: "screenshot: PNG, EXR, and a view file to render it again",
+    },
+    Binding { keys: &[letter('i', Command::SwitchOverlay)], label: "I", meaning: "figures, or none" },
+    Binding {
+        keys: &[letter('h', Command::SwitchHelp), on(Key::F1, Command::SwitchHelp)],
+        label: "H",
+        meaning: "this help",
+    },
+    Binding { keys: &[on(Key::Escape, Command::Release)], label: "Esc", meaning: "let the mouse go" },
+];
+
+/// What a key does; nothing for most.
+pub fn action_of(key: Key) -> Option<Action> {
+    let all = BINDINGS.iter().flat_map(|binding| binding.keys);
+    all.into_iter().find(|(bound, _)| *bound == key).map(|&(_, action)| action)
+}
+
+/// The help, a line a binding: keys, then what they do.
+pub fn help() -> impl Iterator<Item = String> {
+    let width = BINDINGS.iter().map(|binding| binding.label.chars().count()).max().unwrap_or(0);
+    BINDINGS.iter().map(move |Binding { label, meaning, .. }| format!("{label:width$}  {meaning}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::BTreeSet;
+
+    #[test]
+    fn every_key_does_one_thing() {
+        let keys: Vec<Key> = BINDINGS.iter().flat_map(|binding| binding.keys).map(|&(key, _)| key).collect();
+        let distinct: BTreeSet<Key> = keys.iter().copied().collect();
+        assert_eq!(distinct.len(), keys.len());
+    }
+
+    #[test]
+    fn every_view_has_a_key_and_stands_in_the_help_in_its_order() {
+        let mut names = Vec::new();
+        for (at, view) in View::ALL.into_iter().enumerate() {
+            let digit = char::from_digit((at as u32 + 1) % 10, 10).unwrap();
+            assert_eq!(action_of(Key::Char(digit)), Some(Action::Do(Command::Show(view))));
+            names.push(view.name());
+        }
+        assert!(help().any(|line| line.contains(&names.join(", "))), "{}", names.join(", "));
+    }
+}

@@ -1,0 +1,128 @@
+//! Scenes are read and made ready in a thread of their own, so that the picture never stands still for them.
+//!
+//! For: [`Loader`]. May import: `scene`, `render`. Must never know: the state machine, windows.
+
+use crate::render::{Renderer, Settings};
+use crate::scene::{self, Scene, SceneError};
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, Sender, TryRecvError, channel};
+use std::thread;
+
+/// Where a scene comes from.
+#[derive(Clone)]
+pub enum Source {
+    /// Read it: the name as the command line takes it.
+    Name(String),
+    /// It is here already, and to be made ready in another way.
+    Here(Arc<Scene>),
+}
+
+/// A scene to be made ready.
+pub struct Order {
+    pub source: Source,
+    /// Given the scene, how it is rendered.
+    pub settings: Box<dyn FnOnce(&Scene) -> Settings + Send>,
+    /// Is it the scene that is shown already, changed perhaps?
+    pub again: bool,
+}
+
+/// A scene made ready.
+pub struct Ready {
+    pub scene: Arc<Scene>,
+    pub renderer: Renderer,
+    pub again: bool,
+}
+
+/// The thread, and the way there and back.
+pub struct Loader {
+    orders: Sender<Order>,
+    answers: Receiver<Result<Ready, SceneError>>,
+    /// Orders without an answer.
+    waiting: usize,
+}
+
+impl Loader {
+    pub fn start() -> Self {
+        let (orders, incoming) = channel::<Order>();
+        let (outgoing, answers) = channel();
+        thread::spawn(move || {
+            for order in incoming {
+                if outgoing.send(prepare(order)).is_err() {
+                    break;
+                }
+            }
+        });
+        Self { orders, answers, waiting: 0 }
+    }
+    pub fn order(&mut self, order: Order) {
+        if self.orders.send(order).is_ok() {
+            self.waiting += 1;
+        }
+    }
+    /// Is something under way?
+    pub fn busy(&self) -> bool {
+        self.waiting > 0
+    }
+    /// What has become ready, or why it has not; what later orders have overtaken is left out.
+    pub fn take(&mut self) -> Option<Result<Ready, SceneError>> {
+        loop {
+            match self.answers.try_recv() {
+                Ok(answer) => {
+                    self.waiting -= 1;
+                    if self.waiting == 0 {
+                        return Some(answer);
+                    }
+                }
+                Err(TryRecvError::Empty) => return None,
+                Err(TryRecvError::Disconnected) => {
+                    self.waiting = 0;
+                    return None;
+                }
+            }
+        }
+    }
+}
+
+fn prepare(order: Order) -> Result<Ready, SceneError> {
+    let scene = match order.source {
+        Source::Name(name) => Arc::new(scene::load(&name)?),
+        Source::Here(scene) => scene,
+    };
+    let settings = (order.settings)(&scene);
+    Ok(Ready { renderer: Renderer::new(&scene, settings), scene, again: order.again })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::time::{Duration, Instant};
+
+    fn wait(loader: &mut Loader) -> Result<Ready, SceneError> {
+        let start = Instant::now();
+        loop {
+            if let Some(answer) = loader.take() {
+                return answer;
+            }
+            assert!(start.elapsed() < Duration::from_secs(60), "no answer");
+            thread::sleep(Duration::from_millis(1));
+        }
+    }
+    fn order(name: &str) -> Order {
+        let settings = Box::new(Settings::of);
+        Order { source: Source::Name(name.into()), settings, again: false }
+    }
+
+    #[test]
+    fn only_the_last_order_is_answered() {
+        let mut loader = Loader::start();
+        assert!(!loader.busy());
+        for name in ["builtin:three", "builtin:no", "builtin:thesis"] {
+            loader.order(order(name));
+        }
+        assert!(loader.busy());
+        assert_eq!(wait(&mut loader).ok().unwrap().scene.name, "builtin:thesis");
+        assert!(!loader.busy() && loader.take().is_none());
+        loader.order(order("builtin:no"));
+        assert!(wait(&mut loader).err().unwrap().to_string().contains("builtin:no"));
+    }
+}

@@ -1,0 +1,222 @@
+//! The scene from above, and where the camera stands in it.
+//!
+//! For: [`Map`]. May import: `scene`. Must never know: rays, windows.
+
+use crate::scene::{Camera, MaterialKind, Scene};
+use glam::{DVec2, DVec3};
+
+/// Pixels of the map's sides.
+pub const SIDE: u32 = 160;
+/// Pixels left free around what is on it.
+const MARGIN: f64 = 10.0;
+const GROUND: u32 = 0x20_2428;
+const HERE: u32 = 0xff_ff40;
+
+/// A map, drawn once for a scene; the camera is drawn over it.
+pub struct Map {
+    ground: Vec<u32>,
+    /// Scene units to the map's right and down.
+    right: DVec3,
+    down: DVec3,
+    center: DVec3,
+    /// Pixels for a scene unit.
+    scale: f64,
+}
+
+/// A part of the scene seen from above, and how high it reaches.
+struct Shape {
+    corners: Vec<DVec2>,
+    radius: f64,
+    height: f64,
+    color: u32,
+}
+
+impl Map {
+    /// The scene's map: what its camera's up is up from, its line of sight pointing to the top.
+    pub fn new(scene: &Scene) -> Self {
+        let camera = &scene.camera;
+        let up = camera.up.as_dvec3().normalize();
+        let sight = camera.look_at.as_dvec3() - camera.position.as_dvec3();
+        let ahead = (sight - up * sight.dot(up)).try_normalize();
+        let ahead = ahead.unwrap_or_else(|| up.any_orthonormal_vector());
+        let mut map = Self {
+            ground: vec![GROUND; (SIDE * SIDE) as usize],
+            right: ahead.cross(up),
+            down: -ahead,
+            center: DVec3::ZERO,
+            scale: 1.0,
+        };
+        map.frame(scene);
+        map.draw(scene, up);
+        map
+    }
+
+    /// Finds centre and scale so that the camera and what it could walk around fit. What is larger than it is far away (a floor, a ball as
+    /// large as a planet, a sky) runs out of the map, unless there is nothing else.
+    fn frame(&mut self, scene: &Scene) {
+        let camera = scene.camera.position.as_dvec3();
+        let flat = |point: DVec3| DVec2::new(point.dot(self.right), point.dot(self.down));
+        let spheres = scene.spheres.iter().map(|sphere| (sphere.center.as_dvec3(), f64::from(sphere.radius)));
+        let triangles = scene.triangles.iter().map(|triangle| {
+            let [a, b, c] = triangle.vertices.map(|vertex| vertex.as_dvec3());
+            let center = (a + b + c) / 3.0;
+            (center, [a, b, c].map(|vertex| vertex.distance(center)).into_iter().fold(0.0, f64::max))
+        });
+        let balls: Vec<(DVec3, f64)> = spheres.chain(triangles).collect();
+        let around = |&&(center, radius): &&(DVec3, f64)| radius < center.distance(camera);
+        let some = balls.iter().any(|ball| around(&ball));
+        let (mut low, mut high) = (flat(camera), flat(camera));
+        for (center, radius) in balls.iter().filter(|ball| !some || around(ball)) {
+            low = low.min(flat(*center) - *radius);
+            high = high.max(flat(*center) + *radius);
+        }
+        let middle = (low + high) / 2.0;
+        self.center = self.right * middle.x + self.down * middle.y;
+        let extent = (high - low).max_element().max(1e-12);
+        self.scale = (f64::from(SIDE) - 2.0 * MARGIN) / extent;
+    }
+
+    fn place(&self, point: DVec3) -> DVec2 {
+        let from = point - self.center;
+        DVec2::new(from.dot(self.right), from.dot(self.down)) * self.scale + f64::from(SIDE) / 2.0
+    }
+
+    /// Draws what is there, the highest last.
+    fn draw(&mut self, scene: &Scene, up: DVec3) {
+        let camera = scene.camera.position.as_dvec3();
+        let color = |material: u32| {
+            let material = &scene.materials[material as usize];
+            let shown = match material.kind {
+                MaterialKind::Emitter => material.emission.min(glam::Vec3::ONE),
+                _ => material.color,
+            };
+            super::views::rgb(shown.to_array().map(|x| 0.15 + 0.85 * x.powf(1.0 / 2.2)))
+        };
+        let mut shapes = Vec::with_capacity(scene.spheres.len() + scene.triangles.len());
+        for sphere in &scene.spheres {
+            let (center, radius) = (sphere.center.as_dvec3(), f64::from(sphere.radius));
+            if center.distance(camera) > radius {
+                shapes.push(Shape {
+                    corners: vec![self.place(center)],
+                    radius: radius * self.scale,
+                    height: center.dot(up) + radius,
+                    color: color(sphere.material),
+                });
+            }
+        }
+        for triangle in &scene.triangles {
+            let vertices = triangle.vertices.map(|vertex| vertex.as_dvec3());
+            shapes.push(Shape {
+                corners: vertices.iter().map(|&vertex| self.place(vertex)).collect(),
+                radius: 0.0,
+                height: vertices.iter().map(|vertex| vertex.dot(up)).fold(f64::MIN, f64::max),
+                color: color(triangle.material),
+            });
+        }
+        shapes.sort_by(|a, b| a.height.total_cmp(&b.height));
+        shapes.iter().for_each(|shape| fill(&mut self.ground, shape));
+    }
+
+    /// The map with the camera on it, and what it sees: pixels as in a frame.
+    pub fn draw_into(&self, camera: &Camera, aspect: f64, pixels: &mut Vec<u32>) {
+        pixels.clear();
+        pixels.extend_from_slice(&self.ground);
+        let here = self.place(camera.position.as_dvec3());
+        let edge = f64::from(SIDE) - 3.0;
+        let here = here.clamp(DVec2::splat(2.0), DVec2::splat(edge));
+        let sight = camera.look_at.as_dvec3() - camera.position.as_dvec3();
+        let way = DVec2::new(sight.dot(self.right), sight.dot(self.down)).normalize_or_zero();
+        let half = ((f64::from(camera.vertical_fov).to_radians() / 2.0).tan() * aspect).atan();
+        for side in [-half, half] {
+            let edge = DVec2::from_angle(side).rotate(way);
+            for step in 0..40 {
+                dot(pixels, here + edge * f64::from(step) * 0.7, HERE);
+            }
+        }
+        for x in -1..=1 {
+            for y in -1..=1 {
+                dot(pixels, here + DVec2::new(f64::from(x), f64::from(y)), HERE);
+            }
+        }
+    }
+}
+
+fn dot(pixels: &mut [u32], at: DVec2, color: u32) {
+    let side = f64::from(SIDE);
+    if (0.0..side).contains(&at.x) && (0.0..side).contains(&at.y) {
+        pixels[(at.y as u32 * SIDE + at.x as u32) as usize] = color;
+    }
+}
+
+/// Fills a disc, or a triangle; of what is smaller than a pixel, the pixel.
+fn fill(pixels: &mut [u32], shape: &Shape) {
+    let Shape { corners, radius, color, .. } = shape;
+    let low = corners.iter().copied().reduce(DVec2::min).unwrap_or_default() - *radius;
+    let high = corners.iter().copied().reduce(DVec2::max).unwrap_or_default() + *radius;
+    let range =
+        |low: f64, high: f64| (low.max(0.0) as u32)..(high.min(f64::from(SIDE) - 1.0).max(-1.0) + 1.0) as u32;
+    for y in range(low.y, high.y) {
+        for x in range(low.x, high.x) {
+            let at = DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5);
+            if inside(corners, *radius, at) {
+                pixels[(y * SIDE + x) as usize] = *color;
+            }
+        }
+    }
+    corners.iter().for_each(|&corner| dot(pixels, corner, *color));
+}
+
+fn inside(corners: &[DVec2], radius: f64, at: DVec2) -> bool {
+    match corners {
+        [center] => center.distance(at) <= radius,
+        [a, b, c] => {
+            let sides = [(*a, *b), (*b, *c), (*c, *a)].map(|(from, to)| (to - from).perp_dot(at - from));
+            sides.iter().all(|&side| side >= 0.0) || sides.iter().all(|&side| side <= 0.0)
+        }
+        _ => false,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_stands_ahead_is_drawn_above_the_camera_and_what_stands_right_on_its_right() {
+        let mut scene = crate::scene::load("builtin:three").unwrap();
+        scene.camera = Camera {
+            position: glam::Vec3::new(0.0, 1.0, 10.0),
+            look_at: glam::Vec3::new(0.0, 1.0, 0.0),
+            up: glam::Vec3::Y,
+            vertical_fov: 40.0,
+        };
+        scene.triangles.clear();
+        scene.spheres.truncate(2);
+        scene.spheres[0].center = glam::Vec3::new(0.0, 0.0, -10.0);
+        scene.spheres[1].center = glam::Vec3::new(8.0, 0.0, 0.0);
+        scene.spheres.iter_mut().for_each(|sphere| sphere.radius = 1.0);
+        let map = Map::new(&scene);
+        let [camera, ahead, right] =
+            [scene.camera.position, scene.spheres[0].center, scene.spheres[1].center]
+                .map(|point| map.place(point.as_dvec3()));
+        assert!(ahead.y < right.y && right.y < camera.y && right.x > ahead.x);
+        let color = |at: DVec2| map.ground[(at.y as u32 * SIDE + at.x as u32) as usize];
+        assert!(color(ahead) != GROUND && color(right) != GROUND && color(camera) == GROUND);
+        let mut pixels = Vec::new();
+        map.draw_into(&scene.camera, 16.0 / 9.0, &mut pixels);
+        assert_eq!(pixels[(camera.y as u32 * SIDE + camera.x as u32) as usize], HERE);
+        let yellow = pixels.iter().enumerate().filter(|&(_, &pixel)| pixel == HERE);
+        assert!(yellow.clone().count() > 40);
+        let above = yellow.filter(|(at, _)| ((*at as u32 / SIDE) as f64) < camera.y - 2.0).count();
+        assert!(above > 30, "the field of view opens ahead");
+    }
+
+    #[test]
+    fn every_built_in_scene_has_something_on_its_map() {
+        for name in crate::scene::builtin_names() {
+            let scene = crate::scene::load(&format!("builtin:{name}")).unwrap();
+            let drawn = Map::new(&scene).ground.iter().filter(|&&pixel| pixel != GROUND).count();
+            assert!(drawn > 50, "{name}: {drawn} pixels");
+        }
+    }
+}

@@ -1,0 +1,110 @@
+//! The scenes that can be paged through.
+//!
+//! For: [`Playlist`]. May import: the standard library. Must never know: what a scene holds.
+
+use std::path::Path;
+
+/// Names of scenes, as the command line takes them, and which of them is shown.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Playlist {
+    names: Vec<String>,
+    at: usize,
+}
+
+impl Playlist {
+    /// Of names, and of folders the scenes and models in them, by name; `None` if that is none at all.
+    pub fn new(names: &[String]) -> Option<Self> {
+        let names: Vec<String> = names.iter().flat_map(|name| expand(name)).collect();
+        (!names.is_empty()).then_some(Self { names, at: 0 })
+    }
+    pub fn current(&self) -> &str {
+        &self.names[self.at]
+    }
+    /// How many there are, and which one is shown, counted from 1.
+    pub fn place(&self) -> [usize; 2] {
+        [self.names.len(), self.at + 1]
+    }
+    pub fn next(&mut self) {
+        self.at = (self.at + 1) % self.names.len();
+    }
+    pub fn previous(&mut self) {
+        self.at = (self.at + self.names.len() - 1) % self.names.len();
+    }
+    /// Shows this one, or the scenes of this folder, which are new behind the one shown unless they are known. Says whether that is anything.
+    pub fn drop_in(&mut self, name: &str) -> bool {
+        let new = expand(name);
+        let Some(first) = new.first() else { return false };
+        if let Some(place) = self.names.iter().position(|known| known == first) {
+            self.at = place;
+        } else {
+            self.names.splice(self.at + 1..self.at + 1, new);
+            self.at += 1;
+        }
+        true
+    }
+}
+
+/// The name itself, or of a folder what can be shown in it.
+fn expand(name: &str) -> Vec<String> {
+    let Ok(folder) = std::fs::read_dir(name) else { return vec![name.to_string()] };
+    let shown = |path: &Path| {
+        let extension = path.extension().map(|extension| extension.to_ascii_lowercase());
+        extension.is_some_and(|extension| extension == "json" || extension == "obj")
+    };
+    let paths = folder.filter_map(|entry| Some(entry.ok()?.path()));
+    let mut names: Vec<String> =
+        paths.filter(|path| shown(path)).map(|path| path.to_string_lossy().into_owned()).collect();
+    names.sort();
+    names
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn list(names: &[&str]) -> Playlist {
+        Playlist::new(&names.iter().map(|name| name.to_string()).collect::<Vec<_>>()).unwrap()
+    }
+
+    #[test]
+    fn paging_goes_around() {
+        let mut list = list(&["a", "b", "c"]);
+        let mut seen = Vec::new();
+        for _ in 0..4 {
+            seen.push(list.current().to_string());
+            list.next();
+        }
+        assert_eq!(seen, ["a", "b", "c", "a"]);
+        list.previous();
+        list.previous();
+        assert_eq!((list.current(), list.place()), ("c", [3, 3]));
+    }
+
+    #[test]
+    fn folders_stand_for_the_scenes_in_them() {
+        let folder = tempfile::tempdir().unwrap();
+        for name in ["z.json", "b.OBJ", "readme.md", "a.json", "b.mtl"] {
+            std::fs::write(folder.path().join(name), "").unwrap();
+        }
+        let path = folder.path().to_string_lossy().into_owned();
+        let mut list = Playlist::new(&["first".to_string(), path.clone()]).unwrap();
+        let mut names = Vec::new();
+        for _ in 0..list.place()[0] {
+            names.push(list.current().rsplit(['/', '\\']).next().unwrap().to_string());
+            list.next();
+        }
+        assert_eq!(names, ["first", "a.json", "b.OBJ", "z.json"]);
+        let empty = tempfile::tempdir().unwrap();
+        assert_eq!(Playlist::new(&[empty.path().to_string_lossy().into_owned()]), None);
+        assert!(!list.drop_in(&empty.path().to_string_lossy()));
+    }
+
+    #[test]
+    fn what_is_dropped_is_shown_and_never_twice_in_the_list() {
+        let mut list = list(&["a", "b"]);
+        assert!(list.drop_in("new"));
+        assert_eq!((list.current(), list.place()), ("new", [3, 2]));
+        assert!(list.drop_in("b"));
+        assert_eq!((list.current(), list.place()), ("b", [3, 3]));
+    }
+}

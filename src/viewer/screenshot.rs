@@ -1,0 +1,86 @@
+//! A screenshot: the film as PNG and EXR, and beside them a view that renders it again, bit by bit.
+//!
+//! For: [`take`]. May import: `scene`'s views, `render`, `output`. Must never know: the state machine, windows.
+
+use crate::film::Film;
+use crate::output::{self, OutputError, Tone};
+use crate::render::Settings;
+use crate::scene::{Camera, Rendering, Scene, View};
+use std::path::{Path, PathBuf};
+
+/// Most screenshots of a scene in a folder.
+const MOST: u32 = 9_999;
+
+/// What is in the picture.
+pub struct Shot<'a> {
+    pub scene: &'a Scene,
+    pub camera: &'a Camera,
+    pub settings: &'a Settings,
+    /// With the same number of samples in every pixel.
+    pub film: &'a Film,
+    pub tone: &'a Tone,
+}
+
+/// Saves it under the first free name of a folder; returns the name without an extension.
+pub fn take(folder: &Path, shot: &Shot) -> Result<PathBuf, OutputError> {
+    let place = free(folder, &shot.scene.name);
+    let picture = shot.film.picture();
+    output::save(&place.with_extension("png"), &picture, shot.tone)?;
+    output::save(&place.with_extension("exr"), &picture, shot.tone)?;
+    output::save_text(&place.with_extension("json"), &view(folder, shot).text())?;
+    Ok(place)
+}
+
+/// The view that `octray render` makes the same picture of.
+fn view(folder: &Path, shot: &Shot) -> View {
+    let Shot { scene, camera, settings, film, tone } = shot;
+    let methods = &settings.methods;
+    let name = |name: &str| Some(name.to_string());
+    View {
+        camera: Some(**camera),
+        resolution: Some(settings.resolution),
+        max_bounces: Some(settings.max_bounces),
+        render: Rendering {
+            samples: Some(film.samples()),
+            seed: Some(settings.seed),
+            exposure: Some(tone.exposure),
+            tone: name(tone.operator.name()),
+            clamp: Some(settings.clamp).filter(|clamp| clamp.is_finite()),
+            sphere: name(methods.sphere.name()),
+            triangle: name(methods.triangle.name()),
+            boxes: name(methods.boxes.name()),
+            traversal: name(methods.traversal.name()),
+            lights: name(methods.lights.name()),
+            sampler: name(methods.sampler.name()),
+            pipeline: name(settings.pipeline.name()),
+        },
+        ..View::of(scene, folder)
+    }
+}
+
+/// `octray-NAME-0001` or the first behind it that no file has.
+fn free(folder: &Path, scene: &str) -> PathBuf {
+    let stem = Path::new(scene).file_stem().unwrap_or_default().to_string_lossy();
+    let plain = |letter: char| if letter.is_alphanumeric() || letter == '-' { letter } else { '-' };
+    let stem: String = stem.chars().map(plain).collect();
+    let stem = stem.strip_prefix("builtin-").unwrap_or(&stem);
+    let name = |number: u32| folder.join(format!("octray-{stem}-{number:04}"));
+    let taken = |place: &PathBuf| ["png", "exr", "json"].iter().any(|end| place.with_extension(end).exists());
+    (1..MOST).map(name).find(|place| !taken(place)).unwrap_or_else(|| name(MOST))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_plain_and_never_used_twice() {
+        let folder = tempfile::tempdir().unwrap();
+        let name = |scene| free(folder.path(), scene).file_name().unwrap().to_string_lossy().into_owned();
+        assert_eq!(name("builtin:thesis"), "octray-thesis-0001");
+        assert_eq!(name("my scene.json"), "octray-my-scene-0001");
+        std::fs::write(folder.path().join("octray-thesis-0001.exr"), "").unwrap();
+        assert_eq!(name("builtin:thesis"), "octray-thesis-0002");
+        assert_eq!(name("builtin:knot:2000"), "octray-knot-2000-0001");
+    }
+}

@@ -1,0 +1,209 @@
+//! What can be shown besides the picture, and in which colours.
+//!
+//! For: [`View`], and [`paint`] that fills a frame's pixels with one. May import: what `render` surveys. Must never know: keys, windows.
+
+use crate::integrate::guides::{Guide, Guides};
+use crate::integrate::queue::PathShape;
+use crate::math::MISS;
+use crate::render::survey::{Cost, Map};
+use glam::Vec3;
+
+/// What a frame shows.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum View {
+    #[default]
+    Picture,
+    Normals,
+    Albedo,
+    Depth,
+    Barycentrics,
+    Light,
+    Bounces,
+    Cost,
+    Samples,
+    Lanes,
+}
+
+impl View {
+    pub const ALL: [Self; 10] = [
+        Self::Picture,
+        Self::Normals,
+        Self::Albedo,
+        Self::Depth,
+        Self::Barycentrics,
+        Self::Light,
+        Self::Bounces,
+        Self::Cost,
+        Self::Samples,
+        Self::Lanes,
+    ];
+
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Picture => "picture",
+            Self::Normals => "normals",
+            Self::Albedo => "albedo",
+            Self::Depth => "depth",
+            Self::Barycentrics => "barycentrics",
+            Self::Light => "n·l",
+            Self::Bounces => "bounces",
+            Self::Cost => "cost",
+            Self::Samples => "samples",
+            Self::Lanes => "lanes",
+        }
+    }
+
+    /// What its colours mean.
+    pub fn legend(self) -> &'static str {
+        match self {
+            Self::Picture => "",
+            Self::Normals => "x red, y green, z blue, from -1 to 1",
+            Self::Albedo => "the share of light that surfaces give back",
+            Self::Depth => "the nearer the brighter",
+            Self::Barycentrics => "a triangle's first vertex red, second green, third blue; grey on spheres",
+            Self::Light => "normals against a light from above, behind and left of the camera",
+            Self::Bounces => "black none, white all that are allowed, of the last sample",
+            Self::Cost => "tests of boxes and primitives for the camera's ray: black 1, white 1,024 and more",
+            Self::Samples => "samples behind each pixel: black 1, white 65,536 and more",
+            Self::Lanes => "active lanes of the packets that a pixel's path went in: black 0, white all",
+        }
+    }
+}
+
+/// What views are painted from; a view reads what it needs.
+pub struct Sources<'a> {
+    pub guides: &'a Guides,
+    pub shapes: &'a Map<PathShape>,
+    pub costs: &'a Map<Cost>,
+    /// Samples behind each pixel, row by row.
+    pub samples: &'a [f32],
+    /// Where [`View::Light`] comes from: of unit length.
+    pub light: Vec3,
+    /// A distance that is neither near nor far.
+    pub distance: f32,
+    /// Bounces allowed, and lanes of a packet.
+    pub max_bounces: u32,
+    pub lanes: usize,
+}
+
+/// Fills pixels (0x00RRGGBB, row by row from the top) with a view other than the picture.
+pub fn paint(view: View, from: &Sources, pixels: &mut [u32]) {
+    let width = from.guides.resolution()[0] as usize;
+    for (at, pixel) in pixels.iter_mut().enumerate() {
+        let guide = || from.guides.pixel((at % width) as u32, (at / width) as u32);
+        *pixel = match view {
+            View::Picture => continue,
+            View::Normals => normal(&guide()),
+            View::Albedo => rgb(guide().albedo.map(encode)),
+            View::Depth => grey(depth(&guide(), from.distance)),
+            View::Barycentrics => barycentrics(&guide()),
+            View::Light => lit(&guide(), from.light),
+            View::Bounces => {
+                let bounces = from.shapes.pixels[at].segments.saturating_sub(1);
+                heat(bounces as f32 / from.max_bounces.max(1) as f32)
+            }
+            View::Cost => {
+                let Cost { boxes, primitives } = from.costs.pixels[at];
+                heat(((boxes + primitives) as f32).max(1.0).log2() / 10.0)
+            }
+            View::Samples => heat(from.samples[at].max(1.0).log2() / 16.0),
+            View::Lanes => {
+                let PathShape { segments, lanes } = from.shapes.pixels[at];
+                heat(lanes as f32 / (segments.max(1) * from.lanes as u32) as f32)
+            }
+        };
+    }
+}
+
+fn normal(guide: &Guide) -> u32 {
+    match guide.object {
+        MISS => 0,
+        _ => rgb((guide.normal * 0.5 + 0.5).to_array()),
+    }
+}
+
+fn depth(guide: &Guide, middle: f32) -> f32 {
+    middle / (middle + guide.distance)
+}
+
+fn barycentrics(guide: &Guide) -> u32 {
+    match guide.weights {
+        _ if guide.object == MISS => 0,
+        [0.0, 0.0] => grey(0.3),
+        [u, v] => rgb([1.0 - u - v, u, v]),
+    }
+}
+
+fn lit(guide: &Guide, light: Vec3) -> u32 {
+    grey(encode(guide.normal.dot(light).max(0.0)))
+}
+
+/// About sRGB's curve: these colours are for reading, not for measuring.
+fn encode(linear: f32) -> f32 {
+    linear.max(0.0).powf(1.0 / 2.2)
+}
+
+/// Display values from 0 to 1.
+pub fn rgb([r, g, b]: [f32; 3]) -> u32 {
+    let byte = |x: f32| (x.clamp(0.0, 1.0) * 255.0 + 0.5) as u32;
+    byte(r) << 16 | byte(g) << 8 | byte(b)
+}
+
+fn grey(x: f32) -> u32 {
+    rgb([x; 3])
+}
+
+/// Colours that grow brighter from 0 to 1, by way of blue, red and yellow.
+pub fn heat(x: f32) -> u32 {
+    const STOPS: [[f32; 3]; 6] = [
+        [0.0, 0.0, 0.0],
+        [0.15, 0.1, 0.5],
+        [0.55, 0.1, 0.5],
+        [0.9, 0.3, 0.2],
+        [1.0, 0.75, 0.2],
+        [1.0, 1.0, 1.0],
+    ];
+    let place = if x.is_nan() { 0.0 } else { x.clamp(0.0, 1.0) * (STOPS.len() - 1) as f32 };
+    let below = (place as usize).min(STOPS.len() - 2);
+    let share = place - below as f32;
+    let [low, high] = [STOPS[below], STOPS[below + 1]];
+    rgb(std::array::from_fn(|channel| low[channel] + (high[channel] - low[channel]) * share))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn heat_grows_brighter_from_black_to_white() {
+        let brightness = |color: u32| {
+            let [_, r, g, b] = color.to_be_bytes();
+            0.2126 * f64::from(r) + 0.7152 * f64::from(g) + 0.0722 * f64::from(b)
+        };
+        assert_eq!((heat(-1.0), heat(0.0), heat(1.0), heat(7.0)), (0, 0, 0xff_ffff, 0xff_ffff));
+        assert_eq!(heat(f32::NAN), 0);
+        let shades: Vec<f64> = (0..=100).map(|step| brightness(heat(step as f32 / 100.0))).collect();
+        assert!(shades.is_sorted(), "{shades:?}");
+    }
+
+    #[test]
+    fn guides_are_painted_as_their_legends_say() {
+        let guide = Guide {
+            distance: 2.0,
+            normal: Vec3::new(0.0, 1.0, -1.0),
+            albedo: [1.0; 3],
+            weights: [1.0, 0.0],
+            roughness: 1.0,
+            object: 0,
+        };
+        assert_eq!(normal(&guide), 0x80ff00);
+        assert_eq!(barycentrics(&guide), 0x00ff00);
+        assert_eq!(barycentrics(&Guide { weights: [0.0, 0.0], ..guide }), 0x4d4d4d);
+        assert_eq!(lit(&guide, Vec3::Y), 0xffffff);
+        assert_eq!(lit(&guide, Vec3::NEG_Y), 0);
+        let far = depth(&Guide { distance: 10.0, ..guide }, 1.0);
+        assert!(depth(&guide, 1.0) > far && far > 0.0);
+        let nothing = Guide { distance: f32::INFINITY, object: MISS, ..guide };
+        assert_eq!((normal(&nothing), barycentrics(&nothing), depth(&nothing, 1.0)), (0, 0, 0.0));
+    }
+}

@@ -1,0 +1,268 @@
+//! The window: reports keys and mouse, shows frames.
+//!
+//! For: [`window()`]. May import: `winit`, `softbuffer`, `canvas`. Must never know: scenes, renderers.
+
+use super::canvas::Canvas;
+use super::frame::Frame;
+use super::keys::Key;
+use super::playlist::Playlist;
+use super::state::Event;
+use super::{Options, Summary, Viewer};
+use crate::scene::Scene;
+use std::num::NonZeroU32;
+use std::rc::Rc;
+use std::time::{Duration, Instant};
+use winit::application::ApplicationHandler;
+use winit::dpi::LogicalSize;
+use winit::event::{DeviceEvent, DeviceId, ElementState, MouseButton, MouseScrollDelta, WindowEvent};
+use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop, OwnedDisplayHandle};
+use winit::keyboard::{KeyCode, NamedKey, PhysicalKey};
+use winit::window::{CursorGrabMode, Window, WindowId};
+
+/// Side of the window's pixels for one of the picture's, where the screen has room.
+const ENLARGED: f64 = 4.0;
+/// The share of the screen that the window may take at first.
+const MOST_OF_SCREEN: f64 = 0.9;
+
+/// Why there is no window.
+#[derive(Debug, thiserror::Error)]
+pub enum WindowError {
+    #[error(
+        "there is no display to open a window on\n  octray view --terminal shows the scene in a terminal, octray render writes it into a file"
+    )]
+    NoDisplay(#[source] Box<dyn std::error::Error + Send + Sync>),
+    #[error(
+        "the window cannot be drawn in\n  octray view --terminal shows the scene in a terminal, octray render writes it into a file"
+    )]
+    NoSurface(#[source] Box<dyn std::error::Error + Send + Sync>),
+}
+
+/// What showing frames took.
+#[derive(Clone, Debug, Default)]
+pub struct Presented {
+    /// Frames drawn, and the time for enlarging, writing over, and handing them to the display.
+    pub frames: u64,
+    pub time: Duration,
+}
+
+/// A frame is there.
+struct Fresh;
+
+/// Opens a window on a scene and stays until it is closed.
+pub fn window(
+    options: Options,
+    playlist: Playlist,
+    scene: Scene,
+) -> Result<(Summary, Presented), WindowError> {
+    let no_display = |error: winit::error::EventLoopError| WindowError::NoDisplay(error.to_string().into());
+    let events = EventLoop::<Fresh>::with_user_event().build().map_err(no_display)?;
+    events.set_control_flow(ControlFlow::Wait);
+    let context = softbuffer::Context::new(events.owned_display_handle())
+        .map_err(|error| WindowError::NoSurface(error.to_string().into()))?;
+    let proxy = events.create_proxy();
+    let size = options.size.unwrap_or(scene.resolution);
+    let wake = Box::new(move || {
+        // A loop that has ended shows nothing more.
+        let _ = proxy.send_event(Fresh);
+    });
+    let viewer = Viewer::start(options, playlist, scene, wake);
+    let mut app = App {
+        viewer,
+        size,
+        context,
+        surface: None,
+        frame: Frame::default(),
+        columns: Vec::new(),
+        caught: false,
+        presented: Presented::default(),
+        failure: None,
+    };
+    events.run_app(&mut app).map_err(no_display)?;
+    let App { viewer, presented, failure, .. } = app;
+    let summary = viewer.finish();
+    match failure {
+        Some(failure) => Err(failure),
+        None => Ok((summary, presented)),
+    }
+}
+
+type Surface = softbuffer::Surface<OwnedDisplayHandle, Rc<Window>>;
+
+struct App {
+    viewer: Viewer,
+    /// Pixels of the first picture.
+    size: [u32; 2],
+    context: softbuffer::Context<OwnedDisplayHandle>,
+    surface: Option<Surface>,
+    frame: Frame,
+    columns: Vec<u32>,
+    /// Is the mouse caught?
+    caught: bool,
+    presented: Presented,
+    failure: Option<WindowError>,
+}
+
+impl App {
+    fn open(&mut self, events: &ActiveEventLoop) -> Result<Surface, WindowError> {
+        let refused = |error: String| WindowError::NoSurface(error.into());
+        let monitor = events.primary_monitor().or_else(|| events.available_monitors().next());
+        let [width, height] = self.size.map(f64::from);
+        let mut enlarged = ENLARGED;
+        if let Some(monitor) = &monitor {
+            let screen = monitor.size().to_logical::<f64>(monitor.scale_factor());
+            if screen.width > 0.0 && screen.height > 0.0 {
+                let most = (screen.width / width).min(screen.height / height) * MOST_OF_SCREEN;
+                enlarged = enlarged.min(most);
+            }
+            if let Some(rate) = monitor.refresh_rate_millihertz() {
+                self.viewer.send(Event::Rate(f64::from(rate) / 1e3));
+            }
+        }
+        let size = LogicalSize::new((width * enlarged).max(160.0), (height * enlarged).max(90.0));
+        let attributes = Window::default_attributes().with_title("octray").with_inner_size(size);
+        let window = events.create_window(attributes).map_err(|error| refused(error.to_string()))?;
+        Surface::new(&self.context, Rc::new(window)).map_err(|error| refused(error.to_string()))
+    }
+
+    /// Shows the newest frame, or the last one again.
+    fn draw(&mut self) -> Result<(), WindowError> {
+        let Some(surface) = &mut self.surface else { return Ok(()) };
+        let fresh = self.viewer.take(&mut self.frame);
+        let size = surface.window().inner_size();
+        let (Some(width), Some(height)) = (NonZeroU32::new(size.width), NonZeroU32::new(size.height)) else {
+            return Ok(());
+        };
+        let start = Instant::now();
+        let refused = |error: softbuffer::SoftBufferError| WindowError::NoSurface(error.to_string().into());
+        surface.resize(width, height).map_err(refused)?;
+        let mut buffer = surface.buffer_mut().map_err(refused)?;
+        Canvas { pixels: &mut buffer, width: size.width, height: size.height }
+            .show(&self.frame, &mut self.columns);
+        buffer.present().map_err(refused)?;
+        if fresh {
+            self.presented.frames += 1;
+            self.presented.time += start.elapsed();
+            let title = format!("octray · {}", self.frame.title);
+            if surface.window().title() != title {
+                surface.window().set_title(&title);
+            }
+        }
+        self.catch();
+        Ok(())
+    }
+
+    /// Catches the mouse, or lets it go, as the frame says.
+    fn catch(&mut self) {
+        let Some(surface) = &self.surface else { return };
+        if self.frame.caught == self.caught {
+            return;
+        }
+        self.caught = self.frame.caught;
+        let window = surface.window();
+        let mode = if self.caught { CursorGrabMode::Locked } else { CursorGrabMode::None };
+        let grabbed = window.set_cursor_grab(mode);
+        if self.caught && grabbed.is_err() {
+            // Where the pointer cannot be locked it is kept inside; where neither is possible it turns the camera all the same.
+            let _ = window.set_cursor_grab(CursorGrabMode::Confined);
+        }
+        window.set_cursor_visible(!self.caught);
+    }
+
+    fn key(&self, event: &winit::event::KeyEvent) {
+        if let Some(key) = key_of(event) {
+            let down = event.state == ElementState::Pressed;
+            self.viewer.send(Event::Key { key, down, repeat: event.repeat });
+        }
+    }
+}
+
+impl ApplicationHandler<Fresh> for App {
+    fn resumed(&mut self, events: &ActiveEventLoop) {
+        if self.surface.is_none() {
+            match self.open(events) {
+                Ok(surface) => self.surface = Some(surface),
+                Err(failure) => {
+                    self.failure = Some(failure);
+                    events.exit();
+                }
+            }
+        }
+    }
+
+    fn user_event(&mut self, _: &ActiveEventLoop, _: Fresh) {
+        if let Some(surface) = &self.surface {
+            surface.window().request_redraw();
+        }
+    }
+
+    fn window_event(&mut self, events: &ActiveEventLoop, _: WindowId, event: WindowEvent) {
+        match event {
+            WindowEvent::CloseRequested | WindowEvent::Destroyed => events.exit(),
+            WindowEvent::RedrawRequested => {
+                if let Err(failure) = self.draw() {
+                    self.failure = Some(failure);
+                    events.exit();
+                }
+                if self.frame.over {
+                    events.exit();
+                }
+            }
+            WindowEvent::KeyboardInput { event, .. } => self.key(&event),
+            WindowEvent::Focused(false) => self.viewer.send(Event::Unfocused),
+            WindowEvent::MouseInput { state: ElementState::Pressed, button: MouseButton::Left, .. } => {
+                self.viewer.send(Event::Click);
+            }
+            WindowEvent::MouseWheel { delta, .. } => self.viewer.send(Event::Wheel(match delta {
+                MouseScrollDelta::LineDelta(_, lines) => f64::from(lines),
+                MouseScrollDelta::PixelDelta(travel) => travel.y / 40.0,
+            })),
+            WindowEvent::DroppedFile(path) => {
+                self.viewer.send(Event::Dropped(path.to_string_lossy().into_owned()));
+            }
+            _ => {}
+        }
+    }
+
+    fn device_event(&mut self, _: &ActiveEventLoop, _: DeviceId, event: DeviceEvent) {
+        if let (DeviceEvent::MouseMotion { delta: (right, down) }, true) = (event, self.caught) {
+            self.viewer.send(Event::Mouse([right, down]));
+        }
+    }
+}
+
+/// The key, if it is one of ours. Letters for walking are told by where they are on the keyboard, others by what is written on them.
+fn key_of(event: &winit::event::KeyEvent) -> Option<Key> {
+    if let PhysicalKey::Code(code) = event.physical_key {
+        match code {
+            KeyCode::KeyW => return Some(Key::Char('w')),
+            KeyCode::KeyA => return Some(Key::Char('a')),
+            KeyCode::KeyS => return Some(Key::Char('s')),
+            KeyCode::KeyD => return Some(Key::Char('d')),
+            _ => {}
+        }
+    }
+    match &event.logical_key {
+        winit::keyboard::Key::Character(text) => {
+            let mut letters = text.chars().flat_map(char::to_lowercase);
+            letters.next().map(Key::Char)
+        }
+        winit::keyboard::Key::Named(named) => match named {
+            NamedKey::Space => Some(Key::Char(' ')),
+            NamedKey::ArrowUp => Some(Key::Up),
+            NamedKey::ArrowDown => Some(Key::Down),
+            NamedKey::ArrowLeft => Some(Key::Left),
+            NamedKey::ArrowRight => Some(Key::Right),
+            NamedKey::Shift => Some(Key::Shift),
+            NamedKey::Control => Some(Key::Control),
+            NamedKey::Tab => Some(Key::Tab),
+            NamedKey::Escape => Some(Key::Escape),
+            NamedKey::PageUp => Some(Key::PageUp),
+            NamedKey::PageDown => Some(Key::PageDown),
+            NamedKey::Home => Some(Key::Home),
+            NamedKey::F1 => Some(Key::F1),
+            NamedKey::F5 => Some(Key::F5),
+            _ => None,
+        },
+        _ => None,
+    }
+}

@@ -79,9 +79,12 @@ pub struct Engine {
     known: bool,
     /// Of the pixels that hold a frame rate.
     coarseness: f64,
-    /// When the last frame was handed over, and how long the last sample took.
+    /// When the last frame was handed over, and when the next one is due.
     shown: Instant,
+    due: Instant,
+    /// How long the last sample took, and painting the last frame.
     sample: Duration,
+    painting: Duration,
     /// Of the oldest event that no frame shows yet.
     unanswered: Option<Instant>,
     message: Option<Instant>,
@@ -123,7 +126,7 @@ impl Engine {
             bounces: state.controls.bounces,
         };
         let engine = Self {
-            painter: Painter::new(&scene),
+            painter: Painter::new(),
             loader: Loader::start(),
             files: Files::none(),
             frame: Frame::default(),
@@ -134,7 +137,9 @@ impl Engine {
             known: false,
             coarseness: 1.0,
             shown: now,
+            due: now,
             sample: Duration::ZERO,
+            painting: Duration::ZERO,
             unanswered: None,
             message: None,
             shoot: false,
@@ -153,32 +158,31 @@ impl Engine {
     pub fn run(mut self, mut renderer: Renderer) -> Summary {
         self.watch();
         self.arrive(&renderer);
-        loop {
-            match renderer.hold(|renderer| self.serve(renderer)) {
-                Next::Swap(ready) => {
-                    let Ready { scene, renderer: new, again } = *ready;
-                    renderer = new;
-                    let other = !Arc::ptr_eq(&scene, &self.scene);
-                    if other {
-                        self.state.arrive(&scene, again);
-                        self.scene = scene;
-                        self.painter.meet(&self.scene);
-                        self.watch();
-                        self.rates.forget();
-                        self.set_message("");
-                    } else {
-                        self.rates.switch();
-                    }
-                    self.film = renderer.film();
-                    self.arrive(&renderer);
-                }
-                Next::Over => break,
-            }
+        while let Next::Swap(ready) = renderer.hold(|renderer| self.serve(renderer)) {
+            renderer = self.swap(*ready);
         }
         self.frame.over = true;
         self.exchange.give(&mut self.frame);
         (self.wake)();
         self.summary
+    }
+
+    /// Goes on with a scene, or a way to render it, that has become ready.
+    fn swap(&mut self, ready: Ready) -> Renderer {
+        let Ready { scene, renderer, again } = ready;
+        if Arc::ptr_eq(&scene, &self.scene) {
+            self.rates.switch();
+        } else {
+            self.state.arrive(&scene, again);
+            self.scene = scene;
+            self.painter.meet_another_scene();
+            self.watch();
+            self.rates.forget();
+            self.set_message("");
+        }
+        self.film = renderer.film();
+        self.arrive(&renderer);
+        renderer
     }
 
     /// A renderer is new: nothing is known of its pictures.
@@ -274,7 +278,10 @@ impl Engine {
     /// Takes samples of where the camera is now, at least one, until a frame is due.
     fn expose(&mut self, renderer: &mut Renderer) {
         self.pose(renderer);
-        let due = self.shown + Duration::from_secs_f64(1.0 / self.state.rate);
+        // From when the last one was due: a frame that came late takes nothing from those behind it, but there is no catching up.
+        let interval = Duration::from_secs_f64(1.0 / self.state.rate);
+        self.due = (self.due + interval).max(self.shown + interval / 2);
+        let due = self.due - self.painting.min(interval / 2);
         loop {
             if self.film.samples() >= MOST_SAMPLES {
                 thread::sleep(due.saturating_duration_since(Instant::now()).min(DOZE));
@@ -361,7 +368,8 @@ impl Engine {
         self.painter.write(&subject, &self.state, &self.rates, self.loader.busy(), &mut self.frame);
         self.hold_rate(since);
         self.shown = now;
-        self.summary.painting += start.elapsed();
+        self.painting = start.elapsed();
+        self.summary.painting += self.painting;
         self.summary.frame(since, self.unanswered.take().map(|at| now - at));
         self.exchange.give(&mut self.frame);
         (self.wake)();

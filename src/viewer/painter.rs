@@ -50,7 +50,8 @@ pub struct Painter {
     costed: bool,
     shapes: survey::Map<PathShape>,
     counts: Vec<f32>,
-    map: Map,
+    /// Drawn when it is first wanted.
+    map: Option<Map>,
     /// Of who walks here, once something was seen.
     speed: Option<f32>,
     figures: String,
@@ -60,7 +61,7 @@ pub struct Painter {
 }
 
 impl Painter {
-    pub fn new(scene: &Scene) -> Self {
+    pub fn new() -> Self {
         Self {
             mean: Picture::default(),
             history: History::new(),
@@ -73,7 +74,7 @@ impl Painter {
             costed: false,
             shapes: survey::Map::default(),
             counts: Vec::new(),
-            map: Map::new(scene),
+            map: None,
             speed: None,
             figures: String::new(),
             written: None,
@@ -82,9 +83,8 @@ impl Painter {
     }
 
     /// Another scene.
-    pub fn meet(&mut self, scene: &Scene) {
-        self.map = Map::new(scene);
-        self.speed = None;
+    pub fn meet_another_scene(&mut self) {
+        (self.map, self.speed) = (None, None);
         self.forget();
     }
     /// What was seen is no more.
@@ -127,7 +127,8 @@ impl Painter {
         frame.inset.clear();
         if controls.map {
             let aspect = f64::from(frame.width) / f64::from(frame.height);
-            self.map.draw_into(subject.camera, aspect, &mut frame.inset);
+            let map = self.map.get_or_insert_with(|| Map::new(subject.scene));
+            map.draw_into(subject.camera, aspect, &mut frame.inset);
             frame.inset_side = map::SIDE;
         }
     }

@@ -176,6 +176,8 @@ struct Report {
     /// Milliseconds from an event to the frame that answers it: mean and longest; null where nothing happened.
     answer_ms: Option<f64>,
     slowest_answer_ms: Option<f64>,
+    /// The longest from asking for another scene to its first frame.
+    slowest_switch_ms: Option<f64>,
 }
 
 impl Report {
@@ -197,6 +199,7 @@ impl Report {
             presenting_ms: presented.map(|shown| shown.time.as_secs_f64() * 1e3 / shown.frames.max(1) as f64),
             answer_ms: answered(summary.answers.as_secs_f64() * 1e3 / summary.answered.max(1) as f64),
             slowest_answer_ms: answered(summary.slowest_answer.as_secs_f64() * 1e3),
+            slowest_switch_ms: summary.slowest_switch.map(|time| time.as_secs_f64() * 1e3),
         }
     }
 

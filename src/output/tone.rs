@@ -90,11 +90,51 @@ pub fn srgb_decode(stored: f64) -> f64 {
 /// The nearest of the 256 stored values for an intensity in [0, 1].
 ///
 /// It is the number of borders at or below the intensity, a border being where the curve passes from one value's half to
-/// the next: eight comparisons and no power, which matters for a window that shows a frame many times a second.
+/// the next. A table by exponent and leading digits tells how many are below all intensities that share them, and one or two
+/// comparisons are left: no power, which matters for a window that shows a frame many times a second.
 pub fn srgb_byte(linear: f32) -> u8 {
-    static BORDERS: LazyLock<[f32; 255]> =
-        LazyLock::new(|| std::array::from_fn(|value| srgb_decode((value as f64 + 0.5) / 255.0) as f32));
-    BORDERS.partition_point(|&border| border <= linear) as u8
+    static CURVE: LazyLock<Curve> = LazyLock::new(Curve::new);
+    CURVE.byte(linear)
+}
+
+struct Curve {
+    /// Ascending; infinity behind the last one.
+    borders: [f32; 256],
+    /// Borders at or below the least float of each part.
+    below: [u8; Self::PARTS],
+}
+
+impl Curve {
+    /// Floats that share all but so many of their last digits are a part.
+    const SHIFT: u32 = 17;
+    /// Below it everything is 0: 2⁻¹³.
+    const LEAST: f32 = 1.0 / 8192.0;
+    /// Up to 1, which is a part of its own.
+    const PARTS: usize = ((1.0f32.to_bits() - Self::LEAST.to_bits()) >> Self::SHIFT) as usize + 1;
+
+    fn new() -> Self {
+        let border = |value: usize| match value {
+            255 => f32::INFINITY,
+            _ => srgb_decode((value as f64 + 0.5) / 255.0) as f32,
+        };
+        let borders: [f32; 256] = std::array::from_fn(border);
+        let least = |part: usize| f32::from_bits(Self::LEAST.to_bits() + ((part as u32) << Self::SHIFT));
+        let below =
+            std::array::from_fn(|part| borders.partition_point(|&border| border <= least(part)) as u8);
+        Self { borders, below }
+    }
+    fn byte(&self, linear: f32) -> u8 {
+        if linear.is_nan() || linear < Self::LEAST {
+            return 0;
+        }
+        let linear = linear.min(1.0);
+        let part = ((linear.to_bits() - Self::LEAST.to_bits()) >> Self::SHIFT) as usize;
+        let mut count = self.below[part];
+        while self.borders[count as usize] <= linear {
+            count += 1;
+        }
+        count
+    }
 }
 
 #[cfg(test)]
@@ -111,6 +151,20 @@ mod tests {
                 assert_eq!(srgb_byte(linear), exact.round() as u8, "at {linear}");
             }
         }
+    }
+
+    #[test]
+    fn srgb_byte_counts_the_borders_below_it() {
+        let curve = Curve::new();
+        let count = |linear: f32| curve.borders.iter().filter(|&&border| border <= linear).count() as u8;
+        assert!(curve.borders[0] > Curve::LEAST && curve.borders.is_sorted());
+        let near = |x: f32| [x.next_down(), x, x.next_up()];
+        let parts = (0..Curve::PARTS as u32).map(|part| Curve::LEAST.to_bits() + (part << Curve::SHIFT));
+        let edges = parts.map(f32::from_bits).chain(curve.borders[..255].iter().copied());
+        for linear in edges.flat_map(near) {
+            assert_eq!(srgb_byte(linear), count(linear.min(1.0)), "at {linear:e}");
+        }
+        assert_eq!([-1.0, 0.0, f32::NAN, 1e-30, 2.0, f32::INFINITY].map(srgb_byte), [0, 0, 0, 0, 255, 255]);
     }
 
     #[test]

@@ -87,6 +87,10 @@ pub struct Engine {
     painting: Duration,
     /// Of the oldest event that no frame shows yet.
     unanswered: Option<Instant>,
+    /// When another scene was asked for that is not there yet.
+    asked: Option<Instant>,
+    /// Did it arrive, and no frame shows it yet?
+    arrived: bool,
     message: Option<Instant>,
     shoot: bool,
 }
@@ -126,7 +130,7 @@ impl Engine {
             bounces: state.controls.bounces,
         };
         let engine = Self {
-            painter: Painter::new(),
+            painter: Painter::default(),
             loader: Loader::start(),
             files: Files::none(),
             frame: Frame::default(),
@@ -141,6 +145,8 @@ impl Engine {
             sample: Duration::ZERO,
             painting: Duration::ZERO,
             unanswered: None,
+            asked: None,
+            arrived: false,
             message: None,
             shoot: false,
             options,
@@ -173,6 +179,7 @@ impl Engine {
         if Arc::ptr_eq(&scene, &self.scene) {
             self.rates.switch();
         } else {
+            self.arrived = !again;
             self.state.arrive(&scene, again);
             self.scene = scene;
             self.painter.meet_another_scene();
@@ -243,7 +250,10 @@ impl Engine {
             match self.state.handle(&event, at) {
                 Some(Effect::Quit) => return true,
                 Some(Effect::Screenshot) => self.shoot = true,
-                Some(Effect::Load) => self.load(false),
+                Some(Effect::Load) => {
+                    self.asked = Some(at);
+                    self.load(false);
+                }
                 Some(Effect::Reload) => self.load(true),
                 None => {}
             }
@@ -371,6 +381,11 @@ impl Engine {
         self.painting = start.elapsed();
         self.summary.painting += self.painting;
         self.summary.frame(since, self.unanswered.take().map(|at| now - at));
+        if std::mem::take(&mut self.arrived)
+            && let Some(asked) = self.asked.take()
+        {
+            self.summary.switched(now - asked);
+        }
         self.exchange.give(&mut self.frame);
         (self.wake)();
     }

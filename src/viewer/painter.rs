@@ -37,6 +37,7 @@ pub struct Subject<'a> {
     pub known: bool,
 }
 
+#[derive(Default)]
 pub struct Painter {
     mean: Picture,
     history: History,
@@ -61,27 +62,6 @@ pub struct Painter {
 }
 
 impl Painter {
-    pub fn new() -> Self {
-        Self {
-            mean: Picture::default(),
-            history: History::new(),
-            blur: Blur::new(),
-            fxaa: Fxaa::new(),
-            denoiser: Denoiser::new(),
-            guides: Guides::default(),
-            guided: false,
-            costs: survey::Map::default(),
-            costed: false,
-            shapes: survey::Map::default(),
-            counts: Vec::new(),
-            map: None,
-            speed: None,
-            figures: String::new(),
-            written: None,
-            message: String::new(),
-        }
-    }
-
     /// Another scene.
     pub fn meet_another_scene(&mut self) {
         (self.map, self.speed) = (None, None);

@@ -19,6 +19,8 @@ pub struct Summary {
     pub slowest_answer: Duration,
     pub answers: Duration,
     pub answered: u64,
+    /// From asking for another scene to its first frame: the longest.
+    pub slowest_switch: Option<Duration>,
 }
 
 impl Summary {
@@ -33,5 +35,9 @@ impl Summary {
             self.answers += answer;
             self.answered += 1;
         }
+    }
+    /// Another scene shows, so long after it was asked for.
+    pub fn switched(&mut self, after: Duration) {
+        self.slowest_switch = self.slowest_switch.max(Some(after));
     }
 }

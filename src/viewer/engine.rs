@@ -28,8 +28,6 @@ use std::time::{Duration, Instant};
 
 /// Samples after which a standing picture is left as it is, and the machine alone.
 const MOST_SAMPLES: u32 = 65_536;
-/// How long to doze where nothing is to be done.
-const DOZE: Duration = Duration::from_millis(4);
 /// How long a message stays.
 const MESSAGE: Duration = Duration::from_secs(6);
 /// How much coarser or finer a step makes pixels that hold a frame rate, and the dead band around it.
@@ -101,12 +99,15 @@ enum Next {
     Over,
 }
 
-/// Stops samples that nobody waits for once something happens.
-struct Impatience<'a>(Option<&'a Exchange>);
+/// Stops samples that take longer than a frame and that nobody waits for once something happens.
+struct Impatience<'a> {
+    exchange: Option<&'a Exchange>,
+    due: Instant,
+}
 
 impl Watch for Impatience<'_> {
     fn stop(&self) -> bool {
-        self.0.is_some_and(Exchange::has_news)
+        self.exchange.is_some_and(Exchange::has_news) && Instant::now() >= self.due
     }
     fn done(&self, _pixels: usize, _rays: u64) {}
 }
@@ -294,12 +295,12 @@ impl Engine {
         let due = self.due - self.painting.min(interval / 2);
         loop {
             if self.film.samples() >= MOST_SAMPLES {
-                thread::sleep(due.saturating_duration_since(Instant::now()).min(DOZE));
+                thread::sleep(due.saturating_duration_since(Instant::now()));
                 break;
             }
             // Whoever looks at a standing picture has one already; whoever moves needs this one.
             let finished = self.still && self.film.samples() > 0;
-            let watch = Impatience(finished.then_some(&self.exchange));
+            let watch = Impatience { exchange: finished.then_some(&self.exchange), due };
             let (start, before) = (Instant::now(), (self.film.pixel_samples(), self.film.rays()));
             renderer.add_samples_watched(&mut self.film, 1, &watch);
             let time = start.elapsed();
@@ -311,7 +312,7 @@ impl Engine {
             if samples == 1.0 {
                 self.sample = time;
             }
-            if self.exchange.has_news() || Instant::now() + self.sample / 2 >= due {
+            if Instant::now() + self.sample / 2 >= due {
                 break;
             }
         }
@@ -376,7 +377,7 @@ impl Engine {
         let since = now - self.shown;
         self.rates.frame(since);
         self.painter.write(&subject, &self.state, &self.rates, self.loader.busy(), &mut self.frame);
-        self.hold_rate(since);
+        self.hold_rate();
         self.shown = now;
         self.painting = start.elapsed();
         self.summary.painting += self.painting;
@@ -391,14 +392,14 @@ impl Engine {
     }
 
     /// Makes pixels coarser where frames take too long, finer where there is time.
-    fn hold_rate(&mut self, took: Duration) {
+    fn hold_rate(&mut self) {
         let Some(target) = self.state.controls.target else {
             self.coarseness = 1.0;
             return;
         };
         let wanted = 1.0 / f64::from(target);
-        // A frame takes at least a sample's time; waiting for the display is no reason for finer pixels.
-        let needed = if self.film.samples() <= 1 { took } else { self.sample };
+        // What a frame takes at least; waiting for the display is no reason for coarser pixels.
+        let needed = self.sample + self.painting;
         if needed.as_secs_f64() > wanted * 1.05 {
             self.coarseness = (self.coarseness * STEP).max(0.05);
         } else if needed.as_secs_f64() < wanted * STEP.powi(3) && self.coarseness < 1.0 {

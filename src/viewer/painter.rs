@@ -51,6 +51,7 @@ pub struct Painter {
     costed: bool,
     shapes: survey::Map<PathShape>,
     counts: Vec<f32>,
+    distances: Vec<f32>,
     /// Drawn when it is first wanted.
     map: Option<Map>,
     /// Of who walks here, once something was seen.
@@ -153,6 +154,10 @@ impl Painter {
             }
             _ => {}
         }
+        let range = match view {
+            View::Depth => views::range(&self.guides, &mut self.distances),
+            _ => [0.0; 2],
+        };
         let camera = subject.camera;
         let up = camera.up.normalize();
         let sight = (camera.look_at - camera.position).normalize();
@@ -162,7 +167,7 @@ impl Painter {
             costs: &self.costs,
             samples: &self.counts,
             light: (up * 0.8 - sight * 0.5 - sight.cross(up).normalize_or(Vec3::ZERO) * 0.4).normalize(),
-            distance: 4.0 * self.speed.unwrap_or(1.0),
+            range,
             max_bounces: renderer.settings().max_bounces,
             lanes: renderer.settings().lanes,
         };

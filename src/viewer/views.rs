@@ -2,7 +2,7 @@
 //!
 //! For: [`View`], and [`paint`] that fills a frame's pixels with one. May import: what `render` surveys. Must never know: keys, windows.
 
-use crate::integrate::guides::{Guide, Guides};
+use crate::integrate::guides::{Guide, Guides, Plane};
 use crate::integrate::queue::PathShape;
 use crate::math::MISS;
 use crate::render::survey::{Cost, Map};
@@ -59,7 +59,9 @@ impl View {
             Self::Picture => "",
             Self::Normals => "x red, y green, z blue, from -1 to 1",
             Self::Albedo => "the share of light that surfaces give back",
-            Self::Depth => "the nearer the brighter",
+            Self::Depth => {
+                "from the nearest, white, to what nine tenths of the pixels are nearer than, black"
+            }
             Self::Barycentrics => "a triangle's first vertex red, second green, third blue; grey on spheres",
             Self::Light => "normals against a light from above, behind and left of the camera",
             Self::Bounces => "black none, white all that are allowed, of the last sample",
@@ -79,8 +81,8 @@ pub struct Sources<'a> {
     pub samples: &'a [f32],
     /// Where [`View::Light`] comes from: of unit length.
     pub light: Vec3,
-    /// A distance that is neither near nor far.
-    pub distance: f32,
+    /// The distances that [`View::Depth`] shows as white and as black: see [`range`].
+    pub range: [f32; 2],
     /// Bounces allowed, and lanes of a packet.
     pub max_bounces: u32,
     pub lanes: usize,
@@ -95,7 +97,7 @@ pub fn paint(view: View, from: &Sources, pixels: &mut [u32]) {
             View::Picture => continue,
             View::Normals => normal(&guide()),
             View::Albedo => rgb(guide().albedo.map(encode)),
-            View::Depth => grey(depth(&guide(), from.distance)),
+            View::Depth => grey(depth(&guide(), from.range)),
             View::Barycentrics => barycentrics(&guide()),
             View::Light => lit(&guide(), from.light),
             View::Bounces => {
@@ -122,8 +124,23 @@ fn normal(guide: &Guide) -> u32 {
     }
 }
 
-fn depth(guide: &Guide, middle: f32) -> f32 {
-    middle / (middle + guide.distance)
+fn depth(guide: &Guide, [near, far]: [f32; 2]) -> f32 {
+    // What is infinitely far away is black, and so is everything where all is equally far.
+    ((far - guide.distance) / (far - near).max(f32::MIN_POSITIVE)).clamp(0.0, 1.0)
+}
+
+/// The nearest distance, and the one that nine tenths of all are nearer than. `memory` is working memory.
+pub fn range(guides: &Guides, memory: &mut Vec<f32>) -> [f32; 2] {
+    memory.clear();
+    let rows = (0..guides.resolution()[1]).flat_map(|y| guides.row(Plane::Distance, y));
+    memory.extend(rows.copied().filter(|distance| distance.is_finite()));
+    if memory.is_empty() {
+        return [0.0; 2];
+    }
+    let last = memory.len() - 1;
+    let (nearer, far, _) = memory.select_nth_unstable_by(last * 9 / 10, f32::total_cmp);
+    let far = *far;
+    [nearer.iter().copied().fold(far, f32::min), far]
 }
 
 fn barycentrics(guide: &Guide) -> u32 {
@@ -201,9 +218,9 @@ mod tests {
         assert_eq!(barycentrics(&Guide { weights: [0.0, 0.0], ..guide }), 0x4d4d4d);
         assert_eq!(lit(&guide, Vec3::Y), 0xffffff);
         assert_eq!(lit(&guide, Vec3::NEG_Y), 0);
-        let far = depth(&Guide { distance: 10.0, ..guide }, 1.0);
-        assert!(depth(&guide, 1.0) > far && far > 0.0);
+        let at = |distance| depth(&Guide { distance, ..guide }, [2.0, 10.0]);
+        assert_eq!([2.0, 6.0, 10.0, 99.0].map(at), [1.0, 0.5, 0.0, 0.0]);
         let nothing = Guide { distance: f32::INFINITY, object: MISS, ..guide };
-        assert_eq!((normal(&nothing), barycentrics(&nothing), depth(&nothing, 1.0)), (0, 0, 0.0));
+        assert_eq!((normal(&nothing), barycentrics(&nothing), depth(&nothing, [2.0, 10.0])), (0, 0, 0.0));
     }
 }

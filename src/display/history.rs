@@ -286,7 +286,8 @@ impl Before<'_> {
                 }
             }
         }
-        (weights > LEAST_WEIGHT).then(|| sum / weights)
+        // Fewer taps are worse evidence, and lie to one side of the place: they stand for less.
+        (weights > LEAST_WEIGHT).then(|| (sum / weights).with_w(sum.w))
     }
 }
 /// The weights of four neighbours for a place between the middle two.

@@ -78,8 +78,8 @@ fn page_stands_alone_and_holds_all_figures_and_configurations() {
     }
     assert_eq!(
         page.matches("<svg ").count(),
-        4 + 5,
-        "three measures and frames; two and two and one of equations"
+        6 + 5,
+        "three measures, frames, display and motion; two and two and one of equations"
     );
     let scene = octray::scene::load("builtin:three").unwrap();
     for one in of_scene(&scene, octray::render::Settings::of(&scene)) {
@@ -117,7 +117,7 @@ fn browser_shows_the_page_on_a_phone_and_prints_it() {
         println!("{needed} of {given} pixels, {figures} figures, the narrowest {narrowest}");
         assert!(needed <= given, "the page is wider than the window");
         assert!(
-            figures >= 7 && narrowest >= 800.min(given),
+            figures >= 9 && narrowest >= 800.min(given),
             "figures keep their letters readable, and scroll"
         );
     }

@@ -258,9 +258,11 @@ pub struct RaysArgs {
 
 /// Chart speed against accuracy.
 ///
-/// Three charts: the equations alone (nanoseconds a test against failures and errors), pictures (error against time for every way to render,
-/// from one sample a pixel on, with the Pareto front marked), and frames (what has accumulated in a window after a moment). Errors are
-/// held against a truth that is rendered first, with other random numbers, and kept in the folder for the next run.
+/// Five charts: the equations alone (nanoseconds a test against failures and errors), pictures (error against time for every way to render,
+/// from one sample a pixel on, with the Pareto front marked), frames (what has accumulated in a window after a moment), display (one picture
+/// as it is, blurred, with FXAA, and denoised), and motion (a moving camera's frames of one sample, as they are, reprojected, and denoised
+/// besides). Errors are held against a truth that is rendered first, with other random numbers, and kept in the folder for the next run; those
+/// in motion against truths of their own.
 ///
 /// Writes report.html (one page that needs no other file), an .svg a figure, .csv tables and chart.json. Exits with 1 if a way that promises
 /// the default's very picture gave another.

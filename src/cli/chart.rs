@@ -9,7 +9,7 @@ use super::terminal::{self, figure};
 use super::truths;
 use crate::measure::chart::pictures::Line;
 use crate::measure::chart::truth::SHRINK;
-use crate::measure::chart::{Chart, Plan, SCHEMA, kernels};
+use crate::measure::chart::{Chart, Plan, SCHEMA, kernels, motion};
 use crate::measure::{Machine, machine};
 use crate::output;
 use crate::report::chart::{drawings, verdict};
@@ -130,6 +130,8 @@ fn write(folder: &Path, chart: &Chart) -> Result<(), CliError> {
     }
     save("pictures.csv".into(), &tables::pictures(chart))?;
     save("frames.csv".into(), &tables::frames(chart))?;
+    save("display.csv".into(), &tables::display(chart))?;
+    save("motion.csv".into(), &tables::motion(chart))?;
     save("kernels.csv".into(), &tables::kernels(chart))?;
     output::save_json(&folder.join("chart.json"), chart)?;
     Ok(save("report.html".into(), &page(chart))?)
@@ -165,6 +167,16 @@ fn text(chart: &Chart, folder: &Path) -> String {
                 last.rmse.median,
                 times(line.time_to_equal_error),
                 verdict(line),
+            );
+        }
+        let reprojected = scene.motion.iter().filter(|moving| moving.way == motion::WAYS[1]);
+        let lower: Vec<String> = reprojected
+            .filter_map(|moving| Some(format!("{} {}", times(moving.times_lower?), moving.path.name())))
+            .collect();
+        if !lower.is_empty() {
+            text += &format!(
+                "in motion, frames have this many times the error of reprojected ones: {}\n",
+                lower.join(", ")
             );
         }
     }

@@ -1,12 +1,13 @@
-//! The three charts: equations, pictures, frames.
+//! The charts: equations, pictures, frames, and what stands between frames and a window.
 //!
 //! For: [`drawings`]. May import: `plot`, `measure::chart`. Must never know: files, pages.
 
 use super::plot::{Axis, Figure, Line};
 use crate::measure::chart::configurations::{DEFAULT, NAMES};
 use crate::measure::chart::kernels::{Case, Kernel};
+use crate::measure::chart::motion::Path;
 use crate::measure::chart::pictures::{Point, Spread};
-use crate::measure::chart::{Chart, SceneChart, pictures};
+use crate::measure::chart::{Chart, SceneChart, display, motion, pictures};
 use crate::wording::{counted, grouped};
 
 /// A figure, and the file name it goes by, without its extension.
@@ -56,7 +57,7 @@ pub fn drawings(chart: &Chart) -> Vec<Drawing> {
     let mut all = equations(&chart.kernels);
     for scene in &chart.scenes {
         all.extend(Measure::ALL.map(|measure| of_pictures(chart, scene, measure)));
-        all.push(frames(scene));
+        all.extend([frames(scene), display(scene), motion(scene)]);
     }
     all
 }
@@ -159,7 +160,6 @@ fn diagonals(lines: &[Line], slope: f64) -> Vec<[[f64; 2]; 2]> {
 
 /// Error of what has accumulated in a window, against its rate.
 pub fn frames(scene: &SceneChart) -> Drawing {
-    let [width, height] = scene.frame_size;
     let lines = scene.frames.iter().map(|frames| {
         let known = frames.moments.iter().filter_map(|moment| Some((moment, moment.rmse?)));
         let points = known.map(|(_, rmse)| [frames.fps.median, rmse.median]).collect();
@@ -171,11 +171,7 @@ pub fn frames(scene: &SceneChart) -> Drawing {
     let figure = Figure {
         title: format!("{}: what a window shows", scene.scene),
         notes: vec![
-            format!(
-                "{width}×{height}, {}, {}",
-                counted(threads, "thread", "threads"),
-                counted(seeds, "seed", "seeds")
-            ),
+            size_and(scene, threads, &counted(seeds, "seed", "seeds")),
             "from top to bottom: the error after 1/30 s, 1/5 s and 1 s of accumulation, the frame under way included".into(),
         ],
         x: Axis { label: "frames per second".into(), log: true },
@@ -184,6 +180,65 @@ pub fn frames(scene: &SceneChart) -> Drawing {
         guides: Vec::new(),
     };
     Drawing { name: format!("{}-frames", file_name(&scene.scene)), figure }
+}
+
+/// Error of a picture shown in several ways, against what it takes to make and to show it.
+pub fn display(scene: &SceneChart) -> Drawing {
+    let line = |(number, way): (usize, &&'static str)| {
+        let shown = scene.display.iter().filter(|shown| shown.way == *way);
+        let point = |shown: &display::Shown| {
+            Some([shown.frame_ms.median + shown.filter_ms.median, shown.rmse?.median])
+        };
+        Line {
+            name: (*way).into(),
+            strong: number == 0,
+            points: shown.filter_map(point).collect(),
+            ..Line::default()
+        }
+    };
+    let seeds = scene.display.first().map_or(0, |shown| shown.seeds);
+    let threads = scene.display.first().map_or(1, |shown| shown.threads);
+    let figure = Figure {
+        title: format!("{}: a picture before and after filters", scene.scene),
+        notes: vec![
+            size_and(scene, threads, &counted(seeds, "seed", "seeds")),
+            "from left to right: 1, 4 and 16 samples a pixel; what the filter takes is part of the time"
+                .into(),
+        ],
+        x: Axis { label: "milliseconds to take the samples and to show them".into(), log: true },
+        y: Axis { label: Measure::Rmse.label().into(), log: true },
+        lines: display::WAYS.iter().enumerate().map(line).collect(),
+        guides: Vec::new(),
+    };
+    Drawing { name: format!("{}-display", file_name(&scene.scene)), figure }
+}
+
+/// Error of frames of a moving camera, against what it takes to make and to show them.
+pub fn motion(scene: &SceneChart) -> Drawing {
+    let line = |path: Path| {
+        let moving = scene.motion.iter().filter(|moving| moving.path == path);
+        let point =
+            |moving: &motion::Moving| Some([moving.frame_ms.median + moving.filter_ms.median, moving.rmse?]);
+        Line { name: path.name().into(), points: moving.filter_map(point).collect(), ..Line::default() }
+    };
+    let (frames, threads) = scene.motion.first().map_or((0, 1), |moving| (moving.frames, moving.threads));
+    let figure = Figure {
+        title: format!("{}: one sample a frame, in motion", scene.scene),
+        notes: vec![
+            size_and(scene, threads, &counted(frames, "frame", "frames")),
+            "from left to right: the frames as they are, reprojected, and reprojected and denoised".into(),
+        ],
+        x: Axis { label: "milliseconds to take the sample and to show the frame".into(), log: true },
+        y: Axis { label: Measure::Rmse.label().into(), log: true },
+        lines: Path::ALL.into_iter().map(line).collect(),
+        guides: Vec::new(),
+    };
+    Drawing { name: format!("{}-motion", file_name(&scene.scene)), figure }
+}
+
+fn size_and(scene: &SceneChart, threads: usize, more: &str) -> String {
+    let [width, height] = scene.frame_size;
+    format!("{width}×{height}, {}, {more}", counted(threads, "thread", "threads"))
 }
 
 /// What the equations of each family cost, against how often they fail and how far off t is.

@@ -3,6 +3,7 @@
 //! For: [`page`]. May import: `chart`, `measure::chart`, `maud` (which escapes all text). Must never know: files.
 
 use super::chart::{self, Drawing, Measure};
+use crate::measure::chart::display::WAYS;
 use crate::measure::chart::kernels::Kernel;
 use crate::measure::chart::pictures::{Line, Spread};
 use crate::measure::chart::{Chart, SceneChart, configurations::DEFAULT};
@@ -24,6 +25,9 @@ td.text { white-space: normal; min-width: 11rem }
 small { color: #555 }
 @media print { svg { min-width: 0 } figure, table { break-inside: avoid } body { max-width: none; font-size: 10px } table { font-size: 7px } th, td { padding: 0.1rem 0.3rem; white-space: normal } figure svg { max-height: 12cm } }
 ";
+
+/// Of an error that is smaller than its truth's own.
+const UNKNOWN: &str = "below the truth's";
 
 /// The page.
 pub fn page(chart: &Chart) -> String {
@@ -129,6 +133,10 @@ fn of_scene(chart: &Chart, scene: &SceneChart) -> Markup {
         }
         (figure(&chart::frames(scene)))
         (frames_table(scene))
+        (figure(&chart::display(scene)))
+        (display_table(scene))
+        (figure(&chart::motion(scene)))
+        (motion_table(scene))
     }
 }
 
@@ -170,11 +178,55 @@ fn frames_table(scene: &SceneChart) -> Markup {
                     tr class=[(frames.configuration == DEFAULT).then_some("default")] {
                         td { (frames.configuration) } td { (spread(&frames.fps)) }
                         @for moment in &frames.moments {
-                            td { @match &moment.rmse { Some(rmse) => (spread(rmse)), None => "below the truth's" } }
+                            td { @match &moment.rmse { Some(rmse) => (spread(rmse)), None => (UNKNOWN) } }
                             td { (spread(&moment.flip)) }
                         }
                     }
                 }
+            }
+        }
+    }
+}
+
+fn display_table(scene: &SceneChart) -> Markup {
+    html! {
+        div class="wide" {
+            table {
+                tr {
+                    th { "shown" } th { "samples" } th { "RMSE" } th { "FLIP" } th { "ms for the samples" } th { "ms to show them" }
+                }
+                @for shown in &scene.display {
+                    tr class=[(shown.way == WAYS[0]).then_some("default")] {
+                        td { (shown.way) } td { (shown.samples) }
+                        td { (shown.rmse.as_ref().map_or(UNKNOWN.into(), spread)) } td { (spread(&shown.flip)) }
+                        td { (spread(&shown.frame_ms)) } td { (spread(&shown.filter_ms)) }
+                    }
+                }
+            }
+        }
+    }
+}
+
+fn motion_table(scene: &SceneChart) -> Markup {
+    html! {
+        div class="wide" {
+            table {
+                tr {
+                    th { "camera" } th class="text" { "shown" } th { "RMSE" } th { "lower by" } th { "ms for a sample" } th { "ms to show it" }
+                }
+                @for moving in &scene.motion {
+                    tr class=[(moving.way == WAYS[0]).then_some("default")] {
+                        td { (moving.path.name()) } td class="text" { (moving.way) }
+                        td { (moving.rmse.map_or(UNKNOWN.into(), number)) } td { (moving.times_lower.map_or("–".into(), times)) }
+                        td { (spread(&moving.frame_ms)) } td { (spread(&moving.filter_ms)) }
+                    }
+                }
+            }
+        }
+        p {
+            small {
+                "Walking takes a quarter of the near surfaces' distance a second, turning 30°, at 60 frames a second with one sample each; judged are frames of the second half. "
+                "The denoiser's and the reprojection's times hold those of the guides, which say what surface is under each pixel."
             }
         }
     }
@@ -205,7 +257,7 @@ fn source(chart: &Chart) -> Markup {
         p {
             "Machine: " (chart.machine) ". Instruction sets compiled for: " (chart.machine.target_features.join(", ")) ". Taken in "
             (format!("{:.0} s", chart.seconds)) " of " (format!("{:.0} s", chart.budget_s)) " allowed; up to "
-            (counted(chart.max_bounces, "bounce", "bounces")) ". The same numbers are in chart.json, pictures.csv, frames.csv and kernels.csv beside this page."
+            (counted(chart.max_bounces, "bounce", "bounces")) ". The same numbers are in chart.json, pictures.csv, frames.csv, display.csv, motion.csv and kernels.csv beside this page."
         }
     }
 }

@@ -1,6 +1,6 @@
 //! A chart's numbers as CSV, a row a point: for spreadsheets and other programs.
 //!
-//! For: [`pictures`], [`frames`], [`kernels`]. May import: `measure::chart`, `csv`. Must never know: files.
+//! For: [`pictures`], [`frames`], [`display`], [`motion`], [`kernels`]. May import: `measure::chart`, `csv`. Must never know: files.
 
 use crate::measure::chart::Chart;
 use crate::measure::chart::pictures::Spread;
@@ -105,6 +105,73 @@ pub fn frames(chart: &Chart) -> String {
     table.text()
 }
 
+/// A row for each way to show a picture and number of samples.
+pub fn display(chart: &Chart) -> String {
+    let mut table = Table::new(&[
+        "scene",
+        "way",
+        "samples",
+        "threads",
+        "seeds",
+        "rmse",
+        "rmse_p10",
+        "rmse_p90",
+        "flip",
+        "flip_p10",
+        "flip_p90",
+        "frame_ms",
+        "frame_ms_p10",
+        "frame_ms_p90",
+        "filter_ms",
+        "filter_ms_p10",
+        "filter_ms_p90",
+    ]);
+    for scene in &chart.scenes {
+        for shown in &scene.display {
+            let mut row = vec![scene.scene.clone(), shown.way.into(), shown.samples.to_string()];
+            row.extend([shown.threads, shown.seeds].map(|count| count.to_string()));
+            row.extend(shown.rmse.map_or([const { String::new() }; 3], cells));
+            for spread in [shown.flip, shown.frame_ms, shown.filter_ms] {
+                row.extend(cells(spread));
+            }
+            table.row(row);
+        }
+    }
+    table.text()
+}
+
+/// A row for each path and way to show its frames.
+pub fn motion(chart: &Chart) -> String {
+    let mut table = Table::new(&[
+        "scene",
+        "path",
+        "way",
+        "threads",
+        "frames",
+        "speed",
+        "rmse",
+        "times_lower",
+        "frame_ms",
+        "frame_ms_p10",
+        "frame_ms_p90",
+        "filter_ms",
+        "filter_ms_p10",
+        "filter_ms_p90",
+    ]);
+    for scene in &chart.scenes {
+        for moving in &scene.motion {
+            let mut row = vec![scene.scene.clone(), moving.path.name().into(), moving.way.into()];
+            row.extend([moving.threads.to_string(), moving.frames.to_string(), moving.speed.to_string()]);
+            row.extend([moving.rmse, moving.times_lower].map(|x| x.map_or(String::new(), |x| x.to_string())));
+            for spread in [moving.frame_ms, moving.filter_ms] {
+                row.extend(cells(spread));
+            }
+            table.row(row);
+        }
+    }
+    table.text()
+}
+
 /// A row for each method and width.
 pub fn kernels(chart: &Chart) -> String {
     let mut table = Table::new(&[
@@ -147,8 +214,10 @@ pub fn kernels(chart: &Chart) -> String {
 mod tests {
     use super::*;
     use crate::measure::Machine;
+    use crate::measure::chart::display::Shown;
     use crate::measure::chart::frames::{Frames, Moment};
     use crate::measure::chart::kernels::{Case, Kernel};
+    use crate::measure::chart::motion::{Moving, Path};
     use crate::measure::chart::pictures::{Line, Point};
     use crate::measure::chart::truth::Quality;
     use crate::measure::chart::{SCHEMA, SceneChart};
@@ -191,6 +260,27 @@ mod tests {
             truth: Quality { samples: 2, frame_rmse: 0.1, small_rmse: 0.1, budget_s: 1.0, cached: false },
             pictures: vec![line],
             frames: vec![frames],
+            display: vec![Shown {
+                way: "blurred",
+                samples: 4,
+                threads: 7,
+                seeds: 9,
+                rmse: Some(around(30.0)),
+                flip: around(40.0),
+                frame_ms: around(50.0),
+                filter_ms: around(60.0),
+            }],
+            motion: vec![Moving {
+                path: Path::Forwards,
+                way: "reprojected",
+                threads: 7,
+                frames: 48,
+                speed: 1.5,
+                rmse: Some(0.25),
+                times_lower: None,
+                frame_ms: around(50.0),
+                filter_ms: around(60.0),
+            }],
         };
         let kernel = Kernel {
             family: "box",
@@ -245,6 +335,19 @@ mod tests {
         assert_eq!(
             named(&frames(&chart), 1),
             format!("{of_frames} after_s=0.75 {samples} rmse= rmse_p10= rmse_p90= {flip}")
+        );
+        let times = "frame_ms=50 frame_ms_p10=49.8 frame_ms_p90=50.25 filter_ms=60 filter_ms_p10=59.8 filter_ms_p90=60.25";
+        assert_eq!(
+            named(&display(&chart), 0),
+            format!(
+                "scene=three way=blurred samples=4 threads=7 seeds=9 rmse=30 rmse_p10=29.8 rmse_p90=30.25 {flip} {times}"
+            )
+        );
+        assert_eq!(
+            named(&motion(&chart), 0),
+            format!(
+                "scene=three path=forwards way=reprojected threads=7 frames=48 speed=1.5 rmse=0.25 times_lower= {times}"
+            )
         );
         assert_eq!(
             named(&kernels(&chart), 0),

@@ -47,11 +47,28 @@ fn chart_writes_a_page_drawings_tables_and_json_that_agree() {
     let columns = table.lines().next().unwrap().split(',').count();
     assert!(table.lines().all(|row| row.split(',').count() == columns));
     assert_eq!(read("frames.csv").lines().count(), 3 * scene["frames"].as_array().unwrap().len() + 1);
+    let (shown, moving) = (scene["display"].as_array().unwrap(), scene["motion"].as_array().unwrap());
+    assert_eq!((shown.len(), moving.len()), (3 * 4, 3 * 3), "samples and ways; paths and ways");
+    for (table, rows) in [(read("display.csv"), shown), (read("motion.csv"), moving)] {
+        assert_eq!(table.lines().count(), rows.len() + 1);
+        for (row, line) in rows.iter().zip(table.lines().skip(1)) {
+            assert!(line.contains(row["way"].as_str().unwrap()), "{line}");
+            assert!(row["frame_ms"]["median"].as_f64().unwrap() > 0.0, "{row}");
+        }
+    }
+    let reprojected = moving.iter().filter(|row| row["way"] == "reprojected");
+    let lower = reprojected.filter_map(|row| row["times_lower"].as_f64());
+    assert!(lower.into_iter().all(|times| times > 1.5), "{moving:?}");
     assert_eq!(read("kernels.csv").lines().count(), report["kernels"].as_array().unwrap().len() + 1);
     let page = read("report.html");
-    for name in
-        ["scene-json-pictures", "scene-json-pictures-flip", "scene-json-frames", "kernels-box-failures"]
-    {
+    for name in [
+        "scene-json-pictures",
+        "scene-json-pictures-flip",
+        "scene-json-frames",
+        "scene-json-display",
+        "scene-json-motion",
+        "kernels-box-failures",
+    ] {
         let drawn = read(&format!("{name}.svg"));
         assert!(drawn.starts_with("<svg"), "{name}");
         assert!(page.contains(&drawn), "{name} is on the page");

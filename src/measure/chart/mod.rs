@@ -1,12 +1,14 @@
 //! Speed against accuracy: what every way to render costs, and what it gets wrong.
 //!
-//! For: [`SceneChart`] and [`Chart`], the data of `octray chart`: [`mod@kernels`], [`mod@pictures`], [`mod@frames`], held against a
+//! For: [`SceneChart`] and [`Chart`], the data of `octray chart`: [`mod@kernels`], [`mod@pictures`], [`mod@frames`], [`mod@display`], [`mod@motion`], held against a
 //! [`mod@truth`]. May import: what `measure` may. Must never know: files, drawings.
 
 pub mod configurations;
+pub mod display;
 pub mod frames;
 pub mod front;
 pub mod kernels;
+pub mod motion;
 pub mod pictures;
 pub mod truth;
 
@@ -39,17 +41,21 @@ pub const SCHEMA: &str = "octray-chart-1";
 #[derive(Clone, Debug, Serialize)]
 pub struct SceneChart {
     pub scene: String,
-    /// Pixels of `pictures`, and of `frames`.
+    /// Pixels of `pictures`, and of all others.
     pub size: [u32; 2],
     pub frame_size: [u32; 2],
     pub truth: Quality,
     pub pictures: Vec<pictures::Line>,
     pub frames: Vec<frames::Frames>,
+    pub display: Vec<display::Shown>,
+    pub motion: Vec<motion::Moving>,
 }
 
-/// Shares of a scene's time: up to where the truth is rendered, and up to where pictures are.
-const TRUTH_SHARE: f64 = 0.3;
-const PICTURES_SHARE: f64 = 0.75;
+/// Shares of a scene's time: up to where the truth is rendered, up to where pictures are, and so on; motion has the rest.
+const TRUTH_SHARE: f64 = 0.25;
+const PICTURES_SHARE: f64 = 0.6;
+const FRAMES_SHARE: f64 = 0.75;
+const DISPLAY_SHARE: f64 = 0.8;
 /// Enough for the truth: [`pictures::TRUTH_FACTOR`] times the samples of the best picture, at the small size; and that many times the
 /// samples of a frame after half a second at a thousand a second.
 const MOST_TRUTH_SAMPLES: u32 = 16_384;
@@ -85,7 +91,7 @@ impl Plan {
 
     /// Renders the truth.
     pub fn truth(&self, scene: &Scene) -> Truth {
-        let making = truth::Making::new(scene, self.frame(scene), self.threads);
+        let mut making = truth::Making::new(scene, self.frame(scene), self.threads);
         making.until(self.at(TRUTH_SHARE), MOST_TRUTH_SAMPLES, self.budget)
     }
 
@@ -104,13 +110,21 @@ impl Plan {
         step("frames");
         let watched: Vec<Configuration> =
             configurations.into_iter().filter(|one| AT_THE_WINDOW.contains(&one.name)).collect();
+        let frames = frames::measure(scene, &watched, truth, self.threads, self.at(FRAMES_SHARE));
+        step("display");
+        let (frame, end) = (self.frame(scene), self.at(DISPLAY_SHARE));
+        let display = display::measure(scene, frame, truth, self.threads, end);
+        step("motion");
+        let motion = motion::measure(scene, frame, self.threads, self.at(1.0));
         SceneChart {
             scene: scene.name.clone(),
             size: self.size,
             frame_size: self.size.map(|side| side * SHRINK),
             truth: truth.quality,
             pictures,
-            frames: frames::measure(scene, &watched, truth, self.threads, self.at(1.0)),
+            frames,
+            display,
+            motion,
         }
     }
 }

@@ -10,7 +10,7 @@ use crate::film::{Film, Picture};
 use crate::measure::errors::Errors;
 use crate::render::{Renderer, Settings};
 use crate::sampling::Sampler;
-use crate::scene::Scene;
+use crate::scene::{Camera, Scene};
 use serde::{Deserialize, Serialize};
 use std::time::{Duration, Instant};
 
@@ -60,8 +60,16 @@ impl Making {
         Self { renderers, films }
     }
 
+    /// Begins anew with another camera.
+    pub fn look(&mut self, scene: &Scene, camera: &Camera, settings: &Settings) {
+        for (renderer, film) in self.renderers.iter_mut().zip(&mut self.films) {
+            renderer.set_view(scene, camera, settings.resolution, settings.max_bounces);
+            film.clear();
+        }
+    }
+
     /// Takes samples until `end`, which is what `budget` leaves it, or until there are `most`; at least one for each half.
-    pub fn until(mut self, end: Instant, most: u32, budget: Duration) -> Truth {
+    pub fn until(&mut self, end: Instant, most: u32, budget: Duration) -> Truth {
         let of_half = most.div_ceil(2).max(1);
         loop {
             // Many at once spare waking threads, few at once keep the end in sight.

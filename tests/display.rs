@@ -164,6 +164,45 @@ fn denoiser_keeps_hard_edges_of_objects_and_removes_noise_on_them() {
     assert!(after < before / 4.0, "{after} of {before}");
 }
 
+/// Two large triangles side by side, left of x = 0.01 and right of it, seen along −z: each by the z of its border and of its tip.
+fn two_sides(left: [f32; 2], right: [f32; 2], materials: [u32; 2]) -> Scene {
+    let side = |[border, tip]: [f32; 2], x: f32, material| {
+        let at = |y, z| Vec3::new(0.01, y, z);
+        common::triangle([at(-90.0, border), at(90.0, border), Vec3::new(x, 0.0, tip)], material)
+    };
+    Scene {
+        resolution: [40, 24],
+        materials: vec![material(MaterialKind::Diffuse); 2],
+        triangles: vec![side(left, -90.0, materials[0]), side(right, 90.0, materials[1])],
+        ..empty()
+    }
+}
+
+#[test]
+fn denoiser_stops_at_objects_and_at_normals_and_at_distances() {
+    let mut dice = Dice::of("display", [6, 0]);
+    for (what, scene) in [
+        ("two objects in one plane", two_sides([0.0, 0.0], [0.0, 0.0], [0, 1])),
+        ("a corner", two_sides([0.0, 90.0], [0.0, 90.0], [0, 0])),
+        ("a step", two_sides([0.0, 0.0], [2.0, 2.0], [0, 0])),
+    ] {
+        let guides = guides(&scene);
+        assert!(guides.pixel(1, 12).distance.is_finite() && guides.pixel(38, 12).distance.is_finite());
+        // One noise on both sides, and a little green on the right one that it hides.
+        let noisy = picture(scene.resolution, |(x, _)| {
+            [dice.unit() as f32, if x < 20 { 0.0 } else { 0.1 }, dice.unit() as f32]
+        });
+        let mut denoiser = Denoiser::new();
+        let shown = denoiser.filter(&noisy, Samples::Same(1), &guides);
+        for (at, (shown, noisy)) in shown.pixels.iter().zip(&noisy.pixels).enumerate() {
+            assert!((shown[1] - noisy[1]).abs() < 1e-6, "{what}: pixel {at}, {shown:?}");
+        }
+        let red =
+            |picture: &Picture| picture.pixels.iter().map(|p| f64::from(p[0] - 0.5).powi(2)).sum::<f64>();
+        assert!(red(shown) < red(&noisy) / 4.0, "{what}");
+    }
+}
+
 #[test]
 fn denoiser_leaves_many_samples_mirrors_and_lamps_as_they_are() {
     let mut scene = balls();

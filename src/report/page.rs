@@ -217,7 +217,7 @@ fn motion_table(scene: &SceneChart) -> Markup {
                 @for moving in &scene.motion {
                     tr class=[(moving.way == WAYS[0]).then_some("default")] {
                         td { (moving.path.name()) } td class="text" { (moving.way) }
-                        td { (moving.rmse.map_or(UNKNOWN.into(), number)) } td { (moving.times_lower.map_or("–".into(), times)) }
+                        td { (moving.rmse.map_or("–".into(), number)) } td { (moving.times_lower.map_or("–".into(), times)) }
                         td { (spread(&moving.frame_ms)) } td { (spread(&moving.filter_ms)) }
                     }
                 }

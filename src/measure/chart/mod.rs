@@ -53,9 +53,9 @@ pub struct SceneChart {
 
 /// Shares of a scene's time: up to where the truth is rendered, up to where pictures are, and so on; motion has the rest.
 const TRUTH_SHARE: f64 = 0.25;
-const PICTURES_SHARE: f64 = 0.6;
-const FRAMES_SHARE: f64 = 0.75;
-const DISPLAY_SHARE: f64 = 0.8;
+const PICTURES_SHARE: f64 = 0.55;
+const FRAMES_SHARE: f64 = 0.67;
+const DISPLAY_SHARE: f64 = 0.72;
 /// Enough for the truth: [`pictures::TRUTH_FACTOR`] times the samples of the best picture, at the small size; and that many times the
 /// samples of a frame after half a second at a thousand a second.
 const MOST_TRUTH_SAMPLES: u32 = 16_384;

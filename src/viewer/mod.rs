@@ -10,7 +10,7 @@
 //! | [`keys`] | what keys do: the table behind state machine and help |
 //! | [`state`] | the state machine: from events to camera, choices and things to do |
 //! | [`walker`], [`controls`], [`playlist`] | its parts: the camera that walks; what is chosen; the scenes |
-//! | [`engine`] | the thread that traces |
+//! | [`engine`], [`exposure`] | the thread that traces; what the film sees, and for how long |
 //! | [`loader`], [`watch`] | the thread that reads scenes; the files that change |
 //! | [`painter`] | from film to pixels: reprojection, filters, tone mapping |
 //! | [`views`], [`map`] | what else can be shown |
@@ -22,6 +22,7 @@
 pub mod canvas;
 pub mod controls;
 pub mod engine;
+pub mod exposure;
 pub mod figures;
 pub mod frame;
 pub mod keys;

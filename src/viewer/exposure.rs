@@ -1,0 +1,253 @@
+//! What the film sees, and for how long: where the camera stands, whether it moves, and when a frame is due.
+//!
+//! For: [`Exposure`]. May import: `render`, `rates`. Must never know: events, windows, what becomes of the film.
+
+use super::frame::Exchange;
+use super::rates::Rates;
+use super::summary::Summary;
+use crate::film::Film;
+use crate::render::{Renderer, Watch};
+use crate::scene::{Camera, Scene};
+use std::thread;
+use std::time::{Duration, Instant};
+
+/// Samples after which a standing picture is left as it is, and the machine alone.
+const MOST_SAMPLES: u32 = 65_536;
+/// How much coarser or finer a step makes pixels that hold a frame rate, and how coarse they become at most.
+const STEP: f64 = 0.85;
+const COARSEST: f64 = 0.05;
+
+/// What a picture is of.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pose {
+    pub camera: Camera,
+    pub resolution: [u32; 2],
+    pub bounces: u32,
+}
+
+/// What a pose is to the one before.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Change {
+    /// The same.
+    None,
+    /// The same things from elsewhere.
+    Moved,
+    /// Another picture.
+    Other,
+}
+
+/// The film of the frame under way, and its times.
+pub struct Exposure {
+    pub film: Film,
+    pub pose: Pose,
+    /// Was a frame of this pose shown?
+    pub known: bool,
+    /// Of the pixels that hold a frame rate: 1 for none coarser than they were.
+    pub coarseness: f64,
+    /// Does the film hold samples of the seed that was asked for, from the first one on?
+    still: bool,
+    /// When the last frame was handed over, and when the next one is due.
+    shown: Instant,
+    due: Instant,
+    /// How long the last sample took, and painting the last frame.
+    sample: Duration,
+    painting: Duration,
+}
+
+/// Stops samples that take longer than a frame and that nobody waits for once something happens.
+struct Impatience<'a> {
+    exchange: Option<&'a Exchange>,
+    due: Instant,
+}
+
+impl Watch for Impatience<'_> {
+    fn stop(&self) -> bool {
+        self.exchange.is_some_and(Exchange::has_news) && Instant::now() >= self.due
+    }
+    fn done(&self, _pixels: usize, _rays: u64) {}
+}
+
+impl Exposure {
+    /// For a renderer that is new: nothing is known of its pictures.
+    pub fn new(renderer: &Renderer, scene: &Scene) -> Self {
+        let settings = renderer.settings();
+        let pose =
+            Pose { camera: scene.camera, resolution: settings.resolution, bounces: settings.max_bounces };
+        let now = Instant::now();
+        Self {
+            film: renderer.film(),
+            pose,
+            known: false,
+            coarseness: 1.0,
+            still: true,
+            shown: now,
+            due: now,
+            sample: Duration::ZERO,
+            painting: Duration::ZERO,
+        }
+    }
+
+    /// The same for another renderer in the place of the one before.
+    pub fn renew(&mut self, renderer: &Renderer, scene: &Scene) {
+        let Self { coarseness, shown, due, sample, painting, .. } = *self;
+        *self = Self { coarseness, shown, due, sample, painting, ..Self::new(renderer, scene) };
+    }
+
+    /// Points the renderer where the camera is, and gives what it sees a film of its own. A standing picture has the seed that was asked
+    /// for, a moving one another in every frame, `frame` being its number.
+    pub fn point(
+        &mut self,
+        renderer: &mut Renderer,
+        scene: &Scene,
+        pose: Pose,
+        seed: u32,
+        frame: u64,
+    ) -> Change {
+        let before = std::mem::replace(&mut self.pose, pose);
+        if pose == before {
+            if !self.still {
+                self.still = true;
+                self.film.clear();
+                renderer.set_seed(seed);
+            }
+            return Change::None;
+        }
+        renderer.set_view(scene, &pose.camera, pose.resolution, pose.bounces);
+        let other = pose.bounces != before.bounces || pose.resolution != before.resolution;
+        (self.known, self.still) = (false, other);
+        if pose.resolution == before.resolution {
+            self.film.clear();
+        } else {
+            self.film = renderer.film();
+        }
+        renderer.set_seed(if other { seed } else { seed.wrapping_add(1).wrapping_add(frame as u32) });
+        if other { Change::Other } else { Change::Moved }
+    }
+
+    /// Takes samples, at least one, until a frame is due at a rate of so many a second.
+    pub fn expose(
+        &mut self,
+        renderer: &Renderer,
+        rate: f64,
+        exchange: &Exchange,
+        (rates, summary): (&mut Rates, &mut Summary),
+    ) {
+        // From when the last one was due: a frame that came late takes nothing from those behind it, but there is no catching up.
+        let interval = Duration::from_secs_f64(1.0 / rate);
+        self.due = (self.due + interval).max(self.shown + interval / 2);
+        let due = self.due - self.painting.min(interval / 2);
+        loop {
+            if self.film.samples() >= MOST_SAMPLES {
+                return thread::sleep(due.saturating_duration_since(Instant::now()));
+            }
+            // Whoever looks at a standing picture has one already; whoever moves needs this one.
+            let finished = self.still && self.film.samples() > 0;
+            let watch = Impatience { exchange: finished.then_some(exchange), due };
+            let (start, before) = (Instant::now(), (self.film.pixel_samples(), self.film.rays()));
+            renderer.add_samples_watched(&mut self.film, 1, &watch);
+            let time = start.elapsed();
+            let pixels = f64::from(self.pose.resolution[0]) * f64::from(self.pose.resolution[1]);
+            let samples = (self.film.pixel_samples() - before.0) as f64 / pixels;
+            rates.samples(renderer.settings().lanes, samples, self.film.rays() - before.1, time);
+            summary.samples += samples;
+            summary.tracing += time;
+            if samples == 1.0 {
+                self.sample = time;
+            }
+            if Instant::now() + self.sample / 2 >= due {
+                return;
+            }
+        }
+    }
+
+    /// A frame is handed over, painting which took so long; returns the time since the one before.
+    pub fn shown(&mut self, now: Instant, painting: Duration) -> Duration {
+        let since = now - self.shown;
+        (self.shown, self.painting, self.known) = (now, painting, true);
+        since
+    }
+
+    /// Makes pixels coarser where frames take longer than the target allows, finer where there is time.
+    pub fn hold(&mut self, target: Option<u32>) {
+        let Some(target) = target else {
+            self.coarseness = 1.0;
+            return;
+        };
+        let wanted = 1.0 / f64::from(target);
+        // What a frame takes at least; waiting for the display is no reason for coarser pixels.
+        let needed = (self.sample + self.painting).as_secs_f64();
+        if needed > wanted * 1.05 {
+            self.coarseness = (self.coarseness * STEP).max(COARSEST);
+        } else if needed < wanted * STEP.powi(3) {
+            self.coarseness = (self.coarseness / STEP).min(1.0);
+        }
+    }
+
+    /// Brings all pixels to the same number of samples.
+    pub fn even_out(&mut self, renderer: &Renderer) {
+        let uneven = self.film.most_samples() - self.film.samples();
+        renderer.add_samples(&mut self.film, uneven);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::render::Settings;
+    use crate::scene::load;
+
+    fn start() -> (Renderer, Scene, Exposure) {
+        let scene = load("builtin:three").unwrap();
+        let settings = Settings { resolution: [24, 16], seed: 5, ..Settings::of(&scene) };
+        let renderer = Renderer::new(&scene, settings);
+        let exposure = Exposure::new(&renderer, &scene);
+        (renderer, scene, exposure)
+    }
+
+    /// The bits of a standing picture are those of a still, whatever was seen before it.
+    #[test]
+    fn a_camera_that_comes_to_rest_gathers_the_samples_of_a_still() {
+        let (mut renderer, scene, mut exposure) = start();
+        let home = exposure.pose;
+        let away = Pose { camera: Camera { vertical_fov: 30.0, ..home.camera }, ..home };
+        let mut go = |exposure: &mut Exposure, pose, frame| {
+            let change = exposure.point(&mut renderer, &scene, pose, 5, frame);
+            renderer.add_samples(&mut exposure.film, 2);
+            (change, renderer.settings().seed, exposure.film.samples())
+        };
+        assert_eq!(go(&mut exposure, home, 0), (Change::None, 5, 2));
+        assert_eq!(go(&mut exposure, away, 1), (Change::Moved, 7, 2));
+        assert_eq!(go(&mut exposure, home, 2), (Change::Moved, 8, 2));
+        assert_eq!(go(&mut exposure, home, 3), (Change::None, 5, 2), "at rest: from the first sample on");
+        assert_eq!(go(&mut exposure, home, 4), (Change::None, 5, 4));
+        let (still, ..) = start();
+        let mut film = still.film();
+        still.add_samples(&mut film, 4);
+        assert_eq!(exposure.film.picture(), film.picture());
+        let deep = Pose { bounces: home.bounces + 1, ..home };
+        assert_eq!(go(&mut exposure, deep, 5), (Change::Other, 5, 2), "another picture begins at once");
+        let small = Pose { resolution: [12, 8], ..deep };
+        assert_eq!(go(&mut exposure, small, 6), (Change::Other, 5, 2));
+        assert_eq!(exposure.film.resolution(), [12, 8]);
+    }
+
+    #[test]
+    fn pixels_become_as_coarse_as_a_frame_rate_needs_and_no_coarser() {
+        let (.., mut exposure) = start();
+        // A machine that takes 100 ms for all pixels.
+        let mut settle = |target| {
+            for _ in 0..100 {
+                exposure.sample = Duration::from_secs_f64(0.1 * exposure.coarseness.powi(2));
+                exposure.hold(target);
+            }
+            (exposure.coarseness, 0.1 * exposure.coarseness.powi(2))
+        };
+        let (coarse, takes) = settle(Some(30));
+        assert!(coarse < 1.0 && (0.5 / 30.0..1.05 / 30.0).contains(&takes), "{takes} s");
+        assert_eq!(settle(Some(30)).0, coarse, "at rest");
+        assert!(settle(Some(60)).0 < coarse);
+        assert_eq!(settle(Some(5)).0, 1.0);
+        assert!(settle(Some(1_000)).0 >= COARSEST);
+        assert_eq!(settle(None).0, 1.0);
+    }
+}

@@ -90,7 +90,7 @@ impl Map {
                 MaterialKind::Emitter => material.emission.min(glam::Vec3::ONE),
                 _ => material.color,
             };
-            super::views::rgb(shown.to_array().map(|x| 0.15 + 0.85 * x.powf(1.0 / 2.2)))
+            super::views::rgb(shown.to_array().map(|x| 0.1 + 0.55 * x.powf(1.0 / 2.2)))
         };
         let mut shapes = Vec::with_capacity(scene.spheres.len() + scene.triangles.len());
         for sphere in &scene.spheres {

@@ -159,7 +159,9 @@ fn fill(pixels: &mut [u32], shape: &Shape) {
         for x in range(low.x, high.x) {
             let at = DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5);
             if inside(corners, *radius, at) {
-                pixels[(y * SIDE + x) as usize] = *color;
+                // A rim, so that balls show on a floor of their own colour.
+                let rim = *radius > 3.0 && corners[0].distance(at) > *radius - 1.2;
+                pixels[(y * SIDE + x) as usize] = if rim { GROUND } else { *color };
             }
         }
     }

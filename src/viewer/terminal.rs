@@ -233,8 +233,8 @@ impl Cells {
         // Where text was and is no more, the picture is written again.
         for (row, line) in self.lines.iter().enumerate().take(rows) {
             let kept = lines.get(row).map_or(0, |line| line.chars().count());
-            let gone = kept.min(columns)..line.chars().count().min(columns);
-            self.shown[row * columns..][gone].fill(UNKNOWN);
+            let gone = line.chars().count().min(columns);
+            self.shown[row * columns..][kept.min(gone)..gone].fill(UNKNOWN);
         }
         let mut colors = None;
         for row in 0..rows {

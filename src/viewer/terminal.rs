@@ -1,6 +1,6 @@
 //! The terminal: half a character a pixel, in true colour.
 //!
-//! For: [`terminal()`]. May import: `crossterm`, `frame`, `keys`. Must never know: scenes, renderers.
+//! For: [`terminal()`]. May import: `crossterm`, `signal-hook`, `frame`, `keys`. Must never know: scenes, renderers.
 //!
 //! Every character cell shows two pixels, one above the other: the upper half block in the colour of the upper one, on the colour of the lower
 //! one. Terminals that do not tell when a key comes up (most) get keys that are held for [`LINGER`] after each time they are heard of.
@@ -19,8 +19,12 @@ use crossterm::event::{
 };
 use crossterm::style::{Color, Colors, Print, ResetColor, SetColors};
 use crossterm::{cursor, execute, queue, terminal as screen};
+#[cfg(unix)]
+use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 use std::collections::BTreeMap;
 use std::io::{self, Write};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 /// How long a key is taken to be down after it was heard of: a little longer than from one repetition to the next.
@@ -32,13 +36,32 @@ const RATE: f64 = 30.0;
 
 /// Shows a scene in the terminal and stays until somebody quits: Ctrl-C.
 pub fn terminal(options: Options, playlist: Playlist, scene: Scene) -> io::Result<Summary> {
+    let told = Told::listen()?;
     let mut raw = Raw::enter()?;
     let viewer = Viewer::start(options, playlist, scene, Box::new(|| {}));
     viewer.send(Event::Rate(RATE));
-    let shown = show(&viewer, &mut raw);
+    let shown = show(&viewer, &mut raw, &told);
     let summary = viewer.finish();
     drop(raw);
     shown.map(|()| summary)
+}
+
+/// Has the program been told to end (by `kill`, or because the terminal is gone)? Whoever is told so ends in order: a terminal is not to be
+/// left without its cursor.
+struct Told(Arc<AtomicBool>);
+
+impl Told {
+    fn listen() -> io::Result<Self> {
+        let told = Self(Arc::default());
+        #[cfg(unix)]
+        for signal in [SIGTERM, SIGHUP, SIGINT] {
+            signal_hook::flag::register(signal, told.0.clone())?;
+        }
+        Ok(told)
+    }
+    fn to_end(&self) -> bool {
+        self.0.load(Ordering::Relaxed)
+    }
 }
 
 /// A terminal that shows pictures; as it was before once this is gone, whatever the reason.
@@ -97,11 +120,11 @@ fn restore(out: &mut impl Write, tells_up: bool) {
 }
 
 /// Frames out, keys in, until the end.
-fn show(viewer: &Viewer, raw: &mut Raw) -> io::Result<()> {
+fn show(viewer: &Viewer, raw: &mut Raw, told: &Told) -> io::Result<()> {
     let mut frame = Frame::default();
     let mut keys = Keys { tells_up: raw.tells_up, down: BTreeMap::new() };
     let mut cells = Cells::default();
-    loop {
+    while !told.to_end() {
         if event::poll(PATIENCE)? {
             loop {
                 if !keys.hear(event::read()?, viewer, &mut cells) {
@@ -122,6 +145,7 @@ fn show(viewer: &Viewer, raw: &mut Raw) -> io::Result<()> {
             }
         }
     }
+    Ok(())
 }
 
 /// Keys that are down, as far as is known.

@@ -14,4 +14,6 @@ mod stability;
 mod stats;
 mod streams;
 mod usage;
+#[cfg(feature = "viewer")]
+mod view;
 mod views;

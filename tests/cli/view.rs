@@ -1,0 +1,32 @@
+//! `octray view` where there is nothing to show, or nothing to show it on.
+
+use crate::desk::Desk;
+
+#[test]
+fn what_cannot_be_shown_is_refused() {
+    let desk = Desk::new();
+    desk.write("empty/readme.md", "no scene");
+    desk.refuses(&["view", "empty"], &["no scene", "empty", "name a folder that holds some"]);
+    desk.refuses(&["view", "nowhere.json"], &["nowhere.json"]);
+    desk.refuses(&["view", "builtin:nowhere"], &["builtin:nowhere"]);
+    desk.refuses(&["view", "--frames", "0"], &["--frames 0"]);
+    desk.refuses(&["view", "scene.json", "--terminal"], &["--terminal needs a terminal", "octray render"]);
+}
+
+/// Elsewhere a window needs no variable to be set.
+#[cfg(all(unix, not(target_vendor = "apple")))]
+#[test]
+fn without_a_display_it_says_what_works_there() {
+    let desk = Desk::new();
+    for display in [None, Some(":9999")] {
+        let mut view = desk.octray(&["view", "scene.json"]);
+        view.env_remove("WAYLAND_DISPLAY").env_remove("WAYLAND_SOCKET").env_remove("DISPLAY");
+        view.envs(display.map(|display| ("DISPLAY", display)));
+        let refused = view.assert().code(2).stdout("");
+        let said = String::from_utf8_lossy(&refused.get_output().stderr).into_owned();
+        for words in ["error: there is no display", "octray view --terminal", "octray render"] {
+            assert!(said.contains(words), "DISPLAY {display:?}: {said}");
+        }
+        assert!(!said.contains("panicked"), "{said}");
+    }
+}

@@ -20,8 +20,8 @@ use std::time::{Duration, Instant};
 static MEMORY: &StatsAlloc<System> = &INSTRUMENTED_SYSTEM;
 
 /// Frames until everything has the size that it keeps, and frames that are watched then.
-const WARM: u64 = 100;
-const WATCHED: u64 = 200;
+const WARM: u64 = 60;
+const WATCHED: u64 = 100;
 /// Most pieces of memory that writing the figures may take, and how often they are written.
 const PIECES: f64 = 40.0;
 const WRITTEN: Duration = Duration::from_millis(250);
@@ -117,7 +117,7 @@ fn frames_take_no_memory() {
         let views = if threads > 1 { "27" } else { "234567890" };
 
         // More threads share their work through queues, whose room rayon changes now and then.
-        let now_and_then = if threads > 1 { WATCHED / 20 } else { 0 };
+        let now_and_then = if threads > 1 { WATCHED / 10 } else { 0 };
         let few = |seat: &mut Seat, what: &str, most: u64| {
             let from = seat.made.load(Ordering::SeqCst) + WARM;
             let (pieces, _) = seat.pieces(Duration::ZERO);

@@ -53,7 +53,7 @@ impl Seat {
         };
         let made = Arc::new(AtomicU64::new(0));
         let count = made.clone();
-        let wake = Box::new(move || {
+        let wake = Arc::new(move || {
             count.fetch_add(1, Ordering::SeqCst);
         });
         let playlist = Playlist::new(&[scene.to_string()]).unwrap();

@@ -87,6 +87,8 @@ pub struct Work {
     meter: Option<Box<Meter>>,
     /// Notes how far each pixel's path goes, where somebody asks.
     probe: Option<Box<Probe>>,
+    /// The same one while nobody asks.
+    idle_probe: Option<Box<Probe>>,
 }
 
 /// How far a pixel's path went, and how full the packets were that it went in.
@@ -257,6 +259,7 @@ impl Work {
             tracer: Tracer::new(),
             meter: None,
             probe: None,
+            idle_probe: None,
         })
     }
 
@@ -296,11 +299,14 @@ impl Work {
 
     /// Notes from here on how far the paths of a tile go.
     pub fn start_probe(&mut self) {
-        self.probe = Some(Box::default());
+        let probe = self.idle_probe.take();
+        let probe = self.probe.insert(probe.unwrap_or_default());
+        probe.paths.fill(PathShape::default());
     }
-    /// What was noted of the tile's pixels, row by row; nothing where nothing was to be.
-    pub fn take_probe(&mut self) -> Box<Probe> {
-        self.probe.take().unwrap_or_default()
+    /// What was noted of the tile's pixels, row by row; from here on no more is.
+    pub fn end_probe(&mut self) -> &Probe {
+        self.idle_probe = self.probe.take();
+        self.idle_probe.get_or_insert_default()
     }
 
     /// Says that rays to lights are traced next, and how many.

@@ -63,7 +63,7 @@ impl Renderer {
             work.start_probe();
             (self.pipeline)(&self.world, tile, sample, &mut work);
             work.enter(None);
-            let probe = work.take_probe();
+            let probe = work.end_probe();
             let mut shapes = shapes.lock().expect("no thread panicked while it copied");
             let rows = shapes.pixels.chunks_mut(width).skip(tile.y as usize);
             for (row, paths) in rows.zip(probe.paths[..tile.pixels()].chunks(tile.width as usize)) {

@@ -115,9 +115,6 @@ impl Engine {
         while let Next::Swap(ready) = renderer.hold(|renderer| self.serve(renderer)) {
             renderer = self.swap(*ready);
         }
-        self.frame.over = true;
-        self.exchange.give(&mut self.frame);
-        (self.wake)();
         self.summary
     }
 

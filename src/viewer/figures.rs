@@ -1,6 +1,6 @@
 //! What the overlay says.
 //!
-//! For: [`write`]. May import: `state`, `rates`, `painter`'s subject. Must never know: fonts, windows.
+//! For: [`write()`]. May import: `state`, `rates`, `painter`'s subject. Must never know: fonts, windows.
 
 use super::controls::Controls;
 use super::painter::Subject;

@@ -26,8 +26,6 @@ pub struct Frame {
     pub caught: bool,
     /// Of the window.
     pub title: String,
-    /// The last one.
-    pub over: bool,
 }
 
 impl Frame {
@@ -44,6 +42,8 @@ pub struct Exchange {
     fresh: AtomicBool,
     /// Has something happened that the tracing thread should hear of at once?
     news: AtomicBool,
+    /// Is the last frame given?
+    over: AtomicBool,
 }
 
 impl Exchange {
@@ -68,6 +68,14 @@ impl Exchange {
     }
     pub fn has_news(&self) -> bool {
         self.news.load(Ordering::Acquire)
+    }
+
+    /// No frame comes any more.
+    pub fn end(&self) {
+        self.over.store(true, Ordering::Release);
+    }
+    pub fn is_over(&self) -> bool {
+        self.over.load(Ordering::Acquire)
     }
 
     fn lock(&self) -> std::sync::MutexGuard<'_, Frame> {

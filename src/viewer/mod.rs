@@ -83,7 +83,7 @@ pub struct Options {
 }
 
 /// Called by the engine when a frame is there.
-pub type Wake = Box<dyn Fn() + Send>;
+pub type Wake = Arc<dyn Fn() + Send + Sync>;
 
 /// A running engine, as a front end has it.
 pub struct Viewer {
@@ -103,6 +103,7 @@ impl Viewer {
         let exchange = Arc::new(Exchange::default());
         let (shared, scene) = (exchange.clone(), Arc::new(scene));
         let thread = std::thread::spawn(move || {
+            let _end = End { exchange: shared.clone(), wake: wake.clone() };
             let (engine, renderer) = Engine::new(Arc::new(options), state, scene, incoming, shared, wake);
             engine.run(renderer)
         });
@@ -118,6 +119,10 @@ impl Viewer {
     pub fn take(&self, frame: &mut Frame) -> bool {
         self.exchange.take(frame)
     }
+    /// Is the engine over, in order or not?
+    pub fn is_over(&self) -> bool {
+        self.exchange.is_over()
+    }
     /// Ends it all.
     ///
     /// # Panics
@@ -125,5 +130,18 @@ impl Viewer {
     pub fn finish(self) -> Summary {
         self.send(Event::Quit);
         self.thread.join().expect("the engine ends in order")
+    }
+}
+
+/// Tells the front end that no frame comes any more, whatever the reason.
+struct End {
+    exchange: Arc<Exchange>,
+    wake: Wake,
+}
+
+impl Drop for End {
+    fn drop(&mut self) {
+        self.exchange.end();
+        (self.wake)();
     }
 }

@@ -3,7 +3,7 @@
 //! For: [`terminal()`]. May import: `crossterm`, `signal-hook`, `frame`, `keys`. Must never know: scenes, renderers.
 //!
 //! Every character cell shows two pixels, one above the other: the upper half block in the colour of the upper one, on the colour of the lower
-//! one. Terminals that do not tell when a key comes up (most) get keys that are held for [`LINGER`] after each time they are heard of.
+//! one. Terminals that do not tell when a key comes up (most) get keys that are held for a moment after each time they are heard of.
 
 use super::canvas::fit;
 use super::frame::Frame;
@@ -38,7 +38,7 @@ const RATE: f64 = 30.0;
 pub fn terminal(options: Options, playlist: Playlist, scene: Scene) -> io::Result<Summary> {
     let told = Told::listen()?;
     let mut raw = Raw::enter()?;
-    let viewer = Viewer::start(options, playlist, scene, Box::new(|| {}));
+    let viewer = Viewer::start(options, playlist, scene, Arc::new(|| {}));
     viewer.send(Event::Rate(RATE));
     let shown = show(&viewer, &mut raw, &told);
     let summary = viewer.finish();
@@ -124,7 +124,7 @@ fn show(viewer: &Viewer, raw: &mut Raw, told: &Told) -> io::Result<()> {
     let mut frame = Frame::default();
     let mut keys = Keys { tells_up: raw.tells_up, down: BTreeMap::new() };
     let mut cells = Cells::default();
-    while !told.to_end() {
+    while !told.to_end() && !viewer.is_over() {
         if event::poll(PATIENCE)? {
             loop {
                 if !keys.hear(event::read()?, viewer, &mut cells) {
@@ -140,9 +140,6 @@ fn show(viewer: &Viewer, raw: &mut Raw, told: &Told) -> io::Result<()> {
             let (columns, rows) = screen::size()?;
             cells.draw(&mut raw.out, &frame, [columns, rows])?;
             raw.out.flush()?;
-            if frame.over {
-                return Ok(());
-            }
         }
     }
     Ok(())

@@ -11,6 +11,7 @@ use super::{Options, Summary, Viewer};
 use crate::scene::Scene;
 use std::num::NonZeroU32;
 use std::rc::Rc;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 use winit::application::ApplicationHandler;
 use winit::dpi::LogicalSize;
@@ -61,7 +62,7 @@ pub fn window(
         .map_err(|error| WindowError::NoSurface(error.to_string().into()))?;
     let proxy = events.create_proxy();
     let size = options.size.unwrap_or(scene.resolution);
-    let wake = Box::new(move || {
+    let wake = Arc::new(move || {
         // A loop that has ended shows nothing more.
         let _ = proxy.send_event(Fresh);
     });
@@ -189,7 +190,10 @@ impl ApplicationHandler<Fresh> for App {
         }
     }
 
-    fn user_event(&mut self, _: &ActiveEventLoop, _: Fresh) {
+    fn user_event(&mut self, events: &ActiveEventLoop, _: Fresh) {
+        if self.viewer.is_over() {
+            return events.exit();
+        }
         if let Some(surface) = &self.surface {
             surface.window().request_redraw();
         }
@@ -201,9 +205,6 @@ impl ApplicationHandler<Fresh> for App {
             WindowEvent::RedrawRequested => {
                 if let Err(failure) = self.draw() {
                     self.failure = Some(failure);
-                    events.exit();
-                }
-                if self.frame.over {
                     events.exit();
                 }
             }

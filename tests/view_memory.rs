@@ -25,8 +25,8 @@ const WATCHED: u64 = 100;
 /// Most pieces of memory that writing the figures may take, and how often they are written.
 const PIECES: f64 = 40.0;
 const WRITTEN: Duration = Duration::from_millis(250);
-/// Pieces of memory in a frame of the views of paths (bounces, lanes): one for each of 12 tiles, and one to share tiles among threads.
-const TILES: u64 = 12 + 1;
+/// Pieces of memory in a frame of the views of paths (bounces, lanes) where several threads share its tiles.
+const SHARING: u64 = 2;
 
 /// A viewer without a window: frames are taken as they come.
 struct Seat {
@@ -44,6 +44,7 @@ impl Seat {
             pipeline: PipelineChoice::default(),
             clamp: f32::INFINITY,
             threads,
+            most_threads: threads,
             lanes: 8,
             tone: Tone::default(),
             target: None,
@@ -138,7 +139,11 @@ fn frames_take_no_memory() {
         none(&mut seat, "walking");
         for view in views.chars() {
             seat.press(view);
-            few(&mut seat, &format!("walking in view {view}"), if "70".contains(view) { TILES } else { 0 });
+            few(
+                &mut seat,
+                &format!("walking in view {view}"),
+                if "70".contains(view) && threads > 1 { SHARING } else { 0 },
+            );
         }
         seat.press('1');
         seat.press('m');
@@ -149,7 +154,11 @@ fn frames_take_no_memory() {
         seat.key(Key::Home, true);
         for view in views.chars() {
             seat.press(view);
-            few(&mut seat, &format!("standing in view {view}"), if "70".contains(view) { TILES } else { 0 });
+            few(
+                &mut seat,
+                &format!("standing in view {view}"),
+                if "70".contains(view) && threads > 1 { SHARING } else { 0 },
+            );
         }
         seat.press('1');
         for filter in ["3×3 blur", "FXAA"] {

@@ -15,7 +15,7 @@ const SCENE: &str = "A scene file (.json), a model (.obj), or builtin:NAME";
 ///
 /// Traces eight rays at a time with SIMD instructions, and one at a time to check that the two agree. A scene is a file
 /// (.json), a model (.obj; framed automatically under a plain sky) or a built-in scene (builtin:NAME). The file may be a view of another
-/// scene: every command takes the camera from it, and render alone its options.
+/// scene: every command takes the camera from it, and render and view its options.
 ///
 /// Exit codes: 0 success; 1 a check failed; 2 the input cannot be used; 130 Ctrl-C came before the end.
 #[derive(Debug, Parser)]

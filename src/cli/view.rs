@@ -8,29 +8,26 @@ use super::error::CliError;
 use super::numbers::{bounces, clamp, exposure, lanes, seed, size, threads, whole};
 use super::scenes;
 use super::terminal::{self, figure};
-use crate::measure::machine::Machine;
+use crate::measure::machine::{self, Machine};
 use crate::scene::{self, Scene};
+use crate::viewer::keys;
 use crate::viewer::playlist::Playlist;
 use crate::viewer::window::Presented;
 use crate::viewer::{self, Options, Summary};
+use crate::wording::counted;
 use serde::Serialize;
 use std::io::IsTerminal;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 /// Walk through scenes in a window.
 ///
-/// The picture gathers samples for as long as the camera stands; while it moves, what earlier frames saw stands in for samples. H shows all
-/// keys: W A S D walk, Space and Shift rise and sink, arrows and the mouse turn, + and - zoom, Page Down and Page Up change the scene, Tab takes
-/// a screenshot. Files may be dropped on the window; a scene whose file changes is read again.
+/// The picture gathers samples for as long as the camera stands, up to 65,536 a pixel; while it moves, what earlier frames saw stands in for
+/// samples. Files may be dropped on the window; a scene whose file changes is read again.
 ///
 /// --terminal draws with half characters in true colour instead, for machines without a display; Ctrl-C ends it.
 #[derive(Debug, clap::Args)]
-#[command(after_help = "Examples:
-  octray view
-  octray view scene.json model.obj scenes/
-  octray view builtin:thesis --terminal
-  octray view builtin:three --frames 600 --json > view.json")]
+#[command(after_help = after_help())]
 pub struct ViewArgs {
     /// Scene files, models, folders of them, or builtin:NAME; the built-in scenes if none is given.
     #[arg(value_name = "SCENE")]
@@ -79,6 +76,17 @@ pub struct ViewArgs {
     /// Compiled for what the scene needs, or with every feature: it does not change the picture [default: needed].
     #[arg(long, value_enum, value_name = "PIPELINE")]
     pub pipeline: Option<PipelineArg>,
+}
+
+/// Keys, and examples.
+fn after_help() -> String {
+    let keys: Vec<String> = keys::help().map(|line| format!("  {line}")).collect();
+    let examples = "Examples:
+  octray view
+  octray view scene.json model.obj scenes/
+  octray view builtin:thesis --terminal
+  octray view builtin:three --frames 600 --json > view.json";
+    format!("Keys:\n{}\n\n{examples}", keys.join("\n"))
 }
 
 /// What `view` accepts.
@@ -141,6 +149,7 @@ impl ViewOptions {
             pipeline: asked.pipeline.unwrap_or_default(),
             clamp: asked.clamp.unwrap_or(f32::INFINITY),
             threads: self.threads,
+            most_threads: machine::cores().max(self.threads),
             lanes: self.lanes,
             tone: asked.shown(),
             target: self.target,
@@ -190,7 +199,7 @@ impl Report {
             machine: Machine::current(),
             front_end: if presented.is_some() { "window" } else { "terminal" },
             frames: summary.frames,
-            fps: summary.frames.saturating_sub(1) as f64 / elapsed,
+            fps: summary.frames as f64 / elapsed,
             samples: summary.samples,
             samples_per_s: summary.samples / elapsed,
             tracing_share: summary.tracing.as_secs_f64() / elapsed,
@@ -206,8 +215,8 @@ impl Report {
     fn line(&self) -> String {
         let presenting = self.presenting_ms.map(|ms| format!(", presenting {} ms", figure(ms, 2)));
         format!(
-            "{} frames, {} fps; {} samples/s; painting a frame {} ms{}\n",
-            self.frames,
+            "{}, {} fps; {} samples/s; painting a frame {} ms{}\n",
+            counted(self.frames, "frame", "frames"),
             figure(self.fps, 0),
             figure(self.samples_per_s, 0),
             figure(self.painting_ms, 2),
@@ -230,7 +239,19 @@ pub fn run(options: ViewOptions) -> Result<ExitCode, CliError> {
         let what = "--terminal needs a terminal to draw in, and standard output is none".to_string();
         return Err(CliError::Nothing { what, mend: "octray render writes a picture into a file" });
     }
-    let first = scenes::load(playlist.current())?;
+    if !options.screenshots.is_dir() {
+        let what = format!("there is no folder `{}` for screenshots", options.screenshots.display());
+        return Err(CliError::Nothing { what, mend: "make it, or name another with --screenshots" });
+    }
+    let name = playlist.current();
+    if !name.starts_with("builtin:") && Path::new(name).extension().is_none() && !Path::new(name).exists() {
+        let what = format!("there is no file or folder `{name}`");
+        return Err(CliError::Nothing {
+            what,
+            mend: "name a scene, a model, a folder of them, or builtin:NAME",
+        });
+    }
+    let first = scenes::load(name)?;
     for warning in &first.warnings {
         terminal::warn(warning);
     }

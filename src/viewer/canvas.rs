@@ -103,9 +103,11 @@ impl Canvas<'_> {
         }
         let font = if large { &FONT_10X20 } else { &FONT_7X13 };
         let [across, line] = [font.character_size.width, font.character_size.height + 1];
-        let widest = text.lines().map(|line| line.chars().count() as u32).max().unwrap_or(0);
+        let room = (self.width.saturating_sub(2 * PADDING) / across).max(1) as usize;
+        let lines = || text.lines().flat_map(|line| wrap(line, room));
+        let widest = lines().map(|line| line.chars().count() as u32).max().unwrap_or(0);
         let width = (widest * across + 2 * PADDING).min(self.width);
-        let height = (text.lines().count() as u32 * line + PADDING).min(self.height.saturating_sub(top));
+        let height = (lines().count() as u32 * line + PADDING).min(self.height.saturating_sub(top));
         for y in top..top + height {
             let start = (y * self.width) as usize;
             // A quarter of the light is left.
@@ -114,13 +116,26 @@ impl Canvas<'_> {
         }
         let style = MonoTextStyle::new(font, color);
         let mut y = top + PADDING / 2;
-        for words in text.lines() {
+        for words in lines() {
             let at = Point::new(PADDING as i32, y as i32);
             let Ok(_) = Text::with_baseline(words, at, style, Baseline::Top).draw(self);
             y += line;
         }
         top + height
     }
+}
+
+/// A line in pieces of so many characters at most, between words where there are some.
+fn wrap(line: &str, room: usize) -> impl Iterator<Item = &str> {
+    let mut rest = Some(line);
+    std::iter::from_fn(move || {
+        let line = rest?;
+        let Some((end, _)) = line.char_indices().nth(room) else { return rest.take() };
+        // The word that does not fit goes to the next line, unless it is longer than one.
+        let cut = line[..end].rfind(' ').filter(|&space| space > end / 2).map_or(end, |space| space + 1);
+        rest = Some(&line[cut..]);
+        Some(line[..cut].trim_end())
+    })
 }
 
 impl OriginDimensions for Canvas<'_> {
@@ -189,6 +204,16 @@ mod tests {
         assert!(shown(&with, 100, 3).len() == 300, "no room for a line");
         let help = Frame { help: true, ..white };
         assert!(shown(&help, 700, 500).iter().filter(|&&pixel| pixel == 0x3f3f3f).count() > 50_000);
+    }
+
+    #[test]
+    fn lines_are_wrapped_between_words_where_there_are_some() {
+        let wrapped = |line, room| wrap(line, room).collect::<Vec<_>>();
+        assert_eq!(wrapped("", 5), [""]);
+        assert_eq!(wrapped("abcde", 5), ["abcde"]);
+        assert_eq!(wrapped("abc def ghi", 8), ["abc def", "ghi"]);
+        assert_eq!(wrapped("abcdefghij", 4), ["abcd", "efgh", "ij"]);
+        assert_eq!(wrapped("×··× ··", 4), ["×··×", " ··"]);
     }
 
     #[test]

@@ -154,7 +154,9 @@ impl Engine {
             match self.loader.take() {
                 Some(Ok(ready)) => return Next::Swap(Box::new(ready)),
                 Some(Err(error)) => {
-                    self.set_message(&error.to_string());
+                    // It stays until there is a scene: what is shown is not what was asked for.
+                    self.painter.message(&error.to_string());
+                    self.message = None;
                     // Whoever mends the file sees the scene.
                     self.watch();
                 }
@@ -250,6 +252,7 @@ impl Engine {
             film: &self.exposure.film,
             controls: &self.state.controls,
             known: self.exposure.known,
+            listed: self.name == self.state.playlist.current(),
         };
         self.painter.paint(&subject, &mut self.frame);
         if let Some(speed) = self.painter.speed() {

@@ -28,13 +28,13 @@ fn lines(
     let [scenes, place] = playlist.place();
     let [width, height] = settings.resolution;
     write!(text, "{}", scene.name)?;
-    if scenes > 1 {
+    if scenes > 1 && subject.listed {
         write!(text, " ({place} of {scenes})")?;
     }
     writeln!(text, "{}", if busy { ", another is being made ready" } else { "" })?;
     let Figures { fps, low, samples: [simd, scalar], mrays } = *figures;
     let now = if settings.lanes == 1 { scalar } else { simd };
-    write!(text, "{fps:.0} fps, 1 % low {low:.0}")?;
+    write!(text, "{} fps, 1 % low {}", rate_of(fps), rate_of(low))?;
     if let Some(rate) = now {
         write!(text, " · {} samples/s · {mrays:.1} Mray/s", rate_of(rate))?;
     }

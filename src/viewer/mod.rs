@@ -15,6 +15,7 @@
 //! | [`painter`] | from film to pixels: reprojection, filters, tone mapping |
 //! | [`views`], [`map`] | what else can be shown |
 //! | [`rates`], [`figures`], [`summary`] | how fast it goes, and in words |
+//! | [`told`] | Ctrl-C and its like |
 //! | [`screenshot`] | a picture, and how to render it again |
 //! | [`frame`] | what the engine hands to a front end |
 //! | [`canvas`] | a frame enlarged, with text over it |
@@ -35,6 +36,7 @@ pub mod screenshot;
 pub mod state;
 pub mod summary;
 pub mod terminal;
+pub mod told;
 pub mod views;
 pub mod walker;
 pub mod watch;
@@ -70,6 +72,8 @@ pub struct Options {
     /// As in [`crate::render::Settings`].
     pub clamp: f32,
     pub threads: usize,
+    /// As many as can be chosen.
+    pub most_threads: usize,
     pub lanes: usize,
     pub tone: Tone,
     /// Frames a second to hold by coarser pixels.
@@ -98,6 +102,7 @@ impl Viewer {
         let bounces = options.bounces.unwrap_or(scene.max_bounces);
         let mut controls = Controls::new(bounces, options.threads, options.lanes, options.tone);
         controls.target = options.target;
+        controls.most_threads = options.most_threads;
         let state = State::new(playlist, &scene, controls, options.bounces, Instant::now());
         let (events, incoming) = channel();
         let exchange = Arc::new(Exchange::default());

@@ -35,6 +35,8 @@ pub struct Subject<'a> {
     pub controls: &'a Controls,
     /// Was a frame painted of this camera and film before?
     pub known: bool,
+    /// Is the scene the one that the playlist stands at?
+    pub listed: bool,
 }
 
 #[derive(Default)]

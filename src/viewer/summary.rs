@@ -13,7 +13,7 @@ pub struct Summary {
     /// Time in which samples were taken, and in which frames were painted: filters, colours, figures.
     pub tracing: Duration,
     pub painting: Duration,
-    /// From frame to frame: all but the first.
+    /// Until the last frame.
     pub elapsed: Duration,
     /// From an event to the frame that answers it: the longest, and the sum of so many.
     pub slowest_answer: Duration,
@@ -26,9 +26,7 @@ pub struct Summary {
 impl Summary {
     /// A frame is handed over, so long after the one before, and an event so long after it happened.
     pub fn frame(&mut self, after: Duration, answer: Option<Duration>) {
-        if self.frames > 0 {
-            self.elapsed += after;
-        }
+        self.elapsed += after;
         self.frames += 1;
         if let Some(answer) = answer {
             self.slowest_answer = self.slowest_answer.max(answer);

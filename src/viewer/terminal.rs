@@ -1,6 +1,6 @@
 //! The terminal: half a character a pixel, in true colour.
 //!
-//! For: [`terminal()`]. May import: `crossterm`, `signal-hook`, `frame`, `keys`. Must never know: scenes, renderers.
+//! For: [`terminal()`]. May import: `crossterm`, `told`, `frame`, `keys`. Must never know: scenes, renderers.
 //!
 //! Every character cell shows two pixels, one above the other: the upper half block in the colour of the upper one, on the colour of the lower
 //! one. Terminals that do not tell when a key comes up (most) get keys that are held for a moment after each time they are heard of.
@@ -10,6 +10,7 @@ use super::frame::Frame;
 use super::keys::{self, Action, Key};
 use super::playlist::Playlist;
 use super::state::Event;
+use super::told::Told;
 use super::{Options, Summary, Viewer};
 use crate::scene::Scene;
 use crossterm::event::{
@@ -19,12 +20,9 @@ use crossterm::event::{
 };
 use crossterm::style::{Color, Colors, Print, ResetColor, SetColors};
 use crossterm::{cursor, execute, queue, terminal as screen};
-#[cfg(unix)]
-use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 use std::collections::BTreeMap;
 use std::io::{self, Write};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 /// How long a key is taken to be down after it was heard of: a little longer than from one repetition to the next.
@@ -44,24 +42,6 @@ pub fn terminal(options: Options, playlist: Playlist, scene: Scene) -> io::Resul
     let summary = viewer.finish();
     drop(raw);
     shown.map(|()| summary)
-}
-
-/// Has the program been told to end (by `kill`, or because the terminal is gone)? Whoever is told so ends in order: a terminal is not to be
-/// left without its cursor.
-struct Told(Arc<AtomicBool>);
-
-impl Told {
-    fn listen() -> io::Result<Self> {
-        let told = Self(Arc::default());
-        #[cfg(unix)]
-        for signal in [SIGTERM, SIGHUP, SIGINT] {
-            signal_hook::flag::register(signal, told.0.clone())?;
-        }
-        Ok(told)
-    }
-    fn to_end(&self) -> bool {
-        self.0.load(Ordering::Relaxed)
-    }
 }
 
 /// A terminal that shows pictures; as it was before once this is gone, whatever the reason.

@@ -125,8 +125,9 @@ fn normal(guide: &Guide) -> u32 {
 }
 
 fn depth(guide: &Guide, [near, far]: [f32; 2]) -> f32 {
-    // What is infinitely far away is black, and so is everything where all is equally far.
-    ((far - guide.distance) / (far - near).max(f32::MIN_POSITIVE)).clamp(0.0, 1.0)
+    // By ratios, as the eye has it. What is infinitely far away is black, and so is everything where all is equally far.
+    let near = near.max(far * 1e-3);
+    ((far / guide.distance).ln() / (far / near).ln().max(f32::MIN_POSITIVE)).clamp(0.0, 1.0)
 }
 
 /// The nearest distance, and the one that nine tenths of all are nearer than. `memory` is working memory.
@@ -219,7 +220,8 @@ mod tests {
         assert_eq!(lit(&guide, Vec3::Y), 0xffffff);
         assert_eq!(lit(&guide, Vec3::NEG_Y), 0);
         let at = |distance| depth(&Guide { distance, ..guide }, [2.0, 10.0]);
-        assert_eq!([2.0, 6.0, 10.0, 99.0].map(at), [1.0, 0.5, 0.0, 0.0]);
+        assert_eq!([2.0, 10.0, 99.0].map(at), [1.0, 0.0, 0.0]);
+        assert!((at(20f32.sqrt()) - 0.5).abs() < 1e-6, "half way in ratios");
         let nothing = Guide { distance: f32::INFINITY, object: MISS, ..guide };
         assert_eq!((normal(&nothing), barycentrics(&nothing), depth(&nothing, [2.0, 10.0])), (0, 0, 0.0));
     }

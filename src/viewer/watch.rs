@@ -31,7 +31,7 @@ impl Files {
     /// Watches these from now on, and no others. Names of no files are passed over.
     pub fn watch<'a>(&mut self, files: impl IntoIterator<Item = &'a Path>) {
         let Some(watcher) = &mut self.watcher else { return };
-        self.files = files.into_iter().filter_map(|file| file.canonicalize().ok()).collect();
+        self.files = files.into_iter().filter_map(place_of).collect();
         // Folders: many editors put a new file in the place of the old one, and nobody hears of the new one otherwise.
         let folders: BTreeSet<PathBuf> =
             self.files.iter().filter_map(|file| Some(file.parent()?.to_path_buf())).collect();
@@ -61,6 +61,17 @@ impl Files {
         }
         over
     }
+}
+
+/// Where a file is, or will be once it is there again.
+fn place_of(file: &Path) -> Option<PathBuf> {
+    file.canonicalize().ok().or_else(|| {
+        let folder = match file.parent()? {
+            here if here.as_os_str().is_empty() => Path::new("."),
+            folder => folder,
+        };
+        Some(folder.canonicalize().ok()?.join(file.file_name()?))
+    })
 }
 
 #[cfg(test)]
@@ -95,7 +106,7 @@ mod tests {
             return;
         }
         let scene = path("scene.json");
-        files.watch([scene.as_path(), Path::new("no such file")]);
+        files.watch([scene.as_path(), Path::new("no such folder/file")]);
         fs::write(path("other.json"), "2").unwrap();
         assert!(!hears(&mut files, short), "another file");
         fs::write(&scene, "2").unwrap();
@@ -107,6 +118,11 @@ mod tests {
         assert!(hears(&mut files, long));
         assert!(!fs::read_to_string(&scene).unwrap().is_empty());
         assert!(!hears(&mut files, short), "reading is no change");
+        fs::remove_file(&scene).unwrap();
+        assert!(hears(&mut files, long), "it is gone");
+        files.watch([scene.as_path()]);
+        fs::write(&scene, "5").unwrap();
+        assert!(hears(&mut files, long), "it is there again");
         files.watch([]);
         fs::write(&scene, "4").unwrap();
         assert!(!hears(&mut files, short), "no longer watched");

@@ -7,6 +7,7 @@ use super::frame::Frame;
 use super::keys::Key;
 use super::playlist::Playlist;
 use super::state::Event;
+use super::told::Told;
 use super::{Options, Summary, Viewer};
 use crate::scene::Scene;
 use std::num::NonZeroU32;
@@ -29,9 +30,9 @@ const MOST_OF_SCREEN: f64 = 0.9;
 #[derive(Debug, thiserror::Error)]
 pub enum WindowError {
     #[error(
-        "there is no display to open a window on\n  octray view --terminal shows the scene in a terminal, octray render writes it into a file"
+        "{0}\n  octray view --terminal shows the scene in a terminal, octray render writes it into a file"
     )]
-    NoDisplay(#[source] Box<dyn std::error::Error + Send + Sync>),
+    NoDisplay(String),
     #[error(
         "the window cannot be drawn in\n  octray view --terminal shows the scene in a terminal, octray render writes it into a file"
     )]
@@ -55,8 +56,7 @@ pub fn window(
     playlist: Playlist,
     scene: Scene,
 ) -> Result<(Summary, Presented), WindowError> {
-    let no_display = |error: winit::error::EventLoopError| WindowError::NoDisplay(error.to_string().into());
-    let events = EventLoop::<Fresh>::with_user_event().build().map_err(no_display)?;
+    let events = EventLoop::<Fresh>::with_user_event().build().map_err(|_| no_display())?;
     events.set_control_flow(ControlFlow::Wait);
     let context = softbuffer::Context::new(events.owned_display_handle())
         .map_err(|error| WindowError::NoSurface(error.to_string().into()))?;
@@ -69,6 +69,7 @@ pub fn window(
     let viewer = Viewer::start(options, playlist, scene, wake);
     let mut app = App {
         viewer,
+        told: Told::listen().ok(),
         size,
         context,
         surface: None,
@@ -78,7 +79,7 @@ pub fn window(
         presented: Presented::default(),
         failure: None,
     };
-    events.run_app(&mut app).map_err(no_display)?;
+    events.run_app(&mut app).map_err(|_| no_display())?;
     let App { viewer, presented, failure, .. } = app;
     let summary = viewer.finish();
     match failure {
@@ -87,10 +88,24 @@ pub fn window(
     }
 }
 
+/// What the system's own words, which tell of its sources, do not say.
+fn no_display() -> WindowError {
+    let named = ["WAYLAND_DISPLAY", "DISPLAY"].into_iter().find_map(|name| {
+        let display = std::env::var(name).ok().filter(|display| !display.is_empty())?;
+        Some(format!("{name}={display}"))
+    });
+    WindowError::NoDisplay(match named {
+        Some(named) => format!("there is no display to open a window on: none answers at {named}"),
+        None => "there is no display to open a window on".to_string(),
+    })
+}
+
 type Surface = softbuffer::Surface<OwnedDisplayHandle, Rc<Window>>;
 
 struct App {
     viewer: Viewer,
+    /// Nothing where the system lets nobody listen.
+    told: Option<Told>,
     /// Pixels of the first picture.
     size: [u32; 2],
     context: softbuffer::Context<OwnedDisplayHandle>,
@@ -191,7 +206,7 @@ impl ApplicationHandler<Fresh> for App {
     }
 
     fn user_event(&mut self, events: &ActiveEventLoop, _: Fresh) {
-        if self.viewer.is_over() {
+        if self.viewer.is_over() || self.told.as_ref().is_some_and(Told::to_end) {
             return events.exit();
         }
         if let Some(surface) = &self.surface {

@@ -125,7 +125,7 @@ impl Engine {
             self.rates.switch();
         } else {
             self.arrived = !again;
-            self.state.arrive(&scene, again);
+            self.state.arrive(&scene, again, &self.name);
             self.scene = scene;
             self.name = self.state.playlist.current().to_string();
             self.painter.meet_another_scene();

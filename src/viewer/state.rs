@@ -7,6 +7,7 @@ use super::keys::{self, Action, Command, Key, Motion};
 use super::playlist::Playlist;
 use super::walker::{Held, Walker};
 use crate::scene::Scene;
+use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 
 /// What a front end reports.
@@ -61,6 +62,15 @@ pub struct State {
     now: Instant,
     /// Asked for on the command line, for every scene.
     bounces: Option<u32>,
+    /// By names of scenes.
+    left: BTreeMap<String, Left>,
+}
+
+/// How a scene was left.
+#[derive(Clone, Debug)]
+struct Left {
+    walker: Walker,
+    bounces: u32,
 }
 
 impl State {
@@ -82,17 +92,24 @@ impl State {
             held: Held::default(),
             now,
             bounces,
+            left: BTreeMap::new(),
         }
     }
 
-    /// Another scene is there, or, with `again`, the same one was read once more.
-    pub fn arrive(&mut self, scene: &Scene, again: bool) {
+    /// Another scene is there in the place of the one of this name, or, with `again`, the same one was read once more. Who comes back to a scene
+    /// finds it as it was left.
+    pub fn arrive(&mut self, scene: &Scene, again: bool, before: &str) {
         if again {
-            self.walker.rehome(scene.camera);
-        } else {
-            self.walker = Walker::new(scene.camera);
-            self.controls.bounces = self.bounces.unwrap_or(scene.max_bounces);
+            return self.walker.rehome(scene.camera);
         }
+        let left = Left { walker: self.walker.clone(), bounces: self.controls.bounces };
+        self.left.insert(before.to_string(), left);
+        let bounces = self.bounces.unwrap_or(scene.max_bounces);
+        let fresh = Left { walker: Walker::new(scene.camera), bounces };
+        let Left { walker, bounces } = self.left.remove(self.playlist.current()).unwrap_or(fresh);
+        (self.walker, self.controls.bounces) = (walker, bounces);
+        // It may have been changed since.
+        self.walker.rehome(scene.camera);
     }
 
     /// Moves the camera on as the keys that are down say.
@@ -256,19 +273,38 @@ mod tests {
     }
 
     #[test]
-    fn another_scene_has_its_own_camera_and_bounces_the_same_one_keeps_those_in_use() {
+    fn another_scene_has_its_own_camera_and_bounces_and_is_found_again_as_it_was_left() {
         let (mut state, now) = start();
-        let mut scene = crate::scene::load("builtin:thesis").unwrap();
-        scene.max_bounces = 7;
-        state.arrive(&scene, false);
-        assert_eq!((*state.walker.camera(), state.controls.bounces), (scene.camera, 7));
+        let three = crate::scene::load("builtin:three").unwrap();
+        let mut thesis = crate::scene::load("builtin:thesis").unwrap();
+        thesis.max_bounces = 7;
+        state.playlist.next();
+        state.arrive(&thesis, false, "builtin:three");
+        assert_eq!((*state.walker.camera(), state.controls.bounces), (thesis.camera, 7));
         state.handle(&Event::Wheel(1.0), now);
         state.controls.bounces = 3;
         let moved = *state.walker.camera();
-        state.arrive(&scene, true);
-        assert_eq!((*state.walker.camera(), state.controls.bounces), (moved, 3));
+        state.arrive(&thesis, true, "builtin:thesis");
+        assert_eq!((*state.walker.camera(), state.controls.bounces), (moved, 3), "read again");
+        state.playlist.next();
+        state.arrive(&three, false, "builtin:thesis");
+        assert_eq!((*state.walker.camera(), state.controls.bounces), (three.camera, three.max_bounces));
+        state.playlist.next();
+        thesis.camera.vertical_fov = 50.0;
+        state.arrive(&thesis, false, "builtin:three");
+        assert_eq!((*state.walker.camera(), state.controls.bounces), (moved, 3), "as it was left");
+        state.handle(&key(Key::Home, true), now);
+        assert_eq!(*state.walker.camera(), thesis.camera, "home is where the file has it now");
+    }
+
+    #[test]
+    fn bounces_of_the_command_line_are_for_every_scene() {
+        let (mut state, _) = start();
         state.bounces = Some(2);
-        state.arrive(&scene, false);
-        assert_eq!(state.controls.bounces, 2, "the command line's");
+        let mut thesis = crate::scene::load("builtin:thesis").unwrap();
+        thesis.max_bounces = 7;
+        state.playlist.next();
+        state.arrive(&thesis, false, "builtin:three");
+        assert_eq!(state.controls.bounces, 2);
     }
 }

@@ -92,7 +92,7 @@ impl History {
     }
 
     /// A frame from another place than the one before, blended with what is known: `fresh` is the mean of so many samples a pixel, independent of
-    /// earlier frames', `guides` and `camera` are its own. Another resolution than before starts anew.
+    /// earlier frames' (0 where they are to stay out of what is known), `guides` and `camera` are its own. Another resolution than before starts anew.
     ///
     /// # Panics
     /// If picture and guides differ in size.

@@ -56,6 +56,8 @@ pub struct Engine {
     frame: Frame,
     rates: Rates,
     summary: Summary,
+    /// The methods and threads of the renderer.
+    built: (Methods, usize),
     /// The name of the scene that is shown, as the playlist has it.
     name: String,
     /// Of the oldest event that no frame shows yet.
@@ -92,6 +94,7 @@ impl Engine {
             frame: Frame::default(),
             rates: Rates::default(),
             summary: Summary::default(),
+            built: (renderer.settings().methods, renderer.settings().threads),
             name: state.playlist.current().to_string(),
             exposure: Exposure::new(&renderer, &scene),
             unanswered: None,
@@ -122,17 +125,23 @@ impl Engine {
     fn swap(&mut self, ready: Ready) -> Renderer {
         let Ready { scene, renderer, again } = ready;
         if Arc::ptr_eq(&scene, &self.scene) {
-            self.rates.switch();
+            // Only the width is measured side by side: with all else the same.
+            let Settings { methods, threads, .. } = *renderer.settings();
+            match (methods, threads) == self.built {
+                true => self.rates.switch(),
+                false => self.rates.forget(),
+            }
         } else {
             self.arrived = !again;
             self.state.arrive(&scene, again, &self.name);
             self.scene = scene;
             self.name = self.state.playlist.current().to_string();
-            self.painter.meet_another_scene();
+            self.painter.meet_another_scene(again);
             self.watch();
             self.rates.forget();
             self.set_message("");
         }
+        self.built = (renderer.settings().methods, renderer.settings().threads);
         self.exposure.renew(&renderer, &self.scene);
         self.painter.forget();
         renderer
@@ -156,7 +165,7 @@ impl Engine {
                 Some(Err(error)) => {
                     // It stays until there is a scene: what is shown is not what was asked for.
                     self.painter.message(&error.to_string());
-                    self.message = None;
+                    (self.message, self.asked) = (None, None);
                     // Whoever mends the file sees the scene.
                     self.watch();
                 }
@@ -252,6 +261,7 @@ impl Engine {
             film: &self.exposure.film,
             controls: &self.state.controls,
             known: self.exposure.known,
+            standing: self.exposure.still,
             listed: self.name == self.state.playlist.current(),
         };
         self.painter.paint(&subject, &mut self.frame);

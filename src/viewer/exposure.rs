@@ -45,7 +45,7 @@ pub struct Exposure {
     /// Of the pixels that hold a frame rate: 1 for none coarser than they were.
     pub coarseness: f64,
     /// Does the film hold samples of the seed that was asked for, from the first one on?
-    still: bool,
+    pub still: bool,
     /// When the last frame was handed over, and when the next one is due.
     shown: Instant,
     due: Instant,

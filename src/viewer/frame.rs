@@ -38,8 +38,8 @@ impl Frame {
 /// Where frames change hands: nobody waits for anybody, and nothing is copied. A frame that nobody took is overwritten by the next.
 #[derive(Debug, Default)]
 pub struct Exchange {
-    frame: Mutex<Frame>,
-    fresh: AtomicBool,
+    /// And whether nobody has taken it yet.
+    frame: Mutex<(Frame, bool)>,
     /// Has something happened that the tracing thread should hear of at once?
     news: AtomicBool,
     /// Is the last frame given?
@@ -49,16 +49,18 @@ pub struct Exchange {
 impl Exchange {
     /// Hands a frame over; gets an old one back to paint over.
     pub fn give(&self, frame: &mut Frame) {
-        std::mem::swap(frame, &mut *self.lock());
-        self.fresh.store(true, Ordering::Release);
+        let mut held = self.lock();
+        std::mem::swap(frame, &mut held.0);
+        held.1 = true;
     }
     /// The newest frame in exchange for an old one; false, and nothing, if there is no newer one.
     pub fn take(&self, frame: &mut Frame) -> bool {
-        if !self.fresh.swap(false, Ordering::Acquire) {
-            return false;
+        let mut held = self.lock();
+        let fresh = std::mem::take(&mut held.1);
+        if fresh {
+            std::mem::swap(frame, &mut held.0);
         }
-        std::mem::swap(frame, &mut *self.lock());
-        true
+        fresh
     }
     pub fn tell(&self) {
         self.news.store(true, Ordering::Release);
@@ -78,7 +80,7 @@ impl Exchange {
         self.over.load(Ordering::Acquire)
     }
 
-    fn lock(&self) -> std::sync::MutexGuard<'_, Frame> {
+    fn lock(&self) -> std::sync::MutexGuard<'_, (Frame, bool)> {
         // A swap cannot panic half done.
         self.frame.lock().unwrap_or_else(|poisoned| poisoned.into_inner())
     }

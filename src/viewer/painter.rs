@@ -35,6 +35,8 @@ pub struct Subject<'a> {
     pub controls: &'a Controls,
     /// Was a frame painted of this camera and film before?
     pub known: bool,
+    /// Do the film's samples stay in it for the next frame?
+    pub standing: bool,
     /// Is the scene the one that the playlist stands at?
     pub listed: bool,
 }
@@ -43,6 +45,8 @@ pub struct Subject<'a> {
 pub struct Painter {
     mean: Picture,
     history: History,
+    /// Did it show in the last frame?
+    reprojected: bool,
     blur: Blur,
     fxaa: Fxaa,
     denoiser: Denoiser,
@@ -65,9 +69,10 @@ pub struct Painter {
 }
 
 impl Painter {
-    /// Another scene.
-    pub fn meet_another_scene(&mut self) {
-        (self.map, self.speed) = (None, None);
+    /// Another scene; or, with `again`, the same one as its files have it now: who walks there goes on at the same speed.
+    pub fn meet_another_scene(&mut self, again: bool) {
+        self.map = None;
+        self.speed = self.speed.filter(|_| again);
         self.forget();
     }
     /// What was seen is no more.
@@ -85,7 +90,10 @@ impl Painter {
 
     /// Fills the frame's pixels and its map.
     pub fn paint(&mut self, subject: &Subject, frame: &mut Frame) {
-        let Subject { renderer, film, controls, known, .. } = *subject;
+        let Subject { renderer, film, controls, .. } = *subject;
+        // Reprojection that is switched on where the camera stands begins as for a new picture.
+        let known = subject.known && (self.reprojected || !controls.reprojection);
+        self.reprojected = controls.reprojection;
         if !known {
             (self.guided, self.costed) = (false, false);
         }
@@ -96,11 +104,16 @@ impl Painter {
             self.see(renderer);
         }
         let samples = film.samples().max(1);
-        if controls.reprojection {
-            match known {
-                true => self.history.still(&self.mean, samples),
-                false => self.history.advance(&self.mean, samples, &self.guides, renderer.camera()),
-            };
+        if first {
+            // Samples that stay in the film are not history's as well.
+            let own = if subject.standing { 0 } else { samples };
+            self.history.advance(&self.mean, own, &self.guides, renderer.camera());
+        }
+        if !controls.reprojection {
+            // What it knows is of where the camera was when it was last asked.
+            self.history.forget();
+        } else if known || subject.standing {
+            self.history.still(&self.mean, samples);
         }
         match controls.view {
             View::Picture => self.paint_picture(subject, samples, &mut frame.pixels),
@@ -205,5 +218,90 @@ fn write(tone: &Tone, picture: &Picture, words: &mut [u32], together: bool) {
             parts.for_each(|(words, pixels)| tone.words(pixels, words));
         }
         false => tone.words(&picture.pixels, words),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::render::Settings;
+    use crate::scene::load;
+
+    /// A viewer without events: what a frame shows of a camera, after so many samples with a seed.
+    struct Easel {
+        scene: Scene,
+        renderer: Renderer,
+        film: Film,
+        controls: Controls,
+        painter: Painter,
+    }
+
+    impl Easel {
+        fn new() -> Self {
+            let scene = load("builtin:cornell-spheres").unwrap();
+            let renderer = Renderer::new(&scene, Settings { resolution: [24, 16], ..Settings::of(&scene) });
+            let controls = Controls::new(scene.max_bounces, 1, 8, Tone::default());
+            Self { film: renderer.film(), renderer, scene, controls, painter: Painter::default() }
+        }
+        fn go(&mut self, field: f32, seed: u32) {
+            let camera = Camera { vertical_fov: field, ..self.scene.camera };
+            self.renderer.set_view(&self.scene, &camera, [24, 16], self.scene.max_bounces);
+            self.renderer.set_seed(seed);
+            self.film.clear();
+        }
+        /// Takes more samples and paints.
+        fn paint(&mut self, samples: u32, known: bool, standing: bool) -> Vec<u32> {
+            self.renderer.add_samples(&mut self.film, samples);
+            let mut frame = Frame::default();
+            let subject = Subject {
+                renderer: &self.renderer,
+                scene: &self.scene,
+                camera: &self.scene.camera,
+                film: &self.film,
+                controls: &self.controls,
+                known,
+                standing,
+                listed: true,
+            };
+            self.painter.paint(&subject, &mut frame);
+            frame.pixels
+        }
+        /// What the film holds, without anything of the past.
+        fn mean(&self) -> Vec<u32> {
+            let mut words = vec![0; self.film.picture().pixels.len()];
+            Tone::default().words(&self.film.picture().pixels, &mut words);
+            words
+        }
+    }
+
+    #[test]
+    fn the_past_shows_while_the_camera_moves_and_is_gone_when_it_has_stood() {
+        let mut easel = Easel::new();
+        assert_eq!(easel.paint(4, false, true), easel.mean(), "nothing is past yet");
+        assert_eq!(easel.painter.history.counts()[0], 4.0);
+        assert_eq!(easel.paint(4, true, true), easel.mean(), "no sample counts twice");
+        assert_eq!(easel.painter.history.counts()[0], 8.0);
+        easel.go(38.5, 1);
+        assert_ne!(easel.paint(1, false, false), easel.mean());
+        assert!(easel.painter.history.counts().iter().any(|&count| count > 1.0));
+        easel.go(38.5, 0);
+        assert_ne!(easel.paint(1, true, true), easel.mean());
+        assert_eq!(easel.paint(63, true, true), easel.mean());
+    }
+
+    #[test]
+    fn nothing_is_remembered_of_places_passed_without_reprojection() {
+        let mut easel = Easel::new();
+        easel.paint(4, false, true);
+        easel.controls.reprojection = false;
+        easel.go(20.0, 1);
+        assert_eq!(easel.paint(1, false, false), easel.mean());
+        easel.go(20.0, 0);
+        assert_eq!(easel.paint(2, true, true), easel.mean());
+        easel.controls.reprojection = true;
+        assert_eq!(easel.paint(1, true, true), easel.mean(), "no ghost of where it was switched off");
+        assert_eq!(easel.paint(1, true, true), easel.mean());
+        easel.go(20.5, 2);
+        assert_ne!(easel.paint(1, false, false), easel.mean(), "from here on it remembers again");
     }
 }

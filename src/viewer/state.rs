@@ -133,7 +133,9 @@ impl State {
                 self.caught = false;
             }
             Event::Dropped(ref name) => return self.playlist.drop_in(name).then_some(Effect::Load),
-            Event::Rate(rate) => self.rate = rate,
+            // Displays that do not know their rate say 0.
+            Event::Rate(rate) if rate.is_finite() && rate >= 1.0 => self.rate = rate,
+            Event::Rate(_) => {}
             Event::Quit => return Some(Effect::Quit),
         }
         None
@@ -210,6 +212,15 @@ mod tests {
         state.advance(now + ms(500));
         let walked = state.walker.camera().position.distance(from);
         assert!((walked - 0.2).abs() < 1e-4, "20 ms at 10 units a second: {walked}");
+    }
+
+    #[test]
+    fn a_display_without_a_rate_changes_nothing() {
+        let (mut state, now) = start();
+        for (told, rate) in [(0.0, 60.0), (f64::NAN, 60.0), (144.0, 144.0), (-1.0, 144.0), (0.2, 144.0)] {
+            state.handle(&Event::Rate(told), now);
+            assert_eq!(state.rate, rate, "{told}");
+        }
     }
 
     #[test]

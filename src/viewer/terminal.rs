@@ -227,6 +227,7 @@ impl Cells {
             self.size = size;
             self.shown.clear();
             self.shown.resize(columns * rows, UNKNOWN);
+            self.lines.clear();
             queue!(out, ResetColor, screen::Clear(screen::ClearType::All))?;
         }
         self.shrink(frame, [columns as u32, 2 * rows as u32]);

@@ -43,7 +43,6 @@ impl Files {
             let _ = watcher.watch(folder, RecursiveMode::NonRecursive);
         }
         self.folders = folders;
-        self.changed = None;
     }
 
     /// Has one changed, and been left alone since? Says so once.
@@ -123,6 +122,11 @@ mod tests {
         files.watch([scene.as_path()]);
         fs::write(&scene, "5").unwrap();
         assert!(hears(&mut files, long), "it is there again");
+        fs::write(&scene, "6").unwrap();
+        sleep(Duration::from_millis(20));
+        assert!(!files.have_changed(Instant::now()), "not left alone yet");
+        files.watch([scene.as_path()]);
+        assert!(hears(&mut files, long), "nothing is lost while others are watched");
         files.watch([]);
         fs::write(&scene, "4").unwrap();
         assert!(!hears(&mut files, short), "no longer watched");

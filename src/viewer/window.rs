@@ -223,6 +223,8 @@ impl ApplicationHandler<Fresh> for App {
                     events.exit();
                 }
             }
+            // Keys that were down when the window came to the fore were pressed for somebody else.
+            WindowEvent::KeyboardInput { is_synthetic: true, .. } => {}
             WindowEvent::KeyboardInput { event, .. } => self.key(&event),
             WindowEvent::Focused(false) => self.viewer.send(Event::Unfocused),
             WindowEvent::MouseInput { state: ElementState::Pressed, button: MouseButton::Left, .. } => {

@@ -178,12 +178,12 @@ fn screenshots_are_rendered_again_byte_by_byte() {
 fn a_number_of_frames_ends_with_figures_of_them() {
     let Some(screen) = Screen::start() else { return };
     let folder = tempfile::tempdir().unwrap();
-    let arguments = ["builtin:three", "--frames", "200", "--json"];
+    let arguments = ["builtin:three", "--frames", "400", "--json"];
     let viewer = Viewer::start(&screen, folder.path(), &arguments);
     let report: Value = serde_json::from_str(&viewer.end()).unwrap();
     let number = |name: &str| report[name].as_f64().unwrap_or_else(|| panic!("{name}: {report}"));
     assert_eq!((&report["schema"], &report["front_end"]), (&"octray-window-1".into(), &"window".into()));
-    assert_eq!(report["frames"], 200);
+    assert_eq!(report["frames"], 400);
     // A frame comes when it is due and not before: 60 a second unless the display says otherwise.
     assert!((0.5..80.0).contains(&number("fps")), "{report}");
     assert!(number("samples") >= 200.0 && number("samples_per_s") > number("fps"), "{report}");

@@ -196,7 +196,7 @@ mod tests {
     #[test]
     fn text_is_written_over_a_darkened_picture_and_cut_at_the_edge() {
         let white = Frame { pixels: vec![0xffffff; 1], width: 1, height: 1, ..Frame::default() };
-        let with = Frame { figures: "60 fps · 3×3".repeat(9), ..white.clone() };
+        let with = Frame { figures: "60 fps · 3×3".to_string(), ..white.clone() };
         let pixels = shown(&with, 100, 40);
         let count = |color| pixels.iter().filter(|&&pixel| pixel == color).count();
         assert!(count(0x3f3f3f) > 500, "darkened");

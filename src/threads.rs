@@ -7,7 +7,7 @@ use std::sync::{Arc, Mutex, MutexGuard};
 /// So many threads, and as many working memories.
 pub struct Threads<W> {
     /// None for one thread: then the caller's own does the work.
-    pool: Option<Arc<rayon::ThreadPool>>,
+    pool: Handle,
     /// The locks are never contended: a thread takes its own.
     memories: Vec<Mutex<W>>,
 }
@@ -21,26 +21,23 @@ impl<W: Send> Threads<W> {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(count).build();
             Arc::new(pool.expect("the system gives threads"))
         });
-        Self { pool, memories: (0..count).map(|_| Mutex::new(memory())).collect() }
+        Self { pool: Handle(pool), memories: (0..count).map(|_| Mutex::new(memory())).collect() }
     }
     pub fn count(&self) -> usize {
         self.memories.len()
     }
     /// Is the caller's own thread the only one? Then parallel iterators would wake threads that are not of these.
     pub fn alone(&self) -> bool {
-        self.pool.is_none()
+        self.pool.0.is_none()
     }
     /// Runs something on these threads, where parallel iterators spread over all of them. Called around many others, it saves waking
     /// them for each.
     pub fn run<R: Send>(&self, run: impl FnOnce() -> R + Send) -> R {
-        match &self.pool {
-            Some(pool) => pool.install(run),
-            None => run(),
-        }
+        self.pool.run(run)
     }
     /// What runs work on these threads and does not borrow them.
     pub fn handle(&self) -> Handle {
-        Handle(self.pool.clone())
+        self.pool.clone()
     }
     /// All working memories, one after the other. Not while threads work.
     ///
@@ -63,6 +60,7 @@ impl<W: Send> Threads<W> {
 }
 
 /// Threads to run on; see [`Threads::handle`].
+#[derive(Clone)]
 pub struct Handle(Option<Arc<rayon::ThreadPool>>);
 
 impl Handle {

@@ -2,7 +2,7 @@
 
 use super::Renderer;
 use crate::integrate::guides::{self, Guides};
-use crate::integrate::queue::PathShape;
+use crate::integrate::queue::{PathShape, Work};
 use crate::integrate::{Tile, cost};
 use rayon::prelude::*;
 use std::sync::Mutex;
@@ -31,25 +31,29 @@ impl Renderer {
     pub fn guides_into(&self, guides: &mut Guides) {
         guides.resize(self.settings.resolution);
         let (length, rows) = guides.rows();
-        let fill = |(y, row): (usize, &mut [f32])| {
-            guides::look(&self.world, y as u32, row, &mut self.threads.own());
-        };
-        match self.threads.alone() {
-            true => rows.chunks_mut(length).enumerate().for_each(fill),
-            false => self.threads.run(|| rows.par_chunks_mut(length).enumerate().for_each(fill)),
-        }
+        self.each_row(rows, length, |y, row, work| guides::look(&self.world, y, row, work));
     }
 
     /// What it takes to find what the ray through the middle of each pixel meets, that ray by itself.
     pub fn costs_into(&self, costs: &mut Map<Cost>) {
         costs.resize(self.settings.resolution);
         let width = costs.width as usize;
-        let fill = |(y, row): (usize, &mut [Cost])| {
-            cost::of_row(&self.world, self.settings.tile_size, y as u32, row, &mut self.threads.own());
-        };
+        self.each_row(&mut costs.pixels, width, |y, row, work| {
+            cost::of_row(&self.world, self.settings.tile_size, y, row, work);
+        });
+    }
+
+    /// Does something to every row of so many numbers, given its number from the top and a thread's working memory.
+    fn each_row<T: Send>(
+        &self,
+        numbers: &mut [T],
+        length: usize,
+        row: impl Fn(u32, &mut [T], &mut Work) + Sync,
+    ) {
+        let row = |(y, numbers): (usize, &mut [T])| row(y as u32, numbers, &mut self.threads.own());
         match self.threads.alone() {
-            true => costs.pixels.chunks_mut(width).enumerate().for_each(fill),
-            false => self.threads.run(|| costs.pixels.par_chunks_mut(width).enumerate().for_each(fill)),
+            true => numbers.chunks_mut(length).enumerate().for_each(row),
+            false => self.threads.run(|| numbers.par_chunks_mut(length).enumerate().for_each(row)),
         }
     }
 

@@ -12,7 +12,7 @@ mod atrous;
 mod blur;
 mod fxaa;
 mod history;
-mod rows;
+pub mod rows;
 
 pub use atrous::{Denoiser, Samples};
 pub use blur::Blur;

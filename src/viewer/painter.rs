@@ -11,7 +11,7 @@ use super::map::{self, Map};
 use super::rates::Rates;
 use super::state::State;
 use super::views::{self, Sources, View};
-use crate::display::{Blur, Denoiser, Fxaa, History, Samples, walking_speed};
+use crate::display::{Blur, Denoiser, Fxaa, History, Samples, rows, walking_speed};
 use crate::film::{Film, Picture};
 use crate::integrate::guides::Guides;
 use crate::integrate::queue::PathShape;
@@ -20,7 +20,6 @@ use crate::render::Renderer;
 use crate::render::survey::{self, Cost};
 use crate::scene::{Camera, Scene};
 use glam::Vec3;
-use rayon::prelude::*;
 use std::time::{Duration, Instant};
 
 /// How often figures change: people read them.
@@ -137,7 +136,7 @@ impl Painter {
     }
 
     fn paint_picture(&mut self, subject: &Subject, samples: u32, pixels: &mut [u32]) {
-        let Subject { renderer, controls, .. } = *subject;
+        let controls = subject.controls;
         let (mut shown, mut behind) = (&self.mean, Samples::Same(samples));
         if controls.reprojection {
             (shown, behind) = (self.history.shown(), Samples::Each(self.history.counts()));
@@ -150,7 +149,7 @@ impl Painter {
             Filter::Blur => shown = self.blur.filter(shown),
             Filter::Fxaa => shown = self.fxaa.filter(shown, &controls.tone),
         }
-        write(&controls.tone, shown, pixels, renderer.settings().threads > 1);
+        write(&controls.tone, shown, pixels);
     }
 
     fn paint_view(&mut self, view: View, subject: &Subject, samples: u32, pixels: &mut [u32]) {
@@ -208,17 +207,10 @@ impl Painter {
     }
 }
 
-/// Writes a picture as a screen shows it, on all threads of the pool that it is called in, if `together`.
-fn write(tone: &Tone, picture: &Picture, words: &mut [u32], together: bool) {
-    /// Pixels that are worth another thread.
-    const PART: usize = 4096;
-    match together {
-        true => {
-            let parts = words.par_chunks_mut(PART).zip(picture.pixels.par_chunks(PART));
-            parts.for_each(|(words, pixels)| tone.words(pixels, words));
-        }
-        false => tone.words(&picture.pixels, words),
-    }
+/// Writes a picture as a screen shows it.
+fn write(tone: &Tone, picture: &Picture, words: &mut [u32]) {
+    let width = picture.width as usize;
+    rows::each(words, width, |y, words| tone.words(&picture.pixels[y * width..][..width], words));
 }
 
 #[cfg(test)]

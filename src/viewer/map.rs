@@ -1,7 +1,8 @@
 //! The scene from above, and where the camera stands in it.
 //!
-//! For: [`Map`]. May import: `scene`. Must never know: rays, windows.
+//! For: [`Map`]. May import: `scene`, `walker`. Must never know: rays, windows.
 
+use super::walker::Walker;
 use crate::scene::{Camera, MaterialKind, Scene};
 use glam::{DVec2, DVec3};
 
@@ -34,11 +35,7 @@ struct Shape {
 impl Map {
     /// The scene's map: what its camera's up is up from, its line of sight pointing to the top.
     pub fn new(scene: &Scene) -> Self {
-        let camera = &scene.camera;
-        let up = camera.up.as_dvec3().normalize();
-        let sight = camera.look_at.as_dvec3() - camera.position.as_dvec3();
-        let ahead = (sight - up * sight.dot(up)).try_normalize();
-        let ahead = ahead.unwrap_or_else(|| up.any_orthonormal_vector());
+        let (ahead, up) = Walker::new(scene.camera).level();
         let mut map = Self {
             ground: vec![GROUND; (SIDE * SIDE) as usize],
             right: ahead.cross(up),

@@ -36,7 +36,12 @@ struct Build {
 }
 
 impl Build {
-    fn of(scene: &Scene, controls: &Controls, options: &Options) -> Self {
+    fn of(settings: &Settings) -> Self {
+        let Settings { methods, threads, lanes, .. } = *settings;
+        Self { methods, threads, lanes }
+    }
+    /// What is chosen for a scene.
+    fn wanted(scene: &Scene, controls: &Controls, options: &Options) -> Self {
         let methods = controls.methods(scene, (options.methods)(scene));
         Self { methods, threads: controls.threads, lanes: controls.lanes }
     }
@@ -56,8 +61,6 @@ pub struct Engine {
     frame: Frame,
     rates: Rates,
     summary: Summary,
-    /// The methods and threads of the renderer.
-    built: (Methods, usize),
     /// The name of the scene that is shown, as the playlist has it.
     name: String,
     /// Of the oldest event that no frame shows yet.
@@ -94,7 +97,6 @@ impl Engine {
             frame: Frame::default(),
             rates: Rates::default(),
             summary: Summary::default(),
-            built: (renderer.settings().methods, renderer.settings().threads),
             name: state.playlist.current().to_string(),
             exposure: Exposure::new(&renderer, &scene),
             unanswered: None,
@@ -116,18 +118,18 @@ impl Engine {
     pub fn run(mut self, mut renderer: Renderer) -> Summary {
         self.watch();
         while let Next::Swap(ready) = renderer.hold(|renderer| self.serve(renderer)) {
-            renderer = self.swap(*ready);
+            renderer = self.swap(*ready, renderer.settings());
         }
         self.summary
     }
 
-    /// Goes on with a scene, or a way to render it, that has become ready.
-    fn swap(&mut self, ready: Ready) -> Renderer {
+    /// Goes on with a scene, or a way to render it, that has become ready; `before` is how it was rendered until now.
+    fn swap(&mut self, ready: Ready, before: &Settings) -> Renderer {
         let Ready { scene, renderer, again } = ready;
         if Arc::ptr_eq(&scene, &self.scene) {
             // Only the width is measured side by side: with all else the same.
-            let Settings { methods, threads, .. } = *renderer.settings();
-            match (methods, threads) == self.built {
+            let now = Build::of(renderer.settings());
+            match now == (Build { lanes: now.lanes, ..Build::of(before) }) {
                 true => self.rates.switch(),
                 false => self.rates.forget(),
             }
@@ -141,7 +143,6 @@ impl Engine {
             self.rates.forget();
             self.set_message("");
         }
-        self.built = (renderer.settings().methods, renderer.settings().threads);
         self.exposure.renew(&renderer, &self.scene);
         self.painter.forget();
         renderer
@@ -149,16 +150,23 @@ impl Engine {
 
     /// Watches the files of the scene that is shown, and of the one that should be.
     fn watch(&mut self) {
-        let wanted = Path::new(self.state.playlist.current());
-        self.files.watch(self.scene.files.iter().map(PathBuf::as_path).chain([wanted]));
+        let wanted = self.state.playlist.current();
+        let wanted = (!wanted.starts_with("builtin:")).then_some(Path::new(wanted));
+        self.files.watch(self.scene.files.iter().map(PathBuf::as_path).chain(wanted));
     }
 
     /// Frame after frame with one renderer.
     fn serve(&mut self, renderer: &mut Renderer) -> Next {
+        // The choices that this renderer was last held against.
+        let mut chosen = None;
         loop {
             self.exchange.hear();
-            if self.listen(renderer) {
+            if self.listen() {
                 return Next::Over;
+            }
+            if chosen != Some(self.state.controls) && !self.loader.busy() {
+                chosen = Some(self.state.controls);
+                self.rebuild(renderer);
             }
             match self.loader.take() {
                 Some(Ok(ready)) => return Next::Swap(Box::new(ready)),
@@ -189,7 +197,7 @@ impl Engine {
     }
 
     /// Takes in what happened; true at the end of it all.
-    fn listen(&mut self, renderer: &Renderer) -> bool {
+    fn listen(&mut self) -> bool {
         while let Ok((event, at)) = self.events.try_recv() {
             if !matches!(event, Event::Rate(_)) {
                 self.unanswered.get_or_insert(at);
@@ -205,12 +213,15 @@ impl Engine {
                 None => {}
             }
         }
-        let wanted = Build::of(&self.scene, &self.state.controls, &self.options);
-        let Settings { methods, threads, lanes, .. } = *renderer.settings();
-        if !self.loader.busy() && wanted != (Build { methods, threads, lanes }) {
+        false
+    }
+
+    /// Orders another renderer, if this one is not what is chosen.
+    fn rebuild(&mut self, renderer: &Renderer) {
+        let wanted = Build::wanted(&self.scene, &self.state.controls, &self.options);
+        if wanted != Build::of(renderer.settings()) {
             self.order(Source::Here(self.scene.clone()), true);
         }
-        false
     }
 
     /// Has the playlist's scene read; once more, if it is the one that is shown.
@@ -312,7 +323,7 @@ impl Engine {
 
 /// How a scene is rendered as things stand, from its own camera.
 fn settings(scene: &Scene, controls: &Controls, options: &Options) -> Settings {
-    let Build { methods, threads, lanes } = Build::of(scene, controls, options);
+    let Build { methods, threads, lanes } = Build::wanted(scene, controls, options);
     Settings {
         resolution: controls.resolution(options.size.unwrap_or(scene.resolution), 1.0),
         max_bounces: controls.bounces,

@@ -234,7 +234,8 @@ fn history_starts_anew_in_another_resolution_and_gives_the_same_bits_on_any_thre
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         let mut window = Window::new(scene());
         let mut history = History::new();
-        let other = Guides::new([40, SIZE[0]]);
+        let mut other = Guides::default();
+        other.resize([40, SIZE[0]]);
         let turned = Picture { width: 40, height: SIZE[0], ..flat(9.0) };
         history.advance(&turned, 1, &other, window.renderer.camera());
         for frame in 0..6 {

@@ -61,11 +61,6 @@ pub struct Guides {
 }
 
 impl Guides {
-    pub fn new(resolution: [u32; 2]) -> Self {
-        let mut guides = Self::default();
-        guides.resize(resolution);
-        guides
-    }
     /// Takes memory only where the picture grows. What the guides hold afterwards is unspecified.
     pub fn resize(&mut self, resolution: [u32; 2]) {
         let [width, height] = resolution.map(|side| side as usize);

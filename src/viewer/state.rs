@@ -3,7 +3,7 @@
 //! For: [`State`]. May import: `keys`, `walker`, `controls`, `playlist`. Must never know: threads, windows, terminals, files.
 
 use super::controls::Controls;
-use super::keys::{self, Action, Command, Key, Motion};
+use super::keys::{self, Action, Command, Key};
 use super::playlist::Playlist;
 use super::walker::{Held, Walker};
 use crate::scene::Scene;
@@ -165,13 +165,6 @@ impl State {
         }
         matches!(command, Command::NextScene | Command::PreviousScene).then_some(Effect::Load)
     }
-
-    /// Is a key down that moves the camera?
-    pub fn moving(&self) -> bool {
-        use Motion::*;
-        let motions = [Forward, Back, Left, Right, Up, Down, TurnLeft, TurnRight, TurnUp, TurnDown];
-        motions.into_iter().any(|motion| self.held.is(motion))
-    }
 }
 
 /// Does a key that stays down do it again and again?
@@ -184,6 +177,7 @@ fn repeats(command: Command) -> bool {
 mod tests {
     use super::*;
     use crate::output::Tone;
+    use crate::viewer::keys::Motion;
     use crate::viewer::views::View;
 
     fn start() -> (State, Instant) {
@@ -192,6 +186,12 @@ mod tests {
         let now = Instant::now();
         let controls = Controls::new(scene.max_bounces, 2, 8, Tone::default());
         (State::new(Playlist::new(&names).unwrap(), &scene, controls, None, now), now)
+    }
+    /// Is a key down that moves the camera?
+    fn moving(state: &State) -> bool {
+        use Motion::*;
+        let motions = [Forward, Back, Left, Right, Up, Down, TurnLeft, TurnRight, TurnUp, TurnDown];
+        motions.into_iter().any(|motion| state.held.is(motion))
     }
     fn key(key: Key, down: bool) -> Event {
         Event::Key { key, down, repeat: false }
@@ -206,9 +206,9 @@ mod tests {
         state.speed = 10.0;
         let from = state.walker.camera().position;
         state.handle(&key(Key::Char('w'), true), now + ms(100));
-        assert!(state.moving());
+        assert!(moving(&state));
         state.handle(&key(Key::Char('w'), false), now + ms(120));
-        assert!(!state.moving());
+        assert!(!moving(&state));
         state.advance(now + ms(500));
         let walked = state.walker.camera().position.distance(from);
         assert!((walked - 0.2).abs() < 1e-4, "20 ms at 10 units a second: {walked}");
@@ -239,7 +239,7 @@ mod tests {
         state.handle(&Event::Click, now);
         state.handle(&key(Key::Up, true), now);
         state.handle(&Event::Unfocused, now);
-        assert!(!state.moving() && !state.caught);
+        assert!(!moving(&state) && !state.caught);
     }
 
     #[test]

@@ -175,19 +175,19 @@ fn walk(renderer: &mut Renderer, scene: &Scene, path: Path, frames: u32, speed: 
         walk.frame_ms.push(ms(start));
         film.picture_into(&mut fresh);
         let start = Instant::now();
-        let kept = renderer.on_threads(|| {
+        renderer.on_threads(|| {
             renderer.guides_into(&mut guides);
-            history.advance(&fresh, 1, &guides, renderer.camera()).clone()
+            history.advance(&fresh, 1, &guides, renderer.camera());
         });
         let reprojected = ms(start);
         let start = Instant::now();
-        let clean =
-            renderer.on_threads(|| denoiser.filter(&kept, Samples::Each(history.counts()), &guides).clone());
+        let (kept, counts) = (history.shown(), Samples::Each(history.counts()));
+        let clean = renderer.on_threads(|| denoiser.filter(kept, counts, &guides));
         for (taken, ms) in walk.filter_ms.iter_mut().zip([0.0, reprojected, reprojected + ms(start)]) {
             taken.push(ms);
         }
         if judged.contains(&frame) {
-            walk.judged.push((camera, [fresh.clone(), kept, clean]));
+            walk.judged.push((camera, [&fresh, kept, clean].map(Picture::clone)));
         }
     }
     walk

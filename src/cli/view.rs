@@ -9,7 +9,7 @@ use super::numbers::{bounces, clamp, exposure, lanes, seed, size, threads, whole
 use super::scenes;
 use super::terminal::{self, figure};
 use crate::measure::machine::{self, Machine};
-use crate::scene::{self, Scene};
+use crate::scene::Scene;
 use crate::viewer::keys;
 use crate::viewer::playlist::Playlist;
 use crate::viewer::window::Presented;
@@ -227,10 +227,7 @@ impl Report {
 
 /// Runs the command.
 pub fn run(options: ViewOptions) -> Result<ExitCode, CliError> {
-    let mut names = options.scenes.clone();
-    if names.is_empty() {
-        names = scene::builtin_names().map(|name| format!("builtin:{name}")).collect();
-    }
+    let names = scenes::or_built_in(&options.scenes);
     let Some(playlist) = Playlist::new(&names) else {
         let what = format!("there is no scene (.json) and no model (.obj) in {}", names.join(", "));
         return Err(CliError::Nothing { what, mend: "name a folder that holds some, or a file" });

@@ -29,6 +29,11 @@ fn cells(spread: Spread) -> [String; 3] {
     [spread.median, spread.p10, spread.p90].map(|number| number.to_string())
 }
 
+/// What is there, or an empty cell.
+fn cell(what: Option<impl ToString>) -> String {
+    what.map_or_else(String::new, |what| what.to_string())
+}
+
 /// A row for each configuration and number of samples.
 pub fn pictures(chart: &Chart) -> String {
     let mut table = Table::new(&[
@@ -96,7 +101,7 @@ pub fn frames(chart: &Chart) -> String {
                 row.extend(cells(frames.fps));
                 row.push(moment.after_s.to_string());
                 row.extend(cells(moment.samples));
-                row.extend(moment.rmse.map_or([const { String::new() }; 3], cells));
+                row.extend(moment.rmse.map_or_else(Default::default, cells));
                 row.extend(cells(moment.flip));
                 table.row(row);
             }
@@ -130,7 +135,7 @@ pub fn display(chart: &Chart) -> String {
         for shown in &scene.display {
             let mut row = vec![scene.scene.clone(), shown.way.into(), shown.samples.to_string()];
             row.extend([shown.threads, shown.seeds].map(|count| count.to_string()));
-            row.extend(shown.rmse.map_or([const { String::new() }; 3], cells));
+            row.extend(shown.rmse.map_or_else(Default::default, cells));
             for spread in [shown.flip, shown.frame_ms, shown.filter_ms] {
                 row.extend(cells(spread));
             }
@@ -162,7 +167,7 @@ pub fn motion(chart: &Chart) -> String {
         for moving in &scene.motion {
             let mut row = vec![scene.scene.clone(), moving.path.name().into(), moving.way.into()];
             row.extend([moving.threads.to_string(), moving.frames.to_string(), moving.speed.to_string()]);
-            row.extend([moving.rmse, moving.times_lower].map(|x| x.map_or(String::new(), |x| x.to_string())));
+            row.extend([moving.rmse, moving.times_lower].map(cell));
             for spread in [moving.frame_ms, moving.filter_ms] {
                 row.extend(cells(spread));
             }
@@ -202,9 +207,9 @@ pub fn kernels(chart: &Chart) -> String {
             kernel.failures.to_string(),
             kernel.failure_case.recipe.into(),
             kernel.failure_case.place.to_string(),
-            kernel.p99.map_or(String::new(), |error| error.to_string()),
-            case.map_or(String::new(), |case| case.recipe.into()),
-            case.map_or(String::new(), |case| case.place.to_string()),
+            cell(kernel.p99),
+            cell(case.map(|case| case.recipe)),
+            cell(case.map(|case| case.place)),
         ]);
     }
     table.text()

@@ -3,7 +3,8 @@
 //! For: [`Args`] and one struct a command. May import: `clap`, and the names of recipes. Must never know: which values make sense; numbers stay text
 //! here, and `options` reads them, so that every refusal has the same form.
 
-use super::choices::{MethodArgs, PipelineArg, ToneArg, TraversalArg};
+use super::choices::{MethodArgs, PipelineArg, TraversalArg};
+use super::picture::PictureArgs;
 use crate::measure::stability::recipes;
 use clap::builder::PossibleValuesParser;
 use clap::{Parser, Subcommand};
@@ -158,36 +159,8 @@ pub struct RenderArgs {
     /// the square root of it) into .png and .jpg.
     #[arg(long, value_name = "FILE")]
     pub samples_map: Option<PathBuf>,
-    /// Pixels of the picture [default: the scene's].
-    #[arg(long, value_name = "WxH", allow_hyphen_values = true)]
-    pub size: Option<String>,
-    /// Scattering events allowed on a path; 0 shows only what shines [default: the scene's].
-    #[arg(long, value_name = "N", allow_hyphen_values = true)]
-    pub bounces: Option<String>,
-    /// Which random numbers to use: the same seed gives the same picture, bit by bit [default: 0].
-    #[arg(long, value_name = "N", allow_hyphen_values = true)]
-    pub seed: Option<String>,
-    /// Worker threads; they do not change the picture [default: all cores].
-    #[arg(long, value_name = "N", allow_hyphen_values = true)]
-    pub threads: Option<String>,
-    /// Rays traced at a time: 1 (scalar) or 8 (SIMD); they do not change the picture.
-    #[arg(long, value_name = "1|8", default_value = "8", allow_hyphen_values = true)]
-    pub lanes: String,
-    /// The most radiance that a sample may bring to a channel. It takes bright specks away, and light with them: the picture is
-    /// biased, darker than the truth by what is cut off [default: no limit].
-    #[arg(long, value_name = "MOST", allow_hyphen_values = true)]
-    pub clamp: Option<String>,
-    /// Brighten (above 0) or darken (below 0) .png and .jpg by so many stops, a factor of two each [default: 0].
-    #[arg(long, value_name = "STOPS", allow_hyphen_values = true)]
-    pub exposure: Option<String>,
-    /// How .png and .jpg show what is brighter than a screen [default: clamp].
-    #[arg(long, value_enum)]
-    pub tone: Option<ToneArg>,
     #[command(flatten)]
-    pub methods: MethodArgs,
-    /// Compiled for what the scene needs, or with every feature: it does not change the picture [default: needed].
-    #[arg(long, value_enum, value_name = "PIPELINE")]
-    pub pipeline: Option<PipelineArg>,
+    pub picture: PictureArgs,
     /// Print what was done as JSON (schema octray-render-1).
     #[arg(long)]
     pub json: bool,

@@ -161,7 +161,7 @@ mod tests {
         };
         let view = View { render, ..View::of(&cornell(), std::path::Path::new("")) };
         let scene = Scene { view: Some(view), ..cornell() };
-        RenderOptions::try_from(args).unwrap().asked.or(Asked::of(&scene).unwrap())
+        RenderOptions::try_from(args).unwrap().picture.asked.or(Asked::of(&scene).unwrap())
     }
 
     fn cornell() -> Scene {

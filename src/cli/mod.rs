@@ -39,6 +39,7 @@ pub mod memory;
 pub mod methods;
 pub mod numbers;
 pub mod options;
+mod picture;
 pub mod progress;
 pub mod rays;
 pub mod render;

@@ -6,12 +6,12 @@
 use super::args::{
     BenchArgs, ChartArgs, CompareArgs, ConvertArgs, InspectArgs, RaysArgs, RenderArgs, StabilityArgs,
 };
-use super::asked::Asked;
 use super::choices::{PipelineArg, ToneArg};
 use super::error::CliError;
 use super::limits::{Limits, seconds};
 use super::methods::MethodOptions;
-use super::numbers::{bounces, clamp, exposure, lanes, refuse, samples, seed, size, threads, whole};
+use super::numbers::{bounces, lanes, refuse, samples, seed, size, threads, whole};
+use super::picture::PictureOptions;
 use crate::measure::chart::pictures;
 use crate::measure::chart::truth::SHRINK;
 use crate::measure::stability::{Recipe, recipes};
@@ -70,14 +70,8 @@ pub struct RenderOptions {
     pub output: PathBuf,
     /// Where the numbers of samples go.
     pub samples_map: Option<PathBuf>,
-    /// The scene's if `None`.
-    pub size: Option<[u32; 2]>,
-    /// The scene's if `None`.
-    pub bounces: Option<u32>,
-    pub threads: usize,
-    pub lanes: usize,
-    /// What a view may ask for as well.
-    pub asked: Asked,
+    /// With limits.
+    pub picture: PictureOptions,
     pub json: bool,
     pub stats: bool,
 }
@@ -173,23 +167,13 @@ impl TryFrom<CompareArgs> for CompareOptions {
 impl TryFrom<RenderArgs> for RenderOptions {
     type Error = CliError;
     fn try_from(args: RenderArgs) -> Result<Self, CliError> {
+        let mut picture = PictureOptions::try_from(args.picture)?;
+        picture.asked.limits = Limits::asked(args.limits)?;
         Ok(Self {
             scene: args.scene,
             output: args.output,
             samples_map: args.samples_map,
-            size: args.size.as_deref().map(size).transpose()?,
-            bounces: args.bounces.as_deref().map(bounces).transpose()?,
-            threads: threads(args.threads)?,
-            lanes: lanes(&args.lanes)?,
-            asked: Asked {
-                limits: Limits::asked(args.limits)?,
-                seed: args.seed.as_deref().map(seed).transpose()?,
-                exposure: args.exposure.as_deref().map(exposure).transpose()?,
-                tone: args.tone.map(Into::into),
-                clamp: args.clamp.as_deref().map(clamp).transpose()?,
-                methods: args.methods.into(),
-                pipeline: args.pipeline.map(Into::into),
-            },
+            picture,
             json: args.json,
             stats: args.stats,
         })

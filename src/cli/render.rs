@@ -7,6 +7,7 @@ use super::interrupt::Interrupt;
 use super::limits::Limits;
 use super::memory;
 use super::options::RenderOptions;
+use super::picture::PictureOptions;
 use super::progress::{Progress, mrays_per_s};
 use super::samples_map;
 use super::scenes;
@@ -71,20 +72,21 @@ pub fn run(options: RenderOptions) -> Result<ExitCode, CliError> {
     output::check(&options.output, Existing::Replace)?;
     samples_map::check(&options)?;
     let scene = scenes::load(&options.scene)?;
-    let asked = options.asked.or(Asked::of(&scene)?);
+    let asked = options.picture.asked.or(Asked::of(&scene)?);
     let limits = asked.limits.unwrap_or_default();
     for warning in &scene.warnings {
         terminal::warn(warning);
     }
     // Of the options alone: a view says it for all formats at once.
-    if format.is_linear() && (options.asked.exposure.is_some() || options.asked.tone.is_some()) {
+    let Asked { exposure, tone, .. } = options.picture.asked;
+    if format.is_linear() && (exposure.is_some() || tone.is_some()) {
         terminal::warn(&format!(
             "--exposure and --tone have no effect on {}: it holds the linear radiance.",
             options.output.display()
         ));
     }
 
-    let settings = settings(&scene, &options, &asked);
+    let settings = settings(&scene, &options.picture, &asked);
     let adaptive = limits.target.is_some();
     let noise = if adaptive { Noise::BYTES_PER_PIXEL } else { 0 };
     memory::check(settings.resolution, Film::BYTES_PER_PIXEL + noise)?;
@@ -138,7 +140,7 @@ pub fn run(options: RenderOptions) -> Result<ExitCode, CliError> {
     Ok(if report.interrupted { ExitCode::from(INTERRUPTED) } else { ExitCode::SUCCESS })
 }
 
-fn settings(scene: &Scene, options: &RenderOptions, asked: &Asked) -> Settings {
+fn settings(scene: &Scene, options: &PictureOptions, asked: &Asked) -> Settings {
     let scenes_own = Settings::of(scene);
     Settings {
         resolution: options.size.unwrap_or(scene.resolution),

@@ -3,9 +3,9 @@
 //! For: [`ViewArgs`], [`ViewOptions`], [`run`]. May import: `viewer`. Must never know: what keys do.
 
 use super::asked::Asked;
-use super::choices::{MethodArgs, PipelineArg, ToneArg};
 use super::error::CliError;
-use super::numbers::{bounces, clamp, exposure, lanes, seed, size, threads, whole};
+use super::numbers::whole;
+use super::picture::{PictureArgs, PictureOptions};
 use super::scenes;
 use super::terminal::{self, figure};
 use crate::measure::machine::{self, Machine};
@@ -23,7 +23,8 @@ use std::process::ExitCode;
 /// Walk through scenes in a window.
 ///
 /// The picture gathers samples for as long as the camera stands, up to 65,536 a pixel; while it moves, what earlier frames saw stands in for
-/// samples. Files may be dropped on the window; a scene whose file changes is read again.
+/// samples. Where the screen has room, the window shows each pixel larger. Files may be dropped on it; a scene whose file changes is read
+/// again.
 ///
 /// --terminal draws with half characters in true colour instead, for machines without a display; Ctrl-C ends it.
 #[derive(Debug, clap::Args)]
@@ -35,33 +36,9 @@ pub struct ViewArgs {
     /// Draw in this terminal instead of a window.
     #[arg(long)]
     pub terminal: bool,
-    /// Pixels of the picture; the window is larger where the screen has room [default: the scene's].
-    #[arg(long, value_name = "WxH", allow_hyphen_values = true)]
-    pub size: Option<String>,
-    /// Scattering events allowed on a path [default: the scene's].
-    #[arg(long, value_name = "N", allow_hyphen_values = true)]
-    pub bounces: Option<String>,
-    /// Which random numbers a standing picture is made of [default: 0].
-    #[arg(long, value_name = "N", allow_hyphen_values = true)]
-    pub seed: Option<String>,
-    /// Worker threads [default: all cores].
-    #[arg(long, value_name = "N", allow_hyphen_values = true)]
-    pub threads: Option<String>,
-    /// Rays traced at a time: 1 (scalar) or 8 (SIMD).
-    #[arg(long, value_name = "1|8", default_value = "8", allow_hyphen_values = true)]
-    pub lanes: String,
     /// Hold so many frames a second by coarser pixels.
     #[arg(long, value_name = "N", allow_hyphen_values = true)]
     pub target_fps: Option<String>,
-    /// The most radiance that a sample may bring to a channel [default: no limit].
-    #[arg(long, value_name = "MOST", allow_hyphen_values = true)]
-    pub clamp: Option<String>,
-    /// Brighten (above 0) or darken (below 0) by so many stops [default: 0].
-    #[arg(long, value_name = "STOPS", allow_hyphen_values = true)]
-    pub exposure: Option<String>,
-    /// How what is brighter than a screen is shown [default: clamp].
-    #[arg(long, value_enum)]
-    pub tone: Option<ToneArg>,
     /// The folder for screenshots.
     #[arg(long, value_name = "FOLDER", default_value = ".")]
     pub screenshots: PathBuf,
@@ -72,10 +49,7 @@ pub struct ViewArgs {
     #[arg(long)]
     pub json: bool,
     #[command(flatten)]
-    pub methods: MethodArgs,
-    /// Compiled for what the scene needs, or with every feature: it does not change the picture [default: needed].
-    #[arg(long, value_enum, value_name = "PIPELINE")]
-    pub pipeline: Option<PipelineArg>,
+    pub picture: PictureArgs,
 }
 
 /// Keys, and examples.
@@ -94,15 +68,10 @@ pub struct ViewOptions {
     scenes: Vec<String>,
     terminal: bool,
     json: bool,
-    size: Option<[u32; 2]>,
-    bounces: Option<u32>,
-    threads: usize,
-    lanes: usize,
     target: Option<u32>,
     frames: Option<u64>,
     screenshots: PathBuf,
-    /// Stronger than what a view says itself.
-    asked: Asked,
+    picture: PictureOptions,
 }
 
 /// Most frames a second that can be held.
@@ -117,22 +86,10 @@ impl TryFrom<ViewArgs> for ViewOptions {
             scenes: args.scenes,
             terminal: args.terminal,
             json: args.json,
-            size: args.size.as_deref().map(size).transpose()?,
-            bounces: args.bounces.as_deref().map(bounces).transpose()?,
-            threads: threads(args.threads)?,
-            lanes: lanes(&args.lanes)?,
             target: whole_of("--target-fps", args.target_fps, MOST_FPS)?,
             frames: whole_of("--frames", args.frames, u32::MAX)?.map(u64::from),
             screenshots: args.screenshots,
-            asked: Asked {
-                limits: None,
-                seed: args.seed.as_deref().map(seed).transpose()?,
-                exposure: args.exposure.as_deref().map(exposure).transpose()?,
-                tone: args.tone.map(Into::into),
-                clamp: args.clamp.as_deref().map(clamp).transpose()?,
-                methods: args.methods.into(),
-                pipeline: args.pipeline.map(Into::into),
-            },
+            picture: args.picture.try_into()?,
         })
     }
 }
@@ -140,17 +97,18 @@ impl TryFrom<ViewArgs> for ViewOptions {
 impl ViewOptions {
     /// What the viewer starts with, given its first scene: seed, tone, limits are its own from then on.
     fn viewer(&self, first: &Scene) -> Result<Options, CliError> {
-        let asked = self.asked.or(Asked::of(first)?);
-        let methods = self.asked.methods;
+        let PictureOptions { size, bounces, threads, lanes, asked } = self.picture;
+        let methods = asked.methods;
+        let asked = asked.or(Asked::of(first)?);
         Ok(Options {
-            size: self.size,
-            bounces: self.bounces,
+            size,
+            bounces,
             seed: asked.seed.unwrap_or(0),
             pipeline: asked.pipeline.unwrap_or_default(),
             clamp: asked.clamp.unwrap_or(f32::INFINITY),
-            threads: self.threads,
-            most_threads: machine::cores().max(self.threads),
-            lanes: self.lanes,
+            threads,
+            most_threads: machine::cores().max(threads),
+            lanes,
             tone: asked.shown(),
             target: self.target,
             // Views that come later are not held to their words: a wrong one asks for nothing.

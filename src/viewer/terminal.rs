@@ -14,9 +14,9 @@ use super::told::Told;
 use super::{Options, Summary, Viewer};
 use crate::scene::Scene;
 use crossterm::event::{
-    self, DisableBracketedPaste, DisableMouseCapture, EnableBracketedPaste, EnableMouseCapture, KeyCode,
-    KeyEventKind, KeyModifiers, KeyboardEnhancementFlags, MouseEventKind, PopKeyboardEnhancementFlags,
-    PushKeyboardEnhancementFlags,
+    self, DisableBracketedPaste, DisableFocusChange, DisableMouseCapture, EnableBracketedPaste,
+    EnableFocusChange, EnableMouseCapture, KeyCode, KeyEventKind, KeyModifiers, KeyboardEnhancementFlags,
+    MouseEventKind, PopKeyboardEnhancementFlags, PushKeyboardEnhancementFlags,
 };
 use crossterm::style::{Color, Colors, Print, ResetColor, SetColors};
 use crossterm::{cursor, execute, queue, terminal as screen};
@@ -66,7 +66,8 @@ impl Raw {
             screen::EnterAlternateScreen,
             cursor::Hide,
             EnableMouseCapture,
-            EnableBracketedPaste
+            EnableBracketedPaste,
+            EnableFocusChange
         )?;
         raw.tells_up = screen::supports_keyboard_enhancement().unwrap_or(false);
         if raw.tells_up {
@@ -90,6 +91,7 @@ fn restore(out: &mut impl Write, tells_up: bool) {
     }
     let _ = execute!(
         out,
+        DisableFocusChange,
         DisableBracketedPaste,
         DisableMouseCapture,
         ResetColor,

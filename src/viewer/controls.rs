@@ -70,6 +70,8 @@ impl Equations {
 const TARGETS: [Option<u32>; 4] = [None, Some(15), Some(30), Some(60)];
 /// Steps of [`Controls::scale`].
 const SCALES: [i32; 2] = [-8, 6];
+/// Most pixels that are shown where a scene asks for fewer: 3840×2160, about 1 GB with all that is remembered of them.
+const MOST_PIXELS: f64 = 3840.0 * 2160.0;
 /// Most stops up and down, and how many a key changes.
 const STOPS: f32 = 20.0;
 const STOP: f32 = 0.5;
@@ -148,8 +150,13 @@ impl Controls {
                 all.extend(through);
                 self.traversal = next(&all, self.traversal);
             }
-            Command::Brighter => self.tone.exposure = (self.tone.exposure + STOP).min(STOPS),
-            Command::Darker => self.tone.exposure = (self.tone.exposure - STOP).max(-STOPS),
+            // What the command line asked for may lie beyond.
+            Command::Brighter if self.tone.exposure < STOPS => {
+                self.tone.exposure = (self.tone.exposure + STOP).min(STOPS);
+            }
+            Command::Darker if self.tone.exposure > -STOPS => {
+                self.tone.exposure = (self.tone.exposure - STOP).max(-STOPS);
+            }
             Command::NextTone => {
                 self.tone.operator = next(&Operator::ALL, self.tone.operator);
             }
@@ -169,6 +176,8 @@ impl Controls {
             | Command::Narrower
             | Command::Wider
             | Command::Screenshot
+            | Command::Brighter
+            | Command::Darker
             | Command::Release => {}
         }
     }
@@ -178,8 +187,8 @@ impl Controls {
         let [width, height] = own.map(f64::from);
         let factor = (f64::from(self.scale) / 2.0).exp2() * more;
         let least = (8.0 / width).max(8.0 / height).min(1.0);
-        let most = (f64::from(MAX_SIDE) / width.max(height)).max(1.0);
-        let factor = factor.clamp(least, most);
+        let most = (f64::from(MAX_SIDE) / width.max(height)).min((MOST_PIXELS / (width * height)).sqrt());
+        let factor = factor.clamp(least, most.max(1.0));
         [width, height].map(|side| (side * factor).round().max(1.0) as u32)
     }
 
@@ -258,7 +267,16 @@ mod tests {
         assert_eq!(coarsest.resolution([3, 2], 1.0), [3, 2], "nothing is made larger by being coarse");
         let finest = after(&[Command::Finer; 99]);
         assert_eq!(finest.resolution([240, 135], 1.0), [1920, 1080]);
+        assert_eq!(finest.resolution([1920, 1080], 1.0), [3840, 2160]);
+        assert_eq!(finest.resolution([5000, 4000], 1.0), [5000, 4000], "what a scene asks for it gets");
         assert_eq!(finest.resolution([MAX_SIDE, 100], 1.0), [MAX_SIDE, 100]);
+        let bright = Controls::new(4, 6, 8, Tone { exposure: 30.0, ..Tone::default() });
+        let pressed = |command| {
+            let mut controls = bright;
+            controls.apply(command);
+            controls.tone.exposure
+        };
+        assert_eq!([Command::Brighter, Command::Darker].map(pressed), [30.0, 29.5]);
     }
 
     #[test]

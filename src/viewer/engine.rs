@@ -92,8 +92,14 @@ impl Engine {
         let renderer = Renderer::new(&scene, settings(&scene, &state.controls, &options));
         let engine = Self {
             painter: Painter::default(),
-            loader: Loader::start(),
-            files: Files::none(),
+            loader: Loader::start({
+                let exchange = exchange.clone();
+                move || exchange.tell()
+            }),
+            files: Files::none({
+                let exchange = exchange.clone();
+                move || exchange.tell()
+            }),
             frame: Frame::default(),
             rates: Rates::default(),
             summary: Summary::default(),
@@ -116,7 +122,7 @@ impl Engine {
 
     /// Goes on until somebody quits.
     pub fn run(mut self, mut renderer: Renderer) -> Summary {
-        self.watch();
+        self.watch(None);
         while let Next::Swap(ready) = renderer.hold(|renderer| self.serve(renderer)) {
             renderer = self.swap(*ready, renderer.settings());
         }
@@ -139,7 +145,7 @@ impl Engine {
             self.scene = scene;
             self.name = self.state.playlist.current().to_string();
             self.painter.meet_another_scene(again);
-            self.watch();
+            self.watch(None);
             self.rates.forget();
             self.set_message("");
         }
@@ -148,11 +154,11 @@ impl Engine {
         renderer
     }
 
-    /// Watches the files of the scene that is shown, and of the one that should be.
-    fn watch(&mut self) {
+    /// Watches the files of the scene that is shown, of the one that should be, and the one that is to blame if that is not there.
+    fn watch(&mut self, broken: Option<&Path>) {
         let wanted = self.state.playlist.current();
         let wanted = (!wanted.starts_with("builtin:")).then_some(Path::new(wanted));
-        self.files.watch(self.scene.files.iter().map(PathBuf::as_path).chain(wanted));
+        self.files.watch(self.scene.files.iter().map(PathBuf::as_path).chain(wanted).chain(broken));
     }
 
     /// Frame after frame with one renderer.
@@ -162,6 +168,9 @@ impl Engine {
         loop {
             self.exchange.hear();
             if self.listen() {
+                if self.shoot {
+                    self.shoot(renderer);
+                }
                 return Next::Over;
             }
             if chosen != Some(self.state.controls) && !self.loader.busy() {
@@ -175,7 +184,7 @@ impl Engine {
                     self.painter.message(&error.to_string());
                     (self.message, self.asked) = (None, None);
                     // Whoever mends the file sees the scene.
-                    self.watch();
+                    self.watch(error.file.as_deref());
                 }
                 None => {}
             }
@@ -186,6 +195,9 @@ impl Engine {
             self.point(renderer);
             let measured = (&mut self.rates, &mut self.summary);
             self.exposure.expose(renderer, self.state.rate, &self.exchange, measured);
+            if self.exchange.is_left() {
+                continue;
+            }
             self.show(renderer);
             if std::mem::take(&mut self.shoot) {
                 self.shoot(renderer);

@@ -16,6 +16,11 @@ const MOST_SAMPLES: u32 = 65_536;
 /// How much coarser or finer a step makes pixels that hold a frame rate, and how coarse they become at most.
 const STEP: f64 = 0.85;
 const COARSEST: f64 = 0.05;
+/// Frames that this is decided by, their fastest: one that something else held up says nothing. And the fastest of none.
+const TRIED: u32 = 3;
+const NONE: (u32, Duration) = (0, Duration::MAX);
+/// A picture that has stood for so long keeps its pixels: others would begin it anew.
+const SETTLED: Duration = Duration::from_secs(1);
 
 /// What a picture is of.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -52,17 +57,23 @@ pub struct Exposure {
     /// How long the last sample took, and painting the last frame.
     sample: Duration,
     painting: Duration,
+    /// What frames of this resolution took at least, since one was chosen: so many, the fastest.
+    fastest: (u32, Duration),
+    /// When the picture became what it is.
+    since: Instant,
 }
 
-/// Stops samples that take longer than a frame and that nobody waits for once something happens.
+/// Stops samples that nobody waits for.
 struct Impatience<'a> {
-    exchange: Option<&'a Exchange>,
+    exchange: &'a Exchange,
+    /// Is there a picture without this sample? Then it is stopped as soon as something happens and a frame is due.
+    spare: bool,
     due: Instant,
 }
 
 impl Watch for Impatience<'_> {
     fn stop(&self) -> bool {
-        self.exchange.is_some_and(Exchange::has_news) && Instant::now() >= self.due
+        self.exchange.is_left() || (self.spare && self.exchange.has_news() && Instant::now() >= self.due)
     }
     fn done(&self, _pixels: usize, _rays: u64) {}
 }
@@ -84,6 +95,8 @@ impl Exposure {
             due: now,
             sample: Duration::ZERO,
             painting: Duration::ZERO,
+            fastest: NONE,
+            since: now,
         }
     }
 
@@ -115,16 +128,18 @@ impl Exposure {
         renderer.set_view(scene, &pose.camera, pose.resolution, pose.bounces);
         let other = pose.bounces != before.bounces || pose.resolution != before.resolution;
         (self.known, self.still) = (false, other);
+        self.since = Instant::now();
         if pose.resolution == before.resolution {
             self.film.clear();
         } else {
             self.film = renderer.film();
+            self.fastest = NONE;
         }
         renderer.set_seed(if other { seed } else { seed.wrapping_add(1).wrapping_add(frame as u32) });
         if other { Change::Other } else { Change::Moved }
     }
 
-    /// Takes samples, at least one, until a frame is due at a rate of so many a second.
+    /// Takes samples, at least one, until a frame is due at a rate of so many a second, or nobody waits for it.
     pub fn expose(
         &mut self,
         renderer: &Renderer,
@@ -141,8 +156,8 @@ impl Exposure {
                 return thread::sleep(due.saturating_duration_since(Instant::now()));
             }
             // Whoever looks at a standing picture has one already; whoever moves needs this one.
-            let finished = self.still && self.film.samples() > 0;
-            let watch = Impatience { exchange: finished.then_some(exchange), due };
+            let spare = self.still && self.film.samples() > 0;
+            let watch = Impatience { exchange, spare, due };
             let (start, before) = (Instant::now(), (self.film.pixel_samples(), self.film.rays()));
             renderer.add_samples_watched(&mut self.film, 1, &watch);
             let time = start.elapsed();
@@ -154,7 +169,7 @@ impl Exposure {
             if samples == 1.0 {
                 self.sample = time;
             }
-            if Instant::now() + self.sample / 2 >= due {
+            if exchange.is_left() || Instant::now() + self.sample / 2 >= due {
                 return;
             }
         }
@@ -173,9 +188,14 @@ impl Exposure {
             self.coarseness = 1.0;
             return;
         };
-        let wanted = 1.0 / f64::from(target);
         // What a frame takes at least; waiting for the display is no reason for coarser pixels.
-        let needed = (self.sample + self.painting).as_secs_f64();
+        let needed = self.sample + self.painting;
+        self.fastest = (self.fastest.0 + 1, self.fastest.1.min(needed));
+        if self.fastest.0 < TRIED || (self.still && self.since.elapsed() >= SETTLED) {
+            return;
+        }
+        let (needed, wanted) = (self.fastest.1.as_secs_f64(), 1.0 / f64::from(target));
+        self.fastest = NONE;
         if needed > wanted * 1.05 {
             self.coarseness = (self.coarseness * STEP).max(COARSEST);
         } else if needed < wanted * STEP.powi(3) {
@@ -183,9 +203,9 @@ impl Exposure {
         }
     }
 
-    /// Brings all pixels to the same number of samples.
+    /// Brings all pixels to the same number of samples, at least one.
     pub fn even_out(&mut self, renderer: &Renderer) {
-        let uneven = self.film.most_samples() - self.film.samples();
+        let uneven = self.film.most_samples().max(1) - self.film.samples();
         renderer.add_samples(&mut self.film, uneven);
     }
 }
@@ -236,7 +256,7 @@ mod tests {
         let (.., mut exposure) = start();
         // A machine that takes 100 ms for all pixels.
         let mut settle = |target| {
-            for _ in 0..100 {
+            for _ in 0..300 {
                 exposure.sample = Duration::from_secs_f64(0.1 * exposure.coarseness.powi(2));
                 exposure.hold(target);
             }
@@ -249,5 +269,38 @@ mod tests {
         assert_eq!(settle(Some(5)).0, 1.0);
         assert!(settle(Some(1_000)).0 >= COARSEST);
         assert_eq!(settle(None).0, 1.0);
+    }
+
+    #[test]
+    fn neither_a_frame_held_up_nor_a_picture_that_has_stood_changes_its_pixels() {
+        let (.., mut exposure) = start();
+        let hold = |exposure: &mut Exposure, ms, times| {
+            exposure.sample = Duration::from_millis(ms);
+            (0..times).for_each(|_| exposure.hold(Some(30)));
+            exposure.coarseness
+        };
+        for _ in 0..10 {
+            assert_eq!(hold(&mut exposure, 20, 2), 1.0);
+            assert_eq!(hold(&mut exposure, 500, 1), 1.0, "held up");
+        }
+        exposure.since = Instant::now().checked_sub(SETTLED).unwrap();
+        assert_eq!(hold(&mut exposure, 500, 10), 1.0, "it stands");
+        exposure.still = false;
+        assert!(hold(&mut exposure, 500, 3) < 1.0, "it moves");
+    }
+
+    #[test]
+    fn nobody_waits_for_a_sample_of_a_window_that_is_closed() {
+        let (renderer, _, mut exposure) = start();
+        let (exchange, mut rates, mut summary) = (Exchange::default(), Rates::default(), Summary::default());
+        exchange.tell();
+        exposure.expose(&renderer, 1e9, &exchange, (&mut rates, &mut summary));
+        assert_eq!(exposure.film.samples(), 1, "the first sample of a picture is waited for");
+        exposure.film.clear();
+        exchange.leave();
+        exposure.expose(&renderer, 1.0, &exchange, (&mut rates, &mut summary));
+        assert_eq!(exposure.film.most_samples(), 0);
+        exposure.even_out(&renderer);
+        assert_eq!(exposure.film.samples(), 1, "but by who takes a picture of it");
     }
 }

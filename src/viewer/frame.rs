@@ -42,6 +42,8 @@ pub struct Exchange {
     frame: Mutex<(Frame, bool)>,
     /// Has something happened that the tracing thread should hear of at once?
     news: AtomicBool,
+    /// Does nobody wait for another frame?
+    leaving: AtomicBool,
     /// Is the last frame given?
     over: AtomicBool,
 }
@@ -70,6 +72,14 @@ impl Exchange {
     }
     pub fn has_news(&self) -> bool {
         self.news.load(Ordering::Acquire)
+    }
+
+    /// No frame is waited for any more.
+    pub fn leave(&self) {
+        self.leaving.store(true, Ordering::Release);
+    }
+    pub fn is_left(&self) -> bool {
+        self.leaving.load(Ordering::Acquire)
     }
 
     /// No frame comes any more.

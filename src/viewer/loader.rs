@@ -42,7 +42,8 @@ pub struct Loader {
 }
 
 impl Loader {
-    pub fn start() -> Self {
+    /// `tell` is called when something has become ready.
+    pub fn start(tell: impl Fn() + Send + 'static) -> Self {
         let (orders, incoming) = channel::<Order>();
         let (outgoing, answers) = channel();
         thread::spawn(move || {
@@ -50,6 +51,7 @@ impl Loader {
                 if outgoing.send(prepare(order)).is_err() {
                     break;
                 }
+                tell();
             }
         });
         Self { orders, answers, waiting: 0 }
@@ -114,7 +116,7 @@ mod tests {
 
     #[test]
     fn only_the_last_order_is_answered() {
-        let mut loader = Loader::start();
+        let mut loader = Loader::start(|| {});
         assert!(!loader.busy());
         for name in ["builtin:three", "builtin:no", "builtin:thesis"] {
             loader.order(order(name));

@@ -134,6 +134,7 @@ impl Viewer {
     /// If the engine did.
     pub fn finish(self) -> Summary {
         self.send(Event::Quit);
+        self.exchange.leave();
         self.thread.join().expect("the engine ends in order")
     }
 }

@@ -30,16 +30,13 @@ impl Playlist {
     pub fn previous(&mut self) {
         self.at = (self.at + self.names.len() - 1) % self.names.len();
     }
-    /// Shows this one, or the scenes of this folder, which are new behind the one shown unless they are known. Says whether that is anything.
+    /// Shows this one, or the scenes of this folder, those that are new behind the one shown. Says whether that is anything.
     pub fn drop_in(&mut self, name: &str) -> bool {
         let new = expand(name);
-        let Some(first) = new.first() else { return false };
-        if let Some(place) = self.names.iter().position(|known| known == first) {
-            self.at = place;
-        } else {
-            self.names.splice(self.at + 1..self.at + 1, new);
-            self.at += 1;
-        }
+        let Some(first) = new.first().cloned() else { return false };
+        let unknown: Vec<String> = new.into_iter().filter(|name| !self.names.contains(name)).collect();
+        self.names.splice(self.at + 1..self.at + 1, unknown);
+        self.at = self.names.iter().position(|known| *known == first).unwrap_or(self.at);
         true
     }
 }
@@ -106,5 +103,15 @@ mod tests {
         assert_eq!((list.current(), list.place()), ("new", [3, 2]));
         assert!(list.drop_in("b"));
         assert_eq!((list.current(), list.place()), ("b", [3, 3]));
+        let folder = tempfile::tempdir().unwrap();
+        let path = |name: &str| folder.path().join(name).to_string_lossy().into_owned();
+        for name in ["a.json", "b.json", "c.json"] {
+            std::fs::write(path(name), "").unwrap();
+        }
+        assert!(list.drop_in(&path("b.json")));
+        assert!(list.drop_in(folder.path().to_str().unwrap()));
+        assert_eq!((list.current(), list.place()), (path("a.json").as_str(), [6, 5]));
+        list.next();
+        assert_eq!(list.current(), path("c.json"), "the one that was known stays where it was");
     }
 }

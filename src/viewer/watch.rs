@@ -22,9 +22,15 @@ pub struct Files {
 }
 
 impl Files {
-    pub fn none() -> Self {
+    /// `tell` is called when anything is heard of a folder with such files.
+    pub fn none(tell: impl Fn() + Send + 'static) -> Self {
         let (sender, changes) = channel();
-        let watcher = notify::recommended_watcher(sender).ok();
+        let watcher = notify::recommended_watcher(move |change| {
+            // Who no longer listens need not.
+            let _ = sender.send(change);
+            tell();
+        })
+        .ok();
         Self { watcher, changes, files: BTreeSet::new(), folders: BTreeSet::new(), changed: None }
     }
 
@@ -99,7 +105,7 @@ mod tests {
         for name in ["scene.json", "other.json"] {
             fs::write(path(name), "1").unwrap();
         }
-        let mut files = Files::none();
+        let mut files = Files::none(|| {});
         if files.watcher.is_none() {
             eprintln!("skipped: this system watches no files");
             return;

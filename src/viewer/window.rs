@@ -185,7 +185,7 @@ impl App {
     }
 
     fn key(&self, event: &winit::event::KeyEvent) {
-        if let Some(key) = key_of(event) {
+        if let Some(key) = key_of(event.physical_key, &event.logical_key) {
             let down = event.state == ElementState::Pressed;
             self.viewer.send(Event::Key { key, down, repeat: event.repeat });
         }
@@ -249,21 +249,26 @@ impl ApplicationHandler<Fresh> for App {
 }
 
 /// The key, if it is one of ours. Letters for walking are told by where they are on the keyboard, others by what is written on them.
-fn key_of(event: &winit::event::KeyEvent) -> Option<Key> {
-    if let PhysicalKey::Code(code) = event.physical_key {
+fn key_of(place: PhysicalKey, written: &winit::keyboard::Key) -> Option<Key> {
+    let letter = match written {
+        winit::keyboard::Key::Character(text) => text.chars().flat_map(char::to_lowercase).next(),
+        _ => None,
+    };
+    let is = |wanted| letter == Some(wanted);
+    if let PhysicalKey::Code(code) = place {
         match code {
             KeyCode::KeyW => return Some(Key::Char('w')),
             KeyCode::KeyA => return Some(Key::Char('a')),
             KeyCode::KeyS => return Some(Key::Char('s')),
             KeyCode::KeyD => return Some(Key::Char('d')),
+            // Where A and W are written on French keyboards.
+            KeyCode::KeyQ if is('a') => return Some(Key::Char('q')),
+            KeyCode::KeyZ if is('w') => return Some(Key::Char('z')),
             _ => {}
         }
     }
-    match &event.logical_key {
-        winit::keyboard::Key::Character(text) => {
-            let mut letters = text.chars().flat_map(char::to_lowercase);
-            letters.next().map(Key::Char)
-        }
+    match written {
+        winit::keyboard::Key::Character(_) => letter.map(Key::Char),
         winit::keyboard::Key::Named(named) => match named {
             NamedKey::Space => Some(Key::Char(' ')),
             NamedKey::ArrowUp => Some(Key::Up),
@@ -282,5 +287,33 @@ fn key_of(event: &winit::event::KeyEvent) -> Option<Key> {
             _ => None,
         },
         _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_key_of_other_keyboards_does_one_thing() {
+        let typed = |place, text: &str| {
+            key_of(PhysicalKey::Code(place), &winit::keyboard::Key::Character(text.into()))
+        };
+        let letter = |letter| Some(Key::Char(letter));
+        for (place, english, french) in [
+            (KeyCode::KeyW, "w", "z"),
+            (KeyCode::KeyA, "a", "q"),
+            (KeyCode::KeyS, "s", "s"),
+            (KeyCode::KeyD, "D", "D"),
+        ] {
+            assert_eq!(typed(place, english), typed(place, french), "walking is told by place");
+        }
+        assert_eq!(typed(KeyCode::KeyW, "z"), letter('w'));
+        assert_eq!([typed(KeyCode::KeyQ, "q"), typed(KeyCode::KeyQ, "a")], [letter('q'); 2]);
+        assert_eq!([typed(KeyCode::KeyZ, "z"), typed(KeyCode::KeyZ, "w")], [letter('z'); 2]);
+        assert_eq!(typed(KeyCode::KeyZ, "y"), letter('y'), "a German Y");
+        assert_eq!(typed(KeyCode::Semicolon, "M"), letter('m'), "others by what is written on them");
+        let named = |named| key_of(PhysicalKey::Code(KeyCode::F5), &winit::keyboard::Key::Named(named));
+        assert_eq!([named(NamedKey::F5), named(NamedKey::F9)], [Some(Key::F5), None]);
     }
 }

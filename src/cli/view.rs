@@ -4,6 +4,7 @@
 
 use super::asked::Asked;
 use super::error::CliError;
+use super::memory;
 use super::numbers::whole;
 use super::picture::{PictureArgs, PictureOptions};
 use super::scenes;
@@ -210,6 +211,7 @@ pub fn run(options: ViewOptions) -> Result<ExitCode, CliError> {
     for warning in &first.warnings {
         terminal::warn(warning);
     }
+    memory::check(options.picture.size.unwrap_or(first.resolution), viewer::BYTES_PER_PIXEL)?;
     let viewer = options.viewer(&first)?;
     let report = if options.terminal {
         let summary = viewer::terminal(viewer, playlist, first).map_err(CliError::Terminal)?;

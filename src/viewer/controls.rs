@@ -70,7 +70,7 @@ impl Equations {
 const TARGETS: [Option<u32>; 4] = [None, Some(15), Some(30), Some(60)];
 /// Steps of [`Controls::scale`].
 const SCALES: [i32; 2] = [-8, 6];
-/// Most pixels that are shown where a scene asks for fewer: 3840×2160, about 1 GB with all that is remembered of them.
+/// Most pixels that are shown where a scene asks for fewer: 3840×2160, about 1.5 GB.
 const MOST_PIXELS: f64 = 3840.0 * 2160.0;
 /// Most stops up and down, and how many a key changes.
 const STOPS: f32 = 20.0;

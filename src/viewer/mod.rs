@@ -61,6 +61,9 @@ use std::sync::mpsc::{Sender, channel};
 use std::thread::JoinHandle;
 use std::time::Instant;
 
+/// Memory that a pixel takes, filters apart: the film, what is remembered of earlier frames and seen of the scene, frames. Measured.
+pub const BYTES_PER_PIXEL: usize = 180;
+
 /// What the viewer starts with.
 pub struct Options {
     /// Pixels of all scenes' pictures; their own if `None`.

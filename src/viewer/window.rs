@@ -15,7 +15,7 @@ use std::rc::Rc;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 use winit::application::ApplicationHandler;
-use winit::dpi::LogicalSize;
+use winit::dpi::{LogicalSize, PhysicalSize};
 use winit::event::{DeviceEvent, DeviceId, ElementState, MouseButton, MouseScrollDelta, WindowEvent};
 use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop, OwnedDisplayHandle};
 use winit::keyboard::{KeyCode, NamedKey, PhysicalKey};
@@ -75,6 +75,8 @@ pub fn window(
         surface: None,
         frame: Frame::default(),
         columns: Vec::new(),
+        room: PhysicalSize::default(),
+        title: String::new(),
         caught: false,
         presented: Presented::default(),
         failure: None,
@@ -112,6 +114,10 @@ struct App {
     surface: Option<Surface>,
     frame: Frame,
     columns: Vec<u32>,
+    /// Pixels of the window, as it told last: whoever asks a window that is gone already ends in a panic.
+    room: PhysicalSize<u32>,
+    /// The frame's title that the window has.
+    title: String,
     /// Is the mouse caught?
     caught: bool,
     presented: Presented,
@@ -137,6 +143,7 @@ impl App {
         let size = LogicalSize::new((width * enlarged).max(160.0), (height * enlarged).max(90.0));
         let attributes = Window::default_attributes().with_title("octray").with_inner_size(size);
         let window = events.create_window(attributes).map_err(|error| refused(error.to_string()))?;
+        self.room = window.inner_size();
         Surface::new(&self.context, Rc::new(window)).map_err(|error| refused(error.to_string()))
     }
 
@@ -144,23 +151,22 @@ impl App {
     fn draw(&mut self) -> Result<(), WindowError> {
         let Some(surface) = &mut self.surface else { return Ok(()) };
         let fresh = self.viewer.take(&mut self.frame);
-        let size = surface.window().inner_size();
-        let (Some(width), Some(height)) = (NonZeroU32::new(size.width), NonZeroU32::new(size.height)) else {
+        let PhysicalSize { width: across, height: down } = self.room;
+        let (Some(width), Some(height)) = (NonZeroU32::new(across), NonZeroU32::new(down)) else {
             return Ok(());
         };
         let start = Instant::now();
         let refused = |error: softbuffer::SoftBufferError| WindowError::NoSurface(error.to_string().into());
         surface.resize(width, height).map_err(refused)?;
         let mut buffer = surface.buffer_mut().map_err(refused)?;
-        Canvas { pixels: &mut buffer, width: size.width, height: size.height }
-            .show(&self.frame, &mut self.columns);
+        Canvas { pixels: &mut buffer, width: across, height: down }.show(&self.frame, &mut self.columns);
         buffer.present().map_err(refused)?;
         if fresh {
             self.presented.frames += 1;
             self.presented.time += start.elapsed();
-            let title = format!("octray · {}", self.frame.title);
-            if surface.window().title() != title {
-                surface.window().set_title(&title);
+            if self.title != self.frame.title {
+                self.title.clone_from(&self.frame.title);
+                surface.window().set_title(&format!("octray · {}", self.title));
             }
         }
         self.catch();
@@ -217,6 +223,7 @@ impl ApplicationHandler<Fresh> for App {
     fn window_event(&mut self, events: &ActiveEventLoop, _: WindowId, event: WindowEvent) {
         match event {
             WindowEvent::CloseRequested | WindowEvent::Destroyed => events.exit(),
+            WindowEvent::Resized(size) => self.room = size,
             WindowEvent::RedrawRequested => {
                 if let Err(failure) = self.draw() {
                     self.failure = Some(failure);

@@ -51,7 +51,7 @@ pub struct State {
     pub playlist: Playlist,
     pub walker: Walker,
     pub controls: Controls,
-    /// Scene units a second.
+    /// Scene units a second; 0 until something was seen of the scene.
     pub speed: f64,
     /// Is the mouse to be caught?
     pub caught: bool,
@@ -62,6 +62,8 @@ pub struct State {
     now: Instant,
     /// Asked for on the command line, for every scene.
     bounces: Option<u32>,
+    /// Those of the scene, unless the command line has others.
+    own_bounces: u32,
     /// By names of scenes.
     left: BTreeMap<String, Left>,
 }
@@ -70,7 +72,8 @@ pub struct State {
 #[derive(Clone, Debug)]
 struct Left {
     walker: Walker,
-    bounces: u32,
+    /// If others were chosen than the scene's own.
+    bounces: Option<u32>,
 }
 
 impl State {
@@ -86,12 +89,13 @@ impl State {
             playlist,
             walker: Walker::new(scene.camera),
             controls,
-            speed: 1.0,
+            speed: 0.0,
             caught: false,
             rate: 60.0,
             held: Held::default(),
             now,
             bounces,
+            own_bounces: bounces.unwrap_or(scene.max_bounces),
             left: BTreeMap::new(),
         }
     }
@@ -99,15 +103,18 @@ impl State {
     /// Another scene is there in the place of the one of this name, or, with `again`, the same one was read once more. Who comes back to a scene
     /// finds it as it was left.
     pub fn arrive(&mut self, scene: &Scene, again: bool, before: &str) {
-        if again {
-            return self.walker.rehome(scene.camera);
+        let own = self.bounces.unwrap_or(scene.max_bounces);
+        let own_before = std::mem::replace(&mut self.own_bounces, own);
+        let mut bounces = Some(self.controls.bounces).filter(|chosen| *chosen != own_before);
+        if !again {
+            self.left.insert(before.to_string(), Left { walker: self.walker.clone(), bounces });
+            let fresh = Left { walker: Walker::new(scene.camera), bounces: None };
+            Left { walker: self.walker, bounces } =
+                self.left.remove(self.playlist.current()).unwrap_or(fresh);
+            // Keys that are down go on at the pace of this scene, not of the one before.
+            self.speed = 0.0;
         }
-        let left = Left { walker: self.walker.clone(), bounces: self.controls.bounces };
-        self.left.insert(before.to_string(), left);
-        let bounces = self.bounces.unwrap_or(scene.max_bounces);
-        let fresh = Left { walker: Walker::new(scene.camera), bounces };
-        let Left { walker, bounces } = self.left.remove(self.playlist.current()).unwrap_or(fresh);
-        (self.walker, self.controls.bounces) = (walker, bounces);
+        self.controls.bounces = bounces.unwrap_or(own);
         // It may have been changed since.
         self.walker.rehome(scene.camera);
     }
@@ -306,6 +313,37 @@ mod tests {
         assert_eq!((*state.walker.camera(), state.controls.bounces), (moved, 3), "as it was left");
         state.handle(&key(Key::Home, true), now);
         assert_eq!(*state.walker.camera(), thesis.camera, "home is where the file has it now");
+    }
+
+    #[test]
+    fn bounces_are_as_the_file_has_them_until_others_are_chosen() {
+        let (mut state, now) = start();
+        let mut three = crate::scene::load("builtin:three").unwrap();
+        let thesis = crate::scene::load("builtin:thesis").unwrap();
+        let mut arrive = |state: &mut State, bounces, again, before| {
+            three.max_bounces = bounces;
+            state.arrive(&three, again, before);
+            state.controls.bounces
+        };
+        assert_eq!(arrive(&mut state, 9, true, "builtin:three"), 9, "changed in its file");
+        state.playlist.next();
+        state.arrive(&thesis, false, "builtin:three");
+        state.playlist.next();
+        assert_eq!(arrive(&mut state, 8, false, "builtin:thesis"), 8, "changed while another one was shown");
+        state.handle(&key(Key::Char(']'), true), now);
+        assert_eq!(arrive(&mut state, 5, true, "builtin:three"), 9, "chosen");
+    }
+
+    #[test]
+    fn a_key_that_is_down_takes_no_step_into_another_scene_before_its_pace_is_known() {
+        let (mut state, now) = start();
+        state.speed = 1e6;
+        state.handle(&key(Key::Char('w'), true), now);
+        state.playlist.next();
+        let thesis = crate::scene::load("builtin:thesis").unwrap();
+        state.arrive(&thesis, false, "builtin:three");
+        state.advance(now + ms(100));
+        assert_eq!(state.walker.camera().position, thesis.camera.position);
     }
 
     #[test]

@@ -70,6 +70,8 @@ pub struct Engine {
     /// Did it arrive, and no frame shows it yet?
     arrived: bool,
     message: Option<Instant>,
+    /// The file for which the scene that should be shown is not there.
+    blamed: Option<PathBuf>,
     shoot: bool,
 }
 
@@ -109,6 +111,7 @@ impl Engine {
             asked: None,
             arrived: false,
             message: None,
+            blamed: None,
             shoot: false,
             options,
             state,
@@ -122,7 +125,7 @@ impl Engine {
 
     /// Goes on until somebody quits.
     pub fn run(mut self, mut renderer: Renderer) -> Summary {
-        self.watch(None);
+        self.watch();
         while let Next::Swap(ready) = renderer.hold(|renderer| self.serve(renderer)) {
             renderer = self.swap(*ready, renderer.settings());
         }
@@ -145,7 +148,8 @@ impl Engine {
             self.scene = scene;
             self.name = self.state.playlist.current().to_string();
             self.painter.meet_another_scene(again);
-            self.watch(None);
+            self.blamed = None;
+            self.watch();
             self.rates.forget();
             self.set_message("");
         }
@@ -155,10 +159,11 @@ impl Engine {
     }
 
     /// Watches the files of the scene that is shown, of the one that should be, and the one that is to blame if that is not there.
-    fn watch(&mut self, broken: Option<&Path>) {
+    fn watch(&mut self) {
         let wanted = self.state.playlist.current();
         let wanted = (!wanted.starts_with("builtin:")).then_some(Path::new(wanted));
-        self.files.watch(self.scene.files.iter().map(PathBuf::as_path).chain(wanted).chain(broken));
+        let blamed = self.blamed.as_deref();
+        self.files.watch(self.scene.files.iter().map(PathBuf::as_path).chain(wanted).chain(blamed));
     }
 
     /// Frame after frame with one renderer.
@@ -184,7 +189,10 @@ impl Engine {
                     self.painter.message(&error.to_string());
                     (self.message, self.asked) = (None, None);
                     // Whoever mends the file sees the scene.
-                    self.watch(error.file.as_deref());
+                    self.blamed = error.file;
+                    self.watch();
+                    // An order that this one has overtaken is still to be carried out.
+                    chosen = None;
                 }
                 None => {}
             }
@@ -243,6 +251,8 @@ impl Engine {
         if !again {
             self.set_message(&format!("reading {name}"));
         }
+        // From before it is read: a change meanwhile is not to be missed.
+        self.watch();
         self.order(Source::Name(name), again);
     }
 

@@ -275,6 +275,27 @@ fn denoiser_is_the_same_mirrored() {
     assert!(noise(&shown, 0.5) < noise(&noisy, 0.5) / 2.0, "it did something");
 }
 
+/// A slanted plane is filtered along rows as along columns.
+#[test]
+fn denoiser_is_the_same_with_rows_for_columns() {
+    let at = [Vec3::new(-90.0, -200.0, -60.0), Vec3::new(6.0, 0.0, 4.0), Vec3::new(-90.0, 200.0, -60.0)];
+    let seen = |turn: fn(Vec3) -> Vec3| {
+        let plane = common::triangle(at.map(turn), 0);
+        let materials = vec![material(MaterialKind::Diffuse)];
+        guides(&Scene { resolution: [32, 32], materials, triangles: vec![plane], ..empty() })
+    };
+    let mut dice = Dice::of("display", [4, 0]);
+    let noisy = picture([32, 32], |_| grey(dice.unit() as f32));
+    let turned = |of: &Picture| picture([32, 32], |(x, y)| of.pixels[(x * 32 + y) as usize]);
+    let shown = turned(Denoiser::new().filter(&noisy, Samples::Same(1), &seen(|at| at)));
+    // The picture's rows go down.
+    let guides = seen(|at| Vec3::new(-at.y, -at.x, at.z));
+    let again = Denoiser::new().filter(&turned(&noisy), Samples::Same(1), &guides).clone();
+    let differs = shown.pixels.iter().zip(&again.pixels).map(|(a, b)| (a[0] - b[0]).abs());
+    assert!(differs.fold(0.0, f32::max) < 1e-3);
+    assert!(noise(&shown, 0.5) < noise(&noisy, 0.5) / 10.0, "a slanted plane is no edge");
+}
+
 #[test]
 fn filters_give_the_same_bits_on_any_threads() {
     let scene = balls();
@@ -311,4 +332,10 @@ fn walking_speed_is_a_quarter_of_the_near_quartile() {
     scene.spheres[0] = sphere(Vec3::Y * 3.0, 1.0, 0);
     let near = walking_speed(&guides(&scene));
     assert!(far > 1.0 && far < 2.1 && (1.0..1.1).contains(&near), "{near} and {far}");
+    // In 22 and 28 hundredths.
+    for (radius, pace) in [(0.231, 2.0..2.02), (0.261, 1.2..1.25)] {
+        scene.spheres[0] = sphere(Vec3::Y * 3.0, radius, 0);
+        let speed = walking_speed(&guides(&scene));
+        assert!(pace.contains(&speed), "{radius}: {speed}");
+    }
 }

@@ -5,7 +5,7 @@ use octray::integrate::guides::Guides;
 use octray::math::MISS;
 use octray::render::survey::Map;
 use octray::render::{Renderer, Settings};
-use octray::scene::{Scene, load};
+use octray::scene::{MaterialKind, Scene, load};
 use octray::traverse::batch::Traversal;
 use octray::traverse::{Methods, TraversalChoice};
 
@@ -101,11 +101,25 @@ fn materials_show_in_guides() {
     for (&object, guide) in seen.iter().filter(|&(&object, _)| object != MISS) {
         let material = &scene.materials[scene.spheres[object as usize].material as usize];
         assert_eq!(guide.albedo, material.color.to_array(), "{}", material.name);
-        let mirror = material.kind == octray::scene::MaterialKind::Metal { roughness: 0.0 };
+        let mirror = material.kind == MaterialKind::Metal { roughness: 0.0 };
         assert_eq!(guide.roughness == 0.0, mirror, "{}", material.name);
         assert_eq!(guide.weights, [0.0; 2]);
     }
     assert_eq!(seen.len(), 4, "three spheres and the sky");
+    for (kind, roughness) in [
+        (MaterialKind::Diffuse, 1.0),
+        (MaterialKind::Metal { roughness: 0.0 }, 0.0),
+        (MaterialKind::Glass { ior: 1.5 }, 0.0),
+        (MaterialKind::Scatter { roughness: 3.0 }, 1.0),
+    ] {
+        let mut scene = load("builtin:three").unwrap();
+        scene.materials.iter_mut().for_each(|material| material.kind = kind);
+        let guides = guides_of(&Renderer::new(&scene, settings(&scene)));
+        let pixels = (0..SIZE[1]).flat_map(|y| (0..SIZE[0]).map(move |x| (x, y)));
+        for guide in pixels.map(|(x, y)| guides.pixel(x, y)).filter(|guide| guide.object != MISS) {
+            assert_eq!(guide.roughness, roughness, "{kind:?}");
+        }
+    }
 }
 
 /// A view set later is the view that a new renderer has.
@@ -157,6 +171,22 @@ fn costs_are_what_rays_are_tested_against() {
         assert!(spread, "not all pixels cost the same");
         assert_eq!(boxes, most < 300, "{most} tests: a hierarchy spares nearly all");
     }
+}
+
+/// Where every primitive is tested, that is those which the pixel's tile can see.
+#[test]
+fn pixels_of_one_tile_cost_the_same_where_there_is_no_hierarchy() {
+    let scene = load("builtin:spheres").unwrap();
+    let methods = Methods { traversal: TraversalChoice::Linear, ..Methods::default() };
+    let renderer = Renderer::new(&scene, Settings { methods, ..settings(&scene) });
+    let mut costs = Map::default();
+    renderer.costs_into(&mut costs);
+    let at = |x: u32, y: u32| costs.pixels[(y * SIZE[0] + x) as usize];
+    let [across, down] = Settings::TILE_SIZE;
+    for (x, y) in (0..SIZE[1]).flat_map(|y| (0..SIZE[0]).map(move |x| (x, y))) {
+        assert_eq!(at(x, y), at(x - x % across, y - y % down), "{x} {y}");
+    }
+    assert!(costs.pixels.iter().any(|cost| *cost != at(0, 0)), "tiles differ");
 }
 
 #[test]

@@ -1,16 +1,18 @@
 //! The viewer makes its memory when it starts, and none from frame to frame.
 #![cfg(feature = "viewer")]
 
-use octray::output::Tone;
-use octray::render::PipelineChoice;
-use octray::traverse::Methods;
+#[path = "common/seat.rs"]
+mod seat;
+
+use octray::viewer::Viewer;
 use octray::viewer::frame::Frame;
 use octray::viewer::keys::Key;
 use octray::viewer::playlist::Playlist;
 use octray::viewer::state::Event;
-use octray::viewer::{Options, Viewer};
+use seat::options;
 use stats_alloc::{INSTRUMENTED_SYSTEM, Region, StatsAlloc};
 use std::alloc::System;
+use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::thread;
@@ -37,21 +39,7 @@ struct Seat {
 
 impl Seat {
     fn new(scene: &str, threads: usize) -> Self {
-        let options = Options {
-            size: Some([64, 36]),
-            bounces: None,
-            seed: 0,
-            pipeline: PipelineChoice::default(),
-            clamp: f32::INFINITY,
-            threads,
-            most_threads: threads,
-            lanes: 8,
-            tone: Tone::default(),
-            target: None,
-            methods: Box::new(|_| Methods::default()),
-            frames: None,
-            screenshots: ".".into(),
-        };
+        let options = options([64, 36], threads, Path::new("."));
         let made = Arc::new(AtomicU64::new(0));
         let count = made.clone();
         let wake = Arc::new(move || {

@@ -227,3 +227,31 @@ pub fn run(options: ViewOptions) -> Result<ExitCode, CliError> {
     }
     Ok(ExitCode::SUCCESS)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cli::args::{Args, Command};
+    use crate::scene::{Rendering, View, load};
+    use crate::traverse::TriangleChoice;
+    use clap::Parser;
+
+    #[test]
+    fn every_view_takes_its_own_methods_unless_an_option_says_otherwise() {
+        let plain = load("builtin:cornell").unwrap();
+        let render = Rendering { triangle: Some("plucker".into()), ..Rendering::default() };
+        let view = View { render, ..View::of(&plain, Path::new("")) };
+        let later = Scene { view: Some(view), ..plain.clone() };
+        let triangle = |options: &[&str], scene: &Scene| {
+            let words = ["octray", "view"].iter().chain(options);
+            let Some(Command::View(args)) = Args::parse_from(words).command else {
+                unreachable!("view was asked for")
+            };
+            let options = ViewOptions::try_from(args).unwrap().viewer(&plain).unwrap();
+            (options.methods)(scene).triangle
+        };
+        assert_eq!(triangle(&[], &plain), TriangleChoice::Woop);
+        assert_eq!(triangle(&[], &later), TriangleChoice::Plucker);
+        assert_eq!(triangle(&["--triangle", "woop"], &later), TriangleChoice::Woop);
+    }
+}

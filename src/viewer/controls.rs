@@ -208,6 +208,8 @@ fn next<T: Copy + PartialEq>(all: &[T], now: T) -> T {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::buffers::LightChoice;
+    use crate::sampling::Sampler;
 
     fn controls() -> Controls {
         Controls::new(4, 6, 8, Tone::default())
@@ -282,9 +284,11 @@ mod tests {
     #[test]
     fn equations_leave_alone_what_is_not_theirs() {
         let scene = crate::scene::load("builtin:cornell").unwrap();
-        let asked = Methods { traversal: TraversalChoice::Linear, ..Methods::default() };
+        let (traversal, lights, sampler) = (TraversalChoice::Linear, LightChoice::Off, Sampler::Random);
+        let asked = Methods { traversal, lights, sampler, ..Methods::default() };
         for equations in [Equations::Asked, Equations::Robust, Equations::Fast, Equations::Naive] {
-            assert_eq!(equations.of(&scene, asked).traversal, TraversalChoice::Linear);
+            let of = equations.of(&scene, asked);
+            assert_eq!((of.traversal, of.lights, of.sampler), (traversal, lights, sampler), "{equations:?}");
         }
         assert_eq!(Equations::Naive.of(&scene, asked).sphere, SphereChoice::Naive);
         let mut controls = controls();

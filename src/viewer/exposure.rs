@@ -303,4 +303,26 @@ mod tests {
         exposure.even_out(&renderer);
         assert_eq!(exposure.film.samples(), 1, "but by who takes a picture of it");
     }
+
+    #[test]
+    fn a_picture_that_stands_is_left_for_news_and_when_it_has_its_samples() {
+        let (renderer, _, mut exposure) = start();
+        let (exchange, mut rates, mut summary) = (Exchange::default(), Rates::default(), Summary::default());
+        let mut expose = |exposure: &mut Exposure, renderer: &Renderer, exchange: &Exchange| {
+            exposure.expose(renderer, 1e9, exchange, (&mut rates, &mut summary));
+            exposure.film.most_samples()
+        };
+        assert_eq!(expose(&mut exposure, &renderer, &exchange), 1);
+        assert_eq!(expose(&mut exposure, &renderer, &exchange), 2);
+        exchange.tell();
+        assert_eq!(expose(&mut exposure, &renderer, &exchange), 2, "nobody waits for a sample more");
+        exchange.hear();
+        // One pixel, so that it has all of its samples soon.
+        let scene = load("builtin:three").unwrap();
+        let renderer = Renderer::new(&scene, Settings { resolution: [1, 1], ..Settings::of(&scene) });
+        exposure.renew(&renderer, &scene);
+        renderer.add_samples(&mut exposure.film, MOST_SAMPLES - 1);
+        assert_eq!(expose(&mut exposure, &renderer, &exchange), MOST_SAMPLES);
+        assert_eq!(expose(&mut exposure, &renderer, &exchange), MOST_SAMPLES);
+    }
 }

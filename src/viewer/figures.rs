@@ -91,3 +91,47 @@ fn rate_of(rate: f64) -> String {
     let decimals = if rate < 1.0 { 2 } else { usize::from(rate < 10.0) };
     grouped(format!("{rate:.decimals$}"))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::render::{Renderer, Settings};
+    use crate::scene::load;
+    use crate::viewer::playlist::Playlist;
+    use std::time::Instant;
+
+    #[test]
+    fn figures_stand_at_their_names() {
+        let scene = load("builtin:three").unwrap();
+        let names = ["builtin:thesis".to_string(), "builtin:three".to_string()];
+        let mut playlist = Playlist::new(&names).unwrap();
+        playlist.next();
+        let controls = Controls { target: Some(30), ..Controls::new(4, 2, 8, Default::default()) };
+        let state = State::new(playlist, &scene, controls, None, Instant::now());
+        let settings = Settings { threads: 2, ..Settings::of(&scene) };
+        let renderer = Renderer::new(&scene, settings);
+        let mut film = renderer.film();
+        renderer.add_samples(&mut film, 1);
+        let subject = Subject {
+            renderer: &renderer,
+            scene: &scene,
+            camera: &scene.camera,
+            film: &film,
+            controls: &controls,
+            known: true,
+            standing: true,
+            listed: true,
+        };
+        let figures = Figures { fps: 60.0, low: 0.25, samples: [Some(4_000.0), Some(8.0)], mrays: 7.5 };
+        let mut text = String::new();
+        write(&mut text, &subject, &state, &figures, true);
+        for words in [
+            "builtin:three (2 of 2), another is being made ready\n",
+            "60 fps, 1 % low 0.25 · 4,000 samples/s · 7.5 Mray/s\n",
+            "SIMD, 2 threads · SIMD 4,000, scalar 8.0 samples/s, 500.0×\n",
+            " · 1 sample · 4 bounces · holds 30 fps\n",
+        ] {
+            assert!(text.contains(words), "{words:?} in {text}");
+        }
+    }
+}

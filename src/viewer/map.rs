@@ -211,6 +211,31 @@ mod tests {
     }
 
     #[test]
+    fn what_is_higher_lies_over_what_is_lower() {
+        let mut scene = crate::scene::load("builtin:three").unwrap();
+        scene.camera.position = glam::Vec3::new(0.0, 1.0, 10.0);
+        scene.camera.look_at = glam::Vec3::new(0.0, 1.0, 0.0);
+        scene.triangles.clear();
+        scene.spheres.truncate(2);
+        let colors: Vec<u32> = [[2.0, 0.5], [0.5, 2.0]]
+            .into_iter()
+            .map(|heights| {
+                for (number, (sphere, y)) in scene.spheres.iter_mut().zip(heights).enumerate() {
+                    (sphere.center, sphere.radius) = (glam::Vec3::Y * y, 1.0);
+                    sphere.material = number as u32;
+                    let material = &mut scene.materials[number];
+                    (material.kind, material.color) =
+                        (MaterialKind::Diffuse, glam::Vec3::splat(number as f32));
+                }
+                let map = Map::new(&scene);
+                let at = map.place(DVec3::ZERO) + 2.0;
+                map.ground[(at.y as u32 * SIDE + at.x as u32) as usize]
+            })
+            .collect();
+        assert!(colors[0] < colors[1], "black lies over white, then white over black: {colors:x?}");
+    }
+
+    #[test]
     fn every_built_in_scene_has_something_on_its_map() {
         for name in crate::scene::builtin_names() {
             let scene = crate::scene::load(&format!("builtin:{name}")).unwrap();

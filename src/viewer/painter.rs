@@ -236,8 +236,9 @@ mod tests {
             Self { film: renderer.film(), renderer, scene, controls, painter: Painter::default() }
         }
         fn go(&mut self, field: f32, seed: u32) {
-            let camera = Camera { vertical_fov: field, ..self.scene.camera };
-            self.renderer.set_view(&self.scene, &camera, [24, 16], self.scene.max_bounces);
+            self.scene.camera.vertical_fov = field;
+            let Scene { camera, max_bounces, .. } = self.scene;
+            self.renderer.set_view(&self.scene, &camera, [24, 16], max_bounces);
             self.renderer.set_seed(seed);
             self.film.clear();
         }
@@ -279,6 +280,39 @@ mod tests {
         easel.go(38.5, 0);
         assert_ne!(easel.paint(1, true, true), easel.mean());
         assert_eq!(easel.paint(63, true, true), easel.mean());
+    }
+
+    #[test]
+    fn views_and_the_denoiser_are_of_the_camera_of_now() {
+        for (view, denoiser) in [(View::Normals, false), (View::Cost, false), (View::Picture, true)] {
+            let [mut walked, mut fresh] = [(); 2].map(|()| Easel::new());
+            for easel in [&mut walked, &mut fresh] {
+                easel.controls.reprojection = false;
+                (easel.controls.view, easel.controls.denoiser) = (view, denoiser);
+            }
+            let home = walked.paint(1, false, true);
+            walked.go(20.0, 1);
+            fresh.go(20.0, 1);
+            let there = walked.paint(1, false, false);
+            assert!(there != home && there == fresh.paint(1, false, false), "{view:?}");
+        }
+    }
+
+    /// What history has blended is of more samples than the film: it is filtered as such.
+    #[test]
+    fn the_denoiser_is_told_of_the_samples_that_history_stands_for() {
+        let mut easel = Easel::new();
+        easel.controls.denoiser = true;
+        easel.paint(64, false, true);
+        easel.go(38.5, 1);
+        let shown = easel.paint(1, false, false);
+        let Painter { history, denoiser, guides, .. } = &mut easel.painter;
+        let mut words = vec![0; shown.len()];
+        let each = denoiser.filter(history.shown(), Samples::Each(history.counts()), guides);
+        write(&Tone::default(), each, &mut words);
+        assert!(shown == words);
+        write(&Tone::default(), denoiser.filter(history.shown(), Samples::Same(1), guides), &mut words);
+        assert!(shown != words, "it matters here");
     }
 
     #[test]

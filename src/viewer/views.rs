@@ -205,6 +205,34 @@ mod tests {
     }
 
     #[test]
+    fn heat_stands_for_what_the_legends_say() {
+        let (mut guides, mut shapes, mut costs) = (Guides::default(), Map::default(), Map::default());
+        guides.resize([3, 1]);
+        shapes.pixels =
+            [(1, 0), (2, 1), (2, 2)].map(|(segments, lanes)| PathShape { segments, lanes }).into();
+        costs.pixels =
+            [(0, 1), (16, 16), (1_000, 24)].map(|(boxes, primitives)| Cost { boxes, primitives }).into();
+        let sources = Sources {
+            guides: &guides,
+            shapes: &shapes,
+            costs: &costs,
+            samples: &[1.0, 256.0, 65_536.0],
+            light: Vec3::Y,
+            range: [0.0; 2],
+            max_bounces: 2,
+            lanes: 1,
+        };
+        let painted = |view| {
+            let mut pixels = [0; 3];
+            paint(view, &sources, &mut pixels);
+            pixels
+        };
+        let half = [0.0, 0.5, 1.0].map(heat);
+        assert_eq!([View::Cost, View::Samples, View::Lanes].map(painted), [half; 3]);
+        assert_eq!(painted(View::Bounces), [0.0, 0.5, 0.5].map(heat));
+    }
+
+    #[test]
     fn guides_are_painted_as_their_legends_say() {
         let guide = Guide {
             distance: 2.0,

@@ -140,6 +140,18 @@ mod tests {
     use super::*;
     use glam::Vec3;
 
+    #[test]
+    fn the_mouse_turns_less_through_a_narrow_field_of_view() {
+        let turned = |vertical_fov| {
+            let mut walker = Walker::new(Camera { vertical_fov, ..home() });
+            walker.look([100.0, 0.0]);
+            walker.heading
+        };
+        assert!((turned(90.0) + 100.0 * MOUSE).abs() < 1e-9);
+        let ratio = turned(10.0) / turned(20.0);
+        assert!((ratio - 5f64.to_radians().tan() / 10f64.to_radians().tan()).abs() < 1e-6, "{ratio}");
+    }
+
     fn home() -> Camera {
         Camera {
             position: Vec3::new(1.0, 2.0, 3.0),

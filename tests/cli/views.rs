@@ -115,6 +115,10 @@ fn what_a_view_asks_for_and_does_not_exist_is_refused_by_every_command() {
             desk.refuses(command, &[&words[..], &["view.json: ", "line 4, column "]].concat());
         }
     }
+    // Some editors begin a file with a mark, which is no part of the text.
+    let marked = view("scene.json", "\"render\": { \"seed\": 1, \"tone\": \"sepia\" }");
+    desk.write("view.json", &format!("\u{feff}{marked}"));
+    desk.refuses(&["render", "view.json", "-o", "a.png"], &["`sepia`", "line 4, column "]);
     // An option given by hand mends no file.
     desk.write("view.json", &view("scene.json", "\"render\": { \"tone\": \"sepia\" }"));
     desk.refuses(&["render", "view.json", "-o", "a.png", "--tone", "aces"], &["sepia"]);

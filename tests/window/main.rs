@@ -62,6 +62,15 @@ fn window_shows_what_render_writes_and_ends_when_it_is_closed() {
 }
 
 #[test]
+fn window_closes_when_the_program_is_told_to_end() {
+    let Some(screen) = Screen::start() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let viewer = Viewer::start(&screen, folder.path(), &["builtin:three"]);
+    viewer.tell_to_end();
+    assert_eq!(viewer.end(), "");
+}
+
+#[test]
 fn keys_move_the_camera_and_show_views_and_help() {
     let Some(screen) = Screen::start() else { return };
     let folder = tempfile::tempdir().unwrap();

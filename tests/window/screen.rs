@@ -165,6 +165,11 @@ impl<'a> Viewer<'a> {
         quit.unwrap_or_else(|| self.xdotool(&["windowclose", &self.window]));
     }
 
+    /// As `kill` does.
+    pub fn tell_to_end(&self) {
+        assert!(Command::new("kill").arg(self.program.id().to_string()).status().unwrap().success());
+    }
+
     /// Waits for the end: what was printed, once the program has ended well.
     pub fn end(mut self) -> String {
         let status = wait_for("the end", || self.program.try_wait().unwrap());

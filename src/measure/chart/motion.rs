@@ -219,6 +219,8 @@ mod tests {
         assert_eq!(root_if_known(&[4.0, 4.0, 4.0, 4.0]), Some(2.0));
         assert_eq!(root_if_known(&[1.0, 5.0, 4.0, 6.0]), Some(2.0));
         assert_eq!(root_if_known(&[0.0, 16.0, 0.0, 0.0]), None);
+        // A mean of 4, whose standard error is 2.7.
+        assert_eq!(root_if_known(&[0.0, 12.0, 2.0, 2.0]), None);
         assert_eq!(root_if_known(&[-1.0, -1.0, -1.0, -1.0]), None);
     }
 

@@ -1,0 +1,26 @@
+//! A viewer without a window: the test is its front end.
+
+use octray::output::Tone;
+use octray::render::PipelineChoice;
+use octray::traverse::Methods;
+use octray::viewer::Options;
+use std::path::Path;
+
+/// What `octray view` starts with where nothing is said, with frames as large as these.
+pub fn options(size: [u32; 2], threads: usize, screenshots: &Path) -> Options {
+    Options {
+        size: Some(size),
+        bounces: None,
+        seed: 0,
+        pipeline: PipelineChoice::default(),
+        clamp: f32::INFINITY,
+        threads,
+        most_threads: threads,
+        lanes: 8,
+        tone: Tone::default(),
+        target: None,
+        methods: Box::new(|_| Methods::default()),
+        frames: None,
+        screenshots: screenshots.into(),
+    }
+}

@@ -1,8 +1,10 @@
 //! Many rays down the tree together: each node is read once for all rays that reach it, and its planes stay in registers.
 //!
-//! A batch of rays is sorted by octant, so that all of them meet the planes of a box in the same order. At a node each ray of its list is
-//! tested against eight boxes; the masks are compressed into a list of rays for each child. Children follow in
-//! the order of their mean entry distance, or as they stand where any hit will do. Lists too short to pay go on as single rays.
+//! At a node each ray of its list is tested against eight boxes; the masks are compressed into a list of rays for each child. Children
+//! follow in the order of their mean entry distance, or as they stand where any hit will do. Lists too short to pay go on as single rays.
+//!
+//! Rays of all directions share a list: each chooses the planes that it meets first. A batch sorted by octant, as in the source, spares that,
+//! but its lists have an eighth of the rays, and are 1.1 times slower on 4,000 triangles, 1.6 times on 48,000.
 //!
 //! Source: Tsakok, "Faster Incoherent Rays: Multi-BVH Ray Stream Tracing", HPG 2009.
 
@@ -139,30 +141,11 @@ impl Stream {
             let ray = Ray { origin: vector(rays.origin), direction: vector(rays.direction) };
             self.enter(whole, &ray, hierarchy.reach, lane(hits.t));
         }
-        let Self { records, axes, lists, .. } = &mut *self;
-        let mut ends = [0usize; 8];
-        let octant = |record: &Record| {
-            let [x, y, z] = record.inverse.map(|inverse| usize::from(inverse < 0.0));
-            x | y << 1 | z << 2
-        };
-        for record in &records[..count] {
-            ends[octant(record)] += 1;
+        for (at, (entry, axis)) in (0u32..).zip(self.lists.iter_mut().zip(&self.axes[..count])) {
+            *entry = at | axis;
         }
-        let mut sum = 0;
-        let starts = ends.map(|count| (sum, sum += count).0);
-        ends = starts;
-        for (at, (record, axis)) in (0u32..).zip(records[..count].iter().zip(axes.iter())) {
-            let end = &mut ends[octant(record)];
-            lists[*end] = at | axis;
-            *end += 1;
-        }
-        for octant in 0..8 {
-            let (start, end) = (starts[octant], ends[octant]);
-            if start < end {
-                let mut walk = Walk { stream: self, hierarchy, rays, hits, octant, tally };
-                walk.node::<ANY>(0, start, end - start, count + WIDE);
-            }
-        }
+        let mut walk = Walk { stream: self, hierarchy, rays, hits, tally };
+        walk.node::<ANY>(0, 0, count, count + WIDE);
     }
 
     #[inline(always)]
@@ -173,13 +156,12 @@ impl Stream {
     }
 }
 
-/// One octant of a batch on its way down.
+/// A batch on its way down.
 struct Walk<'a, 'b, T> {
     stream: &'a mut Stream,
     hierarchy: &'a Hierarchy,
     rays: &'a Rays<'a>,
     hits: &'a mut Hits<'b>,
-    octant: usize,
     tally: T,
 }
 
@@ -190,23 +172,22 @@ impl<T: Tally> Walk<'_, '_, T> {
         self.tally.node(node, count);
         let Stream { records, lists, masks, .. } = &mut *self.stream;
         let planes = node.planes();
-        let first = |axis: usize| F32x8::load(&planes[axis + 3 * (self.octant >> axis & 1)]);
-        let second = |axis: usize| F32x8::load(&planes[axis + 3 * (1 - (self.octant >> axis & 1))]);
-        let (first, second) = ([first(0), first(1), first(2)], [second(0), second(1), second(2)]);
+        let plane = |plane: usize| F32x8::load(&planes[plane]);
+        let (low, high) = ([plane(0), plane(1), plane(2)], [plane(3), plane(4), plane(5)]);
         let mut distances = F32x8::zero();
         let mut all = 0;
         for (mask, &ray) in masks.iter_mut().zip(&lists[start..start + count]) {
             let Record { inverse, near, far, t, .. } = &records[ray as usize & (BATCH - 1)];
             let splat = F32x8::splat;
-            let [x, y, z] = inverse.map(splat);
-            let near = first[0]
-                .mul_add(x, splat(near[0]))
-                .max(first[1].mul_add(y, splat(near[1])))
-                .max(first[2].mul_add(z, splat(near[2])));
-            let far = second[0]
-                .mul_add(x, splat(far[0]))
-                .min(second[1].mul_add(y, splat(far[1])))
-                .min(second[2].mul_add(z, splat(far[2])));
+            let inverse = inverse.map(splat);
+            let [x, y, z]: [_; 3] = std::array::from_fn(|axis| {
+                let backwards = inverse[axis].lt(F32x8::zero());
+                let first = F32x8::select(backwards, high[axis], low[axis]);
+                let second = F32x8::select(backwards, low[axis], high[axis]);
+                let enters = first.mul_add(inverse[axis], splat(near[axis]));
+                (enters, second.mul_add(inverse[axis], splat(far[axis])))
+            });
+            let (near, far) = (x.0.max(y.0).max(z.0), x.1.min(y.1).min(z.1));
             // A NaN is in both, and passes no box, not even an empty one: one of the two keeps it.
             let (near, far) = (F32x8::zero().max(near), splat(*t).min(far));
             let passes = near.le(far);

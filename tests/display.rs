@@ -231,6 +231,21 @@ fn denoiser_leaves_many_samples_mirrors_and_lamps_as_they_are() {
     assert!(change(1_000_000)[2] < 0.01);
 }
 
+/// Pixels of metal within a quarter of its lobe show nearly the same: at a roughness of 0.2 and 400 rows within four pixels.
+#[test]
+fn denoiser_smooths_metal_as_far_as_it_is_rough() {
+    let left = |roughness| {
+        let metal = material(MaterialKind::Metal { roughness });
+        let scene = two_sides([-10.0; 2], [-10.0; 2], [0; 2]);
+        let guides = guides(&Scene { resolution: [40, 400], materials: vec![metal], ..scene });
+        let mut dice = Dice::of("display", [11, 0]);
+        let noisy = picture([40, 400], |_| grey(dice.unit() as f32 + 0.5));
+        noise(Denoiser::new().filter(&noisy, Samples::Same(1), &guides), 1.0) / noise(&noisy, 1.0)
+    };
+    let [polished, brushed, rough] = [0.04, 0.2, 0.5].map(left);
+    assert!(polished > 0.95 && brushed < 0.1 && rough < brushed / 4.0, "{polished} {brushed} {rough}");
+}
+
 #[test]
 fn denoiser_keeps_pictures_on_surfaces_sharp() {
     // Light of one brightness on balls of many colours, which the guides tell.

@@ -53,7 +53,7 @@ fn guides_are_what_primary_rays_see() {
                 "{}: {guide:?}",
                 scene.name
             );
-            assert!((0.0..=1.0).contains(&guide.roughness));
+            assert!((0.0..=1.0).contains(&guide.lobe));
             agree += 1;
         }
         assert!(agree * 100 > all * 88, "{}: {agree} of {all}", scene.name);
@@ -102,12 +102,13 @@ fn materials_show_in_guides() {
         let material = &scene.materials[scene.spheres[object as usize].material as usize];
         assert_eq!(guide.albedo, material.color.to_array(), "{}", material.name);
         let mirror = material.kind == MaterialKind::Metal { roughness: 0.0 };
-        assert_eq!(guide.roughness == 0.0, mirror, "{}", material.name);
+        assert_eq!(guide.lobe == 0.0, mirror, "{}", material.name);
         assert_eq!(guide.weights, [0.0; 2]);
     }
     assert_eq!(seen.len(), 4, "three spheres and the sky");
-    for (kind, roughness) in [
+    for (kind, lobe) in [
         (MaterialKind::Diffuse, 1.0),
+        (MaterialKind::Metal { roughness: 0.5 }, 0.25),
         (MaterialKind::Metal { roughness: 0.0 }, 0.0),
         (MaterialKind::Glass { ior: 1.5 }, 0.0),
         (MaterialKind::Scatter { roughness: 3.0 }, 1.0),
@@ -117,7 +118,7 @@ fn materials_show_in_guides() {
         let guides = guides_of(&Renderer::new(&scene, settings(&scene)));
         let pixels = (0..SIZE[1]).flat_map(|y| (0..SIZE[0]).map(move |x| (x, y)));
         for guide in pixels.map(|(x, y)| guides.pixel(x, y)).filter(|guide| guide.object != MISS) {
-            assert_eq!(guide.roughness, roughness, "{kind:?}");
+            assert_eq!(guide.lobe, lobe, "{kind:?}");
         }
     }
 }

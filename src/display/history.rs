@@ -11,6 +11,8 @@
 //!    frame after frame of bilinear interpolation would blur; else those of 2×2 that count, bilinearly, their weights made up to 1. Where none counts, there is
 //!    no history.
 //! 4. History and fresh samples are weighted by their numbers. That of the history is capped, so that it forgets.
+//! 5. In the sky, history is kept within what the 3×3 fresh pixels around show: there is no noise in them, but at the edge of a lamp pixels of
+//!    the sky hold some of its light, and would take it along.
 //!
 //! Where reflections are sharp, they move otherwise than the surface: there the cap is lower. To keep the history within what the fresh pixels
 //! around show (variance clipping) was tried there as well: with one sample a pixel, noise decides what they show, and no scene had a smaller error.
@@ -31,7 +33,7 @@ type L = F32x8;
 
 /// Most samples that history stands for, on what is matt: with 64 the errors are the same within one per cent.
 const MOST_SAMPLES: f32 = 32.0;
-/// And on mirrors; in between it rises by twice [`MOST_SAMPLES`] for each unit of roughness.
+/// And on mirrors; in between it rises by twice [`MOST_SAMPLES`] for each unit of the width of the lobe.
 const MOST_ON_MIRRORS: f32 = 8.0;
 /// Samples of a camera that stands still after which its film alone is shown.
 const SETTLED: u32 = 64;
@@ -195,7 +197,7 @@ impl Frame<'_> {
         let plane = |plane| self.guides.row(plane, y as u32);
         let distances = plane(Plane::Distance);
         let normals = [Plane::NormalX, Plane::NormalY, Plane::NormalZ].map(plane);
-        let (objects, roughness) = (self.guides.objects(y as u32), plane(Plane::Roughness));
+        let (objects, lobes) = (self.guides.objects(y as u32), plane(Plane::Lobe));
         for (packet, traces) in row.chunks_mut(L::WIDTH).enumerate() {
             let at = packet * L::WIDTH;
             let x = L::from_int(lane_indices::<L>()) + L::splat(at as f32 + 0.5);
@@ -222,19 +224,38 @@ impl Frame<'_> {
                 }
                 let off = MOST_OFF_PLANE * self.camera.pixel_size() * distances[x];
                 if let Some(known) = before.look([u.get(lane), v.get(lane)], trace, off) {
-                    let (color, samples) = split(known);
-                    let kept = samples.min(most_samples(roughness[x]));
+                    let (mut color, samples) = split(known);
+                    if objects[x] == MISS {
+                        color = self.within_neighbours(color, [x, y]);
+                    }
+                    let kept = samples.min(most_samples(lobes[x]));
                     let color = blend(color, kept, fresh, self.samples);
                     trace.value = Vec3A::from_array(color).extend(kept + self.samples);
                 }
             }
         }
     }
+
+    /// The nearest colour that is between the least and the most of the pixel and those around it.
+    fn within_neighbours(&self, color: [f32; 3], [x, y]: [usize; 2]) -> [f32; 3] {
+        let [width, height] = [self.fresh.width, self.fresh.height].map(|side| side as usize);
+        let around = |at: usize, side: usize| at.saturating_sub(1)..(at + 2).min(side);
+        let (mut least, mut most) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
+        for y in around(y, height) {
+            for pixel in &self.fresh.pixels[y * width..][around(x, width)] {
+                for channel in 0..3 {
+                    least[channel] = least[channel].min(pixel[channel]);
+                    most[channel] = most[channel].max(pixel[channel]);
+                }
+            }
+        }
+        std::array::from_fn(|channel| color[channel].max(least[channel]).min(most[channel]))
+    }
 }
 
 /// What history may stand for on a surface.
-fn most_samples(roughness: f32) -> f32 {
-    MOST_SAMPLES.min(MOST_ON_MIRRORS + 2.0 * MOST_SAMPLES * roughness)
+fn most_samples(lobe: f32) -> f32 {
+    MOST_SAMPLES.min(MOST_ON_MIRRORS + 2.0 * MOST_SAMPLES * lobe)
 }
 
 impl Before<'_> {

@@ -31,8 +31,9 @@ pub enum Plane {
     /// Barycentric weights of a triangle's second and third vertex; 0 elsewhere.
     WeightU,
     WeightV,
-    /// How far the surface spreads what it reflects, in [0, 1]: 0 of mirrors and glass, 1 of what is matt, shines, or is not there.
-    Roughness,
+    /// How far the surface spreads what it reflects, in [0, 1]: the width of the lobe, which is the square of a metal's roughness; 0 of mirrors
+    /// and glass, 1 of what is matt, shines, or is not there.
+    Lobe,
     /// Bits of [`Guide::object`].
     Object,
 }
@@ -46,7 +47,7 @@ pub struct Guide {
     pub normal: glam::Vec3,
     pub albedo: [f32; 3],
     pub weights: [f32; 2],
-    pub roughness: f32,
+    pub lobe: f32,
     /// The same for pixels on one sphere, or on triangles of one material; [`MISS`] where there is none.
     pub object: u32,
 }
@@ -90,7 +91,7 @@ impl Guides {
             normal: glam::Vec3::new(at(Plane::NormalX), at(Plane::NormalY), at(Plane::NormalZ)),
             albedo: [at(Plane::AlbedoRed), at(Plane::AlbedoGreen), at(Plane::AlbedoBlue)],
             weights: [at(Plane::WeightU), at(Plane::WeightV)],
-            roughness: at(Plane::Roughness),
+            lobe: at(Plane::Lobe),
             object: at(Plane::Object).to_bits(),
         }
     }
@@ -145,7 +146,7 @@ fn guides(world: &World, work: &Work, at: usize, count: usize) -> [L; PLANES] {
     let active = <L as Lane>::Mask::first(count - at);
     let found = hit.found() & active;
     let (mut normal, mut object) = (Vec3::zero(), <L as Lane>::Bits::splat(MISS));
-    let (mut albedo, mut roughness) = (Vec3::repeat(one), one);
+    let (mut albedo, mut lobe) = (Vec3::repeat(one), one);
     if !found.all() {
         albedo = displayable(sky_radiance::<L, ALL>(world, ray.direction, active & !found));
     }
@@ -161,7 +162,7 @@ fn guides(world: &World, work: &Work, at: usize, count: usize) -> [L; PLANES] {
         let spread = L::select(is(MaterialCode::MIRROR) | is(MaterialCode::GLASS), zero, spread);
         normal = Vec3::select(found, facing, normal);
         albedo = Vec3::select(found, color, albedo);
-        roughness = L::select(found, spread, roughness);
+        lobe = L::select(found, spread, lobe);
         object = <L as Lane>::Bits::select(found, surface.object(world, &hit), object);
     }
     let distance = L::select(found, hit.t, L::splat(f32::INFINITY));
@@ -178,7 +179,7 @@ fn guides(world: &World, work: &Work, at: usize, count: usize) -> [L; PLANES] {
         albedo.z,
         weight(hit.u),
         weight(hit.v),
-        roughness,
+        lobe,
         L::from_bits(object),
     ]
 }

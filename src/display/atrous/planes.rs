@@ -44,6 +44,10 @@ const NOTHING: u32 = MISS - 1;
 pub const LEAST_ALBEDO: f32 = 0.02;
 /// [`Guide::Narrowness`] of what is not filtered.
 pub const NARROWEST: f32 = 1e30;
+/// What a pixel shows on metal is spread as wide as its lobe: on the picture about the lobe's width times the picture's height, where the
+/// surroundings are as far from the metal as it is from the camera. Within this share of it pixels show nearly the same. Of 1, 1/2 and 1/4 it
+/// is the one that made next to nothing worse than a filter that all but left smooth metal alone, and halved the error at a roughness of 0.2.
+const SHARE_OF_LOBE: f32 = 0.25;
 /// Pixels to each side in which the spread of colours is found.
 const WINDOW: i32 = 2;
 
@@ -94,12 +98,10 @@ impl<'a> Task<'a> {
             let least = L::splat(LEAST_ALBEDO);
             let albedo = ALBEDO.map(|plane| packet(row(plane), at).max(least));
             set(Guide::Weight, (albedo[0] + albedo[1] + albedo[2]) * L::splat(1.0 / 3.0));
-            let roughness = packet(row(Plane::Roughness), at);
-            // The lobe of metal, roughness² wide, as wide in the picture as it is high: about what it is where a mirror's surroundings
-            // are as far from it as it is from the camera.
-            let reach = roughness * roughness * L::splat(self.height as f32);
-            let narrowness = L::select(roughness.lt(one), one / (reach * reach), zero);
-            let sharp = object.equals(B::splat(MISS)) | roughness.eq(zero);
+            let lobe = packet(row(Plane::Lobe), at);
+            let reach = lobe * L::splat(SHARE_OF_LOBE * self.height as f32);
+            let narrowness = L::select(lobe.lt(one), one / (reach * reach), zero);
+            let sharp = object.equals(B::splat(MISS)) | lobe.eq(zero);
             set(Guide::Narrowness, L::select(sharp, L::splat(NARROWEST), narrowness.min(L::splat(1e20))));
             set(
                 Guide::Samples,

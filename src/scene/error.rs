@@ -1,5 +1,6 @@
 //! What can be wrong with a scene: what, where, and how to mend it.
 
+use super::Scene;
 use std::path::PathBuf;
 
 /// Why a scene was refused.
@@ -14,6 +15,8 @@ pub struct SceneError {
     pub at: Option<String>,
     /// What to do about it.
     pub mend: Option<String>,
+    /// Every file that was looked for until then, there or not: once one of them is another, it may be otherwise.
+    pub files: Vec<PathBuf>,
 }
 
 fn place(file: &Option<PathBuf>, at: &Option<String>) -> String {
@@ -32,13 +35,22 @@ fn remedy(mend: &Option<String>) -> String {
 impl SceneError {
     /// An error that knows neither its file nor its remedy yet.
     pub(super) fn new(what: impl Into<String>) -> Self {
-        Self { what: what.into(), file: None, at: None, mend: None }
+        Self { what: what.into(), file: None, at: None, mend: None, files: Vec::new() }
+    }
+    /// That a valid scene cannot be used, and why; other files may be of more use.
+    pub(crate) fn of_use(why: String, scene: &Scene) -> Self {
+        Self::new(format!("{}: {why}", scene.name)).after(scene.files.clone())
     }
     pub(super) fn in_file(self, file: impl Into<PathBuf>) -> Self {
         Self { file: Some(file.into()), ..self }
     }
     pub(super) fn at(self, at: impl Into<String>) -> Self {
         Self { at: Some(at.into()), ..self }
+    }
+    /// After those that are known already.
+    pub(super) fn after(mut self, files: Vec<PathBuf>) -> Self {
+        self.files.extend(files);
+        self
     }
     pub(super) fn mend(self, mend: impl Into<String>) -> Self {
         Self { mend: Some(mend.into()), ..self }

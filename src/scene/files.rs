@@ -1,6 +1,6 @@
 //! Where a scene's other files come from: a folder on disk, or the program itself.
 //!
-//! For: [`Files`], which also remembers what was read. May import: `builtin` (the embedded table). Must never know: what the files hold.
+//! For: [`Files`], which also remembers what was asked for. May import: `builtin` (the embedded table). Must never know: what the files hold.
 
 use super::{SceneError, builtin};
 use std::borrow::Cow;
@@ -9,23 +9,23 @@ use std::fs;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
-/// The folder that a scene's relative paths start from, and the files that were read on the way to the scene.
+/// The folder that a scene's relative paths start from, and the files that were asked for on the way to the scene.
 pub struct Files {
     /// `None`: the files inside the program, named as in the project's folder of scenes.
     folder: Option<PathBuf>,
-    /// Those on disk, in the order of their first reading.
-    opened: RefCell<Vec<PathBuf>>,
+    /// Those on disk, there or not, in the order in which they were first asked for.
+    asked_for: RefCell<Vec<PathBuf>>,
 }
 
 impl Files {
     /// The files beside `file`.
     pub fn beside(file: &Path) -> Self {
         let folder = file.parent().unwrap_or(Path::new("")).to_path_buf();
-        Self { folder: Some(folder), opened: RefCell::default() }
+        Self { folder: Some(folder), asked_for: RefCell::default() }
     }
     /// The files inside the program.
     pub fn embedded() -> Self {
-        Self { folder: None, opened: RefCell::default() }
+        Self { folder: None, asked_for: RefCell::default() }
     }
     /// Where relative paths start, if that is on disk.
     pub fn folder(&self) -> Option<&Path> {
@@ -43,12 +43,8 @@ impl Files {
         if self.folder.is_none() {
             return builtin::embedded(path).map(Cow::Borrowed).ok_or_else(|| "no such file".to_string());
         }
-        let content = read_from_disk(path)?;
-        let mut opened = self.opened.borrow_mut();
-        if !opened.iter().any(|known| known == path) {
-            opened.push(path.to_path_buf());
-        }
-        Ok(Cow::Owned(content))
+        self.remember(path);
+        read_from_disk(path).map(Cow::Owned)
     }
     /// The content of a file that the user named on the command line.
     pub fn read_named(&self, path: &Path) -> Result<Cow<'static, [u8]>, SceneError> {
@@ -60,13 +56,22 @@ impl Files {
     }
     pub fn exists(&self, path: &Path) -> bool {
         match self.folder {
-            Some(_) => path.is_file(),
+            Some(_) => {
+                self.remember(path);
+                path.is_file()
+            }
             None => builtin::embedded(path).is_some(),
         }
     }
-    /// What was read from disk, as it was opened, each path once.
-    pub fn into_opened(self) -> Vec<PathBuf> {
-        self.opened.into_inner()
+    /// What was looked for on disk, there or not, as it was asked for, each path once.
+    pub fn into_asked_for(self) -> Vec<PathBuf> {
+        self.asked_for.into_inner()
+    }
+    fn remember(&self, path: &Path) {
+        let mut asked_for = self.asked_for.borrow_mut();
+        if !asked_for.iter().any(|known| known == path) {
+            asked_for.push(path.to_path_buf());
+        }
     }
 }
 

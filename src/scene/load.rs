@@ -26,8 +26,10 @@ pub fn load(spec: &str) -> Result<Scene, SceneError> {
         return Err(SceneError::new("this is not the name of a scene").in_file(path).mend(mend));
     }
     let files = Files::beside(path);
-    let bytes = files.read_named(path)?;
-    from_disk(path, &bytes, files, &viewed)
+    match files.read_named(path) {
+        Ok(bytes) => from_disk(path, &bytes, files, &viewed),
+        Err(error) => Err(error.after(files.into_asked_for())),
+    }
 }
 
 fn built_in(spec: &str, name: &str) -> Result<Scene, SceneError> {
@@ -52,14 +54,19 @@ type OnView<'a> = &'a dyn Fn(&Source, &Files, String) -> Result<Scene, SceneErro
 /// The scene in a file whose content was read through `files`.
 fn from_disk(path: &Path, bytes: &[u8], files: Files, on_view: OnView) -> Result<Scene, SceneError> {
     let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    let mut scene = if has_extension(path, "obj") {
-        obj::scene(bytes, path, &files, name)?
+    let scene = if has_extension(path, "obj") {
+        obj::scene(bytes, path, &files, name)
     } else {
-        json_scene(&Source { file: path, text: utf8(path, bytes)? }, &files, name, on_view)?
+        utf8(path, bytes).and_then(|text| json_scene(&Source { file: path, text }, &files, name, on_view))
     };
-    let viewed = std::mem::replace(&mut scene.files, files.into_opened());
-    scene.files.extend(viewed);
-    Ok(scene)
+    match scene {
+        Ok(mut scene) => {
+            let viewed = std::mem::replace(&mut scene.files, files.into_asked_for());
+            scene.files.extend(viewed);
+            Ok(scene)
+        }
+        Err(error) => Err(error.after(files.into_asked_for())),
+    }
 }
 
 fn utf8<'a>(path: &Path, bytes: &'a [u8]) -> Result<&'a str, SceneError> {
@@ -132,10 +139,14 @@ fn named_in_view(source: &Source, files: &Files, spec: &str) -> Result<Scene, Sc
     }
     // Its own files lie beside it; what it read is added to what the view read.
     let files = Files::beside(&path);
-    let bytes = files.read(&path).map_err(|reason| {
-        let mend = format!("it was looked for at {}: {MEND}", path.display());
-        fault(format!("cannot read the scene `{spec}`: {reason}"), &mend)
-    })?;
+    let bytes = match files.read(&path) {
+        Ok(bytes) => bytes,
+        Err(reason) => {
+            let mend = format!("it was looked for at {}: {MEND}", path.display());
+            let error = fault(format!("cannot read the scene `{spec}`: {reason}"), &mend);
+            return Err(error.after(files.into_asked_for()));
+        }
+    };
     from_disk(&path, &bytes, files, &|_, _, _| {
         Err(fault(format!("`{spec}` is a view itself"), "name the scene that it is a view of"))
     })

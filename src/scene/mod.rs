@@ -76,8 +76,8 @@ pub struct Scene {
     pub normals: Vec<[Vec3; 3]>,
     /// What was odd but not wrong, each a full sentence.
     pub warnings: Vec<String>,
-    /// The files that it was read from, each path once and as it was opened: the scene file first; after a view, the scene that it names. None
-    /// of a scene inside the program.
+    /// The files that it was read from and those that were looked for in vain, each path once and as it was asked for: the scene file first;
+    /// after a view, the scene that it names. None of a scene inside the program.
     pub files: Vec<PathBuf>,
     /// What its file says, if that is a view: camera, resolution and bounces of the scene are what the view makes them.
     pub view: Option<View>,

@@ -7,7 +7,8 @@ mod seat;
 mod waiting;
 
 use octray::output::Tone;
-use octray::render::PipelineChoice;
+use octray::render::{PipelineChoice, Renderer, Settings};
+use octray::scene::Scene;
 use octray::viewer::frame::Frame;
 use octray::viewer::keys::Key;
 use octray::viewer::playlist::Playlist;
@@ -21,7 +22,7 @@ use std::path::Path;
 use std::process::Command;
 use std::sync::Arc;
 use std::thread::sleep;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 use waiting::wait_for;
 
 struct Seat {
@@ -31,8 +32,12 @@ struct Seat {
 
 impl Seat {
     fn start(options: Options, names: &[&str]) -> Self {
+        let scene = octray::scene::load(names[0]).unwrap();
+        Self::start_with(options, names, scene)
+    }
+    /// The first scene is read already.
+    fn start_with(options: Options, names: &[&str], scene: Scene) -> Self {
         let playlist = Playlist::new(&names.iter().map(|name| name.to_string()).collect::<Vec<_>>()).unwrap();
-        let scene = octray::scene::load(playlist.current()).unwrap();
         Self { viewer: Viewer::start(options, playlist, scene, Arc::new(|| {})), frame: Frame::default() }
     }
     fn press(&self, key: Key) {
@@ -166,7 +171,8 @@ fn a_screenshot_just_before_the_end_is_taken_and_its_view_says_how() {
         tone: Tone { exposure: -64.0, ..Tone::default() },
         ..options([64, 36], 1, folder.path())
     };
-    let seat = Seat::start(options, &["builtin:three"]);
+    let mut seat = Seat::start(options, &["builtin:three"]);
+    seat.wait("a picture", |frame| !frame.figures.is_empty());
     seat.press(Key::Tab);
     seat.end();
     let file = folder.path().join("octray-three-0001.json");
@@ -228,4 +234,73 @@ fn pictures_of_any_shape_are_shown_in_every_view_and_by_every_filter() {
         }
         seat.end();
     }
+}
+
+#[test]
+fn what_is_missing_is_said_and_taken_in_when_it_is_there() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    let ball = r#"{ "center": [0, 0, 5], "radius": 1, "roughness": 1, "texture": "a.png" }"#;
+    fs::write(at("thesis.json"), format!("{{ \"sphere\": [ {ball} ] }}")).unwrap();
+    let mut model = model(3);
+    model.insert_str(0, "mtllib gone.mtl\n");
+    fs::write(at("model.obj"), model).unwrap();
+    let picture = image::RgbImage::from_pixel(2, 2, image::Rgb([9, 99, 199]));
+    let scene = |name: &str| at(name).to_str().unwrap().to_string();
+    let [thesis, model] = ["thesis.json", "model.obj"].map(scene);
+    let mut seat = Seat::start(options([16, 9], 1, folder.path()), &[&thesis, &model]);
+    seat.wait("a word about the texture", |frame| frame.message.contains("a.png` is left out"));
+    picture.save(at("a.png")).unwrap();
+    seat.wait("the texture", |frame| frame.message.is_empty());
+    seat.press(Key::PageDown);
+    seat.wait("a word about the materials", |frame| frame.message.contains("gone.mtl"));
+    fs::write(at("gone.mtl"), "newmtl a\nKd 1 0 0\n").unwrap();
+    seat.wait("the materials", |frame| frame.message.is_empty());
+    seat.end();
+}
+
+#[test]
+fn a_file_that_a_broken_scene_misses_is_waited_for() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("scene.json");
+    fs::write(&file, scene("model")).unwrap();
+    let names = ["builtin:three", file.to_str().unwrap()];
+    let mut seat = Seat::start(options([16, 9], 1, folder.path()), &names);
+    seat.press(Key::PageDown);
+    seat.wait("an error", |frame| frame.message.contains("model.obj"));
+    fs::write(folder.path().join("model.obj"), model(3)).unwrap();
+    seat.wait("the model", |frame| frame.title.ends_with("scene.json") && frame.message.is_empty());
+    seat.end();
+}
+
+#[test]
+fn a_window_is_closed_at_once_while_its_first_scene_is_made_ready() {
+    let (name, options) = ("builtin:terrain:200000", options([16, 9], 1, Path::new(".")));
+    let scene = octray::scene::load(name).unwrap();
+    let start = Instant::now();
+    Renderer::new(&scene, Settings { threads: 1, ..Settings::of(&scene) });
+    let takes = start.elapsed();
+    let start = Instant::now();
+    let mut seat = Seat::start_with(options, &[name], scene);
+    seat.wait("a word about it", |frame| frame.message == format!("making {name} ready"));
+    assert_eq!((seat.frame.width, seat.frame.height, &seat.frame.title[..]), (16, 9, name));
+    seat.end();
+    assert!(start.elapsed() < takes / 2, "{:?} of {takes:?}", start.elapsed());
+}
+
+#[test]
+fn a_scene_that_no_memory_is_left_for_is_not_shown() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("huge.json");
+    let huge = scene("ball").replacen('{', r#"{ "resolution": [16384, 16384],"#, 1);
+    fs::write(&file, huge).unwrap();
+    let fits = |size: [u32; 2]| if size[0] < 1_000 { Ok(()) } else { Err("no memory left".to_string()) };
+    let options = Options { size: None, fits: Box::new(fits), ..options([16, 9], 1, folder.path()) };
+    let mut seat = Seat::start(options, &["builtin:three", file.to_str().unwrap()]);
+    seat.press(Key::PageDown);
+    seat.wait("an error", |frame| frame.message == "huge.json: no memory left");
+    assert!(seat.frame.title == "builtin:three" && seat.frame.width < 1_000);
+    fs::write(&file, scene("ball").replacen('{', r#"{ "resolution": [20, 10],"#, 1)).unwrap();
+    seat.wait("a smaller one", |frame| [frame.width, frame.height] == [20, 10] && frame.message.is_empty());
+    seat.end();
 }

@@ -19,6 +19,12 @@ pub fn check(size: [u32; 2], bytes_per_pixel: usize) -> Result<(), CliError> {
     Ok(())
 }
 
+/// The same, where nobody reads warnings: why there is no room, if there is none.
+pub fn room_for(size: [u32; 2], bytes_per_pixel: usize) -> Result<(), String> {
+    let judged = judge(size, bytes_per_pixel, machine::available_memory());
+    judged.map(|_| ()).map_err(|error| error.to_string())
+}
+
 /// The sentence to warn with, if any.
 fn judge(size: [u32; 2], bytes_per_pixel: usize, available: Option<u64>) -> Result<Option<String>, CliError> {
     let [width, height] = size;

@@ -116,6 +116,7 @@ impl ViewOptions {
             methods: Box::new(move |scene| {
                 methods.or(Asked::of(scene).unwrap_or_default().methods).of(scene)
             }),
+            fits: Box::new(|size| memory::room_for(size, viewer::BYTES_PER_PIXEL)),
             frames: self.frames,
             screenshots: self.screenshots.clone(),
         })

@@ -20,6 +20,7 @@ use super::{Options, Wake};
 use crate::render::{Renderer, Settings};
 use crate::scene::Scene;
 use crate::traverse::Methods;
+use crate::wording::counted;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::mpsc::Receiver;
@@ -27,6 +28,8 @@ use std::time::{Duration, Instant};
 
 /// How long a message stays.
 const MESSAGE: Duration = Duration::from_secs(6);
+/// Warnings of a scene that are shown.
+const MOST_WARNINGS: usize = 4;
 /// What only a new renderer can change.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Build {
@@ -70,8 +73,8 @@ pub struct Engine {
     /// Did it arrive, and no frame shows it yet?
     arrived: bool,
     message: Option<Instant>,
-    /// The file for which the scene that should be shown is not there.
-    blamed: Option<PathBuf>,
+    /// The files that were looked for in vain, or held what is wrong, where the scene that should be shown is not there.
+    blamed: Vec<PathBuf>,
     shoot: bool,
 }
 
@@ -111,7 +114,7 @@ impl Engine {
             asked: None,
             arrived: false,
             message: None,
-            blamed: None,
+            blamed: Vec::new(),
             shoot: false,
             options,
             state,
@@ -125,7 +128,9 @@ impl Engine {
 
     /// Goes on until somebody quits.
     pub fn run(mut self, mut renderer: Renderer) -> Summary {
+        self.exchange.set_ready();
         self.watch();
+        self.warn();
         while let Next::Swap(ready) = renderer.hold(|renderer| self.serve(renderer)) {
             renderer = self.swap(*ready, renderer.settings());
         }
@@ -148,22 +153,32 @@ impl Engine {
             self.scene = scene;
             self.name = self.state.playlist.current().to_string();
             self.painter.meet_another_scene(again);
-            self.blamed = None;
+            self.blamed.clear();
             self.watch();
             self.rates.forget();
-            self.set_message("");
+            self.warn();
         }
         self.exposure.renew(&renderer, &self.scene);
         self.painter.forget();
         renderer
     }
 
-    /// Watches the files of the scene that is shown, of the one that should be, and the one that is to blame if that is not there.
+    /// Says for a while what is odd about the scene; nothing where nothing is.
+    fn warn(&mut self) {
+        let warnings = &self.scene.warnings;
+        let mut text = warnings.iter().take(MOST_WARNINGS).map(String::as_str).collect::<Vec<_>>().join("\n");
+        if let Some(more) = warnings.len().checked_sub(MOST_WARNINGS).filter(|&more| more > 0) {
+            text += &format!("\n(and {} more)", counted(more as u64, "warning", "warnings"));
+        }
+        self.set_message(&text);
+    }
+
+    /// Watches the files of the scene that is shown, the one that should be, and those that are to blame if that is not there.
     fn watch(&mut self) {
         let wanted = self.state.playlist.current();
         let wanted = (!wanted.starts_with("builtin:")).then_some(Path::new(wanted));
-        let blamed = self.blamed.as_deref();
-        self.files.watch(self.scene.files.iter().map(PathBuf::as_path).chain(wanted).chain(blamed));
+        let files = self.scene.files.iter().chain(&self.blamed).map(PathBuf::as_path);
+        self.files.watch(files.chain(wanted));
     }
 
     /// Frame after frame with one renderer.
@@ -188,8 +203,8 @@ impl Engine {
                     // It stays until there is a scene: what is shown is not what was asked for.
                     self.painter.message(&error.to_string());
                     (self.message, self.asked) = (None, None);
-                    // Whoever mends the file sees the scene.
-                    self.blamed = error.file;
+                    // Whoever mends one of them, or brings what is missing, sees the scene.
+                    self.blamed = error.files;
                     self.watch();
                     // An order that this one has overtaken is still to be carried out.
                     chosen = None;
@@ -259,9 +274,14 @@ impl Engine {
     fn order(&mut self, source: Source, again: bool) {
         let (controls, options) = (self.state.controls, self.options.clone());
         let keep = again.then_some(controls.bounces).or(options.bounces);
+        let held = pixels(self.exposure.pose.resolution);
         let settings = move |scene: &Scene| {
             let bounces = keep.unwrap_or(scene.max_bounces);
-            settings(scene, &Controls { bounces, ..controls }, &options)
+            let settings = settings(scene, &Controls { bounces, ..controls }, &options);
+            if pixels(settings.resolution) > held {
+                (options.fits)(settings.resolution)?;
+            }
+            Ok(settings)
         };
         self.loader.order(Order { source, settings: Box::new(settings), again });
     }
@@ -341,6 +361,10 @@ impl Engine {
         };
         self.set_message(&text);
     }
+}
+
+fn pixels([width, height]: [u32; 2]) -> u64 {
+    u64::from(width) * u64::from(height)
 }
 
 /// How a scene is rendered as things stand, from its own camera.

@@ -13,11 +13,13 @@ use std::time::{Duration, Instant};
 
 /// Samples after which a standing picture is left as it is, and the machine alone.
 const MOST_SAMPLES: u32 = 65_536;
-/// How much coarser or finer a step makes pixels that hold a frame rate, and how coarse they become at most.
-const STEP: f64 = 0.85;
+/// Shares of the time that a frame may take: what pixels that hold a frame rate are chosen for, and with less than what finer ones are chosen.
+const AIM: f64 = 0.95;
+const SPARE: f64 = 0.6;
+/// How coarse they become at most.
 const COARSEST: f64 = 0.05;
 /// Frames that this is decided by, their fastest: one that something else held up says nothing. And the fastest of none.
-const TRIED: u32 = 3;
+const TRIED: u32 = 2;
 const NONE: (u32, Duration) = (0, Duration::MAX);
 /// A picture that has stood for so long keeps its pixels: others would begin it anew.
 const SETTLED: Duration = Duration::from_secs(1);
@@ -196,10 +198,10 @@ impl Exposure {
         }
         let (needed, wanted) = (self.fastest.1.as_secs_f64(), 1.0 / f64::from(target));
         self.fastest = NONE;
-        if needed > wanted * 1.05 {
-            self.coarseness = (self.coarseness * STEP).max(COARSEST);
-        } else if needed < wanted * STEP.powi(3) {
-            self.coarseness = (self.coarseness / STEP).min(1.0);
+        if !(wanted * SPARE..wanted * 1.05).contains(&needed) {
+            // What a frame takes grows with its pixels, the square of what a side has of them.
+            let step = (AIM * wanted / needed.max(1e-9)).sqrt();
+            self.coarseness = (self.coarseness * step).clamp(COARSEST, 1.0);
         }
     }
 
@@ -269,6 +271,20 @@ mod tests {
         assert_eq!(settle(Some(5)).0, 1.0);
         assert!(settle(Some(1_000)).0 >= COARSEST);
         assert_eq!(settle(None).0, 1.0);
+    }
+
+    #[test]
+    fn a_frame_rate_is_held_after_a_few_frames() {
+        let (.., mut exposure) = start();
+        let mut after = |frames, target| {
+            for _ in 0..frames {
+                exposure.sample = Duration::from_secs_f64(0.4 * exposure.coarseness.powi(2));
+                exposure.hold(Some(target));
+            }
+            exposure.sample.as_secs_f64() * f64::from(target)
+        };
+        let takes = [after(3, 30), after(3, 60), after(3, 20)];
+        assert!(takes.iter().all(|share| (0.6..1.05).contains(share)), "shares of the time: {takes:?}");
     }
 
     #[test]

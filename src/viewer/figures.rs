@@ -34,7 +34,10 @@ fn lines(
     writeln!(text, "{}", if busy { ", another is being made ready" } else { "" })?;
     let Figures { fps, low, samples: [simd, scalar], mrays } = *figures;
     let now = if settings.lanes == 1 { scalar } else { simd };
-    write!(text, "{} fps, 1 % low {}", rate_of(fps), rate_of(low))?;
+    match fps > 0.0 {
+        true => write!(text, "{} fps, 1 % low {}", rate_of(fps), rate_of(low))?,
+        false => write!(text, "no frame rate yet")?,
+    }
     if let Some(rate) = now {
         write!(text, " · {} samples/s · {mrays:.1} Mray/s", rate_of(rate))?;
     }
@@ -133,5 +136,8 @@ mod tests {
         ] {
             assert!(text.contains(words), "{words:?} in {text}");
         }
+        text.clear();
+        write(&mut text, &subject, &state, &Figures::default(), false);
+        assert!(text.contains("(2 of 2)\nno frame rate yet\nSIMD"), "{text}");
     }
 }

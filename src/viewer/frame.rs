@@ -29,6 +29,13 @@ pub struct Frame {
 }
 
 impl Frame {
+    /// No picture yet: that a scene is being made ready.
+    pub fn word_of(scene: &str, resolution: [u32; 2]) -> Self {
+        let mut frame =
+            Self { message: format!("making {scene} ready"), title: scene.to_string(), ..Self::default() };
+        frame.resize(resolution);
+        frame
+    }
     pub fn resize(&mut self, [width, height]: [u32; 2]) {
         (self.width, self.height) = (width, height);
         self.pixels.resize(width as usize * height as usize, 0);
@@ -42,6 +49,8 @@ pub struct Exchange {
     frame: Mutex<(Frame, bool)>,
     /// Has something happened that the tracing thread should hear of at once?
     news: AtomicBool,
+    /// Is the first scene ready to be traced?
+    ready: AtomicBool,
     /// Does nobody wait for another frame?
     leaving: AtomicBool,
     /// Is the last frame given?
@@ -72,6 +81,14 @@ impl Exchange {
     }
     pub fn has_news(&self) -> bool {
         self.news.load(Ordering::Acquire)
+    }
+
+    /// Events are heard from now on.
+    pub fn set_ready(&self) {
+        self.ready.store(true, Ordering::Release);
+    }
+    pub fn is_ready(&self) -> bool {
+        self.ready.load(Ordering::Acquire)
     }
 
     /// No frame is waited for any more.

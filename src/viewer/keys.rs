@@ -254,6 +254,31 @@ pub fn help() -> impl Iterator<Item = String> {
     BINDINGS.iter().map(move |Binding { label, meaning, .. }| format!("{label:width$}  {meaning}"))
 }
 
+/// The same for little room: bindings behind one another in lines of so many characters, cut between words.
+pub fn short_help(width: usize) -> Vec<String> {
+    let mut lines = vec![String::new()];
+    let mut write = |word: &str, gap: &str, room: usize| {
+        let line = lines.last_mut().expect("there is a line from the start");
+        let used = line.chars().count() + gap.len();
+        if line.is_empty() || used + room <= width {
+            let gap = if line.is_empty() { "" } else { gap };
+            *line += &format!("{gap}{word}");
+        } else {
+            lines.push(word.to_string());
+        }
+    };
+    for Binding { label, meaning, .. } in BINDINGS {
+        let text = format!("{label}: {meaning}");
+        let whole = text.chars().count().min(width);
+        for (at, word) in text.split(' ').enumerate() {
+            // A binding that does not fit begins a line of its own.
+            let (gap, room) = if at == 0 { ("   ", whole) } else { (" ", word.chars().count()) };
+            write(word, gap, room);
+        }
+    }
+    lines
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -264,6 +289,19 @@ mod tests {
         let keys: Vec<Key> = BINDINGS.iter().flat_map(|binding| binding.keys).map(|&(key, _)| key).collect();
         let distinct: BTreeSet<Key> = keys.iter().copied().collect();
         assert_eq!(distinct.len(), keys.len());
+    }
+
+    #[test]
+    fn short_help_says_the_same_in_the_room_of_a_small_terminal() {
+        for width in [80, 100, 40, 20] {
+            let lines = short_help(width);
+            assert!(lines.iter().all(|line| line.chars().count() <= width.max(20)), "{lines:#?}");
+            let (words, all) = (lines.join(" "), help().collect::<Vec<_>>().join(" "));
+            let count = |text: &str| text.split_whitespace().count();
+            assert_eq!(count(&words), count(&all), "each word once");
+        }
+        // With a line for Ctrl-C.
+        assert!(short_help(80).len() < 24, "{:#?}", short_help(80));
     }
 
     #[test]

@@ -17,11 +17,13 @@ pub enum Source {
     Here(Arc<Scene>),
 }
 
+type Choice = Box<dyn FnOnce(&Scene) -> Result<Settings, String> + Send>;
+
 /// A scene to be made ready.
 pub struct Order {
     pub source: Source,
-    /// Given the scene, how it is rendered.
-    pub settings: Box<dyn FnOnce(&Scene) -> Settings + Send>,
+    /// Given the scene, how it is rendered, or why it cannot be.
+    pub settings: Choice,
     /// Is it the scene that is shown already, changed perhaps?
     pub again: bool,
 }
@@ -90,7 +92,7 @@ fn prepare(order: Order) -> Result<Ready, SceneError> {
         Source::Name(name) => Arc::new(scene::load(&name)?),
         Source::Here(scene) => scene,
     };
-    let settings = (order.settings)(&scene);
+    let settings = (order.settings)(&scene).map_err(|why| SceneError::of_use(why, &scene))?;
     Ok(Ready { renderer: Renderer::new(&scene, settings), scene, again: order.again })
 }
 
@@ -110,7 +112,7 @@ mod tests {
         }
     }
     fn order(name: &str) -> Order {
-        let settings = Box::new(Settings::of);
+        let settings = Box::new(|scene: &Scene| Ok(Settings::of(scene)));
         Order { source: Source::Name(name.into()), settings, again: false }
     }
 

@@ -83,6 +83,8 @@ pub struct Options {
     pub target: Option<u32>,
     /// The methods asked for, which may depend on the scene.
     pub methods: Box<dyn Fn(&Scene) -> Methods + Send + Sync>,
+    /// Is there memory for a picture of so many pixels across and down? If not, why.
+    pub fits: Box<dyn Fn([u32; 2]) -> Result<(), String> + Send + Sync>,
     /// Ends after so many frames.
     pub frames: Option<u64>,
     /// The folder for screenshots.
@@ -112,6 +114,9 @@ impl Viewer {
         let (shared, scene) = (exchange.clone(), Arc::new(scene));
         let thread = std::thread::spawn(move || {
             let _end = End { exchange: shared.clone(), wake: wake.clone() };
+            let size = options.size.unwrap_or(scene.resolution);
+            shared.give(&mut Frame::word_of(&scene.name, size));
+            wake();
             let (engine, renderer) = Engine::new(Arc::new(options), state, scene, incoming, shared, wake);
             engine.run(renderer)
         });
@@ -131,13 +136,16 @@ impl Viewer {
     pub fn is_over(&self) -> bool {
         self.exchange.is_over()
     }
-    /// Ends it all.
+    /// Ends it all. An engine that is still making its first scene ready is left to itself.
     ///
     /// # Panics
     /// If the engine did.
     pub fn finish(self) -> Summary {
         self.send(Event::Quit);
         self.exchange.leave();
+        if !self.exchange.is_ready() && !self.exchange.is_over() {
+            return Summary::default();
+        }
         self.thread.join().expect("the engine ends in order")
     }
 }

@@ -195,7 +195,8 @@ impl Painter {
         if !self.written.as_ref().is_some_and(fresh) {
             self.written = Some((state.controls, now));
             self.figures.clear();
-            if state.controls.overlay {
+            // The help is long: figures make room for it.
+            if state.controls.overlay && !state.controls.help {
                 figures::write(&mut self.figures, subject, state, &rates.figures(), busy);
             }
         }

@@ -43,7 +43,7 @@ pub enum Effect {
     Quit,
 }
 
-/// Longest time that a step moves the camera by: after a longer pause it does not jump.
+/// Longest time that the camera moves by between two frames: after a longer pause it does not jump.
 const LONGEST_STEP: Duration = Duration::from_millis(250);
 
 #[derive(Clone, Debug)]
@@ -58,8 +58,9 @@ pub struct State {
     /// Frames a second to show.
     pub rate: f64,
     held: Held,
-    /// Up to when the camera has moved.
+    /// Up to when the camera has moved, and for how long since the last frame.
     now: Instant,
+    moved: Duration,
     /// Asked for on the command line, for every scene.
     bounces: Option<u32>,
     /// Those of the scene, unless the command line has others.
@@ -94,6 +95,7 @@ impl State {
             rate: 60.0,
             held: Held::default(),
             now,
+            moved: Duration::ZERO,
             bounces,
             own_bounces: bounces.unwrap_or(scene.max_bounces),
             left: BTreeMap::new(),
@@ -119,16 +121,23 @@ impl State {
         self.walker.rehome(scene.camera);
     }
 
-    /// Moves the camera on as the keys that are down say.
+    /// Moves the camera on to where a frame sees it.
     pub fn advance(&mut self, to: Instant) {
-        let step = to.saturating_duration_since(self.now);
-        self.walker.advance(&self.held, step.min(LONGEST_STEP).as_secs_f64(), self.speed);
+        self.walk(to);
+        self.moved = Duration::ZERO;
+    }
+
+    /// Moves the camera on as the keys that are down say.
+    fn walk(&mut self, to: Instant) {
+        let step = to.saturating_duration_since(self.now).min(LONGEST_STEP - self.moved);
+        self.walker.advance(&self.held, step.as_secs_f64(), self.speed);
         self.now = self.now.max(to);
+        self.moved += step;
     }
 
     /// Takes in what happened at a moment: keys hold from when they went down to when they came up, however many frames that is.
     pub fn handle(&mut self, event: &Event, at: Instant) -> Option<Effect> {
-        self.advance(at);
+        self.walk(at);
         match *event {
             Event::Key { key, down, repeat } => return self.key(key, down, repeat),
             Event::Mouse(travel) if self.caught => self.walker.look(travel),
@@ -238,6 +247,16 @@ mod tests {
         state.handle(&key(Key::Char('w'), true), now);
         state.advance(now + ms(60_000));
         assert!(state.walker.camera().position.distance(from) < 0.26);
+        // However much is heard of meanwhile.
+        let from = state.walker.camera().position;
+        for second in 61..70 {
+            state.handle(&Event::Mouse([0.0; 2]), now + ms(second * 1_000));
+        }
+        state.advance(now + ms(70_000));
+        let walked = state.walker.camera().position.distance(from);
+        assert!((0.2..0.26).contains(&walked), "{walked}");
+        state.advance(now + ms(70_100));
+        assert!(state.walker.camera().position.distance(from) > walked + 0.09, "each frame goes on");
     }
 
     #[test]

@@ -326,8 +326,11 @@ fn text_of(frame: &Frame, columns: usize, rows: usize) -> Vec<String> {
     let mut lines: Vec<String> =
         frame.figures.lines().chain(frame.message.lines()).map(String::from).collect();
     if frame.help {
-        lines.extend(keys::help());
         lines.push("Ctrl-C  end".to_string());
+        let help: Vec<String> = keys::help().collect();
+        let fits =
+            lines.len() + help.len() <= rows && help.iter().all(|line| line.chars().count() <= columns);
+        lines.extend(if fits { help } else { keys::short_help(columns) });
     }
     lines.truncate(rows);
     lines.iter().map(|line| line.chars().take(columns).collect()).collect()

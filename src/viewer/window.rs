@@ -16,6 +16,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 use winit::application::ApplicationHandler;
 use winit::dpi::{LogicalSize, PhysicalSize};
+use winit::error::EventLoopError;
 use winit::event::{DeviceEvent, DeviceId, ElementState, MouseButton, MouseScrollDelta, WindowEvent};
 use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop, OwnedDisplayHandle};
 use winit::keyboard::{KeyCode, NamedKey, PhysicalKey};
@@ -23,6 +24,8 @@ use winit::window::{CursorGrabMode, Window, WindowId};
 
 /// Side of the window's pixels for one of the picture's, where the screen has room.
 const ENLARGED: f64 = 4.0;
+/// Longest wait for anything before it is asked whether the program is to end.
+const PATIENCE: Duration = Duration::from_millis(100);
 /// The share of the screen that the window may take at first.
 const MOST_OF_SCREEN: f64 = 0.9;
 
@@ -56,8 +59,7 @@ pub fn window(
     playlist: Playlist,
     scene: Scene,
 ) -> Result<(Summary, Presented), WindowError> {
-    let events = EventLoop::<Fresh>::with_user_event().build().map_err(|_| no_display())?;
-    events.set_control_flow(ControlFlow::Wait);
+    let events = event_loop().map_err(|_| no_display())?;
     let context = softbuffer::Context::new(events.owned_display_handle())
         .map_err(|error| WindowError::NoSurface(error.to_string().into()))?;
     let proxy = events.create_proxy();
@@ -87,6 +89,34 @@ pub fn window(
     match failure {
         Some(failure) => Err(failure),
         None => Ok((summary, presented)),
+    }
+}
+
+/// Of Wayland where that answers, else of X, where the system has both.
+fn event_loop() -> Result<EventLoop<Fresh>, EventLoopError> {
+    let mut builder = EventLoop::with_user_event();
+    #[cfg(target_os = "linux")]
+    if !wayland::answers() {
+        winit::platform::x11::EventLoopBuilderExtX11::with_x11(&mut builder);
+    }
+    builder.build()
+}
+
+/// Whether there is a Wayland compositor: a variable may speak of one that is over, or of another user's.
+#[cfg(target_os = "linux")]
+mod wayland {
+    use std::env::var_os;
+    use std::os::unix::net::UnixStream;
+    use std::path::Path;
+
+    pub fn answers() -> bool {
+        if let Some(open) = var_os("WAYLAND_SOCKET").filter(|open| !open.is_empty()) {
+            // The number of a connection that whoever started this program has opened for it.
+            return Path::new("/proc/self/fd").join(open).exists();
+        }
+        let Some(name) = var_os("WAYLAND_DISPLAY").filter(|name| !name.is_empty()) else { return false };
+        let folder = var_os("XDG_RUNTIME_DIR").unwrap_or_default();
+        UnixStream::connect(Path::new(&folder).join(name)).is_ok()
     }
 }
 
@@ -211,10 +241,14 @@ impl ApplicationHandler<Fresh> for App {
         }
     }
 
-    fn user_event(&mut self, events: &ActiveEventLoop, _: Fresh) {
+    fn about_to_wait(&mut self, events: &ActiveEventLoop) {
         if self.viewer.is_over() || self.told.as_ref().is_some_and(Told::to_end) {
             return events.exit();
         }
+        events.set_control_flow(ControlFlow::WaitUntil(Instant::now() + PATIENCE));
+    }
+
+    fn user_event(&mut self, _: &ActiveEventLoop, _: Fresh) {
         if let Some(surface) = &self.surface {
             surface.window().request_redraw();
         }

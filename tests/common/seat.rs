@@ -20,6 +20,7 @@ pub fn options(size: [u32; 2], threads: usize, screenshots: &Path) -> Options {
         tone: Tone::default(),
         target: None,
         methods: Box::new(|_| Methods::default()),
+        fits: Box::new(|_| Ok(())),
         frames: None,
         screenshots: screenshots.into(),
     }

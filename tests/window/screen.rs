@@ -46,10 +46,10 @@ impl Screen {
         Some(screen)
     }
 
-    /// A program that this screen is the display of.
+    /// A program that this screen is the display of. The environment speaks of another one as well, which is over: it is to be passed over.
     pub fn command(&self, program: &str) -> Command {
         let mut command = Command::new(program);
-        command.env("DISPLAY", &self.display).env_remove("WAYLAND_DISPLAY").env_remove("WAYLAND_SOCKET");
+        command.env("DISPLAY", &self.display).env("WAYLAND_DISPLAY", "over").env_remove("WAYLAND_SOCKET");
         command
     }
 

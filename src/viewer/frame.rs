@@ -30,7 +30,7 @@ pub struct Frame {
 
 impl Frame {
     /// No picture yet: that a scene is being made ready.
-    pub fn word_of(scene: &str, resolution: [u32; 2]) -> Self {
+    pub fn announcing(scene: &str, resolution: [u32; 2]) -> Self {
         let mut frame =
             Self { message: format!("making {scene} ready"), title: scene.to_string(), ..Self::default() };
         frame.resize(resolution);

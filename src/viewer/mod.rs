@@ -115,7 +115,7 @@ impl Viewer {
         let thread = std::thread::spawn(move || {
             let _end = End { exchange: shared.clone(), wake: wake.clone() };
             let size = options.size.unwrap_or(scene.resolution);
-            shared.give(&mut Frame::word_of(&scene.name, size));
+            shared.give(&mut Frame::announcing(&scene.name, size));
             wake();
             let (engine, renderer) = Engine::new(Arc::new(options), state, scene, incoming, shared, wake);
             engine.run(renderer)

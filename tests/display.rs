@@ -243,7 +243,10 @@ fn denoiser_smooths_metal_as_far_as_it_is_rough() {
         noise(Denoiser::new().filter(&noisy, Samples::Same(1), &guides), 1.0) / noise(&noisy, 1.0)
     };
     let [polished, brushed, rough] = [0.04, 0.2, 0.5].map(left);
-    assert!(polished > 0.95 && brushed < 0.1 && rough < brushed / 4.0, "{polished} {brushed} {rough}");
+    assert!(
+        polished > 0.95 && (0.02..0.1).contains(&brushed) && rough < brushed / 4.0,
+        "{polished} {brushed} {rough}"
+    );
 }
 
 #[test]

@@ -188,16 +188,21 @@ fn history_ends_at_other_objects_normals_and_planes() {
 #[test]
 fn nothing_of_a_lamp_stays_in_the_sky_behind_it() {
     let lamp = Material { emission: Vec3::splat(40.0), ..material(MaterialKind::Emitter) };
+    let mut history = History::new();
     let mut window = Window::new(Scene {
         sky: Sky::Color(Vec3::splat(0.25)),
         materials: vec![lamp],
         spheres: vec![sphere(Vec3::ZERO, 1.0, 0)],
         ..empty()
     });
-    let mut history = History::new();
     let mut sky = 0;
-    for frame in 0..24 {
-        window.look(moved(window.scene.camera, Vec3::X * 0.04 * frame as f32));
+    for (way, frame) in
+        [Vec3::X, -Vec3::X, Vec3::Y, -Vec3::Y].iter().flat_map(|way| (0..12).map(move |at| (way, at)))
+    {
+        if frame == 0 {
+            history.forget();
+        }
+        window.look(moved(window.scene.camera, way * 0.04 * frame as f32));
         let fresh = window.frame(4);
         let shown = window.advance(&mut history, &fresh, 4);
         let [width, height] = SIZE.map(|side| side as i32);
@@ -211,7 +216,7 @@ fn nothing_of_a_lamp_stays_in_the_sky_behind_it() {
             }
         }
     }
-    assert!(sky > 24 * 1_000, "{sky}");
+    assert!(sky > 48 * 1_000, "{sky}");
 }
 
 #[test]
@@ -232,6 +237,8 @@ fn history_forgets_sooner_on_mirrors() {
     let [mirror, brushed, wall] = [count(0.0).0, count(0.1).0, count(0.0).1];
     assert!(mirror < brushed && brushed < wall, "{mirror}, {brushed}, {wall}");
     assert_eq!((mirror, wall), (9.0, 33.0));
+    // 8 and 64 times the square of the roughness, and the fresh sample.
+    assert_eq!(count(0.5).0, 25.0);
 }
 
 #[test]

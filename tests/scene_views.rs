@@ -329,3 +329,20 @@ fn scenes_know_the_files_that_they_were_read_from_and_those_that_are_missing() {
         assert_eq!(load(inside).unwrap().files, Vec::<PathBuf>::new(), "{inside}");
     }
 }
+
+#[test]
+fn scenes_that_cannot_be_read_know_what_was_looked_for() {
+    let folder = TempDir::new().unwrap();
+    let folder = folder.path();
+    let files = |name: &str| -> Vec<String> {
+        let error = load(&spec(folder, name)).unwrap_err();
+        let inside = error.files.iter().map(|file| file.strip_prefix(folder).unwrap().to_str().unwrap());
+        inside.map(|file| file.replace('\\', "/")).collect()
+    };
+    write(folder, "view.json", &view("m/gone.json", ""));
+    write(folder, "of_model.json", &view("m/m.obj", ""));
+    write(folder, "m/m.obj", "mtllib m.mtl\nv 0 0 0\nf 1 2 3\n");
+    assert_eq!(files("gone.json"), ["gone.json"]);
+    assert_eq!(files("view.json"), ["m/gone.json", "view.json"]);
+    assert_eq!(files("of_model.json"), ["m/m.obj", "of_model.json"]);
+}

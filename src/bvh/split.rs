@@ -220,3 +220,24 @@ pub(super) fn halve(boxes: &mut [PackedBox], set: &Set, block: usize) -> (usize,
     let (low, high) = boxes.split_at(middle);
     (middle, Set::of(low), Set::of(high))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bvh::Bounds;
+    use glam::Vec3;
+
+    #[test]
+    fn numbers_of_primitives_stay_out_of_the_grids_arithmetic() {
+        let one =
+            |x: f32, number| PackedBox::new(Bounds { lo: Vec3::splat(x), hi: Vec3::splat(x + 1.0) }, number);
+        let boxes = [one(0.0, 7), one(5.0, 3), one(9.0, 4)];
+        let grid = Grid::new(Set::of(&boxes).centers);
+        for one in boxes {
+            for lanes in [grid.origin, grid.scale, one.center().lanes() - grid.origin] {
+                assert!((0..8).all(|lane| !lanes.get(lane).is_subnormal()), "{lanes:?}");
+            }
+        }
+        assert_eq!(boxes.map(|one| grid.bins(one)), [[0; 3], [8; 3], [15; 3]]);
+    }
+}

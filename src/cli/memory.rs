@@ -21,8 +21,7 @@ pub fn check(size: [u32; 2], bytes_per_pixel: usize) -> Result<(), CliError> {
 
 /// The same, where nobody reads warnings: why there is no room, if there is none.
 pub fn room_for(size: [u32; 2], bytes_per_pixel: usize) -> Result<(), String> {
-    let judged = judge(size, bytes_per_pixel, machine::available_memory());
-    judged.map(|_| ()).map_err(|error| error.to_string())
+    judge(size, bytes_per_pixel, machine::available_memory()).map(|_| ()).map_err(|error| error.to_string())
 }
 
 /// The sentence to warn with, if any.

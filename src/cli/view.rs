@@ -255,4 +255,18 @@ mod tests {
         assert_eq!(triangle(&[], &later), TriangleChoice::Plucker);
         assert_eq!(triangle(&["--triangle", "woop"], &later), TriangleChoice::Woop);
     }
+
+    #[test]
+    fn later_scenes_are_asked_whether_they_fit() {
+        let Some(Command::View(args)) = Args::parse_from(["octray", "view"]).command else {
+            unreachable!("view was asked for")
+        };
+        let plain = load("builtin:cornell").unwrap();
+        let options = ViewOptions::try_from(args).unwrap().viewer(&plain).unwrap();
+        assert_eq!((options.fits)([16, 9]), Ok(()));
+        if machine::available_memory().is_some() {
+            let refused = (options.fits)([1 << 20, 1 << 20]).unwrap_err();
+            assert!(refused.contains("of memory") && refused.contains("--size"), "{refused}");
+        }
+    }
 }

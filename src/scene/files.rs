@@ -5,6 +5,7 @@
 use super::{SceneError, builtin};
 use std::borrow::Cow;
 use std::cell::RefCell;
+use std::collections::HashSet;
 use std::fs;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
@@ -15,17 +16,19 @@ pub struct Files {
     folder: Option<PathBuf>,
     /// Those on disk, there or not, in the order in which they were first asked for.
     asked_for: RefCell<Vec<PathBuf>>,
+    /// The same, to be found at once.
+    known: RefCell<HashSet<PathBuf>>,
 }
 
 impl Files {
     /// The files beside `file`.
     pub fn beside(file: &Path) -> Self {
         let folder = file.parent().unwrap_or(Path::new("")).to_path_buf();
-        Self { folder: Some(folder), asked_for: RefCell::default() }
+        Self { folder: Some(folder), asked_for: RefCell::default(), known: RefCell::default() }
     }
     /// The files inside the program.
     pub fn embedded() -> Self {
-        Self { folder: None, asked_for: RefCell::default() }
+        Self { folder: None, asked_for: RefCell::default(), known: RefCell::default() }
     }
     /// Where relative paths start, if that is on disk.
     pub fn folder(&self) -> Option<&Path> {
@@ -68,9 +71,8 @@ impl Files {
         self.asked_for.into_inner()
     }
     fn remember(&self, path: &Path) {
-        let mut asked_for = self.asked_for.borrow_mut();
-        if !asked_for.iter().any(|known| known == path) {
-            asked_for.push(path.to_path_buf());
+        if self.known.borrow_mut().insert(path.to_path_buf()) {
+            self.asked_for.borrow_mut().push(path.to_path_buf());
         }
     }
 }

@@ -6,8 +6,8 @@ use super::frame::Frame;
 use super::keys;
 use embedded_graphics::draw_target::DrawTarget;
 use embedded_graphics::geometry::{OriginDimensions, Point, Size};
-use embedded_graphics::mono_font::MonoTextStyle;
 use embedded_graphics::mono_font::iso_8859_1::{FONT_7X13, FONT_10X20};
+use embedded_graphics::mono_font::{MonoFont, MonoTextStyle};
 use embedded_graphics::pixelcolor::{Rgb888, RgbColor};
 use embedded_graphics::prelude::{Drawable, Pixel};
 use embedded_graphics::text::{Baseline, Text};
@@ -45,8 +45,8 @@ impl Canvas<'_> {
         let below = self.block(&frame.figures, 0, large, Rgb888::WHITE);
         let below = self.block(&frame.message, below, large, Rgb888::YELLOW);
         if frame.help {
-            let help = keys::help().collect::<Vec<_>>().join("\n");
-            self.block(&help, below, large, Rgb888::WHITE);
+            let [columns, lines] = self.room(below, large);
+            self.block(&keys::help_in(columns, lines).join("\n"), below, large, Rgb888::WHITE);
         }
     }
 
@@ -96,14 +96,21 @@ impl Canvas<'_> {
         }
     }
 
+    /// How many characters fit into a line, and how many lines below so many pixels.
+    fn room(&self, top: u32, large: bool) -> [usize; 2] {
+        let (_, [across, line]) = font(large);
+        let columns = self.width.saturating_sub(2 * PADDING) / across;
+        let lines = self.height.saturating_sub(top + PADDING) / line;
+        [columns.max(1) as usize, lines as usize]
+    }
+
     /// Lines of text on a darkened ground, so far from the top; returns where the next block may begin.
     fn block(&mut self, text: &str, top: u32, large: bool, color: Rgb888) -> u32 {
         if text.is_empty() {
             return top;
         }
-        let font = if large { &FONT_10X20 } else { &FONT_7X13 };
-        let [across, line] = [font.character_size.width, font.character_size.height + 1];
-        let room = (self.width.saturating_sub(2 * PADDING) / across).max(1) as usize;
+        let (font, [across, line]) = font(large);
+        let [room, _] = self.room(top, large);
         let lines = || text.lines().flat_map(|line| wrap(line, room));
         let widest = lines().map(|line| line.chars().count() as u32).max().unwrap_or(0);
         let width = (widest * across + 2 * PADDING).min(self.width);
@@ -125,8 +132,14 @@ impl Canvas<'_> {
     }
 }
 
+/// Letters, and how many pixels one of them takes across and a line of them down.
+fn font(large: bool) -> (&'static MonoFont<'static>, [u32; 2]) {
+    let font = if large { &FONT_10X20 } else { &FONT_7X13 };
+    (font, [font.character_size.width, font.character_size.height + 1])
+}
+
 /// A line in pieces of so many characters at most, between words where there are some.
-fn wrap(line: &str, room: usize) -> impl Iterator<Item = &str> {
+pub fn wrap(line: &str, room: usize) -> impl Iterator<Item = &str> {
     let mut rest = Some(line);
     std::iter::from_fn(move || {
         let line = rest?;

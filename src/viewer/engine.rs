@@ -15,7 +15,7 @@ use super::rates::Rates;
 use super::screenshot::{self, Shot};
 use super::state::{Effect, Event, State};
 use super::summary::Summary;
-use super::watch::Files;
+use super::watch::{self, Files};
 use super::{Options, Wake};
 use crate::render::{Renderer, Settings};
 use crate::scene::Scene;
@@ -24,7 +24,7 @@ use crate::wording::counted;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::mpsc::Receiver;
-use std::time::{Duration, Instant};
+use std::time::{Duration, Instant, SystemTime};
 
 /// How long a message stays.
 const MESSAGE: Duration = Duration::from_secs(6);
@@ -64,6 +64,8 @@ pub struct Engine {
     frame: Frame,
     rates: Rates,
     summary: Summary,
+    /// When the first scene had just been read.
+    started: SystemTime,
     /// The name of the scene that is shown, as the playlist has it.
     name: String,
     /// Of the oldest event that no frame shows yet.
@@ -72,7 +74,10 @@ pub struct Engine {
     asked: Option<Instant>,
     /// Did it arrive, and no frame shows it yet?
     arrived: bool,
+    /// Since when there is a message that goes by itself.
     message: Option<Instant>,
+    /// Why the scene that should be shown is not there: said until it is, but where something else is to be said for a while.
+    error: String,
     /// The files that were looked for in vain, or held what is wrong, where the scene that should be shown is not there.
     blamed: Vec<PathBuf>,
     shoot: bool,
@@ -94,6 +99,7 @@ impl Engine {
         exchange: Arc<Exchange>,
         wake: Wake,
     ) -> (Self, Renderer) {
+        let started = SystemTime::now();
         let renderer = Renderer::new(&scene, settings(&scene, &state.controls, &options));
         let engine = Self {
             painter: Painter::default(),
@@ -110,10 +116,12 @@ impl Engine {
             summary: Summary::default(),
             name: state.playlist.current().to_string(),
             exposure: Exposure::new(&renderer, &scene),
+            started,
             unanswered: None,
             asked: None,
             arrived: false,
             message: None,
+            error: String::new(),
             blamed: Vec::new(),
             shoot: false,
             options,
@@ -131,6 +139,7 @@ impl Engine {
         self.exchange.set_ready();
         self.watch();
         self.warn();
+        self.catch_up(self.started);
         while let Next::Swap(ready) = renderer.hold(|renderer| self.serve(renderer)) {
             renderer = self.swap(*ready, renderer.settings());
         }
@@ -139,7 +148,7 @@ impl Engine {
 
     /// Goes on with a scene, or a way to render it, that has become ready; `before` is how it was rendered until now.
     fn swap(&mut self, ready: Ready, before: &Settings) -> Renderer {
-        let Ready { scene, renderer, again } = ready;
+        let Ready { scene, renderer, again, read } = ready;
         if Arc::ptr_eq(&scene, &self.scene) {
             // Only the width is measured side by side: with all else the same.
             let now = Build::of(renderer.settings());
@@ -154,13 +163,24 @@ impl Engine {
             self.name = self.state.playlist.current().to_string();
             self.painter.meet_another_scene(again);
             self.blamed.clear();
+            self.error.clear();
             self.watch();
             self.rates.forget();
             self.warn();
         }
         self.exposure.renew(&renderer, &self.scene);
         self.painter.forget();
+        if let Some(read) = read {
+            self.catch_up(read);
+        }
         renderer
+    }
+
+    /// Reads the scene again if a file has changed, or appeared, since it was read and before anybody watched it.
+    fn catch_up(&mut self, read: SystemTime) {
+        if watch::is_newer(self.scene.files.iter().map(PathBuf::as_path), read) {
+            self.load();
+        }
     }
 
     /// Says for a while what is odd about the scene; nothing where nothing is.
@@ -168,7 +188,7 @@ impl Engine {
         let warnings = &self.scene.warnings;
         let mut text = warnings.iter().take(MOST_WARNINGS).map(String::as_str).collect::<Vec<_>>().join("\n");
         if let Some(more) = warnings.len().checked_sub(MOST_WARNINGS).filter(|&more| more > 0) {
-            text += &format!("\n(and {} more)", counted(more as u64, "warning", "warnings"));
+            text += &format!("\n(and {})", counted(more, "more warning", "more warnings"));
         }
         self.set_message(&text);
     }
@@ -200,9 +220,9 @@ impl Engine {
             match self.loader.take() {
                 Some(Ok(ready)) => return Next::Swap(Box::new(ready)),
                 Some(Err(error)) => {
-                    // It stays until there is a scene: what is shown is not what was asked for.
-                    self.painter.message(&error.to_string());
-                    (self.message, self.asked) = (None, None);
+                    self.error = error.to_string();
+                    self.asked = None;
+                    self.set_message("");
                     // Whoever mends one of them, or brings what is missing, sees the scene.
                     self.blamed = error.files;
                     self.watch();
@@ -274,10 +294,11 @@ impl Engine {
     fn order(&mut self, source: Source, again: bool) {
         let (controls, options) = (self.state.controls, self.options.clone());
         let keep = again.then_some(controls.bounces).or(options.bounces);
-        let held = pixels(self.exposure.pose.resolution);
+        let held = pixels(settings(&self.scene, &controls, &options).resolution);
         let settings = move |scene: &Scene| {
             let bounces = keep.unwrap_or(scene.max_bounces);
             let settings = settings(scene, &Controls { bounces, ..controls }, &options);
+            // What is shown already has its memory.
             if pixels(settings.resolution) > held {
                 (options.fits)(settings.resolution)?;
             }
@@ -340,8 +361,9 @@ impl Engine {
         (self.wake)();
     }
 
+    /// Says something for a while.
     fn set_message(&mut self, text: &str) {
-        self.painter.message(text);
+        self.painter.message(if text.is_empty() { &self.error } else { text });
         self.message = (!text.is_empty()).then(Instant::now);
     }
 

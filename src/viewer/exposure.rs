@@ -21,7 +21,7 @@ const COARSEST: f64 = 0.05;
 /// Frames that this is decided by, their fastest: one that something else held up says nothing. And the fastest of none.
 const TRIED: u32 = 2;
 const NONE: (u32, Duration) = (0, Duration::MAX);
-/// A picture that has stood for so long keeps its pixels: others would begin it anew.
+/// A picture that has stood for so long keeps its pixels, once they are as coarse as they should be: others would begin it anew.
 const SETTLED: Duration = Duration::from_secs(1);
 
 /// What a picture is of.
@@ -61,6 +61,8 @@ pub struct Exposure {
     painting: Duration,
     /// What frames of this resolution took at least, since one was chosen: so many, the fastest.
     fastest: (u32, Duration),
+    /// Do frames of this resolution take as long as the target allows, as far as was seen?
+    fits: bool,
     /// When the picture became what it is.
     since: Instant,
 }
@@ -98,6 +100,7 @@ impl Exposure {
             sample: Duration::ZERO,
             painting: Duration::ZERO,
             fastest: NONE,
+            fits: false,
             since: now,
         }
     }
@@ -135,7 +138,7 @@ impl Exposure {
             self.film.clear();
         } else {
             self.film = renderer.film();
-            self.fastest = NONE;
+            (self.fastest, self.fits) = (NONE, false);
         }
         renderer.set_seed(if other { seed } else { seed.wrapping_add(1).wrapping_add(frame as u32) });
         if other { Change::Other } else { Change::Moved }
@@ -193,12 +196,13 @@ impl Exposure {
         // What a frame takes at least; waiting for the display is no reason for coarser pixels.
         let needed = self.sample + self.painting;
         self.fastest = (self.fastest.0 + 1, self.fastest.1.min(needed));
-        if self.fastest.0 < TRIED || (self.still && self.since.elapsed() >= SETTLED) {
+        if self.fastest.0 < TRIED || (self.fits && self.still && self.since.elapsed() >= SETTLED) {
             return;
         }
         let (needed, wanted) = (self.fastest.1.as_secs_f64(), 1.0 / f64::from(target));
         self.fastest = NONE;
-        if !(wanted * SPARE..wanted * 1.05).contains(&needed) {
+        self.fits = (wanted * SPARE..wanted * 1.05).contains(&needed);
+        if !self.fits {
             // What a frame takes grows with its pixels, the square of what a side has of them.
             let step = (AIM * wanted / needed.max(1e-9)).sqrt();
             self.coarseness = (self.coarseness * step).clamp(COARSEST, 1.0);
@@ -299,10 +303,20 @@ mod tests {
             assert_eq!(hold(&mut exposure, 20, 2), 1.0);
             assert_eq!(hold(&mut exposure, 500, 1), 1.0, "held up");
         }
+        assert_eq!(hold(&mut exposure, 20, 2), 1.0);
         exposure.since = Instant::now().checked_sub(SETTLED).unwrap();
         assert_eq!(hold(&mut exposure, 500, 10), 1.0, "it stands");
         exposure.still = false;
         assert!(hold(&mut exposure, 500, 3) < 1.0, "it moves");
+    }
+
+    #[test]
+    fn pixels_of_a_slow_picture_that_never_moved_become_coarser_too() {
+        let (.., mut exposure) = start();
+        exposure.since = Instant::now().checked_sub(SETTLED).unwrap();
+        exposure.sample = Duration::from_secs(2);
+        (0..TRIED).for_each(|_| exposure.hold(Some(30)));
+        assert!(exposure.coarseness < 0.2, "{}", exposure.coarseness);
     }
 
     #[test]

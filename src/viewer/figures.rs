@@ -31,6 +31,10 @@ fn lines(
     if scenes > 1 && subject.listed {
         write!(text, " ({place} of {scenes})")?;
     }
+    if !scene.warnings.is_empty() {
+        let warnings = counted(scene.warnings.len(), "warning", "warnings");
+        write!(text, ", {warnings} (R reads and says again)")?;
+    }
     writeln!(text, "{}", if busy { ", another is being made ready" } else { "" })?;
     let Figures { fps, low, samples: [simd, scalar], mrays } = *figures;
     let now = if settings.lanes == 1 { scalar } else { simd };
@@ -105,7 +109,8 @@ mod tests {
 
     #[test]
     fn figures_stand_at_their_names() {
-        let scene = load("builtin:three").unwrap();
+        let mut scene = load("builtin:three").unwrap();
+        scene.warnings.push("It is odd.".into());
         let names = ["builtin:thesis".to_string(), "builtin:three".to_string()];
         let mut playlist = Playlist::new(&names).unwrap();
         playlist.next();
@@ -129,7 +134,7 @@ mod tests {
         let mut text = String::new();
         write(&mut text, &subject, &state, &figures, true);
         for words in [
-            "builtin:three (2 of 2), another is being made ready\n",
+            "builtin:three (2 of 2), 1 warning (R reads and says again), another is being made ready\n",
             "60 fps, 1 % low 0.25 · 4,000 samples/s · 7.5 Mray/s\n",
             "SIMD, 2 threads · SIMD 4,000, scalar 8.0 samples/s, 500.0×\n",
             " · 1 sample · 4 bounces · holds 30 fps\n",
@@ -138,6 +143,6 @@ mod tests {
         }
         text.clear();
         write(&mut text, &subject, &state, &Figures::default(), false);
-        assert!(text.contains("(2 of 2)\nno frame rate yet\nSIMD"), "{text}");
+        assert!(text.contains("again)\nno frame rate yet\nSIMD"), "{text}");
     }
 }

@@ -254,8 +254,15 @@ pub fn help() -> impl Iterator<Item = String> {
     BINDINGS.iter().map(move |Binding { label, meaning, .. }| format!("{label:width$}  {meaning}"))
 }
 
+/// The help for so many characters in so many lines: a line a binding if that fits.
+pub fn help_in(columns: usize, lines: usize) -> Vec<String> {
+    let help: Vec<String> = help().collect();
+    let fits = help.len() <= lines && help.iter().all(|line| line.chars().count() <= columns);
+    if fits { help } else { short_help(columns) }
+}
+
 /// The same for little room: bindings behind one another in lines of so many characters, cut between words.
-pub fn short_help(width: usize) -> Vec<String> {
+fn short_help(width: usize) -> Vec<String> {
     let mut lines = vec![String::new()];
     let mut write = |word: &str, gap: &str, room: usize| {
         let line = lines.last_mut().expect("there is a line from the start");
@@ -299,9 +306,18 @@ mod tests {
             let (words, all) = (lines.join(" "), help().collect::<Vec<_>>().join(" "));
             let count = |text: &str| text.split_whitespace().count();
             assert_eq!(count(&words), count(&all), "each word once");
+            let short = |text: &String| text.chars().count() <= width;
+            for text in BINDINGS.iter().map(|Binding { label, meaning, .. }| format!("{label}: {meaning}")) {
+                let whole = lines.iter().any(|line| line.contains(&text));
+                assert!(whole || !short(&text), "{text} is in one line of {width}");
+            }
         }
         // With a line for Ctrl-C.
         assert!(short_help(80).len() < 24, "{:#?}", short_help(80));
+        let table: Vec<String> = help().collect();
+        assert_eq!(help_in(200, table.len()), table);
+        assert_eq!(help_in(200, table.len() - 1), short_help(200));
+        assert_eq!(help_in(80, 60), short_help(80));
     }
 
     #[test]

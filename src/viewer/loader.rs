@@ -7,6 +7,7 @@ use crate::scene::{self, Scene, SceneError};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, TryRecvError, channel};
 use std::thread;
+use std::time::SystemTime;
 
 /// Where a scene comes from.
 #[derive(Clone)]
@@ -33,6 +34,8 @@ pub struct Ready {
     pub scene: Arc<Scene>,
     pub renderer: Renderer,
     pub again: bool,
+    /// When its files had not been read yet; none if they were not read at all.
+    pub read: Option<SystemTime>,
 }
 
 /// The thread, and the way there and back.
@@ -88,12 +91,13 @@ impl Loader {
 }
 
 fn prepare(order: Order) -> Result<Ready, SceneError> {
-    let scene = match order.source {
-        Source::Name(name) => Arc::new(scene::load(&name)?),
-        Source::Here(scene) => scene,
+    let start = SystemTime::now();
+    let (scene, read) = match order.source {
+        Source::Name(name) => (Arc::new(scene::load(&name)?), Some(start)),
+        Source::Here(scene) => (scene, None),
     };
     let settings = (order.settings)(&scene).map_err(|why| SceneError::of_use(why, &scene))?;
-    Ok(Ready { renderer: Renderer::new(&scene, settings), scene, again: order.again })
+    Ok(Ready { renderer: Renderer::new(&scene, settings), scene, again: order.again, read })
 }
 
 #[cfg(test)]

@@ -58,7 +58,7 @@ pub struct State {
     /// Frames a second to show.
     pub rate: f64,
     held: Held,
-    /// Up to when the camera has moved, and for how long since the last frame.
+    /// Up to when the camera has moved, and for how long keys were down since the last frame.
     now: Instant,
     moved: Duration,
     /// Asked for on the command line, for every scene.
@@ -130,9 +130,11 @@ impl State {
     /// Moves the camera on as the keys that are down say.
     fn walk(&mut self, to: Instant) {
         let step = to.saturating_duration_since(self.now).min(LONGEST_STEP - self.moved);
-        self.walker.advance(&self.held, step.as_secs_f64(), self.speed);
         self.now = self.now.max(to);
-        self.moved += step;
+        if self.held != Held::default() {
+            self.walker.advance(&self.held, step.as_secs_f64(), self.speed);
+            self.moved += step;
+        }
     }
 
     /// Takes in what happened at a moment: keys hold from when they went down to when they came up, however many frames that is.
@@ -257,6 +259,18 @@ mod tests {
         assert!((0.2..0.26).contains(&walked), "{walked}");
         state.advance(now + ms(70_100));
         assert!(state.walker.camera().position.distance(from) > walked + 0.09, "each frame goes on");
+    }
+
+    #[test]
+    fn a_key_that_comes_late_in_a_long_frame_moves_too() {
+        let (mut state, now) = start();
+        state.speed = 10.0;
+        let from = state.walker.camera().position;
+        state.handle(&key(Key::Char('w'), true), now + ms(300));
+        state.handle(&key(Key::Char('w'), false), now + ms(400));
+        state.advance(now + ms(500));
+        let walked = state.walker.camera().position.distance(from);
+        assert!((walked - 1.0).abs() < 1e-4, "100 ms at 10 units a second: {walked}");
     }
 
     #[test]

@@ -5,7 +5,7 @@
 //! Every character cell shows two pixels, one above the other: the upper half block in the colour of the upper one, on the colour of the lower
 //! one. Terminals that do not tell when a key comes up (most) get keys that are held for a moment after each time they are heard of.
 
-use super::canvas::fit;
+use super::canvas::{fit, wrap};
 use super::frame::Frame;
 use super::keys::{self, Action, Key};
 use super::playlist::Playlist;
@@ -321,17 +321,37 @@ fn color(pixel: u32) -> Color {
     Color::Rgb { r, g, b }
 }
 
-/// The lines of text over a frame, cut to the terminal.
+/// The lines of text over a frame, as many as fit in the terminal.
 fn text_of(frame: &Frame, columns: usize, rows: usize) -> Vec<String> {
-    let mut lines: Vec<String> =
-        frame.figures.lines().chain(frame.message.lines()).map(String::from).collect();
+    let said = frame.figures.lines().chain(frame.message.lines());
+    let mut lines: Vec<String> = said.flat_map(|line| wrap(line, columns)).map(String::from).collect();
     if frame.help {
         lines.push("Ctrl-C  end".to_string());
-        let help: Vec<String> = keys::help().collect();
-        let fits =
-            lines.len() + help.len() <= rows && help.iter().all(|line| line.chars().count() <= columns);
-        lines.extend(if fits { help } else { keys::short_help(columns) });
+        lines.extend(keys::help_in(columns, rows.saturating_sub(lines.len())));
     }
     lines.truncate(rows);
     lines.iter().map(|line| line.chars().take(columns).collect()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn text_fits_the_terminal() {
+        let said =
+            Frame { figures: "one two three\nfour".into(), message: "five".into(), ..Frame::default() };
+        assert_eq!(text_of(&said, 80, 24), ["one two three", "four", "five"]);
+        assert_eq!(text_of(&said, 8, 24), ["one two", "three", "four", "five"]);
+        assert_eq!(text_of(&said, 8, 2), ["one two", "three"]);
+        let help = Frame { help: true, ..Frame::default() };
+        assert_eq!(text_of(&help, 200, 60)[1..], keys::help().collect::<Vec<_>>());
+        for (columns, rows) in [(80, 24), (200, 60), (200, 10), (40, 12), (5, 3), (1, 1)] {
+            let lines = text_of(&help, columns, rows);
+            assert!(lines.len() <= rows && lines.iter().all(|line| line.chars().count() <= columns));
+            assert!(columns < 20 || lines[0] == "Ctrl-C  end");
+        }
+        let last = keys::BINDINGS.last().expect("there are some");
+        assert!(text_of(&help, 80, 24).iter().any(|line| line.contains(last.meaning)), "all of it");
+    }
 }

@@ -239,7 +239,7 @@ mod tests {
             normal: Vec3::new(0.0, 1.0, -1.0),
             albedo: [1.0; 3],
             weights: [1.0, 0.0],
-            roughness: 1.0,
+            lobe: 1.0,
             object: 0,
         };
         assert_eq!(normal(&guide), 0x80ff00);

@@ -6,7 +6,7 @@ use notify::{EventKind, RecommendedWatcher, RecursiveMode, Watcher};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, channel};
-use std::time::{Duration, Instant};
+use std::time::{Duration, Instant, SystemTime};
 
 /// How long files must be left alone before they are read: editors write in several steps.
 const QUIET: Duration = Duration::from_millis(150);
@@ -68,15 +68,25 @@ impl Files {
     }
 }
 
-/// Where a file is, or will be once it is there again.
+/// Where a file is, or will be once it is there again; where its folder is missing, where that will be.
 fn place_of(file: &Path) -> Option<PathBuf> {
     file.canonicalize().ok().or_else(|| {
         let folder = match file.parent()? {
             here if here.as_os_str().is_empty() => Path::new("."),
             folder => folder,
         };
-        Some(folder.canonicalize().ok()?.join(file.file_name()?))
+        match folder.canonicalize() {
+            Ok(folder) => Some(folder.join(file.file_name()?)),
+            Err(_) => place_of(folder),
+        }
     })
+}
+
+/// Has any of these been written since? What claims to be of the future says nothing.
+pub fn is_newer<'a>(files: impl IntoIterator<Item = &'a Path>, than: SystemTime) -> bool {
+    let written = |file: &Path| std::fs::metadata(file).and_then(|file| file.modified()).ok();
+    let now = SystemTime::now();
+    files.into_iter().filter_map(written).any(|written| written > than && written <= now)
 }
 
 #[cfg(test)]
@@ -136,5 +146,15 @@ mod tests {
         files.watch([]);
         fs::write(&scene, "4").unwrap();
         assert!(!hears(&mut files, short), "no longer watched");
+        let deep = path("pictures/of/it.png");
+        files.watch([deep.as_path()]);
+        fs::create_dir(path("pictures")).unwrap();
+        assert!(hears(&mut files, long), "a folder on the way");
+        files.watch([deep.as_path()]);
+        fs::create_dir(path("pictures/of")).unwrap();
+        assert!(hears(&mut files, long), "the next one");
+        files.watch([deep.as_path()]);
+        fs::write(&deep, "1").unwrap();
+        assert!(hears(&mut files, long), "the file");
     }
 }

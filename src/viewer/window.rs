@@ -106,13 +106,16 @@ fn event_loop() -> Result<EventLoop<Fresh>, EventLoopError> {
 #[cfg(target_os = "linux")]
 mod wayland {
     use std::env::var_os;
+    use std::fs;
+    use std::os::unix::fs::FileTypeExt;
     use std::os::unix::net::UnixStream;
     use std::path::Path;
 
     pub fn answers() -> bool {
         if let Some(open) = var_os("WAYLAND_SOCKET").filter(|open| !open.is_empty()) {
             // The number of a connection that whoever started this program has opened for it.
-            return Path::new("/proc/self/fd").join(open).exists();
+            let open = fs::metadata(Path::new("/proc/self/fd").join(open));
+            return open.is_ok_and(|open| open.file_type().is_socket());
         }
         let Some(name) = var_os("WAYLAND_DISPLAY").filter(|name| !name.is_empty()) else { return false };
         let folder = var_os("XDG_RUNTIME_DIR").unwrap_or_default();
@@ -122,13 +125,14 @@ mod wayland {
 
 /// What the system's own words, which tell of its sources, do not say.
 fn no_display() -> WindowError {
-    let named = ["WAYLAND_DISPLAY", "DISPLAY"].into_iter().find_map(|name| {
+    let named = ["WAYLAND_SOCKET", "WAYLAND_DISPLAY", "DISPLAY"].into_iter().filter_map(|name| {
         let display = std::env::var(name).ok().filter(|display| !display.is_empty())?;
         Some(format!("{name}={display}"))
     });
-    WindowError::NoDisplay(match named {
-        Some(named) => format!("there is no display to open a window on: none answers at {named}"),
-        None => "there is no display to open a window on".to_string(),
+    let named: Vec<String> = named.collect();
+    WindowError::NoDisplay(match named.is_empty() {
+        false => format!("there is no display to open a window on: none answers at {}", named.join(" or ")),
+        true => "there is no display to open a window on".to_string(),
     })
 }
 

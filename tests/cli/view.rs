@@ -18,9 +18,13 @@ fn what_cannot_be_shown_is_refused() {
 #[test]
 fn without_a_display_it_says_what_works_there() {
     let desk = Desk::new();
-    for display in
-        [None, Some(("DISPLAY", ":9999")), Some(("WAYLAND_DISPLAY", "over")), Some(("WAYLAND_SOCKET", "77"))]
-    {
+    for display in [
+        None,
+        Some(("DISPLAY", ":9999")),
+        Some(("WAYLAND_DISPLAY", "over")),
+        Some(("WAYLAND_SOCKET", "77")),
+        Some(("WAYLAND_SOCKET", "0")),
+    ] {
         let mut view = desk.octray(&["view", "scene.json"]);
         view.env_remove("WAYLAND_DISPLAY").env_remove("WAYLAND_SOCKET").env_remove("DISPLAY");
         view.envs(display);

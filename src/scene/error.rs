@@ -1,5 +1,6 @@
 //! What can be wrong with a scene: what, where, and how to mend it.
 
+#[cfg(feature = "viewer")]
 use super::Scene;
 use std::path::PathBuf;
 
@@ -38,6 +39,7 @@ impl SceneError {
         Self { what: what.into(), file: None, at: None, mend: None, files: Vec::new() }
     }
     /// That a valid scene cannot be used, and why; other files may be of more use.
+    #[cfg(feature = "viewer")]
     pub(crate) fn of_use(why: String, scene: &Scene) -> Self {
         Self::new(format!("{}: {why}", scene.name)).after(scene.files.clone())
     }

@@ -273,7 +273,7 @@ mod tests {
         assert_eq!(settle(Some(30)).0, coarse, "at rest");
         assert!(settle(Some(60)).0 < coarse);
         assert_eq!(settle(Some(5)).0, 1.0);
-        assert!(settle(Some(1_000)).0 >= COARSEST);
+        assert!(settle(Some(1_000)).0 < coarse);
         assert_eq!(settle(None).0, 1.0);
     }
 
@@ -317,6 +317,26 @@ mod tests {
         exposure.sample = Duration::from_secs(2);
         (0..TRIED).for_each(|_| exposure.hold(Some(30)));
         assert!(exposure.coarseness < 0.2, "{}", exposure.coarseness);
+        exposure.sample = Duration::from_secs(200);
+        (0..TRIED).for_each(|_| exposure.hold(Some(30)));
+        assert_eq!(exposure.coarseness, COARSEST, "no coarser, however slow");
+    }
+
+    #[test]
+    fn frames_that_vary_a_little_change_no_pixels() {
+        let (.., mut exposure) = start();
+        let mut hold = |ms, times| {
+            for _ in 0..times {
+                exposure.sample = Duration::from_secs_f64(ms * 1e-3 * exposure.coarseness.powi(2));
+                exposure.hold(Some(30));
+            }
+            exposure.coarseness
+        };
+        let coarse = hold(100.0, 10);
+        for ms in [90.0, 105.0, 80.0, 100.0, 70.0] {
+            assert_eq!(hold(ms, 4), coarse, "{ms} ms for all pixels, where 100 were");
+        }
+        assert!(hold(50.0, 4) > coarse && hold(150.0, 4) < coarse);
     }
 
     #[test]

@@ -10,6 +10,7 @@ use octray::math::MISS;
 use octray::measure::ray_sets::{Answers, RaySet};
 use octray::measure::ways::{Ground, Team, Way};
 use octray::traverse::hierarchy::Hierarchy;
+use octray::traverse::stream::PIECE;
 
 /// Directions that divide by zero, or nearly.
 fn awkward(dice: &mut Dice) -> Vec3 {
@@ -69,6 +70,40 @@ fn every_traversal_equals_testing_every_primitive() {
         );
     }
     assert!(hits > 3_000, "only {hits} rays hit anything");
+}
+
+/// Streams take pieces whose rays run into one octant another way than those of more.
+#[test]
+fn pieces_of_one_octant_and_of_several_find_the_same_each_for_itself() {
+    let mut dice = Dice(18);
+    let scene = mixture(&mut dice, 600, 60, 1.0, 0.0);
+    let mut set = Set::default();
+    // Each octant in turn, all together, zeros and next to zeros of either sign in one octant; the last piece is not whole.
+    for piece in 0..11 {
+        for i in 0..if piece == 10 { PIECE / 2 + 3 } else { PIECE } {
+            let size = match piece {
+                8 | 10 => dice.direction().as_vec3(),
+                9 => awkward(&mut dice).abs(),
+                _ => dice.direction().as_vec3().abs(),
+            };
+            let sign = |axis: usize| if piece < 8 && piece >> axis & 1 == 1 { -1.0 } else { 1.0 };
+            let direction = size * Vec3::new(sign(0), sign(1), sign(2));
+            let through = dice.in_cube().as_vec3() * 3.0;
+            // From outside and from among them.
+            set.push(through - direction * if i % 2 == 0 { 9.0 } else { 0.5 }, direction, f32::INFINITY);
+        }
+    }
+    assert!(set.check(&scene, "pieces") > 300);
+    let hierarchy = Hierarchy::new(&scene, Quality::default());
+    let (all, none) = (set.linear(&scene), set.pieces(&hierarchy, 0));
+    assert!(none.iter().all(|answer| answer[1] == MISS));
+    for pieces in [0b1, 0b100_0000_0010, 0b011_0000_0110, 0b101_0101_0101, 0b111_1111_1111] {
+        let found = set.pieces(&hierarchy, pieces);
+        for (ray, found) in found.iter().enumerate() {
+            let expected = if pieces >> (ray / PIECE) & 1 == 1 { &all } else { &none };
+            assert_eq!(found, &expected[ray], "pieces {pieces:b}, ray {ray}");
+        }
+    }
 }
 
 #[test]

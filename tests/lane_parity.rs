@@ -8,7 +8,7 @@ mod common;
 
 use common::Dice;
 use octray::kernel::{bsdf, surface, texture};
-use octray::lane::{Bits, F32x8, Lane, Mask, Mask8, U32x8, functions, lane_indices};
+use octray::lane::{Bits, F32x8, Lane, Mask, Mask8, U32x8, functions, lane_indices, set_bits};
 use octray::math::Vec3;
 use octray::sampling::{Numbers, Sampler, random, warp};
 use std::f32::consts::PI;
@@ -406,6 +406,14 @@ fn mask_reductions_agree_with_their_lanes() {
             (mask.any(), mask.all(), mask.bitmask(), Mask::count(mask)),
             (mask, mask, u32::from(mask), usize::from(mask))
         );
+    }
+}
+
+#[test]
+fn set_bits_are_told_from_the_lowest_on() {
+    for mask in [0, 1, 0x8000_0000, 0x8000_0001, 0b1011_0100, u32::MAX] {
+        let expected: Vec<usize> = (0..32).filter(|bit| mask >> bit & 1 == 1).collect();
+        assert_eq!(set_bits(mask).collect::<Vec<_>>(), expected, "{mask:b}");
     }
 }
 

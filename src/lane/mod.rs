@@ -1,7 +1,7 @@
 //! Width as a type: one number or eight, behind the same arithmetic.
 //!
 //! For: the [`Lane`] trait (`f32` and [`F32x8`]), its integer companion [`Bits`] (`u32` and [`U32x8`]), its truth values
-//! [`Mask`] (`bool` and [`Mask8`]), and the elementary functions in [`functions`].
+//! [`Mask`] (`bool` and [`Mask8`]) with their [`set_bits`], and the elementary functions in [`functions`].
 //! May import: `wide` and `bytemuck`; it is the only importer of `wide`.
 //! Must never know: vectors, rays, scenes.
 //!
@@ -45,6 +45,17 @@ pub trait Mask:
     fn count(self) -> usize {
         self.bitmask().count_ones() as usize
     }
+}
+
+/// The bits of a mask that are set, from the lowest on.
+#[inline(always)]
+pub fn set_bits(mask: u32) -> impl Iterator<Item = usize> {
+    let mut left = mask;
+    std::iter::from_fn(move || {
+        let bit = left.trailing_zeros() as usize;
+        // Subtracting 1 turns the lowest bit and all below it round.
+        (left != 0).then(|| (left &= left.wrapping_sub(1), bit).1)
+    })
 }
 
 /// Unsigned 32-bit integers in lanes: indices, keys, and the bit patterns of floats. Arithmetic wraps.

@@ -5,7 +5,7 @@ use crate::bvh::{Bounds, Bvh, Child, LEAF, Leaf, Quality};
 use crate::kernel::ray_box::{Reach, Slabs, own_box};
 use crate::kernel::ray_sphere::{Robust, SphereMethod};
 use crate::kernel::ray_triangle::{EightTriangles, TriangleHit, TriangleMethod, Woop, WoopRay};
-use crate::lane::{Bits, F32x8, Lane, Mask, Mask8, U32x8};
+use crate::lane::{Bits, F32x8, Lane, Mask, Mask8, U32x8, set_bits};
 use crate::math::{Hit, Ray, Vec3};
 use crate::scene::Scene;
 use rayon::prelude::*;
@@ -96,8 +96,7 @@ impl Hierarchy {
             self.meet_spheres(leaf.index(), &ray.ray, hit);
         } else {
             let leaf = &self.triangles[leaf.index()];
-            let found = leaf.test(&ray.woop);
-            if found.mask.any() {
+            if let Some(found) = leaf.test(&ray.woop) {
                 leaf.accept(&ray.slabs, &found, hit);
             }
         }
@@ -130,8 +129,7 @@ impl Hierarchy {
             let leaf = &self.triangles[leaf.index()];
             for (lane, &primitive) in leaf.primitives.primitives().iter().enumerate() {
                 let corners = leaf.corners(lane).map(|[x, y, z]| Vec3::new(x, y, z));
-                let found = ray.woop.test_one(corners);
-                if found.mask {
+                if let Some(found) = ray.woop.test_one(corners) {
                     let (mask, t) = own_box(&ray.slabs, box_of(corners), found.mask, found.t, beyond(hit.t));
                     take(mask, primitive, [t, found.u, found.v], hit);
                 }
@@ -239,7 +237,7 @@ impl TriangleLeaf {
 
     /// A ray against all of them: what is found has yet to be held to the own boxes, by [`TriangleLeaf::accept`].
     #[inline(always)]
-    pub fn test(&self, woop: &WoopRay<f32>) -> TriangleHit<F32x8> {
+    pub fn test(&self, woop: &WoopRay<f32>) -> Option<TriangleHit<F32x8>> {
         woop.test_eight(&self.vertices)
     }
 
@@ -255,7 +253,7 @@ impl TriangleLeaf {
             Some(axis) => packet.woop.test_lane_along(axis, &self.vertices, lane),
             None => packet.woop.test_corners(self.corners(lane)),
         };
-        found.mask.any() && self.accept_lanes(lane, reach, packet, &found, hit)
+        found.is_some_and(|found| self.accept_lanes(lane, reach, packet, &found, hit))
     }
 
     /// Holds what a packet found to the triangle's own box and keeps what is nearer. Out of line: the loop that calls it stays in registers.
@@ -303,10 +301,7 @@ fn take(mask: bool, primitive: u32, [t, u, v]: [f32; 3], hit: &mut Hit<f32>) {
 /// Takes the nearest hit of the lanes in `mask`.
 #[inline(always)]
 fn take_nearest(mask: Mask8, primitives: &[u32; LEAF], [t, u, v]: [F32x8; 3], hit: &mut Hit<f32>) {
-    let mut lanes = mask.bitmask();
-    while lanes != 0 {
-        let lane = (lanes.trailing_zeros() & 7) as usize;
+    for lane in set_bits(mask.bitmask()).map(|lane| lane & 7) {
         take(true, primitives[lane], [t, u, v].map(|column| column.get(lane)), hit);
-        lanes &= lanes - 1;
     }
 }

@@ -10,6 +10,7 @@ use octray::traverse::batch::{Tracer, Traversal};
 use octray::traverse::hierarchy::Hierarchy;
 use octray::traverse::rays::{Hits, Rays};
 use octray::traverse::single::Stack;
+use octray::traverse::stream::Stream;
 use octray::traverse::tile::{self, CUT};
 use octray::traverse::{Batch, Methods, Primitives, TraversalChoice};
 
@@ -63,6 +64,13 @@ impl Set {
     }
     pub fn through<const ANY: bool>(&self, hierarchy: &Hierarchy, traversal: Traversal) -> Answers {
         self.with_hits(|hits| Tracer::new().trace::<ANY>(traversal, hierarchy, &self.rays(), hits)).1
+    }
+    /// Some pieces alone, in streams.
+    pub fn pieces(&self, hierarchy: &Hierarchy, pieces: u32) -> Answers {
+        self.with_hits(|hits| {
+            Stream::default().trace_pieces::<false>(hierarchy, &self.rays(), hits, pieces, ())
+        })
+        .1
     }
     /// Are the first rays, a tile at most, ones for which there is a frustum?
     pub fn goes_in_a_frustum(&self, hierarchy: &Hierarchy) -> bool {

@@ -87,13 +87,13 @@ impl<L: Lane> WoopRay<L> {
 }
 
 /// Woop's test of triangles given by their vertices relative to the origin, in the ray's order of axes, over one way to compute the
-/// edge function p.x q.y − p.y q.x.
+/// edge function p.x q.y − p.y q.x. `None` where no lane hits; a hit may yet have no lane.
 #[inline(always)]
 fn woop<L: Lane>(
     shear: Vec3<L>,
     [a, b, c]: [Vec3<L>; 3],
     edge: impl Fn((L, L), (L, L)) -> L,
-) -> TriangleHit<L> {
+) -> Option<TriangleHit<L>> {
     // Where a vertex lies across the ray.
     let sheared = |v: Vec3<L>| (shear.x.neg_mul_add(v.z, v.x), shear.y.neg_mul_add(v.z, v.y));
     let (pa, pb, pc) = (sheared(a), sheared(b), sheared(c));
@@ -105,13 +105,20 @@ fn woop<L: Lane>(
     let scaled_t = u.mul_add(a.z, v.mul_add(b.z, w * c.z)) * shear.z;
     let inside = inside & !(scaled_t.flip_sign(determinant)).lt(L::zero());
     if !inside.any() {
-        return TriangleHit::none(L::splat(f32::INFINITY));
+        return None;
     }
     // A zero determinant divides to infinity or NaN, and neither is a distance.
     let inverse = L::one() / determinant;
     let t = scaled_t * inverse;
     let mask = inside & L::zero().lt(t) & t.lt(L::splat(f32::INFINITY));
-    TriangleHit { mask, t, u: v * inverse, v: w * inverse }
+    Some(TriangleHit { mask, t, u: v * inverse, v: w * inverse })
+}
+
+/// What was found before the limit.
+#[inline(always)]
+fn within<L: Lane>(found: Option<TriangleHit<L>>, limit: L) -> TriangleHit<L> {
+    let found = found.unwrap_or_else(|| TriangleHit::none(L::splat(f32::INFINITY)));
+    TriangleHit { mask: found.mask & found.t.lt(limit), ..found }
 }
 
 /// The edge function as two rounded products: no mul_add here, see [`Woop`].
@@ -126,7 +133,7 @@ pub type EightTriangles = [[[f32; 8]; 3]; 3];
 impl WoopRay<f32> {
     /// One ray against eight triangles: lane by lane the same numbers as the packet's test.
     #[inline(always)]
-    pub fn test_eight(&self, triangles: &EightTriangles) -> TriangleHit<F32x8> {
+    pub fn test_eight(&self, triangles: &EightTriangles) -> Option<TriangleHit<F32x8>> {
         let [x, y, z] = ORDERS[(self.z_axis & 3) as usize];
         let splat = F32x8::splat;
         let origin = Vec3::new(splat(self.origin.x), splat(self.origin.y), splat(self.origin.z));
@@ -138,7 +145,7 @@ impl WoopRay<f32> {
 
     /// One ray against one triangle given by its vertices.
     #[inline(always)]
-    pub fn test_one(&self, vertices: [Vec3<f32>; 3]) -> TriangleHit<f32> {
+    pub fn test_one(&self, vertices: [Vec3<f32>; 3]) -> Option<TriangleHit<f32>> {
         let order = ORDERS[(self.z_axis & 3) as usize];
         let vertex = |v: Vec3<f32>| {
             let v = [v.x, v.y, v.z];
@@ -158,7 +165,7 @@ impl<L: Lane> WoopRay<L> {
 
     /// Rays against one triangle given by its corners.
     #[inline(always)]
-    pub fn test_corners(&self, corners: [[f32; 3]; 3]) -> TriangleHit<L> {
+    pub fn test_corners(&self, corners: [[f32; 3]; 3]) -> Option<TriangleHit<L>> {
         let is = |axis: u32| self.z_axis.equals(L::Bits::splat(axis));
         let (x, y) = (is(0), is(1));
         let vertex = |v: [f32; 3]| {
@@ -171,7 +178,12 @@ impl<L: Lane> WoopRay<L> {
 
     /// Rays that all have this one axis against one triangle of eight.
     #[inline(always)]
-    pub fn test_lane_along(&self, axis: u32, triangles: &EightTriangles, lane: usize) -> TriangleHit<L> {
+    pub fn test_lane_along(
+        &self,
+        axis: u32,
+        triangles: &EightTriangles,
+        lane: usize,
+    ) -> Option<TriangleHit<L>> {
         let [x, y, z] = ORDERS[(axis & 3) as usize];
         let vertex = |[a, b, c]: [f32; 3]| Vec3::new(L::splat(a), L::splat(b), L::splat(c)) - self.origin;
         let lane = lane & 7;
@@ -207,8 +219,7 @@ impl TriangleMethod for Woop {
     }
     #[inline(always)]
     fn test<L: Lane>(ray: &WoopRay<L>, triangle: &WoopTriangle, limit: L) -> TriangleHit<L> {
-        let found = woop(ray.shear, ray.vertices(triangle), exact_edge);
-        TriangleHit { mask: found.mask & found.t.lt(limit), ..found }
+        within(woop(ray.shear, ray.vertices(triangle), exact_edge), limit)
     }
 }
 
@@ -225,7 +236,6 @@ impl TriangleMethod for WoopContracted {
     }
     #[inline(always)]
     fn test<L: Lane>(ray: &WoopRay<L>, triangle: &WoopTriangle, limit: L) -> TriangleHit<L> {
-        let found = woop(ray.shear, ray.vertices(triangle), |p, q| p.1.neg_mul_add(q.0, p.0 * q.1));
-        TriangleHit { mask: found.mask & found.t.lt(limit), ..found }
+        within(woop(ray.shear, ray.vertices(triangle), |p, q| p.1.neg_mul_add(q.0, p.0 * q.1)), limit)
     }
 }

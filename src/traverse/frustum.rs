@@ -111,16 +111,19 @@ impl Stem {
     #[inline(always)]
     pub fn frustum(&self, frusta: &Frusta, lane: usize) -> Frustum {
         let start = self.forward * self.origin[self.axes[0]];
-        let side = |[tilt, bound]: &[[f32; 8]; 2]| Side {
-            tilt: F32x8::splat(tilt[lane & 7]),
-            bound: F32x8::splat(bound[lane & 7]),
+        let side = |[tilt, bound]: &[[f32; 8]; 2], outwards: f32| {
+            let (tilt, bound) = (tilt[lane & 7], bound[lane & 7]);
+            // The corner that is furthest to the inside.
+            let corner = usize::from(tilt * outwards <= 0.0);
+            Side { tilt: F32x8::splat(tilt), bound: F32x8::splat(bound), corner }
         };
         Frustum {
             axes: self.axes,
+            backwards: usize::from(self.forward < 0.0),
             forward: F32x8::splat(self.forward),
             near: F32x8::splat(-start - self.padding),
             far: F32x8::splat(-start + self.padding),
-            sides: frusta.sides.each_ref().map(|[lower, upper]| [side(lower), side(upper)]),
+            sides: frusta.sides.each_ref().map(|[lower, upper]| [side(lower, -1.0), side(upper, 1.0)]),
         }
     }
 }
@@ -136,6 +139,8 @@ pub struct Frusta {
 pub struct Frustum {
     /// As in [`Stem`].
     axes: [usize; 3],
+    /// 1 where the rays run downwards along the axis.
+    backwards: usize,
     forward: F32x8,
     /// What takes a coordinate along the axis to a distance along it: at most so far, at least so far.
     near: F32x8,
@@ -149,31 +154,57 @@ pub struct Frustum {
 struct Side {
     tilt: F32x8,
     bound: F32x8,
+    /// The plane along the axis, 0 the lower and 1 the upper one, of the box's corner that is furthest to the inside.
+    corner: usize,
 }
 
 impl Frustum {
     /// How far along the axis each box begins, at most, and which boxes a ray may meet before `limit`. Empty boxes and NaN are left
-    /// out. `planes` gives the boxes' planes along an axis.
+    /// out. `main` gives the boxes' lower planes along that axis for 0, the upper ones for 1; `across` both along another axis.
     #[inline(always)]
-    pub fn pass(&self, planes: impl Fn(usize) -> Planes, limit: f32) -> (F32x8, Mask8) {
-        let [main, a, b] = self.axes.map(planes);
-        let pick = |sign: F32x8, [lo, hi]: Planes| F32x8::select(F32x8::zero().le(sign), hi, lo);
-        let near = pick(-self.forward, main).mul_add(self.forward, self.near);
-        let far = pick(self.forward, main).mul_add(self.forward, self.far);
-        let mut meets = near.le(F32x8::splat(limit)) & F32x8::zero().le(far);
-        for ([lower, upper], [lo, hi]) in self.sides.iter().zip([a, b]) {
-            // The corner that is furthest to the inside.
-            let most = pick(lower.tilt, main).mul_add(lower.tilt, hi);
-            let least = pick(-upper.tilt, main).mul_add(upper.tilt, lo);
-            meets = meets & (lower.bound.le(most) & least.le(upper.bound));
-        }
-        (near, meets)
+    pub fn pass(
+        &self,
+        main: impl Fn(usize) -> F32x8,
+        across: impl Fn(usize) -> Planes,
+        limit: f32,
+    ) -> (F32x8, Mask8) {
+        let near = main(self.backwards).mul_add(self.forward, self.near);
+        let far = main(1 - self.backwards).mul_add(self.forward, self.far);
+        let ahead = near.le(F32x8::splat(limit)) & F32x8::zero().le(far);
+        (near, ahead & self.across(&main, across))
+    }
+
+    /// Which boxes reach between the sides. Empty boxes and NaN do not.
+    #[inline(always)]
+    fn across(&self, main: impl Fn(usize) -> F32x8, across: impl Fn(usize) -> Planes) -> Mask8 {
+        let [a, b] = [0, 1].map(|i| {
+            let [lower, upper] = &self.sides[i];
+            let [lo, hi] = across(self.axes[1 + i]);
+            let most = main(lower.corner).mul_add(lower.tilt, hi);
+            let least = main(upper.corner).mul_add(upper.tilt, lo);
+            lower.bound.le(most) & least.le(upper.bound)
+        });
+        a & b
+    }
+
+    /// The axis along which the rays run.
+    #[inline(always)]
+    pub fn axis(&self) -> usize {
+        self.axes[0]
+    }
+
+    /// Which of a node's boxes, or of boxes that stand like them, reach between the sides.
+    #[inline(always)]
+    pub fn across_boxes(&self, boxes: &Boxes) -> Mask8 {
+        let plane = |plane: usize| F32x8::load(&boxes[plane & 7]);
+        self.across(|upper| plane(self.axes[0] + 3 * upper), |axis| [plane(axis), plane(axis + 3)])
     }
 
     /// [`Frustum::pass`] of boxes that stand as in a node.
     #[inline(always)]
     pub fn pass_boxes(&self, boxes: &Boxes, limit: f32) -> (F32x8, Mask8) {
-        self.pass(|axis| [F32x8::load(&boxes[axis & 3]), F32x8::load(&boxes[(axis & 3) + 3])], limit)
+        let plane = |plane: usize| F32x8::load(&boxes[plane & 7]);
+        self.pass(|upper| plane(self.axes[0] + 3 * upper), |axis| [plane(axis), plane(axis + 3)], limit)
     }
 }
 

@@ -13,7 +13,7 @@ use super::rays::{Hits, Rays};
 use super::single::Stack;
 use super::tally::Tally;
 use crate::bvh::{Child, WIDE};
-use crate::lane::{Bits, F32x8, Lane, Mask, U32x8};
+use crate::lane::{Bits, F32x8, Lane, Mask, U32x8, set_bits};
 use crate::math::Hit;
 
 /// Most rays of a tile.
@@ -23,10 +23,12 @@ const PACKETS: usize = TILE / 8;
 /// Most entries of a cut.
 pub const CUT: usize = 32;
 
-/// Entries that together hold all that a tile can see, nearest first.
+/// Entries that together hold all that a tile can see, nearest first; a bit of a mask each.
 struct Cut {
     boxes: [Boxes; CUT / WIDE],
     children: [Child; CUT],
+    /// How far along the tile's axis each begins, ascending.
+    near: [f32; CUT],
     filled: usize,
 }
 
@@ -43,15 +45,12 @@ struct Entry {
 /// The lanes of a mask, lowest first.
 #[inline(always)]
 fn lanes(mask: impl Mask) -> impl Iterator<Item = usize> {
-    let mut left = mask.bitmask();
-    std::iter::from_fn(move || {
-        let lane = left.trailing_zeros() as usize & 7;
-        (left != 0).then(|| (left &= left - 1, lane).1)
-    })
+    set_bits(mask.bitmask()).map(|lane| lane & (WIDE - 1))
 }
 
 impl Cut {
-    fn of(hierarchy: &Hierarchy, frustum: &Frustum, tally: impl Tally) -> Self {
+    /// `None` if more than `most_nodes` of its entries are nodes that found no room to be opened.
+    fn of(hierarchy: &Hierarchy, frustum: &Frustum, most_nodes: usize, tally: impl Tally) -> Option<Self> {
         let mut entries = [Entry { near: 0.0, child: Child(0), node: 0, slot: 0 }; CUT];
         let mut filled = 1;
         // Level by level, as long as there is room: each round opens what the one before found.
@@ -80,18 +79,37 @@ impl Cut {
                 opened = true;
             }
         }
-        let entries = &mut entries[..filled];
-        entries.sort_unstable_by(|a, b| a.near.total_cmp(&b.near));
-        let mut cut = Self { boxes: [EMPTY; CUT / WIDE], children: [Child::NONE; CUT], filled };
-        for (at, entry) in entries.iter().enumerate() {
+        if entries[..filled].iter().filter(|entry| !entry.child.is_leaf()).count() > most_nodes {
+            return None;
+        }
+        // Sorted as whole numbers: distances that are not negative stand in the order of their bits.
+        let mut order = [0u64; CUT];
+        for ((order, entry), at) in order.iter_mut().zip(&entries).zip(0..) {
+            *order = u64::from(entry.near.max(0.0).to_bits()) << 32 | at;
+        }
+        order[..filled].sort_unstable();
+        let mut cut =
+            Self { boxes: [EMPTY; CUT / WIDE], children: [Child::NONE; CUT], near: [0.0; CUT], filled };
+        for (at, order) in order[..filled].iter().enumerate() {
+            let entry = entries[*order as usize & (CUT - 1)];
             let from = hierarchy.bvh.wide[entry.node as usize].boxes();
             let to = &mut cut.boxes[at / WIDE];
             for plane in 0..6 {
                 to[plane][at % WIDE] = from[plane][entry.slot as usize];
             }
             cut.children[at] = entry.child;
+            cut.near[at] = f32::from_bits((order >> 32) as u32);
         }
-        cut
+        Some(cut)
+    }
+
+    /// The entries that reach between the sides of a packet's frustum, a bit each.
+    #[inline(always)]
+    fn across(&self, frustum: &Frustum) -> u32 {
+        let boxes = self.boxes[..self.filled.div_ceil(WIDE)].iter();
+        boxes
+            .zip((0..).step_by(WIDE))
+            .fold(0, |meets, (boxes, first)| meets | frustum.across_boxes(boxes).bitmask() << first)
     }
 }
 
@@ -136,19 +154,15 @@ impl<'a, T: Tally> Walk<'a, T> {
         Self { hierarchy, stem, frustum, packet, hit, limit: f32::INFINITY, closer: false, tally }
     }
 
-    /// Visits all entries of the tile's cut.
+    /// Visits those of the cut's entries that are set in `meets`.
     #[inline(always)]
-    fn run(mut self, cut: &Cut, hits: &mut Hits, at: usize, stack: &mut Stack) {
-        self.tally.boxes(cut.filled.div_ceil(WIDE), cut.filled);
-        for (boxes, children) in
-            cut.boxes.iter().zip(cut.children.as_chunks::<WIDE>().0).take(cut.filled.div_ceil(WIDE))
-        {
-            let (near, meets) = self.frustum.pass_boxes(boxes, self.limit);
-            for lane in lanes(meets) {
-                if near.get(lane) <= self.limit {
-                    self.visit(children[lane], stack);
-                }
+    fn run(mut self, cut: &Cut, meets: u32, hits: &mut Hits, at: usize, stack: &mut Stack) {
+        for entry in set_bits(meets).map(|entry| entry & (CUT - 1)) {
+            // The tile's distances are the packet's, as both frusta stand on one stem; those that follow are no nearer.
+            if cut.near[entry] > self.limit {
+                break;
             }
+            self.visit(cut.children[entry], stack);
         }
         if self.closer {
             self.hit.t.store(&mut hits.t[at..]);
@@ -206,7 +220,9 @@ impl<'a, T: Tally> Walk<'a, T> {
             return;
         }
         let triangles = self.hierarchy.triangle_leaf(leaf.index());
-        let (_, meets) = self.frustum.pass(|axis| triangles.planes(axis), self.limit);
+        let main = triangles.planes(self.frustum.axis());
+        let (_, meets) =
+            self.frustum.pass(|upper| main[upper & 1], |axis| triangles.planes(axis), self.limit);
         self.tally.packet_at_triangles(self.hierarchy, leaf, meets);
         let mut closer = false;
         for lane in lanes(meets) {
@@ -254,18 +270,23 @@ pub fn trace(
     let Some(stem) = Stem::of(&rays.packet::<f32>(0), hierarchy.reach) else { return false };
     let mut slopes = [[F32x8::zero(); PACKETS]; 2];
     let Some(span) = stem.slopes(rays, &mut slopes) else { return false };
-    let cut = Cut::of(hierarchy, &stem.frustum(&stem.frusta(span), 0), tally);
+    let Some(cut) = Cut::of(hierarchy, &stem.frustum(&stem.frusta(span), 0), most_nodes, tally) else {
+        return false;
+    };
     if cut.filled == 0 {
         return true;
-    }
-    if cut.children[..cut.filled].iter().filter(|child| !child.is_leaf()).count() > most_nodes {
-        return false;
     }
     for first in (0..packets).step_by(8) {
         let frusta = stem.frusta(slopes.each_ref().map(|rows| spans(&rows[first..first + 8])));
         for at in first..packets.min(first + 8) {
             let frustum = stem.frustum(&frusta, at - first);
-            Walk::new(hierarchy, &stem, &frustum, rays, hits, at * 8, tally).run(&cut, hits, at * 8, stack);
+            tally.boxes(cut.filled.div_ceil(WIDE), cut.filled);
+            let meets = cut.across(&frustum);
+            // Many packets of a tile at the edge of things meet nothing, and are not made ready.
+            if meets != 0 {
+                let walk = Walk::new(hierarchy, &stem, &frustum, rays, hits, at * 8, tally);
+                walk.run(&cut, meets, hits, at * 8, stack);
+            }
         }
     }
     true

@@ -188,7 +188,9 @@ same_at_every_width! {
         Truth(o.x.lt(o.y)), Truth(o.x.le(o.y)), Truth(o.x.eq(o.y)), Truth(o.x.gt(o.y)), Truth(o.x.ge(o.y)),
         Truth(o.x.lt(o.x)), Truth(o.x.le(o.x)), Truth(o.x.eq(o.x)), Truth(o.x.gt(o.x)), Truth(o.x.ge(o.x)),
     ];
-    select_is_the_same_at_every_width: |o| [Integer(L::select(o.mask, o.x, o.y).to_bits())];
+    select_is_the_same_at_every_width: |o| [
+        Integer(L::select(o.mask, o.x, o.y).to_bits()), Integer(o.x.only(o.mask).to_bits()),
+    ];
     bits_of_floats_are_the_same_at_every_width: |o| [Integer(o.x.to_bits()), Integer(L::from_bits(o.i).to_bits())];
     truncate_to_int_is_the_same_at_every_width: |o| [Integer(o.x.truncate_to_int())];
     from_int_is_the_same_at_every_width: |o| [
@@ -221,6 +223,7 @@ same_at_every_width! {
     abs_is_the_same_at_every_width: |o| [Integer(o.x.abs().to_bits())];
     sign_operations_are_the_same_at_every_width: |o| [
         Integer(o.x.sign_bit().to_bits()), Integer(o.x.flip_sign(o.y).to_bits()), Integer(o.x.copysign(o.y).to_bits()),
+        Truth(o.x.is_sign_negative()),
     ];
     floor_is_the_same_at_every_width: |o| [Float(o.x.floor())];
     is_finite_is_the_same_at_every_width: |o| [Truth(o.x.is_finite())];

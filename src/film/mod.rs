@@ -140,7 +140,7 @@ fn leave_out(
     discarded.resize(pixels, 0);
     let lanes = discarded[packet * F32x8::WIDTH..].iter_mut().take(F32x8::WIDTH);
     lanes.enumerate().for_each(|(lane, count)| *count += (!finite.bitmask() >> lane) & 1);
-    sample.map(|channel| F32x8::select(finite, channel, F32x8::zero()))
+    sample.map(|channel| channel.only(finite))
 }
 
 impl Film {

@@ -145,7 +145,7 @@ pub fn aim_at_triangle<L: Lane>(a: Vec3<L>, ab: Vec3<L>, ac: Vec3<L>, u: L, v: L
     let direction = Vec3::select(seen.by_area(), by_area, in_solid_angle(&seen, u, v));
     let t = seen.height / seen.normal.dot(direction);
     let normal = seen.normal.normalize().flip_sign(seen.height) * -L::one();
-    let density = L::select(L::zero().lt(t), seen.density(direction, t), L::zero());
+    let density = seen.density(direction, t).only(L::zero().lt(t));
     Aim { direction, t, normal, density }
 }
 
@@ -171,5 +171,5 @@ fn in_solid_angle<L: Lane>(seen: &Seen<L>, u: L, v: L) -> Vec3<L> {
 /// The density if it is one: finite and above 0; else 0.
 #[inline(always)]
 fn some<L: Lane>(density: L) -> L {
-    L::select(L::zero().lt(density) & density.is_finite(), density, L::zero())
+    density.only(L::zero().lt(density) & density.is_finite())
 }

@@ -105,7 +105,7 @@ fn turns<L: Lane>(y: L, x: L) -> L {
     let numerator = L::select(turn, low - high, low);
     let denominator = L::select(turn, low + high, high.max(L::splat(f32::MIN_POSITIVE)));
     let angle = functions::atan_octant(numerator / denominator) * L::splat(1.0 / std::f32::consts::TAU);
-    let angle = angle + L::select(turn, L::splat(0.125), L::zero());
+    let angle = angle + L::splat(0.125).only(turn);
     let angle = L::select(steep, L::splat(0.25) - angle, angle);
     let angle = L::select(x.lt(L::zero()), L::splat(0.5) - angle, angle);
     angle.flip_sign(y)

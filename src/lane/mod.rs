@@ -162,6 +162,10 @@ pub trait Lane:
         other.le(self)
     }
     fn select(mask: Self::Mask, if_true: Self, if_false: Self) -> Self;
+    /// The lanes of the mask; zero in the others.
+    fn only(self, mask: Self::Mask) -> Self;
+    /// Is the sign bit set? Of −0 and of NaN as well as of what is less than 0, and with one instruction less.
+    fn is_sign_negative(self) -> Self::Mask;
 
     /// The bit pattern.
     fn to_bits(self) -> Self::Bits;

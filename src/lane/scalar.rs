@@ -140,6 +140,14 @@ impl Lane for f32 {
         if mask { if_true } else { if_false }
     }
     #[inline(always)]
+    fn only(self, mask: bool) -> Self {
+        if mask { self } else { 0.0 }
+    }
+    #[inline(always)]
+    fn is_sign_negative(self) -> bool {
+        self.is_sign_negative()
+    }
+    #[inline(always)]
     fn to_bits(self) -> u32 {
         f32::to_bits(self)
     }

@@ -303,6 +303,14 @@ impl Lane for F32x8 {
         Self(mask.0.select(if_true.0, if_false.0))
     }
     #[inline(always)]
+    fn only(self, mask: Mask8) -> Self {
+        Self(self.0 & mask.0)
+    }
+    #[inline(always)]
+    fn is_sign_negative(self) -> Mask8 {
+        Mask8(bytemuck::cast(bytemuck::cast::<_, i32x8>(self.0).is_negative()))
+    }
+    #[inline(always)]
     fn to_bits(self) -> U32x8 {
         U32x8(bytemuck::cast(self.0))
     }

@@ -99,7 +99,7 @@ impl<L: Lane> Tally<L> {
     #[inline(always)]
     fn add(&mut self, mask: L::Mask, t: L) {
         self.hits += mask.count();
-        self.distance = self.distance + L::select(mask, t, L::zero());
+        self.distance = self.distance + t.only(mask);
     }
     fn found(&self) -> Found {
         let distance = (0..L::WIDTH).map(|lane| self.distance.get(lane)).sum();

@@ -149,7 +149,7 @@ impl<'a> Task<'a> {
         let lesser = |(before, before_is): (L, Mask8), (behind, behind_is): (L, Mask8)| {
             let (a, b) = (nearness - before, behind - nearness);
             let first = before_is & (a.abs().lt(b.abs()) | !behind_is);
-            L::select(first, a, L::select(behind_is, b, L::zero()))
+            L::select(first, a, b.only(behind_is))
         };
         [lesser(shifted(-1), shifted(1)), lesser(moved(y.checked_sub(1)), moved(Some(y + 1)))]
     }
@@ -182,8 +182,8 @@ impl<'a> Task<'a> {
                     let brightness = L::load(&light[place..])
                         + L::load(&light[stride + place..])
                         + L::load(&light[2 * stride + place..]);
-                    let brightness = L::select(same, brightness, L::zero());
-                    count = count + L::select(same, L::one(), L::zero());
+                    let brightness = brightness.only(same);
+                    count = count + L::one().only(same);
                     sum = sum + brightness;
                     squares = brightness.mul_add(brightness, squares);
                 }

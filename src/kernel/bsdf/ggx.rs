@@ -38,7 +38,7 @@ pub fn sample<L: Lane>(d: Vec3<L>, n: Vec3<L>, alpha: L, u: L, v: L) -> Scattere
     let normal = Vec3::new(alpha * half.x, alpha * half.y, half.z).normalize();
     let incident = normal * (L::splat(2.0) * out.dot(normal)) - out;
     let alive = L::zero().lt(incident.z);
-    let weight = L::select(alive, shadowing(alpha, out.z, incident.z), L::zero());
+    let weight = shadowing(alpha, out.z, incident.z).only(alive);
     let direction = tangent.mul_add(incident.x, bitangent.mul_add(incident.y, n * incident.z));
     let pdf = L::select(is_narrow(alpha), L::splat(f32::INFINITY), density(d, n, alpha, direction));
     Scattered { direction, weight, pdf, alive }

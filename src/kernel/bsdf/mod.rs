@@ -51,7 +51,7 @@ impl<L: Lane> Evaluated<L> {
     /// Zero outside of `mask`.
     #[inline(always)]
     fn within(mask: L::Mask, value: L, pdf: L) -> Self {
-        Self { value: L::select(mask, value, L::zero()), pdf: L::select(mask, pdf, L::zero()) }
+        Self { value: value.only(mask), pdf: pdf.only(mask) }
     }
 }
 

@@ -68,7 +68,7 @@ fn density<L: Lane>(reflected: Vec3<L>, roughness: L, towards: Vec3<L>) -> L {
     let product = roughness.mul_add(roughness, -L::one());
     let behind = product / (q - c);
     let far = L::select(!outside & c.lt(L::zero()), behind, c + q);
-    let near = L::select(outside, c - q, L::zero());
+    let near = (c - q).only(outside);
     // As ratios, because ρ² q would overflow.
     let squares = (far * inverse).mul_add(far, (near * inverse) * near);
     let density = squares / (L::splat(4.0 * PI) * q);

@@ -188,7 +188,7 @@ impl<T: Tally> Walk<'_, '_, T> {
             let inverse = inverse.map(splat);
             let [x, y, z]: [_; 3] = std::array::from_fn(|axis| {
                 let (first, second) = (first[axis], second[axis]);
-                let backwards = inverse[axis].lt(F32x8::zero());
+                let backwards = inverse[axis].is_sign_negative();
                 let pick = |a, b| if ONE { a } else { F32x8::select(backwards, b, a) };
                 let (first, second) = (pick(first, second), pick(second, first));
                 let enters = first.mul_add(inverse[axis], splat(near[axis]));
@@ -199,7 +199,7 @@ impl<T: Tally> Walk<'_, '_, T> {
             let (near, far) = (F32x8::zero().max(near), splat(*t).min(far));
             let passes = near.le(far);
             if !ANY {
-                distances = distances + F32x8::select(passes, near, F32x8::zero());
+                distances = distances + near.only(passes);
             }
             *mask = passes.bitmask();
             all |= *mask;

@@ -78,7 +78,7 @@ impl Octant {
     #[inline(always)]
     fn add(&mut self, inverse: Vec3<F32x8>) {
         for (axis, inverse) in [inverse.x, inverse.y, inverse.z].into_iter().enumerate() {
-            let backwards = inverse.lt(F32x8::zero());
+            let backwards = inverse.is_sign_negative();
             self.all[axis] = self.all[axis] & backwards;
             self.any[axis] = self.any[axis] | backwards;
         }

@@ -49,8 +49,8 @@ pub trait Mask:
 
 /// The bits of a mask that are set, from the lowest on.
 #[inline(always)]
-pub fn set_bits(mask: u32) -> impl Iterator<Item = usize> {
-    let mut left = mask;
+pub fn set_bits(mask: impl Into<u64>) -> impl Iterator<Item = usize> {
+    let mut left: u64 = mask.into();
     std::iter::from_fn(move || {
         let bit = left.trailing_zeros() as usize;
         // Subtracting 1 turns the lowest bit and all below it round.

@@ -21,7 +21,7 @@ pub const TILE: usize = 256;
 /// Most packets of a tile.
 const PACKETS: usize = TILE / 8;
 /// Most entries of a cut.
-pub const CUT: usize = 32;
+pub const CUT: usize = 64;
 
 /// Entries that together hold all that a tile can see, nearest first; a bit of a mask each.
 struct Cut {
@@ -55,7 +55,12 @@ impl Cut {
         let mut filled = 1;
         // Level by level, as long as there is room: each round opens what the one before found.
         let mut opened = true;
+        let is_node = |entry: &&Entry| !entry.child.is_leaf();
         while opened {
+            // Each takes the room of about four: of twice as many, too many would be left.
+            if entries[..filled].iter().filter(is_node).count() > 2 * most_nodes {
+                return None;
+            }
             opened = false;
             for at in (0..filled).rev() {
                 let Entry { child, .. } = entries[at];
@@ -79,7 +84,7 @@ impl Cut {
                 opened = true;
             }
         }
-        if entries[..filled].iter().filter(|entry| !entry.child.is_leaf()).count() > most_nodes {
+        if entries[..filled].iter().filter(is_node).count() > most_nodes {
             return None;
         }
         // Sorted as whole numbers: distances that are not negative stand in the order of their bits.
@@ -105,11 +110,11 @@ impl Cut {
 
     /// The entries that reach between the sides of a packet's frustum, a bit each.
     #[inline(always)]
-    fn across(&self, frustum: &Frustum) -> u32 {
+    fn across(&self, frustum: &Frustum) -> u64 {
         let boxes = self.boxes[..self.filled.div_ceil(WIDE)].iter();
-        boxes
-            .zip((0..).step_by(WIDE))
-            .fold(0, |meets, (boxes, first)| meets | frustum.across_boxes(boxes).bitmask() << first)
+        boxes.zip((0..).step_by(WIDE)).fold(0, |meets, (boxes, first)| {
+            meets | u64::from(frustum.across_boxes(boxes).bitmask()) << first
+        })
     }
 }
 
@@ -156,7 +161,7 @@ impl<'a, T: Tally> Walk<'a, T> {
 
     /// Visits those of the cut's entries that are set in `meets`.
     #[inline(always)]
-    fn run(mut self, cut: &Cut, meets: u32, hits: &mut Hits, at: usize, stack: &mut Stack) {
+    fn run(mut self, cut: &Cut, meets: u64, hits: &mut Hits, at: usize, stack: &mut Stack) {
         for entry in set_bits(meets).map(|entry| entry & (CUT - 1)) {
             // The tile's distances are the packet's, as both frusta stand on one stem; those that follow are no nearer.
             if cut.near[entry] > self.limit {

@@ -11,6 +11,7 @@ use octray::math::MISS;
 use octray::scene::Scene;
 use octray::traverse::batch::Traversal;
 use octray::traverse::hierarchy::Hierarchy;
+use octray::traverse::stream::BATCH;
 use octray::traverse::tile::TILE;
 
 /// Directions of a camera's tile around one axis, forwards or backwards, and where it stands.
@@ -55,9 +56,50 @@ fn frustum_equals_testing_every_primitive() {
                 let set = View::along(&mut dice, axis, spread, offset).rays(2 * TILE);
                 assert!(set.goes_in_a_frustum(&hierarchy(&scene)), "axis {axis}, spread {spread}");
                 set.check(&scene, &format!("axis {axis}, spread {spread}, offset {offset}"));
+                // From among the primitives: some boxes begin behind the camera.
+                let view = View::along(&mut dice, axis, spread, offset);
+                let origin = Vec3::splat(offset) + dice.in_cube().as_vec3();
+                let set = View { origin, ..view }.rays(TILE);
+                assert!(set.goes_in_a_frustum(&hierarchy(&scene)), "axis {axis}, spread {spread}, within");
+                set.check(&scene, &format!("axis {axis}, spread {spread}, offset {offset}, within"));
             }
         }
     }
+}
+
+/// One call of more than two batches: tiles that see little, tiles that see much, and rays without order, in turn.
+#[test]
+fn long_calls_of_all_sorts_of_tiles_find_what_each_would() {
+    let mut dice = Dice(68);
+    let scene = mixture(&mut dice, 3000, 100, 1.0, 0.0);
+    let mut set = Set::default();
+    let count = 2 * BATCH + TILE + 3;
+    let mut view = View::along(&mut dice, 0, 0.9, 0.0);
+    for i in 0..count {
+        if i % TILE == 0 {
+            view = View::along(&mut dice, i / TILE, [0.9, 0.001][i / TILE % 2], 0.0);
+        }
+        match i / TILE % 5 {
+            4 => set.push(dice.in_cube().as_vec3() * 5.0, dice.direction().as_vec3(), f32::INFINITY),
+            _ => set.push(view.origin, view.direction(i), f32::INFINITY),
+        }
+    }
+    assert!(set.check(&scene, "long call") > count / 10);
+}
+
+/// So far away that the sides' bounds are infinite, beside fewer boxes than a node holds.
+#[test]
+fn frustum_of_infinite_bounds_meets_no_box_that_is_not_there() {
+    let mut dice = Dice(69);
+    let scene = mixture(&mut dice, 2, 0, 0.0, 0.0);
+    let mut set = Set::default();
+    for (x, y) in
+        [(0.0, 0.0), (1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, 0.0), (0.0, 1.0), (0.0, 0.0)]
+    {
+        set.push(Vec3::new(0.0, 0.0, -1e38), Vec3::new(100.0 * x, 100.0 * y, 1.0), f32::INFINITY);
+    }
+    assert!(set.goes_in_a_frustum(&hierarchy(&scene)));
+    set.check(&scene, "from far away");
 }
 
 #[test]

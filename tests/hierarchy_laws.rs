@@ -78,21 +78,31 @@ fn pieces_of_one_octant_and_of_several_find_the_same_each_for_itself() {
     let mut dice = Dice(18);
     let scene = mixture(&mut dice, 600, 60, 1.0, 0.0);
     let mut set = Set::default();
-    // Each octant in turn, all together, zeros and next to zeros of either sign in one octant; the last piece is not whole.
+    // Each octant in turn; all together; backwards along zeros, or next to them; one whose last packet is not whole and leaves the octant.
     for piece in 0..11 {
         for i in 0..if piece == 10 { PIECE / 2 + 3 } else { PIECE } {
-            let size = match piece {
-                8 | 10 => dice.direction().as_vec3(),
-                9 => awkward(&mut dice).abs(),
-                _ => dice.direction().as_vec3().abs(),
+            let leaves = piece == 10 && i >= PIECE / 2;
+            let direction = match piece {
+                8 => dice.direction().as_vec3(),
+                9 => -awkward(&mut dice).abs(),
+                10 if leaves => -dice.direction().as_vec3().abs(),
+                10 => dice.direction().as_vec3().abs(),
+                octant => {
+                    let sign = |axis: usize| if octant >> axis & 1 == 1 { -1.0 } else { 1.0 };
+                    dice.direction().as_vec3().abs() * Vec3::new(sign(0), sign(1), sign(2))
+                }
             };
-            let sign = |axis: usize| if piece < 8 && piece >> axis & 1 == 1 { -1.0 } else { 1.0 };
-            let direction = size * Vec3::new(sign(0), sign(1), sign(2));
-            let through = dice.in_cube().as_vec3() * 3.0;
-            // From outside and from among them.
+            // From outside and from among them; what leaves its octant, at something.
+            let through = match leaves {
+                true => scene.spheres[i % scene.spheres.len()].center,
+                false => dice.in_cube().as_vec3() * 3.0,
+            };
             set.push(through - direction * if i % 2 == 0 { 9.0 } else { 0.5 }, direction, f32::INFINITY);
         }
     }
+    // One that does not run along an axis backwards but has a sign there, among rays of one octant.
+    let at = 77;
+    (set.origin[0][at], set.direction[0][at]) = (set.origin[0][at].abs().min(2.0), -0.0);
     assert!(set.check(&scene, "pieces") > 300);
     let hierarchy = Hierarchy::new(&scene, Quality::default());
     let (all, none) = (set.linear(&scene), set.pieces(&hierarchy, 0));

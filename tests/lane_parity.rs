@@ -417,6 +417,10 @@ fn set_bits_are_told_from_the_lowest_on() {
     for mask in [0, 1, 0x8000_0000, 0x8000_0001, 0b1011_0100, u32::MAX] {
         let expected: Vec<usize> = (0..32).filter(|bit| mask >> bit & 1 == 1).collect();
         assert_eq!(set_bits(mask).collect::<Vec<_>>(), expected, "{mask:b}");
+        let twice = u64::from(mask) << 32 | u64::from(mask);
+        let again = expected.iter().map(|bit| bit + 32);
+        let expected: Vec<usize> = expected.iter().copied().chain(again).collect();
+        assert_eq!(set_bits(twice).collect::<Vec<_>>(), expected, "{twice:b}");
     }
 }
 

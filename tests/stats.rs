@@ -72,6 +72,43 @@ fn tests_of_two_triangles_are_those_counted_by_hand() {
     }
 }
 
+/// Small triangles where the rays of [`counted`] go at z = 0 and below.
+fn small_ones(across: usize, layers: usize) -> Scene {
+    let mut scene = Scene { materials: vec![material(MaterialKind::Diffuse)], ..empty() };
+    for (i, layer) in (0..across).flat_map(|i| (0..layers).map(move |layer| (i, layer))) {
+        let (x, z) = (1.3 * i as f32 / across as f32, -0.01 * layer as f32);
+        let corner = |x: f32, y: f32| Vec3::new(x, y, z);
+        let size = 0.5 / across as f32;
+        scene.triangles.push(triangle([corner(x, -size), corner(x + size, -size), corner(x, size)], 0));
+    }
+    scene
+}
+
+#[test]
+fn hybrid_goes_in_streams_where_a_tile_sees_much_and_in_packets_where_it_sees_little() {
+    let starts = [0.0; 256];
+    for (across, as_one, unlike) in
+        [(5000, Traversal::Stream, Traversal::Packet), (20, Traversal::Packet, Traversal::Stream)]
+    {
+        let scene = small_ones(across, 1);
+        let triangles = |traversal| counted::<false>(&scene, traversal, &starts).0.triangles;
+        assert_eq!(triangles(Traversal::Hybrid), triangles(as_one), "{across}");
+        assert_ne!(triangles(Traversal::Hybrid), triangles(unlike), "{across}");
+    }
+}
+
+#[test]
+fn packets_leave_out_what_is_behind_a_wall() {
+    let starts = [0.0; 64];
+    let mut scene = small_ones(40, 10);
+    let triangles = |scene: &Scene| counted::<false>(scene, Traversal::Packet, &starts).0.triangles.tests;
+    let open = triangles(&scene);
+    let wall = [Vec3::new(-9.0, -9.0, 4.0), Vec3::new(9.0, -9.0, 4.0), Vec3::new(0.0, 9.0, 4.0)];
+    scene.triangles.push(triangle(wall, 0));
+    let behind = triangles(&scene);
+    assert!(0 < behind && behind * 4 < open, "{behind} tests of triangles behind a wall, {open} without");
+}
+
 #[test]
 fn tests_of_a_leaf_are_its_primitives_and_no_empty_lane() {
     // Three spheres so near each other that nothing divides them.

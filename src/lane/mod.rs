@@ -40,6 +40,11 @@ pub trait Mask:
     fn all(self) -> bool;
     /// Lane `i` in bit `i`; bits from the width on are zero.
     fn bitmask(self) -> u32;
+    /// The lanes that are true, from the first on.
+    #[inline(always)]
+    fn lanes(self) -> impl Iterator<Item = usize> {
+        set_bits(self.bitmask()).map(|lane| lane & 7)
+    }
     /// How many lanes are true.
     #[inline(always)]
     fn count(self) -> usize {
@@ -164,7 +169,7 @@ pub trait Lane:
     fn select(mask: Self::Mask, if_true: Self, if_false: Self) -> Self;
     /// The lanes of the mask; zero in the others.
     fn only(self, mask: Self::Mask) -> Self;
-    /// Is the sign bit set? Of −0 and of NaN as well as of what is less than 0, and with one instruction less.
+    /// The sign bit: set in −0 too, in NaN or not. Where it selects, it spares the comparison with 0.
     fn is_sign_negative(self) -> Self::Mask;
 
     /// The bit pattern.

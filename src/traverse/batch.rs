@@ -8,6 +8,7 @@ use super::stream::{BATCH, PIECE, Stream};
 use super::tally::{Counter, Tally};
 use super::tile::{self, CUT, TILE};
 
+// A tile is a piece of a stream's batch.
 const _: () = assert!(PIECE == TILE);
 
 /// A tile whose cut keeps more nodes than this sees more triangles than its packets can share: its rays go on in streams. Measured on

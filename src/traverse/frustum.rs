@@ -174,7 +174,7 @@ impl Frustum {
         (near, ahead & self.across(&main, across))
     }
 
-    /// Which boxes reach between the sides. Empty boxes and NaN do not.
+    /// Which boxes reach between the sides; NaN does not, an empty box only where rounding knows no bound.
     #[inline(always)]
     fn across(&self, main: impl Fn(usize) -> F32x8, across: impl Fn(usize) -> Planes) -> Mask8 {
         let [a, b] = [0, 1].map(|i| {
@@ -193,19 +193,27 @@ impl Frustum {
         self.axes[0]
     }
 
-    /// Which of a node's boxes, or of boxes that stand like them, reach between the sides.
+    /// Which of boxes that stand as in a node reach between the sides.
     #[inline(always)]
     pub fn across_boxes(&self, boxes: &Boxes) -> Mask8 {
-        let plane = |plane: usize| F32x8::load(&boxes[plane & 7]);
-        self.across(|upper| plane(self.axes[0] + 3 * upper), |axis| [plane(axis), plane(axis + 3)])
+        self.across(|upper| plane(boxes, self.axes[0] + 3 * upper), |axis| planes(boxes, axis))
     }
 
     /// [`Frustum::pass`] of boxes that stand as in a node.
     #[inline(always)]
     pub fn pass_boxes(&self, boxes: &Boxes, limit: f32) -> (F32x8, Mask8) {
-        let plane = |plane: usize| F32x8::load(&boxes[plane & 7]);
-        self.pass(|upper| plane(self.axes[0] + 3 * upper), |axis| [plane(axis), plane(axis + 3)], limit)
+        self.pass(|upper| plane(boxes, self.axes[0] + 3 * upper), |axis| planes(boxes, axis), limit)
     }
+}
+
+#[inline(always)]
+fn plane(boxes: &Boxes, plane: usize) -> F32x8 {
+    F32x8::load(&boxes[plane & 7])
+}
+
+#[inline(always)]
+fn planes(boxes: &Boxes, axis: usize) -> Planes {
+    [plane(boxes, axis), plane(boxes, axis + 3)]
 }
 
 /// Eight boxes: the lower planes along x, y, z, the upper ones, and two rows that nobody reads.

@@ -5,7 +5,7 @@ use crate::bvh::{Bounds, Bvh, Child, LEAF, Leaf, Quality};
 use crate::kernel::ray_box::{Reach, Slabs, own_box};
 use crate::kernel::ray_sphere::{Robust, SphereMethod};
 use crate::kernel::ray_triangle::{EightTriangles, TriangleHit, TriangleMethod, Woop, WoopRay};
-use crate::lane::{Bits, F32x8, Lane, Mask, Mask8, U32x8, set_bits};
+use crate::lane::{Bits, F32x8, Lane, Mask, Mask8, U32x8};
 use crate::math::{Hit, Ray, Vec3};
 use crate::scene::Scene;
 use rayon::prelude::*;
@@ -301,7 +301,7 @@ fn take(mask: bool, primitive: u32, [t, u, v]: [f32; 3], hit: &mut Hit<f32>) {
 /// Takes the nearest hit of the lanes in `mask`.
 #[inline(always)]
 fn take_nearest(mask: Mask8, primitives: &[u32; LEAF], [t, u, v]: [F32x8; 3], hit: &mut Hit<f32>) {
-    for lane in set_bits(mask.bitmask()).map(|lane| lane & 7) {
+    for lane in mask.lanes() {
         take(true, primitives[lane], [t, u, v].map(|column| column.get(lane)), hit);
     }
 }

@@ -9,7 +9,7 @@
 //! | [`scalar`] | one ray on the binary tree: the baseline |
 //! | [`single`] | one ray against eight boxes and eight primitives at once |
 //! | [`tile`] | camera rays by the tile, each packet in a [`frustum`] |
-//! | [`stream`] | batches of rays without order |
+//! | [`stream`] | batches of rays, whatever their order |
 //! | [`batch`] | the choice between them |
 //!
 //! [`tally`] counts what they test.

@@ -2,7 +2,7 @@
 //!
 //! The frustum around a whole tile goes down the tree first, level by level, until its [`CUT`] is full of entries that together hold all
 //! that the tile can see, nearest first. No entry, and the tile is empty. Then each packet, with a frustum of its own, takes those
-//! entries in order; below them it goes down nearest first. In a leaf the triangles outside the frustum are left out, and the packet
+//! entries in order that lie between its sides; below them it goes down nearest first. In a leaf the triangles outside the frustum are left out, and the packet
 //! meets the rest one by one.
 //!
 //! Source: Reshetov, Soupikov, Hurley, "Multi-Level Ray Tracing Algorithm", SIGGRAPH 2005: entry points for tiles.
@@ -22,6 +22,8 @@ pub const TILE: usize = 256;
 const PACKETS: usize = TILE / 8;
 /// Most entries of a cut.
 pub const CUT: usize = 64;
+// Bits of a mask, in whole nodes.
+const _: () = assert!(CUT == u64::BITS as usize && CUT.is_multiple_of(WIDE));
 
 /// Entries that together hold all that a tile can see, nearest first; a bit of a mask each.
 struct Cut {
@@ -42,23 +44,18 @@ struct Entry {
     slot: u32,
 }
 
-/// The lanes of a mask, lowest first.
-#[inline(always)]
-fn lanes(mask: impl Mask) -> impl Iterator<Item = usize> {
-    set_bits(mask.bitmask()).map(|lane| lane & (WIDE - 1))
-}
-
 impl Cut {
-    /// `None` if more than `most_nodes` of its entries are nodes that found no room to be opened.
+    /// `None` if more than `most_nodes` of its entries are nodes that find no room to be opened, or so many wait on the way that more would
+    /// probably be left.
     fn of(hierarchy: &Hierarchy, frustum: &Frustum, most_nodes: usize, tally: impl Tally) -> Option<Self> {
         let mut entries = [Entry { near: 0.0, child: Child(0), node: 0, slot: 0 }; CUT];
         let mut filled = 1;
         // Level by level, as long as there is room: each round opens what the one before found.
         let mut opened = true;
-        let is_node = |entry: &&Entry| !entry.child.is_leaf();
+        let nodes = |entries: &[Entry]| entries.iter().filter(|entry| !entry.child.is_leaf()).count();
         while opened {
-            // Each takes the room of about four: of twice as many, too many would be left.
-            if entries[..filled].iter().filter(is_node).count() > 2 * most_nodes {
+            // Opened, a node becomes about four entries: of more than twice as many there is no room to open enough.
+            if nodes(&entries[..filled]) > 2 * most_nodes {
                 return None;
             }
             opened = false;
@@ -75,7 +72,7 @@ impl Cut {
                 }
                 filled -= 1;
                 entries[at] = entries[filled];
-                for slot in lanes(meets) {
+                for slot in meets.lanes() {
                     let (near, parent) = (near.get(slot), child.index() as u32);
                     entries[filled] =
                         Entry { near, child: node.children()[slot], node: parent, slot: slot as u32 };
@@ -84,7 +81,7 @@ impl Cut {
                 opened = true;
             }
         }
-        if entries[..filled].iter().filter(is_node).count() > most_nodes {
+        if nodes(&entries[..filled]) > most_nodes {
             return None;
         }
         // Sorted as whole numbers: distances that are not negative stand in the order of their bits.
@@ -118,11 +115,8 @@ impl Cut {
     }
 }
 
-/// No box.
-const EMPTY: Boxes = {
-    let (lo, hi) = ([f32::INFINITY; 8], [f32::NEG_INFINITY; 8]);
-    [lo, lo, lo, hi, hi, hi, lo, lo]
-};
+/// No box: no side's bound, not even an infinite one, lets NaN pass.
+const EMPTY: Boxes = [[f32::NAN; 8]; 8];
 
 /// A packet on its way down.
 struct Walk<'a, T> {
@@ -230,7 +224,7 @@ impl<'a, T: Tally> Walk<'a, T> {
             self.frustum.pass(|upper| main[upper & 1], |axis| triangles.planes(axis), self.limit);
         self.tally.packet_at_triangles(self.hierarchy, leaf, meets);
         let mut closer = false;
-        for lane in lanes(meets) {
+        for lane in meets.lanes() {
             closer |= triangles.packet_meets(lane, self.hierarchy.reach, &mut self.packet, &mut self.hit);
         }
         if closer {
@@ -256,8 +250,8 @@ fn spans(rows: &[F32x8]) -> [F32x8; 2] {
 }
 
 /// Improves the hits of up to [`TILE`] camera rays, which come in with the rays' reach. Says no and does nothing if they are not whole
-/// packets or do not run together from one origin, or if more than `most_nodes` entries of their cut are nodes that found no room to be
-/// opened.
+/// packets or do not run together from one origin, or if more than about `most_nodes` entries of their cut are nodes that find no room
+/// to be opened.
 #[inline(never)]
 pub fn trace(
     hierarchy: &Hierarchy,

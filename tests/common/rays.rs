@@ -63,7 +63,16 @@ impl Set {
         (result, (0..self.len()).map(bits).collect())
     }
     pub fn through<const ANY: bool>(&self, hierarchy: &Hierarchy, traversal: Traversal) -> Answers {
-        self.with_hits(|hits| Tracer::new().trace::<ANY>(traversal, hierarchy, &self.rays(), hits)).1
+        self.through_by::<ANY>(&mut Tracer::new(), hierarchy, traversal)
+    }
+    /// By a tracer that may have traced other rays before.
+    fn through_by<const ANY: bool>(
+        &self,
+        tracer: &mut Tracer,
+        hierarchy: &Hierarchy,
+        traversal: Traversal,
+    ) -> Answers {
+        self.with_hits(|hits| tracer.trace::<ANY>(traversal, hierarchy, &self.rays(), hits)).1
     }
     /// Some pieces alone, in streams.
     pub fn pieces(&self, hierarchy: &Hierarchy, pieces: u32) -> Answers {
@@ -112,15 +121,16 @@ impl Set {
     pub fn check(&self, scene: &Scene, what: &str) -> usize {
         let hierarchy = Hierarchy::new(scene, Quality::default());
         let expected = self.linear(scene);
+        let mut tracer = Tracer::new();
         for traversal in Traversal::ALL {
             let name = traversal.name();
-            let found = self.through::<false>(&hierarchy, traversal);
+            let found = self.through_by::<false>(&mut tracer, &hierarchy, traversal);
             for (at, (found, expected)) in found.iter().zip(&expected).enumerate() {
                 let ray = self.rays().packet::<f32>(at);
                 let reach = self.reach[at];
                 assert_eq!(found, expected, "{what}, {name}: ray {at}, {ray:?} to {reach}");
             }
-            let found = self.through::<true>(&hierarchy, traversal);
+            let found = self.through_by::<true>(&mut tracer, &hierarchy, traversal);
             for (at, (found, expected)) in found.iter().zip(&expected).enumerate() {
                 assert_eq!(found[1] == MISS, expected[1] == MISS, "{what}, any hit, {name}: ray {at}");
             }

@@ -61,9 +61,11 @@ pub const OCTANTS: usize = 8;
 /// In the place of an octant: more than one.
 pub const MIXED: usize = OCTANTS;
 
-/// The octant that rays run into, as long as they agree: masks of those that run backwards along each axis.
+/// The octant that rays run into, as long as they agree.
 pub struct Octant {
+    /// For each axis, the lanes in which all rays so far run backwards along it.
     all: [Mask8; 3],
+    /// And those in which any does.
     any: [Mask8; 3],
 }
 
@@ -88,5 +90,37 @@ impl Octant {
     pub fn index(&self) -> usize {
         let (all, any) = (self.all.map(Mask::all), self.any.map(Mask::any));
         if all == any { (0..3).map(|axis| usize::from(all[axis]) << axis).sum() } else { MIXED }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The octant of eight rays and then eight more, where those of the second packet differ in one lane.
+    fn octant(first: [f32; 3], odd: [f32; 3]) -> usize {
+        let mut octant = Octant::default();
+        let packet = |lane: [f32; 3]| {
+            let [x, y, z] = std::array::from_fn(|axis| {
+                F32x8::from_fn(|at| if at == 5 { lane[axis] } else { first[axis] })
+            });
+            Vec3::new(x, y, z)
+        };
+        octant.add(packet(first));
+        octant.add(packet(odd));
+        octant.index()
+    }
+
+    #[test]
+    fn rays_agree_on_an_octant_or_are_mixed() {
+        for index in 0..OCTANTS {
+            let ray = [0, 1, 2].map(|axis| if index >> axis & 1 == 1 { -2.0 } else { 3.0 });
+            assert_eq!(octant(ray, ray), index);
+            for axis in 0..3 {
+                let mut odd = ray;
+                odd[axis] = -odd[axis];
+                assert_eq!(octant(ray, odd), MIXED, "{ray:?} and {odd:?}");
+            }
+        }
     }
 }

@@ -215,7 +215,6 @@ impl<T: Tally> Walk<'_, '_, T> {
             lists.resize(free + most, 0);
         }
         let mut children = [Listed { distance: 0.0, child: Child::NONE, start: 0, count: 0 }; WIDE];
-        let mut reached = 0;
         let mut top = free;
         // The lists behind, read in whole packets, and the lists to come. The last packet may hold rays of no list: their masks are none.
         masks[count..count + WIDE].fill(0);
@@ -223,7 +222,7 @@ impl<T: Tally> Walk<'_, '_, T> {
         let (behind, ahead) = lists.split_at_mut(free);
         let from = &behind[start..start + packets * WIDE].as_chunks::<WIDE>().0;
         let masks = &masks.as_chunks::<WIDE>().0[..packets];
-        for slot in set_bits(all) {
+        for (listed, slot) in children.iter_mut().zip(set_bits(all).map(|slot| slot & (WIDE - 1))) {
             let bit = U32x8::splat(1 << slot);
             let begin = top;
             for (masks, rays) in masks.iter().zip(*from) {
@@ -233,13 +232,12 @@ impl<T: Tally> Walk<'_, '_, T> {
                 top += passes.count();
             }
             let count = top - begin;
-            let distance = distances.get(slot & 7) / count as f32;
-            let child = node.children()[slot & 7];
-            children[reached] = Listed { distance, child, start: begin as u32, count: count as u32 };
-            reached += 1;
+            let distance = distances.get(slot) / count as f32;
+            let child = node.children()[slot];
+            *listed = Listed { distance, child, start: begin as u32, count: count as u32 };
         }
-        let children = &mut children[..reached];
-        if !ANY && reached > 1 {
+        let children = &mut children[..all.count_ones() as usize];
+        if !ANY {
             children.sort_unstable_by(|a, b| a.distance.total_cmp(&b.distance));
         }
         for &Listed { child, start, count, .. } in children.iter() {
@@ -259,51 +257,70 @@ impl<T: Tally> Walk<'_, '_, T> {
         let Stream { records, lists, .. } = &mut **stream;
         let listed = &lists[start..start + count];
         if leaf.is_spheres() {
-            for &entry in listed {
-                let ray = entry as usize & (BATCH - 1);
-                let record = &mut records[ray];
-                if ANY && record.t < 0.0 {
-                    continue;
-                }
+            improve::<ANY>(listed, records, hits, |asked| {
                 tally.leaf(hierarchy, leaf, 1);
-                let mut hit = Hit { t: record.t, ..hits.get(ray) };
-                hierarchy.meet_spheres(leaf.index(), &rays.packet::<f32>(ray), &mut hit);
-                record.keep::<ANY>(ray, &hit, hits);
-            }
+                let mut hit = asked.hit();
+                hierarchy.meet_spheres(leaf.index(), &rays.packet(asked.ray), &mut hit);
+                Some(hit)
+            });
             return;
         }
         let triangles = hierarchy.triangle_leaf(leaf.index());
-        for &entry in listed {
-            let ray = entry as usize & (BATCH - 1);
-            let record = &mut records[ray];
-            if ANY && record.t < 0.0 {
-                continue;
-            }
+        improve::<ANY>(listed, records, hits, |asked| {
             tally.leaf(hierarchy, leaf, 1);
-            if let Some(found) = triangles.test(&record.woop(entry >> AXIS)) {
-                let mut hit = Hit { t: record.t, ..hits.get(ray) };
-                triangles.accept(&record.slabs(), &found, &mut hit);
-                record.keep::<ANY>(ray, &hit, hits);
-            }
-        }
+            let found = triangles.test(&asked.record.woop(asked.axis))?;
+            let mut hit = asked.hit();
+            triangles.accept(&asked.record.slabs(), &found, &mut hit);
+            Some(hit)
+        });
     }
 
     fn one_by_one<const ANY: bool>(&mut self, child: Child, start: usize, count: usize) {
         let Self { stream, hierarchy, rays, hits, tally, .. } = self;
         let Stream { records, lists, stack, .. } = &mut **stream;
-        for &entry in &lists[start..start + count] {
-            let ray = entry as usize & (BATCH - 1);
-            let record = &mut records[ray];
-            if ANY && record.t < 0.0 {
-                continue;
-            }
-            let single = SingleRay {
-                ray: rays.packet::<f32>(ray),
-                slabs: record.slabs(),
-                woop: record.woop(entry >> AXIS),
-            };
-            let mut hit = Hit { t: record.t, ..hits.get(ray) };
+        improve::<ANY>(&lists[start..start + count], records, hits, |asked| {
+            let (slabs, woop) = (asked.record.slabs(), asked.record.woop(asked.axis));
+            let single = SingleRay { ray: rays.packet(asked.ray), slabs, woop };
+            let mut hit = asked.hit();
             single::trace_from::<ANY>(hierarchy, child, &single, stack, &mut hit, *tally);
+            Some(hit)
+        });
+    }
+}
+
+/// A listed ray that wants more.
+struct Asked<'a> {
+    /// Its place in the batch.
+    ray: usize,
+    /// The axis of its triangle tests.
+    axis: u32,
+    record: &'a Record,
+    hits: &'a Hits<'a>,
+}
+
+impl Asked<'_> {
+    /// What it has found so far.
+    #[inline(always)]
+    fn hit(&self) -> Hit<f32> {
+        Hit { t: self.record.t, ..self.hits.get(self.ray) }
+    }
+}
+
+/// Keeps what `find` finds for each listed ray that wants more; it returns `None` where that is no better than before.
+#[inline(always)]
+fn improve<const ANY: bool>(
+    listed: &[u32],
+    records: &mut [Record; BATCH],
+    hits: &mut Hits,
+    mut find: impl FnMut(Asked) -> Option<Hit<f32>>,
+) {
+    for &entry in listed {
+        let ray = entry as usize & (BATCH - 1);
+        let record = &mut records[ray];
+        if ANY && record.t < 0.0 {
+            continue;
+        }
+        if let Some(hit) = find(Asked { ray, axis: entry >> AXIS, record, hits }) {
             record.keep::<ANY>(ray, &hit, hits);
         }
     }

@@ -43,6 +43,7 @@ pub trait Mask:
     /// The lanes that are true, from the first on.
     #[inline(always)]
     fn lanes(self) -> impl Iterator<Item = usize> {
+        // No lane is beyond 7: said so that arrays of eight need not ask.
         set_bits(self.bitmask()).map(|lane| lane & 7)
     }
     /// How many lanes are true.
@@ -59,7 +60,7 @@ pub fn set_bits(mask: impl Into<u64>) -> impl Iterator<Item = usize> {
     std::iter::from_fn(move || {
         let bit = left.trailing_zeros() as usize;
         // Subtracting 1 turns the lowest bit and all below it round.
-        (left != 0).then(|| (left &= left.wrapping_sub(1), bit).1)
+        (left != 0).then(|| (left &= left - 1, bit).1)
     })
 }
 

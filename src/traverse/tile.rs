@@ -2,8 +2,8 @@
 //!
 //! The frustum around a whole tile goes down the tree first, level by level, until its [`CUT`] is full of entries that together hold all
 //! that the tile can see, nearest first. No entry, and the tile is empty. Then each packet, with a frustum of its own, takes those
-//! entries in order that lie between its sides; below them it goes down nearest first. In a leaf the triangles outside the frustum are left out, and the packet
-//! meets the rest one by one.
+//! entries in order that lie between its sides; below them it goes down nearest first. In a leaf the triangles outside the frustum are
+//! left out, and the packet meets the rest one by one.
 //!
 //! Source: Reshetov, Soupikov, Hurley, "Multi-Level Ray Tracing Algorithm", SIGGRAPH 2005: entry points for tiles.
 
@@ -86,13 +86,14 @@ impl Cut {
         }
         // Sorted as whole numbers: distances that are not negative stand in the order of their bits.
         let mut order = [0u64; CUT];
+        let order = &mut order[..filled];
         for ((order, entry), at) in order.iter_mut().zip(&entries).zip(0..) {
             *order = u64::from(entry.near.max(0.0).to_bits()) << 32 | at;
         }
-        order[..filled].sort_unstable();
+        order.sort_unstable();
         let mut cut =
             Self { boxes: [EMPTY; CUT / WIDE], children: [Child::NONE; CUT], near: [0.0; CUT], filled };
-        for (at, order) in order[..filled].iter().enumerate() {
+        for (at, order) in order.iter().enumerate() {
             let entry = entries[*order as usize & (CUT - 1)];
             let from = hierarchy.bvh.wide[entry.node as usize].boxes();
             let to = &mut cut.boxes[at / WIDE];

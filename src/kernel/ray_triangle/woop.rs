@@ -87,8 +87,7 @@ impl<L: Lane> WoopRay<L> {
 }
 
 /// Woop's test of triangles given by their vertices relative to the origin, in the ray's order of axes, over one way to compute the
-/// edge function p.x q.y − p.y q.x. `None` only where no lane hits; what is found may have no
-/// lane either.
+/// edge function p.x q.y − p.y q.x. `None` only where no lane hits; what is found may have no lane either.
 #[inline(always)]
 fn woop<L: Lane>(
     shear: Vec3<L>,

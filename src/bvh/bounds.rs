@@ -63,8 +63,9 @@ impl Bounds {
 #[repr(transparent)]
 pub(super) struct PackedBox(F32x8);
 
-/// Numbers are kept as normal floats, because arithmetic runs over them and denormals are slow: from 2⁻¹²⁶ upwards.
-const NUMBER_BASE: u32 = 0x0080_0000;
+/// Numbers are kept as the bits of floats from 2⁻¹⁰³ upwards. Arithmetic runs over them as over the other lanes, and some processors take a
+/// hundred times as long where a number or a result is denormal: neighbours of these floats are 2⁻¹²⁶ apart at least, the least that is not.
+const NUMBER_BASE: u32 = 0x0C00_0000;
 /// Primitives of one hierarchy: their numbers stay finite floats, and bits of references free.
 pub const MAX_PRIMITIVES: usize = 1 << 30;
 
@@ -128,5 +129,31 @@ impl PackedBox {
         let extent = |lo: F32x8, minus_hi: F32x8| (-(lo + minus_hi) * scale).max(F32x8::zero());
         let (x, y, z) = (extent(a, x), extent(b, y), extent(c, z));
         x.mul_add(y + z, y * z)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_of_primitives_bring_no_denormals_into_arithmetic() {
+        let bounds = Bounds { lo: Vec3::ZERO, hi: Vec3::ONE };
+        let last = MAX_PRIMITIVES as u32 - 1;
+        for (a, b) in [(0, 1), (7, 3), (0x7f_ffff, 0x80_0000), (last - 1, last), (0, last)] {
+            let (a, b) = (PackedBox::new(bounds, a), PackedBox::new(bounds, b));
+            let centers = a.center().union(b.center());
+            let differences = [b.lanes() - a.lanes(), a.center().lanes() - centers.lanes()];
+            for lanes in [a.lanes(), centers.lanes(), centers.lanes() + centers.turned()]
+                .into_iter()
+                .chain(differences)
+            {
+                assert!(
+                    (0..8).all(|lane| lanes.get(lane).is_finite() && !lanes.get(lane).is_subnormal()),
+                    "{lanes:?}"
+                );
+            }
+        }
+        assert_eq!(PackedBox::new(bounds, last).number(), last);
     }
 }

@@ -23,7 +23,7 @@ const FEWEST_PASSES: usize = 7;
 /// Short passes go on until this time has passed for all ways of a kind together.
 const PER_KIND: Duration = Duration::from_secs(1);
 /// Builds behind a median: at least as many as are asked for, and on until this time or this number is reached.
-const MOST_BUILDS: usize = 15;
+const MOST_BUILDS: usize = 51;
 const BUILDING: Duration = Duration::from_millis(500);
 /// Most rays times primitives that a linear pass may test: about a second on one thread.
 const MOST_LINEAR: usize = 500_000_000;

@@ -224,7 +224,7 @@ mod tests {
         assert_eq!(root_if_known(&[-1.0, -1.0, -1.0, -1.0]), None);
     }
 
-    /// With more time than is needed the frames and the samples of the truths are all there are, and no clock has a say in the result.
+    /// Given more time than it needs, it makes all frames and takes all samples of the truths: no clock has a say in the result.
     #[test]
     fn reprojection_halves_the_error_in_motion_at_least() {
         for name in ["three", "cornell"] {
@@ -232,15 +232,12 @@ mod tests {
             let settings = Settings { resolution: [96, 54], ..Settings::of(&scene) };
             let all = measure(&scene, settings, 1, Instant::now() + Duration::from_secs(3600));
             assert_eq!(all.len(), Path::ALL.len() * WAYS.len());
-            let mut known = 0;
             for moving in &all {
-                assert_eq!(moving.frames, FRAMES);
                 let least = if moving.way == "as it is" { 1.0 } else { 2.0 };
-                assert!(moving.times_lower.is_none_or(|times| times >= least), "{name}: {moving:?}");
+                assert!(moving.times_lower.is_some_and(|times| times >= least), "{name}: {moving:?}");
                 assert!(moving.frame_ms.median > 0.0 && moving.speed > 0.0);
-                known += usize::from(moving.way == "reprojected" && moving.times_lower.is_some());
+                assert_eq!(moving.frames, FRAMES);
             }
-            assert!(known > 0, "{name}: {all:?}");
         }
     }
 }

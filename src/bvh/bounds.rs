@@ -64,10 +64,11 @@ impl Bounds {
 pub(super) struct PackedBox(F32x8);
 
 /// Numbers are kept as the bits of floats from 2⁻¹⁰³ upwards. Arithmetic runs over them as over the other lanes, and some processors take a
-/// hundred times as long where a number or a result is denormal: neighbours of these floats are 2⁻¹²⁶ apart at least, the least that is not.
+/// hundred times as long where a number or a result is denormal. Two of these floats differ by 2⁻¹²⁶ at least, the smallest normal float.
 const NUMBER_BASE: u32 = 0x0C00_0000;
 /// Primitives of one hierarchy: their numbers stay finite floats, and bits of references free.
 pub const MAX_PRIMITIVES: usize = 1 << 30;
+const _: () = assert!(f32::from_bits(NUMBER_BASE + MAX_PRIMITIVES as u32 - 1).is_finite());
 
 impl PackedBox {
     pub fn new(bounds: Bounds, number: u32) -> Self {

@@ -306,7 +306,7 @@ impl Asked<'_> {
     }
 }
 
-/// Keeps what `find` finds for each listed ray that wants more; it returns `None` where that is no better than before.
+/// Keeps what `find` finds for each listed ray that wants more: the hit so far or a nearer one. `None` says that there is nothing new.
 #[inline(always)]
 fn improve<const ANY: bool>(
     listed: &[u32],

@@ -66,26 +66,15 @@
 
 #![forbid(unsafe_code)]
 
-pub mod adaptive;
-pub mod buffers;
-pub mod bvh;
-pub mod camera;
+pub use octray_engine::{
+    adaptive, buffers, bvh, camera, display, film, integrate, kernel, lane, math, render, sampling, threads,
+    tone, traverse,
+};
+pub use octray_formats::{output, scene, wording};
+pub use octray_laboratory::{measure, reference};
+
 pub mod cli;
-pub mod display;
-pub mod film;
-pub mod integrate;
-pub mod kernel;
-pub mod lane;
-pub mod math;
-pub mod measure;
-pub mod output;
-pub mod reference;
-pub mod render;
+pub mod machine;
 pub mod report;
-pub mod sampling;
-pub mod scene;
-pub mod threads;
-pub mod traverse;
 #[cfg(feature = "viewer")]
 pub mod viewer;
-pub mod wording;

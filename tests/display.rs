@@ -7,9 +7,9 @@ use glam::Vec3;
 use octray::display::{Blur, Denoiser, Fxaa, Samples, walking_speed};
 use octray::film::Picture;
 use octray::integrate::guides::Guides;
-use octray::output::Tone;
 use octray::render::{Renderer, Settings};
 use octray::scene::{Filter, MaterialKind, Scene};
+use octray::tone::Tone;
 
 fn picture([width, height]: [u32; 2], pixel: impl FnMut((u32, u32)) -> [f32; 3]) -> Picture {
     let places = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));

@@ -5,7 +5,7 @@
 
 use octray::film::Picture;
 use octray::measure::flip::{Flip, PIXELS_PER_DEGREE};
-use octray::output::{Tone, tone};
+use octray::tone::{self, Tone};
 
 /// A stored value of 0 to 255 at column, row and channel; clamped.
 type Rule = fn(i32, i32, usize) -> i32;

@@ -2,9 +2,10 @@
 //!
 //! Skipped, saying so, where no browser is installed (Chromium or Chrome; `OCTRAY_BROWSER` names another of their family).
 
-use octray::measure::Machine;
+use octray::machine::Machine;
 use octray::measure::chart::configurations::of_scene;
-use octray::measure::chart::{Chart, Plan, SCHEMA, kernels};
+use octray::measure::chart::{Plan, kernels};
+use octray::report::chart::{Chart, SCHEMA};
 use octray::report::page::page;
 use std::path::Path;
 use std::process::Command;

@@ -1,7 +1,7 @@
 //! Views: files that name another scene and say how it is looked at; and the files that any scene was read from.
 
 use glam::Vec3;
-use octray::scene::{Camera, Rendering, Scene, SceneError, View, load};
+use octray::scene::{Camera, Loaded, Rendering, Scene, SceneError, View, load, load_with_view};
 use std::fs;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
@@ -48,7 +48,7 @@ fn view(scene: &str, more: &str) -> String {
 
 /// Everything of a scene that a picture can show.
 fn looks(scene: &Scene) -> String {
-    format!("{:?}", Scene { name: String::new(), files: Vec::new(), view: None, ..scene.clone() })
+    format!("{:?}", Scene { name: String::new(), files: Vec::new(), ..scene.clone() })
 }
 
 #[test]
@@ -56,7 +56,7 @@ fn view_that_says_nothing_is_the_scene_itself() {
     let folder = TempDir::new().unwrap();
     let folder = folder.path();
     for base in scenes(folder) {
-        let scene = load(&write(folder, "view.json", &view(base, ""))).unwrap();
+        let scene = load_with_view(&write(folder, "view.json", &view(base, ""))).unwrap();
         assert_eq!(looks(&scene), looks(&load(&spec(folder, base)).unwrap()), "{base}");
         assert_eq!(scene.name, "view.json");
         let nothing = View {
@@ -75,7 +75,7 @@ fn view_changes_what_it_says_of_every_format_and_nothing_else() {
     let folder = TempDir::new().unwrap();
     let folder = folder.path();
     for base in scenes(folder) {
-        let own = load(&spec(folder, base)).unwrap();
+        let own = load_with_view(&spec(folder, base)).unwrap();
         assert!(own.view.is_none());
         let more = r#", "resolution": [31, 17], "max_bounces": 1023,
             "camera": { "position": [3.3,40,-5], "look_at": [0.1,0.2,0.3], "up": [0,0,-2], "vertical_fov": 12.7 }"#;
@@ -161,8 +161,9 @@ fn written_views_read_back_in_every_bit() {
             max_bounces: Some(0),
             render: Rendering { exposure, ..render.clone() },
         };
-        let scene = load(&write(folder.path(), "view.json", &view.text())).unwrap();
-        let found = scene.view.unwrap();
+        let Loaded { scene, view: found } =
+            load_with_view(&write(folder.path(), "view.json", &view.text())).unwrap();
+        let found = found.unwrap();
         assert_eq!(found, view);
         assert_eq!(bits(&found), bits(&view), "{}", view.text());
         assert_eq!(found.camera, Some(scene.camera));
@@ -177,8 +178,11 @@ fn numbers_of_a_view_are_rounded_once_as_on_the_command_line() {
     // Just below the middle of two neighbours in f32; the nearest f64 is the middle itself, from which a second rounding would go up.
     let digits = "1.00000017881393432617187499";
     let more = format!(", \"render\": {{ \"exposure\": {digits}, \"clamp\": {digits} }}");
-    let render =
-        load(&write(folder.path(), "v.json", &view("builtin:three", &more))).unwrap().view.unwrap().render;
+    let render = load_with_view(&write(folder.path(), "v.json", &view("builtin:three", &more)))
+        .unwrap()
+        .view
+        .unwrap()
+        .render;
     let typed: f32 = digits.parse().unwrap();
     assert_ne!(typed, digits.parse::<f64>().unwrap() as f32);
     assert_eq!((render.exposure, render.clamp), (Some(typed), Some(typed)));
@@ -193,18 +197,18 @@ fn views_of_a_scene_name_it_from_any_folder() {
         let own = load(&spec(folder, base)).unwrap();
         for place in ["a.json", "shots/a.json", "shots/deep/a.json", "shots/../shots/deep/a.json"] {
             let file = folder.join(place);
-            let view = View::of(&own, file.parent().unwrap());
+            let view = View::of(&own, None, file.parent().unwrap());
             assert!(!Path::new(&view.scene).is_absolute(), "{}", view.scene);
-            let scene = load(&write(folder, place, &view.text())).unwrap();
+            let scene = load_with_view(&write(folder, place, &view.text())).unwrap();
             assert_eq!(looks(&scene), looks(&own), "{base} from {place}");
             // A view of a view is one of the same scene.
-            let again = View::of(&scene, &folder.join("shots"));
+            let again = View::of(&scene, scene.view.as_ref(), &folder.join("shots"));
             let scene = load(&write(folder, "shots/again.json", &again.text())).unwrap();
             assert_eq!(looks(&scene), looks(&own), "{base} from {place}, again");
         }
     }
     let own = load(&spec(folder, "model.obj")).unwrap();
-    assert_eq!(View::of(&own, &folder.join("shots/deep")).scene, "../../model.obj");
+    assert_eq!(View::of(&own, None, &folder.join("shots/deep")).scene, "../../model.obj");
 }
 
 /// Asserts that a view is refused with these words in what is wrong, where, and how to mend it.

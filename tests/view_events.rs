@@ -6,9 +6,9 @@ mod seat;
 #[path = "common/viewer.rs"]
 mod waiting;
 
-use octray::output::Tone;
 use octray::render::PipelineChoice;
 use octray::scene::Scene;
+use octray::tone::Tone;
 use octray::traverse::Methods;
 use octray::viewer::frame::Frame;
 use octray::viewer::keys::Key;

@@ -7,9 +7,9 @@ use super::error::CliError;
 use super::limits::Limits;
 use super::methods::MethodOptions;
 use super::numbers::{clamp, exposure, samples, seed};
-use crate::output::{Operator, Tone};
 use crate::render::PipelineChoice;
-use crate::scene::{Rendering, Scene, View};
+use crate::scene::{Loaded, Rendering, Scene, View, view_fault};
+use crate::tone::{Operator, Tone};
 use clap::ValueEnum;
 use serde::Serialize;
 use serde_json::{Map, Value};
@@ -29,7 +29,7 @@ pub struct Asked {
 
 impl Asked {
     /// What a scene's own file asks for: nothing, unless it is a view.
-    pub fn of(scene: &Scene) -> Result<Self, CliError> {
+    pub fn of(scene: &Loaded) -> Result<Self, CliError> {
         let Some(view) = &scene.view else { return Ok(Self::default()) };
         let render = &view.render;
         let said = Said { scene };
@@ -95,7 +95,7 @@ impl Said<'_> {
         let Some(text) = text else { return Ok(None) };
         read(&text).map(Some).map_err(|error| match error {
             CliError::Value { value, why, .. } => {
-                self.scene.view_fault(key, format!("`{key}` cannot be {value}"), why).into()
+                view_fault(self.scene, key, format!("`{key}` cannot be {value}"), why).into()
             }
             other => other,
         })
@@ -108,7 +108,7 @@ impl Said<'_> {
             let known = T::value_variants().iter().filter_map(T::to_possible_value);
             let known: Vec<String> = known.map(|value| value.get_name().to_string()).collect();
             let what = format!("`{key}` cannot be `{name}`");
-            self.scene.view_fault(key, what, format!("write one of {}", known.join(", "))).into()
+            view_fault(self.scene, key, what, format!("write one of {}", known.join(", "))).into()
         })
     }
 }
@@ -159,8 +159,8 @@ mod tests {
         let Some(Command::Render(args)) = Args::parse_from(words).command else {
             unreachable!("render was asked for")
         };
-        let view = View { render, ..View::of(&cornell(), std::path::Path::new("")) };
-        let scene = Scene { view: Some(view), ..cornell() };
+        let view = View { render, ..View::of(&cornell(), None, std::path::Path::new("")) };
+        let scene = Loaded { scene: cornell(), view: Some(view) };
         RenderOptions::try_from(args).unwrap().picture.asked.or(Asked::of(&scene).unwrap())
     }
 

@@ -7,10 +7,11 @@ use super::options::BenchOptions;
 use super::scenes;
 use super::stats;
 use super::terminal::{self, figure};
+use crate::machine::{self, Machine};
 use crate::measure::bench::{Effort, Engine, FEWEST_FRAMES, Measurement, bench};
 use crate::measure::compare::{BYTES_PER_PIXEL as COMPARE_BYTES_PER_PIXEL, Comparison, compare};
 use crate::measure::turns::Ratio;
-use crate::measure::{Machine, machine};
+
 use crate::render::{Renderer, Settings};
 use crate::scene::Scene;
 use crate::wording::{counted, grouped};

@@ -7,12 +7,13 @@ use super::progress::Countdown;
 use super::scenes;
 use super::terminal::{self, figure};
 use super::truths;
+use crate::machine::{self, Machine};
 use crate::measure::chart::pictures::Line;
 use crate::measure::chart::truth::SHRINK;
-use crate::measure::chart::{Chart, Plan, SCHEMA, kernels, motion};
-use crate::measure::{Machine, machine};
+use crate::measure::chart::{Plan, kernels, motion};
+
 use crate::output;
-use crate::report::chart::{drawings, verdict};
+use crate::report::chart::{Chart, SCHEMA, drawings, verdict};
 use crate::report::{page::page, tables};
 use crate::wording::grouped;
 use std::path::{Path, PathBuf};

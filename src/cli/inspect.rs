@@ -10,7 +10,7 @@ use super::routes::{HierarchyReport, TraversalReport};
 use super::scenes;
 use super::terminal;
 use crate::buffers::{LightChoice, Lights, Needs, SkyLight};
-use crate::scene::{Filter, Material, MaterialKind, Scene, Sky, Texture};
+use crate::scene::{Filter, Loaded, Material, MaterialKind, Scene, Sky, Texture};
 use crate::wording::{counted, grouped};
 use glam::Vec3;
 use serde::Serialize;
@@ -124,7 +124,7 @@ pub fn run(options: InspectOptions) -> Result<ExitCode, CliError> {
 }
 
 impl Inspection {
-    fn of(spec: String, scene: &Scene) -> Self {
+    fn of(spec: String, scene: &Loaded) -> Self {
         let traversal = TraversalReport::of(scene);
         let lights = Lights::new(scene, LightChoice::default());
         Self {

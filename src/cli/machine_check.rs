@@ -8,7 +8,7 @@
 
 use super::error::CliError;
 use super::terminal;
-use crate::measure::features;
+use crate::machine::features;
 
 /// How to build for the machine at hand.
 pub const REBUILD: &str = "RUSTFLAGS=\"-C target-cpu=native\" cargo build --release";

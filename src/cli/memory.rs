@@ -4,7 +4,7 @@
 
 use super::error::CliError;
 use super::terminal;
-use crate::measure::machine;
+use crate::machine;
 
 /// From here on it is worth a line, and from this share of what is available.
 const LARGE: u64 = 2_000_000_000;

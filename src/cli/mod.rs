@@ -41,6 +41,7 @@ pub mod numbers;
 pub mod options;
 mod picture;
 pub mod progress;
+pub mod ray_dump;
 pub mod rays;
 pub mod render;
 pub mod routes;

@@ -3,7 +3,7 @@
 //! For: one function a kind of number. May import: `error`, `scene`'s limits, `wording`. Must never know: which command asks.
 
 use super::error::CliError;
-use crate::measure::machine;
+use crate::machine;
 use crate::scene::{MAX_BOUNCES, MAX_SIDE};
 use crate::wording::grouped;
 

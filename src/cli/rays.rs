@@ -4,15 +4,18 @@ use super::CHECK_FAILED;
 use super::error::CliError;
 use super::memory::bytes;
 use super::options::RaysOptions;
+use super::ray_dump;
 use super::scenes;
 use super::stats;
 use super::terminal::{self, figure};
 use crate::bvh::check::{Statistics, check_scene};
+use crate::machine::{self, Machine};
 use crate::measure::rays::{self, BuildTime, Measurement};
 use crate::measure::stats::RayStats;
 use crate::measure::ways::{Ground, Team, Way};
-use crate::measure::{Machine, machine, ray_dump};
+
 use crate::output;
+use crate::scene::SceneError;
 use crate::wording::{counted, grouped};
 use serde::Serialize;
 use std::fmt::Write;
@@ -57,7 +60,7 @@ pub fn run(options: RaysOptions) -> Result<ExitCode, CliError> {
     }
     let scene = scenes::load(&options.scene)?;
     scene.warnings.iter().for_each(|warning| terminal::warn(warning));
-    scene.overview()?;
+    let camera = scene.overview().ok_or_else(|| SceneError::no_overview(&scene))?;
     if let Some(folder) = &options.dump {
         output::make_folder(folder)?;
     }
@@ -91,7 +94,7 @@ pub fn run(options: RaysOptions) -> Result<ExitCode, CliError> {
     let ground = Ground::new(&scene, hierarchy);
     let teams: Vec<Team> = threads.into_iter().map(Team::new).collect();
     let largest = teams.iter().max_by_key(|team| team.threads()).expect("there is a team");
-    let sets = rays::prepare(&scene, &ground, largest, options.size, options.seed)?;
+    let sets = rays::prepare(&scene, &camera, &ground, largest, options.size, options.seed);
     if let Some(folder) = &options.dump {
         if !scene.spheres.is_empty() {
             terminal::warn("the dump holds no spheres: other programs cannot find the hits on them");

@@ -8,7 +8,7 @@ use super::terminal::figure;
 use crate::buffers::Needs;
 use crate::bvh::check::{Statistics, check_scene};
 use crate::lane::{F32x8, Lane};
-use crate::measure::machine;
+use crate::machine;
 use crate::measure::rays::{self, BuildTime};
 use crate::measure::ways::Way;
 use crate::scene::Scene;

@@ -6,8 +6,8 @@ use super::error::CliError;
 use super::numbers::refuse;
 use super::options::RenderOptions;
 use crate::film::{Film, Picture};
-use crate::output::tone::srgb_decode;
-use crate::output::{self, Existing, Format, Tone};
+use crate::output::{self, Existing, Format};
+use crate::tone::{Tone, srgb_decode};
 use std::path::{Path, PathBuf};
 
 /// Can it be written where it shall be? Finds out before anything is rendered.

@@ -4,11 +4,11 @@
 
 use super::asked::Asked;
 use super::error::CliError;
-use crate::scene::{self, Scene};
+use crate::scene::{self, Loaded};
 
 /// The scene of that name. A view that asks for what does not exist is refused by every command, not only by the one that would do it.
-pub fn load(name: &str) -> Result<Scene, CliError> {
-    let scene = scene::load(name)?;
+pub fn load(name: &str) -> Result<Loaded, CliError> {
+    let scene = scene::load_with_view(name)?;
     Asked::of(&scene)?;
     Ok(scene)
 }

@@ -5,7 +5,7 @@ use super::error::CliError;
 use super::options::StabilityOptions;
 use super::progress::Tasks;
 use super::terminal;
-use crate::measure::Machine;
+use crate::machine::Machine;
 use crate::measure::stability::{Bound, Curve, Effort, Outcome, Point};
 use crate::output::{self, Existing};
 use crate::report::stability::{figures, percent};

@@ -7,12 +7,13 @@
 //! programs.
 
 use super::error::CliError;
-use crate::film::Picture;
-use crate::measure::Machine;
+use crate::machine::Machine;
 use crate::measure::chart::truth::{Quality, Truth};
-use crate::output::{self, Tone};
+use crate::output;
 use crate::report::chart::file_name;
 use crate::scene::Scene;
+use crate::tone::Tone;
+use octray_formats::openexr;
 use std::fmt::Write;
 use std::fs;
 use std::hash::{DefaultHasher, Hasher};
@@ -29,10 +30,9 @@ pub fn place(folder: &Path, scene: &Scene, size: [u32; 2], max_bounces: u32) -> 
         }
     }
     let mut hashed = Hashed(DefaultHasher::new());
-    // Where a scene was read, and how a still of it is rendered, changes nothing of its truth.
+    // Where a scene was read changes nothing of its truth.
     let Scene {
         files: _,
-        view: _,
         name,
         camera,
         resolution,
@@ -63,13 +63,8 @@ fn build() -> Option<(SystemTime, u64)> {
 /// The truth that is kept there; `None` where there is none that can be read, or its size is another.
 pub fn load(place: &Path, size: [u32; 2]) -> Option<Truth> {
     let quality: Quality = serde_json::from_slice(&fs::read(place.with_extension("json")).ok()?).ok()?;
-    let picture = image::open(place.with_extension("exr")).ok()?.into_rgb32f();
-    let [width, height] = size;
-    if picture.dimensions() != (width, height) {
-        return None;
-    }
-    let pixels = picture.pixels().map(|pixel| pixel.0).collect();
-    Some(Truth::kept(Picture { width, height, pixels }, quality))
+    let picture = openexr::read(&fs::read(place.with_extension("exr")).ok()?).ok()?;
+    (size == [picture.width, picture.height]).then(|| Truth::kept(picture, quality))
 }
 
 /// Keeps a truth: the picture first, so that there is no quality without one.
@@ -83,6 +78,7 @@ pub fn save(place: &Path, truth: &Truth) -> Result<(), CliError> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::film::Picture;
 
     #[test]
     fn places_differ_in_all_that_decides_a_truth() {

@@ -9,8 +9,8 @@ use super::numbers::whole;
 use super::picture::{PictureArgs, PictureOptions};
 use super::scenes;
 use super::terminal::{self, figure};
-use crate::measure::machine::{self, Machine};
-use crate::scene::Scene;
+use crate::machine::{self, Machine};
+use crate::scene::Loaded;
 use crate::viewer::keys;
 use crate::viewer::playlist::Playlist;
 use crate::viewer::window::Presented;
@@ -97,7 +97,7 @@ impl TryFrom<ViewArgs> for ViewOptions {
 
 impl ViewOptions {
     /// What the viewer starts with, given its first scene: seed, tone, limits are its own from then on.
-    fn viewer(&self, first: &Scene) -> Result<Options, CliError> {
+    fn viewer(&self, first: &Loaded) -> Result<Options, CliError> {
         let PictureOptions { size, bounces, threads, lanes, asked } = self.picture;
         let methods = asked.methods;
         let asked = asked.or(Asked::of(first)?);
@@ -233,17 +233,17 @@ pub fn run(options: ViewOptions) -> Result<ExitCode, CliError> {
 mod tests {
     use super::*;
     use crate::cli::args::{Args, Command};
-    use crate::scene::{Rendering, View, load};
+    use crate::scene::{Rendering, View, load_with_view};
     use crate::traverse::TriangleChoice;
     use clap::Parser;
 
     #[test]
     fn every_view_takes_its_own_methods_unless_an_option_says_otherwise() {
-        let plain = load("builtin:cornell").unwrap();
+        let plain = load_with_view("builtin:cornell").unwrap();
         let render = Rendering { triangle: Some("plucker".into()), ..Rendering::default() };
-        let view = View { render, ..View::of(&plain, Path::new("")) };
-        let later = Scene { view: Some(view), ..plain.clone() };
-        let triangle = |options: &[&str], scene: &Scene| {
+        let view = View { render, ..View::of(&plain, None, Path::new("")) };
+        let later = Loaded { view: Some(view), ..plain.clone() };
+        let triangle = |options: &[&str], scene: &Loaded| {
             let words = ["octray", "view"].iter().chain(options);
             let Some(Command::View(args)) = Args::parse_from(words).command else {
                 unreachable!("view was asked for")
@@ -261,7 +261,7 @@ mod tests {
         let Some(Command::View(args)) = Args::parse_from(["octray", "view"]).command else {
             unreachable!("view was asked for")
         };
-        let plain = load("builtin:cornell").unwrap();
+        let plain = load_with_view("builtin:cornell").unwrap();
         let options = ViewOptions::try_from(args).unwrap().viewer(&plain).unwrap();
         assert_eq!((options.fits)([16, 9]), Ok(()));
         if machine::available_memory().is_some() {

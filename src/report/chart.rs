@@ -3,12 +3,31 @@
 //! For: [`drawings`]. May import: `plot`, `measure::chart`. Must never know: files, pages.
 
 use super::plot::{Axis, Figure, Line};
+use crate::machine::Machine;
 use crate::measure::chart::configurations::{DEFAULT, NAMES};
 use crate::measure::chart::kernels::{Case, Kernel};
 use crate::measure::chart::motion::Path;
 use crate::measure::chart::pictures::{Point, Spread};
-use crate::measure::chart::{Chart, SceneChart, display, motion, pictures};
+use crate::measure::chart::{SceneChart, display, motion, pictures};
 use crate::wording::{counted, grouped};
+use serde::Serialize;
+
+/// All that one run found.
+#[derive(Clone, Debug, Serialize)]
+pub struct Chart {
+    pub schema: &'static str,
+    pub machine: Machine,
+    /// Asked for, and taken.
+    pub budget_s: f64,
+    pub seconds: f64,
+    pub max_bounces: u32,
+    /// Behind every median of `pictures`.
+    pub seeds: u32,
+    pub kernels: Vec<Kernel>,
+    pub scenes: Vec<SceneChart>,
+}
+
+pub const SCHEMA: &str = "octray-chart-1";
 
 /// A figure, and the file name it goes by, without its extension.
 #[derive(Clone, Debug)]

@@ -2,11 +2,11 @@
 //!
 //! For: [`page`]. May import: `chart`, `measure::chart`, `maud` (which escapes all text). Must never know: files.
 
-use super::chart::{self, Drawing, Measure};
+use super::chart::{self, Chart, Drawing, Measure};
 use crate::measure::chart::display::WAYS;
 use crate::measure::chart::kernels::Kernel;
 use crate::measure::chart::pictures::{Line, Spread};
-use crate::measure::chart::{Chart, SceneChart, configurations::DEFAULT};
+use crate::measure::chart::{SceneChart, configurations::DEFAULT};
 use crate::wording::counted;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 

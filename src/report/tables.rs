@@ -2,7 +2,7 @@
 //!
 //! For: [`pictures`], [`frames`], [`display`], [`motion`], [`kernels`]. May import: `measure::chart`, `csv`. Must never know: files.
 
-use crate::measure::chart::Chart;
+use super::chart::Chart;
 use crate::measure::chart::pictures::Spread;
 
 /// The header and the rows of a table.
@@ -218,14 +218,15 @@ pub fn kernels(chart: &Chart) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::measure::Machine;
+    use crate::machine::Machine;
+    use crate::measure::chart::SceneChart;
     use crate::measure::chart::display::Shown;
     use crate::measure::chart::frames::{Frames, Moment};
     use crate::measure::chart::kernels::{Case, Kernel};
     use crate::measure::chart::motion::{Moving, Path};
     use crate::measure::chart::pictures::{Line, Point};
     use crate::measure::chart::truth::Quality;
-    use crate::measure::chart::{SCHEMA, SceneChart};
+    use crate::report::chart::SCHEMA;
 
     /// Numbers that are all unlike: a median of this, and a spread of a fifth and a quarter.
     fn around(median: f64) -> Spread {

@@ -4,8 +4,8 @@
 
 use super::keys::Command;
 use super::views::View;
-use crate::output::{Operator, Tone};
 use crate::scene::{MAX_BOUNCES, MAX_SIDE, Scene};
+use crate::tone::{Operator, Tone};
 use crate::traverse::batch::Traversal;
 use crate::traverse::{Methods, SphereChoice, TraversalChoice, TriangleChoice};
 

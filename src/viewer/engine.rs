@@ -18,7 +18,7 @@ use super::summary::Summary;
 use super::watch::{self, Files};
 use super::{Options, Wake};
 use crate::render::{Renderer, Settings};
-use crate::scene::Scene;
+use crate::scene::Loaded;
 use crate::traverse::Methods;
 use crate::wording::counted;
 use std::path::{Path, PathBuf};
@@ -44,7 +44,7 @@ impl Build {
         Self { methods, threads, lanes }
     }
     /// What is chosen for a scene.
-    fn wanted(scene: &Scene, controls: &Controls, options: &Options) -> Self {
+    fn wanted(scene: &Loaded, controls: &Controls, options: &Options) -> Self {
         let methods = controls.methods(scene, (options.methods)(scene));
         Self { methods, threads: controls.threads, lanes: controls.lanes }
     }
@@ -53,7 +53,7 @@ impl Build {
 pub struct Engine {
     options: Arc<Options>,
     state: State,
-    scene: Arc<Scene>,
+    scene: Arc<Loaded>,
     loader: Loader,
     files: Files,
     events: Receiver<(Event, Instant)>,
@@ -94,7 +94,7 @@ impl Engine {
     pub fn new(
         options: Arc<Options>,
         state: State,
-        scene: Arc<Scene>,
+        scene: Arc<Loaded>,
         events: Receiver<(Event, Instant)>,
         exchange: Arc<Exchange>,
         wake: Wake,
@@ -295,7 +295,7 @@ impl Engine {
         let (controls, options) = (self.state.controls, self.options.clone());
         let keep = again.then_some(controls.bounces).or(options.bounces);
         let held = pixels(settings(&self.scene, &controls, &options).resolution);
-        let settings = move |scene: &Scene| {
+        let settings = move |scene: &Loaded| {
             let bounces = keep.unwrap_or(scene.max_bounces);
             let settings = settings(scene, &Controls { bounces, ..controls }, &options);
             // What is shown already has its memory.
@@ -390,7 +390,7 @@ fn pixels([width, height]: [u32; 2]) -> u64 {
 }
 
 /// How a scene is rendered as things stand, from its own camera.
-fn settings(scene: &Scene, controls: &Controls, options: &Options) -> Settings {
+fn settings(scene: &Loaded, controls: &Controls, options: &Options) -> Settings {
     let Build { methods, threads, lanes } = Build::wanted(scene, controls, options);
     Settings {
         resolution: controls.resolution(options.size.unwrap_or(scene.resolution), 1.0),

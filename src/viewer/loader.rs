@@ -3,7 +3,7 @@
 //! For: [`Loader`]. May import: `scene`, `render`. Must never know: the state machine, windows.
 
 use crate::render::{Renderer, Settings};
-use crate::scene::{self, Scene, SceneError};
+use crate::scene::{self, Loaded, SceneError};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, TryRecvError, channel};
 use std::thread;
@@ -15,10 +15,10 @@ pub enum Source {
     /// Read it: the name as the command line takes it.
     Name(String),
     /// It is here already, and to be made ready in another way.
-    Here(Arc<Scene>),
+    Here(Arc<Loaded>),
 }
 
-type Choice = Box<dyn FnOnce(&Scene) -> Result<Settings, String> + Send>;
+type Choice = Box<dyn FnOnce(&Loaded) -> Result<Settings, String> + Send>;
 
 /// A scene to be made ready.
 pub struct Order {
@@ -31,7 +31,7 @@ pub struct Order {
 
 /// A scene made ready.
 pub struct Ready {
-    pub scene: Arc<Scene>,
+    pub scene: Arc<Loaded>,
     pub renderer: Renderer,
     pub again: bool,
     /// When its files had not been read yet; none if they were not read at all.
@@ -93,7 +93,7 @@ impl Loader {
 fn prepare(order: Order) -> Result<Ready, SceneError> {
     let start = SystemTime::now();
     let (scene, read) = match order.source {
-        Source::Name(name) => (Arc::new(scene::load(&name)?), Some(start)),
+        Source::Name(name) => (Arc::new(scene::load_with_view(&name)?), Some(start)),
         Source::Here(scene) => (scene, None),
     };
     let settings = (order.settings)(&scene).map_err(|why| SceneError::of_use(why, &scene))?;
@@ -116,7 +116,7 @@ mod tests {
         }
     }
     fn order(name: &str) -> Order {
-        let settings = Box::new(|scene: &Scene| Ok(Settings::of(scene)));
+        let settings = Box::new(|scene: &Loaded| Ok(Settings::of(scene)));
         Order { source: Source::Name(name.into()), settings, again: false }
     }
 

@@ -46,9 +46,9 @@ pub use summary::Summary;
 pub use terminal::terminal;
 pub use window::{WindowError, window};
 
-use crate::output::Tone;
 use crate::render::PipelineChoice;
-use crate::scene::Scene;
+use crate::scene::Loaded;
+use crate::tone::Tone;
 use crate::traverse::Methods;
 use controls::Controls;
 use engine::Engine;
@@ -82,7 +82,7 @@ pub struct Options {
     /// Frames a second to hold by coarser pixels.
     pub target: Option<u32>,
     /// The methods asked for, which may depend on the scene.
-    pub methods: Box<dyn Fn(&Scene) -> Methods + Send + Sync>,
+    pub methods: Box<dyn Fn(&Loaded) -> Methods + Send + Sync>,
     /// Is there memory for a picture of so many pixels across and down? If not, why.
     pub fits: Box<dyn Fn([u32; 2]) -> Result<(), String> + Send + Sync>,
     /// Ends after so many frames.
@@ -103,7 +103,7 @@ pub struct Viewer {
 
 impl Viewer {
     /// Starts with a scene that is read already, the playlist's current one.
-    pub fn start(options: Options, playlist: Playlist, scene: Scene, wake: Wake) -> Self {
+    pub fn start(options: Options, playlist: Playlist, scene: Loaded, wake: Wake) -> Self {
         let bounces = options.bounces.unwrap_or(scene.max_bounces);
         let mut controls = Controls::new(bounces, options.threads, options.lanes, options.tone);
         controls.target = options.target;

@@ -15,10 +15,10 @@ use crate::display::{Blur, Denoiser, Fxaa, History, Samples, rows, walking_speed
 use crate::film::{Film, Picture};
 use crate::integrate::guides::Guides;
 use crate::integrate::queue::PathShape;
-use crate::output::Tone;
 use crate::render::Renderer;
 use crate::render::survey::{self, Cost};
 use crate::scene::{Camera, Scene};
+use crate::tone::Tone;
 use glam::Vec3;
 use std::time::{Duration, Instant};
 

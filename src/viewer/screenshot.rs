@@ -3,9 +3,10 @@
 //! For: [`take`]. May import: `scene`'s views, `render`, `output`. Must never know: the state machine, windows.
 
 use crate::film::Film;
-use crate::output::{self, OutputError, Tone};
+use crate::output::{self, OutputError};
 use crate::render::Settings;
-use crate::scene::{Camera, Rendering, Scene, View};
+use crate::scene::{Camera, Loaded, Rendering, View};
+use crate::tone::Tone;
 use std::path::{Path, PathBuf};
 
 /// Most screenshots of a scene in a folder.
@@ -13,7 +14,7 @@ const MOST: u32 = 9_999;
 
 /// What is in the picture.
 pub struct Shot<'a> {
-    pub scene: &'a Scene,
+    pub scene: &'a Loaded,
     pub camera: &'a Camera,
     pub settings: &'a Settings,
     /// With the same number of samples in every pixel.
@@ -54,7 +55,7 @@ fn view(folder: &Path, shot: &Shot) -> View {
             sampler: name(methods.sampler.name()),
             pipeline: name(settings.pipeline.name()),
         },
-        ..View::of(scene, folder)
+        ..View::of(scene, scene.view.as_ref(), folder)
     }
 }
 

@@ -194,7 +194,7 @@ fn repeats(command: Command) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::output::Tone;
+    use crate::tone::Tone;
     use crate::viewer::keys::Motion;
     use crate::viewer::views::View;
 

@@ -12,7 +12,7 @@ use super::playlist::Playlist;
 use super::state::Event;
 use super::told::Told;
 use super::{Options, Summary, Viewer};
-use crate::scene::Scene;
+use crate::scene::Loaded;
 use crossterm::event::{
     self, DisableBracketedPaste, DisableFocusChange, DisableMouseCapture, EnableBracketedPaste,
     EnableFocusChange, EnableMouseCapture, KeyCode, KeyEventKind, KeyModifiers, KeyboardEnhancementFlags,
@@ -33,7 +33,7 @@ const PATIENCE: Duration = Duration::from_millis(8);
 const RATE: f64 = 30.0;
 
 /// Shows a scene in the terminal and stays until somebody quits: Ctrl-C.
-pub fn terminal(options: Options, playlist: Playlist, scene: Scene) -> io::Result<Summary> {
+pub fn terminal(options: Options, playlist: Playlist, scene: Loaded) -> io::Result<Summary> {
     let told = Told::listen()?;
     let mut raw = Raw::enter()?;
     let viewer = Viewer::start(options, playlist, scene, Arc::new(|| {}));

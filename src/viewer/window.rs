@@ -9,7 +9,7 @@ use super::playlist::Playlist;
 use super::state::Event;
 use super::told::Told;
 use super::{Options, Summary, Viewer};
-use crate::scene::Scene;
+use crate::scene::Loaded;
 use std::num::NonZeroU32;
 use std::rc::Rc;
 use std::sync::Arc;
@@ -57,7 +57,7 @@ struct Fresh;
 pub fn window(
     options: Options,
     playlist: Playlist,
-    scene: Scene,
+    scene: Loaded,
 ) -> Result<(Summary, Presented), WindowError> {
     let events = event_loop().map_err(|_| no_display())?;
     let context = softbuffer::Context::new(events.owned_display_handle())

@@ -1,5 +1,8 @@
 //! A folder to work in, and the program that runs there.
 
+#[path = "../common/openexr.rs"]
+mod openexr;
+
 use assert_cmd::Command;
 use serde_json::Value;
 use std::fs;
@@ -83,7 +86,11 @@ impl Desk {
 
     /// The pixels of a picture file.
     pub fn pixels(&self, name: &str) -> Vec<[f32; 3]> {
-        image::open(self.path(name)).unwrap().to_rgb32f().pixels().map(|pixel| pixel.0).collect()
+        let path = self.path(name);
+        if name.ends_with(".exr") {
+            return openexr::read(&path).2;
+        }
+        image::open(path).unwrap().to_rgb32f().pixels().map(|pixel| pixel.0).collect()
     }
 
     /// Puts a textured model into the folder `models`.

@@ -32,7 +32,6 @@ pub fn empty() -> Scene {
         normals: Vec::new(),
         warnings: Vec::new(),
         files: Vec::new(),
-        view: None,
     }
 }
 

@@ -1,7 +1,7 @@
 //! A viewer without a window: the test is its front end.
 
-use octray::output::Tone;
 use octray::render::PipelineChoice;
+use octray::tone::Tone;
 use octray::traverse::Methods;
 use octray::viewer::Options;
 use std::path::Path;

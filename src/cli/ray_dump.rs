@@ -1,0 +1,78 @@
+//! Rays and answers as files that other programs can read, to trace the very same rays.
+//!
+//! For: [`write()`]. May import: `ray_sets`, `scene`, `output`. Must never know: how rays are traced.
+//!
+//! # Format
+//! Plain binary, little-endian, without padding. `primary.rays`, `shadow.rays` and `diffuse.rays` hold columns, one after the
+//! other, each of `count` numbers:
+//!
+//! | what | type |
+//! |---|---|
+//! | magic number `OCTRAYS1` | 8 bytes |
+//! | count | u64 |
+//! | origin x, origin y, origin z | 3 columns of f32 |
+//! | direction x, y, z (of unit length within 2 ε) | 3 columns of f32 |
+//! | reach: how far hits count, in units of t; may be infinite | f32 |
+//! | octray's t; infinite for a miss | f32 |
+//! | octray's primitive; 0xffffffff for a miss | u32 |
+//! | octray's u and v: weights of a triangle's second and third vertex; 0 on spheres and for a miss | 2 columns of f32 |
+//!
+//! The answers are those of the nearest hit within reach, for shadow rays too. Hits have 0 < t < reach.
+//!
+//! `triangles.bin` holds the triangles, in the order in which hits number them:
+//!
+//! | what | type |
+//! |---|---|
+//! | magic number `OCTRITR1` | 8 bytes |
+//! | count | u64 |
+//! | vertices a, b, c of each triangle, x, y, z of each vertex | 9 f32 a triangle |
+//!
+//! Spheres are in no file. Hits number them first, so in a scene with spheres triangle i is the primitive i + the number of spheres.
+
+use crate::math::MISS;
+use crate::measure::ray_sets::Prepared;
+use crate::output::{Existing, OutputError, write_atomically};
+use crate::scene::Scene;
+use std::io::{self, Write};
+use std::path::Path;
+
+const RAYS: &[u8; 8] = b"OCTRAYS1";
+const TRIANGLES: &[u8; 8] = b"OCTRITR1";
+
+/// Writes all files.
+pub fn write(folder: &Path, scene: &Scene, rays: &[Prepared]) -> Result<(), OutputError> {
+    rays.iter().try_for_each(|rays| write_rays(folder, rays))?;
+    write_triangles(folder, scene)
+}
+
+fn write_rays(folder: &Path, Prepared { set, nearest }: &Prepared) -> Result<(), OutputError> {
+    let path = folder.join(format!("{}.rays", set.kind.name()));
+    write_atomically(&path, Existing::Replace, |file| {
+        head(file, RAYS, set.len())?;
+        for column in set.origin.iter().chain(&set.direction).chain([&set.reach]) {
+            floats(file, column.iter().copied())?;
+        }
+        let found = nearest.t.iter().zip(&nearest.primitive);
+        floats(file, found.map(|(&t, &primitive)| if primitive == MISS { f32::INFINITY } else { t }))?;
+        nearest.primitive.iter().try_for_each(|primitive| file.write_all(&primitive.to_le_bytes()))?;
+        floats(file, nearest.u.iter().copied())?;
+        floats(file, nearest.v.iter().copied())
+    })
+}
+
+fn write_triangles(folder: &Path, scene: &Scene) -> Result<(), OutputError> {
+    write_atomically(&folder.join("triangles.bin"), Existing::Replace, |file| {
+        head(file, TRIANGLES, scene.triangles.len())?;
+        let vertices = scene.triangles.iter().flat_map(|triangle| triangle.vertices);
+        floats(file, vertices.flat_map(|vertex| vertex.to_array()))
+    })
+}
+
+fn head(file: &mut impl Write, magic: &[u8; 8], count: usize) -> io::Result<()> {
+    file.write_all(magic)?;
+    file.write_all(&(count as u64).to_le_bytes())
+}
+
+fn floats(file: &mut impl Write, mut numbers: impl Iterator<Item = f32>) -> io::Result<()> {
+    numbers.try_for_each(|number| file.write_all(&number.to_le_bytes()))
+}

@@ -1,0 +1,278 @@
+//! Sums of linear radiance, each pixel's samples in a fixed order.
+//!
+//! For: [`Film`], which tiles fill, and [`Picture`], what it averages to. May import: `lane`, `integrate` (for the shape of tiles).
+//! Must never know: scenes, tone mapping, files.
+//!
+//! Sums are compensated: a plain f32 sum is off by 5e-6 after a million samples and stalls at 2²⁴ of them. How far samples differ
+//! ([`mod@noise`]) is summed only in films that are made for it.
+
+pub mod noise;
+
+use crate::integrate::Tile;
+use crate::lane::{F32x8, Lane, Mask, Mask8};
+use noise::Noise;
+
+/// A picture in linear RGB, row by row from the top: what a film averages to, before anyone sees it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Picture {
+    pub width: u32,
+    pub height: u32,
+    /// `width · height` pixels.
+    pub pixels: Vec<[f32; 3]>,
+}
+
+impl Picture {
+    /// Takes memory only where the picture grows. What it holds afterwards is unspecified.
+    pub fn resize(&mut self, [width, height]: [u32; 2]) {
+        (self.width, self.height) = (width, height);
+        self.pixels.resize(width as usize * height as usize, [0.0; 3]);
+    }
+}
+
+/// The running sums of a picture. Made by [`crate::render::Renderer::film`].
+#[derive(Clone, Debug)]
+pub struct Film {
+    resolution: [u32; 2],
+    pub(crate) tiles: Vec<TileSums>,
+    pub(crate) rays: u64,
+}
+
+/// The sums of one tile's pixels, row by row.
+#[derive(Clone, Debug)]
+pub struct TileSums {
+    pub tile: Tile,
+    /// Samples that every pixel of the tile has had.
+    pub samples: u32,
+    /// Red, green and blue of a packet of pixels each, the last one padded.
+    packets: Vec<[CompensatedSum; 3]>,
+    /// Samples of each pixel that were left out; empty as long as there are none.
+    discarded: Vec<u32>,
+    /// How far samples differ, where somebody asks.
+    pub noise: Option<Noise>,
+}
+
+/// Sums of f32 that keep what rounding loses: as accurate as f64 in the same space, at the full width of the lanes.
+///
+/// Error: ≤ 2 ε of the sum of magnitudes, whatever their number. Source: Kahan, "Further remarks on reducing truncation
+/// errors", CACM 8(1), 1965.
+#[derive(Clone, Copy, Debug)]
+struct CompensatedSum {
+    sum: F32x8,
+    /// What `sum` holds too much.
+    excess: F32x8,
+}
+
+impl CompensatedSum {
+    const ZERO: Self = Self { sum: F32x8::ZERO, excess: F32x8::ZERO };
+
+    #[inline(always)]
+    fn add(&mut self, value: F32x8) {
+        let value = value - self.excess;
+        let sum = self.sum + value;
+        self.excess = (sum - self.sum) - value;
+        self.sum = sum;
+    }
+    fn get(&self, lane: usize) -> f64 {
+        f64::from(self.sum.get(lane)) - f64::from(self.excess.get(lane))
+    }
+}
+
+impl TileSums {
+    /// Black.
+    pub fn new(tile: Tile) -> Self {
+        let packets = vec![[CompensatedSum::ZERO; 3]; tile.pixels().div_ceil(F32x8::WIDTH)];
+        Self { tile, samples: 0, packets, discarded: Vec::new(), noise: None }
+    }
+
+    fn clear(&mut self) {
+        self.packets.fill([CompensatedSum::ZERO; 3]);
+        self.samples = 0;
+        self.discarded.clear();
+        if let Some(noise) = &mut self.noise {
+            *noise = Noise::new(self.packets.len());
+        }
+    }
+
+    /// Adds one sample of every pixel: red, green and blue, each padded to whole packets. A sample with a NaN or infinite
+    /// channel is left out and counted.
+    pub fn add(&mut self, radiance: [&[f32]; 3]) {
+        let channels = radiance.map(|channel| channel.as_chunks::<{ F32x8::WIDTH }>().0);
+        let [r, g, b] = channels.map(|channel| &channel[..self.packets.len()]);
+        let packets = self.packets.iter_mut().zip(r).zip(g).zip(b);
+        for (packet, (((sums, r), g), b)) in packets.enumerate() {
+            let mut sample = [r, g, b].map(|channel| F32x8::load(channel));
+            let [r, g, b] = sample;
+            // x · 0 is 0 for every finite x and NaN for the others.
+            let zero = F32x8::zero();
+            let finite = r.mul_add(zero, g.mul_add(zero, b * zero)).eq(zero);
+            if !finite.all() {
+                sample = leave_out(&mut self.discarded, self.tile.pixels(), packet, finite, sample);
+            }
+            for (sum, value) in sums.iter_mut().zip(sample) {
+                sum.add(value);
+            }
+        }
+        if let Some(noise) = &mut self.noise {
+            noise.add(self.samples, channels);
+        }
+        self.samples += 1;
+    }
+
+    /// Samples left out because they were not finite.
+    pub fn discarded(&self) -> u64 {
+        self.discarded.iter().map(|&count| u64::from(count)).sum()
+    }
+
+    /// The average of a pixel's finite samples; black before the first one.
+    pub fn mean(&self, slot: usize) -> [f64; 3] {
+        let count = self.samples - self.discarded.get(slot).unwrap_or(&0);
+        let scale = 1.0 / f64::from(count.max(1));
+        let (packet, lane) = (slot / F32x8::WIDTH, slot % F32x8::WIDTH);
+        std::array::from_fn(|c| self.packets[packet][c].get(lane) * scale)
+    }
+}
+
+/// The packet's sample without the lanes that are not finite, which are counted. Never in line: it would crowd the registers of
+/// the loop that hardly ever needs it.
+#[cold]
+#[inline(never)]
+fn leave_out(
+    discarded: &mut Vec<u32>,
+    pixels: usize,
+    packet: usize,
+    finite: Mask8,
+    sample: [F32x8; 3],
+) -> [F32x8; 3] {
+    discarded.resize(pixels, 0);
+    let lanes = discarded[packet * F32x8::WIDTH..].iter_mut().take(F32x8::WIDTH);
+    lanes.enumerate().for_each(|(lane, count)| *count += (!finite.bitmask() >> lane) & 1);
+    sample.map(|channel| channel.only(finite))
+}
+
+impl Film {
+    /// Memory that a pixel takes while the film's picture is being averaged: its sums, its share of what a tile needs besides, and its
+    /// place in the picture. Measured: 37 of the program's 38 in all at 8000×8000.
+    pub const BYTES_PER_PIXEL: usize =
+        3 * size_of::<CompensatedSum>() / F32x8::WIDTH + 1 + size_of::<[f32; 3]>();
+
+    /// An empty film, divided into tiles of at most `tile_size` pixels in width and height.
+    pub(crate) fn new(resolution: [u32; 2], tile_size: [u32; 2]) -> Self {
+        let tiles = Tile::cover(resolution, tile_size).map(TileSums::new).collect();
+        Self { resolution, tiles, rays: 0 }
+    }
+
+    /// The same, and it sums how far samples differ: [`Noise::BYTES_PER_PIXEL`] more.
+    pub(crate) fn with_noise(mut self) -> Self {
+        self.tiles.iter_mut().for_each(|tile| tile.noise = Some(Noise::new(tile.packets.len())));
+        self
+    }
+
+    /// Empty again, and takes no memory anew.
+    pub fn clear(&mut self) {
+        self.tiles.iter_mut().for_each(TileSums::clear);
+        self.rays = 0;
+    }
+
+    /// Pixels: width, height.
+    pub fn resolution(&self) -> [u32; 2] {
+        self.resolution
+    }
+    /// Samples every pixel has had, those left out included.
+    pub fn samples(&self) -> u32 {
+        self.tiles.iter().map(|tile| tile.samples).min().unwrap_or(0)
+    }
+    /// The most samples that a pixel has had: more than [`Film::samples`] where taking them was stopped midway.
+    pub fn most_samples(&self) -> u32 {
+        self.tiles.iter().map(|tile| tile.samples).max().unwrap_or(0)
+    }
+    /// Samples of single pixels, all together.
+    pub fn pixel_samples(&self) -> u64 {
+        self.tiles.iter().map(|tile| tile.tile.pixels() as u64 * u64::from(tile.samples)).sum()
+    }
+    /// Samples a pixel has had on average.
+    pub fn mean_samples(&self) -> f64 {
+        let [width, height] = self.resolution.map(f64::from);
+        self.pixel_samples() as f64 / (width * height)
+    }
+    /// Pixels that have had a sample.
+    pub fn pixels_begun(&self) -> u64 {
+        self.tiles.iter().filter(|tile| tile.samples > 0).map(|tile| tile.tile.pixels() as u64).sum()
+    }
+    /// Rays traced so far: closest-hit or any-hit queries of active lanes.
+    pub fn rays(&self) -> u64 {
+        self.rays
+    }
+    /// Samples left out because they were not finite. Expected to be 0: more is a bug.
+    pub fn discarded(&self) -> u64 {
+        self.tiles.iter().map(TileSums::discarded).sum()
+    }
+    /// The average of each pixel's own finite samples, whatever others have had; black before the first one.
+    pub fn picture(&self) -> Picture {
+        let mut picture = Picture::default();
+        self.picture_into(&mut picture);
+        picture
+    }
+    /// The same into a picture that was made before; takes memory only where it must grow.
+    pub fn picture_into(&self, picture: &mut Picture) {
+        self.draw_into(picture, |tile, slot| tile.mean(slot).map(|channel| channel as f32));
+    }
+    /// How many samples each pixel has had, in all three channels.
+    pub fn counts(&self) -> Picture {
+        let mut picture = Picture::default();
+        self.draw_into(&mut picture, |tile, _| [tile.samples as f32; 3]);
+        picture
+    }
+
+    /// Fills the picture with what `pixel` makes of each tile and slot.
+    fn draw_into(&self, picture: &mut Picture, pixel: impl Fn(&TileSums, usize) -> [f32; 3]) {
+        let [width, _] = self.resolution;
+        picture.resize(self.resolution);
+        let pixels = &mut picture.pixels;
+        for sums in &self.tiles {
+            let tile = sums.tile;
+            for slot in 0..tile.pixels() {
+                let (column, row) = (slot as u32 % tile.width, slot as u32 / tile.width);
+                let index = (tile.y + row) as usize * width as usize + (tile.x + column) as usize;
+                pixels[index] = pixel(sums, slot);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sums(pixels: u32) -> TileSums {
+        TileSums::new(Tile { number: 0, x: 0, y: 0, width: pixels, height: 1 })
+    }
+
+    #[test]
+    fn sums_of_a_million_samples_stay_accurate() {
+        let mut sums = sums(8);
+        let (samples, value) = (1_000_000, 0.1f32);
+        for _ in 0..samples {
+            sums.add([&[value; 8], &[1.0; 8], &[0.3; 8]]);
+        }
+        let truth = f64::from(value) * f64::from(samples);
+        let error = (sums.packets[0][0].get(3) - truth).abs() / truth;
+        // A plain f32 sum is off by 9e-3 here, and a compensated one whose excess is forgotten at the end by up to 6e-8.
+        assert!(error < 1e-9, "relative error {error:e}");
+        assert_eq!(sums.packets[0][1].get(7), f64::from(samples));
+    }
+
+    #[test]
+    fn film_leaves_out_samples_that_are_not_finite_and_counts_them() {
+        let mut film = Film::new([9, 1], [16, 16]);
+        let mut red = [0.5; 16];
+        film.tiles[0].add([&red, &[0.25; 16], &[1.0; 16]]);
+        // The tenth place and those behind it are padding: what stands there must not count.
+        (red[2], red[8], red[9]) = (f32::NAN, f32::INFINITY, f32::NAN);
+        film.tiles[0].add([&red, &[0.75; 16], &[1.0; 16]]);
+        assert_eq!(film.discarded(), 2);
+        let pixels = film.picture().pixels;
+        assert_eq!(pixels[0], [0.5, 0.5, 1.0]);
+        assert_eq!(pixels[2], [0.5, 0.25, 1.0], "the finite sample alone");
+        assert_eq!(pixels[8], [0.5, 0.25, 1.0], "the finite sample alone");
+    }
+}

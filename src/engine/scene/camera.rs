@@ -1,0 +1,53 @@
+//! The camera of a scene, and what makes one impossible.
+
+use glam::Vec3;
+
+/// Smallest radius and smallest distance from camera to target: its square, 1e-36, is still a normal f32.
+pub const MIN_LENGTH: f64 = 1e-18;
+/// Sine of the smallest angle between the camera's line of sight and its `up`: well above f32 rounding (6e-8).
+const MIN_UP_SINE: f64 = 1e-5;
+
+/// A pinhole camera.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Camera {
+    pub position: Vec3,
+    /// Differs from `position`.
+    pub look_at: Vec3,
+    /// Not parallel to the line of sight.
+    pub up: Vec3,
+    /// Degrees, from the lower to the upper edge of the picture; above 0 and below 180.
+    pub vertical_fov: f32,
+}
+
+/// What is wrong with a camera: the key to blame, what, and how to mend it.
+pub type CameraFault = (&'static str, String, &'static str);
+
+impl Camera {
+    /// What is wrong with it, if something is.
+    pub fn fault(&self) -> Option<CameraFault> {
+        let Self { position, look_at, up, vertical_fov } = *self;
+        if !(vertical_fov > 0.0 && vertical_fov < 180.0) {
+            let what = format!("a vertical field of view of {vertical_fov}° is impossible");
+            return Some(("vertical_fov", what, "write degrees above 0 and below 180; 40 is a good start"));
+        }
+        let sight = look_at.as_dvec3() - position.as_dvec3();
+        if sight.length() < MIN_LENGTH {
+            let what = "the camera looks at its own position".to_string();
+            return Some((
+                "look_at",
+                what,
+                "move `look_at` (or `position`) so that the two differ in single precision",
+            ));
+        }
+        let up = up.as_dvec3();
+        if sight.normalize().cross(up.normalize_or_zero()).length() < MIN_UP_SINE {
+            let what = "`up` is parallel to the line of sight (or zero)".to_string();
+            return Some((
+                "up",
+                what,
+                "give an `up` that points to the upper edge of the picture, such as [0, 0, -1]",
+            ));
+        }
+        None
+    }
+}

@@ -1,0 +1,56 @@
+//! OpenEXR files: linear f32, lossless.
+//!
+//! For: [`read`], [`write`]. May import: `film`, the `exr` crate. Must never know: what a picture shows, where it lies.
+//!
+//! One thread reads and writes: several would write blocks in the order in which they are compressed, and no two files of one picture would
+//! be equal.
+
+use crate::film::Picture;
+use exr::prelude::*;
+use std::io::{Cursor, Seek, Write};
+
+/// The first layer with red, green and blue channels, as large as the file's display window; black where the layer has no pixels.
+pub fn read(bytes: &[u8]) -> std::result::Result<Picture, String> {
+    let image = exr::prelude::read()
+        .no_deep_data()
+        .largest_resolution_level()
+        .rgb_channels(
+            |size, _| (size.width(), vec![[0.0_f32; 3]; size.area()]),
+            |(width, pixels): &mut (usize, Vec<[f32; 3]>), at, (r, g, b): (f32, f32, f32)| {
+                pixels[at.y() * *width + at.x()] = [r, g, b];
+            },
+        )
+        .first_valid_layer()
+        .all_attributes()
+        .non_parallel()
+        .from_buffered(Cursor::new(bytes))
+        .map_err(|error| error.to_string())?;
+    let window = image.attributes.display_window;
+    let layer = image.layer_data;
+    let (layer_width, layer_pixels) = layer.channel_data.pixels;
+    let offset = layer.attributes.layer_position - window.position;
+    let Vec2(width, height) = window.size;
+    let mut pixels = vec![[0.0; 3]; window.size.area()];
+    for (index, pixel) in layer_pixels.into_iter().enumerate() {
+        let at = Vec2(index % layer_width, index / layer_width).to_i32() + offset;
+        if at.x() >= 0 && at.y() >= 0 && (at.x() as usize) < width && (at.y() as usize) < height {
+            pixels[at.y() as usize * width + at.x() as usize] = pixel;
+        }
+    }
+    Ok(Picture { width: width as u32, height: height as u32, pixels })
+}
+
+/// Writes a picture, every bit of it.
+pub fn write(out: impl Write + Seek, picture: &Picture) -> std::io::Result<()> {
+    let Picture { width, height, ref pixels } = *picture;
+    let size = Vec2(width as usize, height as usize);
+    let channels = SpecificChannels::rgb(|at: Vec2<usize>| {
+        let [r, g, b] = pixels[at.flat_index_for_size(size)];
+        (r, g, b)
+    });
+    let written = Image::from_channels(size, channels).write().non_parallel().to_buffered(out);
+    written.map_err(|error| match error {
+        Error::Io(error) => error,
+        other => std::io::Error::other(other),
+    })
+}

@@ -1,0 +1,149 @@
+//! From a picture to PNG, JPEG, EXR or HDR.
+//!
+//! For: [`Format`], [`encode`]. May import: `film`, `tone`, the `image` crate. Must never know: paths beyond their
+//! extension, files.
+
+use super::error::OutputError;
+use crate::film::Picture;
+use crate::openexr;
+use crate::tone::Tone;
+use image::codecs::{hdr::HdrEncoder, jpeg::JpegEncoder, png::PngEncoder};
+use image::{ExtendedColorType, ImageEncoder, ImageError};
+use std::io::{self, Seek, Write};
+use std::path::Path;
+
+/// Quality of JPEG files, of 100: the step from which artefacts are hard to see in rendered noise.
+const JPEG_QUALITY: u8 = 95;
+
+/// A picture file's format.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Format {
+    /// Eight bits a channel, sRGB, lossless.
+    Png,
+    /// Eight bits a channel, sRGB, lossy.
+    Jpeg,
+    /// OpenEXR: linear f32, lossless, every bit of the film's average.
+    Exr,
+    /// Radiance RGBE: linear, eight bits of mantissa under an exponent that the three channels share.
+    Hdr,
+}
+
+impl Format {
+    /// The format that a file name's extension stands for, in upper or lower case.
+    pub fn of(path: &Path) -> Result<Self, OutputError> {
+        let extension =
+            path.extension().and_then(|extension| extension.to_str()).map(str::to_ascii_lowercase);
+        match extension.as_deref() {
+            Some("png") => Ok(Self::Png),
+            Some("jpg" | "jpeg") => Ok(Self::Jpeg),
+            Some("exr") => Ok(Self::Exr),
+            Some("hdr") => Ok(Self::Hdr),
+            _ => Err(OutputError::UnknownFormat { path: path.to_owned() }),
+        }
+    }
+
+    /// Does it hold linear radiance, on which exposure and tone mapping have no effect?
+    pub fn is_linear(self) -> bool {
+        matches!(self, Self::Exr | Self::Hdr)
+    }
+}
+
+/// Writes a picture in a format. Panics if the picture's pixels are not `width · height`.
+pub fn encode(
+    mut out: impl Write + Seek,
+    picture: &Picture,
+    format: Format,
+    tone: &Tone,
+) -> Result<(), io::Error> {
+    let Picture { width, height, ref pixels } = *picture;
+    assert_eq!(pixels.len(), width as usize * height as usize, "a picture holds width · height pixels");
+    let (eight, float) = (ExtendedColorType::Rgb8, ExtendedColorType::Rgb32F);
+    let done = match format {
+        Format::Png => PngEncoder::new(&mut out).write_image(&tone.bytes(picture), width, height, eight),
+        Format::Jpeg => JpegEncoder::new_with_quality(&mut out, JPEG_QUALITY).write_image(
+            &tone.bytes(picture),
+            width,
+            height,
+            eight,
+        ),
+        Format::Exr => openexr::write(&mut out, picture).map_err(ImageError::IoError),
+        Format::Hdr => {
+            let rounded: Vec<[f32; 3]> = pixels.iter().copied().map(round_to_rgbe).collect();
+            HdrEncoder::new(&mut out).write_image(bytemuck::cast_slice(&rounded), width, height, float)
+        }
+    };
+    done.map_err(|error| match error {
+        ImageError::IoError(error) => error,
+        other => io::Error::other(other),
+    })?;
+    out.flush()
+}
+
+/// The nearest colour that a Radiance file can hold: each channel a whole number of 256ths of the power of two above the
+/// largest channel.
+///
+/// The encoder of the `image` crate cuts off what does not fit, which darkens a picture by half a step on average, and its
+/// exponents wrap around at both ends of f32's range; what comes out of here passes through it unchanged.
+///
+/// Domain: all of f32. NaN and what is below 0 become 0, as does what is under 2⁻¹²⁰; the top is 255 · 2¹¹⁹.
+/// Error: at most 2⁻⁸ of the largest channel.
+fn round_to_rgbe(pixel: [f32; 3]) -> [f32; 3] {
+    const LEAST: f32 = 7.523_164e-37; // 2⁻¹²⁰
+    const MOST: f32 = 1.694_847_4e38; // 255 · 2¹¹⁹
+    let pixel = pixel.map(|channel| if channel > 0.0 { channel.min(MOST) } else { 0.0 });
+    let largest = pixel[0].max(pixel[1]).max(pixel[2]);
+    if largest < LEAST {
+        return [0.0; 3];
+    }
+    let exponent_of = |x: f32| (x.to_bits() >> 23) as i32 - 127;
+    // A 256th of the power of two above `x`. `powi` of two is exact in this range.
+    let step_of = |x: f32| 2.0_f32.powi(exponent_of(x) - 7);
+    let round = |step: f32| pixel.map(|channel| (channel / step).round() * step);
+    let step = step_of(largest);
+    // Where the largest channel rounds up to the next power of two, the step doubles, and 256 of the old are 128 of the new.
+    if (largest / step).round() >= 256.0 { round(step * 2.0) } else { round(step) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn format_is_read_from_the_extension() {
+        for (name, format) in [
+            ("a.png", Format::Png),
+            ("a.b.PNG", Format::Png),
+            ("x/a.jpg", Format::Jpeg),
+            ("a.jpeg", Format::Jpeg),
+            ("a.Exr", Format::Exr),
+            ("a.hdr", Format::Hdr),
+        ] {
+            assert_eq!(Format::of(Path::new(name)).unwrap(), format, "{name}");
+        }
+        for name in ["a", "png", ".png", "a.", "a.gif", "a.png.tmp", "x.png/a"] {
+            let message = Format::of(Path::new(name)).unwrap_err().to_string();
+            for extension in [".png", ".jpg", ".exr", ".hdr"] {
+                assert!(message.contains(extension), "{name}: {message}");
+            }
+        }
+    }
+
+    #[test]
+    fn round_to_rgbe_keeps_within_half_a_step_and_is_idempotent() {
+        let mut x = 1.0e-38_f32;
+        while x < f32::MAX / 1.1 {
+            let pixel = [x, x * 0.37, x * 1e-3];
+            let rounded = round_to_rgbe(pixel);
+            assert_eq!(round_to_rgbe(rounded), rounded);
+            if (1e-36..1.69e38).contains(&x) {
+                for (before, after) in pixel.iter().zip(rounded) {
+                    assert!((before - after).abs() <= x / 256.0, "{before} became {after} beside {x}");
+                }
+            }
+            x *= 1.01;
+        }
+        assert_eq!(round_to_rgbe([f32::NAN, -1.0, 0.0]), [0.0; 3]);
+        assert_eq!(round_to_rgbe([f32::INFINITY; 3]), [255.0 * 2.0_f32.powi(119); 3]);
+        assert_eq!(round_to_rgbe([2.0_f32.powi(-121); 3]), [0.0; 3]);
+    }
+}

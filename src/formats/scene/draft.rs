@@ -1,0 +1,172 @@
+//! A scene in the making: what all formats share on the way to a [`Scene`].
+//!
+//! For: [`Draft`], which adds up materials, textures and primitives and fills in what the user left out. May import:
+//! `check`, `framing`, `image`. Must never know: a file format.
+
+use super::check::has_area;
+use super::image::Textures;
+use super::{Camera, Material, MaterialKind, Scene, SceneError, Sky, Sphere, Triangle, bounds, framing};
+use glam::{DVec2, DVec3, Vec2, Vec3};
+
+/// Pictures are this large unless told otherwise: the size at which speed is measured.
+pub const RESOLUTION: [u32; 2] = [240, 135];
+/// Paths scatter this often unless told otherwise.
+pub const BOUNCES: u32 = 4;
+/// Indices of primitives stay positive as 32-bit integers.
+pub const MAX_PRIMITIVES: usize = i32::MAX as usize;
+
+#[derive(Default)]
+pub struct Draft {
+    pub materials: Vec<Material>,
+    /// Beside `materials`: scene units that one repeat of the texture covers where a triangle has no `uvs`.
+    texture_sizes: Vec<f64>,
+    default_material: Option<u32>,
+    pub textures: Textures,
+    pub spheres: Vec<Sphere>,
+    triangles: Vec<Triangle>,
+    uvs: Vec<[Vec2; 3]>,
+    normals: Vec<[Vec3; 3]>,
+    pub warnings: Vec<String>,
+}
+
+impl Draft {
+    pub fn add_material(&mut self, material: Material, texture_size: f64) -> u32 {
+        self.materials.push(material);
+        self.texture_sizes.push(texture_size);
+        (self.materials.len() - 1) as u32
+    }
+    /// The material of things that name none.
+    pub fn default_material(&mut self) -> u32 {
+        self.default_material.unwrap_or_else(|| {
+            let number = self.add_material(
+                Material {
+                    name: "default".to_string(),
+                    kind: MaterialKind::Diffuse,
+                    color: Vec3::splat(0.8),
+                    texture: None,
+                    roughness_map: None,
+                    normal_map: None,
+                    emission: Vec3::ZERO,
+                },
+                1.0,
+            );
+            self.default_material = Some(number);
+            number
+        })
+    }
+    /// Adds a triangle and says true, or says false because it has no area. Texture coordinates are kept only where the
+    /// material has pictures; where they are missing there, they are planar. Normals, of unit length, are kept only where they
+    /// are not those of the flat triangle.
+    #[must_use]
+    pub fn add_triangle(
+        &mut self,
+        vertices: [Vec3; 3],
+        material: u32,
+        uvs: Option<[Vec2; 3]>,
+        normals: Option<[Vec3; 3]>,
+    ) -> bool {
+        if !has_area(&vertices) {
+            return false;
+        }
+        let before = self.triangles.len();
+        if self.materials[material as usize].pictures().next().is_some() {
+            let size = self.texture_sizes[material as usize];
+            self.uvs.resize(before, [Vec2::ZERO; 3]);
+            self.uvs.push(uvs.unwrap_or_else(|| planar_uvs(vertices, size)));
+        } else if !self.uvs.is_empty() {
+            self.uvs.push([Vec2::ZERO; 3]);
+        }
+        if let Some(normals) = normals.filter(|normals| is_smooth(vertices, *normals)) {
+            self.normals.resize(before, [Vec3::ZERO; 3]);
+            self.normals.push(normals);
+        } else if !self.normals.is_empty() {
+            self.normals.push([Vec3::ZERO; 3]);
+        }
+        self.triangles.push(Triangle { vertices, material });
+        true
+    }
+    pub fn warn(&mut self, warning: impl Into<String>) {
+        self.warnings.push(warning.into());
+    }
+    /// Whether anything in the scene gives off light.
+    pub fn shines(&self) -> bool {
+        let shines = |material: u32| self.materials[material as usize].emission != Vec3::ZERO;
+        self.spheres.iter().any(|sphere| shines(sphere.material))
+            || self.triangles.iter().any(|triangle| shines(triangle.material))
+    }
+    /// A camera that sees the whole scene, or as much of it as the given position and target allow. Domain: the scene
+    /// is not empty.
+    pub fn framing(&self, position: Option<Vec3>, look_at: Option<Vec3>) -> Camera {
+        framing(bounds(&self.spheres, &self.triangles).unwrap_or_default(), position, look_at)
+    }
+    pub fn is_empty(&self) -> bool {
+        self.spheres.is_empty() && self.triangles.is_empty()
+    }
+    /// The scene, if it holds something and not too much.
+    pub fn finish(
+        mut self,
+        name: String,
+        camera: Camera,
+        resolution: [u32; 2],
+        max_bounces: u32,
+        sky: Sky,
+    ) -> Result<Scene, SceneError> {
+        let primitives = self.spheres.len() + self.triangles.len();
+        if primitives > MAX_PRIMITIVES {
+            let what = format!("the scene holds {primitives} spheres and triangles");
+            return Err(SceneError::new(what).mend(format!("leave at most {MAX_PRIMITIVES}")));
+        }
+        let black = match sky {
+            Sky::Color(color) | Sky::Texture { color, .. } => color == Vec3::ZERO,
+            Sky::Gradient { bottom, top } => bottom == Vec3::ZERO && top == Vec3::ZERO,
+        };
+        if black && !self.shines() {
+            self.warn("Nothing in the scene shines and the sky is black: the picture will be black.");
+        }
+        Ok(Scene {
+            name,
+            camera,
+            resolution,
+            max_bounces,
+            sky,
+            materials: self.materials,
+            textures: self.textures.list,
+            spheres: self.spheres,
+            triangles: self.triangles,
+            uvs: self.uvs,
+            normals: self.normals,
+            warnings: self.warnings,
+            files: Vec::new(),
+        })
+    }
+}
+
+/// Does some normal differ from the triangle's own, on either side, by more than 2·10⁻⁴: more than models round to?
+fn is_smooth(vertices: [Vec3; 3], normals: [Vec3; 3]) -> bool {
+    let [a, b, c] = vertices.map(Vec3::as_dvec3);
+    let flat = (b - a).cross(c - a).normalize();
+    normals.iter().any(|normal| normal.as_dvec3().cross(flat).length() > 2e-4)
+}
+
+/// Texture coordinates of a triangle that has none: where its points lie in its plane, `size` scene units to one repeat.
+///
+/// They depend on the plane and on nothing else of the triangle, so that the picture goes on across neighbours in one plane. On
+/// what lies flatter than [`FLAT`], the picture's upper edge points to −z, and it reads right from above; elsewhere it points to
+/// +y, and it reads right from the side of +z or, where z does not tell, of +x.
+fn planar_uvs(vertices: [Vec3; 3], size: f64) -> [Vec2; 3] {
+    let [a, b, c] = vertices.map(Vec3::as_dvec3);
+    let n = (b - a).cross(c - a).normalize();
+    let flat = n.y.abs() > FLAT;
+    let (front, up) = if flat { (DVec3::Y, DVec3::NEG_Z) } else { (DVec3::new(0.3, 0.0, 1.0), DVec3::Y) };
+    let n = if n.dot(front) < 0.0 { -n } else { n };
+    let up = (up - n * n.dot(up)).normalize();
+    let right = up.cross(n);
+    let uvs = [a, b, c].map(|p| DVec2::new(p.dot(right), p.dot(up)) / size);
+    // Whole repeats do not show, and single precision has better uses for its digits.
+    let whole = uvs[0].min(uvs[1]).min(uvs[2]).floor();
+    uvs.map(|uv| (uv - whole).as_vec2())
+}
+
+/// Cosine of the steepest slope (40°) on which a picture lies as on a floor: not one that people build, where rounding would tear a
+/// surface apart.
+const FLAT: f64 = 0.77;

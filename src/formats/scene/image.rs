@@ -1,0 +1,106 @@
+//! Pictures for surfaces and skies: from PNG, JPEG, BMP, TGA, HDR and EXR files to linear texels.
+//!
+//! For: [`Textures`]. May import: `files`. Must never know: what a texture lies on.
+
+use super::files::Files;
+use super::{Filter, Meaning, Texels, Texture, srgb_to_linear};
+use crate::film::Picture;
+use crate::openexr;
+use image::{DynamicImage, ImageFormat, ImageReader};
+use std::collections::HashMap;
+use std::fmt::Display;
+use std::io::Cursor;
+use std::path::{Path, PathBuf};
+
+/// The textures of one scene; each file is loaded once for each filter and meaning.
+#[derive(Default)]
+pub struct Textures {
+    pub list: Vec<Texture>,
+    known: HashMap<(PathBuf, Filter, Meaning), u32>,
+}
+
+impl Textures {
+    /// The number of the texture at a resolved path, or the reason why there is none. `name` is for people.
+    pub fn load(
+        &mut self,
+        files: &Files,
+        path: &Path,
+        name: &str,
+        filter: Filter,
+        meaning: Meaning,
+    ) -> Result<u32, String> {
+        let key = (path.to_path_buf(), filter, meaning);
+        if let Some(&known) = self.known.get(&key) {
+            return Ok(known);
+        }
+        let (width, height, texels) = decode(&files.read(path)?, path, meaning)?;
+        let number = self.list.len() as u32;
+        self.list.push(Texture { name: name.to_string(), width, height, filter, texels });
+        self.known.insert(key, number);
+        Ok(number)
+    }
+}
+
+fn decode(bytes: &[u8], path: &Path, meaning: Meaning) -> Result<(u32, u32, Texels), String> {
+    let mut reader =
+        ImageReader::new(Cursor::new(bytes)).with_guessed_format().map_err(|error| error.to_string())?;
+    // TGA has no magic number: its name must tell.
+    if reader.format().is_none()
+        && let Ok(format) = ImageFormat::from_path(path)
+    {
+        reader.set_format(format);
+    }
+    if reader.format() == Some(ImageFormat::OpenExr) {
+        let Picture { width, height, pixels } = openexr::read(bytes).map_err(broken)?;
+        return Ok((width, height, linear_texels(width, pixels)?));
+    }
+    let format = reader.format().ok_or("it is not a PNG, JPEG, BMP, TGA, HDR or EXR picture")?;
+    let picture = reader.decode().map_err(broken)?;
+    let (width, height) = (picture.width(), picture.height());
+    if width == 0 || height == 0 {
+        return Err("the picture has no pixels".to_string());
+    }
+    let texels = match format {
+        ImageFormat::Hdr => {
+            let picture = picture.into_rgb32f();
+            linear_texels(width, picture.pixels().map(|pixel| pixel.0).collect())?
+        }
+        _ => display_texels(picture, meaning),
+    };
+    Ok((width, height, texels))
+}
+
+/// HDR and EXR hold linear light already.
+fn linear_texels(width: u32, pixels: Vec<[f32; 3]>) -> Result<Texels, String> {
+    for (index, pixel) in pixels.iter().enumerate() {
+        if let Some(bad) = pixel.iter().find(|channel| !(channel.is_finite() && **channel >= 0.0)) {
+            let (x, y) = (index % width as usize, index / width as usize);
+            return Err(format!("the pixel in column {x}, row {y} holds {bad}, which is no amount of light"));
+        }
+    }
+    Ok(Texels::Linear(pixels.into_iter().map(|[r, g, b]| [r, g, b, 0.0]).collect()))
+}
+
+fn broken(error: impl Display) -> String {
+    format!("the picture is broken: {error}")
+}
+
+/// The other formats hold display values (sRGB), or data, of 8 or 16 bits.
+fn display_texels(picture: DynamicImage, meaning: Meaning) -> Texels {
+    use DynamicImage::{ImageLuma16, ImageLumaA16, ImageRgb16, ImageRgba16};
+    match picture {
+        ImageLuma16(_) | ImageLumaA16(_) | ImageRgb16(_) | ImageRgba16(_) => {
+            // More than a byte holds: kept as linear numbers.
+            let linear = |channel: u16| {
+                let x = f64::from(channel) / 65_535.0;
+                (if meaning == Meaning::Light { srgb_to_linear(x) } else { x }) as f32
+            };
+            let texel = |p: &image::Rgb<u16>| [linear(p[0]), linear(p[1]), linear(p[2]), 0.0];
+            Texels::Linear(picture.into_rgb16().pixels().map(texel).collect())
+        }
+        _ => {
+            let texels = picture.into_rgb8().pixels().map(|p| [p[0], p[1], p[2], 0]).collect();
+            if meaning == Meaning::Light { Texels::Display(texels) } else { Texels::Data(texels) }
+        }
+    }
+}

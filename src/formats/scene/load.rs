@@ -1,0 +1,182 @@
+//! From a name on the command line to a [`Scene`].
+//!
+//! For: [`load`]. May import: scene's own files. Must never know: what a scene is used for.
+
+use super::file::{FORMAT, read};
+use super::files::Files;
+use super::place::{Place, Source};
+use super::view::View;
+use super::{Scene, SceneError, builtin, obj, procedural, thesis, validate, view};
+use serde::Deserialize;
+use serde::de::IgnoredAny;
+use serde_json::Value;
+use std::ops::Deref;
+use std::path::Path;
+
+/// A scene, and the view that it was loaded through, if its file is one.
+#[derive(Clone, Debug)]
+pub struct Loaded {
+    /// Camera, resolution and bounces are what the view makes them.
+    pub scene: Scene,
+    pub view: Option<View>,
+}
+
+impl Deref for Loaded {
+    type Target = Scene;
+
+    fn deref(&self) -> &Scene {
+        &self.scene
+    }
+}
+
+impl From<Scene> for Loaded {
+    fn from(scene: Scene) -> Self {
+        Self { scene, view: None }
+    }
+}
+
+/// Loads a scene as [`load_with_view`] does, and forgets the view.
+pub fn load(spec: &str) -> Result<Scene, SceneError> {
+    load_with_view(spec).map(|loaded| loaded.scene)
+}
+
+/// Loads a scene: `builtin:NAME`, a mesh made by rule (`builtin:knot:N`), the path of an .obj file (framed automatically under a plain sky), or the path of a
+/// .json file in the native format or the thesis's own, or of a view of any of these.
+pub fn load_with_view(spec: &str) -> Result<Loaded, SceneError> {
+    if let Some(name) = spec.strip_prefix(builtin::PREFIX) {
+        return built_in(spec, name);
+    }
+    let path = Path::new(spec);
+    if !may_be_scene(path) {
+        let mend = match builtin::guess(spec) {
+            Some(near) => format!("did you mean `{near}`?"),
+            None => "give a .json or .obj file, or `builtin:NAME`".to_string(),
+        };
+        return Err(SceneError::new("this is not the name of a scene").in_file(path).mend(mend));
+    }
+    let files = Files::beside(path);
+    match files.read_named(path) {
+        Ok(bytes) => from_disk(path, &bytes, files, &viewed),
+        Err(error) => Err(error.after(files.into_asked_for())),
+    }
+}
+
+fn built_in(spec: &str, name: &str) -> Result<Loaded, SceneError> {
+    if let Some(shape) = procedural::read(name)? {
+        return shape.scene(spec).map(Loaded::from);
+    }
+    let source = Source { file: Path::new(spec), text: builtin::text(name)? };
+    json_scene(&source, &Files::embedded(), spec.to_string(), &viewed)
+}
+
+fn has_extension(path: &Path, wanted: &str) -> bool {
+    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(wanted))
+}
+
+fn may_be_scene(path: &Path) -> bool {
+    has_extension(path, "json") || has_extension(path, "obj")
+}
+
+/// What to do with a text that is a view.
+type OnView<'a> = &'a dyn Fn(&Source, &Files, String) -> Result<Loaded, SceneError>;
+
+/// The scene in a file whose content was read through `files`.
+fn from_disk(path: &Path, bytes: &[u8], files: Files, on_view: OnView) -> Result<Loaded, SceneError> {
+    let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let loaded = if has_extension(path, "obj") {
+        obj::scene(bytes, path, &files, name).map(Loaded::from)
+    } else {
+        utf8(path, bytes).and_then(|text| json_scene(&Source { file: path, text }, &files, name, on_view))
+    };
+    match loaded {
+        Ok(mut loaded) => {
+            let viewed = std::mem::replace(&mut loaded.scene.files, files.into_asked_for());
+            loaded.scene.files.extend(viewed);
+            Ok(loaded)
+        }
+        Err(error) => Err(error.after(files.into_asked_for())),
+    }
+}
+
+fn utf8<'a>(path: &Path, bytes: &'a [u8]) -> Result<&'a str, SceneError> {
+    let text = std::str::from_utf8(bytes).map_err(|error| {
+        let line = bytes[..error.valid_up_to()].iter().filter(|&&byte| byte == b'\n').count() + 1;
+        SceneError::new("the text is not UTF-8")
+            .in_file(path)
+            .at(format!("line {line}"))
+            .mend("save the file as UTF-8")
+    })?;
+    Ok(text.strip_prefix('\u{feff}').unwrap_or(text))
+}
+
+/// The keys that tell the formats apart.
+#[derive(Deserialize)]
+#[serde(expecting = "an object")]
+struct Keys {
+    format: Option<Value>,
+    sphere: Option<IgnoredAny>,
+    triangle: Option<IgnoredAny>,
+    res: Option<IgnoredAny>,
+}
+
+fn json_scene(source: &Source, files: &Files, name: String, on_view: OnView) -> Result<Loaded, SceneError> {
+    // Serde would take an array's entries for the keys in their order.
+    if source.text.trim_start().starts_with('[') {
+        return Err(not_a_scene(source));
+    }
+    let keys: Keys = serde_json::from_str(source.text).or_else(|_| {
+        // Reading the keys skips what they hold; reading everything finds the path of a fault inside.
+        read::<Value>(source)?;
+        read(source)
+    })?;
+    match keys.format {
+        Some(format) if format == view::FORMAT => on_view(source, files, name),
+        Some(_) => validate::scene(source, files, name).map(Loaded::from),
+        None if keys.sphere.is_some() || keys.triangle.is_some() || keys.res.is_some() => {
+            thesis::scene(source, files, name).map(Loaded::from)
+        }
+        None => Err(not_a_scene(source)),
+    }
+}
+
+fn not_a_scene(source: &Source) -> SceneError {
+    SceneError::new("this JSON is not a scene").in_file(source.file).mend(format!(
+        "a scene of this program is an object with \"format\": \"{FORMAT}\"; one of the thesis's has the keys \
+         `sphere`, `triangle` or `res`"
+    ))
+}
+
+/// What a view shows.
+fn viewed(source: &Source, files: &Files, name: String) -> Result<Loaded, SceneError> {
+    let file = view::read(source)?;
+    let scene = named_in_view(source, files, &file.scene)?.scene;
+    view::show(source, file, scene, name)
+}
+
+/// The scene that a view names.
+fn named_in_view(source: &Source, files: &Files, spec: &str) -> Result<Loaded, SceneError> {
+    const MEND: &str = "give the path of a .json or .obj file relative to the view, or `builtin:NAME`";
+    let root = Place::Root;
+    let fault = |what: String, mend: &str| source.error(&root.key("scene"), what, mend);
+    if let Some(name) = spec.strip_prefix(builtin::PREFIX) {
+        return built_in(spec, name)
+            .map_err(|error| fault(error.what, error.mend.as_deref().unwrap_or(MEND)));
+    }
+    let path = files.resolve(spec);
+    if !may_be_scene(&path) {
+        return Err(fault(format!("`{spec}` is not the name of a scene"), MEND));
+    }
+    // Its own files lie beside it; what it read is added to what the view read.
+    let files = Files::beside(&path);
+    let bytes = match files.read(&path) {
+        Ok(bytes) => bytes,
+        Err(reason) => {
+            let mend = format!("it was looked for at {}: {MEND}", path.display());
+            let error = fault(format!("cannot read the scene `{spec}`: {reason}"), &mend);
+            return Err(error.after(files.into_asked_for()));
+        }
+    };
+    from_disk(&path, &bytes, files, &|_, _, _| {
+        Err(fault(format!("`{spec}` is a view itself"), "name the scene that it is a view of"))
+    })
+}

@@ -1,0 +1,193 @@
+//! Materials and skies of the native format: which keys belong together, and what the missing ones mean.
+//!
+//! For: [`material`], [`sky`]. May import: `file`, `check`, `draft`, `image`. Must never know: primitives.
+
+use super::check::{fraction, nearest, not_negative, number, radiance, reflectance};
+use super::draft::Draft;
+use super::file::{FilterFile, MaterialFile, SkyFile};
+use super::files::Files;
+use super::place::{Place, Source};
+use super::{Filter, MIN_LENGTH, Material, MaterialKind, Meaning, SceneError, Sky};
+use glam::Vec3;
+
+/// Texture sizes below this are mistakes: a single-precision texture coordinate could not be finite everywhere.
+const MIN_TEXTURE_SIZE: f64 = MIN_LENGTH;
+
+const TYPES: [&str; 6] = ["diffuse", "metal", "plastic", "glass", "scatter", "emitter"];
+/// Types that have a roughness.
+const ROUGH: [&str; 3] = ["metal", "plastic", "scatter"];
+
+/// Adds one material to the draft and gives its number.
+pub fn material(
+    source: &Source,
+    files: &Files,
+    draft: &mut Draft,
+    (name, file): &(String, MaterialFile),
+    place: &Place,
+) -> Result<u32, SceneError> {
+    check_keys(source, file, place)?;
+    let roughness = place.key("roughness");
+    // A map alone is the roughness itself.
+    let stated_roughness = file.roughness.unwrap_or(if file.roughness_map.is_some() { 1.0 } else { 0.0 });
+    let kind = match file.r#type.as_str() {
+        "diffuse" => MaterialKind::Diffuse,
+        "metal" => MaterialKind::Metal { roughness: fraction(source, &roughness, stated_roughness)? },
+        "plastic" => MaterialKind::Plastic {
+            roughness: fraction(source, &roughness, stated_roughness)?,
+            ior: coat_ior(source, &place.key("ior"), file.ior.unwrap_or(1.5))?,
+        },
+        "glass" => MaterialKind::Glass { ior: ior(source, &place.key("ior"), file.ior.unwrap_or(1.5))? },
+        "scatter" => {
+            let roughness = not_negative(source, &roughness, stated_roughness)?;
+            MaterialKind::Scatter { roughness }
+        }
+        _ => MaterialKind::Emitter,
+    };
+    let emitter = kind == MaterialKind::Emitter;
+    let color = match file.color {
+        Some(color) => reflectance(source, &place.key("color"), color)?,
+        None if matches!(kind, MaterialKind::Diffuse | MaterialKind::Plastic { .. }) => Vec3::splat(0.8),
+        None => Vec3::ONE,
+    };
+    let emission = match file.emission {
+        Some(emission) => radiance(source, &place.key("emission"), emission)?,
+        None if emitter => Vec3::ONE,
+        None => Vec3::ZERO,
+    };
+    let mut picture = |key: &'static str, path: &Option<String>, meaning| {
+        let load = |path| texture(source, files, draft, &place.key(key), path, (file.filter, meaning));
+        path.as_deref().map(load).transpose()
+    };
+    let texture = picture("texture", &file.texture, Meaning::Light)?;
+    let roughness_map = picture("roughness_map", &file.roughness_map, Meaning::Data)?;
+    let normal_map = picture("normal_map", &file.normal_map, Meaning::Data)?;
+    let texture_size = match file.texture_size {
+        Some(size) if size < MIN_TEXTURE_SIZE => {
+            let mend = "write how many scene units one repeat of the texture covers, above 0";
+            return Err(source.error(&place.key("texture_size"), format!("a texture of size {size}"), mend));
+        }
+        Some(size) => f64::from(number(source, &place.key("texture_size"), size)?),
+        None => 1.0,
+    };
+    let name = name.clone();
+    let material = Material { name, kind, color, texture, roughness_map, normal_map, emission };
+    Ok(draft.add_material(material, texture_size))
+}
+
+/// Refuses unknown types and keys that do not belong to the type.
+fn check_keys(source: &Source, file: &MaterialFile, place: &Place) -> Result<(), SceneError> {
+    let name = file.r#type.as_str();
+    if !TYPES.contains(&name) {
+        let guess = nearest(name, TYPES).map(|near| format!("did you mean `{near}`? ")).unwrap_or_default();
+        let mend = format!("{guess}the types are {}", TYPES.join(", "));
+        return Err(source.error(&place.key("type"), format!("unknown material type `{name}`"), mend));
+    }
+    let refuse = |key: &str, mend: &str| {
+        Err(source.error(&place.key(key), format!("`{key}` does not belong to a {name} material"), mend))
+    };
+    if file.roughness.is_some() && !ROUGH.contains(&name) {
+        return refuse("roughness", "remove it, or make the type `metal`, `plastic` or `scatter`");
+    }
+    if file.roughness_map.is_some() && !ROUGH.contains(&name) {
+        return refuse("roughness_map", "remove it, or make the type `metal`, `plastic` or `scatter`");
+    }
+    if file.roughness_map.is_some() && file.roughness == Some(0.0) {
+        let mend = "remove it, or give `roughness` a number above 0, which it multiplies";
+        let what = "a `roughness_map` cannot roughen a `roughness` of 0";
+        return Err(source.error(&place.key("roughness_map"), what, mend));
+    }
+    if file.normal_map.is_some() && name == "emitter" {
+        return refuse("normal_map", "remove it: an emitter scatters nothing");
+    }
+    if file.ior.is_some() && !["glass", "plastic"].contains(&name) {
+        return refuse("ior", "remove it, or make the type `glass` or `plastic`");
+    }
+    if file.color.is_some() && name == "emitter" {
+        return refuse("color", "remove it: an emitter scatters nothing; its light is `emission`");
+    }
+    if [&file.texture, &file.roughness_map, &file.normal_map].iter().all(|picture| picture.is_none()) {
+        let present = [("filter", file.filter.is_some()), ("texture_size", file.texture_size.is_some())];
+        if let Some((key, _)) = present.iter().find(|(_, present)| *present) {
+            let what = format!("`{key}` without a `texture`");
+            return Err(source.error(&place.key(key), what, "remove it, or add a `texture`"));
+        }
+    }
+    Ok(())
+}
+
+fn ior(source: &Source, place: &Place, x: f64) -> Result<f32, SceneError> {
+    // Its reciprocal must be finite too.
+    if x < MIN_LENGTH {
+        let mend = "write a number above 0: water is 1.33, glass 1.5, diamond 2.4";
+        return Err(source.error(place, format!("an index of refraction of {x} is impossible"), mend));
+    }
+    number(source, place, x)
+}
+
+/// Of a coat. Above 3 there is none, and the model would make light (`kernel::bsdf::plastic`).
+fn coat_ior(source: &Source, place: &Place, x: f64) -> Result<f32, SceneError> {
+    if !(1.0..=3.0).contains(&x) {
+        let what = format!("a coat cannot have an index of refraction of {x}");
+        let mend = "write a number from 1 to 3: varnish and most plastics are about 1.5";
+        return Err(source.error(place, what, mend));
+    }
+    Ok(x as f32)
+}
+
+fn texture(
+    source: &Source,
+    files: &Files,
+    draft: &mut Draft,
+    place: &Place,
+    path: &str,
+    (filter, meaning): (Option<FilterFile>, Meaning),
+) -> Result<u32, SceneError> {
+    let filter = match filter {
+        Some(FilterFile::Nearest) => Filter::Nearest,
+        Some(FilterFile::Bilinear) | None => Filter::Bilinear,
+    };
+    let full = files.resolve(path);
+    draft.textures.load(files, &full, path, filter, meaning).map_err(|reason| {
+        let mend = format!(
+            "it was looked for at {}: give the path of a picture (png, jpg, bmp, tga, hdr, exr) relative to the scene file",
+            full.display()
+        );
+        source.error(place, format!("cannot use the texture `{path}`: {reason}"), mend)
+    })
+}
+
+/// The sky that a file describes.
+pub fn sky(
+    source: &Source,
+    files: &Files,
+    draft: &mut Draft,
+    file: &SkyFile,
+    place: &Place,
+) -> Result<Sky, SceneError> {
+    if file.filter.is_some() && file.texture.is_none() {
+        let mend = "remove it, or add a `texture`";
+        return Err(source.error(&place.key("filter"), "`filter` without a `texture`", mend));
+    }
+    match file {
+        SkyFile { gradient: Some(gradient), color: None, texture: None, .. } => {
+            let place = place.key("gradient");
+            Ok(Sky::Gradient {
+                bottom: radiance(source, &place.key("bottom"), gradient.bottom)?,
+                top: radiance(source, &place.key("top"), gradient.top)?,
+            })
+        }
+        SkyFile { gradient: Some(_), .. } => {
+            let mend = "keep `gradient` alone, or remove it and keep `color` and `texture`";
+            Err(source.error(place, "a sky cannot have a `gradient` and a `color` or `texture`", mend))
+        }
+        SkyFile { color, texture: Some(path), filter, .. } => Ok(Sky::Texture {
+            color: radiance(source, &place.key("color"), color.unwrap_or([1.0; 3]))?,
+            texture: texture(source, files, draft, &place.key("texture"), path, (*filter, Meaning::Light))?,
+        }),
+        SkyFile { color: Some(color), .. } => Ok(Sky::Color(radiance(source, &place.key("color"), *color)?)),
+        _ => {
+            let mend = "give it a `color`, a `gradient` or a `texture`, or remove `sky`";
+            Err(source.error(place, "the sky is empty", mend))
+        }
+    }
+}

@@ -1,0 +1,176 @@
+//! A view: a file that names another scene and says how it is looked at and rendered.
+//!
+//! For: [`View`], with its writer [`View::text`], and [`read`] and [`show`] for `load`. May import: scene's own files. Must never know: what
+//! the options of a rendering mean; who looks.
+
+use super::file::{CameraFile, read as read_json};
+use super::load::Loaded;
+use super::place::{Place, Source};
+use super::validate::{camera, check_bounces, check_resolution};
+use super::{Camera, Scene, SceneError, builtin, writing};
+use serde::{Deserialize, Serialize};
+use serde_json::json;
+use std::fs;
+use std::path::Path;
+
+/// The value of `format` in a view.
+pub const FORMAT: &str = "octray-view-1";
+
+/// What a file of the format `octray-view-1` says. A view that is written and read again is the same in every bit.
+///
+/// Domain of what is written: finite numbers that a scene may hold.
+///
+/// ```
+/// use octray::scene::{Rendering, View, load, load_with_view};
+///
+/// let folder = tempfile::tempdir()?;
+/// let mut view = View::of(&load("builtin:three")?, None, folder.path());
+/// view.render = Rendering { samples: Some(37), tone: Some("aces".into()), ..Rendering::default() };
+/// let file = folder.path().join("shot.json");
+/// octray::output::save_text(&file, &view.text())?;
+/// assert_eq!(load_with_view(file.to_str().unwrap())?.view, Some(view));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct View {
+    /// The scene: a path relative to the view's folder, or `builtin:NAME`. Never a view.
+    pub scene: String,
+    /// The scene's own if `None`.
+    pub camera: Option<Camera>,
+    /// The scene's own if `None`.
+    pub resolution: Option<[u32; 2]>,
+    /// The scene's own if `None`.
+    pub max_bounces: Option<u32>,
+    pub render: Rendering,
+}
+
+/// Options of `octray render`, by their names on the command line; what is `None` is not said. Which names and numbers are good is for the
+/// command line to judge: see [`view_fault`].
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, expecting = "an object of options of `octray render`")]
+pub struct Rendering {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub samples: Option<u32>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub seed: Option<u32>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub exposure: Option<f32>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tone: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub clamp: Option<f32>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sphere: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub triangle: Option<String>,
+    #[serde(rename = "box", skip_serializing_if = "Option::is_none")]
+    pub boxes: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub traversal: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub lights: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sampler: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pipeline: Option<String>,
+}
+
+impl View {
+    /// A scene as it is, viewed from a file in `folder`; of a scene that was loaded through a view, what that is a view of. `render`
+    /// says nothing yet.
+    pub fn of(scene: &Scene, loaded_through: Option<&View>, folder: &Path) -> Self {
+        Self {
+            scene: name_of_viewed(scene, loaded_through, folder),
+            camera: Some(scene.camera),
+            resolution: Some(scene.resolution),
+            max_bounces: Some(scene.max_bounces),
+            render: Rendering::default(),
+        }
+    }
+
+    /// The text of its file.
+    pub fn text(&self) -> String {
+        let mut entries =
+            vec![("format", json!(FORMAT).to_string()), ("scene", json!(self.scene).to_string())];
+        entries.extend(self.camera.map(|camera| ("camera", writing::camera(&camera))));
+        entries.extend(self.resolution.map(|resolution| ("resolution", json!(resolution).to_string())));
+        entries.extend(self.max_bounces.map(|bounces| ("max_bounces", bounces.to_string())));
+        if self.render != Rendering::default() {
+            // Indented as a part of the file. A name with a line break keeps it: JSON writes it as two characters.
+            let render = serde_json::to_string_pretty(&self.render).expect("options are JSON");
+            entries.push(("render", render.replace('\n', "\n  ")));
+        }
+        let lines: Vec<String> = entries.iter().map(|(key, value)| format!("  \"{key}\": {value}")).collect();
+        format!("{{\n{}\n}}\n", lines.join(",\n"))
+    }
+}
+
+/// How a view in `folder` names this scene, or what this scene is a view of.
+fn name_of_viewed(scene: &Scene, loaded_through: Option<&View>, folder: &Path) -> String {
+    let file = match loaded_through {
+        Some(view) if view.scene.starts_with(builtin::PREFIX) => return view.scene.clone(),
+        Some(_) => scene.files.get(1),
+        None => scene.files.first(),
+    };
+    match file.and_then(|path| Some((path.parent()?, path.file_name()?))) {
+        Some((beside, name)) => writing::relative(beside, &name.to_string_lossy(), folder),
+        None => scene.name.clone(),
+    }
+}
+
+/// The file as the user wrote it.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, expecting = "an object with `format` and `scene`")]
+pub struct ViewFile {
+    #[serde(rename = "format")]
+    _format: String,
+    pub scene: String,
+    camera: Option<CameraFile>,
+    resolution: Option<[u32; 2]>,
+    max_bounces: Option<u32>,
+    render: Option<Rendering>,
+}
+
+/// Reads a text that is known to be of this format.
+pub fn read(source: &Source) -> Result<ViewFile, SceneError> {
+    read_json(source)
+}
+
+/// The scene that a view names, seen as the view says. What the view leaves out of a camera is the scene's own.
+pub fn show(source: &Source, file: ViewFile, mut scene: Scene, name: String) -> Result<Loaded, SceneError> {
+    let root = Place::Root;
+    if let Some(resolution) = file.resolution {
+        check_resolution(source, &root.key("resolution"), resolution)?;
+        scene.resolution = resolution;
+    }
+    if let Some(bounces) = file.max_bounces {
+        check_bounces(source, &root.key("max_bounces"), bounces)?;
+        scene.max_bounces = bounces;
+    }
+    if let Some(camera_file) = &file.camera {
+        let own = scene.camera;
+        scene.camera = camera(source, &root.key("camera"), camera_file, |position, look_at| Camera {
+            position: position.unwrap_or(own.position),
+            look_at: look_at.unwrap_or(own.look_at),
+            ..own
+        })?;
+    }
+    let view = View {
+        scene: file.scene,
+        camera: file.camera.map(|_| scene.camera),
+        resolution: file.resolution,
+        max_bounces: file.max_bounces,
+        render: file.render.unwrap_or_default(),
+    };
+    scene.name = name;
+    Ok(Loaded { scene, view: Some(view) })
+}
+
+/// That what the view of this scene says under `render` for `key` cannot be used, and how to mend it. The file is read once more, to learn the
+/// line.
+pub fn view_fault(scene: &Scene, key: &str, what: impl Into<String>, mend: impl Into<String>) -> SceneError {
+    let file = scene.files.first().map_or(Path::new(""), |file| file);
+    let text = fs::read_to_string(file).unwrap_or_default();
+    let (root, text) = (Place::Root, text.trim_start_matches('\u{feff}'));
+    Source { file, text }.error(&root.key("render").key(key), what, mend)
+}

@@ -1,0 +1,112 @@
+//! The machine and the build a figure was measured with.
+//!
+//! For: [`Machine`], part of every JSON report. May import: `features`, `wording`. Must never know: what was measured.
+
+pub mod features;
+
+use crate::wording::counted;
+use serde::Serialize;
+use std::fmt;
+
+/// Where a figure comes from: two figures compare only if these agree.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Machine {
+    /// The processor's name for itself.
+    pub cpu: String,
+    /// Threads that run at once, as far as this process may use them.
+    pub cores: usize,
+    /// Those the program was compiled for.
+    pub target_features: Vec<&'static str>,
+    /// Version of the compiler.
+    pub rustc: &'static str,
+    /// Commit of the source, `+changes` behind it where files differed from it; `unknown` outside a checkout.
+    pub commit: &'static str,
+}
+
+impl Machine {
+    /// This machine and this build.
+    pub fn current() -> Self {
+        Self {
+            cpu: cpu(),
+            cores: cores(),
+            target_features: features::compiled(),
+            rustc: env!("OCTRAY_RUSTC"),
+            commit: env!("OCTRAY_COMMIT"),
+        }
+    }
+}
+
+/// In one line.
+impl fmt::Display for Machine {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let Self { cpu, cores, target_features, rustc, commit } = self;
+        let vector = ["avx512f", "avx2", "fma", "sse4.1"].into_iter().find(|f| target_features.contains(f));
+        let vector = vector.unwrap_or("plain x86-64");
+        let cores = counted(cores, "core", "cores");
+        write!(f, "{cpu}, {cores}, built for {vector} by {rustc}, commit {commit}")
+    }
+}
+
+/// Threads that run at once, as far as this process may use them: at least 1.
+pub fn cores() -> usize {
+    std::thread::available_parallelism().map_or(1, usize::from)
+}
+
+/// Bytes that programs may still take without others being swapped out, by the system's own estimate; `None` where we have no way to ask
+/// (other systems than Linux).
+pub fn available_memory() -> Option<u64> {
+    mem_available(&std::fs::read_to_string("/proc/meminfo").ok()?)
+}
+
+/// `MemAvailable` in the text of `/proc/meminfo`, which counts in KiB.
+fn mem_available(info: &str) -> Option<u64> {
+    let line = info.lines().find_map(|line| line.strip_prefix("MemAvailable:"))?;
+    line.trim().strip_suffix(" kB")?.parse::<u64>().ok()?.checked_mul(1024)
+}
+
+fn cpu() -> String {
+    let info = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+    model_name(&info).unwrap_or_else(|| std::env::consts::ARCH.to_string())
+}
+
+/// The first `model name` in the text of `/proc/cpuinfo`.
+fn model_name(info: &str) -> Option<String> {
+    info.lines()
+        .filter_map(|line| line.split_once(':'))
+        .find(|(key, value)| key.trim() == "model name" && !value.trim().is_empty())
+        .map(|(_, value)| value.split_whitespace().collect::<Vec<_>>().join(" "))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn model_name_is_the_first_and_loses_its_padding() {
+        let info =
+            "processor\t: 0\nmodel\t\t: 85\nmodel name\t: Some CPU   @ 2.00GHz \n\nmodel name\t: Other\n";
+        assert_eq!(model_name(info).as_deref(), Some("Some CPU @ 2.00GHz"));
+        assert_eq!(model_name(""), None);
+        assert_eq!(model_name("model name\t:\nCPU implementer : 0x41\n"), None);
+    }
+
+    #[test]
+    fn mem_available_is_read_in_bytes() {
+        let info = "MemTotal:       24000000 kB\nMemFree:  1 kB\nMemAvailable:   16000000 kB\n";
+        assert_eq!(mem_available(info), Some(16_384_000_000));
+        assert_eq!(mem_available("MemTotal: 1 kB\n"), None);
+        assert_eq!(mem_available("MemAvailable: many kB\n"), None);
+        #[cfg(target_os = "linux")]
+        assert!(available_memory().unwrap() > 1_000_000);
+    }
+
+    #[test]
+    fn machine_serialises_with_every_field_filled() {
+        let json = serde_json::to_value(Machine::current()).unwrap();
+        assert!(json["cores"].as_u64().unwrap() >= 1);
+        assert!(json["rustc"].as_str().unwrap().starts_with("rustc "));
+        assert!(!json["cpu"].as_str().unwrap().is_empty());
+        assert!(!json["commit"].as_str().unwrap().is_empty());
+        assert!(json["target_features"].is_array());
+    }
+}

@@ -86,7 +86,7 @@ fn view_changes_what_it_says_of_every_format_and_nothing_else() {
             up: Vec3::new(0.0, 0.0, -2.0),
             vertical_fov: 12.7,
         };
-        let expected = Scene { camera, resolution: [31, 17], max_bounces: 1023, ..own.clone() };
+        let expected = Scene { camera, resolution: [31, 17], max_bounces: 1023, ..own.scene.clone() };
         assert_eq!(looks(&scene), looks(&expected), "{base}");
 
         // What a camera leaves out is the scene's own, not a framing.

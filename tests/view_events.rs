@@ -7,7 +7,7 @@ mod seat;
 mod waiting;
 
 use octray::render::PipelineChoice;
-use octray::scene::Scene;
+use octray::scene::Loaded;
 use octray::tone::Tone;
 use octray::traverse::Methods;
 use octray::viewer::frame::Frame;
@@ -34,11 +34,11 @@ struct Seat {
 
 impl Seat {
     fn start(options: Options, names: &[&str]) -> Self {
-        let scene = octray::scene::load(names[0]).unwrap();
+        let scene = octray::scene::load_with_view(names[0]).unwrap();
         Self::start_with(options, names, scene)
     }
     /// The first scene is read already.
-    fn start_with(options: Options, names: &[&str], scene: Scene) -> Self {
+    fn start_with(options: Options, names: &[&str], scene: Loaded) -> Self {
         let playlist = Playlist::new(&names.iter().map(|name| name.to_string()).collect::<Vec<_>>()).unwrap();
         Self { viewer: Viewer::start(options, playlist, scene, Arc::new(|| {})), frame: Frame::default() }
     }
@@ -305,7 +305,7 @@ fn an_error_is_said_again_after_a_screenshot() {
 fn waiting_seat(names: &[&str], folder: &Path) -> (Seat, Sender<()>) {
     let (go, wait) = channel::<()>();
     let wait = Mutex::new(wait);
-    let methods = move |_: &Scene| {
+    let methods = move |_: &Loaded| {
         let _ = wait.lock().unwrap().recv();
         Methods::default()
     };

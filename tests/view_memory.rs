@@ -46,7 +46,7 @@ impl Seat {
             count.fetch_add(1, Ordering::SeqCst);
         });
         let playlist = Playlist::new(&[scene.to_string()]).unwrap();
-        let viewer = Viewer::start(options, playlist, octray::scene::load(scene).unwrap(), wake);
+        let viewer = Viewer::start(options, playlist, octray::scene::load_with_view(scene).unwrap(), wake);
         // Frames as fast as they can be made.
         viewer.send(Event::Rate(1e6));
         Self { viewer, frame: Frame::default(), made }

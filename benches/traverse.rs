@@ -35,7 +35,8 @@ fn main() {
 
     let ground = Ground::new(&scene, Hierarchy::new(&scene, Quality::default()));
     let team = Team::new(1);
-    let sets = rays::prepare(&scene, &ground, &team, SIZE, 0).expect("the scene has an outside");
+    let sets =
+        rays::prepare(&scene, &scene.overview().expect("the scene has an outside"), &ground, &team, SIZE, 0);
     for rays in &sets {
         let kind = rays.set.kind;
         let mut group = criterion.benchmark_group(kind.name());

@@ -11,7 +11,7 @@
 //! |---|---|---|
 //! | scene file | what the user wrote | [`scene`] |
 //! | [`scene::Scene`] | what we accept; its existence is the proof of validity | [`scene`] |
-//! | [`buffers::Buffers`], [`buffers::Needs`] | flattened into aligned structure-of-arrays buffers, and the features the scene uses | [`buffers`] |
+//! | [`buffers::Buffers`], [`buffers::Features`] | flattened into aligned structure-of-arrays buffers, and the features the scene uses | [`buffers`] |
 //! | packets and queues | eight rays and a mask; a tile's paths in structure-of-arrays form | [`math`], [`integrate`] |
 //! | [`film::Film`] | sums of linear radiance, in a fixed order | [`film`], [`render`] |
 //! | picture file | what people see | [`output`] |
@@ -60,7 +60,7 @@
 //!   size, whole or in parts. Ties in t go to the lower primitive; sums have a fixed order; nothing is approximate on one width only.
 //! - **Width is a type.** An equation is written once over [`lane::Lane`] and run at width 1 and 8.
 //! - **The judge is independent.** It shares no equation with what it judges.
-//! - **Needs.** The shading stages are compiled for sets of features; a scene gets the smallest set that holds its own.
+//! - **Features.** The shading stages are compiled for sets of features; a scene gets the smallest set that holds its own.
 //! - **Conservative culling.** Whatever skips a test gives the same hit as testing everything.
 //! - **Safe.** No `unsafe` at all: `wide` and `bytemuck` have it where it belongs.
 

@@ -5,7 +5,7 @@ mod common;
 
 use common::{Dice, empty, floor, lamp, material, mean, sphere, triangle};
 use glam::Vec3;
-use octray::buffers::{LightChoice, Lights, Needs, SkyLight};
+use octray::buffers::{EnvironmentLight, Features, LightChoice, Lights};
 use octray::film::Picture;
 use octray::render::{PipelineChoice, Renderer, Settings};
 use octray::scene::{Filter, Material, MaterialKind, Scene, Sky, Texels, Texture};
@@ -136,7 +136,7 @@ fn tables_hold_as_many_lights_as_they_promise() {
             scene.triangles.push(triangle(corners, number + 1));
         }
         let needed = Settings::of(&scene);
-        let many = Renderer::new(&scene, needed).needs().contains(Needs::MANY_LIGHTS);
+        let many = Renderer::new(&scene, needed).needs().contains(Features::MANY_LIGHTS);
         assert_eq!(many, count as usize > Lights::FEW, "{count} lights");
         let general = Settings { pipeline: PipelineChoice::General, ..needed };
         assert_eq!(render(&scene, needed, 16), render(&scene, general, 16), "{count} lights");
@@ -227,7 +227,7 @@ fn a_sky_beside_a_lamp_gives_what_both_closed_forms_say() {
 fn directions_to_a_sky_are_spread_all_over_its_cells() {
     let mut scene = empty();
     put_even_sky(&mut scene);
-    let sky = SkyLight::of(&scene).unwrap();
+    let sky = EnvironmentLight::of(&scene).unwrap();
     // An even sky: every sixty-fourth of the turn and of the height gets as many of a grid of directions as every other.
     const SIDE: usize = 512;
     let mut counts = [[0; 64]; 2];

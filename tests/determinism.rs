@@ -5,7 +5,7 @@ mod common;
 
 use common::{Dice, empty, material, noise, sphere, triangle};
 use glam::{Vec2, Vec3};
-use octray::buffers::Needs;
+use octray::buffers::Features;
 use octray::integrate::pipeline_for;
 use octray::render::{PipelineChoice, Renderer, Settings, Watch};
 use octray::scene::{Camera, Filter, Material, MaterialKind, Scene, Side, Sky, builtin_names, load};
@@ -243,11 +243,11 @@ fn base(scene: &Scene, resolution: [u32; 2], max_bounces: u32) -> Settings {
 #[test]
 fn test_scenes_need_every_feature_together() {
     let needs = |scene: &Scene| Renderer::new(scene, Settings::of(scene)).needs();
-    let all = needs(&crowd()).with(Needs::SKY_GRADIENT);
-    assert!(all.contains(Needs::ALL), "{:?}", all.names());
-    assert!(needs(&matt_and_mirror()).contains(Needs::SKY_GRADIENT));
-    assert!(!needs(&few_textured()).contains(Needs::MANY_TRIANGLES));
-    assert!(!needs(&everything()).contains(Needs::HIERARCHY));
+    let all = needs(&crowd()).with(Features::SKY_GRADIENT);
+    assert!(all.contains(Features::ALL), "{:?}", all.names());
+    assert!(needs(&matt_and_mirror()).contains(Features::SKY_GRADIENT));
+    assert!(!needs(&few_textured()).contains(Features::MANY_TRIANGLES));
+    assert!(!needs(&everything()).contains(Features::HIERARCHY));
 }
 
 #[test]
@@ -333,7 +333,7 @@ fn picture_is_the_same_from_the_pipeline_with_every_feature() {
             let needed = Settings { lanes, ..base(&scene, [61, 37], 6) };
             let general = Settings { pipeline: PipelineChoice::General, ..needed };
             Print::of(&scene, general, &[5]).assert_same(&Print::of(&scene, needed, &[5]), general, &[5]);
-            let pipelines = [Needs::of(&scene), Needs::ALL].map(|needs| pipeline_for(needs, lanes).0);
+            let pipelines = [Features::of(&scene), Features::ALL].map(|needs| pipeline_for(needs, lanes).0);
             specialised += u32::from(pipelines[0] != pipelines[1]);
         }
     }

@@ -110,10 +110,10 @@ fn frustum_keeps_to_the_reach_of_each_ray() {
     for axis in 0..6 {
         let mut set = View::along(&mut dice, axis, 0.5, 0.0).rays(4 * TILE);
         let nearest = set.linear(&scene);
-        for (i, reach) in set.reach.iter_mut().enumerate() {
+        for (i, t_max) in set.t_max.iter_mut().enumerate() {
             let t = f32::from_bits(nearest[i][0]);
             // In the second tile all rays are short; in the third only one is long; in the fourth all end at the hit or beside it.
-            *reach = match (i / TILE, i % 8) {
+            *t_max = match (i / TILE, i % 8) {
                 (0, 0) => 0.0,
                 (0, 1) => f32::MIN_POSITIVE,
                 (0, _) => (12.0 * dice.unit()) as f32,
@@ -145,7 +145,7 @@ fn frustum_improves_hits_from_before() {
         for (i, &[t, primitive, ..]) in nearest.iter().enumerate() {
             let t = f32::from_bits(t);
             // As near as the nearest, by another number or the same; nearer; further.
-            (set.reach[i], set.primitive[i]) = match i % 6 {
+            (set.t_max[i], set.primitive[i]) = match i % 6 {
                 0 => (t, count as u32 + 7),
                 1 => (t, 0),
                 2 if primitive != MISS => (t, primitive),
@@ -153,7 +153,7 @@ fn frustum_improves_hits_from_before() {
                 4 => (1.1 * t, 3),
                 _ => (f32::INFINITY, MISS),
             };
-            if set.reach[i].is_infinite() {
+            if set.t_max[i].is_infinite() {
                 set.primitive[i] = MISS;
             }
         }
@@ -246,12 +246,12 @@ fn rays_without_a_reach_harm_no_other() {
         for lanes in (1..255usize).step_by(6) {
             let mut set = View::along(&mut dice, axis, 0.4, 0.0).rays(TILE);
             for i in (0..TILE).filter(|i| lanes >> (i % 8) & 1 == 1) {
-                set.reach[i] = f32::NAN;
+                set.t_max[i] = f32::NAN;
             }
             let name = Traversal::Packet.name();
             let (found, expected) = (set.through::<false>(&hierarchy, Traversal::Packet), set.linear(&scene));
             for (at, (found, expected)) in found.iter().zip(&expected).enumerate() {
-                if !set.reach[at].is_nan() {
+                if !set.t_max[at].is_nan() {
                     assert_eq!(found, expected, "{name}: ray {at}, lanes {lanes:08b} have none");
                 }
             }

@@ -8,7 +8,7 @@ mod common;
 
 use common::{Dice, empty, material, noise, sphere, triangle};
 use glam::{Vec2, Vec3};
-use octray::buffers::Needs;
+use octray::buffers::Features;
 use octray::film::Picture;
 use octray::integrate::pipeline_for;
 use octray::reference::{PathSettings, Reference};
@@ -257,7 +257,7 @@ fn packets_and_judge_agree_at_every_count_near_the_size_of_a_table() {
 
 /// Is the scene rendered by another pipeline than if it had more primitives and materials than tables hold?
 fn has_tables(scene: &Scene) -> bool {
-    let needs = Needs::of(scene);
-    let many = Needs::MANY_SPHERES.with(Needs::MANY_TRIANGLES).with(Needs::MANY_MATERIALS);
+    let needs = Features::of(scene);
+    let many = Features::MANY_SPHERES.with(Features::MANY_TRIANGLES).with(Features::MANY_MATERIALS);
     pipeline_for(needs, 8).0 != pipeline_for(needs.with(many), 8).0
 }

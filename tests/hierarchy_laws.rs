@@ -61,8 +61,8 @@ fn every_traversal_equals_testing_every_primitive() {
                 }),
                 _ => dice.direction().as_vec3(),
             };
-            let reach = if i % 5 == 0 { (4.0 * dice.unit()) as f32 } else { f32::INFINITY };
-            set.push(origin, direction, reach);
+            let t_max = if i % 5 == 0 { (4.0 * dice.unit()) as f32 } else { f32::INFINITY };
+            set.push(origin, direction, t_max);
         }
         hits += set.check(
             &scene,
@@ -131,19 +131,19 @@ fn rays_that_are_none_miss_and_a_hit_at_the_reach_is_none() {
         set.push(origin, Vec3::Z, infinity);
     }
     let mut dice = Dice(15);
-    let first = set.reach.len();
+    let first = set.t_max.len();
     for _ in 0..500 {
         set.push(dice.direction().as_vec3() * 8.0, dice.direction().as_vec3(), infinity);
     }
     set.check(&scene, "no rays at all");
     let answers = set.linear(&scene);
-    for (reach, answer) in set.reach[first..].iter_mut().zip(&answers[first..]) {
-        *reach = f32::from_bits(answer[0]);
+    for (t_max, answer) in set.t_max[first..].iter_mut().zip(&answers[first..]) {
+        *t_max = f32::from_bits(answer[0]);
     }
     set.check(&scene, "reaches that end at the hit");
 }
 
-/// Measuring knows one way more: it tests everything with packets, and holds the reach to them afterwards.
+/// Measuring knows one way more: it tests everything with packets, and holds the t_max to them afterwards.
 #[test]
 fn ways_that_are_measured_agree_and_a_hit_at_the_reach_is_none() {
     let scene = mixture(&mut Dice(16), 40, 20, 0.0, 0.0);
@@ -161,15 +161,15 @@ fn ways_that_are_measured_agree_and_a_hit_at_the_reach_is_none() {
     let nearest = traced(&set, Way::Linear);
     assert!(nearest.count() > 200, "{}", nearest.count());
     // The hit itself, the number behind it, and somewhere.
-    set.reach = nearest
+    set.t_max = nearest
         .t
         .iter()
         .enumerate()
         .map(|(i, &t)| [t, t.next_up(), 8.0 * dice.unit() as f32][i % 3])
         .collect();
     let expected = traced(&set, Way::Linear);
-    for (at, (&reach, &t)) in set.reach.iter().zip(&nearest.t).enumerate() {
-        assert_eq!(expected.primitive[at] != MISS, t < reach, "ray {at}: {t} within {reach}");
+    for (at, (&t_max, &t)) in set.t_max.iter().zip(&nearest.t).enumerate() {
+        assert_eq!(expected.primitive[at] != MISS, t < t_max, "ray {at}: {t} within {t_max}");
     }
     for way in Way::all() {
         assert!(traced(&set, way) == expected, "{}", way.name());
@@ -194,7 +194,7 @@ fn without_padding_hits_are_lost_at_corners() {
         answers.iter().filter(|answer| answer[1] != MISS).count()
     };
     let padded = found(&hierarchy);
-    hierarchy.reach = hierarchy.reach.without_padding();
+    hierarchy.padding = hierarchy.padding.without_padding();
     let unpadded = found(&hierarchy);
     println!("{padded} hits with padding, {unpadded} without");
     assert!(padded > 5_000 && unpadded < padded - padded / 50, "{unpadded} of {padded}");

@@ -7,7 +7,7 @@ use glam::Vec3;
 use octray::camera::Pinhole;
 use octray::display::{History, walking_speed};
 use octray::film::Picture;
-use octray::integrate::guides::{Guides, Plane};
+use octray::integrate::guides::{Aovs, Plane};
 use octray::lane::{F32x8, Lane, Mask};
 use octray::render::{Renderer, Settings};
 use octray::scene::{Camera, Material, MaterialKind, Scene, Sky, Triangle};
@@ -18,14 +18,14 @@ const SIZE: [u32; 2] = [64, 40];
 struct Window {
     scene: Scene,
     renderer: Renderer,
-    guides: Guides,
+    guides: Aovs,
     seed: u32,
 }
 
 impl Window {
     fn new(scene: Scene) -> Self {
         let renderer = Renderer::new(&scene, Settings { resolution: SIZE, ..Settings::of(&scene) });
-        Self { scene, renderer, guides: Guides::default(), seed: 0 }
+        Self { scene, renderer, guides: Aovs::default(), seed: 0 }
     }
     fn look(&mut self, camera: Camera) {
         self.renderer.set_view(&self.scene, &camera, SIZE, 4);
@@ -275,7 +275,7 @@ fn history_starts_anew_in_another_resolution_and_gives_the_same_bits_on_any_thre
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         let mut window = Window::new(scene());
         let mut history = History::new();
-        let mut other = Guides::default();
+        let mut other = Aovs::default();
         other.resize([40, SIZE[0]]);
         let turned = Picture { width: 40, height: SIZE[0], ..flat(9.0) };
         history.advance(&turned, 1, &other, window.renderer.camera());

@@ -8,7 +8,7 @@ mod common;
 use common::{Dice, packet, ray};
 use glam::Vec3;
 use octray::kernel::ray_box::{
-    BoxMethod, BySign, BySignWidened, Contracted, IeeeMinMax, Padded, Reach, Slabs, X86MinMax, own_box,
+    BoxMethod, BySign, BySignWidened, Contracted, IeeeMinMax, Padded, Padding, Slabs, X86MinMax, own_box,
 };
 use octray::lane::{F32x8, Lane, Mask};
 use octray::math::{self, Ray};
@@ -19,7 +19,7 @@ fn corner<L: Lane>(v: Vec3) -> math::Vec3<L> {
 }
 
 fn computed(cuboid: Cuboid, extent: f32, ray: &Ray<f32>) -> (f32, f32) {
-    Slabs::new(ray, Reach::new(extent)).pass(corner(cuboid.lo), corner(cuboid.hi))
+    Slabs::new(ray, Padding::new(extent)).pass(corner(cuboid.lo), corner(cuboid.hi))
 }
 
 #[test]
@@ -89,7 +89,7 @@ fn nested_boxes_have_nested_intervals_and_a_hit_in_one_is_in_all_around_it() {
             let outer = Cuboid::random(&mut dice, scale);
             let inner = within(&mut dice, outer);
             let ray = aimed(&mut dice, &inner, scale);
-            let slabs = Slabs::new(&ray, Reach::new(outer.extent()));
+            let slabs = Slabs::new(&ray, Padding::new(outer.extent()));
             let of = |cuboid: Cuboid| slabs.pass(corner::<f32>(cuboid.lo), corner(cuboid.hi));
             let ((near, far), (near_inner, far_inner)) = (of(outer), of(inner));
             assert!(near <= near_inner && far_inner <= far, "{inner:?} in {outer:?}, {ray:?}");
@@ -118,22 +118,22 @@ fn packets_agree_with_single_rays_in_every_bit() {
             rays[dice.index(8)].direction.y = f32::NAN;
             rays[dice.index(8)].origin.z = f32::INFINITY;
         }
-        let mut reach = Reach::new(cuboids[0].extent());
+        let mut padding = Padding::new(cuboids[0].extent());
         if round % 2 == 0 {
-            reach = reach.with_spheres();
+            padding = padding.with_spheres();
         }
         let column = |of: fn(&Cuboid) -> Vec3| {
             let axis = |axis: usize| F32x8::from_fn(|lane| of(&cuboids[lane])[axis]);
             math::Vec3::new(axis(0), axis(1), axis(2))
         };
         let corners = (column(|cuboid| cuboid.lo), column(|cuboid| cuboid.hi));
-        let slabs = Slabs::new(&packet::<F32x8>(&rays), reach);
+        let slabs = Slabs::new(&packet::<F32x8>(&rays), padding);
         let (near, far) = slabs.pass(corners.0, corners.1);
         let (claimed, limit) = (scale as f32, 2.0 * scale as f32);
         let mask = <F32x8 as Lane>::Mask::splat(true);
         let (hit, t) = own_box(&slabs, corners, mask, F32x8::splat(claimed), F32x8::splat(limit));
         for lane in 0..8 {
-            let single = Slabs::new(&rays[lane], reach);
+            let single = Slabs::new(&rays[lane], padding);
             let Cuboid { lo, hi } = cuboids[lane];
             let (near_one, far_one) = single.pass(corner(lo), corner(hi));
             assert!(same(near.get(lane), near_one) && same(far.get(lane), far_one), "{:?}", rays[lane]);
@@ -166,17 +166,17 @@ fn empty_boxes_are_never_passed_and_rays_of_nan_pass_no_box() {
         let scale = SCALES[round % SCALES.len()];
         let around = Cuboid { lo: Vec3::splat(-200.0 * scale as f32), hi: Vec3::splat(200.0 * scale as f32) };
         let sound = aimed(&mut dice, &around, scale);
-        for reach in [Reach::new(scale as f32), Reach::new(scale as f32).with_spheres()] {
-            let slabs = Slabs::new(&sound, reach);
+        for padding in [Padding::new(scale as f32), Padding::new(scale as f32).with_spheres()] {
+            let slabs = Slabs::new(&sound, padding);
             assert!(passes(&slabs, around) && !passes(&slabs, empty), "{sound:?}");
             for number in 0..6 {
                 let (mut origin, mut direction) = (sound.origin.get(0), sound.direction.get(0));
                 let component = if number < 3 { &mut origin[number] } else { &mut direction[number - 3] };
                 *component = f32::NAN;
-                let slabs = Slabs::new(&ray(origin, direction), reach);
+                let slabs = Slabs::new(&ray(origin, direction), padding);
                 assert!(!passes(&slabs, around) && !passes(&slabs, empty), "{origin} along {direction}");
             }
-            let nothing = Slabs::new(&ray(Vec3::NAN, Vec3::NAN), reach);
+            let nothing = Slabs::new(&ray(Vec3::NAN, Vec3::NAN), padding);
             assert!(!passes(&nothing, around) && !passes(&nothing, empty));
         }
     }
@@ -192,11 +192,11 @@ fn every_method_gives_packets_the_bits_of_single_rays() {
             let scale = SCALES[round % SCALES.len()];
             let cuboid = Cuboid::random(&mut dice, scale);
             let rays: [Ray<f32>; 8] = std::array::from_fn(|_| aimed(&mut dice, &cuboid, scale));
-            let reach = Reach::new(cuboid.extent());
-            let packet = B::prepare(&packet::<F32x8>(&rays), reach);
+            let padding = Padding::new(cuboid.extent());
+            let packet = B::prepare(&packet::<F32x8>(&rays), padding);
             let (near, far) = B::pass(&packet, corner(cuboid.lo), corner(cuboid.hi));
             for (lane, ray) in rays.iter().enumerate() {
-                let single = B::pass(&B::prepare(ray, reach), corner(cuboid.lo), corner(cuboid.hi));
+                let single = B::pass(&B::prepare(ray, padding), corner(cuboid.lo), corner(cuboid.hi));
                 assert!(same(near.get(lane), single.0) && same(far.get(lane), single.1), "{ray:?}");
             }
         }

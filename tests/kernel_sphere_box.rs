@@ -8,7 +8,7 @@ mod common;
 use common::{Dice, ray};
 use glam::{DVec3, Vec3};
 use octray::bvh::Bounds;
-use octray::kernel::ray_box::{Reach, Slabs, room_of_sphere};
+use octray::kernel::ray_box::{Padding, Slabs, room_of_sphere};
 use octray::kernel::ray_sphere::{Robust, SphereMethod};
 use octray::math::{self, EPSILON};
 
@@ -83,7 +83,7 @@ fn each_hit(seed: u64, rays: usize, distances: (f64, f64), length: f64, mut chec
 fn hits_lie_within_the_room_made_for_them_and_need_more_than_an_eighth_of_it() {
     let room_of = |origin: Vec3| {
         let origin = math::Vec3::<f32>::splat(origin);
-        let spheres = Reach::new(0.0).with_spheres().room(origin) - Reach::new(0.0).room(origin);
+        let spheres = Padding::new(0.0).with_spheres().room(origin) - Padding::new(0.0).room(origin);
         f64::from(spheres) * 0.5f64.powi(21)
     };
     // What the two make of a unit of distance alone, if the centre is the origin of the scene.
@@ -123,8 +123,8 @@ fn rays_pass_the_boxes_of_spheres_they_hit_and_enter_them_no_later() {
             each_hit(92, 60_000, distances, length, |found| {
                 let bounds = Bounds::of_sphere(found.center, found.radius);
                 let extent = bounds.lo.abs().max(bounds.hi.abs()).max_element();
-                let reach = Reach::new(extent).with_spheres();
-                let slabs = Slabs::new(&ray(found.origin, found.direction), reach);
+                let padding = Padding::new(extent).with_spheres();
+                let slabs = Slabs::new(&ray(found.origin, found.direction), padding);
                 let corner = |v: Vec3| math::Vec3::new(v.x, v.y, v.z);
                 let (near, far) = slabs.pass(corner(bounds.lo), corner(bounds.hi));
                 let what = || format!("{bounds:?} from {} along {}", found.origin, found.direction);

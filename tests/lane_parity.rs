@@ -372,8 +372,8 @@ fn packing_moves_the_lanes_of_every_mask_to_the_front() {
         (F32x8::from_fn(|lane| lane as f32 + 0.5), U32x8::from_fn(|lane| lane as u32 + 100));
     for bits in 0..256u32 {
         let mask = mask_of(bits);
-        let packing = F32x8::packing(mask);
-        let (packed, packed_bits) = (floats.pack(packing), F32x8::pack_bits(integers, packing));
+        let packing = F32x8::compress_indices(mask);
+        let (packed, packed_bits) = (floats.compress(packing), F32x8::compress_bits(integers, packing));
         let chosen = (0..8).filter(|lane| bits >> lane & 1 == 1);
         assert_eq!(mask.count(), chosen.clone().count());
         for (to, from) in chosen.enumerate() {
@@ -382,8 +382,8 @@ fn packing_moves_the_lanes_of_every_mask_to_the_front() {
         }
     }
     // At width one the only lane is the first.
-    f32::packing(true);
-    assert_eq!((7.5_f32.pack(()), f32::pack_bits(9, ())), (7.5, 9));
+    f32::compress_indices(true);
+    assert_eq!((7.5_f32.compress(()), f32::compress_bits(9, ())), (7.5, 9));
 }
 
 fn mask_of(bits: u32) -> Mask8 {

@@ -5,9 +5,9 @@ mod common;
 
 use common::{Dice, floor, lamp, mean, sphere, triangle};
 use glam::{DVec3, Vec3};
-use octray::buffers::{LightChoice, SkyLight};
+use octray::buffers::{EnvironmentLight, LightChoice};
 use octray::film::Picture;
-use octray::kernel::light::{Aim, aim_at_sphere, aim_at_triangle, sphere_density, triangle_density};
+use octray::kernel::light::{LightSample, sample_sphere, sample_triangle, sphere_pdf, triangle_pdf};
 use octray::kernel::surface::latitude_longitude;
 use octray::lane::{F32x8, Lane};
 use octray::math;
@@ -32,7 +32,7 @@ fn square(side: u32) -> impl Iterator<Item = (f32, f32)> {
 
 /// What a Lambertian point would receive from an emitter of radiance 1: the mean of direction / density, whose product with a normal
 /// is the irradiance as long as the emitter is above the horizon.
-fn vector_irradiance(aim: impl Fn(f32, f32) -> Aim<f32>, side: u32) -> DVec3 {
+fn vector_irradiance(aim: impl Fn(f32, f32) -> LightSample<f32>, side: u32) -> DVec3 {
     let sum: DVec3 = square(side)
         .map(|(u, v)| {
             let aim = aim(u, v);
@@ -64,7 +64,7 @@ fn a_sphere_gives_the_irradiance_of_the_closed_form() {
         let radius = dice.scale(1e-4, 1e4);
         let distance = radius * dice.scale(1.001, 1e5);
         let center = dice.direction() * distance;
-        let aim = |u, v| aim_at_sphere(vector(center), radius as f32, u, v);
+        let aim = |u, v| sample_sphere(vector(center), radius as f32, u, v);
         // π sin² of half its angle, towards its centre.
         let truth = center.normalize() * PI * (radius / distance).powi(2);
         let error = (vector_irradiance(aim, 64) - truth).length() / truth.length();
@@ -79,9 +79,9 @@ fn corners(dice: &mut Dice) -> [DVec3; 3] {
     [(); 3].map(|()| middle + dice.direction() * size)
 }
 
-fn aim_at(corners: [DVec3; 3], u: f32, v: f32) -> Aim<f32> {
+fn aim_at(corners: [DVec3; 3], u: f32, v: f32) -> LightSample<f32> {
     let [a, b, c] = corners;
-    aim_at_triangle(vector(a), vector(b - a), vector(c - a), u, v)
+    sample_triangle(vector(a), vector(b - a), vector(c - a), u, v)
 }
 
 #[test]
@@ -170,12 +170,12 @@ fn a_direction_has_the_density_it_was_drawn_with() {
         let (u, v) = (dice.unit() as f32, dice.unit() as f32);
         let corners @ [a, b, c] = corners(&mut dice);
         let aim = aim_at(corners, u, v);
-        let again = triangle_density(vector(a), vector(b - a), vector(c - a), aim.direction, aim.t);
+        let again = triangle_pdf(vector(a), vector(b - a), vector(c - a), aim.direction, aim.t);
         assert!(aim.density == again || aim.density == 0.0, "{} {again}", aim.density);
         let radius = dice.scale(1e-3, 1e3);
         let center = dice.direction() * radius * dice.scale(0.1, 1e4);
-        let aim = aim_at_sphere(vector(center), radius as f32, u, v);
-        assert_eq!(aim.density, sphere_density(vector(center), radius as f32));
+        let aim = sample_sphere(vector(center), radius as f32, u, v);
+        assert_eq!(aim.density, sphere_pdf(vector(center), radius as f32));
         assert_eq!(aim.density > 0.0, center.as_vec3().length() > radius as f32, "{center} {radius}");
         if aim.density > 0.0 {
             assert!(double(aim.normal).dot(double(aim.direction)) < 1e-3 && aim.t > 0.0);
@@ -201,13 +201,13 @@ fn aims_are_the_same_at_every_width() {
         ];
         let radius = F32x8::from_fn(|lane| all[lane].1);
         let (u, v) = (F32x8::from_fn(|lane| all[lane].2), F32x8::from_fn(|lane| all[lane].3));
-        let (triangles, spheres) = (aim_at_triangle(a, ab, ac, u, v), aim_at_sphere(a, radius, u, v));
+        let (triangles, spheres) = (sample_triangle(a, ab, ac, u, v), sample_sphere(a, radius, u, v));
         for (lane, &(corners, radius, u, v)) in all.iter().enumerate() {
             let one = aim_at(corners, u, v);
             let bits = |v: Vec3| v.to_array().map(f32::to_bits);
             assert_eq!(bits(triangles.direction.get(lane)), bits(one.direction.get(0)));
             assert_eq!(triangles.density.get(lane).to_bits(), one.density.to_bits());
-            let one = aim_at_sphere(vector(corners[0]), radius, u, v);
+            let one = sample_sphere(vector(corners[0]), radius, u, v);
             if one.density > 0.0 {
                 assert_eq!(bits(spheres.direction.get(lane)), bits(one.direction.get(0)));
                 assert_eq!(spheres.density.get(lane).to_bits(), one.density.to_bits());
@@ -327,7 +327,7 @@ fn under_the_sun(filter: Filter) -> Scene {
 
 #[test]
 fn directions_to_a_sky_have_the_density_of_their_cell() {
-    let sky = SkyLight::of(&under_the_sun(Filter::Nearest)).unwrap();
+    let sky = EnvironmentLight::of(&under_the_sun(Filter::Nearest)).unwrap();
     assert!(sky.contrast > 50.0, "{}", sky.contrast);
     let (side, mut other, mut solid_angle, mut sun) = (512, 0, 0.0, 0.0);
     for (u, v) in square(side) {

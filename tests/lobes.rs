@@ -8,7 +8,7 @@ mod common;
 use common::Dice;
 use glam::{DVec3, Vec3};
 use octray::kernel::bsdf::plastic::{Plastic, mean_transmittance};
-use octray::kernel::bsdf::{Evaluated, Passed, Scattered, diffuse, ggx, scatter};
+use octray::kernel::bsdf::{BsdfEval, BsdfSample, LobeEval, diffuse, ggx, scatter};
 use octray::math;
 use std::f64::consts::{PI, TAU};
 
@@ -38,7 +38,7 @@ impl Lobe {
     }
     fn sample(self, d: Vec3, n: Vec3, [choose, u, v]: [f32; 3]) -> Drawn {
         let (d, n) = (lane(d), lane(n));
-        let grey = |lobe: Scattered<f32>| (lobe, math::Vec3::repeat(lobe.weight));
+        let grey = |lobe: BsdfSample<f32>| (lobe, math::Vec3::repeat(lobe.weight));
         let (lobe, weight) = match self {
             Lobe::Diffuse => grey(diffuse::sample(n, u, v)),
             Lobe::Ggx { alpha } => grey(ggx::sample(d, n, alpha, u, v)),
@@ -50,13 +50,13 @@ impl Lobe {
     /// f · cos θ, and the density.
     fn evaluate(self, d: Vec3, n: Vec3, towards: Vec3) -> (Vec3, f32) {
         let (d, n, towards) = (lane(d), lane(n), lane(towards));
-        let grey = |Evaluated { value, pdf }: Evaluated<f32>| (Vec3::splat(value), pdf);
+        let grey = |LobeEval { value, pdf }: LobeEval<f32>| (Vec3::splat(value), pdf);
         match self {
             Lobe::Diffuse => grey(diffuse::evaluate(n, towards)),
             Lobe::Ggx { alpha } => grey(ggx::evaluate(d, n, alpha, towards)),
             Lobe::Scatter { roughness } => grey(scatter::evaluate(d, n, roughness, towards)),
             Lobe::Plastic { .. } => {
-                let Passed { value, pdf } = self.plastic().evaluate(d, n, towards);
+                let BsdfEval { value, pdf } = self.plastic().evaluate(d, n, towards);
                 (value.get(0), pdf)
             }
         }

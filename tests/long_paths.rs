@@ -4,7 +4,7 @@ mod common;
 
 use common::{Dice, empty, material, sphere, triangle};
 use glam::{Quat, Vec3};
-use octray::buffers::{Buffers, Needs};
+use octray::buffers::{Buffers, Features};
 use octray::camera::Pinhole;
 use octray::integrate::queue::Work;
 use octray::integrate::{Tile, World, pipeline_for};
@@ -57,7 +57,7 @@ fn departure(scene: &Scene, max_bounces: u32, lanes: usize) -> f64 {
     };
     let tile = Tile { number: 0, x: 0, y: 0, width: 16, height: 16 };
     let mut work = Work::new();
-    let rays = pipeline_for(Needs::of(scene), lanes).1(&world, tile, 0, &mut work);
+    let rays = pipeline_for(Features::of(scene), lanes).1(&world, tile, 0, &mut work);
     // Nothing leaves the room (but by rounding): all paths reach their last segment.
     assert!(rays > 250 * u64::from(max_bounces), "{rays}");
     let alive = (rays - 256) / u64::from(max_bounces);

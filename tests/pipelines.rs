@@ -9,7 +9,7 @@ use octray::buffers::LightChoice;
 use octray::film::Picture;
 use octray::render::{PipelineChoice, Renderer, Settings};
 use octray::scene::{Camera, Filter, Material, MaterialKind, Scene, Sky};
-use octray::traverse::Methods;
+use octray::traverse::{BoxChoice, Methods};
 
 const KINDS: [MaterialKind; 8] = [
     MaterialKind::Diffuse,
@@ -133,5 +133,19 @@ fn every_feature_alone_gives_the_bits_of_all_features_together() {
                 assert!(render(&scene, needed) == render(&scene, general), "{kind:?}, {extra:?}, {lights:?}");
             }
         }
+    }
+}
+
+#[test]
+fn boxes_without_padding_have_none_in_a_hierarchy_and_out_of_it() {
+    for scene in ["builtin:cornell", "builtin:knot:2000"] {
+        let scene = octray::scene::load(scene).unwrap();
+        let padding = |boxes| {
+            octray::traverse::Primitives::new(&scene, Methods { boxes, ..Methods::default() }, 8).padding()
+        };
+        let full = octray::traverse::hierarchy::padding_of(&scene);
+        assert_eq!(padding(BoxChoice::PaddedFma), full);
+        assert_eq!(padding(BoxChoice::Fma), full.without_padding());
+        assert_ne!(padding(BoxChoice::Fma), full);
     }
 }

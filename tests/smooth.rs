@@ -4,7 +4,7 @@ mod common;
 
 use common::{Dice, empty, smooth_ball};
 use glam::Vec3;
-use octray::buffers::Needs;
+use octray::buffers::Features;
 use octray::kernel::normals;
 use octray::math;
 use octray::render::{Renderer, Settings};
@@ -103,10 +103,10 @@ fn bent_normals_mirror_above_the_surface_and_face_the_ray() {
 #[test]
 fn flat_meshes_need_no_smooth_normals() {
     let smooth = smooth_ball(MaterialKind::Diffuse);
-    assert!(Needs::of(&smooth).contains(Needs::SMOOTH_NORMALS));
+    assert!(Features::of(&smooth).contains(Features::SMOOTH_NORMALS));
     let flat = Scene { normals: vec![[Vec3::ZERO; 3]; 80], ..smooth.clone() };
-    assert!(!Needs::of(&flat).meets(Needs::BENT_NORMALS));
-    assert!(!Needs::of(&Scene { normals: Vec::new(), ..smooth }).meets(Needs::BENT_NORMALS));
+    assert!(!Features::of(&flat).meets(Features::BENT_NORMALS));
+    assert!(!Features::of(&Scene { normals: Vec::new(), ..smooth }).meets(Features::BENT_NORMALS));
     assert_eq!(picture(&flat, 4), picture(&Scene { normals: Vec::new(), ..flat.clone() }, 4));
-    assert!(!Needs::of(&empty()).meets(Needs::BENT_NORMALS));
+    assert!(!Features::of(&empty()).meets(Features::BENT_NORMALS));
 }

@@ -1,7 +1,7 @@
 //! What the survey tells of pixels: guides against primary rays and the scene itself, costs against the tallies of whole frames, shapes of
 //! paths against the counts of rays.
 
-use octray::integrate::guides::Guides;
+use octray::integrate::guides::Aovs;
 use octray::math::MISS;
 use octray::render::survey::Map;
 use octray::render::{Renderer, Settings};
@@ -14,8 +14,8 @@ const SIZE: [u32; 2] = [61, 35];
 fn settings(scene: &Scene) -> Settings {
     Settings { resolution: SIZE, ..Settings::of(scene) }
 }
-fn guides_of(renderer: &Renderer) -> Guides {
-    let mut guides = Guides::default();
+fn guides_of(renderer: &Renderer) -> Aovs {
+    let mut guides = Aovs::default();
     renderer.guides_into(&mut guides);
     guides
 }

@@ -4,7 +4,7 @@
 //!
 //! The figures are those of `octray stability` and `octray chart`.
 
-use crate::buffers::Needs;
+use crate::buffers::Features;
 use crate::scene::Scene;
 use crate::traverse::Methods;
 use serde::Serialize;
@@ -28,7 +28,7 @@ impl DefaultReport {
             }
         };
         let (spheres, triangles) = (!scene.spheres.is_empty(), !scene.triangles.is_empty());
-        let hierarchy = Needs::of(scene).contains(Needs::HIERARCHY);
+        let hierarchy = Features::of(scene).contains(Features::HIERARCHY);
         add(
             spheres,
             "sphere",

@@ -9,7 +9,7 @@ use super::options::InspectOptions;
 use super::routes::{HierarchyReport, TraversalReport};
 use super::scenes;
 use super::terminal;
-use crate::buffers::{LightChoice, Lights, Needs, SkyLight};
+use crate::buffers::{EnvironmentLight, Features, LightChoice, Lights};
 use crate::scene::{Filter, Loaded, Material, MaterialKind, Scene, Sky, Texture};
 use crate::wording::{counted, grouped};
 use glam::Vec3;
@@ -151,7 +151,7 @@ impl Inspection {
                 vertical_fov: scene.camera.vertical_fov,
             },
             bounds: Bounds::of(scene),
-            needs: Needs::of(scene).with(lights.needs()).names(),
+            needs: Features::of(scene).with(lights.needs()).names(),
             lights: LightReport::of(scene, &lights),
             memory_bytes: memory(scene),
             hierarchy: traversal.needs_hierarchy().then(|| HierarchyReport::of(scene)),
@@ -273,7 +273,7 @@ impl LightReport {
             sky: lights.sky.is_some(),
             sky_contrast: match &lights.sky {
                 Some((sky, _)) => Some(sky.contrast),
-                None => SkyLight::of(scene).map(|sky| sky.contrast),
+                None => EnvironmentLight::of(scene).map(|sky| sky.contrast),
             },
         }
     }

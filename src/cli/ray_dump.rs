@@ -49,7 +49,7 @@ fn write_rays(folder: &Path, Prepared { set, nearest }: &Prepared) -> Result<(),
     let path = folder.join(format!("{}.rays", set.kind.name()));
     write_atomically(&path, Existing::Replace, |file| {
         head(file, RAYS, set.len())?;
-        for column in set.origin.iter().chain(&set.direction).chain([&set.reach]) {
+        for column in set.origin.iter().chain(&set.direction).chain([&set.t_max]) {
             floats(file, column.iter().copied())?;
         }
         let found = nearest.t.iter().zip(&nearest.primitive);

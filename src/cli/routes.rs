@@ -5,7 +5,7 @@
 
 use super::memory::bytes;
 use super::terminal::figure;
-use crate::buffers::Needs;
+use crate::buffers::Features;
 use crate::bvh::check::{Statistics, check_scene};
 use crate::lane::{F32x8, Lane};
 use crate::machine;
@@ -47,8 +47,8 @@ impl TraversalReport {
             // One choice for all rays: the ways through a hierarchy see for themselves which rays run together.
             primary: way.name(),
             bounces: way.name(),
-            linear_cost: Needs::linear_cost(scene),
-            most_linear_cost: Needs::MOST_LINEAR_COST,
+            linear_cost: Features::linear_cost(scene),
+            most_linear_cost: Features::MOST_LINEAR_COST,
         }
     }
 
@@ -67,7 +67,7 @@ impl TraversalReport {
         let cost = format!(
             "testing everything would cost a ray {} (1 a sphere, {} a triangle)",
             grouped(*linear_cost),
-            Needs::TRIANGLE_COST
+            Features::TRIANGLE_COST
         );
         let why = format!("{cost}; {relation} {most_linear_cost}, {faster}");
         [("traversal", format!("{primary} for primary rays, {bounces} for bounces")), ("why", why)]

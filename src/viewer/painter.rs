@@ -13,7 +13,7 @@ use super::state::State;
 use super::views::{self, Sources, View};
 use crate::display::{Blur, Denoiser, Fxaa, History, Samples, rows, walking_speed};
 use crate::film::{Film, Picture};
-use crate::integrate::guides::Guides;
+use crate::integrate::guides::Aovs;
 use crate::integrate::queue::PathShape;
 use crate::render::Renderer;
 use crate::render::survey::{self, Cost};
@@ -49,7 +49,7 @@ pub struct Painter {
     blur: Blur,
     fxaa: Fxaa,
     denoiser: Denoiser,
-    guides: Guides,
+    guides: Aovs,
     /// Are they of the camera of now?
     guided: bool,
     costs: survey::Map<Cost>,

@@ -2,7 +2,7 @@
 //!
 //! For: [`View`], and [`paint`] that fills a frame's pixels with one. May import: what `render` surveys. Must never know: keys, windows.
 
-use crate::integrate::guides::{Guide, Guides, Plane};
+use crate::integrate::guides::{Aovs, Guide, Plane};
 use crate::integrate::queue::PathShape;
 use crate::math::MISS;
 use crate::render::survey::{Cost, Map};
@@ -74,7 +74,7 @@ impl View {
 
 /// What views are painted from; a view reads what it needs.
 pub struct Sources<'a> {
-    pub guides: &'a Guides,
+    pub guides: &'a Aovs,
     pub shapes: &'a Map<PathShape>,
     pub costs: &'a Map<Cost>,
     /// Samples behind each pixel, row by row.
@@ -131,7 +131,7 @@ fn depth(guide: &Guide, [near, far]: [f32; 2]) -> f32 {
 }
 
 /// The nearest distance, and the one that nine tenths of all are nearer than. `memory` is working memory.
-pub fn range(guides: &Guides, memory: &mut Vec<f32>) -> [f32; 2] {
+pub fn range(guides: &Aovs, memory: &mut Vec<f32>) -> [f32; 2] {
     memory.clear();
     let rows = (0..guides.resolution()[1]).flat_map(|y| guides.row(Plane::Distance, y));
     memory.extend(rows.copied().filter(|distance| distance.is_finite()));
@@ -206,7 +206,7 @@ mod tests {
 
     #[test]
     fn heat_stands_for_what_the_legends_say() {
-        let (mut guides, mut shapes, mut costs) = (Guides::default(), Map::default(), Map::default());
+        let (mut guides, mut shapes, mut costs) = (Aovs::default(), Map::default(), Map::default());
         guides.resize([3, 1]);
         shapes.pixels =
             [(1, 0), (2, 1), (2, 2)].map(|(segments, lanes)| PathShape { segments, lanes }).into();

@@ -23,7 +23,7 @@ pub struct Set {
     pub origin: [Vec<f32>; 3],
     pub direction: [Vec<f32>; 3],
     /// How far each ray reaches: in units of t, where it has hit before or where it ends.
-    pub reach: Vec<f32>,
+    pub t_max: Vec<f32>,
     /// What it has hit there; [`MISS`] for nothing.
     pub primitive: Vec<u32>,
 }
@@ -32,16 +32,16 @@ pub struct Set {
 const BEFORE: [f32; 2] = [0.125, 0.25];
 
 impl Set {
-    pub fn push(&mut self, origin: Vec3, direction: Vec3, reach: f32) {
+    pub fn push(&mut self, origin: Vec3, direction: Vec3, t_max: f32) {
         for axis in 0..3 {
             self.origin[axis].push(origin[axis]);
             self.direction[axis].push(direction[axis]);
         }
-        self.reach.push(reach);
+        self.t_max.push(t_max);
         self.primitive.push(MISS);
     }
     pub fn len(&self) -> usize {
-        self.reach.len()
+        self.t_max.len()
     }
     pub fn rays(&self) -> Rays<'_> {
         Rays {
@@ -56,7 +56,7 @@ impl Set {
             self.primitive.iter().map(of_hit).collect::<Vec<f32>>()
         };
         let (mut t, mut primitive, mut u, mut v) =
-            (self.reach.clone(), self.primitive.clone(), weight(0), weight(1));
+            (self.t_max.clone(), self.primitive.clone(), weight(0), weight(1));
         let mut hits = Hits { t: &mut t, primitive: &mut primitive, u: &mut u, v: &mut v };
         let result = run(&mut hits);
         let bits = |i: usize| [t[i].to_bits(), primitive[i], u[i].to_bits(), v[i].to_bits()];
@@ -98,12 +98,12 @@ impl Set {
                 let Self(set, before, answers) = self;
                 for (at, before) in before.into_iter().enumerate() {
                     let Hit { t, primitive, u, v } = closest(&set.rays().packet::<f32>(at));
-                    // Testing everything knows no reach: there and beyond it nothing was to be found, but what is as far as the hit from
+                    // Testing everything knows no t_max: there and beyond it nothing was to be found, but what is as far as the hit from
                     // before and has a lower number.
-                    let reach = set.reach[at];
+                    let t_max = set.t_max[at];
                     let known = set.primitive[at];
                     let lower = known != MISS && primitive < known;
-                    answers.push(match primitive != MISS && (t < reach || (t == reach && lower)) {
+                    answers.push(match primitive != MISS && (t < t_max || (t == t_max && lower)) {
                         true => [t.to_bits(), primitive, u.to_bits(), v.to_bits()],
                         false => before,
                     });
@@ -127,8 +127,8 @@ impl Set {
             let found = self.through_by::<false>(&mut tracer, &hierarchy, traversal);
             for (at, (found, expected)) in found.iter().zip(&expected).enumerate() {
                 let ray = self.rays().packet::<f32>(at);
-                let reach = self.reach[at];
-                assert_eq!(found, expected, "{what}, {name}: ray {at}, {ray:?} to {reach}");
+                let t_max = self.t_max[at];
+                assert_eq!(found, expected, "{what}, {name}: ray {at}, {ray:?} to {t_max}");
             }
             let found = self.through_by::<true>(&mut tracer, &hierarchy, traversal);
             for (at, (found, expected)) in found.iter().zip(&expected).enumerate() {

@@ -1,8 +1,8 @@
 //! The emitters that paths look for, and how likely each is chosen.
 
-use super::needs::Needs;
+use super::environment_light::EnvironmentLight;
+use super::features::Features;
 use super::rows::Rows;
-use super::sky_light::SkyLight;
 use crate::kernel::surface::{sphere_offset, triangle_offset};
 use crate::lane::{Bits, Lane};
 use crate::math::Vec3;
@@ -48,12 +48,12 @@ pub struct Lights {
     /// The chance of each primitive of the scene to be chosen, spheres first, and of the sky; empty without lights.
     pub chances: Vec<f32>,
     /// The sky's picture, if it is one of the lights, and its chance.
-    pub sky: Option<(SkyLight, f32)>,
+    pub sky: Option<(EnvironmentLight, f32)>,
 }
 
 /// What stands for a radius where the light is the sky.
 const SKY_RADIUS: f32 = -1.0;
-/// From this [`SkyLight::contrast`] on it pays to look for the sky's bright places.
+/// From this [`EnvironmentLight::contrast`] on it pays to look for the sky's bright places.
 const LEAST_CONTRAST: f64 = 2.0;
 
 /// No light is chosen less often than this share of the average. Random numbers have 24 digits: a light that few or none of them choose is
@@ -88,8 +88,8 @@ impl Lights {
             return Self::default();
         }
         let mut powers: Vec<f64> = (0..primitives).map(|number| power_of(scene, number, choice)).collect();
-        let sky =
-            SkyLight::of(scene).filter(|sky| choice == LightChoice::On || sky.contrast >= LEAST_CONTRAST);
+        let sky = EnvironmentLight::of(scene)
+            .filter(|sky| choice == LightChoice::On || sky.contrast >= LEAST_CONTRAST);
         powers.push(sky.as_ref().map_or(0.0, |sky| sky_power(scene, sky)));
         let total: f64 = powers.iter().sum();
         if total <= 0.0 || !total.is_finite() {
@@ -111,11 +111,11 @@ impl Lights {
         }
     }
     /// What searching for them needs of a pipeline.
-    pub fn needs(&self) -> Needs {
+    pub fn needs(&self) -> Features {
         match self.len() {
-            0 => Needs::NONE,
-            count if count > Self::FEW => Needs::LIGHTS.with(Needs::MANY_LIGHTS),
-            _ => Needs::LIGHTS,
+            0 => Features::NONE,
+            count if count > Self::FEW => Features::LIGHTS.with(Features::MANY_LIGHTS),
+            _ => Features::LIGHTS,
         }
     }
     pub fn len(&self) -> usize {
@@ -212,7 +212,7 @@ fn power_of(scene: &Scene, number: usize, choice: LightChoice) -> f64 {
 }
 
 /// What arrives from the sky at a ball around the scene.
-fn sky_power(scene: &Scene, sky: &SkyLight) -> f64 {
+fn sky_power(scene: &Scene, sky: &EnvironmentLight) -> f64 {
     let (lower, upper) = scene.bounds();
     let radius = (upper - lower).length() / 2.0;
     4.0 * f64::from(PI) * f64::from(PI) * radius * radius * sky.mean

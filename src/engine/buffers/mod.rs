@@ -1,22 +1,22 @@
 //! The scene flattened: aligned structure-of-arrays buffers, and what the scene needs.
 //!
-//! For: [`Buffers`] (spheres, triangles, materials, textures, sky, as the tracer reads them) and [`Needs`]. May import: `lane`,
+//! For: [`Buffers`] (spheres, triangles, materials, textures, sky, as the tracer reads them) and [`Features`]. May import: `lane`,
 //! `math`, `kernel`, `scene`. Must never know: rays in flight, pixels, threads.
 //!
 //! Two shapes, for two ways of reading. What all lanes read together, or one primitive in all lanes, lies in *blocks* of eight, each
 //! component a packet of its own ([`SphereBlock`]): intersection streams through blocks. What each lane reads at an index of its own
 //! lies in *row tables* ([`rows::Rows`]) of eight floats a row: shading fetches rows and transposes them into packets in registers.
 
+mod environment_light;
+pub mod features;
 mod lights;
-pub mod needs;
 pub mod rows;
-mod sky_light;
 mod spheres;
 mod texels;
 
+pub use environment_light::EnvironmentLight;
+pub use features::Features;
 pub use lights::{LightChoice, Lights};
-pub use needs::Needs;
-pub use sky_light::SkyLight;
 pub use spheres::{SphereBlock, Spheres};
 pub use texels::{Abilities, Textures};
 
@@ -29,7 +29,7 @@ use rows::Rows;
 
 /// Everything the tracer reads of a scene, except the triangles' intersection data (see [`store_triangles`]).
 pub struct Buffers {
-    pub needs: Needs,
+    pub needs: Features,
     pub spheres: Spheres,
     /// One row of eight a sphere: centre, radius, offset of leaving rays, material (bits), texture turn (see `picture_turn`), chance
     /// of being chosen as a light.
@@ -45,7 +45,7 @@ pub struct Buffers {
     /// One row of eight a triangle: unit vector along growing u, +1 or −1 (v grows to its left, or right, seen from outside), 0; all 0
     /// where u leads nowhere. Empty where no triangle has a normal map.
     pub tangent_rows: Rows,
-    /// One row of eight a material, read where [`Needs::DETAILS`] meets: index of refraction, mean transmittance of plastic's coat,
+    /// One row of eight a material, read where [`Features::DETAILS`] meets: index of refraction, mean transmittance of plastic's coat,
     /// roughness map and normal map (bits: index + 1, 0 for none), 0.
     pub detail_rows: Rows,
     pub has_uvs: bool,
@@ -61,7 +61,7 @@ pub struct Sky {
     pub bottom: Vec3,
     /// Radiance straight up minus `bottom`; zero without a gradient.
     pub rise: Vec3,
-    /// Index of the picture, where [`Needs::SKY_TEXTURE`] holds.
+    /// Index of the picture, where [`Features::SKY_TEXTURE`] holds.
     pub texture: u32,
 }
 
@@ -111,7 +111,7 @@ impl Buffers {
         let triangles = scene.triangles.iter().enumerate();
         let of_triangle = |(number, triangle)| triangle_rows(triangle, chance(scene.spheres.len() + number));
         Self {
-            needs: Needs::of(scene).with(lights.needs()),
+            needs: Features::of(scene).with(lights.needs()),
             spheres: Spheres::new(&scene.spheres),
             sphere_rows: Rows::new(spheres.map(|(number, sphere)| sphere_row(sphere, chance(number)))),
             triangle_rows: Rows::new(triangles.flat_map(of_triangle)),

@@ -28,7 +28,7 @@ const END: f32 = 0.25;
 /// The most that a single dot loses to its neighbour.
 const MOST_OF_A_DOT: f32 = 0.75;
 /// What step 4 finds at a straight edge: a third.
-const STRAIGHT: f32 = 0.334;
+const RENORMALIZATION_INTERVAL: f32 = 0.334;
 /// Red, green and blue in brightness, as in the original.
 const LUMA: [f32; 3] = [0.299, 0.587, 0.114];
 
@@ -117,8 +117,8 @@ impl Luma<'_> {
         let other = if side < 0 { before } else { behind };
 
         let around = 2.0 * (up + down + left + right) + up_left + up_right + down_left + down_right;
-        let alone =
-            (((around / 12.0 - own).abs() / contrast).min(1.0) - STRAIGHT).max(0.0) / (1.0 - STRAIGHT);
+        let alone = (((around / 12.0 - own).abs() / contrast).min(1.0) - RENORMALIZATION_INTERVAL).max(0.0)
+            / (1.0 - RENORMALIZATION_INTERVAL);
         let smooth = alone * alone * (3.0 - 2.0 * alone);
         let dot = smooth * smooth * MOST_OF_A_DOT;
         let share = self.edge_share([x, y], horizontal, across, [own, other]).max(dot);

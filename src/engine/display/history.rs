@@ -23,7 +23,7 @@
 use super::rows;
 use crate::camera::Pinhole;
 use crate::film::Picture;
-use crate::integrate::guides::{Guides, Plane};
+use crate::integrate::guides::{Aovs, Plane};
 use crate::lane::{F32x8, Lane, Mask, lane_indices};
 use crate::math::{MISS, Vec3};
 use glam::{Vec3A, Vec4};
@@ -98,7 +98,7 @@ impl History {
     ///
     /// # Panics
     /// If picture and guides differ in size.
-    pub fn advance(&mut self, fresh: &Picture, samples: u32, guides: &Guides, camera: &Pinhole) -> &Picture {
+    pub fn advance(&mut self, fresh: &Picture, samples: u32, guides: &Aovs, camera: &Pinhole) -> &Picture {
         let size = [fresh.width, fresh.height];
         assert_eq!(size, guides.resolution(), "a picture and its guides");
         self.remember_still();
@@ -180,7 +180,7 @@ fn blend(a: [f32; 3], of_a: f32, b: [f32; 3], of_b: f32) -> [f32; 3] {
 struct Frame<'a> {
     fresh: &'a Picture,
     samples: f32,
-    guides: &'a Guides,
+    guides: &'a Aovs,
     camera: &'a Pinhole,
 }
 

@@ -19,7 +19,7 @@ pub use blur::Blur;
 pub use fxaa::Fxaa;
 pub use history::History;
 
-use crate::integrate::guides::{Guides, Plane};
+use crate::integrate::guides::{Aovs, Plane};
 
 /// The share of the lower quartile of distances that is walked in a second.
 const SHARE_A_SECOND: f32 = 0.25;
@@ -28,7 +28,7 @@ const SPEED_IN_THE_VOID: f32 = 1.0;
 
 /// How fast to walk through what the camera sees, in scene units a second: a quarter of the lower quartile of the distances of the pixels
 /// that see a surface, so that what is near passes by at the same pace in scenes of every size. One unit where no pixel sees any.
-pub fn walking_speed(guides: &Guides) -> f32 {
+pub fn walking_speed(guides: &Aovs) -> f32 {
     let rows = (0..guides.resolution()[1]).flat_map(|y| guides.row(Plane::Distance, y));
     let mut distances: Vec<f32> = rows.copied().filter(|distance| distance.is_finite()).collect();
     if distances.is_empty() {

@@ -3,8 +3,8 @@
 use super::World;
 use super::queue::{Column, Integers, Queue, Vectors, Work};
 use super::stats::RayKind;
-use super::surface::needs;
-use crate::buffers::Needs;
+use super::surface::has;
+use crate::buffers::Features;
 use crate::lane::{Bits, Lane};
 use crate::math::{Hit, MISS, Ray};
 use crate::traverse::batch::{Tracer, Traversal};
@@ -17,7 +17,7 @@ use crate::traverse::{Batch, Visible};
 pub fn extend<L: Lane, const N: u32>(world: &World, work: &mut Work, count: usize) {
     if let Some((hierarchy, traversal)) = world.primitives.hierarchy() {
         work.trace(hierarchy, traversal, count, RayKind::Bounce);
-    } else if world.primitives.meets_by_default() {
+    } else if world.primitives.uses_default_methods() {
         let stage = Stage::<N> { queue: &mut work.queue, count };
         world.primitives.for_default_batch::<L>(&world.buffers, None, stage);
     } else {
@@ -35,7 +35,7 @@ impl<L: Lane, const N: u32> Batch<L> for Stage<'_, N> {
     fn run(self, closest: impl Fn(&Ray<L>) -> Hit<L>) {
         for at in (0..self.count).step_by(L::WIDTH) {
             let hit = closest(&self.queue.ray(at));
-            self.queue.store_hit(at, &hit, needs(N, Needs::TRIANGLES));
+            self.queue.store_hit(at, &hit, has(N, Features::TRIANGLES));
         }
     }
 }
@@ -46,7 +46,7 @@ pub struct Segments<'a> {
     pub origin: &'a Vectors,
     pub direction: &'a Vectors,
     /// From where on nothing counts as hit; without it everything does.
-    pub reach: Option<&'a Column>,
+    pub t_max: Option<&'a Column>,
     pub t: &'a mut Column,
     pub primitive: &'a mut Integers,
     pub u: &'a mut Column,
@@ -63,12 +63,12 @@ impl Segments<'_> {
         traversal: Traversal,
         counter: Option<&Counter>,
     ) {
-        let Segments { count, origin, direction, reach, t, primitive, u, v } = self;
+        let Segments { count, origin, direction, t_max, t, primitive, u, v } = self;
         let rays = Rays { origin: origin.first(count), direction: direction.first(count) };
         let [t, u, v] = [t, u, v].map(|column| &mut column[..count]);
         let primitive = &mut primitive[..count];
-        match reach {
-            Some(reach) => t.copy_from_slice(&reach[..count]),
+        match t_max {
+            Some(t_max) => t.copy_from_slice(&t_max[..count]),
             None => t.fill(f32::INFINITY),
         }
         primitive.fill(MISS);
@@ -98,8 +98,8 @@ impl<L: Lane> Batch<L> for Segments<'_> {
     fn run(self, closest: impl Fn(&Ray<L>) -> Hit<L>) {
         for at in (0..self.count).step_by(L::WIDTH) {
             let mut hit = closest(&Ray { origin: self.origin.load(at), direction: self.direction.load(at) });
-            if let Some(reach) = self.reach {
-                let before = hit.t.lt(L::load(&reach[at..]));
+            if let Some(t_max) = self.t_max {
+                let before = hit.t.lt(L::load(&t_max[at..]));
                 hit.primitive = L::Bits::select(before, hit.primitive, L::Bits::splat(MISS));
             }
             hit.t.store(&mut self.t[at..]);

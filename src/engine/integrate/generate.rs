@@ -4,9 +4,9 @@
 use super::extend::meet;
 use super::queue::{Queue, Work};
 use super::stats::RayKind;
-use super::surface::needs;
+use super::surface::has;
 use super::{Tile, World};
-use crate::buffers::Needs;
+use crate::buffers::Features;
 use crate::camera::Pinhole;
 use crate::lane::{Bits, Lane, lane_indices};
 use crate::math::{Hit, Ray};
@@ -18,7 +18,7 @@ pub fn generate<L: Lane, const N: u32>(world: &World, tile: Tile, sample: u32, w
     let (count, visible) = (tile.pixels(), world.visible.get(tile.number));
     let stage = Stage::<N> { world, tile, sample, queue: &mut work.queue };
     let hierarchy = world.primitives.hierarchy();
-    if hierarchy.is_none() && world.primitives.meets_by_default() {
+    if hierarchy.is_none() && world.primitives.uses_default_methods() {
         world.primitives.for_default_batch::<L>(&world.buffers, visible, stage);
         return count;
     }
@@ -62,7 +62,7 @@ impl<L: Lane, const N: u32> Batch<L> for Stage<'_, N> {
             let (jitter_x, jitter_y) = numbers.pair::<L>(key, 0);
             let ray = camera.rays(x + jitter_x, y + jitter_y);
             self.queue.store_primary(at, ray.direction, key);
-            self.queue.store_hit(at, &closest(&ray), needs(N, Needs::TRIANGLES));
+            self.queue.store_hit(at, &closest(&ray), has(N, Features::TRIANGLES));
         }
     }
 }

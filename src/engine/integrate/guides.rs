@@ -5,14 +5,14 @@ use super::extend::meet;
 use super::queue::{MAX_PIXELS, Path, Work};
 use super::shade::sky_radiance;
 use super::stats::RayKind;
-use super::surface::{Surface, Worn};
-use crate::buffers::{MaterialCode, Needs};
+use super::surface::{MaterialSample, Surface};
+use crate::buffers::{Features, MaterialCode};
 use crate::lane::{Bits, F32x8, Lane, Mask, lane_indices};
 use crate::math::{Hit, MISS, Vec3};
 
-/// Lanes of the pass. Guides are the same at any width.
+/// Lanes of the pass. Aovs are the same at any width.
 type L = F32x8;
-const ALL: u32 = Needs::ALL.0;
+const ALL: u32 = Features::ALL.0;
 
 /// One of the numbers of every pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -54,14 +54,14 @@ pub struct Guide {
 
 /// The guides of a picture: row by row, in each row plane by plane, so that filters load whole packets.
 #[derive(Clone, Debug, Default)]
-pub struct Guides {
+pub struct Aovs {
     resolution: [u32; 2],
     /// From one plane of a row to the next: a packet more than pixels, so that the last packet may be read and stored whole.
     stride: usize,
     numbers: Vec<f32>,
 }
 
-impl Guides {
+impl Aovs {
     /// Takes memory only where the picture grows. What the guides hold afterwards is unspecified.
     pub fn resize(&mut self, resolution: [u32; 2]) {
         let [width, height] = resolution.map(|side| side as usize);
@@ -138,7 +138,7 @@ fn guides(world: &World, work: &Work, at: usize, count: usize) -> [L; PLANES] {
     let path = Path {
         ray,
         throughput: Vec3::repeat(one),
-        inverse: zero,
+        inv_pdf: zero,
         key: <L as Lane>::Bits::splat(0),
         slot: <L as Lane>::Bits::splat(0),
     };
@@ -152,12 +152,12 @@ fn guides(world: &World, work: &Work, at: usize, count: usize) -> [L; PLANES] {
     }
     if found.any() {
         let surface = Surface::of::<ALL>(world, &path, &hit, found);
-        let worn = Worn::of::<ALL>(world, &surface, found);
-        let is = |kind: u32| worn.kind.equals(<L as Lane>::Bits::splat(kind));
-        let color = Vec3::select(is(MaterialCode::EMITTER), displayable(worn.emission), worn.color);
-        let away = zero.lt(worn.normal.dot(ray.direction));
-        let facing = Vec3::select(away, -worn.normal, worn.normal);
-        let spread = worn.parameter.min(one);
+        let material = MaterialSample::of::<ALL>(world, &surface, found);
+        let is = |kind: u32| material.kind.equals(<L as Lane>::Bits::splat(kind));
+        let color = Vec3::select(is(MaterialCode::EMITTER), displayable(material.emission), material.color);
+        let away = zero.lt(material.normal.dot(ray.direction));
+        let facing = Vec3::select(away, -material.normal, material.normal);
+        let spread = material.parameter.min(one);
         let spread = L::select(is(MaterialCode::GGX) | is(MaterialCode::SCATTER), spread, one);
         let spread = L::select(is(MaterialCode::MIRROR) | is(MaterialCode::GLASS), zero, spread);
         normal = Vec3::select(found, facing, normal);

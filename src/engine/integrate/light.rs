@@ -1,4 +1,4 @@
-//! Light that paths look for: at each scattering event a ray to a point of some emitter, and what arrives along it if nothing is in
+//! Light that paths sample_direct_light for: at each scattering event a ray to a point of some emitter, and what arrives along it if nothing is in
 //! between.
 //!
 //! Each direction towards an emitter may be found by chance (scattering) and by search (here); both count, weighted by the power
@@ -7,13 +7,13 @@
 
 use super::World;
 use super::extend::{Segments, meet};
-use super::queue::{Column, Integers, Path, Queue, Vectors, Work, pack};
-use super::scatter::{Drawn, evaluate, samples_lights};
+use super::queue::{Column, Integers, Path, Queue, Vectors, Work, compress};
+use super::scatter::{ScatteredPath, evaluate, samples_lights};
 use super::shade::sky_radiance;
 use super::stats::Stage;
-use super::surface::{Surface, Worn, needs};
-use crate::buffers::Needs;
-use crate::kernel::light::{aim_at_sphere, aim_at_triangle};
+use super::surface::{MaterialSample, Surface, has};
+use crate::buffers::Features;
+use crate::kernel::light::{sample_sphere, sample_triangle};
 use crate::lane::{Bits, Lane, Mask};
 use crate::math::{Hit, Ray, Vec3};
 use crate::sampling::{Numbers, random};
@@ -21,16 +21,16 @@ use bytemuck::Zeroable;
 
 /// A ray to a light ends this share of its length before it: far more than the error of a hit's distance, so that no light is in its
 /// own way, and little enough that nothing which could be is overlooked.
-const SHORT: f32 = 4e-6;
+const SHADOW_EPSILON: f32 = 4e-6;
 
 /// Rays to lights, and what arrives along those that nothing is in the way of.
 #[derive(Clone, Copy, Zeroable)]
 #[repr(C)]
-pub struct Search {
+pub struct ShadowQueue {
     pub origin: Vectors,
     pub direction: Vectors,
     /// How far something would be in the way.
-    pub reach: Column,
+    pub t_max: Column,
     radiance: Vectors,
     slot: Integers,
 }
@@ -38,7 +38,7 @@ pub struct Search {
 /// The weight of light found by chance, of the density `chance`, that search would have found with the density `search`: β = 2.
 /// Given one over the one and the other itself; light found by search has what is left to 1.
 #[inline(always)]
-pub fn weight_by_chance<L: Lane>(inverse_chance: L, search: L) -> L {
+pub fn mis_weight<L: Lane>(inverse_chance: L, search: L) -> L {
     let ratio = inverse_chance * search;
     L::one() / ratio.mul_add(ratio, L::one())
 }
@@ -48,38 +48,38 @@ pub fn weight_by_chance<L: Lane>(inverse_chance: L, search: L) -> L {
 ///
 /// Never in line: it is much code, wanted in two places.
 #[inline(never)]
-pub fn look<L: Lane, const N: u32>(
+pub fn sample_direct_light<L: Lane, const N: u32>(
     world: &World,
     (work, count): (&mut Work, usize),
     path: &Path<L>,
-    drawn: &Drawn<L>,
-    (surface, worn): (&Surface<L>, &Worn<L>),
+    drawn: &ScatteredPath<L>,
+    (surface, material): (&Surface<L>, &MaterialSample<L>),
     (numbers, found): (&Numbers, L::Mask),
 ) -> usize {
-    let mask = found & samples_lights::<L>(worn);
+    let mask = found & samples_lights::<L>(material);
     if !mask.any() {
         return count;
     }
     let (u, v) = numbers.pair::<L>(path.key, random::LIGHT_POINT);
     let number = |dimension: u32| numbers.one::<L>(path.key, dimension);
     let lights = &world.buffers.lights;
-    let few = !needs(N, Needs::MANY_LIGHTS);
+    let few = !has(N, Features::MANY_LIGHTS);
     let (light, u) = lights.choose::<L>(u, || number(random::LIGHT), || number(random::LIGHT_AGAIN), few);
     // From where the path goes on, so that scattering in the same direction would find the same density.
     let origin = drawn.path.ray.origin;
     let at = light.at - origin;
     let is_sphere = L::zero().lt(light.radius);
     let (spheres, triangles) = ((mask & is_sphere).any(), (mask & !is_sphere).any());
-    let mut aim = match (needs(N, Needs::SPHERES) && spheres, needs(N, Needs::TRIANGLES) && triangles) {
-        (true, false) => aim_at_sphere(at, light.radius, u, v),
-        (false, _) => aim_at_triangle(at, light.ab, light.ac, u, v),
+    let mut aim = match (has(N, Features::SPHERES) && spheres, has(N, Features::TRIANGLES) && triangles) {
+        (true, false) => sample_sphere(at, light.radius, u, v),
+        (false, _) => sample_triangle(at, light.ab, light.ac, u, v),
         (true, true) => {
-            let triangle = aim_at_triangle(at, light.ab, light.ac, u, v);
-            triangle.or(is_sphere, aim_at_sphere(at, light.radius, u, v))
+            let triangle = sample_triangle(at, light.ab, light.ac, u, v);
+            triangle.or(is_sphere, sample_sphere(at, light.radius, u, v))
         }
     };
     let mut emission = light.emission;
-    if needs(N, Needs::SKY_TEXTURE)
+    if has(N, Features::SKY_TEXTURE)
         && let Some((sky, _)) = &lights.sky
     {
         let is_sky = mask & light.radius.lt(L::zero());
@@ -89,13 +89,13 @@ pub fn look<L: Lane, const N: u32>(
             emission = Vec3::select(is_sky, seen, emission);
         }
     }
-    let passed = evaluate::<L, N>(path.ray.direction, surface, worn, aim.direction, mask);
+    let passed = evaluate::<L, N>(path.ray.direction, surface, material, aim.direction, mask);
     let density = light.chance * aim.density;
     let possible = mask & L::zero().lt(density);
-    let inverse = L::one() / L::select(possible, density, L::one());
+    let inv_pdf = L::one() / L::select(possible, density, L::one());
     // 1 − its complement would cancel; this is the same heuristic from the other side.
-    let weight = weight_by_chance(inverse, passed.pdf);
-    let radiance = path.throughput * passed.value * emission * (weight * inverse);
+    let weight = mis_weight(inv_pdf, passed.pdf);
+    let radiance = path.throughput * passed.value * emission * (weight * inv_pdf);
     let carries = possible & !(radiance.x + radiance.y + radiance.z).eq(L::zero());
     if !carries.any() {
         return count;
@@ -104,37 +104,44 @@ pub fn look<L: Lane, const N: u32>(
     let length = end.dot(end).sqrt();
     let far = !aim.t.is_finite();
     let direction = Vec3::select(far, aim.direction, end * (L::one() / length));
-    let reach = L::select(far, aim.t, length * L::splat(1.0 - SHORT));
-    work.search.store(count, L::packing(carries), &Ray { origin, direction }, reach, radiance, path.slot);
+    let t_max = L::select(far, aim.t, length * L::splat(1.0 - SHADOW_EPSILON));
+    work.search.store(
+        count,
+        L::compress_indices(carries),
+        &Ray { origin, direction },
+        t_max,
+        radiance,
+        path.slot,
+    );
     count + carries.count()
 }
 
-impl Search {
+impl ShadowQueue {
     /// The first `count` rays; their hits go where `queue` has its own.
     pub fn segments<'a>(&'a self, queue: &'a mut Queue, count: usize) -> Segments<'a> {
-        let Search { origin, direction, reach, .. } = self;
-        Segments { origin, direction, reach: Some(reach), ..queue.segments(count) }
+        let ShadowQueue { origin, direction, t_max, .. } = self;
+        Segments { origin, direction, t_max: Some(t_max), ..queue.segments(count) }
     }
     #[inline(always)]
     fn store<L: Lane>(
         &mut self,
         at: usize,
-        packing: L::Packing,
+        indices: L::CompressIndices,
         ray: &Ray<L>,
-        reach: L,
+        t_max: L,
         radiance: Vec3<L>,
         slot: L::Bits,
     ) {
-        self.origin.store(at, pack(ray.origin, packing));
-        self.direction.store(at, pack(ray.direction, packing));
-        reach.pack(packing).store(&mut self.reach[at..]);
-        self.radiance.store(at, pack(radiance, packing));
-        L::pack_bits(slot, packing).store(&mut self.slot[at..]);
+        self.origin.store(at, compress(ray.origin, indices));
+        self.direction.store(at, compress(ray.direction, indices));
+        t_max.compress(indices).store(&mut self.t_max[at..]);
+        self.radiance.store(at, compress(radiance, indices));
+        L::compress_bits(slot, indices).store(&mut self.slot[at..]);
     }
 }
 
-/// Traces the first `count` rays to lights and adds the light of those that arrive.
-pub fn arrive<L: Lane>(world: &World, work: &mut Work, count: usize) {
+/// Traces the first `count` rays to lights and adds the light of those that trace_shadow_rays.
+pub fn trace_shadow_rays<L: Lane>(world: &World, work: &mut Work, count: usize) {
     work.enter_search::<L>(world, count);
     match world.primitives.hierarchy() {
         Some((hierarchy, traversal)) => work.trace_search(hierarchy, traversal, count),

@@ -31,7 +31,7 @@ pub mod surface;
 
 pub use generate::generate;
 
-use crate::buffers::{Buffers, Needs};
+use crate::buffers::{Buffers, Features};
 use crate::camera::Pinhole;
 use crate::lane::Lane;
 use crate::sampling::{Numbers, Sampler, random};
@@ -86,7 +86,7 @@ impl Tile {
 pub type Pipeline = fn(&World, Tile, u32, &mut Work) -> u64;
 
 /// Takes sample `sample` of every pixel of a tile into `work`'s radiance and returns how many rays that took. `N` holds the
-/// features this pipeline is compiled with; it must contain the scene's [`Needs`].
+/// features this pipeline is compiled with; it must contain the scene's [`Features`].
 pub fn trace_tile<L: Lane, const N: u32>(world: &World, tile: Tile, sample: u32, work: &mut Work) -> u64 {
     work.enter(Some(Stage::Generate));
     let mut count = generate::<L, N>(world, tile, sample, work);
@@ -104,7 +104,7 @@ pub fn trace_tile<L: Lane, const N: u32>(world: &World, tile: Tile, sample: u32,
         count = shaded.going_on;
         rays += count as u64;
         work.enter_with::<L>(Stage::Extend, world, tile, bounce, count);
-        if bounce.is_multiple_of(STRAIGHT) {
+        if bounce.is_multiple_of(RENORMALIZATION_INTERVAL) {
             work.queue.normalize_directions::<L>(count);
         }
         extend::extend::<L, N>(world, work, count);
@@ -123,8 +123,8 @@ pub fn trace_tile<L: Lane, const N: u32>(world: &World, tile: Tile, sample: u32,
 /// Traces the rays to lights and adds what arrives; returns how many there are.
 #[inline(always)]
 fn search<L: Lane, const N: u32>(world: &World, work: &mut Work, shaded: &shade::Shaded) -> u64 {
-    if surface::needs(N, Needs::LIGHTS) && shaded.searching > 0 {
-        light::arrive::<L>(world, work, shaded.searching);
+    if surface::has(N, Features::LIGHTS) && shaded.searching > 0 {
+        light::trace_shadow_rays::<L>(world, work, shaded.searching);
     }
     shaded.searching as u64
 }
@@ -133,51 +133,51 @@ fn search<L: Lane, const N: u32>(world: &World, work: &mut Work, shaded: &shade:
 /// a direction's length by up to 1 + 4 δ, and rounds by up to 9 ε, without FMA: 3 ε of d·n, doubled, go along the normal, 2 ε come from the
 /// product with it, ε from the sum. That is 17 ε or 1.0e-6 an event, always the same way between two mirrors. Eight events stay below
 /// 8.2e-6; the robust sphere test asks for 1e-5. Measured: 5e-5 after 1,024 events if nothing is done, `tests/long_paths.rs`.
-pub const STRAIGHT: u32 = 8;
+pub const RENORMALIZATION_INTERVAL: u32 = 8;
 
 /// The pipelines there are: sets of features, smallest first. Each costs two to four seconds of compilation and 100 to 200 kB of program for its
 /// two widths, so only sets that measured well are here; a scene gets the first that holds its needs. Against the general one, measured:
 /// `three` 1.7, `thesis` 1.5, `balls` 1.3, a scanned mesh 1.2, boxes with lamps 1.0 to 1.06, where testing triangles is most of the time. Other equations than the default ones go through a function that
 /// all share: fifteen pairs of equations would be most of a pipeline's code.
-const PIPELINES: &[(Needs, Pipeline, Pipeline)] = &[
+const PIPELINES: &[(Features, Pipeline, Pipeline)] = &[
     pipeline::<{ MATT_AND_MIRROR_SPHERES.0 }>(),
     pipeline::<{ FEW_TEXTURED.0 }>(),
     pipeline::<{ PLAIN.0 }>(),
-    pipeline::<{ PLAIN.with(Needs::LIGHTS).0 }>(),
-    pipeline::<{ Needs::ALL.0 }>(),
+    pipeline::<{ PLAIN.with(Features::LIGHTS).0 }>(),
+    pipeline::<{ Features::ALL.0 }>(),
 ];
 
-const MATT_AND_MIRROR_SPHERES: Needs =
-    Needs::SPHERES.with(Needs::DIFFUSE).with(Needs::MIRROR).with(Needs::SKY_GRADIENT);
+const MATT_AND_MIRROR_SPHERES: Features =
+    Features::SPHERES.with(Features::DIFFUSE).with(Features::MIRROR).with(Features::SKY_GRADIENT);
 
 /// The thesis's kind of scene: a handful of spheres and triangles with pictures on them.
-const FEW_TEXTURED: Needs = Needs::SPHERES
-    .with(Needs::TRIANGLES)
-    .with(Needs::DIFFUSE)
-    .with(Needs::MIRROR)
-    .with(Needs::SCATTER)
-    .with(Needs::EMISSION)
-    .with(Needs::TEXTURES);
+const FEW_TEXTURED: Features = Features::SPHERES
+    .with(Features::TRIANGLES)
+    .with(Features::DIFFUSE)
+    .with(Features::MIRROR)
+    .with(Features::SCATTER)
+    .with(Features::EMISSION)
+    .with(Features::TEXTURES);
 
 /// Surfaces of even colour under a plain sky, as many as there may be: meshes, boxes with lamps, glass.
-const PLAIN: Needs = Needs::SPHERES
-    .with(Needs::TRIANGLES)
-    .with(Needs::MANY_SPHERES)
-    .with(Needs::MANY_TRIANGLES)
-    .with(Needs::MANY_MATERIALS)
-    .with(Needs::HIERARCHY)
-    .with(Needs::DIFFUSE)
-    .with(Needs::MIRROR)
-    .with(Needs::GLASS)
-    .with(Needs::EMISSION)
-    .with(Needs::SKY_GRADIENT);
+const PLAIN: Features = Features::SPHERES
+    .with(Features::TRIANGLES)
+    .with(Features::MANY_SPHERES)
+    .with(Features::MANY_TRIANGLES)
+    .with(Features::MANY_MATERIALS)
+    .with(Features::HIERARCHY)
+    .with(Features::DIFFUSE)
+    .with(Features::MIRROR)
+    .with(Features::GLASS)
+    .with(Features::EMISSION)
+    .with(Features::SKY_GRADIENT);
 
-const fn pipeline<const N: u32>() -> (Needs, Pipeline, Pipeline) {
-    (Needs(N), trace_tile::<f32, N>, trace_tile::<crate::lane::F32x8, N>)
+const fn pipeline<const N: u32>() -> (Features, Pipeline, Pipeline) {
+    (Features(N), trace_tile::<f32, N>, trace_tile::<crate::lane::F32x8, N>)
 }
 
 /// The pipeline for a scene's needs at a width of 1 or 8, and the features that it has.
-pub fn pipeline_for(needs: Needs, lanes: usize) -> (Needs, Pipeline) {
+pub fn pipeline_for(needs: Features, lanes: usize) -> (Features, Pipeline) {
     let (features, scalar, packets) =
         PIPELINES.iter().find(|(set, ..)| set.contains(needs)).expect("the last pipeline has every feature");
     (*features, if lanes == 1 { *scalar } else { *packets })

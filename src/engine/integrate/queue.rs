@@ -1,7 +1,7 @@
 //! The paths of a tile in structure-of-arrays form.
 
 use super::extend::Segments;
-use super::light::Search;
+use super::light::ShadowQueue;
 use super::stats::{Meter, RayKind, Stage, Stats};
 use super::{Tile, World};
 use crate::lane::{Bits, F32x8, Lane};
@@ -56,7 +56,7 @@ pub struct Queue {
     throughput: Vectors,
     /// One over the density of the path's direction, per solid angle; 0 where light sampling could not have drawn it. Only where lights
     /// are sampled.
-    inverse: Column,
+    inv_pdf: Column,
     /// Key of the path's random numbers.
     key: Integers,
     /// The path's pixel, counted row by row within its tile.
@@ -78,7 +78,7 @@ struct Events {
 /// One thread's working memory: 24 KiB, which a first-level cache holds, 12 more for rays to lights, and that of traversals of a hierarchy.
 pub struct Work {
     pub queue: Queue,
-    pub search: Search,
+    pub search: ShadowQueue,
     tracer: Tracer,
     events: Events,
     /// One sample's radiance of each pixel of the tile.
@@ -131,7 +131,7 @@ pub struct Path<L: Lane> {
     pub ray: Ray<L>,
     pub throughput: Vec3<L>,
     /// One over the density of the ray's direction, in sr; 0 where light sampling could not have drawn it.
-    pub inverse: L,
+    pub inv_pdf: L,
     pub key: L::Bits,
     pub slot: L::Bits,
 }
@@ -140,7 +140,7 @@ impl Queue {
     /// The first `count` rays, and their hits.
     pub fn segments(&mut self, count: usize) -> Segments<'_> {
         let Queue { origin, direction, t, primitive, u, v, .. } = self;
-        Segments { count, origin, direction, reach: None, t, primitive, u, v }
+        Segments { count, origin, direction, t_max: None, t, primitive, u, v }
     }
     /// The first `count` rays.
     pub fn rays(&self, count: usize) -> Rays<'_> {
@@ -156,7 +156,7 @@ impl Queue {
         Path {
             ray: self.ray(at),
             throughput: self.throughput.load(at),
-            inverse: if lights { L::load(&self.inverse[at..]) } else { L::zero() },
+            inv_pdf: if lights { L::load(&self.inv_pdf[at..]) } else { L::zero() },
             key: L::Bits::load(&self.key[at..]),
             slot: L::Bits::load(&self.slot[at..]),
         }
@@ -182,7 +182,7 @@ impl Queue {
         self.direction.store(at, path.ray.direction);
         self.throughput.store(at, path.throughput);
         if lights {
-            path.inverse.store(&mut self.inverse[at..]);
+            path.inv_pdf.store(&mut self.inv_pdf[at..]);
         }
         path.key.store(&mut self.key[at..]);
         path.slot.store(&mut self.slot[at..]);
@@ -216,22 +216,25 @@ impl Queue {
 }
 
 impl<L: Lane> Path<L> {
-    /// The lanes of a packing moved to the front.
+    /// The lanes of a indices moved to the front.
     #[inline(always)]
-    pub fn pack(&self, packing: L::Packing) -> Self {
+    pub fn compress(&self, indices: L::CompressIndices) -> Self {
         Path {
-            ray: Ray { origin: pack(self.ray.origin, packing), direction: pack(self.ray.direction, packing) },
-            throughput: pack(self.throughput, packing),
-            inverse: self.inverse.pack(packing),
-            key: L::pack_bits(self.key, packing),
-            slot: L::pack_bits(self.slot, packing),
+            ray: Ray {
+                origin: compress(self.ray.origin, indices),
+                direction: compress(self.ray.direction, indices),
+            },
+            throughput: compress(self.throughput, indices),
+            inv_pdf: self.inv_pdf.compress(indices),
+            key: L::compress_bits(self.key, indices),
+            slot: L::compress_bits(self.slot, indices),
         }
     }
 }
 
 #[inline(always)]
-pub fn pack<L: Lane>(v: Vec3<L>, packing: L::Packing) -> Vec3<L> {
-    Vec3::new(v.x.pack(packing), v.y.pack(packing), v.z.pack(packing))
+pub fn compress<L: Lane>(v: Vec3<L>, indices: L::CompressIndices) -> Vec3<L> {
+    Vec3::new(v.x.compress(indices), v.y.compress(indices), v.z.compress(indices))
 }
 
 /// Never in line: hardly ever wanted.
@@ -253,7 +256,7 @@ impl Work {
         let (queue, events, radiance) = (Queue::zeroed(), Events::zeroed(), Vectors::zeroed());
         Box::new(Self {
             queue,
-            search: Search::zeroed(),
+            search: ShadowQueue::zeroed(),
             events,
             radiance,
             tracer: Tracer::new(),
@@ -355,9 +358,9 @@ impl Work {
     #[inline(always)]
     pub fn note<L: Lane>(&mut self, events: usize, mask: L::Mask, slot: L::Bits, radiance: Vec3<L>) -> usize {
         use crate::lane::Mask;
-        let packing = L::packing(mask);
-        self.events.radiance.store(events, pack(radiance, packing));
-        L::pack_bits(slot, packing).store(&mut self.events.slot[events..]);
+        let indices = L::compress_indices(mask);
+        self.events.radiance.store(events, compress(radiance, indices));
+        L::compress_bits(slot, indices).store(&mut self.events.slot[events..]);
         events + mask.count()
     }
 

@@ -1,19 +1,19 @@
 //! Scattering events: where paths go on, and how much light a surface passes on into a given direction.
 
 use super::queue::Path;
-use super::surface::{Surface, Worn, needs};
-use crate::buffers::{MaterialCode, Needs};
+use super::surface::{MaterialSample, Surface, has};
+use crate::buffers::{Features, MaterialCode};
 use crate::kernel::bsdf::plastic::Plastic;
-use crate::kernel::bsdf::{self, Evaluated, Scattered};
+use crate::kernel::bsdf::{self, BsdfSample, LobeEval};
 use crate::kernel::normals;
 use crate::lane::{Bits, Lane, Mask};
 use crate::math::{Ray, Vec3};
 use crate::sampling::{Numbers, random};
 
-pub use crate::kernel::bsdf::Passed;
+pub use crate::kernel::bsdf::BsdfEval;
 
 /// The next segments of paths.
-pub struct Drawn<L: Lane> {
+pub struct ScatteredPath<L: Lane> {
     /// The paths as they leave the surface.
     pub path: Path<L>,
     /// Those that go on.
@@ -25,73 +25,73 @@ pub struct Drawn<L: Lane> {
 pub fn scatter<L: Lane, const N: u32>(
     path: &Path<L>,
     surface: &Surface<L>,
-    worn: &Worn<L>,
+    material: &MaterialSample<L>,
     numbers: &Numbers,
     found: L::Mask,
-) -> Drawn<L> {
+) -> ScatteredPath<L> {
     let d = path.ray.direction;
-    let facing = Facing::of::<N>(d, surface, worn);
+    let facing = Facing::of::<N>(d, surface, material);
     let Facing { own, n, matt, outside } = facing;
     let lobe_number = || numbers.one::<L>(path.key, random::LOBE);
 
     let nothing = L::Mask::splat(false);
-    let mut drawn = Scattered::<L> { direction: n, weight: L::one(), pdf: L::zero(), alive: nothing };
-    let mut color = worn.color;
-    let mut take = |mask: L::Mask, lobe: Scattered<L>| {
+    let mut drawn = BsdfSample::<L> { direction: n, weight: L::one(), pdf: L::zero(), alive: nothing };
+    let mut color = material.color;
+    let mut take = |mask: L::Mask, lobe: BsdfSample<L>| {
         drawn.direction = Vec3::select(mask, lobe.direction, drawn.direction);
         drawn.weight = L::select(mask, lobe.weight, drawn.weight);
         drawn.pdf = L::select(mask, lobe.pdf, drawn.pdf);
         drawn.alive = drawn.alive | (mask & lobe.alive);
     };
     let two_numbers = || numbers.pair::<L>(path.key, random::DIRECTION);
-    if needs(N, Needs::DIFFUSE) {
-        let mask = worn.wears(MaterialCode::DIFFUSE, found);
+    if has(N, Features::DIFFUSE) {
+        let mask = material.has_lobe(MaterialCode::DIFFUSE, found);
         if mask.any() {
             let (u, v) = two_numbers();
             take(mask, bsdf::diffuse::sample(matt, u, v));
         }
     }
-    if needs(N, Needs::MIRROR) {
-        let mask = worn.wears(MaterialCode::MIRROR, found);
+    if has(N, Features::MIRROR) {
+        let mask = material.has_lobe(MaterialCode::MIRROR, found);
         if mask.any() {
             take(mask, bsdf::mirror::sample(d, n));
         }
     }
-    if needs(N, Needs::GGX) {
-        let mask = worn.wears(MaterialCode::GGX, found);
+    if has(N, Features::GGX) {
+        let mask = material.has_lobe(MaterialCode::GGX, found);
         if mask.any() {
             let (u, v) = two_numbers();
-            take(mask, bsdf::ggx::sample(d, n, worn.parameter, u, v));
+            take(mask, bsdf::ggx::sample(d, n, material.parameter, u, v));
         }
     }
-    if needs(N, Needs::GLASS) {
-        let mask = worn.wears(MaterialCode::GLASS, found);
+    if has(N, Features::GLASS) {
+        let mask = material.has_lobe(MaterialCode::GLASS, found);
         if mask.any() {
-            take(mask, bsdf::glass::sample(d, n, outside, worn.parameter, lobe_number()));
+            take(mask, bsdf::glass::sample(d, n, outside, material.parameter, lobe_number()));
         }
     }
-    if needs(N, Needs::SCATTER) {
-        let mask = worn.wears(MaterialCode::SCATTER, found);
+    if has(N, Features::SCATTER) {
+        let mask = material.has_lobe(MaterialCode::SCATTER, found);
         if mask.any() {
             let (u, v) = two_numbers();
-            take(mask, bsdf::scatter::sample(d, n, worn.parameter, u, v));
+            take(mask, bsdf::scatter::sample(d, n, material.parameter, u, v));
         }
     }
-    if needs(N, Needs::PLASTIC) {
-        let mask = worn.wears(MaterialCode::PLASTIC, found);
+    if has(N, Features::PLASTIC) {
+        let mask = material.has_lobe(MaterialCode::PLASTIC, found);
         if mask.any() {
-            let (lobe, weight) = worn.plastic().sample(d, n, lobe_number(), two_numbers());
+            let (lobe, weight) = material.plastic().sample(d, n, lobe_number(), two_numbers());
             take(mask, lobe);
             color = Vec3::select(mask, weight, color);
         }
     }
 
-    if Needs(N).meets(Needs::BENT_NORMALS) && worn.bent.any() {
-        let passes = through_glass::<L, N>(d, &facing, worn, &mut drawn);
+    if Features(N).meets(Features::BENT_NORMALS) && material.bent.any() {
+        let passes = through_glass::<L, N>(d, &facing, material, &mut drawn);
         // On the reflecting side nothing goes on below the surface.
-        drawn.alive = drawn.alive & (!worn.bent | passes | L::zero().lt(drawn.direction.dot(own)));
-        let shadowed = worn.bent & drawn.pdf.lt(L::splat(f32::INFINITY));
-        let factor = facing.terminator::<N>(worn, drawn.direction);
+        drawn.alive = drawn.alive & (!material.bent | passes | L::zero().lt(drawn.direction.dot(own)));
+        let shadowed = material.bent & drawn.pdf.lt(L::splat(f32::INFINITY));
+        let factor = facing.terminator::<N>(material, drawn.direction);
         drawn.weight = L::select(shadowed, drawn.weight * factor, drawn.weight);
     }
 
@@ -99,16 +99,17 @@ pub fn scatter<L: Lane, const N: u32>(
     // A path that can carry no more light ends here. NaN goes on, to be counted at the film.
     let dark = (throughput.x + throughput.y + throughput.z).eq(L::zero());
     // Only glass is left on the far side: a reflection that rounding points a little below its surface is not, in any pipeline.
-    let side = if needs(N, Needs::GLASS) {
+    let side = if has(N, Features::GLASS) {
         let through = surface.offset.copysign(drawn.direction.dot(own));
-        L::select(worn.wears(MaterialCode::GLASS, found), through, surface.offset)
+        L::select(material.has_lobe(MaterialCode::GLASS, found), through, surface.offset)
     } else {
         surface.offset
     };
     let ray = Ray { origin: own.mul_add(side, surface.point), direction: drawn.direction };
-    let inverse = if needs(N, Needs::LIGHTS) { L::one() / drawn.pdf.max(L::splat(1e-30)) } else { L::zero() };
-    let path = Path { ray, throughput, inverse, key: path.key, slot: path.slot };
-    Drawn { path, alive: drawn.alive & !dark }
+    let inv_pdf =
+        if has(N, Features::LIGHTS) { L::one() / drawn.pdf.max(L::splat(1e-30)) } else { L::zero() };
+    let path = Path { ray, throughput, inv_pdf, key: path.key, slot: path.slot };
+    ScatteredPath { path, alive: drawn.alive & !dark }
 }
 
 /// What the surfaces of the lanes in `mask` pass on of the light that comes from `towards`, into the direction from which `d`
@@ -117,46 +118,46 @@ pub fn scatter<L: Lane, const N: u32>(
 pub fn evaluate<L: Lane, const N: u32>(
     d: Vec3<L>,
     surface: &Surface<L>,
-    worn: &Worn<L>,
+    material: &MaterialSample<L>,
     towards: Vec3<L>,
     mask: L::Mask,
-) -> Passed<L> {
-    let facing = Facing::of::<N>(d, surface, worn);
+) -> BsdfEval<L> {
+    let facing = Facing::of::<N>(d, surface, material);
     let Facing { own, n, matt, .. } = facing;
-    let mut passed = Passed { value: Vec3::zero(), pdf: L::zero() };
-    let mut take = |mask: L::Mask, lobe: Passed<L>| {
+    let mut passed = BsdfEval { value: Vec3::zero(), pdf: L::zero() };
+    let mut take = |mask: L::Mask, lobe: BsdfEval<L>| {
         passed.value = Vec3::select(mask, lobe.value, passed.value);
         passed.pdf = L::select(mask, lobe.pdf, passed.pdf);
     };
-    let colored = |Evaluated { value, pdf }: Evaluated<L>| Passed { value: worn.color * value, pdf };
-    if needs(N, Needs::DIFFUSE) {
-        let mask = worn.wears(MaterialCode::DIFFUSE, mask);
+    let colored = |LobeEval { value, pdf }: LobeEval<L>| BsdfEval { value: material.color * value, pdf };
+    if has(N, Features::DIFFUSE) {
+        let mask = material.has_lobe(MaterialCode::DIFFUSE, mask);
         if mask.any() {
             take(mask, colored(bsdf::diffuse::evaluate(matt, towards)));
         }
     }
-    if needs(N, Needs::GGX) {
-        let mask = worn.wears(MaterialCode::GGX, mask);
+    if has(N, Features::GGX) {
+        let mask = material.has_lobe(MaterialCode::GGX, mask);
         if mask.any() {
-            take(mask, colored(bsdf::ggx::evaluate(d, n, worn.parameter, towards)));
+            take(mask, colored(bsdf::ggx::evaluate(d, n, material.parameter, towards)));
         }
     }
-    if needs(N, Needs::SCATTER) {
-        let mask = worn.wears(MaterialCode::SCATTER, mask);
+    if has(N, Features::SCATTER) {
+        let mask = material.has_lobe(MaterialCode::SCATTER, mask);
         if mask.any() {
-            take(mask, colored(bsdf::scatter::evaluate(d, n, worn.parameter, towards)));
+            take(mask, colored(bsdf::scatter::evaluate(d, n, material.parameter, towards)));
         }
     }
-    if needs(N, Needs::PLASTIC) {
-        let mask = worn.wears(MaterialCode::PLASTIC, mask);
+    if has(N, Features::PLASTIC) {
+        let mask = material.has_lobe(MaterialCode::PLASTIC, mask);
         if mask.any() {
-            take(mask, worn.plastic().evaluate(d, n, towards));
+            take(mask, material.plastic().evaluate(d, n, towards));
         }
     }
-    if Needs(N).meets(Needs::BENT_NORMALS) && worn.bent.any() {
-        let factor = facing.terminator::<N>(worn, towards);
-        let below = worn.bent & !L::zero().lt(towards.dot(own));
-        passed.value = Vec3::select(worn.bent, passed.value * factor, passed.value);
+    if Features(N).meets(Features::BENT_NORMALS) && material.bent.any() {
+        let factor = facing.terminator::<N>(material, towards);
+        let below = material.bent & !L::zero().lt(towards.dot(own));
+        passed.value = Vec3::select(material.bent, passed.value * factor, passed.value);
         passed.value = Vec3::select(below, Vec3::zero(), passed.value);
         passed.pdf = L::select(below, L::zero(), passed.pdf);
     }
@@ -166,13 +167,13 @@ pub fn evaluate<L: Lane, const N: u32>(
 /// The lanes that wear a lobe for which [`evaluate`] may be above zero. What they are in other lanes than those that hit
 /// something is unspecified.
 #[inline(always)]
-pub fn samples_lights<L: Lane>(worn: &Worn<L>) -> L::Mask {
-    let wears = |kind: u32| worn.kind.equals(L::Bits::splat(kind));
-    let wide = |least: f32| L::splat(least).le(worn.parameter);
-    wears(MaterialCode::DIFFUSE)
-        | wears(MaterialCode::PLASTIC)
-        | (wears(MaterialCode::GGX) & !bsdf::ggx::is_narrow(worn.parameter))
-        | (wears(MaterialCode::SCATTER) & wide(bsdf::scatter::NARROW))
+pub fn samples_lights<L: Lane>(material: &MaterialSample<L>) -> L::Mask {
+    let has_lobe = |kind: u32| material.kind.equals(L::Bits::splat(kind));
+    let wide = |least: f32| L::splat(least).le(material.parameter);
+    has_lobe(MaterialCode::DIFFUSE)
+        | has_lobe(MaterialCode::PLASTIC)
+        | (has_lobe(MaterialCode::GGX) & !bsdf::ggx::is_narrow(material.parameter))
+        | (has_lobe(MaterialCode::SCATTER) & wide(bsdf::scatter::NARROW))
 }
 
 /// A surface as a ray sees it. All normals are on the side from which the ray arrives.
@@ -190,23 +191,23 @@ struct Facing<L: Lane> {
 
 impl<L: Lane> Facing<L> {
     #[inline(always)]
-    fn of<const N: u32>(d: Vec3<L>, surface: &Surface<L>, worn: &Worn<L>) -> Self {
+    fn of<const N: u32>(d: Vec3<L>, surface: &Surface<L>, material: &MaterialSample<L>) -> Self {
         let along = d.dot(surface.outward);
         let own = surface.outward.flip_sign(-along);
         let (mut n, mut matt) = (own, own);
-        if Needs(N).meets(Needs::BENT_NORMALS) && worn.bent.any() {
-            matt = Vec3::select(worn.bent, worn.normal.flip_sign(-along), own);
-            n = Vec3::select(worn.bent, normals::bend(d, matt, own), own);
+        if Features(N).meets(Features::BENT_NORMALS) && material.bent.any() {
+            matt = Vec3::select(material.bent, material.normal.flip_sign(-along), own);
+            n = Vec3::select(material.bent, normals::bend(d, matt, own), own);
         }
         Self { own, n, matt, outside: !L::zero().lt(along) }
     }
 
     /// How much light the lobes of bent normals let pass towards `w`.
     #[inline(always)]
-    fn terminator<const N: u32>(&self, worn: &Worn<L>, w: Vec3<L>) -> L {
+    fn terminator<const N: u32>(&self, material: &MaterialSample<L>, w: Vec3<L>) -> L {
         let mut normal = self.n;
-        if needs(N, Needs::DIFFUSE) {
-            let is_matt = worn.kind.equals(L::Bits::splat(MaterialCode::DIFFUSE));
+        if has(N, Features::DIFFUSE) {
+            let is_matt = material.kind.equals(L::Bits::splat(MaterialCode::DIFFUSE));
             normal = Vec3::select(is_matt, self.matt, normal);
         }
         normals::terminator(w, normal, self.own)
@@ -219,13 +220,14 @@ impl<L: Lane> Facing<L> {
 fn through_glass<L: Lane, const N: u32>(
     d: Vec3<L>,
     facing: &Facing<L>,
-    worn: &Worn<L>,
-    drawn: &mut Scattered<L>,
+    material: &MaterialSample<L>,
+    drawn: &mut BsdfSample<L>,
 ) -> L::Mask {
-    if !needs(N, Needs::GLASS) {
+    if !has(N, Features::GLASS) {
         return L::Mask::splat(false);
     }
-    let refracts = worn.wears(MaterialCode::GLASS, worn.bent) & drawn.direction.dot(facing.n).lt(L::zero());
+    let refracts =
+        material.has_lobe(MaterialCode::GLASS, material.bent) & drawn.direction.dot(facing.n).lt(L::zero());
     let through = drawn.direction.dot(facing.own).lt(L::zero());
     let stays = refracts & !through;
     drawn.direction = Vec3::select(stays, d.reflect(facing.n), drawn.direction);
@@ -233,10 +235,10 @@ fn through_glass<L: Lane, const N: u32>(
     refracts & through
 }
 
-impl<L: Lane> Worn<L> {
+impl<L: Lane> MaterialSample<L> {
     /// The lanes of `among` that wear this kind of material.
     #[inline(always)]
-    fn wears(&self, kind: u32, among: L::Mask) -> L::Mask {
+    fn has_lobe(&self, kind: u32, among: L::Mask) -> L::Mask {
         among & self.kind.equals(L::Bits::splat(kind))
     }
     #[inline(always)]

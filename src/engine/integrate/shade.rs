@@ -2,11 +2,11 @@
 
 use super::World;
 use super::generate::slots;
-use super::light::{look, weight_by_chance};
+use super::light::{mis_weight, sample_direct_light};
 use super::queue::{Path, Work};
-use super::scatter::{Drawn, scatter};
-use super::surface::{Surface, Worn, abilities, needs};
-use crate::buffers::Needs;
+use super::scatter::{ScatteredPath, scatter};
+use super::surface::{MaterialSample, Surface, abilities, has};
+use crate::buffers::Features;
 use crate::kernel::surface::latitude_longitude;
 use crate::lane::{Bits, Lane, Mask};
 use crate::math::{Hit, Ray, Vec3};
@@ -24,7 +24,7 @@ pub fn shade<L: Lane, const N: u32, const FIRST: bool>(
 ) -> Shaded {
     let mut light = Light::<FIRST>::default();
     let (mut going_on, mut searching) = (0, 0);
-    let search = needs(N, Needs::LIGHTS) && !world.buffers.lights.is_empty();
+    let search = has(N, Features::LIGHTS) && !world.buffers.lights.is_empty();
     for at in (0..count).step_by(L::WIDTH) {
         let path = load_path::<L, N, FIRST>(world, work, at);
         let hit: Hit<L> = work.queue.hit(at);
@@ -36,23 +36,27 @@ pub fn shade<L: Lane, const N: u32, const FIRST: bool>(
             continue;
         }
         let surface = Surface::of::<N>(world, &path, &hit, found);
-        let worn = Worn::of::<N>(world, &surface, found);
-        if needs(N, Needs::EMISSION) {
-            radiance = Vec3::select(found, emitted::<L, N, FIRST>(&path, &surface, &worn), radiance);
+        let material = MaterialSample::of::<N>(world, &surface, found);
+        if has(N, Features::EMISSION) {
+            radiance = Vec3::select(found, emitted::<L, N, FIRST>(&path, &surface, &material), radiance);
         }
         light.add(work, at, lit::<L, N>(active, found, radiance), &path, radiance);
 
-        let drawn = scatter::<L, N>(&path, &surface, &worn, numbers, found);
+        let drawn = scatter::<L, N>(&path, &surface, &material, numbers, found);
         if search {
-            let (hit, when) = ((&surface, &worn), (numbers, found));
-            searching = look::<L, N>(world, (work, searching), &path, &drawn, hit, when);
+            let (hit, when) = ((&surface, &material), (numbers, found));
+            searching = sample_direct_light::<L, N>(world, (work, searching), &path, &drawn, hit, when);
         }
         // In place: no more paths go on than were read, so nothing unread is overwritten.
-        let Drawn { path, alive } = drawn;
+        let ScatteredPath { path, alive } = drawn;
         if alive.all() {
-            work.queue.store_path(going_on, &path, needs(N, Needs::LIGHTS));
+            work.queue.store_path(going_on, &path, has(N, Features::LIGHTS));
         } else if alive.any() {
-            work.queue.store_path(going_on, &path.pack(L::packing(alive)), needs(N, Needs::LIGHTS));
+            work.queue.store_path(
+                going_on,
+                &path.compress(L::compress_indices(alive)),
+                has(N, Features::LIGHTS),
+            );
         }
         going_on += alive.count();
     }
@@ -64,7 +68,7 @@ pub fn shade<L: Lane, const N: u32, const FIRST: bool>(
 pub struct Shaded {
     /// Paths that go on.
     pub going_on: usize,
-    /// Rays to lights, for [`super::light::arrive`].
+    /// Rays to lights, for [`super::light::trace_shadow_rays`].
     pub searching: usize,
 }
 
@@ -73,13 +77,13 @@ pub struct Shaded {
 fn emitted<L: Lane, const N: u32, const FIRST: bool>(
     path: &Path<L>,
     surface: &Surface<L>,
-    worn: &Worn<L>,
+    material: &MaterialSample<L>,
 ) -> Vec3<L> {
-    let emitted = worn.emission * path.throughput;
-    if FIRST || !needs(N, Needs::LIGHTS) {
+    let emitted = material.emission * path.throughput;
+    if FIRST || !has(N, Features::LIGHTS) {
         return emitted;
     }
-    emitted * weight_by_chance(path.inverse, surface.light_density)
+    emitted * mis_weight(path.inv_pdf, surface.light_pdf)
 }
 
 /// The last segment: adds light and scatters nothing.
@@ -91,10 +95,10 @@ pub fn finish<L: Lane, const N: u32, const FIRST: bool>(world: &World, work: &mu
         let active = L::Mask::first(count - at);
         let found = hit.found() & active;
         let mut radiance = sky_where_missed::<L, N, FIRST>(world, &path, active & !found);
-        if needs(N, Needs::EMISSION) && found.any() {
+        if has(N, Features::EMISSION) && found.any() {
             let surface = Surface::of::<N>(world, &path, &hit, found);
-            let worn = Worn::of::<N>(world, &surface, found);
-            radiance = Vec3::select(found, emitted::<L, N, FIRST>(&path, &surface, &worn), radiance);
+            let material = MaterialSample::of::<N>(world, &surface, found);
+            radiance = Vec3::select(found, emitted::<L, N, FIRST>(&path, &surface, &material), radiance);
         }
         light.add(work, at, lit::<L, N>(active, found, radiance), &path, radiance);
     }
@@ -104,7 +108,7 @@ pub fn finish<L: Lane, const N: u32, const FIRST: bool>(world: &World, work: &mu
 /// The lanes that found light: those that missed, and, where surfaces shine, those with some radiance.
 #[inline(always)]
 fn lit<L: Lane, const N: u32>(active: L::Mask, found: L::Mask, radiance: Vec3<L>) -> L::Mask {
-    if needs(N, Needs::EMISSION) {
+    if has(N, Features::EMISSION) {
         // Not `0 < sum`: NaN must reach the film, where it is counted.
         active & !(radiance.x + radiance.y + radiance.z).eq(L::zero())
     } else {
@@ -116,11 +120,11 @@ fn lit<L: Lane, const N: u32>(active: L::Mask, found: L::Mask, radiance: Vec3<L>
 #[inline(always)]
 fn load_path<L: Lane, const N: u32, const FIRST: bool>(world: &World, work: &Work, at: usize) -> Path<L> {
     if !FIRST {
-        return work.queue.path(at, needs(N, Needs::LIGHTS));
+        return work.queue.path(at, has(N, Features::LIGHTS));
     }
     let (direction, key) = work.queue.primary(at);
     let ray = Ray { origin: world.camera.origin(), direction };
-    Path { ray, throughput: Vec3::repeat(L::one()), inverse: L::zero(), key, slot: slots::<L>(at) }
+    Path { ray, throughput: Vec3::repeat(L::one()), inv_pdf: L::zero(), key, slot: slots::<L>(at) }
 }
 
 /// Where light goes: at the first segment every path still stands at its pixel's own place and whole packets are stored; later,
@@ -156,12 +160,12 @@ fn sky_where_missed<L: Lane, const N: u32, const FIRST: bool>(
     }
     let mut radiance = sky_radiance::<L, N>(world, path.ray.direction, missed) * path.throughput;
     if !FIRST
-        && needs(N, Needs::LIGHTS)
-        && needs(N, Needs::SKY_TEXTURE)
+        && has(N, Features::LIGHTS)
+        && has(N, Features::SKY_TEXTURE)
         && let Some((sky, chance)) = &world.buffers.lights.sky
     {
         let density = sky.density(latitude_longitude(path.ray.direction)) * L::splat(*chance);
-        radiance = radiance * weight_by_chance(path.inverse, density);
+        radiance = radiance * mis_weight(path.inv_pdf, density);
     }
     Vec3::select(missed, radiance, Vec3::zero())
 }
@@ -171,11 +175,11 @@ fn sky_where_missed<L: Lane, const N: u32, const FIRST: bool>(
 pub fn sky_radiance<L: Lane, const N: u32>(world: &World, direction: Vec3<L>, wanted: L::Mask) -> Vec3<L> {
     let sky = &world.buffers.sky;
     let mut radiance = Vec3::splat(sky.bottom);
-    if needs(N, Needs::SKY_GRADIENT) {
+    if has(N, Features::SKY_GRADIENT) {
         let height = L::splat(0.5).mul_add(direction.y, L::splat(0.5));
         radiance = Vec3::splat(sky.rise).mul_add(height, radiance);
     }
-    if needs(N, Needs::SKY_TEXTURE) && world.buffers.needs.contains(Needs::SKY_TEXTURE) {
+    if has(N, Features::SKY_TEXTURE) && world.buffers.needs.contains(Features::SKY_TEXTURE) {
         let coordinates = latitude_longitude(direction);
         let index = L::Bits::splat(sky.texture);
         let everywhere = L::Mask::splat(true);

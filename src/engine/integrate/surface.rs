@@ -1,8 +1,8 @@
-//! What the shading stages need to know about a hit: where, which way the surface faces, what it wears.
+//! What the shading stages need to know about a hit: where, which way the surface faces, what it has_lobe.
 
 use super::World;
 use super::queue::Path;
-use crate::buffers::{Abilities, MaterialCode, Needs};
+use crate::buffers::{Abilities, Features, MaterialCode};
 use crate::kernel::surface::{latitude_longitude, sphere_normal};
 use crate::kernel::{light, normals};
 use crate::lane::{Bits, Lane, Mask};
@@ -11,14 +11,14 @@ use crate::scene::Meaning;
 
 /// Does the feature set `N` hold this feature? Constant for the compiler.
 #[inline(always)]
-pub const fn needs(n: u32, feature: Needs) -> bool {
-    Needs(n).contains(feature)
+pub const fn has(n: u32, feature: Features) -> bool {
+    Features(n).contains(feature)
 }
 
 /// What of textures the feature set `N` holds.
 #[inline(always)]
 pub const fn abilities(n: u32) -> Abilities {
-    Abilities { bilinear: needs(n, Needs::BILINEAR), linear: needs(n, Needs::LINEAR_TEXTURES) }
+    Abilities { bilinear: has(n, Features::BILINEAR), linear: has(n, Features::LINEAR_TEXTURES) }
 }
 
 /// The surfaces under a packet's hits.
@@ -37,7 +37,7 @@ pub struct Surface<L: Lane> {
     turn: L,
     barycentric: (L, L),
     /// The density with which light sampling at the ray's origin draws the ray's direction, in 1/sr; 0 where it never does.
-    pub light_density: L,
+    pub light_pdf: L,
 }
 
 impl<L: Lane> Surface<L> {
@@ -46,7 +46,7 @@ impl<L: Lane> Surface<L> {
     pub fn of<const N: u32>(world: &World, path: &Path<L>, hit: &Hit<L>, found: L::Mask) -> Self {
         let spheres = L::Bits::splat(world.buffers.spheres.len() as u32);
         let zero = L::Bits::splat(0);
-        let is_sphere = match (needs(N, Needs::SPHERES), needs(N, Needs::TRIANGLES)) {
+        let is_sphere = match (has(N, Features::SPHERES), has(N, Features::TRIANGLES)) {
             (true, true) => hit.primitive.less(spheres),
             (sphere, _) => L::Mask::splat(sphere),
         };
@@ -61,13 +61,13 @@ impl<L: Lane> Surface<L> {
             triangle,
             turn: L::zero(),
             barycentric: (hit.u, hit.v),
-            light_density: L::zero(),
+            light_pdf: L::zero(),
         };
-        if needs(N, Needs::SPHERES) && (!needs(N, Needs::TRIANGLES) || (found & is_sphere).any()) {
+        if has(N, Features::SPHERES) && (!has(N, Features::TRIANGLES) || (found & is_sphere).any()) {
             let index = L::Bits::select(found & is_sphere, hit.primitive, zero);
             surface.set_sphere::<N>(world, path, hit, index);
         }
-        if needs(N, Needs::TRIANGLES) && (!needs(N, Needs::SPHERES) || (found & !is_sphere).any()) {
+        if has(N, Features::TRIANGLES) && (!has(N, Features::SPHERES) || (found & !is_sphere).any()) {
             surface.set_triangle::<N>(world, path, hit);
         }
         surface
@@ -82,7 +82,7 @@ impl<L: Lane> Surface<L> {
 
     #[inline(always)]
     fn set_sphere<const N: u32>(&mut self, world: &World, path: &Path<L>, hit: &Hit<L>, index: L::Bits) {
-        let few = !needs(N, Needs::MANY_SPHERES);
+        let few = !has(N, Features::MANY_SPHERES);
         let [x, y, z, radius, offset, material, turn, chance] =
             world.buffers.sphere_rows.fetch::<L>(index, few);
         let center = Vec3::new(x, y, z);
@@ -91,15 +91,15 @@ impl<L: Lane> Surface<L> {
         self.offset = offset;
         self.material = material.to_bits();
         self.turn = turn;
-        if needs(N, Needs::LIGHTS) && L::zero().lt(chance).any() {
-            self.light_density = chance * light::sphere_density(center - path.ray.origin, radius);
+        if has(N, Features::LIGHTS) && L::zero().lt(chance).any() {
+            self.light_pdf = chance * light::sphere_pdf(center - path.ray.origin, radius);
         }
     }
 
     /// Overwrites the lanes on triangles.
     #[inline(always)]
     fn set_triangle<const N: u32>(&mut self, world: &World, path: &Path<L>, hit: &Hit<L>) {
-        let few = !needs(N, Needs::MANY_TRIANGLES);
+        let few = !has(N, Features::MANY_TRIANGLES);
         let first = self.triangle.shl(1);
         let [ax, ay, az, abx, aby, abz, offset, material] =
             world.buffers.triangle_rows.fetch::<L>(first, few);
@@ -113,15 +113,15 @@ impl<L: Lane> Surface<L> {
         self.outward = Vec3::select(keep, self.outward, Vec3::new(nx, ny, nz));
         self.offset = L::select(keep, self.offset, offset);
         self.material = L::Bits::select(keep, self.material, material.to_bits());
-        if needs(N, Needs::LIGHTS) {
+        if has(N, Features::LIGHTS) {
             let mut density = L::zero();
             if (!keep & L::zero().lt(chance)).any() {
                 let Ray { origin, direction } = path.ray;
                 let a = Vec3::new(ax, ay, az) - origin;
-                density = chance * light::triangle_density(a, ab, ac, direction, hit.t);
+                density = chance * light::triangle_pdf(a, ab, ac, direction, hit.t);
             }
             // Triangles that are no lamps too: their lanes hold what some sphere would have there.
-            self.light_density = L::select(keep, self.light_density, density);
+            self.light_pdf = L::select(keep, self.light_pdf, density);
         }
     }
 
@@ -132,7 +132,7 @@ impl<L: Lane> Surface<L> {
         if !on_triangle.any() {
             return (self.outward, L::Mask::splat(false));
         }
-        let few = !needs(N, Needs::MANY_TRIANGLES);
+        let few = !has(N, Features::MANY_TRIANGLES);
         let first = self.triangle.shl(1);
         let second = first | L::Bits::splat(1);
         let [ax, ay, az, bx, by, bz, ..] = world.buffers.normal_rows.fetch::<L>(first, few);
@@ -147,13 +147,13 @@ impl<L: Lane> Surface<L> {
     #[inline(always)]
     fn tangent<const N: u32>(&self, world: &World, mapped: L::Mask) -> (Vec3<L>, L) {
         let (mut tangent, mut hand) = (Vec3::zero(), L::zero());
-        if needs(N, Needs::SPHERES) && (mapped & self.is_sphere).any() {
+        if has(N, Features::SPHERES) && (mapped & self.is_sphere).any() {
             let inside = self.turn.to_bits().shr(31).equals(L::Bits::splat(0));
             (tangent, hand) = normals::sphere_tangent(self.outward, inside);
         }
         let on_triangle = mapped & !self.is_sphere;
-        if needs(N, Needs::TRIANGLES) && on_triangle.any() {
-            let few = !needs(N, Needs::MANY_TRIANGLES);
+        if has(N, Features::TRIANGLES) && on_triangle.any() {
+            let few = !has(N, Features::MANY_TRIANGLES);
             let index = L::Bits::select(on_triangle, self.triangle, L::Bits::splat(0));
             let [x, y, z, w, ..] = world.buffers.tangent_rows.fetch::<L>(index, few);
             tangent = Vec3::select(self.is_sphere, tangent, Vec3::new(x, y, z));
@@ -166,12 +166,12 @@ impl<L: Lane> Surface<L> {
     #[inline(always)]
     fn texture_coordinates<const N: u32>(&self, world: &World, textured: L::Mask) -> Coordinates<L> {
         let mut coordinates = (L::zero(), L::zero());
-        if needs(N, Needs::SPHERES) && (textured & self.is_sphere).any() {
+        if has(N, Features::SPHERES) && (textured & self.is_sphere).any() {
             let (u, v) = latitude_longitude(self.outward);
             coordinates = (u.flip_sign(self.turn) + self.turn, v);
         }
-        if needs(N, Needs::TRIANGLES) && (textured & !self.is_sphere).any() && world.buffers.has_uvs {
-            let few = !needs(N, Needs::MANY_TRIANGLES);
+        if has(N, Features::TRIANGLES) && (textured & !self.is_sphere).any() && world.buffers.has_uvs {
+            let few = !has(N, Features::MANY_TRIANGLES);
             let [au, av, bu, bv, cu, cv, ..] = world.buffers.uv_rows.fetch::<L>(self.triangle, few);
             let (u, v) = self.barycentric;
             let blend = |a: L, b: L, c: L| (b - a).mul_add(u, (c - a).mul_add(v, a));
@@ -189,7 +189,7 @@ fn negative<B: Bits>(x: B) -> B {
 }
 
 /// What the surfaces wear, textures looked up.
-pub struct Worn<L: Lane> {
+pub struct MaterialSample<L: Lane> {
     /// One of [`MaterialCode`]'s kinds.
     pub kind: L::Bits,
     pub color: Vec3<L>,
@@ -204,15 +204,15 @@ pub struct Worn<L: Lane> {
     pub bent: L::Mask,
 }
 
-impl<L: Lane> Worn<L> {
+impl<L: Lane> MaterialSample<L> {
     /// The materials of the lanes in `found`; the others are unspecified.
     #[inline(always)]
     pub fn of<const N: u32>(world: &World, surface: &Surface<L>, found: L::Mask) -> Self {
-        let few = !needs(N, Needs::MANY_MATERIALS);
+        let few = !has(N, Features::MANY_MATERIALS);
         let index = L::Bits::select(found, surface.material, L::Bits::splat(0));
         let [r, g, b, parameter, er, eg, eb, code] = world.buffers.material_rows.fetch::<L>(index, few);
         let code = code.to_bits();
-        let mut worn = Self {
+        let mut material = Self {
             kind: code & L::Bits::splat(MaterialCode::KIND),
             color: Vec3::new(r, g, b),
             parameter,
@@ -222,33 +222,39 @@ impl<L: Lane> Worn<L> {
             normal: surface.outward,
             bent: L::Mask::splat(false),
         };
-        if needs(N, Needs::SMOOTH_NORMALS) && world.buffers.needs.contains(Needs::SMOOTH_NORMALS) {
-            (worn.normal, worn.bent) = surface.smooth_normal::<N>(world, found);
+        if has(N, Features::SMOOTH_NORMALS) && world.buffers.needs.contains(Features::SMOOTH_NORMALS) {
+            (material.normal, material.bent) = surface.smooth_normal::<N>(world, found);
         }
         let none = L::Bits::splat(0);
         let (mut roughness_map, mut normal_map) = (none, none);
-        if Needs(N).meets(Needs::DETAILS) && world.buffers.needs.meets(Needs::DETAILS) {
+        if Features(N).meets(Features::DETAILS) && world.buffers.needs.meets(Features::DETAILS) {
             let [ior, transmitted, roughness, normal, ..] = world.buffers.detail_rows.fetch::<L>(index, few);
-            (worn.ior, worn.transmitted) = (ior, transmitted);
+            (material.ior, material.transmitted) = (ior, transmitted);
             (roughness_map, normal_map) = (roughness.to_bits(), normal.to_bits());
         }
-        if Needs(N).meets(PICTURES) {
+        if Features(N).meets(PICTURES) {
             let texture = code.shr(MaterialCode::TEXTURE_SHIFT);
             let pictured = found & !(texture | roughness_map | normal_map).equals(none);
             if pictured.any() {
                 let coordinates = surface.texture_coordinates::<N>(world, pictured);
-                worn.look_up::<N>(world, coordinates, found, texture);
-                worn.roughen::<N>(world, coordinates, found, roughness_map);
-                worn.emboss::<N>(world, surface, coordinates, found, normal_map);
+                material.apply_color_texture::<N>(world, coordinates, found, texture);
+                material.apply_roughness_map::<N>(world, coordinates, found, roughness_map);
+                material.apply_normal_map::<N>(world, surface, coordinates, found, normal_map);
             }
         }
-        worn
+        material
     }
 
     /// Applies the pictures of colour; `code` is index + 1, 0 for none.
     #[inline(always)]
-    fn look_up<const N: u32>(&mut self, world: &World, at: Coordinates<L>, found: L::Mask, code: L::Bits) {
-        if !needs(N, Needs::TEXTURES) {
+    fn apply_color_texture<const N: u32>(
+        &mut self,
+        world: &World,
+        at: Coordinates<L>,
+        found: L::Mask,
+        code: L::Bits,
+    ) {
+        if !has(N, Features::TEXTURES) {
             return;
         }
         let textured = found & !code.equals(L::Bits::splat(0));
@@ -263,9 +269,15 @@ impl<L: Lane> Worn<L> {
 
     /// Multiplies roughness, which is the parameter of `scatter` and the root of everybody else's.
     #[inline(always)]
-    fn roughen<const N: u32>(&mut self, world: &World, at: Coordinates<L>, found: L::Mask, code: L::Bits) {
+    fn apply_roughness_map<const N: u32>(
+        &mut self,
+        world: &World,
+        at: Coordinates<L>,
+        found: L::Mask,
+        code: L::Bits,
+    ) {
         let mapped = found & !code.equals(L::Bits::splat(0));
-        if needs(N, Needs::ROUGHNESS_MAPS) && mapped.any() {
+        if has(N, Features::ROUGHNESS_MAPS) && mapped.any() {
             let factor = texel::<L, N>(world, at, mapped, code, Meaning::Data).x.min(L::one());
             let scatters = self.kind.equals(L::Bits::splat(MaterialCode::SCATTER));
             let factor = L::select(scatters, factor, factor * factor);
@@ -274,7 +286,7 @@ impl<L: Lane> Worn<L> {
     }
 
     #[inline(always)]
-    fn emboss<const N: u32>(
+    fn apply_normal_map<const N: u32>(
         &mut self,
         world: &World,
         surface: &Surface<L>,
@@ -283,7 +295,7 @@ impl<L: Lane> Worn<L> {
         code: L::Bits,
     ) {
         let mapped = found & !code.equals(L::Bits::splat(0));
-        if needs(N, Needs::NORMAL_MAPS) && mapped.any() {
+        if has(N, Features::NORMAL_MAPS) && mapped.any() {
             let texel = texel::<L, N>(world, at, mapped, code, Meaning::Data);
             let (tangent, hand) = surface.tangent::<N>(world, mapped);
             let (normal, some) = normals::mapped(texel, self.normal, tangent, hand);
@@ -295,7 +307,7 @@ impl<L: Lane> Worn<L> {
 }
 
 /// What looks up textures on surfaces.
-const PICTURES: Needs = Needs::TEXTURES.with(Needs::ROUGHNESS_MAPS).with(Needs::NORMAL_MAPS);
+const PICTURES: Features = Features::TEXTURES.with(Features::ROUGHNESS_MAPS).with(Features::NORMAL_MAPS);
 
 /// Texture coordinates, v from the top, and where v must not wrap.
 type Coordinates<L> = ((L, L), <L as Lane>::Mask);

@@ -10,7 +10,7 @@ use std::f32::consts::TAU;
 
 /// A point of an emitter.
 #[derive(Clone, Copy, Debug)]
-pub struct Aim<L: Lane> {
+pub struct LightSample<L: Lane> {
     /// Unit vector towards the point.
     pub direction: Vec3<L>,
     /// Distance to the point, in scene units.
@@ -21,7 +21,7 @@ pub struct Aim<L: Lane> {
     pub density: L,
 }
 
-impl<L: Lane> Aim<L> {
+impl<L: Lane> LightSample<L> {
     /// The other one where `mask` holds.
     #[inline(always)]
     pub fn or(self, mask: L::Mask, other: Self) -> Self {
@@ -48,7 +48,7 @@ fn cone<L: Lane>(center: Vec3<L>, radius: L) -> (L, L) {
 ///
 /// Domain: a radius of at least 1e-15 distances.
 #[inline(always)]
-pub fn sphere_density<L: Lane>(center: Vec3<L>, radius: L) -> L {
+pub fn sphere_pdf<L: Lane>(center: Vec3<L>, radius: L) -> L {
     let (_, height) = cone(center, radius);
     some(L::splat(1.0 / TAU) / height)
 }
@@ -57,7 +57,7 @@ pub fn sphere_density<L: Lane>(center: Vec3<L>, radius: L) -> L {
 ///
 /// Source: Shirley, Wang, Zimmerman, "Monte Carlo Techniques for Direct Lighting Calculations", ACM TOG 15(1), 1996.
 #[inline(always)]
-pub fn aim_at_sphere<L: Lane>(center: Vec3<L>, radius: L, u: L, v: L) -> Aim<L> {
+pub fn sample_sphere<L: Lane>(center: Vec3<L>, radius: L, u: L, v: L) -> LightSample<L> {
     let (distance2, height) = cone(center, radius);
     let distance = distance2.sqrt();
     let axis = center * (L::one() / distance);
@@ -73,7 +73,7 @@ pub fn aim_at_sphere<L: Lane>(center: Vec3<L>, radius: L, u: L, v: L) -> Aim<L> 
     let half_chord = (sin2.neg_mul_add(distance2, radius2)).max(L::zero()).sqrt();
     let t = (distance2 - radius2) / distance.mul_add(cos, half_chord);
     let normal = (direction * t - center).normalize();
-    Aim { direction, t, normal, density: some(L::splat(1.0 / TAU) / height) }
+    LightSample { direction, t, normal, density: some(L::splat(1.0 / TAU) / height) }
 }
 
 /// A triangle as it is seen from the lit point.
@@ -125,7 +125,7 @@ impl<L: Lane> Seen<L> {
 
 /// The density of the unit direction that meets the triangle a, a + ab, a + ac at `t`.
 #[inline(always)]
-pub fn triangle_density<L: Lane>(a: Vec3<L>, ab: Vec3<L>, ac: Vec3<L>, direction: Vec3<L>, t: L) -> L {
+pub fn triangle_pdf<L: Lane>(a: Vec3<L>, ab: Vec3<L>, ac: Vec3<L>, direction: Vec3<L>, t: L) -> L {
     Seen::new(a, ab, ac).density(direction, t)
 }
 
@@ -135,7 +135,7 @@ pub fn triangle_density<L: Lane>(a: Vec3<L>, ab: Vec3<L>, ac: Vec3<L>, direction
 /// Source: Arvo, "Stratified Sampling of Spherical Triangles", SIGGRAPH 1995; in the form without angles of Peters, "BRDF Importance
 /// Sampling for Polygonal Lights", ACM TOG 40(4), 2021, §4.
 #[inline(always)]
-pub fn aim_at_triangle<L: Lane>(a: Vec3<L>, ab: Vec3<L>, ac: Vec3<L>, u: L, v: L) -> Aim<L> {
+pub fn sample_triangle<L: Lane>(a: Vec3<L>, ab: Vec3<L>, ac: Vec3<L>, u: L, v: L) -> LightSample<L> {
     let seen = Seen::new(a, ab, ac);
     let by_area = {
         // Uniform weights of the corners: Osada et al., "Shape Distributions", ACM TOG 21(4), 2002.
@@ -146,7 +146,7 @@ pub fn aim_at_triangle<L: Lane>(a: Vec3<L>, ab: Vec3<L>, ac: Vec3<L>, u: L, v: L
     let t = seen.height / seen.normal.dot(direction);
     let normal = seen.normal.normalize().flip_sign(seen.height) * -L::one();
     let density = seen.density(direction, t).only(L::zero().lt(t));
-    Aim { direction, t, normal, density }
+    LightSample { direction, t, normal, density }
 }
 
 #[inline(always)]

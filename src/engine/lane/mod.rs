@@ -125,8 +125,8 @@ pub trait Lane:
     const WIDTH: usize;
     type Mask: Mask;
     type Bits: Bits<Mask = Self::Mask>;
-    /// A permutation of lanes, as [`Lane::packing`] makes it.
-    type Packing: Copy;
+    /// A permutation of lanes, as [`Lane::indices`] makes it.
+    type CompressIndices: Copy;
 
     fn splat(value: f32) -> Self;
     /// Lane `i` gets `f(i)`.
@@ -184,9 +184,9 @@ pub trait Lane:
 
     /// The permutation that moves the lanes of `mask` to the front, in their order. What stands behind them is
     /// unspecified.
-    fn packing(mask: Self::Mask) -> Self::Packing;
-    fn pack(self, packing: Self::Packing) -> Self;
-    fn pack_bits(bits: Self::Bits, packing: Self::Packing) -> Self::Bits;
+    fn compress_indices(mask: Self::Mask) -> Self::CompressIndices;
+    fn compress(self, indices: Self::CompressIndices) -> Self;
+    fn compress_bits(bits: Self::Bits, indices: Self::CompressIndices) -> Self::Bits;
 
     /// `table[index]` in each lane, for small tables that fit one register. Domain: every index, in inactive lanes too,
     /// is below 8; what another one picks is unspecified.

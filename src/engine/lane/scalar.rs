@@ -87,7 +87,7 @@ impl Lane for f32 {
     const WIDTH: usize = 1;
     type Mask = bool;
     type Bits = u32;
-    type Packing = ();
+    type CompressIndices = ();
 
     #[inline(always)]
     fn splat(value: f32) -> Self {
@@ -165,13 +165,13 @@ impl Lane for f32 {
         int as i32 as f32
     }
     #[inline(always)]
-    fn packing(_mask: bool) {}
+    fn compress_indices(_mask: bool) {}
     #[inline(always)]
-    fn pack(self, _packing: ()) -> Self {
+    fn compress(self, _packing: ()) -> Self {
         self
     }
     #[inline(always)]
-    fn pack_bits(bits: u32, _packing: ()) -> u32 {
+    fn compress_bits(bits: u32, _packing: ()) -> u32 {
         bits
     }
     #[inline(always)]

@@ -230,7 +230,7 @@ impl Lane for F32x8 {
     const WIDTH: usize = 8;
     type Mask = Mask8;
     type Bits = U32x8;
-    type Packing = U32x8;
+    type CompressIndices = U32x8;
 
     #[inline(always)]
     fn splat(value: f32) -> Self {
@@ -327,16 +327,16 @@ impl Lane for F32x8 {
         Self(f32x8::from_i32x8(bytemuck::cast::<_, i32x8>(int.0)))
     }
     #[inline(always)]
-    fn packing(mask: Mask8) -> U32x8 {
+    fn compress_indices(mask: Mask8) -> U32x8 {
         U32x8(u32x8::new(PACKING[(mask.bitmask() & 0xff) as usize]))
     }
     #[inline(always)]
-    fn pack(self, packing: U32x8) -> Self {
-        Self(self.0.shuffle(packing.0))
+    fn compress(self, indices: U32x8) -> Self {
+        Self(self.0.shuffle(indices.0))
     }
     #[inline(always)]
-    fn pack_bits(bits: U32x8, packing: U32x8) -> U32x8 {
-        U32x8(bits.0.shuffle(packing.0))
+    fn compress_bits(bits: U32x8, indices: U32x8) -> U32x8 {
+        U32x8(bits.0.shuffle(indices.0))
     }
     #[inline(always)]
     fn pick(table: &[f32; 8], index: U32x8) -> Self {

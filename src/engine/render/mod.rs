@@ -4,7 +4,7 @@
 
 pub mod survey;
 
-use crate::buffers::{Buffers, Needs};
+use crate::buffers::{Buffers, Features};
 use crate::camera::Pinhole;
 use crate::film::{Film, TileSums};
 use crate::integrate::queue::{MAX_PIXELS, Work};
@@ -145,7 +145,7 @@ impl Watch for () {
 pub struct Renderer {
     settings: Settings,
     world: World,
-    features: Needs,
+    features: Features,
     pipeline: Pipeline,
     threads: Threads<Box<Work>>,
 }
@@ -179,7 +179,7 @@ impl Renderer {
         };
         let needs = match settings.pipeline {
             PipelineChoice::Needed => world.buffers.needs,
-            PipelineChoice::General => Needs::ALL,
+            PipelineChoice::General => Features::ALL,
         };
         let (features, pipeline) = pipeline_for(needs, lanes);
         Self { settings, world, features, pipeline, threads: Threads::new(threads, Work::new) }
@@ -212,11 +212,11 @@ impl Renderer {
         &self.world.camera
     }
     /// What its pipeline has: the scene's needs, and what shares the pipeline with them.
-    pub fn features(&self) -> Needs {
+    pub fn features(&self) -> Features {
         self.features
     }
     /// What the scene needs of its pipeline.
-    pub fn needs(&self) -> Needs {
+    pub fn needs(&self) -> Features {
         self.world.buffers.needs
     }
     /// An empty film for this renderer's resolution.
@@ -278,8 +278,8 @@ impl Renderer {
         let on_triangle = |primitive: u32| primitive != MISS && primitive >= spheres;
         let of_tile = |tile: Tile| {
             let count = match self.settings.lanes {
-                1 => primary::<f32, { Needs::ALL.0 }>(&self.world, tile, sample, &mut work),
-                _ => primary::<F32x8, { Needs::ALL.0 }>(&self.world, tile, sample, &mut work),
+                1 => primary::<f32, { Features::ALL.0 }>(&self.world, tile, sample, &mut work),
+                _ => primary::<F32x8, { Features::ALL.0 }>(&self.world, tile, sample, &mut work),
             };
             let slots = 0..count as u32;
             let hit = |slot: u32| {

@@ -1,7 +1,7 @@
 //! What pixels see and what they take, besides light: for filters, views of the scene, and heat maps.
 
 use super::Renderer;
-use crate::integrate::guides::{self, Guides};
+use crate::integrate::guides::{self, Aovs};
 use crate::integrate::queue::{PathShape, Work};
 use crate::integrate::{Tile, cost};
 use rayon::prelude::*;
@@ -28,7 +28,7 @@ impl<T: Clone + Default> Map<T> {
 
 impl Renderer {
     /// The surface under the middle of every pixel.
-    pub fn guides_into(&self, guides: &mut Guides) {
+    pub fn guides_into(&self, guides: &mut Aovs) {
         guides.resize(self.settings.resolution);
         let (length, rows) = guides.rows();
         self.each_row(rows, length, |y, row, work| guides::look(&self.world, y, row, work));

@@ -159,7 +159,7 @@ fn one_by_one(
 ) {
     for at in 0..rays.len() {
         let mut hit = hits.get(at);
-        trace(&rays.single(at, hierarchy.reach), &mut hit);
+        trace(&rays.single(at, hierarchy.padding), &mut hit);
         hits.set(at, &hit);
     }
 }

@@ -5,12 +5,12 @@
 //! holds the direction of one axis, so it takes one FMA a plane.
 //!
 //! Conservative: a ray that passes a padded box ([`crate::kernel::ray_box::Slabs`]) meets it within (|o| + room) 2⁻²⁰, |o| the largest
-//! component and room as [`Reach::room`] gives it; the frustum leaves twice that, along both axes of a side.
+//! component and room as [`Padding::room`] gives it; the frustum leaves twice that, along both axes of a side.
 //!
 //! Source: Reshetov, Soupikov, Hurley, "Multi-Level Ray Tracing Algorithm", SIGGRAPH 2005.
 
 use super::rays::Rays;
-use crate::kernel::ray_box::Reach;
+use crate::kernel::ray_box::Padding;
 use crate::lane::{F32x8, Lane, Mask, Mask8};
 use crate::math::{Ray, Vec3};
 
@@ -34,7 +34,7 @@ pub type Slopes<const PACKETS: usize> = [[F32x8; PACKETS]; 2];
 
 impl Stem {
     /// That of rays like this one; `None` where rounding knows no bound.
-    pub fn of(ray: &Ray<f32>, reach: Reach) -> Option<Self> {
+    pub fn of(ray: &Ray<f32>, padding: Padding) -> Option<Self> {
         let components = |v: Vec3<f32>| [v.x, v.y, v.z];
         let (direction, origin) = (components(ray.direction), components(ray.origin));
         let size = direction.map(f32::abs);
@@ -46,7 +46,7 @@ impl Stem {
             2
         };
         let far = origin.into_iter().fold(0.0, |far: f32, o| far.max(o.abs()));
-        let padding = (reach.room(ray.origin) + far) * f32::powi(0.5, 19);
+        let padding = (padding.room(ray.origin) + far) * f32::powi(0.5, 19);
         let forward = 1f32.copysign(direction[main]);
         let axes = [main, (main + 1) % 3, (main + 2) % 3];
         padding.is_finite().then_some(Self { axes, forward, origin, padding })

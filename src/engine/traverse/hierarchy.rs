@@ -2,7 +2,7 @@
 
 use crate::buffers::SphereBlock;
 use crate::bvh::{Bounds, Bvh, Child, LEAF, Leaf, Quality};
-use crate::kernel::ray_box::{Reach, Slabs, own_box};
+use crate::kernel::ray_box::{Padding, Slabs, own_box};
 use crate::kernel::ray_sphere::{Robust, SphereMethod};
 use crate::kernel::ray_triangle::{EightTriangles, TriangleHit, TriangleMethod, Woop, WoopRay};
 use crate::lane::{Bits, F32x8, Lane, Mask, Mask8, U32x8};
@@ -13,7 +13,7 @@ use rayon::prelude::*;
 /// The hierarchy, and the primitives of its leaves as intersection reads them.
 pub struct Hierarchy {
     pub bvh: Bvh,
-    pub reach: Reach,
+    pub padding: Padding,
     triangles: Vec<TriangleLeaf>,
     spheres: Vec<SphereLeaf>,
 }
@@ -37,21 +37,21 @@ struct SphereLeaf {
 /// Fewest leaves that are worth another thread.
 const FILL: usize = 256;
 
-/// How far rays and boxes reach in a scene: [`Reach`] of all its primitives.
-pub fn reach_of(scene: &Scene) -> Reach {
+/// How far rays and boxes reach in a scene: [`Padding`] of all its primitives.
+pub fn padding_of(scene: &Scene) -> Padding {
     let vertices = scene.triangles.iter().flat_map(|triangle| triangle.vertices);
     let of_triangles = vertices.map(|vertex| vertex.abs().max_element()).fold(0.0, f32::max);
     let corner = |sphere: &crate::scene::Sphere| {
         let Bounds { lo, hi } = Bounds::of_sphere(sphere.center, sphere.radius);
         lo.abs().max(hi.abs()).max_element()
     };
-    let reach = Reach::new(scene.spheres.iter().map(corner).fold(of_triangles, f32::max));
-    if scene.spheres.is_empty() { reach } else { reach.with_spheres() }
+    let padding = Padding::new(scene.spheres.iter().map(corner).fold(of_triangles, f32::max));
+    if scene.spheres.is_empty() { padding } else { padding.with_spheres() }
 }
 
 impl Hierarchy {
     pub fn new(scene: &Scene, quality: Quality) -> Self {
-        let (bvh, reach) = rayon::join(|| Bvh::new(scene, quality), || reach_of(scene));
+        let (bvh, padding) = rayon::join(|| Bvh::new(scene, quality), || padding_of(scene));
         let first_triangle = scene.spheres.len();
         let triangle_leaf = |leaf: &Leaf| {
             let mut vertices = [[[f32::NAN; LEAF]; 3]; 3];
@@ -74,7 +74,7 @@ impl Hierarchy {
         Self {
             triangles: triangles.with_min_len(FILL).map(triangle_leaf).collect(),
             spheres: spheres.with_min_len(FILL).map(sphere_leaf).collect(),
-            reach,
+            padding,
             bvh,
         }
     }
@@ -168,8 +168,8 @@ pub struct SingleRay {
 
 impl SingleRay {
     #[inline(always)]
-    pub fn new(ray: Ray<f32>, reach: Reach) -> Self {
-        Self { ray, slabs: Slabs::new(&ray, reach), woop: Woop::prepare(&ray) }
+    pub fn new(ray: Ray<f32>, padding: Padding) -> Self {
+        Self { ray, slabs: Slabs::new(&ray, padding), woop: Woop::prepare(&ray) }
     }
 }
 
@@ -248,12 +248,18 @@ impl TriangleLeaf {
 
     /// A packet against one of the triangles; says whether any ray found a nearer hit.
     #[inline(always)]
-    pub fn packet_meets(&self, lane: usize, reach: Reach, packet: &mut Packet, hit: &mut Hit<F32x8>) -> bool {
+    pub fn packet_meets(
+        &self,
+        lane: usize,
+        padding: Padding,
+        packet: &mut Packet,
+        hit: &mut Hit<F32x8>,
+    ) -> bool {
         let found = match packet.axis {
             Some(axis) => packet.woop.test_lane_along(axis, &self.vertices, lane),
             None => packet.woop.test_corners(self.corners(lane)),
         };
-        found.is_some_and(|found| self.accept_lanes(lane, reach, packet, &found, hit))
+        found.is_some_and(|found| self.accept_lanes(lane, padding, packet, &found, hit))
     }
 
     /// Holds what a packet found to the triangle's own box and keeps what is nearer. Out of line: the loop that calls it stays in registers.
@@ -261,14 +267,14 @@ impl TriangleLeaf {
     fn accept_lanes(
         &self,
         lane: usize,
-        reach: Reach,
+        padding: Padding,
         packet: &mut Packet,
         found: &TriangleHit<F32x8>,
         hit: &mut Hit<F32x8>,
     ) -> bool {
         let infinite = F32x8::splat(f32::INFINITY);
         let splat = |[x, y, z]: [f32; 3]| Vec3::new(F32x8::splat(x), F32x8::splat(y), F32x8::splat(z));
-        let slabs = packet.slabs.get_or_insert_with(|| Slabs::new(&packet.ray, reach));
+        let slabs = packet.slabs.get_or_insert_with(|| Slabs::new(&packet.ray, padding));
         let (mask, t) = own_box(slabs, box_of(self.corners(lane).map(splat)), found.mask, found.t, infinite);
         take_lanes(mask, self.primitives.primitives[lane & 7], [t, found.u, found.v], hit)
     }

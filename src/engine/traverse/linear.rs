@@ -2,7 +2,7 @@
 
 use super::Visible;
 use crate::buffers::Spheres;
-use crate::kernel::ray_box::{Reach, Slabs, own_box};
+use crate::kernel::ray_box::{Padding, Slabs, own_box};
 use crate::kernel::ray_sphere::SphereMethod;
 use crate::kernel::ray_triangle::TriangleMethod;
 use crate::lane::{Bits, Lane, Mask};
@@ -15,7 +15,7 @@ use crate::math::{Hit, Ray, Vec3};
 pub fn closest<L: Lane, S: SphereMethod, T: TriangleMethod>(
     spheres: &Spheres,
     triangles: &[T::Stored],
-    reach: Reach,
+    padding: Padding,
     ray: &Ray<L>,
 ) -> Hit<L> {
     let mut hit = Hit::miss();
@@ -28,7 +28,7 @@ pub fn closest<L: Lane, S: SphereMethod, T: TriangleMethod>(
     if !triangles.is_empty() {
         let prepared = T::prepare(ray);
         for (index, triangle) in (spheres.len() as u32..).zip(triangles) {
-            meet_triangle::<L, T>(&mut hit, ray, reach, &prepared, index, triangle);
+            meet_triangle::<L, T>(&mut hit, ray, padding, &prepared, index, triangle);
         }
     }
     hit
@@ -39,7 +39,7 @@ pub fn closest<L: Lane, S: SphereMethod, T: TriangleMethod>(
 pub fn closest_visible<L: Lane, S: SphereMethod, T: TriangleMethod>(
     spheres: &Spheres,
     triangles: &[T::Stored],
-    reach: Reach,
+    padding: Padding,
     visible: &Visible,
     ray: &Ray<L>,
 ) -> Hit<L> {
@@ -56,7 +56,7 @@ pub fn closest_visible<L: Lane, S: SphereMethod, T: TriangleMethod>(
         for &index in &visible.triangles {
             let triangle = &triangles[index as usize];
             let number = spheres.len() as u32 + index;
-            meet_triangle::<L, T>(&mut hit, ray, reach, &prepared, number, triangle);
+            meet_triangle::<L, T>(&mut hit, ray, padding, &prepared, number, triangle);
         }
     }
     hit
@@ -79,7 +79,7 @@ fn meet_sphere<L: Lane, S: SphereMethod>(
 fn meet_triangle<L: Lane, T: TriangleMethod>(
     hit: &mut Hit<L>,
     ray: &Ray<L>,
-    reach: Reach,
+    padding: Padding,
     prepared: &T::Prepared<L>,
     index: u32,
     triangle: &T::Stored,
@@ -94,7 +94,7 @@ fn meet_triangle<L: Lane, T: TriangleMethod>(
         // Made ready for boxes here and not before: few packets come so far.
         Some(corners) => {
             let [lo, hi] = corners.map(Vec3::splat);
-            own_box(&Slabs::new(ray, reach), (lo, hi), found.mask, found.t, hit.t)
+            own_box(&Slabs::new(ray, padding), (lo, hi), found.mask, found.t, hit.t)
         }
         None => (found.mask, found.t),
     };

@@ -1,7 +1,7 @@
 //! What there is to choose between when rays are traced, at run time.
 
 use super::batch::Traversal;
-use crate::buffers::{LightChoice, Needs};
+use crate::buffers::{Features, LightChoice};
 use crate::lane::{F32x8, Lane};
 use crate::sampling::Sampler;
 use crate::scene::Scene;
@@ -90,7 +90,7 @@ pub struct Methods {
 /// How rays find what they meet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum TraversalChoice {
-    /// Whatever measured fastest for a scene of so many primitives: see [`Needs::HIERARCHY`].
+    /// Whatever measured fastest for a scene of so many primitives: see [`Features::HIERARCHY`].
     #[default]
     Needed,
     /// Every primitive is tested.
@@ -136,7 +136,7 @@ impl Methods {
         let default = if lanes == 1 { Traversal::Scalar } else { Traversal::Hybrid };
         match self.traversal {
             TraversalChoice::Linear => None,
-            TraversalChoice::Needed => Needs::of(scene).contains(Needs::HIERARCHY).then_some(default),
+            TraversalChoice::Needed => Features::of(scene).contains(Features::HIERARCHY).then_some(default),
             TraversalChoice::Through(_) if lanes == 1 => Some(default),
             TraversalChoice::Through(traversal) => Some(traversal),
         }

@@ -1,12 +1,12 @@
 //! A scene's primitives, ready for the chosen equations: the choice is made once per batch of rays and not per ray.
 
 use super::batch::Traversal;
-use super::hierarchy::{Hierarchy, reach_of};
+use super::hierarchy::{Hierarchy, padding_of};
 use super::methods::{BoxChoice, Methods, SphereChoice, TriangleChoice};
 use super::{Visible, linear};
 use crate::buffers::{Buffers, store_triangles};
 use crate::bvh::Quality;
-use crate::kernel::ray_box::Reach;
+use crate::kernel::ray_box::Padding;
 use crate::kernel::ray_sphere::{self, SphereMethod};
 use crate::kernel::ray_triangle::{self, TriangleMethod};
 use crate::lane::Lane;
@@ -26,7 +26,7 @@ enum Triangles {
 pub struct Primitives {
     sphere: SphereChoice,
     triangles: Triangles,
-    reach: Reach,
+    padding: Padding,
     /// The way through a hierarchy, where there is one; then the other fields hold nothing.
     hierarchy: Option<(Hierarchy, Traversal)>,
 }
@@ -42,12 +42,12 @@ impl Primitives {
     pub fn new(scene: &Scene, methods: Methods, lanes: usize) -> Self {
         if let Some(traversal) = methods.traversal_of(scene, lanes) {
             let mut hierarchy = Hierarchy::new(scene, Quality::default());
-            hierarchy.reach = padded(hierarchy.reach, methods.boxes);
-            let (triangles, reach) = (Triangles::Woop(Vec::new()), Reach::default());
+            hierarchy.padding = padded(hierarchy.padding, methods.boxes);
+            let (triangles, padding) = (Triangles::Woop(Vec::new()), Padding::default());
             return Self {
                 sphere: methods.sphere,
                 triangles,
-                reach,
+                padding,
                 hierarchy: Some((hierarchy, traversal)),
             };
         }
@@ -64,14 +64,19 @@ impl Primitives {
             }
             TriangleChoice::Plucker => Triangles::Plucker(store_triangles::<ray_triangle::Plucker>(scene)),
         };
-        let reach = padded(reach_of(scene), methods.boxes);
-        Self { sphere: methods.sphere, triangles, reach, hierarchy: None }
+        let padding = padded(padding_of(scene), methods.boxes);
+        Self { sphere: methods.sphere, triangles, padding, hierarchy: None }
     }
 
     /// The hierarchy and the way through it, where there is one: then batches go to [`super::batch::Tracer`].
     #[inline(always)]
     pub fn hierarchy(&self) -> Option<(&Hierarchy, Traversal)> {
         self.hierarchy.as_ref().map(|(hierarchy, traversal)| (hierarchy, *traversal))
+    }
+
+    /// How far boxes are padded.
+    pub fn padding(&self) -> Padding {
+        self.hierarchy.as_ref().map_or(self.padding, |(hierarchy, _)| hierarchy.padding)
     }
 
     /// How many spheres and triangles [`Primitives::for_batch`] tests each ray against.
@@ -91,7 +96,7 @@ impl Primitives {
 
     /// Are these the default equations? Only they are compiled into pipelines.
     #[inline(always)]
-    pub fn meets_by_default(&self) -> bool {
+    pub fn uses_default_methods(&self) -> bool {
         self.sphere == SphereChoice::default() && matches!(self.triangles, Triangles::Woop(_))
     }
 
@@ -111,7 +116,7 @@ impl Primitives {
     /// [`Primitives::for_batch`] with the default equations alone: a fifteenth of its code.
     ///
     /// # Panics
-    /// If other triangle equations were chosen: not [`Primitives::meets_by_default`].
+    /// If other triangle equations were chosen: not [`Primitives::uses_default_methods`].
     #[inline(always)]
     pub fn for_default_batch<L: Lane>(
         &self,
@@ -122,7 +127,7 @@ impl Primitives {
         let Triangles::Woop(stored) = &self.triangles else {
             unreachable!("other equations than the default ones go another way");
         };
-        with_both::<L, ray_sphere::Robust, ray_triangle::Woop>(buffers, stored, self.reach, visible, batch);
+        with_both::<L, ray_sphere::Robust, ray_triangle::Woop>(buffers, stored, self.padding, visible, batch);
     }
 
     #[inline(always)]
@@ -134,29 +139,29 @@ impl Primitives {
     ) {
         match &self.triangles {
             Triangles::Woop(stored) => {
-                with_both::<L, S, ray_triangle::Woop>(buffers, stored, self.reach, visible, batch)
+                with_both::<L, S, ray_triangle::Woop>(buffers, stored, self.padding, visible, batch)
             }
             Triangles::WoopContracted(stored) => {
-                with_both::<L, S, ray_triangle::WoopContracted>(buffers, stored, self.reach, visible, batch)
+                with_both::<L, S, ray_triangle::WoopContracted>(buffers, stored, self.padding, visible, batch)
             }
             Triangles::MollerTrumbore(stored) => {
-                with_both::<L, S, ray_triangle::MollerTrumbore>(buffers, stored, self.reach, visible, batch)
+                with_both::<L, S, ray_triangle::MollerTrumbore>(buffers, stored, self.padding, visible, batch)
             }
             Triangles::BaldwinWeber(stored) => {
-                with_both::<L, S, ray_triangle::BaldwinWeber>(buffers, stored, self.reach, visible, batch)
+                with_both::<L, S, ray_triangle::BaldwinWeber>(buffers, stored, self.padding, visible, batch)
             }
             Triangles::Plucker(stored) => {
-                with_both::<L, S, ray_triangle::Plucker>(buffers, stored, self.reach, visible, batch)
+                with_both::<L, S, ray_triangle::Plucker>(buffers, stored, self.padding, visible, batch)
             }
         }
     }
 }
 
 /// How far boxes reach, given how they are met.
-fn padded(reach: Reach, boxes: BoxChoice) -> Reach {
+fn padded(padding: Padding, boxes: BoxChoice) -> Padding {
     match boxes {
-        BoxChoice::PaddedFma => reach,
-        BoxChoice::Fma => reach.without_padding(),
+        BoxChoice::PaddedFma => padding,
+        BoxChoice::Fma => padding.without_padding(),
     }
 }
 
@@ -164,34 +169,15 @@ fn padded(reach: Reach, boxes: BoxChoice) -> Reach {
 fn with_both<L: Lane, S: SphereMethod, T: TriangleMethod>(
     buffers: &Buffers,
     triangles: &[T::Stored],
-    reach: Reach,
+    padding: Padding,
     visible: Option<&Visible>,
     batch: impl Batch<L>,
 ) {
     let spheres = &buffers.spheres;
     match visible {
         Some(visible) => {
-            batch.run(|ray| linear::closest_visible::<L, S, T>(spheres, triangles, reach, visible, ray));
+            batch.run(|ray| linear::closest_visible::<L, S, T>(spheres, triangles, padding, visible, ray));
         }
-        None => batch.run(|ray| linear::closest::<L, S, T>(spheres, triangles, reach, ray)),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn boxes_without_padding_have_none_in_a_hierarchy_and_out_of_it() {
-        for scene in ["builtin:cornell", "builtin:knot:2000"] {
-            let scene = crate::scene::load(scene).unwrap();
-            let reach = |boxes| {
-                let primitives = Primitives::new(&scene, Methods { boxes, ..Methods::default() }, 8);
-                primitives.hierarchy().map_or(primitives.reach, |(hierarchy, _)| hierarchy.reach)
-            };
-            assert_eq!(reach(BoxChoice::PaddedFma), reach_of(&scene));
-            assert_eq!(reach(BoxChoice::Fma), reach_of(&scene).without_padding());
-            assert_ne!(reach(BoxChoice::Fma), reach_of(&scene));
-        }
+        None => batch.run(|ray| linear::closest::<L, S, T>(spheres, triangles, padding, ray)),
     }
 }

@@ -1,7 +1,7 @@
 //! Many rays in structure-of-arrays form, and their answers: what traversals of whole batches read and write.
 
 use super::hierarchy::SingleRay;
-use crate::kernel::ray_box::Reach;
+use crate::kernel::ray_box::Padding;
 use crate::lane::Lane;
 use crate::math::{Hit, Ray, Vec3};
 
@@ -39,8 +39,8 @@ impl<'a> Rays<'a> {
         Ray { origin: load(&self.origin, at), direction: load(&self.direction, at) }
     }
     #[inline(always)]
-    pub fn single(&self, at: usize, reach: Reach) -> SingleRay {
-        SingleRay::new(self.packet::<f32>(at), reach)
+    pub fn single(&self, at: usize, padding: Padding) -> SingleRay {
+        SingleRay::new(self.packet::<f32>(at), padding)
     }
     pub fn range(&self, range: std::ops::Range<usize>) -> Rays<'a> {
         Rays {

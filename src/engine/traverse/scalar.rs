@@ -14,10 +14,10 @@ pub fn trace<const ANY: bool>(hierarchy: &Hierarchy, ray: &SingleRay, hit: &mut 
     let upwards = u32::from(ray.ray.direction.x > 0.0)
         | u32::from(ray.ray.direction.y > 0.0) << 1
         | u32::from(ray.ray.direction.z > 0.0) << 2;
-    let enter = |node: usize, reach: f32| -> f32 {
+    let enter = |node: usize, padding: f32| -> f32 {
         let bounds = nodes[node].bounds();
         let corner = |v: glam::Vec3| Vec3::new(v.x, v.y, v.z);
-        entry(&ray.slabs, corner(bounds.lo), corner(bounds.hi), reach)
+        entry(&ray.slabs, corner(bounds.lo), corner(bounds.hi), padding)
     };
     tally.boxes(1, 1);
     if enter(0, hit.t).is_nan() {
@@ -68,8 +68,8 @@ pub fn trace<const ANY: bool>(hierarchy: &Hierarchy, ray: &SingleRay, hit: &mut 
 
 /// Where the ray enters a box within its reach; NaN or beyond the reach where it does not.
 #[inline(always)]
-fn entry(slabs: &Slabs<f32>, lo: Vec3<f32>, hi: Vec3<f32>, reach: f32) -> f32 {
+fn entry(slabs: &Slabs<f32>, lo: Vec3<f32>, hi: Vec3<f32>, padding: f32) -> f32 {
     let (near, far) = slabs.pass(lo, hi);
     let near = near.max(0.0);
-    if near <= far && near <= reach { near } else { f32::NAN }
+    if near <= far && near <= padding { near } else { f32::NAN }
 }

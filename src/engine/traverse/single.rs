@@ -27,10 +27,10 @@ impl Stack {
     /// Puts those of eight children on the stack, from place `at` on, that `passes` names; the nearest on top. Returns how many.
     #[inline(always)]
     pub fn put(&mut self, at: usize, children: &[Child; WIDE], near: F32x8, passes: Mask8) -> usize {
-        let packing = F32x8::packing(passes);
+        let indices = F32x8::compress_indices(passes);
         let children = U32x8::load(bytemuck::cast_slice(children));
-        F32x8::pack_bits(children, packing).store(&mut self.child[at & (STACK - 1)..]);
-        near.pack(packing).store(&mut self.near[at & (STACK - 1)..]);
+        F32x8::compress_bits(children, indices).store(&mut self.child[at & (STACK - 1)..]);
+        near.compress(indices).store(&mut self.near[at & (STACK - 1)..]);
         let count = passes.count();
         if count > 1 {
             let last = at + count - 1;
@@ -90,7 +90,7 @@ impl SplatSlabs {
 
     /// Where the ray enters the node's boxes, and which of them it passes within its reach.
     #[inline(always)]
-    fn pass(&self, node: &WideNode, reach: f32) -> (F32x8, Mask8) {
+    fn pass(&self, node: &WideNode, padding: f32) -> (F32x8, Mask8) {
         let planes = node.planes();
         let plane = |plane: usize, axis: usize, rest: &Splats| {
             F32x8::load(&planes[plane]).mul_add(self.inverse[axis], rest[axis])
@@ -99,7 +99,7 @@ impl SplatSlabs {
         let far = |axis: usize| plane(self.second[axis], axis, &self.far);
         // In this order a NaN, which min and max take from their second operand, is kept and passes no box, not even an empty one.
         let entry = F32x8::zero().max(near(0).max(near(1)).max(near(2)));
-        let exit = F32x8::splat(reach).min(far(0).min(far(1)).min(far(2)));
+        let exit = F32x8::splat(padding).min(far(0).min(far(1)).min(far(2)));
         (entry, entry.le(exit))
     }
 }

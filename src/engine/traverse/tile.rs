@@ -226,7 +226,7 @@ impl<'a, T: Tally> Walk<'a, T> {
         self.tally.packet_at_triangles(self.hierarchy, leaf, meets);
         let mut closer = false;
         for lane in meets.lanes() {
-            closer |= triangles.packet_meets(lane, self.hierarchy.reach, &mut self.packet, &mut self.hit);
+            closer |= triangles.packet_meets(lane, self.hierarchy.padding, &mut self.packet, &mut self.hit);
         }
         if closer {
             self.shorten();
@@ -267,7 +267,7 @@ pub fn trace(
         return false;
     }
     let packets = count / 8;
-    let Some(stem) = Stem::of(&rays.packet::<f32>(0), hierarchy.reach) else { return false };
+    let Some(stem) = Stem::of(&rays.packet::<f32>(0), hierarchy.padding) else { return false };
     let mut slopes = [[F32x8::zero(); PACKETS]; 2];
     let Some(span) = stem.slopes(rays, &mut slopes) else { return false };
     let Some(cut) = Cut::of(hierarchy, &stem.frustum(&stem.frusta(span), 0), most_nodes, tally) else {

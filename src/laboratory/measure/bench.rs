@@ -5,7 +5,7 @@
 use super::statistics::Quantiles;
 use super::stats::FrameStats;
 use super::turns::{Ratio, Timed};
-use crate::buffers::Needs;
+use crate::buffers::Features;
 use crate::render::{PipelineChoice, Renderer, Settings};
 use crate::scene::Scene;
 use serde::Serialize;
@@ -88,7 +88,7 @@ impl Run {
         let Engine { lanes, threads } = engine;
         let of = |pipeline| Renderer::new(scene, Settings { lanes, threads, pipeline, ..settings });
         let renderer = of(settings.pipeline);
-        let against_general = against_general && renderer.features() != Needs::ALL;
+        let against_general = against_general && renderer.features() != Features::ALL;
         let general = against_general.then(|| Timed::new(of(PipelineChoice::General)));
         Self { engine, timed: Timed::new(renderer), general }
     }

@@ -1,7 +1,7 @@
 //! SIMD against scalar, bit for bit; and both against the judge.
 
 use super::turns::{Ratio, Timed};
-use crate::buffers::{LightChoice, Needs};
+use crate::buffers::{Features, LightChoice};
 use crate::film::Picture;
 use crate::reference::{PathSettings, Reference, Verdict};
 use crate::render::{PrimaryHit, Renderer, Settings};
@@ -84,7 +84,7 @@ pub fn compare(scene: &Scene, settings: Settings, samples: u32) -> Comparison {
     let at = |lanes| Timed::new(Renderer::new(scene, Settings { lanes, ..settings }));
     let (mut simd, mut scalar) = (at(8), at(1));
     let share = Share::of(scene, &settings, samples);
-    let searches = simd.renderer.needs().contains(Needs::LIGHTS);
+    let searches = simd.renderer.needs().contains(Features::LIGHTS);
     let mut to_judge = None;
     let start = Instant::now();
     for sample in 1..=samples {

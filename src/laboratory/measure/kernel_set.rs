@@ -6,7 +6,7 @@
 //! lane's answer is used. No ray passes within 1e-6 of an edge or a silhouette, so that rounding decides nothing: hits are those of double
 //! precision.
 
-use crate::kernel::ray_box::{BoxMethod, Reach};
+use crate::kernel::ray_box::{BoxMethod, Padding};
 use crate::kernel::ray_sphere::SphereMethod;
 use crate::kernel::ray_triangle::TriangleMethod;
 use crate::lane::{F32x8, Lane, Mask};
@@ -64,7 +64,7 @@ pub fn boxes() -> Vec<[Point; 2]> {
 pub fn all_boxes<L: Lane, B: BoxMethod>(rays: &[Ray<L>], boxes: &[[Point; 2]]) -> Found {
     let mut tally = Tally::new();
     for ray in rays {
-        let prepared = B::prepare(ray, Reach::new(EXTENT));
+        let prepared = B::prepare(ray, Padding::new(EXTENT));
         for &[lo, hi] in boxes {
             let (near, far) = B::pass(&prepared, Vec3::splat(lo), Vec3::splat(hi));
             tally.add(near.le(far) & L::zero().le(far), near);

@@ -57,7 +57,7 @@ pub struct RaySet {
     pub origin: [Vec<f32>; 3],
     pub direction: [Vec<f32>; 3],
     /// Hits count up to here, in units of t: directions have unit length, so a distance.
-    pub reach: Vec<f32>,
+    pub t_max: Vec<f32>,
 }
 
 /// The pixels of a picture in the order of primary rays: tile by tile, and in a tile block by block. Tiles that the picture's edge
@@ -80,15 +80,15 @@ impl RaySet {
     fn with_capacity(kind: Kind, rays: usize) -> Self {
         let column = || Vec::with_capacity(rays);
         let columns = || [column(), column(), column()];
-        Self { kind, origin: columns(), direction: columns(), reach: column() }
+        Self { kind, origin: columns(), direction: columns(), t_max: column() }
     }
 
-    fn push(&mut self, ray: Ray<f32>, reach: f32) {
+    fn push(&mut self, ray: Ray<f32>, t_max: f32) {
         let Ray { origin, direction } = ray;
         self.origin.iter_mut().zip([origin.x, origin.y, origin.z]).for_each(|(column, x)| column.push(x));
         let components = [direction.x, direction.y, direction.z];
         self.direction.iter_mut().zip(components).for_each(|(column, x)| column.push(x));
-        self.reach.push(reach);
+        self.t_max.push(t_max);
     }
 
     /// The rays through the middles of these pixels.
@@ -113,7 +113,7 @@ impl RaySet {
         let Prepared { set: rays, nearest: answers } = primary;
         let (lower, upper) = scene.bounds();
         // The two kinds go different ways: each has the numbers of a scattering event of its own.
-        let (reach, event) = match kind {
+        let (t_max, event) = match kind {
             Kind::Shadow => ((SHADOW_REACH * (upper - lower).length()) as f32, 0),
             _ => (f32::INFINITY, 1),
         };
@@ -125,17 +125,17 @@ impl RaySet {
                 let key = path_key(seed, y * width + x, 0);
                 let random = |number: u32| uniform::<f32>(key, bounce(event) + DIRECTION + number);
                 let direction = cosine_hemisphere(normal, random(0), random(1));
-                set.push(Ray { origin, direction }, reach);
+                set.push(Ray { origin, direction }, t_max);
             }
         }
         set
     }
 
     pub fn len(&self) -> usize {
-        self.reach.len()
+        self.t_max.len()
     }
     pub fn is_empty(&self) -> bool {
-        self.reach.is_empty()
+        self.t_max.is_empty()
     }
     /// As traversals read them.
     pub fn rays(&self) -> Rays<'_> {
@@ -181,7 +181,7 @@ impl Answers {
     /// Nothing found yet.
     pub fn none(set: &RaySet) -> Self {
         let zeros = || vec![0.0; set.len()];
-        Self { t: set.reach.clone(), primitive: vec![MISS; set.len()], u: zeros(), v: zeros() }
+        Self { t: set.t_max.clone(), primitive: vec![MISS; set.len()], u: zeros(), v: zeros() }
     }
     /// As traversals write them.
     pub fn hits(&mut self) -> Hits<'_> {
@@ -279,9 +279,9 @@ mod tests {
                 }
             }
             let (lower, upper) = scene.bounds();
-            let reach = (0.25 * (upper - lower).length()) as f32;
-            assert!(shadow.set.reach.iter().all(|&one| one == reach));
-            assert!(!all_hit || shadow.nearest.t.iter().all(|&t| t <= reach));
+            let t_max = (0.25 * (upper - lower).length()) as f32;
+            assert!(shadow.set.t_max.iter().all(|&one| one == t_max));
+            assert!(!all_hit || shadow.nearest.t.iter().all(|&t| t <= t_max));
             assert_ne!(shadow.set.direction, diffuse.set.direction);
         }
     }

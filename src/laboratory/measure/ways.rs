@@ -112,7 +112,7 @@ impl Ground {
 
     /// Domain: whole packets.
     fn test_all<L: Lane>(&self, rays: &Rays, hits: &mut Hits) {
-        let (spheres, triangles, reach) = (&self.buffers.spheres, &self.triangles, self.hierarchy.reach);
+        let (spheres, triangles, reach) = (&self.buffers.spheres, &self.triangles, self.hierarchy.padding);
         for at in (0..rays.len()).step_by(L::WIDTH) {
             let hit = linear::closest::<L, Robust, Woop>(spheres, triangles, reach, &rays.packet(at));
             let limit = L::load(&hits.t[at..]);
@@ -145,7 +145,7 @@ impl Team {
     /// Nothing found yet, again.
     pub fn forget(&self, set: &RaySet, answers: &mut Answers) {
         self.each_chunk(set.len(), answers, |first, hits| {
-            hits.t.copy_from_slice(&set.reach[first..first + hits.t.len()]);
+            hits.t.copy_from_slice(&set.t_max[first..first + hits.t.len()]);
             hits.primitive.fill(MISS);
             hits.u.fill(0.0);
             hits.v.fill(0.0);

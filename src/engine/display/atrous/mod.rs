@@ -22,7 +22,7 @@ mod planes;
 
 use super::rows;
 use crate::film::Picture;
-use crate::integrate::guides::{Guides, Plane};
+use crate::integrate::guides::{Aovs, Plane};
 use crate::lane::{Bits, F32x8, Lane, Mask};
 use planes::{GUIDES, Guide, LEAST_ALBEDO, NARROWEST, PAD, Task};
 
@@ -71,7 +71,7 @@ impl Denoiser {
     ///
     /// # Panics
     /// If picture, samples and guides differ in size.
-    pub fn filter(&mut self, picture: &Picture, samples: Samples, guides: &Guides) -> &Picture {
+    pub fn filter(&mut self, picture: &Picture, samples: Samples, guides: &Aovs) -> &Picture {
         let task = Task::new(picture, samples, guides);
         let (stride, width) = (task.stride, task.width);
         self.guides.resize(stride * GUIDES * task.height, 0.0);

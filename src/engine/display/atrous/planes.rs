@@ -5,7 +5,7 @@
 use super::super::rows::packet;
 use super::{FEW_SAMPLES, SPREAD, Samples};
 use crate::film::Picture;
-use crate::integrate::guides::{Guides, Plane};
+use crate::integrate::guides::{Aovs, Plane};
 use crate::lane::{Bits, F32x8, Lane, Mask8};
 use crate::math::MISS;
 
@@ -59,7 +59,7 @@ const ALBEDO: [Plane; 3] = [Plane::AlbedoRed, Plane::AlbedoGreen, Plane::AlbedoB
 pub struct Task<'a> {
     picture: &'a Picture,
     samples: Samples<'a>,
-    guides: &'a Guides,
+    guides: &'a Aovs,
     pub width: usize,
     pub height: usize,
     /// From one plane of a row to the next.
@@ -67,7 +67,7 @@ pub struct Task<'a> {
 }
 
 impl<'a> Task<'a> {
-    pub fn new(picture: &'a Picture, samples: Samples<'a>, guides: &'a Guides) -> Self {
+    pub fn new(picture: &'a Picture, samples: Samples<'a>, guides: &'a Aovs) -> Self {
         assert_eq!([picture.width, picture.height], guides.resolution(), "a picture and its guides");
         if let Samples::Each(counts) = samples {
             assert_eq!(counts.len(), picture.pixels.len(), "a picture and its samples");

@@ -1,6 +1,6 @@
 //! Lambert's law.
 
-use super::{Evaluated, Scattered};
+use super::{BsdfSample, LobeEval};
 use crate::lane::Lane;
 use crate::math::Vec3;
 use crate::sampling::warp;
@@ -8,14 +8,14 @@ use std::f32::consts::FRAC_1_PI;
 
 /// Density cos θ / π, weight 1. Never absorbs, never points below the surface.
 #[inline(always)]
-pub fn sample<L: Lane>(n: Vec3<L>, u: L, v: L) -> Scattered<L> {
+pub fn sample<L: Lane>(n: Vec3<L>, u: L, v: L) -> BsdfSample<L> {
     let direction = warp::cosine_hemisphere(n, u, v);
-    Scattered::whole(direction, evaluate(n, direction).pdf)
+    BsdfSample::whole(direction, evaluate(n, direction).pdf)
 }
 
 /// Value and density cos θ / π; zero below the surface.
 #[inline(always)]
-pub fn evaluate<L: Lane>(n: Vec3<L>, towards: Vec3<L>) -> Evaluated<L> {
+pub fn evaluate<L: Lane>(n: Vec3<L>, towards: Vec3<L>) -> LobeEval<L> {
     let pdf = towards.dot(n).max(L::zero()) * L::splat(FRAC_1_PI);
-    Evaluated { value: pdf, pdf }
+    LobeEval { value: pdf, pdf }
 }

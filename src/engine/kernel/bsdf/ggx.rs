@@ -10,7 +10,7 @@
 //! Source: Dupuy, Benyoub, "Sampling Visible GGX Normals with Spherical Caps", HPG 2023; Heitz, "Understanding the
 //! Masking-Shadowing Function in Microfacet-Based BRDFs", JCGT 2014, eq. 72 and 99.
 
-use super::{Evaluated, Scattered};
+use super::{BsdfSample, LobeEval};
 use crate::lane::{Lane, functions::sin_cos_turns};
 use crate::math::Vec3;
 use crate::sampling::warp;
@@ -27,7 +27,7 @@ pub(super) fn cos_out<L: Lane>(d: Vec3<L>, n: Vec3<L>) -> L {
 
 /// Weight G₂/G₁, absorbed below the surface. `alpha` in [0, 1]; 0 is a mirror.
 #[inline(always)]
-pub fn sample<L: Lane>(d: Vec3<L>, n: Vec3<L>, alpha: L, u: L, v: L) -> Scattered<L> {
+pub fn sample<L: Lane>(d: Vec3<L>, n: Vec3<L>, alpha: L, u: L, v: L) -> BsdfSample<L> {
     let (tangent, bitangent) = warp::basis(n);
     let out = Vec3::new(-d.dot(tangent), -d.dot(bitangent), cos_out(d, n));
     let stretched = Vec3::new(alpha * out.x, alpha * out.y, out.z).normalize();
@@ -41,16 +41,16 @@ pub fn sample<L: Lane>(d: Vec3<L>, n: Vec3<L>, alpha: L, u: L, v: L) -> Scattere
     let weight = shadowing(alpha, out.z, incident.z).only(alive);
     let direction = tangent.mul_add(incident.x, bitangent.mul_add(incident.y, n * incident.z));
     let pdf = L::select(is_narrow(alpha), L::splat(f32::INFINITY), density(d, n, alpha, direction));
-    Scattered { direction, weight, pdf, alive }
+    BsdfSample { direction, weight, pdf, alive }
 }
 
 /// Zero below the surface and for narrow lobes.
 #[inline(always)]
-pub fn evaluate<L: Lane>(d: Vec3<L>, n: Vec3<L>, alpha: L, towards: Vec3<L>) -> Evaluated<L> {
+pub fn evaluate<L: Lane>(d: Vec3<L>, n: Vec3<L>, alpha: L, towards: Vec3<L>) -> LobeEval<L> {
     let cos = towards.dot(n);
     let pdf = density(d, n, alpha, towards);
     let value = pdf * shadowing(alpha, cos_out(d, n), cos);
-    Evaluated::within(L::zero().lt(cos) & !is_narrow(alpha), value, pdf)
+    LobeEval::within(L::zero().lt(cos) & !is_narrow(alpha), value, pdf)
 }
 
 #[inline(always)]

@@ -2,7 +2,7 @@
 //!
 //! Source: Born, Wolf, Principles of Optics, §1.5; Pharr et al., PBR 4ed §9.5.
 
-use super::Scattered;
+use super::BsdfSample;
 use crate::lane::{Lane, Mask};
 use crate::math::Vec3;
 
@@ -34,7 +34,7 @@ pub fn boundary<L: Lane>(eta: L, cos_i: L) -> Boundary<L> {
 /// `outside`: d arrives from the vacuum side. `choose` uniform in [0, 1). The weight of refracted radiance is η² (radiance is
 /// denser in a denser medium); it cancels when the path leaves.
 #[inline(always)]
-pub fn sample<L: Lane>(d: Vec3<L>, n: Vec3<L>, outside: L::Mask, ior: L, choose: L) -> Scattered<L> {
+pub fn sample<L: Lane>(d: Vec3<L>, n: Vec3<L>, outside: L::Mask, ior: L, choose: L) -> BsdfSample<L> {
     let eta = L::select(outside, L::one() / ior, ior);
     let cos_i = (-d.dot(n)).min(L::one()).max(L::zero());
     let Boundary { fresnel, total, cos_t } = boundary(eta, cos_i);
@@ -42,5 +42,5 @@ pub fn sample<L: Lane>(d: Vec3<L>, n: Vec3<L>, outside: L::Mask, ior: L, choose:
     let refracted = d * eta + n * eta.mul_add(cos_i, -cos_t);
     let direction = Vec3::select(reflects, d.reflect(n), refracted);
     let weight = L::select(reflects, L::one(), eta * eta);
-    Scattered { direction, weight, pdf: L::splat(f32::INFINITY), alive: L::Mask::splat(true) }
+    BsdfSample { direction, weight, pdf: L::splat(f32::INFINITY), alive: L::Mask::splat(true) }
 }

@@ -20,7 +20,7 @@ use crate::math::Vec3;
 
 /// A drawn direction.
 #[derive(Clone, Copy, Debug)]
-pub struct Scattered<L: Lane> {
+pub struct BsdfSample<L: Lane> {
     pub direction: Vec3<L>,
     /// f · cos θ / pdf without the material's colour, which multiplies it.
     pub weight: L,
@@ -30,7 +30,7 @@ pub struct Scattered<L: Lane> {
     pub alive: L::Mask,
 }
 
-impl<L: Lane> Scattered<L> {
+impl<L: Lane> BsdfSample<L> {
     /// A direction of which nothing is lost.
     #[inline(always)]
     fn whole(direction: Vec3<L>, pdf: L) -> Self {
@@ -40,14 +40,14 @@ impl<L: Lane> Scattered<L> {
 
 /// What a lobe passes on from d to a given direction, without the material's colour.
 #[derive(Clone, Copy, Debug)]
-pub struct Evaluated<L: Lane> {
+pub struct LobeEval<L: Lane> {
     /// f · cos θ.
     pub value: L,
     /// Density with which *sample* draws the direction.
     pub pdf: L,
 }
 
-impl<L: Lane> Evaluated<L> {
+impl<L: Lane> LobeEval<L> {
     /// Zero outside of `mask`.
     #[inline(always)]
     fn within(mask: L::Mask, value: L, pdf: L) -> Self {
@@ -57,7 +57,7 @@ impl<L: Lane> Evaluated<L> {
 
 /// What a surface passes on from d to a given direction, colour included.
 #[derive(Clone, Copy, Debug)]
-pub struct Passed<L: Lane> {
+pub struct BsdfEval<L: Lane> {
     /// f · cos θ.
     pub value: Vec3<L>,
     /// Density with which *sample* draws the direction.

@@ -17,7 +17,7 @@
 //! 1 − F′ = T̄ / η²: Egan, Hilgeman, Optical Properties of Inhomogeneous Materials, 1979. The steeper cosine is our own fit.
 
 use super::glass::boundary;
-use super::{Evaluated, Passed, Scattered, diffuse, ggx};
+use super::{BsdfEval, BsdfSample, LobeEval, diffuse, ggx};
 use crate::lane::Lane;
 use crate::math::Vec3;
 
@@ -93,33 +93,33 @@ impl<L: Lane> Plastic<L> {
 
     /// Draws the coat or the base by `choose`, uniform in [0, 1). The weight of the lanes holds all colour.
     #[inline(always)]
-    pub fn sample(&self, d: Vec3<L>, n: Vec3<L>, choose: L, (u, v): (L, L)) -> (Scattered<L>, Vec3<L>) {
+    pub fn sample(&self, d: Vec3<L>, n: Vec3<L>, choose: L, (u, v): (L, L)) -> (BsdfSample<L>, Vec3<L>) {
         let (let_in, base) = (self.let_in(ggx::cos_out(d, n)), self.base());
         let probability = self.coat_probability(let_in, base);
         let (on_coat, on_base) = (ggx::sample(d, n, self.alpha, u, v), diffuse::sample(n, u, v));
         let coat = choose.lt(probability);
         let delta = coat & ggx::is_narrow(self.alpha);
         let direction = Vec3::select(coat, on_coat.direction, on_base.direction);
-        let Passed { value, pdf } = self.evaluate(d, n, direction);
+        let BsdfEval { value, pdf } = self.evaluate(d, n, direction);
         let weight = value * (L::one() / pdf);
         let mirrored = on_coat.weight * self.facet_fresnel(d, on_coat.direction) / probability;
         let weight = Vec3::select(delta, Vec3::repeat(mirrored), weight);
         let pdf = L::select(delta, L::splat(f32::INFINITY), pdf);
         // Of a direction without density rounding drew what the lobe has not.
         let alive = (!coat | on_coat.alive) & L::zero().lt(pdf);
-        (Scattered { direction, weight: L::one(), pdf, alive }, weight)
+        (BsdfSample { direction, weight: L::one(), pdf, alive }, weight)
     }
 
     /// Coat and base together; the base alone where the coat is narrow. Zero below the surface.
     #[inline(always)]
-    pub fn evaluate(&self, d: Vec3<L>, n: Vec3<L>, towards: Vec3<L>) -> Passed<L> {
+    pub fn evaluate(&self, d: Vec3<L>, n: Vec3<L>, towards: Vec3<L>) -> BsdfEval<L> {
         let (let_in, base) = (self.let_in(ggx::cos_out(d, n)), self.base());
         let probability = self.coat_probability(let_in, base);
-        let on_coat: Evaluated<L> = ggx::evaluate(d, n, self.alpha, towards);
+        let on_coat: LobeEval<L> = ggx::evaluate(d, n, self.alpha, towards);
         let on_base = diffuse::evaluate(n, towards);
         let through = let_in * self.let_in(towards.dot(n)) * on_base.value;
         let shine = self.facet_fresnel(d, towards) * on_coat.value;
         let pdf = probability.mul_add(on_coat.pdf, (L::one() - probability) * on_base.pdf);
-        Passed { value: base.mul_add(through, Vec3::repeat(shine)), pdf }
+        BsdfEval { value: base.mul_add(through, Vec3::repeat(shine)), pdf }
     }
 }

@@ -21,7 +21,7 @@
 //! holds what the floor takes away, c √η / 2 each, so that the density's integral stays 1; it is moved by η ρ / 2c at most,
 //! 0.002°. Error: x is off by a few 2⁻²⁴ / ρ, below η down to [`NARROW`].
 
-use super::{Evaluated, Scattered};
+use super::{BsdfSample, LobeEval};
 use crate::lane::Lane;
 use crate::math::Vec3;
 use crate::sampling::warp;
@@ -33,7 +33,7 @@ pub const NARROW: f32 = 1.0 / 64.0;
 const RIM: f32 = 1.0 / 16_384.0;
 
 #[inline(always)]
-pub fn sample<L: Lane>(d: Vec3<L>, n: Vec3<L>, roughness: L, u: L, v: L) -> Scattered<L> {
+pub fn sample<L: Lane>(d: Vec3<L>, n: Vec3<L>, roughness: L, u: L, v: L) -> BsdfSample<L> {
     let reflected = d.reflect(n);
     let towards = warp::unit_sphere(u, v).mul_add(roughness, reflected);
     // A vector so short that its direction is rounding noise is absorbed with the zero vector: 2⁻²⁰ is far above the noise.
@@ -42,15 +42,15 @@ pub fn sample<L: Lane>(d: Vec3<L>, n: Vec3<L>, roughness: L, u: L, v: L) -> Scat
     // What was drawn has some density, whatever rounding says.
     let density = density(reflected, roughness, direction).max(L::splat(f32::MIN_POSITIVE));
     let pdf = L::select(roughness.lt(L::splat(NARROW)), L::splat(f32::INFINITY), density);
-    Scattered { direction, weight: L::one(), pdf, alive }
+    BsdfSample { direction, weight: L::one(), pdf, alive }
 }
 
 /// Value and density, which are the same; zero below the surface and for narrow lobes.
 #[inline(always)]
-pub fn evaluate<L: Lane>(d: Vec3<L>, n: Vec3<L>, roughness: L, towards: Vec3<L>) -> Evaluated<L> {
+pub fn evaluate<L: Lane>(d: Vec3<L>, n: Vec3<L>, roughness: L, towards: Vec3<L>) -> LobeEval<L> {
     let pdf = density(d.reflect(n), roughness, towards);
     let somewhere = L::splat(NARROW).le(roughness) & L::zero().lt(towards.dot(n));
-    Evaluated::within(somewhere, pdf, pdf)
+    LobeEval::within(somewhere, pdf, pdf)
 }
 
 /// Domain: roughness from [`NARROW`] to 1e18; finite everywhere.

@@ -5,7 +5,7 @@
 //! the direction's sign, NaN is left out of the interval by [`Lane::max`] and [`Lane::min`], whose second number stands where the first is
 //! NaN: the ray counts as between these planes, on whichever side of the face it runs.
 
-use super::{BoxMethod, Reach, in_order};
+use super::{BoxMethod, Padding, in_order};
 use crate::lane::Lane;
 use crate::math::{Ray, Vec3};
 
@@ -51,7 +51,7 @@ impl BoxMethod for BySign {
     type Prepared<L: Lane> = Inverse<L>;
 
     #[inline(always)]
-    fn prepare<L: Lane>(ray: &Ray<L>, _: Reach) -> Inverse<L> {
+    fn prepare<L: Lane>(ray: &Ray<L>, _: Padding) -> Inverse<L> {
         Inverse::new(ray)
     }
     #[inline(always)]
@@ -70,7 +70,7 @@ impl BoxMethod for BySignWidened {
     type Prepared<L: Lane> = Inverse<L>;
 
     #[inline(always)]
-    fn prepare<L: Lane>(ray: &Ray<L>, _: Reach) -> Inverse<L> {
+    fn prepare<L: Lane>(ray: &Ray<L>, _: Padding) -> Inverse<L> {
         Inverse::new(ray)
     }
     #[inline(always)]
@@ -98,7 +98,7 @@ impl BoxMethod for Contracted {
     type Prepared<L: Lane> = Fused<L>;
 
     #[inline(always)]
-    fn prepare<L: Lane>(ray: &Ray<L>, _: Reach) -> Fused<L> {
+    fn prepare<L: Lane>(ray: &Ray<L>, _: Padding) -> Fused<L> {
         let Inverse { origin, inverse } = Inverse::new(ray);
         Fused { inverse, rest: -(origin * inverse) }
     }
@@ -127,7 +127,7 @@ impl BoxMethod for X86MinMax {
     type Prepared<L: Lane> = Inverse<L>;
 
     #[inline(always)]
-    fn prepare<L: Lane>(ray: &Ray<L>, _: Reach) -> Inverse<L> {
+    fn prepare<L: Lane>(ray: &Ray<L>, _: Padding) -> Inverse<L> {
         Inverse::new(ray)
     }
     #[inline(always)]
@@ -145,7 +145,7 @@ impl BoxMethod for IeeeMinMax {
     type Prepared<L: Lane> = Inverse<L>;
 
     #[inline(always)]
-    fn prepare<L: Lane>(ray: &Ray<L>, _: Reach) -> Inverse<L> {
+    fn prepare<L: Lane>(ray: &Ray<L>, _: Padding) -> Inverse<L> {
         Inverse::new(ray)
     }
     #[inline(always)]

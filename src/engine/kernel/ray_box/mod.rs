@@ -29,7 +29,7 @@ pub trait BoxMethod: Send + Sync + 'static {
     type Prepared<L: Lane>: Copy;
 
     /// `reach` is of use to methods that pad.
-    fn prepare<L: Lane>(ray: &Ray<L>, reach: Reach) -> Self::Prepared<L>;
+    fn prepare<L: Lane>(ray: &Ray<L>, padding: Padding) -> Self::Prepared<L>;
 
     /// Where each ray enters and leaves its box, given by its lower and upper corner.
     fn pass<L: Lane>(ray: &Self::Prepared<L>, lo: Vec3<L>, hi: Vec3<L>) -> (L, L);
@@ -37,7 +37,7 @@ pub trait BoxMethod: Send + Sync + 'static {
 
 /// What a scene adds to the padding of its boxes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Reach {
+pub struct Padding {
     /// The largest absolute coordinate of any box.
     extent: f32,
     /// [`OF_ORIGIN`] where there are spheres, else 0.
@@ -74,7 +74,7 @@ pub fn room_of_sphere(center: glam::Vec3, radius: f32) -> f32 {
     radius * f32::powi(0.5, 16) + center.length() * f32::powi(0.5, 19)
 }
 
-impl Reach {
+impl Padding {
     /// Of a scene whose boxes have no coordinate beyond this.
     pub const fn new(extent: f32) -> Self {
         Self { extent, spheres: 0.0, padding: PADDING }

@@ -1,6 +1,6 @@
 //! The default: one FMA a plane, and padding that makes up for it.
 
-use super::{BoxMethod, Reach, in_order};
+use super::{BoxMethod, Padding, in_order};
 use crate::lane::Lane;
 use crate::math::{Ray, Vec3};
 
@@ -16,14 +16,14 @@ pub struct Slabs<L> {
 }
 
 impl<L: Lane> Slabs<L> {
-    /// Padding, in units of t: (|o| + room) 2⁻²¹ |1/d| along each axis, |o| along that axis and room of [`Reach::room`]: eight roundings
+    /// Padding, in units of t: (|o| + room) 2⁻²¹ |1/d| along each axis, |o| along that axis and room of [`Padding::room`]: eight roundings
     /// of everything that the FMA adds up. No hit is lost: `tests/hierarchy_laws.rs`, at corners, in the planes of faces, in awkward directions.
     #[inline(always)]
-    pub fn new(ray: &Ray<L>, reach: Reach) -> Self {
+    pub fn new(ray: &Ray<L>, padding: Padding) -> Self {
         let d = ray.direction;
         // A sum and not the largest, so that a NaN in one component is in all planes: such a ray passes no box.
         let least = (d.x.abs() + d.y.abs() + d.z.abs()) * L::splat(f32::powi(0.5, 60));
-        let (room, share) = (reach.room(ray.origin), L::splat(reach.padding));
+        let (room, share) = (padding.room(ray.origin), L::splat(padding.padding));
         let axis = |origin: L, direction: L| {
             let inverse = L::one() / direction.abs().max(least).copysign(direction);
             let middle = -(origin * inverse);
@@ -70,8 +70,8 @@ impl BoxMethod for Padded {
     type Prepared<L: Lane> = Slabs<L>;
 
     #[inline(always)]
-    fn prepare<L: Lane>(ray: &Ray<L>, reach: Reach) -> Slabs<L> {
-        Slabs::new(ray, reach)
+    fn prepare<L: Lane>(ray: &Ray<L>, padding: Padding) -> Slabs<L> {
+        Slabs::new(ray, padding)
     }
     #[inline(always)]
     fn pass<L: Lane>(slabs: &Slabs<L>, lo: Vec3<L>, hi: Vec3<L>) -> (L, L) {

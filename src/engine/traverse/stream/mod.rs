@@ -16,7 +16,7 @@ use super::rays::{Hits, Rays};
 use super::single::{self, Stack};
 use super::tally::Tally;
 use crate::bvh::{Child, WIDE};
-use crate::kernel::ray_box::Reach;
+use crate::kernel::ray_box::Padding;
 use crate::lane::{Bits, F32x8, Lane, Mask, U32x8, set_bits};
 use crate::math::{Hit, Ray, Vec3};
 use record::{MIXED, OCTANTS, Octant, Record};
@@ -93,7 +93,7 @@ impl Stream {
         let of_piece = |piece: usize| piece * PIECE..rays.len().min((piece + 1) * PIECE);
         let mut by_octant = [0u32; OCTANTS + 1];
         for piece in set_bits(pieces) {
-            by_octant[self.enter_all(of_piece(piece), hierarchy.reach, rays, hits)] |= 1 << piece;
+            by_octant[self.enter_all(of_piece(piece), hierarchy.padding, rays, hits)] |= 1 << piece;
         }
         for (octant, pieces) in by_octant.into_iter().enumerate() {
             let mut count = 0;
@@ -116,11 +116,17 @@ impl Stream {
     }
 
     /// Makes a piece's rays ready; says which octant they all run into, or [`MIXED`].
-    fn enter_all(&mut self, piece: std::ops::Range<usize>, reach: Reach, rays: &Rays, hits: &Hits) -> usize {
+    fn enter_all(
+        &mut self,
+        piece: std::ops::Range<usize>,
+        padding: Padding,
+        rays: &Rays,
+        hits: &Hits,
+    ) -> usize {
         let whole = piece.end - piece.len() % WIDE;
         let mut octant = Octant::default();
         for at in (piece.start..whole).step_by(WIDE) {
-            self.enter(at, &rays.packet(at), reach, F32x8::load(&hits.t[at..]), &mut octant);
+            self.enter(at, &rays.packet(at), padding, F32x8::load(&hits.t[at..]), &mut octant);
         }
         if whole < piece.end {
             // The last packet repeats its first ray.
@@ -129,14 +135,14 @@ impl Stream {
             let vector =
                 |columns: [&[f32]; 3]| Vec3::new(lane(columns[0]), lane(columns[1]), lane(columns[2]));
             let ray = Ray { origin: vector(rays.origin), direction: vector(rays.direction) };
-            self.enter(whole, &ray, reach, lane(hits.t), &mut octant);
+            self.enter(whole, &ray, padding, lane(hits.t), &mut octant);
         }
         octant.index()
     }
 
     #[inline(always)]
-    fn enter(&mut self, at: usize, ray: &Ray<F32x8>, reach: Reach, t: F32x8, octant: &mut Octant) {
-        let (records, axes) = Record::of_packet(ray, reach, t, octant);
+    fn enter(&mut self, at: usize, ray: &Ray<F32x8>, padding: Padding, t: F32x8, octant: &mut Octant) {
+        let (records, axes) = Record::of_packet(ray, padding, t, octant);
         self.records[at..at + WIDE].copy_from_slice(&records);
         axes.shl(AXIS).store(&mut self.axes[at..]);
     }
@@ -227,8 +233,8 @@ impl<T: Tally> Walk<'_, '_, T> {
             let begin = top;
             for (masks, rays) in masks.iter().zip(*from) {
                 let passes = (U32x8::load(masks) & bit).equals(bit);
-                let packing = F32x8::packing(passes);
-                F32x8::pack_bits(U32x8::load(rays), packing).store(&mut ahead[top - free..]);
+                let indices = F32x8::compress_indices(passes);
+                F32x8::compress_bits(U32x8::load(rays), indices).store(&mut ahead[top - free..]);
                 top += passes.count();
             }
             let count = top - begin;

@@ -1,6 +1,6 @@
 //! What a stream keeps of its rays.
 
-use crate::kernel::ray_box::{Reach, Slabs};
+use crate::kernel::ray_box::{Padding, Slabs};
 use crate::kernel::ray_triangle::{TriangleMethod, Woop, WoopRay};
 use crate::lane::{Bits, F32x8, Lane, Mask, Mask8, U32x8};
 use crate::math::{Hit, MISS, Ray, Vec3};
@@ -25,8 +25,13 @@ pub struct Record {
 impl Record {
     /// Eight rays made ready: their records, and the axes of their triangle tests. `octant` takes note of where they run.
     #[inline(always)]
-    pub fn of_packet(ray: &Ray<F32x8>, reach: Reach, t: F32x8, octant: &mut Octant) -> ([Self; 8], U32x8) {
-        let slabs = Slabs::new(ray, reach);
+    pub fn of_packet(
+        ray: &Ray<F32x8>,
+        padding: Padding,
+        t: F32x8,
+        octant: &mut Octant,
+    ) -> ([Self; 8], U32x8) {
+        let slabs = Slabs::new(ray, padding);
         octant.add(slabs.inverse);
         let (axis, origin, shear) = Woop::prepare(ray).into_parts();
         let columns = [slabs.inverse, slabs.near, slabs.far, origin, shear].map(|v| [v.x, v.y, v.z]);

@@ -4,7 +4,7 @@
 //!
 //! Each differs from the default in one thing, so that the chart shows what that thing costs and brings.
 
-use crate::buffers::{LightChoice, Needs};
+use crate::buffers::{Features, LightChoice};
 use crate::render::{PipelineChoice, Renderer, Settings};
 use crate::sampling::Sampler;
 use crate::scene::Scene;
@@ -49,7 +49,7 @@ pub const NAMES: [&str; 17] = [
     "Plücker",
 ];
 
-/// Above this cost of testing everything (in tests of a sphere, as [`Needs::linear_cost`] counts), nobody waits for it.
+/// Above this cost of testing everything (in tests of a sphere, as [`Features::linear_cost`] counts), nobody waits for it.
 const MOST_LINEAR: usize = 4_000;
 
 /// The configurations that can differ on this scene, the default first. `settings` are the default's.
@@ -72,7 +72,7 @@ pub fn of_scene(scene: &Scene, settings: Settings) -> Vec<Configuration> {
     add(true, of("scalar", Settings { lanes: 1, ..settings }, true));
     let renderer = Renderer::new(scene, settings);
     let general = Settings { pipeline: PipelineChoice::General, ..settings };
-    add(renderer.features() != Needs::ALL, of("general pipeline", general, true));
+    add(renderer.features() != Features::ALL, of("general pipeline", general, true));
     add(true, with("random numbers", false, &|methods| methods.sampler = Sampler::Random));
     for (name, lights) in [("lights off", LightChoice::Off), ("lights on", LightChoice::On)] {
         let one = with(name, false, &|methods| methods.lights = lights);
@@ -81,7 +81,7 @@ pub fn of_scene(scene: &Scene, settings: Settings) -> Vec<Configuration> {
     add(true, Configuration { adaptive: true, ..of("adaptive", settings, false) });
 
     let hierarchy = settings.methods.traversal_of(scene, settings.lanes).is_some();
-    let linear = Needs::linear_cost(scene) <= MOST_LINEAR;
+    let linear = Features::linear_cost(scene) <= MOST_LINEAR;
     let through = |name, traversal| with(name, true, &|methods| methods.traversal = traversal);
     add(hierarchy && linear, through("every primitive tested", TraversalChoice::Linear));
     add(!hierarchy, through("hierarchy", TraversalChoice::Through(Traversal::Hybrid)));

@@ -6,7 +6,7 @@ use super::pictures::Spread;
 use super::truth::{Truth, corrected};
 use crate::display::{Blur, Denoiser, Fxaa, Samples};
 use crate::film::Picture;
-use crate::integrate::guides::Guides;
+use crate::integrate::guides::Aovs;
 use crate::measure::errors::Errors;
 use crate::measure::flip::Flip;
 use crate::render::{Renderer, Settings};
@@ -104,7 +104,7 @@ pub fn measure(scene: &Scene, settings: Settings, truth: &Truth, threads: usize,
 /// All of them, with their memory.
 #[derive(Default)]
 struct Filters {
-    guides: Guides,
+    guides: Aovs,
     blur: Blur,
     fxaa: Fxaa,
     denoiser: Denoiser,

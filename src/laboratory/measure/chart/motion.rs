@@ -9,7 +9,7 @@ use super::pictures::Spread;
 use super::truth::{Making, Truth};
 use crate::display::{Denoiser, History, Samples, walking_speed};
 use crate::film::Picture;
-use crate::integrate::guides::Guides;
+use crate::integrate::guides::Aovs;
 use crate::measure::errors::Errors;
 use crate::render::{Renderer, Settings};
 use crate::scene::{Camera, Scene};
@@ -99,7 +99,7 @@ pub fn measure(scene: &Scene, settings: Settings, threads: usize, end: Instant) 
     let start = Instant::now();
     let settings = Settings { threads, ..settings };
     let mut renderer = Renderer::new(scene, settings);
-    let mut guides = Guides::default();
+    let mut guides = Aovs::default();
     renderer.guides_into(&mut guides);
     let speed = walking_speed(&guides);
     let frames = {
@@ -160,7 +160,7 @@ fn root_if_known(squares: &[f64]) -> Option<f64> {
 
 fn walk(renderer: &mut Renderer, scene: &Scene, path: Path, frames: u32, speed: f32) -> Walk {
     let Settings { resolution, max_bounces, .. } = *renderer.settings();
-    let (mut film, mut fresh, mut guides) = (renderer.film(), Picture::default(), Guides::default());
+    let (mut film, mut fresh, mut guides) = (renderer.film(), Picture::default(), Aovs::default());
     let (mut history, mut denoiser) = (History::new(), Denoiser::new());
     let mut walk = Walk { frame_ms: Vec::new(), filter_ms: [const { Vec::new() }; 3], judged: Vec::new() };
     let judged: Vec<u32> = (0..JUDGED).map(|i| frames / 2 + (2 * i + 1) * frames / (4 * JUDGED)).collect();

@@ -5,7 +5,7 @@
 use super::aim::{exactly, ray, towards};
 use super::methods::box_methods;
 use super::{Bound, Dice, Recipe, Tally};
-use crate::kernel::ray_box::{BoxMethod, Reach};
+use crate::kernel::ray_box::{BoxMethod, Padding};
 use crate::math::{self, Ray};
 use glam::{DVec3, Vec3};
 
@@ -175,7 +175,7 @@ pub fn passing(dice: &mut Dice, cuboid: &Cuboid, scale: f64, by: f64) -> Option<
 
 /// Where the method says that the ray enters the box, if it passes it.
 fn answer<B: BoxMethod>(cuboid: &Cuboid, ray: &Ray<f32>) -> Option<f32> {
-    let prepared = B::prepare(ray, Reach::new(cuboid.extent()));
+    let prepared = B::prepare(ray, Padding::new(cuboid.extent()));
     let (near, far) = B::pass(&prepared, math::Vec3::splat(cuboid.lo), math::Vec3::splat(cuboid.hi));
     (near <= far && far >= 0.0).then_some(near)
 }

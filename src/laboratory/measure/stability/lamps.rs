@@ -1,7 +1,7 @@
 //! Lamps to look for: small, near, around the point that they light, seen edge-on.
 
 use super::{Bound, Dice, EPSILON, Method, Recipe, Tally};
-use crate::kernel::light::{self, Aim};
+use crate::kernel::light::{self, LightSample};
 use crate::lane::functions;
 use crate::math::Vec3;
 use crate::sampling::warp;
@@ -123,7 +123,7 @@ fn taylor(center: Vec3<f32>, radius: f32, u: f32, v: f32) -> Drawn {
 
 /// The renderer's.
 fn sine(center: Vec3<f32>, radius: f32, u: f32, v: f32) -> Drawn {
-    let Aim { direction, density, .. } = light::aim_at_sphere(center, radius, u, v);
+    let LightSample { direction, density, .. } = light::sample_sphere(center, radius, u, v);
     (direction, density)
 }
 
@@ -224,7 +224,7 @@ fn determinant(lamp: Lamp, _: f32, _: f32) -> Drawn {
 
 /// The renderer's.
 fn whole_or_area(lamp: Lamp, u: f32, v: f32) -> Drawn {
-    let Aim { direction, density, .. } = light::aim_at_triangle(lamp.a, lamp.ab, lamp.ac, u, v);
+    let LightSample { direction, density, .. } = light::sample_triangle(lamp.a, lamp.ab, lamp.ac, u, v);
     (direction, density)
 }
 

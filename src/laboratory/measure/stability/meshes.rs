@@ -97,27 +97,33 @@ pub fn bumpy_ball(rows: usize) -> Vec<[Vec3; 3]> {
 
 /// What rays aim at.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Aim {
+pub enum LightSample {
     Edges,
     Vertices,
     Anywhere,
 }
 
 /// A ray from inside a mesh that holds the ball of radius 0.3 `size` around `center`, aimed at this triangle of it.
-fn from_within(dice: &mut Dice, triangle: [Vec3; 3], center: DVec3, size: f64, aim: Aim) -> Ray<f32> {
+fn from_within(dice: &mut Dice, triangle: [Vec3; 3], center: DVec3, size: f64, aim: LightSample) -> Ray<f32> {
     let origin = (center + dice.in_cube() * (0.15 * size)).as_vec3();
     let triangle = triangle.map(|vertex| vertex.as_dvec3());
     let corner = dice.index(3);
     let target = match aim {
-        Aim::Edges => triangle[corner].lerp(triangle[(corner + 1) % 3], dice.unit()),
-        Aim::Vertices => triangle[corner],
-        Aim::Anywhere => mean(triangle, dice.barycentrics()),
+        LightSample::Edges => triangle[corner].lerp(triangle[(corner + 1) % 3], dice.unit()),
+        LightSample::Vertices => triangle[corner],
+        LightSample::Anywhere => mean(triangle, dice.barycentrics()),
     };
     towards(origin, target)
 }
 
 /// Leaks of a closed mesh of 2208 triangles, of this size and place: rays from within that hit nothing.
-fn leaks<T: TriangleMethod>(dice: &mut Dice, size: f64, offset: f64, aim: Aim, cases: usize) -> Tally {
+fn leaks<T: TriangleMethod>(
+    dice: &mut Dice,
+    size: f64,
+    offset: f64,
+    aim: LightSample,
+    cases: usize,
+) -> Tally {
     const ROWS: usize = 24;
     let center = dice.direction() * (offset * size);
     let place = |vertex: Vec3| (vertex.as_dvec3() * size + center).as_vec3();
@@ -156,17 +162,17 @@ fn leaks<T: TriangleMethod>(dice: &mut Dice, size: f64, offset: f64, aim: Aim, c
 }
 
 fn at_edges<T: TriangleMethod>(dice: &mut Dice, size: f64, cases: usize) -> Tally {
-    leaks::<T>(dice, size, 0.0, Aim::Edges, cases)
+    leaks::<T>(dice, size, 0.0, LightSample::Edges, cases)
 }
 
 fn at_vertices<T: TriangleMethod>(dice: &mut Dice, size: f64, cases: usize) -> Tally {
-    leaks::<T>(dice, size, 0.0, Aim::Vertices, cases)
+    leaks::<T>(dice, size, 0.0, LightSample::Vertices, cases)
 }
 
 fn anywhere<T: TriangleMethod>(dice: &mut Dice, size: f64, cases: usize) -> Tally {
-    leaks::<T>(dice, size, 0.0, Aim::Anywhere, cases)
+    leaks::<T>(dice, size, 0.0, LightSample::Anywhere, cases)
 }
 
 fn away<T: TriangleMethod>(dice: &mut Dice, offset: f64, cases: usize) -> Tally {
-    leaks::<T>(dice, 1.0, offset, Aim::Edges, cases)
+    leaks::<T>(dice, 1.0, offset, LightSample::Edges, cases)
 }

@@ -3,7 +3,7 @@
 use super::aim::{exactly, ray};
 use super::scenes::{empty, put_box};
 use super::{Bound, Dice, EPSILON, Method, Recipe, Tally};
-use crate::integrate::STRAIGHT;
+use crate::integrate::RENORMALIZATION_INTERVAL;
 use crate::kernel::ray_triangle::{TriangleHit, TriangleMethod, Woop, WoopTriangle};
 use crate::kernel::surface::{triangle_normal, triangle_offset};
 use crate::math::{Ray, Vec3};
@@ -22,7 +22,9 @@ pub const RECIPES: &[Recipe] = &[Recipe {
         Method::other("point-along-ray", |dice, x, cases| room(dice, x, cases, along_ray, 1)),
         Method::other("never-mended", |dice, x, cases| room(dice, x, cases, off_surface, u32::MAX)),
         Method::other("mended-each-time", |dice, x, cases| room(dice, x, cases, off_surface, 1)),
-        Method::default("mended-each-eighth", |dice, x, cases| room(dice, x, cases, off_surface, STRAIGHT)),
+        Method::default("mended-each-eighth", |dice, x, cases| {
+            room(dice, x, cases, off_surface, RENORMALIZATION_INTERVAL)
+        }),
     ],
     // What one reflection rounds, always to the same side.
     bound: |reflections| Bound::error(10.0 * EPSILON * (1.0 + reflections)),

@@ -1,6 +1,6 @@
 //! The sky's picture as a light: directions drawn as its brightness says.
 
-use crate::kernel::light::Aim;
+use crate::kernel::light::LightSample;
 use crate::lane::{Bits, Lane, functions};
 use crate::math::Vec3;
 use crate::scene::{Filter, Scene, Sky, Texture};
@@ -8,10 +8,10 @@ use std::f64::consts::{PI, TAU};
 
 /// A latitude/longitude grid of cells; within a cell all directions are equally likely.
 ///
-/// Drawn by inverting the distributions of rows and of columns in a row, which keeps well spread points well spread: Pharr et al., PBR 4ed
+/// ScatteredPath by inverting the distributions of rows and of columns in a row, which keeps well spread points well spread: Pharr et al., PBR 4ed
 /// §A.4.7 and §12.5.
 #[derive(Clone, Debug)]
-pub struct SkyLight {
+pub struct EnvironmentLight {
     rows: u32,
     columns: u32,
     /// For each row, the share of it and of all above it; then one more row's worth of nothing. Bits.
@@ -36,7 +36,7 @@ fn bits(numbers: impl IntoIterator<Item = f64>) -> Vec<u32> {
 }
 
 /// The share of each and of those before it in the whole; evenly spread where there is nothing.
-fn running_shares(parts: &[f64]) -> Vec<f64> {
+fn cdf(parts: &[f64]) -> Vec<f64> {
     let total: f64 = parts.iter().sum();
     let even = 1.0 / parts.len() as f64;
     let shares = parts.iter().map(|&part| if total > 0.0 { part / total } else { even });
@@ -51,7 +51,7 @@ fn running_shares(parts: &[f64]) -> Vec<f64> {
     sums
 }
 
-impl SkyLight {
+impl EnvironmentLight {
     /// Of a scene whose sky is a picture that is not black.
     pub fn of(scene: &Scene) -> Option<Self> {
         let Sky::Texture { texture, color } = scene.sky else { return None };
@@ -96,8 +96,8 @@ impl SkyLight {
         Self {
             rows: rows as u32,
             columns: columns as u32,
-            row_sums: bits(running_shares(&row_powers)),
-            cell_sums: bits((0..rows).flat_map(|row| running_shares(&radiances[row * columns..][..columns]))),
+            row_sums: bits(cdf(&row_powers)),
+            cell_sums: bits((0..rows).flat_map(|row| cdf(&radiances[row * columns..][..columns]))),
             densities: bits(radiances.iter().map(|radiance| radiance / power)),
             edges: bits((0..=rows).map(edge)),
             mean,
@@ -111,7 +111,7 @@ impl SkyLight {
 
     /// A direction; the sky is as far as can be.
     #[inline(always)]
-    pub fn aim<L: Lane>(&self, u: L, v: L) -> Aim<L> {
+    pub fn aim<L: Lane>(&self, u: L, v: L) -> LightSample<L> {
         let read = |table: &[u32], at: L::Bits| L::from_bits(L::gather_bits(table, at));
         let (row, down) = find::<L>(&self.row_sums, L::Bits::splat(0), self.rows, v);
         let first = row.wrapping_mul(L::Bits::splat(self.columns));
@@ -123,7 +123,7 @@ impl SkyLight {
         let (sin_around, cos_around) = functions::sin_cos_turns(turn);
         let direction = Vec3::new(sin * cos_around, y, sin * sin_around).normalize();
         let density = read(&self.densities, first.wrapping_add(column));
-        Aim { direction, t: L::splat(f32::INFINITY), normal: Vec3::zero(), density }
+        LightSample { direction, t: L::splat(f32::INFINITY), normal: Vec3::zero(), density }
     }
 
     /// The density of the direction with these coordinates, u unwrapped and v from the top, as [`Self::aim`] draws.

@@ -7,15 +7,15 @@ use glam::Vec3;
 /// A set of features. A pipeline is compiled for a set and leaves out what is not in it; any set that contains a scene's needs
 /// gives the same bits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Needs(pub u32);
+pub struct Features(pub u32);
 
 macro_rules! features {
     ($($(#[$doc:meta])* $name:ident = $bit:literal, $text:literal;)*) => {
-        impl Needs {
-            $($(#[$doc])* pub const $name: Needs = Needs(1 << $bit);)*
+        impl Features {
+            $($(#[$doc])* pub const $name: Features = Features(1 << $bit);)*
             /// Every feature there is.
-            pub const ALL: Needs = Needs(0 $(| 1 << $bit)*);
-            const NAMES: &'static [(Needs, &'static str)] = &[$((Needs::$name, $text)),*];
+            pub const ALL: Features = Features(0 $(| 1 << $bit)*);
+            const NAMES: &'static [(Features, &'static str)] = &[$((Features::$name, $text)),*];
         }
     };
 }
@@ -44,7 +44,7 @@ features! {
     MANY_TRIANGLES = 13, "many-triangles";
     /// More materials than a register table holds.
     MANY_MATERIALS = 14, "many-materials";
-    /// Testing every primitive costs more than [`Needs::MOST_LINEAR_COST`]. Every pipeline can go through a hierarchy, because
+    /// Testing every primitive costs more than [`Features::MOST_LINEAR_COST`]. Every pipeline can go through a hierarchy, because
     /// any scene may be asked to; a scene that needs one gets it unasked.
     HIERARCHY = 16, "hierarchy";
     /// Paths look for emitters.
@@ -58,12 +58,12 @@ features! {
     ROUGHNESS_MAPS = 21, "roughness-maps";
 }
 
-impl Needs {
-    pub const NONE: Needs = Needs(0);
+impl Features {
+    pub const NONE: Features = Features(0);
     /// What makes normals for shading differ from those of the surface.
-    pub const BENT_NORMALS: Needs = Self::SMOOTH_NORMALS.with(Self::NORMAL_MAPS);
+    pub const BENT_NORMALS: Features = Self::SMOOTH_NORMALS.with(Self::NORMAL_MAPS);
     /// What reads the second table of materials.
-    pub const DETAILS: Needs = Self::PLASTIC.with(Self::NORMAL_MAPS).with(Self::ROUGHNESS_MAPS);
+    pub const DETAILS: Features = Self::PLASTIC.with(Self::NORMAL_MAPS).with(Self::ROUGHNESS_MAPS);
     /// Up to here primitives are tested one by one, beyond it through a hierarchy: about where that becomes faster. Measured in frames,
     /// either way takes as long for terrains of about 25 triangles (a cost of 100), a box of 34 (136), 170 balls (170), knots of 75 (300).
     pub const MOST_LINEAR_COST: usize = 150;
@@ -75,15 +75,15 @@ impl Needs {
     /// What testing a triangle costs, in tests of a sphere.
     pub const TRIANGLE_COST: usize = 4;
 
-    pub const fn with(self, other: Needs) -> Needs {
-        Needs(self.0 | other.0)
+    pub const fn with(self, other: Features) -> Features {
+        Features(self.0 | other.0)
     }
     /// Does this set hold every feature of `other`?
-    pub const fn contains(self, other: Needs) -> bool {
+    pub const fn contains(self, other: Features) -> bool {
         self.0 & other.0 == other.0
     }
     /// Does this set hold some feature of `other`?
-    pub const fn meets(self, other: Needs) -> bool {
+    pub const fn meets(self, other: Features) -> bool {
         self.0 & other.0 != 0
     }
     /// The names of the features, for people and reports.
@@ -91,10 +91,10 @@ impl Needs {
         Self::NAMES.iter().filter(|(need, _)| self.contains(*need)).map(|(_, name)| *name).collect()
     }
 
-    /// What a scene needs: of its materials, only those that some primitive wears.
-    pub fn of(scene: &Scene) -> Needs {
-        let mut needs = Needs::NONE;
-        let mut need = |condition: bool, feature: Needs| {
+    /// What a scene needs: of its materials, only those that some primitive has_lobe.
+    pub fn of(scene: &Scene) -> Features {
+        let mut needs = Features::NONE;
+        let mut need = |condition: bool, feature: Features| {
             if condition {
                 needs = needs.with(feature);
             }
@@ -137,10 +137,10 @@ impl Needs {
     }
 }
 
-/// The materials that some primitive wears.
+/// The materials that some primitive has_lobe.
 fn worn_materials(scene: &Scene) -> impl Iterator<Item = &Material> {
-    let mut worn = vec![false; scene.materials.len()];
-    scene.spheres.iter().for_each(|sphere| worn[sphere.material as usize] = true);
-    scene.triangles.iter().for_each(|triangle| worn[triangle.material as usize] = true);
-    scene.materials.iter().zip(worn).filter(|(_, worn)| *worn).map(|(material, _)| material)
+    let mut material = vec![false; scene.materials.len()];
+    scene.spheres.iter().for_each(|sphere| material[sphere.material as usize] = true);
+    scene.triangles.iter().for_each(|triangle| material[triangle.material as usize] = true);
+    scene.materials.iter().zip(material).filter(|(_, material)| *material).map(|(material, _)| material)
 }

@@ -106,15 +106,12 @@ fn assert_law_of_all(scene: &Scene, rays: &[Ray<f32>]) -> Vec<Vec<Answer>> {
             |triangle| Methods { sphere, triangle, traversal: TraversalChoice::Linear, ..Methods::default() };
         vec![
             assert_law::<S, ray_triangle::Woop>(scene, methods(Choice::Woop), rays),
-            assert_law::<S, ray_triangle::WoopContracted>(scene, methods(Choice::WoopContracted), rays),
             assert_law::<S, ray_triangle::MollerTrumbore>(scene, methods(Choice::MollerTrumbore), rays),
             assert_law::<S, ray_triangle::BaldwinWeber>(scene, methods(Choice::BaldwinWeber), rays),
-            assert_law::<S, ray_triangle::Plucker>(scene, methods(Choice::Plucker), rays),
         ]
     }
     [
         of_sphere::<ray_sphere::Robust>(scene, SphereChoice::Robust, rays),
-        of_sphere::<ray_sphere::RobustAnyLength>(scene, SphereChoice::RobustAnyLength, rays),
         of_sphere::<ray_sphere::Naive>(scene, SphereChoice::Naive, rays),
     ]
     .concat()

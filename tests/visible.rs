@@ -227,7 +227,7 @@ fn visible_is_not_used_where_equations_stray_from_their_primitives() {
         hits.sort_by_key(|hit| (hit.y, hit.x));
         hits
     };
-    for sphere in [SphereChoice::Robust, SphereChoice::RobustAnyLength, SphereChoice::Naive] {
+    for sphere in SphereChoice::ALL {
         assert!(hits(sphere, [16, 16]) == hits(sphere, [2, 2]), "{sphere:?}: the tiles show in the hits");
     }
     // The test means something only if the naive equation does stray here.

@@ -177,21 +177,21 @@ mod tests {
             exposure: Some(-0.3),
             tone: word("reinhard"),
             clamp: Some(10.1),
-            sphere: word("robust-any-length"),
-            triangle: word("plucker"),
+            sphere: word("naive"),
+            triangle: word("moller-trumbore"),
             boxes: word("fma"),
             traversal: word("single"),
             lights: word("on"),
             sampler: word("random"),
             pipeline: word("general"),
         };
-        let same = "--samples 37 --seed 4294967295 --exposure -0.3 --tone reinhard --clamp 10.1 --sphere robust-any-length \
-                    --triangle plucker --box fma --traversal single --lights on --sampler random --pipeline general";
+        let same = "--samples 37 --seed 4294967295 --exposure -0.3 --tone reinhard --clamp 10.1 --sphere naive \
+                    --triangle moller-trumbore --box fma --traversal single --lights on --sampler random --pipeline general";
         let same: Vec<&str> = same.split_whitespace().collect();
         let by_view = asked(render.clone(), &[]);
         assert_eq!(by_view, asked(Rendering::default(), &same));
         assert_ne!(by_view, asked(Rendering::default(), &[]));
-        let other = "--samples 1 --seed 2 --exposure 3 --tone aces --clamp 4 --sphere naive --triangle woop --box padded-fma \
+        let other = "--samples 1 --seed 2 --exposure 3 --tone aces --clamp 4 --sphere robust --triangle woop --box padded-fma \
                      --traversal linear --lights off --sampler sobol --pipeline needed";
         let other: Vec<&str> = other.split_whitespace().collect();
         assert_eq!(asked(render, &other), asked(Rendering::default(), &other));
@@ -201,13 +201,13 @@ mod tests {
     fn fast_and_robust_win_over_the_views_equations_and_any_limit_over_its_samples() {
         let render = Rendering {
             samples: Some(37),
-            triangle: Some("plucker".into()),
+            triangle: Some("moller-trumbore".into()),
             lights: Some("off".into()),
             ..Rendering::default()
         };
         let methods = |options: &[&str]| asked(render.clone(), options).methods.of(&cornell());
         let plain = methods(&[]);
-        assert_eq!(plain.triangle, TriangleChoice::Plucker);
+        assert_eq!(plain.triangle, TriangleChoice::MollerTrumbore);
         assert_eq!(methods(&["--robust"]), Methods { triangle: TriangleChoice::Woop, ..plain });
         assert_eq!(methods(&["--fast"]), Methods { triangle: TriangleChoice::BaldwinWeber, ..plain });
         let limits = |options: &[&str]| asked(render.clone(), options).limits.unwrap();

@@ -76,8 +76,6 @@ pub enum TraversalArg {
 pub enum SphereMethod {
     /// The discriminant from the perpendicular: holds for small, distant and huge spheres.
     Robust,
-    /// The same for directions of any length; a little slower.
-    RobustAnyLength,
     /// The textbook's quadratic formula: loses digits where the other does not.
     Naive,
 }
@@ -86,14 +84,10 @@ pub enum SphereMethod {
 pub enum TriangleMethod {
     /// Watertight: no ray slips through between neighbours.
     Woop,
-    /// Woop with fused multiply-add in its edge functions: leaks at edges.
-    WoopContracted,
     /// The classic: leaks at edges and vertices.
     MollerTrumbore,
     /// Stores an affine map for each triangle: fast, leaks.
     BaldwinWeber,
-    /// Tight at edges, leaks at vertices.
-    Plucker,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]

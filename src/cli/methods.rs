@@ -72,7 +72,6 @@ impl From<SphereMethod> for SphereChoice {
     fn from(method: SphereMethod) -> Self {
         match method {
             SphereMethod::Robust => Self::Robust,
-            SphereMethod::RobustAnyLength => Self::RobustAnyLength,
             SphereMethod::Naive => Self::Naive,
         }
     }
@@ -82,10 +81,8 @@ impl From<TriangleMethod> for TriangleChoice {
     fn from(method: TriangleMethod) -> Self {
         match method {
             TriangleMethod::Woop => Self::Woop,
-            TriangleMethod::WoopContracted => Self::WoopContracted,
             TriangleMethod::MollerTrumbore => Self::MollerTrumbore,
             TriangleMethod::BaldwinWeber => Self::BaldwinWeber,
-            TriangleMethod::Plucker => Self::Plucker,
         }
     }
 }
@@ -153,8 +150,9 @@ mod tests {
         assert_eq!(methods(few, &["--robust"]), Methods::default());
         assert_eq!(methods(few, &["--fast"]).triangle, TriangleChoice::BaldwinWeber);
         assert_eq!(methods("builtin:knot:2000", &["--fast"]), Methods::default(), "others know no hierarchy");
-        let said = methods(few, &["--fast", "--triangle", "plucker", "--sphere", "naive", "--box", "fma"]);
-        let expected = (SphereChoice::Naive, TriangleChoice::Plucker, BoxChoice::Fma);
+        let said =
+            methods(few, &["--fast", "--triangle", "moller-trumbore", "--sphere", "naive", "--box", "fma"]);
+        let expected = (SphereChoice::Naive, TriangleChoice::MollerTrumbore, BoxChoice::Fma);
         assert_eq!((said.sphere, said.triangle, said.boxes), expected, "what is said by name is stronger");
         assert!(Args::try_parse_from(["octray", "bench", "--fast", "--robust"]).is_err());
     }

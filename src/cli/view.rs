@@ -240,7 +240,7 @@ mod tests {
     #[test]
     fn every_view_takes_its_own_methods_unless_an_option_says_otherwise() {
         let plain = load_with_view("builtin:cornell").unwrap();
-        let render = Rendering { triangle: Some("plucker".into()), ..Rendering::default() };
+        let render = Rendering { triangle: Some("moller-trumbore".into()), ..Rendering::default() };
         let view = View { render, ..View::of(&plain, None, Path::new("")) };
         let later = Loaded { view: Some(view), ..plain.clone() };
         let triangle = |options: &[&str], scene: &Loaded| {
@@ -252,7 +252,7 @@ mod tests {
             (options.methods)(scene).triangle
         };
         assert_eq!(triangle(&[], &plain), TriangleChoice::Woop);
-        assert_eq!(triangle(&[], &later), TriangleChoice::Plucker);
+        assert_eq!(triangle(&[], &later), TriangleChoice::MollerTrumbore);
         assert_eq!(triangle(&["--triangle", "woop"], &later), TriangleChoice::Woop);
     }
 

@@ -87,7 +87,7 @@ impl Segments<'_> {
 
 /// Finds nearest hits by testing everything, or everything `visible`, with whichever equations were chosen.
 ///
-/// One for all pipelines: fifteen pairs of equations are much code.
+/// One for all pipelines: six pairs of methods are much code.
 #[inline(never)]
 pub fn meet<L: Lane>(world: &World, visible: Option<&Visible>, segments: Segments) {
     world.primitives.for_batch::<L>(&world.buffers, visible, segments);

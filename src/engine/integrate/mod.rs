@@ -138,7 +138,7 @@ pub const RENORMALIZATION_INTERVAL: u32 = 8;
 /// The pipelines there are: sets of features, smallest first. Each costs two to four seconds of compilation and 100 to 200 kB of program for its
 /// two widths, so only sets that measured well are here; a scene gets the first that holds its needs. Against the general one, measured:
 /// `three` 1.7, `thesis` 1.5, `balls` 1.3, a scanned mesh 1.2, boxes with lamps 1.0 to 1.06, where testing triangles is most of the time. Other equations than the default ones go through a function that
-/// all share: fifteen pairs of equations would be most of a pipeline's code.
+/// all share: six pairs of methods would be most of a pipeline's code.
 const PIPELINES: &[(Features, Pipeline, Pipeline)] = &[
     pipeline::<{ MATT_AND_MIRROR_SPHERES.0 }>(),
     pipeline::<{ FEW_TEXTURED.0 }>(),

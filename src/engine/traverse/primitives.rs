@@ -16,10 +16,8 @@ use crate::scene::Scene;
 /// The scene's triangles as the chosen method stores them.
 enum Triangles {
     Woop(Vec<<ray_triangle::Woop as TriangleMethod>::Stored>),
-    WoopContracted(Vec<<ray_triangle::WoopContracted as TriangleMethod>::Stored>),
     MollerTrumbore(Vec<<ray_triangle::MollerTrumbore as TriangleMethod>::Stored>),
     BaldwinWeber(Vec<<ray_triangle::BaldwinWeber as TriangleMethod>::Stored>),
-    Plucker(Vec<<ray_triangle::Plucker as TriangleMethod>::Stored>),
 }
 
 /// A scene's primitives ready for intersection by the chosen methods.
@@ -53,16 +51,12 @@ impl Primitives {
         }
         let triangles = match methods.triangle {
             TriangleChoice::Woop => Triangles::Woop(store_triangles::<ray_triangle::Woop>(scene)),
-            TriangleChoice::WoopContracted => {
-                Triangles::WoopContracted(store_triangles::<ray_triangle::WoopContracted>(scene))
-            }
             TriangleChoice::MollerTrumbore => {
                 Triangles::MollerTrumbore(store_triangles::<ray_triangle::MollerTrumbore>(scene))
             }
             TriangleChoice::BaldwinWeber => {
                 Triangles::BaldwinWeber(store_triangles::<ray_triangle::BaldwinWeber>(scene))
             }
-            TriangleChoice::Plucker => Triangles::Plucker(store_triangles::<ray_triangle::Plucker>(scene)),
         };
         let padding = padded(padding_of(scene), methods.boxes);
         Self { sphere: methods.sphere, triangles, padding, hierarchy: None }
@@ -86,10 +80,8 @@ impl Primitives {
         }
         let triangles = match &self.triangles {
             Triangles::Woop(stored) => stored.len(),
-            Triangles::WoopContracted(stored) => stored.len(),
             Triangles::MollerTrumbore(stored) => stored.len(),
             Triangles::BaldwinWeber(stored) => stored.len(),
-            Triangles::Plucker(stored) => stored.len(),
         };
         [buffers.spheres.len(), triangles]
     }
@@ -106,14 +98,11 @@ impl Primitives {
     pub fn for_batch<L: Lane>(&self, buffers: &Buffers, visible: Option<&Visible>, batch: impl Batch<L>) {
         match self.sphere {
             SphereChoice::Robust => self.with_sphere::<L, ray_sphere::Robust>(buffers, visible, batch),
-            SphereChoice::RobustAnyLength => {
-                self.with_sphere::<L, ray_sphere::RobustAnyLength>(buffers, visible, batch)
-            }
             SphereChoice::Naive => self.with_sphere::<L, ray_sphere::Naive>(buffers, visible, batch),
         }
     }
 
-    /// [`Primitives::for_batch`] with the default equations alone: a fifteenth of its code.
+    /// [`Primitives::for_batch`] with the default equations alone: a sixth of its code.
     ///
     /// # Panics
     /// If other triangle equations were chosen: not [`Primitives::uses_default_methods`].
@@ -141,17 +130,11 @@ impl Primitives {
             Triangles::Woop(stored) => {
                 with_both::<L, S, ray_triangle::Woop>(buffers, stored, self.padding, visible, batch)
             }
-            Triangles::WoopContracted(stored) => {
-                with_both::<L, S, ray_triangle::WoopContracted>(buffers, stored, self.padding, visible, batch)
-            }
             Triangles::MollerTrumbore(stored) => {
                 with_both::<L, S, ray_triangle::MollerTrumbore>(buffers, stored, self.padding, visible, batch)
             }
             Triangles::BaldwinWeber(stored) => {
                 with_both::<L, S, ray_triangle::BaldwinWeber>(buffers, stored, self.padding, visible, batch)
-            }
-            Triangles::Plucker(stored) => {
-                with_both::<L, S, ray_triangle::Plucker>(buffers, stored, self.padding, visible, batch)
             }
         }
     }

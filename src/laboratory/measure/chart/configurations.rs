@@ -29,7 +29,7 @@ pub struct Configuration {
 pub const DEFAULT: &str = "default";
 
 /// All names that there are, each at its place in every chart.
-pub const NAMES: [&str; 17] = [
+pub const NAMES: [&str; 16] = [
     DEFAULT,
     "scalar",
     "general pipeline",
@@ -46,7 +46,6 @@ pub const NAMES: [&str; 17] = [
     "naive spheres",
     "Möller–Trumbore",
     "Baldwin–Weber",
-    "Plücker",
 ];
 
 /// Above this cost of testing everything (in tests of a sphere, as [`Features::linear_cost`] counts), nobody waits for it.
@@ -95,11 +94,9 @@ pub fn of_scene(scene: &Scene, settings: Settings) -> Vec<Configuration> {
     add(hierarchy, with("boxes without padding", false, &|methods| methods.boxes = BoxChoice::Fma));
     let sphere = |sphere| with("naive spheres", false, &|methods: &mut Methods| methods.sphere = sphere);
     add(equations && !scene.spheres.is_empty(), sphere(SphereChoice::Naive));
-    for (name, triangle) in [
-        ("Möller–Trumbore", TriangleChoice::MollerTrumbore),
-        ("Baldwin–Weber", TriangleChoice::BaldwinWeber),
-        ("Plücker", TriangleChoice::Plucker),
-    ] {
+    for (name, triangle) in
+        [("Möller–Trumbore", TriangleChoice::MollerTrumbore), ("Baldwin–Weber", TriangleChoice::BaldwinWeber)]
+    {
         let one = with(name, false, &|methods| methods.triangle = triangle);
         add(equations && !scene.triangles.is_empty(), one);
     }

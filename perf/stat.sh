@@ -87,8 +87,8 @@ count_by_simulation() {
     if [ "$what" = rays ]; then
         # Only tracing counts. Each pass begins a new file: the first has the making of rays, then come two for each kind of ray,
         # the second with warm caches.
-        simulate "$scratch/out" --dump-before=octray::measure::rays::Run::pass \
-            --toggle-collect=octray::measure::ways::Team::trace_chunk "$octray" "$@" --passes 1
+        simulate "$scratch/out" --dump-before=octray_laboratory::measure::rays::Run::pass \
+            --toggle-collect=octray_laboratory::measure::ways::Team::trace_chunk "$octray" "$@" --passes 1
         results "$scratch/report" >"$scratch/results"
         mv "$scratch/out" "$scratch/out.$(($(wc -l <"$scratch/results") * 2 + 1))"
         while read -r kind way rays; do

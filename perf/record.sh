@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
-# Where the time goes: records octray with Linux perf, prints the hottest functions and draws a flame graph.
+# Profiles octray with Linux perf, prints the hottest functions and draws a flame graph.
 #
 #   perf/record.sh [--graph FILE.svg] [COMMAND...]
 #
-# COMMAND is any command line of octray; without one: rays builtin:knot:100000 --traversal hybrid --threads 1.
-# The graph is target/profiling/flame.svg unless said otherwise; a browser opens it. README.md beside this file says how to read both.
-# Exits with 1 if there is no graph, with 2 if perf is missing or refused.
+# COMMAND is any command line of octray [default: rays builtin:knot:100000 --traversal hybrid --threads 1].
+# The graph is target/profiling/flame.svg by default; a browser opens it. perf/README.md explains how to read
+# both. Exits with 1 if there is no graph, with 2 if perf is missing or refused.
 set -euo pipefail
 # shellcheck source=perf/common.sh
 source "$(dirname "$0")/common.sh"
@@ -14,7 +14,7 @@ graph=$root/target/profiling/flame.svg
 case ${1:-} in
 --help | -h) usage && exit ;;
 --graph)
-    [ $# -ge 2 ] || { say "--graph wants a file" && exit 2; }
+    [ $# -ge 2 ] || { say "--graph needs a file" && exit 2; }
     graph=$2
     shift 2
     ;;
@@ -25,7 +25,7 @@ perf_works || exit 2
 if has_counters; then
     event=cycles:u unit=cycles
 else
-    # A timer's signal comes late by some instructions: right to the function, not to the line.
+    # A timer's signal comes some instructions late: exact to the function, not to the line.
     event=cpu-clock:u unit=ns
     echo "no hardware counters here: perf samples by timer (cpu-clock)"
 fi
@@ -35,11 +35,11 @@ data=$root/target/profiling/perf.data
 perf record --quiet --event $event --freq 997 --call-graph fp --output "$data" -- "$octray" "$@"
 
 echo
-echo "Hottest functions (self time; what was inlined counts for the function it stands in):"
+echo "Hottest functions (self time; inlined code counts for the function that holds it):"
 perf report --input "$data" --stdio --quiet --no-children --call-graph none --sort symbol --percent-limit 0.5 2>/dev/null |
     sed -E 's/( +-)* *$//; /^$/d' | sed -n 1,25p
 
-# Draws the recording, with inferno from the PATH or from target/tools.
+# Draws the recording with inferno, from the PATH or from target/tools.
 draw() {
     PATH=$PATH:$root/target/tools/bin
     if ! command -v inferno-collapse-perf >/dev/null || ! command -v inferno-flamegraph >/dev/null; then

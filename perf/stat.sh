@@ -1,12 +1,13 @@
 #!/usr/bin/env bash
-# What a ray costs: instructions, branches, cache misses.
+# Counts what a ray costs: instructions, branches, cache misses.
 #
-#   perf/stat.sh [--simulate] rays SCENE [OPTION...]      rays alone, by each way of tracing them or that of --traversal
-#   perf/stat.sh [--simulate] render SCENE [OPTION...]    the rays of whole frames, shading and all
+#   perf/stat.sh [--simulate] rays SCENE [OPTION...]      rays alone, by every traversal or by that of --traversal
+#   perf/stat.sh [--simulate] render SCENE [OPTION...]    the rays of whole frames, with shading
 #
-# OPTIONs are octray's own; without anything: rays builtin:knot:100000. Reads the machine's counters through Linux perf. Where
-# there are none, or with --simulate, valgrind's callgrind runs octray on a simple model of a processor: the same figures on every
-# machine, however busy. Loading, building and saving are not in them. Exits with 2 if there is neither perf nor valgrind.
+# OPTIONs are octray's own [default: rays builtin:knot:100000]. Reads hardware counters through Linux perf. If
+# there are none, or with --simulate, valgrind's callgrind runs octray on a simple model of a processor: the
+# same figures on every machine, however busy. Loading, building and saving are not counted. Exits with 2 if
+# there is neither perf nor valgrind.
 set -euo pipefail
 # shellcheck source=perf/common.sh
 source "$(dirname "$0")/common.sh"
@@ -22,7 +23,7 @@ words=("$@")
 case $what in rays | render) ;; *) say "counts rays or render, not $what; see --help" && exit 2 ;; esac
 has() { case " ${words[*]} " in *" $1 "* | *" $1="*) ;; *) return 1 ;; esac; }
 for mine in --threads --passes --samples --json --stats; do
-    if has $mine; then say "chooses $mine itself" && exit 2; fi
+    if has $mine; then say "$mine is set by this script" && exit 2; fi
 done
 
 scratch=$(mktemp -d)
@@ -33,7 +34,7 @@ if [ "$what" = render ]; then
     has -o || has --output || fixed+=(-o "$scratch/picture.exr")
 fi
 
-# results REPORT: a line for each result of octray's: kind of ray, way of tracing, rays.
+# results REPORT: a line for each result in octray's report: kind of ray, traversal, number of rays.
 results() {
     sed -nE 's/^ *"(kind|traversal|rays)": "?([^",]*)"?,?$/\1 \2/p' "$1" | awk '
         BEGIN { kind = "all"; way = "-" }
@@ -42,7 +43,7 @@ results() {
         $1 == "rays" { print kind, way, $2 }'
 }
 
-# difference LONG SHORT: two lines of counts, one less the other.
+# difference LONG SHORT: the counts of one line minus those of the other.
 difference() {
     awk -v short="$2" '{
         split(short, less)
@@ -50,8 +51,8 @@ difference() {
     }' <<<"$1"
 }
 
-# count_on_machine ARGUMENT...: the counters over a long run less those of a short one. What both have in common, such as loading,
-# cancels out. Kinds of rays do not come apart this way.
+# count_on_machine ARGUMENT...: the counters over a long run minus those over a short one. What both share,
+# such as loading, cancels out. Kinds of rays cannot be separated this way.
 events=(cycles instructions branches branch-misses L1-dcache-load-misses cache-misses)
 count_on_machine() {
     local short long
@@ -65,7 +66,8 @@ count_on_machine() {
     echo "all $(results "$scratch/report" | awk 'NR == 1 { print $2 }') $(difference "$long" "$short")"
 }
 
-# counters TIMES ARGUMENT...: rays of a run, its report's so many times, then a mean count for each event.
+# counters TIMES ARGUMENT...: the rays of a run (TIMES those of its report), then the mean count of each
+# event.
 counters() {
     local times=$1 runs=3
     shift
@@ -80,30 +82,31 @@ counters() {
         }' "$scratch/counts"
 }
 
-# count_by_simulation ARGUMENT...: a line for each kind of ray, or one for frames; the files with all of it stay in $kept.
+# count_by_simulation ARGUMENT...: a line for each kind of ray, or one for frames; callgrind's files stay in
+# $kept.
 kept=$root/target/callgrind/counts
 count_by_simulation() {
     local short long kind way rays counts part=1
     if [ "$what" = rays ]; then
-        # Only tracing counts. Each pass begins a new file: the first has the making of rays, then come two for each kind of ray,
-        # the second with warm caches.
+        # Only tracing is counted. Each pass begins a new file: the first holds the generation of rays, then
+        # follow two for each kind of ray, the second with warm caches.
         simulate "$scratch/out" --dump-before=octray_laboratory::measure::rays::Run::pass \
             --toggle-collect=octray_laboratory::measure::ways::Team::trace_chunk "$octray" "$@" --passes 1
         results "$scratch/report" >"$scratch/results"
         mv "$scratch/out" "$scratch/out.$(($(wc -l <"$scratch/results") * 2 + 1))"
         while read -r kind way rays; do
             part=$((part + 2))
-            # Without the calls that were under way, which callgrind_annotate takes for work of the callers.
+            # Without the calls in progress, which callgrind_annotate would count for the callers.
             awk '/^calls=0 / { getline; next } 1' "$scratch/out.$part" >"$kept/$kind-$way.out"
             counts=$(totals "$kept/$kind-$way.out")
             if [ "$rays" -gt 0 ] && [ "${counts%% *}" = 0 ]; then
-                say "nothing counted for $kind rays: does the program still have the function that is named here?"
+                say "nothing counted for $kind rays: is a function that this script names gone?"
                 return 1
             fi
             echo "$kind $way $rays $counts"
         done <"$scratch/results"
     else
-        # Four frames less one: loading and saving cancel out.
+        # Four frames minus one: loading and saving cancel out.
         simulate "$scratch/out" "$octray" "$@" --samples 1
         short="$(results "$scratch/report" | cut -d' ' -f3) $(totals "$scratch/out")"
         simulate "$kept/frames.out" "$octray" "$@" --samples 4
@@ -112,15 +115,16 @@ count_by_simulation() {
     fi
 }
 
-# hottest FILE: the functions behind a row, each apart by the source file that its instructions come from, inlined ones too.
+# hottest FILE: the functions behind a row, separated by the source file of their instructions, inlined code
+# included.
 hottest() {
     echo
-    case $1 in */frames.out) echo "frames: the whole run, loading and saving too" ;; *) basename "$1" .out ;; esac
+    case $1 in */frames.out) echo "frames: the whole run, with loading and saving" ;; *) basename "$1" .out ;; esac
     callgrind_annotate --auto=no --show=Ir,Bcm,D1mr,DLmr "$1" |
         sed -nE '/^ *[0-9,]+ .*[^ ]:[^ ]/{s# \[[^]]*\]$##; s#/[^ ]*/library/#library/#; s#core/src/../../##; s#/[^ ]*/registry/src/[^/]*/##; p}' | sed -n 1,10p
 }
 
-# simulate FILE ARGUMENT...: 32 KiB of first-level and 512 KiB of second-level cache, whatever the machine has.
+# simulate FILE ARGUMENT...: 32 KiB of first-level and 512 KiB of second-level cache on every machine.
 simulate() {
     local out=$1
     shift
@@ -146,7 +150,7 @@ if [ -z "$simulated" ]; then
         say "counting with callgrind instead"
         simulated=yes
     elif ! has_counters; then
-        say "this machine shows no counters: counting with callgrind instead"
+        say "this machine has no counters: counting with callgrind instead"
         simulated=yes
     fi
 fi
@@ -159,7 +163,7 @@ else
         say "valgrind is not installed (Debian: apt install valgrind): nothing was counted"
         exit 2
     fi
-    # The same instructions on every machine; valgrind knows no AVX-512.
+    # The same instructions on every machine; valgrind has no AVX-512.
     build "-C target-cpu=x86-64-v3" "$root/target/callgrind"
     rm -rf "$kept" && mkdir -p "$kept"
     has --size || fixed+=(--size 240x135)
@@ -184,9 +188,9 @@ for kind in all primary shadow diffuse; do
 done
 echo
 if [ -z "$simulated" ]; then
-    echo "Counts a ray, in user mode. Instructions a cycle are the second column over the first."
+    echo "Counts per ray, in user mode. Instructions per cycle are the second column over the first."
 else
-    echo "Counts a ray, simulated."
+    echo "Counts per ray, simulated."
     if [ "$what" = render ] || has --traversal; then
         echo "Where instructions (Ir), mispredicted branches (Bcm), reading misses of L1 (D1mr) and L2 (DLmr) fall to, most first:"
         for file in "$kept"/*; do hottest "$file"; done

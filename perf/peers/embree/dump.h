@@ -1,4 +1,4 @@
-// What `octray rays --dump` writes, little endian: the rays, octray's own answers to them, and the triangles they were asked of.
+// Reads the files of `octray rays --dump`, little-endian: rays, octray's hits, and triangles.
 #pragma once
 
 #include <array>
@@ -28,10 +28,10 @@ struct Answers {
 
 struct Rays {
     std::string kind;
-    bool any_hit; // shadow rays ask whether, not where
+    bool any_hit; // shadow rays need any hit, not the closest
     size_t count;
     std::array<std::vector<float>, 3> origin, direction;
-    std::vector<float> reach;
+    std::vector<float> t_max;
     Answers octray;
 };
 
@@ -46,11 +46,11 @@ public:
         stream.read(found, sizeof found);
         if (!stream) throw std::runtime_error(path + ": cannot be read; is it a folder that `octray rays SCENE --dump` wrote?");
         if (std::memcmp(found, magic, sizeof found) != 0)
-            throw std::runtime_error(path + ": does not start with " + magic + "; dump it anew with this version of octray");
+            throw std::runtime_error(path + ": does not start with " + magic + "; dump it again with this version of octray");
         read(&count, 1);
     }
     template <class T> std::vector<T> column(size_t values) {
-        // The rest of the file is known to be long enough before memory is asked for: a broken count is an error, not a crash.
+        // Checks the length of the file before allocating: a broken count is an error, not a crash.
         auto here = stream.tellg();
         stream.seekg(0, std::ios::end);
         if (values > static_cast<size_t>(stream.tellg() - here) / sizeof(T)) throw std::runtime_error(path + ": is cut short");
@@ -78,10 +78,10 @@ inline Rays rays(const std::string& folder, const std::string& kind) {
     Rays rays{kind, kind == "shadow", n, {}, {}, {}, Answers(0)};
     for (auto& axis : rays.origin) axis = file.column<float>(n);
     for (auto& axis : rays.direction) axis = file.column<float>(n);
-    rays.reach = file.column<float>(n);
+    rays.t_max = file.column<float>(n);
     rays.octray.t = file.column<float>(n);
     rays.octray.primitive = file.column<uint32_t>(n);
-    return rays; // u and v follow; nothing here asks for them
+    return rays; // u and v follow, unused here
 }
 
 inline std::vector<Triangle> triangles(const std::string& folder) {

@@ -1,16 +1,18 @@
-// Traces the rays of an octray dump with Embree 3, in every mode that might be its best, and holds the hits against octray's.
+// Traces the rays of an octray dump with Embree 3, in every mode that may be its fastest, and compares the
+// hits with octray's.
 //
 //   peer DUMP [--passes N] [--only MODE]... [--json]     trace: Mray/s of each mode, agreement with octray
 //   peer DUMP --builds [--passes N] [--json]             build only: milliseconds of each scene, on one thread and on all
 //
-// A mode is QUALITY/ROBUSTNESS/CALL/FLAG, such as high/fast/packet8/coherent. Tracing runs on the calling thread alone.
+// A mode is QUALITY/ROBUSTNESS/CALL/FLAG, such as high/fast/packet8/coherent. Tracing runs on the calling
+// thread alone.
 //
-// What is timed: one pass of rtcIntersect* (closest hit: primary, diffuse) or rtcOccluded* (any hit: shadow) over all rays of a
-// kind, which lie ready in the layout the call asks for. Filling that layout, resetting it between passes and reading the
-// answers out of it are not timed, as octray's arrays are not.
+// What is timed: one pass of rtcIntersect* (closest hit: primary, diffuse) or rtcOccluded* (any hit: shadow)
+// over all rays of a kind, which are stored in the layout of the call. Filling that layout, resetting it
+// between passes and reading the hits out of it are not timed, as octray's arrays are not.
 
 #include "dump.h"
-#include "judge.h"
+#include "reference.h"
 
 #include <embree3/rtcore.h>
 #include <pmmintrin.h>
@@ -38,7 +40,7 @@ static double median(std::vector<double> values) {
 static const std::map<std::string, RTCBuildQuality> QUALITIES = {
     {"low", RTC_BUILD_QUALITY_LOW}, {"medium", RTC_BUILD_QUALITY_MEDIUM}, {"high", RTC_BUILD_QUALITY_HIGH}};
 
-// The mesh as Embree's users hold it: corners shared, triangles as three numbers each.
+// The mesh as Embree's users store it: shared vertices, three indices per triangle.
 struct Mesh {
     std::vector<std::array<float, 3>> vertices;
     std::vector<std::array<uint32_t, 3>> indices;
@@ -122,7 +124,7 @@ public:
             RTCRayN_dir_y(ray, N, lane) = rays.direction[1][from];
             RTCRayN_dir_z(ray, N, lane) = rays.direction[2][from];
             RTCRayN_tnear(ray, N, lane) = 0;
-            RTCRayN_tfar(ray, N, lane) = rays.reach[from];
+            RTCRayN_tfar(ray, N, lane) = rays.t_max[from];
             RTCRayN_time(ray, N, lane) = 0;
             RTCRayN_mask(ray, N, lane) = ~0u;
             RTCRayN_id(ray, N, lane) = 0;
@@ -188,7 +190,7 @@ public:
         : rays(rays), t(rays.count), u(rays.count), v(rays.count), primitive(rays.count), geometry(rays.count) {}
 
     void reset() override {
-        t = rays.reach;
+        t = rays.t_max;
         std::fill(geometry.begin(), geometry.end(), RTC_INVALID_GEOMETRY_ID);
     }
 
@@ -250,7 +252,7 @@ struct Mode {
 
 static std::vector<Mode> all_modes() {
     std::vector<Mode> modes;
-    // LOW took as long to build as MEDIUM and traced no faster in any mode: it shows among the builds alone.
+    // LOW took as long to build as MEDIUM and traced no faster in any mode: only its builds are measured.
     for (const char* quality : {"medium", "high"})
         for (bool robust : {false, true})
             for (const char* call : {"single", "packet8", "packet16", "stream"})
@@ -262,7 +264,7 @@ struct Result {
     std::string kind;
     Mode mode;
     size_t rays, hits;
-    std::vector<double> mrays; // one value a pass
+    std::vector<double> mrays; // one value per pass
     Agreement agreement;
 };
 
@@ -282,7 +284,8 @@ static Result trace(const Scene& scene, const Rays& rays, const Mode& mode, int 
     }
     Answers answers = batch->answers();
     result.hits = answers.hits();
-    // Embree promises watertight hits in robust mode alone: those are judged, the fast modes' differences only counted.
+    // Only the robust mode promises watertight hits: its differences are held against the reference, those of
+    // fast modes counted.
     result.agreement = compare(rays, answers, triangles, mode.robust);
     return result;
 }
@@ -325,7 +328,7 @@ static std::string json(const Agreement& a) {
     std::ostringstream out;
     out << "{\"lost_by_octray\":" << a.lost_by_octray << ",\"lost_by_embree\":" << a.lost_by_embree
         << ",\"other_t\":" << a.other_t << ",\"other_primitive\":" << a.other_primitive << ",\"ties\":" << a.ties;
-    if (a.asked)
+    if (a.is_judged)
         out << ",\"judged\":{\"rays\":" << a.judged << ",\"octray_right\":" << a.octray_right
             << ",\"embree_right\":" << a.embree_right << ",\"within_bound\":" << a.within_bound
             << ",\"within_bound_exact_octray\":" << a.exact_octray << ",\"within_bound_exact_embree\":" << a.exact_embree
@@ -342,7 +345,7 @@ static void print(const std::vector<Result>& results) {
         const Agreement& a = r.agreement;
         std::printf("%-8s %-34s %8.2f %8.2f..%7.2f %9zu %9zu   %zu", r.kind.c_str(), r.mode.name().c_str(), median(r.mrays), *low,
                     *high, r.rays, r.hits, a.disagreements());
-        if (a.asked) std::printf(" (%zu / %zu / %zu / %zu)", a.octray_right, a.embree_right, a.within_bound, a.both_wrong);
+        if (a.is_judged) std::printf(" (%zu / %zu / %zu / %zu)", a.octray_right, a.embree_right, a.within_bound, a.both_wrong);
         std::printf("\n");
         for (const std::string& line : a.examples) std::printf("         %s\n", line.c_str());
     }
@@ -360,7 +363,7 @@ static Options parse(int argc, char** argv) {
     for (int i = 1; i < argc; i++) {
         std::string word = argv[i];
         auto value = [&] {
-            if (++i == argc) throw std::runtime_error(word + " wants a value");
+            if (++i == argc) throw std::runtime_error(word + " needs a value");
             return std::string(argv[i]);
         };
         if (word == "--passes") options.passes = std::max(1, std::atoi(value().c_str()));
@@ -376,7 +379,7 @@ static Options parse(int argc, char** argv) {
 
 static int run(const Options& options) {
     auto triangles = dump::triangles(options.folder);
-    if (triangles.empty()) throw std::runtime_error(options.folder + ": no triangles, and Embree is given nothing else");
+    if (triangles.empty()) throw std::runtime_error(options.folder + ": there are no triangles to trace");
     Mesh mesh(triangles);
 
     if (options.builds) {
@@ -395,7 +398,7 @@ static int run(const Options& options) {
         return 0;
     }
 
-    // As Embree's manual asks of every thread that traces.
+    // As Embree's manual recommends for every thread that traces.
     _MM_SET_FLUSH_ZERO_MODE(_MM_FLUSH_ZERO_ON);
     _MM_SET_DENORMALS_ZERO_MODE(_MM_DENORMALS_ZERO_ON);
 

@@ -1,9 +1,11 @@
-"""Mitsuba 3 at the scene of scene.py: a program of its own, so that threads are set before its first kernel.
+"""Renders the scene of scene.py with Mitsuba 3: a program of its own, so that threads are set before the
+first kernel.
 
     peer.py JOB.json      job: scene, size, variant, sampler, folder
 
-Says one line of JSON when ready, then answers each line {"samples", "seed", "output"} on its input with one: the seconds that
-rendering took; the picture lies at `output` (NumPy, linear RGB). Uses as many threads as the cores it may run on.
+Prints one line of JSON when ready, then one for each line {"samples", "seed", "output"} of its input: the
+seconds of rendering. The picture is written to `output` (NumPy, linear RGB). Uses as many threads as it has
+cores.
 """
 
 import json
@@ -16,9 +18,11 @@ import numpy as np
 
 # Rays that Mitsuba may keep in memory at once.
 WAVEFRONT = 1 << 24
-# Rows of the picture of a gradient; Mitsuba blends neighbours, and is wrong by (π / rows)² / 8 of the gradient's range.
+# Rows of the environment map of a gradient; linear interpolation errs by (π / rows)² / 8 of the gradient's
+# range.
 SKY_ROWS = 2049
-# How far the two lights stand apart that make one with two faces, in diagonals of the scene: beyond single precision's rounding.
+# Distance of the two one-sided lights that make a two-sided one, in diagonals of the scene: beyond rounding
+# in single precision.
 GAP = 1e-5
 
 
@@ -27,7 +31,7 @@ def rgb(value):
 
 
 def bsdf(material):
-    """Octray's surfaces scatter alike on both sides; glass tells them apart itself."""
+    """octray's surfaces scatter alike on both sides, except glass."""
     kind, color = material["type"], rgb(material["color"])
     if kind == "glass":
         tints = {"specular_reflectance": color, "specular_transmittance": color}
@@ -39,31 +43,32 @@ def bsdf(material):
     return {"type": "twosided", "side": {"type": "diffuse", "reflectance": color}}
 
 
-def shines(material):
+def emits(material):
     return any(material["emission"])
 
 
 class Lights:
-    """Octray's light shines on both faces; Mitsuba's `area` on one."""
+    """octray's lights emit on both sides, Mitsuba's `area` on one."""
 
     def __init__(self, scene):
         self.gap = GAP * float(np.linalg.norm(np.subtract(scene["bounds"]["upper"], scene["bounds"]["lower"])))
 
     def shapes(self, name, material, shape):
-        """The shapes, by name, that are `shape(inset, flipped)` shining on both faces."""
-        if not shines(material):
+        """The shapes, by name, that make `shape(inset, flipped)` emit on both sides."""
+        if not emits(material):
             return {name: shape(0, False)}
         emission = rgb(material["emission"])
         if mi.variant().startswith("scalar"):
-            # Python is too slow for single rays: two shapes back to back. Not for glass, whose faces would count twice.
+            # Python is too slow for single rays: two shapes back to back. Not for glass, whose faces would
+            # count twice.
             sides = {name: shape(0, False), f"{name} back": shape(self.gap, True)}
             return {side: {**it, "light": {"type": "area", "radiance": emission}} for side, it in sides.items()}
-        # Named, because the loader would make equal lights one, and a light belongs to one shape.
+        # Named, because the loader merges equal lights, and a light belongs to one shape.
         return {name: {**shape(0, False), "light": {"type": "two_faced_area", "radiance": emission, "shape": name}}}
 
 
 def register_two_faced_area():
-    """Mitsuba's `area` without the question on which side of the shape one is; points and densities are the shape's own."""
+    """Mitsuba's `area` without the test of the side; points and pdfs are those of the shape."""
     import drjit as dr
 
     class TwoFacedArea(mi.Emitter):
@@ -128,7 +133,7 @@ def write_ply(corners, file):
 
 
 def sky(scene):
-    """None where it is black: a light that gives nothing would take its share of the samples."""
+    """None if black: a black light would take its share of the light samples."""
     given = scene["sky"]
     if given["type"] == "color":
         return {"type": "constant", "radiance": rgb(given["color"])} if any(given["color"]) else None
@@ -142,15 +147,15 @@ def sky(scene):
 def translate(job):
     scene, (width, height) = job["scene"], job["size"]
     eye, target = np.array(scene["camera"]["position"]), np.array(scene["camera"]["look_at"])
-    reach = float(np.linalg.norm(target - eye))
+    distance = float(np.linalg.norm(target - eye))
     view = mi.ScalarTransform4f().look_at(origin=eye.tolist(), target=target.tolist(), up=scene["camera"]["up"])
     world = {
         "type": "scene",
-        # Octray allows so many bounces, Mitsuba so many segments; octray plays no roulette.
+        # octray counts bounces, Mitsuba segments; octray has no Russian roulette.
         "integrator": {"type": "path", "max_depth": scene["max_bounces"] + 1, "rr_depth": 1 << 30, "hide_emitters": False},
         "sensor": {
             "type": "perspective", "fov": scene["camera"]["vertical_fov"], "fov_axis": "y", "to_world": view,
-            "near_clip": 1e-4 * reach, "far_clip": 1e6 * reach,
+            "near_clip": 1e-4 * distance, "far_clip": 1e6 * distance,
             "film": {
                 "type": "hdrfilm", "width": width, "height": height, "rfilter": {"type": "box"},
                 "pixel_format": "rgb", "component_format": "float32",
@@ -164,7 +169,7 @@ def translate(job):
     for number, it in enumerate(scene["spheres"]):
         material = scene["materials"][it["material"]]
         world.update(lights.shapes(f"sphere{number}", material, sphere(it, material)))
-    # One mesh for each material: of many lights, Mitsuba would draw each as often as any other, however small.
+    # One mesh per material: Mitsuba samples lights uniformly, however small they are.
     for number, (name, material) in enumerate(scene["materials"].items()):
         corners = np.array([it["vertices"] for it in scene["triangles"] if it["material"] == name], dtype=np.float32)
         if len(corners):
@@ -201,7 +206,7 @@ class Renderer:
 
 
 def main():
-    # Whatever the renderer prints goes to stderr: stdout is for answers.
+    # Output of the renderer goes to stderr: stdout is for answers.
     answers = os.fdopen(os.dup(1), "w")
     os.dup2(2, 1)
 

@@ -1,6 +1,7 @@
-"""What a scene is, read from octray's own words: plain lists that another renderer can be told. Knows nothing of Mitsuba.
+"""Reads a scene as octray does, into plain lists that any renderer can use. Must not depend on Mitsuba.
 
-Defaults, camera and sky come from `octray inspect`, models from `octray convert`: only primitives and materials are read here.
+Defaults, camera and sky come from `octray inspect`, models from `octray convert`: only primitives and
+materials are read here.
 """
 
 import json
@@ -8,7 +9,7 @@ import math
 from pathlib import Path
 
 FACTS = ["resolution", "max_bounces", "sky", "camera", "bounds"]
-# What octray takes where a file is silent.
+# octray's defaults.
 UNNAMED = {"type": "diffuse", "color": [0.8, 0.8, 0.8]}
 COLORS = {"diffuse": [0.8, 0.8, 0.8], "metal": [1, 1, 1], "glass": [1, 1, 1], "emitter": [0, 0, 0]}
 
@@ -21,7 +22,7 @@ def load(octray, spec, root, scratch):
     """The scene as a dictionary: FACTS, and `materials`, `spheres` and `triangles` in the scene's order."""
     inspected = json.loads(octray.run("inspect", spec, "--json"))
     if inspected["sky"]["type"] not in ("color", "gradient"):
-        raise Refused("its sky is a picture")
+        raise Refused("its sky has a texture")
     path = file_of(octray, spec, root, scratch)
     file = json.loads(path.read_text(encoding="utf-8-sig"))
     if "format" not in file:
@@ -32,16 +33,16 @@ def load(octray, spec, root, scratch):
     for name, written in file.get("materials", {}).items():
         scene["materials"][name] = written
     for sphere in file.get("spheres", []):
-        name = worn(scene, sphere)
+        name = material_name(scene, sphere)
         scene["spheres"].append({"center": sphere["center"], "radius": sphere["radius"], "material": name})
     for triangle in file.get("triangles", []):
-        scene["triangles"].append({"vertices": triangle["vertices"], "material": worn(scene, triangle)})
+        scene["triangles"].append({"vertices": triangle["vertices"], "material": material_name(scene, triangle)})
     for number, mesh in enumerate(file.get("meshes", [])):
         add_mesh(octray, scene, mesh, path.parent, scratch / f"mesh{number}.json")
 
     used = {thing["material"] for thing in scene["spheres"] + scene["triangles"]}
     scene["materials"] = {name: material(name, written) for name, written in scene["materials"].items() if name in used}
-    # Octray counts them too: a translation that lost something ends here.
+    # octray's counts reveal a translation that lost something.
     for kind in ["spheres", "triangles"]:
         if len(scene[kind]) != inspected[kind]:
             raise Refused(f"octray finds {inspected[kind]} {kind} in it, and this script {len(scene[kind])} in {path.name}")
@@ -49,11 +50,11 @@ def load(octray, spec, root, scratch):
 
 
 def file_of(octray, spec, root, scratch):
-    """The native file that says the same."""
+    """The scene file in the native format."""
     if spec.startswith("builtin:"):
         path = root / "scenes" / f"{spec.removeprefix('builtin:')}.json"
         if not path.is_file():
-            raise Refused("it is made by rule inside octray, and no file says what it holds")
+            raise Refused("it is procedural, so there is no file to read")
         return path
     if spec.lower().endswith(".obj"):
         path = scratch / "model.json"
@@ -62,8 +63,8 @@ def file_of(octray, spec, root, scratch):
     return Path(spec)
 
 
-def worn(scene, thing):
-    """The name of a thing's material."""
+def material_name(scene, thing):
+    """The name of the material of a primitive."""
     if thing.get("material") is None:
         scene["materials"][""] = UNNAMED
         return ""
@@ -71,10 +72,10 @@ def worn(scene, thing):
 
 
 def material(name, written):
-    """With all that octray would add, or refused."""
+    """With octray's defaults filled in, or refused."""
     kind, roughness = written["type"], written.get("roughness", 0)
     if written.get("texture"):
-        raise Refused(f"its material `{name}` has a picture")
+        raise Refused(f"its material `{name}` has a texture")
     if kind not in COLORS or (kind == "metal" and roughness > 0):
         rough = "rough " if roughness > 0 else ""
         raise Refused(f"its material `{name}` is {rough}{kind}: only diffuse, smooth metal, glass and emitter are translated")
@@ -83,7 +84,7 @@ def material(name, written):
 
 
 def add_mesh(octray, scene, mesh, folder, converted):
-    """The triangles of a model where the scene has it: scaled, turned about x, y, z, and moved."""
+    """The triangles of a model as the scene places it: scaled, rotated about x, y, z, and translated."""
     octray.run("convert", folder / mesh["obj"], converted, "--force")
     model = json.loads(converted.read_text())
     scale, move = mesh.get("scale", 1), mesh.get("translate", [0, 0, 0])

@@ -1,4 +1,4 @@
-"""What the comparison needs and Python does not bring: Mitsuba and LLVM, installed below target/tools the first time."""
+"""Installs Mitsuba and LLVM below target/tools the first time."""
 
 import glob
 import os
@@ -10,7 +10,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[3]
 TOOLS = ROOT / "target" / "tools"
-# What Mitsuba compiles with; older ones lack instructions that it asks for (llvm.minimum on x86).
+# Mitsuba compiles with LLVM; older versions lack instructions that it needs (llvm.minimum on x86).
 OLDEST_LLVM, DEBIAN_LLVM = 17, "libllvm19"
 
 
@@ -24,7 +24,7 @@ def skip(reason):
 
 
 def enter():
-    """Goes on in an environment of Python that has Mitsuba: the first time, it is made."""
+    """Continues in a Python environment that has Mitsuba; the first time, creates it."""
     home = TOOLS / "mitsuba"
     python = home / "bin" / "python"
     if Path(sys.prefix).resolve() == home.resolve():
@@ -46,7 +46,9 @@ def enter():
 
 
 def find_llvm():
-    """The library that Mitsuba's llvm variants compile with: the system's if it is new enough, or else Debian's package, unpacked."""
+    """Finds the library for Mitsuba's llvm variants: the system's if it is new enough, else Debian's
+    package, unpacked.
+    """
     if os.environ.get("DRJIT_LIBLLVM_PATH"):
         return
     own = TOOLS / "llvm"

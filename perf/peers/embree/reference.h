@@ -1,9 +1,11 @@
-// Who is right where octray and Embree disagree: the ray against every triangle in f64, which imports nothing of either.
+// The f64 reference for hits on which octray and Embree disagree: the ray against every triangle, without
+// code of either program.
 //
-// Both work in f32: a ray closer to an edge than their rounding may pass on either side of it. The bound is ε = 2⁻²¹·max|v − o|:
-// subtraction and shear of a vertex round by a few 2⁻²⁴ of its distance from the ray's origin. A hit whose ray passes more than
-// ε inside every edge is sure; one that passes more than ε outside of an edge is impossible; between them both answers stand.
-// A plane met at the angle θ moves t by ε/|cos θ|, so that t may differ by ε·(1 + 1/|cos θ|).
+// Both work in f32: a ray closer to an edge than their rounding may pass on either side of it. The bound is
+// ε = 2⁻²¹·max|v − o|: subtraction and shear of a vertex round by a few 2⁻²⁴ of its distance from the ray's
+// origin. A hit whose ray passes more than ε inside every edge is sure; one that passes more than ε outside an
+// edge is impossible; between them both results are valid. At a plane met at the angle θ, t moves by ε/|cos θ|,
+// so that t may differ by ε·(1 + 1/|cos θ|).
 #pragma once
 
 #include "dump.h"
@@ -12,19 +14,19 @@
 #include <cstdio>
 
 struct Agreement {
-    size_t lost_by_octray = 0, lost_by_embree = 0; // hits of the other alone
+    size_t lost_by_octray = 0, lost_by_embree = 0; // hits that only the other has
     size_t other_t = 0;                            // both hit, t differs beyond the bound
-    size_t other_primitive = 0;                    // both hit at the same t, but one of the triangles is not there
+    size_t other_primitive = 0;                    // both hit at the same t, but the ray misses one of the triangles
     size_t ties = 0;                               // no disagreement: two triangles at a shared edge, or coincident
-    bool asked = false;                            // whether the disagreements below were judged
+    bool is_judged = false;                        // whether disagreements were held against the reference
     size_t judged = 0, octray_right = 0, embree_right = 0, within_bound = 0, both_wrong = 0;
-    size_t exact_octray = 0, exact_embree = 0; // of those within the bound: who says what f64 says
+    size_t exact_octray = 0, exact_embree = 0; // of those within the bound: which agree with exact f64
     std::vector<std::string> examples;         // where octray is not simply right, the first few
 
     size_t disagreements() const { return lost_by_octray + lost_by_embree + other_t + other_primitive; }
 };
 
-namespace judge {
+namespace reference {
 
 using Vector = std::array<double, 3>;
 
@@ -36,11 +38,11 @@ inline Vector cross(const Vector& a, const Vector& b) {
 inline double length(const Vector& a) { return std::sqrt(dot(a, a)); }
 
 struct Ray {
-    Vector origin, direction; // of length one
-    double speed;             // the given direction's length: t counts in it
-    double reach;
+    Vector origin, direction; // unit length
+    double speed;             // length of the given direction: the unit of t
+    double t_max;
 
-    Ray(const Rays& rays, size_t i) : reach(rays.reach[i]) {
+    Ray(const Rays& rays, size_t i) : t_max(rays.t_max[i]) {
         for (int axis = 0; axis < 3; axis++) {
             origin[axis] = rays.origin[axis][i];
             direction[axis] = rays.direction[axis][i];
@@ -50,13 +52,13 @@ struct Ray {
     }
 };
 
-// The ray's meeting with one triangle.
-struct Meeting {
+// The ray against one triangle.
+struct Intersection {
     double inside; // distance by which the ray passes inside the nearest edge, seen along the ray; negative: outside
     double t;
-    double bound, t_bound; // what rounding may do to `inside` and to `t`
+    double bound, t_bound; // rounding error of `inside` and of `t`
 
-    Meeting(const Ray& ray, const Triangle& triangle) {
+    Intersection(const Ray& ray, const Triangle& triangle) {
         Vector v[3];
         double farthest = 0;
         for (int i = 0; i < 3; i++) {
@@ -69,7 +71,8 @@ struct Meeting {
         inside = std::numeric_limits<double>::infinity();
         for (int i = 0; i < 3; i++) {
             const Vector &a = v[i], &b = v[(i + 1) % 3];
-            // Twice the area between the ray and the edge, both seen along the ray, over the edge's seen length.
+            // Twice the area between the ray and the edge over the length of the edge, both projected along
+            // the ray.
             double area = dot(ray.direction, cross(a, b)) * (facing < 0 ? -1 : 1);
             double edge = length(cross(minus(b, a), ray.direction));
             inside = std::min(inside, edge > 0 ? area / edge : 0);
@@ -77,26 +80,26 @@ struct Meeting {
         t = dot(normal, v[0]) / facing / ray.speed;
         double cosine = std::abs(facing) / length(normal);
         t_bound = bound * (1 + 1 / cosine) / ray.speed;
-        // Seen edge-on, or without area: any t along it may be meant, and a miss as well.
+        // Edge-on, or without area: any t along it is valid, and so is a miss.
         if (!(cosine > 0)) {
             inside = std::min(inside, 0.0);
             t_bound = std::numeric_limits<double>::infinity();
             t = 0;
         }
     }
-    bool possible(const Ray& ray) const { return inside >= -bound && t > -t_bound && t < ray.reach + t_bound; }
-    bool sure(const Ray& ray) const { return inside > bound && t > t_bound && t < ray.reach - t_bound; }
-    bool exact(const Ray& ray) const { return inside >= 0 && t > 0 && t < ray.reach; }
+    bool possible(const Ray& ray) const { return inside >= -bound && t > -t_bound && t < ray.t_max + t_bound; }
+    bool sure(const Ray& ray) const { return inside > bound && t > t_bound && t < ray.t_max - t_bound; }
+    bool exact(const Ray& ray) const { return inside >= 0 && t > 0 && t < ray.t_max; }
 };
 
-struct Truth {
+struct GroundTruth {
     bool possible = false;                                  // some triangle may be hit
     double sure = std::numeric_limits<double>::infinity();  // no closest hit lies beyond this
-    double exact = std::numeric_limits<double>::infinity(); // the closest hit f64 finds
+    double exact = std::numeric_limits<double>::infinity(); // closest hit in f64
 
-    Truth(const Ray& ray, const std::vector<Triangle>& triangles) {
+    GroundTruth(const Ray& ray, const std::vector<Triangle>& triangles) {
         for (const Triangle& triangle : triangles) {
-            Meeting m(ray, triangle);
+            Intersection m(ray, triangle);
             if (!m.possible(ray)) continue;
             possible = true;
             if (m.sure(ray)) sure = std::min(sure, m.t + m.t_bound);
@@ -105,22 +108,22 @@ struct Truth {
     }
 };
 
-enum class Verdict { wrong, stands, exact };
+enum class Verdict { wrong, valid, exact };
 
-inline Verdict verdict(const Truth& truth, const Ray& ray, const std::vector<Triangle>& triangles, bool any_hit, uint32_t primitive,
+inline Verdict verdict(const GroundTruth& truth, const Ray& ray, const std::vector<Triangle>& triangles, bool any_hit, uint32_t primitive,
                        double t) {
     bool hits = !std::isinf(truth.exact);
-    if (primitive == MISS) return !std::isinf(truth.sure) ? Verdict::wrong : hits ? Verdict::stands : Verdict::exact;
-    if (any_hit) return !truth.possible ? Verdict::wrong : hits ? Verdict::exact : Verdict::stands;
+    if (primitive == MISS) return !std::isinf(truth.sure) ? Verdict::wrong : hits ? Verdict::valid : Verdict::exact;
+    if (any_hit) return !truth.possible ? Verdict::wrong : hits ? Verdict::exact : Verdict::valid;
     if (primitive >= triangles.size()) return Verdict::wrong;
-    Meeting m(ray, triangles[primitive]);
+    Intersection m(ray, triangles[primitive]);
     if (!m.possible(ray) || std::abs(t - m.t) > m.t_bound || m.t - m.t_bound > truth.sure) return Verdict::wrong;
-    return m.exact(ray) && m.t - m.t_bound <= truth.exact ? Verdict::exact : Verdict::stands;
+    return m.exact(ray) && m.t - m.t_bound <= truth.exact ? Verdict::exact : Verdict::valid;
 }
 
-} // namespace judge
+} // namespace reference
 
-inline Agreement compare(const Rays& rays, const Answers& embree, const std::vector<Triangle>& triangles, bool judged) {
+inline Agreement compare(const Rays& rays, const Answers& embree, const std::vector<Triangle>& triangles, bool judge) {
     const Answers& octray = rays.octray;
     Agreement result;
     std::vector<size_t> disputed;
@@ -133,8 +136,8 @@ inline Agreement compare(const Rays& rays, const Answers& embree, const std::vec
             if (ours == theirs && octray.t[i] == embree.t[i]) continue;
             if (ours >= triangles.size())
                 throw std::runtime_error(rays.kind + ".rays: names a triangle that is not dumped; dumps cannot hold spheres");
-            judge::Ray ray(rays, i);
-            judge::Meeting mine(ray, triangles[ours]), other(ray, triangles[theirs]);
+            reference::Ray ray(rays, i);
+            reference::Intersection mine(ray, triangles[ours]), other(ray, triangles[theirs]);
             double apart = std::abs(static_cast<double>(octray.t[i]) - embree.t[i]);
             if (apart > std::max(mine.t_bound, other.t_bound)) {
                 result.other_t++;
@@ -147,19 +150,20 @@ inline Agreement compare(const Rays& rays, const Answers& embree, const std::vec
             }
         }
     }
-    result.asked = judged;
-    if (!judged) return result;
+    result.is_judged = judge;
+    if (!judge) return result;
 
-    // Every triangle is asked; a great mesh with many disputes (there is no reason for one) is judged in part, and says so.
+    // Every triangle is tested: with a large mesh and many disputes, which are not expected, only a part is
+    // checked, and the report says so.
     size_t budget = std::max<size_t>(16, (size_t(1) << 30) / triangles.size());
     for (size_t i : disputed) {
         if (result.judged == budget) break;
         result.judged++;
-        using judge::Verdict;
-        judge::Ray ray(rays, i);
-        judge::Truth truth(ray, triangles);
-        Verdict ours = judge::verdict(truth, ray, triangles, rays.any_hit, octray.primitive[i], octray.t[i]);
-        Verdict theirs = judge::verdict(truth, ray, triangles, rays.any_hit, embree.primitive[i], embree.t[i]);
+        using reference::Verdict;
+        reference::Ray ray(rays, i);
+        reference::GroundTruth truth(ray, triangles);
+        Verdict ours = reference::verdict(truth, ray, triangles, rays.any_hit, octray.primitive[i], octray.t[i]);
+        Verdict theirs = reference::verdict(truth, ray, triangles, rays.any_hit, embree.primitive[i], embree.t[i]);
         const char* word;
         if (ours != Verdict::wrong && theirs != Verdict::wrong) {
             word = "within bound";

@@ -1,20 +1,23 @@
-"""Are two sets of noisy pictures of one thing, and how noisy are they? Pictures are arrays (run, row, column, channel) of linear RGB.
+"""Tests whether two sets of noisy pictures show the same scene. Pictures are arrays (run, row, column,
+channel) of linear RGB.
 
-Runs are independent of each other; nothing is asked of the samples inside one. Knows no renderer.
+Runs are independent of each other; the samples inside a run need not be. Must not depend on any renderer.
 """
 
 import numpy as np
 from scipy import stats
 
 CHANNELS = "RGB"
-# Chance of calling equal pictures different: once for the means, once for all blocks of a picture together.
+# Probability of a false alarm: once for the means, once for all blocks of a picture together.
 FALSE_ALARM = 1e-3
-# Sums in single precision, relative: Mitsuba's film adds up its samples so. Added to every standard error.
+# Relative rounding error of sums in single precision, as in Mitsuba's film. Added to every standard error.
 ROUNDING = 1e-5
 
 
 def student(ours, theirs):
-    """Difference, its standard error, t and the two-sided probability of such a t, by Welch's test along the first axis."""
+    """Difference, its standard error, t and the two-sided probability of such a t, by Welch's test along
+    the first axis.
+    """
     difference = ours.mean(0) - theirs.mean(0)
     floor = ROUNDING * np.abs(theirs).mean(0)
     parts = [x.var(0, ddof=1) / len(x) for x in (ours, theirs)]
@@ -25,7 +28,9 @@ def student(ours, theirs):
 
 
 def corrected(probability, tests):
-    """Of the least probability among so many tests that share nothing (Šidák); if they share, it is at least as large."""
+    """Šidák's correction of the least p among `tests` independent tests; an upper bound if they are
+    positively dependent.
+    """
     return float(-np.expm1(tests * np.log1p(-min(probability, 1 - 1e-16))))
 
 
@@ -66,8 +71,10 @@ def agreement(ours, theirs, side):
     return {"channels": channels, "means_p_corrected": mean_p, "blocks": found, "agree": bool(agree)}
 
 
-class Truth:
-    """The picture that errors are against: the mean of all long runs of both, each by its weight, as a screen shows it."""
+class GroundTruth:
+    """The picture that errors are measured against: the weighted mean of all long runs of both, clipped to
+    [0, 1].
+    """
 
     def __init__(self, ours, theirs, seen):
         means = [x.mean(0) for x in (ours, theirs)]
@@ -75,14 +82,14 @@ class Truth:
         weights = [1 / max(variance.mean(), 1e-300) for variance in noise]
         weights = [weight / sum(weights) for weight in weights]
         mean = sum(weight * picture for weight, picture in zip(weights, means))
-        # Pixels in which a light shows itself are easy and bright: they say nothing about its light elsewhere.
+        # Pixels that see a light are easy and bright: they do not measure its light elsewhere.
         self.counted = ~seen
         self.picture = np.clip(mean, 0, 1)
         variance = sum(weight**2 * variance for weight, variance in zip(weights, noise)) * (mean < 1)
         self.noise = float(variance[self.counted].mean()) if self.counted.any() else 0.0
 
     def mean_square(self, picture):
-        """Mean square error of a picture of another run, without the truth's own noise."""
+        """Mean square error of a picture of another run, without the noise of the ground truth."""
         if not self.counted.any():
             return 0.0
         error = np.clip(picture, 0, 1) - self.picture

@@ -8,7 +8,7 @@
 //! Source: Wächter, Binder, "A Fast and Robust Method for Avoiding Self-Intersection", Ray Tracing Gems ch. 6, 2019; Pharr et
 //! al., PBR 4ed §6.8.
 
-use crate::lane::{Lane, functions};
+use crate::lane::{Lane, functions::atan2_turns};
 use crate::math::{EPSILON, Vec3, gamma};
 
 /// How far a ray that leaves a sphere must start from it.
@@ -88,25 +88,6 @@ pub fn sphere_normal<L: Lane>(point: Vec3<L>, center: Vec3<L>) -> Vec3<L> {
 #[inline(always)]
 pub fn latitude_longitude<L: Lane>(n: Vec3<L>) -> (L, L) {
     let around = n.x.mul_add(n.x, n.z * n.z).sqrt();
-    (turns(n.z, n.x), turns(around, n.y) + turns(around, n.y))
-}
-
-/// The angle of the point (x, y) in whole turns, in [−½, ½].
-///
-/// Domain: finite, the larger component at least 1e-30; (0, 0) gives 0 or ½.
-#[inline(always)]
-fn turns<L: Lane>(y: L, x: L) -> L {
-    let (ax, ay) = (x.abs(), y.abs());
-    let steep = ax.lt(ay);
-    let (low, high) = (L::select(steep, ax, ay), L::select(steep, ay, ax));
-    let turn = L::splat(functions::ATAN_TURN) * high;
-    let turn = turn.lt(low);
-    // Above tan(π/8), turned by an eighth: one division serves both cases.
-    let numerator = L::select(turn, low - high, low);
-    let denominator = L::select(turn, low + high, high.max(L::splat(f32::MIN_POSITIVE)));
-    let angle = functions::atan_octant(numerator / denominator) * L::splat(1.0 / std::f32::consts::TAU);
-    let angle = angle + L::splat(0.125).only(turn);
-    let angle = L::select(steep, L::splat(0.25) - angle, angle);
-    let angle = L::select(x.lt(L::zero()), L::splat(0.5) - angle, angle);
-    angle.flip_sign(y)
+    let half_v = atan2_turns(around, n.y);
+    (atan2_turns(n.z, n.x), half_v + half_v)
 }

@@ -9,7 +9,7 @@ use octray::camera::Pinhole;
 use octray::lane::F32x8;
 use octray::math::{Hit, Ray};
 use octray::render::{Renderer, Settings};
-use octray::sampling::random::mix;
+use octray::sampling::random::mix_bits;
 use octray::scene::{Camera, MaterialKind, Scene, Triangle};
 use octray::traverse::{Batch, Methods, Primitives, SphereChoice, TraversalChoice, Visible};
 
@@ -28,7 +28,7 @@ const TILE: u32 = 8;
 
 /// A scene of spheres and triangles of all sizes all around the camera, some of which it stands in.
 fn scene(seed: u32, camera: Camera) -> Scene {
-    let number = |i: u32| f32::from_bits(mix(seed ^ mix(i)) >> 9 | 0x3f80_0000) - 1.0;
+    let number = |i: u32| f32::from_bits(mix_bits(seed ^ mix_bits(i)) >> 9 | 0x3f80_0000) - 1.0;
     let point = |i: u32| Vec3::new(number(i), number(i + 1), number(i + 2)) * 40.0 - 20.0;
     let size = |i: u32| 10f32.powf(number(i) * 4.0 - 3.0);
     let ball = |i: u32| sphere(point(8 * i), size(8 * i + 3), 0);

@@ -16,7 +16,7 @@ use crate::buffers::Features;
 use crate::kernel::light::{sample_sphere, sample_triangle};
 use crate::lane::{Bits, Lane, Mask};
 use crate::math::{Hit, Ray, Vec3};
-use crate::sampling::{Numbers, random};
+use crate::sampling::{SampleValues, dimension};
 use bytemuck::Zeroable;
 
 /// A ray to a light ends this share of its length before it: far more than the error of a hit's distance, so that no light is in its
@@ -54,17 +54,18 @@ pub fn sample_direct_light<L: Lane, const N: u32>(
     path: &Path<L>,
     drawn: &ScatteredPath<L>,
     (surface, material): (&Surface<L>, &MaterialSample<L>),
-    (numbers, found): (&Numbers, L::Mask),
+    (numbers, found): (&SampleValues, L::Mask),
 ) -> usize {
     let mask = found & samples_lights::<L>(material);
     if !mask.any() {
         return count;
     }
-    let (u, v) = numbers.pair::<L>(path.key, random::LIGHT_POINT);
-    let number = |dimension: u32| numbers.one::<L>(path.key, dimension);
+    let (u, v) = numbers.get_2d::<L>(path.key, dimension::LIGHT_POINT);
+    let number = |dimension: u32| numbers.get_1d::<L>(path.key, dimension);
     let lights = &world.buffers.lights;
     let few = !has(N, Features::MANY_LIGHTS);
-    let (light, u) = lights.choose::<L>(u, || number(random::LIGHT), || number(random::LIGHT_AGAIN), few);
+    let (light, u) =
+        lights.choose::<L>(u, || number(dimension::LIGHT), || number(dimension::LIGHT_ALIAS), few);
     // From where the path goes on, so that scattering in the same direction would find the same density.
     let origin = drawn.path.ray.origin;
     let at = light.at - origin;

@@ -8,7 +8,7 @@ use crate::kernel::bsdf::{self, BsdfSample, LobeEval};
 use crate::kernel::normals;
 use crate::lane::{Bits, Lane, Mask};
 use crate::math::{Ray, Vec3};
-use crate::sampling::{Numbers, random};
+use crate::sampling::{SampleValues, dimension};
 
 pub use crate::kernel::bsdf::BsdfEval;
 
@@ -26,13 +26,13 @@ pub fn scatter<L: Lane, const N: u32>(
     path: &Path<L>,
     surface: &Surface<L>,
     material: &MaterialSample<L>,
-    numbers: &Numbers,
+    numbers: &SampleValues,
     found: L::Mask,
 ) -> ScatteredPath<L> {
     let d = path.ray.direction;
     let facing = Facing::of::<N>(d, surface, material);
     let Facing { own, n, matt, outside } = facing;
-    let lobe_number = || numbers.one::<L>(path.key, random::LOBE);
+    let lobe_number = || numbers.get_1d::<L>(path.key, dimension::LOBE);
 
     let nothing = L::Mask::splat(false);
     let mut drawn = BsdfSample::<L> { direction: n, weight: L::one(), pdf: L::zero(), alive: nothing };
@@ -43,7 +43,7 @@ pub fn scatter<L: Lane, const N: u32>(
         drawn.pdf = L::select(mask, lobe.pdf, drawn.pdf);
         drawn.alive = drawn.alive | (mask & lobe.alive);
     };
-    let two_numbers = || numbers.pair::<L>(path.key, random::DIRECTION);
+    let two_numbers = || numbers.get_2d::<L>(path.key, dimension::DIRECTION);
     if has(N, Features::DIFFUSE) {
         let mask = material.has_lobe(MaterialCode::DIFFUSE, found);
         if mask.any() {

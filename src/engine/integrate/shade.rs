@@ -10,7 +10,7 @@ use crate::buffers::Features;
 use crate::kernel::surface::latitude_longitude;
 use crate::lane::{Bits, Lane, Mask};
 use crate::math::{Hit, Ray, Vec3};
-use crate::sampling::Numbers;
+use crate::sampling::SampleValues;
 use crate::scene::Meaning;
 
 /// Shades the hits of the first `count` paths, draws lights for them, and scatters them.
@@ -20,7 +20,7 @@ pub fn shade<L: Lane, const N: u32, const FIRST: bool>(
     world: &World,
     work: &mut Work,
     count: usize,
-    numbers: &Numbers,
+    numbers: &SampleValues,
 ) -> Shaded {
     let mut light = Light::<FIRST>::default();
     let (mut going_on, mut searching) = (0, 0);

@@ -61,7 +61,7 @@ pub fn sample_sphere<L: Lane>(center: Vec3<L>, radius: L, u: L, v: L) -> LightSa
     let (distance2, height) = cone(center, radius);
     let distance = distance2.sqrt();
     let axis = center * (L::one() / distance);
-    let (tangent, bitangent) = warp::basis(axis);
+    let (tangent, bitangent) = warp::orthonormal_basis(axis);
     let down = u * height;
     let cos = L::one() - down;
     let sin2 = down * (L::splat(2.0) - down);

@@ -9,7 +9,7 @@ use std::f32::consts::FRAC_1_PI;
 /// Density cos θ / π, weight 1. Never absorbs, never points below the surface.
 #[inline(always)]
 pub fn sample<L: Lane>(n: Vec3<L>, u: L, v: L) -> BsdfSample<L> {
-    let direction = warp::cosine_hemisphere(n, u, v);
+    let direction = warp::sample_cosine_hemisphere(n, u, v);
     BsdfSample::whole(direction, evaluate(n, direction).pdf)
 }
 

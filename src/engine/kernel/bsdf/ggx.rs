@@ -28,7 +28,7 @@ pub(super) fn cos_out<L: Lane>(d: Vec3<L>, n: Vec3<L>) -> L {
 /// Weight G₂/G₁, absorbed below the surface. `alpha` in [0, 1]; 0 is a mirror.
 #[inline(always)]
 pub fn sample<L: Lane>(d: Vec3<L>, n: Vec3<L>, alpha: L, u: L, v: L) -> BsdfSample<L> {
-    let (tangent, bitangent) = warp::basis(n);
+    let (tangent, bitangent) = warp::orthonormal_basis(n);
     let out = Vec3::new(-d.dot(tangent), -d.dot(bitangent), cos_out(d, n));
     let stretched = Vec3::new(alpha * out.x, alpha * out.y, out.z).normalize();
     let (sin, cos) = sin_cos_turns(v);

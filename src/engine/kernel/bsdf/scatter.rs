@@ -35,7 +35,7 @@ const RIM: f32 = 1.0 / 16_384.0;
 #[inline(always)]
 pub fn sample<L: Lane>(d: Vec3<L>, n: Vec3<L>, roughness: L, u: L, v: L) -> BsdfSample<L> {
     let reflected = d.reflect(n);
-    let towards = warp::unit_sphere(u, v).mul_add(roughness, reflected);
+    let towards = warp::sample_uniform_sphere(u, v).mul_add(roughness, reflected);
     // A vector so short that its direction is rounding noise is absorbed with the zero vector: 2⁻²⁰ is far above the noise.
     let alive = L::splat(1e-12).lt(towards.dot(towards)) & L::zero().lt(towards.dot(n));
     let direction = Vec3::select(alive, towards, n).normalize();

@@ -92,7 +92,7 @@ type Drawn = (Vec3<f32>, f32);
 /// Around the axis towards `center`.
 fn cone(center: Vec3<f32>, sin: f32, cos: f32, v: f32) -> Vec3<f32> {
     let axis = center.normalize();
-    let (tangent, bitangent) = warp::basis(axis);
+    let (tangent, bitangent) = warp::orthonormal_basis(axis);
     let (sin_around, cos_around) = functions::sin_cos_turns(v);
     tangent.mul_add(sin * cos_around, bitangent.mul_add(sin * sin_around, axis * cos))
 }

@@ -20,10 +20,10 @@ pub const RECIPES: &[Recipe] = &[
         cases: 50_000,
         methods: &[
             Method::other("sum", |dice, x, cases| {
-                opposite(dice, x, cases, |n, u, v| (warp::unit_sphere(u, v) + n).normalize())
+                opposite(dice, x, cases, |n, u, v| (warp::sample_uniform_sphere(u, v) + n).normalize())
             }),
             Method::default("smaller-sphere", |dice, x, cases| {
-                opposite(dice, x, cases, warp::cosine_hemisphere::<f32>)
+                opposite(dice, x, cases, warp::sample_cosine_hemisphere::<f32>)
             }),
         ],
         bound: |_| Bound::NO_FAILURE,
@@ -69,7 +69,7 @@ pub const RECIPES: &[Recipe] = &[
 
 const CHIANG: &str = "Chiang, Li, Burley, Taming the Shadow Terminator, SIGGRAPH Talks 2019";
 
-/// The numbers u and v from which [`warp::unit_sphere`] makes this unit vector, but for rounding.
+/// The numbers u and v from which [`warp::sample_uniform_sphere`] makes this unit vector, but for rounding.
 fn numbers(v: DVec3) -> (f32, f32) {
     let below_one = |x: f64| (x as f32).min(1.0 - f32::EPSILON / 2.0);
     (below_one(0.5 - 0.5 * v.z), below_one((v.y.atan2(v.x) / TAU).rem_euclid(1.0)))

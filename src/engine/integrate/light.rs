@@ -13,7 +13,7 @@ use super::shade::sky_radiance;
 use super::stats::Stage;
 use super::surface::{MaterialSample, Surface, has};
 use crate::buffers::Features;
-use crate::kernel::light::{sample_sphere, sample_triangle};
+use crate::kernel::light::{LightSample, sample_sphere, sample_triangle};
 use crate::lane::{Bits, Lane, Mask};
 use crate::math::{Hit, Ray, Vec3};
 use crate::sampling::{SampleValues, dimension};
@@ -76,7 +76,7 @@ pub fn sample_direct_light<L: Lane, const N: u32>(
         (false, _) => sample_triangle(at, light.ab, light.ac, u, v),
         (true, true) => {
             let triangle = sample_triangle(at, light.ab, light.ac, u, v);
-            triangle.or(is_sphere, sample_sphere(at, light.radius, u, v))
+            LightSample::select(is_sphere, sample_sphere(at, light.radius, u, v), triangle)
         }
     };
     let mut emission = light.emission;
@@ -85,13 +85,13 @@ pub fn sample_direct_light<L: Lane, const N: u32>(
     {
         let is_sky = mask & light.radius.lt(L::zero());
         if is_sky.any() {
-            aim = aim.or(is_sky, sky.aim(u, v));
-            let seen = sky_radiance::<L, N>(world, aim.direction, is_sky);
+            aim = LightSample::select(is_sky, sky.aim(u, v), aim);
+            let seen = sky_radiance::<L, N>(world, aim.wi, is_sky);
             emission = Vec3::select(is_sky, seen, emission);
         }
     }
-    let passed = evaluate::<L, N>(path.ray.direction, surface, material, aim.direction, mask);
-    let density = light.chance * aim.density;
+    let passed = evaluate::<L, N>(path.ray.direction, surface, material, aim.wi, mask);
+    let density = light.chance * aim.pdf;
     let possible = mask & L::zero().lt(density);
     let inv_pdf = L::one() / L::select(possible, density, L::one());
     // 1 − its complement would cancel; this is the same heuristic from the other side.
@@ -101,10 +101,10 @@ pub fn sample_direct_light<L: Lane, const N: u32>(
     if !carries.any() {
         return count;
     }
-    let end = aim.normal.mul_add(light.offset, aim.direction * aim.t);
+    let end = aim.n.mul_add(light.offset, aim.wi * aim.t);
     let length = end.dot(end).sqrt();
     let far = !aim.t.is_finite();
-    let direction = Vec3::select(far, aim.direction, end * (L::one() / length));
+    let direction = Vec3::select(far, aim.wi, end * (L::one() / length));
     let t_max = L::select(far, aim.t, length * L::splat(1.0 - SHADOW_EPSILON));
     work.search.store(
         count,

@@ -317,7 +317,7 @@ same_at_every_width! {
             bsdf::ggx::sample(d, n, alpha, u, v),
             bsdf::glass::sample(d, n, o.mask, ior, u),
         ] {
-            values.extend(vector(drawn.direction));
+            values.extend(vector(drawn.wi));
             values.extend([Float(drawn.weight), Float(drawn.pdf), Truth(drawn.alive)]);
         }
         let towards = Vec3::new(o.z, o.x, -o.y).normalize();
@@ -331,7 +331,7 @@ same_at_every_width! {
         let color = Vec3::new(u, v, L::splat(0.5));
         let plastic = bsdf::plastic::Plastic { color, alpha, ior, transmitted: L::splat(0.9) };
         let (drawn, weight) = plastic.sample(d, n, v, (u, v));
-        values.extend(vector(drawn.direction).into_iter().chain(vector(weight)));
+        values.extend(vector(drawn.wi).into_iter().chain(vector(weight)));
         values.extend([Float(drawn.pdf), Truth(drawn.alive)]);
         let lobe = plastic.evaluate(d, n, towards);
         values.extend(vector(lobe.value));
@@ -351,7 +351,7 @@ same_at_every_width! {
         let (texels, right, lower) = grid.bilinear(o.x, o.y, o.mask);
         let mut values = vec![Integer(grid.nearest(o.x, o.y, o.mask)), Float(right), Float(lower)];
         values.extend(texels.map(Integer));
-        values.extend(vector(texture::display_to_linear::<L>(o.i)));
+        values.extend(vector(texture::srgb_to_linear::<L>(o.i)));
         values
     };
 }

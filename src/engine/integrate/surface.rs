@@ -138,12 +138,12 @@ impl<L: Lane> Surface<L> {
         let [ax, ay, az, bx, by, bz, ..] = world.buffers.normal_rows.fetch::<L>(first, few);
         let [cx, cy, cz, ..] = world.buffers.normal_rows.fetch::<L>(second, few);
         let corners = [Vec3::new(ax, ay, az), Vec3::new(bx, by, bz), Vec3::new(cx, cy, cz)];
-        let (normal, some) = normals::smooth(corners, self.barycentric, self.outward);
+        let (normal, some) = normals::interpolate(corners, self.barycentric, self.outward);
         let bent = on_triangle & some;
         (Vec3::select(bent, normal, self.outward), bent)
     }
 
-    /// The direction of growing u in the lanes of `mapped`, and the hand of the frame (see [`normals::mapped`]).
+    /// The direction of growing u in the lanes of `mapped`, and the hand of the frame (see [`normals::apply_normal_map`]).
     #[inline(always)]
     fn tangent<const N: u32>(&self, world: &World, mapped: L::Mask) -> (Vec3<L>, L) {
         let (mut tangent, mut hand) = (Vec3::zero(), L::zero());
@@ -298,7 +298,7 @@ impl<L: Lane> MaterialSample<L> {
         if has(N, Features::NORMAL_MAPS) && mapped.any() {
             let texel = texel::<L, N>(world, at, mapped, code, Meaning::Data);
             let (tangent, hand) = surface.tangent::<N>(world, mapped);
-            let (normal, some) = normals::mapped(texel, self.normal, tangent, hand);
+            let (normal, some) = normals::apply_normal_map(texel, self.normal, tangent, hand);
             let mapped = mapped & some;
             self.normal = Vec3::select(mapped, normal, self.normal);
             self.bent = self.bent | mapped;

@@ -44,7 +44,7 @@ pub const RECIPES: &[Recipe] = &[
             }),
             Method::default("absorbed-and-shadowed", |dice, x, cases| {
                 matt(dice, x, cases, |w, normal, own| {
-                    (w.dot(own) > 0.0).then(|| normals::terminator(w, normal, own))
+                    (w.dot(own) > 0.0).then(|| normals::shadow_terminator(w, normal, own))
                 })
             }),
         ],
@@ -61,7 +61,9 @@ pub const RECIPES: &[Recipe] = &[
         cases: 100_000,
         methods: &[
             Method::other("unbent", |dice, x, cases| mirror(dice, x, cases, |_, normal, _| normal)),
-            Method::default("bent", |dice, x, cases| mirror(dice, x, cases, normals::bend::<f32>)),
+            Method::default("bent", |dice, x, cases| {
+                mirror(dice, x, cases, normals::bend_for_reflection::<f32>)
+            }),
         ],
         bound: |_| Bound::NO_FAILURE,
     },

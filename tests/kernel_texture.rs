@@ -1,19 +1,19 @@
 //! Laws: texture lookups stay inside their texture, and decoding keeps its documented error.
 
 use octray::kernel::surface::latitude_longitude;
-use octray::kernel::texture::{Grid, display_to_linear};
+use octray::kernel::texture::{Grid, srgb_to_linear};
 use octray::math::Vec3;
 use octray::sampling::random::mix_bits;
 use std::f64::consts::{PI, TAU};
 
 #[test]
-fn display_to_linear_is_within_its_bound_of_the_standard_for_every_byte() {
+fn srgb_to_linear_is_within_its_bound_of_the_standard_for_every_byte() {
     let mut worst = 0.0f64;
     for byte in 0..=255u32 {
         let x = f64::from(byte) / 255.0;
         let truth = if x <= 0.04045 { x / 12.92 } else { ((x + 0.055) / 1.055).powf(2.4) };
         for shift in [0, 8, 16] {
-            let color = display_to_linear::<f32>(byte << shift | 0xff00_0000);
+            let color = srgb_to_linear::<f32>(byte << shift | 0xff00_0000);
             let channels = [color.x, color.y, color.z];
             for (channel, &value) in channels.iter().enumerate() {
                 if channel as u32 * 8 == shift {

@@ -205,8 +205,8 @@ fn normal_rows([a, b, c]: &[Vec3; 3]) -> [[f32; 8]; 2] {
 
 /// See [`Buffers::uv_rows`].
 fn uv_row(uvs: &[glam::Vec2; 3]) -> [f32; 8] {
-    let [au, bu, cu] = surface::repeats_taken_away(uvs.map(|uv| f64::from(uv.x)));
-    let [av, bv, cv] = surface::repeats_taken_away(uvs.map(|uv| 1.0 - f64::from(uv.y)));
+    let [au, bu, cu] = surface::remove_shared_repeats(uvs.map(|uv| f64::from(uv.x)));
+    let [av, bv, cv] = surface::remove_shared_repeats(uvs.map(|uv| 1.0 - f64::from(uv.y)));
     [au, av, bu, bv, cu, cv, 0.0, 0.0]
 }
 

@@ -1,7 +1,7 @@
 //! Texels of all textures in two pools: display values and linear light.
 
 use super::rows::Rows;
-use crate::kernel::texture::{Grid, bytes_to_unit, display_to_linear};
+use crate::kernel::texture::{Grid, srgb_to_linear, unorm_to_unit};
 use crate::lane::{Bits, Lane, Mask};
 use crate::math::Vec3;
 use crate::scene::{Filter, Meaning, Texels, Texture};
@@ -104,8 +104,8 @@ impl Textures {
             let texel = L::Bits::select(display, texel, zero);
             let texel = L::gather_bits(&self.display, texel);
             color = match meaning {
-                Meaning::Light => display_to_linear::<L>(texel),
-                Meaning::Data => bytes_to_unit::<L>(texel),
+                Meaning::Light => srgb_to_linear::<L>(texel),
+                Meaning::Data => unorm_to_unit::<L>(texel),
             };
         }
         if abilities.linear && linear.any() {

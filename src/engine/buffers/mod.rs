@@ -163,9 +163,9 @@ fn sphere_row(sphere: &scene::Sphere, chance: f32) -> [f32; 8] {
 /// A sphere's turn, its sign bit set (on 0 too) where the picture reads right from outside: with the angle's sign flipped by that
 /// bit, the angle plus this number is u on both sides.
 fn picture_turn(sphere: &scene::Sphere) -> f32 {
-    match sphere.picture_from {
-        Side::Inside => sphere.turn,
-        Side::Outside => -sphere.turn,
+    match sphere.texture_side {
+        Side::Inside => sphere.texture_turn,
+        Side::Outside => -sphere.texture_turn,
     }
 }
 

@@ -11,7 +11,7 @@ use crate::kernel::surface::latitude_longitude;
 use crate::lane::{Bits, Lane, Mask};
 use crate::math::{Hit, Ray, Vec3};
 use crate::sampling::SampleValues;
-use crate::scene::Meaning;
+use crate::scene::TexelKind;
 
 /// Shades the hits of the first `count` paths, draws lights for them, and scatters them.
 ///
@@ -190,7 +190,7 @@ pub fn sky_radiance<L: Lane, const N: u32>(world: &World, direction: Vec3<L>, wa
                 everywhere,
                 wanted,
                 abilities(N),
-                Meaning::Light,
+                TexelKind::Color,
             );
     }
     radiance

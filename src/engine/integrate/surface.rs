@@ -7,7 +7,7 @@ use crate::kernel::surface::{latitude_longitude, sphere_normal};
 use crate::kernel::{light, normals};
 use crate::lane::{Bits, Lane, Mask};
 use crate::math::{Hit, Ray, Vec3};
-use crate::scene::Meaning;
+use crate::scene::TexelKind;
 
 /// Does the feature set `N` hold this feature? Constant for the compiler.
 #[inline(always)]
@@ -259,7 +259,7 @@ impl<L: Lane> MaterialSample<L> {
         }
         let textured = found & !code.equals(L::Bits::splat(0));
         if textured.any() {
-            let texel = texel::<L, N>(world, at, textured, code, Meaning::Light);
+            let texel = texel::<L, N>(world, at, textured, code, TexelKind::Color);
             let texel = Vec3::select(textured, texel, Vec3::repeat(L::one()));
             let shines = self.kind.equals(L::Bits::splat(MaterialCode::EMITTER));
             self.emission = Vec3::select(shines, self.emission * texel, self.emission);
@@ -278,7 +278,7 @@ impl<L: Lane> MaterialSample<L> {
     ) {
         let mapped = found & !code.equals(L::Bits::splat(0));
         if has(N, Features::ROUGHNESS_MAPS) && mapped.any() {
-            let factor = texel::<L, N>(world, at, mapped, code, Meaning::Data).x.min(L::one());
+            let factor = texel::<L, N>(world, at, mapped, code, TexelKind::Data).x.min(L::one());
             let scatters = self.kind.equals(L::Bits::splat(MaterialCode::SCATTER));
             let factor = L::select(scatters, factor, factor * factor);
             self.parameter = L::select(mapped, self.parameter * factor, self.parameter);
@@ -296,7 +296,7 @@ impl<L: Lane> MaterialSample<L> {
     ) {
         let mapped = found & !code.equals(L::Bits::splat(0));
         if has(N, Features::NORMAL_MAPS) && mapped.any() {
-            let texel = texel::<L, N>(world, at, mapped, code, Meaning::Data);
+            let texel = texel::<L, N>(world, at, mapped, code, TexelKind::Data);
             let (tangent, hand) = surface.tangent::<N>(world, mapped);
             let (normal, some) = normals::apply_normal_map(texel, self.normal, tangent, hand);
             let mapped = mapped & some;
@@ -319,8 +319,8 @@ fn texel<L: Lane, const N: u32>(
     (coordinates, clamp_v): Coordinates<L>,
     wanted: L::Mask,
     code: L::Bits,
-    meaning: Meaning,
+    texel_kind: TexelKind,
 ) -> Vec3<L> {
     let index = code.wrapping_add(L::Bits::splat(u32::MAX));
-    world.buffers.textures.sample(index, coordinates, clamp_v, wanted, abilities(N), meaning)
+    world.buffers.textures.sample(index, coordinates, clamp_v, wanted, abilities(N), texel_kind)
 }

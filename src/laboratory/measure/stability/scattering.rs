@@ -120,7 +120,7 @@ fn matt(
         for cell in 0..SIDE * SIDE {
             let within = |at: usize, dice: &mut Dice| ((at as f64 + dice.unit()) / SIDE as f64) as f32;
             let (u, v) = (within(cell % SIDE, dice), within(cell / SIDE, dice));
-            let w = diffuse::sample(normal, u.min(1.0 - f32::EPSILON), v.min(1.0 - f32::EPSILON)).direction;
+            let w = diffuse::sample(normal, u.min(1.0 - f32::EPSILON), v.min(1.0 - f32::EPSILON)).wi;
             if let Some(weight) = passes(w, normal, own) {
                 passed += f64::from(weight);
                 below |= w.get(0).as_dvec3().dot(own.get(0).as_dvec3()) <= 0.0;

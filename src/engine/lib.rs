@@ -9,7 +9,8 @@
 //! | form | what it is | modules |
 //! |---|---|---|
 //! | [`scene::Scene`] | a valid scene: its existence is the proof of validity | [`scene`] |
-//! | [`buffers::Buffers`], [`buffers::Features`] | aligned structure-of-arrays buffers, and the features that the scene uses | [`buffers`], [`bvh`] |
+//! | [`buffers::Buffers`] | aligned structure-of-arrays buffers | [`buffers`], [`bvh`] |
+//! | [`buffers::Features`] | the features that the scene uses | [`buffers`] |
 //! | packets and queues | eight rays and a mask; the paths of a tile, as columns | [`math`], [`integrate`] |
 //! | [`film::Film`] | sums of linear radiance, in a fixed order | [`film`], [`render`] |
 //!
@@ -25,7 +26,7 @@
 //! |---|---|
 //! | [`lane`] | width as a type: `f32` and `F32x8` behind one trait; elementary functions |
 //! | [`math`] | vectors, rays and hits of lanes; bounds of rounding error |
-//! | [`sampling`] | sample values as functions of (seed, pixel, sample, dimension), Sobol or independent; warps |
+//! | [`sampling`] | sample values as functions of (seed, pixel, sample, dimension); warps |
 //! | [`kernel`] | intersection, BSDFs, light sampling, texture lookups: several methods side by side |
 //! | [`scene`] | what a scene is |
 //! | [`buffers`] | the scene flattened; the features it uses |

@@ -133,7 +133,7 @@ pub fn triangle_pdf<L: Lane>(a: Vec3<L>, ab: Vec3<L>, ac: Vec3<L>, wi: Vec3<L>, 
     SphericalTriangle::new(a, ab, ac).pdf(wi, t)
 }
 
-/// A direction towards a triangle: uniform in solid angle, or by area below [`MIN_SOLID_ANGLE`].
+/// A direction towards a triangle: uniform in solid angle, or by area below `MIN_SOLID_ANGLE`.
 ///
 /// Domain: edges of at least 1e-10 scene units; below, the square of the area underflows, and `n` is not a
 /// unit vector.

@@ -5,7 +5,7 @@
 //! back onto the base, and so on. The series sums to
 //!
 //! ```text
-//! f = F D G₂ / (4 cos i cos o) + a T(i) T(o) / (π η² (1 − a F′)),      1 − F′ = T̄ / η²,   T̄ = 2 ∫ T(c) c dc
+//! f = F D G₂ / (4 cos i cos o) + a T(i) T(o) / (π η² (1 − a F′)),    1 − F′ = T̄ / η²,   T̄ = 2 ∫ T(c) c dc
 //!   = F D G₂ / (4 cos i cos o) + T(i) T(o) / π · a / (η² (1 − a) + a T̄)
 //! ```
 //!

@@ -11,7 +11,7 @@ use octray::kernel::ray_sphere::{self, SphereMethod};
 use octray::kernel::ray_triangle::{self, TriangleMethod};
 use octray::lane::{Bits, F32x8, Lane};
 use octray::measure::kernel_set::{self as set, Found, RAYS, TESTS};
-use octray::sampling::{Numbers, Sampler};
+use octray::sampling::{SampleValues, Sampler};
 use std::hint::black_box;
 use std::time::Duration;
 
@@ -115,9 +115,9 @@ fn all_pairs<L: Lane>(sampler: Sampler, keys: &[L::Bits]) -> f32 {
     let mut sums = [L::zero(); 2];
     for sample in 0..SAMPLES {
         // A number that the compiler does not see through, as in a path.
-        let numbers = Numbers::new(sampler, 0, sample, black_box(8));
+        let numbers = SampleValues::new(sampler, 0, sample, black_box(8));
         for &key in keys {
-            let (x, y) = numbers.pair::<L>(key, 2);
+            let (x, y) = numbers.get_2d::<L>(key, 2);
             sums = [sums[0] + x, sums[1] + y];
         }
     }

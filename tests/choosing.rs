@@ -200,7 +200,7 @@ fn lamps_light_and_are_shaded_at_every_scale() {
 
 /// A picture of even light all around.
 fn put_even_sky(scene: &mut Scene) {
-    let texels = Texels::Linear(vec![[1.0; 4]; 32]);
+    let texels = Texels::Float32(vec![[1.0; 4]; 32]);
     scene.textures =
         vec![Texture { name: "even".into(), width: 8, height: 4, filter: Filter::Nearest, texels }];
     scene.sky = Sky::Texture { texture: 0, color: Vec3::ONE };
@@ -233,7 +233,7 @@ fn directions_to_a_sky_are_spread_all_over_its_cells() {
     let mut counts = [[0; 64]; 2];
     for (i, j) in (0..SIDE).flat_map(|i| (0..SIDE).map(move |j| (i, j))) {
         let at = |i: usize| (i as f32 + 0.5) / SIDE as f32;
-        let direction = sky.aim::<f32>(at(i), at(j)).direction.get(0).as_dvec3();
+        let direction = sky.aim::<f32>(at(i), at(j)).wi.get(0).as_dvec3();
         let turn = (direction.z.atan2(direction.x) / std::f64::consts::TAU).rem_euclid(1.0);
         counts[0][(turn * 64.0) as usize % 64] += 1;
         counts[1][((0.5 - 0.5 * direction.y) * 64.0) as usize] += 1;

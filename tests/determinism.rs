@@ -40,8 +40,8 @@ fn furnished(
     for i in 0..spheres {
         let center = (dice.in_cube() * 2.0).as_vec3();
         let ball = sphere(center, dice.scale(0.3, 0.9) as f32, (i % count) as u32);
-        let picture_from = [Side::Outside, Side::Inside][i % 2];
-        scene.spheres.push(octray::scene::Sphere { turn: dice.unit() as f32, picture_from, ..ball });
+        let texture_side = [Side::Outside, Side::Inside][i % 2];
+        scene.spheres.push(octray::scene::Sphere { texture_turn: dice.unit() as f32, texture_side, ..ball });
     }
     for i in 0..triangles {
         let center = dice.in_cube() * 2.0;

@@ -194,7 +194,7 @@ fn packets_and_judge_agree_on_pictures_on_spheres_triangles_and_sky() {
         let lamp = Material { emission: Vec3::new(1.0, 2.0, 0.5), ..shown(MaterialKind::Emitter, 1) };
         let wall = [Vec3::new(-6.0, -5.0, -2.0), Vec3::new(6.0, -4.0, -1.0), Vec3::new(1.0, 6.0, -3.0)];
         let ball = |x: f32, turn: f32, material: u32| Sphere {
-            turn,
+            texture_turn: turn,
             ..sphere(Vec3::new(x, 0.2 * x, 0.0), 0.6, material)
         };
         let scene = Scene {

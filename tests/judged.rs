@@ -86,7 +86,7 @@ fn relief(dice: &mut Dice) -> Texture {
         width: 6,
         height: 4,
         filter: Filter::Bilinear,
-        texels: Texels::Linear(texels),
+        texels: Texels::Float32(texels),
     }
 }
 
@@ -94,7 +94,7 @@ fn relief(dice: &mut Dice) -> Texture {
 fn picture_is_the_judges_with_maps_of_normals_and_roughness() {
     let mut dice = Dice(81);
     let bytes = (0..35).map(|_| [(dice.bits() >> 24) as u8, 7, 200, 0]).collect();
-    let grain = Texture { width: 7, height: 5, texels: Texels::Data(bytes), ..relief(&mut dice) };
+    let grain = Texture { width: 7, height: 5, texels: Texels::Unorm8(bytes), ..relief(&mut dice) };
     let textures = vec![relief(&mut dice), grain];
     for kind in KINDS {
         let worn = |scene: Scene| {
@@ -104,8 +104,8 @@ fn picture_is_the_judges_with_maps_of_normals_and_roughness() {
             scene
         };
         let mut round = worn(balls(kind));
-        round.spheres[0].turn = 0.3;
-        round.spheres[1].picture_from = Side::Inside;
+        round.spheres[0].texture_turn = 0.3;
+        round.spheres[1].texture_side = Side::Inside;
         // The floor too.
         round.materials[1].normal_map = Some(0);
         round.uvs = vec![[Vec2::ZERO, Vec2::new(30.0, 3.0), Vec2::new(-4.0, 40.0)]];

@@ -8,7 +8,7 @@ mod common;
 use common::{Dice, ray};
 use glam::{DVec3, Vec3};
 use octray::bvh::Bounds;
-use octray::kernel::ray_box::{Padding, Slabs, room_of_sphere};
+use octray::kernel::ray_box::{Padding, Slabs, sphere_padding};
 use octray::kernel::ray_sphere::{Robust, SphereMethod};
 use octray::math::{self, EPSILON};
 
@@ -88,8 +88,8 @@ fn hits_lie_within_the_room_made_for_them_and_need_more_than_an_eighth_of_it() {
     };
     // What the two make of a unit of distance alone, if the centre is the origin of the scene.
     let per_distance = room_of(Vec3::X);
-    assert_eq!(f64::from(room_of_sphere(Vec3::X, 0.0)), per_distance, "|c| needs as much as |o|");
-    let per_radius = f64::from(room_of_sphere(Vec3::ZERO, 1.0));
+    assert_eq!(f64::from(sphere_padding(Vec3::X, 0.0)), per_distance, "|c| needs as much as |o|");
+    let per_radius = f64::from(sphere_padding(Vec3::ZERO, 1.0));
     let (mut worst, mut worst_length) = (0.0f64, 0.0f64);
     for length in LENGTHS {
         for distances in DISTANCES {

@@ -1,19 +1,19 @@
 //! Laws: texture lookups stay inside their texture, and decoding keeps its documented error.
 
 use octray::kernel::surface::latitude_longitude;
-use octray::kernel::texture::{Grid, display_to_linear};
+use octray::kernel::texture::{Grid, srgb_to_linear};
 use octray::math::Vec3;
-use octray::sampling::random::mix;
+use octray::sampling::random::mix_bits;
 use std::f64::consts::{PI, TAU};
 
 #[test]
-fn display_to_linear_is_within_its_bound_of_the_standard_for_every_byte() {
+fn srgb_to_linear_is_within_its_bound_of_the_standard_for_every_byte() {
     let mut worst = 0.0f64;
     for byte in 0..=255u32 {
         let x = f64::from(byte) / 255.0;
         let truth = if x <= 0.04045 { x / 12.92 } else { ((x + 0.055) / 1.055).powf(2.4) };
         for shift in [0, 8, 16] {
-            let color = display_to_linear::<f32>(byte << shift | 0xff00_0000);
+            let color = srgb_to_linear::<f32>(byte << shift | 0xff00_0000);
             let channels = [color.x, color.y, color.z];
             for (channel, &value) in channels.iter().enumerate() {
                 if channel as u32 * 8 == shift {
@@ -37,7 +37,7 @@ fn nearest_is_the_texel_that_holds_the_point_and_stays_inside_for_any_input() {
     assert_eq!(grid.nearest(0.0, 1.0, true), 100 + 4 * 7, "v = 1 is the last row where rows do not wrap");
     assert_eq!(grid.nearest(0.0, 1.0, false), 100, "v = 1 is the first row where they do");
     for i in 0..100_000 {
-        let [u, v] = [mix(2 * i), mix(2 * i + 1)].map(f32::from_bits);
+        let [u, v] = [mix_bits(2 * i), mix_bits(2 * i + 1)].map(f32::from_bits);
         // Coordinates of any size, infinities and NaN among them.
         for clamp in [false, true] {
             let texel = grid.nearest(u, v, clamp);
@@ -77,7 +77,7 @@ fn latitude_longitude_is_within_its_bound_of_f64_also_at_poles_and_seams() {
         assert!((-0.5..=0.5).contains(&u) && (0.0..=1.0).contains(&v), "({u}, {v})");
     };
     for i in 0..200_000 {
-        let number = |j: u32| f64::from(mix(4 * i + j) >> 8) / f64::from(1 << 24);
+        let number = |j: u32| f64::from(mix_bits(4 * i + j) >> 8) / f64::from(1 << 24);
         let (z, phi) = (2.0 * number(0) - 1.0, TAU * number(1));
         let radius = (1.0 - z * z).sqrt();
         check(glam::DVec3::new(radius * phi.cos(), z, radius * phi.sin()));

@@ -10,7 +10,7 @@ use common::Dice;
 use octray::kernel::{bsdf, surface, texture};
 use octray::lane::{Bits, F32x8, Lane, Mask, Mask8, U32x8, functions, lane_indices, set_bits};
 use octray::math::Vec3;
-use octray::sampling::{Numbers, Sampler, random, warp};
+use octray::sampling::{SampleValues, Sampler, random, warp};
 use std::f32::consts::PI;
 
 /// What an operation may read: three floats, three integers, a truth value.
@@ -264,7 +264,7 @@ same_at_every_width! {
     random_numbers_are_the_same_at_every_width: |o| {
         let key = random::path_key(7, o.i, 12);
         [
-            Integer(random::mix(o.i)), Integer(key), Integer(random::path_key(u32::MAX, o.j, u32::MAX)),
+            Integer(random::mix_bits(o.i)), Integer(key), Integer(random::path_key(u32::MAX, o.j, u32::MAX)),
             Float(random::uniform::<L>(key, 0)), Float(random::uniform::<L>(o.i, 77)),
         ]
     };
@@ -272,9 +272,9 @@ same_at_every_width! {
         let mut values = Vec::new();
         for sampler in [Sampler::Sobol, Sampler::Random] {
             let key = sampler.key(7, o.i, 12);
-            let [some, other] = [Numbers::new(sampler, 7, 12, 8), Numbers::new(sampler, u32::MAX, u32::MAX, 0)];
-            let (first, second) = (some.pair::<L>(key, 2), other.pair::<L>(o.j, 0));
-            values.extend([first.0, first.1, second.0, second.1, some.one(key, 5)].map(Float));
+            let [some, other] = [SampleValues::new(sampler, 7, 12, 8), SampleValues::new(sampler, u32::MAX, u32::MAX, 0)];
+            let (first, second) = (some.get_2d::<L>(key, 2), other.get_2d::<L>(o.j, 0));
+            values.extend([first.0, first.1, second.0, second.1, some.get_1d(key, 5)].map(Float));
             values.push(Integer(key));
         }
         values
@@ -284,13 +284,13 @@ same_at_every_width! {
         let unit = n.normalize();
         let (u, v) = (random::uniform::<L>(o.i, 0), random::uniform::<L>(o.j, 1));
         let mut values = Vec::new();
-        for vectors in [warp::basis(n), warp::basis(unit)] {
+        for vectors in [warp::orthonormal_basis(n), warp::orthonormal_basis(unit)] {
             values.extend(vector(vectors.0));
             values.extend(vector(vectors.1));
         }
-        values.extend(vector(warp::cosine_hemisphere(unit, u, v)));
-        values.extend(vector(warp::unit_sphere(u, v)));
-        values.extend(vector(warp::unit_sphere(o.x, o.y)));
+        values.extend(vector(warp::sample_cosine_hemisphere(unit, u, v)));
+        values.extend(vector(warp::sample_uniform_sphere(u, v)));
+        values.extend(vector(warp::sample_uniform_sphere(o.x, o.y)));
         values
     };
     vectors_are_the_same_at_every_width: |o| {
@@ -317,7 +317,7 @@ same_at_every_width! {
             bsdf::ggx::sample(d, n, alpha, u, v),
             bsdf::glass::sample(d, n, o.mask, ior, u),
         ] {
-            values.extend(vector(drawn.direction));
+            values.extend(vector(drawn.wi));
             values.extend([Float(drawn.weight), Float(drawn.pdf), Truth(drawn.alive)]);
         }
         let towards = Vec3::new(o.z, o.x, -o.y).normalize();
@@ -331,7 +331,7 @@ same_at_every_width! {
         let color = Vec3::new(u, v, L::splat(0.5));
         let plastic = bsdf::plastic::Plastic { color, alpha, ior, transmitted: L::splat(0.9) };
         let (drawn, weight) = plastic.sample(d, n, v, (u, v));
-        values.extend(vector(drawn.direction).into_iter().chain(vector(weight)));
+        values.extend(vector(drawn.wi).into_iter().chain(vector(weight)));
         values.extend([Float(drawn.pdf), Truth(drawn.alive)]);
         let lobe = plastic.evaluate(d, n, towards);
         values.extend(vector(lobe.value));
@@ -351,7 +351,7 @@ same_at_every_width! {
         let (texels, right, lower) = grid.bilinear(o.x, o.y, o.mask);
         let mut values = vec![Integer(grid.nearest(o.x, o.y, o.mask)), Float(right), Float(lower)];
         values.extend(texels.map(Integer));
-        values.extend(vector(texture::display_to_linear::<L>(o.i)));
+        values.extend(vector(texture::srgb_to_linear::<L>(o.i)));
         values
     };
 }

@@ -36,7 +36,7 @@ fn vector_irradiance(aim: impl Fn(f32, f32) -> LightSample<f32>, side: u32) -> D
     let sum: DVec3 = square(side)
         .map(|(u, v)| {
             let aim = aim(u, v);
-            double(aim.direction) / f64::from(aim.density)
+            double(aim.wi) / f64::from(aim.pdf)
         })
         .sum();
     sum / f64::from(side * side)
@@ -136,7 +136,7 @@ fn directions_within_a_triangle_are_spread_as_their_density_says() {
         let draws = 64 * 64 * 4;
         for _ in 0..draws {
             let aim = aim_at(corners, dice.unit() as f32, dice.unit() as f32);
-            let direction = double(aim.direction);
+            let direction = double(aim.wi);
             // On the nearest cell: where the smallest of the three volumes is largest.
             let inside = |cell: &[DVec3; 3]| {
                 let [a, b, c] = cell.map(DVec3::normalize);
@@ -170,15 +170,15 @@ fn a_direction_has_the_density_it_was_drawn_with() {
         let (u, v) = (dice.unit() as f32, dice.unit() as f32);
         let corners @ [a, b, c] = corners(&mut dice);
         let aim = aim_at(corners, u, v);
-        let again = triangle_pdf(vector(a), vector(b - a), vector(c - a), aim.direction, aim.t);
-        assert!(aim.density == again || aim.density == 0.0, "{} {again}", aim.density);
+        let again = triangle_pdf(vector(a), vector(b - a), vector(c - a), aim.wi, aim.t);
+        assert!(aim.pdf == again || aim.pdf == 0.0, "{} {again}", aim.pdf);
         let radius = dice.scale(1e-3, 1e3);
         let center = dice.direction() * radius * dice.scale(0.1, 1e4);
         let aim = sample_sphere(vector(center), radius as f32, u, v);
-        assert_eq!(aim.density, sphere_pdf(vector(center), radius as f32));
-        assert_eq!(aim.density > 0.0, center.as_vec3().length() > radius as f32, "{center} {radius}");
-        if aim.density > 0.0 {
-            assert!(double(aim.normal).dot(double(aim.direction)) < 1e-3 && aim.t > 0.0);
+        assert_eq!(aim.pdf, sphere_pdf(vector(center), radius as f32));
+        assert_eq!(aim.pdf > 0.0, center.as_vec3().length() > radius as f32, "{center} {radius}");
+        if aim.pdf > 0.0 {
+            assert!(double(aim.n).dot(double(aim.wi)) < 1e-3 && aim.t > 0.0);
         }
     }
 }
@@ -205,12 +205,12 @@ fn aims_are_the_same_at_every_width() {
         for (lane, &(corners, radius, u, v)) in all.iter().enumerate() {
             let one = aim_at(corners, u, v);
             let bits = |v: Vec3| v.to_array().map(f32::to_bits);
-            assert_eq!(bits(triangles.direction.get(lane)), bits(one.direction.get(0)));
-            assert_eq!(triangles.density.get(lane).to_bits(), one.density.to_bits());
+            assert_eq!(bits(triangles.wi.get(lane)), bits(one.wi.get(0)));
+            assert_eq!(triangles.pdf.get(lane).to_bits(), one.pdf.to_bits());
             let one = sample_sphere(vector(corners[0]), radius, u, v);
-            if one.density > 0.0 {
-                assert_eq!(bits(spheres.direction.get(lane)), bits(one.direction.get(0)));
-                assert_eq!(spheres.density.get(lane).to_bits(), one.density.to_bits());
+            if one.pdf > 0.0 {
+                assert_eq!(bits(spheres.wi.get(lane)), bits(one.wi.get(0)));
+                assert_eq!(spheres.pdf.get(lane).to_bits(), one.pdf.to_bits());
             }
         }
     }
@@ -314,7 +314,7 @@ fn sunny(filter: Filter) -> Texture {
         .map(|i| if i / width < 14 { [0.2 + 0.01 * (i % 7) as f32; 4] } else { [0.0; 4] })
         .collect();
     texels[(5 * width + 9) as usize] = [300.0, 250.0, 200.0, 0.0];
-    Texture { name: "sun".into(), width, height, filter, texels: Texels::Linear(texels) }
+    Texture { name: "sun".into(), width, height, filter, texels: Texels::Float32(texels) }
 }
 
 fn under_the_sun(filter: Filter) -> Scene {
@@ -332,11 +332,11 @@ fn directions_to_a_sky_have_the_density_of_their_cell() {
     let (side, mut other, mut solid_angle, mut sun) = (512, 0, 0.0, 0.0);
     for (u, v) in square(side) {
         let aim = sky.aim::<f32>(u, v);
-        let again: f32 = sky.density(latitude_longitude(aim.direction));
-        other += usize::from(aim.density != again);
-        solid_angle += 1.0 / f64::from(aim.density);
-        sun += f64::from(u8::from(aim.density > 1.0));
-        assert!(aim.density > 0.0 && aim.direction.y > (PI * 14.0 / 20.0).cos() as f32 - 1e-5);
+        let again: f32 = sky.density(latitude_longitude(aim.wi));
+        other += usize::from(aim.pdf != again);
+        solid_angle += 1.0 / f64::from(aim.pdf);
+        sun += f64::from(u8::from(aim.pdf > 1.0));
+        assert!(aim.pdf > 0.0 && aim.wi.y > (PI * 14.0 / 20.0).cos() as f32 - 1e-5);
     }
     let draws = f64::from(side * side);
     // Rounding at the edges of cells; and nothing is drawn where the sky is black.

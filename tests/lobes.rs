@@ -45,7 +45,7 @@ impl Lobe {
             Lobe::Scatter { roughness } => grey(scatter::sample(d, n, roughness, u, v)),
             Lobe::Plastic { .. } => self.plastic().sample(d, n, choose, (u, v)),
         };
-        Drawn { direction: lobe.direction.get(0), weight: weight.get(0), pdf: lobe.pdf, alive: lobe.alive }
+        Drawn { direction: lobe.wi.get(0), weight: weight.get(0), pdf: lobe.pdf, alive: lobe.alive }
     }
     /// f · cos θ, and the density.
     fn evaluate(self, d: Vec3, n: Vec3, towards: Vec3) -> (Vec3, f32) {

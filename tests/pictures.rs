@@ -17,12 +17,12 @@ const COLUMNS: u32 = 64;
 
 fn columns() -> Texture {
     let texel = |i: u32| [(i % COLUMNS) as f32, 1.0, 1.0, 0.0];
-    let texels = Texels::Linear((0..2 * COLUMNS).map(texel).collect());
+    let texels = Texels::Float32((0..2 * COLUMNS).map(texel).collect());
     Texture { name: "columns".into(), width: COLUMNS, height: 2, filter: Filter::Nearest, texels }
 }
 
 /// A shining ball of radius 1 with the picture on it.
-fn ball(picture_from: Side) -> Scene {
+fn ball(texture_side: Side) -> Scene {
     Scene {
         sky: Sky::Color(Vec3::ZERO),
         materials: vec![Material {
@@ -31,7 +31,7 @@ fn ball(picture_from: Side) -> Scene {
             ..material(MaterialKind::Emitter)
         }],
         textures: vec![columns()],
-        spheres: vec![Sphere { picture_from, turn: 0.1, ..sphere(Vec3::ZERO, 1.0, 0) }],
+        spheres: vec![Sphere { texture_side, texture_turn: 0.1, ..sphere(Vec3::ZERO, 1.0, 0) }],
         ..empty()
     }
 }
@@ -106,7 +106,7 @@ fn scene_files_name_the_side_and_mean_outside_where_they_do_not() {
             r#"{{ "format": "octray-1", "spheres": [ {{ "center": [0,0,0], "radius": 1 {keys} }} ] }}"#
         );
         std::fs::write(&path, text).unwrap();
-        load(path.to_str().unwrap()).map(|scene| scene.spheres[0].picture_from)
+        load(path.to_str().unwrap()).map(|scene| scene.spheres[0].texture_side)
     };
     assert_eq!(side("").unwrap(), Side::Outside);
     assert_eq!(side(r#", "picture_from": "outside""#).unwrap(), Side::Outside);
@@ -121,7 +121,7 @@ fn builtin_skies_on_spheres_read_right_from_inside() {
     for name in ["builtin:thesis", "builtin:chess"] {
         let scene = load(name).unwrap();
         let sky = scene.spheres.iter().find(|sphere| sphere.radius == 1000.0).unwrap();
-        assert_eq!(sky.picture_from, Side::Inside, "{name}");
+        assert_eq!(sky.texture_side, Side::Inside, "{name}");
     }
 }
 

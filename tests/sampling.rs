@@ -9,7 +9,7 @@ mod common;
 use common::Dice;
 use common::statistics::{allowed, chi_squared_deviation, correlation, joint};
 use octray::math::Vec3;
-use octray::sampling::{random, warp};
+use octray::sampling::{dimension, random, warp};
 
 fn number(seed: u32, pixel: u32, sample: u32, dimension: u32) -> f64 {
     f64::from(random::uniform::<f32>(random::path_key::<u32>(seed, pixel, sample), dimension))
@@ -17,8 +17,9 @@ fn number(seed: u32, pixel: u32, sample: u32, dimension: u32) -> f64 {
 
 /// The numbers that a path uses: its place in the pixel, and those of its first events.
 fn dimensions() -> impl Iterator<Item = u32> + Clone {
-    [random::PIXEL, random::PIXEL + 1].into_iter().chain((0..4).flat_map(|bounce| {
-        [random::LOBE, random::DIRECTION, random::DIRECTION + 1].map(|offset| random::bounce(bounce) + offset)
+    [dimension::PIXEL, dimension::PIXEL + 1].into_iter().chain((0..4).flat_map(|bounce| {
+        [dimension::LOBE, dimension::DIRECTION, dimension::DIRECTION + 1]
+            .map(|offset| dimension::bounce(bounce) + offset)
     }))
 }
 
@@ -177,12 +178,12 @@ fn cosine_hemisphere_follows_the_cosine() {
     const BINS: usize = 50;
     let mut dice = Dice(42);
     for n in [Vec3::new(0.0, 0.0, 1.0), Vec3::new(0.0, 0.0, -1.0), unit(&mut dice), unit(&mut dice)] {
-        let (tangent, bitangent) = warp::basis(n);
+        let (tangent, bitangent) = warp::orthonormal_basis(n);
         let (mut sum, mut rings, mut sectors, mut cells) = (0.0, [0; BINS], [0; BINS], [0; BINS]);
         for draw in 0..DRAWS as u32 / 4 {
             let key = random::path_key::<u32>(1, draw, 0);
             let (u, v) = (random::uniform::<f32>(key, 9), random::uniform::<f32>(key, 10));
-            let d = warp::cosine_hemisphere(n, u, v);
+            let d = warp::sample_cosine_hemisphere(n, u, v);
             assert!((d.dot(d) - 1.0).abs() < 1e-6, "unit length");
             let cos = f64::from(d.dot(n));
             let around =
@@ -212,7 +213,7 @@ fn cosine_hemisphere_never_points_below_the_surface() {
     let ends = [0.0, f32::MIN_POSITIVE, 1.0 / 16_777_216.0, 0.25, 0.5, 0.75, below_one];
     let mut dice = Dice(43);
     let check = |n: Vec3<f32>, u: f32, v: f32, least: &mut f64| {
-        let d = warp::cosine_hemisphere(n, u, v);
+        let d = warp::sample_cosine_hemisphere(n, u, v);
         let cos = d.get(0).as_dvec3().dot(n.get(0).as_dvec3());
         assert!(cos > 0.0 && d.dot(n) > 0.0, "n {n:?}, u {u}, v {v}: cosine {cos:e}");
         *least = least.min(cos);
@@ -239,7 +240,7 @@ fn cosine_hemisphere_never_points_below_the_surface() {
     // The worst draws: the point on the sphere is opposite to the normal, or all but.
     for _ in 0..DRAWS / 4 {
         let (u, v) = (random::uniform::<f32>(dice.bits(), 0), random::uniform::<f32>(dice.bits(), 0));
-        let opposite = -warp::unit_sphere(u, v);
+        let opposite = -warp::sample_uniform_sphere(u, v);
         let nudge = (dice.in_cube() * dice.scale(1e-8, 1e-2)).as_vec3();
         let n = (opposite.get(0) + nudge).normalize();
         check(Vec3::splat(n), u, v, &mut least);
@@ -254,7 +255,7 @@ fn unit_sphere_is_uniform_and_of_unit_length() {
     let mut sum = glam::DVec3::ZERO;
     for draw in 0..DRAWS as u32 {
         let key = random::path_key::<u32>(2, draw, 0);
-        let p = warp::unit_sphere(random::uniform::<f32>(key, 9), random::uniform::<f32>(key, 10))
+        let p = warp::sample_uniform_sphere(random::uniform::<f32>(key, 9), random::uniform::<f32>(key, 10))
             .get(0)
             .as_dvec3();
         assert!((p.length() - 1.0).abs() < 1e-6);
@@ -275,7 +276,7 @@ fn unit_sphere_is_uniform_and_of_unit_length() {
     let below_one = 1.0_f32.next_down();
     for u in [0.0, 1.0 / 16_777_216.0, 0.5, below_one] {
         for v in [0.0, 0.25, 0.5, below_one] {
-            let p = warp::unit_sphere(u, v);
+            let p = warp::sample_uniform_sphere(u, v);
             assert!((p.dot(p) - 1.0).abs() < 1e-6, "u {u}, v {v}: {p:?}");
         }
     }
@@ -285,7 +286,7 @@ fn unit_sphere_is_uniform_and_of_unit_length() {
 fn basis_is_orthonormal_and_right_handed_for_every_normal() {
     let mut worst = 0.0_f64;
     let mut check = |n: Vec3<f32>| {
-        let (tangent, bitangent) = warp::basis(n);
+        let (tangent, bitangent) = warp::orthonormal_basis(n);
         let [t, b, n64] = [tangent, bitangent, n].map(|v| v.get(0).as_dvec3());
         let errors = [
             t.length() - 1.0,

@@ -70,7 +70,10 @@ fn native_example_of_the_design_keeps_every_value() {
     );
     assert_eq!(scene.materials[2].color, Vec3::ONE);
     assert_eq!(scene.materials[4].emission, Vec3::new(15.0, 14.0, 13.0));
-    assert_eq!((scene.spheres[0].radius, scene.spheres[0].material, scene.spheres[0].turn), (2.0, 3, 0.25));
+    assert_eq!(
+        (scene.spheres[0].radius, scene.spheres[0].material, scene.spheres[0].texture_turn),
+        (2.0, 3, 0.25)
+    );
     assert_eq!(scene.triangles[0].vertices, [Vec3::ZERO, Vec3::X, Vec3::Y]);
     assert_eq!(scene.uvs, [[Vec2::ZERO, Vec2::X, Vec2::new(0.0, 0.5)]]);
     let texture = &scene.textures[scene.materials[0].texture.unwrap() as usize];
@@ -149,7 +152,7 @@ fn sky_reads_gradient_and_texture() {
     let textured = with(r#"{ "texture": "sky.exr", "color": [3,3,3] }"#);
     assert_eq!(textured.sky, Sky::Texture { texture: 0, color: Vec3::splat(3.0) });
     // An EXR holds linear light: the numbers pass as they are.
-    assert_eq!(textured.textures[0].texels, Texels::Linear(vec![[2.0, 0.5, 0.25, 0.0]]));
+    assert_eq!(textured.textures[0].texels, Texels::Float32(vec![[2.0, 0.5, 0.25, 0.0]]));
     assert_eq!(textured.textures[0].filter, Filter::Bilinear);
 }
 
@@ -278,7 +281,7 @@ fn turn_degrees_wraps_to_less_than_a_turn() {
             r#"{{ "format": "octray-1", "spheres": [{{ "center": [0,0,0], "radius": 1, "turn_degrees": {degrees} }}] }}"#
         ))
         .spheres[0]
-            .turn
+            .texture_turn
     };
     assert_eq!(
         [turn("0"), turn("360"), turn("-90"), turn("450"), turn("-1e-12")],

@@ -188,8 +188,8 @@ fn maps_of_the_mtl_are_read_as_numbers() {
     assert_eq!(material.kind, MaterialKind::Plastic { roughness: 1.0, ior: 1.5 });
     // One file, two meanings.
     assert_eq!((material.texture, material.roughness_map, material.normal_map), (Some(0), Some(1), Some(1)));
-    assert_eq!(scene.textures[1].texels, Texels::Data(vec![[51, 128, 255, 0]; 2]));
-    assert_eq!(scene.textures[0].texels, Texels::Display(vec![[51, 128, 255, 0]; 2]));
+    assert_eq!(scene.textures[1].texels, Texels::Unorm8(vec![[51, 128, 255, 0]; 2]));
+    assert_eq!(scene.textures[0].texels, Texels::Srgb8(vec![[51, 128, 255, 0]; 2]));
     assert!((scene.textures[1].texels.linear(0)[0] - 0.2).abs() < 1e-9);
 }
 

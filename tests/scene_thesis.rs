@@ -38,8 +38,8 @@ fn example_of_the_description_loads_with_one_warning() {
     assert_eq!((scene.resolution, scene.max_bounces), ([240, 135], 4));
     assert_eq!(scene.sky, Sky::Color(Vec3::new(linear(0.2), linear(0.3), linear(0.4))));
     assert_eq!(scene.spheres[0].center, Vec3::new(0.0, -5.0, 0.0));
-    assert_eq!((scene.spheres[0].radius, scene.spheres[0].turn), (8.0, 0.5));
-    assert_eq!(scene.spheres[0].picture_from, Side::Inside);
+    assert_eq!((scene.spheres[0].radius, scene.spheres[0].texture_turn), (8.0, 0.5));
+    assert_eq!(scene.spheres[0].texture_side, Side::Inside);
     let of = |number: u32| &scene.materials[number as usize];
     let lamp = of(scene.spheres[0].material);
     assert_eq!((lamp.kind, lamp.emission, lamp.texture), (MaterialKind::Emitter, Vec3::X, None));
@@ -153,7 +153,8 @@ fn ball_textures_lie_as_in_their_program() {
         [[0.6, 0.64, 0.48], [-0.6, 0.0, 0.8], [0.0, -0.8, -0.6], [-0.36, 0.48, -0.8]].map(Vec3::from_array)
     {
         let ours = -theirs;
-        let u = (ours.z.atan2(ours.x) / std::f32::consts::TAU + scene.spheres[0].turn).rem_euclid(1.0);
+        let u =
+            (ours.z.atan2(ours.x) / std::f32::consts::TAU + scene.spheres[0].texture_turn).rem_euclid(1.0);
         let row = ours.y.acos() / std::f32::consts::PI;
         let [their_u, their_row] = their_ball_lookup(theirs);
         assert!((u - their_u).abs() < 1e-6 && (row - their_row).abs() < 1e-6, "{theirs}: {u} {row}");

@@ -80,7 +80,7 @@ fn bent_normals_mirror_above_the_surface_and_face_the_ray() {
         d = (d - own * d.dot(own)).normalize() - own * dice.scale(1e-5, 10.0) as f32;
         d = d.normalize();
         normal *= normal.dot(own).signum();
-        let bent = normals::bend(lane(d), lane(normal), lane(own)).get(0);
+        let bent = normals::bend_for_reflection(lane(d), lane(normal), lane(own)).get(0);
         assert!((bent.length() - 1.0).abs() < 1e-5, "{d}, {normal}, {own}: {bent}");
         let mirrored = d - bent * (2.0 * d.dot(bent));
         // Half of the sine of arrival.
@@ -94,7 +94,7 @@ fn bent_normals_mirror_above_the_surface_and_face_the_ray() {
         let straight = d - normal * (2.0 * d.dot(normal));
         assert!(straight.dot(own) < 0.0101 || bent == normal);
         let towards = dice.direction().as_vec3();
-        let g = normals::terminator(lane(towards), lane(bent), lane(own));
+        let g = normals::shadow_terminator(lane(towards), lane(bent), lane(own));
         assert!((0.0..=1.0).contains(&g) && (towards.dot(own) > 0.0 || g == 0.0), "{g}");
     }
     println!("at most {worst:e} too low");

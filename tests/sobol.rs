@@ -8,14 +8,14 @@ mod common;
 
 use common::Dice;
 use common::statistics::{allowed, chi_squared_deviation, correlation, joint};
-use octray::sampling::{Numbers, Sampler, random};
+use octray::sampling::{SampleValues, Sampler, dimension, random};
 use std::f64::consts::{FRAC_PI_4, TAU};
 
 type Point = [f64; 2];
 
 fn point(sampler: Sampler, seed: u32, pixel: u32, sample: u32, dimension: u32) -> Point {
     let key = sampler.key::<u32>(seed, pixel, sample);
-    let (x, y) = Numbers::new(sampler, seed, sample, dimension).pair::<f32>(key, 0);
+    let (x, y) = SampleValues::new(sampler, seed, sample, dimension).get_2d::<f32>(key, 0);
     [f64::from(x), f64::from(y)]
 }
 
@@ -30,9 +30,11 @@ fn points_of_seed(sampler: Sampler, seed: u32, dimension: u32, count: u32) -> Ve
 
 /// Where pairs begin: in the pixel, and those of some scattering events.
 fn pairs() -> impl Iterator<Item = u32> + Clone {
-    let event =
-        |bounce| [random::LOBE, random::DIRECTION, random::LIGHT_POINT].map(|of| random::bounce(bounce) + of);
-    [random::PIXEL].into_iter().chain([0, 1, 5].into_iter().flat_map(event))
+    let event = |bounce| {
+        [dimension::LOBE, dimension::DIRECTION, dimension::LIGHT_POINT]
+            .map(|of| dimension::bounce(bounce) + of)
+    };
+    [dimension::PIXEL].into_iter().chain([0, 1, 5].into_iter().flat_map(event))
 }
 
 /// Is there one point of these 2ᵏ in every box of area 2⁻ᵏ that halvings of the square make?
@@ -355,7 +357,7 @@ fn numbers_are_multiples_of_two_to_the_minus_24_below_one() {
         let mut largest = 0.0_f32;
         for _ in 0..2_000_000 {
             let (key, sample, dimension) = (dice.bits(), dice.bits(), dice.bits() >> 20 & !1);
-            let (x, y) = Numbers::new(sampler, 7, sample, dimension).pair::<f32>(key, 0);
+            let (x, y) = SampleValues::new(sampler, 7, sample, dimension).get_2d::<f32>(key, 0);
             for x in [x, y] {
                 assert!((0.0..1.0).contains(&x) && (x * 16_777_216.0).fract() == 0.0, "{sampler:?}: {x}");
                 largest = largest.max(x);
@@ -374,18 +376,19 @@ fn one_number_is_half_of_its_pair() {
             (dice.bits(), dice.bits(), dice.bits(), dice.bits() >> 24 & !1);
         for sampler in [Sampler::Sobol, Sampler::Random] {
             let key = sampler.key::<u32>(seed, pixel, sample);
-            let numbers = Numbers::new(sampler, seed, sample, dimension);
+            let numbers = SampleValues::new(sampler, seed, sample, dimension);
             for pair in [0, 2, 4, 6] {
-                let of_itself = Numbers::new(sampler, seed, sample, dimension + pair).pair::<f32>(key, 0);
-                assert_eq!(numbers.pair::<f32>(key, pair), of_itself, "{sampler:?}");
-                let one = |dimension: u32| numbers.one::<f32>(key, dimension);
+                let of_itself =
+                    SampleValues::new(sampler, seed, sample, dimension + pair).get_2d::<f32>(key, 0);
+                assert_eq!(numbers.get_2d::<f32>(key, pair), of_itself, "{sampler:?}");
+                let one = |dimension: u32| numbers.get_1d::<f32>(key, dimension);
                 assert_eq!((one(pair), one(pair + 1)), of_itself, "{sampler:?}");
             }
         }
         let key = random::path_key::<u32>(seed, pixel, sample);
         assert_eq!(Sampler::Random.key::<u32>(seed, pixel, sample), key);
         assert_eq!(
-            Numbers::new(Sampler::Random, seed, sample, dimension).one::<f32>(key, 1),
+            SampleValues::new(Sampler::Random, seed, sample, dimension).get_1d::<f32>(key, 1),
             random::uniform::<f32>(key, dimension + 1)
         );
     }
@@ -396,13 +399,13 @@ fn the_layout_gives_every_use_numbers_of_its_own_and_pairs_begin_at_even_ones() 
     for pair in pairs() {
         assert!(pair.is_multiple_of(2), "{pair}");
     }
-    assert_eq!(random::LIGHT, random::LOBE + 1, "two choices share a pair");
-    let mut used = vec![random::PIXEL, random::PIXEL + 1];
+    assert_eq!(dimension::LIGHT, dimension::LOBE + 1, "two choices share a pair");
+    let mut used = vec![dimension::PIXEL, dimension::PIXEL + 1];
     for bounce in 0..3 {
-        let event = [random::LOBE, random::LIGHT, random::DIRECTION, random::DIRECTION + 1]
+        let event = [dimension::LOBE, dimension::LIGHT, dimension::DIRECTION, dimension::DIRECTION + 1]
             .into_iter()
-            .chain([random::LIGHT_POINT, random::LIGHT_POINT + 1]);
-        used.extend(event.map(|of| random::bounce(bounce) + of));
+            .chain([dimension::LIGHT_POINT, dimension::LIGHT_POINT + 1]);
+        used.extend(event.map(|of| dimension::bounce(bounce) + of));
     }
     assert!(used.is_sorted_by(|a, b| a < b), "{used:?}");
 }

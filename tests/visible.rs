@@ -9,7 +9,7 @@ use octray::camera::Pinhole;
 use octray::lane::F32x8;
 use octray::math::{Hit, Ray};
 use octray::render::{Renderer, Settings};
-use octray::sampling::random::mix;
+use octray::sampling::random::mix_bits;
 use octray::scene::{Camera, MaterialKind, Scene, Triangle};
 use octray::traverse::{Batch, Methods, Primitives, SphereChoice, TraversalChoice, Visible};
 
@@ -28,7 +28,7 @@ const TILE: u32 = 8;
 
 /// A scene of spheres and triangles of all sizes all around the camera, some of which it stands in.
 fn scene(seed: u32, camera: Camera) -> Scene {
-    let number = |i: u32| f32::from_bits(mix(seed ^ mix(i)) >> 9 | 0x3f80_0000) - 1.0;
+    let number = |i: u32| f32::from_bits(mix_bits(seed ^ mix_bits(i)) >> 9 | 0x3f80_0000) - 1.0;
     let point = |i: u32| Vec3::new(number(i), number(i + 1), number(i + 2)) * 40.0 - 20.0;
     let size = |i: u32| 10f32.powf(number(i) * 4.0 - 3.0);
     let ball = |i: u32| sphere(point(8 * i), size(8 * i + 3), 0);
@@ -89,7 +89,7 @@ fn visible_gives_the_hits_of_testing_everything_bit_for_bit() {
         for (y, x) in
             (0..RESOLUTION[1]).step_by(8).flat_map(|y| (0..RESOLUTION[0]).step_by(8).map(move |x| (y, x)))
         {
-            let visible = Visible::of(&scene, &camera.pyramid([x, y], [TILE, TILE]));
+            let visible = Visible::of(&scene, &camera.view_frustum([x, y], [TILE, TILE]));
             skipped += 120 - visible.spheres.len() - visible.triangles.len();
             let trace = |visible: Option<&Visible>| {
                 let mut hits = Vec::new();
@@ -148,7 +148,7 @@ fn edges_are_kept(view: Camera, resolution: [u32; 2], corner: [u32; 2]) -> [usiz
     }
     let rays: Vec<Ray<f32>> = edges.into_iter().flatten().collect();
     [specks, beside].map(|scene| {
-        let visible = Visible::of(&scene, &camera.pyramid(corner, [TILE, TILE]));
+        let visible = Visible::of(&scene, &camera.view_frustum(corner, [TILE, TILE]));
         let (buffers, primitives) = (Buffers::new(&scene), Primitives::new(&scene, LINEAR, 8));
         let trace = |visible: Option<&Visible>| {
             let mut hits = Vec::new();
@@ -183,7 +183,7 @@ fn views(vertical_fov: f32) -> impl Iterator<Item = Camera> {
     })
 }
 
-/// Pixels are not much larger than the rounding of a direction: what keeps the hits is the pyramid's own margin.
+/// Pixels are not much larger than the rounding of a direction: what keeps the hits is the frustum's own margin.
 #[test]
 fn visible_keeps_what_edge_rays_of_a_narrow_view_hit() {
     for fov in [1e-2, 1e-3, 1e-4] {
@@ -243,6 +243,6 @@ fn visible_keeps_what_the_camera_stands_in_and_drops_what_is_behind() {
     let ball = |z: f32, radius: f32| sphere(Vec3::Z * z, radius, 0);
     scene.spheres = vec![ball(0.0, 100.0), ball(5.0, 1.0), ball(-5.0, 1.0), ball(5.0, 6.0)];
     scene.triangles.clear();
-    let pyramid = Pinhole::new(&camera, RESOLUTION).pyramid([28, 20], [TILE, TILE]);
-    assert_eq!(Visible::of(&scene, &pyramid).spheres, [0, 2, 3]);
+    let frustum = Pinhole::new(&camera, RESOLUTION).view_frustum([28, 20], [TILE, TILE]);
+    assert_eq!(Visible::of(&scene, &frustum).spheres, [0, 2, 3]);
 }

@@ -1,4 +1,56 @@
-//! The engine: a scene as structure-of-arrays buffers, and all that turns it into a film.
+//! octray's engine: a wavefront path tracer for CPUs. It turns a [`scene::Scene`] into a [`film::Film`].
+//!
+//! Packets of eight rays run over structure-of-arrays buffers, tile by tile. A scalar path beside it gives
+//! the same bits.
+//!
+//! # From scene to film
+//! A scene passes through these forms. Each is built from the one before.
+//!
+//! | form | what it is | modules |
+//! |---|---|---|
+//! | [`scene::Scene`] | a valid scene: its existence is the proof of validity | [`scene`] |
+//! | [`buffers::Buffers`] | aligned structure-of-arrays buffers | [`buffers`], [`bvh`] |
+//! | [`buffers::Features`] | the features that the scene uses | [`buffers`] |
+//! | packets and queues | eight rays and a mask; the paths of a tile, as columns | [`math`], [`integrate`] |
+//! | [`film::Film`] | sums of linear radiance, in a fixed order | [`film`], [`render`] |
+//!
+//! The integrator runs in stages over the queue of a tile: generate camera rays → intersect → shade → trace
+//! shadow rays, once per scattering event. Each stage processes the whole queue before the next begins, and
+//! compresses it to the paths that are alive. Between packets and film stand the [`kernel`]s: equations over
+//! lanes.
+//!
+//! # Modules
+//! Each imports only from those above it.
+//!
+//! | module | idea |
+//! |---|---|
+//! | [`lane`] | width as a type: `f32` and `F32x8` behind one trait; elementary functions |
+//! | [`math`] | vectors, rays and hits of lanes; bounds of rounding error |
+//! | [`sampling`] | sample values as functions of (seed, pixel, sample, dimension); warps |
+//! | [`kernel`] | intersection, BSDFs, light sampling, texture lookups: several methods side by side |
+//! | [`scene`] | what a scene is |
+//! | [`buffers`] | the scene flattened; the features it uses |
+//! | [`bvh`] | the bounding volume hierarchy: built and checked |
+//! | [`camera`] | raster space to primary rays |
+//! | [`traverse`] | closest hit and any hit |
+//! | [`integrate`] | the path estimator, as stages over queues |
+//! | [`threads`] | worker threads, each with its own working memory |
+//! | [`film`], [`adaptive`] | sums of samples; when a block of pixels has enough of them |
+//! | [`render`] | tiles and threads: a scene's film |
+//! | [`tone`], [`display`] | tone mapping; denoising, antialiasing and reprojection while the camera moves |
+//!
+//! # Laws
+//! - **One image.** A pixel is a function of (scene, settings, pixel, sample): the same bits for scalar and
+//!   SIMD, for any number of threads, any tile size, whole or in shards. Ties in t go to the lower primitive
+//!   index; sums have a fixed order; no operation is approximate at one width only.
+//! - **Width is a type.** An equation is written once over [`lane::Lane`] and runs at width 1 and 8.
+//!   Algorithms that differ by width (traversal of one ray, of a packet) are written twice, side by side.
+//! - **Features.** Shading stages are compiled for sets of features; a scene runs the smallest set that holds
+//!   its own. The general pipeline gives the same bits.
+//! - **Conservative culling.** Whatever skips a test gives the same hit as testing every primitive.
+//! - **Kernels are pure.** Values in, (mask, values) out: they allocate nothing, look nothing up and never
+//!   panic.
+//! - **Safe.** No `unsafe`; `wide` and `bytemuck` contain what is needed.
 
 #![forbid(unsafe_code)]
 

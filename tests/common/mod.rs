@@ -48,7 +48,7 @@ pub fn material(kind: MaterialKind) -> Material {
 }
 
 pub fn sphere(center: Vec3, radius: f32, material: u32) -> Sphere {
-    Sphere { center, radius, material, turn: 0.0, picture_from: Side::Outside }
+    Sphere { center, radius, material, texture_turn: 0.0, texture_side: Side::Outside }
 }
 
 pub fn triangle(vertices: [Vec3; 3], material: u32) -> Triangle {
@@ -87,9 +87,9 @@ pub fn noise(dice: &mut Dice, width: u32, height: u32, filter: Filter) -> Textur
     let texels = (0..width * height).map(|_| [number(), number(), number(), 0.0]);
     // Both forms of texels, by turns.
     let texels = if width.is_multiple_of(2) {
-        Texels::Linear(texels.collect())
+        Texels::Float32(texels.collect())
     } else {
-        Texels::Display(texels.map(|texel| texel.map(|x| (255.0 * x) as u8)).collect())
+        Texels::Srgb8(texels.map(|texel| texel.map(|x| (255.0 * x) as u8)).collect())
     };
     Texture { name: "noise".into(), width, height, filter, texels }
 }

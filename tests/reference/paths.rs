@@ -4,7 +4,7 @@ use super::scenes::{ball, empty, lamp, one_pixel, wall};
 use crate::common::{sphere, triangle};
 use glam::{DVec3, Vec3};
 use octray::reference::{PathSettings, Reference};
-use octray::sampling::{Numbers, Sampler, random, warp};
+use octray::sampling::{SampleValues, Sampler, dimension, warp};
 use octray::scene::{Camera, Material, MaterialKind, Scene, Sky};
 use std::f64::consts::PI;
 
@@ -224,15 +224,15 @@ fn path_follows_the_directions_of_the_estimator() {
     {
         let settings = PathSettings { resolution: [5, 3], max_bounces: 1, seed: 11, sampler };
         let key = sampler.key::<u32>(11, 2 * 5 + 4, sample);
-        let numbers = Numbers::new(sampler, 11, sample, random::bounce(0));
-        let (u, v) = numbers.pair::<f32>(key, random::DIRECTION);
-        let d = warp::cosine_hemisphere(lane(n), u, v);
+        let numbers = SampleValues::new(sampler, 11, sample, dimension::bounce(0));
+        let (u, v) = numbers.get_2d::<f32>(key, dimension::DIRECTION);
+        let d = warp::sample_cosine_hemisphere(lane(n), u, v);
         let found = diffuse.path(settings, 4, 2, sample)[0];
         // The estimator's sine and cosine are off by up to 8e-7, on a vector of length 2 cos θ before it is normalised.
         let allowed = 1e-6 / f64::from(Vec3::new(d.x, d.y, d.z).dot(n)) + 2e-6;
         assert!((found - 0.5 * (f64::from(d.y) + 1.0)).abs() < allowed, "sample {sample}: {d:?}, {found}");
 
-        let s = warp::unit_sphere(u, v);
+        let s = warp::sample_uniform_sphere(u, v);
         let w = n + Vec3::new(s.x, s.y, s.z) * 2.0;
         let found = scatter.path(settings, 4, 2, sample)[0];
         let expected = if w.dot(n) > 0.0 { 0.5 * (w.normalize().y + 1.0) } else { 0.0 };

@@ -43,6 +43,6 @@ pub fn numbered(width: u32, height: u32, filter: Filter) -> Texture {
         width,
         height,
         filter,
-        texels: Texels::Linear((0..width * height).map(texel).collect()),
+        texels: Texels::Float32((0..width * height).map(texel).collect()),
     }
 }

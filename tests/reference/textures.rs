@@ -24,11 +24,11 @@ fn sky(filter: Filter, direction: Vec3) -> [f64; 3] {
 }
 
 /// A ball seen from outside.
-fn globe(filter: Filter, turn: f32, picture_from: Side, from: Vec3) -> [f64; 3] {
+fn globe(filter: Filter, texture_turn: f32, texture_side: Side, from: Vec3) -> [f64; 3] {
     let scene = Scene {
         materials: vec![Material { texture: Some(0), ..lamp(Vec3::ONE) }],
         textures: vec![numbered(8, 4, filter)],
-        spheres: vec![Sphere { turn, picture_from, ..sphere(Vec3::ZERO, 1.0, 0) }],
+        spheres: vec![Sphere { texture_turn, texture_side, ..sphere(Vec3::ZERO, 1.0, 0) }],
         ..empty()
     };
     seen(scene, from * 5.0, Vec3::ZERO)
@@ -99,7 +99,7 @@ fn a_texture_stays_put_when_seen_from_inside() {
     let scene = Scene {
         materials: vec![Material { texture: Some(0), ..lamp(Vec3::ONE) }],
         textures: vec![numbered(8, 4, Filter::Nearest)],
-        spheres: vec![Sphere { picture_from: Side::Inside, ..sphere(Vec3::ZERO, 1.0, 0) }],
+        spheres: vec![Sphere { texture_side: Side::Inside, ..sphere(Vec3::ZERO, 1.0, 0) }],
         ..empty()
     };
     assert_eq!(seen(scene, Vec3::ZERO, at(0.3) + Vec3::Y * 0.01)[..2], [2.0, 1.0]);

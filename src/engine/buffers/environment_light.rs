@@ -123,7 +123,7 @@ impl EnvironmentLight {
         let (sin_around, cos_around) = functions::sin_cos_turns(turn);
         let direction = Vec3::new(sin * cos_around, y, sin * sin_around).normalize();
         let density = read(&self.densities, first.wrapping_add(column));
-        LightSample { direction, t: L::splat(f32::INFINITY), normal: Vec3::zero(), density }
+        LightSample { wi: direction, t: L::splat(f32::INFINITY), n: Vec3::zero(), pdf: density }
     }
 
     /// The density of the direction with these coordinates, u unwrapped and v from the top, as [`Self::aim`] draws.

@@ -111,12 +111,12 @@ impl Features {
         let mut texture = |texture: u32| {
             let texture = &scene.textures[texture as usize];
             need(texture.filter == Filter::Bilinear, Self::BILINEAR);
-            need(matches!(texture.texels, Texels::Linear(_)), Self::LINEAR_TEXTURES);
+            need(matches!(texture.texels, Texels::Float32(_)), Self::LINEAR_TEXTURES);
         };
         if let Sky::Texture { texture: sky, .. } = scene.sky {
             texture(sky);
         }
-        worn_materials(scene).flat_map(Material::pictures).for_each(texture);
+        worn_materials(scene).flat_map(Material::textures).for_each(texture);
         need(scene.normals.iter().any(|normals| normals[0] != Vec3::ZERO), Self::SMOOTH_NORMALS);
         for material in worn_materials(scene) {
             need(material.emission.max_element() > 0.0, Self::EMISSION);

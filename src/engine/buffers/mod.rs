@@ -163,9 +163,9 @@ fn sphere_row(sphere: &scene::Sphere, chance: f32) -> [f32; 8] {
 /// A sphere's turn, its sign bit set (on 0 too) where the picture reads right from outside: with the angle's sign flipped by that
 /// bit, the angle plus this number is u on both sides.
 fn picture_turn(sphere: &scene::Sphere) -> f32 {
-    match sphere.picture_from {
-        Side::Inside => sphere.turn,
-        Side::Outside => -sphere.turn,
+    match sphere.texture_side {
+        Side::Inside => sphere.texture_turn,
+        Side::Outside => -sphere.texture_turn,
     }
 }
 
@@ -205,8 +205,8 @@ fn normal_rows([a, b, c]: &[Vec3; 3]) -> [[f32; 8]; 2] {
 
 /// See [`Buffers::uv_rows`].
 fn uv_row(uvs: &[glam::Vec2; 3]) -> [f32; 8] {
-    let [au, bu, cu] = surface::repeats_taken_away(uvs.map(|uv| f64::from(uv.x)));
-    let [av, bv, cv] = surface::repeats_taken_away(uvs.map(|uv| 1.0 - f64::from(uv.y)));
+    let [au, bu, cu] = surface::remove_shared_repeats(uvs.map(|uv| f64::from(uv.x)));
+    let [av, bv, cv] = surface::remove_shared_repeats(uvs.map(|uv| 1.0 - f64::from(uv.y)));
     [au, av, bu, bv, cu, cv, 0.0, 0.0]
 }
 

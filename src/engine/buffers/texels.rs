@@ -1,10 +1,10 @@
 //! Texels of all textures in two pools: display values and linear light.
 
 use super::rows::Rows;
-use crate::kernel::texture::{Grid, bytes_to_unit, display_to_linear};
+use crate::kernel::texture::{Grid, srgb_to_linear, unorm_to_unit};
 use crate::lane::{Bits, Lane, Mask};
 use crate::math::Vec3;
-use crate::scene::{Filter, Meaning, Texels, Texture};
+use crate::scene::{Filter, TexelKind, Texels, Texture};
 
 /// All textures of a scene, and a table of where each lies in its pool.
 pub struct Textures {
@@ -32,12 +32,12 @@ impl Textures {
         let (mut display, mut linear, mut grids) = (vec![0], vec![[0.0; 4]], Vec::new());
         for texture in textures {
             let (first, is_linear) = match &texture.texels {
-                Texels::Display(texels) | Texels::Data(texels) => {
+                Texels::Srgb8(texels) | Texels::Unorm8(texels) => {
                     let first = display.len();
                     display.extend(texels.iter().map(|&texel| u32::from_le_bytes(texel)));
                     (first, 0.0)
                 }
-                Texels::Linear(texels) => {
+                Texels::Float32(texels) => {
                     let first = linear.len();
                     linear.extend_from_slice(texels);
                     (first, 1.0)
@@ -64,13 +64,13 @@ impl Textures {
         clamp_v: L::Mask,
         wanted: L::Mask,
         abilities: Abilities,
-        meaning: Meaning,
+        texel_kind: TexelKind,
     ) -> Vec3<L> {
         let index = L::Bits::select(wanted, index, L::Bits::splat(0));
         let [width, height, first, is_bilinear, is_linear, ..] = self.grids.fetch::<L>(index, self.few);
         let grid = Grid { width, height, first: first.to_bits() };
         let linear = wanted & L::zero().lt(is_linear);
-        let read = |texel: L::Bits| self.read::<L>(texel, wanted, linear, abilities, meaning);
+        let read = |texel: L::Bits| self.read::<L>(texel, wanted, linear, abilities, texel_kind);
         let smooth = wanted & L::zero().lt(is_bilinear);
         if abilities.bilinear && smooth.any() {
             let (texels, right, lower) = grid.bilinear(u, v, clamp_v);
@@ -95,7 +95,7 @@ impl Textures {
         wanted: L::Mask,
         linear: L::Mask,
         abilities: Abilities,
-        meaning: Meaning,
+        texel_kind: TexelKind,
     ) -> Vec3<L> {
         let zero = L::Bits::splat(0);
         let display = wanted & !linear;
@@ -103,9 +103,9 @@ impl Textures {
         if !abilities.linear || display.any() {
             let texel = L::Bits::select(display, texel, zero);
             let texel = L::gather_bits(&self.display, texel);
-            color = match meaning {
-                Meaning::Light => display_to_linear::<L>(texel),
-                Meaning::Data => bytes_to_unit::<L>(texel),
+            color = match texel_kind {
+                TexelKind::Color => srgb_to_linear::<L>(texel),
+                TexelKind::Data => unorm_to_unit::<L>(texel),
             };
         }
         if abilities.linear && linear.any() {

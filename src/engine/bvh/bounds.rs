@@ -1,6 +1,7 @@
 //! Boxes along the axes: as others read them, and packed for the builder.
 
-use crate::kernel::ray_box::room_of_sphere;
+use crate::kernel::ray_box::sphere_padding;
+use crate::kernel::surface::triangle_bounds;
 use crate::lane::{F32x8, Lane, Mask8};
 use crate::scene::Scene;
 use bytemuck::{Pod, Zeroable};
@@ -18,15 +19,16 @@ impl Bounds {
     pub const EMPTY: Self = Self { lo: Vec3::INFINITY, hi: Vec3::NEG_INFINITY };
 
     /// Exactly the smallest box: no rounding.
-    pub fn of_triangle([a, b, c]: [Vec3; 3]) -> Self {
-        Self { lo: a.min(b).min(c), hi: a.max(b).max(c) }
+    pub fn of_triangle(vertices: [Vec3; 3]) -> Self {
+        let [lo, hi] = triangle_bounds(vertices);
+        Self { lo, hi }
     }
     /// A box that truly holds the sphere and all points at which rays seem to hit it, but for what grows with the distance of their
     /// origin: centre ± radius is rounded by at most half a unit in the last place, so one unit outwards is enough. Domain: |centre| + radius well
     /// below f32's largest number, as scenes have it.
     pub fn of_sphere(center: Vec3, radius: f32) -> Self {
         let outwards = |x: Vec3, to: fn(f32) -> f32| Vec3::new(to(x.x), to(x.y), to(x.z));
-        let reach = radius + room_of_sphere(center, radius);
+        let reach = radius + sphere_padding(center, radius);
         Self { lo: outwards(center - reach, f32::next_down), hi: outwards(center + reach, f32::next_up) }
     }
     /// Of a scene's primitive by its number: spheres first, then triangles.

@@ -1,30 +1,32 @@
-//! Pixels to primary rays.
+//! From raster space to primary rays.
 //!
-//! For: [`Pinhole`], and [`Pyramid`], the space it sees. May import: `lane`, `math`, `scene`. Must never know: buffers, film.
+//! For: [`Pinhole`], and [`ViewFrustum`], the space that a part of the image sees.
+//! May import: `lane`, `math`, `scene`.
+//! Must never know: buffers, film.
 
-mod pyramid;
+mod view_frustum;
 
-pub use pyramid::Pyramid;
+pub use view_frustum::ViewFrustum;
 
 use crate::lane::Lane;
 use crate::math::{Ray, Vec3};
 use crate::scene;
 
-/// A pinhole camera ready for packets: the ray through the point (x, y) of the picture, in pixels from its upper left corner, is
-/// `corner + x · right + y · down`, normalised.
+/// A pinhole camera, prepared for packets. Raster space is in pixels from the upper left corner of the image;
+/// the direction through its point (x, y) is `corner + x · right + y · down`, normalised.
 #[derive(Clone, Copy, Debug)]
 pub struct Pinhole {
     position: glam::Vec3,
     corner: glam::Vec3,
     right: glam::Vec3,
     down: glam::Vec3,
-    /// The line of sight, of unit length.
+    /// The unit vector along the line of sight.
     forward: glam::Vec3,
 }
 
 impl Pinhole {
     pub fn new(camera: &scene::Camera, [width, height]: [u32; 2]) -> Self {
-        // In f64: this happens once a picture.
+        // In f64: it is computed once per image.
         let forward = (camera.look_at.as_dvec3() - camera.position.as_dvec3()).normalize();
         let right = forward.cross(camera.up.as_dvec3()).normalize();
         let up = right.cross(forward);
@@ -42,28 +44,33 @@ impl Pinhole {
         }
     }
 
-    /// The pyramid that holds all primary rays through the pixels from `x`, `y` on, `width` and `height` of them.
-    pub fn pyramid(&self, [x, y]: [u32; 2], [width, height]: [u32; 2]) -> Pyramid {
-        // In pixels. A pixel's edge may be hit exactly, and both additions in `rays` round by 2⁻²⁴ of the corner's length in each
-        // component. At the largest pictures that is 2 √3 · 2⁻²⁴ · 11,585 = 2.4e-3 of a pixel (16,384² of them; the pixel's size
-        // cancels). The camera's distance from the picture adds to the corner's length, too: where that is the larger part, the field
-        // of view is narrow and the pyramid's own margin is wider.
-        let more = 4e-3;
+    /// The frustum of all primary rays through the rectangle of pixels whose first is `x`, `y`.
+    pub fn view_frustum(&self, [x, y]: [u32; 2], [width, height]: [u32; 2]) -> ViewFrustum {
+        // In pixels. A ray may pass the edge of a pixel exactly, and both additions in `rays` round by 2⁻²⁴
+        // of the length of `corner` in each component: in the largest images, of 16,384² pixels, 2 √3 ·
+        // 2⁻²⁴ · 11,585 = 2.4e-3 of a pixel (the size of a pixel cancels). The distance of the image plane
+        // adds to the length of `corner` too; where that is the larger part, the field of view is narrow and
+        // the frustum's own margin is wider.
+        let margin = 4e-3;
         let direction =
             |x: f64, y: f64| self.corner.as_dvec3() + self.right.as_dvec3() * x + self.down.as_dvec3() * y;
-        let (left, top) = (f64::from(x) - more, f64::from(y) - more);
-        let (right, bottom) = (f64::from(x + width) + more, f64::from(y + height) + more);
+        let (left, top) = (f64::from(x) - margin, f64::from(y) - margin);
+        let (right, bottom) = (f64::from(x + width) + margin, f64::from(y + height) + margin);
         let corners = [(left, top), (right, top), (right, bottom), (left, bottom)];
-        Pyramid::new(self.position.as_dvec3(), corners.map(|(x, y)| direction(x, y)), self.forward.as_dvec3())
+        ViewFrustum::new(
+            self.position.as_dvec3(),
+            corners.map(|(x, y)| direction(x, y)),
+            self.forward.as_dvec3(),
+        )
     }
 
-    /// Where all primary rays start.
+    /// The origin of all primary rays.
     #[inline(always)]
     pub fn origin<L: Lane>(&self) -> Vec3<L> {
         Vec3::splat(self.position)
     }
 
-    /// Primary rays through points of the picture, in pixels. Directions have unit length within 2 ε.
+    /// Primary rays through points in raster space. Directions have unit length within 2 ε.
     #[inline(always)]
     pub fn rays<L: Lane>(&self, x: L, y: L) -> Ray<L> {
         let corner = Vec3::splat(self.corner);
@@ -71,20 +78,21 @@ impl Pinhole {
         Ray { origin: self.origin(), direction: through.normalize() }
     }
 
-    /// Where in the picture a direction from the camera points, in pixels from its upper left corner, and whether that is in front of the
-    /// camera: the inverse of [`Pinhole::rays`]. Of what is behind, the numbers mean nothing.
+    /// Projects directions from the camera to raster space: the inverse of [`Pinhole::rays`]. The mask holds
+    /// where the direction points in front of the camera; elsewhere the point is unspecified.
     ///
-    /// Units: a direction of any length. Error: 1e-3 of a pixel in pictures of up to 4,096 pixels a side (measured, `tests/history.rs`).
+    /// Domain: directions of any length.
+    /// Error: 1e-3 of a pixel in images of up to 4,096 pixels a side (measured, `tests/history.rs`).
     #[inline(always)]
     pub fn project<L: Lane>(&self, direction: Vec3<L>) -> (L, L, L::Mask) {
-        // Corner, right and down are at right angles to the line of sight but for the corner's part along it, which is 1.
+        // `right` and `down` are perpendicular to the line of sight; `corner` has a component of 1 along it.
         let depth = direction.dot(Vec3::splat(self.forward));
         let on_plane = direction * (L::one() / depth) - Vec3::splat(self.corner);
         let along = |side: glam::Vec3| on_plane.dot(Vec3::splat(side / side.length_squared()));
         (along(self.right), along(self.down), L::zero().lt(depth))
     }
 
-    /// The width of a pixel at the distance 1, in scene units.
+    /// The width of a pixel at distance 1, in scene units.
     pub fn pixel_size(&self) -> f32 {
         self.right.length()
     }

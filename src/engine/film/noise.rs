@@ -87,7 +87,7 @@ mod tests {
 
     /// Uniform in [0, 1).
     fn uniform(i: u32) -> f32 {
-        (crate::sampling::random::mix(i) >> 8) as f32 / 16_777_216.0
+        (crate::sampling::random::mix_bits(i) >> 8) as f32 / 16_777_216.0
     }
 
     #[test]
@@ -121,7 +121,7 @@ mod tests {
                 let pixels = 200;
                 let (mut estimated, mut true_square) = (0.0, 0.0);
                 for pixel in 0..pixels {
-                    let shift = crate::sampling::random::mix(pixel + 7u32);
+                    let shift = crate::sampling::random::mix_bits(pixel + 7u32);
                     let sample = |i: u32| value(((i.reverse_bits() ^ shift) >> 8) as f32 / 16_777_216.0);
                     estimated += estimate(samples, sample);
                     let mean = (0..samples).map(|i| f64::from(sample(i))).sum::<f64>() / f64::from(samples);

@@ -10,7 +10,7 @@ use crate::buffers::Features;
 use crate::camera::Pinhole;
 use crate::lane::{Bits, Lane, lane_indices};
 use crate::math::{Hit, Ray};
-use crate::sampling::{Numbers, random};
+use crate::sampling::{SampleValues, dimension};
 use crate::traverse::Batch;
 
 /// Fills the queue with the tile's pixels, row by row, and returns how many there are.
@@ -50,7 +50,7 @@ impl<L: Lane, const N: u32> Batch<L> for Stage<'_, N> {
         let (per_row, row_length) = (L::splat(1.0 / width as f32), L::splat(width as f32));
         let half = L::splat(0.5);
         let World { sampler, seed, .. } = *self.world;
-        let numbers = Numbers::new(sampler, seed, self.sample, random::PIXEL);
+        let numbers = SampleValues::new(sampler, seed, self.sample, dimension::PIXEL);
         for at in (0..self.tile.pixels()).step_by(L::WIDTH) {
             let slot = L::from_int(slots::<L>(at));
             let row = L::from_int(((slot + half) * per_row).truncate_to_int());
@@ -59,7 +59,7 @@ impl<L: Lane, const N: u32> Batch<L> for Stage<'_, N> {
             let pixel = y.truncate_to_int().wrapping_mul(L::Bits::splat(self.world.width));
             let pixel = pixel.wrapping_add(x.truncate_to_int());
             let key = sampler.key(seed, pixel, self.sample);
-            let (jitter_x, jitter_y) = numbers.pair::<L>(key, 0);
+            let (jitter_x, jitter_y) = numbers.get_2d::<L>(key, 0);
             let ray = camera.rays(x + jitter_x, y + jitter_y);
             self.queue.store_primary(at, ray.direction, key);
             self.queue.store_hit(at, &closest(&ray), has(N, Features::TRIANGLES));

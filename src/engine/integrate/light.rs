@@ -13,10 +13,10 @@ use super::shade::sky_radiance;
 use super::stats::Stage;
 use super::surface::{MaterialSample, Surface, has};
 use crate::buffers::Features;
-use crate::kernel::light::{sample_sphere, sample_triangle};
+use crate::kernel::light::{LightSample, sample_sphere, sample_triangle};
 use crate::lane::{Bits, Lane, Mask};
 use crate::math::{Hit, Ray, Vec3};
-use crate::sampling::{Numbers, random};
+use crate::sampling::{SampleValues, dimension};
 use bytemuck::Zeroable;
 
 /// A ray to a light ends this share of its length before it: far more than the error of a hit's distance, so that no light is in its
@@ -54,17 +54,18 @@ pub fn sample_direct_light<L: Lane, const N: u32>(
     path: &Path<L>,
     drawn: &ScatteredPath<L>,
     (surface, material): (&Surface<L>, &MaterialSample<L>),
-    (numbers, found): (&Numbers, L::Mask),
+    (numbers, found): (&SampleValues, L::Mask),
 ) -> usize {
     let mask = found & samples_lights::<L>(material);
     if !mask.any() {
         return count;
     }
-    let (u, v) = numbers.pair::<L>(path.key, random::LIGHT_POINT);
-    let number = |dimension: u32| numbers.one::<L>(path.key, dimension);
+    let (u, v) = numbers.get_2d::<L>(path.key, dimension::LIGHT_POINT);
+    let number = |dimension: u32| numbers.get_1d::<L>(path.key, dimension);
     let lights = &world.buffers.lights;
     let few = !has(N, Features::MANY_LIGHTS);
-    let (light, u) = lights.choose::<L>(u, || number(random::LIGHT), || number(random::LIGHT_AGAIN), few);
+    let (light, u) =
+        lights.choose::<L>(u, || number(dimension::LIGHT), || number(dimension::LIGHT_ALIAS), few);
     // From where the path goes on, so that scattering in the same direction would find the same density.
     let origin = drawn.path.ray.origin;
     let at = light.at - origin;
@@ -75,7 +76,7 @@ pub fn sample_direct_light<L: Lane, const N: u32>(
         (false, _) => sample_triangle(at, light.ab, light.ac, u, v),
         (true, true) => {
             let triangle = sample_triangle(at, light.ab, light.ac, u, v);
-            triangle.or(is_sphere, sample_sphere(at, light.radius, u, v))
+            LightSample::select(is_sphere, sample_sphere(at, light.radius, u, v), triangle)
         }
     };
     let mut emission = light.emission;
@@ -84,13 +85,13 @@ pub fn sample_direct_light<L: Lane, const N: u32>(
     {
         let is_sky = mask & light.radius.lt(L::zero());
         if is_sky.any() {
-            aim = aim.or(is_sky, sky.aim(u, v));
-            let seen = sky_radiance::<L, N>(world, aim.direction, is_sky);
+            aim = LightSample::select(is_sky, sky.aim(u, v), aim);
+            let seen = sky_radiance::<L, N>(world, aim.wi, is_sky);
             emission = Vec3::select(is_sky, seen, emission);
         }
     }
-    let passed = evaluate::<L, N>(path.ray.direction, surface, material, aim.direction, mask);
-    let density = light.chance * aim.density;
+    let passed = evaluate::<L, N>(path.ray.direction, surface, material, aim.wi, mask);
+    let density = light.chance * aim.pdf;
     let possible = mask & L::zero().lt(density);
     let inv_pdf = L::one() / L::select(possible, density, L::one());
     // 1 − its complement would cancel; this is the same heuristic from the other side.
@@ -100,10 +101,10 @@ pub fn sample_direct_light<L: Lane, const N: u32>(
     if !carries.any() {
         return count;
     }
-    let end = aim.normal.mul_add(light.offset, aim.direction * aim.t);
+    let end = aim.n.mul_add(light.offset, aim.wi * aim.t);
     let length = end.dot(end).sqrt();
     let far = !aim.t.is_finite();
-    let direction = Vec3::select(far, aim.direction, end * (L::one() / length));
+    let direction = Vec3::select(far, aim.wi, end * (L::one() / length));
     let t_max = L::select(far, aim.t, length * L::splat(1.0 - SHADOW_EPSILON));
     work.search.store(
         count,

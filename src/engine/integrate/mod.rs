@@ -34,7 +34,7 @@ pub use generate::generate;
 use crate::buffers::{Buffers, Features};
 use crate::camera::Pinhole;
 use crate::lane::Lane;
-use crate::sampling::{Numbers, Sampler, random};
+use crate::sampling::{SampleValues, Sampler, dimension};
 use crate::traverse::{Primitives, Visible};
 use queue::Work;
 use stats::Stage;
@@ -91,7 +91,8 @@ pub fn trace_tile<L: Lane, const N: u32>(world: &World, tile: Tile, sample: u32,
     work.enter(Some(Stage::Generate));
     let mut count = generate::<L, N>(world, tile, sample, work);
     let mut rays = count as u64;
-    let numbers = |bounce: u32| Numbers::new(world.sampler, world.seed, sample, random::bounce(bounce));
+    let numbers =
+        |bounce: u32| SampleValues::new(world.sampler, world.seed, sample, dimension::bounce(bounce));
     if world.max_bounces == 0 {
         work.enter_with::<L>(Stage::Finish, world, tile, 0, count);
         shade::finish::<L, N, true>(world, work, count);

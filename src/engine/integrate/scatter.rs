@@ -8,7 +8,7 @@ use crate::kernel::bsdf::{self, BsdfSample, LobeEval};
 use crate::kernel::normals;
 use crate::lane::{Bits, Lane, Mask};
 use crate::math::{Ray, Vec3};
-use crate::sampling::{Numbers, random};
+use crate::sampling::{SampleValues, dimension};
 
 pub use crate::kernel::bsdf::BsdfEval;
 
@@ -26,24 +26,24 @@ pub fn scatter<L: Lane, const N: u32>(
     path: &Path<L>,
     surface: &Surface<L>,
     material: &MaterialSample<L>,
-    numbers: &Numbers,
+    numbers: &SampleValues,
     found: L::Mask,
 ) -> ScatteredPath<L> {
     let d = path.ray.direction;
     let facing = Facing::of::<N>(d, surface, material);
     let Facing { own, n, matt, outside } = facing;
-    let lobe_number = || numbers.one::<L>(path.key, random::LOBE);
+    let lobe_number = || numbers.get_1d::<L>(path.key, dimension::LOBE);
 
     let nothing = L::Mask::splat(false);
-    let mut drawn = BsdfSample::<L> { direction: n, weight: L::one(), pdf: L::zero(), alive: nothing };
+    let mut drawn = BsdfSample::<L> { wi: n, weight: L::one(), pdf: L::zero(), alive: nothing };
     let mut color = material.color;
     let mut take = |mask: L::Mask, lobe: BsdfSample<L>| {
-        drawn.direction = Vec3::select(mask, lobe.direction, drawn.direction);
+        drawn.wi = Vec3::select(mask, lobe.wi, drawn.wi);
         drawn.weight = L::select(mask, lobe.weight, drawn.weight);
         drawn.pdf = L::select(mask, lobe.pdf, drawn.pdf);
         drawn.alive = drawn.alive | (mask & lobe.alive);
     };
-    let two_numbers = || numbers.pair::<L>(path.key, random::DIRECTION);
+    let two_numbers = || numbers.get_2d::<L>(path.key, dimension::DIRECTION);
     if has(N, Features::DIFFUSE) {
         let mask = material.has_lobe(MaterialCode::DIFFUSE, found);
         if mask.any() {
@@ -89,9 +89,9 @@ pub fn scatter<L: Lane, const N: u32>(
     if Features(N).meets(Features::BENT_NORMALS) && material.bent.any() {
         let passes = through_glass::<L, N>(d, &facing, material, &mut drawn);
         // On the reflecting side nothing goes on below the surface.
-        drawn.alive = drawn.alive & (!material.bent | passes | L::zero().lt(drawn.direction.dot(own)));
+        drawn.alive = drawn.alive & (!material.bent | passes | L::zero().lt(drawn.wi.dot(own)));
         let shadowed = material.bent & drawn.pdf.lt(L::splat(f32::INFINITY));
-        let factor = facing.terminator::<N>(material, drawn.direction);
+        let factor = facing.terminator::<N>(material, drawn.wi);
         drawn.weight = L::select(shadowed, drawn.weight * factor, drawn.weight);
     }
 
@@ -100,12 +100,12 @@ pub fn scatter<L: Lane, const N: u32>(
     let dark = (throughput.x + throughput.y + throughput.z).eq(L::zero());
     // Only glass is left on the far side: a reflection that rounding points a little below its surface is not, in any pipeline.
     let side = if has(N, Features::GLASS) {
-        let through = surface.offset.copysign(drawn.direction.dot(own));
+        let through = surface.offset.copysign(drawn.wi.dot(own));
         L::select(material.has_lobe(MaterialCode::GLASS, found), through, surface.offset)
     } else {
         surface.offset
     };
-    let ray = Ray { origin: own.mul_add(side, surface.point), direction: drawn.direction };
+    let ray = Ray { origin: own.mul_add(side, surface.point), direction: drawn.wi };
     let inv_pdf =
         if has(N, Features::LIGHTS) { L::one() / drawn.pdf.max(L::splat(1e-30)) } else { L::zero() };
     let path = Path { ray, throughput, inv_pdf, key: path.key, slot: path.slot };
@@ -197,7 +197,7 @@ impl<L: Lane> Facing<L> {
         let (mut n, mut matt) = (own, own);
         if Features(N).meets(Features::BENT_NORMALS) && material.bent.any() {
             matt = Vec3::select(material.bent, material.normal.flip_sign(-along), own);
-            n = Vec3::select(material.bent, normals::bend(d, matt, own), own);
+            n = Vec3::select(material.bent, normals::bend_for_reflection(d, matt, own), own);
         }
         Self { own, n, matt, outside: !L::zero().lt(along) }
     }
@@ -210,7 +210,7 @@ impl<L: Lane> Facing<L> {
             let is_matt = material.kind.equals(L::Bits::splat(MaterialCode::DIFFUSE));
             normal = Vec3::select(is_matt, self.matt, normal);
         }
-        normals::terminator(w, normal, self.own)
+        normals::shadow_terminator(w, normal, self.own)
     }
 }
 
@@ -227,10 +227,10 @@ fn through_glass<L: Lane, const N: u32>(
         return L::Mask::splat(false);
     }
     let refracts =
-        material.has_lobe(MaterialCode::GLASS, material.bent) & drawn.direction.dot(facing.n).lt(L::zero());
-    let through = drawn.direction.dot(facing.own).lt(L::zero());
+        material.has_lobe(MaterialCode::GLASS, material.bent) & drawn.wi.dot(facing.n).lt(L::zero());
+    let through = drawn.wi.dot(facing.own).lt(L::zero());
     let stays = refracts & !through;
-    drawn.direction = Vec3::select(stays, d.reflect(facing.n), drawn.direction);
+    drawn.wi = Vec3::select(stays, d.reflect(facing.n), drawn.wi);
     drawn.weight = L::select(stays, L::one(), drawn.weight);
     refracts & through
 }

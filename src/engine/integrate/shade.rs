@@ -10,8 +10,8 @@ use crate::buffers::Features;
 use crate::kernel::surface::latitude_longitude;
 use crate::lane::{Bits, Lane, Mask};
 use crate::math::{Hit, Ray, Vec3};
-use crate::sampling::Numbers;
-use crate::scene::Meaning;
+use crate::sampling::SampleValues;
+use crate::scene::TexelKind;
 
 /// Shades the hits of the first `count` paths, draws lights for them, and scatters them.
 ///
@@ -20,7 +20,7 @@ pub fn shade<L: Lane, const N: u32, const FIRST: bool>(
     world: &World,
     work: &mut Work,
     count: usize,
-    numbers: &Numbers,
+    numbers: &SampleValues,
 ) -> Shaded {
     let mut light = Light::<FIRST>::default();
     let (mut going_on, mut searching) = (0, 0);
@@ -190,7 +190,7 @@ pub fn sky_radiance<L: Lane, const N: u32>(world: &World, direction: Vec3<L>, wa
                 everywhere,
                 wanted,
                 abilities(N),
-                Meaning::Light,
+                TexelKind::Color,
             );
     }
     radiance

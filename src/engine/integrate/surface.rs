@@ -7,7 +7,7 @@ use crate::kernel::surface::{latitude_longitude, sphere_normal};
 use crate::kernel::{light, normals};
 use crate::lane::{Bits, Lane, Mask};
 use crate::math::{Hit, Ray, Vec3};
-use crate::scene::Meaning;
+use crate::scene::TexelKind;
 
 /// Does the feature set `N` hold this feature? Constant for the compiler.
 #[inline(always)]
@@ -138,12 +138,12 @@ impl<L: Lane> Surface<L> {
         let [ax, ay, az, bx, by, bz, ..] = world.buffers.normal_rows.fetch::<L>(first, few);
         let [cx, cy, cz, ..] = world.buffers.normal_rows.fetch::<L>(second, few);
         let corners = [Vec3::new(ax, ay, az), Vec3::new(bx, by, bz), Vec3::new(cx, cy, cz)];
-        let (normal, some) = normals::smooth(corners, self.barycentric, self.outward);
+        let (normal, some) = normals::interpolate(corners, self.barycentric, self.outward);
         let bent = on_triangle & some;
         (Vec3::select(bent, normal, self.outward), bent)
     }
 
-    /// The direction of growing u in the lanes of `mapped`, and the hand of the frame (see [`normals::mapped`]).
+    /// The direction of growing u in the lanes of `mapped`, and the hand of the frame (see [`normals::apply_normal_map`]).
     #[inline(always)]
     fn tangent<const N: u32>(&self, world: &World, mapped: L::Mask) -> (Vec3<L>, L) {
         let (mut tangent, mut hand) = (Vec3::zero(), L::zero());
@@ -259,7 +259,7 @@ impl<L: Lane> MaterialSample<L> {
         }
         let textured = found & !code.equals(L::Bits::splat(0));
         if textured.any() {
-            let texel = texel::<L, N>(world, at, textured, code, Meaning::Light);
+            let texel = texel::<L, N>(world, at, textured, code, TexelKind::Color);
             let texel = Vec3::select(textured, texel, Vec3::repeat(L::one()));
             let shines = self.kind.equals(L::Bits::splat(MaterialCode::EMITTER));
             self.emission = Vec3::select(shines, self.emission * texel, self.emission);
@@ -278,7 +278,7 @@ impl<L: Lane> MaterialSample<L> {
     ) {
         let mapped = found & !code.equals(L::Bits::splat(0));
         if has(N, Features::ROUGHNESS_MAPS) && mapped.any() {
-            let factor = texel::<L, N>(world, at, mapped, code, Meaning::Data).x.min(L::one());
+            let factor = texel::<L, N>(world, at, mapped, code, TexelKind::Data).x.min(L::one());
             let scatters = self.kind.equals(L::Bits::splat(MaterialCode::SCATTER));
             let factor = L::select(scatters, factor, factor * factor);
             self.parameter = L::select(mapped, self.parameter * factor, self.parameter);
@@ -296,9 +296,9 @@ impl<L: Lane> MaterialSample<L> {
     ) {
         let mapped = found & !code.equals(L::Bits::splat(0));
         if has(N, Features::NORMAL_MAPS) && mapped.any() {
-            let texel = texel::<L, N>(world, at, mapped, code, Meaning::Data);
+            let texel = texel::<L, N>(world, at, mapped, code, TexelKind::Data);
             let (tangent, hand) = surface.tangent::<N>(world, mapped);
-            let (normal, some) = normals::mapped(texel, self.normal, tangent, hand);
+            let (normal, some) = normals::apply_normal_map(texel, self.normal, tangent, hand);
             let mapped = mapped & some;
             self.normal = Vec3::select(mapped, normal, self.normal);
             self.bent = self.bent | mapped;
@@ -319,8 +319,8 @@ fn texel<L: Lane, const N: u32>(
     (coordinates, clamp_v): Coordinates<L>,
     wanted: L::Mask,
     code: L::Bits,
-    meaning: Meaning,
+    texel_kind: TexelKind,
 ) -> Vec3<L> {
     let index = code.wrapping_add(L::Bits::splat(u32::MAX));
-    world.buffers.textures.sample(index, coordinates, clamp_v, wanted, abilities(N), meaning)
+    world.buffers.textures.sample(index, coordinates, clamp_v, wanted, abilities(N), texel_kind)
 }

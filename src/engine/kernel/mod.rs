@@ -1,9 +1,10 @@
-//! Equations that know lanes and nothing else: values in, (mask, values) out.
+//! Kernels: equations over lanes. Values in, (mask, values) out.
 //!
-//! For: intersections ([`ray_sphere`], [`ray_triangle`], [`ray_box`]), scattering ([`bsdf`]), points on emitters ([`light`]), points on surfaces
-//! ([`surface`]), normals for shading ([`normals`]) and
-//! texture lookups ([`texture`]), several methods side by side. May import: `lane`, `math`, `sampling`. Must never know:
-//! scenes, queues, pixels. Kernels allocate nothing, look nothing up and never panic.
+//! For: intersections ([`ray_sphere`], [`ray_triangle`], [`ray_box`]), scattering ([`bsdf`]), light sampling
+//! ([`light`]), points on surfaces ([`surface`]), shading normals ([`normals`]) and texture lookups
+//! ([`texture`]), several methods side by side. Kernels allocate nothing, look nothing up and never panic.
+//! May import: `lane`, `math`, `sampling`.
+//! Must never know: scenes, queues, pixels.
 
 pub mod bsdf;
 pub mod light;

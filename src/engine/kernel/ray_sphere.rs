@@ -1,14 +1,15 @@
-//! Rays against a sphere.
+//! Rays against spheres, by several methods side by side.
 
 use crate::lane::{Lane, Mask};
 use crate::math::{Ray, Vec3};
 
-/// A way to intersect rays with a sphere.
+/// A method of intersecting rays with spheres.
 ///
-/// Shapes: `WIDTH` rays against `WIDTH` spheres, lane by lane; a packet against one sphere passes it splatted.
+/// Shapes: `WIDTH` rays against `WIDTH` spheres, lane by lane; a packet against one sphere passes it
+/// splatted.
 /// Units: distances in multiples of the direction's length.
-/// Domain: the method says which direction lengths. A NaN direction misses, and so does a zero one unless the method excludes it.
-/// Inactive lanes: give them a `limit` of 0 and they miss.
+/// Domain: direction lengths as the method says. A NaN direction misses, and a zero one too unless the method
+/// excludes it. Inactive lanes have a `limit` of 0, with which they miss.
 pub trait SphereMethod: Send + Sync + 'static {
     /// What is computed once per ray.
     type Prepared<L: Lane>: Copy;
@@ -19,18 +20,22 @@ pub trait SphereMethod: Send + Sync + 'static {
     fn test<L: Lane>(ray: &Self::Prepared<L>, center: Vec3<L>, radius2: L, limit: L) -> (L::Mask, L);
 }
 
-/// The discriminant from the perpendicular: how far the line passes the centre, instead of b² − 4ac.
+/// The discriminant from the perpendicular, the distance at which the line passes the centre, and not from
+/// b² − 4ac.
 ///
-/// Domain: directions of unit length within 1e-5, as the tracer makes and keeps them (`tests/long_paths.rs`). A length of 1 + e tilts
-/// nothing, but leaves 2eD of the way to the centre in the perpendicular: spheres further away than r / 2e are missed. t is off by less
-/// than e r from outside and 3 e r from inside. Shorter and longer directions are no rays: the hits that are found for them may lie outside
-/// the boxes of a hierarchy, which then differs from testing everything; zero from inside a sphere "hits".
-/// Error, unit sphere at distance D: hit or miss differs from f64 in 0.0001 % of rays at D = 100, 0.0011 % at 1,000,
-/// 1.2 % at 10⁶ (naive: 45 %). The rounding of o − c dominates: |Δt| ≤ ε · |o − c| · a small number, and within about
-/// √(ε · D · r) of the silhouette hit and miss are undecided; so they are for rays that start within about ε r of the surface and run
-/// along it, where both roots are next to zero: a hit that is found there is not far away. Confirmed by `tests/stability.rs`; t is never
-/// too small by more than boxes allow (`tests/kernel_sphere_box.rs`).
-/// Source: Haines, Günther, Akenine-Möller, "Precision Improvements for Ray/Sphere Intersection", Ray Tracing Gems ch. 7, 2019.
+/// Domain: directions of unit length within 1e-5, as the integrator keeps them (`tests/long_paths.rs`). With
+/// a length of 1 + e the perpendicular contains 2eD of the way to the centre: spheres farther away than
+/// r / 2e are missed. t is off by less than e r from outside and 3 e r from inside. Other lengths are not
+/// supported: their hits may lie outside the boxes of a hierarchy, whose result then differs from testing
+/// everything; a zero direction from inside a sphere "hits".
+/// Error, unit sphere at distance D: hit or miss differs from f64 in 0.0001 % of rays at D = 100, 0.0011 % at
+/// 1,000, 1.2 % at 10⁶ (naive: 45 %). The rounding of o − c dominates: |Δt| ≤ ε · |o − c| · a small number,
+/// and within about √(ε · D · r) of the silhouette hit and miss are undecided. So they are for rays that
+/// start within about ε r of the surface and run along it, where both roots are close to zero: a hit found
+/// there is close by. Confirmed by `tests/stability.rs`; t is never too small by more than the padding of
+/// boxes allows (`tests/kernel_sphere_box.rs`).
+/// Source: Haines, Günther, Akenine-Möller, "Precision Improvements for Ray/Sphere Intersection", Ray Tracing
+/// Gems ch. 7, 2019.
 pub struct Robust;
 
 impl SphereMethod for Robust {
@@ -47,7 +52,7 @@ impl SphereMethod for Robust {
     }
 }
 
-/// The robust test, given how to multiply and divide by the direction's squared length.
+/// The robust test, with multiplication and division by the squared length of the direction as parameters.
 #[inline(always)]
 fn by_perpendicular<L: Lane>(
     ray: &Ray<L>,
@@ -63,24 +68,28 @@ fn by_perpendicular<L: Lane>(
     let discriminant = radius2 - perpendicular.dot(perpendicular);
     let c = from_center.dot(from_center) - radius2;
     let ahead = L::zero().lt(b);
-    // On the surface counts as inside: the near root, 0, is no hit, the far one may be.
+    // The surface counts as inside: the near root, 0, is no hit; the far root may be one.
     let inside = c.le(L::zero());
-    // A ray that starts outside and moves away has both roots behind it: most rays that leave a sphere end here.
+    // A ray that starts outside and moves away has both roots behind it: most rays that leave a sphere return
+    // here.
     let meets = L::zero().le(discriminant) & (ahead | inside);
     if !meets.any() {
         return (meets, limit);
     }
-    // The roots are c/q and q. Neither cancels: q has the sign of b, so nothing is subtracted. From outside the nearer one is c/q;
-    // from inside the one in front is q where the centre lies ahead, c/q where it lies behind.
+    // The roots are c/q and q. Neither cancels, because q is a sum of two numbers of the sign of b. From
+    // outside the nearer one is c/q; from inside the one in front is q where the centre lies ahead, c/q where
+    // it lies behind.
     let q = b + multiply(discriminant).sqrt().flip_sign(b);
-    // Asked of q and not of b, which from the very centre is a zero of either sign.
     let far = divide(q);
-    // The nearer root is not beyond the other, though on the surface, where both are next to zero, the rounding of c may claim it.
+    // `inside` compares q and not b, which at the centre is a zero of either sign. The minimum keeps the
+    // nearer root from exceeding the other on the surface, where both are close to zero and c is rounding
+    // error.
     let t = L::select(inside & L::zero().lt(q), far, (c / q).min(far.abs()));
     (meets & L::zero().lt(t) & t.lt(limit), t)
 }
 
-/// [`Robust`] for directions of any length between 1e-15 and 1e15, at the price of one division a ray and three products a test.
+/// [`Robust`] for directions of any length between 1e-15 and 1e15, at the cost of one division per ray and
+/// three products per test.
 pub struct RobustAnyLength;
 
 /// A ray and the reciprocal of its direction's squared length.
@@ -114,7 +123,7 @@ impl SphereMethod for RobustAnyLength {
     }
 }
 
-/// The school formula, b² − 4ac. It is here to be charted beside the robust one.
+/// The textbook discriminant, b² − 4ac. For charts, beside [`Robust`].
 ///
 /// Error: misjudges 0.066 % of rays on a unit sphere at distance 100, 4.5 % at 1,000, 34 % at 4,096.
 pub struct Naive;
@@ -144,7 +153,7 @@ impl SphereMethod for Naive {
     }
 }
 
-/// Chooses the nearer root that lies in (0, limit).
+/// The nearer root in (0, limit).
 #[inline(always)]
 fn nearest_in_front<L: Lane>(meets: L::Mask, near: L, far: L, limit: L) -> (L::Mask, L) {
     let t = L::select(L::zero().lt(near), near, far);

@@ -1,55 +1,59 @@
-//! Points on surfaces, and where the next ray may start.
+//! Points on surfaces: offsets of ray origins, normals, tangents, texture coordinates.
 //!
-//! A hit point is found again from what is exact about the surface (barycentrics; the sphere itself), not from
-//! `origin + t · direction`, whose error grows with the distance travelled. A ray then leaves from a point moved along the
-//! normal by the error bound of that point, never by a constant: large enough that the surface is not hit again, as small as
-//! that allows, so that nothing close by is lost.
+//! A hit point is computed from the surface (barycentrics; the sphere itself), not from `origin + t ·
+//! direction`, whose error grows with the distance travelled. A ray leaves from that point moved along the
+//! normal by its error bound and not by a constant: far enough that the surface is not hit again
+//! (self-intersection), and no farther, so that nothing close by is missed.
 //!
-//! Source: Wächter, Binder, "A Fast and Robust Method for Avoiding Self-Intersection", Ray Tracing Gems ch. 6, 2019; Pharr et
-//! al., PBR 4ed §6.8.
+//! Source: Wächter, Binder, "A Fast and Robust Method for Avoiding Self-Intersection", Ray Tracing Gems ch.
+//! 6, 2019; Pharr et al., PBR 4ed §6.8.
 
-use crate::lane::{Lane, functions};
+use crate::lane::{Lane, functions::atan2_turns};
 use crate::math::{EPSILON, Vec3, gamma};
 
-/// How far a ray that leaves a sphere must start from it.
+/// The offset along the normal of rays that leave a sphere.
 ///
-/// Units: scene units. Error: the point c + r·n is off by at most 2 ε (|c| + r) in each component; testing the same sphere
-/// again computes |o − c|² − r² with a relative error of γ(5), which is a distance of γ(5)/2 · r, plus the rounding of o − c
-/// of ε (|c| + r). The sum, projected on the normal (√3 for three components), is below 8 ε (|c| + r): measured, half of it
-/// suffices, `tests/leaving.rs`.
+/// Units: scene units. Error: the point c + r·n is off by at most 2 ε (|c| + r) in each component; testing
+/// the same sphere again computes |o − c|² − r² with a relative error of γ(5), which is a distance of
+/// γ(5)/2 · r, plus the rounding of o − c of ε (|c| + r). The sum, projected on the normal (√3 for three
+/// components), is below 8 ε (|c| + r): measured, half of it suffices, `tests/leaving.rs`.
 pub fn sphere_offset(center: glam::Vec3, radius: f32) -> f32 {
     gamma(8) * (center.abs().max_element() + radius)
 }
 
-/// How far a ray that leaves a triangle must start from it.
+/// The offset along the normal of rays that leave a triangle.
 ///
-/// Units: scene units. Error: the point a + u·ab + v·ac is off by at most γ(4) of the largest coordinates involved, and the
-/// watertight test computes t of the plane again with an error of about 10 ε times the largest vertex distance: together 16 ε.
-/// That test interpolates t between the vertices, with weights that are off by a few ε |a'||b'||c'| / det (a' to c' the
-/// vertices as seen along the ray, det twice the area): on a sliver the interpolated point slides along the triangle, and off a
-/// ray that meets it aslant. From within the triangle |a'||b'||c'| is at most a fifth of the longest edge cubed, so one ε of
-/// longest³ / 2A covers it; for well-shaped triangles that adds little. Measured: half of the sum suffices, `tests/leaving.rs`.
+/// Units: scene units. Error: the point a + u·ab + v·ac is off by at most γ(4) of the largest coordinates
+/// involved, and the watertight test computes t of the plane again with an error of about 10 ε times the
+/// largest vertex distance: together 16 ε. That test interpolates t between the vertices, with weights that
+/// are off by a few ε |a'||b'||c'| / det (a' to c' the vertices as seen along the ray, det twice the area):
+/// on a sliver the interpolated point slides along the triangle, and off a ray that meets it aslant. From
+/// within the triangle |a'||b'||c'| is at most a fifth of the longest edge cubed, so one ε of longest³ / 2A
+/// covers it; for well-shaped triangles that adds little. Measured: half of the sum suffices,
+/// `tests/leaving.rs`.
 pub fn triangle_offset(vertices: [glam::Vec3; 3]) -> f32 {
     let largest = vertices.iter().map(|v| v.abs().max_element()).fold(0.0, f32::max);
-    // In f64: slivers lose their area in f32.
+    // In f64, because slivers lose their area in f32.
     let [a, b, c] = vertices.map(|vertex| vertex.as_dvec3());
     let longest = (b - a).length().max((c - b).length()).max((a - c).length());
     let sliver = longest.powi(3) / (b - a).cross(c - a).length();
     EPSILON * (16.0 * (largest + longest as f32) + sliver as f32)
 }
 
-/// The unit normal of a triangle with an area, to the side from which its vertices turn counter-clockwise.
+/// The geometric unit normal of a triangle, on the side from which its vertices are counter-clockwise.
 ///
-/// In f64, differences too: slivers, and triangles far from the origin, lose their normal in f32.
+/// Computed in f64, differences too: slivers, and triangles far from the origin, lose their normal in f32.
+///
+/// Domain: triangles with an area.
 pub fn triangle_normal(vertices: [glam::Vec3; 3]) -> glam::Vec3 {
     let [a, b, c] = vertices.map(|vertex| vertex.as_dvec3());
     (b - a).cross(c - a).normalize().as_vec3()
 }
 
-/// The unit vector along growing u on a triangle with these texture coordinates, and +1 where v grows along normal × tangent, −1 where
-/// against it. Zeros where u grows nowhere.
+/// The tangent of a triangle with these texture coordinates, the unit vector along growing u, and +1 where v
+/// grows along normal × tangent, −1 where against it. Zeros where the texture coordinates have no area.
 ///
-/// In f64, like the normal.
+/// Computed in f64, like the normal.
 pub fn triangle_tangent(vertices: [glam::Vec3; 3], uvs: [glam::Vec2; 3]) -> (glam::Vec3, f32) {
     let [a, b, c] = vertices.map(|vertex| vertex.as_dvec3());
     let [p, q, r] = uvs.map(|uv| uv.as_dvec2());
@@ -58,18 +62,23 @@ pub fn triangle_tangent(vertices: [glam::Vec3; 3], uvs: [glam::Vec2; 3]) -> (gla
     if area == 0.0 {
         return (glam::Vec3::ZERO, 0.0);
     }
-    // Scaled by the area's sign alone: only directions count.
+    // Scaled by the sign of the area alone: only the direction matters.
     let tangent = ((ab * pr.y - ac * pq.y) * area.signum()).normalize_or_zero().as_vec3();
     (tangent, area.signum() as f32)
 }
 
-/// One texture coordinate of a triangle's corners without the whole repeats that all three share, so that blending does not round away
-/// the place within a repeat: as written, a coordinate near 10⁶ is off by 0.06 repeats. Confirmed by the recipe `textures-tiled`.
-///
-/// What lies in [0, 1) stays as it is.
-pub fn repeats_taken_away(corners: [f64; 3]) -> [f32; 3] {
+/// One texture coordinate of a triangle's corners, less the whole repeats that all three share. So
+/// interpolation does not round away the position within a repeat: a coordinate near 10⁶ would be off by 0.06
+/// repeats. Coordinates in [0, 1) stay unchanged. Confirmed by the recipe `textures-tiled`.
+pub fn remove_shared_repeats(corners: [f64; 3]) -> [f32; 3] {
     let whole = corners.into_iter().fold(f64::INFINITY, f64::min).floor();
     corners.map(|corner| (corner - whole) as f32)
+}
+
+/// The lower and upper corner of a triangle's axis-aligned box: exact.
+#[inline(always)]
+pub fn triangle_bounds([a, b, c]: [glam::Vec3; 3]) -> [glam::Vec3; 2] {
+    [a.min(b).min(c), a.max(b).max(c)]
 }
 
 /// The outward unit normal of a sphere at a point near its surface.
@@ -80,33 +89,15 @@ pub fn sphere_normal<L: Lane>(point: Vec3<L>, center: Vec3<L>) -> Vec3<L> {
     (point - center).normalize()
 }
 
-/// Longitude and latitude of a unit vector as texture coordinates: u = atan2(z, x) / 2π, unwrapped, in [−½, ½]; v = acos(y) / π
-/// from the top, in [0, 1].
+/// Longitude and latitude of a unit vector as texture coordinates (equirectangular): u = atan2(z, x) / 2π,
+/// unwrapped, in [−½, ½]; v = acos(y) / π from the top, in [0, 1].
 ///
-/// Domain: y may be above 1 by rounding: the angle comes from the arctangent, which stays defined and accurate at the poles.
+/// Domain: y may exceed 1 by rounding: v comes from the arctangent, which stays defined and accurate at the
+/// poles.
 /// Error: ≤ 3e-7 (measured, `tests/kernel_texture.rs`).
 #[inline(always)]
 pub fn latitude_longitude<L: Lane>(n: Vec3<L>) -> (L, L) {
     let around = n.x.mul_add(n.x, n.z * n.z).sqrt();
-    (turns(n.z, n.x), turns(around, n.y) + turns(around, n.y))
-}
-
-/// The angle of the point (x, y) in whole turns, in [−½, ½].
-///
-/// Domain: finite, the larger component at least 1e-30; (0, 0) gives 0 or ½.
-#[inline(always)]
-fn turns<L: Lane>(y: L, x: L) -> L {
-    let (ax, ay) = (x.abs(), y.abs());
-    let steep = ax.lt(ay);
-    let (low, high) = (L::select(steep, ax, ay), L::select(steep, ay, ax));
-    let turn = L::splat(functions::ATAN_TURN) * high;
-    let turn = turn.lt(low);
-    // Above tan(π/8), turned by an eighth: one division serves both cases.
-    let numerator = L::select(turn, low - high, low);
-    let denominator = L::select(turn, low + high, high.max(L::splat(f32::MIN_POSITIVE)));
-    let angle = functions::atan_octant(numerator / denominator) * L::splat(1.0 / std::f32::consts::TAU);
-    let angle = angle + L::splat(0.125).only(turn);
-    let angle = L::select(steep, L::splat(0.25) - angle, angle);
-    let angle = L::select(x.lt(L::zero()), L::splat(0.5) - angle, angle);
-    angle.flip_sign(y)
+    let half_v = atan2_turns(around, n.y);
+    (atan2_turns(n.z, n.x), half_v + half_v)
 }

@@ -1,13 +1,13 @@
-//! Texture coordinates to texels.
+//! Texture lookups: texture coordinates to texel indices and filter weights, and texel decoding. The caller
+//! reads the texels.
 //!
-//! Shapes: one lookup per lane; every lane may read another texture. Only indices and weights are computed here: whoever holds
-//! the texels reads them.
+//! Shapes: one lookup per lane; each lane may have a texture of its own.
 
 use crate::lane::functions::polynomial;
 use crate::lane::{Bits, Lane};
 use crate::math::Vec3;
 
-/// Size and place of each lane's texture.
+/// Size and position of each lane's texture among the texels.
 #[derive(Clone, Copy, Debug)]
 pub struct Grid<L: Lane> {
     /// Texels in a row and in a column, as floats: ≤ 2¹⁴ each.
@@ -30,9 +30,10 @@ impl<L: Lane> Grid<L> {
         self.first.wrapping_add(row_start).wrapping_add(column.truncate_to_int())
     }
 
-    /// The texel that holds (u, v), v from the top. u repeats; v repeats, or stays at the edge where `clamp_v`.
+    /// The index of the texel that contains (u, v), v from the top. u repeats; v repeats, or is clamped to
+    /// the edge where `clamp_v`.
     ///
-    /// Domain: |u|, |v| < 2²³; any value stays inside the texture, NaN too.
+    /// Domain: |u|, |v| < 2²³; indices of any other value, NaN too, stay inside the texture.
     #[inline(always)]
     pub fn nearest(&self, u: L, v: L, clamp_v: L::Mask) -> L::Bits {
         let v = L::select(clamp_v, v, fraction(v));
@@ -42,9 +43,10 @@ impl<L: Lane> Grid<L> {
         )
     }
 
-    /// The four texels around (u, v) in the order ↖ ↗ ↙ ↘, and the weights of the right column and of the lower row.
+    /// The indices of the four texels around (u, v) in the order ↖ ↗ ↙ ↘, and the weights of the right column
+    /// and of the lower row.
     ///
-    /// Domain as for [`Grid::nearest`].
+    /// Domain: as [`Grid::nearest`].
     #[inline(always)]
     pub fn bilinear(&self, u: L, v: L, clamp_v: L::Mask) -> ([L::Bits; 4], L, L) {
         let half = L::splat(0.5);
@@ -68,26 +70,27 @@ impl<L: Lane> Grid<L> {
         (texels, x - left, y - top)
     }
 
-    /// Into [0, size − 1]; NaN to 0.
+    /// Clamps to [0, size − 1]; NaN to 0.
     #[inline(always)]
     fn clamped(&self, i: L, size: L) -> L {
         i.max(L::zero()).min(size - L::one())
     }
 }
 
-/// The bytes of a texel, red in the lowest, over 255.
+/// Decodes an 8-bit unorm texel, red in the lowest byte: bytes over 255.
 #[inline(always)]
-pub fn bytes_to_unit<L: Lane>(texel: L::Bits) -> Vec3<L> {
+pub fn unorm_to_unit<L: Lane>(texel: L::Bits) -> Vec3<L> {
     let unit = |byte: L::Bits| L::from_int(byte & L::Bits::splat(0xff)) * L::splat(1.0 / 255.0);
     Vec3::new(unit(texel), unit(texel.shr(8)), unit(texel.shr(16)))
 }
 
-/// Display values (sRGB) of a texel, red in the lowest byte, as linear light.
+/// Decodes an 8-bit sRGB texel, red in the lowest byte, to linear light. It is a polynomial because a table
+/// would be read 24 times per packet.
 ///
-/// Error: relative ≤ 1.3e-5, measured over all 256 values, `tests/kernel_texture.rs`. A polynomial and not a table: a table would be
-/// read 24 times a packet. Source: IEC 61966-2-1; coefficients by Lawson's algorithm, minimax in relative error over 11 to 255.
+/// Error: relative ≤ 1.3e-5, measured over all 256 values, `tests/kernel_texture.rs`.
+/// Source: IEC 61966-2-1; coefficients by Lawson's algorithm, minimax in relative error over 11 to 255.
 #[inline(always)]
-pub fn display_to_linear<L: Lane>(texel: L::Bits) -> Vec3<L> {
+pub fn srgb_to_linear<L: Lane>(texel: L::Bits) -> Vec3<L> {
     const CURVE: [f32; 9] = [
         -0.196_950_97,
         0.831_312_8,
@@ -100,9 +103,9 @@ pub fn display_to_linear<L: Lane>(texel: L::Bits) -> Vec3<L> {
         0.000_841_282_8,
     ];
     let linear = |byte: L::Bits| {
-        let display = L::from_int(byte & L::Bits::splat(0xff)) * L::splat(1.0 / 255.0);
-        let curve = polynomial(display, CURVE);
-        L::select(display.le(L::splat(0.04045)), display * L::splat(1.0 / 12.92), curve)
+        let encoded = L::from_int(byte & L::Bits::splat(0xff)) * L::splat(1.0 / 255.0);
+        let curve = polynomial(encoded, CURVE);
+        L::select(encoded.le(L::splat(0.04045)), encoded * L::splat(1.0 / 12.92), curve)
     };
     Vec3::new(linear(texel), linear(texel.shr(8)), linear(texel.shr(16)))
 }

@@ -1,14 +1,16 @@
 //! Elementary functions as polynomials over the lane type: the same bits at every width, no libm.
 //!
-//! Errors are measured against `f64` by `tests/lane_functions.rs`, over dense sweeps of the stated domain; they hold with
-//! and without FMA. One ulp is the distance of neighbouring floats at the result.
+//! Errors are measured against `f64` by `tests/lane_functions.rs`, over dense sweeps of the stated domain;
+//! they hold with and without FMA. One ulp is the distance between neighbouring floats at the result.
 //!
-//! Source of the polynomials: S. Moshier, Cephes Mathematical Library, single precision (sinf, cosf, atanf, expf, logf).
+//! Source of the polynomials: S. Moshier, Cephes Mathematical Library, single precision (sinf, cosf, atanf,
+//! expf, logf).
 
-use super::{Bits, Lane};
-use std::f32::consts::{FRAC_PI_2, FRAC_PI_4, LOG2_E, PI};
+use super::traits::{Bits, Lane};
+use std::f32::consts::{FRAC_PI_2, FRAC_PI_4, LOG2_E, PI, TAU};
 
-/// ln 2 in two parts; the first is short, so that its product with an exponent is exact.
+/// ln 2 in two parts. The first has few bits, so that its product with an exponent is exact (Cody & Waite
+/// 1980).
 const LN_2_HIGH: f32 = 355.0 / 512.0;
 const LN_2_LOW: f32 = -2.121_944_4e-4;
 
@@ -33,9 +35,9 @@ fn sin_cos_octant<L: Lane>(r: L) -> (L, L) {
     (sin, cos)
 }
 
-/// Turns sine and cosine of the reduced angle into those of the angle `quadrant` quarter turns further on.
+/// Sine and cosine of an angle plus `quadrant` · π/2, from those of the angle.
 #[inline(always)]
-fn into_quadrant<L: Lane>(quadrant: L::Bits, sin: L, cos: L) -> (L, L) {
+fn rotate_quadrants<L: Lane>(quadrant: L::Bits, sin: L, cos: L) -> (L, L) {
     let one = L::Bits::splat(1);
     let swap = (quadrant & one).equals(one);
     let sin_sign = L::from_bits((quadrant & L::Bits::splat(2)).shl(30));
@@ -45,11 +47,13 @@ fn into_quadrant<L: Lane>(quadrant: L::Bits, sin: L, cos: L) -> (L, L) {
 
 /// Sine and cosine of an angle.
 ///
-/// Units: radians. Domain: |x| ≤ 8192; beyond it the error grows; infinite and NaN give NaN.
+/// Units: radians.
+/// Domain: |x| ≤ 8192; beyond it the error grows; infinite and NaN give NaN.
 /// Error: absolute, ≤ 1.2e-7 (measured).
 #[inline(always)]
 pub fn sin_cos<L: Lane>(x: L) -> (L, L) {
-    // π/2 in three parts, the first two with so few bits that k times them is exact for k < 2¹³ (Cody & Waite 1980).
+    // π/2 in three parts; the first two have so few bits that their product with k < 2¹³ is exact (Cody &
+    // Waite 1980).
     const PARTS: [f32; 3] = [1.570_312_5, 4.837_513e-4, 7.549_79e-8];
     let k = (x * L::splat(1.0 / FRAC_PI_2) + L::splat(0.5)).floor();
     let mut r = x;
@@ -57,7 +61,7 @@ pub fn sin_cos<L: Lane>(x: L) -> (L, L) {
         r = k.neg_mul_add(L::splat(part), r);
     }
     let (sin, cos) = sin_cos_octant(r);
-    into_quadrant(k.truncate_to_int(), sin, cos)
+    rotate_quadrants(k.truncate_to_int(), sin, cos)
 }
 
 /// Sine of an angle in radians; domain and error as in [`sin_cos`].
@@ -72,11 +76,14 @@ pub fn cos<L: Lane>(x: L) -> L {
     sin_cos(x).1
 }
 
-/// Sine and cosine of an angle given in whole turns, as sampling needs it: no reduction, no choice of quadrant.
+/// Sine and cosine of an angle in turns, without range reduction or choice of quadrant.
 ///
-/// Units: turns (1 = 2π). Domain: 0 ≤ u ≤ 1. Error: absolute, ≤ 8e-7 (measured).
-/// A quarter of the angle, turned back by half a turn so that it is within an octant, is doubled twice; the second doubling takes
-/// back the half turn.
+/// The angle less half a turn, divided by 4, lies in an octant. Two double-angle steps multiply it by 4; the
+/// signs of the second add the half turn again.
+///
+/// Units: turns (1 = 2π).
+/// Domain: 0 ≤ u ≤ 1.
+/// Error: absolute, ≤ 8e-7 (measured).
 #[inline(always)]
 pub fn sin_cos_turns<L: Lane>(u: L) -> (L, L) {
     let (sin, cos) = sin_cos_octant((u - L::splat(0.5)) * L::splat(FRAC_PI_2));
@@ -86,43 +93,71 @@ pub fn sin_cos_turns<L: Lane>(u: L) -> (L, L) {
     (twice * cos, twice.neg_mul_add(sin, -L::one()))
 }
 
-/// tan(π/8): above it [`atan_octant`] wants the angle turned by π/4.
-pub const ATAN_TURN: f32 = 0.414_213_56;
-
 /// The arctangent of |q| ≤ tan(π/8), in radians, without reduction.
 #[inline(always)]
-pub fn atan_octant<L: Lane>(q: L) -> L {
+fn atan_octant<L: Lane>(q: L) -> L {
     let q2 = q * q;
     let p = polynomial(q2, [8.053_744_5e-2, -1.387_768_6e-1, 1.997_771_1e-1, -3.333_295e-1]);
     (p * q2).mul_add(q, q)
 }
 
+/// Range reduction of atan(low / high): (numerator, denominator, reduced) with |numerator / denominator| ≤
+/// tan(π/8).
+///
+/// Where `reduced` holds, π/4 is missing from the arctangent of the quotient: atan(q) = π/4 + atan((q − 1)/(q
+/// + 1)). The caller divides, so that one division serves both cases.
+///
+/// Domain: 0 ≤ low ≤ high.
+#[inline(always)]
+fn reduce_atan<L: Lane>(low: L, high: L) -> (L, L, L::Mask) {
+    const TAN_EIGHTH_PI: f32 = 0.414_213_56;
+    let reduced = (high * L::splat(TAN_EIGHTH_PI)).lt(low);
+    (L::select(reduced, low - high, low), L::select(reduced, low + high, high), reduced)
+}
+
 /// The angle of the point (x, y), as in `f32::atan2`.
 ///
-/// Units: radians, in [−π, π]. Domain: all but NaN; zeros and infinities answer as IEEE 754 says.
+/// Units: radians, in [−π, π].
+/// Domain: all but NaN; zeros and infinities give what IEEE 754 says.
 /// Error: ≤ 3 ulp (measured).
 #[inline(always)]
 pub fn atan2<L: Lane>(y: L, x: L) -> L {
     let (ax, ay) = (x.abs(), y.abs());
     let (low, high) = (ax.min(ay), ax.max(ay));
-    // Above tan(π/8) turn by π/4: atan(q) = π/4 + atan((q − 1)/(q + 1)). One division serves both cases.
-    let turn = low.gt(high * L::splat(ATAN_TURN));
-    let numerator = L::select(turn, low - high, low);
-    let denominator = L::select(turn, low + high, high);
-    // 0/0 and ∞/∞ are the two corners: both components are equal there, at an angle of 0 and π/4.
+    let (numerator, denominator, reduced) = reduce_atan(low, high);
+    // 0/0 and ∞/∞: both components are equal, and the angle in the octant is 0 or π/4.
     let corner = low.eq(high) & !(low.is_finite() & low.gt(L::zero()));
     let q = L::select(corner, L::zero(), numerator / denominator);
-    let turn = turn | (corner & low.gt(L::zero()));
+    let reduced = reduced | (corner & low.gt(L::zero()));
     let atan = atan_octant(q);
-    let atan = L::select(turn, atan + L::splat(FRAC_PI_4), atan);
+    let atan = L::select(reduced, atan + L::splat(FRAC_PI_4), atan);
     let atan = L::select(ay.gt(ax), L::splat(FRAC_PI_2) - atan, atan);
-    let x_is_negative = !(x.to_bits() & L::Bits::splat(0x8000_0000)).equals(L::Bits::splat(0));
-    L::select(x_is_negative, L::splat(PI) - atan, atan).copysign(y)
+    L::select(x.is_sign_negative(), L::splat(PI) - atan, atan).copysign(y)
+}
+
+/// The angle of the point (x, y) in turns, without the special cases of [`atan2`].
+///
+/// Units: turns (1 = 2π), in [−½, ½].
+/// Domain: finite, the larger component at least 1e-30; (0, 0) gives 0.
+/// Error: see `kernel::surface::latitude_longitude`.
+#[inline(always)]
+pub fn atan2_turns<L: Lane>(y: L, x: L) -> L {
+    let (ax, ay) = (x.abs(), y.abs());
+    let steep = ax.lt(ay);
+    let (low, high) = (L::select(steep, ax, ay), L::select(steep, ay, ax));
+    let (numerator, denominator, reduced) = reduce_atan(low, high);
+    let q = numerator / denominator.max(L::splat(f32::MIN_POSITIVE));
+    let angle = atan_octant(q) * L::splat(1.0 / TAU);
+    let angle = angle + L::splat(0.125).only(reduced);
+    let angle = L::select(steep, L::splat(0.25) - angle, angle);
+    let angle = L::select(x.lt(L::zero()), L::splat(0.5) - angle, angle);
+    angle.flip_sign(y)
 }
 
 /// eˣ.
 ///
-/// Domain: all. Results below the smallest normal number are 0; above the largest, +∞. Error: ≤ 1.2 ulp (measured).
+/// Domain: all. Results below the smallest normal number are 0; above the largest, +∞. Error: ≤ 1.2 ulp
+/// (measured).
 #[inline(always)]
 pub fn exp<L: Lane>(x: L) -> L {
     const OVERFLOW: f32 = 88.722_84;
@@ -135,8 +170,8 @@ pub fn exp<L: Lane>(x: L) -> L {
     let p =
         polynomial(r, [1.987_569_1e-4, 1.398_199_9e-3, 8.333_452e-3, 4.166_579_6e-2, 1.666_666_5e-1, 0.5]);
     let p = (p * r).mul_add(r, r) + L::one();
-    // 2ᵏ as two factors of about 2^(k/2), because k reaches 128, one more than an exponent holds. 254 is twice the bias:
-    // it keeps the sum positive, so that halving it is a plain shift.
+    // 2ᵏ as two factors of about 2^(k/2): k reaches 128, and the largest exponent is 127. 254 is twice the
+    // bias; it keeps the sum positive, so that a shift halves it.
     let k = k.truncate_to_int().wrapping_add(L::Bits::splat(254));
     let half = k.shr(1);
     let rest = k.wrapping_add(L::Bits::splat(1)).shr(1);
@@ -151,7 +186,7 @@ pub fn exp<L: Lane>(x: L) -> L {
 /// Domain: all; 0 gives −∞, negative numbers NaN. Error: ≤ 0.9 ulp, near 1 too (measured).
 #[inline(always)]
 pub fn ln<L: Lane>(x: L) -> L {
-    const SCALE: f32 = 8_388_608.0; // 2²³ lifts denormals into the normal range.
+    const SCALE: f32 = 8_388_608.0; // 2²³ moves denormals into the normal range.
     let denormal = x.lt(L::splat(f32::MIN_POSITIVE));
     let scaled = L::select(denormal, x * L::splat(SCALE), x);
     let bits = scaled.to_bits();
@@ -188,7 +223,8 @@ pub fn ln<L: Lane>(x: L) -> L {
 
 /// xʸ as exp(y · ln x).
 ///
-/// Domain: x ≥ 0 (negative x gives NaN); y = 0 gives 1. Error: relative, ≤ 1.5e-7 · (1 + |y · ln x|) (measured).
+/// Domain: x ≥ 0 (negative x gives NaN); y = 0 gives 1. Error: relative, ≤ 1.5e-7 · (1 + |y · ln x|)
+/// (measured).
 #[inline(always)]
 pub fn powf<L: Lane>(x: L, y: L) -> L {
     let power = exp(y * ln(x));

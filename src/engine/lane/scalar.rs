@@ -1,6 +1,6 @@
-//! Width 1: `f32`, `u32` and `bool` as lanes. This is the scalar path that every packet is compared with.
+//! Width 1: `f32`, `u32` and `bool` as lanes. Every packet must give the bits of this scalar path.
 
-use super::{Bits, Lane, Mask};
+use super::traits::{Bits, Lane, Mask};
 
 impl Mask for bool {
     #[inline(always)]
@@ -112,7 +112,7 @@ impl Lane for f32 {
     }
     #[inline(always)]
     fn mul_add(self, factor: Self, addend: Self) -> Self {
-        // Without FMA in the target, f32::mul_add would call a software routine that wide does not use.
+        // Without FMA in the target, `f32::mul_add` calls a software routine, and `wide` does not.
         if cfg!(target_feature = "fma") { f32::mul_add(self, factor, addend) } else { self * factor + addend }
     }
     #[inline(always)]
@@ -157,7 +157,8 @@ impl Lane for f32 {
     }
     #[inline(always)]
     fn truncate_to_int(self) -> u32 {
-        // `as` saturates; the vector instruction answers 0x8000_0000 for everything outside. −2³¹ itself is that, too.
+        // `as` saturates; the vector instruction gives 0x8000_0000 for every value out of range, −2³¹
+        // included.
         if self.abs() < 2_147_483_648.0 { (self as i32) as u32 } else { 0x8000_0000 }
     }
     #[inline(always)]
@@ -167,11 +168,11 @@ impl Lane for f32 {
     #[inline(always)]
     fn compress_indices(_mask: bool) {}
     #[inline(always)]
-    fn compress(self, _packing: ()) -> Self {
+    fn compress(self, _indices: ()) -> Self {
         self
     }
     #[inline(always)]
-    fn compress_bits(bits: u32, _packing: ()) -> u32 {
+    fn compress_bits(bits: u32, _indices: ()) -> u32 {
         bits
     }
     #[inline(always)]

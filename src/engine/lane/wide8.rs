@@ -1,6 +1,6 @@
-//! Width 8: the packet types, thin shells around `wide`'s vectors.
+//! Width 8: the packet types, wrappers of the vectors of `wide`.
 
-use super::{Bits, Lane, Mask};
+use super::traits::{Bits, Lane, Mask};
 use bytemuck::{Pod, Zeroable};
 use std::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Neg, Not, Sub};
 use wide::{f32x4, f32x8, i32x8, u8x32, u32x8};
@@ -15,7 +15,7 @@ pub struct F32x8(f32x8);
 #[repr(transparent)]
 pub struct U32x8(u32x8);
 
-/// Eight truth values: all bits of a lane set, or none.
+/// Eight truth values: a lane is all ones or all zeros.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(transparent)]
 pub struct Mask8(f32x8);
@@ -63,7 +63,7 @@ impl Not for Mask8 {
     }
 }
 
-/// `FIRST[n]`: the first n of eight lanes set.
+/// `FIRST[n]`: the mask of the first n of eight lanes.
 const FIRST: [[u32; 8]; 9] = {
     let mut table = [[0; 8]; 9];
     let mut count = 0;
@@ -78,8 +78,8 @@ const FIRST: [[u32; 8]; 9] = {
     table
 };
 
-/// `PACKING[m]`: the lanes of bit mask m first, in their order, then lane 0. 8 KiB.
-static PACKING: [[u32; 8]; 256] = {
+/// `COMPRESS[m]`: the indices of the set bits of m in ascending order, then zeros. 8 KiB.
+static COMPRESS: [[u32; 8]; 256] = {
     let mut table = [[0; 8]; 256];
     let mut mask = 0;
     while mask < 256 {
@@ -97,8 +97,8 @@ static PACKING: [[u32; 8]; 256] = {
     table
 };
 
-/// For each byte of a register, the place in its half of the byte that stands there when those of each lane are turned round.
-const SWAPPED: [u8; 32] = {
+/// Byte-shuffle control: reverses the bytes of each 32-bit lane. Indices count within 128-bit halves.
+const REVERSE_BYTES: [u8; 32] = {
     let mut table = [0; 32];
     let mut byte = 0;
     while byte < 32 {
@@ -108,11 +108,12 @@ const SWAPPED: [u8; 32] = {
     table
 };
 
-/// The reverse of half a byte, as a low half and as a high half; twice, because bytes are shuffled within halves of registers.
+/// Lookup tables of bit-reversed nibbles, in the low and in the high nibble of a byte. Each table stands
+/// twice because bytes are shuffled within 128-bit halves.
 const REVERSED_TO_LOW: [u8; 32] = reversed(4);
 const REVERSED_TO_HIGH: [u8; 32] = reversed(0);
 
-/// `table[n]`: the 8 bits of n in reverse order, shifted right.
+/// `table[n]`: the 8 bits of n mod 16 in reverse order, shifted right.
 const fn reversed(shift: u32) -> [u8; 32] {
     let mut table = [0; 32];
     let mut index = 0;
@@ -163,12 +164,12 @@ impl Bits for U32x8 {
     }
     #[inline(always)]
     fn load(from: &[u32]) -> Self {
-        let lanes: &[u32; 8] = from.first_chunk().expect("eight numbers to load");
+        let lanes: &[u32; 8] = from.first_chunk().expect("load needs eight numbers");
         Self(u32x8::new(*lanes))
     }
     #[inline(always)]
     fn store(self, to: &mut [u32]) {
-        *to.first_chunk_mut().expect("room for eight numbers") = self.0.to_array();
+        *to.first_chunk_mut().expect("store needs room for eight numbers") = self.0.to_array();
     }
     #[inline(always)]
     fn wrapping_add(self, other: Self) -> Self {
@@ -189,16 +190,16 @@ impl Bits for U32x8 {
     #[inline(always)]
     fn reverse(self) -> Self {
         if cfg!(target_feature = "avx2") {
-            // Byte shuffles: the bytes of each lane change places, then each half of a byte looks up its reverse.
+            // Byte shuffles: reverse the bytes of each lane, then look up the reverse of each nibble.
             let bytes: u8x32 = bytemuck::cast(self.0);
-            let swapped = Self(bytemuck::cast(bytes.swizzle_half_relaxed(u8x32::new(SWAPPED))));
-            let halves = Self::splat(0x0f0f_0f0f);
-            let look_up = |table: [u8; 32], half: Self| {
-                Self(bytemuck::cast(u8x32::new(table).swizzle_half_relaxed(bytemuck::cast(half.0))))
+            let reversed = Self(bytemuck::cast(bytes.swizzle_half_relaxed(u8x32::new(REVERSE_BYTES))));
+            let nibble = Self::splat(0x0f0f_0f0f);
+            let look_up = |table: [u8; 32], index: Self| {
+                Self(bytemuck::cast(u8x32::new(table).swizzle_half_relaxed(bytemuck::cast(index.0))))
             };
-            look_up(REVERSED_TO_HIGH, swapped & halves) | look_up(REVERSED_TO_LOW, swapped.shr(4) & halves)
+            look_up(REVERSED_TO_HIGH, reversed & nibble) | look_up(REVERSED_TO_LOW, reversed.shr(4) & nibble)
         } else {
-            // Neighbours change places: bits, pairs, halves of bytes, bytes, halves.
+            // Swap neighbouring bits, pairs, nibbles, bytes, and 16-bit halves.
             let swap = |x: Self, count: u32, low: u32| {
                 let low = Self::splat(low);
                 (x.shr(count) & low) | (x & low).shl(count)
@@ -246,12 +247,12 @@ impl Lane for F32x8 {
     }
     #[inline(always)]
     fn load(from: &[f32]) -> Self {
-        let lanes: &[f32; 8] = from.first_chunk().expect("eight numbers to load");
+        let lanes: &[f32; 8] = from.first_chunk().expect("load needs eight numbers");
         Self(f32x8::new(*lanes))
     }
     #[inline(always)]
     fn store(self, to: &mut [f32]) {
-        *to.first_chunk_mut().expect("room for eight numbers") = self.0.to_array();
+        *to.first_chunk_mut().expect("store needs room for eight numbers") = self.0.to_array();
     }
     #[inline(always)]
     fn mul_add(self, factor: Self, addend: Self) -> Self {
@@ -261,7 +262,8 @@ impl Lane for F32x8 {
             self * factor + addend
         }
     }
-    // On x86 the instruction itself; compare and select, which the compiler does not join, elsewhere.
+    // On x86 the min and max instructions follow the rule of [`Lane::min`]; the compiler does not find them
+    // from compare and select.
     #[inline(always)]
     fn min(self, other: Self) -> Self {
         if cfg!(target_arch = "x86_64") {
@@ -328,7 +330,7 @@ impl Lane for F32x8 {
     }
     #[inline(always)]
     fn compress_indices(mask: Mask8) -> U32x8 {
-        U32x8(u32x8::new(PACKING[(mask.bitmask() & 0xff) as usize]))
+        U32x8(u32x8::new(COMPRESS[(mask.bitmask() & 0xff) as usize]))
     }
     #[inline(always)]
     fn compress(self, indices: U32x8) -> Self {
@@ -350,7 +352,7 @@ impl Lane for F32x8 {
             let columns = f32x8::transpose(std::array::from_fn(|lane| Self::load(row(lane)).0));
             std::array::from_fn(|column| Self(columns[column]))
         } else if N == 4 {
-            // Two transposes of four rows each.
+            // Two 4 × 4 transposes.
             let columns_of = |first: usize| {
                 let quad = |i: usize| {
                     let row = row(first + i);

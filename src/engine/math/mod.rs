@@ -1,6 +1,8 @@
-//! Vectors, rays and hits whose components are lanes, and the bounds of rounding error.
+//! Vectors, rays and hits whose components are lanes, and bounds of rounding error.
 //!
-//! For: [`Vec3`], [`Ray`], [`Hit`], [`gamma`]. May import: `lane`, `glam` (for conversion). Must never know: scenes, buffers.
+//! For: [`Vec3`], [`Ray`], [`Hit`], [`gamma`].
+//! May import: `lane`, `glam` (for conversion).
+//! Must never know: scenes, buffers.
 
 mod precision;
 mod ray;

@@ -1,9 +1,9 @@
-//! Rays and hits of a packet.
+//! Packets of rays and of hits.
 
-use super::Vec3;
+use super::vec3::Vec3;
 use crate::lane::{Bits, Lane};
 
-/// Primitive index of a ray that hit nothing.
+/// The primitive index of a miss.
 pub const MISS: u32 = u32::MAX;
 
 /// A packet of rays: points `origin + t · direction` with t > 0. Directions need not have unit length.
@@ -21,10 +21,10 @@ impl<L: Lane> Ray<L> {
     }
 }
 
-/// The nearest hit of each ray so far.
+/// The closest hit of each ray so far.
 ///
-/// `primitive` counts the scene's spheres first, then its triangles; [`MISS`] where nothing was hit, and there t is +∞.
-/// `u` and `v` are the barycentric weights of a triangle's second and third vertex; 0 on spheres.
+/// `primitive` counts the scene's spheres first, then its triangles. Where nothing is hit it is [`MISS`], and
+/// t is +∞. `u` and `v` are the barycentric weights of a triangle's second and third vertex; 0 on spheres.
 #[derive(Clone, Copy, Debug)]
 pub struct Hit<L: Lane> {
     pub t: L,
@@ -38,7 +38,7 @@ impl<L: Lane> Hit<L> {
     pub fn miss() -> Self {
         Self { t: L::splat(f32::INFINITY), primitive: L::Bits::splat(MISS), u: L::zero(), v: L::zero() }
     }
-    /// The lanes that hit something.
+    /// The lanes with a hit.
     #[inline(always)]
     pub fn found(&self) -> L::Mask {
         !self.primitive.equals(L::Bits::splat(MISS))

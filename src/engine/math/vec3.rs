@@ -1,9 +1,9 @@
-//! Three lanes as a vector.
+//! Vectors of lanes.
 
 use crate::lane::Lane;
 use std::ops::{Add, Mul, Neg, Sub};
 
-/// A vector, point or colour of every lane: `WIDTH` of them, component by component (structure of arrays).
+/// `WIDTH` vectors, points or colours, one per lane, component by component (structure of arrays).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Vec3<L> {
     pub x: L,
@@ -21,7 +21,7 @@ impl<L: Lane> Vec3<L> {
     pub fn splat(v: glam::Vec3) -> Self {
         Self::new(L::splat(v.x), L::splat(v.y), L::splat(v.z))
     }
-    /// One number as all three components.
+    /// The same number in all three components.
     #[inline(always)]
     pub fn repeat(x: L) -> Self {
         Self::new(x, x, x)
@@ -69,12 +69,12 @@ impl<L: Lane> Vec3<L> {
             L::select(mask, if_true.z, if_false.z),
         )
     }
-    /// Turns around where `sign` has its sign bit set.
+    /// Negates the vector where `sign` has its sign bit set.
     #[inline(always)]
     pub fn flip_sign(self, sign: L) -> Self {
         Self::new(self.x.flip_sign(sign), self.y.flip_sign(sign), self.z.flip_sign(sign))
     }
-    /// The mirror image of a direction that arrives at a surface with unit normal `n`: d − 2 (d·n) n.
+    /// The mirror direction of an arriving direction d at a surface with unit normal `n`: d − 2 (d·n) n.
     #[inline(always)]
     pub fn reflect(self, n: Self) -> Self {
         n.mul_add(L::splat(-2.0) * self.dot(n), self)

@@ -102,7 +102,7 @@ fn find_visible(
     }
     visible.resize_with(count, Visible::default);
     for (tile, visible) in tiles().zip(visible) {
-        visible.find(scene, &camera.pyramid([tile.x, tile.y], [tile.width, tile.height]));
+        visible.find(scene, &camera.view_frustum([tile.x, tile.y], [tile.width, tile.height]));
     }
 }
 

@@ -1,30 +1,29 @@
-//! The choice between well spread and independent numbers.
+//! The choice between Sobol and independent sample values.
 
-use super::{random, sobol};
+use super::{dimension, random, sobol};
 use crate::lane::{Bits, Lane};
 
-/// Where a path's numbers come from: functions of (seed, pixel, sample, dimension), whichever it is.
+/// The source of a path's sample values. With either they are functions of (seed, pixel, sample, dimension).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Sampler {
-    /// Owen-scrambled Sobol points, see [`sobol`]: less noise from the same samples.
+    /// Owen-scrambled Sobol points, see [`sobol`]: less noise at the same number of samples.
     #[default]
     Sobol,
-    /// Independent numbers, see [`random`].
+    /// Independent values, see [`random`].
     Random,
 }
 
 impl Sampler {
-    /// As the command line and reports name it.
+    /// The name on the command line and in reports.
     pub fn name(self) -> &'static str {
         match self {
             Self::Sobol => "sobol",
             Self::Random => "random",
         }
     }
-}
 
-impl Sampler {
-    /// What [`Numbers`] want to know of sample `sample` in the pixels with these indices (y · width + x).
+    /// The keys of sample `sample` in the pixels with these indices (y · width + x), as [`SampleValues`]
+    /// takes them.
     #[inline(always)]
     pub fn key<B: Bits>(self, seed: u32, pixel: B, sample: u32) -> B {
         match self {
@@ -34,20 +33,20 @@ impl Sampler {
     }
 }
 
-/// The numbers of one sample in all pixels: those from dimension `first` on, which belong to the place in the pixel or to a scattering
-/// event.
+/// The values of one sample index in all pixels, in the [`dimension::PER_BOUNCE`] dimensions from `first` on:
+/// those of the position in the pixel or of one scattering event.
 #[derive(Clone, Copy, Debug)]
-pub struct Numbers {
+pub struct SampleValues {
     sampler: Sampler,
     first: u32,
-    /// Of [`Sampler::Sobol`]: each pair before it is scrambled.
+    /// The Sobol point of each pair, before the pixels' digital shift. Zeros with [`Sampler::Random`].
     points: [[u32; 2]; PAIRS],
 }
 
-const PAIRS: usize = random::PER_BOUNCE as usize / 2;
+const PAIRS: usize = dimension::PER_BOUNCE as usize / 2;
 
-impl Numbers {
-    /// Numbers `first` (even) and the [`random::PER_BOUNCE`] − 1 after it of sample `sample`.
+impl SampleValues {
+    /// Of sample `sample` in the dimensions from `first` (even) on.
     #[inline(always)]
     pub fn new(sampler: Sampler, seed: u32, sample: u32, first: u32) -> Self {
         debug_assert!(first.is_multiple_of(2), "a pair begins at an even dimension");
@@ -58,24 +57,26 @@ impl Numbers {
         Self { sampler, first, points }
     }
 
-    /// Numbers `first` + `dimension` (even) and the next of the pixels with these keys, which are [`Sampler::key`]'s for the same seed and
-    /// sample: each uniform in [0, 1), a multiple of 2⁻²⁴, never 1.
+    /// The values in dimensions `first` + `dimension` (even) and the next, of the pixels with these keys:
+    /// each uniform in [0, 1), a multiple of 2⁻²⁴, never 1.
+    ///
+    /// Domain: keys from [`Sampler::key`] with the same seed and sample.
     #[inline(always)]
-    pub fn pair<L: Lane>(&self, key: L::Bits, dimension: u32) -> (L, L) {
+    pub fn get_2d<L: Lane>(&self, key: L::Bits, dimension: u32) -> (L, L) {
         debug_assert!(dimension.is_multiple_of(2), "a pair begins at an even dimension");
         let at = self.first + dimension;
         match self.sampler {
-            Sampler::Sobol => sobol::pair(key, self.points[dimension as usize / 2], at),
+            Sampler::Sobol => sobol::shifted(key, self.points[dimension as usize / 2], at),
             Sampler::Random => (random::uniform(key, at), random::uniform(key, at + 1)),
         }
     }
 
-    /// Number `first` + `dimension` alone: one of its pair.
+    /// The value in dimension `first` + `dimension`: one of its pair.
     #[inline(always)]
-    pub fn one<L: Lane>(&self, key: L::Bits, dimension: u32) -> L {
+    pub fn get_1d<L: Lane>(&self, key: L::Bits, dimension: u32) -> L {
         match self.sampler {
             Sampler::Sobol => {
-                let (first, second) = self.pair(key, dimension & !1);
+                let (first, second) = self.get_2d(key, dimension & !1);
                 if dimension & 1 == 0 { first } else { second }
             }
             Sampler::Random => random::uniform(key, self.first + dimension),

@@ -1,10 +1,11 @@
-//! The camera of a scene, and what makes one impossible.
+//! The camera of a scene, and its validation.
 
 use glam::Vec3;
 
-/// Smallest radius and smallest distance from camera to target: its square, 1e-36, is still a normal f32.
+/// Smallest radius, and smallest distance from camera to target: the square, 1e-36, is still a normal f32.
 pub const MIN_LENGTH: f64 = 1e-18;
-/// Sine of the smallest angle between the camera's line of sight and its `up`: well above f32 rounding (6e-8).
+/// Sine of the smallest angle between the camera's line of sight and its `up`: well above f32 rounding
+/// (6e-8).
 const MIN_UP_SINE: f64 = 1e-5;
 
 /// A pinhole camera.
@@ -15,15 +16,15 @@ pub struct Camera {
     pub look_at: Vec3,
     /// Not parallel to the line of sight.
     pub up: Vec3,
-    /// Degrees, from the lower to the upper edge of the picture; above 0 and below 180.
+    /// Degrees, from the lower to the upper edge of the image; above 0 and below 180.
     pub vertical_fov: f32,
 }
 
-/// What is wrong with a camera: the key to blame, what, and how to mend it.
+/// An error in a camera: the key it stands under, what is wrong, and how to mend it.
 pub type CameraFault = (&'static str, String, &'static str);
 
 impl Camera {
-    /// What is wrong with it, if something is.
+    /// The first error, if any.
     pub fn fault(&self) -> Option<CameraFault> {
         let Self { position, look_at, up, vertical_fov } = *self;
         if !(vertical_fov > 0.0 && vertical_fov < 180.0) {

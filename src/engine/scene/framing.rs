@@ -1,15 +1,17 @@
-//! The camera that sees everything.
+//! The bounds of a scene, and a camera that frames them.
 
-use super::{Camera, Scene, Sphere, Triangle};
+use super::camera::Camera;
+use super::model::Scene;
+use super::shapes::{Sphere, Triangle};
 use glam::{DVec3, Vec3};
 
 /// Degrees.
 const VERTICAL_FOV: f32 = 40.0;
-/// The middle of the scene is seen from this side, this many diagonals of the bounds away.
+/// The camera stands in this direction from the centre of the bounds, this many of their diagonals away.
 const VIEW_FROM: DVec3 = DVec3::new(1.0, 0.5, 1.5);
 const VIEW_DIAGONALS: f64 = 1.2;
 
-/// The lower and upper corner of the box around everything; `None` when there is nothing.
+/// The lower and upper corner of the axis-aligned box around all primitives; `None` if there are none.
 pub fn bounds(spheres: &[Sphere], triangles: &[Triangle]) -> Option<(DVec3, DVec3)> {
     let spheres = spheres.iter().flat_map(|sphere| {
         let (center, radius) = (sphere.center.as_dvec3(), f64::from(sphere.radius));
@@ -33,11 +35,12 @@ pub fn framing((lower, upper): (DVec3, DVec3), position: Option<Vec3>, look_at: 
 }
 
 impl Scene {
-    /// The lower and upper corner of the box around everything.
+    /// The lower and upper corner of the axis-aligned box around all primitives.
     pub fn bounds(&self) -> (DVec3, DVec3) {
         bounds(&self.spheres, &self.triangles).unwrap_or_default()
     }
-    /// A camera that sees the whole scene, whatever camera the scene has; `None` where f32 cannot tell it from what it looks at.
+    /// A camera that sees the whole scene, independent of the scene's own; `None` where f32 cannot separate
+    /// its position from its target.
     pub fn overview(&self) -> Option<Camera> {
         let camera = framing(self.bounds(), None, None);
         camera.fault().is_none().then_some(camera)

@@ -1,9 +1,9 @@
 //! Which primitives a tile of the picture can see at all: primary rays need not test the others.
 //!
-//! Only for methods whose answers are known to stay within the pyramid's margin ([`Methods::keep_to_their_primitives`]): the naive ones
+//! Only for methods whose answers are known to stay within the view frustum's margin ([`Methods::keep_to_their_primitives`]): the naive ones
 //! claim hits far outside a primitive, and those belong to their picture.
 
-use crate::camera::Pyramid;
+use crate::camera::ViewFrustum;
 use crate::scene::{Scene, Sphere, Triangle};
 
 /// Primitives in ascending order: spheres by their number, triangles counted from 0.
@@ -14,17 +14,17 @@ pub struct Visible {
 }
 
 impl Visible {
-    /// The scene's primitives that are not outside the pyramid.
-    pub fn of(scene: &Scene, pyramid: &Pyramid) -> Self {
+    /// The scene's primitives that are not outside the frustum.
+    pub fn of(scene: &Scene, frustum: &ViewFrustum) -> Self {
         let mut visible = Self::default();
-        visible.find(scene, pyramid);
+        visible.find(scene, frustum);
         visible
     }
 
     /// The same in place.
-    pub fn find(&mut self, scene: &Scene, pyramid: &Pyramid) {
-        let sphere = |s: &Sphere| !pyramid.excludes(&[s.center.as_dvec3()], f64::from(s.radius));
-        let triangle = |t: &Triangle| !pyramid.excludes(&t.vertices.map(|vertex| vertex.as_dvec3()), 0.0);
+    pub fn find(&mut self, scene: &Scene, frustum: &ViewFrustum) {
+        let sphere = |s: &Sphere| !frustum.excludes(&[s.center.as_dvec3()], f64::from(s.radius));
+        let triangle = |t: &Triangle| !frustum.excludes(&t.vertices.map(|vertex| vertex.as_dvec3()), 0.0);
         let (spheres, triangles) = ((0u32..).zip(&scene.spheres), (0u32..).zip(&scene.triangles));
         self.spheres.clear();
         self.spheres.extend(spheres.filter(|(_, s)| sphere(s)).map(|(i, _)| i));

@@ -55,7 +55,7 @@ fn text(scene: &Scene, texture_path: &dyn Fn(&str) -> String) -> String {
     for (i, triangle) in scene.triangles.iter().enumerate() {
         let [a, b, c] = triangle.vertices.map(vec3);
         write!(text, "    {{ \"vertices\": [{a}, {b}, {c}]").expect("text grows");
-        if scene.materials[triangle.material as usize].pictures().next().is_some() {
+        if scene.materials[triangle.material as usize].textures().next().is_some() {
             let [a, b, c] = scene.uvs[i].map(vec2);
             write!(text, ", \"uvs\": [{a}, {b}, {c}]").expect("text grows");
         }

@@ -69,7 +69,7 @@ impl Draft {
             return false;
         }
         let before = self.triangles.len();
-        if self.materials[material as usize].pictures().next().is_some() {
+        if self.materials[material as usize].textures().next().is_some() {
             let size = self.texture_sizes[material as usize];
             self.uvs.resize(before, [Vec2::ZERO; 3]);
             self.uvs.push(uvs.unwrap_or_else(|| planar_uvs(vertices, size)));

@@ -3,7 +3,7 @@
 //! For: [`Textures`]. May import: `files`. Must never know: what a texture lies on.
 
 use super::files::Files;
-use super::{Filter, Meaning, Texels, Texture, srgb_to_linear};
+use super::{Filter, TexelKind, Texels, Texture, srgb_to_linear};
 use crate::film::Picture;
 use crate::openexr;
 use image::{DynamicImage, ImageFormat, ImageReader};
@@ -12,11 +12,11 @@ use std::fmt::Display;
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
 
-/// The textures of one scene; each file is loaded once for each filter and meaning.
+/// The textures of one scene; each file is loaded once for each filter and kind of texels.
 #[derive(Default)]
 pub struct Textures {
     pub list: Vec<Texture>,
-    known: HashMap<(PathBuf, Filter, Meaning), u32>,
+    known: HashMap<(PathBuf, Filter, TexelKind), u32>,
 }
 
 impl Textures {
@@ -27,13 +27,13 @@ impl Textures {
         path: &Path,
         name: &str,
         filter: Filter,
-        meaning: Meaning,
+        texel_kind: TexelKind,
     ) -> Result<u32, String> {
-        let key = (path.to_path_buf(), filter, meaning);
+        let key = (path.to_path_buf(), filter, texel_kind);
         if let Some(&known) = self.known.get(&key) {
             return Ok(known);
         }
-        let (width, height, texels) = decode(&files.read(path)?, path, meaning)?;
+        let (width, height, texels) = decode(&files.read(path)?, path, texel_kind)?;
         let number = self.list.len() as u32;
         self.list.push(Texture { name: name.to_string(), width, height, filter, texels });
         self.known.insert(key, number);
@@ -41,7 +41,7 @@ impl Textures {
     }
 }
 
-fn decode(bytes: &[u8], path: &Path, meaning: Meaning) -> Result<(u32, u32, Texels), String> {
+fn decode(bytes: &[u8], path: &Path, texel_kind: TexelKind) -> Result<(u32, u32, Texels), String> {
     let mut reader =
         ImageReader::new(Cursor::new(bytes)).with_guessed_format().map_err(|error| error.to_string())?;
     // TGA has no magic number: its name must tell.
@@ -65,7 +65,7 @@ fn decode(bytes: &[u8], path: &Path, meaning: Meaning) -> Result<(u32, u32, Texe
             let picture = picture.into_rgb32f();
             linear_texels(width, picture.pixels().map(|pixel| pixel.0).collect())?
         }
-        _ => display_texels(picture, meaning),
+        _ => display_texels(picture, texel_kind),
     };
     Ok((width, height, texels))
 }
@@ -78,7 +78,7 @@ fn linear_texels(width: u32, pixels: Vec<[f32; 3]>) -> Result<Texels, String> {
             return Err(format!("the pixel in column {x}, row {y} holds {bad}, which is no amount of light"));
         }
     }
-    Ok(Texels::Linear(pixels.into_iter().map(|[r, g, b]| [r, g, b, 0.0]).collect()))
+    Ok(Texels::Float32(pixels.into_iter().map(|[r, g, b]| [r, g, b, 0.0]).collect()))
 }
 
 fn broken(error: impl Display) -> String {
@@ -86,21 +86,21 @@ fn broken(error: impl Display) -> String {
 }
 
 /// The other formats hold display values (sRGB), or data, of 8 or 16 bits.
-fn display_texels(picture: DynamicImage, meaning: Meaning) -> Texels {
+fn display_texels(picture: DynamicImage, texel_kind: TexelKind) -> Texels {
     use DynamicImage::{ImageLuma16, ImageLumaA16, ImageRgb16, ImageRgba16};
     match picture {
         ImageLuma16(_) | ImageLumaA16(_) | ImageRgb16(_) | ImageRgba16(_) => {
             // More than a byte holds: kept as linear numbers.
             let linear = |channel: u16| {
                 let x = f64::from(channel) / 65_535.0;
-                (if meaning == Meaning::Light { srgb_to_linear(x) } else { x }) as f32
+                (if texel_kind == TexelKind::Color { srgb_to_linear(x) } else { x }) as f32
             };
             let texel = |p: &image::Rgb<u16>| [linear(p[0]), linear(p[1]), linear(p[2]), 0.0];
-            Texels::Linear(picture.into_rgb16().pixels().map(texel).collect())
+            Texels::Float32(picture.into_rgb16().pixels().map(texel).collect())
         }
         _ => {
             let texels = picture.into_rgb8().pixels().map(|p| [p[0], p[1], p[2], 0]).collect();
-            if meaning == Meaning::Light { Texels::Display(texels) } else { Texels::Data(texels) }
+            if texel_kind == TexelKind::Color { Texels::Srgb8(texels) } else { Texels::Unorm8(texels) }
         }
     }
 }

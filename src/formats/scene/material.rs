@@ -7,7 +7,7 @@ use super::draft::Draft;
 use super::file::{FilterFile, MaterialFile, SkyFile};
 use super::files::Files;
 use super::place::{Place, Source};
-use super::{Filter, MIN_LENGTH, Material, MaterialKind, Meaning, SceneError, Sky};
+use super::{Filter, MIN_LENGTH, Material, MaterialKind, SceneError, Sky, TexelKind};
 use glam::Vec3;
 
 /// Texture sizes below this are mistakes: a single-precision texture coordinate could not be finite everywhere.
@@ -54,13 +54,13 @@ pub fn material(
         None if emitter => Vec3::ONE,
         None => Vec3::ZERO,
     };
-    let mut picture = |key: &'static str, path: &Option<String>, meaning| {
-        let load = |path| texture(source, files, draft, &place.key(key), path, (file.filter, meaning));
+    let mut picture = |key: &'static str, path: &Option<String>, texel_kind| {
+        let load = |path| texture(source, files, draft, &place.key(key), path, (file.filter, texel_kind));
         path.as_deref().map(load).transpose()
     };
-    let texture = picture("texture", &file.texture, Meaning::Light)?;
-    let roughness_map = picture("roughness_map", &file.roughness_map, Meaning::Data)?;
-    let normal_map = picture("normal_map", &file.normal_map, Meaning::Data)?;
+    let texture = picture("texture", &file.texture, TexelKind::Color)?;
+    let roughness_map = picture("roughness_map", &file.roughness_map, TexelKind::Data)?;
+    let normal_map = picture("normal_map", &file.normal_map, TexelKind::Data)?;
     let texture_size = match file.texture_size {
         Some(size) if size < MIN_TEXTURE_SIZE => {
             let mend = "write how many scene units one repeat of the texture covers, above 0";
@@ -140,14 +140,14 @@ fn texture(
     draft: &mut Draft,
     place: &Place,
     path: &str,
-    (filter, meaning): (Option<FilterFile>, Meaning),
+    (filter, texel_kind): (Option<FilterFile>, TexelKind),
 ) -> Result<u32, SceneError> {
     let filter = match filter {
         Some(FilterFile::Nearest) => Filter::Nearest,
         Some(FilterFile::Bilinear) | None => Filter::Bilinear,
     };
     let full = files.resolve(path);
-    draft.textures.load(files, &full, path, filter, meaning).map_err(|reason| {
+    draft.textures.load(files, &full, path, filter, texel_kind).map_err(|reason| {
         let mend = format!(
             "it was looked for at {}: give the path of a picture (png, jpg, bmp, tga, hdr, exr) relative to the scene file",
             full.display()
@@ -182,7 +182,7 @@ pub fn sky(
         }
         SkyFile { color, texture: Some(path), filter, .. } => Ok(Sky::Texture {
             color: radiance(source, &place.key("color"), color.unwrap_or([1.0; 3]))?,
-            texture: texture(source, files, draft, &place.key("texture"), path, (*filter, Meaning::Light))?,
+            texture: texture(source, files, draft, &place.key("texture"), path, (*filter, TexelKind::Color))?,
         }),
         SkyFile { color: Some(color), .. } => Ok(Sky::Color(radiance(source, &place.key("color"), *color)?)),
         _ => {

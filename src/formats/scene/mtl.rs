@@ -31,7 +31,7 @@
 use super::draft::Draft;
 use super::files::Files;
 use super::obj::{Fault, logical_lines, name, numbers, words};
-use super::{Filter, MIN_LENGTH, Material, MaterialKind, Meaning, SceneError};
+use super::{Filter, MIN_LENGTH, Material, MaterialKind, SceneError, TexelKind};
 use glam::{DVec3, Vec3};
 use std::collections::HashMap;
 use std::path::Path;
@@ -292,14 +292,15 @@ impl Entry {
             let (path, name) = (path.display(), &self.name);
             draft.warn(format!("{path}: the colour of `{name}` is above 1 and was lowered to 1."));
         }
-        let mut load = |picture: &Option<String>, meaning| {
+        let mut load = |picture: &Option<String>, texel_kind| {
             let picture = picture.as_ref()?;
             let folder = path.parent().unwrap_or(Path::new(""));
             let slashed = picture.replace('\\', "/");
             let spelt = if files.exists(&folder.join(picture)) { picture } else { &slashed };
             let shown = Path::new(library).parent().unwrap_or(Path::new("")).join(spelt);
             let shown = shown.to_string_lossy();
-            let loaded = draft.textures.load(files, &folder.join(spelt), &shown, Filter::Bilinear, meaning);
+            let loaded =
+                draft.textures.load(files, &folder.join(spelt), &shown, Filter::Bilinear, texel_kind);
             loaded
                 .map_err(|reason| {
                     let (path, name) = (path.display(), &self.name);
@@ -310,10 +311,10 @@ impl Entry {
                 .ok()
         };
         let kind = self.kind();
-        let texture = if look == Look::Glass { None } else { load(&self.picture, Meaning::Light) };
+        let texture = if look == Look::Glass { None } else { load(&self.picture, TexelKind::Color) };
         let roughness_map =
-            if kind.has_roughness() { load(&self.roughness_map, Meaning::Data) } else { None };
-        let normal_map = load(&self.normal_map, Meaning::Data);
+            if kind.has_roughness() { load(&self.roughness_map, TexelKind::Data) } else { None };
+        let normal_map = load(&self.normal_map, TexelKind::Data);
         let material = Material {
             name: self.name.clone(),
             kind,

@@ -19,7 +19,7 @@ use super::files::Files;
 use super::place::{Place, Source};
 use super::validate::check_resolution;
 use super::{
-    Camera, Filter, Material, MaterialKind, Meaning, Scene, SceneError, Side, Sky, Sphere, srgb_to_linear,
+    Camera, Filter, Material, MaterialKind, Scene, SceneError, Side, Sky, Sphere, TexelKind, srgb_to_linear,
 };
 use glam::{DVec3, Vec2, Vec3};
 use serde::Deserialize;
@@ -195,9 +195,9 @@ impl Loader<'_> {
             center: inverted(DVec3::from(center)),
             radius: radius(self.source, &place.key("radius"), file.radius)?,
             material: self.material(&surface, place)?,
-            turn: 0.5,
+            texture_turn: 0.5,
             // Its program reads every ball's picture from inside: right for its skies, mirrored on the others.
-            picture_from: Side::Inside,
+            texture_side: Side::Inside,
         };
         self.draft.spheres.push(sphere);
         Ok(())
@@ -280,7 +280,7 @@ impl Loader<'_> {
         let found = candidates(self.files, path).into_iter().find(|path| self.files.exists(path));
         let loaded = match found {
             Some(found) => {
-                self.draft.textures.load(self.files, &found, path, Filter::Nearest, Meaning::Light)
+                self.draft.textures.load(self.files, &found, path, Filter::Nearest, TexelKind::Color)
             }
             None => {
                 Err("no such file beside the scene, in the folders above it or in the working folder"

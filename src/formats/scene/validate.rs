@@ -144,8 +144,8 @@ fn add_sphere(
         center: vec3(source, &place.key("center"), file.center)?,
         radius: radius(source, &place.key("radius"), file.radius)?,
         material: named(source, draft, names, file.material.as_ref(), place)?,
-        turn,
-        picture_from: match file.picture_from {
+        texture_turn: turn,
+        texture_side: match file.picture_from {
             Some(SideFile::Inside) => Side::Inside,
             Some(SideFile::Outside) | None => Side::Outside,
         },

@@ -10,8 +10,9 @@ use crate::camera::Pinhole;
 use crate::integrate::Tile;
 use crate::kernel::surface::{sphere_normal, sphere_offset, triangle_normal, triangle_offset};
 use crate::math::{Hit, MISS, Ray, Vec3};
-use crate::sampling::random::{DIRECTION, bounce, path_key, uniform};
-use crate::sampling::warp::cosine_hemisphere;
+use crate::sampling::dimension::{DIRECTION, bounce};
+use crate::sampling::random::{path_key, uniform};
+use crate::sampling::warp::sample_cosine_hemisphere;
 use crate::scene::Scene;
 use crate::traverse::rays::{Hits, Rays};
 use serde::Serialize;
@@ -124,7 +125,7 @@ impl RaySet {
                 let (origin, normal) = leave(scene, &rays.rays().packet::<f32>(at), &hit);
                 let key = path_key(seed, y * width + x, 0);
                 let random = |number: u32| uniform::<f32>(key, bounce(event) + DIRECTION + number);
-                let direction = cosine_hemisphere(normal, random(0), random(1));
+                let direction = sample_cosine_hemisphere(normal, random(0), random(1));
                 set.push(Ray { origin, direction }, t_max);
             }
         }

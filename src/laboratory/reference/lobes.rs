@@ -1,6 +1,6 @@
 //! How materials scatter: where a path goes on, and what of its light goes with it.
 
-use crate::sampling::random::{DIRECTION, LOBE};
+use crate::sampling::dimension::{DIRECTION, LOBE};
 use crate::scene::MaterialKind;
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};

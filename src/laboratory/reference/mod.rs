@@ -46,8 +46,8 @@ impl Reference {
         let spheres = scene.spheres.iter().map(|sphere| Sphere {
             center: sphere.center.as_dvec3(),
             radius: f64::from(sphere.radius),
-            turn: f64::from(sphere.turn),
-            picture_from: sphere.picture_from,
+            turn: f64::from(sphere.texture_turn),
+            picture_from: sphere.texture_side,
             material: sphere.material as usize,
         });
         let triangles = scene.triangles.iter().enumerate().map(|(index, triangle)| Triangle {

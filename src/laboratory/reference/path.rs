@@ -2,8 +2,8 @@
 
 use super::geometry::Surface;
 use super::{Reference, lobes, texture};
-use crate::sampling::random::{PIXEL, bounce};
-use crate::sampling::{Numbers, Sampler};
+use crate::sampling::dimension::{PIXEL, bounce};
+use crate::sampling::{SampleValues, Sampler};
 use crate::scene::{MaterialKind, Side, Sky};
 use glam::DVec3;
 
@@ -27,8 +27,8 @@ impl Reference {
     pub fn path(&self, settings: PathSettings, x: u32, y: u32, sample: u32) -> [f64; 3] {
         let key = settings.sampler.key::<u32>(settings.seed, y * settings.resolution[0] + x, sample);
         let numbers = |first: u32| {
-            let numbers = Numbers::new(settings.sampler, settings.seed, sample, first);
-            move |dimension: u32| f64::from(numbers.one::<f32>(key, dimension))
+            let numbers = SampleValues::new(settings.sampler, settings.seed, sample, first);
+            move |dimension: u32| f64::from(numbers.get_1d::<f32>(key, dimension))
         };
         let in_pixel = numbers(PIXEL);
         let (mut origin, mut direction) =

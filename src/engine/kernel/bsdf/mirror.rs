@@ -1,10 +1,10 @@
 //! A perfect mirror: a delta lobe.
 
-use super::BsdfSample;
+use super::sample::BsdfSample;
 use crate::lane::Lane;
 use crate::math::Vec3;
 
 #[inline(always)]
 pub fn sample<L: Lane>(d: Vec3<L>, n: Vec3<L>) -> BsdfSample<L> {
-    BsdfSample::whole(d.reflect(n), L::splat(f32::INFINITY))
+    BsdfSample::lossless(d.reflect(n), L::splat(f32::INFINITY))
 }

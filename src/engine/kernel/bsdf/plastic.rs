@@ -1,35 +1,37 @@
-//! Plastic: a clear coat, smooth or rough, over a matt base.
+//! Plastic: a dielectric coat, smooth or rough, over a diffuse base.
 //!
-//! The coat reflects F at its facets ([`super::ggx`]; smooth at alpha 0). What it lets in, T(i), is scattered by the base
-//! (Lambert, reflectance a) and leaves through the coat, T(o), or is reflected back from within, F′ of it, onto the base again, and so on.
-//! The series sums to
+//! The coat reflects F at its facets ([`super::ggx`]; smooth at alpha 0). The rest, T(i), reaches the base,
+//! which scatters it (Lambert, reflectance a). Of that T(o) leaves through the coat; F′ of it is reflected
+//! back onto the base, and so on. The series sums to
 //!
 //! ```text
-//! f = F D G₂ / (4 cos i cos o) + a T(i) T(o) / (π η² (1 − a F′)),      1 − F′ = T̄ / η²,   T̄ = 2 ∫ T(c) c dc
+//! f = F D G₂ / (4 cos i cos o) + a T(i) T(o) / (π η² (1 − a F′)),    1 − F′ = T̄ / η²,   T̄ = 2 ∫ T(c) c dc
 //!   = F D G₂ / (4 cos i cos o) + T(i) T(o) / π · a / (η² (1 − a) + a T̄)
 //! ```
 //!
-//! Reciprocal. With a smooth coat and a = 1 it returns all light, F(o) + T(o) = 1. A rough coat's facets show themselves more steeply
-//! to a grazing ray than its plane does, so T is that of the cosine c + (1 − c) κ α^1.5 with κ = `STEEPER`: the largest that creates no light,
-//! by quadrature (0.07 % at most, for indices from 1 to 3). What a rough coat loses is stated where it is measured, `tests/lobes.rs`.
+//! It is reciprocal. With a smooth coat and a = 1 it returns all light, F(o) + T(o) = 1. A grazing ray meets
+//! the facets of a rough coat less obliquely than the plane of the coat, so T is that of the cosine c + (1 −
+//! c) κ α^1.5 with κ = `GRAZING_FIT`: the largest κ that creates no light, by quadrature (0.07 % at most, for
+//! indices from 1 to 3). `tests/lobes.rs` measures and states what a rough coat loses.
 //!
-//! Source: Wolff, Nayar, Oren, "Improved Diffuse Reflection Models for Computer Vision", IJCV 1998; Jakob, Mitsuba, `plastic`;
-//! 1 − F′ = T̄ / η²: Egan, Hilgeman, Optical Properties of Inhomogeneous Materials, 1979. The steeper cosine is our own fit.
+//! Source: Wolff, Nayar, Oren, "Improved Diffuse Reflection Models for Computer Vision", IJCV 1998; Jakob,
+//! Mitsuba, `plastic`; 1 − F′ = T̄ / η²: Egan, Hilgeman, Optical Properties of Inhomogeneous Materials, 1979.
+//! The fit of the grazing cosine is our own.
 
-use super::glass::boundary;
-use super::{BsdfEval, BsdfSample, LobeEval, diffuse, ggx};
+use super::sample::{BsdfEval, BsdfSample, LobeEval};
+use super::{diffuse, fresnel, ggx};
 use crate::lane::Lane;
 use crate::math::Vec3;
 
-/// See the head of this file.
-const STEEPER: f32 = 0.43;
+/// κ in the head of this file.
+const GRAZING_FIT: f32 = 0.43;
 
-/// What plastic is made of.
+/// The parameters of plastic.
 #[derive(Clone, Copy, Debug)]
 pub struct Plastic<L: Lane> {
     /// The base's reflectance a.
     pub color: Vec3<L>,
-    /// Of the coat, in [0, 1].
+    /// Roughness of the coat, in [0, 1].
     pub alpha: L,
     /// η, at least 1.
     pub ior: L,
@@ -37,89 +39,87 @@ pub struct Plastic<L: Lane> {
     pub transmitted: L,
 }
 
-/// T̄: what the coat lets in of light that comes evenly from everywhere. Domain: `ior` ≥ 1, `alpha` in [0, 1].
+/// T̄: the coat's transmittance of uniform incident radiance.
 ///
-/// In f64, by the midpoint rule over c², off by less than 1e-6.
+/// Domain: `ior` ≥ 1, `alpha` in [0, 1].
+/// Error: less than 1e-6; in f64 by the midpoint rule over c².
 pub fn mean_transmittance(ior: f32, alpha: f32) -> f32 {
     const STEPS: u32 = 4096;
     let (eta, alpha) = (1.0 / f64::from(ior), f64::from(alpha));
-    let steeper = f64::from(STEEPER) * alpha * alpha.sqrt();
-    let transmitted = |step: u32| {
+    let fit = f64::from(GRAZING_FIT) * alpha * alpha.sqrt();
+    let transmittance = |step: u32| {
         let c = ((f64::from(step) + 0.5) / f64::from(STEPS)).sqrt();
-        let c = c + (1.0 - c) * steeper;
-        let cos_t = (1.0 - eta * eta * (1.0 - c * c)).sqrt();
-        let (parallel, perpendicular) =
-            ((c - eta * cos_t) / (c + eta * cos_t), (eta * c - cos_t) / (eta * c + cos_t));
-        1.0 - 0.5 * (parallel * parallel + perpendicular * perpendicular)
+        1.0 - fresnel::reflectance_f64(eta, c + (1.0 - c) * fit)
     };
-    ((0..STEPS).map(transmitted).sum::<f64>() / f64::from(STEPS)) as f32
+    ((0..STEPS).map(transmittance).sum::<f64>() / f64::from(STEPS)) as f32
 }
 
 impl<L: Lane> Plastic<L> {
     #[inline(always)]
     fn fresnel(&self, cos: L) -> L {
-        // Not 0, where an index of 1 knows no answer.
-        boundary(L::one() / self.ior, cos.min(L::one()).max(L::splat(1e-6))).fresnel
+        // Above 0: at a cosine of 0 an index of 1 gives 0/0.
+        fresnel::dielectric(L::one() / self.ior, cos.min(L::one()).max(L::splat(1e-6))).reflectance
     }
-    /// T of a direction by its cosine.
+    /// T of a direction, from its cosine.
     #[inline(always)]
-    fn let_in(&self, cos: L) -> L {
-        let steeper = L::splat(STEEPER) * self.alpha * self.alpha.sqrt();
+    fn transmittance(&self, cos: L) -> L {
+        let fit = L::splat(GRAZING_FIT) * self.alpha * self.alpha.sqrt();
         let cos = cos.max(L::zero());
-        L::one() - self.fresnel((L::one() - cos).mul_add(steeper, cos))
+        L::one() - self.fresnel((L::one() - cos).mul_add(fit, cos))
     }
     /// a / (η² (1 − a) + a T̄) of each channel.
     #[inline(always)]
-    fn base(&self) -> Vec3<L> {
+    fn base_factor(&self) -> Vec3<L> {
         let eta2 = self.ior * self.ior;
-        let of =
+        let factor =
             |a: L| a / a.mul_add(self.transmitted, eta2 * (L::one() - a)).max(L::splat(f32::MIN_POSITIVE));
-        Vec3::new(of(self.color.x), of(self.color.y), of(self.color.z))
+        Vec3::new(factor(self.color.x), factor(self.color.y), factor(self.color.z))
     }
-    /// F at the facet that reflects d into `towards`: h · o = |h| / 2.
+    /// F at the facet that reflects d into `wi`: h · o = |h| / 2.
     #[inline(always)]
-    fn facet_fresnel(&self, d: Vec3<L>, towards: Vec3<L>) -> L {
-        let half = towards - d;
+    fn facet_fresnel(&self, d: Vec3<L>, wi: Vec3<L>) -> L {
+        let half = wi - d;
         self.fresnel(L::splat(0.5) * half.dot(half).sqrt())
     }
-    /// How probably the coat is drawn: its share of the light if it were smooth, of the channel with the brightest base.
+    /// The probability of sampling the coat: its share of the reflected light if it were smooth, in the
+    /// channel with the brightest base.
     #[inline(always)]
-    fn coat_probability(&self, let_in: L, base: Vec3<L>) -> L {
-        let fresnel = L::one() - let_in;
+    fn coat_probability(&self, into_base: L, base: Vec3<L>) -> L {
+        let fresnel = L::one() - into_base;
         let base = base.x.max(base.y).max(base.z) * self.transmitted;
-        // With neither, black anyway.
-        fresnel / base.mul_add(let_in, fresnel).max(L::splat(f32::MIN_POSITIVE))
+        // Where both are zero, the result is black.
+        fresnel / base.mul_add(into_base, fresnel).max(L::splat(f32::MIN_POSITIVE))
     }
 
-    /// Draws the coat or the base by `choose`, uniform in [0, 1). The weight of the lanes holds all colour.
+    /// Samples the coat or the base, as `uc` says. The second result is the weight with colour.
     #[inline(always)]
-    pub fn sample(&self, d: Vec3<L>, n: Vec3<L>, choose: L, (u, v): (L, L)) -> (BsdfSample<L>, Vec3<L>) {
-        let (let_in, base) = (self.let_in(ggx::cos_out(d, n)), self.base());
-        let probability = self.coat_probability(let_in, base);
+    pub fn sample(&self, d: Vec3<L>, n: Vec3<L>, uc: L, (u, v): (L, L)) -> (BsdfSample<L>, Vec3<L>) {
+        let (into_base, base) = (self.transmittance(ggx::cos_o(d, n)), self.base_factor());
+        let probability = self.coat_probability(into_base, base);
         let (on_coat, on_base) = (ggx::sample(d, n, self.alpha, u, v), diffuse::sample(n, u, v));
-        let coat = choose.lt(probability);
+        let coat = uc.lt(probability);
         let delta = coat & ggx::is_narrow(self.alpha);
-        let direction = Vec3::select(coat, on_coat.direction, on_base.direction);
-        let BsdfEval { value, pdf } = self.evaluate(d, n, direction);
+        let wi = Vec3::select(coat, on_coat.wi, on_base.wi);
+        let BsdfEval { value, pdf } = self.evaluate(d, n, wi);
         let weight = value * (L::one() / pdf);
-        let mirrored = on_coat.weight * self.facet_fresnel(d, on_coat.direction) / probability;
-        let weight = Vec3::select(delta, Vec3::repeat(mirrored), weight);
+        let mirror_weight = on_coat.weight * self.facet_fresnel(d, on_coat.wi) / probability;
+        let weight = Vec3::select(delta, Vec3::repeat(mirror_weight), weight);
         let pdf = L::select(delta, L::splat(f32::INFINITY), pdf);
-        // Of a direction without density rounding drew what the lobe has not.
+        // Where the pdf is zero, rounding moved the sample out of the lobe.
         let alive = (!coat | on_coat.alive) & L::zero().lt(pdf);
-        (BsdfSample { direction, weight: L::one(), pdf, alive }, weight)
+        (BsdfSample { wi, weight: L::one(), pdf, alive }, weight)
     }
 
-    /// Coat and base together; the base alone where the coat is narrow. Zero below the surface.
+    /// Coat and base together; the base alone where the coat is a delta lobe. Zero below the surface.
     #[inline(always)]
-    pub fn evaluate(&self, d: Vec3<L>, n: Vec3<L>, towards: Vec3<L>) -> BsdfEval<L> {
-        let (let_in, base) = (self.let_in(ggx::cos_out(d, n)), self.base());
-        let probability = self.coat_probability(let_in, base);
-        let on_coat: LobeEval<L> = ggx::evaluate(d, n, self.alpha, towards);
-        let on_base = diffuse::evaluate(n, towards);
-        let through = let_in * self.let_in(towards.dot(n)) * on_base.value;
-        let shine = self.facet_fresnel(d, towards) * on_coat.value;
+    pub fn evaluate(&self, d: Vec3<L>, n: Vec3<L>, wi: Vec3<L>) -> BsdfEval<L> {
+        let (into_base, base) = (self.transmittance(ggx::cos_o(d, n)), self.base_factor());
+        let probability = self.coat_probability(into_base, base);
+        let on_coat: LobeEval<L> = ggx::evaluate(d, n, self.alpha, wi);
+        let on_base = diffuse::evaluate(n, wi);
+        let diffuse = into_base * self.transmittance(wi.dot(n)) * on_base.value;
+        let specular = self.facet_fresnel(d, wi) * on_coat.value;
         let pdf = probability.mul_add(on_coat.pdf, (L::one() - probability) * on_base.pdf);
-        BsdfEval { value: base.mul_add(through, Vec3::repeat(shine)), pdf }
+        BsdfEval { value: base.mul_add(diffuse, Vec3::repeat(specular)), pdf }
     }
 }

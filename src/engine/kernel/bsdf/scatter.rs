@@ -1,27 +1,31 @@
-//! The thesis's lobe: normalize(reflected + roughness · s), s uniform on the unit sphere; absorbed where that points below the surface,
-//! or nowhere. What is drawn keeps all its light, so f · cos θ is the density itself.
+//! The thesis's lobe: wi = normalize(reflected + roughness · s), s uniform on the unit sphere; absorbed where
+//! the sum points below the surface or is zero. Samples have weight 1, so f · cos θ equals the pdf.
 //!
-//! # The density
-//! The drawn points lie uniformly on the surface of a sphere of radius ρ (the roughness) around the tip of the unit vector R of
-//! the mirror direction: 1 / 4πρ² per area. A ray from the origin along ω, at the angle γ to R, meets that sphere at
+//! # The pdf
+//! The sums are uniformly distributed on the surface of a sphere of radius ρ (the roughness) around the tip
+//! of the unit vector R of the mirror direction: 1 / 4πρ² per area. A ray from the origin along ω, at the
+//! angle γ to R, meets that sphere at
 //!
 //! ```text
 //! |t ω − R|² = ρ²   ⇒   t = c ± q,   c = cos γ,   q² = c² − 1 + ρ² = ρ² − sin² γ
 //! ```
 //!
-//! and an area dA there, whose normal (t ω − R) / ρ makes an angle with the ray whose cosine is (t − c) / ρ = ± q / ρ, covers the solid
-//! angle dA (q / ρ) / t². Each crossing with t > 0 so adds t² / 4πρq:
+//! and an area dA there, whose normal (t ω − R) / ρ has the cosine (t − c) / ρ = ± q / ρ with the ray, covers
+//! the solid angle dA (q / ρ) / t². So each crossing with t > 0 adds t² / 4πρq:
 //!
-//! - ρ < 1: the origin is outside. Both crossings count, within the cone sin γ < ρ, c > 0; beyond it nothing is drawn.
-//! - ρ ≥ 1: the origin is inside (or on it). One crossing counts, t = c + q. At ρ = 1 that is Lambert's c / π around R.
+//! - ρ < 1: the origin is outside. Both crossings count, within the cone sin γ < ρ, c > 0; the pdf is zero
+//!   outside it.
+//! - ρ ≥ 1: the origin is inside (or on it). One crossing counts, t = c + q. At ρ = 1 that is Lambert's c / π
+//!   around R.
 //!
 //! # The rim
-//! For ρ < 1 the density grows as 1 / q towards the rim of the cone: integrably, but without bound, and rounding puts some drawn
-//! directions beyond it. So x = q² / ρ² is kept above η = `RIM`, and the cone widened to x > −η. To first order the ring that this adds
-//! holds what the floor takes away, c √η / 2 each, so that the density's integral stays 1; it is moved by η ρ / 2c at most,
-//! 0.002°. Error: x is off by a few 2⁻²⁴ / ρ, below η down to [`NARROW`].
+//! For ρ < 1 the pdf grows as 1 / q towards the rim of the cone: integrable but unbounded, and rounding puts
+//! some samples outside. So x = q² / ρ² is clamped to at least η = `RIM`, and the cone is widened to x > −η.
+//! To first order the ring adds what the clamp removes, c √η / 2 each, so that the pdf still integrates to 1;
+//! the rim moves by at most η ρ / 2c, 0.002°.
+//! Error: x is off by a few 2⁻²⁴ / ρ, less than η down to [`NARROW`].
 
-use super::{BsdfSample, LobeEval};
+use super::sample::{BsdfSample, LobeEval};
 use crate::lane::Lane;
 use crate::math::Vec3;
 use crate::sampling::warp;
@@ -29,49 +33,52 @@ use std::f32::consts::PI;
 
 /// Below this roughness (a cone of 0.9°) the lobe counts as a delta lobe.
 pub const NARROW: f32 = 1.0 / 64.0;
-/// See "the rim".
+/// η of "the rim" in the head of this file.
 const RIM: f32 = 1.0 / 16_384.0;
 
 #[inline(always)]
 pub fn sample<L: Lane>(d: Vec3<L>, n: Vec3<L>, roughness: L, u: L, v: L) -> BsdfSample<L> {
     let reflected = d.reflect(n);
-    let towards = warp::unit_sphere(u, v).mul_add(roughness, reflected);
-    // A vector so short that its direction is rounding noise is absorbed with the zero vector: 2⁻²⁰ is far above the noise.
-    let alive = L::splat(1e-12).lt(towards.dot(towards)) & L::zero().lt(towards.dot(n));
-    let direction = Vec3::select(alive, towards, n).normalize();
-    // What was drawn has some density, whatever rounding says.
-    let density = density(reflected, roughness, direction).max(L::splat(f32::MIN_POSITIVE));
-    let pdf = L::select(roughness.lt(L::splat(NARROW)), L::splat(f32::INFINITY), density);
-    BsdfSample { direction, weight: L::one(), pdf, alive }
+    let sum = warp::sample_uniform_sphere(u, v).mul_add(roughness, reflected);
+    // Absorbs the zero vector and vectors so short that their direction is rounding noise: 2⁻²⁰ is far above
+    // it.
+    let alive = L::splat(1e-12).lt(sum.dot(sum)) & L::zero().lt(sum.dot(n));
+    let wi = Vec3::select(alive, sum, n).normalize();
+    // A sample has a positive pdf, even where rounding makes it zero.
+    let pdf = pdf(reflected, roughness, wi).max(L::splat(f32::MIN_POSITIVE));
+    let pdf = L::select(roughness.lt(L::splat(NARROW)), L::splat(f32::INFINITY), pdf);
+    BsdfSample { wi, weight: L::one(), pdf, alive }
 }
 
-/// Value and density, which are the same; zero below the surface and for narrow lobes.
+/// Value and pdf, which are equal; zero below the surface and for narrow lobes.
 #[inline(always)]
-pub fn evaluate<L: Lane>(d: Vec3<L>, n: Vec3<L>, roughness: L, towards: Vec3<L>) -> LobeEval<L> {
-    let pdf = density(d.reflect(n), roughness, towards);
-    let somewhere = L::splat(NARROW).le(roughness) & L::zero().lt(towards.dot(n));
-    LobeEval::within(somewhere, pdf, pdf)
+pub fn evaluate<L: Lane>(d: Vec3<L>, n: Vec3<L>, roughness: L, wi: Vec3<L>) -> LobeEval<L> {
+    let pdf = pdf(d.reflect(n), roughness, wi);
+    let valid = L::splat(NARROW).le(roughness) & L::zero().lt(wi.dot(n));
+    LobeEval::within(valid, pdf, pdf)
 }
 
-/// Domain: roughness from [`NARROW`] to 1e18; finite everywhere.
+/// The pdf derived in the head of this file; finite everywhere.
+///
+/// Domain: roughness from [`NARROW`] to 1e18.
 #[inline(always)]
-fn density<L: Lane>(reflected: Vec3<L>, roughness: L, towards: Vec3<L>) -> L {
-    let c = towards.dot(reflected);
-    let across = towards.cross(reflected);
-    // Not from c: 1 − c² cancels in narrow cones.
+fn pdf<L: Lane>(reflected: Vec3<L>, roughness: L, wi: Vec3<L>) -> L {
+    let c = wi.dot(reflected);
+    let across = wi.cross(reflected);
+    // The sine comes from the cross product: 1 − c² cancels in narrow cones.
     let inverse = L::one() / roughness;
     let sine = across * inverse;
     let x = L::one() - sine.dot(sine);
     let q = roughness * x.max(L::splat(RIM)).sqrt();
     let outside = roughness.lt(L::one());
-    // Where ρ ≥ 1, q ≥ |c|: for c < 0 the sum cancels, and the product of the roots, 1 − ρ², does not.
+    // Where ρ ≥ 1, q ≥ |c|: for c < 0 the sum c + q cancels; the product of the roots, 1 − ρ², does not.
     let product = roughness.mul_add(roughness, -L::one());
     let behind = product / (q - c);
     let far = L::select(!outside & c.lt(L::zero()), behind, c + q);
     let near = (c - q).only(outside);
-    // As ratios, because ρ² q would overflow.
+    // As ratios: ρ² q would overflow.
     let squares = (far * inverse).mul_add(far, (near * inverse) * near);
-    let density = squares / (L::splat(4.0 * PI) * q);
+    let pdf = squares / (L::splat(4.0 * PI) * q);
     let beyond = outside & (x.lt(L::splat(-RIM)) | c.lt(L::zero()));
-    L::select(beyond, L::zero(), density)
+    L::select(beyond, L::zero(), pdf)
 }

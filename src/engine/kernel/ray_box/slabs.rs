@@ -1,33 +1,40 @@
-//! The default: one FMA a plane, and padding that makes up for it.
+//! The default method: one FMA per plane, and padding that covers its rounding.
 
-use super::{BoxMethod, Padding, in_order};
+use super::method::{BoxMethod, in_order};
+use super::padding::Padding;
 use crate::lane::Lane;
 use crate::math::{Ray, Vec3};
 
-/// A ray made ready for boxes: the intervals of t within pairs of planes are `plane · inverse + near` to `plane · inverse + far`.
+/// A ray prepared for boxes: within a pair of planes t runs from `plane · inverse + near` to `plane ·
+/// inverse + far`.
 #[derive(Clone, Copy, Debug)]
 pub struct Slabs<L> {
-    /// 1 / direction; directions along an axis are turned off it by 2⁻⁶⁰ of their length.
+    /// 1 / direction, where each component of the direction has at least 2⁻⁶⁰ of its length: finite.
     pub inverse: Vec3<L>,
-    /// −origin / direction, less the padding.
+    /// −origin / direction − padding.
     pub near: Vec3<L>,
-    /// −origin / direction, and the padding.
+    /// −origin / direction + padding.
     pub far: Vec3<L>,
 }
 
 impl<L: Lane> Slabs<L> {
-    /// Padding, in units of t: (|o| + room) 2⁻²¹ |1/d| along each axis, |o| along that axis and room of [`Padding::room`]: eight roundings
-    /// of everything that the FMA adds up. No hit is lost: `tests/hierarchy_laws.rs`, at corners, in the planes of faces, in awkward directions.
+    /// Prepares a ray. The padding is (|o| + room) 2⁻²¹ |1/d| along each axis, |o| along that axis and room
+    /// of [`Padding::room`]: eight roundings of everything that the FMA adds up.
+    ///
+    /// Units: the padding is in units of t.
+    /// Error: no hit is lost, at corners, in the planes of faces and in nearly axis-parallel directions
+    /// (`tests/hierarchy_laws.rs`).
     #[inline(always)]
     pub fn new(ray: &Ray<L>, padding: Padding) -> Self {
         let d = ray.direction;
-        // A sum and not the largest, so that a NaN in one component is in all planes: such a ray passes no box.
+        // The sum of the components and not the largest: a NaN in one of them reaches all planes, and the ray
+        // passes no box.
         let least = (d.x.abs() + d.y.abs() + d.z.abs()) * L::splat(f32::powi(0.5, 60));
-        let (room, share) = (padding.room(ray.origin), L::splat(padding.padding));
+        let (room, relative) = (padding.room(ray.origin), padding.relative::<L>());
         let axis = |origin: L, direction: L| {
             let inverse = L::one() / direction.abs().max(least).copysign(direction);
             let middle = -(origin * inverse);
-            let padding = (origin.abs() + room) * inverse.abs() * share;
+            let padding = (origin.abs() + room) * inverse.abs() * relative;
             (inverse, middle - padding, middle + padding)
         };
         let (x, y, z) = (axis(ray.origin.x, d.x), axis(ray.origin.y, d.y), axis(ray.origin.z, d.z));
@@ -38,8 +45,9 @@ impl<L: Lane> Slabs<L> {
         }
     }
 
-    /// Where each ray enters and leaves its box, from its planes in the order in which the ray meets them. It passes the box if the
-    /// first is not above the second; the first may be negative.
+    /// The slab test: the t at which each ray enters and leaves its box, whose planes are given in the order
+    /// in which the ray meets them. The ray passes the box if the first is not above the second; the first
+    /// may be negative.
     #[inline(always)]
     pub fn interval(&self, first: Vec3<L>, second: Vec3<L>) -> (L, L) {
         let plane = |plane: L, inverse: L, rest: L| plane.mul_add(inverse, rest);
@@ -52,7 +60,7 @@ impl<L: Lane> Slabs<L> {
         (near, far)
     }
 
-    /// The same for boxes given by their lower and upper corners.
+    /// [`Slabs::interval`] of boxes given by their lower and upper corners.
     #[inline(always)]
     pub fn pass(&self, lo: Vec3<L>, hi: Vec3<L>) -> (L, L) {
         let (first, second) = in_order(self.inverse, lo, hi);
@@ -60,9 +68,10 @@ impl<L: Lane> Slabs<L> {
     }
 }
 
-/// [`Slabs`] as one method among others.
+/// [`Slabs`] as a [`BoxMethod`].
 ///
-/// Error: no false miss; boxes that are missed by less than two paddings may be passed (`tests/kernel_box.rs`).
+/// Error: no false miss; a ray that misses a box by less than two paddings may pass it
+/// (`tests/kernel_box.rs`).
 /// Source: see [`super`].
 pub struct Padded;
 
@@ -77,4 +86,19 @@ impl BoxMethod for Padded {
     fn pass<L: Lane>(slabs: &Slabs<L>, lo: Vec3<L>, hi: Vec3<L>) -> (L, L) {
         slabs.pass(lo, hi)
     }
+}
+
+/// Restricts a triangle hit to the triangle's own box: of the lanes that hit at `t`, those that pass the box
+/// before `limit`, and t clamped to the box's interval.
+#[inline(always)]
+pub fn own_box<L: Lane>(
+    slabs: &Slabs<L>,
+    (lo, hi): (Vec3<L>, Vec3<L>),
+    hit: L::Mask,
+    t: L,
+    limit: L,
+) -> (L::Mask, L) {
+    let (near, far) = slabs.pass(lo, hi);
+    let t = t.min(far).max(near);
+    (hit & near.le(far) & L::zero().lt(t) & t.lt(limit), t)
 }

@@ -1,12 +1,12 @@
-//! An affine map for each triangle.
+//! Baldwin and Weber's method: an affine map per triangle.
 
-use super::{TriangleHit, TriangleMethod};
+use super::method::{TriangleHit, TriangleMethod};
 use crate::lane::{Lane, Mask};
 use crate::math::{Ray, Vec3};
 
-/// Baldwin and Weber's test: an affine map per triangle, stored in 12 floats, takes it to the unit triangle.
+/// Baldwin and Weber's test: an affine map, stored in 12 floats, takes each triangle to the unit triangle.
 ///
-/// Error: each triangle rounds its own map, so shared edges leak; large offsets from the origin cost accuracy.
+/// Error: each triangle rounds its own map, so shared edges leak; far from the origin it loses accuracy.
 /// Source: Baldwin, Weber, "Fast Ray-Triangle Intersections by Coordinate Transformation", JCGT 5(3), 2016.
 pub struct BaldwinWeber;
 
@@ -22,7 +22,8 @@ impl TriangleMethod for BaldwinWeber {
     type Prepared<L: Lane> = Ray<L>;
 
     fn store(vertices: [glam::Vec3; 3]) -> AffineMap {
-        // In f64: this happens once per triangle and its rounding is the method's largest error.
+        // In f64, because the rounding of the map is the method's largest error; it is computed once per
+        // triangle.
         let [a, b, c] = vertices.map(|v| v.as_dvec3());
         let (ab, ac) = (b - a, c - a);
         let normal = ab.cross(ac);
@@ -40,18 +41,18 @@ impl TriangleMethod for BaldwinWeber {
     }
     #[inline(always)]
     fn test<L: Lane>(ray: &Ray<L>, triangle: &AffineMap, limit: L) -> TriangleHit<L> {
-        let turn = |row: &[f32; 4], v: Vec3<L>| {
+        let rotate = |row: &[f32; 4], v: Vec3<L>| {
             Vec3::new(L::splat(row[0]), L::splat(row[1]), L::splat(row[2])).dot(v)
         };
         let [row_u, row_v, row_n] = &triangle.rows;
-        let t = -(turn(row_n, ray.origin) + L::splat(row_n[3])) / turn(row_n, ray.direction);
+        let t = -(rotate(row_n, ray.origin) + L::splat(row_n[3])) / rotate(row_n, ray.direction);
         let in_front = L::zero().lt(t) & t.lt(limit);
         if !in_front.any() {
             return TriangleHit::none(limit);
         }
         let point = ray.at(t);
-        let u = turn(row_u, point) + L::splat(row_u[3]);
-        let v = turn(row_v, point) + L::splat(row_v[3]);
+        let u = rotate(row_u, point) + L::splat(row_u[3]);
+        let v = rotate(row_v, point) + L::splat(row_v[3]);
         let mask = in_front & L::zero().le(u) & L::zero().le(v) & (u + v).le(L::one());
         TriangleHit { mask, t, u, v }
     }

@@ -1,6 +1,6 @@
-//! The classic, by Cramer's rule.
+//! Möller and Trumbore's method: Cramer's rule.
 
-use super::{TriangleHit, TriangleMethod};
+use super::method::{TriangleHit, TriangleMethod};
 use crate::lane::{Lane, Mask};
 use crate::math::{Ray, Vec3};
 
@@ -14,10 +14,10 @@ pub struct Edges {
 
 /// Möller and Trumbore's test: solves for t and the barycentrics by Cramer's rule.
 ///
-/// Error: loses about 10 % of the rays aimed at edges shared by two triangles and 8 % of those aimed at vertices; with FMA 16 % and
-/// 22 % (`tests/stability.rs`).
-/// Source: Möller, Trumbore, "Fast, Minimum Storage Ray/Triangle Intersection", JGT 2(1), 1997 (non-culling branch, without
-/// an epsilon on the determinant, which would make small triangles vanish).
+/// Error: loses about 10 % of the rays aimed at edges shared by two triangles and 8 % of those aimed at
+/// vertices; with FMA 16 % and 22 % (`tests/stability.rs`).
+/// Source: Möller, Trumbore, "Fast, Minimum Storage Ray/Triangle Intersection", JGT 2(1), 1997 (non-culling
+/// branch, without an epsilon on the determinant, which would make small triangles vanish).
 pub struct MollerTrumbore;
 
 impl TriangleMethod for MollerTrumbore {
@@ -37,10 +37,11 @@ impl TriangleMethod for MollerTrumbore {
     }
 }
 
-/// [`MollerTrumbore`] as it is often copied: determinants between −1e-6 and 1e-6 count as parallel. It is here to be charted.
+/// [`MollerTrumbore`] with an epsilon: determinants between −1e-6 and 1e-6 count as parallel. For charts.
 ///
-/// Error: as without; and triangles with edges below some 1e-3 are not there, because the determinant is an area, and no angle.
-/// Source: the same paper, whose listing has an epsilon of 1e-6.
+/// Error: as [`MollerTrumbore`]; it also misses all triangles with edges below some 1e-3, because the
+/// determinant is an area and not an angle.
+/// Source: the listing in the same paper.
 pub struct MollerTrumboreEpsilon;
 
 impl TriangleMethod for MollerTrumboreEpsilon {
@@ -60,16 +61,21 @@ impl TriangleMethod for MollerTrumboreEpsilon {
     }
 }
 
-/// The test, given which determinants it takes.
+/// The test of triangles whose determinant `accepts`.
 #[inline(always)]
-fn cramer<L: Lane>(ray: &Ray<L>, triangle: &Edges, limit: L, takes: impl Fn(L) -> L::Mask) -> TriangleHit<L> {
+fn cramer<L: Lane>(
+    ray: &Ray<L>,
+    triangle: &Edges,
+    limit: L,
+    accepts: impl Fn(L) -> L::Mask,
+) -> TriangleHit<L> {
     let (ab, ac) = (Vec3::splat(triangle.ab), Vec3::splat(triangle.ac));
     let p = ray.direction.cross(ac);
     let determinant = ab.dot(p);
     let inverse = L::one() / determinant;
     let from_a = ray.origin - Vec3::splat(triangle.a);
     let u = from_a.dot(p) * inverse;
-    let inside = takes(determinant) & L::zero().le(u) & u.le(L::one());
+    let inside = accepts(determinant) & L::zero().le(u) & u.le(L::one());
     if !inside.any() {
         return TriangleHit::none(limit);
     }

@@ -1,14 +1,15 @@
-//! Signed volumes of the edges.
+//! Plücker coordinates: signed volumes of the edges.
 
-use super::{TriangleHit, TriangleMethod};
+use super::method::{TriangleHit, TriangleMethod};
 use crate::lane::{Lane, Mask};
 use crate::math::{Ray, Vec3};
 
-/// Plücker coordinates: the ray passes the three edges on the same side.
+/// The test in Plücker coordinates: the ray passes the three edges on the same side.
 ///
-/// Error: edges are computed alike from both sides and do not leak; vertices do: 0.3 % of aimed rays, with FMA 1.8 %
-/// (`tests/stability.rs`).
-/// Source: Shevtsov et al., "Ray-Triangle Intersection Algorithm for Modern CPU Architectures", GraphiCon 2007.
+/// Error: both triangles of an edge compute the same number, so edges do not leak; vertices leak 0.3 % of the
+/// rays aimed at them, with FMA 1.8 % (`tests/stability.rs`).
+/// Source: Shevtsov et al., "Ray-Triangle Intersection Algorithm for Modern CPU Architectures", GraphiCon
+/// 2007.
 pub struct Plucker;
 
 impl TriangleMethod for Plucker {
@@ -25,7 +26,8 @@ impl TriangleMethod for Plucker {
     #[inline(always)]
     fn test<L: Lane>(ray: &Ray<L>, vertices: &[glam::Vec3; 3], limit: L) -> TriangleHit<L> {
         let [a, b, c] = vertices.map(|v| Vec3::splat(v) - ray.origin);
-        // The volume spanned by the direction and an edge, computed so that both triangles of the edge see opposite numbers.
+        // The volume spanned by the direction and an edge: both triangles of the edge compute exactly
+        // opposite numbers.
         let side = |p: Vec3<L>, q: Vec3<L>| ray.direction.dot((q - p).cross(q + p));
         let (u, v, w) = (side(b, c), side(c, a), side(a, b));
         let (least, most) = (u.min(v).min(w), u.max(v).max(w));

@@ -1,33 +1,38 @@
-//! The watertight method, and the same with contracted edge functions.
+//! Woop's watertight method, and the same with contracted edge functions.
 
-use super::{TriangleHit, TriangleMethod};
+use super::method::{TriangleHit, TriangleMethod};
+use crate::kernel::surface::triangle_bounds;
 use crate::lane::{Bits, F32x8, Lane, Mask};
 use crate::math::{Ray, Vec3};
 
-/// Woop's watertight test: the vertices are moved into a space where the ray is the z axis, and three edge functions are
-/// compared with zero, edges included.
+/// Woop's watertight test: the vertices are transformed into a space where the ray is the z axis, and three
+/// edge functions are compared with zero, edges included.
 ///
-/// Watertight because (1) a vertex lands on the same 2D point whichever triangle asks, and (2) an edge function is the
-/// difference of two rounded products, so that the two triangles of an edge see exactly opposite numbers. For (2) the edge
-/// functions must not be contracted to FMA; the shear may. No fallback to double precision: an edge function that is
-/// exactly zero counts as inside, which can claim a ray twice but never lose it.
+/// Watertight because (1) a vertex is transformed to the same 2D point in every triangle that shares it, and
+/// (2) an edge function is the difference of two rounded products, so that both triangles of an edge compute
+/// exactly opposite numbers. For (2) the edge functions must not be contracted to FMA; the shear may. No
+/// fallback to double precision: an edge function that is exactly zero counts as inside, so both triangles
+/// may report the hit, and none is lost.
 ///
-/// Departures from the paper: axes are not swapped to keep the winding (both sides count), no double fallback, and a packet
-/// orders the vertices' components with one register permutation each.
+/// Departures from the paper: axes are not swapped to keep the winding (both sides count), there is no
+/// fallback to double precision, and a packet orders the components of a vertex with one register permutation
+/// each.
 ///
-/// Domain: lengths from 1e-12 to 1e12, because three of them are multiplied: triangles of 1e-15 are missed now and then, or their t is
-/// wrong, and those of 1e15 are always missed.
-/// Error: 0 leaks on edges and vertices (360,000 aimed rays each, `octray stability`); p99 relative error of t 1e-4 on slivers of aspect 10⁴.
-/// Confirmed by `tests/stability.rs`.
+/// Domain: lengths from 1e-12 to 1e12, because three of them are multiplied: triangles of 1e-15 are sometimes
+/// missed or have a wrong t, and those of 1e15 are always missed.
+/// Error: 0 leaks on edges and vertices (360,000 aimed rays each, `octray stability`); p99 relative error of
+/// t 1e-4 on slivers of aspect 10⁴. Confirmed by `tests/stability.rs`.
 /// Source: Woop, Benthin, Wald, "Watertight Ray/Triangle Intersection", JCGT 2(1), 2013.
 pub struct Woop;
 
-/// [`Woop`] with FMA in its edge functions: what a compiler that contracts would make of it. It leaks 0.5 % of the rays
-/// aimed at edges (nothing on a target without FMA) and is here to be charted.
+/// [`Woop`] with FMA in its edge functions, as a contracting compiler would make it. For charts.
+///
+/// Error: leaks 0.5 % of the rays aimed at edges (none on a target without FMA).
 pub struct WoopContracted;
 
-/// Each vertex as x y z x y, so that the components from any axis on stand in cyclic order, in a row that a register holds. Behind the
-/// first and second vertex stand the lower and upper corner of the triangle's box.
+/// Each vertex as x y z x y in a row of eight, so that the components from any axis on are in cyclic order
+/// and fit one register. The last three numbers of the first and second row are the lower and upper corner of
+/// the triangle's box.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(32))]
 pub struct WoopTriangle {
@@ -37,7 +42,8 @@ pub struct WoopTriangle {
 /// The space in which the ray is the z axis: an order of axes and a shear.
 #[derive(Clone, Copy)]
 pub struct WoopRay<L: Lane> {
-    /// The axis, 0 to 2, along which the direction is longest: it becomes z. The next two, cyclically, become x and y.
+    /// The axis, 0 to 2, along which the direction is longest: it becomes z. The next two, cyclically, become
+    /// x and y.
     z_axis: L::Bits,
     /// The origin in that order.
     origin: Vec3<L>,
@@ -46,7 +52,7 @@ pub struct WoopRay<L: Lane> {
 }
 
 impl<L: Lane> WoopRay<L> {
-    /// The axis that becomes z, the origin in the ray's order of axes, and the shear: to be kept and put together again.
+    /// The axis that becomes z, the origin in the ray's order of axes, and the shear, for storage as columns.
     #[inline(always)]
     pub fn into_parts(self) -> (L::Bits, Vec3<L>, Vec3<L>) {
         (self.z_axis, self.origin, self.shear)
@@ -86,35 +92,36 @@ impl<L: Lane> WoopRay<L> {
     }
 }
 
-/// Woop's test of triangles given by their vertices relative to the origin, in the ray's order of axes, over one way to compute the
-/// edge function p.x q.y − p.y q.x. `None` only where no lane hits; what is found may have no lane either.
+/// Woop's test of triangles given by their vertices relative to the origin, in the ray's order of axes.
+/// `edge` computes the edge function p.x q.y − p.y q.x. Returns `None` only if no lane hits; the mask of a
+/// result may be empty too.
 #[inline(always)]
 fn woop<L: Lane>(
     shear: Vec3<L>,
     [a, b, c]: [Vec3<L>; 3],
     edge: impl Fn((L, L), (L, L)) -> L,
 ) -> Option<TriangleHit<L>> {
-    // Where a vertex lies across the ray.
+    // The x and y of a vertex in the space of the ray.
     let sheared = |v: Vec3<L>| (shear.x.neg_mul_add(v.z, v.x), shear.y.neg_mul_add(v.z, v.y));
     let (pa, pb, pc) = (sheared(a), sheared(b), sheared(c));
     let (u, v, w) = (edge(pc, pb), edge(pa, pc), edge(pb, pa));
     let (least, most) = (u.min(v).min(w), u.max(v).max(w));
     let inside = L::zero().le(least) | most.le(L::zero());
-    // Rays that leave a surface pierce it behind their origin: told by signs, before the branch and without a division.
+    // Rays that leave a surface have t < 0 with it: compare signs before the branch, without a division.
     let determinant = u + v + w;
     let scaled_t = u.mul_add(a.z, v.mul_add(b.z, w * c.z)) * shear.z;
     let inside = inside & !(scaled_t.flip_sign(determinant)).lt(L::zero());
     if !inside.any() {
         return None;
     }
-    // A zero determinant divides to infinity or NaN, and neither is a distance.
+    // A zero determinant gives an infinite or NaN t, which the mask rejects.
     let inverse = L::one() / determinant;
     let t = scaled_t * inverse;
     let mask = inside & L::zero().lt(t) & t.lt(L::splat(f32::INFINITY));
     Some(TriangleHit { mask, t, u: v * inverse, v: w * inverse })
 }
 
-/// What was found before the limit.
+/// The hits before `limit`.
 #[inline(always)]
 fn within<L: Lane>(found: Option<TriangleHit<L>>, limit: L) -> TriangleHit<L> {
     let found = found.unwrap_or_else(|| TriangleHit::none(L::splat(f32::INFINITY)));
@@ -127,11 +134,12 @@ fn exact_edge<L: Lane>(p: (L, L), q: (L, L)) -> L {
     p.0 * q.1 - p.1 * q.0
 }
 
-/// Eight triangles as a structure of arrays: three vertices of three components of eight lanes; NaN where there is none.
+/// Eight triangles as a structure of arrays: three vertices of three components of eight lanes; NaN where
+/// there is none.
 pub type EightTriangles = [[[f32; 8]; 3]; 3];
 
 impl WoopRay<f32> {
-    /// One ray against eight triangles: lane by lane the same numbers as the packet's test.
+    /// One ray against eight triangles. Each lane has the bits of the packet's test.
     #[inline(always)]
     pub fn test_eight(&self, triangles: &EightTriangles) -> Option<TriangleHit<F32x8>> {
         let [x, y, z] = ORDERS[(self.z_axis & 3) as usize];
@@ -156,14 +164,14 @@ impl WoopRay<f32> {
 }
 
 impl<L: Lane> WoopRay<L> {
-    /// The axis that becomes z, where it is the same in all lanes.
+    /// The axis that becomes z, if it is the same in all lanes.
     #[inline(always)]
     pub fn common_axis(&self) -> Option<u32> {
         let first = self.z_axis.get(0);
         self.z_axis.equals(L::Bits::splat(first)).all().then_some(first)
     }
 
-    /// Rays against one triangle given by its corners.
+    /// A packet against one triangle, given by its corners.
     #[inline(always)]
     pub fn test_corners(&self, corners: [[f32; 3]; 3]) -> Option<TriangleHit<L>> {
         let is = |axis: u32| self.z_axis.equals(L::Bits::splat(axis));
@@ -176,7 +184,7 @@ impl<L: Lane> WoopRay<L> {
         woop(self.shear, corners.map(vertex), exact_edge)
     }
 
-    /// Rays that all have this one axis against one triangle of eight.
+    /// A packet whose rays all have the z axis `axis` against one triangle of eight.
     #[inline(always)]
     pub fn test_lane_along(
         &self,
@@ -192,7 +200,8 @@ impl<L: Lane> WoopRay<L> {
     }
 }
 
-/// The axes that become x, y and z, by the one that becomes z. Four entries, so that two bits index it.
+/// The axes that become x, y and z, indexed by the one that becomes z. Four entries, so that `& 3` drops the
+/// bounds check.
 const ORDERS: [[usize; 3]; 4] = [[1, 2, 0], [2, 0, 1], [0, 1, 2], [0, 1, 2]];
 
 impl TriangleMethod for Woop {
@@ -200,8 +209,7 @@ impl TriangleMethod for Woop {
     type Prepared<L: Lane> = WoopRay<L>;
 
     fn store(vertices: [glam::Vec3; 3]) -> WoopTriangle {
-        let [a, b, c] = vertices;
-        let (lo, hi) = (a.min(b).min(c), a.max(b).max(c));
+        let ([a, b, c], [lo, hi]) = (vertices, triangle_bounds(vertices));
         let row = |v: glam::Vec3, rest: glam::Vec3| [v.x, v.y, v.z, v.x, v.y, rest.x, rest.y, rest.z];
         WoopTriangle { rows: [row(a, lo), row(b, hi), row(c, glam::Vec3::ZERO)] }
     }

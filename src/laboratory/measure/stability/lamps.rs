@@ -92,7 +92,7 @@ type Drawn = (Vec3<f32>, f32);
 /// Around the axis towards `center`.
 fn cone(center: Vec3<f32>, sin: f32, cos: f32, v: f32) -> Vec3<f32> {
     let axis = center.normalize();
-    let (tangent, bitangent) = warp::basis(axis);
+    let (tangent, bitangent) = warp::orthonormal_basis(axis);
     let (sin_around, cos_around) = functions::sin_cos_turns(v);
     tangent.mul_add(sin * cos_around, bitangent.mul_add(sin * sin_around, axis * cos))
 }
@@ -123,8 +123,8 @@ fn taylor(center: Vec3<f32>, radius: f32, u: f32, v: f32) -> Drawn {
 
 /// The renderer's.
 fn sine(center: Vec3<f32>, radius: f32, u: f32, v: f32) -> Drawn {
-    let LightSample { direction, density, .. } = light::sample_sphere(center, radius, u, v);
-    (direction, density)
+    let LightSample { wi, pdf, .. } = light::sample_sphere(center, radius, u, v);
+    (wi, pdf)
 }
 
 /// Two numbers in [0, 1).
@@ -224,8 +224,8 @@ fn determinant(lamp: Lamp, _: f32, _: f32) -> Drawn {
 
 /// The renderer's.
 fn whole_or_area(lamp: Lamp, u: f32, v: f32) -> Drawn {
-    let LightSample { direction, density, .. } = light::sample_triangle(lamp.a, lamp.ab, lamp.ac, u, v);
-    (direction, density)
+    let LightSample { wi, pdf, .. } = light::sample_triangle(lamp.a, lamp.ab, lamp.ac, u, v);
+    (wi, pdf)
 }
 
 /// Methods answer by solid angle, or by area where little of it is seen: either is right.

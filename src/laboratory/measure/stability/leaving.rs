@@ -7,7 +7,7 @@ use super::{Bound, Dice, Recipe, Tally, triangles};
 use crate::kernel::ray_triangle::Woop;
 use crate::kernel::surface::{triangle_normal, triangle_offset};
 use crate::math;
-use crate::sampling::warp::cosine_hemisphere;
+use crate::sampling::warp::sample_cosine_hemisphere;
 use glam::Vec3;
 
 pub(super) const WAECHTER: &str = "Wächter, Binder, Ray Tracing Gems ch. 6, 2019";
@@ -132,7 +132,7 @@ impl Way {
 pub fn leaving(dice: &mut Dice, n: Vec3) -> Vec3 {
     if dice.index(2) == 0 {
         let [u, v] = [(); 2].map(|()| (dice.unit() as f32).min(1.0_f32.next_down()));
-        return cosine_hemisphere::<f32>(math::Vec3::splat(n), u, v).get(0);
+        return sample_cosine_hemisphere::<f32>(math::Vec3::splat(n), u, v).get(0);
     }
     loop {
         let cos = dice.scale(1e-6, 1.0);

@@ -20,10 +20,10 @@ pub const RECIPES: &[Recipe] = &[
         cases: 50_000,
         methods: &[
             Method::other("sum", |dice, x, cases| {
-                opposite(dice, x, cases, |n, u, v| (warp::unit_sphere(u, v) + n).normalize())
+                opposite(dice, x, cases, |n, u, v| (warp::sample_uniform_sphere(u, v) + n).normalize())
             }),
             Method::default("smaller-sphere", |dice, x, cases| {
-                opposite(dice, x, cases, warp::cosine_hemisphere::<f32>)
+                opposite(dice, x, cases, warp::sample_cosine_hemisphere::<f32>)
             }),
         ],
         bound: |_| Bound::NO_FAILURE,
@@ -44,7 +44,7 @@ pub const RECIPES: &[Recipe] = &[
             }),
             Method::default("absorbed-and-shadowed", |dice, x, cases| {
                 matt(dice, x, cases, |w, normal, own| {
-                    (w.dot(own) > 0.0).then(|| normals::terminator(w, normal, own))
+                    (w.dot(own) > 0.0).then(|| normals::shadow_terminator(w, normal, own))
                 })
             }),
         ],
@@ -61,7 +61,9 @@ pub const RECIPES: &[Recipe] = &[
         cases: 100_000,
         methods: &[
             Method::other("unbent", |dice, x, cases| mirror(dice, x, cases, |_, normal, _| normal)),
-            Method::default("bent", |dice, x, cases| mirror(dice, x, cases, normals::bend::<f32>)),
+            Method::default("bent", |dice, x, cases| {
+                mirror(dice, x, cases, normals::bend_for_reflection::<f32>)
+            }),
         ],
         bound: |_| Bound::NO_FAILURE,
     },
@@ -69,7 +71,7 @@ pub const RECIPES: &[Recipe] = &[
 
 const CHIANG: &str = "Chiang, Li, Burley, Taming the Shadow Terminator, SIGGRAPH Talks 2019";
 
-/// The numbers u and v from which [`warp::unit_sphere`] makes this unit vector, but for rounding.
+/// The numbers u and v from which [`warp::sample_uniform_sphere`] makes this unit vector, but for rounding.
 fn numbers(v: DVec3) -> (f32, f32) {
     let below_one = |x: f64| (x as f32).min(1.0 - f32::EPSILON / 2.0);
     (below_one(0.5 - 0.5 * v.z), below_one((v.y.atan2(v.x) / TAU).rem_euclid(1.0)))
@@ -118,7 +120,7 @@ fn matt(
         for cell in 0..SIDE * SIDE {
             let within = |at: usize, dice: &mut Dice| ((at as f64 + dice.unit()) / SIDE as f64) as f32;
             let (u, v) = (within(cell % SIDE, dice), within(cell / SIDE, dice));
-            let w = diffuse::sample(normal, u.min(1.0 - f32::EPSILON), v.min(1.0 - f32::EPSILON)).direction;
+            let w = diffuse::sample(normal, u.min(1.0 - f32::EPSILON), v.min(1.0 - f32::EPSILON)).wi;
             if let Some(weight) = passes(w, normal, own) {
                 passed += f64::from(weight);
                 below |= w.get(0).as_dvec3().dot(own.get(0).as_dvec3()) <= 0.0;

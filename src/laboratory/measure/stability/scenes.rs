@@ -138,7 +138,7 @@ fn mixed(dice: &mut Dice, ratio: f64, cases: usize, way: Way) -> Tally {
 
 /// A ball of the first material.
 pub fn sphere(center: Vec3, radius: f32) -> Sphere {
-    Sphere { center, radius, material: 0, turn: 0.0, picture_from: Side::Outside }
+    Sphere { center, radius, material: 0, texture_turn: 0.0, texture_side: Side::Outside }
 }
 
 /// Triangles in different places of a wall, several in each, shuffled; and which place each is in.

@@ -4,7 +4,7 @@ use super::aim::towards;
 use super::spheres::Ball;
 use super::{Bound, Dice, EPSILON, Method, Recipe, Tally};
 use crate::kernel::ray_sphere::{Robust, SphereMethod};
-use crate::kernel::surface::{latitude_longitude, repeats_taken_away, sphere_normal};
+use crate::kernel::surface::{latitude_longitude, remove_shared_repeats, sphere_normal};
 use crate::kernel::texture::Grid;
 use crate::math::Vec3;
 use glam::DVec3;
@@ -94,7 +94,7 @@ pub const RECIPES: &[Recipe] = &[
         methods: &[
             Method::other("as-written", |dice, x, cases| tiled(dice, x, cases, |corners| corners)),
             Method::default("repeats-taken-away", |dice, x, cases| {
-                tiled(dice, x, cases, |corners| repeats_taken_away(corners.map(f64::from)))
+                tiled(dice, x, cases, |corners| remove_shared_repeats(corners.map(f64::from)))
             }),
         ],
         // Corners are at most two repeats apart, or two steps of single precision.

@@ -1,11 +1,13 @@
-//! Forms of the slab test that others use, to be charted beside the default. Shares of false misses are those of rays aimed at corners
-//! and edges, `octray stability` measures them.
+//! Slab tests of other renderers, charted beside the default. The shares of false misses are those of rays
+//! aimed at corners and edges, as `octray stability` measures them.
 //!
-//! A zero component of the direction divides to infinity, and a plane through the origin then to 0 · ∞ = NaN. Where planes are picked by
-//! the direction's sign, NaN is left out of the interval by [`Lane::max`] and [`Lane::min`], whose second number stands where the first is
-//! NaN: the ray counts as between these planes, on whichever side of the face it runs.
+//! A zero component of the direction divides to infinity, and a plane through the origin then gives 0 · ∞ =
+//! NaN. Where planes are picked by the direction's sign, [`Lane::max`] and [`Lane::min`] leave NaN out of the
+//! interval, because they return their second argument where the first is NaN: the ray counts as between
+//! these planes, on either side of the face.
 
-use super::{BoxMethod, Padding, in_order};
+use super::method::{BoxMethod, in_order};
+use super::padding::Padding;
 use crate::lane::Lane;
 use crate::math::{Ray, Vec3};
 
@@ -22,7 +24,7 @@ impl<L: Lane> Inverse<L> {
         let d = ray.direction;
         Self { origin: ray.origin, inverse: Vec3::new(L::one() / d.x, L::one() / d.y, L::one() / d.z) }
     }
-    /// t of the planes along each axis.
+    /// The t of one plane per axis.
     #[inline(always)]
     fn planes(&self, planes: Vec3<L>) -> Vec3<L> {
         (planes - self.origin) * self.inverse
@@ -30,13 +32,13 @@ impl<L: Lane> Inverse<L> {
     #[inline(always)]
     fn by_sign(&self, lo: Vec3<L>, hi: Vec3<L>) -> (L, L) {
         let (first, second) = in_order(self.inverse, lo, hi);
-        meet(self.planes(first), self.planes(second))
+        intersect(self.planes(first), self.planes(second))
     }
 }
 
-/// The interval within all three pairs of planes; NaN bounds nothing.
+/// The intersection of the three intervals; NaN bounds nothing.
 #[inline(always)]
-fn meet<L: Lane>(near: Vec3<L>, far: Vec3<L>) -> (L, L) {
+fn intersect<L: Lane>(near: Vec3<L>, far: Vec3<L>) -> (L, L) {
     let infinity = L::splat(f32::INFINITY);
     (near.x.max(near.y.max(near.z.max(-infinity))), far.x.min(far.y.min(far.z.min(infinity))))
 }
@@ -44,7 +46,8 @@ fn meet<L: Lane>(near: Vec3<L>, far: Vec3<L>) -> (L, L) {
 /// (p − o) · (1 / d), the nearer plane picked by the direction's sign.
 ///
 /// Error: a false miss for 9 % of rays, where two planes meet and their t round to the wrong order.
-/// Source: Williams, Barrus, Morley, Shirley, "An Efficient and Robust Ray-Box Intersection Algorithm", JGT 10(1), 2005.
+/// Source: Williams, Barrus, Morley, Shirley, "An Efficient and Robust Ray-Box Intersection Algorithm", JGT
+/// 10(1), 2005.
 pub struct BySign;
 
 impl BoxMethod for BySign {
@@ -62,7 +65,7 @@ impl BoxMethod for BySign {
 
 /// [`BySign`] with the far distance times 1 + 2 ulp.
 ///
-/// Error: no false miss. Each of the two distances has three roundings, which 1 ulp does not make up for.
+/// Error: no false miss. Each of the two distances has three roundings; 1 ulp would not cover them.
 /// Source: Ize, "Robust BVH Ray Traversal", JCGT 2(2), 2013, §3.
 pub struct BySignWidened;
 
@@ -80,11 +83,11 @@ impl BoxMethod for BySignWidened {
     }
 }
 
-/// p · (1 / d) − o / d as one FMA a plane, without padding.
+/// p · (1 / d) − o / d as one FMA per plane, without padding.
 ///
-/// Error: a false miss for 9 % of rays, and for a third where the box is small and far from the origin of the coordinates: the
-/// difference p − o, which was nearly exact, is lost. With FMA, for half of the rays that run nearly in the plane of a face: what is left
-/// of p / d − o / d is the rounding of o / d, which is large.
+/// Error: a false miss for 9 % of rays, and for a third where the box is small and far from the origin of the
+/// coordinates: the difference p − o, which was nearly exact, is lost. With FMA, for half of the rays that
+/// run nearly in the plane of a face: p / d − o / d cancels to the rounding of o / d, which is large.
 pub struct Contracted;
 
 /// 1 / direction, and −origin / direction.
@@ -113,13 +116,15 @@ impl BoxMethod for Contracted {
             )
         };
         let (first, second) = in_order(inverse, lo, hi);
-        meet(planes(first), planes(second))
+        intersect(planes(first), planes(second))
     }
 }
 
-/// (p − o) · (1 / d) of both planes, put in order by the minimum and maximum of x86, which give the second number where the first is NaN.
+/// (p − o) · (1 / d) of both planes, ordered by the minimum and maximum of x86, which return the second
+/// operand where either is NaN.
 ///
-/// Error: as [`BySign`] at corners; a false miss for half of the rays that run in the plane of a face, along an axis.
+/// Error: as [`BySign`] at corners; a false miss for half of the rays that run in the plane of a face, along
+/// an axis.
 /// Source: Kay, Kajiya, "Ray Tracing Complex Scenes", SIGGRAPH 1986, as compilers make it of `a < b ? a : b`.
 pub struct X86MinMax;
 
@@ -136,7 +141,8 @@ impl BoxMethod for X86MinMax {
     }
 }
 
-/// The same with the minimum and maximum of IEEE 754, which leave NaN out (`f32::min` in Rust, `fmin` in C).
+/// [`X86MinMax`] with the minimum and maximum of IEEE 754, which ignore NaN (`f32::min` in Rust, `fmin` in
+/// C).
 ///
 /// Error: as [`BySign`] at corners; a false miss for all rays that run in the plane of a face, along an axis.
 pub struct IeeeMinMax;
@@ -150,13 +156,13 @@ impl BoxMethod for IeeeMinMax {
     }
     #[inline(always)]
     fn pass<L: Lane>(ray: &Inverse<L>, lo: Vec3<L>, hi: Vec3<L>) -> (L, L) {
-        // The rule of x86 gives b where a is NaN: what is missing is a where b is.
+        // The rule of x86 gives b where a is NaN; this adds a where b is NaN.
         let number = |b: L, chosen: L, a: L| L::select(b.eq(b), chosen, a);
         ordered(ray, lo, hi, |a, b| number(b, a.min(b), a), |a, b| number(b, a.max(b), a))
     }
 }
 
-/// The planes of each axis put in order by these.
+/// The interval, with the planes of each axis ordered by `min` and `max`.
 #[inline(always)]
 fn ordered<L: Lane>(
     ray: &Inverse<L>,
@@ -168,5 +174,5 @@ fn ordered<L: Lane>(
     let (a, b) = (ray.planes(lo), ray.planes(hi));
     let near = Vec3::new(min(a.x, b.x), min(a.y, b.y), min(a.z, b.z));
     let far = Vec3::new(max(a.x, b.x), max(a.y, b.y), max(a.z, b.z));
-    meet(near, far)
+    intersect(near, far)
 }

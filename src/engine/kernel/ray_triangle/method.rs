@@ -1,0 +1,45 @@
+//! The interface of ray/triangle methods.
+
+use crate::lane::{Lane, Mask};
+use crate::math::Ray;
+
+/// The result of a triangle test: the lanes that hit, t, and the barycentrics of the second and third vertex.
+/// The numbers are unspecified outside of `mask`.
+#[derive(Clone, Copy, Debug)]
+pub struct TriangleHit<L: Lane> {
+    pub mask: L::Mask,
+    pub t: L,
+    pub u: L,
+    pub v: L,
+}
+
+impl<L: Lane> TriangleHit<L> {
+    #[inline(always)]
+    pub(super) fn none(limit: L) -> Self {
+        Self { mask: L::Mask::splat(false), t: limit, u: L::zero(), v: L::zero() }
+    }
+}
+
+/// A method of intersecting rays with triangles.
+///
+/// Shapes: a packet of `WIDTH` rays against one triangle, as `Stored` keeps it in memory.
+/// Units: t in multiples of the direction's length, in (0, `limit`).
+/// Domain: direction lengths between 1e-15 and 1e15. A zero or NaN direction misses. Inactive lanes have a
+/// `limit` of 0, with which they miss.
+pub trait TriangleMethod: Send + Sync + 'static {
+    /// One triangle in memory.
+    type Stored: Copy + Send + Sync;
+    /// What is computed once per ray.
+    type Prepared<L: Lane>: Copy;
+
+    fn store(vertices: [glam::Vec3; 3]) -> Self::Stored;
+    fn prepare<L: Lane>(ray: &Ray<L>) -> Self::Prepared<L>;
+    fn test<L: Lane>(ray: &Self::Prepared<L>, triangle: &Self::Stored, limit: L) -> TriangleHit<L>;
+
+    /// The lower and upper corner of the triangle's own box, of methods whose hits are restricted to it: see
+    /// [`crate::kernel::ray_box::own_box`]. The caller gives such a method no `limit`, and compares the t
+    /// that is clamped to the box: so the order of tests does not change the closest hit.
+    fn own_box(_: &Self::Stored) -> Option<[glam::Vec3; 2]> {
+        None
+    }
+}

@@ -1,0 +1,239 @@
+//! The traits of lanes: [`Mask`], [`Bits`] and [`Lane`].
+//!
+//! May import: `bytemuck`. Must never know: which types implement them.
+
+use bytemuck::Pod;
+use std::fmt::Debug;
+use std::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Neg, Not, Sub};
+
+/// One truth value per lane.
+pub trait Mask:
+    Copy + Debug + BitAnd<Output = Self> + BitOr<Output = Self> + BitXor<Output = Self> + Not<Output = Self>
+{
+    /// The same truth value in every lane.
+    fn splat(value: bool) -> Self;
+    /// The first `count` lanes true, the others false; all lanes true if `count` is the width or more.
+    fn first(count: usize) -> Self;
+    /// Is any lane true?
+    fn any(self) -> bool;
+    /// Is every lane true?
+    fn all(self) -> bool;
+    /// Bit `i` is lane `i`; the bits above the width are zero.
+    fn bitmask(self) -> u32;
+    /// The indices of the lanes that are true, in ascending order.
+    #[inline(always)]
+    fn lanes(self) -> impl Iterator<Item = usize> {
+        // No lane is above 7; `& 7` lets the compiler drop the bounds check of arrays of eight.
+        set_bits(self.bitmask()).map(|lane| lane & 7)
+    }
+    /// How many lanes are true.
+    #[inline(always)]
+    fn count(self) -> usize {
+        self.bitmask().count_ones() as usize
+    }
+}
+
+/// The indices of the bits that are set, in ascending order.
+#[inline(always)]
+pub fn set_bits(mask: impl Into<u64>) -> impl Iterator<Item = usize> {
+    let mut rest: u64 = mask.into();
+    std::iter::from_fn(move || {
+        let bit = rest.trailing_zeros() as usize;
+        // `n & (n - 1)` clears the lowest set bit.
+        (rest != 0).then(|| (rest &= rest - 1, bit).1)
+    })
+}
+
+/// Unsigned 32-bit integers in lanes: indices, keys, and the bit patterns of floats. Arithmetic wraps.
+pub trait Bits:
+    Copy
+    + Debug
+    + Pod
+    + Send
+    + Sync
+    + BitAnd<Output = Self>
+    + BitOr<Output = Self>
+    + BitXor<Output = Self>
+    + Not<Output = Self>
+{
+    type Mask: Mask;
+
+    fn splat(value: u32) -> Self;
+    /// Lane `i` gets `f(i)`.
+    fn from_fn(f: impl FnMut(usize) -> u32) -> Self;
+    /// The value of one lane.
+    fn get(self, lane: usize) -> u32;
+    /// The first `WIDTH` numbers of `from`.
+    ///
+    /// # Panics
+    /// If `from` is shorter than the width.
+    fn load(from: &[u32]) -> Self;
+    /// Writes the lanes to the first `WIDTH` numbers of `to`.
+    ///
+    /// # Panics
+    /// If `to` is shorter than the width.
+    fn store(self, to: &mut [u32]);
+    fn wrapping_add(self, other: Self) -> Self;
+    fn wrapping_mul(self, other: Self) -> Self;
+    /// Shift left by the same `count` < 32 in every lane.
+    fn shl(self, count: u32) -> Self;
+    /// Logical shift right by the same `count` < 32 in every lane.
+    fn shr(self, count: u32) -> Self;
+    /// Reverses the order of the bits: bit 0 becomes bit 31.
+    fn reverse(self) -> Self;
+    fn equals(self, other: Self) -> Self::Mask;
+    /// Unsigned comparison.
+    fn less(self, other: Self) -> Self::Mask;
+    fn select(mask: Self::Mask, if_true: Self, if_false: Self) -> Self;
+}
+
+/// One or several `f32` that take part in the same arithmetic.
+pub trait Lane:
+    Copy
+    + Debug
+    + Pod
+    + Send
+    + Sync
+    + PartialEq
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Neg<Output = Self>
+{
+    /// Lanes in a packet.
+    const WIDTH: usize;
+    type Mask: Mask;
+    type Bits: Bits<Mask = Self::Mask>;
+    /// A permutation of lanes, made by [`Lane::compress_indices`].
+    type CompressIndices: Copy;
+
+    fn splat(value: f32) -> Self;
+    /// Lane `i` gets `f(i)`.
+    fn from_fn(f: impl FnMut(usize) -> f32) -> Self;
+    /// The value of one lane.
+    fn get(self, lane: usize) -> f32;
+    /// The first `WIDTH` numbers of `from`.
+    ///
+    /// # Panics
+    /// If `from` is shorter than the width.
+    fn load(from: &[f32]) -> Self;
+    /// Writes the lanes to the first `WIDTH` numbers of `to`.
+    ///
+    /// # Panics
+    /// If `to` is shorter than the width.
+    fn store(self, to: &mut [f32]);
+
+    /// `self · factor + addend`: one rounding where the target has FMA, two where it has not, at every width
+    /// alike.
+    fn mul_add(self, factor: Self, addend: Self) -> Self;
+    /// `addend − self · factor`, rounded like [`Lane::mul_add`].
+    #[inline(always)]
+    fn neg_mul_add(self, factor: Self, addend: Self) -> Self {
+        (-self).mul_add(factor, addend)
+    }
+    /// Correctly rounded square root.
+    fn sqrt(self) -> Self;
+    /// The largest integer ≤ the value. Zeros keep their sign.
+    fn floor(self) -> Self;
+
+    fn lt(self, other: Self) -> Self::Mask;
+    fn le(self, other: Self) -> Self::Mask;
+    fn eq(self, other: Self) -> Self::Mask;
+    #[inline(always)]
+    fn gt(self, other: Self) -> Self::Mask {
+        other.lt(self)
+    }
+    #[inline(always)]
+    fn ge(self, other: Self) -> Self::Mask {
+        other.le(self)
+    }
+    fn select(mask: Self::Mask, if_true: Self, if_false: Self) -> Self;
+    /// The value in the lanes of the mask, zero in the others.
+    fn only(self, mask: Self::Mask) -> Self;
+    /// The sign bit. It is set in −0, and NaN may have either. As a mask it costs no comparison with 0.
+    fn is_sign_negative(self) -> Self::Mask;
+
+    /// The bit pattern.
+    fn to_bits(self) -> Self::Bits;
+    fn from_bits(bits: Self::Bits) -> Self;
+    /// Rounds towards zero to a signed integer in two's complement. Domain: |x| < 2³¹; outside it and for NaN
+    /// the result is 0x8000_0000.
+    fn truncate_to_int(self) -> Self::Bits;
+    /// The nearest float to a signed integer in two's complement.
+    fn from_int(int: Self::Bits) -> Self;
+
+    /// The permutation that moves the lanes of `mask` to the front and keeps their order (stream compaction).
+    /// The lanes behind them are unspecified.
+    fn compress_indices(mask: Self::Mask) -> Self::CompressIndices;
+    /// Permutes the lanes by [`Lane::compress_indices`].
+    fn compress(self, indices: Self::CompressIndices) -> Self;
+    fn compress_bits(bits: Self::Bits, indices: Self::CompressIndices) -> Self::Bits;
+
+    /// `table[index]` in each lane, for tables that fit one register. Domain: every index, in inactive lanes
+    /// too, is below 8; the result of any other index is unspecified.
+    fn pick(table: &[f32; 8], index: Self::Bits) -> Self;
+    /// Row `index` of a table in each lane, transposed: column `j` holds `rows[index][j]`.
+    ///
+    /// # Panics
+    /// If an index, in any lane, is not below `rows.len()`.
+    fn gather_rows<const N: usize>(rows: &[[f32; N]], index: Self::Bits) -> [Self; N];
+
+    /// `table[index]` in each lane.
+    ///
+    /// # Panics
+    /// If an index, in any lane, is not below `table.len()`.
+    fn gather_bits(table: &[u32], index: Self::Bits) -> Self::Bits;
+
+    #[inline(always)]
+    fn zero() -> Self {
+        Self::splat(0.0)
+    }
+    #[inline(always)]
+    fn one() -> Self {
+        Self::splat(1.0)
+    }
+
+    /// The smaller one; `other` if either is NaN or both are zeros. This is the rule of x86, so it costs one
+    /// instruction there.
+    #[inline(always)]
+    fn min(self, other: Self) -> Self {
+        Self::select(self.lt(other), self, other)
+    }
+    /// The larger one; `other` if either is NaN or both are zeros.
+    #[inline(always)]
+    fn max(self, other: Self) -> Self {
+        Self::select(other.lt(self), self, other)
+    }
+    /// Clears the sign bit.
+    #[inline(always)]
+    fn abs(self) -> Self {
+        Self::from_bits(self.to_bits() & Self::Bits::splat(0x7fff_ffff))
+    }
+    /// The sign bit alone, as a float: +0 or −0.
+    #[inline(always)]
+    fn sign_bit(self) -> Self {
+        Self::from_bits(self.to_bits() & Self::Bits::splat(0x8000_0000))
+    }
+    /// Flips the sign where `sign` has its sign bit set (zeros and NaN included).
+    #[inline(always)]
+    fn flip_sign(self, sign: Self) -> Self {
+        Self::from_bits(self.to_bits() ^ sign.sign_bit().to_bits())
+    }
+    /// The magnitude of `self` with the sign of `sign`.
+    #[inline(always)]
+    fn copysign(self, sign: Self) -> Self {
+        Self::from_bits(self.abs().to_bits() | sign.sign_bit().to_bits())
+    }
+    /// Is the value neither infinite nor NaN?
+    #[inline(always)]
+    fn is_finite(self) -> Self::Mask {
+        self.abs().lt(Self::splat(f32::INFINITY))
+    }
+}
+
+/// The index of each lane: 0, 1, 2, …
+#[inline(always)]
+pub fn lane_indices<L: Lane>() -> L::Bits {
+    L::Bits::from_fn(|lane| lane as u32)
+}

@@ -1,0 +1,27 @@
+//! The sample dimensions of a path.
+//!
+//! Dimensions come in pairs, an even one and the next, which [`super::sobol`] stratifies together. [`PIXEL`]
+//! (a pair) places the sample in its pixel. Scattering event b, counted from 0, has the [`PER_BOUNCE`]
+//! dimensions from [`bounce`]`(b)` on. Of these 7 is free.
+
+/// A pair: the position in the pixel.
+pub const PIXEL: u32 = 0;
+/// Dimensions of one scattering event; even, so that pairs stay pairs.
+pub const PER_BOUNCE: u32 = 8;
+/// Within an event: the lobe of the material, such as reflection or refraction.
+pub const LOBE: u32 = 0;
+/// Within an event: the light, where there are so many that [`LIGHT_POINT`] has too few digits for light and
+/// point. With [`LOBE`] a pair.
+pub const LIGHT: u32 = 1;
+/// Within an event, a pair: the scattered direction.
+pub const DIRECTION: u32 = 2;
+/// Within an event, a pair: the light, and the point on it.
+pub const LIGHT_POINT: u32 = 4;
+/// Within an event: which of the two lights of an alias table's entry, where [`LIGHT`] chose the entry.
+pub const LIGHT_ALIAS: u32 = 6;
+
+/// The first dimension of scattering event `bounce`, counted from 0.
+#[inline(always)]
+pub const fn bounce(bounce: u32) -> u32 {
+    PER_BOUNCE * (bounce + 1)
+}

@@ -1,0 +1,62 @@
+//! Materials.
+
+use glam::Vec3;
+
+/// How a surface scatters and emits light.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Material {
+    pub name: String,
+    pub kind: MaterialKind,
+    /// Reflectance (transmittance of glass), each channel in [0, 1].
+    pub color: Vec3,
+    /// Multiplies `color`; of an [`MaterialKind::Emitter`], multiplies `emission`.
+    pub texture: Option<u32>,
+    /// Its red channel, linear and at most 1, multiplies the roughness of kinds that have one.
+    pub roughness_map: Option<u32>,
+    /// Normals in tangent space, in OpenGL's convention: x = 2 red − 1 along growing u, y = 2 green − 1 along
+    /// growing v (up), z = 2 blue − 1 along the outward normal. From behind, the surface shows the back of
+    /// the same relief.
+    pub normal_map: Option<u32>,
+    /// Radiance, the same in every direction and on both sides; each channel ≥ 0.
+    pub emission: Vec3,
+}
+
+impl Material {
+    /// All textures of the material.
+    pub fn textures(&self) -> impl Iterator<Item = u32> {
+        [self.texture, self.roughness_map, self.normal_map].into_iter().flatten()
+    }
+}
+
+impl MaterialKind {
+    /// Does a roughness map change this kind?
+    pub fn has_roughness(self) -> bool {
+        match self {
+            Self::Metal { roughness } | Self::Plastic { roughness, .. } | Self::Scatter { roughness } => {
+                roughness > 0.0
+            }
+            Self::Diffuse | Self::Glass { .. } | Self::Emitter => false,
+        }
+    }
+}
+
+/// The BSDF of a material and its parameters.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum MaterialKind {
+    /// Lambertian.
+    Diffuse,
+    /// GGX with alpha = roughness², reflectance `color` at every angle; a mirror at roughness 0. Roughness in
+    /// [0, 1].
+    Metal { roughness: f32 },
+    /// Smooth dielectric with the index of refraction `ior` > 0 inside and vacuum outside; `color` scales
+    /// transmission and reflection.
+    Glass { ior: f32 },
+    /// The thesis's lobe: direction = normalize(reflected + roughness · u), u uniform on the unit sphere;
+    /// absorbed where it points below the surface. Roughness ≥ 0.
+    Scatter { roughness: f32 },
+    /// A dielectric coat of index `ior` over a diffuse base of reflectance `color`: GGX with alpha =
+    /// roughness², smooth at roughness 0. Roughness in [0, 1], `ior` in [1, 3].
+    Plastic { roughness: f32, ior: f32 },
+    /// Emits and scatters nothing.
+    Emitter,
+}

@@ -1,0 +1,83 @@
+//! Textures and their texels.
+
+/// An image for surfaces or the sky.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Texture {
+    pub name: String,
+    pub width: u32,
+    pub height: u32,
+    pub filter: Filter,
+    /// Row by row from the top; `width · height` of them.
+    pub texels: Texels,
+}
+
+/// The texels of a texture, in the smallest format that keeps its accuracy: a texture that fits the cache is
+/// read several times as fast.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Texels {
+    /// 8-bit sRGB: red, green, blue and an unused byte.
+    Srgb8(Vec<[u8; 4]>),
+    /// 8-bit unorm, byte / 255, of numbers that are not colours: normals, roughness. The fourth byte is
+    /// unused.
+    Unorm8(Vec<[u8; 4]>),
+    /// Linear red, green, blue and an unused number.
+    Float32(Vec<[f32; 4]>),
+}
+
+impl Texels {
+    pub fn len(&self) -> usize {
+        match self {
+            Self::Srgb8(texels) | Self::Unorm8(texels) => texels.len(),
+            Self::Float32(texels) => texels.len(),
+        }
+    }
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+    pub fn bytes(&self) -> usize {
+        match self {
+            Self::Srgb8(texels) | Self::Unorm8(texels) => size_of_val(texels.as_slice()),
+            Self::Float32(texels) => size_of_val(texels.as_slice()),
+        }
+    }
+    /// One texel, decoded: sRGB by IEC 61966-2-1, other formats as the numbers that they hold.
+    pub fn linear(&self, index: usize) -> [f64; 3] {
+        match self {
+            Self::Srgb8(texels) => {
+                let [r, g, b, _] = texels[index];
+                [r, g, b].map(|byte| srgb_to_linear(f64::from(byte) / 255.0))
+            }
+            Self::Unorm8(texels) => {
+                let [r, g, b, _] = texels[index];
+                [r, g, b].map(|byte| f64::from(byte) / 255.0)
+            }
+            Self::Float32(texels) => {
+                let [r, g, b, _] = texels[index];
+                [r, g, b].map(f64::from)
+            }
+        }
+    }
+}
+
+/// What the texels of an image file are, which decides whether they are decoded.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum TexelKind {
+    /// Colours: sRGB files are decoded.
+    Color,
+    /// Normals or roughness: never decoded.
+    Data,
+}
+
+/// The linear value of an sRGB value, by IEC 61966-2-1. Values above 1 follow the same curve.
+pub fn srgb_to_linear(x: f64) -> f64 {
+    if x <= 0.04045 { x / 12.92 } else { ((x + 0.055) / 1.055).powf(2.4) }
+}
+
+/// How a texture is read between texel centres. It repeats in both directions; on spheres and the sky v is
+/// clamped, because it stays within [0, 1].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
+pub enum Filter {
+    Nearest,
+    #[default]
+    Bilinear,
+}

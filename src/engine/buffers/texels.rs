@@ -1,4 +1,4 @@
-//! Texels of all textures in two pools: display values and linear light.
+//! The texels of all textures in two pools, display values and linear radiance, and their lookup over lanes.
 
 use super::rows::Rows;
 use crate::kernel::texture::{Grid, bytes_to_unit, display_to_linear};
@@ -6,24 +6,24 @@ use crate::lane::{Bits, Lane, Mask};
 use crate::math::Vec3;
 use crate::scene::{Filter, Meaning, Texels, Texture};
 
-/// All textures of a scene, and a table of where each lies in its pool.
+/// All textures of a scene, and a table of the place of each in its pool.
 pub struct Textures {
-    /// Display values or data, red in the lowest byte. Never empty, so that index 0 is always there for lanes that want nothing.
+    /// Display values or data, red in the lowest byte. Never empty: inactive lanes read index 0.
     display: Vec<u32>,
-    /// Linear light. Never empty.
+    /// Linear radiance. Never empty.
     linear: Vec<[f32; 4]>,
-    /// Width, height, first texel (bits), bilinear (1 or 0), linear light (1 or 0); one row a texture.
+    /// One row a texture: width, height, first texel (bits), bilinear (1 or 0), linear radiance (1 or 0).
     grids: Rows,
     /// At most [`Rows::FEW`] textures.
     few: bool,
 }
 
-/// What of textures a pipeline has to be able to do.
+/// The texture features that a pipeline has.
 #[derive(Clone, Copy)]
 pub struct Abilities {
-    /// Some texture is read between texel centres.
+    /// Some texture is filtered bilinearly.
     pub bilinear: bool,
-    /// Some texture holds linear light.
+    /// Some texture holds linear radiance.
     pub linear: bool,
 }
 
@@ -54,8 +54,8 @@ impl Textures {
         size_of_val(self.display.as_slice()) + size_of_val(self.linear.as_slice()) + self.grids.bytes()
     }
 
-    /// The colour, or the data, of texture `index` at (u, v), v from the top; u repeats, v repeats or stays at the edge where `clamp_v`. Only
-    /// lanes of `wanted` are looked up; the others are unspecified.
+    /// The colour, or the data, of texture `index` at (u, v), v from the top; u repeats, v repeats, or is clamped to the edge
+    /// where `clamp_v`. Only lanes in `wanted` are looked up; the others are unspecified.
     #[inline(always)]
     pub fn sample<L: Lane>(
         &self,
@@ -87,7 +87,7 @@ impl Textures {
         }
     }
 
-    /// Texels of the lanes in `wanted`; those in `linear` come from the pool of linear light.
+    /// Texels of the lanes in `wanted`; those in `linear` come from the pool of linear radiance.
     #[inline(always)]
     fn read<L: Lane>(
         &self,

@@ -10,7 +10,7 @@ use crate::math::{Hit, MISS, Ray};
 use crate::traverse::batch::{Tracer, Traversal};
 use crate::traverse::hierarchy::Hierarchy;
 use crate::traverse::rays::{Hits, Rays};
-use crate::traverse::tally::Counter;
+use crate::traverse::counter::Counter;
 use crate::traverse::{Batch, Visible};
 
 /// Finds the nearest hit of the first `count` rays.

@@ -84,13 +84,13 @@ pub fn sample_direct_light<L: Lane, const N: u32>(
     {
         let is_sky = mask & light.radius.lt(L::zero());
         if is_sky.any() {
-            aim = aim.or(is_sky, sky.aim(u, v));
+            aim = aim.or(is_sky, sky.sample(u, v));
             let seen = sky_radiance::<L, N>(world, aim.direction, is_sky);
             emission = Vec3::select(is_sky, seen, emission);
         }
     }
     let passed = evaluate::<L, N>(path.ray.direction, surface, material, aim.direction, mask);
-    let density = light.chance * aim.density;
+    let density = light.probability * aim.density;
     let possible = mask & L::zero().lt(density);
     let inv_pdf = L::one() / L::select(possible, density, L::one());
     // 1 − its complement would cancel; this is the same heuristic from the other side.

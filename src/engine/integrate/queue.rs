@@ -10,7 +10,7 @@ use crate::traverse::Visible;
 use crate::traverse::batch::{Tracer, Traversal};
 use crate::traverse::hierarchy::Hierarchy;
 use crate::traverse::rays::{Hits, Rays};
-use crate::traverse::tally::{Counter, Counts};
+use crate::traverse::counter::{Counter, Counts};
 use bytemuck::Zeroable;
 
 /// Most pixels in a tile. Columns for more would lie whole pages apart, all in the same few sets of the cache: 2 % slower.

@@ -192,6 +192,20 @@ fn threads_do_not_change_a_bit() {
     }
 }
 
+/// All but the scalar baseline read the wide tree alone: leaving the binary tree out changes nothing of it.
+#[test]
+fn the_wide_tree_is_the_same_without_the_binary_one() {
+    let scene = crowd(&mut Dice(7), 300, 700);
+    let [both, wide] = [Trees::WideAndBinary, Trees::Wide].map(|trees| Bvh::new(&scene, trees));
+    assert!(!both.binary.is_empty() && wide.binary.is_empty());
+    let bits = |bvh: &Bvh| bytemuck::cast_slice::<_, u32>(&bvh.wide).to_vec();
+    assert!(bits(&both) == bits(&wide) && both.bounds == wide.bounds);
+    assert!(both.triangle_leaves == wide.triangle_leaves && both.sphere_leaves == wide.sphere_leaves);
+    assert!(both.bytes() > wide.bytes());
+    let statistics = check(&wide, 300, 1000, |number| bounds_of(&scene, number)).unwrap();
+    assert_eq!((statistics.binary_nodes, statistics.binary_depth), (0, 0));
+}
+
 #[test]
 fn meshes_fill_nodes_and_leaves() {
     for name in ["bunny.obj", "dragon-48k.obj"] {

@@ -1,5 +1,6 @@
 //! Light sampling over lanes: chooses a light by the alias table of [`Lights`], and samples directions of an
-//! [`EnvironmentLight`] by inverting its CDFs. Points on spheres and triangles are sampled by [`crate::kernel::light`].
+//! [`EnvironmentLight`] by inverting its CDFs. Points on spheres and triangles are sampled by
+//! [`crate::kernel::light`].
 //!
 //! May import: `lane`, `math`, `kernel`, `buffers`. Must never know: paths, queues, pixels.
 
@@ -23,9 +24,9 @@ pub struct ChosenLight<L: Lane> {
 }
 
 impl Lights {
-    /// Chooses a light by `u`. Returns the rest of `u` too: a number in [0, 1), as well distributed over the chosen light as
-    /// `u` is over all of them. Among more than 64 lights `number` and `second_number` choose, and `u` is returned whole.
-    /// `few` promises at most [`Lights::FEW`] lights.
+    /// Chooses a light by `u`. Returns the rest of `u` too: a number in [0, 1), as well distributed over the
+    /// chosen light as `u` is over all of them. Among more than 64 lights `number` and `second_number`
+    /// choose, and `u` is returned whole. `few` promises at most [`Lights::FEW`] lights.
     ///
     /// Domain: there are lights.
     #[inline(always)]
@@ -92,7 +93,8 @@ impl EnvironmentLight {
         LightSample { direction, t: L::splat(f32::INFINITY), normal: Vec3::zero(), density }
     }
 
-    /// The pdf of [`Self::sample`], in 1/sr, at the direction with these texture coordinates, u unwrapped and v from the top.
+    /// The pdf of [`Self::sample`], in 1/sr, at the direction with these texture coordinates, u unwrapped and
+    /// v from the top.
     #[inline(always)]
     pub fn pdf<L: Lane>(&self, (u, v): (L, L)) -> L {
         let cell_along = |x: L, count: u32| {
@@ -106,8 +108,8 @@ impl EnvironmentLight {
     }
 }
 
-/// Inverts the CDF in the `count` entries of `cdf` from `first` on, at a number of [0, 1): the index of the interval, counted
-/// from `first`, and the position within it, in [0, 1].
+/// Inverts the CDF in the `count` entries of `cdf` from `first` on, at a number of [0, 1): the index of the
+/// interval, counted from `first`, and the position within it, in [0, 1].
 #[inline(always)]
 fn invert_cdf<L: Lane>(cdf: &[u32], first: L::Bits, count: u32, number: L) -> (L::Bits, L) {
     let read = |at: L::Bits| L::from_bits(L::gather_bits(cdf, first.wrapping_add(at)));

@@ -1,13 +1,13 @@
-//! The environment light: the sky's texture as a piecewise constant distribution over directions. The tables are built here
-//! and sampled in [`crate::light_sampling`].
+//! The environment light: the sky's texture as a piecewise constant distribution over directions. The tables
+//! are built here and sampled in [`crate::light_sampling`].
 
 use crate::scene::{Filter, Scene, Sky, Texture};
 use std::f64::consts::{PI, TAU};
 
 /// A latitude/longitude grid of cells; the pdf is constant within a cell.
 ///
-/// Sampled by inverting the marginal CDF of rows and the conditional CDF of columns in a row, which keeps low-discrepancy
-/// points well spread: Pharr et al., PBR 4ed §A.4.7 and §12.5.
+/// Sampled by inverting the marginal CDF of rows and the conditional CDF of columns in a row, which keeps
+/// low-discrepancy points well spread: Pharr et al., PBR 4ed §A.4.7 and §12.5.
 #[derive(Clone, Debug)]
 pub struct EnvironmentLight {
     pub(crate) rows: u32,
@@ -62,8 +62,8 @@ impl EnvironmentLight {
         let (width, height) = (texture.width as usize, texture.height as usize);
         let (columns, rows) =
             (texture.width.min(MAX_CELLS[0]) as usize, texture.height.min(MAX_CELLS[1]) as usize);
-        // The shares of a texel's light in the cells of the texel before, its own and the one after: bilinear lookups blend
-        // between texel centres.
+        // The shares of a texel's light in the cells of the texel before, its own and the one after: bilinear
+        // lookups blend between texel centres.
         let spread: &[(usize, f64)] = match texture.filter {
             Filter::Nearest => &[(1, 1.0)],
             Filter::Bilinear => &[(0, 0.125), (1, 0.75), (2, 0.125)],

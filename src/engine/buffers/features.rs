@@ -4,8 +4,8 @@ use super::rows::Rows;
 use crate::scene::{Filter, Material, MaterialKind, Scene, Sky, Texels};
 use glam::Vec3;
 
-/// A set of features. A pipeline is compiled for a set and leaves out the code of all others; any set that contains what the
-/// scene needs gives the same bits.
+/// A set of features. A pipeline is compiled for a set and leaves out the code of all others; any set that
+/// contains what the scene needs gives the same bits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Features(pub u32);
 
@@ -44,8 +44,8 @@ features! {
     MANY_TRIANGLES = 13, "many-triangles";
     /// More materials than a register table holds.
     MANY_MATERIALS = 14, "many-materials";
-    /// A hierarchy is faster than testing every primitive: [`crate::traverse::linear::features_of`] decides. Every pipeline can
-    /// trace through a hierarchy, as the traversal may be chosen for any scene.
+    /// A hierarchy is faster than testing every primitive: [`crate::traverse::linear::features_of`] decides.
+    /// Every pipeline can trace through a hierarchy, as the traversal may be chosen for any scene.
     HIERARCHY = 16, "hierarchy";
     /// Next event estimation: shadow rays to lights.
     LIGHTS = 17, "lights";
@@ -81,8 +81,8 @@ impl Features {
         Self::NAMES.iter().filter(|(need, _)| self.contains(*need)).map(|(_, name)| *name).collect()
     }
 
-    /// The features that shading a scene needs; of its materials, only those that some primitive has. Traversal and lights
-    /// add their own: [`Features::HIERARCHY`], [`super::Lights::needs`].
+    /// The features that shading a scene needs; of its materials, only those that some primitive has.
+    /// Traversal and lights add their own: [`Features::HIERARCHY`], [`super::Lights::needs`].
     pub fn of(scene: &Scene) -> Features {
         let mut needs = Features::NONE;
         let mut need = |condition: bool, feature: Features| {

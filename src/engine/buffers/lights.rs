@@ -1,5 +1,5 @@
-//! The lights that next event estimation samples, and the probability of choosing each. The tables are built here and
-//! sampled in [`crate::light_sampling`].
+//! The lights that next event estimation samples, and the probability of choosing each. The tables are built
+//! here and sampled in [`crate::light_sampling`].
 
 use super::environment_light::EnvironmentLight;
 use super::features::Features;
@@ -11,7 +11,8 @@ use std::f32::consts::PI;
 /// Which lights next event estimation samples; paths that hit a light by scattering count all of them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum LightChoice {
-    /// Those for which it pays: not spheres that surround the camera, and none where every surface is a mirror or glass.
+    /// Those for which it pays: not spheres that surround the camera, and none where every surface is a
+    /// mirror or glass.
     #[default]
     Auto,
     /// All that can be sampled.
@@ -33,24 +34,25 @@ impl LightChoice {
 
 /// The lights that next event estimation samples.
 ///
-/// Each is chosen with a probability of its share of all power, but at least `MIN_SHARE`, in constant time by an alias
-/// table: Walker, "An Efficient Method for Generating Discrete Random Variables with General Distributions", ACM TOMS 3(3),
-/// 1977; the table by Vose, IEEE TSE 17(9), 1991.
+/// Each is chosen with a probability of its share of all power, but at least `MIN_SHARE`, in constant time by
+/// an alias table: Walker, "An Efficient Method for Generating Discrete Random Variables with General
+/// Distributions", ACM TOMS 3(3), 1977; the table by Vose, IEEE TSE 17(9), 1991.
 #[derive(Clone, Debug, Default)]
 pub struct Lights {
-    /// Two rows of eight a light. Sphere: centre, radius, emission, probability; 0 (seven times), offset of shadow rays that
-    /// end there. Triangle: a, 0, emission, probability; ab, ac, 0, offset. Sky, the last one: 0 (three times),
-    /// [`SKY_RADIUS`], 0 (three times), probability; zeros.
+    /// Two rows of eight a light. Sphere: centre, radius, emission, probability; 0 (seven times), offset of
+    /// shadow rays that end there. Triangle: a, 0, emission, probability; ab, ac, 0, offset. Sky, the last
+    /// one: 0 (three times), [`SKY_RADIUS`], 0 (three times), probability; zeros.
     pub(crate) rows: Rows,
     pub(crate) alias_table: AliasTable,
-    /// The probability of choosing each primitive of the scene, spheres first, and the sky; empty without lights.
+    /// The probability of choosing each primitive of the scene, spheres first, and the sky; empty without
+    /// lights.
     pub probabilities: Vec<f32>,
     /// The environment light, if it is one of the lights, and the probability of choosing it.
     pub sky: Option<(EnvironmentLight, f32)>,
 }
 
-/// One slot of equal width a light: a number within the slot's width chooses the slot's own light below `threshold`, its
-/// alias from there on.
+/// One slot of equal width a light: a number within the slot's width chooses the slot's own light below
+/// `threshold`, its alias from there on.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct AliasTable {
     /// Fractions of the slot's width, as bits.
@@ -63,17 +65,17 @@ const SKY_RADIUS: f32 = -1.0;
 /// From this [`EnvironmentLight::contrast`] on it pays to sample the sky's bright regions.
 const MIN_CONTRAST: f64 = 2.0;
 
-/// The least probability of choosing a light, as a share of the average. Random numbers have 24 binary digits: a light that
-/// few or none of them choose is sampled more or less often than its probability, and only at some of its points. A light
-/// beside one 10⁹ times as bright would contribute 59 times its power (`tests/choosing.rs`). Costs no more than this share of
-/// all shadow rays.
+/// The least probability of choosing a light, as a share of the average. Random numbers have 24 binary
+/// digits: a light that few or none of them choose is sampled more or less often than its probability, and
+/// only at some of its points. A light beside one 10⁹ times as bright would contribute 59 times its power
+/// (`tests/choosing.rs`). Costs no more than this share of all shadow rays.
 const MIN_SHARE: f64 = 1.0 / 64.0;
 
 impl Lights {
     /// Most lights whose rows fit the register form.
     pub const FEW: usize = Rows::FEW / 2;
-    /// Most lights for which the number that chooses a light has binary digits enough left for a point on it: 18 on average,
-    /// and 12 for a light of the least probability ([`MIN_SHARE`]).
+    /// Most lights for which the number that chooses a light has binary digits enough left for a point on it:
+    /// 18 on average, and 12 for a light of the least probability ([`MIN_SHARE`]).
     pub(crate) const MAX_SHARED: usize = 64;
 
     pub fn new(scene: &Scene, choice: LightChoice) -> Self {
@@ -197,7 +199,8 @@ fn rows(scene: &Scene, number: usize, probability: f32) -> [[f32; 8]; 2] {
     }
 }
 
-/// The probabilities of lights with these shares of all power: the shares, but none below [`MIN_SHARE`] of the average.
+/// The probabilities of lights with these shares of all power: the shares, but none below [`MIN_SHARE`] of
+/// the average.
 fn shares(mut shares: Vec<f64>) -> Vec<f64> {
     let least = MIN_SHARE / shares.len() as f64;
     shares.iter_mut().for_each(|share| *share = share.max(least));

@@ -1,13 +1,13 @@
 //! The scene flattened into aligned structure-of-arrays buffers, and the features that it needs.
 //!
-//! For: [`Buffers`] (spheres, triangles, materials, textures, lights, sky, as intersection and shading read them) and
-//! [`Features`]. May import: `lane`, `math`, `kernel`, `scene`. Must never know: rays in flight, light sampling, pixels,
-//! threads.
+//! For: [`Buffers`] (spheres, triangles, materials, textures, lights, sky, as intersection and shading read
+//! them) and [`Features`]. May import: `lane`, `math`, `kernel`, `scene`. Must never know: rays in flight,
+//! light sampling, pixels, threads.
 //!
-//! Two layouts for two access patterns. Intersection streams through *blocks* of eight primitives, each component a packet of
-//! its own ([`SphereBlock`]): all lanes read together, or one primitive is broadcast to all lanes. Shading reads *row tables*
-//! ([`rows::Rows`]) of eight floats a row, each lane at its own index: rows are fetched and transposed into packets in
-//! registers.
+//! Two layouts for two access patterns. Intersection streams through *blocks* of eight primitives, each
+//! component a packet of its own ([`SphereBlock`]): all lanes read together, or one primitive is broadcast to
+//! all lanes. Shading reads *row tables* ([`rows::Rows`]) of eight floats a row, each lane at its own index:
+//! rows are fetched and transposed into packets in registers.
 
 mod environment_light;
 pub mod features;
@@ -29,27 +29,33 @@ use crate::scene::{self, MaterialKind, Scene, Side};
 use glam::Vec3;
 use rows::Rows;
 
-/// Everything that rendering reads of a scene, except the triangles' intersection data (see [`store_triangles`]).
+/// Everything that rendering reads of a scene, except the triangles' intersection data (see
+/// [`store_triangles`]).
 pub struct Buffers {
     pub needs: Features,
     pub spheres: Spheres,
-    /// One row of eight a sphere: centre, radius, offset of leaving rays, material (bits), texture turn (see `texture_turn`),
-    /// probability of being chosen as a light.
+    /// One row of eight a sphere: centre, radius, offset of leaving rays, material (bits), texture turn (see
+    /// `texture_turn`), probability of being chosen as a light.
     pub sphere_rows: Rows,
-    /// Two rows of eight a triangle: a, ab, offset, material (bits); ac, unit normal, probability of being chosen as a light,
-    /// 0.
+    /// Two rows of eight a triangle: a, ab, offset, material (bits); ac, unit normal, probability of being
+    /// chosen as a light, 0.
     pub triangle_rows: Rows,
-    /// One row of eight a triangle: u and v of the three vertices, v downwards; empty without texture coordinates.
+    /// One row of eight a triangle: u and v of the three vertices, v downwards; empty without texture
+    /// coordinates.
     pub uv_rows: Rows,
-    /// One row of eight a material: colour, parameter, emission, kind and texture (bits; see [`MaterialCode`]).
+    /// One row of eight a material: colour, parameter, emission, kind and texture (bits; see
+    /// [`MaterialCode`]).
     pub material_rows: Rows,
-    /// Two rows of eight a triangle: normals of the first two vertices, 0, 0; of the third, 0. Empty without vertex normals.
+    /// Two rows of eight a triangle: normals of the first two vertices, 0, 0; of the third, 0. Empty without
+    /// vertex normals.
     pub normal_rows: Rows,
-    /// One row of eight a triangle: unit tangent along growing u, handedness (+1 or −1: v grows to its left, or right, seen
-    /// from outside), 0; all 0 where u has no direction. Empty where no triangle has a normal map.
+    /// One row of eight a triangle: unit tangent along growing u, handedness (+1 or −1: v grows to its left,
+    /// or right, seen from outside), 0; all 0 where u has no direction. Empty where no triangle has a normal
+    /// map.
     pub tangent_rows: Rows,
-    /// One row of eight a material, read where the pipeline has some of [`Features::DETAILS`]: index of refraction, mean
-    /// transmittance of plastic's coat, roughness map and normal map (bits: index + 1, 0 for none), 0.
+    /// One row of eight a material, read where the pipeline has some of [`Features::DETAILS`]: index of
+    /// refraction, mean transmittance of plastic's coat, roughness map and normal map (bits: index + 1, 0 for
+    /// none), 0.
     pub detail_rows: Rows,
     pub has_uvs: bool,
     pub textures: Textures,
@@ -68,7 +74,8 @@ pub struct Sky {
     pub texture: u32,
 }
 
-/// A material's kind and texture in one number: kind in the lowest byte, above it texture index + 1, 0 for none.
+/// A material's kind and texture in one number: kind in the lowest byte, above it texture index + 1, 0 for
+/// none.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MaterialCode(pub u32);
 
@@ -85,8 +92,8 @@ impl MaterialCode {
     /// Masks the kind.
     pub const KIND: u32 = 0xff;
 
-    /// The code of a material, and its parameter: alpha of GGX and of plastic's coat, index of refraction of glass, roughness
-    /// of scatter.
+    /// The code of a material, and its parameter: alpha of GGX and of plastic's coat, index of refraction of
+    /// glass, roughness of scatter.
     fn of(material: &scene::Material) -> (Self, f32) {
         let (kind, parameter) = match material.kind {
             MaterialKind::Emitter => (Self::EMITTER, 0.0),
@@ -166,8 +173,8 @@ fn sphere_row(sphere: &scene::Sphere, probability: f32) -> [f32; 8] {
     [x, y, z, sphere.radius, offset, f32::from_bits(sphere.material), texture_turn(sphere), probability]
 }
 
-/// A sphere's texture turn, its sign bit set (on 0 too) where the texture is oriented to be seen from outside: with the angle's
-/// sign flipped by that bit, the angle plus this number is u on both sides.
+/// A sphere's texture turn, its sign bit set (on 0 too) where the texture is oriented to be seen from
+/// outside: with the angle's sign flipped by that bit, the angle plus this number is u on both sides.
 fn texture_turn(sphere: &scene::Sphere) -> f32 {
     match sphere.picture_from {
         Side::Inside => sphere.turn,

@@ -8,8 +8,8 @@ use bytemuck::{Pod, Zeroable};
 #[repr(C, align(32))]
 struct Row([f32; 8]);
 
-/// A table of rows of eight floats, and a copy of its first eight rows as columns: a table that small is read by register
-/// permutes, without a memory access per lane.
+/// A table of rows of eight floats, and a copy of its first eight rows as columns: a table that small is read
+/// by register permutes, without a memory access per lane.
 #[derive(Clone, Debug, Default)]
 pub struct Rows {
     rows: Vec<Row>,
@@ -34,8 +34,8 @@ impl Rows {
     pub fn bytes(&self) -> usize {
         size_of_val(self.rows.as_slice())
     }
-    /// Row `index` of each lane. `few` promises that the table has at most [`Rows::FEW`] rows; the result is the same with and
-    /// without it.
+    /// Row `index` of each lane. `few` promises that the table has at most [`Rows::FEW`] rows; the result is
+    /// the same with and without it.
     ///
     /// # Panics
     /// Without `few`, if an index in any lane is not below the number of rows.

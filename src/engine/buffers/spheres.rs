@@ -76,7 +76,8 @@ impl Spheres {
     pub fn splat<L: Lane>(&self, index: usize) -> (Vec3<L>, L) {
         self.blocks[index / BLOCK].splat(index % BLOCK)
     }
-    /// Calls `f` with the index of each sphere, its centre and its squared radius, broadcast to all lanes, in order.
+    /// Calls `f` with the index of each sphere, its centre and its squared radius, broadcast to all lanes, in
+    /// order.
     #[inline(always)]
     pub fn for_each<L: Lane>(&self, mut f: impl FnMut(usize, Vec3<L>, L)) {
         for (number, block) in self.blocks.iter().enumerate() {

@@ -21,10 +21,10 @@ impl Bounds {
     pub fn of_triangle([a, b, c]: [Vec3; 3]) -> Self {
         Self { lo: a.min(b).min(c), hi: a.max(b).max(c) }
     }
-    /// A box that holds the sphere and all computed hit points, except for the part of their error that grows with the
-    /// distance of the ray's origin ([`crate::kernel::ray_box::Padding`] covers that). centre ± radius is rounded by at most
-    /// half a unit in the last place, so one unit outwards is enough. Domain: |centre| + radius well below f32's largest
-    /// number, which scene validation ensures.
+    /// A box that holds the sphere and all computed hit points, except for the part of their error that grows
+    /// with the distance of the ray's origin ([`crate::kernel::ray_box::Padding`] covers that). centre ±
+    /// radius is rounded by at most half a unit in the last place, so one unit outwards is enough. Domain:
+    /// |centre| + radius well below f32's largest number, which scene validation ensures.
     pub fn of_sphere(center: Vec3, radius: f32) -> Self {
         let outwards = |x: Vec3, to: fn(f32) -> f32| Vec3::new(to(x.x), to(x.y), to(x.z));
         let half = radius + room_of_sphere(center, radius);
@@ -64,11 +64,12 @@ impl Bounds {
 #[repr(transparent)]
 pub(super) struct PackedBox(F32x8);
 
-/// Numbers are stored as the bits of floats from 2⁻¹⁰³ upwards. Arithmetic runs over them as over the other lanes, and some
-/// processors take a hundred times as long where an operand or a result is denormal. Two of these floats differ by 2⁻¹²⁶ at
-/// least, the smallest normal float.
+/// Numbers are stored as the bits of floats from 2⁻¹⁰³ upwards. Arithmetic runs over them as over the other
+/// lanes, and some processors take a hundred times as long where an operand or a result is denormal. Two of
+/// these floats differ by 2⁻¹²⁶ at least, the smallest normal float.
 const NUMBER_BASE: u32 = 0x0C00_0000;
-/// Most primitives of one hierarchy: their numbers stay finite floats, and leave two bits of a reference free.
+/// Most primitives of one hierarchy: their numbers stay finite floats, and leave two bits of a reference
+/// free.
 pub const MAX_PRIMITIVES: usize = 1 << 30;
 const _: () = assert!(f32::from_bits(NUMBER_BASE + MAX_PRIMITIVES as u32 - 1).is_finite());
 

@@ -1,7 +1,7 @@
 //! The build tree: a binary tree by the surface area heuristic, each node with a plan of how to collapse it.
 //!
-//! Nodes are in depth-first order and refer to each other by distance, so that subtrees built by several threads are joined
-//! by copying.
+//! Nodes are in depth-first order and refer to each other by distance, so that subtrees built by several
+//! threads are joined by copying.
 
 use super::bounds::{Bounds, PackedBox};
 use super::cost::{Costs, Plan};
@@ -45,8 +45,8 @@ impl Builder<'_> {
         nodes
     }
 
-    /// Appends the tree over `boxes`, which start at index `first` of all boxes and have the bounds in `set`; `depth` levels
-    /// are above it.
+    /// Appends the tree over `boxes`, which start at index `first` of all boxes and have the bounds in `set`;
+    /// `depth` levels are above it.
     fn subtree(
         &self,
         boxes: &mut [PackedBox],

@@ -7,8 +7,8 @@ use super::tree::Bvh;
 use crate::scene::Scene;
 use serde::Serialize;
 
-/// Statistics of a hierarchy. Costs are expected numbers for a random line that meets the root's box: surface areas over
-/// the root's.
+/// Statistics of a hierarchy. Costs are expected numbers for a random line that meets the root's box: surface
+/// areas over the root's.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Statistics {
     pub wide_nodes: usize,
@@ -50,8 +50,8 @@ pub fn check_scene(bvh: &Bvh, scene: &Scene) -> Verdict<Statistics> {
     check(bvh, spheres, count, |number| Bounds::of_primitive(scene, number))
 }
 
-/// Checks the hierarchy over `count` primitives (`spheres` spheres first) with the given boxes: its statistics, or the first
-/// fault.
+/// Checks the hierarchy over `count` primitives (`spheres` spheres first) with the given boxes: its
+/// statistics, or the first fault.
 pub fn check(
     bvh: &Bvh,
     spheres: usize,

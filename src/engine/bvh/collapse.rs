@@ -10,7 +10,7 @@ pub(super) struct Collapse<'a> {
     boxes: &'a [PackedBox],
     is_sphere: &'a (dyn Fn(u32) -> bool + Sync),
     pub wide: Vec<WideNode>,
-    /// `None` where no binary tree is wanted.
+    /// `None` with [`super::tree::Trees::Wide`].
     pub binary: Option<Vec<BinaryNode>>,
     pub triangle_leaves: Vec<Leaf>,
     pub sphere_leaves: Vec<Leaf>,
@@ -126,8 +126,8 @@ impl<'a> Collapse<'a> {
 /// The order of two children, in the form of [`BinaryNode::left_first`].
 fn order_of(left: Bounds, right: Bounds) -> u32 {
     // Halved first, so that no sum overflows.
-    let way = (left.lo * 0.5 + left.hi * 0.5) - (right.lo * 0.5 + right.hi * 0.5);
-    let axis = way.abs().max_position();
-    let left_is_above = u32::from(way[axis] > 0.0);
+    let offset = (left.lo * 0.5 + left.hi * 0.5) - (right.lo * 0.5 + right.hi * 0.5);
+    let axis = offset.abs().max_position();
+    let left_is_above = u32::from(offset[axis] > 0.0);
     axis as u32 | left_is_above << 2
 }

@@ -1,8 +1,9 @@
-//! The bounding volume hierarchy over a scene's spheres and triangles: how it is built, and what traversals read.
+//! The bounding volume hierarchy over a scene's spheres and triangles: how it is built, and what traversals
+//! read.
 //!
-//! For: [`Bvh`], [`WideNode`], [`BinaryNode`], [`Leaf`]; [`Bounds`]; [`check`], which proves a hierarchy valid and
-//! measures it. May import: `lane`, `kernel` (the room that a sphere's box needs), `scene`. Must never know: rays in
-//! flight, intersection methods, pixels.
+//! For: [`Bvh`], [`WideNode`], [`BinaryNode`], [`Leaf`]; [`Bounds`]; [`check`], which proves a hierarchy
+//! valid and measures it. May import: `lane`, `kernel` (the room that a sphere's box needs), `scene`. Must
+//! never know: rays in flight, intersection methods, pixels.
 //!
 //! | file | what it does |
 //! |---|---|
@@ -16,13 +17,15 @@
 //! | [`check`] | validity and statistics |
 //!
 //! # What a traversal may rely on
-//! - Every primitive is in exactly one leaf; a leaf holds 1 to [`LEAF`] primitives of one kind, numbered as hits are
-//!   (spheres first, then triangles), ascending. Leaves are in depth-first order.
+//! - Every primitive is in exactly one leaf; a leaf holds 1 to [`LEAF`] primitives of one kind, numbered as
+//!   hits are (spheres first, then triangles), ascending. Leaves are in depth-first order.
 //! - A child's box holds the boxes of all primitives below it exactly: planes are copied, never computed.
-//! - The root is node 0; it always exists, in the wide tree and in the binary one. A wide node's filled slots come first;
-//!   the others have an empty box (+∞, −∞), which no ray hits. A scene without primitives has an empty root.
-//! - No leaf is deeper than [`MAX_DEPTH`] levels below the root. A traversal that pops one reference and pushes what it
-//!   hits never holds more than [`MAX_STACK`] references in the wide tree and [`MAX_DEPTH`] + 1 in the binary tree.
+//! - The root is node 0; it always exists, in the wide tree and in the binary one. A wide node's filled slots
+//!   come first; the others have an empty box (+∞, −∞), which no ray hits. A scene without primitives has an
+//!   empty root.
+//! - No leaf is deeper than [`MAX_DEPTH`] levels below the root. A traversal that pops one reference and
+//!   pushes what it hits never holds more than [`MAX_STACK`] references in the wide tree and [`MAX_DEPTH`] +
+//!   1 in the binary tree.
 //! - The same scene gives the same hierarchy in every bit, for any number of threads.
 
 mod bounds;

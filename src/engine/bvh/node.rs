@@ -8,8 +8,8 @@ use glam::Vec3;
 pub const WIDE: usize = 8;
 /// Most primitives in a leaf.
 pub const LEAF: usize = 8;
-/// Most levels from the root to a leaf. Splits by cost may be lopsided; where they would lead deeper, sets are halved,
-/// which takes 27 levels for [`super::MAX_PRIMITIVES`].
+/// Most levels from the root to a leaf. Splits by cost may be lopsided; where they would lead deeper, sets
+/// are halved, which takes 27 levels for [`super::MAX_PRIMITIVES`].
 pub const MAX_DEPTH: u32 = 48;
 /// Most references on the stack of a traversal of the wide tree: each level leaves all but one child behind.
 pub const MAX_STACK: usize = (WIDE - 1) * MAX_DEPTH as usize + 1;
@@ -26,7 +26,8 @@ impl Child {
     pub const SPHERES: u32 = 1 << 30;
     /// Masks the index of a leaf among those of its kind.
     pub const INDEX: u32 = Self::SPHERES - 1;
-    /// No child; its box is empty, so no ray reaches it. The leaf bits are set, and the index is out of range.
+    /// No child; its box is empty, so no ray reaches it. The leaf bits are set, and the index is out of
+    /// range.
     pub const NONE: Self = Self(u32::MAX);
 
     #[inline(always)]
@@ -78,14 +79,14 @@ impl WideNode {
     pub fn filled(&self) -> usize {
         self.children.iter().filter(|&&child| child != Child::NONE).count()
     }
-    /// The planes of the children's boxes, one a slot: the lower ones along x, y, z, then the upper ones. Empty slots have
-    /// lower planes of +∞ and upper planes of −∞.
+    /// The planes of the children's boxes, one a slot: the lower ones along x, y, z, then the upper ones.
+    /// Empty slots have lower planes of +∞ and upper planes of −∞.
     #[inline(always)]
     pub fn planes(&self) -> &[[f32; WIDE]; 6] {
         &self.planes
     }
-    /// The planes as six rows, and the two rows of references and padding behind them: a power of two, so that `& 7` keeps
-    /// a row index inside without a bounds check.
+    /// The planes as six rows, and the two rows of references and padding behind them: a power of two, so
+    /// that `& 7` keeps a row index inside without a bounds check.
     #[inline(always)]
     pub fn boxes(&self) -> &[[f32; WIDE]; 8] {
         bytemuck::cast_ref(self)
@@ -96,8 +97,8 @@ impl WideNode {
     }
 }
 
-/// A node of the binary tree, half a cache line. Nodes are in depth-first order: the left child of an inner node is the
-/// next node.
+/// A node of the binary tree, half a cache line. Nodes are in depth-first order: the left child of an inner
+/// node is the next node.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C, align(32))]
 pub struct BinaryNode {
@@ -105,8 +106,8 @@ pub struct BinaryNode {
     /// The right child of an inner node; a leaf's reference.
     child: Child,
     hi: [f32; 3],
-    /// The axis along which the centres of the children's boxes are furthest apart; bit 2 is set where the left child is
-    /// the upper one.
+    /// The axis along which the centres of the children's boxes are furthest apart; bit 2 is set where the
+    /// left child is the upper one.
     order: u32,
 }
 
@@ -123,8 +124,8 @@ impl BinaryNode {
     pub fn bounds(&self) -> Bounds {
         Bounds { lo: self.lo.into(), hi: self.hi.into() }
     }
-    /// Whether a ray meets the left child first. Bit `axis` of `upwards` is set where the ray's direction is positive along
-    /// that axis.
+    /// Whether a ray meets the left child first. Bit `axis` of `upwards` is set where the ray's direction is
+    /// positive along that axis.
     #[inline(always)]
     pub fn left_first(&self, upwards: u32) -> bool {
         (upwards >> (self.order & 3) & 1) != (self.order >> 2)

@@ -1,8 +1,8 @@
 //! Where to split a set of boxes in two: the surface area heuristic over bins, and the median where it fails.
 //!
-//! Source: Wald, "On fast Construction of SAH-based Bounding Volume Hierarchies", 2007. The result does not depend on the
-//! number of threads: bins are integer sums and minima, which are the same in any order, and long slices are halved at
-//! places that depend on their lengths alone.
+//! Source: Wald, "On fast Construction of SAH-based Bounding Volume Hierarchies", 2007. The result does not
+//! depend on the number of threads: bins are integer sums and minima, which are the same in any order, and
+//! long slices are halved at places that depend on their lengths alone.
 
 use super::bounds::PackedBox;
 use crate::lane::{Bits, F32x8, Lane, Mask, Mask8, U32x8};
@@ -57,8 +57,8 @@ struct Grid {
 
 impl Grid {
     fn new(centers: PackedBox) -> Self {
-        // Below BINS, so that the last centre falls into the last bin. Centres that differ by less than f32 can divide by
-        // share one bin.
+        // Below BINS, so that the last centre falls into the last bin. Centres that differ by less than f32
+        // can divide by share one bin.
         const NEARLY_ALL: f32 = BINS as f32 * 0.999_99;
         let [x, y, z] = centers.extent().map(|e| if e > 1e-34 { NEARLY_ALL / e } else { 0.0 });
         Self { origin: centers.lanes(), scale: bytemuck::cast([x, y, z, 0.0, 0.0, 0.0, 0.0, 0.0]) }
@@ -102,15 +102,18 @@ impl Bins {
         filled
     }
 
-    /// The cheapest split, the lowest axis and bin among equals; `None` if all centres share a bin on every axis.
+    /// The cheapest split, the lowest axis and bin among equals; `None` if all centres share a bin on every
+    /// axis.
     ///
-    /// `block` primitives are tested together, so the cost of a side is its surface area times the blocks that it fills.
+    /// `block` primitives are tested together, so the cost of a side is its surface area times the blocks
+    /// that it fills.
     fn cheapest(&self, scale: f32, block: u32) -> Option<(usize, usize, f32)> {
         let scale = F32x8::splat(scale);
         let (mut best, mut place) = (F32x8::splat(f32::INFINITY), U32x8::splat(0));
         for axis in 0..3 {
             let (boxes, counts) = (&self.boxes[axis], &self.counts[axis]);
-            // Sides of the split before bin i + 1, for i from 0; the last has an empty right side and is no split.
+            // Sides of the split before bin i + 1, for i from 0; the last has an empty right side and is no
+            // split.
             let mut left = [PackedBox::empty(); BINS];
             let mut right = [PackedBox::empty(); BINS];
             let mut weights = [[0.0; BINS]; 2];
@@ -152,7 +155,8 @@ impl Bins {
     }
 }
 
-/// The cheapest split of `boxes`, whose bounds are `set`, by the surface area heuristic; `None` if all share their bins.
+/// The cheapest split of `boxes`, whose bounds are `set`, by the surface area heuristic; `None` if all share
+/// their bins.
 pub(super) fn cheapest_split(boxes: &[PackedBox], set: &Set, block: u32) -> Option<Split> {
     let longest = set.bounds.extent().into_iter().fold(0.0, f32::max);
     // Surface areas in units of the longest edge, so that no square overflows; boxes without extent cost 0.
@@ -162,8 +166,8 @@ pub(super) fn cheapest_split(boxes: &[PackedBox], set: &Set, block: u32) -> Opti
     Some(Split { axis, bin, cost: f64::from(cost) * f64::from(longest).powi(2) })
 }
 
-/// Reorders the boxes so that those before the split come first. Returns the number on the left, and the bounds of both
-/// sides.
+/// Reorders the boxes so that those before the split come first. Returns the number on the left, and the
+/// bounds of both sides.
 pub(super) fn partition(boxes: &mut [PackedBox], set: &Set, split: &Split) -> (usize, Set, Set) {
     let grid = Grid::new(set.centers);
     let axis = U32x8::splat(split.axis as u32);
@@ -174,7 +178,8 @@ pub(super) fn partition(boxes: &mut [PackedBox], set: &Set, split: &Split) -> (u
     partition_by(boxes, &before)
 }
 
-/// Reorders the boxes so that those for which `left` holds come first. Domain: `left` is the same in all lanes.
+/// Reorders the boxes so that those for which `left` holds come first. Domain: `left` is the same in all
+/// lanes.
 pub(super) fn partition_by(
     boxes: &mut [PackedBox],
     left: &(impl Fn(PackedBox) -> Mask8 + Sync),
@@ -189,7 +194,8 @@ pub(super) fn partition_by(
         front[low.0..low.0 + moved].swap_with_slice(&mut back[high.0 - moved..high.0]);
         return (low.0 + high.0, low.1.union(high.1), low.2.union(high.2));
     }
-    // Branch-free, as half of the branches would be mispredicted: every box is swapped with the first one on the right.
+    // Branch-free, as half of the branches would be mispredicted: every box is swapped with the first one on
+    // the right.
     let mut count = 0;
     let (mut low, mut high) = (Set::empty(), Set::empty());
     for i in 0..boxes.len() {
@@ -205,8 +211,8 @@ pub(super) fn partition_by(
     (count, low, high)
 }
 
-/// Median split, rounded up to whole blocks, along the axis on which the centres are furthest apart; equal centres are
-/// split in the order in which they are. Halves the set for any boxes.
+/// Median split, rounded up to whole blocks, along the axis on which the centres are furthest apart; equal
+/// centres are split in the order in which they are. Halves the set for any boxes.
 pub(super) fn halve(boxes: &mut [PackedBox], set: &Set, block: usize) -> (usize, Set, Set) {
     let middle = boxes.len().div_ceil(block).div_ceil(2) * block;
     let extent = set.centers.extent();

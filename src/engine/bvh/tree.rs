@@ -20,7 +20,7 @@ pub enum Trees {
 #[derive(Clone, Debug)]
 pub struct Bvh {
     pub wide: Vec<WideNode>,
-    /// Over the same leaves; no node where it was not asked for ([`Trees::Wide`]).
+    /// Over the same leaves; empty with [`Trees::Wide`].
     pub binary: Vec<BinaryNode>,
     pub triangle_leaves: Vec<Leaf>,
     pub sphere_leaves: Vec<Leaf>,

@@ -14,9 +14,9 @@ use crate::math::Hit;
 // A tile is a piece of a stream's batch.
 const _: () = assert!(PIECE == TILE);
 
-/// A tile with more entry points that are inner nodes sees more triangles than its packets can share: its rays are traced in
-/// streams. Measured on knots, a terrain and scans of 4,000 to 1,000,000 triangles, at two picture sizes: 8 to 16 are about
-/// equally fast, 24 is 10 % slower.
+/// A tile with more entry points that are inner nodes sees more triangles than its packets can share: its
+/// rays are traced in streams. Measured on knots, a terrain and scans of 4,000 to 1,000,000 triangles, at two
+/// picture sizes: 8 to 16 are about equally fast, 24 is 10 % slower.
 const MAX_INNER_ENTRY_POINTS: usize = 12;
 
 /// A traversal of a hierarchy. All give the same hits, bit for bit.
@@ -71,8 +71,8 @@ impl Tracer {
         Self::default()
     }
 
-    /// Improves the hits of all rays. With `ANY`, each ray ends at the first hit found: then only whether `primitive` is
-    /// [`crate::math::MISS`] is defined.
+    /// Improves the hits of all rays. With `ANY`, each ray ends at the first hit found: then only whether
+    /// `primitive` is [`crate::math::MISS`] is defined.
     pub fn trace<const ANY: bool>(
         &mut self,
         traversal: Traversal,

@@ -1,11 +1,12 @@
 //! Counts of the boxes and primitives that rays are tested against.
 //!
-//! A *test* is one ray, or one frustum around many rays, against one box or one primitive; empty lanes do not count. A *step*
-//! is one run through the equations: one test in the scalar traversal, up to eight in the others. Tests measure how well the
-//! hierarchy culls, steps what that costs; eight times the steps is the number of tests that fit into them.
+//! A *test* is one ray, or one frustum around many rays, against one box or one primitive; empty lanes do not
+//! count. A *step* is one run through the equations: one test in the scalar traversal, up to eight in the
+//! others. Tests measure how well the hierarchy culls, steps what that costs; eight times the steps is the
+//! number of tests that fit into them.
 //!
-//! Traversals take a [`CounterSink`]. The no-op sink `()` leaves no code, as long as closures capture it by value (`move`): a
-//! closure that borrows it makes the compiler emit 1 % more instructions.
+//! Traversals take a [`CounterSink`]. The no-op sink `()` leaves no code, as long as closures capture it by
+//! value (`move`): a closure that borrows it makes the compiler emit 1 % more instructions.
 
 use super::hierarchy::Hierarchy;
 use crate::bvh::{Child, WideNode};
@@ -31,7 +32,8 @@ pub trait CounterSink: Copy {
     /// A packet against the spheres of a leaf, one after the other.
     #[inline(always)]
     fn packet_spheres(self, _hierarchy: &Hierarchy, _leaf: Child) {}
-    /// A frustum against the boxes of a leaf's triangles, and its packet against those that it meets, one after the other.
+    /// A frustum against the boxes of a leaf's triangles, and its packet against those that it meets, one
+    /// after the other.
     #[inline(always)]
     fn packet_triangles(self, _hierarchy: &Hierarchy, _leaf: Child, _met: Mask8) {}
 }

@@ -1,11 +1,13 @@
 //! Frusta around many rays, to cull boxes that none of the rays can meet.
 //!
-//! Rays from one origin that all run along one axis lie between a least and a greatest slope along each of the other two: four
-//! planes. A box is culled where it lies wholly beyond one of them. Only the box's corner that is furthest to the inside is
-//! tested, and each plane contains the direction of one axis, so a plane takes one FMA.
+//! Rays from one origin that all run along one axis lie between a least and a greatest slope along each of
+//! the other two: four planes. A box is culled where it lies wholly beyond one of them. Only the box's corner
+//! that is furthest to the inside is tested, and each plane contains the direction of one axis, so a plane
+//! takes one FMA.
 //!
-//! Conservative: a ray that passes a padded box ([`crate::kernel::ray_box::Slabs`]) meets it within (|o| + room) 2⁻²⁰, |o| the
-//! largest component and room as [`Padding::room`] gives it; the frustum leaves twice that, along both axes of a side.
+//! Conservative: a ray that passes a padded box ([`crate::kernel::ray_box::Slabs`]) meets it within (|o| +
+//! room) 2⁻²⁰, |o| the largest component and room as [`Padding::room`] gives it; the frustum leaves twice
+//! that, along both axes of a side.
 //!
 //! Source: Reshetov, Soupikov, Hurley, "Multi-Level Ray Tracing Algorithm", SIGGRAPH 2005.
 
@@ -52,8 +54,8 @@ impl FrustumAxis {
         padding.is_finite().then_some(Self { axes, forward, origin, padding })
     }
 
-    /// The slopes of all rays, and the least and the greatest along each axis; `None` where a ray has another origin or does not
-    /// run along the axis. Domain: whole packets, at most `N`.
+    /// The slopes of all rays, and the least and the greatest along each axis; `None` where a ray has another
+    /// origin or does not run along the axis. Domain: whole packets, at most `N`.
     #[inline(always)]
     pub fn slopes<const N: usize>(&self, rays: &Rays, slopes: &mut Slopes<N>) -> Option<[[F32x8; 2]; 2]> {
         let mut fits = Mask8::splat(true);
@@ -86,14 +88,15 @@ impl FrustumAxis {
         [direction.x, direction.y, direction.z][self.axes[0]].abs() * t
     }
 
-    /// Eight frusta, one a lane, around all rays between these slopes: for each of the other axes the least and the greatest.
+    /// Eight frusta, one a lane, around all rays between these slopes: for each of the other axes the least
+    /// and the greatest.
     #[inline(always)]
     pub fn frusta(&self, spans: [[F32x8; 2]; 2]) -> Frusta {
         let Self { axes: [main, others @ ..], forward, origin, padding } = *self;
         let side = |i: usize, slope: F32x8, steepest: F32x8, outwards: f32| {
             let outwards = F32x8::splat(outwards);
-            // 8 ε of the steeper slope for the rounding of slopes (the padding alone would do); then the box's padding along
-            // both axes.
+            // 8 ε of the steeper slope for the rounding of slopes (the padding alone would do); then the
+            // box's padding along both axes.
             let slope = (outwards * steepest).mul_add(F32x8::splat(f32::powi(0.5, 21)), slope);
             let tilt = slope * F32x8::splat(-forward);
             let bound = tilt.mul_add(F32x8::splat(origin[main]), F32x8::splat(origin[others[i]]));
@@ -155,14 +158,15 @@ pub struct Frustum {
 struct Side {
     tilt: F32x8,
     bound: F32x8,
-    /// The plane along the axis, 0 the lower and 1 the upper one, of the box's corner that is furthest to the inside.
+    /// The plane along the axis, 0 the lower and 1 the upper one, of the box's corner that is furthest to the
+    /// inside.
     corner: usize,
 }
 
 impl Frustum {
-    /// A lower bound of the distance along the axis at which each box begins, and which boxes a ray may meet before `limit`;
-    /// empty boxes and NaN are culled. `main` gives the boxes' lower planes along that axis for 0, the upper ones for 1;
-    /// `across` both along another axis.
+    /// A lower bound of the distance along the axis at which each box begins, and which boxes a ray may meet
+    /// before `limit`; empty boxes and NaN are culled. `main` gives the boxes' lower planes along that axis
+    /// for 0, the upper ones for 1; `across` both along another axis.
     #[inline(always)]
     pub fn pass(
         &self,
@@ -176,7 +180,8 @@ impl Frustum {
         (near, ahead & self.across(&main, across))
     }
 
-    /// Which boxes reach between the sides; NaN does not, an empty box only where the rounding error has no finite bound.
+    /// Which boxes reach between the sides; NaN does not, an empty box only where the rounding error has no
+    /// finite bound.
     #[inline(always)]
     fn across(&self, main: impl Fn(usize) -> F32x8, across: impl Fn(usize) -> Planes) -> Mask8 {
         let [a, b] = [0, 1].map(|i| {
@@ -218,7 +223,8 @@ fn planes(boxes: &Boxes, axis: usize) -> Planes {
     [plane(boxes, axis), plane(boxes, axis + 3)]
 }
 
-/// Eight boxes: the lower planes along x, y, z, the upper ones, and two unused rows, so that `& 7` keeps a row index inside.
+/// Eight boxes: the lower planes along x, y, z, the upper ones, and two unused rows, so that `& 7` keeps a
+/// row index inside.
 pub type Boxes = [[f32; 8]; 8];
 
 /// The least lane; NaN is ignored.

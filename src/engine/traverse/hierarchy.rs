@@ -1,4 +1,5 @@
-//! The primitives in the leaves of a hierarchy, and the intersection of rays with a leaf, shared by all traversals.
+//! The primitives in the leaves of a hierarchy, and the intersection of rays with a leaf, shared by all
+//! traversals.
 
 use super::prepared::{Packet, SingleRay, splat_slabs, splat_vector};
 use crate::buffers::SphereBlock;
@@ -161,7 +162,8 @@ impl Hierarchy {
     }
 }
 
-/// The limit that lets hits at `t` itself pass: among equal distances the lowest number wins, in any order of tests.
+/// The limit that lets hits at `t` itself pass: among equal distances the lowest number wins, in any order of
+/// tests.
 #[inline(always)]
 fn inclusive(t: f32) -> f32 {
     // Not next_up: its special cases would cost branches. t is positive, or −∞ for rays that are done.
@@ -199,7 +201,8 @@ impl TriangleLeaf {
         [a.min(b).min(c), a.max(b).max(c)]
     }
 
-    /// One ray against all of them; [`TriangleLeaf::accept`] then applies the rule of the own box to what is found.
+    /// One ray against all of them; [`TriangleLeaf::accept`] then applies the rule of the own box to what is
+    /// found.
     #[inline(always)]
     pub fn test(&self, woop: &WoopRay<f32>) -> Option<TriangleHit<F32x8>> {
         woop.test_eight(&self.vertices)
@@ -226,8 +229,8 @@ impl TriangleLeaf {
         found.is_some_and(|found| self.accept_lanes(lane, padding, packet, &found, hit))
     }
 
-    /// Applies the rule of the own box to a packet's hits and keeps those that are nearer. Out of line: the calling loop stays
-    /// in registers.
+    /// Applies the rule of the own box to a packet's hits and keeps those that are nearer. Out of line: the
+    /// calling loop stays in registers.
     #[inline(never)]
     fn accept_lanes(
         &self,
@@ -244,8 +247,8 @@ impl TriangleLeaf {
         keep_lanes_if_nearer(mask, self.primitives.primitives[lane & 7], [t, found.u, found.v], hit)
     }
 
-    /// Applies the rule of the own box to a ray's hits and keeps the nearest. Rare and out of line: the calling loops stay in
-    /// registers.
+    /// Applies the rule of the own box to a ray's hits and keeps the nearest. Rare and out of line: the
+    /// calling loops stay in registers.
     #[cold]
     #[inline(never)]
     pub fn accept(&self, slabs: &Slabs<f32>, found: &TriangleHit<F32x8>, hit: &mut Hit<f32>) {

@@ -1,4 +1,5 @@
-//! Every ray against every primitive: fastest for small scenes, and the result that every other traversal must equal.
+//! Every ray against every primitive: fastest for small scenes, and the result that every other traversal
+//! must equal.
 
 use super::visible::Visible;
 use crate::buffers::{Features, Spheres};
@@ -11,9 +12,9 @@ use crate::scene::Scene;
 
 /// The cost of testing a triangle, in tests of a sphere.
 pub const TRIANGLE_COST: usize = 4;
-/// Up to this [`cost`] primitives are tested one by one, above it through a hierarchy: about where that becomes faster. Measured
-/// in frames, both take equally long for terrains of about 25 triangles (a cost of 100), a box of 34 (136), 170 balls (170),
-/// knots of 75 (300).
+/// Up to this [`cost`] primitives are tested one by one, above it through a hierarchy: about where that
+/// becomes faster. Measured in frames, both take equally long for terrains of about 25 triangles (a cost of
+/// 100), a box of 34 (136), 170 balls (170), knots of 75 (300).
 pub const MAX_COST: usize = 150;
 
 /// The cost of testing every primitive for a ray, in tests of a sphere.
@@ -26,7 +27,8 @@ pub fn features_of(scene: &Scene) -> Features {
     if cost(scene) > MAX_COST { Features::HIERARCHY } else { Features::NONE }
 }
 
-/// The primitives to test a ray against, by ascending number: spheres first, then triangles as the method stores them.
+/// The primitives to test a ray against, by ascending number: spheres first, then triangles as the method
+/// stores them.
 pub trait Candidates<Stored> {
     fn has_spheres(&self) -> bool;
     /// Calls `f` with each sphere's number, centre and squared radius.
@@ -95,7 +97,8 @@ impl<Stored> Candidates<Stored> for OnlyVisible<'_, Stored> {
     }
 }
 
-/// The nearest hit of each ray. A later primitive replaces a hit only if it is strictly nearer, so the lower index wins ties.
+/// The nearest hit of each ray. A later primitive replaces a hit only if it is strictly nearer, so the lower
+/// index wins ties.
 ///
 /// Shapes: a packet of `WIDTH` rays; one primitive at a time is broadcast to all lanes.
 #[inline(always)]

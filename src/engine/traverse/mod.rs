@@ -1,7 +1,8 @@
 //! Which primitive a ray hits first.
 //!
-//! For: [`Methods`], the choice of intersection methods; [`Primitives`], a scene ready for intersection; and the traversals.
-//! May import: `lane`, `math`, `kernel`, `scene`, `buffers`, `bvh`, `camera`. Must never know: queues, materials, pixels.
+//! For: [`Methods`], the choice of intersection methods; [`Primitives`], a scene ready for intersection; and
+//! the traversals. May import: `lane`, `math`, `kernel`, `scene`, `buffers`, `bvh`, `camera`. Must never
+//! know: queues, materials, pixels.
 //!
 //! | file | traversal |
 //! |---|---|
@@ -12,11 +13,11 @@
 //! | [`stream`] | ray streams on the wide tree: batches of rays in any order |
 //! | [`batch`] | the choice between them |
 //!
-//! They share [`hierarchy`] (leaves and how rays intersect them), `prepared` (rays ready for boxes and triangles), [`rays`]
-//! (columns of rays and hits), [`stack`], and [`counter`], which counts the tests.
+//! They share [`hierarchy`] (leaves and how rays intersect them), `prepared` (rays ready for boxes and
+//! triangles), [`rays`] (columns of rays and hits), [`stack`], and [`counter`], which counts the tests.
 //!
-//! The law of every traversal: it gives the same hit, bit for bit, as testing every primitive in order, spheres first, then
-//! triangles, the nearest t winning and the lower index on a tie.
+//! The law of every traversal: it gives the same hit, bit for bit, as testing every primitive in order,
+//! spheres first, then triangles, the nearest t winning and the lower index on a tie.
 
 pub mod batch;
 pub mod counter;

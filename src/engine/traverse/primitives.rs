@@ -1,5 +1,5 @@
-//! A scene's primitives, ready for the chosen intersection methods, which are dispatched once a batch of rays and not once a
-//! ray.
+//! A scene's primitives, ready for the chosen intersection methods, which are dispatched once a batch of rays
+//! and not once a ray.
 
 use super::batch::Traversal;
 use super::hierarchy::{Hierarchy, padding_of};
@@ -93,8 +93,9 @@ impl Primitives {
         self.sphere == SphereChoice::default() && matches!(self.triangles, Triangles::Woop(_))
     }
 
-    /// Runs a batch of rays against every primitive with the chosen methods, each pair of methods compiled separately; only
-    /// without a hierarchy. `visible` holds all primitives that the rays can hit; without it every primitive is tested.
+    /// Runs a batch of rays against every primitive with the chosen methods, each pair of methods compiled
+    /// separately; only without a hierarchy. `visible` holds all primitives that the rays can hit; without it
+    /// every primitive is tested.
     #[inline(always)]
     pub fn for_batch<L: Lane>(&self, buffers: &Buffers, visible: Option<&Visible>, batch: impl Batch<L>) {
         match self.sphere {

@@ -12,8 +12,8 @@ pub struct Rays<'a> {
     pub direction: [&'a [f32]; 3],
 }
 
-/// Hits as columns. Before a traversal `t` holds each ray's t_max (a ray with NaN, 0 or less hits nothing) and `primitive`
-/// [`crate::math::MISS`]; or both hold an earlier hit.
+/// Hits as columns. Before a traversal `t` holds each ray's t_max (a ray with NaN, 0 or less hits nothing)
+/// and `primitive` [`crate::math::MISS`]; or both hold an earlier hit.
 pub struct Hits<'a> {
     pub t: &'a mut [f32],
     pub primitive: &'a mut [u32],

@@ -1,4 +1,5 @@
-//! One ray on the binary tree, one box and one primitive at a time, without SIMD: the baseline of every reported speed-up.
+//! One ray on the binary tree, one box and one primitive at a time, without SIMD: the baseline of every
+//! reported speed-up.
 
 use super::counter::CounterSink;
 use super::hierarchy::Hierarchy;

@@ -1,7 +1,7 @@
 //! One ray against the eight boxes of a wide node at once.
 //!
-//! For incoherent rays: each step tests eight boxes, pushes those that the ray passes on a stack by one compressed store, and
-//! continues with the nearest.
+//! For incoherent rays: each step tests eight boxes, pushes those that the ray passes on a stack by one
+//! compressed store, and continues with the nearest.
 
 use super::counter::CounterSink;
 use super::hierarchy::Hierarchy;
@@ -12,8 +12,8 @@ use crate::kernel::ray_box::Slabs;
 use crate::lane::{F32x8, Lane, Mask, Mask8};
 use crate::math::{Hit, MISS, Vec3};
 
-/// A ray's slabs in all lanes, and the rows of a node's planes in the order in which the ray meets them: chosen once a ray
-/// by the direction's signs, where [`Slabs::pass`] selects for each box.
+/// A ray's slabs in all lanes, and the rows of a node's planes in the order in which the ray meets them:
+/// chosen once a ray by the direction's signs, where [`Slabs::pass`] selects for each box.
 #[derive(Clone, Copy)]
 struct NodeSlabs {
     slabs: Slabs<F32x8>,
@@ -41,8 +41,8 @@ impl NodeSlabs {
             Vec3::new(F32x8::load(&planes[x]), F32x8::load(&planes[y]), F32x8::load(&planes[z]))
         };
         let (near, far) = self.slabs.interval(rows(self.first), rows(self.second));
-        // min and max return their second operand where one is NaN: in this order a NaN is kept and passes no box, not even
-        // an empty one.
+        // min and max return their second operand where one is NaN: in this order a NaN is kept and passes no
+        // box, not even an empty one.
         let entry = F32x8::zero().max(near);
         let exit = F32x8::splat(t_max).min(far);
         (entry, entry.le(exit))

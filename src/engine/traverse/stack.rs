@@ -3,8 +3,8 @@
 use crate::bvh::{Child, MAX_STACK, WIDE};
 use crate::lane::{Bits, F32x8, Lane, Mask, Mask8, U32x8};
 
-/// Entries of the stack: a power of two, so that `& (CAPACITY - 1)` keeps every index inside without a bounds check, and with
-/// a packet to spare for whole stores.
+/// Entries of the stack: a power of two, so that `& (CAPACITY - 1)` keeps every index inside without a bounds
+/// check, and with a packet to spare for whole stores.
 const CAPACITY: usize = 512;
 const _: () = assert!(MAX_STACK + WIDE <= CAPACITY);
 
@@ -19,8 +19,8 @@ impl Stack {
         Self { child: [0; CAPACITY], near: [0.0; CAPACITY] }
     }
 
-    /// Pushes those of eight children that are set in `passes` at index `at`, by one compressed store, and swaps the nearest to
-    /// the top. Returns their number.
+    /// Pushes those of eight children that are set in `passes` at index `at`, by one compressed store, and
+    /// swaps the nearest to the top. Returns their number.
     #[inline(always)]
     pub fn push(&mut self, at: usize, children: &[Child; WIDE], near: F32x8, passes: Mask8) -> usize {
         let indices = F32x8::compress_indices(passes);
@@ -55,8 +55,8 @@ impl Default for Stack {
     }
 }
 
-/// Pops entries of a stack of `len` entries, read by `get`, until one is entered at `limit` or before; `None` once the stack is
-/// empty.
+/// Pops entries of a stack of `len` entries, read by `get`, until one is entered at `limit` or before; `None`
+/// once the stack is empty.
 #[inline(always)]
 pub fn pop_within<T>(len: &mut usize, limit: f32, get: impl Fn(usize) -> (T, f32)) -> Option<T> {
     while *len > 0 {

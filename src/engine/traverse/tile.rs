@@ -1,12 +1,13 @@
 //! Packet traversal of primary rays, a tile at a time.
 //!
-//! The frustum around the whole tile traverses the tree first, level by level, until it has up to [`MAX_ENTRY_POINTS`] entry
-//! points: nodes and leaves that together hold all that the tile can see, sorted by distance. Without entry points the tile is
-//! empty. Then each packet, with a frustum of its own, traverses in order the entry points that its frustum meets, and below
-//! them nearest first. In a leaf the triangles outside the frustum are culled; the packet is tested against the rest one by
-//! one.
+//! The frustum around the whole tile traverses the tree first, level by level, until it has up to
+//! [`MAX_ENTRY_POINTS`] entry points: nodes and leaves that together hold all that the tile can see, sorted
+//! by distance. Without entry points the tile is empty. Then each packet, with a frustum of its own,
+//! traverses in order the entry points that its frustum meets, and below them nearest first. In a leaf the
+//! triangles outside the frustum are culled; the packet is tested against the rest one by one.
 //!
-//! Source: Reshetov, Soupikov, Hurley, "Multi-Level Ray Tracing Algorithm", SIGGRAPH 2005: entry points for tiles.
+//! Source: Reshetov, Soupikov, Hurley, "Multi-Level Ray Tracing Algorithm", SIGGRAPH 2005: entry points for
+//! tiles.
 
 use super::counter::CounterSink;
 use super::frustum::{Boxes, Frustum, FrustumAxis, lowest};
@@ -27,7 +28,8 @@ pub const MAX_ENTRY_POINTS: usize = 64;
 // One bit of a mask each, in whole blocks of eight boxes.
 const _: () = assert!(MAX_ENTRY_POINTS == u64::BITS as usize && MAX_ENTRY_POINTS.is_multiple_of(WIDE));
 
-/// Entry points: nodes and leaves that together hold all that a tile can see, nearest first; one bit of a mask each.
+/// Entry points: nodes and leaves that together hold all that a tile can see, nearest first; one bit of a
+/// mask each.
 struct EntryPoints {
     boxes: [Boxes; MAX_ENTRY_POINTS / WIDE],
     children: [Child; MAX_ENTRY_POINTS],
@@ -47,8 +49,8 @@ struct Entry {
 }
 
 impl EntryPoints {
-    /// `None` if more than `most_nodes` of the entry points would be inner nodes for whose children there is no room. Gives up
-    /// early where that is probable.
+    /// `None` if more than `most_nodes` of the entry points would be inner nodes for whose children there is
+    /// no room. Gives up early where that is probable.
     fn of(
         hierarchy: &Hierarchy,
         frustum: &Frustum,
@@ -61,7 +63,8 @@ impl EntryPoints {
         let mut opened = true;
         let nodes = |entries: &[Entry]| entries.iter().filter(|entry| !entry.child.is_leaf()).count();
         while opened {
-            // An opened node becomes about four entries: of more than twice as many nodes too few can be opened.
+            // An opened node becomes about four entries: of more than twice as many nodes too few can be
+            // opened.
             if nodes(&entries[..filled]) > 2 * most_nodes {
                 return None;
             }
@@ -170,7 +173,8 @@ impl<'a, C: CounterSink> PacketTraversal<'a, C> {
     fn run(mut self, entry_points: &EntryPoints, meets: u64, hits: &mut Hits, at: usize, stack: &mut Stack) {
         // The mask lets the compiler drop the bounds checks.
         for entry in set_bits(meets).map(|entry| entry & (MAX_ENTRY_POINTS - 1)) {
-            // The tile's frustum and the packet's have one axis, so the distances hold for the packet; they ascend.
+            // The tile's frustum and the packet's have one axis, so the distances hold for the packet; they
+            // ascend.
             if entry_points.near[entry] > self.limit {
                 break;
             }
@@ -256,9 +260,9 @@ fn spans(rows: &[F32x8]) -> [F32x8; 2] {
     rest.into_iter().fold([first, first], |[low, high], x| [low.min(x), high.max(x)])
 }
 
-/// Improves the hits of up to [`TILE`] primary rays, whose `t` come in as the rays' t_max. Returns false and does nothing if the
-/// rays are not whole packets or do not run together from one origin, or if more than about `most_nodes` of their entry points
-/// are inner nodes for whose children there is no room.
+/// Improves the hits of up to [`TILE`] primary rays, whose `t` come in as the rays' t_max. Returns false and
+/// does nothing if the rays are not whole packets or do not run together from one origin, or if more than
+/// about `most_nodes` of their entry points are inner nodes for whose children there is no room.
 #[inline(never)]
 pub fn trace(
     hierarchy: &Hierarchy,

@@ -1,14 +1,14 @@
-//! Ray streams: many rays traverse the tree together. Each node is read once for all rays that reach it, and its planes stay in
-//! registers.
+//! Ray streams: many rays traverse the tree together. Each node is read once for all rays that reach it, and
+//! its planes stay in registers.
 //!
-//! At a node each ray of its list is tested against eight boxes; the masks are compressed into a list of rays for each child.
-//! Children are visited in the order of their mean entry distance, or in slot order where any hit will do. Lists too short to
-//! pay are traced as single rays.
+//! At a node each ray of its list is tested against eight boxes; the masks are compressed into a list of rays
+//! for each child. Children are visited in the order of their mean entry distance, or in slot order where any
+//! hit will do. Lists too short to pay are traced as single rays.
 //!
-//! Rays of all octants share a list: each ray selects the planes that it meets first. A batch sorted by octant, as in the source,
-//! saves the selection, but its lists have an eighth of the rays, and bounces are 1.1 times slower on 4,000 triangles, 1.6 times
-//! on 48,000. Only whole pieces of a batch within one octant, as most of primary rays, are traced octant by octant: 1.1 times
-//! faster.
+//! Rays of all octants share a list: each ray selects the planes that it meets first. A batch sorted by
+//! octant, as in the source, saves the selection, but its lists have an eighth of the rays, and bounces are
+//! 1.1 times slower on 4,000 triangles, 1.6 times on 48,000. Only whole pieces of a batch within one octant,
+//! as most of primary rays, are traced octant by octant: 1.1 times faster.
 //!
 //! Source: Tsakok, "Faster Incoherent Rays: Multi-BVH Ray Stream Tracing", HPG 2009.
 
@@ -26,8 +26,9 @@ use crate::lane::{Bits, F32x8, Lane, Mask, U32x8, set_bits};
 use crate::math::{Hit, Ray, Vec3};
 use record::{MIXED, OCTANTS, Octant, Record};
 
-/// Rays of a batch. Larger batches share the reads of a large tree, until the records, 64 bytes a ray, leave the second-level
-/// cache: half as many are 3 % faster on 4,000 triangles, 3 % slower on 48,000 and 20 % on a million.
+/// Rays of a batch. Larger batches share the reads of a large tree, until the records, 64 bytes a ray, leave
+/// the second-level cache: half as many are 3 % faster on 4,000 triangles, 3 % slower on 48,000 and 20 % on a
+/// million.
 pub const BATCH: usize = 8192;
 /// Pieces of a batch, one bit of a mask each.
 const PIECES: usize = u32::BITS as usize;
@@ -84,8 +85,8 @@ impl Stream {
         }
     }
 
-    /// The same for some pieces of up to [`BATCH`] rays: bit p of `pieces` stands for the up to [`PIECE`] rays from p · [`PIECE`]
-    /// on. Domain: no bit of an empty piece is set.
+    /// The same for some pieces of up to [`BATCH`] rays: bit p of `pieces` stands for the up to [`PIECE`]
+    /// rays from p · [`PIECE`] on. Domain: no bit of an empty piece is set.
     pub fn trace_pieces<const ANY: bool>(
         &mut self,
         hierarchy: &Hierarchy,
@@ -176,8 +177,8 @@ struct StreamTraversal<'a, 'b, C> {
 }
 
 impl<C: CounterSink> StreamTraversal<'_, '_, C> {
-    /// Traces the `count` rays listed from `start` on through a node; new lists start at `free`. With `ONE` all rays run into
-    /// one octant.
+    /// Traces the `count` rays listed from `start` on through a node; new lists start at `free`. With `ONE`
+    /// all rays run into one octant.
     fn node<const ANY: bool, const ONE: bool>(
         &mut self,
         node: usize,
@@ -200,7 +201,8 @@ impl<C: CounterSink> StreamTraversal<'_, '_, C> {
             let Record { inverse, near, far, t, .. } = &records[ray as usize & (BATCH - 1)];
             let [inverse, near, far] = [inverse, near, far].map(|column| column.map(F32x8::splat));
             let planes: [_; 3] = std::array::from_fn(|axis| {
-                // Differs from `< 0` only for −0, the inverse of an infinite direction: its product with any plane is 0.
+                // Differs from `< 0` only for −0, the inverse of an infinite direction: its product with any
+                // plane is 0.
                 let backwards = inverse[axis].is_sign_negative();
                 let pick = |a, b| if ONE { a } else { F32x8::select(backwards, b, a) };
                 (pick(front[axis], back[axis]), pick(back[axis], front[axis]))
@@ -208,7 +210,8 @@ impl<C: CounterSink> StreamTraversal<'_, '_, C> {
             let vector = |[x, y, z]: [F32x8; 3]| Vec3::new(x, y, z);
             let slabs = Slabs { inverse: vector(inverse), near: vector(near), far: vector(far) };
             let (near, far) = slabs.interval(vector(planes.map(|axis| axis.0)), vector(planes.map(|axis| axis.1)));
-            // A NaN is in both near and far; max or min keeps it, and it passes no box, not even an empty one.
+            // A NaN is in both near and far; max or min keeps it, and it passes no box, not even an empty
+            // one.
             let (near, far) = (F32x8::zero().max(near), F32x8::splat(*t).min(far));
             let passes = near.le(far);
             if !ANY {
@@ -227,7 +230,8 @@ impl<C: CounterSink> StreamTraversal<'_, '_, C> {
         }
         let mut children = [ChildList { distance: 0.0, child: Child::NONE, start: 0, count: 0 }; WIDE];
         let mut top = free;
-        // The list is read in whole packets; the masks behind its end are cleared, so that entries there join no list.
+        // The list is read in whole packets; the masks behind its end are cleared, so that entries there join
+        // no list.
         masks[count..count + WIDE].fill(0);
         let packets = count.div_ceil(WIDE);
         let (read, write) = lists.split_at_mut(free);
@@ -317,7 +321,8 @@ impl ListedRay<'_> {
     }
 }
 
-/// Stores what `find` returns for each listed ray that is not done: the hit so far or a nearer one; `None` changes nothing.
+/// Stores what `find` returns for each listed ray that is not done: the hit so far or a nearer one; `None`
+/// changes nothing.
 #[inline(always)]
 fn update_hits<const ANY: bool>(
     listed: &[u32],

@@ -91,7 +91,8 @@ impl Octant {
         }
     }
 
-    /// One bit for each axis along which all rays run backwards; [`MIXED`] where they run into several octants.
+    /// One bit for each axis along which all rays run backwards; [`MIXED`] where they run into several
+    /// octants.
     pub fn index(&self) -> usize {
         let (all, any) = (self.all.map(Mask::all), self.any.map(Mask::any));
         if all == any { (0..3).map(|axis| usize::from(all[axis]) << axis).sum() } else { MIXED }

@@ -8,14 +8,13 @@ use crate::kernel::surface::{sphere_offset, triangle_offset};
 use crate::scene::{MaterialKind, Scene, Sphere, Triangle};
 use std::f32::consts::PI;
 
-/// Which lights next event estimation samples; paths that hit a light by scattering count all of them.
+/// Which emitters paths look for, besides finding them by chance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum LightChoice {
-    /// Those for which it pays: not spheres that surround the camera, and none where every surface is a
-    /// mirror or glass.
+    /// Those for which it pays: not the spheres that surround the scene, and none where every surface is a mirror or glass.
     #[default]
     Auto,
-    /// All that can be sampled.
+    /// All that can be looked for.
     On,
     /// None.
     Off,

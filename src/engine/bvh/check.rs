@@ -41,10 +41,10 @@ struct Validator<'a, F> {
     area: f64,
 }
 
-type Verdict<T> = Result<T, String>;
+type Checked<T> = Result<T, String>;
 
 /// [`check`] for a scene's hierarchy.
-pub fn check_scene(bvh: &Bvh, scene: &Scene) -> Verdict<Statistics> {
+pub fn check_scene(bvh: &Bvh, scene: &Scene) -> Checked<Statistics> {
     let spheres = scene.spheres.len();
     let count = spheres + scene.triangles.len();
     check(bvh, spheres, count, |number| Bounds::of_primitive(scene, number))
@@ -57,7 +57,7 @@ pub fn check(
     spheres: usize,
     count: usize,
     bounds: impl Fn(usize) -> Bounds,
-) -> Verdict<Statistics> {
+) -> Checked<Statistics> {
     let leaves = bvh.triangle_leaves.len() + bvh.sphere_leaves.len();
     let statistics = Statistics {
         wide_nodes: bvh.wide.len(),
@@ -105,7 +105,7 @@ pub fn check(
     Ok(statistics)
 }
 
-fn expect(holds: bool, otherwise: impl FnOnce() -> String) -> Verdict<()> {
+fn expect(holds: bool, otherwise: impl FnOnce() -> String) -> Checked<()> {
     if holds { Ok(()) } else { Err(otherwise()) }
 }
 
@@ -119,7 +119,7 @@ impl<F: Fn(usize) -> Bounds> Validator<'_, F> {
         spheres: usize,
         next_leaf: &mut [usize; 2],
         next_node: &mut usize,
-    ) -> Verdict<(Bounds, usize)> {
+    ) -> Checked<(Bounds, usize)> {
         let wide = *self.bvh.wide.get(node).ok_or_else(|| format!("wide node {node} is out of range"))?;
         expect(level <= MAX_DEPTH as usize, || format!("wide node {node} is {level} levels deep"))?;
         self.statistics.wide_depth = self.statistics.wide_depth.max(level);
@@ -160,7 +160,7 @@ impl<F: Fn(usize) -> Bounds> Validator<'_, F> {
         bounds: Bounds,
         spheres: usize,
         next_leaf: &mut [usize; 2],
-    ) -> Verdict<Bounds> {
+    ) -> Checked<Bounds> {
         let (leaves, next) = if child.is_spheres() {
             (&self.bvh.sphere_leaves, &mut next_leaf[1])
         } else {
@@ -200,7 +200,7 @@ impl<F: Fn(usize) -> Bounds> Validator<'_, F> {
         depth: u32,
         deepest: &mut u32,
         next_leaf: &mut [usize; 2],
-    ) -> Verdict<Bounds> {
+    ) -> Checked<Bounds> {
         let index = *next;
         let node =
             *self.bvh.binary.get(index).ok_or_else(|| format!("binary node {index} is out of range"))?;

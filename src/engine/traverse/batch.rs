@@ -8,7 +8,6 @@ use super::stack::Stack;
 use super::stream::{BATCH, PIECE, Stream};
 use super::tile::{self, MAX_ENTRY_POINTS, TILE};
 use super::{scalar, single};
-use crate::bvh::Trees;
 use crate::math::Hit;
 
 // A tile is a piece of a stream's batch.
@@ -19,18 +18,18 @@ const _: () = assert!(PIECE == TILE);
 /// picture sizes: 8 to 16 are about equally fast, 24 is 10 % slower.
 const MAX_INNER_ENTRY_POINTS: usize = 12;
 
-/// A traversal of a hierarchy. All give the same hits, bit for bit.
+/// A way through a hierarchy. All give the same hits, bit for bit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Traversal {
     /// One ray on the binary tree: the baseline.
     Scalar,
     /// One ray against eight boxes.
     Single,
-    /// Tiles of primary rays in a frustum; other rays as with [`Traversal::Stream`].
+    /// Tiles of camera rays in a frustum; other rays as [`Traversal::Stream`] does them.
     Packet,
-    /// Ray streams: all rays of a batch down the tree together.
+    /// All rays together down the tree.
     Stream,
-    /// Packets or streams, tile by tile: measured fastest.
+    /// What measured fastest for rays like these.
     #[default]
     Hybrid,
 }
@@ -48,13 +47,9 @@ impl Traversal {
             Self::Hybrid => "hybrid",
         }
     }
-    /// Its number of lanes.
+    /// Lanes it works with.
     pub fn lanes(self) -> usize {
         if self == Self::Scalar { 1 } else { 8 }
-    }
-    /// The trees that it reads.
-    pub fn trees(self) -> Trees {
-        if self == Self::Scalar { Trees::WideAndBinary } else { Trees::Wide }
     }
 }
 

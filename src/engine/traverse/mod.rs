@@ -6,7 +6,7 @@
 //!
 //! | file | traversal |
 //! |---|---|
-//! | [`linear`] | few primitives: every one is tested, or for primary rays every one that their tile can see ([`Visible`]) |
+//! | [`linear`] | every primitive is tested, of primary rays those that their tile can see ([`Visible`]) |
 //! | [`scalar`] | one ray on the binary tree, one box and one primitive at a time: the baseline |
 //! | [`single`] | one ray on the wide tree, against eight boxes and eight primitives at once |
 //! | [`tile`] | primary rays of a tile on the wide tree, each packet in a [`frustum`] |

@@ -7,6 +7,7 @@ use super::linear::{self, All, OnlyVisible};
 use super::methods::{BoxChoice, Methods, SphereChoice, TriangleChoice};
 use super::visible::Visible;
 use crate::buffers::{Buffers, store_triangles};
+use crate::bvh::Trees;
 use crate::kernel::ray_box::Padding;
 use crate::kernel::ray_sphere::{self, SphereMethod};
 use crate::kernel::ray_triangle::{self, TriangleMethod};
@@ -40,7 +41,7 @@ impl Primitives {
     /// For packets of `lanes` rays, with a hierarchy if [`Methods::traversal_of`] names a traversal.
     pub fn new(scene: &Scene, methods: Methods, lanes: usize) -> Self {
         if let Some(traversal) = methods.traversal_of(scene, lanes) {
-            let mut hierarchy = Hierarchy::new(scene, traversal.trees());
+            let mut hierarchy = Hierarchy::new(scene, trees_of(traversal));
             hierarchy.padding = padded(hierarchy.padding, methods.boxes);
             let (triangles, padding) = (Triangles::Woop(Vec::new()), Padding::default());
             return Self {
@@ -140,6 +141,11 @@ impl Primitives {
             }
         }
     }
+}
+
+/// The trees that a traversal reads.
+fn trees_of(traversal: Traversal) -> Trees {
+    if traversal == Traversal::Scalar { Trees::WideAndBinary } else { Trees::Wide }
 }
 
 /// The padding with a box method.

@@ -209,7 +209,8 @@ impl<C: CounterSink> StreamTraversal<'_, '_, C> {
             });
             let vector = |[x, y, z]: [F32x8; 3]| Vec3::new(x, y, z);
             let slabs = Slabs { inverse: vector(inverse), near: vector(near), far: vector(far) };
-            let (near, far) = slabs.interval(vector(planes.map(|axis| axis.0)), vector(planes.map(|axis| axis.1)));
+            let [first, second] = [planes.map(|axis| axis.0), planes.map(|axis| axis.1)].map(vector);
+            let (near, far) = slabs.interval(first, second);
             // A NaN is in both near and far; max or min keeps it, and it passes no box, not even an empty
             // one.
             let (near, far) = (F32x8::zero().max(near), F32x8::splat(*t).min(far));

@@ -4,7 +4,7 @@
 //! Before a way is timed, its hits are held against those of one scalar ray at a time, bit by bit.
 
 use criterion::{BenchmarkId, Criterion, Throughput};
-use octray::bvh::Quality;
+use octray::bvh::Trees;
 use octray::math::MISS;
 use octray::measure::ray_sets::{Answers, Kind, Prepared};
 use octray::measure::rays;
@@ -29,11 +29,11 @@ fn main() {
     let mut group = criterion.benchmark_group("build");
     group.throughput(Throughput::Elements(scene.triangles.len() as u64));
     group.bench_function("all-threads", |bencher| {
-        bencher.iter(|| Hierarchy::new(black_box(&scene), Quality::default()))
+        bencher.iter(|| Hierarchy::new(black_box(&scene), Trees::WideAndBinary))
     });
     group.finish();
 
-    let ground = Ground::new(&scene, Hierarchy::new(&scene, Quality::default()));
+    let ground = Ground::new(&scene, Hierarchy::new(&scene, Trees::WideAndBinary));
     let team = Team::new(1);
     let sets =
         rays::prepare(&scene, &scene.overview().expect("the scene has an outside"), &ground, &team, SIZE, 0);

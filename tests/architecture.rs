@@ -16,6 +16,7 @@ const ORDER: &[&str] = &[
     "kernel",
     "scene",
     "buffers",
+    "light_sampling",
     "bvh",
     "camera",
     "traverse",

@@ -6,13 +6,13 @@ mod common;
 use common::{Dice, empty, sphere, triangle};
 use glam::{DVec3, Vec3};
 use octray::bvh::check::{Statistics, check};
-use octray::bvh::{Bounds, Bvh, Child, LEAF, MAX_DEPTH, MAX_STACK, Quality, WideNode};
+use octray::bvh::{Bounds, Bvh, Child, LEAF, MAX_DEPTH, MAX_STACK, Trees, WideNode};
 use octray::scene::Scene;
 use std::path::Path;
 
 /// Builds over boxes, of which the first `spheres` count as spheres, and checks.
 fn valid(spheres: usize, boxes: &[Bounds]) -> Statistics {
-    let bvh = Bvh::of_boxes(spheres, boxes.len(), Quality::Medium, |number| boxes[number]);
+    let bvh = Bvh::of_boxes(spheres, boxes.len(), Trees::WideAndBinary, |number| boxes[number]);
     let statistics = check(&bvh, spheres, boxes.len(), |number| boxes[number]).unwrap();
     assert!(statistics.wide_depth <= MAX_DEPTH as usize && statistics.binary_depth <= MAX_DEPTH as usize);
     assert!(statistics.stack <= MAX_STACK);
@@ -27,7 +27,7 @@ fn bounds_of(scene: &Scene, number: usize) -> Bounds {
 }
 
 fn valid_scene(scene: &Scene) -> Statistics {
-    let bvh = Bvh::new(scene, Quality::Medium);
+    let bvh = Bvh::new(scene, Trees::WideAndBinary);
     let count = scene.spheres.len() + scene.triangles.len();
     check(&bvh, scene.spheres.len(), count, |number| bounds_of(scene, number)).unwrap()
 }
@@ -94,7 +94,7 @@ fn few_primitives_make_a_valid_tree() {
             assert!(count > LEAF || statistics.wide_nodes == 1, "{count} fit one node");
         }
     }
-    let none = Bvh::of_boxes(0, 0, Quality::Medium, |_| unreachable!());
+    let none = Bvh::of_boxes(0, 0, Trees::WideAndBinary, |_| unreachable!());
     assert_eq!((none.wide.len(), none.wide[0].children()[0]), (1, Child::NONE));
     assert!(none.bounds.is_empty());
 }
@@ -178,7 +178,7 @@ fn threads_do_not_change_a_bit() {
         let mut first: Option<Vec<Vec<u32>>> = None;
         for threads in [1, 2, 3, 2] {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            let bvh = pool.install(|| Bvh::new(scene, Quality::Medium));
+            let bvh = pool.install(|| Bvh::new(scene, Trees::WideAndBinary));
             let leaves =
                 |leaves: &[octray::bvh::Leaf]| leaves.iter().flat_map(|leaf| leaf.primitives).collect();
             let bits = vec![
@@ -190,6 +190,20 @@ fn threads_do_not_change_a_bit() {
             assert!(first.get_or_insert_with(|| bits.clone()) == &bits, "{threads} threads");
         }
     }
+}
+
+/// All but the scalar baseline read the wide tree alone: leaving the binary tree out changes nothing of it.
+#[test]
+fn the_wide_tree_is_the_same_without_the_binary_one() {
+    let scene = crowd(&mut Dice(7), 300, 700);
+    let [both, wide] = [Trees::WideAndBinary, Trees::Wide].map(|trees| Bvh::new(&scene, trees));
+    assert!(!both.binary.is_empty() && wide.binary.is_empty());
+    let bits = |bvh: &Bvh| bytemuck::cast_slice::<_, u32>(&bvh.wide).to_vec();
+    assert!(bits(&both) == bits(&wide) && both.bounds == wide.bounds);
+    assert!(both.triangle_leaves == wide.triangle_leaves && both.sphere_leaves == wide.sphere_leaves);
+    assert!(both.bytes() > wide.bytes());
+    let statistics = check(&wide, 300, 1000, |number| bounds_of(&scene, number)).unwrap();
+    assert_eq!((statistics.binary_nodes, statistics.binary_depth), (0, 0));
 }
 
 #[test]
@@ -205,7 +219,7 @@ fn meshes_fill_nodes_and_leaves() {
 fn check_finds_what_is_wrong() {
     let mut dice = Dice(6);
     let boxes: Vec<_> = (0..1000).map(|_| at(dice.in_cube(), 0.1)).collect();
-    let good = Bvh::of_boxes(0, 1000, Quality::Medium, |number| boxes[number]);
+    let good = Bvh::of_boxes(0, 1000, Trees::WideAndBinary, |number| boxes[number]);
     let wrong = |change: &dyn Fn(&mut Bvh)| {
         let mut bvh = good.clone();
         change(&mut bvh);

@@ -57,7 +57,7 @@ fn one_number_chooses_each_of_a_few_lights_by_its_chance_and_a_point_all_over_it
             }
             for (number, Seen { count: drawn, sum, squares }) in seen.into_iter().enumerate() {
                 let what = format!("light {number} of {count}, radiance {:e}", radiances[number]);
-                let chance = f64::from(lights.chances[number]);
+                let chance = f64::from(lights.probabilities[number]);
                 // A border of a slot and one within it may each be off by one number; the least chance is 1/4096 or 4096 numbers.
                 let off = drawn / f64::from(NUMBERS) / chance - 1.0;
                 assert!(off.abs() < 1e-3, "{what}: drawn {drawn} times, {off:e} off");
@@ -89,7 +89,7 @@ fn two_other_numbers_choose_among_many_lights_by_their_chances() {
             }
             let draws = f64::from(PARTS) * count as f64;
             for (number, drawn) in drawn.into_iter().enumerate() {
-                let chance = f64::from(lights.chances[number]);
+                let chance = f64::from(lights.probabilities[number]);
                 // The least share of a slot is 1/64, and the grid is off by half a part at its border.
                 let off = f64::from(drawn) / draws / chance - 1.0;
                 let what = format!("light {number} of {count}, radiance {:e}", radiances[number]);
@@ -104,14 +104,14 @@ fn chances_sum_to_one_and_rows_hold_those_of_their_own_light() {
     for radiances in [2, 4, 5, 64, 65, 5000].map(radiances).into_iter().flatten() {
         let scene = lamps(&radiances);
         let lights = Lights::new(&scene, LightChoice::On);
-        let sum: f64 = lights.chances.iter().map(|&chance| f64::from(chance)).sum();
+        let sum: f64 = lights.probabilities.iter().map(|&chance| f64::from(chance)).sum();
         assert!((sum - 1.0).abs() < 1e-6, "{sum}");
         let mut dice = Dice(82);
         for _ in 0..1000 {
             let [u, number, more] = [(); 3].map(|()| (dice.bits() >> 8) as f32 / 16_777_216.0);
             let (light, _) = lights.choose::<f32>(u, || number, || more, radiances.len() <= Lights::FEW);
             let at = light.at.x as usize;
-            assert_eq!((light.chance, light.emission.x), (lights.chances[at], radiances[at]));
+            assert_eq!((light.probability, light.emission.x), (lights.probabilities[at], radiances[at]));
         }
     }
 }
@@ -233,7 +233,7 @@ fn directions_to_a_sky_are_spread_all_over_its_cells() {
     let mut counts = [[0; 64]; 2];
     for (i, j) in (0..SIDE).flat_map(|i| (0..SIDE).map(move |j| (i, j))) {
         let at = |i: usize| (i as f32 + 0.5) / SIDE as f32;
-        let direction = sky.aim::<f32>(at(i), at(j)).wi.get(0).as_dvec3();
+        let direction = sky.sample::<f32>(at(i), at(j)).wi.get(0).as_dvec3();
         let turn = (direction.z.atan2(direction.x) / std::f64::consts::TAU).rem_euclid(1.0);
         counts[0][(turn * 64.0) as usize % 64] += 1;
         counts[1][((0.5 - 0.5 * direction.y) * 64.0) as usize] += 1;

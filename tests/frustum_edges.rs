@@ -6,7 +6,7 @@ mod common;
 use common::rays::Set;
 use common::{Dice, empty, material, sphere, triangle};
 use glam::DVec3;
-use octray::bvh::Quality;
+use octray::bvh::Trees;
 use octray::scene::{MaterialKind, Scene};
 use octray::traverse::hierarchy::Hierarchy;
 use octray::traverse::tile::TILE;
@@ -64,7 +64,7 @@ fn at_the_sides(dice: &mut Dice, view: View, spheres: bool) -> usize {
             scene.triangles.push(triangle(vertices, 0));
         }
     }
-    let hierarchy = Hierarchy::new(&scene, Quality::default());
+    let hierarchy = Hierarchy::new(&scene, Trees::WideAndBinary);
     assert!(set.goes_in_a_frustum(&hierarchy), "{view:?}");
     set.check(&scene, &format!("{view:?}"))
 }
@@ -157,7 +157,7 @@ fn edge_on(dice: &mut Dice, case: Beside) -> usize {
             scene.triangles.extend((0..copies).map(|_| triangle(vertices, 0)));
         }
     }
-    assert!(set.goes_in_a_frustum(&Hierarchy::new(&scene, Quality::default())), "{case:?}");
+    assert!(set.goes_in_a_frustum(&Hierarchy::new(&scene, Trees::WideAndBinary)), "{case:?}");
     set.check(&scene, &format!("{case:?}"))
 }
 
@@ -214,7 +214,7 @@ fn frustum_keeps_the_first_of_copies_seen_from_afar() {
             let vertices = [0.0, 1.0, 2.0].map(corner);
             scene.triangles.extend([(); 30].map(|()| triangle(vertices, 0)));
         }
-        assert!(set.goes_in_a_frustum(&Hierarchy::new(&scene, Quality::default())), "round {round}");
+        assert!(set.goes_in_a_frustum(&Hierarchy::new(&scene, Trees::WideAndBinary)), "round {round}");
         hits += set.check(&scene, &format!("round {round}, {away} away"));
     }
     assert_eq!(hits, 240 * TILE);

@@ -6,7 +6,7 @@ mod common;
 use common::rays::{Set, mixture};
 use common::{Dice, sphere, triangle};
 use glam::{Vec3, Vec3Swizzles};
-use octray::bvh::Quality;
+use octray::bvh::Trees;
 use octray::math::MISS;
 use octray::scene::Scene;
 use octray::traverse::batch::Traversal;
@@ -43,7 +43,7 @@ impl View {
 }
 
 fn hierarchy(scene: &Scene) -> Hierarchy {
-    Hierarchy::new(scene, Quality::default())
+    Hierarchy::new(scene, Trees::WideAndBinary)
 }
 
 #[test]

@@ -5,7 +5,7 @@ mod common;
 use common::rays::{Set, mixture};
 use common::{Dice, sphere};
 use glam::Vec3;
-use octray::bvh::Quality;
+use octray::bvh::Trees;
 use octray::math::MISS;
 use octray::measure::ray_sets::{Answers, RaySet};
 use octray::measure::ways::{Ground, Team, Way};
@@ -104,7 +104,7 @@ fn pieces_of_one_octant_and_of_several_find_the_same_each_for_itself() {
     let at = 77;
     (set.origin[0][at], set.direction[0][at]) = (set.origin[0][at].abs().min(2.0), -0.0);
     assert!(set.check(&scene, "pieces") > 300);
-    let hierarchy = Hierarchy::new(&scene, Quality::default());
+    let hierarchy = Hierarchy::new(&scene, Trees::WideAndBinary);
     let (all, none) = (set.linear(&scene), set.pieces(&hierarchy, 0));
     assert!(none.iter().all(|answer| answer[1] == MISS));
     for pieces in [0b1, 0b100_0000_0010, 0b011_0000_0110, 0b101_0101_0101, 0b111_1111_1111] {
@@ -147,7 +147,7 @@ fn rays_that_are_none_miss_and_a_hit_at_the_reach_is_none() {
 #[test]
 fn ways_that_are_measured_agree_and_a_hit_at_the_reach_is_none() {
     let scene = mixture(&mut Dice(16), 40, 20, 0.0, 0.0);
-    let ground = Ground::new(&scene, Hierarchy::new(&scene, Quality::default()));
+    let ground = Ground::new(&scene, Hierarchy::new(&scene, Trees::WideAndBinary));
     let mut dice = Dice(17);
     let pixels: Vec<[u32; 2]> = (0..48 * 32).map(|i| [i % 48, i / 48]).collect();
     let camera = octray::camera::Pinhole::new(&scene.camera, [48, 32]);
@@ -188,7 +188,7 @@ fn without_padding_hits_are_lost_at_corners() {
         let origin = target + dice.in_cube().as_vec3() * 8.0;
         set.push(origin, (target - origin).try_normalize().unwrap_or(Vec3::X), f32::INFINITY);
     }
-    let mut hierarchy = Hierarchy::new(&scene, Quality::default());
+    let mut hierarchy = Hierarchy::new(&scene, Trees::WideAndBinary);
     let found = |hierarchy: &Hierarchy| {
         let answers = set.through::<false>(hierarchy, octray::traverse::batch::Traversal::Hybrid);
         answers.iter().filter(|answer| answer[1] != MISS).count()

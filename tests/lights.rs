@@ -331,8 +331,8 @@ fn directions_to_a_sky_have_the_density_of_their_cell() {
     assert!(sky.contrast > 50.0, "{}", sky.contrast);
     let (side, mut other, mut solid_angle, mut sun) = (512, 0, 0.0, 0.0);
     for (u, v) in square(side) {
-        let aim = sky.aim::<f32>(u, v);
-        let again: f32 = sky.density(latitude_longitude(aim.wi));
+        let aim = sky.sample::<f32>(u, v);
+        let again: f32 = sky.pdf(latitude_longitude(aim.wi));
         other += usize::from(aim.pdf != again);
         solid_angle += 1.0 / f64::from(aim.pdf);
         sun += f64::from(u8::from(aim.pdf > 1.0));

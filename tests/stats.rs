@@ -5,7 +5,7 @@ mod common;
 use common::{empty, material, sphere, triangle};
 use glam::Vec3;
 use octray::bvh::check::check_scene;
-use octray::bvh::{LEAF, Quality};
+use octray::bvh::{LEAF, Trees};
 use octray::film::Picture;
 use octray::integrate::stats::{RayKind, Segment, Stage, Stats};
 use octray::math::MISS;
@@ -13,9 +13,9 @@ use octray::measure::stats::FrameStats;
 use octray::render::{Renderer, Settings};
 use octray::scene::{MaterialKind, Scene, load};
 use octray::traverse::batch::{Tracer, Traversal};
+use octray::traverse::counter::{Counter, Counts, Tests};
 use octray::traverse::hierarchy::Hierarchy;
 use octray::traverse::rays::{Hits, Rays};
-use octray::traverse::tally::{Counter, Counts, Tests};
 use octray::traverse::{Methods, TraversalChoice};
 
 /// Two triangles far from each other in the plane z = 0, around (−3, 0) and (3, 0).
@@ -31,7 +31,7 @@ fn two_triangles() -> Scene {
 
 /// What is counted for rays that start at (x, 0, 5) and run almost along −z, and how many of them hit something.
 fn counted<const ANY: bool>(scene: &Scene, traversal: Traversal, starts: &[f32]) -> (Counts, usize) {
-    let hierarchy = Hierarchy::new(scene, Quality::default());
+    let hierarchy = Hierarchy::new(scene, Trees::WideAndBinary);
     let count = starts.len();
     let tilt: Vec<f32> = (0..count).map(|at| at as f32 * 1e-3).collect();
     let (zeros, ones) = (vec![0.0; count], vec![-1.0; count]);
@@ -53,7 +53,7 @@ fn tests(tests: u64, steps: u64) -> Tests {
 #[test]
 fn tests_of_two_triangles_are_those_counted_by_hand() {
     let scene = two_triangles();
-    let bvh = Hierarchy::new(&scene, Quality::default()).bvh;
+    let bvh = Hierarchy::new(&scene, Trees::WideAndBinary).bvh;
     assert_eq!((bvh.wide[0].filled(), bvh.binary.len()), (1, 1), "both triangles are in one leaf");
     // One ray at the left triangle, one at nothing between them, one past everything: the box for all three, the triangles for two.
     let starts = [-3.0, 0.0, 50.0];
@@ -153,7 +153,7 @@ fn any_hit_ends_at_the_first_and_the_nearest_does_not() {
     let mut faults = Vec::new();
     for triangles in [true, false] {
         let scene = all_in_the_way(600, triangles);
-        let bvh = Hierarchy::new(&scene, Quality::default()).bvh;
+        let bvh = Hierarchy::new(&scene, Trees::WideAndBinary).bvh;
         let levels = check_scene(&bvh, &scene).unwrap().wide_depth as u64;
         let met = |counts: &Counts| if triangles { counts.triangles.tests } else { counts.spheres.tests };
         for traversal in Traversal::ALL {

@@ -8,7 +8,7 @@ mod common;
 use common::rays::Set;
 use common::{Dice, empty, material, triangle};
 use glam::{DVec3, Vec3};
-use octray::bvh::Quality;
+use octray::bvh::Trees;
 use octray::math::MISS;
 use octray::measure::stability::meshes::bumpy_ball;
 use octray::scene::{MaterialKind, Scene};
@@ -174,7 +174,7 @@ fn count_leaks(rays: usize) -> usize {
     for mesh in &meshes {
         assert_closed(mesh.name, &mesh.triangles);
         let start = Instant::now();
-        let hierarchy = Hierarchy::new(&mesh.scene(), Quality::default());
+        let hierarchy = Hierarchy::new(&mesh.scene(), Trees::WideAndBinary);
         let count = mesh.triangles.len() as u32;
         (0..batches).into_par_iter().for_each(|batch| {
             let set = mesh.rays(&mut Dice(0x9e37_79b9_7f4a_7c15 ^ (batch as u64 + 1)), BATCH);
@@ -216,7 +216,7 @@ fn ten_million_aimed_rays_do_not_leak() {
 #[test]
 fn tiles_of_aimed_rays_go_in_frusta() {
     for mesh in meshes() {
-        let hierarchy = Hierarchy::new(&mesh.scene(), Quality::default());
+        let hierarchy = Hierarchy::new(&mesh.scene(), Trees::WideAndBinary);
         let mut dice = Dice(5);
         let go = (0..100).filter(|_| mesh.rays(&mut dice, TILE).goes_in_a_frustum(&hierarchy)).count();
         assert!(go > 25, "{}: {go} of 100 tiles", mesh.name);

@@ -6,7 +6,7 @@
 
 use crate::buffers::Features;
 use crate::scene::Scene;
-use crate::traverse::Methods;
+use crate::traverse::{Methods, linear};
 use serde::Serialize;
 
 /// A choice that the scene leaves open.
@@ -28,7 +28,7 @@ impl DefaultReport {
             }
         };
         let (spheres, triangles) = (!scene.spheres.is_empty(), !scene.triangles.is_empty());
-        let hierarchy = Features::of(scene).contains(Features::HIERARCHY);
+        let hierarchy = linear::features_of(scene).contains(Features::HIERARCHY);
         add(
             spheres,
             "sphere",

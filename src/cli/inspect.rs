@@ -11,6 +11,7 @@ use super::scenes;
 use super::terminal;
 use crate::buffers::{EnvironmentLight, Features, LightChoice, Lights};
 use crate::scene::{Filter, Loaded, Material, MaterialKind, Scene, Sky, Texture};
+use crate::traverse::linear;
 use crate::wording::{counted, grouped};
 use glam::Vec3;
 use serde::Serialize;
@@ -151,7 +152,7 @@ impl Inspection {
                 vertical_fov: scene.camera.vertical_fov,
             },
             bounds: Bounds::of(scene),
-            needs: Features::of(scene).with(lights.needs()).names(),
+            needs: Features::of(scene).with(linear::features_of(scene)).with(lights.needs()).names(),
             lights: LightReport::of(scene, &lights),
             memory_bytes: memory(scene),
             hierarchy: traversal.needs_hierarchy().then(|| HierarchyReport::of(scene)),

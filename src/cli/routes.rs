@@ -5,14 +5,13 @@
 
 use super::memory::bytes;
 use super::terminal::figure;
-use crate::buffers::Features;
 use crate::bvh::check::{Statistics, check_scene};
 use crate::lane::{F32x8, Lane};
 use crate::machine;
 use crate::measure::rays::{self, BuildTime};
 use crate::measure::ways::Way;
 use crate::scene::Scene;
-use crate::traverse::Methods;
+use crate::traverse::{Methods, linear};
 use crate::wording::{counted, grouped};
 use serde::Serialize;
 
@@ -47,8 +46,8 @@ impl TraversalReport {
             // One choice for all rays: the ways through a hierarchy see for themselves which rays run together.
             primary: way.name(),
             bounces: way.name(),
-            linear_cost: Features::linear_cost(scene),
-            most_linear_cost: Features::MOST_LINEAR_COST,
+            linear_cost: linear::cost(scene),
+            most_linear_cost: linear::MAX_COST,
         }
     }
 
@@ -67,7 +66,7 @@ impl TraversalReport {
         let cost = format!(
             "testing everything would cost a ray {} (1 a sphere, {} a triangle)",
             grouped(*linear_cost),
-            Features::TRIANGLE_COST
+            linear::TRIANGLE_COST
         );
         let why = format!("{cost}; {relation} {most_linear_cost}, {faster}");
         [("traversal", format!("{primary} for primary rays, {bounces} for bounces")), ("why", why)]

@@ -63,6 +63,7 @@ pub mod film;
 pub mod integrate;
 pub mod kernel;
 pub mod lane;
+pub mod light_sampling;
 pub mod math;
 pub mod render;
 pub mod sampling;

@@ -3,15 +3,15 @@
 use super::{Dice, empty, material, sphere, triangle};
 use glam::Vec3;
 use octray::buffers::Buffers;
-use octray::bvh::Quality;
+use octray::bvh::Trees;
 use octray::math::{Hit, MISS, Ray};
 use octray::scene::{MaterialKind, Scene};
 use octray::traverse::batch::{Tracer, Traversal};
 use octray::traverse::hierarchy::Hierarchy;
 use octray::traverse::rays::{Hits, Rays};
-use octray::traverse::single::Stack;
+use octray::traverse::stack::Stack;
 use octray::traverse::stream::Stream;
-use octray::traverse::tile::{self, CUT};
+use octray::traverse::tile::{self, MAX_ENTRY_POINTS};
 use octray::traverse::{Batch, Methods, Primitives, TraversalChoice};
 
 /// t, primitive, u and v of each ray, as bits.
@@ -86,7 +86,7 @@ impl Set {
         let tile = 0..self.len().min(tile::TILE);
         let rays = self.rays().range(tile.clone());
         self.with_hits(|hits| {
-            tile::trace(hierarchy, &rays, &mut hits.range(tile), &mut Stack::new(), CUT, ())
+            tile::trace(hierarchy, &rays, &mut hits.range(tile), &mut Stack::new(), MAX_ENTRY_POINTS, ())
         })
         .0
     }
@@ -119,7 +119,7 @@ impl Set {
     }
     /// Asserts that every traversal finds what testing everything finds; returns how many rays hit something.
     pub fn check(&self, scene: &Scene, what: &str) -> usize {
-        let hierarchy = Hierarchy::new(scene, Quality::default());
+        let hierarchy = Hierarchy::new(scene, Trees::WideAndBinary);
         let expected = self.linear(scene);
         let mut tracer = Tracer::new();
         for traversal in Traversal::ALL {

@@ -1,11 +1,11 @@
-//! What a scene needs: the features that its pipeline must have.
+//! The features that a scene needs of its pipeline.
 
 use super::rows::Rows;
 use crate::scene::{Filter, Material, MaterialKind, Scene, Sky, Texels};
 use glam::Vec3;
 
-/// A set of features. A pipeline is compiled for a set and leaves out what is not in it; any set that contains a scene's needs
-/// gives the same bits.
+/// A set of features. A pipeline is compiled for a set and leaves out the code of all others; any set that
+/// contains what the scene needs gives the same bits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Features(pub u32);
 
@@ -28,11 +28,11 @@ features! {
     GGX = 4, "ggx";
     GLASS = 5, "glass";
     SCATTER = 6, "scatter";
-    /// Some surface shines.
+    /// Some surface emits.
     EMISSION = 7, "emission";
-    /// Some surface has a picture.
+    /// Some surface has a texture.
     TEXTURES = 8, "textures";
-    /// Some texture is read between texel centres.
+    /// Some texture is filtered bilinearly.
     BILINEAR = 9, "bilinear";
     /// Some texture holds linear light, not display values.
     LINEAR_TEXTURES = 15, "linear-textures";
@@ -44,12 +44,12 @@ features! {
     MANY_TRIANGLES = 13, "many-triangles";
     /// More materials than a register table holds.
     MANY_MATERIALS = 14, "many-materials";
-    /// Testing every primitive costs more than [`Features::MOST_LINEAR_COST`]. Every pipeline can go through a hierarchy, because
-    /// any scene may be asked to; a scene that needs one gets it unasked.
+    /// A hierarchy is faster than testing every primitive: [`crate::traverse::linear::features_of`] decides.
+    /// Every pipeline can trace through a hierarchy, as the traversal may be chosen for any scene.
     HIERARCHY = 16, "hierarchy";
-    /// Paths look for emitters.
+    /// Next event estimation: shadow rays to lights.
     LIGHTS = 17, "lights";
-    /// More emitters than a register table holds.
+    /// More lights than a register table holds.
     MANY_LIGHTS = 31, "many-lights";
     PLASTIC = 18, "plastic";
     /// Some triangle has vertex normals.
@@ -60,29 +60,19 @@ features! {
 
 impl Features {
     pub const NONE: Features = Features(0);
-    /// What makes normals for shading differ from those of the surface.
+    /// The features that make shading normals differ from geometric normals.
     pub const BENT_NORMALS: Features = Self::SMOOTH_NORMALS.with(Self::NORMAL_MAPS);
-    /// What reads the second table of materials.
+    /// The features that read [`super::Buffers::detail_rows`].
     pub const DETAILS: Features = Self::PLASTIC.with(Self::NORMAL_MAPS).with(Self::ROUGHNESS_MAPS);
-    /// Up to here primitives are tested one by one, beyond it through a hierarchy: about where that becomes faster. Measured in frames,
-    /// either way takes as long for terrains of about 25 triangles (a cost of 100), a box of 34 (136), 170 balls (170), knots of 75 (300).
-    pub const MOST_LINEAR_COST: usize = 150;
-
-    /// What testing every primitive costs a ray, in tests of a sphere.
-    pub fn linear_cost(scene: &Scene) -> usize {
-        scene.spheres.len() + Self::TRIANGLE_COST * scene.triangles.len()
-    }
-    /// What testing a triangle costs, in tests of a sphere.
-    pub const TRIANGLE_COST: usize = 4;
 
     pub const fn with(self, other: Features) -> Features {
         Features(self.0 | other.0)
     }
-    /// Does this set hold every feature of `other`?
+    /// Whether this set holds every feature of `other`.
     pub const fn contains(self, other: Features) -> bool {
         self.0 & other.0 == other.0
     }
-    /// Does this set hold some feature of `other`?
+    /// Whether this set holds some feature of `other`.
     pub const fn meets(self, other: Features) -> bool {
         self.0 & other.0 != 0
     }
@@ -91,7 +81,8 @@ impl Features {
         Self::NAMES.iter().filter(|(need, _)| self.contains(*need)).map(|(_, name)| *name).collect()
     }
 
-    /// What a scene needs: of its materials, only those that some primitive has_lobe.
+    /// The features that shading a scene needs; of its materials, only those that some primitive has.
+    /// Traversal and lights add their own: [`Features::HIERARCHY`], [`super::Lights::needs`].
     pub fn of(scene: &Scene) -> Features {
         let mut needs = Features::NONE;
         let mut need = |condition: bool, feature: Features| {
@@ -105,7 +96,6 @@ impl Features {
         // Two rows a triangle.
         need(2 * scene.triangles.len() > Rows::FEW, Self::MANY_TRIANGLES);
         need(scene.materials.len() > Rows::FEW, Self::MANY_MATERIALS);
-        need(Self::linear_cost(scene) > Self::MOST_LINEAR_COST, Self::HIERARCHY);
         need(matches!(scene.sky, Sky::Gradient { .. }), Self::SKY_GRADIENT);
         need(matches!(scene.sky, Sky::Texture { .. }), Self::SKY_TEXTURE);
         let mut texture = |texture: u32| {
@@ -116,9 +106,9 @@ impl Features {
         if let Sky::Texture { texture: sky, .. } = scene.sky {
             texture(sky);
         }
-        worn_materials(scene).flat_map(Material::textures).for_each(texture);
+        used_materials(scene).flat_map(Material::textures).for_each(texture);
         need(scene.normals.iter().any(|normals| normals[0] != Vec3::ZERO), Self::SMOOTH_NORMALS);
-        for material in worn_materials(scene) {
+        for material in used_materials(scene) {
             need(material.emission.max_element() > 0.0, Self::EMISSION);
             need(material.texture.is_some(), Self::TEXTURES);
             need(material.normal_map.is_some(), Self::NORMAL_MAPS);
@@ -137,10 +127,10 @@ impl Features {
     }
 }
 
-/// The materials that some primitive has_lobe.
-fn worn_materials(scene: &Scene) -> impl Iterator<Item = &Material> {
-    let mut material = vec![false; scene.materials.len()];
-    scene.spheres.iter().for_each(|sphere| material[sphere.material as usize] = true);
-    scene.triangles.iter().for_each(|triangle| material[triangle.material as usize] = true);
-    scene.materials.iter().zip(material).filter(|(_, material)| *material).map(|(material, _)| material)
+/// The materials that some primitive has.
+fn used_materials(scene: &Scene) -> impl Iterator<Item = &Material> {
+    let mut is_used = vec![false; scene.materials.len()];
+    scene.spheres.iter().for_each(|sphere| is_used[sphere.material as usize] = true);
+    scene.triangles.iter().for_each(|triangle| is_used[triangle.material as usize] = true);
+    scene.materials.iter().zip(is_used).filter(|(_, is_used)| *is_used).map(|(material, _)| material)
 }

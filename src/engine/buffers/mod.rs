@@ -1,11 +1,13 @@
-//! The scene flattened: aligned structure-of-arrays buffers, and what the scene needs.
+//! The scene flattened into aligned structure-of-arrays buffers, and the features that it needs.
 //!
-//! For: [`Buffers`] (spheres, triangles, materials, textures, sky, as the tracer reads them) and [`Features`]. May import: `lane`,
-//! `math`, `kernel`, `scene`. Must never know: rays in flight, pixels, threads.
+//! For: [`Buffers`] (spheres, triangles, materials, textures, lights, sky, as intersection and shading read
+//! them) and [`Features`]. May import: `lane`, `math`, `kernel`, `scene`. Must never know: rays in flight,
+//! light sampling, pixels, threads.
 //!
-//! Two shapes, for two ways of reading. What all lanes read together, or one primitive in all lanes, lies in *blocks* of eight, each
-//! component a packet of its own ([`SphereBlock`]): intersection streams through blocks. What each lane reads at an index of its own
-//! lies in *row tables* ([`rows::Rows`]) of eight floats a row: shading fetches rows and transposes them into packets in registers.
+//! Two layouts for two access patterns. Intersection streams through *blocks* of eight primitives, each
+//! component a packet of its own ([`SphereBlock`]): all lanes read together, or one primitive is broadcast to
+//! all lanes. Shading reads *row tables* ([`rows::Rows`]) of eight floats a row, each lane at its own index:
+//! rows are fetched and transposed into packets in registers.
 
 mod environment_light;
 pub mod features;
@@ -27,26 +29,33 @@ use crate::scene::{self, MaterialKind, Scene, Side};
 use glam::Vec3;
 use rows::Rows;
 
-/// Everything the tracer reads of a scene, except the triangles' intersection data (see [`store_triangles`]).
+/// Everything that rendering reads of a scene, except the triangles' intersection data (see
+/// [`store_triangles`]).
 pub struct Buffers {
     pub needs: Features,
     pub spheres: Spheres,
-    /// One row of eight a sphere: centre, radius, offset of leaving rays, material (bits), texture turn (see `picture_turn`), chance
-    /// of being chosen as a light.
+    /// One row of eight a sphere: centre, radius, offset of leaving rays, material (bits), texture turn (see
+    /// `texture_turn`), probability of being chosen as a light.
     pub sphere_rows: Rows,
-    /// Two rows of eight a triangle: a, ab, offset, material (bits); ac, unit normal, chance of being chosen as a light, 0.
+    /// Two rows of eight a triangle: a, ab, offset, material (bits); ac, unit normal, probability of being
+    /// chosen as a light, 0.
     pub triangle_rows: Rows,
-    /// One row of eight a triangle: u and v of the three vertices, v downwards; empty where nothing needs it.
+    /// One row of eight a triangle: u and v of the three vertices, v downwards; empty without texture
+    /// coordinates.
     pub uv_rows: Rows,
-    /// One row of eight a material: colour, parameter, emission, kind and texture (bits; see [`MaterialCode`]).
+    /// One row of eight a material: colour, parameter, emission, kind and texture (bits; see
+    /// [`MaterialCode`]).
     pub material_rows: Rows,
-    /// Two rows of eight a triangle: normals of the first two vertices, 0, 0; of the third, 0. Empty where all are flat.
+    /// Two rows of eight a triangle: normals of the first two vertices, 0, 0; of the third, 0. Empty without
+    /// vertex normals.
     pub normal_rows: Rows,
-    /// One row of eight a triangle: unit vector along growing u, +1 or −1 (v grows to its left, or right, seen from outside), 0; all 0
-    /// where u leads nowhere. Empty where no triangle has a normal map.
+    /// One row of eight a triangle: unit tangent along growing u, handedness (+1 or −1: v grows to its left,
+    /// or right, seen from outside), 0; all 0 where u has no direction. Empty where no triangle has a normal
+    /// map.
     pub tangent_rows: Rows,
-    /// One row of eight a material, read where [`Features::DETAILS`] meets: index of refraction, mean transmittance of plastic's coat,
-    /// roughness map and normal map (bits: index + 1, 0 for none), 0.
+    /// One row of eight a material, read where the pipeline has some of [`Features::DETAILS`]: index of
+    /// refraction, mean transmittance of plastic's coat, roughness map and normal map (bits: index + 1, 0 for
+    /// none), 0.
     pub detail_rows: Rows,
     pub has_uvs: bool,
     pub textures: Textures,
@@ -57,15 +66,16 @@ pub struct Buffers {
 /// The sky as shading reads it.
 #[derive(Clone, Copy, Debug)]
 pub struct Sky {
-    /// Radiance straight down, or everywhere, or the colour of the picture.
+    /// Radiance straight down, or of a uniform sky, or the factor of the texture.
     pub bottom: Vec3,
     /// Radiance straight up minus `bottom`; zero without a gradient.
     pub rise: Vec3,
-    /// Index of the picture, where [`Features::SKY_TEXTURE`] holds.
+    /// Index of the texture, where [`Features::SKY_TEXTURE`] holds.
     pub texture: u32,
 }
 
-/// A material's kind and texture in one number: kind in the lowest byte, texture index + 1 above it, 0 for none.
+/// A material's kind and texture in one number: kind in the lowest byte, above it texture index + 1, 0 for
+/// none.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MaterialCode(pub u32);
 
@@ -77,12 +87,13 @@ impl MaterialCode {
     pub const GLASS: u32 = 4;
     pub const SCATTER: u32 = 5;
     pub const PLASTIC: u32 = 6;
-    /// Where the texture index starts.
+    /// Position of the texture index, in bits.
     pub const TEXTURE_SHIFT: u32 = 8;
     /// Masks the kind.
     pub const KIND: u32 = 0xff;
 
-    /// The code of a material, and its parameter: alpha of GGX and of plastic's coat, index of refraction of glass, roughness of scatter.
+    /// The code of a material, and its parameter: alpha of GGX and of plastic's coat, index of refraction of
+    /// glass, roughness of scatter.
     fn of(material: &scene::Material) -> (Self, f32) {
         let (kind, parameter) = match material.kind {
             MaterialKind::Emitter => (Self::EMITTER, 0.0),
@@ -99,21 +110,22 @@ impl MaterialCode {
 }
 
 impl Buffers {
-    /// With the emitters that it pays to look for.
+    /// With the lights of [`LightChoice::Auto`].
     pub fn new(scene: &Scene) -> Self {
         Self::with_lights(scene, LightChoice::default())
     }
 
     pub fn with_lights(scene: &Scene, choice: LightChoice) -> Self {
         let lights = Lights::new(scene, choice);
-        let chance = |number: usize| lights.chances.get(number).copied().unwrap_or(0.0);
+        let probability = |number: usize| lights.probabilities.get(number).copied().unwrap_or(0.0);
         let spheres = scene.spheres.iter().enumerate();
         let triangles = scene.triangles.iter().enumerate();
-        let of_triangle = |(number, triangle)| triangle_rows(triangle, chance(scene.spheres.len() + number));
+        let of_triangle =
+            |(number, triangle)| triangle_rows(triangle, probability(scene.spheres.len() + number));
         Self {
             needs: Features::of(scene).with(lights.needs()),
             spheres: Spheres::new(&scene.spheres),
-            sphere_rows: Rows::new(spheres.map(|(number, sphere)| sphere_row(sphere, chance(number)))),
+            sphere_rows: Rows::new(spheres.map(|(number, sphere)| sphere_row(sphere, probability(number)))),
             triangle_rows: Rows::new(triangles.flat_map(of_triangle)),
             uv_rows: Rows::new(scene.uvs.iter().map(uv_row)),
             material_rows: Rows::new(scene.materials.iter().map(material_row)),
@@ -139,7 +151,7 @@ impl Buffers {
     }
 }
 
-/// The scene's triangles as a method of intersection wants them.
+/// The scene's triangles as an intersection method stores them.
 pub fn store_triangles<T: TriangleMethod>(scene: &Scene) -> Vec<T::Stored> {
     scene.triangles.iter().map(|triangle| T::store(triangle.vertices)).collect()
 }
@@ -154,39 +166,42 @@ impl Sky {
     }
 }
 
-fn sphere_row(sphere: &scene::Sphere, chance: f32) -> [f32; 8] {
+/// See [`Buffers::sphere_rows`].
+fn sphere_row(sphere: &scene::Sphere, probability: f32) -> [f32; 8] {
     let [x, y, z] = sphere.center.to_array();
     let offset = sphere_offset(sphere.center, sphere.radius);
-    [x, y, z, sphere.radius, offset, f32::from_bits(sphere.material), picture_turn(sphere), chance]
+    [x, y, z, sphere.radius, offset, f32::from_bits(sphere.material), texture_turn(sphere), probability]
 }
 
-/// A sphere's turn, its sign bit set (on 0 too) where the picture reads right from outside: with the angle's sign flipped by that
-/// bit, the angle plus this number is u on both sides.
-fn picture_turn(sphere: &scene::Sphere) -> f32 {
+/// A sphere's texture turn, its sign bit set (on 0 too) where the texture is oriented to be seen from
+/// outside: with the angle's sign flipped by that bit, the angle plus this number is u on both sides.
+fn texture_turn(sphere: &scene::Sphere) -> f32 {
     match sphere.texture_side {
         Side::Inside => sphere.texture_turn,
         Side::Outside => -sphere.texture_turn,
     }
 }
 
-fn triangle_rows(triangle: &scene::Triangle, chance: f32) -> [[f32; 8]; 2] {
+/// See [`Buffers::triangle_rows`].
+fn triangle_rows(triangle: &scene::Triangle, probability: f32) -> [[f32; 8]; 2] {
     let [a, b, c] = triangle.vertices;
     let (ab, ac) = (b - a, c - a);
     let n = triangle_normal(triangle.vertices);
     let offset = triangle_offset(triangle.vertices);
     [
         [a.x, a.y, a.z, ab.x, ab.y, ab.z, offset, f32::from_bits(triangle.material)],
-        [ac.x, ac.y, ac.z, n.x, n.y, n.z, chance, 0.0],
+        [ac.x, ac.y, ac.z, n.x, n.y, n.z, probability, 0.0],
     ]
 }
 
+/// See [`Buffers::material_rows`].
 fn material_row(material: &scene::Material) -> [f32; 8] {
     let (code, parameter) = MaterialCode::of(material);
     let (color, emission) = (material.color, material.emission);
     [color.x, color.y, color.z, parameter, emission.x, emission.y, emission.z, f32::from_bits(code.0)]
 }
 
-/// What only some materials have; see [`Buffers::detail_rows`].
+/// See [`Buffers::detail_rows`].
 fn detail_row(material: &scene::Material) -> [f32; 8] {
     let (ior, transmitted) = match material.kind {
         MaterialKind::Plastic { roughness, ior } => {
@@ -199,6 +214,7 @@ fn detail_row(material: &scene::Material) -> [f32; 8] {
     [ior, transmitted, code(roughness_map), code(material.normal_map), 0.0, 0.0, 0.0, 0.0]
 }
 
+/// See [`Buffers::normal_rows`].
 fn normal_rows([a, b, c]: &[Vec3; 3]) -> [[f32; 8]; 2] {
     [[a.x, a.y, a.z, b.x, b.y, b.z, 0.0, 0.0], [c.x, c.y, c.z, 0.0, 0.0, 0.0, 0.0, 0.0]]
 }

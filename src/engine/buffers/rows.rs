@@ -1,15 +1,15 @@
-//! Tables that every lane reads at an index of its own.
+//! Tables of rows that each lane reads at its own index.
 
 use crate::lane::Lane;
 use bytemuck::{Pod, Zeroable};
 
-/// Eight floats that start where a vector register can load them at once.
+/// Eight floats, aligned for one vector load.
 #[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
 #[repr(C, align(32))]
 struct Row([f32; 8]);
 
-/// A table of rows of eight floats, and its first eight rows once more as columns: a table that small is read by permuting
-/// registers, without touching memory per lane.
+/// A table of rows of eight floats, and a copy of its first eight rows as columns: a table that small is read
+/// by register permutes, without a memory access per lane.
 #[derive(Clone, Debug, Default)]
 pub struct Rows {
     rows: Vec<Row>,
@@ -17,7 +17,7 @@ pub struct Rows {
 }
 
 impl Rows {
-    /// Most rows that fit the register form.
+    /// Most rows that fit into registers as columns.
     pub const FEW: usize = 8;
 
     pub fn new(rows: impl Iterator<Item = [f32; 8]>) -> Self {
@@ -34,8 +34,8 @@ impl Rows {
     pub fn bytes(&self) -> usize {
         size_of_val(self.rows.as_slice())
     }
-    /// Row `index` of each lane. `few` promises that the table has at most [`Rows::FEW`] rows; both ways give the same
-    /// numbers.
+    /// Row `index` of each lane. `few` promises that the table has at most [`Rows::FEW`] rows; the result is
+    /// the same with and without it.
     ///
     /// # Panics
     /// Without `few`, if an index in any lane is not below the number of rows.

@@ -1,4 +1,4 @@
-//! The spheres as intersection reads them.
+//! Spheres in blocks of eight, for intersection.
 
 use crate::lane::Lane;
 use crate::math::Vec3;
@@ -15,7 +15,7 @@ pub struct SphereBlock {
     x: [f32; BLOCK],
     y: [f32; BLOCK],
     z: [f32; BLOCK],
-    /// Squared radius; negative in padding, which no ray hits.
+    /// Squared radius; negative in padding, so that no ray hits it.
     radius2: [f32; BLOCK],
 }
 
@@ -32,7 +32,7 @@ impl SphereBlock {
         block
     }
 
-    /// One sphere in every lane: centre and squared radius.
+    /// One sphere broadcast to all lanes: centre and squared radius.
     #[inline(always)]
     pub fn splat<L: Lane>(&self, index: usize) -> (Vec3<L>, L) {
         let center = Vec3::new(L::splat(self.x[index]), L::splat(self.y[index]), L::splat(self.z[index]));
@@ -71,12 +71,13 @@ impl Spheres {
     pub fn blocks(&self) -> &[SphereBlock] {
         &self.blocks
     }
-    /// One sphere in every lane: centre and squared radius.
+    /// One sphere broadcast to all lanes: centre and squared radius.
     #[inline(always)]
     pub fn splat<L: Lane>(&self, index: usize) -> (Vec3<L>, L) {
         self.blocks[index / BLOCK].splat(index % BLOCK)
     }
-    /// Calls `f` with the index of every sphere and the sphere in every lane, in order.
+    /// Calls `f` with the index of each sphere, its centre and its squared radius, broadcast to all lanes, in
+    /// order.
     #[inline(always)]
     pub fn for_each<L: Lane>(&self, mut f: impl FnMut(usize, Vec3<L>, L)) {
         for (number, block) in self.blocks.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! Texels of all textures in two pools: display values and linear light.
+//! The texels of all textures in two pools, display values and linear radiance, and their lookup over lanes.
 
 use super::rows::Rows;
 use crate::kernel::texture::{Grid, srgb_to_linear, unorm_to_unit};
@@ -6,24 +6,24 @@ use crate::lane::{Bits, Lane, Mask};
 use crate::math::Vec3;
 use crate::scene::{Filter, TexelKind, Texels, Texture};
 
-/// All textures of a scene, and a table of where each lies in its pool.
+/// All textures of a scene, and a table of the place of each in its pool.
 pub struct Textures {
-    /// Display values or data, red in the lowest byte. Never empty, so that index 0 is always there for lanes that want nothing.
+    /// Display values or data, red in the lowest byte. Never empty: inactive lanes read index 0.
     display: Vec<u32>,
-    /// Linear light. Never empty.
+    /// Linear radiance. Never empty.
     linear: Vec<[f32; 4]>,
-    /// Width, height, first texel (bits), bilinear (1 or 0), linear light (1 or 0); one row a texture.
+    /// One row a texture: width, height, first texel (bits), bilinear (1 or 0), linear radiance (1 or 0).
     grids: Rows,
     /// At most [`Rows::FEW`] textures.
     few: bool,
 }
 
-/// What of textures a pipeline has to be able to do.
+/// The texture features that a pipeline has.
 #[derive(Clone, Copy)]
 pub struct Abilities {
-    /// Some texture is read between texel centres.
+    /// Some texture is filtered bilinearly.
     pub bilinear: bool,
-    /// Some texture holds linear light.
+    /// Some texture holds linear radiance.
     pub linear: bool,
 }
 
@@ -54,30 +54,30 @@ impl Textures {
         size_of_val(self.display.as_slice()) + size_of_val(self.linear.as_slice()) + self.grids.bytes()
     }
 
-    /// The colour, or the data, of texture `index` at (u, v), v from the top; u repeats, v repeats or stays at the edge where `clamp_v`. Only
-    /// lanes of `wanted` are looked up; the others are unspecified.
+    /// The colour, or the data, of texture `index` at (u, v), v from the top; u repeats, v repeats, or is
+    /// clamped to the edge where `clamp_v`. Only lanes in `active` are looked up; the others are unspecified.
     #[inline(always)]
     pub fn sample<L: Lane>(
         &self,
         index: L::Bits,
         (u, v): (L, L),
         clamp_v: L::Mask,
-        wanted: L::Mask,
+        active: L::Mask,
         abilities: Abilities,
         texel_kind: TexelKind,
     ) -> Vec3<L> {
-        let index = L::Bits::select(wanted, index, L::Bits::splat(0));
+        let index = L::Bits::select(active, index, L::Bits::splat(0));
         let [width, height, first, is_bilinear, is_linear, ..] = self.grids.fetch::<L>(index, self.few);
         let grid = Grid { width, height, first: first.to_bits() };
-        let linear = wanted & L::zero().lt(is_linear);
-        let read = |texel: L::Bits| self.read::<L>(texel, wanted, linear, abilities, texel_kind);
-        let smooth = wanted & L::zero().lt(is_bilinear);
+        let linear = active & L::zero().lt(is_linear);
+        let read = |texel: L::Bits| self.read::<L>(texel, active, linear, abilities, texel_kind);
+        let smooth = active & L::zero().lt(is_bilinear);
         if abilities.bilinear && smooth.any() {
             let (texels, right, lower) = grid.bilinear(u, v, clamp_v);
             let [a, b, c, d] = texels.map(&read);
             let mix = |a: Vec3<L>, b: Vec3<L>, t: L| (b - a).mul_add(t, a);
             let blended = mix(mix(a, b, right), mix(c, d, right), lower);
-            if (smooth ^ wanted).any() {
+            if (smooth ^ active).any() {
                 Vec3::select(smooth, blended, read(grid.nearest(u, v, clamp_v)))
             } else {
                 blended
@@ -87,18 +87,18 @@ impl Textures {
         }
     }
 
-    /// Texels of the lanes in `wanted`; those in `linear` come from the pool of linear light.
+    /// Texels of the lanes in `active`; those in `linear` come from the pool of linear radiance.
     #[inline(always)]
     fn read<L: Lane>(
         &self,
         texel: L::Bits,
-        wanted: L::Mask,
+        active: L::Mask,
         linear: L::Mask,
         abilities: Abilities,
         texel_kind: TexelKind,
     ) -> Vec3<L> {
         let zero = L::Bits::splat(0);
-        let display = wanted & !linear;
+        let display = active & !linear;
         let mut color = Vec3::zero();
         if !abilities.linear || display.any() {
             let texel = L::Bits::select(display, texel, zero);

@@ -1,4 +1,4 @@
-//! Boxes along the axes: as others read them, and packed for the builder.
+//! Axis-aligned boxes: as lower and upper corner, and packed into one register for the builder.
 
 use crate::kernel::ray_box::sphere_padding;
 use crate::kernel::surface::triangle_bounds;
@@ -15,7 +15,7 @@ pub struct Bounds {
 }
 
 impl Bounds {
-    /// The box that holds nothing: the union with it changes nothing, and no ray hits it.
+    /// The empty box: the identity of `union`; no ray hits it.
     pub const EMPTY: Self = Self { lo: Vec3::INFINITY, hi: Vec3::NEG_INFINITY };
 
     /// Exactly the smallest box: no rounding.
@@ -23,15 +23,16 @@ impl Bounds {
         let [lo, hi] = triangle_bounds(vertices);
         Self { lo, hi }
     }
-    /// A box that truly holds the sphere and all points at which rays seem to hit it, but for what grows with the distance of their
-    /// origin: centre ± radius is rounded by at most half a unit in the last place, so one unit outwards is enough. Domain: |centre| + radius well
-    /// below f32's largest number, as scenes have it.
+    /// A box that holds the sphere and all computed hit points, except for the part of their error that grows
+    /// with the distance of the ray's origin ([`crate::kernel::ray_box::Padding`] covers that). centre ±
+    /// radius is rounded by at most half a unit in the last place, so one unit outwards is enough. Domain:
+    /// |centre| + radius well below f32's largest number, which scene validation ensures.
     pub fn of_sphere(center: Vec3, radius: f32) -> Self {
         let outwards = |x: Vec3, to: fn(f32) -> f32| Vec3::new(to(x.x), to(x.y), to(x.z));
-        let reach = radius + sphere_padding(center, radius);
-        Self { lo: outwards(center - reach, f32::next_down), hi: outwards(center + reach, f32::next_up) }
+        let half = radius + sphere_padding(center, radius);
+        Self { lo: outwards(center - half, f32::next_down), hi: outwards(center + half, f32::next_up) }
     }
-    /// Of a scene's primitive by its number: spheres first, then triangles.
+    /// The box of a scene's primitive by its number: spheres first, then triangles.
     pub fn of_primitive(scene: &Scene, number: usize) -> Self {
         match scene.spheres.get(number) {
             Some(sphere) => Self::of_sphere(sphere.center, sphere.radius),
@@ -41,14 +42,14 @@ impl Bounds {
     pub fn union(self, other: Self) -> Self {
         Self { lo: self.lo.min(other.lo), hi: self.hi.max(other.hi) }
     }
-    /// Does this box hold all points of the other one?
+    /// Whether this box holds all points of the other one.
     pub fn contains(self, other: Self) -> bool {
         self.lo.cmple(other.lo).all() && self.hi.cmpge(other.hi).all()
     }
     pub fn is_empty(self) -> bool {
         !self.lo.cmple(self.hi).all()
     }
-    /// Half the surface in f64, which holds the square of every f32; 0 for the empty box.
+    /// Half the surface area in f64, which holds the square of every f32; 0 for the empty box.
     pub fn half_area(self) -> f64 {
         if self.is_empty() {
             return 0.0;
@@ -60,15 +61,17 @@ impl Bounds {
 
 /// A box as one packet: `lo` in lanes 0 to 2, `−hi` in lanes 4 to 6, so that a union is one `min`.
 ///
-/// Lane 3 carries a primitive's number in the boxes of primitives; it and lane 7 mean nothing in unions.
+/// Lane 3 holds the primitive's number in boxes of primitives; lanes 3 and 7 are undefined in unions.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(transparent)]
 pub(super) struct PackedBox(F32x8);
 
-/// Numbers are kept as the bits of floats from 2⁻¹⁰³ upwards. Arithmetic runs over them as over the other lanes, and some processors take a
-/// hundred times as long where a number or a result is denormal. Two of these floats differ by 2⁻¹²⁶ at least, the smallest normal float.
+/// Numbers are stored as the bits of floats from 2⁻¹⁰³ upwards. Arithmetic runs over them as over the other
+/// lanes, and some processors take a hundred times as long where an operand or a result is denormal. Two of
+/// these floats differ by 2⁻¹²⁶ at least, the smallest normal float.
 const NUMBER_BASE: u32 = 0x0C00_0000;
-/// Primitives of one hierarchy: their numbers stay finite floats, and bits of references free.
+/// Most primitives of one hierarchy: their numbers stay finite floats, and leave two bits of a reference
+/// free.
 pub const MAX_PRIMITIVES: usize = 1 << 30;
 const _: () = assert!(f32::from_bits(NUMBER_BASE + MAX_PRIMITIVES as u32 - 1).is_finite());
 
@@ -81,7 +84,7 @@ impl PackedBox {
     pub fn empty() -> Self {
         Self(F32x8::splat(f32::INFINITY))
     }
-    /// The primitive that a box of one was made for.
+    /// The number of the primitive; undefined for unions.
     #[inline(always)]
     pub fn number(self) -> u32 {
         bytemuck::cast::<_, [u32; 8]>(self.0)[3] - NUMBER_BASE
@@ -98,25 +101,25 @@ impl PackedBox {
     pub fn lanes(self) -> F32x8 {
         self.0
     }
-    /// The box where `mask` holds, which is in all lanes or in none; else the empty one.
+    /// The box where `mask` holds, else the empty box. Domain: `mask` is the same in all lanes.
     #[inline(always)]
     pub fn only(self, mask: Mask8) -> Self {
         Self(F32x8::select(mask, self.0, F32x8::splat(f32::INFINITY)))
     }
     /// Lower and upper half exchanged: `−hi`, `lo`.
     #[inline(always)]
-    fn turned(self) -> F32x8 {
+    fn swapped(self) -> F32x8 {
         F32x8::pick(bytemuck::cast_ref(&self.0), bytemuck::cast([4, 5, 6, 7, 0, 1, 2, 3]))
     }
     /// Twice the centre as a box of one point: lo + hi, −(lo + hi).
     #[inline(always)]
     pub fn center(self) -> Self {
-        Self(self.0 - self.turned())
+        Self(self.0 - self.swapped())
     }
     /// hi − lo in lanes 0 to 2, never negative.
     #[inline(always)]
     pub fn extent(self) -> [f32; 3] {
-        let [x, y, z, ..]: [f32; 8] = bytemuck::cast((-(self.0 + self.turned())).max(F32x8::zero()));
+        let [x, y, z, ..]: [f32; 8] = bytemuck::cast((-(self.0 + self.swapped())).max(F32x8::zero()));
         [x, y, z]
     }
     pub fn half_area(self) -> f64 {
@@ -124,7 +127,7 @@ impl PackedBox {
         let (x, y, z) = (f64::from(x), f64::from(y), f64::from(z));
         x * y + y * z + z * x
     }
-    /// Half the surfaces of eight boxes, measured in `scale`⁻²; 0 for empty ones.
+    /// Half the surface areas of eight boxes, times `scale`²; 0 for empty ones.
     #[inline(always)]
     pub fn half_areas(boxes: &[Self; 8], scale: F32x8) -> F32x8 {
         let rows: &[[f32; 8]] = bytemuck::cast_slice(boxes);
@@ -147,7 +150,7 @@ mod tests {
             let (a, b) = (PackedBox::new(bounds, a), PackedBox::new(bounds, b));
             let centers = a.center().union(b.center());
             let differences = [b.lanes() - a.lanes(), a.center().lanes() - centers.lanes()];
-            for lanes in [a.lanes(), centers.lanes(), centers.lanes() + centers.turned()]
+            for lanes in [a.lanes(), centers.lanes(), centers.lanes() + centers.swapped()]
                 .into_iter()
                 .chain(differences)
             {

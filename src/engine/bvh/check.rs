@@ -1,13 +1,18 @@
-//! Is a hierarchy valid, and what is it like? For tests and reports: nothing here is fast.
+//! Validity and statistics of a hierarchy, for tests and reports: nothing here is fast.
 
-use super::{Bounds, Bvh, Child, LEAF, MAX_DEPTH, WIDE, cost};
+use super::bounds::Bounds;
+use super::cost;
+use super::node::{Child, LEAF, Leaf, MAX_DEPTH, WIDE};
+use super::tree::Bvh;
 use crate::scene::Scene;
 use serde::Serialize;
 
-/// Figures of a hierarchy. Costs are expected numbers for a random line that meets the root's box: surfaces over the root's.
+/// Statistics of a hierarchy. Costs are expected numbers for a random line that meets the root's box: surface
+/// areas over the root's.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Statistics {
     pub wide_nodes: usize,
+    /// 0 where no binary tree is kept, as `binary_depth`.
     pub binary_nodes: usize,
     pub leaves: usize,
     /// Filled slots of a wide node, of 8, on average.
@@ -17,18 +22,18 @@ pub struct Statistics {
     /// Levels of nodes above the deepest leaf.
     pub wide_depth: usize,
     pub binary_depth: usize,
-    /// Wide nodes, leaves and primitives that a random line tests.
+    /// Expected wide nodes, leaves and primitives that a random line tests.
     pub node_visits: f64,
     pub leaf_visits: f64,
     pub primitive_tests: f64,
-    /// `node_visits` and `leaf_visits`, weighted as the builder does.
+    /// `node_visits` and `leaf_visits`, weighted by the builder's costs.
     pub cost: f64,
-    /// References that a traversal of the wide tree may have to remember at once.
+    /// Most references on the stack of a traversal of the wide tree.
     pub stack: usize,
 }
 
-/// Walks the wide tree.
-struct Walk<'a, F> {
+/// Validates both trees, depth first, and sums up the statistics.
+struct Validator<'a, F> {
     bvh: &'a Bvh,
     bounds: F,
     seen: Vec<u32>,
@@ -36,22 +41,23 @@ struct Walk<'a, F> {
     area: f64,
 }
 
-type Verdict<T> = Result<T, String>;
+type Checked<T> = Result<T, String>;
 
-/// [`check`], of a scene's own hierarchy.
-pub fn check_scene(bvh: &Bvh, scene: &Scene) -> Verdict<Statistics> {
+/// [`check`] for a scene's hierarchy.
+pub fn check_scene(bvh: &Bvh, scene: &Scene) -> Checked<Statistics> {
     let spheres = scene.spheres.len();
     let count = spheres + scene.triangles.len();
     check(bvh, spheres, count, |number| Bounds::of_primitive(scene, number))
 }
 
-/// Proves that the hierarchy over `count` primitives (`spheres` spheres first) with the given boxes is valid, or says what is wrong.
+/// Checks the hierarchy over `count` primitives (`spheres` spheres first) with the given boxes: its
+/// statistics, or the first fault.
 pub fn check(
     bvh: &Bvh,
     spheres: usize,
     count: usize,
     bounds: impl Fn(usize) -> Bounds,
-) -> Verdict<Statistics> {
+) -> Checked<Statistics> {
     let leaves = bvh.triangle_leaves.len() + bvh.sphere_leaves.len();
     let statistics = Statistics {
         wide_nodes: bvh.wide.len(),
@@ -68,27 +74,29 @@ pub fn check(
         stack: 0,
     };
     let area = bvh.bounds.half_area().max(f64::MIN_POSITIVE);
-    let mut walk = Walk { bvh, bounds, seen: vec![0; count], statistics, area };
+    let mut validator = Validator { bvh, bounds, seen: vec![0; count], statistics, area };
 
     let mut next_leaf = [0; 2];
     let mut next_node = 1;
-    let (root, stack) = walk.node(0, 1, bvh.bounds, spheres, &mut next_leaf, &mut next_node)?;
+    let (root, stack) = validator.node(0, 1, bvh.bounds, spheres, &mut next_leaf, &mut next_node)?;
     expect(root == bvh.bounds, || format!("bounds {:?} are not those of the root, {root:?}", bvh.bounds))?;
     expect(next_node == bvh.wide.len(), || format!("{} wide nodes, {next_node} reached", bvh.wide.len()))?;
     expect(next_leaf == [bvh.triangle_leaves.len(), bvh.sphere_leaves.len()], || "lost leaves".into())?;
-    if let Some(lost) = walk.seen.iter().position(|&times| times != 1) {
-        return Err(format!("primitive {lost} is in {} leaves", walk.seen[lost]));
+    if let Some(lost) = validator.seen.iter().position(|&times| times != 1) {
+        return Err(format!("primitive {lost} is in {} leaves", validator.seen[lost]));
     }
 
-    next_leaf = [0; 2];
     let (mut next, mut deepest) = (0, 0);
-    walk.binary(&mut next, 0, &mut deepest, &mut next_leaf)?;
-    expect(next == bvh.binary.len(), || format!("{} binary nodes, {next} reached", bvh.binary.len()))?;
-    expect(next_leaf == [bvh.triangle_leaves.len(), bvh.sphere_leaves.len()], || {
-        "the binary tree has other leaves".into()
-    })?;
+    if !bvh.binary.is_empty() {
+        next_leaf = [0; 2];
+        validator.binary(&mut next, 0, &mut deepest, &mut next_leaf)?;
+        expect(next == bvh.binary.len(), || format!("{} binary nodes, {next} reached", bvh.binary.len()))?;
+        expect(next_leaf == [bvh.triangle_leaves.len(), bvh.sphere_leaves.len()], || {
+            "the binary tree has other leaves".into()
+        })?;
+    }
 
-    let mut statistics = walk.statistics;
+    let mut statistics = validator.statistics;
     statistics.node_fill = (bvh.wide.len() - 1 + leaves) as f64 / bvh.wide.len() as f64;
     statistics.leaf_fill = count as f64 / leaves.max(1) as f64;
     statistics.cost = cost::NODE * statistics.node_visits + cost::LEAF * statistics.leaf_visits;
@@ -97,12 +105,12 @@ pub fn check(
     Ok(statistics)
 }
 
-fn expect(holds: bool, otherwise: impl FnOnce() -> String) -> Verdict<()> {
+fn expect(holds: bool, otherwise: impl FnOnce() -> String) -> Checked<()> {
     if holds { Ok(()) } else { Err(otherwise()) }
 }
 
-impl<F: Fn(usize) -> Bounds> Walk<'_, F> {
-    /// The union of the boxes below a wide node, and the references that it may leave on a stack.
+impl<F: Fn(usize) -> Bounds> Validator<'_, F> {
+    /// The union of the boxes below a wide node, and the references that it may put on a stack.
     fn node(
         &mut self,
         node: usize,
@@ -111,7 +119,7 @@ impl<F: Fn(usize) -> Bounds> Walk<'_, F> {
         spheres: usize,
         next_leaf: &mut [usize; 2],
         next_node: &mut usize,
-    ) -> Verdict<(Bounds, usize)> {
+    ) -> Checked<(Bounds, usize)> {
         let wide = *self.bvh.wide.get(node).ok_or_else(|| format!("wide node {node} is out of range"))?;
         expect(level <= MAX_DEPTH as usize, || format!("wide node {node} is {level} levels deep"))?;
         self.statistics.wide_depth = self.statistics.wide_depth.max(level);
@@ -152,7 +160,7 @@ impl<F: Fn(usize) -> Bounds> Walk<'_, F> {
         bounds: Bounds,
         spheres: usize,
         next_leaf: &mut [usize; 2],
-    ) -> Verdict<Bounds> {
+    ) -> Checked<Bounds> {
         let (leaves, next) = if child.is_spheres() {
             (&self.bvh.sphere_leaves, &mut next_leaf[1])
         } else {
@@ -160,11 +168,11 @@ impl<F: Fn(usize) -> Bounds> Walk<'_, F> {
         };
         let leaf =
             leaves.get(child.index()).ok_or_else(|| format!("leaf {} is out of range", child.index()))?;
-        expect(child.index() == *next, || format!("leaf {} stands in place {next}", child.index()))?;
+        expect(child.index() == *next, || format!("leaf {} is in place {next}", child.index()))?;
         *next += 1;
         let primitives = leaf.primitives();
         expect(!primitives.is_empty(), || format!("leaf {} is empty", child.index()))?;
-        expect(leaf.primitives[primitives.len()..].iter().all(|&one| one == super::Leaf::NONE), || {
+        expect(leaf.primitives[primitives.len()..].iter().all(|&one| one == Leaf::NONE), || {
             format!("leaf {} has a gap", child.index())
         })?;
         expect(primitives.is_sorted(), || format!("leaf {} is out of order", child.index()))?;
@@ -192,7 +200,7 @@ impl<F: Fn(usize) -> Bounds> Walk<'_, F> {
         depth: u32,
         deepest: &mut u32,
         next_leaf: &mut [usize; 2],
-    ) -> Verdict<Bounds> {
+    ) -> Checked<Bounds> {
         let index = *next;
         let node =
             *self.bvh.binary.get(index).ok_or_else(|| format!("binary node {index} is out of range"))?;

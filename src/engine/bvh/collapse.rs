@@ -1,21 +1,22 @@
-//! From the draft to what traversals read: wide nodes, leaves, and the binary tree over the same leaves.
+//! From the build tree to what traversals read: wide nodes, leaves, and the binary tree over the same leaves.
 
 use super::bounds::{Bounds, PackedBox};
-use super::draft::Draft;
+use super::build::BuildNode;
 use super::node::{BinaryNode, Child, Leaf, WIDE, WideNode};
 
-/// The finished parts, growing in depth-first order.
+/// The finished parts, appended in depth-first order.
 pub(super) struct Collapse<'a> {
-    drafts: &'a [Draft],
+    nodes: &'a [BuildNode],
     boxes: &'a [PackedBox],
     is_sphere: &'a (dyn Fn(u32) -> bool + Sync),
     pub wide: Vec<WideNode>,
-    pub binary: Vec<BinaryNode>,
+    /// `None` with [`super::tree::Trees::Wide`].
+    pub binary: Option<Vec<BinaryNode>>,
     pub triangle_leaves: Vec<Leaf>,
     pub sphere_leaves: Vec<Leaf>,
 }
 
-/// The children of a wide node in the making.
+/// A wide node whose slots are being filled.
 struct Slots {
     node: WideNode,
     filled: usize,
@@ -33,74 +34,82 @@ impl Slots {
 
 impl<'a> Collapse<'a> {
     pub fn new(
-        drafts: &'a [Draft],
+        nodes: &'a [BuildNode],
         boxes: &'a [PackedBox],
         is_sphere: &'a (dyn Fn(u32) -> bool + Sync),
+        keep_binary: bool,
     ) -> Self {
-        let (wide, binary) = (vec![WideNode::EMPTY], Vec::with_capacity(drafts.len()));
+        let (wide, binary) = (vec![WideNode::EMPTY], keep_binary.then(|| Vec::with_capacity(nodes.len())));
         let (triangle_leaves, sphere_leaves) = (Vec::new(), Vec::new());
-        let mut collapse = Self { drafts, boxes, is_sphere, wide, binary, triangle_leaves, sphere_leaves };
+        let mut collapse = Self { nodes, boxes, is_sphere, wide, binary, triangle_leaves, sphere_leaves };
         let mut root = Slots::new();
         if boxes.is_empty() {
-            collapse.binary.push(BinaryNode::new(Bounds::EMPTY, Child::NONE, 0));
-        } else if drafts[0].plan.is_leaf() {
+            collapse.push_binary(BinaryNode::new(Bounds::EMPTY, Child::NONE, 0));
+        } else if nodes[0].plan.is_leaf() {
             collapse.tree(0, &mut root);
         } else {
-            collapse.children(0, drafts[0].plan.left_of_node(), WIDE, &mut root);
+            collapse.children(0, nodes[0].plan.left_of_node(), WIDE, &mut root);
         }
         collapse.wide[0] = root.node;
         collapse
     }
 
-    /// Puts the binary node and what is below it into the slots, as at most `trees` trees.
+    /// Appends a node to the binary tree, if there is one; returns its index.
+    fn push_binary(&mut self, node: BinaryNode) -> usize {
+        let Some(binary) = &mut self.binary else { return 0 };
+        binary.push(node);
+        binary.len() - 1
+    }
+
+    /// Puts the subtree of a build node into the slots, as at most `trees` trees.
     fn forest(&mut self, node: usize, trees: usize, slots: &mut Slots) {
-        match self.drafts[node].plan.left_of_forest(trees) {
+        match self.nodes[node].plan.left_of_forest(trees) {
             None => self.tree(node, slots),
             Some((of_left, trees)) => self.children(node, of_left, trees, slots),
         }
     }
 
-    /// The same of both children: `of_left` trees for the left one, the rest for the right one.
+    /// The same for both children: `of_left` trees for the left one, the rest for the right one.
     fn children(&mut self, node: usize, of_left: usize, trees: usize, slots: &mut Slots) {
-        let draft = self.drafts[node];
-        let (left, right) = (node + 1, node + draft.at as usize);
-        let here = self.binary.len();
-        let order = order_of(self.drafts[left].bounds, self.drafts[right].bounds);
-        self.binary.push(BinaryNode::new(draft.bounds, Child::NONE, order));
+        let BuildNode { bounds, at, .. } = self.nodes[node];
+        let (left, right) = (node + 1, node + at as usize);
+        let order = order_of(self.nodes[left].bounds, self.nodes[right].bounds);
+        let here = self.push_binary(BinaryNode::new(bounds, Child::NONE, order));
         self.forest(left, of_left, slots);
-        let second = Child(self.binary.len() as u32);
-        self.binary[here] = BinaryNode::new(draft.bounds, second, order);
+        if let Some(binary) = &mut self.binary {
+            binary[here] = BinaryNode::new(bounds, Child(binary.len() as u32), order);
+        }
         self.forest(right, trees - of_left, slots);
     }
 
-    /// The binary node as one slot: a leaf or a wide node of its own.
+    /// Puts the build node into one slot: as a leaf or as a wide node.
     fn tree(&mut self, node: usize, slots: &mut Slots) {
-        let draft = self.drafts[node];
-        if draft.plan.is_leaf() {
+        let BuildNode { bounds, plan, .. } = self.nodes[node];
+        if plan.is_leaf() {
             let leaf = self.leaf(node);
-            self.binary.push(BinaryNode::new(draft.bounds, leaf, 0));
-            slots.push(draft.bounds, leaf);
+            self.push_binary(BinaryNode::new(bounds, leaf, 0));
+            slots.push(bounds, leaf);
             return;
         }
         let index = self.wide.len();
         self.wide.push(WideNode::EMPTY);
-        slots.push(draft.bounds, Child(index as u32));
+        slots.push(bounds, Child(index as u32));
         let mut own = Slots::new();
-        self.children(node, draft.plan.left_of_node(), WIDE, &mut own);
+        self.children(node, plan.left_of_node(), WIDE, &mut own);
         self.wide[index] = own.node;
     }
 
-    /// Makes a leaf of all boxes below a node.
+    /// Makes a leaf of all boxes below a build node.
     fn leaf(&mut self, node: usize) -> Child {
         let (mut first, mut last) = (node, node);
-        while self.drafts[first].count == 0 {
+        while self.nodes[first].count == 0 {
             first += 1;
         }
-        while self.drafts[last].count == 0 {
-            last += self.drafts[last].at as usize;
+        while self.nodes[last].count == 0 {
+            last += self.nodes[last].at as usize;
         }
-        let from = self.drafts[first].at as usize;
-        let to = (self.drafts[last].at + self.drafts[last].count) as usize;
+        let from = self.nodes[first].at as usize;
+        let to = (self.nodes[last].at + self.nodes[last].count) as usize;
         let mut leaf = Leaf { primitives: [Leaf::NONE; _] };
         for (slot, one) in leaf.primitives.iter_mut().zip(&self.boxes[from..to]) {
             *slot = one.number();
@@ -114,11 +123,11 @@ impl<'a> Collapse<'a> {
     }
 }
 
-/// How two children lie, as [`BinaryNode::left_first`] wants it.
+/// The order of two children, in the form of [`BinaryNode::left_first`].
 fn order_of(left: Bounds, right: Bounds) -> u32 {
     // Halved first, so that no sum overflows.
-    let way = (left.lo * 0.5 + left.hi * 0.5) - (right.lo * 0.5 + right.hi * 0.5);
-    let axis = way.abs().max_position();
-    let left_is_above = u32::from(way[axis] > 0.0);
+    let offset = (left.lo * 0.5 + left.hi * 0.5) - (right.lo * 0.5 + right.hi * 0.5);
+    let axis = offset.abs().max_position();
+    let left_is_above = u32::from(offset[axis] > 0.0);
     axis as u32 | left_is_above << 2
 }

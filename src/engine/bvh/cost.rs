@@ -1,12 +1,14 @@
-//! What a hierarchy costs, and which binary nodes become wide nodes and leaves so that it costs least.
+//! The cost of a hierarchy, and which binary nodes become wide nodes and leaves so that the cost is least.
 //!
-//! The cost of a wide hierarchy is the sum of the half surfaces of its nodes times [`NODE`] and of its leaves times [`LEAF`]: what a
-//! random ray pays. By dynamic programming from the leaves upwards, the cheapest forest of at most j wide subtrees is known for each
-//! binary node and each j from 1 to 8; a wide node over a binary node has the cheapest forest of 8 as its children.
+//! The cost of a wide hierarchy is the sum of the half surface areas of its nodes times [`NODE`] and of its
+//! leaves times [`LEAF`]: the expected cost of a random ray. Dynamic programming from the leaves upwards
+//! finds, for each binary node and each j from 1 to 8, the cheapest forest of at most j wide subtrees; a wide
+//! node over a binary node has the cheapest forest of 8 as its children.
 //!
-//! Source: Ylitie, Karras, Laine, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs", 2017, section 3.1.
+//! Source: Ylitie, Karras, Laine, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs",
+//! 2017, section 3.1.
 
-use super::WIDE;
+use super::node::WIDE;
 
 /// Cost of testing one ray against the eight boxes of a node.
 pub(super) const NODE: f64 = 1.0;
@@ -15,13 +17,14 @@ pub(super) const LEAF: f64 = 1.3;
 
 /// `costs[j − 1]`: the cost of the cheapest forest of at most j trees for a binary node.
 ///
-/// In f64, because squares of mixed scales leave f32's range.
+/// In f64: squares of mixed scales leave f32's range.
 pub(super) struct Costs([f64; WIDE - 1]);
 
-/// What the cheapest forests of a binary node are made of.
+/// The composition of the cheapest forests of a binary node.
 ///
-/// `plan[0]`: is one tree for the node a leaf (0) or a wide node (else how many of the 8 children go to the left)?
-/// `plan[j − 1]`: how many of at most j trees go to the left child; 0 where one tree fewer is as good.
+/// `plan[0]`: 0 if the node as one tree is a leaf, else it is a wide node and the number counts those of its
+/// 8 children that come from the left. `plan[j − 1]`: how many of at most j trees come from the left child; 0
+/// where one tree fewer is as good.
 #[derive(Clone, Copy)]
 pub(super) struct Plan([u8; WIDE - 1]);
 
@@ -31,11 +34,13 @@ impl Plan {
     pub fn is_leaf(self) -> bool {
         self.0[0] == 0
     }
-    /// How many children of the wide node over this node come from its left child, at most; at most the rest of 8 from its right.
+    /// Most children that the wide node over this node takes from its left child; it takes at most the rest
+    /// of 8 from its right child.
     pub fn left_of_node(self) -> usize {
         self.0[0] as usize
     }
-    /// How many of at most `trees` trees come from the left child, and how many there are in all; `None` for a single tree.
+    /// How many of at most `trees` trees come from the left child, and how many there are in all; `None` for
+    /// a single tree.
     pub fn left_of_forest(self, trees: usize) -> Option<(usize, usize)> {
         let fewest = (2..=trees).rev().find(|&j| self.0[j - 1] > 0)?;
         Some((self.0[fewest - 1] as usize, fewest))
@@ -46,12 +51,13 @@ impl Costs {
     pub fn of_leaf(half_area: f64) -> Self {
         Self([LEAF * half_area; WIDE - 1])
     }
-    /// Is a leaf of a few primitives better cut into two, where both halves have surfaces of `halves` together?
-    pub fn improved_by_cut(&self, halves: f64) -> bool {
+    /// Whether two leaves whose half surface areas sum to `halves` are cheaper than this leaf.
+    pub fn improved_by_split(&self, halves: f64) -> bool {
         LEAF * halves < self.0[0]
     }
 
-    /// For an inner binary node: its own half surface, the costs of its children, and those of the leaf that it may become.
+    /// For an inner binary node: from its half surface area, the costs of its children, and those of the leaf
+    /// that it may become.
     pub fn of_inner(half_area: f64, left: &Self, right: &Self, leaf: Option<Self>) -> (Self, Plan) {
         let cheapest = |trees: usize| {
             let mut best = (f64::INFINITY, 0);

@@ -1,4 +1,4 @@
-//! The nodes and leaves that traversals read.
+//! The nodes and leaves that traversals read, and the limits that traversals rely on.
 
 use super::bounds::Bounds;
 use bytemuck::{Pod, Zeroable};
@@ -8,6 +8,11 @@ use glam::Vec3;
 pub const WIDE: usize = 8;
 /// Most primitives in a leaf.
 pub const LEAF: usize = 8;
+/// Most levels from the root to a leaf. Splits by cost may be lopsided; where they would lead deeper, sets
+/// are halved, which takes 27 levels for [`super::MAX_PRIMITIVES`].
+pub const MAX_DEPTH: u32 = 48;
+/// Most references on the stack of a traversal of the wide tree: each level leaves all but one child behind.
+pub const MAX_STACK: usize = (WIDE - 1) * MAX_DEPTH as usize + 1;
 
 /// What a child slot refers to: a node, a leaf of triangles, a leaf of spheres, or nothing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
@@ -21,14 +26,15 @@ impl Child {
     pub const SPHERES: u32 = 1 << 30;
     /// Masks the index of a leaf among those of its kind.
     pub const INDEX: u32 = Self::SPHERES - 1;
-    /// Nothing; its box is empty, so no ray asks. It has the leaf's bits set, and its index is out of range.
+    /// No child; its box is empty, so no ray reaches it. The leaf bits are set, and the index is out of
+    /// range.
     pub const NONE: Self = Self(u32::MAX);
 
     #[inline(always)]
     pub fn is_leaf(self) -> bool {
         self.0 & Self::LEAF != 0
     }
-    /// Of a leaf: does it hold spheres?
+    /// Whether a leaf holds spheres.
     #[inline(always)]
     pub fn is_spheres(self) -> bool {
         self.0 & Self::SPHERES != 0
@@ -40,13 +46,13 @@ impl Child {
     }
 }
 
-/// Eight boxes and what is in them: four cache lines.
+/// Eight child boxes and the children: four cache lines.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C, align(64))]
 pub struct WideNode {
     planes: [[f32; WIDE]; 6],
     children: [Child; WIDE],
-    /// So that every node starts a cache line.
+    /// Padding: every node starts a cache line.
     unused: [u32; WIDE],
 }
 
@@ -69,17 +75,18 @@ impl WideNode {
     pub fn children(&self) -> &[Child; WIDE] {
         &self.children
     }
-    /// How many slots are filled.
+    /// Number of filled slots.
     pub fn filled(&self) -> usize {
         self.children.iter().filter(|&&child| child != Child::NONE).count()
     }
-    /// The planes of the children's boxes, one a slot: the lower ones along x, y, z, then the upper ones. Where there is no child the
-    /// lower ones are +∞ and the upper ones −∞.
+    /// The planes of the children's boxes, one a slot: the lower ones along x, y, z, then the upper ones.
+    /// Empty slots have lower planes of +∞ and upper planes of −∞.
     #[inline(always)]
     pub fn planes(&self) -> &[[f32; WIDE]; 6] {
         &self.planes
     }
-    /// The planes as rows, with the two rows behind them.
+    /// The planes as six rows, and the two rows of references and padding behind them: a power of two, so
+    /// that `& 7` keeps a row index inside without a bounds check.
     #[inline(always)]
     pub fn boxes(&self) -> &[[f32; WIDE]; 8] {
         bytemuck::cast_ref(self)
@@ -90,7 +97,8 @@ impl WideNode {
     }
 }
 
-/// A node of the binary tree, half a cache line. Nodes stand in depth-first order: the left child of an inner node stands behind it.
+/// A node of the binary tree, half a cache line. Nodes are in depth-first order: the left child of an inner
+/// node is the next node.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C, align(32))]
 pub struct BinaryNode {
@@ -98,7 +106,8 @@ pub struct BinaryNode {
     /// The right child of an inner node; a leaf's reference.
     child: Child,
     hi: [f32; 3],
-    /// Along which axis the centres of the children's boxes are furthest apart; bit 2 is set where the left child is the upper one.
+    /// The axis along which the centres of the children's boxes are furthest apart; bit 2 is set where the
+    /// left child is the upper one.
     order: u32,
 }
 
@@ -106,7 +115,7 @@ impl BinaryNode {
     pub(super) fn new(bounds: Bounds, child: Child, order: u32) -> Self {
         Self { lo: bounds.lo.to_array(), child, hi: bounds.hi.to_array(), order }
     }
-    /// Of an inner node, its right child; of a leaf, which one.
+    /// The right child of an inner node; a leaf's reference.
     #[inline(always)]
     pub fn child(&self) -> Child {
         self.child
@@ -115,7 +124,8 @@ impl BinaryNode {
     pub fn bounds(&self) -> Bounds {
         Bounds { lo: self.lo.into(), hi: self.hi.into() }
     }
-    /// Does a ray that runs upwards (in bit `axis` of `upwards`) along the axis of the cut meet the left child first?
+    /// Whether a ray meets the left child first. Bit `axis` of `upwards` is set where the ray's direction is
+    /// positive along that axis.
     #[inline(always)]
     pub fn left_first(&self, upwards: u32) -> bool {
         (upwards >> (self.order & 3) & 1) != (self.order >> 2)

@@ -1,7 +1,8 @@
-//! Where to cut a set of boxes in two: the surface area heuristic over bins, and the median where it fails.
+//! Where to split a set of boxes in two: the surface area heuristic over bins, and the median where it fails.
 //!
-//! Source: Wald, "On fast Construction of SAH-based Bounding Volume Hierarchies", 2007. Nothing here depends on the number of threads:
-//! bins are sums and minima, which are the same in any order, and long slices are halved at places that their lengths decide.
+//! Source: Wald, "On fast Construction of SAH-based Bounding Volume Hierarchies", 2007. The result does not
+//! depend on the number of threads: bins are integer sums and minima, which are the same in any order, and
+//! long slices are halved at places that depend on their lengths alone.
 
 use super::bounds::PackedBox;
 use crate::lane::{Bits, F32x8, Lane, Mask, Mask8, U32x8};
@@ -9,10 +10,10 @@ use rayon::join;
 
 /// Bins along each axis: two packets of costs.
 const BINS: usize = 16;
-/// Longest slice that one thread bins or partitions alone; a longer one is halved.
-const ALONE: usize = 8192;
+/// Longest slice that one thread bins or partitions; longer ones are halved over two threads.
+const MAX_SEQUENTIAL: usize = 8192;
 
-/// Boxes, the box around them, and the box around their (doubled) centres.
+/// The bounds of a set of boxes, and the bounds of their (doubled) centres.
 #[derive(Clone, Copy)]
 pub(super) struct Set {
     pub bounds: PackedBox,
@@ -27,7 +28,7 @@ impl Set {
         Self { bounds: self.bounds.union(other.bounds), centers: self.centers.union(other.centers) }
     }
     pub fn of(boxes: &[PackedBox]) -> Self {
-        if boxes.len() > ALONE {
+        if boxes.len() > MAX_SEQUENTIAL {
             let (low, high) = boxes.split_at(boxes.len() / 2);
             let (low, high) = join(|| Self::of(low), || Self::of(high));
             return low.union(high);
@@ -39,16 +40,16 @@ impl Set {
     }
 }
 
-/// Along which axis and before which bin to cut.
+/// A split: the axis, and the first bin on the right.
 #[derive(Clone, Copy)]
-pub(super) struct Cut {
+pub(super) struct Split {
     axis: usize,
     bin: usize,
-    /// Half surface times blocks, summed over both sides, in the units of [`PackedBox::half_area`].
+    /// Half surface area times blocks, summed over both sides, in the units of [`PackedBox::half_area`].
     pub cost: f64,
 }
 
-/// Which bin a box falls into, along all three axes.
+/// Maps a box to its bins along the three axes.
 struct Grid {
     origin: F32x8,
     scale: F32x8,
@@ -56,7 +57,8 @@ struct Grid {
 
 impl Grid {
     fn new(centers: PackedBox) -> Self {
-        // Below 1: the last centre falls into the last bin. Where all centres agree up to what f32 can divide by, one bin holds them all.
+        // Below BINS, so that the last centre falls into the last bin. Centres that differ by less than f32
+        // can divide by share one bin.
         const NEARLY_ALL: f32 = BINS as f32 * 0.999_99;
         let [x, y, z] = centers.extent().map(|e| if e > 1e-34 { NEARLY_ALL / e } else { 0.0 });
         Self { origin: centers.lanes(), scale: bytemuck::cast([x, y, z, 0.0, 0.0, 0.0, 0.0, 0.0]) }
@@ -70,7 +72,7 @@ impl Grid {
     }
 }
 
-/// What falls into each bin of each axis.
+/// The union and the number of the boxes in each bin of each axis.
 #[derive(Clone)]
 struct Bins {
     boxes: [[PackedBox; BINS]; 3],
@@ -79,7 +81,7 @@ struct Bins {
 
 impl Bins {
     fn fill(boxes: &[PackedBox], grid: &Grid) -> Self {
-        if boxes.len() > ALONE {
+        if boxes.len() > MAX_SEQUENTIAL {
             let (low, high) = boxes.split_at(boxes.len() / 2);
             let (mut low, high) = join(|| Self::fill(low, grid), || Self::fill(high, grid));
             for axis in 0..3 {
@@ -100,15 +102,18 @@ impl Bins {
         filled
     }
 
-    /// The cheapest cut, the lowest axis and bin among equals; `None` if all centres share a bin on every axis.
+    /// The cheapest split, the lowest axis and bin among equals; `None` if all centres share a bin on every
+    /// axis.
     ///
-    /// `block` primitives are tested together, so the cost of a side is its surface times the blocks that it fills.
+    /// `block` primitives are tested together, so the cost of a side is its surface area times the blocks
+    /// that it fills.
     fn cheapest(&self, scale: f32, block: u32) -> Option<(usize, usize, f32)> {
         let scale = F32x8::splat(scale);
         let (mut best, mut place) = (F32x8::splat(f32::INFINITY), U32x8::splat(0));
         for axis in 0..3 {
             let (boxes, counts) = (&self.boxes[axis], &self.counts[axis]);
-            // Sides of the cut before bin i + 1, for i from 0; the last is no cut and has nothing on its right.
+            // Sides of the split before bin i + 1, for i from 0; the last has an empty right side and is no
+            // split.
             let mut left = [PackedBox::empty(); BINS];
             let mut right = [PackedBox::empty(); BINS];
             let mut weights = [[0.0; BINS]; 2];
@@ -132,8 +137,8 @@ impl Bins {
                 };
                 let [low, high] = weights.each_ref().map(|weights| F32x8::load(&weights[first..]));
                 let cost = eight(&left) * low + eight(&right) * high;
-                let cuts = F32x8::zero().lt(low) & F32x8::zero().lt(high);
-                let better = cuts & cost.lt(best);
+                let splits = F32x8::zero().lt(low) & F32x8::zero().lt(high);
+                let better = splits & cost.lt(best);
                 best = F32x8::select(better, cost, best);
                 let here = U32x8::from_fn(|lane| (axis * BINS + first + lane) as u32);
                 place = U32x8::select(better, here, place);
@@ -150,43 +155,47 @@ impl Bins {
     }
 }
 
-/// The boxes of `set`, cut where the surface area heuristic says; `None` if bins cannot tell them apart.
-pub(super) fn cheapest_cut(boxes: &[PackedBox], set: &Set, block: u32) -> Option<Cut> {
+/// The cheapest split of `boxes`, whose bounds are `set`, by the surface area heuristic; `None` if all share
+/// their bins.
+pub(super) fn cheapest_split(boxes: &[PackedBox], set: &Set, block: u32) -> Option<Split> {
     let longest = set.bounds.extent().into_iter().fold(0.0, f32::max);
-    // Surfaces in units of the longest edge, so that no square overflows; boxes without extent cost nothing.
+    // Surface areas in units of the longest edge, so that no square overflows; boxes without extent cost 0.
     let scale = if longest > 1e-34 { 1.0 / longest } else { 0.0 };
     let bins = Bins::fill(boxes, &Grid::new(set.centers));
     let (axis, bin, cost) = bins.cheapest(scale, block)?;
-    Some(Cut { axis, bin, cost: f64::from(cost) * f64::from(longest).powi(2) })
+    Some(Split { axis, bin, cost: f64::from(cost) * f64::from(longest).powi(2) })
 }
 
-/// Reorders the boxes so that those before the cut come first, and describes both sides: how many on the left, left, right.
-pub(super) fn partition(boxes: &mut [PackedBox], set: &Set, cut: &Cut) -> (usize, Set, Set) {
+/// Reorders the boxes so that those before the split come first. Returns the number on the left, and the
+/// bounds of both sides.
+pub(super) fn partition(boxes: &mut [PackedBox], set: &Set, split: &Split) -> (usize, Set, Set) {
     let grid = Grid::new(set.centers);
-    let axis = U32x8::splat(cut.axis as u32);
+    let axis = U32x8::splat(split.axis as u32);
     let of_axis = |lanes: F32x8| F32x8::pick(bytemuck::cast_ref(&lanes), axis);
-    let (origin, scale, bin) = (of_axis(grid.origin), of_axis(grid.scale), F32x8::splat(cut.bin as f32));
-    // The same numbers as `Grid::bins`, one axis in all lanes.
+    let (origin, scale, bin) = (of_axis(grid.origin), of_axis(grid.scale), F32x8::splat(split.bin as f32));
+    // The same arithmetic as `Grid::bins`, one axis in all lanes.
     let before = |one: PackedBox| ((of_axis(one.center().lanes()) - origin) * scale).lt(bin);
     partition_by(boxes, &before)
 }
 
-/// Reorders the boxes so that those for which `left` holds, in all lanes, come first.
+/// Reorders the boxes so that those for which `left` holds come first. Domain: `left` is the same in all
+/// lanes.
 pub(super) fn partition_by(
     boxes: &mut [PackedBox],
     left: &(impl Fn(PackedBox) -> Mask8 + Sync),
 ) -> (usize, Set, Set) {
-    if boxes.len() > ALONE {
+    if boxes.len() > MAX_SEQUENTIAL {
         let half = boxes.len() / 2;
         let (low, high) = boxes.split_at_mut(half);
         let (low, high) = join(|| partition_by(low, left), || partition_by(high, left));
-        // Now left, right, left, right: exchange the two in the middle, as far as the shorter one reaches.
+        // Now left, right, left, right: swap the shorter of the two middle runs with the end of the other.
         let moved = (half - low.0).min(high.0);
         let (front, back) = boxes.split_at_mut(half);
         front[low.0..low.0 + moved].swap_with_slice(&mut back[high.0 - moved..high.0]);
         return (low.0 + high.0, low.1.union(high.1), low.2.union(high.2));
     }
-    // Without branches, of which half would be guessed wrong: every box changes places with the first one on the right.
+    // Branch-free, as half of the branches would be mispredicted: every box is swapped with the first one on
+    // the right.
     let mut count = 0;
     let (mut low, mut high) = (Set::empty(), Set::empty());
     for i in 0..boxes.len() {
@@ -202,8 +211,8 @@ pub(super) fn partition_by(
     (count, low, high)
 }
 
-/// Cuts in the middle, rounded up to whole blocks, along the axis on which the centres are furthest apart; equal centres are cut as they
-/// stand. Halves depth whatever the boxes are like.
+/// Median split, rounded up to whole blocks, along the axis on which the centres are furthest apart; equal
+/// centres are split in the order in which they are. Halves the set for any boxes.
 pub(super) fn halve(boxes: &mut [PackedBox], set: &Set, block: usize) -> (usize, Set, Set) {
     let middle = boxes.len().div_ceil(block).div_ceil(2) * block;
     let extent = set.centers.extent();
@@ -221,7 +230,7 @@ pub(super) fn halve(boxes: &mut [PackedBox], set: &Set, block: usize) -> (usize,
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bvh::Bounds;
+    use crate::bvh::bounds::Bounds;
     use glam::Vec3;
 
     #[test]

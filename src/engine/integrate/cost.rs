@@ -4,7 +4,7 @@ use super::World;
 use super::guides::aim;
 use super::queue::{MAX_PIXELS, Work};
 use crate::traverse::batch::Traversal;
-use crate::traverse::tally::Counts;
+use crate::traverse::counter::Counts;
 
 /// Tests of one ray by itself.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

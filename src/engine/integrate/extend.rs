@@ -8,9 +8,9 @@ use crate::buffers::Features;
 use crate::lane::{Bits, Lane};
 use crate::math::{Hit, MISS, Ray};
 use crate::traverse::batch::{Tracer, Traversal};
+use crate::traverse::counter::Counter;
 use crate::traverse::hierarchy::Hierarchy;
 use crate::traverse::rays::{Hits, Rays};
-use crate::traverse::tally::Counter;
 use crate::traverse::{Batch, Visible};
 
 /// Finds the nearest hit of the first `count` rays.

@@ -85,13 +85,13 @@ pub fn sample_direct_light<L: Lane, const N: u32>(
     {
         let is_sky = mask & light.radius.lt(L::zero());
         if is_sky.any() {
-            aim = LightSample::select(is_sky, sky.aim(u, v), aim);
+            aim = LightSample::select(is_sky, sky.sample(u, v), aim);
             let seen = sky_radiance::<L, N>(world, aim.wi, is_sky);
             emission = Vec3::select(is_sky, seen, emission);
         }
     }
     let passed = evaluate::<L, N>(path.ray.direction, surface, material, aim.wi, mask);
-    let density = light.chance * aim.pdf;
+    let density = light.probability * aim.pdf;
     let possible = mask & L::zero().lt(density);
     let inv_pdf = L::one() / L::select(possible, density, L::one());
     // 1 − its complement would cancel; this is the same heuristic from the other side.

@@ -8,9 +8,9 @@ use crate::lane::{Bits, F32x8, Lane};
 use crate::math::{Hit, MISS, Ray, Vec3};
 use crate::traverse::Visible;
 use crate::traverse::batch::{Tracer, Traversal};
+use crate::traverse::counter::{Counter, Counts};
 use crate::traverse::hierarchy::Hierarchy;
 use crate::traverse::rays::{Hits, Rays};
-use crate::traverse::tally::{Counter, Counts};
 use bytemuck::Zeroable;
 
 /// Most pixels in a tile. Columns for more would lie whole pages apart, all in the same few sets of the cache: 2 % slower.

@@ -164,7 +164,7 @@ fn sky_where_missed<L: Lane, const N: u32, const FIRST: bool>(
         && has(N, Features::SKY_TEXTURE)
         && let Some((sky, chance)) = &world.buffers.lights.sky
     {
-        let density = sky.density(latitude_longitude(path.ray.direction)) * L::splat(*chance);
+        let density = sky.pdf(latitude_longitude(path.ray.direction)) * L::splat(*chance);
         radiance = radiance * mis_weight(path.inv_pdf, density);
     }
     Vec3::select(missed, radiance, Vec3::zero())

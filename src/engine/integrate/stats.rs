@@ -2,7 +2,7 @@
 //!
 //! A thread's [`Meter`] notes it tile by tile. Without one, a stage costs one branch more, and nothing is counted.
 
-use crate::traverse::tally::{Counter, Counts};
+use crate::traverse::counter::{Counter, Counts};
 use std::ops::AddAssign;
 use std::time::{Duration, Instant};
 

@@ -14,7 +14,7 @@ use crate::lane::F32x8;
 use crate::math::{Hit, MISS};
 use crate::scene::{Camera, Scene};
 use crate::threads::Threads;
-use crate::traverse::{Methods, Primitives, Visible};
+use crate::traverse::{Methods, Primitives, Visible, linear};
 use rayon::prelude::*;
 
 /// Which of the pipelines in [`crate::integrate`] a scene gets.
@@ -167,9 +167,11 @@ impl Renderer {
         if primitives.hierarchy().is_none() {
             find_visible(&mut visible, scene, &camera, &settings, usize::MAX);
         }
+        let mut buffers = Buffers::with_lights(scene, settings.methods.lights);
+        buffers.needs = buffers.needs.with(linear::features_of(scene));
         let world = World {
             visible,
-            buffers: Buffers::with_lights(scene, settings.methods.lights),
+            buffers,
             primitives,
             camera,
             width: resolution[0],

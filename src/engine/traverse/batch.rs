@@ -1,19 +1,22 @@
-//! The ways through a hierarchy, side by side: whole batches of rays by any of them.
+//! The traversals of a hierarchy, side by side: whole batches of rays by any of them.
 
+use super::counter::{Counter, CounterSink};
 use super::hierarchy::Hierarchy;
+use super::prepared::SingleRay;
 use super::rays::{Hits, Rays};
-use super::scalar;
-use super::single::{self, Stack};
+use super::stack::Stack;
 use super::stream::{BATCH, PIECE, Stream};
-use super::tally::{Counter, Tally};
-use super::tile::{self, CUT, TILE};
+use super::tile::{self, MAX_ENTRY_POINTS, TILE};
+use super::{scalar, single};
+use crate::math::Hit;
 
 // A tile is a piece of a stream's batch.
 const _: () = assert!(PIECE == TILE);
 
-/// A tile whose cut keeps more nodes than this sees more triangles than its packets can share: its rays go on in streams. Measured on
-/// knots, a terrain and scans of 4,000 to 1,000,000 triangles, at two sizes of pictures: 8 to 16 do about as well, 24 loses 10 %.
-const FEW_NODES: usize = 12;
+/// A tile with more entry points that are inner nodes sees more triangles than its packets can share: its
+/// rays are traced in streams. Measured on knots, a terrain and scans of 4,000 to 1,000,000 triangles, at two
+/// picture sizes: 8 to 16 are about equally fast, 24 is 10 % slower.
+const MAX_INNER_ENTRY_POINTS: usize = 12;
 
 /// A way through a hierarchy. All give the same hits, bit for bit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -54,7 +57,7 @@ impl Traversal {
 #[derive(Default)]
 pub struct Tracer {
     stack: Stack,
-    /// A MiB, made when it is first wanted.
+    /// About a MiB, allocated at first use.
     stream: Option<Box<Stream>>,
 }
 
@@ -63,8 +66,8 @@ impl Tracer {
         Self::default()
     }
 
-    /// Improves the hits of all rays. With `ANY`, each ray ends at the first hit found: then only whether `primitive` is
-    /// [`crate::math::MISS`] means anything.
+    /// Improves the hits of all rays. With `ANY`, each ray ends at the first hit found: then only whether
+    /// `primitive` is [`crate::math::MISS`] is defined.
     pub fn trace<const ANY: bool>(
         &mut self,
         traversal: Traversal,
@@ -72,10 +75,10 @@ impl Tracer {
         rays: &Rays,
         hits: &mut Hits,
     ) {
-        self.tallied::<ANY>(traversal, hierarchy, rays, hits, ());
+        self.trace_counted::<ANY>(traversal, hierarchy, rays, hits, ());
     }
 
-    /// The same, and counts what is tested.
+    /// The same, and counts the tests.
     pub fn count<const ANY: bool>(
         &mut self,
         traversal: Traversal,
@@ -84,44 +87,44 @@ impl Tracer {
         hits: &mut Hits,
         counter: &Counter,
     ) {
-        self.tallied::<ANY>(traversal, hierarchy, rays, hits, counter);
+        self.trace_counted::<ANY>(traversal, hierarchy, rays, hits, counter);
     }
 
     #[inline(always)]
-    fn tallied<const ANY: bool>(
+    fn trace_counted<const ANY: bool>(
         &mut self,
         traversal: Traversal,
         hierarchy: &Hierarchy,
         rays: &Rays,
         hits: &mut Hits,
-        tally: impl Tally,
+        counter: impl CounterSink,
     ) {
         match traversal {
             Traversal::Scalar => {
                 one_by_one(hierarchy, rays, hits, move |ray, hit| {
-                    scalar::trace::<ANY>(hierarchy, ray, hit, tally)
+                    scalar::trace::<ANY>(hierarchy, ray, hit, counter)
                 });
             }
             Traversal::Single => {
                 let stack = &mut self.stack;
                 one_by_one(hierarchy, rays, hits, move |ray, hit| {
-                    single::trace::<ANY>(hierarchy, ray, stack, hit, tally)
+                    single::trace::<ANY>(hierarchy, ray, stack, hit, counter)
                 });
             }
-            Traversal::Stream => self.stream().trace::<ANY>(hierarchy, rays, hits, tally),
-            Traversal::Packet => self.tiles::<ANY>(hierarchy, rays, hits, CUT, tally),
-            Traversal::Hybrid => self.tiles::<ANY>(hierarchy, rays, hits, FEW_NODES, tally),
+            Traversal::Stream => self.stream().trace::<ANY>(hierarchy, rays, hits, counter),
+            Traversal::Packet => self.tiles::<ANY>(hierarchy, rays, hits, MAX_ENTRY_POINTS, counter),
+            Traversal::Hybrid => self.tiles::<ANY>(hierarchy, rays, hits, MAX_INNER_ENTRY_POINTS, counter),
         }
     }
 
-    /// Tiles that run together in a frustum, and the others of a batch together in streams.
+    /// Tiles for which there is a frustum as packets; the other tiles of a batch together in streams.
     fn tiles<const ANY: bool>(
         &mut self,
         hierarchy: &Hierarchy,
         rays: &Rays,
         hits: &mut Hits,
         most_nodes: usize,
-        tally: impl Tally,
+        counter: impl CounterSink,
     ) {
         for first in (0..rays.len()).step_by(BATCH) {
             let batch = first..rays.len().min(first + BATCH);
@@ -136,12 +139,12 @@ impl Tracer {
                         &mut hits.range(range),
                         &mut self.stack,
                         most_nodes,
-                        tally,
+                        counter,
                     );
                 apart |= u32::from(!together) << tile;
             }
             if apart != 0 {
-                self.stream().trace_pieces::<ANY>(hierarchy, &rays, &mut hits, apart, tally);
+                self.stream().trace_pieces::<ANY>(hierarchy, &rays, &mut hits, apart, counter);
             }
         }
     }
@@ -155,7 +158,7 @@ fn one_by_one(
     hierarchy: &Hierarchy,
     rays: &Rays,
     hits: &mut Hits,
-    mut trace: impl FnMut(&super::hierarchy::SingleRay, &mut crate::math::Hit<f32>),
+    mut trace: impl FnMut(&SingleRay, &mut Hit<f32>),
 ) {
     for at in 0..rays.len() {
         let mut hit = hits.get(at);

@@ -1,11 +1,13 @@
-//! Around many rays at once: what none of them can reach.
+//! Frusta around many rays, to cull boxes that none of the rays can meet.
 //!
-//! Rays from one origin that all run along one axis lie between a lowest and a highest slope along each of the other two: four planes.
-//! A box is left out where it lies wholly beyond one of them. Of its corners only the one nearest to the inside is asked, and a plane
-//! holds the direction of one axis, so it takes one FMA a plane.
+//! Rays from one origin that all run along one axis lie between a least and a greatest slope along each of
+//! the other two: four planes. A box is culled where it lies wholly beyond one of them. Only the box's corner
+//! that is furthest to the inside is tested, and each plane contains the direction of one axis, so a plane
+//! takes one FMA.
 //!
-//! Conservative: a ray that passes a padded box ([`crate::kernel::ray_box::Slabs`]) meets it within (|o| + room) 2⁻²⁰, |o| the largest
-//! component and room as [`Padding::room`] gives it; the frustum leaves twice that, along both axes of a side.
+//! Conservative: a ray that passes a padded box ([`crate::kernel::ray_box::Slabs`]) meets it within (|o| +
+//! room) 2⁻²⁰, |o| the largest component and room as [`Padding::room`] gives it; the frustum leaves twice
+//! that, along both axes of a side.
 //!
 //! Source: Reshetov, Soupikov, Hurley, "Multi-Level Ray Tracing Algorithm", SIGGRAPH 2005.
 
@@ -17,23 +19,23 @@ use crate::math::{Ray, Vec3};
 /// Eight boxes, one a lane: their lower and upper planes along an axis.
 type Planes = [F32x8; 2];
 
-/// Where the rays of a tile start, and along which axis they run.
+/// The common origin of a tile's rays, and the axis along which they run: all frusta of the tile share it.
 #[derive(Clone, Copy)]
-pub struct Stem {
+pub struct FrustumAxis {
     /// The axis along which all rays run, then the other two.
     axes: [usize; 3],
-    /// 1 or −1: whether they run upwards or downwards along it.
+    /// The sign of the rays' direction along it: 1 or −1.
     forward: f32,
     origin: [f32; 3],
-    /// How much further boxes reach on every side.
+    /// Padding of boxes on every side, in scene units.
     padding: f32,
 }
 
-/// Slopes of the packets of a tile along the two other axes, per step along the first.
+/// Slopes of the packets of a tile along the two other axes, per unit along the first.
 pub type Slopes<const PACKETS: usize> = [[F32x8; PACKETS]; 2];
 
-impl Stem {
-    /// That of rays like this one; `None` where rounding knows no bound.
+impl FrustumAxis {
+    /// From one of the rays; `None` where the rounding error has no finite bound.
     pub fn of(ray: &Ray<f32>, padding: Padding) -> Option<Self> {
         let components = |v: Vec3<f32>| [v.x, v.y, v.z];
         let (direction, origin) = (components(ray.direction), components(ray.origin));
@@ -52,8 +54,8 @@ impl Stem {
         padding.is_finite().then_some(Self { axes, forward, origin, padding })
     }
 
-    /// The slopes of all rays, and the least and the greatest of each kind; `None` where one starts elsewhere or does not run along the
-    /// axis. Domain: whole packets, no more than there is room for.
+    /// The slopes of all rays, and the least and the greatest along each axis; `None` where a ray has another
+    /// origin or does not run along the axis. Domain: whole packets, at most `N`.
     #[inline(always)]
     pub fn slopes<const N: usize>(&self, rays: &Rays, slopes: &mut Slopes<N>) -> Option<[[F32x8; 2]; 2]> {
         let mut fits = Mask8::splat(true);
@@ -70,7 +72,7 @@ impl Stem {
             let inverse = F32x8::one() / main;
             for (i, (others, to)) in [(a, to_a), (b, to_b)].into_iter().enumerate() {
                 let slope = F32x8::load(others) * inverse;
-                // A greater slope has no use for a frustum, and NaN is no slope.
+                // A frustum with greater slopes culls nothing; a NaN fails the comparison.
                 fits = fits & slope.abs().le(F32x8::splat(f32::powi(2.0, 20)));
                 span[i] = [span[i][0].min(slope), span[i][1].max(slope)];
                 *to = slope;
@@ -80,19 +82,21 @@ impl Stem {
         fits.all().then(|| span.map(|[low, high]| [F32x8::splat(lowest(low)), F32x8::splat(-lowest(-high))]))
     }
 
-    /// How far along the axis the packet's rays are at `t`.
+    /// The distances of the packet's rays along the axis at `t`.
     #[inline(always)]
     pub fn depth(&self, direction: Vec3<F32x8>, t: F32x8) -> F32x8 {
         [direction.x, direction.y, direction.z][self.axes[0]].abs() * t
     }
 
-    /// Around all rays between these slopes, which are one frustum's a lane: for each of the other axes the least and the greatest.
+    /// Eight frusta, one a lane, around all rays between these slopes: for each of the other axes the least
+    /// and the greatest.
     #[inline(always)]
     pub fn frusta(&self, spans: [[F32x8; 2]; 2]) -> Frusta {
         let Self { axes: [main, others @ ..], forward, origin, padding } = *self;
         let side = |i: usize, slope: F32x8, steepest: F32x8, outwards: f32| {
             let outwards = F32x8::splat(outwards);
-            // For the rounding of slopes, 8 ε of the steeper one (the padding alone would do); then the box's padding along both axes.
+            // 8 ε of the steeper slope for the rounding of slopes (the padding alone would do); then the
+            // box's padding along both axes.
             let slope = (outwards * steepest).mul_add(F32x8::splat(f32::powi(0.5, 21)), slope);
             let tilt = slope * F32x8::splat(-forward);
             let bound = tilt.mul_add(F32x8::splat(origin[main]), F32x8::splat(origin[others[i]]));
@@ -107,7 +111,7 @@ impl Stem {
         Frusta { sides }
     }
 
-    /// One of them.
+    /// One of eight frusta.
     #[inline(always)]
     pub fn frustum(&self, frusta: &Frusta, lane: usize) -> Frustum {
         let start = self.forward * self.origin[self.axes[0]];
@@ -128,39 +132,41 @@ impl Stem {
     }
 }
 
-/// Eight frusta on one stem.
+/// Eight frusta on one axis.
 pub struct Frusta {
     /// For each of the two other axes the lower and the upper side: see [`Side`].
     sides: [[[[f32; 8]; 2]; 2]; 2],
 }
 
-/// The planes around some rays.
+/// The planes around a packet or a tile of rays.
 #[derive(Clone, Copy)]
 pub struct Frustum {
-    /// As in [`Stem`].
+    /// As in [`FrustumAxis`].
     axes: [usize; 3],
-    /// 1 where the rays run downwards along the axis.
+    /// 1 where the rays run downwards along the axis, else 0.
     backwards: usize,
     forward: F32x8,
-    /// What takes a coordinate along the axis to a distance along it: at most so far, at least so far.
+    /// Offsets from a coordinate along the axis to a lower and an upper bound of the distance along it.
     near: F32x8,
     far: F32x8,
     /// For each of the other axes, the lower and the upper one.
     sides: [[Side; 2]; 2],
 }
 
-/// A point lies on a side where its coordinate across plus `tilt` times its coordinate along the axis is `bound`.
+/// A plane: points whose coordinate across the axis plus `tilt` times the coordinate along it is `bound`.
 #[derive(Clone, Copy)]
 struct Side {
     tilt: F32x8,
     bound: F32x8,
-    /// The plane along the axis, 0 the lower and 1 the upper one, of the box's corner that is furthest to the inside.
+    /// The plane along the axis, 0 the lower and 1 the upper one, of the box's corner that is furthest to the
+    /// inside.
     corner: usize,
 }
 
 impl Frustum {
-    /// How far along the axis each box begins, at most, and which boxes a ray may meet before `limit`. Empty boxes and NaN are left
-    /// out. `main` gives the boxes' lower planes along that axis for 0, the upper ones for 1; `across` both along another axis.
+    /// A lower bound of the distance along the axis at which each box begins, and which boxes a ray may meet
+    /// before `limit`; empty boxes and NaN are culled. `main` gives the boxes' lower planes along that axis
+    /// for 0, the upper ones for 1; `across` both along another axis.
     #[inline(always)]
     pub fn pass(
         &self,
@@ -174,7 +180,8 @@ impl Frustum {
         (near, ahead & self.across(&main, across))
     }
 
-    /// Which boxes reach between the sides; NaN does not, an empty box only where rounding knows no bound.
+    /// Which boxes reach between the sides; NaN does not, an empty box only where the rounding error has no
+    /// finite bound.
     #[inline(always)]
     fn across(&self, main: impl Fn(usize) -> F32x8, across: impl Fn(usize) -> Planes) -> Mask8 {
         let [a, b] = [0, 1].map(|i| {
@@ -193,13 +200,13 @@ impl Frustum {
         self.axes[0]
     }
 
-    /// Which of boxes that stand as in a node reach between the sides.
+    /// Which boxes, in the layout of a node, reach between the sides.
     #[inline(always)]
     pub fn across_boxes(&self, boxes: &Boxes) -> Mask8 {
         self.across(|upper| plane(boxes, self.axes[0] + 3 * upper), |axis| planes(boxes, axis))
     }
 
-    /// [`Frustum::pass`] of boxes that stand as in a node.
+    /// [`Frustum::pass`] of boxes in the layout of a node.
     #[inline(always)]
     pub fn pass_boxes(&self, boxes: &Boxes, limit: f32) -> (F32x8, Mask8) {
         self.pass(|upper| plane(boxes, self.axes[0] + 3 * upper), |axis| planes(boxes, axis), limit)
@@ -216,10 +223,11 @@ fn planes(boxes: &Boxes, axis: usize) -> Planes {
     [plane(boxes, axis), plane(boxes, axis + 3)]
 }
 
-/// Eight boxes: the lower planes along x, y, z, the upper ones, and two rows that nobody reads.
+/// Eight boxes: the lower planes along x, y, z, the upper ones, and two unused rows, so that `& 7` keeps a
+/// row index inside.
 pub type Boxes = [[f32; 8]; 8];
 
-/// The lowest lane; NaN counts for nothing.
+/// The least lane; NaN is ignored.
 pub fn lowest(x: F32x8) -> f32 {
     let lanes: [f32; 8] = bytemuck::cast(x);
     let pairs = [0, 1, 2, 3].map(|i| lanes[i].min(lanes[i + 4]));

@@ -1,16 +1,18 @@
-//! A scene's primitives in the leaves of a hierarchy, and how one ray meets a leaf. Every traversal of the hierarchy ends here.
+//! The primitives in the leaves of a hierarchy, and the intersection of rays with a leaf, shared by all
+//! traversals.
 
+use super::prepared::{Packet, SingleRay, splat_slabs, splat_vector};
 use crate::buffers::SphereBlock;
-use crate::bvh::{Bounds, Bvh, Child, LEAF, Leaf, Quality};
+use crate::bvh::{Bounds, Bvh, Child, LEAF, Leaf, Trees};
 use crate::kernel::ray_box::{Padding, Slabs, own_box};
 use crate::kernel::ray_sphere::{Robust, SphereMethod};
-use crate::kernel::ray_triangle::{EightTriangles, TriangleHit, TriangleMethod, Woop, WoopRay};
+use crate::kernel::ray_triangle::{EightTriangles, TriangleHit, WoopRay};
 use crate::lane::{Bits, F32x8, Lane, Mask, Mask8, U32x8};
 use crate::math::{Hit, Ray, Vec3};
 use crate::scene::Scene;
 use rayon::prelude::*;
 
-/// The hierarchy, and the primitives of its leaves as intersection reads them.
+/// The bounding volume hierarchy, and the primitives of its leaves as intersection reads them.
 pub struct Hierarchy {
     pub bvh: Bvh,
     pub padding: Padding,
@@ -34,10 +36,10 @@ struct SphereLeaf {
     primitives: Leaf,
 }
 
-/// Fewest leaves that are worth another thread.
-const FILL: usize = 256;
+/// Fewest leaves for another thread to fill.
+const MIN_LEAVES_PER_THREAD: usize = 256;
 
-/// How far rays and boxes reach in a scene: [`Padding`] of all its primitives.
+/// The [`Padding`] of a scene's boxes, from the extent of all its primitives.
 pub fn padding_of(scene: &Scene) -> Padding {
     let vertices = scene.triangles.iter().flat_map(|triangle| triangle.vertices);
     let of_triangles = vertices.map(|vertex| vertex.abs().max_element()).fold(0.0, f32::max);
@@ -50,8 +52,9 @@ pub fn padding_of(scene: &Scene) -> Padding {
 }
 
 impl Hierarchy {
-    pub fn new(scene: &Scene, quality: Quality) -> Self {
-        let (bvh, padding) = rayon::join(|| Bvh::new(scene, quality), || padding_of(scene));
+    /// [`Trees::WideAndBinary`] for the scalar traversal, which alone reads the binary tree.
+    pub fn new(scene: &Scene, trees: Trees) -> Self {
+        let (bvh, padding) = rayon::join(|| Bvh::new(scene, trees), || padding_of(scene));
         let first_triangle = scene.spheres.len();
         let triangle_leaf = |leaf: &Leaf| {
             let mut vertices = [[[f32::NAN; LEAF]; 3]; 3];
@@ -72,8 +75,8 @@ impl Hierarchy {
         };
         let (triangles, spheres) = (bvh.triangle_leaves.par_iter(), bvh.sphere_leaves.par_iter());
         Self {
-            triangles: triangles.with_min_len(FILL).map(triangle_leaf).collect(),
-            spheres: spheres.with_min_len(FILL).map(sphere_leaf).collect(),
+            triangles: triangles.with_min_len(MIN_LEAVES_PER_THREAD).map(triangle_leaf).collect(),
+            spheres: spheres.with_min_len(MIN_LEAVES_PER_THREAD).map(sphere_leaf).collect(),
             padding,
             bvh,
         }
@@ -84,16 +87,16 @@ impl Hierarchy {
         self.bvh.bytes() + size_of_val(self.triangles.as_slice()) + size_of_val(self.spheres.as_slice())
     }
 
-    /// How many primitives a leaf holds.
+    /// Number of primitives of a leaf.
     pub fn filled(&self, leaf: Child) -> usize {
         self.bvh.leaf(leaf).primitives().len()
     }
 
-    /// Meets all primitives of a leaf at once.
+    /// One ray against all primitives of a leaf at once.
     #[inline(always)]
-    pub fn meet_leaf(&self, leaf: Child, ray: &SingleRay, hit: &mut Hit<f32>) {
+    pub fn intersect_leaf(&self, leaf: Child, ray: &SingleRay, hit: &mut Hit<f32>) {
         if leaf.is_spheres() {
-            self.meet_spheres(leaf.index(), &ray.ray, hit);
+            self.intersect_spheres(leaf.index(), &ray.ray, hit);
         } else {
             let leaf = &self.triangles[leaf.index()];
             if let Some(found) = leaf.test(&ray.woop) {
@@ -102,36 +105,37 @@ impl Hierarchy {
         }
     }
 
-    /// A ray against up to eight spheres.
+    /// One ray against up to eight spheres.
     #[inline(never)]
-    pub fn meet_spheres(&self, leaf: usize, ray: &Ray<f32>, hit: &mut Hit<f32>) {
+    pub fn intersect_spheres(&self, leaf: usize, ray: &Ray<f32>, hit: &mut Hit<f32>) {
         let leaf = &self.spheres[leaf];
-        let ray = Ray { origin: in_every_lane(ray.origin), direction: in_every_lane(ray.direction) };
+        let ray = Ray { origin: splat_vector(ray.origin), direction: splat_vector(ray.direction) };
         for (center, radius2) in leaf.spheres.lanes::<F32x8>() {
-            let limit = F32x8::splat(beyond(hit.t));
+            let limit = F32x8::splat(inclusive(hit.t));
             let (mask, t) = Robust::test::<F32x8>(&Robust::prepare(&ray), center, radius2, limit);
             let none = F32x8::zero();
-            take_nearest(mask, &leaf.primitives.primitives, [t, none, none], hit);
+            keep_nearest(mask, &leaf.primitives.primitives, [t, none, none], hit);
         }
     }
 
-    /// The primitives of a leaf one after the other: what the scalar baseline does.
+    /// One ray against the primitives of a leaf, one after the other: for the scalar baseline.
     #[inline(always)]
-    pub fn meet_leaf_one_by_one(&self, leaf: Child, ray: &SingleRay, hit: &mut Hit<f32>) {
+    pub fn intersect_leaf_one_by_one(&self, leaf: Child, ray: &SingleRay, hit: &mut Hit<f32>) {
         if leaf.is_spheres() {
             let leaf = &self.spheres[leaf.index()];
             for (lane, &primitive) in leaf.primitives.primitives().iter().enumerate() {
                 let (center, radius2) = leaf.spheres.splat::<f32>(lane);
-                let (mask, t) = Robust::test::<f32>(&ray.ray, center, radius2, beyond(hit.t));
-                take(mask, primitive, [t, 0.0, 0.0], hit);
+                let (mask, t) = Robust::test::<f32>(&ray.ray, center, radius2, inclusive(hit.t));
+                keep_if_nearer(mask, primitive, [t, 0.0, 0.0], hit);
             }
         } else {
             let leaf = &self.triangles[leaf.index()];
             for (lane, &primitive) in leaf.primitives.primitives().iter().enumerate() {
                 let corners = leaf.corners(lane).map(|[x, y, z]| Vec3::new(x, y, z));
                 if let Some(found) = ray.woop.test_one(corners) {
-                    let (mask, t) = own_box(&ray.slabs, box_of(corners), found.mask, found.t, beyond(hit.t));
-                    take(mask, primitive, [t, found.u, found.v], hit);
+                    let (mask, t) =
+                        own_box(&ray.slabs, box_of(corners), found.mask, found.t, inclusive(hit.t));
+                    keep_if_nearer(mask, primitive, [t, found.u, found.v], hit);
                 }
             }
         }
@@ -144,7 +148,7 @@ impl Hierarchy {
 
     /// A packet against up to eight spheres, one after the other.
     #[inline(never)]
-    pub fn packet_meets_spheres(&self, leaf: usize, ray: &Ray<F32x8>, hit: &mut Hit<F32x8>) -> bool {
+    pub fn intersect_spheres_packet(&self, leaf: usize, ray: &Ray<F32x8>, hit: &mut Hit<F32x8>) -> bool {
         let mut closer = false;
         let leaf = &self.spheres[leaf];
         let prepared = Robust::prepare(ray);
@@ -152,53 +156,21 @@ impl Hierarchy {
             let (center, radius2) = leaf.spheres.splat::<F32x8>(lane);
             let infinite = F32x8::splat(f32::INFINITY);
             let (mask, t) = Robust::test::<F32x8>(&prepared, center, radius2, infinite);
-            closer |= take_lanes(mask, primitive, [t, F32x8::zero(), F32x8::zero()], hit);
+            closer |= keep_lanes_if_nearer(mask, primitive, [t, F32x8::zero(), F32x8::zero()], hit);
         }
         closer
     }
 }
 
-/// One ray, ready for boxes and triangles.
-#[derive(Clone, Copy)]
-pub struct SingleRay {
-    pub ray: Ray<f32>,
-    pub slabs: Slabs<f32>,
-    pub woop: WoopRay<f32>,
-}
-
-impl SingleRay {
-    #[inline(always)]
-    pub fn new(ray: Ray<f32>, padding: Padding) -> Self {
-        Self { ray, slabs: Slabs::new(&ray, padding), woop: Woop::prepare(&ray) }
-    }
-}
-
-/// Eight rays, ready for triangles.
-pub struct Packet {
-    pub ray: Ray<F32x8>,
-    woop: WoopRay<F32x8>,
-    /// See [`WoopRay::common_axis`].
-    axis: Option<u32>,
-    /// Made for the first hit: many packets meet nothing.
-    slabs: Option<Slabs<F32x8>>,
-}
-
-impl Packet {
-    #[inline(always)]
-    pub fn new(ray: Ray<F32x8>) -> Self {
-        let woop = Woop::prepare(&ray);
-        Self { ray, axis: woop.common_axis(), woop, slabs: None }
-    }
-}
-
-/// The limit that lets equal distances pass: among them the lowest number wins, in whatever order they come.
+/// The limit that lets hits at `t` itself pass: among equal distances the lowest number wins, in any order of
+/// tests.
 #[inline(always)]
-fn beyond(t: f32) -> f32 {
-    // Not next_up: its special cases would cost branches. t is positive, or −∞ for rays that want nothing more.
+fn inclusive(t: f32) -> f32 {
+    // Not next_up: its special cases would cost branches. t is positive, or −∞ for rays that are done.
     if (0.0..f32::INFINITY).contains(&t) { f32::from_bits(t.to_bits() + 1) } else { t }
 }
 
-/// Triangle corners to lower and upper corner of their box: exact.
+/// Lower and upper corner of the box of a triangle: exact. [`Bounds::of_triangle`] over lanes.
 #[inline(always)]
 fn box_of<L: Lane>([a, b, c]: [Vec3<L>; 3]) -> (Vec3<L>, Vec3<L>) {
     (
@@ -207,15 +179,9 @@ fn box_of<L: Lane>([a, b, c]: [Vec3<L>; 3]) -> (Vec3<L>, Vec3<L>) {
     )
 }
 
-/// A ray's vector in every lane.
+/// [`keep_if_nearer`] in each lane; whether any lane kept it.
 #[inline(always)]
-fn in_every_lane(v: Vec3<f32>) -> Vec3<F32x8> {
-    Vec3::new(F32x8::splat(v.x), F32x8::splat(v.y), F32x8::splat(v.z))
-}
-
-/// [`take`] in every lane; says whether any took it.
-#[inline(always)]
-fn take_lanes(mask: Mask8, primitive: u32, [t, u, v]: [F32x8; 3], hit: &mut Hit<F32x8>) -> bool {
+fn keep_lanes_if_nearer(mask: Mask8, primitive: u32, [t, u, v]: [F32x8; 3], hit: &mut Hit<F32x8>) -> bool {
     let number = U32x8::splat(primitive);
     let one = U32x8::splat(1);
     let lower = number.wrapping_add(one).less(hit.primitive.wrapping_add(one));
@@ -228,14 +194,15 @@ fn take_lanes(mask: Mask8, primitive: u32, [t, u, v]: [F32x8; 3], hit: &mut Hit<
 }
 
 impl TriangleLeaf {
-    /// The lower and the upper planes of the triangles' boxes along an axis; NaN where there is none.
+    /// The lower and the upper planes of the triangles' boxes along an axis; NaN where there is no triangle.
     #[inline(always)]
     pub fn planes(&self, axis: usize) -> [F32x8; 2] {
         let [a, b, c] = self.vertices.each_ref().map(|vertex| F32x8::load(&vertex[axis]));
         [a.min(b).min(c), a.max(b).max(c)]
     }
 
-    /// A ray against all of them: what is found has yet to be held to the own boxes, by [`TriangleLeaf::accept`].
+    /// One ray against all of them; [`TriangleLeaf::accept`] then applies the rule of the own box to what is
+    /// found.
     #[inline(always)]
     pub fn test(&self, woop: &WoopRay<f32>) -> Option<TriangleHit<F32x8>> {
         woop.test_eight(&self.vertices)
@@ -246,9 +213,9 @@ impl TriangleLeaf {
         self.vertices.each_ref().map(|vertex| vertex.each_ref().map(|row| row[lane & 7]))
     }
 
-    /// A packet against one of the triangles; says whether any ray found a nearer hit.
+    /// A packet against one of the triangles; whether any ray found a nearer hit.
     #[inline(always)]
-    pub fn packet_meets(
+    pub fn intersect_packet(
         &self,
         lane: usize,
         padding: Padding,
@@ -262,7 +229,8 @@ impl TriangleLeaf {
         found.is_some_and(|found| self.accept_lanes(lane, padding, packet, &found, hit))
     }
 
-    /// Holds what a packet found to the triangle's own box and keeps what is nearer. Out of line: the loop that calls it stays in registers.
+    /// Applies the rule of the own box to a packet's hits and keeps those that are nearer. Out of line: the
+    /// calling loop stays in registers.
     #[inline(never)]
     fn accept_lanes(
         &self,
@@ -276,38 +244,37 @@ impl TriangleLeaf {
         let splat = |[x, y, z]: [f32; 3]| Vec3::new(F32x8::splat(x), F32x8::splat(y), F32x8::splat(z));
         let slabs = packet.slabs.get_or_insert_with(|| Slabs::new(&packet.ray, padding));
         let (mask, t) = own_box(slabs, box_of(self.corners(lane).map(splat)), found.mask, found.t, infinite);
-        take_lanes(mask, self.primitives.primitives[lane & 7], [t, found.u, found.v], hit)
+        keep_lanes_if_nearer(mask, self.primitives.primitives[lane & 7], [t, found.u, found.v], hit)
     }
 
-    /// Holds what was found to the own boxes and keeps the nearest. Rare and out of line: the loops that call it stay in registers.
+    /// Applies the rule of the own box to a ray's hits and keeps the nearest. Rare and out of line: the
+    /// calling loops stay in registers.
     #[cold]
     #[inline(never)]
     pub fn accept(&self, slabs: &Slabs<f32>, found: &TriangleHit<F32x8>, hit: &mut Hit<f32>) {
         let vertex = |[x, y, z]: &[[f32; LEAF]; 3]| Vec3::new(F32x8::load(x), F32x8::load(y), F32x8::load(z));
-        let Slabs { inverse, near, far } = *slabs;
-        let [inverse, near, far] = [inverse, near, far].map(in_every_lane);
-        let slabs = Slabs { inverse, near, far };
-        let limit = F32x8::splat(beyond(hit.t));
+        let slabs = splat_slabs(slabs);
+        let limit = F32x8::splat(inclusive(hit.t));
         let corners = box_of(self.vertices.each_ref().map(vertex));
         let (mask, t) = own_box(&slabs, corners, found.mask, found.t, limit);
-        take_nearest(mask, &self.primitives.primitives, [t, found.u, found.v], hit);
+        keep_nearest(mask, &self.primitives.primitives, [t, found.u, found.v], hit);
     }
 }
 
-/// Takes a hit that is nearer, or as near and of a lower number.
+/// Keeps a hit that is nearer, or as near and of a lower number.
 #[inline(always)]
-fn take(mask: bool, primitive: u32, [t, u, v]: [f32; 3], hit: &mut Hit<f32>) {
-    // One more, so that a miss is below every number: a hit at the reach itself is none.
+fn keep_if_nearer(mask: bool, primitive: u32, [t, u, v]: [f32; 3], hit: &mut Hit<f32>) {
+    // MISS is the largest number: plus one it is 0, below every other, so that a hit at t_max itself is none.
     let lower = primitive.wrapping_add(1) < hit.primitive.wrapping_add(1);
     if mask && (t < hit.t || (t == hit.t && lower)) {
         *hit = Hit { t, primitive, u, v };
     }
 }
 
-/// Takes the nearest hit of the lanes in `mask`.
+/// Keeps the nearest hit of the lanes in `mask`.
 #[inline(always)]
-fn take_nearest(mask: Mask8, primitives: &[u32; LEAF], [t, u, v]: [F32x8; 3], hit: &mut Hit<f32>) {
+fn keep_nearest(mask: Mask8, primitives: &[u32; LEAF], [t, u, v]: [F32x8; 3], hit: &mut Hit<f32>) {
     for lane in mask.lanes() {
-        take(true, primitives[lane], [t, u, v].map(|column| column.get(lane)), hit);
+        keep_if_nearer(true, primitives[lane], [t, u, v].map(|column| column.get(lane)), hit);
     }
 }

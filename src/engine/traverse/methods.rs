@@ -1,6 +1,7 @@
 //! What there is to choose between when rays are traced, at run time.
 
 use super::batch::Traversal;
+use super::linear;
 use crate::buffers::{Features, LightChoice};
 use crate::lane::{F32x8, Lane};
 use crate::sampling::Sampler;
@@ -130,7 +131,9 @@ impl Methods {
         let default = if lanes == 1 { Traversal::Scalar } else { Traversal::Hybrid };
         match self.traversal {
             TraversalChoice::Linear => None,
-            TraversalChoice::Needed => Features::of(scene).contains(Features::HIERARCHY).then_some(default),
+            TraversalChoice::Needed => {
+                linear::features_of(scene).contains(Features::HIERARCHY).then_some(default)
+            }
             TraversalChoice::Through(_) if lanes == 1 => Some(default),
             TraversalChoice::Through(traversal) => Some(traversal),
         }

@@ -1,36 +1,41 @@
 //! Which primitive a ray hits first.
 //!
-//! For: [`Methods`], the choice of equations; [`Primitives`], a scene ready for intersection; and the ways through it. May import:
-//! `lane`, `math`, `kernel`, `scene`, `buffers`, `bvh`, `camera`. Must never know: queues, materials, pixels.
+//! For: [`Methods`], the choice of intersection methods; [`Primitives`], a scene ready for intersection; and
+//! the traversals. May import: `lane`, `math`, `kernel`, `scene`, `buffers`, `bvh`, `camera`. Must never
+//! know: queues, materials, pixels.
 //!
-//! | way | for |
+//! | file | traversal |
 //! |---|---|
-//! | [`linear`] | few primitives: every one is tested, or for primary rays every one that their tile can see ([`Visible`]) |
-//! | [`scalar`] | one ray on the binary tree: the baseline |
-//! | [`single`] | one ray against eight boxes and eight primitives at once |
-//! | [`tile`] | camera rays by the tile, each packet in a [`frustum`] |
-//! | [`stream`] | batches of rays, whatever their order |
+//! | [`linear`] | every primitive is tested, of primary rays those that their tile can see ([`Visible`]) |
+//! | [`scalar`] | one ray on the binary tree, one box and one primitive at a time: the baseline |
+//! | [`single`] | one ray on the wide tree, against eight boxes and eight primitives at once |
+//! | [`tile`] | primary rays of a tile on the wide tree, each packet in a [`frustum`] |
+//! | [`stream`] | ray streams on the wide tree: batches of rays in any order |
 //! | [`batch`] | the choice between them |
 //!
-//! [`tally`] counts what they test.
+//! They share [`hierarchy`] (leaves and how rays intersect them), `prepared` (rays ready for boxes and
+//! triangles), [`rays`] (columns of rays and hits), [`stack`], and [`counter`], which counts the tests.
 //!
-//! The law of every traversal: it gives the same hit, bit for bit, as testing every primitive in order, spheres first, then
-//! triangles, the nearest t winning and the lower index on a tie.
+//! The law of every traversal: it gives the same hit, bit for bit, as testing every primitive in order,
+//! spheres first, then triangles, the nearest t winning and the lower index on a tie.
 
 pub mod batch;
+pub mod counter;
 pub mod frustum;
 pub mod hierarchy;
 pub mod linear;
 mod methods;
+mod prepared;
 mod primitives;
 pub mod rays;
 pub mod scalar;
 pub mod single;
+pub mod stack;
 pub mod stream;
-pub mod tally;
 pub mod tile;
 mod visible;
 
 pub use methods::{BoxChoice, Methods, SphereChoice, TraversalChoice, TriangleChoice};
+pub use prepared::{Packet, SingleRay};
 pub use primitives::{Batch, Primitives};
 pub use visible::Visible;

@@ -1,11 +1,13 @@
-//! A scene's primitives, ready for the chosen equations: the choice is made once per batch of rays and not per ray.
+//! A scene's primitives, ready for the chosen intersection methods, which are dispatched once a batch of rays
+//! and not once a ray.
 
 use super::batch::Traversal;
 use super::hierarchy::{Hierarchy, padding_of};
+use super::linear::{self, All, OnlyVisible};
 use super::methods::{BoxChoice, Methods, SphereChoice, TriangleChoice};
-use super::{Visible, linear};
+use super::visible::Visible;
 use crate::buffers::{Buffers, store_triangles};
-use crate::bvh::Quality;
+use crate::bvh::Trees;
 use crate::kernel::ray_box::Padding;
 use crate::kernel::ray_sphere::{self, SphereMethod};
 use crate::kernel::ray_triangle::{self, TriangleMethod};
@@ -25,21 +27,21 @@ pub struct Primitives {
     sphere: SphereChoice,
     triangles: Triangles,
     padding: Padding,
-    /// The way through a hierarchy, where there is one; then the other fields hold nothing.
+    /// The hierarchy and its traversal, where there is one; then the other fields are empty.
     hierarchy: Option<(Hierarchy, Traversal)>,
 }
 
-/// Something to do with many rays once the methods are known. The closure that it would be cannot be generic.
+/// A loop over a batch of rays, generic over the closest-hit function: closures cannot be generic.
 pub trait Batch<L: Lane> {
-    /// Calls `closest` for each ray of the batch.
+    /// Calls `closest` for each ray.
     fn run(self, closest: impl Fn(&Ray<L>) -> Hit<L>);
 }
 
 impl Primitives {
-    /// For packets of `lanes` rays: with a hierarchy where [`Methods::traversal_of`] says so.
+    /// For packets of `lanes` rays, with a hierarchy if [`Methods::traversal_of`] names a traversal.
     pub fn new(scene: &Scene, methods: Methods, lanes: usize) -> Self {
         if let Some(traversal) = methods.traversal_of(scene, lanes) {
-            let mut hierarchy = Hierarchy::new(scene, Quality::default());
+            let mut hierarchy = Hierarchy::new(scene, trees_of(traversal));
             hierarchy.padding = padded(hierarchy.padding, methods.boxes);
             let (triangles, padding) = (Triangles::Woop(Vec::new()), Padding::default());
             return Self {
@@ -62,18 +64,18 @@ impl Primitives {
         Self { sphere: methods.sphere, triangles, padding, hierarchy: None }
     }
 
-    /// The hierarchy and the way through it, where there is one: then batches go to [`super::batch::Tracer`].
+    /// The hierarchy and its traversal, where there is one: then [`super::batch::Tracer`] traces batches.
     #[inline(always)]
     pub fn hierarchy(&self) -> Option<(&Hierarchy, Traversal)> {
         self.hierarchy.as_ref().map(|(hierarchy, traversal)| (hierarchy, *traversal))
     }
 
-    /// How far boxes are padded.
+    /// The padding of boxes.
     pub fn padding(&self) -> Padding {
         self.hierarchy.as_ref().map_or(self.padding, |(hierarchy, _)| hierarchy.padding)
     }
 
-    /// How many spheres and triangles [`Primitives::for_batch`] tests each ray against.
+    /// The numbers of spheres and triangles that [`Primitives::for_batch`] tests each ray against.
     pub fn linear(&self, buffers: &Buffers, visible: Option<&Visible>) -> [usize; 2] {
         if let Some(visible) = visible {
             return [visible.spheres.len(), visible.triangles.len()];
@@ -86,14 +88,15 @@ impl Primitives {
         [buffers.spheres.len(), triangles]
     }
 
-    /// Are these the default equations? Only they are compiled into pipelines.
+    /// Whether these are the default methods: only they are compiled into pipelines.
     #[inline(always)]
     pub fn uses_default_methods(&self) -> bool {
         self.sphere == SphereChoice::default() && matches!(self.triangles, Triangles::Woop(_))
     }
 
-    /// Runs a batch of rays, every primitive tested, with the chosen methods, each compiled for itself; only without a hierarchy.
-    /// `visible` holds all that the rays can meet; without it, everything is tested.
+    /// Runs a batch of rays against every primitive with the chosen methods, each pair of methods compiled
+    /// separately; only without a hierarchy. `visible` holds all primitives that the rays can hit; without it
+    /// every primitive is tested.
     #[inline(always)]
     pub fn for_batch<L: Lane>(&self, buffers: &Buffers, visible: Option<&Visible>, batch: impl Batch<L>) {
         match self.sphere {
@@ -102,10 +105,10 @@ impl Primitives {
         }
     }
 
-    /// [`Primitives::for_batch`] with the default equations alone: a sixth of its code.
+    /// [`Primitives::for_batch`] with the default methods alone: a sixth of its code.
     ///
     /// # Panics
-    /// If other triangle equations were chosen: not [`Primitives::uses_default_methods`].
+    /// If another triangle method was chosen: not [`Primitives::uses_default_methods`].
     #[inline(always)]
     pub fn for_default_batch<L: Lane>(
         &self,
@@ -114,7 +117,7 @@ impl Primitives {
         batch: impl Batch<L>,
     ) {
         let Triangles::Woop(stored) = &self.triangles else {
-            unreachable!("other equations than the default ones go another way");
+            unreachable!("other methods than the default ones go through for_batch");
         };
         with_both::<L, ray_sphere::Robust, ray_triangle::Woop>(buffers, stored, self.padding, visible, batch);
     }
@@ -140,7 +143,12 @@ impl Primitives {
     }
 }
 
-/// How far boxes reach, given how they are met.
+/// The trees that a traversal reads.
+fn trees_of(traversal: Traversal) -> Trees {
+    if traversal == Traversal::Scalar { Trees::WideAndBinary } else { Trees::Wide }
+}
+
+/// The padding with a box method.
 fn padded(padding: Padding, boxes: BoxChoice) -> Padding {
     match boxes {
         BoxChoice::PaddedFma => padding,
@@ -156,11 +164,12 @@ fn with_both<L: Lane, S: SphereMethod, T: TriangleMethod>(
     visible: Option<&Visible>,
     batch: impl Batch<L>,
 ) {
-    let spheres = &buffers.spheres;
+    let all = All { spheres: &buffers.spheres, triangles };
     match visible {
         Some(visible) => {
-            batch.run(|ray| linear::closest_visible::<L, S, T>(spheres, triangles, padding, visible, ray));
+            let visible = OnlyVisible { all, visible };
+            batch.run(|ray| linear::closest::<L, S, T>(&visible, padding, ray));
         }
-        None => batch.run(|ray| linear::closest::<L, S, T>(spheres, triangles, padding, ray)),
+        None => batch.run(|ray| linear::closest::<L, S, T>(&all, padding, ray)),
     }
 }

@@ -1,6 +1,6 @@
-//! Many rays in structure-of-arrays form, and their answers: what traversals of whole batches read and write.
+//! Rays and hits in structure-of-arrays form: what traversals of whole batches read and write.
 
-use super::hierarchy::SingleRay;
+use super::prepared::SingleRay;
 use crate::kernel::ray_box::Padding;
 use crate::lane::Lane;
 use crate::math::{Hit, Ray, Vec3};
@@ -12,8 +12,8 @@ pub struct Rays<'a> {
     pub direction: [&'a [f32]; 3],
 }
 
-/// Hits as columns. Before a traversal `t` holds how far each ray reaches, which NaN, 0 and less make nowhere, and `primitive`
-/// [`crate::math::MISS`]; or both what was hit there before.
+/// Hits as columns. Before a traversal `t` holds each ray's t_max (a ray with NaN, 0 or less hits nothing)
+/// and `primitive` [`crate::math::MISS`]; or both hold an earlier hit.
 pub struct Hits<'a> {
     pub t: &'a mut [f32],
     pub primitive: &'a mut [u32],

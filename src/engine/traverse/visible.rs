@@ -1,7 +1,8 @@
-//! Which primitives a tile of the picture can see at all: primary rays need not test the others.
+//! Frustum culling for linear traversal: the primitives that the primary rays of a tile can hit.
 //!
-//! Only for methods whose answers are known to stay within the view frustum's margin ([`Methods::keep_to_their_primitives`]): the naive ones
-//! claim hits far outside a primitive, and those belong to their picture.
+//! Only for methods whose hits stay within the pyramid's margin
+//! ([`super::Methods::keep_to_their_primitives`]): the naive ones report hits far outside a primitive, and
+//! culling would remove those from their picture.
 
 use crate::camera::ViewFrustum;
 use crate::scene::{Scene, Sphere, Triangle};
@@ -21,7 +22,7 @@ impl Visible {
         visible
     }
 
-    /// The same in place.
+    /// [`Visible::of`] in place.
     pub fn find(&mut self, scene: &Scene, frustum: &ViewFrustum) {
         let sphere = |s: &Sphere| !frustum.excludes(&[s.center.as_dvec3()], f64::from(s.radius));
         let triangle = |t: &Triangle| !frustum.excludes(&t.vertices.map(|vertex| vertex.as_dvec3()), 0.0);

@@ -207,14 +207,14 @@ pub struct Prepared {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bvh::Quality;
+    use crate::bvh::Trees;
     use crate::measure::rays::prepare;
     use crate::measure::ways::{Ground, Team};
     use crate::traverse::hierarchy::Hierarchy;
     use octray_formats::scene::load;
 
     fn prepared(scene: &Scene, size: [u32; 2], seed: u32) -> Vec<Prepared> {
-        let ground = Ground::new(scene, Hierarchy::new(scene, Quality::default()));
+        let ground = Ground::new(scene, Hierarchy::new(scene, Trees::WideAndBinary));
         prepare(scene, &scene.overview().unwrap(), &ground, &Team::new(2), size, seed)
     }
 

@@ -9,7 +9,7 @@ use super::ray_sets::{Answers, Kind, Prepared, RaySet, pixels};
 use super::statistics::Quantiles;
 use super::stats::RayStats;
 use super::ways::{Ground, Team, Way};
-use crate::bvh::Quality;
+use crate::bvh::Trees;
 use crate::camera::Pinhole;
 use crate::math::MISS;
 use crate::scene::{Camera, Scene};
@@ -55,7 +55,7 @@ pub fn build(scene: &Scene, threads: &[usize], fewest: usize) -> (Hierarchy, Vec
             // Two large hierarchies at a time are one too many.
             drop(hierarchy.take());
             let start = Instant::now();
-            hierarchy = Some(pool.install(|| Hierarchy::new(scene, Quality::default())));
+            hierarchy = Some(pool.install(|| Hierarchy::new(scene, Trees::WideAndBinary)));
             seconds.push(start.elapsed().as_secs_f64());
         }
     }
@@ -262,7 +262,7 @@ mod tests {
     #[test]
     fn measure_takes_no_time_where_no_way_applies() {
         let scene = load("builtin:terrain:2").unwrap();
-        let ground = Ground::new(&scene, Hierarchy::new(&scene, Quality::default()));
+        let ground = Ground::new(&scene, Hierarchy::new(&scene, Trees::WideAndBinary));
         let teams = [Team::new(1)];
         let packet = [Way::Tree(Traversal::Packet)];
         let sets = prepare(&scene, &scene.overview().unwrap(), &ground, &teams[0], [64, 48], 0);

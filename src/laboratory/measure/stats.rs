@@ -6,7 +6,7 @@
 use super::ray_sets::{Kind, RaySet};
 use super::ways::{Ground, Way};
 use crate::integrate::stats::{RayKind, Segment, Stage, Stats};
-use crate::traverse::tally::{Counts, Tests};
+use crate::traverse::counter::{Counts, Tests};
 use serde::Serialize;
 
 /// What some samples of a picture took.
@@ -66,7 +66,7 @@ pub struct RayStats {
     pub tests: TestStats,
 }
 
-/// What rays are tested against; [`crate::traverse::tally`] says what counts.
+/// What rays are tested against; [`crate::traverse::counter`] says what counts.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TestStats {
     pub boxes: PerRay,

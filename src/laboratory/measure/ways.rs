@@ -13,10 +13,10 @@ use crate::scene::Scene;
 use crate::threads::Threads;
 use crate::traverse::TraversalChoice;
 use crate::traverse::batch::{Tracer, Traversal};
+use crate::traverse::counter::{Counter, Counts};
 use crate::traverse::hierarchy::Hierarchy;
 use crate::traverse::linear;
 use crate::traverse::rays::{Hits, Rays};
-use crate::traverse::tally::{Counter, Counts};
 use rayon::prelude::*;
 
 /// Rays that a thread takes at a time: whole tiles, and a whole batch of a stream.
@@ -112,9 +112,10 @@ impl Ground {
 
     /// Domain: whole packets.
     fn test_all<L: Lane>(&self, rays: &Rays, hits: &mut Hits) {
-        let (spheres, triangles, reach) = (&self.buffers.spheres, &self.triangles, self.hierarchy.padding);
+        let all = linear::All { spheres: &self.buffers.spheres, triangles: &self.triangles };
+        let padding = self.hierarchy.padding;
         for at in (0..rays.len()).step_by(L::WIDTH) {
-            let hit = linear::closest::<L, Robust, Woop>(spheres, triangles, reach, &rays.packet(at));
+            let hit = linear::closest::<L, Robust, Woop>(&all, padding, &rays.packet(at));
             let limit = L::load(&hits.t[at..]);
             let within = hit.found() & hit.t.lt(limit);
             let zero = L::zero();

@@ -1,4 +1,4 @@
-//! What a stream keeps of its rays.
+//! The prepared rays of a stream, and their octants.
 
 use crate::kernel::ray_box::{Padding, Slabs};
 use crate::kernel::ray_triangle::{TriangleMethod, Woop, WoopRay};
@@ -7,23 +7,23 @@ use crate::math::{Hit, MISS, Ray, Vec3};
 use crate::traverse::rays::Hits;
 use bytemuck::{Pod, Zeroable};
 
-/// What boxes and triangles want of a ray: one cache line.
+/// A ray ready for boxes and triangles: one cache line.
 #[derive(Clone, Copy, Pod, Zeroable)]
 #[repr(C, align(64))]
 pub struct Record {
-    /// As [`Slabs`] names them.
+    /// The columns of [`Slabs`].
     pub inverse: [f32; 3],
     pub near: [f32; 3],
     pub far: [f32; 3],
-    /// Found so far; how far the ray reaches, and −∞ where it wants nothing more.
+    /// The distance of the nearest hit so far, at first the ray's t_max; −∞ once the ray is done.
     pub t: f32,
-    /// As [`WoopRay`] keeps them.
+    /// The vectors of [`WoopRay`].
     origin: [f32; 3],
     shear: [f32; 3],
 }
 
 impl Record {
-    /// Eight rays made ready: their records, and the axes of their triangle tests. `octant` takes note of where they run.
+    /// Prepares eight rays: their records, and the axes of their triangle tests. Adds them to `octant`.
     #[inline(always)]
     pub fn of_packet(
         ray: &Ray<F32x8>,
@@ -37,8 +37,8 @@ impl Record {
         let columns = [slabs.inverse, slabs.near, slabs.far, origin, shear].map(|v| [v.x, v.y, v.z]);
         let [[a, b, c], [d, e, f], [g, h, i], [j, k, l], [m, n, o]] = columns;
         let lanes = U32x8::from_fn(|lane| lane as u32);
-        let turned = |columns: [F32x8; 8]| F32x8::gather_rows::<8>(bytemuck::cast_slice(&columns), lanes);
-        let (low, high) = (turned([a, b, c, d, e, f, g, h]), turned([i, t, j, k, l, m, n, o]));
+        let transposed = |columns: [F32x8; 8]| F32x8::gather_rows::<8>(bytemuck::cast_slice(&columns), lanes);
+        let (low, high) = (transposed([a, b, c, d, e, f, g, h]), transposed([i, t, j, k, l, m, n, o]));
         (std::array::from_fn(|lane| bytemuck::cast([low[lane], high[lane]])), axis)
     }
 
@@ -46,9 +46,9 @@ impl Record {
         Slabs { inverse: vector(self.inverse), near: vector(self.near), far: vector(self.far) }
     }
 
-    /// Notes what the ray, at this place of its batch, has found.
+    /// Stores the hit of the ray with this index in its batch.
     #[inline(always)]
-    pub fn keep<const ANY: bool>(&mut self, ray: usize, hit: &Hit<f32>, hits: &mut Hits) {
+    pub fn store_hit<const ANY: bool>(&mut self, ray: usize, hit: &Hit<f32>, hits: &mut Hits) {
         self.t = if ANY && hit.primitive != MISS { f32::NEG_INFINITY } else { hit.t };
         hits.set(ray, hit);
     }
@@ -63,14 +63,14 @@ fn vector([x, y, z]: [f32; 3]) -> Vec3<f32> {
 }
 
 pub const OCTANTS: usize = 8;
-/// In the place of an octant: more than one.
+/// In the place of an octant: rays of more than one.
 pub const MIXED: usize = OCTANTS;
 
-/// The octant that rays run into, as long as they agree.
+/// The octant that all rays run into, if it is one.
 pub struct Octant {
-    /// For each axis, the lanes in which all rays so far run backwards along it.
+    /// For each axis, the lanes in which all rays added so far run backwards along it.
     all: [Mask8; 3],
-    /// And those in which any does.
+    /// The lanes in which any ray does.
     any: [Mask8; 3],
 }
 
@@ -81,7 +81,7 @@ impl Default for Octant {
 }
 
 impl Octant {
-    /// Eight more rays, by [`Slabs::inverse`].
+    /// Adds eight rays, given by [`Slabs::inverse`].
     #[inline(always)]
     fn add(&mut self, inverse: Vec3<F32x8>) {
         for (axis, inverse) in [inverse.x, inverse.y, inverse.z].into_iter().enumerate() {
@@ -91,7 +91,8 @@ impl Octant {
         }
     }
 
-    /// A bit for each axis along which all rays run backwards; [`MIXED`] where they do not agree.
+    /// One bit for each axis along which all rays run backwards; [`MIXED`] where they run into several
+    /// octants.
     pub fn index(&self) -> usize {
         let (all, any) = (self.all.map(Mask::all), self.any.map(Mask::any));
         if all == any { (0..3).map(|axis| usize::from(all[axis]) << axis).sum() } else { MIXED }

@@ -9,7 +9,7 @@ use crate::render::{PipelineChoice, Renderer, Settings};
 use crate::sampling::Sampler;
 use crate::scene::Scene;
 use crate::traverse::batch::Traversal;
-use crate::traverse::{BoxChoice, Methods, SphereChoice, TraversalChoice, TriangleChoice};
+use crate::traverse::{BoxChoice, Methods, SphereChoice, TraversalChoice, TriangleChoice, linear};
 
 /// One way to render.
 #[derive(Clone, Debug, PartialEq)]
@@ -48,7 +48,7 @@ pub const NAMES: [&str; 16] = [
     "Baldwin–Weber",
 ];
 
-/// Above this cost of testing everything (in tests of a sphere, as [`Features::linear_cost`] counts), nobody waits for it.
+/// Above this cost of testing everything (in tests of a sphere, as [`linear::cost`] counts), nobody waits for it.
 const MOST_LINEAR: usize = 4_000;
 
 /// The configurations that can differ on this scene, the default first. `settings` are the default's.
@@ -80,7 +80,7 @@ pub fn of_scene(scene: &Scene, settings: Settings) -> Vec<Configuration> {
     add(true, Configuration { adaptive: true, ..of("adaptive", settings, false) });
 
     let hierarchy = settings.methods.traversal_of(scene, settings.lanes).is_some();
-    let linear = Features::linear_cost(scene) <= MOST_LINEAR;
+    let linear = linear::cost(scene) <= MOST_LINEAR;
     let through = |name, traversal| with(name, true, &|methods| methods.traversal = traversal);
     add(hierarchy && linear, through("every primitive tested", TraversalChoice::Linear));
     add(!hierarchy, through("hierarchy", TraversalChoice::Through(Traversal::Hybrid)));

@@ -1,11 +1,12 @@
-//! How many boxes and primitives rays are tested against.
+//! Counts of the boxes and primitives that rays are tested against.
 //!
-//! A *test* is one ray, or one frustum around many rays, against one box or one primitive; empty lanes do not count. A *step* is one
-//! run through the equations: one test in the scalar traversal, up to eight in the others. Tests say how well the hierarchy keeps rays
-//! away from what they miss, steps what that costs, and eight times the steps how many tests there could have been.
+//! A *test* is one ray, or one frustum around many rays, against one box or one primitive; empty lanes do not
+//! count. A *step* is one run through the equations: one test in the scalar traversal, up to eight in the
+//! others. Tests measure how well the hierarchy culls, steps what that costs; eight times the steps is the
+//! number of tests that fit into them.
 //!
-//! Traversals take a [`Tally`]. With `()` nothing of it is left in the program, as long as closures have it by value (`move`): one that
-//! borrows it makes the compiler choose other instructions around it, 1 % more of them.
+//! Traversals take a [`CounterSink`]. The no-op sink `()` leaves no code, as long as closures capture it by
+//! value (`move`): a closure that borrows it makes the compiler emit 1 % more instructions.
 
 use super::hierarchy::Hierarchy;
 use crate::bvh::{Child, WideNode};
@@ -14,32 +15,33 @@ use serde::Serialize;
 use std::cell::Cell;
 use std::ops::AddAssign;
 
-/// Who is told of a traversal's work.
-pub trait Tally: Copy {
-    /// So many tests of boxes in so many steps.
+/// Receives the counts of a traversal.
+pub trait CounterSink: Copy {
+    /// Tests of boxes, and the steps that they take.
     #[inline(always)]
     fn boxes(self, _steps: usize, _tests: usize) {}
-    /// So many rays, or frusta, each against the boxes of a node in one step.
+    /// `rays` rays, or frusta, each against the boxes of a node in one step.
     #[inline(always)]
     fn node(self, _node: &WideNode, _rays: usize) {}
-    /// So many rays, each against what a leaf holds in one step.
+    /// `rays` rays, each against the primitives of a leaf in one step.
     #[inline(always)]
     fn leaf(self, _hierarchy: &Hierarchy, _leaf: Child, _rays: usize) {}
-    /// A ray against what a leaf holds, one after the other.
+    /// A ray against the primitives of a leaf, one after the other.
     #[inline(always)]
     fn leaf_one_by_one(self, _hierarchy: &Hierarchy, _leaf: Child) {}
     /// A packet against the spheres of a leaf, one after the other.
     #[inline(always)]
-    fn packet_at_spheres(self, _hierarchy: &Hierarchy, _leaf: Child) {}
-    /// A frustum against the boxes of a leaf's triangles, and its packet against those that it meets, one after the other.
+    fn packet_spheres(self, _hierarchy: &Hierarchy, _leaf: Child) {}
+    /// A frustum against the boxes of a leaf's triangles, and its packet against those that it meets, one
+    /// after the other.
     #[inline(always)]
-    fn packet_at_triangles(self, _hierarchy: &Hierarchy, _leaf: Child, _met: Mask8) {}
+    fn packet_triangles(self, _hierarchy: &Hierarchy, _leaf: Child, _met: Mask8) {}
 }
 
-/// Nobody.
-impl Tally for () {}
+/// The no-op sink.
+impl CounterSink for () {}
 
-impl Tally for &Counter {
+impl CounterSink for &Counter {
     fn boxes(self, steps: usize, tests: usize) {
         self.add(|counts| &mut counts.boxes, steps, tests);
     }
@@ -52,24 +54,24 @@ impl Tally for &Counter {
     fn leaf_one_by_one(self, hierarchy: &Hierarchy, leaf: Child) {
         self.primitives(leaf, hierarchy.filled(leaf), hierarchy.filled(leaf));
     }
-    fn packet_at_spheres(self, hierarchy: &Hierarchy, leaf: Child) {
+    fn packet_spheres(self, hierarchy: &Hierarchy, leaf: Child) {
         let filled = hierarchy.filled(leaf);
         self.primitives(leaf, filled, F32x8::WIDTH * filled);
     }
-    fn packet_at_triangles(self, hierarchy: &Hierarchy, leaf: Child, met: Mask8) {
+    fn packet_triangles(self, hierarchy: &Hierarchy, leaf: Child, met: Mask8) {
         self.boxes(1, hierarchy.filled(leaf));
         self.primitives(leaf, met.count(), F32x8::WIDTH * met.count());
     }
 }
 
-/// Tests of one kind.
+/// Tests of one kind, and the steps that they take.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Tests {
     pub tests: u64,
     pub steps: u64,
 }
 
-/// What was tested.
+/// Tests by kind.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Counts {
     pub boxes: Tests,
@@ -92,7 +94,7 @@ impl AddAssign for Counts {
     }
 }
 
-/// Counts for one thread.
+/// The counts of one thread.
 #[derive(Debug, Default)]
 pub struct Counter(Cell<Counts>);
 
@@ -107,7 +109,7 @@ impl Counter {
             self.add(|counts| &mut counts.triangles, steps, tests);
         }
     }
-    /// Rays against all of so many spheres and triangles, in so many packets or one by one.
+    /// `rays` rays against all of these numbers of spheres and triangles, in `packets` packets or one by one.
     pub fn linear(&self, [spheres, triangles]: [usize; 2], packets: usize, rays: usize) {
         self.add(|counts| &mut counts.spheres, packets * spheres, rays * spheres);
         self.add(|counts| &mut counts.triangles, packets * triangles, rays * triangles);

@@ -61,7 +61,7 @@ features! {
 impl Features {
     pub const NONE: Features = Features(0);
     /// What makes normals for shading differ from those of the surface.
-    pub const BENT_NORMALS: Features = Self::SMOOTH_NORMALS.with(Self::NORMAL_MAPS);
+    pub const SHADING_NORMALS: Features = Self::SMOOTH_NORMALS.with(Self::NORMAL_MAPS);
     /// What reads the second table of materials.
     pub const DETAILS: Features = Self::PLASTIC.with(Self::NORMAL_MAPS).with(Self::ROUGHNESS_MAPS);
     /// Up to here primitives are tested one by one, beyond it through a hierarchy: about where that becomes faster. Measured in frames,

@@ -1,10 +1,12 @@
 //! Pixels to primary rays.
 //!
-//! For: [`Pinhole`], and [`Pyramid`], the space it sees. May import: `lane`, `math`, `scene`. Must never know: buffers, film.
+//! For: [`Pinhole`], [`Pyramid`], the space it sees, and [`Tile`], a rectangle of pixels. May import: `lane`, `math`, `scene`. Must never know: buffers, film.
 
 mod pyramid;
+mod tile;
 
 pub use pyramid::Pyramid;
+pub use tile::{MAX_PIXELS, Tile};
 
 use crate::lane::Lane;
 use crate::math::{Ray, Vec3};

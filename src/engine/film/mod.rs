@@ -1,6 +1,6 @@
 //! Sums of linear radiance, each pixel's samples in a fixed order.
 //!
-//! For: [`Film`], which tiles fill, and [`Picture`], what it averages to. May import: `lane`, `integrate` (for the shape of tiles).
+//! For: [`Film`], which tiles fill, and [`Picture`], what it averages to. May import: `lane`, `camera` (for [`Tile`]).
 //! Must never know: scenes, tone mapping, files.
 //!
 //! Sums are compensated: a plain f32 sum is off by 5e-6 after a million samples and stalls at 2²⁴ of them. How far samples differ
@@ -8,7 +8,7 @@
 
 pub mod noise;
 
-use crate::integrate::Tile;
+use crate::camera::Tile;
 use crate::lane::{F32x8, Lane, Mask, Mask8};
 use noise::Noise;
 

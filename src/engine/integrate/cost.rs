@@ -2,7 +2,8 @@
 
 use super::World;
 use super::guides::aim;
-use super::queue::{MAX_PIXELS, Work};
+use crate::camera::MAX_PIXELS;
+use super::queue::{Work};
 use crate::traverse::batch::Traversal;
 use crate::traverse::tally::Counts;
 

@@ -2,7 +2,8 @@
 
 use super::World;
 use super::extend::meet;
-use super::queue::{MAX_PIXELS, Path, Work};
+use crate::camera::MAX_PIXELS;
+use super::queue::{Path, Work};
 use super::shade::sky_radiance;
 use super::stats::RayKind;
 use super::surface::{MaterialSample, Surface};

@@ -32,7 +32,7 @@ pub mod surface;
 pub use generate::generate;
 
 use crate::buffers::{Buffers, Features};
-use crate::camera::Pinhole;
+use crate::camera::{Pinhole, Tile};
 use crate::lane::Lane;
 use crate::sampling::{Numbers, Sampler, random};
 use crate::traverse::{Primitives, Visible};
@@ -51,35 +51,6 @@ pub struct World {
     pub max_bounces: u32,
     pub seed: u32,
     pub sampler: Sampler,
-}
-
-/// A rectangle of pixels, at most [`queue::MAX_PIXELS`] of them.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Tile {
-    /// Place in the picture's order of tiles.
-    pub number: usize,
-    pub x: u32,
-    pub y: u32,
-    pub width: u32,
-    pub height: u32,
-}
-
-impl Tile {
-    /// The tiles of a picture, row by row, each at most `size` pixels wide and high.
-    pub fn cover(resolution: [u32; 2], size: [u32; 2]) -> impl Iterator<Item = Tile> {
-        let starts = move |axis: usize| (0..resolution[axis]).step_by(size[axis] as usize);
-        let corners = starts(1).flat_map(move |y| starts(0).map(move |x| (x, y)));
-        corners.enumerate().map(move |(number, (x, y))| Tile {
-            number,
-            x,
-            y,
-            width: size[0].min(resolution[0] - x),
-            height: size[1].min(resolution[1] - y),
-        })
-    }
-    pub fn pixels(&self) -> usize {
-        (self.width * self.height) as usize
-    }
 }
 
 /// A pipeline: [`trace_tile`] at one width, compiled for one set of needs.

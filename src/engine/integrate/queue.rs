@@ -3,7 +3,8 @@
 use super::extend::Segments;
 use super::light::ShadowQueue;
 use super::stats::{Meter, RayKind, Stage, Stats};
-use super::{Tile, World};
+use super::World;
+use crate::camera::{MAX_PIXELS, Tile};
 use crate::lane::{Bits, F32x8, Lane};
 use crate::math::{Hit, MISS, Ray, Vec3};
 use crate::traverse::Visible;
@@ -13,8 +14,6 @@ use crate::traverse::rays::{Hits, Rays};
 use crate::traverse::tally::{Counter, Counts};
 use bytemuck::Zeroable;
 
-/// Most pixels in a tile. Columns for more would lie whole pages apart, all in the same few sets of the cache: 2 % slower.
-pub const MAX_PIXELS: usize = 256;
 /// One packet more, so that the last packet may be stored whole.
 const LENGTH: usize = MAX_PIXELS + F32x8::WIDTH;
 

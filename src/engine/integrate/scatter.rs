@@ -86,7 +86,7 @@ pub fn scatter<L: Lane, const N: u32>(
         }
     }
 
-    if Features(N).meets(Features::BENT_NORMALS) && material.bent.any() {
+    if Features(N).meets(Features::SHADING_NORMALS) && material.bent.any() {
         let passes = through_glass::<L, N>(d, &facing, material, &mut drawn);
         // On the reflecting side nothing goes on below the surface.
         drawn.alive = drawn.alive & (!material.bent | passes | L::zero().lt(drawn.direction.dot(own)));
@@ -154,7 +154,7 @@ pub fn evaluate<L: Lane, const N: u32>(
             take(mask, material.plastic().evaluate(d, n, towards));
         }
     }
-    if Features(N).meets(Features::BENT_NORMALS) && material.bent.any() {
+    if Features(N).meets(Features::SHADING_NORMALS) && material.bent.any() {
         let factor = facing.terminator::<N>(material, towards);
         let below = material.bent & !L::zero().lt(towards.dot(own));
         passed.value = Vec3::select(material.bent, passed.value * factor, passed.value);
@@ -195,7 +195,7 @@ impl<L: Lane> Facing<L> {
         let along = d.dot(surface.outward);
         let own = surface.outward.flip_sign(-along);
         let (mut n, mut matt) = (own, own);
-        if Features(N).meets(Features::BENT_NORMALS) && material.bent.any() {
+        if Features(N).meets(Features::SHADING_NORMALS) && material.bent.any() {
             matt = Vec3::select(material.bent, material.normal.flip_sign(-along), own);
             n = Vec3::select(material.bent, normals::bend(d, matt, own), own);
         }

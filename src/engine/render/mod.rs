@@ -5,11 +5,11 @@
 pub mod survey;
 
 use crate::buffers::{Buffers, Features};
-use crate::camera::Pinhole;
+use crate::camera::{MAX_PIXELS, Pinhole, Tile};
 use crate::film::{Film, TileSums};
-use crate::integrate::queue::{MAX_PIXELS, Work};
+use crate::integrate::queue::Work;
 use crate::integrate::stats::Stats;
-use crate::integrate::{Pipeline, Tile, World, generate as primary, pipeline_for};
+use crate::integrate::{Pipeline, World, generate as primary, pipeline_for};
 use crate::lane::F32x8;
 use crate::math::{Hit, MISS};
 use crate::scene::{Camera, Scene};

@@ -3,7 +3,8 @@
 use super::Renderer;
 use crate::integrate::guides::{self, Aovs};
 use crate::integrate::queue::{PathShape, Work};
-use crate::integrate::{Tile, cost};
+use crate::camera::Tile;
+use crate::integrate::cost;
 use rayon::prelude::*;
 use std::sync::Mutex;
 

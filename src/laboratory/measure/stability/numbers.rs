@@ -2,7 +2,7 @@
 
 use super::{Bound, Dice, EPSILON, Method, Recipe, Tally};
 use crate::film::TileSums;
-use crate::integrate::Tile;
+use crate::camera::Tile;
 use crate::sampling::random::unit_interval;
 
 pub const RECIPES: &[Recipe] = &[

@@ -22,7 +22,7 @@ fn render(scene: &Scene, settings: Settings, target: Target, chunk: u32) -> Film
     while let Some(round) = target.next(&film) {
         while round.missing(&film).0 > 0 {
             let goal = |tile: usize, had: u32| round.goals[tile].min(had.saturating_add(chunk));
-            renderer.bring_tiles_watched(&mut film, goal, &());
+            renderer.sample_tiles_to(&mut film, goal, &());
         }
     }
     film

@@ -7,7 +7,7 @@ use glam::Vec3;
 use octray::camera::Pinhole;
 use octray::display::{History, walking_speed};
 use octray::film::Picture;
-use octray::integrate::guides::{Aovs, Plane};
+use octray::integrate::aovs::{Aovs, Plane};
 use octray::lane::{F32x8, Lane, Mask};
 use octray::render::{Renderer, Settings};
 use octray::scene::{Camera, Material, MaterialKind, Scene, Sky, Triangle};
@@ -29,7 +29,7 @@ impl Window {
     }
     fn look(&mut self, camera: Camera) {
         self.renderer.set_view(&self.scene, &camera, SIZE, 4);
-        self.renderer.guides_into(&mut self.guides);
+        self.renderer.aovs_into(&mut self.guides);
     }
     /// The mean of so many samples of a seed of its own.
     fn frame(&mut self, samples: u32) -> Picture {

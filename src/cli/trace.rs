@@ -7,7 +7,7 @@ use super::limits::Limits;
 use super::progress::Progress;
 use crate::adaptive::{Reached, Round};
 use crate::film::Film;
-use crate::render::{Renderer, Watch};
+use crate::render::{RenderObserver, Renderer};
 use serde::Serialize;
 use std::time::{Duration, Instant};
 
@@ -100,7 +100,7 @@ fn take_round(
         let late = deadline.map(|deadline| if whole { deadline + GRACE } else { deadline });
         let before = film.pixel_samples();
         let watch = Chunk { began, late, interrupt, progress };
-        renderer.bring_tiles_watched(
+        renderer.sample_tiles_to(
             film,
             |tile, had| round.goals[tile].min(had.saturating_add(chunk)),
             &watch,
@@ -120,12 +120,12 @@ struct Chunk<'a> {
     progress: &'a Progress,
 }
 
-impl Watch for Chunk<'_> {
-    fn stop(&self) -> bool {
+impl RenderObserver for Chunk<'_> {
+    fn is_cancelled(&self) -> bool {
         let interrupted = self.interrupt.asked() && self.began.elapsed() >= GRACE;
         interrupted || self.late.is_some_and(|late| Instant::now() >= late)
     }
-    fn done(&self, pixels: usize, rays: u64) {
+    fn sample_done(&self, pixels: usize, rays: u64) {
         self.interrupt.begun();
         self.progress.add(pixels, rays);
     }

@@ -13,10 +13,10 @@ use super::state::State;
 use super::views::{self, Sources, View};
 use crate::display::{Blur, Denoiser, Fxaa, History, Samples, rows, walking_speed};
 use crate::film::{Film, Picture};
-use crate::integrate::guides::Aovs;
-use crate::integrate::queue::PathShape;
+use crate::integrate::aovs::Aovs;
+use crate::integrate::probe::PathShape;
 use crate::render::Renderer;
-use crate::render::survey::{self, Cost};
+use crate::render::aovs::{self, Cost};
 use crate::scene::{Camera, Scene};
 use crate::tone::Tone;
 use glam::Vec3;
@@ -52,9 +52,9 @@ pub struct Painter {
     guides: Aovs,
     /// Are they of the camera of now?
     guided: bool,
-    costs: survey::Map<Cost>,
+    costs: aovs::Map<Cost>,
     costed: bool,
-    shapes: survey::Map<PathShape>,
+    shapes: aovs::Map<PathShape>,
     counts: Vec<f32>,
     distances: Vec<f32>,
     /// Drawn when it is first wanted.
@@ -131,7 +131,7 @@ impl Painter {
     /// Finds out what pixels see, once for a camera.
     fn see(&mut self, renderer: &Renderer) {
         if !std::mem::replace(&mut self.guided, true) {
-            renderer.guides_into(&mut self.guides);
+            renderer.aovs_into(&mut self.guides);
         }
     }
 

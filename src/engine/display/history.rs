@@ -23,7 +23,7 @@
 use super::rows;
 use crate::camera::Pinhole;
 use crate::film::Picture;
-use crate::integrate::guides::{Aovs, Plane};
+use crate::integrate::aovs::{Aovs, Plane};
 use crate::lane::{F32x8, Lane, Mask, lane_indices};
 use crate::math::{MISS, Vec3};
 use glam::{Vec3A, Vec4};

@@ -19,7 +19,7 @@ pub use blur::Blur;
 pub use fxaa::Fxaa;
 pub use history::History;
 
-use crate::integrate::guides::{Aovs, Plane};
+use crate::integrate::aovs::{Aovs, Plane};
 
 /// The share of the lower quartile of distances that is walked in a second.
 const SHARE_A_SECOND: f32 = 0.25;

@@ -22,7 +22,7 @@ mod planes;
 
 use super::rows;
 use crate::film::Picture;
-use crate::integrate::guides::{Aovs, Plane};
+use crate::integrate::aovs::{Aovs, Plane};
 use crate::lane::{Bits, F32x8, Lane, Mask};
 use planes::{GUIDES, Guide, LEAST_ALBEDO, NARROWEST, PAD, Task};
 

@@ -5,7 +5,7 @@
 use super::super::rows::packet;
 use super::{FEW_SAMPLES, SPREAD, Samples};
 use crate::film::Picture;
-use crate::integrate::guides::{Aovs, Plane};
+use crate::integrate::aovs::{Aovs, Plane};
 use crate::lane::{Bits, F32x8, Lane, Mask8};
 use crate::math::MISS;
 

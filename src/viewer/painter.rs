@@ -76,7 +76,7 @@ impl Painter {
     }
     /// What was seen is no more.
     pub fn forget(&mut self) {
-        self.history.forget();
+        self.history.reset();
     }
     /// How fast to walk through what was seen first of this scene, in scene units a second.
     pub fn speed(&self) -> Option<f32> {
@@ -106,13 +106,13 @@ impl Painter {
         if first {
             // Samples that stay in the film are not history's as well.
             let own = if subject.standing { 0 } else { samples };
-            self.history.advance(&self.mean, own, &self.guides, renderer.camera());
+            self.history.reproject(&self.mean, own, &self.guides, renderer.camera());
         }
         if !controls.reprojection {
             // What it knows is of where the camera was when it was last asked.
-            self.history.forget();
+            self.history.reset();
         } else if known || subject.standing {
-            self.history.still(&self.mean, samples);
+            self.history.blend_static(&self.mean, samples);
         }
         match controls.view {
             View::Picture => self.paint_picture(subject, samples, &mut frame.pixels),

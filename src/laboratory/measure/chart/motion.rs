@@ -177,7 +177,7 @@ fn walk(renderer: &mut Renderer, scene: &Scene, path: Path, frames: u32, speed: 
         let start = Instant::now();
         renderer.on_threads(|| {
             renderer.aovs_into(&mut guides);
-            history.advance(&fresh, 1, &guides, renderer.camera());
+            history.reproject(&fresh, 1, &guides, renderer.camera());
         });
         let reprojected = ms(start);
         let start = Instant::now();

@@ -5,7 +5,7 @@
 use super::interrupt::Interrupt;
 use super::limits::Limits;
 use super::progress::Progress;
-use crate::adaptive::{Reached, Round};
+use crate::adaptive::{ErrorEstimate, Round};
 use crate::film::Film;
 use crate::render::{RenderObserver, Renderer};
 use serde::Serialize;
@@ -41,7 +41,7 @@ pub fn trace(
     let mut pace = Pace { chunk: 1, seconds_a_pixel: 0.0 };
     let end = loop {
         let Some(round) = next_round(film, limits) else {
-            let met = limits.target.is_some_and(|target| target.met(&Reached::of(film)));
+            let met = limits.target.is_some_and(|target| target.met(&ErrorEstimate::of(film)));
             break if met { End::TargetError } else { End::Samples };
         };
         progress.expect(round.forecast);

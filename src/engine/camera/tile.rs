@@ -2,8 +2,8 @@
 //!
 //! For: [`Tile`]. May import: nothing. Must never know: what is rendered in a tile.
 
-/// Most pixels in a tile. Path queues have this length. Columns for more would lie whole pages apart, all in the same
-/// few sets of the cache: 2 % slower.
+/// Most pixels in a tile. Path queues have this length. Columns for more would lie whole pages apart, all in
+/// the same few sets of the cache: 2 % slower.
 pub const MAX_PIXELS: usize = 256;
 
 /// A rectangle of pixels, at most [`MAX_PIXELS`] of them.

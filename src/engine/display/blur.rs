@@ -5,10 +5,11 @@
 use super::rows;
 use crate::film::Picture;
 
-/// The blur of the bachelor's thesis on which octray is based: the mean of 3×3 pixels, the centre counted twice (their sum over
-/// 10). Coordinates are clamped to the border.
+/// The blur of the bachelor's thesis on which octray is based: the mean of 3×3 pixels, the centre counted
+/// twice (their sum over 10). Coordinates are clamped to the border.
 ///
-/// Cost: ten additions a channel. Law: it preserves the sum of radiance except at borders; it blurs edges as much as noise.
+/// Cost: ten additions a channel. Law: it preserves the sum of radiance except at borders; it blurs edges as
+/// much as noise.
 #[derive(Clone, Debug, Default)]
 pub struct Blur {
     shown: Picture,

@@ -2,18 +2,21 @@
 //!
 //! For: [`Fxaa`]. May import: `rows`, `film`, `tone`. Must never know: AOVs, cameras.
 //!
-//! Source: Timothy Lottes, "FXAA", NVIDIA, 2009, and the algorithm of its version 3.11 (quality), reworded and reordered:
+//! Source: Timothy Lottes, "FXAA", NVIDIA, 2009, and the algorithm of its version 3.11 (quality), reworded
+//! and reordered:
 //!
 //! 1. A pixel whose local contrast in displayed luma is low stays as it is.
-//! 2. The edge is horizontal or vertical, whichever second differences are larger; it lies between the pixel and the neighbour
-//!    across it that differs more.
-//! 3. The ends of the edge, in both directions, are where the mean of both sides changes. The nearer the end, the larger the share
-//!    of the neighbour: the area of the pixel that a straight line from end to end would cover.
-//! 4. A pixel that differs from all its neighbours (a thin line, a dot) is blended with the neighbour, too; the larger share
-//!    counts.
+//! 2. The edge is horizontal or vertical, whichever second differences are larger; it lies between the pixel
+//!    and the neighbour across it that differs more.
+//! 3. The ends of the edge, in both directions, are where the mean of both sides changes. The nearer the end,
+//!    the larger the share of the neighbour: the area of the pixel that a straight line from end to end would
+//!    cover.
+//! 4. A pixel that differs from all its neighbours (a thin line, a dot) is blended with the neighbour, too;
+//!    the larger share counts.
 //!
-//! Departures: the search proceeds pixel by pixel and not in growing strides; an end that is not found smooths nothing; and step 4
-//! first subtracts its response to a straight edge, so that edges along rows and columns stay sharp.
+//! Departures: the search proceeds pixel by pixel and not in growing strides; an end that is not found
+//! smooths nothing; and step 4 first subtracts its response to a straight edge, so that edges along rows and
+//! columns stay sharp.
 
 use super::rows;
 use crate::film::Picture;
@@ -36,8 +39,8 @@ const LUMA: [f32; 3] = [0.299, 0.587, 0.114];
 
 /// The filter. Cost: a square root a pixel, and some forty operations and a short search at edges.
 ///
-/// Law: every pixel is a mean of itself and one neighbour, in linear radiance; a flat picture and edges along rows and columns stay
-/// bit-identical. Noise counts as edges: the filter is for converged pictures.
+/// Law: every pixel is a mean of itself and one neighbour, in linear radiance; a flat picture and edges along
+/// rows and columns stay bit-identical. Noise counts as edges: the filter is for converged pictures.
 #[derive(Clone, Debug, Default)]
 pub struct Fxaa {
     luma: Vec<f32>,

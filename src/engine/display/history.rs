@@ -1,27 +1,31 @@
 //! Temporal reprojection: accumulates the frames of a moving camera.
 //!
-//! For: [`History`]. May import: `rows`, `camera`, the AOVs of `integrate`, `film`. Must never know: scenes, renderers, clocks.
+//! For: [`History`]. May import: `rows`, `camera`, the AOVs of `integrate`, `film`. Must never know: scenes,
+//! renderers, clocks.
 //!
-//! A frame of a moving camera has one or a few samples a pixel; earlier frames have sampled most of the same points. For every
-//! pixel:
+//! A frame of a moving camera has one or a few samples a pixel; earlier frames have sampled most of the same
+//! points. For every pixel:
 //!
-//! 1. Reprojection: the visible point (the depth AOV along the ray through the pixel's centre; of the sky, the direction) is
-//!    projected into the previous frame's camera.
-//! 2. Disocclusion test: the pixels around that position are taps. A tap is valid if it has the same object id, nearly the same
-//!    normal, and lies in the plane of the point.
-//! 3. Where all of 4×4 taps are valid, they are interpolated bicubically (Catmull, Rom, "A class of local interpolating splines",
-//!    1974), which avoids the blur of repeated bilinear interpolation; otherwise the valid ones of 2×2, bilinearly, with weights
-//!    normalised to 1. Where none is valid, the pixel is disoccluded and has no history.
-//! 4. History and new samples are blended by their sample counts. That of the history is capped, so that old samples fade.
-//! 5. In the sky, history is clamped to the 3×3 neighbourhood of the new frame: the sky has no noise, but at the edge of a light
-//!    its pixels hold some of the light's radiance, which would leave a trail.
+//! 1. Reprojection: the visible point (the depth AOV along the ray through the pixel's centre; of the sky,
+//!    the direction) is projected into the previous frame's camera.
+//! 2. Disocclusion test: the pixels around that position are taps. A tap is valid if it has the same object
+//!    id, nearly the same normal, and lies in the plane of the point.
+//! 3. Where all of 4×4 taps are valid, they are interpolated bicubically (Catmull, Rom, "A class of local
+//!    interpolating splines", 1974), which avoids the blur of repeated bilinear interpolation; otherwise the
+//!    valid ones of 2×2, bilinearly, with weights normalised to 1. Where none is valid, the pixel is
+//!    disoccluded and has no history.
+//! 4. History and new samples are blended by their sample counts. That of the history is capped, so that old
+//!    samples fade.
+//! 5. In the sky, history is clamped to the 3×3 neighbourhood of the new frame: the sky has no noise, but at
+//!    the edge of a light its pixels hold some of the light's radiance, which would leave a trail.
 //!
-//! Sharp reflections do not move with the surface: there the cap is lower. Clamping the history to the new neighbourhood (variance
-//! clipping) was tried there as well: with one sample a pixel, noise determines the neighbourhood, and no scene had a smaller error.
+//! Sharp reflections do not move with the surface: there the cap is lower. Clamping the history to the new
+//! neighbourhood (variance clipping) was tried there as well: with one sample a pixel, noise determines the
+//! neighbourhood, and no scene had a smaller error.
 //!
-//! Sources: Nehab, Sander, Lawrence, Tatarchuk, Isidoro, "Accelerating Real-Time Shading with Reverse Reprojection Caching", Graphics
-//! Hardware 2007; the disocclusion test and the sample counts are as in Schied et al., "Spatiotemporal Variance-Guided Filtering",
-//! HPG 2017.
+//! Sources: Nehab, Sander, Lawrence, Tatarchuk, Isidoro, "Accelerating Real-Time Shading with Reverse
+//! Reprojection Caching", Graphics Hardware 2007; the disocclusion test and the sample counts are as in
+//! Schied et al., "Spatiotemporal Variance-Guided Filtering", HPG 2017.
 
 use super::rows;
 use crate::camera::Pinhole;
@@ -34,7 +38,8 @@ use glam::{Vec3A, Vec4};
 /// Lanes of the projection.
 type L = F32x8;
 
-/// Cap on the history's sample count on diffuse surfaces: with 64 the errors are the same within one per cent.
+/// Cap on the history's sample count on diffuse surfaces: with 64 the errors are the same within one per
+/// cent.
 const MAX_SAMPLES: f32 = 32.0;
 /// The cap on mirrors; in between it rises by twice [`MAX_SAMPLES`] for each unit of the lobe's width.
 const MAX_SAMPLES_ON_MIRRORS: f32 = 8.0;
@@ -59,10 +64,11 @@ struct HistoryPixel {
     object: u32,
 }
 
-/// The history buffer. Cost: a projection and sixteen taps a pixel; working memory: 144 bytes a pixel with the picture.
+/// The history buffer. Cost: a projection and sixteen taps a pixel; working memory: 144 bytes a pixel with
+/// the picture.
 ///
-/// Call [`History::reproject`] for the first frame and whenever the camera has moved, [`History::blend_static`] while it stays
-/// where it was at the last of those.
+/// Call [`History::reproject`] for the first frame and whenever the camera has moved,
+/// [`History::blend_static`] while it stays where it was at the last of those.
 #[derive(Clone, Debug, Default)]
 pub struct History {
     /// Camera and resolution of the previous frame, if there is one.
@@ -96,9 +102,9 @@ impl History {
         &self.counts
     }
 
-    /// A frame of a camera that has moved, blended with the reprojected history: `fresh` is the mean of `samples` samples a pixel,
-    /// independent of those of earlier frames (0 keeps them out of the history); `aovs` and `camera` are its own. Another
-    /// resolution than before discards the history.
+    /// A frame of a camera that has moved, blended with the reprojected history: `fresh` is the mean of
+    /// `samples` samples a pixel, independent of those of earlier frames (0 keeps them out of the history);
+    /// `aovs` and `camera` are its own. Another resolution than before discards the history.
     ///
     /// # Panics
     /// If picture and AOVs differ in size.
@@ -119,8 +125,9 @@ impl History {
         &self.shown
     }
 
-    /// A frame of a camera that has not moved since the last [`History::reproject`]: the film's mean after `samples` samples, blended
-    /// with the history, whose weight falls with the samples. From 64 samples on it is the film's mean, bit for bit.
+    /// A frame of a camera that has not moved since the last [`History::reproject`]: the film's mean after
+    /// `samples` samples, blended with the history, whose weight falls with the samples. From 64 samples on
+    /// it is the film's mean, bit for bit.
     pub fn blend_static(&mut self, film: &Picture, samples: u32) -> &Picture {
         let size = [film.width, film.height];
         let known = self.previous.is_some_and(|(_, seen)| seen == size);

@@ -1,11 +1,14 @@
-//! Filters between a film and the display: anti-aliasing, denoising, and temporal reprojection while the camera moves.
+//! Filters between a film and the display: anti-aliasing, denoising, and temporal reprojection while the
+//! camera moves.
 //!
-//! For: [`Blur`], [`Fxaa`] and [`Denoiser`], which filter a picture; [`History`], which accumulates frames of a moving camera;
-//! [`walking_speed`]. May import: `film`, `camera`, the AOVs of `integrate`, `tone`. Must never know: scenes, renderers, windows.
+//! For: [`Blur`], [`Fxaa`] and [`Denoiser`], which filter a picture; [`History`], which accumulates frames of
+//! a moving camera; [`walking_speed`]. May import: `film`, `camera`, the AOVs of `integrate`, `tone`. Must
+//! never know: scenes, renderers, windows.
 //!
-//! Pictures in, pictures out, in linear radiance: for display only, never back into a film. Each filter keeps its working
-//! memory and allocates nothing after the first picture of a size. Rows are filtered in parallel inside a pool of threads, such as
-//! [`crate::render::Renderer::on_threads`] provides, and one after the other outside of one; the bits are the same.
+//! Pictures in, pictures out, in linear radiance: for display only, never back into a film. Each filter keeps
+//! its working memory and allocates nothing after the first picture of a size. Rows are filtered in parallel
+//! inside a pool of threads, such as [`crate::render::Renderer::on_threads`] provides, and one after the
+//! other outside of one; the bits are the same.
 
 mod atrous;
 mod blur;
@@ -25,8 +28,9 @@ const SHARE_A_SECOND: f32 = 0.25;
 /// The speed where no pixel sees a surface, in scene units a second.
 const DEFAULT_SPEED: f32 = 1.0;
 
-/// The speed of a walking camera, in scene units a second: a quarter of the lower quartile of the depths of the pixels that see a
-/// surface, so that near surfaces pass by at the same pace in scenes of every size. One unit where no pixel sees a surface.
+/// The speed of a walking camera, in scene units a second: a quarter of the lower quartile of the depths of
+/// the pixels that see a surface, so that near surfaces pass by at the same pace in scenes of every size. One
+/// unit where no pixel sees a surface.
 pub fn walking_speed(aovs: &Aovs) -> f32 {
     let rows = (0..aovs.resolution()[1]).flat_map(|y| aovs.row(Plane::Distance, y));
     let mut distances: Vec<f32> = rows.copied().filter(|distance| distance.is_finite()).collect();

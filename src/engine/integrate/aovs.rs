@@ -1,8 +1,8 @@
-//! AOVs (arbitrary output variables): depth, normal, albedo and more of the surface at the centre of every pixel. Input of the
-//! denoiser, of temporal reprojection, and of the viewer's views of the scene.
+//! AOVs (arbitrary output variables): depth, normal, albedo and more of the surface at the centre of every
+//! pixel. Input of the denoiser, of temporal reprojection, and of the viewer's views of the scene.
 //!
-//! For: [`Aovs`], [`Plane`], [`AovSample`]. May import: `generate`, `intersect`, `material`, `emission` and what stands above them.
-//! Must never know: films, filters.
+//! For: [`Aovs`], [`Plane`], [`AovSample`]. May import: `generate`, `intersect`, `material`, `emission` and
+//! what stands above them. Must never know: films, filters.
 
 use super::context::TraceContext;
 use super::emission::environment_radiance;
@@ -31,16 +31,16 @@ pub enum Plane {
     NormalX,
     NormalY,
     NormalZ,
-    /// Albedo, textures included, in [0, 1]. Of emissive surfaces and of the environment the radiance, scaled down where a
-    /// channel is above 1.
+    /// Albedo, textures included, in [0, 1]. Of emissive surfaces and of the environment the radiance, scaled
+    /// down where a channel is above 1.
     AlbedoRed,
     AlbedoGreen,
     AlbedoBlue,
     /// Barycentric weights of a triangle's second and third vertex; 0 elsewhere.
     WeightU,
     WeightV,
-    /// Width of the lobe, in [0, 1]: alpha (the square of the roughness) of metal, roughness of `scatter`; 0 of mirrors and
-    /// glass; 1 of every other surface, and where there is none.
+    /// Width of the lobe, in [0, 1]: alpha (the square of the roughness) of metal, roughness of `scatter`; 0
+    /// of mirrors and glass; 1 of every other surface, and where there is none.
     Lobe,
     /// Bits of [`AovSample::object`].
     Object,
@@ -56,7 +56,8 @@ pub struct AovSample {
     pub albedo: [f32; 3],
     pub weights: [f32; 2],
     pub lobe: f32,
-    /// Object id: the same on one sphere, or on all triangles of one material; [`MISS`] where there is no surface.
+    /// Object id: the same on one sphere, or on all triangles of one material; [`MISS`] where there is no
+    /// surface.
     pub object: u32,
 }
 
@@ -64,7 +65,8 @@ pub struct AovSample {
 #[derive(Clone, Debug, Default)]
 pub struct Aovs {
     resolution: [u32; 2],
-    /// From one plane of a row to the next: a packet more than pixels, so that the last packet may be loaded and stored whole.
+    /// From one plane of a row to the next: a packet more than pixels, so that the last packet may be loaded
+    /// and stored whole.
     stride: usize,
     values: Vec<f32>,
 }

@@ -1,7 +1,7 @@
 //! The BSDF of a surface, over all lobes that the pipeline has.
 //!
-//! For: [`scatter`], which samples it, [`evaluate`], its value and pdf, and [`has_sampled_lobe`]. May import: `kernel`,
-//! `queue`, `surface`, `material`. Must never know: lights, stages.
+//! For: [`scatter`], which samples it, [`evaluate`], its value and pdf, and [`has_sampled_lobe`]. May import:
+//! `kernel`, `queue`, `surface`, `material`. Must never know: lights, stages.
 
 use super::features::has;
 use super::material::MaterialSample;
@@ -104,8 +104,8 @@ pub fn scatter<L: Lane, const N: u32>(
     let throughput = path.throughput * (color * sample.weight);
     // A path with throughput 0 ends here. NaN goes on, to be counted at the film.
     let dark = (throughput.x + throughput.y + throughput.z).eq(L::zero());
-    // Only glass transmits to the far side. A reflection that rounding puts slightly below its surface starts on the near
-    // side, in every pipeline.
+    // Only glass transmits to the far side. A reflection that rounding puts slightly below its surface starts
+    // on the near side, in every pipeline.
     let side = if has(N, Features::GLASS) {
         let through = surface.offset.copysign(sample.direction.dot(ng));
         L::select(material.has_lobe(MaterialCode::GLASS, found), through, surface.offset)
@@ -188,8 +188,9 @@ impl<L: Lane> LobeVisitor<L> for Sampling<'_, L> {
     }
 }
 
-/// The value of the BSDF, cosine included, for light that arrives from `towards` and leaves against `d`, and the pdf with which
-/// [`scatter`] samples `towards`. Zero in lanes outside `mask`, below the surface, and of delta lobes.
+/// The value of the BSDF, cosine included, for light that arrives from `towards` and leaves against `d`, and
+/// the pdf with which [`scatter`] samples `towards`. Zero in lanes outside `mask`, below the surface, and of
+/// delta lobes.
 #[inline(always)]
 pub fn evaluate<L: Lane, const N: u32>(
     d: Vec3<L>,
@@ -256,8 +257,8 @@ impl<L: Lane> LobeVisitor<L> for Evaluation<'_, L> {
     }
 }
 
-/// The lanes with a lobe that is worth light sampling: one that is neither a delta lobe nor too narrow. Unspecified in lanes
-/// that hit nothing.
+/// The lanes with a lobe that is worth light sampling: one that is neither a delta lobe nor too narrow.
+/// Unspecified in lanes that hit nothing.
 #[inline(always)]
 pub fn has_sampled_lobe<L: Lane>(material: &MaterialSample<L>) -> L::Mask {
     let has_lobe = |kind: u32| material.kind.equals(L::Bits::splat(kind));
@@ -273,10 +274,11 @@ pub fn has_sampled_lobe<L: Lane>(material: &MaterialSample<L>) -> L::Mask {
 struct FacingNormals<L: Lane> {
     /// Geometric normal: decides sides.
     ng: Vec3<L>,
-    /// Shading normal, as interpolated or mapped: continuous between triangles, at any viewing angle. For diffuse lobes.
+    /// Shading normal, as interpolated or mapped: continuous between triangles, at any viewing angle. For
+    /// diffuse lobes.
     ns: Vec3<L>,
-    /// `ns`, bent so that mirror reflection stays above the surface and ns_specular · d ≤ 0. For lobes that reflect and
-    /// refract.
+    /// `ns`, bent so that mirror reflection stays above the surface and ns_specular · d ≤ 0. For lobes that
+    /// reflect and refract.
     ns_specular: Vec3<L>,
     /// The ray arrives at the outward side.
     outside: L::Mask,
@@ -308,8 +310,8 @@ impl<L: Lane> FacingNormals<L> {
     }
 }
 
-/// The lanes with shading normals in which glass refracts through the surface. Where a shading normal would refract without
-/// leaving the side from which the ray arrives, it reflects instead.
+/// The lanes with shading normals in which glass refracts through the surface. Where a shading normal would
+/// refract without leaving the side from which the ray arrives, it reflects instead.
 #[inline(always)]
 fn resolve_refraction<L: Lane, const N: u32>(
     d: Vec3<L>,

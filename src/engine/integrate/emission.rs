@@ -1,11 +1,11 @@
 //! Emitted radiance at the end of a segment: of surfaces and of the environment.
 //!
-//! For: [`surface_radiance`], [`missed_radiance`], [`environment_radiance`], [`mis_weight`]. May import: `queue`, `surface`,
-//! `material`, `context`. Must never know: how shadow rays are sampled.
+//! For: [`surface_radiance`], [`missed_radiance`], [`environment_radiance`], [`mis_weight`]. May import:
+//! `queue`, `surface`, `material`, `context`. Must never know: how shadow rays are sampled.
 //!
-//! A light may be found by BSDF sampling (here) and by next event estimation (`shadow_rays`); both count, weighted by the
-//! power heuristic so that the weights of a direction sum to 1: Veach, Guibas, "Optimally Combining Sampling Techniques for
-//! Monte Carlo Rendering", SIGGRAPH 1995, §3.
+//! A light may be found by BSDF sampling (here) and by next event estimation (`shadow_rays`); both count,
+//! weighted by the power heuristic so that the weights of a direction sum to 1: Veach, Guibas, "Optimally
+//! Combining Sampling Techniques for Monte Carlo Rendering", SIGGRAPH 1995, §3.
 
 use super::context::TraceContext;
 use super::features::{abilities, has};
@@ -18,8 +18,8 @@ use crate::lane::{Bits, Lane, Mask};
 use crate::math::Vec3;
 use crate::scene::Meaning;
 
-/// The power heuristic (β = 2): the weight of a direction sampled with the pdf 1 / `inv_pdf`, which the other technique
-/// samples with `other_pdf`.
+/// The power heuristic (β = 2): the weight of a direction sampled with the pdf 1 / `inv_pdf`, which the other
+/// technique samples with `other_pdf`.
 #[inline(always)]
 pub fn mis_weight<L: Lane>(inv_pdf: L, other_pdf: L) -> L {
     let ratio = inv_pdf * other_pdf;
@@ -42,8 +42,8 @@ pub fn surface_radiance<L: Lane, const N: u32, const FIRST: bool>(
     emitted * mis_weight(path.inv_pdf, surface.light_pdf)
 }
 
-/// The environment's radiance along the paths of the lanes in `missed`, times throughput and, after a bounce, the MIS weight
-/// of BSDF sampling; 0 in other lanes.
+/// The environment's radiance along the paths of the lanes in `missed`, times throughput and, after a bounce,
+/// the MIS weight of BSDF sampling; 0 in other lanes.
 #[inline(always)]
 pub fn missed_radiance<L: Lane, const N: u32, const FIRST: bool>(
     context: &TraceContext,

@@ -1,6 +1,7 @@
 //! Tests of a pipeline's feature set.
 //!
-//! For: [`has`] and [`abilities`], constants once a pipeline is compiled. May import: `buffers`. Must never know: stages.
+//! For: [`has`] and [`abilities`], constants once a pipeline is compiled. May import: `buffers`. Must never
+//! know: stages.
 
 use crate::buffers::{Abilities, Features};
 

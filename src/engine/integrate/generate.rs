@@ -1,9 +1,11 @@
 //! First stage: generates primary rays.
 //!
-//! For: [`generate`], a ray through a random point of every pixel of a tile, and [`pixel_centers`], rays through their
-//! centres. May import: `intersect`, `scratch` and what stands above them. Must never know: shading.
+//! For: [`generate`], a ray through a random point of every pixel of a tile, and [`pixel_centers`], rays
+//! through their centres. May import: `intersect`, `scratch` and what stands above them. Must never know:
+//! shading.
 //!
-//! Where every primitive is tested, generation and intersection are one pass, so that rays need not be read back.
+//! Where every primitive is tested, generation and intersection are one pass, so that rays need not be read
+//! back.
 
 use super::context::TraceContext;
 use super::features::has;
@@ -58,7 +60,8 @@ impl<L: Lane, const N: u32> Batch<L> for GenerateBatch<'_, N> {
         let Tile { x: left, y: top, width, .. } = self.tile;
         let camera: Pinhole = self.context.camera;
         let (left, top) = (L::splat(left as f32), L::splat(top as f32));
-        // Rows by multiplication: exact, because slots are below 2¹⁰ and the quotient is rounded down from half a step up.
+        // Rows by multiplication: exact, because slots are below 2¹⁰ and the quotient is rounded down from
+        // half a step up.
         let (per_row, row_length) = (L::splat(1.0 / width as f32), L::splat(width as f32));
         let half = L::splat(0.5);
         let TraceContext { sampler, seed, .. } = *self.context;

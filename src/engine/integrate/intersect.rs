@@ -1,7 +1,7 @@
 //! Second stage: finds the nearest hit of every ray of the queue.
 //!
-//! For: [`intersect`], and [`intersect_linear`] for rays of any queue. May import: `scratch` and what stands above it. Must
-//! never know: shading.
+//! For: [`intersect`], and [`intersect_linear`] for rays of any queue. May import: `scratch` and what stands
+//! above it. Must never know: shading.
 
 use super::context::TraceContext;
 use super::features::has;
@@ -41,7 +41,8 @@ impl<L: Lane, const N: u32> Batch<L> for IntersectBatch<'_, N> {
     }
 }
 
-/// Finds nearest hits by testing every primitive, or every `visible` one, with the intersection methods that were chosen.
+/// Finds nearest hits by testing every primitive, or every `visible` one, with the intersection methods that
+/// were chosen.
 ///
 /// Not inlined, and shared by all pipelines: each pair of methods is much code.
 #[inline(never)]

@@ -1,6 +1,7 @@
 //! Evaluated materials: parameters, textures, shading normals.
 //!
-//! For: [`MaterialSample`]. May import: `surface` and what stands above it. Must never know: lobes' equations, stages.
+//! For: [`MaterialSample`]. May import: `surface` and what stands above it. Must never know: lobes'
+//! equations, stages.
 
 use super::context::TraceContext;
 use super::features::{abilities, has};
@@ -23,7 +24,8 @@ pub struct MaterialSample<L: Lane> {
     /// Plastic's index of refraction, and the share of light that its coat transmits.
     pub ior: L,
     pub transmitted: L,
-    /// Unit shading normal on the side of the geometric one; the geometric one itself unless `has_shading_normal`.
+    /// Unit shading normal on the side of the geometric one; the geometric one itself unless
+    /// `has_shading_normal`.
     pub ns: Vec3<L>,
     /// The lanes whose shading normal is interpolated or mapped.
     pub has_shading_normal: L::Mask,

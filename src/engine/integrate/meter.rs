@@ -54,8 +54,8 @@ impl Meter {
         self.since = now;
         std::mem::replace(&mut self.stage, stage)
     }
-    /// Counts rays after `bounces` bounces, in packets of `width`. Where there is no hierarchy, `tests` is the number of
-    /// spheres and triangles that each is tested against.
+    /// Counts rays after `bounces` bounces, in packets of `width`. Where there is no hierarchy, `tests` is
+    /// the number of spheres and triangles that each is tested against.
     pub fn count_segment(&mut self, bounces: u32, rays: usize, width: usize, tests: Option<[usize; 2]>) {
         let (at, packets) = (bounces as usize, rays.div_ceil(width));
         if rays == 0 {

@@ -1,9 +1,10 @@
 //! The integrator: a wavefront path tracer.
 //!
-//! For: [`trace_tile`], one sample of every pixel of a tile. May import: everything above it. Must never know: threads, files.
+//! For: [`trace_tile`], one sample of every pixel of a tile. May import: everything above it. Must never
+//! know: threads, files.
 //!
-//! A tile's paths are in a queue in structure-of-arrays form ([`queue`]). Each stage runs over the whole queue before the
-//! next one starts:
+//! A tile's paths are in a queue in structure-of-arrays form ([`queue`]). Each stage runs over the whole
+//! queue before the next one starts:
 //!
 //! ```text
 //! generate → ( intersect → shade → shadow rays )* → intersect → finish
@@ -11,16 +12,17 @@
 //!
 //! - [`fn@generate`] makes primary rays and intersects them.
 //! - `intersect` finds what the rays of later segments hit.
-//! - `shade` adds emitted radiance, samples the BSDF, and compresses the paths that go on to the front of the queue, so that
-//!   packets stay full. Where lights are sampled, it queues shadow rays.
+//! - `shade` adds emitted radiance, samples the BSDF, and compresses the paths that go on to the front of the
+//!   queue, so that packets stay full. Where lights are sampled, it queues shadow rays.
 //! - `shadow_rays` adds the radiance of the shadow rays that are not occluded.
 //! - `finish` shades the last segment: emitted radiance, no scattering.
 //!
 //! # The estimator
-//! Unidirectional path tracing: a path's radiance is the sum, over its segments, of the radiance emitted by the environment
-//! or the surface at the segment's end, times the throughput so far. Directions are sampled from each material's lobe;
-//! random numbers are [`crate::sampling::Sampler`]'s. A path has up to `max_bounces` scattering events. Selected emitters are
-//! also sampled by next event estimation, combined by multiple importance sampling.
+//! Unidirectional path tracing: a path's radiance is the sum, over its segments, of the radiance emitted by
+//! the environment or the surface at the segment's end, times the throughput so far. Directions are sampled
+//! from each material's lobe; random numbers are [`crate::sampling::Sampler`]'s. A path has up to
+//! `max_bounces` scattering events. Selected emitters are also sampled by next event estimation, combined by
+//! multiple importance sampling.
 
 pub mod aovs;
 mod bsdf;

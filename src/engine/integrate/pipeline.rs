@@ -18,8 +18,8 @@ use crate::sampling::{Numbers, random};
 /// [`trace_tile`] at one width, compiled for one set of features.
 pub type Pipeline = fn(&TraceContext, Tile, u32, &mut Scratch) -> u64;
 
-/// Takes sample `sample` of every pixel of a tile into `scratch`'s radiance and returns the number of rays. `N` holds the
-/// features that this pipeline is compiled with; it must contain the scene's [`Features`].
+/// Takes sample `sample` of every pixel of a tile into `scratch`'s radiance and returns the number of rays.
+/// `N` holds the features that this pipeline is compiled with; it must contain the scene's [`Features`].
 pub fn trace_tile<L: Lane, const N: u32>(
     context: &TraceContext,
     tile: Tile,
@@ -69,18 +69,21 @@ fn shadow_rays<L: Lane, const N: u32>(context: &TraceContext, scratch: &mut Scra
 
 /// Scattering events after which directions are brought back to unit length.
 ///
-/// A mirror whose normal has the length 1 + δ, |δ| ≤ 2 ε, multiplies a direction's length by up to 1 + 4 δ, and rounds by up
-/// to 9 ε, without FMA: 3 ε of d·n, doubled, go along the normal, 2 ε come from the product with it, ε from the sum. That is
-/// 17 ε or 1.0e-6 an event, always with the same sign between two mirrors. Eight events stay below 8.2e-6; the robust sphere
-/// test asks for 1e-5. Measured: 5e-5 after 1,024 events without renormalisation, `tests/long_paths.rs`.
+/// A mirror whose normal has the length 1 + δ, |δ| ≤ 2 ε, multiplies a direction's length by up to 1 + 4 δ,
+/// and rounds by up to 9 ε, without FMA: 3 ε of d·n, doubled, go along the normal, 2 ε come from the product
+/// with it, ε from the sum. That is 17 ε or 1.0e-6 an event, always with the same sign between two mirrors.
+/// Eight events stay below 8.2e-6; the robust sphere test asks for 1e-5. Measured: 5e-5 after 1,024 events
+/// without renormalisation, `tests/long_paths.rs`.
 pub const RENORMALIZATION_INTERVAL: u32 = 8;
 
-/// The compiled pipelines: sets of features, smallest first. A scene gets the first one that holds its features.
+/// The compiled pipelines: sets of features, smallest first. A scene gets the first one that holds its
+/// features.
 ///
-/// Each costs two to four seconds of compilation and 100 to 200 kB of program for its two widths, so only sets with a measured
-/// gain are here. Speed-up over the general pipeline, measured: `three` 1.7, `thesis` 1.5, `balls` 1.3, a scanned mesh 1.2,
-/// boxes with area lights 1.0 to 1.06, where triangle tests take most of the time. Intersection methods other than the
-/// default ones go through a function that all pipelines share: six pairs of methods would be most of a pipeline's code.
+/// Each costs two to four seconds of compilation and 100 to 200 kB of program for its two widths, so only
+/// sets with a measured gain are here. Speed-up over the general pipeline, measured: `three` 1.7, `thesis`
+/// 1.5, `balls` 1.3, a scanned mesh 1.2, boxes with area lights 1.0 to 1.06, where triangle tests take most
+/// of the time. Intersection methods other than the default ones go through a function that all pipelines
+/// share: six pairs of methods would be most of a pipeline's code.
 const PIPELINES: &[(Features, Pipeline, Pipeline)] = &[
     pipeline::<{ DIFFUSE_AND_MIRROR_SPHERES.0 }>(),
     pipeline::<{ FEW_TEXTURED.0 }>(),
@@ -118,7 +121,8 @@ const fn pipeline<const N: u32>() -> (Features, Pipeline, Pipeline) {
     (Features(N), trace_tile::<f32, N>, trace_tile::<F32x8, N>)
 }
 
-/// The pipeline for the features that a scene needs at a width of 1 or 8, and the features that it is compiled with.
+/// The pipeline for the features that a scene needs at a width of 1 or 8, and the features that it is
+/// compiled with.
 pub fn pipeline_for(needs: Features, lanes: usize) -> (Features, Pipeline) {
     let (features, scalar, packets) =
         PIPELINES.iter().find(|(set, ..)| set.contains(needs)).expect("the last pipeline has every feature");

@@ -1,6 +1,7 @@
 //! Path lengths by pixel, for the heat maps of the viewer.
 //!
-//! For: [`Probe`] and [`PathShape`]. May import: `columns`, `camera` (the size of a tile). Must never know: scenes, stages.
+//! For: [`Probe`] and [`PathShape`]. May import: `columns`, `camera` (the size of a tile). Must never know:
+//! scenes, stages.
 
 use super::columns::IntColumn;
 use crate::camera::MAX_PIXELS;

@@ -1,7 +1,7 @@
 //! The path queue: a tile's paths in structure-of-arrays form.
 //!
-//! For: [`PathQueue`] and [`Path`], one packet of it. May import: `columns`, `ray_queries`, `lane`, `math`, `traverse`.
-//! Must never know: stages, statistics, scenes.
+//! For: [`PathQueue`] and [`Path`], one packet of it. May import: `columns`, `ray_queries`, `lane`, `math`,
+//! `traverse`. Must never know: stages, statistics, scenes.
 
 use super::columns::{Column, IntColumn, Vec3Columns, compress};
 use super::ray_queries::RayQueries;
@@ -18,8 +18,8 @@ pub struct PathQueue {
     direction: Vec3Columns,
     /// The factor by which radiance found from here on counts in the pixel.
     throughput: Vec3Columns,
-    /// One over the pdf of the path's direction, in sr; 0 after a delta lobe, which light sampling cannot sample. Only
-    /// where lights are sampled.
+    /// One over the pdf of the path's direction, in sr; 0 after a delta lobe, which light sampling cannot
+    /// sample. Only where lights are sampled.
     inv_pdf: Column,
     /// Key of the path's random numbers.
     key: IntColumn,
@@ -36,7 +36,8 @@ pub struct PathQueue {
 pub struct Path<L: Lane> {
     pub ray: Ray<L>,
     pub throughput: Vec3<L>,
-    /// One over the pdf of the ray's direction, in sr; 0 after a delta lobe, which light sampling cannot sample.
+    /// One over the pdf of the ray's direction, in sr; 0 after a delta lobe, which light sampling cannot
+    /// sample.
     pub inv_pdf: L,
     pub key: L::Bits,
     pub slot: L::Bits,
@@ -77,8 +78,8 @@ impl PathQueue {
             slot: L::Bits::load(&self.slot[at..]),
         }
     }
-    /// Direction and key of paths at their first segment, where origin, throughput and slot follow from the index in
-    /// the queue.
+    /// Direction and key of paths at their first segment, where origin, throughput and slot follow from the
+    /// index in the queue.
     #[inline(always)]
     pub fn primary<L: Lane>(&self, at: usize) -> (Vec3<L>, L::Bits) {
         (self.direction.load(at), L::Bits::load(&self.key[at..]))

@@ -1,7 +1,7 @@
 //! A thread's working memory.
 //!
-//! For: [`Scratch`]: queues, one sample's radiance, and the optional meter and probe. May import: the queues, `meter`,
-//! `probe`, `context`. Must never know: what the stages compute.
+//! For: [`Scratch`]: queues, one sample's radiance, and the optional meter and probe. May import: the queues,
+//! `meter`, `probe`, `context`. Must never know: what the stages compute.
 
 use super::columns::{IntColumn, Vec3Columns, compress};
 use super::context::TraceContext;
@@ -19,8 +19,8 @@ use crate::traverse::rays::Hits;
 use crate::traverse::tally::{Counter, Counts};
 use bytemuck::Zeroable;
 
-/// One thread's working memory: 24 KiB, which a first-level cache holds, 12 more for shadow rays, and that of the
-/// traversals of a hierarchy.
+/// One thread's working memory: 24 KiB, which a first-level cache holds, 12 more for shadow rays, and that of
+/// the traversals of a hierarchy.
 pub struct Scratch {
     pub queue: PathQueue,
     pub shadow_queue: ShadowQueue,
@@ -127,7 +127,8 @@ impl Scratch {
         self.idle_probe.get_or_insert_default()
     }
 
-    /// Finds which of the first `count` shadow rays are occluded: their hits in the path queue are not misses.
+    /// Finds which of the first `count` shadow rays are occluded: their hits in the path queue are not
+    /// misses.
     pub fn occlude_in_hierarchy(&mut self, hierarchy: &Hierarchy, traversal: Traversal, count: usize) {
         let counter = self.meter.as_ref().map(|meter| meter.counter(RayKind::Shadow));
         let queries = self.shadow_queue.queries(&mut self.queue, count);
@@ -165,8 +166,8 @@ impl Scratch {
         self.radiance.store(at, radiance);
     }
 
-    /// Queues radiance of the lanes of `mask` behind `count` earlier contributions; returns how many there are now.
-    /// [`Scratch::add_contributions`] adds them to their pixels.
+    /// Queues radiance of the lanes of `mask` behind `count` earlier contributions; returns how many there
+    /// are now. [`Scratch::add_contributions`] adds them to their pixels.
     #[inline(always)]
     pub fn push_contribution<L: Lane>(
         &mut self,

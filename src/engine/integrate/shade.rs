@@ -1,7 +1,8 @@
-//! Third and last stage: shading. Adds emitted radiance, samples the BSDF, and compresses the paths that go on.
+//! Third and last stage: shading. Adds emitted radiance, samples the BSDF, and compresses the paths that go
+//! on.
 //!
-//! For: [`shade`] and [`finish`]. May import: `bsdf`, `emission`, `shadow_rays` and what stands above them. Must never know:
-//! how rays are traced.
+//! For: [`shade`] and [`finish`]. May import: `bsdf`, `emission`, `shadow_rays` and what stands above them.
+//! Must never know: how rays are traced.
 
 use super::bsdf::{ScatteredPath, scatter};
 use super::context::TraceContext;
@@ -139,7 +140,8 @@ fn load_path<L: Lane, const N: u32, const FIRST: bool>(
     Path { ray, throughput: Vec3::repeat(L::one()), inv_pdf: L::zero(), key, slot: primary_slots::<L>(at) }
 }
 
-/// The lanes that add radiance: those that missed, and, where surfaces emit, those with radiance other than 0.
+/// The lanes that add radiance: those that missed, and, where surfaces emit, those with radiance other than
+/// 0.
 #[inline(always)]
 fn carries_radiance<L: Lane, const N: u32>(active: L::Mask, found: L::Mask, radiance: Vec3<L>) -> L::Mask {
     if has(N, Features::EMISSION) {
@@ -150,8 +152,8 @@ fn carries_radiance<L: Lane, const N: u32>(active: L::Mask, found: L::Mask, radi
     }
 }
 
-/// Adds radiance to pixels. At the first segment every path is at its pixel's index and whole packets are stored; later,
-/// contributions are queued and added at the end of the stage.
+/// Adds radiance to pixels. At the first segment every path is at its pixel's index and whole packets are
+/// stored; later, contributions are queued and added at the end of the stage.
 #[derive(Default)]
 struct RadianceAccumulator<const FIRST: bool> {
     contributions: usize,

@@ -1,8 +1,8 @@
 //! Next event estimation: shadow rays to sampled points of the lights.
 //!
-//! For: [`sample_direct_light`], which queues a shadow ray at each scattering event, and [`trace_shadow_rays`], the stage that
-//! adds the radiance of the unoccluded ones. May import: `bsdf`, `emission`, `intersect` and what stands above them. Must never
-//! know: `shade`.
+//! For: [`sample_direct_light`], which queues a shadow ray at each scattering event, and
+//! [`trace_shadow_rays`], the stage that adds the radiance of the unoccluded ones. May import: `bsdf`,
+//! `emission`, `intersect` and what stands above them. Must never know: `shade`.
 
 use super::bsdf::{ScatteredPath, evaluate, has_sampled_lobe};
 use super::context::TraceContext;
@@ -20,12 +20,12 @@ use crate::lane::{Lane, Mask};
 use crate::math::{Hit, Ray, Vec3};
 use crate::sampling::{Numbers, random};
 
-/// A shadow ray ends this share of its length before the light: far more than the error of a hit's distance, so that no light
-/// occludes itself, and so little that no occluder is missed.
+/// A shadow ray ends this share of its length before the light: far more than the error of a hit's distance,
+/// so that no light occludes itself, and so little that no occluder is missed.
 const SHADOW_EPSILON: f32 = 4e-6;
 
-/// Samples a point of a light for each path of a packet that scatters at `surface`, and queues the shadow rays behind `count`
-/// earlier ones; returns how many there are now.
+/// Samples a point of a light for each path of a packet that scatters at `surface`, and queues the shadow
+/// rays behind `count` earlier ones; returns how many there are now.
 ///
 /// Not inlined: it is much code, called from two places.
 #[inline(never)]

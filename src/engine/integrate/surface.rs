@@ -1,7 +1,7 @@
 //! The surface at a hit: point, geometric normal, texture coordinates.
 //!
-//! For: [`Surface`], looked up from the buffers for a packet of hits. May import: `context`, `features`, `queue`, `kernel`.
-//! Must never know: materials, lobes, stages.
+//! For: [`Surface`], looked up from the buffers for a packet of hits. May import: `context`, `features`,
+//! `queue`, `kernel`. Must never know: materials, lobes, stages.
 
 use super::context::TraceContext;
 use super::features::has;
@@ -28,10 +28,12 @@ pub struct Surface<L: Lane> {
     is_sphere: L::Mask,
     /// Index of the triangle, where it is one.
     triangle: L::Bits,
-    /// Texture offset of spheres in u. Its sign bit is set where u runs the other way: see [`crate::buffers`].
+    /// Texture offset of spheres in u. Its sign bit is set where u runs the other way: see
+    /// [`crate::buffers`].
     turn: L,
     barycentric: (L, L),
-    /// The pdf with which light sampling at the ray's origin samples the ray's direction, in 1/sr; 0 where it never does.
+    /// The pdf with which light sampling at the ray's origin samples the ray's direction, in 1/sr; 0 where it
+    /// never does.
     pub light_pdf: L,
 }
 
@@ -148,7 +150,8 @@ impl<L: Lane> Surface<L> {
         (Vec3::select(interpolated, normal, self.ng), interpolated)
     }
 
-    /// The tangent along growing u in the lanes of `mapped`, and the frame's handedness (see [`normals::mapped`]).
+    /// The tangent along growing u in the lanes of `mapped`, and the frame's handedness (see
+    /// [`normals::mapped`]).
     #[inline(always)]
     pub fn tangent<const N: u32>(&self, context: &TraceContext, mapped: L::Mask) -> (Vec3<L>, L) {
         let (mut tangent, mut hand) = (Vec3::zero(), L::zero());

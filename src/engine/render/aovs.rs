@@ -1,7 +1,7 @@
 //! AOVs and heat maps: feature buffers of the scene, traversal cost, and path lengths, by pixel.
 //!
-//! For: [`Renderer::aovs_into`] and the like, and [`Map`]. May import: `integrate`, and the renderer. Must never know: what shows
-//! them.
+//! For: [`Renderer::aovs_into`] and the like, and [`Map`]. May import: `integrate`, and the renderer. Must
+//! never know: what shows them.
 
 use super::Renderer;
 use crate::camera::Tile;
@@ -47,15 +47,16 @@ impl Renderer {
         });
     }
 
-    /// Calls `row` for every `length` values, with the row's number from the top and a thread's scratch memory.
+    /// Calls `row` for every `length` values, with the row's number from the top and a thread's scratch
+    /// memory.
     fn each_row<T: Send>(
         &self,
         values: &mut [T],
         length: usize,
         row: impl Fn(u32, &mut [T], &mut Scratch) + Sync,
     ) {
-        let row = |(y, values): (usize, &mut [T])| row(y as u32, values, &mut self.threads.own());
-        match self.threads.alone() {
+        let row = |(y, values): (usize, &mut [T])| row(y as u32, values, &mut self.threads.local());
+        match self.threads.is_single() {
             true => values.chunks_mut(length).enumerate().for_each(row),
             false => self.threads.run(|| values.par_chunks_mut(length).enumerate().for_each(row)),
         }
@@ -67,7 +68,7 @@ impl Renderer {
         let width = shapes.width as usize;
         let shapes = Mutex::new(shapes);
         let trace = |tile: Tile| {
-            let mut scratch = self.threads.own();
+            let mut scratch = self.threads.local();
             scratch.start_probe();
             (self.pipeline)(&self.context, tile, sample, &mut scratch);
             scratch.begin_stage(None);
@@ -79,7 +80,7 @@ impl Renderer {
             }
         };
         let tiles = Tile::cover(self.settings.resolution, self.settings.tile_size);
-        match self.threads.alone() {
+        match self.threads.is_single() {
             true => tiles.for_each(trace),
             false => self.threads.run(|| tiles.par_bridge().for_each(trace)),
         }

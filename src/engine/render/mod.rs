@@ -1,7 +1,7 @@
-//! From a scene to a film: tiles as rayon jobs.
+//! Renders a scene into a film: tiles as rayon jobs.
 //!
-//! For: [`Renderer`], [`RenderObserver`] to follow and to cancel it, and [`mod@aovs`] for feature buffers and heat maps. May
-//! import: `film` and everything above it. Must never know: files, terminals, clocks.
+//! For: [`Renderer`], [`RenderObserver`] to follow and to cancel it, and [`mod@aovs`] for feature buffers and
+//! heat maps. May import: `film` and everything above it. Must never know: files, terminals, clocks.
 
 pub mod aovs;
 mod settings;
@@ -20,15 +20,15 @@ use crate::threads::Threads;
 use crate::traverse::{Primitives, Visible};
 use rayon::prelude::*;
 
-/// Limit on primitives times tiles for which [`Visible`] is found: some tens of milliseconds. With more, linear traversal is too
-/// slow to render with anyway.
+/// Limit on primitives times tiles for which [`Visible`] is found: some tens of milliseconds. With more,
+/// linear traversal is too slow to render with anyway.
 const MOST_TO_CULL: usize = 4_000_000;
-/// Limit on primitives for which it is found again for every frame of a moving camera. Finding it takes 1 to 4 % of a frame of
-/// one sample, and saves 0 to 25 % of it, more for larger pictures.
+/// Limit on primitives for which it is found again for every frame of a moving camera. Finding it takes 1 to
+/// 4 % of a frame of one sample, and saves 0 to 25 % of it, more for larger pictures.
 const MOST_TO_CULL_MOVING: usize = 256;
 
-/// Finds the primitives that each tile's primary rays can hit; empty where that is unknown, or where there are more primitives
-/// than `most` or than [`MOST_TO_CULL`] allows.
+/// Finds the primitives that each tile's primary rays can hit; empty where that is unknown, or where there
+/// are more primitives than `most` or than [`MOST_TO_CULL`] allows.
 fn find_visible(
     visible: &mut Vec<Visible>,
     scene: &Scene,
@@ -69,7 +69,8 @@ pub struct PrimaryHit {
     pub weights: [f32; 2],
 }
 
-/// Observes progress and cancels rendering. Called from all threads at once. `()` observes nothing and never cancels.
+/// Observes progress and cancels rendering. Called from all threads at once. `()` observes nothing and never
+/// cancels.
 pub trait RenderObserver: Sync {
     /// Called before each sample of a tile; no more samples are taken where it is true.
     fn is_cancelled(&self) -> bool;
@@ -135,8 +136,8 @@ impl Renderer {
         self.settings.seed = seed;
         self.context.seed = seed;
     }
-    /// Changes camera, resolution and number of bounces of a renderer that was made for `scene`. Earlier films fit only where the
-    /// resolution is the same.
+    /// Changes camera, resolution and number of bounces of a renderer that was made for `scene`. Earlier
+    /// films fit only where the resolution is the same.
     ///
     /// # Panics
     /// If the resolution is outside its documented range.
@@ -169,37 +170,39 @@ impl Renderer {
     pub fn film_with_noise(&self) -> Film {
         self.film().with_noise()
     }
-    /// Runs `run` on the renderer's threads. Around many calls of [`Renderer::add_samples`], it saves waking the threads for each.
+    /// Runs `run` on the renderer's threads. Around many calls of [`Renderer::add_samples`], it saves waking
+    /// the threads for each.
     pub fn on_threads<R: Send>(&self, run: impl FnOnce() -> R + Send) -> R {
         self.threads.run(run)
     }
-    /// Runs `run` on the renderer's threads with mutable access to the renderer. It occupies one of the threads, which takes its
-    /// share of the work that `run` starts.
+    /// Runs `run` on the renderer's threads with mutable access to the renderer. It occupies one of the
+    /// threads, which takes its share of the work that `run` starts.
     pub fn hold<R: Send>(&mut self, run: impl FnOnce(&mut Self) -> R + Send) -> R {
         self.threads.handle().run(|| run(self))
     }
     /// Starts statistics. They cost some time and change no bit of the picture.
     pub fn start_stats(&self) {
-        self.threads.each(|scratch| scratch.start_stats());
+        self.threads.for_each_memory(|scratch| scratch.start_stats());
     }
     /// Ends statistics and returns them, summed over all threads.
     pub fn take_stats(&self) -> Stats {
         let mut sum = Stats::default();
-        self.threads.each(|scratch| sum += &scratch.take_stats());
+        self.threads.for_each_memory(|scratch| sum += &scratch.take_stats());
         sum
     }
     /// Adds `samples` samples to every pixel; their numbers follow those of earlier samples.
     pub fn add_samples(&self, film: &mut Film, samples: u32) {
         self.add_samples_observed(film, samples, &());
     }
-    /// Takes samples until every pixel has `samples` more than [`Film::samples`], unless `observer` cancels. Then tiles differ in
-    /// their numbers of samples, all of them whole: a pixel has the bits that its own number of samples gives in any other film.
+    /// Takes samples until every pixel has `samples` more than [`Film::samples`], unless `observer` cancels.
+    /// Then tiles differ in their numbers of samples, all of them whole: a pixel has the bits that its own
+    /// number of samples gives in any other film.
     pub fn add_samples_observed(&self, film: &mut Film, samples: u32, observer: &dyn RenderObserver) {
         let goal = film.samples() + samples;
         self.sample_tiles_to(film, |_, _| goal, observer);
     }
-    /// Takes samples until each tile has `goal(tile number, samples so far)` of them, unless `observer` cancels. A tile that has
-    /// more keeps them.
+    /// Takes samples until each tile has `goal(tile number, samples so far)` of them, unless `observer`
+    /// cancels. A tile that has more keeps them.
     pub fn sample_tiles_to(
         &self,
         film: &mut Film,
@@ -208,7 +211,7 @@ impl Renderer {
     ) {
         let add =
             |sums: &mut TileSums| self.add_to_tile(sums, goal(sums.tile.number, sums.samples), observer);
-        film.rays += match self.threads.alone() {
+        film.rays += match self.threads.is_single() {
             true => film.tiles.iter_mut().map(add).sum::<u64>(),
             false => self.threads.run(|| film.tiles.par_iter_mut().map(add).sum::<u64>()),
         };
@@ -244,9 +247,9 @@ impl Renderer {
         Tile::cover(self.settings.resolution, self.settings.tile_size).flat_map(of_tile).collect()
     }
 
-    /// Takes samples until the tile has had `goal`; returns the rays.
+    /// Takes samples until the tile has `goal` of them; returns the number of rays.
     fn add_to_tile(&self, sums: &mut TileSums, goal: u32, observer: &dyn RenderObserver) -> u64 {
-        let mut scratch = self.threads.own();
+        let mut scratch = self.threads.local();
         let mut total = 0;
         while sums.samples < goal && !observer.is_cancelled() {
             let rays = (self.pipeline)(&self.context, sums.tile, sums.samples, &mut scratch);

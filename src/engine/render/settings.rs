@@ -1,6 +1,7 @@
 //! What decides a picture besides its scene.
 //!
-//! For: [`Settings`] and [`PipelineChoice`]. May import: `scene`, `traverse`. Must never know: renderers, films.
+//! For: [`Settings`] and [`PipelineChoice`]. May import: `scene`, `traverse`. Must never know: renderers,
+//! films.
 
 use crate::scene::Scene;
 use crate::traverse::Methods;
@@ -25,8 +26,8 @@ impl PipelineChoice {
     }
 }
 
-/// The settings of a picture. `lanes`, `threads`, `tile_size` and `pipeline` change how it is computed and no bit of it (but
-/// tiles are the blocks of adaptive sampling, [`crate::adaptive`]).
+/// The settings of a picture. `lanes`, `threads`, `tile_size` and `pipeline` change how it is computed and no
+/// bit of it (but tiles are the blocks of adaptive sampling, [`crate::adaptive`]).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
     /// Pixels: width, height.
@@ -42,8 +43,8 @@ pub struct Settings {
     /// Pixels of a tile: width, height; their product is at most [`crate::camera::MAX_PIXELS`].
     pub tile_size: [u32; 2],
     pub pipeline: PipelineChoice,
-    /// The most radiance of a sample in a channel; infinite, the default, is no limit. Clamping is biased: the picture is
-    /// darker than ground truth by what it cuts off.
+    /// The most radiance of a sample in a channel; infinite, the default, is no limit. Clamping is biased:
+    /// the picture is darker than ground truth by what it cuts off.
     pub clamp: f32,
 }
 

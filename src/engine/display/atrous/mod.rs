@@ -1,24 +1,28 @@
 //! A denoiser: the edge-avoiding à-trous wavelet filter.
 //!
-//! For: [`Denoiser`]. May import: [`mod@planes`], `rows`, `lane`, the AOVs of `integrate`, `film`. Must never know: cameras, renderers.
+//! For: [`Denoiser`]. May import: [`mod@planes`], `rows`, `lane`, the AOVs of `integrate`, `film`. Must never
+//! know: cameras, renderers.
 //!
-//! Source: Dammertz, Sewtz, Hanika, Lensch, "Edge-Avoiding À-Trous Wavelet Transform for fast Global Illumination Filtering", HPG
-//! 2010. Each level is a small blur with twice the tap distance of the level before. Edge-stopping functions of guide buffers
-//! reduce the weight of a tap:
+//! Source: Dammertz, Sewtz, Hanika, Lensch, "Edge-Avoiding À-Trous Wavelet Transform for fast Global
+//! Illumination Filtering", HPG 2010. Each level is a small blur with twice the tap distance of the level
+//! before. Edge-stopping functions of guide buffers reduce the weight of a tap:
 //!
-//! - Object, normal and depth: a tap on another object has the weight 0; the weight falls with the difference of the normals, and
-//!   with the difference of 1/depth from the pixel's slope (1/depth is linear on a plane: a slanted floor is no edge).
-//! - Colour: the weight falls where colours differ by more than the noise. The noise is estimated from the number of samples and
-//!   from the neighbourhood; it halves with every level, as the remaining noise does. A converged picture changes little.
-//! - Lobe width: on smooth surfaces the weight falls with the distance of the tap, because no guide buffer holds the edges of what
-//!   they reflect. At roughness 0 only the pixel itself counts: mirrors, glass and the sky stay bit-identical.
+//! - Object, normal and depth: a tap on another object has the weight 0; the weight falls with the difference
+//!   of the normals, and with the difference of 1/depth from the pixel's slope (1/depth is linear on a plane:
+//!   a slanted floor is no edge).
+//! - Colour: the weight falls where colours differ by more than the noise. The noise is estimated from the
+//!   number of samples and from the neighbourhood; it halves with every level, as the remaining noise does. A
+//!   converged picture changes little.
+//! - Lobe width: on smooth surfaces the weight falls with the distance of the tap, because no guide buffer
+//!   holds the edges of what they reflect. At roughness 0 only the pixel itself counts: mirrors, glass and
+//!   the sky stay bit-identical.
 //!
-//! Colours are filtered demodulated (radiance over albedo), so that textures stay sharp; a tap's weight is proportional to its
-//! albedo, because the error of the quotient is inversely proportional to it.
+//! Colours are filtered demodulated (radiance over albedo), so that textures stay sharp; a tap's weight is
+//! proportional to its albedo, because the error of the quotient is inversely proportional to it.
 //!
-//! Three departures from the paper: a level has 3×3 taps with weights 1 2 1 (the paper's 5×5 are 2.8 times as many, for 0.8 to 1.1
-//! times the error); e^(−x) is (1 − x/4)⁴ up to 4 and 0 beyond, so that strong edges stop the filter completely; and the colour
-//! range is the one described above.
+//! Three departures from the paper: a level has 3×3 taps with weights 1 2 1 (the paper's 5×5 are 2.8 times as
+//! many, for 0.8 to 1.1 times the error); e^(−x) is (1 − x/4)⁴ up to 4 and 0 beyond, so that strong edges
+//! stop the filter completely; and the colour range is the one described above.
 
 mod planes;
 
@@ -34,7 +38,8 @@ type L = F32x8;
 
 /// Levels, each twice as wide as the one before: 63 pixels in all.
 const LEVELS: u32 = 5;
-/// Upper bound of the colour range at one sample a pixel, as a multiple of the brightness, whatever the neighbourhood's variance.
+/// Upper bound of the colour range at one sample a pixel, as a multiple of the brightness, whatever the
+/// neighbourhood's variance.
 const NOISE_PER_SAMPLE: f32 = 4.0;
 /// Edge stopping by normals: weight 1/e at 20°, 0 from 41° on.
 const NORMAL_FACTOR: f32 = 8.0;
@@ -42,10 +47,11 @@ const NORMAL_FACTOR: f32 = 8.0;
 const DEPTH_TOLERANCE: f32 = 0.02;
 const SLOPE_TOLERANCE: f32 = 0.5;
 
-/// The filter. Cost: 45 taps a pixel and 25 reads for the variance of its neighbourhood, eight pixels at once; working memory: 80
-/// bytes a pixel with the picture.
+/// The filter. Cost: 45 taps a pixel and 25 reads for the variance of its neighbourhood, eight pixels at
+/// once; working memory: 80 bytes a pixel with the picture.
 ///
-/// Law: a filtered pixel is a mean of pixels of one object, times the pixel's albedo; a picture without noise changes little.
+/// Law: a filtered pixel is a mean of pixels of one object, times the pixel's albedo; a picture without noise
+/// changes little.
 #[derive(Clone, Debug, Default)]
 pub struct Denoiser {
     guides: Vec<f32>,

@@ -1,6 +1,7 @@
 //! The filter's guide buffers (feature buffers), in planes from which whole packets of taps are loaded.
 //!
-//! For: [`Task`], [`Guide`]. May import: `rows`, `lane`, the AOVs of `integrate`, `film`. Must never know: the levels.
+//! For: [`Task`], [`Guide`]. May import: `rows`, `lane`, the AOVs of `integrate`, `film`. Must never know:
+//! the levels.
 
 use super::super::rows::packet;
 use crate::film::Picture;
@@ -35,7 +36,8 @@ pub enum Guide {
 
 pub const GUIDES: usize = Guide::Strictness as usize + 1;
 
-/// Padding columns left of the picture, and right of it after the last packet: at least the distance of the furthest tap.
+/// Padding columns left of the picture, and right of it after the last packet: at least the distance of the
+/// furthest tap.
 pub const PAD: usize = 16;
 /// The object id outside the picture: no object has it.
 const OUTSIDE: u32 = MISS - 1;
@@ -43,12 +45,13 @@ const OUTSIDE: u32 = MISS - 1;
 pub const MIN_ALBEDO: f32 = 0.02;
 /// [`Guide::Narrowness`] of pixels that are not filtered.
 pub const UNFILTERED: f32 = 1e30;
-/// Filter radius on glossy metal as a share of the lobe's footprint, which on the picture is about the lobe's width times the
-/// picture's height, where the surroundings are as far from the metal as it is from the camera. Of 1, 1/2 and 1/4 it is the one
-/// that increased next to no error over a filter that hardly filters smooth metal, and halved the error at a roughness of 0.2.
+/// Filter radius on glossy metal as a share of the lobe's footprint, which on the picture is about the lobe's
+/// width times the picture's height, where the surroundings are as far from the metal as it is from the
+/// camera. Of 1, 1/2 and 1/4 it is the one that increased next to no error over a filter that hardly filters
+/// smooth metal, and halved the error at a roughness of 0.2.
 const SHARE_OF_LOBE: f32 = 0.25;
-/// The colour range in standard deviations of the neighbourhood, and the factor by which one sample a pixel widens it: then few
-/// pixels hold most of the light, and the variance of the others is underestimated.
+/// The colour range in standard deviations of the neighbourhood, and the factor by which one sample a pixel
+/// widens it: then few pixels hold most of the light, and the variance of the others is underestimated.
 const SIGMA_COLOR: f32 = 3.0;
 const FEW_SAMPLES: f32 = 2.0;
 /// Pixels to each side over which the variance of colours is estimated.
@@ -140,7 +143,8 @@ impl<'a> Task<'a> {
         light.chunks_mut(stride).for_each(|plane| clear_sides(plane, width, 0.0));
     }
 
-    /// The slopes of 1/depth to the right and down: of the two one-sided differences on the same object, the smaller one.
+    /// The slopes of 1/depth to the right and down: of the two one-sided differences on the same object, the
+    /// smaller one.
     fn slopes(&self, [at, y]: [usize; 2], object: B, inverse_depth: L) -> [L; 2] {
         let line = |y: usize| [Plane::Distance, Plane::Object].map(|plane| self.aovs.row(plane, y as u32));
         let shifted = |x: i32| {
@@ -200,7 +204,8 @@ impl<'a> Task<'a> {
                     squares = brightness.mul_add(brightness, squares);
                 }
             }
-            // A third of the variance of the sum of three channels: three times that of one channel if they are equal.
+            // A third of the variance of the sum of three channels: three times that of one channel if they
+            // are equal.
             let share = L::one() / count.max(L::one());
             let mean = sum * share;
             let variance = (squares * share - mean * mean).max(L::splat(1e-10)) * L::splat(1.0 / 3.0);

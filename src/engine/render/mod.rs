@@ -22,13 +22,13 @@ use rayon::prelude::*;
 
 /// Limit on primitives times tiles for which [`Visible`] is found: some tens of milliseconds. With more,
 /// linear traversal is too slow to render with anyway.
-const MOST_TO_CULL: usize = 4_000_000;
+const MAX_CULLING_TESTS: usize = 4_000_000;
 /// Limit on primitives for which it is found again for every frame of a moving camera. Finding it takes 1 to
 /// 4 % of a frame of one sample, and saves 0 to 25 % of it, more for larger pictures.
-const MOST_TO_CULL_MOVING: usize = 256;
+const MAX_CULLED_MOVING: usize = 256;
 
 /// Finds the primitives that each tile's primary rays can hit; empty where that is unknown, or where there
-/// are more primitives than `most` or than [`MOST_TO_CULL`] allows.
+/// are more primitives than `most` or than [`MAX_CULLING_TESTS`] allows.
 fn find_visible(
     visible: &mut Vec<Visible>,
     scene: &Scene,
@@ -38,7 +38,7 @@ fn find_visible(
 ) {
     let tiles = || Tile::cover(settings.resolution, settings.tile_size);
     let (primitives, count) = (scene.spheres.len() + scene.triangles.len(), tiles().count());
-    let too_many = primitives > most || primitives * count > MOST_TO_CULL;
+    let too_many = primitives > most || primitives * count > MAX_CULLING_TESTS;
     if !settings.methods.keep_to_their_primitives() || too_many {
         visible.clear();
         return;
@@ -148,7 +148,7 @@ impl Renderer {
         context.camera = Pinhole::new(camera, resolution);
         (context.width, context.max_bounces) = (resolution[0], max_bounces);
         if context.primitives.hierarchy().is_none() {
-            find_visible(&mut context.visible, scene, &context.camera, &self.settings, MOST_TO_CULL_MOVING);
+            find_visible(&mut context.visible, scene, &context.camera, &self.settings, MAX_CULLED_MOVING);
         }
     }
     pub fn camera(&self) -> &Pinhole {

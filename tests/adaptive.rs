@@ -5,7 +5,7 @@ mod common;
 
 use common::{empty, material, sphere};
 use glam::Vec3;
-use octray::adaptive::{DARK, Reached, Round, STEEPEST, Target, WORST};
+use octray::adaptive::{BLACK_SAMPLES, ErrorEstimate, MAX_BLOCK_ERROR, MAX_SAMPLE_RATIO, Round, Target};
 use octray::film::{Film, Picture, noise::luminance};
 use octray::render::{Renderer, Settings};
 use octray::scene::{Camera, Material, MaterialKind, Scene, Sky, load};
@@ -22,7 +22,7 @@ fn render(scene: &Scene, settings: Settings, target: Target, chunk: u32) -> Film
     while let Some(round) = target.next(&film) {
         while round.missing(&film).0 > 0 {
             let goal = |tile: usize, had: u32| round.goals[tile].min(had.saturating_add(chunk));
-            renderer.bring_tiles_watched(&mut film, goal, &());
+            renderer.sample_tiles_to(&mut film, goal, &());
         }
     }
     film
@@ -83,7 +83,7 @@ fn picture_is_a_plain_one_where_nothing_may_stop_early() {
         let film = render(&scene, settings(&scene), target, u32::MAX);
         assert_eq!((film.samples(), film.most_samples()), (samples, samples));
         assert_eq!(film.picture(), plain(&scene, settings(&scene), samples));
-        let reached = Reached::of(&film);
+        let reached = ErrorEstimate::of(&film);
         assert!(!target.met(&reached) && reached.rms.is_infinite() == (samples < 4), "{reached:?}");
     }
 }
@@ -102,7 +102,7 @@ fn true_errors(film: &Film, truth: &Picture) -> Vec<(f64, f64)> {
     }
     let pixels = (width * height) as f64;
     let roots = blocks.iter().map(|(at, mean)| at.len() as f64 * mean.sqrt()).sum::<f64>();
-    let floor = octray::adaptive::FLOOR * (roots / pixels).powi(2);
+    let floor = octray::adaptive::LUMINANCE_FLOOR * (roots / pixels).powi(2);
     let error = |(at, mean): &(Vec<usize>, f64)| {
         let square = |&at: &usize| {
             let truth = bright(&truth.pixels[at]);
@@ -123,7 +123,7 @@ fn promised_error_is_the_true_one_and_easy_parts_stop_early() {
         for error in [0.2, 0.07] {
             let target = Target { error, least: 16, most: 1 << 14 };
             let film = render(&scene, settings, target, u32::MAX);
-            let reached = Reached::of(&film);
+            let reached = ErrorEstimate::of(&film);
             assert!(target.met(&reached), "{name}: {reached:?}");
             let errors = true_errors(&film, &truth);
             let pixels: f64 = errors.iter().map(|(pixels, _)| pixels).sum();
@@ -135,7 +135,7 @@ fn promised_error_is_the_true_one_and_easy_parts_stop_early() {
                 rms < factor * reached.rms && rms > reached.rms / (factor * spread),
                 "{name}: {rms} for {reached:?}"
             );
-            assert!(largest < factor * WORST * error, "{name}: {largest} in the worst block");
+            assert!(largest < factor * MAX_BLOCK_ERROR * error, "{name}: {largest} in the worst block");
             if name == "chess" && error == 0.07 {
                 assert!(film.samples() == 16 && film.most_samples() == 512 && film.mean_samples() < 300.0);
             }
@@ -146,12 +146,12 @@ fn promised_error_is_the_true_one_and_easy_parts_stop_early() {
 #[test]
 fn black_blocks_end_but_look_for_light_first() {
     let black = Scene { sky: Sky::Color(Vec3::ZERO), ..empty() };
-    for (most, samples) in [(1 << 14, DARK), (64, 64)] {
+    for (most, samples) in [(1 << 14, BLACK_SAMPLES), (64, 64)] {
         let target = Target { error: 0.5, least: 16, most };
         let film =
             render(&black, Settings { resolution: [40, 24], ..Settings::of(&black) }, target, u32::MAX);
         assert_eq!((film.samples(), film.most_samples()), (samples, samples));
-        assert_eq!(Reached::of(&film), Reached { rms: 0.0, largest: 0.0 });
+        assert_eq!(ErrorEstimate::of(&film), ErrorEstimate { rms: 0.0, largest: 0.0 });
     }
 }
 
@@ -178,7 +178,7 @@ fn neighbours_of_noisy_blocks_get_at_least_their_share() {
         for (dx, dy) in [(0, 1), (1, 0), (1, 1)] {
             let (x2, y2) = ((x + dx).min(8), (y + dy).min(8));
             let (a, b) = (block(x, y), block(x2, y2));
-            assert!(a.max(b) <= STEEPEST * a.min(b), "{a} samples beside {b} at {x}, {y}");
+            assert!(a.max(b) <= MAX_SAMPLE_RATIO * a.min(b), "{a} samples beside {b} at {x}, {y}");
         }
     }
 }

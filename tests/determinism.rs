@@ -7,7 +7,7 @@ use common::{Dice, empty, material, noise, sphere, triangle};
 use glam::{Vec2, Vec3};
 use octray::buffers::Features;
 use octray::integrate::pipeline_for;
-use octray::render::{PipelineChoice, Renderer, Settings, Watch};
+use octray::render::{PipelineChoice, RenderObserver, Renderer, Settings};
 use octray::scene::{Camera, Filter, Material, MaterialKind, Scene, Side, Sky, builtin_names, load};
 use octray::traverse::batch::Traversal;
 use octray::traverse::{Methods, SphereChoice, TraversalChoice, TriangleChoice};
@@ -276,11 +276,11 @@ struct StopAfter {
     rays: AtomicU64,
 }
 
-impl Watch for StopAfter {
-    fn stop(&self) -> bool {
+impl RenderObserver for StopAfter {
+    fn is_cancelled(&self) -> bool {
         self.tiles.load(Ordering::SeqCst) == 0
     }
-    fn done(&self, _pixels: usize, rays: u64) {
+    fn sample_done(&self, _pixels: usize, rays: u64) {
         // Other threads may be at work on one more when the last one is counted.
         let _ = self.tiles.fetch_update(Ordering::SeqCst, Ordering::SeqCst, |left| left.checked_sub(1));
         self.rays.fetch_add(rays, Ordering::SeqCst);
@@ -297,7 +297,7 @@ fn picture_that_was_stopped_midway_is_of_whole_samples_and_goes_on_to_the_same()
         let mut film = renderer.film();
         let watch = StopAfter { tiles: tiles.into(), rays: 0.into() };
         renderer.add_samples(&mut film, 1);
-        renderer.add_samples_watched(&mut film, 4, &watch);
+        renderer.add_samples_observed(&mut film, 4, &watch);
         let (least, most) = (film.samples(), film.most_samples());
         assert!(least >= 1 && most <= 5 && (tiles == 0) == (most == 1), "{least} to {most} samples");
         for (index, pixel) in film.picture().pixels.iter().enumerate() {

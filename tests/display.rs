@@ -6,7 +6,7 @@ use common::{Dice, empty, floor, lamp, material, sphere};
 use glam::Vec3;
 use octray::display::{Blur, Denoiser, Fxaa, Samples, walking_speed};
 use octray::film::Picture;
-use octray::integrate::guides::Aovs;
+use octray::integrate::aovs::Aovs;
 use octray::render::{Renderer, Settings};
 use octray::scene::{Filter, MaterialKind, Scene};
 use octray::tone::Tone;
@@ -22,7 +22,7 @@ fn grey(value: f32) -> [f32; 3] {
 
 fn guides(scene: &Scene) -> Aovs {
     let mut guides = Aovs::default();
-    Renderer::new(scene, Settings::of(scene)).guides_into(&mut guides);
+    Renderer::new(scene, Settings::of(scene)).aovs_into(&mut guides);
     guides
 }
 

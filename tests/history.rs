@@ -7,7 +7,7 @@ use glam::Vec3;
 use octray::camera::Pinhole;
 use octray::display::{History, walking_speed};
 use octray::film::Picture;
-use octray::integrate::guides::{Aovs, Plane};
+use octray::integrate::aovs::{Aovs, Plane};
 use octray::lane::{F32x8, Lane, Mask};
 use octray::render::{Renderer, Settings};
 use octray::scene::{Camera, Material, MaterialKind, Scene, Sky, Triangle};
@@ -29,7 +29,7 @@ impl Window {
     }
     fn look(&mut self, camera: Camera) {
         self.renderer.set_view(&self.scene, &camera, SIZE, 4);
-        self.renderer.guides_into(&mut self.guides);
+        self.renderer.aovs_into(&mut self.guides);
     }
     /// The mean of so many samples of a seed of its own.
     fn frame(&mut self, samples: u32) -> Picture {
@@ -40,7 +40,7 @@ impl Window {
         film.picture()
     }
     fn advance<'a>(&self, history: &'a mut History, fresh: &Picture, samples: u32) -> &'a Picture {
-        history.advance(fresh, samples, &self.guides, self.renderer.camera())
+        history.reproject(fresh, samples, &self.guides, self.renderer.camera())
     }
 }
 
@@ -180,7 +180,7 @@ fn history_ends_at_other_objects_normals_and_planes() {
         assert!(pixel[0] == 0.0 || (pixel[0] - 8.0 / 9.0).abs() < 1e-3 || ball, "{pixel:?}");
     }
     assert!(kept[0] > 1_000 && kept[1] < 40, "{kept:?}");
-    history.forget();
+    history.reset();
     assert_eq!(window.advance(&mut history, &flat(0.25), 1), &flat(0.25));
 }
 
@@ -200,7 +200,7 @@ fn nothing_of_a_lamp_stays_in_the_sky_behind_it() {
         [Vec3::X, -Vec3::X, Vec3::Y, -Vec3::Y].iter().flat_map(|way| (0..12).map(move |at| (way, at)))
     {
         if frame == 0 {
-            history.forget();
+            history.reset();
         }
         window.look(moved(window.scene.camera, way * 0.04 * frame as f32));
         let fresh = window.frame(4);
@@ -251,22 +251,22 @@ fn a_camera_that_stands_ends_at_the_mean_of_its_film() {
     }
     let mut last = f32::INFINITY;
     for samples in [1, 4, 16, 48, 63] {
-        let shown = history.still(&flat(0.0), samples).pixels[777][0];
+        let shown = history.blend_static(&flat(0.0), samples).pixels[777][0];
         assert!(shown < last && shown > 0.0, "{shown} after {samples}");
         last = shown;
     }
     assert!(last < 0.01, "next to nothing before the end: {last}");
     let film = window.frame(64);
-    assert_eq!(history.still(&film, 64), &film, "bit by bit");
+    assert_eq!(history.blend_static(&film, 64), &film, "bit by bit");
     assert!(history.counts().iter().all(|&count| count == 64.0));
-    assert_eq!(history.still(&film, 5_000), &film);
+    assert_eq!(history.blend_static(&film, 5_000), &film);
     // It moves on with what it has seen standing, and does not remember the film again.
     let shown = window.advance(&mut history, &film, 1);
     let differs = shown.pixels.as_flattened().iter().zip(film.pixels.as_flattened());
     assert!(differs.map(|(a, b)| (a - b).abs()).fold(0.0, f32::max) < 2e-3);
     assert!(history.counts()[1_000] > 32.0);
     let none = &mut History::new();
-    assert_eq!(none.still(&film, 1), &film, "nothing was known");
+    assert_eq!(none.blend_static(&film, 1), &film, "nothing was known");
 }
 
 #[test]
@@ -278,17 +278,17 @@ fn history_starts_anew_in_another_resolution_and_gives_the_same_bits_on_any_thre
         let mut other = Aovs::default();
         other.resize([40, SIZE[0]]);
         let turned = Picture { width: 40, height: SIZE[0], ..flat(9.0) };
-        history.advance(&turned, 1, &other, window.renderer.camera());
+        history.reproject(&turned, 1, &other, window.renderer.camera());
         for frame in 0..6 {
             window.look(moved(window.scene.camera, Vec3::X * 0.05 * frame as f32));
             let fresh = window.frame(1);
             let camera = *window.renderer.camera();
             match threads {
-                1 => history.advance(&fresh, 1, &window.guides, &camera),
-                _ => pool.install(|| history.advance(&fresh, 1, &window.guides, &camera)),
+                1 => history.reproject(&fresh, 1, &window.guides, &camera),
+                _ => pool.install(|| history.reproject(&fresh, 1, &window.guides, &camera)),
             };
         }
-        (history.still(&flat(0.5), 3).clone(), history.counts().to_vec())
+        (history.blend_static(&flat(0.5), 3).clone(), history.counts().to_vec())
     };
     let alone = shown(1);
     assert!(alone.0.pixels.as_flattened().iter().all(|&x| x < 4.0), "nothing of the other size");

@@ -5,9 +5,8 @@ mod common;
 use common::{Dice, empty, material, sphere, triangle};
 use glam::{Quat, Vec3};
 use octray::buffers::{Buffers, Features};
-use octray::camera::Pinhole;
-use octray::integrate::queue::Work;
-use octray::integrate::{Tile, World, pipeline_for};
+use octray::camera::{Pinhole, Tile};
+use octray::integrate::{Scratch, TraceContext, pipeline_for};
 use octray::math;
 use octray::scene::{Camera, MAX_BOUNCES, MaterialKind, Scene};
 use octray::traverse::{Methods, Primitives};
@@ -45,7 +44,7 @@ fn sign(bit: usize) -> f32 {
 
 /// The largest departure from unit length of the last segments of a tile's paths.
 fn departure(scene: &Scene, max_bounces: u32, lanes: usize) -> f64 {
-    let world = World {
+    let context = TraceContext {
         buffers: Buffers::new(scene),
         primitives: Primitives::new(scene, Methods::default(), 8),
         camera: Pinhole::new(&scene.camera, [16, 16]),
@@ -56,12 +55,12 @@ fn departure(scene: &Scene, max_bounces: u32, lanes: usize) -> f64 {
         sampler: octray::sampling::Sampler::default(),
     };
     let tile = Tile { number: 0, x: 0, y: 0, width: 16, height: 16 };
-    let mut work = Work::new();
-    let rays = pipeline_for(Features::of(scene), lanes).1(&world, tile, 0, &mut work);
+    let mut scratch = Scratch::new();
+    let rays = pipeline_for(Features::of(scene), lanes).1(&context, tile, 0, &mut scratch);
     // Nothing leaves the room (but by rounding): all paths reach their last segment.
     assert!(rays > 250 * u64::from(max_bounces), "{rays}");
     let alive = (rays - 256) / u64::from(max_bounces);
-    let lengths = (0..alive as usize).map(|at| length(work.queue.ray::<f32>(at).direction.get(0)));
+    let lengths = (0..alive as usize).map(|at| length(scratch.queue.ray::<f32>(at).direction.get(0)));
     lengths.map(|length| (length - 1.0).abs()).fold(0.0, f64::max)
 }
 

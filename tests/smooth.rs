@@ -105,8 +105,8 @@ fn flat_meshes_need_no_smooth_normals() {
     let smooth = smooth_ball(MaterialKind::Diffuse);
     assert!(Features::of(&smooth).contains(Features::SMOOTH_NORMALS));
     let flat = Scene { normals: vec![[Vec3::ZERO; 3]; 80], ..smooth.clone() };
-    assert!(!Features::of(&flat).meets(Features::BENT_NORMALS));
-    assert!(!Features::of(&Scene { normals: Vec::new(), ..smooth }).meets(Features::BENT_NORMALS));
+    assert!(!Features::of(&flat).meets(Features::SHADING_NORMALS));
+    assert!(!Features::of(&Scene { normals: Vec::new(), ..smooth }).meets(Features::SHADING_NORMALS));
     assert_eq!(picture(&flat, 4), picture(&Scene { normals: Vec::new(), ..flat.clone() }, 4));
-    assert!(!Features::of(&empty()).meets(Features::BENT_NORMALS));
+    assert!(!Features::of(&empty()).meets(Features::SHADING_NORMALS));
 }

@@ -228,12 +228,12 @@ fn rays_by_kind_are_all_rays_and_packets_hold_them() {
             assert_eq!(stats.rays(RayKind::Primary), 3 * 50 * 35, "{name}");
             assert_eq!(RayKind::ALL.map(|kind| stats.rays(kind)).iter().sum::<u64>(), rays, "{name}");
             // Only the box has a lamp: at most one ray to it from each event, and tested like others.
-            let [bounced, to_lights] = [RayKind::Bounce, RayKind::Light].map(|kind| stats.rays(kind));
+            let [bounced, to_lights] = [RayKind::Bounce, RayKind::Shadow].map(|kind| stats.rays(kind));
             assert_eq!(to_lights > 0, name.contains("cornell"));
             assert!(to_lights <= stats.rays(RayKind::Primary) + bounced, "{name}");
-            assert!(stats.search.packets * lanes as u64 >= to_lights, "{name}");
+            assert!(stats.shadow_rays.packets * lanes as u64 >= to_lights, "{name}");
             let triangles = to_lights * scene.triangles.len() as u64;
-            assert_eq!(stats.counts[RayKind::Light as usize].triangles.tests, triangles, "{name}");
+            assert_eq!(stats.counts[RayKind::Shadow as usize].triangles.tests, triangles, "{name}");
             assert_eq!(stats.segments.len(), 4, "{name}: one segment more than bounces");
             assert!(stats.segments.is_sorted_by(|a, b| a.rays >= b.rays), "{name}");
             for Segment { rays, packets } in &stats.segments {

@@ -1,9 +1,9 @@
 //! What the survey tells of pixels: guides against primary rays and the scene itself, costs against the tallies of whole frames, shapes of
 //! paths against the counts of rays.
 
-use octray::integrate::guides::Aovs;
+use octray::integrate::aovs::Aovs;
 use octray::math::MISS;
-use octray::render::survey::Map;
+use octray::render::aovs::Map;
 use octray::render::{Renderer, Settings};
 use octray::scene::{MaterialKind, Scene, load};
 use octray::traverse::batch::Traversal;
@@ -16,7 +16,7 @@ fn settings(scene: &Scene) -> Settings {
 }
 fn guides_of(renderer: &Renderer) -> Aovs {
     let mut guides = Aovs::default();
-    renderer.guides_into(&mut guides);
+    renderer.aovs_into(&mut guides);
     guides
 }
 fn scenes() -> impl Iterator<Item = Scene> {
@@ -147,7 +147,7 @@ fn a_camera_set_later_gives_the_bits_of_a_new_renderer() {
         let (mut guides, expected) = (guides_of(&moved), guides_of(&new));
         assert_eq!(guides.pixel(30, 20), expected.pixel(30, 20));
         moved.set_view(&scene, &scene.camera, [7, 5], 3);
-        moved.guides_into(&mut guides);
+        moved.aovs_into(&mut guides);
         assert_eq!(guides.resolution(), [7, 5]);
     }
 }

@@ -14,7 +14,7 @@ use super::scenes;
 use super::stats;
 use super::terminal::{self, figure};
 use super::trace::{End, trace};
-use crate::adaptive::{Reached, WORST};
+use crate::adaptive::{ErrorEstimate, MAX_BLOCK_ERROR};
 use crate::film::Film;
 use crate::film::noise::Noise;
 use crate::measure::stats::FrameStats;
@@ -167,7 +167,7 @@ impl Report {
         let [width, height] = settings.resolution;
         let target = &limits.target;
         let estimated = target.map(|_| {
-            let Reached { rms, largest } = Reached::of(film);
+            let ErrorEstimate { rms, largest } = ErrorEstimate::of(film);
             EstimatedError { rms, largest }
         });
         Self {
@@ -235,7 +235,7 @@ impl Report {
         let errors = match (&self.estimated_error, self.target_error) {
             (Some(error), Some(target)) if error.rms.is_finite() => {
                 let [rms, largest] = [error.rms, error.largest].map(|error| figure(error, 1));
-                let worst = WORST * target;
+                let worst = MAX_BLOCK_ERROR * target;
                 format!(
                     "; estimated error {rms} ({target} asked for), in the worst block {largest} ({worst})"
                 )

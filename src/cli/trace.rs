@@ -5,9 +5,9 @@
 use super::interrupt::Interrupt;
 use super::limits::Limits;
 use super::progress::Progress;
-use crate::adaptive::{Reached, Round};
+use crate::adaptive::{ErrorEstimate, Round};
 use crate::film::Film;
-use crate::render::{Renderer, Watch};
+use crate::render::{RenderObserver, Renderer};
 use serde::Serialize;
 use std::time::{Duration, Instant};
 
@@ -41,7 +41,7 @@ pub fn trace(
     let mut pace = Pace { chunk: 1, seconds_a_pixel: 0.0 };
     let end = loop {
         let Some(round) = next_round(film, limits) else {
-            let met = limits.target.is_some_and(|target| target.met(&Reached::of(film)));
+            let met = limits.target.is_some_and(|target| target.met(&ErrorEstimate::of(film)));
             break if met { End::TargetError } else { End::Samples };
         };
         progress.expect(round.forecast);
@@ -100,11 +100,7 @@ fn take_round(
         let late = deadline.map(|deadline| if whole { deadline + GRACE } else { deadline });
         let before = film.pixel_samples();
         let watch = Chunk { began, late, interrupt, progress };
-        renderer.bring_tiles_watched(
-            film,
-            |tile, had| round.goals[tile].min(had.saturating_add(chunk)),
-            &watch,
-        );
+        renderer.sample_tiles_to(film, |tile, had| round.goals[tile].min(had.saturating_add(chunk)), &watch);
         let took = began.elapsed();
         let done = film.pixel_samples() - before;
         pace.seconds_a_pixel = took.as_secs_f64() / (done as f64).max(1.0);
@@ -120,12 +116,12 @@ struct Chunk<'a> {
     progress: &'a Progress,
 }
 
-impl Watch for Chunk<'_> {
-    fn stop(&self) -> bool {
+impl RenderObserver for Chunk<'_> {
+    fn is_cancelled(&self) -> bool {
         let interrupted = self.interrupt.asked() && self.began.elapsed() >= GRACE;
         interrupted || self.late.is_some_and(|late| Instant::now() >= late)
     }
-    fn done(&self, pixels: usize, rays: u64) {
+    fn sample_done(&self, pixels: usize, rays: u64) {
         self.interrupt.begun();
         self.progress.add(pixels, rays);
     }

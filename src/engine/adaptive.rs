@@ -1,103 +1,114 @@
-//! When a block of pixels has had samples enough.
+//! Adaptive sampling: stopping criteria for blocks of pixels.
 //!
-//! For: [`Target`], which says after each round how many samples each block shall have next. May import: `film`. Must never know: rays,
-//! threads, clocks.
+//! For: [`Target`], which gives the number of samples of each block for the next round. May import: `film`.
+//! Must never know: rays, threads, clocks.
 //!
 //! # The error of a block
-//! A block is a tile of the film. Its error is the root mean square, over its pixels, of the standard error of a pixel's luminance
-//! ([`crate::film::noise`]) relative to the pixel's luminance, which here counts
-//! - for no more than the block's mean: a single bright sample makes its own pixel bright, and would excuse itself;
-//! - for no less than [`FLOOR`] of the picture's brightness: nobody sees a few per cent of nearly black.
+//! A block is a tile of the film. Its error is the root mean square, over its pixels, of the standard error
+//! of a pixel's luminance ([`crate::film::noise`]) relative to the pixel's luminance, which is limited
+//! - above, to the block's mean: otherwise a firefly would raise its pixel's mean and so lower its own
+//!   relative error;
+//! - below, to [`LUMINANCE_FLOOR`] times the picture's brightness: relative errors of nearly black pixels are
+//!   not visible.
 //!
-//! The picture's brightness is the square of the mean root of the blocks' luminance, so that a small bright lamp or sun does not
-//! count for much. Relative standard errors with a floor are what Mitsuba's adaptive integrator stops at (W. Jakob, 2010, version 0.6;
-//! pixel by pixel, floor 1 %), the means over blocks are those of Dammertz, Hanika, Keller, Lensch, "A Hierarchical Automatic
-//! Stopping Condition for Monte Carlo Global Illumination", WSCG 2010.
+//! The picture's brightness is the square of the mean root of the blocks' luminance, so that a small bright
+//! light or sun has little influence. Relative standard errors with a floor are the stopping criterion of
+//! Mitsuba's adaptive integrator (W. Jakob, 2010, version 0.6; pixel by pixel, floor 1 %), the means over
+//! blocks are those of Dammertz, Hanika, Keller, Lensch, "A Hierarchical Automatic Stopping Condition for
+//! Monte Carlo Global Illumination", WSCG 2010.
 //!
-//! # What is promised
-//! The root mean square of the errors over the picture is at most the target, and no block's is above [`WORST`] times the target. That is not
-//! the same error for all blocks, which is best for the worst one alone: a block whose samples have the relative standard deviation σ and
-//! that has had n of them adds σ²/n, and for a given sum of n these add up to least where n goes with σ, not with σ². So a block may have
-//! the error target · √(σ / mean σ): blocks four times as hard as the mean get four times its samples and twice its error. With every block
-//! at the same error the picture's is no smaller than if all pixels had had the mean number of samples.
+//! # Guarantee
+//! The root mean square of the errors over the picture is at most the target, and no block's error is above
+//! [`MAX_BLOCK_ERROR`] times the target. An equal error for all blocks would be best for the worst block
+//! alone: a block whose samples have the relative standard deviation σ and that has n of them contributes
+//! σ²/n, and for a given sum of n the sum of these is smallest where n is proportional to σ, not to σ². So a
+//! block may have the error target · √(σ / mean σ): blocks with four times the mean σ get four times its
+//! samples and twice its error. With the same error for every block the picture's is no smaller than if all
+//! pixels had the mean number of samples.
 //!
 //! # Rounds
-//! All blocks begin with `least` samples. After each round every block that is not done takes as many again as it has had; 16, 32, 64, …
-//! keep the nets of Sobol's sequence whole. A block is done when its error is as small as it may be, and
-//! - no block beside it has had more than [`STEEPEST`] times as many samples: what makes a block noisy often shines into its neighbours as well,
-//!   where no sample may have found it yet;
-//! - it has found light, or has looked for it with [`DARK`] samples a pixel: where all samples are black, the estimate is 0 and says nothing.
+//! All blocks begin with `least` samples. After each round the samples of every unfinished block are doubled;
+//! 16, 32, 64, … keep the nets of Sobol's sequence whole. A block is finished when its error is within its
+//! tolerance, and
+//! - no neighbouring block has more than [`MAX_SAMPLE_RATIO`] times as many samples: the light paths that
+//!   make a block noisy often reach its neighbours as well, where no sample may have found them yet;
+//! - it has found light, or has [`BLACK_SAMPLES`] samples a pixel: where all samples are black, the estimate
+//!   is 0 and meaningless.
 //!
-//! A decision reads nothing but the film, between rounds: it is the same for any number of threads and lanes. It does depend on the tiles,
-//! which are its blocks.
+//! Decisions depend on nothing but the film, between rounds: they are the same for any number of threads and
+//! lanes. They do depend on the tiles, which are the blocks.
 //!
 //! # Bias
-//! Who stops by his own estimate is biased in principle: samples that by chance look calm are kept, those that do not are watered down
-//! (Kirk, Arvo, "Unbiased Sampling Techniques for Image Synthesis", SIGGRAPH 1991). Their remedy, deciding by samples that are then not shown,
-//! costs half of all samples where counts double, more than stopping early gains; and a block that happens to find rare light would keep it as
-//! bright dots. Here 256 pixels decide together, so that a pixel's own noise hardly counts. Measured, means of 12 to 24 seeds against long
-//! runs: less than 2e-4 of the brightness in the scenes `three`, `thesis` and `chess` at targets from 0.1 to 0.2 (`tests/adaptive.rs` holds it below a
-//! hundredth of the target), nothing above the uncertainty of 1e-3 in `spheres` and `cornell-spheres`. It shows where blocks stop before they
-//! have met what is rare: a floor under a calm sky with a sixth of its light from a lamp that one path in 18,000 finds came out 2.3 % too dark at a target
-//! of 0.2 and at most 2,048 samples; with one path in 1,600, 0.1 %.
+//! Stopping by an estimate from the same samples is biased in principle: samples that by chance have a low
+//! variance are kept, those with a high one are diluted (Kirk, Arvo, "Unbiased Sampling Techniques for Image
+//! Synthesis", SIGGRAPH 1991). Their remedy, to decide by samples that are then discarded, costs half of all
+//! samples where counts double, more than adaptive sampling gains; and a block that happens to find rare
+//! light would keep it as fireflies. Here 256 pixels decide together, so that a pixel's own noise has little
+//! influence. Measured, means of 12 to 24 seeds against long runs: less than 2e-4 of the brightness in the
+//! scenes `three`, `thesis` and `chess` at targets from 0.1 to 0.2 (`tests/adaptive.rs` holds it below a
+//! hundredth of the target), nothing above the uncertainty of 1e-3 in `spheres` and `cornell-spheres`. It
+//! shows where blocks stop before they have found rare paths: a floor under a uniform sky with a sixth of its
+//! light from a light that one path in 18,000 finds came out 2.3 % too dark at a target of 0.2 and at most
+//! 2,048 samples; with one path in 1,600, 0.1 %.
 //!
 //! # Gain
-//! Rays to the same relative error over the picture, every pixel alike over stopping early, at 240×135 and targets of 0.05 and 0.1: `chess`
-//! 1.5 times as many, `three` 1.2 to 1.5, `thesis` 1.3, `spheres` 1.1, `cornell-spheres` 1.0, where all is equally hard. For the absolute error,
-//! to which dark parts add little, 0.9 to 1.2 times.
+//! Rays to the same relative error over the picture, uniform over adaptive sampling, at 240×135 and targets
+//! of 0.05 and 0.1: `chess` 1.5, `three` 1.2 to 1.5, `thesis` 1.3, `spheres` 1.1, `cornell-spheres` 1.0,
+//! where all blocks are equally noisy. For the absolute error, to which dark parts contribute little, 0.9 to
+//! 1.2.
 
 use crate::film::Film;
 use crate::film::TileSums;
 use crate::film::noise::luminance;
 
-/// Of the picture's brightness: pixels darker than this are judged as if they were not.
-pub const FLOOR: f64 = 0.1;
-/// How many times the target a block's error may be.
-pub const WORST: f64 = 2.0;
-/// How many times as many samples a neighbour may have.
-pub const STEEPEST: u32 = 16;
-/// Samples of each pixel after which a block that has found no light counts as black.
-pub const DARK: u32 = 256;
+/// Lower limit of a pixel's luminance in its relative error, as a share of the picture's brightness.
+pub const LUMINANCE_FLOOR: f64 = 0.1;
+/// The largest error of a block, as a multiple of the target.
+pub const MAX_BLOCK_ERROR: f64 = 2.0;
+/// The largest ratio of samples between neighbouring blocks that lets the lower one finish.
+pub const MAX_SAMPLE_RATIO: u32 = 16;
+/// Samples of each pixel from which on a block that has found no light counts as black.
+pub const BLACK_SAMPLES: u32 = 256;
 
-/// What to reach.
+/// The target of adaptive sampling.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Target {
-    /// The root mean square error that the picture shall have at most.
+    /// The largest root mean square error of the picture.
     pub error: f64,
-    /// The fewest and most samples of a pixel.
+    /// The smallest and the largest number of samples of a pixel.
     pub least: u32,
     pub most: u32,
 }
 
-/// What is known of a block.
+/// Statistics of a block.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Block {
     pixels: usize,
     samples: u32,
     /// Mean luminance.
     luminance: f64,
-    /// Infinite where nothing is known.
+    /// Infinite before the first estimate.
     error: f64,
 }
 
-/// What is to be done next.
+/// The samples to take next.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Round {
-    /// Samples to bring each tile to, by number.
+    /// The number of samples that each tile shall have, by tile number.
     pub goals: Vec<u32>,
-    /// Samples of single pixels that the whole picture will probably take, if each block's error goes on falling with the root of
-    /// its samples.
+    /// The expected total of pixel samples of the whole picture, if each block's error falls with the square
+    /// root of its samples.
     pub forecast: u64,
 }
 
 impl Round {
-    /// As many samples for every pixel; none if all have had them.
+    /// `samples` samples for every pixel; none if all have them.
     pub fn equal(film: &Film, samples: u32) -> Option<Self> {
         let [width, height] = film.resolution().map(u64::from);
         let goals = vec![samples; film.tiles.len()];
         (film.samples() < samples).then_some(Self { goals, forecast: width * height * u64::from(samples) })
     }
-    /// The most samples that a tile lacks, and the pixels of all tiles that lack some.
+    /// The largest number of samples that a tile lacks, and the pixels of all tiles that lack some.
     pub fn missing(&self, film: &Film) -> (u32, u64) {
         let lacking = film.tiles.iter().zip(&self.goals).filter(|(tile, goal)| tile.samples < **goal);
         lacking.fold((0, 0), |(most, pixels), (tile, goal)| {
@@ -106,19 +117,20 @@ impl Round {
     }
 }
 
-/// How noisy a film's picture is.
+/// The estimated error of a film's picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Reached {
-    /// The root mean square of the blocks' errors over the picture, and the largest error of a block; infinite where nothing is known.
+pub struct ErrorEstimate {
+    /// The root mean square of the blocks' errors over the picture, and the largest error of a block;
+    /// infinite before the first estimate.
     pub rms: f64,
     pub largest: f64,
 }
 
-impl Reached {
-    /// What a film has reached.
+impl ErrorEstimate {
+    /// Estimates a film's error.
     ///
     /// # Panics
-    /// If the film does not sum noise: see [`crate::render::Renderer::film_with_noise`].
+    /// If the film does not estimate its variance: see [`crate::render::Renderer::film_with_noise`].
     pub fn of(film: &Film) -> Self {
         Self::all(&blocks(film))
     }
@@ -146,58 +158,58 @@ fn mean(blocks: &[Block], of: impl Fn(&Block) -> f64) -> f64 {
 }
 
 impl Target {
-    /// Is it reached?
-    pub fn met(&self, reached: &Reached) -> bool {
-        reached.rms <= self.error && reached.largest <= WORST * self.error
+    /// Is the error within the target?
+    pub fn met(&self, error: &ErrorEstimate) -> bool {
+        error.rms <= self.error && error.largest <= MAX_BLOCK_ERROR * self.error
     }
 
-    /// The next round; none if no block needs one, or may have more samples.
+    /// The next round; none if every block is finished or has the largest number of samples.
     ///
     /// # Panics
-    /// As [`Reached::of`].
+    /// As [`ErrorEstimate::of`].
     pub fn next(&self, film: &Film) -> Option<Round> {
         let blocks = blocks(film);
         let columns = film.tiles.iter().take_while(|tile| tile.tile.y == 0).count();
-        let enough = Reached::all(&blocks).rms <= self.error;
+        let enough = ErrorEstimate::all(&blocks).rms <= self.error;
         let known = |block: &Block| if block.error.is_finite() { block.deviation() } else { 0.0 };
         let deviation = mean(&blocks, known);
         let mut round = Round { goals: Vec::with_capacity(blocks.len()), forecast: 0 };
         let mut more = false;
         for (at, block) in blocks.iter().enumerate() {
-            // Where all samples are equal, 0 / 0: no error is none too many.
-            let share = (block.deviation() / deviation).sqrt().min(WORST);
-            let tolerance = self.error * if enough || share.is_nan() { WORST } else { share };
+            // Where all samples are equal, 0 / 0: any tolerance is met.
+            let share = (block.deviation() / deviation).sqrt().min(MAX_BLOCK_ERROR);
+            let tolerance = self.error * if enough || share.is_nan() { MAX_BLOCK_ERROR } else { share };
             let goal = self.goal(&blocks, columns, at, tolerance);
             more |= goal > block.samples;
-            let still = f64::from(block.samples) * (block.error / tolerance).powi(2);
-            let still = if goal > block.samples && still.is_finite() { still as u32 } else { goal };
-            round.forecast += block.pixels as u64 * u64::from(still.clamp(goal, self.most.max(goal)));
+            let expected = f64::from(block.samples) * (block.error / tolerance).powi(2);
+            let expected = if goal > block.samples && expected.is_finite() { expected as u32 } else { goal };
+            round.forecast += block.pixels as u64 * u64::from(expected.clamp(goal, self.most.max(goal)));
             round.goals.push(goal);
         }
         more.then_some(round)
     }
 
-    /// Samples that a block shall have next: as many as it has had if it is done.
+    /// The number of samples that a block shall have next: the present one if it is finished.
     fn goal(&self, blocks: &[Block], columns: usize, at: usize, tolerance: f64) -> u32 {
         let Block { samples, luminance, error, .. } = blocks[at];
         let least = self.least.min(self.most);
         if samples < least {
             return least;
         }
-        let beside = |at: usize, count: usize| at.saturating_sub(1)..(at + 2).min(count);
+        let neighbours = |at: usize, count: usize| at.saturating_sub(1)..(at + 2).min(count);
         let (x, y) = (at % columns, at / columns);
-        let mut around =
-            beside(y, blocks.len() / columns).flat_map(|y| beside(x, columns).map(move |x| y * columns + x));
-        let steep = around.any(|other| blocks[other].samples > samples.saturating_mul(STEEPEST));
-        let dark = luminance == 0.0 && samples < DARK;
-        let done = error <= tolerance && !steep && !dark;
+        let mut around = neighbours(y, blocks.len() / columns)
+            .flat_map(|y| neighbours(x, columns).map(move |x| y * columns + x));
+        let far_fewer = around.any(|other| blocks[other].samples > samples.saturating_mul(MAX_SAMPLE_RATIO));
+        let black = luminance == 0.0 && samples < BLACK_SAMPLES;
+        let done = error <= tolerance && !far_fewer && !black;
         if done { samples } else { samples.saturating_mul(2).min(self.most).max(samples) }
     }
 }
 
 fn blocks(film: &Film) -> Vec<Block> {
     let luminances: Vec<f64> = film.tiles.iter().map(mean_luminance).collect();
-    let floor = FLOOR * brightness(film, &luminances);
+    let floor = LUMINANCE_FLOOR * brightness(film, &luminances);
     film.tiles.iter().zip(luminances).map(|(tile, luminance)| block(tile, luminance, floor)).collect()
 }
 
@@ -216,7 +228,7 @@ fn brightness(film: &Film, luminances: &[f64]) -> f64 {
 
 /// `mean`: the tile's [`mean_luminance`].
 fn block(tile: &TileSums, mean: f64, floor: f64) -> Block {
-    let noise = tile.noise.as_ref().expect("the film was made to sum noise");
+    let noise = tile.noise.as_ref().expect("the film estimates its variance");
     let pixels = tile.tile.pixels();
     let squares = (0..pixels).map(|slot| {
         let variance = noise.variance_of_mean(slot, tile.samples);

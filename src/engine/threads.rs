@@ -1,20 +1,20 @@
-//! Worker threads, each with working memory of its own.
+//! A pool of worker threads with thread-local memory.
 //!
-//! For: [`Threads`]. May import: `rayon`. Must never know: what the work is.
+//! For: [`Threads`]. May import: `rayon`. Must never know: the work.
 
 use std::sync::{Arc, Mutex, MutexGuard};
 
-/// So many threads, and as many working memories.
+/// A pool of threads, and one working memory for each.
 pub struct Threads<W> {
-    /// None for one thread: then the caller's own does the work.
+    /// Without a pool for one thread: then the caller's thread does the work.
     pool: Handle,
-    /// The locks are never contended: a thread takes its own.
+    /// The locks are never contended: each thread takes its own.
     memories: Vec<Mutex<W>>,
 }
 
 impl<W: Send> Threads<W> {
     /// # Panics
-    /// If there are to be none, or the system refuses them.
+    /// If `count` is 0, or the system cannot start the threads.
     pub fn new(count: usize, memory: impl Fn() -> W) -> Self {
         assert!(count >= 1, "no threads");
         let pool = (count > 1).then(|| {
@@ -26,40 +26,41 @@ impl<W: Send> Threads<W> {
     pub fn count(&self) -> usize {
         self.memories.len()
     }
-    /// Is the caller's own thread the only one? Then parallel iterators would wake threads that are not of these.
-    pub fn alone(&self) -> bool {
+    /// Is the caller's thread the only one? Then parallel iterators would start rayon's global pool.
+    pub fn is_single(&self) -> bool {
         self.pool.0.is_none()
     }
-    /// Runs something on these threads, where parallel iterators spread over all of them. Called around many others, it saves waking
-    /// them for each.
+    /// Runs `run` on these threads, where parallel iterators use all of them. Around many calls, it saves
+    /// waking the threads for each.
     pub fn run<R: Send>(&self, run: impl FnOnce() -> R + Send) -> R {
         self.pool.run(run)
     }
-    /// What runs work on these threads and does not borrow them.
+    /// A handle that runs work on these threads without borrowing the memories.
     pub fn handle(&self) -> Handle {
         self.pool.clone()
     }
-    /// All working memories, one after the other. Not while threads work.
+    /// Calls `run` with each working memory in turn. Not while threads work.
     ///
     /// # Panics
-    /// If work panicked with one before.
-    pub fn each(&self, mut run: impl FnMut(&mut W)) {
+    /// If work panicked while it held one.
+    pub fn for_each_memory(&self, mut run: impl FnMut(&mut W)) {
         let memories = self.memories.iter();
         memories
             .for_each(|memory| run(&mut memory.lock().expect("no thread panicked with its working memory")));
     }
-    /// The working memory of the thread that asks, which is one of these: the caller, where it is alone, else one inside [`Threads::run`].
+    /// The working memory of the current thread, which is one of these: any caller of a single thread, else
+    /// one inside [`Threads::run`].
     ///
     /// # Panics
-    /// If work panicked with it before.
-    pub fn own(&self) -> MutexGuard<'_, W> {
-        // Alone, the caller may be a thread of another pool, with a number there.
-        let thread = if self.alone() { 0 } else { rayon::current_thread_index().unwrap_or(0) };
+    /// If work panicked while it held the memory.
+    pub fn local(&self) -> MutexGuard<'_, W> {
+        // The caller of a single thread may belong to another pool and have an index there.
+        let thread = if self.is_single() { 0 } else { rayon::current_thread_index().unwrap_or(0) };
         self.memories[thread].lock().expect("no thread panicked with its working memory")
     }
 }
 
-/// Threads to run on; see [`Threads::handle`].
+/// A handle to a pool; see [`Threads::handle`].
 #[derive(Clone)]
 pub struct Handle(Option<Arc<rayon::ThreadPool>>);
 
@@ -82,12 +83,12 @@ mod tests {
     fn every_thread_has_its_own_memory_and_all_of_the_work_is_done() {
         for count in [1, 2, 3] {
             let threads = Threads::new(count, || 0);
-            assert_eq!((threads.count(), threads.alone()), (count, count == 1));
+            assert_eq!((threads.count(), threads.is_single()), (count, count == 1));
             threads.run(|| {
-                if threads.alone() {
-                    (0..100).for_each(|_| *threads.own() += 1);
+                if threads.is_single() {
+                    (0..100).for_each(|_| *threads.local() += 1);
                 } else {
-                    (0..100).into_par_iter().for_each(|_| *threads.own() += 1);
+                    (0..100).into_par_iter().for_each(|_| *threads.local() += 1);
                 }
             });
             let done: Vec<i32> = threads.memories.iter().map(|memory| *memory.lock().unwrap()).collect();
@@ -96,18 +97,18 @@ mod tests {
     }
 
     #[test]
-    fn the_only_thread_works_in_pools_of_others_too() {
+    fn single_thread_works_inside_other_pools() {
         let (outer, inner) = (Threads::new(3, || ()), Threads::new(1, || 0));
         let numbers: Vec<Option<usize>> = outer.run(|| {
-            let ask = |_| {
+            let work = |_| {
                 inner.run(|| {
-                    *inner.own() += 1;
+                    *inner.local() += 1;
                     rayon::current_thread_index()
                 })
             };
-            (0..64).into_par_iter().map(ask).collect()
+            (0..64).into_par_iter().map(work).collect()
         });
         assert!(numbers.iter().all(Option::is_some), "they are threads of the outer pool");
-        assert_eq!(*inner.own(), 64);
+        assert_eq!(*inner.local(), 64);
     }
 }

@@ -1,28 +1,28 @@
-//! From linear radiance to the eight bits of a screen: exposure, tone mapping, the sRGB curve.
+//! Tone mapping: exposure, tone curve, sRGB transfer function, eight bits.
 //!
 //! For: [`Tone`]. May import: `film`. Must never know: file formats, files.
 
 use crate::film::Picture;
 use std::sync::LazyLock;
 
-/// How radiance becomes the light of a screen.
+/// Exposure and tone curve: from radiance to displayed intensity.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub struct Tone {
-    /// Stops: the radiance is multiplied by 2^exposure before anything else.
+    /// In stops: radiance is multiplied by 2^exposure first.
     pub exposure: f32,
     pub operator: Operator,
 }
 
-/// What becomes of radiance that is brighter than a screen. Each channel by itself.
+/// A tone curve, applied to each channel by itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Operator {
-    /// x up to 1, and 1 from there on: true to the radiance, harsh on highlights.
+    /// min(x, 1): linear up to 1; highlights clip.
     #[default]
     Clamp,
-    /// x / (1 + x): nothing burns out, everything is darker. Source: Reinhard et al., "Photographic Tone Reproduction for
-    /// Digital Images", SIGGRAPH 2002, equation 3.
+    /// x / (1 + x): nothing clips, everything is darker. Source: Reinhard et al., "Photographic Tone
+    /// Reproduction for Digital Images", SIGGRAPH 2002, equation 3.
     Reinhard,
-    /// The look of film: deep shadows, soft highlights. Source: Krzysztof Narkowicz, "ACES Filmic Tone Mapping Curve"
+    /// Filmic: deep shadows, soft highlights. Source: Krzysztof Narkowicz, "ACES Filmic Tone Mapping Curve"
     /// (2016), a rational fit of the ACES curve; without its customary factor of 0.6 before it.
     Aces,
 }
@@ -30,7 +30,7 @@ pub enum Operator {
 impl Operator {
     pub const ALL: [Self; 3] = [Self::Clamp, Self::Reinhard, Self::Aces];
 
-    /// As the command line and reports name it.
+    /// The name in options and reports.
     pub fn name(self) -> &'static str {
         match self {
             Self::Clamp => "clamp",
@@ -38,11 +38,11 @@ impl Operator {
             Self::Aces => "aces",
         }
     }
-    /// The displayed intensity in [0, 1] for a radiance. Domain: all of f32; NaN and what is below 0 show as 0, infinity as
-    /// 1.
+    /// The displayed intensity in [0, 1] for a radiance. Domain: all of f32; NaN and negative values give 0,
+    /// infinity 1.
     pub fn map(self, radiance: f32) -> f32 {
-        // NaN is not above 0. From 1e6 on every curve is 1 to within half an eight-bit step; the bound keeps its
-        // polynomials finite.
+        // `NaN > 0` is false. From 1e6 on every curve is 1 to within half an eight-bit step; the bound keeps
+        // the polynomials finite.
         let x = if radiance > 0.0 { radiance.min(1e6) } else { 0.0 };
         let shown = match self {
             Self::Clamp => x,
@@ -60,7 +60,7 @@ impl Tone {
         radiance.map(|channel| srgb_byte(self.operator.map(channel * scale)))
     }
 
-    /// The eight-bit sRGB values of pixels as windows want them: 0x00RRGGBB.
+    /// The eight-bit sRGB values of pixels in a window's format, 0x00RRGGBB.
     pub fn words(&self, pixels: &[[f32; 3]], words: &mut [u32]) {
         let scale = self.exposure.exp2();
         for (word, pixel) in words.iter_mut().zip(pixels) {
@@ -77,7 +77,7 @@ impl Tone {
     }
 }
 
-/// The sRGB curve: from intensity to stored value, both in [0, 1]. Source: IEC 61966-2-1:1999.
+/// The sRGB transfer function: from intensity to stored value, both in [0, 1]. Source: IEC 61966-2-1:1999.
 pub fn srgb_encode(linear: f64) -> f64 {
     if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 }
 }
@@ -89,27 +89,28 @@ pub fn srgb_decode(stored: f64) -> f64 {
 
 /// The nearest of the 256 stored values for an intensity in [0, 1].
 ///
-/// It is the number of borders at or below the intensity, a border being where the curve passes from one value's half to
-/// the next. A table by exponent and leading digits tells how many are below all intensities that share them, and one or two
-/// comparisons are left: no power, which matters for a window that shows a frame many times a second.
+/// It is the number of borders at or below the intensity, a border being where the curve passes from one
+/// value's half to the next. A table by exponent and leading digits tells how many are below all intensities
+/// that share them, and one or two comparisons are left: no power, which matters for a window that shows a
+/// frame many times a second.
 pub fn srgb_byte(linear: f32) -> u8 {
     static CURVE: LazyLock<Curve> = LazyLock::new(Curve::new);
     CURVE.byte(linear)
 }
 
 struct Curve {
-    /// Ascending; infinity behind the last one.
+    /// The intensities between consecutive values, ascending; infinity at the end.
     borders: [f32; 256],
-    /// Borders at or below the least float of each part.
+    /// Number of borders at or below the smallest float of each part.
     below: [u8; Self::PARTS],
 }
 
 impl Curve {
-    /// Floats that share all but so many of their last digits are a part.
+    /// Floats that are equal except in this many lowest bits form a part.
     const SHIFT: u32 = 17;
-    /// Below it everything is 0: 2⁻¹³.
+    /// Intensities below it encode to 0: 2⁻¹³.
     const LEAST: f32 = 1.0 / 8192.0;
-    /// Up to 1, which is a part of its own.
+    /// Up to 1, which is a part by itself.
     const PARTS: usize = ((1.0f32.to_bits() - Self::LEAST.to_bits()) >> Self::SHIFT) as usize + 1;
 
     fn new() -> Self {
@@ -189,7 +190,7 @@ mod tests {
     }
 
     #[test]
-    fn operators_accept_what_is_not_a_number_of_light() {
+    fn operators_accept_nan_infinities_and_negative_values() {
         for operator in Operator::ALL {
             assert_eq!(operator.map(f32::NAN), 0.0);
             assert_eq!(operator.map(-1.0), 0.0);

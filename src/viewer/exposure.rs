@@ -6,7 +6,7 @@ use super::frame::Exchange;
 use super::rates::Rates;
 use super::summary::Summary;
 use crate::film::Film;
-use crate::render::{Renderer, Watch};
+use crate::render::{RenderObserver, Renderer};
 use crate::scene::{Camera, Scene};
 use std::thread;
 use std::time::{Duration, Instant};
@@ -75,11 +75,11 @@ struct Impatience<'a> {
     due: Instant,
 }
 
-impl Watch for Impatience<'_> {
-    fn stop(&self) -> bool {
+impl RenderObserver for Impatience<'_> {
+    fn is_cancelled(&self) -> bool {
         self.exchange.is_left() || (self.spare && self.exchange.has_news() && Instant::now() >= self.due)
     }
-    fn done(&self, _pixels: usize, _rays: u64) {}
+    fn sample_done(&self, _pixels: usize, _rays: u64) {}
 }
 
 impl Exposure {
@@ -164,7 +164,7 @@ impl Exposure {
             let spare = self.still && self.film.samples() > 0;
             let watch = Impatience { exchange, spare, due };
             let (start, before) = (Instant::now(), (self.film.pixel_samples(), self.film.rays()));
-            renderer.add_samples_watched(&mut self.film, 1, &watch);
+            renderer.add_samples_observed(&mut self.film, 1, &watch);
             let time = start.elapsed();
             let pixels = f64::from(self.pose.resolution[0]) * f64::from(self.pose.resolution[1]);
             let samples = (self.film.pixel_samples() - before.0) as f64 / pixels;

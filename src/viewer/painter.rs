@@ -13,10 +13,10 @@ use super::state::State;
 use super::views::{self, Sources, View};
 use crate::display::{Blur, Denoiser, Fxaa, History, Samples, rows, walking_speed};
 use crate::film::{Film, Picture};
-use crate::integrate::guides::Aovs;
-use crate::integrate::queue::PathShape;
+use crate::integrate::aovs::Aovs;
+use crate::integrate::probe::PathShape;
 use crate::render::Renderer;
-use crate::render::survey::{self, Cost};
+use crate::render::aovs::{self, Cost};
 use crate::scene::{Camera, Scene};
 use crate::tone::Tone;
 use glam::Vec3;
@@ -52,9 +52,9 @@ pub struct Painter {
     guides: Aovs,
     /// Are they of the camera of now?
     guided: bool,
-    costs: survey::Map<Cost>,
+    costs: aovs::Map<Cost>,
     costed: bool,
-    shapes: survey::Map<PathShape>,
+    shapes: aovs::Map<PathShape>,
     counts: Vec<f32>,
     distances: Vec<f32>,
     /// Drawn when it is first wanted.
@@ -76,7 +76,7 @@ impl Painter {
     }
     /// What was seen is no more.
     pub fn forget(&mut self) {
-        self.history.forget();
+        self.history.reset();
     }
     /// How fast to walk through what was seen first of this scene, in scene units a second.
     pub fn speed(&self) -> Option<f32> {
@@ -106,13 +106,13 @@ impl Painter {
         if first {
             // Samples that stay in the film are not history's as well.
             let own = if subject.standing { 0 } else { samples };
-            self.history.advance(&self.mean, own, &self.guides, renderer.camera());
+            self.history.reproject(&self.mean, own, &self.guides, renderer.camera());
         }
         if !controls.reprojection {
             // What it knows is of where the camera was when it was last asked.
-            self.history.forget();
+            self.history.reset();
         } else if known || subject.standing {
-            self.history.still(&self.mean, samples);
+            self.history.blend_static(&self.mean, samples);
         }
         match controls.view {
             View::Picture => self.paint_picture(subject, samples, &mut frame.pixels),
@@ -131,7 +131,7 @@ impl Painter {
     /// Finds out what pixels see, once for a camera.
     fn see(&mut self, renderer: &Renderer) {
         if !std::mem::replace(&mut self.guided, true) {
-            renderer.guides_into(&mut self.guides);
+            renderer.aovs_into(&mut self.guides);
         }
     }
 

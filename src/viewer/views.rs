@@ -2,10 +2,10 @@
 //!
 //! For: [`View`], and [`paint`] that fills a frame's pixels with one. May import: what `render` surveys. Must never know: keys, windows.
 
-use crate::integrate::guides::{Aovs, Guide, Plane};
-use crate::integrate::queue::PathShape;
+use crate::integrate::aovs::{AovSample, Aovs, Plane};
+use crate::integrate::probe::PathShape;
 use crate::math::MISS;
-use crate::render::survey::{Cost, Map};
+use crate::render::aovs::{Cost, Map};
 use glam::Vec3;
 
 /// What a frame shows.
@@ -117,14 +117,14 @@ pub fn paint(view: View, from: &Sources, pixels: &mut [u32]) {
     }
 }
 
-fn normal(guide: &Guide) -> u32 {
+fn normal(guide: &AovSample) -> u32 {
     match guide.object {
         MISS => 0,
         _ => rgb((guide.normal * 0.5 + 0.5).to_array()),
     }
 }
 
-fn depth(guide: &Guide, [near, far]: [f32; 2]) -> f32 {
+fn depth(guide: &AovSample, [near, far]: [f32; 2]) -> f32 {
     // By ratios, as the eye has it. What is infinitely far away is black, and so is everything where all is equally far.
     let near = near.max(far * 1e-3);
     ((far / guide.distance).ln() / (far / near).ln().max(f32::MIN_POSITIVE)).clamp(0.0, 1.0)
@@ -144,7 +144,7 @@ pub fn range(guides: &Aovs, memory: &mut Vec<f32>) -> [f32; 2] {
     [nearer.iter().copied().fold(far, f32::min), far]
 }
 
-fn barycentrics(guide: &Guide) -> u32 {
+fn barycentrics(guide: &AovSample) -> u32 {
     match guide.weights {
         _ if guide.object == MISS => 0,
         [0.0, 0.0] => grey(0.3),
@@ -152,7 +152,7 @@ fn barycentrics(guide: &Guide) -> u32 {
     }
 }
 
-fn lit(guide: &Guide, light: Vec3) -> u32 {
+fn lit(guide: &AovSample, light: Vec3) -> u32 {
     grey(encode(guide.normal.dot(light).max(0.0)))
 }
 
@@ -234,7 +234,7 @@ mod tests {
 
     #[test]
     fn guides_are_painted_as_their_legends_say() {
-        let guide = Guide {
+        let guide = AovSample {
             distance: 2.0,
             normal: Vec3::new(0.0, 1.0, -1.0),
             albedo: [1.0; 3],
@@ -244,13 +244,13 @@ mod tests {
         };
         assert_eq!(normal(&guide), 0x80ff00);
         assert_eq!(barycentrics(&guide), 0x00ff00);
-        assert_eq!(barycentrics(&Guide { weights: [0.0, 0.0], ..guide }), 0x4d4d4d);
+        assert_eq!(barycentrics(&AovSample { weights: [0.0, 0.0], ..guide }), 0x4d4d4d);
         assert_eq!(lit(&guide, Vec3::Y), 0xffffff);
         assert_eq!(lit(&guide, Vec3::NEG_Y), 0);
-        let at = |distance| depth(&Guide { distance, ..guide }, [2.0, 10.0]);
+        let at = |distance| depth(&AovSample { distance, ..guide }, [2.0, 10.0]);
         assert_eq!([2.0, 10.0, 99.0].map(at), [1.0, 0.0, 0.0]);
         assert!((at(20f32.sqrt()) - 0.5).abs() < 1e-6, "half way in ratios");
-        let nothing = Guide { distance: f32::INFINITY, object: MISS, ..guide };
+        let nothing = AovSample { distance: f32::INFINITY, object: MISS, ..guide };
         assert_eq!((normal(&nothing), barycentrics(&nothing), depth(&nothing, [2.0, 10.0])), (0, 0, 0.0));
     }
 }

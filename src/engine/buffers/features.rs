@@ -61,7 +61,7 @@ features! {
 impl Features {
     pub const NONE: Features = Features(0);
     /// The features that make shading normals differ from geometric normals.
-    pub const BENT_NORMALS: Features = Self::SMOOTH_NORMALS.with(Self::NORMAL_MAPS);
+    pub const SHADING_NORMALS: Features = Self::SMOOTH_NORMALS.with(Self::NORMAL_MAPS);
     /// The features that read [`super::Buffers::detail_rows`].
     pub const DETAILS: Features = Self::PLASTIC.with(Self::NORMAL_MAPS).with(Self::ROUGHNESS_MAPS);
 

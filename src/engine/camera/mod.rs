@@ -1,11 +1,13 @@
 //! From raster space to primary rays.
 //!
-//! For: [`Pinhole`], and [`ViewFrustum`], the space that a part of the image sees.
+//! For: [`Pinhole`]; [`ViewFrustum`], the space that a part of the image sees; [`Tile`], a rectangle of pixels.
 //! May import: `lane`, `math`, `scene`.
 //! Must never know: buffers, film.
 
+mod tile;
 mod view_frustum;
 
+pub use tile::{MAX_PIXELS, Tile};
 pub use view_frustum::ViewFrustum;
 
 use crate::lane::Lane;

@@ -1,14 +1,15 @@
-//! The simplest way to soften edges and noise.
+//! A 3×3 blur.
 //!
-//! For: [`Blur`]. May import: `rows`, `film`. Must never know: guides, cameras.
+//! For: [`Blur`]. May import: `rows`, `film`. Must never know: AOVs, cameras.
 
 use super::rows;
 use crate::film::Picture;
 
-/// The blur of the bachelor's thesis from which octray comes: the mean of 3×3 pixels, the middle one counted twice (their sum over 10). Beyond
-/// the picture's border, its outermost pixels go on.
+/// The blur of the bachelor's thesis on which octray is based: the mean of 3×3 pixels, the centre counted
+/// twice (their sum over 10). Coordinates are clamped to the border.
 ///
-/// Cost: ten additions a channel. Law: of light, it takes none away and adds none but at borders; edges lose their sharpness as noise does.
+/// Cost: ten additions a channel. Law: it preserves the sum of radiance except at borders; it blurs edges as
+/// much as noise.
 #[derive(Clone, Debug, Default)]
 pub struct Blur {
     shown: Picture,

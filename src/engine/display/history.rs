@@ -1,29 +1,36 @@
-//! What earlier frames saw, brought to where the camera is now.
+//! Temporal reprojection: accumulates the frames of a moving camera.
 //!
-//! For: [`History`]. May import: `rows`, `camera`, the guides of `integrate`, `film`. Must never know: scenes, renderers, clocks.
+//! For: [`History`]. May import: `rows`, `camera`, the AOVs of `integrate`, `film`. Must never know: scenes,
+//! renderers, clocks.
 //!
-//! A frame of a moving camera has one or a few samples a pixel; the frames before it have seen most of the same points. For every pixel:
+//! A frame of a moving camera has one or a few samples a pixel; earlier frames have sampled most of the same
+//! points. For every pixel:
 //!
-//! 1. The point that it sees (its guide's distance along the ray through its middle; of the sky, the direction) is projected into the
-//!    camera of the frame before.
-//! 2. The pixels around that place are taps. One counts if it saw the same object, with nearly the same normal, in the plane of the point.
-//! 3. Where all of 4×4 count, they are interpolated by cubics (Catmull, Rom, "A class of local interpolating splines", 1974), which keep what
-//!    frame after frame of bilinear interpolation would blur; else those of 2×2 that count, bilinearly, their weights made up to 1. Where none counts, there is
-//!    no history.
-//! 4. History and fresh samples are weighted by their numbers. That of the history is capped, so that it forgets.
-//! 5. In the sky, history is kept within what the 3×3 fresh pixels around show: there is no noise in them, but at the edge of a lamp pixels of
-//!    the sky hold some of its light, and would take it along.
+//! 1. Reprojection: the visible point (the depth AOV along the ray through the pixel's centre; of the sky,
+//!    the direction) is projected into the previous frame's camera.
+//! 2. Disocclusion test: the pixels around that position are taps. A tap is valid if it has the same object
+//!    id, nearly the same normal, and lies in the plane of the point.
+//! 3. Where all of 4×4 taps are valid, they are interpolated bicubically (Catmull, Rom, "A class of local
+//!    interpolating splines", 1974), which avoids the blur of repeated bilinear interpolation; otherwise the
+//!    valid ones of 2×2, bilinearly, with weights normalised to 1. Where none is valid, the pixel is
+//!    disoccluded and has no history.
+//! 4. History and new samples are blended by their sample counts. That of the history is capped, so that old
+//!    samples fade.
+//! 5. In the sky, history is clamped to the 3×3 neighbourhood of the new frame: the sky has no noise, but at
+//!    the edge of a light its pixels hold some of the light's radiance, which would leave a trail.
 //!
-//! Where reflections are sharp, they move otherwise than the surface: there the cap is lower. To keep the history within what the fresh pixels
-//! around show (variance clipping) was tried there as well: with one sample a pixel, noise decides what they show, and no scene had a smaller error.
+//! Sharp reflections do not move with the surface: there the cap is lower. Clamping the history to the new
+//! neighbourhood (variance clipping) was tried there as well: with one sample a pixel, noise determines the
+//! neighbourhood, and no scene had a smaller error.
 //!
-//! The idea is that of Nehab, Sander, Lawrence, Tatarchuk, Isidoro, "Accelerating Real-Time Shading with Reverse Reprojection Caching",
-//! Graphics Hardware 2007; tests of taps and counts of samples are as in Schied et al., "Spatiotemporal Variance-Guided Filtering", HPG 2017.
+//! Sources: Nehab, Sander, Lawrence, Tatarchuk, Isidoro, "Accelerating Real-Time Shading with Reverse
+//! Reprojection Caching", Graphics Hardware 2007; the disocclusion test and the sample counts are as in
+//! Schied et al., "Spatiotemporal Variance-Guided Filtering", HPG 2017.
 
 use super::rows;
 use crate::camera::Pinhole;
 use crate::film::Picture;
-use crate::integrate::guides::{Aovs, Plane};
+use crate::integrate::aovs::{Aovs, Plane};
 use crate::lane::{F32x8, Lane, Mask, lane_indices};
 use crate::math::{MISS, Vec3};
 use glam::{Vec3A, Vec4};
@@ -31,56 +38,58 @@ use glam::{Vec3A, Vec4};
 /// Lanes of the projection.
 type L = F32x8;
 
-/// Most samples that history stands for, on what is matt: with 64 the errors are the same within one per cent.
-const MOST_SAMPLES: f32 = 32.0;
-/// And on mirrors; in between it rises by twice [`MOST_SAMPLES`] for each unit of the width of the lobe.
-const MOST_ON_MIRRORS: f32 = 8.0;
-/// Samples of a camera that stands still after which its film alone is shown.
-const SETTLED: u32 = 64;
-/// The least cosine between the normals of a point and a tap.
-const LEAST_COSINE: f32 = 0.9;
-/// How far a tap may lie off the plane of a point, in widths of a pixel there.
-const MOST_OFF_PLANE: f32 = 2.0;
+/// Cap on the history's sample count on diffuse surfaces: with 64 the errors are the same within one per
+/// cent.
+const MAX_SAMPLES: f32 = 32.0;
+/// The cap on mirrors; in between it rises by twice [`MAX_SAMPLES`] for each unit of the lobe's width.
+const MAX_SAMPLES_ON_MIRRORS: f32 = 8.0;
+/// Samples of a static camera from which on its film alone is shown.
+const STATIC_SAMPLES: u32 = 64;
+/// Disocclusion test: the least cosine between the normals of a point and a tap.
+const MIN_NORMAL_COSINE: f32 = 0.9;
+/// Disocclusion test: the largest distance of a tap from the plane of a point, in pixel widths there.
+const MAX_PLANE_DISTANCE: f32 = 2.0;
 
-/// Bilinear weights of taps that count; with less, history is next to nothing.
-const LEAST_WEIGHT: f32 = 0.01;
+/// The least sum of the bilinear weights of valid taps: with less there is no history.
+const MIN_WEIGHT: f32 = 0.01;
 
-/// What is remembered of a pixel.
+/// A pixel of the history buffer.
 #[derive(Clone, Copy, Debug, Default)]
-struct Trace {
-    /// Red, green, blue, and how many samples they stand for.
+struct HistoryPixel {
+    /// Red, green, blue, and their sample count.
     value: Vec4,
-    /// Where the surface is; of the sky, in which direction.
+    /// The visible point; of the sky, the direction.
     point: Vec3A,
     normal: Vec3A,
     object: u32,
 }
 
-/// The frames so far, blended. Cost: a projection and sixteen taps a pixel; working memory: 144 bytes a pixel with the picture.
+/// The history buffer. Cost: a projection and sixteen taps a pixel; working memory: 144 bytes a pixel with
+/// the picture.
 ///
-/// Call [`History::advance`] for the first frame and whenever the camera has moved, [`History::still`] while it stands where the last of those was.
+/// Call [`History::reproject`] for the first frame and whenever the camera has moved,
+/// [`History::blend_static`] while it stays where it was at the last of those.
 #[derive(Clone, Debug, Default)]
 pub struct History {
-    /// Of the frame before, and its resolution; none where there was none.
-    seen_from: Option<(Pinhole, [u32; 2])>,
-    traces: Vec<Trace>,
-    /// Of the frame under way.
-    next: Vec<Trace>,
+    /// Camera and resolution of the previous frame, if there is one.
+    previous: Option<(Pinhole, [u32; 2])>,
+    buffer: Vec<HistoryPixel>,
+    /// Those of the current frame.
+    next: Vec<HistoryPixel>,
     shown: Picture,
     counts: Vec<f32>,
-    /// Samples of the film that stands in `shown` and not in `traces`; 0 where there is none.
-    still: u32,
+    /// Samples of the static film that is in `shown` and not yet in `buffer`; 0 if there is none.
+    static_samples: u32,
 }
 
 impl History {
-    /// Nothing yet.
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// What was seen is no more: another scene, other light.
-    pub fn forget(&mut self) {
-        (self.seen_from, self.still) = (None, 0);
+    /// Discards the history: for another scene, or other lights.
+    pub fn reset(&mut self) {
+        (self.previous, self.static_samples) = (None, 0);
     }
 
     /// The last picture.
@@ -88,40 +97,44 @@ impl History {
         &self.shown
     }
 
-    /// Samples that each pixel of the last picture stands for, row by row from the top.
+    /// The sample count of each pixel of the last picture, row by row from the top.
     pub fn counts(&self) -> &[f32] {
         &self.counts
     }
 
-    /// A frame from another place than the one before, blended with what is known: `fresh` is the mean of so many samples a pixel, independent of
-    /// earlier frames' (0 where they are to stay out of what is known), `guides` and `camera` are its own. Another resolution than before starts anew.
+    /// A frame of a camera that has moved, blended with the reprojected history: `fresh` is the mean of
+    /// `samples` samples a pixel, independent of those of earlier frames (0 keeps them out of the history);
+    /// `aovs` and `camera` are its own. Another resolution than before discards the history.
     ///
     /// # Panics
-    /// If picture and guides differ in size.
-    pub fn advance(&mut self, fresh: &Picture, samples: u32, guides: &Aovs, camera: &Pinhole) -> &Picture {
+    /// If picture and AOVs differ in size.
+    pub fn reproject(&mut self, fresh: &Picture, samples: u32, aovs: &Aovs, camera: &Pinhole) -> &Picture {
         let size = [fresh.width, fresh.height];
-        assert_eq!(size, guides.resolution(), "a picture and its guides");
-        self.remember_still();
-        let frame = Frame { fresh, samples: samples as f32, guides, camera };
-        let before = self.seen_from.as_ref().filter(|(_, seen)| *seen == size);
-        let before = before.map(|(camera, size)| Before { camera, size: *size, traces: &self.traces });
-        self.next.resize(fresh.pixels.len(), Trace::default());
-        rows::each(&mut self.next, fresh.width as usize, |y, row| frame.trace_row(y, row, before.as_ref()));
-        std::mem::swap(&mut self.traces, &mut self.next);
-        self.seen_from = Some((*camera, size));
-        self.show(fresh, |trace, _| split(trace.value));
+        assert_eq!(size, aovs.resolution(), "picture and AOVs differ in size");
+        self.store_static();
+        let frame = Frame { fresh, samples: samples as f32, aovs, camera };
+        let before = self.previous.as_ref().filter(|(_, seen)| *seen == size);
+        let before = before.map(|(camera, size)| PreviousFrame { camera, size: *size, buffer: &self.buffer });
+        self.next.resize(fresh.pixels.len(), HistoryPixel::default());
+        rows::each(&mut self.next, fresh.width as usize, |y, row| {
+            frame.reproject_row(y, row, before.as_ref())
+        });
+        std::mem::swap(&mut self.buffer, &mut self.next);
+        self.previous = Some((*camera, size));
+        self.show(fresh, |entry, _| split(entry.value));
         &self.shown
     }
 
-    /// A frame of a camera that stands where it stood for the last [`History::advance`]: the film's mean after so many samples, blended with what
-    /// was known before; the more samples, the less of that. From 64 samples on it is the film's mean, bit by bit.
-    pub fn still(&mut self, film: &Picture, samples: u32) -> &Picture {
+    /// A frame of a camera that has not moved since the last [`History::reproject`]: the film's mean after
+    /// `samples` samples, blended with the history, whose weight falls with the samples. From 64 samples on
+    /// it is the film's mean, bit for bit.
+    pub fn blend_static(&mut self, film: &Picture, samples: u32) -> &Picture {
         let size = [film.width, film.height];
-        let known = self.seen_from.is_some_and(|(_, seen)| seen == size);
-        let left = 1.0 - samples.min(SETTLED) as f32 / SETTLED as f32;
+        let known = self.previous.is_some_and(|(_, seen)| seen == size);
+        let left = 1.0 - samples.min(STATIC_SAMPLES) as f32 / STATIC_SAMPLES as f32;
         if known && left > 0.0 {
-            self.show(film, |trace, film| {
-                let (color, of_color) = split(trace.value);
+            self.show(film, |entry, film| {
+                let (color, of_color) = split(entry.value);
                 let kept = of_color * left;
                 (blend(color, kept, film, samples as f32), kept + samples as f32)
             });
@@ -131,35 +144,35 @@ impl History {
             self.counts.clear();
             self.counts.resize(film.pixels.len(), samples as f32);
         }
-        self.still = if known { samples } else { 0 };
+        self.static_samples = if known { samples } else { 0 };
         &self.shown
     }
 
-    /// What was shown while the camera stood is what is known when it moves on.
-    fn remember_still(&mut self) {
-        if std::mem::take(&mut self.still) == 0 {
+    /// Stores the last static picture in the history, for when the camera moves on.
+    fn store_static(&mut self) {
+        if std::mem::take(&mut self.static_samples) == 0 {
             return;
         }
         let width = self.shown.width as usize;
         let (shown, counts) = (&self.shown.pixels, &self.counts);
-        rows::each(&mut self.traces, width, |y, row| {
-            for ((trace, color), count) in row.iter_mut().zip(&shown[y * width..]).zip(&counts[y * width..]) {
-                trace.value = Vec3A::from_array(*color).extend(*count);
+        rows::each(&mut self.buffer, width, |y, row| {
+            for ((entry, color), count) in row.iter_mut().zip(&shown[y * width..]).zip(&counts[y * width..]) {
+                entry.value = Vec3A::from_array(*color).extend(*count);
             }
         });
     }
 
-    /// Fills picture and counts from what is remembered and the pixels of a picture.
-    fn show(&mut self, from: &Picture, of: impl Fn(&Trace, [f32; 3]) -> ([f32; 3], f32) + Sync) {
+    /// Fills picture and counts from the history and the pixels of a picture.
+    fn show(&mut self, from: &Picture, of: impl Fn(&HistoryPixel, [f32; 3]) -> ([f32; 3], f32) + Sync) {
         let width = from.width as usize;
         self.shown.resize([from.width, from.height]);
         self.counts.resize(from.pixels.len(), 0.0);
-        let traces = &self.traces;
+        let buffer = &self.buffer;
         let (colors, counts) = (&mut self.shown.pixels[..], &mut self.counts[..]);
         rows::each_two((colors, width), (counts, width), |y, colors, counts| {
-            let known = traces[y * width..].iter().zip(&from.pixels[y * width..]);
-            for ((color, count), (trace, &pixel)) in colors.iter_mut().zip(counts).zip(known) {
-                (*color, *count) = of(trace, pixel);
+            let known = buffer[y * width..].iter().zip(&from.pixels[y * width..]);
+            for ((color, count), (entry, &pixel)) in colors.iter_mut().zip(counts).zip(known) {
+                (*color, *count) = of(entry, pixel);
             }
         });
     }
@@ -170,35 +183,35 @@ fn split(value: Vec4) -> ([f32; 3], f32) {
     ([r, g, b], samples)
 }
 
-/// Two means of so many samples each as one.
+/// The mean of two means, weighted by their sample counts.
 fn blend(a: [f32; 3], of_a: f32, b: [f32; 3], of_b: f32) -> [f32; 3] {
     let share = of_a / (of_a + of_b);
     std::array::from_fn(|c| b[c] + (a[c] - b[c]) * share)
 }
 
-/// A frame under way.
+/// The current frame.
 struct Frame<'a> {
     fresh: &'a Picture,
     samples: f32,
-    guides: &'a Aovs,
+    aovs: &'a Aovs,
     camera: &'a Pinhole,
 }
 
-/// The frame before it.
-struct Before<'a> {
+/// The previous frame.
+struct PreviousFrame<'a> {
     camera: &'a Pinhole,
     size: [u32; 2],
-    traces: &'a [Trace],
+    buffer: &'a [HistoryPixel],
 }
 
 impl Frame<'_> {
-    /// What a row of pixels shows and remembers.
-    fn trace_row(&self, y: usize, row: &mut [Trace], before: Option<&Before>) {
-        let plane = |plane| self.guides.row(plane, y as u32);
+    /// Reprojects a row of pixels.
+    fn reproject_row(&self, y: usize, row: &mut [HistoryPixel], before: Option<&PreviousFrame>) {
+        let plane = |plane| self.aovs.row(plane, y as u32);
         let distances = plane(Plane::Distance);
         let normals = [Plane::NormalX, Plane::NormalY, Plane::NormalZ].map(plane);
-        let (objects, lobes) = (self.guides.objects(y as u32), plane(Plane::Lobe));
-        for (packet, traces) in row.chunks_mut(L::WIDTH).enumerate() {
+        let (objects, lobes) = (self.aovs.objects(y as u32), plane(Plane::Lobe));
+        for (packet, buffer) in row.chunks_mut(L::WIDTH).enumerate() {
             let at = packet * L::WIDTH;
             let x = L::from_int(lane_indices::<L>()) + L::splat(at as f32 + 0.5);
             let ray = self.camera.rays(x, L::splat(y as f32 + 0.5));
@@ -209,10 +222,10 @@ impl Frame<'_> {
                 let from = point - before.camera.origin();
                 before.camera.project(Vec3::select(surface, from, ray.direction))
             });
-            for (lane, trace) in traces.iter_mut().enumerate() {
+            for (lane, entry) in buffer.iter_mut().enumerate() {
                 let x = at + lane;
                 let fresh = self.fresh.pixels[y * self.fresh.width as usize + x];
-                *trace = Trace {
+                *entry = HistoryPixel {
                     value: Vec3A::from_array(fresh).extend(self.samples),
                     point: point.get(lane).into(),
                     normal: Vec3A::from_array(normals.map(|normals| normals[x])),
@@ -222,22 +235,22 @@ impl Frame<'_> {
                 if ahead.bitmask() >> lane & 1 == 0 {
                     continue;
                 }
-                let off = MOST_OFF_PLANE * self.camera.pixel_size() * distances[x];
-                if let Some(known) = before.look([u.get(lane), v.get(lane)], trace, off) {
+                let max_distance = MAX_PLANE_DISTANCE * self.camera.pixel_size() * distances[x];
+                if let Some(known) = before.sample([u.get(lane), v.get(lane)], entry, max_distance) {
                     let (mut color, samples) = split(known);
                     if objects[x] == MISS {
-                        color = self.within_neighbours(color, [x, y]);
+                        color = self.clamp_to_neighbourhood(color, [x, y]);
                     }
-                    let kept = samples.min(most_samples(lobes[x]));
+                    let kept = samples.min(max_samples(lobes[x]));
                     let color = blend(color, kept, fresh, self.samples);
-                    trace.value = Vec3A::from_array(color).extend(kept + self.samples);
+                    entry.value = Vec3A::from_array(color).extend(kept + self.samples);
                 }
             }
         }
     }
 
-    /// The nearest colour that is between the least and the most of the pixel and those around it.
-    fn within_neighbours(&self, color: [f32; 3], [x, y]: [usize; 2]) -> [f32; 3] {
+    /// The colour, clamped to the minimum and maximum of the 3×3 neighbourhood.
+    fn clamp_to_neighbourhood(&self, color: [f32; 3], [x, y]: [usize; 2]) -> [f32; 3] {
         let [width, height] = [self.fresh.width, self.fresh.height].map(|side| side as usize);
         let around = |at: usize, side: usize| at.saturating_sub(1)..(at + 2).min(side);
         let (mut least, mut most) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
@@ -253,23 +266,23 @@ impl Frame<'_> {
     }
 }
 
-/// What history may stand for on a surface.
-fn most_samples(lobe: f32) -> f32 {
-    MOST_SAMPLES.min(MOST_ON_MIRRORS + 2.0 * MOST_SAMPLES * lobe)
+/// The cap on the history's sample count on a surface with this lobe width.
+fn max_samples(lobe: f32) -> f32 {
+    MAX_SAMPLES.min(MAX_SAMPLES_ON_MIRRORS + 2.0 * MAX_SAMPLES * lobe)
 }
 
-impl Before<'_> {
-    /// Does this tap show what the point is on?
+impl PreviousFrame<'_> {
+    /// The disocclusion test: is the tap on the surface of the point?
     #[inline(always)]
-    fn fits(tap: &Trace, point: &Trace, off_plane: f32) -> bool {
+    fn is_valid(tap: &HistoryPixel, point: &HistoryPixel, max_distance: f32) -> bool {
         tap.object == point.object
             && (point.object == MISS
-                || tap.normal.dot(point.normal) >= LEAST_COSINE
-                    && (tap.point - point.point).dot(point.normal).abs() <= off_plane)
+                || tap.normal.dot(point.normal) >= MIN_NORMAL_COSINE
+                    && (tap.point - point.point).dot(point.normal).abs() <= max_distance)
     }
 
-    /// What was known at a place of the picture: red, green, blue, and for how many samples they stand.
-    fn look(&self, [x, y]: [f32; 2], point: &Trace, off_plane: f32) -> Option<Vec4> {
+    /// The history at a position of the picture: red, green, blue, and their sample count.
+    fn sample(&self, [x, y]: [f32; 2], point: &HistoryPixel, max_distance: f32) -> Option<Vec4> {
         let [width, height] = self.size.map(|side| side as i32);
         let (x, y) = (x - 0.5, y - 0.5);
         if !((-1.0..width as f32).contains(&x) && (-1.0..height as f32).contains(&y)) {
@@ -279,10 +292,10 @@ impl Before<'_> {
         let (right, low) = (x - left, y - top);
         let (left, top) = (left as i32, top as i32);
         if left >= 1 && top >= 1 && left + 2 < width && top + 2 < height {
-            let lines: [&[Trace]; 4] = std::array::from_fn(|line| {
-                &self.traces[((top - 1 + line as i32) * width + left - 1) as usize..][..4]
+            let lines: [&[HistoryPixel]; 4] = std::array::from_fn(|line| {
+                &self.buffer[((top - 1 + line as i32) * width + left - 1) as usize..][..4]
             });
-            if lines.iter().all(|line| line.iter().all(|tap| Self::fits(tap, point, off_plane))) {
+            if lines.iter().all(|line| line.iter().all(|tap| Self::is_valid(tap, point, max_distance))) {
                 let [of_x, of_y] = [right, low].map(catmull_rom);
                 let mut sum = Vec4::ZERO;
                 for (line, of_y) in lines.iter().zip(of_y) {
@@ -300,18 +313,19 @@ impl Before<'_> {
             (left + 1, top + 1, right * low),
         ] {
             if (0..width).contains(&column) && (0..height).contains(&line) {
-                let tap = &self.traces[(line * width + column) as usize];
-                if Self::fits(tap, point, off_plane) {
+                let tap = &self.buffer[(line * width + column) as usize];
+                if Self::is_valid(tap, point, max_distance) {
                     sum += tap.value * weight;
                     weights += weight;
                 }
             }
         }
-        // Fewer taps are worse evidence, and lie to one side of the place: they stand for less.
-        (weights > LEAST_WEIGHT).then(|| (sum / weights).with_w(sum.w))
+        // Fewer valid taps lie to one side of the position: their sample count is reduced.
+        (weights > MIN_WEIGHT).then(|| (sum / weights).with_w(sum.w))
     }
 }
-/// The weights of four neighbours for a place between the middle two.
+
+/// Catmull-Rom weights of four samples for a position between the middle two.
 fn catmull_rom(t: f32) -> [f32; 4] {
     let cubic = |a: f32, b: f32, c: f32, d: f32| 0.5 * (((a * t + b) * t + c) * t + d);
     [

@@ -1,24 +1,25 @@
-//! Rows of pixels, in parallel where there are threads for it.
+//! Loops over rows of pixels, parallel inside a pool of threads.
 //!
-//! For: [`each`], [`each_two`], [`packet`]. May import: `lane`, `rayon`. Must never know: what a row holds.
+//! For: [`each`], [`each_two`], [`packet`]. May import: `lane`, `rayon`. Must never know: the contents of a
+//! row.
 
 use crate::lane::{F32x8, Lane};
 use rayon::prelude::*;
 
-/// Outside of a pool, parallel iterators would wake threads that nobody asked for.
+/// Outside of a pool, parallel iterators would start rayon's global one.
 fn in_a_pool() -> bool {
     rayon::current_thread_index().is_some()
 }
 
-/// Does something to every row of so many numbers, given its number from the top.
-pub fn each<T: Send>(numbers: &mut [T], length: usize, row: impl Fn(usize, &mut [T]) + Sync) {
+/// Calls `row` with the index and the slice of every row of `length` values.
+pub fn each<T: Send>(values: &mut [T], length: usize, row: impl Fn(usize, &mut [T]) + Sync) {
     match in_a_pool() {
-        true => numbers.par_chunks_mut(length).enumerate().for_each(|(y, numbers)| row(y, numbers)),
-        false => numbers.chunks_mut(length).enumerate().for_each(|(y, numbers)| row(y, numbers)),
+        true => values.par_chunks_mut(length).enumerate().for_each(|(y, values)| row(y, values)),
+        false => values.chunks_mut(length).enumerate().for_each(|(y, values)| row(y, values)),
     }
 }
 
-/// The same with the rows of two kinds of numbers.
+/// As [`each`], for the rows of two slices at once.
 pub fn each_two<T: Send, U: Send>(
     (first, of_first): (&mut [T], usize),
     (second, of_second): (&mut [U], usize),
@@ -34,7 +35,7 @@ pub fn each_two<T: Send, U: Send>(
     }
 }
 
-/// Eight numbers of a row from `at` on; 0 beyond its end.
+/// Eight values of a row from `at` on; 0 beyond its end.
 #[inline(always)]
 pub fn packet(row: &[f32], at: usize) -> F32x8 {
     match row.get(at..at + F32x8::WIDTH) {

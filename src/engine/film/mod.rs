@@ -1,18 +1,18 @@
 //! Sums of linear radiance, each pixel's samples in a fixed order.
 //!
-//! For: [`Film`], which tiles fill, and [`Picture`], what it averages to. May import: `lane`, `integrate` (for the shape of tiles).
-//! Must never know: scenes, tone mapping, files.
+//! For: [`Film`], to which tiles add samples, and [`Picture`], its mean. May import: `lane`, `camera` (for
+//! [`Tile`]). Must never know: scenes, tone mapping, files.
 //!
-//! Sums are compensated: a plain f32 sum is off by 5e-6 after a million samples and stalls at 2²⁴ of them. How far samples differ
-//! ([`mod@noise`]) is summed only in films that are made for it.
+//! Sums are compensated: a plain f32 sum is off by 5e-6 after a million samples and stalls at 2²⁴ of them.
+//! The variance of samples ([`mod@noise`]) is estimated only in films that are made for it.
 
 pub mod noise;
 
-use crate::integrate::Tile;
+use crate::camera::Tile;
 use crate::lane::{F32x8, Lane, Mask, Mask8};
 use noise::Noise;
 
-/// A picture in linear RGB, row by row from the top: what a film averages to, before anyone sees it.
+/// A picture in linear RGB, row by row from the top, before tone mapping: the mean of a film.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Picture {
     pub width: u32,
@@ -22,7 +22,7 @@ pub struct Picture {
 }
 
 impl Picture {
-    /// Takes memory only where the picture grows. What it holds afterwards is unspecified.
+    /// Allocates only where the picture grows. The pixels are unspecified afterwards.
     pub fn resize(&mut self, [width, height]: [u32; 2]) {
         (self.width, self.height) = (width, height);
         self.pixels.resize(width as usize * height as usize, [0.0; 3]);
@@ -41,24 +41,24 @@ pub struct Film {
 #[derive(Clone, Debug)]
 pub struct TileSums {
     pub tile: Tile,
-    /// Samples that every pixel of the tile has had.
+    /// Samples that every pixel of the tile has.
     pub samples: u32,
-    /// Red, green and blue of a packet of pixels each, the last one padded.
+    /// Red, green and blue of each packet of pixels, the last one padded.
     packets: Vec<[CompensatedSum; 3]>,
-    /// Samples of each pixel that were left out; empty as long as there are none.
+    /// Discarded samples of each pixel; empty as long as there are none.
     discarded: Vec<u32>,
-    /// How far samples differ, where somebody asks.
+    /// Estimates the variance, in films made by [`crate::render::Renderer::film_with_noise`].
     pub noise: Option<Noise>,
 }
 
-/// Sums of f32 that keep what rounding loses: as accurate as f64 in the same space, at the full width of the lanes.
+/// Compensated f32 sums: as accurate as f64 in the same space, at the full width of the lanes.
 ///
-/// Error: ≤ 2 ε of the sum of magnitudes, whatever their number. Source: Kahan, "Further remarks on reducing truncation
-/// errors", CACM 8(1), 1965.
+/// Error: ≤ 2 ε of the sum of magnitudes, whatever their number. Source: Kahan, "Further remarks on reducing
+/// truncation errors", CACM 8(1), 1965.
 #[derive(Clone, Copy, Debug)]
 struct CompensatedSum {
     sum: F32x8,
-    /// What `sum` holds too much.
+    /// The rounding error of `sum`: the true sum is `sum` − `excess`.
     excess: F32x8,
 }
 
@@ -93,8 +93,8 @@ impl TileSums {
         }
     }
 
-    /// Adds one sample of every pixel: red, green and blue, each padded to whole packets. A sample with a NaN or infinite
-    /// channel is left out and counted.
+    /// Adds one sample of every pixel: red, green and blue, each padded to whole packets. A sample with a NaN
+    /// or infinite channel is discarded and counted.
     pub fn add(&mut self, radiance: [&[f32]; 3]) {
         let channels = radiance.map(|channel| channel.as_chunks::<{ F32x8::WIDTH }>().0);
         let [r, g, b] = channels.map(|channel| &channel[..self.packets.len()]);
@@ -106,7 +106,7 @@ impl TileSums {
             let zero = F32x8::zero();
             let finite = r.mul_add(zero, g.mul_add(zero, b * zero)).eq(zero);
             if !finite.all() {
-                sample = leave_out(&mut self.discarded, self.tile.pixels(), packet, finite, sample);
+                sample = discard(&mut self.discarded, self.tile.pixels(), packet, finite, sample);
             }
             for (sum, value) in sums.iter_mut().zip(sample) {
                 sum.add(value);
@@ -118,12 +118,12 @@ impl TileSums {
         self.samples += 1;
     }
 
-    /// Samples left out because they were not finite.
+    /// Samples discarded because they were not finite.
     pub fn discarded(&self) -> u64 {
         self.discarded.iter().map(|&count| u64::from(count)).sum()
     }
 
-    /// The average of a pixel's finite samples; black before the first one.
+    /// The mean of a pixel's finite samples; black before the first one.
     pub fn mean(&self, slot: usize) -> [f64; 3] {
         let count = self.samples - self.discarded.get(slot).unwrap_or(&0);
         let scale = 1.0 / f64::from(count.max(1));
@@ -132,11 +132,11 @@ impl TileSums {
     }
 }
 
-/// The packet's sample without the lanes that are not finite, which are counted. Never in line: it would crowd the registers of
-/// the loop that hardly ever needs it.
+/// The packet's sample with 0 in the lanes that are not finite, which are counted. Not inlined: it is rare,
+/// and would take registers from the loop.
 #[cold]
 #[inline(never)]
-fn leave_out(
+fn discard(
     discarded: &mut Vec<u32>,
     pixels: usize,
     packet: usize,
@@ -150,8 +150,8 @@ fn leave_out(
 }
 
 impl Film {
-    /// Memory that a pixel takes while the film's picture is being averaged: its sums, its share of what a tile needs besides, and its
-    /// place in the picture. Measured: 37 of the program's 38 in all at 8000×8000.
+    /// Memory of a pixel in bytes while the film's picture is computed: its sums, its share of a tile's other
+    /// memory, and its pixel of the picture. Measured: 37 of the program's 38 in all at 8000×8000.
     pub const BYTES_PER_PIXEL: usize =
         3 * size_of::<CompensatedSum>() / F32x8::WIDTH + 1 + size_of::<[f32; 3]>();
 
@@ -161,13 +161,13 @@ impl Film {
         Self { resolution, tiles, rays: 0 }
     }
 
-    /// The same, and it sums how far samples differ: [`Noise::BYTES_PER_PIXEL`] more.
+    /// The film with variance estimation, which takes [`Noise::BYTES_PER_PIXEL`] more.
     pub(crate) fn with_noise(mut self) -> Self {
         self.tiles.iter_mut().for_each(|tile| tile.noise = Some(Noise::new(tile.packets.len())));
         self
     }
 
-    /// Empty again, and takes no memory anew.
+    /// Empties the film and keeps its memory.
     pub fn clear(&mut self) {
         self.tiles.iter_mut().for_each(TileSums::clear);
         self.rays = 0;
@@ -177,24 +177,25 @@ impl Film {
     pub fn resolution(&self) -> [u32; 2] {
         self.resolution
     }
-    /// Samples every pixel has had, those left out included.
+    /// Samples that every pixel has, discarded ones included.
     pub fn samples(&self) -> u32 {
         self.tiles.iter().map(|tile| tile.samples).min().unwrap_or(0)
     }
-    /// The most samples that a pixel has had: more than [`Film::samples`] where taking them was stopped midway.
+    /// The largest number of samples of a pixel: above [`Film::samples`] after cancellation or adaptive
+    /// sampling.
     pub fn most_samples(&self) -> u32 {
         self.tiles.iter().map(|tile| tile.samples).max().unwrap_or(0)
     }
-    /// Samples of single pixels, all together.
+    /// Samples summed over all pixels.
     pub fn pixel_samples(&self) -> u64 {
         self.tiles.iter().map(|tile| tile.tile.pixels() as u64 * u64::from(tile.samples)).sum()
     }
-    /// Samples a pixel has had on average.
+    /// The mean number of samples of a pixel.
     pub fn mean_samples(&self) -> f64 {
         let [width, height] = self.resolution.map(f64::from);
         self.pixel_samples() as f64 / (width * height)
     }
-    /// Pixels that have had a sample.
+    /// Pixels with at least one sample.
     pub fn pixels_begun(&self) -> u64 {
         self.tiles.iter().filter(|tile| tile.samples > 0).map(|tile| tile.tile.pixels() as u64).sum()
     }
@@ -202,29 +203,30 @@ impl Film {
     pub fn rays(&self) -> u64 {
         self.rays
     }
-    /// Samples left out because they were not finite. Expected to be 0: more is a bug.
+    /// Samples discarded because they were not finite. Expected to be 0: more is a bug.
     pub fn discarded(&self) -> u64 {
         self.tiles.iter().map(TileSums::discarded).sum()
     }
-    /// The average of each pixel's own finite samples, whatever others have had; black before the first one.
+    /// The mean of each pixel's finite samples, whatever the numbers of other pixels; black before the first
+    /// one.
     pub fn picture(&self) -> Picture {
         let mut picture = Picture::default();
         self.picture_into(&mut picture);
         picture
     }
-    /// The same into a picture that was made before; takes memory only where it must grow.
+    /// As [`Film::picture`], into an existing picture; allocates only where it grows.
     pub fn picture_into(&self, picture: &mut Picture) {
-        self.draw_into(picture, |tile, slot| tile.mean(slot).map(|channel| channel as f32));
+        self.fill(picture, |tile, slot| tile.mean(slot).map(|channel| channel as f32));
     }
-    /// How many samples each pixel has had, in all three channels.
+    /// The number of samples of each pixel, in all three channels.
     pub fn counts(&self) -> Picture {
         let mut picture = Picture::default();
-        self.draw_into(&mut picture, |tile, _| [tile.samples as f32; 3]);
+        self.fill(&mut picture, |tile, _| [tile.samples as f32; 3]);
         picture
     }
 
-    /// Fills the picture with what `pixel` makes of each tile and slot.
-    fn draw_into(&self, picture: &mut Picture, pixel: impl Fn(&TileSums, usize) -> [f32; 3]) {
+    /// Fills the picture with `pixel(tile, slot)` of every pixel.
+    fn fill(&self, picture: &mut Picture, pixel: impl Fn(&TileSums, usize) -> [f32; 3]) {
         let [width, _] = self.resolution;
         picture.resize(self.resolution);
         let pixels = &mut picture.pixels;
@@ -256,17 +258,18 @@ mod tests {
         }
         let truth = f64::from(value) * f64::from(samples);
         let error = (sums.packets[0][0].get(3) - truth).abs() / truth;
-        // A plain f32 sum is off by 9e-3 here, and a compensated one whose excess is forgotten at the end by up to 6e-8.
+        // A plain f32 sum is off by 9e-3 here, and a compensated one whose excess is forgotten at the end by
+        // up to 6e-8.
         assert!(error < 1e-9, "relative error {error:e}");
         assert_eq!(sums.packets[0][1].get(7), f64::from(samples));
     }
 
     #[test]
-    fn film_leaves_out_samples_that_are_not_finite_and_counts_them() {
+    fn film_discards_samples_that_are_not_finite_and_counts_them() {
         let mut film = Film::new([9, 1], [16, 16]);
         let mut red = [0.5; 16];
         film.tiles[0].add([&red, &[0.25; 16], &[1.0; 16]]);
-        // The tenth place and those behind it are padding: what stands there must not count.
+        // From the tenth on, elements are padding and must not count.
         (red[2], red[8], red[9]) = (f32::NAN, f32::INFINITY, f32::NAN);
         film.tiles[0].add([&red, &[0.75; 16], &[1.0; 16]]);
         assert_eq!(film.discarded(), 2);

@@ -1,22 +1,24 @@
-//! How far a tile's samples differ, and what that says of their mean.
+//! Variance of a pixel's samples, and the standard error of their mean.
 //!
-//! For: [`Noise`]. May import: `lane`. Must never know: blocks, targets, when enough is enough.
+//! For: [`Noise`]. May import: `lane`. Must never know: blocks, targets, stopping criteria.
 //!
 //! # The estimate
-//! Of every four samples of a pixel that follow each other, beginning at a multiple of four, d is the luminance of the first two less
-//! that of the last two. Where samples are independent, E d² = 4 σ², and the mean of n samples has the variance σ²/n: its estimate is
-//! (Σ d² / 4 groups) / n, without bias, with n / 4 degrees of freedom, and 0 without rounding where all samples are equal (a sum of
-//! squares less a square of the sum would not be).
+//! For every group of four consecutive samples of a pixel, starting at a multiple of four, d is the luminance
+//! of the first two minus that of the last two. For independent samples, E d² = 4 σ², and the mean of n
+//! samples has the variance σ²/n: its estimate is (Σ d² / 4 groups) / n, without bias, with n / 4 degrees of
+//! freedom, and exactly 0 where all samples are equal (the difference of a sum of squares and a squared sum
+//! would not be).
 //!
-//! Samples may also be spread more evenly than by chance: with Owen's scrambling the points 4 k to 4 k + 3 of Sobol's sequence are a net,
-//! and so are their two halves. Then d holds only what two points leave over, but still more than all n of them do, and the estimate errs to the
-//! safe side. Halves by turns (even against odd) would not do: even points all lie in one half of the pixel.
+//! Low-discrepancy samples are stratified: with Owen's scrambling the points 4 k to 4 k + 3 of Sobol's
+//! sequence are a net, and so are their two halves. Then d holds only the error of two points, which is still
+//! more than that of all n, and the estimate is conservative. Differences of even and odd samples would not
+//! do: even points all lie in one half of the pixel.
 
 use crate::lane::{F32x8, Lane};
 
 /// Samples in a group.
 pub const GROUP: u32 = 4;
-/// What red, green and blue weigh in luminance. Source: ITU-R BT.709-6, 2015, section 3.
+/// Weights of red, green and blue in luminance. Source: ITU-R BT.709-6, 2015, section 3.
 const LUMINANCE: [f32; 3] = [0.2126, 0.7152, 0.0722];
 
 /// The luminance of linear RGB.
@@ -24,7 +26,7 @@ pub fn luminance(color: [f64; 3]) -> f64 {
     color.iter().zip(LUMINANCE).map(|(channel, weight)| channel * f64::from(weight)).sum()
 }
 
-/// How far the samples of a tile's pixels differ, packet by packet.
+/// The variance estimates of a tile's pixels, packet by packet.
 #[derive(Clone, Debug)]
 pub struct Noise {
     packets: Vec<Spread>,
@@ -32,9 +34,9 @@ pub struct Noise {
 
 #[derive(Clone, Copy, Debug)]
 struct Spread {
-    /// d of the group under way.
+    /// d of the current group.
     difference: F32x8,
-    /// Σ d² of the groups that are whole. A plain sum: four million of them leave three digits, and two would do.
+    /// Σ d² of complete groups. A plain sum: four million of them leave three digits, and two are enough.
     squares: F32x8,
 }
 
@@ -63,7 +65,8 @@ impl Noise {
         }
     }
 
-    /// The estimated variance of a pixel's mean luminance after so many samples; infinite before the first whole group.
+    /// The estimated variance of a pixel's mean luminance after `samples` samples; infinite before the first
+    /// complete group.
     pub(crate) fn variance_of_mean(&self, slot: usize, samples: u32) -> f64 {
         let squares = f64::from(self.packets[slot / F32x8::WIDTH].squares.get(slot % F32x8::WIDTH));
         let groups = samples / GROUP;
@@ -114,7 +117,8 @@ mod tests {
 
     #[test]
     fn variance_of_mean_errs_to_the_safe_side_for_nets() {
-        // An edge and a slope across the pixel, met by van der Corput's sequence, Sobol's first dimension, shifted by digits.
+        // An edge and a slope across the pixel, met by van der Corput's sequence, Sobol's first dimension,
+        // shifted by digits.
         let functions: [fn(f32) -> f32; 2] = [|x| x, |x| f32::from(x < 0.3)];
         for (value, truth) in functions.into_iter().zip([0.5, 0.3f64]) {
             for samples in [16, 64, 256] {

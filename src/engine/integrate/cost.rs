@@ -1,12 +1,15 @@
-//! What it takes to find what a camera ray meets.
+//! Traversal cost of primary rays, for the heat maps of the viewer.
+//!
+//! For: [`Cost`] and [`render_row`]. May import: `generate`, `scratch`, `traverse`. Must never know: shading.
 
-use super::World;
-use super::guides::aim;
-use super::queue::{MAX_PIXELS, Work};
+use super::context::TraceContext;
+use super::generate::pixel_centers;
+use super::scratch::Scratch;
+use crate::camera::MAX_PIXELS;
 use crate::traverse::batch::Traversal;
 use crate::traverse::counter::Counts;
 
-/// Tests of one ray by itself.
+/// Intersection tests of one ray, traced by itself.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Cost {
     pub boxes: u32,
@@ -23,24 +26,30 @@ impl From<Counts> for Cost {
     }
 }
 
-/// The costs of a row of pixels, of the rays through their middles.
-pub(crate) fn of_row(world: &World, tile_size: [u32; 2], y: u32, row: &mut [Cost], work: &mut Work) {
-    let Some((hierarchy, traversal)) = world.primitives.hierarchy() else {
+/// Fills a row with the costs of the rays through the pixels' centres.
+pub(crate) fn render_row(
+    context: &TraceContext,
+    tile_size: [u32; 2],
+    y: u32,
+    row: &mut [Cost],
+    scratch: &mut Scratch,
+) {
+    let Some((hierarchy, traversal)) = context.primitives.hierarchy() else {
         let tiles_across = row.len().div_ceil(tile_size[0] as usize);
         let first = (y / tile_size[1]) as usize * tiles_across;
         for (tile, pixels) in row.chunks_mut(tile_size[0] as usize).enumerate() {
             let [spheres, triangles] =
-                world.primitives.linear(&world.buffers, world.visible.get(first + tile));
+                context.primitives.linear(&context.buffers, context.visible.get(first + tile));
             pixels.fill(Cost { boxes: 0, primitives: (spheres + triangles) as u32 });
         }
         return;
     };
-    // Rays by themselves: what they share with others has no pixel of its own.
+    // Single rays: tests that a packet shares cannot be attributed to a pixel.
     let traversal = if traversal == Traversal::Scalar { Traversal::Scalar } else { Traversal::Single };
     for (part, pixels) in row.chunks_mut(MAX_PIXELS).enumerate() {
-        aim(world, [(part * MAX_PIXELS) as u32, y], pixels.len(), work);
+        pixel_centers(context, [(part * MAX_PIXELS) as u32, y], pixels.len(), scratch);
         for (at, cost) in pixels.iter_mut().enumerate() {
-            *cost = work.count_one(hierarchy, traversal, at).into();
+            *cost = scratch.count_tests(hierarchy, traversal, at).into();
         }
     }
 }

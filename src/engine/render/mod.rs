@@ -1,91 +1,34 @@
-//! From a scene to a film: tiles as rayon jobs.
+//! Renders a scene into a film: tiles as rayon jobs.
 //!
-//! For: [`Renderer`], and [`Watch`] to follow it and stop it; [`survey`] tells what pixels see and take besides light. May import: `film` and everything above it. Must never know: files, terminals, clocks.
+//! For: [`Renderer`], [`RenderObserver`] to follow and to cancel it, and [`mod@aovs`] for feature buffers and
+//! heat maps. May import: `film` and everything above it. Must never know: files, terminals, clocks.
 
-pub mod survey;
+pub mod aovs;
+mod settings;
+
+pub use settings::{PipelineChoice, Settings};
 
 use crate::buffers::{Buffers, Features};
-use crate::camera::Pinhole;
+use crate::camera::{MAX_PIXELS, Pinhole, Tile};
 use crate::film::{Film, TileSums};
-use crate::integrate::queue::{MAX_PIXELS, Work};
 use crate::integrate::stats::Stats;
-use crate::integrate::{Pipeline, Tile, World, generate as primary, pipeline_for};
+use crate::integrate::{Pipeline, Scratch, TraceContext, generate, pipeline_for};
 use crate::lane::F32x8;
 use crate::math::{Hit, MISS};
 use crate::scene::{Camera, Scene};
 use crate::threads::Threads;
-use crate::traverse::{Methods, Primitives, Visible, linear};
+use crate::traverse::{Primitives, Visible, linear};
 use rayon::prelude::*;
 
-/// Which of the pipelines in [`crate::integrate`] a scene gets.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
-pub enum PipelineChoice {
-    /// The one compiled for the smallest set of features that holds the scene's needs.
-    #[default]
-    Needed,
-    /// The one with every feature: to measure and to test what leaving features out is worth.
-    General,
-}
+/// Limit on primitives times tiles for which [`Visible`] is found: some tens of milliseconds. With more,
+/// linear traversal is too slow to render with anyway.
+const MAX_CULLING_TESTS: usize = 4_000_000;
+/// Limit on primitives for which it is found again for every frame of a moving camera. Finding it takes 1 to
+/// 4 % of a frame of one sample, and saves 0 to 25 % of it, more for larger pictures.
+const MAX_CULLED_MOVING: usize = 256;
 
-impl PipelineChoice {
-    /// As the command line and reports name it.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Needed => "needed",
-            Self::General => "general",
-        }
-    }
-}
-
-/// What decides a picture besides the scene, and how it is computed: `lanes`, `threads`, `tile_size` and `pipeline` change no bit (but
-/// tiles are the blocks by which [`crate::adaptive`] decides how many samples to take).
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Settings {
-    /// Pixels: width, height.
-    pub resolution: [u32; 2],
-    /// Scattering events allowed on a path.
-    pub max_bounces: u32,
-    pub seed: u32,
-    pub methods: Methods,
-    /// 1 (scalar path) or 8 (packets).
-    pub lanes: usize,
-    /// Worker threads, at least 1.
-    pub threads: usize,
-    /// Pixels of a tile: width, height; at most [`MAX_PIXELS`] together.
-    pub tile_size: [u32; 2],
-    pub pipeline: PipelineChoice,
-    /// The most radiance that a sample may bring to a channel; infinite without a limit, as by default. A limit takes light away: the
-    /// picture is darker than the truth by what it cuts off.
-    pub clamp: f32,
-}
-
-impl Settings {
-    /// The scene's own resolution and bounces, packets, and one thread.
-    pub fn of(scene: &Scene) -> Self {
-        Self {
-            resolution: scene.resolution,
-            max_bounces: scene.max_bounces,
-            seed: 0,
-            methods: Methods::default(),
-            lanes: 8,
-            threads: 1,
-            tile_size: Self::TILE_SIZE,
-            pipeline: PipelineChoice::default(),
-            clamp: f32::INFINITY,
-        }
-    }
-    /// Rows of whole packets, and a queue that stays in the first-level cache.
-    pub const TILE_SIZE: [u32; 2] = [16, 16];
-}
-
-/// Most primitives times tiles for which [`Visible`] is found: some tens of milliseconds. Beyond it, testing everything is no way to
-/// render anyhow.
-const MOST_TO_CULL: usize = 4_000_000;
-/// Most primitives for which it is found anew for a camera that moves on with every frame. Finding it takes 1 to 4 % of a frame of one sample,
-/// and saves 0 to 25 % of it, the more the larger the picture is.
-const MOST_TO_CULL_MOVING: usize = 256;
-
-/// Finds what each tile's primary rays can meet; nothing where that is unknown, or there are more primitives than `most`, or too many to find out.
+/// Finds the primitives that each tile's primary rays can hit; empty where that is unknown, or where there
+/// are more primitives than `most` or than [`MAX_CULLING_TESTS`] allows.
 fn find_visible(
     visible: &mut Vec<Visible>,
     scene: &Scene,
@@ -95,7 +38,7 @@ fn find_visible(
 ) {
     let tiles = || Tile::cover(settings.resolution, settings.tile_size);
     let (primitives, count) = (scene.spheres.len() + scene.triangles.len(), tiles().count());
-    let too_many = primitives > most || primitives * count > MOST_TO_CULL;
+    let too_many = primitives > most || primitives * count > MAX_CULLING_TESTS;
     if !settings.methods.keep_to_their_primitives() || too_many {
         visible.clear();
         return;
@@ -111,7 +54,7 @@ fn check_resolution(resolution: [u32; 2]) {
     assert!(fits, "resolution {resolution:?}");
 }
 
-/// A primary ray and its answer.
+/// A primary ray and its hit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PrimaryHit {
     pub x: u32,
@@ -126,28 +69,29 @@ pub struct PrimaryHit {
     pub weights: [f32; 2],
 }
 
-/// What looks on while samples are taken, from all threads at once. `()` does not care.
-pub trait Watch: Sync {
-    /// Asked before each sample of a tile: shall no more be taken?
-    fn stop(&self) -> bool;
-    /// Told after each sample of a tile: so many pixels, and the rays that it took.
-    fn done(&self, pixels: usize, rays: u64);
+/// Observes progress and cancels rendering. Called from all threads at once. `()` observes nothing and never
+/// cancels.
+pub trait RenderObserver: Sync {
+    /// Called before each sample of a tile; no more samples are taken where it is true.
+    fn is_cancelled(&self) -> bool;
+    /// Called after each sample of a tile with its number of pixels and of rays.
+    fn sample_done(&self, pixels: usize, rays: u64);
 }
 
-impl Watch for () {
-    fn stop(&self) -> bool {
+impl RenderObserver for () {
+    fn is_cancelled(&self) -> bool {
         false
     }
-    fn done(&self, _pixels: usize, _rays: u64) {}
+    fn sample_done(&self, _pixels: usize, _rays: u64) {}
 }
 
-/// A scene made ready for tracing.
+/// A scene prepared for rendering, and the threads that render it.
 pub struct Renderer {
     settings: Settings,
-    world: World,
+    context: TraceContext,
     features: Features,
     pipeline: Pipeline,
-    threads: Threads<Box<Work>>,
+    threads: Threads<Box<Scratch>>,
 }
 
 impl Renderer {
@@ -169,7 +113,7 @@ impl Renderer {
         }
         let mut buffers = Buffers::with_lights(scene, settings.methods.lights);
         buffers.needs = buffers.needs.with(linear::features_of(scene));
-        let world = World {
+        let context = TraceContext {
             visible,
             buffers,
             primitives,
@@ -180,94 +124,96 @@ impl Renderer {
             sampler: settings.methods.sampler,
         };
         let needs = match settings.pipeline {
-            PipelineChoice::Needed => world.buffers.needs,
+            PipelineChoice::Needed => context.buffers.needs,
             PipelineChoice::General => Features::ALL,
         };
         let (features, pipeline) = pipeline_for(needs, lanes);
-        Self { settings, world, features, pipeline, threads: Threads::new(threads, Work::new) }
+        Self { settings, context, features, pipeline, threads: Threads::new(threads, Scratch::new) }
     }
     pub fn settings(&self) -> &Settings {
         &self.settings
     }
-    /// Other random numbers from here on: for pictures that differ in nothing else.
+    /// Changes the seed: for pictures that differ in nothing but their random numbers.
     pub fn set_seed(&mut self, seed: u32) {
         self.settings.seed = seed;
-        self.world.seed = seed;
+        self.context.seed = seed;
     }
-    /// Another camera, resolution and number of bounces from here on, for a renderer that was made for `scene`. Films made before
-    /// fit only where the resolution is the same.
+    /// Changes camera, resolution and number of bounces of a renderer that was made for `scene`. Earlier
+    /// films fit only where the resolution is the same.
     ///
     /// # Panics
     /// If the resolution is outside its documented range.
     pub fn set_view(&mut self, scene: &Scene, camera: &Camera, resolution: [u32; 2], max_bounces: u32) {
         check_resolution(resolution);
         (self.settings.resolution, self.settings.max_bounces) = (resolution, max_bounces);
-        let world = &mut self.world;
-        world.camera = Pinhole::new(camera, resolution);
-        (world.width, world.max_bounces) = (resolution[0], max_bounces);
-        if world.primitives.hierarchy().is_none() {
-            find_visible(&mut world.visible, scene, &world.camera, &self.settings, MOST_TO_CULL_MOVING);
+        let context = &mut self.context;
+        context.camera = Pinhole::new(camera, resolution);
+        (context.width, context.max_bounces) = (resolution[0], max_bounces);
+        if context.primitives.hierarchy().is_none() {
+            find_visible(&mut context.visible, scene, &context.camera, &self.settings, MAX_CULLED_MOVING);
         }
     }
-    /// Where pixels look.
     pub fn camera(&self) -> &Pinhole {
-        &self.world.camera
+        &self.context.camera
     }
-    /// What its pipeline has: the scene's needs, and what shares the pipeline with them.
+    /// The features that the pipeline is compiled with: those that the scene needs, or more.
     pub fn features(&self) -> Features {
         self.features
     }
-    /// What the scene needs of its pipeline.
+    /// The features that the scene needs.
     pub fn needs(&self) -> Features {
-        self.world.buffers.needs
+        self.context.buffers.needs
     }
     /// An empty film for this renderer's resolution.
     pub fn film(&self) -> Film {
         Film::new(self.settings.resolution, self.settings.tile_size)
     }
-    /// An empty film that sums how far samples differ, as [`crate::adaptive`] needs it.
+    /// An empty film that also estimates the variance of its samples, as [`crate::adaptive`] needs it.
     pub fn film_with_noise(&self) -> Film {
         self.film().with_noise()
     }
-    /// Runs something on the renderer's threads. Called around many [`Renderer::add_samples`], it saves waking them for each.
+    /// Runs `run` on the renderer's threads. Around many calls of [`Renderer::add_samples`], it saves waking
+    /// the threads for each.
     pub fn on_threads<R: Send>(&self, run: impl FnOnce() -> R + Send) -> R {
         self.threads.run(run)
     }
-    /// Runs something on the renderer's threads with the renderer in hand, which may change it. One of the threads is busy with it: it takes its
-    /// part in the work that it starts.
+    /// Runs `run` on the renderer's threads with mutable access to the renderer. It occupies one of the
+    /// threads, which takes its share of the work that `run` starts.
     pub fn hold<R: Send>(&mut self, run: impl FnOnce(&mut Self) -> R + Send) -> R {
         self.threads.handle().run(|| run(self))
     }
-    /// Notes from here on what samples take, which costs some time of its own and no bit of the picture.
+    /// Starts statistics. They cost some time and change no bit of the picture.
     pub fn start_stats(&self) {
-        self.threads.each(|work| work.start_stats());
+        self.threads.for_each_memory(|scratch| scratch.start_stats());
     }
-    /// What was noted, summed over all threads; from here on no more is.
+    /// Ends statistics and returns them, summed over all threads.
     pub fn take_stats(&self) -> Stats {
         let mut sum = Stats::default();
-        self.threads.each(|work| sum += &work.take_stats());
+        self.threads.for_each_memory(|scratch| sum += &scratch.take_stats());
         sum
     }
-    /// Adds `samples` samples to every pixel; they are numbered on from those it has had.
+    /// Adds `samples` samples to every pixel; their numbers follow those of earlier samples.
     pub fn add_samples(&self, film: &mut Film, samples: u32) {
-        self.add_samples_watched(film, samples, &());
+        self.add_samples_observed(film, samples, &());
     }
-    /// Brings every pixel to `samples` more than [`Film::samples`], unless `watch` stops it before. Then tiles are left with different
-    /// numbers of samples, all of them whole: a pixel's bits are those that its own number gives it in any other film.
-    pub fn add_samples_watched(&self, film: &mut Film, samples: u32, watch: &dyn Watch) {
+    /// Takes samples until every pixel has `samples` more than [`Film::samples`], unless `observer` cancels.
+    /// Then tiles differ in their numbers of samples, all of them whole: a pixel has the bits that its own
+    /// number of samples gives in any other film.
+    pub fn add_samples_observed(&self, film: &mut Film, samples: u32, observer: &dyn RenderObserver) {
         let goal = film.samples() + samples;
-        self.bring_tiles_watched(film, |_, _| goal, watch);
+        self.sample_tiles_to(film, |_, _| goal, observer);
     }
-    /// Brings each tile to the samples that `goal` says, given its number and the samples it has had, unless `watch` stops it before.
-    /// A tile that has had more keeps them.
-    pub fn bring_tiles_watched(
+    /// Takes samples until each tile has `goal(tile number, samples so far)` of them, unless `observer`
+    /// cancels. A tile that has more keeps them.
+    pub fn sample_tiles_to(
         &self,
         film: &mut Film,
         goal: impl Fn(usize, u32) -> u32 + Sync,
-        watch: &dyn Watch,
+        observer: &dyn RenderObserver,
     ) {
-        let add = |sums: &mut TileSums| self.add_to_tile(sums, goal(sums.tile.number, sums.samples), watch);
-        film.rays += match self.threads.alone() {
+        let add =
+            |sums: &mut TileSums| self.add_to_tile(sums, goal(sums.tile.number, sums.samples), observer);
+        film.rays += match self.threads.is_single() {
             true => film.tiles.iter_mut().map(add).sum::<u64>(),
             false => self.threads.run(|| film.tiles.par_iter_mut().map(add).sum::<u64>()),
         };
@@ -275,23 +221,23 @@ impl Renderer {
 
     /// The primary rays of one sample of every pixel, and what they hit, tile by tile.
     pub fn primary_hits(&self, sample: u32) -> Vec<PrimaryHit> {
-        let mut work = Work::new();
-        let spheres = self.world.buffers.spheres.len() as u32;
+        let mut scratch = Scratch::new();
+        let spheres = self.context.buffers.spheres.len() as u32;
         let on_triangle = |primitive: u32| primitive != MISS && primitive >= spheres;
         let of_tile = |tile: Tile| {
             let count = match self.settings.lanes {
-                1 => primary::<f32, { Features::ALL.0 }>(&self.world, tile, sample, &mut work),
-                _ => primary::<F32x8, { Features::ALL.0 }>(&self.world, tile, sample, &mut work),
+                1 => generate::<f32, { Features::ALL.0 }>(&self.context, tile, sample, &mut scratch),
+                _ => generate::<F32x8, { Features::ALL.0 }>(&self.context, tile, sample, &mut scratch),
             };
             let slots = 0..count as u32;
             let hit = |slot: u32| {
                 let at = slot as usize;
-                let (direction, _) = work.queue.primary::<f32>(at);
-                let Hit { t, primitive, u, v } = work.queue.hit::<f32>(at);
+                let (direction, _) = scratch.queue.primary::<f32>(at);
+                let Hit { t, primitive, u, v } = scratch.queue.hit::<f32>(at);
                 PrimaryHit {
                     x: tile.x + slot % tile.width,
                     y: tile.y + slot / tile.width,
-                    origin: self.world.camera.origin::<f32>().get(0).to_array(),
+                    origin: self.context.camera.origin::<f32>().get(0).to_array(),
                     direction: direction.get(0).to_array(),
                     t,
                     primitive,
@@ -303,18 +249,18 @@ impl Renderer {
         Tile::cover(self.settings.resolution, self.settings.tile_size).flat_map(of_tile).collect()
     }
 
-    /// Takes samples until the tile has had `goal`; returns the rays.
-    fn add_to_tile(&self, sums: &mut TileSums, goal: u32, watch: &dyn Watch) -> u64 {
-        let mut work = self.threads.own();
+    /// Takes samples until the tile has `goal` of them; returns the number of rays.
+    fn add_to_tile(&self, sums: &mut TileSums, goal: u32, observer: &dyn RenderObserver) -> u64 {
+        let mut scratch = self.threads.local();
         let mut total = 0;
-        while sums.samples < goal && !watch.stop() {
-            let rays = (self.pipeline)(&self.world, sums.tile, sums.samples, &mut work);
+        while sums.samples < goal && !observer.is_cancelled() {
+            let rays = (self.pipeline)(&self.context, sums.tile, sums.samples, &mut scratch);
             if self.settings.clamp < f32::INFINITY {
-                work.clamp(self.settings.clamp);
+                scratch.clamp_radiance(self.settings.clamp);
             }
-            sums.add(work.radiance());
-            work.enter(None);
-            watch.done(sums.tile.pixels(), rays);
+            sums.add(scratch.radiance());
+            scratch.begin_stage(None);
+            observer.sample_done(sums.tile.pixels(), rays);
             total += rays;
         }
         total

@@ -6,8 +6,7 @@
 //! leave on the side from which the primary ray came, cosine-weighted around the normal, from a point that stands off the surface by
 //! the house's error bound ([`crate::kernel::surface`]). Their random numbers are a function of seed and pixel alone.
 
-use crate::camera::Pinhole;
-use crate::integrate::Tile;
+use crate::camera::{Pinhole, Tile};
 use crate::kernel::surface::{sphere_normal, sphere_offset, triangle_normal, triangle_offset};
 use crate::math::{Hit, MISS, Ray, Vec3};
 use crate::sampling::dimension::{DIRECTION, bounce};

@@ -170,12 +170,12 @@ impl Team {
         hits: &mut Hits,
     ) {
         let range = first..first + hits.t.len();
-        ground.trace::<ANY>(way, &mut self.0.own(), &set.rays().range(range), hits);
+        ground.trace::<ANY>(way, &mut self.0.local(), &set.rays().range(range), hits);
     }
 
     /// All answers at once on one thread, and in chunks on more; `work` is told the number of its first ray.
     fn each_chunk(&self, rays: usize, answers: &mut Answers, work: impl Fn(usize, &mut Hits) + Sync) {
-        if self.0.alone() {
+        if self.0.is_single() {
             return work(0, &mut answers.hits());
         }
         debug_assert_eq!(rays, answers.t.len());

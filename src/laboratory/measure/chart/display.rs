@@ -6,7 +6,7 @@ use super::pictures::Spread;
 use super::truth::{Truth, corrected};
 use crate::display::{Blur, Denoiser, Fxaa, Samples};
 use crate::film::Picture;
-use crate::integrate::guides::Aovs;
+use crate::integrate::aovs::Aovs;
 use crate::measure::errors::Errors;
 use crate::measure::flip::Flip;
 use crate::render::{Renderer, Settings};
@@ -123,7 +123,7 @@ impl Filters {
             "blurred" => blur.filter(picture),
             "FXAA" => fxaa.filter(picture, &Tone::default()),
             "denoised" => {
-                renderer.guides_into(guides);
+                renderer.aovs_into(guides);
                 denoiser.filter(picture, Samples::Same(samples), guides)
             }
             _ => picture,

@@ -9,7 +9,7 @@ use super::pictures::Spread;
 use super::truth::{Making, Truth};
 use crate::display::{Denoiser, History, Samples, walking_speed};
 use crate::film::Picture;
-use crate::integrate::guides::Aovs;
+use crate::integrate::aovs::Aovs;
 use crate::measure::errors::Errors;
 use crate::render::{Renderer, Settings};
 use crate::scene::{Camera, Scene};
@@ -100,13 +100,13 @@ pub fn measure(scene: &Scene, settings: Settings, threads: usize, end: Instant) 
     let settings = Settings { threads, ..settings };
     let mut renderer = Renderer::new(scene, settings);
     let mut guides = Aovs::default();
-    renderer.guides_into(&mut guides);
+    renderer.aovs_into(&mut guides);
     let speed = walking_speed(&guides);
     let frames = {
         renderer.add_samples(&mut renderer.film(), 1);
         let start_of_frame = Instant::now();
         renderer.add_samples(&mut renderer.film(), 1);
-        renderer.guides_into(&mut guides);
+        renderer.aovs_into(&mut guides);
         let share = end.saturating_duration_since(start).as_secs_f64() * FRAMES_SHARE;
         let frame = 1.5 * start_of_frame.elapsed().as_secs_f64();
         ((share / (Path::ALL.len() as f64 * frame)) as u32).clamp(LEAST_FRAMES, FRAMES)
@@ -176,8 +176,8 @@ fn walk(renderer: &mut Renderer, scene: &Scene, path: Path, frames: u32, speed: 
         film.picture_into(&mut fresh);
         let start = Instant::now();
         renderer.on_threads(|| {
-            renderer.guides_into(&mut guides);
-            history.advance(&fresh, 1, &guides, renderer.camera());
+            renderer.aovs_into(&mut guides);
+            history.reproject(&fresh, 1, &guides, renderer.camera());
         });
         let reprojected = ms(start);
         let start = Instant::now();

@@ -200,7 +200,7 @@ impl<'a> Run<'a> {
 fn to_target(renderer: &Renderer, target: &Target) -> Film {
     let mut film = renderer.film_with_noise();
     while let Some(round) = target.next(&film) {
-        renderer.bring_tiles_watched(&mut film, |tile, _| round.goals[tile], &());
+        renderer.sample_tiles_to(&mut film, |tile, _| round.goals[tile], &());
     }
     film
 }

@@ -1,8 +1,8 @@
 //! Numbers from bits, and sums of many of them.
 
 use super::{Bound, Dice, EPSILON, Method, Recipe, Tally};
+use crate::camera::Tile;
 use crate::film::TileSums;
-use crate::integrate::Tile;
 use crate::sampling::random::unit_interval;
 
 pub const RECIPES: &[Recipe] = &[

@@ -1,73 +1,83 @@
-//! What the camera sees besides light: the surface under the middle of every pixel. Filters and views of the scene are guided by it.
+//! AOVs (arbitrary output variables): depth, normal, albedo and more of the surface at the centre of every
+//! pixel. Input of the denoiser, of temporal reprojection, and of the viewer's views of the scene.
+//!
+//! For: [`Aovs`], [`Plane`], [`AovSample`]. May import: `generate`, `intersect`, `material`, `emission` and
+//! what stands above them. Must never know: films, filters.
 
-use super::World;
-use super::extend::meet;
-use super::queue::{MAX_PIXELS, Path, Work};
-use super::shade::sky_radiance;
+use super::context::TraceContext;
+use super::emission::environment_radiance;
+use super::generate::pixel_centers;
+use super::intersect::intersect_linear;
+use super::material::MaterialSample;
+use super::queue::Path;
+use super::scratch::Scratch;
 use super::stats::RayKind;
-use super::surface::{MaterialSample, Surface};
+use super::surface::Surface;
 use crate::buffers::{Features, MaterialCode};
-use crate::lane::{Bits, F32x8, Lane, Mask, lane_indices};
+use crate::camera::MAX_PIXELS;
+use crate::lane::{Bits, F32x8, Lane, Mask};
 use crate::math::{Hit, MISS, Vec3};
 
-/// Lanes of the pass. Aovs are the same at any width.
+/// Lanes of the pass. AOVs are the same at any width.
 type L = F32x8;
 const ALL: u32 = Features::ALL.0;
 
-/// One of the numbers of every pixel.
+/// One variable of every pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Plane {
-    /// From the camera along the ray; infinite where it meets nothing.
+    /// Along the ray from the camera; infinite where it hits nothing.
     Distance,
-    /// The unit normal that shading takes, facing the camera; zero where there is no surface.
+    /// Unit shading normal, facing the camera; zero where there is no surface.
     NormalX,
     NormalY,
     NormalZ,
-    /// The share of light that the surface gives back, its picture included, in [0, 1]. Of what shines, and of the sky, its radiance, scaled
-    /// down where it is above 1.
+    /// Albedo, textures included, in [0, 1]. Of emissive surfaces and of the environment the radiance, scaled
+    /// down where a channel is above 1.
     AlbedoRed,
     AlbedoGreen,
     AlbedoBlue,
     /// Barycentric weights of a triangle's second and third vertex; 0 elsewhere.
     WeightU,
     WeightV,
-    /// How far the surface spreads what it reflects, in [0, 1]: the width of the lobe, which is the square of a metal's roughness; 0 of mirrors
-    /// and glass, 1 of what is matt, shines, or is not there.
+    /// Width of the lobe, in [0, 1]: alpha (the square of the roughness) of metal, roughness of `scatter`; 0
+    /// of mirrors and glass; 1 of every other surface, and where there is none.
     Lobe,
-    /// Bits of [`Guide::object`].
+    /// Bits of [`AovSample::object`].
     Object,
 }
 
 const PLANES: usize = Plane::Object as usize + 1;
 
-/// The surface under the middle of a pixel: see [`Plane`].
+/// The surface at the centre of a pixel: see [`Plane`].
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Guide {
+pub struct AovSample {
     pub distance: f32,
     pub normal: glam::Vec3,
     pub albedo: [f32; 3],
     pub weights: [f32; 2],
     pub lobe: f32,
-    /// The same for pixels on one sphere, or on triangles of one material; [`MISS`] where there is none.
+    /// Object id: the same on one sphere, or on all triangles of one material; [`MISS`] where there is no
+    /// surface.
     pub object: u32,
 }
 
-/// The guides of a picture: row by row, in each row plane by plane, so that filters load whole packets.
+/// The AOVs of a picture: row by row, in each row plane by plane, so that filters load whole packets.
 #[derive(Clone, Debug, Default)]
 pub struct Aovs {
     resolution: [u32; 2],
-    /// From one plane of a row to the next: a packet more than pixels, so that the last packet may be read and stored whole.
+    /// From one plane of a row to the next: a packet more than pixels, so that the last packet may be loaded
+    /// and stored whole.
     stride: usize,
-    numbers: Vec<f32>,
+    values: Vec<f32>,
 }
 
 impl Aovs {
-    /// Takes memory only where the picture grows. What the guides hold afterwards is unspecified.
+    /// Allocates only where the picture grows. The values are unspecified afterwards.
     pub fn resize(&mut self, resolution: [u32; 2]) {
         let [width, height] = resolution.map(|side| side as usize);
         self.resolution = resolution;
         self.stride = width + L::WIDTH;
-        self.numbers.resize(self.stride * PLANES * height, 0.0);
+        self.values.resize(self.stride * PLANES * height, 0.0);
     }
     /// Pixels: width, height.
     pub fn resolution(&self) -> [u32; 2] {
@@ -77,16 +87,16 @@ impl Aovs {
     #[inline(always)]
     pub fn row(&self, plane: Plane, y: u32) -> &[f32] {
         let start = (y as usize * PLANES + plane as usize) * self.stride;
-        &self.numbers[start..start + self.resolution[0] as usize]
+        &self.values[start..start + self.resolution[0] as usize]
     }
-    /// [`Guide::object`] of a row of pixels.
+    /// [`AovSample::object`] of a row of pixels.
     #[inline(always)]
     pub fn objects(&self, y: u32) -> &[u32] {
         bytemuck::cast_slice(self.row(Plane::Object, y))
     }
-    pub fn pixel(&self, x: u32, y: u32) -> Guide {
+    pub fn pixel(&self, x: u32, y: u32) -> AovSample {
         let at = |plane| self.row(plane, y)[x as usize];
-        Guide {
+        AovSample {
             distance: at(Plane::Distance),
             normal: glam::Vec3::new(at(Plane::NormalX), at(Plane::NormalY), at(Plane::NormalZ)),
             albedo: [at(Plane::AlbedoRed), at(Plane::AlbedoGreen), at(Plane::AlbedoBlue)],
@@ -95,46 +105,37 @@ impl Aovs {
             object: at(Plane::Object).to_bits(),
         }
     }
-    /// The rows, to be filled by [`look`], each by itself.
+    /// The length of a row and all rows, for [`render_row`].
     pub(crate) fn rows(&mut self) -> (usize, &mut [f32]) {
-        (self.stride * PLANES, &mut self.numbers)
+        (self.stride * PLANES, &mut self.values)
     }
 }
 
-/// Fills a row of guides.
-pub(crate) fn look(world: &World, y: u32, row: &mut [f32], work: &mut Work) {
+/// Fills a row of AOVs.
+pub(crate) fn render_row(context: &TraceContext, y: u32, row: &mut [f32], scratch: &mut Scratch) {
     let stride = row.len() / PLANES;
-    let width = world.width as usize;
+    let width = context.width as usize;
     for left in (0..width).step_by(MAX_PIXELS) {
         let count = MAX_PIXELS.min(width - left);
-        aim(world, [left as u32, y], count, work);
-        match world.primitives.hierarchy() {
-            Some((hierarchy, traversal)) => work.trace(hierarchy, traversal, count, RayKind::Primary),
-            None => meet::<L>(world, None, work.queue.segments(count)),
+        pixel_centers(context, [left as u32, y], count, scratch);
+        match context.primitives.hierarchy() {
+            Some((hierarchy, traversal)) => {
+                scratch.intersect_hierarchy(hierarchy, traversal, count, RayKind::Primary);
+            }
+            None => intersect_linear::<L>(context, None, scratch.queue.queries(count)),
         }
         for at in (0..count).step_by(L::WIDTH) {
-            for (plane, numbers) in guides(world, work, at, count).into_iter().enumerate() {
-                numbers.store(&mut row[plane * stride + left + at..]);
+            for (plane, values) in aovs(context, scratch, at, count).into_iter().enumerate() {
+                values.store(&mut row[plane * stride + left + at..]);
             }
         }
     }
 }
 
-/// Rays through the middle of `count` pixels from (x, y) on, into the queue.
-pub(super) fn aim(world: &World, [x, y]: [u32; 2], count: usize, work: &mut Work) {
-    let y = L::splat(y as f32 + 0.5);
-    for at in (0..count).step_by(L::WIDTH) {
-        let x = L::from_int(lane_indices::<L>()) + L::splat((x as usize + at) as f32 + 0.5);
-        let ray = world.camera.rays(x, y);
-        work.queue.store_primary(at, ray.direction, <L as Lane>::Bits::splat(0));
-        work.queue.store_origin(at, ray.origin);
-    }
-}
-
 /// The planes of the packet at `at`.
-fn guides(world: &World, work: &Work, at: usize, count: usize) -> [L; PLANES] {
+fn aovs(context: &TraceContext, scratch: &Scratch, at: usize, count: usize) -> [L; PLANES] {
     let (zero, one) = (L::zero(), L::one());
-    let ray = work.queue.ray::<L>(at);
+    let ray = scratch.queue.ray::<L>(at);
     let path = Path {
         ray,
         throughput: Vec3::repeat(one),
@@ -142,32 +143,32 @@ fn guides(world: &World, work: &Work, at: usize, count: usize) -> [L; PLANES] {
         key: <L as Lane>::Bits::splat(0),
         slot: <L as Lane>::Bits::splat(0),
     };
-    let hit: Hit<L> = work.queue.hit(at);
+    let hit: Hit<L> = scratch.queue.hit(at);
     let active = <L as Lane>::Mask::first(count - at);
     let found = hit.found() & active;
     let (mut normal, mut object) = (Vec3::zero(), <L as Lane>::Bits::splat(MISS));
     let (mut albedo, mut lobe) = (Vec3::repeat(one), one);
     if !found.all() {
-        albedo = displayable(sky_radiance::<L, ALL>(world, ray.direction, active & !found));
+        albedo = displayable(environment_radiance::<L, ALL>(context, ray.direction, active & !found));
     }
     if found.any() {
-        let surface = Surface::of::<ALL>(world, &path, &hit, found);
-        let material = MaterialSample::of::<ALL>(world, &surface, found);
+        let surface = Surface::of::<ALL>(context, &path, &hit, found);
+        let material = MaterialSample::of::<ALL>(context, &surface, found);
         let is = |kind: u32| material.kind.equals(<L as Lane>::Bits::splat(kind));
         let color = Vec3::select(is(MaterialCode::EMITTER), displayable(material.emission), material.color);
-        let away = zero.lt(material.normal.dot(ray.direction));
-        let facing = Vec3::select(away, -material.normal, material.normal);
+        let away = zero.lt(material.ns.dot(ray.direction));
+        let facing = Vec3::select(away, -material.ns, material.ns);
         let spread = material.parameter.min(one);
         let spread = L::select(is(MaterialCode::GGX) | is(MaterialCode::SCATTER), spread, one);
         let spread = L::select(is(MaterialCode::MIRROR) | is(MaterialCode::GLASS), zero, spread);
         normal = Vec3::select(found, facing, normal);
         albedo = Vec3::select(found, color, albedo);
         lobe = L::select(found, spread, lobe);
-        object = <L as Lane>::Bits::select(found, surface.object(world, &hit), object);
+        object = <L as Lane>::Bits::select(found, surface.object(context, &hit), object);
     }
     let distance = L::select(found, hit.t, L::splat(f32::INFINITY));
     let on_triangle =
-        found & !hit.primitive.less(<L as Lane>::Bits::splat(world.buffers.spheres.len() as u32));
+        found & !hit.primitive.less(<L as Lane>::Bits::splat(context.buffers.spheres.len() as u32));
     let weight = |weight| L::select(on_triangle, weight, zero);
     [
         distance,

@@ -1,0 +1,328 @@
+//! The BSDF of a surface, over all lobes that the pipeline has.
+//!
+//! For: [`scatter`], which samples it, [`evaluate`], its value and pdf, and [`has_sampled_lobe`]. May import:
+//! `kernel`, `queue`, `surface`, `material`. Must never know: lights, stages.
+
+use super::features::has;
+use super::material::MaterialSample;
+use super::queue::Path;
+use super::surface::Surface;
+use crate::buffers::{Features, MaterialCode};
+use crate::kernel::bsdf::{self, BsdfEval, BsdfSample, LobeEval};
+use crate::kernel::normals;
+use crate::lane::{Bits, Lane, Mask};
+use crate::math::{Ray, Vec3};
+use crate::sampling::{SampleValues, dimension};
+
+/// What is done with each lobe; `mask` holds the lanes that have it. Delta lobes may be left out.
+trait LobeVisitor<L: Lane> {
+    fn diffuse(&mut self, mask: L::Mask);
+    #[inline(always)]
+    fn mirror(&mut self, _mask: L::Mask) {}
+    fn ggx(&mut self, mask: L::Mask);
+    #[inline(always)]
+    fn glass(&mut self, _mask: L::Mask) {}
+    fn scatter(&mut self, mask: L::Mask);
+    fn plastic(&mut self, mask: L::Mask);
+}
+
+/// Visits every lobe that the pipeline has and that some lane of `mask` has.
+#[inline(always)]
+fn visit_lobes<L: Lane, const N: u32>(
+    material: &MaterialSample<L>,
+    mask: L::Mask,
+    visitor: &mut impl LobeVisitor<L>,
+) {
+    macro_rules! visit {
+        ($($lobe:ident => $visit:ident),*) => {$(
+            if has(N, Features::$lobe) {
+                let mask = material.has_lobe(MaterialCode::$lobe, mask);
+                if mask.any() {
+                    visitor.$visit(mask);
+                }
+            }
+        )*};
+    }
+    visit!(
+        DIFFUSE => diffuse,
+        MIRROR => mirror,
+        GGX => ggx,
+        GLASS => glass,
+        SCATTER => scatter,
+        PLASTIC => plastic
+    );
+}
+
+/// The next segments of paths.
+pub struct ScatteredPath<L: Lane> {
+    /// The paths as they leave the surface.
+    pub path: Path<L>,
+    /// Those that go on.
+    pub alive: L::Mask,
+}
+
+/// Samples the BSDF: the next segment of each path in `found`.
+#[inline(always)]
+pub fn scatter<L: Lane, const N: u32>(
+    path: &Path<L>,
+    surface: &Surface<L>,
+    material: &MaterialSample<L>,
+    numbers: &SampleValues,
+    found: L::Mask,
+) -> ScatteredPath<L> {
+    let d = path.ray.direction;
+    let normals = FacingNormals::of::<N>(d, surface, material);
+    let nothing = L::Mask::splat(false);
+    let mut sampling = Sampling {
+        d,
+        key: path.key,
+        numbers,
+        normals: &normals,
+        material,
+        sample: BsdfSample { wi: normals.ns_specular, weight: L::one(), pdf: L::zero(), alive: nothing },
+        color: material.color,
+    };
+    visit_lobes::<L, N>(material, found, &mut sampling);
+    let Sampling { mut sample, color, .. } = sampling;
+
+    let ng = normals.ng;
+    if Features(N).meets(Features::SHADING_NORMALS) && material.has_shading_normal.any() {
+        let bent = material.has_shading_normal;
+        let refracted = resolve_refraction::<L, N>(d, &normals, material, &mut sample);
+        // On the reflecting side nothing goes on below the surface.
+        sample.alive = sample.alive & (!bent | refracted | L::zero().lt(sample.wi.dot(ng)));
+        let shadowed = bent & sample.pdf.lt(L::splat(f32::INFINITY));
+        let factor = normals.terminator::<N>(material, sample.wi);
+        sample.weight = L::select(shadowed, sample.weight * factor, sample.weight);
+    }
+
+    let throughput = path.throughput * (color * sample.weight);
+    // A path with throughput 0 ends here. NaN goes on, to be counted at the film.
+    let dark = (throughput.x + throughput.y + throughput.z).eq(L::zero());
+    // Only glass transmits to the far side. A reflection that rounding puts slightly below its surface starts
+    // on the near side, in every pipeline.
+    let side = if has(N, Features::GLASS) {
+        let through = surface.offset.copysign(sample.wi.dot(ng));
+        L::select(material.has_lobe(MaterialCode::GLASS, found), through, surface.offset)
+    } else {
+        surface.offset
+    };
+    let ray = Ray { origin: ng.mul_add(side, surface.point), direction: sample.wi };
+    let inv_pdf =
+        if has(N, Features::LIGHTS) { L::one() / sample.pdf.max(L::splat(1e-30)) } else { L::zero() };
+    let path = Path { ray, throughput, inv_pdf, key: path.key, slot: path.slot };
+    ScatteredPath { path, alive: sample.alive & !dark }
+}
+
+/// Samples each lobe in its lanes.
+struct Sampling<'a, L: Lane> {
+    d: Vec3<L>,
+    key: L::Bits,
+    numbers: &'a SampleValues,
+    normals: &'a FacingNormals<L>,
+    material: &'a MaterialSample<L>,
+    sample: BsdfSample<L>,
+    color: Vec3<L>,
+}
+
+impl<L: Lane> Sampling<'_, L> {
+    #[inline(always)]
+    fn take(&mut self, mask: L::Mask, lobe: BsdfSample<L>) {
+        let sample = &mut self.sample;
+        sample.wi = Vec3::select(mask, lobe.wi, sample.wi);
+        sample.weight = L::select(mask, lobe.weight, sample.weight);
+        sample.pdf = L::select(mask, lobe.pdf, sample.pdf);
+        sample.alive = sample.alive | (mask & lobe.alive);
+    }
+    /// Two random numbers for the direction.
+    #[inline(always)]
+    fn two_numbers(&self) -> (L, L) {
+        self.numbers.get_2d::<L>(self.key, dimension::DIRECTION)
+    }
+    /// A random number that chooses between reflection and transmission.
+    #[inline(always)]
+    fn lobe_number(&self) -> L {
+        self.numbers.get_1d::<L>(self.key, dimension::LOBE)
+    }
+}
+
+impl<L: Lane> LobeVisitor<L> for Sampling<'_, L> {
+    #[inline(always)]
+    fn diffuse(&mut self, mask: L::Mask) {
+        let (u, v) = self.two_numbers();
+        self.take(mask, bsdf::diffuse::sample(self.normals.ns, u, v));
+    }
+    #[inline(always)]
+    fn mirror(&mut self, mask: L::Mask) {
+        self.take(mask, bsdf::mirror::sample(self.d, self.normals.ns_specular));
+    }
+    #[inline(always)]
+    fn ggx(&mut self, mask: L::Mask) {
+        let (u, v) = self.two_numbers();
+        self.take(mask, bsdf::ggx::sample(self.d, self.normals.ns_specular, self.material.parameter, u, v));
+    }
+    #[inline(always)]
+    fn glass(&mut self, mask: L::Mask) {
+        let FacingNormals { ns_specular, outside, .. } = *self.normals;
+        let (ior, number) = (self.material.parameter, self.lobe_number());
+        self.take(mask, bsdf::glass::sample(self.d, ns_specular, outside, ior, number));
+    }
+    #[inline(always)]
+    fn scatter(&mut self, mask: L::Mask) {
+        let (u, v) = self.two_numbers();
+        let roughness = self.material.parameter;
+        self.take(mask, bsdf::scatter::sample(self.d, self.normals.ns_specular, roughness, u, v));
+    }
+    #[inline(always)]
+    fn plastic(&mut self, mask: L::Mask) {
+        let n = self.normals.ns_specular;
+        let (number, pair) = (self.lobe_number(), self.two_numbers());
+        let (lobe, weight) = self.material.plastic().sample(self.d, n, number, pair);
+        self.take(mask, lobe);
+        self.color = Vec3::select(mask, weight, self.color);
+    }
+}
+
+/// The value of the BSDF, cosine included, for light that arrives from `towards` and leaves against `d`, and
+/// the pdf with which [`scatter`] samples `towards`. Zero in lanes outside `mask`, below the surface, and of
+/// delta lobes.
+#[inline(always)]
+pub fn evaluate<L: Lane, const N: u32>(
+    d: Vec3<L>,
+    surface: &Surface<L>,
+    material: &MaterialSample<L>,
+    towards: Vec3<L>,
+    mask: L::Mask,
+) -> BsdfEval<L> {
+    let normals = FacingNormals::of::<N>(d, surface, material);
+    let eval = BsdfEval { value: Vec3::zero(), pdf: L::zero() };
+    let mut evaluation = Evaluation { d, towards, normals: &normals, material, eval };
+    visit_lobes::<L, N>(material, mask, &mut evaluation);
+    let mut eval = evaluation.eval;
+    if Features(N).meets(Features::SHADING_NORMALS) && material.has_shading_normal.any() {
+        let bent = material.has_shading_normal;
+        let factor = normals.terminator::<N>(material, towards);
+        let below = bent & !L::zero().lt(towards.dot(normals.ng));
+        eval.value = Vec3::select(bent, eval.value * factor, eval.value);
+        eval.value = Vec3::select(below, Vec3::zero(), eval.value);
+        eval.pdf = L::select(below, L::zero(), eval.pdf);
+    }
+    eval
+}
+
+/// Evaluates each lobe in its lanes.
+struct Evaluation<'a, L: Lane> {
+    d: Vec3<L>,
+    towards: Vec3<L>,
+    normals: &'a FacingNormals<L>,
+    material: &'a MaterialSample<L>,
+    eval: BsdfEval<L>,
+}
+
+impl<L: Lane> Evaluation<'_, L> {
+    #[inline(always)]
+    fn take(&mut self, mask: L::Mask, lobe: BsdfEval<L>) {
+        self.eval.value = Vec3::select(mask, lobe.value, self.eval.value);
+        self.eval.pdf = L::select(mask, lobe.pdf, self.eval.pdf);
+    }
+    #[inline(always)]
+    fn take_colored(&mut self, mask: L::Mask, LobeEval { value, pdf }: LobeEval<L>) {
+        self.take(mask, BsdfEval { value: self.material.color * value, pdf });
+    }
+}
+
+impl<L: Lane> LobeVisitor<L> for Evaluation<'_, L> {
+    #[inline(always)]
+    fn diffuse(&mut self, mask: L::Mask) {
+        self.take_colored(mask, bsdf::diffuse::evaluate(self.normals.ns, self.towards));
+    }
+    #[inline(always)]
+    fn ggx(&mut self, mask: L::Mask) {
+        let (n, alpha) = (self.normals.ns_specular, self.material.parameter);
+        self.take_colored(mask, bsdf::ggx::evaluate(self.d, n, alpha, self.towards));
+    }
+    #[inline(always)]
+    fn scatter(&mut self, mask: L::Mask) {
+        let (n, roughness) = (self.normals.ns_specular, self.material.parameter);
+        self.take_colored(mask, bsdf::scatter::evaluate(self.d, n, roughness, self.towards));
+    }
+    #[inline(always)]
+    fn plastic(&mut self, mask: L::Mask) {
+        self.take(mask, self.material.plastic().evaluate(self.d, self.normals.ns_specular, self.towards));
+    }
+}
+
+/// The lanes with a lobe that is worth light sampling: one that is neither a delta lobe nor too narrow.
+/// Unspecified in lanes that hit nothing.
+#[inline(always)]
+pub fn has_sampled_lobe<L: Lane>(material: &MaterialSample<L>) -> L::Mask {
+    let has_lobe = |kind: u32| material.kind.equals(L::Bits::splat(kind));
+    let wide = |least: f32| L::splat(least).le(material.parameter);
+    has_lobe(MaterialCode::DIFFUSE)
+        | has_lobe(MaterialCode::PLASTIC)
+        | (has_lobe(MaterialCode::GGX) & !bsdf::ggx::is_narrow(material.parameter))
+        | (has_lobe(MaterialCode::SCATTER) & wide(bsdf::scatter::NARROW))
+}
+
+/// The normals of a surface, flipped to the side from which the ray arrives.
+#[derive(Clone, Copy)]
+struct FacingNormals<L: Lane> {
+    /// Geometric normal: decides sides.
+    ng: Vec3<L>,
+    /// Shading normal, as interpolated or mapped: continuous between triangles, at any viewing angle. For
+    /// diffuse lobes.
+    ns: Vec3<L>,
+    /// `ns`, bent so that mirror reflection stays above the surface and ns_specular · d ≤ 0. For lobes that
+    /// reflect and refract.
+    ns_specular: Vec3<L>,
+    /// The ray arrives at the outward side.
+    outside: L::Mask,
+}
+
+impl<L: Lane> FacingNormals<L> {
+    #[inline(always)]
+    fn of<const N: u32>(d: Vec3<L>, surface: &Surface<L>, material: &MaterialSample<L>) -> Self {
+        let cosine = d.dot(surface.ng);
+        let ng = surface.ng.flip_sign(-cosine);
+        let (mut ns_specular, mut ns) = (ng, ng);
+        let bent = material.has_shading_normal;
+        if Features(N).meets(Features::SHADING_NORMALS) && bent.any() {
+            ns = Vec3::select(bent, material.ns.flip_sign(-cosine), ng);
+            ns_specular = Vec3::select(bent, normals::bend_for_reflection(d, ns, ng), ng);
+        }
+        Self { ng, ns, ns_specular, outside: !L::zero().lt(cosine) }
+    }
+
+    /// The factor by which shading normals darken the lobes towards `w`: see [`normals::terminator`].
+    #[inline(always)]
+    fn terminator<const N: u32>(&self, material: &MaterialSample<L>, w: Vec3<L>) -> L {
+        let mut normal = self.ns_specular;
+        if has(N, Features::DIFFUSE) {
+            let diffuse = material.kind.equals(L::Bits::splat(MaterialCode::DIFFUSE));
+            normal = Vec3::select(diffuse, self.ns, normal);
+        }
+        normals::shadow_terminator(w, normal, self.ng)
+    }
+}
+
+/// The lanes with shading normals in which glass refracts through the surface. Where a shading normal would
+/// refract without leaving the side from which the ray arrives, it reflects instead.
+#[inline(always)]
+fn resolve_refraction<L: Lane, const N: u32>(
+    d: Vec3<L>,
+    normals: &FacingNormals<L>,
+    material: &MaterialSample<L>,
+    sample: &mut BsdfSample<L>,
+) -> L::Mask {
+    if !has(N, Features::GLASS) {
+        return L::Mask::splat(false);
+    }
+    let FacingNormals { ng, ns_specular, .. } = *normals;
+    let glass = material.has_lobe(MaterialCode::GLASS, material.has_shading_normal);
+    let refracts = glass & sample.wi.dot(ns_specular).lt(L::zero());
+    let through = sample.wi.dot(ng).lt(L::zero());
+    let stays = refracts & !through;
+    sample.wi = Vec3::select(stays, d.reflect(ns_specular), sample.wi);
+    sample.weight = L::select(stays, L::one(), sample.weight);
+    refracts & through
+}

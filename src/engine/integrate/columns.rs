@@ -1,0 +1,46 @@
+//! Columns of a structure-of-arrays queue.
+//!
+//! For: [`Column`], [`IntColumn`], [`Vec3Columns`]. May import: `lane`, `math`, `camera` (the size of a
+//! tile). Must never know: what the columns hold.
+
+use crate::camera::MAX_PIXELS;
+use crate::lane::{F32x8, Lane};
+use crate::math::Vec3;
+use bytemuck::Zeroable;
+
+/// One packet more than pixels, so that the last packet may be stored whole.
+const LENGTH: usize = MAX_PIXELS + F32x8::WIDTH;
+
+pub type Column = [f32; LENGTH];
+pub type IntColumn = [u32; LENGTH];
+
+/// Three columns: a vector or a colour per path.
+#[derive(Clone, Copy, Zeroable)]
+#[repr(C)]
+pub struct Vec3Columns {
+    pub x: Column,
+    pub y: Column,
+    pub z: Column,
+}
+
+impl Vec3Columns {
+    #[inline(always)]
+    pub fn load<L: Lane>(&self, at: usize) -> Vec3<L> {
+        Vec3::new(L::load(&self.x[at..]), L::load(&self.y[at..]), L::load(&self.z[at..]))
+    }
+    pub fn first(&self, count: usize) -> [&[f32]; 3] {
+        [&self.x[..count], &self.y[..count], &self.z[..count]]
+    }
+    #[inline(always)]
+    pub fn store<L: Lane>(&mut self, at: usize, v: Vec3<L>) {
+        v.x.store(&mut self.x[at..]);
+        v.y.store(&mut self.y[at..]);
+        v.z.store(&mut self.z[at..]);
+    }
+}
+
+/// The lanes at `indices`, moved to the front.
+#[inline(always)]
+pub fn compress<L: Lane>(v: Vec3<L>, indices: L::CompressIndices) -> Vec3<L> {
+    Vec3::new(v.x.compress(indices), v.y.compress(indices), v.z.compress(indices))
+}

@@ -1,0 +1,34 @@
+//! What every stage reads.
+//!
+//! For: [`TraceContext`]. May import: `buffers`, `camera`, `sampling`, `traverse`. Must never know: stages,
+//! queues.
+
+use crate::buffers::Buffers;
+use crate::camera::{Pinhole, Tile};
+use crate::sampling::Sampler;
+use crate::traverse::{Primitives, Visible};
+
+/// The scene and settings of a picture, read-only while samples are taken.
+pub struct TraceContext {
+    pub buffers: Buffers,
+    pub primitives: Primitives,
+    pub camera: Pinhole,
+    /// The primitives that the primary rays of each tile can hit, by [`Tile::number`]; empty where culling
+    /// does not pay.
+    pub visible: Vec<Visible>,
+    /// Pixels in a row of the picture.
+    pub width: u32,
+    pub max_bounces: u32,
+    pub seed: u32,
+    pub sampler: Sampler,
+}
+
+impl TraceContext {
+    /// How many spheres and triangles each ray of a tile is tested against, where there is no hierarchy: all
+    /// of them, or for the primary rays of a `tile` those that it can see.
+    pub fn linear_tests(&self, tile: Option<Tile>) -> Option<[usize; 2]> {
+        let visible = tile.and_then(|tile| self.visible.get(tile.number));
+        let linear = self.primitives.hierarchy().is_none();
+        linear.then(|| self.primitives.linear(&self.buffers, visible))
+    }
+}

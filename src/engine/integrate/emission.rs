@@ -1,0 +1,96 @@
+//! Emitted radiance at the end of a segment: of surfaces and of the environment.
+//!
+//! For: [`surface_radiance`], [`missed_radiance`], [`environment_radiance`], [`mis_weight`]. May import:
+//! `queue`, `surface`, `material`, `context`. Must never know: how shadow rays are sampled.
+//!
+//! A light may be found by BSDF sampling (here) and by next event estimation (`shadow_rays`); both count,
+//! weighted by the power heuristic so that the weights of a direction sum to 1: Veach, Guibas, "Optimally
+//! Combining Sampling Techniques for Monte Carlo Rendering", SIGGRAPH 1995, §3.
+
+use super::context::TraceContext;
+use super::features::{abilities, has};
+use super::material::MaterialSample;
+use super::queue::Path;
+use super::surface::Surface;
+use crate::buffers::Features;
+use crate::kernel::surface::latitude_longitude;
+use crate::lane::{Bits, Lane, Mask};
+use crate::math::Vec3;
+use crate::scene::TexelKind;
+
+/// The power heuristic (β = 2): the weight of a direction sampled with the pdf 1 / `inv_pdf`, which the other
+/// technique samples with `other_pdf`.
+#[inline(always)]
+pub fn mis_weight<L: Lane>(inv_pdf: L, other_pdf: L) -> L {
+    let ratio = inv_pdf * other_pdf;
+    L::one() / ratio.mul_add(ratio, L::one())
+}
+
+/// The radiance that surfaces emit, times throughput and, after a bounce, the MIS weight of BSDF sampling.
+///
+/// `FIRST`: primary rays, which only the camera generates.
+#[inline(always)]
+pub fn surface_radiance<L: Lane, const N: u32, const FIRST: bool>(
+    path: &Path<L>,
+    surface: &Surface<L>,
+    material: &MaterialSample<L>,
+) -> Vec3<L> {
+    let emitted = material.emission * path.throughput;
+    if FIRST || !has(N, Features::LIGHTS) {
+        return emitted;
+    }
+    emitted * mis_weight(path.inv_pdf, surface.light_pdf)
+}
+
+/// The environment's radiance along the paths of the lanes in `missed`, times throughput and, after a bounce,
+/// the MIS weight of BSDF sampling; 0 in other lanes.
+#[inline(always)]
+pub fn missed_radiance<L: Lane, const N: u32, const FIRST: bool>(
+    context: &TraceContext,
+    path: &Path<L>,
+    missed: L::Mask,
+) -> Vec3<L> {
+    if !missed.any() {
+        return Vec3::zero();
+    }
+    let mut radiance = environment_radiance::<L, N>(context, path.ray.direction, missed) * path.throughput;
+    if !FIRST
+        && has(N, Features::LIGHTS)
+        && has(N, Features::SKY_TEXTURE)
+        && let Some((sky, chance)) = &context.buffers.lights.sky
+    {
+        let pdf = sky.pdf(latitude_longitude(path.ray.direction)) * L::splat(*chance);
+        radiance = radiance * mis_weight(path.inv_pdf, pdf);
+    }
+    Vec3::select(missed, radiance, Vec3::zero())
+}
+
+/// The environment's radiance from a direction; unspecified in lanes outside `mask`.
+#[inline(always)]
+pub fn environment_radiance<L: Lane, const N: u32>(
+    context: &TraceContext,
+    direction: Vec3<L>,
+    mask: L::Mask,
+) -> Vec3<L> {
+    let sky = &context.buffers.sky;
+    let mut radiance = Vec3::splat(sky.bottom);
+    if has(N, Features::SKY_GRADIENT) {
+        let height = L::splat(0.5).mul_add(direction.y, L::splat(0.5));
+        radiance = Vec3::splat(sky.rise).mul_add(height, radiance);
+    }
+    if has(N, Features::SKY_TEXTURE) && context.buffers.needs.contains(Features::SKY_TEXTURE) {
+        let coordinates = latitude_longitude(direction);
+        let index = L::Bits::splat(sky.texture);
+        let everywhere = L::Mask::splat(true);
+        radiance = radiance
+            * context.buffers.textures.sample(
+                index,
+                coordinates,
+                everywhere,
+                mask,
+                abilities(N),
+                TexelKind::Color,
+            );
+    }
+    radiance
+}

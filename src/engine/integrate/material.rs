@@ -1,0 +1,162 @@
+//! Evaluated materials: parameters, textures, shading normals.
+//!
+//! For: [`MaterialSample`]. May import: `surface` and what stands above it. Must never know: lobes'
+//! equations, stages.
+
+use super::context::TraceContext;
+use super::features::{abilities, has};
+use super::surface::{Coordinates, Surface};
+use crate::buffers::{Features, MaterialCode};
+use crate::kernel::bsdf::plastic::Plastic;
+use crate::kernel::normals;
+use crate::lane::{Bits, Lane, Mask};
+use crate::math::Vec3;
+use crate::scene::TexelKind;
+
+/// The materials of a packet of surfaces, textures looked up.
+pub struct MaterialSample<L: Lane> {
+    /// One of [`MaterialCode`]'s kinds.
+    pub kind: L::Bits,
+    pub color: Vec3<L>,
+    /// Alpha of rough metal and plastic, `scatter`'s roughness, glass's index of refraction.
+    pub parameter: L,
+    pub emission: Vec3<L>,
+    /// Plastic's index of refraction, and the share of light that its coat transmits.
+    pub ior: L,
+    pub transmitted: L,
+    /// Unit shading normal on the side of the geometric one; the geometric one itself unless
+    /// `has_shading_normal`.
+    pub ns: Vec3<L>,
+    /// The lanes whose shading normal is interpolated or mapped.
+    pub has_shading_normal: L::Mask,
+}
+
+impl<L: Lane> MaterialSample<L> {
+    /// The materials of the lanes in `found`; the others are unspecified.
+    #[inline(always)]
+    pub fn of<const N: u32>(context: &TraceContext, surface: &Surface<L>, found: L::Mask) -> Self {
+        let few = !has(N, Features::MANY_MATERIALS);
+        let index = L::Bits::select(found, surface.material, L::Bits::splat(0));
+        let [r, g, b, parameter, er, eg, eb, code] = context.buffers.material_rows.fetch::<L>(index, few);
+        let code = code.to_bits();
+        let mut material = Self {
+            kind: code & L::Bits::splat(MaterialCode::KIND),
+            color: Vec3::new(r, g, b),
+            parameter,
+            emission: Vec3::new(er, eg, eb),
+            ior: L::one(),
+            transmitted: L::one(),
+            ns: surface.ng,
+            has_shading_normal: L::Mask::splat(false),
+        };
+        if has(N, Features::SMOOTH_NORMALS) && context.buffers.needs.contains(Features::SMOOTH_NORMALS) {
+            (material.ns, material.has_shading_normal) = surface.interpolated_normal::<N>(context, found);
+        }
+        let none = L::Bits::splat(0);
+        let (mut roughness_map, mut normal_map) = (none, none);
+        if Features(N).meets(Features::DETAILS) && context.buffers.needs.meets(Features::DETAILS) {
+            let [ior, transmitted, roughness, normal, ..] =
+                context.buffers.detail_rows.fetch::<L>(index, few);
+            (material.ior, material.transmitted) = (ior, transmitted);
+            (roughness_map, normal_map) = (roughness.to_bits(), normal.to_bits());
+        }
+        if Features(N).meets(TEXTURED) {
+            let texture = code.shr(MaterialCode::TEXTURE_SHIFT);
+            let textured = found & !(texture | roughness_map | normal_map).equals(none);
+            if textured.any() {
+                let coordinates = surface.texture_coordinates::<N>(context, textured);
+                material.apply_color_texture::<N>(context, coordinates, found, texture);
+                material.apply_roughness_map::<N>(context, coordinates, found, roughness_map);
+                material.apply_normal_map::<N>(context, surface, coordinates, found, normal_map);
+            }
+        }
+        material
+    }
+
+    /// The lanes of `mask` that have a lobe of this kind.
+    #[inline(always)]
+    pub fn has_lobe(&self, kind: u32, mask: L::Mask) -> L::Mask {
+        mask & self.kind.equals(L::Bits::splat(kind))
+    }
+    #[inline(always)]
+    pub fn plastic(&self) -> Plastic<L> {
+        let Self { color, parameter: alpha, ior, transmitted, .. } = *self;
+        Plastic { color, alpha, ior, transmitted }
+    }
+
+    /// Multiplies colours by textures; `code` is index + 1, 0 for none.
+    #[inline(always)]
+    fn apply_color_texture<const N: u32>(
+        &mut self,
+        context: &TraceContext,
+        at: Coordinates<L>,
+        found: L::Mask,
+        code: L::Bits,
+    ) {
+        if !has(N, Features::TEXTURES) {
+            return;
+        }
+        let textured = found & !code.equals(L::Bits::splat(0));
+        if textured.any() {
+            let texel = texel::<L, N>(context, at, textured, code, TexelKind::Color);
+            let texel = Vec3::select(textured, texel, Vec3::repeat(L::one()));
+            let emits = self.kind.equals(L::Bits::splat(MaterialCode::EMITTER));
+            self.emission = Vec3::select(emits, self.emission * texel, self.emission);
+            self.color = self.color * texel;
+        }
+    }
+
+    /// Multiplies roughness: the parameter of `scatter`, and the square root of every other one.
+    #[inline(always)]
+    fn apply_roughness_map<const N: u32>(
+        &mut self,
+        context: &TraceContext,
+        at: Coordinates<L>,
+        found: L::Mask,
+        code: L::Bits,
+    ) {
+        let mapped = found & !code.equals(L::Bits::splat(0));
+        if has(N, Features::ROUGHNESS_MAPS) && mapped.any() {
+            let factor = texel::<L, N>(context, at, mapped, code, TexelKind::Data).x.min(L::one());
+            let scatters = self.kind.equals(L::Bits::splat(MaterialCode::SCATTER));
+            let factor = L::select(scatters, factor, factor * factor);
+            self.parameter = L::select(mapped, self.parameter * factor, self.parameter);
+        }
+    }
+
+    #[inline(always)]
+    fn apply_normal_map<const N: u32>(
+        &mut self,
+        context: &TraceContext,
+        surface: &Surface<L>,
+        at: Coordinates<L>,
+        found: L::Mask,
+        code: L::Bits,
+    ) {
+        let mapped = found & !code.equals(L::Bits::splat(0));
+        if has(N, Features::NORMAL_MAPS) && mapped.any() {
+            let texel = texel::<L, N>(context, at, mapped, code, TexelKind::Data);
+            let (tangent, hand) = surface.tangent::<N>(context, mapped);
+            let (normal, exists) = normals::apply_normal_map(texel, self.ns, tangent, hand);
+            let mapped = mapped & exists;
+            self.ns = Vec3::select(mapped, normal, self.ns);
+            self.has_shading_normal = self.has_shading_normal | mapped;
+        }
+    }
+}
+
+/// Features that look up textures on surfaces.
+const TEXTURED: Features = Features::TEXTURES.with(Features::ROUGHNESS_MAPS).with(Features::NORMAL_MAPS);
+
+/// The texels of the lanes in `mask`; `code` is index + 1.
+#[inline(always)]
+fn texel<L: Lane, const N: u32>(
+    context: &TraceContext,
+    (coordinates, clamp_v): Coordinates<L>,
+    mask: L::Mask,
+    code: L::Bits,
+    texel_kind: TexelKind,
+) -> Vec3<L> {
+    let index = code.wrapping_add(L::Bits::splat(u32::MAX));
+    context.buffers.textures.sample(index, coordinates, clamp_v, mask, abilities(N), texel_kind)
+}

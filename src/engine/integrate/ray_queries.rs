@@ -1,0 +1,74 @@
+//! Ray queries: columns of rays, and the columns that receive their hits.
+//!
+//! For: [`RayQueries`]. May import: `columns`, `traverse`. Must never know: paths, stages.
+
+use super::columns::{Column, IntColumn, Vec3Columns};
+use crate::lane::{Bits, Lane};
+use crate::math::{Hit, MISS, Ray};
+use crate::traverse::Batch;
+use crate::traverse::batch::{Tracer, Traversal};
+use crate::traverse::counter::Counter;
+use crate::traverse::hierarchy::Hierarchy;
+use crate::traverse::rays::{Hits, Rays};
+
+/// The first `count` rays of a queue and where their hits are written.
+pub struct RayQueries<'a> {
+    pub count: usize,
+    pub origin: &'a Vec3Columns,
+    pub direction: &'a Vec3Columns,
+    /// Hits from here on do not count; without it, all do.
+    pub t_max: Option<&'a Column>,
+    pub t: &'a mut Column,
+    pub primitive: &'a mut IntColumn,
+    pub u: &'a mut Column,
+    pub v: &'a mut Column,
+}
+
+impl RayQueries<'_> {
+    /// Finds the nearest hits in a hierarchy, or with `ANY` only whether there is any hit.
+    #[inline(always)]
+    pub fn trace<const ANY: bool>(
+        self,
+        tracer: &mut Tracer,
+        hierarchy: &Hierarchy,
+        traversal: Traversal,
+        counter: Option<&Counter>,
+    ) {
+        let RayQueries { count, origin, direction, t_max, t, primitive, u, v } = self;
+        let rays = Rays { origin: origin.first(count), direction: direction.first(count) };
+        let [t, u, v] = [t, u, v].map(|column| &mut column[..count]);
+        let primitive = &mut primitive[..count];
+        match t_max {
+            Some(t_max) => t.copy_from_slice(&t_max[..count]),
+            None => t.fill(f32::INFINITY),
+        }
+        primitive.fill(MISS);
+        if !ANY {
+            // Spheres and misses have no barycentric coordinates.
+            u.fill(0.0);
+            v.fill(0.0);
+        }
+        let mut hits = Hits { t, primitive, u, v };
+        match counter {
+            None => tracer.trace::<ANY>(traversal, hierarchy, &rays, &mut hits),
+            Some(counter) => tracer.count::<ANY>(traversal, hierarchy, &rays, &mut hits, counter),
+        }
+    }
+}
+
+impl<L: Lane> Batch<L> for RayQueries<'_> {
+    #[inline(always)]
+    fn run(self, closest: impl Fn(&Ray<L>) -> Hit<L>) {
+        for at in (0..self.count).step_by(L::WIDTH) {
+            let mut hit = closest(&Ray { origin: self.origin.load(at), direction: self.direction.load(at) });
+            if let Some(t_max) = self.t_max {
+                let before = hit.t.lt(L::load(&t_max[at..]));
+                hit.primitive = L::Bits::select(before, hit.primitive, L::Bits::splat(MISS));
+            }
+            hit.t.store(&mut self.t[at..]);
+            hit.primitive.store(&mut self.primitive[at..]);
+            hit.u.store(&mut self.u[at..]);
+            hit.v.store(&mut self.v[at..]);
+        }
+    }
+}

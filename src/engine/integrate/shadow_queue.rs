@@ -1,0 +1,52 @@
+//! The shadow-ray queue.
+//!
+//! For: [`ShadowQueue`]. May import: `columns`, `ray_queries`, `queue`. Must never know: lights, stages.
+
+use super::columns::{Column, IntColumn, Vec3Columns, compress};
+use super::queue::PathQueue;
+use super::ray_queries::RayQueries;
+use crate::lane::{Bits, Lane};
+use crate::math::{Ray, Vec3};
+use bytemuck::Zeroable;
+
+/// Shadow rays, and the radiance that each unoccluded one adds to its pixel.
+#[derive(Clone, Copy, Zeroable)]
+#[repr(C)]
+pub struct ShadowQueue {
+    origin: Vec3Columns,
+    direction: Vec3Columns,
+    /// Hits from here on do not occlude.
+    t_max: Column,
+    radiance: Vec3Columns,
+    slot: IntColumn,
+}
+
+impl ShadowQueue {
+    /// The first `count` rays; their hits overwrite those in the path queue, which shading has read.
+    pub fn queries<'a>(&'a self, queue: &'a mut PathQueue, count: usize) -> RayQueries<'a> {
+        let ShadowQueue { origin, direction, t_max, .. } = self;
+        RayQueries { origin, direction, t_max: Some(t_max), ..queue.queries(count) }
+    }
+    /// The pixels of the packet at `at`, and the radiance that its rays carry.
+    #[inline(always)]
+    pub fn contribution<L: Lane>(&self, at: usize) -> (L::Bits, Vec3<L>) {
+        (L::Bits::load(&self.slot[at..]), self.radiance.load(at))
+    }
+    /// Stores the lanes at `indices` from `at` on.
+    #[inline(always)]
+    pub fn store<L: Lane>(
+        &mut self,
+        at: usize,
+        indices: L::CompressIndices,
+        ray: &Ray<L>,
+        t_max: L,
+        radiance: Vec3<L>,
+        slot: L::Bits,
+    ) {
+        self.origin.store(at, compress(ray.origin, indices));
+        self.direction.store(at, compress(ray.direction, indices));
+        t_max.compress(indices).store(&mut self.t_max[at..]);
+        self.radiance.store(at, compress(radiance, indices));
+        L::compress_bits(slot, indices).store(&mut self.slot[at..]);
+    }
+}

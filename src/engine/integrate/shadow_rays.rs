@@ -1,0 +1,122 @@
+//! Next event estimation: shadow rays to sampled points of the lights.
+//!
+//! For: [`sample_direct_light`], which queues a shadow ray at each scattering event, and
+//! [`trace_shadow_rays`], the stage that adds the radiance of the unoccluded ones. May import: `bsdf`,
+//! `emission`, `intersect` and what stands above them. Must never know: `shade`.
+
+use super::bsdf::{ScatteredPath, evaluate, has_sampled_lobe};
+use super::context::TraceContext;
+use super::emission::{environment_radiance, mis_weight};
+use super::features::has;
+use super::intersect::intersect_linear;
+use super::material::MaterialSample;
+use super::queue::Path;
+use super::scratch::Scratch;
+use super::stats::Stage;
+use super::surface::Surface;
+use crate::buffers::Features;
+use crate::kernel::light::{LightSample, sample_sphere, sample_triangle};
+use crate::lane::{Lane, Mask};
+use crate::math::{Hit, Ray, Vec3};
+use crate::sampling::{SampleValues, dimension};
+
+/// A shadow ray ends this share of its length before the light: far more than the error of a hit's distance,
+/// so that no light occludes itself, and so little that no occluder is missed.
+const SHADOW_EPSILON: f32 = 4e-6;
+
+/// Samples a point of a light for each path of a packet that scatters at `surface`, and queues the shadow
+/// rays behind `count` earlier ones; returns how many there are now.
+///
+/// Not inlined: it is much code, called from two places.
+#[inline(never)]
+pub fn sample_direct_light<L: Lane, const N: u32>(
+    context: &TraceContext,
+    (scratch, count): (&mut Scratch, usize),
+    path: &Path<L>,
+    scattered: &ScatteredPath<L>,
+    (surface, material): (&Surface<L>, &MaterialSample<L>),
+    (numbers, found): (&SampleValues, L::Mask),
+) -> usize {
+    let mask = found & has_sampled_lobe::<L>(material);
+    if !mask.any() {
+        return count;
+    }
+    let (u, v) = numbers.get_2d::<L>(path.key, dimension::LIGHT_POINT);
+    let number = |dimension: u32| numbers.get_1d::<L>(path.key, dimension);
+    let lights = &context.buffers.lights;
+    let few = !has(N, Features::MANY_LIGHTS);
+    let (light, u) =
+        lights.choose::<L>(u, || number(dimension::LIGHT), || number(dimension::LIGHT_ALIAS), few);
+    // The origin of the scattered ray, so that BSDF sampling of the same direction has the same light pdf.
+    let origin = scattered.path.ray.origin;
+    let at = light.at - origin;
+    let is_sphere = L::zero().lt(light.radius);
+    let (spheres, triangles) = ((mask & is_sphere).any(), (mask & !is_sphere).any());
+    let mut sample = match (has(N, Features::SPHERES) && spheres, has(N, Features::TRIANGLES) && triangles) {
+        (true, false) => sample_sphere(at, light.radius, u, v),
+        (false, _) => sample_triangle(at, light.ab, light.ac, u, v),
+        (true, true) => {
+            let triangle = sample_triangle(at, light.ab, light.ac, u, v);
+            LightSample::select(is_sphere, sample_sphere(at, light.radius, u, v), triangle)
+        }
+    };
+    let mut emission = light.emission;
+    if has(N, Features::SKY_TEXTURE)
+        && let Some((sky, _)) = &lights.sky
+    {
+        let is_sky = mask & light.radius.lt(L::zero());
+        if is_sky.any() {
+            sample = LightSample::select(is_sky, sky.sample(u, v), sample);
+            let seen = environment_radiance::<L, N>(context, sample.wi, is_sky);
+            emission = Vec3::select(is_sky, seen, emission);
+        }
+    }
+    let bsdf = evaluate::<L, N>(path.ray.direction, surface, material, sample.wi, mask);
+    let pdf = light.probability * sample.pdf;
+    let possible = mask & L::zero().lt(pdf);
+    let inv_pdf = L::one() / L::select(possible, pdf, L::one());
+    // 1 − the weight of BSDF sampling would cancel; this is the same heuristic with the pdfs exchanged.
+    let weight = mis_weight(inv_pdf, bsdf.pdf);
+    let radiance = path.throughput * bsdf.value * emission * (weight * inv_pdf);
+    let carries = possible & !(radiance.x + radiance.y + radiance.z).eq(L::zero());
+    if !carries.any() {
+        return count;
+    }
+    let end = sample.n.mul_add(light.offset, sample.wi * sample.t);
+    let length = end.dot(end).sqrt();
+    let far = !sample.t.is_finite();
+    let direction = Vec3::select(far, sample.wi, end * (L::one() / length));
+    let t_max = L::select(far, sample.t, length * L::splat(1.0 - SHADOW_EPSILON));
+    scratch.shadow_queue.store(
+        count,
+        L::compress_indices(carries),
+        &Ray { origin, direction },
+        t_max,
+        radiance,
+        path.slot,
+    );
+    count + carries.count()
+}
+
+/// Traces the first `count` shadow rays and adds the radiance of the unoccluded ones.
+pub fn trace_shadow_rays<L: Lane>(context: &TraceContext, scratch: &mut Scratch, count: usize) {
+    scratch.begin_shadow_rays::<L>(context, count);
+    match context.primitives.hierarchy() {
+        Some((hierarchy, traversal)) => scratch.occlude_in_hierarchy(hierarchy, traversal, count),
+        None => {
+            let queries = scratch.shadow_queue.queries(&mut scratch.queue, count);
+            intersect_linear::<L>(context, None, queries);
+        }
+    }
+    let mut contributions = 0;
+    for at in (0..count).step_by(L::WIDTH) {
+        let hit: Hit<L> = scratch.queue.hit(at);
+        let unoccluded = L::Mask::first(count - at) & !hit.found();
+        if unoccluded.any() {
+            let (slot, radiance) = scratch.shadow_queue.contribution::<L>(at);
+            contributions = scratch.push_contribution(contributions, unoccluded, slot, radiance);
+        }
+    }
+    scratch.add_contributions(contributions);
+    scratch.begin_stage(Some(Stage::Shade));
+}

@@ -1,0 +1,88 @@
+//! AOVs and heat maps: feature buffers of the scene, traversal cost, and path lengths, by pixel.
+//!
+//! For: [`Renderer::aovs_into`] and the like, and [`Map`]. May import: `integrate`, and the renderer. Must
+//! never know: what shows them.
+
+use super::Renderer;
+use crate::camera::Tile;
+use crate::integrate::aovs::{self, Aovs};
+use crate::integrate::probe::PathShape;
+use crate::integrate::{Scratch, cost};
+use rayon::prelude::*;
+use std::sync::Mutex;
+
+pub use crate::integrate::cost::Cost;
+
+/// A value for each pixel, row by row from the top.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Map<T> {
+    pub width: u32,
+    pub height: u32,
+    /// `width · height` of them.
+    pub pixels: Vec<T>,
+}
+
+impl<T: Clone + Default> Map<T> {
+    /// Allocates only where the map grows. The values are unspecified afterwards.
+    fn resize(&mut self, [width, height]: [u32; 2]) {
+        (self.width, self.height) = (width, height);
+        self.pixels.resize(width as usize * height as usize, T::default());
+    }
+}
+
+impl Renderer {
+    /// The AOVs of the surface at the centre of every pixel.
+    pub fn aovs_into(&self, aovs: &mut Aovs) {
+        aovs.resize(self.settings.resolution);
+        let (length, rows) = aovs.rows();
+        self.each_row(rows, length, |y, row, scratch| aovs::render_row(&self.context, y, row, scratch));
+    }
+
+    /// The traversal cost of the ray through the centre of each pixel, traced by itself.
+    pub fn costs_into(&self, costs: &mut Map<Cost>) {
+        costs.resize(self.settings.resolution);
+        let width = costs.width as usize;
+        self.each_row(&mut costs.pixels, width, |y, row, scratch| {
+            cost::render_row(&self.context, self.settings.tile_size, y, row, scratch);
+        });
+    }
+
+    /// Calls `row` for every `length` values, with the row's number from the top and a thread's scratch
+    /// memory.
+    fn each_row<T: Send>(
+        &self,
+        values: &mut [T],
+        length: usize,
+        row: impl Fn(u32, &mut [T], &mut Scratch) + Sync,
+    ) {
+        let row = |(y, values): (usize, &mut [T])| row(y as u32, values, &mut self.threads.local());
+        match self.threads.is_single() {
+            true => values.chunks_mut(length).enumerate().for_each(row),
+            false => self.threads.run(|| values.par_chunks_mut(length).enumerate().for_each(row)),
+        }
+    }
+
+    /// The path lengths of one sample, traced in packets of [`super::Settings::lanes`].
+    pub fn path_shapes_into(&self, sample: u32, shapes: &mut Map<PathShape>) {
+        shapes.resize(self.settings.resolution);
+        let width = shapes.width as usize;
+        let shapes = Mutex::new(shapes);
+        let trace = |tile: Tile| {
+            let mut scratch = self.threads.local();
+            scratch.start_probe();
+            (self.pipeline)(&self.context, tile, sample, &mut scratch);
+            scratch.begin_stage(None);
+            let probe = scratch.end_probe();
+            let mut shapes = shapes.lock().expect("no thread panicked while it copied");
+            let rows = shapes.pixels.chunks_mut(width).skip(tile.y as usize);
+            for (row, paths) in rows.zip(probe.paths[..tile.pixels()].chunks(tile.width as usize)) {
+                row[tile.x as usize..][..paths.len()].copy_from_slice(paths);
+            }
+        };
+        let tiles = Tile::cover(self.settings.resolution, self.settings.tile_size);
+        match self.threads.is_single() {
+            true => tiles.for_each(trace),
+            false => self.threads.run(|| tiles.par_bridge().for_each(trace)),
+        }
+    }
+}

@@ -1,0 +1,68 @@
+//! What decides a picture besides its scene.
+//!
+//! For: [`Settings`] and [`PipelineChoice`]. May import: `scene`, `traverse`. Must never know: renderers,
+//! films.
+
+use crate::scene::Scene;
+use crate::traverse::Methods;
+
+/// Which of the pipelines in [`crate::integrate`] renders the scene.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum PipelineChoice {
+    /// The one compiled for the smallest set of features that holds what the scene needs.
+    #[default]
+    Needed,
+    /// The one with every feature: to measure and to test the gain of specialised ones.
+    General,
+}
+
+impl PipelineChoice {
+    /// As the command line and reports name it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Needed => "needed",
+            Self::General => "general",
+        }
+    }
+}
+
+/// The settings of a picture. `lanes`, `threads`, `tile_size` and `pipeline` change how it is computed and no
+/// bit of it (but tiles are the blocks of adaptive sampling, [`crate::adaptive`]).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Settings {
+    /// Pixels: width, height.
+    pub resolution: [u32; 2],
+    /// Scattering events allowed on a path.
+    pub max_bounces: u32,
+    pub seed: u32,
+    pub methods: Methods,
+    /// 1 (scalar path) or 8 (packets).
+    pub lanes: usize,
+    /// Worker threads, at least 1.
+    pub threads: usize,
+    /// Pixels of a tile: width, height; their product is at most [`crate::camera::MAX_PIXELS`].
+    pub tile_size: [u32; 2],
+    pub pipeline: PipelineChoice,
+    /// The most radiance of a sample in a channel; infinite, the default, is no limit. Clamping is biased:
+    /// the picture is darker than ground truth by what it cuts off.
+    pub clamp: f32,
+}
+
+impl Settings {
+    /// The scene's own resolution and bounces, packets of eight, and one thread.
+    pub fn of(scene: &Scene) -> Self {
+        Self {
+            resolution: scene.resolution,
+            max_bounces: scene.max_bounces,
+            seed: 0,
+            methods: Methods::default(),
+            lanes: 8,
+            threads: 1,
+            tile_size: Self::TILE_SIZE,
+            pipeline: PipelineChoice::default(),
+            clamp: f32::INFINITY,
+        }
+    }
+    /// Rows of whole packets, and a queue that stays in the first-level cache.
+    pub const TILE_SIZE: [u32; 2] = [16, 16];
+}

@@ -6,6 +6,7 @@ pub mod survey;
 
 use crate::buffers::{Buffers, Features};
 use crate::camera::Pinhole;
+use crate::choice::choices;
 use crate::film::{Film, TileSums};
 use crate::integrate::queue::{MAX_PIXELS, Work};
 use crate::integrate::stats::Stats;
@@ -17,23 +18,12 @@ use crate::threads::Threads;
 use crate::traverse::{Methods, Primitives, Visible, linear};
 use rayon::prelude::*;
 
-/// Which of the pipelines in [`crate::integrate`] a scene gets.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
-pub enum PipelineChoice {
-    /// The one compiled for the smallest set of features that holds the scene's needs.
-    #[default]
-    Needed,
-    /// The one with every feature: to measure and to test what leaving features out is worth.
-    General,
-}
-
-impl PipelineChoice {
-    /// As the command line and reports name it.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Needed => "needed",
-            Self::General => "general",
-        }
+choices! {
+    /// Which of the pipelines in [`crate::integrate`] renders a scene. The general one measures and tests what leaving features out gains.
+    pub enum PipelineChoice {
+        #[default]
+        Needed = "needed", "The pipeline compiled for the smallest set of features that holds the scene's.";
+        General = "general", "The pipeline with every feature.";
     }
 }
 

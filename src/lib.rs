@@ -67,7 +67,7 @@
 #![forbid(unsafe_code)]
 
 pub use octray_engine::{
-    adaptive, buffers, bvh, camera, display, film, integrate, kernel, lane, math, render, sampling, threads,
+    adaptive, buffers, bvh, camera, choice, display, film, integrate, kernel, lane, math, render, sampling, threads,
     tone, traverse,
 };
 pub use octray_formats::{output, scene, wording};

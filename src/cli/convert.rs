@@ -13,7 +13,7 @@ use std::process::ExitCode;
 pub fn run(options: ConvertOptions) -> Result<ExitCode, CliError> {
     let existing = if options.force { Existing::Replace } else { Existing::Keep };
     check_model(&options)?;
-    // Before the scene file's name is judged, so that a folder is called a folder.
+    // Before the check of the extension, so that a folder is reported as a folder.
     output::check(&options.scene, existing)?;
     check_scene(&options.scene)?;
     let folder = options.scene.parent().unwrap_or(Path::new(""));
@@ -30,7 +30,7 @@ pub fn run(options: ConvertOptions) -> Result<ExitCode, CliError> {
     Ok(ExitCode::SUCCESS)
 }
 
-// Scenes and models are known by their extensions: another one would be read as something else, or not at all.
+// Scenes and models are recognised by their extensions: a file with another one would be read as something else, or not at all.
 
 fn ends_in(path: &Path, wanted: &str) -> bool {
     path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(wanted))

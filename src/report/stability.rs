@@ -22,7 +22,7 @@ fn failures(outcome: &Outcome) -> Figure {
     let open = in_order(outcome).flat_map(|curve| &curve.points).filter(|point| point.promises_nothing());
     let open: Vec<String> = open.map(|point| format!("{:e}", point.x)).collect();
     if !open.is_empty() {
-        notes.push(format!("Of the default method, nothing is promised at {}.", open.join(", ")));
+        notes.push(format!("The default method has no bound at {}.", open.join(", ")));
     }
     let of = |curve: &Curve| Line {
         points: curve.points.iter().map(|point| [point.x, 100.0 * point.rate()]).collect(),
@@ -48,7 +48,7 @@ fn errors(outcome: &Outcome, error: &str) -> Figure {
     figure(outcome, notes, error, in_order(outcome).map(of).collect())
 }
 
-/// The default first, so that it has the same colour everywhere.
+/// The default first, so that it has the same colour in all figures.
 fn in_order(outcome: &Outcome) -> impl Iterator<Item = &Curve> {
     let of = |default| outcome.curves.iter().filter(move |curve| curve.default == default);
     of(true).chain(of(false))

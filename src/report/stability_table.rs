@@ -78,7 +78,7 @@ pub fn verdict(report: &Report) -> String {
         report.recipes.iter().filter(|outcome| !outcome.holds).map(|outcome| outcome.recipe).collect();
     match failed[..] {
         [] => format!(
-            "\nThe default methods (*) keep their bounds in {}. In brackets: places where they promise nothing.\n",
+            "\nThe default methods (*) keep their bounds in {}. In brackets: places where they have no bound.\n",
             counted(report.recipes.len(), "recipe", "recipes")
         ),
         _ => format!("\nTHE DEFAULT METHODS (*) DO NOT KEEP THEIR BOUNDS in {}.\n", failed.join(", ")),

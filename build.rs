@@ -4,7 +4,8 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 fn main() {
-    // All files that go into the program, built-in scenes included: changes to them are the commit's `+changes`.
+    // All files that go into the program, built-in scenes included: changes to them are the commit's
+    // `+changes`.
     const SOURCES: [&str; 6] = ["src", "scenes", "build.rs", "Cargo.toml", "Cargo.lock", ".cargo"];
     let mut watched: Vec<PathBuf> = SOURCES.iter().map(PathBuf::from).collect();
 
@@ -24,7 +25,8 @@ fn main() {
     for path in watched.iter().filter(|path| path.exists()) {
         println!("cargo:rerun-if-changed={}", path.display());
     }
-    let compiler = std::env::var("RUSTC").ok().and_then(|rustc| output_of(Command::new(rustc).arg("--version")));
+    let compiler =
+        std::env::var("RUSTC").ok().and_then(|rustc| output_of(Command::new(rustc).arg("--version")));
     println!("cargo:rustc-env=OCTRAY_COMMIT={}", commit.as_deref().unwrap_or("unknown"));
     println!("cargo:rustc-env=OCTRAY_RUSTC={}", compiler.as_deref().unwrap_or("rustc (version unknown)"));
 }

@@ -1,5 +1,5 @@
-//! octray: a data-oriented path tracer for CPUs. It traces packets of eight rays over structure-of-arrays buffers, tile by tile, and has a
-//! scalar path that gives the same bits.
+//! octray: a data-oriented path tracer for CPUs. It traces packets of eight rays over structure-of-arrays
+//! buffers, tile by tile, and has a scalar path that gives the same bits.
 //!
 //! ```
 //! use octray::render::{Renderer, Settings};
@@ -13,7 +13,8 @@
 //! ```
 //!
 //! # Packages
-//! This crate is the program; it re-exports the modules of three packages. Each package imports only those above it.
+//! This crate is the program; it re-exports the modules of three packages. Each package imports only those
+//! above it.
 //!
 //! | package | modules |
 //! |---|---|
@@ -29,7 +30,7 @@
 //! |---|---|---|
 //! | scene file | what the user wrote | [`scene`] |
 //! | [`scene::Scene`] | the validated scene | [`scene`] |
-//! | [`buffers::Buffers`], [`buffers::Features`] | aligned structure-of-arrays buffers, and the features that the scene uses | [`buffers`] |
+//! | [`buffers::Buffers`] and its features | structure-of-arrays buffers, and what the scene uses | [`buffers`] |
 //! | packets and queues | eight rays and a mask; the paths of a tile in structure-of-arrays form | [`math`], [`integrate`] |
 //! | [`film::Film`] | sums of linear radiance, in a fixed order | [`film`], [`render`] |
 //! | picture file | the displayed or linear picture | [`output`] |
@@ -63,21 +64,24 @@
 //! `tests/architecture.rs` checks this order.
 //!
 //! # Laws
-//! - **One picture.** A pixel is a function of (scene, settings, pixel, sample): the same bits for scalar and SIMD, for any number of
-//!   threads, any tile size, whole or in parts. Ties in t go to the lower primitive index; sums have a fixed order; no width uses an
-//!   approximation of its own.
+//! - **One picture.** A pixel is a function of (scene, settings, pixel, sample): the same bits for scalar and
+//!   SIMD, for any number of
+//!   threads, any tile size, whole or in parts. Ties in t go to the lower primitive index; sums have a fixed
+//!   order; no width uses an approximation of its own.
 //! - **Width is a type.** A kernel is written once over [`lane::Lane`] and runs at width 1 and 8.
 //! - **The reference is independent.** It shares no code with the kernels that it checks.
-//! - **Features.** The shading stages are compiled for sets of features; a scene gets the smallest set that contains its own.
+//! - **Features.** The shading stages are compiled for sets of features; a scene gets the smallest set that
+//!   contains its own.
 //! - **Conservative culling.** A culled test never changes a hit.
-//! - **Speed and accuracy.** A speed is reported together with its accuracy, and the default methods are robust.
+//! - **Speed and accuracy.** A speed is reported together with its accuracy, and the default methods are
+//!   robust.
 //! - **Safe.** No `unsafe`; the dependencies `wide` and `bytemuck` contain what is needed.
 
 #![forbid(unsafe_code)]
 
 pub use octray_engine::{
-    adaptive, buffers, bvh, camera, choice, display, film, integrate, kernel, lane, math, render, sampling, threads,
-    tone, traverse,
+    adaptive, buffers, bvh, camera, choice, display, film, integrate, kernel, lane, math, render, sampling,
+    threads, tone, traverse,
 };
 pub use octray_formats::{output, scene, wording};
 pub use octray_laboratory::{measure, reference};

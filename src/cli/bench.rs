@@ -14,7 +14,8 @@ use crate::scene::Scene;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
-/// Measuring time of a scene, all engines together; the eight built-in ones take half a minute, loading and comparing included.
+/// Measuring time of a scene, all engines together; the eight built-in ones take half a minute, loading and
+/// comparing included.
 const PER_SCENE: Duration = Duration::from_secs(2);
 
 /// Runs the command.

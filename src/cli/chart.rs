@@ -34,7 +34,8 @@ pub fn run(options: ChartOptions) -> Result<ExitCode, CliError> {
         terminal::warn("this is a debug build: its figures say nothing. Use cargo run --release -- chart.");
     }
     let names = scenes::checked(&options.scenes)?;
-    // The first scene is read before the kernels are timed, so that a fault in it is reported at once; the others when they are charted.
+    // The first scene is read before the kernels are timed, so that a fault in it is reported at once; the
+    // others when they are charted.
     let mut first = names.first().map(|name| scenes::load(name)).transpose()?;
     let budget = options.budget.unwrap_or(A_SCENE * names.len() as u32);
     output::make_folder(&options.output)?;

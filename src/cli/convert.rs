@@ -30,7 +30,8 @@ pub fn run(options: ConvertOptions) -> Result<ExitCode, CliError> {
     Ok(ExitCode::SUCCESS)
 }
 
-// Scenes and models are recognised by their extensions: a file with another one would be read as something else, or not at all.
+// Scenes and models are recognised by their extensions: a file with another one would be read as something
+// else, or not at all.
 
 fn ends_in(path: &Path, wanted: &str) -> bool {
     path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(wanted))

@@ -1,7 +1,7 @@
 //! Errors of commands, and exit codes.
 //!
-//! For: [`CliError`], whose messages say what is wrong, where, and how to mend it. May import: the errors of other modules. Must not know:
-//! the commands.
+//! For: [`CliError`], whose messages say what is wrong, where, and how to mend it. May import: the errors of
+//! other modules. Must not know: the commands.
 
 use crate::output::OutputError;
 use crate::scene::SceneError;

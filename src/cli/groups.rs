@@ -1,7 +1,8 @@
 //! Groups of arguments that several commands share, and how a choice is read.
 //!
-//! For: [`MethodArgs`], [`PictureArgs`], [`LimitArgs`], [`choice`]. May import: `clap`, and the engine's choices, which bring their names and
-//! help texts. Must not know: valid ranges. Numbers stay text here and `numbers` reads them, so that every refusal has the same form.
+//! For: [`MethodArgs`], [`PictureArgs`], [`LimitArgs`], [`choice`]. May import: `clap`, and the engine's
+//! choices, which bring their names and help texts. Must not know: valid ranges. Numbers stay text here and
+//! `numbers` reads them, so that every refusal has the same form.
 
 use crate::buffers::LightChoice;
 use crate::choice::Choice;
@@ -21,12 +22,12 @@ pub fn choice<C: Choice>() -> impl TypedValueParser<Value = C> {
 /// The methods of a rendering.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::Args)]
 pub struct MethodArgs {
-    /// Use the robust intersection methods: woop, robust spheres, padded-fma boxes. They are the default; with a view, this overrides the
-    /// methods that the view names.
+    /// Use the robust intersection methods: woop, robust spheres, padded-fma boxes. They are the default;
+    /// with a view, this overrides the methods that the view names.
     #[arg(long, conflicts_with = "fast")]
     pub robust: bool,
-    /// Use the fastest intersection methods on the front that `octray chart` measures: baldwin-weber, which leaks at edges, in scenes that
-    /// test every triangle; the defaults, which are the fastest, in others.
+    /// Use the fastest intersection methods on the front that `octray chart` measures: baldwin-weber, which
+    /// leaks at edges, in scenes that test every triangle; the defaults, which are the fastest, in others.
     #[arg(long)]
     pub fast: bool,
     /// Ray-sphere intersection method [default: robust].
@@ -35,13 +36,15 @@ pub struct MethodArgs {
     /// Ray-triangle intersection method [default: woop].
     #[arg(long, value_name = "METHOD", value_parser = choice::<TriangleChoice>())]
     pub triangle: Option<TriangleChoice>,
-    /// Ray-box intersection method, for the boxes of a hierarchy and of single triangles [default: padded-fma].
+    /// Ray-box intersection method, for the boxes of a hierarchy and of single triangles [default:
+    /// padded-fma].
     #[arg(long = "box", value_name = "METHOD", value_parser = choice::<BoxChoice>())]
     pub boxes: Option<BoxChoice>,
     /// How rays find the primitives that they hit; it does not change the picture [default: needed].
     #[arg(long, value_name = "TRAVERSAL", value_parser = choice::<TraversalChoice>())]
     pub traversal: Option<TraversalChoice>,
-    /// Which emitters next event estimation samples. It changes the noise, not the expected picture [default: auto].
+    /// Which emitters next event estimation samples. It changes the noise, not the expected picture [default:
+    /// auto].
     #[arg(long, value_name = "CHOICE", value_parser = choice::<LightChoice>())]
     pub lights: Option<LightChoice>,
     /// Source of random numbers. It changes the noise, not the expected picture [default: sobol].
@@ -67,11 +70,12 @@ pub struct PictureArgs {
     /// Rays traced at a time: 1 (scalar) or 8 (SIMD); they do not change the picture.
     #[arg(long, value_name = "1|8", default_value = "8", allow_hyphen_values = true)]
     pub lanes: String,
-    /// Largest radiance of a sample in each channel. It removes fireflies and their light: the picture is biased, darker by the light that is
-    /// cut off [default: no limit].
+    /// Largest radiance of a sample in each channel. It removes fireflies and their light: the picture is
+    /// biased, darker by the light that is cut off [default: no limit].
     #[arg(long, value_name = "MOST", allow_hyphen_values = true)]
     pub clamp: Option<String>,
-    /// Brighten (above 0) or darken (below 0) the displayed picture, .png and .jpg included, by so many stops of a factor of two [default: 0].
+    /// Brighten (above 0) or darken (below 0) the displayed picture, .png and .jpg included, by so many stops
+    /// of a factor of two [default: 0].
     #[arg(long, value_name = "STOPS", allow_hyphen_values = true)]
     pub exposure: Option<String>,
     /// Tone mapping of the displayed picture, .png and .jpg included [default: clamp].
@@ -87,18 +91,19 @@ pub struct PictureArgs {
 /// When a rendering ends.
 #[derive(Debug, clap::Args)]
 pub struct LimitArgs {
-    /// Samples per pixel: four times as many halve the noise [default: 64; with --target-error at most 16384; with --time-limit as many as
-    /// fit].
+    /// Samples per pixel: four times as many halve the noise [default: 64; with --target-error at most 16384;
+    /// with --time-limit as many as fit].
     #[arg(long, value_name = "N", allow_hyphen_values = true)]
     pub samples: Option<String>,
-    /// Stop at a relative standard error of E over the picture, such as 0.05 for five per cent, and of 2 E in every block of 16×16 pixels.
-    /// Blocks that reach it early get no more samples.
+    /// Stop at a relative standard error of E over the picture, such as 0.05 for five per cent, and of 2 E in
+    /// every block of 16×16 pixels. Blocks that reach it early get no more samples.
     #[arg(long, value_name = "E", allow_hyphen_values = true)]
     pub target_error: Option<String>,
     /// With --target-error: samples per pixel before the first estimate of the error [default: 16].
     #[arg(long, value_name = "N", allow_hyphen_values = true, requires = "target_error")]
     pub min_samples: Option<String>,
-    /// Stop after so many seconds of tracing, between samples of the whole picture where one fits; loading and writing are not counted.
+    /// Stop after so many seconds of tracing, between samples of the whole picture where one fits; loading
+    /// and writing are not counted.
     #[arg(long, value_name = "SECONDS", allow_hyphen_values = true)]
     pub time_limit: Option<String>,
 }

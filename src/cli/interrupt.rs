@@ -1,5 +1,5 @@
-//! Ctrl-C: the first requests an end, the second ends the program with nothing written. Before any part of a picture is done, the first ends
-//! the program too.
+//! Ctrl-C: the first requests an end, the second ends the program with nothing written. Before any part of a
+//! picture is done, the first ends the program too.
 //!
 //! For: [`Interrupt`]. May import: `ctrlc`, `terminal`. Must not know: what is interrupted.
 
@@ -18,8 +18,8 @@ pub struct Interrupt {
 }
 
 impl Interrupt {
-    /// Installs the handler, in background jobs too, which start with the signal ignored. Where that fails, Ctrl-C keeps its usual
-    /// meaning.
+    /// Installs the handler, in background jobs too, which start with the signal ignored. Where that fails,
+    /// Ctrl-C keeps its usual meaning.
     pub fn listen() -> Self {
         let interrupt = Self::default();
         let handler = interrupt.clone();
@@ -66,8 +66,8 @@ impl Interrupt {
         self.requests.load(Ordering::SeqCst) > 1
     }
 
-    /// From now on a second Ctrl-C does not end the program at once: a file is being written, and a partial file must be removed first. The
-    /// writer polls [`Interrupt::insisted`].
+    /// From now on a second Ctrl-C does not end the program at once: a file is being written, and a partial
+    /// file must be removed first. The writer polls [`Interrupt::insisted`].
     pub fn hold(&self) {
         self.holding.store(true, Ordering::SeqCst);
     }

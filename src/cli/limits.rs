@@ -1,6 +1,7 @@
 //! When a rendering ends: `--samples`, `--target-error`, `--time-limit`.
 //!
-//! For: [`Limits`], made from raw arguments or refused. May import: `groups`, `numbers`, `adaptive`. Must not know: how samples are taken.
+//! For: [`Limits`], made from raw arguments or refused. May import: `groups`, `numbers`, `adaptive`. Must not
+//! know: how samples are taken.
 
 use super::error::CliError;
 use super::groups::LimitArgs;
@@ -10,7 +11,8 @@ use std::time::Duration;
 
 /// Samples per pixel without limits.
 const SAMPLES: u32 = 64;
-/// Most samples per pixel with `--target-error`: a pixel that needs more depends on light that hardly any path finds.
+/// Most samples per pixel with `--target-error`: a pixel that needs more depends on light that hardly any
+/// path finds.
 const MOST_SAMPLES: u32 = 1 << 14;
 /// Samples before the first estimate of a block's error: four groups in each of 256 pixels.
 const LEAST_SAMPLES: u32 = 16;

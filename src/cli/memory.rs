@@ -1,17 +1,20 @@
 //! Memory of large pictures, checked before a rendering starts.
 //!
-//! For: [`check`], [`room_for`]. May import: `machine`, `report`'s numbers. Must not know: the use of the memory.
+//! For: [`check`], [`room_for`]. May import: `machine`, `report`'s numbers. Must not know: the use of the
+//! memory.
 
 use super::error::CliError;
 use super::terminal;
 use crate::machine;
 use crate::report::numbers::bytes;
 
-/// A picture that takes more bytes than this, or more than this share of the available memory, gets a warning.
+/// A picture that takes more bytes than this, or more than this share of the available memory, gets a
+/// warning.
 const LARGE: u64 = 2_000_000_000;
 const LARGE_SHARE: f64 = 0.25;
 
-/// Warns of a picture that takes much memory, and refuses one that takes more than the system calls available.
+/// Warns of a picture that takes much memory, and refuses one that takes more than the system calls
+/// available.
 pub fn check(size: [u32; 2], bytes_per_pixel: usize) -> Result<(), CliError> {
     if let Some(sentence) = judge(size, bytes_per_pixel, machine::available_memory())? {
         terminal::warn(&sentence);

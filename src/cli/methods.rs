@@ -36,7 +36,8 @@ impl MethodOptions {
         }
     }
 
-    /// These, and from `weaker` those that are missing here. `--fast` and `--robust` override all of `weaker`'s intersection methods.
+    /// These, and from `weaker` those that are missing here. `--fast` and `--robust` override all of
+    /// `weaker`'s intersection methods.
     pub fn or(self, weaker: Self) -> Self {
         let intersection = if self.fast.is_some() { Self::default() } else { weaker };
         Self {

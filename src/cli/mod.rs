@@ -1,19 +1,22 @@
 //! The command line: raw arguments, validated options, one file a command, exit codes.
 //!
-//! For: [`main`], all that the program's `main` does. May import: everything. Must not know: intersection, shading, sampling; reports are
-//! written by [`crate::report`].
+//! For: [`main`], all that the program's `main` does. May import: everything. Must not know: intersection,
+//! shading, sampling; reports are written by [`crate::report`].
 //!
 //! | file | what it does |
 //! |---|---|
 //! | [`args`], [`groups`] | raw arguments: names, shapes, help texts |
 //! | [`options`], [`picture`], [`methods`], [`limits`], [`numbers`] | validated options: names known, numbers in range |
 //! | [`overrides`] | settings that the command line or a view overrides |
-//! | [`mod@bench`], [`compare`], [`render`], [`rays`], [`chart`], `view`, [`stability`], [`convert`], [`inspect`] | the commands |
+//! | [`mod@bench`], [`compare`], [`render`], [`rays`], [`chart`], `view` | commands |
+//! | [`stability`], [`convert`], [`inspect`] | commands |
 //! | [`scenes`] | loads the scenes of commands |
-//! | [`trace`], [`interrupt`], [`progress`], [`samples_map`] | of `render`: sampling up to a limit, Ctrl-C, the progress line, the map of samples |
+//! | [`trace`], [`interrupt`], [`progress`] | sampling up to a limit, Ctrl-C, progress lines |
+//! | [`samples_map`] | of `render`: a picture of the number of samples |
 //! | [`ground_truth`] | of `chart`: the cache of ground truths |
 //! | [`ray_dump`] | of `rays`: rays and hits as files |
-//! | [`machine_check`], [`memory`] | refuse a machine without the instructions compiled for, and pictures that do not fit into memory |
+//! | [`machine_check`] | refuses a machine without the instructions compiled for |
+//! | [`memory`] | refuses pictures that do not fit into memory |
 //! | [`terminal`] | the only writer to standard output and standard error |
 //! | [`error`] | errors and exit codes |
 

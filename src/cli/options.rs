@@ -1,7 +1,8 @@
 //! Validated options: numbers in range, names known, defaults filled in.
 //!
-//! For: one struct a command, made from its raw arguments or refused. May import: `args`, `limits`, `methods`, `numbers`, `picture`, and the
-//! choices and limits of what the commands run. Must not know: how a command works.
+//! For: one struct a command, made from its raw arguments or refused. May import: `args`, `limits`,
+//! `methods`, `numbers`, `picture`, and the choices and limits of what the commands run. Must not know: how a
+//! command works.
 
 use super::args::{
     BenchArgs, ChartArgs, CompareArgs, ConvertArgs, InspectArgs, RaysArgs, RenderArgs, StabilityArgs,

@@ -1,6 +1,8 @@
-//! Settings of a still that the command line or a view file may override. Both use the same names; the command line overrides the view.
+//! Settings of a still that the command line or a view file may override. Both use the same names; the
+//! command line overrides the view.
 //!
-//! For: [`Overrides`]. May import: `limits`, `methods`, `numbers`, `scene`'s views. Must not know: how a still is rendered.
+//! For: [`Overrides`]. May import: `limits`, `methods`, `numbers`, `scene`'s views. Must not know: how a
+//! still is rendered.
 
 use super::error::CliError;
 use super::limits::Limits;
@@ -43,7 +45,8 @@ impl Overrides {
         })
     }
 
-    /// These, and from `weaker` those that are missing here. Limits go together: a time limit here drops `weaker`'s samples.
+    /// These, and from `weaker` those that are missing here. Limits go together: a time limit here drops
+    /// `weaker`'s samples.
     pub fn or(self, weaker: Self) -> Self {
         Self {
             limits: self.limits.or(weaker.limits),

@@ -1,6 +1,7 @@
 //! How a picture is made: the validated options that `render` and `view` share.
 //!
-//! For: [`PictureOptions`]. May import: `groups`, `numbers`, `overrides`. Must not know: where the picture goes.
+//! For: [`PictureOptions`]. May import: `groups`, `numbers`, `overrides`. Must not know: where the picture
+//! goes.
 
 use super::error::CliError;
 use super::groups::PictureArgs;
@@ -14,7 +15,8 @@ pub struct PictureOptions {
     pub bounces: Option<u32>,
     pub threads: usize,
     pub lanes: usize,
-    /// Options that a view may give too; those given here override the view's. Their limits are set by `render` alone.
+    /// Options that a view may give too; those given here override the view's. Their limits are set by
+    /// `render` alone.
     pub overrides: Overrides,
 }
 

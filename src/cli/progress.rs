@@ -1,7 +1,7 @@
 //! Progress lines on standard error, where that is a terminal.
 //!
-//! For: [`Progress`] of a rendering, [`Countdown`] of a run with a time budget, [`Tasks`] of a list. May import: `report`'s numbers,
-//! `indicatif`. Must not know: what is rendered, or how.
+//! For: [`Progress`] of a rendering, [`Countdown`] of a run with a time budget, [`Tasks`] of a list. May
+//! import: `report`'s numbers, `indicatif`. Must not know: what is rendered, or how.
 
 use crate::report::numbers::{figure, mrays_per_s};
 use crate::wording::grouped;
@@ -14,11 +14,13 @@ use std::time::{Duration, Instant};
 
 /// Interval at which the line is drawn.
 const REDRAW: Duration = Duration::from_millis(200);
-/// The time left is shown from this time after the start and this share of the work on: before, the estimate is too uncertain.
+/// The time left is shown from this time after the start and this share of the work on: before, the estimate
+/// is too uncertain.
 const SETTLED: Duration = Duration::from_secs(2);
 const SETTLED_SHARE: f64 = 0.02;
 
-/// A rendering's line. A separate thread draws it; workers only count. Nothing is drawn where standard error is not a terminal.
+/// A rendering's line. A separate thread draws it; workers only count. Nothing is drawn where standard error
+/// is not a terminal.
 pub struct Progress {
     /// Counts pixel samples, so that it moves during the first sample of the picture.
     bar: ProgressBar,
@@ -144,7 +146,8 @@ fn style(template: &str) -> ProgressStyle {
     ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar())
 }
 
-/// The text behind the bar, at `done` of `expected` pixel samples; `pixels` of them are a sample of the picture.
+/// The text behind the bar, at `done` of `expected` pixel samples; `pixels` of them are a sample of the
+/// picture.
 fn figures(
     done: u64,
     pixels: u64,

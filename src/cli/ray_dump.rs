@@ -3,8 +3,8 @@
 //! For: [`write()`]. May import: `measure::ray_sets`, `scene`, `output`. Must not know: how rays are traced.
 //!
 //! # Format
-//! Plain binary, little-endian, without padding. `primary.rays`, `shadow.rays` and `diffuse.rays` hold columns, one after the
-//! other, each of `count` numbers:
+//! Plain binary, little-endian, without padding. `primary.rays`, `shadow.rays` and `diffuse.rays` hold
+//! columns, one after the other, each of `count` numbers:
 //!
 //! | what | type |
 //! |---|---|
@@ -27,7 +27,8 @@
 //! | count | u64 |
 //! | vertices a, b, c of each triangle, x, y, z of each vertex | 9 f32 a triangle |
 //!
-//! Spheres are in no file. Hits number them first, so in a scene with spheres triangle i is the primitive i + the number of spheres.
+//! Spheres are in no file. Hits number them first, so in a scene with spheres triangle i is the primitive i +
+//! the number of spheres.
 
 use crate::math::MISS;
 use crate::measure::ray_sets::Prepared;

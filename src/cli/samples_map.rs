@@ -37,7 +37,8 @@ pub fn save(file: &Path, film: &Film, given_up: &dyn Fn() -> bool) -> Result<(),
     Ok(output::save_unless(file, &counts, &Tone::default(), given_up)?)
 }
 
-/// Replaces counts by shades: equal factors are equal steps to the eye, from black for 0 and 1 to white for `most`.
+/// Replaces counts by shades: equal factors are equal steps to the eye, from black for 0 and 1 to white for
+/// `most`.
 fn shade(counts: &mut Picture, most: u32) {
     let whole = f64::from(most.max(2)).ln();
     for pixel in &mut counts.pixels {

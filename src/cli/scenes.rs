@@ -1,12 +1,14 @@
 //! Loads the scenes of commands.
 //!
-//! For: [`load`], [`checked`], [`or_built_in`]. May import: `scene`, `overrides`. Must not know: the commands.
+//! For: [`load`], [`checked`], [`or_built_in`]. May import: `scene`, `overrides`. Must not know: the
+//! commands.
 
 use super::error::CliError;
 use super::overrides::Overrides;
 use crate::scene::{self, Loaded};
 
-/// Loads a scene by name. Every command refuses a view with invalid overrides, also a command that does not use them.
+/// Loads a scene by name. Every command refuses a view with invalid overrides, also a command that does not
+/// use them.
 pub fn load(name: &str) -> Result<Loaded, CliError> {
     let scene = scene::load_with_view(name)?;
     Overrides::of_view(&scene)?;
@@ -15,8 +17,8 @@ pub fn load(name: &str) -> Result<Loaded, CliError> {
 
 /// The names given, or those of the built-in scenes.
 ///
-/// Several scenes are all loaded once here and dropped, so that a fault in the last one shows before the others take their time, and only
-/// one is in memory at a time.
+/// Several scenes are all loaded once here and dropped, so that a fault in the last one shows before the
+/// others take their time, and only one is in memory at a time.
 pub fn checked(names: &[String]) -> Result<Vec<String>, CliError> {
     if names.len() > 1 {
         for name in names {

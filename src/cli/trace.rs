@@ -11,14 +11,15 @@ use crate::render::{Renderer, Watch};
 use crate::report::render::End;
 use std::time::{Duration, Instant};
 
-/// Target duration of a chunk of samples: short enough for Ctrl-C to feel immediate, long enough that the overhead of a chunk is
-/// negligible.
+/// Target duration of a chunk of samples: short enough for Ctrl-C to feel immediate, long enough that the
+/// overhead of a chunk is negligible.
 const CHUNK: Duration = Duration::from_millis(100);
-/// Time that a chunk has to finish after Ctrl-C or the deadline, so that every pixel has the same number of samples. A chunk that takes
-/// longer stops between tiles.
+/// Time that a chunk has to finish after Ctrl-C or the deadline, so that every pixel has the same number of
+/// samples. A chunk that takes longer stops between tiles.
 const GRACE: Duration = Duration::from_millis(300);
 
-/// Adds samples in chunks until a limit is reached or the user interrupts. Returns the time taken and why it ended.
+/// Adds samples in chunks until a limit is reached or the user interrupts. Returns the time taken and why it
+/// ended.
 pub fn trace(
     renderer: &Renderer,
     film: &mut Film,
@@ -58,7 +59,8 @@ struct Pace {
     seconds_a_pixel: f64,
 }
 
-/// Brings all tiles to their goals, chunk by chunk, so that no tile runs ahead. Returns why it stopped early, if it did.
+/// Brings all tiles to their goals, chunk by chunk, so that no tile runs ahead. Returns why it stopped early,
+/// if it did.
 fn take_round(
     renderer: &Renderer,
     film: &mut Film,
@@ -121,8 +123,8 @@ impl Watch for Chunk<'_> {
     }
 }
 
-/// Samples per pixel of the next chunk: as many as should take [`CHUNK`] at the speed of the last one, and at most four times as many as in
-/// the last one, because short times are measured poorly.
+/// Samples per pixel of the next chunk: as many as should take [`CHUNK`] at the speed of the last one, and at
+/// most four times as many as in the last one, because short times are measured poorly.
 fn next_chunk(last: u32, took: Duration) -> u32 {
     let fitting = f64::from(last) * CHUNK.as_secs_f64() / took.as_secs_f64().max(1e-9);
     (fitting as u32).clamp(1, last.saturating_mul(4))

@@ -54,7 +54,8 @@ impl TryFrom<ViewArgs> for ViewOptions {
 }
 
 impl ViewOptions {
-    /// The viewer's options. Seed, tone and pipeline are those of its first scene; methods are those of each scene.
+    /// The viewer's options. Seed, tone and pipeline are those of its first scene; methods are those of each
+    /// scene.
     fn viewer(&self, first: &Loaded) -> Result<Options, CliError> {
         let PictureOptions { size, bounces, threads, lanes, overrides } = self.picture;
         let methods = overrides.methods;
@@ -100,7 +101,8 @@ struct Report {
     /// Milliseconds for painting a frame, and for enlarging and presenting it.
     painting_ms: f64,
     presenting_ms: Option<f64>,
-    /// Latency in milliseconds, from an event to the first frame that shows its effect: mean and longest; null without events.
+    /// Latency in milliseconds, from an event to the first frame that shows its effect: mean and longest;
+    /// null without events.
     answer_ms: Option<f64>,
     slowest_answer_ms: Option<f64>,
     /// The longest time from the request for another scene to its first frame.

@@ -1,7 +1,8 @@
-//! Closed sets of named alternatives: methods, samplers, tone operators. Each is defined once, by [`choices!`]; the command line, view files
-//! and reports share its names and help texts.
+//! Closed sets of named alternatives: methods, samplers, tone operators. Each is defined once, by
+//! [`choices!`]; the command line, view files and reports share its names and help texts.
 //!
-//! For: [`Choice`], [`choices!`]. May import: `serde`. Must not know: what the alternatives do, and how command lines are parsed.
+//! For: [`Choice`], [`choices!`]. May import: `serde`. Must not know: what the alternatives do, and how
+//! command lines are parsed.
 
 use serde::de::{Deserializer, Error, Visitor};
 use std::fmt;
@@ -54,7 +55,8 @@ macro_rules! serde_by_name {
     };
 }
 
-/// Defines an enum that is a [`Choice`]. Each variant has a name and a help text, which is also the first paragraph of its documentation.
+/// Defines an enum that is a [`Choice`]. Each variant has a name and a help text, which is also the first
+/// paragraph of its documentation.
 macro_rules! choices {
     (
         $(#[$meta:meta])*

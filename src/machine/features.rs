@@ -2,8 +2,8 @@
 //!
 //! For: [`compiled`], [`present`]. May import: `raw_cpuid`. Must not know: the consequences of a difference.
 //!
-//! The standard library's `is_x86_feature_detected!` cannot be used: for every feature that the program was compiled for, it is true without
-//! a query, which is the case to detect. CPUID is read instead.
+//! The standard library's `is_x86_feature_detected!` cannot be used: for every feature that the program was
+//! compiled for, it is true without a query, which is the case to detect. CPUID is read instead.
 
 /// Target features: name, and whether the program was compiled for it.
 macro_rules! compiled_features {
@@ -23,8 +23,8 @@ pub fn compiled() -> Vec<&'static str> {
     known.into_iter().filter(|(_, enabled)| *enabled).map(|(name, _)| name).collect()
 }
 
-/// Those of the same instruction sets that this machine has and its operating system enables; `None` on processors other than x86-64, where
-/// there is no query.
+/// Those of the same instruction sets that this machine has and its operating system enables; `None` on
+/// processors other than x86-64, where there is no query.
 pub fn present() -> Option<Vec<&'static str>> {
     #[cfg(target_arch = "x86_64")]
     return Some(x86_64::present());
@@ -36,9 +36,10 @@ pub fn present() -> Option<Vec<&'static str>> {
 mod x86_64 {
     use raw_cpuid::CpuId;
 
-    // The bytes of register state that the operating system saves per thread show which registers it enables: 512 + 64 for SSE
-    // and the header, 256 more for the upper halves of AVX registers, and at least 2432 once AVX-512's are there (2688 on
-    // Intel; AMD packs them more tightly). Intel 64 manual, volume 1, section 13.5; CPUID leaf 0Dh, EBX.
+    // The bytes of register state that the operating system saves per thread show which registers it enables:
+    // 512 + 64 for SSE and the header, 256 more for the upper halves of AVX registers, and at least 2432 once
+    // AVX-512's are there (2688 on Intel; AMD packs them more tightly). Intel 64 manual, volume 1, section
+    // 13.5; CPUID leaf 0Dh, EBX.
     const AVX_STATE: u32 = 832;
     const AVX512_STATE: u32 = 2_432;
 

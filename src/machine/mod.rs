@@ -1,6 +1,7 @@
 //! The machine and the build a figure was measured with.
 //!
-//! For: [`Machine`], part of every JSON report. May import: `features`, `wording`. Must not know: what was measured.
+//! For: [`Machine`], part of every JSON report. May import: `features`, `wording`. Must not know: what was
+//! measured.
 
 pub mod features;
 
@@ -52,7 +53,8 @@ pub fn cores() -> usize {
     std::thread::available_parallelism().map_or(1, usize::from)
 }
 
-/// Bytes available without swapping, by the system's own estimate; `None` on systems other than Linux, where there is no query.
+/// Bytes available without swapping, by the system's own estimate; `None` on systems other than Linux, where
+/// there is no query.
 pub fn available_memory() -> Option<u64> {
     mem_available(&std::fs::read_to_string("/proc/meminfo").ok()?)
 }

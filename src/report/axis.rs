@@ -6,7 +6,8 @@
 #[derive(Clone, Debug, Default)]
 pub struct Axis {
     pub label: String,
-    /// Logarithmic, to base 10. Numbers that are not above 0 are drawn at the lower edge, at a tick labelled "0".
+    /// Logarithmic, to base 10. Numbers that are not above 0 are drawn at the lower edge, at a tick labelled
+    /// "0".
     pub log: bool,
 }
 
@@ -74,7 +75,8 @@ impl Range {
     }
 }
 
-/// The range around these logarithms, and ticks: powers of ten; where these are few, also 2 and 5 times these, or all digits.
+/// The range around these logarithms, and ticks: powers of ten; where these are few, also 2 and 5 times
+/// these, or all digits.
 fn decades(least: f64, most: f64) -> (f64, f64, Vec<f64>) {
     let margin = (0.04 * (most - least)).max(LEAST_DECADES / 2.0 - (most - least) / 2.0) + 0.02;
     let (low, high) = (least - margin, most + margin);

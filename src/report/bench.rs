@@ -1,6 +1,7 @@
 //! What `octray bench` reports: frames per second, as a table or as JSON.
 //!
-//! For: [`Report`]. May import: `measure`, `machine`, `numbers`, `stats`. Must not know: how the figures are measured.
+//! For: [`Report`]. May import: `measure`, `machine`, `numbers`, `stats`. Must not know: how the figures are
+//! measured.
 
 use super::numbers::{figure, ratio};
 use super::stats;
@@ -23,7 +24,8 @@ pub struct Report {
     /// From the start of the command to the end of its first frame.
     pub first_frame_ms: f64,
     pub results: Vec<Measurement>,
-    /// One sample of each scene: SIMD against scalar and against the f64 reference. A speed is reported with its accuracy.
+    /// One sample of each scene: SIMD against scalar and against the f64 reference. A speed is reported with
+    /// its accuracy.
     pub accuracy: Vec<Comparison>,
 }
 
@@ -97,8 +99,8 @@ pub fn row(results: &[Measurement], accuracy: &Comparison) -> String {
     text
 }
 
-/// A warning about the engine with the lowest 1 % low, where that is below [`BUSY`]. With fewer frames than [`FEWEST_FRAMES`] the 1 % low is
-/// the slowest frame, which proves nothing.
+/// A warning about the engine with the lowest 1 % low, where that is below [`BUSY`]. With fewer frames than
+/// [`FEWEST_FRAMES`] the 1 % low is the slowest frame, which proves nothing.
 pub fn busy(results: &[Measurement]) -> Option<String> {
     let share = |result: &Measurement| result.fps_low_1_percent / result.fps_median;
     let timed = results.iter().filter(|result| result.frames >= FEWEST_FRAMES);

@@ -1,6 +1,7 @@
 //! The drawings of `octray chart`: intersection methods, pictures, frames, display filters, motion.
 //!
-//! For: [`Chart`], the JSON report, and [`drawings`]. May import: `plot`, `measure::chart`. Must not know: files, pages.
+//! For: [`Chart`], the JSON report, and [`drawings`]. May import: `plot`, `measure::chart`. Must not know:
+//! files, pages.
 
 use super::plot::{Axis, Figure, Line};
 use crate::machine::Machine;
@@ -158,7 +159,8 @@ pub fn verdict(line: &pictures::Line) -> String {
     if line.robust { place } else { place + "; not robust" }
 }
 
-/// Lines along which error falls with time to the power `slope`, each for four times the time of the next, over all data.
+/// Lines along which error falls with time to the power `slope`, each for four times the time of the next,
+/// over all data.
 fn diagonals(lines: &[Line], slope: f64) -> Vec<[[f64; 2]; 2]> {
     let points = || lines.iter().flat_map(|line| &line.points).filter(|point| point[1] > 0.0);
     let range = |axis: usize| {
@@ -221,8 +223,7 @@ pub fn display(scene: &SceneChart) -> Drawing {
         title: format!("{}: a picture with display filters", scene.scene),
         notes: vec![
             size_and(scene, threads, &counted(seeds, "seed", "seeds")),
-            "from left to right: 1, 4 and 16 samples a pixel; the time includes the filter"
-                .into(),
+            "from left to right: 1, 4 and 16 samples a pixel; the time includes the filter".into(),
         ],
         x: Axis { label: "milliseconds to render and to filter".into(), log: true },
         y: Axis { label: Measure::Rmse.label().into(), log: true },

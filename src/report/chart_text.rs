@@ -1,6 +1,7 @@
 //! What `octray chart` prints: a table of every scene, and warnings about the figures.
 //!
-//! For: [`text`], [`warnings`]. May import: `chart`, `numbers`, `measure::chart`. Must not know: how files are written.
+//! For: [`text`], [`warnings`]. May import: `chart`, `numbers`, `measure::chart`. Must not know: how files
+//! are written.
 
 use super::chart::{Chart, verdict};
 use super::numbers::figure;

@@ -58,7 +58,8 @@ pub fn row(result: &Comparison) -> String {
     row
 }
 
-/// The table in words. `lossy` box tests lose hits, other ones in each traversal, so their pictures may differ.
+/// The table in words. `lossy` box tests lose hits, other ones in each traversal, so their pictures may
+/// differ.
 pub fn meaning(report: &Report, lossy: bool) -> String {
     let differ = report.results.iter().any(|result| result.mismatched_pixels > 0);
     let wrong: usize = report.results.iter().map(|result| result.reference.mismatched_hits).sum();

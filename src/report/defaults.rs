@@ -1,4 +1,5 @@
-//! The default methods that matter to a scene, and why they are the default: a part of what `octray inspect` reports.
+//! The default methods that matter to a scene, and why they are the default: a part of what `octray inspect`
+//! reports.
 //!
 //! For: [`DefaultReport`]. May import: `traverse`'s choices. Must not know: the rest of the report.
 //!

@@ -1,6 +1,7 @@
 //! What `octray inspect` reports: what a scene contains and how it is rendered, as text or as JSON.
 //!
-//! For: [`Inspection`]. May import: `defaults`, `traversal`, `numbers`, `scene`, `buffers`. Must not know: command lines.
+//! For: [`Inspection`]. May import: `defaults`, `traversal`, `numbers`, `scene`, `buffers`. Must not know:
+//! command lines.
 
 use super::defaults::DefaultReport;
 use super::numbers::bytes;

@@ -1,6 +1,7 @@
 //! Reports: the figures of the commands as text, JSON, CSV, SVG and HTML.
 //!
-//! May import: `measure`, `machine` and everything above them. Must not know: command lines, files, terminals.
+//! May import: `measure`, `machine` and everything above them. Must not know: command lines, files,
+//! terminals.
 //!
 //! | file | what it holds |
 //! |---|---|

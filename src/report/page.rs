@@ -1,6 +1,7 @@
 //! A chart as one page of HTML that needs no other file: figures, tables, and the origin of the numbers.
 //!
-//! For: [`page`]. May import: `chart`, `measure::chart`, `maud` (which escapes all text). Must not know: files.
+//! For: [`page`]. May import: `chart`, `measure::chart`, `maud` (which escapes all text). Must not know:
+//! files.
 
 use super::chart::{self, Chart, Drawing, Measure};
 use crate::measure::chart::display::WAYS;
@@ -10,7 +11,8 @@ use crate::measure::chart::{SceneChart, configurations::DEFAULT};
 use crate::wording::counted;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
-/// For phones (one column; tables and figures scroll instead of shrinking), desktops, and print (no page break inside a figure).
+/// For phones (one column; tables and figures scroll instead of shrinking), desktops, and print (no page
+/// break inside a figure).
 const STYLE: &str = "
 body { font: 16px/1.5 sans-serif; max-width: 88rem; margin: 0 auto; padding: 1rem; color: #222; background: #fff }
 h1, h2, h3 { line-height: 1.2 }

@@ -1,8 +1,10 @@
 //! Lines in a plane, drawn as SVG.
 //!
-//! For: [`Figure`]. May import: `axis`; `plotters`, which no other file uses. Must not know: the meaning of the numbers.
+//! For: [`Figure`]. May import: `axis`; `plotters`, which no other file uses. Must not know: the meaning of
+//! the numbers.
 //!
-//! Only the SVG backend of plotters is used, so no font library is needed: the viewer of the file has the fonts.
+//! Only the SVG backend of plotters is used, so no font library is needed: the viewer of the file has the
+//! fonts.
 
 pub use super::axis::Axis;
 use super::axis::Range;
@@ -29,7 +31,8 @@ pub struct Line {
     pub name: String,
     /// Drawn thicker, with its name in bold: the default.
     pub strong: bool,
-    /// Number of its colour and mark, so that a line looks the same in all figures; by default its index in the figure.
+    /// Number of its colour and mark, so that a line looks the same in all figures; by default its index in
+    /// the figure.
     pub style: Option<usize>,
     /// Distinguishes two families of lines.
     pub dashed: bool,
@@ -40,15 +43,16 @@ pub struct Line {
     pub ringed: Vec<usize>,
 }
 
-/// Width and height in units of the drawing, which scales to its place on the page. A unit is half a pixel there, because plotters rounds
-/// to whole units.
+/// Width and height in units of the drawing, which scales to its place on the page. A unit is half a pixel
+/// there, because plotters rounds to whole units.
 const SIZE: [u32; 2] = [1_800, 1_080];
 const TEXT: u32 = 26;
 const LEGEND_LINE: i32 = 34;
 /// Width of a letter, as a share of the size of the text.
 const LETTER: f64 = 0.55;
 
-/// The colours of Okabe and Ito, distinguishable with any kind of colour vision; without yellow, which is too pale on white.
+/// The colours of Okabe and Ito, distinguishable with any kind of colour vision; without yellow, which is too
+/// pale on white.
 const COLORS: [RGBColor; 7] = [
     RGBColor(0, 114, 178),
     RGBColor(213, 94, 0),
@@ -148,7 +152,12 @@ impl Figure {
     }
 }
 
-fn draw_line(area: &Canvas, line: &Line, number: usize, place: &impl Fn([f64; 2]) -> (i32, i32)) -> DrawResult {
+fn draw_line(
+    area: &Canvas,
+    line: &Line,
+    number: usize,
+    place: &impl Fn([f64; 2]) -> (i32, i32),
+) -> DrawResult {
     let color = COLORS[number % COLORS.len()];
     if line.band.len() > 1 {
         let below = line.band.iter().map(|&[x, low, _]| place([x, low]));

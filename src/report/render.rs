@@ -1,6 +1,7 @@
 //! What `octray render` reports, as a line or as JSON.
 //!
-//! For: [`Report`], [`End`]. May import: `measure`, `numbers`, the constants of `adaptive`. Must not know: how samples are taken.
+//! For: [`Report`], [`End`]. May import: `measure`, `numbers`, the constants of `adaptive`. Must not know:
+//! how samples are taken.
 
 use super::numbers::figure;
 use crate::adaptive::WORST;
@@ -26,7 +27,8 @@ pub struct Report {
     pub output: String,
     pub width: u32,
     pub height: u32,
-    /// The fewest samples of a pixel, and the most: more only with a target error, or where the rendering stopped in the middle of a sample.
+    /// The fewest samples of a pixel, and the most: more only with a target error, or where the rendering
+    /// stopped in the middle of a sample.
     pub samples: u32,
     pub most_samples: u32,
     pub mean_samples: f64,

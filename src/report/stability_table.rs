@@ -1,6 +1,7 @@
 //! What `octray stability` reports, as a table or as JSON.
 //!
-//! For: [`Report`], [`table`], [`verdict`]. May import: `measure`, `machine`, `numbers`. Must not know: files.
+//! For: [`Report`], [`table`], [`verdict`]. May import: `measure`, `machine`, `numbers`. Must not know:
+//! files.
 
 use super::numbers::percent;
 use crate::machine::Machine;

@@ -1,6 +1,7 @@
 //! The tables of `--stats`.
 //!
-//! For: [`frames`], [`meaning_of_frames`], [`rays`]. May import: `measure::stats`, `numbers`. Must not know: the commands.
+//! For: [`frames`], [`meaning_of_frames`], [`rays`]. May import: `measure::stats`, `numbers`. Must not know:
+//! the commands.
 
 use super::numbers::figure;
 use crate::measure::stats::{BounceStats, FrameStats, PerRay, RayStats, TestStats};

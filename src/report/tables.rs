@@ -1,6 +1,7 @@
 //! A chart's figures as CSV, one row a point, for spreadsheets and other programs.
 //!
-//! For: [`pictures`], [`frames`], [`display`], [`motion`], [`kernels`]. May import: `measure::chart`, `csv`. Must not know: files.
+//! For: [`pictures`], [`frames`], [`display`], [`motion`], [`kernels`]. May import: `measure::chart`, `csv`.
+//! Must not know: files.
 
 use super::chart::Chart;
 use crate::measure::chart::pictures::Spread;
@@ -15,7 +16,8 @@ impl Table {
         table
     }
     fn row(&mut self, cells: impl IntoIterator<Item = String>) {
-        // Writing into memory cannot fail, and all rows have as many cells as the header, which a test checks.
+        // Writing into memory cannot fail, and all rows have as many cells as the header, which a test
+        // checks.
         self.0.write_record(cells).expect("rows as long as the header");
     }
     fn text(self) -> String {

@@ -13,7 +13,8 @@ choices! {
     /// Which emitters next event estimation samples. Paths also hit emitters by scattering.
     pub enum LightChoice {
         #[default]
-        Auto = "auto", "Emitters for which it lowers the noise: no sphere around the scene, and none in scenes of mirrors and glass alone.";
+        Auto = "auto",
+            "Emitters whose sampling pays: no sphere around the scene, none where all is mirrors and glass.";
         On = "on", "Every emitter that can be sampled.";
         Off = "off", "None: paths hit emitters by scattering alone.";
     }

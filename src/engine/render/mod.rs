@@ -19,7 +19,8 @@ use crate::traverse::{Methods, Primitives, Visible, linear};
 use rayon::prelude::*;
 
 choices! {
-    /// Which of the pipelines in [`crate::integrate`] renders a scene. The general one measures and tests what leaving features out gains.
+    /// Which of the pipelines in [`crate::integrate`] renders a scene. The general one measures and tests the gain
+    /// of leaving features out.
     pub enum PipelineChoice {
         #[default]
         Needed = "needed", "The pipeline compiled for the smallest set of features that holds the scene's.";

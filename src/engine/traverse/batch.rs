@@ -22,7 +22,8 @@ const MAX_INNER_ENTRY_POINTS: usize = 12;
 choices! {
     /// A traversal of the hierarchy. All give the same hits, bit for bit.
     pub enum Traversal {
-        Scalar = "scalar", "One ray at a time through the binary tree, without SIMD: the baseline, and what --lanes 1 uses.";
+        Scalar = "scalar",
+            "One ray at a time through the binary tree, without SIMD: the baseline, and used by --lanes 1.";
         Single = "single", "One ray at a time against eight boxes or eight primitives.";
         Packet = "packet", "Tiles of camera rays in a frustum; other rays as `stream` traces them.";
         Stream = "stream", "Many rays together down the tree.";

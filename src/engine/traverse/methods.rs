@@ -1,7 +1,7 @@
 //! The methods of a rendering, chosen at run time: intersection methods, traversal, light sampling, sampler.
 //!
-//! For: [`Methods`] and the choices it holds. May import: `batch` (for [`Traversal`]), the choices of `buffers` and `sampling`, and
-//! `scene`. Must not know: how the methods work.
+//! For: [`Methods`] and the choices it holds. May import: `batch` (for [`Traversal`]), the choices of
+//! `buffers` and `sampling`, and `scene`. Must not know: how the methods work.
 
 use super::batch::Traversal;
 use super::linear;
@@ -12,31 +12,35 @@ use crate::sampling::Sampler;
 use crate::scene::Scene;
 
 choices! {
-    /// The ray–sphere intersection method. [`crate::kernel::ray_sphere`] has more, which only the charts of `octray chart` show.
+    /// The ray–sphere intersection method. [`crate::kernel::ray_sphere`] has more, which only the charts of
+    /// `octray chart` show.
     pub enum SphereChoice {
         #[default]
-        Robust = "robust", "Discriminant from the perpendicular distance: accurate for small, distant and huge spheres.";
+        Robust = "robust",
+            "Discriminant from the perpendicular distance: accurate for small, distant and huge spheres.";
         Naive = "naive", "The textbook quadratic formula: loses digits on small, distant and huge spheres.";
     }
 }
 
 choices! {
-    /// The ray–triangle intersection method: the default, the fastest of the measured front, and the classic for contrast.
-    /// [`crate::kernel::ray_triangle`] has more, which only the charts of `octray chart` show.
+    /// The ray–triangle intersection method: the default, the fastest of the measured front, and the classic
+    /// for contrast. [`crate::kernel::ray_triangle`] has more, which only the charts of `octray chart` show.
     pub enum TriangleChoice {
         #[default]
         Woop = "woop", "Watertight: no ray slips through between neighbouring triangles.";
         MollerTrumbore = "moller-trumbore", "The classic: leaks at edges and vertices.";
-        BaldwinWeber = "baldwin-weber", "Stores an affine map for each triangle: fast, leaks at edges and vertices.";
+        BaldwinWeber = "baldwin-weber",
+            "Stores an affine map for each triangle: fast, leaks at edges and vertices.";
     }
 }
 
 choices! {
-    /// The ray–box intersection method; see [`crate::kernel::ray_box`]. A hierarchy uses no others: each is slower than the default, or
-    /// as fast and wrong, as `octray chart` shows.
+    /// The ray–box intersection method; see [`crate::kernel::ray_box`]. A hierarchy uses no others: each is
+    /// slower than the default, or as fast and wrong, as `octray chart` shows.
     pub enum BoxChoice {
         #[default]
-        PaddedFma = "padded-fma", "One fused multiply-add a plane, padded by the rounding error bound: loses no hit.";
+        PaddedFma = "padded-fma",
+            "One fused multiply-add a plane, padded by the rounding error bound: loses no hit.";
         /// No faster, because padding is added once a ray. Different traversals lose different hits.
         Fma = "fma", "The same without padding: no faster, and loses hits at corners and edges.";
     }
@@ -60,7 +64,8 @@ pub enum TraversalChoice {
     #[default]
     Needed,
     Linear,
-    /// Through a hierarchy. Only the default sphere and triangle methods have one; others test every primitive.
+    /// Through a hierarchy. Only the default sphere and triangle methods have one; others test every
+    /// primitive.
     Through(Traversal),
 }
 
@@ -116,8 +121,9 @@ impl Choice for TraversalChoice {
 serde_by_name!(TraversalChoice);
 
 impl Methods {
-    /// The fastest point of the measured front (`octray chart`): an intersection method that leaks at edges and vertices, in scenes where it
-    /// is faster. In a hierarchy, and in scenes of spheres alone, nothing is faster than the defaults.
+    /// The fastest point of the measured front (`octray chart`): an intersection method that leaks at edges
+    /// and vertices, in scenes where it is faster. In a hierarchy, and in scenes of spheres alone, nothing is
+    /// faster than the defaults.
     pub fn fast(scene: &Scene) -> Self {
         let default = Self::default();
         match default.traversal_of(scene, F32x8::WIDTH) {
@@ -148,8 +154,8 @@ impl Methods {
             TraversalChoice::Through(traversal) => Some(traversal),
         }
     }
-    /// Do these methods claim hits only within rounding error of the primitive? The others do not: from a distance, naive spheres are hit
-    /// at several times their radius, and slivers far off their edges.
+    /// Do these methods claim hits only within rounding error of the primitive? The others do not: from a
+    /// distance, naive spheres are hit at several times their radius, and slivers far off their edges.
     pub fn keep_to_their_primitives(&self) -> bool {
         self.sphere != SphereChoice::Naive && self.triangle == TriangleChoice::Woop
     }

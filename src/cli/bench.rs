@@ -21,18 +21,13 @@ const PER_SCENE: Duration = Duration::from_secs(2);
 /// Runs the command.
 pub fn run(options: BenchOptions) -> Result<ExitCode, CliError> {
     let start = Instant::now();
-    if cfg!(debug_assertions) {
-        terminal::warn("this is a debug build: its figures say nothing. Use cargo run --release -- bench.");
-    }
+    terminal::warn_of_debug_build("bench");
     let engines = engines(&options);
     let mut report = Report::new();
     memory::check(options.size, COMPARE_BYTES_PER_PIXEL)?;
     let mut failed = false;
     for (index, spec) in scenes::checked(&options.scenes)?.iter().enumerate() {
-        let scene = scenes::load(spec)?;
-        for warning in &scene.warnings {
-            terminal::warn(warning);
-        }
+        let scene = scenes::load_with_warnings(spec)?;
         let settings = settings(&scene, &options);
         if index == 0 {
             report.first_frame_ms = first_frame(&scene, settings, start);

@@ -30,9 +30,7 @@ const A_SCENE: Duration = Duration::from_secs(20);
 /// Runs the command.
 pub fn run(options: ChartOptions) -> Result<ExitCode, CliError> {
     let start = Instant::now();
-    if cfg!(debug_assertions) {
-        terminal::warn("this is a debug build: its figures say nothing. Use cargo run --release -- chart.");
-    }
+    terminal::warn_of_debug_build("chart");
     let names = scenes::checked(&options.scenes)?;
     // The first scene is read before the kernels are timed, so that a fault in it is reported at once; the
     // others when they are charted.

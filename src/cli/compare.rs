@@ -20,10 +20,7 @@ pub fn run(options: CompareOptions) -> Result<ExitCode, CliError> {
     }
     let (mut failed, mut lossy) = (false, false);
     for spec in scenes {
-        let scene = scenes::load(&spec)?;
-        for warning in &scene.warnings {
-            terminal::warn(warning);
-        }
+        let scene = scenes::load_with_warnings(&spec)?;
         let settings = Settings {
             resolution: options.size,
             max_bounces: options.bounces,

@@ -1,14 +1,14 @@
 //! `octray inspect`: what a scene contains, and which methods and traversal it gets.
 
+use super::args::InspectArgs;
 use super::error::{CHECK_FAILED, CliError};
-use super::options::InspectOptions;
 use super::scenes;
 use super::terminal;
 use crate::report::inspection::Inspection;
 use std::process::ExitCode;
 
 /// Runs the command.
-pub fn run(options: InspectOptions) -> Result<ExitCode, CliError> {
+pub fn run(options: InspectArgs) -> Result<ExitCode, CliError> {
     let scene = scenes::load(&options.scene)?;
     let inspection = Inspection::of(options.scene, &scene);
     if options.json {

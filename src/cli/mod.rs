@@ -95,45 +95,31 @@ fn run(args: Args, verdict: &machine_check::Verdict) -> Result<ExitCode, CliErro
         return Ok(ExitCode::SUCCESS);
     };
     match command {
-        Command::Bench(args) => {
-            let options = args.try_into()?;
-            verdict.advise();
-            bench::run(options)
-        }
-        Command::Compare(args) => {
-            let options = args.try_into()?;
-            verdict.advise();
-            compare::run(options)
-        }
-        Command::Render(args) => {
-            let options = args.try_into()?;
-            verdict.advise();
-            render::run(options)
-        }
-        Command::Rays(args) => {
-            let options = args.try_into()?;
-            verdict.advise();
-            rays::run(options)
-        }
-        Command::Chart(args) => {
-            let options = args.try_into()?;
-            verdict.advise();
-            chart::run(options)
-        }
+        Command::Bench(args) => run_measured(args, verdict, bench::run),
+        Command::Compare(args) => run_measured(args, verdict, compare::run),
+        Command::Render(args) => run_measured(args, verdict, render::run),
+        Command::Rays(args) => run_measured(args, verdict, rays::run),
+        Command::Chart(args) => run_measured(args, verdict, chart::run),
         #[cfg(feature = "viewer")]
-        Command::View(args) => {
-            let options = args.try_into()?;
-            verdict.advise();
-            view::run(options)
-        }
+        Command::View(args) => run_measured(args, verdict, view::run),
         Command::Stability(args) => {
-            let options = args.into();
             verdict.advise();
-            stability::run(options)
+            stability::run(args.into())
         }
-        Command::Convert(args) => convert::run(args.into()),
-        Command::Inspect(args) => inspect::run(args.into()),
+        Command::Convert(args) => convert::run(&args),
+        Command::Inspect(args) => inspect::run(args),
     }
+}
+
+/// Validates the options of a command whose speed matters, warns if a rebuild would be faster, and runs it.
+fn run_measured<Args, Options: TryFrom<Args, Error = CliError>>(
+    args: Args,
+    verdict: &machine_check::Verdict,
+    run: fn(Options) -> Result<ExitCode, CliError>,
+) -> Result<ExitCode, CliError> {
+    let options = Options::try_from(args)?;
+    verdict.advise();
+    run(options)
 }
 
 /// Writes the error and its causes to standard error.

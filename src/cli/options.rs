@@ -1,12 +1,10 @@
 //! Validated options: numbers in range, names known, defaults filled in.
 //!
-//! For: one struct a command, made from its raw arguments or refused. May import: `args`, `limits`,
-//! `methods`, `numbers`, `picture`, and the choices and limits of what the commands run. Must not know: how a
-//! command works.
+//! For: one struct a command, made from its raw arguments or refused; `convert` and `inspect` have nothing to
+//! validate. May import: `args`, `limits`, `methods`, `numbers`, `picture`, and the choices and limits of
+//! what the commands run. Must not know: how a command works.
 
-use super::args::{
-    BenchArgs, ChartArgs, CompareArgs, ConvertArgs, InspectArgs, RaysArgs, RenderArgs, StabilityArgs,
-};
+use super::args::{BenchArgs, ChartArgs, CompareArgs, RaysArgs, RenderArgs, StabilityArgs};
 use super::error::CliError;
 use super::limits::Limits;
 use super::methods::MethodOptions;
@@ -115,19 +113,6 @@ pub struct ChartOptions {
     pub seeds: u32,
 }
 
-#[derive(Clone, Debug, PartialEq)]
-pub struct ConvertOptions {
-    pub model: PathBuf,
-    pub scene: PathBuf,
-    pub force: bool,
-}
-
-#[derive(Clone, Debug, PartialEq)]
-pub struct InspectOptions {
-    pub scene: String,
-    pub json: bool,
-}
-
 impl TryFrom<BenchArgs> for BenchOptions {
     type Error = CliError;
     fn try_from(args: BenchArgs) -> Result<Self, CliError> {
@@ -231,18 +216,6 @@ impl From<StabilityArgs> for StabilityOptions {
             |recipe: &&Recipe| args.only.is_empty() || args.only.iter().any(|name| name == recipe.name);
         let recipes = recipes().filter(wanted).collect();
         Self { json: args.json, output: args.output, recipes }
-    }
-}
-
-impl From<ConvertArgs> for ConvertOptions {
-    fn from(args: ConvertArgs) -> Self {
-        Self { model: args.model, scene: args.scene, force: args.force }
-    }
-}
-
-impl From<InspectArgs> for InspectOptions {
-    fn from(args: InspectArgs) -> Self {
-        Self { scene: args.scene, json: args.json }
     }
 }
 

@@ -20,13 +20,8 @@ const FEWEST_BUILDS: usize = 3;
 
 /// Runs the command.
 pub fn run(options: RaysOptions) -> Result<ExitCode, CliError> {
-    if cfg!(debug_assertions) {
-        terminal::warn(
-            "this is a debug build: its figures say nothing. Use cargo run --release -- rays SCENE.",
-        );
-    }
-    let scene = scenes::load(&options.scene)?;
-    scene.warnings.iter().for_each(|warning| terminal::warn(warning));
+    terminal::warn_of_debug_build("rays SCENE");
+    let scene = scenes::load_with_warnings(&options.scene)?;
     let camera = scene.overview().ok_or_else(|| SceneError::no_overview(&scene))?;
     if let Some(folder) = &options.dump {
         output::make_folder(folder)?;

@@ -32,12 +32,9 @@ pub fn run(options: RenderOptions) -> Result<ExitCode, CliError> {
     let format = Format::of(&options.output)?;
     output::check(&options.output, Existing::Replace)?;
     samples_map::check(&options)?;
-    let scene = scenes::load(&options.scene)?;
+    let scene = scenes::load_with_warnings(&options.scene)?;
     let overrides = options.picture.overrides.or(Overrides::of_view(&scene)?);
     let limits = overrides.limits.unwrap_or_default();
-    for warning in &scene.warnings {
-        terminal::warn(warning);
-    }
     // Options alone get the warning: a view's are for files of any format.
     let Overrides { exposure, tone, .. } = options.picture.overrides;
     if format.is_linear() && (exposure.is_some() || tone.is_some()) {

@@ -1,10 +1,11 @@
 //! Loads the scenes of commands.
 //!
-//! For: [`load`], [`checked`], [`or_built_in`]. May import: `scene`, `overrides`. Must not know: the
-//! commands.
+//! For: [`load`], [`load_with_warnings`], [`checked`], [`or_built_in`]. May import: `scene`, `overrides`,
+//! `terminal`. Must not know: the commands.
 
 use super::error::CliError;
 use super::overrides::Overrides;
+use super::terminal;
 use crate::scene::{self, Loaded};
 
 /// Loads a scene by name. Every command refuses a view with invalid overrides, also a command that does not
@@ -12,6 +13,13 @@ use crate::scene::{self, Loaded};
 pub fn load(name: &str) -> Result<Loaded, CliError> {
     let scene = scene::load_with_view(name)?;
     Overrides::of_view(&scene)?;
+    Ok(scene)
+}
+
+/// Loads a scene by name, and prints its warnings.
+pub fn load_with_warnings(name: &str) -> Result<Loaded, CliError> {
+    let scene = load(name)?;
+    scene.warnings.iter().for_each(|warning| terminal::warn(warning));
     Ok(scene)
 }
 

@@ -1,6 +1,6 @@
 //! The only writer to standard output and standard error. It never panics when the other end is closed.
 //!
-//! For: [`print()`], [`print_json`], [`note`], [`warn`]. May import: `error`. Must not know: the reports.
+//! For: [`print()`], [`print_json`], [`note`], [`warn`], [`warn_of_debug_build`]. May import: `error`. Must not know: the reports.
 
 use super::error::CliError;
 use serde::Serialize;
@@ -21,6 +21,15 @@ pub fn print_json(report: &impl Serialize) -> Result<(), CliError> {
 /// Writes a line to standard error. A closed standard error loses the line.
 pub fn note(line: &str) {
     let _ = writeln!(io::stderr().lock(), "{line}");
+}
+
+/// Warns in a debug build that measured figures mean nothing; `command` as typed after `octray`.
+pub fn warn_of_debug_build(command: &str) {
+    if cfg!(debug_assertions) {
+        warn(&format!(
+            "this is a debug build: its figures mean nothing. Use cargo run --release -- {command}."
+        ));
+    }
 }
 
 /// Writes a warning to standard error.

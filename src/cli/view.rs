@@ -168,10 +168,7 @@ pub fn run(options: ViewOptions) -> Result<ExitCode, CliError> {
             mend: "name a scene, a model, a folder of them, or builtin:NAME",
         });
     }
-    let first = scenes::load(name)?;
-    for warning in &first.warnings {
-        terminal::warn(warning);
-    }
+    let first = scenes::load_with_warnings(name)?;
     memory::check(options.picture.size.unwrap_or(first.resolution), viewer::BYTES_PER_PIXEL)?;
     let viewer = options.viewer(&first)?;
     let report = if options.terminal {

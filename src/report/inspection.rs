@@ -256,7 +256,7 @@ impl Materials {
         let present = types.iter().filter(|(_, count)| *count > 0);
         let listed: Vec<String> = present.map(|(name, count)| format!("{count} {name}")).collect();
         let mut text = if listed.is_empty() { "0".into() } else { format!("{total}: {}", listed.join(", ")) };
-        for (what, count) in [("shining", self.shining), ("textured", self.textured)] {
+        for (what, count) in [("emissive", self.shining), ("textured", self.textured)] {
             if count > 0 {
                 let _ = write!(text, "; {count} {what}");
             }

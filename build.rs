@@ -4,13 +4,14 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 fn main() {
-    // What decides the commit's `+changes`: all that goes into the program, the scenes inside it included.
+    // All files that go into the program, built-in scenes included: changes to them are the commit's
+    // `+changes`.
     const SOURCES: [&str; 6] = ["src", "scenes", "build.rs", "Cargo.toml", "Cargo.lock", ".cargo"];
     let mut watched: Vec<PathBuf> = SOURCES.iter().map(PathBuf::from).collect();
 
     let commit = if is_checkout() { git(&["rev-parse", "--short=12", "HEAD"]) } else { None };
     let commit = commit.map(|commit| {
-        // The head, the branch it names, and the log that changes with either, even where branches are packed.
+        // HEAD, its branch, and the log that changes with either, also where branches are packed.
         let branch = git(&["symbolic-ref", "-q", "HEAD"]);
         let heads = ["HEAD".to_string(), "logs/HEAD".to_string(), "packed-refs".to_string()];
         for name in heads.into_iter().chain(branch) {
@@ -20,16 +21,17 @@ fn main() {
         let changes = git(&[&status[..], &SOURCES[..]].concat());
         if changes.is_some_and(|changes| !changes.is_empty()) { format!("{commit}+changes") } else { commit }
     });
-    // Cargo takes a file that is not there for one that changed.
+    // Cargo counts a missing file as changed.
     for path in watched.iter().filter(|path| path.exists()) {
         println!("cargo:rerun-if-changed={}", path.display());
     }
-    let compiler = std::env::var("RUSTC").ok().and_then(|rustc| answer(Command::new(rustc).arg("--version")));
+    let compiler =
+        std::env::var("RUSTC").ok().and_then(|rustc| output_of(Command::new(rustc).arg("--version")));
     println!("cargo:rustc-env=OCTRAY_COMMIT={}", commit.as_deref().unwrap_or("unknown"));
     println!("cargo:rustc-env=OCTRAY_RUSTC={}", compiler.as_deref().unwrap_or("rustc (version unknown)"));
 }
 
-/// Is this folder a checkout of its own, and not merely inside someone else's?
+/// Is this folder a checkout of its own, not a folder inside another checkout?
 fn is_checkout() -> bool {
     let here = std::env::var("CARGO_MANIFEST_DIR").ok().and_then(|here| Path::new(&here).canonicalize().ok());
     let top = git(&["rev-parse", "--show-toplevel"]).and_then(|top| Path::new(&top).canonicalize().ok());
@@ -37,12 +39,12 @@ fn is_checkout() -> bool {
 }
 
 fn git(arguments: &[&str]) -> Option<String> {
-    // `status` would otherwise refresh the index, in the way of whatever else works in the checkout.
-    answer(Command::new("git").arg("--no-optional-locks").args(arguments))
+    // Without this option `status` takes the index lock, which other git commands need.
+    output_of(Command::new("git").arg("--no-optional-locks").args(arguments))
 }
 
-/// What a command prints, if it runs and succeeds.
-fn answer(command: &mut Command) -> Option<String> {
+/// The standard output of a command that succeeds.
+fn output_of(command: &mut Command) -> Option<String> {
     let output = command.output().ok().filter(|output| output.status.success())?;
     Some(String::from_utf8(output.stdout).ok()?.trim().to_string())
 }

@@ -1,22 +1,5 @@
-//! octray: a data-oriented path tracer for CPUs. Packets of eight rays over structure-of-arrays buffers, tile by tile, beside a scalar
-//! path that gives the same bits.
-//!
-//! Three sentences of its owner rule every choice: *both speed and accuracy count: chart one against the other; test stability where
-//! methods fail; model no more than a scene needs.*
-//!
-//! # One way through the house
-//! A scene file becomes a picture by passing through six forms. Each is built from the last; none reaches back.
-//!
-//! | form | what it is | room |
-//! |---|---|---|
-//! | scene file | what the user wrote | [`scene`] |
-//! | [`scene::Scene`] | what we accept; its existence is the proof of validity | [`scene`] |
-//! | [`buffers::Buffers`], [`buffers::Features`] | flattened into aligned structure-of-arrays buffers, and the features the scene uses | [`buffers`] |
-//! | packets and queues | eight rays and a mask; a tile's paths in structure-of-arrays form | [`math`], [`integrate`] |
-//! | [`film::Film`] | sums of linear radiance, in a fixed order | [`film`], [`render`] |
-//! | picture file | what people see | [`output`] |
-//!
-//! Between packets and film stand the [`kernel`]s: equations that know lanes and nothing else.
+//! octray: a data-oriented path tracer for CPUs. It traces packets of eight rays over structure-of-arrays
+//! buffers, tile by tile, and has a scalar path that gives the same bits.
 //!
 //! ```
 //! use octray::render::{Renderer, Settings};
@@ -29,46 +12,76 @@
 //! # Ok::<(), octray::scene::SceneError>(())
 //! ```
 //!
-//! # The rooms, each importing only from above
-//! | module | idea |
+//! # Packages
+//! This crate is the program; it re-exports the modules of three packages. Each package imports only those
+//! above it.
+//!
+//! | package | modules |
 //! |---|---|
-//! | [`lane`] | width as a type: `f32` and `F32x8` behind one trait; the elementary functions, once |
-//! | [`math`] | vectors, rays and hits of lanes; rounding error as code |
-//! | [`wording`] | numbers and nouns as people read them |
-//! | [`sampling`] | random numbers that are a function of (seed, pixel, sample, dimension), independent or well spread; warps |
+//! | [`octray_engine`] | from a scene to a film: see its front page for the architecture |
+//! | [`octray_formats`] | [`scene`] files and [`output`] files, [`wording`] |
+//! | [`octray_laboratory`] | [`mod@reference`], [`measure`] |
+//! | `octray` | [`machine`], [`report`], `viewer`, [`cli`] |
+//!
+//! # From a scene file to a picture file
+//! Each form is built from the one above it.
+//!
+//! | form | what it is | module |
+//! |---|---|---|
+//! | scene file | what the user wrote | [`scene`] |
+//! | [`scene::Scene`] | the validated scene | [`scene`] |
+//! | [`buffers::Buffers`] and its features | structure-of-arrays buffers, and what the scene uses | [`buffers`] |
+//! | packets and queues | eight rays and a mask; the paths of a tile in structure-of-arrays form | [`math`], [`integrate`] |
+//! | [`film::Film`] | sums of linear radiance, in a fixed order | [`film`], [`render`] |
+//! | picture file | the displayed or linear picture | [`output`] |
+//!
+//! # Modules, each importing only those above it
+//! | module | what it holds |
+//! |---|---|
+//! | [`lane`] | width as a type: `f32` and `F32x8` behind one trait, with the elementary functions |
+//! | [`math`] | vectors, rays and hits of lanes; rounding error bounds |
+//! | [`mod@choice`] | named alternatives that the command line, view files and reports share |
+//! | [`wording`] | numbers and nouns in text |
+//! | [`sampling`] | random numbers and Sobol points as functions of (seed, pixel, sample, dimension); warps |
 //! | [`kernel`] | intersection, scattering, texture lookup: several methods side by side |
-//! | [`scene`] | files, validation, what a scene is |
-//! | [`buffers`] | the scene flattened; what it needs |
-//! | [`bvh`] | the hierarchy of boxes over the scene, built and checked |
-//! | [`camera`] | pixels to primary rays |
-//! | [`traverse`] | which primitive a ray meets first |
-//! | [`integrate`] | the path estimator, as stages over queues |
-//! | [`mod@reference`] | the independent judge: f64, one ray, one object at a time; it imports only `scene` and the integer hash |
-//! | [`threads`] | worker threads, each with working memory of its own |
-//! | [`film`], [`adaptive`] | sums; when a block of pixels has had samples enough |
-//! | [`render`], [`output`] | tiles and threads; tone mapping and encoders |
-//! | [`display`] | from film to window while the camera moves: smoothing edges, removing noise, keeping what was seen before |
-//! | [`measure`] | figures: speed, parity, where methods fail, the machine they come from |
-//! | [`report`] | figures as people read them: drawn, tabled, on a page |
-//! | `viewer` | a window, or a terminal, to walk through a scene in (feature `viewer`) |
+//! | [`scene`] | scene, view, model and texture files; the validated scene |
+//! | [`buffers`] | the scene as flat buffers, and its features |
+//! | [`bvh`] | the bounding volume hierarchy: build and check |
+//! | [`camera`] | from pixels to primary rays |
+//! | [`traverse`] | closest-hit and any-hit queries |
+//! | [`integrate`] | the wavefront path integrator: stages over queues |
+//! | [`mod@reference`] | the reference: f64, one ray and one object at a time, without kernels |
+//! | [`threads`] | worker threads with working memory of their own |
+//! | [`film`], [`adaptive`] | sums of samples; adaptive sampling by blocks |
+//! | [`render`], [`tone`], [`output`] | tiles on threads; tone mapping; picture files |
+//! | [`display`] | filters between film and window: antialiasing, denoising, temporal reprojection |
+//! | [`measure`] | measurements: speed, SIMD against scalar, accuracy, stability |
+//! | [`machine`] | the machine and build of a figure |
+//! | [`report`] | figures as text, JSON, CSV, SVG and HTML |
+//! | `viewer` | the window and terminal front ends (feature `viewer`) |
 //! | [`cli`] | raw arguments, validated options, commands |
 //!
-//! `tests/architecture.rs` recovers this order from the source and fails when an arrow turns.
+//! `tests/architecture.rs` checks this order.
 //!
-//! # The laws
-//! - **One picture.** A pixel is a function of (scene, settings, pixel, sample): the same bits for scalar and SIMD, any threads, any tile
-//!   size, whole or in parts. Ties in t go to the lower primitive; sums have a fixed order; nothing is approximate on one width only.
-//! - **Width is a type.** An equation is written once over [`lane::Lane`] and run at width 1 and 8.
-//! - **The judge is independent.** It shares no equation with what it judges.
-//! - **Features.** The shading stages are compiled for sets of features; a scene gets the smallest set that holds its own.
-//! - **Conservative culling.** Whatever skips a test gives the same hit as testing everything.
-//! - **Safe.** No `unsafe` at all: `wide` and `bytemuck` have it where it belongs.
+//! # Laws
+//! - **One picture.** A pixel is a function of (scene, settings, pixel, sample): the same bits for scalar and
+//!   SIMD, for any number of
+//!   threads, any tile size, whole or in parts. Ties in t go to the lower primitive index; sums have a fixed
+//!   order; no width uses an approximation of its own.
+//! - **Width is a type.** A kernel is written once over [`lane::Lane`] and runs at width 1 and 8.
+//! - **The reference is independent.** It shares no code with the kernels that it checks.
+//! - **Features.** The shading stages are compiled for sets of features; a scene gets the smallest set that
+//!   contains its own.
+//! - **Conservative culling.** A culled test never changes a hit.
+//! - **Speed and accuracy.** A speed is reported together with its accuracy, and the default methods are
+//!   robust.
+//! - **Safe.** No `unsafe`; the dependencies `wide` and `bytemuck` contain what is needed.
 
 #![forbid(unsafe_code)]
 
 pub use octray_engine::{
-    adaptive, buffers, bvh, camera, display, film, integrate, kernel, lane, math, render, sampling, threads,
-    tone, traverse,
+    adaptive, buffers, bvh, camera, choice, display, film, integrate, kernel, lane, math, render, sampling,
+    threads, tone, traverse,
 };
 pub use octray_formats::{output, scene, wording};
 pub use octray_laboratory::{measure, reference};

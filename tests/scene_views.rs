@@ -1,7 +1,12 @@
 //! Views: files that name another scene and say how it is looked at; and the files that any scene was read from.
 
 use glam::Vec3;
+use octray::buffers::LightChoice;
+use octray::render::PipelineChoice;
+use octray::sampling::Sampler;
 use octray::scene::{Camera, Loaded, Rendering, Scene, SceneError, View, load, load_with_view};
+use octray::tone::Operator;
+use octray::traverse::{BoxChoice, SphereChoice, TraversalChoice, TriangleChoice};
 use std::fs;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
@@ -116,20 +121,19 @@ fn bits(view: &View) -> Vec<u32> {
 #[test]
 fn written_views_read_back_in_every_bit() {
     let folder = TempDir::new().unwrap();
-    let word = |word: &str| Some(word.to_string());
     let render = Rendering {
         samples: Some(16_777_216),
         seed: Some(u32::MAX),
         exposure: Some(0.0),
-        tone: word("aces"),
+        tone: Some(Operator::Aces),
         clamp: Some(f32::MIN_POSITIVE),
-        sphere: word("robust"),
-        triangle: word("woop"),
-        boxes: word("padded-fma"),
-        traversal: word("needed"),
-        lights: word("auto"),
-        sampler: word("a \"new\"\n one"),
-        pipeline: word("needed"),
+        sphere: Some(SphereChoice::Robust),
+        triangle: Some(TriangleChoice::Woop),
+        boxes: Some(BoxChoice::PaddedFma),
+        traversal: Some(TraversalChoice::Needed),
+        lights: Some(LightChoice::Auto),
+        sampler: Some(Sampler::Random),
+        pipeline: Some(PipelineChoice::Needed),
     };
     // Bits by a linear congruence, at magnitudes that a scene may hold: all exponents from 1e-45 on, zeros of both signs.
     let mut state = 1_u32;
@@ -159,7 +163,7 @@ fn written_views_read_back_in_every_bit() {
             camera: Some(Camera { position, look_at, up, vertical_fov }),
             resolution: Some([16_384, 1]),
             max_bounces: Some(0),
-            render: Rendering { exposure, ..render.clone() },
+            render: Rendering { exposure, ..render },
         };
         let Loaded { scene, view: found } =
             load_with_view(&write(folder.path(), "view.json", &view.text())).unwrap();

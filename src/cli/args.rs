@@ -1,11 +1,15 @@
-//! What the user typed: the arguments' names, shapes and help.
+//! Raw arguments: the commands, their options and their help texts.
 //!
-//! For: [`Args`] and one struct a command. May import: `clap`, and the names of recipes. Must never know: which values make sense; numbers stay text
-//! here, and `options` reads them, so that every refusal has the same form.
+//! For: [`Args`], with one struct a command. May import: `clap`, `groups`, the names of recipes, the viewer's
+//! keys. Must not know: valid ranges. Numbers stay text here and `options` reads them, so that every refusal
+//! has the same form.
 
-use super::choices::{MethodArgs, PipelineArg, TraversalArg};
-use super::picture::PictureArgs;
+use super::groups::{LimitArgs, MethodArgs, PictureArgs, choice};
 use crate::measure::stability::recipes;
+use crate::render::PipelineChoice;
+use crate::traverse::TraversalChoice;
+#[cfg(feature = "viewer")]
+use crate::viewer::keys;
 use clap::builder::PossibleValuesParser;
 use clap::{Parser, Subcommand};
 use std::path::PathBuf;
@@ -14,16 +18,29 @@ const SCENE: &str = "A scene file (.json), a model (.obj), or builtin:NAME";
 
 /// A data-oriented path tracer for CPUs.
 ///
-/// Traces eight rays at a time with SIMD instructions, and one at a time to check that the two agree. A scene is a file
-/// (.json), a model (.obj; framed automatically under a plain sky) or a built-in scene (builtin:NAME). The file may be a view of another
-/// scene: every command takes the camera from it, and render and view its options.
+/// Traces eight rays at a time with SIMD instructions, and one at a time to check that both give the same
+/// picture, bit by bit.
+///
+/// A SCENE is one of: a scene file (.json, in octray's own format or in the thesis's); a view (.json, format
+/// octray-view-1), which names another scene, a camera and options of render: all commands use its camera,
+/// and render and view its options; a model (.obj, framed automatically under a plain sky); or a built-in
+/// scene (builtin:NAME). `octray inspect SCENE` shows what a scene contains.
 ///
 /// Exit codes: 0 success; 1 a check failed; 2 the input cannot be used; 130 Ctrl-C came before the end.
 #[derive(Debug, Parser)]
-#[command(name = "octray", version, max_term_width = 110)]
+#[command(name = "octray", version, max_term_width = 110, after_help = after_help())]
 pub struct Args {
     #[command(subcommand)]
     pub command: Option<Command>,
+}
+
+/// The built-in scenes.
+fn after_help() -> String {
+    let names: Vec<String> = crate::scene::builtin_names().map(|name| format!("builtin:{name}")).collect();
+    format!(
+        "Built-in scenes: {}; meshes of about N triangles: builtin:knot:N, builtin:terrain:N.",
+        names.join(", ")
+    )
 }
 
 #[derive(Debug, Subcommand)]
@@ -34,7 +51,7 @@ pub enum Command {
     Rays(RaysArgs),
     Chart(ChartArgs),
     #[cfg(feature = "viewer")]
-    View(super::view::ViewArgs),
+    View(ViewArgs),
     Stability(StabilityArgs),
     Convert(ConvertArgs),
     Inspect(InspectArgs),
@@ -42,9 +59,17 @@ pub enum Command {
 
 /// Measure frames per second, SIMD beside scalar.
 ///
-/// A frame is one sample per pixel. Each scene is rendered frame after frame, first to warm up and then to measure; the
-/// median is reported with its spread, and beside it the rays per second. Loading, building and writing files are not
-/// counted.
+/// A frame is one sample per pixel. Each scene is rendered frame after frame, first to warm up, then to
+/// measure. Loading and building are not timed. One sample of each scene is also checked: SIMD against
+/// scalar, and against a reference in double precision.
+///
+/// Columns: SIMD, scalar: frames per second on one thread (or --threads), the median, and in brackets the 1 %
+/// low (the rate that 99 % of the frames reach). speed-up: SIMD over scalar. all cores: SIMD on all cores.
+/// scaling: all cores over one thread. gain of needs: the pipeline compiled for the features of the scene
+/// over the one with every feature; empty where these are the same. Ratios are medians of alternating rounds,
+/// in brackets from 10 to 90 % of the rounds. Mray/s: millions of rays per second, SIMD, one thread (or
+/// --lanes, --threads). pixels≠: pixels of SIMD and scalar that differ in any bit. hits≠: primary hits that
+/// are wrong by the reference. Both should be 0; if not, the exit code is 1.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example:\n  octray bench builtin:three --threads 1 --json > bench.json")]
 pub struct BenchArgs {
@@ -54,8 +79,8 @@ pub struct BenchArgs {
     /// Print the figures as JSON (schema octray-bench-1).
     #[arg(long)]
     pub json: bool,
-    /// After the measured frames, render some more that are not, and say where their time goes (by stage), how many rays there are of
-    /// each kind, how full their packets are, and how many boxes and primitives a ray is tested against.
+    /// After the measured frames, render some more that are not timed, and print time by stage, rays by kind,
+    /// lanes in use by bounce, and box and primitive tests per ray.
     #[arg(long)]
     pub stats: bool,
     /// Worker threads [default: one, and SIMD once more on all cores].
@@ -67,27 +92,33 @@ pub struct BenchArgs {
     /// Pixels of a frame.
     #[arg(long, value_name = "WxH", default_value = "240x135", allow_hyphen_values = true)]
     pub size: String,
-    /// Scattering events allowed on a path.
+    /// Most scattering events on a path.
     #[arg(long, value_name = "N", default_value = "4", allow_hyphen_values = true)]
     pub bounces: String,
-    /// Frames measured for each scene and engine [default: at least 50, and as many as two seconds a scene hold].
+    /// Measured frames for each scene and column [default: at least 50, and as many as fit into two seconds a
+    /// scene].
     #[arg(long, value_name = "N", allow_hyphen_values = true)]
     pub frames: Option<String>,
-    /// Which random numbers to use.
+    /// Seed of the random numbers.
     #[arg(long, value_name = "N", default_value = "0", allow_hyphen_values = true)]
     pub seed: String,
     #[command(flatten)]
     pub methods: MethodArgs,
-    /// Compiled for what the scene needs, or with every feature: the pictures are the same, the speed is not.
-    #[arg(long, value_enum, value_name = "PIPELINE", default_value_t)]
-    pub pipeline: PipelineArg,
+    /// Features that the pipeline is compiled for: the pictures are the same, the speed is not.
+    #[arg(long, value_name = "PIPELINE", default_value = PipelineChoice::default().name(), value_parser = choice::<PipelineChoice>())]
+    pub pipeline: PipelineChoice,
 }
 
 /// Check that SIMD and scalar render the same picture.
 ///
-/// Renders each scene at both widths and counts the pixels that differ in any bit: 0 is expected. Then both are held
-/// against a reference in double precision that shares no equation with them. Exits with 1 if a pixel differs, a sample was not
-/// finite, or, unless a naive method was asked for, a primary hit is wrong.
+/// Renders each scene at both widths and counts the pixels that differ in any bit: 0 is expected. Then both
+/// are compared with a reference in double precision that shares no code with them. Exits with 1 if a pixel
+/// differs, a sample is not finite, or a primary hit is wrong; differing pixels are allowed with --box fma, and
+/// wrong hits with any method that is not robust.
+///
+/// Columns: differing: pixels that differ. speed-up: SIMD over scalar, the median, and in brackets from 10 to
+/// 90 % of the rounds. rmse/f64, max/f64: root mean square and largest difference from the reference. wrong
+/// hits: primary hits that are wrong by the reference.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example:\n  octray compare builtin:three --samples 64")]
 pub struct CompareArgs {
@@ -103,45 +134,50 @@ pub struct CompareArgs {
     /// Pixels of the pictures.
     #[arg(long, value_name = "WxH", default_value = "240x135", allow_hyphen_values = true)]
     pub size: String,
-    /// Scattering events allowed on a path.
+    /// Most scattering events on a path.
     #[arg(long, value_name = "N", default_value = "4", allow_hyphen_values = true)]
     pub bounces: String,
     /// Samples per pixel.
     #[arg(long, value_name = "N", default_value = "16", allow_hyphen_values = true)]
     pub samples: String,
-    /// Which random numbers to use.
+    /// Seed of the random numbers.
     #[arg(long, value_name = "N", default_value = "0", allow_hyphen_values = true)]
     pub seed: String,
     #[command(flatten)]
     pub methods: MethodArgs,
-    /// Compiled for what the scene needs, or with every feature: the pictures are the same, the speed is not.
-    #[arg(long, value_enum, value_name = "PIPELINE", default_value_t)]
-    pub pipeline: PipelineArg,
+    /// Features that the pipeline is compiled for: the pictures are the same, the speed is not.
+    #[arg(long, value_name = "PIPELINE", default_value = PipelineChoice::default().name(), value_parser = choice::<PipelineChoice>())]
+    pub pipeline: PipelineChoice,
 }
 
 /// Render a picture into a file.
 ///
-/// The file's extension names its format: .png and .jpg for screens (exposure, tone mapping, sRGB), .exr and .hdr for the
-/// linear radiance. The file appears whole, at the end; one that was there before is replaced then.
+/// The file's extension decides its format: .png and .jpg for display (exposure, tone mapping, sRGB), .exr
+/// and .hdr for linear radiance. The file is written at the end, and replaces an existing one then.
 ///
-/// Without limits of your own, every pixel gets 64 samples. --samples, --time-limit and --target-error may be combined: the first that is
-/// reached ends the rendering, and the report says which.
+/// Without limits, every pixel gets 64 samples. --samples, --time-limit and --target-error can be combined:
+/// the first one reached ends the rendering, and the report says which.
 ///
-/// --target-error looks at blocks of 16×16 pixels after 16, 32, 64, … samples. A block's error is the standard error of its pixels' luminance
-/// (root mean square), as a share of the pixel's luminance, of the block's mean where the pixel is brighter than that, and of a tenth of the
-/// picture's brightness where it is darker. E bounds the root mean square over the picture, 2 E every block; blocks that are easy stop early, and
-/// those that are harder than others get more samples, and may keep more error. It is an estimate from the samples themselves: light that
-/// hardly any sample finds, such as caustics, may be missed by it. And it is biased in principle: blocks that look calm by chance stop, mostly
-/// those that have missed such light, and are a little too dark: by less than a fiftieth of a per cent in most scenes, by some per cent where
-/// much light comes by one path in ten thousand. Where all pixels have the same number of samples, nothing is biased.
+/// --target-error estimates the error of blocks of 16×16 pixels after 16, 32, 64, … samples. A block's error
+/// is the root mean square of the standard errors of its pixels' luminance, each relative to the pixel's
+/// luminance, or to the block's mean where the pixel is brighter, or to a tenth of the picture's brightness
+/// where it is darker. E bounds the root mean square over the picture, 2 E the error of every block. Blocks
+/// stop when they reach the target, so that difficult ones get more samples, and may keep more error. The
+/// estimate comes from the samples themselves: it can miss light that hardly any sample finds, such as
+/// caustics. Stopping by it is biased: blocks with a low estimate by chance stop early, mostly those that
+/// have missed such light, and are too dark: by less than a fiftieth of a per cent in most scenes, by some
+/// per cent where much light comes from one path in ten thousand. Where all pixels have the same number of
+/// samples, there is no bias.
 ///
-/// A view (a .json file of the format octray-view-1) names another scene and says how it is looked at. Its `render` holds defaults for options of
-/// this command, by their names; an option given here wins. --fast and --robust win over all its equations, and --samples, --time-limit and
-/// --target-error over its samples.
+/// A view (a .json file of the format octray-view-1) names another scene and a camera. Its `render` holds
+/// defaults for options of this command, by their names; options on the command line override them. --fast
+/// and --robust override all its intersection methods, and --samples, --time-limit and --target-error its
+/// samples.
 ///
-/// Ctrl-C ends the rendering early: the samples so far are written as a picture, the exit code is 130, and with --json `interrupted` is
-/// true. In scenes where a sample takes long, some parts of the picture then have one sample more than others; those that have had none
-/// are black; where no part has had one yet, nothing is written. A second Ctrl-C ends the program at once and writes nothing.
+/// Ctrl-C ends the rendering early: the picture so far is written, the exit code is 130, and with --json
+/// `interrupted` is true. If a sample of the whole picture takes long, some parts then have one sample more
+/// than others; parts without a sample are black; if no part has a sample, nothing is written. A second
+/// Ctrl-C ends the program at once and writes nothing.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   octray render builtin:three -o three.png
@@ -150,51 +186,36 @@ pub struct CompareArgs {
 pub struct RenderArgs {
     #[arg(value_name = "SCENE", help = SCENE)]
     pub scene: String,
-    /// Where the picture goes: .png, .jpg, .exr or .hdr.
+    /// The picture file: .png, .jpg, .exr or .hdr.
     #[arg(short, long, value_name = "FILE")]
     pub output: PathBuf,
     #[command(flatten)]
     pub limits: LimitArgs,
-    /// Also write how many samples each pixel has had: as they are into .exr and .hdr, as shades (white for the most, half as bright to the eye for
-    /// the square root of it) into .png and .jpg.
+    /// Also write the number of samples of each pixel: as numbers into .exr and .hdr, as shades (white for
+    /// the most, half as bright to the eye for its square root) into .png and .jpg.
     #[arg(long, value_name = "FILE")]
     pub samples_map: Option<PathBuf>,
     #[command(flatten)]
     pub picture: PictureArgs,
-    /// Print what was done as JSON (schema octray-render-1).
+    /// Print the report as JSON (schema octray-render-1).
     #[arg(long)]
     pub json: bool,
-    /// Say where the time goes (by stage), how many rays there are of each kind, how full their packets are, and how many boxes and
-    /// primitives a ray is tested against. Counting takes some time, and does not change the picture.
+    /// Print time by stage, rays by kind, lanes in use by bounce, and box and primitive tests per ray.
+    /// Counting takes some time; it does not change the picture.
     #[arg(long)]
     pub stats: bool,
 }
 
-/// When a rendering ends.
-#[derive(Debug, clap::Args)]
-pub struct LimitArgs {
-    /// Samples per pixel: four times as many halve the noise [default: 64; with --target-error at most 16384; with --time-limit as many as
-    /// it holds].
-    #[arg(long, value_name = "N", allow_hyphen_values = true)]
-    pub samples: Option<String>,
-    /// Stop where the picture is good enough: at a relative standard error of E over the picture, such as 0.05 for five per cent, and 2 E in
-    /// every block of 16×16 pixels. Parts that are easy stop early.
-    #[arg(long, value_name = "E", allow_hyphen_values = true)]
-    pub target_error: Option<String>,
-    /// With --target-error: samples that every pixel gets before anything is judged [default: 16].
-    #[arg(long, value_name = "N", allow_hyphen_values = true, requires = "target_error")]
-    pub min_samples: Option<String>,
-    /// Stop after so many seconds of tracing, between samples of the whole picture where one fits; loading and writing come on top.
-    #[arg(long, value_name = "SECONDS", allow_hyphen_values = true)]
-    pub time_limit: Option<String>,
-}
-
-/// Measure rays per second, by kind of ray and way of tracing.
+/// Measure rays per second, by kind of ray and traversal.
 ///
-/// Three kinds: primary rays from a camera that sees the whole scene (4×2 pixels a packet), one shadow ray from each of their hits
-/// (cosine-weighted, a quarter of the scene's diagonal long, any hit), and one diffuse ray from each (cosine-weighted, nearest
-/// hit). They are traced from prepared arrays, and making them is not counted. All ways of tracing take turns; the
-/// median is reported with its spread. Exits with 1 if any way finds another hit than one scalar ray at a time does.
+/// Three kinds: primary rays from a camera that sees the whole scene (4×2 pixels a packet), one shadow ray
+/// from each of their hits (cosine-weighted, a quarter of the scene's diagonal long, any hit), and one
+/// diffuse ray from each (cosine-weighted, nearest hit). They are traced from prepared arrays, whose
+/// preparation is not timed. All traversals are measured in alternation.
+///
+/// Columns: rays, hits: their numbers. lanes: rays traced at a time. Mray/s: millions of rays per second, the
+/// median; beside it from 10 to 90 % of the passes. differ: rays whose hit is not that of one scalar ray at a
+/// time. It should be 0; if not, the exit code is 1.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   octray rays bunny.obj
@@ -206,71 +227,127 @@ pub struct RaysArgs {
     /// Print the figures as JSON (schema octray-rays-1).
     #[arg(long)]
     pub json: bool,
-    /// Trace all rays once more, outside of what is measured, and say how many boxes, triangles and spheres a ray is tested against.
+    /// Trace all rays once more without timing, and print box, triangle and sphere tests per ray.
     #[arg(long)]
     pub stats: bool,
-    /// Write rays, nearest hits and triangles into this folder, for other programs to trace; perf/README.md has the format.
+    /// Write rays, nearest hits and triangles into this folder, for other programs to trace; perf/README.md
+    /// describes the format.
     #[arg(long, value_name = "DIR")]
     pub dump: Option<PathBuf>,
-    /// Pixels that primary rays go through.
+    /// Pixels, one primary ray each.
     #[arg(long, value_name = "WxH", default_value = "960x540", allow_hyphen_values = true)]
     pub size: String,
     /// Worker threads [default: one, and once more all cores].
     #[arg(long, value_name = "N", allow_hyphen_values = true)]
     pub threads: Option<String>,
-    /// Measure one way of tracing only; `needed` are all that suit the kind of rays.
-    #[arg(long, value_enum, value_name = "WAY", default_value_t)]
-    pub traversal: TraversalArg,
-    /// Passes measured for each way [default: at least 7, and as many as a second for each kind of ray holds].
+    /// Measure this traversal only; `needed` measures all that suit the kind of rays.
+    #[arg(long, value_name = "TRAVERSAL", default_value = TraversalChoice::default().name(), value_parser = choice::<TraversalChoice>())]
+    pub traversal: TraversalChoice,
+    /// Measured passes for each traversal [default: at least 7, and as many as fit into a second for each
+    /// kind of ray].
     #[arg(long, value_name = "N", allow_hyphen_values = true)]
     pub passes: Option<String>,
-    /// Which random numbers to use.
+    /// Seed of the random numbers.
     #[arg(long, value_name = "N", default_value = "0", allow_hyphen_values = true)]
     pub seed: String,
 }
 
 /// Chart speed against accuracy.
 ///
-/// Five charts: the equations alone (nanoseconds a test against failures and errors), pictures (error against time for every way to render,
-/// from one sample a pixel on, with the Pareto front marked), frames (what has accumulated in a window after a moment), display (one picture
-/// as it is, blurred, with FXAA, and denoised), and motion (a moving camera's frames of one sample, as they are, reprojected, and denoised
-/// besides). Errors are held against a truth that is rendered first, with other random numbers, and kept in the folder for the next run; those
-/// in motion against truths of their own.
+/// Five charts: intersection methods (nanoseconds per test against failures and errors), pictures (error
+/// against time for every configuration, from one sample per pixel on, with the Pareto front marked), frames
+/// (the error of a window's accumulated picture after a short time), display (one picture unfiltered,
+/// blurred, with FXAA, and denoised), and motion (frames of a moving camera with one sample per pixel,
+/// unfiltered, reprojected, and also denoised). Errors are measured against a ground truth that is rendered
+/// first, with other random numbers, and cached in the folder for the next run; those in motion against
+/// ground truths of their own.
 ///
-/// Writes report.html (one page that needs no other file), an .svg a figure, .csv tables and chart.json. Exits with 1 if a way that promises
-/// the default's very picture gave another.
+/// Writes report.html (one page that needs no other file), an .svg for each figure, .csv tables and
+/// chart.json. Exits with 1 if a configuration that must give the default's picture, bit by bit, gives
+/// another.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example:\n  octray chart builtin:three builtin:cornell -o charts --budget 60")]
 pub struct ChartArgs {
     /// Scene files, models, or builtin:NAME; the built-in scenes if none is given.
     #[arg(value_name = "SCENE")]
     pub scenes: Vec<String>,
-    /// The folder for all files; made if it is not there.
+    /// The folder for all files; created if it does not exist.
     #[arg(short, long, value_name = "DIR")]
     pub output: PathBuf,
-    /// Print the figures as JSON too (schema octray-chart-1).
+    /// Also print the figures as JSON (schema octray-chart-1).
     #[arg(long)]
     pub json: bool,
-    /// Time for everything together: more of it means more samples, smaller bands, and a better truth [default: 20 for each scene].
+    /// Time for the whole run: a longer one has more samples, narrower bands and a better ground truth
+    /// [default: 20 for each scene].
     #[arg(long, value_name = "SECONDS", allow_hyphen_values = true)]
     pub budget: Option<String>,
-    /// Pixels of a frame; multiples of 3, as pictures for the first chart have a third of them in width and height.
+    /// Pixels of a frame; multiples of 3, because the pictures of the pictures chart have a third of its
+    /// width and height.
     #[arg(long, value_name = "WxH", default_value = "240x135", allow_hyphen_values = true)]
     pub size: String,
-    /// Scattering events allowed on a path.
+    /// Most scattering events on a path.
     #[arg(long, value_name = "N", default_value = "4", allow_hyphen_values = true)]
     pub bounces: String,
-    /// Pictures behind every median: as many random seeds, 8 or more.
+    /// Random seeds behind every median: 8 or more.
     #[arg(long, value_name = "N", default_value = "8", allow_hyphen_values = true)]
     pub seeds: String,
 }
 
-/// Show where methods fail.
+/// Walk through scenes in a window.
 ///
-/// Makes every method fail on purpose: of intersecting spheres, triangles and boxes, of leaving surfaces, of reading pictures, of scattering and aiming
-/// at lamps, of summing samples, of cameras and whole scenes; far away, huge, tiny, at edges, in planes of faces, close to each other. Every method gets the same cases, judged in double precision; how often it fails and how far it is off
-/// stands in a table, by distance, scale or shape. The seeds are fixed: the figures are the same on every run and any number of threads, and
-/// differ a little between builds with and without FMA. Exits with 1 if a default method does not keep its bounds.
+/// The picture accumulates samples while the camera stands still, up to 65,536 per pixel. While it moves,
+/// earlier frames are reprojected. Where the window has room, it shows each pixel larger. Scenes can be
+/// dropped on the window; a scene whose files change is loaded again.
+///
+/// --terminal draws with half-block characters in true colour, for machines without a display; Ctrl-C ends
+/// it.
+#[cfg(feature = "viewer")]
+#[derive(Debug, clap::Args)]
+#[command(after_help = view_after_help())]
+pub struct ViewArgs {
+    /// Scene files, models, folders of them, or builtin:NAME; the built-in scenes if none is given.
+    #[arg(value_name = "SCENE")]
+    pub scenes: Vec<String>,
+    /// Draw in this terminal instead of a window.
+    #[arg(long)]
+    pub terminal: bool,
+    /// Keep at least so many frames per second, with coarser pixels where necessary.
+    #[arg(long, value_name = "N", allow_hyphen_values = true)]
+    pub target_fps: Option<String>,
+    /// The folder for screenshots.
+    #[arg(long, value_name = "FOLDER", default_value = ".")]
+    pub screenshots: PathBuf,
+    /// End after so many frames.
+    #[arg(long, value_name = "N", allow_hyphen_values = true)]
+    pub frames: Option<String>,
+    /// At the end, print frame rates and times as JSON (schema octray-window-1).
+    #[arg(long)]
+    pub json: bool,
+    #[command(flatten)]
+    pub picture: PictureArgs,
+}
+
+/// Keys and examples.
+#[cfg(feature = "viewer")]
+fn view_after_help() -> String {
+    let keys: Vec<String> = keys::help().map(|line| format!("  {line}")).collect();
+    let examples = "Examples:
+  octray view
+  octray view scene.json model.obj scenes/
+  octray view builtin:thesis --terminal
+  octray view builtin:three --frames 600 --json > view.json";
+    format!("Keys:\n{}\n\n{examples}", keys.join("\n"))
+}
+
+/// Measure where methods fail.
+///
+/// Runs every method on cases that are numerically difficult: intersection of spheres, triangles and boxes,
+/// offsets of rays that leave surfaces, texture lookup, scattering, light sampling, sums of samples, cameras
+/// and whole scenes; far away, huge, tiny, at edges, in the planes of faces, close to each other. All methods
+/// get the same cases and are compared with double precision. The table shows failure rates and errors by
+/// distance, scale or shape. The seeds are fixed: the figures are the same in every run and on any number of
+/// threads, and differ slightly between builds with and without FMA. Exits with 1 if a default method exceeds
+/// its bounds.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   octray stability
@@ -280,7 +357,7 @@ pub struct StabilityArgs {
     /// Print the figures as JSON (schema octray-stability-1).
     #[arg(long)]
     pub json: bool,
-    /// Also write the JSON and a chart of each recipe (SVG) into this folder, which is made if it is not there.
+    /// Also write the JSON and a chart of each recipe (SVG) into this folder; created if it does not exist.
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,
     /// Run these recipes only.
@@ -288,11 +365,11 @@ pub struct StabilityArgs {
     pub only: Vec<String>,
 }
 
-/// Turn a mesh into a scene file.
+/// Convert a mesh to a scene file.
 ///
-/// Writes a scene in octray's own format that shows the model: a camera that frames it, a plain sky, its materials. The
-/// scene file holds every triangle and no longer needs the model file. Textures stay where they are, and the scene file
-/// names them relative to its own folder. An existing file is kept unless --force is given.
+/// Writes a scene in octray's own format: the model, its materials, a camera that frames it, and a plain sky.
+/// The scene file holds every triangle and does not need the model file. Textures stay where they are; the
+/// scene file names them relative to its own folder. An existing scene file is kept unless --force is given.
 #[derive(Debug, clap::Args)]
 #[command(
     after_help = "Example:\n  octray convert bunny.obj bunny.json && octray render bunny.json -o bunny.png"
@@ -309,17 +386,18 @@ pub struct ConvertArgs {
     pub force: bool,
 }
 
-/// Show what a scene holds.
+/// Show what a scene contains.
 ///
-/// Counts its objects, materials and textures, says how much memory they take and where the camera stands, and repeats what
-/// was odd about the file. Says which way its rays go and why: whether every primitive is tested or a hierarchy of boxes leads to the
-/// few that matter; such a hierarchy is built, timed and checked. Says which methods it gets unless others are asked for, and why. Exits with 1 if it is not valid.
+/// Prints the numbers of objects, materials and textures, their memory, the camera, and warnings about the
+/// file; the features that the scene needs; the traversal and why, either testing every primitive or a
+/// hierarchy of boxes, which is built, timed and checked; and the default methods and why. Exits with 1 if
+/// the hierarchy is invalid.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example:\n  octray inspect builtin:three --json")]
 pub struct InspectArgs {
     #[arg(value_name = "SCENE", help = SCENE)]
     pub scene: String,
-    /// Print it as JSON (schema octray-inspect-1).
+    /// Print the report as JSON (schema octray-inspect-1).
     #[arg(long)]
     pub json: bool,
 }

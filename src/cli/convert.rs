@@ -1,7 +1,7 @@
 //! `octray convert`: from a mesh to a scene file.
 
+use super::args::ConvertArgs;
 use super::error::CliError;
-use super::options::ConvertOptions;
 use super::terminal;
 use crate::output::{self, Existing};
 use crate::scene;
@@ -10,10 +10,10 @@ use std::path::Path;
 use std::process::ExitCode;
 
 /// Runs the command.
-pub fn run(options: ConvertOptions) -> Result<ExitCode, CliError> {
+pub fn run(options: &ConvertArgs) -> Result<ExitCode, CliError> {
     let existing = if options.force { Existing::Replace } else { Existing::Keep };
-    check_model(&options)?;
-    // Before the scene file's name is judged, so that a folder is called a folder.
+    check_model(options)?;
+    // Before the check of the extension, so that a folder is reported as a folder.
     output::check(&options.scene, existing)?;
     check_scene(&options.scene)?;
     let folder = options.scene.parent().unwrap_or(Path::new(""));
@@ -30,7 +30,8 @@ pub fn run(options: ConvertOptions) -> Result<ExitCode, CliError> {
     Ok(ExitCode::SUCCESS)
 }
 
-// Scenes and models are known by their extensions: another one would be read as something else, or not at all.
+// Scenes and models are recognised by their extensions: a file with another one would be read as something
+// else, or not at all.
 
 fn ends_in(path: &Path, wanted: &str) -> bool {
     path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(wanted))
@@ -40,7 +41,7 @@ fn refuse(file: &Path, what: &'static str, mend: String) -> Result<(), CliError>
     Err(CliError::Name { file: file.into(), what, mend })
 }
 
-fn check_model(ConvertOptions { model, scene, .. }: &ConvertOptions) -> Result<(), CliError> {
+fn check_model(ConvertArgs { model, scene, .. }: &ConvertArgs) -> Result<(), CliError> {
     let [from, to] = [model, scene].map(|path| path.display());
     if ends_in(model, "json") || model.to_string_lossy().starts_with("builtin:") {
         let mend = match ends_in(scene, "obj") {

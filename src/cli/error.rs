@@ -1,11 +1,24 @@
-//! Why a command stopped: what, where, and how to mend it.
+//! Errors of commands, and exit codes.
+//!
+//! For: [`CliError`], whose messages say what is wrong, where, and how to mend it. May import: the errors of
+//! other modules. Must not know: the commands.
 
 use crate::output::OutputError;
 use crate::scene::SceneError;
 use std::io;
 use std::path::PathBuf;
 
-/// Why a command did not do what was asked.
+/// Exit code of a failed check: pictures that differ, for example.
+pub const CHECK_FAILED: u8 = 1;
+/// Exit code where the input cannot be used: arguments, a scene, an output file, the machine.
+pub const BAD_INPUT: u8 = 2;
+/// Exit code after Ctrl-C.
+pub const INTERRUPTED: u8 = 130;
+
+/// How to build for the machine at hand.
+pub const REBUILD: &str = "RUSTFLAGS=\"-C target-cpu=native\" cargo build --release";
+
+/// Why a command failed.
 #[derive(Debug, thiserror::Error)]
 pub enum CliError {
     /// An argument's value cannot be used.
@@ -35,7 +48,7 @@ pub enum CliError {
     Memory { takes: String, available: String, fits: [u32; 2] },
     #[error(
         "this octray was compiled for instructions that this machine does not have: {}\n  rebuild it here: {}",
-        .missing.join(", "), super::machine_check::REBUILD
+        .missing.join(", "), REBUILD
     )]
     Machine { missing: Vec<&'static str> },
 }

@@ -1,38 +1,39 @@
-//! Ctrl-C: the first asks for an end, the second is the end, with nothing written. So is the first where there is nothing to write yet.
+//! Ctrl-C: the first requests an end, the second ends the program with nothing written. Before any part of a
+//! picture is done, the first ends the program too.
 //!
-//! For: [`Interrupt`]. May import: `ctrlc`, `terminal`. Must never know: what is interrupted.
+//! For: [`Interrupt`]. May import: `ctrlc`, `terminal`. Must not know: what is interrupted.
 
-use super::{INTERRUPTED, terminal};
+use super::error::INTERRUPTED;
+use super::terminal;
 use std::io::IsTerminal;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
-/// Has the user asked for an end? Ctrl-C asks; hang-up is left alone, so that nohup works.
+/// Whether the user has pressed Ctrl-C. Hang-up keeps its default, so that nohup works.
 #[derive(Clone, Default)]
 pub struct Interrupt {
-    /// How often.
-    asked: Arc<AtomicU32>,
+    requests: Arc<AtomicU32>,
     begun: Arc<AtomicBool>,
     holding: Arc<AtomicBool>,
 }
 
 impl Interrupt {
-    /// Listens from now on, in background jobs too, which start with the signal ignored. Where that is impossible, Ctrl-C keeps its
-    /// usual meaning.
+    /// Installs the handler, in background jobs too, which start with the signal ignored. Where that fails,
+    /// Ctrl-C keeps its usual meaning.
     pub fn listen() -> Self {
         let interrupt = Self::default();
-        let heard = interrupt.clone();
+        let handler = interrupt.clone();
         let listening = ctrlc::set_handler(move || {
-            if !heard.begun.load(Ordering::SeqCst) {
-                // Below the line that may tell the progress.
+            if !handler.begun.load(Ordering::SeqCst) {
+                // Below the progress line, if there is one.
                 let line = if std::io::stderr().is_terminal() { "\n" } else { "" };
                 terminal::note(&format!(
                     "{line}Ctrl-C came before any part of the picture was done: nothing was written."
                 ));
                 std::process::exit(INTERRUPTED.into());
             }
-            let again = heard.asked.fetch_add(1, Ordering::SeqCst) > 0;
-            if again && !heard.holding.load(Ordering::SeqCst) {
+            let again = handler.requests.fetch_add(1, Ordering::SeqCst) > 0;
+            if again && !handler.holding.load(Ordering::SeqCst) {
                 std::process::exit(INTERRUPTED.into());
             }
         });
@@ -42,31 +43,31 @@ impl Interrupt {
         interrupt
     }
 
-    /// From now on there is something that an early end can keep: before, the first Ctrl-C ends the program.
-    pub fn begun(&self) {
-        // Told after every tile, from all threads: one that only reads takes the line from nobody.
+    /// From now on an early end keeps a picture; before, the first Ctrl-C ends the program.
+    pub fn set_begun(&self) {
+        // Called after every tile by all threads: a load leaves the cache line shared, a store would not.
         if !self.begun.load(Ordering::Relaxed) {
             self.begun.store(true, Ordering::SeqCst);
         }
     }
 
-    /// As Ctrl-C does.
+    /// Acts as Ctrl-C.
     #[cfg(test)]
-    pub fn ask(&self) {
-        self.asked.fetch_add(1, Ordering::SeqCst);
+    pub fn request(&self) {
+        self.requests.fetch_add(1, Ordering::SeqCst);
     }
-    /// Has the user asked?
-    pub fn asked(&self) -> bool {
-        self.asked.load(Ordering::SeqCst) > 0
+    /// Has the user requested an end?
+    pub fn requested(&self) -> bool {
+        self.requests.load(Ordering::SeqCst) > 0
     }
 
-    /// Has the user asked more than once: an end at once, and no picture?
+    /// Has the user pressed Ctrl-C again, for an end at once without a picture?
     pub fn insisted(&self) -> bool {
-        self.asked.load(Ordering::SeqCst) > 1
+        self.requests.load(Ordering::SeqCst) > 1
     }
 
-    /// From now on a second Ctrl-C no longer ends the program: a file is being written, and the half of it has to be taken away. Whoever
-    /// writes looks at [`Interrupt::insisted`].
+    /// From now on a second Ctrl-C does not end the program at once: a file is being written, and a partial
+    /// file must be removed first. The writer polls [`Interrupt::insisted`].
     pub fn hold(&self) {
         self.holding.store(true, Ordering::SeqCst);
     }

@@ -1,31 +1,30 @@
 //! When a rendering ends: `--samples`, `--target-error`, `--time-limit`.
 //!
-//! For: [`Limits`], made from its raw arguments or refused. May import: `args`, `numbers`, `adaptive`. Must never know: how samples are
-//! taken.
+//! For: [`Limits`], made from raw arguments or refused. May import: `groups`, `numbers`, `adaptive`. Must not
+//! know: how samples are taken.
 
-use super::args::LimitArgs;
 use super::error::CliError;
-use super::numbers::{MAX_SAMPLES, refuse, samples, whole};
+use super::groups::LimitArgs;
+use super::numbers::{MAX_SAMPLES, samples, seconds, whole, within};
 use crate::adaptive::Target;
 use std::time::Duration;
 
-/// Samples of a pixel where nothing is said.
+/// Samples per pixel without limits.
 const SAMPLES: u32 = 64;
-/// Most samples of a pixel with `--target-error`: one that needs more waits for light that hardly any path finds.
+/// Most samples per pixel with `--target-error`: a pixel that needs more depends on light that hardly any
+/// path finds.
 const MOST_SAMPLES: u32 = 1 << 14;
-/// Samples before a block is judged: four groups in each of 256 pixels.
+/// Samples before the first estimate of a block's error: four groups in each of 256 pixels.
 const LEAST_SAMPLES: u32 = 16;
-/// Fewest samples that say anything of their differences.
+/// Fewest samples from which a variance can be estimated.
 const FEWEST_SAMPLES: u32 = crate::film::noise::GROUP;
-/// Beyond these a target is a slip of the finger: it would take a hundred million samples, or none at all.
+/// Targets outside this range are typing errors: they would take a hundred million samples, or none at all.
 const TARGETS: [f64; 2] = [0.0001, 1.0];
-/// Seconds: less is less than a tile takes, more is a year.
-const SECONDS: [f64; 2] = [0.001, 31_536_000.0];
 
-/// When to stop: at whichever comes first.
+/// When to stop: at the limit that is reached first.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Limits {
-    /// Samples of a pixel.
+    /// Samples per pixel.
     pub samples: u32,
     /// Its `most` are `samples`.
     pub target: Option<Target>,
@@ -33,12 +32,12 @@ pub struct Limits {
 }
 
 impl Limits {
-    /// So many samples of every pixel, however long they take.
+    /// A number of samples per pixel, without other limits.
     pub fn of_samples(samples: u32) -> Self {
         Self { samples, target: None, time: None }
     }
-    /// Those that were asked for, if any were.
-    pub fn asked(args: LimitArgs) -> Result<Option<Self>, CliError> {
+    /// Those given, if any.
+    pub fn of_args(args: LimitArgs) -> Result<Option<Self>, CliError> {
         if args.samples.is_none() && args.target_error.is_none() && args.time_limit.is_none() {
             return Ok(None);
         }
@@ -71,25 +70,6 @@ fn target(text: &str) -> Result<f64, CliError> {
     })
 }
 
-/// A time, in seconds.
-pub fn seconds(option: &'static str, text: &str) -> Result<Duration, CliError> {
-    let [least, most] = SECONDS;
-    within(option, text, SECONDS, || format!("give seconds from {least} to {most}"))
-        .map(Duration::from_secs_f64)
-}
-
-fn within(
-    option: &'static str,
-    text: &str,
-    [least, most]: [f64; 2],
-    why: impl Fn() -> String,
-) -> Result<f64, CliError> {
-    match text.parse::<f64>() {
-        Ok(number) if (least..=most).contains(&number) => Ok(number),
-        _ => Err(refuse(option, text, why())),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -102,7 +82,7 @@ mod tests {
     ) -> Result<Limits, CliError> {
         let [samples, target_error, min_samples, time_limit] =
             [samples, target_error, min_samples, time_limit].map(|text| text.map(String::from));
-        Limits::asked(LimitArgs { samples, target_error, min_samples, time_limit })
+        Limits::of_args(LimitArgs { samples, target_error, min_samples, time_limit })
             .map(Option::unwrap_or_default)
     }
 

@@ -1,27 +1,24 @@
-//! Does this machine have the instructions the program was compiled to?
+//! Does this machine have the instruction sets that the program was compiled for?
 //!
-//! For: [`verdict`], asked before anything else, because a missing instruction ends a program with no word of why.
-//! May import: `measure::features`. Must never know: what the instructions are used for.
+//! For: [`verdict`], called first in `main`, because a missing instruction ends a program without a message.
+//! May import: `machine::features`. Must not know: the use of the instructions.
 //!
-//! Its limit: these few lines are compiled like all others, and a compiler may use what it was allowed anywhere. They hold
-//! no loop over numbers that would tempt it.
+//! Limit: this file is compiled with the same instruction sets as all others, and the compiler may use them
+//! anywhere. It holds no loop over numbers, so the compiler has no reason to.
 
-use super::error::CliError;
+use super::error::{CliError, REBUILD};
 use super::terminal;
 use crate::machine::features;
 
-/// How to build for the machine at hand.
-pub const REBUILD: &str = "RUSTFLAGS=\"-C target-cpu=native\" cargo build --release";
-
-/// What the eight-wide packets profit from most.
+/// The instruction sets that speed up eight-wide packets most.
 const WORTH_REBUILDING: [&str; 2] = ["avx2", "fma"];
 
-/// What the machine lacks, and what it has to no avail.
+/// The difference between program and machine.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Verdict {
-    /// Compiled for, but not there: the program cannot run.
+    /// Compiled for, but not on this machine: the program cannot run.
     pub missing: Vec<&'static str>,
-    /// There and worth having, but not compiled for: the program is slower than it could be.
+    /// On this machine and worth using, but not compiled for: the program is slower than it could be.
     pub unused: Vec<&'static str>,
 }
 
@@ -30,7 +27,7 @@ pub fn verdict() -> Verdict {
     judge(&features::compiled(), features::present().as_deref())
 }
 
-/// The verdict on a program compiled for some instruction sets and a machine that has others, or is unknown.
+/// Compares instruction sets; `None` is a machine that cannot be queried.
 fn judge(compiled: &[&'static str], present: Option<&[&'static str]>) -> Verdict {
     let Some(present) = present else { return Verdict { missing: vec![], unused: vec![] } };
     let without = |all: &[&'static str], some: &[&'static str]| {
@@ -51,7 +48,7 @@ impl Verdict {
         }
     }
 
-    /// Says on standard error if the program could be faster here. For commands whose speed matters.
+    /// Warns on standard error if a rebuild would be faster. For commands whose speed matters.
     pub fn advise(&self) {
         if !self.unused.is_empty() {
             terminal::warn(&format!(

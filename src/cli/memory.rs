@@ -1,16 +1,19 @@
-//! Large pictures: what they will take is said before hours are spent on them.
+//! Memory of large pictures, checked before a rendering starts.
 //!
-//! For: [`check`], and [`bytes`] to write sizes. May import: `machine`, for what is there. Must never know: what the memory is for.
+//! For: [`check`], [`room_for`]. May import: `machine`, `report`'s numbers. Must not know: the use of the
+//! memory.
 
 use super::error::CliError;
 use super::terminal;
 use crate::machine;
+use crate::report::numbers::bytes;
 
-/// From here on it is worth a line, and from this share of what is available.
+/// A picture that takes more bytes than this, or more than this share of the available memory, gets a
+/// warning.
 const LARGE: u64 = 2_000_000_000;
 const LARGE_SHARE: f64 = 0.25;
 
-/// Does a picture of this size fit, at so many bytes a pixel? Warns where it is large, and refuses what is more than the system calls
+/// Warns of a picture that takes much memory, and refuses one that takes more than the system calls
 /// available.
 pub fn check(size: [u32; 2], bytes_per_pixel: usize) -> Result<(), CliError> {
     if let Some(sentence) = judge(size, bytes_per_pixel, machine::available_memory())? {
@@ -19,12 +22,12 @@ pub fn check(size: [u32; 2], bytes_per_pixel: usize) -> Result<(), CliError> {
     Ok(())
 }
 
-/// The same, where nobody reads warnings: why there is no room, if there is none.
+/// The same without warnings: the reason for a refusal.
 pub fn room_for(size: [u32; 2], bytes_per_pixel: usize) -> Result<(), String> {
     judge(size, bytes_per_pixel, machine::available_memory()).map(|_| ()).map_err(|error| error.to_string())
 }
 
-/// The sentence to warn with, if any.
+/// The warning, if there is one.
 fn judge(size: [u32; 2], bytes_per_pixel: usize, available: Option<u64>) -> Result<Option<String>, CliError> {
     let [width, height] = size;
     let needed = u64::from(width) * u64::from(height) * bytes_per_pixel as u64;
@@ -42,21 +45,6 @@ fn judge(size: [u32; 2], bytes_per_pixel: usize, available: Option<u64>) -> Resu
         None if needed > LARGE => Ok(Some(format!("{takes}."))),
         _ => Ok(None),
     }
-}
-
-/// A size for people, in powers of a thousand.
-pub fn bytes(count: u64) -> String {
-    const UNITS: [&str; 4] = ["kB", "MB", "GB", "TB"];
-    if count < 1_000 {
-        return format!("{count} B");
-    }
-    let mut amount = count as f64 / 1_000.0;
-    let mut unit = 0;
-    while amount >= 999.95 && unit + 1 < UNITS.len() {
-        amount /= 1_000.0;
-        unit += 1;
-    }
-    format!("{amount:.1} {}", UNITS[unit])
 }
 
 #[cfg(test)]
@@ -79,14 +67,5 @@ mod tests {
         let refused = judge([16_384, 8_192], 40, Some(1_000_000_000)).unwrap_err().to_string();
         assert!(refused.contains("5.4 GB") && refused.contains("1.0 GB"), "{refused}");
         assert!(refused.contains("--size 7071x3535"), "{refused}");
-    }
-
-    #[test]
-    fn bytes_picks_the_unit_that_keeps_numbers_short() {
-        for (count, text) in
-            [(0, "0 B"), (999, "999 B"), (1_000, "1.0 kB"), (999_999, "1.0 MB"), (2_500_000_000, "2.5 GB")]
-        {
-            assert_eq!(bytes(count), text);
-        }
     }
 }

@@ -1,32 +1,29 @@
-//! From what the user chose to the methods of a scene's picture.
+//! The methods that the user chose, and from them the methods of a scene's rendering.
 //!
-//! For: [`MethodOptions`]. May import: `choices`, `traverse`'s choices. Must never know: how a command does its work.
+//! For: [`MethodOptions`]. May import: `groups`, `traverse`'s choices. Must not know: the commands.
 
-use super::choices::{
-    BoxMethod, LightArg, MethodArgs, SamplerArg, SphereMethod, TraversalArg, TriangleMethod,
-};
+use super::groups::MethodArgs;
 use crate::buffers::LightChoice;
 use crate::sampling::Sampler;
 use crate::scene::Scene;
-use crate::traverse::batch::Traversal;
 use crate::traverse::{BoxChoice, Methods, SphereChoice, TraversalChoice, TriangleChoice};
 
-/// The methods asked for; which ones `--fast` means depends on the scene.
+/// The methods given; which ones `--fast` means depends on the scene.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MethodOptions {
-    /// `--fast`, or `--robust`; `None` is the latter, not said.
-    fast: Option<bool>,
-    /// Said by name, and so stronger than `--fast`.
-    sphere: Option<SphereChoice>,
-    triangle: Option<TriangleChoice>,
-    boxes: Option<BoxChoice>,
-    traversal: Option<TraversalChoice>,
-    lights: Option<LightChoice>,
-    sampler: Option<Sampler>,
+    /// `--fast` is `Some(true)`, `--robust` is `Some(false)`.
+    pub fast: Option<bool>,
+    /// A method given by name overrides `--fast`.
+    pub sphere: Option<SphereChoice>,
+    pub triangle: Option<TriangleChoice>,
+    pub boxes: Option<BoxChoice>,
+    pub traversal: Option<TraversalChoice>,
+    pub lights: Option<LightChoice>,
+    pub sampler: Option<Sampler>,
 }
 
 impl MethodOptions {
-    /// The methods of this scene's picture.
+    /// The methods of this scene's rendering.
     pub fn of(&self, scene: &Scene) -> Methods {
         let base = if self.fast == Some(true) { Methods::fast(scene) } else { Methods::default() };
         Methods {
@@ -39,14 +36,15 @@ impl MethodOptions {
         }
     }
 
-    /// These, and what `weaker` asks for besides. Who asks for all equations at once wants none of the other's.
+    /// These, and from `weaker` those that are missing here. `--fast` and `--robust` override all of
+    /// `weaker`'s intersection methods.
     pub fn or(self, weaker: Self) -> Self {
-        let equations = if self.fast.is_some() { Self::default() } else { weaker };
+        let intersection = if self.fast.is_some() { Self::default() } else { weaker };
         Self {
             fast: self.fast.or(weaker.fast),
-            sphere: self.sphere.or(equations.sphere),
-            triangle: self.triangle.or(equations.triangle),
-            boxes: self.boxes.or(equations.boxes),
+            sphere: self.sphere.or(intersection.sphere),
+            triangle: self.triangle.or(intersection.triangle),
+            boxes: self.boxes.or(intersection.boxes),
             traversal: self.traversal.or(weaker.traversal),
             lights: self.lights.or(weaker.lights),
             sampler: self.sampler.or(weaker.sampler),
@@ -56,91 +54,25 @@ impl MethodOptions {
 
 impl From<MethodArgs> for MethodOptions {
     fn from(args: MethodArgs) -> Self {
-        Self {
-            fast: (args.fast || args.robust).then_some(args.fast),
-            sphere: args.sphere.map(Into::into),
-            triangle: args.triangle.map(Into::into),
-            boxes: args.boxes.map(Into::into),
-            traversal: args.traversal.map(Into::into),
-            lights: args.lights.map(Into::into),
-            sampler: args.sampler.map(Into::into),
-        }
-    }
-}
-
-impl From<SphereMethod> for SphereChoice {
-    fn from(method: SphereMethod) -> Self {
-        match method {
-            SphereMethod::Robust => Self::Robust,
-            SphereMethod::Naive => Self::Naive,
-        }
-    }
-}
-
-impl From<TriangleMethod> for TriangleChoice {
-    fn from(method: TriangleMethod) -> Self {
-        match method {
-            TriangleMethod::Woop => Self::Woop,
-            TriangleMethod::MollerTrumbore => Self::MollerTrumbore,
-            TriangleMethod::BaldwinWeber => Self::BaldwinWeber,
-        }
-    }
-}
-
-impl From<BoxMethod> for BoxChoice {
-    fn from(method: BoxMethod) -> Self {
-        match method {
-            BoxMethod::PaddedFma => Self::PaddedFma,
-            BoxMethod::Fma => Self::Fma,
-        }
-    }
-}
-
-impl From<SamplerArg> for Sampler {
-    fn from(sampler: SamplerArg) -> Self {
-        match sampler {
-            SamplerArg::Sobol => Self::Sobol,
-            SamplerArg::Random => Self::Random,
-        }
-    }
-}
-
-impl From<LightArg> for LightChoice {
-    fn from(lights: LightArg) -> Self {
-        match lights {
-            LightArg::Auto => Self::Auto,
-            LightArg::On => Self::On,
-            LightArg::Off => Self::Off,
-        }
-    }
-}
-
-impl From<TraversalArg> for TraversalChoice {
-    fn from(traversal: TraversalArg) -> Self {
-        match traversal {
-            TraversalArg::Needed => Self::Needed,
-            TraversalArg::Linear => Self::Linear,
-            TraversalArg::Scalar => Self::Through(Traversal::Scalar),
-            TraversalArg::Single => Self::Through(Traversal::Single),
-            TraversalArg::Packet => Self::Through(Traversal::Packet),
-            TraversalArg::Stream => Self::Through(Traversal::Stream),
-            TraversalArg::Hybrid => Self::Through(Traversal::Hybrid),
-        }
+        let MethodArgs { robust, fast, sphere, triangle, boxes, traversal, lights, sampler } = args;
+        Self { fast: (fast || robust).then_some(fast), sphere, triangle, boxes, traversal, lights, sampler }
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cli::args::{Args, Command};
     use clap::Parser;
 
+    #[derive(Parser)]
+    struct Line {
+        #[command(flatten)]
+        methods: MethodArgs,
+    }
+
     fn methods(scene: &str, options: &[&str]) -> Methods {
-        let words = ["octray", "bench"].iter().chain(options);
-        let Some(Command::Bench(args)) = Args::parse_from(words).command else {
-            unreachable!("bench was asked for")
-        };
-        MethodOptions::from(args.methods).of(&crate::scene::load(scene).unwrap())
+        let line = Line::parse_from(["octray"].iter().chain(options));
+        MethodOptions::from(line.methods).of(&crate::scene::load(scene).unwrap())
     }
 
     #[test]
@@ -149,11 +81,15 @@ mod tests {
         assert_eq!(methods(few, &[]), Methods::default());
         assert_eq!(methods(few, &["--robust"]), Methods::default());
         assert_eq!(methods(few, &["--fast"]).triangle, TriangleChoice::BaldwinWeber);
-        assert_eq!(methods("builtin:knot:2000", &["--fast"]), Methods::default(), "others know no hierarchy");
+        assert_eq!(
+            methods("builtin:knot:2000", &["--fast"]),
+            Methods::default(),
+            "other methods have no hierarchy"
+        );
         let said =
             methods(few, &["--fast", "--triangle", "moller-trumbore", "--sphere", "naive", "--box", "fma"]);
         let expected = (SphereChoice::Naive, TriangleChoice::MollerTrumbore, BoxChoice::Fma);
-        assert_eq!((said.sphere, said.triangle, said.boxes), expected, "what is said by name is stronger");
-        assert!(Args::try_parse_from(["octray", "bench", "--fast", "--robust"]).is_err());
+        assert_eq!((said.sphere, said.triangle, said.boxes), expected, "a name overrides --fast");
+        assert!(Line::try_parse_from(["octray", "--fast", "--robust"]).is_err());
     }
 }

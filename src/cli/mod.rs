@@ -1,36 +1,33 @@
 //! The command line: raw arguments, validated options, one file a command, exit codes.
 //!
-//! For: [`main`], all that the program's `main` does. May import: everything. Must never know: equations.
+//! For: [`main`], all that the program's `main` does. May import: everything. Must not know: intersection,
+//! shading, sampling; reports are written by [`crate::report`].
 //!
 //! | file | what it does |
 //! |---|---|
-//! | [`args`], [`choices`] | what the user typed: the arguments' names, shapes and help |
-//! | [`options`], [`methods`], [`numbers`], [`limits`] | what we accept: names known, numbers in range |
-//! | [`asked`] | what options or a view ask of a still |
-//! | [`render`], [`convert`], [`inspect`], [`mod@bench`], [`compare`], [`rays`], [`stability`], [`chart`] | the commands |
-//! | [`render`], [`convert`], [`inspect`], [`mod@bench`], [`compare`], [`rays`], [`stability`], [`chart`], `view` | the commands |
-//! | [`truths`] | truths that were rendered before, for `chart` |
-//! | [`scenes`] | the scenes that commands take |
-//! | [`routes`], [`defaults`] | which way a scene's rays go and which methods it gets, for `inspect` |
-//! | [`machine_check`] | refuses to start where the program's instructions do not exist |
-//! | [`memory`] | refuses pictures that do not fit |
+//! | [`args`], [`groups`] | raw arguments: names, shapes, help texts |
+//! | [`options`], [`picture`], [`methods`], [`limits`], [`numbers`] | validated options: names known, numbers in range |
+//! | [`overrides`] | settings that the command line or a view overrides |
+//! | [`mod@bench`], [`compare`], [`render`], [`rays`], [`chart`], `view` | commands |
+//! | [`stability`], [`convert`], [`inspect`] | commands |
+//! | [`scenes`] | loads the scenes of commands |
+//! | [`trace`], [`interrupt`], [`progress`] | sampling up to a limit, Ctrl-C, progress lines |
+//! | [`samples_map`] | of `render`: a picture of the number of samples |
+//! | [`ground_truth`] | of `chart`: the cache of ground truths |
+//! | [`ray_dump`] | of `rays`: rays and hits as files |
+//! | [`machine_check`] | refuses a machine without the instructions compiled for |
+//! | [`memory`] | refuses pictures that do not fit into memory |
 //! | [`terminal`] | the only writer to standard output and standard error |
-//! | [`stats`] | the tables of `--stats` |
-//! | [`interrupt`] | Ctrl-C |
-//! | [`trace`] | takes samples until a limit is reached |
-//! | [`samples_map`] | a picture of how many samples pixels have had |
-//! | [`progress`] | how far a rendering is |
-//! | [`error`] | what can go wrong |
+//! | [`error`] | errors and exit codes |
 
 pub mod args;
-pub mod asked;
 pub mod bench;
 pub mod chart;
-pub mod choices;
 pub mod compare;
 pub mod convert;
-pub mod defaults;
 pub mod error;
+pub mod ground_truth;
+pub mod groups;
 pub mod inspect;
 pub mod interrupt;
 pub mod limits;
@@ -39,63 +36,54 @@ pub mod memory;
 pub mod methods;
 pub mod numbers;
 pub mod options;
-mod picture;
+pub mod overrides;
+pub mod picture;
 pub mod progress;
 pub mod ray_dump;
 pub mod rays;
 pub mod render;
-pub mod routes;
 pub mod samples_map;
 pub mod scenes;
 pub mod stability;
-pub mod stats;
 pub mod terminal;
 pub mod trace;
-pub mod truths;
 #[cfg(feature = "viewer")]
 pub mod view;
 
-pub use error::CliError;
+pub use error::{BAD_INPUT, CHECK_FAILED, CliError, INTERRUPTED};
 
 use args::{Args, Command};
 use clap::Parser;
 use std::process::ExitCode;
 
-/// A check found what should not be: pictures that differ, say.
-pub const CHECK_FAILED: u8 = 1;
-/// The input cannot be used: arguments, a scene, an output file, the machine.
-pub const BAD_INPUT: u8 = 2;
-/// Ctrl-C came before the end.
-pub const INTERRUPTED: u8 = 130;
-
 const WELCOME: &str = "\
 octray traces paths through scenes on the CPU, eight rays at a time. Try:
 
   octray bench                                    frames per second, SIMD beside scalar
-  octray compare                                  do SIMD and scalar agree, bit by bit?
+  octray compare                                  check that SIMD and scalar agree, bit by bit
   octray render builtin:three -o three.png        a picture
-  octray view                                     a window to walk through them
-  octray rays builtin:knot:100000                 rays per second, every way of tracing them
+  octray view                                     a window to walk through the scenes
+  octray rays builtin:knot:100000                 rays per second, by traversal
   octray chart builtin:three -o charts            speed against accuracy, charted
-  octray stability                                where methods fail, and which hold
-  octray inspect builtin:three                    what a scene holds
-  octray convert model.obj scene.json             a scene to edit from a mesh
+  octray stability                                where methods fail, and which are robust
+  octray inspect builtin:three                    what a scene contains
+  octray convert model.obj scene.json             a scene file from a mesh
 
 octray --help lists everything; octray COMMAND --help explains one command.
 ";
 
 /// Runs the program on the process's arguments.
 pub fn main() -> ExitCode {
-    // Before anything else: what follows may already be compiled to instructions this machine has not got.
+    // First, because all that follows may use instructions that this machine lacks.
     let verdict = machine_check::verdict();
     if let Err(error) = verdict.require() {
         return report(&error);
     }
-    // Wrong usage ends here with exit code 2; --help and --version with 0.
+    // Exits on wrong usage with code 2, and after --help and --version with 0.
     let args = Args::parse();
     match run(args, &verdict) {
         Ok(code) => code,
-        // Whoever read our output has seen enough.
+        // The reader closed the pipe, as `head` does: not an error.
         Err(CliError::Stdout(error)) if error.kind() == std::io::ErrorKind::BrokenPipe => ExitCode::SUCCESS,
         Err(error) => report(&error),
     }
@@ -107,48 +95,34 @@ fn run(args: Args, verdict: &machine_check::Verdict) -> Result<ExitCode, CliErro
         return Ok(ExitCode::SUCCESS);
     };
     match command {
-        Command::Bench(args) => {
-            let options = args.try_into()?;
-            verdict.advise();
-            bench::run(options)
-        }
-        Command::Compare(args) => {
-            let options = args.try_into()?;
-            verdict.advise();
-            compare::run(options)
-        }
-        Command::Render(args) => {
-            let options = args.try_into()?;
-            verdict.advise();
-            render::run(options)
-        }
-        Command::Rays(args) => {
-            let options = args.try_into()?;
-            verdict.advise();
-            rays::run(options)
-        }
-        Command::Chart(args) => {
-            let options = args.try_into()?;
-            verdict.advise();
-            chart::run(options)
-        }
+        Command::Bench(args) => run_measured(args, verdict, bench::run),
+        Command::Compare(args) => run_measured(args, verdict, compare::run),
+        Command::Render(args) => run_measured(args, verdict, render::run),
+        Command::Rays(args) => run_measured(args, verdict, rays::run),
+        Command::Chart(args) => run_measured(args, verdict, chart::run),
         #[cfg(feature = "viewer")]
-        Command::View(args) => {
-            let options = args.try_into()?;
-            verdict.advise();
-            view::run(options)
-        }
+        Command::View(args) => run_measured(args, verdict, view::run),
         Command::Stability(args) => {
-            let options = args.into();
             verdict.advise();
-            stability::run(options)
+            stability::run(args.into())
         }
-        Command::Convert(args) => convert::run(args.into()),
-        Command::Inspect(args) => inspect::run(args.into()),
+        Command::Convert(args) => convert::run(&args),
+        Command::Inspect(args) => inspect::run(args),
     }
 }
 
-/// Says on standard error what went wrong and why.
+/// Validates the options of a command whose speed matters, warns if a rebuild would be faster, and runs it.
+fn run_measured<Args, Options: TryFrom<Args, Error = CliError>>(
+    args: Args,
+    verdict: &machine_check::Verdict,
+    run: fn(Options) -> Result<ExitCode, CliError>,
+) -> Result<ExitCode, CliError> {
+    let options = Options::try_from(args)?;
+    verdict.advise();
+    run(options)
+}
+
+/// Writes the error and its causes to standard error.
 fn report(error: &CliError) -> ExitCode {
     let mut text = format!("error: {error}");
     let mut cause = std::error::Error::source(error);

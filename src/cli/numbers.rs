@@ -1,28 +1,29 @@
-//! Numbers as they are typed: read, held to their ranges, or refused with what to give instead.
+//! Numbers of the command line: read from text, checked against their ranges, or refused with what to give
+//! instead.
 //!
-//! For: one function a kind of number. May import: `error`, `scene`'s limits, `wording`. Must never know: which command asks.
+//! For: one function a kind of number, and the checks that view files share. May import: `error`, `scene`'s
+//! limits, `wording`. Must not know: the commands.
 
 use super::error::CliError;
-use crate::machine;
 use crate::scene::{MAX_BOUNCES, MAX_SIDE};
 use crate::wording::grouped;
+use std::time::Duration;
 
-/// Most samples a pixel: up to here a sum in f32 still takes each one in.
+/// Most samples per pixel: up to here a sum in f32 still resolves each one.
 pub const MAX_SAMPLES: u32 = 1 << 24;
 /// Most worker threads: beyond any machine, below what exhausts one.
 pub const MAX_THREADS: u32 = 1_024;
-/// Most stops up or down: past f32's own range in visible light.
+/// Largest exposure in stops, up or down: past f32's own range in visible light.
 pub const MAX_EXPOSURE: f32 = 64.0;
+/// Seconds: less is less than a tile takes, more is a year.
+const SECONDS: [f64; 2] = [0.001, 31_536_000.0];
 
-/// Worker threads; all cores where nothing was typed.
-pub fn threads(text: Option<String>) -> Result<usize, CliError> {
-    match text {
-        Some(text) => Ok(whole("--threads", &text, 1, MAX_THREADS)? as usize),
-        None => Ok(machine::cores()),
-    }
+/// Worker threads, if given.
+pub fn threads(text: Option<&str>) -> Result<Option<usize>, CliError> {
+    text.map(|text| Ok(whole("--threads", text, 1, MAX_THREADS)? as usize)).transpose()
 }
 
-/// Rays at a time.
+/// Rays traced at a time.
 pub fn lanes(text: &str) -> Result<usize, CliError> {
     match text {
         "1" => Ok(1),
@@ -31,34 +32,75 @@ pub fn lanes(text: &str) -> Result<usize, CliError> {
     }
 }
 
-/// Samples a pixel.
+/// Samples per pixel.
 pub fn samples(text: &str) -> Result<u32, CliError> {
     whole("--samples", text, 1, MAX_SAMPLES)
 }
 
-/// Scattering events on a path.
+/// Most scattering events on a path.
 pub fn bounces(text: &str) -> Result<u32, CliError> {
     whole("--bounces", text, 0, MAX_BOUNCES)
 }
 
-/// Which random numbers.
+/// Seed of the random numbers.
 pub fn seed(text: &str) -> Result<u32, CliError> {
     whole("--seed", text, 0, u32::MAX)
 }
 
-/// Stops up or down.
+/// Exposure in stops.
 pub fn exposure(text: &str) -> Result<f32, CliError> {
-    match text.parse::<f32>() {
-        Ok(stops) if stops.abs() <= MAX_EXPOSURE => Ok(stops),
-        _ => Err(refuse("--exposure", text, format!("give a number from -{MAX_EXPOSURE} to {MAX_EXPOSURE}"))),
+    single("--exposure", text, check_exposure)
+}
+
+/// Largest radiance of a sample.
+pub fn clamp(text: &str) -> Result<f32, CliError> {
+    single("--clamp", text, check_clamp)
+}
+
+/// Samples per pixel, or the numbers to give instead.
+pub fn check_samples(samples: u32) -> Result<u32, String> {
+    check_whole(u64::from(samples), 1, MAX_SAMPLES)
+}
+
+/// Stops, or the numbers to give instead.
+pub fn check_exposure(stops: f32) -> Result<f32, String> {
+    match stops.abs() <= MAX_EXPOSURE {
+        true => Ok(stops),
+        false => Err(format!("give a number from -{MAX_EXPOSURE} to {MAX_EXPOSURE}")),
     }
 }
 
-/// Radiance.
-pub fn clamp(text: &str) -> Result<f32, CliError> {
-    match text.parse::<f32>() {
-        Ok(most) if most > 0.0 && most.is_finite() => Ok(most),
-        _ => Err(refuse("--clamp", text, "give a number above 0, or leave it out for no limit")),
+/// A largest radiance, or the numbers to give instead.
+pub fn check_clamp(most: f32) -> Result<f32, String> {
+    match most > 0.0 && most.is_finite() {
+        true => Ok(most),
+        false => Err("give a number above 0, or leave it out for no limit".into()),
+    }
+}
+
+/// A number that is rounded once, from text to single precision.
+fn single(option: &'static str, text: &str, check: fn(f32) -> Result<f32, String>) -> Result<f32, CliError> {
+    // NaN is in no range, so its refusal names the range.
+    check(text.parse().unwrap_or(f32::NAN)).map_err(|why| refuse(option, text, why))
+}
+
+/// A time in seconds.
+pub fn seconds(option: &'static str, text: &str) -> Result<Duration, CliError> {
+    let [least, most] = SECONDS;
+    let number = within(option, text, SECONDS, || format!("give seconds from {least} to {most}"))?;
+    Ok(Duration::from_secs_f64(number))
+}
+
+/// A number in a range.
+pub fn within(
+    option: &'static str,
+    text: &str,
+    [least, most]: [f64; 2],
+    why: impl Fn() -> String,
+) -> Result<f64, CliError> {
+    match text.parse::<f64>() {
+        Ok(number) if (least..=most).contains(&number) => Ok(number),
+        _ => Err(refuse(option, text, why())),
     }
 }
 
@@ -80,15 +122,18 @@ pub fn size(text: &str) -> Result<[u32; 2], CliError> {
 
 /// A whole number in a range.
 pub fn whole(option: &'static str, text: &str, least: u32, most: u32) -> Result<u32, CliError> {
-    match read(text) {
-        Reading::Number(number) if (u64::from(least)..=u64::from(most)).contains(&number) => {
-            Ok(number as u32)
-        }
-        _ => Err(refuse(
-            option,
-            text,
-            format!("give a whole number from {} to {}", grouped(least), grouped(most)),
-        )),
+    // Text that is no number, or too large for u64, is out of every range.
+    let number = match read(text) {
+        Reading::Number(number) => number,
+        Reading::TooLarge | Reading::Other => u64::MAX,
+    };
+    check_whole(number, least, most).map_err(|why| refuse(option, text, why))
+}
+
+fn check_whole(number: u64, least: u32, most: u32) -> Result<u32, String> {
+    match u32::try_from(number) {
+        Ok(number) if (least..=most).contains(&number) => Ok(number),
+        _ => Err(format!("give a whole number from {} to {}", grouped(least), grouped(most))),
     }
 }
 
@@ -106,7 +151,7 @@ fn read(text: &str) -> Reading {
     text.parse().map_or(Reading::TooLarge, Reading::Number)
 }
 
-/// That an option's value cannot be used, and what to give instead.
+/// The error for an option's value that cannot be used, with what to give instead.
 pub fn refuse(option: &'static str, value: &str, why: impl Into<String>) -> CliError {
     CliError::Value { option, value: value.to_string(), why: why.into() }
 }

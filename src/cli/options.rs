@@ -1,34 +1,32 @@
-//! What we accept: numbers in range, names known, defaults filled in.
+//! Validated options: numbers in range, names known, defaults filled in.
 //!
-//! For: one struct a command, made from its raw arguments or refused. May import: `args`, `asked`, `choices`, `methods`, `numbers`, `output`, `render`'s choices.
-//! Must never know: how a command does its work.
+//! For: one struct a command, made from its raw arguments or refused; `convert` and `inspect` have nothing to
+//! validate. May import: `args`, `limits`, `methods`, `numbers`, `picture`, and the choices and limits of
+//! what the commands run. Must not know: how a command works.
 
-use super::args::{
-    BenchArgs, ChartArgs, CompareArgs, ConvertArgs, InspectArgs, RaysArgs, RenderArgs, StabilityArgs,
-};
-use super::choices::{PipelineArg, ToneArg};
+use super::args::{BenchArgs, ChartArgs, CompareArgs, RaysArgs, RenderArgs, StabilityArgs};
 use super::error::CliError;
-use super::limits::{Limits, seconds};
+use super::limits::Limits;
 use super::methods::MethodOptions;
-use super::numbers::{bounces, lanes, refuse, samples, seed, size, threads, whole};
+use super::numbers::{bounces, lanes, refuse, samples, seconds, seed, size, threads, whole};
 use super::picture::PictureOptions;
+use crate::machine;
 use crate::measure::chart::pictures;
 use crate::measure::chart::truth::SHRINK;
 use crate::measure::stability::{Recipe, recipes};
 use crate::measure::ways::Way;
 use crate::render::PipelineChoice;
-use crate::tone::Operator;
 use crate::wording::grouped;
 use std::path::PathBuf;
 use std::time::Duration;
 
-/// Most frames measured.
+/// Most measured frames.
 pub const MAX_FRAMES: u32 = 1_000_000;
-/// Most passes over rays measured.
+/// Most measured passes over the rays.
 pub const MAX_PASSES: u32 = 1_000_000;
 /// Most seeds of a chart.
 pub const MAX_SEEDS: u32 = 1_000;
-/// Most pixels for rays in prepared arrays: 3840×2160, and about 1.5 GB.
+/// Most pixels, because all rays are held in memory: 3840×2160, about 1.5 GB.
 pub const MAX_RAYS: u32 = 1 << 23;
 
 #[derive(Clone, Debug, PartialEq)]
@@ -37,13 +35,13 @@ pub struct BenchOptions {
     pub scenes: Vec<String>,
     pub json: bool,
     pub stats: bool,
-    /// One thread, and packets once more on all cores, if `None`.
+    /// One thread, and SIMD once more on all cores, if `None`.
     pub threads: Option<usize>,
     /// One width only; both if `None`.
     pub lanes: Option<usize>,
     pub size: [u32; 2],
     pub bounces: u32,
-    /// So many per engine; by time if `None`.
+    /// Frames per engine; by time if `None`.
     pub frames: Option<u32>,
     pub seed: u32,
     pub methods: MethodOptions,
@@ -68,7 +66,7 @@ pub struct CompareOptions {
 pub struct RenderOptions {
     pub scene: String,
     pub output: PathBuf,
-    /// Where the numbers of samples go.
+    /// The file for the numbers of samples.
     pub samples_map: Option<PathBuf>,
     /// With limits.
     pub picture: PictureOptions,
@@ -86,9 +84,9 @@ pub struct RaysOptions {
     pub size: [u32; 2],
     /// One thread, and once more all cores, if `None`.
     pub threads: Option<usize>,
-    /// All that suit the rays if `None`.
+    /// All traversals if `None`.
     pub traversal: Option<Way>,
-    /// So many per way; by time if `None`.
+    /// Passes per traversal; by time if `None`.
     pub passes: Option<u32>,
     pub seed: u32,
 }
@@ -107,25 +105,12 @@ pub struct ChartOptions {
     pub scenes: Vec<String>,
     pub output: PathBuf,
     pub json: bool,
-    /// So much a scene if `None`.
+    /// By the number of scenes if `None`.
     pub budget: Option<Duration>,
-    /// Of a frame: multiples of [`SHRINK`].
+    /// Pixels of a frame: multiples of [`SHRINK`].
     pub size: [u32; 2],
     pub bounces: u32,
     pub seeds: u32,
-}
-
-#[derive(Clone, Debug, PartialEq)]
-pub struct ConvertOptions {
-    pub model: PathBuf,
-    pub scene: PathBuf,
-    pub force: bool,
-}
-
-#[derive(Clone, Debug, PartialEq)]
-pub struct InspectOptions {
-    pub scene: String,
-    pub json: bool,
 }
 
 impl TryFrom<BenchArgs> for BenchOptions {
@@ -135,14 +120,14 @@ impl TryFrom<BenchArgs> for BenchOptions {
             scenes: args.scenes,
             json: args.json,
             stats: args.stats,
-            threads: args.threads.map(|text| threads(Some(text))).transpose()?,
+            threads: threads(args.threads.as_deref())?,
             lanes: args.lanes.as_deref().map(lanes).transpose()?,
             size: size(&args.size)?,
             bounces: bounces(&args.bounces)?,
             frames: args.frames.map(|text| whole("--frames", &text, 1, MAX_FRAMES)).transpose()?,
             seed: seed(&args.seed)?,
             methods: args.methods.into(),
-            pipeline: args.pipeline.into(),
+            pipeline: args.pipeline,
         })
     }
 }
@@ -153,13 +138,13 @@ impl TryFrom<CompareArgs> for CompareOptions {
         Ok(Self {
             scenes: args.scenes,
             json: args.json,
-            threads: threads(args.threads)?,
+            threads: threads(args.threads.as_deref())?.unwrap_or_else(machine::cores),
             size: size(&args.size)?,
             bounces: bounces(&args.bounces)?,
             samples: samples(&args.samples)?,
             seed: seed(&args.seed)?,
             methods: args.methods.into(),
-            pipeline: args.pipeline.into(),
+            pipeline: args.pipeline,
         })
     }
 }
@@ -168,7 +153,7 @@ impl TryFrom<RenderArgs> for RenderOptions {
     type Error = CliError;
     fn try_from(args: RenderArgs) -> Result<Self, CliError> {
         let mut picture = PictureOptions::try_from(args.picture)?;
-        picture.asked.limits = Limits::asked(args.limits)?;
+        picture.overrides.limits = Limits::of_args(args.limits)?;
         Ok(Self {
             scene: args.scene,
             output: args.output,
@@ -194,8 +179,8 @@ impl TryFrom<RaysArgs> for RaysOptions {
             stats: args.stats,
             dump: args.dump,
             size,
-            threads: args.threads.map(|text| threads(Some(text))).transpose()?,
-            traversal: Way::of(args.traversal.into()),
+            threads: threads(args.threads.as_deref())?,
+            traversal: Way::of(args.traversal),
             passes: args.passes.map(|text| whole("--passes", &text, 1, MAX_PASSES)).transpose()?,
             seed: seed(&args.seed)?,
         })
@@ -234,33 +219,80 @@ impl From<StabilityArgs> for StabilityOptions {
     }
 }
 
-impl From<ConvertArgs> for ConvertOptions {
-    fn from(args: ConvertArgs) -> Self {
-        Self { model: args.model, scene: args.scene, force: args.force }
-    }
-}
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::buffers::LightChoice;
+    use crate::cli::args::{Args, Command};
+    use crate::cli::overrides::Overrides;
+    use crate::sampling::Sampler;
+    use crate::scene::{Loaded, Rendering, Scene, View, load};
+    use crate::tone::Operator;
+    use crate::traverse::batch::Traversal;
+    use crate::traverse::{BoxChoice, Methods, SphereChoice, TraversalChoice, TriangleChoice};
+    use clap::Parser;
 
-impl From<InspectArgs> for InspectOptions {
-    fn from(args: InspectArgs) -> Self {
-        Self { scene: args.scene, json: args.json }
+    /// The overrides of a view with this `render` and of these options.
+    fn overrides(render: Rendering, options: &[&str]) -> Overrides {
+        let words = ["octray", "render", "view.json", "-o", "a.png"].iter().chain(options);
+        let Some(Command::Render(args)) = Args::parse_from(words).command else {
+            unreachable!("the command is render")
+        };
+        let view = View { render, ..View::of(&cornell(), None, std::path::Path::new("")) };
+        let scene = Loaded { scene: cornell(), view: Some(view) };
+        let of_view = Overrides::of_view(&scene).unwrap();
+        RenderOptions::try_from(args).unwrap().picture.overrides.or(of_view)
     }
-}
 
-impl From<PipelineArg> for PipelineChoice {
-    fn from(pipeline: PipelineArg) -> Self {
-        match pipeline {
-            PipelineArg::Needed => Self::Needed,
-            PipelineArg::General => Self::General,
-        }
+    fn cornell() -> Scene {
+        load("builtin:cornell").unwrap()
     }
-}
 
-impl From<ToneArg> for Operator {
-    fn from(tone: ToneArg) -> Self {
-        match tone {
-            ToneArg::Clamp => Self::Clamp,
-            ToneArg::Reinhard => Self::Reinhard,
-            ToneArg::Aces => Self::Aces,
-        }
+    #[test]
+    fn views_mean_the_same_as_options_and_options_override_them() {
+        let render = Rendering {
+            samples: Some(37),
+            seed: Some(u32::MAX),
+            exposure: Some(-0.3),
+            tone: Some(Operator::Reinhard),
+            clamp: Some(10.1),
+            sphere: Some(SphereChoice::Naive),
+            triangle: Some(TriangleChoice::MollerTrumbore),
+            boxes: Some(BoxChoice::Fma),
+            traversal: Some(TraversalChoice::Through(Traversal::Single)),
+            lights: Some(LightChoice::On),
+            sampler: Some(Sampler::Random),
+            pipeline: Some(PipelineChoice::General),
+        };
+        let same = "--samples 37 --seed 4294967295 --exposure -0.3 --tone reinhard --clamp 10.1 --sphere naive \
+                    --triangle moller-trumbore --box fma --traversal single --lights on --sampler random --pipeline general";
+        let same: Vec<&str> = same.split_whitespace().collect();
+        let by_view = overrides(render, &[]);
+        assert_eq!(by_view, overrides(Rendering::default(), &same));
+        assert_ne!(by_view, overrides(Rendering::default(), &[]));
+        let other = "--samples 1 --seed 2 --exposure 3 --tone aces --clamp 4 --sphere robust --triangle woop --box padded-fma \
+                     --traversal linear --lights off --sampler sobol --pipeline needed";
+        let other: Vec<&str> = other.split_whitespace().collect();
+        assert_eq!(overrides(render, &other), overrides(Rendering::default(), &other));
+    }
+
+    #[test]
+    fn fast_and_robust_override_the_views_methods_and_any_limit_its_samples() {
+        let render = Rendering {
+            samples: Some(37),
+            triangle: Some(TriangleChoice::MollerTrumbore),
+            lights: Some(LightChoice::Off),
+            ..Rendering::default()
+        };
+        let methods = |options: &[&str]| overrides(render, options).methods.of(&cornell());
+        let plain = methods(&[]);
+        assert_eq!(plain.triangle, TriangleChoice::MollerTrumbore);
+        assert_eq!(methods(&["--robust"]), Methods { triangle: TriangleChoice::Woop, ..plain });
+        assert_eq!(methods(&["--fast"]), Methods { triangle: TriangleChoice::BaldwinWeber, ..plain });
+        let limits = |options: &[&str]| overrides(render, options).limits.unwrap();
+        assert_eq!(limits(&[]).samples, 37);
+        assert_eq!(limits(&["--samples", "5"]).samples, 5);
+        assert!(limits(&["--target-error", "0.1"]).samples > 37);
+        assert!(limits(&["--time-limit", "1"]).samples > 37);
     }
 }

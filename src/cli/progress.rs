@@ -1,8 +1,9 @@
-//! How far a rendering, or a list of tasks, is: a line on standard error, where that is a terminal.
+//! Progress lines on standard error, where that is a terminal.
 //!
-//! For: [`Progress`], [`Countdown`] of what ends by the clock, and [`Tasks`]. May import: `terminal`, `indicatif`. Must never know: what is rendered, or how.
+//! For: [`Progress`] of a rendering, [`Countdown`] of a run with a time budget, [`Tasks`] of a list. May
+//! import: `report`'s numbers, `indicatif`. Must not know: what is rendered, or how.
 
-use super::terminal::figure;
+use crate::report::numbers::{figure, mrays_per_s};
 use crate::wording::grouped;
 use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 use std::fmt::Write;
@@ -11,24 +12,26 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
-/// How often the line is drawn, whatever is done meanwhile.
+/// Interval at which the line is drawn.
 const REDRAW: Duration = Duration::from_millis(200);
-/// From when on the time left is known well enough to be told: this long after the start, and this share of the work.
+/// The time left is shown from this time after the start and this share of the work on: before, the estimate
+/// is too uncertain.
 const SETTLED: Duration = Duration::from_secs(2);
 const SETTLED_SHARE: f64 = 0.02;
 
-/// The line, drawn by a thread of its own: whoever works only counts. Nothing is drawn where standard error is not a terminal.
+/// A rendering's line. A separate thread draws it; workers only count. Nothing is drawn where standard error
+/// is not a terminal.
 pub struct Progress {
-    /// Counts samples of single pixels, so that it moves during the first sample of the picture.
+    /// Counts pixel samples, so that it moves during the first sample of the picture.
     bar: ProgressBar,
     rays: Arc<AtomicU64>,
     pixels: u64,
-    /// Samples of single pixels that there will be, as far as is known.
+    /// Pixel samples in all, by the present forecast.
     expected: Arc<AtomicU64>,
 }
 
 impl Progress {
-    /// Starts now, and ends after so much time, if that is limited.
+    /// Starts now; `limit` is the time limit, if there is one.
     pub fn new([width, height]: [u32; 2], limit: Option<Duration>) -> Self {
         let pixels = u64::from(width) * u64::from(height);
         let (rays, expected) = (Arc::new(AtomicU64::new(0)), Arc::new(AtomicU64::new(0)));
@@ -41,13 +44,13 @@ impl Progress {
         Self { bar, rays, pixels, expected }
     }
 
-    /// So many samples of single pixels there will be, in all.
+    /// Sets the forecast of pixel samples.
     pub fn expect(&self, pixel_samples: u64) {
         self.expected.store(pixel_samples, Ordering::Relaxed);
         self.bar.set_length(pixel_samples.max(self.pixels));
     }
 
-    /// Counts a sample of so many pixels, and its rays.
+    /// Counts one sample of `pixels` pixels, and its rays.
     pub fn add(&self, pixels: usize, rays: u64) {
         if !self.bar.is_hidden() {
             self.rays.fetch_add(rays, Ordering::Relaxed);
@@ -55,26 +58,26 @@ impl Progress {
         }
     }
 
-    /// From now on the line says that the file is being written.
+    /// Shows that the file is being written.
     pub fn writing(&self, file: &Path) {
         self.bar.set_style(style("{spinner} writing {msg}"));
         self.bar.set_message(file.display().to_string());
         self.bar.tick();
     }
 
-    /// Takes the line away.
+    /// Removes the line.
     pub fn end(self) {
         self.bar.finish_and_clear();
     }
 }
 
-/// A line for what ends by the clock: how much of its time is over, and what it does.
+/// The line of a run with a time budget: the share of it that has passed, and the present step.
 pub struct Countdown {
     bar: ProgressBar,
 }
 
 impl Countdown {
-    /// Began at `start` and is to take so much time.
+    /// A run that began at `start` with a budget of `time`.
     pub fn new(start: Instant, time: Duration) -> Self {
         let passed = move || start.elapsed().div_duration_f64(time).min(1.0);
         let filled = move |_: &ProgressState, out: &mut dyn Write| {
@@ -88,23 +91,23 @@ impl Countdown {
         Self { bar: line(None, template.with_key("filled", filled).with_key("say", say)) }
     }
 
-    /// From now on it does this.
+    /// Shows the present step.
     pub fn step(&self, what: &str) {
         self.bar.set_message(what.to_owned());
     }
 
-    /// Something that writes above the line.
+    /// Runs `say`, which writes above the line.
     pub fn above(&self, say: impl FnOnce()) {
         self.bar.suspend(say);
     }
 
-    /// Takes the line away.
+    /// Removes the line.
     pub fn end(self) {
         self.bar.finish_and_clear();
     }
 }
 
-/// How far a list of tasks is: a line of the same kind, with the name of the task at hand.
+/// The line of a list of tasks, with the name of the present one.
 pub struct Tasks {
     bar: ProgressBar,
 }
@@ -114,27 +117,22 @@ impl Tasks {
         Self { bar: line(Some(count as u64), style("{wide_bar} {pos}/{len} {msg}")) }
     }
 
-    /// Shows what is begun now.
+    /// Shows the present task.
     pub fn begin(&self, task: &'static str) {
         self.bar.set_message(task);
     }
-    /// Runs something that writes to the terminal, with the line out of its way, and counts the task.
+    /// Counts the task, and runs `tell`, which writes above the line.
     pub fn done<R>(&self, tell: impl FnOnce() -> R) -> R {
         self.bar.inc(1);
         self.bar.suspend(tell)
     }
-    /// Takes the line away.
+    /// Removes the line.
     pub fn end(self) {
         self.bar.finish_and_clear();
     }
 }
 
-/// Millions of rays a second.
-pub fn mrays_per_s(rays: u64, time: Duration) -> f64 {
-    rays as f64 / time.as_secs_f64().max(1e-9) / 1e6
-}
-
-/// A line on standard error, drawn again and again by a thread of its own, if somebody can see it.
+/// A line on standard error, redrawn by a separate thread, if that is a terminal.
 fn line(length: Option<u64>, style: ProgressStyle) -> ProgressBar {
     let bar = ProgressBar::with_draw_target(length, ProgressDrawTarget::stderr_with_hz(10));
     bar.set_style(style);
@@ -148,7 +146,8 @@ fn style(template: &str) -> ProgressStyle {
     ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar())
 }
 
-/// What stands behind the bar: `done` of `expected` samples of single pixels, so many of which are a sample of the picture.
+/// The text behind the bar, at `done` of `expected` pixel samples; `pixels` of them are a sample of the
+/// picture.
 fn figures(
     done: u64,
     pixels: u64,
@@ -161,13 +160,13 @@ fn figures(
     let of_time = limit.map_or(0.0, |limit| time.div_duration_f64(limit).min(1.0));
     let share = of_samples.max(of_time);
     let rate = figure(mrays_per_s(rays, time), 1);
-    // Where the time will end it, nobody knows how many samples there will be.
+    // Where the time limit will end the rendering, the number of samples is unknown.
     let all =
         if of_samples < of_time { String::new() } else { format!("/{}", grouped(expected.div_ceil(pixels))) };
     let mut text = format!("{:.1} %  {}{all} samples  {rate} Mray/s", share * 100.0, grouped(done / pixels));
     if (SETTLED_SHARE..1.0).contains(&share) && time >= SETTLED {
         let left = time.mul_f64((1.0 - share) / share).max(Duration::from_secs(1));
-        // The parts of a picture cost differently: before each was seen once, the rest is a guess.
+        // Parts of a picture differ in cost: before the first whole sample the time left is a guess.
         let guess = if done < pixels && of_time < of_samples { "perhaps " } else { "" };
         let _ = write!(text, "  {guess}{} left", HumanDuration(left));
     }

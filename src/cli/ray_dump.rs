@@ -1,10 +1,10 @@
-//! Rays and answers as files that other programs can read, to trace the very same rays.
+//! Rays, hits and triangles as files, so that other programs can trace the same rays.
 //!
-//! For: [`write()`]. May import: `ray_sets`, `scene`, `output`. Must never know: how rays are traced.
+//! For: [`write()`]. May import: `measure::ray_sets`, `scene`, `output`. Must not know: how rays are traced.
 //!
 //! # Format
-//! Plain binary, little-endian, without padding. `primary.rays`, `shadow.rays` and `diffuse.rays` hold columns, one after the
-//! other, each of `count` numbers:
+//! Plain binary, little-endian, without padding. `primary.rays`, `shadow.rays` and `diffuse.rays` hold
+//! columns, one after the other, each of `count` numbers:
 //!
 //! | what | type |
 //! |---|---|
@@ -12,12 +12,12 @@
 //! | count | u64 |
 //! | origin x, origin y, origin z | 3 columns of f32 |
 //! | direction x, y, z (of unit length within 2 ε) | 3 columns of f32 |
-//! | reach: how far hits count, in units of t; may be infinite | f32 |
+//! | t_max: largest t of a hit; may be infinite | f32 |
 //! | octray's t; infinite for a miss | f32 |
 //! | octray's primitive; 0xffffffff for a miss | u32 |
 //! | octray's u and v: weights of a triangle's second and third vertex; 0 on spheres and for a miss | 2 columns of f32 |
 //!
-//! The answers are those of the nearest hit within reach, for shadow rays too. Hits have 0 < t < reach.
+//! The hit is the nearest one with 0 < t < t_max, for shadow rays too.
 //!
 //! `triangles.bin` holds the triangles, in the order in which hits number them:
 //!
@@ -27,7 +27,8 @@
 //! | count | u64 |
 //! | vertices a, b, c of each triangle, x, y, z of each vertex | 9 f32 a triangle |
 //!
-//! Spheres are in no file. Hits number them first, so in a scene with spheres triangle i is the primitive i + the number of spheres.
+//! Spheres are in no file. Hits number them first, so in a scene with spheres triangle i is the primitive i +
+//! the number of spheres.
 
 use crate::math::MISS;
 use crate::measure::ray_sets::Prepared;
@@ -39,7 +40,7 @@ use std::path::Path;
 const RAYS: &[u8; 8] = b"OCTRAYS1";
 const TRIANGLES: &[u8; 8] = b"OCTRITR1";
 
-/// Writes all files.
+/// Writes all files into a folder.
 pub fn write(folder: &Path, scene: &Scene, rays: &[Prepared]) -> Result<(), OutputError> {
     rays.iter().try_for_each(|rays| write_rays(folder, rays))?;
     write_triangles(folder, scene)

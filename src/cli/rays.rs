@@ -1,65 +1,27 @@
-//! `octray rays`: rays per second, by kind of ray and way of tracing.
+//! `octray rays`: rays per second, by kind of ray and traversal.
 
-use super::CHECK_FAILED;
-use super::error::CliError;
-use super::memory::bytes;
+use super::error::{CHECK_FAILED, CliError};
 use super::options::RaysOptions;
 use super::ray_dump;
 use super::scenes;
-use super::stats;
-use super::terminal::{self, figure};
-use crate::bvh::check::{Statistics, check_scene};
+use super::terminal;
+use crate::bvh::check::check_scene;
 use crate::machine::{self, Machine};
-use crate::measure::rays::{self, BuildTime, Measurement};
-use crate::measure::stats::RayStats;
+use crate::measure::rays;
 use crate::measure::ways::{Ground, Team, Way};
-
 use crate::output;
+use crate::report::rays::{Report, heading, meaning, row};
+use crate::report::stats;
 use crate::scene::SceneError;
-use crate::wording::{counted, grouped};
-use serde::Serialize;
-use std::fmt::Write;
 use std::process::ExitCode;
 
-/// Fewest builds behind the median of the time they take.
+/// Fewest builds behind the median build time.
 const FEWEST_BUILDS: usize = 3;
-
-/// The JSON report.
-#[derive(Debug, Serialize)]
-struct Report {
-    schema: &'static str,
-    machine: Machine,
-    scene: String,
-    triangles: usize,
-    spheres: usize,
-    width: u32,
-    height: u32,
-    seed: u32,
-    /// On one thread.
-    build_ms: f64,
-    builds: Vec<BuildTime>,
-    /// Nodes, and leaves with all that tracing reads.
-    bvh_bytes: usize,
-    tree: Option<Statistics>,
-    /// What makes the hierarchy invalid: a fault of the program.
-    fault: Option<String>,
-    results: Vec<Measurement>,
-    /// With `--stats`: a pass that was not timed.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    stats: Option<Vec<RayStats>>,
-    /// What was not measured, and why: each a full sentence.
-    left_out: Vec<String>,
-}
 
 /// Runs the command.
 pub fn run(options: RaysOptions) -> Result<ExitCode, CliError> {
-    if cfg!(debug_assertions) {
-        terminal::warn(
-            "this is a debug build: its figures say nothing. Use cargo run --release -- rays SCENE.",
-        );
-    }
-    let scene = scenes::load(&options.scene)?;
-    scene.warnings.iter().for_each(|warning| terminal::warn(warning));
+    terminal::warn_of_debug_build("rays SCENE");
+    let scene = scenes::load_with_warnings(&options.scene)?;
     let camera = scene.overview().ok_or_else(|| SceneError::no_overview(&scene))?;
     if let Some(folder) = &options.dump {
         output::make_folder(folder)?;
@@ -103,7 +65,7 @@ pub fn run(options: RaysOptions) -> Result<ExitCode, CliError> {
     }
     for prepared in &sets {
         let mut ways: Vec<Way> = Way::all().collect();
-        ways.retain(|way| options.traversal.is_none_or(|asked| asked == *way));
+        ways.retain(|way| options.traversal.is_none_or(|chosen| chosen == *way));
         if ways.contains(&Way::Linear) && rays::too_many_for_linear(&scene, &prepared.set) {
             ways.retain(|way| *way != Way::Linear);
             report.left_out.push(format!(
@@ -139,96 +101,4 @@ fn threads(options: &RaysOptions) -> Vec<usize> {
         (None, 1) => vec![1],
         (None, cores) => vec![1, cores],
     }
-}
-
-fn heading(report: &Report) -> String {
-    let mut text = format!("{}\n", report.machine);
-    let Report { scene, triangles, spheres, width, height, .. } = report;
-    let _ = writeln!(
-        text,
-        "{scene}: {}, {}; {width}×{height} primary rays",
-        counted(triangles, "triangle", "triangles"),
-        counted(spheres, "sphere", "spheres")
-    );
-    let built = |build: &BuildTime| {
-        format!("{} ms on {}", figure(build.ms, 1), counted(build.threads, "thread", "threads"))
-    };
-    let built: Vec<String> = report.builds.iter().map(built).collect();
-    let primitives = (triangles + spheres).max(1);
-    let _ = writeln!(
-        text,
-        "hierarchy: built in {}; {}, {:.0} bytes a primitive",
-        built.join(", "),
-        bytes(report.bvh_bytes as u64),
-        report.bvh_bytes as f64 / primitives as f64
-    );
-    match (&report.tree, &report.fault) {
-        (Some(tree), _) => {
-            let Statistics { wide_nodes, node_fill, leaves, leaf_fill, wide_depth, .. } = tree;
-            let Statistics { node_visits, leaf_visits, cost, .. } = tree;
-            let _ = writeln!(
-                text,
-                "{} of {node_fill:.1} boxes, {} of {leaf_fill:.1} primitives, {}; a random line tests {node_visits:.1} nodes and \
-                 {leaf_visits:.1} leaves, cost {cost:.1}",
-                counted(wide_nodes, "node", "nodes"),
-                counted(leaves, "leaf", "leaves"),
-                counted(wide_depth, "level", "levels")
-            );
-        }
-        (None, fault) => {
-            let _ = writeln!(text, "THE HIERARCHY IS INVALID: {}", fault.as_deref().unwrap_or_default());
-        }
-    }
-    let _ = writeln!(
-        text,
-        "\n{:<9}{:>11}{:>11}  {:<10}{:>6}{:>8}{:>9}{:>19}{:>8}",
-        "kind", "rays", "hits", "traversal", "lanes", "threads", "Mray/s", "10 % to 90 %", "differ"
-    );
-    text
-}
-
-fn row(result: &Measurement) -> String {
-    let [low, high] = result.mrays_per_s_spread;
-    format!(
-        "{:<9}{:>11}{:>11}  {:<10}{:>6}{:>8}{:>9.2}{:>19}{:>8}\n",
-        result.kind.name(),
-        grouped(result.rays),
-        grouped(result.hits),
-        result.traversal,
-        result.lanes,
-        result.threads,
-        result.mrays_per_s,
-        format!("{low:.2} to {high:.2}"),
-        grouped(result.disagreements)
-    )
-}
-
-/// What the table says.
-fn meaning(report: &Report) -> String {
-    let mut text = String::from("\n");
-    for sentence in &report.left_out {
-        let _ = writeln!(text, "{sentence}");
-    }
-    for result in &report.results {
-        if let Some(first) = &result.first_disagreement {
-            let _ = writeln!(
-                text,
-                "{} OF {} {} RAYS DIFFER for {} on {}: first number {}, {:?} instead of {:?}",
-                grouped(result.disagreements),
-                grouped(result.rays),
-                result.kind.name(),
-                result.traversal,
-                counted(result.threads, "thread", "threads"),
-                grouped(first.ray),
-                first.found,
-                first.expected
-            );
-        }
-    }
-    if report.results.is_empty() {
-        text.push_str("Nothing was measured.\n");
-    } else if report.results.iter().all(|result| result.disagreements == 0) {
-        text.push_str("Every way finds the hits of one scalar ray at a time, bit by bit.\n");
-    }
-    text
 }

@@ -1,6 +1,6 @@
-//! `--samples-map`: a picture of how many samples each pixel has had.
+//! `--samples-map`: a picture of the number of samples of each pixel.
 //!
-//! For: [`check`], [`save`]. May import: `film`, `output`. Must never know: why pixels have had different numbers.
+//! For: [`check`], [`save`]. May import: `options`, `film`, `output`. Must not know: why the numbers differ.
 
 use super::error::CliError;
 use super::numbers::refuse;
@@ -10,7 +10,7 @@ use crate::output::{self, Existing, Format};
 use crate::tone::{Tone, srgb_decode};
 use std::path::{Path, PathBuf};
 
-/// Can it be written where it shall be? Finds out before anything is rendered.
+/// Checks that the map can be written; called before the rendering.
 pub fn check(options: &RenderOptions) -> Result<(), CliError> {
     let Some(file) = &options.samples_map else { return Ok(()) };
     Format::of(file)?;
@@ -21,14 +21,14 @@ pub fn check(options: &RenderOptions) -> Result<(), CliError> {
     Ok(output::check(file, Existing::Replace)?)
 }
 
-/// The file that a path means, whichever way it leads there; the path itself where its folder is none.
+/// The canonical path of a file, there or not; the path itself where its folder does not exist.
 fn place(path: &Path) -> PathBuf {
     let folder = path.parent().unwrap_or(Path::new("")).join(".").canonicalize();
     let of_new = |folder: PathBuf| path.file_name().map(|name| folder.join(name));
     path.canonicalize().ok().or_else(|| folder.ok().and_then(of_new)).unwrap_or_else(|| path.into())
 }
 
-/// Writes it; fails, and leaves no file, once `given_up` says so.
+/// Writes the map; fails and leaves no file once `given_up` returns true.
 pub fn save(file: &Path, film: &Film, given_up: &dyn Fn() -> bool) -> Result<(), CliError> {
     let mut counts = film.counts();
     if !Format::of(file)?.is_linear() {
@@ -37,7 +37,8 @@ pub fn save(file: &Path, film: &Film, given_up: &dyn Fn() -> bool) -> Result<(),
     Ok(output::save_unless(file, &counts, &Tone::default(), given_up)?)
 }
 
-/// From counts to what a screen shows them as: even steps to the eye for even factors, white for `most`, black for none and for one.
+/// Replaces counts by shades: equal factors are equal steps to the eye, from black for 0 and 1 to white for
+/// `most`.
 fn shade(counts: &mut Picture, most: u32) {
     let whole = f64::from(most.max(2)).ln();
     for pixel in &mut counts.pixels {

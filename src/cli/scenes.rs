@@ -1,23 +1,33 @@
-//! The scenes that commands take.
+//! Loads the scenes of commands.
 //!
-//! For: [`load`], and [`asked_for`] and [`or_built_in`] for several. May import: `scene`, `asked`. Must never know: what is done with them.
+//! For: [`load`], [`load_with_warnings`], [`checked`], [`or_built_in`]. May import: `scene`, `overrides`,
+//! `terminal`. Must not know: the commands.
 
-use super::asked::Asked;
 use super::error::CliError;
+use super::overrides::Overrides;
+use super::terminal;
 use crate::scene::{self, Loaded};
 
-/// The scene of that name. A view that asks for what does not exist is refused by every command, not only by the one that would do it.
+/// Loads a scene by name. Every command refuses a view with invalid overrides, also a command that does not
+/// use them.
 pub fn load(name: &str) -> Result<Loaded, CliError> {
     let scene = scene::load_with_view(name)?;
-    Asked::of(&scene)?;
+    Overrides::of_view(&scene)?;
     Ok(scene)
 }
 
-/// The names of the scenes asked for, or of the built-in ones.
+/// Loads a scene by name, and prints its warnings.
+pub fn load_with_warnings(name: &str) -> Result<Loaded, CliError> {
+    let scene = load(name)?;
+    scene.warnings.iter().for_each(|warning| terminal::warn(warning));
+    Ok(scene)
+}
+
+/// The names given, or those of the built-in scenes.
 ///
-/// Of several each has been read once, so that a fault in the last one does not cost the time of all before it; and was forgotten again, so
-/// that no two are in memory at a time.
-pub fn asked_for(names: &[String]) -> Result<Vec<String>, CliError> {
+/// Several scenes are all loaded once here and dropped, so that a fault in the last one shows before the
+/// others take their time, and only one is in memory at a time.
+pub fn checked(names: &[String]) -> Result<Vec<String>, CliError> {
     if names.len() > 1 {
         for name in names {
             load(name)?;
@@ -26,7 +36,7 @@ pub fn asked_for(names: &[String]) -> Result<Vec<String>, CliError> {
     Ok(or_built_in(names))
 }
 
-/// These names, or those of the built-in scenes if there are none.
+/// The names given, or those of the built-in scenes if none is given.
 pub fn or_built_in(names: &[String]) -> Vec<String> {
     match names {
         [] => scene::builtin_names().map(|name| format!("builtin:{name}")).collect(),

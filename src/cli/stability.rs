@@ -1,29 +1,16 @@
 //! `octray stability`: where methods fail, as a table, as JSON and as charts.
 
-use super::CHECK_FAILED;
-use super::error::CliError;
+use super::error::{CHECK_FAILED, CliError};
 use super::options::StabilityOptions;
 use super::progress::Tasks;
 use super::terminal;
 use crate::machine::Machine;
-use crate::measure::stability::{Bound, Curve, Effort, Outcome, Point};
+use crate::measure::stability::Effort;
 use crate::output::{self, Existing};
-use crate::report::stability::{figures, percent};
-use crate::wording::{counted, grouped};
-use serde::Serialize;
-use std::fmt::Write;
+use crate::report::stability::figures;
+use crate::report::stability_table::{Report, table, verdict};
 use std::path::Path;
 use std::process::ExitCode;
-
-/// The JSON report.
-#[derive(Debug, Serialize)]
-struct Report {
-    schema: &'static str,
-    machine: Machine,
-    /// Do the default methods keep their bounds in all of these?
-    holds: bool,
-    recipes: Vec<Outcome>,
-}
 
 const JSON: &str = "stability.json";
 
@@ -70,131 +57,4 @@ fn write(folder: &Path, report: &Report) -> Result<(), CliError> {
         output::save_text(&folder.join(format!("{name}.svg")), &figure.svg())?;
     }
     Ok(output::save_json(&folder.join(JSON), report)?)
-}
-
-/// Room for a name and for a figure.
-const NAME: usize = 26;
-const FIGURE: usize = 8;
-
-/// A row a method for its failures, and a second one for its error where that is measured.
-fn table(outcome: &Outcome) -> String {
-    let Outcome { recipe, title, axis, failure, error, curves, .. } = outcome;
-    let mut text = format!("\n{recipe}: {title}\n  %: {failure}");
-    if let Some(error) = error {
-        let _ = write!(text, "; below it {error}, 99th percentile");
-    }
-    let _ = writeln!(text, "\n  by {axis}:");
-    let row = |text: &mut String, name: &str, figure: &dyn Fn(&Point) -> String, points: &[Point]| {
-        let _ = write!(text, "  {name:<NAME$}");
-        points.iter().for_each(|point| {
-            let _ = write!(text, "{:>FIGURE$}", figure(point));
-        });
-        text.push('\n');
-    };
-    let places = curves.first().map_or(&[][..], |curve| &curve.points);
-    row(&mut text, "", &|point| place(point.x), places);
-    for Curve { method, default, points } in curves {
-        let name = format!("{method}{}", if *default { " *" } else { "" });
-        let failures = |point: &Point| {
-            let share = percent(point.rate()).trim_end_matches(" %").to_string();
-            if point.promises_nothing() { format!("({share})") } else { share }
-        };
-        row(&mut text, &name, &failures, points);
-        if error.is_some() {
-            let error = |point: &Point| point.p99.map_or("-".into(), |p99| format!("{p99:.1e}"));
-            row(&mut text, "", &error, points);
-        }
-    }
-    for Point { x, failures, tested, p99, bound, .. } in outcome.faults() {
-        let Bound { failures: share, p99: most } = bound.unwrap_or(Bound::NONE);
-        let _ = writeln!(
-            text,
-            "  THE DEFAULT FAILS at {}: {} of {}, expected at most {}; error {p99:?}, at most {most:?}",
-            place(*x),
-            grouped(failures),
-            grouped(tested),
-            percent(share)
-        );
-    }
-    text
-}
-
-/// A place on an axis: short numbers as they are.
-fn place(x: f64) -> String {
-    let text = if x == 0.0 || (1e-3..1e5).contains(&x) { format!("{x}") } else { format!("{x:e}") };
-    if text.len() < FIGURE { text } else { format!("{x:.1e}") }
-}
-
-fn verdict(report: &Report) -> String {
-    let failed: Vec<&str> =
-        report.recipes.iter().filter(|outcome| !outcome.holds).map(|outcome| outcome.recipe).collect();
-    match failed[..] {
-        [] => format!(
-            "\nThe default methods (*) keep their bounds in {}. In brackets: places where they promise nothing.\n",
-            counted(report.recipes.len(), "recipe", "recipes")
-        ),
-        _ => format!("\nTHE DEFAULT METHODS (*) DO NOT KEEP THEIR BOUNDS in {}.\n", failed.join(", ")),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn outcome(failures: usize) -> Outcome {
-        let point = Point {
-            x: 4096.0,
-            tested: 2000,
-            failures,
-            p50: None,
-            p90: None,
-            p99: Some(1.5e-6),
-            max: None,
-            bound: Some(Bound::NO_FAILURE),
-        };
-        Outcome {
-            recipe: "far",
-            title: "Far away",
-            axis: "distance",
-            failure: "missed",
-            error: Some("|Δt|"),
-            source: "somebody",
-            holds: point.holds(),
-            curves: vec![Curve { method: "robust", default: true, points: vec![point] }],
-        }
-    }
-
-    #[test]
-    fn table_marks_the_default_and_tells_its_faults() {
-        let good = table(&outcome(0));
-        let bad = table(&outcome(3));
-        let has = |text: &str, row: &[&str]| {
-            text.lines().any(|line| line.split_whitespace().eq(row.iter().copied()))
-        };
-        assert!(
-            has(&good, &["4096"]) && has(&good, &["robust", "*", "0"]) && has(&good, &["1.5e-6"]),
-            "{good}"
-        );
-        assert!(!good.contains("FAILS") && bad.contains("FAILS at 4096: 3 of 2,000"), "{bad}");
-    }
-
-    #[test]
-    fn verdict_names_the_recipes_in_which_a_default_fails() {
-        let report = |recipes: Vec<Outcome>| Report {
-            schema: "",
-            machine: Machine::current(),
-            holds: recipes.iter().all(|outcome| outcome.holds),
-            recipes,
-        };
-        assert!(verdict(&report(vec![outcome(0)])).contains("keep their bounds in 1 recipe."));
-        assert!(verdict(&report(vec![outcome(0), outcome(1)])).contains("BOUNDS in far."));
-    }
-
-    #[test]
-    fn places_are_short() {
-        assert_eq!(
-            [0.0, 1e-6, 0.02, 4096.0, 1e5, 4294967296.0].map(place),
-            ["0", "1e-6", "0.02", "4096", "1e5", "4.3e9"]
-        );
-    }
 }

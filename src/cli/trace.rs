@@ -1,6 +1,6 @@
-//! Taking samples until a limit is reached or the user has had enough.
+//! Takes samples until a limit is reached or the user interrupts.
 //!
-//! For: [`trace`]. May import: `limits`, `interrupt`, `progress`, `render`. Must never know: files, reports.
+//! For: [`trace`]. May import: `limits`, `interrupt`, `progress`, `render`. Must not know: files.
 
 use super::interrupt::Interrupt;
 use super::limits::Limits;
@@ -8,27 +8,18 @@ use super::progress::Progress;
 use crate::adaptive::{ErrorEstimate, Round};
 use crate::film::Film;
 use crate::render::{RenderObserver, Renderer};
-use serde::Serialize;
+use crate::report::render::End;
 use std::time::{Duration, Instant};
 
-/// How long a chunk of samples should take: short enough for Ctrl-C to feel immediate, long enough that starting and ending it costs
-/// nothing.
+/// Target duration of a chunk of samples: short enough for Ctrl-C to feel immediate, long enough that the
+/// overhead of a chunk is negligible.
 const CHUNK: Duration = Duration::from_millis(100);
-/// How long a chunk may take to end by itself after Ctrl-C or the end of the time, so that every pixel has the same number of samples; one
-/// that takes longer stops between tiles.
+/// Time that a chunk has to finish after Ctrl-C or the deadline, so that every pixel has the same number of
+/// samples. A chunk that takes longer stops between tiles.
 const GRACE: Duration = Duration::from_millis(300);
 
-/// Why no more samples were taken.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum End {
-    Samples,
-    TargetError,
-    TimeLimit,
-    Interrupt,
-}
-
-/// Adds samples in chunks until a limit is reached or the user has asked for an end; says how long it took and which it was.
+/// Adds samples in chunks until a limit is reached or the user interrupts. Returns the time taken and why it
+/// ended.
 pub fn trace(
     renderer: &Renderer,
     film: &mut Film,
@@ -52,7 +43,7 @@ pub fn trace(
     (start.elapsed(), end)
 }
 
-/// What to do next; none if there is nothing left to do.
+/// The next round; `None` at the end.
 fn next_round(film: &Film, limits: &Limits) -> Option<Round> {
     match &limits.target {
         Some(target) => target.next(film),
@@ -60,15 +51,16 @@ fn next_round(film: &Film, limits: &Limits) -> Option<Round> {
     }
 }
 
-/// How fast samples have been taken.
+/// The speed of sampling so far.
 struct Pace {
-    /// Samples of each pixel to take at a time.
+    /// Samples per pixel in the next chunk.
     chunk: u32,
-    /// For a sample of a pixel; 0 before the first one.
+    /// Seconds per sample of a pixel; 0 before the first chunk.
     seconds_a_pixel: f64,
 }
 
-/// Brings all tiles to their goals, chunk by chunk, so that they stay together; says why, if it stops before.
+/// Brings all tiles to their goals, chunk by chunk, so that no tile runs ahead. Returns why it stopped early,
+/// if it did.
 fn take_round(
     renderer: &Renderer,
     film: &mut Film,
@@ -83,7 +75,7 @@ fn take_round(
         if missing == 0 {
             return None;
         }
-        if interrupt.asked() {
+        if interrupt.requested() {
             return Some(End::Interrupt);
         }
         let mut chunk = pace.chunk.min(missing);
@@ -91,7 +83,7 @@ fn take_round(
         if let Some(deadline) = deadline {
             let left = deadline.saturating_duration_since(began).as_secs_f64();
             let fitting = (left / (pixels as f64 * pace.seconds_a_pixel).max(1e-12)) as u32;
-            // The first sample is begun whatever it takes: less than a whole one is more than none.
+            // The first sample starts in any case: a part of the picture is more than none.
             if left == 0.0 || (whole && fitting == 0) {
                 return Some(End::TimeLimit);
             }
@@ -108,7 +100,7 @@ fn take_round(
     }
 }
 
-/// A chunk under way: tells the progress, hears the interruption, looks at the clock.
+/// The observer of a chunk: counts progress, and stops the chunk after an interrupt or the deadline.
 struct Chunk<'a> {
     began: Instant,
     late: Option<Instant>,
@@ -118,17 +110,17 @@ struct Chunk<'a> {
 
 impl RenderObserver for Chunk<'_> {
     fn is_cancelled(&self) -> bool {
-        let interrupted = self.interrupt.asked() && self.began.elapsed() >= GRACE;
+        let interrupted = self.interrupt.requested() && self.began.elapsed() >= GRACE;
         interrupted || self.late.is_some_and(|late| Instant::now() >= late)
     }
     fn sample_done(&self, pixels: usize, rays: u64) {
-        self.interrupt.begun();
+        self.interrupt.set_begun();
         self.progress.add(pixels, rays);
     }
 }
 
-/// How many samples to trace next, given how long the last ones took: as many as should take [`CHUNK`], but not more than
-/// four times as many as before, because a short time measures poorly.
+/// Samples per pixel of the next chunk: as many as should take [`CHUNK`] at the speed of the last one, and at
+/// most four times as many as in the last one, because short times are measured poorly.
 fn next_chunk(last: u32, took: Duration) -> u32 {
     let fitting = f64::from(last) * CHUNK.as_secs_f64() / took.as_secs_f64().max(1e-9);
     (fitting as u32).clamp(1, last.saturating_mul(4))
@@ -191,7 +183,7 @@ mod tests {
         let moment = Some(Duration::from_millis(50));
         assert_eq!(end(1 << 24, target(1e-4, 1 << 24), moment), End::TimeLimit);
         let interrupt = Interrupt::default();
-        interrupt.ask();
+        interrupt.request();
         assert_eq!(traced(Limits { samples: 8, target: None, time: None }, &interrupt).2, End::Interrupt);
     }
 }

@@ -1,17 +1,18 @@
 //! `octray view`: a window, or a terminal, to walk through scenes in.
 //!
-//! For: [`ViewArgs`], [`ViewOptions`], [`run`]. May import: `viewer`. Must never know: what keys do.
+//! For: [`ViewOptions`], [`run`]. May import: `viewer`. Must not know: what keys do.
 
-use super::asked::Asked;
+use super::args::ViewArgs;
 use super::error::CliError;
 use super::memory;
 use super::numbers::whole;
-use super::picture::{PictureArgs, PictureOptions};
+use super::overrides::Overrides;
+use super::picture::PictureOptions;
 use super::scenes;
-use super::terminal::{self, figure};
+use super::terminal;
 use crate::machine::{self, Machine};
+use crate::report::numbers::figure;
 use crate::scene::Loaded;
-use crate::viewer::keys;
 use crate::viewer::playlist::Playlist;
 use crate::viewer::window::Presented;
 use crate::viewer::{self, Options, Summary};
@@ -21,50 +22,7 @@ use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-/// Walk through scenes in a window.
-///
-/// The picture gathers samples for as long as the camera stands, up to 65,536 a pixel; while it moves, what earlier frames saw stands in for
-/// samples. Where the screen has room, the window shows each pixel larger. Files may be dropped on it; a scene whose file changes is read
-/// again.
-///
-/// --terminal draws with half characters in true colour instead, for machines without a display; Ctrl-C ends it.
-#[derive(Debug, clap::Args)]
-#[command(after_help = after_help())]
-pub struct ViewArgs {
-    /// Scene files, models, folders of them, or builtin:NAME; the built-in scenes if none is given.
-    #[arg(value_name = "SCENE")]
-    pub scenes: Vec<String>,
-    /// Draw in this terminal instead of a window.
-    #[arg(long)]
-    pub terminal: bool,
-    /// Hold so many frames a second by coarser pixels.
-    #[arg(long, value_name = "N", allow_hyphen_values = true)]
-    pub target_fps: Option<String>,
-    /// The folder for screenshots.
-    #[arg(long, value_name = "FOLDER", default_value = ".")]
-    pub screenshots: PathBuf,
-    /// End after so many frames.
-    #[arg(long, value_name = "N", allow_hyphen_values = true)]
-    pub frames: Option<String>,
-    /// At the end, print what frames took as JSON (schema octray-window-1).
-    #[arg(long)]
-    pub json: bool,
-    #[command(flatten)]
-    pub picture: PictureArgs,
-}
-
-/// Keys, and examples.
-fn after_help() -> String {
-    let keys: Vec<String> = keys::help().map(|line| format!("  {line}")).collect();
-    let examples = "Examples:
-  octray view
-  octray view scene.json model.obj scenes/
-  octray view builtin:thesis --terminal
-  octray view builtin:three --frames 600 --json > view.json";
-    format!("Keys:\n{}\n\n{examples}", keys.join("\n"))
-}
-
-/// What `view` accepts.
+/// The validated options.
 pub struct ViewOptions {
     scenes: Vec<String>,
     terminal: bool,
@@ -75,7 +33,7 @@ pub struct ViewOptions {
     picture: PictureOptions,
 }
 
-/// Most frames a second that can be held.
+/// Highest frame rate that can be a target.
 const MOST_FPS: u32 = 1_000;
 
 impl TryFrom<ViewArgs> for ViewOptions {
@@ -96,25 +54,26 @@ impl TryFrom<ViewArgs> for ViewOptions {
 }
 
 impl ViewOptions {
-    /// What the viewer starts with, given its first scene: seed, tone, limits are its own from then on.
+    /// The viewer's options. Seed, tone and pipeline are those of its first scene; methods are those of each
+    /// scene.
     fn viewer(&self, first: &Loaded) -> Result<Options, CliError> {
-        let PictureOptions { size, bounces, threads, lanes, asked } = self.picture;
-        let methods = asked.methods;
-        let asked = asked.or(Asked::of(first)?);
+        let PictureOptions { size, bounces, threads, lanes, overrides } = self.picture;
+        let methods = overrides.methods;
+        let overrides = overrides.or(Overrides::of_view(first)?);
         Ok(Options {
             size,
             bounces,
-            seed: asked.seed.unwrap_or(0),
-            pipeline: asked.pipeline.unwrap_or_default(),
-            clamp: asked.clamp.unwrap_or(f32::INFINITY),
+            seed: overrides.seed.unwrap_or(0),
+            pipeline: overrides.pipeline.unwrap_or_default(),
+            clamp: overrides.clamp.unwrap_or(f32::INFINITY),
             threads,
             most_threads: machine::cores().max(threads),
             lanes,
-            tone: asked.shown(),
+            tone: overrides.tone(),
             target: self.target,
-            // Views that come later are not held to their words: a wrong one asks for nothing.
+            // A later view whose numbers are out of range keeps the defaults.
             methods: Box::new(move |scene| {
-                methods.or(Asked::of(scene).unwrap_or_default().methods).of(scene)
+                methods.or(Overrides::of_view(scene).unwrap_or_default().methods).of(scene)
             }),
             fits: Box::new(|size| memory::room_for(size, viewer::BYTES_PER_PIXEL)),
             frames: self.frames,
@@ -123,29 +82,30 @@ impl ViewOptions {
     }
 }
 
-/// What frames took; the JSON report.
+/// The JSON report.
 #[derive(Debug, Serialize)]
 struct Report {
     schema: &'static str,
     machine: Machine,
     /// `window` or `terminal`.
     front_end: &'static str,
-    /// Frames handed over, and those a second.
+    /// Frames presented, in all and per second.
     frames: u64,
     fps: f64,
-    /// Samples of whole pictures, in all and a second.
+    /// Samples of whole pictures, in all and per second.
     samples: f64,
     samples_per_s: f64,
     /// Shares of the engine's time in which samples were taken and frames painted.
     tracing_share: f64,
     painting_share: f64,
-    /// Milliseconds that painting a frame took, and enlarging and handing it to the display.
+    /// Milliseconds for painting a frame, and for enlarging and presenting it.
     painting_ms: f64,
     presenting_ms: Option<f64>,
-    /// Milliseconds from an event to the frame that answers it: mean and longest; null where nothing happened.
+    /// Latency in milliseconds, from an event to the first frame that shows its effect: mean and longest;
+    /// null without events.
     answer_ms: Option<f64>,
     slowest_answer_ms: Option<f64>,
-    /// The longest from asking for another scene to its first frame.
+    /// The longest time from the request for another scene to its first frame.
     slowest_switch_ms: Option<f64>,
 }
 
@@ -193,8 +153,8 @@ pub fn run(options: ViewOptions) -> Result<ExitCode, CliError> {
         return Err(CliError::Nothing { what, mend: "name a folder that holds some, or a file" });
     };
     if options.terminal && !std::io::stdout().is_terminal() {
-        let what = "--terminal needs a terminal to draw in, and standard output is none".to_string();
-        return Err(CliError::Nothing { what, mend: "octray render writes a picture into a file" });
+        let what = "--terminal needs a terminal, and standard output is none".to_string();
+        return Err(CliError::Nothing { what, mend: "to write a picture into a file, use octray render" });
     }
     if !options.screenshots.is_dir() {
         let what = format!("there is no folder `{}` for screenshots", options.screenshots.display());
@@ -208,10 +168,7 @@ pub fn run(options: ViewOptions) -> Result<ExitCode, CliError> {
             mend: "name a scene, a model, a folder of them, or builtin:NAME",
         });
     }
-    let first = scenes::load(name)?;
-    for warning in &first.warnings {
-        terminal::warn(warning);
-    }
+    let first = scenes::load_with_warnings(name)?;
     memory::check(options.picture.size.unwrap_or(first.resolution), viewer::BYTES_PER_PIXEL)?;
     let viewer = options.viewer(&first)?;
     let report = if options.terminal {
@@ -238,15 +195,15 @@ mod tests {
     use clap::Parser;
 
     #[test]
-    fn every_view_takes_its_own_methods_unless_an_option_says_otherwise() {
+    fn every_view_has_its_own_methods_unless_an_option_overrides_them() {
         let plain = load_with_view("builtin:cornell").unwrap();
-        let render = Rendering { triangle: Some("moller-trumbore".into()), ..Rendering::default() };
+        let render = Rendering { triangle: Some(TriangleChoice::MollerTrumbore), ..Rendering::default() };
         let view = View { render, ..View::of(&plain, None, Path::new("")) };
         let later = Loaded { view: Some(view), ..plain.clone() };
         let triangle = |options: &[&str], scene: &Loaded| {
             let words = ["octray", "view"].iter().chain(options);
             let Some(Command::View(args)) = Args::parse_from(words).command else {
-                unreachable!("view was asked for")
+                unreachable!("the command is view")
             };
             let options = ViewOptions::try_from(args).unwrap().viewer(&plain).unwrap();
             (options.methods)(scene).triangle
@@ -257,9 +214,9 @@ mod tests {
     }
 
     #[test]
-    fn later_scenes_are_asked_whether_they_fit() {
+    fn later_scenes_are_checked_against_memory() {
         let Some(Command::View(args)) = Args::parse_from(["octray", "view"]).command else {
-            unreachable!("view was asked for")
+            unreachable!("the command is view")
         };
         let plain = load_with_view("builtin:cornell").unwrap();
         let options = ViewOptions::try_from(args).unwrap().viewer(&plain).unwrap();

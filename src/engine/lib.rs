@@ -26,6 +26,7 @@
 //! |---|---|
 //! | [`lane`] | width as a type: `f32` and `F32x8` behind one trait; elementary functions |
 //! | [`math`] | vectors, rays and hits of lanes; bounds of rounding error |
+//! | [`mod@choice`] | named alternatives, shared by the command line, view files and reports |
 //! | [`sampling`] | sample values as functions of (seed, pixel, sample, dimension); warps |
 //! | [`kernel`] | intersection, BSDFs, light sampling, texture lookups: several methods side by side |
 //! | [`scene`] | what a scene is |
@@ -58,6 +59,7 @@ pub mod adaptive;
 pub mod buffers;
 pub mod bvh;
 pub mod camera;
+pub mod choice;
 pub mod display;
 pub mod film;
 pub mod integrate;

@@ -2,6 +2,7 @@
 //!
 //! For: [`Tone`]. May import: `film`. Must never know: file formats, files.
 
+use crate::choice::choices;
 use crate::film::Picture;
 use std::sync::LazyLock;
 
@@ -13,31 +14,20 @@ pub struct Tone {
     pub operator: Operator,
 }
 
-/// A tone curve, applied to each channel by itself.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
-pub enum Operator {
-    /// min(x, 1): linear up to 1; highlights clip.
-    #[default]
-    Clamp,
-    /// x / (1 + x): nothing clips, everything is darker. Source: Reinhard et al., "Photographic Tone
-    /// Reproduction for Digital Images", SIGGRAPH 2002, equation 3.
-    Reinhard,
-    /// Filmic: deep shadows, soft highlights. Source: Krzysztof Narkowicz, "ACES Filmic Tone Mapping Curve"
-    /// (2016), a rational fit of the ACES curve; without its customary factor of 0.6 before it.
-    Aces,
+choices! {
+    /// The tone-mapping operator: maps radiance to displayed intensity, each channel by itself.
+    pub enum Operator {
+        #[default]
+        Clamp = "clamp", "min(x, 1): exact up to 1, with hard highlights.";
+        /// Source: Reinhard et al., "Photographic Tone Reproduction for Digital Images", SIGGRAPH 2002, equation 3.
+        Reinhard = "reinhard", "x / (1 + x): keeps detail in highlights and darkens everything.";
+        /// Source: Krzysztof Narkowicz, "ACES Filmic Tone Mapping Curve" (2016), a rational fit of the ACES curve; without
+        /// its customary factor of 0.6 before it.
+        Aces = "aces", "A filmic curve: deep shadows, soft highlights.";
+    }
 }
 
 impl Operator {
-    pub const ALL: [Self; 3] = [Self::Clamp, Self::Reinhard, Self::Aces];
-
-    /// The name in options and reports.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Clamp => "clamp",
-            Self::Reinhard => "reinhard",
-            Self::Aces => "aces",
-        }
-    }
     /// The displayed intensity in [0, 1] for a radiance. Domain: all of f32; NaN and negative values give 0,
     /// infinity 1.
     pub fn map(self, radiance: f32) -> f32 {

@@ -1,16 +1,16 @@
 //! Instruction sets: those the program was compiled for, and those the machine has.
 //!
-//! For: [`compiled`], [`present`]. May import: `raw_cpuid`. Must never know: what follows from a difference.
+//! For: [`compiled`], [`present`]. May import: `raw_cpuid`. Must not know: the consequences of a difference.
 //!
-//! The standard library's `is_x86_feature_detected!` is of no use here: it answers true, without asking the machine, for
-//! every feature that the program was compiled for, which is exactly when we need to ask. So we read CPUID.
+//! The standard library's `is_x86_feature_detected!` cannot be used: for every feature that the program was
+//! compiled for, it is true without a query, which is the case to detect. CPUID is read instead.
 
-/// The features a compiler may use in ordinary code once they are enabled: name, compiled in.
+/// Target features: name, and whether the program was compiled for it.
 macro_rules! compiled_features {
     ($($name:tt)*) => { [$(($name, cfg!(target_feature = $name))),*] };
 }
 
-/// The instruction sets that the program was compiled for, of those that matter to it.
+/// The instruction sets that the program was compiled for, among those that matter to it.
 pub fn compiled() -> Vec<&'static str> {
     #[cfg(target_arch = "x86_64")]
     let known = compiled_features!(
@@ -23,8 +23,8 @@ pub fn compiled() -> Vec<&'static str> {
     known.into_iter().filter(|(_, enabled)| *enabled).map(|(name, _)| name).collect()
 }
 
-/// Those of the same instruction sets that this machine has and its operating system allows; `None` where we have no way
-/// to ask (other processors than x86-64).
+/// Those of the same instruction sets that this machine has and its operating system enables; `None` on
+/// processors other than x86-64, where there is no query.
 pub fn present() -> Option<Vec<&'static str>> {
     #[cfg(target_arch = "x86_64")]
     return Some(x86_64::present());
@@ -36,9 +36,10 @@ pub fn present() -> Option<Vec<&'static str>> {
 mod x86_64 {
     use raw_cpuid::CpuId;
 
-    // How many bytes the operating system saves per thread tells which registers it lets programs use: 512 + 64 for SSE
-    // and the header, 256 more for the upper halves of AVX registers, and at least 2432 once AVX-512's are there (2688 on
-    // Intel; AMD packs them more tightly). Intel 64 manual, volume 1, section 13.5; CPUID leaf 0Dh, EBX.
+    // The bytes of register state that the operating system saves per thread show which registers it enables:
+    // 512 + 64 for SSE and the header, 256 more for the upper halves of AVX registers, and at least 2432 once
+    // AVX-512's are there (2688 on Intel; AMD packs them more tightly). Intel 64 manual, volume 1, section
+    // 13.5; CPUID leaf 0Dh, EBX.
     const AVX_STATE: u32 = 832;
     const AVX512_STATE: u32 = 2_432;
 
@@ -107,7 +108,7 @@ mod tests {
     #[test]
     #[cfg(target_arch = "x86_64")]
     fn present_agrees_with_the_standard_library() {
-        // Of features that were compiled in, the standard library says yes unasked; the others are the test.
+        // For features compiled in, the standard library does not query the machine; the others are the test.
         let present = present().unwrap();
         let agrees = |name, detected: bool| assert_eq!(present.contains(&name), detected, "{name}");
         agrees("sse4.2", std::is_x86_feature_detected!("sse4.2"));

@@ -1,6 +1,7 @@
 //! The machine and the build a figure was measured with.
 //!
-//! For: [`Machine`], part of every JSON report. May import: `features`, `wording`. Must never know: what was measured.
+//! For: [`Machine`], part of every JSON report. May import: `features`, `wording`. Must not know: what was
+//! measured.
 
 pub mod features;
 
@@ -8,18 +9,18 @@ use crate::wording::counted;
 use serde::Serialize;
 use std::fmt;
 
-/// Where a figure comes from: two figures compare only if these agree.
+/// The origin of a figure: figures are comparable only if their machines are equal.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Machine {
-    /// The processor's name for itself.
+    /// The processor's model name.
     pub cpu: String,
-    /// Threads that run at once, as far as this process may use them.
+    /// Hardware threads available to this process.
     pub cores: usize,
-    /// Those the program was compiled for.
+    /// Instruction sets that the program was compiled for.
     pub target_features: Vec<&'static str>,
     /// Version of the compiler.
     pub rustc: &'static str,
-    /// Commit of the source, `+changes` behind it where files differed from it; `unknown` outside a checkout.
+    /// Commit of the source, with `+changes` where files differed from it; `unknown` outside a checkout.
     pub commit: &'static str,
 }
 
@@ -47,13 +48,13 @@ impl fmt::Display for Machine {
     }
 }
 
-/// Threads that run at once, as far as this process may use them: at least 1.
+/// Hardware threads available to this process: at least 1.
 pub fn cores() -> usize {
     std::thread::available_parallelism().map_or(1, usize::from)
 }
 
-/// Bytes that programs may still take without others being swapped out, by the system's own estimate; `None` where we have no way to ask
-/// (other systems than Linux).
+/// Bytes available without swapping, by the system's own estimate; `None` on systems other than Linux, where
+/// there is no query.
 pub fn available_memory() -> Option<u64> {
     mem_available(&std::fs::read_to_string("/proc/meminfo").ok()?)
 }

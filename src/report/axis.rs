@@ -1,35 +1,36 @@
-//! From numbers to places along an axis, and the ticks that name some of them.
+//! Maps numbers to positions along an axis, and chooses its ticks.
 //!
-//! For: [`Axis`], and `Range`, which [`super::plot`] draws. May import: nothing. Must never know: what is drawn.
+//! For: [`Axis`], and `Range`, which `plot` draws. May import: nothing. Must not know: what is drawn.
 
-/// What a coordinate means. The range is that of the data.
+/// A coordinate. The axis covers the range of the data.
 #[derive(Clone, Debug, Default)]
 pub struct Axis {
     pub label: String,
-    /// By powers of ten. Numbers that are not above 0 are drawn at the lower edge, at a tick called "0".
+    /// Logarithmic, to base 10. Numbers that are not above 0 are drawn at the lower edge, at a tick labelled
+    /// "0".
     pub log: bool,
 }
 
 impl Axis {
-    /// As it is written beside the axis.
+    /// The label beside the axis.
     pub(super) fn name(&self) -> String {
         if self.log { format!("{} (logarithmic)", self.label) } else { self.label.clone() }
     }
 }
 
-/// A logarithmic axis spans as much at least, and has as many ticks if it can.
+/// A logarithmic axis spans at least so many decades, and has at least so many ticks where possible.
 const LEAST_DECADES: f64 = 0.5;
 const FEWEST_TICKS: usize = 3;
 
-/// From where to where an axis goes, in its own coordinate: the number, or its logarithm to base 10.
+/// The range of an axis, in its own coordinate: the number, or its logarithm to base 10.
 pub(super) struct Range {
     log: bool,
     pub low: f64,
     pub high: f64,
     pub ticks: Vec<f64>,
-    /// Where numbers lie that have no logarithm.
+    /// The coordinate of numbers that have no logarithm.
     zero: Option<f64>,
-    /// Where `low` and `high` lie, in units of the picture.
+    /// The positions of `low` and `high`, in units of the drawing.
     units: [i32; 2],
 }
 
@@ -59,7 +60,7 @@ impl Range {
         }
     }
 
-    /// Where a coordinate lies in the picture.
+    /// The position of a coordinate in the drawing.
     pub fn unit(&self, at: f64) -> i32 {
         let [low, high] = self.units.map(f64::from);
         (low + (high - low) * (at - self.low) / (self.high - self.low)).round() as i32
@@ -74,7 +75,8 @@ impl Range {
     }
 }
 
-/// The range around these logarithms, and ticks: powers of ten, and where there are few of them also 2 and 5 times these, or all digits.
+/// The range around these logarithms, and ticks: powers of ten; where these are few, also 2 and 5 times
+/// these, or all digits.
 fn decades(least: f64, most: f64) -> (f64, f64, Vec<f64>) {
     let margin = (0.04 * (most - least)).max(LEAST_DECADES / 2.0 - (most - least) / 2.0) + 0.02;
     let (low, high) = (least - margin, most + margin);
@@ -102,7 +104,7 @@ fn steps(least: f64, most: f64) -> (f64, f64, Vec<f64>) {
     (low, high, ticks.take_while(|&tick| tick <= high).collect())
 }
 
-/// A number by its logarithm: as it is where that is short, or as a power of ten.
+/// A number given by its logarithm: as a decimal where that is short, otherwise as a power of ten.
 fn power(logarithm: f64) -> String {
     let exponent = logarithm.floor() as i32;
     let factor = 10f64.powf(logarithm - f64::from(exponent)).round() as i32;

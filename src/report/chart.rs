@@ -1,6 +1,7 @@
-//! The charts: equations, pictures, frames, and what stands between frames and a window.
+//! The drawings of `octray chart`: intersection methods, pictures, frames, display filters, motion.
 //!
-//! For: [`drawings`]. May import: `plot`, `measure::chart`. Must never know: files, pages.
+//! For: [`Chart`], the JSON report, and [`drawings`]. May import: `plot`, `measure::chart`. Must not know:
+//! files, pages.
 
 use super::plot::{Axis, Figure, Line};
 use crate::machine::Machine;
@@ -12,16 +13,16 @@ use crate::measure::chart::{SceneChart, display, motion, pictures};
 use crate::wording::{counted, grouped};
 use serde::Serialize;
 
-/// All that one run found.
+/// All figures of a run.
 #[derive(Clone, Debug, Serialize)]
 pub struct Chart {
     pub schema: &'static str,
     pub machine: Machine,
-    /// Asked for, and taken.
+    /// Time allowed, and time taken.
     pub budget_s: f64,
     pub seconds: f64,
     pub max_bounces: u32,
-    /// Behind every median of `pictures`.
+    /// Number of seeds behind every median of `pictures`.
     pub seeds: u32,
     pub kernels: Vec<Kernel>,
     pub scenes: Vec<SceneChart>,
@@ -29,14 +30,14 @@ pub struct Chart {
 
 pub const SCHEMA: &str = "octray-chart-1";
 
-/// A figure, and the file name it goes by, without its extension.
+/// A figure, and its file name without an extension.
 #[derive(Clone, Debug)]
 pub struct Drawing {
     pub name: String,
     pub figure: Figure,
 }
 
-/// What error is drawn.
+/// The error measure of a drawing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Measure {
     Rmse,
@@ -71,9 +72,9 @@ impl Measure {
     }
 }
 
-/// All of a chart's figures.
+/// All drawings of a chart.
 pub fn drawings(chart: &Chart) -> Vec<Drawing> {
-    let mut all = equations(&chart.kernels);
+    let mut all = intersection(&chart.kernels);
     for scene in &chart.scenes {
         all.extend(Measure::ALL.map(|measure| of_pictures(chart, scene, measure)));
         all.extend([frames(scene), display(scene), motion(scene)]);
@@ -81,7 +82,7 @@ pub fn drawings(chart: &Chart) -> Vec<Drawing> {
     all
 }
 
-/// A scene's name as a part of a file's: letters and digits, and hyphens for all else.
+/// A scene's name as part of a file name: letters and digits, and hyphens for all else.
 pub fn file_name(scene: &str) -> String {
     let plain = |c: char| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '-' };
     let name: String = scene.strip_prefix("builtin:").unwrap_or(scene).chars().map(plain).collect();
@@ -118,10 +119,10 @@ pub fn of_pictures(chart: &Chart, scene: &SceneChart, measure: Measure) -> Drawi
             "{width}×{height}, one thread, {} seeds: median, and 10 to 90 % of them; every point has twice the samples of the one before (adaptive: half the target error)",
             chart.seeds
         ),
-        "dashed: the very pictures of the default, at another speed; dotted: lines of equal efficiency, four times apart".into(),
+        "dashed: the default's pictures, bit by bit, at another speed; dotted: lines of equal efficiency, a factor of four apart".into(),
     ];
     if measure == Measure::Rmse {
-        notes.push("rings: no other robust configuration has a smaller error in as much time".into());
+        notes.push("rings: no other robust configuration has a smaller error in the same time".into());
     }
     let guides = if measure == Measure::Relmse { diagonals(&lines, -1.0) } else { diagonals(&lines, -0.5) };
     let name = match measure {
@@ -139,12 +140,12 @@ pub fn of_pictures(chart: &Chart, scene: &SceneChart, measure: Measure) -> Drawi
     Drawing { name, figure }
 }
 
-/// The same colour in every figure.
+/// Gives a configuration the same colour in every figure.
 fn style(configuration: &str) -> Option<usize> {
     NAMES.iter().position(|name| *name == configuration)
 }
 
-/// What became of a configuration, in words.
+/// The verdict on a configuration.
 pub fn verdict(line: &pictures::Line) -> String {
     let rings = line.points.iter().filter(|point| point.on_front).count();
     let place = match line.dominated_by {
@@ -153,12 +154,13 @@ pub fn verdict(line: &pictures::Line) -> String {
         None if rings > 0 => {
             format!("on the front at {rings} of {}", counted(line.points.len(), "point", "points"))
         }
-        None => "behind the front, not everywhere by more than the seeds differ".to_owned(),
+        None => "behind the front, by less than the spread of the seeds in places".to_owned(),
     };
     if line.robust { place } else { place + "; not robust" }
 }
 
-/// Lines along which error falls with time to the power `slope`, each for four times the time of the next, over all data.
+/// Lines along which error falls with time to the power `slope`, each for four times the time of the next,
+/// over all data.
 fn diagonals(lines: &[Line], slope: f64) -> Vec<[[f64; 2]; 2]> {
     let points = || lines.iter().flat_map(|line| &line.points).filter(|point| point[1] > 0.0);
     let range = |axis: usize| {
@@ -169,7 +171,7 @@ fn diagonals(lines: &[Line], slope: f64) -> Vec<[[f64; 2]; 2]> {
     if low > high {
         return Vec::new();
     }
-    // A line is told by its time at the largest error.
+    // `start` is the time of a line at the largest error.
     let start = first * (low / high).powf(-1.0 / slope) / 4.0;
     let times =
         std::iter::successors(Some(start), |time| Some(4.0 * time)).take_while(|time| *time < last * 4.0);
@@ -177,7 +179,7 @@ fn diagonals(lines: &[Line], slope: f64) -> Vec<[[f64; 2]; 2]> {
     times.map(|time| [[time, high], [end, high * (end / time).powf(slope)]]).collect()
 }
 
-/// Error of what has accumulated in a window, against its rate.
+/// Error of the accumulated picture in a window, against its frame rate.
 pub fn frames(scene: &SceneChart) -> Drawing {
     let lines = scene.frames.iter().map(|frames| {
         let known = frames.moments.iter().filter_map(|moment| Some((moment, moment.rmse?)));
@@ -188,10 +190,10 @@ pub fn frames(scene: &SceneChart) -> Drawing {
     });
     let (threads, seeds) = scene.frames.first().map_or((1, 0), |frames| (frames.threads, frames.seeds));
     let figure = Figure {
-        title: format!("{}: what a window shows", scene.scene),
+        title: format!("{}: accumulation in a window", scene.scene),
         notes: vec![
             size_and(scene, threads, &counted(seeds, "seed", "seeds")),
-            "from top to bottom: the error after 1/30 s, 1/5 s and 1 s of accumulation, the frame under way included".into(),
+            "from top to bottom: the error after 1/30 s, 1/5 s and 1 s of accumulation, including the frame in progress".into(),
         ],
         x: Axis { label: "frames per second".into(), log: true },
         y: Axis { label: Measure::Rmse.label().into(), log: true },
@@ -201,7 +203,7 @@ pub fn frames(scene: &SceneChart) -> Drawing {
     Drawing { name: format!("{}-frames", file_name(&scene.scene)), figure }
 }
 
-/// Error of a picture shown in several ways, against what it takes to make and to show it.
+/// Error of a picture with several display filters, against the time to render and to filter it.
 pub fn display(scene: &SceneChart) -> Drawing {
     let line = |(number, way): (usize, &&'static str)| {
         let shown = scene.display.iter().filter(|shown| shown.way == *way);
@@ -218,13 +220,12 @@ pub fn display(scene: &SceneChart) -> Drawing {
     let seeds = scene.display.first().map_or(0, |shown| shown.seeds);
     let threads = scene.display.first().map_or(1, |shown| shown.threads);
     let figure = Figure {
-        title: format!("{}: a picture before and after filters", scene.scene),
+        title: format!("{}: a picture with display filters", scene.scene),
         notes: vec![
             size_and(scene, threads, &counted(seeds, "seed", "seeds")),
-            "from left to right: 1, 4 and 16 samples a pixel; what the filter takes is part of the time"
-                .into(),
+            "from left to right: 1, 4 and 16 samples a pixel; the time includes the filter".into(),
         ],
-        x: Axis { label: "milliseconds to take the samples and to show them".into(), log: true },
+        x: Axis { label: "milliseconds to render and to filter".into(), log: true },
         y: Axis { label: Measure::Rmse.label().into(), log: true },
         lines: display::WAYS.iter().enumerate().map(line).collect(),
         guides: Vec::new(),
@@ -232,7 +233,7 @@ pub fn display(scene: &SceneChart) -> Drawing {
     Drawing { name: format!("{}-display", file_name(&scene.scene)), figure }
 }
 
-/// Error of frames of a moving camera, against what it takes to make and to show them.
+/// Error of frames of a moving camera, against the time to render and to filter them.
 pub fn motion(scene: &SceneChart) -> Drawing {
     let line = |path: Path| {
         let moving = scene.motion.iter().filter(|moving| moving.path == path);
@@ -245,9 +246,9 @@ pub fn motion(scene: &SceneChart) -> Drawing {
         title: format!("{}: one sample a frame, in motion", scene.scene),
         notes: vec![
             size_and(scene, threads, &counted(frames, "frame", "frames")),
-            "from left to right: the frames as they are, reprojected, and reprojected and denoised".into(),
+            "from left to right: unfiltered, reprojected, reprojected and denoised".into(),
         ],
-        x: Axis { label: "milliseconds to take the sample and to show the frame".into(), log: true },
+        x: Axis { label: "milliseconds to render and to filter a frame".into(), log: true },
         y: Axis { label: Measure::Rmse.label().into(), log: true },
         lines: Path::ALL.into_iter().map(line).collect(),
         guides: Vec::new(),
@@ -260,8 +261,8 @@ fn size_and(scene: &SceneChart, threads: usize, more: &str) -> String {
     format!("{width}×{height}, {}, {more}", counted(threads, "thread", "threads"))
 }
 
-/// What the equations of each family cost, against how often they fail and how far off t is.
-pub fn equations(kernels: &[Kernel]) -> Vec<Drawing> {
+/// Time of the intersection methods of each family, against their failure rate and their error of t.
+pub fn intersection(kernels: &[Kernel]) -> Vec<Drawing> {
     let families = kernels.chunk_by(|a, b| a.family == b.family).map(|of_family| of_family[0].family);
     let mut names: Vec<&str> = families.collect();
     names.sort_unstable();
@@ -274,7 +275,7 @@ fn of_family(family: &str, kernels: &[Kernel]) -> Vec<Drawing> {
     let of = |name, title, case: Case, label: &str, error: &dyn Fn(&Kernel) -> Option<f64>| Drawing {
         name: format!("kernels-{family}-{name}"),
         figure: Figure {
-            title: format!("{family} equations: what a test costs, and {title}"),
+            title: format!("{family} intersection: time of a test, and {title}"),
             notes: vec![format!(
                 "left end of a line: SIMD, right end: scalar; stability recipe {} at {}",
                 case.recipe,
@@ -288,14 +289,14 @@ fn of_family(family: &str, kernels: &[Kernel]) -> Vec<Drawing> {
     };
     let first = kernels[0];
     let failures = |kernel: &Kernel| Some(100.0 * kernel.failures);
-    let mut all = vec![of("failures", "how often it is wrong", first.failure_case, "failures, %", &failures)];
+    let mut all = vec![of("failures", "failure rate", first.failure_case, "failures, %", &failures)];
     if let Some(case) = first.error_case {
-        all.push(of("errors", "how far off t is", case, "error of t, 99th percentile", &|kernel| kernel.p99));
+        all.push(of("errors", "error of t", case, "error of t, 99th percentile", &|kernel| kernel.p99));
     }
     all
 }
 
-/// A line a method: from eight lanes to one.
+/// One line a method: a point for eight lanes and a point for one.
 fn widths(kernels: &[&Kernel], error: &dyn Fn(&Kernel) -> Option<f64>) -> Vec<Line> {
     let mut lines: Vec<Line> = Vec::new();
     for kernel in kernels {

@@ -1,6 +1,7 @@
-//! A chart as one page of HTML that needs no other file: figures, tables, and where the numbers come from.
+//! A chart as one page of HTML that needs no other file: figures, tables, and the origin of the numbers.
 //!
-//! For: [`page`]. May import: `chart`, `measure::chart`, `maud` (which escapes all text). Must never know: files.
+//! For: [`page`]. May import: `chart`, `measure::chart`, `maud` (which escapes all text). Must not know:
+//! files.
 
 use super::chart::{self, Chart, Drawing, Measure};
 use crate::measure::chart::display::WAYS;
@@ -10,7 +11,8 @@ use crate::measure::chart::{SceneChart, configurations::DEFAULT};
 use crate::wording::counted;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
-/// Readable on a phone (one column; tables and figures scroll by themselves instead of shrinking), on a desk, and in print (no figure is torn apart).
+/// For phones (one column; tables and figures scroll instead of shrinking), desktops, and print (no page
+/// break inside a figure).
 const STYLE: &str = "
 body { font: 16px/1.5 sans-serif; max-width: 88rem; margin: 0 auto; padding: 1rem; color: #222; background: #fff }
 h1, h2, h3 { line-height: 1.2 }
@@ -26,8 +28,8 @@ small { color: #555 }
 @media print { svg { min-width: 0 } figure, table { break-inside: avoid } body { max-width: none; font-size: 10px } table { font-size: 7px } th, td { padding: 0.1rem 0.3rem; white-space: normal } figure svg { max-height: 12cm } }
 ";
 
-/// Of an error that is smaller than its truth's own.
-const UNKNOWN: &str = "below the truth's";
+/// For an error below that of the ground truth.
+const UNKNOWN: &str = "below the ground truth's";
 
 /// The page.
 pub fn page(chart: &Chart) -> String {
@@ -45,7 +47,7 @@ pub fn page(chart: &Chart) -> String {
                 p { (introduction()) }
                 (verdict(chart))
                 @for scene in &chart.scenes { (of_scene(chart, scene)) }
-                (equations(chart))
+                (intersection(chart))
                 (source(chart))
             }
         }
@@ -55,12 +57,12 @@ pub fn page(chart: &Chart) -> String {
 
 fn introduction() -> Markup {
     html! {
-        "Every way to render is measured twice: by what it costs, and by how far it is from the truth. One that lies further to the left is faster, one that \
-         lies lower is more right. Of two lines the lower left one is the better; where they cross, it depends on how much time there is."
+        "Every configuration is measured by its time and by its error against a ground truth. Further left is faster, lower is more accurate. \
+         Of two lines the lower left one is better; where they cross, it depends on the time available."
     }
 }
 
-/// What was found, in words.
+/// The findings in words.
 fn verdict(chart: &Chart) -> Markup {
     let default =
         |scene: &SceneChart| scene.pictures.iter().find(|line| line.configuration == DEFAULT).cloned();
@@ -79,7 +81,7 @@ fn verdict(chart: &Chart) -> Markup {
         ul {
             li { "The default is on the front, up to the spread, in " (count) " of " (counted(chart.scenes.len(), "scene", "scenes")) "." }
             li {
-                @if unlike == 0 { "Ways that promise the default's very picture gave it, bit by bit." }
+                @if unlike == 0 { "Configurations that must give the default's picture gave it, bit by bit." }
                 @else { (counted(unlike, "picture", "pictures")) " DIFFERED from the default's where all bits should agree: a bug in octray." }
             }
             @for scene in &chart.scenes {
@@ -89,27 +91,27 @@ fn verdict(chart: &Chart) -> Markup {
             }
             @for kernel in slow_equations {
                 @let by = kernel.dominated_by(&chart.kernels).map_or("", |other| other.method);
-                li { (kernel.family) " equation " em { (kernel.method) } ", " (lanes(kernel)) ", is dominated by " em { (by) } "." }
+                li { (kernel.family) " method " em { (kernel.method) } ", " (lanes(kernel)) ", is dominated by " em { (by) } "." }
             }
         }
         p {
             small {
-                "Pictures are timed on one thread and at a third of a frame's width and height: which way through a hierarchy is the best depends on the size, so \
-                 measure at yours. Equations that are not robust are compared with all others, and none is called worse than they are: what they get wrong hardly \
-                 shows in a picture's error, but in the failures below."
+                "Pictures are timed on one thread and at a third of a frame's width and height: which traversal is the fastest depends on the size, so \
+                 measure at yours. Methods that are not robust are compared with all others, but dominate none: their failures hardly \
+                 show in a picture's error; the failure rates are below."
             }
         }
-        p { small { "What is dominated is kept where it teaches something: the scalar path is the check on SIMD, naive equations show what robust ones are for." } }
+        p { small { "Some dominated configurations are kept on purpose: the scalar path checks SIMD, and naive methods show the gain of robust ones." } }
     }
 }
 
-/// That another configuration is better everywhere, with the figures of both.
+/// A configuration that another dominates, with the figures of both.
 fn dominated(scene: &SceneChart, line: &Line, better: &str) -> Markup {
     let by = scene.pictures.iter().find(|other| other.configuration == better);
     let time = |line: &Line| times(line.time_to_equal_error);
     html! {
         li {
-            (scene.scene) ": " em { (line.configuration) } " is dominated: wherever it stands, another is more right in as much time, at its end " em { (better) }
+            (scene.scene) ": " em { (line.configuration) } " is dominated: at each of its points another configuration has a smaller error in the same time, at its last point " em { (better) }
             @if let Some(by) = by { " (" (time(line)) " and " (time(by)) " the default's time to its last error)" } "."
         }
     }
@@ -125,10 +127,10 @@ fn of_scene(chart: &Chart, scene: &SceneChart) -> Markup {
         (figure(&chart::of_pictures(chart, scene, Measure::Flip)))
         p {
             small {
-                "The truth: " (counted(scene.truth.samples, "sample", "samples")) " per pixel at " (width) "×" (height)
+                "Ground truth: " (counted(scene.truth.samples, "sample", "samples")) " per pixel at " (width) "×" (height)
                 " by octray's own default methods, with independent numbers and other seeds; its own error is " (number(scene.truth.frame_rmse)) ", and "
                 (number(scene.truth.small_rmse)) " at a third of the size" @if scene.truth.cached { " (kept from an earlier run)" }
-                ". The errors above hold that too; from the root mean squares below it is taken out."
+                ". The errors above include it; the root mean squares below exclude it."
             }
         }
         (figure(&chart::frames(scene)))
@@ -193,7 +195,7 @@ fn display_table(scene: &SceneChart) -> Markup {
         div class="wide" {
             table {
                 tr {
-                    th { "shown" } th { "samples" } th { "RMSE" } th { "FLIP" } th { "ms for the samples" } th { "ms to show them" }
+                    th { "shown" } th { "samples" } th { "RMSE" } th { "FLIP" } th { "ms to render" } th { "ms to filter" }
                 }
                 @for shown in &scene.display {
                     tr class=[(shown.way == WAYS[0]).then_some("default")] {
@@ -212,7 +214,7 @@ fn motion_table(scene: &SceneChart) -> Markup {
         div class="wide" {
             table {
                 tr {
-                    th { "camera" } th class="text" { "shown" } th { "RMSE" } th { "lower by" } th { "ms for a sample" } th { "ms to show it" }
+                    th { "camera" } th class="text" { "shown" } th { "RMSE" } th { "lower by" } th { "ms to render" } th { "ms to filter" }
                 }
                 @for moving in &scene.motion {
                     tr class=[(moving.way == WAYS[0]).then_some("default")] {
@@ -225,20 +227,20 @@ fn motion_table(scene: &SceneChart) -> Markup {
         }
         p {
             small {
-                "Walking takes a quarter of the near surfaces' distance a second, turning 30°, at 60 frames a second with one sample each; judged are frames of the second half. "
-                "The denoiser's and the reprojection's times hold those of the guides, which say what surface is under each pixel."
+                "The camera moves by a quarter of the distance to near surfaces per second, or turns by 30° per second, at 60 frames per second with one sample per pixel each; errors are those of the second half of the frames. "
+                "Times of the denoiser and of reprojection include the AOVs (albedo, normal and depth of each pixel)."
             }
         }
     }
 }
 
-fn equations(chart: &Chart) -> Markup {
+fn intersection(chart: &Chart) -> Markup {
     html! {
-        h2 { "The equations alone" }
-        @for drawing in chart::equations(&chart.kernels) { (figure(&drawing)) }
+        h2 { "Intersection methods" }
+        @for drawing in chart::intersection(&chart.kernels) { (figure(&drawing)) }
         div class="wide" {
             table {
-                tr { th { "equation" } th class="text" { "width" } th { "ns a test" } th { "10 to 90 %" } th { "fails" } th { "error of t, p99" } }
+                tr { th { "method" } th class="text" { "width" } th { "ns per test" } th { "10 to 90 %" } th { "fails" } th { "error of t, p99" } }
                 @for kernel in &chart.kernels {
                     tr class=[kernel.default.then_some("default")] {
                         td { (kernel.family) ": " (kernel.method) } td class="text" { (lanes(kernel)) } td { (format!("{:.2}", kernel.ns)) }
@@ -253,7 +255,7 @@ fn equations(chart: &Chart) -> Markup {
 
 fn source(chart: &Chart) -> Markup {
     html! {
-        h2 { "Where the numbers come from" }
+        h2 { "Machine and build" }
         p {
             "Machine: " (chart.machine) ". Instruction sets compiled for: " (chart.machine.target_features.join(", ")) ". Taken in "
             (format!("{:.0} s", chart.seconds)) " of " (format!("{:.0} s", chart.budget_s)) " allowed; up to "

@@ -1,8 +1,10 @@
 //! Lines in a plane, drawn as SVG.
 //!
-//! For: [`Figure`]. May import: `axis`; `plotters`, which nothing else does. Must never know: what the numbers mean.
+//! For: [`Figure`]. May import: `axis`; `plotters`, which no other file uses. Must not know: the meaning of
+//! the numbers.
 //!
-//! Of plotters only the SVG backend is used, so no font library is needed: whoever shows the file has the fonts.
+//! Only the SVG backend of plotters is used, so no font library is needed: the viewer of the file has the
+//! fonts.
 
 pub use super::axis::Axis;
 use super::axis::Range;
@@ -14,40 +16,43 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 #[derive(Clone, Debug, Default)]
 pub struct Figure {
     pub title: String,
-    /// What one has to know to read it; one line each, under the title.
+    /// Explanations under the title, one line each.
     pub notes: Vec<String>,
     pub x: Axis,
     pub y: Axis,
     pub lines: Vec<Line>,
-    /// Thin lines behind the data that help to compare, such as those of equal efficiency.
+    /// Thin lines behind the data, such as those of equal efficiency.
     pub guides: Vec<[[f64; 2]; 2]>,
 }
 
-/// A way through points.
+/// A polyline.
 #[derive(Clone, Debug, Default)]
 pub struct Line {
     pub name: String,
-    /// Drawn thicker than others, and named in bold: the default.
+    /// Drawn thicker, with its name in bold: the default.
     pub strong: bool,
-    /// Its colour and mark, by number: lines that are told apart keep theirs from figure to figure. By default the line's place among the others.
+    /// Number of its colour and mark, so that a line looks the same in all figures; by default its index in
+    /// the figure.
     pub style: Option<usize>,
-    /// Dashes tell two families of lines apart.
+    /// Distinguishes two families of lines.
     pub dashed: bool,
     pub points: Vec<[f64; 2]>,
-    /// x, and from where to where y lies; none or one a point.
+    /// x, and the lower and upper end in y; none or one a point.
     pub band: Vec<[f64; 3]>,
-    /// Points of this line that get a ring, by number: those of the Pareto front.
+    /// Indices of points with a ring: those on the Pareto front.
     pub ringed: Vec<usize>,
 }
 
-/// Units of the picture, which is scaled to whatever place it is given; twice those of a page, because plotters rounds to whole ones.
+/// Width and height in units of the drawing, which scales to its place on the page. A unit is half a pixel
+/// there, because plotters rounds to whole units.
 const SIZE: [u32; 2] = [1_800, 1_080];
 const TEXT: u32 = 26;
 const LEGEND_LINE: i32 = 34;
 /// Width of a letter, as a share of the size of the text.
 const LETTER: f64 = 0.55;
 
-/// Okabe and Ito's colours, which people with any kind of colour vision tell apart; yellow, too pale on white, left out.
+/// The colours of Okabe and Ito, distinguishable with any kind of colour vision; without yellow, which is too
+/// pale on white.
 const COLORS: [RGBColor; 7] = [
     RGBColor(0, 114, 178),
     RGBColor(213, 94, 0),
@@ -60,7 +65,7 @@ const COLORS: [RGBColor; 7] = [
 const FONT: &str = "sans-serif";
 
 type Canvas<'a> = DrawingArea<SVGBackend<'a>, plotters::coord::Shift>;
-type Drawn = Result<(), DrawingAreaErrorKind<std::io::Error>>;
+type DrawResult = Result<(), DrawingAreaErrorKind<std::io::Error>>;
 
 impl Figure {
     /// The drawing as the text of an SVG file, without a fixed size on the page.
@@ -73,7 +78,7 @@ impl Figure {
         without_fixed_size(&text, &self.title)
     }
 
-    fn draw(&self, area: &Canvas) -> Drawn {
+    fn draw(&self, area: &Canvas) -> DrawResult {
         area.fill(&WHITE)?;
         let title = (FONT, TEXT + 10).into_font().style(FontStyle::Bold).color(&BLACK);
         area.draw_text(&self.title, &title, (30, 24))?;
@@ -89,8 +94,8 @@ impl Figure {
         self.draw_legend(area, width - legend + 10, top + 20)
     }
 
-    /// Axes and data between these units of the picture: left and right, top and bottom.
-    fn draw_plane(&self, area: &Canvas, [left, right]: [i32; 2], [top, bottom]: [i32; 2]) -> Drawn {
+    /// Axes and data inside this rectangle, in units of the drawing.
+    fn draw_plane(&self, area: &Canvas, [left, right]: [i32; 2], [top, bottom]: [i32; 2]) -> DrawResult {
         let of = |axis: usize| {
             let points =
                 self.lines.iter().flat_map(move |line| line.points.iter().map(move |point| point[axis]));
@@ -132,11 +137,11 @@ impl Figure {
         Ok(())
     }
 
-    fn draw_legend(&self, area: &Canvas, left: i32, top: i32) -> Drawn {
+    fn draw_legend(&self, area: &Canvas, left: i32, top: i32) -> DrawResult {
         for (number, line) in self.lines.iter().enumerate() {
             let y = top + LEGEND_LINE * number as i32;
             let style = line.style.unwrap_or(number);
-            draw_way(area, line, style, &[(left, y), (left + 56, y)])?;
+            draw_path(area, line, style, &[(left, y), (left + 56, y)])?;
             draw_mark(area, (left + 28, y), style)?;
             let font = (FONT, TEXT).into_font();
             let font = if line.strong { font.style(FontStyle::Bold) } else { font };
@@ -147,7 +152,12 @@ impl Figure {
     }
 }
 
-fn draw_line(area: &Canvas, line: &Line, number: usize, place: &impl Fn([f64; 2]) -> (i32, i32)) -> Drawn {
+fn draw_line(
+    area: &Canvas,
+    line: &Line,
+    number: usize,
+    place: &impl Fn([f64; 2]) -> (i32, i32),
+) -> DrawResult {
     let color = COLORS[number % COLORS.len()];
     if line.band.len() > 1 {
         let below = line.band.iter().map(|&[x, low, _]| place([x, low]));
@@ -155,7 +165,7 @@ fn draw_line(area: &Canvas, line: &Line, number: usize, place: &impl Fn([f64; 2]
         area.draw(&Polygon::new(below.chain(above).collect::<Vec<_>>(), color.mix(0.15).filled()))?;
     }
     let points: Vec<_> = line.points.iter().map(|&point| place(point)).collect();
-    draw_way(area, line, number, &points)?;
+    draw_path(area, line, number, &points)?;
     for &point in &points {
         draw_mark(area, point, number)?;
     }
@@ -165,7 +175,7 @@ fn draw_line(area: &Canvas, line: &Line, number: usize, place: &impl Fn([f64; 2]
     Ok(())
 }
 
-fn draw_way(area: &Canvas, line: &Line, number: usize, points: &[(i32, i32)]) -> Drawn {
+fn draw_path(area: &Canvas, line: &Line, number: usize, points: &[(i32, i32)]) -> DrawResult {
     let style = COLORS[number % COLORS.len()].stroke_width(if line.strong { 7 } else { 3 });
     match line.dashed {
         true => area.draw(&DashedPathElement::new(points.to_vec(), 10, 8, style)),
@@ -174,7 +184,7 @@ fn draw_way(area: &Canvas, line: &Line, number: usize, points: &[(i32, i32)]) ->
 }
 
 /// Lines of one colour differ in the marks of their points.
-fn draw_mark(area: &Canvas, at: (i32, i32), number: usize) -> Drawn {
+fn draw_mark(area: &Canvas, at: (i32, i32), number: usize) -> DrawResult {
     let color = COLORS[number % COLORS.len()];
     match number / COLORS.len() {
         0 => area.draw(&Circle::new(at, 6, color.filled())),
@@ -183,7 +193,7 @@ fn draw_mark(area: &Canvas, at: (i32, i32), number: usize) -> Drawn {
     }
 }
 
-/// The part of a way from one end to the other that lies in the ranges.
+/// The part of a line segment inside the ranges.
 fn clip(ends: [(f64, f64); 2], x: [f64; 2], y: [f64; 2]) -> Option<[(f64, f64); 2]> {
     let [a, b] = ends;
     let (mut from, mut to) = (0.0f64, 1.0f64);
@@ -202,7 +212,7 @@ fn clip(ends: [(f64, f64); 2], x: [f64; 2], y: [f64; 2]) -> Option<[(f64, f64); 
     (from < to).then(|| [at(from), at(to)])
 }
 
-/// The drawing as wide as its place, and named for those who hear it.
+/// Removes the fixed size, so that the drawing fills its place, and adds a title for screen readers.
 fn without_fixed_size(text: &str, title: &str) -> String {
     let fixed = format!("width=\"{}\" height=\"{}\" ", SIZE[0], SIZE[1]);
     let named = text.replacen(&fixed, "role=\"img\" ", 1);

@@ -1,7 +1,8 @@
-//! What recipes found, as figures: failures along the axis, and errors.
+//! The outcome of a stability recipe as figures: failures along the axis, and errors.
 //!
-//! For: [`figures`], [`percent`]. May import: `plot`, `measure`. Must never know: files.
+//! For: [`figures`]. May import: `plot`, `numbers`, `measure`. Must not know: files.
 
+use super::numbers::percent;
 use super::plot::{Axis, Figure, Line};
 use crate::measure::stability::{Curve, Outcome, Point};
 use crate::wording::grouped;
@@ -21,7 +22,7 @@ fn failures(outcome: &Outcome) -> Figure {
     let open = in_order(outcome).flat_map(|curve| &curve.points).filter(|point| point.promises_nothing());
     let open: Vec<String> = open.map(|point| format!("{:e}", point.x)).collect();
     if !open.is_empty() {
-        notes.push(format!("Of the default method, nothing is promised at {}.", open.join(", ")));
+        notes.push(format!("The default method has no bound at {}.", open.join(", ")));
     }
     let of = |curve: &Curve| Line {
         points: curve.points.iter().map(|point| [point.x, 100.0 * point.rate()]).collect(),
@@ -47,7 +48,7 @@ fn errors(outcome: &Outcome, error: &str) -> Figure {
     figure(outcome, notes, error, in_order(outcome).map(of).collect())
 }
 
-/// The default first, so that it has the same colour everywhere.
+/// The default first, so that it has the same colour in all figures.
 fn in_order(outcome: &Outcome) -> impl Iterator<Item = &Curve> {
     let of = |default| outcome.curves.iter().filter(move |curve| curve.default == default);
     of(true).chain(of(false))
@@ -69,30 +70,9 @@ fn figure(outcome: &Outcome, notes: Vec<String>, y: &str, lines: Vec<Line>) -> F
     }
 }
 
-/// A share with two digits that say something: 0, 0.0013 %, 4.5 %, 100 %.
-pub fn percent(share: f64) -> String {
-    let percent = 100.0 * share;
-    if percent == 0.0 {
-        return "0 %".into();
-    }
-    // Two digits would make 100 of 99.6.
-    if percent > 99.0 && percent < 100.0 {
-        return format!("{:.1} %", percent.min(99.9));
-    }
-    let decimals = (1.0 - percent.log10().floor()).clamp(0.0, 9.0) as usize;
-    format!("{percent:.decimals$} %")
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn percent_has_two_digits_and_calls_only_nothing_0_and_all_100() {
-        let shares = [0.0, 2.5e-6, 0.000_013, 0.045, 0.5, 0.996, 0.99999, 1.0];
-        let texts = ["0 %", "0.00025 %", "0.0013 %", "4.5 %", "50 %", "99.6 %", "99.9 %", "100 %"];
-        assert_eq!(shares.map(percent), texts);
-    }
 
     #[test]
     fn figures_show_every_method_and_mark_the_default() {

@@ -1,6 +1,7 @@
-//! A chart's numbers as CSV, a row a point: for spreadsheets and other programs.
+//! A chart's figures as CSV, one row a point, for spreadsheets and other programs.
 //!
-//! For: [`pictures`], [`frames`], [`display`], [`motion`], [`kernels`]. May import: `measure::chart`, `csv`. Must never know: files.
+//! For: [`pictures`], [`frames`], [`display`], [`motion`], [`kernels`]. May import: `measure::chart`, `csv`.
+//! Must not know: files.
 
 use super::chart::Chart;
 use crate::measure::chart::pictures::Spread;
@@ -15,7 +16,8 @@ impl Table {
         table
     }
     fn row(&mut self, cells: impl IntoIterator<Item = String>) {
-        // Writing into memory cannot fail, and all rows have as many cells as the header: a test holds them to it.
+        // Writing into memory cannot fail, and all rows have as many cells as the header, which a test
+        // checks.
         self.0.write_record(cells).expect("rows as long as the header");
     }
     fn text(self) -> String {
@@ -24,12 +26,12 @@ impl Table {
     }
 }
 
-/// The cells of a spread: median, and what 10 and 90 % stay below.
+/// The cells of a spread: median, 10 % and 90 % quantiles.
 fn cells(spread: Spread) -> [String; 3] {
     [spread.median, spread.p10, spread.p90].map(|number| number.to_string())
 }
 
-/// What is there, or an empty cell.
+/// A value, or an empty cell.
 fn cell(what: Option<impl ToString>) -> String {
     what.map_or_else(String::new, |what| what.to_string())
 }
@@ -110,7 +112,7 @@ pub fn frames(chart: &Chart) -> String {
     table.text()
 }
 
-/// A row for each way to show a picture and number of samples.
+/// A row for each display filter and number of samples.
 pub fn display(chart: &Chart) -> String {
     let mut table = Table::new(&[
         "scene",
@@ -145,7 +147,7 @@ pub fn display(chart: &Chart) -> String {
     table.text()
 }
 
-/// A row for each path and way to show its frames.
+/// A row for each camera path and display filter.
 pub fn motion(chart: &Chart) -> String {
     let mut table = Table::new(&[
         "scene",
@@ -228,7 +230,7 @@ mod tests {
     use crate::measure::chart::truth::Quality;
     use crate::report::chart::SCHEMA;
 
-    /// Numbers that are all unlike: a median of this, and a spread of a fifth and a quarter.
+    /// A spread around this median whose numbers all differ.
     fn around(median: f64) -> Spread {
         Spread { median, p10: median - 0.2, p90: median + 0.25 }
     }
@@ -312,7 +314,7 @@ mod tests {
         }
     }
 
-    /// The columns of the table's row, as `name=cell`.
+    /// The cells of a row, as `name=cell`.
     fn named(table: &str, row: usize) -> String {
         let mut reader = csv::Reader::from_reader(table.as_bytes());
         let header = reader.headers().unwrap().clone();

@@ -36,7 +36,6 @@ pub fn take(folder: &Path, shot: &Shot) -> Result<PathBuf, OutputError> {
 fn view(folder: &Path, shot: &Shot) -> View {
     let Shot { scene, camera, settings, film, tone } = shot;
     let methods = &settings.methods;
-    let name = |name: &str| Some(name.to_string());
     View {
         camera: Some(**camera),
         resolution: Some(settings.resolution),
@@ -45,15 +44,15 @@ fn view(folder: &Path, shot: &Shot) -> View {
             samples: Some(film.samples()),
             seed: Some(settings.seed),
             exposure: Some(tone.exposure),
-            tone: name(tone.operator.name()),
+            tone: Some(tone.operator),
             clamp: Some(settings.clamp).filter(|clamp| clamp.is_finite()),
-            sphere: name(methods.sphere.name()),
-            triangle: name(methods.triangle.name()),
-            boxes: name(methods.boxes.name()),
-            traversal: name(methods.traversal.name()),
-            lights: name(methods.lights.name()),
-            sampler: name(methods.sampler.name()),
-            pipeline: name(settings.pipeline.name()),
+            sphere: Some(methods.sphere),
+            triangle: Some(methods.triangle),
+            boxes: Some(methods.boxes),
+            traversal: Some(methods.traversal),
+            lights: Some(methods.lights),
+            sampler: Some(methods.sampler),
+            pipeline: Some(settings.pipeline),
         },
         ..View::of(scene, scene.view.as_ref(), folder)
     }

@@ -4,30 +4,19 @@
 use super::environment_light::EnvironmentLight;
 use super::features::Features;
 use super::rows::Rows;
+use crate::choice::choices;
 use crate::kernel::surface::{sphere_offset, triangle_offset};
 use crate::scene::{MaterialKind, Scene, Sphere, Triangle};
 use std::f32::consts::PI;
 
-/// Which emitters paths look for, besides finding them by chance.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
-pub enum LightChoice {
-    /// Those for which it pays: not the spheres that surround the scene, and none where every surface is a mirror or glass.
-    #[default]
-    Auto,
-    /// All that can be looked for.
-    On,
-    /// None.
-    Off,
-}
-
-impl LightChoice {
-    /// As the command line and reports name it.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Auto => "auto",
-            Self::On => "on",
-            Self::Off => "off",
-        }
+choices! {
+    /// Which emitters next event estimation samples. Paths also hit emitters by scattering.
+    pub enum LightChoice {
+        #[default]
+        Auto = "auto",
+            "Emitters whose sampling pays: no sphere around the scene, none where all is mirrors and glass.";
+        On = "on", "Every emitter that can be sampled.";
+        Off = "off", "None: paths hit emitters by scattering alone.";
     }
 }
 

@@ -3,26 +3,17 @@
 //! For: [`Settings`] and [`PipelineChoice`]. May import: `scene`, `traverse`. Must never know: renderers,
 //! films.
 
+use crate::choice::choices;
 use crate::scene::Scene;
 use crate::traverse::Methods;
 
-/// Which of the pipelines in [`crate::integrate`] renders the scene.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
-pub enum PipelineChoice {
-    /// The one compiled for the smallest set of features that holds what the scene needs.
-    #[default]
-    Needed,
-    /// The one with every feature: to measure and to test the gain of specialised ones.
-    General,
-}
-
-impl PipelineChoice {
-    /// As the command line and reports name it.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Needed => "needed",
-            Self::General => "general",
-        }
+choices! {
+    /// Which of the pipelines in [`crate::integrate`] renders a scene. The general one measures and tests the gain
+    /// of leaving features out.
+    pub enum PipelineChoice {
+        #[default]
+        Needed = "needed", "The pipeline compiled for the smallest set of features that holds the scene's.";
+        General = "general", "The pipeline with every feature.";
     }
 }
 

@@ -1,27 +1,21 @@
 //! The choice between Sobol and independent sample values.
 
 use super::{dimension, random, sobol};
+use crate::choice::choices;
 use crate::lane::{Bits, Lane};
 
-/// The source of a path's sample values. With either they are functions of (seed, pixel, sample, dimension).
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Sampler {
-    /// Owen-scrambled Sobol points, see [`sobol`]: less noise at the same number of samples.
-    #[default]
-    Sobol,
-    /// Independent values, see [`random`].
-    Random,
+choices! {
+    /// The source of a path's sample values. With either they are functions of (seed, pixel, sample, dimension).
+    pub enum Sampler {
+        /// See [`sobol`].
+        #[default]
+        Sobol = "sobol", "Owen-scrambled Sobol points: less noise at the same number of samples.";
+        /// See [`random`].
+        Random = "random", "Independent random numbers.";
+    }
 }
 
 impl Sampler {
-    /// The name on the command line and in reports.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Sobol => "sobol",
-            Self::Random => "random",
-        }
-    }
-
     /// The keys of sample `sample` in the pixels with these indices (y · width + x), as [`SampleValues`]
     /// takes them.
     #[inline(always)]

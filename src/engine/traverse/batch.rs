@@ -8,6 +8,7 @@ use super::stack::Stack;
 use super::stream::{BATCH, PIECE, Stream};
 use super::tile::{self, MAX_ENTRY_POINTS, TILE};
 use super::{scalar, single};
+use crate::choice::choices;
 use crate::math::Hit;
 
 // A tile is a piece of a stream's batch.
@@ -18,35 +19,20 @@ const _: () = assert!(PIECE == TILE);
 /// picture sizes: 8 to 16 are about equally fast, 24 is 10 % slower.
 const MAX_INNER_ENTRY_POINTS: usize = 12;
 
-/// A way through a hierarchy. All give the same hits, bit for bit.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
-pub enum Traversal {
-    /// One ray on the binary tree: the baseline.
-    Scalar,
-    /// One ray against eight boxes.
-    Single,
-    /// Tiles of camera rays in a frustum; other rays as [`Traversal::Stream`] does them.
-    Packet,
-    /// All rays together down the tree.
-    Stream,
-    /// What measured fastest for rays like these.
-    #[default]
-    Hybrid,
+choices! {
+    /// A traversal of the hierarchy. All give the same hits, bit for bit.
+    pub enum Traversal {
+        Scalar = "scalar",
+            "One ray at a time through the binary tree, without SIMD: the baseline, and used by --lanes 1.";
+        Single = "single", "One ray at a time against eight boxes or eight primitives.";
+        Packet = "packet", "Tiles of camera rays in a frustum; other rays as `stream` traces them.";
+        Stream = "stream", "Many rays together down the tree.";
+        #[default]
+        Hybrid = "hybrid", "The traversal that measured fastest for the rays at hand.";
+    }
 }
 
 impl Traversal {
-    pub const ALL: [Self; 5] = [Self::Scalar, Self::Single, Self::Packet, Self::Stream, Self::Hybrid];
-
-    /// As the command line and reports name it.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Scalar => "scalar",
-            Self::Single => "single",
-            Self::Packet => "packet",
-            Self::Stream => "stream",
-            Self::Hybrid => "hybrid",
-        }
-    }
     /// Lanes it works with.
     pub fn lanes(self) -> usize {
         if self == Self::Scalar { 1 } else { 8 }

@@ -1,77 +1,52 @@
-//! What there is to choose between when rays are traced, at run time.
+//! The methods of a rendering, chosen at run time: intersection methods, traversal, light sampling, sampler.
+//!
+//! For: [`Methods`] and the choices it holds. May import: `batch` (for [`Traversal`]), the choices of
+//! `buffers` and `sampling`, and `scene`. Must not know: how the methods work.
 
 use super::batch::Traversal;
 use super::linear;
 use crate::buffers::{Features, LightChoice};
+use crate::choice::{Choice, choices, serde_by_name};
 use crate::lane::{F32x8, Lane};
 use crate::sampling::Sampler;
 use crate::scene::Scene;
 
-/// Which method intersects spheres: the default, and the textbook's for contrast. [`crate::kernel::ray_sphere`] has more, which only charts show.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
-pub enum SphereChoice {
-    #[default]
-    Robust,
-    Naive,
-}
-
-impl SphereChoice {
-    pub const ALL: [Self; 2] = [Self::Robust, Self::Naive];
-
-    /// As the command line and reports name it.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Robust => "robust",
-            Self::Naive => "naive",
-        }
+choices! {
+    /// The ray–sphere intersection method. [`crate::kernel::ray_sphere`] has more, which only the charts of
+    /// `octray chart` show.
+    pub enum SphereChoice {
+        #[default]
+        Robust = "robust",
+            "Discriminant from the perpendicular distance: accurate for small, distant and huge spheres.";
+        Naive = "naive", "The textbook quadratic formula: loses digits on small, distant and huge spheres.";
     }
 }
 
-/// Which method intersects triangles: the default, the fastest of the measured front, and the classic for contrast.
-/// [`crate::kernel::ray_triangle`] has more, which only charts show.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
-pub enum TriangleChoice {
-    #[default]
-    Woop,
-    MollerTrumbore,
-    BaldwinWeber,
-}
-
-impl TriangleChoice {
-    pub const ALL: [Self; 3] = [Self::Woop, Self::MollerTrumbore, Self::BaldwinWeber];
-
-    /// As the command line and reports name it.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Woop => "woop",
-            Self::MollerTrumbore => "moller-trumbore",
-            Self::BaldwinWeber => "baldwin-weber",
-        }
+choices! {
+    /// The ray–triangle intersection method: the default, the fastest of the measured front, and the classic
+    /// for contrast. [`crate::kernel::ray_triangle`] has more, which only the charts of `octray chart` show.
+    pub enum TriangleChoice {
+        #[default]
+        Woop = "woop", "Watertight: no ray slips through between neighbouring triangles.";
+        MollerTrumbore = "moller-trumbore", "The classic: leaks at edges and vertices.";
+        BaldwinWeber = "baldwin-weber",
+            "Stores an affine map for each triangle: fast, leaks at edges and vertices.";
     }
 }
 
-/// Which equation intersects boxes; see [`crate::kernel::ray_box`]. Others than these have no place in a hierarchy: `octray chart` shows them, and
-/// each is slower than the default, or as fast and wrong.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
-pub enum BoxChoice {
-    #[default]
-    PaddedFma,
-    /// Without padding: no faster, as padding is added once a ray, and hits are lost at corners and edges. Different traversals lose different
-    /// ones.
-    Fma,
-}
-
-impl BoxChoice {
-    /// As the command line and reports name it.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::PaddedFma => "padded-fma",
-            Self::Fma => "fma",
-        }
+choices! {
+    /// The ray–box intersection method; see [`crate::kernel::ray_box`]. A hierarchy uses no others: each is
+    /// slower than the default, or as fast and wrong, as `octray chart` shows.
+    pub enum BoxChoice {
+        #[default]
+        PaddedFma = "padded-fma",
+            "One fused multiply-add a plane, padded by the rounding error bound: loses no hit.";
+        /// No faster, because padding is added once a ray. Different traversals lose different hits.
+        Fma = "fma", "The same without padding: no faster, and loses hits at corners and edges.";
     }
 }
 
-/// The equations of a picture, and how it finds what it looks for. The defaults are the ones that hold where others fail.
+/// The methods of a rendering. The defaults are robust: they hold where others fail.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub struct Methods {
     pub sphere: SphereChoice,
@@ -82,21 +57,42 @@ pub struct Methods {
     pub sampler: Sampler,
 }
 
-/// How rays find what they meet.
+/// How rays find the primitives that they hit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum TraversalChoice {
-    /// Whatever measured fastest for a scene of so many primitives: see [`Features::HIERARCHY`].
+    /// Linear in small scenes, else the fastest traversal: see [`Features::HIERARCHY`].
     #[default]
     Needed,
-    /// Every primitive is tested.
     Linear,
-    /// Through a hierarchy. Only the default equations have one; the others test every primitive.
+    /// Through a hierarchy. Only the default sphere and triangle methods have one; others test every
+    /// primitive.
     Through(Traversal),
 }
 
 impl TraversalChoice {
-    /// As the command line and reports name it.
-    pub fn name(self) -> &'static str {
+    /// `needed` and `linear`, then every traversal.
+    const ALL: [Self; 2 + Traversal::ALL.len()] = {
+        let mut all = [Self::Needed; 2 + Traversal::ALL.len()];
+        all[1] = Self::Linear;
+        let mut index = 0;
+        while index < Traversal::ALL.len() {
+            all[2 + index] = Self::Through(Traversal::ALL[index]);
+            index += 1;
+        }
+        all
+    };
+    const ALL_NAMES: [&'static str; Self::ALL.len()] = {
+        let mut names = [""; Self::ALL.len()];
+        let mut index = 0;
+        while index < names.len() {
+            names[index] = Self::ALL[index].name();
+            index += 1;
+        }
+        names
+    };
+
+    /// As the command line, view files and reports spell it.
+    pub const fn name(self) -> &'static str {
         match self {
             Self::Needed => "needed",
             Self::Linear => "linear",
@@ -105,9 +101,29 @@ impl TraversalChoice {
     }
 }
 
+impl Choice for TraversalChoice {
+    const NAMES: &'static [&'static str] = &Self::ALL_NAMES;
+    fn all() -> &'static [Self] {
+        &Self::ALL
+    }
+    fn name(self) -> &'static str {
+        self.name()
+    }
+    fn about(self) -> &'static str {
+        match self {
+            Self::Needed => "Linear in small scenes, else hybrid (scalar with --lanes 1).",
+            Self::Linear => "Every primitive is tested.",
+            Self::Through(traversal) => traversal.about(),
+        }
+    }
+}
+
+serde_by_name!(TraversalChoice);
+
 impl Methods {
-    /// The fastest point of the measured front (`octray chart`): equations that leak at edges and vertices, where they pay. In a
-    /// hierarchy, and among spheres alone, nothing is faster than the defaults.
+    /// The fastest point of the measured front (`octray chart`): an intersection method that leaks at edges
+    /// and vertices, in scenes where it is faster. In a hierarchy, and in scenes of spheres alone, nothing is
+    /// faster than the defaults.
     pub fn fast(scene: &Scene) -> Self {
         let default = Self::default();
         match default.traversal_of(scene, F32x8::WIDTH) {
@@ -115,13 +131,13 @@ impl Methods {
             None => Self { triangle: TriangleChoice::BaldwinWeber, ..default },
         }
     }
-    /// Does testing boxes lose no hit? Then pictures have the same bits whatever way their rays go.
+    /// Do the box tests lose no hit? Then every traversal gives the same bits.
     pub fn lose_no_hit(&self) -> bool {
         self.boxes == BoxChoice::PaddedFma
     }
-    /// Are these the equations that hold where others fail?
+    /// Are all intersection methods the robust ones?
     pub fn are_robust(&self) -> bool {
-        self.sphere != SphereChoice::Naive && self.triangle == TriangleChoice::Woop && self.lose_no_hit()
+        self.keep_to_their_primitives() && self.lose_no_hit()
     }
     /// The traversal of a scene's hierarchy at a width of 1 or 8; `None` where every primitive is tested.
     pub fn traversal_of(&self, scene: &Scene, lanes: usize) -> Option<Traversal> {
@@ -138,8 +154,8 @@ impl Methods {
             TraversalChoice::Through(traversal) => Some(traversal),
         }
     }
-    /// Do these methods claim hits only within rounding error of the primitive? The naive ones do not: from afar they hit spheres
-    /// at several times their radius, and slivers far off their edges.
+    /// Do these methods claim hits only within rounding error of the primitive? The others do not: from a
+    /// distance, naive spheres are hit at several times their radius, and slivers far off their edges.
     pub fn keep_to_their_primitives(&self) -> bool {
         self.sphere != SphereChoice::Naive && self.triangle == TriangleChoice::Woop
     }

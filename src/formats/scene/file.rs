@@ -176,7 +176,7 @@ fn refusal(source: &Source, path: &str, error: &serde_json::Error) -> SceneError
     let message = error.to_string();
     let message = message.strip_suffix(&format!(" at line {line} column {column}")).unwrap_or(&message);
     let (what, mend) = if error.is_data() {
-        data_fault(message)
+        data_fault(path, message)
     } else if message == "trailing characters" && path != "." {
         ("there are too many entries in this list".to_string(), "remove those from here on".to_string())
     } else {
@@ -212,8 +212,13 @@ fn syntax_fault(message: &str, line: &str, column: usize) -> (String, String) {
     (format!("broken JSON: {message}"), mend.to_string())
 }
 
-fn data_fault(message: &str) -> (String, String) {
+fn data_fault(path: &str, message: &str) -> (String, String) {
     let quoted = || message.split('`').skip(1).step_by(2);
+    if message.starts_with("unknown variant") {
+        let (key, word) = (path.rsplit('.').next().unwrap_or(path), quoted().next().unwrap_or_default());
+        let known: Vec<&str> = quoted().skip(1).collect();
+        return (format!("`{key}` cannot be `{word}`"), format!("write one of {}", known.join(", ")));
+    }
     if message.starts_with("unknown field") {
         let unknown = quoted().next().unwrap_or_default();
         let known: Vec<&str> = quoted().skip(1).collect();
@@ -235,8 +240,7 @@ fn data_fault(message: &str) -> (String, String) {
     let message = message
         .replace("expected f64", "expected a number")
         .replace("expected u32", "expected a whole number of 0 or more")
-        .replace("expected a sequence", "expected an array")
-        .replace("unknown variant", "unknown word");
+        .replace("expected a sequence", "expected an array");
     let expected = message.rsplit_once("expected ").map(|(_, expected)| expected.to_string());
     let mend =
         expected.map_or("see the scene format".to_string(), |expected| format!("write {expected} here"));

@@ -1,13 +1,18 @@
 //! A view: a file that names another scene and says how it is looked at and rendered.
 //!
-//! For: [`View`], with its writer [`View::text`], and [`read`] and [`show`] for `load`. May import: scene's own files. Must never know: what
-//! the options of a rendering mean; who looks.
+//! For: [`View`], with its writer [`View::text`], and [`read`] and [`show`] for `load`. May import: this folder, and the engine's choices.
+//! Must not know: the ranges of numbers under `render`, which are the command line's.
 
 use super::file::{CameraFile, read as read_json};
 use super::load::Loaded;
 use super::place::{Place, Source};
 use super::validate::{camera, check_bounces, check_resolution};
 use super::{Camera, Scene, SceneError, builtin, writing};
+use octray_engine::buffers::LightChoice;
+use octray_engine::render::PipelineChoice;
+use octray_engine::sampling::Sampler;
+use octray_engine::tone::Operator;
+use octray_engine::traverse::{BoxChoice, SphereChoice, TraversalChoice, TriangleChoice};
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 use std::fs;
@@ -21,13 +26,14 @@ pub const FORMAT: &str = "octray-view-1";
 /// Domain of what is written: finite numbers that a scene may hold.
 ///
 /// ```
-/// use octray::scene::{Rendering, View, load, load_with_view};
+/// use octray_engine::tone::Operator;
+/// use octray_formats::scene::{Rendering, View, load, load_with_view};
 ///
 /// let folder = tempfile::tempdir()?;
 /// let mut view = View::of(&load("builtin:three")?, None, folder.path());
-/// view.render = Rendering { samples: Some(37), tone: Some("aces".into()), ..Rendering::default() };
+/// view.render = Rendering { samples: Some(37), tone: Some(Operator::Aces), ..Rendering::default() };
 /// let file = folder.path().join("shot.json");
-/// octray::output::save_text(&file, &view.text())?;
+/// octray_formats::output::save_text(&file, &view.text())?;
 /// assert_eq!(load_with_view(file.to_str().unwrap())?.view, Some(view));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -44,9 +50,9 @@ pub struct View {
     pub render: Rendering,
 }
 
-/// Options of `octray render`, by their names on the command line; what is `None` is not said. Which names and numbers are good is for the
-/// command line to judge: see [`view_fault`].
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+/// Options of `octray render`, under their names on the command line. `None` is not written. The command line checks the ranges of the
+/// numbers and reports a fault with [`view_fault`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, expecting = "an object of options of `octray render`")]
 pub struct Rendering {
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -56,23 +62,23 @@ pub struct Rendering {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub exposure: Option<f32>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub tone: Option<String>,
+    pub tone: Option<Operator>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub clamp: Option<f32>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub sphere: Option<String>,
+    pub sphere: Option<SphereChoice>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub triangle: Option<String>,
+    pub triangle: Option<TriangleChoice>,
     #[serde(rename = "box", skip_serializing_if = "Option::is_none")]
-    pub boxes: Option<String>,
+    pub boxes: Option<BoxChoice>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub traversal: Option<String>,
+    pub traversal: Option<TraversalChoice>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub lights: Option<String>,
+    pub lights: Option<LightChoice>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub sampler: Option<String>,
+    pub sampler: Option<Sampler>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub pipeline: Option<String>,
+    pub pipeline: Option<PipelineChoice>,
 }
 
 impl View {
@@ -96,7 +102,7 @@ impl View {
         entries.extend(self.resolution.map(|resolution| ("resolution", json!(resolution).to_string())));
         entries.extend(self.max_bounces.map(|bounces| ("max_bounces", bounces.to_string())));
         if self.render != Rendering::default() {
-            // Indented as a part of the file. A name with a line break keeps it: JSON writes it as two characters.
+            // Indented as a part of the file.
             let render = serde_json::to_string_pretty(&self.render).expect("options are JSON");
             entries.push(("render", render.replace('\n', "\n  ")));
         }
@@ -166,8 +172,8 @@ pub fn show(source: &Source, file: ViewFile, mut scene: Scene, name: String) -> 
     Ok(Loaded { scene, view: Some(view) })
 }
 
-/// That what the view of this scene says under `render` for `key` cannot be used, and how to mend it. The file is read once more, to learn the
-/// line.
+/// The error for a value under `render` that cannot be used: what is wrong with `key` and how to mend it. Reads the file once more to find
+/// the line.
 pub fn view_fault(scene: &Scene, key: &str, what: impl Into<String>, mend: impl Into<String>) -> SceneError {
     let file = scene.files.first().map_or(Path::new(""), |file| file);
     let text = fs::read_to_string(file).unwrap_or_default();

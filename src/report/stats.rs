@@ -1,8 +1,9 @@
 //! The tables of `--stats`.
 //!
-//! For: [`frames`], [`rays`]. May import: `measure`'s reports, `terminal`. Must never know: commands.
+//! For: [`frames`], [`meaning_of_frames`], [`rays`]. May import: `measure::stats`, `numbers`. Must not know:
+//! the commands.
 
-use super::terminal::figure;
+use super::numbers::figure;
 use crate::measure::stats::{BounceStats, FrameStats, PerRay, RayStats, TestStats};
 use crate::wording::{counted, grouped};
 use std::fmt::Write;
@@ -10,18 +11,18 @@ use std::fmt::Write;
 /// Most bounces that a table shows; the JSON report has all.
 const MOST_BOUNCES: usize = 12;
 
-/// What the words of the tables mean.
+/// The terms of the tables.
 const TESTS: &str = "\
-A test is one ray, or one frustum around many rays, against one box or primitive; in brackets the steps, of up to eight tests at
-once, that they took.
+A test is one ray, or one frustum around many rays, against one box or primitive; in brackets the number of steps, each of up to eight
+tests at once.
 ";
 const FRAMES: &str = "\
-Stages: nanoseconds a ray of any kind, summed over threads, with the cost of counting; share of all stages. Where every primitive is
-tested, generate and extend find the hits, else trace does. Lanes in use: rays over the lanes of the packets that hold them, and the
-share of all rays that have bounced so often.
+Stages: nanoseconds per ray of any kind, summed over threads, including the cost of counting; share of all stages. Where every primitive
+is tested, generate and extend find the hits, otherwise trace does. Lanes in use: rays over the lanes of the packets that hold them, and
+the share of rays after this number of bounces in all rays.
 ";
 
-/// A column for each of these; `heading` names the rows.
+/// A table with one column for each of `columns`; `heading` stands above the names of the rows.
 pub fn frames(heading: &str, columns: &[&FrameStats]) -> String {
     let mut table = Table { text: String::from("\n") };
     table.row(heading, columns.iter().map(|column| engine(column)));
@@ -74,7 +75,7 @@ pub fn meaning_of_frames() -> String {
     format!("\n{FRAMES}{TESTS}")
 }
 
-/// A row for each kind of rays and way of tracing.
+/// A row for each kind of rays and traversal.
 pub fn rays(rows: &[RayStats]) -> String {
     let mut text = format!("\n{:<9}{:<10}", "kind", "traversal");
     KINDS.iter().for_each(|(what, _)| text.push_str(&format!("{:>24}", format!("{what} tests a ray"))));
@@ -102,7 +103,7 @@ fn hundredths(x: f64) -> String {
     grouped(format!("{x:.2}"))
 }
 
-/// As a column is headed.
+/// The heading of a column.
 fn engine(column: &FrameStats) -> String {
     let FrameStats { lanes, threads, .. } = column;
     let threads = counted(threads, "thread", "threads");

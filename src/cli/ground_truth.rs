@@ -1,10 +1,11 @@
-//! Truths that were rendered before: a picture takes long to become true, and stays so.
+//! The cache of ground truths: pictures with many samples, which take long to render and stay valid.
 //!
-//! For: [`load`], [`save`]. May import: `output`, `measure::chart`. Must never know: how a truth is made.
+//! For: [`place`], [`load`], [`save`]. May import: `output`, `measure::chart`. Must not know: how a ground
+//! truth is rendered.
 //!
-//! A truth is kept as an .exr of the frame and a .json of its quality beside it, under a name that holds a fingerprint of all that decides
-//! it: the scene with all its pictures, size, bounces, the commit of the program, and which build of it this is: a commit with changes is many
-//! programs.
+//! A ground truth is an .exr of the frame and beside it a .json of its quality. Their name holds a hash of
+//! all that decides the picture: the scene with its textures, the size, the bounces, the commit of the
+//! program and the build, because a commit with changes has many builds.
 
 use super::error::CliError;
 use crate::machine::Machine;
@@ -20,7 +21,7 @@ use std::hash::{DefaultHasher, Hasher};
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
-/// Where the truth of this scene is kept, without an extension.
+/// The path of this scene's ground truth, without an extension.
 pub fn place(folder: &Path, scene: &Scene, size: [u32; 2], max_bounces: u32) -> PathBuf {
     struct Hashed(DefaultHasher);
     impl Write for Hashed {
@@ -30,7 +31,7 @@ pub fn place(folder: &Path, scene: &Scene, size: [u32; 2], max_bounces: u32) -> 
         }
     }
     let mut hashed = Hashed(DefaultHasher::new());
-    // Where a scene was read changes nothing of its truth.
+    // The files that the scene was read from do not change the picture.
     let Scene {
         files: _,
         name,
@@ -46,7 +47,7 @@ pub fn place(folder: &Path, scene: &Scene, size: [u32; 2], max_bounces: u32) -> 
         normals,
         warnings,
     } = scene;
-    // Debugging text holds all that they are, and every f32 in as many digits as tell it from all others.
+    // Debug text holds all fields, and every f32 in enough digits to tell it from all others.
     let looks = (name, camera, resolution, own_bounces, sky, materials, textures, warnings);
     let shapes = (spheres, triangles, uvs, normals);
     let program = (Machine::current().commit, build());
@@ -54,20 +55,20 @@ pub fn place(folder: &Path, scene: &Scene, size: [u32; 2], max_bounces: u32) -> 
     folder.join("truth").join(format!("{}-{:016x}", file_name(&scene.name), hashed.0.finish()))
 }
 
-/// When the program was built, and its length; `None` where the system does not say.
+/// When the program was built, and the size of its file; `None` where the system does not say.
 fn build() -> Option<(SystemTime, u64)> {
     let file = fs::metadata(std::env::current_exe().ok()?).ok()?;
     Some((file.modified().ok()?, file.len()))
 }
 
-/// The truth that is kept there; `None` where there is none that can be read, or its size is another.
+/// The ground truth at this place; `None` where none can be read or its size differs.
 pub fn load(place: &Path, size: [u32; 2]) -> Option<Truth> {
     let quality: Quality = serde_json::from_slice(&fs::read(place.with_extension("json")).ok()?).ok()?;
     let picture = openexr::read(&fs::read(place.with_extension("exr")).ok()?).ok()?;
     (size == [picture.width, picture.height]).then(|| Truth::kept(picture, quality))
 }
 
-/// Keeps a truth: the picture first, so that there is no quality without one.
+/// Saves a ground truth, the picture first, so that no quality is without a picture.
 pub fn save(place: &Path, truth: &Truth) -> Result<(), CliError> {
     let quality = place.with_extension("json");
     output::make_folder(place.parent().unwrap_or(Path::new(".")))?;
@@ -81,7 +82,7 @@ mod tests {
     use crate::film::Picture;
 
     #[test]
-    fn places_differ_in_all_that_decides_a_truth() {
+    fn places_differ_in_all_that_decides_a_ground_truth() {
         let scene = crate::scene::load("builtin:cornell").unwrap();
         let of = |scene: &Scene, size, bounces| place(Path::new("."), scene, size, bounces);
         let one = of(&scene, [48, 27], 4);
@@ -102,7 +103,7 @@ mod tests {
     }
 
     #[test]
-    fn truth_is_kept_bit_by_bit() {
+    fn ground_truth_is_saved_bit_by_bit() {
         let folder = tempfile::tempdir().unwrap();
         let place = folder.path().join("truth").join("one");
         let pixels = (0..18).map(|at| [at as f32 / 7.0, 1e-9 * at as f32, 1e4 / (1 + at) as f32]).collect();
@@ -114,6 +115,6 @@ mod tests {
         assert_eq!(load(&place, [6, 3]), Some(truth));
         assert_eq!(load(&place, [3, 6]), None);
         fs::remove_file(place.with_extension("json")).unwrap();
-        assert_eq!(load(&place, [6, 3]), None, "a picture of which nothing is known");
+        assert_eq!(load(&place, [6, 3]), None, "a picture without its quality");
     }
 }

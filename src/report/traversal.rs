@@ -1,10 +1,9 @@
-//! Which way a scene's rays go and why, and the hierarchy that they go through: a part of what `octray inspect` tells.
+//! The traversal that a scene gets and why, and its hierarchy: a part of what `octray inspect` reports.
 //!
-//! For: [`TraversalReport`], [`HierarchyReport`]. May import: `measure`, `bvh`'s check, `traverse`'s choices. Must never know: what else a
-//! scene holds.
+//! For: [`TraversalReport`], [`HierarchyReport`]. May import: `measure`, `bvh`'s check, `traverse`'s choices,
+//! `numbers`. Must not know: the rest of the report.
 
-use super::memory::bytes;
-use super::terminal::figure;
+use super::numbers::{bytes, figure};
 use crate::bvh::check::{Statistics, check_scene};
 use crate::lane::{F32x8, Lane};
 use crate::machine;
@@ -15,27 +14,27 @@ use crate::traverse::{Methods, linear};
 use crate::wording::{counted, grouped};
 use serde::Serialize;
 
-/// How rays find what they meet, and why.
+/// The default traversal, and why.
 #[derive(Debug, Serialize)]
 pub struct TraversalReport {
-    /// The way of rays from the camera, as `--traversal` names it.
+    /// The traversal of camera rays, as `--traversal` names it.
     primary: &'static str,
-    /// The way of those that bounced.
+    /// The traversal of rays after a bounce.
     bounces: &'static str,
-    /// What testing every primitive costs a ray, in tests of a sphere.
+    /// Cost of testing every primitive, per ray, in units of a sphere test.
     linear_cost: usize,
-    /// Up to here, that is faster than a hierarchy.
+    /// Up to this cost, testing every primitive is faster than a hierarchy.
     most_linear_cost: usize,
 }
 
 #[derive(Debug, Serialize)]
 pub struct HierarchyReport {
     build: BuildTime,
-    /// Nodes, and leaves with all that tracing reads.
+    /// Nodes, and leaves with all that traversal reads.
     bytes: usize,
     bytes_per_primitive: f64,
     tree: Option<Statistics>,
-    /// What makes it invalid: a fault of the program.
+    /// Why it is invalid: a bug in octray.
     fault: Option<String>,
 }
 
@@ -43,7 +42,7 @@ impl TraversalReport {
     pub fn of(scene: &Scene) -> Self {
         let way = Methods::default().traversal_of(scene, F32x8::WIDTH).map_or(Way::Linear, Way::Tree);
         Self {
-            // One choice for all rays: the ways through a hierarchy see for themselves which rays run together.
+            // The same for all rays: a traversal itself finds out which rays are coherent.
             primary: way.name(),
             bounces: way.name(),
             linear_cost: linear::cost(scene),
@@ -51,12 +50,12 @@ impl TraversalReport {
         }
     }
 
-    /// Do they go through a hierarchy?
+    /// Do rays traverse a hierarchy?
     pub fn needs_hierarchy(&self) -> bool {
         self.primary != Way::Linear.name()
     }
 
-    /// For people: a fact's name, and the fact.
+    /// One line a fact: its name, and the fact.
     pub fn lines(&self) -> [(&'static str, String); 2] {
         let Self { primary, bounces, linear_cost, most_linear_cost } = self;
         let (relation, faster) = match linear_cost > most_linear_cost {
@@ -74,7 +73,7 @@ impl TraversalReport {
 }
 
 impl HierarchyReport {
-    /// Builds it, on all cores, and checks it.
+    /// Builds it on all cores, and checks it.
     pub fn of(scene: &Scene) -> Self {
         let (hierarchy, mut builds) = rays::build(scene, &[machine::cores()], 1);
         let tree = check_scene(&hierarchy.bvh, scene);

@@ -1,15 +1,16 @@
-//! Which methods a scene gets unless others are asked for, and why: a part of what `octray inspect` tells.
+//! The default methods that matter to a scene, and why they are the default: a part of what `octray inspect`
+//! reports.
 //!
-//! For: [`DefaultReport`]. May import: `methods`' choices, `traverse`'s. Must never know: what else a scene holds.
+//! For: [`DefaultReport`]. May import: `traverse`'s choices. Must not know: the rest of the report.
 //!
-//! The figures are those of `octray stability` and `octray chart`.
+//! The figures come from `octray stability` and `octray chart`.
 
 use crate::buffers::Features;
 use crate::scene::Scene;
 use crate::traverse::{Methods, linear};
 use serde::Serialize;
 
-/// A choice that the scene leaves open.
+/// A default, and the reason for it.
 #[derive(Debug, Serialize)]
 pub struct DefaultReport {
     /// As the command line has it, without hyphens.
@@ -33,38 +34,43 @@ impl DefaultReport {
             spheres,
             "sphere",
             "robust",
-            "seen from 1,000 radii it misjudges less than one ray in 100,000, where naive misjudges one in 28, for hardly more time",
+            "from 1,000 radii it is wrong on less than one ray in 100,000, naive on one in 28, for hardly more time",
         );
         add(
             triangles,
             "triangle",
             "woop",
-            "no ray slips through an edge or a vertex; of those aimed at edges, moller-trumbore lets one in six through, baldwin-weber one in nine",
+            "no ray slips through an edge or a vertex; of rays aimed at edges, moller-trumbore loses one in six, baldwin-weber one in nine",
         );
         add(
             triangles || hierarchy,
             "box",
             "padded-fma",
-            "loses no hit; without padding, one in nine aimed at corners is lost, and no time is saved",
+            "loses no hit; without padding, one ray in nine aimed at corners is lost, and no time is saved",
         );
         let fast = Methods::fast(scene) != Methods::default();
         let robust = if fast {
-            "pictures hardly show the difference, rays aimed at edges do; --fast takes baldwin-weber"
+            "pictures hardly show the difference, rays aimed at edges do; --fast uses baldwin-weber"
         } else {
-            "nothing is faster here: --fast takes the same"
+            "no method is faster here: --fast uses the same"
         };
         add(triangles, "robust", "on", robust);
-        add(true, "sampler", "sobol", "spread points cost what independent numbers do, and leave less noise");
+        add(
+            true,
+            "sampler",
+            "sobol",
+            "Sobol points cost the same as independent numbers and leave less noise",
+        );
         add(
             true,
             "pipeline",
             "needed",
-            "what the scene does not need is not compiled in, and the picture stays the same",
+            "features that the scene does not use are not compiled in, and the picture stays the same",
         );
         all
     }
 
-    /// For people: what is chosen, and why.
+    /// The option, its default, and why.
     pub fn text(&self) -> String {
         let Self { option, default, why } = self;
         match *default {

@@ -1,0 +1,99 @@
+//! Closed sets of named alternatives: methods, samplers, tone operators. Each is defined once, by
+//! [`choices!`]; the command line, view files and reports share its names and help texts.
+//!
+//! For: [`Choice`], [`choices!`]. May import: `serde`. Must not know: what the alternatives do, and how
+//! command lines are parsed.
+
+use serde::de::{Deserializer, Error, Visitor};
+use std::fmt;
+use std::marker::PhantomData;
+
+/// A value of a closed set that users choose from by name.
+pub trait Choice: Copy + PartialEq + Send + Sync + 'static {
+    /// The names of [`Choice::all`], in the same order.
+    const NAMES: &'static [&'static str];
+    /// All alternatives, in the order in which help texts list them.
+    fn all() -> &'static [Self];
+    /// As the command line, view files and reports spell it.
+    fn name(self) -> &'static str;
+    /// The help text: one sentence.
+    fn about(self) -> &'static str;
+    /// The alternative of this name; names are case-sensitive.
+    fn from_name(name: &str) -> Option<Self> {
+        Self::all().iter().copied().find(|choice| choice.name() == name)
+    }
+}
+
+/// Deserialises a [`Choice`] from its name; an unknown name is an error that lists the known ones.
+pub fn deserialize<'de, C: Choice, D: Deserializer<'de>>(deserializer: D) -> Result<C, D::Error> {
+    struct Name<C>(PhantomData<C>);
+    impl<C: Choice> Visitor<'_> for Name<C> {
+        type Value = C;
+        fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+            f.write_str("a string")
+        }
+        fn visit_str<E: Error>(self, name: &str) -> Result<C, E> {
+            C::from_name(name).ok_or_else(|| E::unknown_variant(name, C::NAMES))
+        }
+    }
+    deserializer.deserialize_str(Name(PhantomData))
+}
+
+/// Serialises and deserialises a [`Choice`] by its name.
+macro_rules! serde_by_name {
+    ($Choice:ty) => {
+        impl serde::Serialize for $Choice {
+            fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+                serializer.serialize_str(self.name())
+            }
+        }
+        impl<'de> serde::Deserialize<'de> for $Choice {
+            fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+                $crate::choice::deserialize(deserializer)
+            }
+        }
+    };
+}
+
+/// Defines an enum that is a [`Choice`]. Each variant has a name and a help text, which is also the first
+/// paragraph of its documentation.
+macro_rules! choices {
+    (
+        $(#[$meta:meta])*
+        pub enum $Choice:ident {
+            $($(#[$variant_meta:meta])* $Variant:ident = $name:literal, $about:literal;)+
+        }
+    ) => {
+        $(#[$meta])*
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+        pub enum $Choice {
+            $(#[doc = $about] $(#[$variant_meta])* $Variant,)+
+        }
+
+        impl $Choice {
+            pub const ALL: [Self; [$($name),+].len()] = [$(Self::$Variant),+];
+
+            /// As the command line, view files and reports spell it.
+            pub const fn name(self) -> &'static str {
+                match self { $(Self::$Variant => $name),+ }
+            }
+        }
+
+        impl $crate::choice::Choice for $Choice {
+            const NAMES: &'static [&'static str] = &[$($name),+];
+            fn all() -> &'static [Self] {
+                &Self::ALL
+            }
+            fn name(self) -> &'static str {
+                self.name()
+            }
+            fn about(self) -> &'static str {
+                match self { $(Self::$Variant => $about),+ }
+            }
+        }
+
+        $crate::choice::serde_by_name!($Choice);
+    };
+}
+
+pub(crate) use {choices, serde_by_name};

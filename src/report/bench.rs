@@ -1,0 +1,189 @@
+//! What `octray bench` reports: frames per second, as a table or as JSON.
+//!
+//! For: [`Report`]. May import: `measure`, `machine`, `numbers`, `stats`. Must not know: how the figures are
+//! measured.
+
+use super::numbers::{figure, ratio};
+use super::stats;
+use crate::machine::Machine;
+use crate::measure::bench::{FEWEST_FRAMES, Measurement};
+use crate::measure::compare::Comparison;
+use crate::measure::turns::Ratio;
+use crate::wording::{counted, grouped};
+use serde::Serialize;
+use std::fmt::Write;
+
+/// A 1 % low below this share of the median means that other programs took the processor.
+const BUSY: f64 = 0.6;
+
+/// The JSON report.
+#[derive(Debug, Serialize)]
+pub struct Report {
+    pub schema: &'static str,
+    pub machine: Machine,
+    /// From the start of the command to the end of its first frame.
+    pub first_frame_ms: f64,
+    pub results: Vec<Measurement>,
+    /// One sample of each scene: SIMD against scalar and against the f64 reference. A speed is reported with
+    /// its accuracy.
+    pub accuracy: Vec<Comparison>,
+}
+
+impl Report {
+    /// Without figures yet.
+    pub fn new() -> Self {
+        Self {
+            schema: "octray-bench-1",
+            machine: Machine::current(),
+            first_frame_ms: 0.0,
+            results: Vec::new(),
+            accuracy: Vec::new(),
+        }
+    }
+}
+
+/// What stands above the rows of scenes.
+pub fn heading(report: &Report, [width, height]: [u32; 2], max_bounces: u32) -> String {
+    format!(
+        "{}\n\
+         {width}×{height}, 1 sample a frame, up to {}\n\
+         fps: median (1 % low); speed-up, scaling and gain: median of the rounds (10 to 90 % of them)\n\n\
+         {:<24}{:>16}{:>16}{:>18}{:>16}{:>18}{:>18}{:>8}{:>9}{:>9}\n",
+        report.machine,
+        counted(max_bounces, "bounce", "bounces"),
+        "scene",
+        "SIMD",
+        "scalar",
+        "speed-up",
+        "all cores",
+        "scaling",
+        "gain of needs",
+        "Mray/s",
+        "pixels≠",
+        "hits≠"
+    )
+}
+
+/// A scene's row; cells without a measurement stay empty.
+pub fn row(results: &[Measurement], accuracy: &Comparison) -> String {
+    let first = &results[0];
+    let simd = results.iter().find(|result| result.engine == "simd");
+    let scalar = results.iter().find(|result| result.engine == "scalar");
+    let all = results.iter().skip(1).find(|result| result.engine == "simd");
+    let fps = |result: Option<&Measurement>| {
+        result.map_or(String::new(), |result| {
+            format!("{} ({})", figure(result.fps_median, 0), figure(result.fps_low_1_percent, 0))
+        })
+    };
+    let ratio_of = |of: fn(&Measurement) -> Option<Ratio>| {
+        results
+            .iter()
+            .find_map(of)
+            .map_or(String::new(), |Ratio { median, spread, .. }| ratio(median, spread))
+    };
+    let mut text = String::new();
+    let _ = writeln!(
+        text,
+        "{:<24}{:>16}{:>16}{:>18}{:>16}{:>18}{:>18}{:>8}{:>9}{:>9}",
+        first.scene,
+        fps(simd),
+        fps(scalar),
+        ratio_of(|result| result.speedup),
+        fps(all),
+        ratio_of(|result| result.scaling),
+        ratio_of(|result| result.gain),
+        figure(first.mrays_per_s, 1),
+        grouped(accuracy.mismatched_pixels),
+        grouped(accuracy.reference.mismatched_hits),
+    );
+    text
+}
+
+/// A warning about the engine with the lowest 1 % low, where that is below [`BUSY`]. With fewer frames than
+/// [`FEWEST_FRAMES`] the 1 % low is the slowest frame, which proves nothing.
+pub fn busy(results: &[Measurement]) -> Option<String> {
+    let share = |result: &Measurement| result.fps_low_1_percent / result.fps_median;
+    let timed = results.iter().filter(|result| result.frames >= FEWEST_FRAMES);
+    let worst = timed.min_by(|a, b| share(a).total_cmp(&share(b))).filter(|worst| share(worst) < BUSY)?;
+    let Measurement { scene, engine, threads, .. } = worst;
+    let threads = counted(threads, "thread", "threads");
+    Some(format!(
+        "the machine is busy: the 1 % low of {scene} ({engine}, {threads}) is {:.0} % of its median; end other programs, or \
+         trust the speed-ups alone.",
+        100.0 * share(worst)
+    ))
+}
+
+/// The tables of `--stats`: one a scene with a column an engine, and what they mean.
+pub fn stats_of(results: &[Measurement]) -> String {
+    let tables = results.chunk_by(|a, b| a.scene == b.scene).map(|of_scene| {
+        let columns: Vec<_> = of_scene.iter().filter_map(|result| result.stats.as_ref()).collect();
+        stats::frames(&of_scene[0].scene, &columns)
+    });
+    tables.collect::<String>() + &stats::meaning_of_frames()
+}
+
+/// The table in words.
+pub fn meaning(report: &Report) -> String {
+    let pixels: usize = report.accuracy.iter().map(|accuracy| accuracy.mismatched_pixels).sum();
+    let hits: usize = report.accuracy.iter().map(|accuracy| accuracy.reference.mismatched_hits).sum();
+    let ratios = report.results.iter().filter_map(|result| Some(result.speedup?.median));
+    let ratios: Vec<f64> = ratios.collect();
+    let speed = match (ratios.iter().copied().reduce(f64::min), ratios.iter().copied().reduce(f64::max)) {
+        (Some(least), Some(most)) if ratios.len() > 1 => {
+            format!("eight lanes are {least:.1} to {most:.1} times as fast as one")
+        }
+        (Some(ratio), _) => format!("eight lanes are {ratio:.1} times as fast as one"),
+        _ => "one width was timed".into(),
+    };
+    let same = if pixels == 0 {
+        "the pictures of both are the same, bit by bit".into()
+    } else {
+        counted(pixels, "PIXEL DIFFERS", "PIXELS DIFFER")
+    };
+    let right = if hits == 0 {
+        "every primary hit is right by the f64 reference".into()
+    } else {
+        counted(hits, "PRIMARY HIT IS", "PRIMARY HITS ARE") + " WRONG by the f64 reference"
+    };
+    let gain =
+        "Gain of needs: speed against the pipeline with every feature; empty where a scene uses that one.";
+    format!("\n{speed}; {same}; {right}.\n{gain}\n")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn busy_names_the_engine_with_the_lowest_share() {
+        let result = |scene: &str, frames, low| Measurement {
+            scene: scene.into(),
+            width: 240,
+            height: 135,
+            max_bounces: 4,
+            engine: "simd",
+            lanes: 8,
+            threads: 2,
+            frames,
+            fps_median: 100.0,
+            fps_low_1_percent: low,
+            fps_spread: [low, 100.0],
+            mrays_per_s: 1.0,
+            rays_per_frame: 1e4,
+            speedup: None,
+            scaling: None,
+            needs: Vec::new(),
+            pipeline: "needed",
+            gain: None,
+            stats: None,
+        };
+        let few = result("few", FEWEST_FRAMES - 1, 1.0);
+        assert_eq!(busy(&[few.clone(), result("calm", 99, 61.0)]), None);
+        let sentence = busy(&[few, result("bad", 99, 50.0), result("worse", 99, 40.0)]).unwrap();
+        assert!(
+            sentence.contains("busy") && sentence.contains("worse (simd, 2 threads) is 40 %"),
+            "{sentence}"
+        );
+    }
+}

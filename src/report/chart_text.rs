@@ -1,0 +1,87 @@
+//! What `octray chart` prints: a table of every scene, and warnings about the figures.
+//!
+//! For: [`text`], [`warnings`]. May import: `chart`, `numbers`, `measure::chart`. Must not know: how files
+//! are written.
+
+use super::chart::{Chart, verdict};
+use super::numbers::figure;
+use crate::measure::chart::motion;
+use crate::measure::chart::truth::SHRINK;
+use crate::wording::grouped;
+use std::path::Path;
+
+/// A run that takes longer than this many budgets gets a warning.
+const MOST_OVER: f64 = 1.1;
+/// Above this ratio of the 90 % and 10 % quantiles of the default's times, over seeds, the machine was busy.
+const BUSY: f64 = 1.5;
+
+/// Why the figures may be unreliable.
+pub fn warnings(chart: &Chart) -> Vec<String> {
+    let mut warnings = Vec::new();
+    let (took, budget) = (chart.seconds, chart.budget_s);
+    if took > MOST_OVER * budget {
+        let enough = figure(took.ceil(), 0);
+        warnings.push(format!("the run took {took:.1} s of a budget of {budget} s, with the fewest samples. Give --budget {enough} or more."));
+    }
+    for scene in &chart.scenes {
+        let last = scene.pictures.first().and_then(|line| line.points.last());
+        if last.is_some_and(|point| point.seconds.p90 > BUSY * point.seconds.p10) {
+            warnings.push(format!(
+                "the machine was busy during {}: the same work took more than {BUSY} times as long now and then.",
+                scene.scene
+            ));
+        }
+    }
+    warnings
+}
+
+fn times(ratio: f64) -> String {
+    if ratio.is_finite() { format!("{}×", figure(ratio, 2)) } else { "–".into() }
+}
+
+/// The figures of a chart whose files are in `folder`.
+pub fn text(chart: &Chart, folder: &Path) -> String {
+    let mut text = format!("{}\n", chart.machine);
+    for scene in &chart.scenes {
+        let [width, height] = scene.size;
+        text += &format!(
+            "\n{}, {width}×{height}; the ground truth has {} samples and an error of {:.1e}\n{:<24}{:>12}{:>12}{:>12}{:>14}  verdict\n",
+            scene.scene,
+            grouped(scene.truth.samples * SHRINK * SHRINK),
+            scene.truth.small_rmse,
+            "configuration",
+            "samples",
+            "seconds",
+            "RMSE",
+            "equal error",
+        );
+        for line in &scene.pictures {
+            let Some(last) = line.points.last() else { continue };
+            text += &format!(
+                "{:<24}{:>12}{:>12}{:>12.2e}{:>14}  {}\n",
+                line.configuration,
+                figure(last.samples, 0),
+                figure(last.seconds.median, 3),
+                last.rmse.median,
+                times(line.time_to_equal_error),
+                verdict(line),
+            );
+        }
+        let reprojected = scene.motion.iter().filter(|moving| moving.way == motion::WAYS[1]);
+        let lower: Vec<String> = reprojected
+            .filter_map(|moving| Some(format!("{} {}", times(moving.times_lower?), moving.path.name())))
+            .collect();
+        if !lower.is_empty() {
+            text += &format!(
+                "in motion, frames have this many times the error of reprojected ones: {}\n",
+                lower.join(", ")
+            );
+        }
+    }
+    let report = folder.join("report.html");
+    text + &format!(
+        "\nEqual error: the time to the error of the last column, over the default's.\n{} in {:.0} s\n",
+        report.display(),
+        chart.seconds
+    )
+}

@@ -1,0 +1,78 @@
+//! What `octray compare` reports, as a table or as JSON.
+//!
+//! For: [`Report`]. May import: `measure`, `numbers`. Must not know: how pictures are compared.
+
+use super::numbers::ratio;
+use crate::measure::compare::Comparison;
+use crate::wording::{counted, grouped};
+use serde::Serialize;
+
+/// Fewest rounds from which a speed-up is reported.
+const FEWEST_ROUNDS: usize = 3;
+
+/// The JSON report.
+#[derive(Debug, Serialize)]
+pub struct Report {
+    pub schema: &'static str,
+    pub results: Vec<Comparison>,
+}
+
+/// What stands above the rows of scenes.
+pub fn heading() -> String {
+    format!(
+        "{:<24}{:>12}{:>12}{:>12}{:>18}{:>12}{:>12}{:>12}\n",
+        "scene", "pixels", "samples", "differing", "speed-up", "rmse/f64", "max/f64", "wrong hits"
+    )
+}
+
+/// A scene's row, and below it what is odd about the scene.
+pub fn row(result: &Comparison) -> String {
+    let Comparison { scene, pixels, samples, mismatched_pixels, first_mismatch, reference, .. } = result;
+    let known = result.speedup_rounds >= FEWEST_ROUNDS;
+    let mut row = format!(
+        "{scene:<24}{:>12}{:>12}{:>12}{:>18}{:>12.2e}{:>12.2e}{:>12}\n",
+        grouped(pixels),
+        grouped(samples),
+        grouped(mismatched_pixels),
+        if known { ratio(result.speedup, result.speedup_spread) } else { "–".into() },
+        reference.rmse,
+        reference.max_abs,
+        grouped(reference.mismatched_hits),
+    );
+    if !known {
+        row += &format!(
+            "  speed-up: {} timed; give --samples {FEWEST_ROUNDS} or more\n",
+            counted(result.speedup_rounds, "sample was", "samples were")
+        );
+    }
+    if result.discarded_samples > 0 {
+        let discarded = counted(result.discarded_samples, "sample was", "samples were");
+        row += &format!("  {discarded} not finite and left out\n");
+    }
+    if let Some(first) = first_mismatch {
+        row += &format!(
+            "  first at ({}, {}): SIMD {:?}, scalar {:?}\n",
+            first.x, first.y, first.simd, first.scalar
+        );
+    }
+    row
+}
+
+/// The table in words. `lossy` box tests lose hits, other ones in each traversal, so their pictures may
+/// differ.
+pub fn meaning(report: &Report, lossy: bool) -> String {
+    let differ = report.results.iter().any(|result| result.mismatched_pixels > 0);
+    let wrong: usize = report.results.iter().map(|result| result.reference.mismatched_hits).sum();
+    let right = match wrong {
+        0 => "every compared primary hit is right".to_string(),
+        _ => counted(wrong, "primary hit is", "primary hits are") + " WRONG by the f64 reference",
+    };
+    let same = match (differ, lossy) {
+        (false, _) => "SIMD and scalar pictures are the same, bit by bit",
+        (true, true) => {
+            "SIMD and scalar differ, which is expected: unpadded boxes lose hits, each traversal other ones"
+        }
+        (true, false) => "SIMD and scalar DIFFER: a bug in octray, please report it with the scene",
+    };
+    format!("\n{same}; {right}.\n")
+}

@@ -1,0 +1,370 @@
+//! What `octray inspect` reports: what a scene contains and how it is rendered, as text or as JSON.
+//!
+//! For: [`Inspection`]. May import: `defaults`, `traversal`, `numbers`, `scene`, `buffers`. Must not know:
+//! command lines.
+
+use super::defaults::DefaultReport;
+use super::numbers::bytes;
+use super::traversal::{HierarchyReport, TraversalReport};
+use crate::buffers::{EnvironmentLight, Features, LightChoice, Lights};
+use crate::scene::{Filter, Loaded, Material, MaterialKind, Rendering, Scene, Sky, Texture, View};
+use crate::traverse::linear;
+use crate::wording::{counted, grouped};
+use glam::Vec3;
+use serde::Serialize;
+use serde_json::{Map, Value};
+use std::fmt::Write;
+
+/// The JSON report.
+#[derive(Debug, Serialize)]
+pub struct Inspection {
+    schema: &'static str,
+    scene: String,
+    name: String,
+    /// If its file is a view.
+    view: Option<ViewReport>,
+    resolution: [u32; 2],
+    max_bounces: u32,
+    spheres: usize,
+    triangles: usize,
+    /// Triangles with vertex normals.
+    smooth_triangles: usize,
+    /// Materials by type.
+    materials: Materials,
+    textures: Vec<TextureReport>,
+    sky: SkyReport,
+    camera: CameraReport,
+    /// The box around everything; `None` for a scene of sky alone.
+    bounds: Option<Bounds>,
+    /// Features that the scene's pipeline must have.
+    needs: Vec<&'static str>,
+    lights: LightReport,
+    memory_bytes: usize,
+    traversal: TraversalReport,
+    /// The default methods that matter to this scene.
+    defaults: Vec<DefaultReport>,
+    /// Where rays traverse one.
+    hierarchy: Option<HierarchyReport>,
+    warnings: Vec<String>,
+}
+
+#[derive(Debug, Default, Serialize)]
+struct Materials {
+    diffuse: usize,
+    metal: usize,
+    glass: usize,
+    scatter: usize,
+    plastic: usize,
+    emitter: usize,
+    /// Emissive ones of any type.
+    shining: usize,
+    /// Textured ones of any type.
+    textured: usize,
+}
+
+#[derive(Debug, Serialize)]
+struct TextureReport {
+    name: String,
+    width: u32,
+    height: u32,
+    filter: &'static str,
+    memory_bytes: usize,
+}
+
+#[derive(Debug, Serialize)]
+#[serde(tag = "type", rename_all = "lowercase")]
+enum SkyReport {
+    Color { color: Vec3Report },
+    Gradient { bottom: Vec3Report, top: Vec3Report },
+    Texture { texture: String, color: Vec3Report },
+}
+
+/// The emitters that next event estimation samples; paths hit the others by scattering alone.
+#[derive(Debug, Serialize)]
+struct LightReport {
+    /// Emissive spheres and triangles.
+    emitters: usize,
+    /// Those of them that are sampled.
+    sought: usize,
+    /// Is the environment map sampled?
+    sky: bool,
+    /// The mean square of the environment map over the square of its mean, over all directions.
+    sky_contrast: Option<f64>,
+}
+
+#[derive(Debug, Serialize)]
+struct CameraReport {
+    position: Vec3Report,
+    look_at: Vec3Report,
+    up: Vec3Report,
+    vertical_fov: f32,
+}
+
+#[derive(Debug, Serialize)]
+struct Bounds {
+    lower: Vec3Report,
+    upper: Vec3Report,
+}
+
+type Vec3Report = [f32; 3];
+
+/// What a view says besides its camera.
+#[derive(Debug, Serialize)]
+struct ViewReport {
+    /// The scene, as the view names it.
+    of: String,
+    /// Options of `octray render`.
+    render: Rendering,
+}
+
+impl Inspection {
+    pub fn of(spec: String, scene: &Loaded) -> Self {
+        let traversal = TraversalReport::of(scene);
+        let lights = Lights::new(scene, LightChoice::default());
+        Self {
+            schema: "octray-inspect-1",
+            scene: spec,
+            name: scene.name.clone(),
+            view: scene.view.as_ref().map(ViewReport::of),
+            resolution: scene.resolution,
+            max_bounces: scene.max_bounces,
+            spheres: scene.spheres.len(),
+            triangles: scene.triangles.len(),
+            smooth_triangles: scene
+                .normals
+                .iter()
+                .filter(|normals| normals.iter().any(|n| *n != Vec3::ZERO))
+                .count(),
+            materials: Materials::of(&scene.materials),
+            textures: scene.textures.iter().map(TextureReport::of).collect(),
+            sky: SkyReport::of(scene),
+            camera: CameraReport {
+                position: scene.camera.position.into(),
+                look_at: scene.camera.look_at.into(),
+                up: scene.camera.up.into(),
+                vertical_fov: scene.camera.vertical_fov,
+            },
+            bounds: Bounds::of(scene),
+            needs: Features::of(scene).with(linear::features_of(scene)).with(lights.needs()).names(),
+            lights: LightReport::of(scene, &lights),
+            memory_bytes: memory(scene),
+            hierarchy: traversal.needs_hierarchy().then(|| HierarchyReport::of(scene)),
+            traversal,
+            defaults: DefaultReport::all(scene),
+            warnings: scene.warnings.clone(),
+        }
+    }
+
+    /// Is the hierarchy valid, if there is one?
+    pub fn is_valid(&self) -> bool {
+        self.hierarchy.as_ref().is_none_or(HierarchyReport::is_valid)
+    }
+
+    /// One line a fact: its name, and the fact.
+    fn lines(&self) -> Vec<(&'static str, String)> {
+        let [width, height] = self.resolution;
+        let smooth = match self.smooth_triangles {
+            0 => String::new(),
+            count => format!(" ({} with vertex normals)", grouped(count)),
+        };
+        let mut lines = vec![("scene", self.name.clone())];
+        lines.extend(self.view.iter().flat_map(ViewReport::lines));
+        lines.extend([
+            ("resolution", format!("{width}×{height}")),
+            ("bounces", format!("up to {}", self.max_bounces)),
+            ("spheres", grouped(self.spheres)),
+            ("triangles", format!("{}{smooth}", grouped(self.triangles))),
+            ("materials", self.materials.text()),
+        ]);
+        lines.extend(self.textures.iter().map(|texture| ("texture", texture.text())));
+        lines.extend([("sky", self.sky.text()), ("camera", self.camera.text())]);
+        let bounds = self
+            .bounds
+            .as_ref()
+            .map(|bounds| format!("{} to {}", vector(bounds.lower), vector(bounds.upper)));
+        lines.push(("bounds", bounds.unwrap_or_else(|| "none: the scene is sky alone".into())));
+        lines.push(("needs", self.needs.join(", ")));
+        lines.push(("lights", self.lights.text()));
+        lines.push(("memory", bytes(self.memory_bytes as u64)));
+        lines.extend(self.traversal.lines());
+        lines.extend(self.defaults.iter().map(|default| ("default", default.text())));
+        lines.extend(self.hierarchy.as_ref().map(|hierarchy| ("hierarchy", hierarchy.text())));
+        lines.extend(self.warnings.iter().map(|warning| ("warning", warning.clone())));
+        lines
+    }
+
+    /// The report for people.
+    pub fn text(&self) -> String {
+        self.lines().into_iter().fold(String::new(), |mut text, (name, value)| {
+            let _ = writeln!(text, "{name:<11} {value}");
+            text
+        })
+    }
+}
+
+impl ViewReport {
+    fn of(view: &View) -> Self {
+        Self { of: view.scene.clone(), render: view.render }
+    }
+
+    /// The scene viewed, and the options as on a command line.
+    fn lines(&self) -> Vec<(&'static str, String)> {
+        let mut lines = vec![("view of", self.of.clone())];
+        // Through text: an f32 in a `Value` would be printed with the digits of an f64.
+        let options: Option<Map<String, Value>> =
+            serde_json::to_string(&self.render).ok().and_then(|text| serde_json::from_str(&text).ok());
+        let words = options.iter().flatten().map(|(name, value)| match value {
+            Value::String(word) => format!("--{name} {word}"),
+            number => format!("--{name} {number}"),
+        });
+        let words: Vec<String> = words.collect();
+        if !words.is_empty() {
+            lines.push(("render", words.join(" ")));
+        }
+        lines
+    }
+}
+
+impl Materials {
+    fn of(materials: &[Material]) -> Self {
+        let mut count = Self::default();
+        for material in materials {
+            *match material.kind {
+                MaterialKind::Diffuse => &mut count.diffuse,
+                MaterialKind::Metal { .. } => &mut count.metal,
+                MaterialKind::Glass { .. } => &mut count.glass,
+                MaterialKind::Scatter { .. } => &mut count.scatter,
+                MaterialKind::Plastic { .. } => &mut count.plastic,
+                MaterialKind::Emitter => &mut count.emitter,
+            } += 1;
+            count.shining += usize::from(material.emission != Vec3::ZERO);
+            count.textured += usize::from(material.texture.is_some());
+        }
+        count
+    }
+
+    fn text(&self) -> String {
+        let types = [
+            ("diffuse", self.diffuse),
+            ("metal", self.metal),
+            ("glass", self.glass),
+            ("scatter", self.scatter),
+            ("plastic", self.plastic),
+            ("emitter", self.emitter),
+        ];
+        let total: usize = types.iter().map(|(_, count)| count).sum();
+        let present = types.iter().filter(|(_, count)| *count > 0);
+        let listed: Vec<String> = present.map(|(name, count)| format!("{count} {name}")).collect();
+        let mut text = if listed.is_empty() { "0".into() } else { format!("{total}: {}", listed.join(", ")) };
+        for (what, count) in [("emissive", self.shining), ("textured", self.textured)] {
+            if count > 0 {
+                let _ = write!(text, "; {count} {what}");
+            }
+        }
+        text
+    }
+}
+
+impl TextureReport {
+    fn of(texture: &Texture) -> Self {
+        Self {
+            name: texture.name.clone(),
+            width: texture.width,
+            height: texture.height,
+            filter: match texture.filter {
+                Filter::Nearest => "nearest",
+                Filter::Bilinear => "bilinear",
+            },
+            memory_bytes: texture.texels.bytes(),
+        }
+    }
+
+    fn text(&self) -> String {
+        let Self { name, width, height, filter, memory_bytes } = self;
+        format!("{name}: {width}×{height}, {filter}, {}", bytes(*memory_bytes as u64))
+    }
+}
+
+impl LightReport {
+    fn of(scene: &Scene, lights: &Lights) -> Self {
+        let shines = |material: u32| scene.materials[material as usize].emission != Vec3::ZERO;
+        let spheres = scene.spheres.iter().filter(|sphere| shines(sphere.material)).count();
+        let triangles = scene.triangles.iter().filter(|triangle| shines(triangle.material)).count();
+        Self {
+            emitters: spheres + triangles,
+            sought: lights.len() - usize::from(lights.sky.is_some()),
+            sky: lights.sky.is_some(),
+            sky_contrast: match &lights.sky {
+                Some((sky, _)) => Some(sky.contrast),
+                None => EnvironmentLight::of(scene).map(|sky| sky.contrast),
+            },
+        }
+    }
+
+    fn text(&self) -> String {
+        let emitters = match (self.emitters, self.sought) {
+            (0, _) => "no emitters".to_string(),
+            (emitters, sought) => {
+                format!("{} of {} sampled", grouped(sought), counted(emitters, "emitter", "emitters"))
+            }
+        };
+        let Some(contrast) = self.sky_contrast else { return emitters };
+        let sky = if self.sky { "sampled" } else { "not sampled" };
+        format!("{emitters}; environment map {sky} (contrast {contrast:.1})")
+    }
+}
+
+impl SkyReport {
+    fn of(scene: &Scene) -> Self {
+        match scene.sky {
+            Sky::Color(color) => Self::Color { color: color.into() },
+            Sky::Gradient { bottom, top } => Self::Gradient { bottom: bottom.into(), top: top.into() },
+            Sky::Texture { texture, color } => {
+                Self::Texture { texture: scene.textures[texture as usize].name.clone(), color: color.into() }
+            }
+        }
+    }
+
+    fn text(&self) -> String {
+        match self {
+            Self::Color { color } => vector(*color),
+            Self::Gradient { bottom, top } => format!("{} below to {} above", vector(*bottom), vector(*top)),
+            Self::Texture { texture, color } => format!("{texture}, times {}", vector(*color)),
+        }
+    }
+}
+
+impl CameraReport {
+    fn text(&self) -> String {
+        format!("at {} towards {}, {}° high", vector(self.position), vector(self.look_at), self.vertical_fov)
+    }
+}
+
+impl Bounds {
+    fn of(scene: &Scene) -> Option<Self> {
+        let corners = scene.triangles.iter().flat_map(|triangle| triangle.vertices);
+        let poles = scene.spheres.iter().flat_map(|sphere| {
+            [sphere.center - Vec3::splat(sphere.radius), sphere.center + Vec3::splat(sphere.radius)]
+        });
+        let around = |(lower, upper): (Vec3, Vec3), point: Vec3| (lower.min(point), upper.max(point));
+        let mut points = corners.chain(poles);
+        let first = points.next()?;
+        let (lower, upper) = points.fold((first, first), around);
+        Some(Self { lower: lower.into(), upper: upper.into() })
+    }
+}
+
+/// Bytes of the scene's lists, from which the buffers are built; the buffers are not counted.
+fn memory(scene: &Scene) -> usize {
+    let texels: usize = scene.textures.iter().map(|texture| texture.texels.bytes()).sum();
+    texels
+        + size_of_val(&scene.spheres[..])
+        + size_of_val(&scene.triangles[..])
+        + size_of_val(&scene.uvs[..])
+        + size_of_val(&scene.normals[..])
+        + size_of_val(&scene.materials[..])
+}
+
+fn vector([x, y, z]: Vec3Report) -> String {
+    format!("({x}, {y}, {z})")
+}

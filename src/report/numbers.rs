@@ -1,0 +1,93 @@
+//! Numbers as text, in one style for all reports.
+//!
+//! For: [`figure`], [`bytes`], [`percent`], [`ratio`], [`mrays_per_s`]. May import: `wording`. Must not know:
+//! the quantities.
+
+use crate::wording::grouped;
+use std::time::Duration;
+
+/// A number with `decimals` decimals, or with more where that leaves fewer than two significant digits.
+pub fn figure(x: f64, decimals: usize) -> String {
+    // The cast saturates, and the clamp bounds the decimals of 0 and of numbers that are not finite.
+    let needed = (1.0 - x.log10().floor()).clamp(0.0, 12.0) as usize;
+    grouped(format!("{x:.0$}", decimals.max(if x > 0.0 { needed } else { 0 })))
+}
+
+/// A size in bytes, in powers of a thousand.
+pub fn bytes(count: u64) -> String {
+    const UNITS: [&str; 4] = ["kB", "MB", "GB", "TB"];
+    if count < 1_000 {
+        return format!("{count} B");
+    }
+    let mut amount = count as f64 / 1_000.0;
+    let mut unit = 0;
+    while amount >= 999.95 && unit + 1 < UNITS.len() {
+        amount /= 1_000.0;
+        unit += 1;
+    }
+    format!("{amount:.1} {}", UNITS[unit])
+}
+
+/// A share in per cent with two significant digits: 0, 0.0013 %, 4.5 %, 100 %.
+pub fn percent(share: f64) -> String {
+    let percent = 100.0 * share;
+    if percent == 0.0 {
+        return "0 %".into();
+    }
+    // Two digits would round 99.6 to 100.
+    if percent > 99.0 && percent < 100.0 {
+        return format!("{:.1} %", percent.min(99.9));
+    }
+    let decimals = (1.0 - percent.log10().floor()).clamp(0.0, 9.0) as usize;
+    format!("{percent:.decimals$} %")
+}
+
+/// A ratio, and in brackets its spread.
+pub fn ratio(median: f64, [low, high]: [f64; 2]) -> String {
+    format!("{median:.2}× ({low:.1}–{high:.1})")
+}
+
+/// Millions of rays per second.
+pub fn mrays_per_s(rays: u64, time: Duration) -> f64 {
+    rays as f64 / time.as_secs_f64().max(1e-9) / 1e6
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn figure_never_shows_less_than_two_digits() {
+        for (x, decimals, text) in [
+            (123.46, 1, "123.5"),
+            (1.25, 1, "1.2"),
+            (0.96, 1, "0.96"),
+            (0.0432, 1, "0.043"),
+            (1.2e-7, 1, "0.00000012"),
+            (0.0, 1, "0.0"),
+            (1667.3, 0, "1,667"),
+            (12_345.678, 1, "12,345.7"),
+            (12.3, 0, "12"),
+            (5.31, 0, "5.3"),
+            (0.27, 0, "0.27"),
+        ] {
+            assert_eq!(figure(x, decimals), text);
+        }
+    }
+
+    #[test]
+    fn bytes_picks_the_unit_that_keeps_numbers_short() {
+        for (count, text) in
+            [(0, "0 B"), (999, "999 B"), (1_000, "1.0 kB"), (999_999, "1.0 MB"), (2_500_000_000, "2.5 GB")]
+        {
+            assert_eq!(bytes(count), text);
+        }
+    }
+
+    #[test]
+    fn percent_has_two_digits_and_calls_only_nothing_0_and_all_100() {
+        let shares = [0.0, 2.5e-6, 0.000_013, 0.045, 0.5, 0.996, 0.99999, 1.0];
+        let texts = ["0 %", "0.00025 %", "0.0013 %", "4.5 %", "50 %", "99.6 %", "99.9 %", "100 %"];
+        assert_eq!(shares.map(percent), texts);
+    }
+}

@@ -1,0 +1,133 @@
+//! What `octray rays` reports: rays per second, as a table or as JSON.
+//!
+//! For: [`Report`]. May import: `measure`, `machine`, `numbers`. Must not know: how the figures are measured.
+
+use super::numbers::{bytes, figure};
+use crate::bvh::check::Statistics;
+use crate::machine::Machine;
+use crate::measure::rays::{BuildTime, Measurement};
+use crate::measure::stats::RayStats;
+use crate::wording::{counted, grouped};
+use serde::Serialize;
+use std::fmt::Write;
+
+/// The JSON report.
+#[derive(Debug, Serialize)]
+pub struct Report {
+    pub schema: &'static str,
+    pub machine: Machine,
+    pub scene: String,
+    pub triangles: usize,
+    pub spheres: usize,
+    pub width: u32,
+    pub height: u32,
+    pub seed: u32,
+    /// On one thread.
+    pub build_ms: f64,
+    pub builds: Vec<BuildTime>,
+    /// Nodes, and leaves with all that traversal reads.
+    pub bvh_bytes: usize,
+    pub tree: Option<Statistics>,
+    /// Why the hierarchy is invalid: a bug in octray.
+    pub fault: Option<String>,
+    pub results: Vec<Measurement>,
+    /// With `--stats`: a pass that was not timed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stats: Option<Vec<RayStats>>,
+    /// What was not measured, and why: each a full sentence.
+    pub left_out: Vec<String>,
+}
+
+/// The machine, the scene and its hierarchy, and what stands above the rows.
+pub fn heading(report: &Report) -> String {
+    let mut text = format!("{}\n", report.machine);
+    let Report { scene, triangles, spheres, width, height, .. } = report;
+    let _ = writeln!(
+        text,
+        "{scene}: {}, {}; {width}×{height} primary rays",
+        counted(triangles, "triangle", "triangles"),
+        counted(spheres, "sphere", "spheres")
+    );
+    let built = |build: &BuildTime| {
+        format!("{} ms on {}", figure(build.ms, 1), counted(build.threads, "thread", "threads"))
+    };
+    let built: Vec<String> = report.builds.iter().map(built).collect();
+    let primitives = (triangles + spheres).max(1);
+    let _ = writeln!(
+        text,
+        "hierarchy: built in {}; {}, {:.0} bytes a primitive",
+        built.join(", "),
+        bytes(report.bvh_bytes as u64),
+        report.bvh_bytes as f64 / primitives as f64
+    );
+    match (&report.tree, &report.fault) {
+        (Some(tree), _) => {
+            let Statistics { wide_nodes, node_fill, leaves, leaf_fill, wide_depth, .. } = tree;
+            let Statistics { node_visits, leaf_visits, cost, .. } = tree;
+            let _ = writeln!(
+                text,
+                "{} of {node_fill:.1} boxes, {} of {leaf_fill:.1} primitives, {}; a random line tests {node_visits:.1} nodes and \
+                 {leaf_visits:.1} leaves, cost {cost:.1}",
+                counted(wide_nodes, "node", "nodes"),
+                counted(leaves, "leaf", "leaves"),
+                counted(wide_depth, "level", "levels")
+            );
+        }
+        (None, fault) => {
+            let _ = writeln!(text, "THE HIERARCHY IS INVALID: {}", fault.as_deref().unwrap_or_default());
+        }
+    }
+    let _ = writeln!(
+        text,
+        "\n{:<9}{:>11}{:>11}  {:<10}{:>6}{:>8}{:>9}{:>19}{:>8}",
+        "kind", "rays", "hits", "traversal", "lanes", "threads", "Mray/s", "10 % to 90 %", "differ"
+    );
+    text
+}
+
+/// The row of a kind of rays, a traversal and a number of threads.
+pub fn row(result: &Measurement) -> String {
+    let [low, high] = result.mrays_per_s_spread;
+    format!(
+        "{:<9}{:>11}{:>11}  {:<10}{:>6}{:>8}{:>9.2}{:>19}{:>8}\n",
+        result.kind.name(),
+        grouped(result.rays),
+        grouped(result.hits),
+        result.traversal,
+        result.lanes,
+        result.threads,
+        result.mrays_per_s,
+        format!("{low:.2} to {high:.2}"),
+        grouped(result.disagreements)
+    )
+}
+
+/// The table in words.
+pub fn meaning(report: &Report) -> String {
+    let mut text = String::from("\n");
+    for sentence in &report.left_out {
+        let _ = writeln!(text, "{sentence}");
+    }
+    for result in &report.results {
+        if let Some(first) = &result.first_disagreement {
+            let _ = writeln!(
+                text,
+                "{} OF {} {} RAYS DIFFER for {} on {}: first number {}, {:?} instead of {:?}",
+                grouped(result.disagreements),
+                grouped(result.rays),
+                result.kind.name(),
+                result.traversal,
+                counted(result.threads, "thread", "threads"),
+                grouped(first.ray),
+                first.found,
+                first.expected
+            );
+        }
+    }
+    if report.results.is_empty() {
+        text.push_str("Nothing was measured.\n");
+    } else if report.results.iter().all(|result| result.disagreements == 0) {
+        text.push_str("Every traversal finds the hits of one scalar ray at a time, bit by bit.\n");
+    }
+    text
+}

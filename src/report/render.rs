@@ -1,0 +1,113 @@
+//! What `octray render` reports, as a line or as JSON.
+//!
+//! For: [`Report`], [`End`]. May import: `measure`, `numbers`, the constants of `adaptive`. Must not know:
+//! how samples are taken.
+
+use super::numbers::figure;
+use crate::adaptive::MAX_BLOCK_ERROR;
+use crate::measure::stats::FrameStats;
+use crate::wording::grouped;
+use serde::Serialize;
+
+/// Why a rendering ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum End {
+    Samples,
+    TargetError,
+    TimeLimit,
+    Interrupt,
+}
+
+/// The JSON report.
+#[derive(Debug, Serialize)]
+pub struct Report {
+    pub schema: &'static str,
+    pub scene: String,
+    pub output: String,
+    pub width: u32,
+    pub height: u32,
+    /// The fewest samples of a pixel, and the most: more only with a target error, or where the rendering
+    /// stopped in the middle of a sample.
+    pub samples: u32,
+    pub most_samples: u32,
+    pub mean_samples: f64,
+    pub ended_by: End,
+    pub time_limit: Option<f64>,
+    pub target_error: Option<f64>,
+    /// With a target error; null in them means unknown.
+    pub estimated_error: Option<EstimatedError>,
+    pub max_bounces: u32,
+    pub seed: u32,
+    /// Largest radiance of a sample in each channel, with which the picture is biased. Null without a limit.
+    pub clamp: Option<f32>,
+    /// Wall time of tracing, without loading and writing.
+    pub seconds: f64,
+    pub rays: u64,
+    pub mrays_per_s: f64,
+    pub discarded_samples: u64,
+    pub interrupted: bool,
+    /// With `--stats`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stats: Option<FrameStats>,
+}
+
+/// The estimate of [`crate::adaptive`].
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct EstimatedError {
+    pub rms: f64,
+    pub largest: f64,
+}
+
+impl Report {
+    /// One line. `wanted` is the limit of samples, `begun` the number of pixels with at least one sample.
+    pub fn line(&self, wanted: u32, begun: u64) -> String {
+        let Self { output, width, height, samples, most_samples, seconds, mrays_per_s, .. } = self;
+        let had = if samples == most_samples {
+            grouped(samples)
+        } else {
+            format!("{} to {}", grouped(samples), grouped(most_samples))
+        };
+        let of_wanted = if self.interrupted { format!(" of {}", grouped(wanted)) } else { String::new() };
+        let rate = figure(*mrays_per_s, 1);
+        let plural = if had == "1" && !self.interrupted { "" } else { "s" };
+        let mean = match samples == most_samples {
+            true => String::new(),
+            false => format!(" (mean {})", figure(self.mean_samples, 0)),
+        };
+        let black = 1.0 - begun as f64 / (f64::from(*width) * f64::from(*height));
+        let black = match black > 0.0 {
+            true => format!("; {:.0} % of the picture has had none and is black", 100.0 * black),
+            false => String::new(),
+        };
+        format!(
+            "{output}: {width}×{height}, {had}{of_wanted} sample{plural}{mean}, {seconds:.2} s, {rate} Mray/s{black}\n{}",
+            self.ending()
+        )
+    }
+
+    /// Why the rendering ended, with a target error or a time limit, and the estimated error.
+    fn ending(&self) -> String {
+        if self.target_error.is_none() && self.time_limit.is_none() {
+            return String::new();
+        }
+        let by = match self.ended_by {
+            End::Samples => "the limit of samples",
+            End::TargetError => "the target error",
+            End::TimeLimit => "the time limit",
+            End::Interrupt => "Ctrl-C",
+        };
+        let errors = match (&self.estimated_error, self.target_error) {
+            (Some(error), Some(target)) if error.rms.is_finite() => {
+                let [rms, largest] = [error.rms, error.largest].map(|error| figure(error, 1));
+                let worst = MAX_BLOCK_ERROR * target;
+                format!(
+                    "; estimated error {rms} (target {target}), in the worst block {largest} (target {worst})"
+                )
+            }
+            (Some(_), _) => "; too few samples to estimate the error".to_string(),
+            _ => String::new(),
+        };
+        format!("ended by {by}{errors}\n")
+    }
+}

@@ -10,7 +10,7 @@ use super::terminal::{self, figure};
 use crate::machine::{self, Machine};
 use crate::measure::bench::{Effort, Engine, FEWEST_FRAMES, Measurement, bench};
 use crate::measure::compare::{BYTES_PER_PIXEL as COMPARE_BYTES_PER_PIXEL, Comparison, compare};
-use crate::measure::turns::Ratio;
+use crate::measure::timed::Ratio;
 
 use crate::render::{Renderer, Settings};
 use crate::scene::Scene;

@@ -9,7 +9,7 @@ use super::terminal::{self, figure};
 use super::truths;
 use crate::machine::{self, Machine};
 use crate::measure::chart::pictures::Line;
-use crate::measure::chart::truth::SHRINK;
+use crate::measure::chart::ground_truth::SHRINK;
 use crate::measure::chart::{Plan, kernels, motion};
 
 use crate::output;
@@ -72,10 +72,10 @@ pub fn run(options: ChartOptions) -> Result<ExitCode, CliError> {
         countdown.step(&format!("{}: truth", scene.name));
         let place = truths::place(&options.output, &scene, options.size, options.bounces);
         let kept = truths::load(&place, options.size);
-        let truth = match kept.filter(|truth| plan.is_content_with(&truth.quality)) {
+        let truth = match kept.filter(|truth| plan.accepts(&truth.info)) {
             Some(truth) => truth,
             None => {
-                let truth = plan.truth(&scene);
+                let truth = plan.ground_truth(&scene);
                 truths::save(&place, &truth)?;
                 truth
             }
@@ -170,7 +170,7 @@ fn text(chart: &Chart, folder: &Path) -> String {
                 verdict(line),
             );
         }
-        let reprojected = scene.motion.iter().filter(|moving| moving.way == motion::WAYS[1]);
+        let reprojected = scene.motion.iter().filter(|moving| moving.filter == motion::FILTERS[1]);
         let lower: Vec<String> = reprojected
             .filter_map(|moving| Some(format!("{} {}", times(moving.times_lower?), moving.path.name())))
             .collect();

@@ -13,9 +13,9 @@ use super::methods::MethodOptions;
 use super::numbers::{bounces, lanes, refuse, samples, seed, size, threads, whole};
 use super::picture::PictureOptions;
 use crate::measure::chart::pictures;
-use crate::measure::chart::truth::SHRINK;
+use crate::measure::chart::ground_truth::SHRINK;
 use crate::measure::stability::{Recipe, recipes};
-use crate::measure::ways::Way;
+use crate::measure::trace::TraceMethod;
 use crate::render::PipelineChoice;
 use crate::tone::Operator;
 use crate::wording::grouped;
@@ -87,7 +87,7 @@ pub struct RaysOptions {
     /// One thread, and once more all cores, if `None`.
     pub threads: Option<usize>,
     /// All that suit the rays if `None`.
-    pub traversal: Option<Way>,
+    pub traversal: Option<TraceMethod>,
     /// So many per way; by time if `None`.
     pub passes: Option<u32>,
     pub seed: u32,
@@ -195,7 +195,7 @@ impl TryFrom<RaysArgs> for RaysOptions {
             dump: args.dump,
             size,
             threads: args.threads.map(|text| threads(Some(text))).transpose()?,
-            traversal: Way::of(args.traversal.into()),
+            traversal: TraceMethod::of(args.traversal.into()),
             passes: args.passes.map(|text| whole("--passes", &text, 1, MAX_PASSES)).transpose()?,
             seed: seed(&args.seed)?,
         })

@@ -9,7 +9,7 @@ use crate::bvh::check::{Statistics, check_scene};
 use crate::lane::{F32x8, Lane};
 use crate::machine;
 use crate::measure::rays::{self, BuildTime};
-use crate::measure::ways::Way;
+use crate::measure::trace::TraceMethod;
 use crate::scene::Scene;
 use crate::traverse::{Methods, linear};
 use crate::wording::{counted, grouped};
@@ -41,7 +41,7 @@ pub struct HierarchyReport {
 
 impl TraversalReport {
     pub fn of(scene: &Scene) -> Self {
-        let way = Methods::default().traversal_of(scene, F32x8::WIDTH).map_or(Way::Linear, Way::Tree);
+        let way = Methods::default().traversal_of(scene, F32x8::WIDTH).map_or(TraceMethod::Linear, TraceMethod::Tree);
         Self {
             // One choice for all rays: the ways through a hierarchy see for themselves which rays run together.
             primary: way.name(),
@@ -53,7 +53,7 @@ impl TraversalReport {
 
     /// Do they go through a hierarchy?
     pub fn needs_hierarchy(&self) -> bool {
-        self.primary != Way::Linear.name()
+        self.primary != TraceMethod::Linear.name()
     }
 
     /// For people: a fact's name, and the fact.

@@ -6,8 +6,9 @@ use super::plot::{Axis, Figure, Line};
 use crate::machine::Machine;
 use crate::measure::chart::configurations::{DEFAULT, NAMES};
 use crate::measure::chart::kernels::{Case, Kernel};
-use crate::measure::chart::motion::Path;
-use crate::measure::chart::pictures::{Point, Spread};
+use crate::measure::chart::motion::CameraPath;
+use crate::measure::chart::pictures::Point;
+use crate::measure::quantiles::Spread;
 use crate::measure::chart::{SceneChart, display, motion, pictures};
 use crate::wording::{counted, grouped};
 use serde::Serialize;
@@ -204,8 +205,8 @@ pub fn frames(scene: &SceneChart) -> Drawing {
 /// Error of a picture shown in several ways, against what it takes to make and to show it.
 pub fn display(scene: &SceneChart) -> Drawing {
     let line = |(number, way): (usize, &&'static str)| {
-        let shown = scene.display.iter().filter(|shown| shown.way == *way);
-        let point = |shown: &display::Shown| {
+        let shown = scene.display.iter().filter(|shown| shown.filter == *way);
+        let point = |shown: &display::FilterResult| {
             Some([shown.frame_ms.median + shown.filter_ms.median, shown.rmse?.median])
         };
         Line {
@@ -226,7 +227,7 @@ pub fn display(scene: &SceneChart) -> Drawing {
         ],
         x: Axis { label: "milliseconds to take the samples and to show them".into(), log: true },
         y: Axis { label: Measure::Rmse.label().into(), log: true },
-        lines: display::WAYS.iter().enumerate().map(line).collect(),
+        lines: display::FILTERS.iter().enumerate().map(line).collect(),
         guides: Vec::new(),
     };
     Drawing { name: format!("{}-display", file_name(&scene.scene)), figure }
@@ -234,10 +235,10 @@ pub fn display(scene: &SceneChart) -> Drawing {
 
 /// Error of frames of a moving camera, against what it takes to make and to show them.
 pub fn motion(scene: &SceneChart) -> Drawing {
-    let line = |path: Path| {
+    let line = |path: CameraPath| {
         let moving = scene.motion.iter().filter(|moving| moving.path == path);
         let point =
-            |moving: &motion::Moving| Some([moving.frame_ms.median + moving.filter_ms.median, moving.rmse?]);
+            |moving: &motion::MotionResult| Some([moving.frame_ms.median + moving.filter_ms.median, moving.rmse?]);
         Line { name: path.name().into(), points: moving.filter_map(point).collect(), ..Line::default() }
     };
     let (frames, threads) = scene.motion.first().map_or((0, 1), |moving| (moving.frames, moving.threads));
@@ -249,7 +250,7 @@ pub fn motion(scene: &SceneChart) -> Drawing {
         ],
         x: Axis { label: "milliseconds to take the sample and to show the frame".into(), log: true },
         y: Axis { label: Measure::Rmse.label().into(), log: true },
-        lines: Path::ALL.into_iter().map(line).collect(),
+        lines: CameraPath::ALL.into_iter().map(line).collect(),
         guides: Vec::new(),
     };
     Drawing { name: format!("{}-motion", file_name(&scene.scene)), figure }

@@ -8,7 +8,7 @@ use octray::bvh::Trees;
 use octray::math::MISS;
 use octray::measure::ray_sets::{Answers, Kind, Prepared};
 use octray::measure::rays;
-use octray::measure::ways::{Ground, Team, Way};
+use octray::measure::trace::{PreparedScene, TraceMethod, TracePool};
 use octray::scene;
 use octray::traverse::batch::Traversal;
 use octray::traverse::hierarchy::Hierarchy;
@@ -33,10 +33,16 @@ fn main() {
     });
     group.finish();
 
-    let ground = Ground::new(&scene, Hierarchy::new(&scene, Trees::WideAndBinary));
-    let team = Team::new(1);
-    let sets =
-        rays::prepare(&scene, &scene.overview().expect("the scene has an outside"), &ground, &team, SIZE, 0);
+    let prepared_scene = PreparedScene::new(&scene, Hierarchy::new(&scene, Trees::WideAndBinary));
+    let pool = TracePool::new(1);
+    let sets = rays::prepare(
+        &scene,
+        &scene.overview().expect("the scene has an outside"),
+        &prepared_scene,
+        &pool,
+        SIZE,
+        0,
+    );
     for rays in &sets {
         let kind = rays.set.kind;
         let mut group = criterion.benchmark_group(kind.name());
@@ -46,12 +52,12 @@ fn main() {
             if traversal == Traversal::Packet && kind != Kind::Primary {
                 continue;
             }
-            let way = Way::Tree(traversal);
+            let way = TraceMethod::Tree(traversal);
             let mut answers = Answers::none(&rays.set);
-            trace(way, &team, &ground, rays, &mut answers);
+            trace(way, &pool, &prepared_scene, rays, &mut answers);
             check(way, rays, &answers);
             group.bench_function(BenchmarkId::from_parameter(way.name()), |bencher| {
-                bencher.iter(|| trace(way, &team, &ground, black_box(rays), &mut answers));
+                bencher.iter(|| trace(way, &pool, &prepared_scene, black_box(rays), &mut answers));
             });
         }
         group.finish();
@@ -59,18 +65,24 @@ fn main() {
     criterion.final_summary();
 }
 
-fn trace(way: Way, team: &Team, ground: &Ground, rays: &Prepared, answers: &mut Answers) {
-    team.forget(&rays.set, answers);
+fn trace(
+    way: TraceMethod,
+    pool: &TracePool,
+    prepared_scene: &PreparedScene,
+    rays: &Prepared,
+    answers: &mut Answers,
+) {
+    pool.clear(&rays.set, answers);
     if rays.set.kind.any_hit() {
-        team.trace::<true>(way, ground, &rays.set, answers);
+        pool.trace::<true>(way, prepared_scene, &rays.set, answers);
     } else {
-        team.trace::<false>(way, ground, &rays.set, answers);
+        pool.trace::<false>(way, prepared_scene, &rays.set, answers);
     }
 }
 
 /// # Panics
 /// If the way finds other hits than one scalar ray at a time.
-fn check(way: Way, rays: &Prepared, answers: &Answers) {
+fn check(way: TraceMethod, rays: &Prepared, answers: &Answers) {
     let (kind, nearest) = (rays.set.kind, &rays.nearest);
     assert!(nearest.count() > rays.set.len() / 100, "{}: {} hits are too few", kind.name(), nearest.count());
     if kind.any_hit() {

@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{Dice, empty, sphere, triangle};
+use common::{Rng, empty, sphere, triangle};
 use glam::{DVec3, Vec3};
 use octray::bvh::check::{Statistics, check};
 use octray::bvh::{Bounds, Bvh, Child, LEAF, MAX_DEPTH, MAX_STACK, Trees, WideNode};
@@ -38,15 +38,15 @@ fn at(point: DVec3, size: f64) -> Bounds {
 }
 
 /// Triangles and spheres of sizes spread over a decade.
-fn crowd(dice: &mut Dice, spheres: usize, triangles: usize) -> Scene {
+fn crowd(rng: &mut Rng, spheres: usize, triangles: usize) -> Scene {
     let mut scene = empty();
     for _ in 0..spheres {
-        let (center, radius) = (dice.in_cube().as_vec3(), dice.scale(0.005, 0.05) as f32);
+        let (center, radius) = (rng.in_cube().as_vec3(), rng.scale(0.005, 0.05) as f32);
         scene.spheres.push(sphere(center, radius, 0));
     }
     for _ in 0..triangles {
-        let (middle, size) = (dice.in_cube(), dice.scale(0.01, 0.1));
-        let vertices = [0; 3].map(|_| (middle + size * dice.in_cube()).as_vec3());
+        let (middle, size) = (rng.in_cube(), rng.scale(0.01, 0.1));
+        let vertices = [0; 3].map(|_| (middle + size * rng.in_cube()).as_vec3());
         scene.triangles.push(triangle(vertices, 0));
     }
     scene
@@ -64,9 +64,9 @@ fn mesh(name: &str) -> Option<Scene> {
 
 #[test]
 fn sphere_box_holds_the_sphere() {
-    let mut dice = Dice(11);
+    let mut rng = Rng(11);
     for _ in 0..100_000 {
-        let (center, radius) = (dice.in_cube() * dice.scale(1e-6, 1e6), dice.scale(1e-6, 1e6));
+        let (center, radius) = (rng.in_cube() * rng.scale(1e-6, 1e6), rng.scale(1e-6, 1e6));
         let (center, radius) = (center.as_vec3(), radius as f32);
         let bounds = Bounds::of_sphere(center, radius);
         let (low, high) = (center.as_dvec3() - f64::from(radius), center.as_dvec3() + f64::from(radius));
@@ -86,10 +86,10 @@ fn wide_node_is_four_cache_lines_and_an_empty_one_hits_nothing() {
 
 #[test]
 fn few_primitives_make_a_valid_tree() {
-    let mut dice = Dice(1);
+    let mut rng = Rng(1);
     for count in 0..=40 {
         for spheres in [0, count / 3, count] {
-            let boxes: Vec<_> = (0..count).map(|_| at(dice.in_cube(), 0.1)).collect();
+            let boxes: Vec<_> = (0..count).map(|_| at(rng.in_cube(), 0.1)).collect();
             let statistics = valid(spheres, &boxes);
             assert!(count > LEAF || statistics.wide_nodes == 1, "{count} fit one node");
         }
@@ -101,9 +101,9 @@ fn few_primitives_make_a_valid_tree() {
 
 #[test]
 fn random_scenes_of_both_kinds_make_valid_trees() {
-    let mut dice = Dice(2);
+    let mut rng = Rng(2);
     for (spheres, triangles) in [(1, 1), (5, 0), (0, 5), (100, 100), (3, 5000), (5000, 3), (20_000, 20_000)] {
-        valid_scene(&crowd(&mut dice, spheres, triangles));
+        valid_scene(&crowd(&mut rng, spheres, triangles));
     }
 }
 
@@ -113,12 +113,12 @@ fn equal_boxes_fill_leaves() {
     let statistics = valid(0, &vec![one; 1_000_000]);
     assert!(statistics.leaf_fill > 7.9, "{statistics:?}");
     // Equal centres, different sizes.
-    let mut dice = Dice(3);
-    let nested: Vec<_> = (0..10_000).map(|_| at(DVec3::ZERO, dice.scale(1e-6, 1e6))).collect();
+    let mut rng = Rng(3);
+    let nested: Vec<_> = (0..10_000).map(|_| at(DVec3::ZERO, rng.scale(1e-6, 1e6))).collect();
     assert!(valid(5_000, &nested).binary_depth <= 14);
     // Points, all the same and all different.
     valid(0, &vec![at(DVec3::ONE, 0.0); 1000]);
-    let points: Vec<_> = (0..10_000).map(|_| at(dice.in_cube(), 0.0)).collect();
+    let points: Vec<_> = (0..10_000).map(|_| at(rng.in_cube(), 0.0)).collect();
     valid(0, &points);
     // In a line and in a plane.
     valid(0, &points.iter().map(|one| at(one.lo.as_dvec3() * DVec3::X, 0.0)).collect::<Vec<_>>());
@@ -145,25 +145,25 @@ fn depth_bombs_stay_shallow() {
 
 #[test]
 fn mixed_scales_and_slivers_make_valid_trees() {
-    let mut dice = Dice(4);
-    let mut random = |count: usize, of: fn(&mut Dice) -> Bounds| -> Vec<Bounds> {
-        (0..count).map(|_| of(&mut dice)).collect()
+    let mut rng = Rng(4);
+    let mut random = |count: usize, of: fn(&mut Rng) -> Bounds| -> Vec<Bounds> {
+        (0..count).map(|_| of(&mut rng)).collect()
     };
     for boxes in [
-        random(20_000, |dice| at(dice.in_cube() * dice.scale(1e-18, 1e18), dice.scale(1e-18, 1e18))),
-        random(20_000, |dice| at(dice.in_cube() * dice.scale(1e-45, 1e-30), dice.scale(1e-45, 1e-30))),
-        random(20_000, |dice| at(dice.in_cube() * 2e18, 0.0)),
-        random(20_000, |dice| {
-            let (point, way) = (dice.in_cube(), dice.direction() * dice.scale(1e-3, 1.0));
+        random(20_000, |rng| at(rng.in_cube() * rng.scale(1e-18, 1e18), rng.scale(1e-18, 1e18))),
+        random(20_000, |rng| at(rng.in_cube() * rng.scale(1e-45, 1e-30), rng.scale(1e-45, 1e-30))),
+        random(20_000, |rng| at(rng.in_cube() * 2e18, 0.0)),
+        random(20_000, |rng| {
+            let (point, way) = (rng.in_cube(), rng.direction() * rng.scale(1e-3, 1.0));
             Bounds::of_triangle([point, point + way, point + way * 0.5].map(|v| v.as_vec3()))
         }),
         // Longer than the distance between them, along one axis.
-        random(20_000, |dice| {
-            let x = dice.signed() as f32;
+        random(20_000, |rng| {
+            let x = rng.signed() as f32;
             Bounds { lo: Vec3::new(x, -1.0, -1.0), hi: Vec3::new(x, 1.0, 1.0) }
         }),
         // Far from the origin, where centres are few steps of f32 apart.
-        random(20_000, |dice| at(DVec3::splat(1e6) + dice.in_cube(), 0.1)),
+        random(20_000, |rng| at(DVec3::splat(1e6) + rng.in_cube(), 0.1)),
     ] {
         valid(7_000, &boxes);
     }
@@ -171,8 +171,8 @@ fn mixed_scales_and_slivers_make_valid_trees() {
 
 #[test]
 fn threads_do_not_change_a_bit() {
-    let mut dice = Dice(5);
-    let mut scenes = vec![crowd(&mut dice, 30_000, 70_000)];
+    let mut rng = Rng(5);
+    let mut scenes = vec![crowd(&mut rng, 30_000, 70_000)];
     scenes.extend(mesh("dragon-48k.obj"));
     for scene in &scenes {
         let mut first: Option<Vec<Vec<u32>>> = None;
@@ -195,7 +195,7 @@ fn threads_do_not_change_a_bit() {
 /// All but the scalar baseline read the wide tree alone: leaving the binary tree out changes nothing of it.
 #[test]
 fn the_wide_tree_is_the_same_without_the_binary_one() {
-    let scene = crowd(&mut Dice(7), 300, 700);
+    let scene = crowd(&mut Rng(7), 300, 700);
     let [both, wide] = [Trees::WideAndBinary, Trees::Wide].map(|trees| Bvh::new(&scene, trees));
     assert!(!both.binary.is_empty() && wide.binary.is_empty());
     let bits = |bvh: &Bvh| bytemuck::cast_slice::<_, u32>(&bvh.wide).to_vec();
@@ -217,8 +217,8 @@ fn meshes_fill_nodes_and_leaves() {
 
 #[test]
 fn check_finds_what_is_wrong() {
-    let mut dice = Dice(6);
-    let boxes: Vec<_> = (0..1000).map(|_| at(dice.in_cube(), 0.1)).collect();
+    let mut rng = Rng(6);
+    let boxes: Vec<_> = (0..1000).map(|_| at(rng.in_cube(), 0.1)).collect();
     let good = Bvh::of_boxes(0, 1000, Trees::WideAndBinary, |number| boxes[number]);
     let wrong = |change: &dyn Fn(&mut Bvh)| {
         let mut bvh = good.clone();

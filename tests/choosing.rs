@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{Dice, empty, floor, lamp, material, mean, sphere, triangle};
+use common::{Rng, empty, floor, lamp, material, mean, sphere, triangle};
 use glam::Vec3;
 use octray::buffers::{EnvironmentLight, Features, LightChoice, Lights};
 use octray::film::Picture;
@@ -23,9 +23,9 @@ fn lamps(radiances: &[f32]) -> Scene {
 
 /// Candles beside one lamp, and lamps of all powers.
 fn radiances(count: usize) -> [Vec<f32>; 2] {
-    let mut dice = Dice(81);
+    let mut rng = Rng(81);
     let candles = (0..count).map(|number| if number == count / 2 { 1e9 } else { 1.0 });
-    let unlike = (0..count).map(|_| dice.scale(1e-9, 1e9) as f32);
+    let unlike = (0..count).map(|_| rng.scale(1e-9, 1e9) as f32);
     [candles.collect(), unlike.collect()]
 }
 
@@ -106,9 +106,9 @@ fn chances_sum_to_one_and_rows_hold_those_of_their_own_light() {
         let lights = Lights::new(&scene, LightChoice::On);
         let sum: f64 = lights.probabilities.iter().map(|&chance| f64::from(chance)).sum();
         assert!((sum - 1.0).abs() < 1e-6, "{sum}");
-        let mut dice = Dice(82);
+        let mut rng = Rng(82);
         for _ in 0..1000 {
-            let [u, number, more] = [(); 3].map(|()| (dice.bits() >> 8) as f32 / 16_777_216.0);
+            let [u, number, more] = [(); 3].map(|()| (rng.bits() >> 8) as f32 / 16_777_216.0);
             let (light, _) = lights.choose::<f32>(u, || number, || more, radiances.len() <= Lights::FEW);
             let at = light.at.x as usize;
             assert_eq!((light.probability, light.emission.x), (lights.probabilities[at], radiances[at]));

@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{Dice, empty, material, noise, sphere, triangle};
+use common::{Rng, empty, material, noise, sphere, triangle};
 use glam::{Vec2, Vec3};
 use octray::buffers::Features;
 use octray::integrate::pipeline_for;
@@ -13,19 +13,13 @@ use octray::traverse::batch::Traversal;
 use octray::traverse::{Methods, SphereChoice, TraversalChoice, TriangleChoice};
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 
-fn colored(dice: &mut Dice, kind: MaterialKind) -> Material {
-    let color = Vec3::new(dice.unit() as f32, dice.unit() as f32, dice.unit() as f32) * 0.5 + 0.5;
+fn colored(rng: &mut Rng, kind: MaterialKind) -> Material {
+    let color = Vec3::new(rng.unit() as f32, rng.unit() as f32, rng.unit() as f32) * 0.5 + 0.5;
     Material { color, ..material(kind) }
 }
 
 /// Spheres and triangles in front of the camera, wearing the materials by turns.
-fn furnished(
-    dice: &mut Dice,
-    materials: Vec<Material>,
-    spheres: usize,
-    triangles: usize,
-    uvs: bool,
-) -> Scene {
+fn furnished(rng: &mut Rng, materials: Vec<Material>, spheres: usize, triangles: usize, uvs: bool) -> Scene {
     let count = materials.len();
     let mut scene = Scene {
         camera: Camera {
@@ -38,19 +32,17 @@ fn furnished(
         ..empty()
     };
     for i in 0..spheres {
-        let center = (dice.in_cube() * 2.0).as_vec3();
-        let ball = sphere(center, dice.scale(0.3, 0.9) as f32, (i % count) as u32);
+        let center = (rng.in_cube() * 2.0).as_vec3();
+        let ball = sphere(center, rng.scale(0.3, 0.9) as f32, (i % count) as u32);
         let texture_side = [Side::Outside, Side::Inside][i % 2];
-        scene.spheres.push(octray::scene::Sphere { texture_turn: dice.unit() as f32, texture_side, ..ball });
+        scene.spheres.push(octray::scene::Sphere { texture_turn: rng.unit() as f32, texture_side, ..ball });
     }
     for i in 0..triangles {
-        let center = dice.in_cube() * 2.0;
-        let vertices = [(); 3].map(|()| (center + dice.in_cube() * 1.5).as_vec3());
+        let center = rng.in_cube() * 2.0;
+        let vertices = [(); 3].map(|()| (center + rng.in_cube() * 1.5).as_vec3());
         scene.triangles.push(triangle(vertices, ((i + 1) % count) as u32));
         if uvs {
-            scene
-                .uvs
-                .push([(); 3].map(|()| Vec2::new(3.0 * dice.signed() as f32, 3.0 * dice.signed() as f32)));
+            scene.uvs.push([(); 3].map(|()| Vec2::new(3.0 * rng.signed() as f32, 3.0 * rng.signed() as f32)));
         }
     }
     // A floor, so that paths bounce.
@@ -71,13 +63,13 @@ fn everything() -> Scene {
 
 /// A lamp that paths look for, the first sphere, beside triangles that shine with a picture, which they do not look for.
 fn lamp_and_sign() -> Scene {
-    let mut dice = Dice(88);
+    let mut rng = Rng(88);
     let shining =
         |emission: f32| Material { emission: Vec3::splat(emission), ..material(MaterialKind::Emitter) };
     let materials =
         vec![shining(9.0), Material { texture: Some(0), ..shining(2.0) }, material(MaterialKind::Diffuse)];
-    let mut scene = furnished(&mut dice, materials, 3, 5, true);
-    scene.textures = vec![noise(&mut dice, 8, 8, Filter::Nearest)];
+    let mut scene = furnished(&mut rng, materials, 3, 5, true);
+    scene.textures = vec![noise(&mut rng, 8, 8, Filter::Nearest)];
     scene.spheres.iter_mut().skip(1).for_each(|sphere| sphere.material = 2);
     scene.triangles.iter_mut().for_each(|triangle| triangle.material = triangle.material.clamp(1, 2));
     Scene { sky: Sky::Color(Vec3::ZERO), ..scene }
@@ -89,7 +81,7 @@ fn crowd() -> Scene {
 }
 
 fn everything_of(triangles: usize) -> Scene {
-    let mut dice = Dice(51);
+    let mut rng = Rng(51);
     let mut materials: Vec<Material> = [
         MaterialKind::Diffuse,
         MaterialKind::Metal { roughness: 0.0 },
@@ -105,7 +97,7 @@ fn everything_of(triangles: usize) -> Scene {
         MaterialKind::Plastic { roughness: 0.5, ior: 1.7 },
     ]
     .into_iter()
-    .map(|kind| colored(&mut dice, kind))
+    .map(|kind| colored(&mut rng, kind))
     .collect();
     materials[0].texture = Some(0);
     materials[4].texture = Some(1);
@@ -119,15 +111,15 @@ fn everything_of(triangles: usize) -> Scene {
     materials[9].normal_map = Some(1);
     materials[0].normal_map = Some(2);
     materials[11].roughness_map = Some(0);
-    let mut scene = furnished(&mut dice, materials, 20, triangles, true);
+    let mut scene = furnished(&mut rng, materials, 20, triangles, true);
     // Every other triangle is smooth.
     scene.normals = (0..scene.triangles.len())
-        .map(|i| [(); 3].map(|()| if i % 2 == 0 { dice.direction().as_vec3() } else { Vec3::ZERO }))
+        .map(|i| [(); 3].map(|()| if i % 2 == 0 { rng.direction().as_vec3() } else { Vec3::ZERO }))
         .collect();
     scene.textures = vec![
-        noise(&mut dice, 5, 3, Filter::Nearest),
-        noise(&mut dice, 4, 7, Filter::Bilinear),
-        noise(&mut dice, 16, 8, Filter::Bilinear),
+        noise(&mut rng, 5, 3, Filter::Nearest),
+        noise(&mut rng, 4, 7, Filter::Bilinear),
+        noise(&mut rng, 16, 8, Filter::Bilinear),
     ];
     scene.sky = Sky::Texture { texture: 2, color: Vec3::new(1.0, 0.9, 0.8) };
     scene
@@ -135,46 +127,46 @@ fn everything_of(triangles: usize) -> Scene {
 
 /// What the pipeline for matt and mirroring spheres draws.
 fn matt_and_mirror() -> Scene {
-    let mut dice = Dice(52);
+    let mut rng = Rng(52);
     let materials = vec![
-        colored(&mut dice, MaterialKind::Diffuse),
-        colored(&mut dice, MaterialKind::Metal { roughness: 0.0 }),
-        colored(&mut dice, MaterialKind::Diffuse),
+        colored(&mut rng, MaterialKind::Diffuse),
+        colored(&mut rng, MaterialKind::Metal { roughness: 0.0 }),
+        colored(&mut rng, MaterialKind::Diffuse),
     ];
     Scene {
         sky: Sky::Gradient { bottom: Vec3::ONE, top: Vec3::new(0.5, 0.7, 1.0) },
-        ..furnished(&mut dice, materials, 7, 0, false)
+        ..furnished(&mut rng, materials, 7, 0, false)
     }
 }
 
 /// A handful of spheres and triangles with nearest textures: the thesis's kind of scene.
 fn few_textured() -> Scene {
-    let mut dice = Dice(53);
+    let mut rng = Rng(53);
     let mut materials = vec![
-        colored(&mut dice, MaterialKind::Diffuse),
-        colored(&mut dice, MaterialKind::Scatter { roughness: 1.5 }),
-        colored(&mut dice, MaterialKind::Emitter),
-        colored(&mut dice, MaterialKind::Metal { roughness: 0.0 }),
+        colored(&mut rng, MaterialKind::Diffuse),
+        colored(&mut rng, MaterialKind::Scatter { roughness: 1.5 }),
+        colored(&mut rng, MaterialKind::Emitter),
+        colored(&mut rng, MaterialKind::Metal { roughness: 0.0 }),
     ];
     materials[0].texture = Some(0);
     materials[2].emission = Vec3::splat(2.0);
-    let textures = vec![noise(&mut dice, 6, 6, Filter::Nearest)];
+    let textures = vec![noise(&mut rng, 6, 6, Filter::Nearest)];
     Scene {
         textures,
         sky: Sky::Color(Vec3::new(0.4, 0.5, 0.6)),
-        ..furnished(&mut dice, materials, 6, 2, true)
+        ..furnished(&mut rng, materials, 6, 2, true)
     }
 }
 
 /// Triangles alone, without texture coordinates, under a sky that is read at the nearest texel.
 fn triangles_alone() -> Scene {
-    let mut dice = Dice(54);
+    let mut rng = Rng(54);
     let mut materials =
-        vec![colored(&mut dice, MaterialKind::Diffuse), colored(&mut dice, MaterialKind::Glass { ior: 1.3 })];
+        vec![colored(&mut rng, MaterialKind::Diffuse), colored(&mut rng, MaterialKind::Glass { ior: 1.3 })];
     materials[1].emission = Vec3::new(0.0, 0.3, 0.0);
-    let textures = vec![noise(&mut dice, 9, 5, Filter::Nearest)];
+    let textures = vec![noise(&mut rng, 9, 5, Filter::Nearest)];
     let sky = Sky::Texture { texture: 0, color: Vec3::ONE };
-    Scene { textures, sky, ..furnished(&mut dice, materials, 0, 25, false) }
+    Scene { textures, sky, ..furnished(&mut rng, materials, 0, 25, false) }
 }
 
 /// A tilted mirror, seen so much from the side that rounding points some reflections below it, and behind it a red light that shows

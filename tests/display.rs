@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{Dice, empty, floor, lamp, material, sphere};
+use common::{Rng, empty, floor, lamp, material, sphere};
 use glam::Vec3;
 use octray::display::{Blur, Denoiser, Fxaa, Samples, walking_speed};
 use octray::film::Picture;
@@ -149,8 +149,8 @@ fn denoiser_keeps_hard_edges_of_objects_and_removes_noise_on_them() {
     let scene = balls();
     let guides = guides(&scene);
     let levels = |x: u32, y: u32| [0.2, 0.9, 0.5][guides.pixel(x, y).object.min(2) as usize];
-    let mut dice = Dice::of("display", [7, 0]);
-    let noisy = picture(scene.resolution, |(x, y)| grey(levels(x, y) * (2.0 * dice.unit()) as f32));
+    let mut rng = Rng::of("display", [7, 0]);
+    let noisy = picture(scene.resolution, |(x, y)| grey(levels(x, y) * (2.0 * rng.unit()) as f32));
     let clean = picture(scene.resolution, |(x, y)| grey(levels(x, y)));
     let mut denoiser = Denoiser::new();
     let edges = denoiser.filter(&clean, Samples::Same(1), &guides);
@@ -180,7 +180,7 @@ fn two_sides(left: [f32; 2], right: [f32; 2], materials: [u32; 2]) -> Scene {
 
 #[test]
 fn denoiser_stops_at_objects_and_at_normals_and_at_distances() {
-    let mut dice = Dice::of("display", [6, 0]);
+    let mut rng = Rng::of("display", [6, 0]);
     for (what, scene) in [
         ("two objects in one plane", two_sides([0.0, 0.0], [0.0, 0.0], [0, 1])),
         ("a corner", two_sides([0.0, 90.0], [0.0, 90.0], [0, 0])),
@@ -190,7 +190,7 @@ fn denoiser_stops_at_objects_and_at_normals_and_at_distances() {
         assert!(guides.pixel(1, 12).distance.is_finite() && guides.pixel(38, 12).distance.is_finite());
         // One noise on both sides, and a little green on the right one that it hides.
         let noisy = picture(scene.resolution, |(x, _)| {
-            [dice.unit() as f32, if x < 20 { 0.0 } else { 0.1 }, dice.unit() as f32]
+            [rng.unit() as f32, if x < 20 { 0.0 } else { 0.1 }, rng.unit() as f32]
         });
         let mut denoiser = Denoiser::new();
         let shown = denoiser.filter(&noisy, Samples::Same(1), &guides);
@@ -211,8 +211,8 @@ fn denoiser_leaves_many_samples_mirrors_and_lamps_as_they_are() {
     scene.materials.push(lamp(3.0));
     (scene.spheres[0].material, scene.spheres[1].material) = (1, 2);
     let guides = guides(&scene);
-    let mut dice = Dice::of("display", [9, 0]);
-    let noisy = picture(scene.resolution, |_| grey(dice.unit() as f32 + 0.5));
+    let mut rng = Rng::of("display", [9, 0]);
+    let noisy = picture(scene.resolution, |_| grey(rng.unit() as f32 + 0.5));
     let mut denoiser = Denoiser::new();
     let mut change = |samples| {
         let shown = denoiser.filter(&noisy, Samples::Same(samples), &guides);
@@ -238,8 +238,8 @@ fn denoiser_smooths_metal_as_far_as_it_is_rough() {
         let metal = material(MaterialKind::Metal { roughness });
         let scene = two_sides([-10.0; 2], [-10.0; 2], [0; 2]);
         let guides = guides(&Scene { resolution: [40, 400], materials: vec![metal], ..scene });
-        let mut dice = Dice::of("display", [11, 0]);
-        let noisy = picture([40, 400], |_| grey(dice.unit() as f32 + 0.5));
+        let mut rng = Rng::of("display", [11, 0]);
+        let noisy = picture([40, 400], |_| grey(rng.unit() as f32 + 0.5));
         noise(Denoiser::new().filter(&noisy, Samples::Same(1), &guides), 1.0) / noise(&noisy, 1.0)
     };
     let [polished, brushed, rough] = [0.04, 0.2, 0.5].map(left);
@@ -253,15 +253,15 @@ fn denoiser_smooths_metal_as_far_as_it_is_rough() {
 fn denoiser_keeps_pictures_on_surfaces_sharp() {
     // Light of one brightness on balls of many colours, which the guides tell.
     let mut scene = balls();
-    scene.textures.push(common::noise(&mut Dice::of("display", [4, 0]), 12, 6, Filter::Nearest));
+    scene.textures.push(common::noise(&mut Rng::of("display", [4, 0]), 12, 6, Filter::Nearest));
     scene.materials.push(octray::scene::Material { texture: Some(0), ..material(MaterialKind::Diffuse) });
     scene.spheres.iter_mut().for_each(|ball| ball.material = 1);
     let guides = guides(&scene);
-    let mut dice = Dice::of("display", [3, 0]);
+    let mut rng = Rng::of("display", [3, 0]);
     let albedo = |(x, y): (u32, u32)| guides.pixel(x, y).albedo;
     let lit = picture(scene.resolution, |place| albedo(place).map(|channel| 0.8 * channel));
     let noisy = picture(scene.resolution, |place| {
-        let noise = 2.0 * dice.unit() as f32;
+        let noise = 2.0 * rng.unit() as f32;
         albedo(place).map(|channel| 0.8 * channel * noise)
     });
     let error = |shown: &Picture| {
@@ -279,8 +279,8 @@ fn denoiser_keeps_pictures_on_surfaces_sharp() {
 fn denoiser_is_the_same_mirrored() {
     let wall = Scene { resolution: [40, 24], ..floor(Vec3::ZERO, 2.0) };
     let guides = guides(&wall);
-    let mut dice = Dice::of("display", [5, 0]);
-    let noisy = picture([40, 24], |_| [dice.unit() as f32, dice.unit() as f32, 0.5]);
+    let mut rng = Rng::of("display", [5, 0]);
+    let noisy = picture([40, 24], |_| [rng.unit() as f32, rng.unit() as f32, 0.5]);
     let mirrored = |of: &Picture| Picture {
         pixels: of.pixels.chunks(40).flat_map(|row| row.iter().rev().copied()).collect(),
         ..*of
@@ -302,8 +302,8 @@ fn denoiser_is_the_same_with_rows_for_columns() {
         let materials = vec![material(MaterialKind::Diffuse)];
         guides(&Scene { resolution: [32, 32], materials, triangles: vec![plane], ..empty() })
     };
-    let mut dice = Dice::of("display", [4, 0]);
-    let noisy = picture([32, 32], |_| grey(dice.unit() as f32));
+    let mut rng = Rng::of("display", [4, 0]);
+    let noisy = picture([32, 32], |_| grey(rng.unit() as f32));
     let turned = |of: &Picture| picture([32, 32], |(x, y)| of.pixels[(x * 32 + y) as usize]);
     let shown = turned(Denoiser::new().filter(&noisy, Samples::Same(1), &seen(|at| at)));
     // The picture's rows go down.
@@ -318,8 +318,8 @@ fn denoiser_is_the_same_with_rows_for_columns() {
 fn filters_give_the_same_bits_on_any_threads() {
     let scene = balls();
     let guides = guides(&scene);
-    let mut dice = Dice::of("display", [11, 0]);
-    let noisy = picture(scene.resolution, |_| [dice.unit() as f32, dice.unit() as f32, dice.unit() as f32]);
+    let mut rng = Rng::of("display", [11, 0]);
+    let noisy = picture(scene.resolution, |_| [rng.unit() as f32, rng.unit() as f32, rng.unit() as f32]);
     assert_same_on_threads(|blur: &mut Blur| blur.filter(&noisy).clone());
     assert_same_on_threads(|fxaa: &mut Fxaa| fxaa.filter(&noisy, &Tone::default()).clone());
     assert_same_on_threads(|denoiser: &mut Denoiser| {

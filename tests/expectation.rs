@@ -5,7 +5,7 @@
 mod common;
 
 use common::statistics::allowed;
-use common::{Dice, material, noise, smooth_ball, sphere, triangle};
+use common::{Rng, material, noise, smooth_ball, sphere, triangle};
 use glam::Vec3;
 use octray::buffers::LightChoice;
 use octray::film::Picture;
@@ -36,9 +36,9 @@ fn balls(kind: MaterialKind) -> [Scene; 4] {
     };
     let mapped = |scene: &Scene| {
         let mut scene = scene.clone();
-        let mut dice = Dice(71);
+        let mut rng = Rng(71);
         scene.textures =
-            vec![noise(&mut dice, 8, 6, Filter::Bilinear), noise(&mut dice, 7, 5, Filter::Nearest)];
+            vec![noise(&mut rng, 8, 6, Filter::Bilinear), noise(&mut rng, 7, 5, Filter::Nearest)];
         scene.materials[0].roughness_map = kind.has_roughness().then_some(0);
         scene.materials[0].normal_map = Some(1);
         let at = |v: Vec3| glam::Vec2::new(0.5 + 0.4 * v.x, 0.5 + 0.3 * v.y + 0.1 * v.z);

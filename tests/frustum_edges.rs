@@ -4,7 +4,7 @@
 mod common;
 
 use common::rays::Set;
-use common::{Dice, empty, material, sphere, triangle};
+use common::{Rng, empty, material, sphere, triangle};
 use glam::DVec3;
 use octray::bvh::Trees;
 use octray::scene::{MaterialKind, Scene};
@@ -27,7 +27,7 @@ struct View {
 }
 
 /// A camera's tile that sees specks right at its outermost rays, and triangles beyond them that touch them with an edge.
-fn at_the_sides(dice: &mut Dice, view: View, spheres: bool) -> usize {
+fn at_the_sides(rng: &mut Rng, view: View, spheres: bool) -> usize {
     let View { axis, away, depth, slope, spread } = view;
     let forward = [1.0, -1.0][axis / 3];
     let [main, a, b] = [axis % 3, (axis + 1) % 3, (axis + 2) % 3];
@@ -36,7 +36,7 @@ fn at_the_sides(dice: &mut Dice, view: View, spheres: bool) -> usize {
         (d[main], d[a], d[b]) = (forward, x, y);
         d
     };
-    let origin = (dice.direction() * away).as_vec3();
+    let origin = (rng.direction() * away).as_vec3();
     let mut set = Set::default();
     for i in 0..TILE {
         let [x, y] = steps(i);
@@ -47,7 +47,7 @@ fn at_the_sides(dice: &mut Dice, view: View, spheres: bool) -> usize {
     for i in (0..TILE).filter(|&i| steps(i).iter().any(|step| step.abs() == 1.0)) {
         let d = direction(i);
         let [x, y] = steps(i);
-        let depth = depth * dice.scale(0.25, 1.5);
+        let depth = depth * rng.scale(0.25, 1.5);
         let point = origin.as_dvec3() + d * depth;
         if spheres && i % 2 == 0 {
             scene.spheres.push(sphere(point.as_vec3(), (1e-6 * depth) as f32, 0));
@@ -56,7 +56,7 @@ fn at_the_sides(dice: &mut Dice, view: View, spheres: bool) -> usize {
         // Outwards, away from the tile's middle.
         let mut out = DVec3::ZERO;
         (out[a], out[b]) = (if x.abs() == 1.0 { x } else { 0.0 }, if y.abs() == 1.0 { y } else { 0.0 });
-        let size = depth * dice.scale(1e-6, 1e-2);
+        let size = depth * rng.scale(1e-6, 1e-2);
         let beside = d.cross(out).normalize() * size;
         let vertices = [point - beside, point + beside, point + out * size].map(|v| v.as_vec3());
         let [p, q, r] = vertices;
@@ -71,7 +71,7 @@ fn at_the_sides(dice: &mut Dice, view: View, spheres: bool) -> usize {
 
 #[test]
 fn frustum_keeps_what_its_outermost_rays_hit() {
-    let mut dice = Dice(91);
+    let mut rng = Rng(91);
     let mut hits = 0;
     for axis in 0..6 {
         for (away, depth) in [
@@ -87,7 +87,7 @@ fn frustum_keeps_what_its_outermost_rays_hit() {
             for (slope, spread) in [(0.0, 0.5), (0.3, 0.1), (0.0, 1e-3), (0.0, 1e-6), (3.0, 1.0), (1e3, 1.0)]
             {
                 for spheres in [false, true] {
-                    hits += at_the_sides(&mut dice, View { axis, away, depth, slope, spread }, spheres);
+                    hits += at_the_sides(&mut rng, View { axis, away, depth, slope, spread }, spheres);
                 }
             }
         }
@@ -113,7 +113,7 @@ struct Beside {
 /// Triangles that lie edge-on beside the outermost rays: there rounding decides whether they are hit, up to their own boxes and the padding
 /// of these, which in a large scene reaches far beyond the tile's sides. Of copies the first one counts, though padding moves the hits of
 /// all before their box.
-fn edge_on(dice: &mut Dice, case: Beside) -> usize {
+fn edge_on(rng: &mut Rng, case: Beside) -> usize {
     let Beside { axis, extent, away, slope, spread, copies } = case;
     let forward = [1.0, -1.0][axis / 3];
     let [main, a, b] = [axis % 3, (axis + 1) % 3, (axis + 2) % 3];
@@ -125,7 +125,7 @@ fn edge_on(dice: &mut Dice, case: Beside) -> usize {
     };
     let mut middle = DVec3::ZERO;
     (middle[main], middle[a], middle[b]) = (forward, slope[0], slope[1]);
-    let origin = (dice.direction() * 0.01 - middle * away).as_vec3();
+    let origin = (rng.direction() * 0.01 - middle * away).as_vec3();
     let mut set = Set::default();
     for i in 0..TILE {
         set.push(origin, along(i).normalize().as_vec3(), f32::INFINITY);
@@ -140,17 +140,17 @@ fn edge_on(dice: &mut Dice, case: Beside) -> usize {
     let room = (extent + away) * 0.5f64.powi(21);
     let sides: Vec<usize> = (0..TILE).filter(|&i| steps(i).iter().any(|step| step.abs() == 1.0)).collect();
     while scene.triangles.len() < 900 * rare {
-        let i = sides[dice.index(sides.len())];
+        let i = sides[rng.index(sides.len())];
         let d = along(i);
         let [x, y] = steps(i);
         let mut out = DVec3::ZERO;
         (out[a], out[b]) = (if x.abs() == 1.0 { x } else { 0.0 }, if y.abs() == 1.0 { y } else { 0.0 });
-        let beside = dice.scale(0.1, 1.5) * room * (1.0 + d[a].abs().max(d[b].abs()));
-        let size = dice.scale(1e-2, 10.0) * room;
-        let depth = if away > 0.0 { away } else { dice.scale(1.0, 100.0) * room };
+        let beside = rng.scale(0.1, 1.5) * room * (1.0 + d[a].abs().max(d[b].abs()));
+        let size = rng.scale(1e-2, 10.0) * room;
+        let depth = if away > 0.0 { away } else { rng.scale(1.0, 100.0) * room };
         let vertices = [(); 3].map(|()| {
-            let across = beside + size * dice.unit();
-            (origin.as_dvec3() + d * (depth + size * dice.unit()) + out * across).as_vec3()
+            let across = beside + size * rng.unit();
+            (origin.as_dvec3() + d * (depth + size * rng.unit()) + out * across).as_vec3()
         });
         let [p, q, r] = vertices;
         if (q - p).cross(r - p).length() > 0.0 {
@@ -163,7 +163,7 @@ fn edge_on(dice: &mut Dice, case: Beside) -> usize {
 
 #[test]
 fn frustum_keeps_what_rounding_hits_beside_it() {
-    let mut dice = Dice(92);
+    let mut rng = Rng(92);
     let mut hits = 0;
     for axis in 0..6 {
         let plain = Beside { axis, extent: 1e4, away: 0.0, slope: [0.0; 2], spread: 1e-3, copies: 1 };
@@ -175,7 +175,7 @@ fn frustum_keeps_what_rounding_hits_beside_it() {
             Beside { slope: [8.2, 0.0], spread: 7.5, ..plain },
             Beside { extent: 1.0, away: 1e4, slope: [0.9, -0.9], ..plain },
         ] {
-            let found = edge_on(&mut dice, case);
+            let found = edge_on(&mut rng, case);
             hits += found;
         }
     }
@@ -186,14 +186,14 @@ fn frustum_keeps_what_rounding_hits_beside_it() {
 /// first copy counts, and the frustum must not leave it out because another one has been hit.
 #[test]
 fn frustum_keeps_the_first_of_copies_seen_from_afar() {
-    let mut dice = Dice(93);
+    let mut rng = Rng(93);
     let mut hits = 0;
     for round in 0..240 {
         let (axis, away) = (round % 6, [1e3, 1e4, 1e6][round / 6 % 3]);
         let [main, a, b] = [axis % 3, (axis + 1) % 3, (axis + 2) % 3];
         let mut towards = DVec3::ZERO;
         towards[main] = [1.0, -1.0][axis / 3];
-        let origin = (dice.direction() * 0.1 - towards * away).as_vec3();
+        let origin = (rng.direction() * 0.1 - towards * away).as_vec3();
         let mut set = Set::default();
         // Every other tile is narrower than its directions can tell.
         let spread = if round % 2 == 0 { 0.0 } else { 0.3 / away };
@@ -204,7 +204,7 @@ fn frustum_keeps_the_first_of_copies_seen_from_afar() {
             set.push(origin, d.normalize().as_vec3(), f32::INFINITY);
         }
         let mut scene = Scene { materials: vec![material(MaterialKind::Diffuse)], ..empty() };
-        for depth in [-0.5, 0.0, 0.5].map(|depth| depth + 0.2 * dice.unit()) {
+        for depth in [-0.5, 0.0, 0.5].map(|depth| depth + 0.2 * rng.unit()) {
             let corner = |i: f64| {
                 let (sin, cos) = (i * std::f64::consts::TAU / 3.0).sin_cos();
                 let mut v = towards * (depth + 0.01 * i);

@@ -4,7 +4,7 @@
 mod common;
 
 use common::rays::{Set, mixture};
-use common::{Dice, sphere, triangle};
+use common::{Rng, sphere, triangle};
 use glam::{Vec3, Vec3Swizzles};
 use octray::bvh::Trees;
 use octray::math::MISS;
@@ -24,10 +24,10 @@ struct View {
 }
 
 impl View {
-    fn along(dice: &mut Dice, axis: usize, spread: f32, offset: f32) -> Self {
+    fn along(rng: &mut Rng, axis: usize, spread: f32, offset: f32) -> Self {
         let main = Vec3::AXES[axis % 3] * if axis < 3 { 1.0 } else { -1.0 };
         let (right, up) = (Vec3::AXES[(axis + 1) % 3], Vec3::AXES[(axis + 2) % 3]);
-        let origin = -main * 6.0 + offset + dice.direction().as_vec3();
+        let origin = -main * 6.0 + offset + rng.direction().as_vec3();
         Self { main, right, up, origin, spread }
     }
     /// Of a tile's ray.
@@ -48,17 +48,17 @@ fn hierarchy(scene: &Scene) -> Hierarchy {
 
 #[test]
 fn frustum_equals_testing_every_primitive() {
-    let mut dice = Dice(12);
+    let mut rng = Rng(12);
     for offset in [0.0, 300.0] {
-        let scene = mixture(&mut dice, 900, 60, 1.0, offset);
+        let scene = mixture(&mut rng, 900, 60, 1.0, offset);
         for axis in 0..6 {
             for spread in [0.9, 0.1, 0.001] {
-                let set = View::along(&mut dice, axis, spread, offset).rays(2 * TILE);
+                let set = View::along(&mut rng, axis, spread, offset).rays(2 * TILE);
                 assert!(set.goes_in_a_frustum(&hierarchy(&scene)), "axis {axis}, spread {spread}");
                 set.check(&scene, &format!("axis {axis}, spread {spread}, offset {offset}"));
                 // From among the primitives: some boxes begin behind the camera.
-                let view = View::along(&mut dice, axis, spread, offset);
-                let origin = Vec3::splat(offset) + dice.in_cube().as_vec3();
+                let view = View::along(&mut rng, axis, spread, offset);
+                let origin = Vec3::splat(offset) + rng.in_cube().as_vec3();
                 let set = View { origin, ..view }.rays(TILE);
                 assert!(set.goes_in_a_frustum(&hierarchy(&scene)), "axis {axis}, spread {spread}, within");
                 set.check(&scene, &format!("axis {axis}, spread {spread}, offset {offset}, within"));
@@ -70,17 +70,17 @@ fn frustum_equals_testing_every_primitive() {
 /// One call of more than two batches: tiles that see little, tiles that see much, and rays without order, in turn.
 #[test]
 fn long_calls_of_all_sorts_of_tiles_find_what_each_would() {
-    let mut dice = Dice(68);
-    let scene = mixture(&mut dice, 3000, 100, 1.0, 0.0);
+    let mut rng = Rng(68);
+    let scene = mixture(&mut rng, 3000, 100, 1.0, 0.0);
     let mut set = Set::default();
     let count = 2 * BATCH + TILE + 3;
-    let mut view = View::along(&mut dice, 0, 0.9, 0.0);
+    let mut view = View::along(&mut rng, 0, 0.9, 0.0);
     for i in 0..count {
         if i % TILE == 0 {
-            view = View::along(&mut dice, i / TILE, [0.9, 0.001][i / TILE % 2], 0.0);
+            view = View::along(&mut rng, i / TILE, [0.9, 0.001][i / TILE % 2], 0.0);
         }
         match i / TILE % 5 {
-            4 => set.push(dice.in_cube().as_vec3() * 5.0, dice.direction().as_vec3(), f32::INFINITY),
+            4 => set.push(rng.in_cube().as_vec3() * 5.0, rng.direction().as_vec3(), f32::INFINITY),
             _ => set.push(view.origin, view.direction(i), f32::INFINITY),
         }
     }
@@ -90,8 +90,8 @@ fn long_calls_of_all_sorts_of_tiles_find_what_each_would() {
 /// So far away that the sides' bounds are infinite, beside fewer boxes than a node holds.
 #[test]
 fn frustum_of_infinite_bounds_meets_no_box_that_is_not_there() {
-    let mut dice = Dice(69);
-    let scene = mixture(&mut dice, 2, 0, 0.0, 0.0);
+    let mut rng = Rng(69);
+    let scene = mixture(&mut rng, 2, 0, 0.0, 0.0);
     let mut set = Set::default();
     for (x, y) in
         [(0.0, 0.0), (1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, 0.0), (0.0, 1.0), (0.0, 0.0)]
@@ -104,11 +104,11 @@ fn frustum_of_infinite_bounds_meets_no_box_that_is_not_there() {
 
 #[test]
 fn frustum_keeps_to_the_reach_of_each_ray() {
-    let mut dice = Dice(61);
-    let scene = mixture(&mut dice, 900, 60, 1.0, 0.0);
+    let mut rng = Rng(61);
+    let scene = mixture(&mut rng, 900, 60, 1.0, 0.0);
     let mut hits = 0;
     for axis in 0..6 {
-        let mut set = View::along(&mut dice, axis, 0.5, 0.0).rays(4 * TILE);
+        let mut set = View::along(&mut rng, axis, 0.5, 0.0).rays(4 * TILE);
         let nearest = set.linear(&scene);
         for (i, t_max) in set.t_max.iter_mut().enumerate() {
             let t = f32::from_bits(nearest[i][0]);
@@ -116,8 +116,8 @@ fn frustum_keeps_to_the_reach_of_each_ray() {
             *t_max = match (i / TILE, i % 8) {
                 (0, 0) => 0.0,
                 (0, 1) => f32::MIN_POSITIVE,
-                (0, _) => (12.0 * dice.unit()) as f32,
-                (1, _) => (5.0 + dice.unit()) as f32,
+                (0, _) => (12.0 * rng.unit()) as f32,
+                (1, _) => (5.0 + rng.unit()) as f32,
                 (2, _) if i % TILE == 77 => f32::INFINITY,
                 (2, _) => 0.5,
                 (_, 0) => t,
@@ -134,13 +134,13 @@ fn frustum_keeps_to_the_reach_of_each_ray() {
 
 #[test]
 fn frustum_improves_hits_from_before() {
-    let mut dice = Dice(62);
-    let mut scene = mixture(&mut dice, 500, 60, 1.0, 0.0);
+    let mut rng = Rng(62);
+    let mut scene = mixture(&mut rng, 500, 60, 1.0, 0.0);
     // Every triangle twice: equal distances, of which the lower number wins.
     scene.triangles.extend_from_slice(&scene.triangles.clone());
     let count = scene.spheres.len() + scene.triangles.len();
     for axis in 0..6 {
-        let mut set = View::along(&mut dice, axis, 0.5, 0.0).rays(2 * TILE);
+        let mut set = View::along(&mut rng, axis, 0.5, 0.0).rays(2 * TILE);
         let nearest = set.linear(&scene);
         for (i, &[t, primitive, ..]) in nearest.iter().enumerate() {
             let t = f32::from_bits(t);
@@ -164,10 +164,10 @@ fn frustum_improves_hits_from_before() {
 
 #[test]
 fn tiles_need_not_be_full() {
-    let mut dice = Dice(63);
-    let scene = mixture(&mut dice, 300, 30, 1.0, 0.0);
+    let mut rng = Rng(63);
+    let scene = mixture(&mut rng, 300, 30, 1.0, 0.0);
     for count in [1, 7, 8, 9, 31, 64, 200, 250, 255, 256, 257, 263, 264, 265, 511, 519, 520] {
-        let set = View::along(&mut dice, count % 6, 0.7, 0.0).rays(count);
+        let set = View::along(&mut rng, count % 6, 0.7, 0.0).rays(count);
         let whole = count.min(TILE).is_multiple_of(8);
         assert_eq!(set.goes_in_a_frustum(&hierarchy(&scene)), whole, "{count}");
         set.check(&scene, &format!("{count} rays"));
@@ -176,11 +176,11 @@ fn tiles_need_not_be_full() {
 
 #[test]
 fn one_odd_ray_harms_no_other() {
-    let mut dice = Dice(64);
-    let scene = mixture(&mut dice, 500, 30, 1.0, 0.0);
+    let mut rng = Rng(64);
+    let scene = mixture(&mut rng, 500, 30, 1.0, 0.0);
     let nan = f32::NAN;
     for round in 0..16 {
-        let view = View::along(&mut dice, round % 6, 0.4, 0.0);
+        let view = View::along(&mut rng, round % 6, 0.4, 0.0);
         let odd = [
             (view.origin + Vec3::ONE, view.main),
             (Vec3 { x: view.origin.x.next_up(), ..view.origin }, view.main),
@@ -195,7 +195,7 @@ fn one_odd_ray_harms_no_other() {
         ];
         for (what, (origin, direction)) in odd.into_iter().enumerate() {
             // The first ray, which tells the axis; one within; the last.
-            for place in [0, 1 + dice.index(TILE - 2), TILE - 1] {
+            for place in [0, 1 + rng.index(TILE - 2), TILE - 1] {
                 let mut set = view.rays(TILE);
                 for axis in 0..3 {
                     set.origin[axis][place] = origin[axis];
@@ -210,13 +210,13 @@ fn one_odd_ray_harms_no_other() {
 /// What such rays hit themselves is not asked: their lengths are outside the domain, or they are none.
 #[test]
 fn rays_without_finite_slopes_harm_no_other() {
-    let mut dice = Dice(65);
-    let scene = mixture(&mut dice, 500, 0, 1.0, 0.0);
+    let mut rng = Rng(65);
+    let scene = mixture(&mut rng, 500, 0, 1.0, 0.0);
     let hierarchy = hierarchy(&scene);
     for axis in 0..6 {
-        let view = View::along(&mut dice, axis, 0.4, 0.0);
+        let view = View::along(&mut rng, axis, 0.4, 0.0);
         // The first ray, which tells the axis; one along it; one above it; one anywhere; the last.
-        for place in [0, 136, 8, 1 + dice.index(TILE - 2), TILE - 1] {
+        for place in [0, 136, 8, 1 + rng.index(TILE - 2), TILE - 1] {
             let own = view.direction(place);
             let lengths = [1e-30, 1e-38, 1e-40, 1e-44, 1e30, 1e38].map(|length| own * length);
             let nan = f32::NAN;
@@ -239,12 +239,12 @@ fn rays_without_finite_slopes_harm_no_other() {
 
 #[test]
 fn rays_without_a_reach_harm_no_other() {
-    let mut dice = Dice(67);
-    let scene = mixture(&mut dice, 900, 30, 1.0, 0.0);
+    let mut rng = Rng(67);
+    let scene = mixture(&mut rng, 900, 30, 1.0, 0.0);
     let hierarchy = hierarchy(&scene);
     for axis in 0..6 {
         for lanes in (1..255usize).step_by(6) {
-            let mut set = View::along(&mut dice, axis, 0.4, 0.0).rays(TILE);
+            let mut set = View::along(&mut rng, axis, 0.4, 0.0).rays(TILE);
             for i in (0..TILE).filter(|i| lanes >> (i % 8) & 1 == 1) {
                 set.t_max[i] = f32::NAN;
             }
@@ -262,11 +262,11 @@ fn rays_without_a_reach_harm_no_other() {
 /// Far spheres make large paddings, tiny ones once made infinite ones.
 #[test]
 fn tiny_and_far_spheres_among_triangles_change_nothing() {
-    let mut dice = Dice(66);
+    let mut rng = Rng(66);
     for (far, tiny) in [(false, true), (true, false), (true, true)] {
-        let mut scene = mixture(&mut dice, 300, 20, 1.0, 0.0);
+        let mut scene = mixture(&mut rng, 300, 20, 1.0, 0.0);
         for i in 0..12 {
-            let towards = dice.direction().as_vec3();
+            let towards = rng.direction().as_vec3();
             if tiny {
                 scene.spheres.push(sphere(towards * 3.0, [1e-18, 1e-9, 1e-5][i % 3], 0));
             }
@@ -278,7 +278,7 @@ fn tiny_and_far_spheres_among_triangles_change_nothing() {
         scene.triangles.push(triangle([Vec3::ZERO, corner, corner.yzx()], 0));
         for axis in 0..6 {
             for spread in [0.9, 0.01] {
-                let view = View::along(&mut dice, axis, spread, 0.0);
+                let view = View::along(&mut rng, axis, spread, 0.0);
                 let mut set = view.rays(TILE);
                 // Some at the spheres themselves, as far as they lie on the tile's side; not the first, which tells the axis.
                 for i in 1..TILE / 2 {
@@ -297,9 +297,9 @@ fn tiny_and_far_spheres_among_triangles_change_nothing() {
         // And from everywhere to everywhere.
         let mut set = Set::default();
         for i in 0..2000 {
-            let origin = dice.direction().as_vec3() * [1e-3, 4.0, 1e5, 2e6][i % 4];
+            let origin = rng.direction().as_vec3() * [1e-3, 4.0, 1e5, 2e6][i % 4];
             let target =
-                scene.spheres[dice.index(scene.spheres.len())].center + dice.direction().as_vec3() * 1e-3;
+                scene.spheres[rng.index(scene.spheres.len())].center + rng.direction().as_vec3() * 1e-3;
             set.push(origin, (target - origin).normalize(), f32::INFINITY);
         }
         set.check(&scene, &format!("far {far}, tiny {tiny}, from everywhere"));

@@ -6,7 +6,7 @@
 
 mod common;
 
-use common::{Dice, empty, material, noise, sphere, triangle};
+use common::{Rng, empty, material, noise, sphere, triangle};
 use glam::{Vec2, Vec3};
 use octray::buffers::Features;
 use octray::film::Picture;
@@ -188,8 +188,8 @@ fn packets_and_judge_agree_on_the_furnace_of_ggx() {
 #[test]
 fn packets_and_judge_agree_on_pictures_on_spheres_triangles_and_sky() {
     for filter in [Filter::Nearest, Filter::Bilinear] {
-        let mut dice = Dice(61);
-        let textures = vec![noise(&mut dice, 7, 5, filter), noise(&mut dice, 4, 6, filter)];
+        let mut rng = Rng(61);
+        let textures = vec![noise(&mut rng, 7, 5, filter), noise(&mut rng, 4, 6, filter)];
         let shown = |kind, texture| Material { texture: Some(texture), ..material(kind) };
         let lamp = Material { emission: Vec3::new(1.0, 2.0, 0.5), ..shown(MaterialKind::Emitter, 1) };
         let wall = [Vec3::new(-6.0, -5.0, -2.0), Vec3::new(6.0, -4.0, -1.0), Vec3::new(1.0, 6.0, -3.0)];
@@ -223,7 +223,7 @@ fn packets_and_judge_agree_on_pictures_on_spheres_triangles_and_sky() {
 #[test]
 fn packets_and_judge_agree_at_every_count_near_the_size_of_a_table() {
     for count in [1, 4, 5, 8, 9, 12] {
-        let mut dice = Dice(62);
+        let mut rng = Rng(62);
         let mut scene = empty();
         scene.camera.position = 4.0 * Vec3::Z;
         for i in 0..count {
@@ -234,7 +234,7 @@ fn packets_and_judge_agree_at_every_count_near_the_size_of_a_table() {
             scene.spheres.push(sphere(center - Vec3::Z, 0.4, i));
             let vertices = [0.0, 1.0, 2.0].map(|third: f32| {
                 let (sin, cos) = (third * std::f32::consts::TAU / 3.0).sin_cos();
-                center + 0.5 * Vec3::new(sin, cos, 0.3 * dice.signed() as f32)
+                center + 0.5 * Vec3::new(sin, cos, 0.3 * rng.signed() as f32)
             });
             scene.triangles.push(triangle(vertices, i));
         }

@@ -3,19 +3,19 @@
 mod common;
 
 use common::rays::{Set, mixture};
-use common::{Dice, sphere};
+use common::{Rng, sphere};
 use glam::Vec3;
 use octray::bvh::Trees;
 use octray::math::MISS;
 use octray::measure::ray_sets::{Answers, RaySet};
-use octray::measure::ways::{Ground, Team, Way};
+use octray::measure::trace::{PreparedScene, TraceMethod, TracePool};
 use octray::traverse::hierarchy::Hierarchy;
 use octray::traverse::stream::PIECE;
 
 /// Directions that divide by zero, or nearly.
-fn awkward(dice: &mut Dice) -> Vec3 {
+fn awkward(rng: &mut Rng) -> Vec3 {
     let tiny = [0.0, -0.0, 1e-17, -1e-17, 1e-40, -1e-40, 1.0, -1.0, 0.3];
-    let mut pick = || tiny[(dice.unit() * tiny.len() as f64) as usize];
+    let mut pick = || tiny[(rng.unit() * tiny.len() as f64) as usize];
     loop {
         let d = Vec3::new(pick(), pick(), pick());
         if d.length() > 0.1 {
@@ -26,7 +26,7 @@ fn awkward(dice: &mut Dice) -> Vec3 {
 
 #[test]
 fn every_traversal_equals_testing_every_primitive() {
-    let mut dice = Dice(11);
+    let mut rng = Rng(11);
     let mut hits = 0;
     for (triangles, spheres, scales, offset) in [
         (1, 0, 0.0, 0.0),
@@ -38,15 +38,14 @@ fn every_traversal_equals_testing_every_primitive() {
         (300, 100, 1.0, 1000.0),
         (2000, 0, 2.0, 0.0),
     ] {
-        let scene = mixture(&mut dice, triangles, spheres, scales, offset);
+        let scene = mixture(&mut rng, triangles, spheres, scales, offset);
         let mut set = Set::default();
         let corners: Vec<Vec3> = scene.triangles.iter().flat_map(|triangle| triangle.vertices).collect();
         for i in 0..6000 {
-            let number = |dice: &mut Dice| (8.0 * dice.unit() - 4.0) as f32;
-            let mut origin =
-                Vec3::new(number(&mut dice), number(&mut dice), number(&mut dice)) * 1.5 + offset;
+            let number = |rng: &mut Rng| (8.0 * rng.unit() - 4.0) as f32;
+            let mut origin = Vec3::new(number(&mut rng), number(&mut rng), number(&mut rng)) * 1.5 + offset;
             // At a corner, towards a corner, in the plane of a box's face.
-            let corner = corners.get((dice.unit() * corners.len() as f64) as usize).copied();
+            let corner = corners.get((rng.unit() * corners.len() as f64) as usize).copied();
             if let Some(corner) = corner {
                 match i % 8 {
                     0 => origin = corner,
@@ -55,13 +54,13 @@ fn every_traversal_equals_testing_every_primitive() {
                 }
             }
             let direction = match i % 3 {
-                0 => awkward(&mut dice),
-                1 => corner.map_or(dice.direction().as_vec3(), |corner| {
+                0 => awkward(&mut rng),
+                1 => corner.map_or(rng.direction().as_vec3(), |corner| {
                     (corner - origin).try_normalize().unwrap_or(Vec3::X)
                 }),
-                _ => dice.direction().as_vec3(),
+                _ => rng.direction().as_vec3(),
             };
-            let t_max = if i % 5 == 0 { (4.0 * dice.unit()) as f32 } else { f32::INFINITY };
+            let t_max = if i % 5 == 0 { (4.0 * rng.unit()) as f32 } else { f32::INFINITY };
             set.push(origin, direction, t_max);
         }
         hits += set.check(
@@ -75,27 +74,27 @@ fn every_traversal_equals_testing_every_primitive() {
 /// Streams take pieces whose rays run into one octant another way than those of more.
 #[test]
 fn pieces_of_one_octant_and_of_several_find_the_same_each_for_itself() {
-    let mut dice = Dice(18);
-    let scene = mixture(&mut dice, 600, 60, 1.0, 0.0);
+    let mut rng = Rng(18);
+    let scene = mixture(&mut rng, 600, 60, 1.0, 0.0);
     let mut set = Set::default();
     // Each octant in turn; all together; backwards along zeros, or next to them; one whose last packet is not whole and leaves the octant.
     for piece in 0..11 {
         for i in 0..if piece == 10 { PIECE / 2 + 3 } else { PIECE } {
             let leaves = piece == 10 && i >= PIECE / 2;
             let direction = match piece {
-                8 => dice.direction().as_vec3(),
-                9 => -awkward(&mut dice).abs(),
-                10 if leaves => -dice.direction().as_vec3().abs(),
-                10 => dice.direction().as_vec3().abs(),
+                8 => rng.direction().as_vec3(),
+                9 => -awkward(&mut rng).abs(),
+                10 if leaves => -rng.direction().as_vec3().abs(),
+                10 => rng.direction().as_vec3().abs(),
                 octant => {
                     let sign = |axis: usize| if octant >> axis & 1 == 1 { -1.0 } else { 1.0 };
-                    dice.direction().as_vec3().abs() * Vec3::new(sign(0), sign(1), sign(2))
+                    rng.direction().as_vec3().abs() * Vec3::new(sign(0), sign(1), sign(2))
                 }
             };
             // From outside and from among them; what leaves its octant, at something.
             let through = match leaves {
                 true => scene.spheres[i % scene.spheres.len()].center,
-                false => dice.in_cube().as_vec3() * 3.0,
+                false => rng.in_cube().as_vec3() * 3.0,
             };
             set.push(through - direction * if i % 2 == 0 { 9.0 } else { 0.5 }, direction, f32::INFINITY);
         }
@@ -118,7 +117,7 @@ fn pieces_of_one_octant_and_of_several_find_the_same_each_for_itself() {
 
 #[test]
 fn rays_that_are_none_miss_and_a_hit_at_the_reach_is_none() {
-    let mut scene = mixture(&mut Dice(14), 40, 1, 0.0, 0.0);
+    let mut scene = mixture(&mut Rng(14), 40, 1, 0.0, 0.0);
     scene.spheres.push(sphere(Vec3::new(10.0, 0.0, 0.0), 1e-18, 0));
     let mut set = Set::default();
     let (nan, infinity) = (f32::NAN, f32::INFINITY);
@@ -130,10 +129,10 @@ fn rays_that_are_none_miss_and_a_hit_at_the_reach_is_none() {
         set.push(origin, Vec3::Y, infinity);
         set.push(origin, Vec3::Z, infinity);
     }
-    let mut dice = Dice(15);
+    let mut rng = Rng(15);
     let first = set.t_max.len();
     for _ in 0..500 {
-        set.push(dice.direction().as_vec3() * 8.0, dice.direction().as_vec3(), infinity);
+        set.push(rng.direction().as_vec3() * 8.0, rng.direction().as_vec3(), infinity);
     }
     set.check(&scene, "no rays at all");
     let answers = set.linear(&scene);
@@ -146,32 +145,32 @@ fn rays_that_are_none_miss_and_a_hit_at_the_reach_is_none() {
 /// Measuring knows one way more: it tests everything with packets, and holds the t_max to them afterwards.
 #[test]
 fn ways_that_are_measured_agree_and_a_hit_at_the_reach_is_none() {
-    let scene = mixture(&mut Dice(16), 40, 20, 0.0, 0.0);
-    let ground = Ground::new(&scene, Hierarchy::new(&scene, Trees::WideAndBinary));
-    let mut dice = Dice(17);
+    let scene = mixture(&mut Rng(16), 40, 20, 0.0, 0.0);
+    let prepared_scene = PreparedScene::new(&scene, Hierarchy::new(&scene, Trees::WideAndBinary));
+    let mut rng = Rng(17);
     let pixels: Vec<[u32; 2]> = (0..48 * 32).map(|i| [i % 48, i / 48]).collect();
     let camera = octray::camera::Pinhole::new(&scene.camera, [48, 32]);
     let mut set = RaySet::primary(&camera, &pixels);
-    let team = Team::new(1);
-    let traced = |set: &RaySet, way: Way| {
+    let pool = TracePool::new(1);
+    let traced = |set: &RaySet, way: TraceMethod| {
         let mut answers = Answers::none(set);
-        team.trace::<false>(way, &ground, set, &mut answers);
+        pool.trace::<false>(way, &prepared_scene, set, &mut answers);
         answers
     };
-    let nearest = traced(&set, Way::Linear);
+    let nearest = traced(&set, TraceMethod::Linear);
     assert!(nearest.count() > 200, "{}", nearest.count());
     // The hit itself, the number behind it, and somewhere.
     set.t_max = nearest
         .t
         .iter()
         .enumerate()
-        .map(|(i, &t)| [t, t.next_up(), 8.0 * dice.unit() as f32][i % 3])
+        .map(|(i, &t)| [t, t.next_up(), 8.0 * rng.unit() as f32][i % 3])
         .collect();
-    let expected = traced(&set, Way::Linear);
+    let expected = traced(&set, TraceMethod::Linear);
     for (at, (&t_max, &t)) in set.t_max.iter().zip(&nearest.t).enumerate() {
         assert_eq!(expected.primitive[at] != MISS, t < t_max, "ray {at}: {t} within {t_max}");
     }
-    for way in Way::all() {
+    for way in TraceMethod::all() {
         assert!(traced(&set, way) == expected, "{}", way.name());
     }
 }
@@ -179,13 +178,13 @@ fn ways_that_are_measured_agree_and_a_hit_at_the_reach_is_none() {
 /// What padding is for, seen through the whole of a hierarchy.
 #[test]
 fn without_padding_hits_are_lost_at_corners() {
-    let mut dice = Dice(17);
-    let scene = mixture(&mut dice, 300, 0, 1.0, 1000.0);
+    let mut rng = Rng(17);
+    let scene = mixture(&mut rng, 300, 0, 1.0, 1000.0);
     let mut set = Set::default();
     let corners: Vec<Vec3> = scene.triangles.iter().flat_map(|triangle| triangle.vertices).collect();
     for _ in 0..20_000 {
-        let target = corners[dice.index(corners.len())];
-        let origin = target + dice.in_cube().as_vec3() * 8.0;
+        let target = corners[rng.index(corners.len())];
+        let origin = target + rng.in_cube().as_vec3() * 8.0;
         set.push(origin, (target - origin).try_normalize().unwrap_or(Vec3::X), f32::INFINITY);
     }
     let mut hierarchy = Hierarchy::new(&scene, Trees::WideAndBinary);

@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{Dice, empty, material, sphere};
+use common::{Rng, empty, material, sphere};
 use glam::Vec3;
 use octray::camera::Pinhole;
 use octray::display::{History, walking_speed};
@@ -66,8 +66,8 @@ fn scene() -> Scene {
 
 #[test]
 fn project_inverts_rays() {
-    let mut dice = Dice::of("history", [1, 0]);
-    let mut number = |range: f64| ((2.0 * dice.unit() - 1.0) * range) as f32;
+    let mut rng = Rng::of("history", [1, 0]);
+    let mut number = |range: f64| ((2.0 * rng.unit() - 1.0) * range) as f32;
     for _ in 0..2_000 {
         let camera = Camera {
             position: Vec3::new(number(50.0), number(50.0), number(50.0)),

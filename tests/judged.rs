@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{Dice, empty, material, smooth_ball, sphere, triangle};
+use common::{Rng, empty, material, smooth_ball, sphere, triangle};
 use glam::{Vec2, Vec3};
 use octray::reference::{PathSettings, Reference};
 use octray::render::{Renderer, Settings};
@@ -78,8 +78,8 @@ fn picture_is_the_judges_for_every_kind_of_material_on_smooth_triangles() {
 }
 
 /// Smooth noise, as relief maps are: slopes up to about 30°.
-fn relief(dice: &mut Dice) -> Texture {
-    let mut near = |middle: f64, width: f64| (middle + width * dice.signed()) as f32;
+fn relief(rng: &mut Rng) -> Texture {
+    let mut near = |middle: f64, width: f64| (middle + width * rng.signed()) as f32;
     let texels = (0..24).map(|_| [near(0.5, 0.25), near(0.5, 0.25), near(0.95, 0.05), 0.0]).collect();
     Texture {
         name: "relief".into(),
@@ -92,10 +92,10 @@ fn relief(dice: &mut Dice) -> Texture {
 
 #[test]
 fn picture_is_the_judges_with_maps_of_normals_and_roughness() {
-    let mut dice = Dice(81);
-    let bytes = (0..35).map(|_| [(dice.bits() >> 24) as u8, 7, 200, 0]).collect();
-    let grain = Texture { width: 7, height: 5, texels: Texels::Unorm8(bytes), ..relief(&mut dice) };
-    let textures = vec![relief(&mut dice), grain];
+    let mut rng = Rng(81);
+    let bytes = (0..35).map(|_| [(rng.bits() >> 24) as u8, 7, 200, 0]).collect();
+    let grain = Texture { width: 7, height: 5, texels: Texels::Unorm8(bytes), ..relief(&mut rng) };
+    let textures = vec![relief(&mut rng), grain];
     for kind in KINDS {
         let worn = |scene: Scene| {
             let mut scene = Scene { textures: textures.clone(), ..scene };

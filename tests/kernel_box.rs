@@ -5,14 +5,14 @@
 
 mod common;
 
-use common::{Dice, packet, ray};
+use common::{Rng, packet, ray};
 use glam::Vec3;
 use octray::kernel::ray_box::{
     BoxMethod, BySign, BySignWidened, Contracted, IeeeMinMax, Padded, Padding, Slabs, X86MinMax, own_box,
 };
 use octray::lane::{F32x8, Lane, Mask};
 use octray::math::{self, Ray};
-use octray::measure::stability::boxes::{Cuboid, SCALES, aimed, meets, padding, passing, truth};
+use octray::measure::stability::boxes::{Cuboid, SCALES, aimed, meets, padding, passing, reference_interval};
 
 fn corner<L: Lane>(v: Vec3) -> math::Vec3<L> {
     math::Vec3::splat(v)
@@ -24,13 +24,13 @@ fn computed(cuboid: Cuboid, extent: f32, ray: &Ray<f32>) -> (f32, f32) {
 
 #[test]
 fn the_interval_holds_the_true_one_at_all_scales() {
-    let mut dice = Dice(71);
+    let mut rng = Rng(71);
     let (mut hits, mut rays) = (0, 0);
     for scale in SCALES {
         for _ in 0..150_000 {
-            let cuboid = Cuboid::random(&mut dice, scale);
-            let ray = aimed(&mut dice, &cuboid, scale);
-            let (enter, leave) = truth(cuboid.grown(0.0), &ray);
+            let cuboid = Cuboid::random(&mut rng, scale);
+            let ray = aimed(&mut rng, &cuboid, scale);
+            let (enter, leave) = reference_interval(cuboid.grown(0.0), &ray);
             rays += 1;
             if enter <= leave && leave >= 0.0 {
                 hits += 1;
@@ -47,12 +47,12 @@ fn the_interval_holds_the_true_one_at_all_scales() {
 /// What is further off than two paddings is missed: were the padding four times larger, a part of these rays would pass.
 #[test]
 fn boxes_that_are_missed_by_two_paddings_are_missed() {
-    let mut dice = Dice(72);
+    let mut rng = Rng(72);
     let (mut misses, mut close) = (0, 0);
     for scale in SCALES {
         for _ in 0..100_000 {
-            let cuboid = Cuboid::random(&mut dice, scale);
-            if let Some(ray) = passing(&mut dice, &cuboid, scale, 2.0) {
+            let cuboid = Cuboid::random(&mut rng, scale);
+            if let Some(ray) = passing(&mut rng, &cuboid, scale, 2.0) {
                 misses += 1;
                 let padding = padding(&cuboid, ray.origin.get(0));
                 close += usize::from(meets(cuboid.grown(3.0 * padding), &ray));
@@ -65,13 +65,13 @@ fn boxes_that_are_missed_by_two_paddings_are_missed() {
 }
 
 /// Planes between, or the same, or one number further in.
-fn within(dice: &mut Dice, outer: Cuboid) -> Cuboid {
+fn within(rng: &mut Rng, outer: Cuboid) -> Cuboid {
     let mut inner = outer;
     for axis in 0..3 {
         let (lo, hi) = (outer.lo[axis], outer.hi[axis]);
-        let mut between = || (lo + (hi - lo) * dice.unit() as f32).clamp(lo, hi);
+        let mut between = || (lo + (hi - lo) * rng.unit() as f32).clamp(lo, hi);
         let (a, b) = (between(), between());
-        (inner.lo[axis], inner.hi[axis]) = match dice.index(4) {
+        (inner.lo[axis], inner.hi[axis]) = match rng.index(4) {
             0 => (lo, hi),
             1 => (lo.next_up().min(hi), hi),
             2 => (lo, hi.next_down().max(lo)),
@@ -83,18 +83,18 @@ fn within(dice: &mut Dice, outer: Cuboid) -> Cuboid {
 
 #[test]
 fn nested_boxes_have_nested_intervals_and_a_hit_in_one_is_in_all_around_it() {
-    let mut dice = Dice(73);
+    let mut rng = Rng(73);
     for scale in SCALES {
         for _ in 0..60_000 {
-            let outer = Cuboid::random(&mut dice, scale);
-            let inner = within(&mut dice, outer);
-            let ray = aimed(&mut dice, &inner, scale);
+            let outer = Cuboid::random(&mut rng, scale);
+            let inner = within(&mut rng, outer);
+            let ray = aimed(&mut rng, &inner, scale);
             let slabs = Slabs::new(&ray, Padding::new(outer.extent()));
             let of = |cuboid: Cuboid| slabs.pass(corner::<f32>(cuboid.lo), corner(cuboid.hi));
             let ((near, far), (near_inner, far_inner)) = (of(outer), of(inner));
             assert!(near <= near_inner && far_inner <= far, "{inner:?} in {outer:?}, {ray:?}");
             // However far off t is.
-            let claimed = near_inner * (0.5 + dice.unit() as f32) + (dice.signed() * scale) as f32;
+            let claimed = near_inner * (0.5 + rng.unit() as f32) + (rng.signed() * scale) as f32;
             let corners = (corner(inner.lo), corner(inner.hi));
             let (hit, t) = own_box(&slabs, corners, true, claimed, f32::INFINITY);
             assert!(!hit || (near <= t && t <= far && t > 0.0), "{claimed} became {t}");
@@ -108,15 +108,15 @@ fn nested_boxes_have_nested_intervals_and_a_hit_in_one_is_in_all_around_it() {
 
 #[test]
 fn packets_agree_with_single_rays_in_every_bit() {
-    let mut dice = Dice(74);
+    let mut rng = Rng(74);
     let same = |a: f32, b: f32| a.to_bits() == b.to_bits() || (a.is_nan() && b.is_nan());
     for round in 0..20_000 {
         let scale = SCALES[round % SCALES.len()];
-        let cuboids: [Cuboid; 8] = std::array::from_fn(|_| Cuboid::random(&mut dice, scale));
-        let mut rays: [Ray<f32>; 8] = std::array::from_fn(|lane| aimed(&mut dice, &cuboids[lane], scale));
+        let cuboids: [Cuboid; 8] = std::array::from_fn(|_| Cuboid::random(&mut rng, scale));
+        let mut rays: [Ray<f32>; 8] = std::array::from_fn(|lane| aimed(&mut rng, &cuboids[lane], scale));
         if round % 10 == 0 {
-            rays[dice.index(8)].direction.y = f32::NAN;
-            rays[dice.index(8)].origin.z = f32::INFINITY;
+            rays[rng.index(8)].direction.y = f32::NAN;
+            rays[rng.index(8)].origin.z = f32::INFINITY;
         }
         let mut padding = Padding::new(cuboids[0].extent());
         if round % 2 == 0 {
@@ -156,7 +156,7 @@ fn packets_agree_with_single_rays_in_every_bit() {
 
 #[test]
 fn empty_boxes_are_never_passed_and_rays_of_nan_pass_no_box() {
-    let mut dice = Dice(75);
+    let mut rng = Rng(75);
     let empty = Cuboid { lo: Vec3::INFINITY, hi: Vec3::NEG_INFINITY };
     let passes = |slabs: &Slabs<f32>, Cuboid { lo, hi }: Cuboid| {
         let (near, far) = slabs.pass(corner(lo), corner(hi));
@@ -165,7 +165,7 @@ fn empty_boxes_are_never_passed_and_rays_of_nan_pass_no_box() {
     for round in 0..50_000 {
         let scale = SCALES[round % SCALES.len()];
         let around = Cuboid { lo: Vec3::splat(-200.0 * scale as f32), hi: Vec3::splat(200.0 * scale as f32) };
-        let sound = aimed(&mut dice, &around, scale);
+        let sound = aimed(&mut rng, &around, scale);
         for padding in [Padding::new(scale as f32), Padding::new(scale as f32).with_spheres()] {
             let slabs = Slabs::new(&sound, padding);
             assert!(passes(&slabs, around) && !passes(&slabs, empty), "{sound:?}");
@@ -186,12 +186,12 @@ fn empty_boxes_are_never_passed_and_rays_of_nan_pass_no_box() {
 #[test]
 fn every_method_gives_packets_the_bits_of_single_rays() {
     fn check<B: BoxMethod>() {
-        let mut dice = Dice(76);
+        let mut rng = Rng(76);
         let same = |a: f32, b: f32| a.to_bits() == b.to_bits() || (a.is_nan() && b.is_nan());
         for round in 0..4_000 {
             let scale = SCALES[round % SCALES.len()];
-            let cuboid = Cuboid::random(&mut dice, scale);
-            let rays: [Ray<f32>; 8] = std::array::from_fn(|_| aimed(&mut dice, &cuboid, scale));
+            let cuboid = Cuboid::random(&mut rng, scale);
+            let rays: [Ray<f32>; 8] = std::array::from_fn(|_| aimed(&mut rng, &cuboid, scale));
             let padding = Padding::new(cuboid.extent());
             let packet = B::prepare(&packet::<F32x8>(&rays), padding);
             let (near, far) = B::pass(&packet, corner(cuboid.lo), corner(cuboid.hi));

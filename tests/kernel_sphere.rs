@@ -3,22 +3,22 @@
 
 mod common;
 
-use common::{Dice, packet, ray};
+use common::{Rng, packet, ray};
 use glam::{DVec3, Vec3};
 use octray::kernel::ray_sphere::{Naive, Robust, RobustAnyLength, SphereMethod};
 use octray::lane::{F32x8, Lane, Mask};
 use octray::math::{self, Ray};
-use octray::measure::stability::spheres::{Ball, UNIT, aimed, answer, off, passing, truth};
+use octray::measure::stability::spheres::{Ball, UNIT, aimed, intersect, off, passing, reference_t};
 
 #[test]
 fn any_length_is_scaled_exactly_by_powers_of_two() {
     // Nothing is rounded: t shrinks exactly as the direction grows.
-    let mut dice = Dice(3);
+    let mut rng = Rng(3);
     for _ in 0..10_000 {
-        let unit = aimed(&mut dice, UNIT, 10.0, 1.0);
+        let unit = aimed(&mut rng, UNIT, 10.0, 1.0);
         for scale in [0.125, 4096.0] {
             let scaled = ray(unit.origin.get(0), unit.direction.get(0) * scale);
-            let answers = [unit, scaled].map(|ray| answer::<RobustAnyLength>(UNIT, &ray, f32::INFINITY));
+            let answers = [unit, scaled].map(|ray| intersect::<RobustAnyLength>(UNIT, &ray, f32::INFINITY));
             assert_eq!(answers[1].map(|t| t * scale), answers[0]);
         }
     }
@@ -31,12 +31,12 @@ fn lies_on(ball: Ball, ray: &Ray<f32>, t: f32) -> bool {
 }
 
 fn from_inside_always_hits<S: SphereMethod>(radius: f32) {
-    let mut dice = Dice(4);
+    let mut rng = Rng(4);
     for _ in 0..50_000 {
-        let ball = Ball { center: (dice.in_cube() * 3.0).as_vec3() * radius, radius };
-        let inside = dice.direction() * (0.999 * dice.unit().cbrt() * f64::from(radius));
-        let ray = ray((ball.center.as_dvec3() + inside).as_vec3(), dice.direction().as_vec3());
-        let t = answer::<S>(ball, &ray, f32::INFINITY);
+        let ball = Ball { center: (rng.in_cube() * 3.0).as_vec3() * radius, radius };
+        let inside = rng.direction() * (0.999 * rng.unit().cbrt() * f64::from(radius));
+        let ray = ray((ball.center.as_dvec3() + inside).as_vec3(), rng.direction().as_vec3());
+        let t = intersect::<S>(ball, &ray, f32::INFINITY);
         assert!(t.is_some_and(|t| lies_on(ball, &ray, t)), "{ball:?}, {ray:?}: {t:?}");
     }
 }
@@ -52,19 +52,19 @@ fn every_ray_from_inside_hits_the_far_side() {
 #[test]
 fn rays_from_the_surface_inwards_hit_and_every_answer_lies_on_the_sphere() {
     fn check<S: SphereMethod>() {
-        let mut dice = Dice(5);
+        let mut rng = Rng(5);
         for _ in 0..50_000 {
-            let ball = Ball { center: dice.in_cube().as_vec3(), radius: dice.scale(0.1, 10.0) as f32 };
-            let normal = dice.direction();
+            let ball = Ball { center: rng.in_cube().as_vec3(), radius: rng.scale(0.1, 10.0) as f32 };
+            let normal = rng.direction();
             let origin = (ball.center.as_dvec3() + normal * f64::from(ball.radius)).as_vec3();
-            let direction = dice.direction();
+            let direction = rng.direction();
             let cos = direction.dot(normal);
             // Closer to the tangent, rounding decides which side of the surface the origin is on.
             if cos.abs() < 0.02 {
                 continue;
             }
             let ray = ray(origin, direction.as_vec3());
-            match answer::<S>(ball, &ray, f32::INFINITY) {
+            match intersect::<S>(ball, &ray, f32::INFINITY) {
                 // The origin itself may be hit: it is rounded to one side of the surface or the other.
                 Some(t) => assert!(lies_on(ball, &ray, t), "{ball:?}, {ray:?}: {t}"),
                 None => assert!(cos > 0.0, "{ball:?}, {ray:?}"),
@@ -79,23 +79,27 @@ fn rays_from_the_surface_inwards_hit_and_every_answer_lies_on_the_sphere() {
 #[test]
 fn rays_along_the_surface_hit_nothing_that_is_not_on_it() {
     fn check<S: SphereMethod>(length: f64) {
-        let mut dice = Dice(9);
+        let mut rng = Rng(9);
         let mut hits = 0;
         for i in 0..400_000 {
-            let radius = [1.0, dice.scale(1e-6, 1e6) as f32][i % 2];
-            let normal = if i % 5 == 0 { DVec3::AXES[dice.index(3)] } else { dice.direction() };
-            let center = if i % 3 == 0 { DVec3::ZERO } else { dice.in_cube() * f64::from(radius) };
+            let radius = [1.0, rng.scale(1e-6, 1e6) as f32][i % 2];
+            let normal = if i % 5 == 0 { DVec3::AXES[rng.index(3)] } else { rng.direction() };
+            let center = if i % 3 == 0 { DVec3::ZERO } else { rng.in_cube() * f64::from(radius) };
             let ball = Ball { center: center.as_vec3(), radius };
             // Exactly on the surface, or as near as rounding comes, or some steps of it off.
-            let off = [0.0, dice.signed(), 8.0 * dice.signed()][dice.index(3)] / f64::from(1 << 24);
+            let off = [0.0, rng.signed(), 8.0 * rng.signed()][rng.index(3)] / f64::from(1 << 24);
             let origin = ball.center.as_dvec3() + normal * (f64::from(radius) * (1.0 + off));
-            let tangent = normal.cross(dice.direction()).normalize_or(normal.any_orthonormal_vector());
-            let tilt = if i % 7 == 0 { 0.0 } else { dice.scale(1e-12, 1e-2) };
-            let direction = (tangent + normal * (tilt * dice.signed().signum())).normalize() * length;
+            let tangent = normal.cross(rng.direction()).normalize_or(normal.any_orthonormal_vector());
+            let tilt = if i % 7 == 0 { 0.0 } else { rng.scale(1e-12, 1e-2) };
+            let direction = (tangent + normal * (tilt * rng.signed().signum())).normalize() * length;
             let ray = ray(origin.as_vec3(), direction.as_vec3());
-            if let Some(t) = answer::<S>(ball, &ray, f32::INFINITY) {
+            if let Some(t) = intersect::<S>(ball, &ray, f32::INFINITY) {
                 hits += 1;
-                assert!(lies_on(ball, &ray, t), "{ball:?}, {ray:?}: {t}, in f64 {:?}", truth(ball, &ray));
+                assert!(
+                    lies_on(ball, &ray, t),
+                    "{ball:?}, {ray:?}: {t}, in f64 {:?}",
+                    reference_t(ball, &ray)
+                );
             }
         }
         assert!(hits > 50_000, "{hits}");
@@ -108,14 +112,14 @@ fn rays_along_the_surface_hit_nothing_that_is_not_on_it() {
 #[test]
 fn tangent_rays_are_undecided_only_within_the_rounding() {
     fn check<S: SphereMethod>() {
-        let mut dice = Dice(6);
+        let mut rng = Rng(6);
         for _ in 0..50_000 {
-            let distance = dice.scale(1.5, 1e3);
+            let distance = rng.scale(1.5, 1e3);
             // The discriminant is r² − l², l the distance of line and centre: δl of a few ε · D decides nothing below this.
             let margin = 20.0 / f64::from(1 << 24) * distance;
             for (from_center, hits) in [(1.0 - margin, true), (1.0 + margin, false)] {
-                let ray = passing(&mut dice, from_center, distance);
-                let t = answer::<S>(UNIT, &ray, f32::INFINITY);
+                let ray = passing(&mut rng, from_center, distance);
+                let t = intersect::<S>(UNIT, &ray, f32::INFINITY);
                 assert_eq!(t.is_some(), hits, "l = {from_center}, D = {distance}");
                 assert!(t.is_none_or(|t| lies_on(UNIT, &ray, t)), "{t:?}");
             }
@@ -132,7 +136,7 @@ fn zero_and_nan_directions_miss() {
         let inside = [Vec3::ZERO, Vec3::X * 0.999, Vec3::new(0.1, 0.2, 0.3)];
         let misses = |origin: Vec3, direction: Vec3| {
             for limit in [1.0, f32::INFINITY] {
-                let t = answer::<S>(UNIT, &ray(origin, direction), limit);
+                let t = intersect::<S>(UNIT, &ray(origin, direction), limit);
                 assert_eq!(t, None, "{origin} along {direction}");
             }
         };
@@ -154,15 +158,16 @@ fn zero_and_nan_directions_miss() {
 #[test]
 fn hits_lie_below_the_limit_and_inactive_lanes_miss() {
     fn check<S: SphereMethod>() {
-        let mut dice = Dice(7);
+        let mut rng = Rng(7);
         for _ in 0..2_000 {
-            let rays: [Ray<f32>; 8] = std::array::from_fn(|_| aimed(&mut dice, UNIT, 4.0, 1.0));
-            let limits: [f32; 8] = std::array::from_fn(|lane| match (lane % 4, truth(UNIT, &rays[lane])) {
-                (0, _) => 0.0,
-                (1, Some(t)) => (0.9 * t) as f32,
-                (2, Some(t)) => (1.1 * t) as f32,
-                _ => f32::INFINITY,
-            });
+            let rays: [Ray<f32>; 8] = std::array::from_fn(|_| aimed(&mut rng, UNIT, 4.0, 1.0));
+            let limits: [f32; 8] =
+                std::array::from_fn(|lane| match (lane % 4, reference_t(UNIT, &rays[lane])) {
+                    (0, _) => 0.0,
+                    (1, Some(t)) => (0.9 * t) as f32,
+                    (2, Some(t)) => (1.1 * t) as f32,
+                    _ => f32::INFINITY,
+                });
             let (mask, t) = S::test(
                 &S::prepare(&packet::<F32x8>(&rays)),
                 math::Vec3::zero(),
@@ -170,15 +175,15 @@ fn hits_lie_below_the_limit_and_inactive_lanes_miss() {
                 F32x8::load(&limits),
             );
             for lane in 0..8 {
-                let unlimited = answer::<S>(UNIT, &rays[lane], f32::INFINITY);
+                let unlimited = intersect::<S>(UNIT, &rays[lane], f32::INFINITY);
                 let expected = unlimited.filter(|&t| t < limits[lane]);
                 let hit = (mask.bitmask() >> lane & 1 == 1).then(|| t.get(lane));
                 assert_eq!(hit, expected, "lane {lane}, limit {}", limits[lane]);
                 assert!(limits[lane] > 0.0 || hit.is_none());
                 // The limit itself is outside.
                 if let Some(t) = unlimited {
-                    assert_eq!(answer::<S>(UNIT, &rays[lane], t), None);
-                    assert_eq!(answer::<S>(UNIT, &rays[lane], t.next_up()), Some(t));
+                    assert_eq!(intersect::<S>(UNIT, &rays[lane], t), None);
+                    assert_eq!(intersect::<S>(UNIT, &rays[lane], t.next_up()), Some(t));
                 }
             }
         }

@@ -5,7 +5,7 @@
 
 mod common;
 
-use common::{Dice, ray};
+use common::{Rng, ray};
 use glam::{DVec3, Vec3};
 use octray::bvh::Bounds;
 use octray::kernel::ray_box::{Padding, Slabs, sphere_padding};
@@ -50,21 +50,21 @@ impl Found {
 
 /// Calls `check` with hits of spheres around the origin or elsewhere, by rays from `distances`, of which most graze the sphere.
 fn each_hit(seed: u64, rays: usize, distances: (f64, f64), length: f64, mut check: impl FnMut(&Found)) {
-    let mut dice = Dice(seed);
+    let mut rng = Rng(seed);
     for i in 0..rays {
-        let radius = dice.scale(1e-18, 1e6) as f32;
+        let radius = rng.scale(1e-18, 1e6) as f32;
         let r = f64::from(radius);
         let (low, high) = distances;
-        let ratio = if low > 1.0 { 1.0 + dice.scale(low - 1.0, high - 1.0) } else { dice.scale(low, high) };
-        let place = if i % 2 == 0 { DVec3::ZERO } else { dice.in_cube() * (3.0 * r * ratio) };
+        let ratio = if low > 1.0 { 1.0 + rng.scale(low - 1.0, high - 1.0) } else { rng.scale(low, high) };
+        let place = if i % 2 == 0 { DVec3::ZERO } else { rng.in_cube() * (3.0 * r * ratio) };
         let center = place.as_vec3();
-        let out = if i % 8 == 7 { DVec3::AXES[dice.index(3)] } else { dice.direction() };
+        let out = if i % 8 == 7 { DVec3::AXES[rng.index(3)] } else { rng.direction() };
         let origin = (center.as_dvec3() + out * (r * ratio)).as_vec3();
         let from_center = origin.as_dvec3() - center.as_dvec3();
         let distance = from_center.length();
-        let across = from_center.cross(dice.direction()).normalize_or(out.any_orthonormal_vector());
-        let near_silhouette = f64::from(EPSILON) * distance * dice.signed() * dice.scale(0.1, 30.0);
-        let impact = if i % 4 == 0 { r * dice.unit().sqrt() } else { (r + near_silhouette).abs() };
+        let across = from_center.cross(rng.direction()).normalize_or(out.any_orthonormal_vector());
+        let near_silhouette = f64::from(EPSILON) * distance * rng.signed() * rng.scale(0.1, 30.0);
+        let impact = if i % 4 == 0 { r * rng.unit().sqrt() } else { (r + near_silhouette).abs() };
         let sin = (impact / distance).min(1.0);
         let away = if ratio <= 1.0 && i % 3 == 0 { -1.0 } else { 1.0 };
         let towards = across * sin - from_center / distance * ((1.0 - sin * sin).sqrt() * away);

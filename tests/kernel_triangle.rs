@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{Dice, packet, ray};
+use common::{Rng, packet, ray};
 use glam::{DVec3, Vec3, Vec3Swizzles};
 use octray::kernel::ray_triangle::{
     BaldwinWeber, MollerTrumbore, MollerTrumboreEpsilon, Plucker, TriangleHit, TriangleMethod, Woop,
@@ -11,20 +11,20 @@ use octray::kernel::ray_triangle::{
 };
 use octray::lane::{F32x8, Lane, Mask};
 use octray::math::Ray;
-use octray::measure::stability::triangles::{answer, truth, well_shaped};
+use octray::measure::stability::triangles::{intersect, reference_tuv, well_shaped};
 
 /// Away from edges every method agrees with f64: hit or miss, t, u and v within `bound` times the largest length involved. Returns the
 /// largest error in these units and how many rays hit.
 fn agrees<T: TriangleMethod>(center: DVec3, distance: f64, bound: f64) -> (f64, usize) {
-    let mut dice = Dice(12);
+    let mut rng = Rng(12);
     let (mut worst, mut hits) = (0.0_f64, 0);
     let largest = distance + center.abs().max_element() + 1.0;
     let margin = bound * largest;
     for _ in 0..20_000 {
-        let (triangle, ray) = well_shaped(&mut dice, center, distance, 1.0);
-        let [t, u, v] = truth(triangle, &ray);
+        let (triangle, ray) = well_shaped(&mut rng, center, distance, 1.0);
+        let [t, u, v] = reference_tuv(triangle, &ray);
         let inside = u.min(v).min(1.0 - u - v);
-        let found = answer::<T>(triangle, &ray, f32::INFINITY);
+        let found = intersect::<T>(triangle, &ray, f32::INFINITY);
         if inside > margin {
             let found = found.unwrap_or_else(|| panic!("missed {triangle:?} with {ray:?}"));
             let errors = [0, 1, 2].map(|i| (f64::from(found[i]) - [t, u, v][i]).abs());
@@ -67,11 +67,11 @@ fn all_methods_agree_with_f64_away_from_edges() {
 #[test]
 fn barycentrics_and_t_name_the_same_point() {
     fn check<T: TriangleMethod>() {
-        let mut dice = Dice(13);
+        let mut rng = Rng(13);
         let mut hits = 0;
         for _ in 0..20_000 {
-            let (triangle, ray) = well_shaped(&mut dice, DVec3::ZERO, 3.0, 1.0);
-            let Some([t, u, v]) = answer::<T>(triangle, &ray, f32::INFINITY) else { continue };
+            let (triangle, ray) = well_shaped(&mut rng, DVec3::ZERO, 3.0, 1.0);
+            let Some([t, u, v]) = intersect::<T>(triangle, &ray, f32::INFINITY) else { continue };
             let [a, b, c] = triangle.map(|vertex| vertex.as_dvec3());
             let [t, u, v] = [t, u, v].map(f64::from);
             let on_triangle = a + (b - a) * u + (c - a) * v;
@@ -99,7 +99,7 @@ fn zero_and_nan_directions_miss() {
         {
             for direction in [Vec3::ZERO, -Vec3::ZERO, Vec3::NAN, Vec3::new(0.0, f32::NAN, -1.0)] {
                 for limit in [1.0, f32::INFINITY] {
-                    let hit = answer::<T>(triangle, &ray(origin, direction), limit);
+                    let hit = intersect::<T>(triangle, &ray(origin, direction), limit);
                     assert_eq!(hit, None, "{origin} along {direction}");
                 }
             }
@@ -116,13 +116,13 @@ fn zero_and_nan_directions_miss() {
 #[test]
 fn rays_in_the_plane_of_a_triangle_give_no_infinite_t() {
     fn check<T: TriangleMethod>() {
-        let mut dice = Dice(15);
+        let mut rng = Rng(15);
         for _ in 0..20_000 {
-            let triangle = [(); 3].map(|()| Vec3::new(dice.signed() as f32, dice.signed() as f32, 0.0));
-            let turned = triangle.map(|v| [v, v.zxy(), v.yzx()][dice.0 as usize % 3]);
-            let towards = turned[0].lerp(turned[1].lerp(turned[2], dice.unit() as f32), dice.unit() as f32);
+            let triangle = [(); 3].map(|()| Vec3::new(rng.signed() as f32, rng.signed() as f32, 0.0));
+            let turned = triangle.map(|v| [v, v.zxy(), v.yzx()][rng.0 as usize % 3]);
+            let towards = turned[0].lerp(turned[1].lerp(turned[2], rng.unit() as f32), rng.unit() as f32);
             let origin = turned[0] + (turned[1] - turned[2]) * 2.0;
-            let t = answer::<T>(turned, &ray(origin, towards - origin), f32::INFINITY).map(|[t, ..]| t);
+            let t = intersect::<T>(turned, &ray(origin, towards - origin), f32::INFINITY).map(|[t, ..]| t);
             assert!(t.is_none_or(|t| t > 0.0 && t.is_finite()), "{t:?}");
         }
     }
@@ -137,16 +137,16 @@ fn rays_in_the_plane_of_a_triangle_give_no_infinite_t() {
 #[test]
 fn hits_lie_below_the_limit_and_inactive_lanes_miss() {
     fn check<T: TriangleMethod>() {
-        let mut dice = Dice(16);
+        let mut rng = Rng(16);
         let mut hits = 0;
         for _ in 0..2_000 {
-            let (triangle, _) = well_shaped(&mut dice, DVec3::ZERO, 3.0, 1.0);
+            let (triangle, _) = well_shaped(&mut rng, DVec3::ZERO, 3.0, 1.0);
             let centroid = (triangle[0] + triangle[1] + triangle[2]) / 3.0;
             let rays: [Ray<f32>; 8] = std::array::from_fn(|_| {
-                let origin = (dice.direction() * 4.0).as_vec3();
-                ray(origin, centroid + dice.in_cube().as_vec3() * 0.3 - origin)
+                let origin = (rng.direction() * 4.0).as_vec3();
+                ray(origin, centroid + rng.in_cube().as_vec3() * 0.3 - origin)
             });
-            let unlimited = rays.map(|ray| answer::<T>(triangle, &ray, f32::INFINITY));
+            let unlimited = rays.map(|ray| intersect::<T>(triangle, &ray, f32::INFINITY));
             let limits: [f32; 8] = std::array::from_fn(|lane| match (lane % 4, unlimited[lane]) {
                 (0, _) => 0.0,
                 (1, Some([t, ..])) => 0.9 * t,

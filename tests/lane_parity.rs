@@ -6,7 +6,7 @@
 
 mod common;
 
-use common::Dice;
+use common::Rng;
 use octray::kernel::{bsdf, surface, texture};
 use octray::lane::{Bits, F32x8, Lane, Mask, Mask8, U32x8, functions, lane_indices, set_bits};
 use octray::math::Vec3;
@@ -99,28 +99,28 @@ const SPECIAL: &[f32] = &[
 /// All pairs of special values of both signs, and random bit patterns, whole exponent range and near one.
 fn cases() -> Vec<Case> {
     let special: Vec<f32> = SPECIAL.iter().flat_map(|&x| [x, -x]).collect();
-    let mut dice = Dice(1);
+    let mut rng = Rng(1);
     let mut cases = Vec::new();
-    let mut push = |x: f32, y: f32, z: f32, dice: &mut Dice| {
+    let mut push = |x: f32, y: f32, z: f32, rng: &mut Rng| {
         let small = |bits: u32| if bits & 3 == 0 { bits >> 29 } else { bits };
-        let [i, j] = [small(dice.bits()), small(dice.bits())];
+        let [i, j] = [small(rng.bits()), small(rng.bits())];
         // Equal integers, and an index for small tables.
-        let j = if dice.index(4) == 0 { i } else { j };
-        cases.push(Input { x, y, z, i, j, k: dice.bits() >> 29, mask: dice.bits() >> 31 == 1 });
+        let j = if rng.index(4) == 0 { i } else { j };
+        cases.push(Input { x, y, z, i, j, k: rng.bits() >> 29, mask: rng.bits() >> 31 == 1 });
     };
     for &x in &special {
         for &y in &special {
-            let z = special[dice.index(special.len())];
-            push(x, y, z, &mut dice);
+            let z = special[rng.index(special.len())];
+            push(x, y, z, &mut rng);
         }
     }
     for _ in 0..40_000 {
-        let [x, y, z] = std::array::from_fn(|_| f32::from_bits(dice.bits()));
-        push(x, y, z, &mut dice);
-        let [x, y, z] = std::array::from_fn(|_| (dice.signed() * dice.scale(1e-3, 1e3)) as f32);
-        push(x, y, z, &mut dice);
-        let [x, y, z] = std::array::from_fn(|_| dice.unit() as f32);
-        push(x, y, z, &mut dice);
+        let [x, y, z] = std::array::from_fn(|_| f32::from_bits(rng.bits()));
+        push(x, y, z, &mut rng);
+        let [x, y, z] = std::array::from_fn(|_| (rng.signed() * rng.scale(1e-3, 1e3)) as f32);
+        push(x, y, z, &mut rng);
+        let [x, y, z] = std::array::from_fn(|_| rng.unit() as f32);
+        push(x, y, z, &mut rng);
     }
     cases.truncate(cases.len() / 8 * 8);
     cases

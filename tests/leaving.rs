@@ -6,12 +6,12 @@
 
 mod common;
 
-use common::{Dice, empty, material, sphere, triangle};
+use common::{Rng, empty, material, sphere, triangle};
 use glam::Vec3;
 use octray::buffers::Buffers;
 use octray::kernel::surface::{sphere_offset, triangle_normal, triangle_offset};
-use octray::measure::stability::Tally;
-use octray::measure::stability::leaving::{self, Way, leave_triangle};
+use octray::measure::stability::FailureCounts;
+use octray::measure::stability::leaving::{self, SpawnMethod, leave_triangle};
 use octray::measure::stability::shells::{Side, leave_shell, leave_sphere};
 use octray::measure::stability::spheres::Ball;
 use octray::scene::{MaterialKind, Scene};
@@ -22,10 +22,10 @@ const TRAVELLED: [f64; 2] = [1e-2, 1e3];
 /// The recipes leave by the numbers that pictures are made with.
 #[test]
 fn buffers_hold_the_offsets_and_normals_that_are_tested_here() {
-    let mut dice = Dice(20);
+    let mut rng = Rng(20);
     for _ in 0..100 {
-        let ball = sphere(dice.in_cube().as_vec3(), dice.scale(1e-3, 1e3) as f32, 0);
-        let vertices = [(); 3].map(|()| dice.in_cube().as_vec3());
+        let ball = sphere(rng.in_cube().as_vec3(), rng.scale(1e-3, 1e3) as f32, 0);
+        let vertices = [(); 3].map(|()| rng.in_cube().as_vec3());
         let scene = Scene {
             materials: vec![material(MaterialKind::Diffuse)],
             spheres: vec![ball],
@@ -47,16 +47,16 @@ fn buffers_hold_the_offsets_and_normals_that_are_tested_here() {
 /// Re-hits among rays that leave triangles with edges of about `size`, `place` away from the origin; `share` of the offset is used. Every
 /// other triangle is a sliver, its height 1e-1 to 1e-4 of the usual.
 fn triangle_rehits(size: f64, place: f64, share: f32, count: usize) -> usize {
-    let mut dice = Dice(21);
-    let mut tally = Tally::default();
-    while tally.tested < count {
-        let flat = [1.0, dice.scale(10.0, 1e4)][dice.index(2)];
-        if let Some(vertices) = leaving::triangle(&mut dice, size, place, flat) {
+    let mut rng = Rng(21);
+    let mut counts = FailureCounts::default();
+    while counts.tested < count {
+        let flat = [1.0, rng.scale(10.0, 1e4)][rng.index(2)];
+        if let Some(vertices) = leaving::triangle(&mut rng, size, place, flat) {
             let travelled = TRAVELLED.map(|travelled| travelled * size);
-            leave_triangle(&mut tally, &mut dice, vertices, travelled, Way::share(share));
+            leave_triangle(&mut counts, &mut rng, vertices, travelled, SpawnMethod::share(share));
         }
     }
-    tally.failures
+    counts.failures
 }
 
 /// Edge of the triangle and distance from the origin.
@@ -90,13 +90,13 @@ fn without_an_offset_triangles_are_hit_again() {
 
 /// Faults among rays that leave spheres of radius `radius`, `place` from the origin; `share` of the offset is used.
 fn sphere_faults(radius: f64, place: f64, side: Side, share: f32, count: usize) -> usize {
-    let mut dice = Dice(22);
-    let mut tally = Tally::default();
-    while tally.tested < count {
-        let ball = Ball { center: (dice.direction() * place).as_vec3(), radius: radius as f32 };
-        leave_sphere(&mut tally, &mut dice, ball, TRAVELLED, side, Way::share(share));
+    let mut rng = Rng(22);
+    let mut counts = FailureCounts::default();
+    while counts.tested < count {
+        let ball = Ball { center: (rng.direction() * place).as_vec3(), radius: radius as f32 };
+        leave_sphere(&mut counts, &mut rng, ball, TRAVELLED, side, SpawnMethod::share(share));
     }
-    tally.failures
+    counts.failures
 }
 
 /// Radius and distance of the centre from the origin; both sides can be left while the distance is below some 10⁴ radii.
@@ -142,13 +142,13 @@ fn without_an_offset_spheres_are_hit_again() {
 
 /// Of two shells around one centre, the outer one of radius 1: how many of 5000 rays that leave one towards the other do not hit it next.
 fn lost_between_shells(center: Vec3, gap: f64) -> [usize; 2] {
-    let mut dice = Dice(23);
+    let mut rng = Rng(23);
     SIDES.map(|side| {
-        let mut tally = Tally::default();
-        while tally.tested < 5000 {
-            leave_shell(&mut tally, &mut dice, center, gap, side, Way::share(1.0));
+        let mut counts = FailureCounts::default();
+        while counts.tested < 5000 {
+            leave_shell(&mut counts, &mut rng, center, gap, side, SpawnMethod::share(1.0));
         }
-        tally.failures
+        counts.failures
     })
 }
 

@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{Dice, floor, lamp, mean, sphere, triangle};
+use common::{Rng, floor, lamp, mean, sphere, triangle};
 use glam::{DVec3, Vec3};
 use octray::buffers::{EnvironmentLight, LightChoice};
 use octray::film::Picture;
@@ -59,11 +59,11 @@ fn solid_angle([a, b, c]: [DVec3; 3]) -> f64 {
 
 #[test]
 fn a_sphere_gives_the_irradiance_of_the_closed_form() {
-    let mut dice = Dice(1);
+    let mut rng = Rng(1);
     for _ in 0..300 {
-        let radius = dice.scale(1e-4, 1e4);
-        let distance = radius * dice.scale(1.001, 1e5);
-        let center = dice.direction() * distance;
+        let radius = rng.scale(1e-4, 1e4);
+        let distance = radius * rng.scale(1.001, 1e5);
+        let center = rng.direction() * distance;
         let aim = |u, v| sample_sphere(vector(center), radius as f32, u, v);
         // π sin² of half its angle, towards its centre.
         let truth = center.normalize() * PI * (radius / distance).powi(2);
@@ -73,10 +73,10 @@ fn a_sphere_gives_the_irradiance_of_the_closed_form() {
 }
 
 /// Corners that a point at the origin sees from far to near, blunt to sharp.
-fn corners(dice: &mut Dice) -> [DVec3; 3] {
-    let size = dice.scale(1e-3, 1e3);
-    let middle = dice.direction() * size * dice.scale(1e-2, 1e3);
-    [(); 3].map(|()| middle + dice.direction() * size)
+fn corners(rng: &mut Rng) -> [DVec3; 3] {
+    let size = rng.scale(1e-3, 1e3);
+    let middle = rng.direction() * size * rng.scale(1e-2, 1e3);
+    [(); 3].map(|()| middle + rng.direction() * size)
 }
 
 fn aim_at(corners: [DVec3; 3], u: f32, v: f32) -> LightSample<f32> {
@@ -86,10 +86,10 @@ fn aim_at(corners: [DVec3; 3], u: f32, v: f32) -> LightSample<f32> {
 
 #[test]
 fn a_triangle_gives_the_irradiance_of_lamberts_formula() {
-    let mut dice = Dice(2);
+    let mut rng = Rng(2);
     let (mut whole, mut by_area) = (0, 0);
     for _ in 0..1000 {
-        let corners = corners(&mut dice);
+        let corners = corners(&mut rng);
         let omega = solid_angle(corners);
         let [a, b, c] = corners;
         let normal = (b - a).cross(c - a).normalize();
@@ -114,10 +114,10 @@ fn a_triangle_gives_the_irradiance_of_lamberts_formula() {
 
 #[test]
 fn directions_within_a_triangle_are_spread_as_their_density_says() {
-    let mut dice = Dice(3);
+    let mut rng = Rng(3);
     let (mut worst, mut tried) = (0.0_f64, 0);
     while tried < 60 {
-        let corners = corners(&mut dice);
+        let corners = corners(&mut rng);
         if solid_angle(corners) < 2e-3 {
             continue;
         }
@@ -135,7 +135,7 @@ fn directions_within_a_triangle_are_spread_as_their_density_says() {
         let mut counts = vec![0.0; cells.len()];
         let draws = 64 * 64 * 4;
         for _ in 0..draws {
-            let aim = aim_at(corners, dice.unit() as f32, dice.unit() as f32);
+            let aim = aim_at(corners, rng.unit() as f32, rng.unit() as f32);
             let direction = double(aim.wi);
             // On the nearest cell: where the smallest of the three volumes is largest.
             let inside = |cell: &[DVec3; 3]| {
@@ -165,15 +165,15 @@ fn directions_within_a_triangle_are_spread_as_their_density_says() {
 
 #[test]
 fn a_direction_has_the_density_it_was_drawn_with() {
-    let mut dice = Dice(4);
+    let mut rng = Rng(4);
     for _ in 0..20_000 {
-        let (u, v) = (dice.unit() as f32, dice.unit() as f32);
-        let corners @ [a, b, c] = corners(&mut dice);
+        let (u, v) = (rng.unit() as f32, rng.unit() as f32);
+        let corners @ [a, b, c] = corners(&mut rng);
         let aim = aim_at(corners, u, v);
         let again = triangle_pdf(vector(a), vector(b - a), vector(c - a), aim.wi, aim.t);
         assert!(aim.pdf == again || aim.pdf == 0.0, "{} {again}", aim.pdf);
-        let radius = dice.scale(1e-3, 1e3);
-        let center = dice.direction() * radius * dice.scale(0.1, 1e4);
+        let radius = rng.scale(1e-3, 1e3);
+        let center = rng.direction() * radius * rng.scale(0.1, 1e4);
         let aim = sample_sphere(vector(center), radius as f32, u, v);
         assert_eq!(aim.pdf, sphere_pdf(vector(center), radius as f32));
         assert_eq!(aim.pdf > 0.0, center.as_vec3().length() > radius as f32, "{center} {radius}");
@@ -185,10 +185,10 @@ fn a_direction_has_the_density_it_was_drawn_with() {
 
 #[test]
 fn aims_are_the_same_at_every_width() {
-    let mut dice = Dice(5);
+    let mut rng = Rng(5);
     for _ in 0..2_000 {
         let all: [([DVec3; 3], f32, f32, f32); 8] = std::array::from_fn(|_| {
-            (corners(&mut dice), dice.scale(1e-3, 1e3) as f32, dice.unit() as f32, dice.unit() as f32)
+            (corners(&mut rng), rng.scale(1e-3, 1e3) as f32, rng.unit() as f32, rng.unit() as f32)
         });
         let wide = |of: &dyn Fn(usize) -> DVec3| {
             let at = |axis: usize| F32x8::from_fn(|lane| of(lane).as_vec3()[axis]);
@@ -268,15 +268,15 @@ fn compare(scene: &Scene, ways: [LightChoice; 2], samples: [u32; 2], runs: u32) 
 /// Lamps of both shapes and of all sizes over a floor that shines too: light found on the way from one of its points to itself would show.
 fn many_lamps() -> Scene {
     let mut scene = Scene { name: "many lamps".into(), max_bounces: 3, ..floor(Vec3::ZERO, 2.0) };
-    let mut dice = Dice(7);
+    let mut rng = Rng(7);
     for _ in 0..40 {
-        scene.materials.push(lamp(dice.scale(0.1, 10.0) as f32));
+        scene.materials.push(lamp(rng.scale(0.1, 10.0) as f32));
         let number = scene.materials.len() as u32 - 1;
-        let at = (dice.in_cube() + DVec3::Y * 1.2).as_vec3();
-        if dice.unit() < 0.5 {
-            scene.spheres.push(sphere(at, dice.scale(0.05, 0.3) as f32, number));
+        let at = (rng.in_cube() + DVec3::Y * 1.2).as_vec3();
+        if rng.unit() < 0.5 {
+            scene.spheres.push(sphere(at, rng.scale(0.05, 0.3) as f32, number));
         } else {
-            let corners = [(); 3].map(|()| at + (dice.in_cube() * 0.3).as_vec3());
+            let corners = [(); 3].map(|()| at + (rng.in_cube() * 0.3).as_vec3());
             scene.triangles.push(triangle(corners, number));
         }
     }

@@ -5,7 +5,7 @@
 
 mod common;
 
-use common::Dice;
+use common::Rng;
 use glam::{DVec3, Vec3};
 use octray::kernel::bsdf::plastic::{Plastic, mean_transmittance};
 use octray::kernel::bsdf::{BsdfEval, BsdfSample, LobeEval, diffuse, ggx, scatter};
@@ -163,10 +163,10 @@ fn samples_are_distributed_as_their_density_says() {
             assert!((0.0..1.003).contains(&integral), "{lobe:?} at {degrees}°: the density holds {integral}");
             expected[BINS * BINS] = (1.0 - integral).max(0.0);
 
-            let mut dice = Dice(1000 * number as u64 + degrees as u64 + 7);
+            let mut rng = Rng(1000 * number as u64 + degrees as u64 + 7);
             let mut counts = vec![0.0; BINS * BINS + 1];
             for _ in 0..SAMPLES {
-                let numbers = [(); 3].map(|()| (dice.bits() >> 8) as f32 / 16_777_216.0);
+                let numbers = [(); 3].map(|()| (rng.bits() >> 8) as f32 / 16_777_216.0);
                 let drawn = lobe.sample(d32, n32, numbers);
                 let bin = if drawn.alive && drawn.pdf.is_finite() {
                     let (a, b) = lobe.place(d, n, drawn.direction.as_dvec3());
@@ -242,13 +242,13 @@ fn densities_hold_one_where_nothing_is_absorbed() {
 
 #[test]
 fn weight_is_value_over_density() {
-    let mut dice = Dice(71);
+    let mut rng = Rng(71);
     for lobe in lobes() {
         let mut worst = 0.0_f32;
         for _ in 0..20_000 {
-            let (d, n) = arriving(89.0 * dice.unit());
+            let (d, n) = arriving(89.0 * rng.unit());
             let (d, n) = (d.as_vec3(), n.as_vec3());
-            let drawn = lobe.sample(d, n, [(); 3].map(|()| dice.unit() as f32 * (1.0 - 1e-7)));
+            let drawn = lobe.sample(d, n, [(); 3].map(|()| rng.unit() as f32 * (1.0 - 1e-7)));
             if !drawn.alive || drawn.pdf.is_infinite() {
                 continue;
             }
@@ -273,12 +273,12 @@ fn weight_is_value_over_density() {
 
 #[test]
 fn metal_and_plastic_look_the_same_both_ways() {
-    let mut dice = Dice(72);
+    let mut rng = Rng(72);
     for lobe in lobes().into_iter().filter(|lobe| !matches!(lobe, Lobe::Scatter { .. })) {
         for _ in 0..20_000 {
-            let n = dice.direction();
+            let n = rng.direction();
             let above = |w: DVec3| if w.dot(n) < 0.0 { -w } else { w };
-            let (o, i) = (above(dice.direction()), above(dice.direction()));
+            let (o, i) = (above(rng.direction()), above(rng.direction()));
             let (cos_o, cos_i) = (o.dot(n), i.dot(n));
             if cos_o.min(cos_i) < 0.02 {
                 continue;

@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{Dice, empty, material, sphere, triangle};
+use common::{Rng, empty, material, sphere, triangle};
 use glam::{Quat, Vec3};
 use octray::buffers::{Buffers, Features};
 use octray::camera::{Pinhole, Tile};
@@ -79,11 +79,11 @@ fn directions_keep_unit_length_over_the_longest_paths() {
 #[test]
 fn reflection_lengthens_by_no_more_than_its_bound() {
     const EPSILON: f64 = 1.0 / 16_777_216.0;
-    let mut dice = Dice(81);
+    let mut rng = Rng(81);
     let mut worst: f64 = 0.0;
     for _ in 0..200_000 {
-        let n = (dice.direction() * (1.0 + 2.0 * EPSILON * dice.signed())).as_vec3();
-        let mut d = dice.direction().as_vec3();
+        let n = (rng.direction() * (1.0 + 2.0 * EPSILON * rng.signed())).as_vec3();
+        let mut d = rng.direction().as_vec3();
         if d.dot(n) > 0.0 {
             d = -d;
         }

@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{Dice, empty, material, noise, smooth_ball, sphere, triangle};
+use common::{Rng, empty, material, noise, smooth_ball, sphere, triangle};
 use glam::{Vec2, Vec3};
 use octray::buffers::LightChoice;
 use octray::film::Picture;
@@ -57,7 +57,7 @@ const EXTRAS: [Extra; 14] = [
 ];
 
 fn with(kind: MaterialKind, extra: Extra) -> Scene {
-    let mut dice = Dice(91);
+    let mut rng = Rng(91);
     let floor = [Vec3::new(-9.0, -1.0, -9.0), Vec3::new(0.0, -1.0, 18.0), Vec3::new(9.0, -1.0, -9.0)];
     let mut scene = Scene {
         camera: Camera { position: Vec3::new(0.3, 0.4, 4.0), ..empty().camera },
@@ -73,22 +73,22 @@ fn with(kind: MaterialKind, extra: Extra) -> Scene {
         Extra::Smooth => scene = Scene { sky: scene.sky, ..smooth_ball(kind) },
         Extra::Shine => scene.materials[0].emission = Vec3::new(0.1, 0.2, 0.3),
         Extra::Picture(filter) => {
-            scene.textures = vec![noise(&mut dice, 5, 7, filter)];
+            scene.textures = vec![noise(&mut rng, 5, 7, filter)];
             scene.materials[0].texture = Some(0);
         }
         Extra::Roughness => {
-            scene.textures = vec![noise(&mut dice, 5, 7, Filter::Nearest)];
+            scene.textures = vec![noise(&mut rng, 5, 7, Filter::Nearest)];
             scene.materials[0].roughness_map = kind.has_roughness().then_some(0);
         }
         Extra::Normals => {
             scene.triangles.push(triangle(floor, 0));
             scene.uvs.push([Vec2::ZERO, Vec2::X, Vec2::Y]);
-            scene.textures = vec![noise(&mut dice, 5, 7, Filter::Nearest)];
+            scene.textures = vec![noise(&mut rng, 5, 7, Filter::Nearest)];
             scene.materials[0].normal_map = Some(0);
         }
         Extra::Gradient => scene.sky = Sky::Gradient { bottom: Vec3::ONE, top: Vec3::new(0.5, 0.7, 1.0) },
         Extra::SkyPicture(filter) => {
-            scene.textures = vec![noise(&mut dice, 5, 7, filter)];
+            scene.textures = vec![noise(&mut rng, 5, 7, filter)];
             scene.sky = Sky::Texture { texture: 0, color: Vec3::ONE };
         }
         Extra::RoundLamp => {
@@ -105,7 +105,7 @@ fn with(kind: MaterialKind, extra: Extra) -> Scene {
         }
         Extra::Crowd => {
             for _ in 0..60 {
-                scene.spheres.push(sphere((dice.in_cube() * 2.0).as_vec3(), 0.2, 0));
+                scene.spheres.push(sphere((rng.in_cube() * 2.0).as_vec3(), 0.2, 0));
             }
         }
     }

@@ -26,7 +26,7 @@ fn chart() -> Chart {
         time: Duration::from_secs(2),
         budget: Duration::from_secs(2),
     };
-    let truth = plan.truth(&scene);
+    let truth = plan.ground_truth(&scene);
     let scenes = vec![plan.chart(&scene, &truth, &|_| ())];
     Chart {
         schema: SCHEMA,

@@ -6,7 +6,7 @@
 
 mod common;
 
-use common::Dice;
+use common::Rng;
 use common::statistics::{allowed, chi_squared_deviation, correlation, joint};
 use octray::math::Vec3;
 use octray::sampling::{dimension, random, warp};
@@ -85,9 +85,9 @@ fn numbers_never_reach_one() {
     // All 2³² bit patterns pass through `mix`, a bijection, so the largest is reached: 1 − 2⁻²⁴.
     let largest = (u32::MAX >> 8) as f32 / 16_777_216.0;
     assert!(largest < 1.0);
-    let mut dice = Dice(41);
+    let mut rng = Rng(41);
     for _ in 0..200_000 {
-        let (key, dimension) = (dice.bits(), dice.bits() >> 20);
+        let (key, dimension) = (rng.bits(), rng.bits() >> 20);
         let x = random::uniform::<f32>(key, dimension);
         assert!((0.0..=largest).contains(&x));
         assert_eq!((x * 16_777_216.0).fract(), 0.0, "a multiple of 2⁻²⁴");
@@ -166,8 +166,8 @@ fn pixels_of_a_large_picture_share_few_numbers_and_none_in_rows() {
     assert!(longest <= 4, "{longest} collisions of pixels at one and the same distance");
 }
 
-fn unit(dice: &mut Dice) -> Vec3<f32> {
-    Vec3::splat(dice.direction().as_vec3())
+fn unit(rng: &mut Rng) -> Vec3<f32> {
+    Vec3::splat(rng.direction().as_vec3())
 }
 
 const DRAWS: usize = 1_000_000;
@@ -176,8 +176,8 @@ const DRAWS: usize = 1_000_000;
 fn cosine_hemisphere_follows_the_cosine() {
     // cos θ has the density 2 cos θ: E = 2/3, Var = 1/18, and cos² θ is uniform; so is the angle around the normal.
     const BINS: usize = 50;
-    let mut dice = Dice(42);
-    for n in [Vec3::new(0.0, 0.0, 1.0), Vec3::new(0.0, 0.0, -1.0), unit(&mut dice), unit(&mut dice)] {
+    let mut rng = Rng(42);
+    for n in [Vec3::new(0.0, 0.0, 1.0), Vec3::new(0.0, 0.0, -1.0), unit(&mut rng), unit(&mut rng)] {
         let (tangent, bitangent) = warp::orthonormal_basis(n);
         let (mut sum, mut rings, mut sectors, mut cells) = (0.0, [0; BINS], [0; BINS], [0; BINS]);
         for draw in 0..DRAWS as u32 / 4 {
@@ -211,7 +211,7 @@ fn cosine_hemisphere_follows_the_cosine() {
 fn cosine_hemisphere_never_points_below_the_surface() {
     let below_one = 1.0_f32.next_down();
     let ends = [0.0, f32::MIN_POSITIVE, 1.0 / 16_777_216.0, 0.25, 0.5, 0.75, below_one];
-    let mut dice = Dice(43);
+    let mut rng = Rng(43);
     let check = |n: Vec3<f32>, u: f32, v: f32, least: &mut f64| {
         let d = warp::sample_cosine_hemisphere(n, u, v);
         let cos = d.get(0).as_dvec3().dot(n.get(0).as_dvec3());
@@ -220,8 +220,8 @@ fn cosine_hemisphere_never_points_below_the_surface() {
     };
     let mut least = 1.0;
     for _ in 0..DRAWS {
-        let n = unit(&mut dice);
-        check(n, random::uniform(dice.bits(), 0), random::uniform(dice.bits(), 0), &mut least);
+        let n = unit(&mut rng);
+        check(n, random::uniform(rng.bits(), 0), random::uniform(rng.bits(), 0), &mut least);
     }
     for n in [
         [0.0, 0.0, 1.0],
@@ -239,9 +239,9 @@ fn cosine_hemisphere_never_points_below_the_surface() {
     }
     // The worst draws: the point on the sphere is opposite to the normal, or all but.
     for _ in 0..DRAWS / 4 {
-        let (u, v) = (random::uniform::<f32>(dice.bits(), 0), random::uniform::<f32>(dice.bits(), 0));
+        let (u, v) = (random::uniform::<f32>(rng.bits(), 0), random::uniform::<f32>(rng.bits(), 0));
         let opposite = -warp::sample_uniform_sphere(u, v);
-        let nudge = (dice.in_cube() * dice.scale(1e-8, 1e-2)).as_vec3();
+        let nudge = (rng.in_cube() * rng.scale(1e-8, 1e-2)).as_vec3();
         let n = (opposite.get(0) + nudge).normalize();
         check(Vec3::splat(n), u, v, &mut least);
     }
@@ -307,16 +307,16 @@ fn basis_is_orthonormal_and_right_handed_for_every_normal() {
             check(Vec3::new(z, zero[0], zero[1]));
         }
     }
-    let mut dice = Dice(44);
+    let mut rng = Rng(44);
     for _ in 0..DRAWS / 4 {
-        check(unit(&mut dice));
+        check(unit(&mut rng));
         // Around the seam z = 0 and around the poles.
-        let flat = glam::DVec3::new(dice.signed(), dice.signed(), dice.signed() * dice.scale(1e-30, 1e-2));
+        let flat = glam::DVec3::new(rng.signed(), rng.signed(), rng.signed() * rng.scale(1e-30, 1e-2));
         if flat.length() > 0.1 {
             check(Vec3::splat(flat.normalize().as_vec3()));
         }
-        let tilt = dice.scale(1e-12, 1e-1);
-        let polar = glam::DVec3::new(tilt * dice.signed(), tilt * dice.signed(), [1.0, -1.0][dice.index(2)]);
+        let tilt = rng.scale(1e-12, 1e-1);
+        let polar = glam::DVec3::new(tilt * rng.signed(), tilt * rng.signed(), [1.0, -1.0][rng.index(2)]);
         check(Vec3::splat(polar.normalize().as_vec3()));
     }
     println!("largest error: {:.1} ε", worst * f64::from(1 << 24));

@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{Dice, empty, smooth_ball};
+use common::{Rng, empty, smooth_ball};
 use glam::Vec3;
 use octray::buffers::Features;
 use octray::kernel::normals;
@@ -70,14 +70,14 @@ fn nothing_leaves_below_the_surface() {
 #[test]
 fn bent_normals_mirror_above_the_surface_and_face_the_ray() {
     let lane = |v: Vec3| math::Vec3::<f32>::splat(v);
-    let mut dice = Dice(91);
+    let mut rng = Rng(91);
     let mut worst = 0.0_f32;
     for _ in 0..200_000 {
-        let own = dice.direction().as_vec3();
-        let mut d = dice.direction().as_vec3();
-        let mut normal = dice.direction().as_vec3();
+        let own = rng.direction().as_vec3();
+        let mut d = rng.direction().as_vec3();
+        let mut normal = rng.direction().as_vec3();
         // All angles of arrival, down to grazing ones.
-        d = (d - own * d.dot(own)).normalize() - own * dice.scale(1e-5, 10.0) as f32;
+        d = (d - own * d.dot(own)).normalize() - own * rng.scale(1e-5, 10.0) as f32;
         d = d.normalize();
         normal *= normal.dot(own).signum();
         let bent = normals::bend_for_reflection(lane(d), lane(normal), lane(own)).get(0);
@@ -93,7 +93,7 @@ fn bent_normals_mirror_above_the_surface_and_face_the_ray() {
         // One that need not be bent stays as it is.
         let straight = d - normal * (2.0 * d.dot(normal));
         assert!(straight.dot(own) < 0.0101 || bent == normal);
-        let towards = dice.direction().as_vec3();
+        let towards = rng.direction().as_vec3();
         let g = normals::shadow_terminator(lane(towards), lane(bent), lane(own));
         assert!((0.0..=1.0).contains(&g) && (towards.dot(own) > 0.0 || g == 0.0), "{g}");
     }

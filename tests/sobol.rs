@@ -6,7 +6,7 @@
 
 mod common;
 
-use common::Dice;
+use common::Rng;
 use common::statistics::{allowed, chi_squared_deviation, correlation, joint};
 use octray::sampling::{SampleValues, Sampler, dimension, random};
 use std::f64::consts::{FRAC_PI_4, TAU};
@@ -52,23 +52,23 @@ fn is_net(points: &[Point]) -> bool {
 
 /// The textbook: Sobol's matrices column by column, and Owen's scrambling digit by digit, each flip drawn for itself.
 mod textbook {
-    use super::{Dice, Point};
+    use super::{Point, Rng};
     use std::collections::HashMap;
 
     /// Flips each digit of the fraction `x` / 2³² by a coin that belongs to the digits before it.
     struct Owen(HashMap<(u32, u32), bool>);
 
     impl Owen {
-        fn scramble(&mut self, x: u32, dice: &mut Dice) -> u32 {
+        fn scramble(&mut self, x: u32, rng: &mut Rng) -> u32 {
             (0..32).fold(0, |scrambled, digit| {
                 let before = if digit == 0 { 0 } else { x >> (32 - digit) };
-                let flip = *self.0.entry((digit, before)).or_insert_with(|| dice.index(2) == 1);
+                let flip = *self.0.entry((digit, before)).or_insert_with(|| rng.index(2) == 1);
                 scrambled << 1 | (x >> (31 - digit) & 1 ^ u32::from(flip))
             })
         }
     }
 
-    pub fn points(dice: &mut Dice, count: u32) -> Vec<Point> {
+    pub fn points(rng: &mut Rng, count: u32) -> Vec<Point> {
         // Direction numbers: of the first dimension single digits, of the second those of the polynomial x + 1.
         let mut columns = [[1u32 << 31; 2]; 32];
         for j in 1..32 {
@@ -77,11 +77,11 @@ mod textbook {
         let [mut order, mut along_x, mut along_y] = std::array::from_fn(|_| Owen(HashMap::new()));
         (0..count)
             .map(|sample| {
-                let index = order.scramble(sample, dice);
+                let index = order.scramble(sample, rng);
                 let sobol = |axis: usize| {
                     (0..32).filter(|j| index >> j & 1 == 1).fold(0, |sum, j| sum ^ columns[j as usize][axis])
                 };
-                [along_x.scramble(sobol(0), dice), along_y.scramble(sobol(1), dice)]
+                [along_x.scramble(sobol(0), rng), along_y.scramble(sobol(1), rng)]
                     .map(|x| f64::from(x) / 2f64.powi(32))
             })
             .collect()
@@ -108,8 +108,8 @@ fn prefixes_and_blocks_of_samples_are_nets_in_every_pixel_and_pair() {
         }
     }
     // The measure itself: what the textbook says are nets, and what are none.
-    let mut dice = Dice(51);
-    let points = textbook::points(&mut dice, 1024);
+    let mut rng = Rng(51);
+    let points = textbook::points(&mut rng, 1024);
     assert!((0..=10).all(|k| points.chunks_exact(1 << k).all(is_net)));
     assert!(!is_net(&self::points(Sampler::Random, 0, 0, 64)));
 }
@@ -253,10 +253,10 @@ fn errors(
 #[test]
 fn integrals_are_as_good_as_a_true_owen_scrambling_makes_them() {
     const PIXELS: u32 = 4000;
-    let mut dice = Dice(52);
+    let mut rng = Rng(52);
     for count in [11, 16, 64, 256] {
         let of_textbook: Vec<Vec<Point>> =
-            (0..PIXELS / 2).map(|_| textbook::points(&mut dice, count)).collect();
+            (0..PIXELS / 2).map(|_| textbook::points(&mut rng, count)).collect();
         for (name, f, integral) in FUNCTIONS {
             let of = |sampler| errors(PIXELS, f, integral, |seed| points_of_seed(sampler, seed, 10, count));
             let (sobol, random) = (of(Sampler::Sobol), of(Sampler::Random));
@@ -296,8 +296,8 @@ fn errors_have_no_heavier_tails_than_a_true_owen_scrambling_gives_them() {
     // Scrambling by sums and products alone has the right variance and 1.9 and 2.6 times the fourth moment, one round less 1.3 and 2.0
     // times. A fourth moment's standard error is about 3.3 of √(1/6000 + 1/3000): 0.07.
     const PIXELS: u32 = 6000;
-    let mut dice = Dice(55);
-    let of_textbook: Vec<Vec<Point>> = (0..PIXELS / 2).map(|_| textbook::points(&mut dice, 64)).collect();
+    let mut rng = Rng(55);
+    let of_textbook: Vec<Vec<Point>> = (0..PIXELS / 2).map(|_| textbook::points(&mut rng, 64)).collect();
     let of_sobol: Vec<Vec<Point>> =
         (0..PIXELS).map(|seed| points_of_seed(Sampler::Sobol, seed, 10, 64)).collect();
     let smooth = FUNCTIONS[0];
@@ -352,11 +352,11 @@ fn waves_do_not_resonate_with_the_lines_of_a_net() {
 
 #[test]
 fn numbers_are_multiples_of_two_to_the_minus_24_below_one() {
-    let mut dice = Dice(53);
+    let mut rng = Rng(53);
     for sampler in [Sampler::Sobol, Sampler::Random] {
         let mut largest = 0.0_f32;
         for _ in 0..2_000_000 {
-            let (key, sample, dimension) = (dice.bits(), dice.bits(), dice.bits() >> 20 & !1);
+            let (key, sample, dimension) = (rng.bits(), rng.bits(), rng.bits() >> 20 & !1);
             let (x, y) = SampleValues::new(sampler, 7, sample, dimension).get_2d::<f32>(key, 0);
             for x in [x, y] {
                 assert!((0.0..1.0).contains(&x) && (x * 16_777_216.0).fract() == 0.0, "{sampler:?}: {x}");
@@ -370,10 +370,9 @@ fn numbers_are_multiples_of_two_to_the_minus_24_below_one() {
 #[test]
 fn one_number_is_half_of_its_pair() {
     assert_eq!(Sampler::default(), Sampler::Sobol);
-    let mut dice = Dice(54);
+    let mut rng = Rng(54);
     for _ in 0..10_000 {
-        let (seed, pixel, sample, dimension) =
-            (dice.bits(), dice.bits(), dice.bits(), dice.bits() >> 24 & !1);
+        let (seed, pixel, sample, dimension) = (rng.bits(), rng.bits(), rng.bits(), rng.bits() >> 24 & !1);
         for sampler in [Sampler::Sobol, Sampler::Random] {
             let key = sampler.key::<u32>(seed, pixel, sample);
             let numbers = SampleValues::new(sampler, seed, sample, dimension);

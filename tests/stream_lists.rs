@@ -3,13 +3,13 @@
 mod common;
 
 use common::rays::Set;
-use common::{Dice, empty, material, triangle};
+use common::{Rng, empty, material, triangle};
 use glam::Vec3;
 use octray::scene::{MaterialKind, Scene};
 
 #[test]
 fn lists_grow_when_every_ray_passes_every_box() {
-    let mut dice = Dice(95);
+    let mut rng = Rng(95);
     let mut scene = Scene { materials: vec![material(MaterialKind::Diffuse)], ..empty() };
     for layer in 0..4500 {
         let z = layer as f32 * 2e-4;
@@ -19,7 +19,7 @@ fn lists_grow_when_every_ray_passes_every_box() {
     for count in [8191, 8185] {
         let mut set = Set::default();
         for _ in 0..count {
-            let aim = Vec3::new(dice.unit() as f32, dice.unit() as f32, 10.0);
+            let aim = Vec3::new(rng.unit() as f32, rng.unit() as f32, 10.0);
             set.push(Vec3::new(0.0, 0.0, -5.0), aim.normalize(), f32::INFINITY);
         }
         assert_eq!(set.check(&scene, &format!("{count} rays")), count);

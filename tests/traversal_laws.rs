@@ -5,7 +5,7 @@
 
 mod common;
 
-use common::{Dice, empty, material, packet, ray, sphere, triangle};
+use common::{Rng, empty, material, packet, ray, sphere, triangle};
 use glam::Vec3;
 use octray::buffers::Buffers;
 use octray::kernel::ray_sphere::{self, SphereMethod};
@@ -118,23 +118,22 @@ fn assert_law_of_all(scene: &Scene, rays: &[Ray<f32>]) -> Vec<Vec<Answer>> {
 }
 
 /// Spheres and triangles in a cube of edge 4.
-fn mixed(dice: &mut Dice, spheres: usize, triangles: usize) -> Scene {
-    let balls =
-        (0..spheres).map(|_| sphere((dice.in_cube() * 2.0).as_vec3(), dice.scale(0.05, 0.8) as f32, 0));
+fn mixed(rng: &mut Rng, spheres: usize, triangles: usize) -> Scene {
+    let balls = (0..spheres).map(|_| sphere((rng.in_cube() * 2.0).as_vec3(), rng.scale(0.05, 0.8) as f32, 0));
     let spheres = balls.collect();
     let corners = (0..triangles).map(|_| {
-        let center = dice.in_cube() * 2.0;
-        triangle([(); 3].map(|()| (center + dice.in_cube()).as_vec3()), 0)
+        let center = rng.in_cube() * 2.0;
+        triangle([(); 3].map(|()| (center + rng.in_cube()).as_vec3()), 0)
     });
     let triangles = corners.collect();
     Scene { materials: vec![material(MaterialKind::Diffuse)], spheres, triangles, ..empty() }
 }
 
 /// Unit directions from in and around the cube, towards it.
-fn rays(dice: &mut Dice, count: usize) -> Vec<Ray<f32>> {
+fn rays(rng: &mut Rng, count: usize) -> Vec<Ray<f32>> {
     let one = |_| {
-        let origin = dice.in_cube() * [1.0, 6.0][dice.index(2)];
-        ray(origin.as_vec3(), (dice.in_cube() * 2.0 - origin).normalize().as_vec3())
+        let origin = rng.in_cube() * [1.0, 6.0][rng.index(2)];
+        ray(origin.as_vec3(), (rng.in_cube() * 2.0 - origin).normalize().as_vec3())
     };
     (0..count).map(one).collect()
 }
@@ -145,12 +144,12 @@ fn hits(answers: &[Answer]) -> usize {
 
 #[test]
 fn traversal_equals_every_primitive_one_by_one_on_random_scenes() {
-    let mut dice = Dice(31);
+    let mut rng = Rng(31);
     for (spheres, triangles) in
         [(0, 0), (1, 0), (0, 1), (7, 0), (8, 0), (9, 0), (17, 3), (3, 40), (40, 60), (0, 33)]
     {
-        let scene = mixed(&mut dice, spheres, triangles);
-        let rays = rays(&mut dice, 800);
+        let scene = mixed(&mut rng, spheres, triangles);
+        let rays = rays(&mut rng, 800);
         for answers in assert_law_of_all(&scene, &rays) {
             assert!(spheres + triangles < 30 || (200..800).contains(&hits(&answers)), "{}", hits(&answers));
             assert!(spheres + triangles > 0 || hits(&answers) == 0);
@@ -160,15 +159,15 @@ fn traversal_equals_every_primitive_one_by_one_on_random_scenes() {
 
 #[test]
 fn ties_go_to_the_lower_index() {
-    let mut dice = Dice(32);
-    let single = mixed(&mut dice, 11, 13);
+    let mut rng = Rng(32);
+    let single = mixed(&mut rng, 11, 13);
     // Every primitive three times: whichever is hit, its first copy must be named.
     let mut scene = single.clone();
     for _ in 0..2 {
         scene.spheres.extend_from_slice(&single.spheres);
         scene.triangles.extend_from_slice(&single.triangles);
     }
-    let rays = rays(&mut dice, 1600);
+    let rays = rays(&mut rng, 1600);
     for answers in assert_law_of_all(&scene, &rays) {
         assert!(hits(&answers) > 200);
         for [_, primitive, ..] in answers {
@@ -180,8 +179,8 @@ fn ties_go_to_the_lower_index() {
 
 #[test]
 fn traversal_equals_every_primitive_one_by_one_along_axes_and_with_zeros_of_both_signs() {
-    let mut dice = Dice(33);
-    let mut scene = mixed(&mut dice, 20, 20);
+    let mut rng = Rng(33);
+    let mut scene = mixed(&mut rng, 20, 20);
     // Primitives that such rays graze and meet exactly: on integers, in coordinate planes.
     for at in [Vec3::ZERO, Vec3::X, -Vec3::Y, Vec3::Z] {
         scene.spheres.push(sphere(at, 1.0, 0));
@@ -191,12 +190,12 @@ fn traversal_equals_every_primitive_one_by_one_along_axes_and_with_zeros_of_both
     let special = [0.0, -0.0, 1.0, -1.0, 1e-20, -1e-20, 1e-40, -1e-40];
     let mut rays = Vec::new();
     while rays.len() < 2000 {
-        let direction = Vec3::from_array(std::array::from_fn(|_| special[dice.index(special.len())]));
+        let direction = Vec3::from_array(std::array::from_fn(|_| special[rng.index(special.len())]));
         let length = direction.as_dvec3().length();
-        let origin = match dice.index(3) {
-            0 => (dice.in_cube() * 3.0).as_vec3(),
-            1 => (dice.in_cube() * 3.0).round().as_vec3(),
-            _ => (dice.in_cube() * 6.0).round().as_vec3() * 0.5,
+        let origin = match rng.index(3) {
+            0 => (rng.in_cube() * 3.0).as_vec3(),
+            1 => (rng.in_cube() * 3.0).round().as_vec3(),
+            _ => (rng.in_cube() * 6.0).round().as_vec3() * 0.5,
         };
         if length > 0.5 {
             rays.push(ray(origin, (direction.as_dvec3() / length).as_vec3()));
@@ -209,9 +208,9 @@ fn traversal_equals_every_primitive_one_by_one_along_axes_and_with_zeros_of_both
 
 #[test]
 fn traversal_equals_every_primitive_one_by_one_for_directions_of_no_length() {
-    let mut dice = Dice(34);
-    let scene = mixed(&mut dice, 10, 10);
+    let mut rng = Rng(34);
+    let scene = mixed(&mut rng, 10, 10);
     let directions = [Vec3::NAN, Vec3::ZERO, Vec3::INFINITY, Vec3::new(0.0, f32::NAN, 1.0), Vec3::X];
-    let rays: Vec<_> = (0..400).map(|i| ray((dice.in_cube() * 4.0).as_vec3(), directions[i % 5])).collect();
+    let rays: Vec<_> = (0..400).map(|i| ray((rng.in_cube() * 4.0).as_vec3(), directions[i % 5])).collect();
     assert_law_of_all(&scene, &rays);
 }

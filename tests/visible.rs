@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{Dice, empty, material, sphere};
+use common::{Rng, empty, material, sphere};
 use glam::Vec3;
 use octray::buffers::Buffers;
 use octray::camera::Pinhole;
@@ -176,10 +176,10 @@ impl Batch<f32> for Given<'_> {
 
 /// Directions all around, none along an axis.
 fn views(vertical_fov: f32) -> impl Iterator<Item = Camera> {
-    let mut dice = Dice(71);
+    let mut rng = Rng(71);
     (0..8).map(move |_| {
-        let look_at = dice.direction().as_vec3();
-        Camera { position: Vec3::ZERO, look_at, up: dice.direction().as_vec3(), vertical_fov }
+        let look_at = rng.direction().as_vec3();
+        Camera { position: Vec3::ZERO, look_at, up: rng.direction().as_vec3(), vertical_fov }
     })
 }
 

@@ -6,7 +6,7 @@
 mod common;
 
 use common::rays::Set;
-use common::{Dice, empty, material, triangle};
+use common::{Rng, empty, material, triangle};
 use glam::{DVec3, Vec3};
 use octray::bvh::Trees;
 use octray::math::MISS;
@@ -106,57 +106,57 @@ impl Mesh {
     }
 
     /// A point inside, near this triangle where the mesh is no star.
-    fn origin(&self, dice: &mut Dice, near: usize) -> Vec3 {
+    fn origin(&self, rng: &mut Rng, near: usize) -> Vec3 {
         match self.inside {
-            Inside::Ball(center, radius) => (center + dice.direction() * (radius * dice.unit())).as_vec3(),
+            Inside::Ball(center, radius) => (center + rng.direction() * (radius * rng.unit())).as_vec3(),
             Inside::Behind(depth) => {
                 let [a, b, c] = self.triangles[near].map(Vec3::as_dvec3);
                 let inwards = -(b - a).cross(c - a).normalize();
-                ((a + b + c) / 3.0 + inwards * (depth * (0.5 + dice.unit()))).as_vec3()
+                ((a + b + c) / 3.0 + inwards * (depth * (0.5 + rng.unit()))).as_vec3()
             }
         }
     }
 
     /// On an edge, at a vertex, or, one time in eight, on a triangle: in f64, where it is on both sides of the edge.
-    fn target(&self, dice: &mut Dice, number: usize) -> DVec3 {
+    fn target(&self, rng: &mut Rng, number: usize) -> DVec3 {
         let mut corners = self.triangles[number].map(Vec3::as_dvec3);
-        corners.rotate_left(dice.index(3));
+        corners.rotate_left(rng.index(3));
         let [a, b, c] = corners;
-        match dice.index(8) {
+        match rng.index(8) {
             0 => {
-                let [u, v, w] = dice.barycentrics();
+                let [u, v, w] = rng.barycentrics();
                 a * u + b * v + c * w
             }
             1..=3 => a,
-            _ => a + (b - a) * dice.unit(),
+            _ => a + (b - a) * rng.unit(),
         }
     }
 
     /// As many rays; whole tiles from one origin through neighbouring triangles, as a camera's, by turns with rays that have nothing in common.
-    fn rays(&self, dice: &mut Dice, count: usize) -> Set {
+    fn rays(&self, rng: &mut Rng, count: usize) -> Set {
         let mut set = Set::default();
         let all = self.triangles.len();
         while set.len() < count {
-            let (first, together) = (dice.index(all), dice.index(2) == 0);
-            let shared = self.origin(dice, first);
+            let (first, together) = (rng.index(all), rng.index(2) == 0);
+            let shared = self.origin(rng, first);
             let towards = |origin: Vec3, target: DVec3| (target - origin.as_dvec3()).normalize();
             // A tile's first ray tells the axis of its frustum, the others run along it.
-            let ahead = towards(shared, self.target(dice, first));
+            let ahead = towards(shared, self.target(rng, first));
             let main = ahead.abs().max_position();
             for i in 0..TILE {
                 // The knot hides what is further along it.
-                let near = |dice: &mut Dice| (first + dice.index(400.min(all))) % all;
+                let near = |rng: &mut Rng| (first + rng.index(400.min(all))) % all;
                 let ray = if together {
                     let along = |d: &DVec3| i > 0 && d[main] * ahead[main].signum() > 0.01;
                     let mut aim = |_| {
-                        let number = near(dice);
-                        towards(shared, self.target(dice, number))
+                        let number = near(rng);
+                        towards(shared, self.target(rng, number))
                     };
                     (shared, (0..8).map(&mut aim).find(along).unwrap_or(ahead))
                 } else {
-                    let number = near(dice);
-                    let origin = self.origin(dice, number);
-                    (origin, towards(origin, self.target(dice, number)))
+                    let number = near(rng);
+                    let origin = self.origin(rng, number);
+                    (origin, towards(origin, self.target(rng, number)))
                 };
                 set.push(ray.0, ray.1.as_vec3(), f32::INFINITY);
             }
@@ -177,7 +177,7 @@ fn count_leaks(rays: usize) -> usize {
         let hierarchy = Hierarchy::new(&mesh.scene(), Trees::WideAndBinary);
         let count = mesh.triangles.len() as u32;
         (0..batches).into_par_iter().for_each(|batch| {
-            let set = mesh.rays(&mut Dice(0x9e37_79b9_7f4a_7c15 ^ (batch as u64 + 1)), BATCH);
+            let set = mesh.rays(&mut Rng(0x9e37_79b9_7f4a_7c15 ^ (batch as u64 + 1)), BATCH);
             for traversal in Traversal::ALL {
                 let found =
                     [set.through::<false>(&hierarchy, traversal), set.through::<true>(&hierarchy, traversal)];
@@ -217,8 +217,8 @@ fn ten_million_aimed_rays_do_not_leak() {
 fn tiles_of_aimed_rays_go_in_frusta() {
     for mesh in meshes() {
         let hierarchy = Hierarchy::new(&mesh.scene(), Trees::WideAndBinary);
-        let mut dice = Dice(5);
-        let go = (0..100).filter(|_| mesh.rays(&mut dice, TILE).goes_in_a_frustum(&hierarchy)).count();
+        let mut rng = Rng(5);
+        let go = (0..100).filter(|_| mesh.rays(&mut rng, TILE).goes_in_a_frustum(&hierarchy)).count();
         assert!(go > 25, "{}: {go} of 100 tiles", mesh.name);
     }
 }

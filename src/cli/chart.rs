@@ -7,8 +7,8 @@ use super::progress::Countdown;
 use super::scenes;
 use super::terminal;
 use crate::machine::{self, Machine};
+use crate::measure::chart::ground_truth::SHRINK;
 use crate::measure::chart::pictures::Line;
-use crate::measure::chart::truth::SHRINK;
 use crate::measure::chart::{Plan, kernels};
 use crate::output;
 use crate::report::chart::{Chart, SCHEMA, drawings};
@@ -67,10 +67,10 @@ pub fn run(options: ChartOptions) -> Result<ExitCode, CliError> {
         countdown.step(&format!("{}: ground truth", scene.name));
         let place = ground_truth::place(&options.output, &scene, options.size, options.bounces);
         let kept = ground_truth::load(&place, options.size);
-        let truth = match kept.filter(|truth| plan.is_content_with(&truth.quality)) {
+        let truth = match kept.filter(|truth| plan.accepts(&truth.info)) {
             Some(truth) => truth,
             None => {
-                let truth = plan.truth(&scene);
+                let truth = plan.ground_truth(&scene);
                 ground_truth::save(&place, &truth)?;
                 truth
             }

@@ -9,7 +9,7 @@
 
 use super::error::CliError;
 use crate::machine::Machine;
-use crate::measure::chart::truth::{Quality, Truth};
+use crate::measure::chart::ground_truth::{GroundTruth, GroundTruthInfo};
 use crate::output;
 use crate::report::chart::file_name;
 use crate::scene::Scene;
@@ -62,18 +62,19 @@ fn build() -> Option<(SystemTime, u64)> {
 }
 
 /// The ground truth at this place; `None` where none can be read or its size differs.
-pub fn load(place: &Path, size: [u32; 2]) -> Option<Truth> {
-    let quality: Quality = serde_json::from_slice(&fs::read(place.with_extension("json")).ok()?).ok()?;
+pub fn load(place: &Path, size: [u32; 2]) -> Option<GroundTruth> {
+    let quality: GroundTruthInfo =
+        serde_json::from_slice(&fs::read(place.with_extension("json")).ok()?).ok()?;
     let picture = openexr::read(&fs::read(place.with_extension("exr")).ok()?).ok()?;
-    (size == [picture.width, picture.height]).then(|| Truth::kept(picture, quality))
+    (size == [picture.width, picture.height]).then(|| GroundTruth::from_kept(picture, quality))
 }
 
 /// Saves a ground truth, the picture first, so that no quality is without a picture.
-pub fn save(place: &Path, truth: &Truth) -> Result<(), CliError> {
+pub fn save(place: &Path, truth: &GroundTruth) -> Result<(), CliError> {
     let quality = place.with_extension("json");
     output::make_folder(place.parent().unwrap_or(Path::new(".")))?;
     output::save(&place.with_extension("exr"), &truth.frame, &Tone::default())?;
-    Ok(output::save_json(&quality, &truth.quality)?)
+    Ok(output::save_json(&quality, &truth.info)?)
 }
 
 #[cfg(test)]
@@ -108,9 +109,14 @@ mod tests {
         let place = folder.path().join("truth").join("one");
         let pixels = (0..18).map(|at| [at as f32 / 7.0, 1e-9 * at as f32, 1e4 / (1 + at) as f32]).collect();
         let frame = Picture { width: 6, height: 3, pixels };
-        let quality =
-            Quality { samples: 14, frame_rmse: 0.1, small_rmse: 0.1 / 3.0, budget_s: 1.5, cached: false };
-        let truth = Truth::kept(frame, quality);
+        let quality = GroundTruthInfo {
+            samples: 14,
+            frame_rmse: 0.1,
+            small_rmse: 0.1 / 3.0,
+            budget_s: 1.5,
+            cached: false,
+        };
+        let truth = GroundTruth::from_kept(frame, quality);
         save(&place, &truth).unwrap();
         assert_eq!(load(&place, [6, 3]), Some(truth));
         assert_eq!(load(&place, [3, 6]), None);

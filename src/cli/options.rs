@@ -11,10 +11,10 @@ use super::methods::MethodOptions;
 use super::numbers::{bounces, lanes, refuse, samples, seconds, seed, size, threads, whole};
 use super::picture::PictureOptions;
 use crate::machine;
+use crate::measure::chart::ground_truth::SHRINK;
 use crate::measure::chart::pictures;
-use crate::measure::chart::truth::SHRINK;
 use crate::measure::stability::{Recipe, recipes};
-use crate::measure::ways::Way;
+use crate::measure::trace::TraceMethod;
 use crate::render::PipelineChoice;
 use crate::wording::grouped;
 use std::path::PathBuf;
@@ -85,7 +85,7 @@ pub struct RaysOptions {
     /// One thread, and once more all cores, if `None`.
     pub threads: Option<usize>,
     /// All traversals if `None`.
-    pub traversal: Option<Way>,
+    pub traversal: Option<TraceMethod>,
     /// Passes per traversal; by time if `None`.
     pub passes: Option<u32>,
     pub seed: u32,
@@ -180,7 +180,7 @@ impl TryFrom<RaysArgs> for RaysOptions {
             dump: args.dump,
             size,
             threads: threads(args.threads.as_deref())?,
-            traversal: Way::of(args.traversal),
+            traversal: TraceMethod::of(args.traversal),
             passes: args.passes.map(|text| whole("--passes", &text, 1, MAX_PASSES)).transpose()?,
             seed: seed(&args.seed)?,
         })

@@ -8,7 +8,7 @@ use super::terminal;
 use crate::bvh::check::check_scene;
 use crate::machine::{self, Machine};
 use crate::measure::rays;
-use crate::measure::ways::{Ground, Team, Way};
+use crate::measure::trace::{PreparedScene, TraceMethod, TracePool};
 use crate::output;
 use crate::report::rays::{Report, heading, meaning, row};
 use crate::report::stats;
@@ -53,10 +53,10 @@ pub fn run(options: RaysOptions) -> Result<ExitCode, CliError> {
         terminal::print(&heading(&report))?;
     }
 
-    let ground = Ground::new(&scene, hierarchy);
-    let teams: Vec<Team> = threads.into_iter().map(Team::new).collect();
-    let largest = teams.iter().max_by_key(|team| team.threads()).expect("there is a team");
-    let sets = rays::prepare(&scene, &camera, &ground, largest, options.size, options.seed);
+    let prepared_scene = PreparedScene::new(&scene, hierarchy);
+    let pools: Vec<TracePool> = threads.into_iter().map(TracePool::new).collect();
+    let largest = pools.iter().max_by_key(|pool| pool.threads()).expect("there is a pool");
+    let sets = rays::prepare(&scene, &camera, &prepared_scene, largest, options.size, options.seed);
     if let Some(folder) = &options.dump {
         if !scene.spheres.is_empty() {
             terminal::warn("the dump holds no spheres: other programs cannot find the hits on them");
@@ -64,22 +64,22 @@ pub fn run(options: RaysOptions) -> Result<ExitCode, CliError> {
         ray_dump::write(folder, &scene, &sets)?;
     }
     for prepared in &sets {
-        let mut ways: Vec<Way> = Way::all().collect();
+        let mut ways: Vec<TraceMethod> = TraceMethod::all().collect();
         ways.retain(|way| options.traversal.is_none_or(|chosen| chosen == *way));
-        if ways.contains(&Way::Linear) && rays::too_many_for_linear(&scene, &prepared.set) {
-            ways.retain(|way| *way != Way::Linear);
+        if ways.contains(&TraceMethod::Linear) && rays::too_many_for_linear(&scene, &prepared.set) {
+            ways.retain(|way| *way != TraceMethod::Linear);
             report.left_out.push(format!(
                 "Testing all primitives for all {} rays would take too long: a smaller --size would do.",
                 prepared.set.kind.name()
             ));
         }
-        let results = rays::measure(&ground, prepared, &ways, &teams, options.passes);
+        let results = rays::measure(&prepared_scene, prepared, &ways, &pools, options.passes);
         if !options.json {
             results.iter().try_for_each(|result| terminal::print(&row(result)))?;
         }
         report.results.extend(results);
         if let Some(stats) = &mut report.stats {
-            stats.extend(rays::count(&ground, prepared, &ways));
+            stats.extend(rays::count(&prepared_scene, prepared, &ways));
         }
     }
     if options.json {

@@ -1,8 +1,41 @@
-//! The laboratory: the f64 reference, and what measures the engine's speed, accuracy and stability.
+//! The laboratory of octray: the f64 reference renderer, and the measurements of the engine's speed, accuracy
+//! and numerical robustness.
+//!
+//! It may import the engine. It must not know scene files, picture files, the command line, windows or
+//! reports: the program calls it, and the tests do. Every measurement returns plain values that serialise to
+//! JSON.
+//!
+//! # Modules
+//! A module imports only from modules above it in this table; no two files import each other.
+//!
+//! | module | what it holds |
+//! |---|---|
+//! | [`mod@reference`] | path tracing in f64, one ray and one primitive at a time; shares no equation with the engine |
+//! | [`measure::quantiles`] | medians, quantiles, spreads; rounds of a measurement |
+//! | [`measure::errors`], [`measure::flip`] | image metrics: RMSE, relative MSE, FLIP |
+//! | [`measure::timed`] | renderers timed in alternating rounds, ratios of their speeds |
+//! | [`measure::ray_sets`], [`measure::trace`] | prepared rays; the traversals that trace them, on one thread or many |
+//! | [`measure::stats`] | time by stage, rays by kind, tests per ray |
+//! | [`measure::bench`], [`measure::rays`], [`measure::compare`] | `octray bench`, `octray rays`, `octray compare` |
+//! | [`measure::kernel_set`] | intersection kernels alone: fixed rays against fixed primitives |
+//! | [`measure::stability`] | `octray stability`: inputs on which methods fail, and how often each fails |
+//! | [`measure::chart`] | `octray chart`: error against time |
+//!
+//! # Rules
+//! - The reference is independent: it imports the scene's types and the integer random numbers, and nothing
+//!   else of the engine. The engine therefore cannot share its mistakes.
+//! - What is compared by speed is timed in alternating rounds, so that a slow spell of the machine affects
+//!   all alike.
+//! - A speed is a median with a spread. A speed and its error come from the same run.
+//! - Random inputs are a function of fixed seeds: a failure can be repeated.
 
 #![forbid(unsafe_code)]
 
-use octray_engine::*;
+// The engine's modules under the paths that they have in the program: `crate::film`, `crate::scene`.
+use octray_engine::{
+    adaptive, buffers, bvh, camera, display, film, integrate, kernel, lane, math, render, sampling, scene,
+    threads, tone, traverse,
+};
 
 pub mod measure;
 pub mod reference;

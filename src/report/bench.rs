@@ -8,7 +8,7 @@ use super::stats;
 use crate::machine::Machine;
 use crate::measure::bench::{FEWEST_FRAMES, Measurement};
 use crate::measure::compare::Comparison;
-use crate::measure::turns::Ratio;
+use crate::measure::timed::Ratio;
 use crate::wording::{counted, grouped};
 use serde::Serialize;
 use std::fmt::Write;

@@ -7,9 +7,10 @@ use super::plot::{Axis, Figure, Line};
 use crate::machine::Machine;
 use crate::measure::chart::configurations::{DEFAULT, NAMES};
 use crate::measure::chart::kernels::{Case, Kernel};
-use crate::measure::chart::motion::Path;
-use crate::measure::chart::pictures::{Point, Spread};
+use crate::measure::chart::motion::CameraPath;
+use crate::measure::chart::pictures::Point;
 use crate::measure::chart::{SceneChart, display, motion, pictures};
+use crate::measure::quantiles::Spread;
 use crate::wording::{counted, grouped};
 use serde::Serialize;
 
@@ -206,8 +207,8 @@ pub fn frames(scene: &SceneChart) -> Drawing {
 /// Error of a picture with several display filters, against the time to render and to filter it.
 pub fn display(scene: &SceneChart) -> Drawing {
     let line = |(number, way): (usize, &&'static str)| {
-        let shown = scene.display.iter().filter(|shown| shown.way == *way);
-        let point = |shown: &display::Shown| {
+        let shown = scene.display.iter().filter(|shown| shown.filter == *way);
+        let point = |shown: &display::FilterResult| {
             Some([shown.frame_ms.median + shown.filter_ms.median, shown.rmse?.median])
         };
         Line {
@@ -227,7 +228,7 @@ pub fn display(scene: &SceneChart) -> Drawing {
         ],
         x: Axis { label: "milliseconds to render and to filter".into(), log: true },
         y: Axis { label: Measure::Rmse.label().into(), log: true },
-        lines: display::WAYS.iter().enumerate().map(line).collect(),
+        lines: display::FILTERS.iter().enumerate().map(line).collect(),
         guides: Vec::new(),
     };
     Drawing { name: format!("{}-display", file_name(&scene.scene)), figure }
@@ -235,10 +236,11 @@ pub fn display(scene: &SceneChart) -> Drawing {
 
 /// Error of frames of a moving camera, against the time to render and to filter them.
 pub fn motion(scene: &SceneChart) -> Drawing {
-    let line = |path: Path| {
+    let line = |path: CameraPath| {
         let moving = scene.motion.iter().filter(|moving| moving.path == path);
-        let point =
-            |moving: &motion::Moving| Some([moving.frame_ms.median + moving.filter_ms.median, moving.rmse?]);
+        let point = |moving: &motion::MotionResult| {
+            Some([moving.frame_ms.median + moving.filter_ms.median, moving.rmse?])
+        };
         Line { name: path.name().into(), points: moving.filter_map(point).collect(), ..Line::default() }
     };
     let (frames, threads) = scene.motion.first().map_or((0, 1), |moving| (moving.frames, moving.threads));
@@ -250,7 +252,7 @@ pub fn motion(scene: &SceneChart) -> Drawing {
         ],
         x: Axis { label: "milliseconds to render and to filter a frame".into(), log: true },
         y: Axis { label: Measure::Rmse.label().into(), log: true },
-        lines: Path::ALL.into_iter().map(line).collect(),
+        lines: CameraPath::ALL.into_iter().map(line).collect(),
         guides: Vec::new(),
     };
     Drawing { name: format!("{}-motion", file_name(&scene.scene)), figure }

@@ -5,8 +5,8 @@
 
 use super::chart::{Chart, verdict};
 use super::numbers::figure;
+use crate::measure::chart::ground_truth::SHRINK;
 use crate::measure::chart::motion;
-use crate::measure::chart::truth::SHRINK;
 use crate::wording::grouped;
 use std::path::Path;
 
@@ -67,7 +67,7 @@ pub fn text(chart: &Chart, folder: &Path) -> String {
                 verdict(line),
             );
         }
-        let reprojected = scene.motion.iter().filter(|moving| moving.way == motion::WAYS[1]);
+        let reprojected = scene.motion.iter().filter(|moving| moving.filter == motion::FILTERS[1]);
         let lower: Vec<String> = reprojected
             .filter_map(|moving| Some(format!("{} {}", times(moving.times_lower?), moving.path.name())))
             .collect();

@@ -4,10 +4,11 @@
 //! files.
 
 use super::chart::{self, Chart, Drawing, Measure};
-use crate::measure::chart::display::WAYS;
+use crate::measure::chart::display::FILTERS;
 use crate::measure::chart::kernels::Kernel;
-use crate::measure::chart::pictures::{Line, Spread};
+use crate::measure::chart::pictures::Line;
 use crate::measure::chart::{SceneChart, configurations::DEFAULT};
+use crate::measure::quantiles::Spread;
 use crate::wording::counted;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
@@ -198,8 +199,8 @@ fn display_table(scene: &SceneChart) -> Markup {
                     th { "shown" } th { "samples" } th { "RMSE" } th { "FLIP" } th { "ms to render" } th { "ms to filter" }
                 }
                 @for shown in &scene.display {
-                    tr class=[(shown.way == WAYS[0]).then_some("default")] {
-                        td { (shown.way) } td { (shown.samples) }
+                    tr class=[(shown.filter == FILTERS[0]).then_some("default")] {
+                        td { (shown.filter) } td { (shown.samples) }
                         td { (shown.rmse.as_ref().map_or(UNKNOWN.into(), spread)) } td { (spread(&shown.flip)) }
                         td { (spread(&shown.frame_ms)) } td { (spread(&shown.filter_ms)) }
                     }
@@ -217,8 +218,8 @@ fn motion_table(scene: &SceneChart) -> Markup {
                     th { "camera" } th class="text" { "shown" } th { "RMSE" } th { "lower by" } th { "ms to render" } th { "ms to filter" }
                 }
                 @for moving in &scene.motion {
-                    tr class=[(moving.way == WAYS[0]).then_some("default")] {
-                        td { (moving.path.name()) } td class="text" { (moving.way) }
+                    tr class=[(moving.filter == FILTERS[0]).then_some("default")] {
+                        td { (moving.path.name()) } td class="text" { (moving.filter) }
                         td { (moving.rmse.map_or("–".into(), number)) } td { (moving.times_lower.map_or("–".into(), times)) }
                         td { (spread(&moving.frame_ms)) } td { (spread(&moving.filter_ms)) }
                     }

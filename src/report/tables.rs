@@ -4,7 +4,7 @@
 //! Must not know: files.
 
 use super::chart::Chart;
-use crate::measure::chart::pictures::Spread;
+use crate::measure::quantiles::Spread;
 
 /// The header and the rows of a table.
 struct Table(csv::Writer<Vec<u8>>);
@@ -135,7 +135,7 @@ pub fn display(chart: &Chart) -> String {
     ]);
     for scene in &chart.scenes {
         for shown in &scene.display {
-            let mut row = vec![scene.scene.clone(), shown.way.into(), shown.samples.to_string()];
+            let mut row = vec![scene.scene.clone(), shown.filter.into(), shown.samples.to_string()];
             row.extend([shown.threads, shown.seeds].map(|count| count.to_string()));
             row.extend(shown.rmse.map_or_else(Default::default, cells));
             for spread in [shown.flip, shown.frame_ms, shown.filter_ms] {
@@ -167,7 +167,7 @@ pub fn motion(chart: &Chart) -> String {
     ]);
     for scene in &chart.scenes {
         for moving in &scene.motion {
-            let mut row = vec![scene.scene.clone(), moving.path.name().into(), moving.way.into()];
+            let mut row = vec![scene.scene.clone(), moving.path.name().into(), moving.filter.into()];
             row.extend([moving.threads.to_string(), moving.frames.to_string(), moving.speed.to_string()]);
             row.extend([moving.rmse, moving.times_lower].map(cell));
             for spread in [moving.frame_ms, moving.filter_ms] {
@@ -222,12 +222,12 @@ mod tests {
     use super::*;
     use crate::machine::Machine;
     use crate::measure::chart::SceneChart;
-    use crate::measure::chart::display::Shown;
+    use crate::measure::chart::display::FilterResult;
     use crate::measure::chart::frames::{Frames, Moment};
+    use crate::measure::chart::ground_truth::GroundTruthInfo;
     use crate::measure::chart::kernels::{Case, Kernel};
-    use crate::measure::chart::motion::{Moving, Path};
+    use crate::measure::chart::motion::{CameraPath, MotionResult};
     use crate::measure::chart::pictures::{Line, Point};
-    use crate::measure::chart::truth::Quality;
     use crate::report::chart::SCHEMA;
 
     /// A spread around this median whose numbers all differ.
@@ -265,11 +265,17 @@ mod tests {
             scene: "three".into(),
             size: [1, 1],
             frame_size: [3, 3],
-            truth: Quality { samples: 2, frame_rmse: 0.1, small_rmse: 0.1, budget_s: 1.0, cached: false },
+            truth: GroundTruthInfo {
+                samples: 2,
+                frame_rmse: 0.1,
+                small_rmse: 0.1,
+                budget_s: 1.0,
+                cached: false,
+            },
             pictures: vec![line],
             frames: vec![frames],
-            display: vec![Shown {
-                way: "blurred",
+            display: vec![FilterResult {
+                filter: "blurred",
                 samples: 4,
                 threads: 7,
                 seeds: 9,
@@ -278,9 +284,9 @@ mod tests {
                 frame_ms: around(50.0),
                 filter_ms: around(60.0),
             }],
-            motion: vec![Moving {
-                path: Path::Forwards,
-                way: "reprojected",
+            motion: vec![MotionResult {
+                path: CameraPath::Forwards,
+                filter: "reprojected",
                 threads: 7,
                 frames: 48,
                 speed: 1.5,

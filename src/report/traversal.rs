@@ -8,7 +8,7 @@ use crate::bvh::check::{Statistics, check_scene};
 use crate::lane::{F32x8, Lane};
 use crate::machine;
 use crate::measure::rays::{self, BuildTime};
-use crate::measure::ways::Way;
+use crate::measure::trace::TraceMethod;
 use crate::scene::Scene;
 use crate::traverse::{Methods, linear};
 use crate::wording::{counted, grouped};
@@ -40,7 +40,9 @@ pub struct HierarchyReport {
 
 impl TraversalReport {
     pub fn of(scene: &Scene) -> Self {
-        let way = Methods::default().traversal_of(scene, F32x8::WIDTH).map_or(Way::Linear, Way::Tree);
+        let way = Methods::default()
+            .traversal_of(scene, F32x8::WIDTH)
+            .map_or(TraceMethod::Linear, TraceMethod::Tree);
         Self {
             // The same for all rays: a traversal itself finds out which rays are coherent.
             primary: way.name(),
@@ -52,7 +54,7 @@ impl TraversalReport {
 
     /// Do rays traverse a hierarchy?
     pub fn needs_hierarchy(&self) -> bool {
-        self.primary != Way::Linear.name()
+        self.primary != TraceMethod::Linear.name()
     }
 
     /// One line a fact: its name, and the fact.

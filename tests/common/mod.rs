@@ -1,4 +1,4 @@
-//! What the law tests share: dice, scenes filled in by hand, and a closed mesh.
+//! What the law tests share: rng, scenes filled in by hand, and a closed mesh.
 #![allow(dead_code)] // Every test file takes its own part.
 
 pub mod rays;
@@ -12,9 +12,9 @@ use octray::scene::{
 
 // The numbers and rays of `octray stability`.
 #[allow(unused_imports)]
-pub use octray::measure::stability::Dice;
+pub use octray::measure::stability::Rng;
 #[allow(unused_imports)]
-pub use octray::measure::stability::aim::{packet, ray};
+pub use octray::measure::stability::rays::{packet, ray};
 
 /// Nothing under a white sky, seen from (0, 0, 5) along −z.
 pub fn empty() -> Scene {
@@ -82,8 +82,8 @@ pub fn mean(picture: &Picture) -> f64 {
 }
 
 /// A texture of random numbers in [0, 1).
-pub fn noise(dice: &mut Dice, width: u32, height: u32, filter: Filter) -> Texture {
-    let mut number = || dice.unit() as f32;
+pub fn noise(rng: &mut Rng, width: u32, height: u32, filter: Filter) -> Texture {
+    let mut number = || rng.unit() as f32;
     let texels = (0..width * height).map(|_| [number(), number(), number(), 0.0]);
     // Both forms of texels, by turns.
     let texels = if width.is_multiple_of(2) {

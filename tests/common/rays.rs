@@ -1,6 +1,6 @@
 //! Sets of rays, what every traversal finds for them, and what testing every primitive finds.
 
-use super::{Dice, empty, material, sphere, triangle};
+use super::{Rng, empty, material, sphere, triangle};
 use glam::Vec3;
 use octray::buffers::Buffers;
 use octray::bvh::Trees;
@@ -140,9 +140,9 @@ impl Set {
 }
 
 /// Triangles and spheres over `scales` powers of ten around a centre, slivers among them.
-pub fn mixture(dice: &mut Dice, triangles: usize, spheres: usize, scales: f64, offset: f32) -> Scene {
+pub fn mixture(rng: &mut Rng, triangles: usize, spheres: usize, scales: f64, offset: f32) -> Scene {
     let mut scene = Scene { materials: vec![material(MaterialKind::Diffuse)], ..empty() };
-    let mut number = |range: f64| ((2.0 * dice.unit() - 1.0) * range) as f32;
+    let mut number = |range: f64| ((2.0 * rng.unit() - 1.0) * range) as f32;
     let mut point = |range: f32| Vec3::new(number(1.0), number(1.0), number(1.0)) * range;
     for i in 0..triangles + spheres {
         let size = 10f32.powf(-(scales as f32) * (i % 7) as f32 / 6.0);

@@ -1,7 +1,7 @@
 //! The closest hit, against closed forms.
 
 use super::scenes::{ball, empty, wall};
-use crate::common::{Dice, sphere, triangle};
+use crate::common::{Rng, sphere, triangle};
 use glam::{DVec3, Vec3};
 use octray::reference::Reference;
 use octray::scene::{MaterialKind::Diffuse, Scene};
@@ -61,11 +61,11 @@ fn closest_lets_nothing_pass_through_a_common_edge() {
     let edges: Vec<_> =
         triangles.iter().flat_map(|t| (0..3).map(|i| (t.vertices[i], t.vertices[(i + 1) % 3]))).collect();
     let judge = Reference::new(&Scene { triangles, ..empty() });
-    let mut dice = Dice(1);
+    let mut rng = Rng(1);
     for i in 0..20_000 {
-        let origin = dice.direction() * 0.5;
+        let origin = rng.direction() * 0.5;
         let (from, to) = edges[i % edges.len()];
-        let target = from.as_dvec3().lerp(to.as_dvec3(), dice.unit());
+        let target = from.as_dvec3().lerp(to.as_dvec3(), rng.unit());
         assert!(judge.closest(origin, target - origin).is_some(), "from {origin} to {target}");
     }
 }

@@ -1,20 +1,20 @@
 //! The judge lets rounding pass and lets nothing else pass: single-precision kernels, good, naive and sabotaged.
 
 use super::scenes::empty;
-use crate::common::{Dice, sphere, triangle};
+use crate::common::{Rng, sphere, triangle};
 use glam::Vec3;
 use octray::reference::{Reference, Verdict};
 use octray::scene::{Scene, Sphere, Triangle};
 
 const MISS: u32 = u32::MAX;
 
-/// Dice for what is in single precision here.
+/// Rng for what is in single precision here.
 trait Dice32 {
     fn direction32(&mut self) -> Vec3;
     fn scale32(&mut self, low: f64, high: f64) -> f32;
 }
 
-impl Dice32 for Dice {
+impl Dice32 for Rng {
     fn direction32(&mut self) -> Vec3 {
         self.direction().as_vec3()
     }
@@ -83,61 +83,60 @@ fn judge(scene: &Scene, origin: Vec3, d: Vec3, (t, primitive): (f32, u32)) -> Ve
 }
 
 /// A direction from `origin` towards `target`, of some length.
-fn aim(dice: &mut Dice, origin: Vec3, target: Vec3) -> Vec3 {
-    (target - origin).normalize() * dice.scale32(0.1, 10.0)
+fn aim(rng: &mut Rng, origin: Vec3, target: Vec3) -> Vec3 {
+    (target - origin).normalize() * rng.scale32(0.1, 10.0)
 }
 
 /// One sphere, a ray aimed within 1.2 radii of its centre: every distance and size, eyes inside, outside and lifted off the
 /// surface; and a ray in three straight at the outline.
-fn sphere_recipe(dice: &mut Dice) -> (Scene, Vec3, Vec3) {
-    let radius = dice.scale32(1e-6, 1e6);
-    let center = dice.direction32() * dice.scale32(1e-3, 1e3);
-    let normal = dice.direction32();
-    let height = match (dice.unit() * 4.0) as u32 {
-        0 => 1.0 + dice.scale32(1e-5, 1e5),
-        1 => dice.unit() as f32,
+fn sphere_recipe(rng: &mut Rng) -> (Scene, Vec3, Vec3) {
+    let radius = rng.scale32(1e-6, 1e6);
+    let center = rng.direction32() * rng.scale32(1e-3, 1e3);
+    let normal = rng.direction32();
+    let height = match (rng.unit() * 4.0) as u32 {
+        0 => 1.0 + rng.scale32(1e-5, 1e5),
+        1 => rng.unit() as f32,
         2 => 1.0 + 2e-6,
         _ => 1.0 - 2e-6,
     };
     let origin = center + normal * radius * height;
-    let aside = dice.direction32().cross(normal).normalize();
-    let offset =
-        if dice.unit() < 0.33 { dice.scale32(0.9999, 1.0001) } else { 1.2 * dice.unit().sqrt() as f32 };
+    let aside = rng.direction32().cross(normal).normalize();
+    let offset = if rng.unit() < 0.33 { rng.scale32(0.9999, 1.0001) } else { 1.2 * rng.unit().sqrt() as f32 };
     let target =
-        if height > 1.0001 { center + aside * radius * offset } else { origin + dice.direction32() * radius };
-    let d = aim(dice, origin, target);
+        if height > 1.0001 { center + aside * radius * offset } else { origin + rng.direction32() * radius };
+    let d = aim(rng, origin, target);
     (Scene { spheres: vec![sphere(center, radius, 0)], ..empty() }, origin, d)
 }
 
 /// One triangle, from round to sliver, at every size and distance; a ray in three at an edge, one in three edge-on.
-fn triangle_recipe(dice: &mut Dice) -> (Scene, Vec3, Vec3) {
-    let (size, distance) = (dice.scale32(1e-3, 1e3), dice.scale32(1e-2, 1e4));
-    let corner = dice.direction32() * dice.scale32(1e-2, 1e2);
-    let edge = dice.direction32() * size;
-    let height = dice.direction32().cross(edge).normalize() * size * dice.scale32(1e-4, 1.0);
-    let vertices = [corner, corner + edge, corner + edge * dice.unit() as f32 + height];
-    let (kind, u, v) = (dice.unit(), dice.unit() as f32, dice.unit() as f32);
+fn triangle_recipe(rng: &mut Rng) -> (Scene, Vec3, Vec3) {
+    let (size, distance) = (rng.scale32(1e-3, 1e3), rng.scale32(1e-2, 1e4));
+    let corner = rng.direction32() * rng.scale32(1e-2, 1e2);
+    let edge = rng.direction32() * size;
+    let height = rng.direction32().cross(edge).normalize() * size * rng.scale32(1e-4, 1.0);
+    let vertices = [corner, corner + edge, corner + edge * rng.unit() as f32 + height];
+    let (kind, u, v) = (rng.unit(), rng.unit() as f32, rng.unit() as f32);
     let (u, v) = if u + v > 1.0 { (1.0 - u, 1.0 - v) } else { (u, v) };
-    let v = if kind < 0.33 { dice.scale32(1e-9, 1e-5) } else { v };
+    let v = if kind < 0.33 { rng.scale32(1e-9, 1e-5) } else { v };
     let target = vertices[0] + (vertices[1] - vertices[0]) * u + (vertices[2] - vertices[0]) * v;
     let away = if kind > 0.67 {
-        (edge.normalize() * dice.signed() as f32 + height.normalize() * dice.signed() as f32).normalize()
-            + dice.direction32() * dice.scale32(1e-8, 1e-2)
+        (edge.normalize() * rng.signed() as f32 + height.normalize() * rng.signed() as f32).normalize()
+            + rng.direction32() * rng.scale32(1e-8, 1e-2)
     } else {
-        dice.direction32()
+        rng.direction32()
     };
     let origin = target + away.normalize() * size * distance;
-    let d = aim(dice, origin, target);
+    let d = aim(rng, origin, target);
     (Scene { triangles: vec![triangle(vertices, 0)], ..empty() }, origin, d)
 }
 
 #[test]
 fn rounding_of_a_good_kernel_is_right() {
-    let mut dice = Dice(3);
+    let mut rng = Rng(3);
     for recipe in [sphere_recipe, triangle_recipe] {
         let mut hits = 0;
         for ray in 0..100_000 {
-            let (scene, origin, d) = recipe(&mut dice);
+            let (scene, origin, d) = recipe(&mut rng);
             let found = answer(&scene, robust_roots, origin, d);
             hits += u32::from(found.1 != MISS);
             let verdict = judge(&scene, origin, d, found);
@@ -156,10 +155,10 @@ fn rounding_of_a_good_kernel_is_right() {
 /// The weights of a good kernel pass on every shape of triangle; wrong ones are flagged wherever single precision can tell.
 #[test]
 fn weights_of_a_good_kernel_are_right_and_wrong_ones_are_flagged() {
-    let mut dice = Dice(13);
+    let mut rng = Rng(13);
     let (mut judged, mut flagged) = (0, [0; 4]);
     for ray in 0..100_000 {
-        let (scene, origin, d) = triangle_recipe(&mut dice);
+        let (scene, origin, d) = triangle_recipe(&mut rng);
         let Some((_, [u, v])) = woop(origin, d, &scene.triangles[0]) else { continue };
         let reference = Reference::new(&scene);
         let verdict = |weights| reference.check_weights(origin.to_array(), d.to_array(), 0, weights);
@@ -191,12 +190,12 @@ fn weights_of_a_good_kernel_are_right_and_wrong_ones_are_flagged() {
 #[test]
 fn rounding_of_a_naive_kernel_is_flagged() {
     let scene = Scene { spheres: vec![sphere(Vec3::ZERO, 1.0, 0)], ..empty() };
-    let mut dice = Dice(5);
+    let mut rng = Rng(5);
     for (distance, least) in [(100.0, 0.5), (4096.0, 0.9)] {
         let (mut flagged_naive, mut flagged_robust) = (0, 0);
         for _ in 0..20_000 {
-            let eye = dice.direction32() * distance;
-            let target = dice.direction32().cross(eye).normalize() * 1.2 * dice.unit().sqrt() as f32;
+            let eye = rng.direction32() * distance;
+            let target = rng.direction32().cross(eye).normalize() * 1.2 * rng.unit().sqrt() as f32;
             let d = (target - eye).normalize();
             let wrong = |roots| judge(&scene, eye, d, answer(&scene, roots, eye, d)) != Verdict::Right;
             flagged_naive += u32::from(wrong(naive_roots));
@@ -213,18 +212,18 @@ fn rounding_of_a_naive_kernel_is_flagged() {
 /// A heap of spheres and triangles, and every way to be wrong about it.
 #[test]
 fn every_sabotage_is_flagged() {
-    let mut dice = Dice(9);
+    let mut rng = Rng(9);
     let mut scene = empty();
     for _ in 0..30 {
-        scene.spheres.push(sphere(dice.direction32() * dice.scale32(0.5, 4.0), dice.scale32(0.1, 0.5), 0));
-        let center = dice.direction32() * dice.scale32(0.5, 4.0);
-        scene.triangles.push(triangle([0, 1, 2].map(|_| center + dice.direction32() * 0.5), 0));
+        scene.spheres.push(sphere(rng.direction32() * rng.scale32(0.5, 4.0), rng.scale32(0.1, 0.5), 0));
+        let center = rng.direction32() * rng.scale32(0.5, 4.0);
+        scene.triangles.push(triangle([0, 1, 2].map(|_| center + rng.direction32() * 0.5), 0));
     }
     let reference = Reference::new(&scene);
     let (mut judged, mut shifted, mut behind) = (0, [0; 2], 0);
     for _ in 0..20_000 {
-        let (origin, target) = (dice.direction32() * 6.0, dice.direction32() * 3.0 * dice.unit() as f32);
-        let d = aim(&mut dice, origin, target);
+        let (origin, target) = (rng.direction32() * 6.0, rng.direction32() * 3.0 * rng.unit() as f32);
+        let d = aim(&mut rng, origin, target);
         let (t, primitive) = answer(&scene, robust_roots, origin, d);
         let verdict = |t, primitive| reference.check_primary(origin.to_array(), d.to_array(), t, primitive);
         assert_eq!(verdict(t, primitive), Verdict::Right);
@@ -314,10 +313,10 @@ fn only_a_miss_is_right_along_no_direction() {
 /// What the judge takes for the truth agrees with its own closest hit.
 #[test]
 fn closest_is_right_by_its_own_verdict() {
-    let mut dice = Dice(11);
+    let mut rng = Rng(11);
     for recipe in [sphere_recipe, triangle_recipe] {
         for _ in 0..20_000 {
-            let (scene, origin, d) = recipe(&mut dice);
+            let (scene, origin, d) = recipe(&mut rng);
             let hit = Reference::new(&scene).closest(origin.as_dvec3(), d.as_dvec3());
             let (t, primitive) = hit.map_or((f32::INFINITY, MISS), |hit| (hit.t as f32, hit.primitive));
             let verdict = judge(&scene, origin, d, (t, primitive));

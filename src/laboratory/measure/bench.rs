@@ -1,17 +1,17 @@
-//! Frames per second: SIMD beside scalar, in alternation.
+//! Frames per second of SIMD and scalar renderers, in alternating rounds.
 //!
-//! For: [`bench()`]. May import: `turns`, `statistics`, and what they may. Must never know: how figures are shown.
+//! For: [`bench()`]. May import: `timed`, `stats`, `quantiles`. Must not know: how figures are shown.
 
-use super::statistics::Quantiles;
+use super::quantiles::Quantiles;
 use super::stats::FrameStats;
-use super::turns::{Ratio, Timed};
+use super::timed::{Ratio, TimedRenderer};
 use crate::buffers::Features;
 use crate::render::{PipelineChoice, Renderer, Settings};
 use crate::scene::Scene;
 use serde::Serialize;
 use std::time::{Duration, Instant};
 
-/// One engine to time: a width and a number of threads.
+/// A renderer to time: a SIMD width and a number of threads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Engine {
     /// 1 or 8.
@@ -22,14 +22,14 @@ pub struct Engine {
 /// How long to measure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Effort {
-    /// So many frames per engine.
+    /// This many frames per engine.
     Frames(u32),
-    /// At least 50 frames per engine, and on until this time has passed for all engines together; where frames take so long that ten
-    /// times this time passes first, fewer, but at least 3.
+    /// At least [`FEWEST_FRAMES`] per engine, and until this time has passed for all engines together. If ten
+    /// times this time passes first, fewer frames, but at least 3.
     Time(Duration),
 }
 
-/// What one engine reached on one scene.
+/// The speed of one engine on one scene.
 #[derive(Clone, Debug, Serialize)]
 pub struct Measurement {
     pub scene: String,
@@ -43,44 +43,49 @@ pub struct Measurement {
     pub frames: usize,
     /// Frames of one sample per pixel per second; presentation and file output excluded.
     pub fps_median: f64,
-    /// The rate that 99 % of the frames reach.
+    /// 99 % of the frames are at least this fast.
     pub fps_low_1_percent: f64,
-    /// The rate that 10 % and 90 % of the frames reach: the spread.
+    /// 90 % and 10 % of the frames are at least this fast: the spread.
     pub fps_spread: [f64; 2],
-    /// Rays (closest-hit or any-hit queries of active lanes) over wall time of the median frame, in millions a second.
+    /// Rays (closest-hit or any-hit queries of active lanes) over wall time of the median frame, in millions
+    /// a second.
     pub mrays_per_s: f64,
     pub rays_per_frame: f64,
-    /// How many times as fast as the scalar engine on as many threads; `None` for that engine itself and where it was not timed.
+    /// Speed over that of the scalar engine on as many threads; `None` for that engine and where it is not
+    /// timed.
     pub speedup: Option<Ratio>,
-    /// How many times as fast as the first engine of the same width, which had fewer threads; `None` for that engine itself.
+    /// Speed over that of the first engine of the same width, which has fewer threads; `None` for that
+    /// engine.
     pub scaling: Option<Ratio>,
     pub needs: Vec<&'static str>,
     /// `needed` or `general`.
     pub pipeline: &'static str,
-    /// How many times as fast as the pipeline with every feature at the same width and threads. Measured of the first engine; `None` where
-    /// that is the scene's own.
+    /// Speed over that of the general pipeline at the same width and threads. Of the first engine only;
+    /// `None` where the scene uses every feature.
     pub gain: Option<Ratio>,
-    /// Of frames that were not timed, where [`FrameStats`] were asked for.
+    /// Of further frames that are not timed; on request.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stats: Option<FrameStats>,
 }
 
-/// How long an engine is timed before the next one has its turn: short beside the drift of a machine's clock, long beside the time that
-/// sleeping threads take to wake up.
+/// Length of an engine's turn: short against the drift of clock rates, long against the time in which
+/// sleeping threads wake up.
 const TURN: Duration = Duration::from_millis(50);
-/// Fewest frames behind a median, and fewest where frames are so slow that patience ends.
+/// Fewest frames behind a median, and fewest after `PATIENCE`.
 pub const FEWEST_FRAMES: usize = 50;
 const FEWEST_SLOW_FRAMES: usize = 3;
-/// So long the slowest engine renders frames for [`FrameStats`].
+/// Time in which the slowest engine renders frames for [`FrameStats`].
 const STATS_TIME: Duration = Duration::from_millis(250);
 const MOST_STATS_FRAMES: f64 = 1_000.0;
-/// So many times the measuring time, patience ends.
+/// Measuring with few frames ends after this many times the measuring time.
 const PATIENCE: u32 = 10;
+
+/// An engine while it is timed.
 struct Run {
     engine: Engine,
-    timed: Timed,
-    /// The same with every feature, if that is another pipeline and asked for.
-    general: Option<Timed>,
+    timed: TimedRenderer,
+    /// The same engine with the general pipeline, if the scene's own is another.
+    general: Option<TimedRenderer>,
 }
 
 impl Run {
@@ -89,8 +94,8 @@ impl Run {
         let of = |pipeline| Renderer::new(scene, Settings { lanes, threads, pipeline, ..settings });
         let renderer = of(settings.pipeline);
         let against_general = against_general && renderer.features() != Features::ALL;
-        let general = against_general.then(|| Timed::new(of(PipelineChoice::General)));
-        Self { engine, timed: Timed::new(renderer), general }
+        let general = against_general.then(|| TimedRenderer::new(of(PipelineChoice::General)));
+        Self { engine, timed: TimedRenderer::new(renderer), general }
     }
     fn turn(&mut self, frames: usize) {
         self.timed.turn(frames, TURN);
@@ -100,8 +105,8 @@ impl Run {
     }
 }
 
-/// Times the engines on a scene, in alternation, after a warm-up. `settings` holds for all but lanes and threads. With `stats`, each
-/// engine then renders some more frames that are not timed.
+/// Times the engines on a scene in alternating rounds, after a warm-up. `settings` holds for all but lanes
+/// and threads. With `stats`, each engine then renders further frames that are not timed.
 pub fn bench(
     scene: &Scene,
     settings: Settings,
@@ -130,7 +135,7 @@ pub fn bench(
             run.turn(left);
         }
     }
-    // The same frames for all, so that they trace the same rays.
+    // The same frames for all engines, so that they trace the same rays.
     let median = |run: &Run| Quantiles::of(run.timed.seconds.clone()).median();
     let slowest = runs.iter().map(median).fold(0.0, f64::max);
     let frames = (STATS_TIME.as_secs_f64() / slowest).clamp(1.0, MOST_STATS_FRAMES) as u32;
@@ -141,9 +146,9 @@ pub fn bench(
     runs.iter().map(with_stats).collect()
 }
 
-/// Renders so many frames of their own, the first ones of the picture.
+/// Statistics of the picture's first `frames` frames, rendered anew.
 fn frame_stats(run: &Run, frames: u32) -> FrameStats {
-    let Run { engine: Engine { lanes, threads }, timed: Timed { renderer, .. }, .. } = run;
+    let Run { engine: Engine { lanes, threads }, timed: TimedRenderer { renderer, .. }, .. } = run;
     let mut film = renderer.film();
     renderer.start_stats();
     renderer.on_threads(|| {
@@ -155,7 +160,7 @@ fn frame_stats(run: &Run, frames: u32) -> FrameStats {
 }
 
 fn measurement(scene: &Scene, run: &Run, runs: &[Run]) -> Measurement {
-    let Run { engine, timed: Timed { renderer, film, seconds, .. }, general } = run;
+    let Run { engine, timed: TimedRenderer { renderer, film, seconds, .. }, general } = run;
     let times = Quantiles::of(seconds.clone());
     let settings = renderer.settings();
     let rays_per_frame = film.rays() as f64 / f64::from(film.samples());
@@ -196,7 +201,7 @@ mod tests {
     fn measurement_gives_the_median_the_1_percent_low_and_the_spread_of_its_frames() {
         let scene = octray_formats::scene::load("builtin:three").unwrap();
         let settings = Settings { resolution: [8, 8], ..Settings::of(&scene) };
-        let mut timed = Timed::new(Renderer::new(&scene, settings));
+        let mut timed = TimedRenderer::new(Renderer::new(&scene, settings));
         timed.turn(1, TURN);
         timed.seconds = (1..=100).map(f64::from).collect();
         let run = Run { engine: Engine { lanes: 8, threads: 1 }, timed, general: None };

@@ -1,10 +1,11 @@
-//! The kernels alone: a set of rays and primitives, all tested against all.
+//! Intersection kernels alone: a fixed set of rays and primitives, all tested against all.
 //!
-//! For: [`rays`], [`spheres`], [`triangles`], [`all_spheres`], [`all_triangles`], [`all_boxes`]. May import: `kernel`, `lane`, `math`. Must never know: clocks.
+//! For: [`rays`], [`spheres`], [`triangles`], [`boxes`], [`all_spheres`], [`all_triangles`], [`all_boxes`].
+//! May import: `kernel`, `lane`, `math`. Must not know: clocks.
 //!
-//! Rays come in packets of neighbours, as cameras and mirrors make them; most tests miss, as they do in scenes. Every
-//! lane's answer is used. No ray passes within 1e-6 of an edge or a silhouette, so that rounding decides nothing: hits are those of double
-//! precision.
+//! Rays come in coherent packets, like those of cameras and mirrors; most tests miss, as they do in scenes.
+//! Every lane's result is used. No ray passes within 1e-6 of an edge or a silhouette, so rounding decides
+//! nothing: hits equal those of double precision.
 
 use crate::kernel::ray_box::{BoxMethod, Padding};
 use crate::kernel::ray_sphere::SphereMethod;
@@ -15,9 +16,9 @@ use glam::Vec3 as Point;
 
 /// Rays: 64 packets of eight.
 pub const RAYS: usize = 512;
-/// Primitives of each kind: what a small scene holds; all of them stay in the first-level cache.
+/// Primitives of each kind, as in a small scene; all fit into the first-level cache.
 pub const PRIMITIVES: usize = 64;
-/// No coordinate of a box is larger.
+/// Largest absolute coordinate of a box.
 const EXTENT: f32 = 2.0;
 /// Tests of one ray against one primitive.
 pub const TESTS: usize = RAYS * PRIMITIVES;
@@ -27,12 +28,12 @@ pub fn spheres() -> Vec<(Point, f32)> {
     (0..PRIMITIVES as u32).map(sphere).collect()
 }
 
-/// The triangles, as a method keeps them.
+/// The triangles, as a method stores them.
 pub fn triangles<T: TriangleMethod>() -> Vec<T::Stored> {
     (0..PRIMITIVES as u32).map(triangle).map(T::store).collect()
 }
 
-/// What all tests of a set found.
+/// Result of all tests of a set.
 #[derive(Clone, Copy, Debug)]
 pub struct Found {
     pub hits: usize,
@@ -42,16 +43,16 @@ pub struct Found {
 
 /// Every ray against every primitive.
 pub fn all_spheres<L: Lane, S: SphereMethod>(rays: &[Ray<L>], spheres: &[(Point, f32)]) -> Found {
-    let mut tally = Tally::new();
+    let mut sums = HitSums::new();
     for ray in rays {
         let prepared = S::prepare(ray);
         for &(center, radius2) in spheres {
             let (mask, t) =
                 S::test(&prepared, Vec3::splat(center), L::splat(radius2), L::splat(f32::INFINITY));
-            tally.add(mask, t);
+            sums.add(mask, t);
         }
     }
-    tally.found()
+    sums.found()
 }
 
 /// The boxes, by their lower and upper corners: those of the triangles.
@@ -60,39 +61,39 @@ pub fn boxes() -> Vec<[Point; 2]> {
     (0..PRIMITIVES as u32).map(|index| of(triangle(index))).collect()
 }
 
-/// Every ray against every box; t is where it enters.
+/// Every ray against every box; t is the entry point.
 pub fn all_boxes<L: Lane, B: BoxMethod>(rays: &[Ray<L>], boxes: &[[Point; 2]]) -> Found {
-    let mut tally = Tally::new();
+    let mut sums = HitSums::new();
     for ray in rays {
         let prepared = B::prepare(ray, Padding::new(EXTENT));
         for &[lo, hi] in boxes {
             let (near, far) = B::pass(&prepared, Vec3::splat(lo), Vec3::splat(hi));
-            tally.add(near.le(far) & L::zero().le(far), near);
+            sums.add(near.le(far) & L::zero().le(far), near);
         }
     }
-    tally.found()
+    sums.found()
 }
 
 /// Every ray against every primitive.
 pub fn all_triangles<L: Lane, T: TriangleMethod>(rays: &[Ray<L>], triangles: &[T::Stored]) -> Found {
-    let mut tally = Tally::new();
+    let mut sums = HitSums::new();
     for ray in rays {
         let prepared = T::prepare(ray);
         for triangle in triangles {
             let hit = T::test(&prepared, triangle, L::splat(f32::INFINITY));
-            tally.add(hit.mask, hit.t);
+            sums.add(hit.mask, hit.t);
         }
     }
-    tally.found()
+    sums.found()
 }
 
-/// Uses every lane of every answer.
-struct Tally<L> {
+/// Sums over every lane of every result, so that no test is optimised away.
+struct HitSums<L> {
     hits: usize,
     distance: L,
 }
 
-impl<L: Lane> Tally<L> {
+impl<L: Lane> HitSums<L> {
     fn new() -> Self {
         Self { hits: 0, distance: L::zero() }
     }
@@ -107,7 +108,8 @@ impl<L: Lane> Tally<L> {
     }
 }
 
-/// Number `number` of item `item`, uniform in [0, 1): the same in every run, however the program makes its own (SplitMix64's mixer).
+/// Random number `number` of item `item`, uniform in [0, 1): the same in every run, and independent of the
+/// engine's generator (SplitMix64's mixer).
 fn random(item: u32, number: u32) -> f32 {
     let mut x =
         (u64::from(item) << 32 | u64::from(number)).wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
@@ -124,7 +126,7 @@ fn point(item: u32, first: u32) -> Point {
 /// The rays in packets: from outside through the cube of primitives, eight neighbours a packet.
 pub fn rays<L: Lane>() -> Vec<Ray<L>> {
     let ray = |index: usize| {
-        // Far above the primitives' items.
+        // Item numbers that no primitive has.
         let (packet, lane) = ((1 << 16) + (index / F32x8::WIDTH) as u32, (1 << 17) + index as u32);
         let origin = 4.0 * (point(packet, 0) + Point::splat(1e-3)).normalize();
         (origin, (point(packet, 3) + 0.05 * point(lane, 0) - origin).normalize())

@@ -1,10 +1,7 @@
-//! What the program says about itself in figures, and the machine they were taken on.
+//! Measurements of the engine: speed, image error, agreement of its paths, failures of its methods.
 //!
-//! For: [`mod@bench`] (speed of frames), [`rays`] (speed of rays by kind: [`ray_sets`], [`ways`]),
-//! [`stats`] (time by stage, tests a ray), [`compare`] (SIMD against scalar, and both against the judge), [`mod@errors`] and [`mod@flip`]
-//! (how far a picture is from the true one, in numbers and to the eye), [`stability`] (where methods fail). May import: everything
-//! above it, the judge included.
-//! Must never know: command lines, terminals.
+//! For: the modules of the table in the laboratory's documentation. May import: the engine, `reference`. Must not know:
+//! command lines, terminals, files.
 
 pub mod bench;
 pub mod chart;
@@ -12,10 +9,10 @@ pub mod compare;
 pub mod errors;
 pub mod flip;
 pub mod kernel_set;
+pub mod quantiles;
 pub mod ray_sets;
 pub mod rays;
 pub mod stability;
-pub mod statistics;
 pub mod stats;
-pub mod turns;
-pub mod ways;
+pub mod timed;
+pub mod trace;

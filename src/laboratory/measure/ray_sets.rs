@@ -1,10 +1,12 @@
-//! Rays as renderers meet them, in prepared arrays: from the camera, and from what those hit.
+//! Rays of a real picture in prepared arrays: camera rays, and secondary rays from their hits.
 //!
-//! For: [`RaySet`], [`Answers`], and both together, [`Prepared`]. May import: everything above it. Must never know: clocks, files.
+//! For: [`RaySet`], [`Answers`], and both together, [`Prepared`]. May import: the engine. Must not know:
+//! clocks, files.
 //!
-//! Three kinds ([`Kind`]). Primary rays go through the pixels' middles. From each of their hits one shadow ray and one diffuse ray
-//! leave on the side from which the primary ray came, cosine-weighted around the normal, from a point that stands off the surface by
-//! the house's error bound ([`crate::kernel::surface`]). Their random numbers are a function of seed and pixel alone.
+//! Three kinds ([`Kind`]). Primary rays pass through pixel centres. From each of their hits one shadow ray
+//! and one diffuse ray leave on the side from which the primary ray arrives, cosine-weighted around the
+//! normal, from a point that is offset from the surface by the renderer's error bound
+//! ([`crate::kernel::surface`]). Their random numbers are a function of seed and pixel alone.
 
 use crate::camera::{Pinhole, Tile};
 use crate::kernel::surface::{sphere_normal, sphere_offset, triangle_normal, triangle_offset};
@@ -16,27 +18,27 @@ use crate::scene::Scene;
 use crate::traverse::rays::{Hits, Rays};
 use serde::Serialize;
 
-/// Pixels of a tile: width, height. A tile's rays stand together in the arrays.
+/// Pixels of a tile: width, height. A tile's rays are contiguous in the arrays.
 pub const TILE: [u32; 2] = [16, 16];
 /// Pixels of a packet.
 const BLOCK: [u32; 2] = [4, 2];
-/// Shadow rays reach so many diagonals of the scene.
-const SHADOW_REACH: f64 = 0.25;
+/// t_max of shadow rays, in diagonals of the scene's bounds.
+const SHADOW_T_MAX: f64 = 0.25;
 
-/// Where rays come from, and what is asked of them.
+/// Origin of the rays, and their query.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Kind {
     /// From the camera: the nearest hit.
     Primary,
-    /// From surfaces, of limited reach: any hit. Ambient occlusion.
+    /// From surfaces, with a finite t_max: any hit. Ambient occlusion.
     Shadow,
     /// From surfaces: the nearest hit.
     Diffuse,
 }
 
 impl Kind {
-    /// As reports and files name it.
+    /// The name in reports and files.
     pub fn name(self) -> &'static str {
         match self {
             Self::Primary => "primary",
@@ -44,7 +46,7 @@ impl Kind {
             Self::Diffuse => "diffuse",
         }
     }
-    /// Is it enough to know whether there is a hit?
+    /// Whether the query is for any hit.
     pub fn any_hit(self) -> bool {
         self == Self::Shadow
     }
@@ -56,12 +58,12 @@ pub struct RaySet {
     pub kind: Kind,
     pub origin: [Vec<f32>; 3],
     pub direction: [Vec<f32>; 3],
-    /// Hits count up to here, in units of t: directions have unit length, so a distance.
+    /// In units of t: a distance, as directions have unit length.
     pub t_max: Vec<f32>,
 }
 
-/// The pixels of a picture in the order of primary rays: tile by tile, and in a tile block by block. Tiles that the picture's edge
-/// cuts come last, so that all others start at a multiple of their size.
+/// The pixels of a picture in the order of primary rays: tile by tile, and in a tile block by block. Tiles
+/// clipped by the picture's edge come last, so that all others start at a multiple of their size.
 pub fn pixels(size: [u32; 2]) -> Vec<[u32; 2]> {
     let whole = |tile: &Tile| [tile.width, tile.height] == TILE;
     let (whole, cut): (Vec<Tile>, Vec<Tile>) = Tile::cover(size, TILE).partition(whole);
@@ -91,7 +93,7 @@ impl RaySet {
         self.t_max.push(t_max);
     }
 
-    /// The rays through the middles of these pixels.
+    /// The rays through the centres of these pixels.
     pub fn primary(camera: &Pinhole, pixels: &[[u32; 2]]) -> Self {
         let mut set = Self::with_capacity(Kind::Primary, pixels.len());
         for pixel in pixels {
@@ -101,7 +103,8 @@ impl RaySet {
         set
     }
 
-    /// One ray of this kind from every hit of the primary rays through `pixels`, in their order. `width`: pixels of a row.
+    /// One ray of this kind from every hit of the primary rays through `pixels`, in their order. `width`:
+    /// pixels of a row.
     pub fn from_hits(
         kind: Kind,
         scene: &Scene,
@@ -112,16 +115,16 @@ impl RaySet {
     ) -> Self {
         let Prepared { set: rays, nearest: answers } = primary;
         let (lower, upper) = scene.bounds();
-        // The two kinds go different ways: each has the numbers of a scattering event of its own.
+        // Each kind has the random numbers of another scattering event, and so other directions.
         let (t_max, event) = match kind {
-            Kind::Shadow => ((SHADOW_REACH * (upper - lower).length()) as f32, 0),
+            Kind::Shadow => ((SHADOW_T_MAX * (upper - lower).length()) as f32, 0),
             _ => (f32::INFINITY, 1),
         };
         let mut set = Self::with_capacity(kind, answers.count());
         for (at, &[x, y]) in pixels.iter().enumerate() {
             let hit = answers.get(at);
             if hit.primitive != MISS {
-                let (origin, normal) = leave(scene, &rays.rays().packet::<f32>(at), &hit);
+                let (origin, normal) = secondary_origin(scene, &rays.rays().packet::<f32>(at), &hit);
                 let key = path_key(seed, y * width + x, 0);
                 let random = |number: u32| uniform::<f32>(key, bounce(event) + DIRECTION + number);
                 let direction = sample_cosine_hemisphere(normal, random(0), random(1));
@@ -137,7 +140,7 @@ impl RaySet {
     pub fn is_empty(&self) -> bool {
         self.t_max.is_empty()
     }
-    /// As traversals read them.
+    /// The view that traversals read.
     pub fn rays(&self) -> Rays<'_> {
         Rays {
             origin: self.origin.each_ref().map(Vec::as_slice),
@@ -146,8 +149,8 @@ impl RaySet {
     }
 }
 
-/// Where a ray may start from what another one hit, and the unit normal on the side from which that one came.
-fn leave(scene: &Scene, ray: &Ray<f32>, hit: &Hit<f32>) -> (Vec3<f32>, Vec3<f32>) {
+/// Origin of a secondary ray at a hit, and the unit normal on the side from which the first ray arrives.
+pub(super) fn secondary_origin(scene: &Scene, ray: &Ray<f32>, hit: &Hit<f32>) -> (Vec3<f32>, Vec3<f32>) {
     let number = hit.primitive as usize;
     let (point, outward, offset) = match scene.spheres.get(number) {
         Some(sphere) => {
@@ -167,10 +170,10 @@ fn leave(scene: &Scene, ray: &Ray<f32>, hit: &Hit<f32>) -> (Vec3<f32>, Vec3<f32>
     (normal.mul_add(offset, point), normal)
 }
 
-/// What was found for each ray of a set, as columns.
+/// The hit of each ray of a set, as columns.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Answers {
-    /// For a miss, how far the ray reaches.
+    /// For a miss, t_max.
     pub t: Vec<f32>,
     pub primitive: Vec<u32>,
     pub u: Vec<f32>,
@@ -178,25 +181,25 @@ pub struct Answers {
 }
 
 impl Answers {
-    /// Nothing found yet.
+    /// A miss for every ray.
     pub fn none(set: &RaySet) -> Self {
         let zeros = || vec![0.0; set.len()];
         Self { t: set.t_max.clone(), primitive: vec![MISS; set.len()], u: zeros(), v: zeros() }
     }
-    /// As traversals write them.
+    /// The view that traversals write.
     pub fn hits(&mut self) -> Hits<'_> {
         Hits { t: &mut self.t, primitive: &mut self.primitive, u: &mut self.u, v: &mut self.v }
     }
     pub fn get(&self, at: usize) -> Hit<f32> {
         Hit { t: self.t[at], primitive: self.primitive[at], u: self.u[at], v: self.v[at] }
     }
-    /// How many rays hit something.
+    /// Number of hits.
     pub fn count(&self) -> usize {
         self.primitive.iter().filter(|&&primitive| primitive != MISS).count()
     }
 }
 
-/// Rays, and the nearest hit of each within its reach.
+/// Rays, and the nearest hit of each before its t_max.
 #[derive(Clone, Debug)]
 pub struct Prepared {
     pub set: RaySet,
@@ -206,20 +209,6 @@ pub struct Prepared {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bvh::Trees;
-    use crate::measure::rays::prepare;
-    use crate::measure::ways::{Ground, Team};
-    use crate::traverse::hierarchy::Hierarchy;
-    use octray_formats::scene::load;
-
-    fn prepared(scene: &Scene, size: [u32; 2], seed: u32) -> Vec<Prepared> {
-        let ground = Ground::new(scene, Hierarchy::new(scene, Trees::WideAndBinary));
-        prepare(scene, &scene.overview().unwrap(), &ground, &Team::new(2), size, seed)
-    }
-
-    fn vector([x, y, z]: &[Vec<f32>; 3], at: usize) -> glam::Vec3 {
-        glam::Vec3::new(x[at], y[at], z[at])
-    }
 
     #[test]
     fn pixels_are_all_there_once_whatever_the_size() {
@@ -249,69 +238,5 @@ mod tests {
                 assert_eq!((left % 4, right, top % 2, bottom), (0, left + 3, 0, top + 1));
             }
         }
-    }
-
-    #[test]
-    fn rays_leave_from_the_side_on_which_the_primary_ray_arrived_and_miss_their_own_surface() {
-        // Convex from outside and from inside: a ball, and the inner side of a box.
-        for (name, all_hit) in [("builtin:three", false), ("builtin:cornell", true)] {
-            let scene = load(name).unwrap();
-            let [primary, shadow, diffuse] = &prepared(&scene, [70, 50], 3)[..] else {
-                panic!("three kinds")
-            };
-            let hits: Vec<usize> =
-                (0..primary.set.len()).filter(|&at| primary.nearest.primitive[at] != MISS).collect();
-            assert!(hits.len() > 100, "{name}");
-            for secondary in [shadow, diffuse] {
-                assert_eq!(secondary.set.len(), hits.len(), "{name}");
-                for (at, &from) in hits.iter().enumerate() {
-                    let hit = primary.nearest.get(from);
-                    let ray = primary.set.rays().packet::<f32>(from);
-                    let (origin, normal) = leave(&scene, &ray, &hit);
-                    assert_eq!(origin.get(0), vector(&secondary.set.origin, at));
-                    let direction = vector(&secondary.set.direction, at);
-                    assert!(
-                        normal.get(0).dot(ray.direction.get(0)) <= 0.0 && normal.get(0).dot(direction) > 0.0
-                    );
-                    let distance = origin.get(0).distance(ray.at(hit.t).get(0));
-                    assert!(distance < 1e-3 * hit.t, "{name}: {distance} at {}", hit.t);
-                    assert_ne!(secondary.nearest.primitive[at], hit.primitive, "{name}");
-                }
-            }
-            let (lower, upper) = scene.bounds();
-            let t_max = (0.25 * (upper - lower).length()) as f32;
-            assert!(shadow.set.t_max.iter().all(|&one| one == t_max));
-            assert!(!all_hit || shadow.nearest.t.iter().all(|&t| t <= t_max));
-            assert_ne!(shadow.set.direction, diffuse.set.direction);
-        }
-    }
-
-    #[test]
-    fn directions_follow_the_cosine() {
-        let scene = load("builtin:terrain:2").unwrap();
-        let sets = prepared(&scene, [200, 200], 1);
-        for secondary in &sets[1..] {
-            // The whole terrain is two triangles: the mean cosine about their normals is 2/3, with a variance of 1/18.
-            let hits = (0..sets[0].set.len()).filter(|&at| sets[0].nearest.primitive[at] != MISS);
-            let cosines: Vec<f64> = hits
-                .enumerate()
-                .map(|(at, from)| {
-                    let ray = sets[0].set.rays().packet::<f32>(from);
-                    let (_, normal) = leave(&scene, &ray, &sets[0].nearest.get(from));
-                    f64::from(normal.get(0).dot(vector(&secondary.set.direction, at)))
-                })
-                .collect();
-            let mean = cosines.iter().sum::<f64>() / cosines.len() as f64;
-            let error = (1.0 / 18.0 / cosines.len() as f64).sqrt();
-            assert!(cosines.len() > 3_000 && (mean - 2.0 / 3.0).abs() < 4.0 * error, "{mean} ± {error}");
-        }
-    }
-
-    #[test]
-    fn sets_are_a_function_of_scene_size_and_seed() {
-        let scene = load("builtin:knot:500").unwrap();
-        let directions = |seed| prepared(&scene, [60, 40], seed).pop().unwrap().set.direction;
-        assert_eq!(directions(5), directions(5));
-        assert_ne!(directions(5), directions(6));
     }
 }

@@ -1,14 +1,15 @@
-//! Rays a second, by kind of ray and way of tracing, from prepared arrays: making the rays is not counted.
+//! Rays per second by kind of ray and traversal, from prepared arrays: generating the rays is not timed.
 //!
-//! For: [`build`], [`prepare`], [`measure()`]. May import: everything above it. Must never know: command lines, terminals.
+//! For: [`build`], [`prepare`], [`measure()`]. May import: `trace`, `ray_sets`, `stats`, `quantiles`. Must
+//! not know: command lines, terminals.
 //!
-//! All ways take turns, pass by pass, so that a machine that slows down slows all of them. Every pass's hits are held against
-//! those of one scalar ray at a time on the binary tree.
+//! All methods are timed in alternating passes, so that a slow spell of the machine affects all alike. Every
+//! pass's hits are compared with those of the scalar traversal.
 
+use super::quantiles::{Quantiles, Rounds};
 use super::ray_sets::{Answers, Kind, Prepared, RaySet, pixels};
-use super::statistics::Quantiles;
 use super::stats::RayStats;
-use super::ways::{Ground, Team, Way};
+use super::trace::{PreparedScene, TraceMethod, TracePool};
 use crate::bvh::Trees;
 use crate::camera::Pinhole;
 use crate::math::MISS;
@@ -20,15 +21,15 @@ use std::time::{Duration, Instant};
 
 /// Fewest passes behind a median.
 const FEWEST_PASSES: usize = 7;
-/// Short passes go on until this time has passed for all ways of a kind together.
+/// Passes repeat until this time has passed for all methods of a kind together.
 const PER_KIND: Duration = Duration::from_secs(1);
-/// Builds behind a median: at least as many as are asked for, and on until this time or this number is reached.
+/// Builds repeat until this time or this number is reached.
 const MOST_BUILDS: usize = 51;
 const BUILDING: Duration = Duration::from_millis(500);
-/// Most rays times primitives that a linear pass may test: about a second on one thread.
+/// Most tests of a linear pass: about a second on one thread.
 const MOST_LINEAR: usize = 500_000_000;
 
-/// How long one build takes: nodes, and leaves filled with what traversals read.
+/// Time of one build: nodes, and leaves with the primitives that traversals read.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct BuildTime {
     pub threads: usize,
@@ -37,22 +38,21 @@ pub struct BuildTime {
     pub builds: usize,
 }
 
-/// Builds the scene's hierarchy at least `fewest` times on each of these numbers of threads, in turn.
+/// Builds the scene's hierarchy at least `fewest` times on each of these numbers of threads, in alternation.
 ///
 /// # Panics
-/// If there is no number of threads, or the system refuses threads.
+/// If `threads` is empty, or the system refuses threads.
 pub fn build(scene: &Scene, threads: &[usize], fewest: usize) -> (Hierarchy, Vec<BuildTime>) {
-    // The builder takes the threads of the pool it runs in: one thread needs a pool too.
+    // The builder uses the pool that it runs in: one thread needs a pool too.
     let pool = |&threads: &usize| {
         rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("the system gives threads")
     };
     let pools: Vec<rayon::ThreadPool> = threads.iter().map(pool).collect();
     let mut seconds = vec![Vec::new(); threads.len()];
     let mut hierarchy = None;
-    let start = Instant::now();
-    while seconds[0].len() < fewest || (seconds[0].len() < MOST_BUILDS && start.elapsed() < BUILDING) {
+    for _ in Rounds::until(Instant::now() + BUILDING, fewest.max(1), MOST_BUILDS) {
         for (pool, seconds) in pools.iter().zip(&mut seconds) {
-            // Two large hierarchies at a time are one too many.
+            // Frees the memory of the last build first.
             drop(hierarchy.take());
             let start = Instant::now();
             hierarchy = Some(pool.install(|| Hierarchy::new(scene, Trees::WideAndBinary)));
@@ -67,21 +67,21 @@ pub fn build(scene: &Scene, threads: &[usize], fewest: usize) -> (Hierarchy, Vec
     (hierarchy.expect("at least one was built"), times)
 }
 
-/// What every way is held against: one scalar ray at a time.
-const BASELINE: Way = Way::Tree(Traversal::Scalar);
+/// The method whose hits all others must reproduce: one scalar ray at a time.
+const BASELINE: TraceMethod = TraceMethod::Tree(Traversal::Scalar);
 
-/// The rays of every kind and their nearest hits; primary rays are those of `camera`.
+/// The rays of every kind, from `camera`, with their nearest hits.
 pub fn prepare(
     scene: &Scene,
     camera: &Camera,
-    ground: &Ground,
-    team: &Team,
+    prepared_scene: &PreparedScene,
+    pool: &TracePool,
     size: [u32; 2],
     seed: u32,
 ) -> Vec<Prepared> {
     let prepared = |set: RaySet| {
         let mut nearest = Answers::none(&set);
-        team.run(|| team.trace::<false>(BASELINE, ground, &set, &mut nearest));
+        pool.run(|| pool.trace::<false>(BASELINE, prepared_scene, &set, &mut nearest));
         Prepared { set, nearest }
     };
     let pixels = pixels(size);
@@ -91,7 +91,7 @@ pub fn prepare(
     vec![primary, shadow, diffuse]
 }
 
-/// What one way reached with one kind of rays.
+/// The speed of one method with one kind of rays.
 #[derive(Clone, Debug, Serialize)]
 pub struct Measurement {
     pub kind: Kind,
@@ -100,21 +100,21 @@ pub struct Measurement {
     pub threads: usize,
     pub rays: usize,
     pub hits: usize,
-    /// In the median pass, in millions a second; 0 where there are no rays.
+    /// Millions of rays per second in the median pass; 0 without rays.
     pub mrays_per_s: f64,
-    /// The rate that 90 % and 10 % of the passes reach: the spread.
+    /// 90 % and 10 % of the passes are at least this fast: the spread.
     pub mrays_per_s_spread: [f64; 2],
     pub passes: usize,
-    /// Rays, in the pass with most of them, whose answer is not the baseline's: in any bit of the nearest hit, or, of shadow rays, in
-    /// whether there is a hit.
+    /// Rays whose answer differs from the baseline's, in the pass with most of them: in any bit of the
+    /// nearest hit; for shadow rays, in whether there is a hit.
     pub disagreements: usize,
     pub first_disagreement: Option<Disagreement>,
 }
 
-/// A ray whose answer is not the baseline's.
+/// A ray whose answer differs from the baseline's.
 #[derive(Clone, Debug, Serialize)]
 pub struct Disagreement {
-    /// Place in the set.
+    /// Index in the set.
     pub ray: usize,
     pub expected: Answer,
     pub found: Answer,
@@ -128,20 +128,20 @@ pub struct Answer {
     pub v: f32,
 }
 
-/// The ways worth timing for a kind of rays.
-fn applies(way: Way, kind: Kind) -> bool {
-    way != Way::Tree(Traversal::Packet) || kind == Kind::Primary
+/// Whether a method is timed for a kind of rays: packets need coherent rays.
+fn applies(method: TraceMethod, kind: Kind) -> bool {
+    method != TraceMethod::Tree(Traversal::Packet) || kind == Kind::Primary
 }
 
-/// Would testing everything take too long for these rays?
+/// Whether testing every primitive takes too long for these rays.
 pub fn too_many_for_linear(scene: &Scene, set: &RaySet) -> bool {
     (scene.spheres.len() + scene.triangles.len()).saturating_mul(set.len()) > MOST_LINEAR
 }
 
-/// A way's turns.
+/// A method on a pool while it is timed.
 struct Run<'a> {
-    way: Way,
-    team: &'a Team,
+    method: TraceMethod,
+    pool: &'a TracePool,
     seconds: Vec<f64>,
     hits: usize,
     disagreements: usize,
@@ -149,18 +149,19 @@ struct Run<'a> {
 }
 
 impl Run<'_> {
-    /// Traces all rays once; returns the seconds that took. Never in line: `perf/stat.sh` knows it by name.
+    /// Traces all rays once; returns the seconds. `inline(never)`: `perf/stat.sh` selects this function by
+    /// name.
     #[inline(never)]
-    fn pass(&mut self, ground: &Ground, rays: &Prepared, answers: &mut Answers) -> f64 {
+    fn pass(&mut self, prepared_scene: &PreparedScene, rays: &Prepared, answers: &mut Answers) -> f64 {
         let Prepared { set, nearest } = rays;
-        let team = self.team;
-        let seconds = team.run(|| {
-            team.forget(set, answers);
+        let pool = self.pool;
+        let seconds = pool.run(|| {
+            pool.clear(set, answers);
             let start = Instant::now();
             if set.kind.any_hit() {
-                team.trace::<true>(self.way, ground, set, answers);
+                pool.trace::<true>(self.method, prepared_scene, set, answers);
             } else {
-                team.trace::<false>(self.way, ground, set, answers);
+                pool.trace::<false>(self.method, prepared_scene, set, answers);
             }
             start.elapsed().as_secs_f64()
         });
@@ -192,62 +193,65 @@ fn answer(answers: &Answers, at: usize) -> Answer {
     Answer { t: t[at], primitive: primitive[at], u: u[at], v: v[at] }
 }
 
-/// Times these ways with one kind of rays, each on each team, in turn: so many passes, or as many as it takes. Ways that do not
-/// apply to the kind are left out.
+/// Times these methods with one kind of rays, each on each pool, in alternating passes: `passes` of them, or
+/// as many as a median needs. Methods that do not apply to the kind are left out.
 pub fn measure(
-    ground: &Ground,
+    prepared_scene: &PreparedScene,
     rays: &Prepared,
-    ways: &[Way],
-    teams: &[Team],
+    methods: &[TraceMethod],
+    pools: &[TracePool],
     passes: Option<u32>,
 ) -> Vec<Measurement> {
     let set = &rays.set;
     let mut answers = Answers::none(set);
-    let run = |team, way| Run { way, team, seconds: Vec::new(), hits: 0, disagreements: 0, first: None };
-    let ways = || ways.iter().copied().filter(|&way| applies(way, set.kind));
-    let mut runs: Vec<Run> = teams.iter().flat_map(|team| ways().map(move |way| run(team, way))).collect();
+    let run =
+        |pool, method| Run { method, pool, seconds: Vec::new(), hits: 0, disagreements: 0, first: None };
+    let methods = || methods.iter().copied().filter(|&method| applies(method, set.kind));
+    let mut runs: Vec<Run> =
+        pools.iter().flat_map(|pool| methods().map(move |method| run(pool, method))).collect();
     if runs.is_empty() {
         return Vec::new();
     }
     // Caches and branch predictors fill, threads start.
     for run in &mut runs {
-        run.pass(ground, rays, &mut answers);
+        run.pass(prepared_scene, rays, &mut answers);
     }
-    let (start, mut done) = (Instant::now(), 0);
-    let enough = |done: usize| match passes {
-        Some(passes) => done >= passes as usize,
-        None => done >= FEWEST_PASSES && (set.is_empty() || start.elapsed() >= PER_KIND),
+    let start = Instant::now();
+    let rounds = match passes.map(|passes| passes as usize) {
+        Some(passes) => Rounds::until(start, passes, passes),
+        None if set.is_empty() => Rounds::until(start, FEWEST_PASSES, FEWEST_PASSES),
+        None => Rounds::until(start + PER_KIND, FEWEST_PASSES, usize::MAX),
     };
-    while !enough(done) {
+    for _ in rounds {
         for run in &mut runs {
-            let seconds = run.pass(ground, rays, &mut answers);
+            let seconds = run.pass(prepared_scene, rays, &mut answers);
             run.seconds.push(seconds);
         }
-        done += 1;
     }
     runs.into_iter().map(|run| measurement(set, run)).collect()
 }
 
-/// What these ways test for one kind of rays: each traces them once, on one thread, and no more time is measured. Ways that do not
-/// apply to the kind are left out.
-pub fn count(ground: &Ground, rays: &Prepared, ways: &[Way]) -> Vec<RayStats> {
-    let ways = ways.iter().filter(|&&way| applies(way, rays.set.kind));
-    ways.map(|&way| RayStats::count(ground, way, &rays.set)).collect()
+/// Counts the tests of these methods for one kind of rays, which each traces once on one thread, untimed.
+/// Methods that do not apply to the kind are left out.
+pub fn count(prepared_scene: &PreparedScene, rays: &Prepared, methods: &[TraceMethod]) -> Vec<RayStats> {
+    let methods = methods.iter().filter(|&&method| applies(method, rays.set.kind));
+    methods.map(|&method| RayStats::count(prepared_scene, method, &rays.set)).collect()
 }
 
 fn measurement(set: &RaySet, run: Run) -> Measurement {
     let times = Quantiles::of(run.seconds);
-    // A clock may stand still over no rays.
+    // Without rays the time may be 0.
+    let [fast, slow] = times.spread();
     let rate = |seconds: f64| if set.is_empty() { 0.0 } else { set.len() as f64 / seconds / 1e6 };
     Measurement {
         kind: set.kind,
-        traversal: run.way.name(),
-        lanes: run.way.lanes(),
-        threads: run.team.threads(),
+        traversal: run.method.name(),
+        lanes: run.method.lanes(),
+        threads: run.pool.threads(),
         rays: set.len(),
         hits: run.hits,
         mrays_per_s: rate(times.median()),
-        mrays_per_s_spread: [rate(times.at(0.9)), rate(times.at(0.1))],
+        mrays_per_s_spread: [rate(slow), rate(fast)],
         passes: times.count(),
         disagreements: run.disagreements,
         first_disagreement: run.first,
@@ -257,20 +261,95 @@ fn measurement(set: &RaySet, run: Run) -> Measurement {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::measure::ray_sets::secondary_origin;
     use octray_formats::scene::load;
 
+    fn prepared(scene: &Scene, size: [u32; 2], seed: u32) -> Vec<Prepared> {
+        let prepared_scene = PreparedScene::new(scene, Hierarchy::new(scene, Trees::WideAndBinary));
+        prepare(scene, &scene.overview().unwrap(), &prepared_scene, &TracePool::new(2), size, seed)
+    }
+
+    fn vector([x, y, z]: &[Vec<f32>; 3], at: usize) -> glam::Vec3 {
+        glam::Vec3::new(x[at], y[at], z[at])
+    }
+
     #[test]
-    fn measure_takes_no_time_where_no_way_applies() {
+    fn measure_takes_no_time_where_no_method_applies() {
         let scene = load("builtin:terrain:2").unwrap();
-        let ground = Ground::new(&scene, Hierarchy::new(&scene, Trees::WideAndBinary));
-        let teams = [Team::new(1)];
-        let packet = [Way::Tree(Traversal::Packet)];
-        let sets = prepare(&scene, &scene.overview().unwrap(), &ground, &teams[0], [64, 48], 0);
+        let prepared_scene = PreparedScene::new(&scene, Hierarchy::new(&scene, Trees::WideAndBinary));
+        let pools = [TracePool::new(1)];
+        let packet = [TraceMethod::Tree(Traversal::Packet)];
+        let sets = prepare(&scene, &scene.overview().unwrap(), &prepared_scene, &pools[0], [64, 48], 0);
         for rays in &sets[1..] {
             let start = Instant::now();
-            assert!(measure(&ground, rays, &packet, &teams, None).is_empty());
+            assert!(measure(&prepared_scene, rays, &packet, &pools, None).is_empty());
             assert!(start.elapsed() < PER_KIND, "{:?} for nothing", start.elapsed());
         }
-        assert_eq!(measure(&ground, &sets[0], &packet, &teams, Some(1)).len(), 1);
+        assert_eq!(measure(&prepared_scene, &sets[0], &packet, &pools, Some(1)).len(), 1);
+    }
+
+    #[test]
+    fn rays_leave_from_the_side_on_which_the_primary_ray_arrived_and_miss_their_own_surface() {
+        // Convex from outside and from inside: a ball, and the inner side of a box.
+        for (name, all_hit) in [("builtin:three", false), ("builtin:cornell", true)] {
+            let scene = load(name).unwrap();
+            let [primary, shadow, diffuse] = &prepared(&scene, [70, 50], 3)[..] else {
+                panic!("three kinds")
+            };
+            let hits: Vec<usize> =
+                (0..primary.set.len()).filter(|&at| primary.nearest.primitive[at] != MISS).collect();
+            assert!(hits.len() > 100, "{name}");
+            for secondary in [shadow, diffuse] {
+                assert_eq!(secondary.set.len(), hits.len(), "{name}");
+                for (at, &from) in hits.iter().enumerate() {
+                    let hit = primary.nearest.get(from);
+                    let ray = primary.set.rays().packet::<f32>(from);
+                    let (origin, normal) = secondary_origin(&scene, &ray, &hit);
+                    assert_eq!(origin.get(0), vector(&secondary.set.origin, at));
+                    let direction = vector(&secondary.set.direction, at);
+                    assert!(
+                        normal.get(0).dot(ray.direction.get(0)) <= 0.0 && normal.get(0).dot(direction) > 0.0
+                    );
+                    let distance = origin.get(0).distance(ray.at(hit.t).get(0));
+                    assert!(distance < 1e-3 * hit.t, "{name}: {distance} at {}", hit.t);
+                    assert_ne!(secondary.nearest.primitive[at], hit.primitive, "{name}");
+                }
+            }
+            let (lower, upper) = scene.bounds();
+            let t_max = (0.25 * (upper - lower).length()) as f32;
+            assert!(shadow.set.t_max.iter().all(|&one| one == t_max));
+            assert!(!all_hit || shadow.nearest.t.iter().all(|&t| t <= t_max));
+            assert_ne!(shadow.set.direction, diffuse.set.direction);
+        }
+    }
+
+    #[test]
+    fn directions_follow_the_cosine() {
+        let scene = load("builtin:terrain:2").unwrap();
+        let sets = prepared(&scene, [200, 200], 1);
+        for secondary in &sets[1..] {
+            // The whole terrain is two triangles: the mean cosine about their normals is 2/3, with a variance
+            // of 1/18.
+            let hits = (0..sets[0].set.len()).filter(|&at| sets[0].nearest.primitive[at] != MISS);
+            let cosines: Vec<f64> = hits
+                .enumerate()
+                .map(|(at, from)| {
+                    let ray = sets[0].set.rays().packet::<f32>(from);
+                    let (_, normal) = secondary_origin(&scene, &ray, &sets[0].nearest.get(from));
+                    f64::from(normal.get(0).dot(vector(&secondary.set.direction, at)))
+                })
+                .collect();
+            let mean = cosines.iter().sum::<f64>() / cosines.len() as f64;
+            let error = (1.0 / 18.0 / cosines.len() as f64).sqrt();
+            assert!(cosines.len() > 3_000 && (mean - 2.0 / 3.0).abs() < 4.0 * error, "{mean} ± {error}");
+        }
+    }
+
+    #[test]
+    fn sets_are_a_function_of_scene_size_and_seed() {
+        let scene = load("builtin:knot:500").unwrap();
+        let directions = |seed| prepared(&scene, [60, 40], seed).pop().unwrap().set.direction;
+        assert_eq!(directions(5), directions(5));
+        assert_ne!(directions(5), directions(6));
     }
 }

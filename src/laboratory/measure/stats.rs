@@ -1,15 +1,15 @@
-//! What `--stats` reports: time by stage, rays by kind, lanes in use by bounce, tests a ray.
+//! The figures of `--stats`: time by stage, rays by kind, lanes in use by bounce, tests per ray.
 //!
-//! For: [`FrameStats`] of rendering, [`RayStats`] of rays in prepared arrays. May import: `integrate`'s and `traverse`'s counts,
-//! `ways`, `ray_sets`. Must never know: how figures are shown.
+//! For: [`FrameStats`] of rendering, [`RayStats`] of rays in prepared arrays. May import: `integrate`'s and
+//! `traverse`'s counters, `trace`, `ray_sets`. Must not know: how figures are shown.
 
 use super::ray_sets::{Kind, RaySet};
-use super::ways::{Ground, Way};
+use super::trace::{PreparedScene, TraceMethod};
 use crate::integrate::stats::{RayKind, Segment, Stage, Stats};
 use crate::traverse::counter::{Counts, Tests};
 use serde::Serialize;
 
-/// What some samples of a picture took.
+/// Cost of some samples of a picture.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct FrameStats {
     pub lanes: usize,
@@ -17,12 +17,12 @@ pub struct FrameStats {
     /// Samples of every pixel.
     pub frames: u32,
     pub rays: u64,
-    /// Seconds of all stages, summed over the threads; the clock's own cost and that of counting are in them.
+    /// Seconds of all stages, summed over the threads, with the cost of the clock and of counting.
     pub seconds: f64,
     pub stages: Vec<StageStats>,
-    /// Primary rays, those that bounced, those to lights.
+    /// Primary, bounce and shadow rays.
     pub kinds: Vec<KindStats>,
-    /// By how often rays have bounced, from 0.
+    /// By number of bounces, from 0.
     pub bounces: Vec<BounceStats>,
 }
 
@@ -31,9 +31,9 @@ pub struct FrameStats {
 pub struct StageStats {
     pub stage: &'static str,
     pub seconds: f64,
-    /// Of the time of all stages.
+    /// Share of the time of all stages.
     pub share: f64,
-    /// For every ray, of whatever kind.
+    /// Over all rays of every kind.
     pub ns_per_ray: f64,
 }
 
@@ -50,13 +50,13 @@ pub struct KindStats {
 pub struct BounceStats {
     pub bounce: usize,
     pub rays: u64,
-    /// Packets that hold them, single rays in the scalar path.
+    /// Packets of these rays; single rays in the scalar renderer.
     pub packets: u64,
-    /// Rays over the packets' lanes.
+    /// Rays over the lanes of the packets.
     pub lanes_in_use: f64,
 }
 
-/// What one way of tracing tests for one kind of rays.
+/// The tests of one traversal for one kind of rays.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RayStats {
     pub kind: Kind,
@@ -66,7 +66,7 @@ pub struct RayStats {
     pub tests: TestStats,
 }
 
-/// What rays are tested against; [`crate::traverse::counter`] says what counts.
+/// Tests by kind of primitive; [`crate::traverse::counter`] defines what counts.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TestStats {
     pub boxes: PerRay,
@@ -74,12 +74,12 @@ pub struct TestStats {
     pub spheres: PerRay,
 }
 
-/// Tests of one kind, in all and by the ray; 0 where there are no rays.
+/// Tests of one kind, in total and per ray; 0 without rays.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct PerRay {
-    /// One ray, or one frustum around many, against one box or primitive.
+    /// Tests of one ray, or one frustum of many rays, against one box or primitive.
     pub tests: u64,
-    /// Up to eight of them at once.
+    /// Steps of up to eight tests at once.
     pub steps: u64,
     pub tests_per_ray: f64,
     pub steps_per_ray: f64,
@@ -104,7 +104,7 @@ impl TestStats {
 }
 
 impl FrameStats {
-    /// Of so many samples of every pixel.
+    /// From the counters of `frames` samples of every pixel.
     pub fn of(stats: &Stats, lanes: usize, threads: usize, frames: u32) -> Self {
         let rays = RayKind::ALL.iter().map(|&kind| stats.rays(kind)).sum();
         let seconds = stats.times.iter().map(|time| time.as_secs_f64()).sum();
@@ -135,10 +135,11 @@ impl FrameStats {
 }
 
 impl RayStats {
-    /// Traces the rays once more and counts. It takes one thread, and the counts are those of any number of them.
-    pub fn count(ground: &Ground, way: Way, set: &RaySet) -> Self {
+    /// Traces the rays once more, on one thread, and counts. The counts do not depend on the number of
+    /// threads.
+    pub fn count(prepared_scene: &PreparedScene, method: TraceMethod, set: &RaySet) -> Self {
         let rays = set.len() as u64;
-        let tests = TestStats::of(&ground.count(way, set), rays);
-        Self { kind: set.kind, traversal: way.name(), rays, tests }
+        let tests = TestStats::of(&prepared_scene.count(method, set), rays);
+        Self { kind: set.kind, traversal: method.name(), rays, tests }
     }
 }

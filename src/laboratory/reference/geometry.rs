@@ -1,6 +1,6 @@
-//! Spheres and triangles in double precision, and the nearest of them.
+//! Spheres and triangles in double precision: where a ray hits them, and the surface at that point.
 
-use super::Reference;
+use super::texture;
 use crate::scene::Side;
 use glam::{DVec2, DVec3};
 
@@ -20,70 +20,45 @@ pub(super) struct Triangle {
     pub material: usize,
 }
 
-/// Where a ray meets the scene first.
+/// The closest hit of a ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit {
     /// Spheres first, in the scene's order, then triangles.
     pub primitive: u32,
-    /// In lengths of the ray's direction; above 0.
+    /// In units of the direction's length; above 0.
     pub t: f64,
     /// Barycentric weights of a triangle's second and third vertex; 0 on spheres.
     pub u: f64,
     pub v: f64,
 }
 
-/// What a path needs to know of the point that it hit.
+/// The surface at a hit point.
 pub(super) struct Surface {
     pub point: DVec3,
-    /// Unit; a sphere's points outwards, a triangle's where its vertices turn anticlockwise.
-    pub normal: DVec3,
-    /// Unit vector for scattering, where it is not `normal`; about on its side.
-    pub bent: Option<DVec3>,
-    /// Unit vector along growing u, zero where it grows nowhere; v grows on the side of `hand` · normal × right.
+    /// Geometric normal, unit length. A sphere's points outwards, a triangle's to the side from which its
+    /// vertices turn anticlockwise.
+    pub ng: DVec3,
+    /// Shading normal, unit length, where it is not `ng`; in the hemisphere of `ng`.
+    pub ns: Option<DVec3>,
+    /// Unit vector along growing u, zero where u is constant; v grows on the side of `hand` · ng × right.
     pub right: DVec3,
     pub hand: f64,
     pub material: usize,
-    /// Where to read a texture: u, and v from the top.
+    /// Texture coordinates: u, and v from the top.
     pub uv: DVec2,
-    /// Do rows repeat?
+    /// Whether texture rows repeat.
     pub wraps: bool,
-    /// The largest length that took part in computing `point`: its error is a few 2⁻⁵³ of this.
+    /// The largest length in the computation of `point`, whose error is a few 2⁻⁵³ of it.
     pub scale: f64,
-}
-
-impl Reference {
-    /// The nearest hit with t > 0 of the ray from `origin` along `direction`, which need not have unit length; of equal t
-    /// the lower index. Surfaces have no back: they are hit from both sides.
-    pub fn closest(&self, origin: DVec3, direction: DVec3) -> Option<Hit> {
-        let spheres = self.spheres.iter().map(|sphere| sphere.hit(origin, direction).map(|t| (t, 0.0, 0.0)));
-        let triangles = self.triangles.iter().map(|triangle| triangle.hit(origin, direction));
-        let mut nearest: Option<Hit> = None;
-        for (primitive, hit) in spheres.chain(triangles).enumerate() {
-            if let Some((t, u, v)) = hit
-                && nearest.is_none_or(|nearest| t < nearest.t)
-            {
-                nearest = Some(Hit { primitive: primitive as u32, t, u, v });
-            }
-        }
-        nearest
-    }
-
-    pub(super) fn surface(&self, origin: DVec3, direction: DVec3, hit: Hit) -> Surface {
-        let index = hit.primitive as usize;
-        match self.spheres.get(index) {
-            Some(sphere) => sphere.surface(origin + direction * hit.t),
-            None => self.triangles[index - self.spheres.len()].surface(hit.u, hit.v),
-        }
-    }
 }
 
 impl Sphere {
     /// The smallest t > 0.
     ///
-    /// Half the discriminant from the distance between centre and line, and the root that would cancel from the product of
-    /// the roots: Haines, Günther, Akenine-Möller, "Precision Improvements for Ray/Sphere Intersection", Ray Tracing Gems,
-    /// 2019, ch. 7.
-    fn hit(&self, origin: DVec3, direction: DVec3) -> Option<f64> {
+    /// The discriminant comes from the distance between centre and line, and the root that would cancel from
+    /// the product of the roots: Haines, Günther, Akenine-Möller, "Precision Improvements for Ray/Sphere
+    /// Intersection", Ray Tracing Gems, 2019, ch. 7.
+    pub(super) fn hit(&self, origin: DVec3, direction: DVec3) -> Option<f64> {
         let to_center = self.center - origin;
         let a = direction.length_squared();
         let b = to_center.dot(direction);
@@ -102,7 +77,7 @@ impl Sphere {
     }
 
     /// The point of the surface nearest to `point`.
-    fn surface(&self, point: DVec3) -> Surface {
+    pub(super) fn surface(&self, point: DVec3) -> Surface {
         let normal = (point - self.center).normalize();
         let turned = DVec3::new(normal.z, 0.0, -normal.x);
         let east = if turned.length() < 1e-6 { DVec3::X } else { turned.normalize() };
@@ -111,13 +86,13 @@ impl Sphere {
             Side::Inside => -1.0,
         };
         Surface {
-            bent: None,
+            ns: None,
             right: east * hand,
             hand,
             point: self.center + normal * self.radius,
-            normal,
+            ng: normal,
             material: self.material,
-            uv: super::texture::on_sphere(normal, self.turn, self.picture_from),
+            uv: texture::on_sphere(normal, self.turn, self.picture_from),
             wraps: false,
             scale: self.center.abs().max_element() + self.radius,
         }
@@ -127,10 +102,11 @@ impl Sphere {
 impl Triangle {
     /// t > 0 and the barycentric weights of the second and third vertex.
     ///
-    /// The ray passes a triangle's edges all on the same side: three volumes of one sign. Two triangles with a common edge
-    /// compute the same volume for it, bit for bit, with opposite signs, so no ray passes between them.
-    /// (Plücker coordinates; see Shoemake, "Plücker Coordinate Tutorial", Ray Tracing News 11(1), 1998.)
-    fn hit(&self, origin: DVec3, direction: DVec3) -> Option<(f64, f64, f64)> {
+    /// A ray that hits passes all three edges on the same side: three volumes of one sign. Two triangles with
+    /// a common edge compute the same volume for it, bit for bit, with opposite signs, so no ray passes
+    /// between them. (Plücker coordinates; see Shoemake, "Plücker Coordinate Tutorial", Ray Tracing News
+    /// 11(1), 1998.)
+    pub(super) fn hit(&self, origin: DVec3, direction: DVec3) -> Option<(f64, f64, f64)> {
         let [a, b, c] = self.vertices.map(|vertex| vertex - origin);
         let weights = [c.cross(b).dot(direction), a.cross(c).dot(direction), b.cross(a).dot(direction)];
         let sum: f64 = weights.iter().sum();
@@ -140,25 +116,25 @@ impl Triangle {
         (one_sign && sum != 0.0 && t > 0.0 && t.is_finite()).then(|| (t, weights[1] / sum, weights[2] / sum))
     }
 
-    fn surface(&self, u: f64, v: f64) -> Surface {
+    pub(super) fn surface(&self, u: f64, v: f64) -> Surface {
         let [a, b, c] = self.vertices;
         let weights = [1.0 - u - v, u, v];
         let uv = self.uvs[0] * weights[0] + self.uvs[1] * weights[1] + self.uvs[2] * weights[2];
         let normal = (b - a).cross(c - a).normalize();
         let blend =
             self.normals[0] * weights[0] + self.normals[1] * weights[1] + self.normals[2] * weights[2];
-        let bent = (blend.length() > 0.01).then(|| blend.normalize());
+        let ns = (blend.length() > 0.01).then(|| blend.normalize());
         let [p, q, r] = self.uvs;
         // Solves b − a = (q − p).x ∂P/∂u + (q − p).y ∂P/∂v, and the same for c, for ∂P/∂u.
         let determinant = (q - p).perp_dot(r - p);
         let right = ((b - a) * (r - p).y - (c - a) * (q - p).y) / determinant;
         let right = if determinant == 0.0 { DVec3::ZERO } else { right.normalize_or_zero() };
         Surface {
-            bent: bent.map(|bent| if bent.dot(normal) < 0.0 { -bent } else { bent }),
+            ns: ns.map(|ns| if ns.dot(normal) < 0.0 { -ns } else { ns }),
             right,
             hand: determinant.signum(),
             point: a * weights[0] + b * weights[1] + c * weights[2],
-            normal,
+            ng: normal,
             material: self.material,
             uv: DVec2::new(uv.x, 1.0 - uv.y),
             wraps: true,

@@ -1,92 +1,96 @@
-//! How materials scatter: where a path goes on, and what of its light goes with it.
+//! How materials scatter: the sampled direction and its weight (BSDF · cosine / pdf).
 
 use crate::sampling::dimension::{DIRECTION, LOBE};
 use crate::scene::MaterialKind;
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};
 
-/// The new direction and what of the light goes there, colour included; nothing where the light is absorbed.
+/// The scattered direction and the path's weight, colour included; `None` where the light is absorbed.
 ///
-/// `rougher` multiplies the material's roughness. `number` is the event's random number of a dimension.
-pub(super) fn scatter(
+/// `rougher` multiplies the material's roughness. `number` gives the scattering event's random number of a
+/// dimension.
+pub(super) fn sample(
     kind: MaterialKind,
     rougher: f64,
     color: DVec3,
     d: DVec3,
-    facing: &Facing,
+    normals: &Normals,
     number: impl Fn(u32) -> f64,
 ) -> Option<(DVec3, DVec3)> {
-    let Facing { own, n, matt, .. } = *facing;
-    let (towards, weight, is_delta) = draw(kind, rougher, color, d, facing, number)?;
-    if !facing.bent || towards.dot(own) < 0.0 && matches!(kind, MaterialKind::Glass { .. }) {
+    let Normals { ng, ns_specular, ns_diffuse, .. } = *normals;
+    let (towards, weight, is_delta) = sample_lobe(kind, rougher, color, d, normals, number)?;
+    if !normals.has_ns || towards.dot(ng) < 0.0 && matches!(kind, MaterialKind::Glass { .. }) {
         return Some((towards, weight));
     }
-    let about = if kind == MaterialKind::Diffuse { matt } else { n };
-    let shadow = if is_delta { 1.0 } else { terminator(towards, about, own) };
-    (towards.dot(own) > 0.0).then_some((towards, weight * shadow))
+    let ns = if kind == MaterialKind::Diffuse { ns_diffuse } else { ns_specular };
+    let shadow = if is_delta { 1.0 } else { terminator(towards, ns, ng) };
+    (towards.dot(ng) > 0.0).then_some((towards, weight * shadow))
 }
 
-/// A surface as a ray sees it; all normals on the side from which the ray arrives.
-pub(super) struct Facing {
-    /// The surface's own.
-    pub own: DVec3,
-    /// For reflection and refraction.
-    n: DVec3,
-    /// For what is matt.
-    matt: DVec3,
-    /// Are these different from the surface's own?
-    bent: bool,
-    /// The light comes from where the surface's own normal points.
+/// The normals at a hit, all on the side from which the ray arrives.
+pub(super) struct Normals {
+    /// Geometric normal.
+    pub ng: DVec3,
+    /// Shading normal for reflection and refraction: bent until a mirror direction is above the surface.
+    ns_specular: DVec3,
+    /// Shading normal for diffuse lobes.
+    ns_diffuse: DVec3,
+    /// Whether the shading normals differ from the geometric one.
+    has_ns: bool,
+    /// Whether the ray arrives from the side to which the unflipped geometric normal points.
     outside: bool,
 }
 
-impl Facing {
-    /// `bent`: another normal for scattering, on the side of `normal`.
-    pub(super) fn of(d: DVec3, normal: DVec3, bent: Option<DVec3>) -> Self {
-        let outside = normal.dot(d) <= 0.0;
+impl Normals {
+    /// Turns `ng`, and the shading normal `ns` on its side, towards the ray of direction `d`.
+    pub(super) fn facing(d: DVec3, ng: DVec3, ns: Option<DVec3>) -> Self {
+        let outside = ng.dot(d) <= 0.0;
         let side = if outside { 1.0 } else { -1.0 };
-        let own = normal * side;
-        let matt = bent.map_or(own, |bent| bent * side);
-        let n = if bent.is_some() { bend(d, matt, own) } else { own };
-        Self { own, n, matt, bent: bent.is_some(), outside }
+        let ng = ng * side;
+        let ns_diffuse = ns.map_or(ng, |ns| ns * side);
+        let ns_specular = if ns.is_some() { bend(d, ns_diffuse, ng) } else { ng };
+        Self { ng, ns_specular, ns_diffuse, has_ns: ns.is_some(), outside }
     }
 }
 
-/// `normal`, turned towards `own` until what it mirrors is above the surface: by half the sine at which d arrives, at most 0.01.
+/// The shading normal `ns`, turned towards `ng` until the mirror direction is above the surface: by half the
+/// sine at which d arrives, at most 0.01.
 ///
 /// Source: Keller et al., "The Iray Light Transport Simulation and Rendering System", 2017, §A.3.
-fn bend(d: DVec3, normal: DVec3, own: DVec3) -> DVec3 {
-    let mirrored = reflect(d, normal);
-    let least = (-0.5 * d.dot(own)).clamp(1e-6, 0.01);
-    let above = mirrored.dot(own);
+fn bend(d: DVec3, ns: DVec3, ng: DVec3) -> DVec3 {
+    let mirrored = reflect(d, ns);
+    let least = (-0.5 * d.dot(ng)).clamp(1e-6, 0.01);
+    let above = mirrored.dot(ng);
     if above >= least {
-        return normal;
+        return ns;
     }
-    ((mirrored + own * (least - above)).normalize() - d).try_normalize().unwrap_or(own)
+    ((mirrored + ng * (least - above)).normalize() - d).try_normalize().unwrap_or(ng)
 }
 
+/// The factor that softens the shadow terminator of shading normals.
+///
 /// Source: Chiang, Li, Burley, "Taming the Shadow Terminator", SIGGRAPH Talks 2019.
-fn terminator(w: DVec3, normal: DVec3, own: DVec3) -> f64 {
-    let g = (w.dot(own).max(0.0) / (w.dot(normal) * normal.dot(own)).max(1e-12)).min(1.0);
+fn terminator(w: DVec3, ns: DVec3, ng: DVec3) -> f64 {
+    let g = (w.dot(ng).max(0.0) / (w.dot(ns) * ns.dot(ng)).max(1e-12)).min(1.0);
     g + g * g - g * g * g
 }
 
-/// Direction, weight, and whether the lobe is a delta lobe, not shadowed yet.
-fn draw(
+/// Direction, weight without the terminator, and whether the lobe is a delta lobe.
+fn sample_lobe(
     kind: MaterialKind,
     rougher: f64,
     color: DVec3,
     d: DVec3,
-    facing: &Facing,
+    normals: &Normals,
     number: impl Fn(u32) -> f64,
 ) -> Option<(DVec3, DVec3, bool)> {
-    let Facing { own, n, matt, outside, .. } = *facing;
+    let Normals { ng, ns_specular: n, ns_diffuse, outside, .. } = *normals;
     let mut is_delta = false;
-    let drawn = match kind {
+    let sample = match kind {
         MaterialKind::Emitter => None,
         MaterialKind::Diffuse => {
             // Lambert's law: the normal plus a point on the unit sphere.
-            Some(((matt + on_sphere(number)).normalize(), 1.0))
+            Some(((ns_diffuse + on_sphere(number)).normalize(), 1.0))
         }
         MaterialKind::Metal { roughness: 0.0 } => {
             is_delta = true;
@@ -99,7 +103,7 @@ fn draw(
             (wi.z > 0.0).then(|| (to_world(wi, n), weight))
         }
         MaterialKind::Glass { ior } => {
-            // Index of the medium the light is in over that of the one behind the surface.
+            // η: index of the incident medium over that of the transmitting one.
             let eta = if outside { 1.0 / f64::from(ior) } else { f64::from(ior) };
             let cos_i = (-d.dot(n)).clamp(0.0, 1.0);
             let sin2_t = eta * eta * (1.0 - cos_i * cos_i);
@@ -107,11 +111,12 @@ fn draw(
             let reflected = if sin2_t >= 1.0 { 1.0 } else { fresnel(eta, cos_i, cos_t) };
             is_delta = true;
             let refracted = d * eta + n * (eta * cos_i - cos_t);
-            // A bent normal may refract what would not cross the surface: that is reflected.
-            if number(LOBE) < reflected || (facing.bent && refracted.dot(own) >= 0.0) {
+            // With a shading normal, a refracted ray may stay on its side of the surface: it is reflected
+            // instead.
+            if number(LOBE) < reflected || (normals.has_ns && refracted.dot(ng) >= 0.0) {
                 Some((reflect(d, n), 1.0))
             } else {
-                // Radiance is compressed in the denser medium: η² on each passage.
+                // Radiance scales by η² when it enters another medium.
                 Some((refracted, eta * eta))
             }
         }
@@ -128,28 +133,28 @@ fn draw(
             return plastic(color, &coat, d, n, number);
         }
     };
-    drawn.map(|(towards, weight)| (towards, color * weight, is_delta))
+    sample.map(|(towards, weight)| (towards, color * weight, is_delta))
 }
 
-/// Below these, lobes count as delta lobes: `kernel::bsdf` says why.
+/// Narrower lobes count as delta lobes; the reason stands in `kernel::bsdf`.
 const NARROWEST_ALPHA: f64 = 1.0 / 8192.0;
 const NARROWEST_CONE: f64 = 1.0 / 64.0;
 
 struct Coat {
     ior: f64,
     alpha: f64,
-    /// Of light from everywhere, at the roughness that the material states, whatever its map says.
+    /// Hemispherical transmittance at the material's own roughness, without its roughness map.
     transmitted: f64,
 }
 
-/// What the coat reflects of light at a cosine.
+/// Fresnel reflectance of the coat at a cosine.
 fn reflected(ior: f64, cos: f64) -> f64 {
     let cos_t = (1.0 - (1.0 - cos * cos) / (ior * ior)).sqrt();
     fresnel(1.0 / ior, cos, cos_t)
 }
 
-/// What it lets in; steeper where it is rough.
-fn let_in(ior: f64, alpha: f64, cos: f64) -> f64 {
+/// Transmittance of the coat; a rough coat is evaluated at a larger cosine.
+fn transmittance(ior: f64, alpha: f64, cos: f64) -> f64 {
     1.0 - reflected(ior, cos + (1.0 - cos) * 0.43 * alpha.powf(1.5))
 }
 
@@ -159,13 +164,13 @@ fn transmitted(ior: f64, alpha: f64) -> f64 {
     let terms = (0..=steps).map(|i| {
         let c = f64::from(i) / f64::from(steps);
         let weight = if i == 0 || i == steps { 1.0 } else { 2.0 + 2.0 * f64::from(i % 2) };
-        weight * 2.0 * let_in(ior, alpha, c) * c
+        weight * 2.0 * transmittance(ior, alpha, c) * c
     });
     terms.sum::<f64>() / (3.0 * f64::from(steps))
 }
 
-/// A coat of GGX over a matt base: the equations at the head of `kernel/bsdf/plastic.rs`, weighed by the density with which the
-/// estimator draws.
+/// A GGX coat over a Lambert base: the equations at the head of `kernel/bsdf/plastic.rs`, divided by the pdf
+/// with which the estimator samples.
 fn plastic(
     color: DVec3,
     coat: &Coat,
@@ -175,10 +180,10 @@ fn plastic(
 ) -> Option<(DVec3, DVec3, bool)> {
     let Coat { ior, alpha, transmitted } = *coat;
     let reflected = |cos: f64| reflected(ior, cos);
-    let let_in = |cos: f64| let_in(ior, alpha, cos);
+    let transmittance = |cos: f64| transmittance(ior, alpha, cos);
     let base = color / ((DVec3::ONE - color) * ior * ior + color * transmitted);
     let out = to_local(-d, n);
-    let entered = let_in(out.z);
+    let entered = transmittance(out.z);
     let brightest = base.max_element() * transmitted * entered;
     let on_coat = (1.0 - entered) / (1.0 - entered + brightest);
     let smooth = alpha < NARROWEST_ALPHA;
@@ -197,8 +202,8 @@ fn plastic(
         return None;
     }
     let lambert = towards.z / PI;
-    let mut value = base * entered * let_in(towards.z) * lambert;
-    let mut density = (1.0 - on_coat) * lambert;
+    let mut value = base * entered * transmittance(towards.z) * lambert;
+    let mut pdf = (1.0 - on_coat) * lambert;
     if !smooth {
         let half = (towards + out).normalize();
         let [lambda_out, lambda_in] = [out, towards].map(|w| lambda(w, alpha));
@@ -206,9 +211,9 @@ fn plastic(
         let distribution = alpha * alpha / (PI * slope * slope);
         let visible = distribution / (4.0 * out.z * (1.0 + lambda_out));
         value += visible * (1.0 + lambda_out) / (1.0 + lambda_out + lambda_in) * reflected(half.dot(out));
-        density += on_coat * visible;
+        pdf += on_coat * visible;
     }
-    Some((to_world(towards, n), value / density, false))
+    Some((to_world(towards, n), value / pdf, false))
 }
 
 /// A point on the unit sphere, uniformly.
@@ -222,18 +227,18 @@ fn reflect(d: DVec3, n: DVec3) -> DVec3 {
     d - n * (2.0 * d.dot(n))
 }
 
-/// Part of unpolarised light that a smooth dielectric reflects; `eta` = n_incident / n_transmitted.
+/// The part of unpolarised light that a smooth dielectric reflects; `eta` = n_incident / n_transmitted.
 fn fresnel(eta: f64, cos_i: f64, cos_t: f64) -> f64 {
     let perpendicular = (eta * cos_i - cos_t) / (eta * cos_i + cos_t);
     let parallel = (cos_i - eta * cos_t) / (cos_i + eta * cos_t);
     0.5 * (perpendicular * perpendicular + parallel * parallel)
 }
 
-/// The direction that a visible microfacet of GGX reflects `wo` into, and shadowing of both over that of `wo` alone;
-/// both directions in the frame of the normal.
+/// The direction into which a sampled visible GGX microfacet reflects `wo`, and G2/G1, its weight; both
+/// directions in the frame of the normal.
 ///
-/// Source: Dupuy, Benyoub, "Sampling Visible GGX Normals with Spherical Caps", HPG 2023. Weight: Heitz, "Sampling the GGX
-/// Distribution of Visible Normals", JCGT 2018, eq. 19, with height-correlated masking.
+/// Source: Dupuy, Benyoub, "Sampling Visible GGX Normals with Spherical Caps", HPG 2023. Weight: Heitz,
+/// "Sampling the GGX Distribution of Visible Normals", JCGT 2018, eq. 19, with height-correlated masking.
 fn ggx(wo: DVec3, alpha: f64, u: f64, v: f64) -> (DVec3, f64) {
     let stretched = DVec3::new(alpha * wo.x, alpha * wo.y, wo.z).normalize();
     let phi = TAU * v;
@@ -254,7 +259,7 @@ fn lambda(w: DVec3, alpha: f64) -> f64 {
 
 /// Tangent and bitangent of the unit vector `n`.
 ///
-/// Any pair would do for the expected value; to follow the same paths it must be the estimator's own.
+/// Any pair gives the same expected value; the estimator's own pair gives the same paths.
 /// Source: Duff et al., "Building an Orthonormal Basis, Revisited", JCGT 2017.
 fn basis(n: DVec3) -> (DVec3, DVec3) {
     let sign = 1.0_f64.copysign(n.z);

@@ -1,13 +1,14 @@
-//! A whole path, from the camera through the scene to the light.
+//! A path from the camera through the scene to the light, without light sampling.
 
 use super::geometry::Surface;
-use super::{Reference, lobes, texture};
+use super::scene::Reference;
+use super::{lobes, texture};
 use crate::sampling::dimension::{PIXEL, bounce};
 use crate::sampling::{SampleValues, Sampler};
 use crate::scene::{MaterialKind, Side, Sky};
 use glam::DVec3;
 
-/// What decides a path besides the scene, the pixel and the sample.
+/// The inputs of a path besides the scene, the pixel and the sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PathSettings {
     /// Pixels: width, height.
@@ -18,11 +19,18 @@ pub struct PathSettings {
     pub sampler: Sampler,
 }
 
-/// How far off its surface a path leaves, relative to the lengths that made the point: some thousand times the error of
-/// the point (a few 2⁻⁵³), and far below everything that single precision can tell apart.
-const LIFT: f64 = 1e-12;
+/// Offset of a scattered ray's origin along the normal, relative to [`Surface::scale`]: some thousand times
+/// the error of the point (a few 2⁻⁵³), and far below the resolution of single precision.
+const ORIGIN_OFFSET: f64 = 1e-12;
 
 impl Reference {
+    /// The average of the pixel's samples 0 to `samples` − 1, in linear RGB; black without samples.
+    pub fn pixel(&self, settings: PathSettings, x: u32, y: u32, samples: u32) -> [f64; 3] {
+        let sum: DVec3 =
+            (0..samples).map(|sample| DVec3::from_array(self.path(settings, x, y, sample))).sum();
+        (sum / f64::from(samples.max(1))).to_array()
+    }
+
     /// The radiance that sample `sample` of pixel (x, y) carries, in linear RGB.
     pub fn path(&self, settings: PathSettings, x: u32, y: u32, sample: u32) -> [f64; 3] {
         let key = settings.sampler.key::<u32>(settings.seed, y * settings.resolution[0] + x, sample);
@@ -42,34 +50,33 @@ impl Reference {
             };
             let surface = self.surface(origin, direction, hit);
             let material = &self.materials[surface.material];
-            let picture = self.lookup(material.texture, surface.uv, surface.wraps);
-            let shines = material.kind == MaterialKind::Emitter;
-            light += throughput * material.emission.as_dvec3() * if shines { picture } else { DVec3::ONE };
+            let texel = self.lookup(material.texture, surface.uv, surface.wraps);
+            let emitter = material.kind == MaterialKind::Emitter;
+            light += throughput * material.emission.as_dvec3() * if emitter { texel } else { DVec3::ONE };
             if b == settings.max_bounces {
                 break;
             }
             let roughness = self.lookup(material.roughness_map, surface.uv, surface.wraps).x.min(1.0);
-            let bent = self.relief(material.normal_map, &surface).or(surface.bent);
-            let facing = lobes::Facing::of(direction, surface.normal, bent);
-            let normal = facing.own;
-            let color = material.color.as_dvec3() * picture;
-            let drawn =
-                lobes::scatter(material.kind, roughness, color, direction, &facing, numbers(bounce(b)));
-            let Some((scattered, weight)) = drawn else {
+            let ns = self.mapped_normal(material.normal_map, &surface).or(surface.ns);
+            let normals = lobes::Normals::facing(direction, surface.ng, ns);
+            let color = material.color.as_dvec3() * texel;
+            let sample =
+                lobes::sample(material.kind, roughness, color, direction, &normals, numbers(bounce(b)));
+            let Some((scattered, weight)) = sample else {
                 break;
             };
             throughput *= weight;
             direction = scattered.normalize();
-            let side = 1.0_f64.copysign(direction.dot(normal));
-            origin = surface.point + normal * (side * LIFT * surface.scale);
+            let side = 1.0_f64.copysign(direction.dot(normals.ng));
+            origin = surface.point + normals.ng * (side * ORIGIN_OFFSET * surface.scale);
         }
         light.to_array()
     }
 
-    /// The normal that a normal map means, on the outward side, if it means one.
-    fn relief(&self, map: Option<u32>, surface: &Surface) -> Option<DVec3> {
+    /// The shading normal of a normal map, on the outward side; `None` without a map or a tangent.
+    fn mapped_normal(&self, map: Option<u32>, surface: &Surface) -> Option<DVec3> {
         let texel = self.lookup(Some(map?), surface.uv, surface.wraps);
-        let around = surface.bent.unwrap_or(surface.normal);
+        let around = surface.ns.unwrap_or(surface.ng);
         let right = surface.right - around * surface.right.dot(around);
         if right.length() < 0.01 {
             return None;
@@ -81,8 +88,8 @@ impl Reference {
         (normal.length() > 0.01).then(|| normal.normalize())
     }
 
-    /// Origin and unit direction of the ray through the point (x, y) of the picture, counted in pixels from its upper left
-    /// corner.
+    /// Origin and unit direction of the ray through the point (x, y) of the picture, in pixels from its upper
+    /// left corner.
     pub fn camera_ray(&self, resolution: [u32; 2], x: f64, y: f64) -> (DVec3, DVec3) {
         let [width, height] = resolution.map(f64::from);
         let position = self.camera.position.as_dvec3();
@@ -96,7 +103,7 @@ impl Reference {
         (position, (forward + right * across + up * upwards).normalize())
     }
 
-    /// The light from where nothing is, in the unit direction `d`.
+    /// The radiance of the sky in the unit direction `d`.
     fn sky(&self, d: DVec3) -> DVec3 {
         match self.sky {
             Sky::Color(color) => color.as_dvec3(),

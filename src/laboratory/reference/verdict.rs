@@ -1,113 +1,124 @@
-//! Is a single-precision answer to a ray as right as single precision can be?
+//! Whether a single-precision hit is as accurate as single precision allows.
 //!
-//! Below, ε = 2⁻²⁴ is the largest relative error of one rounding in f32; origin, direction, centres, radii and vertices are
-//! the f32 numbers themselves and so without error. Distances are in scene units: `t` times the length of the direction.
-//! The bounds add the first-order errors of a kernel's steps; they hold while no product of lengths over- or underflows
-//! (lengths from 10⁻¹⁸ to 10¹⁸).
+//! Below, ε = 2⁻²⁴ is the largest relative error of one rounding in f32. Origin, direction, centres, radii
+//! and vertices are f32 numbers and so exact. Distances are in scene units: `t` times the length of the
+//! direction. The bounds add the first-order errors of a kernel's steps; they hold while no product of
+//! lengths over- or underflows (lengths from 10⁻¹⁸ to 10¹⁸).
 //!
 //! # Errors are measured from the surface, not along the ray
-//! Where a ray grazes a surface, a small sideways error of the ray moves its hit far along it: on a sphere of radius r
-//! by √(2re) for an error e. No bound on t that a head-on ray would respect can hold there. The *distance of the computed
-//! point from the surface* stays in proportion to e at any angle, so that is what is bounded.
+//! Where a ray grazes a surface, a small sideways error of the ray moves its hit far along it: on a sphere of
+//! radius r by √(2re) for an error e. No bound on t that suits a head-on ray can hold there. The *distance of
+//! the computed point from the surface* is proportional to e at any angle, so this distance is bounded.
 //!
 //! # Sphere: bound e = 40 ε (|f| + r), where f = origin − centre
 //! For the kernel of Haines et al. (Ray Tracing Gems, 2019, ch. 7):
 //! - f has an error of ε|f| (one subtraction); f·d and d·d have 3 ε each, their quotient and the way to
 //!   l = f − (f·d / d·d) d some more: |δl| ≤ 11 ε|f|. The comparison of l² with r² adds 3 ε r.
-//! - The computed half chord h obeys h² = r² − (l + δl)². With the true l it ends at the distance √(r² − (l + δl)² + l²)
-//!   from the centre, which differs from r by at most √2 |δl| = 16 ε|f|, for every l that is taken for a hit.
-//! - The middle of the chord is off by 8 ε|f| along the ray, the last additions and the division by 2 ε(|f| + r).
-//! - The root c/q: c = |f|² − r² has an error δc = (5|f|² + 2r²) ε, t one of δc/q, at an incidence whose cosine is at most
-//!   q/r. From far (|f| > 2r), δc/c ≤ 8 ε and t ≤ |f|: 8 ε|f|. From near, δc/2r ≤ (5|f| + r) ε.
+//! - The computed half chord h obeys h² = r² − (l + δl)². With the true l it ends at the distance √(r² − (l +
+//!   δl)² + l²) from the centre, which differs from r by at most √2 |δl| = 16 ε|f|, for every l that is taken
+//!   for a hit.
+//! - The middle of the chord is off by 8 ε|f| along the ray, the last additions and the division by 2 ε(|f| +
+//!   r).
+//! - The root c/q: c = |f|² − r² has an error δc = (5|f|² + 2r²) ε, t one of δc/q, at an incidence whose
+//!   cosine is at most q/r. From far (|f| > 2r), δc/c ≤ 8 ε and t ≤ |f|: 8 ε|f|. From near, δc/2r ≤ (5|f| +
+//!   r) ε.
 //! - Sum: 34 ε|f| + 7 ε r, rounded up to 40 ε (|f| + r).
 //!
-//! The term (δc/q)²/2r of second order is left out. It is below the first-order ones while q² > δc, that is while the ray
-//! does not touch the sphere within √ε r of its own origin; origins that were lifted off the surface by some ε r obey this.
+//! The second-order term (δc/q)²/2r is left out. It is below the first-order ones while q² > δc, that is
+//! while the ray does not touch the sphere within √ε r of its own origin; origins offset from the surface by
+//! some ε r fulfil this.
 //!
 //! # Triangle: bound e = 40 ε m + min(40 ε |a'| |b'| |c'| / det, √3 max(|a'|, |b'|, |c'|))
-//! where m is the largest distance of a vertex from the origin, and a', b', c' are the vertices as seen along the ray (their
-//! components across it), det twice the area they span. For the kernel of Woop et al. (JCGT 2013):
-//! - A sheared vertex is off by 5 ε m in each coordinate, 7 ε m together. This is as if the triangle's vertices were elsewhere
-//!   by as much: the computed point is a weighted mean of the vertices that misses the ray by 7 ε m.
-//! - An edge function is off by 2 ε|b'||c'|; the three of them move the weighted mean by 6 ε|a'||b'||c'| / det across the
-//!   ray. Twice that for the error of det itself, three times because the shear measures not across the ray but across an
-//!   axis, where lengths are longer by up to √3: 36 ε. This is what makes slivers, and triangles seen edge-on, inaccurate.
-//!   The weights being of one sign, the mean never leaves the triangle: however small det is, it misses the ray by no more
-//!   than the farthest vertex does, times √3.
-//! - z, products, sums and the division: 10 ε of the largest z, which the ray's slope may stretch by √3: 17 ε m.
+//! where m is the largest distance of a vertex from the origin, and a', b', c' are the vertices as seen along
+//! the ray (their components across it), det twice the area they span. For the kernel of Woop et al. (JCGT
+//! 2013):
+//! - A sheared vertex is off by 5 ε m in each coordinate, 7 ε m together. This is as if the triangle's
+//!   vertices were elsewhere by as much: the computed point is a weighted mean of the vertices that misses
+//!   the ray by 7 ε m.
+//! - An edge function is off by 2 ε|b'||c'|; the three of them move the weighted mean by 6 ε|a'||b'||c'| /
+//!   det across the ray. Twice that for the error of det itself, three times because the shear measures not
+//!   across the ray but across an axis, where lengths are longer by up to √3: 36 ε. This is what makes
+//!   slivers, and triangles seen edge-on, inaccurate. The weights being of one sign, the mean never leaves
+//!   the triangle: however small det is, it misses the ray by no more than the farthest vertex does, times
+//!   √3.
+//! - z, products, sums and the division: 10 ε of the largest z, which the ray's slope may stretch by √3: 17 ε
+//!   m.
 //! - Sum: 24 ε m, rounded up to the sphere's 40.
 //!
-//! Whether a ray passes an edge is off by 7 ε m + 8 ε times the edge across the ray: 40 ε m covers it, whatever the shape.
+//! Whether a ray passes an edge is off by 7 ε m + 8 ε times the edge across the ray: 40 ε m covers it,
+//! whatever the shape.
 //!
 //! # Where on the triangle: the same bound, from the ray
-//! The computed point as a weighted mean of the vertices misses the ray by 7 ε m and the edge functions' term, above. Dividing by
-//! det, and taking the first weight as 1 − u − v, moves it by 5 ε along two edges, each at most 2 m long: 10 ε m. Sum: 17 ε m. The
-//! weights, of one sign before the division, are off by 5 ε after it.
+//! The computed point as a weighted mean of the vertices misses the ray by 7 ε m and the edge functions'
+//! term, above. Dividing by det, and taking the first weight as 1 − u − v, moves it by 5 ε along two edges,
+//! each at most 2 m long: 10 ε m. Sum: 17 ε m. The weights, of one sign before the division, are off by 5 ε
+//! after it.
 //!
-//! Roundings seldom conspire: of 2·10⁵ random rays the worst stays below a tenth of these sums
+//! Roundings seldom all add up: of 2·10⁵ random rays the worst stays below a tenth of these sums
 //! (`rounding_of_a_good_kernel_is_right` also passes with 4 for 40, and fails with 2).
 
-use super::Reference;
 use super::geometry::{Sphere, Triangle};
+use super::scene::Reference;
 use glam::DVec3;
 
 /// Roundings that both kernels stay within; see the sums above.
 const BOUND: f64 = 40.0 / 16_777_216.0;
 
-/// How far beyond 0 and 1 a weight may be.
+/// Largest excess of a weight beyond [0, 1].
 const WEIGHT_BOUND: f64 = 5.0 / 16_777_216.0;
 
-/// What the judge says of a single-precision answer. Distances are in scene units.
+/// The reference's classification of a single-precision hit. Distances are in scene units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Verdict {
-    /// As right as single precision can be.
+    /// As accurate as single precision allows.
     Right,
-    /// The answer is none: no such primitive, t not a positive number, or a hit along a direction that is zero or not
-    /// finite.
+    /// No valid hit: no such primitive, t not a positive number, or a hit along a direction that is zero or
+    /// not finite.
     Invalid,
-    /// The weights of the vertices name a point that lies off the ray.
+    /// The point of these barycentric weights lies off the ray.
     OffRay { distance: f64, bound: f64 },
-    /// The point of the answer lies off the primitive it names.
+    /// The point at t lies off the primitive.
     OffSurface { distance: f64, bound: f64 },
-    /// This primitive, at this distance, is in front of the answer by more than `slack`.
+    /// This primitive, at this distance, is in front of the hit by more than `slack`.
     Overlooked { primitive: u32, distance: f64, slack: f64 },
 }
 
-/// A place where a ray passes through a primitive beyond doubt.
+/// A place where a ray passes through a primitive by more than the error bound.
 struct Crossing {
     /// From the origin.
     distance: f64,
-    /// How far along the ray single precision may misplace it.
+    /// Its error bound along the ray.
     slack: f64,
 }
 
 impl Reference {
-    /// Judges the answer "`primitive` at `t`" (`u32::MAX`: nothing, whatever t is) to a ray whose direction need not have
-    /// unit length.
+    /// Checks the hit of `primitive` at `t` (`u32::MAX`: a miss, whatever t is) of a ray whose direction need
+    /// not have unit length.
     ///
     /// - *Sound*: the point at t lies on the primitive within its bound.
-    /// - *Complete*: nothing in front of t was overlooked. A crossing of a primitive counts as overlooked if it is nearer
-    ///   than t by more than its slack, unless the ray passes within the bound of the primitive's outline (it may have been
-    ///   taken for a miss), or the origin lies within the slack of the crossing (it may have been taken for behind).
+    /// - *Complete*: nothing in front of t was overlooked. A crossing of a primitive counts as overlooked if
+    ///   it is nearer than t by more than its slack, unless the ray passes within the bound of the
+    ///   primitive's outline (a miss is then as right), or the origin lies within the slack of the crossing
+    ///   (the crossing may then count as behind).
     ///
-    /// Slack: a point within e of a plane is within e / cos θ of the crossing along the ray (θ from the normal). On a
-    /// sphere, whose depth s cos θ − s²/2r falls behind the plane's, 2 e / cos θ for every ray that passes the outline
-    /// by more than e.
+    /// Slack: a point within e of a plane is within e / cos θ of the crossing along the ray (θ from the
+    /// normal). On a sphere, whose depth s cos θ − s²/2r falls behind the plane's, 2 e / cos θ for every ray
+    /// that passes the outline by more than e.
     ///
-    /// What this cannot see: a ray through the common edge of two triangles may miss both. Watertightness is a property of
-    /// a mesh, not of one answer.
+    /// Not detected: a ray through the common edge of two triangles may miss both. Watertightness is a
+    /// property of a mesh, not of one answer.
     pub fn check_primary(&self, origin: [f32; 3], direction: [f32; 3], t: f32, primitive: u32) -> Verdict {
         let origin = DVec3::from_array(origin.map(f64::from));
         let direction = DVec3::from_array(direction.map(f64::from));
         let length = direction.length();
         let unit = direction / length;
-        let mut reach = f64::INFINITY;
+        let mut t_max = f64::INFINITY;
         if primitive != u32::MAX {
             if !(t > 0.0 && t.is_finite() && unit.is_finite() && origin.is_finite()) {
                 return Verdict::Invalid;
             }
-            reach = f64::from(t) * length;
-            let point = origin + unit * reach;
+            t_max = f64::from(t) * length;
+            let point = origin + unit * t_max;
             let index = primitive as usize;
             let (distance, bound) = if let Some(sphere) = self.spheres.get(index) {
                 (sphere.distance(point), sphere.bound(origin))
@@ -124,7 +135,7 @@ impl Reference {
         let triangles = self.triangles.iter().map(|triangle| triangle.crossings(origin, unit));
         for (primitive, crossings) in spheres.chain(triangles).enumerate() {
             for Crossing { distance, slack } in crossings {
-                if distance > slack && distance + slack < reach {
+                if distance > slack && distance + slack < t_max {
                     return Verdict::Overlooked { primitive: primitive as u32, distance, slack };
                 }
             }
@@ -134,8 +145,9 @@ impl Reference {
 }
 
 impl Reference {
-    /// Judges the barycentric weights of the second and third vertex in an answer that names `primitive`: they must name a point of the
-    /// triangle that lies on the ray within its bound. Right for misses and spheres, which have none.
+    /// Checks the barycentric weights of the second and third vertex in a hit of `primitive`: their point
+    /// must lie on the triangle, and on the ray within its bound. Right for misses and spheres, which have no
+    /// weights.
     pub fn check_weights(
         &self,
         origin: [f32; 3],
@@ -170,7 +182,7 @@ impl Sphere {
         ((point - self.center).length() - self.radius).abs()
     }
 
-    /// None, or in and out.
+    /// None, or two: entry and exit.
     fn crossings(&self, origin: DVec3, unit: DVec3) -> Vec<Crossing> {
         let bound = self.bound(origin);
         let to_center = self.center - origin;
@@ -193,7 +205,7 @@ impl Triangle {
         BOUND * self.vertices.map(|vertex| (vertex - origin).length()).into_iter().fold(0.0, f64::max)
     }
 
-    /// The vertices as seen along the ray, which is at zero.
+    /// The vertices projected along the ray, which is at the origin.
     fn across(&self, origin: DVec3, unit: DVec3) -> [DVec3; 3] {
         self.vertices.map(|vertex| (vertex - origin) - unit * (vertex - origin).dot(unit))
     }
@@ -203,7 +215,7 @@ impl Triangle {
         let det = (b - a).cross(c - a).length();
         let lengths = [a, b, c].map(|vertex| vertex.length());
         let shape = BOUND * lengths.iter().product::<f64>() / det;
-        // `f64::min` takes the other one for 0 / 0.
+        // For 0 / 0, `f64::min` returns the other operand.
         self.outline_bound(origin) + shape.min(3.0_f64.sqrt() * lengths.into_iter().fold(0.0, f64::max))
     }
 
@@ -232,12 +244,12 @@ impl Triangle {
     }
 }
 
-/// From zero to the nearest of three edges.
+/// Distance of the origin from the nearest of three edges.
 fn outline_distance([a, b, c]: [DVec3; 3]) -> f64 {
     let to_edge = |from: DVec3, to: DVec3| {
         let edge = to - from;
         let along = (-from.dot(edge) / edge.length_squared()).clamp(0.0, 1.0);
-        // A vertex behind the other along the ray: the edge is a point.
+        // Both vertices project to one point: the edge has no length.
         if along.is_nan() { from.length() } else { (from + edge * along).length() }
     };
     to_edge(a, b).min(to_edge(b, c)).min(to_edge(c, a))

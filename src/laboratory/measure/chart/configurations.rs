@@ -1,8 +1,10 @@
-//! The ways to render a scene that are charted against each other.
+//! The configurations of the renderer that a chart compares.
 //!
-//! For: [`Configuration`], [`of_scene`]. May import: `render`, `traverse`, `buffers`, `sampling`. Must never know: clocks, errors.
+//! For: [`Configuration`], [`of_scene`]. May import: `render`, `traverse`, `buffers`, `sampling`. Must not
+//! know: clocks, errors.
 //!
-//! Each differs from the default in one thing, so that the chart shows what that thing costs and brings.
+//! Each differs from the default in one setting, so that the chart shows the cost and the benefit of that
+//! setting.
 
 use crate::buffers::{Features, LightChoice};
 use crate::render::{PipelineChoice, Renderer, Settings};
@@ -11,24 +13,25 @@ use crate::scene::Scene;
 use crate::traverse::batch::Traversal;
 use crate::traverse::{BoxChoice, Methods, SphereChoice, TraversalChoice, TriangleChoice, linear};
 
-/// One way to render.
+/// Settings under a name.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Configuration {
-    /// What differs from the default.
+    /// The difference from the default.
     pub name: &'static str,
     pub settings: Settings,
-    /// Do samples go where noise is, instead of to all pixels alike?
+    /// Whether sampling is adaptive.
     pub adaptive: bool,
-    /// Does it promise the very bits of the default, only faster or slower?
+    /// Whether pictures must have the bits of the default.
     pub same_bits: bool,
-    /// Do its equations hold where others fail? A picture's error hardly shows it, so what is faster without it is not called better.
+    /// Whether its intersection methods are the robust ones. A picture's error hardly shows it, so a
+    /// configuration that is faster and not robust does not count as better.
     pub robust: bool,
 }
 
-/// The name of what everything else is compared with.
+/// The configuration with which all others are compared.
 pub const DEFAULT: &str = "default";
 
-/// All names that there are, each at its place in every chart.
+/// All names, in the order of every chart.
 pub const NAMES: [&str; 16] = [
     DEFAULT,
     "scalar",
@@ -48,10 +51,11 @@ pub const NAMES: [&str; 16] = [
     "Baldwin–Weber",
 ];
 
-/// Above this cost of testing everything (in tests of a sphere, as [`linear::cost`] counts), nobody waits for it.
+/// Largest cost of testing every primitive that is charted, in sphere tests as [`linear::cost`]
+/// counts.
 const MOST_LINEAR: usize = 4_000;
 
-/// The configurations that can differ on this scene, the default first. `settings` are the default's.
+/// The configurations that can differ on this scene, the default first. `settings` are those of the default.
 pub fn of_scene(scene: &Scene, settings: Settings) -> Vec<Configuration> {
     let of = |name, settings: Settings, same_bits| {
         let robust = settings.methods.are_robust();
@@ -63,8 +67,8 @@ pub fn of_scene(scene: &Scene, settings: Settings) -> Vec<Configuration> {
         of(name, Settings { methods, ..settings }, same_bits)
     };
     let mut all = vec![of(DEFAULT, settings, true)];
-    let mut add = |pays: bool, one: Configuration| {
-        if pays {
+    let mut add = |applies: bool, one: Configuration| {
+        if applies {
             all.push(one);
         }
     };
@@ -90,20 +94,21 @@ pub fn of_scene(scene: &Scene, settings: Settings) -> Vec<Configuration> {
         add(hierarchy, through(name, TraversalChoice::Through(traversal)));
     }
 
-    let equations = linear && !hierarchy;
+    let methods_apply = linear && !hierarchy;
     add(hierarchy, with("boxes without padding", false, &|methods| methods.boxes = BoxChoice::Fma));
     let sphere = |sphere| with("naive spheres", false, &|methods: &mut Methods| methods.sphere = sphere);
-    add(equations && !scene.spheres.is_empty(), sphere(SphereChoice::Naive));
+    add(methods_apply && !scene.spheres.is_empty(), sphere(SphereChoice::Naive));
     for (name, triangle) in
         [("Möller–Trumbore", TriangleChoice::MollerTrumbore), ("Baldwin–Weber", TriangleChoice::BaldwinWeber)]
     {
         let one = with(name, false, &|methods| methods.triangle = triangle);
-        add(equations && !scene.triangles.is_empty(), one);
+        add(methods_apply && !scene.triangles.is_empty(), one);
     }
     all
 }
 
-/// Do these settings make another picture than the renderer does? Where a scene has no lamps, there is nothing to choose.
+/// Whether these settings give another picture than the renderer: without emitters, light sampling changes
+/// nothing.
 fn differs(scene: &Scene, renderer: &Renderer, settings: Settings) -> bool {
     let first = |renderer: &Renderer| {
         let mut film = renderer.film();
@@ -135,10 +140,10 @@ mod tests {
         assert!(cornell.contains(&"lights off") && cornell.contains(&"Baldwin–Weber"));
         assert!(
             !cornell.contains(&"naive spheres") && !cornell.contains(&"lights on"),
-            "auto takes all lamps"
+            "auto samples all emitters"
         );
         let all = three.iter().chain(&cornell);
-        assert!(all.clone().all(|name| NAMES.contains(name)), "every one has a colour of its own");
+        assert!(all.clone().all(|name| NAMES.contains(name)), "every configuration has a colour of its own");
         let terrain = names("builtin:terrain:2000");
         assert!(terrain.contains(&"streams") && !terrain.contains(&"every primitive tested"), "{terrain:?}");
     }

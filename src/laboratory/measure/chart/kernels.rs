@@ -1,15 +1,16 @@
-//! The equations alone: what a test costs, and what it gets wrong where it is hard.
+//! The intersection methods alone: time of a test, and error and failures on difficult inputs.
 //!
-//! For: [`measure`]. May import: `kernel_set`, `stability`. Must never know: how it is drawn.
+//! For: [`measure`]. May import: `kernel_set`, `stability`, `quantiles`. Must not know: how results are
+//! drawn.
 
 use crate::kernel::ray_box::BoxMethod;
 use crate::kernel::ray_sphere::SphereMethod;
 use crate::kernel::ray_triangle::TriangleMethod;
 use crate::lane::{F32x8, Lane};
 use crate::measure::kernel_set::{self as set, Found};
+use crate::measure::quantiles::{Quantiles, Rounds};
 use crate::measure::stability::methods::{Method, box_methods, sphere_methods, triangle_methods};
 use crate::measure::stability::{Effort, recipe};
-use crate::measure::statistics::Quantiles;
 use serde::Serialize;
 use std::hint::black_box;
 use std::time::{Duration, Instant};
@@ -22,15 +23,16 @@ pub struct Kernel {
     pub method: &'static str,
     pub default: bool,
     pub lanes: usize,
-    /// Nanoseconds of one core for one ray against one primitive.
+    /// Nanoseconds of one core per test of one ray against one primitive.
     pub ns: f64,
-    /// 10 % of the turns took less than the first, 10 % more than the second.
+    /// The 10th and the 90th percentile of the turns.
     pub ns_spread: [f64; 2],
-    /// The 99th percentile of the error of t, in the unit of `error_case`'s recipe; null for boxes, which have none.
+    /// The 99th percentile of the error of t, in the unit of `error_case`'s recipe; null for boxes, which
+    /// have none.
     pub p99: Option<f64>,
     /// The share of cases that fail.
     pub failures: f64,
-    /// Which recipes of `octray stability` say so, and where on their axes: for `p99`, and for `failures`.
+    /// The recipes of `octray stability`, and places on their axes, from which `p99` and `failures` come.
     pub error_case: Option<Case>,
     pub failure_case: Case,
 }
@@ -42,7 +44,7 @@ pub struct Case {
     pub place: f64,
 }
 
-/// Where methods differ.
+/// A family of methods, and the recipes on which its methods differ most.
 struct Family {
     name: &'static str,
     error: Option<Case>,
@@ -98,29 +100,30 @@ fn box_tests<L: Lane, B: BoxMethod>() -> Work {
     Box::new(move || set::all_boxes::<L, B>(black_box(&rays), black_box(&boxes)))
 }
 
-/// Something to time.
-struct Timed {
+/// A kernel while it is timed.
+struct TimedKernel {
     family: &'static Family,
     method: &'static str,
     default: bool,
     lanes: usize,
     work: Work,
-    /// Nanoseconds a test, turn by turn.
+    /// Nanoseconds per test, by turn.
     turns: Vec<f64>,
 }
 
-/// A turn: long beside the clock's own time, short beside the drift of a machine's clock.
+/// Length of a turn: long against the time of reading the clock, short against the drift of clock rates.
 const TURN: Duration = Duration::from_micros(500);
-/// The share of cases of the stability command; its errors at one place, of few methods, are cheap.
+/// The share of the stability command's cases.
 const EFFORT: Effort = Effort(0.25);
 
-/// Times every method at both widths by turns until `end`, at least three each, after finding out what they get wrong.
+/// Measures errors and failures of every method, then times every method at both widths in alternating turns
+/// until `end`, at least three each.
 pub fn measure(end: Instant) -> Vec<Kernel> {
     let mut all = Vec::new();
     let mut add = |family, lanes, methods: &[Method<fn() -> Work>]| {
         all.extend(methods.iter().map(|method| {
             let (method, default, work) = (method.name, method.default, (method.run)());
-            Timed { family, method, default, lanes, work, turns: Vec::new() }
+            TimedKernel { family, method, default, lanes, work, turns: Vec::new() }
         }));
     };
     add(&SPHERES, 8, &sphere_methods!(simd_spheres));
@@ -130,13 +133,13 @@ pub fn measure(end: Instant) -> Vec<Kernel> {
     add(&BOXES, 8, &box_methods!(simd_boxes));
     add(&BOXES, 1, &box_methods!(scalar_boxes));
     let errors: Vec<_> = all.iter().map(errors).collect();
-    while all[0].turns.len() < 3 || Instant::now() < end {
-        all.iter_mut().for_each(Timed::turn);
+    for _ in Rounds::until(end, 3, usize::MAX) {
+        all.iter_mut().for_each(TimedKernel::turn);
     }
     all.iter().zip(errors).map(|(timed, errors)| timed.kernel(errors)).collect()
 }
 
-impl Timed {
+impl TimedKernel {
     fn turn(&mut self) {
         let (start, mut rounds) = (Instant::now(), 0);
         while start.elapsed() < TURN {
@@ -154,7 +157,7 @@ impl Timed {
             default: self.default,
             lanes: self.lanes,
             ns: turns.median(),
-            ns_spread: [turns.at(0.1), turns.at(0.9)],
+            ns_spread: turns.spread(),
             p99,
             failures,
             error_case: self.family.error,
@@ -163,8 +166,8 @@ impl Timed {
     }
 }
 
-/// The 99th percentile of the error, and the share that fails, by the family's recipes.
-fn errors(timed: &Timed) -> (Option<f64>, f64) {
+/// The 99th percentile of the error, and the share of failures, from the family's recipes.
+fn errors(timed: &TimedKernel) -> (Option<f64>, f64) {
     let at = |case: Case| {
         let recipe = recipe(case.recipe).expect("the recipe that the family names");
         let method = recipe.method(timed.method).expect("the recipe has every method of the family");
@@ -175,16 +178,16 @@ fn errors(timed: &Timed) -> (Option<f64>, f64) {
 }
 
 impl Kernel {
-    /// Another method of the family at the same width that is no worse in anything and better in something, beyond the spread of the
-    /// turns: the fastest of these.
+    /// The fastest other method of the family at the same width that is faster beyond the spread of the turns
+    /// and has no larger error and no more failures.
     pub fn dominated_by<'a>(&self, all: &'a [Kernel]) -> Option<&'a Kernel> {
         let better = |other: &&Kernel| {
             let peer =
                 (other.family, other.lanes) == (self.family, self.lanes) && other.method != self.method;
             let errors = (other.p99.unwrap_or(0.0), other.failures);
             let ours = (self.p99.unwrap_or(0.0), self.failures);
-            let as_right = errors.0 <= ours.0 && errors.1 <= ours.1;
-            peer && as_right && other.ns_spread[1] < self.ns_spread[0]
+            let as_accurate = errors.0 <= ours.0 && errors.1 <= ours.1;
+            peer && as_accurate && other.ns_spread[1] < self.ns_spread[0]
         };
         all.iter().filter(better).min_by(|a, b| a.ns.total_cmp(&b.ns))
     }
@@ -211,7 +214,7 @@ mod tests {
     }
 
     #[test]
-    fn dominated_is_what_is_slower_and_no_more_right() {
+    fn dominated_is_slower_and_not_more_accurate() {
         let case = Case { recipe: "r", place: 1.0 };
         let of = |method, ns: f64, failures| Kernel {
             family: "sphere",
@@ -230,20 +233,26 @@ mod tests {
         let by = |number: usize| all[number].dominated_by(&all).map(|other| other.method);
         assert_eq!([by(0), by(1), by(2), by(3)], [None, None, Some("fast"), None]);
         let exact = Kernel { p99: Some(1e-7), ..of("exact", 4.0, 0.1) };
-        assert_eq!(exact.dominated_by(&all), None, "slower, and more right where it does not fail");
+        assert_eq!(exact.dominated_by(&all), None, "slower, and more accurate where it does not fail");
     }
 
     #[test]
-    fn turns_tell_nanoseconds_of_one_test() {
+    fn turns_give_nanoseconds_per_test() {
         let slept = Duration::from_millis(1);
         let work: Work = Box::new(move || {
             std::thread::sleep(slept);
             Found { hits: 0, distance: 0.0 }
         });
-        let mut timed =
-            Timed { family: &BOXES, method: "sleep", default: false, lanes: 8, work, turns: Vec::new() };
+        let mut timed = TimedKernel {
+            family: &BOXES,
+            method: "sleep",
+            default: false,
+            lanes: 8,
+            work,
+            turns: Vec::new(),
+        };
         timed.turn();
-        // Systems sleep longer than they are asked to, and never shorter.
+        // `sleep` takes at least its time, and often more.
         let least = slept.as_nanos() as f64 / (64.0 * 512.0);
         assert!((least..50.0 * least).contains(&timed.turns[0]), "{:?}", timed.turns);
     }

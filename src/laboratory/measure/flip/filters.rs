@@ -1,15 +1,15 @@
-//! Filters that are products of one in x and one in y.
+//! Separable filters: one in x, then one in y.
 //!
-//! For: [`Kernel`], [`rows`], [`columns`]. Must never know: colours.
+//! For: [`Kernel`], [`rows`], [`columns`]. May import: nothing. Must not know: colours.
 //!
-//! A pixel beyond the border is the border's nearest one.
+//! Beyond the border, the nearest pixel repeats.
 
-/// The weights of a filter in one direction, an odd number: the middle one is the pixel's own.
+/// The weights of a filter in one direction. Their number is odd; the middle one weighs the pixel itself.
 #[derive(Clone, Debug)]
 pub struct Kernel(Vec<f32>);
 
 impl Kernel {
-    /// `weight(x)` at the whole x within `radius`, times `scale(weights)`.
+    /// `weight(x)` at the integers x within `radius`, times `scale(weight, sum of weights)`.
     fn new(radius: usize, weight: impl Fn(f64) -> f64, scale: impl Fn(f64, f64) -> f64) -> Self {
         let radius = radius as i32;
         let weights: Vec<f64> = (-radius..=radius).map(|x| weight(f64::from(x))).collect();
@@ -17,13 +17,13 @@ impl Kernel {
         let scaled = weights.iter().map(|&weight| (weight * scale(weight, sum)) as f32);
         Self(scaled.collect())
     }
-    /// Weights that sum to 1. Those at the ends that f32 would not notice beside the middle one are left away.
+    /// Weights that sum to 1, without the ends that are below f32's resolution of the middle one.
     pub fn blur(radius: usize, weight: impl Fn(f64) -> f64) -> Self {
-        let (middle, noticed) = (weight(0.0), f64::from(f32::EPSILON) / 16.0);
-        let needed = (0..=radius).rev().find(|&x| weight(x as f64) > middle * noticed);
+        let (middle, resolution) = (weight(0.0), f64::from(f32::EPSILON) / 16.0);
+        let needed = (0..=radius).rev().find(|&x| weight(x as f64) > middle * resolution);
         Self::new(needed.unwrap_or(0), weight, |_, sum| 1.0 / sum)
     }
-    /// Weights whose positive ones sum to 1 and whose negative ones to −1.
+    /// Positive weights sum to 1, negative ones to −1.
     pub fn difference(radius: usize, weight: impl Fn(f64) -> f64) -> Self {
         let sums = |sign: f64| -> f64 {
             let radius = radius as i32;
@@ -37,7 +37,7 @@ impl Kernel {
     }
 }
 
-/// `sum += weight · values`, number by number.
+/// `sum += weight · values`, element by element.
 fn add(sum: &mut [f32], weight: f32, values: &[f32]) {
     sum.iter_mut().zip(values).for_each(|(sum, value)| *sum += weight * value);
 }
@@ -89,17 +89,17 @@ mod tests {
     }
 
     #[test]
-    fn difference_is_none_on_what_is_even_and_one_at_a_step() {
+    fn difference_is_0_on_a_constant_and_1_at_a_step() {
         let kernel = Kernel::difference(2, |x| -x);
         let step = [3.0, 3.0, 3.0, 3.0, 4.0, 4.0, 4.0, 4.0];
         let [edge] = rows(&step, 8, [&kernel]);
-        for (at, truth) in [0.0, 0.0, 2.0 / 3.0, 1.0, 1.0, 2.0 / 3.0, 0.0, 0.0].into_iter().enumerate() {
-            assert!((edge[at].abs() - truth).abs() < 1e-6, "{edge:?}");
+        for (at, expected) in [0.0, 0.0, 2.0 / 3.0, 1.0, 1.0, 2.0 / 3.0, 0.0, 0.0].into_iter().enumerate() {
+            assert!((edge[at].abs() - expected).abs() < 1e-6, "{edge:?}");
         }
     }
 
     #[test]
-    fn blur_leaves_away_what_nobody_notices() {
+    fn blur_omits_negligible_weights() {
         assert_eq!(Kernel::blur(100, |x| (-x * x).exp()).0.len(), 9);
     }
 }

@@ -1,16 +1,17 @@
-//! ꟻLIP: how different two pictures look to somebody who sees them by turns on a screen.
+//! ꟻLIP: the difference of two pictures as perceived when a screen alternates between them.
 //!
-//! For: [`Flip`]. May import: `film`, `output` (what a screen shows). Must never know: renderers, scenes.
+//! For: [`Flip`]. May import: `film`, `tone` (what a screen shows). Must not know: renderers, scenes.
 //!
-//! Source: Andersson, Nilsson, Akenine-Möller, Oskarsson, Åström, Fairchild, "FLIP: A Difference Evaluator for Alternating Images",
-//! Proceedings of the ACM on Computer Graphics and Interactive Techniques 3(2), 2020 (HPG), section 4; the form for pictures of low dynamic
-//! range. Written from the paper; the test `flip` holds it against its authors' own program. What differs, and not in the result: filters are
-//! applied in x and then in y, and opponent colours without their factors, which filters do not notice.
+//! Source: Andersson, Nilsson, Akenine-Möller, Oskarsson, Åström, Fairchild, "FLIP: A Difference Evaluator
+//! for Alternating Images", Proceedings of the ACM on Computer Graphics and Interactive Techniques 3(2), 2020
+//! (HPG), section 4; the low-dynamic-range form. Written from the paper; the test `flip` compares it with the
+//! authors' program. Two differences do not affect the result: filters are separable, in x and then in y, and
+//! opponent colours lack their constant factors, as filters are linear.
 //!
-//! 1. Colour (section 4.1): what the eye cannot resolve at this distance is blurred away in opponent colours; then the distance of the
-//!    colours in L*a*b*, HyAB, corrected for the Hunt effect and squeezed into [0, 1].
-//! 2. Features (section 4.2): edges and points that one picture has and the other has not, in [0, 1].
-//! 3. The difference of a pixel (section 4.3) is colour^(1 − feature): a feature makes a difference of colours larger.
+//! 1. Colour (section 4.1): contrast sensitivity filters blur details that the eye cannot resolve, in
+//!    opponent colours; then the HyAB distance in L*a*b*, corrected for the Hunt effect and mapped to [0, 1].
+//! 2. Features (section 4.2): difference of edges and points, in [0, 1].
+//! 3. The difference of a pixel (section 4.3) is colour^(1 − feature): features increase a colour difference.
 
 mod filters;
 
@@ -24,13 +25,14 @@ use std::sync::LazyLock;
 /// A screen 3840 pixels and 0.7 m wide, seen from 0.7 m (section 4.1).
 pub const PIXELS_PER_DEGREE: f64 = 67.0;
 
-/// The eye's contrast sensitivity as a sum of Gaussians a √(π/b) exp(−π² x²/b), x in degrees: pairs of a and b for achromatic, red-green
-/// and blue-yellow (table 1).
+/// The eye's contrast sensitivity as a sum of Gaussians a √(π/b) exp(−π² x²/b), x in degrees: pairs of a and
+/// b for achromatic, red-green and blue-yellow (table 1).
 const ACHROMATIC: (f64, f64) = (1.0, 0.0047);
 const RED_GREEN: (f64, f64) = (1.0, 0.0053);
 const BLUE_YELLOW: [(f64, f64); 2] = [(34.1, 0.04), (13.5, 0.025)];
 
-/// The exponent that squeezes large differences of colour (qc), the share of the largest that becomes `HIGH` (pc), and that (pt): section 4.1.
+/// Section 4.1: the exponent of colour differences (qc), and the share of the largest one (pc) that maps to
+/// `HIGH` (pt).
 const COLOR_EXPONENT: f32 = 0.7;
 const LOW: f32 = 0.4;
 const HIGH: f32 = 0.95;
@@ -38,36 +40,36 @@ const HIGH: f32 = 0.95;
 const FEATURE_DEGREES: f64 = 0.082;
 const FEATURE_EXPONENT: f32 = 0.5;
 
-/// One picture, prepared to be held against many.
+/// One picture, prepared for comparison with many.
 #[derive(Clone, Debug)]
 pub struct Flip {
     tone: Tone,
     eye: Eye,
-    reference: Seen,
+    reference: Filtered,
 }
 
 impl Flip {
-    /// As the program shows pictures where nobody chooses, at [`PIXELS_PER_DEGREE`].
+    /// With the default tone mapping, at [`PIXELS_PER_DEGREE`].
     pub fn of(reference: &Picture) -> Self {
         Self::with(reference, Tone::default(), PIXELS_PER_DEGREE)
     }
 
-    /// Shown by `tone`, with so many pixels in a degree of the field of view.
+    /// With this tone mapping and this many pixels per degree of the field of view.
     pub fn with(reference: &Picture, tone: Tone, pixels_per_degree: f64) -> Self {
         let eye = Eye::at(pixels_per_degree);
-        Self { tone, reference: eye.look(reference, &tone), eye }
+        Self { tone, reference: eye.filter(reference, &tone), eye }
     }
 
-    /// The mean difference of the pixels: 0 where both pictures show the same, 1 where one is green and the other blue. It is that of their
-    /// .png files: eight bits a channel.
+    /// The mean difference of the pixels: 0 for equal pictures, 1 for green against blue. It is that of their
+    /// .png files, at eight bits a channel.
     ///
     /// # Panics
     /// If the pictures differ in size.
     pub fn against(&self, picture: &Picture) -> f64 {
-        let (ours, theirs) = (&self.reference, self.eye.look(picture, &self.tone));
+        let (ours, theirs) = (&self.reference, self.eye.filter(picture, &self.tone));
         assert_eq!(ours.size, theirs.size, "pictures of one size");
         let pixels = (0..ours.colors.len()).map(|i| {
-            let color = squeeze(hyab(ours.colors[i], theirs.colors[i]));
+            let color = to_unit(hyab(ours.colors[i], theirs.colors[i]));
             let [edges, points] =
                 [0, 1].map(|kind| (ours.features[kind][i] - theirs.features[kind][i]).abs());
             let feature = (edges.max(points) * std::f32::consts::FRAC_1_SQRT_2).powf(FEATURE_EXPONENT);
@@ -77,17 +79,17 @@ impl Flip {
     }
 }
 
-/// What remains of a picture in front of the eye.
+/// A picture after the filters.
 #[derive(Clone, Debug)]
-struct Seen {
+struct Filtered {
     size: [u32; 2],
     /// L*a*b* after the blur, with the Hunt effect.
     colors: Vec<Vec3>,
-    /// How much of an edge, and of a point, is at each pixel.
+    /// Strength of edges, and of points, at each pixel.
     features: [Vec<f32>; 2],
 }
 
-/// The filters of an eye at a certain distance.
+/// The filters at one viewing distance.
 #[derive(Clone, Debug)]
 struct Eye {
     achromatic: Kernel,
@@ -105,29 +107,29 @@ impl Eye {
         let radius = (3.0 * (BLUE_YELLOW[0].1 / (2.0 * PI * PI)).sqrt() * pixels_per_degree).ceil();
         let gauss = |b: f64| move |x: f64| (-(PI * x / pixels_per_degree).powi(2) / b).exp();
         let blur = |(_, b): (f64, f64)| Kernel::blur(radius as usize, gauss(b));
-        // All weights of the plane together: the square of what a row has.
+        // The sum of the weights in the plane: the square of a row's sum.
         let whole = |(a, b): (f64, f64)| {
             let row: f64 = (-radius as i32..=radius as i32).map(|x| gauss(b)(f64::from(x))).sum();
             a * (PI / b).sqrt() * row * row
         };
         let both: f64 = BLUE_YELLOW.into_iter().map(whole).sum();
         let sigma = 0.5 * FEATURE_DEGREES * pixels_per_degree;
-        let reach = (3.0 * sigma).ceil() as usize;
+        let radius_of_features = (3.0 * sigma).ceil() as usize;
         let bell = |x: f64| (-(x / sigma).powi(2) / 2.0).exp();
         Self {
             achromatic: blur(ACHROMATIC),
             red_green: blur(RED_GREEN),
             blue_yellow: BLUE_YELLOW.map(|term| (blur(term), (whole(term) / both) as f32)),
             feature: [
-                Kernel::blur(reach, bell),
-                Kernel::difference(reach, |x| -x * bell(x)),
-                Kernel::difference(reach, |x| ((x / sigma).powi(2) - 1.0) * bell(x)),
+                Kernel::blur(radius_of_features, bell),
+                Kernel::difference(radius_of_features, |x| -x * bell(x)),
+                Kernel::difference(radius_of_features, |x| ((x / sigma).powi(2) - 1.0) * bell(x)),
             ],
         }
     }
 
     /// Steps 1 and 2 for one picture.
-    fn look(&self, picture: &Picture, tone: &Tone) -> Seen {
+    fn filter(&self, picture: &Picture, tone: &Tone) -> Filtered {
         let width = picture.width as usize;
         let [luminance, red_green, blue_yellow] = opponents(&tone.bytes(picture));
         let blur = |values: &[f32], kernel: &Kernel| {
@@ -142,15 +144,15 @@ impl Eye {
             let blue_yellow = wide.0[i] * wide.1 + narrow.0[i] * narrow.1;
             perceived([blurred[0][i], blurred[1][i], blue_yellow])
         };
-        Seen {
+        Filtered {
             size: [picture.width, picture.height],
             colors: (0..luminance.len()).map(color).collect(),
             features: self.features(&luminance, width),
         }
     }
 
-    /// How much of an edge and of a point is at each pixel (section 4.2): the length of the vector of what the derivative's filter finds in x and in
-    /// y, each blurred in the other direction.
+    /// Strength of edges and of points at each pixel (section 4.2): the length of the vector of the
+    /// derivative filter in x and in y, each blurred in the other direction.
     fn features(&self, luminance: &[f32], width: usize) -> [Vec<f32>; 2] {
         let [bell, edge, point] = &self.feature;
         let [blurred, edges, points] = rows(luminance, width, [bell, edge, point]);
@@ -161,8 +163,8 @@ impl Eye {
     }
 }
 
-/// The colour of a pair of primaries' light in CIE XYZ over that of white, so that white is (1, 1, 1): columns are red, green and blue of
-/// sRGB. Source: IEC 61966-2-1 (primaries), CIE 15 (D65).
+/// Linear sRGB to CIE XYZ, divided by the white point so that white is (1, 1, 1). Columns are red, green and
+/// blue. Source: IEC 61966-2-1 (primaries), CIE 15 (D65).
 static WHITE_XYZ: LazyLock<DMat3> = LazyLock::new(|| {
     let xyz = DMat3::from_cols_array(&[
         0.412_386_56,
@@ -177,11 +179,12 @@ static WHITE_XYZ: LazyLock<DMat3> = LazyLock::new(|| {
     ]);
     DMat3::from_diagonal((xyz * DVec3::ONE).recip()) * xyz
 });
-/// There and back, as f32.
+/// The conversion and its inverse, as f32.
 static FROM_RGB: LazyLock<glam::Mat3> = LazyLock::new(|| WHITE_XYZ.as_mat3());
 static TO_RGB: LazyLock<glam::Mat3> = LazyLock::new(|| WHITE_XYZ.inverse().as_mat3());
 
-/// Y, X − Y and Y − Z of each pixel, white being (1, 1, 1): the paper's YCxCz is (116 Y − 16, 500 (X − Y), 200 (Y − Z)).
+/// Y, X − Y and Y − Z of each pixel, white being (1, 1, 1): the paper's YCxCz is (116 Y − 16, 500 (X − Y),
+/// 200 (Y − Z)).
 fn opponents(bytes: &[u8]) -> [Vec<f32>; 3] {
     static LINEAR: LazyLock<[f32; 256]> =
         LazyLock::new(|| std::array::from_fn(|byte| tone::srgb_decode(byte as f64 / 255.0) as f32));
@@ -195,15 +198,17 @@ fn opponents(bytes: &[u8]) -> [Vec<f32>; 3] {
     channels
 }
 
-/// From blurred opponent colours to L*a*b* with the Hunt effect. What the blur moved out of the screen's colours is clamped into them.
+/// From blurred opponent colours to L*a*b* with the Hunt effect. Colours outside the screen's gamut are
+/// clamped.
 fn perceived([luminance, red_green, blue_yellow]: [f32; 3]) -> Vec3 {
     let xyz = Vec3::new(luminance + red_green, luminance, luminance - blue_yellow);
     hunt(*FROM_RGB * (*TO_RGB * xyz).clamp(Vec3::ZERO, Vec3::ONE))
 }
 
-/// L*a*b* of a colour over white (CIE 15), with chroma that grows with lightness: brighter things look more colourful (section 4.1).
+/// L*a*b* of a colour over white (CIE 15), with chroma times lightness, the Hunt effect: brighter colours
+/// look more colourful (section 4.1).
 fn hunt(xyz: Vec3) -> Vec3 {
-    // The line meets the root with its slope at (6/29)³.
+    // Below (6/29)³, the tangent of the cube root.
     const DELTA: f32 = 6.0 / 29.0;
     let root = |t: f32| {
         if t > DELTA * DELTA * DELTA { t.cbrt() } else { t / (3.0 * DELTA * DELTA) + 4.0 / 29.0 }
@@ -213,16 +218,17 @@ fn hunt(xyz: Vec3) -> Vec3 {
     Vec3::new(lightness, 0.01 * lightness * 500.0 * (x - y), 0.01 * lightness * 200.0 * (y - z))
 }
 
-/// The distance of two colours: that in lightness and that in chroma, added. Source: Abasi, Amani Tehran, Fairchild, "Distance metrics
-/// for very large color differences", Color Research and Application 45(2), 2020.
+/// HyAB: the difference in lightness plus the Euclidean distance in chroma. Source: Abasi, Amani Tehran,
+/// Fairchild, "Distance metrics for very large color differences", Color Research and Application 45(2),
+/// 2020.
 fn hyab(a: Vec3, b: Vec3) -> f32 {
     let apart = a - b;
     apart.x.abs() + apart.y.hypot(apart.z)
 }
 
-/// A distance of colours in [0, 1]: the root-like curve, then a line to (pc · largest, pt) and one from there to (largest, 1). The largest distance is
-/// that of the screen's green and blue (section 4.1).
-fn squeeze(distance: f32) -> f32 {
+/// Maps a colour distance to [0, 1]: the power curve, then a line to (pc · largest, pt) and one from there to
+/// (largest, 1). The largest distance is that of the screen's green and blue (section 4.1).
+fn to_unit(distance: f32) -> f32 {
     static LARGEST: LazyLock<f32> = LazyLock::new(|| {
         let [green, blue] = [Vec3::Y, Vec3::Z].map(|rgb| hunt(*FROM_RGB * rgb));
         hyab(green, blue).powf(COLOR_EXPONENT)

@@ -1,16 +1,18 @@
-//! Boxes at corners and edges, in the planes of faces, far from the origin, at all scales; and how much is let through beside them.
+//! Boxes: corners and edges, planes of faces, far from the origin, all scales; and false hits beside padded
+//! boxes.
 //!
 //! Source: Ize, "Robust BVH Ray Traversal", JCGT 2(2), 2013.
 
-use super::aim::{exactly, ray, towards};
 use super::methods::box_methods;
-use super::{Bound, Dice, Recipe, Tally};
+use super::rays::{ray, to_f64, towards};
+use super::recipe::{Bound, FailureCounts, Recipe};
+use super::rng::Rng;
 use crate::kernel::ray_box::{BoxMethod, Padding};
 use crate::math::{self, Ray};
 use glam::{DVec3, Vec3};
 
 const IZE: &str = "Ize, Robust BVH Ray Traversal, JCGT 2(2), 2013";
-const FALSE_MISS: &str = "a box that is hit is missed";
+const FALSE_MISS: &str = "a ray that hits the box misses it";
 
 pub const RECIPES: &[Recipe] = &[
     Recipe {
@@ -19,10 +21,10 @@ pub const RECIPES: &[Recipe] = &[
         axis: "distance of the box from the origin / its size",
         places: &[0.0, 1.0, 10.0, 100.0, 1e3, 1e4, 1e5, 1e6],
         failure: FALSE_MISS,
-        error: Some("|Δt| of where the ray enters / t"),
+        error: Some("|Δt| of the entry point / t"),
         source: IZE,
         cases: 100_000,
-        methods: &box_methods!(at_corners),
+        methods: &box_methods!(at_corners, entry),
         bound: |_| Bound::NO_FAILURE,
     },
     Recipe {
@@ -34,31 +36,31 @@ pub const RECIPES: &[Recipe] = &[
         error: None,
         source: IZE,
         cases: 100_000,
-        methods: &box_methods!(along_faces),
+        methods: &box_methods!(along_faces, entry),
         bound: |_| Bound::NO_FAILURE,
     },
     Recipe {
         name: "boxes-scale",
-        title: "Boxes of all sizes, flat ones among them, and directions next to an axis",
+        title: "Boxes of all sizes, also flat ones, and directions close to an axis",
         axis: "size of the scene",
         places: &SCALES,
         failure: FALSE_MISS,
         error: None,
         source: IZE,
         cases: 100_000,
-        methods: &box_methods!(at_scale),
+        methods: &box_methods!(at_scale, entry),
         bound: |_| Bound::NO_FAILURE,
     },
     Recipe {
         name: "boxes-beside",
-        title: "The price: rays that miss a box by little",
+        title: "The cost of padding: rays that miss a box by little",
         axis: "distance of ray and box / padding of the default method",
         places: &[0.01, 0.03, 0.1, 0.3, 1.0, 2.0, 10.0, 100.0],
-        failure: "a box that is missed is passed",
+        failure: "a ray that misses the box hits it",
         error: None,
         source: "this program",
         cases: 50_000,
-        methods: &box_methods!(beside),
+        methods: &box_methods!(beside, entry),
         bound: |off| if off < 2.0 { Bound::NONE } else { Bound::NO_FAILURE },
     },
 ];
@@ -74,12 +76,12 @@ pub struct Cuboid {
 }
 
 impl Cuboid {
-    /// Of any size and place within ±`scale`, flat ones among them.
-    pub fn random(dice: &mut Dice, scale: f64) -> Self {
-        let center = dice.in_cube() * scale;
-        let half = DVec3::from_array([(); 3].map(|()| match dice.index(5) {
+    /// A box of random size and place within ±`scale`; some are flat.
+    pub fn random(rng: &mut Rng, scale: f64) -> Self {
+        let center = rng.in_cube() * scale;
+        let half = DVec3::from_array([(); 3].map(|()| match rng.index(5) {
             0 => 0.0,
-            _ => 0.5 * dice.scale(1e-6, 1.0) * scale,
+            _ => 0.5 * rng.scale(1e-6, 1.0) * scale,
         }));
         Self { lo: (center - half).as_vec3(), hi: (center + half).as_vec3() }
     }
@@ -87,30 +89,31 @@ impl Cuboid {
     pub fn extent(&self) -> f32 {
         self.lo.abs().max(self.hi.abs()).max_element()
     }
-    /// A corner, or a point of an edge, a face or the inside: in every axis the lower plane, the upper one, or between.
-    pub fn point(&self, dice: &mut Dice) -> DVec3 {
+    /// A corner, or a point of an edge, a face or the inside: in each axis on the lower plane, on the upper
+    /// one, or between.
+    pub fn point(&self, rng: &mut Rng) -> DVec3 {
         let (lo, hi) = (self.lo.as_dvec3(), self.hi.as_dvec3());
-        let share = DVec3::from_array([(); 3].map(|()| match dice.index(3) {
+        let share = DVec3::from_array([(); 3].map(|()| match rng.index(3) {
             0 => 0.0,
             1 => 1.0,
-            _ => dice.unit(),
+            _ => rng.unit(),
         }));
         lo + (hi - lo) * share
     }
-    fn corner(&self, dice: &mut Dice) -> DVec3 {
-        let share = DVec3::from_array([(); 3].map(|()| dice.index(2) as f64));
+    fn corner(&self, rng: &mut Rng) -> DVec3 {
+        let share = DVec3::from_array([(); 3].map(|()| rng.index(2) as f64));
         self.lo.as_dvec3() + (self.hi.as_dvec3() - self.lo.as_dvec3()) * share
     }
-    /// Grown by as much on every side, in f64.
+    /// Lower and upper corner in f64, moved outwards by `by`.
     pub fn grown(&self, by: f64) -> (DVec3, DVec3) {
         (self.lo.as_dvec3() - by, self.hi.as_dvec3() + by)
     }
 }
 
-/// The judge: where the ray is in the box, by its t; the first is above the second where it misses. In f64, where differences of f32
-/// numbers of one size are exact.
-pub fn truth((lo, hi): (DVec3, DVec3), ray: &Ray<f32>) -> (f64, f64) {
-    let (origin, direction) = exactly(ray);
+/// The interval of t inside the box; the first is above the second for a miss. In f64, where differences of
+/// f32 numbers of similar size are exact.
+pub fn reference_interval((lo, hi): (DVec3, DVec3), ray: &Ray<f32>) -> (f64, f64) {
+    let (origin, direction) = to_f64(ray);
     let (mut near, mut far) = (f64::NEG_INFINITY, f64::INFINITY);
     for axis in 0..3 {
         let (o, d) = (origin[axis], direction[axis]);
@@ -126,35 +129,36 @@ pub fn truth((lo, hi): (DVec3, DVec3), ray: &Ray<f32>) -> (f64, f64) {
     (near, far)
 }
 
-/// Does the ray meet what lies between these corners, in front of its origin?
+/// Whether the ray hits the box between these corners, in front of its origin.
 pub fn meets(corners: (DVec3, DVec3), ray: &Ray<f32>) -> bool {
-    let (enter, leave) = truth(corners, ray);
+    let (enter, leave) = reference_interval(corners, ray);
     enter <= leave && leave >= 0.0
 }
 
-/// The padding that the default method gives a box, in scene units along each axis: see [`crate::kernel::ray_box::Slabs::new`].
+/// The padding that the default method gives a box, in scene units along each axis: see
+/// [`crate::kernel::ray_box::Slabs::new`].
 pub fn padding(cuboid: &Cuboid, origin: Vec3) -> f64 {
     f64::from(origin.abs().max_element() + cuboid.extent()) * 0.5f64.powi(21)
 }
 
-/// Components that divide by zero, or nearly.
+/// Direction components whose reciprocals are infinite or very large.
 const AWKWARD: [f32; 10] =
     [0.0, -0.0, 1e-17, -1e-17, 1e-18, -1e-19, 1e-40, -1e-40, f32::from_bits(1), -1e-30];
 
-/// A ray towards a point of the box, often a corner or a point of an edge; often with components next to zero, and then often in the plane
-/// of a face.
-pub fn aimed(dice: &mut Dice, cuboid: &Cuboid, scale: f64) -> Ray<f32> {
-    let target = cuboid.point(dice);
-    let mut origin = match dice.index(4) {
-        0 => cuboid.point(dice).as_vec3(),
-        1 => (dice.in_cube() * (100.0 * scale)).as_vec3(),
-        _ => (dice.in_cube() * (2.0 * scale)).as_vec3(),
+/// A ray towards a point of the box, often a corner or a point of an edge; often with components near zero,
+/// and then often in the plane of a face.
+pub fn aimed(rng: &mut Rng, cuboid: &Cuboid, scale: f64) -> Ray<f32> {
+    let target = cuboid.point(rng);
+    let mut origin = match rng.index(4) {
+        0 => cuboid.point(rng).as_vec3(),
+        1 => (rng.in_cube() * (100.0 * scale)).as_vec3(),
+        _ => (rng.in_cube() * (2.0 * scale)).as_vec3(),
     };
-    let mut direction = (target - origin.as_dvec3()).normalize_or(dice.direction()).as_vec3();
-    if dice.index(2) == 0 {
-        let first = dice.index(3);
-        for axis in [first, (first + 1) % 3].into_iter().take(1 + dice.index(2)) {
-            direction[axis] = AWKWARD[dice.index(AWKWARD.len())];
+    let mut direction = (target - origin.as_dvec3()).normalize_or(rng.direction()).as_vec3();
+    if rng.index(2) == 0 {
+        let first = rng.index(3);
+        for axis in [first, (first + 1) % 3].into_iter().take(1 + rng.index(2)) {
+            direction[axis] = AWKWARD[rng.index(AWKWARD.len())];
             origin[axis] = target[axis] as f32;
         }
         direction = direction.as_dvec3().normalize_or(DVec3::X).as_vec3();
@@ -162,88 +166,92 @@ pub fn aimed(dice: &mut Dice, cuboid: &Cuboid, scale: f64) -> Ray<f32> {
     ray(origin, direction)
 }
 
-/// A ray that misses the box by `by` paddings at least, and by hardly more than twice as many; `None` if this throw went astray.
-pub fn passing(dice: &mut Dice, cuboid: &Cuboid, scale: f64, by: f64) -> Option<Ray<f32>> {
-    let origin = (dice.in_cube() * (4.0 * scale)).as_vec3();
+/// A ray that misses the box by at least `by` paddings, and hardly by more than three times as many; `None`
+/// if the random ray does not.
+pub fn passing(rng: &mut Rng, cuboid: &Cuboid, scale: f64, by: f64) -> Option<Ray<f32>> {
+    let origin = (rng.in_cube() * (4.0 * scale)).as_vec3();
     let padding = padding(cuboid, origin);
-    let outwards = DVec3::from_array([(); 3].map(|()| dice.signed().signum()));
-    let target = cuboid.point(dice) + outwards * (padding * by * (1.0 + 2.0 * dice.unit()));
+    let outwards = DVec3::from_array([(); 3].map(|()| rng.signed().signum()));
+    let target = cuboid.point(rng) + outwards * (padding * by * (1.0 + 2.0 * rng.unit()));
     let direction = (target - origin.as_dvec3()).normalize_or(DVec3::X).as_vec3();
     let ray = ray(origin, direction);
     (!meets(cuboid.grown(by * padding), &ray)).then_some(ray)
 }
 
-/// Where the method says that the ray enters the box, if it passes it.
-fn answer<B: BoxMethod>(cuboid: &Cuboid, ray: &Ray<f32>) -> Option<f32> {
+/// The t at which a ray enters a box by one method; `None` for a miss.
+type Entry = fn(&Cuboid, &Ray<f32>) -> Option<f32>;
+
+/// The t at which the ray enters the box by method `B`; `None` for a miss.
+fn entry<B: BoxMethod>(cuboid: &Cuboid, ray: &Ray<f32>) -> Option<f32> {
     let prepared = B::prepare(ray, Padding::new(cuboid.extent()));
     let (near, far) = B::pass(&prepared, math::Vec3::splat(cuboid.lo), math::Vec3::splat(cuboid.hi));
     (near <= far && far >= 0.0).then_some(near)
 }
 
-/// Counts a ray, if it truly hits the box.
-fn count<B: BoxMethod>(tally: &mut Tally, cuboid: &Cuboid, ray: &Ray<f32>) {
+/// Records a ray that hits the box: a miss is a failure.
+fn record_hit(counts: &mut FailureCounts, cuboid: &Cuboid, ray: &Ray<f32>, entry: Entry) {
     if meets(cuboid.grown(0.0), ray) {
-        tally.count(answer::<B>(cuboid, ray).is_none());
+        counts.record(entry(cuboid, ray).is_none());
     }
 }
 
-/// From up to four sizes away.
-fn at_corners<B: BoxMethod>(dice: &mut Dice, offset: f64, cases: usize) -> Tally {
-    let mut tally = Tally::default();
-    while tally.tested < cases {
-        let center = dice.direction() * offset;
-        let half = DVec3::from_array([(); 3].map(|()| 0.05 + 0.45 * dice.unit()));
+/// Origins up to four sizes away.
+fn at_corners(rng: &mut Rng, offset: f64, cases: usize, entry: Entry) -> FailureCounts {
+    let mut counts = FailureCounts::default();
+    while counts.tested < cases {
+        let center = rng.direction() * offset;
+        let half = DVec3::from_array([(); 3].map(|()| 0.05 + 0.45 * rng.unit()));
         let cuboid = Cuboid { lo: (center - half).as_vec3(), hi: (center + half).as_vec3() };
-        let origin = (center + dice.in_cube() * 4.0).as_vec3();
-        let ray = towards(origin, cuboid.corner(dice));
-        // Rounding of the direction takes about half of them outside.
-        let (enter, leave) = truth(cuboid.grown(0.0), &ray);
+        let origin = (center + rng.in_cube() * 4.0).as_vec3();
+        let ray = towards(origin, cuboid.corner(rng));
+        // Rounding of the direction moves about half of them outside.
+        let (enter, leave) = reference_interval(cuboid.grown(0.0), &ray);
         if enter <= leave && enter > 0.0 {
-            match answer::<B>(&cuboid, &ray) {
-                Some(near) => tally.off_by((f64::from(near) / enter - 1.0).abs()),
-                None => tally.count(true),
+            match entry(&cuboid, &ray) {
+                Some(near) => counts.record_error((f64::from(near) / enter - 1.0).abs()),
+                None => counts.record(true),
             }
         }
     }
-    tally
+    counts
 }
 
-/// The component across the face is as it is said, of either sign; both faces of each axis by turns.
-fn along_faces<B: BoxMethod>(dice: &mut Dice, across: f64, cases: usize) -> Tally {
-    let mut tally = Tally::default();
-    while tally.tested < cases {
-        let center = dice.in_cube();
-        let half = DVec3::from_array([(); 3].map(|()| 0.05 + 0.45 * dice.unit()));
+/// The direction's component across the face is ±`across`; lower and upper faces of all axes.
+fn along_faces(rng: &mut Rng, across: f64, cases: usize, entry: Entry) -> FailureCounts {
+    let mut counts = FailureCounts::default();
+    while counts.tested < cases {
+        let center = rng.in_cube();
+        let half = DVec3::from_array([(); 3].map(|()| 0.05 + 0.45 * rng.unit()));
         let cuboid = Cuboid { lo: (center - half).as_vec3(), hi: (center + half).as_vec3() };
-        let axis = dice.index(3);
-        let mut origin = (dice.in_cube() * 4.0).as_vec3();
-        origin[axis] = [cuboid.lo, cuboid.hi][dice.index(2)][axis];
-        let mut target = center + half * dice.in_cube();
+        let axis = rng.index(3);
+        let mut origin = (rng.in_cube() * 4.0).as_vec3();
+        origin[axis] = [cuboid.lo, cuboid.hi][rng.index(2)][axis];
+        let mut target = center + half * rng.in_cube();
         target[axis] = f64::from(origin[axis]);
         let mut direction = (target - origin.as_dvec3()).normalize_or(DVec3::X).as_vec3();
-        direction[axis] = across as f32 * [1.0, -1.0][dice.index(2)];
-        count::<B>(&mut tally, &cuboid, &ray(origin, direction));
+        direction[axis] = across as f32 * [1.0, -1.0][rng.index(2)];
+        record_hit(&mut counts, &cuboid, &ray(origin, direction), entry);
     }
-    tally
+    counts
 }
 
-fn at_scale<B: BoxMethod>(dice: &mut Dice, scale: f64, cases: usize) -> Tally {
-    let mut tally = Tally::default();
-    while tally.tested < cases {
-        let cuboid = Cuboid::random(dice, scale);
-        let ray = aimed(dice, &cuboid, scale);
-        count::<B>(&mut tally, &cuboid, &ray);
+fn at_scale(rng: &mut Rng, scale: f64, cases: usize, entry: Entry) -> FailureCounts {
+    let mut counts = FailureCounts::default();
+    while counts.tested < cases {
+        let cuboid = Cuboid::random(rng, scale);
+        let ray = aimed(rng, &cuboid, scale);
+        record_hit(&mut counts, &cuboid, &ray, entry);
     }
-    tally
+    counts
 }
 
-fn beside<B: BoxMethod>(dice: &mut Dice, off: f64, cases: usize) -> Tally {
-    let mut tally = Tally::default();
-    while tally.tested < cases {
-        let cuboid = Cuboid::random(dice, 1.0);
-        if let Some(ray) = passing(dice, &cuboid, 1.0, off) {
-            tally.count(answer::<B>(&cuboid, &ray).is_some());
+fn beside(rng: &mut Rng, off: f64, cases: usize, entry: Entry) -> FailureCounts {
+    let mut counts = FailureCounts::default();
+    while counts.tested < cases {
+        let cuboid = Cuboid::random(rng, 1.0);
+        if let Some(ray) = passing(rng, &cuboid, 1.0, off) {
+            counts.record(entry(&cuboid, &ray).is_some());
         }
     }
-    tally
+    counts
 }

@@ -1,8 +1,10 @@
-//! Cameras: fields of view near 0° and 180°, and cameras inside of things.
+//! Cameras: fields of view near 0° and 180°, and cameras inside objects.
 
-use super::aim::ray;
-use super::scenes::{self, Way, empty, put_box, sphere};
-use super::{Bound, Dice, EPSILON, Method, Recipe, Tally};
+use super::methods::Method;
+use super::rays::ray;
+use super::recipe::{Bound, EPSILON, FailureCounts, Recipe};
+use super::rng::Rng;
+use super::scenes::{self, RenderMethods, empty, put_box, sphere};
 use crate::buffers::store_triangles;
 use crate::camera::Pinhole;
 use crate::kernel::ray_sphere::{Robust, SphereMethod};
@@ -20,31 +22,31 @@ pub const RECIPES: &[Recipe] = &[
         places: &[
             1e-5, 1e-4, 1e-3, 1e-2, 0.1, 1.0, 10.0, 40.0, 90.0, 150.0, 170.0, 179.0, 179.9, 179.99, 179.999,
         ],
-        failure: "direction is no number, not of unit length within 4 ε, or half a pixel and more off where single precision can tell \
-                  pixels apart",
+        failure: "direction is NaN, not of unit length within 4 ε, or off by half a pixel or more where single precision resolves \
+                  pixels",
         error: Some("pixels off"),
         source: "Shirley, Ray Tracing in One Weekend §12; half the picture's height is tan(fov / 2), a pixel's 1 / 135 of twice that",
         cases: 50_000,
         methods: &[
-            Method::other("corner-in-the-world", |dice, x, cases| views(dice, x, cases, in_the_world)),
-            Method::other("f32", |dice, x, cases| views(dice, x, cases, in_single)),
-            Method::default("corner-in-f64", |dice, x, cases| views(dice, x, cases, pinhole)),
+            Method::other("corner-in-the-world", |rng, x, cases| views(rng, x, cases, in_the_world)),
+            Method::other("f32", |rng, x, cases| views(rng, x, cases, in_single)),
+            Method::default("corner-in-f64", |rng, x, cases| views(rng, x, cases, pinhole)),
         ],
-        bound: |degrees| Bound::error(8.0 * EPSILON * coarseness(degrees)),
+        bound: |degrees| Bound::error(8.0 * EPSILON * pixels_per_unit(degrees)),
     },
     Recipe {
         name: "cameras-inside",
         title: "Cameras inside balls and boxes of all sizes",
         axis: "distance from the wall / size",
         places: &[1e-5, 1e-4, 1e-3, 1e-2, 0.1, 0.5, 1.0],
-        failure: "the camera sees nothing, or what the judge does not find there",
+        failure: "a camera ray hits nothing, or a hit that the f64 reference rejects",
         error: None,
-        source: "a closed thing is seen in every direction from inside",
+        source: "from inside a closed object, every ray hits it",
         cases: 20_000,
         methods: &[
-            Method::other("least-t-1e-4", |dice, x, cases| inside(dice, x, cases, beyond_least_t)),
-            Method::default("renderer", |dice, x, cases| {
-                inside(dice, x, cases, |scene| scenes::seen(scene, Way::NEEDED))
+            Method::other("least-t-1e-4", |rng, x, cases| inside(rng, x, cases, beyond_least_t)),
+            Method::default("renderer", |rng, x, cases| {
+                inside(rng, x, cases, |scene| scenes::seen(scene, RenderMethods::NEEDED))
             }),
         ],
         bound: |_| Bound::NO_FAILURE,
@@ -53,21 +55,22 @@ pub const RECIPES: &[Recipe] = &[
 
 const SIZE: [u32; 2] = [240, 135];
 
-/// How many pixels the direction's length spans near the picture's corners, where a rounding counts most.
-fn coarseness(degrees: f64) -> f64 {
+/// Pixels per unit of the direction near the picture's corners, where rounding matters most.
+fn pixels_per_unit(degrees: f64) -> f64 {
     let half_height = (degrees.to_radians() / 2.0).tan();
     let half_width = half_height * f64::from(SIZE[0]) / f64::from(SIZE[1]);
     (1.0 + half_height * half_height + half_width * half_width) * f64::from(SIZE[1]) / (2.0 * half_height)
 }
 
-/// The directions through points of the picture, in pixels.
+/// The direction through a point of the picture, in pixels.
 type View = fn(&Camera, f32, f32) -> glam::Vec3;
 
 fn pinhole(camera: &Camera, x: f32, y: f32) -> glam::Vec3 {
     Pinhole::new(camera, SIZE).rays(x, y).direction.get(0)
 }
 
-/// In f32: the picture's pixels; forward, right and up; half of the width and height of the picture at the distance 1.
+/// In f32: width and height in pixels; forward, right and up; half of the picture's width and height at the
+/// distance 1.
 fn frame(camera: &Camera) -> ([f32; 2], [glam::Vec3; 3], [f32; 2]) {
     let [width, height] = SIZE.map(|side| side as f32);
     let forward = (camera.look_at - camera.position).normalize();
@@ -77,7 +80,7 @@ fn frame(camera: &Camera) -> ([f32; 2], [glam::Vec3; 3], [f32; 2]) {
     ([width, height], [forward, right, up], [half_height * width / height, half_height])
 }
 
-/// As the book has it that many begin with: the picture's corner and the point in the picture are places in the world.
+/// As in Ray Tracing in One Weekend: the picture's corner and the point are world positions.
 fn in_the_world(camera: &Camera, x: f32, y: f32) -> glam::Vec3 {
     let ([width, height], [forward, right, up], [half_width, half_height]) = frame(camera);
     let corner = camera.position + forward - right * half_width + up * half_height;
@@ -85,25 +88,25 @@ fn in_the_world(camera: &Camera, x: f32, y: f32) -> glam::Vec3 {
     (point - camera.position).normalize()
 }
 
-/// The same without the camera's place, and still every step in f32.
+/// Relative to the camera's position, every step in f32.
 fn in_single(camera: &Camera, x: f32, y: f32) -> glam::Vec3 {
     let ([width, height], [forward, right, up], [half_width, half_height]) = frame(camera);
     let (across, upwards) = (2.0 * x / width - 1.0, 1.0 - 2.0 * y / height);
     (forward + right * (across * half_width) + up * (upwards * half_height)).normalize()
 }
 
-fn views(dice: &mut Dice, degrees: f64, cases: usize, view: View) -> Tally {
-    let mut tally = Tally::default();
+fn views(rng: &mut Rng, degrees: f64, cases: usize, view: View) -> FailureCounts {
+    let mut counts = FailureCounts::default();
     for _ in 0..cases {
-        let position = dice.in_cube().as_vec3() * 1000.0;
+        let position = rng.in_cube().as_vec3() * 1000.0;
         let camera = Camera {
             position,
-            look_at: position + dice.direction().as_vec3() * dice.scale(0.1, 100.0) as f32,
-            up: dice.direction().as_vec3(),
+            look_at: position + rng.direction().as_vec3() * rng.scale(0.1, 100.0) as f32,
+            up: rng.direction().as_vec3(),
             vertical_fov: degrees as f32,
         };
         let [width, height] = SIZE.map(f64::from);
-        let (x, y) = ((width * dice.unit()) as f32, (height * dice.unit()) as f32);
+        let (x, y) = ((width * rng.unit()) as f32, (height * rng.unit()) as f32);
         // Basis and picture in f64.
         let forward = (camera.look_at.as_dvec3() - camera.position.as_dvec3()).normalize();
         let right = forward.cross(camera.up.as_dvec3()).normalize();
@@ -113,22 +116,22 @@ fn views(dice: &mut Dice, degrees: f64, cases: usize, view: View) -> Tally {
             continue;
         }
         let d = view(&camera, x, y).as_dvec3();
-        // Where the direction meets the picture, in pixels.
+        // The point where the direction hits the picture plane, in pixels.
         let scale = height / (2.0 * half_height * d.dot(forward));
-        let met = [width / 2.0 + d.dot(right) * scale, height / 2.0 - d.dot(up) * scale];
-        let off = (met[0] - f64::from(x)).hypot(met[1] - f64::from(y));
+        let point = [width / 2.0 + d.dot(right) * scale, height / 2.0 - d.dot(up) * scale];
+        let off = (point[0] - f64::from(x)).hypot(point[1] - f64::from(y));
         let unit = (d.length() - 1.0).abs() <= 4.0 * EPSILON && d.dot(forward) > 0.0;
-        let told_apart = EPSILON * coarseness(degrees) < 0.05;
-        if unit && off.is_finite() && (off < 0.5 || !told_apart) {
-            tally.off_by(off);
+        let resolved = EPSILON * pixels_per_unit(degrees) < 0.05;
+        if unit && off.is_finite() && (off < 0.5 || !resolved) {
+            counts.record_error(off);
         } else {
-            tally.count(true);
+            counts.record(true);
         }
     }
-    tally
+    counts
 }
 
-/// The same rays, with the constant that keeps rays from hitting where they start in many programs.
+/// The same rays with a constant least t of 1e-4, a common way to avoid self-intersection.
 fn beyond_least_t(scene: &Scene) -> Vec<PrimaryHit> {
     let stored = store_triangles::<Woop>(scene);
     let nearest = |hit: PrimaryHit| {
@@ -147,37 +150,37 @@ fn beyond_least_t(scene: &Scene) -> Vec<PrimaryHit> {
         let ((_, t), primitive) = nearest.unwrap_or(((false, f32::INFINITY), MISS));
         PrimaryHit { t, primitive, ..hit }
     };
-    scenes::seen(scene, Way::NEEDED).into_iter().map(nearest).collect()
+    scenes::seen(scene, RenderMethods::NEEDED).into_iter().map(nearest).collect()
 }
 
-/// By turns in a ball and in a tilted box, away from the origin.
-fn inside(dice: &mut Dice, from_wall: f64, cases: usize, look: fn(&Scene) -> Vec<PrimaryHit>) -> Tally {
-    let mut tally = Tally::default();
+/// Cameras alternately in a ball and in a tilted box, away from the origin.
+fn inside(rng: &mut Rng, from_wall: f64, cases: usize, find: fn(&Scene) -> Vec<PrimaryHit>) -> FailureCounts {
+    let mut counts = FailureCounts::default();
     let mut number = 0;
-    while tally.tested < cases {
+    while counts.tested < cases {
         number += 1;
-        let size = dice.scale(1e-3, 1e3);
-        let center = dice.in_cube() * size;
+        let size = rng.scale(1e-3, 1e3);
+        let center = rng.in_cube() * size;
         let mut scene = empty();
         let towards = if number % 2 == 0 {
             let (center, radius) = (center.as_vec3(), size as f32);
             scene.spheres.push(sphere(center, radius));
-            dice.direction()
+            rng.direction()
         } else {
-            put_box(&mut scene, dice, center, size)[dice.index(3)]
+            put_box(&mut scene, rng, center, size)[rng.index(3)]
         };
         let position = (center + towards * (size * (1.0 - from_wall))).as_vec3();
         scene.camera = Camera {
             position,
-            look_at: position + (dice.direction() * size).as_vec3(),
-            up: dice.direction().as_vec3(),
+            look_at: position + (rng.direction() * size).as_vec3(),
+            up: rng.direction().as_vec3(),
             vertical_fov: 100.0,
         };
-        let judge = Reference::new(&scene);
-        for hit in look(&scene).into_iter().take(cases - tally.tested) {
-            let verdict = judge.check_primary(hit.origin, hit.direction, hit.t, hit.primitive);
-            tally.count(hit.primitive == MISS || verdict != Verdict::Right);
+        let reference = Reference::new(&scene);
+        for hit in find(&scene).into_iter().take(cases - counts.tested) {
+            let verdict = reference.check_primary(hit.origin, hit.direction, hit.t, hit.primitive);
+            counts.record(hit.primitive == MISS || verdict != Verdict::Right);
         }
     }
-    tally
+    counts
 }

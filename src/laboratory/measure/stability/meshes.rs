@@ -1,19 +1,21 @@
-//! Closed meshes: rays from inside, aimed at edges, at vertices and anywhere. A leak is a ray that hits nothing; several triangles may
-//! claim a ray at a vertex, so hits are not counted.
+//! Closed meshes: rays from inside, aimed at edges, at vertices and anywhere. A leak is a ray that hits
+//! nothing. Several triangles may hit a ray at a vertex, so hits are not counted.
 //!
 //! Source: Woop, Benthin, Wald, "Watertight Ray/Triangle Intersection", JCGT 2(1), 2013.
 
-use super::aim::{packet, towards};
 use super::methods::triangle_methods;
+use super::rays::{packet, towards};
+use super::recipe::{Bound, FailureCounts, Recipe};
+use super::rng::Rng;
 use super::triangles::{WOOP, mean};
-use super::{Bound, Dice, Recipe, Tally};
 use crate::kernel::ray_triangle::TriangleMethod;
 use crate::lane::{F32x8, Lane, Mask};
 use crate::math::Ray;
 use glam::{DVec3, Vec3};
 
 const LEAK: &str = "a ray inside a closed mesh hits nothing";
-/// Sizes of meshes, in scene units: the watertight test multiplies three lengths, which have room from 1e-12 to 1e12.
+/// Sizes of meshes, in scene units. The watertight test multiplies three lengths, which f32 represents from
+/// 1e-12 to 1e12.
 const SIZES: [f64; 9] = [1e-12, 1e-9, 1e-6, 1e-3, 1.0, 1e3, 1e6, 1e9, 1e12];
 
 pub const RECIPES: &[Recipe] = &[
@@ -43,7 +45,7 @@ pub const RECIPES: &[Recipe] = &[
     },
     Recipe {
         name: "mesh-random",
-        title: "Rays anywhere at a closed mesh, which hide what aimed ones show",
+        title: "Rays anywhere at a closed mesh: failures are rarer than at edges",
         axis: "size of the mesh",
         places: &SIZES,
         failure: LEAK,
@@ -67,7 +69,8 @@ pub const RECIPES: &[Recipe] = &[
     },
 ];
 
-/// A closed bumpy ball around the origin, star-shaped, of radius about 1: `4 · rows · rows` triangles or so, all vertices shared.
+/// A closed bumpy ball around the origin, star-shaped, of radius about 1: `4 · rows · rows` triangles or so,
+/// all vertices shared.
 pub fn bumpy_ball(rows: usize) -> Vec<[Vec3; 3]> {
     let columns = 2 * rows;
     let vertex = |row: usize, column: usize| {
@@ -95,37 +98,43 @@ pub fn bumpy_ball(rows: usize) -> Vec<[Vec3; 3]> {
     triangles
 }
 
-/// What rays aim at.
+/// The target of rays.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum LightSample {
+pub enum Target {
     Edges,
     Vertices,
     Anywhere,
 }
 
-/// A ray from inside a mesh that holds the ball of radius 0.3 `size` around `center`, aimed at this triangle of it.
-fn from_within(dice: &mut Dice, triangle: [Vec3; 3], center: DVec3, size: f64, aim: LightSample) -> Ray<f32> {
-    let origin = (center + dice.in_cube() * (0.15 * size)).as_vec3();
+/// A ray from inside a mesh that holds the ball of radius 0.3 `size` around `center`, aimed at this triangle
+/// of it.
+fn from_within(rng: &mut Rng, triangle: [Vec3; 3], center: DVec3, size: f64, aimed_at: Target) -> Ray<f32> {
+    let origin = (center + rng.in_cube() * (0.15 * size)).as_vec3();
     let triangle = triangle.map(|vertex| vertex.as_dvec3());
-    let corner = dice.index(3);
-    let target = match aim {
-        LightSample::Edges => triangle[corner].lerp(triangle[(corner + 1) % 3], dice.unit()),
-        LightSample::Vertices => triangle[corner],
-        LightSample::Anywhere => mean(triangle, dice.barycentrics()),
+    let corner = rng.index(3);
+    let target = match aimed_at {
+        Target::Edges => triangle[corner].lerp(triangle[(corner + 1) % 3], rng.unit()),
+        Target::Vertices => triangle[corner],
+        Target::Anywhere => mean(triangle, rng.barycentrics()),
     };
     towards(origin, target)
 }
 
-/// Leaks of a closed mesh of 2208 triangles, of this size and place: rays from within that hit nothing.
+/// The lanes of eight rays that hit one of these triangles of a mesh, as bits.
+type HitLanes<'a> = &'a dyn Fn(&[Ray<f32>; 8], &mut dyn Iterator<Item = usize>) -> u32;
+
+/// Rows of triangles of the mesh.
+const ROWS: usize = 24;
+
+/// Leaks of a closed mesh of 2208 triangles of this size and place: rays from inside that hit nothing.
 fn leaks<T: TriangleMethod>(
-    dice: &mut Dice,
+    rng: &mut Rng,
     size: f64,
     offset: f64,
-    aim: LightSample,
+    aimed_at: Target,
     cases: usize,
-) -> Tally {
-    const ROWS: usize = 24;
-    let center = dice.direction() * (offset * size);
+) -> FailureCounts {
+    let center = rng.direction() * (offset * size);
     let place = |vertex: Vec3| (vertex.as_dvec3() * size + center).as_vec3();
     let mesh: Vec<_> = bumpy_ball(ROWS).into_iter().map(|corners| corners.map(place)).collect();
     let stored: Vec<T::Stored> = mesh.iter().map(|&vertices| T::store(vertices)).collect();
@@ -140,39 +149,52 @@ fn leaks<T: TriangleMethod>(
         }
         hit.bitmask()
     };
-    // Most rays hit what they are aimed at or its neighbours, which are a row of triangles away at most; the others are tried on all.
+    let ray = |rng: &mut Rng, triangle| from_within(rng, mesh[triangle], center, size, aimed_at);
+    count_leaks(rng, mesh.len(), cases, &ray, &hits)
+}
+
+/// Aims packets of rays with `ray` at random triangles, and counts those without a hit.
+fn count_leaks(
+    rng: &mut Rng,
+    triangles: usize,
+    cases: usize,
+    ray: &dyn Fn(&mut Rng, usize) -> Ray<f32>,
+    hits: HitLanes,
+) -> FailureCounts {
+    // Most rays hit the triangle at which they aim or a neighbour, at most a row of triangles away. Only the
+    // others are tested against the whole mesh.
     let near = 4 * ROWS + 4;
-    let (mut thrown, mut left) = (0, Vec::new());
-    while thrown < cases {
-        let first = dice.index(mesh.len());
-        let rays: [Ray<f32>; 8] = std::array::from_fn(|_| from_within(dice, mesh[first], center, size, aim));
-        let around = (0..near).flat_map(|step| [first + step, first + mesh.len() - step - 1]);
-        let hit = hits(&rays, &mut around.map(|number| number % mesh.len()));
-        let count = (cases - thrown).min(8);
+    let (mut tested, mut left) = (0, Vec::new());
+    while tested < cases {
+        let first = rng.index(triangles);
+        let rays: [Ray<f32>; 8] = std::array::from_fn(|_| ray(rng, first));
+        let around = (0..near).flat_map(|step| [first + step, first + triangles - step - 1]);
+        let hit = hits(&rays, &mut around.map(|number| number % triangles));
+        let count = (cases - tested).min(8);
         left.extend((0..count).filter(|lane| hit >> lane & 1 == 0).map(|lane| rays[lane]));
-        thrown += count;
+        tested += count;
     }
     let mut failures = 0;
     for rays in left.chunks(8) {
         let eight = std::array::from_fn(|lane| rays[lane % rays.len()]);
-        let hit = hits(&eight, &mut (0..mesh.len()));
+        let hit = hits(&eight, &mut (0..triangles));
         failures += (0..rays.len()).filter(|lane| hit >> lane & 1 == 0).count();
     }
-    Tally { tested: cases, failures, errors: Vec::new() }
+    FailureCounts { tested: cases, failures, errors: Vec::new() }
 }
 
-fn at_edges<T: TriangleMethod>(dice: &mut Dice, size: f64, cases: usize) -> Tally {
-    leaks::<T>(dice, size, 0.0, LightSample::Edges, cases)
+fn at_edges<T: TriangleMethod>(rng: &mut Rng, size: f64, cases: usize) -> FailureCounts {
+    leaks::<T>(rng, size, 0.0, Target::Edges, cases)
 }
 
-fn at_vertices<T: TriangleMethod>(dice: &mut Dice, size: f64, cases: usize) -> Tally {
-    leaks::<T>(dice, size, 0.0, LightSample::Vertices, cases)
+fn at_vertices<T: TriangleMethod>(rng: &mut Rng, size: f64, cases: usize) -> FailureCounts {
+    leaks::<T>(rng, size, 0.0, Target::Vertices, cases)
 }
 
-fn anywhere<T: TriangleMethod>(dice: &mut Dice, size: f64, cases: usize) -> Tally {
-    leaks::<T>(dice, size, 0.0, LightSample::Anywhere, cases)
+fn anywhere<T: TriangleMethod>(rng: &mut Rng, size: f64, cases: usize) -> FailureCounts {
+    leaks::<T>(rng, size, 0.0, Target::Anywhere, cases)
 }
 
-fn away<T: TriangleMethod>(dice: &mut Dice, offset: f64, cases: usize) -> Tally {
-    leaks::<T>(dice, 1.0, offset, LightSample::Edges, cases)
+fn away<T: TriangleMethod>(rng: &mut Rng, offset: f64, cases: usize) -> FailureCounts {
+    leaks::<T>(rng, 1.0, offset, Target::Edges, cases)
 }

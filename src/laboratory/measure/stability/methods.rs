@@ -1,14 +1,18 @@
-//! Every method of every family by name: the one list from which recipes, charts and tests take them.
+//! The list of all intersection methods by family and name, for recipes, charts and tests.
 //!
-//! For: [`Method`], and a macro a family that runs a generic function over all of its methods, such as
-//! `sphere_methods!(time)` for `fn time<S: SphereMethod>() -> f64`. May import: `kernel`. Must never know: what is done with them.
+//! For: [`Method`], and a macro per family that makes an array of its methods. `sphere_methods!(time)`
+//! instantiates `fn time<S: SphereMethod>() -> f64` for each method. `sphere_methods!(far, intersect)`
+//! instantiates only the small `intersect::<S>` and passes it to `fn far(rng, x, cases, intersect)`, so that
+//! `far` is compiled once.
+//!
+//! May import: `kernel`. Must not know: the use of the methods.
 
-/// A method, and something that can be done with it.
+/// A method, and a function of it.
 #[derive(Clone, Copy, Debug)]
 pub struct Method<F> {
-    /// As the command line writes it, where it offers the method.
+    /// The name on the command line, where it offers the method.
     pub name: &'static str,
-    /// The one that pictures are made with, unless another is asked for.
+    /// Whether this is the renderer's default.
     pub default: bool,
     pub run: F,
 }
@@ -22,18 +26,19 @@ impl<F> Method<F> {
     }
 }
 
-/// The array of [`Method`]s that hold this function for every [`SphereMethod`](crate::kernel::ray_sphere::SphereMethod).
+/// The array of [`Method`]s with this function for every
+/// [`SphereMethod`](crate::kernel::ray_sphere::SphereMethod).
 macro_rules! sphere_methods {
-    ($run:ident) => {
-        $crate::measure::stability::methods::list!($run, ray_sphere;
+    ($($run:ident),+) => {
+        $crate::measure::stability::methods::list!([$($run),+] ray_sphere;
             default "robust" Robust, other "robust-any-length" RobustAnyLength, other "naive" Naive)
     };
 }
 
 /// The same for every [`TriangleMethod`](crate::kernel::ray_triangle::TriangleMethod).
 macro_rules! triangle_methods {
-    ($run:ident) => {
-        $crate::measure::stability::methods::list!($run, ray_triangle;
+    ($($run:ident),+) => {
+        $crate::measure::stability::methods::list!([$($run),+] ray_triangle;
             default "woop" Woop, other "woop-contracted" WoopContracted, other "moller-trumbore" MollerTrumbore,
             other "moller-trumbore-epsilon" MollerTrumboreEpsilon, other "baldwin-weber" BaldwinWeber, other "plucker" Plucker)
     };
@@ -41,17 +46,22 @@ macro_rules! triangle_methods {
 
 /// The same for every [`BoxMethod`](crate::kernel::ray_box::BoxMethod).
 macro_rules! box_methods {
-    ($run:ident) => {
-        $crate::measure::stability::methods::list!($run, ray_box;
+    ($($run:ident),+) => {
+        $crate::measure::stability::methods::list!([$($run),+] ray_box;
             default "padded-fma" Padded, other "by-sign" BySign, other "by-sign-2-ulp" BySignWidened, other "fma" Contracted,
             other "x86-min-max" X86MinMax, other "ieee-min-max" IeeeMinMax)
     };
 }
 
-/// Rows of `default|other "name" Type`, types in a module of `kernel`.
+/// Rows of `default|other "name" Type`, with types of a module of `kernel`.
 macro_rules! list {
-    ($run:ident, $family:ident; $($role:ident $name:literal $method:ident),+) => {
+    ([$run:ident] $family:ident; $($role:ident $name:literal $method:ident),+) => {
         [$($crate::measure::stability::methods::Method::$role($name, $run::<$crate::kernel::$family::$method>)),+]
+    };
+    ([$run:ident, $kernel:ident] $family:ident; $($role:ident $name:literal $method:ident),+) => {
+        [$($crate::measure::stability::methods::Method::$role($name, |rng, x, cases| {
+            $run(rng, x, cases, $kernel::<$crate::kernel::$family::$method>)
+        })),+]
     };
 }
 

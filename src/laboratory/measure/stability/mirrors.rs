@@ -1,8 +1,10 @@
-//! Thousands of reflections: directions that grow, paths that drift, rays that leave a closed room.
+//! Thousands of reflections: drift of length and direction, rays that leak out of a closed room.
 
-use super::aim::{exactly, ray};
+use super::methods::Method;
+use super::rays::{ray, to_f64};
+use super::recipe::{Bound, EPSILON, FailureCounts, Recipe};
+use super::rng::Rng;
 use super::scenes::{empty, put_box};
-use super::{Bound, Dice, EPSILON, Method, Recipe, Tally};
 use crate::integrate::RENORMALIZATION_INTERVAL;
 use crate::kernel::ray_triangle::{TriangleHit, TriangleMethod, Woop, WoopTriangle};
 use crate::kernel::surface::{triangle_normal, triangle_offset};
@@ -14,23 +16,23 @@ pub const RECIPES: &[Recipe] = &[Recipe {
     title: "Paths between the mirrors of a closed room",
     axis: "reflections",
     places: &[1.0, 3.0, 10.0, 30.0, 100.0, 300.0, 1e3, 1e4, 1e5],
-    failure: "the ray leaves the room, or its direction is longer or shorter than 1 by more than 1e-5",
-    error: Some("|Δ direction| in radians, but for the sides that the room has mirrored"),
-    source: "kernel::ray_sphere, which asks for unit length within 1e-5",
+    failure: "the ray leaks out of the room, or the length of its direction differs from 1 by more than 1e-5",
+    error: Some("|Δ direction| in radians, up to signs along the room's axes"),
+    source: "kernel::ray_sphere, which requires unit length within 1e-5",
     cases: 48,
     methods: &[
-        Method::other("point-along-ray", |dice, x, cases| room(dice, x, cases, along_ray, 1)),
-        Method::other("never-mended", |dice, x, cases| room(dice, x, cases, off_surface, u32::MAX)),
-        Method::other("mended-each-time", |dice, x, cases| room(dice, x, cases, off_surface, 1)),
-        Method::default("mended-each-eighth", |dice, x, cases| {
-            room(dice, x, cases, off_surface, RENORMALIZATION_INTERVAL)
+        Method::other("point-along-ray", |rng, x, cases| room(rng, x, cases, along_ray, 1)),
+        Method::other("never-mended", |rng, x, cases| room(rng, x, cases, off_surface, u32::MAX)),
+        Method::other("mended-each-time", |rng, x, cases| room(rng, x, cases, off_surface, 1)),
+        Method::default("mended-each-eighth", |rng, x, cases| {
+            room(rng, x, cases, off_surface, RENORMALIZATION_INTERVAL)
         }),
     ],
-    // What one reflection rounds, always to the same side.
+    // The rounding of a reflection, always with the same sign.
     bound: |reflections| Bound::error(10.0 * EPSILON * (1.0 + reflections)),
 }];
 
-/// What a ray needs to know of a wall.
+/// A wall, with its offset for leaving rays.
 struct Wall {
     stored: WoopTriangle,
     vertices: [Vec3<f32>; 3],
@@ -38,28 +40,28 @@ struct Wall {
     offset: f32,
 }
 
-/// Where the next ray starts: from the last ray, what it hit, and the normal on its side.
+/// The origin of the next ray from the last ray, its hit, and the normal on its side.
 type Start = fn(&Ray<f32>, &TriangleHit<f32>, &Wall, Vec3<f32>) -> Vec3<f32>;
 
-/// The school's, which needs a least t.
+/// o + t d, which needs a least t.
 fn along_ray(ray: &Ray<f32>, hit: &TriangleHit<f32>, _: &Wall, _: Vec3<f32>) -> Vec3<f32> {
     ray.at(hit.t)
 }
 
-/// The renderer's: on the surface by its weights, and off it by what those are off.
+/// The renderer's: the point of the barycentric weights, offset by its error bound.
 fn off_surface(_: &Ray<f32>, hit: &TriangleHit<f32>, wall: &Wall, normal: Vec3<f32>) -> Vec3<f32> {
     let [a, b, c] = wall.vertices;
     normal.mul_add(wall.offset, (b - a).mul_add(hit.u, (c - a).mul_add(hit.v, a)))
 }
 
-/// A room far from the origin by some of its sizes.
-fn room(dice: &mut Dice, reflections: f64, cases: usize, start: Start, mend: u32) -> Tally {
-    let mut tally = Tally::default();
+/// A room up to three of its sizes from the origin.
+fn room(rng: &mut Rng, reflections: f64, cases: usize, start: Start, mend: u32) -> FailureCounts {
+    let mut counts = FailureCounts::default();
     for _ in 0..cases {
-        let size = dice.scale(0.1, 10.0);
-        let center = dice.in_cube() * (3.0 * size);
+        let size = rng.scale(0.1, 10.0);
+        let center = rng.in_cube() * (3.0 * size);
         let mut scene = empty();
-        let axes = put_box(&mut scene, dice, center, size);
+        let axes = put_box(&mut scene, rng, center, size);
         let walls = scene.triangles.iter().map(|triangle| Wall {
             stored: Woop::store(triangle.vertices),
             vertices: triangle.vertices.map(Vec3::splat),
@@ -67,21 +69,21 @@ fn room(dice: &mut Dice, reflections: f64, cases: usize, start: Start, mend: u32
             offset: triangle_offset(triangle.vertices),
         });
         let walls: Vec<Wall> = walls.collect();
-        let first = ray(center.as_vec3(), dice.direction().as_vec3());
+        let first = ray(center.as_vec3(), rng.direction().as_vec3());
         let last = follow(first, &walls, reflections as u32, start, mend);
-        // In a box, reflections change signs along its axes and nothing else.
-        let along = |ray: &Ray<f32>| DVec3::from(axes.map(|axis| axis.dot(exactly(ray).1).abs()));
+        // Reflections in a box change only signs along its axes.
+        let along = |ray: &Ray<f32>| DVec3::from(axes.map(|axis| axis.dot(to_f64(ray).1).abs()));
         match last {
-            Some(last) if (exactly(&last).1.length() - 1.0).abs() <= 1e-5 => {
-                tally.off_by(along(&first).angle_between(along(&last)));
+            Some(last) if (to_f64(&last).1.length() - 1.0).abs() <= 1e-5 => {
+                counts.record_error(along(&first).angle_between(along(&last)));
             }
-            _ => tally.count(true),
+            _ => counts.record(true),
         }
     }
-    tally
+    counts
 }
 
-/// The ray after so many reflections; `None` if it leaves the room.
+/// The ray after these reflections; `None` if it leaks out of the room.
 fn follow(mut ray: Ray<f32>, walls: &[Wall], reflections: u32, start: Start, mend: u32) -> Option<Ray<f32>> {
     for number in 1..=reflections {
         let prepared = Woop::prepare(&ray);

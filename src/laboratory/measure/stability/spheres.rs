@@ -1,10 +1,12 @@
-//! Spheres that are far, tiny, huge, touched, and left from inside.
+//! Spheres: far, tiny, huge, tangent rays, origins inside.
 //!
-//! Source: Haines, Günther, Akenine-Möller, "Precision Improvements for Ray/Sphere Intersection", Ray Tracing Gems ch. 7, 2019.
+//! Source: Haines, Günther, Akenine-Möller, "Precision Improvements for Ray/Sphere Intersection", Ray Tracing
+//! Gems ch. 7, 2019.
 
-use super::aim::{exactly, ray};
 use super::methods::sphere_methods;
-use super::{Bound, Dice, EPSILON, Recipe, Tally};
+use super::rays::{ray, to_f64};
+use super::recipe::{Bound, EPSILON, FailureCounts, Recipe};
+use super::rng::Rng;
 use crate::kernel::ray_sphere::SphereMethod;
 use crate::math::{self, Ray};
 use glam::Vec3;
@@ -12,7 +14,7 @@ use std::f64::consts::TAU;
 
 const HAINES: &str = "Haines, Günther, Akenine-Möller, Ray Tracing Gems ch. 7, 2019";
 
-/// Errors are bounded where the default method promises something; measured figures stand in `kernel::ray_sphere`.
+/// Bounds hold where the default method makes a promise; measured figures stand in `kernel::ray_sphere`.
 pub const RECIPES: &[Recipe] = &[
     Recipe {
         name: "spheres-far",
@@ -23,8 +25,8 @@ pub const RECIPES: &[Recipe] = &[
         error: Some("|Δt| / radius"),
         source: HAINES,
         cases: 400_000,
-        methods: &sphere_methods!(far),
-        // The silhouette is undecided within about a sixteenth of ε D: as a share of the disc that rays are aimed at, 0.2 ε D.
+        methods: &sphere_methods!(far, intersect),
+        // Within about ε D / 16 of the silhouette, rounding decides: 0.2 ε D of the disc at which rays aim.
         bound: |d| Bound { failures: 0.25 * EPSILON * d, p99: Some(4.0 * EPSILON * (d + 1.0)) },
     },
     Recipe {
@@ -36,7 +38,7 @@ pub const RECIPES: &[Recipe] = &[
         error: Some("|Δt| / radius"),
         source: HAINES,
         cases: 200_000,
-        methods: &sphere_methods!(of_radius),
+        methods: &sphere_methods!(of_radius, intersect),
         bound: |_| Bound { failures: 0.25 * EPSILON * 100.0, p99: Some(4.0 * EPSILON * 101.0) },
     },
     Recipe {
@@ -48,20 +50,20 @@ pub const RECIPES: &[Recipe] = &[
         error: Some("|Δt| / t"),
         source: HAINES,
         cases: 100_000,
-        methods: &sphere_methods!(from_close_by),
+        methods: &sphere_methods!(from_close_by, intersect),
         // c = |o − c|² − r² is a small difference of large numbers.
         bound: |r| Bound { failures: 1.5 * EPSILON * r, p99: Some((2.0 * r + 10.0) * EPSILON) },
     },
     Recipe {
         name: "spheres-tangent",
-        title: "Rays that just touch a sphere, or just do not, from 1.5 to 1,000 radii",
+        title: "Rays that barely hit or miss a sphere, from 1.5 to 1,000 radii",
         axis: "distance of ray and silhouette / (ε distance of the origin)",
         places: &[0.1, 0.3, 1.0, 3.0, 10.0, 20.0, 100.0, 1e3, 1e4, 1e5],
         failure: "hit or miss misjudged",
         error: None,
         source: HAINES,
         cases: 100_000,
-        methods: &sphere_methods!(tangent),
+        methods: &sphere_methods!(tangent, intersect),
         bound: |off| if off < 20.0 { Bound::NONE } else { Bound::NO_FAILURE },
     },
     Recipe {
@@ -69,11 +71,11 @@ pub const RECIPES: &[Recipe] = &[
         title: "Rays from inside spheres",
         axis: "depth of the origin below the surface / radius",
         places: &[1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 0.1, 0.5, 1.0],
-        failure: "nothing hit, or a point off the sphere by more than rounding may put it",
+        failure: "a miss, or a point off the sphere by more than the rounding bound",
         error: Some("distance of the point and the sphere / radius"),
         source: HAINES,
         cases: 100_000,
-        methods: &sphere_methods!(from_inside),
+        methods: &sphere_methods!(from_inside, intersect),
         bound: |_| Bound::error(8.0 * EPSILON),
     },
     Recipe {
@@ -85,8 +87,8 @@ pub const RECIPES: &[Recipe] = &[
         error: Some("|Δt| · length / radius"),
         source: HAINES,
         cases: 100_000,
-        methods: &sphere_methods!(of_length),
-        // The default takes unit length for granted, as the tracer makes and keeps it.
+        methods: &sphere_methods!(of_length, intersect),
+        // The default assumes unit length, which the renderer maintains.
         bound: |length| if length == 1.0 { Bound::error(4.0 * EPSILON * 101.0) } else { Bound::NONE },
     },
 ];
@@ -98,19 +100,22 @@ pub struct Ball {
     pub radius: f32,
 }
 
-/// Around the origin.
+/// The unit sphere around the origin.
 pub const UNIT: Ball = Ball { center: Vec3::ZERO, radius: 1.0 };
 
-/// The nearest t in (0, `limit`), as the method says.
-pub fn answer<S: SphereMethod>(ball: Ball, ray: &Ray<f32>, limit: f32) -> Option<f32> {
+/// The nearest t in (0, `limit`) of one method.
+pub type Intersect = fn(Ball, &Ray<f32>, f32) -> Option<f32>;
+
+/// The nearest t in (0, `limit`) by method `S`.
+pub fn intersect<S: SphereMethod>(ball: Ball, ray: &Ray<f32>, limit: f32) -> Option<f32> {
     let center = math::Vec3::splat(ball.center);
     let (hit, t) = S::test(&S::prepare(ray), center, ball.radius * ball.radius, limit);
     hit.then_some(t)
 }
 
-/// The judge: the nearest t > 0, by the perpendicular in f64, where nothing cancels that f32 could see.
-pub fn truth(ball: Ball, ray: &Ray<f32>) -> Option<f64> {
-    let (origin, direction) = exactly(ray);
+/// The nearest t > 0 in f64, from the perpendicular distance: cancellation stays below the resolution of f32.
+pub fn reference_t(ball: Ball, ray: &Ray<f32>) -> Option<f64> {
+    let (origin, direction) = to_f64(ray);
     let from_center = origin - ball.center.as_dvec3();
     let radius2 = f64::from(ball.radius) * f64::from(ball.radius);
     let a = direction.length_squared();
@@ -124,121 +129,128 @@ pub fn truth(ball: Ball, ray: &Ray<f32>) -> Option<f64> {
     [t0.min(t1), t0.max(t1)].into_iter().find(|&t| t > 0.0)
 }
 
-/// How far the point at t lies off the sphere, and how far the rounding of a good kernel may put it, 40 ε (|o − c| + r): see
+/// The distance of the point at t from the sphere, and its bound for a good kernel, 40 ε (|o − c| + r): see
 /// `reference::verdict`.
 pub fn off(ball: Ball, ray: &Ray<f32>, t: f32) -> (f64, f64) {
-    let (origin, direction) = exactly(ray);
+    let (origin, direction) = to_f64(ray);
     let (center, radius) = (ball.center.as_dvec3(), f64::from(ball.radius));
     let off = ((origin + direction * f64::from(t) - center).length() - radius).abs();
     (off, 40.0 * EPSILON * ((origin - center).length() + radius))
 }
 
-/// A ray from this distance of a ball's centre, aimed uniformly in a disc of 1.2 times its radius around it.
-pub fn aimed(dice: &mut Dice, ball: Ball, distance: f64, length: f64) -> Ray<f32> {
+/// A ray from this distance of a ball's centre, aimed uniformly at a disc of 1.2 times its radius around it.
+pub fn aimed(rng: &mut Rng, ball: Ball, distance: f64, length: f64) -> Ray<f32> {
     let (center, radius) = (ball.center.as_dvec3(), f64::from(ball.radius));
-    let axis = dice.direction();
+    let axis = rng.direction();
     let origin = (center + axis * distance).as_vec3();
     let (across, along) = axis.any_orthonormal_pair();
-    let (r, phi) = (1.2 * radius * dice.unit().sqrt(), TAU * dice.unit());
+    let (r, phi) = (1.2 * radius * rng.unit().sqrt(), TAU * rng.unit());
     let target = center + across * (r * phi.cos()) + along * (r * phi.sin());
     ray(origin, ((target - origin.as_dvec3()).normalize() * length).as_vec3())
 }
 
 /// A ray that passes the unit ball's centre at the distance `from_center`, from `distance` away.
-pub fn passing(dice: &mut Dice, from_center: f64, distance: f64) -> Ray<f32> {
-    let axis = dice.direction();
+pub fn passing(rng: &mut Rng, from_center: f64, distance: f64) -> Ray<f32> {
+    let axis = rng.direction();
     let across = axis.any_orthonormal_vector();
-    // The angle whose sine is this.
+    // Sine of the angle between ray and axis.
     let sin = from_center / distance;
     let direction = across * sin - axis * (1.0 - sin * sin).sqrt();
     ray((axis * distance).as_vec3(), direction.as_vec3())
 }
 
-/// Is the method right about hitting, and how far off is t, in radii, along aimed rays?
-fn misjudged<S: SphereMethod>(tally: &mut Tally, dice: &mut Dice, ball: Ball, distance: f64, length: f64) {
-    let ray = aimed(dice, ball, distance, length);
-    match (answer::<S>(ball, &ray, f32::INFINITY), truth(ball, &ray)) {
+/// Records one aimed ray: whether hit or miss is right, and the error of t in radii.
+fn misjudged(
+    counts: &mut FailureCounts,
+    rng: &mut Rng,
+    ball: Ball,
+    distance: f64,
+    length: f64,
+    intersect: Intersect,
+) {
+    let ray = aimed(rng, ball, distance, length);
+    match (intersect(ball, &ray, f32::INFINITY), reference_t(ball, &ray)) {
         (Some(t), Some(exact)) => {
-            tally.off_by((f64::from(t) - exact).abs() * length / f64::from(ball.radius));
+            counts.record_error((f64::from(t) - exact).abs() * length / f64::from(ball.radius));
         }
-        (None, None) => tally.count(false),
-        _ => tally.count(true),
+        (None, None) => counts.record(false),
+        _ => counts.record(true),
     }
 }
 
-fn far<S: SphereMethod>(dice: &mut Dice, distance: f64, cases: usize) -> Tally {
-    let mut tally = Tally::default();
-    (0..cases).for_each(|_| misjudged::<S>(&mut tally, dice, UNIT, distance, 1.0));
-    tally
+fn far(rng: &mut Rng, distance: f64, cases: usize, intersect: Intersect) -> FailureCounts {
+    let mut counts = FailureCounts::default();
+    (0..cases).for_each(|_| misjudged(&mut counts, rng, UNIT, distance, 1.0, intersect));
+    counts
 }
 
-/// Around the origin and elsewhere, so that o − c is rounded.
-fn of_radius<S: SphereMethod>(dice: &mut Dice, radius: f64, cases: usize) -> Tally {
-    let mut tally = Tally::default();
+/// Spheres around the origin and elsewhere, where o − c is rounded.
+fn of_radius(rng: &mut Rng, radius: f64, cases: usize, intersect: Intersect) -> FailureCounts {
+    let mut counts = FailureCounts::default();
     for case in 0..cases {
         let place = [Vec3::ZERO, Vec3::new(0.3, -0.7, 0.6)][case % 2];
         let ball = Ball { center: place * radius as f32, radius: radius as f32 };
-        misjudged::<S>(&mut tally, dice, ball, 100.0 * radius, 1.0);
+        misjudged(&mut counts, rng, ball, 100.0 * radius, 1.0, intersect);
     }
-    tally
+    counts
 }
 
-fn of_length<S: SphereMethod>(dice: &mut Dice, length: f64, cases: usize) -> Tally {
-    let mut tally = Tally::default();
-    (0..cases).for_each(|_| misjudged::<S>(&mut tally, dice, UNIT, 100.0, length));
-    tally
+fn of_length(rng: &mut Rng, length: f64, cases: usize, intersect: Intersect) -> FailureCounts {
+    let mut counts = FailureCounts::default();
+    (0..cases).for_each(|_| misjudged(&mut counts, rng, UNIT, 100.0, length, intersect));
+    counts
 }
 
-/// Downwards in all directions, of which those towards the horizon miss a small sphere.
-fn from_close_by<S: SphereMethod>(dice: &mut Dice, radius: f64, cases: usize) -> Tally {
+/// Downward rays in all directions; those near the horizon miss a small sphere.
+fn from_close_by(rng: &mut Rng, radius: f64, cases: usize, intersect: Intersect) -> FailureCounts {
     let ball = Ball { center: Vec3::ZERO, radius: radius as f32 };
-    let mut tally = Tally::default();
-    while tally.tested < cases {
-        let up = dice.direction();
-        let direction = dice.direction();
+    let mut counts = FailureCounts::default();
+    while counts.tested < cases {
+        let up = rng.direction();
+        let direction = rng.direction();
         let ray = ray((up * (radius + 1.0)).as_vec3(), (direction * -direction.dot(up).signum()).as_vec3());
-        if let Some(exact) = truth(ball, &ray) {
-            match answer::<S>(ball, &ray, f32::INFINITY).map(|t| (f64::from(t) / exact - 1.0).abs()) {
-                Some(error) if error <= 0.5 => tally.off_by(error),
-                _ => tally.count(true),
+        if let Some(exact) = reference_t(ball, &ray) {
+            match intersect(ball, &ray, f32::INFINITY).map(|t| (f64::from(t) / exact - 1.0).abs()) {
+                Some(error) if error <= 0.5 => counts.record_error(error),
+                _ => counts.record(true),
             }
         }
     }
-    tally
+    counts
 }
 
-/// Half of them pass the silhouette inside and half outside, by as many ε times the distance.
-fn tangent<S: SphereMethod>(dice: &mut Dice, off: f64, cases: usize) -> Tally {
-    let mut tally = Tally::default();
+/// Half of the rays pass the silhouette inside and half outside, by `off` · ε · distance.
+fn tangent(rng: &mut Rng, off: f64, cases: usize, intersect: Intersect) -> FailureCounts {
+    let mut counts = FailureCounts::default();
     for case in 0..cases {
         let hits = case % 2 == 0;
-        let distance = dice.scale(1.5, 1e3);
+        let distance = rng.scale(1.5, 1e3);
         let margin = off * EPSILON * distance;
         let from_center = if hits { 1.0 - margin } else { 1.0 + margin };
-        let ray = passing(dice, from_center, distance);
-        // Next to the silhouette the direction's own rounding decides.
-        let hits = truth(UNIT, &ray).is_some();
-        tally.count(answer::<S>(UNIT, &ray, f32::INFINITY).is_some() != hits);
+        let ray = passing(rng, from_center, distance);
+        // Near the silhouette, the rounding of the direction decides.
+        let hits = reference_t(UNIT, &ray).is_some();
+        counts.record(intersect(UNIT, &ray, f32::INFINITY).is_some() != hits);
     }
-    tally
+    counts
 }
 
-/// Counts whether something is hit there that is on the sphere.
-fn lands<S: SphereMethod>(tally: &mut Tally, ball: Ball, ray: &Ray<f32>) {
-    match answer::<S>(ball, ray, f32::INFINITY).map(|t| off(ball, ray, t)) {
-        Some((off, allowed)) if off <= allowed => tally.off_by(off / f64::from(ball.radius)),
-        _ => tally.count(true),
+/// Records whether there is a hit and its point is on the sphere.
+fn lands(counts: &mut FailureCounts, ball: Ball, ray: &Ray<f32>, intersect: Intersect) {
+    match intersect(ball, ray, f32::INFINITY).map(|t| off(ball, ray, t)) {
+        Some((off, allowed)) if off <= allowed => counts.record_error(off / f64::from(ball.radius)),
+        _ => counts.record(true),
     }
 }
 
-fn from_inside<S: SphereMethod>(dice: &mut Dice, depth: f64, cases: usize) -> Tally {
-    let mut tally = Tally::default();
+fn from_inside(rng: &mut Rng, depth: f64, cases: usize, intersect: Intersect) -> FailureCounts {
+    let mut counts = FailureCounts::default();
     for _ in 0..cases {
-        let radius = dice.scale(1e-6, 1e6) as f32;
-        let ball = Ball { center: dice.in_cube().as_vec3() * radius, radius };
-        let inside = dice.direction() * ((1.0 - depth) * f64::from(radius));
+        let radius = rng.scale(1e-6, 1e6) as f32;
+        let ball = Ball { center: rng.in_cube().as_vec3() * radius, radius };
+        let inside = rng.direction() * ((1.0 - depth) * f64::from(radius));
         let origin = (ball.center.as_dvec3() + inside).as_vec3();
-        lands::<S>(&mut tally, ball, &ray(origin, dice.direction().as_vec3()));
+        lands(&mut counts, ball, &ray(origin, rng.direction().as_vec3()), intersect);
     }
-    tally
+    counts
 }

@@ -1,7 +1,7 @@
-//! The ways to trace a set of rays, on one thread or many.
+//! The traversals that trace a set of rays, on one thread or many.
 //!
-//! For: [`Way`], [`Ground`] (a scene made ready for all of them) and [`Team`]. May import: `ray_sets` and all rooms above. Must never
-//! know: clocks.
+//! For: [`TraceMethod`], [`PreparedScene`] (what every method reads) and [`TracePool`]. May import:
+//! `ray_sets` and the engine. Must not know: clocks.
 
 use super::ray_sets::{Answers, RaySet};
 use crate::buffers::{Buffers, store_triangles};
@@ -19,34 +19,34 @@ use crate::traverse::linear;
 use crate::traverse::rays::{Hits, Rays};
 use rayon::prelude::*;
 
-/// Rays that a thread takes at a time: whole tiles, and a whole batch of a stream.
+/// Rays of a thread's unit of work: whole tiles, and a whole batch of a stream.
 const CHUNK: usize = crate::traverse::stream::BATCH;
 
-/// How to find what rays hit.
+/// A method of finding hits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Way {
+pub enum TraceMethod {
     /// Testing every primitive, eight rays at a time.
     Linear,
     /// Through the hierarchy.
     Tree(Traversal),
 }
 
-impl Way {
-    /// As the command line and reports name it.
+impl TraceMethod {
+    /// The name on the command line and in reports.
     pub fn name(self) -> &'static str {
         match self {
             Self::Linear => "linear",
             Self::Tree(traversal) => traversal.name(),
         }
     }
-    /// Lanes it works with.
+    /// SIMD lanes.
     pub fn lanes(self) -> usize {
         match self {
             Self::Linear => F32x8::WIDTH,
             Self::Tree(traversal) => traversal.lanes(),
         }
     }
-    /// The one that was asked for; `None` where that is left to what suits.
+    /// The chosen method; `None` for the automatic choice.
     pub fn of(choice: TraversalChoice) -> Option<Self> {
         match choice {
             TraversalChoice::Needed => None,
@@ -60,23 +60,23 @@ impl Way {
     }
 }
 
-/// A scene made ready for every way.
-pub struct Ground {
+/// A scene with the hierarchy and the buffers that all methods read.
+pub struct PreparedScene {
     pub hierarchy: Hierarchy,
     buffers: Buffers,
     triangles: Vec<<Woop as TriangleMethod>::Stored>,
 }
 
-impl Ground {
+impl PreparedScene {
     pub fn new(scene: &Scene, hierarchy: Hierarchy) -> Self {
         Self { hierarchy, buffers: Buffers::new(scene), triangles: store_triangles::<Woop>(scene) }
     }
 
-    /// Improves the hits of all rays; with `ANY`, each ray is content with any hit.
-    fn trace<const ANY: bool>(&self, way: Way, tracer: &mut Tracer, rays: &Rays, hits: &mut Hits) {
-        match way {
-            Way::Tree(traversal) => tracer.trace::<ANY>(traversal, &self.hierarchy, rays, hits),
-            Way::Linear => {
+    /// Updates the hits of all rays: the closest hit; with `ANY`, any hit.
+    fn trace<const ANY: bool>(&self, method: TraceMethod, tracer: &mut Tracer, rays: &Rays, hits: &mut Hits) {
+        match method {
+            TraceMethod::Tree(traversal) => tracer.trace::<ANY>(traversal, &self.hierarchy, rays, hits),
+            TraceMethod::Linear => {
                 let packets = rays.len() - rays.len() % F32x8::WIDTH;
                 self.test_all::<F32x8>(&rays.range(0..packets), &mut hits.range(0..packets));
                 let rest = packets..rays.len();
@@ -85,24 +85,24 @@ impl Ground {
         }
     }
 
-    /// What is tested for these rays, chunk by chunk as more than one thread would trace them.
-    pub fn count(&self, way: Way, set: &RaySet) -> Counts {
+    /// Counts the tests of these rays, traced in chunks as on several threads.
+    pub fn count(&self, method: TraceMethod, set: &RaySet) -> Counts {
         let (mut tracer, mut answers, counter) = (Tracer::new(), Answers::none(set), Counter::default());
         let mut hits = answers.hits();
         for first in (0..set.len()).step_by(CHUNK) {
             let range = first..set.len().min(first + CHUNK);
             let (rays, hits) = (&set.rays().range(range.clone()), &mut hits.range(range));
-            match (way, set.kind.any_hit()) {
-                (Way::Linear, _) => {
+            match (method, set.kind.any_hit()) {
+                (TraceMethod::Linear, _) => {
                     let each = [self.buffers.spheres.len(), self.triangles.len()];
-                    // As it traces: whole packets, and the rest one by one.
+                    // As in `trace`: whole packets, and the rest one by one.
                     let packets = rays.len() / F32x8::WIDTH + rays.len() % F32x8::WIDTH;
                     counter.linear(each, packets, rays.len());
                 }
-                (Way::Tree(traversal), true) => {
+                (TraceMethod::Tree(traversal), true) => {
                     tracer.count::<true>(traversal, &self.hierarchy, rays, hits, &counter);
                 }
-                (Way::Tree(traversal), false) => {
+                (TraceMethod::Tree(traversal), false) => {
                     tracer.count::<false>(traversal, &self.hierarchy, rays, hits, &counter);
                 }
             }
@@ -127,24 +127,25 @@ impl Ground {
     }
 }
 
-/// Threads that trace.
-pub struct Team(Threads<Tracer>);
+/// Worker threads, each with a tracer.
+pub struct TracePool(Threads<Tracer>);
 
-impl Team {
+impl TracePool {
     /// # Panics
-    /// If there are to be no threads, or the system refuses them.
+    /// If `threads` is 0, or the system refuses threads.
     pub fn new(threads: usize) -> Self {
         Self(Threads::new(threads, Tracer::new))
     }
     pub fn threads(&self) -> usize {
         self.0.count()
     }
-    /// Runs something on the team's threads. Called around [`Team::forget`] and [`Team::trace`], it finds them awake.
+    /// Runs a closure on the pool's threads. Around [`TracePool::clear`] and [`TracePool::trace`], it keeps
+    /// the threads awake between the two.
     pub fn run<R: Send>(&self, run: impl FnOnce() -> R + Send) -> R {
         self.0.run(run)
     }
-    /// Nothing found yet, again.
-    pub fn forget(&self, set: &RaySet, answers: &mut Answers) {
+    /// Resets the answers to misses.
+    pub fn clear(&self, set: &RaySet, answers: &mut Answers) {
         self.each_chunk(set.len(), answers, |first, hits| {
             hits.t.copy_from_slice(&set.t_max[first..first + hits.t.len()]);
             hits.primitive.fill(MISS);
@@ -152,28 +153,34 @@ impl Team {
             hits.v.fill(0.0);
         });
     }
-    /// Finds what the rays hit; with `ANY`, whether they hit something.
-    pub fn trace<const ANY: bool>(&self, way: Way, ground: &Ground, set: &RaySet, answers: &mut Answers) {
+    /// Finds the closest hits; with `ANY`, any hits.
+    pub fn trace<const ANY: bool>(
+        &self,
+        method: TraceMethod,
+        prepared_scene: &PreparedScene,
+        set: &RaySet,
+        answers: &mut Answers,
+    ) {
         self.each_chunk(set.len(), answers, |first, hits| {
-            self.trace_chunk::<ANY>(way, ground, set, first, hits);
+            self.trace_chunk::<ANY>(method, prepared_scene, set, first, hits);
         });
     }
 
-    /// Never in line: `perf/stat.sh` knows it by name.
+    /// `inline(never)`: `perf/stat.sh` selects this function by name.
     #[inline(never)]
     fn trace_chunk<const ANY: bool>(
         &self,
-        way: Way,
-        ground: &Ground,
+        method: TraceMethod,
+        prepared_scene: &PreparedScene,
         set: &RaySet,
         first: usize,
         hits: &mut Hits,
     ) {
         let range = first..first + hits.t.len();
-        ground.trace::<ANY>(way, &mut self.0.local(), &set.rays().range(range), hits);
+        prepared_scene.trace::<ANY>(method, &mut self.0.local(), &set.rays().range(range), hits);
     }
 
-    /// All answers at once on one thread, and in chunks on more; `work` is told the number of its first ray.
+    /// All answers at once on one thread, in chunks on more; `work` takes the number of its first ray.
     fn each_chunk(&self, rays: usize, answers: &mut Answers, work: impl Fn(usize, &mut Hits) + Sync) {
         if self.0.is_single() {
             return work(0, &mut answers.hits());

@@ -1,17 +1,17 @@
 //! Random numbers for recipes and tests.
 //!
-//! For: [`Dice`]. May import: `glam`. Must never know: what is tried with them.
+//! For: [`Rng`]. May import: `glam`. Must not know: the use of the numbers.
 
 use glam::DVec3;
 
-/// xorshift64*: unrelated to the numbers that pictures are made with. The state is not 0.
-pub struct Dice(pub u64);
+/// xorshift64*, independent of the engine's random numbers. The state is not 0.
+pub struct Rng(pub u64);
 
-impl Dice {
-    /// Dice of their own for each part of a recipe: a function of its name and the numbers, so that neither threads nor other
-    /// recipes change what is thrown.
+impl Rng {
+    /// The generator of a part of a recipe: a function of the recipe's name and the numbers, so that neither
+    /// threads nor other recipes change its output.
     pub fn of(name: &str, numbers: [u64; 2]) -> Self {
-        // FNV-1a, then the finaliser of SplitMix64 for each number: neighbours get states that have nothing in common.
+        // FNV-1a, then the finaliser of SplitMix64 for each number, which decorrelates consecutive numbers.
         let start = name.bytes().fold(0xcbf2_9ce4_8422_2325, |hash: u64, byte| {
             (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
         });
@@ -29,7 +29,7 @@ impl Dice {
         self.0 ^= self.0 >> 27;
         (self.0.wrapping_mul(0x2545_f491_4f6c_dd1d) >> 32) as u32
     }
-    /// Below `n`.
+    /// Uniform integer below `n`.
     pub fn index(&mut self, n: usize) -> usize {
         ((u64::from(self.bits()) * n as u64) >> 32) as usize
     }

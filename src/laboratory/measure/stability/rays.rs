@@ -1,6 +1,6 @@
-//! Rays made of points in single and double precision.
+//! Rays from points in single and double precision.
 //!
-//! For: [`ray`], [`towards`], [`packet`]. May import: `lane`, `math`. Must never know: what the rays are aimed at.
+//! For: [`ray`], [`towards`], [`to_f64`], [`packet`]. May import: `lane`, `math`. Must not know: primitives.
 
 use crate::lane::Lane;
 use crate::math::{Ray, Vec3};
@@ -11,14 +11,14 @@ pub fn ray(origin: glam::Vec3, direction: glam::Vec3) -> Ray<f32> {
     Ray { origin: Vec3::splat(origin), direction: Vec3::splat(direction) }
 }
 
-/// The ray of unit direction from a point of single precision through one of double precision, which it misses by the rounding of its
-/// direction alone.
+/// The ray of unit direction from a single-precision point through a double-precision one, which it misses
+/// only by the rounding of its direction.
 pub fn towards(origin: glam::Vec3, target: DVec3) -> Ray<f32> {
     ray(origin, (target - origin.as_dvec3()).normalize().as_vec3())
 }
 
-/// Origin and direction without rounding, as judges take them.
-pub fn exactly(ray: &Ray<f32>) -> (DVec3, DVec3) {
+/// Origin and direction in f64, without rounding.
+pub fn to_f64(ray: &Ray<f32>) -> (DVec3, DVec3) {
     (ray.origin.get(0).as_dvec3(), ray.direction.get(0).as_dvec3())
 }
 

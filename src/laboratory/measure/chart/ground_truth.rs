@@ -1,56 +1,58 @@
-//! The picture that all others are held against, and how far it is from the true one itself.
+//! The ground truth: the converged picture with which all others are compared, and its own standard error.
 //!
-//! For: [`Truth`]. May import: `render`, `film`, `errors`. Must never know: files.
+//! For: [`GroundTruth`]. May import: `render`, `film`, `errors`. Must not know: files.
 //!
-//! It is rendered with independent numbers (where the default spreads its own) and seeds of its own, in two halves. Half their distance is the
-//! standard error of their mean. At a third of the size, every pixel is the mean of 3×3 pixels: cameras look through the middle of the
-//! same rectangle, and pixels are averaged over their whole area, so that is the same picture with nine times the samples.
+//! It is rendered with independent random numbers (the default's are low-discrepancy) and its own seeds, in
+//! two halves. Half the distance of the halves is the standard error of their mean. At a third of the size,
+//! every pixel is the mean of 3×3 pixels: the view is the same and pixels are averaged over their whole area,
+//! so this is the same picture with nine times the samples.
 
 use crate::film::{Film, Picture};
 use crate::measure::errors::Errors;
+use crate::measure::quantiles::Spread;
 use crate::render::{Renderer, Settings};
 use crate::sampling::Sampler;
 use crate::scene::{Camera, Scene};
 use serde::{Deserialize, Serialize};
 use std::time::{Duration, Instant};
 
-/// So many pixels of a frame, in width and in height, are one of the small pictures.
+/// Width and height of a frame over those of the small picture.
 pub const SHRINK: u32 = 3;
 
-/// Seeds of the halves: no seed of a measured picture.
+/// Seeds of the halves. No measured picture has them.
 const SEEDS: [u32; 2] = [0x7472_7574, 0x7472_7575];
 
-/// A picture at two sizes, with what is known of its error.
+/// A picture at two sizes, with its own error.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Truth {
+pub struct GroundTruth {
     pub frame: Picture,
     pub small: Picture,
-    pub quality: Quality,
+    pub info: GroundTruthInfo,
 }
 
-/// How good a truth is.
+/// Samples and standard error of a ground truth; `octray chart` keeps it in a file beside the picture.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Quality {
+pub struct GroundTruthInfo {
     /// Samples per pixel of the frame; the small picture has [`SHRINK`]² times as many.
     pub samples: u32,
-    /// Its own standard error: root mean square over pixels and channels.
+    /// Standard error of the frame: root mean square over pixels and channels.
     pub frame_rmse: f64,
     pub small_rmse: f64,
-    /// Seconds of the budget of the run that made it.
+    /// Time budget, in seconds, of the run that rendered it.
     pub budget_s: f64,
-    /// Was it read from an earlier run?
+    /// Whether it was read from an earlier run.
     #[serde(default)]
     pub cached: bool,
 }
 
-/// A truth in the making.
-pub struct Making {
+/// Renders a ground truth.
+pub struct GroundTruthRenderer {
     renderers: [Renderer; 2],
     films: [Film; 2],
 }
 
-impl Making {
-    /// `settings` are the default's for frames.
+impl GroundTruthRenderer {
+    /// `settings` are those of frames.
     pub fn new(scene: &Scene, settings: Settings, threads: usize) -> Self {
         let mut methods = settings.methods;
         methods.sampler = Sampler::Random;
@@ -60,19 +62,19 @@ impl Making {
         Self { renderers, films }
     }
 
-    /// Begins anew with another camera.
-    pub fn look(&mut self, scene: &Scene, camera: &Camera, settings: &Settings) {
+    /// Starts again with another camera.
+    pub fn set_camera(&mut self, scene: &Scene, camera: &Camera, settings: &Settings) {
         for (renderer, film) in self.renderers.iter_mut().zip(&mut self.films) {
             renderer.set_view(scene, camera, settings.resolution, settings.max_bounces);
             film.clear();
         }
     }
 
-    /// Takes samples until `end`, which is what `budget` leaves it, or until there are `most`; at least one for each half.
-    pub fn until(&mut self, end: Instant, most: u32, budget: Duration) -> Truth {
+    /// Takes samples until `end` or up to `most`, at least one for each half. `budget` is only recorded.
+    pub fn render_until(&mut self, end: Instant, most: u32, budget: Duration) -> GroundTruth {
         let of_half = most.div_ceil(2).max(1);
         loop {
-            // Many at once spare waking threads, few at once keep the end in sight.
+            // Large batches wake threads less often, small ones overrun `end` less.
             let had = self.films[0].samples();
             let samples = (had / 16).clamp(1, of_half - had);
             for (renderer, film) in self.renderers.iter().zip(&mut self.films) {
@@ -80,42 +82,53 @@ impl Making {
             }
             if Instant::now() >= end || self.films[0].samples() >= of_half {
                 let halves = self.films.each_ref().map(Film::picture);
-                return Truth::of_halves(halves, self.films[0].samples(), budget);
+                return GroundTruth::of_halves(halves, self.films[0].samples(), budget);
             }
         }
     }
 }
 
-impl Truth {
+impl GroundTruth {
     fn of_halves([a, b]: [Picture; 2], samples_of_half: u32, budget: Duration) -> Self {
         let [small_a, small_b] = [&a, &b].map(shrunk);
         let half_distance = |a: &Picture, b: &Picture| Errors::of(a, b).rmse / 2.0;
-        let quality = Quality {
+        let info = GroundTruthInfo {
             samples: 2 * samples_of_half,
             frame_rmse: half_distance(&a, &b),
             small_rmse: half_distance(&small_a, &small_b),
             budget_s: budget.as_secs_f64(),
             cached: false,
         };
-        Self { frame: mean(&a, &b), small: mean(&small_a, &small_b), quality }
+        Self { frame: mean(&a, &b), small: mean(&small_a, &small_b), info }
     }
 
-    /// From a frame that was kept.
-    pub fn kept(frame: Picture, quality: Quality) -> Self {
+    /// From the frame of an earlier run.
+    pub fn from_kept(frame: Picture, info: GroundTruthInfo) -> Self {
         let small = shrunk(&frame);
-        Self { frame, small, quality: Quality { cached: true, ..quality } }
+        Self { frame, small, info: GroundTruthInfo { cached: true, ..info } }
     }
 
     /// Samples per pixel of the small picture.
     pub fn small_samples(&self) -> u32 {
-        self.quality.samples * SHRINK * SHRINK
+        self.info.samples * SHRINK * SHRINK
     }
 }
 
-/// The root mean square error of a picture, given that against a truth which has one of its own; the two are independent, so their squares
-/// add up. Not a number where the truth's is the larger: then nothing is known but that it is smaller.
-pub fn corrected(rmse: f64, of_truth: f64) -> f64 {
-    (rmse * rmse - of_truth * of_truth).sqrt()
+/// The root mean square error of a picture without the part of the ground truth's own error; the two are
+/// independent, so their squares add up. NaN where the ground truth's is larger: the picture's error is then
+/// unknown, but smaller.
+pub fn corrected(rmse: f64, of_ground_truth: f64) -> f64 {
+    (rmse * rmse - of_ground_truth * of_ground_truth).sqrt()
+}
+
+impl GroundTruth {
+    /// The errors of several pictures against this frame, each corrected; `None` where one is below the
+    /// frame's own.
+    pub fn corrected_rmse(&self, rmse: impl IntoIterator<Item = f64>) -> Option<Spread> {
+        let own = self.info.frame_rmse;
+        let corrected: Vec<f64> = rmse.into_iter().map(|rmse| corrected(rmse, own)).collect();
+        corrected.iter().all(|&error| error >= own).then(|| Spread::of(corrected))
+    }
 }
 
 fn mean(a: &Picture, b: &Picture) -> Picture {
@@ -123,10 +136,10 @@ fn mean(a: &Picture, b: &Picture) -> Picture {
     Picture { pixels: a.pixels.iter().zip(&b.pixels).map(both).collect(), ..*a }
 }
 
-/// Each pixel the mean of [`SHRINK`]².
+/// The small picture: each pixel the mean of [`SHRINK`]² pixels.
 ///
 /// # Panics
-/// If the sides are no multiples of it.
+/// If a side is no multiple of [`SHRINK`].
 fn shrunk(picture: &Picture) -> Picture {
     let [width, height] = [picture.width, picture.height].map(|side| {
         assert_eq!(side % SHRINK, 0, "a side of {side} pixels");
@@ -148,34 +161,35 @@ fn shrunk(picture: &Picture) -> Picture {
 mod tests {
     use super::*;
 
-    fn truth(samples: u32) -> Truth {
-        truth_of("builtin:cornell", samples)
+    fn cornell(samples: u32) -> GroundTruth {
+        ground_truth("builtin:cornell", samples)
     }
 
-    fn truth_of(scene: &str, samples: u32) -> Truth {
+    fn ground_truth(scene: &str, samples: u32) -> GroundTruth {
         let scene = octray_formats::scene::load(scene).unwrap();
         let settings = Settings { resolution: [48, 27], ..Settings::of(&scene) };
         let budget = Duration::from_secs(60);
-        Making::new(&scene, settings, 1).until(Instant::now() + budget, samples, budget)
+        GroundTruthRenderer::new(&scene, settings, 1).render_until(Instant::now() + budget, samples, budget)
     }
 
     #[test]
-    fn own_error_is_that_against_a_better_truth() {
-        let (rough, fine) = (truth(16), truth(1_600));
-        assert_eq!((rough.quality.samples, fine.quality.samples), (16, 1_600));
+    fn own_error_is_that_against_a_better_ground_truth() {
+        let (rough, fine) = (cornell(16), cornell(1_600));
+        assert_eq!((rough.info.samples, fine.info.samples), (16, 1_600));
         for (rough_picture, fine_picture, rmse, of_fine) in [
-            (&rough.frame, &fine.frame, rough.quality.frame_rmse, fine.quality.frame_rmse),
-            (&rough.small, &fine.small, rough.quality.small_rmse, fine.quality.small_rmse),
+            (&rough.frame, &fine.frame, rough.info.frame_rmse, fine.info.frame_rmse),
+            (&rough.small, &fine.small, rough.info.small_rmse, fine.info.small_rmse),
         ] {
             let measured = corrected(Errors::of(rough_picture, fine_picture).rmse, of_fine);
             assert!((0.8..1.25).contains(&(measured / rmse)), "{measured} against {rmse}");
         }
     }
 
-    /// In a scene in which no few pixels hold most of the noise, as those at the rim of a lamp do: one distance says little of few.
+    /// The scene has no small group of pixels with most of the noise, such as the rim of an emitter: one
+    /// distance of two halves measures such a group badly.
     #[test]
     fn own_error_falls_with_the_root_of_samples_as_that_of_independent_numbers() {
-        let [few, many] = [16, 1_600].map(|samples| truth_of("builtin:three", samples).quality);
+        let [few, many] = [16, 1_600].map(|samples| ground_truth("builtin:three", samples).info);
         for falls in [few.frame_rmse / many.frame_rmse, few.small_rmse / many.small_rmse] {
             assert!((8.5..11.5).contains(&falls), "{falls}");
         }
@@ -188,16 +202,16 @@ mod tests {
     }
 
     #[test]
-    fn small_truth_is_what_rendering_small_gives() {
+    fn small_ground_truth_equals_a_small_render() {
         let scene = octray_formats::scene::load("builtin:cornell").unwrap();
         let settings = Settings { resolution: [16, 9], seed: 5, ..Settings::of(&scene) };
         let renderer = Renderer::new(&scene, settings);
         let mut film = renderer.film();
         renderer.add_samples(&mut film, 2_048);
-        let truth = truth(800);
+        let truth = cornell(800);
         let brightness = truth.small.pixels.iter().flatten().map(|&c| f64::from(c)).sum::<f64>() / 432.0;
         let distance = Errors::of(&film.picture(), &truth.small).rmse;
-        // Noise of both, and nothing else: an eighth of a pixel's shift gives 0.05.
+        // Only the noise of both: a shift by an eighth of a pixel gives 0.05.
         assert!(distance < 0.03 * brightness.max(0.1), "{distance}, brightness {brightness}");
     }
 }

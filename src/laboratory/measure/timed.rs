@@ -1,28 +1,32 @@
-//! Renderers timed by turns, so that what else the machine does falls on all of them.
+//! Renderers timed in alternating rounds, so that other load on the machine affects all of them alike.
 //!
-//! For: [`Timed`], and [`Ratio`] of two of them. May import: `render`, `statistics`. Must never know: what the times are for.
+//! For: [`TimedRenderer`], and the [`Ratio`] of two of them. May import: `render`, `quantiles`. Must not
+//! know: the use of the times.
+//!
+//! A *round* gives every renderer one *turn*; a turn is some frames of one renderer.
 
-use super::statistics::Quantiles;
+use super::quantiles::Quantiles;
 use crate::film::Film;
 use crate::render::Renderer;
 use serde::Serialize;
 use std::time::{Duration, Instant};
 
-/// Frames before timing starts, or as many as this time holds: caches and branch predictors fill, clocks rise.
+/// Frames before timing starts, or fewer if they take this time: caches and branch predictors fill, clocks
+/// rise.
 const WARM_UP: u32 = 5;
 const WARM_UP_TIME: Duration = Duration::from_millis(200);
 
-/// A renderer, the frames it has made, and how long they took. A frame is one sample of every pixel.
-pub struct Timed {
+/// A renderer, its film and its frame times. A frame is one sample of every pixel.
+pub struct TimedRenderer {
     pub renderer: Renderer,
     pub film: Film,
-    /// Of every frame.
+    /// Time of each frame.
     pub seconds: Vec<f64>,
-    /// Of the middle frame of every turn.
+    /// Median frame time of each turn, in seconds.
     turns: Vec<f64>,
 }
 
-impl Timed {
+impl TimedRenderer {
     /// Warms the renderer up; the film is empty afterwards.
     pub fn new(renderer: Renderer) -> Self {
         let (mut film, start) = (renderer.film(), Instant::now());
@@ -32,7 +36,7 @@ impl Timed {
         Self { film: renderer.film(), renderer, seconds: Vec::new(), turns: Vec::new() }
     }
 
-    /// Times frames until `time` is over: at least one and at most `frames`, none for 0.
+    /// Times frames for `time`: at least one and at most `frames`, none for 0.
     pub fn turn(&mut self, frames: usize, time: Duration) {
         let Self { renderer, film, seconds, turns } = self;
         let before = seconds.len();
@@ -52,26 +56,26 @@ impl Timed {
         }
     }
 
-    /// Forgets the times and keeps the film.
-    pub fn forget_times(&mut self) {
+    /// Drops the times and keeps the film.
+    pub fn clear_times(&mut self) {
         self.seconds.clear();
         self.turns.clear();
     }
 }
 
-/// How many times as fast one is as the other: the middle of what each round of turns says by itself, because a machine that is slowed down
-/// for a while slows down both turns of a round, and few rounds.
+/// The ratio of two speeds: the median over the rounds of each round's own ratio. A slow spell of the machine
+/// slows both turns of a round, and few rounds.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Ratio {
     pub median: f64,
-    /// 10 % of the rounds say less than the first, and 10 % more than the second.
+    /// The 10th and the 90th percentile of the rounds.
     pub spread: [f64; 2],
     pub rounds: usize,
 }
 
 impl Ratio {
-    /// How many times as fast `fast` is as `slow`; `None` before they have had a round together.
-    pub fn of(fast: &Timed, slow: &Timed) -> Option<Self> {
+    /// The speed of `fast` over that of `slow`; `None` before their first common round.
+    pub fn of(fast: &TimedRenderer, slow: &TimedRenderer) -> Option<Self> {
         Self::of_rounds(&fast.turns, &slow.turns)
     }
 
@@ -79,7 +83,7 @@ impl Ratio {
         let ratios: Vec<f64> = fast.iter().zip(slow).map(|(fast, slow)| slow / fast).collect();
         (!ratios.is_empty()).then(|| {
             let (rounds, ratios) = (ratios.len(), Quantiles::of(ratios));
-            Self { median: ratios.median(), spread: [ratios.at(0.1), ratios.at(0.9)], rounds }
+            Self { median: ratios.median(), spread: ratios.spread(), rounds }
         })
     }
 }
@@ -91,7 +95,8 @@ mod tests {
 
     #[test]
     fn ratio_is_that_of_the_rounds_and_not_of_the_medians() {
-        // From the third round on the machine is three times as slow; the last turn of the second engine falls out of its round.
+        // From the third round on the machine is three times as slow. The last turn of `slow` has no
+        // counterpart.
         let (fast, slow) = ([1.0, 1.0, 3.0, 3.0, 3.0], [4.0, 4.0, 12.0, 12.0, 24.0, 99.0]);
         let ratio = Ratio::of_rounds(&fast, &slow).unwrap();
         assert_eq!(ratio, Ratio { median: 4.0, spread: [4.0, 8.0], rounds: 5 });
@@ -102,13 +107,13 @@ mod tests {
     fn turn_times_at_least_one_frame_and_at_most_those_asked_for() {
         let scene = octray_formats::scene::load("builtin:three").unwrap();
         let settings = Settings { resolution: [8, 8], ..Settings::of(&scene) };
-        let mut timed = Timed::new(Renderer::new(&scene, settings));
+        let mut timed = TimedRenderer::new(Renderer::new(&scene, settings));
         assert_eq!(timed.film.samples(), 0);
         timed.turn(3, Duration::MAX);
         timed.turn(9, Duration::ZERO);
         timed.turn(0, Duration::MAX);
         assert_eq!((timed.film.samples(), timed.seconds.len(), timed.turns.len()), (4, 4, 2));
-        timed.forget_times();
+        timed.clear_times();
         assert_eq!((timed.film.samples(), timed.seconds.len(), timed.turns.len()), (4, 0, 0));
     }
 }

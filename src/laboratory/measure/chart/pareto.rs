@@ -1,0 +1,194 @@
+//! Dominance and the Pareto front of error against time.
+//!
+//! For: [`ErrorCurve`]. May import: `quantiles`. Must not know: what is rendered.
+//!
+//! A configuration is measured at a few points and interpolated between them by straight lines in logarithms.
+//! After its last point its error is extrapolated with the root of time, as that of independent samples;
+//! before its first point it has no error.
+
+use crate::measure::quantiles::Quantiles;
+
+/// Error against time of one configuration.
+pub struct ErrorCurve {
+    /// Logarithms of (seconds, error), by seed, then by level.
+    seeds: Vec<Vec<[f64; 2]>>,
+    /// Their medians, by level.
+    medians: Vec<[f64; 2]>,
+}
+
+impl ErrorCurve {
+    /// From seconds and errors by level, each by seed; both above 0.
+    pub fn new(levels: impl Iterator<Item = (Vec<f64>, Vec<f64>)>) -> Self {
+        let mut curve = Self { seeds: Vec::new(), medians: Vec::new() };
+        for (seconds, errors) in levels {
+            curve.seeds.resize(seconds.len(), Vec::new());
+            for (seed, (time, error)) in curve.seeds.iter_mut().zip(seconds.iter().zip(&errors)) {
+                seed.push([time.ln(), error.ln()]);
+            }
+            curve.medians.push([seconds, errors].map(|values| Quantiles::of(values).median().ln()));
+        }
+        curve
+    }
+
+    /// Whether, by the medians, this curve has a smaller error in the time of a level of the other.
+    pub fn passes_below(&self, other: &ErrorCurve, level: usize) -> bool {
+        let [time, error] = other.medians[level];
+        error_at(&self.medians, time).is_some_and(|ours| ours < error)
+    }
+
+    /// Whether this curve has a smaller error in the time of a level of the other for at least nine of ten
+    /// seeds.
+    fn beats(&self, other: &ErrorCurve, level: usize) -> bool {
+        let better = |(ours, theirs): (&Vec<[f64; 2]>, &Vec<[f64; 2]>)| {
+            let [time, error] = theirs[level];
+            error_at(ours, time).is_some_and(|ours| ours < error)
+        };
+        let seeds = self.seeds.iter().zip(&other.seeds);
+        10 * seeds.filter(|pair| better(*pair)).count() >= 9 * self.seeds.len()
+    }
+
+    /// If some other curve beats this one at every level: the first that does so at all levels, or else the
+    /// one with the smallest error at the last level.
+    pub fn dominated_by<'a>(&self, others: &[(&'a str, &ErrorCurve)]) -> Option<&'a str> {
+        let levels = 0..self.medians.len();
+        let everywhere =
+            |(_, other): &&(&str, &ErrorCurve)| levels.clone().all(|level| other.beats(self, level));
+        if let Some((name, _)) = others.iter().find(everywhere) {
+            return Some(name);
+        }
+        let somewhere = |level| others.iter().any(|(_, other)| other.beats(self, level));
+        if !levels.clone().all(somewhere) {
+            return None;
+        }
+        let last = self.medians.len() - 1;
+        let error =
+            |other: &ErrorCurve| error_at(&other.medians, self.medians[last][0]).unwrap_or(f64::INFINITY);
+        let at_last = others.iter().filter(|(_, other)| other.beats(self, last));
+        at_last.min_by(|a, b| error(a.1).total_cmp(&error(b.1))).map(|(name, _)| *name)
+    }
+
+    /// Time to the error of this curve's last point, over the time of `default` to the same error.
+    pub fn time_to_last_error_over(&self, default: &ErrorCurve) -> f64 {
+        let [time, error] = self.medians[self.medians.len() - 1];
+        (time - time_at(&default.medians, error)).exp()
+    }
+}
+
+/// Slope of the extrapolation: Δ ln error / Δ ln time.
+const SLOPE: f64 = -0.5;
+
+/// The error of a curve at a time, in logarithms; `None` before its first point.
+fn error_at(curve: &[[f64; 2]], time: f64) -> Option<f64> {
+    let (first, last) = (curve.first()?, curve.last()?);
+    if time < first[0] {
+        return None;
+    }
+    let after = curve.partition_point(|point| point[0] <= time);
+    if after == curve.len() {
+        return Some(last[1] + SLOPE * (time - last[0]));
+    }
+    let ([t0, e0], [t1, e1]) = (curve[after - 1], curve[after]);
+    Some(e0 + (e1 - e0) * (time - t0) / (t1 - t0))
+}
+
+/// The time at which a curve first has this error, in logarithms.
+fn time_at(curve: &[[f64; 2]], error: f64) -> f64 {
+    let reached = curve.iter().position(|point| point[1] <= error);
+    match reached {
+        // Before the first point: extrapolated with the same slope.
+        Some(0) => curve[0][0] + (error - curve[0][1]) / SLOPE,
+        Some(at) => {
+            let ([t0, e0], [t1, e1]) = (curve[at - 1], curve[at]);
+            t0 + (t1 - t0) * (error - e0) / (e1 - e0)
+        }
+        None => {
+            let [time, last] = curve[curve.len() - 1];
+            time + (error - last) / SLOPE
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// `speed` times as fast as one second a sample with an error of `noise`; seeds differ by a few per cent.
+    fn curve(speed: f64, noise: f64, levels: u32) -> ErrorCurve {
+        ErrorCurve::new((0..levels).map(|level| {
+            let samples = f64::from(1 << level);
+            let seeds = [0.97, 1.0, 1.02];
+            let seconds = seeds.map(|seed| samples / speed * seed);
+            let errors = seeds.map(|seed| noise / samples.sqrt() / seed);
+            (seconds.to_vec(), errors.to_vec())
+        }))
+    }
+
+    #[test]
+    fn twice_as_fast_is_half_the_time_to_equal_error() {
+        let (slow, fast) = (curve(1.0, 1.0, 5), curve(2.0, 1.0, 5));
+        assert!((slow.time_to_last_error_over(&fast) - 2.0).abs() < 1e-9);
+        assert!((fast.time_to_last_error_over(&slow) - 0.5).abs() < 1e-9);
+        assert!(
+            (curve(1.0, 2.0, 5).time_to_last_error_over(&slow) - 4.0).abs() < 1e-9,
+            "error counts squared"
+        );
+    }
+
+    #[test]
+    fn curve_is_extrapolated_with_the_root_of_time() {
+        let (rough, fine) = (curve(1.0, 1.0, 2), curve(1.0, 1.0, 6));
+        // Sixteen times the samples of the last point, and a sixteenth of those of the first.
+        assert!((fine.time_to_last_error_over(&rough) - 1.0).abs() < 1e-9);
+        assert!((curve(1.0, 4.0, 1).time_to_last_error_over(&fine) - 16.0).abs() < 1e-9);
+        let stays_below = |speed| fine.passes_below(&curve(speed, 1.0, 12), 11);
+        assert!(stays_below(0.99) && !stays_below(1.01));
+    }
+
+    #[test]
+    fn curve_is_a_line_of_logarithms_between_points() {
+        let between = ErrorCurve::new([(vec![2.9], vec![3.0f64.sqrt().recip()])].into_iter());
+        assert!(
+            !curve(1.0, 1.0, 6).passes_below(&between, 0) && curve(1.1, 1.0, 6).passes_below(&between, 0)
+        );
+    }
+
+    #[test]
+    fn nine_of_ten_seeds_are_enough_and_eight_are_not() {
+        let of = |worse: usize| {
+            let errors = (0..10).map(|seed| if seed < worse { 2.0 } else { 0.5 }).collect();
+            ErrorCurve::new([(vec![1.0; 10], errors)].into_iter())
+        };
+        let one = ErrorCurve::new([(vec![1.0; 10], vec![1.0; 10])].into_iter());
+        assert_eq!(one.dominated_by(&[("nine", &of(1))]), Some("nine"));
+        assert_eq!(one.dominated_by(&[("eight", &of(2))]), None);
+    }
+
+    #[test]
+    fn slower_at_the_same_error_is_dominated_although_measured_longer() {
+        let (slow, fast) = (curve(1.0, 1.0, 8), curve(3.0, 1.0, 3));
+        assert_eq!(slow.dominated_by(&[("fast", &fast)]), Some("fast"));
+        assert_eq!(fast.dominated_by(&[("slow", &slow)]), None);
+        assert!(fast.passes_below(&slow, 7) && !slow.passes_below(&fast, 2));
+    }
+
+    #[test]
+    fn first_or_lower_at_the_end_is_not_dominated() {
+        // A quick start with much noise, and a slow start with little.
+        let (quick, good) = (curve(8.0, 4.0, 6), curve(1.0, 1.0, 6));
+        assert_eq!(quick.dominated_by(&[("good", &good)]), None, "before the first sample of the other");
+        assert_eq!(good.dominated_by(&[("quick", &quick)]), None);
+        // Two per cent of time are less than the seeds differ by.
+        let (a, b) = (curve(1.0, 1.0, 6), curve(1.005, 1.0, 6));
+        assert!(b.passes_below(&a, 3));
+        let jitter = ErrorCurve::new([(vec![1.0, 1.02, 0.99], vec![1.0, 1.0, 1.0])].into_iter());
+        let other = ErrorCurve::new([(vec![0.995, 0.99, 1.0], vec![1.0, 1.0, 1.0])].into_iter());
+        assert_eq!(jitter.dominated_by(&[("other", &other)]), None, "one seed of three says otherwise");
+    }
+
+    #[test]
+    fn each_point_may_be_beaten_by_another() {
+        let middle = curve(1.0, 1.0, 6);
+        let early = ErrorCurve::new([(vec![0.1; 3], vec![0.5; 3])].into_iter());
+        assert_eq!(middle.dominated_by(&[("early", &early)]), Some("early"));
+    }
+}

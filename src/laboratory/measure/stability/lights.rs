@@ -1,0 +1,262 @@
+//! Light sampling: emitters that are small, near, around the lit point, or seen edge-on.
+
+use super::methods::Method;
+use super::recipe::{Bound, EPSILON, FailureCounts, Recipe};
+use super::rng::Rng;
+use crate::kernel::light::{self, LightSample};
+use crate::lane::functions;
+use crate::math::Vec3;
+use crate::sampling::warp;
+use glam::DVec3;
+use std::f32::consts::TAU;
+use std::f64::consts::PI;
+
+pub const RECIPES: &[Recipe] = &[
+    Recipe {
+        name: "lamps-spheres",
+        title: "Sampling spherical lights, from far away to close by",
+        axis: "radius / distance of the centre",
+        places: &[1e-6, 1e-5, 1e-4, 3e-4, 1e-3, 3e-3, 1e-2, 0.1, 0.5, 0.9, 0.99, 0.999, 0.9999, 0.99999],
+        failure: "pdf is not positive and finite, or the direction misses the light",
+        error: Some("|Δ pdf| / pdf"),
+        source: SHIRLEY,
+        cases: 50_000,
+        methods: &[
+            Method::other("cosine", |rng, x, cases| sphere(rng, x, cases, cosine)),
+            Method::other("taylor", |rng, x, cases| sphere(rng, x, cases, taylor)),
+            Method::default("sine", |rng, x, cases| sphere(rng, x, cases, sine)),
+        ],
+        // Close by, the cosine of the rim, √(1 − sin²), magnifies the rounding of sin².
+        bound: |ratio| Bound::error(8.0 * EPSILON / (1.0 - ratio * ratio).sqrt()),
+    },
+    Recipe {
+        name: "lamps-around",
+        title: "Lit points inside spherical lights",
+        axis: "distance from the centre / radius",
+        places: &[0.0, 1e-6, 1e-3, 0.1, 0.5, 0.9, 0.99, 0.999, 0.9999, 0.99999],
+        failure: "pdf is not 0, although the light is in every direction",
+        error: None,
+        source: SHIRLEY,
+        cases: 50_000,
+        methods: &[
+            Method::other("cosine", |rng, x, cases| around(rng, x, cases, cosine)),
+            Method::other("cosine-clamped", |rng, x, cases| around(rng, x, cases, cosine_clamped)),
+            Method::default("sine-and-inside", |rng, x, cases| around(rng, x, cases, sine)),
+        ],
+        bound: |_| Bound::NO_FAILURE,
+    },
+    Recipe {
+        name: "lamps-triangle",
+        title: "Sampling triangular lights that are small or far away",
+        axis: "edge / distance",
+        places: &[1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 0.1, 1.0, 10.0],
+        failure: "pdf is not positive and finite",
+        error: Some("|Δ pdf| / pdf"),
+        source: OOSTEROM,
+        cases: 50_000,
+        methods: &[
+            Method::other("angles", |rng, x, cases| triangle(rng, cases, small(x), angles)),
+            Method::other("determinant", |rng, x, cases| triangle(rng, cases, small(x), determinant)),
+            Method::default("whole-or-area", |rng, x, cases| triangle(rng, cases, small(x), whole_or_area)),
+        ],
+        // Measured, not derived: 8 ε.
+        bound: |_| Bound::error(16.0 * EPSILON),
+    },
+    Recipe {
+        name: "lamps-edge-on",
+        title: "Sampling triangular lights seen nearly edge-on, about half as large as their distance",
+        axis: "distance from the triangle's plane / distance",
+        places: &[1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 0.1, 1.0],
+        failure: "pdf is not positive and finite",
+        error: Some("|Δ pdf| / pdf"),
+        source: OOSTEROM,
+        cases: 50_000,
+        methods: &[
+            Method::other("angles", |rng, x, cases| triangle(rng, cases, edge_on(x), angles)),
+            Method::other("determinant", |rng, x, cases| triangle(rng, cases, edge_on(x), determinant)),
+            Method::default("whole-or-area", |rng, x, cases| triangle(rng, cases, edge_on(x), whole_or_area)),
+        ],
+        // The distance of the plane is rounded by some ε; closer to it there is no promise.
+        bound: |height| {
+            if height < 1e-5 { Bound::NONE } else { Bound::error(EPSILON * (16.0 + 8.0 / height)) }
+        },
+    },
+];
+
+const SHIRLEY: &str = "Shirley, Wang, Zimmerman, ACM TOG 15(1), 1996; Pharr et al., PBR 4ed §6.2.4";
+const OOSTEROM: &str = "Van Oosterom, Strackee, IEEE TBME 30(2), 1983; Arvo, SIGGRAPH 1995";
+
+/// A direction and its pdf.
+type DirectionPdf = (Vec3<f32>, f32);
+
+/// Around the axis towards `center`.
+fn cone(center: Vec3<f32>, sin: f32, cos: f32, v: f32) -> Vec3<f32> {
+    let axis = center.normalize();
+    let (tangent, bitangent) = warp::orthonormal_basis(axis);
+    let (sin_around, cos_around) = functions::sin_cos_turns(v);
+    tangent.mul_add(sin * cos_around, bitangent.mul_add(sin * sin_around, axis * cos))
+}
+
+/// The textbook method: from the cosine of the cone's angle.
+fn cosine(center: Vec3<f32>, radius: f32, u: f32, v: f32) -> DirectionPdf {
+    let rim = (1.0 - radius * radius / center.dot(center)).sqrt();
+    let cos = 1.0 - u * (1.0 - rim);
+    (cone(center, (1.0 - cos * cos).sqrt(), cos, v), 1.0 / (TAU * (1.0 - rim)))
+}
+
+/// `cosine` without NaN.
+fn cosine_clamped(center: Vec3<f32>, radius: f32, u: f32, v: f32) -> DirectionPdf {
+    let rim = (1.0 - radius * radius / center.dot(center)).max(0.0).sqrt();
+    let cos = 1.0 - u * (1.0 - rim);
+    (cone(center, (1.0 - cos * cos).sqrt(), cos, v), 1.0 / (TAU * (1.0 - rim)))
+}
+
+/// The cosine, and below 1.5° the first term of its series.
+fn taylor(center: Vec3<f32>, radius: f32, u: f32, v: f32) -> DirectionPdf {
+    let sin2 = radius * radius / center.dot(center);
+    if sin2 >= 0.000_685_23 {
+        return cosine(center, radius, u, v);
+    }
+    let sampled2 = sin2 * u;
+    (cone(center, sampled2.sqrt(), (1.0 - sampled2).sqrt(), v), 1.0 / (TAU * 0.5 * sin2))
+}
+
+/// The renderer's method.
+fn sine(center: Vec3<f32>, radius: f32, u: f32, v: f32) -> DirectionPdf {
+    let LightSample { wi, pdf, .. } = light::sample_sphere(center, radius, u, v);
+    (wi, pdf)
+}
+
+/// Two random numbers in [0, 1).
+fn numbers(rng: &mut Rng) -> (f32, f32) {
+    ((rng.bits() >> 8) as f32 / 16_777_216.0, (rng.bits() >> 8) as f32 / 16_777_216.0)
+}
+
+/// A sphere of random size, its centre `distance` radii away.
+fn ball(rng: &mut Rng, distance: f64) -> (Vec3<f32>, f32) {
+    let radius = rng.scale(1e-3, 1e3);
+    (Vec3::splat((rng.direction() * (radius * distance)).as_vec3()), radius as f32)
+}
+
+fn sphere(
+    rng: &mut Rng,
+    ratio: f64,
+    cases: usize,
+    sample: fn(Vec3<f32>, f32, f32, f32) -> DirectionPdf,
+) -> FailureCounts {
+    let mut counts = FailureCounts::default();
+    for _ in 0..cases {
+        let (center, radius) = ball(rng, 1.0 / ratio);
+        let (u, v) = numbers(rng);
+        let (direction, pdf) = sample(center, radius, u, v);
+        let (at, w, radius) = (center.get(0).as_dvec3(), direction.get(0).as_dvec3(), f64::from(radius));
+        let distance = (at - w * at.dot(w) / w.length_squared()).length();
+        // Directions are rounded.
+        let hits = distance <= radius + 8.0 * EPSILON * at.length();
+        let sin2 = radius * radius / at.length_squared();
+        let expected = (1.0 + (1.0 - sin2).sqrt()) / (2.0 * PI * sin2);
+        let error = (f64::from(pdf) / expected - 1.0).abs();
+        if hits && pdf > 0.0 && error.is_finite() { counts.record_error(error) } else { counts.record(true) }
+    }
+    counts
+}
+
+fn around(
+    rng: &mut Rng,
+    from_center: f64,
+    cases: usize,
+    sample: fn(Vec3<f32>, f32, f32, f32) -> DirectionPdf,
+) -> FailureCounts {
+    let mut counts = FailureCounts::default();
+    for _ in 0..cases {
+        let (center, radius) = ball(rng, from_center);
+        let (u, v) = numbers(rng);
+        counts.record(sample(center, radius, u, v).1 != 0.0);
+    }
+    counts
+}
+
+/// A triangle relative to the lit point: a corner, and the edges to the others.
+#[derive(Clone, Copy)]
+struct TriangleLight {
+    a: Vec3<f32>,
+    ab: Vec3<f32>,
+    ac: Vec3<f32>,
+}
+
+/// Corners at a distance of about 1, edges of about `edge`; no slivers, not edge-on.
+fn small(edge: f64) -> impl Fn(&mut Rng) -> [DVec3; 3] {
+    move |rng| loop {
+        let middle = rng.direction();
+        let corners = [(); 3].map(|()| middle + rng.direction() * edge);
+        let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
+        let height = corners[0].dot(normal.normalize()).abs();
+        if normal.length() > 0.3 * edge * edge && height > 0.2 * (1.0 + edge) {
+            return corners;
+        }
+    }
+}
+
+/// Corners in a plane at the distance `height`, about 1 away along the plane.
+fn edge_on(height: f64) -> impl Fn(&mut Rng) -> [DVec3; 3] {
+    move |rng| {
+        let up = rng.direction();
+        let (x, y) = up.any_orthonormal_pair();
+        let turn = rng.unit();
+        [0.0, 1.0, 2.0].map(|third: f64| {
+            let (sin, cos) = ((turn + third / 3.0 + 0.1 * rng.signed()) * 2.0 * PI).sin_cos();
+            x * (1.0 + 0.3 * cos) + y * (0.3 * sin) + up * height
+        })
+    }
+}
+
+/// Solid angle as the sum of the angles less π.
+fn angles(light: TriangleLight, _: f32, _: f32) -> DirectionPdf {
+    let corners = [light.a, light.a + light.ab, light.a + light.ac].map(Vec3::normalize);
+    let sides = [0, 1, 2].map(|i| corners[i].cross(corners[(i + 1) % 3]).normalize());
+    let angle = |i: usize| (-sides[i].dot(sides[(i + 1) % 3])).clamp(-1.0, 1.0).acos();
+    ((corners[0] + corners[1] + corners[2]).normalize(), 1.0 / (angle(0) + angle(1) + angle(2) - TAU / 2.0))
+}
+
+/// Solid angle from the tangent of its half (Van Oosterom, Strackee).
+fn determinant(light: TriangleLight, _: f32, _: f32) -> DirectionPdf {
+    let [a, b, c] = [light.a, light.a + light.ab, light.a + light.ac].map(Vec3::normalize);
+    let volume = a.dot(b.cross(c)).abs();
+    let sum = 1.0 + a.dot(b) + b.dot(c) + c.dot(a);
+    ((a + b + c).normalize(), 1.0 / (2.0 * volume.atan2(sum)))
+}
+
+/// The renderer's method.
+fn whole_or_area(light: TriangleLight, u: f32, v: f32) -> DirectionPdf {
+    let LightSample { wi, pdf, .. } = light::sample_triangle(light.a, light.ab, light.ac, u, v);
+    (wi, pdf)
+}
+
+/// The pdf may be that of sampling the solid angle or the area; each method uses area for small solid angles.
+fn triangle(
+    rng: &mut Rng,
+    cases: usize,
+    corners: impl Fn(&mut Rng) -> [DVec3; 3],
+    sample: fn(TriangleLight, f32, f32) -> DirectionPdf,
+) -> FailureCounts {
+    let mut counts = FailureCounts::default();
+    for _ in 0..cases {
+        let [a, b, c] = corners(rng).map(|corner| corner.as_vec3());
+        let light = TriangleLight { a: Vec3::splat(a), ab: Vec3::splat(b - a), ac: Vec3::splat(c - a) };
+        let (u, v) = numbers(rng);
+        let (direction, pdf) = sample(light, u, v);
+        let w = direction.get(0).as_dvec3();
+        // The light with rounded edges, as the method gets it.
+        let [a, ab, ac] = [a, b - a, c - a].map(|vector| vector.as_dvec3());
+        let normal = ab.cross(ac);
+        let t = a.dot(normal) / w.dot(normal);
+        let by_area = 2.0 * t * t / normal.dot(w).abs();
+        let [a, b, c] = [a, a + ab, a + ac].map(DVec3::normalize);
+        let by_angle = 0.5 / a.dot(b.cross(c)).abs().atan2(1.0 + a.dot(b) + b.dot(c) + c.dot(a));
+        let pdf = f64::from(pdf);
+        let error = [by_angle, by_area].map(|expected| (pdf / expected - 1.0).abs());
+        let error = error[0].min(error[1]);
+        if pdf > 0.0 && error.is_finite() { counts.record_error(error) } else { counts.record(true) }
+    }
+    counts
+}

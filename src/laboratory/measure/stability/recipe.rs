@@ -1,0 +1,253 @@
+//! A recipe: inputs on which methods fail, and the failures of each method.
+//!
+//! For: [`Recipe`], [`Bound`], [`FailureCounts`], [`Outcome`]. May import: `methods`, `rng`, `quantiles`.
+//! Must not know: any particular recipe.
+
+use super::methods::Method;
+use super::rng::Rng;
+use crate::measure::quantiles::Quantiles;
+use rayon::prelude::*;
+use serde::Serialize;
+
+/// Half the distance from 1 to the next f32, 2⁻²⁴, for bounds.
+pub const EPSILON: f64 = crate::math::EPSILON as f64;
+
+/// Tries a number of cases at a place of the axis.
+pub type Trial = fn(&mut Rng, f64, usize) -> FailureCounts;
+
+/// Inputs on which methods fail, along one axis.
+#[derive(Debug)]
+pub struct Recipe {
+    /// Short name, for the command line and for files: `spheres-far`.
+    pub name: &'static str,
+    pub title: &'static str,
+    pub axis: &'static str,
+    /// Places on the axis, ascending. It is logarithmic; 0 may come first.
+    pub places: &'static [f64],
+    /// Definition of a failure.
+    pub failure: &'static str,
+    /// Definition and unit of the error, where one is measured.
+    pub error: Option<&'static str>,
+    /// Source that describes the difficulty.
+    pub source: &'static str,
+    /// Cases at each place, with an effort of 1.
+    pub cases: usize,
+    pub methods: &'static [Method<Trial>],
+    /// Bound of the default method, by place.
+    pub bound: fn(f64) -> Bound,
+}
+
+/// Largest share of failures and error of a method.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Bound {
+    /// Most expected share of failures. Where it is not 0, five standard deviations of their number plus
+    /// three are allowed on top.
+    pub failures: f64,
+    /// Largest 99th percentile of the error; `None` without a promise.
+    pub p99: Option<f64>,
+}
+
+impl Bound {
+    /// No promise.
+    pub const NONE: Self = Self { failures: 1.0, p99: None };
+    /// No failure.
+    pub const NO_FAILURE: Self = Self { failures: 0.0, p99: None };
+
+    /// No failure, and a 99th percentile of the error up to this.
+    pub const fn error(p99: f64) -> Self {
+        Self { failures: 0.0, p99: Some(p99) }
+    }
+    /// Whether this number of failures is within the bound.
+    pub fn allows(&self, failures: usize, tested: usize) -> bool {
+        let expected = self.failures * tested as f64;
+        let spread = if expected > 0.0 { 5.0 * expected.sqrt() + 3.0 } else { 0.0 };
+        failures as f64 <= expected + spread
+    }
+}
+
+/// Number of cases, as a share of those of the command.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Effort(pub f64);
+
+impl Effort {
+    /// As many as the command.
+    pub const FULL: Self = Self(1.0);
+
+    fn cases(self, full: usize) -> usize {
+        ((full as f64 * self.0).ceil() as usize).max(1)
+    }
+}
+
+/// Failures and errors of a method.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct FailureCounts {
+    pub tested: usize,
+    pub failures: usize,
+    /// Errors of the cases that did not fail, where measured.
+    pub errors: Vec<f64>,
+}
+
+impl FailureCounts {
+    /// Records a case without an error.
+    pub fn record(&mut self, failed: bool) {
+        self.tested += 1;
+        self.failures += usize::from(failed);
+    }
+    /// Records a case that did not fail, with its error. An error that is NaN or infinite is a failure: in
+    /// quantiles it would go unnoticed.
+    pub fn record_error(&mut self, error: f64) {
+        if error.is_finite() {
+            self.tested += 1;
+            self.errors.push(error);
+        } else {
+            self.record(true);
+        }
+    }
+    fn merge(mut self, other: Self) -> Self {
+        self.tested += other.tested;
+        self.failures += other.failures;
+        self.errors.extend(other.errors);
+        self
+    }
+}
+
+/// The result of a recipe.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Outcome {
+    pub recipe: &'static str,
+    pub title: &'static str,
+    pub axis: &'static str,
+    pub failure: &'static str,
+    pub error: Option<&'static str>,
+    pub source: &'static str,
+    /// Whether the default method keeps its bounds.
+    pub holds: bool,
+    pub curves: Vec<Curve>,
+}
+
+/// One method along the axis.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Curve {
+    pub method: &'static str,
+    /// Whether this is the renderer's default.
+    pub default: bool,
+    pub points: Vec<Point>,
+}
+
+/// One method at one place of the axis. Quantiles are those of the error where the
+/// method did not fail; `None` where no error is measured.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Point {
+    pub x: f64,
+    pub tested: usize,
+    pub failures: usize,
+    pub p50: Option<f64>,
+    pub p90: Option<f64>,
+    pub p99: Option<f64>,
+    pub max: Option<f64>,
+    /// Of the default method only.
+    pub bound: Option<Bound>,
+}
+
+impl Outcome {
+    pub fn curve(&self, method: &str) -> Option<&Curve> {
+        self.curves.iter().find(|curve| curve.method == method)
+    }
+    /// Places where the default method breaks its bound.
+    pub fn faults(&self) -> impl Iterator<Item = &Point> {
+        self.curves.iter().flat_map(|curve| &curve.points).filter(|point| !point.holds())
+    }
+}
+
+impl Point {
+    fn of(x: f64, counts: FailureCounts, bound: Option<Bound>) -> Self {
+        let FailureCounts { tested, failures, errors } = counts;
+        let quantiles = (!errors.is_empty()).then(|| Quantiles::of(errors));
+        let at = |share| quantiles.as_ref().map(|quantiles| quantiles.at(share));
+        Self { x, tested, failures, p50: at(0.5), p90: at(0.9), p99: at(0.99), max: at(1.0), bound }
+    }
+    /// Whether this is a place of the default method without a promise.
+    pub fn promises_nothing(&self) -> bool {
+        self.bound.is_some_and(|bound| bound.failures >= 1.0)
+    }
+    /// Share of failures.
+    pub fn rate(&self) -> f64 {
+        self.failures as f64 / self.tested as f64
+    }
+    /// Whether the bound is kept, if there is one. Zero tested cases break it.
+    pub fn holds(&self) -> bool {
+        self.bound.is_none_or(|bound| {
+            let exact_enough = bound.p99.is_none_or(|most| self.p99.is_none_or(|p99| p99 <= most));
+            self.tested > 0 && bound.allows(self.failures, self.tested) && exact_enough
+        })
+    }
+}
+
+impl Recipe {
+    /// Every method at every place, in parallel on the threads of the caller's pool.
+    pub fn run(&self, effort: Effort) -> Outcome {
+        let curve = |method: &Method<Trial>| Curve {
+            method: method.name,
+            default: method.default,
+            points: self.places.iter().map(|&x| self.at(method, x, effort)).collect(),
+        };
+        let curves: Vec<Curve> = self.methods.iter().map(curve).collect();
+        Outcome {
+            recipe: self.name,
+            title: self.title,
+            axis: self.axis,
+            failure: self.failure,
+            error: self.error,
+            source: self.source,
+            holds: curves.iter().flat_map(|curve| &curve.points).all(Point::holds),
+            curves,
+        }
+    }
+
+    /// One method at one place, which need not be one of [`Recipe::places`].
+    pub fn at(&self, method: &Method<Trial>, x: f64, effort: Effort) -> Point {
+        let cases = effort.cases(self.cases);
+        // Large enough that the setup of a part (a mesh) costs little, small enough for all threads.
+        let part = cases.div_ceil(16).clamp(1, 4096);
+        let parts = (0..cases.div_ceil(part)).into_par_iter().map(|number| {
+            let mut rng = Rng::of(self.name, [x.to_bits(), number as u64]);
+            (method.run)(&mut rng, x, part.min(cases - number * part))
+        });
+        // Merged in order, so that errors do not depend on threads.
+        let counts =
+            parts.collect::<Vec<_>>().into_iter().fold(FailureCounts::default(), FailureCounts::merge);
+        Point::of(x, counts, method.default.then(|| (self.bound)(x)))
+    }
+
+    /// The method of this name.
+    pub fn method(&self, name: &str) -> Option<&'static Method<Trial>> {
+        self.methods.iter().find(|method| method.name == name)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn errors_that_are_nan_or_infinite_are_failures() {
+        let mut counts = FailureCounts::default();
+        [1e-6, f64::NAN, -f64::NAN, f64::INFINITY].into_iter().for_each(|error| counts.record_error(error));
+        assert_eq!(counts, FailureCounts { tested: 4, failures: 3, errors: vec![1e-6] });
+    }
+
+    #[test]
+    fn bounds_allow_chance_but_no_failure_where_none_is_promised() {
+        let point = |failures, p99, bound| Point {
+            failures,
+            p99: Some(p99),
+            ..Point::of(1.0, FailureCounts { tested: 10_000, ..FailureCounts::default() }, Some(bound))
+        };
+        assert!(point(0, 1.0, Bound::NO_FAILURE).holds() && !point(1, 1.0, Bound::NO_FAILURE).holds());
+        assert!(point(0, 0.5, Bound::error(0.5)).holds() && !point(0, 0.6, Bound::error(0.5)).holds());
+        let hundred = Bound { failures: 0.01, p99: None };
+        assert!(point(153, 0.0, hundred).holds() && !point(154, 0.0, hundred).holds());
+        assert!(point(10_000, 1.0, Bound::NONE).holds());
+        assert!(!Point::of(1.0, FailureCounts::default(), Some(Bound::NONE)).holds(), "nothing was tested");
+    }
+}

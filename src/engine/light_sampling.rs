@@ -89,8 +89,8 @@ impl EnvironmentLight {
         let turns = (L::from_int(column) + across) * L::splat(1.0 / self.columns as f32);
         let (sin_around, cos_around) = functions::sin_cos_turns(turns);
         let direction = Vec3::new(sin * cos_around, y, sin * sin_around).normalize();
-        let density = read(&self.pdfs, first.wrapping_add(column));
-        LightSample { wi: direction, t: L::splat(f32::INFINITY), n: Vec3::zero(), pdf: density }
+        let pdf = read(&self.pdfs, first.wrapping_add(column));
+        LightSample { wi: direction, t: L::splat(f32::INFINITY), n: Vec3::zero(), pdf }
     }
 
     /// The pdf of [`Self::sample`], in 1/sr, at the direction with these texture coordinates, u unwrapped and

@@ -173,10 +173,14 @@ fn inclusive(t: f32) -> f32 {
 /// Lower and upper corner of the box of a triangle: exact. [`Bounds::of_triangle`] over lanes.
 #[inline(always)]
 fn box_of<L: Lane>([a, b, c]: [Vec3<L>; 3]) -> (Vec3<L>, Vec3<L>) {
-    (
-        Vec3::new(a.x.min(b.x).min(c.x), a.y.min(b.y).min(c.y), a.z.min(b.z).min(c.z)),
-        Vec3::new(a.x.max(b.x).max(c.x), a.y.max(b.y).max(c.y), a.z.max(b.z).max(c.z)),
-    )
+    let [x, y, z] = [[a.x, b.x, c.x], [a.y, b.y, c.y], [a.z, b.z, c.z]].map(extent_along);
+    (Vec3::new(x[0], y[0], z[0]), Vec3::new(x[1], y[1], z[1]))
+}
+
+/// The least and the greatest coordinate of a triangle along one axis.
+#[inline(always)]
+fn extent_along<L: Lane>([a, b, c]: [L; 3]) -> [L; 2] {
+    [a.min(b).min(c), a.max(b).max(c)]
 }
 
 /// [`keep_if_nearer`] in each lane; whether any lane kept it.
@@ -197,8 +201,7 @@ impl TriangleLeaf {
     /// The lower and the upper planes of the triangles' boxes along an axis; NaN where there is no triangle.
     #[inline(always)]
     pub fn planes(&self, axis: usize) -> [F32x8; 2] {
-        let [a, b, c] = self.vertices.each_ref().map(|vertex| F32x8::load(&vertex[axis]));
-        [a.min(b).min(c), a.max(b).max(c)]
+        extent_along(self.vertices.each_ref().map(|vertex| F32x8::load(&vertex[axis])))
     }
 
     /// One ray against all of them; [`TriangleLeaf::accept`] then applies the rule of the own box to what is

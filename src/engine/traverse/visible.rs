@@ -1,6 +1,6 @@
 //! Frustum culling for linear traversal: the primitives that the primary rays of a tile can hit.
 //!
-//! Only for methods whose hits stay within the pyramid's margin
+//! Only for methods whose hits stay within the view frustum's margin
 //! ([`super::Methods::keep_to_their_primitives`]): the naive ones report hits far outside a primitive, and
 //! culling would remove those from their picture.
 

@@ -234,7 +234,7 @@ fn coats_and_maps_that_make_no_sense_are_refused() {
     let text = material("\"type\": \"plastic\", \"roughness\": 1.5");
     assert_refused(text, "1.5 is outside", "materials.m.roughness", "from 0 to 1");
     let text = material("\"type\": \"metal\", \"roughness\": 0, \"roughness_map\": \"r.png\"");
-    assert_refused(text, "cannot roughen", "materials.m.roughness_map", "above 0");
+    assert_refused(text, "cannot change a `roughness` of 0", "materials.m.roughness_map", "above 0");
     for key in ["roughness_map", "normal_map"] {
         let text = material(&format!("\"type\": \"metal\", \"{key}\": \"gone.png\""));
         assert_refused(text, "gone.png", &format!("materials.m.{key}"), "relative to the scene file");

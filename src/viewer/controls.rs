@@ -277,7 +277,7 @@ mod tests {
         let finest = after(&[Command::Finer; 99]);
         assert_eq!(finest.resolution([240, 135], 1.0), [1920, 1080]);
         assert_eq!(finest.resolution([1920, 1080], 1.0), [3840, 2160]);
-        assert_eq!(finest.resolution([5000, 4000], 1.0), [5000, 4000], "what a scene asks for it gets");
+        assert_eq!(finest.resolution([5000, 4000], 1.0), [5000, 4000], "a scene's own resolution is kept");
         assert_eq!(finest.resolution([MAX_SIDE, 100], 1.0), [MAX_SIDE, 100]);
         let bright = Controls::new(4, 6, 8, Tone { exposure: 30.0, ..Tone::default() });
         let pressed = |command| {

@@ -240,9 +240,9 @@ mod tests {
     #[test]
     fn a_display_without_a_rate_changes_nothing() {
         let (mut state, now) = start();
-        for (told, rate) in [(0.0, 60.0), (f64::NAN, 60.0), (144.0, 144.0), (-1.0, 144.0), (0.2, 144.0)] {
-            state.handle(&Event::Rate(told), now);
-            assert_eq!(state.rate, rate, "{told}");
+        for (reported, rate) in [(0.0, 60.0), (f64::NAN, 60.0), (144.0, 144.0), (-1.0, 144.0), (0.2, 144.0)] {
+            state.handle(&Event::Rate(reported), now);
+            assert_eq!(state.rate, rate, "{reported}");
         }
     }
 
@@ -254,7 +254,7 @@ mod tests {
         state.handle(&key(Key::Char('w'), true), now);
         state.advance(now + ms(60_000));
         assert!(state.camera_controller.camera().position.distance(from) < 0.26);
-        // However much is heard of meanwhile.
+        // However many events arrive meanwhile.
         let from = state.camera_controller.camera().position;
         for second in 61..70 {
             state.handle(&Event::Mouse([0.0; 2]), now + ms(second * 1_000));

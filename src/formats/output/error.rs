@@ -40,7 +40,7 @@ pub enum OutputError {
     ReadOnly { path: PathBuf },
     #[error("`{}` exists already\n  choose another name, or give --force to replace it", .path.display())]
     Exists { path: PathBuf },
-    #[error("cannot look at `{}`\n  check that you may read the folders on the way to it", .path.display())]
+    #[error("cannot access `{}`\n  check that you may read the folders on the way to it", .path.display())]
     Unreachable { path: PathBuf, source: io::Error },
     #[error("writing `{}` failed, and nothing was changed\n  check that its disk has room", .path.display())]
     Write { path: PathBuf, source: io::Error },

@@ -170,7 +170,7 @@ fn syntax_fault(message: &str, line: &str, column: usize) -> (String, String) {
         || message.contains("number out of range")
     {
         let what = "this is not a finite number".to_string();
-        return (what, "write a number from -1e18 to 1e18; JSON knows no NaN and no infinity".to_string());
+        return (what, "write a number from -1e18 to 1e18; JSON has no NaN and no infinity".to_string());
     }
     let mend = match message {
         "EOF while parsing a value" => "the file is empty or ends too early: write a JSON object",
@@ -198,7 +198,7 @@ fn data_fault(message: &str) -> (String, String) {
         let missing = quoted().next().unwrap_or_default();
         return (format!("the key `{missing}` is missing"), format!("add `{missing}` to this object"));
     }
-    if message.starts_with("duplicate field") || message.contains("stands twice") {
+    if message.starts_with("duplicate field") || message.contains("occurs twice") {
         return (
             message.replace("duplicate field", "a second"),
             "remove or rename one of the two".to_string(),

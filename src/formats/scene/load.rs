@@ -91,7 +91,7 @@ fn utf8<'a>(path: &Path, bytes: &'a [u8]) -> Result<&'a str, SceneError> {
     Ok(text.strip_prefix('\u{feff}').unwrap_or(text))
 }
 
-/// The keys that tell the formats apart.
+/// The keys that distinguish the formats.
 #[derive(Deserialize)]
 #[serde(expecting = "an object")]
 struct Keys {
@@ -154,7 +154,7 @@ fn named_in_view(source: &Source, files: &Files, spec: &str) -> Result<Loaded, S
     let bytes = match files.read(&path) {
         Ok(bytes) => bytes,
         Err(reason) => {
-            let mend = format!("it was looked for at {}: {MEND}", path.display());
+            let mend = format!("the file searched for is {}: {MEND}", path.display());
             let error = fault(format!("cannot read the scene `{spec}`: {reason}"), &mend);
             return Err(error.after(files.into_requested()));
         }

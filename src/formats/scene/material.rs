@@ -153,7 +153,8 @@ fn texture(
     let full = files.resolve(path);
     builder.textures.load(files, &full, path, filter, texel_kind).map_err(|reason| {
         let mend = format!(
-            "it was looked for at {}: give the path of a picture (png, jpg, bmp, tga, hdr, exr) relative to the scene file",
+            "the file searched for is {}: give the path of an image (png, jpg, bmp, tga, hdr, exr) relative to the scene \
+             file",
             full.display()
         );
         source.error(place, format!("cannot use the texture `{path}`: {reason}"), mend)

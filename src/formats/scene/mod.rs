@@ -7,7 +7,7 @@
 //!
 //! | file | what it does |
 //! |---|---|
-//! | `load` | from a name on the command line to a [`Scene`]; tells the formats apart |
+//! | `load` | from a name on the command line to a [`Scene`]; detects the format |
 //! | `native` | the native JSON as the user wrote it: keys and their JSON types |
 //! | `validate`, `material` | from that to a [`Scene`], or an error that says where and how to mend it |
 //! | `thesis` | the thesis's own JSON |

@@ -148,7 +148,7 @@ impl<'de, T: Deserialize<'de>> Deserialize<'de> for Named<T> {
                 let mut entries: Vec<(String, T)> = Vec::new();
                 while let Some((name, value)) = map.next_entry::<String, T>()? {
                     if entries.iter().any(|(known, _)| *known == name) {
-                        return Err(A::Error::custom(format!("the name `{name}` stands twice")));
+                        return Err(A::Error::custom(format!("the name `{name}` occurs twice")));
                     }
                     entries.push((name, value));
                 }

@@ -1,4 +1,4 @@
-//! Where a mesh stands in a scene.
+//! The transformation of a mesh.
 //!
 //! For: [`Placement`]. May import: `glam`. Must not know: where the numbers come from, meshes.
 

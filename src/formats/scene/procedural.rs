@@ -282,7 +282,7 @@ mod tests {
                 }
             }
             assert!(edges.values().all(|&surplus| surplus == 0), "knot:{count} has a gap");
-            // The coarsest tessellation steps so far that it winds the other way.
+            // The coarsest tessellation has steps so long that it winds the other way.
             assert!(count == 18 || volume > 0.0, "knot:{count} is inside out: {volume}");
         }
     }

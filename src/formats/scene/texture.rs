@@ -56,11 +56,11 @@ fn decode(bytes: &[u8], path: &Path, texel_kind: TexelKind) -> Result<(u32, u32,
         let Picture { width, height, pixels } = openexr::read(bytes).map_err(broken)?;
         return Ok((width, height, linear_texels(width, pixels)?));
     }
-    let format = reader.format().ok_or("it is not a PNG, JPEG, BMP, TGA, HDR or EXR picture")?;
+    let format = reader.format().ok_or("it is not a PNG, JPEG, BMP, TGA, HDR or EXR image")?;
     let picture = reader.decode().map_err(broken)?;
     let (width, height) = (picture.width(), picture.height());
     if width == 0 || height == 0 {
-        return Err("the picture has no pixels".to_string());
+        return Err("the image has no pixels".to_string());
     }
     let texels = match format {
         ImageFormat::Hdr => {
@@ -84,7 +84,7 @@ fn linear_texels(width: u32, pixels: Vec<[f32; 3]>) -> Result<Texels, String> {
 }
 
 fn broken(error: impl Display) -> String {
-    format!("the picture is broken: {error}")
+    format!("the image is broken: {error}")
 }
 
 /// The other formats hold display values (sRGB), or data, of 8 or 16 bits.

@@ -139,7 +139,7 @@ pub fn scene(source: &Source, files: &Files, name: String) -> Result<Scene, Scen
     let sky = file.sky.unwrap_or_default();
     for (i, channel) in sky.into_iter().enumerate() {
         if !(0.0..=MAX_NUMBER).contains(&channel) {
-            let what = format!("the sky's channel {channel} is no display value");
+            let what = format!("the sky's channel {channel} is not a display value");
             return Err(source.error(&root.key("sky").item(i), what, "write a number from 0 to 1"));
         }
     }

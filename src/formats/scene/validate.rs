@@ -226,7 +226,7 @@ fn add_mesh(
     let text = files.read(&path).map_err(|reason| {
         let what = format!("cannot read the mesh `{}`: {reason}", file.obj);
         let mend = format!(
-            "it was looked for at {}: give the path of an .obj file relative to the scene file",
+            "the file searched for is {}: give the path of an .obj file relative to the scene file",
             path.display()
         );
         source.error(&place.key("obj"), what, mend)
@@ -235,8 +235,8 @@ fn add_mesh(
     match obj::add(&mesh, &path, files, builder, material, &placement)? {
         Some(obj::Misplaced::NoArea) => {
             let what = format!("the mesh `{}` is invisible: all its faces have zero area", file.obj);
-            let mend = "use a larger `scale`, a smaller `translate`, or export the model again: single precision must \
-                        tell its vertices apart";
+            let mend = "use a larger `scale`, a smaller `translate`, or export the model again: its vertices must differ in \
+                        single precision";
             Err(source.error(place, what, mend))
         }
         Some(obj::Misplaced::TooFar(point)) => {

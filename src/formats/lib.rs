@@ -7,8 +7,8 @@
 //!
 //! | module | what it does |
 //! |---|---|
-//! | [`scene`] | reads scene files, models and views into a valid [`scene::Scene`]; writes views and native scene files |
-//! | [`output`] | encodes a [`Picture`](octray_engine::film::Picture), and writes files that are complete or absent |
+//! | [`scene`] | scene files, models and views into a valid [`scene::Scene`]; views and native files out |
+//! | [`output`] | a picture as PNG, JPEG, EXR or HDR; files that are complete or absent |
 //! | [`openexr`] | OpenEXR, read (textures) and written (pictures) |
 //! | [`wording`] | numbers and nouns as text |
 //!

@@ -1,8 +1,9 @@
-//! Accumulates samples: the film of the present pose, samples until a frame is due, dynamic resolution.
+//! Accumulates samples: the film of the present pose, samples until a frame is due.
 //!
 //! For: [`Accumulation`]. May import: `render`, `film`, `timing`, `frame` (for cancellation). Must not know:
 //! events, windows, how the film is displayed.
 
+use super::dynamic_resolution::DynamicResolution;
 use super::frame::Exchange;
 use super::timing::{RateMeter, Summary};
 use crate::film::Film;
@@ -13,16 +14,6 @@ use std::time::{Duration, Instant};
 
 /// Samples per pixel after which accumulation stops and the machine idles.
 const MAX_SAMPLES: u32 = 65_536;
-/// Shares of the target frame time: what a new resolution aims at, and below what a higher resolution is
-/// chosen.
-const TARGET_SHARE: f64 = 0.95;
-const MIN_SHARE: f64 = 0.6;
-/// Lowest resolution scale.
-const MIN_RESOLUTION_SCALE: f64 = 0.05;
-/// Number of frames whose fastest decides: one frame alone may have been delayed by something else.
-const DECIDING_FRAMES: u32 = 2;
-/// Count and fastest time of no frames.
-const NO_FRAMES: (u32, Duration) = (0, Duration::MAX);
 /// A picture that has accumulated for this long keeps its resolution once the target is met: a change would
 /// discard its samples.
 const SETTLE_TIME: Duration = Duration::from_secs(1);
@@ -52,8 +43,7 @@ pub struct Accumulation {
     pub pose: Pose,
     /// Whether a frame of this pose has been shown.
     pub pose_shown: bool,
-    /// Scale of the resolution's sides that holds the target frame rate; at most 1.
-    pub resolution_scale: f64,
+    pub resolution: DynamicResolution,
     /// Whether the film holds the requested seed's samples from the first one on: a still in progress.
     pub progressive: bool,
     /// When the last frame was published, and when the next one is due.
@@ -62,10 +52,6 @@ pub struct Accumulation {
     /// Duration of the last sample of the whole picture, and of painting the last frame.
     sample_time: Duration,
     painting_time: Duration,
-    /// Count and fastest time of the frames since the last decision about the resolution.
-    fastest: (u32, Duration),
-    /// Whether the frame time was within the target's bounds at the last decision.
-    target_met: bool,
     /// When the pose last changed.
     pose_since: Instant,
 }
@@ -98,29 +84,22 @@ impl Accumulation {
             film: renderer.film(),
             pose,
             pose_shown: false,
-            resolution_scale: 1.0,
+            resolution: DynamicResolution::default(),
             progressive: true,
             last_shown: now,
             due: now,
             sample_time: Duration::ZERO,
             painting_time: Duration::ZERO,
-            fastest: NO_FRAMES,
-            target_met: false,
             pose_since: now,
         }
     }
 
     /// Starts over with another renderer; keeps the resolution scale and the frame timing.
     pub fn reset(&mut self, renderer: &Renderer, scene: &Scene) {
-        let Self { resolution_scale, last_shown, due, sample_time, painting_time, .. } = *self;
-        *self = Self {
-            resolution_scale,
-            last_shown,
-            due,
-            sample_time,
-            painting_time,
-            ..Self::new(renderer, scene)
-        };
+        let Self { mut resolution, last_shown, due, sample_time, painting_time, .. } = *self;
+        resolution.restart();
+        *self =
+            Self { resolution, last_shown, due, sample_time, painting_time, ..Self::new(renderer, scene) };
     }
 
     /// Sets the renderer's camera, resolution and bounces, and clears the film if they changed. A resting
@@ -151,7 +130,7 @@ impl Accumulation {
             self.film.clear();
         } else {
             self.film = renderer.film();
-            (self.fastest, self.target_met) = (NO_FRAMES, false);
+            self.resolution.restart();
         }
         renderer.set_seed(if other { seed } else { seed.wrapping_add(1).wrapping_add(frame as u32) });
         if other { PoseChange::Other } else { PoseChange::Moved }
@@ -205,26 +184,10 @@ impl Accumulation {
 
     /// Lowers the resolution when frames take longer than the target allows, raises it when there is time.
     pub fn adapt_resolution(&mut self, target: Option<u32>) {
-        let Some(target) = target else {
-            self.resolution_scale = 1.0;
-            return;
-        };
         // Without the wait for the display, which no resolution shortens.
         let needed = self.sample_time + self.painting_time;
-        self.fastest = (self.fastest.0 + 1, self.fastest.1.min(needed));
-        if self.fastest.0 < DECIDING_FRAMES
-            || (self.target_met && self.progressive && self.pose_since.elapsed() >= SETTLE_TIME)
-        {
-            return;
-        }
-        let (needed, wanted) = (self.fastest.1.as_secs_f64(), 1.0 / f64::from(target));
-        self.fastest = NO_FRAMES;
-        self.target_met = (wanted * MIN_SHARE..wanted * 1.05).contains(&needed);
-        if !self.target_met {
-            // Frame time is proportional to the number of pixels, the square of the scale.
-            let step = (TARGET_SHARE * wanted / needed.max(1e-9)).sqrt();
-            self.resolution_scale = (self.resolution_scale * step).clamp(MIN_RESOLUTION_SCALE, 1.0);
-        }
+        let settled = self.progressive && self.pose_since.elapsed() >= SETTLE_TIME;
+        self.resolution.adapt(target, needed, settled);
     }
 
     /// Completes a partial sample, so that all pixels have the same number of samples, at least one.
@@ -284,48 +247,12 @@ mod tests {
     }
 
     #[test]
-    fn resolution_drops_as_far_as_the_frame_rate_needs_and_no_further() {
-        let (.., mut accumulation) = start();
-        // A machine that takes 100 ms for all pixels.
-        let mut settle = |target| {
-            for _ in 0..300 {
-                accumulation.sample_time =
-                    Duration::from_secs_f64(0.1 * accumulation.resolution_scale.powi(2));
-                accumulation.adapt_resolution(target);
-            }
-            (accumulation.resolution_scale, 0.1 * accumulation.resolution_scale.powi(2))
-        };
-        let (coarse, takes) = settle(Some(30));
-        assert!(coarse < 1.0 && (0.5 / 30.0..1.05 / 30.0).contains(&takes), "{takes} s");
-        assert_eq!(settle(Some(30)).0, coarse, "at rest");
-        assert!(settle(Some(60)).0 < coarse);
-        assert_eq!(settle(Some(5)).0, 1.0);
-        assert!(settle(Some(1_000)).0 < coarse);
-        assert_eq!(settle(None).0, 1.0);
-    }
-
-    #[test]
-    fn a_frame_rate_is_held_after_a_few_frames() {
-        let (.., mut accumulation) = start();
-        let mut after = |frames, target| {
-            for _ in 0..frames {
-                accumulation.sample_time =
-                    Duration::from_secs_f64(0.4 * accumulation.resolution_scale.powi(2));
-                accumulation.adapt_resolution(Some(target));
-            }
-            accumulation.sample_time.as_secs_f64() * f64::from(target)
-        };
-        let takes = [after(3, 30), after(3, 60), after(3, 20)];
-        assert!(takes.iter().all(|share| (0.6..1.05).contains(share)), "shares of the time: {takes:?}");
-    }
-
-    #[test]
     fn neither_a_delayed_frame_nor_a_settled_picture_changes_the_resolution() {
         let (.., mut accumulation) = start();
         let hold = |accumulation: &mut Accumulation, ms, times| {
             accumulation.sample_time = Duration::from_millis(ms);
             (0..times).for_each(|_| accumulation.adapt_resolution(Some(30)));
-            accumulation.resolution_scale
+            accumulation.resolution.scale
         };
         for _ in 0..10 {
             assert_eq!(hold(&mut accumulation, 20, 2), 1.0);
@@ -336,36 +263,6 @@ mod tests {
         assert_eq!(hold(&mut accumulation, 500, 10), 1.0, "the camera rests");
         accumulation.progressive = false;
         assert!(hold(&mut accumulation, 500, 3) < 1.0, "the camera moves");
-    }
-
-    #[test]
-    fn resolution_of_a_slow_picture_drops_at_a_resting_camera_too() {
-        let (.., mut accumulation) = start();
-        accumulation.pose_since = Instant::now().checked_sub(SETTLE_TIME).unwrap();
-        accumulation.sample_time = Duration::from_secs(2);
-        (0..DECIDING_FRAMES).for_each(|_| accumulation.adapt_resolution(Some(30)));
-        assert!(accumulation.resolution_scale < 0.2, "{}", accumulation.resolution_scale);
-        accumulation.sample_time = Duration::from_secs(200);
-        (0..DECIDING_FRAMES).for_each(|_| accumulation.adapt_resolution(Some(30)));
-        assert_eq!(accumulation.resolution_scale, MIN_RESOLUTION_SCALE, "no coarser, however slow");
-    }
-
-    #[test]
-    fn frame_times_that_vary_a_little_keep_the_resolution() {
-        let (.., mut accumulation) = start();
-        let mut hold = |ms, times| {
-            for _ in 0..times {
-                accumulation.sample_time =
-                    Duration::from_secs_f64(ms * 1e-3 * accumulation.resolution_scale.powi(2));
-                accumulation.adapt_resolution(Some(30));
-            }
-            accumulation.resolution_scale
-        };
-        let coarse = hold(100.0, 10);
-        for ms in [90.0, 105.0, 80.0, 100.0, 70.0] {
-            assert_eq!(hold(ms, 4), coarse, "{ms} ms for all pixels, where 100 were");
-        }
-        assert!(hold(50.0, 4) > coarse && hold(150.0, 4) < coarse);
     }
 
     #[test]

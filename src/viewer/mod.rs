@@ -18,14 +18,14 @@
 //! | [`playlist`] | the scenes to switch between |
 //! | [`render_loop`] | the thread that renders frames |
 //! | [`renderer_config`] | renderer settings from controls and options |
-//! | [`accumulation`] | the film of the present pose, samples per frame, dynamic resolution |
+//! | [`accumulation`], [`dynamic_resolution`] | the film of the present pose, samples per frame; the resolution that holds a frame rate |
 //! | [`loader`], [`file_watcher`] | the thread that loads scenes; changes of their files |
 //! | [`painter`] | from film to pixels: reprojection, filters, tone mapping |
 //! | [`display_mode`], [`minimap`] | false-colour images instead of the picture; the scene from above |
 //! | [`overlay`], [`timing`] | the text over the picture; frame rates, latencies |
 //! | [`screenshot`] | saves the film, and a view file that renders it again |
 //! | [`frame`] | frames handed from the render loop to a front end |
-//! | [`canvas`], [`cell_buffer`] | draw a frame, its minimap and text: in a window's pixels, in a terminal's cells |
+//! | [`canvas`], [`cell_buffer`] | draw a frame, its minimap and text: as pixels, as character cells |
 //! | [`signals`] | Ctrl-C, `kill`, a closed terminal |
 
 pub mod accumulation;
@@ -34,6 +34,7 @@ pub mod canvas;
 pub mod cell_buffer;
 pub mod controls;
 pub mod display_mode;
+pub mod dynamic_resolution;
 pub mod file_watcher;
 pub mod frame;
 pub mod keys;

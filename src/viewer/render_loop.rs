@@ -32,6 +32,7 @@ use std::time::{Duration, Instant, SystemTime};
 const MESSAGE_TIME: Duration = Duration::from_secs(6);
 /// Number of a scene's warnings that are shown.
 const MAX_WARNINGS: usize = 4;
+
 /// State of the render thread.
 pub struct RenderLoop {
     options: Arc<Options>,
@@ -299,7 +300,7 @@ impl RenderLoop {
         let own = self.options.size.unwrap_or(self.scene.resolution);
         let pose = Pose {
             camera: *self.state.camera_controller.camera(),
-            resolution: self.state.controls.resolution(own, self.accumulation.resolution_scale),
+            resolution: self.state.controls.resolution(own, self.accumulation.resolution.scale),
             bounces: self.state.controls.bounces,
         };
         let (seed, frame) = (self.options.seed, self.summary.frames);

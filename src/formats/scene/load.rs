@@ -123,8 +123,8 @@ fn json_scene(source: &Source, files: &Files, name: String, on_view: OnView) -> 
 
 fn not_a_scene(source: &Source) -> SceneError {
     SceneError::new("this JSON is not a scene").in_file(source.file).mend(format!(
-        "a scene of this program is an object with \"format\": \"{FORMAT}\"; one of the thesis's has the keys \
-         `sphere`, `triangle` or `res`"
+        "a native scene is an object with \"format\": \"{FORMAT}\"; a scene of the thesis has the keys `sphere`, \
+         `triangle` or `res`"
     ))
 }
 

@@ -235,8 +235,8 @@ fn add_mesh(
     match obj::add(&mesh, &path, files, builder, material, &placement)? {
         Some(obj::Misplaced::NoArea) => {
             let what = format!("the mesh `{}` is invisible: all its faces have zero area", file.obj);
-            let mend = "use a larger `scale`, a smaller `translate`, or export the model again: its vertices must differ in \
-                        single precision";
+            let mend = "use a larger `scale`, a smaller `translate`, or export the model again: its vertices \
+                        must differ in single precision";
             Err(source.error(place, what, mend))
         }
         Some(obj::Misplaced::TooFar(point)) => {

@@ -12,9 +12,10 @@
 //! | [`openexr`] | OpenEXR, read (textures) and written (pictures) |
 //! | [`wording`] | numbers and nouns as text |
 //!
-//! The package imports the engine's scene model ([`octray_engine::scene`]), its [`film`](octray_engine::film)
-//! and its [`tone`](octray_engine::tone) mapping, and nothing else of the engine: no buffers, kernels or
-//! renderer. It must not know the command line, the viewer or the laboratory.
+//! The package imports the engine's scene model ([`octray_engine::scene`]), its
+//! [`film`](octray_engine::film), its [`tone`](octray_engine::tone) mapping, and the choices that a view's
+//! render options name. It renders nothing, and it must not know the command line, the viewer or the
+//! laboratory.
 //!
 //! Every error says what is wrong, where (file, JSON path, line and column) and how to mend it:
 //! [`scene::SceneError`], [`output::OutputError`]. A scene that loads is valid: no later stage checks it

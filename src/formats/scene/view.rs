@@ -24,13 +24,13 @@ use std::path::Path;
 /// Domain of the writer: finite numbers within a scene's bounds.
 ///
 /// ```
-/// use octray::scene::{Rendering, View, load, load_with_view};
+/// use octray_formats::scene::{Rendering, View, load, load_with_view};
 ///
 /// let folder = tempfile::tempdir()?;
 /// let mut view = View::of(&load("builtin:three")?, None, folder.path());
 /// view.render = Rendering { samples: Some(37), tone: Some("aces".into()), ..Rendering::default() };
 /// let file = folder.path().join("shot.json");
-/// octray::output::save_text(&file, &view.text())?;
+/// octray_formats::output::save_text(&file, &view.text())?;
 /// assert_eq!(load_with_view(file.to_str().unwrap())?.view, Some(view));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```

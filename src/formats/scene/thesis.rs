@@ -6,8 +6,9 @@
 //! origin, p' = −p, makes y point up and x point right for a camera that looks along −z. It follows with n' =
 //! −n:
 //!
-//! - its camera at (2, −2.5, −365.6) looking along +z stands at (−2, 2.5, 365.6) and looks along −z; right is
-//!   forward × up = (0, 0, −1) × (0, 1, 0) = +x, the thesis's −x;
+//! - its camera at (2, −2.5, −365.63) stands at (−2, 2.5, 365.63). Its yaw of −4.7 rad, 0.0124 rad more than
+//!   −3π/2, looks along (cos −4.7, 0, sin −4.7) = (−0.0124, 0, 0.9999), which becomes (0.0124, 0, −0.9999);
+//!   right is forward × up, about +x, the thesis's −x;
 //! - a sphere's u = atan2(n.z, n.x) / 2π is ours plus half a turn, and its row from the top, 1 − acos(n.y) /
 //!   π, is our acos(n'.y) / π;
 //! - a triangle's planar mapping is computed before the inversion and carried by its vertices.
@@ -30,6 +31,10 @@ use std::path::{Path, PathBuf};
 const REFLECTED_LENGTH: f64 = 2000.0;
 /// Scene units that one repeat of a texture covers on a triangle.
 const TEXTURE_SIZE: f64 = 100.0;
+/// The thesis's camera, in its own axes.
+const CAMERA: DVec3 = DVec3::new(2.0, -2.5, -365.63);
+/// Its yaw in radians, from +x towards +z.
+const YAW: f64 = -4.7;
 /// Half the picture's width over its focal length (200 pixels for every 68 of width): tan of half the field
 /// of view.
 const HALF_WIDTH: f64 = 34.0 / 200.0;
@@ -171,9 +176,11 @@ fn resolution(source: &Source, place: &JsonPath, res: Option<[f64; 2]>) -> Resul
 /// The thesis's camera in our axes.
 fn camera([width, height]: [u32; 2]) -> Camera {
     let half_height = HALF_WIDTH * f64::from(height) / f64::from(width);
+    // The point at z = 0 in the middle of the picture.
+    let target = CAMERA + DVec3::new(YAW.cos() / YAW.sin(), 0.0, 1.0) * -CAMERA.z;
     Camera {
-        position: Vec3::new(-2.0, 2.5, 365.6),
-        look_at: Vec3::new(-2.0, 2.5, 0.0),
+        position: inverted(CAMERA),
+        look_at: inverted(target),
         up: Vec3::Y,
         vertical_fov: (2.0 * half_height.atan()).to_degrees() as f32,
     }

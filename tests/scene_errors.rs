@@ -101,7 +101,7 @@ fn missing_and_doubled_keys_are_named() {
     assert_refused(material("\"color\": [1,1,1]"), "`type` is missing", "materials.m", "add `type`");
     assert_refused(with("\"sky\": null, \"sky\": null"), "a second `sky`", "", "remove or rename");
     let twice = with("\"materials\": { \"a\": { \"type\": \"metal\" }, \"a\": { \"type\": \"metal\" } }");
-    assert_refused(twice, "the name `a` stands twice", "materials", "rename");
+    assert_refused(twice, "the name `a` occurs twice", "materials", "rename");
 }
 
 #[test]
@@ -138,7 +138,7 @@ fn json_that_is_no_scene_says_what_both_formats_need() {
 fn numbers_that_are_not_finite_are_refused() {
     for bad in ["NaN", "1e400", "-1e400", "Infinity", "-Infinity"] {
         let text = sphere(&format!("{{ \"center\": [0,{bad},0], \"radius\": 1 }}"));
-        assert_refused(text, "finite number", "spheres[0].center[1], line 1", "JSON knows no NaN");
+        assert_refused(text, "finite number", "spheres[0].center[1], line 1", "JSON has no NaN");
     }
     for bad in ["1e39", "-1.1e18"] {
         let text = sphere(&format!("{{ \"center\": [0,0,{bad}], \"radius\": 1 }}"));
@@ -234,7 +234,7 @@ fn coats_and_maps_that_make_no_sense_are_refused() {
     let text = material("\"type\": \"plastic\", \"roughness\": 1.5");
     assert_refused(text, "1.5 is outside", "materials.m.roughness", "from 0 to 1");
     let text = material("\"type\": \"metal\", \"roughness\": 0, \"roughness_map\": \"r.png\"");
-    assert_refused(text, "cannot roughen", "materials.m.roughness_map", "above 0");
+    assert_refused(text, "cannot change a `roughness` of 0", "materials.m.roughness_map", "above 0");
     for key in ["roughness_map", "normal_map"] {
         let text = material(&format!("\"type\": \"metal\", \"{key}\": \"gone.png\""));
         assert_refused(text, "gone.png", &format!("materials.m.{key}"), "relative to the scene file");

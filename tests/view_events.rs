@@ -89,7 +89,7 @@ fn what_was_chosen_is_not_lost_where_another_scene_cannot_be_read() {
     seat.wait("figures", |frame| frame.figures.contains("SIMD, 1 thread"));
     seat.press(Key::Char('l'));
     seat.wait("the order", |frame| {
-        frame.figures.contains("being made ready") || frame.figures.contains("scalar, 1")
+        frame.figures.contains("being prepared") || frame.figures.contains("scalar, 1")
     });
     seat.press(Key::PageDown);
     seat.wait("an error", |frame| frame.message.contains("broken.json"));
@@ -316,7 +316,7 @@ fn waiting_seat(names: &[&str], folder: &Path) -> (Seat, Sender<()>) {
 #[test]
 fn a_window_is_closed_at_once_while_its_first_scene_is_made_ready() {
     let (mut seat, go) = waiting_seat(&["builtin:three"], Path::new("."));
-    seat.wait("a word about it", |frame| frame.message == "making builtin:three ready");
+    seat.wait("a word about it", |frame| frame.message == "preparing builtin:three");
     assert_eq!((seat.frame.width, seat.frame.height, &seat.frame.title[..]), (16, 9, "builtin:three"));
     assert_eq!(seat.end().frames, 0);
     drop(go);
@@ -328,7 +328,7 @@ fn what_appears_while_the_first_scene_is_made_ready_is_taken_in() {
     let file = folder.path().join("model.obj");
     fs::write(&file, format!("mtllib gone.mtl\n{}", model(3))).unwrap();
     let (mut seat, go) = waiting_seat(&[file.to_str().unwrap()], folder.path());
-    seat.wait("a word about it", |frame| frame.message.contains("making"));
+    seat.wait("a word about it", |frame| frame.message.contains("preparing"));
     sleep(Duration::from_millis(50));
     fs::write(folder.path().join("gone.mtl"), "newmtl a\nmap_Kd b.png\n").unwrap();
     drop(go);

@@ -67,7 +67,7 @@ impl ViewOptions {
             pipeline: overrides.pipeline.unwrap_or_default(),
             clamp: overrides.clamp.unwrap_or(f32::INFINITY),
             threads,
-            most_threads: machine::cores().max(threads),
+            max_threads: machine::cores().max(threads),
             lanes,
             tone: overrides.tone(),
             target: self.target,
@@ -113,7 +113,7 @@ impl Report {
     fn of(summary: &Summary, presented: Option<&Presented>) -> Self {
         let elapsed = summary.elapsed.as_secs_f64().max(1e-9);
         let frames = summary.frames.max(1) as f64;
-        let answered = |ms: f64| (summary.answered > 0).then_some(ms);
+        let answered = |ms: f64| (summary.latencies > 0).then_some(ms);
         Self {
             schema: "octray-window-1",
             machine: Machine::current(),
@@ -126,9 +126,9 @@ impl Report {
             painting_share: summary.painting.as_secs_f64() / elapsed,
             painting_ms: summary.painting.as_secs_f64() * 1e3 / frames,
             presenting_ms: presented.map(|shown| shown.time.as_secs_f64() * 1e3 / shown.frames.max(1) as f64),
-            answer_ms: answered(summary.answers.as_secs_f64() * 1e3 / summary.answered.max(1) as f64),
-            slowest_answer_ms: answered(summary.slowest_answer.as_secs_f64() * 1e3),
-            slowest_switch_ms: summary.slowest_switch.map(|time| time.as_secs_f64() * 1e3),
+            answer_ms: answered(summary.latency_sum.as_secs_f64() * 1e3 / summary.latencies.max(1) as f64),
+            slowest_answer_ms: answered(summary.max_latency.as_secs_f64() * 1e3),
+            slowest_switch_ms: summary.max_switch_time.map(|time| time.as_secs_f64() * 1e3),
         }
     }
 

@@ -1,15 +1,17 @@
 //! OpenEXR files: linear f32, lossless.
 //!
-//! For: [`read`], [`write`]. May import: `film`, the `exr` crate. Must never know: what a picture shows, where it lies.
+//! For: [`read`], [`write`]. May import: the engine's `film`, the `exr` crate. Must not know: what a picture
+//! shows, paths.
 //!
-//! One thread reads and writes: several would write blocks in the order in which they are compressed, and no two files of one picture would
-//! be equal.
+//! Single-threaded: several threads would write blocks in the order of their completion, and two files of one
+//! picture would differ.
 
-use crate::film::Picture;
 use exr::prelude::*;
+use octray_engine::film::Picture;
 use std::io::{Cursor, Seek, Write};
 
-/// The first layer with red, green and blue channels, as large as the file's display window; black where the layer has no pixels.
+/// The first layer with red, green and blue channels, in the size of the file's display window; black outside
+/// the layer's data window.
 pub fn read(bytes: &[u8]) -> std::result::Result<Picture, String> {
     let image = exr::prelude::read()
         .no_deep_data()
@@ -40,7 +42,7 @@ pub fn read(bytes: &[u8]) -> std::result::Result<Picture, String> {
     Ok(Picture { width: width as u32, height: height as u32, pixels })
 }
 
-/// Writes a picture, every bit of it.
+/// Writes a picture without loss.
 pub fn write(out: impl Write + Seek, picture: &Picture) -> std::io::Result<()> {
     let Picture { width, height, ref pixels } = *picture;
     let size = Vec2(width as usize, height as usize);

@@ -1,10 +1,10 @@
-//! How numbers and nouns are written for people: one style in all that the program says.
+//! Numbers and nouns as text, in one style for the whole program.
 //!
-//! For: [`grouped`], [`counted`]. May import: nothing. Must never know: what is counted.
+//! For: [`grouped`], [`counted`]. May import: nothing. Must not know: what is counted.
 
 use std::fmt::Display;
 
-/// A number with its thousands set apart: 1,234,567. What stands behind a decimal point stays as it is.
+/// A number with thousands separators: 1,234,567. Decimals are unchanged.
 pub fn grouped(number: impl Display) -> String {
     let number = number.to_string();
     let whole = number.find('.').unwrap_or(number.len());
@@ -18,7 +18,7 @@ pub fn grouped(number: impl Display) -> String {
     text + &number[whole..]
 }
 
-/// So many things: 1 node, 2,000 nodes.
+/// A number and its noun, singular or plural: 1 node, 2,000 nodes.
 pub fn counted(number: impl Display, one: &str, many: &str) -> String {
     let text = grouped(number);
     let noun = if text == "1" { one } else { many };
@@ -30,7 +30,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn grouped_sets_thousands_apart() {
+    fn grouped_separates_thousands() {
         for (number, text) in [(0, "0"), (999, "999"), (1_000, "1,000"), (1_234_567, "1,234,567")] {
             assert_eq!(grouped(number), text);
         }

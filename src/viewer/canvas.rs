@@ -1,6 +1,7 @@
-//! A frame as a window shows it: enlarged pixel by pixel, with text over it.
+//! Draws a frame into a window's pixels: enlarged, with the minimap and text over it.
 //!
-//! For: [`Canvas`]. May import: `frame`, `keys` (for the help). Must never know: windows, who made the frame.
+//! For: [`Canvas`], [`fit`], [`wrap`]. May import: `frame`, `keys` (for the help). Must not know: windows,
+//! how a frame is made.
 
 use super::frame::Frame;
 use super::keys;
@@ -23,7 +24,7 @@ pub struct Canvas<'a> {
     pub height: u32,
 }
 
-/// Where a picture lies that is as large as the window allows and keeps its shape: left, top, width, height.
+/// The largest centred rectangle of a picture's aspect ratio in a window: left, top, width, height.
 pub fn fit([width, height]: [u32; 2], window: [u32; 2]) -> [u32; 4] {
     let [across, down] = window;
     if width == 0 || height == 0 || across == 0 || down == 0 {
@@ -37,20 +38,20 @@ pub fn fit([width, height]: [u32; 2], window: [u32; 2]) -> [u32; 4] {
 }
 
 impl Canvas<'_> {
-    /// Draws all of a frame. `columns` is working memory.
-    pub fn show(&mut self, frame: &Frame, columns: &mut Vec<u32>) {
+    /// Draws a frame. `columns` is working memory.
+    pub fn draw_frame(&mut self, frame: &Frame, columns: &mut Vec<u32>) {
         self.enlarge(frame, columns);
-        self.lay_over(&frame.inset, frame.inset_side);
+        self.draw_inset(&frame.inset, frame.inset_side);
         let large = self.width >= 1_500;
-        let below = self.block(&frame.figures, 0, large, Rgb888::WHITE);
-        let below = self.block(&frame.message, below, large, Rgb888::YELLOW);
+        let below = self.draw_text(&frame.figures, 0, large, Rgb888::WHITE);
+        let below = self.draw_text(&frame.message, below, large, Rgb888::YELLOW);
         if frame.help {
-            let [columns, lines] = self.room(below, large);
-            self.block(&keys::help_in(columns, lines).join("\n"), below, large, Rgb888::WHITE);
+            let [columns, lines] = self.text_capacity(below, large);
+            self.draw_text(&keys::help_in(columns, lines).join("\n"), below, large, Rgb888::WHITE);
         }
     }
 
-    /// Every pixel of the frame as often as it fits, the nearest one; black around.
+    /// Scales the frame to the window by nearest neighbour; black around it.
     fn enlarge(&mut self, frame: &Frame, columns: &mut Vec<u32>) {
         let [left, top, width, height] = fit([frame.width, frame.height], [self.width, self.height]);
         if width == 0 {
@@ -66,7 +67,7 @@ impl Canvas<'_> {
             let source = (u64::from(y) * u64::from(frame.height) / u64::from(height)) as usize;
             let start = (top + y) as usize * row;
             if last == Some(source) {
-                // The row above shows the same pixels.
+                // Same source row as the row above.
                 self.pixels.copy_within(start - row..start, start);
                 continue;
             }
@@ -80,8 +81,8 @@ impl Canvas<'_> {
         }
     }
 
-    /// A square picture in the upper right corner.
-    fn lay_over(&mut self, inset: &[u32], side: u32) {
+    /// Draws the square inset in the upper right corner.
+    fn draw_inset(&mut self, inset: &[u32], side: u32) {
         if inset.is_empty() || side == 0 {
             return;
         }
@@ -96,28 +97,28 @@ impl Canvas<'_> {
         }
     }
 
-    /// How many characters fit into a line, and how many lines below so many pixels.
-    fn room(&self, top: u32, large: bool) -> [usize; 2] {
+    /// Characters per line, and lines below `top` pixels, that fit the window.
+    fn text_capacity(&self, top: u32, large: bool) -> [usize; 2] {
         let (_, [across, line]) = font(large);
         let columns = self.width.saturating_sub(2 * PADDING) / across;
         let lines = self.height.saturating_sub(top + PADDING) / line;
         [columns.max(1) as usize, lines as usize]
     }
 
-    /// Lines of text on a darkened ground, so far from the top; returns where the next block may begin.
-    fn block(&mut self, text: &str, top: u32, large: bool, color: Rgb888) -> u32 {
+    /// Draws lines of text on a darkened background from `top` on; returns where the next text may start.
+    fn draw_text(&mut self, text: &str, top: u32, large: bool, color: Rgb888) -> u32 {
         if text.is_empty() {
             return top;
         }
         let (font, [across, line]) = font(large);
-        let [room, _] = self.room(top, large);
+        let [room, _] = self.text_capacity(top, large);
         let lines = || text.lines().flat_map(|line| wrap(line, room));
         let widest = lines().map(|line| line.chars().count() as u32).max().unwrap_or(0);
         let width = (widest * across + 2 * PADDING).min(self.width);
         let height = (lines().count() as u32 * line + PADDING).min(self.height.saturating_sub(top));
         for y in top..top + height {
             let start = (y * self.width) as usize;
-            // A quarter of the light is left.
+            // Darkens to a quarter.
             let row = &mut self.pixels[start..start + width as usize];
             row.iter_mut().for_each(|pixel| *pixel = (*pixel >> 2) & 0x3f3f3f);
         }
@@ -132,19 +133,19 @@ impl Canvas<'_> {
     }
 }
 
-/// Letters, and how many pixels one of them takes across and a line of them down.
+/// The font, and the pixels of a character's width and a line's height.
 fn font(large: bool) -> (&'static MonoFont<'static>, [u32; 2]) {
     let font = if large { &FONT_10X20 } else { &FONT_7X13 };
     (font, [font.character_size.width, font.character_size.height + 1])
 }
 
-/// A line in pieces of so many characters at most, between words where there are some.
+/// Wraps a line into pieces of at most `room` characters, between words where possible.
 pub fn wrap(line: &str, room: usize) -> impl Iterator<Item = &str> {
     let mut rest = Some(line);
     std::iter::from_fn(move || {
         let line = rest?;
         let Some((end, _)) = line.char_indices().nth(room) else { return rest.take() };
-        // The word that does not fit goes to the next line, unless it is longer than one.
+        // A word that does not fit goes to the next line, unless it takes more than half a line.
         let cut = line[..end].rfind(' ').filter(|&space| space > end / 2).map_or(end, |space| space + 1);
         rest = Some(&line[cut..]);
         Some(line[..cut].trim_end())
@@ -182,7 +183,7 @@ mod tests {
     }
     fn shown(frame: &Frame, width: u32, height: u32) -> Vec<u32> {
         let mut pixels = vec![9; (width * height) as usize];
-        Canvas { pixels: &mut pixels, width, height }.show(frame, &mut Vec::new());
+        Canvas { pixels: &mut pixels, width, height }.draw_frame(frame, &mut Vec::new());
         pixels
     }
 

@@ -1,20 +1,21 @@
-//! What can be chosen while the viewer runs, and what is chosen now.
+//! The settings that keys change while the viewer runs.
 //!
-//! For: [`Controls`], changed by [`Controls::apply`]. May import: `keys`, what there is to choose between. Must never know: threads that trace, windows.
+//! For: [`Controls`], changed by [`Controls::apply`]. May import: `keys`, `display_mode`, the engine's
+//! choices. Must not know: threads, windows.
 
+use super::display_mode::DisplayMode;
 use super::keys::Command;
-use super::views::View;
 use crate::scene::{MAX_BOUNCES, MAX_SIDE, Scene};
 use crate::tone::{Operator, Tone};
 use crate::traverse::batch::Traversal;
 use crate::traverse::{Methods, SphereChoice, TraversalChoice, TriangleChoice};
 
-/// What smooths edges in what is shown.
+/// Image-space antialiasing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Filter {
     #[default]
     None,
-    /// The thesis's.
+    /// The thesis's 3×3 blur.
     Blur,
     Fxaa,
 }
@@ -29,31 +30,31 @@ impl Filter {
     }
 }
 
-/// Which equations.
+/// Sets of intersection methods that a key cycles through.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Equations {
-    /// What the command line asked for.
+pub enum MethodPreset {
+    /// The methods requested on the command line.
     #[default]
-    Asked,
+    CommandLine,
     Robust,
     Fast,
     Naive,
 }
 
-impl Equations {
+impl MethodPreset {
     pub fn name(self) -> &'static str {
         match self {
-            Self::Asked => "as asked",
+            Self::CommandLine => "as requested",
             Self::Robust => "robust",
             Self::Fast => "fast",
             Self::Naive => "naive",
         }
     }
-    /// The methods of a scene, given what the command line asked for.
-    pub fn of(self, scene: &Scene, asked: Methods) -> Methods {
-        let Methods { traversal, lights, sampler, .. } = asked;
-        let equations = match self {
-            Self::Asked => return asked,
+    /// The methods for a scene, given those requested on the command line.
+    pub fn of(self, scene: &Scene, requested: Methods) -> Methods {
+        let Methods { traversal, lights, sampler, .. } = requested;
+        let methods = match self {
+            Self::CommandLine => return requested,
             Self::Robust => Methods::default(),
             Self::Fast => Methods::fast(scene),
             Self::Naive => Methods {
@@ -62,70 +63,71 @@ impl Equations {
                 ..Methods::default()
             },
         };
-        Methods { traversal, lights, sampler, ..equations }
+        Methods { traversal, lights, sampler, ..methods }
     }
 }
 
-/// Frame rates to hold.
+/// Target frame rates.
 const TARGETS: [Option<u32>; 4] = [None, Some(15), Some(30), Some(60)];
-/// Steps of [`Controls::scale`].
+/// Bounds of [`Controls::scale`].
 const SCALES: [i32; 2] = [-8, 6];
-/// Most pixels that are shown where a scene asks for fewer: 3840×2160, about 1.5 GB.
-const MOST_PIXELS: f64 = 3840.0 * 2160.0;
-/// Most stops up and down, and how many a key changes.
-const STOPS: f32 = 20.0;
-const STOP: f32 = 0.5;
+/// Most pixels that upscaling leads to: 3840×2160, about 1.5 GB.
+const MAX_PIXELS: f64 = 3840.0 * 2160.0;
+/// Bounds of the exposure in stops, and the step of a key.
+const MAX_STOPS: f32 = 20.0;
+const STOP_STEP: f32 = 0.5;
 
+/// The present settings.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Controls {
     /// Scattering events allowed on a path.
     pub bounces: u32,
     /// Each step makes the picture √2 times as wide and high.
     pub scale: i32,
-    /// Frames a second that coarser pixels are to hold.
+    /// Frames per second to hold by a lower resolution.
     pub target: Option<u32>,
     pub threads: usize,
-    /// All that the machine, or the command line, gives.
-    pub most_threads: usize,
+    /// All threads of the machine, or of the command line if more.
+    pub max_threads: usize,
     /// 8 (SIMD) or 1 (scalar).
     pub lanes: usize,
-    pub equations: Equations,
-    /// Instead of what the command line asked for.
+    pub preset: MethodPreset,
+    /// Overrides the command line's traversal.
     pub traversal: Option<TraversalChoice>,
     pub tone: Tone,
-    pub view: View,
+    pub mode: DisplayMode,
     pub reprojection: bool,
     pub filter: Filter,
     pub denoiser: bool,
-    pub map: bool,
+    pub minimap: bool,
     pub overlay: bool,
     pub help: bool,
 }
 
 impl Controls {
-    /// Everything as it is when the viewer starts.
+    /// The settings at the start.
     pub fn new(bounces: u32, threads: usize, lanes: usize, tone: Tone) -> Self {
         Self {
             bounces,
             scale: 0,
             target: None,
             threads,
-            most_threads: threads,
+            max_threads: threads,
             lanes,
-            equations: Equations::default(),
+            preset: MethodPreset::default(),
             traversal: None,
             tone,
-            view: View::default(),
+            mode: DisplayMode::default(),
             reprojection: true,
             filter: Filter::default(),
             denoiser: false,
-            map: false,
+            minimap: false,
             overlay: true,
             help: false,
         }
     }
 
-    /// Changes what a command changes here; other commands change nothing.
+    /// Applies a command; commands that concern no setting change nothing.
     pub fn apply(&mut self, command: Command) {
         match command {
             Command::FewerBounces => self.bounces = self.bounces.saturating_sub(1),
@@ -135,14 +137,19 @@ impl Controls {
             Command::NextTarget => self.target = next(&TARGETS, self.target),
             Command::NextThreads => {
                 self.threads = match self.threads {
-                    all if all >= self.most_threads => 1,
-                    some => (2 * some).min(self.most_threads),
+                    all if all >= self.max_threads => 1,
+                    some => (2 * some).min(self.max_threads),
                 }
             }
             Command::SwitchLanes => self.lanes = if self.lanes == 1 { 8 } else { 1 },
             Command::NextMethods => {
-                let all = [Equations::Asked, Equations::Robust, Equations::Fast, Equations::Naive];
-                self.equations = next(&all, self.equations);
+                let all = [
+                    MethodPreset::CommandLine,
+                    MethodPreset::Robust,
+                    MethodPreset::Fast,
+                    MethodPreset::Naive,
+                ];
+                self.preset = next(&all, self.preset);
             }
             Command::NextTraversal => {
                 let through = Traversal::ALL.map(|traversal| Some(TraversalChoice::Through(traversal)));
@@ -150,23 +157,23 @@ impl Controls {
                 all.extend(through);
                 self.traversal = next(&all, self.traversal);
             }
-            // What the command line asked for may lie beyond.
-            Command::Brighter if self.tone.exposure < STOPS => {
-                self.tone.exposure = (self.tone.exposure + STOP).min(STOPS);
+            // The command line's exposure may lie beyond the bounds.
+            Command::Brighter if self.tone.exposure < MAX_STOPS => {
+                self.tone.exposure = (self.tone.exposure + STOP_STEP).min(MAX_STOPS);
             }
-            Command::Darker if self.tone.exposure > -STOPS => {
-                self.tone.exposure = (self.tone.exposure - STOP).max(-STOPS);
+            Command::Darker if self.tone.exposure > -MAX_STOPS => {
+                self.tone.exposure = (self.tone.exposure - STOP_STEP).max(-MAX_STOPS);
             }
             Command::NextTone => {
                 self.tone.operator = next(&Operator::ALL, self.tone.operator);
             }
-            Command::Show(view) => self.view = view,
+            Command::Show(mode) => self.mode = mode,
             Command::SwitchReprojection => self.reprojection = !self.reprojection,
             Command::NextFilter => {
                 self.filter = next(&[Filter::None, Filter::Blur, Filter::Fxaa], self.filter)
             }
             Command::SwitchDenoiser => self.denoiser = !self.denoiser,
-            Command::SwitchMap => self.map = !self.map,
+            Command::SwitchMinimap => self.minimap = !self.minimap,
             Command::SwitchOverlay => self.overlay = !self.overlay,
             Command::SwitchHelp => self.help = !self.help,
             Command::NextScene
@@ -178,28 +185,28 @@ impl Controls {
             | Command::Screenshot
             | Command::Brighter
             | Command::Darker
-            | Command::Release => {}
+            | Command::ReleaseMouse => {}
         }
     }
 
-    /// The picture's size for a scene's own, multiplied by `more` besides; at least a few pixels, at most what a picture may have.
-    pub fn resolution(&self, own: [u32; 2], more: f64) -> [u32; 2] {
-        let [width, height] = own.map(f64::from);
-        let factor = (f64::from(self.scale) / 2.0).exp2() * more;
+    /// The resolution for a scene: its own, scaled by [`Self::scale`] and by `factor`, within bounds.
+    pub fn resolution(&self, scene_resolution: [u32; 2], factor: f64) -> [u32; 2] {
+        let [width, height] = scene_resolution.map(f64::from);
+        let factor = (f64::from(self.scale) / 2.0).exp2() * factor;
         let least = (8.0 / width).max(8.0 / height).min(1.0);
-        let most = (f64::from(MAX_SIDE) / width.max(height)).min((MOST_PIXELS / (width * height)).sqrt());
+        let most = (f64::from(MAX_SIDE) / width.max(height)).min((MAX_PIXELS / (width * height)).sqrt());
         let factor = factor.clamp(least, most.max(1.0));
         [width, height].map(|side| (side * factor).round().max(1.0) as u32)
     }
 
-    /// The methods of a scene, given what the command line asked for.
-    pub fn methods(&self, scene: &Scene, asked: Methods) -> Methods {
-        let methods = self.equations.of(scene, asked);
+    /// The methods for a scene, given those requested on the command line.
+    pub fn methods(&self, scene: &Scene, requested: Methods) -> Methods {
+        let methods = self.preset.of(scene, requested);
         Methods { traversal: self.traversal.unwrap_or(methods.traversal), ..methods }
     }
 }
 
-/// The one behind `now`, or the first behind the last.
+/// The value after `now`; cyclic.
 fn next<T: Copy + PartialEq>(all: &[T], now: T) -> T {
     let place = all.iter().position(|one| *one == now).map_or(0, |place| place + 1);
     all[place % all.len()]
@@ -229,10 +236,10 @@ mod tests {
             (Command::SwitchLanes, Command::SwitchLanes),
             (Command::SwitchReprojection, Command::SwitchReprojection),
             (Command::SwitchDenoiser, Command::SwitchDenoiser),
-            (Command::SwitchMap, Command::SwitchMap),
+            (Command::SwitchMinimap, Command::SwitchMinimap),
             (Command::SwitchOverlay, Command::SwitchOverlay),
             (Command::SwitchHelp, Command::SwitchHelp),
-            (Command::Show(View::Cost), Command::Show(View::Picture)),
+            (Command::Show(DisplayMode::Cost), Command::Show(DisplayMode::Picture)),
         ] {
             assert_ne!(after(&[there]), controls(), "{there:?} does something");
             assert_eq!(after(&[there, back]), controls(), "{back:?} undoes {there:?}");
@@ -261,8 +268,8 @@ mod tests {
     #[test]
     fn bounds_hold() {
         assert_eq!(after(&[Command::FewerBounces; 9]).bounces, 0);
-        assert_eq!(after(&[Command::Brighter; 99]).tone.exposure, STOPS);
-        assert_eq!(after(&[Command::Darker; 99]).tone.exposure, -STOPS);
+        assert_eq!(after(&[Command::Brighter; 99]).tone.exposure, MAX_STOPS);
+        assert_eq!(after(&[Command::Darker; 99]).tone.exposure, -MAX_STOPS);
         let coarsest = after(&[Command::Coarser; 99]);
         assert_eq!(coarsest.resolution([240, 135], 1.0), [15, 8]);
         assert_eq!(coarsest.resolution([240, 135], 1e-9), [14, 8], "a few pixels are left");
@@ -270,7 +277,7 @@ mod tests {
         let finest = after(&[Command::Finer; 99]);
         assert_eq!(finest.resolution([240, 135], 1.0), [1920, 1080]);
         assert_eq!(finest.resolution([1920, 1080], 1.0), [3840, 2160]);
-        assert_eq!(finest.resolution([5000, 4000], 1.0), [5000, 4000], "what a scene asks for it gets");
+        assert_eq!(finest.resolution([5000, 4000], 1.0), [5000, 4000], "a scene's own resolution is kept");
         assert_eq!(finest.resolution([MAX_SIDE, 100], 1.0), [MAX_SIDE, 100]);
         let bright = Controls::new(4, 6, 8, Tone { exposure: 30.0, ..Tone::default() });
         let pressed = |command| {
@@ -282,19 +289,21 @@ mod tests {
     }
 
     #[test]
-    fn equations_leave_alone_what_is_not_theirs() {
+    fn presets_keep_traversal_lights_and_sampler() {
         let scene = crate::scene::load("builtin:cornell").unwrap();
         let (traversal, lights, sampler) = (TraversalChoice::Linear, LightChoice::Off, Sampler::Random);
-        let asked = Methods { traversal, lights, sampler, ..Methods::default() };
-        for equations in [Equations::Asked, Equations::Robust, Equations::Fast, Equations::Naive] {
-            let of = equations.of(&scene, asked);
-            assert_eq!((of.traversal, of.lights, of.sampler), (traversal, lights, sampler), "{equations:?}");
+        let requested = Methods { traversal, lights, sampler, ..Methods::default() };
+        for preset in
+            [MethodPreset::CommandLine, MethodPreset::Robust, MethodPreset::Fast, MethodPreset::Naive]
+        {
+            let of = preset.of(&scene, requested);
+            assert_eq!((of.traversal, of.lights, of.sampler), (traversal, lights, sampler), "{preset:?}");
         }
-        assert_eq!(Equations::Naive.of(&scene, asked).sphere, SphereChoice::Naive);
+        assert_eq!(MethodPreset::Naive.of(&scene, requested).sphere, SphereChoice::Naive);
         let mut controls = controls();
         controls.apply(Command::NextTraversal);
         controls.apply(Command::NextTraversal);
         let through = TraversalChoice::Through(Traversal::ALL[0]);
-        assert_eq!(controls.methods(&scene, asked).traversal, through);
+        assert_eq!(controls.methods(&scene, requested).traversal, through);
     }
 }

@@ -1,38 +1,39 @@
-//! What the thread that traces hands to the one that shows.
+//! Frames, and their handover from the render loop to a front end.
 //!
-//! For: [`Frame`] and [`Exchange`]. May import: the standard library. Must never know: how a frame is made or shown.
+//! For: [`Frame`] and [`Exchange`]. May import: the standard library. Must not know: how a frame is made or
+//! shown.
 
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Pixels, and what goes with them.
+/// A frame to show: pixels, minimap, text.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Frame {
     /// 0x00RRGGBB, row by row from the top.
     pub pixels: Vec<u32>,
     pub width: u32,
     pub height: u32,
-    /// A picture to lay over the upper right corner: the map; empty where there is none.
+    /// The minimap, for the upper right corner; empty without one.
     pub inset: Vec<u32>,
     /// Width of the inset, which is square.
     pub inset_side: u32,
-    /// Figures, line by line; empty where nobody wants them.
+    /// Figures, line by line; empty if switched off.
     pub figures: String,
-    /// What went wrong or was done, for a while.
+    /// A temporary message or an error.
     pub message: String,
-    /// Are all keys to be explained?
+    /// Whether to show the help.
     pub help: bool,
-    /// Is the mouse to be caught?
-    pub caught: bool,
-    /// Of the window.
+    /// Whether to capture the mouse.
+    pub mouse_captured: bool,
+    /// The window's title.
     pub title: String,
 }
 
 impl Frame {
-    /// No picture yet: that a scene is being made ready.
+    /// A frame without a picture, with the message that a scene is being prepared.
     pub fn announcing(scene: &str, resolution: [u32; 2]) -> Self {
         let mut frame =
-            Self { message: format!("making {scene} ready"), title: scene.to_string(), ..Self::default() };
+            Self { message: format!("preparing {scene}"), title: scene.to_string(), ..Self::default() };
         frame.resize(resolution);
         frame
     }
@@ -42,29 +43,30 @@ impl Frame {
     }
 }
 
-/// Where frames change hands: nobody waits for anybody, and nothing is copied. A frame that nobody took is overwritten by the next.
+/// Hands frames over by swapping buffers: neither side waits, nothing is copied. A frame that was not taken
+/// is replaced by the next one. It also carries the flags that both threads read.
 #[derive(Debug, Default)]
 pub struct Exchange {
-    /// And whether nobody has taken it yet.
+    /// The newest frame, and whether it is still to be taken.
     frame: Mutex<(Frame, bool)>,
-    /// Has something happened that the tracing thread should hear of at once?
-    news: AtomicBool,
-    /// Is the first scene ready to be traced?
+    /// Whether events or results are pending for the render loop.
+    notified: AtomicBool,
+    /// Whether the render loop handles events.
     ready: AtomicBool,
-    /// Does nobody wait for another frame?
-    leaving: AtomicBool,
-    /// Is the last frame given?
-    over: AtomicBool,
+    /// Whether the front end has closed.
+    closed: AtomicBool,
+    /// Whether the render loop has ended.
+    finished: AtomicBool,
 }
 
 impl Exchange {
-    /// Hands a frame over; gets an old one back to paint over.
-    pub fn give(&self, frame: &mut Frame) {
+    /// Publishes a frame; `frame` becomes an old one to paint over.
+    pub fn publish(&self, frame: &mut Frame) {
         let mut held = self.lock();
         std::mem::swap(frame, &mut held.0);
         held.1 = true;
     }
-    /// The newest frame in exchange for an old one; false, and nothing, if there is no newer one.
+    /// Swaps `frame` for a newer one; returns false and changes nothing if there is none.
     pub fn take(&self, frame: &mut Frame) -> bool {
         let mut held = self.lock();
         let fresh = std::mem::take(&mut held.1);
@@ -73,17 +75,17 @@ impl Exchange {
         }
         fresh
     }
-    pub fn tell(&self) {
-        self.news.store(true, Ordering::Release);
+    pub fn notify(&self) {
+        self.notified.store(true, Ordering::Release);
     }
-    pub fn hear(&self) {
-        self.news.store(false, Ordering::Release);
+    pub fn clear_notification(&self) {
+        self.notified.store(false, Ordering::Release);
     }
-    pub fn has_news(&self) -> bool {
-        self.news.load(Ordering::Acquire)
+    pub fn is_notified(&self) -> bool {
+        self.notified.load(Ordering::Acquire)
     }
 
-    /// Events are heard from now on.
+    /// The render loop handles events from now on.
     pub fn set_ready(&self) {
         self.ready.store(true, Ordering::Release);
     }
@@ -91,24 +93,24 @@ impl Exchange {
         self.ready.load(Ordering::Acquire)
     }
 
-    /// No frame is waited for any more.
-    pub fn leave(&self) {
-        self.leaving.store(true, Ordering::Release);
+    /// The front end takes no more frames.
+    pub fn close(&self) {
+        self.closed.store(true, Ordering::Release);
     }
-    pub fn is_left(&self) -> bool {
-        self.leaving.load(Ordering::Acquire)
+    pub fn is_closed(&self) -> bool {
+        self.closed.load(Ordering::Acquire)
     }
 
-    /// No frame comes any more.
-    pub fn end(&self) {
-        self.over.store(true, Ordering::Release);
+    /// The render loop publishes no more frames.
+    pub fn finish(&self) {
+        self.finished.store(true, Ordering::Release);
     }
-    pub fn is_over(&self) -> bool {
-        self.over.load(Ordering::Acquire)
+    pub fn is_finished(&self) -> bool {
+        self.finished.load(Ordering::Acquire)
     }
 
     fn lock(&self) -> std::sync::MutexGuard<'_, (Frame, bool)> {
-        // A swap cannot panic half done.
+        // A swap cannot panic halfway: a poisoned lock holds a valid frame.
         self.frame.lock().unwrap_or_else(|poisoned| poisoned.into_inner())
     }
 }
@@ -125,7 +127,7 @@ mod tests {
         for number in 1..=3 {
             back.resize([number, 1]);
             back.pixels[0] = number;
-            exchange.give(&mut back);
+            exchange.publish(&mut back);
         }
         assert!(exchange.take(&mut front));
         assert_eq!((front.width, front.pixels[0]), (3, 3));

@@ -1,10 +1,12 @@
-//! What keys do: one table, from which the state machine acts and the help is written.
+//! Key bindings: one table for the state machine and the help.
 //!
-//! For: [`Key`], [`Action`], [`action_of`], [`help`]. May import: nothing of the viewer. Must never know: windows, terminals.
+//! For: [`Key`], [`Action`], [`action_of`], [`help`]. May import: `display_mode`. Must not know: windows,
+//! terminals.
 
-use super::views::View;
+use super::display_mode::DisplayMode;
 
-/// A key, whoever reports it. Letters are lower case; letters for walking are told by their place on the keyboard where that is known.
+/// A key of a window or a terminal. Letters are lower case. Letters for walking follow the physical key where
+/// it is known.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Key {
     Char(char),
@@ -23,7 +25,7 @@ pub enum Key {
     F5,
 }
 
-/// What goes on for as long as a key is held.
+/// A motion that lasts while a key is held.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Motion {
     Forward,
@@ -36,7 +38,7 @@ pub enum Motion {
     TurnRight,
     TurnUp,
     TurnDown,
-    /// Everything else four times as fast.
+    /// Makes the other motions four times as fast.
     Fast,
 }
 
@@ -44,13 +46,13 @@ impl Motion {
     pub const COUNT: usize = Self::Fast as usize + 1;
 }
 
-/// What happens once when a key goes down.
+/// A command that runs once when a key goes down.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Command {
     NextScene,
     PreviousScene,
     Reload,
-    /// The scene's own camera again.
+    /// Resets the camera to the scene's.
     Home,
     Narrower,
     Wider,
@@ -66,28 +68,29 @@ pub enum Command {
     Brighter,
     Darker,
     NextTone,
-    Show(View),
+    Show(DisplayMode),
     SwitchReprojection,
     NextFilter,
     SwitchDenoiser,
     Screenshot,
-    SwitchMap,
+    SwitchMinimap,
     SwitchOverlay,
     SwitchHelp,
-    /// Lets the mouse go.
-    Release,
+    /// Releases the mouse.
+    ReleaseMouse,
 }
 
+/// The effect of a key.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Action {
     Hold(Motion),
     Do(Command),
 }
 
-/// Keys that do one thing or a pair of opposites.
+/// A line of the help: keys with one action or with opposite ones.
 pub struct Binding {
     pub keys: &'static [(Key, Action)],
-    /// As people read them.
+    /// The keys' names in the help.
     pub label: &'static str,
     pub meaning: &'static str,
 }
@@ -102,7 +105,7 @@ const fn letter(letter: char, command: Command) -> (Key, Action) {
     on(Key::Char(letter), command)
 }
 
-/// All of them, in the order of the help.
+/// All bindings, in the order of the help.
 pub const BINDINGS: &[Binding] = &[
     Binding {
         keys: &[
@@ -131,7 +134,7 @@ pub const BINDINGS: &[Binding] = &[
             hold(Key::Down, Motion::TurnDown),
         ],
         label: "arrows, mouse",
-        meaning: "turn; a click catches the mouse, Esc lets it go",
+        meaning: "turn; a click captures the mouse, Esc releases it",
     },
     Binding {
         keys: &[hold(Key::Control, Motion::Fast)],
@@ -157,20 +160,20 @@ pub const BINDINGS: &[Binding] = &[
     Binding {
         keys: &[letter('r', Command::Reload), on(Key::F5, Command::Reload)],
         label: "R",
-        meaning: "read the scene's files again (they are watched, too)",
+        meaning: "reload the scene's files (changes reload them too)",
     },
     Binding {
         keys: &[
-            letter('1', Command::Show(View::Picture)),
-            letter('2', Command::Show(View::Normals)),
-            letter('3', Command::Show(View::Albedo)),
-            letter('4', Command::Show(View::Depth)),
-            letter('5', Command::Show(View::Barycentrics)),
-            letter('6', Command::Show(View::Light)),
-            letter('7', Command::Show(View::Bounces)),
-            letter('8', Command::Show(View::Cost)),
-            letter('9', Command::Show(View::Samples)),
-            letter('0', Command::Show(View::Lanes)),
+            letter('1', Command::Show(DisplayMode::Picture)),
+            letter('2', Command::Show(DisplayMode::Normals)),
+            letter('3', Command::Show(DisplayMode::Albedo)),
+            letter('4', Command::Show(DisplayMode::Depth)),
+            letter('5', Command::Show(DisplayMode::Barycentrics)),
+            letter('6', Command::Show(DisplayMode::Lambert)),
+            letter('7', Command::Show(DisplayMode::Bounces)),
+            letter('8', Command::Show(DisplayMode::Cost)),
+            letter('9', Command::Show(DisplayMode::Samples)),
+            letter('0', Command::Show(DisplayMode::Lanes)),
         ],
         label: "1 to 9, 0",
         meaning: "picture, normals, albedo, depth, barycentrics, n·l, bounces, cost, samples, lanes",
@@ -194,12 +197,12 @@ pub const BINDINGS: &[Binding] = &[
     Binding {
         keys: &[letter('j', Command::Coarser), letter('k', Command::Finer)],
         label: "J K",
-        meaning: "coarser, finer pixels",
+        meaning: "lower, higher resolution",
     },
     Binding {
         keys: &[letter('g', Command::NextTarget)],
         label: "G",
-        meaning: "frame rate to hold by coarser pixels: none, 15, 30, 60",
+        meaning: "frame rate to hold by a lower resolution: none, 15, 30, 60",
     },
     Binding {
         keys: &[letter('c', Command::NextThreads)],
@@ -210,7 +213,7 @@ pub const BINDINGS: &[Binding] = &[
     Binding {
         keys: &[letter('x', Command::NextMethods)],
         label: "X",
-        meaning: "equations: as asked, robust, fast, naive",
+        meaning: "intersection methods: as requested, robust, fast, naive",
     },
     Binding {
         keys: &[letter('v', Command::NextTraversal)],
@@ -227,7 +230,7 @@ pub const BINDINGS: &[Binding] = &[
         label: "O",
         meaning: "tone mapping: clamp, Reinhard, ACES",
     },
-    Binding { keys: &[letter('m', Command::SwitchMap)], label: "M", meaning: "map from above" },
+    Binding { keys: &[letter('m', Command::SwitchMinimap)], label: "M", meaning: "map from above" },
     Binding {
         keys: &[on(Key::Tab, Command::Screenshot), letter('p', Command::Screenshot)],
         label: "Tab, P",
@@ -239,29 +242,29 @@ pub const BINDINGS: &[Binding] = &[
         label: "H",
         meaning: "this help",
     },
-    Binding { keys: &[on(Key::Escape, Command::Release)], label: "Esc", meaning: "let the mouse go" },
+    Binding { keys: &[on(Key::Escape, Command::ReleaseMouse)], label: "Esc", meaning: "release the mouse" },
 ];
 
-/// What a key does; nothing for most.
+/// The action bound to a key.
 pub fn action_of(key: Key) -> Option<Action> {
     let all = BINDINGS.iter().flat_map(|binding| binding.keys);
     all.into_iter().find(|(bound, _)| *bound == key).map(|&(_, action)| action)
 }
 
-/// The help, a line a binding: keys, then what they do.
+/// The help: one line per binding, keys and meaning.
 pub fn help() -> impl Iterator<Item = String> {
     let width = BINDINGS.iter().map(|binding| binding.label.chars().count()).max().unwrap_or(0);
     BINDINGS.iter().map(move |Binding { label, meaning, .. }| format!("{label:width$}  {meaning}"))
 }
 
-/// The help for so many characters in so many lines: a line a binding if that fits.
+/// The help for this many columns and lines: one line per binding if they fit, else compact.
 pub fn help_in(columns: usize, lines: usize) -> Vec<String> {
     let help: Vec<String> = help().collect();
     let fits = help.len() <= lines && help.iter().all(|line| line.chars().count() <= columns);
     if fits { help } else { short_help(columns) }
 }
 
-/// The same for little room: bindings behind one another in lines of so many characters, cut between words.
+/// The compact help: bindings one after another in lines of `width` characters, broken between words.
 fn short_help(width: usize) -> Vec<String> {
     let mut lines = vec![String::new()];
     let mut write = |word: &str, gap: &str, room: usize| {
@@ -278,7 +281,7 @@ fn short_help(width: usize) -> Vec<String> {
         let text = format!("{label}: {meaning}");
         let whole = text.chars().count().min(width);
         for (at, word) in text.split(' ').enumerate() {
-            // A binding that does not fit begins a line of its own.
+            // A binding that does not fit starts a new line.
             let (gap, room) = if at == 0 { ("   ", whole) } else { (" ", word.chars().count()) };
             write(word, gap, room);
         }
@@ -321,12 +324,12 @@ mod tests {
     }
 
     #[test]
-    fn every_view_has_a_key_and_stands_in_the_help_in_its_order() {
+    fn every_display_mode_has_a_key_and_stands_in_the_help_in_its_order() {
         let mut names = Vec::new();
-        for (at, view) in View::ALL.into_iter().enumerate() {
+        for (at, mode) in DisplayMode::ALL.into_iter().enumerate() {
             let digit = char::from_digit((at as u32 + 1) % 10, 10).unwrap();
-            assert_eq!(action_of(Key::Char(digit)), Some(Action::Do(Command::Show(view))));
-            names.push(view.name());
+            assert_eq!(action_of(Key::Char(digit)), Some(Action::Do(Command::Show(mode))));
+            names.push(mode.name());
         }
         assert!(help().any(|line| line.contains(&names.join(", "))), "{}", names.join(", "));
     }

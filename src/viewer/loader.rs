@@ -1,6 +1,6 @@
-//! Scenes are read and made ready in a thread of their own, so that the picture never stands still for them.
+//! Loads scenes and creates their renderers in a thread of its own, so that frames go on meanwhile.
 //!
-//! For: [`Loader`]. May import: `scene`, `render`. Must never know: the state machine, windows.
+//! For: [`Loader`]. May import: `scene`, `render`. Must not know: the state machine, windows.
 
 use crate::render::{Renderer, Settings};
 use crate::scene::{self, Loaded, SceneError};
@@ -11,78 +11,78 @@ use std::time::SystemTime;
 
 /// Where a scene comes from.
 #[derive(Clone)]
-pub enum Source {
-    /// Read it: the name as the command line takes it.
+pub enum SceneSource {
+    /// Load it: a name as on the command line.
     Name(String),
-    /// It is here already, and to be made ready in another way.
-    Here(Arc<Loaded>),
+    /// Already loaded; only the renderer is new.
+    Loaded(Arc<Loaded>),
 }
 
-type Choice = Box<dyn FnOnce(&Loaded) -> Result<Settings, String> + Send>;
+type ChooseSettings = Box<dyn FnOnce(&Loaded) -> Result<Settings, String> + Send>;
 
-/// A scene to be made ready.
-pub struct Order {
-    pub source: Source,
-    /// Given the scene, how it is rendered, or why it cannot be.
-    pub settings: Choice,
-    /// Is it the scene that is shown already, changed perhaps?
-    pub again: bool,
+/// A scene to prepare.
+pub struct LoadRequest {
+    pub source: SceneSource,
+    /// Chooses the settings for the scene; the error says why it cannot be rendered.
+    pub settings: ChooseSettings,
+    /// Whether it is the scene that is shown, possibly changed.
+    pub reload: bool,
 }
 
-/// A scene made ready.
-pub struct Ready {
+/// A scene with its renderer.
+pub struct PreparedScene {
     pub scene: Arc<Loaded>,
     pub renderer: Renderer,
-    pub again: bool,
-    /// When its files had not been read yet; none if they were not read at all.
+    pub reload: bool,
+    /// A time before its files were read; `None` if they were not.
     pub read: Option<SystemTime>,
 }
 
-/// The thread, and the way there and back.
+/// The loader thread, and the queues to and from it.
 pub struct Loader {
-    orders: Sender<Order>,
-    answers: Receiver<Result<Ready, SceneError>>,
-    /// Orders without an answer.
-    waiting: usize,
+    requests: Sender<LoadRequest>,
+    results: Receiver<Result<PreparedScene, SceneError>>,
+    /// Requests without a result.
+    pending: usize,
 }
 
 impl Loader {
-    /// `tell` is called when something has become ready.
-    pub fn start(tell: impl Fn() + Send + 'static) -> Self {
-        let (orders, incoming) = channel::<Order>();
-        let (outgoing, answers) = channel();
+    /// `notify` is called after each result.
+    pub fn start(notify: impl Fn() + Send + 'static) -> Self {
+        let (requests, incoming) = channel::<LoadRequest>();
+        let (outgoing, results) = channel();
         thread::spawn(move || {
-            for order in incoming {
-                if outgoing.send(prepare(order)).is_err() {
+            for request in incoming {
+                if outgoing.send(prepare(request)).is_err() {
                     break;
                 }
-                tell();
+                notify();
             }
         });
-        Self { orders, answers, waiting: 0 }
+        Self { requests, results, pending: 0 }
     }
-    pub fn order(&mut self, order: Order) {
-        if self.orders.send(order).is_ok() {
-            self.waiting += 1;
+    pub fn request(&mut self, request: LoadRequest) {
+        if self.requests.send(request).is_ok() {
+            self.pending += 1;
         }
     }
-    /// Is something under way?
+    /// Whether a request is pending.
     pub fn busy(&self) -> bool {
-        self.waiting > 0
+        self.pending > 0
     }
-    /// What has become ready, or why it has not; what later orders have overtaken is left out.
-    pub fn take(&mut self) -> Option<Result<Ready, SceneError>> {
+    /// The result of the last request, if it is there. Results of superseded requests are dropped.
+    pub fn poll(&mut self) -> Option<Result<PreparedScene, SceneError>> {
         loop {
-            match self.answers.try_recv() {
-                Ok(answer) => {
-                    self.waiting -= 1;
-                    if self.waiting == 0 {
-                        return Some(answer);
+            match self.results.try_recv() {
+                Ok(result) => {
+                    self.pending -= 1;
+                    if self.pending == 0 {
+                        return Some(result);
                     }
                 }
                 Err(TryRecvError::Empty) => return None,
                 Err(TryRecvError::Disconnected) => {
-                    self.waiting = 0;
+                    self.pending = 0;
                     return None;
                 }
             }
@@ -90,14 +90,14 @@ impl Loader {
     }
 }
 
-fn prepare(order: Order) -> Result<Ready, SceneError> {
+fn prepare(request: LoadRequest) -> Result<PreparedScene, SceneError> {
     let start = SystemTime::now();
-    let (scene, read) = match order.source {
-        Source::Name(name) => (Arc::new(scene::load_with_view(&name)?), Some(start)),
-        Source::Here(scene) => (scene, None),
+    let (scene, read) = match request.source {
+        SceneSource::Name(name) => (Arc::new(scene::load_with_view(&name)?), Some(start)),
+        SceneSource::Loaded(scene) => (scene, None),
     };
-    let settings = (order.settings)(&scene).map_err(|why| SceneError::of_use(why, &scene))?;
-    Ok(Ready { renderer: Renderer::new(&scene, settings), scene, again: order.again, read })
+    let settings = (request.settings)(&scene).map_err(|why| SceneError::of_use(why, &scene))?;
+    Ok(PreparedScene { renderer: Renderer::new(&scene, settings), scene, reload: request.reload, read })
 }
 
 #[cfg(test)]
@@ -105,32 +105,32 @@ mod tests {
     use super::*;
     use std::time::{Duration, Instant};
 
-    fn wait(loader: &mut Loader) -> Result<Ready, SceneError> {
+    fn wait(loader: &mut Loader) -> Result<PreparedScene, SceneError> {
         let start = Instant::now();
         loop {
-            if let Some(answer) = loader.take() {
-                return answer;
+            if let Some(result) = loader.poll() {
+                return result;
             }
-            assert!(start.elapsed() < Duration::from_secs(60), "no answer");
+            assert!(start.elapsed() < Duration::from_secs(60), "no result");
             thread::sleep(Duration::from_millis(1));
         }
     }
-    fn order(name: &str) -> Order {
+    fn request_for(name: &str) -> LoadRequest {
         let settings = Box::new(|scene: &Loaded| Ok(Settings::of(scene)));
-        Order { source: Source::Name(name.into()), settings, again: false }
+        LoadRequest { source: SceneSource::Name(name.into()), settings, reload: false }
     }
 
     #[test]
-    fn only_the_last_order_is_answered() {
+    fn only_the_last_request_has_a_result() {
         let mut loader = Loader::start(|| {});
         assert!(!loader.busy());
         for name in ["builtin:three", "builtin:no", "builtin:thesis"] {
-            loader.order(order(name));
+            loader.request(request_for(name));
         }
         assert!(loader.busy());
         assert_eq!(wait(&mut loader).ok().unwrap().scene.name, "builtin:thesis");
-        assert!(!loader.busy() && loader.take().is_none());
-        loader.order(order("builtin:no"));
+        assert!(!loader.busy() && loader.poll().is_none());
+        loader.request(request_for("builtin:no"));
         assert!(wait(&mut loader).err().unwrap().to_string().contains("builtin:no"));
     }
 }

@@ -1,164 +1,61 @@
-//! A window, or a terminal, to walk through a path-traced scene in.
+//! The viewer: explores a path-traced scene in a window or a terminal.
 //!
-//! For: [`window()`], [`terminal()`] and [`Options`]. May import: everything above it. Must never know: command lines.
+//! For: [`window()`], [`terminal()`] and [`Options`]. May import: the engine, the formats. Must not know:
+//! command lines.
 //!
-//! A front end reports what happens and shows frames; everything else goes on in a thread of its own.
+//! A front end sends [`state::Event`]s and shows [`frame::Frame`]s. The render loop runs in a thread of its
+//! own, and so does the loader. Events reach the render loop through a message queue; frames reach the front
+//! end through [`frame::Exchange`].
 //!
 //! | file | what it does |
 //! |---|---|
 //! | [`mod@window`], [`mod@terminal`] | the front ends |
-//! | [`keys`] | what keys do: the table behind state machine and help |
-//! | [`state`] | the state machine: from events to camera, choices and things to do |
-//! | [`walker`], [`controls`], [`playlist`] | its parts: the camera that walks; what is chosen; the scenes |
-//! | [`engine`], [`exposure`] | the thread that traces; what the film sees, and for how long |
-//! | [`loader`], [`watch`] | the thread that reads scenes; the files that change |
+//! | [`session`], [`options`] | starts the render loop and connects a front end to it; what it starts with |
+//! | [`keys`] | key bindings: the table behind the state machine and the help |
+//! | [`state`] | the state machine: from events to camera, controls and effects |
+//! | [`camera_controller`] | the camera as keys and mouse move it |
+//! | [`controls`] | the settings that keys change |
+//! | [`playlist`] | the scenes to switch between |
+//! | [`render_loop`] | the thread that renders frames |
+//! | [`renderer_config`] | renderer settings from controls and options |
+//! | [`accumulation`], [`dynamic_resolution`] | the film of the present pose, samples per frame; the resolution that holds a frame rate |
+//! | [`loader`], [`file_watcher`] | the thread that loads scenes; changes of their files |
 //! | [`painter`] | from film to pixels: reprojection, filters, tone mapping |
-//! | [`views`], [`map`] | what else can be shown |
-//! | [`rates`], [`figures`], [`summary`] | how fast it goes, and in words |
-//! | [`told`] | Ctrl-C and its like |
-//! | [`screenshot`] | a picture, and how to render it again |
-//! | [`frame`] | what the engine hands to a front end |
-//! | [`canvas`] | a frame enlarged, with text over it |
+//! | [`display_mode`], [`minimap`] | false-colour images instead of the picture; the scene from above |
+//! | [`overlay`], [`timing`] | the text over the picture; frame rates, latencies |
+//! | [`screenshot`] | saves the film, and a view file that renders it again |
+//! | [`frame`] | frames handed from the render loop to a front end |
+//! | [`canvas`], [`cell_buffer`] | draw a frame, its minimap and text: as pixels, as character cells |
+//! | [`signals`] | Ctrl-C, `kill`, a closed terminal |
 
+pub mod accumulation;
+pub mod camera_controller;
 pub mod canvas;
+pub mod cell_buffer;
 pub mod controls;
-pub mod engine;
-pub mod exposure;
-pub mod figures;
+pub mod display_mode;
+pub mod dynamic_resolution;
+pub mod file_watcher;
 pub mod frame;
 pub mod keys;
 pub mod loader;
-pub mod map;
+pub mod minimap;
+pub mod options;
+pub mod overlay;
 pub mod painter;
 pub mod playlist;
-pub mod rates;
+pub mod render_loop;
+pub mod renderer_config;
 pub mod screenshot;
+pub mod session;
+pub mod signals;
 pub mod state;
-pub mod summary;
 pub mod terminal;
-pub mod told;
-pub mod views;
-pub mod walker;
-pub mod watch;
+pub mod timing;
 pub mod window;
 
-pub use summary::Summary;
+pub use options::{BYTES_PER_PIXEL, Options};
+pub use session::Viewer;
 pub use terminal::terminal;
+pub use timing::Summary;
 pub use window::{WindowError, window};
-
-use crate::render::PipelineChoice;
-use crate::scene::Loaded;
-use crate::tone::Tone;
-use crate::traverse::Methods;
-use controls::Controls;
-use engine::Engine;
-use frame::{Exchange, Frame};
-use playlist::Playlist;
-use state::{Event, State};
-use std::path::PathBuf;
-use std::sync::Arc;
-use std::sync::mpsc::{Sender, channel};
-use std::thread::JoinHandle;
-use std::time::Instant;
-
-/// Memory that a pixel takes, filters apart: the film, what is remembered of earlier frames and seen of the scene, frames. Measured.
-pub const BYTES_PER_PIXEL: usize = 180;
-
-/// What the viewer starts with.
-pub struct Options {
-    /// Pixels of all scenes' pictures; their own if `None`.
-    pub size: Option<[u32; 2]>,
-    /// Scattering events on a path in all scenes; their own if `None`.
-    pub bounces: Option<u32>,
-    pub seed: u32,
-    pub pipeline: PipelineChoice,
-    /// As in [`crate::render::Settings`].
-    pub clamp: f32,
-    pub threads: usize,
-    /// As many as can be chosen.
-    pub most_threads: usize,
-    pub lanes: usize,
-    pub tone: Tone,
-    /// Frames a second to hold by coarser pixels.
-    pub target: Option<u32>,
-    /// The methods asked for, which may depend on the scene.
-    pub methods: Box<dyn Fn(&Loaded) -> Methods + Send + Sync>,
-    /// Is there memory for a picture of so many pixels across and down? If not, why.
-    pub fits: Box<dyn Fn([u32; 2]) -> Result<(), String> + Send + Sync>,
-    /// Ends after so many frames.
-    pub frames: Option<u64>,
-    /// The folder for screenshots.
-    pub screenshots: PathBuf,
-}
-
-/// Called by the engine when a frame is there.
-pub type Wake = Arc<dyn Fn() + Send + Sync>;
-
-/// A running engine, as a front end has it.
-pub struct Viewer {
-    events: Sender<(Event, Instant)>,
-    exchange: Arc<Exchange>,
-    thread: JoinHandle<Summary>,
-}
-
-impl Viewer {
-    /// Starts with a scene that is read already, the playlist's current one.
-    pub fn start(options: Options, playlist: Playlist, scene: Loaded, wake: Wake) -> Self {
-        let bounces = options.bounces.unwrap_or(scene.max_bounces);
-        let mut controls = Controls::new(bounces, options.threads, options.lanes, options.tone);
-        controls.target = options.target;
-        controls.most_threads = options.most_threads;
-        let state = State::new(playlist, &scene, controls, options.bounces, Instant::now());
-        let (events, incoming) = channel();
-        let exchange = Arc::new(Exchange::default());
-        let (shared, scene) = (exchange.clone(), Arc::new(scene));
-        let thread = std::thread::spawn(move || {
-            let _end = End { exchange: shared.clone(), wake: wake.clone() };
-            let size = options.size.unwrap_or(scene.resolution);
-            shared.give(&mut Frame::announcing(&scene.name, size));
-            wake();
-            let (engine, renderer) = Engine::new(Arc::new(options), state, scene, incoming, shared, wake);
-            engine.run(renderer)
-        });
-        Self { events, exchange, thread }
-    }
-    /// Tells what happened just now.
-    pub fn send(&self, event: Event) {
-        // An engine that is over hears nothing, and need not.
-        let _ = self.events.send((event, Instant::now()));
-        self.exchange.tell();
-    }
-    /// The newest frame in exchange for an old one; false, and nothing, if there is no newer one.
-    pub fn take(&self, frame: &mut Frame) -> bool {
-        self.exchange.take(frame)
-    }
-    /// Is the engine over, in order or not?
-    pub fn is_over(&self) -> bool {
-        self.exchange.is_over()
-    }
-    /// Ends it all. An engine that is still making its first scene ready is left to itself.
-    ///
-    /// # Panics
-    /// If the engine did.
-    pub fn finish(self) -> Summary {
-        self.send(Event::Quit);
-        self.exchange.leave();
-        if !self.exchange.is_ready() && !self.exchange.is_over() {
-            return Summary::default();
-        }
-        self.thread.join().expect("the engine ends in order")
-    }
-}
-
-/// Tells the front end that no frame comes any more, whatever the reason.
-struct End {
-    exchange: Arc<Exchange>,
-    wake: Wake,
-}
-
-impl Drop for End {
-    fn drop(&mut self) {
-        self.exchange.end();
-        (self.wake)();
-    }
-}

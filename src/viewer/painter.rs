@@ -1,16 +1,14 @@
-//! From film to the pixels of a frame: reprojection, filters, tone mapping; or another view of the scene.
+//! From film to the pixels of a frame: reprojection, filters, tone mapping, or a false-colour display mode.
 //!
-//! For: [`Painter`]. May import: `display`, `views`, `map`, `figures`. Must never know: events, threads, windows.
+//! For: [`Painter`], [`FrameInput`]. May import: `display`, `display_mode`, `minimap`, `controls`, `frame`.
+//! Must not know: events, threads, windows.
 //!
-//! All memory is kept from frame to frame.
+//! Buffers are reused from frame to frame: a frame allocates nothing.
 
 use super::controls::{Controls, Filter};
-use super::figures;
+use super::display_mode::{self, DisplayMode, ModeInput};
 use super::frame::Frame;
-use super::map::{self, Map};
-use super::rates::Rates;
-use super::state::State;
-use super::views::{self, Sources, View};
+use super::minimap::{self, Minimap};
 use crate::display::{Blur, Denoiser, Fxaa, History, Samples, rows, walking_speed};
 use crate::film::{Film, Picture};
 use crate::integrate::aovs::Aovs;
@@ -20,129 +18,118 @@ use crate::render::aovs::{self, Cost};
 use crate::scene::{Camera, Scene};
 use crate::tone::Tone;
 use glam::Vec3;
-use std::time::{Duration, Instant};
-
-/// How often figures change: people read them.
-const FIGURES: Duration = Duration::from_millis(250);
 
 /// What a frame is painted from.
-pub struct Subject<'a> {
+pub struct FrameInput<'a> {
     pub renderer: &'a Renderer,
     pub scene: &'a Scene,
     pub camera: &'a Camera,
     pub film: &'a Film,
     pub controls: &'a Controls,
-    /// Was a frame painted of this camera and film before?
-    pub known: bool,
-    /// Do the film's samples stay in it for the next frame?
-    pub standing: bool,
-    /// Is the scene the one that the playlist stands at?
-    pub listed: bool,
+    /// Whether a frame of this pose was painted before.
+    pub pose_shown: bool,
+    /// Whether the film keeps its samples for the next frame.
+    pub progressive: bool,
+    /// Whether the scene is the playlist's current one.
+    pub is_current: bool,
 }
 
+/// Paints frames.
 #[derive(Default)]
 pub struct Painter {
     mean: Picture,
     history: History,
-    /// Did it show in the last frame?
+    /// Whether the last frame was reprojected.
     reprojected: bool,
     blur: Blur,
     fxaa: Fxaa,
     denoiser: Denoiser,
-    guides: Aovs,
-    /// Are they of the camera of now?
-    guided: bool,
+    aovs: Aovs,
+    /// Whether `aovs` belong to the present camera.
+    aovs_valid: bool,
     costs: aovs::Map<Cost>,
-    costed: bool,
+    costs_valid: bool,
     shapes: aovs::Map<PathShape>,
     counts: Vec<f32>,
     distances: Vec<f32>,
-    /// Drawn when it is first wanted.
-    map: Option<Map>,
-    /// Of who walks here, once something was seen.
+    /// Drawn on first use.
+    minimap: Option<Minimap>,
+    /// Walking speed, once a frame of the scene was painted.
     speed: Option<f32>,
-    figures: String,
-    /// What they were written of, and when.
-    written: Option<(Controls, Instant)>,
-    message: String,
 }
 
 impl Painter {
-    /// Another scene; or, with `again`, the same one as its files have it now: who walks there goes on at the same speed.
-    pub fn meet_another_scene(&mut self, again: bool) {
-        self.map = None;
-        self.speed = self.speed.filter(|_| again);
-        self.forget();
+    /// Starts another scene. After a reload of the same scene the walking speed stays.
+    pub fn change_scene(&mut self, reload: bool) {
+        self.minimap = None;
+        self.speed = self.speed.filter(|_| reload);
+        self.reset_history();
     }
-    /// What was seen is no more.
-    pub fn forget(&mut self) {
+    /// Discards the history for reprojection.
+    pub fn reset_history(&mut self) {
         self.history.reset();
     }
-    /// How fast to walk through what was seen first of this scene, in scene units a second.
+    /// Walking speed derived from the scene's first frame, in scene units per second.
     pub fn speed(&self) -> Option<f32> {
         self.speed
     }
-    pub fn message(&mut self, text: &str) {
-        self.message.clear();
-        self.message.push_str(text);
-    }
 
-    /// Fills the frame's pixels and its map.
-    pub fn paint(&mut self, subject: &Subject, frame: &mut Frame) {
-        let Subject { renderer, film, controls, .. } = *subject;
-        // Reprojection that is switched on where the camera stands begins as for a new picture.
-        let known = subject.known && (self.reprojected || !controls.reprojection);
+    /// Fills the frame's pixels and its minimap.
+    pub fn paint(&mut self, input: &FrameInput, frame: &mut Frame) {
+        let FrameInput { renderer, film, controls, .. } = *input;
+        // Reprojection that is switched on at a resting camera starts as for a new pose.
+        let known = input.pose_shown && (self.reprojected || !controls.reprojection);
         self.reprojected = controls.reprojection;
         if !known {
-            (self.guided, self.costed) = (false, false);
+            (self.aovs_valid, self.costs_valid) = (false, false);
         }
         frame.resize(film.resolution());
         film.picture_into(&mut self.mean);
         let first = controls.reprojection && !known;
-        if first || controls.denoiser || controls.view != View::Picture || self.speed.is_none() {
-            self.see(renderer);
+        if first || controls.denoiser || controls.mode != DisplayMode::Picture || self.speed.is_none() {
+            self.update_aovs(renderer);
         }
         let samples = film.samples().max(1);
         if first {
-            // Samples that stay in the film are not history's as well.
-            let own = if subject.standing { 0 } else { samples };
-            self.history.reproject(&self.mean, own, &self.guides, renderer.camera());
+            // Samples that stay in the film must not enter the history too.
+            let own = if input.progressive { 0 } else { samples };
+            self.history.reproject(&self.mean, own, &self.aovs, renderer.camera());
         }
         if !controls.reprojection {
-            // What it knows is of where the camera was when it was last asked.
+            // The history belongs to an earlier camera.
             self.history.reset();
-        } else if known || subject.standing {
+        } else if known || input.progressive {
             self.history.blend_static(&self.mean, samples);
         }
-        match controls.view {
-            View::Picture => self.paint_picture(subject, samples, &mut frame.pixels),
-            view => self.paint_view(view, subject, samples, &mut frame.pixels),
+        match controls.mode {
+            DisplayMode::Picture => self.paint_picture(input, samples, &mut frame.pixels),
+            mode => self.paint_mode(mode, input, samples, &mut frame.pixels),
         }
-        self.speed.get_or_insert_with(|| walking_speed(&self.guides));
+        self.speed.get_or_insert_with(|| walking_speed(&self.aovs));
         frame.inset.clear();
-        if controls.map {
+        if controls.minimap {
             let aspect = f64::from(frame.width) / f64::from(frame.height);
-            let map = self.map.get_or_insert_with(|| Map::new(subject.scene));
-            map.draw_into(subject.camera, aspect, &mut frame.inset);
-            frame.inset_side = map::SIDE;
+            let minimap = self.minimap.get_or_insert_with(|| Minimap::new(input.scene));
+            minimap.draw_into(input.camera, aspect, &mut frame.inset);
+            frame.inset_side = minimap::SIDE;
         }
     }
 
-    /// Finds out what pixels see, once for a camera.
-    fn see(&mut self, renderer: &Renderer) {
-        if !std::mem::replace(&mut self.guided, true) {
-            renderer.aovs_into(&mut self.guides);
+    /// Renders the AOVs, once per camera.
+    fn update_aovs(&mut self, renderer: &Renderer) {
+        if !std::mem::replace(&mut self.aovs_valid, true) {
+            renderer.aovs_into(&mut self.aovs);
         }
     }
 
-    fn paint_picture(&mut self, subject: &Subject, samples: u32, pixels: &mut [u32]) {
-        let controls = subject.controls;
+    fn paint_picture(&mut self, input: &FrameInput, samples: u32, pixels: &mut [u32]) {
+        let controls = input.controls;
         let (mut shown, mut behind) = (&self.mean, Samples::Same(samples));
         if controls.reprojection {
             (shown, behind) = (self.history.shown(), Samples::Each(self.history.counts()));
         }
         if controls.denoiser {
-            shown = self.denoiser.filter(shown, behind, &self.guides);
+            shown = self.denoiser.filter(shown, behind, &self.aovs);
         }
         match controls.filter {
             Filter::None => {}
@@ -152,31 +139,33 @@ impl Painter {
         write(&controls.tone, shown, pixels);
     }
 
-    fn paint_view(&mut self, view: View, subject: &Subject, samples: u32, pixels: &mut [u32]) {
-        let renderer = subject.renderer;
-        match view {
-            View::Cost if !std::mem::replace(&mut self.costed, true) => renderer.costs_into(&mut self.costs),
-            View::Bounces | View::Lanes => {
+    fn paint_mode(&mut self, mode: DisplayMode, input: &FrameInput, samples: u32, pixels: &mut [u32]) {
+        let renderer = input.renderer;
+        match mode {
+            DisplayMode::Cost if !std::mem::replace(&mut self.costs_valid, true) => {
+                renderer.costs_into(&mut self.costs)
+            }
+            DisplayMode::Bounces | DisplayMode::Lanes => {
                 renderer.path_shapes_into(samples - 1, &mut self.shapes);
             }
-            View::Samples => {
+            DisplayMode::Samples => {
                 self.counts.clear();
-                match subject.controls.reprojection {
+                match input.controls.reprojection {
                     true => self.counts.extend_from_slice(self.history.counts()),
                     false => self.counts.resize(pixels.len(), samples as f32),
                 }
             }
             _ => {}
         }
-        let range = match view {
-            View::Depth => views::range(&self.guides, &mut self.distances),
+        let range = match mode {
+            DisplayMode::Depth => display_mode::depth_range(&self.aovs, &mut self.distances),
             _ => [0.0; 2],
         };
-        let camera = subject.camera;
+        let camera = input.camera;
         let up = camera.up.normalize();
         let sight = (camera.look_at - camera.position).normalize();
-        let sources = Sources {
-            guides: &self.guides,
+        let mode_input = ModeInput {
+            aovs: &self.aovs,
             shapes: &self.shapes,
             costs: &self.costs,
             samples: &self.counts,
@@ -185,30 +174,11 @@ impl Painter {
             max_bounces: renderer.settings().max_bounces,
             lanes: renderer.settings().lanes,
         };
-        views::paint(view, &sources, pixels);
-    }
-
-    /// Writes what the frame says besides its pixels.
-    pub fn write(&mut self, subject: &Subject, state: &State, rates: &Rates, busy: bool, frame: &mut Frame) {
-        let now = Instant::now();
-        let fresh = |&(controls, at): &(Controls, Instant)| controls == state.controls && now - at < FIGURES;
-        if !self.written.as_ref().is_some_and(fresh) {
-            self.written = Some((state.controls, now));
-            self.figures.clear();
-            // The help is long: figures make room for it.
-            if state.controls.overlay && !state.controls.help {
-                figures::write(&mut self.figures, subject, state, &rates.figures(), busy);
-            }
-        }
-        frame.figures.clone_from(&self.figures);
-        frame.message.clone_from(&self.message);
-        if frame.title != subject.scene.name {
-            frame.title.clone_from(&subject.scene.name);
-        }
+        display_mode::paint(mode, &mode_input, pixels);
     }
 }
 
-/// Writes a picture as a screen shows it.
+/// Tone maps a picture to display pixels.
 fn write(tone: &Tone, picture: &Picture, words: &mut [u32]) {
     let width = picture.width as usize;
     rows::each(words, width, |y, words| tone.words(&picture.pixels[y * width..][..width], words));
@@ -220,8 +190,8 @@ mod tests {
     use crate::render::Settings;
     use crate::scene::load;
 
-    /// A viewer without events: what a frame shows of a camera, after so many samples with a seed.
-    struct Easel {
+    /// A viewer without events: paints frames of a camera, a number of samples and a seed.
+    struct TestViewer {
         scene: Scene,
         renderer: Renderer,
         film: Film,
@@ -229,7 +199,7 @@ mod tests {
         painter: Painter,
     }
 
-    impl Easel {
+    impl TestViewer {
         fn new() -> Self {
             let scene = load("builtin:cornell-spheres").unwrap();
             let renderer = Renderer::new(&scene, Settings { resolution: [24, 16], ..Settings::of(&scene) });
@@ -244,23 +214,23 @@ mod tests {
             self.film.clear();
         }
         /// Takes more samples and paints.
-        fn paint(&mut self, samples: u32, known: bool, standing: bool) -> Vec<u32> {
+        fn paint(&mut self, samples: u32, pose_shown: bool, progressive: bool) -> Vec<u32> {
             self.renderer.add_samples(&mut self.film, samples);
             let mut frame = Frame::default();
-            let subject = Subject {
+            let input = FrameInput {
                 renderer: &self.renderer,
                 scene: &self.scene,
                 camera: &self.scene.camera,
                 film: &self.film,
                 controls: &self.controls,
-                known,
-                standing,
-                listed: true,
+                pose_shown,
+                progressive,
+                is_current: true,
             };
-            self.painter.paint(&subject, &mut frame);
+            self.painter.paint(&input, &mut frame);
             frame.pixels
         }
-        /// What the film holds, without anything of the past.
+        /// The film's mean, without history.
         fn mean(&self) -> Vec<u32> {
             let mut words = vec![0; self.film.picture().pixels.len()];
             Tone::default().words(&self.film.picture().pixels, &mut words);
@@ -269,66 +239,72 @@ mod tests {
     }
 
     #[test]
-    fn the_past_shows_while_the_camera_moves_and_is_gone_when_it_has_stood() {
-        let mut easel = Easel::new();
-        assert_eq!(easel.paint(4, false, true), easel.mean(), "nothing is past yet");
-        assert_eq!(easel.painter.history.counts()[0], 4.0);
-        assert_eq!(easel.paint(4, true, true), easel.mean(), "no sample counts twice");
-        assert_eq!(easel.painter.history.counts()[0], 8.0);
-        easel.go(38.5, 1);
-        assert_ne!(easel.paint(1, false, false), easel.mean());
-        assert!(easel.painter.history.counts().iter().any(|&count| count > 1.0));
-        easel.go(38.5, 0);
-        assert_ne!(easel.paint(1, true, true), easel.mean());
-        assert_eq!(easel.paint(63, true, true), easel.mean());
+    fn history_shows_while_the_camera_moves_and_vanishes_at_rest() {
+        let mut viewer = TestViewer::new();
+        assert_eq!(viewer.paint(4, false, true), viewer.mean(), "no history yet");
+        assert_eq!(viewer.painter.history.counts()[0], 4.0);
+        assert_eq!(viewer.paint(4, true, true), viewer.mean(), "no sample counts twice");
+        assert_eq!(viewer.painter.history.counts()[0], 8.0);
+        viewer.go(38.5, 1);
+        assert_ne!(viewer.paint(1, false, false), viewer.mean());
+        assert!(viewer.painter.history.counts().iter().any(|&count| count > 1.0));
+        viewer.go(38.5, 0);
+        assert_ne!(viewer.paint(1, true, true), viewer.mean());
+        assert_eq!(viewer.paint(63, true, true), viewer.mean());
     }
 
     #[test]
-    fn views_and_the_denoiser_are_of_the_camera_of_now() {
-        for (view, denoiser) in [(View::Normals, false), (View::Cost, false), (View::Picture, true)] {
-            let [mut walked, mut fresh] = [(); 2].map(|()| Easel::new());
-            for easel in [&mut walked, &mut fresh] {
-                easel.controls.reprojection = false;
-                (easel.controls.view, easel.controls.denoiser) = (view, denoiser);
+    fn modes_and_the_denoiser_belong_to_the_present_camera() {
+        for (mode, denoiser) in
+            [(DisplayMode::Normals, false), (DisplayMode::Cost, false), (DisplayMode::Picture, true)]
+        {
+            let [mut walked, mut fresh] = [(); 2].map(|()| TestViewer::new());
+            for viewer in [&mut walked, &mut fresh] {
+                viewer.controls.reprojection = false;
+                (viewer.controls.mode, viewer.controls.denoiser) = (mode, denoiser);
             }
             let home = walked.paint(1, false, true);
             walked.go(20.0, 1);
             fresh.go(20.0, 1);
             let there = walked.paint(1, false, false);
-            assert!(there != home && there == fresh.paint(1, false, false), "{view:?}");
+            assert!(there != home && there == fresh.paint(1, false, false), "{mode:?}");
         }
     }
 
-    /// What history has blended is of more samples than the film: it is filtered as such.
+    /// The blended history stands for more samples than the film: the denoiser gets their number.
     #[test]
-    fn the_denoiser_is_told_of_the_samples_that_history_stands_for() {
-        let mut easel = Easel::new();
-        easel.controls.denoiser = true;
-        easel.paint(64, false, true);
-        easel.go(38.5, 1);
-        let shown = easel.paint(1, false, false);
-        let Painter { history, denoiser, guides, .. } = &mut easel.painter;
+    fn the_denoiser_gets_the_sample_counts_of_the_history() {
+        let mut viewer = TestViewer::new();
+        viewer.controls.denoiser = true;
+        viewer.paint(64, false, true);
+        viewer.go(38.5, 1);
+        let shown = viewer.paint(1, false, false);
+        let Painter { history, denoiser, aovs, .. } = &mut viewer.painter;
         let mut words = vec![0; shown.len()];
-        let each = denoiser.filter(history.shown(), Samples::Each(history.counts()), guides);
+        let each = denoiser.filter(history.shown(), Samples::Each(history.counts()), aovs);
         write(&Tone::default(), each, &mut words);
         assert!(shown == words);
-        write(&Tone::default(), denoiser.filter(history.shown(), Samples::Same(1), guides), &mut words);
+        write(&Tone::default(), denoiser.filter(history.shown(), Samples::Same(1), aovs), &mut words);
         assert!(shown != words, "it matters here");
     }
 
     #[test]
-    fn nothing_is_remembered_of_places_passed_without_reprojection() {
-        let mut easel = Easel::new();
-        easel.paint(4, false, true);
-        easel.controls.reprojection = false;
-        easel.go(20.0, 1);
-        assert_eq!(easel.paint(1, false, false), easel.mean());
-        easel.go(20.0, 0);
-        assert_eq!(easel.paint(2, true, true), easel.mean());
-        easel.controls.reprojection = true;
-        assert_eq!(easel.paint(1, true, true), easel.mean(), "no ghost of where it was switched off");
-        assert_eq!(easel.paint(1, true, true), easel.mean());
-        easel.go(20.5, 2);
-        assert_ne!(easel.paint(1, false, false), easel.mean(), "from here on it remembers again");
+    fn history_is_discarded_without_reprojection() {
+        let mut viewer = TestViewer::new();
+        viewer.paint(4, false, true);
+        viewer.controls.reprojection = false;
+        viewer.go(20.0, 1);
+        assert_eq!(viewer.paint(1, false, false), viewer.mean());
+        viewer.go(20.0, 0);
+        assert_eq!(viewer.paint(2, true, true), viewer.mean());
+        viewer.controls.reprojection = true;
+        assert_eq!(
+            viewer.paint(1, true, true),
+            viewer.mean(),
+            "no ghost of the pose at which it was switched off"
+        );
+        assert_eq!(viewer.paint(1, true, true), viewer.mean());
+        viewer.go(20.5, 2);
+        assert_ne!(viewer.paint(1, false, false), viewer.mean(), "from here on it remembers reload");
     }
 }

@@ -1,10 +1,10 @@
-//! The scenes that can be paged through.
+//! The list of scenes to switch between.
 //!
-//! For: [`Playlist`]. May import: the standard library. Must never know: what a scene holds.
+//! For: [`Playlist`]. May import: the standard library. Must not know: what a scene holds.
 
 use std::path::Path;
 
-/// Names of scenes, as the command line takes them, and which of them is shown.
+/// Scene names as on the command line, and the index of the current one.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Playlist {
     names: Vec<String>,
@@ -12,7 +12,8 @@ pub struct Playlist {
 }
 
 impl Playlist {
-    /// Of names, and of folders the scenes and models in them, by name; `None` if that is none at all.
+    /// From names of scenes and of folders, which stand for the scenes and models in them, sorted; `None` if
+    /// there are none.
     pub fn new(names: &[String]) -> Option<Self> {
         let names: Vec<String> = names.iter().flat_map(|name| expand(name)).collect();
         (!names.is_empty()).then_some(Self { names, at: 0 })
@@ -20,7 +21,7 @@ impl Playlist {
     pub fn current(&self) -> &str {
         &self.names[self.at]
     }
-    /// How many there are, and which one is shown, counted from 1.
+    /// The number of scenes, and the current one counted from 1.
     pub fn place(&self) -> [usize; 2] {
         [self.names.len(), self.at + 1]
     }
@@ -30,7 +31,8 @@ impl Playlist {
     pub fn previous(&mut self) {
         self.at = (self.at + self.names.len() - 1) % self.names.len();
     }
-    /// Shows this one, or the scenes of this folder, those that are new behind the one shown. Says whether that is anything.
+    /// Makes this scene, or the first one of this folder, the current one. New scenes are inserted behind the
+    /// current one. Returns false if the folder holds none.
     pub fn drop_in(&mut self, name: &str) -> bool {
         let new = expand(name);
         let Some(first) = new.first().cloned() else { return false };
@@ -41,7 +43,7 @@ impl Playlist {
     }
 }
 
-/// The name itself, or of a folder what can be shown in it.
+/// The name itself, or the scenes and models of a folder.
 fn expand(name: &str) -> Vec<String> {
     let Ok(folder) = std::fs::read_dir(name) else { return vec![name.to_string()] };
     let shown = |path: &Path| {
@@ -112,6 +114,6 @@ mod tests {
         assert!(list.drop_in(folder.path().to_str().unwrap()));
         assert_eq!((list.current(), list.place()), (path("a.json").as_str(), [6, 5]));
         list.next();
-        assert_eq!(list.current(), path("c.json"), "the one that was known stays where it was");
+        assert_eq!(list.current(), path("c.json"), "a scene that was in the list stays where it was");
     }
 }

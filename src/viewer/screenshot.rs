@@ -1,6 +1,6 @@
-//! A screenshot: the film as PNG and EXR, and beside them a view that renders it again, bit by bit.
+//! Screenshots: the film as PNG and EXR, and a view file that renders it again with the same bits.
 //!
-//! For: [`take`]. May import: `scene`'s views, `render`, `output`. Must never know: the state machine, windows.
+//! For: [`take`]. May import: `scene`'s views, `render`, `output`. Must not know: the state machine, windows.
 
 use crate::film::Film;
 use crate::output::{self, OutputError};
@@ -9,10 +9,10 @@ use crate::scene::{Camera, Loaded, Rendering, View};
 use crate::tone::Tone;
 use std::path::{Path, PathBuf};
 
-/// Most screenshots of a scene in a folder.
+/// Largest number of screenshots of a scene in a folder.
 const MOST: u32 = 9_999;
 
-/// What is in the picture.
+/// What is saved.
 pub struct Shot<'a> {
     pub scene: &'a Loaded,
     pub camera: &'a Camera,
@@ -22,9 +22,9 @@ pub struct Shot<'a> {
     pub tone: &'a Tone,
 }
 
-/// Saves it under the first free name of a folder; returns the name without an extension.
+/// Saves a screenshot under the first free name in a folder; returns the path without an extension.
 pub fn take(folder: &Path, shot: &Shot) -> Result<PathBuf, OutputError> {
-    let place = free(folder, &shot.scene.name);
+    let place = free_path(folder, &shot.scene.name);
     let picture = shot.film.picture();
     output::save(&place.with_extension("png"), &picture, shot.tone)?;
     output::save(&place.with_extension("exr"), &picture, shot.tone)?;
@@ -58,8 +58,8 @@ fn view(folder: &Path, shot: &Shot) -> View {
     }
 }
 
-/// `octray-NAME-0001` or the first behind it that no file has.
-fn free(folder: &Path, scene: &str) -> PathBuf {
+/// `octray-NAME-0001`, or the next number without a file.
+fn free_path(folder: &Path, scene: &str) -> PathBuf {
     let stem = Path::new(scene).file_stem().unwrap_or_default().to_string_lossy();
     let plain = |letter: char| if letter.is_alphanumeric() || letter == '-' { letter } else { '-' };
     let stem: String = stem.chars().map(plain).collect();
@@ -76,7 +76,8 @@ mod tests {
     #[test]
     fn names_are_plain_and_never_used_twice() {
         let folder = tempfile::tempdir().unwrap();
-        let name = |scene| free(folder.path(), scene).file_name().unwrap().to_string_lossy().into_owned();
+        let name =
+            |scene| free_path(folder.path(), scene).file_name().unwrap().to_string_lossy().into_owned();
         assert_eq!(name("builtin:thesis"), "octray-thesis-0001");
         assert_eq!(name("my scene.json"), "octray-my-scene-0001");
         std::fs::write(folder.path().join("octray-thesis-0001.exr"), "").unwrap();

@@ -1,16 +1,17 @@
-//! The state machine: what happened becomes where the camera is, what is chosen, and what is to be done.
+//! The state machine: from events to camera, controls, playlist and effects.
 //!
-//! For: [`State`]. May import: `keys`, `walker`, `controls`, `playlist`. Must never know: threads, windows, terminals, files.
+//! For: [`State`]. May import: `keys`, `camera_controller`, `controls`, `playlist`. Must not know: threads,
+//! windows, terminals, files.
 
+use super::camera_controller::{CameraController, HeldMotions};
 use super::controls::Controls;
 use super::keys::{self, Action, Command, Key};
 use super::playlist::Playlist;
-use super::walker::{Held, Walker};
 use crate::scene::Scene;
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 
-/// What a front end reports.
+/// An event from a front end.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Event {
     Key {
@@ -18,67 +19,68 @@ pub enum Event {
         down: bool,
         repeat: bool,
     },
-    /// The mouse went so many pixels right and down.
+    /// Mouse travel in pixels, right and down.
     Mouse([f64; 2]),
-    /// Steps away from the user.
+    /// Steps of the mouse wheel, positive away from the user.
     Wheel(f64),
     Click,
-    /// The front end has lost its user's attention: no key is known to be down.
+    /// The window lost the focus: all keys count as released.
     Unfocused,
-    /// The name of a scene, or of a folder of some.
+    /// A dropped scene file or folder.
     Dropped(String),
-    /// Frames a second that the display shows.
+    /// Refresh rate of the display, in frames per second.
     Rate(f64),
     Quit,
 }
 
-/// What is to be done by whoever runs the state machine.
+/// What the render loop has to do after an event.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Effect {
-    /// Show the playlist's current scene.
+    /// Load the playlist's current scene.
     Load,
-    /// Read the current scene again.
+    /// Reload the current scene.
     Reload,
     Screenshot,
     Quit,
 }
 
-/// Longest time that the camera moves by between two frames: after a longer pause it does not jump.
-const LONGEST_STEP: Duration = Duration::from_millis(250);
+/// Longest time step of the camera between two frames: no jump after a pause.
+const MAX_STEP: Duration = Duration::from_millis(250);
 
+/// The viewer's state.
 #[derive(Clone, Debug)]
 pub struct State {
     pub playlist: Playlist,
-    pub walker: Walker,
+    pub camera_controller: CameraController,
     pub controls: Controls,
-    /// Scene units a second; 0 until something was seen of the scene.
+    /// Walking speed in scene units per second; 0 until the first frame of a scene.
     pub speed: f64,
-    /// Is the mouse to be caught?
-    pub caught: bool,
-    /// Frames a second to show.
+    /// Whether the mouse is captured.
+    pub mouse_captured: bool,
+    /// Frames per second to show.
     pub rate: f64,
-    held: Held,
-    /// Up to when the camera has moved, and for how long keys were down since the last frame.
+    held: HeldMotions,
+    /// The time up to which the camera has moved, and for how long it has moved since the last frame.
     now: Instant,
-    moved: Duration,
-    /// Asked for on the command line, for every scene.
+    moved_for: Duration,
+    /// The command line's bounces, for every scene.
     bounces: Option<u32>,
-    /// Those of the scene, unless the command line has others.
-    own_bounces: u32,
-    /// By names of scenes.
-    left: BTreeMap<String, Left>,
+    /// The scene's bounces, or the command line's.
+    scene_bounces: u32,
+    /// Scenes that were left, by playlist name.
+    saved: BTreeMap<String, SavedScene>,
 }
 
-/// How a scene was left.
+/// Camera and bounces of a scene that was left.
 #[derive(Clone, Debug)]
-struct Left {
-    walker: Walker,
-    /// If others were chosen than the scene's own.
+struct SavedScene {
+    camera_controller: CameraController,
+    /// `Some` if they differ from the scene's.
     bounces: Option<u32>,
 }
 
 impl State {
-    /// `bounces`: for every scene, whatever it says itself.
+    /// `bounces` overrides every scene's.
     pub fn new(
         playlist: Playlist,
         scene: &Scene,
@@ -88,70 +90,73 @@ impl State {
     ) -> Self {
         Self {
             playlist,
-            walker: Walker::new(scene.camera),
+            camera_controller: CameraController::new(scene.camera),
             controls,
             speed: 0.0,
-            caught: false,
+            mouse_captured: false,
             rate: 60.0,
-            held: Held::default(),
+            held: HeldMotions::default(),
             now,
-            moved: Duration::ZERO,
+            moved_for: Duration::ZERO,
             bounces,
-            own_bounces: bounces.unwrap_or(scene.max_bounces),
-            left: BTreeMap::new(),
+            scene_bounces: bounces.unwrap_or(scene.max_bounces),
+            saved: BTreeMap::new(),
         }
     }
 
-    /// Another scene is there in the place of the one of this name, or, with `again`, the same one was read once more. Who comes back to a scene
-    /// finds it as it was left.
-    pub fn arrive(&mut self, scene: &Scene, again: bool, before: &str) {
+    /// Enters another scene after the one named `before`, or, with `reload`, the same one again. A scene that
+    /// was left before gets its camera and bounces back.
+    pub fn enter_scene(&mut self, scene: &Scene, reload: bool, before: &str) {
         let own = self.bounces.unwrap_or(scene.max_bounces);
-        let own_before = std::mem::replace(&mut self.own_bounces, own);
+        let own_before = std::mem::replace(&mut self.scene_bounces, own);
         let mut bounces = Some(self.controls.bounces).filter(|chosen| *chosen != own_before);
-        if !again {
-            self.left.insert(before.to_string(), Left { walker: self.walker.clone(), bounces });
-            let fresh = Left { walker: Walker::new(scene.camera), bounces: None };
-            Left { walker: self.walker, bounces } =
-                self.left.remove(self.playlist.current()).unwrap_or(fresh);
-            // Keys that are down go on at the pace of this scene, not of the one before.
+        if !reload {
+            self.saved.insert(
+                before.to_string(),
+                SavedScene { camera_controller: self.camera_controller.clone(), bounces },
+            );
+            let fresh = SavedScene { camera_controller: CameraController::new(scene.camera), bounces: None };
+            SavedScene { camera_controller: self.camera_controller, bounces } =
+                self.saved.remove(self.playlist.current()).unwrap_or(fresh);
+            // No motion until this scene's speed is known.
             self.speed = 0.0;
         }
         self.controls.bounces = bounces.unwrap_or(own);
-        // It may have been changed since.
-        self.walker.rehome(scene.camera);
+        // The file's camera may have changed.
+        self.camera_controller.set_home(scene.camera);
     }
 
-    /// Moves the camera on to where a frame sees it.
+    /// Moves the camera up to the time of a frame.
     pub fn advance(&mut self, to: Instant) {
-        self.walk(to);
-        self.moved = Duration::ZERO;
+        self.move_camera(to);
+        self.moved_for = Duration::ZERO;
     }
 
-    /// Moves the camera on as the keys that are down say.
-    fn walk(&mut self, to: Instant) {
-        let step = to.saturating_duration_since(self.now).min(LONGEST_STEP - self.moved);
+    /// Moves the camera by the held motions.
+    fn move_camera(&mut self, to: Instant) {
+        let step = to.saturating_duration_since(self.now).min(MAX_STEP - self.moved_for);
         self.now = self.now.max(to);
-        if self.held != Held::default() {
-            self.walker.advance(&self.held, step.as_secs_f64(), self.speed);
-            self.moved += step;
+        if self.held != HeldMotions::default() {
+            self.camera_controller.advance(&self.held, step.as_secs_f64(), self.speed);
+            self.moved_for += step;
         }
     }
 
-    /// Takes in what happened at a moment: keys hold from when they went down to when they came up, however many frames that is.
+    /// Handles an event at its time: a key moves the camera from press to release, independent of frames.
     pub fn handle(&mut self, event: &Event, at: Instant) -> Option<Effect> {
-        self.walk(at);
+        self.move_camera(at);
         match *event {
             Event::Key { key, down, repeat } => return self.key(key, down, repeat),
-            Event::Mouse(travel) if self.caught => self.walker.look(travel),
+            Event::Mouse(travel) if self.mouse_captured => self.camera_controller.mouse_look(travel),
             Event::Mouse(_) => {}
-            Event::Wheel(steps) => self.walker.zoom_by(steps),
-            Event::Click => self.caught = true,
+            Event::Wheel(steps) => self.camera_controller.zoom_by(steps),
+            Event::Click => self.mouse_captured = true,
             Event::Unfocused => {
-                self.held = Held::default();
-                self.caught = false;
+                self.held = HeldMotions::default();
+                self.mouse_captured = false;
             }
             Event::Dropped(ref name) => return self.playlist.drop_in(name).then_some(Effect::Load),
-            // Displays that do not know their rate say 0.
+            // Displays without a known rate report 0.
             Event::Rate(rate) if rate.is_finite() && rate >= 1.0 => self.rate = rate,
             Event::Rate(_) => {}
             Event::Quit => return Some(Effect::Quit),
@@ -175,17 +180,17 @@ impl State {
             Command::PreviousScene => self.playlist.previous(),
             Command::Reload => return Some(Effect::Reload),
             Command::Screenshot => return Some(Effect::Screenshot),
-            Command::Home => self.walker.go_home(),
-            Command::Narrower => self.walker.zoom_by(1.0),
-            Command::Wider => self.walker.zoom_by(-1.0),
-            Command::Release => self.caught = false,
+            Command::Home => self.camera_controller.reset(),
+            Command::Narrower => self.camera_controller.zoom_by(1.0),
+            Command::Wider => self.camera_controller.zoom_by(-1.0),
+            Command::ReleaseMouse => self.mouse_captured = false,
             _ => return None,
         }
         matches!(command, Command::NextScene | Command::PreviousScene).then_some(Effect::Load)
     }
 }
 
-/// Does a key that stays down do it again and again?
+/// Whether a held key repeats the command.
 fn repeats(command: Command) -> bool {
     use Command::*;
     matches!(command, Narrower | Wider | FewerBounces | MoreBounces | Coarser | Finer | Brighter | Darker)
@@ -195,8 +200,8 @@ fn repeats(command: Command) -> bool {
 mod tests {
     use super::*;
     use crate::tone::Tone;
+    use crate::viewer::display_mode::DisplayMode;
     use crate::viewer::keys::Motion;
-    use crate::viewer::views::View;
 
     fn start() -> (State, Instant) {
         let scene = crate::scene::load("builtin:three").unwrap();
@@ -222,22 +227,22 @@ mod tests {
     fn a_key_moves_for_as_long_as_it_is_down_between_frames_too() {
         let (mut state, now) = start();
         state.speed = 10.0;
-        let from = state.walker.camera().position;
+        let from = state.camera_controller.camera().position;
         state.handle(&key(Key::Char('w'), true), now + ms(100));
         assert!(moving(&state));
         state.handle(&key(Key::Char('w'), false), now + ms(120));
         assert!(!moving(&state));
         state.advance(now + ms(500));
-        let walked = state.walker.camera().position.distance(from);
+        let walked = state.camera_controller.camera().position.distance(from);
         assert!((walked - 0.2).abs() < 1e-4, "20 ms at 10 units a second: {walked}");
     }
 
     #[test]
     fn a_display_without_a_rate_changes_nothing() {
         let (mut state, now) = start();
-        for (told, rate) in [(0.0, 60.0), (f64::NAN, 60.0), (144.0, 144.0), (-1.0, 144.0), (0.2, 144.0)] {
-            state.handle(&Event::Rate(told), now);
-            assert_eq!(state.rate, rate, "{told}");
+        for (reported, rate) in [(0.0, 60.0), (f64::NAN, 60.0), (144.0, 144.0), (-1.0, 144.0), (0.2, 144.0)] {
+            state.handle(&Event::Rate(reported), now);
+            assert_eq!(state.rate, rate, "{reported}");
         }
     }
 
@@ -245,56 +250,59 @@ mod tests {
     fn nothing_jumps_after_a_pause() {
         let (mut state, now) = start();
         state.speed = 1.0;
-        let from = state.walker.camera().position;
+        let from = state.camera_controller.camera().position;
         state.handle(&key(Key::Char('w'), true), now);
         state.advance(now + ms(60_000));
-        assert!(state.walker.camera().position.distance(from) < 0.26);
-        // However much is heard of meanwhile.
-        let from = state.walker.camera().position;
+        assert!(state.camera_controller.camera().position.distance(from) < 0.26);
+        // However many events arrive meanwhile.
+        let from = state.camera_controller.camera().position;
         for second in 61..70 {
             state.handle(&Event::Mouse([0.0; 2]), now + ms(second * 1_000));
         }
         state.advance(now + ms(70_000));
-        let walked = state.walker.camera().position.distance(from);
+        let walked = state.camera_controller.camera().position.distance(from);
         assert!((0.2..0.26).contains(&walked), "{walked}");
         state.advance(now + ms(70_100));
-        assert!(state.walker.camera().position.distance(from) > walked + 0.09, "each frame goes on");
+        assert!(
+            state.camera_controller.camera().position.distance(from) > walked + 0.09,
+            "each frame goes on"
+        );
     }
 
     #[test]
     fn a_key_that_comes_late_in_a_long_frame_moves_too() {
         let (mut state, now) = start();
         state.speed = 10.0;
-        let from = state.walker.camera().position;
+        let from = state.camera_controller.camera().position;
         state.handle(&key(Key::Char('w'), true), now + ms(300));
         state.handle(&key(Key::Char('w'), false), now + ms(400));
         state.advance(now + ms(500));
-        let walked = state.walker.camera().position.distance(from);
+        let walked = state.camera_controller.camera().position.distance(from);
         assert!((walked - 1.0).abs() < 1e-4, "100 ms at 10 units a second: {walked}");
     }
 
     #[test]
-    fn keys_are_let_go_when_the_user_looks_away() {
+    fn keys_are_released_when_the_focus_is_lost() {
         let (mut state, now) = start();
         state.handle(&Event::Click, now);
         state.handle(&key(Key::Up, true), now);
         state.handle(&Event::Unfocused, now);
-        assert!(!moving(&state) && !state.caught);
+        assert!(!moving(&state) && !state.mouse_captured);
     }
 
     #[test]
     fn the_mouse_turns_only_while_caught_and_escape_lets_it_go() {
         let (mut state, now) = start();
-        let home = *state.walker.camera();
+        let home = *state.camera_controller.camera();
         state.handle(&Event::Mouse([50.0, 0.0]), now);
-        assert_eq!(*state.walker.camera(), home);
+        assert_eq!(*state.camera_controller.camera(), home);
         state.handle(&Event::Click, now);
         state.handle(&Event::Mouse([50.0, 0.0]), now);
-        assert_ne!(*state.walker.camera(), home);
+        assert_ne!(*state.camera_controller.camera(), home);
         state.handle(&key(Key::Escape, true), now);
-        assert!(!state.caught);
+        assert!(!state.mouse_captured);
         state.handle(&key(Key::Home, true), now);
-        assert_eq!(*state.walker.camera(), home);
+        assert_eq!(*state.camera_controller.camera(), home);
     }
 
     #[test]
@@ -303,8 +311,8 @@ mod tests {
         assert_eq!(state.handle(&key(Key::PageDown, true), now), Some(Effect::Load));
         assert_eq!(state.playlist.current(), "builtin:thesis");
         assert_eq!(state.handle(&key(Key::PageDown, false), now), None);
-        let again = Event::Key { key: Key::PageDown, down: true, repeat: true };
-        assert_eq!(state.handle(&again, now), None, "held keys do not leaf on");
+        let repeated = Event::Key { key: Key::PageDown, down: true, repeat: true };
+        assert_eq!(state.handle(&repeated, now), None, "held keys do not repeat it");
         assert_eq!(state.handle(&key(Key::Char(','), true), now), Some(Effect::Load));
         assert_eq!(state.playlist.current(), "builtin:three");
         assert_eq!(state.handle(&key(Key::Tab, true), now), Some(Effect::Screenshot));
@@ -313,14 +321,16 @@ mod tests {
         assert_eq!(state.handle(&Event::Dropped("new.obj".into()), now), Some(Effect::Load));
         assert_eq!(state.playlist.current(), "new.obj");
         state.handle(&key(Key::Char('2'), true), now);
-        assert_eq!(state.controls.view, View::Normals);
-        let (field, exposure) = (state.walker.camera().vertical_fov, state.controls.tone.exposure);
+        assert_eq!(state.controls.mode, DisplayMode::Normals);
+        let (field, exposure) = (state.camera_controller.camera().vertical_fov, state.controls.tone.exposure);
         let held = |key| Event::Key { key, down: true, repeat: true };
         state.handle(&held(Key::Char('+')), now);
         state.handle(&held(Key::Char('e')), now);
-        assert!(state.walker.camera().vertical_fov < field && state.controls.tone.exposure > exposure);
+        assert!(
+            state.camera_controller.camera().vertical_fov < field && state.controls.tone.exposure > exposure
+        );
         state.handle(&Event::Wheel(-1.0), now);
-        assert!((state.walker.camera().vertical_fov - field).abs() < 1e-4);
+        assert!((state.camera_controller.camera().vertical_fov - field).abs() < 1e-4);
     }
 
     #[test]
@@ -330,22 +340,25 @@ mod tests {
         let mut thesis = crate::scene::load("builtin:thesis").unwrap();
         thesis.max_bounces = 7;
         state.playlist.next();
-        state.arrive(&thesis, false, "builtin:three");
-        assert_eq!((*state.walker.camera(), state.controls.bounces), (thesis.camera, 7));
+        state.enter_scene(&thesis, false, "builtin:three");
+        assert_eq!((*state.camera_controller.camera(), state.controls.bounces), (thesis.camera, 7));
         state.handle(&Event::Wheel(1.0), now);
         state.controls.bounces = 3;
-        let moved = *state.walker.camera();
-        state.arrive(&thesis, true, "builtin:thesis");
-        assert_eq!((*state.walker.camera(), state.controls.bounces), (moved, 3), "read again");
+        let moved = *state.camera_controller.camera();
+        state.enter_scene(&thesis, true, "builtin:thesis");
+        assert_eq!((*state.camera_controller.camera(), state.controls.bounces), (moved, 3), "read again");
         state.playlist.next();
-        state.arrive(&three, false, "builtin:thesis");
-        assert_eq!((*state.walker.camera(), state.controls.bounces), (three.camera, three.max_bounces));
+        state.enter_scene(&three, false, "builtin:thesis");
+        assert_eq!(
+            (*state.camera_controller.camera(), state.controls.bounces),
+            (three.camera, three.max_bounces)
+        );
         state.playlist.next();
         thesis.camera.vertical_fov = 50.0;
-        state.arrive(&thesis, false, "builtin:three");
-        assert_eq!((*state.walker.camera(), state.controls.bounces), (moved, 3), "as it was left");
+        state.enter_scene(&thesis, false, "builtin:three");
+        assert_eq!((*state.camera_controller.camera(), state.controls.bounces), (moved, 3), "as it was left");
         state.handle(&key(Key::Home, true), now);
-        assert_eq!(*state.walker.camera(), thesis.camera, "home is where the file has it now");
+        assert_eq!(*state.camera_controller.camera(), thesis.camera, "home is where the file has it now");
     }
 
     #[test]
@@ -353,18 +366,22 @@ mod tests {
         let (mut state, now) = start();
         let mut three = crate::scene::load("builtin:three").unwrap();
         let thesis = crate::scene::load("builtin:thesis").unwrap();
-        let mut arrive = |state: &mut State, bounces, again, before| {
+        let mut enter_scene = |state: &mut State, bounces, reload, before| {
             three.max_bounces = bounces;
-            state.arrive(&three, again, before);
+            state.enter_scene(&three, reload, before);
             state.controls.bounces
         };
-        assert_eq!(arrive(&mut state, 9, true, "builtin:three"), 9, "changed in its file");
+        assert_eq!(enter_scene(&mut state, 9, true, "builtin:three"), 9, "changed in its file");
         state.playlist.next();
-        state.arrive(&thesis, false, "builtin:three");
+        state.enter_scene(&thesis, false, "builtin:three");
         state.playlist.next();
-        assert_eq!(arrive(&mut state, 8, false, "builtin:thesis"), 8, "changed while another one was shown");
+        assert_eq!(
+            enter_scene(&mut state, 8, false, "builtin:thesis"),
+            8,
+            "changed while another one was shown"
+        );
         state.handle(&key(Key::Char(']'), true), now);
-        assert_eq!(arrive(&mut state, 5, true, "builtin:three"), 9, "chosen");
+        assert_eq!(enter_scene(&mut state, 5, true, "builtin:three"), 9, "chosen");
     }
 
     #[test]
@@ -374,9 +391,9 @@ mod tests {
         state.handle(&key(Key::Char('w'), true), now);
         state.playlist.next();
         let thesis = crate::scene::load("builtin:thesis").unwrap();
-        state.arrive(&thesis, false, "builtin:three");
+        state.enter_scene(&thesis, false, "builtin:three");
         state.advance(now + ms(100));
-        assert_eq!(state.walker.camera().position, thesis.camera.position);
+        assert_eq!(state.camera_controller.camera().position, thesis.camera.position);
     }
 
     #[test]
@@ -386,7 +403,7 @@ mod tests {
         let mut thesis = crate::scene::load("builtin:thesis").unwrap();
         thesis.max_bounces = 7;
         state.playlist.next();
-        state.arrive(&thesis, false, "builtin:three");
+        state.enter_scene(&thesis, false, "builtin:three");
         assert_eq!(state.controls.bounces, 2);
     }
 }

@@ -1,14 +1,17 @@
-//! The window: reports keys and mouse, shows frames.
+//! The window front end: sends keys and mouse events, shows frames.
 //!
-//! For: [`window()`]. May import: `winit`, `softbuffer`, `canvas`. Must never know: scenes, renderers.
+//! For: [`window()`]. May import: `winit`, `softbuffer`, `canvas`, `session`. Must not know: scenes,
+//! renderers.
 
 use super::canvas::Canvas;
 use super::frame::Frame;
 use super::keys::Key;
+use super::options::Options;
 use super::playlist::Playlist;
+use super::session::Viewer;
+use super::signals::ExitSignal;
 use super::state::Event;
-use super::told::Told;
-use super::{Options, Summary, Viewer};
+use super::timing::Summary;
 use crate::scene::Loaded;
 use std::num::NonZeroU32;
 use std::rc::Rc;
@@ -22,12 +25,12 @@ use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop, OwnedDisplayHan
 use winit::keyboard::{KeyCode, NamedKey, PhysicalKey};
 use winit::window::{CursorGrabMode, Window, WindowId};
 
-/// Side of the window's pixels for one of the picture's, where the screen has room.
-const ENLARGED: f64 = 4.0;
-/// Longest wait for anything before it is asked whether the program is to end.
-const PATIENCE: Duration = Duration::from_millis(100);
-/// The share of the screen that the window may take at first.
-const MOST_OF_SCREEN: f64 = 0.9;
+/// Initial size of the window relative to the picture, where the screen is large enough.
+const INITIAL_SCALE: f64 = 4.0;
+/// Interval at which the exit signal is checked.
+const POLL_INTERVAL: Duration = Duration::from_millis(100);
+/// Largest initial share of the screen's sides.
+const MAX_SCREEN_SHARE: f64 = 0.9;
 
 /// Why there is no window.
 #[derive(Debug, thiserror::Error)]
@@ -42,18 +45,18 @@ pub enum WindowError {
     NoSurface(#[source] Box<dyn std::error::Error + Send + Sync>),
 }
 
-/// What showing frames took.
+/// Time spent on showing frames.
 #[derive(Clone, Debug, Default)]
 pub struct Presented {
-    /// Frames drawn, and the time for enlarging, writing over, and handing them to the display.
+    /// Frames drawn, and the time for scaling, drawing the text, and presenting them.
     pub frames: u64,
     pub time: Duration,
 }
 
-/// A frame is there.
-struct Fresh;
+/// Event of the window's loop: a frame is ready.
+struct FrameReady;
 
-/// Opens a window on a scene and stays until it is closed.
+/// Opens a window and returns when it is closed.
 pub fn window(
     options: Options,
     playlist: Playlist,
@@ -65,21 +68,21 @@ pub fn window(
     let proxy = events.create_proxy();
     let size = options.size.unwrap_or(scene.resolution);
     let wake = Arc::new(move || {
-        // A loop that has ended shows nothing more.
-        let _ = proxy.send_event(Fresh);
+        // Fails only after the event loop has ended.
+        let _ = proxy.send_event(FrameReady);
     });
     let viewer = Viewer::start(options, playlist, scene, wake);
     let mut app = App {
         viewer,
-        told: Told::listen().ok(),
+        exit_signal: ExitSignal::register().ok(),
         size,
         context,
         surface: None,
         frame: Frame::default(),
         columns: Vec::new(),
-        room: PhysicalSize::default(),
+        window_size: PhysicalSize::default(),
         title: String::new(),
-        caught: false,
+        mouse_captured: false,
         presented: Presented::default(),
         failure: None,
     };
@@ -92,17 +95,18 @@ pub fn window(
     }
 }
 
-/// Of Wayland where that answers, else of X, where the system has both.
-fn event_loop() -> Result<EventLoop<Fresh>, EventLoopError> {
+/// Prefers Wayland if a compositor answers, else X.
+fn event_loop() -> Result<EventLoop<FrameReady>, EventLoopError> {
     let mut builder = EventLoop::with_user_event();
     #[cfg(target_os = "linux")]
-    if !wayland::answers() {
+    if !wayland::is_available() {
         winit::platform::x11::EventLoopBuilderExtX11::with_x11(&mut builder);
     }
     builder.build()
 }
 
-/// Whether there is a Wayland compositor: a variable may speak of one that is over, or of another user's.
+/// Whether a Wayland compositor answers: the environment may name one that has ended or belongs to another
+/// user.
 #[cfg(target_os = "linux")]
 mod wayland {
     use std::env::var_os;
@@ -111,9 +115,9 @@ mod wayland {
     use std::os::unix::net::UnixStream;
     use std::path::Path;
 
-    pub fn answers() -> bool {
+    pub fn is_available() -> bool {
         if let Some(open) = var_os("WAYLAND_SOCKET").filter(|open| !open.is_empty()) {
-            // The number of a connection that whoever started this program has opened for it.
+            // File descriptor of a connection opened by the parent process.
             let open = fs::metadata(Path::new("/proc/self/fd").join(open));
             return open.is_ok_and(|open| open.file_type().is_socket());
         }
@@ -123,7 +127,7 @@ mod wayland {
     }
 }
 
-/// What the system's own words, which tell of its sources, do not say.
+/// An error that names the displays tried; the window system's own messages name only its source files.
 fn no_display() -> WindowError {
     let named = ["WAYLAND_SOCKET", "WAYLAND_DISPLAY", "DISPLAY"].into_iter().filter_map(|name| {
         let display = std::env::var(name).ok().filter(|display| !display.is_empty())?;
@@ -131,7 +135,9 @@ fn no_display() -> WindowError {
     });
     let named: Vec<String> = named.collect();
     WindowError::NoDisplay(match named.is_empty() {
-        false => format!("there is no display to open a window on: none answers at {}", named.join(" or ")),
+        false => {
+            format!("there is no display to open a window on: none latency_sum at {}", named.join(" or "))
+        }
         true => "there is no display to open a window on".to_string(),
     })
 }
@@ -140,20 +146,20 @@ type Surface = softbuffer::Surface<OwnedDisplayHandle, Rc<Window>>;
 
 struct App {
     viewer: Viewer,
-    /// Nothing where the system lets nobody listen.
-    told: Option<Told>,
-    /// Pixels of the first picture.
+    /// `None` if signal handlers cannot be installed.
+    exit_signal: Option<ExitSignal>,
+    /// Resolution of the first picture.
     size: [u32; 2],
     context: softbuffer::Context<OwnedDisplayHandle>,
     surface: Option<Surface>,
     frame: Frame,
     columns: Vec<u32>,
-    /// Pixels of the window, as it told last: whoever asks a window that is gone already ends in a panic.
-    room: PhysicalSize<u32>,
-    /// The frame's title that the window has.
+    /// The window's size at the last event: querying a closed window panics.
+    window_size: PhysicalSize<u32>,
+    /// The title that the window shows.
     title: String,
-    /// Is the mouse caught?
-    caught: bool,
+    /// Whether the mouse is captured.
+    mouse_captured: bool,
     presented: Presented,
     failure: Option<WindowError>,
 }
@@ -163,29 +169,29 @@ impl App {
         let refused = |error: String| WindowError::NoSurface(error.into());
         let monitor = events.primary_monitor().or_else(|| events.available_monitors().next());
         let [width, height] = self.size.map(f64::from);
-        let mut enlarged = ENLARGED;
+        let mut scale = INITIAL_SCALE;
         if let Some(monitor) = &monitor {
             let screen = monitor.size().to_logical::<f64>(monitor.scale_factor());
             if screen.width > 0.0 && screen.height > 0.0 {
-                let most = (screen.width / width).min(screen.height / height) * MOST_OF_SCREEN;
-                enlarged = enlarged.min(most);
+                let most = (screen.width / width).min(screen.height / height) * MAX_SCREEN_SHARE;
+                scale = scale.min(most);
             }
             if let Some(rate) = monitor.refresh_rate_millihertz() {
                 self.viewer.send(Event::Rate(f64::from(rate) / 1e3));
             }
         }
-        let size = LogicalSize::new((width * enlarged).max(160.0), (height * enlarged).max(90.0));
+        let size = LogicalSize::new((width * scale).max(160.0), (height * scale).max(90.0));
         let attributes = Window::default_attributes().with_title("octray").with_inner_size(size);
         let window = events.create_window(attributes).map_err(|error| refused(error.to_string()))?;
-        self.room = window.inner_size();
+        self.window_size = window.inner_size();
         Surface::new(&self.context, Rc::new(window)).map_err(|error| refused(error.to_string()))
     }
 
-    /// Shows the newest frame, or the last one again.
+    /// Draws the newest frame, or the last one again.
     fn draw(&mut self) -> Result<(), WindowError> {
         let Some(surface) = &mut self.surface else { return Ok(()) };
         let fresh = self.viewer.take(&mut self.frame);
-        let PhysicalSize { width: across, height: down } = self.room;
+        let PhysicalSize { width: across, height: down } = self.window_size;
         let (Some(width), Some(height)) = (NonZeroU32::new(across), NonZeroU32::new(down)) else {
             return Ok(());
         };
@@ -193,7 +199,8 @@ impl App {
         let refused = |error: softbuffer::SoftBufferError| WindowError::NoSurface(error.to_string().into());
         surface.resize(width, height).map_err(refused)?;
         let mut buffer = surface.buffer_mut().map_err(refused)?;
-        Canvas { pixels: &mut buffer, width: across, height: down }.show(&self.frame, &mut self.columns);
+        Canvas { pixels: &mut buffer, width: across, height: down }
+            .draw_frame(&self.frame, &mut self.columns);
         buffer.present().map_err(refused)?;
         if fresh {
             self.presented.frames += 1;
@@ -203,25 +210,26 @@ impl App {
                 surface.window().set_title(&format!("octray · {}", self.title));
             }
         }
-        self.catch();
+        self.update_mouse_capture();
         Ok(())
     }
 
-    /// Catches the mouse, or lets it go, as the frame says.
-    fn catch(&mut self) {
+    /// Captures or releases the mouse, as the frame says.
+    fn update_mouse_capture(&mut self) {
         let Some(surface) = &self.surface else { return };
-        if self.frame.caught == self.caught {
+        if self.frame.mouse_captured == self.mouse_captured {
             return;
         }
-        self.caught = self.frame.caught;
+        self.mouse_captured = self.frame.mouse_captured;
         let window = surface.window();
-        let mode = if self.caught { CursorGrabMode::Locked } else { CursorGrabMode::None };
+        let mode = if self.mouse_captured { CursorGrabMode::Locked } else { CursorGrabMode::None };
         let grabbed = window.set_cursor_grab(mode);
-        if self.caught && grabbed.is_err() {
-            // Where the pointer cannot be locked it is kept inside; where neither is possible it turns the camera all the same.
+        if self.mouse_captured && grabbed.is_err() {
+            // Systems that cannot lock the pointer confine it to the window. Without either, it still turns
+            // the camera.
             let _ = window.set_cursor_grab(CursorGrabMode::Confined);
         }
-        window.set_cursor_visible(!self.caught);
+        window.set_cursor_visible(!self.mouse_captured);
     }
 
     fn key(&self, event: &winit::event::KeyEvent) {
@@ -232,7 +240,7 @@ impl App {
     }
 }
 
-impl ApplicationHandler<Fresh> for App {
+impl ApplicationHandler<FrameReady> for App {
     fn resumed(&mut self, events: &ActiveEventLoop) {
         if self.surface.is_none() {
             match self.open(events) {
@@ -246,13 +254,13 @@ impl ApplicationHandler<Fresh> for App {
     }
 
     fn about_to_wait(&mut self, events: &ActiveEventLoop) {
-        if self.viewer.is_over() || self.told.as_ref().is_some_and(Told::to_end) {
+        if self.viewer.is_finished() || self.exit_signal.as_ref().is_some_and(ExitSignal::received) {
             return events.exit();
         }
-        events.set_control_flow(ControlFlow::WaitUntil(Instant::now() + PATIENCE));
+        events.set_control_flow(ControlFlow::WaitUntil(Instant::now() + POLL_INTERVAL));
     }
 
-    fn user_event(&mut self, _: &ActiveEventLoop, _: Fresh) {
+    fn user_event(&mut self, _: &ActiveEventLoop, _: FrameReady) {
         if let Some(surface) = &self.surface {
             surface.window().request_redraw();
         }
@@ -261,14 +269,14 @@ impl ApplicationHandler<Fresh> for App {
     fn window_event(&mut self, events: &ActiveEventLoop, _: WindowId, event: WindowEvent) {
         match event {
             WindowEvent::CloseRequested | WindowEvent::Destroyed => events.exit(),
-            WindowEvent::Resized(size) => self.room = size,
+            WindowEvent::Resized(size) => self.window_size = size,
             WindowEvent::RedrawRequested => {
                 if let Err(failure) = self.draw() {
                     self.failure = Some(failure);
                     events.exit();
                 }
             }
-            // Keys that were down when the window came to the fore were pressed for somebody else.
+            // Keys that were down when the window got the focus were meant for another window.
             WindowEvent::KeyboardInput { is_synthetic: true, .. } => {}
             WindowEvent::KeyboardInput { event, .. } => self.key(&event),
             WindowEvent::Focused(false) => self.viewer.send(Event::Unfocused),
@@ -287,32 +295,32 @@ impl ApplicationHandler<Fresh> for App {
     }
 
     fn device_event(&mut self, _: &ActiveEventLoop, _: DeviceId, event: DeviceEvent) {
-        if let (DeviceEvent::MouseMotion { delta: (right, down) }, true) = (event, self.caught) {
+        if let (DeviceEvent::MouseMotion { delta: (right, down) }, true) = (event, self.mouse_captured) {
             self.viewer.send(Event::Mouse([right, down]));
         }
     }
 }
 
-/// The key, if it is one of ours. Letters for walking are told by where they are on the keyboard, others by what is written on them.
-fn key_of(place: PhysicalKey, written: &winit::keyboard::Key) -> Option<Key> {
-    let letter = match written {
+/// Translates a key. Letters for walking follow the physical key, others the layout's letter.
+fn key_of(physical: PhysicalKey, logical: &winit::keyboard::Key) -> Option<Key> {
+    let letter = match logical {
         winit::keyboard::Key::Character(text) => text.chars().flat_map(char::to_lowercase).next(),
         _ => None,
     };
     let is = |wanted| letter == Some(wanted);
-    if let PhysicalKey::Code(code) = place {
+    if let PhysicalKey::Code(code) = physical {
         match code {
             KeyCode::KeyW => return Some(Key::Char('w')),
             KeyCode::KeyA => return Some(Key::Char('a')),
             KeyCode::KeyS => return Some(Key::Char('s')),
             KeyCode::KeyD => return Some(Key::Char('d')),
-            // Where A and W are written on French keyboards.
+            // The positions of A and W on French keyboards.
             KeyCode::KeyQ if is('a') => return Some(Key::Char('q')),
             KeyCode::KeyZ if is('w') => return Some(Key::Char('z')),
             _ => {}
         }
     }
-    match written {
+    match logical {
         winit::keyboard::Key::Character(_) => letter.map(Key::Char),
         winit::keyboard::Key::Named(named) => match named {
             NamedKey::Space => Some(Key::Char(' ')),
@@ -341,23 +349,23 @@ mod tests {
 
     #[test]
     fn every_key_of_other_keyboards_does_one_thing() {
-        let typed = |place, text: &str| {
-            key_of(PhysicalKey::Code(place), &winit::keyboard::Key::Character(text.into()))
+        let typed = |physical, text: &str| {
+            key_of(PhysicalKey::Code(physical), &winit::keyboard::Key::Character(text.into()))
         };
         let letter = |letter| Some(Key::Char(letter));
-        for (place, english, french) in [
+        for (physical, english, french) in [
             (KeyCode::KeyW, "w", "z"),
             (KeyCode::KeyA, "a", "q"),
             (KeyCode::KeyS, "s", "s"),
             (KeyCode::KeyD, "D", "D"),
         ] {
-            assert_eq!(typed(place, english), typed(place, french), "walking is told by place");
+            assert_eq!(typed(physical, english), typed(physical, french), "walking follows the physical key");
         }
         assert_eq!(typed(KeyCode::KeyW, "z"), letter('w'));
         assert_eq!([typed(KeyCode::KeyQ, "q"), typed(KeyCode::KeyQ, "a")], [letter('q'); 2]);
         assert_eq!([typed(KeyCode::KeyZ, "z"), typed(KeyCode::KeyZ, "w")], [letter('z'); 2]);
         assert_eq!(typed(KeyCode::KeyZ, "y"), letter('y'), "a German Y");
-        assert_eq!(typed(KeyCode::Semicolon, "M"), letter('m'), "others by what is written on them");
+        assert_eq!(typed(KeyCode::Semicolon, "M"), letter('m'), "others follow the layout");
         let named = |named| key_of(PhysicalKey::Code(KeyCode::F5), &winit::keyboard::Key::Named(named));
         assert_eq!([named(NamedKey::F5), named(NamedKey::F9)], [Some(Key::F5), None]);
     }

@@ -47,10 +47,10 @@ fn scene_warnings_reach_standard_error() {
         &["compare", "dark.json", "--samples", "1", "--size", "8x8"],
     ] {
         let said = desk.warnings(command);
-        assert!(said.contains("warning: Nothing in the scene shines"), "{command:?}: {said}");
+        assert!(said.contains("warning: Nothing in the scene emits light"), "{command:?}: {said}");
     }
     let report = desk.json(&["inspect", "dark.json", "--json"]);
-    assert!(report["warnings"][0].as_str().unwrap().starts_with("Nothing in the scene shines"));
+    assert!(report["warnings"][0].as_str().unwrap().starts_with("Nothing in the scene emits light"));
 }
 
 #[test]

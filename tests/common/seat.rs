@@ -15,7 +15,7 @@ pub fn options(size: [u32; 2], threads: usize, screenshots: &Path) -> Options {
         pipeline: PipelineChoice::default(),
         clamp: f32::INFINITY,
         threads,
-        most_threads: threads,
+        max_threads: threads,
         lanes: 8,
         tone: Tone::default(),
         target: None,

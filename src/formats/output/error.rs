@@ -1,9 +1,11 @@
-//! What can go wrong with an output file: what, where, and how to mend it.
+//! Why an output file was not written: what, where, and how to mend it.
+//!
+//! For: [`OutputError`]. May import: `std`. Must not know: pictures.
 
 use std::io;
 use std::path::PathBuf;
 
-/// Why a file was not written. The file, if there was one, is as it was before.
+/// Why a file was not written. Any earlier file is unchanged.
 #[derive(Debug, thiserror::Error)]
 pub enum OutputError {
     #[error(
@@ -17,7 +19,7 @@ pub enum OutputError {
     IsFolder { path: PathBuf },
     #[error(
         "`{}` is neither a file nor a folder (a device or a pipe?)\n  \
-         a file is written beside its place and then moved there: name an ordinary file", .path.display()
+         output is written to a temporary file beside it and then renamed: name an ordinary file", .path.display()
     )]
     NotAFile { path: PathBuf },
     #[error(
@@ -38,7 +40,7 @@ pub enum OutputError {
     ReadOnly { path: PathBuf },
     #[error("`{}` exists already\n  choose another name, or give --force to replace it", .path.display())]
     Exists { path: PathBuf },
-    #[error("cannot look at `{}`\n  check that you may read the folders on the way to it", .path.display())]
+    #[error("cannot access `{}`\n  check that you may read the folders on the way to it", .path.display())]
     Unreachable { path: PathBuf, source: io::Error },
     #[error("writing `{}` failed, and nothing was changed\n  check that its disk has room", .path.display())]
     Write { path: PathBuf, source: io::Error },

@@ -1,10 +1,12 @@
-//! Writing that leaves a whole file or none.
+//! Atomic writes: a complete file or none.
 //!
-//! For: [`write_atomically`], [`save_text`], [`save_json`], [`make_folder`], and [`check`], which says beforehand whether writing can succeed. May import: `std`, `tempfile`, `serde_json`.
-//! Must never know: pictures, formats.
+//! For: [`write_atomically`], [`save_text`], [`save_json`], [`make_folder`], and [`check`], which tests
+//! beforehand whether a write can succeed. May import: `error`, `tempfile`, `serde_json`. Must not know:
+//! pictures, formats.
 //!
-//! The content goes into a temporary file in the folder of the final one, to the disk, and then takes its name in one
-//! step. A reader sees the old file or the new one; a failure on the way leaves the old one and no other.
+//! The content is written to a temporary file in the final folder, synced to the disk, and renamed to its
+//! final name in one step. A reader sees the old file or the new one; after a failure the old one is left and
+//! no other.
 
 use super::error::OutputError;
 use serde::Serialize;
@@ -13,7 +15,7 @@ use std::io::{self, BufWriter, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
 
-/// What to do when the file is there already.
+/// What to do when the file exists.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Existing {
     /// The new file takes its place and its permissions.
@@ -22,34 +24,34 @@ pub enum Existing {
     Keep,
 }
 
-/// Can a file be written at `path`? Finds out by making an empty temporary file beside it, so that a long computation does
-/// not learn it at its end.
+/// Whether a file can be written at `path`. Creates an empty temporary file beside it, so that a long
+/// computation fails at its start and not at its end.
 pub fn check(path: &Path, existing: Existing) -> Result<(), OutputError> {
-    Place::of(path, existing)?.temporary().map(drop)
+    Destination::of(path, existing)?.temporary().map(drop)
 }
 
-/// Writes a file through `fill`: afterwards it is whole, or the place is as it was before.
+/// Writes a file through `fill`. Afterwards the file is complete, or everything is as it was before.
 pub fn write_atomically(
     path: &Path,
     existing: Existing,
     fill: impl FnOnce(&mut BufWriter<&mut File>) -> io::Result<()>,
 ) -> Result<(), OutputError> {
-    let place = Place::of(path, existing)?;
+    let destination = Destination::of(path, existing)?;
     let failed = |source| OutputError::Write { path: path.to_owned(), source };
     // Dropping the temporary file removes it: every early return cleans up.
-    let mut temporary = place.temporary()?;
+    let mut temporary = destination.temporary()?;
     let mut buffer = BufWriter::with_capacity(1 << 16, temporary.as_file_mut());
     let filled = fill(&mut buffer).and_then(|()| buffer.flush());
-    // What a failed writing left in the buffer is not wanted; taking it apart keeps it from being written on drop.
+    // `into_parts` discards what a failed write left in the buffer; dropping the buffer would write it.
     drop(buffer.into_parts());
     filled.map_err(failed)?;
-    if let Some(permissions) = place.permissions {
+    if let Some(permissions) = destination.permissions {
         temporary.as_file().set_permissions(permissions).map_err(failed)?;
     }
     temporary.as_file().sync_all().map_err(failed)?;
     let persisted = match existing {
-        Existing::Replace => temporary.persist(&place.file),
-        Existing::Keep => temporary.persist_noclobber(&place.file),
+        Existing::Replace => temporary.persist(&destination.file),
+        Existing::Keep => temporary.persist_noclobber(&destination.file),
     };
     match persisted {
         Ok(_) => Ok(()),
@@ -60,12 +62,12 @@ pub fn write_atomically(
     }
 }
 
-/// Writes a text, in place of what was there.
+/// Writes a text file, replacing any earlier one.
 pub fn save_text(path: &Path, text: &str) -> Result<(), OutputError> {
     write_atomically(path, Existing::Replace, |file| file.write_all(text.as_bytes()))
 }
 
-/// Writes something as indented JSON, in place of what was there.
+/// Writes indented JSON, replacing any earlier file.
 pub fn save_json(path: &Path, what: &impl Serialize) -> Result<(), OutputError> {
     write_atomically(path, Existing::Replace, |file| {
         serde_json::to_writer_pretty(&mut *file, what)?;
@@ -73,44 +75,44 @@ pub fn save_json(path: &Path, what: &impl Serialize) -> Result<(), OutputError> 
     })
 }
 
-/// Makes a folder, and those above it, unless it is there.
+/// Creates a folder and its parents unless they exist.
 pub fn make_folder(folder: &Path) -> Result<(), OutputError> {
     fs::create_dir_all(folder)
         .map_err(|source| OutputError::FolderNotMade { folder: folder.to_owned(), source })
 }
 
-/// A writer that fails once `given_up` says so: a large file takes seconds.
-pub struct Unless<'a, W> {
+/// A writer that fails once `cancelled` returns true: a large file takes seconds.
+pub struct CancellableWriter<'a, W> {
     pub inner: W,
-    pub given_up: &'a dyn Fn() -> bool,
+    pub cancelled: &'a dyn Fn() -> bool,
 }
 
-impl<W: Write> Write for Unless<'_, W> {
+impl<W: Write> Write for CancellableWriter<'_, W> {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        // Not `ErrorKind::Interrupted`, which asks for another attempt.
-        if (self.given_up)() { Err(io::Error::other("given up")) } else { self.inner.write(bytes) }
+        // Not `ErrorKind::Interrupted`, which makes callers retry.
+        if (self.cancelled)() { Err(io::Error::other("cancelled")) } else { self.inner.write(bytes) }
     }
     fn flush(&mut self) -> io::Result<()> {
         self.inner.flush()
     }
 }
 
-impl<W: Seek> Seek for Unless<'_, W> {
+impl<W: Seek> Seek for CancellableWriter<'_, W> {
     fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
         self.inner.seek(to)
     }
 }
 
-/// A place that was found fit for a file.
-struct Place {
-    /// Where the file goes: where the path leads, if it is a symbolic link.
+/// A checked destination.
+struct Destination {
+    /// The final path, symbolic links followed.
     file: PathBuf,
     folder: PathBuf,
-    /// Those of the file that will be replaced.
+    /// Permissions of the file that is replaced, if there is one.
     permissions: Option<fs::Permissions>,
 }
 
-impl Place {
+impl Destination {
     fn of(path: &Path, existing: Existing) -> Result<Self, OutputError> {
         let path_owned = || path.to_owned();
         if path.file_name().is_none() || path.as_os_str().as_encoded_bytes().ends_with(b"/") {
@@ -146,26 +148,27 @@ impl Place {
         Ok(Self { file, folder, permissions })
     }
 
-    /// An empty file in the folder that vanishes unless it is persisted.
+    /// An empty file in the folder, removed on drop unless it is persisted.
     fn temporary(&self) -> Result<NamedTempFile, OutputError> {
         let mut builder = tempfile::Builder::new();
         builder.prefix(".octray-").suffix(".tmp");
-        // The permissions of an ordinary new file, less the umask; tempfile's own default hides it from everyone else.
+        // The permissions of an ordinary new file, less the umask; tempfile's default is readable by the
+        // owner alone.
         #[cfg(unix)]
         builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
         builder.tempfile_in(&self.folder).map_err(|error| OutputError::FolderNotWritable {
             folder: self.folder.clone(),
-            source: bare(error),
+            source: without_path(error),
         })
     }
 }
 
-/// What kind of error it is, without the temporary file's name in it: nobody has heard of that file.
-fn bare(error: io::Error) -> io::Error {
+/// The error without the temporary file's name, which means nothing to the user.
+fn without_path(error: io::Error) -> io::Error {
     error.kind().into()
 }
 
-/// Where a symbolic link leads; one step if what it names does not exist yet.
+/// The target of a symbolic link; one step of it if the target does not exist yet.
 fn follow(link: &Path) -> PathBuf {
     fs::canonicalize(link).unwrap_or_else(|_| match fs::read_link(link) {
         Ok(target) => link.parent().unwrap_or(Path::new("")).join(target),

@@ -1,27 +1,29 @@
-//! A model as a scene file of the native format that stands alone: triangles written out, materials beside them.
+//! Converts a model to a native scene file with its triangles and materials written out.
 //!
-//! For: [`native_from_obj`]. May import: scene's own files. Must never know: how a scene file is read.
+//! For: [`native_from_obj`], [`native_from_obj_in`]. May import: `obj`, `files`, `write`, `native` (the
+//! format's name). Must not know: how a scene file is read.
 //!
-//! Every number is written so that reading it gives the same bits. Textures stay files, named as the model's materials
-//! name them.
+//! Every number reads back as the same bits. Textures stay files, named as in the model's materials.
 
-use super::file::FORMAT;
+use super::error::SceneError;
 use super::files::Files;
-use super::writing::{camera, number, relative, vec2, vec3};
-use super::{Filter, Material, MaterialKind, Scene, SceneError, Sky, obj};
+use super::native::FORMAT;
+use super::obj;
+use super::write::{camera, number, relative, vec2, vec3};
 use glam::Vec3;
+use octray_engine::scene::{Filter, Material, MaterialKind, Scene, Sky};
 use serde_json::{Map, Value, json};
 use std::collections::HashMap;
 use std::fmt::Write;
 use std::path::Path;
 
-/// The text of a scene file that shows the model as [`load`](super::load) would. Texture paths are relative to the
-/// model's folder, so that the file works there.
+/// The text of a scene file that shows the model as [`load`](super::load) would. Texture paths are relative
+/// to the model's folder, so that the file works there.
 pub fn native_from_obj(model: &Path) -> Result<String, SceneError> {
     Ok(native_from_obj_in(model, model.parent().unwrap_or(Path::new("")))?.0)
 }
 
-/// The same for a scene file in another folder, and what is odd about the model, a sentence each.
+/// The same for a scene file in another folder, with the model's warnings.
 pub fn native_from_obj_in(model: &Path, folder: &Path) -> Result<(String, Vec<String>), SceneError> {
     let files = Files::beside(model);
     let scene = obj::scene(&files.read_named(model)?, model, &files, String::new())?;
@@ -44,7 +46,7 @@ fn text(scene: &Scene, texture_path: &dyn Fn(&str) -> String) -> String {
             let (bottom, top) = (vec3(bottom), vec3(top));
             entry("sky", format!("{{ \"gradient\": {{ \"bottom\": {bottom}, \"top\": {top} }} }}"));
         }
-        // No model brings a picture of the sky.
+        // A model has no sky texture.
         Sky::Texture { .. } => {}
     }
     let materials = scene.materials.iter().zip(&names).map(|(material, name)| {
@@ -71,7 +73,7 @@ fn text(scene: &Scene, texture_path: &dyn Fn(&str) -> String) -> String {
     text
 }
 
-/// The materials' names, numbered where a name stands twice: the format has each only once.
+/// The materials' names, duplicates numbered: the format refuses a name that occurs twice.
 fn unique_names(materials: &[Material]) -> Vec<String> {
     let mut seen: HashMap<String, usize> = HashMap::new();
     materials
@@ -115,13 +117,13 @@ fn material_text(scene: &Scene, material: &Material, texture_path: &dyn Fn(&str)
     if material.emission != Vec3::ZERO {
         set("emission", channels(material.emission));
     }
-    let pictures = [
+    let textures = [
         ("texture", material.texture),
         ("roughness_map", material.roughness_map),
         ("normal_map", material.normal_map),
     ];
-    for (key, picture) in pictures {
-        if let Some(texture) = picture.map(|index| &scene.textures[index as usize]) {
+    for (key, texture) in textures {
+        if let Some(texture) = texture.map(|index| &scene.textures[index as usize]) {
             set(key, json!(texture_path(&texture.name)));
             if texture.filter == Filter::Nearest {
                 set("filter", json!("nearest"));
@@ -140,7 +142,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn unique_names_numbers_what_stands_twice() {
+    fn unique_names_numbers_duplicates() {
         let material = |name: &str| Material {
             name: name.to_string(),
             kind: MaterialKind::Diffuse,

@@ -1,6 +1,8 @@
-//! What can be wrong with a scene: what, where, and how to mend it.
+//! Why a scene was refused: what, where, and how to mend it.
+//!
+//! For: [`SceneError`]. May import: the engine's scene model. Must not know: a file format.
 
-use super::Scene;
+use octray_engine::scene::Scene;
 use std::path::PathBuf;
 
 /// Why a scene was refused.
@@ -9,13 +11,13 @@ use std::path::PathBuf;
 pub struct SceneError {
     /// What is wrong, as a clause without a full stop.
     pub what: String,
-    /// The file it stands in.
+    /// The file that contains the fault.
     pub file: Option<PathBuf>,
     /// Where in the file: a JSON path (`materials.clay.color[1]`) or `line 12, column 5`, or both.
     pub at: Option<String>,
-    /// What to do about it.
+    /// How to mend it.
     pub mend: Option<String>,
-    /// Every file that was looked for until then, there or not: once one of them is another, it may be otherwise.
+    /// Every file requested until then, existing or not: once one of them changes, loading may succeed.
     pub files: Vec<PathBuf>,
 }
 
@@ -33,15 +35,15 @@ fn remedy(mend: &Option<String>) -> String {
 }
 
 impl SceneError {
-    /// An error that knows neither its file nor its remedy yet.
+    /// An error without a file and a remedy.
     pub(super) fn new(what: impl Into<String>) -> Self {
         Self { what: what.into(), file: None, at: None, mend: None, files: Vec::new() }
     }
-    /// That a valid scene cannot be used, and why; other files may be of more use.
+    /// A valid scene cannot be used, and why.
     pub fn of_use(why: String, scene: &Scene) -> Self {
         Self::new(format!("{}: {why}", scene.name)).after(scene.files.clone())
     }
-    /// That [`Scene::overview`] has no camera.
+    /// [`Scene::overview`] has no camera.
     pub fn no_overview(scene: &Scene) -> Self {
         let what = "is so small, or so far from the origin, that no camera can stand beside it";
         Self::new(format!("`{}` {what}", scene.name)).mend("move it to the origin, or scale it up")
@@ -52,7 +54,7 @@ impl SceneError {
     pub(super) fn at(self, at: impl Into<String>) -> Self {
         Self { at: Some(at.into()), ..self }
     }
-    /// After those that are known already.
+    /// Appends requested files.
     pub(super) fn after(mut self, files: Vec<PathBuf>) -> Self {
         self.files.extend(files);
         self

@@ -1,8 +1,10 @@
-//! Where a scene's other files come from: a folder on disk, or the program itself.
+//! Reads a scene's other files: from a folder on disk, or from the program itself.
 //!
-//! For: [`Files`], which also remembers what was asked for. May import: `builtin` (the embedded table). Must never know: what the files hold.
+//! For: [`Files`], which also records every path that was requested. May import: `embedded`, `error`. Must
+//! not know: what the files hold.
 
-use super::{SceneError, builtin};
+use super::embedded;
+use super::error::SceneError;
 use std::borrow::Cow;
 use std::cell::RefCell;
 use std::collections::HashSet;
@@ -10,31 +12,31 @@ use std::fs;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
-/// The folder that a scene's relative paths start from, and the files that were asked for on the way to the scene.
+/// The folder that a scene's relative paths start from, and the files that were requested while loading it.
 pub struct Files {
-    /// `None`: the files inside the program, named as in the project's folder of scenes.
+    /// `None`: the files inside the program, named relative to `scenes/`.
     folder: Option<PathBuf>,
-    /// Those on disk, there or not, in the order in which they were first asked for.
-    asked_for: RefCell<Vec<PathBuf>>,
-    /// The same, to be found at once.
-    known: RefCell<HashSet<PathBuf>>,
+    /// Paths on disk, existing or not, in the order of the first request.
+    requested: RefCell<Vec<PathBuf>>,
+    /// The same paths, for lookup.
+    seen: RefCell<HashSet<PathBuf>>,
 }
 
 impl Files {
     /// The files beside `file`.
     pub fn beside(file: &Path) -> Self {
         let folder = file.parent().unwrap_or(Path::new("")).to_path_buf();
-        Self { folder: Some(folder), asked_for: RefCell::default(), known: RefCell::default() }
+        Self { folder: Some(folder), requested: RefCell::default(), seen: RefCell::default() }
     }
     /// The files inside the program.
     pub fn embedded() -> Self {
-        Self { folder: None, asked_for: RefCell::default(), known: RefCell::default() }
+        Self { folder: None, requested: RefCell::default(), seen: RefCell::default() }
     }
-    /// Where relative paths start, if that is on disk.
+    /// Where relative paths start, if on disk.
     pub fn folder(&self) -> Option<&Path> {
         self.folder.as_deref()
     }
-    /// The file that `path` means; slashes may lean either way in the program's own files.
+    /// The file that `path` names. A leading `./` is dropped for files inside the program.
     pub fn resolve(&self, path: &str) -> PathBuf {
         match &self.folder {
             Some(folder) => folder.join(path),
@@ -44,9 +46,9 @@ impl Files {
     /// The content of a resolved path, or the reason why there is none.
     pub fn read(&self, path: &Path) -> Result<Cow<'static, [u8]>, String> {
         if self.folder.is_none() {
-            return builtin::embedded(path).map(Cow::Borrowed).ok_or_else(|| "no such file".to_string());
+            return embedded::file(path).map(Cow::Borrowed).ok_or_else(|| "no such file".to_string());
         }
-        self.remember(path);
+        self.record(path);
         read_from_disk(path).map(Cow::Owned)
     }
     /// The content of a file that the user named on the command line.
@@ -60,19 +62,19 @@ impl Files {
     pub fn exists(&self, path: &Path) -> bool {
         match self.folder {
             Some(_) => {
-                self.remember(path);
+                self.record(path);
                 path.is_file()
             }
-            None => builtin::embedded(path).is_some(),
+            None => embedded::file(path).is_some(),
         }
     }
-    /// What was looked for on disk, there or not, as it was asked for, each path once.
-    pub fn into_asked_for(self) -> Vec<PathBuf> {
-        self.asked_for.into_inner()
+    /// The paths requested on disk, existing or not, in the order of the first request, each once.
+    pub fn into_requested(self) -> Vec<PathBuf> {
+        self.requested.into_inner()
     }
-    fn remember(&self, path: &Path) {
-        if self.known.borrow_mut().insert(path.to_path_buf()) {
-            self.asked_for.borrow_mut().push(path.to_path_buf());
+    fn record(&self, path: &Path) {
+        if self.seen.borrow_mut().insert(path.to_path_buf()) {
+            self.requested.borrow_mut().push(path.to_path_buf());
         }
     }
 }

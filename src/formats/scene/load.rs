@@ -1,49 +1,31 @@
 //! From a name on the command line to a [`Scene`].
 //!
-//! For: [`load`]. May import: scene's own files. Must never know: what a scene is used for.
+//! For: [`load`], [`load_with_view`]. May import: every format of this folder. Must not know: what a scene is
+//! used for.
 
-use super::file::{FORMAT, read};
+use super::embedded::PREFIX;
+use super::error::SceneError;
 use super::files::Files;
-use super::place::{Place, Source};
-use super::view::View;
-use super::{Scene, SceneError, builtin, obj, procedural, thesis, validate, view};
+use super::json::{JsonPath, Source, read};
+use super::native::{FORMAT, VIEW_FORMAT};
+use super::view::Loaded;
+use super::{builtin, obj, procedural, thesis, validate, view};
+use octray_engine::scene::Scene;
 use serde::Deserialize;
 use serde::de::IgnoredAny;
 use serde_json::Value;
-use std::ops::Deref;
 use std::path::Path;
 
-/// A scene, and the view that it was loaded through, if its file is one.
-#[derive(Clone, Debug)]
-pub struct Loaded {
-    /// Camera, resolution and bounces are what the view makes them.
-    pub scene: Scene,
-    pub view: Option<View>,
-}
-
-impl Deref for Loaded {
-    type Target = Scene;
-
-    fn deref(&self) -> &Scene {
-        &self.scene
-    }
-}
-
-impl From<Scene> for Loaded {
-    fn from(scene: Scene) -> Self {
-        Self { scene, view: None }
-    }
-}
-
-/// Loads a scene as [`load_with_view`] does, and forgets the view.
+/// Loads a scene as [`load_with_view`] does, without its view.
 pub fn load(spec: &str) -> Result<Scene, SceneError> {
     load_with_view(spec).map(|loaded| loaded.scene)
 }
 
-/// Loads a scene: `builtin:NAME`, a mesh made by rule (`builtin:knot:N`), the path of an .obj file (framed automatically under a plain sky), or the path of a
-/// .json file in the native format or the thesis's own, or of a view of any of these.
+/// Loads a scene: `builtin:NAME`, a generated mesh (`builtin:knot:N`), the path of an .obj file (framed
+/// automatically under a plain sky), or the path of a .json file in the native format or the thesis's, or of
+/// a view of any of these.
 pub fn load_with_view(spec: &str) -> Result<Loaded, SceneError> {
-    if let Some(name) = spec.strip_prefix(builtin::PREFIX) {
+    if let Some(name) = spec.strip_prefix(PREFIX) {
         return built_in(spec, name);
     }
     let path = Path::new(spec);
@@ -56,8 +38,8 @@ pub fn load_with_view(spec: &str) -> Result<Loaded, SceneError> {
     }
     let files = Files::beside(path);
     match files.read_named(path) {
-        Ok(bytes) => from_disk(path, &bytes, files, &viewed),
-        Err(error) => Err(error.after(files.into_asked_for())),
+        Ok(bytes) => from_disk(path, &bytes, files, &from_view),
+        Err(error) => Err(error.after(files.into_requested())),
     }
 }
 
@@ -66,7 +48,7 @@ fn built_in(spec: &str, name: &str) -> Result<Loaded, SceneError> {
         return shape.scene(spec).map(Loaded::from);
     }
     let source = Source { file: Path::new(spec), text: builtin::text(name)? };
-    json_scene(&source, &Files::embedded(), spec.to_string(), &viewed)
+    json_scene(&source, &Files::embedded(), spec.to_string(), &from_view)
 }
 
 fn has_extension(path: &Path, wanted: &str) -> bool {
@@ -77,10 +59,10 @@ fn may_be_scene(path: &Path) -> bool {
     has_extension(path, "json") || has_extension(path, "obj")
 }
 
-/// What to do with a text that is a view.
+/// Called for a file that is a view.
 type OnView<'a> = &'a dyn Fn(&Source, &Files, String) -> Result<Loaded, SceneError>;
 
-/// The scene in a file whose content was read through `files`.
+/// The scene in a file whose content, `bytes`, was read through `files`.
 fn from_disk(path: &Path, bytes: &[u8], files: Files, on_view: OnView) -> Result<Loaded, SceneError> {
     let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let loaded = if has_extension(path, "obj") {
@@ -90,11 +72,11 @@ fn from_disk(path: &Path, bytes: &[u8], files: Files, on_view: OnView) -> Result
     };
     match loaded {
         Ok(mut loaded) => {
-            let viewed = std::mem::replace(&mut loaded.scene.files, files.into_asked_for());
-            loaded.scene.files.extend(viewed);
+            let of_viewed = std::mem::replace(&mut loaded.scene.files, files.into_requested());
+            loaded.scene.files.extend(of_viewed);
             Ok(loaded)
         }
-        Err(error) => Err(error.after(files.into_asked_for())),
+        Err(error) => Err(error.after(files.into_requested())),
     }
 }
 
@@ -109,7 +91,7 @@ fn utf8<'a>(path: &Path, bytes: &'a [u8]) -> Result<&'a str, SceneError> {
     Ok(text.strip_prefix('\u{feff}').unwrap_or(text))
 }
 
-/// The keys that tell the formats apart.
+/// The keys that distinguish the formats.
 #[derive(Deserialize)]
 #[serde(expecting = "an object")]
 struct Keys {
@@ -120,17 +102,17 @@ struct Keys {
 }
 
 fn json_scene(source: &Source, files: &Files, name: String, on_view: OnView) -> Result<Loaded, SceneError> {
-    // Serde would take an array's entries for the keys in their order.
+    // Serde would read an array's entries as the keys in order of declaration.
     if source.text.trim_start().starts_with('[') {
         return Err(not_a_scene(source));
     }
     let keys: Keys = serde_json::from_str(source.text).or_else(|_| {
-        // Reading the keys skips what they hold; reading everything finds the path of a fault inside.
+        // `Keys` skips the values; a full read finds the JSON path of a fault inside them.
         read::<Value>(source)?;
         read(source)
     })?;
     match keys.format {
-        Some(format) if format == view::FORMAT => on_view(source, files, name),
+        Some(format) if format == VIEW_FORMAT => on_view(source, files, name),
         Some(_) => validate::scene(source, files, name).map(Loaded::from),
         None if keys.sphere.is_some() || keys.triangle.is_some() || keys.res.is_some() => {
             thesis::scene(source, files, name).map(Loaded::from)
@@ -141,24 +123,24 @@ fn json_scene(source: &Source, files: &Files, name: String, on_view: OnView) -> 
 
 fn not_a_scene(source: &Source) -> SceneError {
     SceneError::new("this JSON is not a scene").in_file(source.file).mend(format!(
-        "a scene of this program is an object with \"format\": \"{FORMAT}\"; one of the thesis's has the keys \
-         `sphere`, `triangle` or `res`"
+        "a native scene is an object with \"format\": \"{FORMAT}\"; a scene of the thesis has the keys `sphere`, \
+         `triangle` or `res`"
     ))
 }
 
-/// What a view shows.
-fn viewed(source: &Source, files: &Files, name: String) -> Result<Loaded, SceneError> {
+/// The scene that a view names, as the view shows it.
+fn from_view(source: &Source, files: &Files, name: String) -> Result<Loaded, SceneError> {
     let file = view::read(source)?;
     let scene = named_in_view(source, files, &file.scene)?.scene;
-    view::show(source, file, scene, name)
+    view::apply(source, file, scene, name)
 }
 
 /// The scene that a view names.
 fn named_in_view(source: &Source, files: &Files, spec: &str) -> Result<Loaded, SceneError> {
     const MEND: &str = "give the path of a .json or .obj file relative to the view, or `builtin:NAME`";
-    let root = Place::Root;
+    let root = JsonPath::Root;
     let fault = |what: String, mend: &str| source.error(&root.key("scene"), what, mend);
-    if let Some(name) = spec.strip_prefix(builtin::PREFIX) {
+    if let Some(name) = spec.strip_prefix(PREFIX) {
         return built_in(spec, name)
             .map_err(|error| fault(error.what, error.mend.as_deref().unwrap_or(MEND)));
     }
@@ -166,14 +148,15 @@ fn named_in_view(source: &Source, files: &Files, spec: &str) -> Result<Loaded, S
     if !may_be_scene(&path) {
         return Err(fault(format!("`{spec}` is not the name of a scene"), MEND));
     }
-    // Its own files lie beside it; what it read is added to what the view read.
+    // The scene's files lie beside the scene, not beside the view. `from_disk` appends their paths to the
+    // view's.
     let files = Files::beside(&path);
     let bytes = match files.read(&path) {
         Ok(bytes) => bytes,
         Err(reason) => {
-            let mend = format!("it was looked for at {}: {MEND}", path.display());
+            let mend = format!("the file searched for is {}: {MEND}", path.display());
             let error = fault(format!("cannot read the scene `{spec}`: {reason}"), &mend);
-            return Err(error.after(files.into_asked_for()));
+            return Err(error.after(files.into_requested()));
         }
     };
     from_disk(&path, &bytes, files, &|_, _, _| {

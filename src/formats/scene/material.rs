@@ -1,33 +1,36 @@
-//! Materials and skies of the native format: which keys belong together, and what the missing ones mean.
+//! Materials and skies of the native format: which keys belong together, and the defaults of missing ones.
 //!
-//! For: [`material`], [`sky`]. May import: `file`, `check`, `draft`, `image`. Must never know: primitives.
+//! For: [`material`], [`sky`]. May import: `native`, `check`, `builder`, `json`. Must not know: primitives.
 
-use super::check::{fraction, nearest, not_negative, number, radiance, reflectance};
-use super::draft::Draft;
-use super::file::{FilterFile, MaterialFile, SkyFile};
+use super::builder::SceneBuilder;
+use super::check::{fraction, not_negative, number, radiance, reflectance};
+use super::error::SceneError;
 use super::files::Files;
-use super::place::{Place, Source};
-use super::{Filter, MIN_LENGTH, Material, MaterialKind, SceneError, Sky, TexelKind};
+use super::json::{JsonPath, Source};
+use super::native::{FilterFile, MaterialFile, SkyFile};
+use super::spelling::nearest;
 use glam::Vec3;
+use octray_engine::scene::{Filter, MIN_LENGTH, Material, MaterialKind, Sky, TexelKind};
 
-/// Texture sizes below this are mistakes: a single-precision texture coordinate could not be finite everywhere.
+/// Texture sizes below this are refused: a single-precision texture coordinate could not be finite
+/// everywhere.
 const MIN_TEXTURE_SIZE: f64 = MIN_LENGTH;
 
 const TYPES: [&str; 6] = ["diffuse", "metal", "plastic", "glass", "scatter", "emitter"];
 /// Types that have a roughness.
 const ROUGH: [&str; 3] = ["metal", "plastic", "scatter"];
 
-/// Adds one material to the draft and gives its number.
+/// Adds one material to the builder and returns its index.
 pub fn material(
     source: &Source,
     files: &Files,
-    draft: &mut Draft,
+    builder: &mut SceneBuilder,
     (name, file): &(String, MaterialFile),
-    place: &Place,
+    place: &JsonPath,
 ) -> Result<u32, SceneError> {
     check_keys(source, file, place)?;
     let roughness = place.key("roughness");
-    // A map alone is the roughness itself.
+    // A map without `roughness` is the roughness itself: it multiplies 1.
     let stated_roughness = file.roughness.unwrap_or(if file.roughness_map.is_some() { 1.0 } else { 0.0 });
     let kind = match file.r#type.as_str() {
         "diffuse" => MaterialKind::Diffuse,
@@ -54,13 +57,13 @@ pub fn material(
         None if emitter => Vec3::ONE,
         None => Vec3::ZERO,
     };
-    let mut picture = |key: &'static str, path: &Option<String>, texel_kind| {
-        let load = |path| texture(source, files, draft, &place.key(key), path, (file.filter, texel_kind));
+    let mut load = |key: &'static str, path: &Option<String>, texel_kind| {
+        let load = |path| texture(source, files, builder, &place.key(key), path, (file.filter, texel_kind));
         path.as_deref().map(load).transpose()
     };
-    let texture = picture("texture", &file.texture, TexelKind::Color)?;
-    let roughness_map = picture("roughness_map", &file.roughness_map, TexelKind::Data)?;
-    let normal_map = picture("normal_map", &file.normal_map, TexelKind::Data)?;
+    let texture = load("texture", &file.texture, TexelKind::Color)?;
+    let roughness_map = load("roughness_map", &file.roughness_map, TexelKind::Data)?;
+    let normal_map = load("normal_map", &file.normal_map, TexelKind::Data)?;
     let texture_size = match file.texture_size {
         Some(size) if size < MIN_TEXTURE_SIZE => {
             let mend = "write how many scene units one repeat of the texture covers, above 0";
@@ -71,11 +74,11 @@ pub fn material(
     };
     let name = name.clone();
     let material = Material { name, kind, color, texture, roughness_map, normal_map, emission };
-    Ok(draft.add_material(material, texture_size))
+    Ok(builder.add_material(material, texture_size))
 }
 
 /// Refuses unknown types and keys that do not belong to the type.
-fn check_keys(source: &Source, file: &MaterialFile, place: &Place) -> Result<(), SceneError> {
+fn check_keys(source: &Source, file: &MaterialFile, place: &JsonPath) -> Result<(), SceneError> {
     let name = file.r#type.as_str();
     if !TYPES.contains(&name) {
         let guess = nearest(name, TYPES).map(|near| format!("did you mean `{near}`? ")).unwrap_or_default();
@@ -93,7 +96,7 @@ fn check_keys(source: &Source, file: &MaterialFile, place: &Place) -> Result<(),
     }
     if file.roughness_map.is_some() && file.roughness == Some(0.0) {
         let mend = "remove it, or give `roughness` a number above 0, which it multiplies";
-        let what = "a `roughness_map` cannot roughen a `roughness` of 0";
+        let what = "a `roughness_map` multiplies `roughness` and cannot change a `roughness` of 0";
         return Err(source.error(&place.key("roughness_map"), what, mend));
     }
     if file.normal_map.is_some() && name == "emitter" {
@@ -105,7 +108,7 @@ fn check_keys(source: &Source, file: &MaterialFile, place: &Place) -> Result<(),
     if file.color.is_some() && name == "emitter" {
         return refuse("color", "remove it: an emitter scatters nothing; its light is `emission`");
     }
-    if [&file.texture, &file.roughness_map, &file.normal_map].iter().all(|picture| picture.is_none()) {
+    if [&file.texture, &file.roughness_map, &file.normal_map].iter().all(|path| path.is_none()) {
         let present = [("filter", file.filter.is_some()), ("texture_size", file.texture_size.is_some())];
         if let Some((key, _)) = present.iter().find(|(_, present)| *present) {
             let what = format!("`{key}` without a `texture`");
@@ -115,7 +118,7 @@ fn check_keys(source: &Source, file: &MaterialFile, place: &Place) -> Result<(),
     Ok(())
 }
 
-fn ior(source: &Source, place: &Place, x: f64) -> Result<f32, SceneError> {
+fn ior(source: &Source, place: &JsonPath, x: f64) -> Result<f32, SceneError> {
     // Its reciprocal must be finite too.
     if x < MIN_LENGTH {
         let mend = "write a number above 0: water is 1.33, glass 1.5, diamond 2.4";
@@ -124,8 +127,9 @@ fn ior(source: &Source, place: &Place, x: f64) -> Result<f32, SceneError> {
     number(source, place, x)
 }
 
-/// Of a coat. Above 3 there is none, and the model would make light (`kernel::bsdf::plastic`).
-fn coat_ior(source: &Source, place: &Place, x: f64) -> Result<f32, SceneError> {
+/// A coat's index of refraction. No coat has one above 3, where the model would gain energy
+/// (`kernel::bsdf::plastic`).
+fn coat_ior(source: &Source, place: &JsonPath, x: f64) -> Result<f32, SceneError> {
     if !(1.0..=3.0).contains(&x) {
         let what = format!("a coat cannot have an index of refraction of {x}");
         let mend = "write a number from 1 to 3: varnish and most plastics are about 1.5";
@@ -137,8 +141,8 @@ fn coat_ior(source: &Source, place: &Place, x: f64) -> Result<f32, SceneError> {
 fn texture(
     source: &Source,
     files: &Files,
-    draft: &mut Draft,
-    place: &Place,
+    builder: &mut SceneBuilder,
+    place: &JsonPath,
     path: &str,
     (filter, texel_kind): (Option<FilterFile>, TexelKind),
 ) -> Result<u32, SceneError> {
@@ -147,9 +151,10 @@ fn texture(
         Some(FilterFile::Bilinear) | None => Filter::Bilinear,
     };
     let full = files.resolve(path);
-    draft.textures.load(files, &full, path, filter, texel_kind).map_err(|reason| {
+    builder.textures.load(files, &full, path, filter, texel_kind).map_err(|reason| {
         let mend = format!(
-            "it was looked for at {}: give the path of a picture (png, jpg, bmp, tga, hdr, exr) relative to the scene file",
+            "the file searched for is {}: give the path of an image (png, jpg, bmp, tga, hdr, exr) relative to the scene \
+             file",
             full.display()
         );
         source.error(place, format!("cannot use the texture `{path}`: {reason}"), mend)
@@ -160,9 +165,9 @@ fn texture(
 pub fn sky(
     source: &Source,
     files: &Files,
-    draft: &mut Draft,
+    builder: &mut SceneBuilder,
     file: &SkyFile,
-    place: &Place,
+    place: &JsonPath,
 ) -> Result<Sky, SceneError> {
     if file.filter.is_some() && file.texture.is_none() {
         let mend = "remove it, or add a `texture`";
@@ -182,7 +187,14 @@ pub fn sky(
         }
         SkyFile { color, texture: Some(path), filter, .. } => Ok(Sky::Texture {
             color: radiance(source, &place.key("color"), color.unwrap_or([1.0; 3]))?,
-            texture: texture(source, files, draft, &place.key("texture"), path, (*filter, TexelKind::Color))?,
+            texture: texture(
+                source,
+                files,
+                builder,
+                &place.key("texture"),
+                path,
+                (*filter, TexelKind::Color),
+            )?,
         }),
         SkyFile { color: Some(color), .. } => Ok(Sky::Color(radiance(source, &place.key("color"), *color)?)),
         _ => {

@@ -1,48 +1,51 @@
 //! Wavefront MTL: the materials that an OBJ file names.
 //!
-//! For: [`load`]. May import: `check`, `draft`, `files`, `obj` (its reading of lines). Must never know: triangles.
+//! For: [`load`]. May import: `builder`, `files`, `statements`. Must not know: triangles.
 //!
-//! Read are Kd (linear reflectance), map_Kd, Ke (radiance), `norm` (a normal map), and what makes a mirror, metal, plastic or glass:
+//! Reads Kd (linear reflectance), map_Kd, Ke (radiance), `norm` (a normal map), and the statements that
+//! decide the type of the material:
 //!
 //! | statements | material |
 //! |---|---|
-//! | `illum 3` | metal that reflects Ks, or Kd where there is none; a mirror unless `Pr` says otherwise |
+//! | `illum 3` | metal with reflectance Ks, or Kd where Ks is missing; a mirror unless `Pr` says otherwise |
 //! | `illum 6`, `illum 7` (refraction) | glass |
 //! | `illum 4`, `illum 9` ("glass on"), unless it is stated to be opaque | glass |
 //! | opacity below a half and `Ni` above 1 | glass |
-//! | `Pm` of a half or more | metal that reflects Kd |
+//! | `Pm` of a half or more | metal with reflectance Kd |
 //! | `Pr` or `map_Pr` | plastic |
 //! | `illum 2`, or none, with Ks above 0 and `Ns` of 1 or more | plastic |
-//! | everything else | matt |
+//! | everything else | diffuse |
 //!
-//! The first line that fits counts. Metal and plastic are as rough as `Pr` times `map_Pr` says; where neither is there, plastic is as
-//! rough as a highlight of `Ns`: alpha = √(2 / (Ns + 2)) (Walter et al., "Microfacet Models for Refraction through Rough Surfaces", 2007,
-//! §5), and metal a mirror after `illum 3`, else of roughness ½. Plastic's index is `Ni` where that is above 1 and at most 3, else 1.5:
-//! how bright its highlight is follows from that and not from Ks.
+//! The first row that fits decides. The roughness of metal and plastic is `Pr` times `map_Pr`. Where both are
+//! missing, plastic gets the roughness of a highlight with exponent `Ns`: alpha = √(2 / (Ns + 2)) (Walter et
+//! al., "Microfacet Models for Refraction through Rough Surfaces", 2007, §5), and metal is a mirror after
+//! `illum 3`, else of roughness ½. Plastic's index of refraction is `Ni` if above 1 and at most 3, else 1.5;
+//! the brightness of its highlight follows from the index and not from Ks.
 //!
-//! Opacity is `d`, or else 1 − `Tr`; a `Tr` of exactly 1 is what some programs write for opaque things, and counts as nothing
-//! said. Glass has the index `Ni` (1.5 where that is missing or 0) and the colour `Tf` (white where that is missing or black);
-//! it fills its mesh: a pane needs two sides.
+//! Opacity is `d`, or else 1 − `Tr`. A `Tr` of exactly 1 is ignored: some programs write it for opaque
+//! materials. Glass has the index `Ni` (1.5 where missing or 0) and the colour `Tf` (white where missing or
+//! black). It fills its mesh: a pane needs two sides.
 //!
-//! Other highlights (Ks, Ns) and ambient light (Ka) are left out of every model and in silence, and so are clear coats, sheen and
-//! anisotropy of 0. Whatever else is left out is a
-//! warning, once for each kind and library, at the line where it stands first.
+//! Other highlights (Ks, Ns), ambient light (Ka), and clear coats, sheen and anisotropy of 0 are ignored
+//! without a warning. Every other ignored statement gives one warning for each kind and library, at its first
+//! line.
 
-use super::draft::Draft;
+use super::builder::SceneBuilder;
+use super::error::SceneError;
 use super::files::Files;
-use super::obj::{Fault, logical_lines, name, numbers, words};
-use super::{Filter, MIN_LENGTH, Material, MaterialKind, SceneError, TexelKind};
+use super::statements::{Fault, logical_lines, name, numbers, words};
 use glam::{DVec3, Vec3};
+use octray_engine::scene::{Filter, MIN_LENGTH, Material, MaterialKind, TexelKind};
 use std::collections::HashMap;
 use std::path::Path;
 
-/// Loads the libraries that an OBJ file at `obj` names into the draft; gives each material's number. A library or a
-/// picture that is missing is a warning: the model's shape can be seen without it.
+/// Loads the libraries that an OBJ file at `obj` names into the builder; returns each material's index. A
+/// missing library or texture is a warning: the model's shape is visible without it.
 pub fn load(
     libraries: &[String],
     obj: &Path,
     files: &Files,
-    draft: &mut Draft,
+    builder: &mut SceneBuilder,
 ) -> Result<HashMap<String, u32>, SceneError> {
     let folder = obj.parent().unwrap_or(Path::new(""));
     let mut numbers = HashMap::new();
@@ -60,15 +63,15 @@ pub fn load(
                 Ok(text) => {
                     let mut notes = Notes::default();
                     let entries = parse(&text, &path, &mut notes)?;
-                    notes.warn(&path, draft);
+                    notes.warn(&path, builder);
                     for entry in entries {
-                        let number = entry.add(name, &path, files, draft);
+                        let number = entry.add(name, &path, files, builder);
                         numbers.insert(entry.name, number);
                     }
                 }
                 Err(reason) => {
                     let (obj, path) = (obj.display(), path.display());
-                    draft.warn(format!("{obj}: cannot read the materials at {path}: {reason}."));
+                    builder.warn(format!("{obj}: cannot read the materials at {path}: {reason}."));
                 }
             }
         }
@@ -76,16 +79,16 @@ pub fn load(
     Ok(numbers)
 }
 
-/// Statements of these keywords change nothing, and nobody is told.
+/// Keywords that are ignored without a warning.
 const SILENT: [&[u8]; 5] = [b"Ka", b"sharpness", b"map_Ka", b"map_Ks", b"map_Ns"];
-/// These change nothing where they say 0.
+/// Keywords that are ignored without a warning if their value is 0.
 const LAYERS: [&[u8]; 5] = [b"Pc", b"Pcr", b"Ps", b"aniso", b"anisor"];
-/// Where a material does not say it: window glass.
+/// Default index of refraction: window glass.
 const IOR: f64 = 1.5;
-/// Below this much opacity, what bends light is glass, and not a leaf or a curtain.
+/// A refractive material with an opacity below this is glass, and not a leaf or a curtain.
 const CLEAR: f64 = 0.5;
 
-/// What was passed over: each kind once, with the line where it stands first and how often it stands.
+/// What was ignored: each kind once, with its first line and the number of occurrences.
 #[derive(Default)]
 struct Notes(Vec<(String, usize, usize)>);
 
@@ -96,15 +99,15 @@ impl Notes {
             None => self.0.push((what, line, 1)),
         }
     }
-    fn warn(self, path: &Path, draft: &mut Draft) {
+    fn warn(self, path: &Path, builder: &mut SceneBuilder) {
         for (what, line, count) in self.0 {
             let more = if count > 1 { format!(" ({} more like it)", count - 1) } else { String::new() };
-            draft.warn(format!("{}:{line}: {what}{more}.", path.display()));
+            builder.warn(format!("{}:{line}: {what}{more}.", path.display()));
         }
     }
 }
 
-/// A number, and the line that states it.
+/// A number, and the line that sets it.
 type Stated = Option<(f64, usize)>;
 
 #[derive(Default)]
@@ -113,7 +116,7 @@ struct Entry {
     diffuse: Option<DVec3>,
     specular: DVec3,
     emission: DVec3,
-    picture: Option<String>,
+    texture: Option<String>,
     illumination: Stated,
     /// `d`.
     opacity: Stated,
@@ -121,7 +124,7 @@ struct Entry {
     transparency: Stated,
     ior: Stated,
     /// `Ns`.
-    shine: f64,
+    specular_exponent: f64,
     /// `Pm`.
     metallic: Stated,
     /// `Pr`.
@@ -144,7 +147,7 @@ fn parse(text: &[u8], path: &Path, notes: &mut Notes) -> Result<Vec<Entry>, Scen
             entries.push(Entry { name: name(rest), ..Entry::default() });
             continue;
         }
-        // What stands before the first material belongs to none.
+        // Statements before the first `newmtl` are ignored.
         let Some(entry) = entries.last_mut() else { continue };
         let stated =
             |rest: &[u8]| numbers::<1>(rest, "this statement").map(|[x]| Some((x, line))).map_err(fault);
@@ -152,24 +155,24 @@ fn parse(text: &[u8], path: &Path, notes: &mut Notes) -> Result<Vec<Entry>, Scen
             b"Kd" => entry.diffuse = Some(color(rest).map_err(fault)?),
             b"Ks" => entry.specular = color(rest).map_err(fault)?,
             b"Ke" => entry.emission = color(rest).map_err(fault)?,
-            b"map_Kd" => entry.picture = picture(rest),
+            b"map_Kd" => entry.texture = texture_path(rest),
             b"illum" => entry.illumination = stated(rest)?,
-            // A halo is denser towards its edge; what it is denser than comes last.
+            // `-halo` varies the opacity with the angle; the base opacity follows it.
             b"d" => entry.opacity = stated(rest.trim_ascii().strip_prefix(b"-halo").unwrap_or(rest))?,
             b"Tr" => entry.transparency = stated(rest)?,
             b"Ni" => entry.ior = stated(rest)?,
-            b"Ns" => [entry.shine] = numbers::<1>(rest, "this statement").map_err(fault)?,
+            b"Ns" => [entry.specular_exponent] = numbers::<1>(rest, "this statement").map_err(fault)?,
             b"Pm" => entry.metallic = stated(rest)?,
             b"Pr" => entry.roughness = stated(rest)?.map(|(x, _)| x.clamp(0.0, 1.0)),
-            b"map_Pr" => entry.roughness_map = picture(rest),
-            b"norm" | b"map_Kn" => entry.normal_map = picture(rest),
+            b"map_Pr" => entry.roughness_map = texture_path(rest),
+            b"norm" | b"map_Kn" => entry.normal_map = texture_path(rest),
             _ if LAYERS.contains(&keyword) && numbers::<1>(rest, "a layer") == Ok([0.0]) => {}
             b"Tf" => entry.filter = numbers::<3>(rest, "a colour").ok().map(DVec3::from),
             _ if SILENT.contains(&keyword) || keyword.is_empty() || keyword.starts_with(b"#") => {}
             _ => notes.add(line, format!("`{}` is not read", String::from_utf8_lossy(keyword))),
         }
     }
-    entries.iter().for_each(|entry| entry.confess(notes));
+    entries.iter().for_each(|entry| entry.note_ignored(notes));
     Ok(entries)
 }
 
@@ -185,8 +188,8 @@ fn color(rest: &[u8]) -> Result<DVec3, Fault> {
     Ok(color)
 }
 
-/// The file name at the end of a `map_Kd` statement: options (`-s 1 1 1`, `-clamp on`) stand before it.
-fn picture(rest: &[u8]) -> Option<String> {
+/// The file name of a `map_Kd` statement, after options such as `-s 1 1 1` and `-clamp on`.
+fn texture_path(rest: &[u8]) -> Option<String> {
     let rest = name(rest);
     if !rest.starts_with('-') {
         return Some(rest).filter(|rest| !rest.is_empty());
@@ -195,123 +198,124 @@ fn picture(rest: &[u8]) -> Option<String> {
 }
 
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Look {
-    Matt,
+enum Type {
+    Diffuse,
     Metal,
     Plastic,
     Glass,
 }
 
 impl Entry {
-    /// 1 is opaque; `None` where nothing is said.
+    /// 1 is opaque; `None` where neither `d` nor `Tr` sets it.
     fn stated_opacity(&self) -> Stated {
         let transparency = self.transparency.filter(|&(x, _)| x != 1.0);
         self.opacity.or(transparency.map(|(x, line)| (1.0 - x, line)))
     }
 
-    /// As the table at the head of this file has it.
-    fn look(&self) -> Look {
+    /// By the table at the head of this file.
+    fn material_type(&self) -> Type {
         let opacity = self.stated_opacity().map(|(opacity, _)| opacity);
-        let bends = self.ior.is_some_and(|(ior, _)| ior > 1.0);
+        let refracts = self.ior.is_some_and(|(ior, _)| ior > 1.0);
         match self.illumination.map(|(model, _)| model as u32) {
-            Some(3) => Look::Metal,
-            Some(6 | 7) => Look::Glass,
-            Some(4 | 9) if opacity.is_none_or(|opacity| opacity < 1.0) => Look::Glass,
-            _ if bends && opacity.is_some_and(|opacity| opacity < CLEAR) => Look::Glass,
-            _ if self.metallic.is_some_and(|(metallic, _)| metallic >= 0.5) => Look::Metal,
-            _ if self.roughness.is_some() || self.roughness_map.is_some() => Look::Plastic,
-            Some(2) | None if self.specular != DVec3::ZERO && self.shine >= 1.0 => Look::Plastic,
-            _ => Look::Matt,
+            Some(3) => Type::Metal,
+            Some(6 | 7) => Type::Glass,
+            Some(4 | 9) if opacity.is_none_or(|opacity| opacity < 1.0) => Type::Glass,
+            _ if refracts && opacity.is_some_and(|opacity| opacity < CLEAR) => Type::Glass,
+            _ if self.metallic.is_some_and(|(metallic, _)| metallic >= 0.5) => Type::Metal,
+            _ if self.roughness.is_some() || self.roughness_map.is_some() => Type::Plastic,
+            Some(2) | None if self.specular != DVec3::ZERO && self.specular_exponent >= 1.0 => Type::Plastic,
+            _ => Type::Diffuse,
         }
     }
 
     fn kind(&self) -> MaterialKind {
         let stated = self.roughness.or(self.roughness_map.as_ref().map(|_| 1.0));
         let ior = self.ior.map(|(ior, _)| ior);
-        match self.look() {
-            Look::Matt => MaterialKind::Diffuse,
-            Look::Metal => {
+        match self.material_type() {
+            Type::Diffuse => MaterialKind::Diffuse,
+            Type::Metal => {
                 let is_mirror = self.illumination.is_some_and(|(model, _)| model as u32 == 3);
                 let roughness = stated.unwrap_or(if is_mirror { 0.0 } else { 0.5 });
                 MaterialKind::Metal { roughness: roughness as f32 }
             }
-            Look::Plastic => {
-                // alpha is the square of the roughness.
-                let roughness = stated.unwrap_or((2.0 / (self.shine + 2.0)).powf(0.25));
+            Type::Plastic => {
+                // alpha is roughness squared.
+                let roughness = stated.unwrap_or((2.0 / (self.specular_exponent + 2.0)).powf(0.25));
                 let ior = ior.filter(|&ior| ior > 1.0 && ior <= 3.0).unwrap_or(IOR);
                 MaterialKind::Plastic { roughness: roughness as f32, ior: ior as f32 }
             }
-            Look::Glass => {
+            Type::Glass => {
                 MaterialKind::Glass { ior: ior.filter(|&ior| ior >= MIN_LENGTH).unwrap_or(IOR) as f32 }
             }
         }
     }
 
-    /// Notes what the material says of its look and does not get.
-    fn confess(&self, notes: &mut Notes) {
-        let look = self.look();
-        if look != Look::Glass
+    /// Notes statements about the material's type that cannot be followed.
+    fn note_ignored(&self, notes: &mut Notes) {
+        let material_type = self.material_type();
+        if material_type != Type::Glass
             && let Some((_, line)) = self.stated_opacity().filter(|&(opacity, _)| opacity < 1.0)
         {
-            notes.add(line, "what is partly transparent, and no glass, is shown opaque".to_string());
+            notes.add(line, "a partly transparent material that is not glass is shown opaque".to_string());
         }
-        if let (Look::Matt | Look::Plastic, Some((model, line))) = (look, self.illumination)
+        if let (Type::Diffuse | Type::Plastic, Some((model, line))) = (material_type, self.illumination)
             && [4.0, 5.0, 8.0, 9.0].contains(&model)
         {
             notes.add(
                 line,
-                format!("`illum {model}` is shown matt: what mirrors is `illum 3`, glass `illum 7`"),
+                format!("`illum {model}` is shown diffuse: a mirror is `illum 3`, glass `illum 7`"),
             );
         }
-        if look == Look::Glass
+        if material_type == Type::Glass
             && let Some((_, line)) = self.ior.filter(|&(ior, _)| ior == 1.0)
         {
-            notes.add(line, "glass with `Ni 1` bends no light and cannot be seen".to_string());
+            notes.add(line, "glass with `Ni 1` does not refract and is invisible".to_string());
         }
-        if look == Look::Glass && self.picture.is_some() {
+        if material_type == Type::Glass && self.texture.is_some() {
             let line = [self.illumination, self.stated_opacity()].into_iter().flatten().next();
             notes.add(line.map_or(1, |(_, line)| line), "glass is shown without its `map_Kd`".to_string());
         }
     }
 
-    /// Adds the material to the draft; `library` is the MTL's name as the OBJ has it, `path` where it was found.
-    fn add(&self, library: &str, path: &Path, files: &Files, draft: &mut Draft) -> u32 {
+    /// Adds the material to the builder. `library` is the MTL's name in the OBJ file, `path` the file that
+    /// was found.
+    fn add(&self, library: &str, path: &Path, files: &Files, builder: &mut SceneBuilder) -> u32 {
         let mirror_color = if self.specular == DVec3::ZERO { None } else { Some(self.specular) };
-        let look = self.look();
-        let given = match look {
-            Look::Matt | Look::Plastic => self.diffuse,
-            Look::Metal if self.metallic.is_none() => mirror_color.or(self.diffuse),
-            Look::Metal => self.diffuse,
-            Look::Glass => self.filter.filter(|filter| filter.max_element() > 0.0),
+        let material_type = self.material_type();
+        let given = match material_type {
+            Type::Diffuse | Type::Plastic => self.diffuse,
+            Type::Metal if self.metallic.is_none() => mirror_color.or(self.diffuse),
+            Type::Metal => self.diffuse,
+            Type::Glass => self.filter.filter(|filter| filter.max_element() > 0.0),
         };
-        // A textured material without Kd shows its picture as it is.
-        let is_matt = matches!(look, Look::Matt | Look::Plastic);
-        let plain = if self.picture.is_some() || !is_matt { DVec3::ONE } else { DVec3::splat(0.8) };
+        // A textured material without Kd shows its texture unchanged.
+        let is_diffuse = matches!(material_type, Type::Diffuse | Type::Plastic);
+        let plain = if self.texture.is_some() || !is_diffuse { DVec3::ONE } else { DVec3::splat(0.8) };
         let color = given.unwrap_or(plain);
         if color.max_element() > 1.0 {
             let (path, name) = (path.display(), &self.name);
-            draft.warn(format!("{path}: the colour of `{name}` is above 1 and was lowered to 1."));
+            builder.warn(format!("{path}: the colour of `{name}` is above 1 and was clamped to 1."));
         }
-        let mut load = |picture: &Option<String>, texel_kind| {
-            let picture = picture.as_ref()?;
+        let mut load = |texture: &Option<String>, texel_kind| {
+            let texture = texture.as_ref()?;
             let folder = path.parent().unwrap_or(Path::new(""));
-            let slashed = picture.replace('\\', "/");
-            let spelt = if files.exists(&folder.join(picture)) { picture } else { &slashed };
+            let slashed = texture.replace('\\', "/");
+            let spelt = if files.exists(&folder.join(texture)) { texture } else { &slashed };
             let shown = Path::new(library).parent().unwrap_or(Path::new("")).join(spelt);
             let shown = shown.to_string_lossy();
             let loaded =
-                draft.textures.load(files, &folder.join(spelt), &shown, Filter::Bilinear, texel_kind);
+                builder.textures.load(files, &folder.join(spelt), &shown, Filter::Bilinear, texel_kind);
             loaded
                 .map_err(|reason| {
                     let (path, name) = (path.display(), &self.name);
                     let warning =
-                        format!("{path}: the texture `{picture}` of `{name}` is left out: {reason}.");
-                    draft.warnings.push(warning);
+                        format!("{path}: the texture `{texture}` of `{name}` is left out: {reason}.");
+                    builder.warnings.push(warning);
                 })
                 .ok()
         };
         let kind = self.kind();
-        let texture = if look == Look::Glass { None } else { load(&self.picture, TexelKind::Color) };
+        let texture = if material_type == Type::Glass { None } else { load(&self.texture, TexelKind::Color) };
         let roughness_map =
             if kind.has_roughness() { load(&self.roughness_map, TexelKind::Data) } else { None };
         let normal_map = load(&self.normal_map, TexelKind::Data);
@@ -324,6 +328,6 @@ impl Entry {
             normal_map,
             emission: self.emission.as_vec3().max(Vec3::ZERO),
         };
-        draft.add_material(material, 1.0)
+        builder.add_material(material, 1.0)
     }
 }

@@ -1,24 +1,27 @@
-//! Wavefront OBJ: from text to a mesh, and from a mesh to the triangles of a draft.
+//! Wavefront OBJ: from text to a mesh, and from a mesh to the triangles of a [`SceneBuilder`].
 //!
-//! For: [`parse`], [`add`], [`scene`]. May import: `mtl`, `draft`, `check`, `validate` (placements). Must never know: JSON.
+//! For: [`parse`], [`add`], [`scene`]. May import: `mtl`, `statements`, `builder`, `check`, `placement`. Must
+//! not know: JSON.
 //!
-//! Read here rather than by a library so that every fault has its line, no file can make the program panic, and a
-//! corner without texture coordinates never borrows another's.
+//! No library is used, so that every error has its line, no file can cause a panic, and a corner without
+//! texture coordinates never gets another corner's.
 
-use super::check::{WITHIN_BOUNDS, fits};
-use super::draft::{BOUNCES, Draft, RESOLUTION};
+use super::builder::{DEFAULT_BOUNCES, DEFAULT_RESOLUTION, SceneBuilder};
+use super::check::fits;
+use super::error::SceneError;
 use super::files::Files;
-use super::validate::Placement;
-use super::{Scene, SceneError, Sky, mtl};
+use super::mtl;
+use super::placement::Placement;
+use super::statements::{Fault, logical_lines, name, number, numbers, words};
 use glam::{DVec3, Vec2, Vec3};
-use std::borrow::Cow;
+use octray_engine::scene::{Scene, Sky};
 use std::collections::HashMap;
 use std::path::Path;
 
-/// A corner's texture coordinate or normal that is not given.
+/// Index of a corner's missing texture coordinate or normal.
 const NONE: u32 = u32::MAX;
 
-/// What an OBJ text says, indices checked.
+/// The content of an OBJ file, indices checked.
 #[derive(Default)]
 pub struct Mesh {
     positions: Vec<DVec3>,
@@ -48,8 +51,8 @@ struct Face {
     line: usize,
 }
 
-/// Reads an OBJ text: `v`, `vt`, `vn`, `f`, `mtllib` and `usemtl`; other statements mean nothing here. Bytes that are
-/// not UTF-8 may stand in comments and names.
+/// Reads an OBJ text: `v`, `vt`, `vn`, `f`, `mtllib` and `usemtl`; other statements are ignored. Comments and
+/// names may hold bytes that are not UTF-8.
 pub fn parse(text: &[u8], path: &Path) -> Result<Mesh, SceneError> {
     let mut mesh = Mesh::default();
     let mut material = None;
@@ -87,58 +90,7 @@ pub fn parse(text: &[u8], path: &Path) -> Result<Mesh, SceneError> {
     Ok(mesh)
 }
 
-/// What is wrong with a line, and how to mend it.
-pub type Fault = (String, String);
-
-/// Lines with their numbers, from 1; a line that ends with a backslash goes on in the next.
-pub fn logical_lines(text: &[u8]) -> impl Iterator<Item = (usize, Cow<'_, [u8]>)> {
-    let text = text.strip_prefix(b"\xef\xbb\xbf").unwrap_or(text);
-    let mut lines = text.split(|&byte| byte == b'\n').enumerate();
-    std::iter::from_fn(move || {
-        let (index, first) = lines.next()?;
-        let mut content = Cow::Borrowed(first);
-        while let Some(head) = content.trim_ascii_end().strip_suffix(b"\\") {
-            let Some((_, next)) = lines.next() else { break };
-            content = Cow::Owned([head, b" ", next].concat());
-        }
-        Some((index + 1, content))
-    })
-}
-
-/// The rest of a line as a name: it may hold spaces.
-pub fn name(rest: &[u8]) -> String {
-    String::from_utf8_lossy(rest.trim_ascii()).into_owned()
-}
-
-pub fn words(rest: &[u8]) -> impl Iterator<Item = &[u8]> {
-    rest.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty())
-}
-
-/// The first `N` words as numbers; what follows them (weights, vertex colours) means nothing here.
-pub fn numbers<const N: usize>(rest: &[u8], what: &str) -> Result<[f64; N], Fault> {
-    let mut words = words(rest);
-    let mut values = [0.0; N];
-    for value in &mut values {
-        let Some(word) = words.next() else {
-            return Err((format!("{what} needs {N} numbers"), format!("write {N} numbers on this line")));
-        };
-        *value = number(word)?;
-    }
-    Ok(values)
-}
-
-fn number(word: &[u8]) -> Result<f64, Fault> {
-    let shown = String::from_utf8_lossy(word);
-    let value: f64 =
-        shown.parse().map_err(|_| (format!("`{shown}` is not a number"), "write a number".to_string()))?;
-    if fits(value) {
-        Ok(value)
-    } else {
-        Err((format!("`{shown}` is not a number that a scene can hold"), WITHIN_BOUNDS.to_string()))
-    }
-}
-
-/// One number or more: u, then v, which is 0 where missing.
+/// u, then v, which is 0 where missing.
 fn texcoord(rest: &[u8]) -> Result<Vec2, Fault> {
     let [u] = numbers::<1>(rest, "a texture coordinate")?;
     let v = words(rest).nth(1).map_or(Ok(0.0), number)?;
@@ -165,7 +117,7 @@ impl Mesh {
         self.faces.push(Face { corners: start..self.corners.len(), material, line });
         Ok(())
     }
-    /// Every index must exist somewhere in the file, not only above the face.
+    /// Every index must exist in the file; it may be defined below the face.
     fn check_indices(&self, path: &Path) -> Result<(), SceneError> {
         for face in &self.faces {
             for corner in &self.corners[face.corners.clone()] {
@@ -200,45 +152,46 @@ fn face_fault(word: &[u8]) -> Fault {
     )
 }
 
-/// An index from 0. Positive ones count from 1; negative ones count back from the latest of `count` entries.
+/// Converts an OBJ index to one from 0. Positive ones count from 1; negative ones count back from the last of
+/// `count` entries.
 fn index(word: Option<&[u8]>, count: usize) -> Result<u32, Fault> {
     let Some(word) = word.filter(|word| !word.is_empty()) else { return Ok(NONE) };
     let number: i64 =
         std::str::from_utf8(word).ok().and_then(|word| word.parse().ok()).ok_or_else(|| face_fault(word))?;
     let from_zero = if number < 0 { number.saturating_add(count as i64) } else { number - 1 };
     u32::try_from(from_zero).ok().filter(|&index| index != NONE).ok_or_else(|| {
-        let what = format!("the face uses index {number}, but {count} such entries stand above it");
+        let what = format!("the face uses index {number}, but {count} such entries are defined above it");
         (what, "indices count from 1, or back from -1".to_string())
     })
 }
 
-/// Why a mesh cannot be where its placement puts it.
+/// Why a mesh cannot be used with its placement.
 pub enum Misplaced {
     /// This point lies beyond the bounds of a scene.
     TooFar(DVec3),
-    /// None of its triangles has an area in single precision.
+    /// No triangle has an area in single precision.
     NoArea,
 }
 
-/// Adds a mesh's triangles to the draft: polygons become fans around their first corner; triangles without an area are
-/// left out, with one warning that counts them. All have `material`, or else the materials of the model's own MTL.
-/// `Some` where the placement makes the mesh unusable.
+/// Adds a mesh's triangles to the builder. Polygons become fans around their first corner; triangles without
+/// area are left out, with one warning that counts them. All have `material`, or else the materials of the
+/// model's MTL. Returns `Some` if the placement makes the mesh unusable.
 pub fn add(
     mesh: &Mesh,
     path: &Path,
     files: &Files,
-    draft: &mut Draft,
+    builder: &mut SceneBuilder,
     material: Option<u32>,
     placement: &Placement,
 ) -> Result<Option<Misplaced>, SceneError> {
     let own = match material {
         Some(_) => HashMap::new(),
-        None => mtl::load(&mesh.libraries, path, files, draft)?,
+        None => mtl::load(&mesh.libraries, path, files, builder)?,
     };
     let own: Vec<Option<u32>> = mesh.materials.iter().map(|name| own.get(name).copied()).collect();
     if material.is_none() {
         for (name, _) in mesh.materials.iter().zip(&own).filter(|(_, number)| number.is_none()) {
-            draft.warn(format!(
+            builder.warn(format!(
                 "{}: the material `{name}` is not defined; a default is used.",
                 path.display()
             ));
@@ -248,13 +201,14 @@ pub fn add(
     if let Some(&outside) = positions.iter().find(|p| !p.to_array().into_iter().all(fits)) {
         return Ok(Some(Misplaced::TooFar(outside)));
     }
-    let normals: Vec<Vec3> = mesh.normals.iter().map(|n| (placement.turn * n.as_dvec3()).as_vec3()).collect();
+    let normals: Vec<Vec3> =
+        mesh.normals.iter().map(|n| (placement.rotation * n.as_dvec3()).as_vec3()).collect();
 
     let (mut without_area, mut with_area) = (0, 0);
     for face in &mesh.faces {
         let material = match material.or_else(|| own[face.material?]) {
             Some(material) => material,
-            None => draft.default_material(),
+            None => builder.default_material(),
         };
         let corners = &mesh.corners[face.corners.clone()];
         for i in 1..corners.len() - 1 {
@@ -266,7 +220,7 @@ pub fn add(
             let normals = all_have(|corner| corner.normal)
                 .then(|| fan.map(|corner| normals[corner.normal as usize]))
                 .filter(|normals| normals.iter().all(|&normal| normal != Vec3::ZERO));
-            match draft.add_triangle(vertices, material, uvs, normals) {
+            match builder.add_triangle(vertices, material, uvs, normals) {
                 true => with_area += 1,
                 false => without_area += 1,
             }
@@ -277,28 +231,30 @@ pub fn add(
     }
     if without_area > 0 {
         let (noun, verb) = if without_area == 1 { ("triangle", "was") } else { ("triangles", "were") };
-        draft.warn(format!("{}: {without_area} {noun} of zero area {verb} left out.", path.display()));
+        builder.warn(format!("{}: {without_area} {noun} of zero area {verb} left out.", path.display()));
     }
     Ok(None)
 }
 
-/// The sky over a model that is a scene of its own: white above and nearly black below, so that what faces up, aside and down differs.
-/// Under one colour, a matt shape shows nothing but its creases.
+/// The sky over a model that is loaded as a scene: white above and nearly black below, so that surfaces
+/// facing up, sideways and down differ. Under a sky of one colour a diffuse shape shows only its creases.
 const SKY: Sky = Sky::Gradient { bottom: Vec3::splat(0.05), top: Vec3::ONE };
 
-/// A model as a scene of its own: framed automatically under a plain sky.
+/// A model as a scene: framed automatically under a plain sky.
 pub fn scene(text: &[u8], path: &Path, files: &Files, name: String) -> Result<Scene, SceneError> {
-    let mut draft = Draft::default();
+    let mut builder = SceneBuilder::default();
     let mesh = parse(text, path)?;
-    // Where the file has it, no point is too far: they were read within the bounds.
-    if add(&mesh, path, files, &mut draft, None, &Placement::AS_IT_IS)?.is_some() {
+    // Without a placement no point is too far: `parse` checked the bounds.
+    if add(&mesh, path, files, &mut builder, None, &Placement::IDENTITY)?.is_some() {
         let mend = "export the model again, or larger: all its faces have zero area in single precision";
         return Err(SceneError::new("the mesh has nothing to see").in_file(path).mend(mend));
     }
-    let camera = draft.framing(None, None);
+    let camera = builder.framing(None, None);
     if let Some((_, what, _)) = camera.fault() {
         let mend = "scale the model up, or move it nearer to the origin";
         return Err(SceneError::new(format!("the mesh cannot be framed: {what}")).in_file(path).mend(mend));
     }
-    draft.finish(name, camera, RESOLUTION, BOUNCES, SKY).map_err(|error| error.in_file(path))
+    builder
+        .finish(name, camera, DEFAULT_RESOLUTION, DEFAULT_BOUNCES, SKY)
+        .map_err(|error| error.in_file(path))
 }

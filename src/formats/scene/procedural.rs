@@ -1,15 +1,17 @@
-//! Meshes of any size, made by rule: for seeing how cost grows.
+//! Generated meshes of any size, to measure how cost grows with the number of triangles.
 //!
-//! For: [`read`], and [`Shape::scene`]. May import: `builtin` (for its prefix), `draft`, `wording`. Must never know: a file format.
+//! For: [`read`], and [`Shape::scene`]. May import: `embedded` (the prefix), `builder`, `wording`. Must not
+//! know: a file format.
 //!
-//! `terrain:N` is a height field with lakes, `knot:N` a closed tube tied in a trefoil; N is about how many triangles they have (the
-//! knot has at least 18). Their shapes do not depend on N, only how finely they are cut.
+//! `terrain:N` is a height field with lakes, `knot:N` a closed tube tied in a trefoil. N is the approximate
+//! number of triangles (a knot has at least 18). The shape does not depend on N, only its tessellation does.
 
-use super::builtin::PREFIX;
-use super::draft::{BOUNCES, Draft, RESOLUTION};
-use super::{Camera, Material, MaterialKind, Scene, SceneError, Sky};
+use super::builder::{DEFAULT_BOUNCES, DEFAULT_RESOLUTION, SceneBuilder};
+use super::embedded::PREFIX;
+use super::error::SceneError;
 use crate::wording::grouped;
 use glam::{DVec3, Vec3};
+use octray_engine::scene::{Camera, Material, MaterialKind, Scene, Sky};
 use std::f64::consts::TAU;
 
 const FEWEST: usize = 2;
@@ -23,19 +25,20 @@ enum Kind {
 
 const KINDS: [(&str, Kind); 2] = [("terrain", Kind::Terrain), ("knot", Kind::Knot)];
 
-/// What to make.
+/// A mesh to generate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Shape {
     kind: Kind,
     triangles: usize,
 }
 
-/// The words that a number follows, as they follow `builtin:`.
+/// The names that take a number, as they follow `builtin:`.
 pub fn words() -> impl Iterator<Item = &'static str> {
     KINDS.iter().map(|&(word, _)| word)
 }
 
-/// The shape that a name asks for: none if the name is not of a shape, an error if it does not say properly how fine.
+/// The shape that a name asks for: `None` if the name is not a shape's, an error if its number is missing or
+/// out of range.
 pub fn read(name: &str) -> Result<Option<Shape>, SceneError> {
     let (word, count) = name.split_once(':').unwrap_or((name, ""));
     let Some(&(word, kind)) = KINDS.iter().find(|(known, _)| *known == word) else { return Ok(None) };
@@ -51,20 +54,20 @@ pub fn read(name: &str) -> Result<Option<Shape>, SceneError> {
     }
 }
 
-/// How many triangles a shape may be asked for.
+/// The allowed numbers of triangles, as text.
 fn range() -> String {
     format!("from {} to {}", grouped(FEWEST), grouped(MOST))
 }
 
 impl Shape {
-    /// Makes it.
+    /// Generates the scene.
     pub fn scene(self, name: &str) -> Result<Scene, SceneError> {
-        let mut draft = Draft::default();
+        let mut builder = SceneBuilder::default();
         let (camera, sky) = match self.kind {
-            Kind::Terrain => terrain(&mut draft, self.triangles / 2),
-            Kind::Knot => knot(&mut draft, self.triangles / 2),
+            Kind::Terrain => terrain(&mut builder, self.triangles / 2),
+            Kind::Knot => knot(&mut builder, self.triangles / 2),
         };
-        draft.finish(name.to_string(), camera, RESOLUTION, BOUNCES, sky)
+        builder.finish(name.to_string(), camera, DEFAULT_RESOLUTION, DEFAULT_BOUNCES, sky)
     }
 }
 
@@ -81,13 +84,14 @@ fn material(name: &str, kind: MaterialKind, color: [f32; 3]) -> Material {
 }
 
 /// The whole number nearest to a quotient.
-fn nearest(over: usize, under: usize) -> usize {
+fn rounded_quotient(over: usize, under: usize) -> usize {
     (over + under / 2) / under
 }
 
-/// Adds a net of `columns` × `rows` meshes, two triangles each, with knots at `point` and materials by three corners.
-fn add_net(
-    draft: &mut Draft,
+/// Adds a grid of `columns` × `rows` quads, two triangles each, with vertices at `point` and a material for
+/// each triangle.
+fn add_grid(
+    builder: &mut SceneBuilder,
     [columns, rows]: [usize; 2],
     point: impl Fn(usize, usize) -> Vec3,
     material: impl Fn([Vec3; 3]) -> u32,
@@ -98,8 +102,8 @@ fn add_net(
         let upper = row(y);
         for (low, high) in lower.windows(2).zip(upper.windows(2)) {
             for corners in [[low[0], high[0], high[1]], [low[0], high[1], low[1]]] {
-                // What has no area does not matter.
-                let _ = draft.add_triangle(corners, material(corners), None, None);
+                // Triangles without area are left out.
+                let _ = builder.add_triangle(corners, material(corners), None, None);
             }
         }
         lower = upper;
@@ -108,23 +112,23 @@ fn add_net(
 
 /// Scene units along x and z.
 const TERRAIN_SIDE: f64 = 10.0;
-/// Where lakes stand.
+/// Height of the lakes' surface.
 const WATER: f64 = 0.42;
 
-fn terrain(draft: &mut Draft, cells: usize) -> (Camera, Sky) {
-    let grass = draft.add_material(material("grass", MaterialKind::Diffuse, [0.19, 0.25, 0.08]), 1.0);
-    let rock = draft.add_material(material("rock", MaterialKind::Diffuse, [0.34, 0.29, 0.25]), 1.0);
-    let snow = draft.add_material(material("snow", MaterialKind::Diffuse, [0.88, 0.9, 0.93]), 1.0);
+fn terrain(builder: &mut SceneBuilder, cells: usize) -> (Camera, Sky) {
+    let grass = builder.add_material(material("grass", MaterialKind::Diffuse, [0.19, 0.25, 0.08]), 1.0);
+    let rock = builder.add_material(material("rock", MaterialKind::Diffuse, [0.34, 0.29, 0.25]), 1.0);
+    let snow = builder.add_material(material("snow", MaterialKind::Diffuse, [0.88, 0.9, 0.93]), 1.0);
     let water = MaterialKind::Metal { roughness: 0.12 };
-    let water = draft.add_material(material("water", water, [0.32, 0.45, 0.52]), 1.0);
+    let water = builder.add_material(material("water", water, [0.32, 0.45, 0.52]), 1.0);
     let columns = ((cells as f64).sqrt().round() as usize).max(1);
-    let rows = nearest(cells, columns).max(1);
+    let rows = rounded_quotient(cells, columns).max(1);
     let at = |i: usize, count: usize| (i as f64 / count as f64 - 0.5) * TERRAIN_SIDE;
     let point = |x: usize, y: usize| {
         let (x, z) = (at(x, columns), at(y, rows));
         DVec3::new(x, height(x, z).max(WATER), z).as_vec3()
     };
-    add_net(draft, [columns, rows], point, |[a, b, c]| {
+    add_grid(builder, [columns, rows], point, |[a, b, c]| {
         let upwards = (b - a).cross(c - a).normalize_or(Vec3::Y).y;
         let top = a.y.max(b.y).max(c.y);
         match () {
@@ -143,7 +147,8 @@ fn terrain(draft: &mut Draft, cells: usize) -> (Camera, Sky) {
     (camera, Sky::Gradient { bottom: Vec3::new(1.15, 0.95, 0.8), top: Vec3::new(0.35, 0.6, 1.1) })
 }
 
-/// Height of the ground in scene units: a ridged multifractal. Sums and products alone, so every machine gives the same.
+/// Height of the ground in scene units: a ridged multifractal. Only sums and products, so every machine gives
+/// the same bits.
 ///
 /// Source: Musgrave, in Ebert et al., Texturing and Modeling, 3ed ch. 16.
 fn height(x: f64, z: f64) -> f64 {
@@ -152,14 +157,15 @@ fn height(x: f64, z: f64) -> f64 {
         let ridge = 1.0 - noise(x * scale, z * scale, octave).abs();
         let signal = ridge * ridge * weight;
         sum += signal * 0.55_f64.powi(octave as i32);
-        // Valleys stay smooth.
+        // Low signals damp the next octave: valleys stay smooth.
         weight = (1.6 * signal).min(1.0);
         scale *= 2.03;
     }
     1.35 * sum - 0.75
 }
 
-/// Smooth noise in [−1, 1]: random numbers at whole coordinates, and between them a polynomial with two derivatives.
+/// Value noise in [−1, 1]: random numbers at whole coordinates, interpolated by a polynomial with two
+/// continuous derivatives.
 fn noise(x: f64, z: f64, octave: u32) -> f64 {
     let (left, near) = (x.floor(), z.floor());
     let smooth = |t: f64| t * t * t * (t * (t * 6.0 - 15.0) + 10.0);
@@ -172,34 +178,35 @@ fn noise(x: f64, z: f64, octave: u32) -> f64 {
     blend(blend(value(0, 0), value(1, 0), u), blend(value(0, 1), value(1, 1), u), v)
 }
 
-/// Source: C. Wellons, "Prospecting for hash functions", 2018. A scene knows nothing of sampling, which has another one.
+/// Integer hash. Source: C. Wellons, "Prospecting for hash functions", 2018. Independent of the renderer's
+/// sampling hash.
 fn mix(mut x: u32) -> u32 {
     x = (x ^ (x >> 15)).wrapping_mul(0x2c1b_3c6d);
     x = (x ^ (x >> 12)).wrapping_mul(0x297a_2d39);
     x ^ (x >> 15)
 }
 
-/// The trefoil winds this often around the axis of a torus while it winds that often around the torus's ring.
+/// Windings of the trefoil around a torus's axis, and around the torus's ring.
 const WINDINGS: [f64; 2] = [2.0, 3.0];
-/// Radii of the ring and of the torus around it, and the tube's; scene units.
+/// Radii of the ring, of the torus around it, and of the tube; scene units.
 const RING: f64 = 1.0;
 const TORUS: f64 = 0.45;
 const TUBE: f64 = 0.28;
 
-fn knot(draft: &mut Draft, cells: usize) -> (Camera, Sky) {
+fn knot(builder: &mut SceneBuilder, cells: usize) -> (Camera, Sky) {
     let copper = MaterialKind::Metal { roughness: 0.35 };
-    let copper = draft.add_material(material("copper", copper, [0.9, 0.45, 0.24]), 1.0);
+    let copper = builder.add_material(material("copper", copper, [0.9, 0.45, 0.24]), 1.0);
     let [around_axis, around_ring] = WINDINGS;
-    // Meshes are about square.
+    // Quads are about square.
     let length = TAU * (around_axis * RING).hypot(around_ring * TORUS);
     let around = ((cells as f64 * TAU * TUBE / length).sqrt().round() as usize).max(3);
-    let along = nearest(cells, around).max(3);
+    let along = rounded_quotient(cells, around).max(3);
     let point = |x: usize, y: usize| {
-        // The last knots of the net are its first ones: not a bit of a gap.
+        // The grid's last vertices are its first, bit for bit: the surface is closed.
         let turn = |i: usize, count: usize| (i % count) as f64 / count as f64 * TAU;
         on_tube(turn(x, along), turn(y, around)).as_vec3()
     };
-    add_net(draft, [along, around], point, |_| copper);
+    add_grid(builder, [along, around], point, |_| copper);
     let camera = Camera {
         position: Vec3::new(1.2, 3.9, 3.0),
         look_at: Vec3::new(0.0, 0.0, 0.05),
@@ -209,7 +216,7 @@ fn knot(draft: &mut Draft, cells: usize) -> (Camera, Sky) {
     (camera, Sky::Gradient { bottom: Vec3::new(0.05, 0.06, 0.09), top: Vec3::new(1.2, 1.25, 1.35) })
 }
 
-/// The point at an angle `s` along the knot and `t` around the tube, whose ribs wind along it.
+/// The point at an angle `s` along the knot and `t` around the tube. Ribs wind along the tube.
 fn on_tube(s: f64, t: f64) -> DVec3 {
     let [around_axis, around_ring] = WINDINGS;
     let ((sin_axis, cos_axis), (sin_ring, cos_ring)) =
@@ -220,7 +227,7 @@ fn on_tube(s: f64, t: f64) -> DVec3 {
     let center = outwards * radius + DVec3::Y * (TORUS * sin_ring);
     let tangent = forwards * (around_axis * radius)
         + (DVec3::Y * cos_ring - outwards * sin_ring) * (around_ring * TORUS);
-    // The torus's normal is at right angles to every curve on it, and returns to itself where the knot does.
+    // The torus's normal is perpendicular to every curve on it, and is periodic along the knot.
     let normal = outwards * cos_ring + DVec3::Y * sin_ring;
     let binormal = tangent.normalize().cross(normal);
     let ribs = 1.0 + 0.07 * (5.0 * t + 24.0 * s).sin();
@@ -275,7 +282,7 @@ mod tests {
                 }
             }
             assert!(edges.values().all(|&surplus| surplus == 0), "knot:{count} has a gap");
-            // The coarsest one steps so far that it winds the other way.
+            // The coarsest tessellation has steps so long that it winds the other way.
             assert!(count == 18 || volume > 0.0, "knot:{count} is inside out: {volume}");
         }
     }

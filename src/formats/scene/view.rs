@@ -1,29 +1,32 @@
-//! A view: a file that names another scene and says how it is looked at and rendered.
+//! A view: a file that names another scene, with a camera and render options of its own.
 //!
-//! For: [`View`], with its writer [`View::text`], and [`read`] and [`show`] for `load`. May import: this folder, and the engine's choices.
-//! Must not know: the ranges of numbers under `render`, which are the command line's.
+//! For: [`View`] and [`Loaded`], the writer [`View::text`], and [`read`] and [`apply`] for `load`. May
+//! import: `json`, `native`, `validate` (cameras), `check`, `write`. Must not know: the ranges of the render
+//! options; the viewer.
 
-use super::file::{CameraFile, read as read_json};
-use super::load::Loaded;
-use super::place::{Place, Source};
-use super::validate::{camera, check_bounces, check_resolution};
-use super::{Camera, Scene, SceneError, builtin, writing};
+use super::check::{check_bounces, check_resolution};
+use super::embedded::PREFIX;
+use super::error::SceneError;
+use super::json::{JsonPath, Source, read as read_json};
+use super::native::{CameraFile, VIEW_FORMAT};
+use super::validate::camera;
+use super::write;
 use octray_engine::buffers::LightChoice;
 use octray_engine::render::PipelineChoice;
 use octray_engine::sampling::Sampler;
+use octray_engine::scene::{Camera, Scene};
 use octray_engine::tone::Operator;
 use octray_engine::traverse::{BoxChoice, SphereChoice, TraversalChoice, TriangleChoice};
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 use std::fs;
+use std::ops::Deref;
 use std::path::Path;
 
-/// The value of `format` in a view.
-pub const FORMAT: &str = "octray-view-1";
-
-/// What a file of the format `octray-view-1` says. A view that is written and read again is the same in every bit.
+/// The content of a file of the format `octray-view-1`. A view that is written and read again has the same
+/// bits.
 ///
-/// Domain of what is written: finite numbers that a scene may hold.
+/// Domain of the writer: finite numbers within a scene's bounds.
 ///
 /// ```
 /// use octray_engine::tone::Operator;
@@ -39,7 +42,7 @@ pub const FORMAT: &str = "octray-view-1";
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct View {
-    /// The scene: a path relative to the view's folder, or `builtin:NAME`. Never a view.
+    /// The scene's path relative to the view's folder, or `builtin:NAME`. Never a view.
     pub scene: String,
     /// The scene's own if `None`.
     pub camera: Option<Camera>,
@@ -50,8 +53,8 @@ pub struct View {
     pub render: Rendering,
 }
 
-/// Options of `octray render`, under their names on the command line. `None` is not written. The command line checks the ranges of the
-/// numbers and reports a fault with [`view_fault`].
+/// Options of `octray render`, under their names on the command line. `None` is not written. The command
+/// line checks the ranges of the numbers and reports a fault with [`view_fault`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, expecting = "an object of options of `octray render`")]
 pub struct Rendering {
@@ -81,9 +84,31 @@ pub struct Rendering {
     pub pipeline: Option<PipelineChoice>,
 }
 
+/// A scene, and the view that it was loaded through, if the file was a view.
+#[derive(Clone, Debug)]
+pub struct Loaded {
+    /// With the view's camera, resolution and bounces applied.
+    pub scene: Scene,
+    pub view: Option<View>,
+}
+
+impl Deref for Loaded {
+    type Target = Scene;
+
+    fn deref(&self) -> &Scene {
+        &self.scene
+    }
+}
+
+impl From<Scene> for Loaded {
+    fn from(scene: Scene) -> Self {
+        Self { scene, view: None }
+    }
+}
+
 impl View {
-    /// A scene as it is, viewed from a file in `folder`; of a scene that was loaded through a view, what that is a view of. `render`
-    /// says nothing yet.
+    /// A view of a scene with its present camera, for a file in `folder`. For a scene loaded through a view,
+    /// it names the viewed scene. `render` is empty.
     pub fn of(scene: &Scene, loaded_through: Option<&View>, folder: &Path) -> Self {
         Self {
             scene: name_of_viewed(scene, loaded_through, folder),
@@ -94,15 +119,16 @@ impl View {
         }
     }
 
-    /// The text of its file.
+    /// The text of the view's file.
     pub fn text(&self) -> String {
         let mut entries =
-            vec![("format", json!(FORMAT).to_string()), ("scene", json!(self.scene).to_string())];
-        entries.extend(self.camera.map(|camera| ("camera", writing::camera(&camera))));
+            vec![("format", json!(VIEW_FORMAT).to_string()), ("scene", json!(self.scene).to_string())];
+        entries.extend(self.camera.map(|camera| ("camera", write::camera(&camera))));
         entries.extend(self.resolution.map(|resolution| ("resolution", json!(resolution).to_string())));
         entries.extend(self.max_bounces.map(|bounces| ("max_bounces", bounces.to_string())));
         if self.render != Rendering::default() {
-            // Indented as a part of the file.
+            // Indents the nested object. Line breaks inside strings are safe: JSON writes them as two
+            // characters.
             let render = serde_json::to_string_pretty(&self.render).expect("options are JSON");
             entries.push(("render", render.replace('\n', "\n  ")));
         }
@@ -111,20 +137,20 @@ impl View {
     }
 }
 
-/// How a view in `folder` names this scene, or what this scene is a view of.
+/// How a view in `folder` names this scene, or the scene that it is a view of.
 fn name_of_viewed(scene: &Scene, loaded_through: Option<&View>, folder: &Path) -> String {
     let file = match loaded_through {
-        Some(view) if view.scene.starts_with(builtin::PREFIX) => return view.scene.clone(),
+        Some(view) if view.scene.starts_with(PREFIX) => return view.scene.clone(),
         Some(_) => scene.files.get(1),
         None => scene.files.first(),
     };
     match file.and_then(|path| Some((path.parent()?, path.file_name()?))) {
-        Some((beside, name)) => writing::relative(beside, &name.to_string_lossy(), folder),
+        Some((beside, name)) => write::relative(beside, &name.to_string_lossy(), folder),
         None => scene.name.clone(),
     }
 }
 
-/// The file as the user wrote it.
+/// The view file as the user wrote it.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields, expecting = "an object with `format` and `scene`")]
 pub struct ViewFile {
@@ -137,14 +163,14 @@ pub struct ViewFile {
     render: Option<Rendering>,
 }
 
-/// Reads a text that is known to be of this format.
+/// Parses a text whose `format` is [`VIEW_FORMAT`].
 pub fn read(source: &Source) -> Result<ViewFile, SceneError> {
     read_json(source)
 }
 
-/// The scene that a view names, seen as the view says. What the view leaves out of a camera is the scene's own.
-pub fn show(source: &Source, file: ViewFile, mut scene: Scene, name: String) -> Result<Loaded, SceneError> {
-    let root = Place::Root;
+/// Applies a view to the scene that it names. Camera keys that the view leaves out keep the scene's values.
+pub fn apply(source: &Source, file: ViewFile, mut scene: Scene, name: String) -> Result<Loaded, SceneError> {
+    let root = JsonPath::Root;
     if let Some(resolution) = file.resolution {
         check_resolution(source, &root.key("resolution"), resolution)?;
         scene.resolution = resolution;
@@ -172,11 +198,11 @@ pub fn show(source: &Source, file: ViewFile, mut scene: Scene, name: String) -> 
     Ok(Loaded { scene, view: Some(view) })
 }
 
-/// The error for a value under `render` that cannot be used: what is wrong with `key` and how to mend it. Reads the file once more to find
-/// the line.
+/// An error about the value of `key` in the `render` object of the view that the scene was loaded through.
+/// Reads the file again to find the line.
 pub fn view_fault(scene: &Scene, key: &str, what: impl Into<String>, mend: impl Into<String>) -> SceneError {
     let file = scene.files.first().map_or(Path::new(""), |file| file);
     let text = fs::read_to_string(file).unwrap_or_default();
-    let (root, text) = (Place::Root, text.trim_start_matches('\u{feff}'));
+    let (root, text) = (JsonPath::Root, text.trim_start_matches('\u{feff}'));
     Source { file, text }.error(&root.key("render").key(key), what, mend)
 }

@@ -1,24 +1,25 @@
-//! A scene in the making: what all formats share on the way to a [`Scene`].
+//! Builds a [`Scene`]: the part that all formats share.
 //!
-//! For: [`Draft`], which adds up materials, textures and primitives and fills in what the user left out. May import:
-//! `check`, `framing`, `image`. Must never know: a file format.
+//! For: [`SceneBuilder`], which collects materials, textures and primitives and fills in defaults. May
+//! import: `check`, `texture`, `error`, the engine's scene model. Must not know: a file format.
 
 use super::check::has_area;
-use super::image::Textures;
-use super::{Camera, Material, MaterialKind, Scene, SceneError, Sky, Sphere, Triangle, bounds, framing};
+use super::error::SceneError;
+use super::texture::Textures;
 use glam::{DVec2, DVec3, Vec2, Vec3};
+use octray_engine::scene::{Camera, Material, MaterialKind, Scene, Sky, Sphere, Triangle, bounds, framing};
 
-/// Pictures are this large unless told otherwise: the size at which speed is measured.
-pub const RESOLUTION: [u32; 2] = [240, 135];
-/// Paths scatter this often unless told otherwise.
-pub const BOUNCES: u32 = 4;
-/// Indices of primitives stay positive as 32-bit integers.
+/// Default resolution: the size at which speed is measured.
+pub const DEFAULT_RESOLUTION: [u32; 2] = [240, 135];
+/// Default number of scattering events on a path.
+pub const DEFAULT_BOUNCES: u32 = 4;
+/// Primitive indices stay positive as 32-bit signed integers.
 pub const MAX_PRIMITIVES: usize = i32::MAX as usize;
 
 #[derive(Default)]
-pub struct Draft {
+pub struct SceneBuilder {
     pub materials: Vec<Material>,
-    /// Beside `materials`: scene units that one repeat of the texture covers where a triangle has no `uvs`.
+    /// Per material: scene units that one repeat of the texture covers on a triangle without `uvs`.
     texture_sizes: Vec<f64>,
     default_material: Option<u32>,
     pub textures: Textures,
@@ -29,13 +30,13 @@ pub struct Draft {
     pub warnings: Vec<String>,
 }
 
-impl Draft {
+impl SceneBuilder {
     pub fn add_material(&mut self, material: Material, texture_size: f64) -> u32 {
         self.materials.push(material);
         self.texture_sizes.push(texture_size);
         (self.materials.len() - 1) as u32
     }
-    /// The material of things that name none.
+    /// The material of primitives that name none.
     pub fn default_material(&mut self) -> u32 {
         self.default_material.unwrap_or_else(|| {
             let number = self.add_material(
@@ -54,9 +55,9 @@ impl Draft {
             number
         })
     }
-    /// Adds a triangle and says true, or says false because it has no area. Texture coordinates are kept only where the
-    /// material has pictures; where they are missing there, they are planar. Normals, of unit length, are kept only where they
-    /// are not those of the flat triangle.
+    /// Adds a triangle and returns true, or returns false because it has no area. Texture coordinates are
+    /// kept only if the material has textures, and are planar where `uvs` is `None`. Vertex normals, of unit
+    /// length, are kept only if they differ from the geometric normal.
     #[must_use]
     pub fn add_triangle(
         &mut self,
@@ -88,21 +89,21 @@ impl Draft {
     pub fn warn(&mut self, warning: impl Into<String>) {
         self.warnings.push(warning.into());
     }
-    /// Whether anything in the scene gives off light.
-    pub fn shines(&self) -> bool {
-        let shines = |material: u32| self.materials[material as usize].emission != Vec3::ZERO;
-        self.spheres.iter().any(|sphere| shines(sphere.material))
-            || self.triangles.iter().any(|triangle| shines(triangle.material))
+    /// Whether any primitive emits light.
+    pub fn emits(&self) -> bool {
+        let emits = |material: u32| self.materials[material as usize].emission != Vec3::ZERO;
+        self.spheres.iter().any(|sphere| emits(sphere.material))
+            || self.triangles.iter().any(|triangle| emits(triangle.material))
     }
-    /// A camera that sees the whole scene, or as much of it as the given position and target allow. Domain: the scene
-    /// is not empty.
+    /// A camera that sees the whole scene, or as much of it as the given position and target allow. Domain:
+    /// the scene is not empty.
     pub fn framing(&self, position: Option<Vec3>, look_at: Option<Vec3>) -> Camera {
         framing(bounds(&self.spheres, &self.triangles).unwrap_or_default(), position, look_at)
     }
     pub fn is_empty(&self) -> bool {
         self.spheres.is_empty() && self.triangles.is_empty()
     }
-    /// The scene, if it holds something and not too much.
+    /// The scene, unless it has too many primitives.
     pub fn finish(
         mut self,
         name: String,
@@ -120,8 +121,8 @@ impl Draft {
             Sky::Color(color) | Sky::Texture { color, .. } => color == Vec3::ZERO,
             Sky::Gradient { bottom, top } => bottom == Vec3::ZERO && top == Vec3::ZERO,
         };
-        if black && !self.shines() {
-            self.warn("Nothing in the scene shines and the sky is black: the picture will be black.");
+        if black && !self.emits() {
+            self.warn("Nothing in the scene emits light and the sky is black: the picture will be black.");
         }
         Ok(Scene {
             name,
@@ -141,18 +142,21 @@ impl Draft {
     }
 }
 
-/// Does some normal differ from the triangle's own, on either side, by more than 2·10⁻⁴: more than models round to?
+/// Whether a vertex normal differs from the geometric normal, on either side, by more than 2·10⁻⁴: more than
+/// models round to.
 fn is_smooth(vertices: [Vec3; 3], normals: [Vec3; 3]) -> bool {
     let [a, b, c] = vertices.map(Vec3::as_dvec3);
     let flat = (b - a).cross(c - a).normalize();
     normals.iter().any(|normal| normal.as_dvec3().cross(flat).length() > 2e-4)
 }
 
-/// Texture coordinates of a triangle that has none: where its points lie in its plane, `size` scene units to one repeat.
+/// Planar texture coordinates for a triangle without any: positions in its plane, `size` scene units to one
+/// repeat.
 ///
-/// They depend on the plane and on nothing else of the triangle, so that the picture goes on across neighbours in one plane. On
-/// what lies flatter than [`FLAT`], the picture's upper edge points to −z, and it reads right from above; elsewhere it points to
-/// +y, and it reads right from the side of +z or, where z does not tell, of +x.
+/// They depend only on the triangle's plane, so that the texture is continuous across coplanar neighbours. On
+/// planes flatter than [`FLAT`] the texture's upper edge points to −z, and the texture is not mirrored seen
+/// from above. On steeper planes the upper edge points to +y, and the texture is not mirrored seen from +z
+/// or, where the normal has no z, from +x.
 fn planar_uvs(vertices: [Vec3; 3], size: f64) -> [Vec2; 3] {
     let [a, b, c] = vertices.map(Vec3::as_dvec3);
     let n = (b - a).cross(c - a).normalize();
@@ -162,11 +166,11 @@ fn planar_uvs(vertices: [Vec3; 3], size: f64) -> [Vec2; 3] {
     let up = (up - n * n.dot(up)).normalize();
     let right = up.cross(n);
     let uvs = [a, b, c].map(|p| DVec2::new(p.dot(right), p.dot(up)) / size);
-    // Whole repeats do not show, and single precision has better uses for its digits.
+    // Whole repeats are invisible; removing them leaves more digits of single precision for the fraction.
     let whole = uvs[0].min(uvs[1]).min(uvs[2]).floor();
     uvs.map(|uv| (uv - whole).as_vec2())
 }
 
-/// Cosine of the steepest slope (40°) on which a picture lies as on a floor: not one that people build, where rounding would tear a
-/// surface apart.
+/// Cosine of the steepest slope (40°) that is textured like a floor. Not a slope that people build: there,
+/// rounding would give neighbouring triangles different mappings.
 const FLAT: f64 = 0.77;

@@ -1,42 +1,91 @@
-//! What the overlay says.
+//! The text over a frame: figures and messages.
 //!
-//! For: [`write()`]. May import: `state`, `rates`, `painter`'s subject. Must never know: fonts, windows.
+//! For: [`Overlay`]. May import: `state`, `timing`, `painter`'s input, `frame`. Must not know: fonts,
+//! windows.
 
 use super::controls::Controls;
-use super::painter::Subject;
-use super::rates::Figures;
+use super::frame::Frame;
+use super::painter::FrameInput;
 use super::state::State;
+use super::timing::{RateMeter, Rates};
 use crate::buffers::LightChoice;
 use crate::wording::{counted, grouped};
 use std::fmt::Write;
+use std::time::{Duration, Instant};
 
-/// Appends the figures, line by line. Writing to a text cannot fail.
-pub fn write(text: &mut String, subject: &Subject, state: &State, figures: &Figures, busy: bool) {
-    let _ = lines(text, subject, state, figures, busy);
+/// Interval between updates of the figures, so that they can be read.
+const UPDATE_INTERVAL: Duration = Duration::from_millis(250);
+
+/// The text over a frame.
+#[derive(Default)]
+pub struct Overlay {
+    figures: String,
+    /// The controls that `figures` describe, and when they were written.
+    written: Option<(Controls, Instant)>,
+    message: String,
+}
+
+impl Overlay {
+    pub fn set_message(&mut self, text: &str) {
+        self.message.clear();
+        self.message.push_str(text);
+    }
+
+    /// Writes the frame's figures, message and title.
+    pub fn write(
+        &mut self,
+        input: &FrameInput,
+        state: &State,
+        rates: &RateMeter,
+        busy: bool,
+        frame: &mut Frame,
+    ) {
+        let now = Instant::now();
+        let fresh =
+            |&(controls, at): &(Controls, Instant)| controls == state.controls && now - at < UPDATE_INTERVAL;
+        if !self.written.as_ref().is_some_and(fresh) {
+            self.written = Some((state.controls, now));
+            self.figures.clear();
+            // The help is long and replaces the figures.
+            if state.controls.overlay && !state.controls.help {
+                write(&mut self.figures, input, state, &rates.rates(), busy);
+            }
+        }
+        frame.figures.clone_from(&self.figures);
+        frame.message.clone_from(&self.message);
+        if frame.title != input.scene.name {
+            frame.title.clone_from(&input.scene.name);
+        }
+    }
+}
+
+/// Appends the figures, line by line. Writing to a `String` cannot fail.
+fn write(text: &mut String, input: &FrameInput, state: &State, figures: &Rates, busy: bool) {
+    let _ = lines(text, input, state, figures, busy);
 }
 
 fn lines(
     text: &mut String,
-    subject: &Subject,
+    input: &FrameInput,
     state: &State,
-    figures: &Figures,
+    figures: &Rates,
     busy: bool,
 ) -> std::fmt::Result {
-    let Subject { renderer, scene, film, .. } = *subject;
+    let FrameInput { renderer, scene, film, .. } = *input;
     let State { controls, playlist, .. } = state;
     let settings = renderer.settings();
     let [scenes, place] = playlist.place();
     let [width, height] = settings.resolution;
     write!(text, "{}", scene.name)?;
-    if scenes > 1 && subject.listed {
+    if scenes > 1 && input.is_current {
         write!(text, " ({place} of {scenes})")?;
     }
     if !scene.warnings.is_empty() {
         let warnings = counted(scene.warnings.len(), "warning", "warnings");
-        write!(text, ", {warnings} (R reads and says again)")?;
+        write!(text, ", {warnings} (R reloads)")?;
     }
-    writeln!(text, "{}", if busy { ", another is being made ready" } else { "" })?;
-    let Figures { fps, low, samples: [simd, scalar], mrays } = *figures;
+    writeln!(text, "{}", if busy { ", another is being prepared" } else { "" })?;
+    let Rates { fps, low, samples: [simd, scalar], mrays } = *figures;
     let now = if settings.lanes == 1 { scalar } else { simd };
     match fps > 0.0 {
         true => write!(text, "{} fps, 1 % low {}", rate_of(fps), rate_of(low))?,
@@ -66,21 +115,21 @@ fn lines(
     let (sphere, triangle) = (methods.sphere.name(), methods.triangle.name());
     let traversal = methods.traversal_of(scene, settings.lanes).map_or("linear", |way| way.name());
     write!(text, "\nspheres {sphere}, triangles {triangle}, {traversal}")?;
-    if controls.equations != super::controls::Equations::Asked {
-        write!(text, " ({})", controls.equations.name())?;
+    if controls.preset != super::controls::MethodPreset::CommandLine {
+        write!(text, " ({})", controls.preset.name())?;
     }
     if methods.lights == LightChoice::Off {
-        write!(text, ", lights by chance")?;
+        write!(text, ", no light sampling")?;
     }
     writeln!(text)?;
     shown(text, controls)
 }
 
-/// What is made of the film.
+/// How the film is displayed.
 fn shown(text: &mut String, controls: &Controls) -> std::fmt::Result {
-    let Controls { view, reprojection, filter, denoiser, tone, .. } = controls;
-    if *view != super::views::View::Picture {
-        return write!(text, "{}: {}", view.name(), view.legend());
+    let Controls { mode, reprojection, filter, denoiser, tone, .. } = controls;
+    if *mode != super::display_mode::DisplayMode::Picture {
+        return write!(text, "{}: {}", mode.name(), mode.legend());
     }
     let temporal = if *reprojection { "temporal" } else { "not temporal" };
     let denoised = if *denoiser { ", denoised" } else { "" };
@@ -93,7 +142,7 @@ fn shown(text: &mut String, controls: &Controls) -> std::fmt::Result {
     )
 }
 
-/// Of large rates no decimals, of small ones two digits.
+/// No decimals for large rates, one or two for small ones.
 fn rate_of(rate: f64) -> String {
     let decimals = if rate < 1.0 { 2 } else { usize::from(rate < 10.0) };
     grouped(format!("{rate:.decimals$}"))
@@ -120,21 +169,21 @@ mod tests {
         let renderer = Renderer::new(&scene, settings);
         let mut film = renderer.film();
         renderer.add_samples(&mut film, 1);
-        let subject = Subject {
+        let input = FrameInput {
             renderer: &renderer,
             scene: &scene,
             camera: &scene.camera,
             film: &film,
             controls: &controls,
-            known: true,
-            standing: true,
-            listed: true,
+            pose_shown: true,
+            progressive: true,
+            is_current: true,
         };
-        let figures = Figures { fps: 60.0, low: 0.25, samples: [Some(4_000.0), Some(8.0)], mrays: 7.5 };
+        let figures = Rates { fps: 60.0, low: 0.25, samples: [Some(4_000.0), Some(8.0)], mrays: 7.5 };
         let mut text = String::new();
-        write(&mut text, &subject, &state, &figures, true);
+        write(&mut text, &input, &state, &figures, true);
         for words in [
-            "builtin:three (2 of 2), 1 warning (R reads and says again), another is being made ready\n",
+            "builtin:three (2 of 2), 1 warning (R reloads), another is being prepared\n",
             "60 fps, 1 % low 0.25 · 4,000 samples/s · 7.5 Mray/s\n",
             "SIMD, 2 threads · SIMD 4,000, scalar 8.0 samples/s, 500.0×\n",
             " · 1 sample · 4 bounces · holds 30 fps\n",
@@ -142,7 +191,13 @@ mod tests {
             assert!(text.contains(words), "{words:?} in {text}");
         }
         text.clear();
-        write(&mut text, &subject, &state, &Figures::default(), false);
-        assert!(text.contains("again)\nno frame rate yet\nSIMD"), "{text}");
+        write(&mut text, &input, &state, &Rates::default(), false);
+        assert!(
+            text.contains(
+                "R reloads)
+no frame rate yet\nSIMD"
+            ),
+            "{text}"
+        );
     }
 }

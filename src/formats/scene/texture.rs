@@ -1,12 +1,13 @@
-//! Pictures for surfaces and skies: from PNG, JPEG, BMP, TGA, HDR and EXR files to linear texels.
+//! Textures: PNG, JPEG, BMP, TGA, HDR and EXR files decoded to texels.
 //!
-//! For: [`Textures`]. May import: `files`. Must never know: what a texture lies on.
+//! For: [`Textures`]. May import: `files`, `openexr`, the `image` crate. Must not know: which surface uses a
+//! texture.
 
 use super::files::Files;
-use super::{Filter, TexelKind, Texels, Texture, srgb_to_linear};
-use crate::film::Picture;
 use crate::openexr;
 use image::{DynamicImage, ImageFormat, ImageReader};
+use octray_engine::film::Picture;
+use octray_engine::scene::{Filter, TexelKind, Texels, Texture, srgb_to_linear};
 use std::collections::HashMap;
 use std::fmt::Display;
 use std::io::Cursor;
@@ -20,7 +21,8 @@ pub struct Textures {
 }
 
 impl Textures {
-    /// The number of the texture at a resolved path, or the reason why there is none. `name` is for people.
+    /// The index of the texture at a resolved path, or the reason why it cannot be loaded. `name` is shown to
+    /// the user.
     pub fn load(
         &mut self,
         files: &Files,
@@ -44,7 +46,7 @@ impl Textures {
 fn decode(bytes: &[u8], path: &Path, texel_kind: TexelKind) -> Result<(u32, u32, Texels), String> {
     let mut reader =
         ImageReader::new(Cursor::new(bytes)).with_guessed_format().map_err(|error| error.to_string())?;
-    // TGA has no magic number: its name must tell.
+    // TGA has no magic number: its extension decides.
     if reader.format().is_none()
         && let Ok(format) = ImageFormat::from_path(path)
     {
@@ -54,11 +56,11 @@ fn decode(bytes: &[u8], path: &Path, texel_kind: TexelKind) -> Result<(u32, u32,
         let Picture { width, height, pixels } = openexr::read(bytes).map_err(broken)?;
         return Ok((width, height, linear_texels(width, pixels)?));
     }
-    let format = reader.format().ok_or("it is not a PNG, JPEG, BMP, TGA, HDR or EXR picture")?;
+    let format = reader.format().ok_or("it is not a PNG, JPEG, BMP, TGA, HDR or EXR image")?;
     let picture = reader.decode().map_err(broken)?;
     let (width, height) = (picture.width(), picture.height());
     if width == 0 || height == 0 {
-        return Err("the picture has no pixels".to_string());
+        return Err("the image has no pixels".to_string());
     }
     let texels = match format {
         ImageFormat::Hdr => {
@@ -70,19 +72,19 @@ fn decode(bytes: &[u8], path: &Path, texel_kind: TexelKind) -> Result<(u32, u32,
     Ok((width, height, texels))
 }
 
-/// HDR and EXR hold linear light already.
+/// HDR and EXR already hold linear values.
 fn linear_texels(width: u32, pixels: Vec<[f32; 3]>) -> Result<Texels, String> {
     for (index, pixel) in pixels.iter().enumerate() {
         if let Some(bad) = pixel.iter().find(|channel| !(channel.is_finite() && **channel >= 0.0)) {
             let (x, y) = (index % width as usize, index / width as usize);
-            return Err(format!("the pixel in column {x}, row {y} holds {bad}, which is no amount of light"));
+            return Err(format!("the pixel in column {x}, row {y} holds {bad}, which is not a radiance"));
         }
     }
     Ok(Texels::Float32(pixels.into_iter().map(|[r, g, b]| [r, g, b, 0.0]).collect()))
 }
 
 fn broken(error: impl Display) -> String {
-    format!("the picture is broken: {error}")
+    format!("the image is broken: {error}")
 }
 
 /// The other formats hold display values (sRGB), or data, of 8 or 16 bits.
@@ -90,7 +92,7 @@ fn display_texels(picture: DynamicImage, texel_kind: TexelKind) -> Texels {
     use DynamicImage::{ImageLuma16, ImageLumaA16, ImageRgb16, ImageRgba16};
     match picture {
         ImageLuma16(_) | ImageLumaA16(_) | ImageRgb16(_) | ImageRgba16(_) => {
-            // More than a byte holds: kept as linear numbers.
+            // 16 bits do not fit a byte: stored as linear f32.
             let linear = |channel: u16| {
                 let x = f64::from(channel) / 65_535.0;
                 (if texel_kind == TexelKind::Color { srgb_to_linear(x) } else { x }) as f32

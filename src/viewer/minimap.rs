@@ -1,30 +1,31 @@
-//! The scene from above, and where the camera stands in it.
+//! The minimap: the scene from above, with the camera and its field of view.
 //!
-//! For: [`Map`]. May import: `scene`, `walker`. Must never know: rays, windows.
+//! For: [`Minimap`]. May import: the scene, `camera_controller`, `display_mode` (colours). Must not know:
+//! rays, windows.
 
-use super::walker::Walker;
+use super::camera_controller::CameraController;
 use crate::scene::{Camera, MaterialKind, Scene};
 use glam::{DVec2, DVec3};
 
-/// Pixels of the map's sides.
+/// Side of the minimap in pixels.
 pub const SIDE: u32 = 160;
-/// Pixels left free around what is on it.
+/// Margin in pixels.
 const MARGIN: f64 = 10.0;
 const GROUND: u32 = 0x20_2428;
 const HERE: u32 = 0xff_ff40;
 
-/// A map, drawn once for a scene; the camera is drawn over it.
-pub struct Map {
+/// A minimap: the scene is drawn once, the camera in every frame.
+pub struct Minimap {
     ground: Vec<u32>,
-    /// Scene units to the map's right and down.
+    /// Unit vectors to the minimap's right and down, in scene space.
     right: DVec3,
     down: DVec3,
     center: DVec3,
-    /// Pixels for a scene unit.
+    /// Pixels per scene unit.
     scale: f64,
 }
 
-/// A part of the scene seen from above, and how high it reaches.
+/// A primitive seen from above, with its greatest height.
 struct Shape {
     corners: Vec<DVec2>,
     radius: f64,
@@ -32,24 +33,25 @@ struct Shape {
     color: u32,
 }
 
-impl Map {
-    /// The scene's map: what its camera's up is up from, its line of sight pointing to the top.
+impl Minimap {
+    /// Draws the scene along its camera's up axis; the camera's line of sight points to the top.
     pub fn new(scene: &Scene) -> Self {
-        let (ahead, up) = Walker::new(scene.camera).level();
-        let mut map = Self {
+        let (forward, up) = CameraController::new(scene.camera).forward_and_up();
+        let mut minimap = Self {
             ground: vec![GROUND; (SIDE * SIDE) as usize],
-            right: ahead.cross(up),
-            down: -ahead,
+            right: forward.cross(up),
+            down: -forward,
             center: DVec3::ZERO,
             scale: 1.0,
         };
-        map.frame(scene);
-        map.draw(scene, up);
-        map
+        minimap.frame(scene);
+        minimap.draw(scene, up);
+        minimap
     }
 
-    /// Finds centre and scale so that the camera and what it could walk around fit. What is larger than it is far away (a floor, a ball as
-    /// large as a planet, a sky) runs out of the map, unless there is nothing else.
+    /// Sets centre and scale so that the camera and the primitives fit whose bounding radius is smaller than
+    /// their distance from it. Larger ones (a floor, a planet-sized ball, a sky) are cut off, unless there
+    /// are no others.
     fn frame(&mut self, scene: &Scene) {
         let camera = scene.camera.position.as_dvec3();
         let flat = |point: DVec3| DVec2::new(point.dot(self.right), point.dot(self.down));
@@ -78,7 +80,7 @@ impl Map {
         DVec2::new(from.dot(self.right), from.dot(self.down)) * self.scale + f64::from(SIDE) / 2.0
     }
 
-    /// Draws what is there, the highest last.
+    /// Draws the primitives in order of height, the highest last.
     fn draw(&mut self, scene: &Scene, up: DVec3) {
         let camera = scene.camera.position.as_dvec3();
         let color = |material: u32| {
@@ -87,7 +89,7 @@ impl Map {
                 MaterialKind::Emitter => material.emission.min(glam::Vec3::ONE),
                 _ => material.color,
             };
-            super::views::rgb(shown.to_array().map(|x| 0.1 + 0.55 * x.powf(1.0 / 2.2)))
+            super::display_mode::rgb(shown.to_array().map(|x| 0.1 + 0.55 * x.powf(1.0 / 2.2)))
         };
         let mut shapes = Vec::with_capacity(scene.spheres.len() + scene.triangles.len());
         for sphere in &scene.spheres {
@@ -114,7 +116,7 @@ impl Map {
         shapes.iter().for_each(|shape| fill(&mut self.ground, shape));
     }
 
-    /// The map with the camera on it, and what it sees: pixels as in a frame.
+    /// The minimap with the camera and its field of view, in a frame's pixel format.
     pub fn draw_into(&self, camera: &Camera, aspect: f64, pixels: &mut Vec<u32>) {
         pixels.clear();
         pixels.extend_from_slice(&self.ground);
@@ -145,7 +147,7 @@ fn dot(pixels: &mut [u32], at: DVec2, color: u32) {
     }
 }
 
-/// Fills a disc, or a triangle; of what is smaller than a pixel, the pixel.
+/// Fills a disc or a triangle; one smaller than a pixel fills that pixel.
 fn fill(pixels: &mut [u32], shape: &Shape) {
     let Shape { corners, radius, color, .. } = shape;
     let low = corners.iter().copied().reduce(DVec2::min).unwrap_or_default() - *radius;
@@ -156,7 +158,7 @@ fn fill(pixels: &mut [u32], shape: &Shape) {
         for x in range(low.x, high.x) {
             let at = DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5);
             if inside(corners, *radius, at) {
-                // A rim, so that balls show on a floor of their own colour.
+                // A rim, so that balls are visible on a floor of their own colour.
                 let rim = *radius > 3.0 && corners[0].distance(at) > *radius - 1.2;
                 pixels[(y * SIDE + x) as usize] = if rim { GROUND } else { *color };
             }
@@ -194,20 +196,20 @@ mod tests {
         scene.spheres[0].center = glam::Vec3::new(0.0, 0.0, -10.0);
         scene.spheres[1].center = glam::Vec3::new(8.0, 0.0, 0.0);
         scene.spheres.iter_mut().for_each(|sphere| sphere.radius = 1.0);
-        let map = Map::new(&scene);
-        let [camera, ahead, right] =
+        let minimap = Minimap::new(&scene);
+        let [camera, forward, right] =
             [scene.camera.position, scene.spheres[0].center, scene.spheres[1].center]
-                .map(|point| map.place(point.as_dvec3()));
-        assert!(ahead.y < right.y && right.y < camera.y && right.x > ahead.x);
-        let color = |at: DVec2| map.ground[(at.y as u32 * SIDE + at.x as u32) as usize];
-        assert!(color(ahead) != GROUND && color(right) != GROUND && color(camera) == GROUND);
+                .map(|point| minimap.place(point.as_dvec3()));
+        assert!(forward.y < right.y && right.y < camera.y && right.x > forward.x);
+        let color = |at: DVec2| minimap.ground[(at.y as u32 * SIDE + at.x as u32) as usize];
+        assert!(color(forward) != GROUND && color(right) != GROUND && color(camera) == GROUND);
         let mut pixels = Vec::new();
-        map.draw_into(&scene.camera, 16.0 / 9.0, &mut pixels);
+        minimap.draw_into(&scene.camera, 16.0 / 9.0, &mut pixels);
         assert_eq!(pixels[(camera.y as u32 * SIDE + camera.x as u32) as usize], HERE);
         let yellow = pixels.iter().enumerate().filter(|&(_, &pixel)| pixel == HERE);
         assert!(yellow.clone().count() > 40);
         let above = yellow.filter(|(at, _)| ((*at as u32 / SIDE) as f64) < camera.y - 2.0).count();
-        assert!(above > 30, "the field of view opens ahead");
+        assert!(above > 30, "the field of view opens forward");
     }
 
     #[test]
@@ -227,9 +229,9 @@ mod tests {
                     (material.kind, material.color) =
                         (MaterialKind::Diffuse, glam::Vec3::splat(number as f32));
                 }
-                let map = Map::new(&scene);
-                let at = map.place(DVec3::ZERO) + 2.0;
-                map.ground[(at.y as u32 * SIDE + at.x as u32) as usize]
+                let minimap = Minimap::new(&scene);
+                let at = minimap.place(DVec3::ZERO) + 2.0;
+                minimap.ground[(at.y as u32 * SIDE + at.x as u32) as usize]
             })
             .collect();
         assert!(colors[0] < colors[1], "black lies over white, then white over black: {colors:x?}");
@@ -239,7 +241,7 @@ mod tests {
     fn every_built_in_scene_has_something_on_its_map() {
         for name in crate::scene::builtin_names() {
             let scene = crate::scene::load(&format!("builtin:{name}")).unwrap();
-            let drawn = Map::new(&scene).ground.iter().filter(|&&pixel| pixel != GROUND).count();
+            let drawn = Minimap::new(&scene).ground.iter().filter(|&&pixel| pixel != GROUND).count();
             assert!(drawn > 50, "{name}: {drawn} pixels");
         }
     }

@@ -1,14 +1,15 @@
-//! From a picture to PNG, JPEG, EXR or HDR.
+//! Encodes a picture as PNG, JPEG, EXR or HDR, and saves it.
 //!
-//! For: [`Format`], [`encode`]. May import: `film`, `tone`, the `image` crate. Must never know: paths beyond their
-//! extension, files.
+//! For: [`Format`], [`encode`], [`save`]. May import: `film`, `tone`, `openexr`, `file`, the `image` crate.
+//! Must not know: what a picture shows.
 
 use super::error::OutputError;
-use crate::film::Picture;
+use super::file::{CancellableWriter, Existing, write_atomically};
 use crate::openexr;
-use crate::tone::Tone;
 use image::codecs::{hdr::HdrEncoder, jpeg::JpegEncoder, png::PngEncoder};
 use image::{ExtendedColorType, ImageEncoder, ImageError};
+use octray_engine::film::Picture;
+use octray_engine::tone::Tone;
 use std::io::{self, Seek, Write};
 use std::path::Path;
 
@@ -42,13 +43,13 @@ impl Format {
         }
     }
 
-    /// Does it hold linear radiance, on which exposure and tone mapping have no effect?
+    /// Whether the format holds linear radiance: exposure and tone mapping have no effect on it.
     pub fn is_linear(self) -> bool {
         matches!(self, Self::Exr | Self::Hdr)
     }
 }
 
-/// Writes a picture in a format. Panics if the picture's pixels are not `width · height`.
+/// Encodes a picture. Panics if the picture's pixels are not `width · height`.
 pub fn encode(
     mut out: impl Write + Seek,
     picture: &Picture,
@@ -56,7 +57,7 @@ pub fn encode(
     tone: &Tone,
 ) -> Result<(), io::Error> {
     let Picture { width, height, ref pixels } = *picture;
-    assert_eq!(pixels.len(), width as usize * height as usize, "a picture holds width · height pixels");
+    assert_eq!(pixels.len(), width as usize * height as usize, "a picture has width · height pixels");
     let (eight, float) = (ExtendedColorType::Rgb8, ExtendedColorType::Rgb32F);
     let done = match format {
         Format::Png => PngEncoder::new(&mut out).write_image(&tone.bytes(picture), width, height, eight),
@@ -79,13 +80,33 @@ pub fn encode(
     out.flush()
 }
 
-/// The nearest colour that a Radiance file can hold: each channel a whole number of 256ths of the power of two above the
-/// largest channel.
+/// Saves a picture in the format of the file name's extension. `tone` applies to PNG and JPEG only: EXR and
+/// HDR hold linear radiance. Afterwards the file is complete, or as it was before.
+pub fn save(path: &Path, picture: &Picture, tone: &Tone) -> Result<(), OutputError> {
+    save_unless(path, picture, tone, &|| false)
+}
+
+/// As [`save`], but fails and leaves any earlier file as it was once `cancelled` returns true.
+pub fn save_unless(
+    path: &Path,
+    picture: &Picture,
+    tone: &Tone,
+    cancelled: &dyn Fn() -> bool,
+) -> Result<(), OutputError> {
+    let format = Format::of(path)?;
+    write_atomically(path, Existing::Replace, |inner| {
+        encode(CancellableWriter { inner, cancelled }, picture, format, tone)
+    })
+}
+
+/// The nearest colour that a Radiance file can hold: each channel a whole number of 256ths of the power of
+/// two above the largest channel.
 ///
-/// The encoder of the `image` crate cuts off what does not fit, which darkens a picture by half a step on average, and its
-/// exponents wrap around at both ends of f32's range; what comes out of here passes through it unchanged.
+/// The encoder of the `image` crate truncates mantissas, which darkens a picture by half a step on average,
+/// and its exponents wrap around at both ends of f32's range. It encodes the colours returned here without
+/// change.
 ///
-/// Domain: all of f32. NaN and what is below 0 become 0, as does what is under 2⁻¹²⁰; the top is 255 · 2¹¹⁹.
+/// Domain: all of f32. NaN, negative values and values below 2⁻¹²⁰ become 0; the maximum is 255 · 2¹¹⁹.
 /// Error: at most 2⁻⁸ of the largest channel.
 fn round_to_rgbe(pixel: [f32; 3]) -> [f32; 3] {
     const LEAST: f32 = 7.523_164e-37; // 2⁻¹²⁰
@@ -100,7 +121,8 @@ fn round_to_rgbe(pixel: [f32; 3]) -> [f32; 3] {
     let step_of = |x: f32| 2.0_f32.powi(exponent_of(x) - 7);
     let round = |step: f32| pixel.map(|channel| (channel / step).round() * step);
     let step = step_of(largest);
-    // Where the largest channel rounds up to the next power of two, the step doubles, and 256 of the old are 128 of the new.
+    // When the largest channel rounds up to the next power of two, the step doubles: 256 old steps are 128
+    // new ones.
     if (largest / step).round() >= 256.0 { round(step * 2.0) } else { round(step) }
 }
 

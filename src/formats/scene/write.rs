@@ -1,9 +1,11 @@
-//! What writers of the native formats share: numbers whose reading gives the same bits, cameras, paths.
+//! Writes numbers, vectors, cameras and relative paths for the native formats. A number reads back as the
+//! same bits.
 //!
-//! For: [`number`], [`vec2`], [`vec3`], [`camera`], [`relative`]. May import: scene's types. Must never know: what is written.
+//! For: [`number`], [`vec2`], [`vec3`], [`camera`], [`relative`]. May import: the engine's scene model. Must
+//! not know: which file is written.
 
-use super::Camera;
 use glam::{Vec2, Vec3};
+use octray_engine::scene::Camera;
 use std::path::Path;
 
 pub fn camera(camera: &Camera) -> String {
@@ -24,8 +26,8 @@ pub fn vec2(v: Vec2) -> String {
     format!("[{}, {}]", number(v.x), number(v.y))
 }
 
-/// The shortest decimal that reads back as the same bits. Reading goes through f64, so what is shortest for f32 could in
-/// principle round twice; then f64's digits serve.
+/// The shortest decimal that reads back as the same bits. Reading goes through f64, so the shortest decimal
+/// of an f32 could in principle round twice; then the f64's digits are written.
 pub fn number(x: f32) -> String {
     let short = json_digits(f64::from(x).abs() >= 1e16, &x);
     let read_back = short.parse::<f64>().map(|read| read as f32);
@@ -43,9 +45,10 @@ fn json_digits<T: std::fmt::Display + std::fmt::LowerExp>(huge: bool, x: &T) -> 
 
 /// The path from `folder` to a file that `beside`, another folder, names `file`.
 pub fn relative(beside: &Path, file: &str, folder: &Path) -> String {
-    // Joined with a dot, an empty path is the folder we are in.
+    // Joined with a dot, an empty path becomes the working directory.
     let folders = [beside, folder].map(|folder| folder.join("."));
-    // Only real paths can be compared: `a/../b` is `b`, unless `a` is a link. What does not exist yet has none.
+    // Only canonical paths can be compared: `a/../b` is `b` unless `a` is a link. A folder that does not
+    // exist has none.
     let real = folders.each_ref().map(|folder| folder.canonicalize());
     let [beside, folder] = match real {
         [Ok(beside), Ok(folder)] => [beside, folder],

@@ -1,6 +1,6 @@
-//! Files that are watched: a scene is read again when one of its own changes.
+//! Watches a scene's files, so that the scene is reloaded when one of them changes.
 //!
-//! For: [`Files`]. May import: `notify`. Must never know: what is in a file.
+//! For: [`FileWatcher`]. May import: `notify`. Must not know: what is in a file.
 
 use notify::{EventKind, RecommendedWatcher, RecursiveMode, Watcher};
 use std::collections::BTreeSet;
@@ -8,37 +8,38 @@ use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, channel};
 use std::time::{Duration, Instant, SystemTime};
 
-/// How long files must be left alone before they are read: editors write in several steps.
-const QUIET: Duration = Duration::from_millis(150);
+/// How long files must be unchanged before they are read: editors write in several steps.
+const QUIET_TIME: Duration = Duration::from_millis(150);
 
-/// A set of files and what is heard of them. Where nothing can be watched, nothing is heard.
-pub struct Files {
+/// A set of watched files. On systems without file watching it reports nothing.
+pub struct FileWatcher {
     watcher: Option<RecommendedWatcher>,
     changes: Receiver<notify::Result<notify::Event>>,
     files: BTreeSet<PathBuf>,
     folders: BTreeSet<PathBuf>,
-    /// When one of them changed last.
+    /// When one of them last changed.
     changed: Option<Instant>,
 }
 
-impl Files {
-    /// `tell` is called when anything is heard of a folder with such files.
-    pub fn none(tell: impl Fn() + Send + 'static) -> Self {
+impl FileWatcher {
+    /// `notify` is called after every event in a watched folder.
+    pub fn new(notify: impl Fn() + Send + 'static) -> Self {
         let (sender, changes) = channel();
         let watcher = notify::recommended_watcher(move |change| {
-            // Who no longer listens need not.
+            // Fails only after the receiver was dropped.
             let _ = sender.send(change);
-            tell();
+            notify();
         })
         .ok();
         Self { watcher, changes, files: BTreeSet::new(), folders: BTreeSet::new(), changed: None }
     }
 
-    /// Watches these from now on, and no others. Names of no files are passed over.
+    /// Watches these files from now on, and no others. Paths without a file name are ignored.
     pub fn watch<'a>(&mut self, files: impl IntoIterator<Item = &'a Path>) {
         let Some(watcher) = &mut self.watcher else { return };
-        self.files = files.into_iter().filter_map(place_of).collect();
-        // Folders: many editors put a new file in the place of the old one, and nobody hears of the new one otherwise.
+        self.files = files.into_iter().filter_map(canonical_path).collect();
+        // Folders are watched: many editors replace a file by a new one, which a watch of the old one does
+        // not report.
         let folders: BTreeSet<PathBuf> =
             self.files.iter().filter_map(|file| Some(file.parent()?.to_path_buf())).collect();
         for gone in self.folders.difference(&folders) {
@@ -51,7 +52,7 @@ impl Files {
         self.folders = folders;
     }
 
-    /// Has one changed, and been left alone since? Says so once.
+    /// Whether a file changed and then stayed unchanged for [`QUIET_TIME`]. True once per change.
     pub fn have_changed(&mut self, now: Instant) -> bool {
         while let Ok(change) = self.changes.try_recv() {
             let Ok(change) = change else { continue };
@@ -60,7 +61,7 @@ impl Files {
                 self.changed = Some(now);
             }
         }
-        let over = self.changed.is_some_and(|changed| now - changed >= QUIET);
+        let over = self.changed.is_some_and(|changed| now - changed >= QUIET_TIME);
         if over {
             self.changed = None;
         }
@@ -68,8 +69,8 @@ impl Files {
     }
 }
 
-/// Where a file is, or will be once it is there again; where its folder is missing, where that will be.
-fn place_of(file: &Path) -> Option<PathBuf> {
+/// Canonical path of a file that exists or not; if its folder is missing, that of the nearest missing folder.
+fn canonical_path(file: &Path) -> Option<PathBuf> {
     file.canonicalize().ok().or_else(|| {
         let folder = match file.parent()? {
             here if here.as_os_str().is_empty() => Path::new("."),
@@ -77,12 +78,12 @@ fn place_of(file: &Path) -> Option<PathBuf> {
         };
         match folder.canonicalize() {
             Ok(folder) => Some(folder.join(file.file_name()?)),
-            Err(_) => place_of(folder),
+            Err(_) => canonical_path(folder),
         }
     })
 }
 
-/// Has any of these been written since? What claims to be of the future says nothing.
+/// Whether a file was modified after `than`. Modification times in the future are ignored.
 pub fn is_newer<'a>(files: impl IntoIterator<Item = &'a Path>, than: SystemTime) -> bool {
     let written = |file: &Path| std::fs::metadata(file).and_then(|file| file.modified()).ok();
     let now = SystemTime::now();
@@ -95,8 +96,8 @@ mod tests {
     use std::fs;
     use std::thread::sleep;
 
-    /// Does it hear of a change within a while?
-    fn hears(files: &mut Files, patience: Duration) -> bool {
+    /// Whether a change is reported within `patience`.
+    fn detects_change(files: &mut FileWatcher, patience: Duration) -> bool {
         let start = Instant::now();
         while start.elapsed() < patience {
             if files.have_changed(Instant::now()) {
@@ -108,14 +109,14 @@ mod tests {
     }
 
     #[test]
-    fn changes_of_watched_files_are_heard_once_and_of_others_never() {
+    fn changes_of_watched_files_are_reported_once_and_of_others_never() {
         let (long, short) = (Duration::from_secs(20), Duration::from_millis(600));
         let folder = tempfile::tempdir().unwrap();
         let path = |name: &str| folder.path().join(name);
         for name in ["scene.json", "other.json"] {
             fs::write(path(name), "1").unwrap();
         }
-        let mut files = Files::none(|| {});
+        let mut files = FileWatcher::new(|| {});
         if files.watcher.is_none() {
             eprintln!("skipped: this system watches no files");
             return;
@@ -123,38 +124,38 @@ mod tests {
         let scene = path("scene.json");
         files.watch([scene.as_path(), Path::new("no such folder/file")]);
         fs::write(path("other.json"), "2").unwrap();
-        assert!(!hears(&mut files, short), "another file");
+        assert!(!detects_change(&mut files, short), "another file");
         fs::write(&scene, "2").unwrap();
-        assert!(hears(&mut files, long));
-        assert!(!hears(&mut files, short), "once");
+        assert!(detects_change(&mut files, long));
+        assert!(!detects_change(&mut files, short), "once");
         // As many editors save.
         fs::write(path("scene.json~"), "3").unwrap();
         fs::rename(path("scene.json~"), &scene).unwrap();
-        assert!(hears(&mut files, long));
+        assert!(detects_change(&mut files, long));
         assert!(!fs::read_to_string(&scene).unwrap().is_empty());
-        assert!(!hears(&mut files, short), "reading is no change");
+        assert!(!detects_change(&mut files, short), "reading is no change");
         fs::remove_file(&scene).unwrap();
-        assert!(hears(&mut files, long), "it is gone");
+        assert!(detects_change(&mut files, long), "removed");
         files.watch([scene.as_path()]);
         fs::write(&scene, "5").unwrap();
-        assert!(hears(&mut files, long), "it is there again");
+        assert!(detects_change(&mut files, long), "created again");
         fs::write(&scene, "6").unwrap();
         sleep(Duration::from_millis(20));
-        assert!(!files.have_changed(Instant::now()), "not left alone yet");
+        assert!(!files.have_changed(Instant::now()), "not quiet yet");
         files.watch([scene.as_path()]);
-        assert!(hears(&mut files, long), "nothing is lost while others are watched");
+        assert!(detects_change(&mut files, long), "nothing is lost while others are watched");
         files.watch([]);
         fs::write(&scene, "4").unwrap();
-        assert!(!hears(&mut files, short), "no longer watched");
+        assert!(!detects_change(&mut files, short), "no longer watched");
         let deep = path("pictures/of/it.png");
         files.watch([deep.as_path()]);
         fs::create_dir(path("pictures")).unwrap();
-        assert!(hears(&mut files, long), "a folder on the way");
+        assert!(detects_change(&mut files, long), "a folder on the way");
         files.watch([deep.as_path()]);
         fs::create_dir(path("pictures/of")).unwrap();
-        assert!(hears(&mut files, long), "the next one");
+        assert!(detects_change(&mut files, long), "the next one");
         files.watch([deep.as_path()]);
         fs::write(&deep, "1").unwrap();
-        assert!(hears(&mut files, long), "the file");
+        assert!(detects_change(&mut files, long), "the file");
     }
 }

@@ -1,6 +1,7 @@
-//! What can be shown besides the picture, and in which colours.
+//! Display modes: the picture, or a false-colour image of normals, depth, cost and the like.
 //!
-//! For: [`View`], and [`paint`] that fills a frame's pixels with one. May import: what `render` surveys. Must never know: keys, windows.
+//! For: [`DisplayMode`], and [`paint`], which fills a frame's pixels with one. May import: AOVs,
+//! `render::survey`. Must not know: keys, windows.
 
 use crate::integrate::aovs::{AovSample, Aovs, Plane};
 use crate::integrate::probe::PathShape;
@@ -10,28 +11,28 @@ use glam::Vec3;
 
 /// What a frame shows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum View {
+pub enum DisplayMode {
     #[default]
     Picture,
     Normals,
     Albedo,
     Depth,
     Barycentrics,
-    Light,
+    Lambert,
     Bounces,
     Cost,
     Samples,
     Lanes,
 }
 
-impl View {
+impl DisplayMode {
     pub const ALL: [Self; 10] = [
         Self::Picture,
         Self::Normals,
         Self::Albedo,
         Self::Depth,
         Self::Barycentrics,
-        Self::Light,
+        Self::Lambert,
         Self::Bounces,
         Self::Cost,
         Self::Samples,
@@ -45,7 +46,7 @@ impl View {
             Self::Albedo => "albedo",
             Self::Depth => "depth",
             Self::Barycentrics => "barycentrics",
-            Self::Light => "n·l",
+            Self::Lambert => "n·l",
             Self::Bounces => "bounces",
             Self::Cost => "cost",
             Self::Samples => "samples",
@@ -53,17 +54,17 @@ impl View {
         }
     }
 
-    /// What its colours mean.
+    /// What the colours mean.
     pub fn legend(self) -> &'static str {
         match self {
             Self::Picture => "",
             Self::Normals => "x red, y green, z blue, from -1 to 1",
-            Self::Albedo => "the share of light that surfaces give back",
+            Self::Albedo => "reflectance of the surface",
             Self::Depth => {
                 "from the nearest, white, to what nine tenths of the pixels are nearer than, black"
             }
             Self::Barycentrics => "a triangle's first vertex red, second green, third blue; grey on spheres",
-            Self::Light => "normals against a light from above, behind and left of the camera",
+            Self::Lambert => "normals against a light from above, behind and left of the camera",
             Self::Bounces => "black none, white all that are allowed, of the last sample",
             Self::Cost => "tests of boxes and primitives for the camera's ray: black 1, white 1,024 and more",
             Self::Samples => "samples behind each pixel: black 1, white 65,536 and more",
@@ -72,46 +73,46 @@ impl View {
     }
 }
 
-/// What views are painted from; a view reads what it needs.
-pub struct Sources<'a> {
-    pub guides: &'a Aovs,
+/// What display modes are painted from.
+pub struct ModeInput<'a> {
+    pub aovs: &'a Aovs,
     pub shapes: &'a Map<PathShape>,
     pub costs: &'a Map<Cost>,
     /// Samples behind each pixel, row by row.
     pub samples: &'a [f32],
-    /// Where [`View::Light`] comes from: of unit length.
+    /// Direction towards the light of [`DisplayMode::Lambert`], of unit length.
     pub light: Vec3,
-    /// The distances that [`View::Depth`] shows as white and as black: see [`range`].
+    /// The distances that [`DisplayMode::Depth`] shows as white and as black: see [`depth_range`].
     pub range: [f32; 2],
     /// Bounces allowed, and lanes of a packet.
     pub max_bounces: u32,
     pub lanes: usize,
 }
 
-/// Fills pixels (0x00RRGGBB, row by row from the top) with a view other than the picture.
-pub fn paint(view: View, from: &Sources, pixels: &mut [u32]) {
-    let width = from.guides.resolution()[0] as usize;
+/// Fills pixels (0x00RRGGBB, row by row from the top) in a mode other than the picture.
+pub fn paint(mode: DisplayMode, from: &ModeInput, pixels: &mut [u32]) {
+    let width = from.aovs.resolution()[0] as usize;
     for (at, pixel) in pixels.iter_mut().enumerate() {
-        let guide = || from.guides.pixel((at % width) as u32, (at / width) as u32);
-        *pixel = match view {
-            View::Picture => continue,
-            View::Normals => normal(&guide()),
-            View::Albedo => rgb(guide().albedo.map(encode)),
-            View::Depth => grey(depth(&guide(), from.range)),
-            View::Barycentrics => barycentrics(&guide()),
-            View::Light => lit(&guide(), from.light),
-            View::Bounces => {
+        let guide = || from.aovs.pixel((at % width) as u32, (at / width) as u32);
+        *pixel = match mode {
+            DisplayMode::Picture => continue,
+            DisplayMode::Normals => normal(&guide()),
+            DisplayMode::Albedo => rgb(guide().albedo.map(encode)),
+            DisplayMode::Depth => grey(depth(&guide(), from.range)),
+            DisplayMode::Barycentrics => barycentrics(&guide()),
+            DisplayMode::Lambert => n_dot_l(&guide(), from.light),
+            DisplayMode::Bounces => {
                 let bounces = from.shapes.pixels[at].segments.saturating_sub(1);
-                heat(bounces as f32 / from.max_bounces.max(1) as f32)
+                heat_map(bounces as f32 / from.max_bounces.max(1) as f32)
             }
-            View::Cost => {
+            DisplayMode::Cost => {
                 let Cost { boxes, primitives } = from.costs.pixels[at];
-                heat(((boxes + primitives) as f32).max(1.0).log2() / 10.0)
+                heat_map(((boxes + primitives) as f32).max(1.0).log2() / 10.0)
             }
-            View::Samples => heat(from.samples[at].max(1.0).log2() / 16.0),
-            View::Lanes => {
+            DisplayMode::Samples => heat_map(from.samples[at].max(1.0).log2() / 16.0),
+            DisplayMode::Lanes => {
                 let PathShape { segments, lanes } = from.shapes.pixels[at];
-                heat(lanes as f32 / (segments.max(1) * from.lanes as u32) as f32)
+                heat_map(lanes as f32 / (segments.max(1) * from.lanes as u32) as f32)
             }
         };
     }
@@ -125,13 +126,13 @@ fn normal(guide: &AovSample) -> u32 {
 }
 
 fn depth(guide: &AovSample, [near, far]: [f32; 2]) -> f32 {
-    // By ratios, as the eye has it. What is infinitely far away is black, and so is everything where all is equally far.
+    // Logarithmic. Infinite distances are black, and so is everything if all distances are equal.
     let near = near.max(far * 1e-3);
     ((far / guide.distance).ln() / (far / near).ln().max(f32::MIN_POSITIVE)).clamp(0.0, 1.0)
 }
 
-/// The nearest distance, and the one that nine tenths of all are nearer than. `memory` is working memory.
-pub fn range(guides: &Aovs, memory: &mut Vec<f32>) -> [f32; 2] {
+/// The smallest distance and the 90th percentile. `memory` is working memory.
+pub fn depth_range(guides: &Aovs, memory: &mut Vec<f32>) -> [f32; 2] {
     memory.clear();
     let rows = (0..guides.resolution()[1]).flat_map(|y| guides.row(Plane::Distance, y));
     memory.extend(rows.copied().filter(|distance| distance.is_finite()));
@@ -152,11 +153,11 @@ fn barycentrics(guide: &AovSample) -> u32 {
     }
 }
 
-fn lit(guide: &AovSample, light: Vec3) -> u32 {
+fn n_dot_l(guide: &AovSample, light: Vec3) -> u32 {
     grey(encode(guide.normal.dot(light).max(0.0)))
 }
 
-/// About sRGB's curve: these colours are for reading, not for measuring.
+/// Approximates sRGB's curve: these colours are for reading, not for measuring.
 fn encode(linear: f32) -> f32 {
     linear.max(0.0).powf(1.0 / 2.2)
 }
@@ -171,8 +172,8 @@ fn grey(x: f32) -> u32 {
     rgb([x; 3])
 }
 
-/// Colours that grow brighter from 0 to 1, by way of blue, red and yellow.
-pub fn heat(x: f32) -> u32 {
+/// A heat map from 0 to 1: black, blue, red, yellow, white, with growing brightness.
+pub fn heat_map(x: f32) -> u32 {
     const STOPS: [[f32; 3]; 6] = [
         [0.0, 0.0, 0.0],
         [0.15, 0.1, 0.5],
@@ -198,22 +199,25 @@ mod tests {
             let [_, r, g, b] = color.to_be_bytes();
             0.2126 * f64::from(r) + 0.7152 * f64::from(g) + 0.0722 * f64::from(b)
         };
-        assert_eq!((heat(-1.0), heat(0.0), heat(1.0), heat(7.0)), (0, 0, 0xff_ffff, 0xff_ffff));
-        assert_eq!(heat(f32::NAN), 0);
-        let shades: Vec<f64> = (0..=100).map(|step| brightness(heat(step as f32 / 100.0))).collect();
+        assert_eq!(
+            (heat_map(-1.0), heat_map(0.0), heat_map(1.0), heat_map(7.0)),
+            (0, 0, 0xff_ffff, 0xff_ffff)
+        );
+        assert_eq!(heat_map(f32::NAN), 0);
+        let shades: Vec<f64> = (0..=100).map(|step| brightness(heat_map(step as f32 / 100.0))).collect();
         assert!(shades.is_sorted(), "{shades:?}");
     }
 
     #[test]
-    fn heat_stands_for_what_the_legends_say() {
+    fn heat_map_means_what_the_legends_say() {
         let (mut guides, mut shapes, mut costs) = (Aovs::default(), Map::default(), Map::default());
         guides.resize([3, 1]);
         shapes.pixels =
             [(1, 0), (2, 1), (2, 2)].map(|(segments, lanes)| PathShape { segments, lanes }).into();
         costs.pixels =
             [(0, 1), (16, 16), (1_000, 24)].map(|(boxes, primitives)| Cost { boxes, primitives }).into();
-        let sources = Sources {
-            guides: &guides,
+        let sources = ModeInput {
+            aovs: &guides,
             shapes: &shapes,
             costs: &costs,
             samples: &[1.0, 256.0, 65_536.0],
@@ -222,18 +226,18 @@ mod tests {
             max_bounces: 2,
             lanes: 1,
         };
-        let painted = |view| {
+        let painted = |mode| {
             let mut pixels = [0; 3];
-            paint(view, &sources, &mut pixels);
+            paint(mode, &sources, &mut pixels);
             pixels
         };
-        let half = [0.0, 0.5, 1.0].map(heat);
-        assert_eq!([View::Cost, View::Samples, View::Lanes].map(painted), [half; 3]);
-        assert_eq!(painted(View::Bounces), [0.0, 0.5, 0.5].map(heat));
+        let half = [0.0, 0.5, 1.0].map(heat_map);
+        assert_eq!([DisplayMode::Cost, DisplayMode::Samples, DisplayMode::Lanes].map(painted), [half; 3]);
+        assert_eq!(painted(DisplayMode::Bounces), [0.0, 0.5, 0.5].map(heat_map));
     }
 
     #[test]
-    fn guides_are_painted_as_their_legends_say() {
+    fn aovs_are_painted_as_their_legends_say() {
         let guide = AovSample {
             distance: 2.0,
             normal: Vec3::new(0.0, 1.0, -1.0),
@@ -245,8 +249,8 @@ mod tests {
         assert_eq!(normal(&guide), 0x80ff00);
         assert_eq!(barycentrics(&guide), 0x00ff00);
         assert_eq!(barycentrics(&AovSample { weights: [0.0, 0.0], ..guide }), 0x4d4d4d);
-        assert_eq!(lit(&guide, Vec3::Y), 0xffffff);
-        assert_eq!(lit(&guide, Vec3::NEG_Y), 0);
+        assert_eq!(n_dot_l(&guide, Vec3::Y), 0xffffff);
+        assert_eq!(n_dot_l(&guide, Vec3::NEG_Y), 0);
         let at = |distance| depth(&AovSample { distance, ..guide }, [2.0, 10.0]);
         assert_eq!([2.0, 10.0, 99.0].map(at), [1.0, 0.0, 0.0]);
         assert!((at(20f32.sqrt()) - 0.5).abs() < 1e-6, "half way in ratios");

@@ -1,0 +1,29 @@
+//! The scene files and textures that are compiled into the program.
+//!
+//! For: [`SCENES`], [`file`]. May import: `std`. Must not know: a file format.
+
+use std::path::Path;
+
+/// Prefix of built-in scenes on the command line.
+pub const PREFIX: &str = "builtin:";
+
+pub const SCENES: [(&str, &str); 8] = [
+    ("thesis", include_str!("../../../scenes/thesis.json")),
+    ("three", include_str!("../../../scenes/three.json")),
+    ("spheres", include_str!("../../../scenes/spheres.json")),
+    ("cornell", include_str!("../../../scenes/cornell.json")),
+    ("cornell-spheres", include_str!("../../../scenes/cornell-spheres.json")),
+    ("balls", include_str!("../../../scenes/balls.json")),
+    ("materials", include_str!("../../../scenes/materials.json")),
+    ("chess", include_str!("../../../scenes/chess.json")),
+];
+
+const FILES: [(&str, &[u8]); 2] = [
+    ("textures/sky.jpg", include_bytes!("../../../scenes/textures/sky.jpg")),
+    ("textures/chess.png", include_bytes!("../../../scenes/textures/chess.png")),
+];
+
+/// The content of a file that a built-in scene refers to.
+pub fn file(path: &Path) -> Option<&'static [u8]> {
+    FILES.iter().find(|(known, _)| Path::new(known) == path).map(|&(_, content)| content)
+}

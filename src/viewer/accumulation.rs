@@ -1,0 +1,314 @@
+//! Accumulates samples: the film of the present pose, samples until a frame is due.
+//!
+//! For: [`Accumulation`]. May import: `render`, `film`, `timing`, `frame` (for cancellation). Must not know:
+//! events, windows, how the film is displayed.
+
+use super::dynamic_resolution::DynamicResolution;
+use super::frame::Exchange;
+use super::timing::{RateMeter, Summary};
+use crate::film::Film;
+use crate::render::{RenderObserver, Renderer};
+use crate::scene::{Camera, Scene};
+use std::thread;
+use std::time::{Duration, Instant};
+
+/// Samples per pixel after which accumulation stops and the machine idles.
+const MAX_SAMPLES: u32 = 65_536;
+/// A picture that has accumulated for this long keeps its resolution once the target is met: a change would
+/// discard its samples.
+const SETTLE_TIME: Duration = Duration::from_secs(1);
+
+/// What determines a picture apart from scene, seed and methods.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pose {
+    pub camera: Camera,
+    pub resolution: [u32; 2],
+    pub bounces: u32,
+}
+
+/// How a pose differs from the previous one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PoseChange {
+    /// Same camera, resolution and bounces.
+    Same,
+    /// Another camera: history can be reprojected.
+    Moved,
+    /// Another resolution or number of bounces: history is invalid.
+    Other,
+}
+
+/// The film of the present pose, and the timing of frames.
+pub struct Accumulation {
+    pub film: Film,
+    pub pose: Pose,
+    /// Whether a frame of this pose has been shown.
+    pub pose_shown: bool,
+    pub resolution: DynamicResolution,
+    /// Whether the film holds the requested seed's samples from the first one on: a still in progress.
+    pub progressive: bool,
+    /// When the last frame was published, and when the next one is due.
+    last_shown: Instant,
+    due: Instant,
+    /// Duration of the last sample of the whole picture, and of painting the last frame.
+    sample_time: Duration,
+    painting_time: Duration,
+    /// When the pose last changed.
+    pose_since: Instant,
+}
+
+/// Cancels a sample that is not needed for a frame.
+struct SampleWatch<'a> {
+    exchange: &'a Exchange,
+    /// Whether the film already has a complete sample. Then this one is cancelled once an event is pending
+    /// and a frame is due.
+    optional: bool,
+    due: Instant,
+}
+
+impl RenderObserver for SampleWatch<'_> {
+    fn is_cancelled(&self) -> bool {
+        self.exchange.is_closed()
+            || (self.optional && self.exchange.is_notified() && Instant::now() >= self.due)
+    }
+    fn sample_done(&self, _pixels: usize, _rays: u64) {}
+}
+
+impl Accumulation {
+    /// For a new renderer, with an empty film.
+    pub fn new(renderer: &Renderer, scene: &Scene) -> Self {
+        let settings = renderer.settings();
+        let pose =
+            Pose { camera: scene.camera, resolution: settings.resolution, bounces: settings.max_bounces };
+        let now = Instant::now();
+        Self {
+            film: renderer.film(),
+            pose,
+            pose_shown: false,
+            resolution: DynamicResolution::default(),
+            progressive: true,
+            last_shown: now,
+            due: now,
+            sample_time: Duration::ZERO,
+            painting_time: Duration::ZERO,
+            pose_since: now,
+        }
+    }
+
+    /// Starts over with another renderer; keeps the resolution scale and the frame timing.
+    pub fn reset(&mut self, renderer: &Renderer, scene: &Scene) {
+        let Self { mut resolution, last_shown, due, sample_time, painting_time, .. } = *self;
+        resolution.restart();
+        *self =
+            Self { resolution, last_shown, due, sample_time, painting_time, ..Self::new(renderer, scene) };
+    }
+
+    /// Sets the renderer's camera, resolution and bounces, and clears the film if they changed. A resting
+    /// camera has the requested seed; a moving one has a different seed in every frame, derived from the
+    /// frame's number.
+    pub fn set_pose(
+        &mut self,
+        renderer: &mut Renderer,
+        scene: &Scene,
+        pose: Pose,
+        seed: u32,
+        frame: u64,
+    ) -> PoseChange {
+        let before = std::mem::replace(&mut self.pose, pose);
+        if pose == before {
+            if !self.progressive {
+                self.progressive = true;
+                self.film.clear();
+                renderer.set_seed(seed);
+            }
+            return PoseChange::Same;
+        }
+        renderer.set_view(scene, &pose.camera, pose.resolution, pose.bounces);
+        let other = pose.bounces != before.bounces || pose.resolution != before.resolution;
+        (self.pose_shown, self.progressive) = (false, other);
+        self.pose_since = Instant::now();
+        if pose.resolution == before.resolution {
+            self.film.clear();
+        } else {
+            self.film = renderer.film();
+            self.resolution.restart();
+        }
+        renderer.set_seed(if other { seed } else { seed.wrapping_add(1).wrapping_add(frame as u32) });
+        if other { PoseChange::Other } else { PoseChange::Moved }
+    }
+
+    /// Adds samples, at least one, until a frame is due at `rate` frames per second or the front end has
+    /// closed.
+    pub fn accumulate(
+        &mut self,
+        renderer: &Renderer,
+        rate: f64,
+        exchange: &Exchange,
+        (rates, summary): (&mut RateMeter, &mut Summary),
+    ) {
+        // Counted from the previous due time: a late frame does not shorten the next one's share, and lost
+        // frames are not made up for.
+        let interval = Duration::from_secs_f64(1.0 / rate);
+        self.due = (self.due + interval).max(self.last_shown + interval / 2);
+        let due = self.due - self.painting_time.min(interval / 2);
+        loop {
+            if self.film.samples() >= MAX_SAMPLES {
+                return thread::sleep(due.saturating_duration_since(Instant::now()));
+            }
+            // A resting camera already has a picture to show; a moving one needs this sample.
+            let optional = self.progressive && self.film.samples() > 0;
+            let watch = SampleWatch { exchange, optional, due };
+            let (start, before) = (Instant::now(), (self.film.pixel_samples(), self.film.rays()));
+            renderer.add_samples_observed(&mut self.film, 1, &watch);
+            let time = start.elapsed();
+            let pixels = f64::from(self.pose.resolution[0]) * f64::from(self.pose.resolution[1]);
+            let samples = (self.film.pixel_samples() - before.0) as f64 / pixels;
+            rates.samples(renderer.settings().lanes, samples, self.film.rays() - before.1, time);
+            summary.samples += samples;
+            summary.tracing += time;
+            if samples == 1.0 {
+                self.sample_time = time;
+            }
+            if exchange.is_closed() || Instant::now() + self.sample_time / 2 >= due {
+                return;
+            }
+        }
+    }
+
+    /// Records that a frame was published and how long it took to paint; returns the time since the previous
+    /// frame.
+    pub fn frame_shown(&mut self, now: Instant, painting: Duration) -> Duration {
+        let since = now - self.last_shown;
+        (self.last_shown, self.painting_time, self.pose_shown) = (now, painting, true);
+        since
+    }
+
+    /// Lowers the resolution when frames take longer than the target allows, raises it when there is time.
+    pub fn adapt_resolution(&mut self, target: Option<u32>) {
+        // Without the wait for the display, which no resolution shortens.
+        let needed = self.sample_time + self.painting_time;
+        let settled = self.progressive && self.pose_since.elapsed() >= SETTLE_TIME;
+        self.resolution.adapt(target, needed, settled);
+    }
+
+    /// Completes a partial sample, so that all pixels have the same number of samples, at least one.
+    pub fn equalize_samples(&mut self, renderer: &Renderer) {
+        let uneven = self.film.most_samples().max(1) - self.film.samples();
+        renderer.add_samples(&mut self.film, uneven);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::render::Settings;
+    use crate::scene::load;
+
+    fn start() -> (Renderer, Scene, Accumulation) {
+        let scene = load("builtin:three").unwrap();
+        let settings = Settings { resolution: [24, 16], seed: 5, ..Settings::of(&scene) };
+        let renderer = Renderer::new(&scene, settings);
+        let accumulation = Accumulation::new(&renderer, &scene);
+        (renderer, scene, accumulation)
+    }
+
+    /// A resting camera's picture has the bits of a still, whatever was rendered before it.
+    #[test]
+    fn a_camera_that_comes_to_rest_accumulates_the_samples_of_a_still() {
+        let (mut renderer, scene, mut accumulation) = start();
+        let home = accumulation.pose;
+        let away = Pose { camera: Camera { vertical_fov: 30.0, ..home.camera }, ..home };
+        let mut go = |accumulation: &mut Accumulation, pose, frame| {
+            let change = accumulation.set_pose(&mut renderer, &scene, pose, 5, frame);
+            renderer.add_samples(&mut accumulation.film, 2);
+            (change, renderer.settings().seed, accumulation.film.samples())
+        };
+        assert_eq!(go(&mut accumulation, home, 0), (PoseChange::Same, 5, 2));
+        assert_eq!(go(&mut accumulation, away, 1), (PoseChange::Moved, 7, 2));
+        assert_eq!(go(&mut accumulation, home, 2), (PoseChange::Moved, 8, 2));
+        assert_eq!(
+            go(&mut accumulation, home, 3),
+            (PoseChange::Same, 5, 2),
+            "at rest: from the first sample on"
+        );
+        assert_eq!(go(&mut accumulation, home, 4), (PoseChange::Same, 5, 4));
+        let (still, ..) = start();
+        let mut film = still.film();
+        still.add_samples(&mut film, 4);
+        assert_eq!(accumulation.film.picture(), film.picture());
+        let deep = Pose { bounces: home.bounces + 1, ..home };
+        assert_eq!(
+            go(&mut accumulation, deep, 5),
+            (PoseChange::Other, 5, 2),
+            "another picture begins at once"
+        );
+        let small = Pose { resolution: [12, 8], ..deep };
+        assert_eq!(go(&mut accumulation, small, 6), (PoseChange::Other, 5, 2));
+        assert_eq!(accumulation.film.resolution(), [12, 8]);
+    }
+
+    #[test]
+    fn neither_a_delayed_frame_nor_a_settled_picture_changes_the_resolution() {
+        let (.., mut accumulation) = start();
+        let hold = |accumulation: &mut Accumulation, ms, times| {
+            accumulation.sample_time = Duration::from_millis(ms);
+            (0..times).for_each(|_| accumulation.adapt_resolution(Some(30)));
+            accumulation.resolution.scale
+        };
+        for _ in 0..10 {
+            assert_eq!(hold(&mut accumulation, 20, 2), 1.0);
+            assert_eq!(hold(&mut accumulation, 500, 1), 1.0, "delayed");
+        }
+        assert_eq!(hold(&mut accumulation, 20, 2), 1.0);
+        accumulation.pose_since = Instant::now().checked_sub(SETTLE_TIME).unwrap();
+        assert_eq!(hold(&mut accumulation, 500, 10), 1.0, "the camera rests");
+        accumulation.progressive = false;
+        assert!(hold(&mut accumulation, 500, 3) < 1.0, "the camera moves");
+    }
+
+    #[test]
+    fn a_closed_window_cancels_the_sample() {
+        let (renderer, _, mut accumulation) = start();
+        let (exchange, mut rates, mut summary) =
+            (Exchange::default(), RateMeter::default(), Summary::default());
+        exchange.notify();
+        accumulation.accumulate(&renderer, 1e9, &exchange, (&mut rates, &mut summary));
+        assert_eq!(
+            accumulation.film.samples(),
+            1,
+            "the first sample of a picture is never cancelled by an event"
+        );
+        accumulation.film.clear();
+        exchange.close();
+        accumulation.accumulate(&renderer, 1.0, &exchange, (&mut rates, &mut summary));
+        assert_eq!(accumulation.film.most_samples(), 0);
+        accumulation.equalize_samples(&renderer);
+        assert_eq!(accumulation.film.samples(), 1, "a screenshot completes it");
+    }
+
+    #[test]
+    fn accumulation_stops_for_events_and_at_the_maximum_of_samples() {
+        let (renderer, _, mut accumulation) = start();
+        let (exchange, mut rates, mut summary) =
+            (Exchange::default(), RateMeter::default(), Summary::default());
+        let mut accumulate = |accumulation: &mut Accumulation, renderer: &Renderer, exchange: &Exchange| {
+            accumulation.accumulate(renderer, 1e9, exchange, (&mut rates, &mut summary));
+            accumulation.film.most_samples()
+        };
+        assert_eq!(accumulate(&mut accumulation, &renderer, &exchange), 1);
+        assert_eq!(accumulate(&mut accumulation, &renderer, &exchange), 2);
+        exchange.notify();
+        assert_eq!(
+            accumulate(&mut accumulation, &renderer, &exchange),
+            2,
+            "an event cancels the next sample"
+        );
+        exchange.clear_notification();
+        // One pixel, so that it has all of its samples soon.
+        let scene = load("builtin:three").unwrap();
+        let renderer = Renderer::new(&scene, Settings { resolution: [1, 1], ..Settings::of(&scene) });
+        accumulation.reset(&renderer, &scene);
+        renderer.add_samples(&mut accumulation.film, MAX_SAMPLES - 1);
+        assert_eq!(accumulate(&mut accumulation, &renderer, &exchange), MAX_SAMPLES);
+        assert_eq!(accumulate(&mut accumulation, &renderer, &exchange), MAX_SAMPLES);
+    }
+}

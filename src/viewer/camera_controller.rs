@@ -1,0 +1,255 @@
+//! The camera controller: moves, turns and zooms the camera by keys and mouse.
+//!
+//! For: [`CameraController`] and [`HeldMotions`]. May import: `scene`'s camera, `keys`. Must not know:
+//! pixels, clocks.
+
+use super::keys::Motion;
+use crate::scene::Camera;
+use glam::{DQuat, DVec3};
+
+/// Turning speed of a held arrow key, in radians per second.
+const TURN_SPEED: f64 = 1.2;
+/// Radians per pixel of mouse travel at a field of view of 90°; less at narrower ones.
+const MOUSE_SENSITIVITY: f64 = 0.0025;
+/// Speed factor of [`Motion::Fast`].
+const FAST_FACTOR: f64 = 4.0;
+/// Largest pitch in radians: short of the pole, where yaw is undefined.
+const MAX_PITCH: f64 = 89.0 * std::f64::consts::PI / 180.0;
+/// Field of view: bounds in degrees, and the factor of the image plane's width per step.
+const FOV_RANGE: [f32; 2] = [1.0, 150.0];
+const FOV_STEP: f64 = 0.9;
+
+/// The motions whose keys are down.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct HeldMotions([bool; Motion::COUNT]);
+
+impl HeldMotions {
+    pub fn set(&mut self, motion: Motion, held: bool) {
+        self.0[motion as usize] = held;
+    }
+    pub fn is(&self, motion: Motion) -> bool {
+        self.0[motion as usize]
+    }
+    /// −1, 0 or 1.
+    fn axis(&self, back: Motion, forth: Motion) -> f64 {
+        f64::from(self.is(forth)) - f64::from(self.is(back))
+    }
+}
+
+/// A camera that keys and mouse move. Until it is moved, it has the bits of the scene's camera.
+#[derive(Clone, Debug)]
+pub struct CameraController {
+    home: Camera,
+    camera: Camera,
+    position: DVec3,
+    /// The up direction, of unit length.
+    up: DVec3,
+    /// Horizontal direction at yaw 0, of unit length.
+    forward: DVec3,
+    /// Radians around `up`, positive to the left.
+    yaw: f64,
+    /// Radians above the horizontal.
+    pitch: f64,
+}
+
+impl CameraController {
+    pub fn new(home: Camera) -> Self {
+        let position = home.position.as_dvec3();
+        let up = home.up.as_dvec3().normalize();
+        let sight = (home.look_at.as_dvec3() - position).normalize();
+        let level = sight - up * sight.dot(up);
+        let forward = level.try_normalize().unwrap_or_else(|| up.any_orthonormal_vector());
+        let pitch = sight.dot(up).clamp(-1.0, 1.0).asin();
+        Self { home, camera: home, position, up, forward, yaw: 0.0, pitch }
+    }
+    pub fn camera(&self) -> &Camera {
+        &self.camera
+    }
+    /// The horizontal forward direction, and up.
+    pub fn forward_and_up(&self) -> (DVec3, DVec3) {
+        (DQuat::from_axis_angle(self.up, self.yaw) * self.forward, self.up)
+    }
+    /// Resets to the scene's camera.
+    pub fn reset(&mut self) {
+        *self = Self::new(self.home);
+    }
+    /// Replaces the scene's camera after a reload. A camera that was not moved follows at once.
+    pub fn set_home(&mut self, home: Camera) {
+        if self.camera == self.home {
+            *self = Self::new(home);
+        } else {
+            self.home = home;
+        }
+    }
+
+    /// Applies the held motions for `seconds`, at `speed` scene units per second. Two half steps lead to the
+    /// same place as one whole step up to rounding, unless it turns while walking.
+    pub fn advance(&mut self, held: &HeldMotions, seconds: f64, speed: f64) {
+        let pace = if held.is(Motion::Fast) { FAST_FACTOR } else { 1.0 };
+        let turn = TURN_SPEED * pace.sqrt() * self.turn_scale() * seconds;
+        let yaw = held.axis(Motion::TurnRight, Motion::TurnLeft) * turn;
+        let pitch = held.axis(Motion::TurnDown, Motion::TurnUp) * turn;
+        let (forward, up) = self.forward_and_up();
+        let step = forward * held.axis(Motion::Back, Motion::Forward)
+            + forward.cross(up) * held.axis(Motion::Left, Motion::Right)
+            + up * held.axis(Motion::Down, Motion::Up);
+        if step == DVec3::ZERO && yaw == 0.0 && pitch == 0.0 {
+            return;
+        }
+        self.position += step.normalize_or_zero() * (speed * pace * seconds);
+        self.turn(yaw, pitch);
+    }
+
+    /// Turns by mouse travel in pixels, right and down.
+    pub fn mouse_look(&mut self, [right, down]: [f64; 2]) {
+        if right != 0.0 || down != 0.0 {
+            let scale = MOUSE_SENSITIVITY * self.turn_scale();
+            self.turn(-right * scale, -down * scale);
+        }
+    }
+
+    /// Narrows the field of view by `steps`; negative steps widen it.
+    pub fn zoom_by(&mut self, steps: f64) {
+        let half = f64::from(self.camera.vertical_fov).to_radians() / 2.0;
+        let half = (half.tan() * FOV_STEP.powf(steps)).atan();
+        self.camera.vertical_fov = ((2.0 * half).to_degrees() as f32).clamp(FOV_RANGE[0], FOV_RANGE[1]);
+    }
+
+    /// Factor of the turning speed, smaller at narrow fields of view: 1 at 90° and above.
+    fn turn_scale(&self) -> f64 {
+        (f64::from(self.camera.vertical_fov).to_radians() / 2.0).tan().min(1.0)
+    }
+
+    fn turn(&mut self, yaw: f64, pitch: f64) {
+        self.yaw += yaw;
+        // The scene's own pitch may exceed the bound: it stays until the pitch is changed.
+        if pitch != 0.0 {
+            self.pitch = (self.pitch + pitch).clamp(-MAX_PITCH, MAX_PITCH);
+        }
+        let (forward, up) = self.forward_and_up();
+        let sight = forward * self.pitch.cos() + up * self.pitch.sin();
+        self.camera.position = self.position.as_vec3();
+        // Far enough for a direction's resolution of 1e-7 rad in single precision.
+        let own = f64::from(self.home.look_at.distance(self.home.position));
+        let distance = own.max(self.position.abs().max_element());
+        self.camera.look_at = (self.camera.position.as_dvec3() + sight * distance).as_vec3();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec3;
+
+    #[test]
+    fn the_mouse_turns_less_through_a_narrow_field_of_view() {
+        let turned = |vertical_fov| {
+            let mut controller = CameraController::new(Camera { vertical_fov, ..home() });
+            controller.mouse_look([100.0, 0.0]);
+            controller.yaw
+        };
+        assert!((turned(90.0) + 100.0 * MOUSE_SENSITIVITY).abs() < 1e-9);
+        let ratio = turned(10.0) / turned(20.0);
+        assert!((ratio - 5f64.to_radians().tan() / 10f64.to_radians().tan()).abs() < 1e-6, "{ratio}");
+    }
+
+    fn home() -> Camera {
+        Camera {
+            position: Vec3::new(1.0, 2.0, 3.0),
+            look_at: Vec3::new(1.0, 2.0, -7.0),
+            up: Vec3::Y,
+            vertical_fov: 40.0,
+        }
+    }
+    fn held(motions: &[Motion]) -> HeldMotions {
+        let mut held = HeldMotions::default();
+        motions.iter().for_each(|&motion| held.set(motion, true));
+        held
+    }
+    fn after(motions: &[Motion], seconds: f64) -> Camera {
+        let mut controller = CameraController::new(home());
+        controller.advance(&held(motions), seconds, 2.0);
+        *controller.camera()
+    }
+
+    #[test]
+    fn every_motion_goes_its_way() {
+        let moved = |motion| (after(&[motion], 0.5).position - home().position).to_array();
+        assert_eq!(moved(Motion::Forward), [0.0, 0.0, -1.0]);
+        assert_eq!(moved(Motion::Back), [0.0, 0.0, 1.0]);
+        assert_eq!(moved(Motion::Right), [1.0, 0.0, 0.0]);
+        assert_eq!(moved(Motion::Left), [-1.0, 0.0, 0.0]);
+        assert_eq!(moved(Motion::Up), [0.0, 1.0, 0.0]);
+        assert_eq!(moved(Motion::Down), [0.0, -1.0, 0.0]);
+        let looks = |motion| after(&[motion], 0.1).look_at - home().look_at;
+        assert!(looks(Motion::TurnRight).x > 0.1 && looks(Motion::TurnLeft).x < -0.1);
+        assert!(looks(Motion::TurnUp).y > 0.1 && looks(Motion::TurnDown).y < -0.1);
+        assert_eq!(after(&[Motion::Left, Motion::Right], 1.0), home(), "opposites cancel");
+        let fast = after(&[Motion::Forward, Motion::Fast], 0.5).position.z;
+        assert_eq!(fast, home().position.z - 4.0);
+        let diagonal = after(&[Motion::Forward, Motion::Right], 0.5).position.distance(home().position);
+        assert!((diagonal - 1.0).abs() < 1e-6, "diagonal motion is no faster: {diagonal}");
+    }
+
+    #[test]
+    fn the_frame_rate_does_not_change_where_it_leads() {
+        for motions in [&[Motion::Forward][..], &[Motion::Right, Motion::Up], &[Motion::TurnLeft]] {
+            let (held, mut steps) = (held(motions), CameraController::new(home()));
+            for _ in 0..240 {
+                steps.advance(&held, 1.0 / 240.0, 2.0);
+            }
+            let once = after(motions, 1.0);
+            assert!(steps.camera().position.distance(once.position) < 1e-5, "{motions:?}");
+            assert!(steps.camera().look_at.distance(once.look_at) < 1e-4, "{motions:?}");
+        }
+    }
+
+    #[test]
+    fn a_camera_that_was_not_moved_is_the_scenes_own() {
+        let mut controller = CameraController::new(home());
+        controller.advance(&HeldMotions::default(), 1.0, 2.0);
+        controller.advance(&held(&[Motion::Fast]), 1.0, 2.0);
+        controller.mouse_look([0.0, 0.0]);
+        assert_eq!(*controller.camera(), home());
+        controller.advance(&held(&[Motion::Forward, Motion::TurnUp]), 1.0, 2.0);
+        assert_ne!(*controller.camera(), home());
+        controller.reset();
+        assert_eq!(*controller.camera(), home());
+    }
+
+    #[test]
+    fn up_is_the_scenes_up_wherever_that_is() {
+        for up in [Vec3::NEG_Y, Vec3::Z, Vec3::new(0.3, 1.0, -0.2)] {
+            let sight = up.any_orthonormal_vector();
+            let home = Camera { position: Vec3::ZERO, look_at: sight, up, vertical_fov: 60.0 };
+            let mut controller = CameraController::new(home);
+            controller.advance(&held(&[Motion::Up]), 1.0, 1.0);
+            assert!(controller.camera().position.distance(up.normalize()) < 1e-6);
+            controller.advance(&held(&[Motion::Right]), 1.0, 1.0);
+            let right = sight.cross(up).normalize();
+            assert!(controller.camera().position.distance(up.normalize() + right) < 1e-6);
+        }
+    }
+
+    #[test]
+    fn looking_stops_before_the_poles_and_forward_stays_level() {
+        let mut controller = CameraController::new(home());
+        controller.advance(&held(&[Motion::TurnUp]), 100.0, 1.0);
+        let sight = (controller.camera().look_at - controller.camera().position).normalize();
+        assert!((sight.y - 1.0).abs() < 1e-3 && sight.y < 1.0);
+        controller.advance(&held(&[Motion::Forward]), 1.0, 1.0);
+        assert!((controller.camera().position.y - home().position.y).abs() < 1e-6);
+    }
+
+    #[test]
+    fn field_of_view_stays_within_bounds() {
+        let mut controller = CameraController::new(home());
+        controller.zoom_by(1.0);
+        let half = |fov: f32| (f64::from(fov).to_radians() / 2.0).tan();
+        assert!((half(controller.camera().vertical_fov) / half(40.0) - FOV_STEP).abs() < 1e-6);
+        controller.zoom_by(-1_000.0);
+        assert_eq!(controller.camera().vertical_fov, FOV_RANGE[1]);
+        controller.zoom_by(1_000.0);
+        assert_eq!(controller.camera().vertical_fov, FOV_RANGE[0]);
+    }
+}

@@ -1,0 +1,44 @@
+//! What the viewer starts with.
+//!
+//! For: [`Options`], [`Wake`]. May import: `render`, `traverse`, `tone`, the scene. Must not know: the
+//! command line, threads.
+
+use crate::render::PipelineChoice;
+use crate::scene::Loaded;
+use crate::tone::Tone;
+use crate::traverse::Methods;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// Bytes of memory per pixel without filters: film, history, AOVs, frames. Measured.
+pub const BYTES_PER_PIXEL: usize = 180;
+
+/// What the viewer starts with.
+pub struct Options {
+    /// Resolution of all scenes; each scene's own if `None`.
+    pub size: Option<[u32; 2]>,
+    /// Maximum number of scattering events for all scenes; each scene's own if `None`.
+    pub bounces: Option<u32>,
+    pub seed: u32,
+    pub pipeline: PipelineChoice,
+    /// As in [`crate::render::Settings`].
+    pub clamp: f32,
+    pub threads: usize,
+    /// Upper bound of the thread count that keys can choose.
+    pub max_threads: usize,
+    pub lanes: usize,
+    pub tone: Tone,
+    /// Frames per second to hold by a lower resolution.
+    pub target: Option<u32>,
+    /// The methods requested on the command line, which may depend on the scene.
+    pub methods: Box<dyn Fn(&Loaded) -> Methods + Send + Sync>,
+    /// Checks that memory suffices for a picture of this width and height; the error says why not.
+    pub fits: Box<dyn Fn([u32; 2]) -> Result<(), String> + Send + Sync>,
+    /// Ends after this many frames.
+    pub frames: Option<u64>,
+    /// The folder for screenshots.
+    pub screenshots: PathBuf,
+}
+
+/// Called by the render loop when a frame is ready.
+pub type Wake = Arc<dyn Fn() + Send + Sync>;

@@ -1,0 +1,87 @@
+//! A running viewer: starts the render loop in a thread of its own and connects a front end to it.
+//!
+//! For: [`Viewer`]. May import: `render_loop`, `frame`, `state`, `options`. Must not know: windows,
+//! terminals.
+
+use super::controls::Controls;
+use super::frame::{Exchange, Frame};
+use super::options::{Options, Wake};
+use super::playlist::Playlist;
+use super::render_loop::RenderLoop;
+use super::state::{Event, State};
+use super::timing::Summary;
+use crate::scene::Loaded;
+use std::sync::Arc;
+use std::sync::mpsc::{Sender, channel};
+use std::thread::JoinHandle;
+use std::time::Instant;
+
+/// Handle of a running render loop, for a front end.
+pub struct Viewer {
+    events: Sender<(Event, Instant)>,
+    exchange: Arc<Exchange>,
+    thread: JoinHandle<Summary>,
+}
+
+impl Viewer {
+    /// Starts with the playlist's current scene, already loaded.
+    pub fn start(options: Options, playlist: Playlist, scene: Loaded, wake: Wake) -> Self {
+        let bounces = options.bounces.unwrap_or(scene.max_bounces);
+        let mut controls = Controls::new(bounces, options.threads, options.lanes, options.tone);
+        controls.target = options.target;
+        controls.max_threads = options.max_threads;
+        let state = State::new(playlist, &scene, controls, options.bounces, Instant::now());
+        let (events, incoming) = channel();
+        let exchange = Arc::new(Exchange::default());
+        let (shared, scene) = (exchange.clone(), Arc::new(scene));
+        let thread = std::thread::spawn(move || {
+            let _guard = FinishGuard { exchange: shared.clone(), wake: wake.clone() };
+            let size = options.size.unwrap_or(scene.resolution);
+            shared.publish(&mut Frame::announcing(&scene.name, size));
+            wake();
+            let (render_loop, renderer) =
+                RenderLoop::new(Arc::new(options), state, scene, incoming, shared, wake);
+            render_loop.run(renderer)
+        });
+        Self { events, exchange, thread }
+    }
+    /// Sends an event with the present time.
+    pub fn send(&self, event: Event) {
+        // Fails only if the render loop has ended; the event is then of no use.
+        let _ = self.events.send((event, Instant::now()));
+        self.exchange.notify();
+    }
+    /// Swaps `frame` for a newer one; returns false and changes nothing if there is none.
+    pub fn take(&self, frame: &mut Frame) -> bool {
+        self.exchange.take(frame)
+    }
+    /// Whether the render loop has ended, by a panic or otherwise.
+    pub fn is_finished(&self) -> bool {
+        self.exchange.is_finished()
+    }
+    /// Ends the render loop. Does not wait for one that is still preparing its first scene.
+    ///
+    /// # Panics
+    /// If the render loop panicked.
+    pub fn finish(self) -> Summary {
+        self.send(Event::Quit);
+        self.exchange.close();
+        if !self.exchange.is_ready() && !self.exchange.is_finished() {
+            return Summary::default();
+        }
+        self.thread.join().expect("the render loop does not panic")
+    }
+}
+
+/// On drop, marks the exchange as finished and wakes the front end, also after a panic.
+struct FinishGuard {
+    exchange: Arc<Exchange>,
+    wake: Wake,
+}
+
+impl Drop for FinishGuard {
+    fn drop(&mut self) {
+        self.exchange.finish();
+        (self.wake)();
+    }
+}

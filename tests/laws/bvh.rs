@@ -1,9 +1,7 @@
 //! The law of the hierarchy: every primitive in exactly one leaf, every box exactly around what is below it, no deeper than promised, and
 //! the same bits for any number of threads; on random scenes, on real meshes, and where builders fail.
 
-mod common;
-
-use common::{Dice, empty, sphere, triangle};
+use crate::common::{Dice, empty, sphere, triangle};
 use glam::{DVec3, Vec3};
 use octray::bvh::check::{Statistics, check};
 use octray::bvh::{Bounds, Bvh, Child, LEAF, MAX_DEPTH, MAX_STACK, Trees, WideNode};

@@ -1,9 +1,7 @@
 //! The law of choosing among lights: each is drawn as often as its chance says, however unlike their powers are; the number that chose
 //! is as well spread over the chosen light as over all of them; nothing is overlooked on the way there, by any equations.
 
-mod common;
-
-use common::{Dice, empty, floor, lamp, material, mean, sphere, triangle};
+use crate::common::{Dice, empty, floor, lamp, material, mean, sphere, triangle};
 use glam::Vec3;
 use octray::buffers::{EnvironmentLight, Features, LightChoice, Lights};
 use octray::film::Picture;

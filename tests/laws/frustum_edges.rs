@@ -1,10 +1,8 @@
 //! What rays hit that run along the very sides of a tile's frustum, or start at the very side of a box: there rounding decides between a hit
 //! and none, and only the frustum's padding keeps the traversals' law.
 
-mod common;
-
-use common::rays::Set;
-use common::{Dice, empty, material, sphere, triangle};
+use crate::common::rays::Set;
+use crate::common::{Dice, empty, material, sphere, triangle};
 use glam::DVec3;
 use octray::bvh::Trees;
 use octray::scene::{MaterialKind, Scene};

@@ -1,10 +1,8 @@
 //! Camera rays by the tile find what testing every primitive finds, bit for bit: with reaches, with hits from before, in tiles that are not
 //! full, beside rays that are odd, and among primitives that are tiny or far away. The other traversals are held to it as well.
 
-mod common;
-
-use common::rays::{Set, mixture};
-use common::{Dice, sphere, triangle};
+use crate::common::rays::{Set, mixture};
+use crate::common::{Dice, sphere, triangle};
 use glam::{Vec3, Vec3Swizzles};
 use octray::bvh::Trees;
 use octray::math::MISS;

@@ -1,9 +1,7 @@
 //! Every way through the hierarchy finds what testing every primitive finds, bit for bit.
 
-mod common;
-
-use common::rays::{Set, mixture};
-use common::{Dice, sphere};
+use crate::common::rays::{Set, mixture};
+use crate::common::{Dice, sphere};
 use glam::Vec3;
 use octray::bvh::Trees;
 use octray::math::MISS;

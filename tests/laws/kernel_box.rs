@@ -3,9 +3,7 @@
 //!
 //! Judged by the slabs in f64, where differences of f32 numbers of one size are exact.
 
-mod common;
-
-use common::{Dice, packet, ray};
+use crate::common::{Dice, packet, ray};
 use glam::Vec3;
 use octray::kernel::ray_box::{
     BoxMethod, BySign, BySignWidened, Contracted, IeeeMinMax, Padded, Padding, Slabs, X86MinMax, own_box,

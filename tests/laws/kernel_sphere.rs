@@ -1,9 +1,7 @@
 //! The law of ray and sphere: rays from inside and from the surface, tangents, limits and inactive lanes, and directions that are none.
 //! How often methods fail, from far away and elsewhere, is the matter of `tests/stability.rs`.
 
-mod common;
-
-use common::{Dice, packet, ray};
+use crate::common::{Dice, packet, ray};
 use glam::{DVec3, Vec3};
 use octray::kernel::ray_sphere::{Naive, Robust, RobustAnyLength, SphereMethod};
 use octray::lane::{F32x8, Lane, Mask};

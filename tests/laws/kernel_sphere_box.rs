@@ -3,9 +3,7 @@
 //! Judged in f64. All regimes: from inside, on the surface, from near it and from 10⁸ radii away, through the middle and along the
 //! silhouette, radii from 1e-18 to 1e6, directions of unit length and as far off it as the domain allows.
 
-mod common;
-
-use common::{Dice, ray};
+use crate::common::{Dice, ray};
 use glam::{DVec3, Vec3};
 use octray::bvh::Bounds;
 use octray::kernel::ray_box::{Padding, Slabs, sphere_padding};

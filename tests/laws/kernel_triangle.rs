@@ -1,9 +1,7 @@
 //! The law of ray and triangle: away from edges every method agrees with f64; limits and inactive lanes, directions that are none, rays in
 //! the plane. Where methods leak is the matter of `tests/stability.rs`, traversals are held to it by `tests/watertight.rs`.
 
-mod common;
-
-use common::{Dice, packet, ray};
+use crate::common::{Dice, packet, ray};
 use glam::{DVec3, Vec3, Vec3Swizzles};
 use octray::kernel::ray_triangle::{
     BaldwinWeber, MollerTrumbore, MollerTrumboreEpsilon, Plucker, TriangleHit, TriangleMethod, Woop,

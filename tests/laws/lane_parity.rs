@@ -4,9 +4,7 @@
 //! of special values and on random bit patterns. Holds in every build; to run it in one without FMA and AVX:
 //! `RUSTFLAGS="-C target-cpu=x86-64" cargo test --target-dir target/plain --test lane_parity`.
 
-mod common;
-
-use common::Dice;
+use crate::common::Dice;
 use octray::kernel::{bsdf, surface, texture};
 use octray::lane::{Bits, F32x8, Lane, Mask, Mask8, U32x8, functions, lane_indices, set_bits};
 use octray::math::Vec3;

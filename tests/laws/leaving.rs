@@ -4,9 +4,7 @@
 //! The rays are those of `octray stability`, here from near and far at once, and with a share of the offset. Seeds are fixed; re-hits must
 //! be 0.
 
-mod common;
-
-use common::{Dice, empty, material, sphere, triangle};
+use crate::common::{Dice, empty, material, sphere, triangle};
 use glam::Vec3;
 use octray::buffers::Buffers;
 use octray::kernel::surface::{sphere_offset, triangle_normal, triangle_offset};

@@ -1,9 +1,7 @@
 //! Looking for lights: directions are drawn as their densities say, what arrives is what closed forms say, and searching changes no
 //! expectation.
 
-mod common;
-
-use common::{Dice, floor, lamp, mean, sphere, triangle};
+use crate::common::{Dice, floor, lamp, mean, sphere, triangle};
 use glam::{DVec3, Vec3};
 use octray::buffers::{EnvironmentLight, LightChoice};
 use octray::film::Picture;

@@ -3,9 +3,7 @@
 //! Each lobe is drawn and counted over solid angle, and the counts are held against quadrature of its density in f64. Seeds are
 //! fixed; deviations are allowed for at the level of the whole family of tests (1e-4, Bonferroni).
 
-mod common;
-
-use common::Dice;
+use crate::common::Dice;
 use glam::{DVec3, Vec3};
 use octray::kernel::bsdf::plastic::{Plastic, mean_transmittance};
 use octray::kernel::bsdf::{BsdfEval, BsdfSample, LobeEval, diffuse, ggx, scatter};

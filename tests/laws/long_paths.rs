@@ -1,8 +1,6 @@
 //! Law: directions keep the unit length that intersection asks for, however long the path.
 
-mod common;
-
-use common::{Dice, empty, material, sphere, triangle};
+use crate::common::{Dice, empty, material, sphere, triangle};
 use glam::{Quat, Vec3};
 use octray::buffers::{Buffers, Features};
 use octray::camera::{Pinhole, Tile};

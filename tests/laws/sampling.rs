@@ -4,10 +4,8 @@
 //! Seeds are fixed. Statistics are compared with their expectation in standard errors; where many are taken, the allowed deviation is
 //! that of the whole family at a level of 1e-4 (Bonferroni): seldom enough to be a fault if seen.
 
-mod common;
-
-use common::Dice;
-use common::statistics::{allowed, chi_squared_deviation, correlation, joint};
+use crate::common::Dice;
+use crate::common::statistics::{allowed, chi_squared_deviation, correlation, joint};
 use octray::math::Vec3;
 use octray::sampling::{dimension, random, warp};
 

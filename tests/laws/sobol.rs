@@ -4,10 +4,8 @@
 //! Seeds are fixed; tolerances are standard errors, as in `tests/sampling.rs`. Bits at width 1 and 8 are compared by
 //! `tests/lane_parity.rs`.
 
-mod common;
-
-use common::Dice;
-use common::statistics::{allowed, chi_squared_deviation, correlation, joint};
+use crate::common::Dice;
+use crate::common::statistics::{allowed, chi_squared_deviation, correlation, joint};
 use octray::sampling::{SampleValues, Sampler, dimension, random};
 use std::f64::consts::{FRAC_PI_4, TAU};
 

@@ -1,9 +1,7 @@
 //! Lists of a stream's rays that fill what room there is: many rays, not whole packets of them, through boxes that all of them pass.
 
-mod common;
-
-use common::rays::Set;
-use common::{Dice, empty, material, triangle};
+use crate::common::rays::Set;
+use crate::common::{Dice, empty, material, triangle};
 use glam::Vec3;
 use octray::scene::{MaterialKind, Scene};
 

@@ -3,9 +3,7 @@
 //!
 //! The oracle is a loop of its own that calls the kernels at width 1. Seeds are fixed.
 
-mod common;
-
-use common::{Dice, empty, material, packet, ray, sphere, triangle};
+use crate::common::{Dice, empty, material, packet, ray, sphere, triangle};
 use glam::Vec3;
 use octray::buffers::Buffers;
 use octray::kernel::ray_sphere::{self, SphereMethod};

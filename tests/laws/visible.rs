@@ -1,8 +1,6 @@
 //! Law: leaving out what a tile cannot see changes no hit (conservative culling).
 
-mod common;
-
-use common::{Dice, empty, material, sphere};
+use crate::common::{Dice, empty, material, sphere};
 use glam::Vec3;
 use octray::buffers::Buffers;
 use octray::camera::Pinhole;

@@ -3,10 +3,8 @@
 //!
 //! Ten million rays: `cargo test --release --test watertight -- --ignored --nocapture`.
 
-mod common;
-
-use common::rays::Set;
-use common::{Dice, empty, material, triangle};
+use crate::common::rays::Set;
+use crate::common::{Dice, empty, material, triangle};
 use glam::{DVec3, Vec3};
 use octray::bvh::Trees;
 use octray::math::MISS;

@@ -1,7 +1,7 @@
 //! The viewer makes its memory when it starts, and none from frame to frame.
 #![cfg(feature = "viewer")]
 
-#[path = "common/seat.rs"]
+#[path = "../common/seat.rs"]
 mod seat;
 
 use octray::viewer::Viewer;

@@ -1,9 +1,7 @@
 //! Laws of stopping early: decisions are the same whoever computes them, pixels are those of a plain rendering with as many samples, and
 //! the error that is promised is the one that is there.
 
-mod common;
-
-use common::{empty, material, sphere};
+use crate::common::{empty, material, sphere};
 use glam::Vec3;
 use octray::adaptive::{BLACK_SAMPLES, ErrorEstimate, MAX_BLOCK_ERROR, MAX_SAMPLE_RATIO, Round, Target};
 use octray::film::{Film, Picture, noise::luminance};

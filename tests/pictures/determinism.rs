@@ -1,9 +1,7 @@
 //! The law of one picture: its bits depend on the scene, resolution, bounces, seed and methods, and on nothing else: not on lanes, threads,
 //! tiles, or in how many calls the samples are taken.
 
-mod common;
-
-use common::{Dice, empty, material, noise, sphere, triangle};
+use crate::common::{Dice, empty, material, noise, sphere, triangle};
 use glam::{Vec2, Vec3};
 use octray::buffers::Features;
 use octray::integrate::pipeline_for;

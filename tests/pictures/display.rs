@@ -1,8 +1,6 @@
 //! Laws of what stands between a film and a window: blur, smoothed edges, noise removed, the pace of walking.
 
-mod common;
-
-use common::{Dice, empty, floor, lamp, material, sphere};
+use crate::common::{Dice, empty, floor, lamp, material, sphere};
 use glam::Vec3;
 use octray::display::{Blur, Denoiser, Fxaa, Samples, walking_speed};
 use octray::film::Picture;
@@ -168,7 +166,7 @@ fn denoiser_keeps_hard_edges_of_objects_and_removes_noise_on_them() {
 fn two_sides(left: [f32; 2], right: [f32; 2], materials: [u32; 2]) -> Scene {
     let side = |[border, tip]: [f32; 2], x: f32, material| {
         let at = |y, z| Vec3::new(0.01, y, z);
-        common::triangle([at(-90.0, border), at(90.0, border), Vec3::new(x, 0.0, tip)], material)
+        crate::common::triangle([at(-90.0, border), at(90.0, border), Vec3::new(x, 0.0, tip)], material)
     };
     Scene {
         resolution: [40, 24],
@@ -253,7 +251,7 @@ fn denoiser_smooths_metal_as_far_as_it_is_rough() {
 fn denoiser_keeps_pictures_on_surfaces_sharp() {
     // Light of one brightness on balls of many colours, which the guides tell.
     let mut scene = balls();
-    scene.textures.push(common::noise(&mut Dice::of("display", [4, 0]), 12, 6, Filter::Nearest));
+    scene.textures.push(crate::common::noise(&mut Dice::of("display", [4, 0]), 12, 6, Filter::Nearest));
     scene.materials.push(octray::scene::Material { texture: Some(0), ..material(MaterialKind::Diffuse) });
     scene.spheres.iter_mut().for_each(|ball| ball.material = 1);
     let guides = guides(&scene);
@@ -298,7 +296,7 @@ fn denoiser_is_the_same_mirrored() {
 fn denoiser_is_the_same_with_rows_for_columns() {
     let at = [Vec3::new(-90.0, -200.0, -60.0), Vec3::new(6.0, 0.0, 4.0), Vec3::new(-90.0, 200.0, -60.0)];
     let seen = |turn: fn(Vec3) -> Vec3| {
-        let plane = common::triangle(at.map(turn), 0);
+        let plane = crate::common::triangle(at.map(turn), 0);
         let materials = vec![material(MaterialKind::Diffuse)];
         guides(&Scene { resolution: [32, 32], materials, triangles: vec![plane], ..empty() })
     };

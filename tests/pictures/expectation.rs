@@ -2,10 +2,8 @@
 //! is lit by lamps of both shapes and a sky, and rendered with and without search, with well spread and with independent numbers; Welch's t
 //! holds the means of independent runs against each other, over the picture and in parts of it.
 
-mod common;
-
-use common::statistics::allowed;
-use common::{Dice, material, noise, smooth_ball, sphere, triangle};
+use crate::common::statistics::allowed;
+use crate::common::{Dice, material, noise, smooth_ball, sphere, triangle};
 use glam::Vec3;
 use octray::buffers::LightChoice;
 use octray::film::Picture;

@@ -4,9 +4,7 @@
 //! A white furnace: whatever has the colour 1 under a sky of 1 is invisible. The judge follows the same paths with the same random
 //! numbers, so pictures are compared in pairs of pixels: the difference has far less noise than either picture.
 
-mod common;
-
-use common::{Dice, empty, material, noise, sphere, triangle};
+use crate::common::{Dice, empty, material, noise, sphere, triangle};
 use glam::{Vec2, Vec3};
 use octray::buffers::Features;
 use octray::film::Picture;

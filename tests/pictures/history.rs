@@ -1,8 +1,6 @@
 //! Laws of temporal reprojection: where points were seen before, what counts, what is forgotten, and that a camera that stands ends at its film.
 
-mod common;
-
-use common::{Dice, empty, material, sphere};
+use crate::common::{Dice, empty, material, sphere};
 use glam::Vec3;
 use octray::camera::Pinhole;
 use octray::display::{History, walking_speed};

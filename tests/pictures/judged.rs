@@ -1,8 +1,6 @@
 //! Law: the estimator's picture is the judge's, path by path, whatever the material; rounding may send a few paths elsewhere.
 
-mod common;
-
-use common::{Dice, empty, material, smooth_ball, sphere, triangle};
+use crate::common::{Dice, empty, material, smooth_ball, sphere, triangle};
 use glam::{Vec2, Vec3};
 use octray::reference::{PathSettings, Reference};
 use octray::render::{Renderer, Settings};

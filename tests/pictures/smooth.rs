@@ -1,8 +1,6 @@
 //! The law of smooth normals: they bend what a surface does, and let no light through it, nor a ray.
 
-mod common;
-
-use common::{Dice, empty, smooth_ball};
+use crate::common::{Dice, empty, smooth_ball};
 use glam::Vec3;
 use octray::buffers::Features;
 use octray::kernel::normals;

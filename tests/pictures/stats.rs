@@ -1,8 +1,6 @@
 //! What `--stats` counts is what happens: counts by hand, sums that agree, and nothing else changed by counting.
 
-mod common;
-
-use common::{empty, material, sphere, triangle};
+use crate::common::{empty, material, sphere, triangle};
 use glam::Vec3;
 use octray::bvh::check::check_scene;
 use octray::bvh::{LEAF, Trees};

@@ -1,8 +1,6 @@
 //! A folder to work in, and the program that runs there.
 
-#[path = "../common/openexr.rs"]
-mod openexr;
-
+use crate::openexr;
 use assert_cmd::Command;
 use serde_json::Value;
 use std::fs;

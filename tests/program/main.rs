@@ -1,5 +1,8 @@
 //! The command line has manners: what it refuses, how it says so, and that it never panics or leaves half a file.
 
+#[path = "../common/openexr.rs"]
+mod openexr;
+
 mod chart;
 mod convert;
 mod desk;
@@ -9,6 +12,7 @@ mod interrupt;
 mod limits;
 mod rays;
 mod render;
+mod report_page;
 mod scenes;
 mod stability;
 mod stats;

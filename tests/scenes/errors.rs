@@ -1,8 +1,5 @@
 //! Every way to get a scene wrong is answered with what is wrong, where, and how to mend it.
 
-#[path = "common/openexr.rs"]
-mod openexr;
-
 use octray::scene::{SceneError, load};
 use std::fs;
 use std::path::Path;
@@ -289,9 +286,9 @@ fn textures_that_cannot_be_used_are_refused() {
     fs::write(folder.path().join("cut.png"), &png[..png.len() / 2]).unwrap();
     let mut dark = [[0.0; 3]; 4];
     dark[1][1] = -1.0;
-    openexr::write(&folder.path().join("negative.exr"), 2, &dark);
+    crate::openexr::write(&folder.path().join("negative.exr"), 2, &dark);
     dark[1][1] = f32::NAN;
-    openexr::write(&folder.path().join("nan.exr"), 2, &dark);
+    crate::openexr::write(&folder.path().join("nan.exr"), 2, &dark);
     let cases = [
         ("missing.png", "no such file"),
         ("text.png", "broken"),

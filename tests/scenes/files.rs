@@ -1,8 +1,5 @@
 //! The native scene format: what its keys mean and what stands in for those left out.
 
-#[path = "common/openexr.rs"]
-mod openexr;
-
 use glam::{Vec2, Vec3};
 use octray::scene::{Filter, MaterialKind, Scene, Sky, Texels, builtin_names, load};
 use std::fs;
@@ -138,7 +135,7 @@ fn black_sky_over_nothing_that_shines_is_a_warning() {
 #[test]
 fn sky_reads_gradient_and_texture() {
     let folder = TempDir::new().unwrap();
-    openexr::write(&folder.path().join("sky.exr"), 1, &[[2.0, 0.5, 0.25]]);
+    crate::openexr::write(&folder.path().join("sky.exr"), 1, &[[2.0, 0.5, 0.25]]);
     let with = |sky: &str| {
         load_in(
             &folder,

@@ -3,9 +3,6 @@
 use image::ImageDecoder;
 use image::codecs::{hdr::HdrDecoder, jpeg::JpegDecoder, png::PngDecoder};
 use octray::film::Picture;
-#[path = "common/openexr.rs"]
-mod openexr;
-
 use octray::output::{Existing, Format, OutputError, check, encode, save, write_atomically};
 use octray::tone::{self, Operator, Tone};
 use std::fs;
@@ -116,7 +113,7 @@ fn exr_holds_every_bit() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("a.exr");
     std::fs::write(&file, encoded(&all, Format::Exr, &tone).into_inner()).unwrap();
-    let (width, height, pixels) = openexr::read(&file);
+    let (width, height, pixels) = crate::openexr::read(&file);
     assert_eq!((width, height), (12, 3));
     let bits =
         |values: &[[f32; 3]]| values.as_flattened().iter().map(|value| value.to_bits()).collect::<Vec<_>>();

@@ -1,11 +1,7 @@
 //! What becomes of events that come while other things go on: scenes that are being read, files that change, an end.
-#![cfg(feature = "viewer")]
 
-#[path = "common/seat.rs"]
-mod seat;
-#[path = "common/viewer.rs"]
-mod waiting;
-
+use crate::seat::options;
+use crate::waiting::wait_for;
 use octray::render::PipelineChoice;
 use octray::scene::Loaded;
 use octray::tone::Tone;
@@ -15,7 +11,6 @@ use octray::viewer::keys::Key;
 use octray::viewer::playlist::Playlist;
 use octray::viewer::state::Event;
 use octray::viewer::{Options, Summary, Viewer};
-use seat::options;
 use serde_json::Value;
 use std::fmt::Write;
 use std::fs;
@@ -25,7 +20,6 @@ use std::sync::mpsc::{Sender, channel};
 use std::sync::{Arc, Mutex};
 use std::thread::sleep;
 use std::time::Duration;
-use waiting::wait_for;
 
 struct Seat {
     viewer: Viewer,

@@ -1,16 +1,12 @@
 //! `octray view --terminal` in a terminal of the test's own: what stands on its screen, what keys do, and how it is left.
-#![cfg(all(unix, feature = "viewer"))]
 
-#[path = "common/viewer.rs"]
-mod viewer;
-
+use crate::waiting::{Bytes, difference, rendered, wait_for};
 use portable_pty::{Child, CommandBuilder, ExitStatus, PtyPair, PtySize, native_pty_system};
 use std::io::{Read, Write};
 use std::process::Command;
 use std::sync::{Arc, Mutex};
 use std::thread::{self, sleep};
 use std::time::Duration;
-use viewer::{Bytes, difference, rendered, wait_for};
 
 /// Two pixels of the picture in every character.
 const COLUMNS: u16 = 64;

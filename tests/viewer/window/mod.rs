@@ -1,12 +1,9 @@
 //! `octray view` as its users have it: a window on a display, keys, and what is to be seen then.
 //!
 //! The display is the test's own (Xvfb), the keys come from xdotool; where one of them is missing, nothing is tested, and it says so.
-#![cfg(all(unix, feature = "viewer"))]
 
 mod screen;
-#[path = "../common/viewer.rs"]
-mod viewer;
-
+use crate::waiting::{Bytes, difference, rendered, wait_for};
 use screen::{SIZE, SIZE_TEXT, Screen, Viewer};
 use serde_json::Value;
 use std::fs;
@@ -14,7 +11,6 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::thread::sleep;
 use std::time::Duration;
-use viewer::{Bytes, difference, rendered, wait_for};
 
 /// Samples of the pictures that the window's are held against: many enough for their noise to be below a byte.
 const SAMPLES: u32 = 4096;

@@ -1,6 +1,6 @@
 //! A display of the test's own, whose pixels can be read, and the program on it.
 
-use crate::viewer::{Bytes, wait_for};
+use crate::waiting::{Bytes, wait_for};
 use std::fs;
 use std::io::{BufRead, BufReader, ErrorKind, Read, Write};
 use std::path::Path;

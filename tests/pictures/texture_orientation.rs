@@ -3,9 +3,7 @@
 //!
 //! And whole repeats of a picture on triangles are nothing.
 
-mod common;
-
-use common::{empty, material, sphere, triangle};
+use crate::common::{empty, material, sphere, triangle};
 use glam::{Vec2, Vec3};
 use octray::reference::{PathSettings, Reference};
 use octray::render::{Renderer, Settings};

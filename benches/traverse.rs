@@ -1,7 +1,8 @@
 //! The hierarchy alone: building it, and every way through it, as the time of one ray.
 //!
-//! The rays are those of `octray rays` on a knot of 20,000 triangles at 240×135: from the camera, to find shadows, and from bounces.
-//! Before a way is timed, its hits are held against those of one scalar ray at a time, bit by bit.
+//! The rays are those of `octray rays` on a knot of 20,000 triangles at 240×135: from the camera, to find
+//! shadows, and from bounces. Before a way is timed, its hits are held against those of one scalar ray at a
+//! time, bit by bit.
 
 use criterion::{BenchmarkId, Criterion, Throughput};
 use octray::bvh::Trees;

@@ -94,7 +94,8 @@ pub fn noise(dice: &mut Dice, width: u32, height: u32, filter: Filter) -> Textur
     Texture { name: "noise".into(), width, height, filter, texels }
 }
 
-/// A ball of 80 triangles of one material with the normals of the sphere, seen under a sky that tells directions.
+/// A ball of 80 triangles of one material with the normals of the sphere, seen under a sky that tells
+/// directions.
 pub fn smooth_ball(kind: MaterialKind) -> Scene {
     let golden = 0.5 * (1.0 + 5.0_f32.sqrt());
     let mut corners = Vec::new();

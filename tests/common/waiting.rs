@@ -1,4 +1,5 @@
-//! What the tests of the viewer's front ends share: waiting for what another program does, and the picture that it should show.
+//! What the tests of the viewer's front ends share: waiting for what another program does, and the picture
+//! that it should show.
 #![allow(dead_code)] // Every test file takes its own part.
 
 use std::process::Command;

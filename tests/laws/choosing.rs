@@ -1,5 +1,6 @@
-//! The law of choosing among lights: each is drawn as often as its chance says, however unlike their powers are; the number that chose
-//! is as well spread over the chosen light as over all of them; nothing is overlooked on the way there, by any equations.
+//! The law of choosing among lights: each is drawn as often as its chance says, however unlike their powers
+//! are; the number that chose is as well spread over the chosen light as over all of them; nothing is
+//! overlooked on the way there, by any equations.
 
 use crate::common::{Dice, empty, floor, lamp, material, mean, sphere, triangle};
 use glam::Vec3;
@@ -226,7 +227,8 @@ fn directions_to_a_sky_are_spread_all_over_its_cells() {
     let mut scene = empty();
     put_even_sky(&mut scene);
     let sky = EnvironmentLight::of(&scene).unwrap();
-    // An even sky: every sixty-fourth of the turn and of the height gets as many of a grid of directions as every other.
+    // An even sky: every sixty-fourth of the turn and of the height gets as many of a grid of directions as
+    // every other.
     const SIDE: usize = 512;
     let mut counts = [[0; 64]; 2];
     for (i, j) in (0..SIDE).flat_map(|i| (0..SIDE).map(move |j| (i, j))) {

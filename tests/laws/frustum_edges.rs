@@ -1,5 +1,5 @@
-//! What rays hit that run along the very sides of a tile's frustum, or start at the very side of a box: there rounding decides between a hit
-//! and none, and only the frustum's padding keeps the traversals' law.
+//! What rays hit that run along the very sides of a tile's frustum, or start at the very side of a box: there
+//! rounding decides between a hit and none, and only the frustum's padding keeps the traversals' law.
 
 use crate::common::rays::Set;
 use crate::common::{Dice, empty, material, sphere, triangle};
@@ -14,7 +14,8 @@ fn steps(i: usize) -> [f64; 2] {
     [i % 16, i / 16 % 16].map(|i| i as f64 / 7.5 - 1.0)
 }
 
-/// How a camera's tile sees a scene: from how far away of the scene's middle, how deep, and between which slopes.
+/// How a camera's tile sees a scene: from how far away of the scene's middle, how deep, and between which
+/// slopes.
 #[derive(Clone, Copy, Debug)]
 struct View {
     axis: usize,
@@ -24,7 +25,8 @@ struct View {
     spread: f64,
 }
 
-/// A camera's tile that sees specks right at its outermost rays, and triangles beyond them that touch them with an edge.
+/// A camera's tile that sees specks right at its outermost rays, and triangles beyond them that touch them
+/// with an edge.
 fn at_the_sides(dice: &mut Dice, view: View, spheres: bool) -> usize {
     let View { axis, away, depth, slope, spread } = view;
     let forward = [1.0, -1.0][axis / 3];
@@ -108,9 +110,9 @@ struct Beside {
     copies: usize,
 }
 
-/// Triangles that lie edge-on beside the outermost rays: there rounding decides whether they are hit, up to their own boxes and the padding
-/// of these, which in a large scene reaches far beyond the tile's sides. Of copies the first one counts, though padding moves the hits of
-/// all before their box.
+/// Triangles that lie edge-on beside the outermost rays: there rounding decides whether they are hit, up to
+/// their own boxes and the padding of these, which in a large scene reaches far beyond the tile's sides. Of
+/// copies the first one counts, though padding moves the hits of all before their box.
 fn edge_on(dice: &mut Dice, case: Beside) -> usize {
     let Beside { axis, extent, away, slope, spread, copies } = case;
     let forward = [1.0, -1.0][axis / 3];
@@ -180,8 +182,9 @@ fn frustum_keeps_what_rounding_hits_beside_it() {
     assert!(hits > 200, "{hits}");
 }
 
-/// Copies of triangles, seen from so far away that rounding puts their hits before their boxes, which reach hardly anywhere themselves: the
-/// first copy counts, and the frustum must not leave it out because another one has been hit.
+/// Copies of triangles, seen from so far away that rounding puts their hits before their boxes, which reach
+/// hardly anywhere themselves: the first copy counts, and the frustum must not leave it out because another
+/// one has been hit.
 #[test]
 fn frustum_keeps_the_first_of_copies_seen_from_afar() {
     let mut dice = Dice(93);

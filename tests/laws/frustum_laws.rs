@@ -1,5 +1,6 @@
-//! Camera rays by the tile find what testing every primitive finds, bit for bit: with reaches, with hits from before, in tiles that are not
-//! full, beside rays that are odd, and among primitives that are tiny or far away. The other traversals are held to it as well.
+//! Camera rays by the tile find what testing every primitive finds, bit for bit: with reaches, with hits from
+//! before, in tiles that are not full, beside rays that are odd, and among primitives that are tiny or far
+//! away. The other traversals are held to it as well.
 
 use crate::common::rays::{Set, mixture};
 use crate::common::{Dice, sphere, triangle};
@@ -65,7 +66,8 @@ fn frustum_equals_testing_every_primitive() {
     }
 }
 
-/// One call of more than two batches: tiles that see little, tiles that see much, and rays without order, in turn.
+/// One call of more than two batches: tiles that see little, tiles that see much, and rays without order, in
+/// turn.
 #[test]
 fn long_calls_of_all_sorts_of_tiles_find_what_each_would() {
     let mut dice = Dice(68);
@@ -110,7 +112,8 @@ fn frustum_keeps_to_the_reach_of_each_ray() {
         let nearest = set.linear(&scene);
         for (i, t_max) in set.t_max.iter_mut().enumerate() {
             let t = f32::from_bits(nearest[i][0]);
-            // In the second tile all rays are short; in the third only one is long; in the fourth all end at the hit or beside it.
+            // In the second tile all rays are short; in the third only one is long; in the fourth all end at
+            // the hit or beside it.
             *t_max = match (i / TILE, i % 8) {
                 (0, 0) => 0.0,
                 (0, 1) => f32::MIN_POSITIVE,
@@ -278,7 +281,8 @@ fn tiny_and_far_spheres_among_triangles_change_nothing() {
             for spread in [0.9, 0.01] {
                 let view = View::along(&mut dice, axis, spread, 0.0);
                 let mut set = view.rays(TILE);
-                // Some at the spheres themselves, as far as they lie on the tile's side; not the first, which tells the axis.
+                // Some at the spheres themselves, as far as they lie on the tile's side; not the first, which
+                // tells the axis.
                 for i in 1..TILE / 2 {
                     let target = scene.spheres[i % scene.spheres.len()].center;
                     let direction = (target - view.origin).normalize();

@@ -76,7 +76,8 @@ fn pieces_of_one_octant_and_of_several_find_the_same_each_for_itself() {
     let mut dice = Dice(18);
     let scene = mixture(&mut dice, 600, 60, 1.0, 0.0);
     let mut set = Set::default();
-    // Each octant in turn; all together; backwards along zeros, or next to them; one whose last packet is not whole and leaves the octant.
+    // Each octant in turn; all together; backwards along zeros, or next to them; one whose last packet is not
+    // whole and leaves the octant.
     for piece in 0..11 {
         for i in 0..if piece == 10 { PIECE / 2 + 3 } else { PIECE } {
             let leaves = piece == 10 && i >= PIECE / 2;

@@ -1,5 +1,6 @@
-//! The law of ray and box: the computed interval holds the true one, whatever the directions and scales, so no hit is lost; it is not much
-//! larger; boxes within each other have intervals within each other, exactly; and packets agree with single rays in every bit.
+//! The law of ray and box: the computed interval holds the true one, whatever the directions and scales, so
+//! no hit is lost; it is not much larger; boxes within each other have intervals within each other, exactly;
+//! and packets agree with single rays in every bit.
 //!
 //! Judged by the slabs in f64, where differences of f32 numbers of one size are exact.
 
@@ -42,7 +43,8 @@ fn the_interval_holds_the_true_one_at_all_scales() {
     assert!(hits * 3 > rays, "{hits} of {rays}");
 }
 
-/// What is further off than two paddings is missed: were the padding four times larger, a part of these rays would pass.
+/// What is further off than two paddings is missed: were the padding four times larger, a part of these rays
+/// would pass.
 #[test]
 fn boxes_that_are_missed_by_two_paddings_are_missed() {
     let mut dice = Dice(72);

@@ -1,5 +1,6 @@
-//! The law of ray and sphere: rays from inside and from the surface, tangents, limits and inactive lanes, and directions that are none.
-//! How often methods fail, from far away and elsewhere, is the matter of `tests/stability.rs`.
+//! The law of ray and sphere: rays from inside and from the surface, tangents, limits and inactive lanes, and
+//! directions that are none. How often methods fail, from far away and elsewhere, is the matter of
+//! `tests/stability.rs`.
 
 use crate::common::{Dice, packet, ray};
 use glam::{DVec3, Vec3};
@@ -73,7 +74,8 @@ fn rays_from_the_surface_inwards_hit_and_every_answer_lies_on_the_sphere() {
     check::<RobustAnyLength>();
 }
 
-/// Both roots are next to zero there, and rounding alone decides whether there is a hit: but where there is one, it is close by.
+/// Both roots are next to zero there, and rounding alone decides whether there is a hit: but where there is
+/// one, it is close by.
 #[test]
 fn rays_along_the_surface_hit_nothing_that_is_not_on_it() {
     fn check<S: SphereMethod>(length: f64) {
@@ -109,7 +111,8 @@ fn tangent_rays_are_undecided_only_within_the_rounding() {
         let mut dice = Dice(6);
         for _ in 0..50_000 {
             let distance = dice.scale(1.5, 1e3);
-            // The discriminant is r² − l², l the distance of line and centre: δl of a few ε · D decides nothing below this.
+            // The discriminant is r² − l², l the distance of line and centre: δl of a few ε · D decides
+            // nothing below this.
             let margin = 20.0 / f64::from(1 << 24) * distance;
             for (from_center, hits) in [(1.0 - margin, true), (1.0 + margin, false)] {
                 let ray = passing(&mut dice, from_center, distance);

@@ -1,7 +1,9 @@
-//! The law of spheres in boxes: where the robust test finds a hit, the ray passes the sphere's box, and enters it no later than it hits.
+//! The law of spheres in boxes: where the robust test finds a hit, the ray passes the sphere's box, and
+//! enters it no later than it hits.
 //!
-//! Judged in f64. All regimes: from inside, on the surface, from near it and from 10⁸ radii away, through the middle and along the
-//! silhouette, radii from 1e-18 to 1e6, directions of unit length and as far off it as the domain allows.
+//! Judged in f64. All regimes: from inside, on the surface, from near it and from 10⁸ radii away, through the
+//! middle and along the silhouette, radii from 1e-18 to 1e6, directions of unit length and as far off it as
+//! the domain allows.
 
 use crate::common::{Dice, ray};
 use glam::{DVec3, Vec3};
@@ -25,8 +27,8 @@ struct Found {
 }
 
 impl Found {
-    /// How much larger the sphere would have to be for the hit to lie in it, or behind where the ray enters it; and the distance from
-    /// origin to centre.
+    /// How much larger the sphere would have to be for the hit to lie in it, or behind where the ray enters
+    /// it; and the distance from origin to centre.
     fn excess(&self) -> (f64, f64) {
         let from_center = self.origin.as_dvec3() - self.center.as_dvec3();
         let (direction, length) = (self.direction.as_dvec3(), self.direction.as_dvec3().length());
@@ -46,7 +48,8 @@ impl Found {
     }
 }
 
-/// Calls `check` with hits of spheres around the origin or elsewhere, by rays from `distances`, of which most graze the sphere.
+/// Calls `check` with hits of spheres around the origin or elsewhere, by rays from `distances`, of which most
+/// graze the sphere.
 fn each_hit(seed: u64, rays: usize, distances: (f64, f64), length: f64, mut check: impl FnMut(&Found)) {
     let mut dice = Dice(seed);
     for i in 0..rays {
@@ -75,8 +78,8 @@ fn each_hit(seed: u64, rays: usize, distances: (f64, f64), length: f64, mut chec
     }
 }
 
-/// Room for r and |c| is in the sphere's box, for |o| in the ray's padding: both together as much as the distance needs, and not
-/// eight times as much.
+/// Room for r and |c| is in the sphere's box, for |o| in the ray's padding: both together as much as the
+/// distance needs, and not eight times as much.
 #[test]
 fn hits_lie_within_the_room_made_for_them_and_need_more_than_an_eighth_of_it() {
     let room_of = |origin: Vec3| {

@@ -1,5 +1,6 @@
-//! The law of ray and triangle: away from edges every method agrees with f64; limits and inactive lanes, directions that are none, rays in
-//! the plane. Where methods leak is the matter of `tests/stability.rs`, traversals are held to it by `tests/watertight.rs`.
+//! The law of ray and triangle: away from edges every method agrees with f64; limits and inactive lanes,
+//! directions that are none, rays in the plane. Where methods leak is the matter of `tests/stability.rs`,
+//! traversals are held to it by `tests/watertight.rs`.
 
 use crate::common::{Dice, packet, ray};
 use glam::{DVec3, Vec3, Vec3Swizzles};
@@ -11,8 +12,8 @@ use octray::lane::{F32x8, Lane, Mask};
 use octray::math::Ray;
 use octray::measure::stability::triangles::{answer, truth, well_shaped};
 
-/// Away from edges every method agrees with f64: hit or miss, t, u and v within `bound` times the largest length involved. Returns the
-/// largest error in these units and how many rays hit.
+/// Away from edges every method agrees with f64: hit or miss, t, u and v within `bound` times the largest
+/// length involved. Returns the largest error in these units and how many rays hit.
 fn agrees<T: TriangleMethod>(center: DVec3, distance: f64, bound: f64) -> (f64, usize) {
     let mut dice = Dice(12);
     let (mut worst, mut hits) = (0.0_f64, 0);
@@ -42,7 +43,8 @@ const EPSILON: f64 = 1.0 / (1 << 24) as f64;
 fn all_methods_agree_with_f64_away_from_edges() {
     for (center, distance) in [(DVec3::ZERO, 3.0), (DVec3::new(20.0, -30.0, 10.0), 5.0), (DVec3::ZERO, 300.0)]
     {
-        // A few roundings, which heights above 0.3 and angles below 70° magnify by some ten times at most; measured: 3 to 10 ε.
+        // A few roundings, which heights above 0.3 and angles below 70° magnify by some ten times at most;
+        // measured: 3 to 10 ε.
         let bound = 30.0 * EPSILON;
         let all = [
             agrees::<Woop>(center, distance, bound),

@@ -1,8 +1,9 @@
 //! The law of the elementary functions: their documented errors and special values are true.
 //!
-//! Errors are measured against `f64` on every 97th float of the domain and on even steps, at width 1 (width 8 has the same bits:
-//! `tests/lane_parity.rs`). `cargo test --release --test lane_functions -- --ignored` measures (almost) every float. The bounds hold with FMA and
-//! without: see `tests/lane_parity.rs` for the command.
+//! Errors are measured against `f64` on every 97th float of the domain and on even steps, at width 1 (width 8
+//! has the same bits: `tests/lane_parity.rs`). `cargo test --release --test lane_functions -- --ignored`
+//! measures (almost) every float. The bounds hold with FMA and without: see `tests/lane_parity.rs` for the
+//! command.
 
 use octray::lane::functions::{atan2, cos, exp, ln, powf, sin, sin_cos, sin_cos_turns};
 use std::f32::consts::{FRAC_PI_2, FRAC_PI_4, PI};
@@ -86,7 +87,8 @@ fn check_sin_cos_turns(stride: usize) {
 }
 
 fn check_atan2(stride: usize) {
-    // The error depends on the quotient alone, up to rounding: all quotients, in each of the eight octants, at several lengths.
+    // The error depends on the quotient alone, up to rounding: all quotients, in each of the eight octants,
+    // at several lengths.
     let quotients = || floats(1e-6, 1.0, stride);
     let inputs = [1.0, 0.37, 1e-15, 2.5e20].into_iter().flat_map(move |length: f32| {
         quotients().flat_map(move |q| {

@@ -1,8 +1,9 @@
-//! The law of leaving: a ray that leaves a surface, by the offset of `kernel::surface`, never hits it again, and loses nothing that is
-//! clearly farther away than that offset; and the offset is neither lucky nor more than some times too large.
+//! The law of leaving: a ray that leaves a surface, by the offset of `kernel::surface`, never hits it again,
+//! and loses nothing that is clearly farther away than that offset; and the offset is neither lucky nor more
+//! than some times too large.
 //!
-//! The rays are those of `octray stability`, here from near and far at once, and with a share of the offset. Seeds are fixed; re-hits must
-//! be 0.
+//! The rays are those of `octray stability`, here from near and far at once, and with a share of the offset.
+//! Seeds are fixed; re-hits must be 0.
 
 use crate::common::{Dice, empty, material, sphere, triangle};
 use glam::Vec3;
@@ -42,8 +43,8 @@ fn buffers_hold_the_offsets_and_normals_that_are_tested_here() {
     }
 }
 
-/// Re-hits among rays that leave triangles with edges of about `size`, `place` away from the origin; `share` of the offset is used. Every
-/// other triangle is a sliver, its height 1e-1 to 1e-4 of the usual.
+/// Re-hits among rays that leave triangles with edges of about `size`, `place` away from the origin; `share`
+/// of the offset is used. Every other triangle is a sliver, its height 1e-1 to 1e-4 of the usual.
 fn triangle_rehits(size: f64, place: f64, share: f32, count: usize) -> usize {
     let mut dice = Dice(21);
     let mut tally = Tally::default();
@@ -86,7 +87,8 @@ fn without_an_offset_triangles_are_hit_again() {
     }
 }
 
-/// Faults among rays that leave spheres of radius `radius`, `place` from the origin; `share` of the offset is used.
+/// Faults among rays that leave spheres of radius `radius`, `place` from the origin; `share` of the offset is
+/// used.
 fn sphere_faults(radius: f64, place: f64, side: Side, share: f32, count: usize) -> usize {
     let mut dice = Dice(22);
     let mut tally = Tally::default();
@@ -97,7 +99,8 @@ fn sphere_faults(radius: f64, place: f64, side: Side, share: f32, count: usize) 
     tally.failures
 }
 
-/// Radius and distance of the centre from the origin; both sides can be left while the distance is below some 10⁴ radii.
+/// Radius and distance of the centre from the origin; both sides can be left while the distance is below some
+/// 10⁴ radii.
 const SPHERES: &[(f64, f64)] = &[
     (1.0, 0.0),
     (1.0, 1.0),
@@ -138,7 +141,8 @@ fn without_an_offset_spheres_are_hit_again() {
     }
 }
 
-/// Of two shells around one centre, the outer one of radius 1: how many of 5000 rays that leave one towards the other do not hit it next.
+/// Of two shells around one centre, the outer one of radius 1: how many of 5000 rays that leave one towards
+/// the other do not hit it next.
 fn lost_between_shells(center: Vec3, gap: f64) -> [usize; 2] {
     let mut dice = Dice(23);
     SIDES.map(|side| {
@@ -167,8 +171,8 @@ fn close_shells_are_not_lost_while_the_gap_is_twice_the_offset() {
     }
 }
 
-/// How much of the offset is needed: at half of it nothing is hit again, at a twentieth almost every case fails. So the bound is neither
-/// lucky nor more than some times too large.
+/// How much of the offset is needed: at half of it nothing is hit again, at a twentieth almost every case
+/// fails. So the bound is neither lucky nor more than some times too large.
 #[test]
 fn half_the_offset_would_do_and_a_twentieth_would_not() {
     let cases = |share: f32, count: usize| {

@@ -1,5 +1,5 @@
-//! Looking for lights: directions are drawn as their densities say, what arrives is what closed forms say, and searching changes no
-//! expectation.
+//! Looking for lights: directions are drawn as their densities say, what arrives is what closed forms say,
+//! and searching changes no expectation.
 
 use crate::common::{Dice, floor, lamp, mean, sphere, triangle};
 use glam::{DVec3, Vec3};
@@ -28,8 +28,8 @@ fn square(side: u32) -> impl Iterator<Item = (f32, f32)> {
     (0..side).flat_map(move |i| (0..side).map(move |j| (middle(i), middle(j))))
 }
 
-/// What a Lambertian point would receive from an emitter of radiance 1: the mean of direction / density, whose product with a normal
-/// is the irradiance as long as the emitter is above the horizon.
+/// What a Lambertian point would receive from an emitter of radiance 1: the mean of direction / density,
+/// whose product with a normal is the irradiance as long as the emitter is above the horizon.
 fn vector_irradiance(aim: impl Fn(f32, f32) -> LightSample<f32>, side: u32) -> DVec3 {
     let sum: DVec3 = square(side)
         .map(|(u, v)| {
@@ -40,7 +40,8 @@ fn vector_irradiance(aim: impl Fn(f32, f32) -> LightSample<f32>, side: u32) -> D
     sum / f64::from(side * side)
 }
 
-/// Lambert's formula for a polygon seen from the origin: half the sum of the edges' angles, each along the normal of its plane.
+/// Lambert's formula for a polygon seen from the origin: half the sum of the edges' angles, each along the
+/// normal of its plane.
 fn polygon_irradiance(corners: [DVec3; 3]) -> DVec3 {
     let edge = |i: usize| {
         let (a, b) = (corners[i].normalize(), corners[(i + 1) % 3].normalize());
@@ -249,7 +250,8 @@ fn a_lamp_lights_the_floor_as_the_closed_form_says_at_every_scale() {
     }
 }
 
-/// Standard errors between the means of two ways of rendering, from independent runs of each, and the ratio of their variances.
+/// Standard errors between the means of two ways of rendering, from independent runs of each, and the ratio
+/// of their variances.
 fn compare(scene: &Scene, ways: [LightChoice; 2], samples: [u32; 2], runs: u32) -> (f64, f64) {
     let of = |way: usize| {
         let seeds = (1..=runs).map(|run| run + 1000 * way as u32);
@@ -263,7 +265,8 @@ fn compare(scene: &Scene, ways: [LightChoice; 2], samples: [u32; 2], runs: u32) 
     ((a - b) / (of_a + of_b).sqrt(), of_b / of_a)
 }
 
-/// Lamps of both shapes and of all sizes over a floor that shines too: light found on the way from one of its points to itself would show.
+/// Lamps of both shapes and of all sizes over a floor that shines too: light found on the way from one of its
+/// points to itself would show.
 fn many_lamps() -> Scene {
     let mut scene = Scene { name: "many lamps".into(), max_bounces: 3, ..floor(Vec3::ZERO, 2.0) };
     let mut dice = Dice(7);
@@ -348,8 +351,8 @@ fn directions_to_a_sky_have_the_density_of_their_cell() {
 
 #[test]
 fn searching_a_sky_changes_no_expectation_and_takes_its_noise_away() {
-    // Where cells are even, much; where light falls off within them, less. Other seeds gave 3.2 to 11 for the second: a ratio of variances of
-    // 24 runs each, with heavy tails.
+    // Where cells are even, much; where light falls off within them, less. Other seeds gave 3.2 to 11 for the
+    // second: a ratio of variances of 24 runs each, with heavy tails.
     for (filter, least) in [(Filter::Nearest, 500.0), (Filter::Bilinear, 2.0)] {
         let scene = under_the_sun(filter);
         let (z, ratio) = compare(&scene, [LightChoice::Auto, LightChoice::Off], [64, 1024], 24);

@@ -1,7 +1,9 @@
-//! The law of lobes: what *sample* draws is distributed as *evaluate* says, weighs value / pdf, and no lobe makes light.
+//! The law of lobes: what *sample* draws is distributed as *evaluate* says, weighs value / pdf, and no lobe
+//! makes light.
 //!
-//! Each lobe is drawn and counted over solid angle, and the counts are held against quadrature of its density in f64. Seeds are
-//! fixed; deviations are allowed for at the level of the whole family of tests (1e-4, Bonferroni).
+//! Each lobe is drawn and counted over solid angle, and the counts are held against quadrature of its density
+//! in f64. Seeds are fixed; deviations are allowed for at the level of the whole family of tests (1e-4,
+//! Bonferroni).
 
 use crate::common::Dice;
 use glam::{DVec3, Vec3};
@@ -59,8 +61,9 @@ impl Lobe {
             }
         }
     }
-    /// The direction at (a, b) of the unit square, a turning away from the mirror direction, b around it, and the solid angle per
-    /// area of the square: fine where the lobe is narrow, and regular where the density of `scatter` is not.
+    /// The direction at (a, b) of the unit square, a turning away from the mirror direction, b around it, and
+    /// the solid angle per area of the square: fine where the lobe is narrow, and regular where the density
+    /// of `scatter` is not.
     fn chart(self, d: DVec3, n: DVec3, a: f64, b: f64) -> (DVec3, f64) {
         let axis = d - n * (2.0 * d.dot(n));
         let (cos, area) = match self {
@@ -127,7 +130,8 @@ fn arriving(degrees: f64) -> (DVec3, DVec3) {
     (-(n * cos + t * sin), n)
 }
 
-/// Standard errors that the largest of `family` normal deviates exceeds with probability 1e-4: from the tail's bound e^(−z²/2).
+/// Standard errors that the largest of `family` normal deviates exceeds with probability 1e-4: from the
+/// tail's bound e^(−z²/2).
 fn allowed(family: usize) -> f64 {
     (2.0 * (2e4 * family as f64).ln()).sqrt()
 }
@@ -211,7 +215,8 @@ fn samples_are_distributed_as_their_density_says() {
 
 #[test]
 fn densities_hold_one_where_nothing_is_absorbed() {
-    // From above, cones up to 60° and Lambert's lobe stay above the surface; the base of smooth plastic is what its coat leaves.
+    // From above, cones up to 60° and Lambert's lobe stay above the surface; the base of smooth plastic is
+    // what its coat leaves.
     let integral = |lobe: Lobe| {
         let (d, n) = arriving(0.0);
         let side = 1500;
@@ -257,7 +262,8 @@ fn weight_is_value_over_density() {
             }
             assert_eq!(pdf, drawn.pdf, "{lobe:?}");
             let off = (drawn.weight * pdf - value).abs().max_element() / value.max_element().max(1e-30);
-            // GGX: shadowing of what leaves at a grazing angle, whose cosine is off by some 2⁻²⁴ in either frame.
+            // GGX: shadowing of what leaves at a grazing angle, whose cosine is off by some 2⁻²⁴ in either
+            // frame.
             let allowed = 5e-4 + 1e-6 / drawn.direction.dot(n).max(1e-9);
             assert!(
                 off < allowed,
@@ -311,7 +317,8 @@ fn white_furnace_loses_what_is_stated_and_gains_nothing() {
     for degrees in ANGLES {
         assert!((albedo(Lobe::Diffuse, degrees) - 1.0).abs() < 1e-6);
     }
-    // Single scattering: least of the shares returned, over the angles. At grazing angles the spread of weights is the grid's noise.
+    // Single scattering: least of the shares returned, over the angles. At grazing angles the spread of
+    // weights is the grid's noise.
     for (alpha, least) in
         [(0.0, 1.0), (0.01, 0.956), (0.09, 0.905), (0.25, 0.856), (0.49, 0.692), (1.0, 0.307)]
     {

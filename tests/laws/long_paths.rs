@@ -73,7 +73,8 @@ fn directions_keep_unit_length_over_the_longest_paths() {
     }
 }
 
-/// The bound of one reflection, 4 δ + 9 ε (where `integrate` says how often to mend lengths), for normals as long as rounding makes them.
+/// The bound of one reflection, 4 δ + 9 ε (where `integrate` says how often to mend lengths), for normals as
+/// long as rounding makes them.
 #[test]
 fn reflection_lengthens_by_no_more_than_its_bound() {
     const EPSILON: f64 = 1.0 / 16_777_216.0;

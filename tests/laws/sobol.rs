@@ -1,8 +1,9 @@
-//! The law of the well spread numbers: nets in every pixel and pair of dimensions, each point uniform, nothing in common between
-//! pixels, pairs and seeds; errors of integrals as small as a true Owen scrambling makes them.
+//! The law of the well spread numbers: nets in every pixel and pair of dimensions, each point uniform,
+//! nothing in common between pixels, pairs and seeds; errors of integrals as small as a true Owen scrambling
+//! makes them.
 //!
-//! Seeds are fixed; tolerances are standard errors, as in `tests/sampling.rs`. Bits at width 1 and 8 are compared by
-//! `tests/lane_parity.rs`.
+//! Seeds are fixed; tolerances are standard errors, as in `tests/sampling.rs`. Bits at width 1 and 8 are
+//! compared by `tests/lane_parity.rs`.
 
 use crate::common::Dice;
 use crate::common::statistics::{allowed, chi_squared_deviation, correlation, joint};
@@ -48,7 +49,8 @@ fn is_net(points: &[Point]) -> bool {
     })
 }
 
-/// The textbook: Sobol's matrices column by column, and Owen's scrambling digit by digit, each flip drawn for itself.
+/// The textbook: Sobol's matrices column by column, and Owen's scrambling digit by digit, each flip drawn for
+/// itself.
 mod textbook {
     use super::{Dice, Point};
     use std::collections::HashMap;
@@ -67,7 +69,8 @@ mod textbook {
     }
 
     pub fn points(dice: &mut Dice, count: u32) -> Vec<Point> {
-        // Direction numbers: of the first dimension single digits, of the second those of the polynomial x + 1.
+        // Direction numbers: of the first dimension single digits, of the second those of the polynomial x +
+        // 1.
         let mut columns = [[1u32 << 31; 2]; 32];
         for j in 1..32 {
             columns[j] = [columns[j - 1][0] >> 1, columns[j - 1][1] ^ columns[j - 1][1] >> 1];
@@ -165,7 +168,8 @@ fn pixels_pairs_and_seeds_have_nothing_in_common() {
     };
     let used: Vec<u32> = pairs().flat_map(|first| [first, first + 1]).collect();
     for (i, &d) in used.iter().enumerate() {
-        // The same sample of neighbours, and the next sample: frames of one sample each, shown one after the other.
+        // The same sample of neighbours, and the next sample: frames of one sample each, shown one after the
+        // other.
         for (s, t) in [(0, 0), (5, 5), (0, 1), (5, 6), (6, 14)] {
             let at = format!("dimension {d}, samples {s} and {t}");
             check(format!("{at}, in a row"), &|p| (number(5, p, s, d), number(5, p + 1, t, d)));
@@ -181,11 +185,12 @@ fn pixels_pairs_and_seeds_have_nothing_in_common() {
 
 #[test]
 fn two_pairs_meet_as_independent_orders_do() {
-    // A number of one pair against a number of another on a 4 × 4 grid: the sum of squares of (count − n/16), over n.
-    // Independent numbers give 15/16. In Walsh functions of the two first digits, the padded points have no error in the 6 that
-    // are constant along one of the two numbers. Samples 2i and 2i + 1 have opposite first digits in both: 2 instead of 1 for the product of both
-    // first digits. Samples that differ in bit 1 of their index share the first digit in half of the cases, then have
-    // opposite second digits: 1 + 2 · ½ · ½ for the 4 functions with both second digits; 1 for the other 4. In all 12/16.
+    // A number of one pair against a number of another on a 4 × 4 grid: the sum of squares of (count − n/16),
+    // over n. Independent numbers give 15/16. In Walsh functions of the two first digits, the padded points
+    // have no error in the 6 that are constant along one of the two numbers. Samples 2i and 2i + 1 have
+    // opposite first digits in both: 2 instead of 1 for the product of both first digits. Samples that differ
+    // in bit 1 of their index share the first digit in half of the cases, then have opposite second digits: 1
+    // + 2 · ½ · ½ for the 4 functions with both second digits; 1 for the other 4. In all 12/16.
     const SEEDS: u32 = 3000;
     let used: Vec<u32> = pairs().collect();
     let couples: Vec<[u32; 2]> =
@@ -265,7 +270,8 @@ fn integrals_are_as_good_as_a_true_owen_scrambling_makes_them() {
                 "{name}, {count} samples: variance {gain:.1} times below random, {loss:.3} of the textbook's"
             );
             assert!(bias.abs() < allowed(12), "{name}, {count} samples: biased by {bias:.1} standard errors");
-            // Measured with the textbook's points and 20,000 pixels: 8.8, 155, 2020, 28,600; 2.6, 3.6, 7.8, 15; 3.9, 7.1, 14, 29.
+            // Measured with the textbook's points and 20,000 pixels: 8.8, 155, 2020, 28,600; 2.6, 3.6, 7.8,
+            // 15; 3.9, 7.1, 14, 29.
             let least = match (name, count) {
                 ("smooth", 11) => 7.0,
                 ("smooth", 16) => 120.0,
@@ -291,8 +297,9 @@ fn integrals_are_as_good_as_a_true_owen_scrambling_makes_them() {
 
 #[test]
 fn errors_have_no_heavier_tails_than_a_true_owen_scrambling_gives_them() {
-    // Scrambling by sums and products alone has the right variance and 1.9 and 2.6 times the fourth moment, one round less 1.3 and 2.0
-    // times. A fourth moment's standard error is about 3.3 of √(1/6000 + 1/3000): 0.07.
+    // Scrambling by sums and products alone has the right variance and 1.9 and 2.6 times the fourth moment,
+    // one round less 1.3 and 2.0 times. A fourth moment's standard error is about 3.3 of √(1/6000 + 1/3000):
+    // 0.07.
     const PIXELS: u32 = 6000;
     let mut dice = Dice(55);
     let of_textbook: Vec<Vec<Point>> = (0..PIXELS / 2).map(|_| textbook::points(&mut dice, 64)).collect();
@@ -335,7 +342,8 @@ fn whatever_the_seed_errors_of_pixels_have_no_bias_and_nothing_in_common() {
 
 #[test]
 fn waves_do_not_resonate_with_the_lines_of_a_net() {
-    // Too fine for few samples to gain anything: scrambling keeps the error from resonating with the net's lines.
+    // Too fine for few samples to gain anything: scrambling keeps the error from resonating with the net's
+    // lines.
     for (a, b) in [(3.0, 2.0), (8.0, 8.0), (16.0, -15.0)] {
         let wave = |[x, y]: Point| (TAU * (a * x + b * y)).cos();
         let mean_square = (0..4000)

@@ -1,4 +1,5 @@
-//! Lists of a stream's rays that fill what room there is: many rays, not whole packets of them, through boxes that all of them pass.
+//! Lists of a stream's rays that fill what room there is: many rays, not whole packets of them, through boxes
+//! that all of them pass.
 
 use crate::common::rays::Set;
 use crate::common::{Dice, empty, material, triangle};

@@ -1,5 +1,6 @@
-//! The law of every traversal: the same hit, bit for bit, as testing every primitive in order: spheres first, then triangles, the nearest t
-//! winning, the lower index on a tie; at every width and by every choice of equations.
+//! The law of every traversal: the same hit, bit for bit, as testing every primitive in order: spheres first,
+//! then triangles, the nearest t winning, the lower index on a tie; at every width and by every choice of
+//! equations.
 //!
 //! The oracle is a loop of its own that calls the kernels at width 1. Seeds are fixed.
 

@@ -120,10 +120,12 @@ fn edge_rays(camera: &Pinhole, [x, y]: [u32; 2]) -> [Vec<Ray<f32>>; 4] {
     ]
 }
 
-/// Puts specks on the rays through a tile's edges and triangles between them that lie beside the tile, and asserts that culling keeps
-/// whatever is hit. Returns how many rays hit a sphere and how many a triangle, each tried alone.
+/// Puts specks on the rays through a tile's edges and triangles between them that lie beside the tile, and
+/// asserts that culling keeps whatever is hit. Returns how many rays hit a sphere and how many a triangle,
+/// each tried alone.
 fn edges_are_kept(view: Camera, resolution: [u32; 2], corner: [u32; 2]) -> [usize; 2] {
-    // A power of two, so that points lie exactly on their rays, and specks smaller than most rays stray (half a rounding or so).
+    // A power of two, so that points lie exactly on their rays, and specks smaller than most rays stray (half
+    // a rounding or so).
     const AWAY: f32 = 8.0;
     const SPECK: f32 = 1e-7;
     let camera = Pinhole::new(&view, resolution);
@@ -192,8 +194,8 @@ fn visible_keeps_what_edge_rays_of_a_narrow_view_hit() {
     }
 }
 
-/// In the middle of a very wide picture, directions are small differences of long vectors: what keeps the hits is the share of a pixel
-/// that the camera adds.
+/// In the middle of a very wide picture, directions are small differences of long vectors: what keeps the
+/// hits is the share of a pixel that the camera adds.
 #[test]
 fn visible_keeps_what_edge_rays_of_a_wide_view_hit() {
     for (fov, resolution) in [(179.9, RESOLUTION), (179.99, [1000, 1000]), (179.99, [16_384, 16_384])] {
@@ -207,8 +209,8 @@ fn visible_keeps_what_edge_rays_of_a_wide_view_hit() {
     }
 }
 
-/// Tiles change no bit for any choice of equations, also where an equation claims hits far outside its primitive: a tile that sees only
-/// what is there would lose them.
+/// Tiles change no bit for any choice of equations, also where an equation claims hits far outside its
+/// primitive: a tile that sees only what is there would lose them.
 #[test]
 fn visible_is_not_used_where_equations_stray_from_their_primitives() {
     let camera = Camera { position: Vec3::Z * 2e4, look_at: Vec3::ZERO, up: Vec3::Y, vertical_fov: 0.1 };

@@ -1,5 +1,6 @@
-//! Watertight by default: rays from inside closed meshes, aimed at points on shared edges, at shared vertices and anywhere, hit the mesh,
-//! through every traversal. A leak is a ray that hits nothing, or what is outside.
+//! Watertight by default: rays from inside closed meshes, aimed at points on shared edges, at shared vertices
+//! and anywhere, hit the mesh, through every traversal. A leak is a ray that hits nothing, or what is
+//! outside.
 //!
 //! Ten million rays: `cargo test --release --test watertight -- --ignored --nocapture`.
 
@@ -115,7 +116,8 @@ impl Mesh {
         }
     }
 
-    /// On an edge, at a vertex, or, one time in eight, on a triangle: in f64, where it is on both sides of the edge.
+    /// On an edge, at a vertex, or, one time in eight, on a triangle: in f64, where it is on both sides of
+    /// the edge.
     fn target(&self, dice: &mut Dice, number: usize) -> DVec3 {
         let mut corners = self.triangles[number].map(Vec3::as_dvec3);
         corners.rotate_left(dice.index(3));
@@ -130,7 +132,8 @@ impl Mesh {
         }
     }
 
-    /// As many rays; whole tiles from one origin through neighbouring triangles, as a camera's, by turns with rays that have nothing in common.
+    /// As many rays; whole tiles from one origin through neighbouring triangles, as a camera's, by turns with
+    /// rays that have nothing in common.
     fn rays(&self, dice: &mut Dice, count: usize) -> Set {
         let mut set = Set::default();
         let all = self.triangles.len();

@@ -71,7 +71,8 @@ impl Seat {
         }
     }
 
-    /// Pieces of memory taken, or made larger, in frames that go on for so long at least; and how long they did.
+    /// Pieces of memory taken, or made larger, in frames that go on for so long at least; and how long they
+    /// did.
     fn pieces(&mut self, least: Duration) -> (usize, Duration) {
         self.watch(WARM);
         let (region, start) = (Region::new(MEMORY), Instant::now());

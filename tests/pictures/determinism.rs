@@ -1,5 +1,5 @@
-//! The law of one picture: its bits depend on the scene, resolution, bounces, seed and methods, and on nothing else: not on lanes, threads,
-//! tiles, or in how many calls the samples are taken.
+//! The law of one picture: its bits depend on the scene, resolution, bounces, seed and methods, and on
+//! nothing else: not on lanes, threads, tiles, or in how many calls the samples are taken.
 
 use crate::common::{Dice, empty, material, noise, sphere, triangle};
 use glam::{Vec2, Vec3};
@@ -67,7 +67,8 @@ fn everything() -> Scene {
     everything_of(12)
 }
 
-/// A lamp that paths look for, the first sphere, beside triangles that shine with a picture, which they do not look for.
+/// A lamp that paths look for, the first sphere, beside triangles that shine with a picture, which they do
+/// not look for.
 fn lamp_and_sign() -> Scene {
     let mut dice = Dice(88);
     let shining =
@@ -175,8 +176,8 @@ fn triangles_alone() -> Scene {
     Scene { textures, sky, ..furnished(&mut dice, materials, 0, 25, false) }
 }
 
-/// A tilted mirror, seen so much from the side that rounding points some reflections below it, and behind it a red light that shows
-/// what starts below the mirror.
+/// A tilted mirror, seen so much from the side that rounding points some reflections below it, and behind it
+/// a red light that shows what starts below the mirror.
 fn grazed_mirror() -> Scene {
     let mut materials =
         vec![material(MaterialKind::Metal { roughness: 0.0 }), material(MaterialKind::Emitter)];

@@ -1,6 +1,7 @@
-//! The law of all ways to find light: they differ in noise and not in what they expect. Every material, on a sphere, on a smooth mesh and under maps,
-//! is lit by lamps of both shapes and a sky, and rendered with and without search, with well spread and with independent numbers; Welch's t
-//! holds the means of independent runs against each other, over the picture and in parts of it.
+//! The law of all ways to find light: they differ in noise and not in what they expect. Every material, on a
+//! sphere, on a smooth mesh and under maps, is lit by lamps of both shapes and a sky, and rendered with and
+//! without search, with well spread and with independent numbers; Welch's t holds the means of independent
+//! runs against each other, over the picture and in parts of it.
 
 use crate::common::statistics::allowed;
 use crate::common::{Dice, material, noise, smooth_ball, sphere, triangle};
@@ -47,7 +48,8 @@ fn balls(kind: MaterialKind) -> [Scene; 4] {
     [round, smooth, mapped_round, mapped_smooth]
 }
 
-/// Under a dim sky, between a round lamp and one of a triangle that is half below the ball's horizon, over a floor that throws light back.
+/// Under a dim sky, between a round lamp and one of a triangle that is half below the ball's horizon, over a
+/// floor that throws light back.
 fn lit(mut scene: Scene) -> Scene {
     let lamp = |radiance: Vec3| Material { emission: radiance, ..material(MaterialKind::Emitter) };
     let first = scene.materials.len() as u32;
@@ -86,7 +88,8 @@ fn means(picture: &Picture) -> Vec<f64> {
     let mut sums = vec![(0.0, 0.0); 1 + PARTS[0] * PARTS[1]];
     for (at, pixel) in picture.pixels.iter().enumerate() {
         let part = at / width * PARTS[1] / height * PARTS[0] + at % width * PARTS[0] / width;
-        // Nothing here is brighter than the lamps, but what meets them by chance alone is noise that says nothing.
+        // Nothing here is brighter than the lamps, but what meets them by chance alone is noise that says
+        // nothing.
         let value = f64::from(pixel[0] + pixel[1] + pixel[2]);
         for of in [0, 1 + part] {
             sums[of].0 += value;

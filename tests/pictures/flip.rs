@@ -1,7 +1,8 @@
 //! ꟻLIP is that of its authors' own program.
 //!
-//! Expected means come from `flip-evaluator` 1.7 (PyPI; NVIDIA's own, in C++ and f32), `evaluate(reference, test, "LDR")` with the pixels per degree
-//! of each case, of the same pictures by the same rules as arrays of f32 in [0, 1].
+//! Expected means come from `flip-evaluator` 1.7 (PyPI; NVIDIA's own, in C++ and f32), `evaluate(reference,
+//! test, "LDR")` with the pixels per degree of each case, of the same pictures by the same rules as arrays of
+//! f32 in [0, 1].
 
 use octray::film::Picture;
 use octray::measure::flip::{Flip, PIXELS_PER_DEGREE};

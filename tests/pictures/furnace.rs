@@ -1,8 +1,9 @@
-//! The law of energy: no material adds light, none loses more than it says, and single precision in packets gives the mean that the f64
-//! judge gives.
+//! The law of energy: no material adds light, none loses more than it says, and single precision in packets
+//! gives the mean that the f64 judge gives.
 //!
-//! A white furnace: whatever has the colour 1 under a sky of 1 is invisible. The judge follows the same paths with the same random
-//! numbers, so pictures are compared in pairs of pixels: the difference has far less noise than either picture.
+//! A white furnace: whatever has the colour 1 under a sky of 1 is invisible. The judge follows the same paths
+//! with the same random numbers, so pictures are compared in pairs of pixels: the difference has far less
+//! noise than either picture.
 
 use crate::common::{Dice, empty, material, noise, sphere, triangle};
 use glam::{Vec2, Vec3};
@@ -46,8 +47,8 @@ const SAMPLES: u32 = 32;
 
 #[test]
 fn white_furnace_is_exactly_white_where_every_weight_is_one() {
-    // Throughput is a product of ones, the sky is 1, and a sum of n ones divided by n is 1: no rounding anywhere. A path that is lost
-    // (absorbed below the surface, caught in it, cut off) would show as 31/32.
+    // Throughput is a product of ones, the sky is 1, and a sum of n ones divided by n is 1: no rounding
+    // anywhere. A path that is lost (absorbed below the surface, caught in it, cut off) would show as 31/32.
     for kind in [MaterialKind::Diffuse, MaterialKind::Metal { roughness: 0.0 }] {
         for lanes in [1, 8] {
             let picture = render(&room(kind), UNBOUNDED, SAMPLES, lanes);
@@ -58,7 +59,8 @@ fn white_furnace_is_exactly_white_where_every_weight_is_one() {
 
 #[test]
 fn white_furnace_of_glass_is_white_within_rounding() {
-    // Entering weighs η², leaving 1/η², each rounded twice: 6 ε a passage, and few paths pass more than a dozen times.
+    // Entering weighs η², leaving 1/η², each rounded twice: 6 ε a passage, and few paths pass more than a
+    // dozen times.
     for ior in [1.5, 1.05, 2.4, 0.7] {
         let picture = render(&room(MaterialKind::Glass { ior }), UNBOUNDED, SAMPLES, 8);
         let worst = channels(&picture).fold(0.0_f32, |worst, x| worst.max((x - 1.0).abs()));
@@ -94,7 +96,8 @@ fn emission_adds_to_what_is_scattered() {
         sky: Sky::Color(sky),
         ..empty()
     };
-    // The ball is convex: a path shines once, goes to the sky, and adds 1. It fills the middle of the picture.
+    // The ball is convex: a path shines once, goes to the sky, and adds 1. It fills the middle of the
+    // picture.
     let middle = |picture: Picture| picture.pixels[8 * 24 + 12];
     assert_eq!(middle(render(&scene(MaterialKind::Diffuse, Vec3::ONE), 4, SAMPLES, 8)), [1.5, 1.25, 3.0]);
     assert_eq!(middle(render(&scene(MaterialKind::Diffuse, Vec3::ONE), 0, SAMPLES, 8)), [0.5, 0.25, 2.0]);
@@ -142,9 +145,10 @@ fn difference(scene: &Scene, max_bounces: u32, samples: u32) -> Difference {
     Difference { mean, standard_error, noise: moments(&truths).1, strayed: strayed as f64 / n }
 }
 
-/// The means agree within five standard errors of the paired difference, and 1e-6 for the rounding of paths that did not stray (some ten
-/// weights and colours, each rounded to 6e-8 of itself, without a preferred direction). That the pairs are pairs, so that the
-/// standard error is small, is asserted too: few pixels stray.
+/// The means agree within five standard errors of the paired difference, and 1e-6 for the rounding of paths
+/// that did not stray (some ten weights and colours, each rounded to 6e-8 of itself, without a preferred
+/// direction). That the pairs are pairs, so that the standard error is small, is asserted too: few pixels
+/// stray.
 #[track_caller]
 fn assert_agrees(name: &str, scene: &Scene, max_bounces: u32, strayed: f64) {
     let found = difference(scene, max_bounces, SAMPLES);
@@ -216,8 +220,8 @@ fn packets_and_judge_agree_on_pictures_on_spheres_triangles_and_sky() {
     }
 }
 
-/// Few primitives and materials are looked up in tables of eight, alike at both widths: a table that is too short shows only here. The
-/// two skies are those of the two pipelines that have such tables.
+/// Few primitives and materials are looked up in tables of eight, alike at both widths: a table that is too
+/// short shows only here. The two skies are those of the two pipelines that have such tables.
 #[test]
 fn packets_and_judge_agree_at_every_count_near_the_size_of_a_table() {
     for count in [1, 4, 5, 8, 9, 12] {

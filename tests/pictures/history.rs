@@ -1,4 +1,5 @@
-//! Laws of temporal reprojection: where points were seen before, what counts, what is forgotten, and that a camera that stands ends at its film.
+//! Laws of temporal reprojection: where points were seen before, what counts, what is forgotten, and that a
+//! camera that stands ends at its film.
 
 use crate::common::{Dice, empty, material, sphere};
 use glam::Vec3;
@@ -144,8 +145,8 @@ fn history_follows_points_and_not_pixels() {
             let guide = window.guides.pixel(at as u32 % SIZE[0], at as u32 / SIZE[0]);
             if guide.object != 0 {
                 let off = (shown[0] - fresh[0]).abs().max((shown[1] - fresh[1]).abs());
-                // Where taps are missing, at borders and silhouettes, the others stand for them, frame after frame; a pixel
-                // is 0.2 of a unit on the wall.
+                // Where taps are missing, at borders and silhouettes, the others stand for them, frame after
+                // frame; a pixel is 0.2 of a unit on the wall.
                 assert!(off < 0.4, "pixel {at} of frame {frame}: {off}");
                 sum += f64::from(off);
             }
@@ -165,7 +166,8 @@ fn history_ends_at_other_objects_normals_and_planes() {
     window.look(camera);
     let mut history = History::new();
     window.advance(&mut history, &flat(1.0), 8);
-    // The ball is a step nearer and larger: its silhouette, its distances, its normals are others; the wall's are not.
+    // The ball is a step nearer and larger: its silhouette, its distances, its normals are others; the wall's
+    // are not.
     window.scene.spheres[0] = sphere(Vec3::new(0.4, 0.0, 0.7), 1.1, 0);
     let scene = window.scene.clone();
     window = Window::new(scene);
@@ -182,7 +184,8 @@ fn history_ends_at_other_objects_normals_and_planes() {
     assert_eq!(window.advance(&mut history, &flat(0.25), 1), &flat(0.25));
 }
 
-/// Pixels of the sky at the edge of a lamp hold some of its light: who passes by is not to see it drawn along.
+/// Pixels of the sky at the edge of a lamp hold some of its light: who passes by is not to see it drawn
+/// along.
 #[test]
 fn nothing_of_a_lamp_stays_in_the_sky_behind_it() {
     let lamp = Material { emission: Vec3::splat(40.0), ..material(MaterialKind::Emitter) };

@@ -1,4 +1,5 @@
-//! Law: the estimator's picture is the judge's, path by path, whatever the material; rounding may send a few paths elsewhere.
+//! Law: the estimator's picture is the judge's, path by path, whatever the material; rounding may send a few
+//! paths elsewhere.
 
 use crate::common::{Dice, empty, material, smooth_ball, sphere, triangle};
 use glam::{Vec2, Vec3};

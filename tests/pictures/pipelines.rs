@@ -1,5 +1,5 @@
-//! The law of pipelines: one that is compiled for a few features gives the bits of the one that has them all, for every single feature
-//! beside a plain scene, so that no feature hides behind another.
+//! The law of pipelines: one that is compiled for a few features gives the bits of the one that has them all,
+//! for every single feature beside a plain scene, so that no feature hides behind another.
 
 use crate::common::{Dice, empty, material, noise, smooth_ball, sphere, triangle};
 use glam::{Vec2, Vec3};

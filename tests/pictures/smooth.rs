@@ -55,7 +55,8 @@ fn white_furnace_of_a_smooth_ball_loses_what_is_stated() {
     }
 }
 
-/// What leaves a convex body never meets it again, so that more events change nothing; what leaked into it would.
+/// What leaves a convex body never meets it again, so that more events change nothing; what leaked into it
+/// would.
 #[test]
 fn nothing_leaves_below_the_surface() {
     for (kind, _) in KINDS.into_iter().filter(|(kind, _)| !matches!(kind, MaterialKind::Glass { .. })) {

@@ -1,9 +1,10 @@
-//! The law of stability: in every recipe of `octray stability` the default method keeps its bounds, and others fail at least as much as is
-//! said of them. Each test throws a part of what the command throws; seeds are fixed. A share that is expected is lowered by five standard
-//! deviations of its count, or raised by as many and three.
+//! The law of stability: in every recipe of `octray stability` the default method keeps its bounds, and
+//! others fail at least as much as is said of them. Each test throws a part of what the command throws; seeds
+//! are fixed. A share that is expected is lowered by five standard deviations of its count, or raised by as
+//! many and three.
 //!
-//! The figures are those that were measured before this program was written, without FMA. Where a build with FMA differs much, both are
-//! given.
+//! The figures are those that were measured before this program was written, without FMA. Where a build with
+//! FMA differs much, both are given.
 
 use octray::measure::stability::{Bound, Effort, Outcome, Point, recipe, recipes};
 
@@ -67,9 +68,10 @@ const FMA: bool = cfg!(target_feature = "fma");
 /// Where only failures are counted.
 const ANY: f64 = f64::INFINITY;
 
-/// How often the school formula fails depends on where on the sphere of radius D the rays start (the rounding of |o|²); all directions
-/// together give 0.057, 4.6, 30 and 40 % without FMA, so 85 % of the figures is required. FMA spares it some roundings (0.050, 3.6, 29 and
-/// 38 %): 75 %. The p99 of 10⁵ hits scatters by some percent; a quarter is allowed.
+/// How often the school formula fails depends on where on the sphere of radius D the rays start (the rounding
+/// of |o|²); all directions together give 0.057, 4.6, 30 and 40 % without FMA, so 85 % of the figures is
+/// required. FMA spares it some roundings (0.050, 3.6, 29 and 38 %): 75 %. The p99 of 10⁵ hits scatters by
+/// some percent; a quarter is allowed.
 #[test]
 fn far_spheres_are_misjudged_by_the_school_formula_and_not_by_the_robust_one() {
     for (distance, (naive, naive_p99), (robust, robust_p99)) in [
@@ -86,7 +88,8 @@ fn far_spheres_are_misjudged_by_the_school_formula_and_not_by_the_robust_one() {
     }
 }
 
-/// What f32 can do: c = |o − c|² − r² is a small difference of large numbers, whose rounding grows with the radius.
+/// What f32 can do: c = |o − c|² − r² is a small difference of large numbers, whose rounding grows with the
+/// radius.
 #[test]
 fn huge_spheres_from_close_by_are_as_inexact_as_documented() {
     for (radius, robust) in [(1e3, 7.6e-5), (1e5, 8.5e-3), (1e6, 0.06)] {
@@ -119,8 +122,8 @@ fn any_length_holds_for_every_length_of_the_direction_and_robust_for_unit_length
     at_least("spheres-scale", "naive", 1e-6, 0.03, 3e-3);
 }
 
-/// Measured on another mesh. Without FMA this one gives 10, 8 and 0.3 % as well; with it, Möller–Trumbore's test leaks twice as much: FMA
-/// makes the two triangles of an edge round differently.
+/// Measured on another mesh. Without FMA this one gives 10, 8 and 0.3 % as well; with it, Möller–Trumbore's
+/// test leaks twice as much: FMA makes the two triangles of an edge round differently.
 #[test]
 fn closed_meshes_leak_at_edges_and_vertices_but_not_with_woop() {
     for (size, place) in
@@ -187,8 +190,8 @@ fn triangles_beyond_the_domain_are_missed() {
     at_most("triangles-scale", "baldwin-weber", 1e15, 0.0, 3e-7);
 }
 
-/// The rays start elsewhere than those of the figures, 9.3, 5.7, 9.0 and 33.7 %: 85 % of these is required. The last one is FMA's: where
-/// it is two roundings, it is 25 %.
+/// The rays start elsewhere than those of the figures, 9.3, 5.7, 9.0 and 33.7 %: 85 % of these is required.
+/// The last one is FMA's: where it is two roundings, it is 25 %.
 #[test]
 fn boxes_are_missed_at_corners_but_not_with_padding() {
     for (offset, by_sign, fma) in [(1.0, 9.3, 9.0), (1e5, 5.7, if FMA { 33.7 } else { 25.0 })] {
@@ -210,8 +213,8 @@ fn boxes_are_missed_along_their_faces_by_minima_of_nan_and_by_plain_fma() {
     for method in ["by-sign", "by-sign-2-ulp", "fma", "padded-fma"] {
         at_most("boxes-faces", method, 0.0, 0.0, ANY);
     }
-    // Nothing is infinite, but nearly: p / d less the rounded o / d is the rounding of that, t being much less. Where FMA is two
-    // roundings, p / d is rounded like o / d, and nothing is left.
+    // Nothing is infinite, but nearly: p / d less the rounded o / d is the rounding of that, t being much
+    // less. Where FMA is two roundings, p / d is rounded like o / d, and nothing is left.
     for across in [1e-30, 1e-17, 1e-12] {
         if FMA {
             at_least("boxes-faces", "fma", across, 45.0, 0.0);
@@ -232,8 +235,9 @@ const LEAST_T: &str = "o + t d, t > 1e-4";
 const CONSTANT: &str = "exact point, 1e-4";
 const INEXACT: &str = "o + t d, error bound";
 
-/// Half of the rays leave at cosines down to 1e-6. That makes a least t of 1e-4 fail for 10 % where evenly spread directions make it fail
-/// for 0.001 %, and rays that start far below a small triangle pass beyond its edge: 33 % instead of 50 and 46.
+/// Half of the rays leave at cosines down to 1e-6. That makes a least t of 1e-4 fail for 10 % where evenly
+/// spread directions make it fail for 0.001 %, and rays that start far below a small triangle pass beyond its
+/// edge: 33 % instead of 50 and 46.
 #[test]
 fn triangles_are_hit_again_without_an_error_bound() {
     for (name, x, naive, least_t) in [

@@ -1,8 +1,8 @@
-//! The figures of shading, lamps, sums, cameras and scenes: the naive methods fail as much as is said of them, the default ones as little.
-//! (That the default ones keep their bounds in every recipe: `stability`.)
+//! The figures of shading, lamps, sums, cameras and scenes: the naive methods fail as much as is said of
+//! them, the default ones as little. (That the default ones keep their bounds in every recipe: `stability`.)
 //!
-//! Each test throws a part of what `octray stability` throws; seeds are fixed. Shares that are a matter of chance are held to a quarter of what
-//! was measured, so that another target's roundings do not decide.
+//! Each test throws a part of what `octray stability` throws; seeds are fixed. Shares that are a matter of
+//! chance are held to a quarter of what was measured, so that another target's roundings do not decide.
 
 use octray::measure::stability::{Effort, Point, recipe};
 
@@ -29,8 +29,9 @@ fn p99(name: &str, method: &str, x: f64) -> f64 {
 
 #[test]
 fn the_arccosine_fails_at_poles_and_the_arctangent_does_not() {
-    // The catalogue of methods has 34 % within 1e-3 r. It depends on how far the hit is rounded, and so on where spheres and eyes are: here 41 %
-    // within 1e-4 r, and 14 % in the disc of 1e-3 r, most of whose area is at its rim.
+    // The catalogue of methods has 34 % within 1e-3 r. It depends on how far the hit is rounded, and so on
+    // where spheres and eyes are: here 41 % within 1e-4 r, and 14 % in the disc of 1e-3 r, most of whose area
+    // is at its rim.
     fails_and_holds("textures-poles", 1e-4, ["acos", "atan2"], 0.3);
     fails_and_holds("textures-poles", 1e-3, ["acos", "atan2"], 0.1);
     // Clamped it is a number, and the wrong one: √2ε is 3.5e-4.
@@ -66,8 +67,8 @@ fn normals_for_shading_let_rays_through_unless_both_normals_are_asked() {
     fails_and_holds("scattering-matt", 3.0, ["unchecked", "absorbed-and-shadowed"], 0.05);
     fails_and_holds("scattering-mirror", 1.0, ["unbent", "bent"], 0.1);
     fails_and_holds("scattering-mirror", 40.0, ["unbent", "bent"], 0.3);
-    // What that costs: (1 − cos 20°) / 2 = 3 % lies below, and the terminator takes 8 more. (3.9 % on the ball of 80 triangles, whose normals are
-    // that far off only at corners: `tests/smooth.rs`.)
+    // What that costs: (1 − cos 20°) / 2 = 3 % lies below, and the terminator takes 8 more. (3.9 % on the
+    // ball of 80 triangles, whose normals are that far off only at corners: `tests/smooth.rs`.)
     let [absorbed, shadowed] =
         ["absorbed", "absorbed-and-shadowed"].map(|method| at("scattering-matt", method, 20.0));
     assert!((absorbed.p50.unwrap() - 0.03).abs() < 0.005, "{absorbed:?}");
@@ -104,7 +105,8 @@ fn numbers_reach_one_unless_they_are_cut_off() {
 
 #[test]
 fn plain_sums_drift_and_stall_and_the_film_does_not() {
-    // Five parts in a million after a million, at random; the sum stalls at 2²⁴, which is two thirds short of 10⁸ / 2.
+    // Five parts in a million after a million, at random; the sum stalls at 2²⁴, which is two thirds short of
+    // 10⁸ / 2.
     let plain = p99("sums-long", "f32", 1e6);
     assert!((5e-7..5e-5).contains(&plain), "{plain:e}");
     assert!(p99("sums-long", "kahan", 1e6) <= 6e-8);

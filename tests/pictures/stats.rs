@@ -1,4 +1,5 @@
-//! What `--stats` counts is what happens: counts by hand, sums that agree, and nothing else changed by counting.
+//! What `--stats` counts is what happens: counts by hand, sums that agree, and nothing else changed by
+//! counting.
 
 use crate::common::{empty, material, sphere, triangle};
 use glam::Vec3;
@@ -27,7 +28,8 @@ fn two_triangles() -> Scene {
     }
 }
 
-/// What is counted for rays that start at (x, 0, 5) and run almost along −z, and how many of them hit something.
+/// What is counted for rays that start at (x, 0, 5) and run almost along −z, and how many of them hit
+/// something.
 fn counted<const ANY: bool>(scene: &Scene, traversal: Traversal, starts: &[f32]) -> (Counts, usize) {
     let hierarchy = Hierarchy::new(scene, Trees::WideAndBinary);
     let count = starts.len();
@@ -53,7 +55,8 @@ fn tests_of_two_triangles_are_those_counted_by_hand() {
     let scene = two_triangles();
     let bvh = Hierarchy::new(&scene, Trees::WideAndBinary).bvh;
     assert_eq!((bvh.wide[0].filled(), bvh.binary.len()), (1, 1), "both triangles are in one leaf");
-    // One ray at the left triangle, one at nothing between them, one past everything: the box for all three, the triangles for two.
+    // One ray at the left triangle, one at nothing between them, one past everything: the box for all three,
+    // the triangles for two.
     let starts = [-3.0, 0.0, 50.0];
     let none = tests(0, 0);
     let one_by_one = Counts { boxes: tests(3, 3), triangles: tests(4, 4), spheres: none };
@@ -62,8 +65,9 @@ fn tests_of_two_triangles_are_those_counted_by_hand() {
         let expected = Counts { boxes: tests(3, 3), triangles: tests(4, 2), spheres: none };
         assert_eq!(counted::<false>(&scene, traversal, &starts), (expected, 1), "{traversal:?}");
     }
-    // A packet that sees the left triangle alone. The frustum of its tile meets the leaf's box, and so does its own, which then is held
-    // against both triangles' boxes, in a step each; then all eight rays meet one triangle.
+    // A packet that sees the left triangle alone. The frustum of its tile meets the leaf's box, and so does
+    // its own, which then is held against both triangles' boxes, in a step each; then all eight rays meet one
+    // triangle.
     for traversal in [Traversal::Packet, Traversal::Hybrid] {
         let expected = Counts { boxes: tests(4, 3), triangles: tests(8, 1), spheres: none };
         assert_eq!(counted::<false>(&scene, traversal, &[-3.0; 8]), (expected, 8), "{traversal:?}");
@@ -124,8 +128,8 @@ fn tests_of_a_leaf_are_its_primitives_and_no_empty_lane() {
     assert_eq!(boxes(Traversal::Packet, &[0.0; 8]), expected);
 }
 
-/// Big triangles across the way of the rays of [`counted`], or big spheres around their start. Every ray hits all of them and starts in all
-/// their boxes: nothing but an end at the first hit spares a test.
+/// Big triangles across the way of the rays of [`counted`], or big spheres around their start. Every ray hits
+/// all of them and starts in all their boxes: nothing but an end at the first hit spares a test.
 fn all_in_the_way(count: usize, triangles: bool) -> Scene {
     let mut scene = Scene { materials: vec![material(MaterialKind::Diffuse)], ..empty() };
     for i in 0..count {
@@ -164,7 +168,8 @@ fn any_hit_ends_at_the_first_and_the_nearest_does_not() {
                     "{traversal:?}, {rays} rays, triangles {triangles}: {any:?}, nearest {nearest:?}"
                 );
                 assert_eq!((met(&nearest), hit_nearest, hit_any), (600 * count, rays, rays), "{what}");
-                // One leaf, and the way down to it. Where many rays go together, those that have ended still stand in lists of nodes.
+                // One leaf, and the way down to it. Where many rays go together, those that have ended still
+                // stand in lists of nodes.
                 let boxes = match (traversal, rays) {
                     (Traversal::Scalar, _) => nearest.boxes.steps / 4,
                     (Traversal::Single, _) | (_, 1 | 2) => levels * count,

@@ -1,5 +1,5 @@
-//! What the survey tells of pixels: guides against primary rays and the scene itself, costs against the tallies of whole frames, shapes of
-//! paths against the counts of rays.
+//! What the survey tells of pixels: guides against primary rays and the scene itself, costs against the
+//! tallies of whole frames, shapes of paths against the counts of rays.
 
 use octray::integrate::aovs::Aovs;
 use octray::math::MISS;
@@ -24,7 +24,8 @@ fn scenes() -> impl Iterator<Item = Scene> {
     names.chain(["builtin:knot:3000".to_string()]).map(|name| load(&name).unwrap())
 }
 
-/// The middle of a pixel lies among the points that samples go through: what most samples of a pixel see, its guide sees, but at edges.
+/// The middle of a pixel lies among the points that samples go through: what most samples of a pixel see, its
+/// guide sees, but at edges.
 #[test]
 fn guides_are_what_primary_rays_see() {
     for scene in scenes() {

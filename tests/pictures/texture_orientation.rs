@@ -1,5 +1,6 @@
-//! Law: a picture on a sphere reads from left to right for an eye on the side that the scene names, and is mirrored from the other;
-//! the sky reads right from where everybody sees it. Columns of red 0, 1, 2, … stand for the letters of a text.
+//! Law: a picture on a sphere reads from left to right for an eye on the side that the scene names, and is
+//! mirrored from the other; the sky reads right from where everybody sees it. Columns of red 0, 1, 2, … stand
+//! for the letters of a text.
 //!
 //! And whole repeats of a picture on triangles are nothing.
 
@@ -38,7 +39,8 @@ fn sky() -> Scene {
     Scene { sky: Sky::Texture { texture: 0, color: Vec3::ONE }, textures: vec![columns()], ..empty() }
 }
 
-/// What stands in a row of pixels, from left to right; the packets, the scalar path and the judge agree on it.
+/// What stands in a row of pixels, from left to right; the packets, the scalar path and the judge agree on
+/// it.
 fn row(scene: &Scene) -> Vec<f32> {
     let settings = Settings { resolution: [31, 1], max_bounces: 0, ..Settings::of(scene) };
     let [packets, scalar] = [8, 1].map(|lanes| {

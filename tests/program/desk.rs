@@ -48,7 +48,8 @@ impl Desk {
         names
     }
 
-    /// The arguments are refused: exit code 2, nothing on standard output, an error that says all of `words`, no file.
+    /// The arguments are refused: exit code 2, nothing on standard output, an error that says all of `words`,
+    /// no file.
     pub fn refuses(&self, arguments: &[&str], words: &[&str]) {
         let before = self.names();
         let refused = self.octray(arguments).assert().code(2).stdout("");

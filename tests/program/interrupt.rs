@@ -7,7 +7,8 @@ use std::process::{Child, Command, Stdio};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-/// How long hearing Ctrl-C, ending a few tiles and writing a picture may take: a few seconds, and a busy machine's share.
+/// How long hearing Ctrl-C, ending a few tiles and writing a picture may take: a few seconds, and a busy
+/// machine's share.
 const PATIENCE: Duration = Duration::from_secs(20);
 
 /// Starts a rendering on one thread.
@@ -18,7 +19,8 @@ fn spawn(desk: &Desk, arguments: &str) -> Child {
     command.stderr(Stdio::piped()).spawn().unwrap()
 }
 
-/// The same, and waits until it listens, which it does before it traces: before that, Ctrl-C ends it as it ends any program.
+/// The same, and waits until it listens, which it does before it traces: before that, Ctrl-C ends it as it
+/// ends any program.
 fn start(desk: &Desk, arguments: &str) -> Child {
     let child = spawn(desk, arguments);
     sleep(Duration::from_secs(2));
@@ -46,7 +48,8 @@ fn press_ctrl_c(child: &Child) {
     assert!(sent.success());
 }
 
-/// Waits for the end, but not for long, and answers the exit code, what was printed, and what was said on standard error.
+/// Waits for the end, but not for long, and answers the exit code, what was printed, and what was said on
+/// standard error.
 fn end(mut child: Child) -> (Option<i32>, String, String) {
     let start = Instant::now();
     while child.try_wait().unwrap().is_none() {
@@ -79,7 +82,8 @@ fn put_endless_paths(desk: &Desk, balls: usize) {
     desk.write("endless.json", &scene.to_string());
 }
 
-/// A picture whose first sample, of two thousand million rays, takes far longer than anyone waits; each of its tiles is quick.
+/// A picture whose first sample, of two thousand million rays, takes far longer than anyone waits; each of
+/// its tiles is quick.
 fn put_heavy_picture(desk: &Desk) -> &'static str {
     put_endless_paths(desk, 8);
     "endless.json --size 2048x1024 --bounces 1024 --lanes 1 --samples 4"
@@ -100,7 +104,8 @@ fn ctrl_c_saves_the_samples_so_far() {
     let pixels = desk.pixels("a.exr");
     assert_eq!(pixels.len(), 64 * 36);
 
-    // Every pixel is that of so many samples, to the bit. Only where the machine was very busy is it not the same number for all.
+    // Every pixel is that of so many samples, to the bit. Only where the machine was very busy is it not the
+    // same number for all.
     let render = |samples: u64| {
         let samples = samples.to_string();
         let again = ["render", "builtin:three", "-o", "b.exr", "--size", "64x36", "--samples", &samples];

@@ -1,4 +1,5 @@
-//! The command line has manners: what it refuses, how it says so, and that it never panics or leaves half a file.
+//! The command line has manners: what it refuses, how it says so, and that it never panics or leaves half a
+//! file.
 
 #[path = "../common/openexr.rs"]
 mod openexr;

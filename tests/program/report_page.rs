@@ -1,6 +1,7 @@
 //! The page of `octray chart` in a real browser: it needs no other file, fits a phone, and prints.
 //!
-//! Skipped, saying so, where no browser is installed (Chromium or Chrome; `OCTRAY_BROWSER` names another of their family).
+//! Skipped, saying so, where no browser is installed (Chromium or Chrome; `OCTRAY_BROWSER` names another of
+//! their family).
 
 use octray::machine::Machine;
 use octray::measure::chart::configurations::of_scene;

@@ -1,4 +1,5 @@
-//! Scenes as the command line meets them: files, models, built-in ones, faults in them, what `inspect` says of them.
+//! Scenes as the command line meets them: files, models, built-in ones, faults in them, what `inspect` says
+//! of them.
 
 use crate::desk::{Desk, SCENE};
 use predicates::prelude::*;

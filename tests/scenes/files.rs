@@ -88,7 +88,8 @@ fn native_defaults_fill_a_scene_of_one_sphere() {
     assert_eq!(scene.sky, Sky::Color(Vec3::ONE));
     let material = &scene.materials[scene.spheres[0].material as usize];
     assert_eq!((material.kind, material.color), (MaterialKind::Diffuse, Vec3::splat(0.8)));
-    // Bounds 4 wide each way: diagonal 4 sqrt 3; the camera stands 1.2 of it away along (1, 0.5, 1.5) / sqrt 3.5.
+    // Bounds 4 wide each way: diagonal 4 sqrt 3; the camera stands 1.2 of it away along (1, 0.5, 1.5) / sqrt
+    // 3.5.
     let step = 1.2 * 4.0 * 3.0_f32.sqrt() / 3.5_f32.sqrt();
     let expected = Vec3::new(1.0, 2.0, 3.0) + step * Vec3::new(1.0, 0.5, 1.5);
     assert_eq!(scene.camera.look_at, Vec3::new(1.0, 2.0, 3.0));
@@ -214,7 +215,8 @@ fn planar_mapping_lies_in_the_plane_with_its_upper_edge_up() {
     assert_eq!(scene.uvs[0], [Vec2::ZERO; 3]);
 }
 
-/// Each point of a plane shows the same of the picture, whichever triangle it belongs to and however that lists its vertices.
+/// Each point of a plane shows the same of the picture, whichever triangle it belongs to and however that
+/// lists its vertices.
 #[test]
 fn planar_mapping_is_the_planes_and_not_the_triangles() {
     let folder = TempDir::new().unwrap();

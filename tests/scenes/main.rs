@@ -1,4 +1,5 @@
-//! Files: scenes of every format as they are read, what is refused and how, and picture files as they are written.
+//! Files: scenes of every format as they are read, what is refused and how, and picture files as they are
+//! written.
 
 #[path = "../common/openexr.rs"]
 mod openexr;

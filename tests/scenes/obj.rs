@@ -106,7 +106,8 @@ fn groups_and_materials_of_the_mtl_reach_their_triangles() {
     assert_eq!((of(3).emission, of(3).color), (Vec3::new(4.0, 3.0, 2.0), Vec3::ZERO));
     assert_eq!((of(4).kind, of(4).color), (MaterialKind::Metal { roughness: 0.0 }, Vec3::new(0.9, 0.8, 0.7)));
     assert_eq!(of(5).color, Vec3::new(1.0, 1.0, 0.5));
-    // Given coordinates stay, missing ones are planar (seen from +z: u = x, v = y), untextured triangles have zeros.
+    // Given coordinates stay, missing ones are planar (seen from +z: u = x, v = y), untextured triangles have
+    // zeros.
     assert_eq!(scene.uvs[1], [Vec2::ZERO, Vec2::X, Vec2::Y]);
     assert_eq!(scene.uvs[2], [Vec2::ZERO, 2.0 * Vec2::X, 2.0 * Vec2::Y]);
     assert_eq!((scene.uvs[0], scene.uvs[3], scene.uvs.len()), ([Vec2::ZERO; 3], [Vec2::ZERO; 3], 8));
@@ -114,7 +115,8 @@ fn groups_and_materials_of_the_mtl_reach_their_triangles() {
     assert!(scene.warnings[0].contains("`bright`") && scene.warnings[1].contains("`nowhere`"));
 }
 
-/// The one material that a triangle wears which uses an MTL of one material, and the warnings with their path cut off.
+/// The one material that a triangle wears which uses an MTL of one material, and the warnings with their path
+/// cut off.
 fn with_material(statements: &str) -> (MaterialKind, Vec3, Vec<String>) {
     let folder = TempDir::new().unwrap();
     let mtl = write(&folder, "m.mtl", format!("newmtl a\n{statements}"));
@@ -288,7 +290,8 @@ fn faults_in_obj_and_mtl_name_file_line_and_remedy() {
     assert!(error.what.contains("needs 3 numbers"), "{error}");
 }
 
-/// The triangles of a scene file with one mesh entry; `one.obj`, `m.mtl` and whatever else stands in the folder.
+/// The triangles of a scene file with one mesh entry; `one.obj`, `m.mtl` and whatever else stands in the
+/// folder.
 fn load_mesh(folder: &TempDir, mesh: &str) -> Scene {
     let text = format!(
         r#"{{ "format": "octray-1", "materials": {{ "red": {{ "type": "diffuse", "color": [1,0,0] }} }},

@@ -61,7 +61,8 @@ fn camera_keeps_the_old_view() {
     let right = forward.cross(camera.up);
     // Theirs: looks along +z, x grows to the left, y downwards. Inverted: along -z, right +x, up +y.
     assert_eq!((forward, right, camera.up), (-Vec3::Z, Vec3::X, Vec3::Y));
-    // Focal length 200 w / 68: half the width over it is 34/200 at any width; the height follows the aspect, 1/4.
+    // Focal length 200 w / 68: half the width over it is 34/200 at any width; the height follows the aspect,
+    // 1/4.
     let half_height = (camera.vertical_fov.to_radians() / 2.0).tan();
     assert!((half_height - 34.0 / 200.0 / 4.0).abs() < 1e-7, "{half_height}");
 }
@@ -139,8 +140,8 @@ fn missing_texture_is_named_once_however_often_it_is_used() {
     assert_eq!(scene.warnings.len(), 1, "{:?}", scene.warnings);
 }
 
-/// Their lookup, from the description: column and row (from the top), each in [0, 1), of a point of a ball with outward
-/// normal `n` in their axes.
+/// Their lookup, from the description: column and row (from the top), each in [0, 1), of a point of a ball
+/// with outward normal `n` in their axes.
 fn their_ball_lookup(n: Vec3) -> [f32; 2] {
     let u = (n.z.atan2(n.x) / std::f32::consts::TAU).rem_euclid(1.0);
     [u, 1.0 - n.y.acos() / std::f32::consts::PI]

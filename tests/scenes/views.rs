@@ -1,4 +1,5 @@
-//! Views: files that name another scene and say how it is looked at; and the files that any scene was read from.
+//! Views: files that name another scene and say how it is looked at; and the files that any scene was read
+//! from.
 
 use glam::Vec3;
 use octray::buffers::LightChoice;
@@ -135,7 +136,8 @@ fn written_views_read_back_in_every_bit() {
         sampler: Some(Sampler::Random),
         pipeline: Some(PipelineChoice::Needed),
     };
-    // Bits by a linear congruence, at magnitudes that a scene may hold: all exponents from 1e-45 on, zeros of both signs.
+    // Bits by a linear congruence, at magnitudes that a scene may hold: all exponents from 1e-45 on, zeros of
+    // both signs.
     let mut state = 1_u32;
     let mut next = || loop {
         state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
@@ -179,7 +181,8 @@ fn written_views_read_back_in_every_bit() {
 #[test]
 fn numbers_of_a_view_are_rounded_once_as_on_the_command_line() {
     let folder = TempDir::new().unwrap();
-    // Just below the middle of two neighbours in f32; the nearest f64 is the middle itself, from which a second rounding would go up.
+    // Just below the middle of two neighbours in f32; the nearest f64 is the middle itself, from which a
+    // second rounding would go up.
     let digits = "1.00000017881393432617187499";
     let more = format!(", \"render\": {{ \"exposure\": {digits}, \"clamp\": {digits} }}");
     let render = load_with_view(&write(folder.path(), "v.json", &view("builtin:three", &more)))

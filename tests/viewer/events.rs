@@ -1,4 +1,5 @@
-//! What becomes of events that come while other things go on: scenes that are being read, files that change, an end.
+//! What becomes of events that come while other things go on: scenes that are being read, files that change,
+//! an end.
 
 use crate::seat::options;
 use crate::waiting::wait_for;

@@ -1,4 +1,5 @@
-//! `octray view --terminal` in a terminal of the test's own: what stands on its screen, what keys do, and how it is left.
+//! `octray view --terminal` in a terminal of the test's own: what stands on its screen, what keys do, and how
+//! it is left.
 
 use crate::waiting::{Bytes, difference, rendered, wait_for};
 use portable_pty::{Child, CommandBuilder, ExitStatus, PtyPair, PtySize, native_pty_system};

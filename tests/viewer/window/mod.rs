@@ -1,6 +1,7 @@
 //! `octray view` as its users have it: a window on a display, keys, and what is to be seen then.
 //!
-//! The display is the test's own (Xvfb), the keys come from xdotool; where one of them is missing, nothing is tested, and it says so.
+//! The display is the test's own (Xvfb), the keys come from xdotool; where one of them is missing, nothing is
+//! tested, and it says so.
 
 mod screen;
 use crate::waiting::{Bytes, difference, rendered, wait_for};
@@ -12,9 +13,11 @@ use std::process::Command;
 use std::thread::sleep;
 use std::time::Duration;
 
-/// Samples of the pictures that the window's are held against: many enough for their noise to be below a byte.
+/// Samples of the pictures that the window's are held against: many enough for their noise to be below a
+/// byte.
 const SAMPLES: u32 = 4096;
-/// Bytes by which the same picture may differ in the mean while it gathers samples, and by which another one does at least.
+/// Bytes by which the same picture may differ in the mean while it gathers samples, and by which another one
+/// does at least.
 const SAME: f64 = 1.5;
 const OTHER: f64 = 8.0;
 

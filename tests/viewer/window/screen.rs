@@ -46,7 +46,8 @@ impl Screen {
         Some(screen)
     }
 
-    /// A program that this screen is the display of. The environment speaks of another one as well, which is over: it is to be passed over.
+    /// A program that this screen is the display of. The environment speaks of another one as well, which is
+    /// over: it is to be passed over.
     pub fn command(&self, program: &str) -> Command {
         let mut command = Command::new(program);
         command.env("DISPLAY", &self.display).env("WAYLAND_DISPLAY", "over").env_remove("WAYLAND_SOCKET");
@@ -63,8 +64,9 @@ impl Screen {
     /// The corner of the screen where the window is: no window manager puts it anywhere else.
     fn corner(&self, [width, height]: [usize; 2]) -> Bytes {
         let dump = fs::read(self.folder.path().join("Xvfb_screen0")).unwrap();
-        // Big-endian words: 0 size of the header, 7 byte order of pixels (0: the least significant first), 11 bits a pixel, 12 bytes a row,
-        // 19 colours, of 12 bytes each, that stand before the pixels. (XWDFile.h of X11.)
+        // Big-endian words: 0 size of the header, 7 byte order of pixels (0: the least significant first), 11
+        // bits a pixel, 12 bytes a row, 19 colours, of 12 bytes each, that stand before the pixels.
+        // (XWDFile.h of X11.)
         let word = |at: usize| u32::from_be_bytes(dump[4 * at..][..4].try_into().unwrap()) as usize;
         assert_eq!(word(11), 32, "bits of a pixel");
         let pixels = &dump[word(0) + 12 * word(19)..];

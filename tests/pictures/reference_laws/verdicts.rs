@@ -1,4 +1,5 @@
-//! The judge lets rounding pass and lets nothing else pass: single-precision kernels, good, naive and sabotaged.
+//! The judge lets rounding pass and lets nothing else pass: single-precision kernels, good, naive and
+//! sabotaged.
 
 use super::scenes::empty;
 use crate::common::{Dice, sphere, triangle};
@@ -42,7 +43,8 @@ fn naive_roots(origin: Vec3, d: Vec3, sphere: &Sphere) -> Option<[f32; 2]> {
     (discriminant >= 0.0).then_some([(-b - root) / (2.0 * a), (-b + root) / (2.0 * a)])
 }
 
-/// Woop's watertight triangle in f32, without the fallback to f64: t, and the weights of the second and third vertex.
+/// Woop's watertight triangle in f32, without the fallback to f64: t, and the weights of the second and third
+/// vertex.
 fn woop(origin: Vec3, d: Vec3, triangle: &Triangle) -> Option<(f32, [f32; 2])> {
     let z = if d.x.abs() > d.y.abs().max(d.z.abs()) { 0 } else { 1 + usize::from(d.z.abs() >= d.y.abs()) };
     let (x, y) = ((z + 1) % 3, (z + 2) % 3);
@@ -87,8 +89,8 @@ fn aim(dice: &mut Dice, origin: Vec3, target: Vec3) -> Vec3 {
     (target - origin).normalize() * dice.scale32(0.1, 10.0)
 }
 
-/// One sphere, a ray aimed within 1.2 radii of its centre: every distance and size, eyes inside, outside and lifted off the
-/// surface; and a ray in three straight at the outline.
+/// One sphere, a ray aimed within 1.2 radii of its centre: every distance and size, eyes inside, outside and
+/// lifted off the surface; and a ray in three straight at the outline.
 fn sphere_recipe(dice: &mut Dice) -> (Scene, Vec3, Vec3) {
     let radius = dice.scale32(1e-6, 1e6);
     let center = dice.direction32() * dice.scale32(1e-3, 1e3);
@@ -109,7 +111,8 @@ fn sphere_recipe(dice: &mut Dice) -> (Scene, Vec3, Vec3) {
     (Scene { spheres: vec![sphere(center, radius, 0)], ..empty() }, origin, d)
 }
 
-/// One triangle, from round to sliver, at every size and distance; a ray in three at an edge, one in three edge-on.
+/// One triangle, from round to sliver, at every size and distance; a ray in three at an edge, one in three
+/// edge-on.
 fn triangle_recipe(dice: &mut Dice) -> (Scene, Vec3, Vec3) {
     let (size, distance) = (dice.scale32(1e-3, 1e3), dice.scale32(1e-2, 1e4));
     let corner = dice.direction32() * dice.scale32(1e-2, 1e2);
@@ -153,7 +156,8 @@ fn rounding_of_a_good_kernel_is_right() {
     }
 }
 
-/// The weights of a good kernel pass on every shape of triangle; wrong ones are flagged wherever single precision can tell.
+/// The weights of a good kernel pass on every shape of triangle; wrong ones are flagged wherever single
+/// precision can tell.
 #[test]
 fn weights_of_a_good_kernel_are_right_and_wrong_ones_are_flagged() {
     let mut dice = Dice(13);
@@ -173,7 +177,8 @@ fn weights_of_a_good_kernel_are_right_and_wrong_ones_are_flagged() {
         for weights in [[f32::NAN, v], [u, f32::NAN], [-1e-3, v], [u, 1.001 - u]] {
             assert_eq!(verdict(weights), Verdict::Invalid);
         }
-        // Swapped, of the wrong vertices, and off by a hundredth and a thousandth: less than single precision knows of slivers.
+        // Swapped, of the wrong vertices, and off by a hundredth and a thousandth: less than single precision
+        // knows of slivers.
         let wrong = [[v, u], [1.0 - u - v, u], [0.99 * u, v], [u, 0.999 * v]];
         for (count, weights) in flagged.iter_mut().zip(wrong) {
             *count += u32::from(verdict(weights) != Verdict::Right);
@@ -187,7 +192,8 @@ fn weights_of_a_good_kernel_are_right_and_wrong_ones_are_flagged() {
     }
 }
 
-/// numerics.md: at distance 4096 a third of the naive kernel's answers are wrong, at 100 one in a thousand and many t.
+/// numerics.md: at distance 4096 a third of the naive kernel's answers are wrong, at 100 one in a thousand
+/// and many t.
 #[test]
 fn rounding_of_a_naive_kernel_is_flagged() {
     let scene = Scene { spheres: vec![sphere(Vec3::ZERO, 1.0, 0)], ..empty() };

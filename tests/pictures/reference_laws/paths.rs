@@ -68,7 +68,8 @@ fn white_furnace_never_exceeds_one_where_something_is_absorbed() {
             let judge = Reference::new(&scene);
             let values: Vec<f64> = (0..5000).map(|s| judge.path(one_pixel(100), 0, 0, s)[0]).collect();
             assert!(values.iter().all(|value| (0.0..=1.0 + 1e-12).contains(value)), "{kind:?}");
-            // At roughness 1, GGX without multiple scattering gives back less than half; how much, the integral below knows.
+            // At roughness 1, GGX without multiple scattering gives back less than half; how much, the
+            // integral below knows.
             assert!(values.iter().sum::<f64>() > 0.25 * 5000.0, "{kind:?} reflects");
         }
     }
@@ -111,8 +112,8 @@ fn lambert_under_a_gradient_is_its_irradiance() {
     }
 }
 
-/// The lobe of GGX by its textbook equations (Walter et al., EGSR 2007, with height-correlated masking), which the sampler
-/// never evaluates, integrated against a sky that tells directions apart.
+/// The lobe of GGX by its textbook equations (Walter et al., EGSR 2007, with height-correlated masking),
+/// which the sampler never evaluates, integrated against a sky that tells directions apart.
 #[test]
 fn metal_under_a_gradient_is_the_integral_of_its_lobe() {
     let sky = |w: DVec3| 0.5 * (w.y + 1.0);
@@ -209,7 +210,8 @@ fn glass_reflects_all_beyond_the_critical_angle() {
     }
 }
 
-/// Judge and judged must draw the same numbers for the same things: here against the estimator's warps in f32.
+/// Judge and judged must draw the same numbers for the same things: here against the estimator's warps in
+/// f32.
 #[test]
 fn path_follows_the_directions_of_the_estimator() {
     let mut scene = ball(MaterialKind::Diffuse);
@@ -228,7 +230,8 @@ fn path_follows_the_directions_of_the_estimator() {
         let (u, v) = numbers.get_2d::<f32>(key, dimension::DIRECTION);
         let d = warp::sample_cosine_hemisphere(lane(n), u, v);
         let found = diffuse.path(settings, 4, 2, sample)[0];
-        // The estimator's sine and cosine are off by up to 8e-7, on a vector of length 2 cos θ before it is normalised.
+        // The estimator's sine and cosine are off by up to 8e-7, on a vector of length 2 cos θ before it is
+        // normalised.
         let allowed = 1e-6 / f64::from(Vec3::new(d.x, d.y, d.z).dot(n)) + 2e-6;
         assert!((found - 0.5 * (f64::from(d.y) + 1.0)).abs() < allowed, "sample {sample}: {d:?}, {found}");
 

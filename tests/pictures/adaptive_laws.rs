@@ -1,5 +1,5 @@
-//! Laws of stopping early: decisions are the same whoever computes them, pixels are those of a plain rendering with as many samples, and
-//! the error that is promised is the one that is there.
+//! Laws of stopping early: decisions are the same whoever computes them, pixels are those of a plain
+//! rendering with as many samples, and the error that is promised is the one that is there.
 
 use crate::common::{empty, material, sphere};
 use glam::Vec3;

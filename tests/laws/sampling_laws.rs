@@ -1,8 +1,9 @@
-//! The law of random numbers: uniform in [0, 1), independent across pixels, samples and dimensions, and bent into the directions that the
-//! documentation promises.
+//! The law of random numbers: uniform in [0, 1), independent across pixels, samples and dimensions, and bent
+//! into the directions that the documentation promises.
 //!
-//! Seeds are fixed. Statistics are compared with their expectation in standard errors; where many are taken, the allowed deviation is
-//! that of the whole family at a level of 1e-4 (Bonferroni): seldom enough to be a fault if seen.
+//! Seeds are fixed. Statistics are compared with their expectation in standard errors; where many are taken,
+//! the allowed deviation is that of the whole family at a level of 1e-4 (Bonferroni): seldom enough to be a
+//! fault if seen.
 
 use crate::common::Dice;
 use crate::common::statistics::{allowed, chi_squared_deviation, correlation, joint};
@@ -145,7 +146,8 @@ fn samples_of_a_pixel_never_share_their_numbers() {
 
 #[test]
 fn pixels_of_a_large_picture_share_few_numbers_and_none_in_rows() {
-    // 2²¹ pixels and 4 samples, spread as a key that is linear in both would repeat: it would give collisions to whole pictures.
+    // 2²¹ pixels and 4 samples, spread as a key that is linear in both would repeat: it would give collisions
+    // to whole pictures.
     let samples = [0u32, 1, 1_727, 2_501];
     let mut keys: Vec<(u32, u32, u32)> = samples
         .iter()
@@ -172,7 +174,8 @@ const DRAWS: usize = 1_000_000;
 
 #[test]
 fn cosine_hemisphere_follows_the_cosine() {
-    // cos θ has the density 2 cos θ: E = 2/3, Var = 1/18, and cos² θ is uniform; so is the angle around the normal.
+    // cos θ has the density 2 cos θ: E = 2/3, Var = 1/18, and cos² θ is uniform; so is the angle around the
+    // normal.
     const BINS: usize = 50;
     let mut dice = Dice(42);
     for n in [Vec3::new(0.0, 0.0, 1.0), Vec3::new(0.0, 0.0, -1.0), unit(&mut dice), unit(&mut dice)] {

@@ -1,5 +1,6 @@
-//! The law of the hierarchy: every primitive in exactly one leaf, every box exactly around what is below it, no deeper than promised, and
-//! the same bits for any number of threads; on random scenes, on real meshes, and where builders fail.
+//! The law of the hierarchy: every primitive in exactly one leaf, every box exactly around what is below it,
+//! no deeper than promised, and the same bits for any number of threads; on random scenes, on real meshes,
+//! and where builders fail.
 
 use crate::common::{Dice, empty, sphere, triangle};
 use glam::{DVec3, Vec3};

@@ -115,7 +115,8 @@ fn fxaa_smooths_a_slanted_edge_towards_what_it_covers() {
         let mut fxaa = Fxaa::new();
         let smooth = fxaa.filter(&steps, &Tone::default());
         assert!(error(smooth) < 0.5 * error(&steps), "slope {slope}: {} of {}", error(smooth), error(&steps));
-        // What is dark to one side is bright to the other: turned upside down, the edge gives the same picture upside down.
+        // What is dark to one side is bright to the other: turned upside down, the edge gives the same
+        // picture upside down.
         let turned = |of: &Picture| Picture { pixels: of.pixels.iter().rev().copied().collect(), ..*of };
         let (smooth, again) = (turned(smooth), Fxaa::new().filter(&turned(&steps), &Tone::default()).clone());
         assert!(smooth.pixels.iter().zip(&again.pixels).all(|(a, b)| (a[0] - b[0]).abs() < 1e-5));
@@ -162,7 +163,8 @@ fn denoiser_keeps_hard_edges_of_objects_and_removes_noise_on_them() {
     assert!(after < before / 4.0, "{after} of {before}");
 }
 
-/// Two large triangles side by side, left of x = 0.01 and right of it, seen along −z: each by the z of its border and of its tip.
+/// Two large triangles side by side, left of x = 0.01 and right of it, seen along −z: each by the z of its
+/// border and of its tip.
 fn two_sides(left: [f32; 2], right: [f32; 2], materials: [u32; 2]) -> Scene {
     let side = |[border, tip]: [f32; 2], x: f32, material| {
         let at = |y, z| Vec3::new(0.01, y, z);
@@ -229,7 +231,8 @@ fn denoiser_leaves_many_samples_mirrors_and_lamps_as_they_are() {
     assert!(change(1_000_000)[2] < 0.01);
 }
 
-/// Pixels of metal within a quarter of its lobe show nearly the same: at a roughness of 0.2 and 400 rows within four pixels.
+/// Pixels of metal within a quarter of its lobe show nearly the same: at a roughness of 0.2 and 400 rows
+/// within four pixels.
 #[test]
 fn denoiser_smooths_metal_as_far_as_it_is_rough() {
     let left = |roughness| {

@@ -6,8 +6,8 @@
 //! looking fast.
 
 use criterion::{BatchSize, Criterion, Throughput};
-use octray::render::{Renderer, Settings};
-use octray::scene;
+use octray_engine::render::{Renderer, Settings};
+use octray_formats::scene;
 use std::time::Duration;
 
 /// What sample 0 at seed 0 finds in a scene.

@@ -298,7 +298,8 @@ fn metal_and_plastic_look_the_same_both_ways() {
 /// The share of light that a white lobe returns, by a grid of numbers.
 fn albedo(lobe: Lobe, degrees: f64) -> f64 {
     let (d, n) = arriving(degrees);
-    let (side, layers) = (96, 32);
+    // Coats choose by their first number; the others use none.
+    let (side, layers) = (96, if matches!(lobe, Lobe::Plastic { .. }) { 16 } else { 1 });
     let at = |i: usize, of: usize| (i as f32 + 0.5) / of as f32;
     let mut sum = 0.0;
     for i in 0..side * side * layers {

@@ -2,7 +2,7 @@
 //! and anywhere, hit the mesh, through every traversal. A leak is a ray that hits nothing, or what is
 //! outside.
 //!
-//! Ten million rays: `cargo test --release --test watertight -- --ignored --nocapture`.
+//! A million rays: `cargo test -p octray-tests --test laws watertight -- --ignored --nocapture`.
 
 use crate::common::rays::Set;
 use crate::common::{Dice, empty, material, triangle};
@@ -169,7 +169,7 @@ impl Mesh {
 /// Traces about so many rays through every traversal; returns how many there were.
 fn count_leaks(rays: usize) -> usize {
     /// Rays that are made and traced at a time.
-    const BATCH: usize = 64 * TILE;
+    const BATCH: usize = 32 * TILE;
     let meshes = meshes();
     let batches = rays.div_ceil(BATCH * meshes.len());
     for mesh in &meshes {
@@ -199,18 +199,20 @@ fn count_leaks(rays: usize) -> usize {
     batches * BATCH * meshes.len()
 }
 
+/// 8,192 rays at each mesh, through each traversal twice: a method that leaks one ray in 2,700 of any of them
+/// is found nineteen times in twenty (Möller–Trumbore's test leaks one in 330 and more).
 #[test]
 fn aimed_rays_do_not_leak() {
-    assert!(count_leaks(160_000) >= 160_000);
+    assert!(count_leaks(80_000) >= 80_000);
 }
 
 #[test]
-#[ignore = "takes minutes: with --release and --ignored"]
-fn ten_million_aimed_rays_do_not_leak() {
+#[ignore = "minutes: run by .ci/run"]
+fn a_million_aimed_rays_do_not_leak() {
     let start = Instant::now();
-    let rays = count_leaks(10_000_000);
+    let rays = count_leaks(1_000_000);
     println!("{rays} rays through {} traversals twice: {:.1?}", Traversal::ALL.len(), start.elapsed());
-    assert!(rays >= 10_000_000);
+    assert!(rays >= 1_000_000);
 }
 
 /// Half of the tiles are such that there is a frustum: else it would not have been tested.

@@ -23,7 +23,7 @@ static MEMORY: &StatsAlloc<System> = &INSTRUMENTED_SYSTEM;
 
 /// Frames until everything has the size that it keeps, and frames that are watched then.
 const WARM: u64 = 60;
-const WATCHED: u64 = 100;
+const WATCHED: u64 = 50;
 /// Most pieces of memory that writing the figures may take, and how often they are written.
 const PIECES: f64 = 40.0;
 const WRITTEN: Duration = Duration::from_millis(250);
@@ -91,7 +91,8 @@ fn in_use() -> isize {
     stats.bytes_allocated as isize - stats.bytes_deallocated as isize
 }
 
-/// One test: another one beside it would take memory, too.
+/// One test: another one beside it would take memory, too. It takes some seconds for [`WATCHED`] frames of
+/// every view, still and in motion.
 #[test]
 fn frames_take_no_memory() {
     for (scene, threads) in [("builtin:three", 1), ("builtin:cornell", 2)] {
@@ -118,7 +119,7 @@ fn frames_take_no_memory() {
         let none = |seat: &mut Seat, what: &str| few(seat, what, 0);
         none(&mut seat, "standing");
         let before = in_use();
-        seat.watch(if threads > 1 { 400 } else { 2_000 });
+        seat.watch(if threads > 1 { 200 } else { 1_000 });
         let more = in_use() - before;
         assert!(more.unsigned_abs() <= 4096 * now_and_then as usize, "{scene}: {more} bytes more in use");
         // In a circle.

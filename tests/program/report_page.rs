@@ -24,16 +24,16 @@ fn chart() -> Chart {
         seeds: 8,
         threads: 1,
         start: Instant::now(),
-        time: Duration::from_secs(2),
-        budget: Duration::from_secs(2),
+        time: Duration::from_millis(500),
+        budget: Duration::from_millis(500),
     };
     let truth = plan.truth(&scene);
     let scenes = vec![plan.chart(&scene, &truth, &|_| ())];
     Chart {
         schema: SCHEMA,
         machine: Machine::current(),
-        budget_s: 2.0,
-        seconds: 2.0,
+        budget_s: 0.5,
+        seconds: 0.5,
         max_bounces: 2,
         seeds: 8,
         kernels: kernels::measure(Instant::now()),

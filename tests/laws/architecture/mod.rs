@@ -8,7 +8,7 @@
 mod circles;
 mod sources;
 
-use sources::{PACKAGES, Source, files_below, read, sources};
+use sources::{PACKAGES, Source, checkout, files_below, read, sources};
 use std::collections::BTreeSet;
 
 /// By package: top-level modules in the order in which they may be imported, each from those before it.
@@ -297,6 +297,28 @@ fn no_comment_is_wider_than_the_code() {
         }
     }
     assert!(faults.is_empty(), "wider than {MAX_WIDTH}:\n{}", faults.join("\n"));
+}
+
+/// Comments say where something is tested or explained: what they name is there.
+#[test]
+fn files_that_are_named_in_sources_exist() {
+    let mut faults = Vec::new();
+    for path in ["src", "tests", "benches"].into_iter().flat_map(files_below) {
+        let text = read(&path);
+        for folder in ["src/", "tests/", "benches/"] {
+            for (at, _) in text.match_indices(folder) {
+                let alone = text[..at].ends_with(['`', ' ', '(']);
+                let end = text[at..].find(|c: char| !(c.is_alphanumeric() || "_-/.".contains(c)));
+                let name = &text[at..at + end.unwrap_or(text.len() - at)];
+                // Made-up sources are of the engine.
+                let made_up = path.ends_with("circles.rs") || path.ends_with("architecture/mod.rs");
+                if alone && name.ends_with(".rs") && !made_up && !checkout().join(name).exists() {
+                    faults.push(format!("{} names {name}", path.display()));
+                }
+            }
+        }
+    }
+    assert!(faults.is_empty(), "\n{}", faults.join("\n"));
 }
 
 #[test]

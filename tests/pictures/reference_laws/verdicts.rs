@@ -256,10 +256,10 @@ fn every_sabotage_is_flagged() {
             assert_eq!(verdict(wrong, primitive), Verdict::Invalid);
         }
         assert_eq!(verdict(t, 60), Verdict::Invalid);
+        // Where two primitives cross, both may be right.
+        let near = (0..60).filter(|&p| verdict(t, p) == Verdict::Right).count() > 1;
         for other in (0..60).filter(|&other| other != primitive) {
             let off = matches!(verdict(t, other), Verdict::OffSurface { .. });
-            // Where two primitives cross, both may be right.
-            let near = (0..60).filter(|&p| verdict(t, p) == Verdict::Right).count() > 1;
             assert!(off || near, "primitive {other} at t of {primitive}");
         }
         // The next thing behind, as if the first one had been lost.

@@ -6,6 +6,7 @@ pub mod statistics;
 
 use glam::Vec3;
 use octray::film::Picture;
+use octray::render::{Renderer, Settings};
 use octray::scene::{
     Camera, Filter, Material, MaterialKind, Scene, Side, Sky, Sphere, Texels, Texture, Triangle,
 };
@@ -73,6 +74,15 @@ pub fn floor(foot: Vec3, height: f32) -> Scene {
         triangles: vec![triangle(corners, 0)],
         ..empty()
     }
+}
+
+/// The picture of so many samples, all of them finite.
+pub fn render(scene: &Scene, settings: Settings, samples: u32) -> Picture {
+    let renderer = Renderer::new(scene, settings);
+    let mut film = renderer.film();
+    renderer.add_samples(&mut film, samples);
+    assert_eq!(film.discarded(), 0);
+    film.picture()
 }
 
 /// Of all pixels and channels.

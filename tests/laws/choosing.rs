@@ -116,11 +116,7 @@ fn chances_sum_to_one_and_rows_hold_those_of_their_own_light() {
 }
 
 fn render(scene: &Scene, settings: Settings, samples: u32) -> Picture {
-    let renderer = Renderer::new(scene, settings);
-    let mut film = renderer.film();
-    renderer.add_samples(&mut film, samples);
-    assert_eq!(film.discarded(), 0);
-    film.picture()
+    crate::common::render(scene, settings, samples)
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! The law of ray and sphere: rays from inside and from the surface, tangents, limits and inactive lanes, and
 //! directions that are none. How often methods fail, from far away and elsewhere, is the matter of
-//! `tests/stability.rs`.
+//! `tests/pictures/stability.rs`.
 
 use crate::common::{Dice, packet, ray};
 use glam::{DVec3, Vec3};

@@ -1,8 +1,8 @@
 //! The law of the elementary functions: their documented errors and special values are true.
 //!
 //! Errors are measured against `f64` on every 97th float of the domain and on even steps, at width 1 (width 8
-//! has the same bits: `lane_parity`); what is ignored, on every eleventh. The bounds hold with FMA and without:
-//! see `lane_parity` for the command.
+//! has the same bits: `lane_parity`); what is ignored, on every eleventh. The bounds hold with FMA and
+//! without: see `lane_parity` for the command.
 
 use octray::lane::functions::{atan2, cos, exp, ln, powf, sin, sin_cos, sin_cos_turns};
 use std::f32::consts::{FRAC_PI_2, FRAC_PI_4, PI};

@@ -225,11 +225,7 @@ fn aims_are_the_same_at_every_width() {
 
 fn render(scene: &Scene, lights: LightChoice, samples: u32, seed: u32) -> Picture {
     let methods = Methods { lights, ..Methods::default() };
-    let renderer = Renderer::new(scene, Settings { methods, seed, ..Settings::of(scene) });
-    let mut film = renderer.film();
-    renderer.add_samples(&mut film, samples);
-    assert_eq!(film.discarded(), 0);
-    film.picture()
+    crate::common::render(scene, Settings { methods, seed, ..Settings::of(scene) }, samples)
 }
 
 #[test]

@@ -27,10 +27,7 @@ fn render(scene: &Scene, settings: Settings, target: Target, chunk: u32) -> Film
 }
 
 fn plain(scene: &Scene, settings: Settings, samples: u32) -> Picture {
-    let renderer = Renderer::new(scene, settings);
-    let mut film = renderer.film();
-    renderer.add_samples(&mut film, samples);
-    film.picture()
+    crate::common::render(scene, settings, samples)
 }
 
 fn bits(film: &Film) -> Vec<[u32; 3]> {

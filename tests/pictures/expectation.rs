@@ -103,12 +103,8 @@ fn means(picture: &Picture) -> Vec<f64> {
 fn runs(scene: &Scene, methods: Methods, samples: u32, first_seed: u32) -> Vec<[f64; 2]> {
     let of_runs: Vec<Vec<f64>> = (0..RUNS)
         .map(|run| {
-            let renderer =
-                Renderer::new(scene, Settings { methods, seed: first_seed + run, ..Settings::of(scene) });
-            let mut film = renderer.film();
-            renderer.add_samples(&mut film, samples);
-            assert_eq!(film.discarded(), 0);
-            means(&film.picture())
+            let settings = Settings { methods, seed: first_seed + run, ..Settings::of(scene) };
+            means(&crate::common::render(scene, settings, samples))
         })
         .collect();
     let n = f64::from(RUNS);

@@ -30,11 +30,7 @@ fn room(kind: MaterialKind) -> Scene {
 }
 
 fn render(scene: &Scene, max_bounces: u32, samples: u32, lanes: usize) -> Picture {
-    let renderer = Renderer::new(scene, Settings { max_bounces, lanes, seed: 9, ..Settings::of(scene) });
-    let mut film = renderer.film();
-    renderer.add_samples(&mut film, samples);
-    assert_eq!(film.discarded(), 0);
-    film.picture()
+    crate::common::render(scene, Settings { max_bounces, lanes, seed: 9, ..Settings::of(scene) }, samples)
 }
 
 fn channels(picture: &Picture) -> impl Iterator<Item = f32> {

@@ -111,11 +111,7 @@ fn with(kind: MaterialKind, extra: Extra) -> Scene {
 }
 
 fn render(scene: &Scene, settings: Settings) -> Picture {
-    let renderer = Renderer::new(scene, settings);
-    let mut film = renderer.film();
-    renderer.add_samples(&mut film, 2);
-    assert_eq!(film.discarded(), 0);
-    film.picture()
+    crate::common::render(scene, settings, 2)
 }
 
 #[test]

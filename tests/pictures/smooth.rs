@@ -25,11 +25,7 @@ fn furnace(kind: MaterialKind) -> Scene {
 
 fn picture(scene: &Scene, max_bounces: u32) -> Vec<[f32; 3]> {
     let settings = Settings { resolution: [60, 40], max_bounces, seed: 4, ..Settings::of(scene) };
-    let renderer = Renderer::new(scene, settings);
-    let mut film = renderer.film();
-    renderer.add_samples(&mut film, 64);
-    assert_eq!(film.discarded(), 0);
-    film.picture().pixels
+    crate::common::render(scene, settings, 64).pixels
 }
 
 /// Mean of the pixels that the ball covers.

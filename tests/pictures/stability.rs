@@ -13,20 +13,20 @@ const NOTHING_FAILS: [&str; 3] = ["spheres-inside", "triangles-far", "boxes-besi
 
 #[test]
 fn default_methods_keep_their_bounds_in_every_recipe_and_others_do_not() {
-    check_recipes(Effort(0.01));
+    // Sums of 10⁸ numbers take seconds, however small the share; `stability_shading` holds the film to a
+    // million.
+    check_recipes(Effort(0.01), &["sums-long"]);
 }
 
 #[test]
 #[ignore = "minutes: run by .ci/run"]
 fn default_methods_keep_their_bounds_in_every_recipe_with_more_cases() {
-    check_recipes(Effort(0.05));
+    check_recipes(Effort(0.05), &[]);
 }
 
-fn check_recipes(effort: Effort) {
-    for recipe in recipes() {
-        let start = std::time::Instant::now();
+fn check_recipes(effort: Effort, without: &[&str]) {
+    for recipe in recipes().filter(|recipe| !without.contains(&recipe.name)) {
         let outcome = recipe.run(effort);
-        println!("{}: {:.1?}", recipe.name, start.elapsed());
         let faults: Vec<&Point> = outcome.faults().collect();
         assert!(faults.is_empty(), "{}: {faults:?}", recipe.name);
         assert_eq!(others_fail(&outcome), !NOTHING_FAILS.contains(&recipe.name), "{}", recipe.name);

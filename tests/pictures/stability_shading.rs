@@ -68,7 +68,7 @@ fn normals_for_shading_let_rays_through_unless_both_normals_are_asked() {
     fails_and_holds("scattering-mirror", 1.0, ["unbent", "bent"], 0.1);
     fails_and_holds("scattering-mirror", 40.0, ["unbent", "bent"], 0.3);
     // What that costs: (1 − cos 20°) / 2 = 3 % lies below, and the terminator takes 8 more. (3.9 % on the
-    // ball of 80 triangles, whose normals are that far off only at corners: `tests/smooth.rs`.)
+    // ball of 80 triangles, whose normals are that far off only at corners: `tests/pictures/smooth.rs`.)
     let [absorbed, shadowed] =
         ["absorbed", "absorbed-and-shadowed"].map(|method| at("scattering-matt", method, 20.0));
     assert!((absorbed.p50.unwrap() - 0.03).abs() < 0.005, "{absorbed:?}");

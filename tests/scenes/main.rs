@@ -6,6 +6,7 @@ mod openexr;
 
 mod errors;
 mod files;
+mod folder;
 mod obj;
 mod output;
 mod thesis;

@@ -1,27 +1,15 @@
 //! OBJ and MTL: what they mean as scenes and as meshes in scenes, and the way back to a scene file.
 
+use crate::folder::{save_picture, write};
 use glam::{Vec2, Vec3};
 use octray::scene::{MaterialKind, Scene, Sky, Texels, load, native_from_obj, native_from_obj_in};
 use std::fs;
 use std::path::Path;
 use tempfile::TempDir;
 
-fn write(folder: &TempDir, name: &str, text: impl AsRef<[u8]>) -> String {
-    let path = folder.path().join(name);
-    fs::create_dir_all(path.parent().unwrap()).unwrap();
-    fs::write(&path, text).unwrap();
-    path.to_str().unwrap().to_string()
-}
-
-fn save_picture(folder: &TempDir, name: &str) {
-    let path = folder.path().join(name);
-    fs::create_dir_all(path.parent().unwrap()).unwrap();
-    image::RgbImage::from_pixel(2, 2, image::Rgb([255, 255, 255])).save(path).unwrap();
-}
-
 fn load_obj(text: impl AsRef<[u8]>) -> Scene {
     let folder = TempDir::new().unwrap();
-    load(&write(&folder, "m.obj", text)).unwrap_or_else(|error| panic!("{error}"))
+    load(&write(folder.path(), "m.obj", text)).unwrap_or_else(|error| panic!("{error}"))
 }
 
 const ONE: &str = "v 0 0 0\nv 2 0 0\nv 0 2 0\nf 1 2 3\n";
@@ -83,15 +71,15 @@ fn normals_of_flat_triangles_are_left_out_on_either_side() {
 #[test]
 fn groups_and_materials_of_the_mtl_reach_their_triangles() {
     let folder = TempDir::new().unwrap();
-    save_picture(&folder, "mtl/wall.png");
+    save_picture(folder.path(), "mtl/wall.png");
     write(
-        &folder,
+        folder.path(),
         "mtl/room.mtl",
         "newmtl wall\nKd 0.5 0.25 1\nmap_Kd -s 1 1 1 wall.png\nKs 1 1 1\nillum 2\n\nnewmtl lamp\nKd 0 0 0\n\
          Ke 4 3 2\nnewmtl mirror\nKd 0 0 0\nKs 0.9 0.8 0.7\nillum 3\nnewmtl bright\nKd 2 1 0.5\n",
     );
     let path = write(
-        &folder,
+        folder.path(),
         "m.obj",
         "mtllib mtl/room.mtl\nv 0 0 0\nv 2 0 0\nv 0 2 0\nvt 0 0\nvt 1 0\nvt 0 1\no first\nf 1 2 3\nusemtl wall\n\
          f 1/1 2/2 3/3\nf 1 2 3\ng second\nusemtl lamp\nf 1/1 2/2 3/3\nusemtl mirror\nf 1 2 3\nusemtl bright\nf 1 2 3\n\
@@ -119,8 +107,8 @@ fn groups_and_materials_of_the_mtl_reach_their_triangles() {
 /// cut off.
 fn with_material(statements: &str) -> (MaterialKind, Vec3, Vec<String>) {
     let folder = TempDir::new().unwrap();
-    let mtl = write(&folder, "m.mtl", format!("newmtl a\n{statements}"));
-    let scene = load(&write(&folder, "m.obj", format!("mtllib m.mtl\nusemtl a\n{ONE}"))).unwrap();
+    let mtl = write(folder.path(), "m.mtl", format!("newmtl a\n{statements}"));
+    let scene = load(&write(folder.path(), "m.obj", format!("mtllib m.mtl\nusemtl a\n{ONE}"))).unwrap();
     let material = &scene.materials[scene.triangles[0].material as usize];
     assert!(material.texture.is_none());
     let cut =
@@ -184,8 +172,8 @@ fn what_clearly_means_metal_or_plastic_is_that() {
 fn maps_of_the_mtl_are_read_as_numbers() {
     let folder = TempDir::new().unwrap();
     image::RgbImage::from_pixel(2, 1, image::Rgb([51, 128, 255])).save(folder.path().join("n.png")).unwrap();
-    write(&folder, "m.mtl", "newmtl a\nmap_Kd n.png\nmap_Pr n.png\nnorm -bm 1 n.png\n");
-    let scene = load(&write(&folder, "m.obj", format!("mtllib m.mtl\nusemtl a\n{ONE}"))).unwrap();
+    write(folder.path(), "m.mtl", "newmtl a\nmap_Kd n.png\nmap_Pr n.png\nnorm -bm 1 n.png\n");
+    let scene = load(&write(folder.path(), "m.obj", format!("mtllib m.mtl\nusemtl a\n{ONE}"))).unwrap();
     let material = &scene.materials[scene.triangles[0].material as usize];
     assert_eq!(material.kind, MaterialKind::Plastic { roughness: 1.0, ior: 1.5 });
     // One file, two meanings.
@@ -225,8 +213,8 @@ fn missing_mtl_and_missing_picture_are_warnings() {
     let scene = load_obj(format!("mtllib gone.mtl\n{ONE}"));
     assert!(scene.warnings[0].contains("gone.mtl"), "{:?}", scene.warnings);
     let folder = TempDir::new().unwrap();
-    write(&folder, "m.mtl", "newmtl a\nmap_Kd gone.png\n");
-    let scene = load(&write(&folder, "m.obj", format!("mtllib m.mtl\nusemtl a\n{ONE}"))).unwrap();
+    write(folder.path(), "m.mtl", "newmtl a\nmap_Kd gone.png\n");
+    let scene = load(&write(folder.path(), "m.obj", format!("mtllib m.mtl\nusemtl a\n{ONE}"))).unwrap();
     assert!(scene.warnings[0].contains("gone.png") && scene.textures.is_empty(), "{:?}", scene.warnings);
 }
 
@@ -276,7 +264,7 @@ fn faults_in_obj_and_mtl_name_file_line_and_remedy() {
     ];
     for (text, what, at, mend) in cases {
         let folder = TempDir::new().unwrap();
-        let path = write(&folder, "m.obj", text);
+        let path = write(folder.path(), "m.obj", text);
         let error = load(&path).expect_err(text);
         assert!(error.what.contains(what), "{text:?}: {error}");
         assert_eq!(error.at.clone().unwrap_or_default(), at, "{text:?}: {error}");
@@ -284,8 +272,8 @@ fn faults_in_obj_and_mtl_name_file_line_and_remedy() {
         assert_eq!(error.file.as_deref(), Some(Path::new(&path)));
     }
     let folder = TempDir::new().unwrap();
-    let mtl = write(&folder, "m.mtl", "newmtl a\nKd 1 1\n");
-    let error = load(&write(&folder, "m.obj", format!("mtllib m.mtl\n{ONE}"))).unwrap_err();
+    let mtl = write(folder.path(), "m.mtl", "newmtl a\nKd 1 1\n");
+    let error = load(&write(folder.path(), "m.obj", format!("mtllib m.mtl\n{ONE}"))).unwrap_err();
     assert_eq!((error.file.as_deref(), error.at.as_deref()), (Some(Path::new(&mtl)), Some("line 2")));
     assert!(error.what.contains("needs 3 numbers"), "{error}");
 }
@@ -297,13 +285,13 @@ fn load_mesh(folder: &TempDir, mesh: &str) -> Scene {
         r#"{{ "format": "octray-1", "materials": {{ "red": {{ "type": "diffuse", "color": [1,0,0] }} }},
             "meshes": [ {mesh} ] }}"#
     );
-    load(&write(folder, "scene.json", text)).unwrap_or_else(|error| panic!("{error}"))
+    load(&write(folder.path(), "scene.json", text)).unwrap_or_else(|error| panic!("{error}"))
 }
 
 #[test]
 fn mesh_is_scaled_then_turned_about_x_y_z_then_moved() {
     let folder = TempDir::new().unwrap();
-    write(&folder, "one.obj", "v 1 0 0\nv 0 1 0\nv 0 0 1\nvn 0 1 0\nf 1//1 2//1 3//1\n");
+    write(folder.path(), "one.obj", "v 1 0 0\nv 0 1 0\nv 0 0 1\nvn 0 1 0\nf 1//1 2//1 3//1\n");
     let of = |keys: &str| load_mesh(&folder, &format!("{{ \"obj\": \"one.obj\", {keys} }}"));
     let vertices = |keys: &str| of(keys).triangles[0].vertices;
     // About x by 90 degrees: y goes to z, z to -y. About y: z to x, x to -z. About z: x to y, y to -x.
@@ -322,8 +310,8 @@ fn mesh_is_scaled_then_turned_about_x_y_z_then_moved() {
 #[test]
 fn mesh_material_overrides_the_models_own() {
     let folder = TempDir::new().unwrap();
-    write(&folder, "m.mtl", "newmtl blue\nKd 0 0 1\n");
-    write(&folder, "one.obj", format!("mtllib m.mtl\nusemtl blue\n{ONE}"));
+    write(folder.path(), "m.mtl", "newmtl blue\nKd 0 0 1\n");
+    write(folder.path(), "one.obj", format!("mtllib m.mtl\nusemtl blue\n{ONE}"));
     let color = |mesh: &str| {
         let scene = load_mesh(&folder, mesh);
         scene.materials[scene.triangles[0].material as usize].color
@@ -335,8 +323,9 @@ fn mesh_material_overrides_the_models_own() {
 #[test]
 fn faults_inside_a_mesh_name_the_mesh_file() {
     let folder = TempDir::new().unwrap();
-    let mesh = write(&folder, "bad.obj", "v 0 0 0\nv 1 0 x\n");
-    let path = write(&folder, "s.json", r#"{ "format": "octray-1", "meshes": [ { "obj": "bad.obj" } ] }"#);
+    let mesh = write(folder.path(), "bad.obj", "v 0 0 0\nv 1 0 x\n");
+    let path =
+        write(folder.path(), "s.json", r#"{ "format": "octray-1", "meshes": [ { "obj": "bad.obj" } ] }"#);
     let error = load(&path).unwrap_err();
     assert_eq!((error.file.as_deref(), error.at.as_deref()), (Some(Path::new(&mesh)), Some("line 2")));
 }
@@ -356,11 +345,11 @@ fn assert_same_scene(a: &Scene, b: &Scene) {
 #[test]
 fn converted_model_loads_as_the_same_scene() {
     let folder = TempDir::new().unwrap();
-    save_picture(&folder, "models/p.png");
+    save_picture(folder.path(), "models/p.png");
     let awkward =
         "v 0.1 1e-30 -3.4028e10\nv 16.32150076329708 28.073750436306 -24.97914992272854\nv 1e17 0.3 7e-9\n";
     write(
-        &folder,
+        folder.path(),
         "models/m.mtl",
         "newmtl a \"quoted\"\nKd 0.1 0.7 0.3\nmap_Kd p.png\nnewmtl lamp\nKe 0.1 100 3e9\nnewmtl mirror\nillum 3\n",
     );
@@ -368,17 +357,17 @@ fn converted_model_loads_as_the_same_scene() {
         "mtllib m.mtl\n{awkward}vt 0.1 0.9\nvt 1e-7 3\nvt -0.3 0.2\nusemtl a \"quoted\"\nf 1/1 2/2 3/3\nf 3 2 1\n\
          usemtl lamp\nf 1 2 3\nusemtl mirror\nf 1 3 2\nusemtl unknown\nf 1 2 3\n"
     );
-    let model = write(&folder, "models/m.obj", text);
+    let model = write(folder.path(), "models/m.obj", text);
     let direct = load(&model).unwrap();
 
-    let beside = write(&folder, "models/scene.json", native_from_obj(Path::new(&model)).unwrap());
+    let beside = write(folder.path(), "models/scene.json", native_from_obj(Path::new(&model)).unwrap());
     let converted = load(&beside).unwrap();
     assert_same_scene(&direct, &converted);
     assert_eq!(converted.textures[0].name, "p.png");
 
     let elsewhere = folder.path().join("scenes/deep");
     let (text, _) = native_from_obj_in(Path::new(&model), &elsewhere).unwrap();
-    let converted = load(&write(&folder, "scenes/deep/scene.json", text)).unwrap();
+    let converted = load(&write(folder.path(), "scenes/deep/scene.json", text)).unwrap();
     assert_same_scene(&direct, &converted);
     assert_eq!(converted.textures[0].name, "../../models/p.png");
 }
@@ -386,7 +375,7 @@ fn converted_model_loads_as_the_same_scene() {
 #[test]
 fn conversion_of_a_broken_model_is_refused() {
     let folder = TempDir::new().unwrap();
-    let error = native_from_obj(Path::new(&write(&folder, "m.obj", "v 0 0 0\nf 1 2 3\n"))).unwrap_err();
+    let error = native_from_obj(Path::new(&write(folder.path(), "m.obj", "v 0 0 0\nf 1 2 3\n"))).unwrap_err();
     assert_eq!(error.at.as_deref(), Some("line 2"));
     assert!(native_from_obj(&folder.path().join("gone.obj")).unwrap_err().what.contains("no such file"));
 }

@@ -1,17 +1,11 @@
 //! The thesis's own scene format: its values in our axes and our units.
 
+use crate::folder::write;
 use glam::{Vec2, Vec3};
 use octray::scene::{Filter, MaterialKind, Scene, Side, Sky, load};
 use std::fs;
 use std::path::Path;
 use tempfile::TempDir;
-
-fn write(folder: &Path, name: &str, text: &str) -> String {
-    let path = folder.join(name);
-    fs::create_dir_all(path.parent().unwrap()).unwrap();
-    fs::write(&path, text).unwrap();
-    path.to_str().unwrap().to_string()
-}
 
 fn load_text(text: &str) -> Scene {
     let folder = TempDir::new().unwrap();

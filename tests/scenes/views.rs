@@ -1,6 +1,7 @@
 //! Views: files that name another scene and say how it is looked at; and the files that any scene was read
 //! from.
 
+use crate::folder::{save_picture, write};
 use glam::Vec3;
 use octray::buffers::LightChoice;
 use octray::render::PipelineChoice;
@@ -13,19 +14,6 @@ use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 
 /// Writes a file, and the folders it lies in; gives its path.
-fn write(folder: &Path, name: &str, text: &str) -> String {
-    let path = folder.join(name);
-    fs::create_dir_all(path.parent().unwrap()).unwrap();
-    fs::write(&path, text).unwrap();
-    path.to_str().unwrap().to_string()
-}
-
-fn save_picture(folder: &Path, name: &str) {
-    let path = folder.join(name);
-    fs::create_dir_all(path.parent().unwrap()).unwrap();
-    image::RgbImage::from_pixel(2, 2, image::Rgb([200, 100, 50])).save(path).unwrap();
-}
-
 /// A scene of every format, and two of the program's own; their names as a view in the same folder says them.
 fn scenes(folder: &Path) -> [&'static str; 5] {
     write(

@@ -1,6 +1,6 @@
 //! The law of ray and triangle: away from edges every method agrees with f64; limits and inactive lanes,
-//! directions that are none, rays in the plane. Where methods leak is the matter of `tests/pictures/stability.rs`,
-//! traversals are held to it by `tests/laws/watertight.rs`.
+//! directions that are none, rays in the plane. Where methods leak is the matter of
+//! `tests/pictures/stability.rs`, traversals are held to it by `tests/laws/watertight.rs`.
 
 use crate::common::{Dice, packet, ray};
 use glam::{DVec3, Vec3, Vec3Swizzles};

@@ -2,8 +2,8 @@
 //! nothing in common between pixels, pairs and seeds; errors of integrals as small as a true Owen scrambling
 //! makes them.
 //!
-//! Seeds are fixed; tolerances are standard errors, as in `tests/laws/sampling_laws.rs`. Bits at width 1 and 8 are
-//! compared by `tests/laws/lane_parity.rs`.
+//! Seeds are fixed; tolerances are standard errors, as in `tests/laws/sampling_laws.rs`. Bits at width 1 and
+//! 8 are compared by `tests/laws/lane_parity.rs`.
 
 use crate::common::Dice;
 use crate::common::statistics::{allowed, chi_squared_deviation, correlation, joint};

@@ -278,6 +278,7 @@ fn a_file_that_a_broken_scene_misses_is_waited_for() {
     seat.end();
 }
 
+/// Takes some six seconds: so long is a screenshot spoken of.
 #[test]
 fn an_error_is_said_again_after_a_screenshot() {
     let folder = tempfile::tempdir().unwrap();

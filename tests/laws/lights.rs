@@ -9,7 +9,7 @@ use octray::kernel::light::{LightSample, sample_sphere, sample_triangle, sphere_
 use octray::kernel::surface::latitude_longitude;
 use octray::lane::{F32x8, Lane};
 use octray::math;
-use octray::render::{Renderer, Settings};
+use octray::render::Settings;
 use octray::scene::{Filter, Scene, Sky, Texels, Texture, load};
 use octray::traverse::Methods;
 use std::f64::consts::PI;

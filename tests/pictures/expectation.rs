@@ -8,7 +8,7 @@ use crate::common::{Dice, material, noise, smooth_ball, sphere, triangle};
 use glam::Vec3;
 use octray::buffers::LightChoice;
 use octray::film::Picture;
-use octray::render::{Renderer, Settings};
+use octray::render::Settings;
 use octray::sampling::Sampler;
 use octray::scene::{Filter, Material, MaterialKind, Scene, Sky};
 use octray::traverse::Methods;

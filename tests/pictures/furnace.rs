@@ -11,7 +11,7 @@ use octray::buffers::Features;
 use octray::film::Picture;
 use octray::integrate::pipeline_for;
 use octray::reference::{PathSettings, Reference};
-use octray::render::{Renderer, Settings};
+use octray::render::Settings;
 use octray::scene::{Camera, Filter, Material, MaterialKind, Scene, Sky, Sphere};
 
 /// Two balls over a floor, all of one material: paths go back and forth between them.

@@ -5,7 +5,7 @@ use crate::common::{Dice, empty, material, noise, smooth_ball, sphere, triangle}
 use glam::{Vec2, Vec3};
 use octray::buffers::LightChoice;
 use octray::film::Picture;
-use octray::render::{PipelineChoice, Renderer, Settings};
+use octray::render::{PipelineChoice, Settings};
 use octray::scene::{Camera, Filter, Material, MaterialKind, Scene, Sky};
 use octray::traverse::{BoxChoice, Methods};
 

@@ -5,7 +5,7 @@ use glam::Vec3;
 use octray::buffers::Features;
 use octray::kernel::normals;
 use octray::math;
-use octray::render::{Renderer, Settings};
+use octray::render::Settings;
 use octray::scene::{MaterialKind, Scene, Sky};
 
 const KINDS: [(MaterialKind, f64); 6] = [

@@ -3,7 +3,6 @@
 use crate::folder::{save_picture, write};
 use glam::{Vec2, Vec3};
 use octray::scene::{MaterialKind, Scene, Sky, Texels, load, native_from_obj, native_from_obj_in};
-use std::fs;
 use std::path::Path;
 use tempfile::TempDir;
 

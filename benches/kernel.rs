@@ -8,11 +8,11 @@
 
 use criterion::measurement::WallTime;
 use criterion::{BenchmarkGroup, Criterion, Throughput};
-use octray::kernel::ray_sphere::{self, SphereMethod};
-use octray::kernel::ray_triangle::{self, TriangleMethod};
-use octray::lane::{Bits, F32x8, Lane};
-use octray::measure::kernel_set::{self as set, Found, RAYS, TESTS};
-use octray::sampling::{SampleValues, Sampler};
+use octray_engine::kernel::ray_sphere::{self, SphereMethod};
+use octray_engine::kernel::ray_triangle::{self, TriangleMethod};
+use octray_engine::lane::{Bits, F32x8, Lane};
+use octray_engine::sampling::{SampleValues, Sampler};
+use octray_laboratory::measure::kernel_set::{self as set, Found, RAYS, TESTS};
 use std::hint::black_box;
 use std::time::Duration;
 

@@ -5,14 +5,14 @@
 //! time, bit by bit.
 
 use criterion::{BenchmarkId, Criterion, Throughput};
-use octray::bvh::Trees;
-use octray::math::MISS;
-use octray::measure::ray_sets::{Answers, Kind, Prepared};
-use octray::measure::rays;
-use octray::measure::ways::{Ground, Team, Way};
-use octray::scene;
-use octray::traverse::batch::Traversal;
-use octray::traverse::hierarchy::Hierarchy;
+use octray_engine::bvh::Trees;
+use octray_engine::math::MISS;
+use octray_engine::traverse::batch::Traversal;
+use octray_engine::traverse::hierarchy::Hierarchy;
+use octray_formats::scene;
+use octray_laboratory::measure::ray_sets::{Answers, Kind, Prepared};
+use octray_laboratory::measure::rays;
+use octray_laboratory::measure::ways::{Ground, Team, Way};
 use std::hint::black_box;
 use std::time::Duration;
 

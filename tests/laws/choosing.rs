@@ -57,7 +57,8 @@ fn one_number_chooses_each_of_a_few_lights_by_its_chance_and_a_point_all_over_it
             for (number, Seen { count: drawn, sum, squares }) in seen.into_iter().enumerate() {
                 let what = format!("light {number} of {count}, radiance {:e}", radiances[number]);
                 let chance = f64::from(lights.probabilities[number]);
-                // A border of a slot and one within it may each be off by one number; the least chance is 1/4096 or 4096 numbers.
+                // A border of a slot and one within it may each be off by one number; the least chance is
+                // 1/4096 or 4096 numbers.
                 let off = drawn / f64::from(NUMBERS) / chance - 1.0;
                 assert!(off.abs() < 1e-3, "{what}: drawn {drawn} times, {off:e} off");
                 let (mean, square) = (sum / drawn, squares / drawn);

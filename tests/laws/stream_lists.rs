@@ -4,7 +4,7 @@
 use crate::common::rays::Set;
 use crate::common::{Dice, empty, material, triangle};
 use glam::Vec3;
-use octray::bvh::Quality;
+use octray::bvh::Trees;
 use octray::math::MISS;
 use octray::scene::{MaterialKind, Scene};
 use octray::traverse::batch::Traversal;
@@ -19,7 +19,7 @@ fn lists_grow_when_every_ray_passes_every_box() {
         let corners = [Vec3::new(-90.0, -90.0, z), Vec3::new(90.0, -90.0, z), Vec3::new(0.0, 90.0, z)];
         scene.triangles.push(triangle(corners, 0));
     }
-    let hierarchy = Hierarchy::new(&scene, Quality::default());
+    let hierarchy = Hierarchy::new(&scene, Trees::WideAndBinary);
     for count in [8191, 8185] {
         let mut set = Set::default();
         for _ in 0..count {

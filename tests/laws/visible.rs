@@ -183,7 +183,8 @@ fn views(vertical_fov: f32) -> impl Iterator<Item = Camera> {
     })
 }
 
-/// Pixels are not much larger than the rounding of a direction: what keeps the hits is the frustum's own margin.
+/// Pixels are not much larger than the rounding of a direction: what keeps the hits is the frustum's own
+/// margin.
 #[test]
 fn visible_keeps_what_edge_rays_of_a_narrow_view_hit() {
     for fov in [1e-2, 1e-3, 1e-4] {

@@ -1,11 +1,13 @@
-//! Frames of the built-in scenes, scalar and SIMD, on one thread: one sample per pixel at 240×135, up to 4 bounces.
+//! Frames of the built-in scenes, scalar and SIMD, on one thread: one sample per pixel at 240×135, up to 4
+//! bounces.
 //!
-//! Before a scene is timed, its frame is held against what is known of it: so many primary hits, so many rays, and the
-//! same picture from both widths, bit by bit. An engine that skips work fails here instead of looking fast.
+//! Before a scene is timed, its frame is held against what is known of it: so many primary hits, so many
+//! rays, and the same picture from both widths, bit by bit. An engine that skips work fails here instead of
+//! looking fast.
 
 use criterion::{BatchSize, Criterion, Throughput};
-use octray::render::{Renderer, Settings};
-use octray::scene;
+use octray_engine::render::{Renderer, Settings};
+use octray_formats::scene;
 use std::time::Duration;
 
 /// What sample 0 at seed 0 finds in a scene.
@@ -15,8 +17,8 @@ struct Expected {
     rays: u64,
 }
 
-/// Taken from a run of the release build, and checked in a build without FMA. Mend a line only when a scene or the meaning
-/// of a random number has changed; never for a change that was meant to be one of speed.
+/// Taken from a run of the release build, and checked in a build without FMA. Mend a line only when a scene
+/// or the meaning of a random number has changed; never for a change that was meant to be one of speed.
 const EXPECTED: [Expected; 8] = [
     Expected { scene: "thesis", primary_hits: 32_400, rays: 59_445 },
     Expected { scene: "three", primary_hits: 21_473, rays: 63_752 },

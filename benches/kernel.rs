@@ -1,17 +1,18 @@
-//! The kernels alone: every way to intersect spheres and triangles, at both widths, as the time of one test of one ray
-//! against one primitive; and the numbers of both samplers, as the time of a pair for one path.
+//! The kernels alone: every way to intersect spheres and triangles, at both widths, as the time of one test
+//! of one ray against one primitive; and the numbers of both samplers, as the time of a pair for one path.
 //!
-//! Rays come in packets of neighbours, as cameras and mirrors make them; most tests miss, as they do in scenes. Every
-//! lane's answer is used. Before a method is timed, its hits are counted: the same at both widths, and as many as stated. No ray passes
-//! within 1e-6 of an edge, so that rounding decides nothing: the counts are those of double precision.
+//! Rays come in packets of neighbours, as cameras and mirrors make them; most tests miss, as they do in
+//! scenes. Every lane's answer is used. Before a method is timed, its hits are counted: the same at both
+//! widths, and as many as stated. No ray passes within 1e-6 of an edge, so that rounding decides nothing: the
+//! counts are those of double precision.
 
 use criterion::measurement::WallTime;
 use criterion::{BenchmarkGroup, Criterion, Throughput};
-use octray::kernel::ray_sphere::{self, SphereMethod};
-use octray::kernel::ray_triangle::{self, TriangleMethod};
-use octray::lane::{Bits, F32x8, Lane};
-use octray::measure::kernel_set::{self as set, Found, RAYS, TESTS};
-use octray::sampling::{SampleValues, Sampler};
+use octray_engine::kernel::ray_sphere::{self, SphereMethod};
+use octray_engine::kernel::ray_triangle::{self, TriangleMethod};
+use octray_engine::lane::{Bits, F32x8, Lane};
+use octray_engine::sampling::{SampleValues, Sampler};
+use octray_laboratory::measure::kernel_set::{self as set, Found, RAYS, TESTS};
 use std::hint::black_box;
 use std::time::Duration;
 
@@ -88,7 +89,8 @@ fn measure(
     group.bench_function(format!("{method}/scalar"), |bencher| bencher.iter(&scalar));
 }
 
-/// Times pairs of numbers for paths whose keys are given. Their sum must be that of uniform numbers, at both widths.
+/// Times pairs of numbers for paths whose keys are given. Their sum must be that of uniform numbers, at both
+/// widths.
 ///
 /// # Panics
 /// If it is not.

@@ -1,17 +1,18 @@
 //! The hierarchy alone: building it, and every way through it, as the time of one ray.
 //!
-//! The rays are those of `octray rays` on a knot of 20,000 triangles at 240×135: from the camera, to find shadows, and from bounces.
-//! Before a way is timed, its hits are held against those of one scalar ray at a time, bit by bit.
+//! The rays are those of `octray rays` on a knot of 20,000 triangles at 240×135: from the camera, to find
+//! shadows, and from bounces. Before a way is timed, its hits are held against those of one scalar ray at a
+//! time, bit by bit.
 
 use criterion::{BenchmarkId, Criterion, Throughput};
-use octray::bvh::Trees;
-use octray::math::MISS;
-use octray::measure::ray_sets::{Answers, Kind, Prepared};
-use octray::measure::rays;
-use octray::measure::trace::{PreparedScene, TraceMethod, TracePool};
-use octray::scene;
-use octray::traverse::batch::Traversal;
-use octray::traverse::hierarchy::Hierarchy;
+use octray_engine::bvh::Trees;
+use octray_engine::math::MISS;
+use octray_engine::traverse::batch::Traversal;
+use octray_engine::traverse::hierarchy::Hierarchy;
+use octray_formats::scene;
+use octray_laboratory::measure::ray_sets::{Answers, Kind, Prepared};
+use octray_laboratory::measure::rays;
+use octray_laboratory::measure::trace::{PreparedScene, TraceMethod, TracePool};
 use std::hint::black_box;
 use std::time::Duration;
 

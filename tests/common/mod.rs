@@ -6,6 +6,7 @@ pub mod statistics;
 
 use glam::Vec3;
 use octray::film::Picture;
+use octray::render::{Renderer, Settings};
 use octray::scene::{
     Camera, Filter, Material, MaterialKind, Scene, Side, Sky, Sphere, Texels, Texture, Triangle,
 };
@@ -75,6 +76,15 @@ pub fn floor(foot: Vec3, height: f32) -> Scene {
     }
 }
 
+/// The picture of so many samples, all of them finite.
+pub fn render(scene: &Scene, settings: Settings, samples: u32) -> Picture {
+    let renderer = Renderer::new(scene, settings);
+    let mut film = renderer.film();
+    renderer.add_samples(&mut film, samples);
+    assert_eq!(film.discarded(), 0);
+    film.picture()
+}
+
 /// Of all pixels and channels.
 pub fn mean(picture: &Picture) -> f64 {
     let sum: f64 = picture.pixels.iter().flatten().map(|&x| f64::from(x)).sum();
@@ -94,7 +104,8 @@ pub fn noise(rng: &mut Rng, width: u32, height: u32, filter: Filter) -> Texture 
     Texture { name: "noise".into(), width, height, filter, texels }
 }
 
-/// A ball of 80 triangles of one material with the normals of the sphere, seen under a sky that tells directions.
+/// A ball of 80 triangles of one material with the normals of the sphere, seen under a sky that tells
+/// directions.
 pub fn smooth_ball(kind: MaterialKind) -> Scene {
     let golden = 0.5 * (1.0 + 5.0_f32.sqrt());
     let mut corners = Vec::new();

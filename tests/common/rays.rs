@@ -98,8 +98,8 @@ impl Set {
                 let Self(set, before, answers) = self;
                 for (at, before) in before.into_iter().enumerate() {
                     let Hit { t, primitive, u, v } = closest(&set.rays().packet::<f32>(at));
-                    // Testing everything knows no t_max: there and beyond it nothing was to be found, but what is as far as the hit from
-                    // before and has a lower number.
+                    // Testing everything knows no t_max: there and beyond it nothing was to be found, but
+                    // what is as far as the hit from before and has a lower number.
                     let t_max = set.t_max[at];
                     let known = set.primitive[at];
                     let lower = known != MISS && primitive < known;

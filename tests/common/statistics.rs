@@ -1,11 +1,13 @@
 //! How far numbers are from what chance would make them, in standard errors.
 
-/// Standard errors that the largest of `family` normal deviates exceeds with probability 1e-4: from the tail's bound e^(−z²/2).
+/// Standard errors that the largest of `family` normal deviates exceeds with probability 1e-4: from the
+/// tail's bound e^(−z²/2).
 pub fn allowed(family: usize) -> f64 {
     (2.0 * (2e4 * family as f64).ln()).sqrt()
 }
 
-/// χ² in standard errors from its expectation, by Wilson and Hilferty's cube root, which is normal to within some percent.
+/// χ² in standard errors from its expectation, by Wilson and Hilferty's cube root, which is normal to within
+/// some percent.
 pub fn chi_squared_deviation(counts: &[usize], expected: f64) -> f64 {
     let chi2: f64 = counts.iter().map(|&count| (count as f64 - expected).powi(2) / expected).sum();
     let freedom = (counts.len() - 1) as f64;

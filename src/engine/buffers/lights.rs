@@ -56,7 +56,7 @@ const MIN_CONTRAST: f64 = 2.0;
 /// The least probability of choosing a light, as a share of the average. Random numbers have 24 binary
 /// digits: a light that few or none of them choose is sampled more or less often than its probability, and
 /// only at some of its points. A light beside one 10⁹ times as bright would contribute 59 times its power
-/// (`tests/choosing.rs`). Costs no more than this share of all shadow rays.
+/// (`tests/laws/choosing.rs`). Costs no more than this share of all shadow rays.
 const MIN_SHARE: f64 = 1.0 / 64.0;
 
 impl Lights {

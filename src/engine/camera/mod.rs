@@ -84,7 +84,7 @@ impl Pinhole {
     /// where the direction points in front of the camera; elsewhere the point is unspecified.
     ///
     /// Domain: directions of any length.
-    /// Error: 1e-3 of a pixel in images of up to 4,096 pixels a side (measured, `tests/history.rs`).
+    /// Error: 1e-3 of a pixel in images of up to 4,096 pixels a side (measured, `tests/pictures/history.rs`).
     #[inline(always)]
     pub fn project<L: Lane>(&self, direction: Vec3<L>) -> (L, L, L::Mask) {
         // `right` and `down` are perpendicular to the line of sight; `corner` has a component of 1 along it.

@@ -1,7 +1,7 @@
 //! The space that the primary rays through a part of the image can reach.
 //!
 //! Conservative: sides are moved outwards by `MARGIN` times the distances involved, far more than the error
-//! of a ray or a hit in f32 (`tests/visible.rs`).
+//! of a ray or a hit in f32 (`tests/laws/visible.rs`).
 
 use glam::DVec3;
 

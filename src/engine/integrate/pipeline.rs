@@ -74,7 +74,7 @@ fn shadow_rays<L: Lane, const N: u32>(context: &TraceContext, scratch: &mut Scra
 /// and rounds by up to 9 ε, without FMA: 3 ε of d·n, doubled, go along the normal, 2 ε come from the product
 /// with it, ε from the sum. That is 17 ε or 1.0e-6 an event, always with the same sign between two mirrors.
 /// Eight events stay below 8.2e-6; the robust sphere test asks for 1e-5. Measured: 5e-5 after 1,024 events
-/// without renormalisation, `tests/long_paths.rs`.
+/// without renormalisation, `tests/laws/long_paths.rs`.
 pub const RENORMALIZATION_INTERVAL: u32 = 8;
 
 /// The compiled pipelines: sets of features, smallest first. A scene gets the first one that holds its

@@ -13,7 +13,7 @@
 //!
 //! Both lose energy: on a smooth sphere of 80 triangles, whose vertex normals are up to 21° off, 3.9 % of
 //! what white diffuse scatters, 2.9 to 4.4 % with a coat or as rough metal, nothing as a mirror, 0.2 % as
-//! glass (measured, `tests/smooth.rs`).
+//! glass (measured, `tests/pictures/smooth.rs`).
 
 use crate::lane::Lane;
 use crate::math::Vec3;
@@ -73,7 +73,7 @@ pub fn sphere_tangent<L: Lane>(n: Vec3<L>, inside: L::Mask) -> (Vec3<L>, L) {
 /// The mirror direction keeps a sine above the surface of at least half that of −d, but no more than 0.01.
 ///
 /// Domain: unit vectors; d · ng < 0.
-/// Error: 2e-6 of the sine (measured 0.9e-6, `tests/smooth.rs`), so the mirror direction of the most grazing
+/// Error: 2e-6 of the sine (measured 0.9e-6, `tests/pictures/smooth.rs`), so the mirror direction of the most grazing
 /// rays may point below the surface: the caller tests its side again.
 /// Source: see the head of this file.
 #[inline(always)]

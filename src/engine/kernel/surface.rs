@@ -16,7 +16,7 @@ use crate::math::{EPSILON, Vec3, gamma};
 /// Units: scene units. Error: the point c + r·n is off by at most 2 ε (|c| + r) in each component; testing
 /// the same sphere again computes |o − c|² − r² with a relative error of γ(5), which is a distance of
 /// γ(5)/2 · r, plus the rounding of o − c of ε (|c| + r). The sum, projected on the normal (√3 for three
-/// components), is below 8 ε (|c| + r): measured, half of it suffices, `tests/leaving.rs`.
+/// components), is below 8 ε (|c| + r): measured, half of it suffices, `tests/laws/leaving.rs`.
 pub fn sphere_offset(center: glam::Vec3, radius: f32) -> f32 {
     gamma(8) * (center.abs().max_element() + radius)
 }
@@ -30,7 +30,7 @@ pub fn sphere_offset(center: glam::Vec3, radius: f32) -> f32 {
 /// on a sliver the interpolated point slides along the triangle, and off a ray that meets it aslant. From
 /// within the triangle |a'||b'||c'| is at most a fifth of the longest edge cubed, so one ε of longest³ / 2A
 /// covers it; for well-shaped triangles that adds little. Measured: half of the sum suffices,
-/// `tests/leaving.rs`.
+/// `tests/laws/leaving.rs`.
 pub fn triangle_offset(vertices: [glam::Vec3; 3]) -> f32 {
     let largest = vertices.iter().map(|v| v.abs().max_element()).fold(0.0, f32::max);
     // In f64, because slivers lose their area in f32.
@@ -94,7 +94,7 @@ pub fn sphere_normal<L: Lane>(point: Vec3<L>, center: Vec3<L>) -> Vec3<L> {
 ///
 /// Domain: y may exceed 1 by rounding: v comes from the arctangent, which stays defined and accurate at the
 /// poles.
-/// Error: ≤ 3e-7 (measured, `tests/kernel_texture.rs`).
+/// Error: ≤ 3e-7 (measured, `tests/laws/kernel_texture.rs`).
 #[inline(always)]
 pub fn latitude_longitude<L: Lane>(n: Vec3<L>) -> (L, L) {
     let around = n.x.mul_add(n.x, n.z * n.z).sqrt();

@@ -87,7 +87,7 @@ pub fn unorm_to_unit<L: Lane>(texel: L::Bits) -> Vec3<L> {
 /// Decodes an 8-bit sRGB texel, red in the lowest byte, to linear light. It is a polynomial because a table
 /// would be read 24 times per packet.
 ///
-/// Error: relative ≤ 1.3e-5, measured over all 256 values, `tests/kernel_texture.rs`.
+/// Error: relative ≤ 1.3e-5, measured over all 256 values, `tests/laws/kernel_texture.rs`.
 /// Source: IEC 61966-2-1; coefficients by Lawson's algorithm, minimax in relative error over 11 to 255.
 #[inline(always)]
 pub fn srgb_to_linear<L: Lane>(texel: L::Bits) -> Vec3<L> {

@@ -12,7 +12,7 @@
 //! It is reciprocal. With a smooth coat and a = 1 it returns all light, F(o) + T(o) = 1. A grazing ray meets
 //! the facets of a rough coat less obliquely than the plane of the coat, so T is that of the cosine c + (1 −
 //! c) κ α^1.5 with κ = `GRAZING_FIT`: the largest κ that creates no light, by quadrature (0.07 % at most, for
-//! indices from 1 to 3). `tests/lobes.rs` measures and states what a rough coat loses.
+//! indices from 1 to 3). `tests/laws/lobes.rs` measures and states what a rough coat loses.
 //!
 //! Source: Wolff, Nayar, Oren, "Improved Diffuse Reflection Models for Computer Vision", IJCV 1998; Jakob,
 //! Mitsuba, `plastic`; 1 − F′ = T̄ / η²: Egan, Hilgeman, Optical Properties of Inhomogeneous Materials, 1979.

@@ -41,7 +41,7 @@ const EIGHT_ROUNDINGS: f32 = 1.0 / 2_097_152.0;
 /// - A direction of length 1 + e multiplies b and t: what remains is e h (B − h) / (B + h) < e r, and |e| ≤
 ///   10⁻⁵ < 2⁻¹⁶.
 ///
-/// Measured: 5.2 ε D at most, with FMA and without (`tests/kernel_sphere_box.rs`, which fails if this were
+/// Measured: 5.2 ε D at most, with FMA and without (`tests/laws/kernel_sphere_box.rs`, which fails if this were
 /// eight times less).
 const OF_ORIGIN: f32 = 4.0;
 

@@ -23,7 +23,7 @@ impl<L: Lane> Slabs<L> {
     ///
     /// Units: the padding is in units of t.
     /// Error: no hit is lost, at corners, in the planes of faces and in nearly axis-parallel directions
-    /// (`tests/hierarchy_laws.rs`).
+    /// (`tests/laws/hierarchy_laws.rs`).
     #[inline(always)]
     pub fn new(ray: &Ray<L>, padding: Padding) -> Self {
         let d = ray.direction;
@@ -71,7 +71,7 @@ impl<L: Lane> Slabs<L> {
 /// [`Slabs`] as a [`BoxMethod`].
 ///
 /// Error: no false miss; a ray that misses a box by less than two paddings may pass it
-/// (`tests/kernel_box.rs`).
+/// (`tests/laws/kernel_box.rs`).
 /// Source: see [`super`].
 pub struct Padded;
 

@@ -15,7 +15,7 @@ pub struct Edges {
 /// Möller and Trumbore's test: solves for t and the barycentrics by Cramer's rule.
 ///
 /// Error: loses about 10 % of the rays aimed at edges shared by two triangles and 8 % of those aimed at
-/// vertices; with FMA 16 % and 22 % (`tests/stability.rs`).
+/// vertices; with FMA 16 % and 22 % (`tests/pictures/stability.rs`).
 /// Source: Möller, Trumbore, "Fast, Minimum Storage Ray/Triangle Intersection", JGT 2(1), 1997 (non-culling
 /// branch, without an epsilon on the determinant, which would make small triangles vanish).
 pub struct MollerTrumbore;

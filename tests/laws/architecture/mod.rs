@@ -1,0 +1,325 @@
+//! The law of the layout: each module imports only what stands before it in the list of the design, so that
+//! the direction never turns, and no two files import each other, not even by a longer way.
+//!
+//! The order of the packages is kept by Cargo; that of the modules inside each is [`ORDER`]. The sources are
+//! read as text, comments and strings removed; a module that is not in the list fails the test, so that every
+//! new one is given its place.
+
+mod circles;
+mod sources;
+
+use sources::{PACKAGES, Source, checkout, files_below, read, sources};
+use std::collections::BTreeSet;
+
+/// By package: top-level modules in the order in which they may be imported, each from those before it.
+const ORDER: [&[&str]; PACKAGES.len()] = [
+    &[
+        "lane",
+        "math",
+        "sampling",
+        "kernel",
+        "scene",
+        "buffers",
+        "light_sampling",
+        "bvh",
+        "camera",
+        "traverse",
+        "integrate",
+        "threads",
+        "film",
+        "adaptive",
+        "render",
+        "tone",
+        "display",
+    ],
+    &["wording", "openexr", "scene", "output"],
+    &["reference", "measure"],
+    &["machine", "report", "viewer", "cli"],
+];
+
+/// What a module must not import although it stands before it, and why.
+const FORBIDDEN: &[(&str, &[&str], &str)] = &[
+    (
+        "reference",
+        &["lane", "math", "kernel", "buffers", "bvh", "camera", "traverse", "integrate"],
+        "the judge is independent",
+    ),
+    ("kernel", &["scene"], "equations know lanes and nothing else"),
+    ("scene", &["lane", "kernel", "sampling"], "a scene is what the user wrote, checked"),
+];
+
+/// Folders whose comments are narrow.
+const NARROW: [&str; 2] = ["tests", "benches"];
+
+/// Circles that are still to be opened: files that may import each other.
+const KNOWN: &[&[&str]] = &[
+    &[
+        "src/cli/args.rs",
+        "src/cli/asked.rs",
+        "src/cli/limits.rs",
+        "src/cli/methods.rs",
+        "src/cli/options.rs",
+        "src/cli/picture.rs",
+        "src/cli/scenes.rs",
+        "src/cli/view.rs",
+    ],
+    &[
+        "src/cli/bench.rs",
+        "src/cli/chart.rs",
+        "src/cli/compare.rs",
+        "src/cli/inspect.rs",
+        "src/cli/interrupt.rs",
+        "src/cli/mod.rs",
+        "src/cli/rays.rs",
+        "src/cli/render.rs",
+        "src/cli/stability.rs",
+        "src/cli/trace.rs",
+    ],
+    &["src/cli/error.rs", "src/cli/machine_check.rs", "src/cli/terminal.rs"],
+    &[
+        "src/formats/scene/builtin.rs",
+        "src/formats/scene/draft.rs",
+        "src/formats/scene/files.rs",
+        "src/formats/scene/image.rs",
+        "src/formats/scene/procedural.rs",
+    ],
+    &[
+        "src/formats/scene/load.rs",
+        "src/formats/scene/mtl.rs",
+        "src/formats/scene/obj.rs",
+        "src/formats/scene/thesis.rs",
+        "src/formats/scene/validate.rs",
+        "src/formats/scene/view.rs",
+    ],
+    &[
+        "src/laboratory/measure/ray_sets.rs",
+        "src/laboratory/measure/rays.rs",
+        "src/laboratory/measure/stats.rs",
+        "src/laboratory/measure/ways.rs",
+    ],
+    &[
+        "src/laboratory/measure/stability/boxes.rs",
+        "src/laboratory/measure/stability/cameras.rs",
+        "src/laboratory/measure/stability/lamps.rs",
+        "src/laboratory/measure/stability/leaving.rs",
+        "src/laboratory/measure/stability/meshes.rs",
+        "src/laboratory/measure/stability/mirrors.rs",
+        "src/laboratory/measure/stability/mod.rs",
+        "src/laboratory/measure/stability/numbers.rs",
+        "src/laboratory/measure/stability/scattering.rs",
+        "src/laboratory/measure/stability/scenes.rs",
+        "src/laboratory/measure/stability/shells.rs",
+        "src/laboratory/measure/stability/spheres.rs",
+        "src/laboratory/measure/stability/textures.rs",
+        "src/laboratory/measure/stability/triangles.rs",
+    ],
+    &[
+        "src/laboratory/reference/geometry.rs",
+        "src/laboratory/reference/mod.rs",
+        "src/laboratory/reference/path.rs",
+        "src/laboratory/reference/texture.rs",
+    ],
+    &["src/viewer/engine.rs", "src/viewer/mod.rs"],
+    &["src/viewer/figures.rs", "src/viewer/painter.rs"],
+];
+
+/// Longest source file in lines.
+const MAX_LINES: usize = 700;
+/// Longest line in characters, comments included: `max_width` of `rustfmt.toml`, which does not see to
+/// comments.
+const MAX_WIDTH: usize = 110;
+
+fn identifier(text: &str) -> &str {
+    let end = text.find(|c: char| !(c.is_alphanumeric() || c == '_')).unwrap_or(text.len());
+    &text[..end]
+}
+
+/// The first names of a path or of a group `{a::…, b}`.
+fn first_names(path: &str) -> Vec<&str> {
+    let Some(group) = path.strip_prefix('{') else { return vec![identifier(path)] };
+    let (mut names, mut level, mut fresh) = (Vec::new(), 1, true);
+    for (at, c) in group.char_indices() {
+        match c {
+            '{' => level += 1,
+            '}' => level -= 1,
+            ',' if level == 1 => fresh = true,
+            _ if fresh && !c.is_whitespace() => {
+                names.push(identifier(&group[at..]));
+                fresh = false;
+            }
+            _ => {}
+        }
+        if level == 0 {
+            break;
+        }
+    }
+    names
+}
+
+/// The top-level names that a source mentions: of its own package, and of packages before it.
+fn imports(source: &Source) -> BTreeSet<&str> {
+    let mut prefixes = vec!["crate::".to_owned()];
+    if !source.is_root() {
+        prefixes.push("super::".repeat(source.module.len()));
+    }
+    prefixes.extend(PACKAGES[..source.package].iter().map(|(name, _)| format!("octray_{name}::")));
+    if source.path.ends_with("main.rs") {
+        prefixes = vec!["octray::".to_owned()];
+    }
+    let mut names = BTreeSet::new();
+    for prefix in prefixes {
+        for (at, _) in source.code.match_indices(&prefix) {
+            let before = source.code[..at].chars().next_back();
+            if before.is_some_and(|c| c.is_alphanumeric() || c == '_' || c == ':') {
+                continue;
+            }
+            let path = &source.code[at + prefix.len()..];
+            // `super::super::…` and `super::*` of an inline module lead elsewhere.
+            names.extend(first_names(path).into_iter().filter(|name| !name.is_empty() && *name != "super"));
+        }
+    }
+    names
+}
+
+/// Where a module stands that a source of this package names: in its own package or in one before it.
+fn place(package: usize, module: &str) -> Option<(usize, usize)> {
+    let within = |package: usize| Some((package, ORDER[package].iter().position(|name| *name == module)?));
+    (0..=package).rev().find_map(within)
+}
+
+#[test]
+fn modules_import_only_what_stands_before_them() {
+    let mut faults = Vec::new();
+    for source in sources().iter().filter(|source| !source.is_root()) {
+        let (path, room) = (source.path.display(), source.room());
+        let own = place(source.package, room);
+        if own.is_none_or(|(package, _)| package != source.package) {
+            faults.push(format!("{path}: module `{room}` has no place in ORDER"));
+        }
+        for name in imports(source) {
+            match place(source.package, name) {
+                Some(other) if Some(other) <= own => {}
+                Some(_) => faults.push(format!("{path}: `{room}` imports `{name}`, which stands behind it")),
+                // Inline modules reach their own file by `super::`; macros and items of the root have no
+                // module.
+                None => faults.push(format!("{path}: `{name}` is no module of ORDER")),
+            }
+            for (module, forbidden, why) in FORBIDDEN {
+                if room == *module && forbidden.contains(&name) {
+                    faults.push(format!("{path}: `{module}` imports `{name}`, but {why}"));
+                }
+            }
+        }
+    }
+    assert!(faults.is_empty(), "\n{}", faults.join("\n"));
+}
+
+#[test]
+fn modules_of_the_roots_have_a_place() {
+    for source in sources().iter().filter(|source| source.is_root()) {
+        for line in source.code.lines() {
+            let declared = line.trim().trim_start_matches("pub ").strip_prefix("mod ");
+            if let Some(name) = declared.map(identifier) {
+                let listed = ORDER[source.package].contains(&name);
+                assert!(listed, "{}: module `{name}` has no place in ORDER", source.path.display());
+            }
+        }
+    }
+}
+
+#[test]
+fn no_files_import_each_other() {
+    let sources = sources();
+    let imports = circles::imports(&sources);
+    let edges: usize = imports.iter().map(BTreeSet::len).sum();
+    assert!(edges > 3 * sources.len() / 2, "only {edges} imports are seen");
+    let known = |circle: &[usize]| {
+        let path = |&file: &usize| sources[file].path.to_str().unwrap();
+        KNOWN.iter().any(|known| circle.iter().map(path).all(|path| known.contains(&path)))
+    };
+    let circles = circles::circles(&imports);
+    let told: Vec<_> = circles
+        .iter()
+        .filter(|circle| !known(circle))
+        .map(|circle| circles::describe(&sources, &imports, circle))
+        .collect();
+    assert!(told.is_empty(), "\n{}", told.join("\n"));
+}
+
+#[test]
+fn wide_is_imported_by_lane_alone() {
+    for source in sources() {
+        if source.room() != "lane" {
+            assert!(!source.code.contains("wide::"), "{} uses `wide`", source.path.display());
+        }
+    }
+}
+
+#[test]
+fn no_source_is_unsafe() {
+    for source in sources() {
+        let code = source.code.replace("#![forbid(unsafe_code)]", "");
+        assert!(!code.contains("unsafe"), "{}", source.path.display());
+        let forbids = code.len() < source.code.len();
+        assert!(!source.path.ends_with("lib.rs") || forbids, "every package forbids unsafe code");
+    }
+}
+
+#[test]
+fn no_source_is_longer_than_a_reader_can_hold() {
+    for source in sources() {
+        let lines = source.text.lines().count();
+        assert!(lines <= MAX_LINES, "{} has {lines} lines, more than {MAX_LINES}", source.path.display());
+    }
+}
+
+#[test]
+fn no_comment_is_wider_than_the_code() {
+    let mut faults = Vec::new();
+    for path in NARROW.into_iter().flat_map(files_below) {
+        for (line, text) in read(&path).lines().enumerate() {
+            let comment = text.trim_start().starts_with("//") && !text.contains("| ");
+            if comment && text.chars().count() > MAX_WIDTH {
+                faults.push(format!("{}:{}", path.display(), line + 1));
+            }
+        }
+    }
+    assert!(faults.is_empty(), "wider than {MAX_WIDTH}:\n{}", faults.join("\n"));
+}
+
+/// Comments say where something is tested or explained: what they name is there.
+#[test]
+fn files_that_are_named_in_sources_exist() {
+    let mut faults = Vec::new();
+    for path in ["src", "tests", "benches"].into_iter().flat_map(files_below) {
+        let text = read(&path);
+        for folder in ["src/", "tests/", "benches/"] {
+            for (at, _) in text.match_indices(folder) {
+                let alone = text[..at].ends_with(['`', ' ', '(']);
+                let end = text[at..].find(|c: char| !(c.is_alphanumeric() || "_-/.".contains(c)));
+                let name = &text[at..at + end.unwrap_or(text.len() - at)];
+                // Made-up sources are of the engine.
+                let made_up = path.ends_with("circles.rs") || path.ends_with("architecture/mod.rs");
+                if alone && name.ends_with(".rs") && !made_up && !checkout().join(name).exists() {
+                    faults.push(format!("{} names {name}", path.display()));
+                }
+            }
+        }
+    }
+    assert!(faults.is_empty(), "\n{}", faults.join("\n"));
+}
+
+#[test]
+fn reader_of_sources_sees_every_form_of_import_and_no_comment() {
+    let text = "//! crate::a\nuse crate::{b::{x, y}, c, d::*};\n/* crate::e */ let s = \"crate::f\\\"\"; let c = '\"';\n\
+         let r = r#\"crate::h\"#; fn g<'a>(x: &'a str) { crate::i::j() } use super::super::k::L; mycrate::m;\n\
+         use octray_engine::n;";
+    let names = |path: &str| {
+        let source = Source::new(path.as_ref(), text.into());
+        imports(&source).into_iter().map(str::to_owned).collect::<Vec<_>>().join(" ")
+    };
+    assert_eq!(names("src/engine/x/y.rs"), "b c d i k");
+    assert_eq!(names("src/engine/x/y/z.rs"), "b c d i");
+    assert_eq!(names("src/formats/x/y.rs"), "b c d i k n");
+    assert_eq!(Source::new("src/formats/x/mod.rs".as_ref(), String::new()).module, ["x"]);
+}

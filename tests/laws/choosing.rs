@@ -1,0 +1,241 @@
+//! The law of choosing among lights: each is drawn as often as its chance says, however unlike their powers
+//! are; the number that chose is as well spread over the chosen light as over all of them; nothing is
+//! overlooked on the way there, by any equations.
+
+use crate::common::{Rng, empty, floor, lamp, material, mean, sphere, triangle};
+use glam::Vec3;
+use octray::buffers::{EnvironmentLight, Features, LightChoice, Lights};
+use octray::film::Picture;
+use octray::render::{PipelineChoice, Renderer, Settings};
+use octray::scene::{Filter, Material, MaterialKind, Scene, Sky, Texels, Texture};
+use octray::traverse::{Methods, SphereChoice, TriangleChoice};
+
+/// Round lamps in a row, each at its own number, of these radiances.
+fn lamps(radiances: &[f32]) -> Scene {
+    let mut scene = Scene { materials: vec![material(MaterialKind::Diffuse)], ..empty() };
+    for (number, &radiance) in radiances.iter().enumerate() {
+        scene.materials.push(lamp(radiance));
+        scene.spheres.push(sphere(Vec3::X * number as f32, 0.1, number as u32 + 1));
+    }
+    scene
+}
+
+/// Candles beside one lamp, and lamps of all powers.
+fn radiances(count: usize) -> [Vec<f32>; 2] {
+    let mut rng = Rng(81);
+    let candles = (0..count).map(|number| if number == count / 2 { 1e9 } else { 1.0 });
+    let unlike = (0..count).map(|_| rng.scale(1e-9, 1e9) as f32);
+    [candles.collect(), unlike.collect()]
+}
+
+/// How often each light was drawn, and the moments of what was left of the number.
+#[derive(Clone, Copy, Default)]
+struct Seen {
+    count: f64,
+    sum: f64,
+    squares: f64,
+}
+
+#[test]
+fn one_number_chooses_each_of_a_few_lights_by_its_chance_and_a_point_all_over_it() {
+    const NUMBERS: u32 = 1 << 24;
+    for count in [2, 5, 64] {
+        for radiances in radiances(count) {
+            let lights = Lights::new(&lamps(&radiances), LightChoice::On);
+            assert_eq!(lights.len(), count);
+            let mut seen = vec![Seen::default(); count];
+            let never = || -> f32 { unreachable!("one number is enough") };
+            // Every number there is.
+            for number in 0..NUMBERS {
+                let u = number as f32 / NUMBERS as f32;
+                let (light, rest) = lights.choose::<f32>(u, never, never, count <= Lights::FEW);
+                assert!((0.0..1.0).contains(&rest), "{count} lights: {rest} left of {u}");
+                let at = &mut seen[light.at.x as usize];
+                let rest = f64::from(rest);
+                *at = Seen { count: at.count + 1.0, sum: at.sum + rest, squares: at.squares + rest * rest };
+            }
+            for (number, Seen { count: drawn, sum, squares }) in seen.into_iter().enumerate() {
+                let what = format!("light {number} of {count}, radiance {:e}", radiances[number]);
+                let chance = f64::from(lights.probabilities[number]);
+                // A border of a slot and one within it may each be off by one number; the least chance is
+                // 1/4096 or 4096 numbers.
+                let off = drawn / f64::from(NUMBERS) / chance - 1.0;
+                assert!(off.abs() < 1e-3, "{what}: drawn {drawn} times, {off:e} off");
+                let (mean, square) = (sum / drawn, squares / drawn);
+                assert!((mean - 0.5).abs() < 1e-3, "{what}: mean {mean} over the light");
+                assert!((square - 1.0 / 3.0).abs() < 1e-3, "{what}: mean square {square} over the light");
+            }
+        }
+    }
+}
+
+#[test]
+fn two_other_numbers_choose_among_many_lights_by_their_chances() {
+    const PARTS: u32 = 1 << 12;
+    for count in [65, 1000, 4097] {
+        for radiances in radiances(count) {
+            let lights = Lights::new(&lamps(&radiances), LightChoice::On);
+            assert_eq!(lights.len(), count);
+            let mut drawn = vec![0u32; count];
+            // A number in each slot, and with it a fine grid of the other.
+            for slot in 0..count {
+                let number = ((slot as f64 + 0.5) / count as f64) as f32;
+                for part in 0..PARTS {
+                    let more = (part as f32 + 0.5) / PARTS as f32;
+                    let (light, rest) = lights.choose::<f32>(0.3, || number, || more, false);
+                    assert_eq!(rest, 0.3, "{count} lights: the point's number is left whole");
+                    drawn[light.at.x as usize] += 1;
+                }
+            }
+            let draws = f64::from(PARTS) * count as f64;
+            for (number, drawn) in drawn.into_iter().enumerate() {
+                let chance = f64::from(lights.probabilities[number]);
+                // The least share of a slot is 1/64, and the grid is off by half a part at its border.
+                let off = f64::from(drawn) / draws / chance - 1.0;
+                let what = format!("light {number} of {count}, radiance {:e}", radiances[number]);
+                assert!(off.abs() < 0.01, "{what}: drawn {drawn} times, {off:e} off");
+            }
+        }
+    }
+}
+
+#[test]
+fn chances_sum_to_one_and_rows_hold_those_of_their_own_light() {
+    for radiances in [2, 4, 5, 64, 65, 5000].map(radiances).into_iter().flatten() {
+        let scene = lamps(&radiances);
+        let lights = Lights::new(&scene, LightChoice::On);
+        let sum: f64 = lights.probabilities.iter().map(|&chance| f64::from(chance)).sum();
+        assert!((sum - 1.0).abs() < 1e-6, "{sum}");
+        let mut rng = Rng(82);
+        for _ in 0..1000 {
+            let [u, number, more] = [(); 3].map(|()| (rng.bits() >> 8) as f32 / 16_777_216.0);
+            let (light, _) = lights.choose::<f32>(u, || number, || more, radiances.len() <= Lights::FEW);
+            let at = light.at.x as usize;
+            assert_eq!((light.probability, light.emission.x), (lights.probabilities[at], radiances[at]));
+        }
+    }
+}
+
+fn render(scene: &Scene, settings: Settings, samples: u32) -> Picture {
+    crate::common::render(scene, settings, samples)
+}
+
+#[test]
+fn tables_hold_as_many_lights_as_they_promise() {
+    for count in 1..=10 {
+        let mut scene = floor(Vec3::ZERO, 2.0);
+        scene.camera.vertical_fov = 60.0;
+        for number in 0..count {
+            scene.materials.push(lamp(1.0 + number as f32));
+            let at = Vec3::new(0.2 * number as f32 - 1.0, 0.5, 0.1);
+            let corners = [Vec3::ZERO, Vec3::X, Vec3::Z].map(|corner| at + 0.1 * corner);
+            scene.triangles.push(triangle(corners, number + 1));
+        }
+        let needed = Settings::of(&scene);
+        let many = Renderer::new(&scene, needed).needs().contains(Features::MANY_LIGHTS);
+        assert_eq!(many, count as usize > Lights::FEW, "{count} lights");
+        let general = Settings { pipeline: PipelineChoice::General, ..needed };
+        assert_eq!(render(&scene, needed, 16), render(&scene, general, 16), "{count} lights");
+    }
+}
+
+/// A lamp over the floor's middle, of either shape, and what the floor there gets of it.
+fn under_a_lamp(scale: f32, round: bool) -> (Scene, f64) {
+    let mut scene = floor(Vec3::ZERO, 2.0 * scale);
+    scene.materials.push(lamp(50.0));
+    if round {
+        scene.spheres = vec![sphere(Vec3::new(0.6, 0.8, 0.0) * scale, 0.1 * scale, 1)];
+        // Radiance 50, sin² = 0.01, cos = 0.8, of π / π.
+        return (scene, 0.4);
+    }
+    let half = 0.05;
+    let corner = |x: f32, z: f32| (Vec3::new(0.6, 0.8, 0.0) + Vec3::new(x, 0.0, z) * half) * scale;
+    let [a, b, c, d] = [corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)];
+    scene.triangles.extend([triangle([a, b, c], 1), triangle([a, c, d], 1)]);
+    // Radiance 50 · area · cos² / π; the lamp's size takes less than a hundredth.
+    (scene, 50.0 * 0.01 * 0.64 / std::f64::consts::PI)
+}
+
+#[test]
+fn lamps_are_found_by_every_choice_of_equations() {
+    for round in [true, false] {
+        let (mut scene, truth) = under_a_lamp(1.0, round);
+        // Behind the lamp, but not in its way.
+        scene
+            .triangles
+            .push(triangle([[-9.0, 3.0, -9.0], [9.0, 3.0, -9.0], [0.0, 3.0, 9.0]].map(Vec3::from), 0));
+        for sphere in SphereChoice::ALL {
+            for triangle in TriangleChoice::ALL {
+                let methods = Methods { sphere, triangle, lights: LightChoice::On, ..Methods::default() };
+                let got = mean(&render(&scene, Settings { methods, ..Settings::of(&scene) }, 64));
+                assert!((got / truth - 1.0).abs() < 0.01, "{sphere:?}, {triangle:?}: {got} of {truth}");
+            }
+        }
+    }
+}
+
+#[test]
+fn lamps_light_and_are_shaded_at_every_scale() {
+    for scale in [1e-10, 1e-8, 1e-5, 1.0, 1e5, 1e9] {
+        for round in [true, false] {
+            let (open, truth) = under_a_lamp(scale, round);
+            let got = mean(&render(&open, Settings::of(&open), 64));
+            assert!((got / truth - 1.0).abs() < 0.01, "scale {scale:e}, round: {round}: {got} of {truth}");
+            // A black sheet so close to the lamp that a ray which ends a thousandth too early overlooks it.
+            let mut shaded = open;
+            shaded.materials.push(Material { color: Vec3::ZERO, ..material(MaterialKind::Diffuse) });
+            let height = if round { 0.7 } else { 0.8 } - 4e-4;
+            let corners =
+                [[-0.2, -3.0], [-0.2, 3.0], [3.0, 0.0]].map(|[x, z]| Vec3::new(0.2 + x, height, z) * scale);
+            shaded.triangles.push(triangle(corners, 2));
+            let got = mean(&render(&shaded, Settings::of(&shaded), 64));
+            assert_eq!(got, 0.0, "scale {scale:e}, round: {round}: light through the sheet");
+        }
+    }
+}
+
+/// A picture of even light all around.
+fn put_even_sky(scene: &mut Scene) {
+    let texels = Texels::Float32(vec![[1.0; 4]; 32]);
+    scene.textures =
+        vec![Texture { name: "even".into(), width: 8, height: 4, filter: Filter::Nearest, texels }];
+    scene.sky = Sky::Texture { texture: 0, color: Vec3::ONE };
+}
+
+/// The sky's chance counts on both sides, by search and by chance: here it is about two thirds.
+#[test]
+fn a_sky_beside_a_lamp_gives_what_both_closed_forms_say() {
+    let (mut scene, lamp) = under_a_lamp(1.0, true);
+    let corners = [Vec3::new(-0.3, 0.0, -0.3), Vec3::new(0.0, 0.0, 0.5), Vec3::new(0.3, 0.0, -0.3)];
+    scene.triangles[0] = triangle(corners, 0);
+    put_even_sky(&mut scene);
+    let lights = Lights::new(&scene, LightChoice::On);
+    let (_, chance) = lights.sky.as_ref().unwrap();
+    assert!((0.4..0.8).contains(chance), "{chance}");
+    // The lamp hides what it fills of the sky.
+    let truth = 1.0 - 0.008 + lamp;
+    let methods = Methods { lights: LightChoice::On, ..Methods::default() };
+    let got = mean(&render(&scene, Settings { methods, ..Settings::of(&scene) }, 1024));
+    assert!((got / truth - 1.0).abs() < 0.01, "{got} of {truth}");
+}
+
+#[test]
+fn directions_to_a_sky_are_spread_all_over_its_cells() {
+    let mut scene = empty();
+    put_even_sky(&mut scene);
+    let sky = EnvironmentLight::of(&scene).unwrap();
+    // An even sky: every sixty-fourth of the turn and of the height gets as many of a grid of directions as
+    // every other.
+    const SIDE: usize = 512;
+    let mut counts = [[0; 64]; 2];
+    for (i, j) in (0..SIDE).flat_map(|i| (0..SIDE).map(move |j| (i, j))) {
+        let at = |i: usize| (i as f32 + 0.5) / SIDE as f32;
+        let direction = sky.sample::<f32>(at(i), at(j)).wi.get(0).as_dvec3();
+        let turn = (direction.z.atan2(direction.x) / std::f64::consts::TAU).rem_euclid(1.0);
+        counts[0][(turn * 64.0) as usize % 64] += 1;
+        counts[1][((0.5 - 0.5 * direction.y) * 64.0) as usize] += 1;
+    }
+    for count in counts.into_iter().flatten() {
+        assert!((count as f64 / (SIDE * SIDE / 64) as f64 - 1.0).abs() < 0.02, "{counts:?}");
+    }
+}

@@ -1,0 +1,223 @@
+//! What rays hit that run along the very sides of a tile's frustum, or start at the very side of a box: there
+//! rounding decides between a hit and none, and only the frustum's padding keeps the traversals' law.
+
+use crate::common::rays::Set;
+use crate::common::{Rng, empty, material, sphere, triangle};
+use glam::DVec3;
+use octray::bvh::Trees;
+use octray::scene::{MaterialKind, Scene};
+use octray::traverse::hierarchy::Hierarchy;
+use octray::traverse::tile::TILE;
+
+/// Steps of a tile's rays across: 16 by 16, from −1 to 1.
+fn steps(i: usize) -> [f64; 2] {
+    [i % 16, i / 16 % 16].map(|i| i as f64 / 7.5 - 1.0)
+}
+
+/// How a camera's tile sees a scene: from how far away of the scene's middle, how deep, and between which
+/// slopes.
+#[derive(Clone, Copy, Debug)]
+struct View {
+    axis: usize,
+    away: f64,
+    depth: f64,
+    slope: f64,
+    spread: f64,
+}
+
+/// A camera's tile that sees specks right at its outermost rays, and triangles beyond them that touch them
+/// with an edge.
+fn at_the_sides(rng: &mut Rng, view: View, spheres: bool) -> usize {
+    let View { axis, away, depth, slope, spread } = view;
+    let forward = [1.0, -1.0][axis / 3];
+    let [main, a, b] = [axis % 3, (axis + 1) % 3, (axis + 2) % 3];
+    let along = |x: f64, y: f64| {
+        let mut d = DVec3::ZERO;
+        (d[main], d[a], d[b]) = (forward, x, y);
+        d
+    };
+    let origin = (rng.direction() * away).as_vec3();
+    let mut set = Set::default();
+    for i in 0..TILE {
+        let [x, y] = steps(i);
+        set.push(origin, along(slope + spread * x, spread * y - slope).normalize().as_vec3(), f32::INFINITY);
+    }
+    let mut scene = Scene { materials: vec![material(MaterialKind::Diffuse)], ..empty() };
+    let direction = |i: usize| DVec3::from_array(set.direction.each_ref().map(|column| f64::from(column[i])));
+    for i in (0..TILE).filter(|&i| steps(i).iter().any(|step| step.abs() == 1.0)) {
+        let d = direction(i);
+        let [x, y] = steps(i);
+        let depth = depth * rng.scale(0.25, 1.5);
+        let point = origin.as_dvec3() + d * depth;
+        if spheres && i % 2 == 0 {
+            scene.spheres.push(sphere(point.as_vec3(), (1e-6 * depth) as f32, 0));
+            continue;
+        }
+        // Outwards, away from the tile's middle.
+        let mut out = DVec3::ZERO;
+        (out[a], out[b]) = (if x.abs() == 1.0 { x } else { 0.0 }, if y.abs() == 1.0 { y } else { 0.0 });
+        let size = depth * rng.scale(1e-6, 1e-2);
+        let beside = d.cross(out).normalize() * size;
+        let vertices = [point - beside, point + beside, point + out * size].map(|v| v.as_vec3());
+        let [p, q, r] = vertices;
+        if (q - p).cross(r - p).length() > 0.0 {
+            scene.triangles.push(triangle(vertices, 0));
+        }
+    }
+    let hierarchy = Hierarchy::new(&scene, Trees::WideAndBinary);
+    assert!(set.goes_in_a_frustum(&hierarchy), "{view:?}");
+    set.check(&scene, &format!("{view:?}"))
+}
+
+#[test]
+fn frustum_keeps_what_its_outermost_rays_hit() {
+    let mut rng = Rng(91);
+    let mut hits = 0;
+    for axis in 0..6 {
+        for (away, depth) in [
+            (1.0, 1.0),
+            (1e-3, 1.0),
+            (100.0, 100.0),
+            (100.0, 0.1),
+            (1e3, 10.0),
+            (1e6, 1e6),
+            (1e6, 1e4),
+            (1e6, 1e3),
+        ] {
+            for (slope, spread) in [(0.0, 0.5), (0.3, 0.1), (0.0, 1e-3), (0.0, 1e-6), (3.0, 1.0), (1e3, 1.0)]
+            {
+                for spheres in [false, true] {
+                    hits += at_the_sides(&mut rng, View { axis, away, depth, slope, spread }, spheres);
+                }
+            }
+        }
+    }
+    println!("{hits} hits");
+    assert!(hits > 10_000, "{hits}");
+}
+
+/// Where a tile stands that sees triangles edge-on: see [`edge_on`].
+#[derive(Clone, Copy, Debug)]
+struct Beside {
+    axis: usize,
+    /// How far the scene reaches, and how far from its middle the tile stands.
+    extent: f64,
+    away: f64,
+    /// Slopes across: from the middle one this far to both sides.
+    slope: [f64; 2],
+    spread: f64,
+    /// How often each triangle is there.
+    copies: usize,
+}
+
+/// Triangles that lie edge-on beside the outermost rays: there rounding decides whether they are hit, up to
+/// their own boxes and the padding of these, which in a large scene reaches far beyond the tile's sides. Of
+/// copies the first one counts, though padding moves the hits of all before their box.
+fn edge_on(rng: &mut Rng, case: Beside) -> usize {
+    let Beside { axis, extent, away, slope, spread, copies } = case;
+    let forward = [1.0, -1.0][axis / 3];
+    let [main, a, b] = [axis % 3, (axis + 1) % 3, (axis + 2) % 3];
+    let along = |i: usize| {
+        let [x, y] = steps(i);
+        let mut d = DVec3::ZERO;
+        (d[main], d[a], d[b]) = (forward, slope[0] + spread * x, slope[1] + 1e-3 * y);
+        d
+    };
+    let mut middle = DVec3::ZERO;
+    (middle[main], middle[a], middle[b]) = (forward, slope[0], slope[1]);
+    let origin = (rng.direction() * 0.01 - middle * away).as_vec3();
+    let mut set = Set::default();
+    for i in 0..TILE {
+        set.push(origin, along(i).normalize().as_vec3(), f32::INFINITY);
+    }
+    let mut scene = Scene { materials: vec![material(MaterialKind::Diffuse)], ..empty() };
+    let corner = -middle * extent;
+    let far = [corner, corner + DVec3::X, corner * 0.9 + DVec3::ONE].map(|v| v.as_vec3());
+    scene.triangles.push(triangle(far, 0));
+    // Where few are hit, more of them.
+    let rare = if copies > 1 || spread > 1.0 || away > 0.0 { 4 } else { 1 };
+    // The padding of boxes.
+    let room = (extent + away) * 0.5f64.powi(21);
+    let sides: Vec<usize> = (0..TILE).filter(|&i| steps(i).iter().any(|step| step.abs() == 1.0)).collect();
+    while scene.triangles.len() < 900 * rare {
+        let i = sides[rng.index(sides.len())];
+        let d = along(i);
+        let [x, y] = steps(i);
+        let mut out = DVec3::ZERO;
+        (out[a], out[b]) = (if x.abs() == 1.0 { x } else { 0.0 }, if y.abs() == 1.0 { y } else { 0.0 });
+        let beside = rng.scale(0.1, 1.5) * room * (1.0 + d[a].abs().max(d[b].abs()));
+        let size = rng.scale(1e-2, 10.0) * room;
+        let depth = if away > 0.0 { away } else { rng.scale(1.0, 100.0) * room };
+        let vertices = [(); 3].map(|()| {
+            let across = beside + size * rng.unit();
+            (origin.as_dvec3() + d * (depth + size * rng.unit()) + out * across).as_vec3()
+        });
+        let [p, q, r] = vertices;
+        if (q - p).cross(r - p).length() > 0.0 {
+            scene.triangles.extend((0..copies).map(|_| triangle(vertices, 0)));
+        }
+    }
+    assert!(set.goes_in_a_frustum(&Hierarchy::new(&scene, Trees::WideAndBinary)), "{case:?}");
+    set.check(&scene, &format!("{case:?}"))
+}
+
+#[test]
+fn frustum_keeps_what_rounding_hits_beside_it() {
+    let mut rng = Rng(92);
+    let mut hits = 0;
+    for axis in 0..6 {
+        let plain = Beside { axis, extent: 1e4, away: 0.0, slope: [0.0; 2], spread: 1e-3, copies: 1 };
+        for case in [
+            plain,
+            Beside { extent: 1e6, ..plain },
+            Beside { copies: 12, ..plain },
+            // The first ray still runs along the axis; most others do not.
+            Beside { slope: [8.2, 0.0], spread: 7.5, ..plain },
+            Beside { extent: 1.0, away: 1e4, slope: [0.9, -0.9], ..plain },
+        ] {
+            let found = edge_on(&mut rng, case);
+            hits += found;
+        }
+    }
+    println!("{hits} hits");
+    assert!(hits > 200, "{hits}");
+}
+
+/// Copies of triangles, seen from so far away that rounding puts their hits before their boxes, which reach
+/// hardly anywhere themselves: the first copy counts, and the frustum must not leave it out because another
+/// one has been hit.
+#[test]
+fn frustum_keeps_the_first_of_copies_seen_from_afar() {
+    let mut rng = Rng(93);
+    let mut hits = 0;
+    for round in 0..240 {
+        let (axis, away) = (round % 6, [1e3, 1e4, 1e6][round / 6 % 3]);
+        let [main, a, b] = [axis % 3, (axis + 1) % 3, (axis + 2) % 3];
+        let mut towards = DVec3::ZERO;
+        towards[main] = [1.0, -1.0][axis / 3];
+        let origin = (rng.direction() * 0.1 - towards * away).as_vec3();
+        let mut set = Set::default();
+        // Every other tile is narrower than its directions can tell.
+        let spread = if round % 2 == 0 { 0.0 } else { 0.3 / away };
+        for i in 0..TILE {
+            let [x, y] = steps(i);
+            let mut d = towards;
+            (d[a], d[b]) = (spread * x, spread * y);
+            set.push(origin, d.normalize().as_vec3(), f32::INFINITY);
+        }
+        let mut scene = Scene { materials: vec![material(MaterialKind::Diffuse)], ..empty() };
+        for depth in [-0.5, 0.0, 0.5].map(|depth| depth + 0.2 * rng.unit()) {
+            let corner = |i: f64| {
+                let (sin, cos) = (i * std::f64::consts::TAU / 3.0).sin_cos();
+                let mut v = towards * (depth + 0.01 * i);
+                (v[a], v[b]) = (3.0 * cos, 3.0 * sin);
+                v.as_vec3()
+            };
+            let vertices = [0.0, 1.0, 2.0].map(corner);
+            scene.triangles.extend([(); 30].map(|()| triangle(vertices, 0)));
+        }
+        assert!(set.goes_in_a_frustum(&Hierarchy::new(&scene, Trees::WideAndBinary)), "round {round}");
+        hits += set.check(&scene, &format!("round {round}, {away} away"));
+    }
+    assert_eq!(hits, 240 * TILE);
+}

@@ -1,0 +1,199 @@
+//! Every way through the hierarchy finds what testing every primitive finds, bit for bit.
+
+use crate::common::rays::{Set, mixture};
+use crate::common::{Rng, sphere};
+use glam::Vec3;
+use octray::bvh::Trees;
+use octray::math::MISS;
+use octray::measure::ray_sets::{Answers, RaySet};
+use octray::measure::trace::{PreparedScene, TraceMethod, TracePool};
+use octray::traverse::hierarchy::Hierarchy;
+use octray::traverse::stream::PIECE;
+
+/// Directions that divide by zero, or nearly.
+fn awkward(rng: &mut Rng) -> Vec3 {
+    let tiny = [0.0, -0.0, 1e-17, -1e-17, 1e-40, -1e-40, 1.0, -1.0, 0.3];
+    let mut pick = || tiny[(rng.unit() * tiny.len() as f64) as usize];
+    loop {
+        let d = Vec3::new(pick(), pick(), pick());
+        if d.length() > 0.1 {
+            return d.normalize();
+        }
+    }
+}
+
+#[test]
+fn every_traversal_equals_testing_every_primitive() {
+    let mut rng = Rng(11);
+    let mut hits = 0;
+    for (triangles, spheres, scales, offset) in [
+        (1, 0, 0.0, 0.0),
+        (0, 1, 0.0, 0.0),
+        (5, 3, 0.0, 0.0),
+        (300, 0, 1.0, 0.0),
+        (0, 300, 2.0, 0.0),
+        (400, 200, 3.0, 0.0),
+        (300, 100, 1.0, 1000.0),
+        (2000, 0, 2.0, 0.0),
+    ] {
+        let scene = mixture(&mut rng, triangles, spheres, scales, offset);
+        let mut set = Set::default();
+        let corners: Vec<Vec3> = scene.triangles.iter().flat_map(|triangle| triangle.vertices).collect();
+        for i in 0..6000 {
+            let number = |rng: &mut Rng| (8.0 * rng.unit() - 4.0) as f32;
+            let mut origin = Vec3::new(number(&mut rng), number(&mut rng), number(&mut rng)) * 1.5 + offset;
+            // At a corner, towards a corner, in the plane of a box's face.
+            let corner = corners.get((rng.unit() * corners.len() as f64) as usize).copied();
+            if let Some(corner) = corner {
+                match i % 8 {
+                    0 => origin = corner,
+                    1 => origin.x = corner.x,
+                    _ => {}
+                }
+            }
+            let direction = match i % 3 {
+                0 => awkward(&mut rng),
+                1 => corner.map_or(rng.direction().as_vec3(), |corner| {
+                    (corner - origin).try_normalize().unwrap_or(Vec3::X)
+                }),
+                _ => rng.direction().as_vec3(),
+            };
+            let t_max = if i % 5 == 0 { (4.0 * rng.unit()) as f32 } else { f32::INFINITY };
+            set.push(origin, direction, t_max);
+        }
+        hits += set.check(
+            &scene,
+            &format!("{triangles} triangles, {spheres} spheres, {scales} decades at {offset}"),
+        );
+    }
+    assert!(hits > 3_000, "only {hits} rays hit anything");
+}
+
+/// Streams take pieces whose rays run into one octant another way than those of more.
+#[test]
+fn pieces_of_one_octant_and_of_several_find_the_same_each_for_itself() {
+    let mut rng = Rng(18);
+    let scene = mixture(&mut rng, 600, 60, 1.0, 0.0);
+    let mut set = Set::default();
+    // Each octant in turn; all together; backwards along zeros, or next to them; one whose last packet is not
+    // whole and leaves the octant.
+    for piece in 0..11 {
+        for i in 0..if piece == 10 { PIECE / 2 + 3 } else { PIECE } {
+            let leaves = piece == 10 && i >= PIECE / 2;
+            let direction = match piece {
+                8 => rng.direction().as_vec3(),
+                9 => -awkward(&mut rng).abs(),
+                10 if leaves => -rng.direction().as_vec3().abs(),
+                10 => rng.direction().as_vec3().abs(),
+                octant => {
+                    let sign = |axis: usize| if octant >> axis & 1 == 1 { -1.0 } else { 1.0 };
+                    rng.direction().as_vec3().abs() * Vec3::new(sign(0), sign(1), sign(2))
+                }
+            };
+            // From outside and from among them; what leaves its octant, at something.
+            let through = match leaves {
+                true => scene.spheres[i % scene.spheres.len()].center,
+                false => rng.in_cube().as_vec3() * 3.0,
+            };
+            set.push(through - direction * if i % 2 == 0 { 9.0 } else { 0.5 }, direction, f32::INFINITY);
+        }
+    }
+    // One that does not run along an axis backwards but has a sign there, among rays of one octant.
+    let at = 77;
+    (set.origin[0][at], set.direction[0][at]) = (set.origin[0][at].abs().min(2.0), -0.0);
+    assert!(set.check(&scene, "pieces") > 300);
+    let hierarchy = Hierarchy::new(&scene, Trees::WideAndBinary);
+    let (all, none) = (set.linear(&scene), set.pieces(&hierarchy, 0));
+    assert!(none.iter().all(|answer| answer[1] == MISS));
+    for pieces in [0b1, 0b100_0000_0010, 0b011_0000_0110, 0b101_0101_0101, 0b111_1111_1111] {
+        let found = set.pieces(&hierarchy, pieces);
+        for (ray, found) in found.iter().enumerate() {
+            let expected = if pieces >> (ray / PIECE) & 1 == 1 { &all } else { &none };
+            assert_eq!(found, &expected[ray], "pieces {pieces:b}, ray {ray}");
+        }
+    }
+}
+
+#[test]
+fn rays_that_are_none_miss_and_a_hit_at_the_reach_is_none() {
+    let mut scene = mixture(&mut Rng(14), 40, 1, 0.0, 0.0);
+    scene.spheres.push(sphere(Vec3::new(10.0, 0.0, 0.0), 1e-18, 0));
+    let mut set = Set::default();
+    let (nan, infinity) = (f32::NAN, f32::INFINITY);
+    for direction in [Vec3::NAN, Vec3::ZERO, Vec3::new(0.0, 0.0, nan), Vec3::new(nan, 1.0, 0.0)] {
+        set.push(Vec3::ONE, direction, infinity);
+    }
+    for origin in [Vec3::NAN, Vec3::INFINITY, Vec3::new(-20.0, 0.0, 0.0), Vec3::new(0.0, -20.0, 0.0)] {
+        set.push(origin, Vec3::X, infinity);
+        set.push(origin, Vec3::Y, infinity);
+        set.push(origin, Vec3::Z, infinity);
+    }
+    let mut rng = Rng(15);
+    let first = set.t_max.len();
+    for _ in 0..500 {
+        set.push(rng.direction().as_vec3() * 8.0, rng.direction().as_vec3(), infinity);
+    }
+    set.check(&scene, "no rays at all");
+    let answers = set.linear(&scene);
+    for (t_max, answer) in set.t_max[first..].iter_mut().zip(&answers[first..]) {
+        *t_max = f32::from_bits(answer[0]);
+    }
+    set.check(&scene, "reaches that end at the hit");
+}
+
+/// Measuring knows one way more: it tests everything with packets, and holds the t_max to them afterwards.
+#[test]
+fn ways_that_are_measured_agree_and_a_hit_at_the_reach_is_none() {
+    let scene = mixture(&mut Rng(16), 40, 20, 0.0, 0.0);
+    let prepared_scene = PreparedScene::new(&scene, Hierarchy::new(&scene, Trees::WideAndBinary));
+    let mut rng = Rng(17);
+    let pixels: Vec<[u32; 2]> = (0..48 * 32).map(|i| [i % 48, i / 48]).collect();
+    let camera = octray::camera::Pinhole::new(&scene.camera, [48, 32]);
+    let mut set = RaySet::primary(&camera, &pixels);
+    let pool = TracePool::new(1);
+    let traced = |set: &RaySet, way: TraceMethod| {
+        let mut answers = Answers::none(set);
+        pool.trace::<false>(way, &prepared_scene, set, &mut answers);
+        answers
+    };
+    let nearest = traced(&set, TraceMethod::Linear);
+    assert!(nearest.count() > 200, "{}", nearest.count());
+    // The hit itself, the number behind it, and somewhere.
+    set.t_max = nearest
+        .t
+        .iter()
+        .enumerate()
+        .map(|(i, &t)| [t, t.next_up(), 8.0 * rng.unit() as f32][i % 3])
+        .collect();
+    let expected = traced(&set, TraceMethod::Linear);
+    for (at, (&t_max, &t)) in set.t_max.iter().zip(&nearest.t).enumerate() {
+        assert_eq!(expected.primitive[at] != MISS, t < t_max, "ray {at}: {t} within {t_max}");
+    }
+    for way in TraceMethod::all() {
+        assert!(traced(&set, way) == expected, "{}", way.name());
+    }
+}
+
+/// What padding is for, seen through the whole of a hierarchy.
+#[test]
+fn without_padding_hits_are_lost_at_corners() {
+    let mut rng = Rng(17);
+    let scene = mixture(&mut rng, 300, 0, 1.0, 1000.0);
+    let mut set = Set::default();
+    let corners: Vec<Vec3> = scene.triangles.iter().flat_map(|triangle| triangle.vertices).collect();
+    for _ in 0..20_000 {
+        let target = corners[rng.index(corners.len())];
+        let origin = target + rng.in_cube().as_vec3() * 8.0;
+        set.push(origin, (target - origin).try_normalize().unwrap_or(Vec3::X), f32::INFINITY);
+    }
+    let mut hierarchy = Hierarchy::new(&scene, Trees::WideAndBinary);
+    let found = |hierarchy: &Hierarchy| {
+        let answers = set.through::<false>(hierarchy, octray::traverse::batch::Traversal::Hybrid);
+        answers.iter().filter(|answer| answer[1] != MISS).count()
+    };
+    let padded = found(&hierarchy);
+    hierarchy.padding = hierarchy.padding.without_padding();
+    let unpadded = found(&hierarchy);
+    println!("{padded} hits with padding, {unpadded} without");
+    assert!(padded > 5_000 && unpadded < padded - padded / 50, "{unpadded} of {padded}");
+}

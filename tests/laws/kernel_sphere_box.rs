@@ -1,0 +1,137 @@
+//! The law of spheres in boxes: where the robust test finds a hit, the ray passes the sphere's box, and
+//! enters it no later than it hits.
+//!
+//! Judged in f64. All regimes: from inside, on the surface, from near it and from 10⁸ radii away, through the
+//! middle and along the silhouette, radii from 1e-18 to 1e6, directions of unit length and as far off it as
+//! the domain allows.
+
+use crate::common::{Rng, ray};
+use glam::{DVec3, Vec3};
+use octray::bvh::Bounds;
+use octray::kernel::ray_box::{Padding, Slabs, sphere_padding};
+use octray::kernel::ray_sphere::{Robust, SphereMethod};
+use octray::math::{self, EPSILON};
+
+const LENGTHS: [f64; 4] = [0.0, 1e-5, -1e-5, 1e-7];
+/// Distances from the centre, in radii.
+const DISTANCES: [(f64, f64); 7] =
+    [(1e-6, 1.0), (1.0, 1.0), (1.0 + 1e-7, 1.001), (1.001, 2.0), (2.0, 100.0), (100.0, 1e5), (1e5, 1e8)];
+
+/// A ray, a sphere, and the t that the test finds.
+struct Found {
+    center: Vec3,
+    radius: f32,
+    origin: Vec3,
+    direction: Vec3,
+    t: f32,
+}
+
+impl Found {
+    /// How much larger the sphere would have to be for the hit to lie in it, or behind where the ray enters
+    /// it; and the distance from origin to centre.
+    fn excess(&self) -> (f64, f64) {
+        let from_center = self.origin.as_dvec3() - self.center.as_dvec3();
+        let (direction, length) = (self.direction.as_dvec3(), self.direction.as_dvec3().length());
+        let unit = direction / length;
+        let ahead = -from_center.dot(unit);
+        let across = (from_center + unit * ahead).length();
+        let distance = from_center.length();
+        let behind_nearest = f64::from(self.t) * length - ahead;
+        let mut needed = across;
+        if behind_nearest < 0.0 {
+            needed = needed.max(across.hypot(behind_nearest).min(distance));
+        }
+        if ahead < 0.0 {
+            needed = needed.max(distance);
+        }
+        (needed - f64::from(self.radius), distance)
+    }
+}
+
+/// Calls `check` with hits of spheres around the origin or elsewhere, by rays from `distances`, of which most
+/// graze the sphere.
+fn each_hit(seed: u64, rays: usize, distances: (f64, f64), length: f64, mut check: impl FnMut(&Found)) {
+    let mut rng = Rng(seed);
+    for i in 0..rays {
+        let radius = rng.scale(1e-18, 1e6) as f32;
+        let r = f64::from(radius);
+        let (low, high) = distances;
+        let ratio = if low > 1.0 { 1.0 + rng.scale(low - 1.0, high - 1.0) } else { rng.scale(low, high) };
+        let place = if i % 2 == 0 { DVec3::ZERO } else { rng.in_cube() * (3.0 * r * ratio) };
+        let center = place.as_vec3();
+        let out = if i % 8 == 7 { DVec3::AXES[rng.index(3)] } else { rng.direction() };
+        let origin = (center.as_dvec3() + out * (r * ratio)).as_vec3();
+        let from_center = origin.as_dvec3() - center.as_dvec3();
+        let distance = from_center.length();
+        let across = from_center.cross(rng.direction()).normalize_or(out.any_orthonormal_vector());
+        let near_silhouette = f64::from(EPSILON) * distance * rng.signed() * rng.scale(0.1, 30.0);
+        let impact = if i % 4 == 0 { r * rng.unit().sqrt() } else { (r + near_silhouette).abs() };
+        let sin = (impact / distance).min(1.0);
+        let away = if ratio <= 1.0 && i % 3 == 0 { -1.0 } else { 1.0 };
+        let towards = across * sin - from_center / distance * ((1.0 - sin * sin).sqrt() * away);
+        let direction = (towards * (1.0 + length)).as_vec3();
+        let ray = ray(origin, direction);
+        let (hit, t) = Robust::test::<f32>(&ray, math::Vec3::splat(center), radius * radius, f32::INFINITY);
+        if hit {
+            check(&Found { center, radius, origin, direction, t });
+        }
+    }
+}
+
+/// Room for r and |c| is in the sphere's box, for |o| in the ray's padding: both together as much as the
+/// distance needs, and not eight times as much.
+#[test]
+fn hits_lie_within_the_room_made_for_them_and_need_more_than_an_eighth_of_it() {
+    let room_of = |origin: Vec3| {
+        let origin = math::Vec3::<f32>::splat(origin);
+        let spheres = Padding::new(0.0).with_spheres().room(origin) - Padding::new(0.0).room(origin);
+        f64::from(spheres) * 0.5f64.powi(21)
+    };
+    // What the two make of a unit of distance alone, if the centre is the origin of the scene.
+    let per_distance = room_of(Vec3::X);
+    assert_eq!(f64::from(sphere_padding(Vec3::X, 0.0)), per_distance, "|c| needs as much as |o|");
+    let per_radius = f64::from(sphere_padding(Vec3::ZERO, 1.0));
+    let (mut worst, mut worst_length) = (0.0f64, 0.0f64);
+    for length in LENGTHS {
+        for distances in DISTANCES {
+            let mut hits = 0;
+            each_hit(91, 150_000, distances, length, |found| {
+                let (excess, distance) = found.excess();
+                hits += 1;
+                let radius = f64::from(found.radius);
+                assert!(excess <= per_radius * radius + per_distance * distance, "{:?}", found.direction);
+                if length == 0.0 {
+                    worst = worst.max(excess / distance);
+                } else {
+                    // What rounding does not explain, which the unit directions came first to tell.
+                    worst_length = worst_length.max((excess - worst * distance) / radius);
+                }
+            });
+            // With directions of another length spheres are lost from further than r / 2e.
+            assert!(hits > 50_000 || (length != 0.0 && distances.1 > 1e4), "{distances:?}: {hits}");
+        }
+    }
+    println!("worst: {:.2} ε D; for the length {:.1e} r", worst / f64::from(EPSILON), worst_length);
+    assert!(worst > per_distance / 8.0, "{worst:e}");
+    assert!((per_radius / 8.0..per_radius).contains(&worst_length), "{worst_length:e}");
+}
+
+/// The same by the numbers that traversals use.
+#[test]
+fn rays_pass_the_boxes_of_spheres_they_hit_and_enter_them_no_later() {
+    for length in LENGTHS {
+        for distances in DISTANCES {
+            each_hit(92, 60_000, distances, length, |found| {
+                let bounds = Bounds::of_sphere(found.center, found.radius);
+                let extent = bounds.lo.abs().max(bounds.hi.abs()).max_element();
+                let padding = Padding::new(extent).with_spheres();
+                let slabs = Slabs::new(&ray(found.origin, found.direction), padding);
+                let corner = |v: Vec3| math::Vec3::new(v.x, v.y, v.z);
+                let (near, far) = slabs.pass(corner(bounds.lo), corner(bounds.hi));
+                let what = || format!("{bounds:?} from {} along {}", found.origin, found.direction);
+                assert!(near <= far && far >= 0.0, "{}: {near} to {far}", what());
+                assert!(near <= found.t, "{}: {near} to {far}, hit at {}", what(), found.t);
+            });
+        }
+    }
+}

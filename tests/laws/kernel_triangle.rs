@@ -1,0 +1,175 @@
+//! The law of ray and triangle: away from edges every method agrees with f64; limits and inactive lanes,
+//! directions that are none, rays in the plane. Where methods leak is the matter of
+//! `tests/pictures/stability.rs`, traversals are held to it by `tests/laws/watertight.rs`.
+
+use crate::common::{Rng, packet, ray};
+use glam::{DVec3, Vec3, Vec3Swizzles};
+use octray::kernel::ray_triangle::{
+    BaldwinWeber, MollerTrumbore, MollerTrumboreEpsilon, Plucker, TriangleHit, TriangleMethod, Woop,
+    WoopContracted,
+};
+use octray::lane::{F32x8, Lane, Mask};
+use octray::math::Ray;
+use octray::measure::stability::triangles::{intersect, reference_tuv, well_shaped};
+
+/// Away from edges every method agrees with f64: hit or miss, t, u and v within `bound` times the largest
+/// length involved. Returns the largest error in these units and how many rays hit.
+fn agrees<T: TriangleMethod>(center: DVec3, distance: f64, bound: f64) -> (f64, usize) {
+    let mut rng = Rng(12);
+    let (mut worst, mut hits) = (0.0_f64, 0);
+    let largest = distance + center.abs().max_element() + 1.0;
+    let margin = bound * largest;
+    for _ in 0..20_000 {
+        let (triangle, ray) = well_shaped(&mut rng, center, distance, 1.0);
+        let [t, u, v] = reference_tuv(triangle, &ray);
+        let inside = u.min(v).min(1.0 - u - v);
+        let found = intersect::<T>(triangle, &ray, f32::INFINITY);
+        if inside > margin {
+            let found = found.unwrap_or_else(|| panic!("missed {triangle:?} with {ray:?}"));
+            let errors = [0, 1, 2].map(|i| (f64::from(found[i]) - [t, u, v][i]).abs());
+            worst = errors.into_iter().fold(worst, f64::max);
+            hits += 1;
+        } else if inside < -margin {
+            assert_eq!(found, None, "hit {triangle:?} with {ray:?}");
+        }
+    }
+    (worst / largest, hits)
+}
+
+/// ε is half the distance from 1 to the next float.
+const EPSILON: f64 = 1.0 / (1 << 24) as f64;
+
+#[test]
+fn all_methods_agree_with_f64_away_from_edges() {
+    for (center, distance) in [(DVec3::ZERO, 3.0), (DVec3::new(20.0, -30.0, 10.0), 5.0), (DVec3::ZERO, 300.0)]
+    {
+        // A few roundings, which heights above 0.3 and angles below 70° magnify by some ten times at most;
+        // measured: 3 to 10 ε.
+        let bound = 30.0 * EPSILON;
+        let all = [
+            agrees::<Woop>(center, distance, bound),
+            agrees::<WoopContracted>(center, distance, bound),
+            agrees::<MollerTrumbore>(center, distance, bound),
+            agrees::<MollerTrumboreEpsilon>(center, distance, bound),
+            agrees::<BaldwinWeber>(center, distance, bound),
+            agrees::<Plucker>(center, distance, bound),
+        ];
+        println!(
+            "{center}, {distance}: {:.1?} ε of the largest length",
+            all.map(|(worst, _)| worst / EPSILON)
+        );
+        for (worst, hits) in all {
+            assert!(worst <= bound && hits > 2000, "{center}, {distance}: {all:?}, bound {bound:e}");
+        }
+    }
+}
+
+#[test]
+fn barycentrics_and_t_name_the_same_point() {
+    fn check<T: TriangleMethod>() {
+        let mut rng = Rng(13);
+        let mut hits = 0;
+        for _ in 0..20_000 {
+            let (triangle, ray) = well_shaped(&mut rng, DVec3::ZERO, 3.0, 1.0);
+            let Some([t, u, v]) = intersect::<T>(triangle, &ray, f32::INFINITY) else { continue };
+            let [a, b, c] = triangle.map(|vertex| vertex.as_dvec3());
+            let [t, u, v] = [t, u, v].map(f64::from);
+            let on_triangle = a + (b - a) * u + (c - a) * v;
+            let on_ray = ray.origin.get(0).as_dvec3() + ray.direction.get(0).as_dvec3() * t;
+            assert!((on_triangle - on_ray).length() < 30.0 * 4.0 * EPSILON, "{triangle:?}, {ray:?}");
+            assert!(u >= -1e-6 && v >= -1e-6 && u + v <= 1.0 + 1e-6, "{u} {v}");
+            hits += 1;
+        }
+        assert!(hits > 2000);
+    }
+    check::<Woop>();
+    check::<WoopContracted>();
+    check::<MollerTrumbore>();
+    check::<MollerTrumboreEpsilon>();
+    check::<BaldwinWeber>();
+    check::<Plucker>();
+}
+
+#[test]
+fn zero_and_nan_directions_miss() {
+    fn check<T: TriangleMethod>() {
+        let triangle = [Vec3::ZERO, Vec3::X, Vec3::Y];
+        for origin in
+            [Vec3::new(0.2, 0.3, 1.0), Vec3::new(0.2, 0.3, 0.0), Vec3::ZERO, Vec3::new(-1.0, 2.0, -3.0)]
+        {
+            for direction in [Vec3::ZERO, -Vec3::ZERO, Vec3::NAN, Vec3::new(0.0, f32::NAN, -1.0)] {
+                for limit in [1.0, f32::INFINITY] {
+                    let hit = intersect::<T>(triangle, &ray(origin, direction), limit);
+                    assert_eq!(hit, None, "{origin} along {direction}");
+                }
+            }
+        }
+    }
+    check::<Woop>();
+    check::<WoopContracted>();
+    check::<MollerTrumbore>();
+    check::<MollerTrumboreEpsilon>();
+    check::<BaldwinWeber>();
+    check::<Plucker>();
+}
+
+#[test]
+fn rays_in_the_plane_of_a_triangle_give_no_infinite_t() {
+    fn check<T: TriangleMethod>() {
+        let mut rng = Rng(15);
+        for _ in 0..20_000 {
+            let triangle = [(); 3].map(|()| Vec3::new(rng.signed() as f32, rng.signed() as f32, 0.0));
+            let turned = triangle.map(|v| [v, v.zxy(), v.yzx()][rng.0 as usize % 3]);
+            let towards = turned[0].lerp(turned[1].lerp(turned[2], rng.unit() as f32), rng.unit() as f32);
+            let origin = turned[0] + (turned[1] - turned[2]) * 2.0;
+            let t = intersect::<T>(turned, &ray(origin, towards - origin), f32::INFINITY).map(|[t, ..]| t);
+            assert!(t.is_none_or(|t| t > 0.0 && t.is_finite()), "{t:?}");
+        }
+    }
+    check::<Woop>();
+    check::<WoopContracted>();
+    check::<MollerTrumbore>();
+    check::<MollerTrumboreEpsilon>();
+    check::<BaldwinWeber>();
+    check::<Plucker>();
+}
+
+#[test]
+fn hits_lie_below_the_limit_and_inactive_lanes_miss() {
+    fn check<T: TriangleMethod>() {
+        let mut rng = Rng(16);
+        let mut hits = 0;
+        for _ in 0..2_000 {
+            let (triangle, _) = well_shaped(&mut rng, DVec3::ZERO, 3.0, 1.0);
+            let centroid = (triangle[0] + triangle[1] + triangle[2]) / 3.0;
+            let rays: [Ray<f32>; 8] = std::array::from_fn(|_| {
+                let origin = (rng.direction() * 4.0).as_vec3();
+                ray(origin, centroid + rng.in_cube().as_vec3() * 0.3 - origin)
+            });
+            let unlimited = rays.map(|ray| intersect::<T>(triangle, &ray, f32::INFINITY));
+            let limits: [f32; 8] = std::array::from_fn(|lane| match (lane % 4, unlimited[lane]) {
+                (0, _) => 0.0,
+                (1, Some([t, ..])) => 0.9 * t,
+                (2, Some([t, ..])) => t.next_up(),
+                (3, Some([t, ..])) => t,
+                _ => f32::INFINITY,
+            });
+            let prepared = T::prepare(&packet::<F32x8>(&rays));
+            let TriangleHit { mask, t, u, v } = T::test(&prepared, &T::store(triangle), F32x8::load(&limits));
+            for lane in 0..8 {
+                let expected = unlimited[lane].filter(|[t, ..]| *t < limits[lane]);
+                let hit = mask.bitmask() >> lane & 1 == 1;
+                assert_eq!(hit.then(|| [t, u, v].map(|x| x.get(lane))), expected, "limit {}", limits[lane]);
+                assert!(limits[lane] > 0.0 || !hit);
+                hits += usize::from(hit);
+            }
+        }
+        assert!(hits > 2000);
+    }
+    check::<Woop>();
+    check::<WoopContracted>();
+    check::<MollerTrumbore>();
+    check::<MollerTrumboreEpsilon>();
+    check::<BaldwinWeber>();
+    check::<Plucker>();
+}

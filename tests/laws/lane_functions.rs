@@ -1,0 +1,306 @@
+//! The law of the elementary functions: their documented errors and special values are true.
+//!
+//! Errors are measured against `f64` on every 97th float of the domain and on even steps, at width 1 (width 8
+//! has the same bits: `lane_parity`); what is ignored, on every eleventh. The bounds hold with FMA and
+//! without: see `lane_parity` for the command.
+
+use octray::lane::functions::{atan2, cos, exp, ln, powf, sin, sin_cos, sin_cos_turns};
+use std::f32::consts::{FRAC_PI_2, FRAC_PI_4, PI};
+use std::f64::consts::TAU;
+
+/// The worst of many errors and where it was.
+#[derive(Clone, Copy, Debug)]
+struct Worst<T> {
+    error: f64,
+    at: Option<T>,
+}
+
+fn worst<T: Copy>(inputs: impl Iterator<Item = T>, error: impl Fn(T) -> f64) -> Worst<T> {
+    let mut worst = Worst { error: 0.0, at: None };
+    for at in inputs {
+        let error = error(at);
+        if error > worst.error || error.is_nan() {
+            worst = Worst { error, at: Some(at) };
+            if error.is_nan() {
+                break;
+            }
+        }
+    }
+    worst
+}
+
+/// The error in units of the distance of neighbouring floats at the exact result.
+fn ulps(approximate: f32, exact: f64) -> f64 {
+    let exponent = exact.abs().max(f64::from(f32::MIN_POSITIVE)).log2().floor();
+    (f64::from(approximate) - exact).abs() / (exponent - 23.0).exp2()
+}
+
+/// Every `stride`-th float from `low` to `high`, both positive.
+fn floats(low: f32, high: f32, stride: usize) -> impl Iterator<Item = f32> {
+    (low.to_bits()..=high.to_bits()).step_by(stride).map(f32::from_bits)
+}
+
+/// `count` even steps from `low` to `high`.
+fn steps(low: f32, high: f32, count: u32) -> impl Iterator<Item = f32> {
+    (0..=count).map(move |i| low + (high - low) * (i as f32 / count as f32))
+}
+
+fn both_signs(x: f32) -> [f32; 2] {
+    [x, -x]
+}
+
+#[track_caller]
+fn assert_bound<T: std::fmt::Debug>(name: &str, worst: Worst<T>, bound: f64) {
+    println!("{name}: {:.4e} at {:?}", worst.error, worst.at);
+    assert!(worst.error <= bound, "{name}: {worst:?}, bound {bound:e}");
+    // A bound far above the truth says nothing.
+    assert!(worst.error > bound / 2.0, "{name}: {worst:?} is far below the documented {bound:e}");
+}
+
+const STRIDE: usize = 97;
+
+fn check_sin_cos(stride: usize) {
+    let inputs = || {
+        floats(1e-30, 8192.0, stride).flat_map(both_signs).chain(steps(
+            -8192.0,
+            8192.0,
+            4_000_000 / stride as u32 * 97,
+        ))
+    };
+    let error = |x: f32| {
+        let (sin, cos) = sin_cos(x);
+        let exact = f64::from(x).sin_cos();
+        (f64::from(sin) - exact.0).abs().max((f64::from(cos) - exact.1).abs())
+    };
+    assert_bound("sin_cos", worst(inputs(), error), SIN_COS);
+}
+
+fn check_sin_cos_turns(stride: usize) {
+    let inputs = || floats(1e-30, 1.0, stride).chain(steps(0.0, 1.0, 1 << 22));
+    let error = |u: f32| {
+        let (sin, cos) = sin_cos_turns(u);
+        let exact = (f64::from(u).fract() * TAU).sin_cos();
+        (f64::from(sin) - exact.0).abs().max((f64::from(cos) - exact.1).abs())
+    };
+    assert_bound("sin_cos_turns", worst(inputs(), error), SIN_COS_TURNS);
+}
+
+fn check_atan2(stride: usize) {
+    // The error depends on the quotient alone, up to rounding: all quotients, in each of the eight octants,
+    // at several lengths.
+    let quotients = || floats(1e-6, 1.0, stride);
+    let inputs = [1.0, 0.37, 1e-15, 2.5e20].into_iter().flat_map(move |length: f32| {
+        quotients().flat_map(move |q| {
+            let (long, short) = (length, q * length);
+            [(short, long), (long, short), (short, -long), (-long, short), (-short, -long), (-long, -short)]
+        })
+    });
+    let error = |(y, x): (f32, f32)| ulps(atan2(y, x), f64::from(y).atan2(f64::from(x)));
+    assert_bound("atan2", worst(inputs, error), ATAN2);
+}
+
+fn check_exp(stride: usize) {
+    let inputs = floats(1e-10, 88.722_83, stride)
+        .chain(floats(1e-10, 87.336_53, stride).map(|x| -x))
+        .chain(steps(-87.3, 88.7, 4_000_000));
+    assert_bound("exp", worst(inputs, |x| ulps(exp(x), f64::from(x).exp())), EXP);
+}
+
+fn check_ln(stride: usize) {
+    // Near 1, where the logarithm vanishes, all the more densely.
+    let inputs = floats(f32::from_bits(1), f32::MAX, stride).chain(floats(0.5, 2.0, stride.div_ceil(16)));
+    assert_bound("ln", worst(inputs, |x| ulps(ln(x), f64::from(x).ln())), LN);
+}
+
+fn check_powf(stride: usize) {
+    let bases = || floats(f32::from_bits(1), f32::MAX, stride * 10_007);
+    let inputs = bases().flat_map(|x| {
+        let ln = f64::from(x).ln();
+        // Exponents whose results cover the range of normal numbers.
+        (-170..=170).map(move |i| (x, (0.513 * f64::from(i) / ln) as f32))
+    });
+    let error = |(x, y): (f32, f32)| {
+        let exponent = f64::from(y) * f64::from(x).ln();
+        let exact = exponent.exp();
+        if !(y.is_finite() && (-87.3..88.7).contains(&exponent)) {
+            return 0.0;
+        }
+        (f64::from(powf(x, y)) / exact - 1.0).abs() / (1.0 + exponent.abs())
+    };
+    assert_bound("powf", worst(inputs, error), POWF);
+}
+
+// As `lane::functions` documents them.
+const SIN_COS: f64 = 1.2e-7;
+const SIN_COS_TURNS: f64 = 8e-7;
+const ATAN2: f64 = 3.0;
+const EXP: f64 = 1.2;
+const LN: f64 = 0.9;
+const POWF: f64 = 1.5e-7;
+
+#[test]
+fn sin_cos_is_as_accurate_as_documented() {
+    check_sin_cos(STRIDE);
+}
+
+#[test]
+fn sin_cos_turns_is_as_accurate_as_documented() {
+    check_sin_cos_turns(STRIDE);
+}
+
+#[test]
+fn atan2_is_as_accurate_as_documented() {
+    check_atan2(STRIDE * 16);
+}
+
+#[test]
+fn exp_is_as_accurate_as_documented() {
+    check_exp(STRIDE);
+}
+
+#[test]
+fn ln_is_as_accurate_as_documented() {
+    check_ln(STRIDE * 8);
+}
+
+#[test]
+fn powf_is_as_accurate_as_documented() {
+    check_powf(STRIDE);
+}
+
+#[test]
+#[ignore = "minutes: run by .ci/run"]
+fn functions_are_as_accurate_as_documented_on_a_dense_sweep() {
+    check_sin_cos(11);
+    check_sin_cos_turns(11);
+    check_atan2(97);
+    check_exp(11);
+    check_ln(11);
+    check_powf(11);
+}
+
+fn same(a: f32, b: f32) -> bool {
+    a.to_bits() == b.to_bits() || (a.is_nan() && b.is_nan())
+}
+
+#[test]
+fn sin_and_cos_are_the_two_halves_of_sin_cos() {
+    for x in steps(-30.0, 30.0, 1000) {
+        assert_eq!((sin(x), cos(x)), sin_cos(x));
+    }
+}
+
+#[test]
+fn sin_cos_of_what_is_no_angle_is_nan() {
+    for x in [f32::INFINITY, f32::NEG_INFINITY, f32::NAN] {
+        assert!(sin(x).is_nan() && cos(x).is_nan(), "{x}");
+    }
+    assert_eq!((sin(0.0), cos(0.0)), (0.0, 1.0));
+}
+
+#[test]
+fn quarter_turns_have_the_right_signs() {
+    for (turns, expected) in [(0.0, (0.0, 1.0)), (0.25, (1.0, 0.0)), (0.5, (0.0, -1.0)), (0.75, (-1.0, 0.0))]
+    {
+        let (sin, cos) = sin_cos_turns(turns);
+        let (expected_sin, expected_cos): (f32, f32) = expected;
+        let error = (sin - expected_sin).abs().max((cos - expected_cos).abs());
+        assert!(error < SIN_COS_TURNS as f32, "{turns}: {sin}, {cos}");
+    }
+}
+
+#[test]
+fn atan2_of_zeros_and_infinities_is_as_ieee_says() {
+    let inf = f32::INFINITY;
+    for (y, x, angle) in [
+        (0.0, 0.0, 0.0),
+        (0.0, -0.0, PI),
+        (0.0, 1.0, 0.0),
+        (0.0, -1.0, PI),
+        (1.0, 0.0, FRAC_PI_2),
+        (1.0, -0.0, FRAC_PI_2),
+        (1.0, inf, 0.0),
+        (1.0, -inf, PI),
+        (inf, 1.0, FRAC_PI_2),
+        (inf, -1.0, FRAC_PI_2),
+        (inf, inf, FRAC_PI_4),
+        (inf, -inf, 3.0 * FRAC_PI_4),
+        (f32::from_bits(1), f32::from_bits(1), FRAC_PI_4),
+        (f32::MAX, f32::MIN_POSITIVE, FRAC_PI_2),
+        (1e-40, 1.0, 1e-40),
+    ] {
+        assert!(same(atan2(y, x), angle), "atan2({y:?}, {x:?}) = {:?}, not {angle:?}", atan2(y, x));
+        assert!(same(atan2(-y, x), -angle), "atan2({:?}, {x:?}) = {:?}, not {:?}", -y, atan2(-y, x), -angle);
+    }
+}
+
+#[test]
+fn atan2_never_leaves_half_a_turn() {
+    for q in floats(1e-20, 1e20, 100_003) {
+        assert!(atan2(q, -1.0) <= PI && atan2(-q, -1.0) >= -PI);
+    }
+}
+
+#[test]
+fn exp_overflows_to_infinity_and_underflows_to_zero() {
+    for (x, result) in [
+        (0.0, 1.0),
+        (-0.0, 1.0),
+        (88.722_9, f32::INFINITY),
+        (89.0, f32::INFINITY),
+        (1e30, f32::INFINITY),
+        (f32::INFINITY, f32::INFINITY),
+        (-87.4, 0.0),
+        (-104.0, 0.0),
+        (-1e30, 0.0),
+        (f32::NEG_INFINITY, 0.0),
+        (f32::NAN, f32::NAN),
+        (1e-40, 1.0),
+    ] {
+        assert!(same(exp(x), result), "exp({x:?}) = {:?}, not {result:?}", exp(x));
+    }
+    assert!(exp(88.722_83).is_finite() && exp(-87.336_53) >= f32::MIN_POSITIVE);
+}
+
+#[test]
+fn ln_of_what_has_none_is_as_ieee_says() {
+    for (x, result) in [
+        (0.0, f32::NEG_INFINITY),
+        (-0.0, f32::NEG_INFINITY),
+        (1.0, 0.0),
+        (f32::INFINITY, f32::INFINITY),
+        (-1.0, f32::NAN),
+        (-1e-40, f32::NAN),
+        (f32::NEG_INFINITY, f32::NAN),
+        (f32::NAN, f32::NAN),
+    ] {
+        assert!(same(ln(x), result), "ln({x:?}) = {:?}, not {result:?}", ln(x));
+    }
+}
+
+#[test]
+fn powf_of_special_values_is_as_documented() {
+    let inf = f32::INFINITY;
+    for (x, y, result) in [
+        (2.0, 0.0, 1.0),
+        (0.0, 0.0, 1.0),
+        (inf, 0.0, 1.0),
+        (f32::NAN, 0.0, 1.0),
+        (-3.0, 0.0, 1.0),
+        (1.0, 1e30, 1.0),
+        (0.0, 2.0, 0.0),
+        (0.0, -2.0, inf),
+        (inf, 2.0, inf),
+        (inf, -2.0, 0.0),
+        (2.0, inf, inf),
+        (2.0, -inf, 0.0),
+        (0.5, inf, 0.0),
+        (2.0, 200.0, inf),
+        (2.0, -200.0, 0.0),
+        (-2.0, 2.0, f32::NAN),
+        (2.0, f32::NAN, f32::NAN),
+        (f32::NAN, 1.0, f32::NAN),
+    ] {
+        assert!(same(powf(x, y), result), "powf({x:?}, {y:?}) = {:?}, not {result:?}", powf(x, y));
+    }
+}

@@ -1,0 +1,490 @@
+//! The law of the lane module: every operation, and everything written over lanes, gives the same bits at
+//! width 1 and at width 8.
+//!
+//! Any NaN equals any NaN (which one comes out is not promised); everything else is compared bit for bit,
+//! lane by lane, on all pairs of special values and on random bit patterns. Holds in every build; to run it
+//! in one without FMA and AVX: `RUSTFLAGS="-C target-cpu=x86-64" cargo test --target-dir target/plain --test
+//! lane_parity`.
+
+use crate::common::Rng;
+use octray::kernel::{bsdf, surface, texture};
+use octray::lane::{Bits, F32x8, Lane, Mask, Mask8, U32x8, functions, lane_indices, set_bits};
+use octray::math::Vec3;
+use octray::sampling::{SampleValues, Sampler, random, warp};
+use std::f32::consts::PI;
+
+/// What an operation may read: three floats, three integers, a truth value.
+#[derive(Clone, Copy)]
+struct Input<L: Lane> {
+    x: L,
+    y: L,
+    z: L,
+    i: L::Bits,
+    j: L::Bits,
+    k: L::Bits,
+    mask: L::Mask,
+}
+
+/// What comes out of it.
+#[derive(Clone, Copy)]
+enum Value<L: Lane> {
+    Float(L),
+    Integer(L::Bits),
+    Truth(L::Mask),
+}
+use Value::{Float, Integer, Truth};
+
+/// An operation at any width.
+trait Operation {
+    fn run<L: Lane>(input: Input<L>) -> Vec<Value<L>>;
+}
+
+impl<L: Lane> Value<L> {
+    /// The bits of one lane, all NaN alike.
+    fn get(&self, lane: usize) -> u32 {
+        match *self {
+            Float(x) if x.get(lane).is_nan() => 0x7fc0_0000,
+            Float(x) => x.get(lane).to_bits(),
+            Integer(i) => i.get(lane),
+            Truth(mask) => mask.bitmask() >> lane & 1,
+        }
+    }
+}
+
+fn vector<L: Lane>(v: Vec3<L>) -> Vec<Value<L>> {
+    vec![Float(v.x), Float(v.y), Float(v.z)]
+}
+
+type Case = Input<f32>;
+
+const SPECIAL: &[f32] = &[
+    0.0,
+    1.0,
+    0.5,
+    1.5,
+    2.5,
+    0.333_333_34,
+    PI,
+    7.0,
+    31.0,
+    1e-3,
+    1e30,
+    1e-30,
+    1e-38,
+    3e38,
+    f32::MIN_POSITIVE,
+    f32::MAX,
+    f32::EPSILON,
+    f32::INFINITY,
+    f32::NAN,
+    f32::from_bits(1),
+    f32::from_bits(0x007f_ffff),
+    f32::from_bits(0x7f80_0001),
+    0.999_999_94,
+    8_388_607.5,
+    8_388_608.0,
+    8_388_609.0,
+    4_194_304.5,
+    16_777_216.0,
+    2_147_483_500.0,
+    2_147_483_600.0,
+    2_147_483_648.0,
+    2_147_483_900.0,
+    4_294_967_300.0,
+    88.722_84,
+    87.336_54,
+    8192.0,
+];
+
+/// All pairs of special values of both signs, and random bit patterns, whole exponent range and near one.
+fn cases() -> Vec<Case> {
+    let special: Vec<f32> = SPECIAL.iter().flat_map(|&x| [x, -x]).collect();
+    let mut rng = Rng(1);
+    let mut cases = Vec::new();
+    let mut push = |x: f32, y: f32, z: f32, rng: &mut Rng| {
+        let small = |bits: u32| if bits & 3 == 0 { bits >> 29 } else { bits };
+        let [i, j] = [small(rng.bits()), small(rng.bits())];
+        // Equal integers, and an index for small tables.
+        let j = if rng.index(4) == 0 { i } else { j };
+        cases.push(Input { x, y, z, i, j, k: rng.bits() >> 29, mask: rng.bits() >> 31 == 1 });
+    };
+    for &x in &special {
+        for &y in &special {
+            let z = special[rng.index(special.len())];
+            push(x, y, z, &mut rng);
+        }
+    }
+    for _ in 0..40_000 {
+        let [x, y, z] = std::array::from_fn(|_| f32::from_bits(rng.bits()));
+        push(x, y, z, &mut rng);
+        let [x, y, z] = std::array::from_fn(|_| (rng.signed() * rng.scale(1e-3, 1e3)) as f32);
+        push(x, y, z, &mut rng);
+        let [x, y, z] = std::array::from_fn(|_| rng.unit() as f32);
+        push(x, y, z, &mut rng);
+    }
+    cases.truncate(cases.len() / 8 * 8);
+    cases
+}
+
+fn assert_parity<O: Operation>(name: &str) {
+    for cases in cases().chunks_exact(8) {
+        let float = |of: fn(&Case) -> f32| F32x8::from_fn(|lane| of(&cases[lane]));
+        let integer = |of: fn(&Case) -> u32| U32x8::from_fn(|lane| of(&cases[lane]));
+        let wide = O::run(Input::<F32x8> {
+            x: float(|case| case.x),
+            y: float(|case| case.y),
+            z: float(|case| case.z),
+            i: integer(|case| case.i),
+            j: integer(|case| case.j),
+            k: integer(|case| case.k),
+            mask: integer(|case| u32::from(case.mask)).equals(U32x8::splat(1)),
+        });
+        for (lane, case) in cases.iter().enumerate() {
+            // Opaque, so that neither side is computed at compile time.
+            let single = O::run(std::hint::black_box(*case));
+            assert_eq!(single.len(), wide.len());
+            for (number, (single, wide)) in single.iter().zip(&wide).enumerate() {
+                let (single, wide) = (single.get(0), wide.get(lane));
+                let Input { x, y, z, i, j, k, mask } = *case;
+                assert!(
+                    single == wide,
+                    "{name}, value {number}, lane {lane}: {single:#010x} ({:?}) at width 1, {wide:#010x} ({:?}) at width 8\n\
+                     of x {x:?}, y {y:?}, z {z:?}, i {i:#x}, j {j:#x}, k {k}, mask {mask}",
+                    f32::from_bits(single),
+                    f32::from_bits(wide),
+                );
+            }
+        }
+    }
+}
+
+/// Each line is a test: a name, and what is computed of the [`Input`].
+macro_rules! same_at_every_width {
+    ($($name:ident: |$input:ident| $values:expr;)*) => {$(
+        #[test]
+        fn $name() {
+            struct This;
+            impl Operation for This {
+                #[inline(always)]
+                fn run<L: Lane>($input: Input<L>) -> Vec<Value<L>> {
+                    $values.into()
+                }
+            }
+            assert_parity::<This>(stringify!($name));
+        }
+    )*};
+}
+
+same_at_every_width! {
+    add_is_the_same_at_every_width: |o| [Float(o.x + o.y)];
+    sub_is_the_same_at_every_width: |o| [Float(o.x - o.y)];
+    mul_is_the_same_at_every_width: |o| [Float(o.x * o.y)];
+    div_is_the_same_at_every_width: |o| [Float(o.x / o.y)];
+    neg_is_the_same_at_every_width: |o| [Integer((-o.x).to_bits())];
+    mul_add_is_the_same_at_every_width: |o| [Float(o.x.mul_add(o.y, o.z))];
+    neg_mul_add_is_the_same_at_every_width: |o| [Float(o.x.neg_mul_add(o.y, o.z))];
+    sqrt_is_the_same_at_every_width: |o| [Float(o.x.sqrt()), Float(o.x.abs().sqrt())];
+    comparisons_are_the_same_at_every_width: |o| [
+        Truth(o.x.lt(o.y)), Truth(o.x.le(o.y)), Truth(o.x.eq(o.y)), Truth(o.x.gt(o.y)), Truth(o.x.ge(o.y)),
+        Truth(o.x.lt(o.x)), Truth(o.x.le(o.x)), Truth(o.x.eq(o.x)), Truth(o.x.gt(o.x)), Truth(o.x.ge(o.x)),
+    ];
+    select_is_the_same_at_every_width: |o| [
+        Integer(L::select(o.mask, o.x, o.y).to_bits()), Integer(o.x.only(o.mask).to_bits()),
+    ];
+    bits_of_floats_are_the_same_at_every_width: |o| [Integer(o.x.to_bits()), Integer(L::from_bits(o.i).to_bits())];
+    truncate_to_int_is_the_same_at_every_width: |o| [Integer(o.x.truncate_to_int())];
+    from_int_is_the_same_at_every_width: |o| [
+        Float(L::from_int(o.i)), Float(L::from_int(o.i.shr(8))), Float(L::from_int(o.k)),
+    ];
+    pick_is_the_same_at_every_width: |o| {
+        let table = [1.0, -0.0, f32::INFINITY, f32::from_bits(1), 0.25, -7.5, f32::MAX, 8.0];
+        [Float(L::pick(&table, o.k))]
+    };
+    gather_rows_is_the_same_at_every_width: |o| {
+        const fn table<const N: usize>() -> [[f32; N]; 11] {
+            let mut table = [[0.0; N]; 11];
+            let mut number = 0;
+            while number < 11 * N {
+                table[number / N][number % N] = number as f32 + 0.5;
+                number += 1;
+            }
+            table
+        }
+        let index = o.k.wrapping_add(o.i.shr(31)).wrapping_add(o.j.shr(31));
+        let mut values = Vec::new();
+        values.extend(L::gather_rows::<8>(&table::<8>(), index).map(Float));
+        values.extend(L::gather_rows::<4>(&table::<4>(), index).map(Float));
+        values.extend(L::gather_rows::<3>(&table::<3>(), index).map(Float));
+        values
+    };
+    min_and_max_are_the_same_at_every_width: |o| [
+        Integer(o.x.min(o.y).to_bits()), Integer(o.x.max(o.y).to_bits()),
+    ];
+    abs_is_the_same_at_every_width: |o| [Integer(o.x.abs().to_bits())];
+    sign_operations_are_the_same_at_every_width: |o| [
+        Integer(o.x.sign_bit().to_bits()), Integer(o.x.flip_sign(o.y).to_bits()), Integer(o.x.copysign(o.y).to_bits()),
+        Truth(o.x.is_sign_negative()),
+    ];
+    floor_is_the_same_at_every_width: |o| [Float(o.x.floor())];
+    is_finite_is_the_same_at_every_width: |o| [Truth(o.x.is_finite())];
+    constants_are_the_same_at_every_width: |_o| [
+        Float(L::zero()), Float(L::one()), Float(L::splat(0.1)), Integer(L::Bits::splat(0x8000_0001)),
+        Truth(L::Mask::splat(true)), Truth(L::Mask::splat(false)),
+    ];
+
+    integer_arithmetic_is_the_same_at_every_width: |o| [
+        Integer(o.i.wrapping_add(o.j)), Integer(o.i.wrapping_mul(o.j)),
+        Integer(o.i.shl(0)), Integer(o.i.shl(1)), Integer(o.i.shl(23)), Integer(o.i.shl(31)),
+        Integer(o.i.shr(0)), Integer(o.i.shr(1)), Integer(o.i.shr(23)), Integer(o.i.shr(31)),
+        Integer(o.i.reverse()),
+    ];
+    integer_comparisons_are_the_same_at_every_width: |o| [Truth(o.i.equals(o.j)), Truth(o.i.less(o.j))];
+    integer_logic_is_the_same_at_every_width: |o| [
+        Integer(o.i & o.j), Integer(o.i | o.j), Integer(o.i ^ o.j), Integer(!o.i),
+        Integer(L::Bits::select(o.mask, o.i, o.j)),
+    ];
+    mask_logic_is_the_same_at_every_width: |o| {
+        let other = o.x.lt(o.y);
+        [Truth(o.mask & other), Truth(o.mask | other), Truth(o.mask ^ other), Truth(!o.mask)]
+    };
+
+    sin_cos_is_the_same_at_every_width: |o| {
+        let (sin, cos) = functions::sin_cos(o.x);
+        [Float(sin), Float(cos), Float(functions::sin(o.x)), Float(functions::cos(o.x))]
+    };
+    sin_cos_turns_is_the_same_at_every_width: |o| {
+        let (sin, cos) = functions::sin_cos_turns(o.x);
+        [Float(sin), Float(cos)]
+    };
+    atan2_is_the_same_at_every_width: |o| [Float(functions::atan2(o.y, o.x))];
+    exp_is_the_same_at_every_width: |o| [Float(functions::exp(o.x))];
+    ln_is_the_same_at_every_width: |o| [Float(functions::ln(o.x))];
+    powf_is_the_same_at_every_width: |o| [Float(functions::powf(o.x, o.y)), Float(functions::powf(o.x.abs(), o.y))];
+
+    random_numbers_are_the_same_at_every_width: |o| {
+        let key = random::path_key(7, o.i, 12);
+        [
+            Integer(random::mix_bits(o.i)), Integer(key), Integer(random::path_key(u32::MAX, o.j, u32::MAX)),
+            Float(random::uniform::<L>(key, 0)), Float(random::uniform::<L>(o.i, 77)),
+        ]
+    };
+    samplers_are_the_same_at_every_width: |o| {
+        let mut values = Vec::new();
+        for sampler in [Sampler::Sobol, Sampler::Random] {
+            let key = sampler.key(7, o.i, 12);
+            let [some, other] = [SampleValues::new(sampler, 7, 12, 8), SampleValues::new(sampler, u32::MAX, u32::MAX, 0)];
+            let (first, second) = (some.get_2d::<L>(key, 2), other.get_2d::<L>(o.j, 0));
+            values.extend([first.0, first.1, second.0, second.1, some.get_1d(key, 5)].map(Float));
+            values.push(Integer(key));
+        }
+        values
+    };
+    warps_are_the_same_at_every_width: |o| {
+        let n = Vec3::new(o.x, o.y, o.z);
+        let unit = n.normalize();
+        let (u, v) = (random::uniform::<L>(o.i, 0), random::uniform::<L>(o.j, 1));
+        let mut values = Vec::new();
+        for vectors in [warp::orthonormal_basis(n), warp::orthonormal_basis(unit)] {
+            values.extend(vector(vectors.0));
+            values.extend(vector(vectors.1));
+        }
+        values.extend(vector(warp::sample_cosine_hemisphere(unit, u, v)));
+        values.extend(vector(warp::sample_uniform_sphere(u, v)));
+        values.extend(vector(warp::sample_uniform_sphere(o.x, o.y)));
+        values
+    };
+    vectors_are_the_same_at_every_width: |o| {
+        let (a, b) = (Vec3::new(o.x, o.y, o.z), Vec3::new(o.z, -o.x, o.y));
+        let mut values = vec![Float(a.dot(b))];
+        for v in [a.cross(b), a.mul_add(o.y, b), a.normalize(), a.flip_sign(o.y), a.reflect(b), a + b, a - b, a * b, -a] {
+            values.extend(vector(v));
+        }
+        values.extend(vector(Vec3::select(o.mask, a, b)));
+        values
+    };
+
+    scattering_is_the_same_at_every_width: |o| {
+        let n = Vec3::new(o.x, o.y, o.z).normalize();
+        let d = Vec3::new(o.y, -o.z, o.x).normalize();
+        let d = d.flip_sign(-L::zero().lt(d.dot(n)).bitmask_sign::<L>());
+        let (u, v) = (random::uniform::<L>(o.i, 0), random::uniform::<L>(o.j, 1));
+        let (alpha, ior) = (L::from_int(o.k.wrapping_add(L::Bits::splat(1))) * L::splat(0.125), L::splat(1.5));
+        let mut values = Vec::new();
+        for drawn in [
+            bsdf::diffuse::sample(n, u, v),
+            bsdf::mirror::sample(d, n),
+            bsdf::scatter::sample(d, n, alpha, u, v),
+            bsdf::ggx::sample(d, n, alpha, u, v),
+            bsdf::glass::sample(d, n, o.mask, ior, u),
+        ] {
+            values.extend(vector(drawn.wi));
+            values.extend([Float(drawn.weight), Float(drawn.pdf), Truth(drawn.alive)]);
+        }
+        let towards = Vec3::new(o.z, o.x, -o.y).normalize();
+        for lobe in [
+            bsdf::diffuse::evaluate(n, towards),
+            bsdf::scatter::evaluate(d, n, alpha, towards),
+            bsdf::ggx::evaluate(d, n, alpha, towards),
+        ] {
+            values.extend([Float(lobe.value), Float(lobe.pdf)]);
+        }
+        let color = Vec3::new(u, v, L::splat(0.5));
+        let plastic = bsdf::plastic::Plastic { color, alpha, ior, transmitted: L::splat(0.9) };
+        let (drawn, weight) = plastic.sample(d, n, v, (u, v));
+        values.extend(vector(drawn.wi).into_iter().chain(vector(weight)));
+        values.extend([Float(drawn.pdf), Truth(drawn.alive)]);
+        let lobe = plastic.evaluate(d, n, towards);
+        values.extend(vector(lobe.value));
+        values.push(Float(lobe.pdf));
+        values
+    };
+    surfaces_are_the_same_at_every_width: |o| {
+        let n = Vec3::new(o.x, o.y, o.z);
+        let mut values = vector(surface::sphere_normal(n, Vec3::new(o.y, o.z, o.x)));
+        let (u, v) = surface::latitude_longitude(n);
+        values.extend([Float(u), Float(v)]);
+        values
+    };
+    texels_are_the_same_at_every_width: |o| {
+        let size = |i: L::Bits| L::from_int(i.wrapping_add(L::Bits::splat(1)));
+        let grid = texture::Grid::<L> { width: size(o.k), height: size(o.i.shr(28)), first: L::Bits::splat(5) };
+        let (texels, right, lower) = grid.bilinear(o.x, o.y, o.mask);
+        let mut values = vec![Integer(grid.nearest(o.x, o.y, o.mask)), Float(right), Float(lower)];
+        values.extend(texels.map(Integer));
+        values.extend(vector(texture::srgb_to_linear::<L>(o.i)));
+        values
+    };
+}
+
+/// A truth value as a sign, for the tests' own use.
+trait Sign {
+    fn bitmask_sign<L: Lane<Mask = Self>>(self) -> L;
+}
+impl<M: Mask> Sign for M {
+    fn bitmask_sign<L: Lane<Mask = M>>(self) -> L {
+        L::select(self, L::one(), -L::one())
+    }
+}
+
+#[test]
+fn packing_moves_the_lanes_of_every_mask_to_the_front() {
+    let (floats, integers) =
+        (F32x8::from_fn(|lane| lane as f32 + 0.5), U32x8::from_fn(|lane| lane as u32 + 100));
+    for bits in 0..256u32 {
+        let mask = mask_of(bits);
+        let packing = F32x8::compress_indices(mask);
+        let (packed, packed_bits) = (floats.compress(packing), F32x8::compress_bits(integers, packing));
+        let chosen = (0..8).filter(|lane| bits >> lane & 1 == 1);
+        assert_eq!(mask.count(), chosen.clone().count());
+        for (to, from) in chosen.enumerate() {
+            assert_eq!(packed.get(to), floats.get(from), "mask {bits:#b}");
+            assert_eq!(packed_bits.get(to), integers.get(from), "mask {bits:#b}");
+        }
+    }
+    // At width one the only lane is the first.
+    f32::compress_indices(true);
+    assert_eq!((7.5_f32.compress(()), f32::compress_bits(9, ())), (7.5, 9));
+}
+
+fn mask_of(bits: u32) -> Mask8 {
+    U32x8::from_fn(|lane| bits >> lane & 1).equals(U32x8::splat(1))
+}
+
+#[test]
+fn mask_reductions_agree_with_their_lanes() {
+    for bits in 0..256u32 {
+        let mask = mask_of(bits);
+        assert_eq!(mask.bitmask(), bits);
+        assert_eq!(mask.any(), bits != 0);
+        assert_eq!(mask.all(), bits == 255);
+        assert_eq!(mask.count(), bits.count_ones() as usize);
+        assert_eq!((!mask).bitmask(), bits ^ 255);
+        let other = mask_of(bits.wrapping_mul(37) & 255);
+        assert_eq!((mask & other).bitmask(), bits & other.bitmask());
+        assert_eq!((mask | other).bitmask(), bits | other.bitmask());
+        assert_eq!((mask ^ other).bitmask(), bits ^ other.bitmask());
+    }
+    for mask in [false, true] {
+        assert_eq!(
+            (mask.any(), mask.all(), mask.bitmask(), Mask::count(mask)),
+            (mask, mask, u32::from(mask), usize::from(mask))
+        );
+    }
+}
+
+#[test]
+fn set_bits_are_told_from_the_lowest_on() {
+    for mask in [0, 1, 0x8000_0000, 0x8000_0001, 0b1011_0100, u32::MAX] {
+        let expected: Vec<usize> = (0..32).filter(|bit| mask >> bit & 1 == 1).collect();
+        assert_eq!(set_bits(mask).collect::<Vec<_>>(), expected, "{mask:b}");
+        let twice = u64::from(mask) << 32 | u64::from(mask);
+        let again = expected.iter().map(|bit| bit + 32);
+        let expected: Vec<usize> = expected.iter().copied().chain(again).collect();
+        assert_eq!(set_bits(twice).collect::<Vec<_>>(), expected, "{twice:b}");
+    }
+}
+
+#[test]
+fn first_lanes_are_those_below_the_count() {
+    for count in 0..20 {
+        let expected = (1u32 << count.min(8)) - 1;
+        assert_eq!(Mask8::first(count).bitmask(), expected);
+        assert_eq!(<bool as Mask>::first(count).bitmask(), expected & 1);
+    }
+    assert_eq!(Mask8::splat(true).bitmask(), 255);
+    assert_eq!(Mask8::splat(false).bitmask(), 0);
+}
+
+#[test]
+fn loads_and_stores_keep_bits_and_touch_no_neighbour() {
+    let integers: Vec<u32> = (0..40).map(|i: u32| i.wrapping_mul(0x9e37_79b9) | 0x7f80_0001).collect();
+    let floats: Vec<f32> = integers.iter().map(|&bits| f32::from_bits(bits)).collect();
+    for at in 0..30 {
+        for lane in 0..8 {
+            assert_eq!(F32x8::load(&floats[at..]).to_bits().get(lane), integers[at + lane]);
+            assert_eq!(U32x8::load(&integers[at..]).get(lane), integers[at + lane]);
+        }
+        let (mut to, mut to_bits) = ([1.0_f32; 10], [1_u32; 10]);
+        F32x8::load(&floats[at..]).store(&mut to[1..]);
+        U32x8::load(&integers[at..]).store(&mut to_bits[1..]);
+        assert_eq!(to_bits[1..9], integers[at..at + 8]);
+        assert_eq!(to.map(f32::to_bits)[1..9], integers[at..at + 8]);
+        assert_eq!((to[0], to[9], to_bits[0], to_bits[9]), (1.0, 1.0, 1, 1));
+        let (mut one, mut one_bits) = ([1.0_f32; 2], [1_u32; 2]);
+        <f32 as Lane>::load(&floats[at..]).store(&mut one);
+        <u32 as Bits>::load(&integers[at..]).store(&mut one_bits);
+        assert_eq!((one[0].to_bits(), one[1], one_bits), (integers[at], 1.0, [integers[at], 1]));
+    }
+    assert_eq!(lane_indices::<F32x8>(), U32x8::from_fn(|lane| lane as u32));
+    assert_eq!(lane_indices::<f32>(), 0);
+}
+
+#[test]
+#[should_panic(expected = "index out of bounds")]
+fn gather_rows_panics_when_an_index_of_one_lane_is_outside() {
+    F32x8::gather_rows::<8>(&[[0.0; 8]; 4], U32x8::from_fn(|lane| if lane == 6 { 4 } else { 0 }));
+}
+
+#[test]
+fn floor_and_rounding_agree_with_std() {
+    // Parity alone would be content with both widths wrong.
+    for Input { x, y, .. } in cases() {
+        let same = |a: f32, b: f32| a.to_bits() == b.to_bits() || (a.is_nan() && b.is_nan());
+        assert!(same(Lane::floor(x), f32::floor(x)), "floor of {x:?}");
+        assert!(
+            same(Lane::abs(x), f32::abs(x)) && same(Lane::copysign(x, y), f32::copysign(x, y)),
+            "{x:?}, {y:?}"
+        );
+        assert_eq!(Lane::is_finite(x), f32::is_finite(x), "{x:?}");
+        let inside = f32::abs(x) < 2_147_483_648.0;
+        let integer = if inside { x as i32 as u32 } else { 0x8000_0000 };
+        assert_eq!(x.truncate_to_int(), integer, "{x:?}");
+        let (least, most) = (Lane::min(x, y), Lane::max(x, y));
+        if x.is_nan() || y.is_nan() || x == y {
+            // The second operand, as documented; equal numbers may be zeros of different sign.
+            assert!(same(least, y) && same(most, y), "{x:?}, {y:?}");
+        } else {
+            assert!(same(least, f32::min(x, y)) && same(most, f32::max(x, y)), "{x:?}, {y:?}");
+        }
+    }
+}

@@ -1,0 +1,382 @@
+//! The law of lobes: what *sample* draws is distributed as *evaluate* says, weighs value / pdf, and no lobe
+//! makes light.
+//!
+//! Each lobe is drawn and counted over solid angle, and the counts are held against quadrature of its density
+//! in f64. Seeds are fixed; deviations are allowed for at the level of the whole family of tests (1e-4,
+//! Bonferroni).
+
+use crate::common::Rng;
+use glam::{DVec3, Vec3};
+use octray::kernel::bsdf::plastic::{Plastic, mean_transmittance};
+use octray::kernel::bsdf::{BsdfEval, BsdfSample, LobeEval, diffuse, ggx, scatter};
+use octray::math;
+use std::f64::consts::{PI, TAU};
+
+#[derive(Clone, Copy, Debug)]
+enum Lobe {
+    Diffuse,
+    Ggx { alpha: f32 },
+    Scatter { roughness: f32 },
+    Plastic { alpha: f32, ior: f32, color: Vec3, transmitted: f32 },
+}
+
+fn lane(v: Vec3) -> math::Vec3<f32> {
+    math::Vec3::splat(v)
+}
+
+struct Drawn {
+    direction: Vec3,
+    weight: Vec3,
+    pdf: f32,
+    alive: bool,
+}
+
+impl Lobe {
+    fn plastic(self) -> Plastic<f32> {
+        let Lobe::Plastic { alpha, ior, color, transmitted } = self else { unreachable!() };
+        Plastic { color: lane(color), alpha, ior, transmitted }
+    }
+    fn sample(self, d: Vec3, n: Vec3, [choose, u, v]: [f32; 3]) -> Drawn {
+        let (d, n) = (lane(d), lane(n));
+        let grey = |lobe: BsdfSample<f32>| (lobe, math::Vec3::repeat(lobe.weight));
+        let (lobe, weight) = match self {
+            Lobe::Diffuse => grey(diffuse::sample(n, u, v)),
+            Lobe::Ggx { alpha } => grey(ggx::sample(d, n, alpha, u, v)),
+            Lobe::Scatter { roughness } => grey(scatter::sample(d, n, roughness, u, v)),
+            Lobe::Plastic { .. } => self.plastic().sample(d, n, choose, (u, v)),
+        };
+        Drawn { direction: lobe.wi.get(0), weight: weight.get(0), pdf: lobe.pdf, alive: lobe.alive }
+    }
+    /// f · cos θ, and the density.
+    fn evaluate(self, d: Vec3, n: Vec3, towards: Vec3) -> (Vec3, f32) {
+        let (d, n, towards) = (lane(d), lane(n), lane(towards));
+        let grey = |LobeEval { value, pdf }: LobeEval<f32>| (Vec3::splat(value), pdf);
+        match self {
+            Lobe::Diffuse => grey(diffuse::evaluate(n, towards)),
+            Lobe::Ggx { alpha } => grey(ggx::evaluate(d, n, alpha, towards)),
+            Lobe::Scatter { roughness } => grey(scatter::evaluate(d, n, roughness, towards)),
+            Lobe::Plastic { .. } => {
+                let BsdfEval { value, pdf } = self.plastic().evaluate(d, n, towards);
+                (value.get(0), pdf)
+            }
+        }
+    }
+    /// The direction at (a, b) of the unit square, a turning away from the mirror direction, b around it, and
+    /// the solid angle per area of the square: fine where the lobe is narrow, and regular where the density
+    /// of `scatter` is not.
+    fn chart(self, d: DVec3, n: DVec3, a: f64, b: f64) -> (DVec3, f64) {
+        let axis = d - n * (2.0 * d.dot(n));
+        let (cos, area) = match self {
+            Lobe::Scatter { roughness } if roughness < 1.0 => {
+                let r = f64::from(roughness);
+                // sin² γ = ρ² (1 − x): dω = ρ² dx dφ / 2c. Beyond the rim too, where x < 0.
+                let x = (1.0 - a).powi(2) - BEYOND;
+                let cos = (1.0 - r * r * (1.0 - x)).max(1e-9).sqrt();
+                (cos, TAU * r * r * (1.0 - a) / cos)
+            }
+            _ => {
+                let angle = PI * a.powi(3);
+                (angle.cos(), TAU * angle.sin() * 3.0 * PI * a * a)
+            }
+        };
+        let sin = (1.0 - cos * cos).sqrt();
+        let tangent = axis.any_orthonormal_vector();
+        let phi = TAU * b;
+        (axis * cos + (tangent * phi.cos() + axis.cross(tangent) * phi.sin()) * sin, area)
+    }
+    /// The place of a direction in the chart.
+    fn place(self, d: DVec3, n: DVec3, w: DVec3) -> (f64, f64) {
+        let axis = d - n * (2.0 * d.dot(n));
+        let tangent = axis.any_orthonormal_vector();
+        let b = (w.dot(axis.cross(tangent)).atan2(w.dot(tangent)) / TAU).rem_euclid(1.0);
+        let sin = w.cross(axis).length();
+        let a = match self {
+            Lobe::Scatter { roughness } if roughness < 1.0 => {
+                1.0 - (1.0 + BEYOND - (sin / f64::from(roughness)).powi(2)).max(0.0).sqrt()
+            }
+            _ => (sin.atan2(w.dot(axis)) / PI).cbrt(),
+        };
+        (a, b)
+    }
+}
+
+/// How far the charts of narrow cones go on beyond the rim, in sin² γ / ρ².
+const BEYOND: f64 = 2.0 / 16_384.0;
+
+const WHITE: Vec3 = Vec3::ONE;
+
+fn plastic(alpha: f32, ior: f32, color: Vec3) -> Lobe {
+    Lobe::Plastic { alpha, ior, color, transmitted: mean_transmittance(ior, alpha) }
+}
+
+fn lobes() -> Vec<Lobe> {
+    let mut lobes = vec![Lobe::Diffuse];
+    lobes.extend([2e-4, 0.01, 0.09, 0.36, 1.0].map(|alpha| Lobe::Ggx { alpha }));
+    lobes.extend([0.02, 0.3, 0.9, 1.0, 1.1, 2.5, 1e3].map(|roughness| Lobe::Scatter { roughness }));
+    let color = Vec3::new(0.8, 0.3, 0.1);
+    lobes.extend([0.0, 0.01, 0.2, 1.0].map(|alpha| plastic(alpha, 1.5, color)));
+    lobes.extend([plastic(0.3, 2.6, WHITE), plastic(0.2, 1.5, Vec3::ZERO)]);
+    lobes
+}
+
+/// Angles of incidence in degrees.
+const ANGLES: [f64; 5] = [0.0, 31.0, 60.0, 80.0, 88.0];
+
+/// An arriving direction, and a normal that no axis favours.
+fn arriving(degrees: f64) -> (DVec3, DVec3) {
+    let n = DVec3::new(0.36, -0.48, 0.8).normalize();
+    let t = DVec3::new(0.7, 0.5, 0.1).cross(n).normalize();
+    let (sin, cos) = degrees.to_radians().sin_cos();
+    (-(n * cos + t * sin), n)
+}
+
+/// Standard errors that the largest of `family` normal deviates exceeds with probability 1e-4: from the
+/// tail's bound e^(−z²/2).
+fn allowed(family: usize) -> f64 {
+    (2.0 * (2e4 * family as f64).ln()).sqrt()
+}
+
+const BINS: usize = 20;
+/// Points of quadrature along a side of a bin.
+const POINTS: usize = 14;
+const SAMPLES: usize = 100_000;
+
+#[test]
+fn samples_are_distributed_as_their_density_says() {
+    let family = lobes().len() * ANGLES.len();
+    for (number, lobe) in lobes().into_iter().enumerate() {
+        for degrees in ANGLES {
+            let (d, n) = arriving(degrees);
+            let (d32, n32) = (d.as_vec3(), n.as_vec3());
+            // One more for what is absorbed or drawn from a delta lobe: what the density leaves of 1.
+            let mut expected = vec![0.0; BINS * BINS + 1];
+            let mut highest = vec![0.0_f64; BINS * BINS + 1];
+            let side = BINS * POINTS;
+            for i in 0..side * side {
+                let (x, y) = (i % side, i / side);
+                let at = |x: usize| (x as f64 + 0.5) / side as f64;
+                let (w, area) = lobe.chart(d, n, at(y), at(x));
+                let pdf = f64::from(lobe.evaluate(d32, n32, w.as_vec3()).1);
+                let bin = (y / POINTS) * BINS + x / POINTS;
+                expected[bin] += pdf * area / (side * side) as f64;
+                highest[bin] = highest[bin].max(pdf);
+            }
+            let integral: f64 = expected.iter().sum();
+            assert!((0.0..1.003).contains(&integral), "{lobe:?} at {degrees}°: the density holds {integral}");
+            expected[BINS * BINS] = (1.0 - integral).max(0.0);
+
+            let mut rng = Rng(1000 * number as u64 + degrees as u64 + 7);
+            let mut counts = vec![0.0; BINS * BINS + 1];
+            for _ in 0..SAMPLES {
+                let numbers = [(); 3].map(|()| (rng.bits() >> 8) as f32 / 16_777_216.0);
+                let drawn = lobe.sample(d32, n32, numbers);
+                let bin = if drawn.alive && drawn.pdf.is_finite() {
+                    let (a, b) = lobe.place(d, n, drawn.direction.as_dvec3());
+                    let index = |x: f64| ((x * BINS as f64) as usize).min(BINS - 1);
+                    index(a) * BINS + index(b)
+                } else {
+                    BINS * BINS
+                };
+                counts[bin] += 1.0;
+            }
+            // Bins that expect too little are one.
+            let (mut chi2, mut freedom, mut rest) = (0.0, -1.0, (0.0, 0.0));
+            let mut add = |count: f64, expected: f64| {
+                chi2 += (count - expected).powi(2) / expected;
+                freedom += 1.0;
+            };
+            for (count, share) in counts.iter().zip(&expected) {
+                let expected = share * SAMPLES as f64;
+                if expected < 20.0 {
+                    rest = (rest.0 + count, rest.1 + expected);
+                } else {
+                    add(*count, expected);
+                }
+            }
+            if rest.1 > 20.0 {
+                add(rest.0, rest.1);
+            } else {
+                // Quadrature may be off by as much as it rounds.
+                assert!(rest.0 <= rest.1 + 8.0 * rest.1.sqrt() + 30.0, "{lobe:?} at {degrees}°: {rest:?}");
+            }
+            if freedom < 1.0 {
+                continue;
+            }
+            // Wilson and Hilferty's cube root.
+            let variance = 2.0 / (9.0 * freedom);
+            let deviation = ((chi2 / freedom).cbrt() - (1.0 - variance)) / variance.sqrt();
+            println!(
+                "{lobe:?} at {degrees}°: integral {integral:.5}, χ² {chi2:.0} of {freedom}, {deviation:.1}"
+            );
+            assert!(deviation < allowed(family), "{lobe:?} at {degrees}°: {deviation:.1} standard errors");
+        }
+    }
+}
+
+#[test]
+fn densities_hold_one_where_nothing_is_absorbed() {
+    // From above, cones up to 60° and Lambert's lobe stay above the surface; the base of smooth plastic is
+    // what its coat leaves.
+    let integral = |lobe: Lobe| {
+        let (d, n) = arriving(0.0);
+        let side = 1500;
+        let mut sum = 0.0;
+        for i in 0..side * side {
+            let at = |x: usize| (x as f64 + 0.5) / side as f64;
+            let (w, area) = lobe.chart(d, n, at(i / side), at(i % side));
+            let (_, pdf) = lobe.evaluate(d.as_vec3(), n.as_vec3(), w.as_vec3());
+            sum += f64::from(pdf) * area;
+        }
+        sum / (side * side) as f64
+    };
+    assert!((integral(Lobe::Diffuse) - 1.0).abs() < 1e-4);
+    for roughness in [1.0 / 64.0, 0.1, 0.5, 0.86] {
+        let found = integral(Lobe::Scatter { roughness });
+        // What the floor at the rim takes, 0.4 %, the ring beyond it gives back.
+        assert!((found - 1.0).abs() < 1e-3, "scatter {roughness}: {found}");
+    }
+    // Facets steeper than 45° reflect below the surface: α² / (1 + α²) of them, seen from above.
+    for alpha in [2e-4, 0.01, 0.1, 0.5, 1.0] {
+        let (found, below) =
+            (integral(Lobe::Ggx { alpha }), f64::from(alpha * alpha / (1.0 + alpha * alpha)));
+        assert!((found + below - 1.0).abs() < 2e-3, "GGX {alpha}: {found}");
+    }
+}
+
+#[test]
+fn weight_is_value_over_density() {
+    let mut rng = Rng(71);
+    for lobe in lobes() {
+        let mut worst = 0.0_f32;
+        for _ in 0..20_000 {
+            let (d, n) = arriving(89.0 * rng.unit());
+            let (d, n) = (d.as_vec3(), n.as_vec3());
+            let drawn = lobe.sample(d, n, [(); 3].map(|()| rng.unit() as f32 * (1.0 - 1e-7)));
+            if !drawn.alive || drawn.pdf.is_infinite() {
+                continue;
+            }
+            let (value, pdf) = lobe.evaluate(d, n, drawn.direction);
+            // What rounding put beyond the rim has a density that says no more than that.
+            if drawn.pdf <= f32::MIN_POSITIVE {
+                continue;
+            }
+            assert_eq!(pdf, drawn.pdf, "{lobe:?}");
+            let off = (drawn.weight * pdf - value).abs().max_element() / value.max_element().max(1e-30);
+            // GGX: shadowing of what leaves at a grazing angle, whose cosine is off by some 2⁻²⁴ in either
+            // frame.
+            let allowed = 5e-4 + 1e-6 / drawn.direction.dot(n).max(1e-9);
+            assert!(
+                off < allowed,
+                "{lobe:?}: weight · pdf is off by {off:e} of the value, {allowed:e} allowed"
+            );
+            worst = worst.max(off);
+        }
+        println!("{lobe:?}: {worst:e}");
+    }
+}
+
+#[test]
+fn metal_and_plastic_look_the_same_both_ways() {
+    let mut rng = Rng(72);
+    for lobe in lobes().into_iter().filter(|lobe| !matches!(lobe, Lobe::Scatter { .. })) {
+        for _ in 0..20_000 {
+            let n = rng.direction();
+            let above = |w: DVec3| if w.dot(n) < 0.0 { -w } else { w };
+            let (o, i) = (above(rng.direction()), above(rng.direction()));
+            let (cos_o, cos_i) = (o.dot(n), i.dot(n));
+            if cos_o.min(cos_i) < 0.02 {
+                continue;
+            }
+            let [n, o, i] = [n, o, i].map(|w| w.as_vec3());
+            let there = lobe.evaluate(-o, n, i).0.as_dvec3() / cos_i;
+            let back = lobe.evaluate(-i, n, o).0.as_dvec3() / cos_o;
+            assert!(there.abs_diff_eq(back, 1e-4 * there.max_element() + 1e-12), "{lobe:?}: {there}, {back}");
+        }
+    }
+}
+
+/// The share of light that a white lobe returns, by a grid of numbers.
+fn albedo(lobe: Lobe, degrees: f64) -> f64 {
+    let (d, n) = arriving(degrees);
+    // Coats choose by their first number; the others use none.
+    let (side, layers) = (96, if matches!(lobe, Lobe::Plastic { .. }) { 16 } else { 1 });
+    let at = |i: usize, of: usize| (i as f32 + 0.5) / of as f32;
+    let mut sum = 0.0;
+    for i in 0..side * side * layers {
+        // Each (u, v) with every choice of lobe.
+        let numbers = [at(i % layers, layers), at(i / layers % side, side), at(i / layers / side, side)];
+        let drawn = lobe.sample(d.as_vec3(), n.as_vec3(), numbers);
+        if drawn.alive {
+            sum += f64::from(drawn.weight.x);
+        }
+    }
+    sum / (side * side * layers) as f64
+}
+
+#[test]
+fn white_furnace_loses_what_is_stated_and_gains_nothing() {
+    for degrees in ANGLES {
+        assert!((albedo(Lobe::Diffuse, degrees) - 1.0).abs() < 1e-6);
+    }
+    // Single scattering: least of the shares returned, over the angles. At grazing angles the spread of
+    // weights is the grid's noise.
+    for (alpha, least) in
+        [(0.0, 1.0), (0.01, 0.956), (0.09, 0.905), (0.25, 0.856), (0.49, 0.692), (1.0, 0.307)]
+    {
+        let found = ANGLES.map(|degrees| albedo(Lobe::Ggx { alpha }, degrees));
+        println!("GGX, alpha {alpha}: {found:.3?}");
+        assert!(found.iter().all(|&x| (least - 0.01..1.0 + 1e-5).contains(&x)), "GGX {alpha}: {found:?}");
+    }
+    for ior in [1.0, 1.33, 1.5, 3.0] {
+        for (roughness, least) in [(0.0_f32, 1.0), (0.1, 0.93), (0.4, 0.564), (0.7, 0.741), (1.0, 0.827)] {
+            let lobe = plastic(roughness * roughness, ior, WHITE);
+            let found = ANGLES.map(|degrees| albedo(lobe, degrees));
+            println!("plastic, index {ior}, roughness {roughness}: {found:.3?}");
+            assert!(found.iter().all(|&x| (least - 0.01..1.003).contains(&x)), "{lobe:?}: {found:?}");
+        }
+    }
+}
+
+#[test]
+fn nothing_is_nan_at_the_edges_of_the_domain() {
+    let mut lobes = lobes();
+    lobes.extend([0.0, 1e-30, 1e-12, 1e-6, ggx::NARROW, 1.0].map(|alpha| Lobe::Ggx { alpha }));
+    lobes.extend(
+        [0.0, 1e-30, 1e-6, scatter::NARROW, 1.0 - 6e-8, 1.0 + 1.2e-7, 1e9, 1e18]
+            .map(|roughness| Lobe::Scatter { roughness }),
+    );
+    for ior in [1.0, 1.0001, 3.0] {
+        for alpha in [0.0, 1e-30, 1e-6, ggx::NARROW, 1.0] {
+            lobes.extend([Vec3::ZERO, WHITE, Vec3::X].map(|color| plastic(alpha, ior, color)));
+        }
+    }
+    let ends = [0.0, 1e-7, 0.25, 0.5, 0.75, 1.0 - 6e-8];
+    for lobe in lobes {
+        for n in [Vec3::Z, -Vec3::Z, Vec3::Y, Vec3::new(0.6, 0.0, 0.8)] {
+            let t = n.any_orthonormal_vector();
+            // 1e-7 below the horizon too: rounding puts rays there.
+            for cos in [1.0, 1e-3, 1e-6, 1e-10, 0.0, -1e-7] {
+                let d = -(n * cos + t * (1.0_f32 - cos * cos).sqrt());
+                let mut directions = vec![n, -n, t, -t, d, -d, d - n * (2.0 * d.dot(n))];
+                for numbers in (0..216).map(|i| [ends[i % 6], ends[i / 6 % 6], ends[i / 36]]) {
+                    let drawn = lobe.sample(d, n, numbers);
+                    if drawn.alive {
+                        let unit = (drawn.direction.length() - 1.0).abs() < 1e-5;
+                        assert!(unit, "{lobe:?}, {d}, {n}, {numbers:?}: {}", drawn.direction);
+                        let weight = drawn.weight;
+                        let fine = weight.is_finite() && weight.min_element() >= 0.0 && drawn.pdf > 0.0;
+                        assert!(fine, "{lobe:?}, {d}, {n}, {numbers:?}: {weight}, {}", drawn.pdf);
+                        directions.push(drawn.direction);
+                    }
+                }
+                for towards in directions {
+                    let (value, pdf) = lobe.evaluate(d, n, towards);
+                    let fine =
+                        value.is_finite() && value.min_element() >= 0.0 && pdf.is_finite() && pdf >= 0.0;
+                    assert!(fine, "{lobe:?}, {d}, {n}, {towards}: {value}, {pdf}");
+                    assert!(pdf == 0.0 || towards.dot(n) > 0.0, "{lobe:?}: {pdf} below the surface");
+                }
+            }
+        }
+    }
+}

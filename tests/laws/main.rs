@@ -1,0 +1,37 @@
+//! Laws that no picture is needed for: lanes, kernels, sampling, hierarchies, traversals, lights, lobes, and
+//! the order of the sources.
+//!
+//! One module for each law. All run at every width they speak of; seeds are fixed.
+
+// The packages under one name, as the program's library shows them; the program itself is not needed.
+extern crate self as octray;
+pub use octray_engine::*;
+pub use octray_formats::scene;
+pub use octray_laboratory::{measure, reference};
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod architecture;
+mod bvh_laws;
+mod choosing;
+mod frustum_edges;
+mod frustum_laws;
+mod hierarchy_laws;
+mod kernel_box;
+mod kernel_sphere;
+mod kernel_sphere_box;
+mod kernel_texture;
+mod kernel_triangle;
+mod lane_functions;
+mod lane_parity;
+mod leaving;
+mod lights;
+mod lobes;
+mod long_paths;
+mod sampling_laws;
+mod sobol;
+mod stream_lists;
+mod traversal_laws;
+mod visible;
+mod watertight;

@@ -1,0 +1,324 @@
+//! The law of random numbers: uniform in [0, 1), independent across pixels, samples and dimensions, and bent
+//! into the directions that the documentation promises.
+//!
+//! Seeds are fixed. Statistics are compared with their expectation in standard errors; where many are taken,
+//! the allowed deviation is that of the whole family at a level of 1e-4 (Bonferroni): seldom enough to be a
+//! fault if seen.
+
+use crate::common::Rng;
+use crate::common::statistics::{allowed, chi_squared_deviation, correlation, joint};
+use octray::math::Vec3;
+use octray::sampling::{dimension, random, warp};
+
+fn number(seed: u32, pixel: u32, sample: u32, dimension: u32) -> f64 {
+    f64::from(random::uniform::<f32>(random::path_key::<u32>(seed, pixel, sample), dimension))
+}
+
+/// The numbers that a path uses: its place in the pixel, and those of its first events.
+fn dimensions() -> impl Iterator<Item = u32> + Clone {
+    [dimension::PIXEL, dimension::PIXEL + 1].into_iter().chain((0..4).flat_map(|bounce| {
+        [dimension::LOBE, dimension::DIRECTION, dimension::DIRECTION + 1]
+            .map(|offset| dimension::bounce(bounce) + offset)
+    }))
+}
+
+const WIDTH: u32 = 240;
+/// Pixels and samples of the pictures that the numbers are for.
+const PIXELS: u32 = 6000;
+const SAMPLES: u32 = 8;
+const COUNT: f64 = (PIXELS * SAMPLES) as f64;
+
+/// The numbers of one dimension, pixel by pixel.
+fn column(seed: u32, dimension: u32) -> Vec<f64> {
+    (0..PIXELS).flat_map(|p| (0..SAMPLES).map(move |s| number(seed, p, s, dimension))).collect()
+}
+
+#[test]
+fn numbers_are_uniform_in_every_dimension() {
+    let family = 3 * 2 * dimensions().count();
+    for seed in [0, 1] {
+        for dimension in dimensions() {
+            let numbers = column(seed, dimension);
+            assert!(numbers.iter().all(|x| (0.0..1.0).contains(x)));
+            let mean = numbers.iter().sum::<f64>() / COUNT;
+            let square = numbers.iter().map(|x| (x - 0.5).powi(2)).sum::<f64>() / COUNT;
+            // Var x = 1/12; Var (x − ½)² = 1/80 − 1/144 = 1/180.
+            let mean_deviation = (mean - 0.5) / (1.0 / 12.0 / COUNT).sqrt();
+            let variance_deviation = (square - 1.0 / 12.0) / (1.0 / 180.0 / COUNT).sqrt();
+            let mut counts = [0; 64];
+            numbers.iter().for_each(|x| counts[(x * 64.0) as usize] += 1);
+            let chi2_deviation = chi_squared_deviation(&counts, COUNT / 64.0);
+            for (what, deviation) in
+                [("mean", mean_deviation), ("variance", variance_deviation), ("χ²", chi2_deviation)]
+            {
+                assert!(
+                    deviation.abs() < allowed(family),
+                    "seed {seed}, dimension {dimension}: {what} is {deviation:.1} standard errors off"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn every_bit_is_set_half_of_the_time() {
+    let family = 24 * dimensions().count();
+    for dimension in dimensions() {
+        let mut set = [0; 24];
+        for x in column(2, dimension) {
+            let integer = (x * 16_777_216.0) as u32;
+            set.iter_mut().enumerate().for_each(|(bit, set)| *set += integer >> bit & 1);
+        }
+        for (bit, set) in set.into_iter().enumerate() {
+            let deviation = (f64::from(set) - 0.5 * COUNT) / (0.25 * COUNT).sqrt();
+            assert!(
+                deviation.abs() < allowed(family),
+                "dimension {dimension}, bit {bit}: {deviation:.1} standard errors off"
+            );
+        }
+    }
+}
+
+#[test]
+fn numbers_never_reach_one() {
+    // All 2³² bit patterns pass through `mix`, a bijection, so the largest is reached: 1 − 2⁻²⁴.
+    let largest = (u32::MAX >> 8) as f32 / 16_777_216.0;
+    assert!(largest < 1.0);
+    let mut rng = Rng(41);
+    for _ in 0..200_000 {
+        let (key, dimension) = (rng.bits(), rng.bits() >> 20);
+        let x = random::uniform::<f32>(key, dimension);
+        assert!((0.0..=largest).contains(&x));
+        assert_eq!((x * 16_777_216.0).fract(), 0.0, "a multiple of 2⁻²⁴");
+    }
+}
+
+#[test]
+fn neighbouring_pixels_samples_dimensions_and_seeds_are_independent() {
+    let used: Vec<u32> = dimensions().collect();
+    let mut deviations = Vec::new();
+    let mut check = |what: String, pairs: Vec<(f64, f64)>| {
+        deviations.push((correlation(pairs.iter().copied()), format!("correlation of {what}")));
+        deviations.push((joint(pairs.into_iter()), format!("joint distribution of {what}")));
+    };
+    let pairs = |of: &dyn Fn(u32, u32) -> (f64, f64)| {
+        (0..PIXELS).flat_map(|p| (0..SAMPLES).map(move |s| (p, s))).map(|(p, s)| of(p, s)).collect::<Vec<_>>()
+    };
+    for &d in &used {
+        check(
+            format!("dimension {d}, neighbours in a row"),
+            pairs(&|p, s| (number(5, p, s, d), number(5, p + 1, s, d))),
+        );
+        check(
+            format!("dimension {d}, neighbours in a column"),
+            pairs(&|p, s| (number(5, p, s, d), number(5, p + WIDTH, s, d))),
+        );
+        check(
+            format!("dimension {d}, successive samples"),
+            pairs(&|p, s| (number(5, p, s, d), number(5, p, s + 1, d))),
+        );
+        check(
+            format!("dimension {d}, successive seeds"),
+            pairs(&|p, s| (number(5, p, s, d), number(6, p, s, d))),
+        );
+    }
+    for (i, &d) in used.iter().enumerate() {
+        for &e in &used[i + 1..] {
+            check(format!("dimensions {d} and {e}"), pairs(&|p, s| (number(5, p, s, d), number(5, p, s, e))));
+        }
+    }
+    let family = deviations.len();
+    for (deviation, what) in deviations {
+        assert!(deviation.abs() < allowed(family), "{what}: {deviation:.1} standard errors");
+    }
+}
+
+#[test]
+fn samples_of_a_pixel_never_share_their_numbers() {
+    for pixel in [0, 1, 12_345] {
+        let mut keys: Vec<u32> =
+            (0..100_000).map(|sample| random::path_key::<u32>(3, pixel, sample)).collect();
+        keys.sort_unstable();
+        keys.dedup();
+        assert_eq!(keys.len(), 100_000, "for one seed and pixel the key is a bijection of the sample");
+    }
+}
+
+#[test]
+fn pixels_of_a_large_picture_share_few_numbers_and_none_in_rows() {
+    // 2²¹ pixels and 4 samples, spread as a key that is linear in both would repeat: it would give collisions
+    // to whole pictures.
+    let samples = [0u32, 1, 1_727, 2_501];
+    let mut keys: Vec<(u32, u32, u32)> = samples
+        .iter()
+        .flat_map(|&sample| {
+            (0..1 << 21).map(move |pixel| (random::path_key::<u32>(3, pixel, sample), pixel, sample))
+        })
+        .collect();
+    keys.sort_unstable();
+    let shared: Vec<_> = keys.windows(2).filter(|pair| pair[0].0 == pair[1].0).collect();
+    // n² / 2³³ for n = 2²³ keys of 2³² at random; within one sample there is none: 1/4 less.
+    let expected = 2f64.powi(46 - 33) * 0.75;
+    assert!((shared.len() as f64 - expected).abs() < 6.0 * expected.sqrt(), "{} collisions", shared.len());
+    let mut steps: Vec<u32> = shared.iter().map(|pair| pair[1].1.wrapping_sub(pair[0].1)).collect();
+    steps.sort_unstable();
+    let longest = steps.chunk_by(|a, b| a == b).map(<[u32]>::len).max().unwrap_or(0);
+    assert!(longest <= 4, "{longest} collisions of pixels at one and the same distance");
+}
+
+fn unit(rng: &mut Rng) -> Vec3<f32> {
+    Vec3::splat(rng.direction().as_vec3())
+}
+
+const DRAWS: usize = 1_000_000;
+
+#[test]
+fn cosine_hemisphere_follows_the_cosine() {
+    // cos θ has the density 2 cos θ: E = 2/3, Var = 1/18, and cos² θ is uniform; so is the angle around the
+    // normal.
+    const BINS: usize = 50;
+    let mut rng = Rng(42);
+    for n in [Vec3::new(0.0, 0.0, 1.0), Vec3::new(0.0, 0.0, -1.0), unit(&mut rng), unit(&mut rng)] {
+        let (tangent, bitangent) = warp::orthonormal_basis(n);
+        let (mut sum, mut rings, mut sectors, mut cells) = (0.0, [0; BINS], [0; BINS], [0; BINS]);
+        for draw in 0..DRAWS as u32 / 4 {
+            let key = random::path_key::<u32>(1, draw, 0);
+            let (u, v) = (random::uniform::<f32>(key, 9), random::uniform::<f32>(key, 10));
+            let d = warp::sample_cosine_hemisphere(n, u, v);
+            assert!((d.dot(d) - 1.0).abs() < 1e-6, "unit length");
+            let cos = f64::from(d.dot(n));
+            let around =
+                f64::from(d.dot(bitangent)).atan2(f64::from(d.dot(tangent))) / std::f64::consts::TAU + 0.5;
+            sum += cos;
+            let (ring, sector) = (cos * cos * BINS as f64, around * BINS as f64);
+            rings[(ring as usize).min(BINS - 1)] += 1;
+            sectors[(sector as usize).min(BINS - 1)] += 1;
+            // Joint: 5 rings of 10 sectors.
+            cells[(ring as usize / 10).min(4) * 10 + (sector as usize / 5).min(9)] += 1;
+        }
+        let count = (DRAWS / 4) as f64;
+        let mean = (sum / count - 2.0 / 3.0) / (1.0 / 18.0 / count).sqrt();
+        let deviations = [
+            mean,
+            chi_squared_deviation(&rings, count / BINS as f64),
+            chi_squared_deviation(&sectors, count / BINS as f64),
+            chi_squared_deviation(&cells, count / BINS as f64),
+        ];
+        assert!(deviations.iter().all(|deviation| deviation.abs() < allowed(16)), "{n:?}: {deviations:.1?}");
+    }
+}
+
+#[test]
+fn cosine_hemisphere_never_points_below_the_surface() {
+    let below_one = 1.0_f32.next_down();
+    let ends = [0.0, f32::MIN_POSITIVE, 1.0 / 16_777_216.0, 0.25, 0.5, 0.75, below_one];
+    let mut rng = Rng(43);
+    let check = |n: Vec3<f32>, u: f32, v: f32, least: &mut f64| {
+        let d = warp::sample_cosine_hemisphere(n, u, v);
+        let cos = d.get(0).as_dvec3().dot(n.get(0).as_dvec3());
+        assert!(cos > 0.0 && d.dot(n) > 0.0, "n {n:?}, u {u}, v {v}: cosine {cos:e}");
+        *least = least.min(cos);
+    };
+    let mut least = 1.0;
+    for _ in 0..DRAWS {
+        let n = unit(&mut rng);
+        check(n, random::uniform(rng.bits(), 0), random::uniform(rng.bits(), 0), &mut least);
+    }
+    for n in [
+        [0.0, 0.0, 1.0],
+        [0.0, 0.0, -1.0],
+        [1.0, 0.0, 0.0],
+        [0.0, 1.0, -0.0],
+        [-1.0, -0.0, 0.0],
+        [0.0, -1.0, 0.0],
+    ] {
+        for u in ends {
+            for v in ends {
+                check(Vec3::new(n[0], n[1], n[2]), u, v, &mut least);
+            }
+        }
+    }
+    // The worst draws: the point on the sphere is opposite to the normal, or all but.
+    for _ in 0..DRAWS / 4 {
+        let (u, v) = (random::uniform::<f32>(rng.bits(), 0), random::uniform::<f32>(rng.bits(), 0));
+        let opposite = -warp::sample_uniform_sphere(u, v);
+        let nudge = (rng.in_cube() * rng.scale(1e-8, 1e-2)).as_vec3();
+        let n = (opposite.get(0) + nudge).normalize();
+        check(Vec3::splat(n), u, v, &mut least);
+    }
+    println!("least cosine: {least:e}");
+}
+
+#[test]
+fn unit_sphere_is_uniform_and_of_unit_length() {
+    const BINS: usize = 50;
+    let (mut heights, mut sectors, mut cells) = ([0; BINS], [0; BINS], [0; BINS]);
+    let mut sum = glam::DVec3::ZERO;
+    for draw in 0..DRAWS as u32 {
+        let key = random::path_key::<u32>(2, draw, 0);
+        let p = warp::sample_uniform_sphere(random::uniform::<f32>(key, 9), random::uniform::<f32>(key, 10))
+            .get(0)
+            .as_dvec3();
+        assert!((p.length() - 1.0).abs() < 1e-6);
+        sum += p;
+        let (height, sector) =
+            ((0.5 * p.z + 0.5) * BINS as f64, (p.y.atan2(p.x) / std::f64::consts::TAU + 0.5) * BINS as f64);
+        heights[(height as usize).min(BINS - 1)] += 1;
+        sectors[(sector as usize).min(BINS - 1)] += 1;
+        cells[(height as usize / 10).min(4) * 10 + (sector as usize / 5).min(9)] += 1;
+    }
+    let count = DRAWS as f64;
+    // Each coordinate is uniform in [−1, 1]: variance 1/3.
+    let mut deviations: Vec<f64> = (sum / (count / 3.0).sqrt()).to_array().into();
+    deviations
+        .extend([heights, sectors, cells].map(|counts| chi_squared_deviation(&counts, count / BINS as f64)));
+    assert!(deviations.iter().all(|deviation| deviation.abs() < allowed(6)), "{deviations:.1?}");
+    // The ends of the square.
+    let below_one = 1.0_f32.next_down();
+    for u in [0.0, 1.0 / 16_777_216.0, 0.5, below_one] {
+        for v in [0.0, 0.25, 0.5, below_one] {
+            let p = warp::sample_uniform_sphere(u, v);
+            assert!((p.dot(p) - 1.0).abs() < 1e-6, "u {u}, v {v}: {p:?}");
+        }
+    }
+}
+
+#[test]
+fn basis_is_orthonormal_and_right_handed_for_every_normal() {
+    let mut worst = 0.0_f64;
+    let mut check = |n: Vec3<f32>| {
+        let (tangent, bitangent) = warp::orthonormal_basis(n);
+        let [t, b, n64] = [tangent, bitangent, n].map(|v| v.get(0).as_dvec3());
+        let errors = [
+            t.length() - 1.0,
+            b.length() - 1.0,
+            t.dot(b),
+            t.dot(n64),
+            b.dot(n64),
+            (t.cross(b) - n64).length(),
+        ];
+        let error = errors.iter().fold(0.0_f64, |worst, error| worst.max(error.abs()));
+        assert!(error < 1e-6, "n {n:?}: {errors:?}");
+        worst = worst.max(error);
+    };
+    for z in [1.0, -1.0] {
+        for zero in [[0.0, 0.0], [-0.0, 0.0], [0.0, -0.0], [-0.0, -0.0]] {
+            check(Vec3::new(zero[0], zero[1], z));
+            check(Vec3::new(zero[0], z, zero[1]));
+            check(Vec3::new(z, zero[0], zero[1]));
+        }
+    }
+    let mut rng = Rng(44);
+    for _ in 0..DRAWS / 4 {
+        check(unit(&mut rng));
+        // Around the seam z = 0 and around the poles.
+        let flat = glam::DVec3::new(rng.signed(), rng.signed(), rng.signed() * rng.scale(1e-30, 1e-2));
+        if flat.length() > 0.1 {
+            check(Vec3::splat(flat.normalize().as_vec3()));
+        }
+        let tilt = rng.scale(1e-12, 1e-1);
+        let polar = glam::DVec3::new(tilt * rng.signed(), tilt * rng.signed(), [1.0, -1.0][rng.index(2)]);
+        check(Vec3::splat(polar.normalize().as_vec3()));
+    }
+    println!("largest error: {:.1} ε", worst * f64::from(1 << 24));
+}

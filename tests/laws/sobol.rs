@@ -1,0 +1,416 @@
+//! The law of the well spread numbers: nets in every pixel and pair of dimensions, each point uniform,
+//! nothing in common between pixels, pairs and seeds; errors of integrals as small as a true Owen scrambling
+//! makes them.
+//!
+//! Seeds are fixed; tolerances are standard errors, as in `tests/laws/sampling_laws.rs`. Bits at width 1 and
+//! 8 are compared by `tests/laws/lane_parity.rs`.
+
+use crate::common::Rng;
+use crate::common::statistics::{allowed, chi_squared_deviation, correlation, joint};
+use octray::sampling::{SampleValues, Sampler, dimension, random};
+use std::f64::consts::{FRAC_PI_4, TAU};
+
+type Point = [f64; 2];
+
+fn point(sampler: Sampler, seed: u32, pixel: u32, sample: u32, dimension: u32) -> Point {
+    let key = sampler.key::<u32>(seed, pixel, sample);
+    let (x, y) = SampleValues::new(sampler, seed, sample, dimension).get_2d::<f32>(key, 0);
+    [f64::from(x), f64::from(y)]
+}
+
+fn points(sampler: Sampler, pixel: u32, dimension: u32, count: u32) -> Vec<Point> {
+    (0..count).map(|sample| point(sampler, 7, pixel, sample, dimension)).collect()
+}
+
+/// Of one pixel: all pixels of a seed share what lies behind their points, and its luck.
+fn points_of_seed(sampler: Sampler, seed: u32, dimension: u32, count: u32) -> Vec<Point> {
+    (0..count).map(|sample| point(sampler, seed, 9, sample, dimension)).collect()
+}
+
+/// Where pairs begin: in the pixel, and those of some scattering events.
+fn pairs() -> impl Iterator<Item = u32> + Clone {
+    let event = |bounce| {
+        [dimension::LOBE, dimension::DIRECTION, dimension::LIGHT_POINT]
+            .map(|of| dimension::bounce(bounce) + of)
+    };
+    [dimension::PIXEL].into_iter().chain([0, 1, 5].into_iter().flat_map(event))
+}
+
+/// Is there one point of these 2ᵏ in every box of area 2⁻ᵏ that halvings of the square make?
+fn is_net(points: &[Point]) -> bool {
+    let k = points.len().ilog2();
+    (0..=k).all(|along_x| {
+        let (columns, rows) = (1 << along_x, 1 << (k - along_x));
+        let mut taken = vec![false; points.len()];
+        points.iter().all(|[x, y]| {
+            let cell = (x * f64::from(columns)) as usize * rows as usize + (y * f64::from(rows)) as usize;
+            !std::mem::replace(&mut taken[cell], true)
+        })
+    })
+}
+
+/// The textbook: Sobol's matrices column by column, and Owen's scrambling digit by digit, each flip drawn for
+/// itself.
+mod textbook {
+    use super::{Point, Rng};
+    use std::collections::HashMap;
+
+    /// Flips each digit of the fraction `x` / 2³² by a coin that belongs to the digits before it.
+    struct Owen(HashMap<(u32, u32), bool>);
+
+    impl Owen {
+        fn scramble(&mut self, x: u32, rng: &mut Rng) -> u32 {
+            (0..32).fold(0, |scrambled, digit| {
+                let before = if digit == 0 { 0 } else { x >> (32 - digit) };
+                let flip = *self.0.entry((digit, before)).or_insert_with(|| rng.index(2) == 1);
+                scrambled << 1 | (x >> (31 - digit) & 1 ^ u32::from(flip))
+            })
+        }
+    }
+
+    pub fn points(rng: &mut Rng, count: u32) -> Vec<Point> {
+        // Direction numbers: of the first dimension single digits, of the second those of the polynomial x +
+        // 1.
+        let mut columns = [[1u32 << 31; 2]; 32];
+        for j in 1..32 {
+            columns[j] = [columns[j - 1][0] >> 1, columns[j - 1][1] ^ columns[j - 1][1] >> 1];
+        }
+        let [mut order, mut along_x, mut along_y] = std::array::from_fn(|_| Owen(HashMap::new()));
+        (0..count)
+            .map(|sample| {
+                let index = order.scramble(sample, rng);
+                let sobol = |axis: usize| {
+                    (0..32).filter(|j| index >> j & 1 == 1).fold(0, |sum, j| sum ^ columns[j as usize][axis])
+                };
+                [along_x.scramble(sobol(0), rng), along_y.scramble(sobol(1), rng)]
+                    .map(|x| f64::from(x) / 2f64.powi(32))
+            })
+            .collect()
+    }
+}
+
+#[test]
+fn prefixes_and_blocks_of_samples_are_nets_in_every_pixel_and_pair() {
+    for seed in [0, 1, 0xffff_ffff] {
+        for pixel in [0, 1, 2, 239, 240, 12_345, u32::MAX] {
+            for dimension in pairs() {
+                for start in [0, 1024 * 77_777, u32::MAX - 1023] {
+                    let points: Vec<Point> =
+                        (0..1024).map(|s| point(Sampler::Sobol, seed, pixel, start + s, dimension)).collect();
+                    for k in 0..=10 {
+                        let nets = points.chunks_exact(1 << k).all(is_net);
+                        assert!(
+                            nets,
+                            "seed {seed}, pixel {pixel}, dimension {dimension}, from {start} on: k {k}"
+                        );
+                    }
+                }
+            }
+        }
+    }
+    // The measure itself: what the textbook says are nets, and what are none.
+    let mut rng = Rng(51);
+    let points = textbook::points(&mut rng, 1024);
+    assert!((0..=10).all(|k| points.chunks_exact(1 << k).all(is_net)));
+    assert!(!is_net(&self::points(Sampler::Random, 0, 0, 64)));
+}
+
+/// Pixels over which single samples are counted.
+const PIXELS: u32 = 16_384;
+const WIDTH: u32 = 240;
+
+#[test]
+fn each_sample_is_uniform_over_pixels_in_every_digit() {
+    let mut deviations = Vec::new();
+    for dimension in pairs() {
+        for sample in [0, 1, 6, 100, 4095] {
+            let mut set = [[0u32; 24]; 2];
+            let of_pixels: Vec<Point> =
+                (0..PIXELS).map(|pixel| point(Sampler::Sobol, 3, pixel, sample, dimension)).collect();
+            for axis in [0, 1] {
+                let mut counts = [0; 64];
+                for point in &of_pixels {
+                    counts[(point[axis] * 64.0) as usize] += 1;
+                    let integer = (point[axis] * 16_777_216.0) as u32;
+                    set[axis].iter_mut().enumerate().for_each(|(bit, set)| *set += integer >> bit & 1);
+                }
+                let at = format!("dimension {}, sample {sample}", dimension + axis as u32);
+                let chi2 = chi_squared_deviation(&counts, f64::from(PIXELS) / 64.0);
+                deviations.push((chi2, format!("χ² of {at}")));
+                for (bit, &set) in set[axis].iter().enumerate() {
+                    let off = (f64::from(set) - 0.5 * f64::from(PIXELS)) / (0.25 * f64::from(PIXELS)).sqrt();
+                    deviations.push((off, format!("bit {bit} of {at}")));
+                }
+            }
+            let both = joint(of_pixels.iter().map(|&[x, y]| (x, y)));
+            deviations.push((both, format!("both numbers of dimension {dimension}, sample {sample}")));
+        }
+    }
+    all_within(deviations);
+}
+
+fn all_within(deviations: Vec<(f64, String)>) {
+    let family = deviations.len();
+    for (deviation, what) in deviations {
+        assert!(deviation.abs() < allowed(family), "{what}: {deviation:.1} standard errors");
+    }
+}
+
+#[test]
+fn pixels_pairs_and_seeds_have_nothing_in_common() {
+    let number = |seed: u32, pixel: u32, sample: u32, dimension: u32| {
+        point(Sampler::Sobol, seed, pixel, sample, dimension & !1)[(dimension & 1) as usize]
+    };
+    let mut deviations = Vec::new();
+    let mut check = |what: String, of: &dyn Fn(u32) -> (f64, f64)| {
+        deviations.push((correlation((0..PIXELS).map(of)), format!("correlation of {what}")));
+        deviations.push((joint((0..PIXELS).map(of)), format!("joint distribution of {what}")));
+    };
+    let used: Vec<u32> = pairs().flat_map(|first| [first, first + 1]).collect();
+    for (i, &d) in used.iter().enumerate() {
+        // The same sample of neighbours, and the next sample: frames of one sample each, shown one after the
+        // other.
+        for (s, t) in [(0, 0), (5, 5), (0, 1), (5, 6), (6, 14)] {
+            let at = format!("dimension {d}, samples {s} and {t}");
+            check(format!("{at}, in a row"), &|p| (number(5, p, s, d), number(5, p + 1, t, d)));
+            check(format!("{at}, in a column"), &|p| (number(5, p, s, d), number(5, p + WIDTH, t, d)));
+            check(format!("{at}, of successive seeds"), &|p| (number(5, p, s, d), number(6, p, t, d)));
+        }
+        for &e in &used[i + 1..] {
+            check(format!("dimensions {d} and {e}"), &|p| (number(5, p, 3, d), number(5, p, 3, e)));
+        }
+    }
+    all_within(deviations);
+}
+
+#[test]
+fn two_pairs_meet_as_independent_orders_do() {
+    // A number of one pair against a number of another on a 4 × 4 grid: the sum of squares of (count − n/16),
+    // over n. Independent numbers give 15/16. In Walsh functions of the two first digits, the padded points
+    // have no error in the 6 that are constant along one of the two numbers. Samples 2i and 2i + 1 have
+    // opposite first digits in both: 2 instead of 1 for the product of both first digits. Samples that differ
+    // in bit 1 of their index share the first digit in half of the cases, then have opposite second digits: 1
+    // + 2 · ½ · ½ for the 4 functions with both second digits; 1 for the other 4. In all 12/16.
+    const SEEDS: u32 = 3000;
+    let used: Vec<u32> = pairs().collect();
+    let couples: Vec<[u32; 2]> =
+        [[0, 1], [1, 2], [2, 3], [3, 6], [1, 7]].map(|[i, j]| [used[i], used[j]]).into();
+    let mut deviations = Vec::new();
+    for (sampler, expected) in [(Sampler::Sobol, 12.0 / 16.0), (Sampler::Random, 15.0 / 16.0)] {
+        for &[d, e] in &couples {
+            for count in [16, 64, 256] {
+                let mut sums = [[0.0; 2]; 4];
+                for seed in 0..SEEDS {
+                    let [a, b] = [d, e].map(|of| points_of_seed(sampler, seed, of, count));
+                    for (axes, sums) in sums.iter_mut().enumerate() {
+                        let mut cells = [0.0; 16];
+                        for (a, b) in a.iter().zip(&b) {
+                            cells[(a[axes & 1] * 4.0) as usize * 4 + (b[axes >> 1] * 4.0) as usize] += 1.0;
+                        }
+                        let n = f64::from(count);
+                        let spread = cells.iter().map(|cell| (cell - n / 16.0).powi(2)).sum::<f64>() / n;
+                        sums[0] += spread;
+                        sums[1] += spread * spread;
+                    }
+                }
+                for (axes, [sum, squares]) in sums.into_iter().enumerate() {
+                    let mean = sum / f64::from(SEEDS);
+                    let error = ((squares / f64::from(SEEDS) - mean * mean) / f64::from(SEEDS)).sqrt();
+                    let what = format!(
+                        "{sampler:?}, dimensions {d} and {e}, axes {axes}, {count} samples: {mean:.3}"
+                    );
+                    deviations.push(((mean - expected) / error, what));
+                }
+            }
+        }
+    }
+    all_within(deviations);
+}
+
+/// A function on the square: its name, itself, its integral.
+type Integrand = (&'static str, fn(Point) -> f64, f64);
+
+const FUNCTIONS: [Integrand; 3] = [
+    ("smooth", |[x, y]| (-x * x - y * y).exp(), 0.557_746_285_351_034_2),
+    ("disc", |[x, y]| f64::from(u8::from(x * x + y * y < 1.0)), FRAC_PI_4),
+    ("edge", |[x, y]| f64::from(u8::from(x + 0.37 * y < 0.6)), 0.415),
+];
+
+/// Mean and mean square of the error of a mean over the points of each of `pixels` pixels.
+fn errors(
+    pixels: u32,
+    f: fn(Point) -> f64,
+    integral: f64,
+    mut points: impl FnMut(u32) -> Vec<Point>,
+) -> [f64; 2] {
+    let mut sums = [0.0; 2];
+    for pixel in 0..pixels {
+        let points = points(pixel);
+        let error = points.iter().map(|&point| f(point)).sum::<f64>() / points.len() as f64 - integral;
+        sums[0] += error;
+        sums[1] += error * error;
+    }
+    sums.map(|sum| sum / f64::from(pixels))
+}
+
+#[test]
+fn integrals_are_as_good_as_a_true_owen_scrambling_makes_them() {
+    const PIXELS: u32 = 4000;
+    let mut rng = Rng(52);
+    for count in [11, 16, 64, 256] {
+        let of_textbook: Vec<Vec<Point>> =
+            (0..PIXELS / 2).map(|_| textbook::points(&mut rng, count)).collect();
+        for (name, f, integral) in FUNCTIONS {
+            let of = |sampler| errors(PIXELS, f, integral, |seed| points_of_seed(sampler, seed, 10, count));
+            let (sobol, random) = (of(Sampler::Sobol), of(Sampler::Random));
+            let textbook = errors(PIXELS / 2, f, integral, |pixel| of_textbook[pixel as usize].clone());
+            let bias = sobol[0] / (sobol[1] / f64::from(PIXELS)).sqrt();
+            let (gain, loss) = (random[1] / sobol[1], sobol[1] / textbook[1]);
+            println!(
+                "{name}, {count} samples: variance {gain:.1} times below random, {loss:.3} of the textbook's"
+            );
+            assert!(bias.abs() < allowed(12), "{name}, {count} samples: biased by {bias:.1} standard errors");
+            // Measured with the textbook's points and 20,000 pixels: 8.8, 155, 2020, 28,600; 2.6, 3.6, 7.8,
+            // 15; 3.9, 7.1, 14, 29.
+            let least = match (name, count) {
+                ("smooth", 11) => 7.0,
+                ("smooth", 16) => 120.0,
+                ("smooth", 64) => 1600.0,
+                ("smooth", _) => 22_000.0,
+                (_, 11) => 2.1,
+                ("disc", 16) => 3.0,
+                ("disc", 64) => 6.3,
+                ("disc", _) => 12.0,
+                (_, 16) => 5.7,
+                (_, 64) => 11.0,
+                _ => 23.0,
+            };
+            assert!(gain > least, "{name}, {count} samples: variance only {gain:.1} times below random");
+            // Of two mean squares of normal errors: standard error √(2/4000 + 2/2000) = 0.039.
+            assert!(
+                (loss - 1.0).abs() < 0.16,
+                "{name}, {count} samples: {loss:.2} of the textbook's variance"
+            );
+        }
+    }
+}
+
+#[test]
+fn errors_have_no_heavier_tails_than_a_true_owen_scrambling_gives_them() {
+    // Scrambling by sums and products alone has the right variance and 1.9 and 2.6 times the fourth moment,
+    // one round less 1.3 and 2.0 times. A fourth moment's standard error is about 3.3 of √(1/6000 + 1/3000):
+    // 0.07.
+    const PIXELS: u32 = 6000;
+    let mut rng = Rng(55);
+    let of_textbook: Vec<Vec<Point>> = (0..PIXELS / 2).map(|_| textbook::points(&mut rng, 64)).collect();
+    let of_sobol: Vec<Vec<Point>> =
+        (0..PIXELS).map(|seed| points_of_seed(Sampler::Sobol, seed, 10, 64)).collect();
+    let smooth = FUNCTIONS[0];
+    for (name, f, integral) in [smooth, ("wave", |[x, _]| (TAU * 16.0 * x).cos(), 0.0)] {
+        let moment = |pixels: &[Vec<Point>]| {
+            let error = |of: &Vec<Point>| of.iter().map(|&p| f(p)).sum::<f64>() / 64.0 - integral;
+            pixels.iter().map(|points| error(points).powi(4)).sum::<f64>() / pixels.len() as f64
+        };
+        let ratio = moment(&of_sobol) / moment(&of_textbook);
+        assert!((0.65..1.4).contains(&ratio), "{name}: fourth moment {ratio:.2} of the textbook's");
+    }
+}
+
+#[test]
+fn whatever_the_seed_errors_of_pixels_have_no_bias_and_nothing_in_common() {
+    const PIXELS: u32 = 4096;
+    let mut deviations = Vec::new();
+    for seed in 0..8 {
+        for (name, f, integral) in FUNCTIONS {
+            let mean = |pixel: u32| {
+                let points = (0..16).map(|sample| point(Sampler::Sobol, seed, pixel, sample, 10));
+                points.map(f).sum::<f64>() / 16.0 - integral
+            };
+            let errors: Vec<f64> = (0..PIXELS).map(mean).collect();
+            let square = errors.iter().map(|error| error * error).sum::<f64>() / f64::from(PIXELS);
+            let bias = errors.iter().sum::<f64>() / (f64::from(PIXELS) * square).sqrt();
+            deviations.push((bias, format!("{name}, seed {seed}: mean error")));
+            for step in [1, 2, WIDTH as usize] {
+                let product = errors.iter().zip(&errors[step..]).map(|(a, b)| a * b).sum::<f64>();
+                let what = format!("{name}, seed {seed}: errors of pixels {step} apart");
+                deviations.push((product / (f64::from(PIXELS).sqrt() * square), what));
+            }
+        }
+    }
+    all_within(deviations);
+}
+
+#[test]
+fn waves_do_not_resonate_with_the_lines_of_a_net() {
+    // Too fine for few samples to gain anything: scrambling keeps the error from resonating with the net's
+    // lines.
+    for (a, b) in [(3.0, 2.0), (8.0, 8.0), (16.0, -15.0)] {
+        let wave = |[x, y]: Point| (TAU * (a * x + b * y)).cos();
+        let mean_square = (0..4000)
+            .map(|seed| points_of_seed(Sampler::Sobol, seed, 0, 16).into_iter().map(wave).sum::<f64>() / 16.0)
+            .map(|mean| mean * mean)
+            .sum::<f64>()
+            / 4000.0;
+        // Random: ½ · 1/16. A net of two dimensions is at most e times worse (Owen 1997).
+        assert!(mean_square < std::f64::consts::E / 32.0, "{a}, {b}: {:.2} of random", mean_square * 32.0);
+    }
+}
+
+#[test]
+fn numbers_are_multiples_of_two_to_the_minus_24_below_one() {
+    let mut rng = Rng(53);
+    for sampler in [Sampler::Sobol, Sampler::Random] {
+        let mut largest = 0.0_f32;
+        for _ in 0..2_000_000 {
+            let (key, sample, dimension) = (rng.bits(), rng.bits(), rng.bits() >> 20 & !1);
+            let (x, y) = SampleValues::new(sampler, 7, sample, dimension).get_2d::<f32>(key, 0);
+            for x in [x, y] {
+                assert!((0.0..1.0).contains(&x) && (x * 16_777_216.0).fract() == 0.0, "{sampler:?}: {x}");
+                largest = largest.max(x);
+            }
+        }
+        assert!(largest > 0.999_999, "{sampler:?}: the upper end is reached");
+    }
+}
+
+#[test]
+fn one_number_is_half_of_its_pair() {
+    assert_eq!(Sampler::default(), Sampler::Sobol);
+    let mut rng = Rng(54);
+    for _ in 0..10_000 {
+        let (seed, pixel, sample, dimension) = (rng.bits(), rng.bits(), rng.bits(), rng.bits() >> 24 & !1);
+        for sampler in [Sampler::Sobol, Sampler::Random] {
+            let key = sampler.key::<u32>(seed, pixel, sample);
+            let numbers = SampleValues::new(sampler, seed, sample, dimension);
+            for pair in [0, 2, 4, 6] {
+                let of_itself =
+                    SampleValues::new(sampler, seed, sample, dimension + pair).get_2d::<f32>(key, 0);
+                assert_eq!(numbers.get_2d::<f32>(key, pair), of_itself, "{sampler:?}");
+                let one = |dimension: u32| numbers.get_1d::<f32>(key, dimension);
+                assert_eq!((one(pair), one(pair + 1)), of_itself, "{sampler:?}");
+            }
+        }
+        let key = random::path_key::<u32>(seed, pixel, sample);
+        assert_eq!(Sampler::Random.key::<u32>(seed, pixel, sample), key);
+        assert_eq!(
+            SampleValues::new(Sampler::Random, seed, sample, dimension).get_1d::<f32>(key, 1),
+            random::uniform::<f32>(key, dimension + 1)
+        );
+    }
+}
+
+#[test]
+fn the_layout_gives_every_use_numbers_of_its_own_and_pairs_begin_at_even_ones() {
+    for pair in pairs() {
+        assert!(pair.is_multiple_of(2), "{pair}");
+    }
+    assert_eq!(dimension::LIGHT, dimension::LOBE + 1, "two choices share a pair");
+    let mut used = vec![dimension::PIXEL, dimension::PIXEL + 1];
+    for bounce in 0..3 {
+        let event = [dimension::LOBE, dimension::LIGHT, dimension::DIRECTION, dimension::DIRECTION + 1]
+            .into_iter()
+            .chain([dimension::LIGHT_POINT, dimension::LIGHT_POINT + 1]);
+        used.extend(event.map(|of| dimension::bounce(bounce) + of));
+    }
+    assert!(used.is_sorted_by(|a, b| a < b), "{used:?}");
+}

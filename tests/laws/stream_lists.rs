@@ -1,0 +1,39 @@
+//! Lists of a stream's rays that fill what room there is: many rays, not whole packets of them, through boxes
+//! that all of them pass.
+
+use crate::common::rays::Set;
+use crate::common::{Rng, empty, material, triangle};
+use glam::Vec3;
+use octray::bvh::Trees;
+use octray::math::MISS;
+use octray::scene::{MaterialKind, Scene};
+use octray::traverse::batch::Traversal;
+use octray::traverse::hierarchy::Hierarchy;
+
+#[test]
+fn lists_grow_when_every_ray_passes_every_box() {
+    let mut rng = Rng(95);
+    let mut scene = Scene { materials: vec![material(MaterialKind::Diffuse)], ..empty() };
+    for layer in 0..4500 {
+        let z = layer as f32 * 2e-4;
+        let corners = [Vec3::new(-90.0, -90.0, z), Vec3::new(90.0, -90.0, z), Vec3::new(0.0, 90.0, z)];
+        scene.triangles.push(triangle(corners, 0));
+    }
+    let hierarchy = Hierarchy::new(&scene, Trees::WideAndBinary);
+    for count in [8191, 8185] {
+        let mut set = Set::default();
+        for _ in 0..count {
+            let aim = Vec3::new(rng.unit() as f32, rng.unit() as f32, 10.0);
+            set.push(Vec3::new(0.0, 0.0, -5.0), aim.normalize(), f32::INFINITY);
+        }
+        // Of the other traversals each ray goes by itself or with a packet.
+        let expected = set.linear(&scene);
+        assert!(expected.iter().all(|answer| answer[1] != MISS));
+        for traversal in [Traversal::Stream, Traversal::Hybrid] {
+            let name = traversal.name();
+            assert!(set.through::<false>(&hierarchy, traversal) == expected, "{count} rays, {name}");
+            let any = set.through::<true>(&hierarchy, traversal);
+            assert!(any.iter().all(|answer| answer[1] != MISS), "{count} rays, any hit, {name}");
+        }
+    }
+}

@@ -1,0 +1,162 @@
+//! The viewer makes its memory when it starts, and none from frame to frame.
+#![cfg(feature = "viewer")]
+
+#[path = "../common/seat.rs"]
+mod seat;
+
+use octray::viewer::Viewer;
+use octray::viewer::frame::Frame;
+use octray::viewer::keys::Key;
+use octray::viewer::playlist::Playlist;
+use octray::viewer::state::Event;
+use seat::options;
+use stats_alloc::{INSTRUMENTED_SYSTEM, Region, StatsAlloc};
+use std::alloc::System;
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::thread;
+use std::time::{Duration, Instant};
+
+#[global_allocator]
+static MEMORY: &StatsAlloc<System> = &INSTRUMENTED_SYSTEM;
+
+/// Frames until everything has the size that it keeps, and frames that are watched then.
+const WARM: u64 = 60;
+const WATCHED: u64 = 50;
+/// Most pieces of memory that writing the figures may take, and how often they are written.
+const PIECES: f64 = 40.0;
+const WRITTEN: Duration = Duration::from_millis(250);
+/// Pieces of memory in a frame of the views of paths (bounces, lanes) where several threads share its tiles.
+const SHARING: u64 = 2;
+
+/// A viewer without a window: frames are taken as they come.
+struct Seat {
+    viewer: Viewer,
+    frame: Frame,
+    made: Arc<AtomicU64>,
+}
+
+impl Seat {
+    fn new(scene: &str, threads: usize) -> Self {
+        let options = options([64, 36], threads, Path::new("."));
+        let made = Arc::new(AtomicU64::new(0));
+        let count = made.clone();
+        let wake = Arc::new(move || {
+            count.fetch_add(1, Ordering::SeqCst);
+        });
+        let playlist = Playlist::new(&[scene.to_string()]).unwrap();
+        let viewer = Viewer::start(options, playlist, octray::scene::load_with_view(scene).unwrap(), wake);
+        // Frames as fast as they can be made.
+        viewer.send(Event::Rate(1e6));
+        Self { viewer, frame: Frame::default(), made }
+    }
+
+    fn key(&self, key: Key, down: bool) {
+        self.viewer.send(Event::Key { key, down, repeat: false });
+    }
+    fn press(&self, letter: char) {
+        self.key(Key::Char(letter), true);
+        self.key(Key::Char(letter), false);
+    }
+
+    /// Takes frames until there were so many more.
+    fn watch(&mut self, frames: u64) {
+        let start = Instant::now();
+        let until = self.made.load(Ordering::SeqCst) + frames;
+        while self.made.load(Ordering::SeqCst) < until {
+            self.viewer.take(&mut self.frame);
+            assert!(start.elapsed() < Duration::from_secs(120), "frames come");
+            thread::sleep(Duration::from_micros(100));
+        }
+    }
+
+    /// Pieces of memory taken, or made larger, in frames that go on for so long at least; and how long they
+    /// did.
+    fn pieces(&mut self, least: Duration) -> (usize, Duration) {
+        self.watch(WARM);
+        let (region, start) = (Region::new(MEMORY), Instant::now());
+        self.watch(WATCHED);
+        while start.elapsed() < least {
+            self.watch(1);
+        }
+        let change = region.change();
+        (change.allocations + change.reallocations, start.elapsed())
+    }
+}
+
+/// Bytes that are in use.
+fn in_use() -> isize {
+    let stats = MEMORY.stats();
+    stats.bytes_allocated as isize - stats.bytes_deallocated as isize
+}
+
+/// One test: another one beside it would take memory, too. It takes some seconds for [`WATCHED`] frames of
+/// every view, still and in motion.
+#[test]
+fn frames_take_no_memory() {
+    for (scene, threads) in [("builtin:three", 1), ("builtin:cornell", 2)] {
+        let mut seat = Seat::new(scene, threads);
+        let (pieces, time) = seat.pieces(4 * WRITTEN);
+        let written = time.as_secs_f64() / WRITTEN.as_secs_f64() + 1.0;
+        assert!(pieces > 0, "{scene}: figures are written, and they are counted here");
+        assert!(
+            pieces as f64 <= PIECES * written,
+            "{scene}: {pieces} pieces for figures written {written:.1} times"
+        );
+        seat.press('i');
+        let views = if threads > 1 { "27" } else { "234567890" };
+
+        // More threads share their work through queues, whose room rayon changes now and then.
+        let now_and_then = if threads > 1 { WATCHED / 10 } else { 0 };
+        let few = |seat: &mut Seat, what: &str, most: u64| {
+            let from = seat.made.load(Ordering::SeqCst) + WARM;
+            let (pieces, _) = seat.pieces(Duration::ZERO);
+            let frames = seat.made.load(Ordering::SeqCst) - from + 1;
+            let more = format!("{scene}, {threads} threads, {what}: {pieces} pieces in {frames} frames");
+            assert!(pieces as u64 <= most * frames + now_and_then, "{more}");
+        };
+        let none = |seat: &mut Seat, what: &str| few(seat, what, 0);
+        none(&mut seat, "standing");
+        let before = in_use();
+        seat.watch(if threads > 1 { 200 } else { 1_000 });
+        let more = in_use() - before;
+        assert!(more.unsigned_abs() <= 4096 * now_and_then as usize, "{scene}: {more} bytes more in use");
+        // In a circle.
+        for key in [Key::Char('w'), Key::Right] {
+            seat.key(key, true);
+        }
+        none(&mut seat, "walking");
+        for view in views.chars() {
+            seat.press(view);
+            few(
+                &mut seat,
+                &format!("walking in view {view}"),
+                if "70".contains(view) && threads > 1 { SHARING } else { 0 },
+            );
+        }
+        seat.press('1');
+        seat.press('m');
+        none(&mut seat, "walking with a map");
+        for key in [Key::Char('w'), Key::Right] {
+            seat.key(key, false);
+        }
+        seat.key(Key::Home, true);
+        for view in views.chars() {
+            seat.press(view);
+            few(
+                &mut seat,
+                &format!("standing in view {view}"),
+                if "70".contains(view) && threads > 1 { SHARING } else { 0 },
+            );
+        }
+        seat.press('1');
+        for filter in ["3×3 blur", "FXAA"] {
+            seat.press('f');
+            none(&mut seat, filter);
+        }
+        seat.press('n');
+        none(&mut seat, "with the denoiser");
+        assert!(seat.viewer.finish().frames > 10 * WATCHED);
+    }
+}

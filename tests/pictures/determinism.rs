@@ -1,0 +1,442 @@
+//! The law of one picture: its bits depend on the scene, resolution, bounces, seed and methods, and on
+//! nothing else: not on lanes, threads, tiles, or in how many calls the samples are taken.
+
+use crate::common::{Rng, empty, material, noise, sphere, triangle};
+use glam::{Vec2, Vec3};
+use octray::buffers::Features;
+use octray::integrate::pipeline_for;
+use octray::render::{PipelineChoice, RenderObserver, Renderer, Settings};
+use octray::scene::{Camera, Filter, Material, MaterialKind, Scene, Side, Sky, builtin_names, load};
+use octray::traverse::batch::Traversal;
+use octray::traverse::{Methods, SphereChoice, TraversalChoice, TriangleChoice};
+use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
+
+fn colored(rng: &mut Rng, kind: MaterialKind) -> Material {
+    let color = Vec3::new(rng.unit() as f32, rng.unit() as f32, rng.unit() as f32) * 0.5 + 0.5;
+    Material { color, ..material(kind) }
+}
+
+/// Spheres and triangles in front of the camera, wearing the materials by turns.
+fn furnished(rng: &mut Rng, materials: Vec<Material>, spheres: usize, triangles: usize, uvs: bool) -> Scene {
+    let count = materials.len();
+    let mut scene = Scene {
+        camera: Camera {
+            position: Vec3::new(0.3, 0.8, 6.0),
+            look_at: Vec3::ZERO,
+            up: Vec3::Y,
+            vertical_fov: 45.0,
+        },
+        materials,
+        ..empty()
+    };
+    for i in 0..spheres {
+        let center = (rng.in_cube() * 2.0).as_vec3();
+        let ball = sphere(center, rng.scale(0.3, 0.9) as f32, (i % count) as u32);
+        let texture_side = [Side::Outside, Side::Inside][i % 2];
+        scene.spheres.push(octray::scene::Sphere { texture_turn: rng.unit() as f32, texture_side, ..ball });
+    }
+    for i in 0..triangles {
+        let center = rng.in_cube() * 2.0;
+        let vertices = [(); 3].map(|()| (center + rng.in_cube() * 1.5).as_vec3());
+        scene.triangles.push(triangle(vertices, ((i + 1) % count) as u32));
+        if uvs {
+            scene.uvs.push([(); 3].map(|()| Vec2::new(3.0 * rng.signed() as f32, 3.0 * rng.signed() as f32)));
+        }
+    }
+    // A floor, so that paths bounce.
+    let floor = [Vec3::new(-20.0, -2.0, -20.0), Vec3::new(0.0, -2.0, 20.0), Vec3::new(20.0, -2.0, -20.0)];
+    if triangles > 0 {
+        scene.triangles.push(triangle(floor, 0));
+        if uvs {
+            scene.uvs.push([Vec2::ZERO, Vec2::new(20.0, 0.0), Vec2::new(0.0, 20.0)]);
+        }
+    }
+    scene
+}
+
+/// Every kind of everything, more of it than fits a register table.
+fn everything() -> Scene {
+    everything_of(12)
+}
+
+/// A lamp that paths look for, the first sphere, beside triangles that shine with a picture, which they do
+/// not look for.
+fn lamp_and_sign() -> Scene {
+    let mut rng = Rng(88);
+    let shining =
+        |emission: f32| Material { emission: Vec3::splat(emission), ..material(MaterialKind::Emitter) };
+    let materials =
+        vec![shining(9.0), Material { texture: Some(0), ..shining(2.0) }, material(MaterialKind::Diffuse)];
+    let mut scene = furnished(&mut rng, materials, 3, 5, true);
+    scene.textures = vec![noise(&mut rng, 8, 8, Filter::Nearest)];
+    scene.spheres.iter_mut().skip(1).for_each(|sphere| sphere.material = 2);
+    scene.triangles.iter_mut().for_each(|triangle| triangle.material = triangle.material.clamp(1, 2));
+    Scene { sky: Sky::Color(Vec3::ZERO), ..scene }
+}
+
+/// The same, and so much of it that it goes through the hierarchy.
+fn crowd() -> Scene {
+    everything_of(45)
+}
+
+fn everything_of(triangles: usize) -> Scene {
+    let mut rng = Rng(51);
+    let mut materials: Vec<Material> = [
+        MaterialKind::Diffuse,
+        MaterialKind::Metal { roughness: 0.0 },
+        MaterialKind::Metal { roughness: 0.4 },
+        MaterialKind::Glass { ior: 1.5 },
+        MaterialKind::Scatter { roughness: 0.7 },
+        MaterialKind::Diffuse,
+        MaterialKind::Diffuse,
+        MaterialKind::Emitter,
+        MaterialKind::Glass { ior: 0.8 },
+        MaterialKind::Metal { roughness: 1.0 },
+        MaterialKind::Plastic { roughness: 0.0, ior: 1.5 },
+        MaterialKind::Plastic { roughness: 0.5, ior: 1.7 },
+    ]
+    .into_iter()
+    .map(|kind| colored(&mut rng, kind))
+    .collect();
+    materials[0].texture = Some(0);
+    materials[4].texture = Some(1);
+    materials[5].texture = Some(1);
+    materials[6].emission = Vec3::new(0.2, 0.1, 0.4);
+    materials[7].emission = Vec3::new(3.0, 2.0, 1.0);
+    materials[7].texture = Some(0);
+    materials[2].roughness_map = Some(2);
+    materials[4].roughness_map = Some(1);
+    materials[8].normal_map = Some(2);
+    materials[9].normal_map = Some(1);
+    materials[0].normal_map = Some(2);
+    materials[11].roughness_map = Some(0);
+    let mut scene = furnished(&mut rng, materials, 20, triangles, true);
+    // Every other triangle is smooth.
+    scene.normals = (0..scene.triangles.len())
+        .map(|i| [(); 3].map(|()| if i % 2 == 0 { rng.direction().as_vec3() } else { Vec3::ZERO }))
+        .collect();
+    scene.textures = vec![
+        noise(&mut rng, 5, 3, Filter::Nearest),
+        noise(&mut rng, 4, 7, Filter::Bilinear),
+        noise(&mut rng, 16, 8, Filter::Bilinear),
+    ];
+    scene.sky = Sky::Texture { texture: 2, color: Vec3::new(1.0, 0.9, 0.8) };
+    scene
+}
+
+/// What the pipeline for matt and mirroring spheres draws.
+fn matt_and_mirror() -> Scene {
+    let mut rng = Rng(52);
+    let materials = vec![
+        colored(&mut rng, MaterialKind::Diffuse),
+        colored(&mut rng, MaterialKind::Metal { roughness: 0.0 }),
+        colored(&mut rng, MaterialKind::Diffuse),
+    ];
+    Scene {
+        sky: Sky::Gradient { bottom: Vec3::ONE, top: Vec3::new(0.5, 0.7, 1.0) },
+        ..furnished(&mut rng, materials, 7, 0, false)
+    }
+}
+
+/// A handful of spheres and triangles with nearest textures: the thesis's kind of scene.
+fn few_textured() -> Scene {
+    let mut rng = Rng(53);
+    let mut materials = vec![
+        colored(&mut rng, MaterialKind::Diffuse),
+        colored(&mut rng, MaterialKind::Scatter { roughness: 1.5 }),
+        colored(&mut rng, MaterialKind::Emitter),
+        colored(&mut rng, MaterialKind::Metal { roughness: 0.0 }),
+    ];
+    materials[0].texture = Some(0);
+    materials[2].emission = Vec3::splat(2.0);
+    let textures = vec![noise(&mut rng, 6, 6, Filter::Nearest)];
+    Scene {
+        textures,
+        sky: Sky::Color(Vec3::new(0.4, 0.5, 0.6)),
+        ..furnished(&mut rng, materials, 6, 2, true)
+    }
+}
+
+/// Triangles alone, without texture coordinates, under a sky that is read at the nearest texel.
+fn triangles_alone() -> Scene {
+    let mut rng = Rng(54);
+    let mut materials =
+        vec![colored(&mut rng, MaterialKind::Diffuse), colored(&mut rng, MaterialKind::Glass { ior: 1.3 })];
+    materials[1].emission = Vec3::new(0.0, 0.3, 0.0);
+    let textures = vec![noise(&mut rng, 9, 5, Filter::Nearest)];
+    let sky = Sky::Texture { texture: 0, color: Vec3::ONE };
+    Scene { textures, sky, ..furnished(&mut rng, materials, 0, 25, false) }
+}
+
+/// A tilted mirror, seen so much from the side that rounding points some reflections below it, and behind it
+/// a red light that shows what starts below the mirror.
+fn grazed_mirror() -> Scene {
+    let mut materials =
+        vec![material(MaterialKind::Metal { roughness: 0.0 }), material(MaterialKind::Emitter)];
+    materials[1].emission = Vec3::new(5.0, 0.0, 0.0);
+    let along = Vec3::new(0.6, 0.3, -0.7).normalize();
+    let across = along.cross(Vec3::new(0.2, 0.9, 0.1)).normalize();
+    let above = across.cross(along);
+    let point =
+        |forwards: f32, sideways: f32, height: f32| along * forwards + across * sideways + above * height;
+    let far = 1e5;
+    let mirror = [point(-far, -far, 0.0), point(far, 3.0 * far, 0.0), point(far, -3.0 * far, 0.0)];
+    // Paths leave the mirror about one unit from it; the light ends a little below it.
+    let light =
+        [point(2.0 * far, -3.0 * far, -0.4), point(2.0 * far, 3.0 * far, -0.4), point(2.0 * far, 0.0, -far)];
+    let position = point(0.0, 0.0, 1e-3);
+    Scene {
+        camera: Camera { position, look_at: position + along * 100.0, up: above, vertical_fov: 5e-5 },
+        materials,
+        triangles: vec![triangle(mirror, 0), triangle(light, 1)],
+        ..empty()
+    }
+}
+
+/// A picture's bits, and how many rays it took.
+#[derive(PartialEq)]
+struct Print {
+    pixels: Vec<[u32; 3]>,
+    rays: u64,
+}
+
+impl Print {
+    /// Takes the samples in so many calls.
+    fn of(scene: &Scene, settings: Settings, calls: &[u32]) -> Self {
+        let renderer = Renderer::new(scene, settings);
+        let mut film = renderer.film();
+        calls.iter().for_each(|&samples| renderer.add_samples(&mut film, samples));
+        assert_eq!(film.discarded(), 0, "{settings:?}");
+        assert_eq!(film.samples(), calls.iter().sum::<u32>());
+        let pixels = film.picture().pixels.iter().map(|pixel| pixel.map(f32::to_bits)).collect();
+        Self { pixels, rays: film.rays() }
+    }
+    #[track_caller]
+    fn assert_same(&self, other: &Self, settings: Settings, calls: &[u32]) {
+        if self != other {
+            let width = settings.resolution[0] as usize;
+            let first = self.pixels.iter().zip(&other.pixels).position(|(a, b)| a != b);
+            let place = first.map(|index| (index % width, index / width));
+            panic!(
+                "{settings:?}, calls {calls:?}: {} and {} rays, first pixel that differs: {place:?}",
+                self.rays, other.rays
+            );
+        }
+    }
+}
+
+const TILES: [[u32; 2]; 5] = [[1, 1], [7, 3], [16, 16], [32, 8], [240, 1]];
+
+fn base(scene: &Scene, resolution: [u32; 2], max_bounces: u32) -> Settings {
+    Settings { resolution, max_bounces, seed: 5, lanes: 1, threads: 1, ..Settings::of(scene) }
+}
+
+#[test]
+fn test_scenes_need_every_feature_together() {
+    let needs = |scene: &Scene| Renderer::new(scene, Settings::of(scene)).needs();
+    let all = needs(&crowd()).with(Features::SKY_GRADIENT);
+    assert!(all.contains(Features::ALL), "{:?}", all.names());
+    assert!(needs(&matt_and_mirror()).contains(Features::SKY_GRADIENT));
+    assert!(!needs(&few_textured()).contains(Features::MANY_TRIANGLES));
+    assert!(!needs(&everything()).contains(Features::HIERARCHY));
+}
+
+#[test]
+fn picture_is_the_same_for_all_lanes_threads_tiles_and_calls() {
+    for scene in
+        [everything(), crowd(), matt_and_mirror(), few_textured(), triangles_alone(), lamp_and_sign()]
+    {
+        // Every width, tile and number of threads, not every combination.
+        check_ways(&scene, |threads, tile, call| threads == 1 + (tile + call) % 3 && call == tile % 2);
+    }
+    check_ways(&everything(), |threads, tile, call| call == (threads + tile) % 2);
+}
+
+#[test]
+#[ignore = "minutes: run by .ci/run"]
+fn picture_is_the_same_for_every_combination_of_lanes_threads_tiles_and_calls() {
+    for scene in
+        [everything(), crowd(), matt_and_mirror(), few_textured(), triangles_alone(), lamp_and_sign()]
+    {
+        check_ways(&scene, |_, _, _| true);
+    }
+}
+
+/// Renders at both widths with those combinations of threads, tiles and calls (by their numbers) that are
+/// wanted.
+fn check_ways(scene: &Scene, wanted: impl Fn(usize, usize, usize) -> bool) {
+    let base = base(scene, [37, 23], 4);
+    let expected = Print::of(scene, base, &[8]);
+    for lanes in [1, 8] {
+        for threads in [1, 2, 3] {
+            for (tile, tile_size) in TILES.into_iter().enumerate() {
+                for (call, calls) in [&[8][..], &[3, 5]].into_iter().enumerate() {
+                    if wanted(threads, tile, call) {
+                        let settings = Settings { lanes, threads, tile_size, ..base };
+                        Print::of(scene, settings, calls).assert_same(&expected, settings, calls);
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Stops after so many samples of tiles.
+struct StopAfter {
+    tiles: AtomicU32,
+    rays: AtomicU64,
+}
+
+impl RenderObserver for StopAfter {
+    fn is_cancelled(&self) -> bool {
+        self.tiles.load(Ordering::SeqCst) == 0
+    }
+    fn sample_done(&self, _pixels: usize, rays: u64) {
+        // Other threads may be at work on one more when the last one is counted.
+        let _ = self.tiles.fetch_update(Ordering::SeqCst, Ordering::SeqCst, |left| left.checked_sub(1));
+        self.rays.fetch_add(rays, Ordering::SeqCst);
+    }
+}
+
+#[test]
+fn picture_that_was_stopped_midway_is_of_whole_samples_and_goes_on_to_the_same() {
+    let scene = everything();
+    let base = Settings { tile_size: [7, 3], lanes: 8, ..base(&scene, [37, 23], 4) };
+    let prints: Vec<Print> = (0..=5).map(|samples| Print::of(&scene, base, &[samples])).collect();
+    for (threads, tiles) in [(1, 0), (1, 1), (1, 17), (2, 30), (1, 100), (3, 150)] {
+        let renderer = Renderer::new(&scene, Settings { threads, ..base });
+        let mut film = renderer.film();
+        let watch = StopAfter { tiles: tiles.into(), rays: 0.into() };
+        renderer.add_samples(&mut film, 1);
+        renderer.add_samples_observed(&mut film, 4, &watch);
+        let (least, most) = (film.samples(), film.most_samples());
+        assert!(least >= 1 && most <= 5 && (tiles == 0) == (most == 1), "{least} to {most} samples");
+        for (index, pixel) in film.picture().pixels.iter().enumerate() {
+            let bits = pixel.map(f32::to_bits);
+            let known = (least..=most).any(|samples| prints[samples as usize].pixels[index] == bits);
+            assert!(known, "pixel {index} is not that of {least} to {most} samples");
+        }
+        assert_eq!(film.rays(), prints[1].rays + watch.rays.into_inner(), "what was taken was counted");
+        renderer.add_samples(&mut film, 5 - least);
+        assert_eq!((film.samples(), film.most_samples()), (5, 5));
+        let pixels: Vec<_> = film.picture().pixels.iter().map(|pixel| pixel.map(f32::to_bits)).collect();
+        assert!(
+            pixels == prints[5].pixels && film.rays() == prints[5].rays,
+            "{threads} threads, {tiles} tiles"
+        );
+    }
+}
+
+#[test]
+fn picture_is_the_same_from_the_pipeline_with_every_feature() {
+    let builtin = builtin_names().map(|name| load(&format!("builtin:{name}")).unwrap());
+    let own = [
+        everything(),
+        matt_and_mirror(),
+        few_textured(),
+        triangles_alone(),
+        grazed_mirror(),
+        lamp_and_sign(),
+    ];
+    let mut specialised = 0;
+    for scene in builtin.chain(own) {
+        for lanes in [1, 8] {
+            let needed = Settings { lanes, ..base(&scene, [61, 37], 6) };
+            let general = Settings { pipeline: PipelineChoice::General, ..needed };
+            Print::of(&scene, general, &[5]).assert_same(&Print::of(&scene, needed, &[5]), general, &[5]);
+            let pipelines = [Features::of(&scene), Features::ALL].map(|needs| pipeline_for(needs, lanes).0);
+            specialised += u32::from(pipelines[0] != pipelines[1]);
+        }
+    }
+    // The test means something only where there are two pipelines.
+    assert!(specialised >= 8, "only {specialised} scenes and widths have a pipeline of their own");
+}
+
+#[test]
+fn picture_is_the_same_at_odd_resolutions_and_every_number_of_bounces() {
+    for scene in [everything(), matt_and_mirror(), few_textured(), triangles_alone()] {
+        for resolution in [[37, 23], [1, 1], [9, 1], [1, 9]] {
+            for max_bounces in [0, 1, 4, 20] {
+                let base = base(&scene, resolution, max_bounces);
+                let expected = Print::of(&scene, base, &[4]);
+                for (threads, tile_size) in [(1, [16, 16]), (2, [7, 3]), (3, [1, 1])] {
+                    let settings = Settings { lanes: 8, threads, tile_size, ..base };
+                    Print::of(&scene, settings, &[1, 3]).assert_same(&expected, settings, &[1, 3]);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn picture_is_the_same_for_all_lanes_with_every_choice_of_equations() {
+    let scene = everything();
+    for sphere in SphereChoice::ALL {
+        for triangle in TriangleChoice::ALL {
+            let base = Settings {
+                methods: Methods { sphere, triangle, ..Methods::default() },
+                ..base(&scene, [37, 23], 4)
+            };
+            let settings = Settings { lanes: 8, threads: 2, tile_size: [7, 3], ..base };
+            Print::of(&scene, settings, &[2]).assert_same(&Print::of(&scene, base, &[2]), settings, &[2]);
+        }
+    }
+}
+
+#[test]
+fn picture_is_the_same_through_every_traversal() {
+    for scene in
+        [everything(), crowd(), matt_and_mirror(), few_textured(), triangles_alone(), lamp_and_sign()]
+    {
+        let by = |traversal, lanes| Settings {
+            methods: Methods { traversal, ..Methods::default() },
+            lanes,
+            ..base(&scene, [37, 23], 4)
+        };
+        let linear = by(TraversalChoice::Linear, 1);
+        let expected = Print::of(&scene, linear, &[4]);
+        let through = Traversal::ALL.map(TraversalChoice::Through);
+        for traversal in through.into_iter().chain([TraversalChoice::Linear, TraversalChoice::Needed]) {
+            for lanes in [1, 8] {
+                let settings = by(traversal, lanes);
+                Print::of(&scene, settings, &[4]).assert_same(&expected, settings, &[4]);
+            }
+        }
+    }
+}
+
+#[test]
+fn primary_hits_are_the_same_for_all_lanes_and_tiles() {
+    for scene in [everything(), triangles_alone()] {
+        let hits = |lanes, tile_size| {
+            let settings = Settings { lanes, tile_size, ..base(&scene, [37, 23], 0) };
+            let mut hits = Renderer::new(&scene, settings).primary_hits(3);
+            hits.sort_by_key(|hit| (hit.y, hit.x));
+            hits
+        };
+        let expected = hits(1, [16, 16]);
+        assert_eq!(expected.len(), 37 * 23);
+        for tile_size in TILES {
+            assert_eq!(hits(8, tile_size), expected, "{tile_size:?}");
+        }
+    }
+}
+
+#[test]
+fn seed_samples_and_bounces_change_the_picture() {
+    let scene = everything();
+    let base = base(&scene, [37, 23], 4);
+    let one = Print::of(&scene, base, &[8]);
+    // At the fifth segment most paths have ended.
+    for (other, calls, least) in [
+        (Settings { seed: 6, ..base }, 8, 0.5),
+        (base, 7, 0.5),
+        (Settings { max_bounces: 1, ..base }, 8, 0.2),
+        (Settings { max_bounces: 3, ..base }, 8, 0.05),
+    ] {
+        let other = Print::of(&scene, other, &[calls]);
+        let differ = one.pixels.iter().zip(&other.pixels).filter(|(a, b)| a != b).count();
+        let share = differ as f64 / one.pixels.len() as f64;
+        assert!(share > least, "only {differ} pixels differ");
+    }
+}

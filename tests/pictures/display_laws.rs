@@ -1,0 +1,360 @@
+//! Laws of what stands between a film and a window: blur, smoothed edges, noise removed, the pace of walking.
+
+use crate::common::{Rng, empty, floor, lamp, material, sphere};
+use glam::Vec3;
+use octray::display::{Blur, Denoiser, Fxaa, Samples, walking_speed};
+use octray::film::Picture;
+use octray::integrate::aovs::Aovs;
+use octray::render::{Renderer, Settings};
+use octray::scene::{Filter, MaterialKind, Scene};
+use octray::tone::Tone;
+
+fn picture([width, height]: [u32; 2], pixel: impl FnMut((u32, u32)) -> [f32; 3]) -> Picture {
+    let places = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+    Picture { width, height, pixels: places.map(pixel).collect() }
+}
+
+fn grey(value: f32) -> [f32; 3] {
+    [value; 3]
+}
+
+fn guides(scene: &Scene) -> Aovs {
+    let mut guides = Aovs::default();
+    Renderer::new(scene, Settings::of(scene)).aovs_into(&mut guides);
+    guides
+}
+
+/// The mean square of what a picture has besides a value.
+fn noise(picture: &Picture, value: f32) -> f64 {
+    let channels = picture.pixels.as_flattened();
+    channels.iter().map(|x| f64::from(x - value).powi(2)).sum::<f64>() / channels.len() as f64
+}
+
+/// All rows at once, and one after the other: the bits of a filter are the same.
+fn assert_same_on_threads<F: Default + Send>(filter: impl Fn(&mut F) -> Picture + Sync) {
+    let alone = filter(&mut F::default());
+    for threads in [2, 3] {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        let mut used = F::default();
+        for _ in 0..2 {
+            assert_eq!(pool.install(|| filter(&mut used)), alone, "{threads} threads");
+        }
+    }
+}
+
+#[test]
+fn blur_is_the_sum_of_nine_and_the_middle_again_over_ten() {
+    let picture =
+        picture([4, 3], |(x, y)| [(1 + x + 4 * y) as f32, 10.0 * (x * y) as f32, f32::from(x == 3)]);
+    let mut blur = Blur::new();
+    let shown = blur.filter(&picture);
+    // Rows 1 2 3 4, 5 6 7 8, 9 10 11 12 in red.
+    assert_eq!(shown.pixels[5][0], (1 + 2 + 3 + 5 + 2 * 6 + 7 + 9 + 10 + 11) as f32 / 10.0);
+    assert_eq!(
+        shown.pixels[5][1],
+        (10 + 20 + 20 + 40) as f32 / 10.0 + 1.0,
+        "x·y of nine, and of the middle again"
+    );
+    // At a corner its own column and row go on.
+    assert_eq!(shown.pixels[0][0], (1 + 1 + 2 + 1 + 2 + 2 + 5 + 5 + 6) as f32 / 10.0);
+    assert_eq!(shown.pixels[11][0], (7 + 8 + 8 + 11 + 2 * 12 + 12 + 11 + 12 + 12) as f32 / 10.0);
+    assert_eq!(shown.pixels[6][2], 0.3);
+    let mut wide = Blur::new();
+    let dot = wide.filter(&self::picture([1, 1], |_| grey(0.5)));
+    assert_eq!(dot.pixels, [grey(0.5)]);
+}
+
+#[test]
+fn filters_leave_a_constant_picture_constant() {
+    let scene = Scene { resolution: [37, 21], ..empty() };
+    let flat = picture(scene.resolution, |_| [0.3, 0.7, 2.5]);
+    assert_eq!(Fxaa::new().filter(&flat, &Tone::default()), &flat);
+    assert_eq!(
+        Denoiser::new().filter(&flat, Samples::Same(1), &guides(&scene)),
+        &flat,
+        "the sky stays as it is"
+    );
+    let near = |shown: &Picture| {
+        let pairs = shown.pixels.as_flattened().iter().zip(flat.pixels.as_flattened());
+        pairs.into_iter().all(|(a, b)| (a / b - 1.0).abs() < 1e-6)
+    };
+    assert!(near(Blur::new().filter(&flat)));
+    let scene = Scene { resolution: [37, 21], ..floor(Vec3::ZERO, 2.0) };
+    assert!(near(Denoiser::new().filter(&flat, Samples::Same(1), &guides(&scene))));
+}
+
+#[test]
+fn fxaa_keeps_edges_along_rows_and_columns() {
+    let size = [32, 24];
+    let mut fxaa = Fxaa::new();
+    for edge in [
+        picture(size, |(x, _)| grey(if x < 13 { 0.1 } else { 0.8 })),
+        picture(size, |(_, y)| grey(if y < 7 { 0.9 } else { 0.0 })),
+    ] {
+        assert_eq!(fxaa.filter(&edge, &Tone::default()), &edge);
+    }
+}
+
+#[test]
+fn fxaa_smooths_a_slanted_edge_towards_what_it_covers() {
+    for slope in [0.15f32, 0.25, 0.4] {
+        let height = |x: f32| 8.0 + slope * x;
+        let size = [48, 32];
+        let steps = picture(size, |(x, y)| grey(f32::from(y as f32 + 0.5 > height(x as f32 + 0.5))));
+        let covered = picture(size, |(x, y)| {
+            let parts = (0..64).filter(|i| {
+                let (dx, dy) = ((i % 8) as f32 / 8.0 + 1.0 / 16.0, (i / 8) as f32 / 8.0 + 1.0 / 16.0);
+                y as f32 + dy > height(x as f32 + dx)
+            });
+            grey(parts.count() as f32 / 64.0)
+        });
+        let error = |shown: &Picture| {
+            let pairs = shown.pixels.iter().zip(&covered.pixels);
+            pairs.map(|(a, b)| f64::from(a[0] - b[0]).powi(2)).sum::<f64>()
+        };
+        let mut fxaa = Fxaa::new();
+        let smooth = fxaa.filter(&steps, &Tone::default());
+        assert!(error(smooth) < 0.5 * error(&steps), "slope {slope}: {} of {}", error(smooth), error(&steps));
+        // What is dark to one side is bright to the other: turned upside down, the edge gives the same
+        // picture upside down.
+        let turned = |of: &Picture| Picture { pixels: of.pixels.iter().rev().copied().collect(), ..*of };
+        let (smooth, again) = (turned(smooth), Fxaa::new().filter(&turned(&steps), &Tone::default()).clone());
+        assert!(smooth.pixels.iter().zip(&again.pixels).all(|(a, b)| (a[0] - b[0]).abs() < 1e-5));
+    }
+}
+
+#[test]
+fn fxaa_judges_by_what_is_shown() {
+    let dot = picture([9, 9], |place| grey(if place == (4, 4) { 3.0 } else { 2.0 }));
+    let mut fxaa = Fxaa::new();
+    assert_eq!(fxaa.filter(&dot, &Tone::default()), &dot, "both are white on the screen");
+    let dark = Tone { exposure: -2.0, ..Tone::default() };
+    assert!(fxaa.filter(&dot, &dark).pixels[40][0] < 2.9);
+}
+
+/// Two matt balls of different sizes before a matt wall.
+fn balls() -> Scene {
+    let wall = floor(Vec3::ZERO, 4.0);
+    Scene {
+        resolution: [61, 43],
+        camera: octray::scene::Camera { vertical_fov: 50.0, ..wall.camera },
+        spheres: vec![sphere(Vec3::new(-0.8, 0.5, 0.0), 0.8, 0), sphere(Vec3::new(1.0, 0.8, 0.4), 0.5, 0)],
+        ..wall
+    }
+}
+
+#[test]
+fn denoiser_keeps_hard_edges_of_objects_and_removes_noise_on_them() {
+    let scene = balls();
+    let guides = guides(&scene);
+    let levels = |x: u32, y: u32| [0.2, 0.9, 0.5][guides.pixel(x, y).object.min(2) as usize];
+    let mut rng = Rng::of("display", [7, 0]);
+    let noisy = picture(scene.resolution, |(x, y)| grey(levels(x, y) * (2.0 * rng.unit()) as f32));
+    let clean = picture(scene.resolution, |(x, y)| grey(levels(x, y)));
+    let mut denoiser = Denoiser::new();
+    let edges = denoiser.filter(&clean, Samples::Same(1), &guides);
+    let worst = edges.pixels.iter().zip(&clean.pixels).map(|(a, b)| (a[0] / b[0] - 1.0).abs());
+    assert!(worst.fold(0.0, f32::max) < 1e-5, "no light crosses an edge");
+    let error = |shown: &Picture| {
+        let pairs = shown.pixels.iter().zip(&clean.pixels);
+        pairs.map(|(a, b)| f64::from(a[0] - b[0]).powi(2)).sum::<f64>().sqrt()
+    };
+    let (before, after) = (error(&noisy), error(denoiser.filter(&noisy, Samples::Same(1), &guides)));
+    assert!(after < before / 4.0, "{after} of {before}");
+}
+
+/// Two large triangles side by side, left of x = 0.01 and right of it, seen along −z: each by the z of its
+/// border and of its tip.
+fn two_sides(left: [f32; 2], right: [f32; 2], materials: [u32; 2]) -> Scene {
+    let side = |[border, tip]: [f32; 2], x: f32, material| {
+        let at = |y, z| Vec3::new(0.01, y, z);
+        crate::common::triangle([at(-90.0, border), at(90.0, border), Vec3::new(x, 0.0, tip)], material)
+    };
+    Scene {
+        resolution: [40, 24],
+        materials: vec![material(MaterialKind::Diffuse); 2],
+        triangles: vec![side(left, -90.0, materials[0]), side(right, 90.0, materials[1])],
+        ..empty()
+    }
+}
+
+#[test]
+fn denoiser_stops_at_objects_and_at_normals_and_at_distances() {
+    let mut rng = Rng::of("display", [6, 0]);
+    for (what, scene) in [
+        ("two objects in one plane", two_sides([0.0, 0.0], [0.0, 0.0], [0, 1])),
+        ("a corner", two_sides([0.0, 90.0], [0.0, 90.0], [0, 0])),
+        ("a step", two_sides([0.0, 0.0], [2.0, 2.0], [0, 0])),
+    ] {
+        let guides = guides(&scene);
+        assert!(guides.pixel(1, 12).distance.is_finite() && guides.pixel(38, 12).distance.is_finite());
+        // One noise on both sides, and a little green on the right one that it hides.
+        let noisy = picture(scene.resolution, |(x, _)| {
+            [rng.unit() as f32, if x < 20 { 0.0 } else { 0.1 }, rng.unit() as f32]
+        });
+        let mut denoiser = Denoiser::new();
+        let shown = denoiser.filter(&noisy, Samples::Same(1), &guides);
+        for (at, (shown, noisy)) in shown.pixels.iter().zip(&noisy.pixels).enumerate() {
+            assert!((shown[1] - noisy[1]).abs() < 1e-6, "{what}: pixel {at}, {shown:?}");
+        }
+        let red =
+            |picture: &Picture| picture.pixels.iter().map(|p| f64::from(p[0] - 0.5).powi(2)).sum::<f64>();
+        assert!(red(shown) < red(&noisy) / 4.0, "{what}");
+    }
+}
+
+#[test]
+fn denoiser_leaves_many_samples_mirrors_and_lamps_as_they_are() {
+    let mut scene = balls();
+    scene.materials[0] = material(MaterialKind::Diffuse);
+    scene.materials.push(material(MaterialKind::Metal { roughness: 0.0 }));
+    scene.materials.push(lamp(3.0));
+    (scene.spheres[0].material, scene.spheres[1].material) = (1, 2);
+    let guides = guides(&scene);
+    let mut rng = Rng::of("display", [9, 0]);
+    let noisy = picture(scene.resolution, |_| grey(rng.unit() as f32 + 0.5));
+    let mut denoiser = Denoiser::new();
+    let mut change = |samples| {
+        let shown = denoiser.filter(&noisy, Samples::Same(samples), &guides);
+        let mut changes = [0.0f32; 3];
+        for (at, (a, b)) in shown.pixels.iter().zip(&noisy.pixels).enumerate() {
+            let object = guides.pixel(at as u32 % 61, at as u32 / 61).object;
+            let change = &mut changes[object.min(2) as usize];
+            *change = change.max((a[0] - b[0]).abs());
+        }
+        changes
+    };
+    let [mirror, _, wall] = change(1);
+    assert_eq!(mirror, 0.0, "to the last bit");
+    assert!(wall > 0.4);
+    // Noise of one in a thousand of what a sample may have.
+    assert!(change(1_000_000)[2] < 0.01);
+}
+
+/// Pixels of metal within a quarter of its lobe show nearly the same: at a roughness of 0.2 and 400 rows
+/// within four pixels.
+#[test]
+fn denoiser_smooths_metal_as_far_as_it_is_rough() {
+    let left = |roughness| {
+        let metal = material(MaterialKind::Metal { roughness });
+        let scene = two_sides([-10.0; 2], [-10.0; 2], [0; 2]);
+        let guides = guides(&Scene { resolution: [40, 400], materials: vec![metal], ..scene });
+        let mut rng = Rng::of("display", [11, 0]);
+        let noisy = picture([40, 400], |_| grey(rng.unit() as f32 + 0.5));
+        noise(Denoiser::new().filter(&noisy, Samples::Same(1), &guides), 1.0) / noise(&noisy, 1.0)
+    };
+    let [polished, brushed, rough] = [0.04, 0.2, 0.5].map(left);
+    assert!(
+        polished > 0.95 && (0.02..0.1).contains(&brushed) && rough < brushed / 4.0,
+        "{polished} {brushed} {rough}"
+    );
+}
+
+#[test]
+fn denoiser_keeps_pictures_on_surfaces_sharp() {
+    // Light of one brightness on balls of many colours, which the guides tell.
+    let mut scene = balls();
+    scene.textures.push(crate::common::noise(&mut Rng::of("display", [4, 0]), 12, 6, Filter::Nearest));
+    scene.materials.push(octray::scene::Material { texture: Some(0), ..material(MaterialKind::Diffuse) });
+    scene.spheres.iter_mut().for_each(|ball| ball.material = 1);
+    let guides = guides(&scene);
+    let mut rng = Rng::of("display", [3, 0]);
+    let albedo = |(x, y): (u32, u32)| guides.pixel(x, y).albedo;
+    let lit = picture(scene.resolution, |place| albedo(place).map(|channel| 0.8 * channel));
+    let noisy = picture(scene.resolution, |place| {
+        let noise = 2.0 * rng.unit() as f32;
+        albedo(place).map(|channel| 0.8 * channel * noise)
+    });
+    let error = |shown: &Picture| {
+        let pairs = shown.pixels.as_flattened().iter().zip(lit.pixels.as_flattened());
+        pairs.map(|(a, b)| f64::from(a - b).powi(2)).sum::<f64>().sqrt()
+    };
+    let mut denoiser = Denoiser::new();
+    let unharmed = error(denoiser.filter(&lit, Samples::Same(1), &guides)) / error(&noisy);
+    assert!(unharmed < 0.02, "light that is even on it: {unharmed}");
+    let left = error(denoiser.filter(&noisy, Samples::Same(1), &guides)) / error(&noisy);
+    assert!(left < 0.5, "{left}");
+}
+
+#[test]
+fn denoiser_is_the_same_mirrored() {
+    let wall = Scene { resolution: [40, 24], ..floor(Vec3::ZERO, 2.0) };
+    let guides = guides(&wall);
+    let mut rng = Rng::of("display", [5, 0]);
+    let noisy = picture([40, 24], |_| [rng.unit() as f32, rng.unit() as f32, 0.5]);
+    let mirrored = |of: &Picture| Picture {
+        pixels: of.pixels.chunks(40).flat_map(|row| row.iter().rev().copied()).collect(),
+        ..*of
+    };
+    let shown = mirrored(Denoiser::new().filter(&noisy, Samples::Same(1), &guides));
+    let again = Denoiser::new().filter(&mirrored(&noisy), Samples::Same(1), &guides).clone();
+    let differs = shown.pixels.as_flattened().iter().zip(again.pixels.as_flattened());
+    let worst = differs.map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+    assert!(worst < 1e-4, "{worst}: distances differ by rounding alone");
+    assert!(noise(&shown, 0.5) < noise(&noisy, 0.5) / 2.0, "it did something");
+}
+
+/// A slanted plane is filtered along rows as along columns.
+#[test]
+fn denoiser_is_the_same_with_rows_for_columns() {
+    let at = [Vec3::new(-90.0, -200.0, -60.0), Vec3::new(6.0, 0.0, 4.0), Vec3::new(-90.0, 200.0, -60.0)];
+    let seen = |turn: fn(Vec3) -> Vec3| {
+        let plane = crate::common::triangle(at.map(turn), 0);
+        let materials = vec![material(MaterialKind::Diffuse)];
+        guides(&Scene { resolution: [32, 32], materials, triangles: vec![plane], ..empty() })
+    };
+    let mut rng = Rng::of("display", [4, 0]);
+    let noisy = picture([32, 32], |_| grey(rng.unit() as f32));
+    let turned = |of: &Picture| picture([32, 32], |(x, y)| of.pixels[(x * 32 + y) as usize]);
+    let shown = turned(Denoiser::new().filter(&noisy, Samples::Same(1), &seen(|at| at)));
+    // The picture's rows go down.
+    let guides = seen(|at| Vec3::new(-at.y, -at.x, at.z));
+    let again = Denoiser::new().filter(&turned(&noisy), Samples::Same(1), &guides).clone();
+    let differs = shown.pixels.iter().zip(&again.pixels).map(|(a, b)| (a[0] - b[0]).abs());
+    assert!(differs.fold(0.0, f32::max) < 1e-3);
+    assert!(noise(&shown, 0.5) < noise(&noisy, 0.5) / 10.0, "a slanted plane is no edge");
+}
+
+#[test]
+fn filters_give_the_same_bits_on_any_threads() {
+    let scene = balls();
+    let guides = guides(&scene);
+    let mut rng = Rng::of("display", [11, 0]);
+    let noisy = picture(scene.resolution, |_| [rng.unit() as f32, rng.unit() as f32, rng.unit() as f32]);
+    assert_same_on_threads(|blur: &mut Blur| blur.filter(&noisy).clone());
+    assert_same_on_threads(|fxaa: &mut Fxaa| fxaa.filter(&noisy, &Tone::default()).clone());
+    assert_same_on_threads(|denoiser: &mut Denoiser| {
+        denoiser.filter(&noisy, Samples::Same(2), &guides).clone()
+    });
+    // Memory of another size before changes nothing either.
+    let mut used = Denoiser::new();
+    let large = Scene { resolution: [80, 50], ..balls() };
+    used.filter(&picture([80, 50], |_| grey(9.0)), Samples::Same(1), &self::guides(&large));
+    let counts = vec![2.0; noisy.pixels.len()];
+    assert_eq!(
+        used.filter(&noisy, Samples::Each(&counts), &guides),
+        Denoiser::new().filter(&noisy, Samples::Same(2), &guides)
+    );
+}
+
+#[test]
+fn walking_speed_is_a_quarter_of_the_near_quartile() {
+    let speed = |height| walking_speed(&guides(&floor(Vec3::ZERO, height)));
+    assert!((speed(8.0) / 2.0 - 1.0).abs() < 1e-3, "{}", speed(8.0));
+    assert!((speed(800.0) / 200.0 - 1.0).abs() < 1e-3);
+    assert_eq!(walking_speed(&guides(&empty())), 1.0);
+    // A ball twice as near, in less than a quarter of the picture and in more.
+    let mut scene = Scene { resolution: [64, 64], ..floor(Vec3::ZERO, 8.0) };
+    scene.camera.vertical_fov = 10.0;
+    scene.spheres.push(sphere(Vec3::Y * 3.5, 0.5, 0));
+    let far = walking_speed(&guides(&scene));
+    scene.spheres[0] = sphere(Vec3::Y * 3.0, 1.0, 0);
+    let near = walking_speed(&guides(&scene));
+    assert!(far > 1.0 && far < 2.1 && (1.0..1.1).contains(&near), "{near} and {far}");
+    // In 22 and 28 hundredths.
+    for (radius, pace) in [(0.231, 2.0..2.02), (0.261, 1.2..1.25)] {
+        scene.spheres[0] = sphere(Vec3::Y * 3.0, radius, 0);
+        let speed = walking_speed(&guides(&scene));
+        assert!(pace.contains(&speed), "{radius}: {speed}");
+    }
+}

@@ -1,0 +1,182 @@
+//! The law of all ways to find light: they differ in noise and not in what they expect. Every material, on a
+//! sphere, on a smooth mesh and under maps, is lit by lamps of both shapes and a sky, and rendered with and
+//! without search, with well spread and with independent numbers; Welch's t holds the means of independent
+//! runs against each other, over the picture and in parts of it.
+
+use crate::common::statistics::allowed;
+use crate::common::{Rng, material, noise, smooth_ball, sphere, triangle};
+use glam::Vec3;
+use octray::buffers::LightChoice;
+use octray::film::Picture;
+use octray::render::Settings;
+use octray::sampling::Sampler;
+use octray::scene::{Filter, Material, MaterialKind, Scene, Sky};
+use octray::traverse::Methods;
+
+const KINDS: [MaterialKind; 8] = [
+    MaterialKind::Diffuse,
+    MaterialKind::Metal { roughness: 0.2 },
+    MaterialKind::Metal { roughness: 0.7 },
+    MaterialKind::Plastic { roughness: 0.0, ior: 1.5 },
+    MaterialKind::Plastic { roughness: 0.5, ior: 1.5 },
+    MaterialKind::Scatter { roughness: 0.4 },
+    MaterialKind::Scatter { roughness: 2.0 },
+    MaterialKind::Glass { ior: 1.5 },
+];
+
+/// What is lit: a ball, as a sphere or as triangles with smooth normals.
+fn balls(kind: MaterialKind) -> [Scene; 4] {
+    let smooth = smooth_ball(kind);
+    let round = Scene {
+        triangles: Vec::new(),
+        normals: Vec::new(),
+        spheres: vec![sphere(Vec3::ZERO, 1.0, 0)],
+        ..smooth.clone()
+    };
+    let mapped = |scene: &Scene| {
+        let mut scene = scene.clone();
+        let mut rng = Rng(71);
+        scene.textures =
+            vec![noise(&mut rng, 8, 6, Filter::Bilinear), noise(&mut rng, 7, 5, Filter::Nearest)];
+        scene.materials[0].roughness_map = kind.has_roughness().then_some(0);
+        scene.materials[0].normal_map = Some(1);
+        let at = |v: Vec3| glam::Vec2::new(0.5 + 0.4 * v.x, 0.5 + 0.3 * v.y + 0.1 * v.z);
+        scene.uvs = scene.triangles.iter().map(|triangle| triangle.vertices.map(at)).collect();
+        scene
+    };
+    let [mapped_round, mapped_smooth] = [mapped(&round), mapped(&smooth)];
+    [round, smooth, mapped_round, mapped_smooth]
+}
+
+/// Under a dim sky, between a round lamp and one of a triangle that is half below the ball's horizon, over a
+/// floor that throws light back.
+fn lit(mut scene: Scene) -> Scene {
+    let lamp = |radiance: Vec3| Material { emission: radiance, ..material(MaterialKind::Emitter) };
+    let first = scene.materials.len() as u32;
+    scene.materials.extend([
+        lamp(Vec3::new(9.0, 6.0, 3.0)),
+        lamp(Vec3::new(2.0, 4.0, 8.0)),
+        Material { color: Vec3::splat(0.5), ..material(MaterialKind::Diffuse) },
+    ]);
+    scene.spheres.push(sphere(Vec3::new(-1.5, 1.6, 1.2), 0.4, first));
+    let corners = [Vec3::new(1.6, -0.6, 0.9), Vec3::new(1.5, 1.1, 1.6), Vec3::new(1.9, 0.4, -0.5)];
+    let floor = [Vec3::new(-9.0, -1.4, -9.0), Vec3::new(0.0, -1.4, 18.0), Vec3::new(9.0, -1.4, -9.0)];
+    for (corners, material) in [(corners, first + 1), (floor, first + 2)] {
+        scene.triangles.push(triangle(corners, material));
+        if !scene.normals.is_empty() {
+            scene.normals.push([Vec3::ZERO; 3]);
+        }
+        if !scene.uvs.is_empty() {
+            scene.uvs.push([glam::Vec2::ZERO; 3]);
+        }
+    }
+    Scene {
+        resolution: [24, 16],
+        max_bounces: 3,
+        sky: Sky::Gradient { bottom: Vec3::splat(0.1), top: Vec3::splat(0.3) },
+        ..scene
+    }
+}
+
+const RUNS: u32 = 24;
+/// Parts of the picture: columns and rows.
+const PARTS: [usize; 2] = [3, 2];
+
+/// Means of the whole picture and of its parts.
+fn means(picture: &Picture) -> Vec<f64> {
+    let (width, height) = (picture.width as usize, picture.height as usize);
+    let mut sums = vec![(0.0, 0.0); 1 + PARTS[0] * PARTS[1]];
+    for (at, pixel) in picture.pixels.iter().enumerate() {
+        let part = at / width * PARTS[1] / height * PARTS[0] + at % width * PARTS[0] / width;
+        // Nothing here is brighter than the lamps, but what meets them by chance alone is noise that says
+        // nothing.
+        let value = f64::from(pixel[0] + pixel[1] + pixel[2]);
+        for of in [0, 1 + part] {
+            sums[of].0 += value;
+            sums[of].1 += 1.0;
+        }
+    }
+    sums.into_iter().map(|(sum, count)| sum / count).collect()
+}
+
+/// For each of [`means`], the runs' average and the square of its standard error.
+fn runs(scene: &Scene, methods: Methods, samples: u32, first_seed: u32) -> Vec<[f64; 2]> {
+    let of_runs: Vec<Vec<f64>> = (0..RUNS)
+        .map(|run| {
+            let settings = Settings { methods, seed: first_seed + run, ..Settings::of(scene) };
+            means(&crate::common::render(scene, settings, samples))
+        })
+        .collect();
+    let n = f64::from(RUNS);
+    (0..of_runs[0].len())
+        .map(|of| {
+            let average = of_runs.iter().map(|run| run[of]).sum::<f64>() / n;
+            let squares = of_runs.iter().map(|run| (run[of] - average).powi(2)).sum::<f64>();
+            [average, squares / (n - 1.0) / n]
+        })
+        .collect()
+}
+
+/// Welch's t of each of [`means`], and the relative standard error of the whole.
+fn welch(a: &[[f64; 2]], b: &[[f64; 2]]) -> (Vec<f64>, f64) {
+    let of = |(a, b): (&[f64; 2], &[f64; 2])| (a[0] - b[0]) / (a[1] + b[1]).sqrt();
+    (a.iter().zip(b).map(of).collect(), (a[0][1] + b[0][1]).sqrt() / a[0][0])
+}
+
+/// How much is rendered: samples with the search (eight times as many without), and the noise that is too
+/// much to tell anything, as a share of the mean.
+#[derive(Clone, Copy)]
+struct Effort {
+    samples: u32,
+    most_noise: f64,
+    shapes: &'static [&'static str],
+}
+
+/// Finds what changes a part's mean by some seven standard errors, which are 3 % at most and 1 % in most
+/// pictures: a missing weight, a pdf of the wrong measure, a light counted twice.
+const QUICK: Effort = Effort { samples: 4, most_noise: 0.03, shapes: &["sphere", "mapped smooth"] };
+/// Finds errors of three per cent in every shape.
+const THOROUGH: Effort = Effort { samples: 16, most_noise: 0.012, shapes: &SHAPES };
+const SHAPES: [&str; 4] = ["sphere", "smooth", "mapped sphere", "mapped smooth"];
+
+#[test]
+fn search_and_spread_change_no_expectation_on_matt_things_and_metal() {
+    check(&KINDS[..3], QUICK);
+}
+
+#[test]
+fn search_and_spread_change_no_expectation_on_coats_lobes_and_glass() {
+    check(&KINDS[3..], QUICK);
+}
+
+#[test]
+#[ignore = "minutes: run by .ci/run"]
+fn search_and_spread_change_no_expectation_on_anything() {
+    check(&KINDS, THOROUGH);
+}
+
+fn check(kinds: &[MaterialKind], effort: Effort) {
+    let with = |lights, sampler| Methods { lights, sampler, ..Methods::default() };
+    let Effort { samples, most_noise, shapes } = effort;
+    let mut deviations = Vec::new();
+    for &kind in kinds {
+        let all = balls(kind).into_iter().map(lit).zip(SHAPES);
+        for (scene, shape) in all.filter(|(_, shape)| shapes.contains(shape)) {
+            let sought = runs(&scene, with(LightChoice::On, Sampler::Sobol), samples, 1);
+            let by_chance = runs(&scene, with(LightChoice::Off, Sampler::Sobol), 8 * samples, 1001);
+            let independent = runs(&scene, with(LightChoice::On, Sampler::Random), samples, 2001);
+            for (other, what) in [(by_chance, "by chance"), (independent, "independent numbers")] {
+                let (t, error) = welch(&sought, &other);
+                println!("{kind:?}, {shape}, {what}: t {:.2}, error {:.2} %", t[0], 100.0 * error);
+                let told = format!("{kind:?}, {shape}, {what}");
+                assert!(error < most_noise, "{told}: noise that hides everything, {error}");
+                deviations.extend(t.into_iter().map(|t| (t, told.clone())));
+            }
+        }
+    }
+    // Of 23 and 23 degrees of freedom: tails a little heavier than the normal's.
+    let most = 1.15 * allowed(deviations.len());
+    for (t, what) in deviations {
+        assert!(t.abs() < most, "{what}: {t:.1} standard errors of {most:.1}");
+    }
+}

@@ -1,0 +1,145 @@
+//! The law of pipelines: one that is compiled for a few features gives the bits of the one that has them all,
+//! for every single feature beside a plain scene, so that no feature hides behind another.
+
+use crate::common::{Rng, empty, material, noise, smooth_ball, sphere, triangle};
+use glam::{Vec2, Vec3};
+use octray::buffers::LightChoice;
+use octray::film::Picture;
+use octray::render::{PipelineChoice, Settings};
+use octray::scene::{Camera, Filter, Material, MaterialKind, Scene, Sky};
+use octray::traverse::{BoxChoice, Methods};
+
+const KINDS: [MaterialKind; 8] = [
+    MaterialKind::Diffuse,
+    MaterialKind::Metal { roughness: 0.0 },
+    MaterialKind::Metal { roughness: 0.4 },
+    MaterialKind::Glass { ior: 1.5 },
+    MaterialKind::Scatter { roughness: 0.5 },
+    MaterialKind::Plastic { roughness: 0.0, ior: 1.5 },
+    MaterialKind::Plastic { roughness: 0.5, ior: 1.6 },
+    MaterialKind::Emitter,
+];
+
+/// What a scene has besides one thing of one material, one at a time.
+#[derive(Clone, Copy, Debug)]
+enum Extra {
+    None,
+    Triangles,
+    Smooth,
+    Shine,
+    Picture(Filter),
+    Roughness,
+    Normals,
+    Gradient,
+    SkyPicture(Filter),
+    RoundLamp,
+    Lamps,
+    Crowd,
+}
+
+const EXTRAS: [Extra; 14] = [
+    Extra::None,
+    Extra::Triangles,
+    Extra::Smooth,
+    Extra::Shine,
+    Extra::Picture(Filter::Nearest),
+    Extra::Picture(Filter::Bilinear),
+    Extra::Roughness,
+    Extra::Normals,
+    Extra::Gradient,
+    Extra::SkyPicture(Filter::Nearest),
+    Extra::SkyPicture(Filter::Bilinear),
+    Extra::RoundLamp,
+    Extra::Lamps,
+    Extra::Crowd,
+];
+
+fn with(kind: MaterialKind, extra: Extra) -> Scene {
+    let mut rng = Rng(91);
+    let floor = [Vec3::new(-9.0, -1.0, -9.0), Vec3::new(0.0, -1.0, 18.0), Vec3::new(9.0, -1.0, -9.0)];
+    let mut scene = Scene {
+        camera: Camera { position: Vec3::new(0.3, 0.4, 4.0), ..empty().camera },
+        materials: vec![Material { color: Vec3::new(0.9, 0.8, 0.7), ..material(kind) }],
+        spheres: vec![sphere(Vec3::ZERO, 0.9, 0), sphere(Vec3::new(1.2, 0.3, 0.4), 0.5, 0)],
+        sky: Sky::Color(Vec3::new(0.5, 0.6, 0.7)),
+        ..empty()
+    };
+    let lamp = Material { emission: Vec3::new(5.0, 4.0, 3.0), ..material(MaterialKind::Emitter) };
+    match extra {
+        Extra::None => {}
+        Extra::Triangles => scene.triangles.push(triangle(floor, 0)),
+        Extra::Smooth => scene = Scene { sky: scene.sky, ..smooth_ball(kind) },
+        Extra::Shine => scene.materials[0].emission = Vec3::new(0.1, 0.2, 0.3),
+        Extra::Picture(filter) => {
+            scene.textures = vec![noise(&mut rng, 5, 7, filter)];
+            scene.materials[0].texture = Some(0);
+        }
+        Extra::Roughness => {
+            scene.textures = vec![noise(&mut rng, 5, 7, Filter::Nearest)];
+            scene.materials[0].roughness_map = kind.has_roughness().then_some(0);
+        }
+        Extra::Normals => {
+            scene.triangles.push(triangle(floor, 0));
+            scene.uvs.push([Vec2::ZERO, Vec2::X, Vec2::Y]);
+            scene.textures = vec![noise(&mut rng, 5, 7, Filter::Nearest)];
+            scene.materials[0].normal_map = Some(0);
+        }
+        Extra::Gradient => scene.sky = Sky::Gradient { bottom: Vec3::ONE, top: Vec3::new(0.5, 0.7, 1.0) },
+        Extra::SkyPicture(filter) => {
+            scene.textures = vec![noise(&mut rng, 5, 7, filter)];
+            scene.sky = Sky::Texture { texture: 0, color: Vec3::ONE };
+        }
+        Extra::RoundLamp => {
+            scene.materials.push(lamp);
+            scene.spheres.push(sphere(Vec3::new(-1.0, 1.5, 0.5), 0.2, 1));
+        }
+        Extra::Lamps => {
+            scene.materials.push(lamp);
+            scene.triangles.push(triangle(floor, 0));
+            for number in 0..6 {
+                let at = Vec3::new(0.5 * number as f32 - 1.5, 1.5, 0.5);
+                scene.triangles.push(triangle([at, at + 0.3 * Vec3::X, at + 0.3 * Vec3::Z], 1));
+            }
+        }
+        Extra::Crowd => {
+            for _ in 0..60 {
+                scene.spheres.push(sphere((rng.in_cube() * 2.0).as_vec3(), 0.2, 0));
+            }
+        }
+    }
+    scene
+}
+
+fn render(scene: &Scene, settings: Settings) -> Picture {
+    crate::common::render(scene, settings, 2)
+}
+
+#[test]
+fn every_feature_alone_gives_the_bits_of_all_features_together() {
+    for kind in KINDS {
+        for extra in EXTRAS {
+            for lights in [LightChoice::On, LightChoice::Off] {
+                let scene = with(kind, extra);
+                let methods = Methods { lights, ..Methods::default() };
+                let needed =
+                    Settings { methods, resolution: [24, 16], max_bounces: 3, ..Settings::of(&scene) };
+                let general = Settings { pipeline: PipelineChoice::General, ..needed };
+                assert!(render(&scene, needed) == render(&scene, general), "{kind:?}, {extra:?}, {lights:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn boxes_without_padding_have_none_in_a_hierarchy_and_out_of_it() {
+    for scene in ["builtin:cornell", "builtin:knot:2000"] {
+        let scene = octray::scene::load(scene).unwrap();
+        let padding = |boxes| {
+            octray::traverse::Primitives::new(&scene, Methods { boxes, ..Methods::default() }, 8).padding()
+        };
+        let full = octray::traverse::hierarchy::padding_of(&scene);
+        assert_eq!(padding(BoxChoice::PaddedFma), full);
+        assert_eq!(padding(BoxChoice::Fma), full.without_padding());
+        assert_ne!(padding(BoxChoice::Fma), full);
+    }
+}

@@ -1,0 +1,332 @@
+//! The judge lets rounding pass and lets nothing else pass: single-precision kernels, good, naive and
+//! sabotaged.
+
+use super::scenes::empty;
+use crate::common::{Rng, sphere, triangle};
+use glam::Vec3;
+use octray::reference::{Reference, Verdict};
+use octray::scene::{Scene, Sphere, Triangle};
+
+const MISS: u32 = u32::MAX;
+
+/// Rng for what is in single precision here.
+trait Dice32 {
+    fn direction32(&mut self) -> Vec3;
+    fn scale32(&mut self, low: f64, high: f64) -> f32;
+}
+
+impl Dice32 for Rng {
+    fn direction32(&mut self) -> Vec3 {
+        self.direction().as_vec3()
+    }
+    fn scale32(&mut self, low: f64, high: f64) -> f32 {
+        self.scale(low, high) as f32
+    }
+}
+
+/// The sphere of Ray Tracing Gems, ch. 7, in f32: its roots, lower first.
+fn robust_roots(origin: Vec3, d: Vec3, sphere: &Sphere) -> Option<[f32; 2]> {
+    let oc = sphere.center - origin;
+    let (a, b) = (d.dot(d), oc.dot(d));
+    let discriminant = sphere.radius * sphere.radius - (oc - d * (b / a)).length_squared();
+    let q = b + (a * discriminant.max(0.0)).sqrt().copysign(b);
+    let (t0, t1) = ((oc.dot(oc) - sphere.radius * sphere.radius) / q, q / a);
+    (discriminant >= 0.0).then_some([t0.min(t1), t0.max(t1)])
+}
+
+/// The sphere of every schoolbook, in f32.
+fn naive_roots(origin: Vec3, d: Vec3, sphere: &Sphere) -> Option<[f32; 2]> {
+    let oc = origin - sphere.center;
+    let (a, b, c) = (d.dot(d), 2.0 * oc.dot(d), oc.dot(oc) - sphere.radius * sphere.radius);
+    let discriminant = b * b - 4.0 * a * c;
+    let root = discriminant.max(0.0).sqrt();
+    (discriminant >= 0.0).then_some([(-b - root) / (2.0 * a), (-b + root) / (2.0 * a)])
+}
+
+/// Woop's watertight triangle in f32, without the fallback to f64: t, and the weights of the second and third
+/// vertex.
+fn woop(origin: Vec3, d: Vec3, triangle: &Triangle) -> Option<(f32, [f32; 2])> {
+    let z = if d.x.abs() > d.y.abs().max(d.z.abs()) { 0 } else { 1 + usize::from(d.z.abs() >= d.y.abs()) };
+    let (x, y) = ((z + 1) % 3, (z + 2) % 3);
+    let (shear_x, shear_y, scale) = (d[x] / d[z], d[y] / d[z], 1.0 / d[z]);
+    let [a, b, c] = triangle.vertices.map(|vertex| {
+        let v = vertex - origin;
+        [v[x] - shear_x * v[z], v[y] - shear_y * v[z], scale * v[z]]
+    });
+    let u = c[0] * b[1] - c[1] * b[0];
+    let v = a[0] * c[1] - a[1] * c[0];
+    let w = b[0] * a[1] - b[1] * a[0];
+    let det = u + v + w;
+    let outside = (u < 0.0 || v < 0.0 || w < 0.0) && (u > 0.0 || v > 0.0 || w > 0.0);
+    let t = (u * a[2] + v * b[2] + w * c[2]) / det;
+    (!outside && det != 0.0 && t > 0.0).then_some((t, [v / det, w / det]))
+}
+
+type Roots = fn(Vec3, Vec3, &Sphere) -> Option<[f32; 2]>;
+
+/// The nearest hit of everything: what a kernel under test answers.
+fn answer(scene: &Scene, roots: Roots, origin: Vec3, d: Vec3) -> (f32, u32) {
+    let spheres = scene
+        .spheres
+        .iter()
+        .map(|sphere| roots(origin, d, sphere).and_then(|roots| roots.into_iter().find(|&t| t > 0.0)));
+    let triangles = scene.triangles.iter().map(|triangle| woop(origin, d, triangle).map(|(t, _)| t));
+    let mut nearest = (f32::INFINITY, MISS);
+    for (index, t) in spheres.chain(triangles).enumerate() {
+        if t.is_some_and(|t| t < nearest.0) {
+            nearest = (t.unwrap(), index as u32);
+        }
+    }
+    nearest
+}
+
+fn judge(scene: &Scene, origin: Vec3, d: Vec3, (t, primitive): (f32, u32)) -> Verdict {
+    Reference::new(scene).check_primary(origin.to_array(), d.to_array(), t, primitive)
+}
+
+/// A direction from `origin` towards `target`, of some length.
+fn aim(rng: &mut Rng, origin: Vec3, target: Vec3) -> Vec3 {
+    (target - origin).normalize() * rng.scale32(0.1, 10.0)
+}
+
+/// One sphere, a ray aimed within 1.2 radii of its centre: every distance and size, eyes inside, outside and
+/// lifted off the surface; and a ray in three straight at the outline.
+fn sphere_recipe(rng: &mut Rng) -> (Scene, Vec3, Vec3) {
+    let radius = rng.scale32(1e-6, 1e6);
+    let center = rng.direction32() * rng.scale32(1e-3, 1e3);
+    let normal = rng.direction32();
+    let height = match (rng.unit() * 4.0) as u32 {
+        0 => 1.0 + rng.scale32(1e-5, 1e5),
+        1 => rng.unit() as f32,
+        2 => 1.0 + 2e-6,
+        _ => 1.0 - 2e-6,
+    };
+    let origin = center + normal * radius * height;
+    let aside = rng.direction32().cross(normal).normalize();
+    let offset = if rng.unit() < 0.33 { rng.scale32(0.9999, 1.0001) } else { 1.2 * rng.unit().sqrt() as f32 };
+    let target =
+        if height > 1.0001 { center + aside * radius * offset } else { origin + rng.direction32() * radius };
+    let d = aim(rng, origin, target);
+    (Scene { spheres: vec![sphere(center, radius, 0)], ..empty() }, origin, d)
+}
+
+/// One triangle, from round to sliver, at every size and distance; a ray in three at an edge, one in three
+/// edge-on.
+fn triangle_recipe(rng: &mut Rng) -> (Scene, Vec3, Vec3) {
+    let (size, distance) = (rng.scale32(1e-3, 1e3), rng.scale32(1e-2, 1e4));
+    let corner = rng.direction32() * rng.scale32(1e-2, 1e2);
+    let edge = rng.direction32() * size;
+    let height = rng.direction32().cross(edge).normalize() * size * rng.scale32(1e-4, 1.0);
+    let vertices = [corner, corner + edge, corner + edge * rng.unit() as f32 + height];
+    let (kind, u, v) = (rng.unit(), rng.unit() as f32, rng.unit() as f32);
+    let (u, v) = if u + v > 1.0 { (1.0 - u, 1.0 - v) } else { (u, v) };
+    let v = if kind < 0.33 { rng.scale32(1e-9, 1e-5) } else { v };
+    let target = vertices[0] + (vertices[1] - vertices[0]) * u + (vertices[2] - vertices[0]) * v;
+    let away = if kind > 0.67 {
+        (edge.normalize() * rng.signed() as f32 + height.normalize() * rng.signed() as f32).normalize()
+            + rng.direction32() * rng.scale32(1e-8, 1e-2)
+    } else {
+        rng.direction32()
+    };
+    let origin = target + away.normalize() * size * distance;
+    let d = aim(rng, origin, target);
+    (Scene { triangles: vec![triangle(vertices, 0)], ..empty() }, origin, d)
+}
+
+#[test]
+fn rounding_of_a_good_kernel_is_right() {
+    let mut rng = Rng(3);
+    for recipe in [sphere_recipe, triangle_recipe] {
+        let mut hits = 0;
+        for ray in 0..100_000 {
+            let (scene, origin, d) = recipe(&mut rng);
+            let found = answer(&scene, robust_roots, origin, d);
+            hits += u32::from(found.1 != MISS);
+            let verdict = judge(&scene, origin, d, found);
+            assert_eq!(
+                verdict,
+                Verdict::Right,
+                "ray {ray}: {origin:?} {d:?} {found:?} {:?} {:?}",
+                scene.spheres,
+                scene.triangles
+            );
+        }
+        assert!((40_000..95_000).contains(&hits), "{hits} hits: both answers are put to the test");
+    }
+}
+
+/// The weights of a good kernel pass on every shape of triangle; wrong ones are flagged wherever single
+/// precision can tell.
+#[test]
+fn weights_of_a_good_kernel_are_right_and_wrong_ones_are_flagged() {
+    let mut rng = Rng(13);
+    let (mut judged, mut flagged) = (0, [0; 4]);
+    for ray in 0..100_000 {
+        let (scene, origin, d) = triangle_recipe(&mut rng);
+        let Some((_, [u, v])) = woop(origin, d, &scene.triangles[0]) else { continue };
+        let reference = Reference::new(&scene);
+        let verdict = |weights| reference.check_weights(origin.to_array(), d.to_array(), 0, weights);
+        assert_eq!(
+            verdict([u, v]),
+            Verdict::Right,
+            "ray {ray}: {origin:?} {d:?} {u} {v} {:?}",
+            scene.triangles
+        );
+        judged += 1;
+        for weights in [[f32::NAN, v], [u, f32::NAN], [-1e-3, v], [u, 1.001 - u]] {
+            assert_eq!(verdict(weights), Verdict::Invalid);
+        }
+        // Swapped, of the wrong vertices, and off by a hundredth and a thousandth: less than single precision
+        // knows of slivers.
+        let wrong = [[v, u], [1.0 - u - v, u], [0.99 * u, v], [u, 0.999 * v]];
+        for (count, weights) in flagged.iter_mut().zip(wrong) {
+            *count += u32::from(verdict(weights) != Verdict::Right);
+        }
+    }
+    println!("{judged} hits, flagged {flagged:?}");
+    assert!(judged > 40_000, "{judged}");
+    let least = [0.8, 0.8, 0.6, 0.2];
+    for (count, least) in flagged.into_iter().zip(least) {
+        assert!(f64::from(count) > least * f64::from(judged), "{flagged:?} of {judged}");
+    }
+}
+
+/// numerics.md: at distance 4096 a third of the naive kernel's answers are wrong, at 100 one in a thousand
+/// and many t.
+#[test]
+fn rounding_of_a_naive_kernel_is_flagged() {
+    let scene = Scene { spheres: vec![sphere(Vec3::ZERO, 1.0, 0)], ..empty() };
+    let mut rng = Rng(5);
+    for (distance, least) in [(100.0, 0.5), (4096.0, 0.9)] {
+        let (mut flagged_naive, mut flagged_robust) = (0, 0);
+        for _ in 0..20_000 {
+            let eye = rng.direction32() * distance;
+            let target = rng.direction32().cross(eye).normalize() * 1.2 * rng.unit().sqrt() as f32;
+            let d = (target - eye).normalize();
+            let wrong = |roots| judge(&scene, eye, d, answer(&scene, roots, eye, d)) != Verdict::Right;
+            flagged_naive += u32::from(wrong(naive_roots));
+            flagged_robust += u32::from(wrong(robust_roots));
+        }
+        // A third of the rays miss by far, which nobody gets wrong at 100.
+        let share = f64::from(flagged_naive) / 20_000.0;
+        println!("distance {distance}: {share} of the naive answers flagged");
+        assert!(share > least * 0.3, "distance {distance}: {share}");
+        assert_eq!(flagged_robust, 0);
+    }
+}
+
+/// A heap of spheres and triangles, and every way to be wrong about it.
+#[test]
+fn every_sabotage_is_flagged() {
+    let mut rng = Rng(9);
+    let mut scene = empty();
+    for _ in 0..30 {
+        scene.spheres.push(sphere(rng.direction32() * rng.scale32(0.5, 4.0), rng.scale32(0.1, 0.5), 0));
+        let center = rng.direction32() * rng.scale32(0.5, 4.0);
+        scene.triangles.push(triangle([0, 1, 2].map(|_| center + rng.direction32() * 0.5), 0));
+    }
+    let reference = Reference::new(&scene);
+    let (mut judged, mut shifted, mut behind) = (0, [0; 2], 0);
+    for _ in 0..20_000 {
+        let (origin, target) = (rng.direction32() * 6.0, rng.direction32() * 3.0 * rng.unit() as f32);
+        let d = aim(&mut rng, origin, target);
+        let (t, primitive) = answer(&scene, robust_roots, origin, d);
+        let verdict = |t, primitive| reference.check_primary(origin.to_array(), d.to_array(), t, primitive);
+        assert_eq!(verdict(t, primitive), Verdict::Right);
+        // That a miss is right says that the judge sees nothing either.
+        if primitive == MISS {
+            continue;
+        }
+        // Beyond doubt: the primitive alone is not within 1e-3 of its outline, says the judge of misses.
+        let alone = match primitive as usize {
+            sphere @ 0..30 => Scene { spheres: vec![scene.spheres[sphere]], ..empty() },
+            triangle => Scene { triangles: vec![scene.triangles[triangle - 30]], ..empty() },
+        };
+        let missed = judge(&alone, origin, d, (f32::INFINITY, MISS));
+        if !matches!(missed, Verdict::Overlooked { slack, .. } if slack < 1e-3) {
+            continue;
+        }
+        judged += 1;
+        // Tangents apart, a shift along the ray leaves the surface.
+        for (count, factor) in shifted.iter_mut().zip([0.999f32, 1.001]) {
+            *count += u32::from(verdict(t * factor, primitive) != Verdict::Right);
+        }
+        for wrong in [f32::NAN, -t, 0.0, f32::INFINITY] {
+            assert_eq!(verdict(wrong, primitive), Verdict::Invalid);
+        }
+        assert_eq!(verdict(t, 60), Verdict::Invalid);
+        // Where two primitives cross, both may be right.
+        let near = (0..60).filter(|&p| verdict(t, p) == Verdict::Right).count() > 1;
+        for other in (0..60).filter(|&other| other != primitive) {
+            let off = matches!(verdict(t, other), Verdict::OffSurface { .. });
+            assert!(off || near, "primitive {other} at t of {primitive}");
+        }
+        // The next thing behind, as if the first one had been lost.
+        let mut without = scene.clone();
+        match primitive as usize {
+            lost @ 0..30 => without.spheres[lost].center = Vec3::X * 1e4,
+            lost => {
+                without.triangles[lost - 30].vertices = [Vec3::X, Vec3::Y, Vec3::Z].map(|v| v + Vec3::X * 1e4)
+            }
+        }
+        let (next, hidden) = answer(&without, robust_roots, origin, d);
+        if next > t * 1.01 {
+            behind += 1;
+            let overlooked = verdict(next, hidden);
+            assert!(
+                matches!(overlooked, Verdict::Overlooked { primitive: p, .. } if p == primitive),
+                "{overlooked:?}"
+            );
+        }
+    }
+    assert!(judged > 5_000 && behind > 5_000, "{judged} rays judged, {behind} with the first hit lost");
+    assert!(
+        shifted.iter().all(|&flagged| f64::from(flagged) > 0.99 * f64::from(judged)),
+        "{shifted:?} of {judged}"
+    );
+}
+
+#[test]
+fn far_root_of_a_sphere_seen_from_outside_is_flagged() {
+    let scene = Scene { spheres: vec![sphere(Vec3::ZERO, 1.0, 0)], ..empty() };
+    let overlooked = judge(&scene, Vec3::Z * 5.0, -Vec3::Z, (6.0, 0));
+    assert!(matches!(overlooked, Verdict::Overlooked { primitive: 0, distance: 4.0, .. }), "{overlooked:?}");
+    assert_eq!(judge(&scene, Vec3::Z * 5.0, -Vec3::Z, (4.0, 0)), Verdict::Right);
+    assert_eq!(judge(&scene, Vec3::Z * 0.5, -Vec3::Z, (1.5, 0)), Verdict::Right, "from inside the only one");
+}
+
+/// Of two surfaces one rounding apart either may be named; of two a hundred apart only the nearer.
+#[test]
+fn nearly_equal_distances_may_be_swapped_and_others_not() {
+    let at =
+        |z: f32| triangle([Vec3::new(-1.0, -1.0, z), Vec3::new(1.0, -1.0, z), Vec3::new(0.0, 2.0, z)], 0);
+    let gap = |gap: f32| Scene { triangles: vec![at(0.0), at(-gap)], ..empty() };
+    assert_eq!(judge(&gap(5e-7), Vec3::Z * 5.0, -Vec3::Z, (5.0, 1)), Verdict::Right);
+    let swapped = judge(&gap(1e-4), Vec3::Z * 5.0, -Vec3::Z, (5.0001, 1));
+    assert!(matches!(swapped, Verdict::Overlooked { primitive: 0, .. }), "{swapped:?}");
+}
+
+/// A direction that is no direction hits nothing.
+#[test]
+fn only_a_miss_is_right_along_no_direction() {
+    let scene = Scene { spheres: vec![sphere(Vec3::ZERO, 1.0, 0)], ..empty() };
+    for d in [Vec3::ZERO, Vec3::splat(f32::NAN), Vec3::splat(f32::INFINITY)] {
+        assert_eq!(judge(&scene, Vec3::Z * 5.0, d, (f32::INFINITY, MISS)), Verdict::Right);
+        assert_eq!(judge(&scene, Vec3::Z * 5.0, d, (4.0, 0)), Verdict::Invalid);
+    }
+}
+
+/// What the judge takes for the truth agrees with its own closest hit.
+#[test]
+fn closest_is_right_by_its_own_verdict() {
+    let mut rng = Rng(11);
+    for recipe in [sphere_recipe, triangle_recipe] {
+        for _ in 0..20_000 {
+            let (scene, origin, d) = recipe(&mut rng);
+            let hit = Reference::new(&scene).closest(origin.as_dvec3(), d.as_dvec3());
+            let (t, primitive) = hit.map_or((f32::INFINITY, MISS), |hit| (hit.t as f32, hit.primitive));
+            let verdict = judge(&scene, origin, d, (t, primitive));
+            assert_eq!(verdict, Verdict::Right, "{origin:?} {d:?} {hit:?} {:?}", scene.triangles);
+        }
+    }
+}

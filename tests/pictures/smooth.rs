@@ -1,0 +1,107 @@
+//! The law of smooth normals: they bend what a surface does, and let no light through it, nor a ray.
+
+use crate::common::{Rng, empty, smooth_ball};
+use glam::Vec3;
+use octray::buffers::Features;
+use octray::kernel::normals;
+use octray::math;
+use octray::render::Settings;
+use octray::scene::{MaterialKind, Scene, Sky};
+
+const KINDS: [(MaterialKind, f64); 6] = [
+    (MaterialKind::Diffuse, 0.04),
+    (MaterialKind::Metal { roughness: 0.0 }, 0.0),
+    (MaterialKind::Metal { roughness: 0.3 }, 0.05),
+    (MaterialKind::Plastic { roughness: 0.0, ior: 1.5 }, 0.05),
+    (MaterialKind::Plastic { roughness: 0.5, ior: 1.5 }, 0.09),
+    (MaterialKind::Glass { ior: 1.5 }, 0.002),
+];
+
+fn furnace(kind: MaterialKind) -> Scene {
+    let mut scene = smooth_ball(kind);
+    scene.materials[0].color = Vec3::ONE;
+    Scene { sky: Sky::Color(Vec3::ONE), ..scene }
+}
+
+fn picture(scene: &Scene, max_bounces: u32) -> Vec<[f32; 3]> {
+    let settings = Settings { resolution: [60, 40], max_bounces, seed: 4, ..Settings::of(scene) };
+    crate::common::render(scene, settings, 64).pixels
+}
+
+/// Mean of the pixels that the ball covers.
+fn covered(scene: &Scene, pixels: &[[f32; 3]]) -> f64 {
+    let mut black = scene.clone();
+    black.sky = Sky::Color(Vec3::ONE);
+    let mask = picture(&black, 0);
+    let inside = pixels.iter().zip(&mask).filter(|(_, mask)| mask[0] == 0.0);
+    let (sum, count) = inside.fold((0.0, 0.0), |(sum, count), (p, _)| (sum + f64::from(p[0]), count + 1.0));
+    assert!(count > 500.0);
+    sum / count
+}
+
+#[test]
+fn white_furnace_of_a_smooth_ball_loses_what_is_stated() {
+    for (kind, most) in KINDS {
+        let [smooth, flat] = [furnace(kind), Scene { normals: Vec::new(), ..furnace(kind) }];
+        let [smooth, flat] = [smooth, flat].map(|scene| covered(&scene, &picture(&scene, 200)));
+        println!("{kind:?}: {:.4} of the light, {:.4} with flat normals", smooth, flat);
+        // What flat triangles lose belongs to the lobe.
+        assert!(smooth <= 1.003, "{kind:?} makes light: {smooth}");
+        assert!(flat - smooth <= most + 2e-3, "{kind:?} loses {:.4}", flat - smooth);
+    }
+}
+
+/// What leaves a convex body never meets it again, so that more events change nothing; what leaked into it
+/// would.
+#[test]
+fn nothing_leaves_below_the_surface() {
+    for (kind, _) in KINDS.into_iter().filter(|(kind, _)| !matches!(kind, MaterialKind::Glass { .. })) {
+        let mut scene = furnace(kind);
+        scene.materials[0].emission = Vec3::splat(0.3);
+        assert_eq!(picture(&scene, 1), picture(&scene, 9), "{kind:?}");
+    }
+}
+
+#[test]
+fn bent_normals_mirror_above_the_surface_and_face_the_ray() {
+    let lane = |v: Vec3| math::Vec3::<f32>::splat(v);
+    let mut rng = Rng(91);
+    let mut worst = 0.0_f32;
+    for _ in 0..200_000 {
+        let own = rng.direction().as_vec3();
+        let mut d = rng.direction().as_vec3();
+        let mut normal = rng.direction().as_vec3();
+        // All angles of arrival, down to grazing ones.
+        d = (d - own * d.dot(own)).normalize() - own * rng.scale(1e-5, 10.0) as f32;
+        d = d.normalize();
+        normal *= normal.dot(own).signum();
+        let bent = normals::bend_for_reflection(lane(d), lane(normal), lane(own)).get(0);
+        assert!((bent.length() - 1.0).abs() < 1e-5, "{d}, {normal}, {own}: {bent}");
+        let mirrored = d - bent * (2.0 * d.dot(bent));
+        // Half of the sine of arrival.
+        let sine = (-d.dot(own)).max(1e-6);
+        let off = 2e-6;
+        let least = (0.5 * sine).min(0.01) - off;
+        worst = worst.max(least + off - mirrored.dot(own));
+        assert!(mirrored.dot(own) >= least, "{d}, {normal}, {own}: {bent}, {}", mirrored.dot(own));
+        assert!(bent.dot(d) <= off, "{d}, {normal}, {own}: {bent}");
+        // One that need not be bent stays as it is.
+        let straight = d - normal * (2.0 * d.dot(normal));
+        assert!(straight.dot(own) < 0.0101 || bent == normal);
+        let towards = rng.direction().as_vec3();
+        let g = normals::shadow_terminator(lane(towards), lane(bent), lane(own));
+        assert!((0.0..=1.0).contains(&g) && (towards.dot(own) > 0.0 || g == 0.0), "{g}");
+    }
+    println!("at most {worst:e} too low");
+}
+
+#[test]
+fn flat_meshes_need_no_smooth_normals() {
+    let smooth = smooth_ball(MaterialKind::Diffuse);
+    assert!(Features::of(&smooth).contains(Features::SMOOTH_NORMALS));
+    let flat = Scene { normals: vec![[Vec3::ZERO; 3]; 80], ..smooth.clone() };
+    assert!(!Features::of(&flat).meets(Features::SHADING_NORMALS));
+    assert!(!Features::of(&Scene { normals: Vec::new(), ..smooth }).meets(Features::SHADING_NORMALS));
+    assert_eq!(picture(&flat, 4), picture(&Scene { normals: Vec::new(), ..flat.clone() }, 4));
+    assert!(!Features::of(&empty()).meets(Features::SHADING_NORMALS));
+}

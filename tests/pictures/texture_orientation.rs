@@ -1,0 +1,147 @@
+//! Law: a picture on a sphere reads from left to right for an eye on the side that the scene names, and is
+//! mirrored from the other; the sky reads right from where everybody sees it. Columns of red 0, 1, 2, … stand
+//! for the letters of a text.
+//!
+//! And whole repeats of a picture on triangles are nothing.
+
+use crate::common::{empty, material, sphere, triangle};
+use glam::{Vec2, Vec3};
+use octray::reference::{PathSettings, Reference};
+use octray::render::{Renderer, Settings};
+use octray::scene::{
+    Camera, Filter, Material, MaterialKind, Scene, Side, Sky, Sphere, Texels, Texture, load,
+};
+
+const COLUMNS: u32 = 64;
+
+fn columns() -> Texture {
+    let texel = |i: u32| [(i % COLUMNS) as f32, 1.0, 1.0, 0.0];
+    let texels = Texels::Float32((0..2 * COLUMNS).map(texel).collect());
+    Texture { name: "columns".into(), width: COLUMNS, height: 2, filter: Filter::Nearest, texels }
+}
+
+/// A shining ball of radius 1 with the picture on it.
+fn ball(texture_side: Side) -> Scene {
+    Scene {
+        sky: Sky::Color(Vec3::ZERO),
+        materials: vec![Material {
+            texture: Some(0),
+            emission: Vec3::ONE,
+            ..material(MaterialKind::Emitter)
+        }],
+        textures: vec![columns()],
+        spheres: vec![Sphere { texture_side, texture_turn: 0.1, ..sphere(Vec3::ZERO, 1.0, 0) }],
+        ..empty()
+    }
+}
+
+fn sky() -> Scene {
+    Scene { sky: Sky::Texture { texture: 0, color: Vec3::ONE }, textures: vec![columns()], ..empty() }
+}
+
+/// What stands in a row of pixels, from left to right; the packets, the scalar path and the judge agree on
+/// it.
+fn row(scene: &Scene) -> Vec<f32> {
+    let settings = Settings { resolution: [31, 1], max_bounces: 0, ..Settings::of(scene) };
+    let [packets, scalar] = [8, 1].map(|lanes| {
+        let renderer = Renderer::new(scene, Settings { lanes, ..settings });
+        let mut film = renderer.film();
+        renderer.add_samples(&mut film, 1);
+        film.picture().pixels.iter().map(|pixel| pixel[0]).collect::<Vec<_>>()
+    });
+    assert_eq!(packets, scalar);
+    let judge = Reference::new(scene);
+    let path = PathSettings {
+        resolution: [31, 1],
+        max_bounces: 0,
+        seed: settings.seed,
+        sampler: Default::default(),
+    };
+    let judged: Vec<f32> = (0..31).map(|x| judge.pixel(path, x, 0, 1)[0] as f32).collect();
+    // A point near the edge of a column may round into its neighbour.
+    let apart = packets.iter().zip(&judged).map(|(a, b)| (a - b).rem_euclid(COLUMNS as f32));
+    let near = |apart: f32| apart <= 1.0 || apart >= COLUMNS as f32 - 1.0;
+    assert!(apart.clone().all(near), "the judge reads another picture: {packets:?}, {judged:?}");
+    assert!(apart.filter(|&apart| apart != 0.0).count() <= 3, "{packets:?}, {judged:?}");
+    packets
+}
+
+/// Does the text run to the right, whatever the side one looks from? Asserts that it runs one way.
+fn reads_right(scene: &Scene, eye_distance: f32) -> bool {
+    let answers = [0.3, 1.7, 2.9, 4.4, 5.8].map(|angle: f32| {
+        let away = Vec3::new(angle.cos(), 0.0, angle.sin());
+        let position = away * eye_distance;
+        let camera = Camera { position, look_at: position - away, up: Vec3::Y, vertical_fov: 0.3 };
+        let row = row(&Scene { camera, ..scene.clone() });
+        // From one pixel to the next by less than half the picture, over the seam too.
+        let steps = row.windows(2).map(|pair| {
+            let step = (pair[1] - pair[0]).rem_euclid(COLUMNS as f32);
+            if step > COLUMNS as f32 / 2.0 { step - COLUMNS as f32 } else { step }
+        });
+        let steps: Vec<f32> = steps.collect();
+        assert!(steps.iter().any(|&step| step != 0.0), "{row:?}");
+        let (right, left) = (steps.iter().all(|&step| step >= 0.0), steps.iter().all(|&step| step <= 0.0));
+        assert!(right != left, "{row:?}");
+        right
+    });
+    assert!(answers.iter().all(|&right| right == answers[0]), "{answers:?}");
+    answers[0]
+}
+
+#[test]
+fn pictures_read_right_from_the_side_they_are_for() {
+    assert!(reads_right(&ball(Side::Outside), 5.0), "a globe");
+    assert!(!reads_right(&ball(Side::Outside), 0.0), "a globe from inside");
+    assert!(reads_right(&ball(Side::Inside), 0.0), "a sphere as sky");
+    assert!(!reads_right(&ball(Side::Inside), 5.0), "a sphere as sky from outside");
+    assert!(reads_right(&sky(), 0.0), "the sky");
+}
+
+#[test]
+fn scene_files_name_the_side_and_mean_outside_where_they_do_not() {
+    let folder = tempfile::TempDir::new().unwrap();
+    let side = |keys: &str| {
+        let path = folder.path().join("scene.json");
+        let text = format!(
+            r#"{{ "format": "octray-1", "spheres": [ {{ "center": [0,0,0], "radius": 1 {keys} }} ] }}"#
+        );
+        std::fs::write(&path, text).unwrap();
+        load(path.to_str().unwrap()).map(|scene| scene.spheres[0].texture_side)
+    };
+    assert_eq!(side("").unwrap(), Side::Outside);
+    assert_eq!(side(r#", "picture_from": "outside""#).unwrap(), Side::Outside);
+    assert_eq!(side(r#", "picture_from": "inside""#).unwrap(), Side::Inside);
+    let error = side(r#", "picture_from": "within""#).unwrap_err();
+    assert!(error.to_string().contains("`outside` or `inside`"), "{error}");
+}
+
+/// The spheres that are the skies of the thesis's scenes are seen from inside.
+#[test]
+fn builtin_skies_on_spheres_read_right_from_inside() {
+    for name in ["builtin:thesis", "builtin:chess"] {
+        let scene = load(name).unwrap();
+        let sky = scene.spheres.iter().find(|sphere| sphere.radius == 1000.0).unwrap();
+        assert_eq!(sky.texture_side, Side::Inside, "{name}");
+    }
+}
+
+#[test]
+fn whole_repeats_of_a_triangles_picture_change_no_bit() {
+    let corners = [Vec3::new(-4.0, -4.0, 0.0), Vec3::new(4.0, -4.0, 0.0), Vec3::new(0.0, 5.0, 0.0)];
+    // A step of single precision near 10⁶ is a sixteenth.
+    let uvs = [Vec2::new(0.0, 0.25), Vec2::new(0.75, 0.0), Vec2::new(0.5, 0.9375)];
+    let shifted = |by: Vec2| {
+        let mut scene = Scene { triangles: vec![triangle(corners, 0)], ..ball(Side::Outside) };
+        scene.spheres.clear();
+        scene.uvs = vec![uvs.map(|uv| uv + by)];
+        let renderer = Renderer::new(&scene, Settings::of(&scene));
+        let mut film = renderer.film();
+        renderer.add_samples(&mut film, 2);
+        film.picture()
+    };
+    let near = shifted(Vec2::ZERO);
+    assert!(near.pixels.iter().any(|pixel| pixel[0] != near.pixels[0][0]), "the picture shows");
+    for by in [Vec2::new(1.0, -7.0), Vec2::new(-1e6, 1e6)] {
+        assert!(shifted(by) == near, "{by}");
+    }
+}

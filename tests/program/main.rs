@@ -1,0 +1,24 @@
+//! The command line has manners: what it refuses, how it says so, and that it never panics or leaves half a
+//! file.
+
+#[path = "../common/openexr.rs"]
+mod openexr;
+
+mod chart;
+mod convert;
+mod desk;
+mod figures;
+#[cfg(unix)]
+mod interrupt;
+mod limits;
+mod rays;
+mod render;
+mod report_page;
+mod scenes;
+mod stability;
+mod stats;
+mod streams;
+mod usage;
+#[cfg(feature = "viewer")]
+mod view;
+mod views;

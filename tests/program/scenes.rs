@@ -1,0 +1,222 @@
+//! Scenes as the command line meets them: files, models, built-in ones, faults in them, what `inspect` says
+//! of them.
+
+use crate::desk::{Desk, SCENE};
+use predicates::prelude::*;
+use predicates::str::contains;
+use serde_json::{Value, json};
+use std::fs;
+use std::path::Path;
+
+#[test]
+fn inspect_shows_what_a_scene_holds() {
+    let desk = Desk::new();
+    let shown = desk.octray(&["inspect", "scene.json"]).assert().success().stderr("");
+    shown.stdout(
+        contains("spheres     1\n").and(contains("1 diffuse")).and(contains("(-1, -1, -1) to (1, 1, 1)")),
+    );
+
+    let output =
+        desk.octray(&["inspect", "scene.json", "--json"]).assert().success().get_output().stdout.clone();
+    let report: serde_json::Value = serde_json::from_slice(&output).unwrap();
+    assert_eq!(report["schema"], "octray-inspect-1");
+    assert_eq!(report["scene"], "scene.json");
+    assert_eq!((&report["spheres"], &report["triangles"]), (&1.into(), &0.into()));
+    assert_eq!(report["materials"]["diffuse"], 1);
+    assert_eq!(report["resolution"], serde_json::json!([8, 8]));
+    assert_eq!(report["bounds"]["upper"], serde_json::json!([1.0, 1.0, 1.0]));
+    assert_eq!(report["warnings"], serde_json::json!([]));
+}
+
+/// A textured triangle under a gradient.
+const GRADIENT: &str = r#"{
+  "format": "octray-1",
+  "sky": { "gradient": { "bottom": [0.25, 0.5, 1], "top": [1, 0.5, 0.25] } },
+  "materials": { "paper": { "type": "diffuse", "texture": "models/paper.png", "filter": "nearest" } },
+  "triangles": [
+    { "vertices": [[0,0,0],[1,0,0],[0,1,0]], "uvs": [[0,0],[1,0],[0,1]], "material": "paper" }
+  ]
+}"#;
+
+#[test]
+fn scene_warnings_reach_standard_error() {
+    let desk = Desk::new();
+    desk.write("dark.json", &SCENE.replace("[0.5, 0.7, 1.0]", "[0, 0, 0]"));
+    for command in [
+        &["render", "dark.json", "-o", "a.png", "--samples", "1"][..],
+        &["bench", "dark.json", "--frames", "1", "--size", "8x8", "--threads", "1"],
+        &["compare", "dark.json", "--samples", "1", "--size", "8x8"],
+    ] {
+        let said = desk.warnings(command);
+        assert!(said.contains("warning: Nothing in the scene emits light"), "{command:?}: {said}");
+    }
+    let report = desk.json(&["inspect", "dark.json", "--json"]);
+    assert!(report["warnings"][0].as_str().unwrap().starts_with("Nothing in the scene emits light"));
+}
+
+#[test]
+fn faults_in_a_scene_are_refused_with_file_and_json_path() {
+    let desk = Desk::new();
+    for (right, wrong, place) in [
+        ("\"radius\": 1", "\"radius\": -1", "spheres[0].radius"),
+        ("\"color\": [0.8,", "\"color\": [1.8,", "materials.clay.color[0]"),
+        ("\"material\": \"clay\"", "\"material\": \"day\"", "spheres[0].material"),
+        ("\"max_bounces\"", "\"max_bounce\"", "line 5"),
+        ("\"vertical_fov\": 40", "\"vertical_fov\": \"wide\"", "camera.vertical_fov"),
+    ] {
+        assert!(SCENE.contains(right), "{right}");
+        desk.write("bad.json", &SCENE.replace(right, wrong));
+        for command in [
+            &["inspect", "bad.json"][..],
+            &["render", "bad.json", "-o", "a.png"],
+            &["compare", "bad.json", "--json"],
+            &["bench", "bad.json", "--json"],
+        ] {
+            desk.refuses(command, &["bad.json", place]);
+        }
+    }
+}
+
+#[test]
+fn builtin_scenes_render_and_unknown_ones_list_the_names() {
+    let desk = Desk::new();
+    let names: Vec<&str> = octray::scene::builtin_names().collect();
+    for name in &names {
+        desk.render_small(&format!("builtin:{name}"));
+    }
+    for unknown in ["builtin:thre", "builtin:", "builtin:Three"] {
+        desk.refuses(&["render", unknown, "-o", "a.png"], &names);
+    }
+    for near in ["builtin:thre", "three"] {
+        desk.refuses(&["inspect", near], &["did you mean `builtin:three`?"]);
+    }
+}
+
+#[test]
+fn scene_files_of_the_project_load_and_render() {
+    let desk = Desk::new();
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");
+    let files = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    let scenes: Vec<_> = files.filter(|path| path.extension().is_some_and(|end| end == "json")).collect();
+    assert!(!scenes.is_empty());
+    for scene in scenes {
+        let scene = scene.to_str().unwrap();
+        desk.render_small(scene);
+        assert_eq!(desk.json(&["inspect", scene, "--json"])["warnings"], json!([]), "{scene}");
+    }
+}
+
+#[test]
+fn inspect_reports_textures_gradient_and_needs() {
+    let desk = Desk::new();
+    desk.put_textured_model();
+    desk.write("gradient.json", GRADIENT);
+    let report = desk.json(&["inspect", "gradient.json", "--json"]);
+    let sky = json!({ "type": "gradient", "bottom": [0.25, 0.5, 1.0], "top": [1.0, 0.5, 0.25] });
+    assert_eq!(report["sky"], sky);
+    let texture = json!({
+        "name": "models/paper.png", "width": 2, "height": 2, "filter": "nearest", "memory_bytes": 16
+    });
+    assert_eq!(report["textures"], json!([texture]));
+    assert_eq!(report["materials"]["textured"], 1);
+    let needs: Vec<&Value> = report["needs"].as_array().unwrap().iter().collect();
+    assert_eq!(json!(needs), json!(["triangles", "diffuse", "textures", "sky-gradient"]));
+    desk.octray(&["inspect", "gradient.json"]).assert().success().stdout(
+        contains("models/paper.png: 2×2, nearest, 16 B")
+            .and(contains("(0.25, 0.5, 1) below to (1, 0.5, 0.25) above"))
+            .and(contains("triangles, diffuse, textures, sky-gradient\n")),
+    );
+}
+
+#[test]
+fn inspect_shows_which_way_rays_go_and_why() {
+    let desk = Desk::new();
+    let balls = |count: usize| {
+        let ball = |x: usize| json!({ "center": [3 * x, 0, 0], "radius": 1 });
+        json!({ "format": "octray-1", "spheres": (0..count).map(ball).collect::<Vec<_>>() }).to_string()
+    };
+    desk.write("few.json", &balls(150));
+    desk.write("many.json", &balls(151));
+    for (scene, cost, way) in [
+        ("scene.json", 1, "linear"),
+        ("model.obj", 4, "linear"),
+        ("builtin:cornell", 128, "linear"),
+        ("few.json", 150, "linear"),
+        ("many.json", 151, "hybrid"),
+        ("builtin:knot:2000", 8_000, "hybrid"),
+    ] {
+        let report = desk.json(&["inspect", scene, "--json"]);
+        let mut traversal = report["traversal"].clone();
+        let found = traversal["linear_cost"].take().as_u64().unwrap();
+        assert!(found.abs_diff(cost) <= cost / 50, "{scene}: {found}");
+        let expected =
+            json!({ "primary": way, "bounces": way, "linear_cost": null, "most_linear_cost": 150 });
+        assert_eq!(traversal, expected, "{scene}");
+        assert_eq!(report["hierarchy"].is_null(), way == "linear", "{scene}");
+        assert_eq!(report["needs"].as_array().unwrap().contains(&json!("hierarchy")), way != "linear");
+    }
+    desk.octray(&["inspect", "scene.json"]).assert().success().stdout(
+        contains("traversal   linear for primary rays, linear for bounces\n")
+            .and(contains("cost a ray 1 (1 a sphere, 4 a triangle); up to 150, that is faster"))
+            .and(contains("\nhierarchy").not()),
+    );
+}
+
+#[test]
+fn inspect_shows_the_hierarchy_that_rays_go_through() {
+    let desk = Desk::new();
+    let report = desk.json(&["inspect", "builtin:knot:2000", "--json"]);
+    let (hierarchy, triangles) = (&report["hierarchy"], report["triangles"].as_u64().unwrap());
+    assert_eq!(hierarchy["fault"], Value::Null);
+    assert!(hierarchy["build"]["ms"].as_f64().unwrap() > 0.0, "{hierarchy}");
+    assert!(hierarchy["build"]["threads"].as_u64().unwrap() >= 1, "{hierarchy}");
+    let bytes = hierarchy["bytes"].as_u64().unwrap();
+    let each = hierarchy["bytes_per_primitive"].as_f64().unwrap();
+    assert!((each * triangles as f64 - bytes as f64).abs() < 1.0 && each > 36.0, "{hierarchy}");
+    let [nodes, leaves, levels] = ["wide_nodes", "leaves", "wide_depth"].map(|key| &hierarchy["tree"][key]);
+    assert!(leaves.as_u64().unwrap() >= triangles.div_ceil(8), "{hierarchy}");
+    // As `rays` counts them.
+    let arguments = ["builtin:knot:2000", "--json", "--size", "8x8", "--passes", "1", "--threads", "1"];
+    let rays = desk.json(&[&["rays"], &arguments[..]].concat());
+    assert_eq!((&rays["tree"], &rays["bvh_bytes"]), (&hierarchy["tree"], &hierarchy["bytes"]));
+
+    let grouped = |number: &Value| {
+        let number = number.as_u64().unwrap();
+        if number < 1_000 { number.to_string() } else { format!("{},{:03}", number / 1_000, number % 1_000) }
+    };
+    let shown =
+        format!("hierarchy   {} nodes in {levels} levels, {} leaves; ", grouped(nodes), grouped(leaves));
+    desk.octray(&["inspect", "builtin:knot:2000"]).assert().success().stdout(
+        contains("traversal   hybrid for primary rays, hybrid for bounces\n")
+            .and(contains("above 150, a hierarchy is faster"))
+            .and(contains(shown))
+            .and(contains(format!(", {each:.0} bytes a primitive; built in ")))
+            .and(contains(" ms on ")),
+    );
+}
+
+#[test]
+fn a_model_is_a_scene() {
+    let desk = Desk::new();
+    desk.render_small("model.obj");
+    let report = desk.json(&["inspect", "model.obj", "--json"]);
+    assert_eq!((&report["triangles"], &report["name"]), (&json!(1), &json!("model.obj")));
+    desk.write("broken.obj", "v 0 0 0\nf 1 2 3\n");
+    desk.refuses(&["inspect", "broken.obj"], &["broken.obj", "line 2"]);
+}
+
+#[test]
+fn meshes_beside_the_project_render() {
+    let desk = Desk::new();
+    for name in ["bunny.obj", "dragon-48k.obj"] {
+        let mesh = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/meshes").join(name);
+        if !mesh.is_file() {
+            eprintln!("skipped: there is no ../shared/meshes/{name}");
+            continue;
+        }
+        let mesh = mesh.to_str().unwrap();
+        let report = desk.json(&["inspect", mesh, "--json"]);
+        assert!(report["triangles"].as_u64().unwrap() > 1_000, "{name}: {report}");
+        desk.render_small(mesh);
+    }
+}

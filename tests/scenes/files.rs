@@ -1,0 +1,333 @@
+//! The native scene format: what its keys mean and what stands in for those left out.
+
+use glam::{Vec2, Vec3};
+use octray::scene::{Filter, MaterialKind, Scene, Sky, Texels, builtin_names, load};
+use std::fs;
+use std::path::Path;
+use tempfile::TempDir;
+
+/// Loads a scene text as a file, with whatever else stands in `folder`.
+fn load_in(folder: &TempDir, text: &str) -> Scene {
+    let path = folder.path().join("scene.json");
+    fs::write(&path, text).unwrap();
+    load(path.to_str().unwrap()).unwrap_or_else(|error| panic!("{error}"))
+}
+
+fn load_text(text: &str) -> Scene {
+    load_in(&TempDir::new().unwrap(), text)
+}
+
+/// A picture two pixels wide and one high: red, then half grey.
+fn save_picture(path: &Path) {
+    let mut picture = image::RgbImage::new(2, 1);
+    picture.put_pixel(0, 0, image::Rgb([255, 0, 0]));
+    picture.put_pixel(1, 0, image::Rgb([128, 128, 128]));
+    picture.save(path).unwrap();
+}
+
+#[test]
+fn native_example_of_the_design_keeps_every_value() {
+    let folder = TempDir::new().unwrap();
+    save_picture(&folder.path().join("clay.png"));
+    let scene = load_in(
+        &folder,
+        r#"{
+        "format": "octray-1",
+        "camera": { "position": [0,1,5], "look_at": [0,1,0], "up": [0,1,0], "vertical_fov": 40 },
+        "resolution": [320, 180],
+        "max_bounces": 7,
+        "sky": { "color": [0.5,0.7,1.0] },
+        "materials": {
+          "clay":   { "type": "diffuse", "color": [0.8,0.5,0.3], "texture": "clay.png", "filter": "nearest" },
+          "chrome": { "type": "metal", "color": [0.9,0.9,0.9], "roughness": 0.1 },
+          "pane":   { "type": "glass", "ior": 1.33 },
+          "old":    { "type": "scatter", "color": [1,1,1], "roughness": 2.5 },
+          "lamp":   { "type": "diffuse", "color": [0,0,0], "emission": [15,14,13] }
+        },
+        "spheres":   [ { "center": [0,1,0], "radius": 2, "material": "old", "turn_degrees": 90 } ],
+        "triangles": [ { "vertices": [[0,0,0],[1,0,0],[0,1,0]], "uvs": [[0,0],[1,0],[0,0.5]], "material": "clay" } ]
+    }"#,
+    );
+    assert_eq!(scene.name, "scene.json");
+    assert_eq!(scene.camera.position, Vec3::new(0.0, 1.0, 5.0));
+    assert_eq!(scene.camera.look_at, Vec3::new(0.0, 1.0, 0.0));
+    assert_eq!(scene.camera.vertical_fov, 40.0);
+    assert_eq!((scene.resolution, scene.max_bounces), ([320, 180], 7));
+    assert_eq!(scene.sky, Sky::Color(Vec3::new(0.5, 0.7, 1.0)));
+    let kinds: Vec<MaterialKind> = scene.materials.iter().map(|material| material.kind).collect();
+    assert_eq!(
+        kinds,
+        [
+            MaterialKind::Diffuse,
+            MaterialKind::Metal { roughness: 0.1 },
+            MaterialKind::Glass { ior: 1.33 },
+            MaterialKind::Scatter { roughness: 2.5 },
+            MaterialKind::Diffuse,
+        ]
+    );
+    assert_eq!(scene.materials[2].color, Vec3::ONE);
+    assert_eq!(scene.materials[4].emission, Vec3::new(15.0, 14.0, 13.0));
+    assert_eq!(
+        (scene.spheres[0].radius, scene.spheres[0].material, scene.spheres[0].texture_turn),
+        (2.0, 3, 0.25)
+    );
+    assert_eq!(scene.triangles[0].vertices, [Vec3::ZERO, Vec3::X, Vec3::Y]);
+    assert_eq!(scene.uvs, [[Vec2::ZERO, Vec2::X, Vec2::new(0.0, 0.5)]]);
+    let texture = &scene.textures[scene.materials[0].texture.unwrap() as usize];
+    assert_eq!((texture.width, texture.height, texture.filter), (2, 1, Filter::Nearest));
+    // IEC 61966-2-1: ((128/255 + 0.055) / 1.055)^2.4 = 0.2158605.
+    assert_eq!(texture.texels.linear(0), [1.0, 0.0, 0.0]);
+    assert!((texture.texels.linear(1)[0] - 0.215_860_5).abs() < 1e-7, "{:?}", texture.texels.linear(1));
+    assert!(scene.warnings.is_empty() && scene.normals.is_empty());
+}
+
+#[test]
+fn native_defaults_fill_a_scene_of_one_sphere() {
+    let scene = load_text(r#"{ "format": "octray-1", "spheres": [{ "center": [1,2,3], "radius": 2 }] }"#);
+    assert_eq!((scene.resolution, scene.max_bounces), ([240, 135], 4));
+    assert_eq!(scene.sky, Sky::Color(Vec3::ONE));
+    let material = &scene.materials[scene.spheres[0].material as usize];
+    assert_eq!((material.kind, material.color), (MaterialKind::Diffuse, Vec3::splat(0.8)));
+    // Bounds 4 wide each way: diagonal 4 sqrt 3; the camera stands 1.2 of it away along (1, 0.5, 1.5) / sqrt
+    // 3.5.
+    let step = 1.2 * 4.0 * 3.0_f32.sqrt() / 3.5_f32.sqrt();
+    let expected = Vec3::new(1.0, 2.0, 3.0) + step * Vec3::new(1.0, 0.5, 1.5);
+    assert_eq!(scene.camera.look_at, Vec3::new(1.0, 2.0, 3.0));
+    assert!(scene.camera.position.distance(expected) < 1e-5, "{}", scene.camera.position);
+    assert_eq!((scene.camera.up, scene.camera.vertical_fov), (Vec3::Y, 40.0));
+}
+
+#[test]
+fn native_defaults_of_materials_follow_their_type() {
+    let scene = load_text(
+        r#"{ "format": "octray-1", "spheres": [{ "center": [0,0,0], "radius": 1 }], "materials": {
+        "a": { "type": "diffuse" }, "b": { "type": "metal" }, "c": { "type": "glass" },
+        "d": { "type": "scatter" }, "e": { "type": "emitter" } } }"#,
+    );
+    let of = |name: &str| scene.materials.iter().find(|material| material.name == name).unwrap();
+    assert_eq!((of("a").kind, of("a").color), (MaterialKind::Diffuse, Vec3::splat(0.8)));
+    assert_eq!((of("b").kind, of("b").color), (MaterialKind::Metal { roughness: 0.0 }, Vec3::ONE));
+    assert_eq!((of("c").kind, of("c").color), (MaterialKind::Glass { ior: 1.5 }, Vec3::ONE));
+    assert_eq!((of("d").kind, of("d").color), (MaterialKind::Scatter { roughness: 0.0 }, Vec3::ONE));
+    assert_eq!((of("e").kind, of("e").emission), (MaterialKind::Emitter, Vec3::ONE));
+}
+
+#[test]
+fn missing_sky_is_black_where_something_shines_and_white_elsewhere() {
+    let with = |material: &str| {
+        load_text(&format!(
+            r#"{{ "format": "octray-1", "materials": {{ "m": {material}, "unused": {{ "type": "emitter" }} }},
+                "spheres": [{{ "center": [0,0,0], "radius": 1, "material": "m" }}] }}"#
+        ))
+    };
+    assert_eq!(with(r#"{ "type": "diffuse", "emission": [0, 0, 1] }"#).sky, Sky::Color(Vec3::ZERO));
+    assert_eq!(with(r#"{ "type": "diffuse" }"#).sky, Sky::Color(Vec3::ONE));
+}
+
+#[test]
+fn black_sky_over_nothing_that_shines_is_a_warning() {
+    let scene = load_text(
+        r#"{ "format": "octray-1", "sky": { "color": [0,0,0] }, "spheres": [{ "center": [0,0,0], "radius": 1 }] }"#,
+    );
+    assert_eq!(scene.warnings.len(), 1);
+    assert!(scene.warnings[0].contains("black"), "{:?}", scene.warnings);
+}
+
+#[test]
+fn sky_reads_gradient_and_texture() {
+    let folder = TempDir::new().unwrap();
+    crate::openexr::write(&folder.path().join("sky.exr"), 1, &[[2.0, 0.5, 0.25]]);
+    let with = |sky: &str| {
+        load_in(
+            &folder,
+            &format!(
+                r#"{{ "format": "octray-1", "sky": {sky}, "spheres": [{{ "center": [0,0,0], "radius": 1 }}] }}"#
+            ),
+        )
+    };
+    let gradient = with(r#"{ "gradient": { "bottom": [1,1,1], "top": [0.5,0.7,1] } }"#);
+    assert_eq!(gradient.sky, Sky::Gradient { bottom: Vec3::ONE, top: Vec3::new(0.5, 0.7, 1.0) });
+    let textured = with(r#"{ "texture": "sky.exr", "color": [3,3,3] }"#);
+    assert_eq!(textured.sky, Sky::Texture { texture: 0, color: Vec3::splat(3.0) });
+    // An EXR holds linear light: the numbers pass as they are.
+    assert_eq!(textured.textures[0].texels, Texels::Float32(vec![[2.0, 0.5, 0.25, 0.0]]));
+    assert_eq!(textured.textures[0].filter, Filter::Bilinear);
+}
+
+#[test]
+fn texture_used_twice_is_loaded_once_for_each_filter() {
+    let folder = TempDir::new().unwrap();
+    save_picture(&folder.path().join("p.png"));
+    let scene = load_in(
+        &folder,
+        r#"{ "format": "octray-1", "spheres": [{ "center": [0,0,0], "radius": 1 }], "materials": {
+        "a": { "type": "diffuse", "texture": "p.png" }, "b": { "type": "metal", "texture": "p.png" },
+        "c": { "type": "metal", "texture": "p.png", "filter": "nearest" } } }"#,
+    );
+    let numbers: Vec<_> = scene.materials.iter().take(3).map(|material| material.texture.unwrap()).collect();
+    assert_eq!((numbers, scene.textures.len()), (vec![0, 0, 1], 2));
+}
+
+#[test]
+fn textures_of_every_format_hold_the_same_picture() {
+    let folder = TempDir::new().unwrap();
+    for extension in ["png", "bmp", "tga", "hdr"] {
+        let path = folder.path().join(format!("p.{extension}"));
+        if extension == "hdr" {
+            let mut picture = image::Rgb32FImage::new(2, 1);
+            picture.put_pixel(0, 0, image::Rgb([1.0, 0.0, 0.0]));
+            picture.put_pixel(1, 0, image::Rgb([0.25, 0.25, 0.25]));
+            picture.save(&path).unwrap();
+        } else {
+            save_picture(&path);
+        }
+        let scene = load_in(
+            &folder,
+            &format!(
+                r#"{{ "format": "octray-1", "spheres": [{{ "center": [0,0,0], "radius": 1, "material": "m" }}],
+                    "materials": {{ "m": {{ "type": "diffuse", "texture": "p.{extension}" }} }} }}"#
+            ),
+        );
+        let second = if extension == "hdr" { 0.25 } else { 0.215_860_5 };
+        let texels = &scene.textures[0].texels;
+        assert_eq!(texels.linear(0), [1.0, 0.0, 0.0], "{extension}");
+        assert!((texels.linear(1)[1] - second).abs() < 1e-7, "{extension}: {texels:?}");
+    }
+}
+
+#[test]
+fn planar_mapping_lies_in_the_plane_with_its_upper_edge_up() {
+    let folder = TempDir::new().unwrap();
+    save_picture(&folder.path().join("p.png"));
+    let scene = load_in(
+        &folder,
+        r#"{ "format": "octray-1", "materials": {
+          "m": { "type": "diffuse", "texture": "p.png", "texture_size": 2 }, "plain": { "type": "diffuse" } },
+        "triangles": [
+          { "vertices": [[0,0,0],[1,0,0],[0,1,0]], "material": "plain" },
+          { "vertices": [[1,5,1],[1,5,5],[7,5,1]], "material": "m" },
+          { "vertices": [[0,0,0],[0,4,0],[0,0,6]], "material": "m" } ] }"#,
+    );
+    // The first textured one lies flat: u = x/2, v = -z/2, less whole repeats so that the least is in [0, 1).
+    assert_eq!(scene.uvs[1], [Vec2::new(0.5, 2.5), Vec2::new(0.5, 0.5), Vec2::new(3.5, 2.5)]);
+    // The second stands and is seen from +x: u = -z/2, v = y/2.
+    assert_eq!(scene.uvs[2], [Vec2::new(3.0, 0.0), Vec2::new(3.0, 2.0), Vec2::new(0.0, 0.0)]);
+    assert_eq!(scene.uvs[0], [Vec2::ZERO; 3]);
+}
+
+/// Each point of a plane shows the same of the picture, whichever triangle it belongs to and however that
+/// lists its vertices.
+#[test]
+fn planar_mapping_is_the_planes_and_not_the_triangles() {
+    let folder = TempDir::new().unwrap();
+    save_picture(&folder.path().join("p.png"));
+    // A parallelogram on a slope, far enough out to have whole repeats to leave away.
+    let [a, b, c, d] = [[10.0, 3.0, -7.0], [12.0, 4.5, -7.5], [11.5, 6.0, -9.0], [9.5, 4.5, -8.5]];
+    let orders = [[a, b, c], [c, a, b], [a, c, b], [b, a, c], [a, c, d], [d, c, a]];
+    let triangles = orders.map(|vertices| format!(r#"{{ "vertices": {vertices:?}, "material": "m" }}"#));
+    let text = format!(
+        r#"{{ "format": "octray-1", "materials": {{ "m": {{ "type": "diffuse", "texture": "p.png" }} }},
+        "triangles": [ {} ] }}"#,
+        triangles.join(", ")
+    );
+    let scene = load_in(&folder, &text);
+    let mut seen: Vec<([f64; 3], Vec2)> = Vec::new();
+    for (vertices, uvs) in orders.iter().zip(&scene.uvs) {
+        for (&vertex, &uv) in vertices.iter().zip(uvs) {
+            match seen.iter().find(|(known, _)| *known == vertex) {
+                Some(&(_, known)) => {
+                    let apart = uv - known - (uv - known).round();
+                    assert!(apart.abs().max_element() < 1e-5, "{vertex:?}: {uv} and {known}");
+                }
+                None => seen.push((vertex, uv)),
+            }
+        }
+    }
+    assert_eq!(seen.len(), 4);
+}
+
+#[test]
+fn texture_coordinates_are_absent_where_no_triangle_is_textured() {
+    let scene = load_text(
+        r#"{ "format": "octray-1", "triangles": [
+        { "vertices": [[0,0,0],[1,0,0],[0,1,0]], "uvs": [[0,0],[1,0],[0,1]] } ] }"#,
+    );
+    assert!(scene.uvs.is_empty());
+}
+
+#[test]
+fn numbers_up_to_the_bound_are_accepted() {
+    let scene = load_text(
+        r#"{ "format": "octray-1", "spheres": [{ "center": [1e18, -99999999999, 1e-40], "radius": 1e-18 },
+        { "center": [0,0,0], "radius": 1e18 }], "camera": { "position": [0,0,1] } }"#,
+    );
+    assert_eq!(scene.spheres[0].center, Vec3::new(1e18, -99_999_999_999.0, 1e-40));
+    assert_eq!(scene.spheres[0].radius, 1e-18);
+}
+
+#[test]
+fn byte_order_mark_is_skipped() {
+    let scene = load_text(
+        "\u{feff}{ \"format\": \"octray-1\", \"spheres\": [{ \"center\": [0,0,0], \"radius\": 1 }] }",
+    );
+    assert_eq!(scene.spheres.len(), 1);
+}
+
+#[test]
+fn turn_degrees_wraps_to_less_than_a_turn() {
+    let turn = |degrees: &str| {
+        load_text(&format!(
+            r#"{{ "format": "octray-1", "spheres": [{{ "center": [0,0,0], "radius": 1, "turn_degrees": {degrees} }}] }}"#
+        ))
+        .spheres[0]
+            .texture_turn
+    };
+    assert_eq!(
+        [turn("0"), turn("360"), turn("-90"), turn("450"), turn("-1e-12")],
+        [0.0, 0.0, 0.75, 0.25, 0.0]
+    );
+}
+
+#[test]
+fn builtin_scenes_load_with_what_their_names_promise() {
+    let names: Vec<&str> = builtin_names().collect();
+    let expected =
+        ["thesis", "three", "spheres", "cornell", "cornell-spheres", "balls", "materials", "chess"];
+    assert_eq!(names, expected);
+    let counts: Vec<(usize, usize)> = names
+        .iter()
+        .map(|name| {
+            let scene = load(&format!("builtin:{name}")).unwrap_or_else(|error| panic!("{error}"));
+            assert_eq!(scene.name, format!("builtin:{name}"));
+            assert_eq!(scene.resolution, [240, 135]);
+            assert!(scene.warnings.is_empty(), "{:?}", scene.warnings);
+            (scene.spheres.len(), scene.triangles.len())
+        })
+        .collect();
+    assert_eq!(counts, [(3, 2), (3, 0), (50, 0), (0, 32), (2, 12), (10, 2), (13, 0), (4, 2)]);
+}
+
+#[test]
+fn builtin_scenes_equal_their_files_in_the_project() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");
+    for name in builtin_names() {
+        let inside = load(&format!("builtin:{name}")).unwrap();
+        let path = folder.join(format!("{name}.json"));
+        let outside = load(path.to_str().unwrap()).unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!(inside.spheres, outside.spheres);
+        assert_eq!(inside.triangles, outside.triangles);
+        assert_eq!(inside.textures, outside.textures);
+        assert_eq!(inside.materials, outside.materials);
+    }
+}
+
+#[test]
+fn builtin_three_rests_on_a_floor_sphere_with_its_top_at_zero() {
+    let scene = load("builtin:three").unwrap();
+    let floor = scene.spheres[0];
+    assert_eq!((floor.center.y + floor.radius, floor.radius), (0.0, 1000.0));
+    for ball in &scene.spheres[1..] {
+        assert_eq!((ball.center.y - ball.radius, ball.radius), (0.0, 1.0));
+    }
+    assert_eq!(scene.sky, Sky::Gradient { bottom: Vec3::ONE, top: Vec3::new(0.5, 0.7, 1.0) });
+}

@@ -1,0 +1,311 @@
+//! The thesis's own scene format: its values in our axes and our units.
+
+use crate::folder::write;
+use glam::{Vec2, Vec3};
+use octray::scene::{Filter, MaterialKind, Scene, Side, Sky, load};
+use std::fs;
+use std::path::Path;
+use tempfile::TempDir;
+
+fn load_text(text: &str) -> Scene {
+    let folder = TempDir::new().unwrap();
+    load(&write(folder.path(), "s.json", text)).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// The file of the format's description, as it stands.
+const EXAMPLE: &str = r#"{
+  "res": [240, 135],
+  "sky": [0.2, 0.3, 0.4],
+  "sphere":   [ { "center": [0,5,0], "radius": 8, "color": [255,0,0], "emission": 1, "roughness": 5000, "texture": "./bin/texture/wall.jpg" } ],
+  "triangle": [ { "center": [-20,20,-20], "s0": [0,0,40], "s1": [0,-40,20], "color": [255,255,255],
+                  "emission": 0, "roughness": 0, "normal": [0,0,1], "texture": "" } ]
+}"#;
+
+/// The inverse of the display curve, IEC 61966-2-1.
+fn linear(x: f64) -> f32 {
+    (if x <= 0.04045 { x / 12.92 } else { ((x + 0.055) / 1.055).powf(2.4) }) as f32
+}
+
+#[test]
+fn example_of_the_description_loads_with_one_warning() {
+    let scene = load_text(EXAMPLE);
+    assert_eq!((scene.resolution, scene.max_bounces), ([240, 135], 4));
+    assert_eq!(scene.sky, Sky::Color(Vec3::new(linear(0.2), linear(0.3), linear(0.4))));
+    assert_eq!(scene.spheres[0].center, Vec3::new(0.0, -5.0, 0.0));
+    assert_eq!((scene.spheres[0].radius, scene.spheres[0].texture_turn), (8.0, 0.5));
+    assert_eq!(scene.spheres[0].texture_side, Side::Inside);
+    let of = |number: u32| &scene.materials[number as usize];
+    let lamp = of(scene.spheres[0].material);
+    assert_eq!((lamp.kind, lamp.emission, lamp.texture), (MaterialKind::Emitter, Vec3::X, None));
+    // Corners center, center + s0, center + s1, inverted through the origin.
+    let corners = [[20., -20., 20.], [20., -20., -20.], [20., 20., 0.]].map(Vec3::from_array);
+    assert_eq!(scene.triangles[0].vertices, corners);
+    let mirror = of(scene.triangles[0].material);
+    assert_eq!((mirror.kind, mirror.color), (MaterialKind::Metal { roughness: 0.0 }, Vec3::ONE));
+    assert_eq!(scene.warnings.len(), 1, "{:?}", scene.warnings);
+    assert!(scene.warnings[0].contains("./bin/texture/wall.jpg"));
+}
+
+#[test]
+fn camera_keeps_the_old_view() {
+    let scene = load_text(r#"{ "res": [400, 100], "sphere": [ { "center": [0,0,0], "radius": 1 } ] }"#);
+    let camera = scene.camera;
+    assert_eq!(camera.position, Vec3::new(-2.0, 2.5, 365.63));
+    let forward = (camera.look_at - camera.position).normalize();
+    let right = forward.cross(camera.up);
+    // Theirs: yaw -4.7, nearly along +z; x grows to the left, y downwards. Inverted: nearly along -z, right +x, up +y.
+    let (sin, cos) = (-4.7_f64).sin_cos();
+    assert!((forward.as_dvec3() + glam::DVec3::new(cos, 0.0, sin)).length() < 1e-6, "{forward}");
+    assert!((right.as_dvec3() - glam::DVec3::new(sin, 0.0, -cos)).length() < 1e-6, "{right}");
+    assert_eq!(camera.up, Vec3::Y);
+    // Focal length 200 w / 68: half the width over it is 34/200 at any width; the height follows the aspect, 1/4.
+    let half_height = (camera.vertical_fov.to_radians() / 2.0).tan();
+    assert!((half_height - 34.0 / 200.0 / 4.0).abs() < 1e-7, "{half_height}");
+}
+
+/// Columns right of the middle of a picture 480 pixels wide, in which a point of the thesis's axes lies.
+fn column(camera: &octray::scene::Camera, theirs: Vec3) -> f32 {
+    let forward = (camera.look_at - camera.position).normalize();
+    let right = forward.cross(camera.up).normalize();
+    let toward = -theirs - camera.position;
+    200.0 * 480.0 / 68.0 * toward.dot(right) / toward.dot(forward)
+}
+
+#[test]
+fn camera_has_the_yaw_of_the_thesis() {
+    let scene = load_text(r#"{ "res": [480, 270], "sphere": [ { "center": [0,0,0], "radius": 1 } ] }"#);
+    let camera = &scene.camera;
+    // A yaw of -3π/2 would put the origin 2 · 1411.8 / 365.63 = 7.7 pixels right of the middle; -4.7 turns the camera
+    // by 0.0124 rad, 17.5 pixels.
+    let origin = column(camera, Vec3::ZERO);
+    assert!((origin + 9.77).abs() < 0.02, "a little left of the middle: {origin}");
+    // The middle of the picture passes x = -2.5 at z = 0, to a decimal.
+    assert!(column(camera, Vec3::new(-2.53, -2.5, 0.0)).abs() < 0.01);
+    let (left, right) = (Vec3::new(-2.45, -2.5, 0.0), Vec3::new(-2.55, -2.5, 0.0));
+    assert!(column(camera, left) < 0.0 && column(camera, right) > 0.0);
+}
+
+/// The centre of this ball is in the upper left of their picture, and must be so in ours.
+#[test]
+fn ball_up_and_left_of_their_camera_stays_up_and_left() {
+    let scene = load_text(r#"{ "sphere": [ { "center": [12, -12.5, 0], "radius": 1 } ] }"#);
+    let toward = scene.spheres[0].center - scene.camera.position;
+    assert_eq!(toward, Vec3::new(-10.0, 10.0, -365.63));
+}
+
+#[test]
+fn default_resolution_and_missing_keys_are_filled_in() {
+    let scene = load_text(r#"{ "sphere": [ { "center": [1,2,3], "radius": 1 } ] }"#);
+    assert_eq!((scene.resolution, scene.sky), ([240, 135], Sky::Color(Vec3::ZERO)));
+    let material = &scene.materials[0];
+    assert_eq!((material.kind, material.color), (MaterialKind::Metal { roughness: 0.0 }, Vec3::ONE));
+}
+
+#[test]
+fn surfaces_follow_emission_then_roughness() {
+    let scene = load_text(
+        r#"{ "sphere": [
+        { "center": [0,0,0], "radius": 1, "color": [128,255,0], "emission": 2.5, "roughness": 7 },
+        { "center": [0,0,0], "radius": 1, "color": [128,255,0], "emission": 0, "roughness": 5000 },
+        { "center": [0,0,0], "radius": 1, "color": [128,255,0], "emission": -1, "roughness": 0 },
+        { "center": [9,0,0], "radius": 1, "color": [128,255,0], "emission": 0, "roughness": 5000 } ] }"#,
+    );
+    let of = |i: usize| &scene.materials[scene.spheres[i].material as usize];
+    let color = Vec3::new(linear(128.0 / 255.0), 1.0, 0.0);
+    assert_eq!(of(0).kind, MaterialKind::Emitter);
+    assert!((of(0).emission - 2.5 * color).length() < 1e-6, "{}", of(0).emission);
+    assert_eq!((of(1).kind, of(1).color), (MaterialKind::Scatter { roughness: 2.5 }, color));
+    assert_eq!((of(1).emission, of(2).kind), (Vec3::ZERO, MaterialKind::Metal { roughness: 0.0 }));
+    // Equal surfaces share one material.
+    assert_eq!((scene.spheres[3].material, scene.materials.len()), (scene.spheres[1].material, 3));
+}
+
+/// A picture whose every pixel differs, where the format's texture paths may lead.
+fn save_picture(folder: &Path, name: &str) {
+    let path = folder.join(name);
+    fs::create_dir_all(path.parent().unwrap()).unwrap();
+    image::RgbImage::from_fn(4, 4, |x, y| image::Rgb([60 * x as u8, 60 * y as u8, 0])).save(path).unwrap();
+}
+
+#[test]
+fn textures_are_found_beside_the_scene_and_above_it_with_either_slash() {
+    let folder = TempDir::new().unwrap();
+    save_picture(folder.path(), "project/bin/texture/wall.png");
+    save_picture(folder.path(), "project/scenes/deep/near.png");
+    let texture = |path: &str| {
+        let text = format!(
+            r#"{{ "sky": [1,1,1], "sphere": [ {{ "center": [0,0,0], "radius": 1, "texture": "{}" }} ] }}"#,
+            path.replace('\\', "\\\\")
+        );
+        load(&write(folder.path(), "project/scenes/deep/s.json", &text)).unwrap()
+    };
+    for path in
+        ["near.png", "./near.png", "./bin/texture/wall.png", "bin/texture/wall.png", "bin\\texture\\wall.png"]
+    {
+        let scene = texture(path);
+        assert!(scene.warnings.is_empty(), "{path}: {:?}", scene.warnings);
+        assert_eq!(scene.textures[0].filter, Filter::Nearest);
+        assert_eq!(scene.materials[0].texture, Some(0));
+    }
+    let missing = texture("bin/texture/none.png");
+    assert!(missing.warnings[0].contains("bin/texture/none.png") && missing.textures.is_empty());
+}
+
+#[test]
+fn missing_texture_is_named_once_however_often_it_is_used() {
+    let ball = r#"{ "center": [0,0,0], "radius": 1, "texture": "gone.png" }"#;
+    let scene = load_text(&format!(r#"{{ "sky": [1,1,1], "sphere": [ {ball}, {ball}, {ball} ] }}"#));
+    assert_eq!(scene.warnings.len(), 1, "{:?}", scene.warnings);
+}
+
+/// Their lookup, from the description: column and row (from the top), each in [0, 1), of a point of a ball
+/// with outward normal `n` in their axes.
+fn their_ball_lookup(n: Vec3) -> [f32; 2] {
+    let u = (n.z.atan2(n.x) / std::f32::consts::TAU).rem_euclid(1.0);
+    [u, 1.0 - n.y.acos() / std::f32::consts::PI]
+}
+
+#[test]
+fn ball_textures_lie_as_in_their_program() {
+    let scene = load_text(r#"{ "sphere": [ { "center": [0,0,0], "radius": 1 } ] }"#);
+    for theirs in
+        [[0.6, 0.64, 0.48], [-0.6, 0.0, 0.8], [0.0, -0.8, -0.6], [-0.36, 0.48, -0.8]].map(Vec3::from_array)
+    {
+        let ours = -theirs;
+        let u =
+            (ours.z.atan2(ours.x) / std::f32::consts::TAU + scene.spheres[0].texture_turn).rem_euclid(1.0);
+        let row = ours.y.acos() / std::f32::consts::PI;
+        let [their_u, their_row] = their_ball_lookup(theirs);
+        assert!((u - their_u).abs() < 1e-6 && (row - their_row).abs() < 1e-6, "{theirs}: {u} {row}");
+    }
+}
+
+#[test]
+fn triangle_textures_lie_as_in_their_program() {
+    let folder = TempDir::new().unwrap();
+    save_picture(folder.path(), "p.png");
+    let text = r#"{ "triangle": [
+        { "center": [7,8,9], "s0": [300,0,0], "s1": [0,0,200], "roughness": 1, "texture": "p.png" },
+        { "center": [7,8,9], "s0": [0,50,0], "s1": [0,0,25], "roughness": 1, "texture": "p.png" } ] }"#;
+    let scene = load(&write(folder.path(), "s.json", text)).unwrap();
+    // First: n = x cross z = (0,-1,0); tangent (0, -n.z, n.y) = (0,0,-1); bitangent n x tangent = (1,0,0).
+    // At s0: u 0, row 3. At s1: u -2, row 0. Stored: v = 1 - row.
+    assert_eq!(scene.uvs[0], [Vec2::new(0.0, 1.0), Vec2::new(0.0, -2.0), Vec2::new(-2.0, 1.0)]);
+    // Second: n = y cross z = (1,0,0); tangent (n.z, 0, -n.x) = (0,0,-1); bitangent (0,1,0).
+    assert_eq!(scene.uvs[1], [Vec2::new(0.0, 1.0), Vec2::new(0.0, 0.5), Vec2::new(-0.25, 1.0)]);
+}
+
+#[test]
+fn huge_numbers_tabs_blank_lines_and_marks_load() {
+    let scene = load_text(
+        "\u{feff}{\n\t\"res\":\t[240.0, 135],\n\t\"sphere\": [\n\t\t{ \"center\": [0, 99999999999, 0], \"radius\": 99999999999,\t\
+         \"color\": [1,2,3], \"emission\": 99999999999 }\n\t],\n\t\"triangle\": []\n}\n\n\n\t\n",
+    );
+    assert_eq!(scene.spheres[0].center.y, -1e11);
+    assert_eq!(scene.spheres[0].radius, 1e11);
+}
+
+#[test]
+fn triangles_without_area_are_dropped_with_one_warning() {
+    let scene = load_text(
+        r#"{ "triangle": [ { "center": [0,0,0], "s0": [1,0,0], "s1": [0,1,0] },
+        { "center": [0,0,0], "s0": [1,0,0], "s1": [2,0,0] }, { "center": [0,0,0], "s0": [0,0,0], "s1": [2,0,0] } ],
+        "sky": [1,1,1] }"#,
+    );
+    assert_eq!((scene.triangles.len(), scene.warnings.len()), (1, 1));
+    assert!(
+        scene.warnings[0].contains("triangle[1]") && scene.warnings[0].starts_with('2'),
+        "{:?}",
+        scene.warnings
+    );
+}
+
+#[test]
+fn unknown_keys_are_ignored_with_one_warning_each() {
+    let ball = r#"{ "center": [0,0,0], "radius": 1, "metallic": 0.5 }"#;
+    let scene = load_text(&format!(
+        r#"{{ "sky": [1,1,1], "sphere": [ {ball}, {ball} ], "author": {{ "a": [1] }} }}"#
+    ));
+    assert_eq!(scene.warnings.len(), 2, "{:?}", scene.warnings);
+    assert!(scene.warnings[0].contains("`author`"));
+    assert!(scene.warnings[1].contains("sphere[0].metallic and 1 more"));
+}
+
+#[test]
+fn colours_out_of_range_are_brought_inside_with_a_warning() {
+    let scene = load_text(
+        r#"{ "sky": [1,1,1], "sphere": [ { "center": [0,0,0], "radius": 1, "color": [300, -5, 255], "roughness": 9 } ] }"#,
+    );
+    assert_eq!(scene.materials[0].color, Vec3::new(1.0, 0.0, 1.0));
+    assert!(scene.warnings[0].contains("sphere[0].color"), "{:?}", scene.warnings);
+}
+
+#[test]
+fn faults_name_path_line_and_remedy() {
+    let cases = [
+        (
+            r#"{ "sphere": [ { "center": [0,0,0], "radius": 0 } ] }"#,
+            "the radius is 0",
+            "sphere[0].radius, line 1",
+            "at least",
+        ),
+        (
+            r#"{ "sphere": [ { "center": [0,1e30,0], "radius": 1 } ] }"#,
+            "too large",
+            "sphere[0].center[1]",
+            "1e18",
+        ),
+        (r#"{ "sphere": [ { "radius": 1 } ] }"#, "`center` is missing", "sphere[0]", "add `center`"),
+        (
+            r#"{ "sphere": [ { "center": "x", "radius": 1 } ] }"#,
+            "string",
+            "sphere[0].center, line 1",
+            "array",
+        ),
+        (
+            r#"{ "triangle": [ { "center": [0,0,0], "s0": [1,0,0] } ] }"#,
+            "`s1` is missing",
+            "triangle[0]",
+            "add `s1`",
+        ),
+        (
+            r#"{ "triangle": [ { "center": [1e18,0,0], "s0": [1e18,0,0], "s1": [0,1,0] } ] }"#,
+            "too far",
+            "triangle[0]",
+            "1e18",
+        ),
+        (
+            r#"{ "res": [0, 135], "sphere": [ { "center": [0,0,0], "radius": 1 } ] }"#,
+            "0 pixels",
+            "res[0], line 1",
+            "1 to",
+        ),
+        (
+            r#"{ "res": [2.5, 135], "sphere": [] }"#,
+            "whole number",
+            "res[0], line 1, column 11",
+            "whole number",
+        ),
+        (
+            r#"{ "sphere": [ { "center": [0,0,0], "radius": 1, "roughness": -1 } ] }"#,
+            "negative",
+            "sphere[0].roughness",
+            "mirror",
+        ),
+        (r#"{ "sphere": [ { "center": [0,0,NaN], "radius": 1 } ] }"#, "finite", "sphere[0].center[2]", "NaN"),
+        (
+            r#"{ "sky": [0,-1,0], "sphere": [ { "center": [0,0,0], "radius": 1 } ] }"#,
+            "-1",
+            "sky[1]",
+            "0 to 1",
+        ),
+        (r#"{ "res": [240, 135] }"#, "nothing to see", "", "`sphere`"),
+    ];
+    for (text, what, at, mend) in cases {
+        let folder = TempDir::new().unwrap();
+        let error = load(&write(folder.path(), "s.json", text)).expect_err(text);
+        assert!(error.what.contains(what), "{text}: {error}");
+        assert!(error.at.clone().unwrap_or_default().starts_with(at), "{text}: {error}");
+        assert!(error.mend.as_ref().unwrap().contains(mend), "{text}: {error}");
+    }
+}

@@ -1,0 +1,13 @@
+//! The viewer: without a window, in a terminal, and in a window on a display of the test's own.
+#![cfg(feature = "viewer")]
+
+#[path = "../common/seat.rs"]
+mod seat;
+#[path = "../common/waiting.rs"]
+mod waiting;
+
+mod events;
+#[cfg(unix)]
+mod terminal;
+#[cfg(unix)]
+mod window;

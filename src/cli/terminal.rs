@@ -1,6 +1,7 @@
 //! The only writer to standard output and standard error. It never panics when the other end is closed.
 //!
-//! For: [`print()`], [`print_json`], [`note`], [`warn`], [`warn_of_debug_build`]. May import: `error`. Must not know: the reports.
+//! For: [`print()`], [`print_json`], [`note`], [`warn`], [`warn_of_debug_build`]. May import: `error`. Must
+//! not know: the reports.
 
 use super::error::CliError;
 use serde::Serialize;

@@ -15,15 +15,16 @@ pub struct Tone {
 }
 
 choices! {
-    /// The tone-mapping operator: maps radiance to displayed intensity, each channel by itself.
+    /// A tone curve, applied to each channel by itself.
     pub enum Operator {
         #[default]
-        Clamp = "clamp", "min(x, 1): exact up to 1, with hard highlights.";
-        /// Source: Reinhard et al., "Photographic Tone Reproduction for Digital Images", SIGGRAPH 2002, equation 3.
-        Reinhard = "reinhard", "x / (1 + x): keeps detail in highlights and darkens everything.";
-        /// Source: Krzysztof Narkowicz, "ACES Filmic Tone Mapping Curve" (2016), a rational fit of the ACES curve; without
-        /// its customary factor of 0.6 before it.
-        Aces = "aces", "A filmic curve: deep shadows, soft highlights.";
+        Clamp = "clamp", "min(x, 1): linear up to 1; highlights clip.";
+        /// Source: Reinhard et al., "Photographic Tone Reproduction for Digital Images", SIGGRAPH 2002,
+        /// equation 3.
+        Reinhard = "reinhard", "x / (1 + x): nothing clips, everything is darker.";
+        /// Source: Krzysztof Narkowicz, "ACES Filmic Tone Mapping Curve" (2016), a rational fit of the ACES
+        /// curve; without its customary factor of 0.6 before it.
+        Aces = "aces", "Filmic: deep shadows, soft highlights.";
     }
 }
 

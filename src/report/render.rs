@@ -102,7 +102,7 @@ impl Report {
                 let [rms, largest] = [error.rms, error.largest].map(|error| figure(error, 1));
                 let worst = MAX_BLOCK_ERROR * target;
                 format!(
-                    "; estimated error {rms} (target {target}), in the worst block {largest} (target {worst})"
+                    "; estimated error {rms} ({target} asked for), in the worst block {largest} ({worst})"
                 )
             }
             (Some(_), _) => "; too few samples to estimate the error".to_string(),

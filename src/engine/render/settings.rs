@@ -8,8 +8,8 @@ use crate::scene::Scene;
 use crate::traverse::Methods;
 
 choices! {
-    /// Which of the pipelines in [`crate::integrate`] renders a scene. The general one measures and tests the gain
-    /// of leaving features out.
+    /// Which of the pipelines in [`crate::integrate`] renders a scene. The general one measures and tests the
+    /// gain of leaving features out.
     pub enum PipelineChoice {
         #[default]
         Needed = "needed", "The pipeline compiled for the smallest set of features that holds the scene's.";

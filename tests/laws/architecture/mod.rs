@@ -54,29 +54,6 @@ const NARROW: [&str; 2] = ["tests", "benches"];
 /// Circles that are still to be opened: files that may import each other.
 const KNOWN: &[&[&str]] = &[
     &[
-        "src/cli/args.rs",
-        "src/cli/asked.rs",
-        "src/cli/limits.rs",
-        "src/cli/methods.rs",
-        "src/cli/options.rs",
-        "src/cli/picture.rs",
-        "src/cli/scenes.rs",
-        "src/cli/view.rs",
-    ],
-    &[
-        "src/cli/bench.rs",
-        "src/cli/chart.rs",
-        "src/cli/compare.rs",
-        "src/cli/inspect.rs",
-        "src/cli/interrupt.rs",
-        "src/cli/mod.rs",
-        "src/cli/rays.rs",
-        "src/cli/render.rs",
-        "src/cli/stability.rs",
-        "src/cli/trace.rs",
-    ],
-    &["src/cli/error.rs", "src/cli/machine_check.rs", "src/cli/terminal.rs"],
-    &[
         "src/formats/scene/builtin.rs",
         "src/formats/scene/draft.rs",
         "src/formats/scene/files.rs",

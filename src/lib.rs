@@ -61,7 +61,7 @@
 //! | `viewer` | the window and terminal front ends (feature `viewer`) |
 //! | [`cli`] | raw arguments, validated options, commands |
 //!
-//! `tests/architecture.rs` checks this order.
+//! `tests/laws/architecture/mod.rs` checks this order.
 //!
 //! # Laws
 //! - **One picture.** A pixel is a function of (scene, settings, pixel, sample): the same bits for scalar and

@@ -30,7 +30,14 @@ fn render_writes_every_format_at_the_smallest_and_at_odd_sizes() {
         for name in ["a.png", "a.jpg", "a.exr", "a.hdr"] {
             let arguments = ["render", "scene.json", "-o", name, "--samples", "1", "--size", size];
             desk.octray(&arguments).assert().success();
-            assert_eq!(image::image_dimensions(desk.path(name)).unwrap(), dimensions, "{name}");
+            let found = match name {
+                "a.exr" => {
+                    let (width, height, _) = crate::openexr::read(&desk.path(name));
+                    (width as u32, height as u32)
+                }
+                _ => image::image_dimensions(desk.path(name)).unwrap(),
+            };
+            assert_eq!(found, dimensions, "{name}");
         }
     }
 }

@@ -53,12 +53,14 @@ fn camera_keeps_the_old_view() {
     assert_eq!(camera.position, Vec3::new(-2.0, 2.5, 365.63));
     let forward = (camera.look_at - camera.position).normalize();
     let right = forward.cross(camera.up);
-    // Theirs: yaw -4.7, nearly along +z; x grows to the left, y downwards. Inverted: nearly along -z, right +x, up +y.
+    // Theirs: yaw -4.7, nearly along +z; x grows to the left, y downwards. Inverted: nearly along -z, right
+    // +x, up +y.
     let (sin, cos) = (-4.7_f64).sin_cos();
     assert!((forward.as_dvec3() + glam::DVec3::new(cos, 0.0, sin)).length() < 1e-6, "{forward}");
     assert!((right.as_dvec3() - glam::DVec3::new(sin, 0.0, -cos)).length() < 1e-6, "{right}");
     assert_eq!(camera.up, Vec3::Y);
-    // Focal length 200 w / 68: half the width over it is 34/200 at any width; the height follows the aspect, 1/4.
+    // Focal length 200 w / 68: half the width over it is 34/200 at any width; the height follows the aspect,
+    // 1/4.
     let half_height = (camera.vertical_fov.to_radians() / 2.0).tan();
     assert!((half_height - 34.0 / 200.0 / 4.0).abs() < 1e-7, "{half_height}");
 }
@@ -75,8 +77,8 @@ fn column(camera: &octray::scene::Camera, theirs: Vec3) -> f32 {
 fn camera_has_the_yaw_of_the_thesis() {
     let scene = load_text(r#"{ "res": [480, 270], "sphere": [ { "center": [0,0,0], "radius": 1 } ] }"#);
     let camera = &scene.camera;
-    // A yaw of -3π/2 would put the origin 2 · 1411.8 / 365.63 = 7.7 pixels right of the middle; -4.7 turns the camera
-    // by 0.0124 rad, 17.5 pixels.
+    // A yaw of -3π/2 would put the origin 2 · 1411.8 / 365.63 = 7.7 pixels right of the middle; -4.7 turns
+    // the camera by 0.0124 rad, 17.5 pixels.
     let origin = column(camera, Vec3::ZERO);
     assert!((origin + 9.77).abs() < 0.02, "a little left of the middle: {origin}");
     // The middle of the picture passes x = -2.5 at z = 0, to a decimal.

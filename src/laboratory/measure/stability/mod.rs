@@ -6,7 +6,7 @@
 //! A recipe generates rays (or other inputs) with fixed seeds along one axis: a distance, a scale, a shape.
 //! At each place of the axis each method gets the same inputs; an f64 computation, which shares nothing with
 //! the methods, counts failures and measures errors. The result does not depend on threads. `octray
-//! stability` and `tests/stability.rs` run the same recipes.
+//! stability` and `tests/pictures/stability.rs` run the same recipes.
 //!
 //! | file | difficult inputs |
 //! |---|---|

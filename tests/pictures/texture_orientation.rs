@@ -112,7 +112,7 @@ fn scene_files_name_the_side_and_mean_outside_where_they_do_not() {
     assert_eq!(side(r#", "picture_from": "outside""#).unwrap(), Side::Outside);
     assert_eq!(side(r#", "picture_from": "inside""#).unwrap(), Side::Inside);
     let error = side(r#", "picture_from": "within""#).unwrap_err();
-    assert!(error.to_string().contains("`outside` or `inside`"), "{error}");
+    assert!(error.to_string().contains("one of outside, inside"), "{error}");
 }
 
 /// The spheres that are the skies of the thesis's scenes are seen from inside.

@@ -330,7 +330,7 @@ fn skies_with_conflicting_keys_are_refused() {
         with("\"sky\": { \"filter\": \"cubic\" }"),
         "`cubic`",
         "sky.filter",
-        "`nearest` or `bilinear`",
+        "one of nearest, bilinear",
     );
 }
 

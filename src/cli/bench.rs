@@ -23,7 +23,7 @@ pub fn run(options: BenchOptions) -> Result<ExitCode, CliError> {
     let start = Instant::now();
     terminal::warn_of_debug_build("bench");
     let engines = engines(&options);
-    let mut report = Report::new();
+    let mut report = Report::of_this_machine();
     memory::check(options.size, COMPARE_BYTES_PER_PIXEL)?;
     let mut failed = false;
     for (index, spec) in scenes::checked(&options.scenes)?.iter().enumerate() {

@@ -1,7 +1,7 @@
 //! Closed sets of named alternatives: methods, samplers, tone operators. Each is defined once, by
-//! [`choices!`]; the command line, view files and reports share its names and help texts.
+//! `choices!`; the command line, view files and reports share its names and help texts.
 //!
-//! For: [`Choice`], [`choices!`]. May import: `serde`. Must not know: what the alternatives do, and how
+//! For: [`Choice`], `choices!`. May import: `serde`. Must not know: what the alternatives do, and how
 //! command lines are parsed.
 
 use serde::de::{Deserializer, Error, Visitor};

@@ -31,7 +31,7 @@ pub struct Report {
 
 impl Report {
     /// Without figures yet.
-    pub fn new() -> Self {
+    pub fn of_this_machine() -> Self {
         Self {
             schema: "octray-bench-1",
             machine: Machine::current(),
@@ -99,7 +99,7 @@ pub fn row(results: &[Measurement], accuracy: &Comparison) -> String {
     text
 }
 
-/// A warning about the engine with the lowest 1 % low, where that is below [`BUSY`]. With fewer frames than
+/// A warning about the engine with the lowest 1 % low, where that is below `BUSY`. With fewer frames than
 /// [`FEWEST_FRAMES`] the 1 % low is the slowest frame, which proves nothing.
 pub fn busy(results: &[Measurement]) -> Option<String> {
     let share = |result: &Measurement| result.fps_low_1_percent / result.fps_median;

@@ -52,7 +52,7 @@ impl FileWatcher {
         self.folders = folders;
     }
 
-    /// Whether a file changed and then stayed unchanged for [`QUIET_TIME`]. True once per change.
+    /// Whether a file changed and then stayed unchanged for `QUIET_TIME`. True once per change.
     pub fn have_changed(&mut self, now: Instant) -> bool {
         while let Ok(change) = self.changes.try_recv() {
             let Ok(change) = change else { continue };

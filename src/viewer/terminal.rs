@@ -3,7 +3,7 @@
 //! For: [`terminal()`]. May import: `crossterm`, `cell_buffer`, `session`, `signals`, `keys`. Must not know:
 //! scenes, renderers.
 //!
-//! Most terminals do not report key releases: there, a key counts as held for [`KEY_TIMEOUT`] after each
+//! Most terminals do not report key releases: there, a key counts as held for `KEY_TIMEOUT` after each
 //! press or repetition.
 
 use super::cell_buffer::CellBuffer;

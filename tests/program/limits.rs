@@ -25,7 +25,7 @@ fn target_error_ends_the_rendering_and_the_report_says_so() {
     said.stdout(
         predicate::str::is_match(
             r"(?x)^a\.exr:\ 96×54,\ 16\ to\ \d+\ samples\ \(mean\ \d+\),\ \d+\.\d\d\ s,\ .*\n
-            ended\ by\ the\ target\ error;\ estimated\ error\ 0\.0\d+\ \(target\ 0\.1\),\ in\ the\ worst\ block\ 0\.\d+\ \(target\ 0\.2\)\n$",
+            ended\ by\ the\ target\ error;\ estimated\ error\ 0\.0\d+\ \(0\.1\ asked\ for\),\ in\ the\ worst\ block\ 0\.\d+\ \(0\.2\)\n$",
         )
         .unwrap(),
     );

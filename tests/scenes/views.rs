@@ -50,7 +50,7 @@ fn view_that_says_nothing_is_the_scene_itself() {
     let folder = TempDir::new().unwrap();
     let folder = folder.path();
     for base in scenes(folder) {
-        let scene = load_with_view(&write(folder, "view.json", &view(base, ""))).unwrap();
+        let scene = load_with_view(&write(folder, "view.json", view(base, ""))).unwrap();
         assert_eq!(looks(&scene), looks(&load(&spec(folder, base)).unwrap()), "{base}");
         assert_eq!(scene.name, "view.json");
         let nothing = View {
@@ -73,7 +73,7 @@ fn view_changes_what_it_says_of_every_format_and_nothing_else() {
         assert!(own.view.is_none());
         let more = r#", "resolution": [31, 17], "max_bounces": 1023,
             "camera": { "position": [3.3,40,-5], "look_at": [0.1,0.2,0.3], "up": [0,0,-2], "vertical_fov": 12.7 }"#;
-        let scene = load(&write(folder, "deep/view.json", &view(&from_below(base), more))).unwrap();
+        let scene = load(&write(folder, "deep/view.json", view(&from_below(base), more))).unwrap();
         let camera = Camera {
             position: Vec3::new(3.3, 40.0, -5.0),
             look_at: Vec3::new(0.1, 0.2, 0.3),
@@ -85,10 +85,10 @@ fn view_changes_what_it_says_of_every_format_and_nothing_else() {
 
         // What a camera leaves out is the scene's own, not a framing.
         let more = r#", "camera": { "vertical_fov": 20 }"#;
-        let scene = load(&write(folder, "deep/view.json", &view(&from_below(base), more))).unwrap();
+        let scene = load(&write(folder, "deep/view.json", view(&from_below(base), more))).unwrap();
         assert_eq!(scene.camera, Camera { vertical_fov: 20.0, ..own.camera }, "{base}");
         let more = r#", "camera": { "position": [9, 9, 9] }"#;
-        let scene = load(&write(folder, "deep/view.json", &view(&from_below(base), more))).unwrap();
+        let scene = load(&write(folder, "deep/view.json", view(&from_below(base), more))).unwrap();
         assert_eq!(scene.camera, Camera { position: Vec3::splat(9.0), ..own.camera }, "{base}");
         assert_eq!((scene.resolution, scene.max_bounces), (own.resolution, own.max_bounces), "{base}");
     }
@@ -156,7 +156,7 @@ fn written_views_read_back_in_every_bit() {
             render: Rendering { exposure, ..render },
         };
         let Loaded { scene, view: found } =
-            load_with_view(&write(folder.path(), "view.json", &view.text())).unwrap();
+            load_with_view(&write(folder.path(), "view.json", view.text())).unwrap();
         let found = found.unwrap();
         assert_eq!(found, view);
         assert_eq!(bits(&found), bits(&view), "{}", view.text());
@@ -173,7 +173,7 @@ fn numbers_of_a_view_are_rounded_once_as_on_the_command_line() {
     // second rounding would go up.
     let digits = "1.00000017881393432617187499";
     let more = format!(", \"render\": {{ \"exposure\": {digits}, \"clamp\": {digits} }}");
-    let render = load_with_view(&write(folder.path(), "v.json", &view("builtin:three", &more)))
+    let render = load_with_view(&write(folder.path(), "v.json", view("builtin:three", &more)))
         .unwrap()
         .view
         .unwrap()
@@ -194,11 +194,11 @@ fn views_of_a_scene_name_it_from_any_folder() {
             let file = folder.join(place);
             let view = View::of(&own, None, file.parent().unwrap());
             assert!(!Path::new(&view.scene).is_absolute(), "{}", view.scene);
-            let scene = load_with_view(&write(folder, place, &view.text())).unwrap();
+            let scene = load_with_view(&write(folder, place, view.text())).unwrap();
             assert_eq!(looks(&scene), looks(&own), "{base} from {place}");
             // A view of a view is one of the same scene.
             let again = View::of(&scene, scene.view.as_ref(), &folder.join("shots"));
-            let scene = load(&write(folder, "shots/again.json", &again.text())).unwrap();
+            let scene = load(&write(folder, "shots/again.json", again.text())).unwrap();
             assert_eq!(looks(&scene), looks(&own), "{base} from {place}, again");
         }
     }
@@ -211,7 +211,7 @@ fn views_of_a_scene_name_it_from_any_folder() {
 fn assert_refused(text: &str, what: &str, at: &str, mend: &str) {
     let folder = TempDir::new().unwrap();
     scenes(folder.path());
-    write(folder.path(), "shot.json", &view("native.json", ""));
+    write(folder.path(), "shot.json", view("native.json", ""));
     write(folder.path(), "notes.txt", "no scene");
     let path = write(folder.path(), "view.json", text);
     let error: SceneError = load(&path).expect_err("the view must be refused");
@@ -279,7 +279,7 @@ fn scenes_that_a_view_cannot_show_are_refused_at_their_name() {
 fn faults_in_the_scene_of_a_view_stay_its_own() {
     let folder = TempDir::new().unwrap();
     let broken = write(folder.path(), "broken.obj", "v 0 0 0\nf 1 2 3\n");
-    let error = load(&write(folder.path(), "view.json", &view("broken.obj", ""))).unwrap_err();
+    let error = load(&write(folder.path(), "view.json", view("broken.obj", ""))).unwrap_err();
     assert_eq!(error.file, Some(PathBuf::from(broken)));
     assert_eq!(error.at.as_deref(), Some("line 2"));
 }
@@ -298,7 +298,7 @@ fn scenes_know_the_files_that_they_were_read_from_and_those_that_are_missing() {
     };
     write(folder, "m/m.mtl", "newmtl a\nmap_Kd ../p/a.png\nnorm ../p/a.png\nnewmtl b\nmap_Kd ../p/b.png\n");
     let face = "v 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\nf 1 2 3\n";
-    write(folder, "m/m.obj", &format!("mtllib m.mtl gone.mtl\n{face}"));
+    write(folder, "m/m.obj", format!("mtllib m.mtl gone.mtl\n{face}"));
     write(
         folder,
         "native.json",
@@ -309,9 +309,9 @@ fn scenes_know_the_files_that_they_were_read_from_and_those_that_are_missing() {
     let ball =
         |path: &str| format!(r#"{{ "center": [0,0,0], "radius": 1, "roughness": 1, "texture": "{path}" }}"#);
     let balls = [ball("p/a.png"), ball("p/gone.png"), ball("p/a.png")].join(", ");
-    write(folder, "s/thesis.json", &format!("{{ \"sphere\": [ {balls} ] }}"));
-    write(folder, "view.json", &view("m/m.obj", ""));
-    write(folder, "three.json", &view("builtin:three", ""));
+    write(folder, "s/thesis.json", format!("{{ \"sphere\": [ {balls} ] }}"));
+    write(folder, "view.json", view("m/m.obj", ""));
+    write(folder, "three.json", view("builtin:three", ""));
 
     // A library's name may hold spaces, which is tried first.
     let model = ["m/m.obj", "m/m.mtl gone.mtl", "m/m.mtl", "m/../p/a.png", "m/../p/b.png", "m/gone.mtl"];
@@ -338,8 +338,8 @@ fn scenes_that_cannot_be_read_know_what_was_looked_for() {
         let inside = error.files.iter().map(|file| file.strip_prefix(folder).unwrap().to_str().unwrap());
         inside.map(|file| file.replace('\\', "/")).collect()
     };
-    write(folder, "view.json", &view("m/gone.json", ""));
-    write(folder, "of_model.json", &view("m/m.obj", ""));
+    write(folder, "view.json", view("m/gone.json", ""));
+    write(folder, "of_model.json", view("m/m.obj", ""));
     write(folder, "m/m.obj", "mtllib m.mtl\nv 0 0 0\nf 1 2 3\n");
     assert_eq!(files("gone.json"), ["gone.json"]);
     assert_eq!(files("view.json"), ["m/gone.json", "view.json"]);

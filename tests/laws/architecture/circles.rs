@@ -147,11 +147,10 @@ fn read_scopes(file: usize, source: &Source, scopes: &mut BTreeMap<Module, Scope
                 at += 2;
             }
             word if DEFINES.contains(&word) && is_name(token(at + 1)) => {
-                // `const fn` comes to its name with the next token.
-                if !DEFINES.contains(&token(at + 1)) {
-                    scope.items.insert(token(at + 1).into());
-                    at += 1;
-                }
+                // `const fn`: the name follows the next token.
+                let is_definition = !DEFINES.contains(&token(at + 1));
+                scope.items.extend(is_definition.then(|| token(at + 1).into()));
+                at += usize::from(is_definition);
             }
             name if is_name(name) => {
                 let follows = at > 0 && ["::", "."].contains(&tokens[at - 1]);

@@ -66,7 +66,7 @@ const ALBEDO: [Plane; 3] = [Plane::AlbedoRed, Plane::AlbedoGreen, Plane::AlbedoB
 pub enum Samples<'a> {
     /// The same number for all pixels.
     Same(u32),
-    /// One for each pixel, row by row from the top: [`super::History::counts`].
+    /// One for each pixel, row by row from the top: [`crate::display::History::counts`].
     Each(&'a [f32]),
 }
 

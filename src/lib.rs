@@ -13,15 +13,16 @@
 //! ```
 //!
 //! # Packages
-//! This crate is the program; it re-exports the modules of three packages. Each package imports only those
+//! This crate is the program; it re-exports the modules of four packages. Each package imports only those
 //! above it.
 //!
 //! | package | modules |
 //! |---|---|
 //! | [`octray_engine`] | from a scene to a film: see its front page for the architecture |
 //! | [`octray_formats`] | [`scene`] files and [`output`] files, [`wording`] |
+//! | `octray_viewer` | `viewer` (feature `viewer`) |
 //! | [`octray_laboratory`] | [`mod@reference`], [`measure`] |
-//! | `octray` | [`machine`], [`report`], `viewer`, [`cli`] |
+//! | `octray` | [`machine`], [`report`], [`cli`] |
 //!
 //! # From a scene file to a picture file
 //! Each form is built from the one above it.
@@ -85,9 +86,9 @@ pub use octray_engine::{
 };
 pub use octray_formats::{output, scene, wording};
 pub use octray_laboratory::{measure, reference};
+#[cfg(feature = "viewer")]
+pub use octray_viewer as viewer;
 
 pub mod cli;
 pub mod machine;
 pub mod report;
-#[cfg(feature = "viewer")]
-pub mod viewer;

@@ -6,9 +6,9 @@
 use super::dynamic_resolution::DynamicResolution;
 use super::frame::Exchange;
 use super::timing::{RateMeter, Summary};
-use crate::film::Film;
-use crate::render::{RenderObserver, Renderer};
-use crate::scene::{Camera, Scene};
+use octray_engine::film::Film;
+use octray_engine::render::{RenderObserver, Renderer};
+use octray_formats::scene::{Camera, Scene};
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -200,8 +200,8 @@ impl Accumulation {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::render::Settings;
-    use crate::scene::load;
+    use octray_engine::render::Settings;
+    use octray_formats::scene::load;
 
     fn start() -> (Renderer, Scene, Accumulation) {
         let scene = load("builtin:three").unwrap();

@@ -4,8 +4,8 @@
 //! pixels, clocks.
 
 use super::keys::Motion;
-use crate::scene::Camera;
 use glam::{DQuat, DVec3};
+use octray_formats::scene::Camera;
 
 /// Turning speed of a held arrow key, in radians per second.
 const TURN_SPEED: f64 = 1.2;

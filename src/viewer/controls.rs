@@ -5,10 +5,10 @@
 
 use super::display_mode::DisplayMode;
 use super::keys::Command;
-use crate::scene::{MAX_BOUNCES, MAX_SIDE, Scene};
-use crate::tone::{Operator, Tone};
-use crate::traverse::batch::Traversal;
-use crate::traverse::{Methods, SphereChoice, TraversalChoice, TriangleChoice};
+use octray_engine::tone::{Operator, Tone};
+use octray_engine::traverse::batch::Traversal;
+use octray_engine::traverse::{Methods, SphereChoice, TraversalChoice, TriangleChoice};
+use octray_formats::scene::{MAX_BOUNCES, MAX_SIDE, Scene};
 
 /// Image-space antialiasing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -215,8 +215,8 @@ fn next<T: Copy + PartialEq>(all: &[T], now: T) -> T {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::buffers::LightChoice;
-    use crate::sampling::Sampler;
+    use octray_engine::buffers::LightChoice;
+    use octray_engine::sampling::Sampler;
 
     fn controls() -> Controls {
         Controls::new(4, 6, 8, Tone::default())
@@ -290,7 +290,7 @@ mod tests {
 
     #[test]
     fn presets_keep_traversal_lights_and_sampler() {
-        let scene = crate::scene::load("builtin:cornell").unwrap();
+        let scene = octray_formats::scene::load("builtin:cornell").unwrap();
         let (traversal, lights, sampler) = (TraversalChoice::Linear, LightChoice::Off, Sampler::Random);
         let requested = Methods { traversal, lights, sampler, ..Methods::default() };
         for preset in

@@ -3,11 +3,11 @@
 //! For: [`DisplayMode`], and [`paint`], which fills a frame's pixels with one. May import: AOVs,
 //! `render::survey`. Must not know: keys, windows.
 
-use crate::integrate::aovs::{AovSample, Aovs, Plane};
-use crate::integrate::probe::PathShape;
-use crate::math::MISS;
-use crate::render::aovs::{Cost, Map};
 use glam::Vec3;
+use octray_engine::integrate::aovs::{AovSample, Aovs, Plane};
+use octray_engine::integrate::probe::PathShape;
+use octray_engine::math::MISS;
+use octray_engine::render::aovs::{Cost, Map};
 
 /// What a frame shows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -2,8 +2,8 @@
 //!
 //! For: [`Loader`]. May import: `scene`, `render`. Must not know: the state machine, windows.
 
-use crate::render::{Renderer, Settings};
-use crate::scene::{self, Loaded, SceneError};
+use octray_engine::render::{Renderer, Settings};
+use octray_formats::scene::{self, Loaded, SceneError};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, TryRecvError, channel};
 use std::thread;

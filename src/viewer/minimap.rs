@@ -4,8 +4,8 @@
 //! rays, windows.
 
 use super::camera_controller::CameraController;
-use crate::scene::{Camera, MaterialKind, Scene};
 use glam::{DVec2, DVec3};
+use octray_formats::scene::{Camera, MaterialKind, Scene};
 
 /// Side of the minimap in pixels.
 pub const SIDE: u32 = 160;
@@ -184,7 +184,7 @@ mod tests {
 
     #[test]
     fn what_stands_ahead_is_drawn_above_the_camera_and_what_stands_right_on_its_right() {
-        let mut scene = crate::scene::load("builtin:three").unwrap();
+        let mut scene = octray_formats::scene::load("builtin:three").unwrap();
         scene.camera = Camera {
             position: glam::Vec3::new(0.0, 1.0, 10.0),
             look_at: glam::Vec3::new(0.0, 1.0, 0.0),
@@ -214,7 +214,7 @@ mod tests {
 
     #[test]
     fn what_is_higher_lies_over_what_is_lower() {
-        let mut scene = crate::scene::load("builtin:three").unwrap();
+        let mut scene = octray_formats::scene::load("builtin:three").unwrap();
         scene.camera.position = glam::Vec3::new(0.0, 1.0, 10.0);
         scene.camera.look_at = glam::Vec3::new(0.0, 1.0, 0.0);
         scene.triangles.clear();
@@ -239,8 +239,8 @@ mod tests {
 
     #[test]
     fn every_built_in_scene_has_something_on_its_map() {
-        for name in crate::scene::builtin_names() {
-            let scene = crate::scene::load(&format!("builtin:{name}")).unwrap();
+        for name in octray_formats::scene::builtin_names() {
+            let scene = octray_formats::scene::load(&format!("builtin:{name}")).unwrap();
             let drawn = Minimap::new(&scene).ground.iter().filter(|&&pixel| pixel != GROUND).count();
             assert!(drawn > 50, "{name}: {drawn} pixels");
         }

@@ -3,10 +3,10 @@
 //! For: [`Options`], [`Wake`]. May import: `render`, `traverse`, `tone`, the scene. Must not know: the
 //! command line, threads.
 
-use crate::render::PipelineChoice;
-use crate::scene::Loaded;
-use crate::tone::Tone;
-use crate::traverse::Methods;
+use octray_engine::render::PipelineChoice;
+use octray_engine::tone::Tone;
+use octray_engine::traverse::Methods;
+use octray_formats::scene::Loaded;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -21,7 +21,7 @@ pub struct Options {
     pub bounces: Option<u32>,
     pub seed: u32,
     pub pipeline: PipelineChoice,
-    /// As in [`crate::render::Settings`].
+    /// As in [`octray_engine::render::Settings`].
     pub clamp: f32,
     pub threads: usize,
     /// Upper bound of the thread count that keys can choose.

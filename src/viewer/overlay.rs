@@ -8,8 +8,8 @@ use super::frame::Frame;
 use super::painter::FrameInput;
 use super::state::State;
 use super::timing::{RateMeter, Rates};
-use crate::buffers::LightChoice;
-use crate::wording::{counted, grouped};
+use octray_engine::buffers::LightChoice;
+use octray_formats::wording::{counted, grouped};
 use std::fmt::Write;
 use std::time::{Duration, Instant};
 
@@ -151,9 +151,9 @@ fn rate_of(rate: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::render::{Renderer, Settings};
-    use crate::scene::load;
-    use crate::viewer::playlist::Playlist;
+    use crate::playlist::Playlist;
+    use octray_engine::render::{Renderer, Settings};
+    use octray_formats::scene::load;
     use std::time::Instant;
 
     #[test]

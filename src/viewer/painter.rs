@@ -9,15 +9,15 @@ use super::controls::{Controls, Filter};
 use super::display_mode::{self, DisplayMode, ModeInput};
 use super::frame::Frame;
 use super::minimap::{self, Minimap};
-use crate::display::{Blur, Denoiser, Fxaa, History, Samples, rows, walking_speed};
-use crate::film::{Film, Picture};
-use crate::integrate::aovs::Aovs;
-use crate::integrate::probe::PathShape;
-use crate::render::Renderer;
-use crate::render::aovs::{self, Cost};
-use crate::scene::{Camera, Scene};
-use crate::tone::Tone;
 use glam::Vec3;
+use octray_engine::display::{Blur, Denoiser, Fxaa, History, Samples, rows, walking_speed};
+use octray_engine::film::{Film, Picture};
+use octray_engine::integrate::aovs::Aovs;
+use octray_engine::integrate::probe::PathShape;
+use octray_engine::render::Renderer;
+use octray_engine::render::aovs::{self, Cost};
+use octray_engine::tone::Tone;
+use octray_formats::scene::{Camera, Scene};
 
 /// What a frame is painted from.
 pub struct FrameInput<'a> {
@@ -187,8 +187,8 @@ fn write(tone: &Tone, picture: &Picture, words: &mut [u32]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::render::Settings;
-    use crate::scene::load;
+    use octray_engine::render::Settings;
+    use octray_formats::scene::load;
 
     /// A viewer without events: paints frames of a camera, a number of samples and a seed.
     struct TestViewer {

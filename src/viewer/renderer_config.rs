@@ -5,9 +5,9 @@
 
 use super::controls::Controls;
 use super::options::Options;
-use crate::render::Settings;
-use crate::scene::Loaded;
-use crate::traverse::Methods;
+use octray_engine::render::Settings;
+use octray_engine::traverse::Methods;
+use octray_formats::scene::Loaded;
 
 /// The settings that only a new renderer can change.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -2,11 +2,11 @@
 //!
 //! For: [`take`]. May import: `scene`'s views, `render`, `output`. Must not know: the state machine, windows.
 
-use crate::film::Film;
-use crate::output::{self, OutputError};
-use crate::render::Settings;
-use crate::scene::{Camera, Loaded, Rendering, View};
-use crate::tone::Tone;
+use octray_engine::film::Film;
+use octray_engine::render::Settings;
+use octray_engine::tone::Tone;
+use octray_formats::output::{self, OutputError};
+use octray_formats::scene::{Camera, Loaded, Rendering, View};
 use std::path::{Path, PathBuf};
 
 /// Largest number of screenshots of a scene in a folder.

@@ -10,7 +10,7 @@ use super::playlist::Playlist;
 use super::render_loop::RenderLoop;
 use super::state::{Event, State};
 use super::timing::Summary;
-use crate::scene::Loaded;
+use octray_formats::scene::Loaded;
 use std::sync::Arc;
 use std::sync::mpsc::{Sender, channel};
 use std::thread::JoinHandle;

@@ -7,7 +7,7 @@ use super::camera_controller::{CameraController, HeldMotions};
 use super::controls::Controls;
 use super::keys::{self, Action, Command, Key};
 use super::playlist::Playlist;
-use crate::scene::Scene;
+use octray_formats::scene::Scene;
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 
@@ -199,12 +199,12 @@ fn repeats(command: Command) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::tone::Tone;
-    use crate::viewer::display_mode::DisplayMode;
-    use crate::viewer::keys::Motion;
+    use crate::display_mode::DisplayMode;
+    use crate::keys::Motion;
+    use octray_engine::tone::Tone;
 
     fn start() -> (State, Instant) {
-        let scene = crate::scene::load("builtin:three").unwrap();
+        let scene = octray_formats::scene::load("builtin:three").unwrap();
         let names = ["builtin:three".to_string(), "builtin:thesis".to_string()];
         let now = Instant::now();
         let controls = Controls::new(scene.max_bounces, 2, 8, Tone::default());
@@ -336,8 +336,8 @@ mod tests {
     #[test]
     fn another_scene_has_its_own_camera_and_bounces_and_is_found_again_as_it_was_left() {
         let (mut state, now) = start();
-        let three = crate::scene::load("builtin:three").unwrap();
-        let mut thesis = crate::scene::load("builtin:thesis").unwrap();
+        let three = octray_formats::scene::load("builtin:three").unwrap();
+        let mut thesis = octray_formats::scene::load("builtin:thesis").unwrap();
         thesis.max_bounces = 7;
         state.playlist.next();
         state.enter_scene(&thesis, false, "builtin:three");
@@ -364,8 +364,8 @@ mod tests {
     #[test]
     fn bounces_are_as_the_file_has_them_until_others_are_chosen() {
         let (mut state, now) = start();
-        let mut three = crate::scene::load("builtin:three").unwrap();
-        let thesis = crate::scene::load("builtin:thesis").unwrap();
+        let mut three = octray_formats::scene::load("builtin:three").unwrap();
+        let thesis = octray_formats::scene::load("builtin:thesis").unwrap();
         let mut enter_scene = |state: &mut State, bounces, reload, before| {
             three.max_bounces = bounces;
             state.enter_scene(&three, reload, before);
@@ -390,7 +390,7 @@ mod tests {
         state.speed = 1e6;
         state.handle(&key(Key::Char('w'), true), now);
         state.playlist.next();
-        let thesis = crate::scene::load("builtin:thesis").unwrap();
+        let thesis = octray_formats::scene::load("builtin:thesis").unwrap();
         state.enter_scene(&thesis, false, "builtin:three");
         state.advance(now + ms(100));
         assert_eq!(state.camera_controller.camera().position, thesis.camera.position);
@@ -400,7 +400,7 @@ mod tests {
     fn bounces_of_the_command_line_are_for_every_scene() {
         let (mut state, _) = start();
         state.bounces = Some(2);
-        let mut thesis = crate::scene::load("builtin:thesis").unwrap();
+        let mut thesis = octray_formats::scene::load("builtin:thesis").unwrap();
         thesis.max_bounces = 7;
         state.playlist.next();
         state.enter_scene(&thesis, false, "builtin:three");

@@ -15,7 +15,6 @@ use super::session::Viewer;
 use super::signals::ExitSignal;
 use super::state::Event;
 use super::timing::Summary;
-use crate::scene::Loaded;
 use crossterm::event::{
     self, DisableBracketedPaste, DisableFocusChange, DisableMouseCapture, EnableBracketedPaste,
     EnableFocusChange, EnableMouseCapture, KeyCode, KeyEventKind, KeyModifiers, KeyboardEnhancementFlags,
@@ -23,6 +22,7 @@ use crossterm::event::{
 };
 use crossterm::style::ResetColor;
 use crossterm::{cursor, execute, terminal as screen};
+use octray_formats::scene::Loaded;
 use std::collections::BTreeMap;
 use std::io::{self, Write};
 use std::sync::Arc;

@@ -12,7 +12,7 @@ use super::session::Viewer;
 use super::signals::ExitSignal;
 use super::state::Event;
 use super::timing::Summary;
-use crate::scene::Loaded;
+use octray_formats::scene::Loaded;
 use std::num::NonZeroU32;
 use std::rc::Rc;
 use std::sync::Arc;

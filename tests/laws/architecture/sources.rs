@@ -5,9 +5,10 @@ use std::path::{Path, PathBuf};
 
 /// The packages, each of which may use those before it: Cargo keeps that order. The last one is the
 /// program's.
-pub const PACKAGES: [(&str, &str); 4] = [
+pub const PACKAGES: [(&str, &str); 5] = [
     ("engine", "src/engine"),
     ("formats", "src/formats"),
+    ("viewer", "src/viewer"),
     ("laboratory", "src/laboratory"),
     ("program", "src"),
 ];

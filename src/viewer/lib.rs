@@ -1,7 +1,7 @@
 //! The viewer: explores a path-traced scene in a window or a terminal.
 //!
 //! For: [`window()`], [`terminal()`] and [`Options`]. May import: the engine, the formats. Must not know:
-//! command lines.
+//! command lines, reports.
 //!
 //! A front end sends [`state::Event`]s and shows [`frame::Frame`]s. The render loop runs in a thread of its
 //! own, and so does the loader. Events reach the render loop through a message queue; frames reach the front
@@ -27,6 +27,8 @@
 //! | [`frame`] | frames handed from the render loop to a front end |
 //! | [`canvas`], [`cell_buffer`] | draw a frame, its minimap and text: as pixels, as character cells |
 //! | [`signals`] | Ctrl-C, `kill`, a closed terminal |
+
+#![forbid(unsafe_code)]
 
 pub mod accumulation;
 pub mod camera_controller;

@@ -140,10 +140,12 @@ fn imports(source: &Source) -> BTreeSet<&str> {
     names
 }
 
-/// Where a module stands that a source of this package names: in its own package or in one before it.
+/// Where a module stands that a source of this package names: in its own package or in one before it. A
+/// package that is re-exported whole, as a module of its name, stands behind its last module.
 fn place(package: usize, module: &str) -> Option<(usize, usize)> {
     let within = |package: usize| Some((package, ORDER[package].iter().position(|name| *name == module)?));
-    (0..=package).rev().find_map(within)
+    let whole = |package: usize| (PACKAGES[package].0 == module).then(|| (package, ORDER[package].len()));
+    (0..=package).rev().find_map(|package| within(package).or_else(|| whole(package)))
 }
 
 #[test]

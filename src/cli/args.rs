@@ -113,8 +113,8 @@ pub struct BenchArgs {
 ///
 /// Renders each scene at both widths and counts the pixels that differ in any bit: 0 is expected. Then both
 /// are compared with a reference in double precision that shares no code with them. Exits with 1 if a pixel
-/// differs, a sample is not finite, or a primary hit is wrong; differing pixels are allowed with --box fma, and
-/// wrong hits with any method that is not robust.
+/// differs, a sample is not finite, or a primary hit is wrong; differing pixels are allowed with --box fma,
+/// and wrong hits with any method that is not robust.
 ///
 /// Columns: differing: pixels that differ. speed-up: SIMD over scalar, the median, and in brackets from 10 to
 /// 90 % of the rounds. rmse/f64, max/f64: root mean square and largest difference from the reference. wrong

@@ -45,11 +45,11 @@
 //! samples where counts double, more than adaptive sampling gains; and a block that happens to find rare
 //! light would keep it as fireflies. Here 256 pixels decide together, so that a pixel's own noise has little
 //! influence. Measured, means of 12 to 24 seeds against long runs: less than 2e-4 of the brightness in the
-//! scenes `three`, `thesis` and `chess` at targets from 0.1 to 0.2 (`tests/pictures/adaptive_laws.rs` holds it below a
-//! hundredth of the target), nothing above the uncertainty of 1e-3 in `spheres` and `cornell-spheres`. It
-//! shows where blocks stop before they have found rare paths: a floor under a uniform sky with a sixth of its
-//! light from a light that one path in 18,000 finds came out 2.3 % too dark at a target of 0.2 and at most
-//! 2,048 samples; with one path in 1,600, 0.1 %.
+//! scenes `three`, `thesis` and `chess` at targets from 0.1 to 0.2 (`tests/pictures/adaptive_laws.rs` holds
+//! it below a hundredth of the target), nothing above the uncertainty of 1e-3 in `spheres` and
+//! `cornell-spheres`. It shows where blocks stop before they have found rare paths: a floor under a uniform
+//! sky with a sixth of its light from a light that one path in 18,000 finds came out 2.3 % too dark at a
+//! target of 0.2 and at most 2,048 samples; with one path in 1,600, 0.1 %.
 //!
 //! # Gain
 //! Rays to the same relative error over the picture, uniform over adaptive sampling, at 240×135 and targets

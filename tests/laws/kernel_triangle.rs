@@ -12,6 +12,18 @@ use octray::lane::{F32x8, Lane, Mask};
 use octray::math::Ray;
 use octray::measure::stability::triangles::{intersect, reference_tuv, well_shaped};
 
+/// Calls a function with each method as its type parameter.
+macro_rules! for_every_method {
+    ($check:ident) => {
+        $check::<Woop>();
+        $check::<WoopContracted>();
+        $check::<MollerTrumbore>();
+        $check::<MollerTrumboreEpsilon>();
+        $check::<BaldwinWeber>();
+        $check::<Plucker>();
+    };
+}
+
 /// Away from edges every method agrees with f64: hit or miss, t, u and v within `bound` times the largest
 /// length involved. Returns the largest error in these units and how many rays hit.
 fn agrees<T: TriangleMethod>(center: DVec3, distance: f64, bound: f64) -> (f64, usize) {
@@ -82,12 +94,7 @@ fn barycentrics_and_t_name_the_same_point() {
         }
         assert!(hits > 2000);
     }
-    check::<Woop>();
-    check::<WoopContracted>();
-    check::<MollerTrumbore>();
-    check::<MollerTrumboreEpsilon>();
-    check::<BaldwinWeber>();
-    check::<Plucker>();
+    for_every_method!(check);
 }
 
 #[test]
@@ -105,12 +112,7 @@ fn zero_and_nan_directions_miss() {
             }
         }
     }
-    check::<Woop>();
-    check::<WoopContracted>();
-    check::<MollerTrumbore>();
-    check::<MollerTrumboreEpsilon>();
-    check::<BaldwinWeber>();
-    check::<Plucker>();
+    for_every_method!(check);
 }
 
 #[test]
@@ -126,12 +128,7 @@ fn rays_in_the_plane_of_a_triangle_give_no_infinite_t() {
             assert!(t.is_none_or(|t| t > 0.0 && t.is_finite()), "{t:?}");
         }
     }
-    check::<Woop>();
-    check::<WoopContracted>();
-    check::<MollerTrumbore>();
-    check::<MollerTrumboreEpsilon>();
-    check::<BaldwinWeber>();
-    check::<Plucker>();
+    for_every_method!(check);
 }
 
 #[test]
@@ -166,10 +163,5 @@ fn hits_lie_below_the_limit_and_inactive_lanes_miss() {
         }
         assert!(hits > 2000);
     }
-    check::<Woop>();
-    check::<WoopContracted>();
-    check::<MollerTrumbore>();
-    check::<MollerTrumboreEpsilon>();
-    check::<BaldwinWeber>();
-    check::<Plucker>();
+    for_every_method!(check);
 }

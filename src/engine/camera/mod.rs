@@ -1,6 +1,7 @@
 //! From raster space to primary rays.
 //!
-//! For: [`Pinhole`]; [`ViewFrustum`], the space that a part of the image sees; [`Tile`], a rectangle of pixels.
+//! For: [`Pinhole`]; [`ViewFrustum`], the space that a part of the image sees; [`Tile`], a rectangle of
+//! pixels.
 //! May import: `lane`, `math`, `scene`.
 //! Must never know: buffers, film.
 

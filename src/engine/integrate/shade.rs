@@ -39,8 +39,8 @@ pub fn shade<L: Lane, const N: u32, const FIRST: bool>(
     let (mut going_on, mut shadow_rays) = (0, 0);
     let sample_lights = has(N, Features::LIGHTS) && !context.buffers.lights.is_empty();
     for at in (0..count).step_by(L::WIDTH) {
-        let Segment { path, hit, active, found, mut radiance } =
-            Segment::<L>::load::<N, FIRST>(context, scratch, at, count);
+        let IntersectedPacket { path, hit, active, found, mut radiance } =
+            IntersectedPacket::<L>::load::<N, FIRST>(context, scratch, at, count);
         if !found.any() {
             accumulator.add(scratch, at, active, &path, radiance);
             continue;
@@ -84,8 +84,8 @@ pub fn finish<L: Lane, const N: u32, const FIRST: bool>(
 ) {
     let mut accumulator = RadianceAccumulator::<FIRST>::default();
     for at in (0..count).step_by(L::WIDTH) {
-        let Segment { path, hit, active, found, mut radiance } =
-            Segment::<L>::load::<N, FIRST>(context, scratch, at, count);
+        let IntersectedPacket { path, hit, active, found, mut radiance } =
+            IntersectedPacket::<L>::load::<N, FIRST>(context, scratch, at, count);
         if has(N, Features::EMISSION) && found.any() {
             let surface = Surface::of::<N>(context, &path, &hit, found);
             let material = MaterialSample::of::<N>(context, &surface, found);
@@ -98,7 +98,7 @@ pub fn finish<L: Lane, const N: u32, const FIRST: bool>(
 }
 
 /// A packet of path segments that have been intersected.
-struct Segment<L: Lane> {
+struct IntersectedPacket<L: Lane> {
     path: Path<L>,
     hit: Hit<L>,
     active: L::Mask,
@@ -108,7 +108,7 @@ struct Segment<L: Lane> {
     radiance: Vec3<L>,
 }
 
-impl<L: Lane> Segment<L> {
+impl<L: Lane> IntersectedPacket<L> {
     /// The packet at `at` of a queue of `count` paths.
     #[inline(always)]
     fn load<const N: u32, const FIRST: bool>(

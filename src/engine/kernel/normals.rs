@@ -73,8 +73,8 @@ pub fn sphere_tangent<L: Lane>(n: Vec3<L>, inside: L::Mask) -> (Vec3<L>, L) {
 /// The mirror direction keeps a sine above the surface of at least half that of −d, but no more than 0.01.
 ///
 /// Domain: unit vectors; d · ng < 0.
-/// Error: 2e-6 of the sine (measured 0.9e-6, `tests/pictures/smooth.rs`), so the mirror direction of the most grazing
-/// rays may point below the surface: the caller tests its side again.
+/// Error: 2e-6 of the sine (measured 0.9e-6, `tests/pictures/smooth.rs`), so the mirror direction of the most
+/// grazing rays may point below the surface: the caller tests its side again.
 /// Source: see the head of this file.
 #[inline(always)]
 pub fn bend_for_reflection<L: Lane>(d: Vec3<L>, ns: Vec3<L>, ng: Vec3<L>) -> Vec3<L> {

@@ -23,8 +23,8 @@ pub trait SphereMethod: Send + Sync + 'static {
 /// The discriminant from the perpendicular, the distance at which the line passes the centre, and not from
 /// b² − 4ac.
 ///
-/// Domain: directions of unit length within 1e-5, as the integrator keeps them (`tests/laws/long_paths.rs`). With
-/// a length of 1 + e the perpendicular contains 2eD of the way to the centre: spheres farther away than
+/// Domain: directions of unit length within 1e-5, as the integrator keeps them (`tests/laws/long_paths.rs`).
+/// With a length of 1 + e the perpendicular contains 2eD of the way to the centre: spheres farther away than
 /// r / 2e are missed. t is off by less than e r from outside and 3 e r from inside. Other lengths are not
 /// supported: their hits may lie outside the boxes of a hierarchy, whose result then differs from testing
 /// everything; a zero direction from inside a sphere "hits".
@@ -32,8 +32,8 @@ pub trait SphereMethod: Send + Sync + 'static {
 /// 1,000, 1.2 % at 10⁶ (naive: 45 %). The rounding of o − c dominates: |Δt| ≤ ε · |o − c| · a small number,
 /// and within about √(ε · D · r) of the silhouette hit and miss are undecided. So they are for rays that
 /// start within about ε r of the surface and run along it, where both roots are close to zero: a hit found
-/// there is close by. Confirmed by `tests/pictures/stability.rs`; t is never too small by more than the padding of
-/// boxes allows (`tests/laws/kernel_sphere_box.rs`).
+/// there is close by. Confirmed by `tests/pictures/stability.rs`; t is never too small by more than the
+/// padding of boxes allows (`tests/laws/kernel_sphere_box.rs`).
 /// Source: Haines, Günther, Akenine-Möller, "Precision Improvements for Ray/Sphere Intersection", Ray Tracing
 /// Gems ch. 7, 2019.
 pub struct Robust;

@@ -1,7 +1,7 @@
 //! Elementary functions as polynomials over the lane type: the same bits at every width, no libm.
 //!
-//! Errors are measured against `f64` by `tests/laws/lane_functions.rs`, over dense sweeps of the stated domain;
-//! they hold with and without FMA. One ulp is the distance between neighbouring floats at the result.
+//! Errors are measured against `f64` by `tests/laws/lane_functions.rs`, over dense sweeps of the stated
+//! domain; they hold with and without FMA. One ulp is the distance between neighbouring floats at the result.
 //!
 //! Source of the polynomials: S. Moshier, Cephes Mathematical Library, single precision (sinf, cosf, atanf,
 //! expf, logf).

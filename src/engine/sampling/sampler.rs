@@ -5,7 +5,8 @@ use crate::choice::choices;
 use crate::lane::{Bits, Lane};
 
 choices! {
-    /// The source of a path's sample values. With either they are functions of (seed, pixel, sample, dimension).
+    /// The source of a path's sample values. With either they are functions of (seed, pixel, sample,
+    /// dimension).
     pub enum Sampler {
         /// See [`sobol`].
         #[default]

@@ -34,8 +34,8 @@ pub trait Candidates<Stored> {
     /// Calls `f` with each sphere's number, centre and squared radius.
     fn for_each_sphere<L: Lane>(&self, f: impl FnMut(u32, Vec3<L>, L));
     fn has_triangles(&self) -> bool;
-    /// Each triangle and its number. An iterator and no closure: a test is so much code that a closure with it
-    /// would not be inlined into the loop (4 % more instructions in boxes).
+    /// Each triangle and its number. An iterator and no closure: a test is so much code that a closure with
+    /// it would not be inlined into the loop (4 % more instructions in boxes).
     fn triangles<'a>(&'a self) -> impl Iterator<Item = (u32, &'a Stored)>
     where
         Stored: 'a;

@@ -80,7 +80,7 @@ const FORBIDDEN: &[(usize, &str, &[&str], &str)] = &[
 ];
 
 /// Folders whose comments are narrow.
-const NARROW: [&str; 2] = ["tests", "benches"];
+const NARROW: [&str; 3] = ["src", "tests", "benches"];
 
 /// Longest source file in lines.
 const MAX_LINES: usize = 700;

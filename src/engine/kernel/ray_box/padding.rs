@@ -41,8 +41,8 @@ const EIGHT_ROUNDINGS: f32 = 1.0 / 2_097_152.0;
 /// - A direction of length 1 + e multiplies b and t: what remains is e h (B − h) / (B + h) < e r, and |e| ≤
 ///   10⁻⁵ < 2⁻¹⁶.
 ///
-/// Measured: 5.2 ε D at most, with FMA and without (`tests/laws/kernel_sphere_box.rs`, which fails if this were
-/// eight times less).
+/// Measured: 5.2 ε D at most, with FMA and without (`tests/laws/kernel_sphere_box.rs`, which fails if this
+/// were eight times less).
 const OF_ORIGIN: f32 = 4.0;
 
 /// How far the box of a sphere is padded on every side, so that computed hits lie in it: see `OF_ORIGIN`.

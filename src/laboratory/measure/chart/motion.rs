@@ -268,9 +268,9 @@ mod tests {
         }
     }
 
-    /// One scene, a quarter of the pixels and an eighth of the ground truth's samples, with the large version's bound of 2.
-    /// The ratios here are 3.4 to 4.8. Cornell needs the large version: here its ground truth is too noisy for the errors
-    /// of filtered frames to be known.
+    /// One scene, a quarter of the pixels and an eighth of the ground truth's samples, with the large
+    /// version's bound of 2. The ratios here are 3.4 to 4.8. Cornell needs the large version: here its ground
+    /// truth is too noisy for the errors of filtered frames to be known.
     #[test]
     fn reprojection_halves_the_error_in_motion_at_least() {
         reprojection_halves_the_error(&["three"], [48, 27], 128);

@@ -1,7 +1,7 @@
 //! Where methods fail: recipes of difficult inputs, every method on each, checked in double precision.
 //!
-//! For: [`recipes`]; [`mod@recipe`] defines a recipe, [`methods`] lists the methods by family. May import: the
-//! engine, `reference`, `quantiles`. Must not know: how figures are shown.
+//! For: [`recipes`]; [`mod@recipe`] defines a recipe, [`methods`] lists the methods by family. May import:
+//! the engine, `reference`, `quantiles`. Must not know: how figures are shown.
 //!
 //! A recipe generates rays (or other inputs) with fixed seeds along one axis: a distance, a scale, a shape.
 //! At each place of the axis each method gets the same inputs; an f64 computation, which shares nothing with

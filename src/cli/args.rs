@@ -295,12 +295,13 @@ pub struct ChartArgs {
 
 /// Walk through scenes in a window.
 ///
-/// The picture accumulates samples while the camera stands still, up to 65,536 per pixel. While it moves,
-/// earlier frames are reprojected. Where the window has room, it shows each pixel larger. Scenes can be
-/// dropped on the window; a scene whose files change is loaded again.
+/// The picture accumulates samples while the camera stands still, up to 65,536 per pixel: after N of them it
+/// has the bits of `octray render --samples N`. While the camera moves, earlier frames are reprojected. Where
+/// the window has room, it shows each pixel larger. Scenes can be dropped on the window. A scene whose files
+/// change is loaded again; if it cannot be read, the old one stays and the reason is shown.
 ///
-/// --terminal draws with half-block characters in true colour, for machines without a display; Ctrl-C ends
-/// it.
+/// --terminal draws with half-block characters in true colour, for machines without a display. It takes the
+/// same keys except Shift, Ctrl and mouse movement. Ctrl-C ends the viewer, with exit code 0.
 #[cfg(feature = "viewer")]
 #[derive(Debug, clap::Args)]
 #[command(after_help = view_after_help())]

@@ -123,7 +123,7 @@ pub const BINDINGS: &[Binding] = &[
             hold(Key::Shift, Motion::Down),
             hold(Key::Char('z'), Motion::Down),
         ],
-        label: "Space, Shift or Z",
+        label: "Space, Shift, Z",
         meaning: "rise, sink",
     },
     Binding {

@@ -153,7 +153,7 @@ pub fn run(options: ViewOptions) -> Result<ExitCode, CliError> {
         return Err(CliError::Nothing { what, mend: "name a folder that holds some, or a file" });
     };
     if options.terminal && !std::io::stdout().is_terminal() {
-        let what = "--terminal needs a terminal, and standard output is none".to_string();
+        let what = "--terminal needs a terminal, and standard output is not one".to_string();
         return Err(CliError::Nothing { what, mend: "to write a picture into a file, use octray render" });
     }
     if !options.screenshots.is_dir() {

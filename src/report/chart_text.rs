@@ -80,7 +80,7 @@ pub fn text(chart: &Chart, folder: &Path) -> String {
     }
     let report = folder.join("report.html");
     text + &format!(
-        "\nEqual error: the time to the error of the last column, over the default's.\n{} in {:.0} s\n",
+        "\nEqual error: the time to this RMSE, over the default's time to the same RMSE.\n{} in {:.0} s\n",
         report.display(),
         chart.seconds
     )

@@ -34,7 +34,7 @@ impl DefaultReport {
             spheres,
             "sphere",
             "robust",
-            "from 1,000 radii it is wrong on less than one ray in 100,000, naive on one in 28, for hardly more time",
+            "at 1,000 radii it is wrong on less than one ray in 100,000, naive on one in 28, for hardly more time",
         );
         add(
             triangles,
@@ -65,7 +65,7 @@ impl DefaultReport {
             true,
             "pipeline",
             "needed",
-            "features that the scene does not use are not compiled in, and the picture stays the same",
+            "it is compiled for the smallest set of features that holds the scene's; the picture stays the same",
         );
         all
     }

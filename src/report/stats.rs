@@ -18,7 +18,7 @@ tests at once.
 ";
 const FRAMES: &str = "\
 Stages: nanoseconds per ray of any kind, summed over threads, including the cost of counting; share of all stages. Where every primitive
-is tested, generate and extend find the hits, otherwise trace does. Lanes in use: rays over the lanes of the packets that hold them, and
+is tested, generate and intersect find the hits, otherwise trace does. Lanes in use: rays over the lanes of the packets that hold them, and
 the share of rays after this number of bounces in all rays.
 ";
 

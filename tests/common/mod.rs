@@ -1,4 +1,4 @@
-//! What the law tests share: rng, scenes filled in by hand, and a closed mesh.
+//! What the law tests share: random numbers, scenes filled in by hand, and a closed mesh.
 #![allow(dead_code)] // Every test file takes its own part.
 
 pub mod rays;

@@ -167,7 +167,7 @@ impl Mesh {
 }
 
 /// Traces about so many rays through every traversal; returns how many there were.
-fn count_leaks(rays: usize) -> usize {
+fn find_leaks(rays: usize) {
     /// Rays that are made and traced at a time.
     const BATCH: usize = 32 * TILE;
     let meshes = meshes();
@@ -196,23 +196,22 @@ fn count_leaks(rays: usize) -> usize {
         });
         println!("{}: {} rays, {:.1?}", mesh.name, batches * BATCH, start.elapsed());
     }
-    batches * BATCH * meshes.len()
 }
 
 /// 8,192 rays at each mesh, through each traversal twice: a method that leaks one ray in 2,700 of any of them
 /// is found nineteen times in twenty (Möller–Trumbore's test leaks one in 330 and more).
 #[test]
 fn aimed_rays_do_not_leak() {
-    assert!(count_leaks(80_000) >= 80_000);
+    find_leaks(80_000);
 }
 
+/// A leak of one ray in 34,000 is found nineteen times in twenty. `LEAK_RAYS` gives another number of rays:
+/// ten million find one in 340,000.
 #[test]
 #[ignore = "minutes: run by .ci/run"]
 fn a_million_aimed_rays_do_not_leak() {
-    let start = Instant::now();
-    let rays = count_leaks(1_000_000);
-    println!("{rays} rays through {} traversals twice: {:.1?}", Traversal::ALL.len(), start.elapsed());
-    assert!(rays >= 1_000_000);
+    let rays = std::env::var("LEAK_RAYS").map_or(1_000_000, |rays| rays.parse().expect("a number of rays"));
+    find_leaks(rays);
 }
 
 /// Half of the tiles are such that there is a frustum: else it would not have been tested.

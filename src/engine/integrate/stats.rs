@@ -32,10 +32,10 @@ impl Stage {
     pub fn name(self) -> &'static str {
         match self {
             Self::Generate => "generate",
-            Self::Intersect => "extend",
+            Self::Intersect => "intersect",
             Self::Trace => "trace",
             Self::Shade => "shade",
-            Self::ShadowRays => "light",
+            Self::ShadowRays => "shadow rays",
             Self::Finish => "finish",
         }
     }
@@ -60,7 +60,7 @@ impl RayKind {
         match self {
             Self::Primary => "primary",
             Self::Bounce => "bounce",
-            Self::Shadow => "light",
+            Self::Shadow => "shadow",
         }
     }
 }

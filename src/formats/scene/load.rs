@@ -123,7 +123,7 @@ fn json_scene(source: &Source, files: &Files, name: String, on_view: OnView) -> 
 
 fn not_a_scene(source: &Source) -> SceneError {
     SceneError::new("this JSON is not a scene").in_file(source.file).mend(format!(
-        "a native scene is an object with \"format\": \"{FORMAT}\"; a scene of the thesis has the keys `sphere`, \
+        "a scene has \"format\": \"{FORMAT}\", a view \"{VIEW_FORMAT}\"; a scene of the thesis has the keys `sphere`, \
          `triangle` or `res`"
     ))
 }

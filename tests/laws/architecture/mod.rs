@@ -179,7 +179,8 @@ fn modules_import_only_what_stands_before_them() {
 fn modules_of_the_roots_have_a_place() {
     for source in sources().iter().filter(|source| source.is_root()) {
         for line in source.code.lines() {
-            let declared = line.trim().trim_start_matches("pub ").strip_prefix("mod ");
+            let declared =
+                line.trim().trim_start_matches("pub(crate) ").trim_start_matches("pub ").strip_prefix("mod ");
             if let Some(name) = declared.map(identifier) {
                 let listed = ORDER[source.package].contains(&name);
                 assert!(listed, "{}: module `{name}` has no place in ORDER", source.path.display());
@@ -231,7 +232,9 @@ fn no_comment_is_wider_than_the_code() {
     let mut faults = Vec::new();
     for path in NARROW.into_iter().flat_map(files_below) {
         for (line, text) in read(&path).lines().enumerate() {
-            let comment = text.trim_start().starts_with("//") && !text.contains("| ");
+            let content = text.trim_start().trim_start_matches(['/', '!', ' ']);
+            // Rows of tables cannot be wrapped.
+            let comment = text.trim_start().starts_with("//") && !content.starts_with('|');
             if comment && text.chars().count() > MAX_WIDTH {
                 faults.push(format!("{}:{}", path.display(), line + 1));
             }

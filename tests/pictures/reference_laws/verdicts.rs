@@ -9,13 +9,13 @@ use octray::scene::{Scene, Sphere, Triangle};
 
 const MISS: u32 = u32::MAX;
 
-/// Rng for what is in single precision here.
-trait Dice32 {
+/// Random numbers in single precision.
+trait Rng32 {
     fn direction32(&mut self) -> Vec3;
     fn scale32(&mut self, low: f64, high: f64) -> f32;
 }
 
-impl Dice32 for Rng {
+impl Rng32 for Rng {
     fn direction32(&mut self) -> Vec3 {
         self.direction().as_vec3()
     }
@@ -191,7 +191,7 @@ fn weights_of_a_good_kernel_are_right_and_wrong_ones_are_flagged() {
     }
 }
 
-/// numerics.md: at distance 4096 a third of the naive kernel's answers are wrong, at 100 one in a thousand
+/// At distance 4096 a third of the naive kernel's answers are wrong, at 100 one in a thousand
 /// and many t.
 #[test]
 fn rounding_of_a_naive_kernel_is_flagged() {

@@ -23,8 +23,8 @@ const SCENE: &str = "A scene file (.json), a model (.obj), or builtin:NAME";
 ///
 /// A SCENE is one of: a scene file (.json, in octray's own format or in the thesis's); a view (.json, format
 /// octray-view-1), which names another scene, a camera and options of render: all commands but rays use its
-/// camera, and render and view its options; a model (.obj, framed automatically under a plain sky); or a built-in
-/// scene (builtin:NAME). `octray inspect SCENE` shows what a scene contains.
+/// camera, and render and view its options; a model (.obj, framed automatically under a plain sky); or a
+/// built-in scene (builtin:NAME). `octray inspect SCENE` shows what a scene contains.
 ///
 /// Exit codes: 0 success; 1 a check failed; 2 the input cannot be used; 130 Ctrl-C came before the end.
 #[derive(Debug, Parser)]

@@ -132,9 +132,9 @@ struct Effort {
     shapes: &'static [&'static str],
 }
 
-/// Finds what changes a part's mean by some seven standard errors. One of the whole picture is 3 % of its mean
-/// at most, and 1 % in most pictures: enough for a missing weight, a pdf of the wrong measure, a light counted
-/// twice.
+/// Finds what changes a part's mean by some seven standard errors. One of the whole picture is 3 % of its
+/// mean at most, and 1 % in most pictures: enough for a missing weight, a pdf of the wrong measure, a light
+/// counted twice.
 const QUICK: Effort = Effort { samples: 4, most_noise: 0.03, shapes: &["sphere", "mapped smooth"] };
 /// As [`QUICK`] in every shape; a standard error is 1.2 % of the mean at most.
 const THOROUGH: Effort = Effort { samples: 16, most_noise: 0.012, shapes: &SHAPES };

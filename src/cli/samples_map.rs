@@ -15,7 +15,7 @@ pub fn check(options: &RenderOptions) -> Result<(), CliError> {
     let Some(file) = &options.samples_map else { return Ok(()) };
     Format::of(file)?;
     if place(file) == place(&options.output) {
-        let why = "it is also the output file: give another one";
+        let why = "it is also the output file: give another file";
         return Err(refuse("--samples-map", &file.display().to_string(), why));
     }
     Ok(output::check(file, Existing::Replace)?)

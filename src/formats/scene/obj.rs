@@ -84,14 +84,8 @@ pub fn parse(text: &[u8], path: &Path) -> Result<Mesh, SceneError> {
     }
     mesh.check_indices(path)?;
     if mesh.faces.is_empty() {
-        let (what, mend) = match mesh.positions.is_empty() {
-            true => (
-                "this is not an OBJ model: it has neither vertices nor faces",
-                "give an OBJ file in text form",
-            ),
-            false => ("the mesh has no faces", "export the model with faces (lines that start with `f`)"),
-        };
-        return Err(SceneError::new(what).in_file(path).mend(mend));
+        let mend = "export the model with faces (lines that start with `f`)";
+        return Err(SceneError::new("the mesh has no faces").in_file(path).mend(mend));
     }
     Ok(mesh)
 }

@@ -1,4 +1,4 @@
-//! octray: a data-oriented path tracer for CPUs. It traces packets of eight rays over structure-of-arrays
+//! octray: a data-oriented path tracer for CPUs. It traces packets of 8 or 16 rays over structure-of-arrays
 //! buffers, tile by tile, and has a scalar path that gives the same bits.
 //!
 //! ```
@@ -32,14 +32,14 @@
 //! | scene file | what the user wrote | [`scene`] |
 //! | [`scene::Scene`] | the validated scene | [`scene`] |
 //! | [`buffers::Buffers`] and its features | structure-of-arrays buffers, and what the scene uses | [`buffers`] |
-//! | packets and queues | eight rays and a mask; the paths of a tile in structure-of-arrays form | [`math`], [`integrate`] |
+//! | packets and queues | 8 or 16 rays and a mask; the paths of a tile in structure-of-arrays form | [`math`], [`integrate`] |
 //! | [`film::Film`] | sums of linear radiance, in a fixed order | [`film`], [`render`] |
 //! | picture file | the displayed or linear picture | [`output`] |
 //!
 //! # Modules, each importing only those above it
 //! | module | what it holds |
 //! |---|---|
-//! | [`lane`] | width as a type: `f32` and `F32x8` behind one trait, with the elementary functions |
+//! | [`lane`] | width as a type: `f32`, `F32x8` and `F32x16` behind one trait, with the elementary functions |
 //! | [`math`] | vectors, rays and hits of lanes; rounding error bounds |
 //! | [`mod@choice`] | named alternatives that the command line, view files and reports share |
 //! | [`wording`] | numbers and nouns in text |
@@ -69,7 +69,7 @@
 //!   SIMD, for any number of
 //!   threads, any tile size, whole or in parts. Ties in t go to the lower primitive index; sums have a fixed
 //!   order; no width uses an approximation of its own.
-//! - **Width is a type.** A kernel is written once over [`lane::Lane`] and runs at width 1 and 8.
+//! - **Width is a type.** A kernel is written once over [`lane::Lane`] and runs at widths 1, 8 and 16.
 //! - **The reference is independent.** It shares no code with the kernels that it checks.
 //! - **Features.** The shading stages are compiled for sets of features; a scene gets the smallest set that
 //!   contains its own.

@@ -6,7 +6,7 @@
 
 use super::groups::{LimitArgs, MethodArgs, PictureArgs, choice};
 use crate::measure::stability::recipes;
-use crate::render::PipelineChoice;
+use crate::render::{LaneChoice, PipelineChoice};
 use crate::traverse::TraversalChoice;
 #[cfg(feature = "viewer")]
 use crate::viewer::keys;
@@ -18,7 +18,7 @@ const SCENE: &str = "A scene file (.json), a model (.obj), or builtin:NAME";
 
 /// A data-oriented path tracer for CPUs.
 ///
-/// Traces eight rays at a time with SIMD instructions, and one at a time to check that both give the same
+/// Traces 8 or 16 rays at a time with SIMD instructions, and one at a time to check that both give the same
 /// picture, bit by bit.
 ///
 /// A SCENE is one of: a scene file (.json, in octray's own format or in the thesis's); a view (.json, format
@@ -63,13 +63,14 @@ pub enum Command {
 /// measure. Loading and building are not timed. One sample of each scene is also checked: SIMD against
 /// scalar, and against a reference in double precision.
 ///
-/// Columns: SIMD, scalar: frames per second on one thread (or --threads), the median, and in brackets the 1 %
-/// low (the rate that 99 % of the frames reach). speed-up: SIMD over scalar. all cores: SIMD on all cores.
-/// scaling: all cores over one thread. gain of needs: the pipeline compiled for the features of the scene
-/// over the one with every feature; empty where these are the same. Ratios are medians of alternating rounds,
-/// in brackets from 10 to 90 % of the rounds. Mray/s: millions of rays per second, SIMD, one thread (or
-/// --lanes, --threads). pixels≠: pixels of SIMD and scalar that differ in any bit. hits≠: primary hits that
-/// are wrong by the reference. Both should be 0; if not, the exit code is 1.
+/// Columns: 16 lanes, 8 lanes, scalar: frames per second on one thread (or --threads), the median, and in
+/// brackets the 1 % low (the rate that 99 % of the frames reach). Packets of 16 are measured where they are
+/// one vector of the machine. speed-up: over scalar, by the width that --lanes auto takes; so are the
+/// following. all cores: on all cores. scaling: all cores over one thread. gain of needs: the pipeline
+/// compiled for the features of the scene over the one with every feature; empty where these are the same.
+/// Ratios are medians of alternating rounds, in brackets from 10 to 90 % of the rounds. Mray/s: millions of
+/// rays per second, one thread (or --threads). pixels≠: pixels in which any width differs from scalar in any
+/// bit. hits≠: primary hits that are wrong by the reference. Both should be 0; if not, the exit code is 1.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example:\n  octray bench builtin:three --threads 1 --json > bench.json")]
 pub struct BenchArgs {
@@ -86,9 +87,9 @@ pub struct BenchArgs {
     /// Worker threads [default: one, and SIMD once more on all cores].
     #[arg(long, value_name = "N", allow_hyphen_values = true)]
     pub threads: Option<String>,
-    /// Measure one width only: 1 (scalar) or 8 (SIMD) [default: both].
-    #[arg(long, value_name = "1|8", allow_hyphen_values = true)]
-    pub lanes: Option<String>,
+    /// Measure one width only [default: scalar and every width that is one vector of the machine].
+    #[arg(long, value_name = "LANES", value_parser = choice::<LaneChoice>())]
+    pub lanes: Option<LaneChoice>,
     /// Pixels of a frame.
     #[arg(long, value_name = "WxH", default_value = "240x135", allow_hyphen_values = true)]
     pub size: String,
@@ -111,10 +112,10 @@ pub struct BenchArgs {
 
 /// Check that SIMD and scalar render the same picture.
 ///
-/// Renders each scene at both widths and counts the pixels that differ in any bit: 0 is expected. Then both
-/// are compared with a reference in double precision that shares no code with them. Exits with 1 if a pixel
-/// differs, a sample is not finite, or a primary hit is wrong; differing pixels are allowed with --box fma,
-/// and wrong hits with any method that is not robust.
+/// Renders each scene at widths 1, 8 and 16 and counts the pixels that differ in any bit: 0 is expected. Then
+/// they are compared with a reference in double precision that shares no code with them. Exits with 1 if a
+/// pixel differs, a sample is not finite, or a primary hit is wrong; differing pixels are allowed with --box
+/// fma, and wrong hits with any method that is not robust.
 ///
 /// Columns: differing: pixels that differ. speed-up: SIMD over scalar, the median, and in brackets from 10 to
 /// 90 % of the rounds. rmse/f64, max/f64: root mean square and largest difference from the reference. wrong

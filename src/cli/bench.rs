@@ -5,6 +5,7 @@ use super::memory;
 use super::options::BenchOptions;
 use super::scenes;
 use super::terminal;
+use crate::lane::{NATIVE_WIDTH, WIDTHS};
 use crate::machine;
 use crate::measure::bench::{Effort, Engine, bench};
 use crate::measure::compare::{BYTES_PER_PIXEL as COMPARE_BYTES_PER_PIXEL, compare};
@@ -22,7 +23,6 @@ const PER_SCENE: Duration = Duration::from_secs(2);
 pub fn run(options: BenchOptions) -> Result<ExitCode, CliError> {
     let start = Instant::now();
     terminal::warn_of_debug_build("bench");
-    let engines = engines(&options);
     let mut report = Report::of_this_machine();
     memory::check(options.size, COMPARE_BYTES_PER_PIXEL)?;
     let mut failed = false;
@@ -36,6 +36,7 @@ pub fn run(options: BenchOptions) -> Result<ExitCode, CliError> {
             }
         }
         let effort = options.frames.map_or(Effort::Time(PER_SCENE), Effort::Frames);
+        let engines = engines(&scene, &settings, &options);
         let results = bench(&scene, settings, &engines, effort, options.stats);
         let accuracy = compare(&scene, settings, 1);
         failed |= accuracy.failed(settings.methods);
@@ -59,13 +60,19 @@ pub fn run(options: BenchOptions) -> Result<ExitCode, CliError> {
     Ok(if failed { ExitCode::from(CHECK_FAILED) } else { ExitCode::SUCCESS })
 }
 
-fn engines(options: &BenchOptions) -> Vec<Engine> {
+/// The width that suits the scene first, then the other packets that are one vector of the machine, scalar,
+/// and the first once more on all cores.
+fn engines(scene: &Scene, settings: &Settings, options: &BenchOptions) -> Vec<Engine> {
     let threads = options.threads.unwrap_or(1);
-    let mut engines = vec![Engine { lanes: 8, threads }, Engine { lanes: 1, threads }];
-    if options.threads.is_none() && machine::cores() > 1 {
-        engines.push(Engine { lanes: 8, threads: machine::cores() });
+    let first = options.lanes.unwrap_or_default().lanes(scene, &settings.methods);
+    let mut engines = vec![Engine { lanes: first, threads }];
+    if options.lanes.is_none() {
+        let others = WIDTHS.into_iter().rev().filter(|&lanes| lanes <= NATIVE_WIDTH && lanes != first);
+        engines.extend(others.map(|lanes| Engine { lanes, threads }));
     }
-    engines.retain(|engine| options.lanes.is_none_or(|lanes| lanes == engine.lanes));
+    if options.threads.is_none() && machine::cores() > 1 && first > 1 {
+        engines.push(Engine { lanes: first, threads: machine::cores() });
+    }
     engines
 }
 

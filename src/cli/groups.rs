@@ -6,7 +6,7 @@
 
 use crate::buffers::LightChoice;
 use crate::choice::Choice;
-use crate::render::PipelineChoice;
+use crate::render::{LaneChoice, PipelineChoice};
 use crate::sampling::Sampler;
 use crate::tone::Operator;
 use crate::traverse::{BoxChoice, SphereChoice, TraversalChoice, TriangleChoice};
@@ -67,9 +67,9 @@ pub struct PictureArgs {
     /// Worker threads; they do not change the picture [default: all cores].
     #[arg(long, value_name = "N", allow_hyphen_values = true)]
     pub threads: Option<String>,
-    /// Rays traced at a time: 1 (scalar) or 8 (SIMD); they do not change the picture.
-    #[arg(long, value_name = "1|8", default_value = "8", allow_hyphen_values = true)]
-    pub lanes: String,
+    /// Rays traced at a time; they do not change the picture [default: auto].
+    #[arg(long, value_name = "LANES", value_parser = choice::<LaneChoice>())]
+    pub lanes: Option<LaneChoice>,
     /// Largest radiance of a sample in each channel. It removes fireflies and their light: the picture is
     /// biased, darker by the light that is cut off [default: no limit].
     #[arg(long, value_name = "MOST", allow_hyphen_values = true)]

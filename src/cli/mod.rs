@@ -57,7 +57,7 @@ use clap::Parser;
 use std::process::ExitCode;
 
 const WELCOME: &str = "\
-octray traces paths through scenes on the CPU, eight rays at a time. Try:
+octray traces paths through scenes on the CPU, 8 or 16 rays at a time. Try:
 
   octray bench                                    frames per second, SIMD beside scalar
   octray compare                                  check that SIMD and scalar agree, bit by bit

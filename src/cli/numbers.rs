@@ -23,15 +23,6 @@ pub fn threads(text: Option<&str>) -> Result<Option<usize>, CliError> {
     text.map(|text| Ok(whole("--threads", text, 1, MAX_THREADS)? as usize)).transpose()
 }
 
-/// Rays traced at a time.
-pub fn lanes(text: &str) -> Result<usize, CliError> {
-    match text {
-        "1" => Ok(1),
-        "8" => Ok(8),
-        _ => Err(refuse("--lanes", text, "give 1 (scalar) or 8 (SIMD)")),
-    }
-}
-
 /// Samples per pixel.
 pub fn samples(text: &str) -> Result<u32, CliError> {
     whole("--samples", text, 1, MAX_SAMPLES)

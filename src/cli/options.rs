@@ -8,14 +8,14 @@ use super::args::{BenchArgs, ChartArgs, CompareArgs, RaysArgs, RenderArgs, Stabi
 use super::error::CliError;
 use super::limits::Limits;
 use super::methods::MethodOptions;
-use super::numbers::{bounces, lanes, refuse, samples, seconds, seed, size, threads, whole};
+use super::numbers::{bounces, refuse, samples, seconds, seed, size, threads, whole};
 use super::picture::PictureOptions;
 use crate::machine;
 use crate::measure::chart::ground_truth::SHRINK;
 use crate::measure::chart::pictures;
 use crate::measure::stability::{Recipe, recipes};
 use crate::measure::trace::TraceMethod;
-use crate::render::PipelineChoice;
+use crate::render::{LaneChoice, PipelineChoice};
 use crate::wording::grouped;
 use std::path::PathBuf;
 use std::time::Duration;
@@ -37,8 +37,8 @@ pub struct BenchOptions {
     pub stats: bool,
     /// One thread, and SIMD once more on all cores, if `None`.
     pub threads: Option<usize>,
-    /// One width only; both if `None`.
-    pub lanes: Option<usize>,
+    /// One width only; all that the machine has if `None`.
+    pub lanes: Option<LaneChoice>,
     pub size: [u32; 2],
     pub bounces: u32,
     /// Frames per engine; by time if `None`.
@@ -121,7 +121,7 @@ impl TryFrom<BenchArgs> for BenchOptions {
             json: args.json,
             stats: args.stats,
             threads: threads(args.threads.as_deref())?,
-            lanes: args.lanes.as_deref().map(lanes).transpose()?,
+            lanes: args.lanes,
             size: size(&args.size)?,
             bounces: bounces(&args.bounces)?,
             frames: args.frames.map(|text| whole("--frames", &text, 1, MAX_FRAMES)).transpose()?,

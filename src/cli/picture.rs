@@ -5,8 +5,9 @@
 
 use super::error::CliError;
 use super::groups::PictureArgs;
-use super::numbers::{bounces, clamp, exposure, lanes, seed, size, threads};
+use super::numbers::{bounces, clamp, exposure, seed, size, threads};
 use super::overrides::Overrides;
+use crate::render::LaneChoice;
 
 /// `None` keeps the scene's own value.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -14,7 +15,7 @@ pub struct PictureOptions {
     pub size: Option<[u32; 2]>,
     pub bounces: Option<u32>,
     pub threads: usize,
-    pub lanes: usize,
+    pub lanes: LaneChoice,
     /// Options that a view may give too; those given here override the view's. Their limits are set by
     /// `render` alone.
     pub overrides: Overrides,
@@ -27,7 +28,7 @@ impl TryFrom<PictureArgs> for PictureOptions {
             size: args.size.as_deref().map(size).transpose()?,
             bounces: args.bounces.as_deref().map(bounces).transpose()?,
             threads: threads(args.threads.as_deref())?.unwrap_or_else(crate::machine::cores),
-            lanes: lanes(&args.lanes)?,
+            lanes: args.lanes.unwrap_or_default(),
             overrides: Overrides {
                 limits: None,
                 seed: args.seed.as_deref().map(seed).transpose()?,

@@ -100,13 +100,14 @@ pub fn run(options: RenderOptions) -> Result<ExitCode, CliError> {
 
 fn settings(scene: &Scene, options: &PictureOptions, overrides: &Overrides) -> Settings {
     let default = Settings::of(scene);
+    let methods = overrides.methods.of(scene);
     Settings {
         resolution: options.size.unwrap_or(scene.resolution),
         max_bounces: options.bounces.unwrap_or(scene.max_bounces),
         seed: overrides.seed.unwrap_or(default.seed),
-        methods: overrides.methods.of(scene),
+        methods,
         pipeline: overrides.pipeline.unwrap_or(default.pipeline),
-        lanes: options.lanes,
+        lanes: options.lanes.lanes(scene, &methods),
         threads: options.threads,
         clamp: overrides.clamp.unwrap_or(default.clamp),
         ..default

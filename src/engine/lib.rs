@@ -1,6 +1,6 @@
 //! octray's engine: a wavefront path tracer for CPUs. It turns a [`scene::Scene`] into a [`film::Film`].
 //!
-//! Packets of eight rays run over structure-of-arrays buffers, tile by tile. A scalar path beside it gives
+//! Packets of 8 or 16 rays run over structure-of-arrays buffers, tile by tile. A scalar path beside it gives
 //! the same bits.
 //!
 //! # From scene to film
@@ -11,7 +11,7 @@
 //! | [`scene::Scene`] | a valid scene: its existence is the proof of validity | [`scene`] |
 //! | [`buffers::Buffers`] | aligned structure-of-arrays buffers | [`buffers`], [`bvh`] |
 //! | [`buffers::Features`] | the features that the scene uses | [`buffers`] |
-//! | packets and queues | eight rays and a mask; the paths of a tile, as columns | [`math`], [`integrate`] |
+//! | packets and queues | 8 or 16 rays and a mask; the paths of a tile, as columns | [`math`], [`integrate`] |
 //! | [`film::Film`] | sums of linear radiance, in a fixed order | [`film`], [`render`] |
 //!
 //! The integrator runs in stages over the queue of a tile: generate camera rays → intersect → shade → trace
@@ -24,7 +24,7 @@
 //!
 //! | module | idea |
 //! |---|---|
-//! | [`lane`] | width as a type: `f32` and `F32x8` behind one trait; elementary functions |
+//! | [`lane`] | width as a type: `f32`, `F32x8`, `F32x16` behind one trait; elementary functions |
 //! | [`math`] | vectors, rays and hits of lanes; bounds of rounding error |
 //! | [`mod@choice`] | named alternatives, shared by the command line, view files and reports |
 //! | [`sampling`] | sample values as functions of (seed, pixel, sample, dimension); warps |
@@ -44,7 +44,7 @@
 //! - **One image.** A pixel is a function of (scene, settings, pixel, sample): the same bits for scalar and
 //!   SIMD, for any number of threads, any tile size, whole or in shards. Ties in t go to the lower primitive
 //!   index; sums have a fixed order; no operation is approximate at one width only.
-//! - **Width is a type.** An equation is written once over [`lane::Lane`] and runs at width 1 and 8.
+//! - **Width is a type.** An equation is written once over [`lane::Lane`] and runs at widths 1, 8 and 16.
 //!   Algorithms that differ by width (traversal of one ray, of a packet) are written twice, side by side.
 //! - **Features.** Shading stages are compiled for sets of features; a scene runs the smallest set that holds
 //!   its own. The general pipeline gives the same bits.

@@ -1,10 +1,11 @@
 //! What `octray bench` reports: frames per second, as a table or as JSON.
 //!
-//! For: [`Report`]. May import: `measure`, `machine`, `numbers`, `stats`. Must not know: how the figures are
-//! measured.
+//! For: [`Report`]. May import: `lane` (its widths), `measure`, `machine`, `numbers`, `stats`. Must not
+//! know: how the figures are measured.
 
 use super::numbers::{figure, ratio};
-use super::stats;
+use super::stats::{self, engine};
+use crate::lane::{NATIVE_WIDTH, WIDTHS};
 use crate::machine::Machine;
 use crate::measure::bench::{FEWEST_FRAMES, Measurement};
 use crate::measure::compare::Comparison;
@@ -42,17 +43,22 @@ impl Report {
     }
 }
 
+/// The packets that have a column, the widest first.
+fn packets() -> impl Iterator<Item = usize> {
+    WIDTHS.into_iter().rev().filter(|&lanes| (2..=NATIVE_WIDTH).contains(&lanes))
+}
+
 /// What stands above the rows of scenes.
 pub fn heading(report: &Report, [width, height]: [u32; 2], max_bounces: u32) -> String {
     format!(
         "{}\n\
          {width}×{height}, 1 sample a frame, up to {}\n\
          fps: median (1 % low); speed-up, scaling and gain: median of the rounds (10 to 90 % of them)\n\n\
-         {:<24}{:>16}{:>16}{:>18}{:>16}{:>18}{:>18}{:>8}{:>9}{:>9}\n",
+         {:<24}{}{:>16}{:>18}{:>16}{:>18}{:>18}{:>8}{:>9}{:>9}\n",
         report.machine,
         counted(max_bounces, "bounce", "bounces"),
         "scene",
-        "SIMD",
+        packets().map(|lanes| format!("{:>16}", format!("{lanes} lanes"))).collect::<String>(),
         "scalar",
         "speed-up",
         "all cores",
@@ -67,9 +73,8 @@ pub fn heading(report: &Report, [width, height]: [u32; 2], max_bounces: u32) -> 
 /// A scene's row; cells without a measurement stay empty.
 pub fn row(results: &[Measurement], accuracy: &Comparison) -> String {
     let first = &results[0];
-    let simd = results.iter().find(|result| result.engine == "simd");
-    let scalar = results.iter().find(|result| result.engine == "scalar");
-    let all = results.iter().skip(1).find(|result| result.engine == "simd");
+    let of_width = |lanes| results.iter().find(move |result| result.lanes == lanes);
+    let all = results.iter().skip(1).find(|result| result.threads > first.threads);
     let fps = |result: Option<&Measurement>| {
         result.map_or(String::new(), |result| {
             format!("{} ({})", figure(result.fps_median, 0), figure(result.fps_low_1_percent, 0))
@@ -84,10 +89,10 @@ pub fn row(results: &[Measurement], accuracy: &Comparison) -> String {
     let mut text = String::new();
     let _ = writeln!(
         text,
-        "{:<24}{:>16}{:>16}{:>18}{:>16}{:>18}{:>18}{:>8}{:>9}{:>9}",
+        "{:<24}{}{:>16}{:>18}{:>16}{:>18}{:>18}{:>8}{:>9}{:>9}",
         first.scene,
-        fps(simd),
-        fps(scalar),
+        packets().map(|lanes| format!("{:>16}", fps(of_width(lanes)))).collect::<String>(),
+        fps(of_width(1)),
         ratio_of(|result| result.speedup),
         fps(all),
         ratio_of(|result| result.scaling),
@@ -105,7 +110,8 @@ pub fn busy(results: &[Measurement]) -> Option<String> {
     let share = |result: &Measurement| result.fps_low_1_percent / result.fps_median;
     let timed = results.iter().filter(|result| result.frames >= FEWEST_FRAMES);
     let worst = timed.min_by(|a, b| share(a).total_cmp(&share(b))).filter(|worst| share(worst) < BUSY)?;
-    let Measurement { scene, engine, threads, .. } = worst;
+    let Measurement { scene, lanes, threads, .. } = worst;
+    let engine = engine(*lanes);
     let threads = counted(threads, "thread", "threads");
     Some(format!(
         "the machine is busy: the 1 % low of {scene} ({engine}, {threads}) is {:.0} % of its median; end other programs, or \
@@ -127,13 +133,14 @@ pub fn stats_of(results: &[Measurement]) -> String {
 pub fn meaning(report: &Report) -> String {
     let pixels: usize = report.accuracy.iter().map(|accuracy| accuracy.mismatched_pixels).sum();
     let hits: usize = report.accuracy.iter().map(|accuracy| accuracy.reference.mismatched_hits).sum();
-    let ratios = report.results.iter().filter_map(|result| Some(result.speedup?.median));
-    let ratios: Vec<f64> = ratios.collect();
+    // Of each scene the first width alone, the one that suits it.
+    let firsts = report.results.chunk_by(|a, b| a.scene == b.scene).map(|of_scene| &of_scene[0]);
+    let ratios: Vec<f64> = firsts.filter_map(|first| Some(first.speedup?.median)).collect();
     let speed = match (ratios.iter().copied().reduce(f64::min), ratios.iter().copied().reduce(f64::max)) {
         (Some(least), Some(most)) if ratios.len() > 1 => {
-            format!("eight lanes are {least:.1} to {most:.1} times as fast as one")
+            format!("SIMD is {least:.1} to {most:.1} times as fast as scalar")
         }
-        (Some(ratio), _) => format!("eight lanes are {ratio:.1} times as fast as one"),
+        (Some(ratio), _) => format!("SIMD is {ratio:.1} times as fast as scalar"),
         _ => "one width was timed".into(),
     };
     let same = if pixels == 0 {
@@ -182,7 +189,7 @@ mod tests {
         assert_eq!(busy(&[few.clone(), result("calm", 99, 61.0)]), None);
         let sentence = busy(&[few, result("bad", 99, 50.0), result("worse", 99, 40.0)]).unwrap();
         assert!(
-            sentence.contains("busy") && sentence.contains("worse (simd, 2 threads) is 40 %"),
+            sentence.contains("busy") && sentence.contains("worse (8 lanes, 2 threads) is 40 %"),
             "{sentence}"
         );
     }

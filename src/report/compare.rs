@@ -51,8 +51,8 @@ pub fn row(result: &Comparison) -> String {
     }
     if let Some(first) = first_mismatch {
         row += &format!(
-            "  first at ({}, {}): SIMD {:?}, scalar {:?}\n",
-            first.x, first.y, first.simd, first.scalar
+            "  first at ({}, {}): {} lanes {:?}, scalar {:?}\n",
+            first.x, first.y, first.lanes, first.simd, first.scalar
         );
     }
     row
@@ -68,7 +68,7 @@ pub fn meaning(report: &Report, lossy: bool) -> String {
         _ => counted(wrong, "primary hit is", "primary hits are") + " WRONG by the f64 reference",
     };
     let same = match (differ, lossy) {
-        (false, _) => "SIMD and scalar pictures are the same, bit by bit",
+        (false, _) => "pictures of 1, 8 and 16 lanes are the same, bit by bit",
         (true, true) => {
             "SIMD and scalar differ, which is expected: unpadded boxes lose hits, each traversal other ones"
         }

@@ -6,6 +6,7 @@
 //! The figures come from `octray stability` and `octray chart`.
 
 use crate::buffers::Features;
+use crate::render::LaneChoice;
 use crate::scene::Scene;
 use crate::traverse::{Methods, linear};
 use serde::Serialize;
@@ -55,6 +56,18 @@ impl DefaultReport {
             "no method is faster here: --fast uses the same"
         };
         add(triangles, "robust", "on", robust);
+        let (lanes, why) = match LaneChoice::Auto.lanes(scene, &Methods::default()) {
+            16 => (
+                "16",
+                "every primitive is tested: packets that fill AVX-512's vectors are 1.2 to 1.6 times as fast as those of 8",
+            ),
+            _ if hierarchy => (
+                "8",
+                "the traversals of a hierarchy have widths of their own, and shading gains nothing from 16",
+            ),
+            _ => ("8", "this build has vectors of 8; with AVX-512, 16 is 1.2 to 1.6 times as fast"),
+        };
+        add(true, "lanes", lanes, why);
         add(
             true,
             "sampler",

@@ -25,7 +25,7 @@ the share of rays after this number of bounces in all rays.
 /// A table with one column for each of `columns`; `heading` stands above the names of the rows.
 pub fn frames(heading: &str, columns: &[&FrameStats]) -> String {
     let mut table = Table { text: String::from("\n") };
-    table.row(heading, columns.iter().map(|column| engine(column)));
+    table.row(heading, columns.iter().map(|column| heading_of(column)));
     for (at, stage) in columns[0].stages.iter().enumerate() {
         let of = |column: &&FrameStats| {
             let stage = &column.stages[at];
@@ -104,10 +104,14 @@ fn hundredths(x: f64) -> String {
 }
 
 /// The heading of a column.
-fn engine(column: &FrameStats) -> String {
+fn heading_of(column: &FrameStats) -> String {
     let FrameStats { lanes, threads, .. } = column;
-    let threads = counted(threads, "thread", "threads");
-    format!("{}, {threads}", if *lanes == 1 { "scalar" } else { "SIMD" })
+    format!("{}, {}", engine(*lanes), counted(threads, "thread", "threads"))
+}
+
+/// A width in words.
+pub fn engine(lanes: usize) -> String {
+    if lanes == 1 { "scalar".into() } else { format!("{lanes} lanes") }
 }
 
 struct Table {

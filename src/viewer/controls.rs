@@ -5,6 +5,7 @@
 
 use super::display_mode::DisplayMode;
 use super::keys::Command;
+use octray_engine::render::LaneChoice;
 use octray_engine::tone::{Operator, Tone};
 use octray_engine::traverse::batch::Traversal;
 use octray_engine::traverse::{Methods, SphereChoice, TraversalChoice, TriangleChoice};
@@ -89,8 +90,10 @@ pub struct Controls {
     pub threads: usize,
     /// All threads of the machine, or of the command line if more.
     pub max_threads: usize,
-    /// 8 (SIMD) or 1 (scalar).
-    pub lanes: usize,
+    /// The width of packets.
+    pub lanes: LaneChoice,
+    /// Scalar for now, whatever `lanes` says.
+    pub scalar: bool,
     pub preset: MethodPreset,
     /// Overrides the command line's traversal.
     pub traversal: Option<TraversalChoice>,
@@ -106,14 +109,16 @@ pub struct Controls {
 
 impl Controls {
     /// The settings at the start.
-    pub fn new(bounces: u32, threads: usize, lanes: usize, tone: Tone) -> Self {
+    pub fn new(bounces: u32, threads: usize, lanes: LaneChoice, tone: Tone) -> Self {
+        let scalar = lanes == LaneChoice::One;
         Self {
             bounces,
             scale: 0,
             target: None,
             threads,
             max_threads: threads,
-            lanes,
+            lanes: if scalar { LaneChoice::Auto } else { lanes },
+            scalar,
             preset: MethodPreset::default(),
             traversal: None,
             tone,
@@ -141,7 +146,7 @@ impl Controls {
                     some => (2 * some).min(self.max_threads),
                 }
             }
-            Command::SwitchLanes => self.lanes = if self.lanes == 1 { 8 } else { 1 },
+            Command::SwitchLanes => self.scalar = !self.scalar,
             Command::NextMethods => {
                 let all = [
                     MethodPreset::CommandLine,
@@ -219,7 +224,7 @@ mod tests {
     use octray_engine::sampling::Sampler;
 
     fn controls() -> Controls {
-        Controls::new(4, 6, 8, Tone::default())
+        Controls::new(4, 6, LaneChoice::Eight, Tone::default())
     }
     fn after(commands: &[Command]) -> Controls {
         let mut controls = controls();
@@ -279,7 +284,7 @@ mod tests {
         assert_eq!(finest.resolution([1920, 1080], 1.0), [3840, 2160]);
         assert_eq!(finest.resolution([5000, 4000], 1.0), [5000, 4000], "a scene's own resolution is kept");
         assert_eq!(finest.resolution([MAX_SIDE, 100], 1.0), [MAX_SIDE, 100]);
-        let bright = Controls::new(4, 6, 8, Tone { exposure: 30.0, ..Tone::default() });
+        let bright = Controls::new(4, 6, LaneChoice::Eight, Tone { exposure: 30.0, ..Tone::default() });
         let pressed = |command| {
             let mut controls = bright;
             controls.apply(command);

@@ -3,7 +3,7 @@
 //! For: [`Options`], [`Wake`]. May import: `render`, `traverse`, `tone`, the scene. Must not know: the
 //! command line, threads.
 
-use octray_engine::render::PipelineChoice;
+use octray_engine::render::{LaneChoice, PipelineChoice};
 use octray_engine::tone::Tone;
 use octray_engine::traverse::Methods;
 use octray_formats::scene::Loaded;
@@ -26,7 +26,7 @@ pub struct Options {
     pub threads: usize,
     /// Upper bound of the thread count that keys can choose.
     pub max_threads: usize,
-    pub lanes: usize,
+    pub lanes: LaneChoice,
     pub tone: Tone,
     /// Frames per second to hold by a lower resolution.
     pub target: Option<u32>,

@@ -94,8 +94,11 @@ fn lines(
     if let Some(rate) = now {
         write!(text, " · {} samples/s · {mrays:.1} Mray/s", rate_of(rate))?;
     }
-    let how = if settings.lanes == 1 { "scalar" } else { "SIMD" };
-    write!(text, "\n{how}, {}", counted(settings.threads, "thread", "threads"))?;
+    match settings.lanes {
+        1 => write!(text, "\nscalar")?,
+        lanes => write!(text, "\n{lanes} lanes")?,
+    }
+    write!(text, ", {}", counted(settings.threads, "thread", "threads"))?;
     match (simd, scalar) {
         (Some(simd), Some(scalar)) => {
             let factor = simd / scalar;
@@ -152,7 +155,7 @@ fn rate_of(rate: f64) -> String {
 mod tests {
     use super::*;
     use crate::playlist::Playlist;
-    use octray_engine::render::{Renderer, Settings};
+    use octray_engine::render::{LaneChoice, Renderer, Settings};
     use octray_formats::scene::load;
     use std::time::Instant;
 
@@ -163,9 +166,10 @@ mod tests {
         let names = ["builtin:thesis".to_string(), "builtin:three".to_string()];
         let mut playlist = Playlist::new(&names).unwrap();
         playlist.next();
-        let controls = Controls { target: Some(30), ..Controls::new(4, 2, 8, Default::default()) };
+        let controls =
+            Controls { target: Some(30), ..Controls::new(4, 2, LaneChoice::Eight, Default::default()) };
         let state = State::new(playlist, &scene, controls, None, Instant::now());
-        let settings = Settings { threads: 2, ..Settings::of(&scene) };
+        let settings = Settings { threads: 2, lanes: 8, ..Settings::of(&scene) };
         let renderer = Renderer::new(&scene, settings);
         let mut film = renderer.film();
         renderer.add_samples(&mut film, 1);
@@ -185,7 +189,7 @@ mod tests {
         for words in [
             "builtin:three (2 of 2), 1 warning (R reloads), another is being prepared\n",
             "60 fps, 1 % low 0.25 · 4,000 samples/s · 7.5 Mray/s\n",
-            "SIMD, 2 threads · SIMD 4,000, scalar 8.0 samples/s, 500.0×\n",
+            "8 lanes, 2 threads · SIMD 4,000, scalar 8.0 samples/s, 500.0×\n",
             " · 1 sample · 4 bounces · holds 30 fps\n",
         ] {
             assert!(text.contains(words), "{words:?} in {text}");
@@ -195,7 +199,7 @@ mod tests {
         assert!(
             text.contains(
                 "R reloads)
-no frame rate yet\nSIMD"
+no frame rate yet\n8 lanes"
             ),
             "{text}"
         );

@@ -187,7 +187,7 @@ fn write(tone: &Tone, picture: &Picture, words: &mut [u32]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use octray_engine::render::Settings;
+    use octray_engine::render::{LaneChoice, Settings};
     use octray_formats::scene::load;
 
     /// A viewer without events: paints frames of a camera, a number of samples and a seed.
@@ -203,7 +203,7 @@ mod tests {
         fn new() -> Self {
             let scene = load("builtin:cornell-spheres").unwrap();
             let renderer = Renderer::new(&scene, Settings { resolution: [24, 16], ..Settings::of(&scene) });
-            let controls = Controls::new(scene.max_bounces, 1, 8, Tone::default());
+            let controls = Controls::new(scene.max_bounces, 1, LaneChoice::Eight, Tone::default());
             Self { film: renderer.film(), renderer, scene, controls, painter: Painter::default() }
         }
         fn go(&mut self, field: f32, seed: u32) {

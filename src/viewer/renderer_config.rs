@@ -5,7 +5,7 @@
 
 use super::controls::Controls;
 use super::options::Options;
-use octray_engine::render::Settings;
+use octray_engine::render::{LaneChoice, Settings};
 use octray_engine::traverse::Methods;
 use octray_formats::scene::Loaded;
 
@@ -25,7 +25,8 @@ impl RendererConfig {
     /// The configuration that the controls choose for a scene.
     pub fn wanted(scene: &Loaded, controls: &Controls, options: &Options) -> Self {
         let methods = controls.methods(scene, (options.methods)(scene));
-        Self { methods, threads: controls.threads, lanes: controls.lanes }
+        let lanes = if controls.scalar { LaneChoice::One } else { controls.lanes };
+        Self { methods, threads: controls.threads, lanes: lanes.lanes(scene, &methods) }
     }
 }
 

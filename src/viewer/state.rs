@@ -201,13 +201,14 @@ mod tests {
     use super::*;
     use crate::display_mode::DisplayMode;
     use crate::keys::Motion;
+    use octray_engine::render::LaneChoice;
     use octray_engine::tone::Tone;
 
     fn start() -> (State, Instant) {
         let scene = octray_formats::scene::load("builtin:three").unwrap();
         let names = ["builtin:three".to_string(), "builtin:thesis".to_string()];
         let now = Instant::now();
-        let controls = Controls::new(scene.max_bounces, 2, 8, Tone::default());
+        let controls = Controls::new(scene.max_bounces, 2, LaneChoice::Eight, Tone::default());
         (State::new(Playlist::new(&names).unwrap(), &scene, controls, None, now), now)
     }
     /// Is a key down that moves the camera?

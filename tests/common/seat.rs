@@ -1,6 +1,6 @@
 //! A viewer without a window: the test is its front end.
 
-use octray::render::PipelineChoice;
+use octray::render::{LaneChoice, PipelineChoice};
 use octray::tone::Tone;
 use octray::traverse::Methods;
 use octray::viewer::Options;
@@ -16,7 +16,7 @@ pub fn options(size: [u32; 2], threads: usize, screenshots: &Path) -> Options {
         clamp: f32::INFINITY,
         threads,
         max_threads: threads,
-        lanes: 8,
+        lanes: LaneChoice::Eight,
         tone: Tone::default(),
         target: None,
         methods: Box::new(|_| Methods::default()),

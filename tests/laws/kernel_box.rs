@@ -9,7 +9,7 @@ use glam::Vec3;
 use octray::kernel::ray_box::{
     BoxMethod, BySign, BySignWidened, Contracted, IeeeMinMax, Padded, Padding, Slabs, X86MinMax, own_box,
 };
-use octray::lane::{F32x8, Lane, Mask};
+use octray::lane::{F32x8, F32x16, Lane, Mask};
 use octray::math::{self, Ray};
 use octray::measure::stability::boxes::{Cuboid, SCALES, aimed, meets, padding, passing, reference_interval};
 
@@ -108,50 +108,54 @@ fn nested_boxes_have_nested_intervals_and_a_hit_in_one_is_in_all_around_it() {
 
 #[test]
 fn packets_agree_with_single_rays_in_every_bit() {
-    let mut rng = Rng(74);
-    let same = |a: f32, b: f32| a.to_bits() == b.to_bits() || (a.is_nan() && b.is_nan());
-    for round in 0..20_000 {
-        let scale = SCALES[round % SCALES.len()];
-        let cuboids: [Cuboid; 8] = std::array::from_fn(|_| Cuboid::random(&mut rng, scale));
-        let mut rays: [Ray<f32>; 8] = std::array::from_fn(|lane| aimed(&mut rng, &cuboids[lane], scale));
-        if round % 10 == 0 {
-            rays[rng.index(8)].direction.y = f32::NAN;
-            rays[rng.index(8)].origin.z = f32::INFINITY;
-        }
-        let mut padding = Padding::new(cuboids[0].extent());
-        if round % 2 == 0 {
-            padding = padding.with_spheres();
-        }
-        let column = |of: fn(&Cuboid) -> Vec3| {
-            let axis = |axis: usize| F32x8::from_fn(|lane| of(&cuboids[lane])[axis]);
-            math::Vec3::new(axis(0), axis(1), axis(2))
-        };
-        let corners = (column(|cuboid| cuboid.lo), column(|cuboid| cuboid.hi));
-        let slabs = Slabs::new(&packet::<F32x8>(&rays), padding);
-        let (near, far) = slabs.pass(corners.0, corners.1);
-        let (claimed, limit) = (scale as f32, 2.0 * scale as f32);
-        let mask = <F32x8 as Lane>::Mask::splat(true);
-        let (hit, t) = own_box(&slabs, corners, mask, F32x8::splat(claimed), F32x8::splat(limit));
-        for lane in 0..8 {
-            let single = Slabs::new(&rays[lane], padding);
-            let Cuboid { lo, hi } = cuboids[lane];
-            let (near_one, far_one) = single.pass(corner(lo), corner(hi));
-            assert!(same(near.get(lane), near_one) && same(far.get(lane), far_one), "{:?}", rays[lane]);
-            let (hit_one, t_one) = own_box(&single, (corner(lo), corner(hi)), true, claimed, limit);
-            assert_eq!(hit.bitmask() >> lane & 1 == 1, hit_one);
-            assert!(same(t.get(lane), t_one));
-            // Planes in the order in which the ray meets them give the same as the box itself.
-            let ordered = |first: bool| {
-                let pick = |axis: usize, inverse: f32| {
-                    if (inverse < 0.0) == first { hi[axis] } else { lo[axis] }
-                };
-                let inverse = single.inverse;
-                math::Vec3::new(pick(0, inverse.x), pick(1, inverse.y), pick(2, inverse.z))
+    fn check<L: Lane>() {
+        let mut rng = Rng(74);
+        let same = |a: f32, b: f32| a.to_bits() == b.to_bits() || (a.is_nan() && b.is_nan());
+        for round in 0..10_000 {
+            let scale = SCALES[round % SCALES.len()];
+            let cuboids: [Cuboid; 16] = std::array::from_fn(|_| Cuboid::random(&mut rng, scale));
+            let mut rays: [Ray<f32>; 16] = std::array::from_fn(|lane| aimed(&mut rng, &cuboids[lane], scale));
+            if round % 10 == 0 {
+                rays[rng.index(L::WIDTH)].direction.y = f32::NAN;
+                rays[rng.index(L::WIDTH)].origin.z = f32::INFINITY;
+            }
+            let mut padding = Padding::new(cuboids[0].extent());
+            if round % 2 == 0 {
+                padding = padding.with_spheres();
+            }
+            let column = |of: fn(&Cuboid) -> Vec3| {
+                let axis = |axis: usize| L::from_fn(|lane| of(&cuboids[lane])[axis]);
+                math::Vec3::new(axis(0), axis(1), axis(2))
             };
-            let (near_ordered, far_ordered) = single.interval(ordered(true), ordered(false));
-            assert!(same(near_ordered, near_one) && same(far_ordered, far_one));
+            let corners = (column(|cuboid| cuboid.lo), column(|cuboid| cuboid.hi));
+            let slabs = Slabs::new(&packet::<L>(&rays), padding);
+            let (near, far) = slabs.pass(corners.0, corners.1);
+            let (claimed, limit) = (scale as f32, 2.0 * scale as f32);
+            let mask = L::Mask::splat(true);
+            let (hit, t) = own_box(&slabs, corners, mask, L::splat(claimed), L::splat(limit));
+            for lane in 0..L::WIDTH {
+                let single = Slabs::new(&rays[lane], padding);
+                let Cuboid { lo, hi } = cuboids[lane];
+                let (near_one, far_one) = single.pass(corner(lo), corner(hi));
+                assert!(same(near.get(lane), near_one) && same(far.get(lane), far_one), "{:?}", rays[lane]);
+                let (hit_one, t_one) = own_box(&single, (corner(lo), corner(hi)), true, claimed, limit);
+                assert_eq!(hit.bitmask() >> lane & 1 == 1, hit_one);
+                assert!(same(t.get(lane), t_one));
+                // Planes in the order in which the ray meets them give the same as the box itself.
+                let ordered = |first: bool| {
+                    let pick = |axis: usize, inverse: f32| {
+                        if (inverse < 0.0) == first { hi[axis] } else { lo[axis] }
+                    };
+                    let inverse = single.inverse;
+                    math::Vec3::new(pick(0, inverse.x), pick(1, inverse.y), pick(2, inverse.z))
+                };
+                let (near_ordered, far_ordered) = single.interval(ordered(true), ordered(false));
+                assert!(same(near_ordered, near_one) && same(far_ordered, far_one));
+            }
         }
     }
+    check::<F32x8>();
+    check::<F32x16>();
 }
 
 #[test]
@@ -186,16 +190,20 @@ fn empty_boxes_are_never_passed_and_rays_of_nan_pass_no_box() {
 #[test]
 fn every_method_gives_packets_the_bits_of_single_rays() {
     fn check<B: BoxMethod>() {
+        at_width::<B, F32x8>();
+        at_width::<B, F32x16>();
+    }
+    fn at_width<B: BoxMethod, L: Lane>() {
         let mut rng = Rng(76);
         let same = |a: f32, b: f32| a.to_bits() == b.to_bits() || (a.is_nan() && b.is_nan());
-        for round in 0..4_000 {
+        for round in 0..2_000 {
             let scale = SCALES[round % SCALES.len()];
             let cuboid = Cuboid::random(&mut rng, scale);
-            let rays: [Ray<f32>; 8] = std::array::from_fn(|_| aimed(&mut rng, &cuboid, scale));
+            let rays: [Ray<f32>; 16] = std::array::from_fn(|_| aimed(&mut rng, &cuboid, scale));
             let padding = Padding::new(cuboid.extent());
-            let packet = B::prepare(&packet::<F32x8>(&rays), padding);
+            let packet = B::prepare(&packet::<L>(&rays), padding);
             let (near, far) = B::pass(&packet, corner(cuboid.lo), corner(cuboid.hi));
-            for (lane, ray) in rays.iter().enumerate() {
+            for (lane, ray) in rays.iter().enumerate().take(L::WIDTH) {
                 let single = B::pass(&B::prepare(ray, padding), corner(cuboid.lo), corner(cuboid.hi));
                 assert!(same(near.get(lane), single.0) && same(far.get(lane), single.1), "{ray:?}");
             }

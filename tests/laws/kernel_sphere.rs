@@ -5,7 +5,7 @@
 use crate::common::{Rng, packet, ray};
 use glam::{DVec3, Vec3};
 use octray::kernel::ray_sphere::{Naive, Robust, RobustAnyLength, SphereMethod};
-use octray::lane::{F32x8, Lane, Mask};
+use octray::lane::{F32x8, F32x16, Lane, Mask};
 use octray::math::{self, Ray};
 use octray::measure::stability::spheres::{Ball, UNIT, aimed, intersect, off, passing, reference_t};
 
@@ -159,10 +159,14 @@ fn zero_and_nan_directions_miss() {
 #[test]
 fn hits_lie_below_the_limit_and_inactive_lanes_miss() {
     fn check<S: SphereMethod>() {
+        at_width::<S, F32x8>();
+        at_width::<S, F32x16>();
+    }
+    fn at_width<S: SphereMethod, L: Lane>() {
         let mut rng = Rng(7);
-        for _ in 0..2_000 {
-            let rays: [Ray<f32>; 8] = std::array::from_fn(|_| aimed(&mut rng, UNIT, 4.0, 1.0));
-            let limits: [f32; 8] =
+        for _ in 0..1_000 {
+            let rays: [Ray<f32>; 16] = std::array::from_fn(|_| aimed(&mut rng, UNIT, 4.0, 1.0));
+            let limits: [f32; 16] =
                 std::array::from_fn(|lane| match (lane % 4, reference_t(UNIT, &rays[lane])) {
                     (0, _) => 0.0,
                     (1, Some(t)) => (0.9 * t) as f32,
@@ -170,12 +174,12 @@ fn hits_lie_below_the_limit_and_inactive_lanes_miss() {
                     _ => f32::INFINITY,
                 });
             let (mask, t) = S::test(
-                &S::prepare(&packet::<F32x8>(&rays)),
+                &S::prepare(&packet::<L>(&rays)),
                 math::Vec3::zero(),
-                F32x8::splat(1.0),
-                F32x8::load(&limits),
+                L::splat(1.0),
+                L::load(&limits),
             );
-            for lane in 0..8 {
+            for lane in 0..L::WIDTH {
                 let unlimited = intersect::<S>(UNIT, &rays[lane], f32::INFINITY);
                 let expected = unlimited.filter(|&t| t < limits[lane]);
                 let hit = (mask.bitmask() >> lane & 1 == 1).then(|| t.get(lane));

@@ -8,7 +8,7 @@
 
 use crate::common::Rng;
 use octray::kernel::{bsdf, surface, texture};
-use octray::lane::{Bits, F32x8, Lane, Mask, Mask8, U32x8, functions, lane_indices, set_bits};
+use octray::lane::{Bits, F32x8, F32x16, Lane, Mask, functions, lane_indices, set_bits};
 use octray::math::Vec3;
 use octray::sampling::{SampleValues, Sampler, random, warp};
 use std::f32::consts::PI;
@@ -122,22 +122,27 @@ fn cases() -> Vec<Case> {
         let [x, y, z] = std::array::from_fn(|_| rng.unit() as f32);
         push(x, y, z, &mut rng);
     }
-    cases.truncate(cases.len() / 8 * 8);
+    cases.truncate(cases.len() / 16 * 16);
     cases
 }
 
 fn assert_parity<O: Operation>(name: &str) {
-    for cases in cases().chunks_exact(8) {
-        let float = |of: fn(&Case) -> f32| F32x8::from_fn(|lane| of(&cases[lane]));
-        let integer = |of: fn(&Case) -> u32| U32x8::from_fn(|lane| of(&cases[lane]));
-        let wide = O::run(Input::<F32x8> {
+    assert_parity_at::<F32x8, O>(name);
+    assert_parity_at::<F32x16, O>(name);
+}
+
+fn assert_parity_at<L: Lane, O: Operation>(name: &str) {
+    for cases in cases().chunks_exact(L::WIDTH) {
+        let float = |of: fn(&Case) -> f32| L::from_fn(|lane| of(&cases[lane]));
+        let integer = |of: fn(&Case) -> u32| L::Bits::from_fn(|lane| of(&cases[lane]));
+        let wide = O::run(Input::<L> {
             x: float(|case| case.x),
             y: float(|case| case.y),
             z: float(|case| case.z),
             i: integer(|case| case.i),
             j: integer(|case| case.j),
             k: integer(|case| case.k),
-            mask: integer(|case| u32::from(case.mask)).equals(U32x8::splat(1)),
+            mask: integer(|case| u32::from(case.mask)).equals(L::Bits::splat(1)),
         });
         for (lane, case) in cases.iter().enumerate() {
             // Opaque, so that neither side is computed at compile time.
@@ -148,10 +153,11 @@ fn assert_parity<O: Operation>(name: &str) {
                 let Input { x, y, z, i, j, k, mask } = *case;
                 assert!(
                     single == wide,
-                    "{name}, value {number}, lane {lane}: {single:#010x} ({:?}) at width 1, {wide:#010x} ({:?}) at width 8\n\
+                    "{name}, value {number}, lane {lane}: {single:#010x} ({:?}) at width 1, {wide:#010x} ({:?}) at width {}\n\
                      of x {x:?}, y {y:?}, z {z:?}, i {i:#x}, j {j:#x}, k {k}, mask {mask}",
                     f32::from_bits(single),
                     f32::from_bits(wide),
+                    L::WIDTH,
                 );
             }
         }
@@ -200,6 +206,10 @@ same_at_every_width! {
         let table = [1.0, -0.0, f32::INFINITY, f32::from_bits(1), 0.25, -7.5, f32::MAX, 8.0];
         [Float(L::pick(&table, o.k))]
     };
+    pick_of_16_is_the_same_at_every_width: |o| {
+        let table = std::array::from_fn(|i| [0.5, -0.0, f32::INFINITY, f32::from_bits(1)][i % 4] + i as f32);
+        [Float(L::pick_of_16(&table, o.i.shr(28))), Float(L::pick_of_16(&table, o.k))]
+    };
     gather_rows_is_the_same_at_every_width: |o| {
         const fn table<const N: usize>() -> [[f32; N]; 11] {
             let mut table = [[0.0; N]; 11];
@@ -236,7 +246,6 @@ same_at_every_width! {
         Integer(o.i.wrapping_add(o.j)), Integer(o.i.wrapping_mul(o.j)),
         Integer(o.i.shl(0)), Integer(o.i.shl(1)), Integer(o.i.shl(23)), Integer(o.i.shl(31)),
         Integer(o.i.shr(0)), Integer(o.i.shr(1)), Integer(o.i.shr(23)), Integer(o.i.shr(31)),
-        Integer(o.i.reverse()),
     ];
     integer_comparisons_are_the_same_at_every_width: |o| [Truth(o.i.equals(o.j)), Truth(o.i.less(o.j))];
     integer_logic_is_the_same_at_every_width: |o| [
@@ -368,42 +377,51 @@ impl<M: Mask> Sign for M {
 
 #[test]
 fn packing_moves_the_lanes_of_every_mask_to_the_front() {
-    let (floats, integers) =
-        (F32x8::from_fn(|lane| lane as f32 + 0.5), U32x8::from_fn(|lane| lane as u32 + 100));
-    for bits in 0..256u32 {
-        let mask = mask_of(bits);
-        let packing = F32x8::compress_indices(mask);
-        let (packed, packed_bits) = (floats.compress(packing), F32x8::compress_bits(integers, packing));
-        let chosen = (0..8).filter(|lane| bits >> lane & 1 == 1);
-        assert_eq!(mask.count(), chosen.clone().count());
-        for (to, from) in chosen.enumerate() {
-            assert_eq!(packed.get(to), floats.get(from), "mask {bits:#b}");
-            assert_eq!(packed_bits.get(to), integers.get(from), "mask {bits:#b}");
+    fn check<L: Lane>() {
+        let (floats, integers) =
+            (L::from_fn(|lane| lane as f32 + 0.5), L::Bits::from_fn(|lane| lane as u32 + 100));
+        for bits in 0..1u32 << L::WIDTH {
+            let mask = mask_of::<L>(bits);
+            let packing = L::compress_indices(mask);
+            let (packed, packed_bits) = (floats.compress(packing), L::compress_bits(integers, packing));
+            let chosen = (0..L::WIDTH).filter(|lane| bits >> lane & 1 == 1);
+            assert_eq!(mask.count(), chosen.clone().count());
+            for (to, from) in chosen.enumerate() {
+                assert_eq!(packed.get(to), floats.get(from), "mask {bits:#b}");
+                assert_eq!(packed_bits.get(to), integers.get(from), "mask {bits:#b}");
+            }
         }
     }
+    check::<F32x8>();
+    check::<F32x16>();
     // At width one the only lane is the first.
     f32::compress_indices(true);
     assert_eq!((7.5_f32.compress(()), f32::compress_bits(9, ())), (7.5, 9));
 }
 
-fn mask_of(bits: u32) -> Mask8 {
-    U32x8::from_fn(|lane| bits >> lane & 1).equals(U32x8::splat(1))
+fn mask_of<L: Lane>(bits: u32) -> L::Mask {
+    L::Bits::from_fn(|lane| bits >> lane & 1).equals(L::Bits::splat(1))
 }
 
 #[test]
 fn mask_reductions_agree_with_their_lanes() {
-    for bits in 0..256u32 {
-        let mask = mask_of(bits);
-        assert_eq!(mask.bitmask(), bits);
-        assert_eq!(mask.any(), bits != 0);
-        assert_eq!(mask.all(), bits == 255);
-        assert_eq!(mask.count(), bits.count_ones() as usize);
-        assert_eq!((!mask).bitmask(), bits ^ 255);
-        let other = mask_of(bits.wrapping_mul(37) & 255);
-        assert_eq!((mask & other).bitmask(), bits & other.bitmask());
-        assert_eq!((mask | other).bitmask(), bits | other.bitmask());
-        assert_eq!((mask ^ other).bitmask(), bits ^ other.bitmask());
+    fn check<L: Lane>() {
+        let every = (1u32 << L::WIDTH) - 1;
+        for bits in 0..=every {
+            let mask = mask_of::<L>(bits);
+            assert_eq!(mask.bitmask(), bits);
+            assert_eq!(mask.any(), bits != 0);
+            assert_eq!(mask.all(), bits == every);
+            assert_eq!(mask.count(), bits.count_ones() as usize);
+            assert_eq!((!mask).bitmask(), bits ^ every);
+            let other = mask_of::<L>(bits.wrapping_mul(37) & every);
+            assert_eq!((mask & other).bitmask(), bits & other.bitmask());
+            assert_eq!((mask | other).bitmask(), bits | other.bitmask());
+            assert_eq!((mask ^ other).bitmask(), bits ^ other.bitmask());
+        }
     }
+    check::<F32x8>();
+    check::<F32x16>();
     for mask in [false, true] {
         assert_eq!(
             (mask.any(), mask.all(), mask.bitmask(), Mask::count(mask)),
@@ -426,43 +444,58 @@ fn set_bits_are_told_from_the_lowest_on() {
 
 #[test]
 fn first_lanes_are_those_below_the_count() {
-    for count in 0..20 {
-        let expected = (1u32 << count.min(8)) - 1;
-        assert_eq!(Mask8::first(count).bitmask(), expected);
-        assert_eq!(<bool as Mask>::first(count).bitmask(), expected & 1);
+    fn check<M: Mask>() {
+        for count in 0..40 {
+            assert_eq!(M::first(count).bitmask(), (1u32 << count.min(M::WIDTH)) - 1);
+        }
+        assert_eq!(M::splat(true).bitmask(), (1u32 << M::WIDTH) - 1);
+        assert_eq!(M::splat(false).bitmask(), 0);
     }
-    assert_eq!(Mask8::splat(true).bitmask(), 255);
-    assert_eq!(Mask8::splat(false).bitmask(), 0);
+    check::<bool>();
+    check::<<F32x8 as Lane>::Mask>();
+    check::<<F32x16 as Lane>::Mask>();
 }
 
 #[test]
 fn loads_and_stores_keep_bits_and_touch_no_neighbour() {
-    let integers: Vec<u32> = (0..40).map(|i: u32| i.wrapping_mul(0x9e37_79b9) | 0x7f80_0001).collect();
-    let floats: Vec<f32> = integers.iter().map(|&bits| f32::from_bits(bits)).collect();
-    for at in 0..30 {
-        for lane in 0..8 {
-            assert_eq!(F32x8::load(&floats[at..]).to_bits().get(lane), integers[at + lane]);
-            assert_eq!(U32x8::load(&integers[at..]).get(lane), integers[at + lane]);
+    fn check<L: Lane>() {
+        let integers: Vec<u32> = (0..48).map(|i: u32| i.wrapping_mul(0x9e37_79b9) | 0x7f80_0001).collect();
+        let floats: Vec<f32> = integers.iter().map(|&bits| f32::from_bits(bits)).collect();
+        let end = 1 + L::WIDTH;
+        for at in 0..30 {
+            let (loaded, loaded_bits) = (L::load(&floats[at..]), L::Bits::load(&integers[at..]));
+            for lane in 0..L::WIDTH {
+                assert_eq!(loaded.to_bits().get(lane), integers[at + lane]);
+                assert_eq!(loaded_bits.get(lane), integers[at + lane]);
+            }
+            let (mut to, mut to_bits) = ([1.0_f32; 18], [1_u32; 18]);
+            loaded.store(&mut to[1..]);
+            loaded_bits.store(&mut to_bits[1..]);
+            assert_eq!(to_bits[1..end], integers[at..at + L::WIDTH]);
+            assert_eq!(to.map(f32::to_bits)[1..end], integers[at..at + L::WIDTH]);
+            assert_eq!((to[0], to[end], to_bits[0], to_bits[end]), (1.0, 1.0, 1, 1));
         }
-        let (mut to, mut to_bits) = ([1.0_f32; 10], [1_u32; 10]);
-        F32x8::load(&floats[at..]).store(&mut to[1..]);
-        U32x8::load(&integers[at..]).store(&mut to_bits[1..]);
-        assert_eq!(to_bits[1..9], integers[at..at + 8]);
-        assert_eq!(to.map(f32::to_bits)[1..9], integers[at..at + 8]);
-        assert_eq!((to[0], to[9], to_bits[0], to_bits[9]), (1.0, 1.0, 1, 1));
-        let (mut one, mut one_bits) = ([1.0_f32; 2], [1_u32; 2]);
-        <f32 as Lane>::load(&floats[at..]).store(&mut one);
-        <u32 as Bits>::load(&integers[at..]).store(&mut one_bits);
-        assert_eq!((one[0].to_bits(), one[1], one_bits), (integers[at], 1.0, [integers[at], 1]));
+        assert!((0..L::WIDTH).all(|lane| lane_indices::<L>().get(lane) == lane as u32));
     }
-    assert_eq!(lane_indices::<F32x8>(), U32x8::from_fn(|lane| lane as u32));
-    assert_eq!(lane_indices::<f32>(), 0);
+    check::<f32>();
+    check::<F32x8>();
+    check::<F32x16>();
+}
+
+fn gather_beyond_in_lane_6<L: Lane>() {
+    L::gather_rows::<8>(&[[0.0; 8]; 4], L::Bits::from_fn(|lane| if lane == 6 { 4 } else { 0 }));
 }
 
 #[test]
 #[should_panic(expected = "index out of bounds")]
-fn gather_rows_panics_when_an_index_of_one_lane_is_outside() {
-    F32x8::gather_rows::<8>(&[[0.0; 8]; 4], U32x8::from_fn(|lane| if lane == 6 { 4 } else { 0 }));
+fn gather_rows_of_eight_panics_when_an_index_of_one_lane_is_outside() {
+    gather_beyond_in_lane_6::<F32x8>();
+}
+
+#[test]
+#[should_panic(expected = "index out of bounds")]
+fn gather_rows_of_sixteen_panics_when_an_index_of_one_lane_is_outside() {
+    gather_beyond_in_lane_6::<F32x16>();
 }
 
 #[test]

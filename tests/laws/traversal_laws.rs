@@ -9,7 +9,7 @@ use glam::Vec3;
 use octray::buffers::Buffers;
 use octray::kernel::ray_sphere::{self, SphereMethod};
 use octray::kernel::ray_triangle::{self, TriangleMethod};
-use octray::lane::{Bits, F32x8, Lane};
+use octray::lane::{Bits, F32x8, F32x16, Lane};
 use octray::math::{self, Hit, MISS, Ray};
 use octray::scene::{MaterialKind, Scene};
 use octray::traverse::{Batch, Methods, Primitives, SphereChoice, TraversalChoice, TriangleChoice};
@@ -82,9 +82,11 @@ fn assert_law<S: SphereMethod, T: TriangleMethod>(
     rays: &[Ray<f32>],
 ) -> Vec<Answer> {
     let expected: Vec<Answer> = rays.iter().map(|ray| oracle::<S, T>(scene, ray)).collect();
-    for (width, answers) in
-        [(1, traversed::<f32>(scene, methods, rays)), (8, traversed::<F32x8>(scene, methods, rays))]
-    {
+    for (width, answers) in [
+        (1, traversed::<f32>(scene, methods, rays)),
+        (8, traversed::<F32x8>(scene, methods, rays)),
+        (16, traversed::<F32x16>(scene, methods, rays)),
+    ] {
         assert_eq!(answers.len(), expected.len());
         for ((answer, expected), ray) in answers.iter().zip(&expected).zip(rays) {
             assert_eq!(answer, expected, "{methods:?}, width {width}, {ray:?}");

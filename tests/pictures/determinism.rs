@@ -5,6 +5,7 @@ use crate::common::{Rng, empty, material, noise, sphere, triangle};
 use glam::{Vec2, Vec3};
 use octray::buffers::Features;
 use octray::integrate::pipeline_for;
+use octray::lane::WIDTHS;
 use octray::render::{PipelineChoice, RenderObserver, Renderer, Settings};
 use octray::scene::{Camera, Filter, Material, MaterialKind, Scene, Side, Sky, builtin_names, load};
 use octray::traverse::batch::Traversal;
@@ -262,12 +263,12 @@ fn picture_is_the_same_for_every_combination_of_lanes_threads_tiles_and_calls() 
     }
 }
 
-/// Renders at both widths with those combinations of threads, tiles and calls (by their numbers) that are
+/// Renders at every width with those combinations of threads, tiles and calls (by their numbers) that are
 /// wanted.
 fn check_ways(scene: &Scene, wanted: impl Fn(usize, usize, usize) -> bool) {
     let base = base(scene, [37, 23], 4);
     let expected = Print::of(scene, base, &[8]);
-    for lanes in [1, 8] {
+    for lanes in WIDTHS {
         for threads in [1, 2, 3] {
             for (tile, tile_size) in TILES.into_iter().enumerate() {
                 for (call, calls) in [&[8][..], &[3, 5]].into_iter().enumerate() {
@@ -340,7 +341,7 @@ fn picture_is_the_same_from_the_pipeline_with_every_feature() {
     ];
     let mut specialised = 0;
     for scene in builtin.chain(own) {
-        for lanes in [1, 8] {
+        for lanes in WIDTHS {
             let needed = Settings { lanes, ..base(&scene, [61, 37], 6) };
             let general = Settings { pipeline: PipelineChoice::General, ..needed };
             Print::of(&scene, general, &[5]).assert_same(&Print::of(&scene, needed, &[5]), general, &[5]);
@@ -397,7 +398,7 @@ fn picture_is_the_same_through_every_traversal() {
         let expected = Print::of(&scene, linear, &[4]);
         let through = Traversal::ALL.map(TraversalChoice::Through);
         for traversal in through.into_iter().chain([TraversalChoice::Linear, TraversalChoice::Needed]) {
-            for lanes in [1, 8] {
+            for lanes in WIDTHS {
                 let settings = by(traversal, lanes);
                 Print::of(&scene, settings, &[4]).assert_same(&expected, settings, &[4]);
             }

@@ -10,6 +10,7 @@ use glam::{Vec2, Vec3};
 use octray::buffers::Features;
 use octray::film::Picture;
 use octray::integrate::pipeline_for;
+use octray::lane::WIDTHS;
 use octray::reference::{PathSettings, Reference};
 use octray::render::Settings;
 use octray::scene::{Camera, Filter, Material, MaterialKind, Scene, Sky, Sphere};
@@ -46,7 +47,7 @@ fn white_furnace_is_exactly_white_where_every_weight_is_one() {
     // Throughput is a product of ones, the sky is 1, and a sum of n ones divided by n is 1: no rounding
     // anywhere. A path that is lost (absorbed below the surface, caught in it, cut off) would show as 31/32.
     for kind in [MaterialKind::Diffuse, MaterialKind::Metal { roughness: 0.0 }] {
-        for lanes in [1, 8] {
+        for lanes in WIDTHS {
             let picture = render(&room(kind), UNBOUNDED, SAMPLES, lanes);
             assert!(channels(&picture).all(|x| x == 1.0), "{kind:?}");
         }
@@ -216,7 +217,7 @@ fn packets_and_judge_agree_on_pictures_on_spheres_triangles_and_sky() {
     }
 }
 
-/// Few primitives and materials are looked up in tables of eight, alike at both widths: a table that is too
+/// Few primitives and materials are looked up in tables of eight, alike at every width: a table that is too
 /// short shows only here. The two skies are those of the two pipelines that have such tables.
 #[test]
 fn packets_and_judge_agree_at_every_count_near_the_size_of_a_table() {

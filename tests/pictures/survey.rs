@@ -2,6 +2,7 @@
 //! tallies of whole frames, shapes of paths against the counts of rays.
 
 use octray::integrate::aovs::Aovs;
+use octray::lane::WIDTHS;
 use octray::math::MISS;
 use octray::render::aovs::Map;
 use octray::render::{Renderer, Settings};
@@ -193,7 +194,7 @@ fn pixels_of_one_tile_cost_the_same_where_there_is_no_hierarchy() {
 
 #[test]
 fn shapes_of_paths_add_up_to_the_rays_of_the_sample() {
-    for lanes in [1, 8] {
+    for lanes in WIDTHS {
         for name in ["builtin:three", "builtin:spheres", "builtin:knot:3000"] {
             let scene = load(name).unwrap();
             let methods = Methods { lights: octray::buffers::LightChoice::Off, ..Methods::default() };

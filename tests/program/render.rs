@@ -121,6 +121,8 @@ fn lanes_and_threads_change_no_bit_of_the_file() {
             "--lanes 8 --threads 2",
             "--lanes 1 --threads 1",
             "--lanes 1 --threads 2",
+            "--lanes 16 --threads 2",
+            "--threads 1",
             "--lanes 8 --threads 1 --pipeline general",
         ] {
             assert!(render(scene, options) == first, "{scene} differs with {options}");

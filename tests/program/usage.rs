@@ -69,7 +69,7 @@ fn numbers_out_of_range_are_refused_with_their_range() {
         ("--bounces", &["-1", "1025", huge, "4.0"], "from 0 to 1,024"),
         ("--seed", &["-1", "4294967296", huge], "from 0 to 4,294,967,295"),
         ("--threads", &["0", "-1", "1025", huge, "all"], "from 1 to 1,024"),
-        ("--lanes", &["0", "2", "16", "-8", huge], "1 (scalar) or 8 (SIMD)"),
+        ("--lanes", &["0", "2", "32", huge, "all"], "auto, 1, 8, 16"),
         ("--exposure", &["nan", "inf", "-65", "1e39", "bright"], "from -64 to 64"),
         ("--size", &["0x0", "0x8", "8x0", "1000000000x1", "16385x1", "1x16385"], "from 1 to 16,384"),
         (
@@ -99,7 +99,7 @@ fn bench_and_compare_refuse_the_same_numbers() {
         }
     }
     desk.refuses(&["bench", "--frames", "0"], &["--frames", "from 1 to"]);
-    desk.refuses(&["bench", "--lanes", "4"], &["--lanes", "1 (scalar) or 8 (SIMD)"]);
+    desk.refuses(&["bench", "--lanes", "4"], &["--lanes", "auto, 1, 8, 16"]);
     desk.refuses(&["compare", "--samples", "0"], &["--samples", "from 1 to"]);
 }
 

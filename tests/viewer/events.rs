@@ -81,7 +81,7 @@ fn what_was_chosen_is_not_lost_where_another_scene_cannot_be_read() {
     let options = options([16, 9], 1, folder.path());
     // Many triangles: another way to render them takes a while to be made ready.
     let mut seat = Seat::start(options, &["builtin:terrain:200000", broken.to_str().unwrap()]);
-    seat.wait("figures", |frame| frame.figures.contains("SIMD, 1 thread"));
+    seat.wait("figures", |frame| frame.figures.contains("8 lanes, 1 thread"));
     seat.press(Key::Char('l'));
     seat.wait("the order", |frame| {
         frame.figures.contains("being prepared") || frame.figures.contains("scalar, 1")

@@ -8,25 +8,29 @@ use bytemuck::{Pod, Zeroable};
 #[repr(C, align(32))]
 struct Row([f32; 8]);
 
-/// A table of rows of eight floats, and a copy of its first eight rows as columns: a table that small is read
-/// by register permutes, without a memory access per lane.
+/// A table of rows of eight floats, and a copy of its first sixteen rows as columns: a table that small is
+/// read by register permutes, without a memory access per lane.
 #[derive(Clone, Debug, Default)]
 pub struct Rows {
     rows: Vec<Row>,
-    first_as_columns: [Row; 8],
+    first_as_columns: Columns,
 }
 
+#[derive(Clone, Copy, Debug, Default)]
+#[repr(align(64))]
+struct Columns([[f32; 16]; 8]);
+
 impl Rows {
-    /// Most rows that fit into registers as columns.
+    /// Most rows that fit into registers of eight lanes as columns.
     pub const FEW: usize = 8;
 
     pub fn new(rows: impl Iterator<Item = [f32; 8]>) -> Self {
         let mut rows: Vec<Row> = rows.map(Row).collect();
         rows.shrink_to_fit();
-        let mut first_as_columns = [Row([0.0; 8]); 8];
-        for (index, row) in rows.iter().take(Self::FEW).enumerate() {
-            for (column, value) in first_as_columns.iter_mut().zip(row.0) {
-                column.0[index] = value;
+        let mut first_as_columns = Columns::default();
+        for (index, row) in rows.iter().take(16).enumerate() {
+            for (column, value) in first_as_columns.0.iter_mut().zip(row.0) {
+                column[index] = value;
             }
         }
         Self { rows, first_as_columns }
@@ -38,13 +42,46 @@ impl Rows {
     /// the same with and without it.
     ///
     /// # Panics
-    /// Without `few`, if an index in any lane is not below the number of rows.
+    /// Without `few`, if an index in any lane is not below the number of rows, of which there are more than
+    /// sixteen.
     #[inline(always)]
     pub fn fetch<L: Lane>(&self, index: L::Bits, few: bool) -> [L; 8] {
+        let columns = &self.first_as_columns.0;
         if few {
-            std::array::from_fn(|column| L::pick(&self.first_as_columns[column].0, index))
+            columns.each_ref().map(|column| L::pick(column.first_chunk().expect("eight of sixteen"), index))
+        } else if self.rows.len() <= 16 {
+            columns.each_ref().map(|column| L::pick_of_16(column, index))
         } else {
             L::gather_rows::<8>(bytemuck::cast_slice(&self.rows), index)
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lane::{Bits, F32x8, F32x16};
+
+    /// Tables of every kind: in one register of eight, in one of sixteen or two, and in memory.
+    #[test]
+    fn every_row_is_fetched_at_every_width() {
+        fn check<L: Lane>(count: u32) {
+            let row = |index: u32| std::array::from_fn(|column| (index * 8 + column as u32) as f32);
+            let rows = Rows::new((0..count).map(row));
+            for shift in 0..count {
+                let of = |lane: usize| (lane as u32 * 5 + shift) % count;
+                for few in [false, count <= Rows::FEW as u32] {
+                    let columns = rows.fetch::<L>(L::Bits::from_fn(of), few);
+                    for lane in 0..L::WIDTH {
+                        assert_eq!(columns.map(|column| column.get(lane)), row(of(lane)), "{count} rows");
+                    }
+                }
+            }
+        }
+        for count in [1, 2, 7, 8, 9, 15, 16, 17, 40] {
+            check::<f32>(count);
+            check::<F32x8>(count);
+            check::<F32x16>(count);
         }
     }
 }

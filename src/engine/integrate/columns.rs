@@ -4,19 +4,19 @@
 //! tile). Must never know: what the columns hold.
 
 use crate::camera::MAX_PIXELS;
-use crate::lane::{F32x8, Lane};
+use crate::lane::{F32x16, Lane};
 use crate::math::Vec3;
 use bytemuck::Zeroable;
 
-/// One packet more than pixels, so that the last packet may be stored whole.
-const LENGTH: usize = MAX_PIXELS + F32x8::WIDTH;
+/// The widest packet more than pixels, so that the last packet may be stored whole.
+const LENGTH: usize = MAX_PIXELS + F32x16::WIDTH;
 
 pub type Column = [f32; LENGTH];
 pub type IntColumn = [u32; LENGTH];
 
 /// Three columns: a vector or a colour per path.
 #[derive(Clone, Copy, Zeroable)]
-#[repr(C)]
+#[repr(C, align(64))]
 pub struct Vec3Columns {
     pub x: Column,
     pub y: Column,

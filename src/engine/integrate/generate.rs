@@ -17,7 +17,7 @@ use crate::buffers::Features;
 use crate::camera::{Pinhole, Tile};
 use crate::lane::{Bits, F32x8, Lane, lane_indices};
 use crate::math::{Hit, Ray};
-use crate::sampling::{SampleValues, dimension};
+use crate::sampling::SampleValues;
 use crate::traverse::Batch;
 
 /// Fills the queue with the tile's pixels, row by row, finds what they hit, and returns how many there are.
@@ -28,7 +28,9 @@ pub fn generate<L: Lane, const N: u32>(
     scratch: &mut Scratch,
 ) -> usize {
     let (count, visible) = (tile.pixels(), context.visible.get(tile.number));
-    let batch = GenerateBatch::<N> { context, tile, sample, queue: &mut scratch.queue };
+    scratch.values.begin(context.sampler, context.seed, sample);
+    let numbers = scratch.values.pixel();
+    let batch = GenerateBatch::<N> { context, tile, sample, numbers, queue: &mut scratch.queue };
     let hierarchy = context.primitives.hierarchy();
     if hierarchy.is_none() && context.primitives.uses_default_methods() {
         context.primitives.for_default_batch::<L>(&context.buffers, visible, batch);
@@ -51,6 +53,7 @@ struct GenerateBatch<'a, const N: u32> {
     context: &'a TraceContext,
     tile: Tile,
     sample: u32,
+    numbers: SampleValues,
     queue: &'a mut PathQueue,
 }
 
@@ -65,7 +68,6 @@ impl<L: Lane, const N: u32> Batch<L> for GenerateBatch<'_, N> {
         let (per_row, row_length) = (L::splat(1.0 / width as f32), L::splat(width as f32));
         let half = L::splat(0.5);
         let TraceContext { sampler, seed, .. } = *self.context;
-        let numbers = SampleValues::new(sampler, seed, self.sample, dimension::PIXEL);
         for at in (0..self.tile.pixels()).step_by(L::WIDTH) {
             let slot = L::from_int(primary_slots::<L>(at));
             let row = L::from_int(((slot + half) * per_row).truncate_to_int());
@@ -74,7 +76,7 @@ impl<L: Lane, const N: u32> Batch<L> for GenerateBatch<'_, N> {
             let pixel = y.truncate_to_int().wrapping_mul(L::Bits::splat(self.context.width));
             let pixel = pixel.wrapping_add(x.truncate_to_int());
             let key = sampler.key(seed, pixel, self.sample);
-            let (jitter_x, jitter_y) = numbers.get_2d::<L>(key, 0);
+            let (jitter_x, jitter_y) = self.numbers.get_2d::<L>(key, 0);
             let ray = camera.rays(x + jitter_x, y + jitter_y);
             self.queue.store_primary(at, ray.direction, key);
             self.queue.store_hit(at, &closest(&ray), has(N, Features::TRIANGLES));

@@ -12,8 +12,7 @@ use super::shadow_rays::trace_shadow_rays;
 use super::stats::Stage;
 use crate::buffers::Features;
 use crate::camera::Tile;
-use crate::lane::{F32x8, Lane};
-use crate::sampling::{SampleValues, dimension};
+use crate::lane::{F32x8, F32x16, Lane};
 
 /// [`trace_tile`] at one width, compiled for one set of features.
 pub type Pipeline = fn(&TraceContext, Tile, u32, &mut Scratch) -> u64;
@@ -29,15 +28,13 @@ pub fn trace_tile<L: Lane, const N: u32>(
     scratch.begin_stage(Some(Stage::Generate));
     let mut count = generate::<L, N>(context, tile, sample, scratch);
     let mut rays = count as u64;
-    let numbers =
-        |bounce: u32| SampleValues::new(context.sampler, context.seed, sample, dimension::bounce(bounce));
     if context.max_bounces == 0 {
         scratch.begin_stage_with_rays::<L>(Stage::Finish, context, tile, 0, count);
         finish::<L, N, true>(context, scratch, count);
         return rays;
     }
     scratch.begin_stage_with_rays::<L>(Stage::Shade, context, tile, 0, count);
-    let mut shaded = shade::<L, N, true>(context, scratch, count, &numbers(0));
+    let mut shaded = shade::<L, N, true>(context, scratch, count, 0);
     rays += shadow_rays::<L, N>(context, scratch, &shaded);
     for bounce in 1..context.max_bounces {
         count = shaded.alive;
@@ -48,7 +45,7 @@ pub fn trace_tile<L: Lane, const N: u32>(
         }
         intersect::<L, N>(context, scratch, count);
         scratch.begin_stage(Some(Stage::Shade));
-        shaded = shade::<L, N, false>(context, scratch, count, &numbers(bounce));
+        shaded = shade::<L, N, false>(context, scratch, count, bounce);
         rays += shadow_rays::<L, N>(context, scratch, &shaded);
     }
     count = shaded.alive;
@@ -80,12 +77,12 @@ pub const RENORMALIZATION_INTERVAL: u32 = 8;
 /// The compiled pipelines: sets of features, smallest first. A scene gets the first one that holds its
 /// features.
 ///
-/// Each costs two to four seconds of compilation and 100 to 200 kB of program for its two widths, so only
+/// Each costs two to four seconds of compilation and 100 to 200 kB of program for its three widths, so only
 /// sets with a measured gain are here. Speed-up over the general pipeline, measured: `three` 1.7, `thesis`
 /// 1.5, `balls` 1.3, a scanned mesh 1.2, boxes with area lights 1.0 to 1.06, where triangle tests take most
 /// of the time. Intersection methods other than the default ones go through a function that all pipelines
 /// share: six pairs of methods would be most of a pipeline's code.
-const PIPELINES: &[(Features, Pipeline, Pipeline)] = &[
+const PIPELINES: &[(Features, [Pipeline; 3])] = &[
     pipeline::<{ DIFFUSE_AND_MIRROR_SPHERES.0 }>(),
     pipeline::<{ FEW_TEXTURED.0 }>(),
     pipeline::<{ UNTEXTURED.0 }>(),
@@ -118,14 +115,19 @@ const UNTEXTURED: Features = Features::SPHERES
     .with(Features::EMISSION)
     .with(Features::SKY_GRADIENT);
 
-const fn pipeline<const N: u32>() -> (Features, Pipeline, Pipeline) {
-    (Features(N), trace_tile::<f32, N>, trace_tile::<F32x8, N>)
+const fn pipeline<const N: u32>() -> (Features, [Pipeline; 3]) {
+    (Features(N), [trace_tile::<f32, N>, trace_tile::<F32x8, N>, trace_tile::<F32x16, N>])
 }
 
-/// The pipeline for the features that a scene needs at a width of 1 or 8, and the features that it is
+/// The pipeline for the features that a scene needs at a width of 1, 8 or 16, and the features that it is
 /// compiled with.
 pub fn pipeline_for(needs: Features, lanes: usize) -> (Features, Pipeline) {
-    let (features, scalar, packets) =
-        PIPELINES.iter().find(|(set, ..)| set.contains(needs)).expect("the last pipeline has every feature");
-    (*features, if lanes == 1 { *scalar } else { *packets })
+    let (features, [scalar, eight, sixteen]) =
+        PIPELINES.iter().find(|(set, _)| set.contains(needs)).expect("the last pipeline has every feature");
+    let pipeline = match lanes {
+        1 => scalar,
+        16 => sixteen,
+        _ => eight,
+    };
+    (*features, *pipeline)
 }

@@ -10,9 +10,10 @@ use super::probe::{PathShape, Probe};
 use super::queue::PathQueue;
 use super::shadow_queue::ShadowQueue;
 use super::stats::{RayKind, Stage, Stats};
-use crate::camera::Tile;
+use crate::camera::{MAX_PIXELS, Tile};
 use crate::lane::{Bits, Lane, Mask};
 use crate::math::{MISS, Vec3};
+use crate::sampling::SampleTable;
 use crate::traverse::batch::{Tracer, Traversal};
 use crate::traverse::counter::{Counter, Counts};
 use crate::traverse::hierarchy::Hierarchy;
@@ -24,6 +25,8 @@ use bytemuck::Zeroable;
 pub struct Scratch {
     pub queue: PathQueue,
     pub shadow_queue: ShadowQueue,
+    /// The values of the sample that is being taken.
+    pub values: SampleTable,
     tracer: Tracer,
     contributions: Contributions,
     /// One sample's radiance of each pixel of the tile.
@@ -64,6 +67,7 @@ impl Scratch {
         Box::new(Self {
             queue,
             shadow_queue: ShadowQueue::zeroed(),
+            values: SampleTable::default(),
             contributions,
             radiance: Vec3Columns::zeroed(),
             tracer: Tracer::new(),
@@ -183,13 +187,17 @@ impl Scratch {
     }
 
     /// Adds the first `count` contributions to their pixels, in their order.
+    #[inline(never)]
     pub fn add_contributions(&mut self, count: usize) {
-        let Vec3Columns { x, y, z } = &self.contributions.radiance;
-        for (((&slot, &r), &g), &b) in self.contributions.slot.iter().zip(x).zip(y).zip(z).take(count) {
-            let slot = slot as usize;
-            self.radiance.x[slot] += r;
-            self.radiance.y[slot] += g;
-            self.radiance.z[slot] += b;
+        let Contributions { radiance: Vec3Columns { x, y, z }, slot } = &self.contributions;
+        let Vec3Columns { x: red, y: green, z: blue } = &mut self.radiance;
+        let events = slot[..count].iter().zip(&x[..count]).zip(&y[..count]).zip(&z[..count]);
+        for (((&slot, &r), &g), &b) in events {
+            // It is below the number of pixels already; this lets the compiler drop the bounds checks.
+            let slot = slot as usize % MAX_PIXELS;
+            red[slot] += r;
+            green[slot] += g;
+            blue[slot] += b;
         }
     }
 

@@ -16,7 +16,6 @@ use super::surface::Surface;
 use crate::buffers::Features;
 use crate::lane::{Lane, Mask};
 use crate::math::{Hit, Ray, Vec3};
-use crate::sampling::SampleValues;
 
 /// How many rays a run of [`shade`] leaves at the front of each queue.
 pub struct Shaded {
@@ -26,15 +25,17 @@ pub struct Shaded {
     pub shadow_rays: usize,
 }
 
-/// Shades the hits of the first `count` paths, samples lights for them, and scatters them.
+/// Shades the hits of the first `count` paths after `bounce` bounces, samples lights for them, and scatters
+/// them.
 ///
 /// `FIRST`: the queue holds primary rays, as [`super::generate()`] left them.
 pub fn shade<L: Lane, const N: u32, const FIRST: bool>(
     context: &TraceContext,
     scratch: &mut Scratch,
     count: usize,
-    numbers: &SampleValues,
+    bounce: u32,
 ) -> Shaded {
+    let numbers = &scratch.values.bounce(bounce);
     let mut accumulator = RadianceAccumulator::<FIRST>::default();
     let (mut going_on, mut shadow_rays) = (0, 0);
     let sample_lights = has(N, Features::LIGHTS) && !context.buffers.lights.is_empty();

@@ -1,7 +1,8 @@
-//! Width as a type: one number or eight, behind the same arithmetic.
+//! Width as a type: one number, eight or sixteen, behind the same arithmetic.
 //!
-//! For: the [`Lane`] trait (`f32` and [`F32x8`]), its integers [`Bits`] (`u32` and [`U32x8`]), its masks
-//! [`Mask`] (`bool` and [`Mask8`]) with their [`set_bits`], and the elementary functions in [`functions`].
+//! For: the [`Lane`] trait (`f32`, [`F32x8`], [`F32x16`]), its integers [`Bits`] (`u32`, [`U32x8`],
+//! [`U32x16`]), its masks [`Mask`] (`bool`, [`Mask8`], [`Mask16`]) with their [`set_bits`], and the
+//! elementary functions in [`functions`].
 //! May import: `wide` and `bytemuck`; it is the only importer of `wide`.
 //! Must never know: vectors, rays, scenes.
 //!
@@ -17,9 +18,16 @@
 //! A wider machine gets a new type that implements these traits, not a new tree of code.
 
 pub mod functions;
+mod packet;
+mod permute;
 mod scalar;
 mod traits;
-mod wide8;
 
+pub use packet::{F32x8, F32x16, Mask8, Mask16, U32x8, U32x16};
 pub use traits::{Bits, Lane, Mask, lane_indices, set_bits};
-pub use wide8::{F32x8, Mask8, U32x8};
+
+/// Every width, in ascending order.
+pub const WIDTHS: [usize; 3] = [1, 8, 16];
+
+/// The widest packet that is one vector of the instruction set that is compiled for.
+pub const NATIVE_WIDTH: usize = if cfg!(target_feature = "avx512f") { 16 } else { 8 };

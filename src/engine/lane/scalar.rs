@@ -3,6 +3,8 @@
 use super::traits::{Bits, Lane, Mask};
 
 impl Mask for bool {
+    const WIDTH: usize = 1;
+
     #[inline(always)]
     fn splat(value: bool) -> Self {
         value
@@ -64,10 +66,6 @@ impl Bits for u32 {
     #[inline(always)]
     fn shr(self, count: u32) -> Self {
         self >> count
-    }
-    #[inline(always)]
-    fn reverse(self) -> Self {
-        self.reverse_bits()
     }
     #[inline(always)]
     fn equals(self, other: Self) -> bool {
@@ -178,6 +176,10 @@ impl Lane for f32 {
     #[inline(always)]
     fn pick(table: &[f32; 8], index: u32) -> Self {
         table[(index & 7) as usize]
+    }
+    #[inline(always)]
+    fn pick_of_16(table: &[f32; 16], index: u32) -> Self {
+        table[(index & 15) as usize]
     }
     #[inline(always)]
     fn gather_rows<const N: usize>(rows: &[[f32; N]], index: u32) -> [Self; N] {

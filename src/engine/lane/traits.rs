@@ -10,6 +10,9 @@ use std::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Neg, Not, Sub};
 pub trait Mask:
     Copy + Debug + BitAnd<Output = Self> + BitOr<Output = Self> + BitXor<Output = Self> + Not<Output = Self>
 {
+    /// Lanes in a packet.
+    const WIDTH: usize;
+
     /// The same truth value in every lane.
     fn splat(value: bool) -> Self;
     /// The first `count` lanes true, the others false; all lanes true if `count` is the width or more.
@@ -23,8 +26,9 @@ pub trait Mask:
     /// The indices of the lanes that are true, in ascending order.
     #[inline(always)]
     fn lanes(self) -> impl Iterator<Item = usize> {
-        // No lane is above 7; `& 7` lets the compiler drop the bounds check of arrays of eight.
-        set_bits(self.bitmask()).map(|lane| lane & 7)
+        // It is below the width already; this lets the compiler drop the bounds check of arrays of that
+        // length.
+        set_bits(self.bitmask()).map(|lane| lane & (Self::WIDTH - 1))
     }
     /// How many lanes are true.
     #[inline(always)]
@@ -79,8 +83,6 @@ pub trait Bits:
     fn shl(self, count: u32) -> Self;
     /// Logical shift right by the same `count` < 32 in every lane.
     fn shr(self, count: u32) -> Self;
-    /// Reverses the order of the bits: bit 0 becomes bit 31.
-    fn reverse(self) -> Self;
     fn equals(self, other: Self) -> Self::Mask;
     /// Unsigned comparison.
     fn less(self, other: Self) -> Self::Mask;
@@ -173,6 +175,8 @@ pub trait Lane:
     /// `table[index]` in each lane, for tables that fit one register. Domain: every index, in inactive lanes
     /// too, is below 8; the result of any other index is unspecified.
     fn pick(table: &[f32; 8], index: Self::Bits) -> Self;
+    /// As [`Lane::pick`], for a table of sixteen: one register of a packet that wide, two of narrower ones.
+    fn pick_of_16(table: &[f32; 16], index: Self::Bits) -> Self;
     /// Row `index` of a table in each lane, transposed: column `j` holds `rows[index][j]`.
     ///
     /// # Panics

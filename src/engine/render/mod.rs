@@ -6,14 +6,14 @@
 pub mod aovs;
 mod settings;
 
-pub use settings::{PipelineChoice, Settings};
+pub use settings::{LaneChoice, PipelineChoice, Settings};
 
 use crate::buffers::{Buffers, Features};
 use crate::camera::{MAX_PIXELS, Pinhole, Tile};
 use crate::film::{Film, TileSums};
 use crate::integrate::stats::Stats;
 use crate::integrate::{Pipeline, Scratch, TraceContext, generate, pipeline_for};
-use crate::lane::F32x8;
+use crate::lane::{F32x8, F32x16};
 use crate::math::{Hit, MISS};
 use crate::scene::{Camera, Scene};
 use crate::threads::Threads;
@@ -104,7 +104,7 @@ impl Renderer {
         check_resolution(resolution);
         let tile_pixels = tile_size[0] as usize * tile_size[1] as usize;
         assert!((1..=MAX_PIXELS).contains(&tile_pixels), "tile size {tile_size:?}");
-        assert!(lanes == 1 || lanes == 8, "{lanes} lanes");
+        assert!([1, 8, 16].contains(&lanes), "{lanes} lanes");
         let camera = Pinhole::new(&scene.camera, resolution);
         let primitives = Primitives::new(scene, settings.methods, lanes);
         let mut visible = Vec::new();
@@ -227,6 +227,7 @@ impl Renderer {
         let of_tile = |tile: Tile| {
             let count = match self.settings.lanes {
                 1 => generate::<f32, { Features::ALL.0 }>(&self.context, tile, sample, &mut scratch),
+                16 => generate::<F32x16, { Features::ALL.0 }>(&self.context, tile, sample, &mut scratch),
                 _ => generate::<F32x8, { Features::ALL.0 }>(&self.context, tile, sample, &mut scratch),
             };
             let slots = 0..count as u32;

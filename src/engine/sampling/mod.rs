@@ -12,4 +12,4 @@ mod sampler;
 pub mod sobol;
 pub mod warp;
 
-pub use sampler::{SampleValues, Sampler};
+pub use sampler::{SampleTable, SampleValues, Sampler};

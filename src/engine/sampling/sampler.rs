@@ -28,6 +28,54 @@ impl Sampler {
     }
 }
 
+/// The values of one sample index in all its dimensions asked for so far. They are the same in every pixel:
+/// kept by a thread, they are computed once a sample and not once a tile.
+#[derive(Clone, Debug, Default)]
+pub struct SampleTable {
+    /// Sampler, seed and sample.
+    of: Option<(Sampler, u32, u32)>,
+    /// The position in the pixel, then one scattering event after the other.
+    values: Vec<SampleValues>,
+}
+
+impl SampleTable {
+    /// Turns to sample `sample`.
+    #[inline]
+    pub fn begin(&mut self, sampler: Sampler, seed: u32, sample: u32) {
+        if self.of != Some((sampler, seed, sample)) {
+            self.of = Some((sampler, seed, sample));
+            self.values.clear();
+        }
+    }
+    /// The values of the position in the pixel.
+    #[inline]
+    pub fn pixel(&mut self) -> SampleValues {
+        self.get(0)
+    }
+    /// The values of scattering event `bounce`, counted from 0.
+    #[inline]
+    pub fn bounce(&mut self, bounce: u32) -> SampleValues {
+        self.get(bounce as usize + 1)
+    }
+    #[inline]
+    fn get(&mut self, index: usize) -> SampleValues {
+        if index >= self.values.len() {
+            self.extend(index);
+        }
+        self.values[index]
+    }
+    #[cold]
+    fn extend(&mut self, index: usize) {
+        let (sampler, seed, sample) = self.of.expect("a sample has begun");
+        let first = |index: usize| match index {
+            0 => dimension::PIXEL,
+            event => dimension::bounce(event as u32 - 1),
+        };
+        let values = |index| SampleValues::new(sampler, seed, sample, first(index));
+        self.values.extend((self.values.len()..=index).map(values));
+    }
+}
+
 /// The values of one sample index in all pixels, in the [`dimension::PER_BOUNCE`] dimensions from `first` on:
 /// those of the position in the pixel or of one scattering event.
 #[derive(Clone, Copy, Debug)]

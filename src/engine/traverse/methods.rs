@@ -139,7 +139,8 @@ impl Methods {
     pub fn are_robust(&self) -> bool {
         self.keep_to_their_primitives() && self.lose_no_hit()
     }
-    /// The traversal of a scene's hierarchy at a width of 1 or 8; `None` where every primitive is tested.
+    /// The traversal of a scene's hierarchy at a width of 1, or of 8 and more; `None` where every primitive
+    /// is tested.
     pub fn traversal_of(&self, scene: &Scene, lanes: usize) -> Option<Traversal> {
         if self.sphere != SphereChoice::Robust || self.triangle != TriangleChoice::Woop {
             return None;

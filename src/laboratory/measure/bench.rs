@@ -14,7 +14,7 @@ use std::time::{Duration, Instant};
 /// A renderer to time: a SIMD width and a number of threads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Engine {
-    /// 1 or 8.
+    /// 1, 8 or 16.
     pub lanes: usize,
     pub threads: usize,
 }

@@ -1,4 +1,4 @@
-//! SIMD against scalar, bit for bit; and both against the f64 reference.
+//! Every width of SIMD against scalar, bit for bit; and both against the f64 reference.
 //!
 //! For: [`compare()`]. May import: `reference`, `render`, `timed`, `quantiles`. Must not know: how figures
 //! are shown.
@@ -7,12 +7,14 @@ use super::quantiles::Rounds;
 use super::timed::{Ratio, TimedRenderer};
 use crate::buffers::{Features, LightChoice};
 use crate::film::Picture;
+use crate::lane::WIDTHS;
 use crate::reference::{PathSettings, Reference, Verdict};
-use crate::render::{PrimaryHit, Renderer, Settings};
+use crate::render::{LaneChoice, PrimaryHit, Renderer, Settings};
 use crate::scene::Scene;
 use crate::traverse::Methods;
 use rayon::prelude::*;
 use serde::Serialize;
+use std::collections::BTreeSet;
 use std::time::{Duration, Instant};
 
 /// The comparison of one scene.
@@ -21,12 +23,14 @@ pub struct Comparison {
     pub scene: String,
     pub pixels: usize,
     pub samples: u32,
-    /// Pixels with any bit that differs between SIMD and scalar. 0 expected.
+    /// The widths that were compared with scalar; the first one is timed.
+    pub lanes: Vec<usize>,
+    /// Pixels with any bit that differs between scalar and a width of SIMD. 0 expected.
     pub mismatched_pixels: usize,
     pub first_mismatch: Option<Mismatch>,
-    /// Samples of both that are not finite and so discarded. 0 expected.
+    /// Samples of all widths that are not finite and so discarded. 0 expected.
     pub discarded_samples: u64,
-    /// Speed of SIMD over that of scalar on the same threads: median of the rounds.
+    /// Speed of the first width over that of scalar on the same threads: median of the rounds.
     pub speedup: f64,
     /// The 10th and the 90th percentile of the rounds.
     pub speedup_spread: [f64; 2],
@@ -48,6 +52,8 @@ impl Comparison {
 /// A pixel that differs between SIMD and scalar, in linear RGB.
 #[derive(Clone, Debug, Serialize)]
 pub struct Mismatch {
+    /// The width of SIMD.
+    pub lanes: usize,
     pub x: u32,
     pub y: u32,
     pub simd: [f32; 3],
@@ -69,9 +75,9 @@ pub struct ReferenceCheck {
     pub samples: u32,
 }
 
-/// Memory of a pixel in a comparison: two films, their pictures and the reference's, and primary hits.
-/// Measured at 4000×4000; a bench of three engines takes no more.
-pub const BYTES_PER_PIXEL: usize = 155;
+/// Memory of a pixel in a comparison: three films, their pictures and the reference's, and primary hits.
+/// Measured at 4000×4000; a bench of four engines takes no more.
+pub const BYTES_PER_PIXEL: usize = 195;
 
 /// The compared samples also give the speed-up if they take this time together and a turn's time each.
 /// Otherwise up to `MOST_ROUNDS` rounds of turns follow, for at most twice this time.
@@ -84,11 +90,13 @@ const TURN: Duration = Duration::from_millis(10);
 const MOST_TESTS: usize = 2_000_000_000;
 const MOST_SAMPLES: u32 = 16;
 
-/// Renders `samples` samples with the scalar renderer and with packets, and compares both pictures and the
-/// reference. `settings` holds for all but lanes.
+/// Renders `samples` samples with the scalar renderer and with packets of every width, and compares the
+/// pictures with each other and with the reference. `settings` holds for all but lanes: the width that suits
+/// the scene is timed beside scalar.
 pub fn compare(scene: &Scene, settings: Settings, samples: u32) -> Comparison {
-    let at = |lanes| TimedRenderer::new(Renderer::new(scene, Settings { lanes, ..settings }));
-    let (mut simd, mut scalar) = (at(8), at(1));
+    let of = |lanes| Renderer::new(scene, Settings { lanes, ..settings });
+    let suited = LaneChoice::Auto.lanes(scene, &settings.methods);
+    let (mut simd, mut scalar) = (TimedRenderer::new(of(suited)), TimedRenderer::new(of(1)));
     let share = Share::of(scene, &settings, samples);
     let samples_lights = simd.renderer.needs().contains(Features::LIGHTS);
     let mut to_check = None;
@@ -101,24 +109,41 @@ pub fn compare(scene: &Scene, settings: Settings, samples: u32) -> Comparison {
         }
     }
     let (simd_picture, scalar_picture) = (simd.film.picture(), scalar.film.picture());
-    let discarded_samples = simd.film.discarded() + scalar.film.discarded();
+    let mut discarded_samples = simd.film.discarded() + scalar.film.discarded();
     if start.elapsed() < ENOUGH || start.elapsed() / samples < TURN {
         time_again(&mut simd, &mut scalar);
     }
     let speedup = Ratio::of(&simd, &scalar).expect("there was a sample, so there was a round");
-    let mismatches = mismatches(&simd_picture, &scalar_picture);
+    let mut lanes = vec![suited];
+    let (mut differ, mut first_mismatch) = (BTreeSet::new(), None);
+    let mut check = |lanes, picture: &Picture| {
+        let found = mismatches(picture, &scalar_picture);
+        first_mismatch = first_mismatch.take().or(found.first().map(|&index| Mismatch {
+            lanes,
+            x: index as u32 % picture.width,
+            y: index as u32 / picture.width,
+            simd: picture.pixels[index],
+            scalar: scalar_picture.pixels[index],
+        }));
+        differ.extend(found);
+    };
+    check(suited, &simd_picture);
+    for other in WIDTHS.into_iter().filter(|&other| other > 1 && other != suited) {
+        let renderer = of(other);
+        let mut film = renderer.film();
+        renderer.add_samples(&mut film, samples);
+        discarded_samples += film.discarded();
+        check(other, &film.picture());
+        lanes.push(other);
+    }
     let to_check = to_check.unwrap_or_else(|| without_light_sampling(scene, settings, share.samples));
     Comparison {
         scene: scene.name.clone(),
         pixels: simd_picture.pixels.len(),
         samples,
-        mismatched_pixels: mismatches.len(),
-        first_mismatch: mismatches.first().map(|&index| Mismatch {
-            x: index as u32 % simd_picture.width,
-            y: index as u32 / simd_picture.width,
-            simd: simd_picture.pixels[index],
-            scalar: scalar_picture.pixels[index],
-        }),
+        lanes,
+        mismatched_pixels: differ.len(),
+        first_mismatch,
         discarded_samples,
         speedup: speedup.median,
         speedup_spread: speedup.spread,
@@ -130,7 +155,7 @@ pub fn compare(scene: &Scene, settings: Settings, samples: u32) -> Comparison {
 /// The picture without next event estimation: the reference has none, so it can only follow such paths.
 fn without_light_sampling(scene: &Scene, settings: Settings, samples: u32) -> Picture {
     let methods = Methods { lights: LightChoice::Off, ..settings.methods };
-    let renderer = Renderer::new(scene, Settings { methods, lanes: 8, ..settings });
+    let renderer = Renderer::new(scene, Settings { methods, ..settings });
     let mut film = renderer.film();
     renderer.add_samples(&mut film, samples);
     film.picture()

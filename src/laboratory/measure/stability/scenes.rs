@@ -210,7 +210,7 @@ fn renderer(rng: &mut Rng, scene: &Scene, _: &[PrimaryHit]) -> Vec<u32> {
     let traversals = [Traversal::Single, Traversal::Packet, Traversal::Stream, Traversal::Hybrid];
     let choices = [TraversalChoice::Linear, TraversalChoice::Through(traversals[rng.index(4)])];
     let render = RenderMethods::with(SphereChoice::Robust, TriangleChoice::Woop, choices[rng.index(2)]);
-    let render = RenderMethods { lanes: [1, 8][rng.index(2)], ..render };
+    let render = RenderMethods { lanes: [1, 8, 16][rng.index(3)], ..render };
     seen(scene, render).iter().map(|hit| hit.primitive).collect()
 }
 

@@ -1,7 +1,8 @@
-//! Laws that no picture is needed for: lanes, kernels, sampling, hierarchies, traversals, lights, lobes, and
-//! the order of the sources.
+//! Laws of bits and of parts: lanes, kernels, sampling, hierarchies, traversals, lights, lobes; films that
+//! are the same from every width, thread, tile and pipeline; and the order of the sources.
 //!
-//! One module for each law. All run at every width they speak of; seeds are fixed.
+//! One module for each law. All run at every width they speak of; seeds are fixed. `.ci/run` also runs them
+//! without AVX2 and FMA.
 
 // The packages under one name, as the program's library shows them; the program itself is not needed.
 extern crate self as octray;
@@ -15,6 +16,7 @@ mod common;
 mod architecture;
 mod bvh_laws;
 mod choosing;
+mod determinism;
 mod frustum_edges;
 mod frustum_laws;
 mod hierarchy_laws;
@@ -29,6 +31,7 @@ mod leaving;
 mod lights;
 mod lobes;
 mod long_paths;
+mod pipelines;
 mod sampling_laws;
 mod sobol;
 mod stream_lists;

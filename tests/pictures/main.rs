@@ -1,5 +1,5 @@
-//! Laws of whole films: the same bits from every width, thread and pipeline, the expected value of every
-//! estimator, the f64 reference, what display does to pictures, and the recipes of `octray stability`.
+//! Laws of pictures: the expected value of every estimator, the f64 reference, what display does to pictures,
+//! and the recipes of `octray stability`.
 
 // The packages under one name, as the program's library shows them; the program itself is not needed.
 extern crate self as octray;
@@ -11,14 +11,12 @@ pub use octray_laboratory::{measure, reference};
 mod common;
 
 mod adaptive_laws;
-mod determinism;
 mod display_laws;
 mod expectation;
 mod flip;
 mod furnace;
 mod history;
 mod judged;
-mod pipelines;
 mod reference_laws;
 mod smooth;
 mod stability;

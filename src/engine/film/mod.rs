@@ -9,8 +9,11 @@
 pub mod noise;
 
 use crate::camera::Tile;
-use crate::lane::{F32x8, Lane, Mask, Mask8};
+use crate::lane::{Lane, Mask, NATIVE_WIDTH, Native};
 use noise::Noise;
+
+/// Sums are the same at any width.
+type L = Native;
 
 /// A picture in linear RGB, row by row from the top, before tone mapping: the mean of a film.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -57,16 +60,16 @@ pub struct TileSums {
 /// truncation errors", CACM 8(1), 1965.
 #[derive(Clone, Copy, Debug)]
 struct CompensatedSum {
-    sum: F32x8,
+    sum: L,
     /// The rounding error of `sum`: the true sum is `sum` − `excess`.
-    excess: F32x8,
+    excess: L,
 }
 
 impl CompensatedSum {
-    const ZERO: Self = Self { sum: F32x8::ZERO, excess: F32x8::ZERO };
+    const ZERO: Self = Self { sum: L::ZERO, excess: L::ZERO };
 
     #[inline(always)]
-    fn add(&mut self, value: F32x8) {
+    fn add(&mut self, value: L) {
         let value = value - self.excess;
         let sum = self.sum + value;
         self.excess = (sum - self.sum) - value;
@@ -80,7 +83,7 @@ impl CompensatedSum {
 impl TileSums {
     /// Black.
     pub fn new(tile: Tile) -> Self {
-        let packets = vec![[CompensatedSum::ZERO; 3]; tile.pixels().div_ceil(F32x8::WIDTH)];
+        let packets = vec![[CompensatedSum::ZERO; 3]; tile.pixels().div_ceil(L::WIDTH)];
         Self { tile, samples: 0, packets, discarded: Vec::new(), noise: None }
     }
 
@@ -96,14 +99,14 @@ impl TileSums {
     /// Adds one sample of every pixel: red, green and blue, each padded to whole packets. A sample with a NaN
     /// or infinite channel is discarded and counted.
     pub fn add(&mut self, radiance: [&[f32]; 3]) {
-        let channels = radiance.map(|channel| channel.as_chunks::<{ F32x8::WIDTH }>().0);
+        let channels = radiance.map(|channel| channel.as_chunks::<{ NATIVE_WIDTH }>().0);
         let [r, g, b] = channels.map(|channel| &channel[..self.packets.len()]);
         let packets = self.packets.iter_mut().zip(r).zip(g).zip(b);
         for (packet, (((sums, r), g), b)) in packets.enumerate() {
-            let mut sample = [r, g, b].map(|channel| F32x8::load(channel));
+            let mut sample = [r, g, b].map(|channel| L::load(channel));
             let [r, g, b] = sample;
             // x · 0 is 0 for every finite x and NaN for the others.
-            let zero = F32x8::zero();
+            let zero = L::zero();
             let finite = r.mul_add(zero, g.mul_add(zero, b * zero)).eq(zero);
             if !finite.all() {
                 sample = discard(&mut self.discarded, self.tile.pixels(), packet, finite, sample);
@@ -127,7 +130,7 @@ impl TileSums {
     pub fn mean(&self, slot: usize) -> [f64; 3] {
         let count = self.samples - self.discarded.get(slot).unwrap_or(&0);
         let scale = 1.0 / f64::from(count.max(1));
-        let (packet, lane) = (slot / F32x8::WIDTH, slot % F32x8::WIDTH);
+        let (packet, lane) = (slot / L::WIDTH, slot % L::WIDTH);
         std::array::from_fn(|c| self.packets[packet][c].get(lane) * scale)
     }
 }
@@ -140,11 +143,11 @@ fn discard(
     discarded: &mut Vec<u32>,
     pixels: usize,
     packet: usize,
-    finite: Mask8,
-    sample: [F32x8; 3],
-) -> [F32x8; 3] {
+    finite: <L as Lane>::Mask,
+    sample: [L; 3],
+) -> [L; 3] {
     discarded.resize(pixels, 0);
-    let lanes = discarded[packet * F32x8::WIDTH..].iter_mut().take(F32x8::WIDTH);
+    let lanes = discarded[packet * L::WIDTH..].iter_mut().take(L::WIDTH);
     lanes.enumerate().for_each(|(lane, count)| *count += (!finite.bitmask() >> lane) & 1);
     sample.map(|channel| channel.only(finite))
 }
@@ -152,8 +155,7 @@ fn discard(
 impl Film {
     /// Memory of a pixel in bytes while the film's picture is computed: its sums, its share of a tile's other
     /// memory, and its pixel of the picture. Measured: 37 of the program's 38 in all at 8000×8000.
-    pub const BYTES_PER_PIXEL: usize =
-        3 * size_of::<CompensatedSum>() / F32x8::WIDTH + 1 + size_of::<[f32; 3]>();
+    pub const BYTES_PER_PIXEL: usize = 3 * size_of::<CompensatedSum>() / L::WIDTH + 1 + size_of::<[f32; 3]>();
 
     /// An empty film, divided into tiles of at most `tile_size` pixels in width and height.
     pub(crate) fn new(resolution: [u32; 2], tile_size: [u32; 2]) -> Self {
@@ -251,10 +253,10 @@ mod tests {
 
     #[test]
     fn sums_of_a_million_samples_stay_accurate() {
-        let mut sums = sums(8);
+        let mut sums = sums(16);
         let (samples, value) = (1_000_000, 0.1f32);
         for _ in 0..samples {
-            sums.add([&[value; 8], &[1.0; 8], &[0.3; 8]]);
+            sums.add([&[value; 16], &[1.0; 16], &[0.3; 16]]);
         }
         let truth = f64::from(value) * f64::from(samples);
         let error = (sums.packets[0][0].get(3) - truth).abs() / truth;

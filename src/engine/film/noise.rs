@@ -14,7 +14,9 @@
 //! more than that of all n, and the estimate is conservative. Differences of even and odd samples would not
 //! do: even points all lie in one half of the pixel.
 
-use crate::lane::{F32x8, Lane};
+use crate::lane::{Lane, NATIVE_WIDTH, Native};
+
+type L = Native;
 
 /// Samples in a group.
 pub const GROUP: u32 = 4;
@@ -35,28 +37,28 @@ pub struct Noise {
 #[derive(Clone, Copy, Debug)]
 struct Spread {
     /// d of the current group.
-    difference: F32x8,
+    difference: L,
     /// Σ d² of complete groups. A plain sum: four million of them leave three digits, and two are enough.
-    squares: F32x8,
+    squares: L,
 }
 
 impl Noise {
-    pub const BYTES_PER_PIXEL: usize = size_of::<Spread>() / F32x8::WIDTH;
+    pub const BYTES_PER_PIXEL: usize = size_of::<Spread>() / L::WIDTH;
 
     pub(super) fn new(packets: usize) -> Self {
-        Self { packets: vec![Spread { difference: F32x8::zero(), squares: F32x8::zero() }; packets] }
+        Self { packets: vec![Spread { difference: L::zero(), squares: L::zero() }; packets] }
     }
 
     /// Adds sample number `sample` of every pixel, counted from 0. One that is not finite counts as black.
-    pub(super) fn add(&mut self, sample: u32, [r, g, b]: [&[[f32; F32x8::WIDTH]]; 3]) {
-        let zero = F32x8::zero();
-        let weights = LUMINANCE.map(F32x8::splat);
-        let sign = F32x8::splat(if sample % GROUP < GROUP / 2 { 1.0 } else { -1.0 });
+    pub(super) fn add(&mut self, sample: u32, [r, g, b]: [&[[f32; NATIVE_WIDTH]]; 3]) {
+        let zero = L::zero();
+        let weights = LUMINANCE.map(L::splat);
+        let sign = L::splat(if sample % GROUP < GROUP / 2 { 1.0 } else { -1.0 });
         let whole = sample % GROUP == GROUP - 1;
         for (((spread, r), g), b) in self.packets.iter_mut().zip(r).zip(g).zip(b) {
-            let [r, g, b] = [r, g, b].map(|channel| F32x8::load(channel));
+            let [r, g, b] = [r, g, b].map(|channel| L::load(channel));
             let luminance = r.mul_add(weights[0], g.mul_add(weights[1], b * weights[2]));
-            let luminance = F32x8::select(luminance.is_finite(), luminance, zero);
+            let luminance = L::select(luminance.is_finite(), luminance, zero);
             spread.difference = luminance.mul_add(sign, spread.difference);
             if whole {
                 spread.squares = spread.difference.mul_add(spread.difference, spread.squares);
@@ -68,7 +70,7 @@ impl Noise {
     /// The estimated variance of a pixel's mean luminance after `samples` samples; infinite before the first
     /// complete group.
     pub(crate) fn variance_of_mean(&self, slot: usize, samples: u32) -> f64 {
-        let squares = f64::from(self.packets[slot / F32x8::WIDTH].squares.get(slot % F32x8::WIDTH));
+        let squares = f64::from(self.packets[slot / L::WIDTH].squares.get(slot % L::WIDTH));
         let groups = samples / GROUP;
         if groups == 0 {
             return f64::INFINITY;
@@ -84,7 +86,7 @@ mod tests {
     /// The estimate for a pixel whose sample i is grey of the brightness `value(i)`.
     fn estimate(samples: u32, value: impl Fn(u32) -> f32) -> f64 {
         let mut noise = Noise::new(1);
-        (0..samples).for_each(|sample| noise.add(sample, [&[[value(sample); 8]]; 3]));
+        (0..samples).for_each(|sample| noise.add(sample, [&[[value(sample); NATIVE_WIDTH]]; 3]));
         noise.variance_of_mean(5, samples)
     }
 

@@ -30,4 +30,11 @@ pub use traits::{Bits, Lane, Mask, lane_indices, set_bits};
 pub const WIDTHS: [usize; 3] = [1, 8, 16];
 
 /// The widest packet that is one vector of the instruction set that is compiled for.
-pub const NATIVE_WIDTH: usize = if cfg!(target_feature = "avx512f") { 16 } else { 8 };
+#[cfg(target_feature = "avx512f")]
+pub type Native = F32x16;
+/// The widest packet that is one vector of the instruction set that is compiled for.
+#[cfg(not(target_feature = "avx512f"))]
+pub type Native = F32x8;
+
+/// Lanes of [`Native`].
+pub const NATIVE_WIDTH: usize = <Native as Lane>::WIDTH;

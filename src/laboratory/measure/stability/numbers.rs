@@ -5,6 +5,7 @@ use super::recipe::{Bound, EPSILON, FailureCounts, Recipe};
 use super::rng::Rng;
 use crate::camera::Tile;
 use crate::film::TileSums;
+use crate::lane::NATIVE_WIDTH;
 use crate::sampling::random::unit_interval;
 
 pub const RECIPES: &[Recipe] = &[
@@ -158,7 +159,7 @@ impl Sum for OnFilm {
         Self(TileSums::new(Tile { number: 0, x: 0, y: 0, width: 1, height: 1 }))
     }
     fn add(&mut self, x: f32) {
-        self.0.add([&[x; 8]; 3]);
+        self.0.add([&[x; NATIVE_WIDTH]; 3]);
     }
     fn get(&self) -> f64 {
         self.0.mean(0)[0] * (f64::from(self.0.samples) - self.discarded() as f64)

@@ -169,3 +169,65 @@ fn hits_lie_below_the_limit_and_inactive_lanes_miss() {
     }
     for_every_method!(check);
 }
+
+/// The vertices of a fan: triangles i are a, v[i], v[i + 1].
+fn fan(a: Vec3, rim: &[Vec3]) -> Vec<[Vec3; 3]> {
+    rim.windows(2).map(|edge| [a, edge[0], edge[1]]).collect()
+}
+
+#[test]
+fn neighbours_are_linked_in_pairs_where_the_second_continues_the_first() {
+    let links = |triangles: &[[Vec3; 3]]| {
+        let mut stored: Vec<_> = triangles.iter().map(|&triangle| Woop::store(triangle)).collect();
+        Woop::link_pairs(&mut stored);
+        stored.iter().map(Woop::is_linked).collect::<Vec<_>>()
+    };
+    let [a, b, c, d, e] = std::array::from_fn(|i| Vec3::new(i as f32, (i * i) as f32, 1.0));
+    assert_eq!(links(&fan(a, &[b, c, d])), [true, false]);
+    assert_eq!(links(&fan(a, &[b, c, d, e])), [true, false, false], "no triangle is in two pairs");
+    assert_eq!(links(&fan(a, &[b, c, d, e, b])), [true, false, true, false]);
+    assert_eq!(links(&[[a, b, c], [a, d, c], [b, c, d], [a, b, c]]), [false; 4]);
+    assert_eq!(links(&[]), [false; 0]);
+}
+
+#[test]
+fn pairs_give_the_bits_of_their_triangles_at_every_width() {
+    fn check<L: Lane>() {
+        let mut rng = Rng(31);
+        let mut hits = [0; 2];
+        for _ in 0..4_000 {
+            // On a grid, so that rays meet vertices and edges exactly and edge functions vanish.
+            let whole = rng.index(2) == 0;
+            let mut corner = || {
+                let point = rng.in_cube() * 3.0;
+                if whole { point.round().as_vec3() } else { point.as_vec3() }
+            };
+            let [a, b, c, d] = std::array::from_fn(|_| corner());
+            let rays: [Ray<f32>; 16] = std::array::from_fn(|lane| {
+                let origin = corner();
+                let target =
+                    [a, c, (a + c) * 0.5, d, (a + b + c) / 3.0, (a + c + d) / 3.0, corner(), b][lane % 8];
+                ray(origin, target - origin)
+            });
+            let mut stored: Vec<_> = fan(a, &[b, c, d]).into_iter().map(Woop::store).collect();
+            Woop::link_pairs(&mut stored);
+            assert!(Woop::is_linked(&stored[0]));
+            let prepared = Woop::prepare(&packet::<L>(&rays));
+            let far = L::splat(f32::INFINITY);
+            let pair = Woop::test_pair(&prepared, [&stored[0], &stored[1]], far);
+            for (number, (found, stored)) in pair.iter().zip(&stored).enumerate() {
+                let alone = Woop::test(&prepared, stored, far);
+                assert_eq!(found.mask.bitmask(), alone.mask.bitmask(), "{a} {b} {c} {d}");
+                for lane in alone.mask.lanes() {
+                    let bits = |hit: &TriangleHit<L>| [hit.t, hit.u, hit.v].map(|x| x.get(lane).to_bits());
+                    assert_eq!(bits(found), bits(&alone), "{:?}", rays[lane]);
+                }
+                hits[number] += alone.mask.count();
+            }
+        }
+        assert!(hits.iter().all(|&hits| hits > 1_000), "{hits:?}");
+    }
+    check::<f32>();
+    check::<F32x8>();
+    check::<F32x16>();
+}

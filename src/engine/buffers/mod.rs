@@ -151,9 +151,11 @@ impl Buffers {
     }
 }
 
-/// The scene's triangles as an intersection method stores them.
+/// The scene's triangles as an intersection method stores them, those that share an edge linked in pairs.
 pub fn store_triangles<T: TriangleMethod>(scene: &Scene) -> Vec<T::Stored> {
-    scene.triangles.iter().map(|triangle| T::store(triangle.vertices)).collect()
+    let mut stored: Vec<_> = scene.triangles.iter().map(|triangle| T::store(triangle.vertices)).collect();
+    T::link_pairs(&mut stored);
+    stored
 }
 
 impl Sky {

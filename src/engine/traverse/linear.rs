@@ -5,7 +5,7 @@ use super::visible::Visible;
 use crate::buffers::{Features, Spheres};
 use crate::kernel::ray_box::{Padding, Slabs, own_box};
 use crate::kernel::ray_sphere::SphereMethod;
-use crate::kernel::ray_triangle::TriangleMethod;
+use crate::kernel::ray_triangle::{TriangleHit, TriangleMethod};
 use crate::lane::{Bits, Lane, Mask};
 use crate::math::{Hit, Ray, Vec3};
 use crate::scene::Scene;
@@ -122,8 +122,22 @@ pub fn closest<L: Lane, S: SphereMethod, T: TriangleMethod>(
     }
     if candidates.has_triangles() {
         let prepared = T::prepare(ray);
-        for (number, triangle) in candidates.triangles() {
-            intersect_triangle::<L, T>(&mut hit, ray, padding, &prepared, number, triangle);
+        let mut triangles = candidates.triangles().peekable();
+        while let Some((number, triangle)) = triangles.next() {
+            let limit = if T::own_box(triangle).is_some() { L::splat(f32::INFINITY) } else { hit.t };
+            let successor = |(next, _): &(u32, &T::Stored)| *next == number + 1;
+            if T::is_linked(triangle)
+                && let Some((next, second)) = triangles.next_if(successor)
+            {
+                let found = T::test_pair(&prepared, [triangle, second], limit);
+                let both = [(number, triangle), (next, second)].into_iter().zip(found);
+                for ((number, triangle), found) in both {
+                    keep_if_nearer::<L, T>(&mut hit, ray, padding, number, triangle, found);
+                }
+            } else {
+                let found = T::test(&prepared, triangle, limit);
+                keep_if_nearer::<L, T>(&mut hit, ray, padding, number, triangle, found);
+            }
         }
     }
     hit
@@ -143,21 +157,18 @@ fn intersect_sphere<L: Lane, S: SphereMethod>(
 }
 
 #[inline(always)]
-fn intersect_triangle<L: Lane, T: TriangleMethod>(
+fn keep_if_nearer<L: Lane, T: TriangleMethod>(
     hit: &mut Hit<L>,
     ray: &Ray<L>,
     padding: Padding,
-    prepared: &T::Prepared<L>,
     number: u32,
     triangle: &T::Stored,
+    found: TriangleHit<L>,
 ) {
-    let corners = T::own_box(triangle);
-    let limit = if corners.is_some() { L::splat(f32::INFINITY) } else { hit.t };
-    let found = T::test(prepared, triangle, limit);
     if !found.mask.any() {
         return;
     }
-    let (mask, t) = match corners {
+    let (mask, t) = match T::own_box(triangle) {
         // Slabs are computed here and not once a packet: few packets hit a triangle's plane inside its edges.
         Some(corners) => {
             let [lo, hi] = corners.map(Vec3::splat);

@@ -36,6 +36,26 @@ pub trait TriangleMethod: Send + Sync + 'static {
     fn prepare<L: Lane>(ray: &Ray<L>) -> Self::Prepared<L>;
     fn test<L: Lane>(ray: &Self::Prepared<L>, triangle: &Self::Stored, limit: L) -> TriangleHit<L>;
 
+    /// Finds triangles whose successor continues them: a, b, c before a, c, d, as polygons are cut. No
+    /// triangle is in two such pairs.
+    fn link_pairs(_: &mut [Self::Stored]) {}
+
+    /// Does the successor continue this triangle? Then [`TriangleMethod::test_pair`] takes both.
+    #[inline(always)]
+    fn is_linked(_: &Self::Stored) -> bool {
+        false
+    }
+
+    /// [`TriangleMethod::test`] of a linked triangle and its successor.
+    #[inline(always)]
+    fn test_pair<L: Lane>(
+        ray: &Self::Prepared<L>,
+        [first, second]: [&Self::Stored; 2],
+        limit: L,
+    ) -> [TriangleHit<L>; 2] {
+        [Self::test(ray, first, limit), Self::test(ray, second, limit)]
+    }
+
     /// The lower and upper corner of the triangle's own box, of methods whose hits are restricted to it: see
     /// [`crate::kernel::ray_box::own_box`]. The caller gives such a method no `limit`, and compares the t
     /// that is clamped to the box: so the order of tests does not change the closest hit.

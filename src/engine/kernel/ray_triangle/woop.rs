@@ -32,12 +32,15 @@ pub struct WoopContracted;
 
 /// Each vertex as x y z x y in a row of eight, so that the components from any axis on are in cyclic order
 /// and fit one register. The last three numbers of the first and second row are the lower and upper corner of
-/// the triangle's box.
+/// the triangle's box; the sixth of the third row is 1 where the successor continues the triangle, else 0.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(32))]
 pub struct WoopTriangle {
     rows: [[f32; 8]; 3],
 }
+
+/// Where the third row says whether the successor continues the triangle.
+const LINKED: usize = 5;
 
 /// The space in which the ray is the z axis: an order of axes and a shear.
 #[derive(Clone, Copy)]
@@ -101,15 +104,24 @@ fn woop<L: Lane>(
     [a, b, c]: [Vec3<L>; 3],
     edge: impl Fn((L, L), (L, L)) -> L,
 ) -> Option<TriangleHit<L>> {
-    // The x and y of a vertex in the space of the ray.
-    let sheared = |v: Vec3<L>| (shear.x.neg_mul_add(v.z, v.x), shear.y.neg_mul_add(v.z, v.y));
-    let (pa, pb, pc) = (sheared(a), sheared(b), sheared(c));
-    let (u, v, w) = (edge(pc, pb), edge(pa, pc), edge(pb, pa));
+    let (pa, pb, pc) = (sheared(shear, a), sheared(shear, b), sheared(shear, c));
+    hit_of_edges(shear, [a.z, b.z, c.z], [edge(pc, pb), edge(pa, pc), edge(pb, pa)])
+}
+
+/// The x and y of a vertex in the space of the ray.
+#[inline(always)]
+fn sheared<L: Lane>(shear: Vec3<L>, v: Vec3<L>) -> (L, L) {
+    (shear.x.neg_mul_add(v.z, v.x), shear.y.neg_mul_add(v.z, v.y))
+}
+
+/// The hit of a triangle with these z of its vertices and these edge functions of its opposite edges.
+#[inline(always)]
+fn hit_of_edges<L: Lane>(shear: Vec3<L>, [az, bz, cz]: [L; 3], [u, v, w]: [L; 3]) -> Option<TriangleHit<L>> {
     let (least, most) = (u.min(v).min(w), u.max(v).max(w));
     let inside = L::zero().le(least) | most.le(L::zero());
     // Rays that leave a surface have t < 0 with it: compare signs before the branch, without a division.
     let determinant = u + v + w;
-    let scaled_t = u.mul_add(a.z, v.mul_add(b.z, w * c.z)) * shear.z;
+    let scaled_t = u.mul_add(az, v.mul_add(bz, w * cz)) * shear.z;
     let inside = inside & !(scaled_t.flip_sign(determinant)).lt(L::zero());
     if !inside.any() {
         return None;
@@ -221,6 +233,23 @@ impl TriangleMethod for Woop {
         };
         Some([corner(0), corner(1)])
     }
+    fn link_pairs(triangles: &mut [WoopTriangle]) {
+        let vertex =
+            |triangle: &WoopTriangle, row: usize| <[f32; 3]>::try_from(&triangle.rows[row][..3]).ok();
+        let mut index = 1;
+        while index < triangles.len() {
+            let [first, second] = [&triangles[index - 1], &triangles[index]];
+            let continues = vertex(first, 0) == vertex(second, 0) && vertex(first, 2) == vertex(second, 1);
+            if continues {
+                triangles[index - 1].rows[2][LINKED] = 1.0;
+            }
+            index += 1 + usize::from(continues);
+        }
+    }
+    #[inline(always)]
+    fn is_linked(triangle: &WoopTriangle) -> bool {
+        triangle.rows[2][LINKED] != 0.0
+    }
     #[inline(always)]
     fn prepare<L: Lane>(ray: &Ray<L>) -> WoopRay<L> {
         WoopRay::new(ray)
@@ -228,6 +257,23 @@ impl TriangleMethod for Woop {
     #[inline(always)]
     fn test<L: Lane>(ray: &WoopRay<L>, triangle: &WoopTriangle, limit: L) -> TriangleHit<L> {
         within(woop(ray.shear, ray.vertices(triangle), exact_edge), limit)
+    }
+    /// The vertices that a, b, c and a, c, d share are transformed once.
+    #[inline(always)]
+    fn test_pair<L: Lane>(
+        ray: &WoopRay<L>,
+        [first, second]: [&WoopTriangle; 2],
+        limit: L,
+    ) -> [TriangleHit<L>; 2] {
+        let ([a, b, c], d) = (ray.vertices(first), ray.vertex(&second.rows[2]));
+        let [pa, pb, pc, pd] = [a, b, c, d].map(|v| sheared(ray.shear, v));
+        let first = [exact_edge(pc, pb), exact_edge(pa, pc), exact_edge(pb, pa)];
+        // The last one is that of the first triangle with its sign changed, but for the sign of zeros.
+        let second = [exact_edge(pd, pc), exact_edge(pa, pd), exact_edge(pc, pa)];
+        [
+            within(hit_of_edges(ray.shear, [a.z, b.z, c.z], first), limit),
+            within(hit_of_edges(ray.shear, [a.z, c.z, d.z], second), limit),
+        ]
     }
 }
 

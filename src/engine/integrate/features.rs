@@ -1,7 +1,7 @@
 //! Tests of a pipeline's feature set.
 //!
-//! For: [`has`] and [`abilities`], constants once a pipeline is compiled. May import: `buffers`. Must never
-//! know: stages.
+//! For: [`has`], [`ends_missed`] and [`abilities`], constants once a pipeline is compiled. May import:
+//! `buffers`. Must never know: stages.
 
 use crate::buffers::{Abilities, Features};
 
@@ -9,6 +9,14 @@ use crate::buffers::{Abilities, Features};
 #[inline(always)]
 pub const fn has(n: u32, feature: Features) -> bool {
     Features(n).contains(feature)
+}
+
+/// Do paths that miss end where they are intersected, so that shading has full packets? Only under a sky that
+/// the feature set knows: in scenes without one, nearly every ray hits the sphere around them, and looking
+/// for misses costs 3 %.
+#[inline(always)]
+pub const fn ends_missed(n: u32) -> bool {
+    has(n, Features::SKY_GRADIENT) || has(n, Features::SKY_TEXTURE)
 }
 
 /// The texture lookups that the feature set `N` holds.

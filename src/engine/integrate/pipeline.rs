@@ -5,7 +5,7 @@
 use super::context::TraceContext;
 use super::features::has;
 use super::generate::generate;
-use super::intersect::intersect;
+use super::intersect::{Intersected, intersect};
 use super::scratch::Scratch;
 use super::shade::{Shaded, finish, shade};
 use super::shadow_rays::trace_shadow_rays;
@@ -30,11 +30,11 @@ pub fn trace_tile<L: Lane, const N: u32>(
     let mut rays = count as u64;
     if context.max_bounces == 0 {
         scratch.begin_stage_with_rays::<L>(Stage::Finish, context, tile, 0, count);
-        finish::<L, N, true>(context, scratch, count);
+        finish::<L, N, true>(context, scratch, &Intersected::all(count));
         return rays;
     }
     scratch.begin_stage_with_rays::<L>(Stage::Shade, context, tile, 0, count);
-    let mut shaded = shade::<L, N, true>(context, scratch, count, 0);
+    let mut shaded = shade::<L, N, true>(context, scratch, &Intersected::all(count), 0);
     rays += shadow_rays::<L, N>(context, scratch, &shaded);
     for bounce in 1..context.max_bounces {
         count = shaded.alive;
@@ -43,16 +43,16 @@ pub fn trace_tile<L: Lane, const N: u32>(
         if bounce.is_multiple_of(RENORMALIZATION_INTERVAL) {
             scratch.queue.normalize_directions::<L>(count);
         }
-        intersect::<L, N>(context, scratch, count);
+        let left = intersect::<L, N>(context, scratch, count);
         scratch.begin_stage(Some(Stage::Shade));
-        shaded = shade::<L, N, false>(context, scratch, count, bounce);
+        shaded = shade::<L, N, false>(context, scratch, &left, bounce);
         rays += shadow_rays::<L, N>(context, scratch, &shaded);
     }
     count = shaded.alive;
     scratch.begin_stage_with_rays::<L>(Stage::Intersect, context, tile, context.max_bounces, count);
-    intersect::<L, N>(context, scratch, count);
+    let left = intersect::<L, N>(context, scratch, count);
     scratch.begin_stage(Some(Stage::Finish));
-    finish::<L, N, false>(context, scratch, count);
+    finish::<L, N, false>(context, scratch, &left);
     rays + count as u64
 }
 

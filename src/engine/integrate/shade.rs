@@ -7,7 +7,8 @@
 use super::bsdf::{ScatteredPath, scatter};
 use super::context::TraceContext;
 use super::emission::{missed_radiance, surface_radiance};
-use super::features::has;
+use super::features::{ends_missed, has};
+use super::intersect::Intersected;
 use super::material::MaterialSample;
 use super::queue::{Path, primary_slots};
 use super::scratch::Scratch;
@@ -25,24 +26,23 @@ pub struct Shaded {
     pub shadow_rays: usize,
 }
 
-/// Shades the hits of the first `count` paths after `bounce` bounces, samples lights for them, and scatters
-/// them.
+/// Shades the hits of paths after `bounce` bounces, samples lights for them, and scatters them.
 ///
-/// `FIRST`: the queue holds primary rays, as [`super::generate()`] left them.
+/// `FIRST`: the queue holds primary rays, as [`super::generate()`] left them, and some missed.
 pub fn shade<L: Lane, const N: u32, const FIRST: bool>(
     context: &TraceContext,
     scratch: &mut Scratch,
-    count: usize,
+    &Intersected { hits: count, contributions }: &Intersected,
     bounce: u32,
 ) -> Shaded {
     let numbers = &scratch.values.bounce(bounce);
-    let mut accumulator = RadianceAccumulator::<FIRST>::default();
+    let mut accumulator = RadianceAccumulator::<FIRST> { contributions };
     let (mut going_on, mut shadow_rays) = (0, 0);
     let sample_lights = has(N, Features::LIGHTS) && !context.buffers.lights.is_empty();
     for at in (0..count).step_by(L::WIDTH) {
         let IntersectedPacket { path, hit, active, found, mut radiance } =
             IntersectedPacket::<L>::load::<N, FIRST>(context, scratch, at, count);
-        if !found.any() {
+        if (FIRST || !ends_missed(N)) && !found.any() {
             accumulator.add(scratch, at, active, &path, radiance);
             continue;
         }
@@ -81,9 +81,11 @@ pub fn shade<L: Lane, const N: u32, const FIRST: bool>(
 pub fn finish<L: Lane, const N: u32, const FIRST: bool>(
     context: &TraceContext,
     scratch: &mut Scratch,
-    count: usize,
+    &Intersected { hits, contributions }: &Intersected,
 ) {
-    let mut accumulator = RadianceAccumulator::<FIRST>::default();
+    let mut accumulator = RadianceAccumulator::<FIRST> { contributions };
+    // Without emitters, what was hit adds nothing.
+    let count = if FIRST || !ends_missed(N) || has(N, Features::EMISSION) { hits } else { 0 };
     for at in (0..count).step_by(L::WIDTH) {
         let IntersectedPacket { path, hit, active, found, mut radiance } =
             IntersectedPacket::<L>::load::<N, FIRST>(context, scratch, at, count);
@@ -121,6 +123,9 @@ impl<L: Lane> IntersectedPacket<L> {
         let path = load_path::<L, N, FIRST>(context, scratch, at);
         let hit: Hit<L> = scratch.queue.hit(at);
         let active = L::Mask::first(count - at);
+        if !FIRST && ends_missed(N) {
+            return Self { path, hit, active, found: active, radiance: Vec3::zero() };
+        }
         let found = hit.found() & active;
         let radiance = missed_radiance::<L, N, FIRST>(context, &path, active & !found);
         Self { path, hit, active, found, radiance }
@@ -155,7 +160,6 @@ fn carries_radiance<L: Lane, const N: u32>(active: L::Mask, found: L::Mask, radi
 
 /// Adds radiance to pixels. At the first segment every path is at its pixel's index and whole packets are
 /// stored; later, contributions are queued and added at the end of the stage.
-#[derive(Default)]
 struct RadianceAccumulator<const FIRST: bool> {
     contributions: usize,
 }

@@ -11,7 +11,7 @@
 //! ```
 //!
 //! - [`fn@generate`] makes primary rays and intersects them.
-//! - `intersect` finds what the rays of later segments hit.
+//! - `intersect` finds what the rays of later segments hit. Under a sky, paths that miss end here.
 //! - `shade` adds emitted radiance, samples the BSDF, and compresses the paths that go on to the front of the
 //!   queue, so that packets stay full. Where lights are sampled, it queues shadow rays.
 //! - `shadow_rays` adds the radiance of the shadow rays that are not occluded.

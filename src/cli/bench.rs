@@ -5,7 +5,7 @@ use super::memory;
 use super::options::BenchOptions;
 use super::scenes;
 use super::terminal;
-use crate::lane::{NATIVE_WIDTH, WIDTHS};
+use crate::lane::native_widths;
 use crate::machine;
 use crate::measure::bench::{Effort, Engine, bench};
 use crate::measure::compare::{BYTES_PER_PIXEL as COMPARE_BYTES_PER_PIXEL, compare};
@@ -67,7 +67,7 @@ fn engines(scene: &Scene, settings: &Settings, options: &BenchOptions) -> Vec<En
     let first = options.lanes.unwrap_or_default().lanes(scene, &settings.methods);
     let mut engines = vec![Engine { lanes: first, threads }];
     if options.lanes.is_none() {
-        let others = WIDTHS.into_iter().rev().filter(|&lanes| lanes <= NATIVE_WIDTH && lanes != first);
+        let others = native_widths().filter(|&lanes| lanes != first);
         engines.extend(others.map(|lanes| Engine { lanes, threads }));
     }
     if options.threads.is_none() && machine::cores() > 1 && first > 1 {

@@ -5,7 +5,7 @@
 
 use super::numbers::{figure, ratio};
 use super::stats::{self, engine};
-use crate::lane::{NATIVE_WIDTH, WIDTHS};
+use crate::lane::native_widths;
 use crate::machine::Machine;
 use crate::measure::bench::{FEWEST_FRAMES, Measurement};
 use crate::measure::compare::Comparison;
@@ -45,7 +45,7 @@ impl Report {
 
 /// The packets that have a column, the widest first.
 fn packets() -> impl Iterator<Item = usize> {
-    WIDTHS.into_iter().rev().filter(|&lanes| (2..=NATIVE_WIDTH).contains(&lanes))
+    native_widths().filter(|&lanes| lanes > 1)
 }
 
 /// What stands above the rows of scenes.

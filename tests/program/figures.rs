@@ -1,7 +1,7 @@
 //! `octray bench` and `octray compare`: what their reports hold.
 
 use crate::desk::{Desk, SCENE};
-use octray::lane::{NATIVE_WIDTH, WIDTHS};
+use octray::lane::native_widths;
 use predicates::prelude::*;
 use predicates::str::contains;
 use serde_json::{Value, json};
@@ -33,7 +33,7 @@ fn bench_reports_every_engine_in_json() {
     let results = report["results"].as_array().unwrap();
     let engines: Vec<Value> =
         results.iter().map(|result| json!([result["scene"], result["engine"], result["lanes"]])).collect();
-    let widths: Vec<usize> = WIDTHS.into_iter().rev().filter(|&lanes| lanes <= NATIVE_WIDTH).collect();
+    let widths: Vec<usize> = native_widths().collect();
     let engine = |lanes| if lanes == 1 { "scalar" } else { "simd" };
     let expected: Vec<Value> = ["scene.json", "builtin:three"]
         .into_iter()

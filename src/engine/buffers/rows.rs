@@ -18,17 +18,19 @@ pub struct Rows {
 
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(align(64))]
-struct Columns([[f32; 16]; 8]);
+struct Columns([[f32; Rows::COLUMN_LENGTH]; 8]);
 
 impl Rows {
     /// Most rows that fit into registers of eight lanes as columns.
     pub const FEW: usize = 8;
+    /// Most rows that are kept as columns.
+    const COLUMN_LENGTH: usize = 16;
 
     pub fn new(rows: impl Iterator<Item = [f32; 8]>) -> Self {
         let mut rows: Vec<Row> = rows.map(Row).collect();
         rows.shrink_to_fit();
         let mut first_as_columns = Columns::default();
-        for (index, row) in rows.iter().take(16).enumerate() {
+        for (index, row) in rows.iter().take(Self::COLUMN_LENGTH).enumerate() {
             for (column, value) in first_as_columns.0.iter_mut().zip(row.0) {
                 column[index] = value;
             }
@@ -49,7 +51,7 @@ impl Rows {
         let columns = &self.first_as_columns.0;
         if few {
             columns.each_ref().map(|column| L::pick(column.first_chunk().expect("eight of sixteen"), index))
-        } else if self.rows.len() <= 16 {
+        } else if self.rows.len() <= Self::COLUMN_LENGTH {
             columns.each_ref().map(|column| L::pick_of_16(column, index))
         } else {
             L::gather_rows::<8>(bytemuck::cast_slice(&self.rows), index)

@@ -38,3 +38,8 @@ pub type Native = F32x8;
 
 /// Lanes of [`Native`].
 pub const NATIVE_WIDTH: usize = <Native as Lane>::WIDTH;
+
+/// The widths up to [`NATIVE_WIDTH`], the widest first: those that are worth timing.
+pub fn native_widths() -> impl Iterator<Item = usize> {
+    WIDTHS.into_iter().rev().filter(|&lanes| lanes <= NATIVE_WIDTH)
+}

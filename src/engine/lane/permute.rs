@@ -65,7 +65,7 @@ impl F32x8 {
     pub(super) fn picked_of_16(table: &[f32; 16], index: U32x8) -> Self {
         let [low, high] = [0, 8].map(|first| Self::load(&table[first..]));
         // `shuffle` reads the lowest three bits of each index where it may read what it likes.
-        let lane = U32x8(index.0) & U32x8::splat(7);
+        let lane = index & U32x8::splat(7);
         let pick = |half: Self| Self(half.0.shuffle(lane.0));
         Self::select(Self::from_bits(index.shl(28)).is_sign_negative(), pick(high), pick(low))
     }

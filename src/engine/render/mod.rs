@@ -13,7 +13,7 @@ use crate::camera::{MAX_PIXELS, Pinhole, Tile};
 use crate::film::{Film, TileSums};
 use crate::integrate::stats::Stats;
 use crate::integrate::{Pipeline, Scratch, TraceContext, generate, pipeline_for};
-use crate::lane::{F32x8, F32x16};
+use crate::lane::{F32x8, F32x16, WIDTHS};
 use crate::math::{Hit, MISS};
 use crate::scene::{Camera, Scene};
 use crate::threads::Threads;
@@ -104,7 +104,7 @@ impl Renderer {
         check_resolution(resolution);
         let tile_pixels = tile_size[0] as usize * tile_size[1] as usize;
         assert!((1..=MAX_PIXELS).contains(&tile_pixels), "tile size {tile_size:?}");
-        assert!([1, 8, 16].contains(&lanes), "{lanes} lanes");
+        assert!(WIDTHS.contains(&lanes), "{lanes} lanes");
         let camera = Pinhole::new(&scene.camera, resolution);
         let primitives = Primitives::new(scene, settings.methods, lanes);
         let mut visible = Vec::new();

@@ -117,9 +117,9 @@ fn all_pairs<L: Lane>(sampler: Sampler, keys: &[L::Bits]) -> f32 {
     let mut sums = [L::zero(); 2];
     for sample in 0..SAMPLES {
         // A number that the compiler does not see through, as in a path.
-        let numbers = SampleValues::new(sampler, 0, sample, black_box(8));
+        let numbers = SampleValues::new(sampler, 0, sample, black_box(16));
         for &key in keys {
-            let (x, y) = numbers.get_2d::<L>(key, 2);
+            let (x, y) = numbers.at_keys::<L>(key).get_2d(2);
             sums = [sums[0] + x, sums[1] + y];
         }
     }

@@ -7,15 +7,30 @@
 
 use crate::common::Rng;
 use crate::common::statistics::{allowed, chi_squared_deviation, correlation, joint};
-use octray::sampling::{SampleValues, Sampler, dimension, random};
+use octray::sampling::{PacketValues, Places, SampleValues, Sampler, blue_noise, dimension, random};
 use std::f64::consts::{FRAC_PI_4, TAU};
 
 type Point = [f64; 2];
 
 fn point(sampler: Sampler, seed: u32, pixel: u32, sample: u32, dimension: u32) -> Point {
     let key = sampler.key::<u32>(seed, pixel, sample);
-    let (x, y) = SampleValues::new(sampler, seed, sample, dimension).get_2d::<f32>(key, 0);
+    let values = SampleValues::new(sampler, seed, sample, dimension);
+    let (x, y) = in_pixel(&values, key, pixel, dimension).get_2d(0);
     [f64::from(x), f64::from(y)]
+}
+
+/// The values of a pixel of a picture [`WIDTH`] pixels wide, before or after the first bounce.
+fn in_pixel(values: &SampleValues, key: u32, pixel: u32, dimension: u32) -> PacketValues<'_, f32> {
+    if is_shared(dimension) {
+        values.at_pixels(key, Places::Row { x: pixel % WIDTH, y: pixel / WIDTH })
+    } else {
+        values.at_keys(key)
+    }
+}
+
+/// Do neighbours share a net in this dimension? Their errors depend on each other, as they should.
+fn is_shared(dimension: u32) -> bool {
+    dimension < dimension::bounce(1)
 }
 
 fn points(sampler: Sampler, pixel: u32, dimension: u32, count: u32) -> Vec<Point> {
@@ -122,7 +137,7 @@ const WIDTH: u32 = 240;
 #[test]
 fn each_sample_is_uniform_over_pixels_in_every_digit() {
     let mut deviations = Vec::new();
-    for dimension in pairs() {
+    for dimension in pairs().filter(|&dimension| !is_shared(dimension)) {
         for sample in [0, 1, 6, 100, 4095] {
             let mut set = [[0u32; 24]; 2];
             let of_pixels: Vec<Point> =
@@ -171,13 +186,19 @@ fn pixels_pairs_and_seeds_have_nothing_in_common() {
         // The same sample of neighbours, and the next sample: frames of one sample each, shown one after the
         // other.
         for (s, t) in [(0, 0), (5, 5), (0, 1), (5, 6), (6, 14)] {
+            if is_shared(d) {
+                continue;
+            }
             let at = format!("dimension {d}, samples {s} and {t}");
             check(format!("{at}, in a row"), &|p| (number(5, p, s, d), number(5, p + 1, t, d)));
             check(format!("{at}, in a column"), &|p| (number(5, p, s, d), number(5, p + WIDTH, t, d)));
             check(format!("{at}, of successive seeds"), &|p| (number(5, p, s, d), number(6, p, t, d)));
         }
         for &e in &used[i + 1..] {
-            check(format!("dimensions {d} and {e}"), &|p| (number(5, p, 3, d), number(5, p, 3, e)));
+            // Those of one net: `blocks_of_pixels_meet_as_independent_orders_do`.
+            if !(is_shared(d) && is_shared(e)) {
+                check(format!("dimensions {d} and {e}"), &|p| (number(5, p, 3, d), number(5, p, 3, e)));
+            }
         }
     }
     all_within(deviations);
@@ -319,11 +340,12 @@ fn errors_have_no_heavier_tails_than_a_true_owen_scrambling_gives_them() {
 #[test]
 fn whatever_the_seed_errors_of_pixels_have_no_bias_and_nothing_in_common() {
     const PIXELS: u32 = 4096;
+    let dimension = dimension::bounce(1) + dimension::DIRECTION;
     let mut deviations = Vec::new();
     for seed in 0..8 {
         for (name, f, integral) in FUNCTIONS {
             let mean = |pixel: u32| {
-                let points = (0..16).map(|sample| point(Sampler::Sobol, seed, pixel, sample, 10));
+                let points = (0..16).map(|sample| point(Sampler::Sobol, seed, pixel, sample, dimension));
                 points.map(f).sum::<f64>() / 16.0 - integral
             };
             let errors: Vec<f64> = (0..PIXELS).map(mean).collect();
@@ -335,6 +357,124 @@ fn whatever_the_seed_errors_of_pixels_have_no_bias_and_nothing_in_common() {
                 let what = format!("{name}, seed {seed}: errors of pixels {step} apart");
                 deviations.push((product / (f64::from(PIXELS).sqrt() * square), what));
             }
+        }
+    }
+    all_within(deviations);
+}
+
+/// The point of the pixel at (x, y) in a dimension before the first bounce.
+fn shared_point(seed: u32, [x, y]: [u32; 2], sample: u32, dimension: u32) -> Point {
+    let values = SampleValues::new(Sampler::Sobol, seed, sample, dimension);
+    let (x, y) = values.at_pixels::<f32>(0, Places::Row { x, y }).get_2d(0);
+    [f64::from(x), f64::from(y)]
+}
+
+fn shared_pairs() -> impl Iterator<Item = u32> {
+    pairs().filter(|&dimension| is_shared(dimension))
+}
+
+/// The corner of a block of the Z-order curve in a dimension: with the offsets of pair and seed taken back.
+fn block_corner(seed: u32, dimension: u32, [x, y]: [u32; 2]) -> [u32; 2] {
+    let [pair, seed] = [blue_noise::offset(dimension), blue_noise::seed_offset(seed)];
+    let back = |at: u32, by: u32| (at + 4 * blue_noise::SIZE - by) % blue_noise::SIZE;
+    [back(x, pair[0] + seed[0]), back(y, pair[1] + seed[1])]
+}
+
+#[test]
+fn blocks_of_pixels_share_a_net_before_the_first_bounce() {
+    for dimension in shared_pairs() {
+        for (seed, sample) in [(0, 0), (1, 1), (77, 6), (u32::MAX, 1000)] {
+            for k in 0..=6 {
+                let side = 1 << k;
+                for block in [[0, 0], [blue_noise::SIZE - side, 0], [64 - side, 64]] {
+                    let [left, top] = block_corner(seed, dimension, block);
+                    let pixels = (0..side * side).map(|i| [left + i % side, top + i / side]);
+                    let points: Vec<Point> =
+                        pixels.map(|pixel| shared_point(seed, pixel, sample, dimension)).collect();
+                    assert!(
+                        is_net(&points),
+                        "dimension {dimension}, sample {sample}, block {block:?} of {side}"
+                    );
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn pairs_of_a_block_of_pixels_meet_as_independent_orders_do() {
+    // As in `two_pairs_meet_as_independent_orders_do`, but over the pixels of blocks and not over samples:
+    // 15/16 for independent numbers. Pairs that read the same part of the table give 3.
+    const SEEDS: u32 = 1000;
+    let shared: Vec<u32> = shared_pairs().collect();
+    for (i, &d) in shared.iter().enumerate() {
+        for &e in &shared[i + 1..] {
+            for axes in 0..4 {
+                let spread = |seed: u32| {
+                    let mut cells = [0.0; 16];
+                    for pixel in (0..64).map(|i| [seed / 32 * 8 % 240 + i % 8, seed % 32 * 8 + i / 8]) {
+                        let [a, b] = [d, e].map(|dimension| shared_point(seed, pixel, 3, dimension));
+                        cells[(a[axes & 1] * 4.0) as usize * 4 + (b[axes >> 1] * 4.0) as usize] += 1.0;
+                    }
+                    cells.iter().map(|cell: &f64| (cell - 4.0).powi(2)).sum::<f64>() / 64.0
+                };
+                let mean = (0..SEEDS).map(spread).sum::<f64>() / f64::from(SEEDS);
+                println!("dimensions {d} and {e}, axes {axes}: {mean:.2}");
+                assert!((0.5..1.1).contains(&mean), "dimensions {d} and {e}, axes {axes}: {mean:.2}");
+            }
+        }
+    }
+}
+
+#[test]
+fn errors_of_neighbours_cancel_before_the_first_bounce() {
+    // The error of the mean over 4 × 4 pixels against that of independent pixels: its variance.
+    const SEEDS: u32 = 400;
+    for (samples, least) in [(1, [200.0, 6.0]), (2, [60.0, 2.5]), (4, [20.0, 2.2]), (16, [2.0, 1.2])] {
+        for ((name, f, integral), least) in [FUNCTIONS[0], FUNCTIONS[2]].into_iter().zip(least) {
+            let [mut of_pixels, mut of_blocks] = [0.0; 2];
+            for seed in 0..SEEDS {
+                let [left, top] = block_corner(seed, 10, [seed % 32 * 4, seed / 32 * 4]);
+                let error = |i: u32| {
+                    let pixel = [left + i % 4, top + i / 4];
+                    let points = (0..samples).map(|sample| shared_point(seed, pixel, sample, 10));
+                    points.map(f).sum::<f64>() / f64::from(samples) - integral
+                };
+                let errors: Vec<f64> = (0..16).map(error).collect();
+                of_pixels += errors.iter().map(|error| error * error).sum::<f64>() / 16.0;
+                of_blocks += (errors.iter().sum::<f64>() / 16.0).powi(2);
+            }
+            let gain = of_pixels / 16.0 / of_blocks;
+            println!("{name}, {samples} samples: {gain:.1}");
+            assert!(
+                gain > least,
+                "{name}, {samples} samples: variance only {gain:.1} times below independent"
+            );
+        }
+    }
+}
+
+#[test]
+fn shared_points_are_uniform_over_seeds_in_every_digit_and_pixel() {
+    const SEEDS: u32 = 4096;
+    let mut deviations = Vec::new();
+    for (dimension, pixel) in shared_pairs().zip([[0, 0], [17, 5], [200, 130], [63, 64]]) {
+        for sample in [0, 1, 100] {
+            let mut set = [[0u32; 24]; 2];
+            let points: Vec<Point> =
+                (0..SEEDS).map(|seed| shared_point(seed, pixel, sample, dimension)).collect();
+            for axis in [0, 1] {
+                for point in &points {
+                    let integer = (point[axis] * 16_777_216.0) as u32;
+                    set[axis].iter_mut().enumerate().for_each(|(bit, set)| *set += integer >> bit & 1);
+                }
+                for (bit, &set) in set[axis].iter().enumerate() {
+                    let off = (f64::from(set) - 0.5 * f64::from(SEEDS)) / (0.25 * f64::from(SEEDS)).sqrt();
+                    deviations.push((off, format!("bit {bit} of dimension {dimension}, sample {sample}")));
+                }
+            }
+            let both = joint(points.iter().map(|&[x, y]| (x, y)));
+            deviations.push((both, format!("both numbers of dimension {dimension}, sample {sample}")));
         }
     }
     all_within(deviations);
@@ -363,7 +503,8 @@ fn numbers_are_multiples_of_two_to_the_minus_24_below_one() {
         let mut largest = 0.0_f32;
         for _ in 0..2_000_000 {
             let (key, sample, dimension) = (rng.bits(), rng.bits(), rng.bits() >> 20 & !1);
-            let (x, y) = SampleValues::new(sampler, 7, sample, dimension).get_2d::<f32>(key, 0);
+            let values = SampleValues::new(sampler, 7, sample, dimension);
+            let (x, y) = in_pixel(&values, key, key, dimension).get_2d(0);
             for x in [x, y] {
                 assert!((0.0..1.0).contains(&x) && (x * 16_777_216.0).fract() == 0.0, "{sampler:?}: {x}");
                 largest = largest.max(x);
@@ -378,22 +519,24 @@ fn one_number_is_half_of_its_pair() {
     assert_eq!(Sampler::default(), Sampler::Sobol);
     let mut rng = Rng(54);
     for _ in 0..10_000 {
-        let (seed, pixel, sample, dimension) = (rng.bits(), rng.bits(), rng.bits(), rng.bits() >> 24 & !1);
+        let (seed, pixel, sample, dimension) = (rng.bits(), rng.bits(), rng.bits(), rng.bits() >> 24 & !7);
         for sampler in [Sampler::Sobol, Sampler::Random] {
             let key = sampler.key::<u32>(seed, pixel, sample);
             let numbers = SampleValues::new(sampler, seed, sample, dimension);
+            let numbers = in_pixel(&numbers, key, pixel, dimension);
             for pair in [0, 2, 4, 6] {
-                let of_itself =
-                    SampleValues::new(sampler, seed, sample, dimension + pair).get_2d::<f32>(key, 0);
-                assert_eq!(numbers.get_2d::<f32>(key, pair), of_itself, "{sampler:?}");
-                let one = |dimension: u32| numbers.get_1d::<f32>(key, dimension);
+                let of_pair = SampleValues::new(sampler, seed, sample, dimension + pair);
+                let of_itself = in_pixel(&of_pair, key, pixel, dimension).get_2d(0);
+                assert_eq!(numbers.get_2d(pair), of_itself, "{sampler:?}");
+                let one = |dimension: u32| numbers.get_1d(dimension);
                 assert_eq!((one(pair), one(pair + 1)), of_itself, "{sampler:?}");
             }
         }
         let key = random::path_key::<u32>(seed, pixel, sample);
         assert_eq!(Sampler::Random.key::<u32>(seed, pixel, sample), key);
+        let numbers = SampleValues::new(Sampler::Random, seed, sample, dimension);
         assert_eq!(
-            SampleValues::new(Sampler::Random, seed, sample, dimension).get_1d::<f32>(key, 1),
+            in_pixel(&numbers, key, pixel, dimension).get_1d(1),
             random::uniform::<f32>(key, dimension + 1)
         );
     }

@@ -12,7 +12,7 @@ use crate::kernel::bsdf::{self, BsdfEval, BsdfSample, LobeEval};
 use crate::kernel::normals;
 use crate::lane::{Bits, Lane, Mask};
 use crate::math::{Ray, Vec3};
-use crate::sampling::{SampleValues, dimension};
+use crate::sampling::{PacketValues, dimension};
 
 /// What is done with each lobe; `mask` holds the lanes that have it. Delta lobes may be left out.
 trait LobeVisitor<L: Lane> {
@@ -67,7 +67,7 @@ pub fn scatter<L: Lane, const N: u32>(
     path: &Path<L>,
     surface: &Surface<L>,
     material: &MaterialSample<L>,
-    numbers: &SampleValues,
+    numbers: &PacketValues<L>,
     found: L::Mask,
 ) -> ScatteredPath<L> {
     let d = path.ray.direction;
@@ -75,7 +75,6 @@ pub fn scatter<L: Lane, const N: u32>(
     let nothing = L::Mask::splat(false);
     let mut sampling = Sampling {
         d,
-        key: path.key,
         numbers,
         normals: &normals,
         material,
@@ -117,8 +116,7 @@ pub fn scatter<L: Lane, const N: u32>(
 /// Samples each lobe in its lanes.
 struct Sampling<'a, L: Lane> {
     d: Vec3<L>,
-    key: L::Bits,
-    numbers: &'a SampleValues,
+    numbers: &'a PacketValues<'a, L>,
     normals: &'a FacingNormals<L>,
     material: &'a MaterialSample<L>,
     sample: BsdfSample<L>,
@@ -137,12 +135,12 @@ impl<L: Lane> Sampling<'_, L> {
     /// Two random numbers for the direction.
     #[inline(always)]
     fn two_numbers(&self) -> (L, L) {
-        self.numbers.get_2d::<L>(self.key, dimension::DIRECTION)
+        self.numbers.get_2d(dimension::DIRECTION)
     }
     /// A random number that chooses between reflection and transmission.
     #[inline(always)]
     fn lobe_number(&self) -> L {
-        self.numbers.get_1d::<L>(self.key, dimension::LOBE)
+        self.numbers.get_1d(dimension::LOBE)
     }
 }
 

@@ -10,14 +10,14 @@
 use super::context::TraceContext;
 use super::features::has;
 use super::intersect::intersect_linear;
-use super::queue::{PathQueue, primary_slots};
+use super::queue::{PathQueue, primary_places};
 use super::scratch::Scratch;
 use super::stats::RayKind;
 use crate::buffers::Features;
 use crate::camera::{Pinhole, Tile};
 use crate::lane::{Bits, F32x8, Lane, lane_indices};
 use crate::math::{Hit, Ray};
-use crate::sampling::SampleValues;
+use crate::sampling::{Places, SampleValues, dimension};
 use crate::traverse::Batch;
 
 /// Fills the queue with the tile's pixels, row by row, finds what they hit, and returns how many there are.
@@ -60,26 +60,27 @@ struct GenerateBatch<'a, const N: u32> {
 impl<L: Lane, const N: u32> Batch<L> for GenerateBatch<'_, N> {
     #[inline(always)]
     fn run(self, closest: impl Fn(&Ray<L>) -> Hit<L>) {
-        let Tile { x: left, y: top, width, .. } = self.tile;
-        let camera: Pinhole = self.context.camera;
-        let (left, top) = (L::splat(left as f32), L::splat(top as f32));
-        // Rows by multiplication: exact, because slots are below 2¹⁰ and the quotient is rounded down from
-        // half a step up.
-        let (per_row, row_length) = (L::splat(1.0 / width as f32), L::splat(width as f32));
-        let half = L::splat(0.5);
-        let TraceContext { sampler, seed, .. } = *self.context;
-        for at in (0..self.tile.pixels()).step_by(L::WIDTH) {
-            let slot = L::from_int(primary_slots::<L>(at));
-            let row = L::from_int(((slot + half) * per_row).truncate_to_int());
-            let (x, y) = (left + row.neg_mul_add(row_length, slot), top + row);
-            // Exact: there are fewer than 2²⁸ pixels, but neither factor has more than 14 bits.
-            let pixel = y.truncate_to_int().wrapping_mul(L::Bits::splat(self.context.width));
-            let pixel = pixel.wrapping_add(x.truncate_to_int());
-            let key = sampler.key(seed, pixel, self.sample);
-            let (jitter_x, jitter_y) = self.numbers.get_2d::<L>(key, 0);
+        let Self { context, tile, sample, numbers, queue } = self;
+        let camera: Pinhole = context.camera;
+        let TraceContext { sampler, seed, width, .. } = *context;
+        for at in (0..tile.pixels()).step_by(L::WIDTH) {
+            let places = primary_places::<L>(tile, at);
+            let (x, y, pixel) = match places {
+                Places::Row { x, y } => {
+                    let lanes = lane_indices::<L>();
+                    let first = L::Bits::splat(y * width + x);
+                    (L::splat(x as f32) + L::from_int(lanes), L::splat(y as f32), first.wrapping_add(lanes))
+                }
+                Places::Any { x, y } => {
+                    let before = y.wrapping_mul(L::Bits::splat(width));
+                    (L::from_int(x), L::from_int(y), before.wrapping_add(x))
+                }
+            };
+            let key = sampler.key(seed, pixel, sample);
+            let (jitter_x, jitter_y) = numbers.at_pixels(key, places).get_2d(dimension::PIXEL);
             let ray = camera.rays(x + jitter_x, y + jitter_y);
-            self.queue.store_primary(at, ray.direction, key);
-            self.queue.store_hit(at, &closest(&ray), has(N, Features::TRIANGLES));
+            queue.store_primary(at, ray.direction, key);
+            queue.store_hit(at, &closest(&ray), has(N, Features::TRIANGLES));
         }
     }
 }

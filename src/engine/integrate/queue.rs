@@ -1,12 +1,14 @@
 //! The path queue: a tile's paths in structure-of-arrays form.
 //!
 //! For: [`PathQueue`] and [`Path`], one packet of it. May import: `columns`, `ray_queries`, `lane`, `math`,
-//! `traverse`. Must never know: stages, statistics, scenes.
+//! `sampling`, `camera`'s tiles, `traverse`. Must never know: stages, statistics, scenes.
 
 use super::columns::{Column, IntColumn, Vec3Columns, compress};
 use super::ray_queries::RayQueries;
+use crate::camera::Tile;
 use crate::lane::{Bits, Lane, lane_indices};
 use crate::math::{Hit, Ray, Vec3};
+use crate::sampling::Places;
 use crate::traverse::rays::Rays;
 use bytemuck::Zeroable;
 
@@ -47,6 +49,25 @@ pub struct Path<L: Lane> {
 #[inline(always)]
 pub fn primary_slots<L: Lane>(at: usize) -> L::Bits {
     lane_indices::<L>().wrapping_add(L::Bits::splat(at as u32))
+}
+
+/// The places of those pixels in the picture.
+#[inline(always)]
+pub fn primary_places<L: Lane>(tile: Tile, at: usize) -> Places<L> {
+    let (row, column) = (at as u32 / tile.width, at as u32 % tile.width);
+    if column + L::WIDTH as u32 <= tile.width {
+        return Places::Row { x: tile.x + column, y: tile.y + row };
+    }
+    // Rows by multiplication: exact, because slots are below 2¹⁰ and the quotient is rounded down from half a
+    // step up.
+    let slots = primary_slots::<L>(at);
+    let middle = L::from_int(slots) + L::splat(0.5);
+    let row = (middle * L::splat(1.0 / tile.width as f32)).truncate_to_int();
+    let before = row.wrapping_mul(L::Bits::splat(tile.width.wrapping_neg()));
+    Places::Any {
+        x: slots.wrapping_add(before).wrapping_add(L::Bits::splat(tile.x)),
+        y: row.wrapping_add(L::Bits::splat(tile.y)),
+    }
 }
 
 impl PathQueue {

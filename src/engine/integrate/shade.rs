@@ -10,11 +10,12 @@ use super::emission::{missed_radiance, surface_radiance};
 use super::features::{ends_missed, has};
 use super::intersect::Intersected;
 use super::material::MaterialSample;
-use super::queue::{Path, primary_slots};
+use super::queue::{Path, primary_places, primary_slots};
 use super::scratch::Scratch;
 use super::shadow_rays::sample_direct_light;
 use super::surface::Surface;
 use crate::buffers::Features;
+use crate::camera::Tile;
 use crate::lane::{Lane, Mask};
 use crate::math::{Hit, Ray, Vec3};
 
@@ -31,11 +32,12 @@ pub struct Shaded {
 /// `FIRST`: the queue holds primary rays, as [`super::generate()`] left them, and some missed.
 pub fn shade<L: Lane, const N: u32, const FIRST: bool>(
     context: &TraceContext,
+    tile: Tile,
     scratch: &mut Scratch,
     &Intersected { hits: count, contributions }: &Intersected,
     bounce: u32,
 ) -> Shaded {
-    let numbers = &scratch.values.bounce(bounce);
+    let values = scratch.values.bounce(bounce);
     let mut accumulator = RadianceAccumulator::<FIRST> { contributions };
     let (mut going_on, mut shadow_rays) = (0, 0);
     let sample_lights = has(N, Features::LIGHTS) && !context.buffers.lights.is_empty();
@@ -54,6 +56,11 @@ pub fn shade<L: Lane, const N: u32, const FIRST: bool>(
         }
         accumulator.add(scratch, at, carries_radiance::<L, N>(active, found, radiance), &path, radiance);
 
+        let numbers = &if FIRST {
+            values.at_pixels(path.key, primary_places(tile, at))
+        } else {
+            values.at_keys(path.key)
+        };
         let scattered = scatter::<L, N>(&path, &surface, &material, numbers, found);
         if sample_lights {
             let (hit, event) = ((&surface, &material), (numbers, found));

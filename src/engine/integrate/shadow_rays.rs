@@ -18,7 +18,7 @@ use crate::buffers::Features;
 use crate::kernel::light::{LightSample, sample_sphere, sample_triangle};
 use crate::lane::{Lane, Mask};
 use crate::math::{Hit, Ray, Vec3};
-use crate::sampling::{SampleValues, dimension};
+use crate::sampling::{PacketValues, dimension};
 
 /// A shadow ray ends this share of its length before the light: far more than the error of a hit's distance,
 /// so that no light occludes itself, and so little that no occluder is missed.
@@ -35,18 +35,21 @@ pub fn sample_direct_light<L: Lane, const N: u32>(
     path: &Path<L>,
     scattered: &ScatteredPath<L>,
     (surface, material): (&Surface<L>, &MaterialSample<L>),
-    (numbers, found): (&SampleValues, L::Mask),
+    (numbers, found): (&PacketValues<L>, L::Mask),
 ) -> usize {
     let mask = found & has_sampled_lobe::<L>(material);
     if !mask.any() {
         return count;
     }
-    let (u, v) = numbers.get_2d::<L>(path.key, dimension::LIGHT_POINT);
-    let number = |dimension: u32| numbers.get_1d::<L>(path.key, dimension);
+    let (u, v) = numbers.get_2d(dimension::LIGHT_POINT);
     let lights = &context.buffers.lights;
     let few = !has(N, Features::MANY_LIGHTS);
-    let (light, u) =
-        lights.choose::<L>(u, || number(dimension::LIGHT), || number(dimension::LIGHT_ALIAS), few);
+    let (light, u) = lights.choose::<L>(
+        u,
+        || numbers.get_1d(dimension::LIGHT),
+        || numbers.get_1d(dimension::LIGHT_ALIAS),
+        few,
+    );
     // The origin of the scattered ray, so that BSDF sampling of the same direction has the same light pdf.
     let origin = scattered.path.ray.origin;
     let at = light.at - origin;

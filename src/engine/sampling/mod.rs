@@ -1,15 +1,18 @@
 //! Sample values and the directions made from them.
 //!
 //! For: [`random`], values that are a function of (seed, pixel, sample, dimension) and of nothing else;
-//! [`sobol`], Owen-scrambled Sobol points, which are that too; [`Sampler`], the choice between both;
+//! [`sobol`], Owen-scrambled Sobol points, which are that too; [`blue_noise`], which spreads the errors of
+//! neighbouring pixels; [`Sampler`], the choice between both sources;
 //! [`dimension`], the dimensions of a path; and [`warp`], which maps the unit square to directions.
 //! May import: `lane`, `math`.
 //! Must never know: scenes, materials.
 
+pub mod blue_noise;
 pub mod dimension;
 pub mod random;
 mod sampler;
 pub mod sobol;
 pub mod warp;
 
-pub use sampler::{SampleTable, SampleValues, Sampler};
+pub use blue_noise::Places;
+pub use sampler::{PacketValues, SampleTable, SampleValues, Sampler};

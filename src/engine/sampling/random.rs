@@ -25,10 +25,11 @@ pub fn mix_bits<B: Bits>(x: B) -> B {
     x ^ x.shr(16)
 }
 
-/// The keys of the pixels with these indices (y · width + x): for one seed a bijection.
+/// The keys of the pixels with these indices (y · width + x): for one seed a bijection. They are no hash: what
+/// is made of them is hashed.
 #[inline(always)]
 pub fn pixel_key<B: Bits>(seed: u32, pixel: B) -> B {
-    mix_bits(pixel ^ B::splat(seed_key(seed)))
+    pixel ^ B::splat(seed_key(seed))
 }
 
 /// The key of what the pixels of an image share: a bijection of the seed.
@@ -40,7 +41,7 @@ pub(super) fn seed_key(seed: u32) -> u32 {
 /// The keys of the paths of sample `sample` through the pixels with these indices: see the head of this file.
 #[inline(always)]
 pub fn path_key<B: Bits>(seed: u32, pixel: B, sample: u32) -> B {
-    mix_bits(pixel_key(seed, pixel).wrapping_add(B::splat(sample.wrapping_mul(GOLDEN))))
+    mix_bits(mix_bits(pixel_key(seed, pixel)).wrapping_add(B::splat(sample.wrapping_mul(GOLDEN))))
 }
 
 /// The value of each path in `dimension`: uniform in [0, 1), a multiple of 2⁻²⁴, never 1.

@@ -1,5 +1,6 @@
 //! The choice between Sobol and independent sample values.
 
+use super::blue_noise::{self, Places, Shifts, seed_offset};
 use super::{dimension, random, sobol};
 use crate::choice::choices;
 use crate::lane::{Bits, Lane};
@@ -8,9 +9,11 @@ choices! {
     /// The source of a path's sample values. With either they are functions of (seed, pixel, sample,
     /// dimension).
     pub enum Sampler {
-        /// See [`sobol`].
+        /// See [`sobol`] and [`blue_noise`].
         #[default]
-        Sobol = "sobol", "Owen-scrambled Sobol points: less noise at the same number of samples.";
+        Sobol = "sobol", "Owen-scrambled Sobol points, errors spread over neighbouring pixels as blue noise.";
+        /// See [`sobol`]: as [`Sampler::Sobol`], with random shifts in all dimensions.
+        PaddedSobol = "padded-sobol", "The same points, but the errors of neighbouring pixels are independent.";
         /// See [`random`].
         Random = "random", "Independent random numbers.";
     }
@@ -22,7 +25,7 @@ impl Sampler {
     #[inline(always)]
     pub fn key<B: Bits>(self, seed: u32, pixel: B, sample: u32) -> B {
         match self {
-            Self::Sobol => random::pixel_key(seed, pixel),
+            Self::Sobol | Self::PaddedSobol => random::pixel_key(seed, pixel),
             Self::Random => random::path_key(seed, pixel, sample),
         }
     }
@@ -84,6 +87,8 @@ pub struct SampleValues {
     first: u32,
     /// The Sobol point of each pair, before the pixels' digital shift. Zeros with [`Sampler::Random`].
     points: [[u32; 2]; PAIRS],
+    shifts: &'static Shifts,
+    seed_offset: [u32; 2],
 }
 
 const PAIRS: usize = dimension::PER_BOUNCE as usize / 2;
@@ -94,35 +99,68 @@ impl SampleValues {
     pub fn new(sampler: Sampler, seed: u32, sample: u32, first: u32) -> Self {
         debug_assert!(first.is_multiple_of(2), "a pair begins at an even dimension");
         let points = match sampler {
-            Sampler::Sobol => std::array::from_fn(|pair| sobol::point(seed, sample, first + 2 * pair as u32)),
             Sampler::Random => [[0; 2]; PAIRS],
+            _ => std::array::from_fn(|pair| sobol::point(seed, sample, first + 2 * pair as u32)),
         };
-        Self { sampler, first, points }
+        Self { sampler, first, points, shifts: blue_noise::shifts(), seed_offset: seed_offset(seed) }
     }
 
-    /// The values in dimensions `first` + `dimension` (even) and the next, of the pixels with these keys:
-    /// each uniform in [0, 1), a multiple of 2⁻²⁴, never 1.
-    ///
-    /// Domain: keys from [`Sampler::key`] with the same seed and sample.
+    /// The values of paths before their first bounce, in pixels at `places`.
     #[inline(always)]
-    pub fn get_2d<L: Lane>(&self, key: L::Bits, dimension: u32) -> (L, L) {
+    pub fn at_pixels<L: Lane>(&self, key: L::Bits, places: Places<L>) -> PacketValues<'_, L> {
+        debug_assert!(self.first < dimension::bounce(1), "the position in the pixel or the first event");
+        PacketValues { values: self, key, places: Some(places) }
+    }
+
+    /// The values of paths after their first bounce.
+    #[inline(always)]
+    pub fn at_keys<L: Lane>(&self, key: L::Bits) -> PacketValues<'_, L> {
+        debug_assert!(self.first >= dimension::bounce(1), "a later event than the first");
+        PacketValues { values: self, key, places: None }
+    }
+}
+
+/// The values of a packet of paths: those of [`SampleValues`] in their pixels.
+#[derive(Clone, Copy, Debug)]
+pub struct PacketValues<'a, L: Lane> {
+    values: &'a SampleValues,
+    /// From [`Sampler::key`] with the same seed and sample.
+    key: L::Bits,
+    /// Before the first bounce, where neighbours' shifts spread ([`blue_noise`]). Later, paths of neighbours
+    /// are too different to gain from it.
+    places: Option<Places<L>>,
+}
+
+impl<L: Lane> PacketValues<'_, L> {
+    /// The values in dimensions `first` + `dimension` (even) and the next: each uniform in [0, 1), a multiple
+    /// of 2⁻²⁴, never 1.
+    #[inline(always)]
+    pub fn get_2d(&self, dimension: u32) -> (L, L) {
         debug_assert!(dimension.is_multiple_of(2), "a pair begins at an even dimension");
-        let at = self.first + dimension;
-        match self.sampler {
-            Sampler::Sobol => sobol::shifted(key, self.points[dimension as usize / 2], at),
-            Sampler::Random => (random::uniform(key, at), random::uniform(key, at + 1)),
+        let at = self.values.first + dimension;
+        match self.values.sampler {
+            Sampler::Random => (random::uniform(self.key, at), random::uniform(self.key, at + 1)),
+            sampler => {
+                let shift = match self.places {
+                    Some(places) if sampler == Sampler::Sobol => {
+                        places.shift(self.values.shifts, self.values.seed_offset, at)
+                    }
+                    _ => sobol::shift(self.key, at),
+                };
+                sobol::shifted(self.values.points[dimension as usize / 2], shift)
+            }
         }
     }
 
     /// The value in dimension `first` + `dimension`: one of its pair.
     #[inline(always)]
-    pub fn get_1d<L: Lane>(&self, key: L::Bits, dimension: u32) -> L {
-        match self.sampler {
-            Sampler::Sobol => {
-                let (first, second) = self.get_2d(key, dimension & !1);
+    pub fn get_1d(&self, dimension: u32) -> L {
+        match self.values.sampler {
+            Sampler::Random => random::uniform(self.key, self.values.first + dimension),
+            _ => {
+                let (first, second) = self.get_2d(dimension & !1);
                 if dimension & 1 == 0 { first } else { second }
             }
-            Sampler::Random => random::uniform(key, self.first + dimension),
         }
     }
 }

@@ -13,11 +13,12 @@
 //!
 //! # Construction
 //! Shuffle and scrambling are the same in all pixels ([`point`], once for all packets). Each pixel adds a
-//! random digital shift to all its points (a Cranley-Patterson rotation in base 2, by exclusive or). Over all
-//! seeds the points of one pixel are scrambled as Owen's are. For every seed each point is uniform over the
-//! pixels, and the errors of different pixels are independent. So points cost no more than independent
-//! values. Scrambling the points of each pixel separately was measured: the same noise at four times the
-//! cost.
+//! digital shift to all its points (a Cranley-Patterson rotation in base 2, by exclusive or). Over all seeds
+//! the points of one pixel are scrambled as Owen's are. Before the first bounce the shifts of neighbours
+//! spread as the points of a net do ([`super::blue_noise`]); later they are random ([`shift`]): for every seed
+//! each point is uniform over the pixels, and the errors of different pixels are independent. So points cost
+//! no more than independent values. Scrambling the points of each pixel separately was measured: the same
+//! noise at four times the cost.
 //!
 //! Words are scrambled with their digits reversed: bit j is digit j after the point. A hash in which only
 //! lower bits change a bit (sums and products, no right shifts) is then an Owen scrambling (S. Laine, T.
@@ -49,14 +50,18 @@ pub fn point(seed: u32, sample: u32, dimension: u32) -> [u32; 2] {
     ]
 }
 
-/// A point of [`point`] with the digital shift of the pixels with these keys: multiples of 2⁻²⁴ in [0, 1).
-/// `dimension` is the first of the pair.
+/// The digital shifts of the pixels with these keys. `dimension` is the first of the pair.
+#[inline(always)]
+pub fn shift<B: Bits>(key: B, dimension: u32) -> [B; 2] {
+    let x = hash(key, dimension);
+    [x, x.wrapping_mul(B::splat(GOLDEN))]
+}
+
+/// A point of [`point`] with a digital shift: multiples of 2⁻²⁴ in [0, 1).
 ///
 /// Domain: nets of more than 2²⁴ points are truncated to the 24 bits of a float.
 #[inline(always)]
-pub fn shifted<L: Lane>(key: L::Bits, [x, y]: [u32; 2], dimension: u32) -> (L, L) {
-    let shift_x = hash(key, dimension);
-    let shift_y = shift_x.wrapping_mul(L::Bits::splat(GOLDEN));
+pub fn shifted<L: Lane>([x, y]: [u32; 2], [shift_x, shift_y]: [L::Bits; 2]) -> (L, L) {
     (unit_interval(L::Bits::splat(x) ^ shift_x), unit_interval(L::Bits::splat(y) ^ shift_y))
 }
 
@@ -77,7 +82,7 @@ fn owen_scramble(x: u32, seed: u32) -> u32 {
 /// Kronecker power of its 2 × 2 corner, and one step for each bit of j is enough (A. Ahmed, "An
 /// Implementation Algorithm of 2D Sobol Sequence Fast, Elegant, and Compact", 2024).
 #[inline(always)]
-fn second_dimension(index: u32) -> u32 {
+pub(super) fn second_dimension(index: u32) -> u32 {
     let fold = |x: u32, count: u32, low: u32| x ^ (x >> count & low);
     let x = index ^ index >> 16;
     let x = fold(x, 8, 0x00ff_00ff);

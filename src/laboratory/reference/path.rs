@@ -4,7 +4,7 @@ use super::geometry::Surface;
 use super::scene::Reference;
 use super::{lobes, texture};
 use crate::sampling::dimension::{PIXEL, bounce};
-use crate::sampling::{SampleValues, Sampler};
+use crate::sampling::{Places, SampleValues, Sampler};
 use crate::scene::{MaterialKind, Side, Sky};
 use glam::DVec3;
 
@@ -36,7 +36,13 @@ impl Reference {
         let key = settings.sampler.key::<u32>(settings.seed, y * settings.resolution[0] + x, sample);
         let numbers = |first: u32| {
             let numbers = SampleValues::new(settings.sampler, settings.seed, sample, first);
-            move |dimension: u32| f64::from(numbers.get_1d::<f32>(key, dimension))
+            move |dimension: u32| {
+                let numbers = match first < bounce(1) {
+                    true => numbers.at_pixels::<f32>(key, Places::Row { x, y }),
+                    false => numbers.at_keys(key),
+                };
+                f64::from(numbers.get_1d(dimension))
+            }
         };
         let in_pixel = numbers(PIXEL);
         let (mut origin, mut direction) =

@@ -1,0 +1,134 @@
+//! The digital shifts of the pixels in the first dimensions of a path: neighbours get shifts that differ as
+//! the points of a net do, so that their errors cancel in a blur (blue noise).
+//!
+//! For: [`Places`], whose [`Places::shift`] it is. May import: `lane`, `sobol`'s digits, `random`. Must never know: tiles,
+//! cameras.
+//!
+//! # Construction
+//! The pixels of a square of [`SIZE`]² are numbered along a Z-order curve whose quadrants are permuted at
+//! random at every level. Pixel number i gets the Sobol point i as its shift. So in every aligned block of 2ᵏ
+//! × 2ᵏ pixels the same sample's points are a (0, 2k, 2)-net: what is left of a block's error after a blur is
+//! the error of a net of that many points (A. Ahmed, P. Wonka, "Screen-Space Blue-Noise Diffusion of Monte
+//! Carlo Sampling Error via Hierarchical Ordering of Pixels", 2020).
+//!
+//! After 2ʲ samples the first digits of the shift no longer matter: the points of a pixel hold every
+//! combination of them. What matters are the digits behind them, so those must spread over neighbours as well.
+//! A triangular digit scrambling ([`POLYNOMIALS`]), which leaves nets nets (J. Matoušek 1998), takes the digits
+//! that change from pixel to pixel into all later ones. The variance of the mean over 4 × 4 pixels is below
+//! that of independent shifts by a factor of 660, 170, 59, 20, 4.6 for a smooth function at 1, 2, 4, 8, 16
+//! samples (without the scrambling 20, 6.0, 1.6, 0.4, 0.1), and of 12, 5.0, 4.4, 2.4, 1.7 for an edge (5.5,
+//! 2.0, 1.7, 1.0, 0.6).
+//!
+//! All pairs of dimensions read one table, each at an offset of its own: quadrants are permuted at random, so
+//! the table's values at an offset have nothing in common with those without it. The table repeats after
+//! [`SIZE`] pixels.
+
+use super::random::{mix_bits, seed_key};
+use super::sobol::second_dimension;
+use crate::lane::{Bits, Lane};
+use std::sync::LazyLock;
+
+/// Pixels after which shifts repeat, in both directions; a power of two.
+pub const SIZE: u32 = 128;
+/// Digits of a pixel's number in the square.
+const DIGITS: u32 = 2 * SIZE.ilog2();
+/// From one row of the table to the next: a packet of the next period lies behind each row.
+const STRIDE: u32 = SIZE + 16;
+const LENGTH: usize = (SIZE * STRIDE) as usize;
+
+/// The triangular scrambling of each dimension: bit j is the share that the digit j places before has. Of 60
+/// random pairs the one with the smallest errors of blocks of 4 × 4 and 2 × 2 pixels, for a smooth function,
+/// an edge and a disc, at 1 to 16 samples.
+const POLYNOMIALS: [u32; 2] = [0x8a4d_058b, 0x02c9_3a6b];
+
+/// The shifts of all pixels: the upper half of a word is that of the pair's first dimension, the lower half
+/// that of its second.
+#[derive(Debug)]
+#[repr(align(64))]
+pub struct Shifts([u32; LENGTH]);
+
+static SHIFTS: LazyLock<Box<Shifts>> = LazyLock::new(table);
+
+/// The table, made once.
+pub fn shifts() -> &'static Shifts {
+    &SHIFTS
+}
+
+/// Where the pixels of a packet are in the picture.
+#[derive(Clone, Copy, Debug)]
+pub enum Places<L: Lane> {
+    /// Consecutive pixels of a row, from (x, y) on.
+    Row { x: u32, y: u32 },
+    /// Columns and rows.
+    Any { x: L::Bits, y: L::Bits },
+}
+
+impl<L: Lane> Places<L> {
+    /// The shifts of the pixels in the pair of dimensions that begins at `dimension`, in the upper digits of
+    /// both words. `of_seed` is [`seed_offset`].
+    #[inline(always)]
+    pub fn shift(self, shifts: &Shifts, of_seed: [u32; 2], dimension: u32) -> [L::Bits; 2] {
+        let [right, down] = offset(dimension);
+        let [right, down] = [right + of_seed[0], down + of_seed[1]];
+        let both = match self {
+            Self::Row { x, y } => {
+                let at = ((y + down) % SIZE * STRIDE + (x + right) % SIZE) as usize;
+                L::Bits::load(&shifts.0[at..at + 16])
+            }
+            Self::Any { x, y } => {
+                let wrapped =
+                    |x: L::Bits, by: u32| x.wrapping_add(L::Bits::splat(by)) & L::Bits::splat(SIZE - 1);
+                let row = wrapped(y, down).wrapping_mul(L::Bits::splat(STRIDE));
+                L::gather_bits(&shifts.0, row.wrapping_add(wrapped(x, right)))
+            }
+        };
+        [both & L::Bits::splat(0xffff_0000), both.shl(16)]
+    }
+}
+
+/// The pair's offset in the table: different in both directions for the pairs of the pixel and of the first
+/// event. To the right whole packets of sixteen, so that loads stay aligned.
+#[inline(always)]
+pub const fn offset(dimension: u32) -> [u32; 2] {
+    let pair = dimension / 2;
+    [16 * (5 * pair % 8), 45 * pair % SIZE]
+}
+
+/// The offset in the table of all pairs: pictures of different seeds have different shifts.
+#[inline(always)]
+pub fn seed_offset(seed: u32) -> [u32; 2] {
+    let key = seed_key(seed);
+    [key % SIZE & !15, key >> 16 & (SIZE - 1)]
+}
+
+/// Words with their digits reversed: bit j is digit j after the point.
+fn table() -> Box<Shifts> {
+    let mut table = Box::new(Shifts([0; LENGTH]));
+    for (y, row) in (0..).zip(table.0.chunks_exact_mut(STRIDE as usize)) {
+        for (x, shift) in (0..).zip(row) {
+            let number = number_in_z_order(x % SIZE, y);
+            let [first, second] = [(number, POLYNOMIALS[0]), (second_dimension(number), POLYNOMIALS[1])]
+                .map(|(digits, polynomial)| scrambled(digits, polynomial).reverse_bits() >> 16);
+            *shift = first << 16 | second;
+        }
+    }
+    table
+}
+
+/// The number of a pixel, its last digit first: the digits of its coordinates in turns, each flipped by a coin
+/// that belongs to the digits before it.
+fn number_in_z_order(x: u32, y: u32) -> u32 {
+    let digit = |place: u32| (if place % 2 == 0 { x } else { y }) >> (place / 2) & 1;
+    let mut before = 1;
+    let mut number = 0;
+    for place in (0..DIGITS).rev() {
+        number |= (digit(place) ^ mix_bits::<u32>(before) & 1) << place;
+        before = before << 1 | digit(place);
+    }
+    number
+}
+
+/// Each digit plus a sum modulo 2 of digits before it: the product of polynomials over two elements.
+fn scrambled(digits: u32, polynomial: u32) -> u32 {
+    (0..32).filter(|place| polynomial >> place & 1 == 1).fold(0, |sum, place| sum ^ digits << place)
+}

@@ -9,10 +9,11 @@ from instructions import CLASS_OF, CLASSES, FUSES, VECTOR_CLASSES, kinds, operat
 STAGES = [
     ("integrate/generate.rs", "generate"),
     ("integrate/intersect.rs", "intersect"),
-    ("integrate/shade.rs", "shade"),
+    ("integrate/shade.rs", "shade, finish"),
     ("integrate/shadow_rays.rs", "shadow rays"),
     ("traverse/", "trace"),
-    ("integrate/scratch.rs", "radiance"),
+    # Radiance is added in both stages.
+    ("integrate/scratch.rs", "shade, finish"),
     ("film/", "film"),
     ("src/engine/", "rest of the engine"),
 ]
@@ -22,10 +23,10 @@ TOOLS = ("lane/", "math/")
 
 def stage(origin):
     """The stage of an instruction by its chain of inlined functions; None outside the engine."""
-    for function, file in origin:
+    for _, file in origin:
         for part, name in STAGES[:-1]:
             if part in file:
-                return "finish" if name == "shade" and function.startswith("finish") else name
+                return name
     return STAGES[-1][1] if any(STAGES[-1][0] in file for _, file in origin) else None
 
 
@@ -87,7 +88,8 @@ def result(rows, rays, processor, measured, options):
     for row in engine:
         groups[stage(row.origin)].append(row)
     shares = measured["shares"]
-    stages = [{"stage": name, **summarise(groups[name], processor, rays), "time": shares.get(name)} for name in groups]
+    time = {name: sum(shares.get(part, 0) for part in name.split(", ")) for name in groups}
+    stages = [{"stage": name, **summarise(groups[name], processor, rays), "time": time[name]} for name in groups]
     files = collections.Counter()
     for row in engine:
         files[source(row.origin)] += row.executed

@@ -1,10 +1,11 @@
 //! Shapes and text as SVG, in colours for light and dark pages.
 //!
-//! For: [`svg`], [`Canvas`], [`Ink`], [`Mark`], [`Text`]. May import: `labels`; `plotters`, which no other file
-//! uses. Must not know: axes, data.
+//! For: [`svg`], [`Canvas`], [`Ink`], [`Mark`], [`Text`]. May import: `labels`; `plotters`, which no other
+//! file uses. Must not know: axes, data.
 //!
 //! Only the SVG backend of plotters is used, so no font library is needed: the viewer of the file has the
-//! fonts. A unit is half a pixel where the drawing is 800 pixels wide, because plotters rounds to whole units.
+//! fonts. A unit is half a pixel where the drawing is 800 pixels wide, because plotters rounds to whole
+//! units.
 
 #[cfg(test)]
 use super::labels::{bold_width, width};

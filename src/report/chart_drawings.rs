@@ -1,11 +1,11 @@
 //! The drawings of a scene in `octray chart`: pictures, frames, display filters, motion.
 //!
-//! For: [`of_pictures`], [`frames`], [`display`], [`motion`]. May import: `plot`, `measure::chart`. Must not know:
-//! files, pages.
+//! For: [`of_pictures`], [`frames`], [`display`], [`motion`]. May import: `figure`, `measure::chart`. Must
+//! not know: files, pages.
 
-use super::chart::{Drawing, Kind, file_name};
+use super::drawing::{Drawing, Kind, file_name};
+use super::figure::{Axis, Figure, Line, Look, Panel};
 use super::numbers::figure;
-use super::plot::{Axis, Figure, Line, Look, Panel};
 use crate::measure::chart::configurations::{DEFAULT, GROUPS, Group};
 use crate::measure::chart::motion::CameraPath;
 use crate::measure::chart::pareto::ErrorCurve;
@@ -63,22 +63,21 @@ pub fn of_pictures(scene: &SceneChart, seeds: u32, measure: Measure) -> Drawing 
     let unit = scene.default_sample_s;
     let lines = &scene.pictures;
     let of = |group: Option<Group>| lines.iter().filter(move |line| line.group == group);
-    let drawn = |line| drawn(line, unit, measure);
-    let front = Line {
-        name: "front".into(),
-        look: Look::Front,
-        points: front(lines, unit, measure),
-        ..Line::default()
+    let front = front_points(lines, measure);
+    let drawn = |line: &pictures::Line| {
+        drawn(line, unit, measure, front.iter().any(|(on, _)| *on == line.configuration))
     };
-    let shared: Vec<Line> = std::iter::once(front).chain(of(None).map(drawn)).collect();
+    let points = falling(front.iter().map(|(_, [time, error])| [time / unit, *error]).collect());
+    let front = Line { name: "front".into(), look: Look::Front, points, ..Line::default() };
+    let shared: Vec<Line> = std::iter::once(front).chain(of(None).map(&drawn)).collect();
     let panels = GROUPS.into_iter().flat_map(|(group, _)| {
-        let lines: Vec<Line> = of(Some(group)).map(drawn).collect();
+        let lines: Vec<Line> = of(Some(group)).map(&drawn).collect();
         if lines.is_empty() { Vec::new() } else { Panel::split(title(group), &shared, lines) }
     });
     let [width, height] = scene.size;
     let mut notes = vec![
         "Left is faster, lower is more accurate. Each point has twice the samples of the one before (adaptive: half the target error).".into(),
-        "Pale band: the front, which no robust configuration beats. Grey: dominated by another one.".into(),
+        "Pale band: the front, which no robust configuration beats. Grey: never on the front. Dashed: not robust.".into(),
         format!("{width}×{height} on one thread, {seeds} seeds: medians, and 10 to 90 % of them."),
     ];
     if measure == Measure::Rmse {
@@ -102,7 +101,7 @@ pub fn of_pictures(scene: &SceneChart, seeds: u32, measure: Measure) -> Drawing 
 }
 
 /// The line of a configuration, with times in multiples of `unit`.
-fn drawn(line: &pictures::Line, unit: f64, measure: Measure) -> Line {
+fn drawn(line: &pictures::Line, unit: f64, measure: Measure, on_front: bool) -> Line {
     let at = |point: &Point| [point.seconds.median / unit, measure.of(point).median];
     let band = |point: &Point| {
         let Spread { p10, p90, .. } = measure.of(point);
@@ -111,8 +110,8 @@ fn drawn(line: &pictures::Line, unit: f64, measure: Measure) -> Line {
     let look = match line {
         _ if line.configuration == DEFAULT => Look::Default,
         _ if !line.robust => Look::Dashed,
-        _ if line.dominated_by.is_some() => Look::Behind,
-        _ => Look::Plain,
+        _ if on_front => Look::Plain,
+        _ => Look::Behind,
     };
     Line {
         name: line.configuration.into(),
@@ -129,22 +128,29 @@ fn drawn(line: &pictures::Line, unit: f64, measure: Measure) -> Line {
     }
 }
 
-/// The points of robust configurations that no other robust one passes below, by time, as one falling line.
-fn front(lines: &[pictures::Line], unit: f64, measure: Measure) -> Vec<[f64; 2]> {
-    let medians = |line: &pictures::Line| {
-        let at = |point: &Point| (vec![point.seconds.median], vec![measure.of(point).median]);
-        ErrorCurve::new(line.points.iter().map(at))
-    };
-    let robust = || lines.iter().filter(|line| line.robust);
-    let curves: Vec<ErrorCurve> = robust().map(medians).collect();
-    let mut points: Vec<[f64; 2]> = Vec::new();
-    for (line, curve) in robust().zip(&curves) {
-        let beaten = |level| {
-            curves.iter().any(|other| !std::ptr::eq(other, curve) && other.passes_below(curve, level))
-        };
+/// The points, in seconds, of robust configurations that no other robust one passes below, each with its
+/// configuration.
+fn front_points(lines: &[pictures::Line], measure: Measure) -> Vec<(&'static str, [f64; 2])> {
+    let at = |point: &Point| [point.seconds.median, measure.of(point).median];
+    let robust: Vec<(&pictures::Line, ErrorCurve)> = lines
+        .iter()
+        .filter(|line| line.robust)
+        .map(|line| {
+            (line, ErrorCurve::new(line.points.iter().map(|point| at(point).map(|value| vec![value]).into())))
+        })
+        .collect();
+    let mut found = Vec::new();
+    for (number, (line, curve)) in robust.iter().enumerate() {
+        let others = || robust.iter().enumerate().filter(|(other, _)| *other != number);
+        let beaten = |level| others().any(|(_, (_, other))| other.passes_below(curve, level));
         let left = line.points.iter().enumerate().filter(|(level, _)| !beaten(*level));
-        points.extend(left.map(|(_, point)| [point.seconds.median / unit, measure.of(point).median]));
+        found.extend(left.map(|(_, point)| (line.configuration, at(point))));
     }
+    found
+}
+
+/// By time, without the points whose error an earlier one already has.
+fn falling(mut points: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
     points.sort_by(|a, b| a[0].total_cmp(&b[0]));
     let mut least = f64::INFINITY;
     points.retain(|&[_, error]| {
@@ -251,9 +257,9 @@ fn size_and(scene: &SceneChart, threads: usize, more: &str) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::super::plot::MOST_LINES;
     use super::*;
     use crate::measure::chart::ground_truth::GroundTruthInfo;
+    use crate::report::figure::MOST_LINES;
 
     /// Seven doublings from a time and an error on; the error falls with the root of time.
     fn measured(configuration: &'static str, seconds: f64, error: f64) -> pictures::Line {
@@ -342,7 +348,9 @@ mod tests {
             measured("scalar", 7.0, 1.0),
             measured("naive spheres", 0.1, 0.1),
         ];
-        let front = front(&lines, 1.0, Measure::Rmse);
+        let points = front_points(&lines, Measure::Rmse);
+        assert!(points.iter().all(|(name, _)| [DEFAULT, "random numbers"].contains(name)), "{points:?}");
+        let front = falling(points.into_iter().map(|(_, point)| point).collect());
         assert_eq!(front[..3], [[0.25, 4.0], [0.5, 4.0 / 2f64.sqrt()], [1.0, 1.0]]);
         assert_eq!(front.len(), 2 + 7, "then the default alone");
         assert!(front.is_sorted_by(|a, b| a[0] < b[0] && a[1] > b[1]), "{front:?}");

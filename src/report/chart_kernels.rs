@@ -2,8 +2,8 @@
 //!
 //! For: [`intersection`]. May import: `dots`, `numbers`, `measure::chart`. Must not know: files, pages.
 
-use super::chart::{Drawing, Kind};
 use super::dots::{Column, DotTable, Row};
+use super::drawing::{Drawing, Kind};
 use super::numbers::{figure, percent};
 use crate::measure::chart::kernels::Kernel;
 use crate::wording::grouped;

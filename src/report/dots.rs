@@ -1,5 +1,5 @@
-//! A table of dots: a row for each thing, a column with an axis of its own for each measure (W. Cleveland's dot
-//! plot), drawn as SVG.
+//! A table of dots: a row for each thing, a column with an axis of its own for each measure (W. Cleveland's
+//! dot plot), drawn as SVG.
 //!
 //! For: [`DotTable`]. May import: `axis`, `canvas`, `labels`, `layout`. Must not know: the meaning of the
 //! numbers.
@@ -126,8 +126,8 @@ impl Layout {
 
 #[cfg(test)]
 mod tests {
-    use super::super::layout::collisions;
     use super::*;
+    use crate::report::layout::collisions;
 
     fn table() -> DotTable {
         let column = |log, values: [f64; 4]| Column {

@@ -1,7 +1,7 @@
 //! Where the parts of a figure stand: its panels with shared axes, its text, its direct labels.
 //!
-//! For: [`Layout`]. May import: `axis`, `canvas` (for texts), `labels`, the figure of `plot`. Must not know: how
-//! shapes are written.
+//! For: [`Layout`]. May import: `figure`, `axis`, `labels`, the texts of `canvas`. Must not know: how shapes
+//! are written.
 //!
 //! From top to bottom: title, notes, the name of the y axis, panels in one or two columns, the name of the x
 //! axis. An odd number of panels leaves a place free, where the notes stand then. Names of lines stand in a
@@ -9,8 +9,8 @@
 
 use super::axis::Range;
 use super::canvas::{Align, Ink, Mark, Text};
+use super::figure::{Figure, Line, Look, Panel};
 use super::labels::{bold_width, spread, width, wrap};
-use super::plot::{Figure, Line, Look, Panel};
 
 /// Width of every drawing. It is shown at half of it, about the width of a page of text.
 pub(super) const WIDTH: i32 = 1_600;

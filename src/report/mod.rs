@@ -8,10 +8,10 @@
 //! | [`mod@bench`], [`compare`], [`rays`], [`render`], [`stability_table`] | the report of a command: JSON and text |
 //! | [`inspection`], with [`defaults`] and [`traversal`] | the report of `inspect` |
 //! | [`chart`], [`chart_text`], [`tables`], [`page`] | the report of `chart`: JSON, text, CSV, HTML |
-//! | [`chart_drawings`], [`chart_kernels`] | the drawings of `chart` |
+//! | [`chart_drawings`], [`chart_kernels`], [`drawing`] | the drawings of `chart` |
 //! | [`stability`] | the drawings of `stability` |
 //! | [`stats`] | the tables of `--stats` |
-//! | [`plot`], [`layout`], [`axis`], [`labels`] | lines in planes, with their names beside them |
+//! | [`figure`], [`plot`], [`layout`], [`axis`], [`labels`] | lines in planes, with their names beside them |
 //! | [`dots`], [`canvas`] | tables of dots; shapes and text as SVG |
 //! | [`numbers`] | numbers as text |
 
@@ -25,6 +25,8 @@ pub mod chart_text;
 pub mod compare;
 pub mod defaults;
 pub mod dots;
+pub mod drawing;
+pub mod figure;
 pub mod inspection;
 pub mod labels;
 pub mod layout;

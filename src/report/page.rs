@@ -3,9 +3,10 @@
 //! For: [`page`]. May import: `chart`, `measure::chart`, `maud` (which escapes all text). Must not know:
 //! files.
 
-use super::chart::{self, Chart, Drawing};
+use super::chart::{self, Chart};
 use super::chart_drawings::{Measure, display, frames, motion, of_pictures};
 use super::chart_kernels::intersection as of_kernels;
+use super::drawing::Drawing;
 use crate::measure::chart::display::FILTERS;
 use crate::measure::chart::kernels::Kernel;
 use crate::measure::chart::pictures::Line;

@@ -1,9 +1,9 @@
 //! The outcome of a stability recipe as figures: failures along the axis, and errors.
 //!
-//! For: [`figures`]. May import: `plot`, `numbers`, `measure`. Must not know: files.
+//! For: [`figures`]. May import: `figure`, `numbers`, `measure`. Must not know: files.
 
+use super::figure::{Axis, Figure, Line, Look, Panel};
 use super::numbers::percent;
-use super::plot::{Axis, Figure, Line, Look, Panel};
 use crate::measure::stability::{Curve, Outcome, Point};
 use crate::wording::grouped;
 

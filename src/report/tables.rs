@@ -36,7 +36,8 @@ fn cell(what: Option<impl ToString>) -> String {
     what.map_or_else(String::new, |what| what.to_string())
 }
 
-/// A row for each configuration and number of samples; `default_samples` is the time in samples of the default.
+/// A row for each configuration and number of samples; `default_samples` is its time in samples of the
+/// default.
 pub fn pictures(chart: &Chart) -> String {
     let mut table = Table::new(&[
         "scene",

@@ -144,7 +144,11 @@ impl<'a> Run<'a> {
         let mut film = renderer.film();
         renderer.add_samples(&mut film, 1);
         let (_, sample) = timed(|| renderer.add_samples(&mut film, 1));
-        let warm_up = if sample > LONG { 0 } else { WARM_UP.div_duration_f64(sample).ceil() as u32 };
+        let warm_up = match sample {
+            _ if sample > LONG => 0,
+            // A clock may be coarse.
+            _ => WARM_UP.div_duration_f64(sample.max(Duration::from_micros(1))).ceil() as u32,
+        };
         let films = (0..seeds).map(|_| (renderer.film(), 0.0)).collect();
         let none = Duration::ZERO;
         let (levels, spent) = (Vec::new(), start.elapsed());

@@ -138,6 +138,12 @@ mod tests {
                 for panel in &layout.panels {
                     let [left, top, right, bottom] = panel.edges;
                     assert!(right - left > 300 && bottom - top > 300, "the plane keeps its size");
+                    for text in &layout.texts {
+                        let [text_left, text_top, text_right, text_bottom] = text.edges();
+                        let aside = text_right <= left || text_left >= right;
+                        let clear = aside || text_bottom <= top || text_top >= bottom;
+                        assert!(clear, "{count} panels: {:?} on a plane", text.words);
+                    }
                 }
             }
         }

@@ -255,13 +255,16 @@ pub struct RaysArgs {
 
 /// Chart speed against accuracy.
 ///
-/// Five charts: intersection methods (nanoseconds per test against failures and errors), pictures (error
-/// against time for every configuration, from one sample per pixel on, with the Pareto front marked), frames
-/// (the error of a window's accumulated picture after a short time), display (one picture unfiltered,
-/// blurred, with FXAA, and denoised), and motion (frames of a moving camera with one sample per pixel,
-/// unfiltered, reprojected, and also denoised). Errors are measured against a ground truth that is rendered
-/// first, with other random numbers, and cached in the folder for the next run; those in motion against
-/// ground truths of their own.
+/// Five charts: intersection methods (cost of a test beside failures and errors, at the widest vector of the
+/// machine and scalar), pictures (error against time for every configuration, from one sample per pixel on,
+/// with the Pareto front as one line), frames (the error of a window's accumulated picture after a short
+/// time), display (one picture unfiltered, blurred, with FXAA, and denoised), and motion (frames of a moving
+/// camera with one sample per pixel, unfiltered, reprojected, and also denoised). Errors are measured against
+/// a ground truth that is rendered first, with other random numbers, and cached in the folder for the next
+/// run; those in motion against ground truths of their own.
+///
+/// Times in drawings are multiples of the default's, so that charts of different machines can be compared;
+/// seconds are in the tables. A plane has at most six lines; more are spread over several.
 ///
 /// Writes report.html (one page that needs no other file), an .svg for each figure, .csv tables and
 /// chart.json. Exits with 1 if a configuration that must give the default's picture, bit by bit, gives
@@ -300,6 +303,9 @@ pub struct ChartArgs {
 /// has the bits of `octray render --samples N`. While the camera moves, earlier frames are reprojected. Where
 /// the window has room, it shows each pixel larger. Scenes can be dropped on the window. A scene whose files
 /// change is loaded again; if it cannot be read, the old one stays and the reason is shown.
+///
+/// Two rates are shown: frames per second of the screen, at most the display's, and samples per second of the
+/// renderer alone, which are the fps of `octray bench` with the same scene, size, bounces, lanes and threads.
 ///
 /// --terminal draws with half-block characters in true colour, for machines without a display. It takes the
 /// same keys except Shift, Ctrl and mouse movement. Ctrl-C ends the viewer, with exit code 0.

@@ -102,7 +102,7 @@ pub fn run(options: ChartOptions) -> Result<ExitCode, CliError> {
 fn write(folder: &Path, chart: &Chart) -> Result<(), CliError> {
     let save = |name: String, text: &str| output::save_text(&folder.join(name), text);
     for drawing in drawings(chart) {
-        save(drawing.name + ".svg", &drawing.figure.svg())?;
+        save(format!("{}.svg", drawing.name), &drawing.svg())?;
     }
     save("pictures.csv".into(), &tables::pictures(chart))?;
     save("frames.csv".into(), &tables::frames(chart))?;

@@ -11,7 +11,7 @@ use super::error::CliError;
 use crate::machine::Machine;
 use crate::measure::chart::ground_truth::{GroundTruth, GroundTruthInfo};
 use crate::output;
-use crate::report::chart::file_name;
+use crate::report::drawing::file_name;
 use crate::scene::Scene;
 use crate::tone::Tone;
 use octray_formats::openexr;

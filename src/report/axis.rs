@@ -14,7 +14,7 @@ pub struct Axis {
 impl Axis {
     /// The label beside the axis.
     pub(super) fn name(&self) -> String {
-        if self.log { format!("{} (logarithmic)", self.label) } else { self.label.clone() }
+        if self.log { format!("{} (log scale)", self.label) } else { self.label.clone() }
     }
 }
 
@@ -58,6 +58,11 @@ impl Range {
             _ if self.log => number.log10(),
             _ => number,
         }
+    }
+
+    /// The position of a number in the drawing.
+    pub fn at(&self, number: f64) -> i32 {
+        self.unit(self.place(number))
     }
 
     /// The position of a coordinate in the drawing.

@@ -3,7 +3,10 @@
 //! For: [`page`]. May import: `chart`, `measure::chart`, `maud` (which escapes all text). Must not know:
 //! files.
 
-use super::chart::{self, Chart, Drawing, Measure};
+use super::chart::{self, Chart};
+use super::chart_drawings::{Measure, display, frames, motion, of_pictures};
+use super::chart_kernels::intersection as of_kernels;
+use super::drawing::Drawing;
 use crate::measure::chart::display::FILTERS;
 use crate::measure::chart::kernels::Kernel;
 use crate::measure::chart::pictures::Line;
@@ -15,7 +18,7 @@ use maud::{DOCTYPE, Markup, PreEscaped, html};
 /// For phones (one column; tables and figures scroll instead of shrinking), desktops, and print (no page
 /// break inside a figure).
 const STYLE: &str = "
-body { font: 16px/1.5 sans-serif; max-width: 88rem; margin: 0 auto; padding: 1rem; color: #222; background: #fff }
+body { font: 16px/1.5 sans-serif; max-width: 64rem; margin: 0 auto; padding: 1rem; color: #222; background: #fff }
 h1, h2, h3 { line-height: 1.2 }
 figure { margin: 1rem 0; overflow-x: auto }
 svg { display: block; width: 100%; min-width: 50rem; height: auto }
@@ -26,6 +29,7 @@ th:first-child, td:first-child, .text { text-align: left }
 td.text { white-space: normal; min-width: 11rem }
 .default { font-weight: bold }
 small { color: #555 }
+@media screen and (prefers-color-scheme: dark) { body { color: #e6edf3; background: #0d1117 } small { color: #9aa4ae } th, td { border-color: #30363d } }
 @media print { svg { min-width: 0 } figure, table { break-inside: avoid } body { max-width: none; font-size: 10px } table { font-size: 7px } th, td { padding: 0.1rem 0.3rem; white-space: normal } figure svg { max-height: 12cm } }
 ";
 
@@ -122,10 +126,10 @@ fn of_scene(chart: &Chart, scene: &SceneChart) -> Markup {
     let [width, height] = scene.frame_size;
     html! {
         h2 { (scene.scene) }
-        (figure(&chart::of_pictures(chart, scene, Measure::Rmse)))
+        (figure(&of_pictures(scene, chart.seeds, Measure::Rmse)))
         (pictures_table(scene))
-        (figure(&chart::of_pictures(chart, scene, Measure::Relmse)))
-        (figure(&chart::of_pictures(chart, scene, Measure::Flip)))
+        (figure(&of_pictures(scene, chart.seeds, Measure::Relmse)))
+        (figure(&of_pictures(scene, chart.seeds, Measure::Flip)))
         p {
             small {
                 "Ground truth: " (counted(scene.truth.samples, "sample", "samples")) " per pixel at " (width) "×" (height)
@@ -134,11 +138,11 @@ fn of_scene(chart: &Chart, scene: &SceneChart) -> Markup {
                 ". The errors above include it; the root mean squares below exclude it."
             }
         }
-        (figure(&chart::frames(scene)))
+        (figure(&frames(scene)))
         (frames_table(scene))
-        (figure(&chart::display(scene)))
+        (figure(&display(scene)))
         (display_table(scene))
-        (figure(&chart::motion(scene)))
+        (figure(&motion(scene)))
         (motion_table(scene))
     }
 }
@@ -238,7 +242,7 @@ fn motion_table(scene: &SceneChart) -> Markup {
 fn intersection(chart: &Chart) -> Markup {
     html! {
         h2 { "Intersection methods" }
-        @for drawing in chart::intersection(&chart.kernels) { (figure(&drawing)) }
+        @for drawing in of_kernels(&chart.kernels) { (figure(&drawing)) }
         div class="wide" {
             table {
                 tr { th { "method" } th class="text" { "width" } th { "ns per test" } th { "10 to 90 %" } th { "fails" } th { "error of t, p99" } }
@@ -266,7 +270,7 @@ fn source(chart: &Chart) -> Markup {
 }
 
 fn figure(drawing: &Drawing) -> Markup {
-    html! { figure { (PreEscaped(drawing.figure.svg())) } }
+    html! { figure { (PreEscaped(drawing.svg())) } }
 }
 
 fn lanes(kernel: &Kernel) -> &'static str {

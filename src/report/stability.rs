@@ -1,9 +1,9 @@
 //! The outcome of a stability recipe as figures: failures along the axis, and errors.
 //!
-//! For: [`figures`]. May import: `plot`, `numbers`, `measure`. Must not know: files.
+//! For: [`figures`]. May import: `figure`, `numbers`, `measure`. Must not know: files.
 
+use super::figure::{Axis, Figure, Line, Look, Panel};
 use super::numbers::percent;
-use super::plot::{Axis, Figure, Line};
 use crate::measure::stability::{Curve, Outcome, Point};
 use crate::wording::grouped;
 
@@ -56,7 +56,8 @@ fn in_order(outcome: &Outcome) -> impl Iterator<Item = &Curve> {
 
 fn line(curve: &Curve) -> Line {
     let name = if curve.default { format!("{} (default)", curve.method) } else { curve.method.to_string() };
-    Line { name, strong: curve.default, ..Line::default() }
+    let look = if curve.default { Look::Default } else { Look::Plain };
+    Line { name, look, ..Line::default() }
 }
 
 fn figure(outcome: &Outcome, notes: Vec<String>, y: &str, lines: Vec<Line>) -> Figure {
@@ -65,8 +66,7 @@ fn figure(outcome: &Outcome, notes: Vec<String>, y: &str, lines: Vec<Line>) -> F
         notes,
         x: Axis { label: outcome.axis.to_string(), log: true },
         y: Axis { label: y.to_string(), log: true },
-        lines,
-        guides: Vec::new(),
+        panels: Panel::split("", &[], lines),
     }
 }
 
@@ -104,9 +104,12 @@ mod tests {
         let figures = figures(&outcome);
         let names: Vec<&str> = figures.iter().map(|(name, _)| name.as_str()).collect();
         assert_eq!(names, ["far", "far-error"]);
-        let [failures, errors] = [0, 1].map(|number| &figures[number].1);
+        let [failures, errors] = [0, 1].map(|number| &figures[number].1.panels[0]);
         assert_eq!(failures.lines[0].points, [[1.0, 0.0], [10.0, 0.5]]);
-        assert_eq!(failures.lines.iter().map(|line| line.strong).collect::<Vec<_>>(), [true, false]);
+        assert_eq!(
+            failures.lines.iter().map(|line| line.look).collect::<Vec<_>>(),
+            [Look::Default, Look::Plain]
+        );
         assert!(failures.lines[0].name.contains("default") && !failures.lines[1].name.contains("default"));
         assert_eq!((&errors.lines[1].points[..], errors.lines[0].band.len()), (&[[1.0, 1e-6]][..], 1));
         assert_eq!(super::figures(&Outcome { error: None, ..outcome }).len(), 1);

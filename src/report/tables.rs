@@ -36,7 +36,8 @@ fn cell(what: Option<impl ToString>) -> String {
     what.map_or_else(String::new, |what| what.to_string())
 }
 
-/// A row for each configuration and number of samples.
+/// A row for each configuration and number of samples; `default_samples` is its time in samples of the
+/// default.
 pub fn pictures(chart: &Chart) -> String {
     let mut table = Table::new(&[
         "scene",
@@ -58,6 +59,7 @@ pub fn pictures(chart: &Chart) -> String {
         "flip_p10",
         "flip_p90",
         "on_front",
+        "default_samples",
     ]);
     for scene in &chart.scenes {
         for line in &scene.pictures {
@@ -67,6 +69,7 @@ pub fn pictures(chart: &Chart) -> String {
                     row.extend(cells(spread));
                 }
                 row.push(point.on_front.to_string());
+                row.push((point.seconds.median / scene.default_sample_s).to_string());
                 table.row(row);
             }
         }
@@ -247,6 +250,7 @@ mod tests {
         };
         let line = Line {
             configuration: "one, with a comma",
+            group: None,
             points: vec![point],
             robust: true,
             pictures_unlike_default: None,
@@ -272,6 +276,7 @@ mod tests {
                 budget_s: 1.0,
                 cached: false,
             },
+            default_sample_s: 0.5,
             pictures: vec![line],
             frames: vec![frames],
             display: vec![FilterResult {
@@ -337,7 +342,7 @@ mod tests {
             named(&pictures(&chart), 0),
             "scene=three configuration=one, with a comma samples=1.5 seconds=2 seconds_p10=1.8 seconds_p90=2.25 \
              rmse=3 rmse_p10=2.8 rmse_p90=3.25 relmse=4 relmse_p10=3.8 relmse_p90=4.25 \
-             relmse_trimmed=5 relmse_trimmed_p10=4.8 relmse_trimmed_p90=5.25 flip=6 flip_p10=5.8 flip_p90=6.25 on_front=true"
+             relmse_trimmed=5 relmse_trimmed_p10=4.8 relmse_trimmed_p90=5.25 flip=6 flip_p10=5.8 flip_p90=6.25 on_front=true default_samples=4"
         );
         let of_frames = "scene=three configuration=two threads=7 seeds=9 fps=10 fps_p10=9.8 fps_p90=10.25";
         let samples = "samples=20 samples_p10=19.8 samples_p90=20.25";

@@ -162,10 +162,11 @@ impl Accumulation {
             let time = start.elapsed();
             let pixels = f64::from(self.pose.resolution[0]) * f64::from(self.pose.resolution[1]);
             let samples = (self.film.pixel_samples() - before.0) as f64 / pixels;
-            rates.samples(renderer.settings().lanes, samples, self.film.rays() - before.1, time);
             summary.samples += samples;
             summary.tracing += time;
+            // Not one that was cancelled.
             if samples == 1.0 {
+                rates.sample(renderer.settings().lanes, self.film.rays() - before.1, time);
                 self.sample_time = time;
             }
             if exchange.is_closed() || Instant::now() + self.sample_time / 2 >= due {

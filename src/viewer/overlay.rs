@@ -88,11 +88,11 @@ fn lines(
     let Rates { fps, low, samples: [simd, scalar], mrays } = *figures;
     let now = if settings.lanes == 1 { scalar } else { simd };
     match fps > 0.0 {
-        true => write!(text, "{} fps, 1 % low {}", rate_of(fps), rate_of(low))?,
+        true => write!(text, "screen {} fps, 1 % low {}", rate_of(fps), rate_of(low))?,
         false => write!(text, "no frame rate yet")?,
     }
     if let Some(rate) = now {
-        write!(text, " · {} samples/s · {mrays:.1} Mray/s", rate_of(rate))?;
+        write!(text, " · renderer {} samples/s, {mrays:.1} Mray/s", rate_of(rate))?;
     }
     match settings.lanes {
         1 => write!(text, "\nscalar")?,
@@ -188,7 +188,7 @@ mod tests {
         write(&mut text, &input, &state, &figures, true);
         for words in [
             "builtin:three (2 of 2), 1 warning (R reloads), another is being prepared\n",
-            "60 fps, 1 % low 0.25 · 4,000 samples/s · 7.5 Mray/s\n",
+            "screen 60 fps, 1 % low 0.25 · renderer 4,000 samples/s, 7.5 Mray/s\n",
             "8 lanes, 2 threads · SIMD 4,000, scalar 8.0 samples/s, 500.0×\n",
             " · 1 sample · 4 bounces · holds 30 fps\n",
         ] {

@@ -1,5 +1,9 @@
 //! Frame rates, sample rates and latencies.
 //!
+//! The *frame rate* is that of the screen, at most the display's. The *sample rate* is the renderer's own:
+//! the time between samples, for painting and for the display, does not count. It is what `octray bench`
+//! calls fps, by the same statistic: one over the median time of a sample of every pixel.
+//!
 //! For: [`RateMeter`], the present rates; [`Summary`], the sums of a run. May import: the standard library.
 //! Must not know: clocks (durations are passed in), windows.
 
@@ -8,7 +12,7 @@ use std::time::Duration;
 /// Number of frames behind the frame rates.
 const FRAMES: usize = 256;
 /// Least tracing time behind a sample rate.
-const MIN_TIME: Duration = Duration::from_millis(100);
+const MIN_TIME: Duration = Duration::from_millis(250);
 
 /// Measures frame rates over the last frames, and sample rates by width.
 #[derive(Clone, Debug)]
@@ -17,12 +21,31 @@ pub struct RateMeter {
     frames: [f32; FRAMES],
     filled: usize,
     next: usize,
-    /// Samples of the whole picture since the last rate and their time, by width: SIMD, scalar.
-    taken: [(f64, Duration); 2],
+    /// Samples since the last rate, by width: SIMD, scalar.
+    taken: [Batch; 2],
     /// The last sample rates, by width.
     sample_rates: [Option<f64>; 2],
-    rays: (u64, Duration),
     mrays: f64,
+}
+
+/// Samples of the whole picture.
+#[derive(Clone, Debug, Default)]
+struct Batch {
+    /// Time of each.
+    times: Vec<Duration>,
+    spent: Duration,
+    rays: u64,
+}
+
+impl Batch {
+    /// Samples per second by the median time, so that one that was interrupted does not count; and millions
+    /// of rays.
+    fn rates(&mut self) -> (f64, f64) {
+        let middle = self.times.len() / 2;
+        let (_, median, _) = self.times.select_nth_unstable(middle);
+        let rate = 1.0 / median.as_secs_f64().max(1e-9);
+        (rate, rate * self.rays as f64 / self.times.len() as f64 / 1e6)
+    }
 }
 
 /// The present rates.
@@ -31,7 +54,7 @@ pub struct Rates {
     /// Frames per second: the median, and the 1 % low.
     pub fps: f64,
     pub low: f64,
-    /// Samples of the whole picture per second: SIMD, scalar.
+    /// Samples of the whole picture per second of rendering: SIMD, scalar.
     pub samples: [Option<f64>; 2],
     pub mrays: f64,
 }
@@ -42,9 +65,8 @@ impl Default for RateMeter {
             frames: [0.0; FRAMES],
             filled: 0,
             next: 0,
-            taken: [(0.0, Duration::ZERO); 2],
+            taken: Default::default(),
             sample_rates: [None; 2],
-            rays: (0, Duration::ZERO),
             mrays: 0.0,
         }
     }
@@ -57,21 +79,18 @@ impl RateMeter {
         self.next = (self.next + 1) % FRAMES;
         self.filled = (self.filled + 1).min(FRAMES);
     }
-    /// Records samples of the whole picture, taken with packets of `lanes`.
-    pub fn samples(&mut self, lanes: usize, samples: f64, rays: u64, time: Duration) {
+    /// Records a sample of the whole picture, taken with packets of `lanes`.
+    pub fn sample(&mut self, lanes: usize, rays: u64, time: Duration) {
         let width = usize::from(lanes == 1);
-        let (count, spent) = &mut self.taken[width];
-        *count += samples;
-        *spent += time;
-        if *spent >= MIN_TIME {
-            self.sample_rates[width] = Some(*count / spent.as_secs_f64());
-            (*count, *spent) = (0.0, Duration::ZERO);
-        }
-        self.rays.0 += rays;
-        self.rays.1 += time;
-        if self.rays.1 >= MIN_TIME {
-            self.mrays = self.rays.0 as f64 / self.rays.1.as_secs_f64() / 1e6;
-            self.rays = (0, Duration::ZERO);
+        let batch = &mut self.taken[width];
+        batch.times.push(time);
+        batch.spent += time;
+        batch.rays += rays;
+        if batch.spent >= MIN_TIME {
+            let (rate, mrays) = batch.rates();
+            (self.sample_rates[width], self.mrays) = (Some(rate), mrays);
+            batch.times.clear();
+            (batch.spent, batch.rays) = (Duration::ZERO, 0);
         }
     }
     /// Discards everything: another scene or other settings.
@@ -155,15 +174,28 @@ mod tests {
     #[test]
     fn both_widths_have_a_rate_side_by_side() {
         let mut rates = RateMeter::default();
-        rates.samples(8, 50.0, 1_000_000, Duration::from_millis(50));
+        let take = |lanes, count, ms, rates: &mut RateMeter| {
+            (0..count).for_each(|_| rates.sample(lanes, 20_000, Duration::from_millis(ms)));
+        };
+        take(8, 249, 1, &mut rates);
         assert_eq!(rates.rates().samples, [None, None], "too short a time");
-        rates.samples(8, 50.0, 1_000_000, Duration::from_millis(50));
+        take(8, 1, 1, &mut rates);
+        assert!((rates.rates().mrays - 20.0).abs() < 1e-9);
         rates.switch_width();
-        rates.samples(1, 20.0, 400_000, Duration::from_millis(100));
+        take(1, 50, 5, &mut rates);
         let Rates { samples, mrays, .. } = rates.rates();
         assert_eq!(samples, [Some(1_000.0), Some(200.0)]);
         assert!((mrays - 4.0).abs() < 1e-9);
         rates.reset();
         assert_eq!(rates.rates(), Rates::default());
+    }
+
+    /// `bench` takes the median, so a sample that another program delayed must not lower the rate here.
+    #[test]
+    fn a_delayed_sample_does_not_change_the_rate() {
+        let mut rates = RateMeter::default();
+        (0..99).for_each(|_| rates.sample(16, 1_000, Duration::from_millis(1)));
+        rates.sample(16, 1_000, Duration::from_millis(400));
+        assert_eq!(rates.rates().samples, [Some(1_000.0), None]);
     }
 }

@@ -68,12 +68,56 @@ fn chart_writes_a_page_drawings_tables_and_json_that_agree() {
         "scene-json-frames",
         "scene-json-display",
         "scene-json-motion",
-        "kernels-box-failures",
+        "kernels-box",
     ] {
         let drawn = read(&format!("{name}.svg"));
         assert!(drawn.starts_with("<svg"), "{name}");
         assert!(page.contains(&drawn), "{name} is on the page");
+        assert_eq!(overlapping(&drawn), Vec::<String>::new(), "{name}");
     }
+    let ratio = |line: &serde_json::Value| {
+        line["points"][0]["seconds"]["median"].as_f64().unwrap() / scene["default_sample_s"].as_f64().unwrap()
+    };
+    let (default, scalar) = (ratio(&lines[0]), ratio(&lines[1]));
+    assert!(default > 0.2 && scalar > default, "{default} and {scalar} samples of the default");
+}
+
+/// The texts of a drawing that cover others or leave it, by a width of a letter that common fonts do not
+/// reach.
+fn overlapping(svg: &str) -> Vec<String> {
+    let attribute = |tag: &str, name: &str| -> Option<String> {
+        let (_, rest) = tag.split_once(&format!(" {name}=\""))?;
+        Some(rest.split_once('"')?.0.to_owned())
+    };
+    let view = attribute(svg, "viewBox").unwrap();
+    let size: Vec<f64> = view.split(' ').map(|side| side.parse().unwrap()).collect();
+    let texts = svg.split("<text").skip(1).map(|text| {
+        let (tag, rest) = text.split_once('>').unwrap();
+        let words = rest.split_once("</text>").unwrap().0.trim();
+        let number = |name| attribute(tag, name).unwrap().parse::<f64>().unwrap();
+        let (x, y, high) = (number("x"), number("y"), number("font-size"));
+        let wide = 0.56 * high * words.chars().count() as f64;
+        let left = match attribute(tag, "text-anchor").unwrap().as_str() {
+            "start" => x,
+            "middle" => x - wide / 2.0,
+            _ => x - wide,
+        };
+        (words, [left, y - high / 2.0, left + wide, y + high / 2.0])
+    });
+    let texts: Vec<(&str, [f64; 4])> = texts.collect();
+    let mut found = Vec::new();
+    for (number, (words, [left, top, right, bottom])) in texts.iter().enumerate() {
+        if *left < 0.0 || *top < 0.0 || *right > size[2] || *bottom > size[3] {
+            found.push(format!("{words:?} leaves the drawing"));
+        }
+        for (others, edges) in &texts[..number] {
+            if *left < edges[2] && edges[0] < *right && *top < edges[3] && edges[1] < *bottom {
+                found.push(format!("{words:?} over {others:?}"));
+            }
+        }
+    }
+    assert!(texts.len() > 10, "{} texts", texts.len());
+    found
 }
 
 #[test]

@@ -80,8 +80,8 @@ fn page_stands_alone_and_holds_all_figures_and_configurations() {
     }
     assert_eq!(
         page.matches("<svg ").count(),
-        6 + 5,
-        "three measures, frames, display and motion; two and two and one of equations"
+        6 + 3,
+        "three measures, frames, display and motion; three families of methods"
     );
     let scene = octray::scene::load("builtin:three").unwrap();
     for one in of_scene(&scene, octray::render::Settings::of(&scene)) {

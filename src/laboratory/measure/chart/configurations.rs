@@ -1,17 +1,19 @@
 //! The configurations of the renderer that a chart compares.
 //!
-//! For: [`Configuration`], [`of_scene`]. May import: `render`, `traverse`, `buffers`, `sampling`. Must not
-//! know: clocks, errors.
+//! For: [`Configuration`], [`of_scene`], [`Group`]. May import: `render`, `traverse`, `buffers`, `sampling`.
+//! Must not know: clocks, errors.
 //!
 //! Each differs from the default in one setting, so that the chart shows the cost and the benefit of that
 //! setting.
 
 use crate::buffers::{Features, LightChoice};
+use crate::lane::native_widths;
 use crate::render::{PipelineChoice, Renderer, Settings};
 use crate::sampling::Sampler;
 use crate::scene::Scene;
 use crate::traverse::batch::Traversal;
 use crate::traverse::{BoxChoice, Methods, SphereChoice, TraversalChoice, TriangleChoice, linear};
+use serde::Serialize;
 
 /// Settings under a name.
 #[derive(Clone, Debug, PartialEq)]
@@ -31,25 +33,44 @@ pub struct Configuration {
 /// The configuration with which all others are compared.
 pub const DEFAULT: &str = "default";
 
-/// All names, in the order of every chart.
-pub const NAMES: [&str; 16] = [
-    DEFAULT,
-    "scalar",
-    "general pipeline",
-    "random numbers",
-    "lights off",
-    "lights on",
-    "adaptive",
-    "hierarchy",
-    "every primitive tested",
-    "streams",
-    "packets",
-    "single rays",
-    "boxes without padding",
-    "naive spheres",
-    "Möller–Trumbore",
-    "Baldwin–Weber",
+/// What the configurations of a drawing have in common.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Group {
+    /// Other random numbers or other estimators: other pictures with the same mean.
+    Sampling,
+    /// The default's picture, bit by bit, at another speed.
+    Speed,
+    /// Intersection methods that fail on difficult inputs.
+    NotRobust,
+}
+
+/// All names but [`DEFAULT`], by group, in the order of every chart.
+pub const GROUPS: [(Group, &[&str]); 3] = [
+    (Group::Sampling, &["random numbers", "adaptive", "lights off", "lights on"]),
+    (
+        Group::Speed,
+        &[
+            "scalar",
+            "8 lanes",
+            "16 lanes",
+            "general pipeline",
+            "hierarchy",
+            "every primitive tested",
+            "streams",
+            "packets",
+            "single rays",
+        ],
+    ),
+    (Group::NotRobust, &["boxes without padding", "naive spheres", "Möller–Trumbore", "Baldwin–Weber"]),
 ];
+
+impl Group {
+    /// The group of a configuration; `None` for the default.
+    pub fn of(configuration: &str) -> Option<Self> {
+        GROUPS.into_iter().find(|(_, names)| names.contains(&configuration)).map(|(group, _)| group)
+    }
+}
 
 /// Largest cost of testing every primitive that is charted, in sphere tests as [`linear::cost`]
 /// counts.
@@ -73,6 +94,10 @@ pub fn of_scene(scene: &Scene, settings: Settings) -> Vec<Configuration> {
         }
     };
     add(true, of("scalar", Settings { lanes: 1, ..settings }, true));
+    for lanes in native_widths().filter(|&lanes| lanes > 1) {
+        let name = if lanes == 8 { "8 lanes" } else { "16 lanes" };
+        add(lanes != settings.lanes, of(name, Settings { lanes, ..settings }, true));
+    }
     let renderer = Renderer::new(scene, settings);
     let general = Settings { pipeline: PipelineChoice::General, ..settings };
     add(renderer.features() != Features::ALL, of("general pipeline", general, true));
@@ -121,6 +146,7 @@ fn differs(scene: &Scene, renderer: &Renderer, settings: Settings) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::lane::NATIVE_WIDTH;
 
     fn names(scene: &str) -> Vec<&'static str> {
         let scene = octray_formats::scene::load(scene).unwrap();
@@ -131,7 +157,8 @@ mod tests {
     #[test]
     fn configurations_are_those_that_a_scene_can_tell_apart() {
         let three = names("builtin:three");
-        assert_eq!(three[..3], [DEFAULT, "scalar", "general pipeline"]);
+        assert_eq!(three[..2], [DEFAULT, "scalar"]);
+        assert_eq!(three.contains(&"8 lanes"), NATIVE_WIDTH > 8, "where 8 lanes are not the default");
         for absent in ["lights off", "lights on", "Möller–Trumbore", "streams", "every primitive tested"] {
             assert!(!three.contains(&absent), "{absent}");
         }
@@ -142,9 +169,11 @@ mod tests {
             !cornell.contains(&"naive spheres") && !cornell.contains(&"lights on"),
             "auto samples all emitters"
         );
-        let all = three.iter().chain(&cornell);
-        assert!(all.clone().all(|name| NAMES.contains(name)), "every configuration has a colour of its own");
         let terrain = names("builtin:terrain:2000");
         assert!(terrain.contains(&"streams") && !terrain.contains(&"every primitive tested"), "{terrain:?}");
+        assert_eq!(terrain.contains(&"16 lanes"), NATIVE_WIDTH > 8, "a hierarchy has 8 by default");
+        for name in three.iter().chain(&cornell).chain(&terrain) {
+            assert_eq!(Group::of(name).is_none(), *name == DEFAULT, "{name} is in a drawing");
+        }
     }
 }

@@ -28,6 +28,9 @@ pub struct SceneChart {
     pub size: [u32; 2],
     pub frame_size: [u32; 2],
     pub truth: GroundTruthInfo,
+    /// Seconds of one sample of the default in `pictures`: the unit of times that charts of two machines
+    /// share.
+    pub default_sample_s: f64,
     pub pictures: Vec<pictures::Line>,
     pub frames: Vec<frames::Frames>,
     pub display: Vec<display::FilterResult>,
@@ -106,6 +109,7 @@ impl Plan {
             size: self.size,
             frame_size: self.size.map(|side| side * SHRINK),
             truth: ground_truth.info,
+            default_sample_s: pictures::sample_time(&pictures[0]),
             pictures,
             frames,
             display,

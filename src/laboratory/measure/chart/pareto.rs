@@ -67,10 +67,12 @@ impl ErrorCurve {
         at_last.min_by(|a, b| error(a.1).total_cmp(&error(b.1))).map(|(name, _)| *name)
     }
 
-    /// Time to the error of this curve's last point, over the time of `default` to the same error.
+    /// Time to the error of this curve's last point, or of the default's where that is larger, over the time
+    /// of `default` to the same error: neither is extrapolated to errors that it did not reach.
     pub fn time_to_last_error_over(&self, default: &ErrorCurve) -> f64 {
-        let [time, error] = self.medians[self.medians.len() - 1];
-        (time - time_at(&default.medians, error)).exp()
+        let last = |curve: &ErrorCurve| curve.medians[curve.medians.len() - 1][1];
+        let error = last(self).max(last(default));
+        (time_at(&self.medians, error) - time_at(&default.medians, error)).exp()
     }
 }
 
@@ -139,6 +141,11 @@ mod tests {
         let (rough, fine) = (curve(1.0, 1.0, 2), curve(1.0, 1.0, 6));
         // Sixteen times the samples of the last point, and a sixteenth of those of the first.
         assert!((fine.time_to_last_error_over(&rough) - 1.0).abs() < 1e-9);
+        // Twice as fast, but with errors that fall faster than the root of time after the other's last point.
+        let steep = ErrorCurve::new(
+            [(1.0, 1.0), (2.0, 0.5f64.sqrt()), (4.0, 0.1)].map(|(t, e)| (vec![t / 2.0], vec![e])).into_iter(),
+        );
+        assert!((steep.time_to_last_error_over(&rough) - 0.5).abs() < 1e-9);
         assert!((curve(1.0, 4.0, 1).time_to_last_error_over(&fine) - 16.0).abs() < 1e-9);
         let stays_below = |speed| fine.passes_below(&curve(speed, 1.0, 12), 11);
         assert!(stays_below(0.99) && !stays_below(1.01));

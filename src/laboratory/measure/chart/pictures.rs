@@ -3,14 +3,14 @@
 //! For: [`measure`]. May import: `configurations`, `ground_truth`, `errors`, `flip`, `pareto`, `quantiles`.
 //! Must not know: how results are drawn.
 
-use super::configurations::Configuration;
+use super::configurations::{Configuration, Group};
 use super::ground_truth::GroundTruth;
 use super::pareto::ErrorCurve;
 use crate::adaptive::Target;
 use crate::film::Film;
 use crate::measure::errors::Errors;
 use crate::measure::flip::Flip;
-use crate::measure::quantiles::Spread;
+use crate::measure::quantiles::{Quantiles, Spread};
 use crate::render::{Renderer, Settings};
 use crate::scene::Scene;
 use serde::Serialize;
@@ -27,6 +27,14 @@ pub const GROUND_TRUTH_FACTOR: u32 = 100;
 const FIRST_TARGET: f64 = 0.8;
 /// Samples before the first noise estimate, as in `render --target-error`.
 const LEAST: u32 = 16;
+/// Untimed rendering right before a timed part: other configurations ran since, so the caches and the branch
+/// predictor are theirs, and the worker sleeps. Where a sample takes longer than `LONG`, that no longer
+/// matters.
+const WARM_UP: Duration = Duration::from_millis(1);
+const LONG: Duration = Duration::from_millis(20);
+/// A part shorter than this is timed again, up to so many times, for the median: an interrupt takes as long.
+const SHORT: Duration = Duration::from_millis(1);
+const MOST_REPEATS: usize = 9;
 
 /// One number of samples of one configuration.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -48,13 +56,15 @@ pub struct Point {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Line {
     pub configuration: &'static str,
+    /// `None` for the default.
+    pub group: Option<Group>,
     pub points: Vec<Point>,
     /// Whether its methods are the robust ones. One that is not robust dominates no other.
     pub robust: bool,
     /// Pictures that differ from the default's with the same seed and samples; `None` where they may differ.
     pub pictures_unlike_default: Option<usize>,
-    /// Time to the error (root mean square) of its own last point over the default's time to the same error,
-    /// by the medians over the seeds; see [`super::pareto`] for interpolation and extrapolation.
+    /// Time to the error (root mean square) of its own last point, or of the default's where that is larger,
+    /// over the default's time to the same error, by the medians over the seeds; see [`super::pareto`] for interpolation and extrapolation.
     pub time_to_equal_error: f64,
     /// The configuration that is better in time and error at every point of this one, beyond the spread of
     /// the seeds. If only several together are, the best of them at the last point.
@@ -86,6 +96,8 @@ struct Run<'a> {
     /// One per seed, with its seconds.
     films: Vec<(Film, f64)>,
     levels: Vec<Level>,
+    /// Samples of a warm-up.
+    warm_up: u32,
     /// Number of target errors reached, if adaptive.
     targets: i32,
     /// All time of this configuration, including that of computing errors.
@@ -129,8 +141,14 @@ impl<'a> Run<'a> {
         let start = Instant::now();
         let resolution = [ground_truth.small.width, ground_truth.small.height];
         let renderer = Renderer::new(scene, Settings { resolution, threads: 1, ..configuration.settings });
-        // Caches fill, threads wake up.
-        renderer.add_samples(&mut renderer.film(), 1);
+        let mut film = renderer.film();
+        renderer.add_samples(&mut film, 1);
+        let (_, sample) = timed(|| renderer.add_samples(&mut film, 1));
+        let warm_up = match sample {
+            _ if sample > LONG => 0,
+            // A clock may be coarse.
+            _ => WARM_UP.div_duration_f64(sample.max(Duration::from_micros(1))).ceil() as u32,
+        };
         let films = (0..seeds).map(|_| (renderer.film(), 0.0)).collect();
         let none = Duration::ZERO;
         let (levels, spent) = (Vec::new(), start.elapsed());
@@ -139,6 +157,7 @@ impl<'a> Run<'a> {
             renderer,
             films,
             levels,
+            warm_up,
             targets: 0,
             spent,
             rendering: none,
@@ -149,17 +168,25 @@ impl<'a> Run<'a> {
 
     /// Doubles the samples of this seed, the first being 0; or halves the target error and starts again.
     fn render(&mut self, seed: u32, most: u32) {
-        let (film, seconds) = &mut self.films[seed as usize];
-        self.renderer.set_seed(seed + 1);
+        let Self { configuration, renderer, films, warm_up, targets, .. } = self;
+        let (film, seconds) = &mut films[seed as usize];
+        let target = Target { error: FIRST_TARGET * 0.5f64.powi(*targets), least: LEAST.min(most), most };
         let start = Instant::now();
-        if self.configuration.adaptive {
-            let error = FIRST_TARGET * 0.5f64.powi(self.targets);
-            *film = to_target(&self.renderer, &Target { error, least: LEAST.min(most), most });
-            *seconds = start.elapsed().as_secs_f64();
-        } else {
-            self.renderer.add_samples(film, film.samples().max(1));
-            *seconds += start.elapsed().as_secs_f64();
-        }
+        renderer.set_seed(seed + 1);
+        // On the worker from the warm-up on, so that no time is that of waking it.
+        renderer.on_threads(|| {
+            if *warm_up > 0 {
+                renderer.add_samples(&mut renderer.film(), *warm_up);
+            }
+            if configuration.adaptive {
+                let time;
+                (*film, time) = timed(|| to_target(renderer, &target));
+                *seconds = time.as_secs_f64();
+            } else {
+                let more = film.samples().max(1);
+                *seconds += median_time(film, |film| renderer.add_samples(film, more));
+            }
+        });
         self.rendering += start.elapsed();
     }
 
@@ -183,6 +210,31 @@ impl<'a> Run<'a> {
         self.last = std::mem::take(&mut self.rendering) + start.elapsed();
         self.spent += self.last;
     }
+}
+
+/// A result, and the time until it was there.
+fn timed<R>(run: impl FnOnce() -> R) -> (R, Duration) {
+    let start = Instant::now();
+    let result = run();
+    (result, start.elapsed())
+}
+
+/// Applies a change to the film once, and returns its time in seconds: the median of several changes of equal
+/// films where one is [`SHORT`].
+fn median_time(film: &mut Film, change: impl Fn(&mut Film)) -> f64 {
+    let before = film.clone();
+    let ((), first) = timed(|| change(film));
+    let mut times = vec![first.as_secs_f64()];
+    while times.len() < MOST_REPEATS && times.iter().sum::<f64>() < SHORT.as_secs_f64() {
+        let mut again = before.clone();
+        times.push(timed(|| change(&mut again)).1.as_secs_f64());
+    }
+    Quantiles::of(times).median()
+}
+
+/// Seconds of one sample: those of the last point, over its samples.
+pub fn sample_time(line: &Line) -> f64 {
+    line.points.last().map_or(f64::NAN, |point| point.seconds.median / point.samples)
 }
 
 /// Renders until the target error is met.
@@ -229,6 +281,7 @@ fn lines(runs: &[Run]) -> Vec<Line> {
         };
         Line {
             configuration: run.name(),
+            group: Group::of(run.name()),
             robust: run.configuration.robust,
             points: run.levels.iter().enumerate().map(point).collect(),
             pictures_unlike_default: run.configuration.same_bits.then(unlike),
@@ -293,12 +346,33 @@ mod tests {
         );
         assert!(off.points[3].rmse.median > 1.5 * default[3].rmse.median, "{off:?}");
         let scalar = named("scalar");
-        // A first sample takes tens of microseconds, and other tests run in parallel: early points are not
-        // checked.
+        // Other tests run in parallel: early points are not checked.
         assert!(
             scalar.time_to_equal_error > 1.0 && !scalar.points[scalar.points.len() - 1].on_front,
             "{scalar:?}"
         );
+    }
+
+    /// A change that is slow the first time, as with cold caches, and once by an interrupt.
+    #[test]
+    fn short_parts_are_timed_until_one_delay_does_not_count() {
+        let scene = octray_formats::scene::load("builtin:three").unwrap();
+        let renderer = Renderer::new(&scene, Settings { resolution: [8, 8], ..Settings::of(&scene) });
+        let (mut film, delays) = (renderer.film(), std::cell::Cell::new(0));
+        let median = median_time(&mut film, |film| {
+            renderer.add_samples(film, 3);
+            delays.set(delays.get() + 1);
+            std::thread::sleep(Duration::from_micros(if delays.get() == 1 { 500 } else { 20 }));
+        });
+        assert!(delays.get() > 2 && median < 400e-6, "{median} s after {}", delays.get());
+        assert_eq!(film.samples(), 3, "repeats leave the film as one change does");
+        let slow = Duration::from_millis(2);
+        delays.set(0);
+        let median = median_time(&mut film, |_| {
+            delays.set(delays.get() + 1);
+            std::thread::sleep(slow);
+        });
+        assert!(delays.get() == 1 && median >= slow.as_secs_f64(), "a long part is timed once");
     }
 
     #[test]

@@ -1,0 +1,110 @@
+//! The drawings of intersection methods in `octray chart`: cost beside failures and errors.
+//!
+//! For: [`intersection`]. May import: `dots`, `numbers`, `measure::chart`. Must not know: files, pages.
+
+use super::dots::{Column, DotTable, Row};
+use super::drawing::{Drawing, Kind};
+use super::numbers::{figure, percent};
+use crate::measure::chart::kernels::Kernel;
+use crate::wording::grouped;
+
+/// A drawing for each family of methods.
+pub fn intersection(kernels: &[Kernel]) -> Vec<Drawing> {
+    let mut families: Vec<&str> = kernels.iter().map(|kernel| kernel.family).collect();
+    families.sort_unstable();
+    families.dedup();
+    families.into_iter().map(|family| of_family(family, kernels)).collect()
+}
+
+fn of_family(family: &str, kernels: &[Kernel]) -> Drawing {
+    let of_family = || kernels.iter().filter(|kernel| kernel.family == family);
+    let widest = of_family().map(|kernel| kernel.lanes).max().unwrap_or(1);
+    let at = |lanes: usize| of_family().filter(move |kernel| kernel.lanes == lanes);
+    let cost = |lanes: usize| {
+        let default = at(lanes).find(|kernel| kernel.default).map_or(f64::NAN, |kernel| kernel.ns);
+        let value = |kernel: &Kernel| Some((kernel.ns / default, format!("{:.2}×", kernel.ns / default)));
+        let name = if lanes == 1 { "cost, scalar".into() } else { format!("cost, {lanes} lanes") };
+        let unit = format!("1× is {} ns", figure(default, 2));
+        Column { name, unit, log: false, values: at(lanes).map(value).collect() }
+    };
+    let first = at(widest).next();
+    let failures = |kernel: &Kernel| Some((100.0 * kernel.failures, percent(kernel.failures)));
+    let errors = |kernel: &Kernel| kernel.p99.map(|p99| (p99, scientific(p99)));
+    let mut columns = vec![cost(widest)];
+    columns.extend((widest > 1).then(|| cost(1)));
+    columns.push(Column {
+        name: "failures".into(),
+        unit: "log scale".into(),
+        log: true,
+        values: at(widest).map(failures).collect(),
+    });
+    let mut notes = Vec::new();
+    if let Some(Kernel { failure_case: case, error_case, .. }) = first {
+        notes.push(format!(
+            "Cost: one ray against one primitive, over the default's. Failures: stability recipe {} at {}.",
+            case.recipe,
+            grouped(case.place)
+        ));
+        if let Some(case) = error_case {
+            let (recipe, place) = (case.recipe, grouped(case.place));
+            notes.push(format!(
+                "Error: of t where no method failed, 99th percentile; recipe {recipe} at {place}."
+            ));
+            columns.push(Column {
+                name: "error of t".into(),
+                unit: "log scale".into(),
+                log: true,
+                values: at(widest).map(errors).collect(),
+            });
+        }
+    }
+    let row = |kernel: &Kernel| Row { name: kernel.method.into(), default: kernel.default };
+    let rows = at(widest).map(row).collect();
+    let title = format!("{family} tests: what each method costs, and where it fails");
+    Drawing { name: format!("kernels-{family}"), kind: Kind::Dots(DotTable { title, notes, rows, columns }) }
+}
+
+/// One digit and a power of ten.
+fn scientific(value: f64) -> String {
+    if value == 0.0 { "0".into() } else { format!("{value:.0e}") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::measure::chart::kernels::Case;
+
+    #[test]
+    fn costs_are_ratios_to_the_default_at_the_same_width() {
+        let case = Case { recipe: "r", place: 1.0 };
+        let of = |method, lanes, ns| Kernel {
+            family: "box",
+            method,
+            default: method == "padded",
+            lanes,
+            ns,
+            ns_spread: [ns, ns],
+            p99: None,
+            failures: 0.125,
+            error_case: None,
+            failure_case: case,
+        };
+        let kernels =
+            [of("padded", 16, 0.5), of("naive", 16, 0.25), of("padded", 1, 4.0), of("naive", 1, 6.0)];
+        let drawings = intersection(&kernels);
+        let [Drawing { name, kind: Kind::Dots(table) }] = &drawings[..] else { panic!("{drawings:?}") };
+        assert_eq!(name, "kernels-box");
+        let column = |number: usize| {
+            let values = table.columns[number].values.iter().flatten();
+            values.map(|(value, text)| (*value, text.as_str())).collect::<Vec<_>>()
+        };
+        assert_eq!(
+            table.columns.iter().map(|column| column.name.as_str()).collect::<Vec<_>>(),
+            ["cost, 16 lanes", "cost, scalar", "failures"]
+        );
+        assert_eq!(column(0), [(1.0, "1.00×"), (0.5, "0.50×")]);
+        assert_eq!(column(1), [(1.0, "1.00×"), (1.5, "1.50×")]);
+        assert_eq!(column(2), [(12.5, "12 %"), (12.5, "12 %")]);
+        assert_eq!(table.rows.iter().map(|row| row.default).collect::<Vec<_>>(), [true, false]);
+    }
+}

@@ -1,0 +1,50 @@
+//! A drawing of a chart: lines or dots, with a name for its file.
+//!
+//! For: [`Drawing`], [`file_name`]. May import: `figure`, `plot`, `dots`. Must not know: what is drawn,
+//! files.
+
+use super::dots::DotTable;
+use super::figure::Figure;
+
+/// A drawing, and its file name without an extension.
+#[derive(Clone, Debug)]
+pub struct Drawing {
+    pub name: String,
+    pub kind: Kind,
+}
+
+#[derive(Clone, Debug)]
+pub enum Kind {
+    Lines(Figure),
+    Dots(DotTable),
+}
+
+impl Drawing {
+    /// The text of an SVG file.
+    pub fn svg(&self) -> String {
+        match &self.kind {
+            Kind::Lines(figure) => figure.svg(),
+            Kind::Dots(table) => table.svg(),
+        }
+    }
+}
+
+/// A scene's name as part of a file name: letters and digits, and hyphens for all else.
+pub fn file_name(scene: &str) -> String {
+    let plain = |c: char| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '-' };
+    let name: String = scene.strip_prefix("builtin:").unwrap_or(scene).chars().map(plain).collect();
+    let words: Vec<&str> = name.split('-').filter(|word| !word.is_empty()).collect();
+    words.join("-")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn file_names_hold_nothing_that_a_shell_or_a_folder_would_mind() {
+        assert_eq!(file_name("builtin:cornell-spheres"), "cornell-spheres");
+        assert_eq!(file_name("../My scenes/Kitchen 2.json"), "my-scenes-kitchen-2-json");
+        assert_eq!(file_name("builtin:terrain:2000"), "terrain-2000");
+    }
+}

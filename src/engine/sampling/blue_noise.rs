@@ -98,7 +98,7 @@ pub const fn offset(dimension: u32) -> [u32; 2] {
 #[inline(always)]
 pub fn seed_offset(seed: u32) -> [u32; 2] {
     let key = seed_key(seed);
-    [key % SIZE & !15, key >> 16 & (SIZE - 1)]
+    [(key % SIZE) & !15, (key >> 16) % SIZE]
 }
 
 /// Words with their digits reversed: bit j is digit j after the point.
@@ -118,7 +118,7 @@ fn table() -> Box<Shifts> {
 /// The number of a pixel, its last digit first: the digits of its coordinates in turns, each flipped by a coin
 /// that belongs to the digits before it.
 fn number_in_z_order(x: u32, y: u32) -> u32 {
-    let digit = |place: u32| (if place % 2 == 0 { x } else { y }) >> (place / 2) & 1;
+    let digit = |place: u32| (if place.is_multiple_of(2) { x } else { y }) >> (place / 2) & 1;
     let mut before = 1;
     let mut number = 0;
     for place in (0..DIGITS).rev() {

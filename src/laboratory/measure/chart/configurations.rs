@@ -47,7 +47,7 @@ pub enum Group {
 
 /// All names but [`DEFAULT`], by group, in the order of every chart.
 pub const GROUPS: [(Group, &[&str]); 3] = [
-    (Group::Sampling, &["random numbers", "adaptive", "lights off", "lights on"]),
+    (Group::Sampling, &["random numbers", "independent pixels", "adaptive", "lights off", "lights on"]),
     (
         Group::Speed,
         &[
@@ -101,6 +101,7 @@ pub fn of_scene(scene: &Scene, settings: Settings) -> Vec<Configuration> {
     let renderer = Renderer::new(scene, settings);
     let general = Settings { pipeline: PipelineChoice::General, ..settings };
     add(renderer.features() != Features::ALL, of("general pipeline", general, true));
+    add(true, with("independent pixels", false, &|methods| methods.sampler = Sampler::PaddedSobol));
     add(true, with("random numbers", false, &|methods| methods.sampler = Sampler::Random));
     for (name, lights) in [("lights off", LightChoice::Off), ("lights on", LightChoice::On)] {
         let one = with(name, false, &|methods| methods.lights = lights);

@@ -292,7 +292,9 @@ impl LightReport {
         let triangles = scene.triangles.iter().filter(|triangle| shines(triangle.material)).count();
         Self {
             emitters: spheres + triangles,
-            sought: lights.len() - usize::from(lights.sky.is_some()),
+            // Two triangles may be one light.
+            sought: lights.probabilities.iter().filter(|&&probability| probability > 0.0).count()
+                - usize::from(lights.sky.is_some()),
             sky: lights.sky.is_some(),
             sky_contrast: match &lights.sky {
                 Some((sky, _)) => Some(sky.contrast),

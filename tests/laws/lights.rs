@@ -3,13 +3,15 @@
 
 use crate::common::{Rng, floor, lamp, mean, sphere, triangle};
 use glam::{DVec3, Vec3};
-use octray::buffers::{EnvironmentLight, LightChoice};
+use octray::buffers::{EnvironmentLight, LightChoice, Lights};
 use octray::film::Picture;
-use octray::kernel::light::{LightSample, sample_sphere, sample_triangle, sphere_pdf, triangle_pdf};
+use octray::kernel::border::Strip;
+use octray::kernel::light::{FlatLight, LightSample, flat_pdf, sample_flat, sample_sphere, sphere_pdf};
 use octray::kernel::surface::latitude_longitude;
 use octray::lane::{F32x8, F32x16, Lane};
 use octray::math;
 use octray::render::Settings;
+use octray::sampling::warp;
 use octray::scene::{Filter, Scene, Sky, Texels, Texture, load};
 use octray::traverse::Methods;
 use std::f64::consts::PI;
@@ -42,13 +44,13 @@ fn vector_irradiance(aim: impl Fn(f32, f32) -> LightSample<f32>, side: u32) -> D
 
 /// Lambert's formula for a polygon seen from the origin: half the sum of the edges' angles, each along the
 /// normal of its plane.
-fn polygon_irradiance(corners: [DVec3; 3]) -> DVec3 {
+fn polygon_irradiance(corners: &[DVec3]) -> DVec3 {
     let edge = |i: usize| {
-        let (a, b) = (corners[i].normalize(), corners[(i + 1) % 3].normalize());
+        let (a, b) = (corners[i].normalize(), corners[(i + 1) % corners.len()].normalize());
         let normal = a.cross(b);
         normal * (normal.length().atan2(a.dot(b)) / normal.length())
     };
-    (edge(0) + edge(1) + edge(2)) * 0.5
+    (0..corners.len()).map(edge).sum::<DVec3>() * 0.5
 }
 
 fn solid_angle([a, b, c]: [DVec3; 3]) -> f64 {
@@ -78,9 +80,12 @@ fn corners(rng: &mut Rng) -> [DVec3; 3] {
     [(); 3].map(|()| middle + rng.direction() * size)
 }
 
+fn flat([a, b, c]: [DVec3; 3], is_quad: bool) -> FlatLight<f32> {
+    FlatLight { a: vector(a), ab: vector(b - a), ac: vector(c - a), is_quad }
+}
+
 fn aim_at(corners: [DVec3; 3], u: f32, v: f32) -> LightSample<f32> {
-    let [a, b, c] = corners;
-    sample_triangle(vector(a), vector(b - a), vector(c - a), u, v)
+    sample_flat(&flat(corners, false), u, v)
 }
 
 #[test]
@@ -103,12 +108,94 @@ fn a_triangle_gives_the_irradiance_of_lamberts_formula() {
             whole += 1
         }
         let mine = vector_irradiance(|u, v| aim_at(corners, u, v), 96);
-        let truth = polygon_irradiance(corners);
+        let truth = polygon_irradiance(&corners);
         // The order of the corners decides the sign of Lambert's vector.
         let error = (mine - truth).length().min((mine + truth).length()) / truth.length();
         assert!(error < 2e-3, "{corners:?}, {omega:e} sr: {error:e}");
     }
     assert!(whole > 200 && by_area > 200, "{whole} {by_area}");
+}
+
+#[test]
+fn a_parallelogram_gives_the_irradiance_of_lamberts_formula() {
+    let mut rng = Rng(12);
+    let (mut whole, mut by_area) = (0, 0);
+    for _ in 0..500 {
+        let [a, b, c] = corners(&mut rng);
+        let d = b + c - a;
+        let normal = (b - a).cross(c - a);
+        // Slivers, and corners near or behind the lit point, are other parallelograms in single precision.
+        let longest = (b - a).length().max((c - a).length());
+        let height =
+            a.dot(normal.normalize()).abs() / [a, b, c, d].map(DVec3::length).into_iter().fold(0.0, f64::max);
+        if height < 0.02 || normal.length() < 0.02 * longest * longest {
+            continue;
+        }
+        let omega = solid_angle([a, b, c]) + solid_angle([d, b, c]);
+        *(if omega < 1e-3 { &mut by_area } else { &mut whole }) += 1;
+        let light = flat([a, b, c], true);
+        let mine = vector_irradiance(|u, v| sample_flat(&light, u, v), 96);
+        let truth = polygon_irradiance(&[a, b, d, c]);
+        let error = (mine - truth).length().min((mine + truth).length()) / truth.length();
+        assert!(error < 3e-3, "{a} {b} {c}, {omega:e} sr: {error:e}");
+    }
+    assert!(whole > 100 && by_area > 50, "{whole} {by_area}");
+}
+
+#[test]
+fn directions_fall_into_both_halves_of_a_parallelogram_by_their_solid_angles() {
+    let mut rng = Rng(13);
+    for _ in 0..200 {
+        let [a, b, c] = corners(&mut rng);
+        let [first, second] = [solid_angle([a, b, c]), solid_angle([b + c - a, b, c])];
+        let height = a.dot((b - a).cross(c - a).normalize()).abs() / a.length();
+        if first + second < 2e-3 || height < 0.02 {
+            continue;
+        }
+        let light = flat([a, b, c], true);
+        let in_first = square(64).filter(|&(u, v)| {
+            let wi = double(sample_flat(&light, u, v).wi);
+            // On a's side of the plane through b and c.
+            b.cross(c).dot(wi) * b.cross(c).dot(a) > 0.0
+        });
+        let share = in_first.count() as f64 / 4096.0;
+        assert!((share - first / (first + second)).abs() < 0.02, "{share}, {first} {second}");
+    }
+}
+
+/// A strip around a parallelogram, and a point with a normal that sees some of it.
+fn strip(rng: &mut Rng) -> (Strip, Vec3, Vec3) {
+    let [ab, ac] = [(); 2].map(|()| rng.direction() * rng.scale(0.1, 2.0));
+    let margins = [(); 2].map(|()| rng.scale(0.02, 0.5));
+    let a = rng.direction() * rng.scale(0.1, 3.0);
+    (Strip::new(a.as_vec3(), ab.as_vec3(), ac.as_vec3(), margins), Vec3::ZERO, rng.direction().as_vec3())
+}
+
+#[test]
+fn rays_to_a_strip_change_no_expectation() {
+    let mut rng = Rng(14);
+    for _ in 0..16 {
+        let (strip, origin, n) = strip(&mut rng);
+        let (origin, n) = (math::Vec3::splat(origin), math::Vec3::splat(n));
+        let axis = rng.direction();
+        // The cosine-weighted means of 1 and of two functions of the direction, with and without the strip.
+        let functions = |wi: DVec3| [1.0, wi.dot(axis), (3.0 * wi.dot(axis)).sin()];
+        let (mut with, mut without) = ([0.0; 3], [0.0; 3]);
+        let side = 256;
+        for (u, v) in square(side) {
+            let sample = strip.sample_diffuse::<f32>(origin, n, u, v);
+            let plain = warp::sample_cosine_hemisphere::<f32>(n, u, v);
+            assert!(!sample.alive || sample.weight <= 16.0 / 15.0 + 1e-5, "{}", sample.weight);
+            for (i, value) in functions(double(sample.wi)).into_iter().enumerate() {
+                with[i] += if sample.alive { f64::from(sample.weight) * value } else { 0.0 };
+                without[i] += functions(double(plain))[i];
+            }
+        }
+        for i in 0..3 {
+            let off = (with[i] - without[i]) / f64::from(side * side);
+            assert!(off.abs() < 4e-3, "function {i}: {off}");
+        }
+    }
 }
 
 #[test]
@@ -175,10 +262,13 @@ fn a_direction_has_the_density_it_was_drawn_with() {
     let mut rng = Rng(4);
     for _ in 0..20_000 {
         let (u, v) = (rng.unit() as f32, rng.unit() as f32);
-        let corners @ [a, b, c] = corners(&mut rng);
-        let aim = aim_at(corners, u, v);
-        let again = triangle_pdf(vector(a), vector(b - a), vector(c - a), aim.wi, aim.t);
-        assert!(aim.pdf == again || aim.pdf == 0.0, "{} {again}", aim.pdf);
+        let [a, b, c] = corners(&mut rng);
+        for is_quad in [false, true] {
+            let light = flat([a, b, c], is_quad);
+            let aim = sample_flat(&light, u, v);
+            let again = flat_pdf(&light, aim.wi, aim.t);
+            assert!(aim.pdf == again || aim.pdf == 0.0, "{} {again}", aim.pdf);
+        }
         let radius = rng.scale(1e-3, 1e3);
         let center = rng.direction() * radius * rng.scale(0.1, 1e4);
         let aim = sample_sphere(vector(center), radius as f32, u, v);
@@ -209,12 +299,15 @@ fn aims_are_the_same_at_every_width() {
             ];
             let radius = L::from_fn(|lane| all[lane].1);
             let (u, v) = (L::from_fn(|lane| all[lane].2), L::from_fn(|lane| all[lane].3));
-            let (triangles, spheres) = (sample_triangle(a, ab, ac, u, v), sample_sphere(a, radius, u, v));
+            // Every third lane a triangle.
+            let kind = L::from_fn(|lane| (lane % 3) as f32);
+            let flats = sample_flat(&FlatLight { a, ab, ac, is_quad: L::zero().lt(kind) }, u, v);
+            let spheres = sample_sphere(a, radius, u, v);
             for (lane, &(corners, radius, u, v)) in all.iter().enumerate().take(L::WIDTH) {
-                let one = aim_at(corners, u, v);
+                let one = sample_flat(&flat(corners, lane % 3 > 0), u, v);
                 let bits = |v: Vec3| v.to_array().map(f32::to_bits);
-                assert_eq!(bits(triangles.wi.get(lane)), bits(one.wi.get(0)));
-                assert_eq!(triangles.pdf.get(lane).to_bits(), one.pdf.to_bits());
+                assert_eq!(bits(flats.wi.get(lane)), bits(one.wi.get(0)));
+                assert_eq!(flats.pdf.get(lane).to_bits(), one.pdf.to_bits());
                 let one = sample_sphere(vector(corners[0]), radius, u, v);
                 if one.pdf > 0.0 {
                     assert_eq!(bits(spheres.wi.get(lane)), bits(one.wi.get(0)));
@@ -251,7 +344,7 @@ fn a_lamp_lights_the_floor_as_the_closed_form_says_at_every_scale() {
             scene.spheres.clear();
             scene.triangles.push(triangle(corners.map(|corner| foot + corner * scale), 1));
             let seen = corners.map(|corner| corner.as_dvec3());
-            let truth = 50.0 / PI * polygon_irradiance(seen).y.abs();
+            let truth = 50.0 / PI * polygon_irradiance(&seen).y.abs();
             let got = mean(&render(&scene, LightChoice::Auto, 64, 1));
             assert!((got / truth - 1.0).abs() < 4e-3, "triangle, {scale} {away}: {got} of {truth}");
         }
@@ -275,10 +368,10 @@ fn compare(scene: &Scene, ways: [LightChoice; 2], samples: [u32; 2], runs: u32) 
 
 /// Lamps of both shapes and of all sizes over a floor that shines too: light found on the way from one of its
 /// points to itself would show.
-fn many_lamps() -> Scene {
-    let mut scene = Scene { name: "many lamps".into(), max_bounces: 3, ..floor(Vec3::ZERO, 2.0) };
+fn many_lamps(count: usize) -> Scene {
+    let mut scene = Scene { name: format!("{count} lamps"), max_bounces: 3, ..floor(Vec3::ZERO, 2.0) };
     let mut rng = Rng(7);
-    for _ in 0..40 {
+    for _ in 0..count {
         scene.materials.push(lamp(rng.scale(0.1, 10.0) as f32));
         let number = scene.materials.len() as u32 - 1;
         let at = (rng.in_cube() + DVec3::Y * 1.2).as_vec3();
@@ -294,10 +387,60 @@ fn many_lamps() -> Scene {
     scene
 }
 
+#[test]
+fn a_rectangular_lamp_is_one_light_and_its_border_pays_near_a_ceiling() {
+    let cornell = load("builtin:cornell").unwrap();
+    let lights = Lights::new(&cornell, LightChoice::Auto);
+    assert_eq!((lights.len(), lights.border.is_some()), (1, true));
+    assert_eq!(lights.diagonals.iter().filter(|&&diagonal| diagonal > 0).count(), 2);
+    let by_power = Lights::new(&cornell, LightChoice::Power);
+    assert_eq!((by_power.len(), by_power.border, by_power.diagonals.len()), (2, None, 0));
+    let is_lamp = |material: u32| cornell.materials[material as usize].emission != Vec3::ZERO;
+    for (lowered, bent) in [(0.5, 0.0), (0.0, 0.01)] {
+        let mut scene = cornell.clone();
+        for triangle in scene.triangles.iter_mut().filter(|triangle| is_lamp(triangle.material)) {
+            triangle.vertices.iter_mut().for_each(|vertex| vertex.y -= lowered);
+            triangle.vertices[0].z -= bent;
+        }
+        let lights = Lights::new(&scene, LightChoice::Auto);
+        assert_eq!((lights.len(), lights.border), (if bent > 0.0 { 2 } else { 1 }, None), "{lowered} {bent}");
+    }
+}
+
+#[test]
+fn resampled_lights_count_once_each() {
+    let scene = many_lamps(100);
+    let lights = Lights::new(&scene, LightChoice::Auto);
+    assert!(lights.is_resampled && !Lights::new(&scene, LightChoice::Power).is_resampled);
+    // The floor is a light too.
+    assert!(!Lights::new(&many_lamps(63), LightChoice::Auto).is_resampled);
+    // From below, where every light is above the horizon.
+    let point = Vec3::new(0.1, -3.0, 0.2);
+    let (mut counts, mut sums) = (vec![0.0; 102], vec![0.0; 102]);
+    let mut rng = Rng(15);
+    let draws = 200_000;
+    for _ in 0..draws {
+        let numbers = [(); 3].map(|()| rng.unit() as f32);
+        let light = lights.resample::<f32>((math::Vec3::splat(point), math::Vec3::splat(Vec3::Y)), numbers);
+        // Lights differ in their probabilities.
+        let number = lights.probabilities.iter().position(|&p| p == light.probability).unwrap();
+        counts[number] += 1.0;
+        sums[number] += f64::from(light.resampled / light.probability) / f64::from(draws);
+    }
+    for (number, (sum, count)) in sums.into_iter().zip(counts).enumerate() {
+        let same = lights.probabilities.iter().filter(|&&p| p == lights.probabilities[number]).count();
+        if count > 2000.0 && same == 1 {
+            // Each light once.
+            assert!((sum - 1.0).abs() < 0.15, "light {number}, drawn {count} times: {sum}");
+        }
+    }
+}
+
 /// Holds what is found with and without search, and with other random numbers, against each other.
 fn search_against_chance(samples: u32, runs: u32) {
     let small = |name: &str| Scene { resolution: [24, 16], ..load(name).unwrap() };
-    for scene in [small("builtin:cornell"), small("builtin:cornell-spheres"), many_lamps()] {
+    for scene in [small("builtin:cornell"), small("builtin:cornell-spheres"), many_lamps(40), many_lamps(100)]
+    {
         let ways = [LightChoice::On, LightChoice::Off];
         let (z, ratio) = compare(&scene, ways, [samples, 4 * samples], runs);
         println!("{}: {z:.2} standard errors, variance {ratio:.2}", scene.name);

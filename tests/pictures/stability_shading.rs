@@ -91,6 +91,8 @@ fn lamps_vanish_by_the_cosine_below_a_thousandth() {
     fails_and_holds("lamps-triangle", 1e-4, ["angles", "whole-or-area"], 0.2);
     assert!(p99("lamps-triangle", "determinant", 1e-4) > 1.0);
     assert!(p99("lamps-triangle", "whole-or-area", 1e-4) < 1e-6);
+    assert!(p99("lamps-quad", "determinants", 1e-4) > 0.1);
+    assert!(p99("lamps-quad", "whole-or-area", 1e-4) < 1e-6);
     fails_and_holds("lamps-edge-on", 1e-5, ["angles", "whole-or-area"], 0.2);
 }
 

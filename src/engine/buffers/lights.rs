@@ -3,10 +3,13 @@
 
 use super::environment_light::EnvironmentLight;
 use super::features::Features;
+use super::light_border::LightBorder;
+use super::quads;
 use super::rows::Rows;
 use crate::choice::choices;
 use crate::kernel::surface::{sphere_offset, triangle_offset};
 use crate::scene::{MaterialKind, Scene, Sphere, Triangle};
+use std::collections::HashMap;
 use std::f32::consts::PI;
 
 choices! {
@@ -16,25 +19,41 @@ choices! {
         Auto = "auto",
             "Emitters whose sampling pays: no sphere around the scene, none where all is mirrors and glass.";
         On = "on", "Every emitter that can be sampled.";
+        Power = "power",
+            "As auto, but by power alone, every triangle by itself, and no rays to the borders of lights.";
         Off = "off", "None: paths hit emitters by scattering alone.";
     }
 }
 
 /// The lights that next event estimation samples.
 ///
-/// Each is chosen with a probability of its share of all power, but at least `MIN_SHARE`, in constant time by
-/// an alias table: Walker, "An Efficient Method for Generating Discrete Random Variables with General
-/// Distributions", ACM TOMS 3(3), 1977; the table by Vose, IEEE TSE 17(9), 1991.
+/// Two triangles that make a parallelogram are one light. Each is chosen with a probability of its share of
+/// all power, but at least `MIN_SHARE`, in constant time by an alias table: Walker, "An Efficient Method for
+/// Generating Discrete Random Variables with General Distributions", ACM TOMS 3(3), 1977; the table by Vose,
+/// IEEE TSE 17(9), 1991.
 #[derive(Clone, Debug, Default)]
 pub struct Lights {
     /// Two rows of eight a light. Sphere: centre, radius, emission, probability; 0 (seven times), offset of
-    /// shadow rays that end there. Triangle: a, 0, emission, probability; ab, ac, 0, offset. Sky, the last
-    /// one: 0 (three times), [`SKY_RADIUS`], 0 (three times), probability; zeros.
+    /// shadow rays that end there. Triangle: a, 0, emission, probability; ab, ac, 1 if it is continued to the
+    /// parallelogram with these edges, else 0, offset. Sky, the last one: 0 (three times), [`SKY_RADIUS`], 0
+    /// (three times), probability; zeros.
     pub(crate) rows: Rows,
     pub(crate) alias_table: AliasTable,
-    /// The probability of choosing each primitive of the scene, spheres first, and the sky; empty without
-    /// lights.
+    /// What [`Lights::resample`] weighs lights by; empty unless there are more than `MAX_SHARED`. One row of
+    /// eight a light: centre, radius of a sphere around it, unit normal of a flat one or else 0, and its
+    /// power over 4π, or over π of a flat one. The sky, the last one: 0 (three times), [`SKY_RADIUS`], 0
+    /// (three times), the mean irradiance.
+    pub(crate) importance_rows: Rows,
+    /// Whether those rows exist.
+    pub is_resampled: bool,
+    /// The probability of choosing the light that each primitive of the scene is or belongs to, spheres
+    /// first, and the sky; empty without lights.
     pub probabilities: Vec<f32>,
+    /// Of each triangle that is half of a parallelogram: one more than the index of the vertex opposite the
+    /// other half; else 0. Empty where no triangle is.
+    pub diagonals: Vec<u8>,
+    /// The strip around a light to which scattered rays are sent, if one pays.
+    pub border: Option<LightBorder>,
     /// The environment light, if it is one of the lights, and the probability of choosing it.
     pub sky: Option<(EnvironmentLight, f32)>,
 }
@@ -59,6 +78,9 @@ const MIN_CONTRAST: f64 = 2.0;
 /// (`tests/laws/choosing.rs`). Costs no more than this share of all shadow rays.
 const MIN_SHARE: f64 = 1.0 / 64.0;
 
+/// A light with a border emits at least this share of all power.
+const MIN_BORDER_SHARE: f64 = 0.5;
+
 impl Lights {
     /// Most lights whose rows fit the register form.
     pub const FEW: usize = Rows::FEW / 2;
@@ -79,17 +101,44 @@ impl Lights {
         if total <= 0.0 || !total.is_finite() {
             return Self::default();
         }
-        let lights: Vec<usize> = (0..=primitives).filter(|&number| powers[number] > 0.0).collect();
-        let shares = shares(lights.iter().map(|&number| powers[number] / total).collect());
+        let spheres = scene.spheres.len();
+        let merge = choice != LightChoice::Power;
+        let halves =
+            if merge { quads::find(scene, |triangle| powers[spheres + triangle]) } else { HashMap::new() };
+        // The first half of each parallelogram stands for both.
+        let partner =
+            |number: usize| halves.get(&number.wrapping_sub(spheres)).map(|half| spheres + half.partner);
+        let first = |number: usize| partner(number).map_or(number, |other| number.min(other));
+        let mut light_powers = vec![0.0; powers.len()];
+        powers.iter().enumerate().for_each(|(number, power)| light_powers[first(number)] += power);
+        let lights: Vec<usize> = (0..=primitives).filter(|&number| light_powers[number] > 0.0).collect();
+        let shares = shares(lights.iter().map(|&number| light_powers[number] / total).collect());
         let mut probabilities = vec![0.0; powers.len()];
         lights.iter().zip(&shares).for_each(|(&number, &share)| probabilities[number] = share as f32);
+        (0..powers.len()).for_each(|number| probabilities[number] = probabilities[first(number)]);
+        let mut diagonals = vec![0; if halves.is_empty() { 0 } else { scene.triangles.len() }];
+        halves.iter().for_each(|(&triangle, half)| diagonals[triangle] = half.corner as u8 + 1);
+        let corner = |number: usize| halves.get(&number.wrapping_sub(spheres)).map(|half| half.corner);
+        let brightest = lights.iter().filter_map(|&number| Some((number, corner(number)?)));
+        let brightest = brightest.max_by(|(a, _), (b, _)| light_powers[*a].total_cmp(&light_powers[*b]));
+        let is_resampled = merge && lights.len() > Self::MAX_SHARED;
+        let important = lights.iter().filter(|_| is_resampled);
         Self {
-            rows: Rows::new(
-                lights.iter().zip(&shares).flat_map(|(&number, &share)| rows(scene, number, share as f32)),
-            ),
+            importance_rows: Rows::new(important.map(|&number| {
+                importance_row(scene, number, light_powers[number], sky.as_ref(), corner(number))
+            })),
+            is_resampled,
+            border: brightest
+                .filter(|(number, _)| light_powers[*number] >= MIN_BORDER_SHARE * total)
+                .and_then(|(number, corner)| LightBorder::of(scene, number - spheres, corner)),
+            rows: Rows::new(lights.iter().zip(&shares).flat_map(|(&number, &share)| {
+                let offset = partner(number).map_or(0.0, |other| own_offset(scene, other));
+                rows(scene, number, share as f32, corner(number).map(|corner| (corner, offset)))
+            })),
             alias_table: AliasTable::new(&shares),
             sky: sky.map(|sky| (sky, probabilities[primitives])),
             probabilities,
+            diagonals,
         }
     }
     /// The features that sampling them needs of a pipeline.
@@ -108,8 +157,10 @@ impl Lights {
     }
     pub fn bytes(&self) -> usize {
         self.rows.bytes()
+            + self.importance_rows.bytes()
             + size_of_val(self.alias_table.alias.as_slice()) * 2
             + size_of_val(self.probabilities.as_slice())
+            + size_of_val(self.diagonals.as_slice())
             + self.sky.as_ref().map_or(0, |(sky, _)| sky.bytes())
     }
 }
@@ -132,7 +183,7 @@ fn power_of(scene: &Scene, number: usize, choice: LightChoice) -> f64 {
         if is_textured { 0.0 } else { f64::from(material.emission.element_sum()) / 3.0 }
     };
     match scene.spheres.get(number) {
-        Some(sphere) if choice == LightChoice::Auto && surrounds(scene, sphere) => 0.0,
+        Some(sphere) if choice != LightChoice::On && surrounds(scene, sphere) => 0.0,
         Some(&Sphere { radius, material, .. }) => {
             let radius = f64::from(radius);
             4.0 * f64::from(PI) * f64::from(PI) * radius * radius * emission(material)
@@ -159,8 +210,14 @@ fn surrounds(scene: &Scene, sphere: &Sphere) -> bool {
     to.length() < f64::from(sphere.radius)
 }
 
-/// See [`Lights::rows`].
-fn rows(scene: &Scene, number: usize, probability: f32) -> [[f32; 8]; 2] {
+/// The offset of shadow rays that end at the triangle `number`, counted from the first sphere.
+fn own_offset(scene: &Scene, number: usize) -> f32 {
+    triangle_offset(scene.triangles[number - scene.spheres.len()].vertices)
+}
+
+/// See [`Lights::rows`]. `quad`: of a triangle that is half of a parallelogram, the vertex opposite the other
+/// half, and the offset of that.
+fn rows(scene: &Scene, number: usize, probability: f32, quad: Option<(usize, f32)>) -> [[f32; 8]; 2] {
     if number == scene.spheres.len() + scene.triangles.len() {
         return [[0.0, 0.0, 0.0, SKY_RADIUS, 0.0, 0.0, 0.0, probability], [0.0; 8]];
     }
@@ -176,15 +233,44 @@ fn rows(scene: &Scene, number: usize, probability: f32) -> [[f32; 8]; 2] {
         }
         None => {
             let Triangle { vertices, material } = scene.triangles[number - scene.spheres.len()];
-            let [a, b, c] = vertices;
+            let (corner, other) = quad.unwrap_or_default();
+            let [a, b, c] = [0, 1, 2].map(|index| vertices[(corner + index) % 3]);
             let (ab, ac, e) = (b - a, c - a, emission(material));
-            let offset = triangle_offset(vertices);
+            // The halves of a parallelogram agree within the offset of either.
+            let offset = triangle_offset(vertices) + other;
+            let is_quad = f32::from(u8::from(quad.is_some()));
             [
                 [a.x, a.y, a.z, 0.0, e.x, e.y, e.z, probability],
-                [ab.x, ab.y, ab.z, ac.x, ac.y, ac.z, 0.0, offset],
+                [ab.x, ab.y, ab.z, ac.x, ac.y, ac.z, is_quad, offset],
             ]
         }
     }
+}
+
+/// See [`Lights::importance_rows`].
+fn importance_row(
+    scene: &Scene,
+    number: usize,
+    power: f64,
+    sky: Option<&EnvironmentLight>,
+    quad: Option<usize>,
+) -> [f32; 8] {
+    if number == scene.spheres.len() + scene.triangles.len() {
+        let irradiance = f64::from(PI) * sky.map_or(0.0, |sky| sky.mean);
+        return [0.0, 0.0, 0.0, SKY_RADIUS, 0.0, 0.0, 0.0, irradiance as f32];
+    }
+    let power = power / f64::from(PI);
+    if let Some(&Sphere { center, radius, .. }) = scene.spheres.get(number) {
+        return [center.x, center.y, center.z, radius, 0.0, 0.0, 0.0, (0.25 * power) as f32];
+    }
+    let Triangle { vertices, .. } = scene.triangles[number - scene.spheres.len()];
+    let corner = quad.unwrap_or_default();
+    let [a, b, c] = [0, 1, 2].map(|index| vertices[(corner + index) % 3].as_dvec3());
+    let center = if quad.is_some() { 0.5 * (b + c) } else { (a + b + c) / 3.0 };
+    let radius = [a, b, c].map(|vertex| (vertex - center).length()).into_iter().fold(0.0, f64::max);
+    let n = (b - a).cross(c - a).normalize().as_vec3();
+    let center = center.as_vec3();
+    [center.x, center.y, center.z, radius as f32, n.x, n.y, n.z, power as f32]
 }
 
 /// The probabilities of lights with these shares of all power: the shares, but none below [`MIN_SHARE`] of

@@ -11,13 +11,16 @@
 
 mod environment_light;
 pub mod features;
+mod light_border;
 mod lights;
+mod quads;
 pub mod rows;
 mod spheres;
 mod texels;
 
 pub use environment_light::EnvironmentLight;
 pub use features::Features;
+pub use light_border::LightBorder;
 pub use lights::{LightChoice, Lights};
 pub use spheres::{SphereBlock, Spheres};
 pub use texels::{Abilities, Textures};
@@ -38,7 +41,7 @@ pub struct Buffers {
     /// `texture_turn`), probability of being chosen as a light.
     pub sphere_rows: Rows,
     /// Two rows of eight a triangle: a, ab, offset, material (bits); ac, unit normal, probability of being
-    /// chosen as a light, 0.
+    /// chosen as a light, [`Lights::diagonals`].
     pub triangle_rows: Rows,
     /// One row of eight a triangle: u and v of the three vertices, v downwards; empty without texture
     /// coordinates.
@@ -120,8 +123,10 @@ impl Buffers {
         let probability = |number: usize| lights.probabilities.get(number).copied().unwrap_or(0.0);
         let spheres = scene.spheres.iter().enumerate();
         let triangles = scene.triangles.iter().enumerate();
-        let of_triangle =
-            |(number, triangle)| triangle_rows(triangle, probability(scene.spheres.len() + number));
+        let diagonal = |number: usize| lights.diagonals.get(number).copied().unwrap_or(0);
+        let of_triangle = |(number, triangle)| {
+            triangle_rows(triangle, probability(scene.spheres.len() + number), diagonal(number))
+        };
         Self {
             needs: Features::of(scene).with(lights.needs()),
             spheres: Spheres::new(&scene.spheres),
@@ -185,14 +190,14 @@ fn texture_turn(sphere: &scene::Sphere) -> f32 {
 }
 
 /// See [`Buffers::triangle_rows`].
-fn triangle_rows(triangle: &scene::Triangle, probability: f32) -> [[f32; 8]; 2] {
+fn triangle_rows(triangle: &scene::Triangle, probability: f32, diagonal: u8) -> [[f32; 8]; 2] {
     let [a, b, c] = triangle.vertices;
     let (ab, ac) = (b - a, c - a);
     let n = triangle_normal(triangle.vertices);
     let offset = triangle_offset(triangle.vertices);
     [
         [a.x, a.y, a.z, ab.x, ab.y, ab.z, offset, f32::from_bits(triangle.material)],
-        [ac.x, ac.y, ac.z, n.x, n.y, n.z, probability, 0.0],
+        [ac.x, ac.y, ac.z, n.x, n.y, n.z, probability, f32::from(diagonal)],
     ]
 }
 

@@ -7,7 +7,7 @@ use super::features::has;
 use super::material::MaterialSample;
 use super::queue::Path;
 use super::surface::Surface;
-use crate::buffers::{Features, MaterialCode};
+use crate::buffers::{Features, LightBorder, MaterialCode};
 use crate::kernel::bsdf::{self, BsdfEval, BsdfSample, LobeEval};
 use crate::kernel::normals;
 use crate::lane::{Bits, Lane, Mask};
@@ -67,7 +67,7 @@ pub fn scatter<L: Lane, const N: u32>(
     path: &Path<L>,
     surface: &Surface<L>,
     material: &MaterialSample<L>,
-    numbers: &PacketValues<L>,
+    (numbers, border): (&PacketValues<L>, Option<&LightBorder>),
     found: L::Mask,
 ) -> ScatteredPath<L> {
     let d = path.ray.direction;
@@ -76,6 +76,8 @@ pub fn scatter<L: Lane, const N: u32>(
     let mut sampling = Sampling {
         d,
         numbers,
+        border: border.filter(|_| has(N, Features::LIGHTS)),
+        near_side: normals.ng.mul_add(surface.offset, surface.point),
         normals: &normals,
         material,
         sample: BsdfSample { wi: normals.ns_specular, weight: L::one(), pdf: L::zero(), alive: nothing },
@@ -117,6 +119,9 @@ pub fn scatter<L: Lane, const N: u32>(
 struct Sampling<'a, L: Lane> {
     d: Vec3<L>,
     numbers: &'a PacketValues<'a, L>,
+    border: Option<&'a LightBorder>,
+    /// Where rays leave that are reflected.
+    near_side: Vec3<L>,
     normals: &'a FacingNormals<L>,
     material: &'a MaterialSample<L>,
     sample: BsdfSample<L>,
@@ -148,7 +153,11 @@ impl<L: Lane> LobeVisitor<L> for Sampling<'_, L> {
     #[inline(always)]
     fn diffuse(&mut self, mask: L::Mask) {
         let (u, v) = self.two_numbers();
-        self.take(mask, bsdf::diffuse::sample(self.normals.ns, u, v));
+        let sample = match self.border {
+            Some(border) => border.sample_diffuse(self.near_side, self.normals.ns, u, v),
+            None => bsdf::diffuse::sample(self.normals.ns, u, v),
+        };
+        self.take(mask, sample);
     }
     #[inline(always)]
     fn mirror(&mut self, mask: L::Mask) {

@@ -41,6 +41,7 @@ pub fn shade<L: Lane, const N: u32, const FIRST: bool>(
     let mut accumulator = RadianceAccumulator::<FIRST> { contributions };
     let (mut going_on, mut shadow_rays) = (0, 0);
     let sample_lights = has(N, Features::LIGHTS) && !context.buffers.lights.is_empty();
+    let border = context.buffers.lights.border.as_ref();
     for at in (0..count).step_by(L::WIDTH) {
         let IntersectedPacket { path, hit, active, found, mut radiance } =
             IntersectedPacket::<L>::load::<N, FIRST>(context, scratch, at, count);
@@ -61,7 +62,7 @@ pub fn shade<L: Lane, const N: u32, const FIRST: bool>(
         } else {
             values.at_keys(path.key)
         };
-        let scattered = scatter::<L, N>(&path, &surface, &material, numbers, found);
+        let scattered = scatter::<L, N>(&path, &surface, &material, (numbers, border), found);
         if sample_lights {
             let (hit, event) = ((&surface, &material), (numbers, found));
             shadow_rays =

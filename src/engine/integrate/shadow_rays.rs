@@ -15,7 +15,7 @@ use super::scratch::Scratch;
 use super::stats::Stage;
 use super::surface::Surface;
 use crate::buffers::Features;
-use crate::kernel::light::{LightSample, sample_sphere, sample_triangle};
+use crate::kernel::light::{FlatLight, LightSample, sample_flat, sample_sphere};
 use crate::lane::{Lane, Mask};
 use crate::math::{Hit, Ray, Vec3};
 use crate::sampling::{PacketValues, dimension};
@@ -44,23 +44,31 @@ pub fn sample_direct_light<L: Lane, const N: u32>(
     let (u, v) = numbers.get_2d(dimension::LIGHT_POINT);
     let lights = &context.buffers.lights;
     let few = !has(N, Features::MANY_LIGHTS);
-    let (light, u) = lights.choose::<L>(
-        u,
-        || numbers.get_1d(dimension::LIGHT),
-        || numbers.get_1d(dimension::LIGHT_ALIAS),
-        few,
-    );
     // The origin of the scattered ray, so that BSDF sampling of the same direction has the same light pdf.
     let origin = scattered.path.ray.origin;
+    let (light, u) = if has(N, Features::MANY_LIGHTS) && lights.is_resampled {
+        let n = surface.ng.flip_sign(-path.ray.direction.dot(surface.ng));
+        let numbers = [dimension::LIGHT, dimension::LIGHT_ALIAS, dimension::LIGHT_RESAMPLED]
+            .map(|dimension| numbers.get_1d(dimension));
+        (lights.resample((surface.point, n), numbers), u)
+    } else {
+        lights.choose::<L>(
+            u,
+            || numbers.get_1d(dimension::LIGHT),
+            || numbers.get_1d(dimension::LIGHT_ALIAS),
+            few,
+        )
+    };
     let at = light.at - origin;
     let is_sphere = L::zero().lt(light.radius);
-    let (spheres, triangles) = ((mask & is_sphere).any(), (mask & !is_sphere).any());
-    let mut sample = match (has(N, Features::SPHERES) && spheres, has(N, Features::TRIANGLES) && triangles) {
+    let (spheres, flats) = ((mask & is_sphere).any(), (mask & !is_sphere).any());
+    let flat = FlatLight { a: at, ab: light.ab, ac: light.ac, is_quad: light.is_quad };
+    let mut sample = match (has(N, Features::SPHERES) && spheres, has(N, Features::TRIANGLES) && flats) {
         (true, false) => sample_sphere(at, light.radius, u, v),
-        (false, _) => sample_triangle(at, light.ab, light.ac, u, v),
+        (false, _) => sample_flat(&flat, u, v),
         (true, true) => {
-            let triangle = sample_triangle(at, light.ab, light.ac, u, v);
-            LightSample::select(is_sphere, sample_sphere(at, light.radius, u, v), triangle)
+            let flat = sample_flat(&flat, u, v);
+            LightSample::select(is_sphere, sample_sphere(at, light.radius, u, v), flat)
         }
     };
     let mut emission = light.emission;
@@ -78,9 +86,11 @@ pub fn sample_direct_light<L: Lane, const N: u32>(
     let pdf = light.probability * sample.pdf;
     let possible = mask & L::zero().lt(pdf);
     let inv_pdf = L::one() / L::select(possible, pdf, L::one());
-    // 1 − the weight of BSDF sampling would cancel; this is the same heuristic with the pdfs exchanged.
+    // By the probability of power, as BSDF sampling compares: the weights of a direction sum to 1, whatever
+    // pdf they take. 1 − the weight of BSDF sampling would cancel; this is the same heuristic with the pdfs
+    // exchanged.
     let weight = mis_weight(inv_pdf, bsdf.pdf);
-    let radiance = path.throughput * bsdf.value * emission * (weight * inv_pdf);
+    let radiance = path.throughput * bsdf.value * emission * (weight * inv_pdf * light.resampled);
     let carries = possible & !(radiance.x + radiance.y + radiance.z).eq(L::zero());
     if !carries.any() {
         return count;

@@ -7,8 +7,9 @@ use super::context::TraceContext;
 use super::features::has;
 use super::queue::Path;
 use crate::buffers::Features;
+use crate::kernel::light::{self, FlatLight};
+use crate::kernel::normals;
 use crate::kernel::surface::{latitude_longitude, sphere_normal};
-use crate::kernel::{light, normals};
 use crate::lane::{Bits, Lane, Mask};
 use crate::math::{Hit, Ray, Vec3};
 
@@ -107,7 +108,8 @@ impl<L: Lane> Surface<L> {
         let [ax, ay, az, abx, aby, abz, offset, material] =
             context.buffers.triangle_rows.fetch::<L>(first, few);
         let second = first | L::Bits::splat(1);
-        let [acx, acy, acz, nx, ny, nz, chance, _] = context.buffers.triangle_rows.fetch::<L>(second, few);
+        let [acx, acy, acz, nx, ny, nz, chance, diagonal] =
+            context.buffers.triangle_rows.fetch::<L>(second, few);
         let (u, v) = self.barycentric;
         let (ab, ac) = (Vec3::new(abx, aby, abz), Vec3::new(acx, acy, acz));
         let point = ab.mul_add(u, ac.mul_add(v, Vec3::new(ax, ay, az)));
@@ -121,7 +123,7 @@ impl<L: Lane> Surface<L> {
             if (!keep & L::zero().lt(chance)).any() {
                 let Ray { origin, direction } = path.ray;
                 let a = Vec3::new(ax, ay, az) - origin;
-                pdf = chance * light::triangle_pdf(a, ab, ac, direction, hit.t);
+                pdf = chance * light::flat_pdf(&flat_light(a, ab, ac, diagonal), direction, hit.t);
             }
             // Lanes on non-emissive triangles hold the pdf of some sphere: overwrite them too.
             self.light_pdf = L::select(keep, self.light_pdf, pdf);
@@ -192,6 +194,22 @@ impl<L: Lane> Surface<L> {
             coordinates.1 = L::select(keep, coordinates.1, blend(av, bv, cv));
         }
         (coordinates, self.is_sphere)
+    }
+}
+
+/// The light that the triangle a, a + ab, a + ac is, or is a half of: `diagonal` is one more than the index
+/// of the vertex opposite the other half, 0 without one.
+#[inline(always)]
+fn flat_light<L: Lane>(a: Vec3<L>, ab: Vec3<L>, ac: Vec3<L>, diagonal: L) -> FlatLight<L> {
+    let [first, second, third] = [1.0, 2.0, 3.0].map(|index| diagonal.eq(L::splat(index)));
+    let turned = |from_b: Vec3<L>, from_c: Vec3<L>, from_a: Vec3<L>| {
+        Vec3::select(third, from_c, Vec3::select(second, from_b, from_a))
+    };
+    FlatLight {
+        a: turned(a + ab, a + ac, a),
+        ab: turned(ac - ab, ac * -L::one(), ab),
+        ac: turned(ab * -L::one(), ab - ac, ac),
+        is_quad: first | second | third,
     }
 }
 

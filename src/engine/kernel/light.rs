@@ -5,7 +5,7 @@
 //! it.
 //! Domain: u and v are uniform in [0, 1).
 
-use crate::lane::{Lane, functions};
+use crate::lane::{Lane, Mask, functions};
 use crate::math::Vec3;
 use crate::sampling::warp;
 use std::f32::consts::TAU;
@@ -80,12 +80,20 @@ pub fn sample_sphere<L: Lane>(center: Vec3<L>, radius: L, u: L, v: L) -> LightSa
     LightSample { wi, t, n, pdf: valid_pdf(L::splat(1.0 / TAU) / one_minus_cos) }
 }
 
+/// A flat light relative to the lit point: the triangle a, a + ab, a + ac, or the parallelogram that
+/// continues it to a + ab + ac.
+#[derive(Clone, Copy)]
+pub struct FlatLight<L: Lane> {
+    pub a: Vec3<L>,
+    pub ab: Vec3<L>,
+    pub ac: Vec3<L>,
+    /// The lanes of parallelograms.
+    pub is_quad: L::Mask,
+}
+
 /// A triangle projected onto the unit sphere around the lit point.
+#[derive(Clone, Copy)]
 struct SphericalTriangle<L: Lane> {
-    /// ab × ac; its length is twice the area.
-    normal: Vec3<L>,
-    /// The plane's distance times the length of `normal`.
-    height: L,
     /// Unit vectors to the corners.
     corners: [Vec3<L>; 3],
     /// The absolute determinant of `corners`.
@@ -96,23 +104,87 @@ struct SphericalTriangle<L: Lane> {
     solid_angle: L,
 }
 
-/// Smaller triangles are sampled by area: their solid angle has too few correct digits.
-const MIN_SOLID_ANGLE: f32 = 1e-3;
-
 impl<L: Lane> SphericalTriangle<L> {
     /// Source: Van Oosterom, Strackee, "The Solid Angle of a Plane Triangle", IEEE TBME 30(2), 1983.
     #[inline(always)]
-    fn new(a: Vec3<L>, ab: Vec3<L>, ac: Vec3<L>) -> Self {
+    fn new(corners: [Vec3<L>; 3], volume: L) -> Self {
+        let [a, b, c] = corners;
+        let sums = [L::one() + a.dot(b), a.dot(c) + b.dot(c)];
+        let half = functions::atan2(volume, sums[0] + sums[1]);
+        Self { corners, volume, sums, solid_angle: half + half }
+    }
+    #[inline(always)]
+    fn select(mask: L::Mask, if_true: Self, if_false: Self) -> Self {
+        let number = |a, b| L::select(mask, a, b);
+        let vector = |corner: usize| Vec3::select(mask, if_true.corners[corner], if_false.corners[corner]);
+        Self {
+            corners: [vector(0), vector(1), vector(2)],
+            volume: number(if_true.volume, if_false.volume),
+            sums: [number(if_true.sums[0], if_false.sums[0]), number(if_true.sums[1], if_false.sums[1])],
+            solid_angle: number(if_true.solid_angle, if_false.solid_angle),
+        }
+    }
+    /// A direction of the triangle: `part`, of its solid angle, lies towards the arc from b to a, and v runs
+    /// from b to the arc from a to c.
+    #[inline(always)]
+    fn sample(&self, part: L, v: L) -> Vec3<L> {
+        let [a, b, c] = self.corners;
+        let [ab, rest] = self.sums;
+        // c' on the arc from a to c, so that the triangle a, b, c' has the solid angle `part`. With h halfway
+        // between a and c': tan(part / 2) = det(a, b, h) / (a·h + b·h), solved for h = α a + γ c.
+        let (sin, cos) = functions::sin_cos(L::splat(0.5) * part);
+        let h = a * (rest.neg_mul_add(sin, self.volume * cos)) + c * (ab * sin);
+        let corner = h * (L::splat(2.0) * a.dot(h) / h.dot(h)) - a;
+        // The cosine is uniform on the arc from b to c'; 1 − cos comes from the chord, which does not cancel.
+        let chord = corner - b;
+        let full = (L::splat(0.5) * chord.dot(chord)).max(L::splat(f32::MIN_POSITIVE));
+        let part = v * full;
+        let two = L::splat(2.0);
+        let along = (part * (two - part) / (full * (two - full))).sqrt();
+        let at_b = along.neg_mul_add(L::one() - full, L::one() - part);
+        (b * at_b + corner * along).normalize()
+    }
+}
+
+/// A flat light projected onto the unit sphere around the lit point: the triangle a, b, c, and behind its
+/// side from b to c that of a parallelogram, c, b, d.
+///
+/// Both triangles turn about b, so one number that runs through the first and then through the second
+/// maps the unit square continuously onto a parallelogram.
+struct SphericalLight<L: Lane> {
+    /// ab × ac; its length is the area of a parallelogram, twice that of a triangle.
+    normal: Vec3<L>,
+    /// The plane's distance times the length of `normal`.
+    height: L,
+    first: SphericalTriangle<L>,
+    /// Of a solid angle of 0 in lanes with triangles.
+    second: Option<SphericalTriangle<L>>,
+    solid_angle: L,
+}
+
+/// Smaller lights are sampled by area: their solid angle has too few correct digits.
+const MIN_SOLID_ANGLE: f32 = 1e-3;
+
+impl<L: Lane> SphericalLight<L> {
+    #[inline(always)]
+    fn new(&FlatLight { a, ab, ac, is_quad }: &FlatLight<L>) -> Self {
         let normal = ab.cross(ac);
         let height = a.dot(normal);
         let (b, c) = (a + ab, a + ac);
         let inverse_length = |v: Vec3<L>| L::one() / v.dot(v).sqrt();
         let (ia, ib, ic) = (inverse_length(a), inverse_length(b), inverse_length(c));
         let (pa, pb, pc) = (a * ia, b * ib, c * ic);
-        let volume = height.abs() * ia * ib * ic;
-        let sums = [L::one() + pa.dot(pb), pa.dot(pc) + pb.dot(pc)];
-        let half = functions::atan2(volume, sums[0] + sums[1]);
-        Self { normal, height, corners: [pa, pb, pc], volume, sums, solid_angle: half + half }
+        let first = SphericalTriangle::new([pa, pb, pc], height.abs() * ia * ib * ic);
+        let (mut second, mut solid_angle) = (None, first.solid_angle);
+        if is_quad.any() {
+            let d = b + ac;
+            let id = inverse_length(d);
+            let mut triangle = SphericalTriangle::new([pc, pb, d * id], height.abs() * ic * ib * id);
+            triangle.solid_angle = triangle.solid_angle.only(is_quad);
+            solid_angle = solid_angle + triangle.solid_angle;
+            second = Some(triangle);
+        }
+        Self { normal, height, first, second, solid_angle }
     }
     #[inline(always)]
     fn sampled_by_area(&self) -> L::Mask {
@@ -120,58 +192,51 @@ impl<L: Lane> SphericalTriangle<L> {
     }
     /// The pdf of the direction that meets the plane at `t`.
     #[inline(always)]
-    fn pdf(&self, wi: Vec3<L>, t: L) -> L {
-        // t² / (area · cos θ); the length of `normal` is twice the area.
-        let by_area = L::splat(2.0) * t * t / self.normal.dot(wi).abs();
+    fn pdf(&self, light: &FlatLight<L>, wi: Vec3<L>, t: L) -> L {
+        // t² / (area · cos θ).
+        let areas = L::select(light.is_quad, L::one(), L::splat(2.0));
+        let by_area = areas * t * t / self.normal.dot(wi).abs();
         valid_pdf(L::select(self.sampled_by_area(), by_area, L::one() / self.solid_angle))
+    }
+    /// A direction uniform in the solid angle.
+    #[inline(always)]
+    fn sample_solid_angle(&self, u: L, v: L) -> Vec3<L> {
+        let part = u * self.solid_angle;
+        let Some(second) = self.second else { return self.first.sample(part, v) };
+        let rest = part - self.first.solid_angle;
+        let in_second = L::zero().lt(rest);
+        let triangle = SphericalTriangle::select(in_second, second, self.first);
+        triangle.sample(L::select(in_second, rest, part), v)
     }
 }
 
-/// The pdf of the unit direction `wi` that meets the triangle a, a + ab, a + ac at `t`.
+/// The pdf of the unit direction `wi` that meets the light at `t`.
 #[inline(always)]
-pub fn triangle_pdf<L: Lane>(a: Vec3<L>, ab: Vec3<L>, ac: Vec3<L>, wi: Vec3<L>, t: L) -> L {
-    SphericalTriangle::new(a, ab, ac).pdf(wi, t)
+pub fn flat_pdf<L: Lane>(light: &FlatLight<L>, wi: Vec3<L>, t: L) -> L {
+    SphericalLight::new(light).pdf(light, wi, t)
 }
 
-/// A direction towards a triangle: uniform in solid angle, or by area below `MIN_SOLID_ANGLE`.
+/// A direction towards a flat light: uniform in solid angle, or by area below `MIN_SOLID_ANGLE`.
 ///
 /// Domain: edges of at least 1e-10 scene units; below, the square of the area underflows, and `n` is not a
 /// unit vector.
 /// Source: Arvo, "Stratified Sampling of Spherical Triangles", SIGGRAPH 1995; in the form of Peters without
-/// angles, "BRDF Importance Sampling for Polygonal Lights", ACM TOG 40(4), 2021, §4.
+/// angles, and fans of triangles, "BRDF Importance Sampling for Polygonal Lights", ACM TOG 40(4), 2021, §4.
 #[inline(always)]
-pub fn sample_triangle<L: Lane>(a: Vec3<L>, ab: Vec3<L>, ac: Vec3<L>, u: L, v: L) -> LightSample<L> {
-    let triangle = SphericalTriangle::new(a, ab, ac);
+pub fn sample_flat<L: Lane>(light: &FlatLight<L>, u: L, v: L) -> LightSample<L> {
+    let spherical = SphericalLight::new(light);
     let by_area = {
         // Uniform barycentrics: Osada et al., "Shape Distributions", ACM TOG 21(4), 2002.
         let root = u.sqrt();
-        ab.mul_add(root * (L::one() - v), ac.mul_add(root * v, a)).normalize()
+        let along_ab = L::select(light.is_quad, u, root * (L::one() - v));
+        let along_ac = L::select(light.is_quad, v, root * v);
+        light.ab.mul_add(along_ab, light.ac.mul_add(along_ac, light.a)).normalize()
     };
-    let wi = Vec3::select(triangle.sampled_by_area(), by_area, sample_solid_angle(&triangle, u, v));
-    let t = triangle.height / triangle.normal.dot(wi);
-    let n = triangle.normal.normalize().flip_sign(triangle.height) * -L::one();
-    let pdf = triangle.pdf(wi, t).only(L::zero().lt(t));
+    let wi = Vec3::select(spherical.sampled_by_area(), by_area, spherical.sample_solid_angle(u, v));
+    let t = spherical.height / spherical.normal.dot(wi);
+    let n = spherical.normal.normalize().flip_sign(spherical.height) * -L::one();
+    let pdf = spherical.pdf(light, wi, t).only(L::zero().lt(t));
     LightSample { wi, t, n, pdf }
-}
-
-/// A direction uniform in the solid angle of the triangle.
-#[inline(always)]
-fn sample_solid_angle<L: Lane>(triangle: &SphericalTriangle<L>, u: L, v: L) -> Vec3<L> {
-    let [a, b, c] = triangle.corners;
-    let [ab, rest] = triangle.sums;
-    // c' on the arc from a to c, so that the triangle a, b, c' has the share u of the solid angle Ω. With h
-    // halfway between a and c': tan(u Ω / 2) = det(a, b, h) / (a·h + b·h), solved for h = α a + γ c.
-    let (sin, cos) = functions::sin_cos(L::splat(0.5) * triangle.solid_angle * u);
-    let h = a * (rest.neg_mul_add(sin, triangle.volume * cos)) + c * (ab * sin);
-    let corner = h * (L::splat(2.0) * a.dot(h) / h.dot(h)) - a;
-    // The cosine is uniform on the arc from b to c'; 1 − cos comes from the chord, which does not cancel.
-    let chord = corner - b;
-    let full = (L::splat(0.5) * chord.dot(chord)).max(L::splat(f32::MIN_POSITIVE));
-    let part = v * full;
-    let two = L::splat(2.0);
-    let along = (part * (two - part) / (full * (two - full))).sqrt();
-    let at_b = along.neg_mul_add(L::one() - full, L::one() - part);
-    (b * at_b + corner * along).normalize()
 }
 
 /// The pdf where it is finite and above 0; else 0.

@@ -2,7 +2,7 @@
 //!
 //! Dimensions come in pairs, an even one and the next, which [`super::sobol`] stratifies together. [`PIXEL`]
 //! (a pair) places the sample in its pixel. Scattering event b, counted from 0, has the [`PER_BOUNCE`]
-//! dimensions from [`bounce`]`(b)` on. Of these 7 is free.
+//! dimensions from [`bounce`]`(b)` on.
 
 /// A pair: the position in the pixel.
 pub const PIXEL: u32 = 0;
@@ -19,6 +19,8 @@ pub const DIRECTION: u32 = 2;
 pub const LIGHT_POINT: u32 = 4;
 /// Within an event: which of the two lights of an alias table's entry, where [`LIGHT`] chose the entry.
 pub const LIGHT_ALIAS: u32 = 6;
+/// Within an event: which of the lights that were chosen by power. With [`LIGHT_ALIAS`] a pair.
+pub const LIGHT_RESAMPLED: u32 = 7;
 
 /// The first dimension of scattering event `bounce`, counted from 0.
 #[inline(always)]

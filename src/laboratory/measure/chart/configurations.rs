@@ -47,7 +47,10 @@ pub enum Group {
 
 /// All names but [`DEFAULT`], by group, in the order of every chart.
 pub const GROUPS: [(Group, &[&str]); 3] = [
-    (Group::Sampling, &["random numbers", "independent pixels", "adaptive", "lights off", "lights on"]),
+    (
+        Group::Sampling,
+        &["random numbers", "independent pixels", "adaptive", "lights off", "lights on", "lights by power"],
+    ),
     (
         Group::Speed,
         &[
@@ -103,7 +106,11 @@ pub fn of_scene(scene: &Scene, settings: Settings) -> Vec<Configuration> {
     add(renderer.features() != Features::ALL, of("general pipeline", general, true));
     add(true, with("independent pixels", false, &|methods| methods.sampler = Sampler::PaddedSobol));
     add(true, with("random numbers", false, &|methods| methods.sampler = Sampler::Random));
-    for (name, lights) in [("lights off", LightChoice::Off), ("lights on", LightChoice::On)] {
+    for (name, lights) in [
+        ("lights off", LightChoice::Off),
+        ("lights on", LightChoice::On),
+        ("lights by power", LightChoice::Power),
+    ] {
         let one = with(name, false, &|methods| methods.lights = lights);
         add(differs(scene, &renderer, one.settings), one);
     }
@@ -160,12 +167,21 @@ mod tests {
         let three = names("builtin:three");
         assert_eq!(three[..2], [DEFAULT, "scalar"]);
         assert_eq!(three.contains(&"8 lanes"), NATIVE_WIDTH > 8, "where 8 lanes are not the default");
-        for absent in ["lights off", "lights on", "Möller–Trumbore", "streams", "every primitive tested"] {
+        for absent in [
+            "lights off",
+            "lights on",
+            "lights by power",
+            "Möller–Trumbore",
+            "streams",
+            "every primitive tested",
+        ] {
             assert!(!three.contains(&absent), "{absent}");
         }
         assert!(three.contains(&"naive spheres") && three.contains(&"hierarchy"));
         let cornell = names("builtin:cornell");
-        assert!(cornell.contains(&"lights off") && cornell.contains(&"Baldwin–Weber"));
+        for present in ["lights off", "lights by power", "Baldwin–Weber"] {
+            assert!(cornell.contains(&present), "{present}");
+        }
         assert!(
             !cornell.contains(&"naive spheres") && !cornell.contains(&"lights on"),
             "auto samples all emitters"

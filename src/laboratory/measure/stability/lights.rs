@@ -63,6 +63,22 @@ pub const RECIPES: &[Recipe] = &[
         bound: |_| Bound::error(16.0 * EPSILON),
     },
     Recipe {
+        name: "lamps-quad",
+        title: "Sampling parallelograms that emit and are small or far away",
+        axis: "edge / distance",
+        places: &[1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 0.1, 1.0, 10.0],
+        failure: "pdf is not positive and finite",
+        error: Some("|Δ pdf| / pdf"),
+        source: OOSTEROM,
+        cases: 50_000,
+        methods: &[
+            Method::other("determinants", |rng, x, cases| quad(rng, cases, small(x), determinants)),
+            Method::default("whole-or-area", |rng, x, cases| quad(rng, cases, small(x), quad_or_area)),
+        ],
+        // Measured, not derived: half of it.
+        bound: |_| Bound::error(32.0 * EPSILON),
+    },
+    Recipe {
         name: "lamps-edge-on",
         title: "Sampling triangular lights seen nearly edge-on, about half as large as their distance",
         axis: "distance from the triangle's plane / distance",
@@ -176,9 +192,9 @@ fn around(
     counts
 }
 
-/// A triangle relative to the lit point: a corner, and the edges to the others.
+/// A triangle or parallelogram relative to the lit point: a corner, and the edges that meet there.
 #[derive(Clone, Copy)]
-struct TriangleLight {
+struct FlatLight {
     a: Vec3<f32>,
     ab: Vec3<f32>,
     ac: Vec3<f32>,
@@ -211,7 +227,7 @@ fn edge_on(height: f64) -> impl Fn(&mut Rng) -> [DVec3; 3] {
 }
 
 /// Solid angle as the sum of the angles less π.
-fn angles(light: TriangleLight, _: f32, _: f32) -> DirectionPdf {
+fn angles(light: FlatLight, _: f32, _: f32) -> DirectionPdf {
     let corners = [light.a, light.a + light.ab, light.a + light.ac].map(Vec3::normalize);
     let sides = [0, 1, 2].map(|i| corners[i].cross(corners[(i + 1) % 3]).normalize());
     let angle = |i: usize| (-sides[i].dot(sides[(i + 1) % 3])).clamp(-1.0, 1.0).acos();
@@ -219,7 +235,7 @@ fn angles(light: TriangleLight, _: f32, _: f32) -> DirectionPdf {
 }
 
 /// Solid angle from the tangent of its half (Van Oosterom, Strackee).
-fn determinant(light: TriangleLight, _: f32, _: f32) -> DirectionPdf {
+fn determinant(light: FlatLight, _: f32, _: f32) -> DirectionPdf {
     let [a, b, c] = [light.a, light.a + light.ab, light.a + light.ac].map(Vec3::normalize);
     let volume = a.dot(b.cross(c)).abs();
     let sum = 1.0 + a.dot(b) + b.dot(c) + c.dot(a);
@@ -227,8 +243,25 @@ fn determinant(light: TriangleLight, _: f32, _: f32) -> DirectionPdf {
 }
 
 /// The renderer's method.
-fn whole_or_area(light: TriangleLight, u: f32, v: f32) -> DirectionPdf {
-    let LightSample { wi, pdf, .. } = light::sample_triangle(light.a, light.ab, light.ac, u, v);
+fn whole_or_area(light: FlatLight, u: f32, v: f32) -> DirectionPdf {
+    sample_flat(light, false, u, v)
+}
+
+/// The textbook's method for each half of a parallelogram.
+fn determinants(light: FlatLight, u: f32, v: f32) -> DirectionPdf {
+    let FlatLight { a, ab, ac } = light;
+    let (wi, first) = determinant(light, u, v);
+    let (_, second) = determinant(FlatLight { a: a + ab + ac, ab: ab * -1.0, ac: ac * -1.0 }, u, v);
+    (wi, 1.0 / (1.0 / first + 1.0 / second))
+}
+
+/// The renderer's method for parallelograms.
+fn quad_or_area(light: FlatLight, u: f32, v: f32) -> DirectionPdf {
+    sample_flat(light, true, u, v)
+}
+
+fn sample_flat(FlatLight { a, ab, ac }: FlatLight, is_quad: bool, u: f32, v: f32) -> DirectionPdf {
+    let LightSample { wi, pdf, .. } = light::sample_flat(&light::FlatLight { a, ab, ac, is_quad }, u, v);
     (wi, pdf)
 }
 
@@ -237,12 +270,32 @@ fn triangle(
     rng: &mut Rng,
     cases: usize,
     corners: impl Fn(&mut Rng) -> [DVec3; 3],
-    sample: fn(TriangleLight, f32, f32) -> DirectionPdf,
+    sample: fn(FlatLight, f32, f32) -> DirectionPdf,
+) -> FailureCounts {
+    flat(rng, cases, corners, sample, false)
+}
+
+/// The same for parallelograms, with the fourth corner opposite the first.
+fn quad(
+    rng: &mut Rng,
+    cases: usize,
+    corners: impl Fn(&mut Rng) -> [DVec3; 3],
+    sample: fn(FlatLight, f32, f32) -> DirectionPdf,
+) -> FailureCounts {
+    flat(rng, cases, corners, sample, true)
+}
+
+fn flat(
+    rng: &mut Rng,
+    cases: usize,
+    corners: impl Fn(&mut Rng) -> [DVec3; 3],
+    sample: fn(FlatLight, f32, f32) -> DirectionPdf,
+    is_quad: bool,
 ) -> FailureCounts {
     let mut counts = FailureCounts::default();
     for _ in 0..cases {
         let [a, b, c] = corners(rng).map(|corner| corner.as_vec3());
-        let light = TriangleLight { a: Vec3::splat(a), ab: Vec3::splat(b - a), ac: Vec3::splat(c - a) };
+        let light = FlatLight { a: Vec3::splat(a), ab: Vec3::splat(b - a), ac: Vec3::splat(c - a) };
         let (u, v) = numbers(rng);
         let (direction, pdf) = sample(light, u, v);
         let w = direction.get(0).as_dvec3();
@@ -250,9 +303,10 @@ fn triangle(
         let [a, ab, ac] = [a, b - a, c - a].map(|vector| vector.as_dvec3());
         let normal = ab.cross(ac);
         let t = a.dot(normal) / w.dot(normal);
-        let by_area = 2.0 * t * t / normal.dot(w).abs();
-        let [a, b, c] = [a, a + ab, a + ac].map(DVec3::normalize);
-        let by_angle = 0.5 / a.dot(b.cross(c)).abs().atan2(1.0 + a.dot(b) + b.dot(c) + c.dot(a));
+        let by_area = if is_quad { 1.0 } else { 2.0 } * t * t / normal.dot(w).abs();
+        let [a, b, c, d] = [a, a + ab, a + ac, a + ab + ac].map(DVec3::normalize);
+        let half = |a: DVec3| a.dot(b.cross(c)).abs().atan2(1.0 + a.dot(b) + b.dot(c) + c.dot(a));
+        let by_angle = 0.5 / (half(a) + if is_quad { half(d) } else { 0.0 });
         let pdf = f64::from(pdf);
         let error = [by_angle, by_area].map(|expected| (pdf / expected - 1.0).abs());
         let error = error[0].min(error[1]);

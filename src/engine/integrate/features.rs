@@ -1,7 +1,7 @@
 //! Tests of a pipeline's feature set.
 //!
-//! For: [`has`], [`ends_missed`] and [`abilities`], constants once a pipeline is compiled. May import:
-//! `buffers`. Must never know: stages.
+//! For: [`has`], [`ends_missed`], [`ends_at_emitters`] and [`abilities`], constants once a pipeline is
+//! compiled. May import: `buffers`. Must never know: stages.
 
 use crate::buffers::{Abilities, Features};
 
@@ -17,6 +17,13 @@ pub const fn has(n: u32, feature: Features) -> bool {
 #[inline(always)]
 pub const fn ends_missed(n: u32) -> bool {
     has(n, Features::SKY_GRADIENT) || has(n, Features::SKY_TEXTURE)
+}
+
+/// Do paths that hit a textured emitter end where they are intersected? The others are shaded in full
+/// packets, and the emitters' texels are fetched by `finish`. See [`crate::buffers::Buffers::emitters`].
+#[inline(always)]
+pub const fn ends_at_emitters(n: u32) -> bool {
+    has(n, Features::EMISSION) && has(n, Features::TEXTURES)
 }
 
 /// The texture lookups that the feature set `N` holds.

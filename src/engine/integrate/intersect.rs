@@ -1,11 +1,12 @@
-//! Second stage: finds the nearest hit of every path of the queue, and ends the paths that miss.
+//! Second stage: finds the nearest hit of every path of the queue, and ends the paths that miss or that hit
+//! what scatters nothing.
 //!
 //! For: [`intersect`], and [`intersect_linear`] for rays of any queue. May import: `scratch`, `emission` (of
 //! the environment) and what stands above them. Must never know: shading of surfaces.
 
 use super::context::TraceContext;
 use super::emission::missed_radiance;
-use super::features::{ends_missed, has};
+use super::features::{ends_at_emitters, ends_missed, has};
 use super::queue::PathQueue;
 use super::ray_queries::RayQueries;
 use super::scratch::Scratch;
@@ -15,40 +16,57 @@ use crate::lane::{Lane, Mask};
 use crate::math::{Hit, Ray};
 use crate::traverse::{Batch, Visible};
 
+/// The segment that [`intersect`] finds the ends of.
+#[derive(Clone, Copy)]
+pub struct Segment {
+    /// Paths, at the front of the queue.
+    pub count: usize,
+    /// Paths of the tile that have ended on a surface in earlier segments.
+    pub ended: usize,
+    /// No segment follows.
+    pub is_last: bool,
+}
+
 /// What a run of [`intersect`] leaves.
 pub struct Intersected {
     /// Paths to shade, at the front of the queue.
     pub hits: usize,
     /// Contributions of those that missed.
     pub contributions: usize,
+    /// Paths of the tile that have ended on a surface, in the queue of their own.
+    pub ended: usize,
 }
 
 impl Intersected {
     /// The `count` paths of a tile's primary rays, as [`super::generate()`] leaves them: each at the index of
     /// its pixel, those that missed too.
     pub fn all(count: usize) -> Self {
-        Self { hits: count, contributions: 0 }
+        Self { hits: count, contributions: 0, ended: 0 }
     }
 }
 
-/// Finds the nearest hits of the first `count` paths after a bounce. Under a sky, paths that miss end here:
-/// they add the environment's radiance, and the others are compressed to the front, so that shading has full
-/// packets. Without one ([`ends_missed`]), shading finds them.
+/// Finds the nearest hits of paths after a bounce. Those that go on are compressed to the front, so that
+/// shading has full packets; these end here:
+/// - Under a sky ([`ends_missed`]), paths that miss. They add the environment's radiance. Without one,
+///   shading finds them.
+/// - Where emitters are textured ([`ends_at_emitters`]), paths that hit one. They move to the queue of ended
+///   paths, and all that are left after the last segment follow them.
 pub fn intersect<L: Lane, const N: u32>(
     context: &TraceContext,
     scratch: &mut Scratch,
-    count: usize,
+    segment: Segment,
 ) -> Intersected {
-    let mut left = Intersected { hits: 0, contributions: 0 };
+    let Segment { count, ended, .. } = segment;
+    let mut left = Intersected { hits: 0, contributions: 0, ended };
     if let Some((hierarchy, traversal)) = context.primitives.hierarchy() {
         scratch.intersect_hierarchy(hierarchy, traversal, count, RayKind::Bounce);
-        end_missed::<L, N>(context, scratch, count, &mut left, |queue, at| queue.hit(at));
+        end_paths::<L, N>(context, scratch, segment, &mut left, |queue, at| queue.hit(at));
     } else if context.primitives.uses_default_methods() {
-        let batch = IntersectBatch::<N> { context, scratch, count, left: &mut left };
+        let batch = IntersectBatch::<N> { context, scratch, segment, left: &mut left };
         context.primitives.for_default_batch::<L>(&context.buffers, None, batch);
     } else {
         intersect_linear::<L>(context, None, scratch.queue.queries(count));
-        end_missed::<L, N>(context, scratch, count, &mut left, |queue, at| queue.hit(at));
+        end_paths::<L, N>(context, scratch, segment, &mut left, |queue, at| queue.hit(at));
     }
     left
 }
@@ -56,55 +74,69 @@ pub fn intersect<L: Lane, const N: u32>(
 struct IntersectBatch<'a, const N: u32> {
     context: &'a TraceContext,
     scratch: &'a mut Scratch,
-    count: usize,
+    segment: Segment,
     left: &'a mut Intersected,
 }
 
 impl<L: Lane, const N: u32> Batch<L> for IntersectBatch<'_, N> {
     #[inline(always)]
     fn run(self, closest: impl Fn(&Ray<L>) -> Hit<L>) {
-        let Self { context, scratch, count, left } = self;
-        end_missed::<L, N>(context, scratch, count, left, |queue, at| closest(&queue.ray(at)));
+        let Self { context, scratch, segment, left } = self;
+        end_paths::<L, N>(context, scratch, segment, left, |queue, at| closest(&queue.ray(at)));
     }
 }
 
-/// Stores the hits that `hit` finds packet by packet; under a sky, ends the paths that miss, and compresses
-/// the others and their hits.
+/// Stores the hits that `hit` finds packet by packet, ends the paths that end here, and compresses the others
+/// and their hits.
 #[inline(always)]
-fn end_missed<L: Lane, const N: u32>(
+fn end_paths<L: Lane, const N: u32>(
     context: &TraceContext,
     scratch: &mut Scratch,
-    count: usize,
+    Segment { count, is_last, .. }: Segment,
     left: &mut Intersected,
     hit: impl Fn(&PathQueue, usize) -> Hit<L>,
 ) {
     let (lights, triangles) = (has(N, Features::LIGHTS), has(N, Features::TRIANGLES));
+    let emitters = context.buffers.emitters.as_ref().filter(|_| ends_at_emitters(N));
     for at in (0..count).step_by(L::WIDTH) {
         let hit = hit(&scratch.queue, at);
-        if !ends_missed(N) {
+        if !ends_missed(N) && emitters.is_none() {
             scratch.queue.store_hit(at, &hit, triangles);
             left.hits = count;
             continue;
         }
         let active = L::Mask::first(count - at);
         let found = hit.found() & active;
-        if found.all() && left.hits == at {
+        let nothing = L::Mask::splat(false);
+        let missed = if ends_missed(N) { active & !found } else { nothing };
+        let ended = match emitters {
+            None => nothing,
+            Some(_) if is_last => active & !missed,
+            Some(emits) => found & L::zero().lt(L::pick_of_16(emits, hit.primitive)),
+        };
+        let going_on = active & !(missed | ended);
+        if going_on.all() && left.hits == at {
             scratch.queue.store_hit(at, &hit, triangles);
             left.hits += L::WIDTH;
             continue;
         }
         let path = scratch.queue.path(at, lights);
-        let missed = active & !found;
         if missed.any() {
             let radiance = missed_radiance::<L, N, false>(context, &path, missed);
             left.contributions = scratch.push_contribution(left.contributions, missed, path.slot, radiance);
         }
+        if ended.any() {
+            let indices = L::compress_indices(ended);
+            scratch.ended.store_path(left.ended, &path.compress(indices), lights);
+            scratch.ended.store_hit(left.ended, &compress_hit(&hit, indices), triangles);
+            left.ended += ended.count();
+        }
         // In place: no more paths are left than were read, so nothing unread is overwritten.
-        if found.any() {
-            let indices = L::compress_indices(found);
+        if going_on.any() {
+            let indices = L::compress_indices(going_on);
             scratch.queue.store_path(left.hits, &path.compress(indices), lights);
             scratch.queue.store_hit(left.hits, &compress_hit(&hit, indices), triangles);
-            left.hits += found.count();
+            left.hits += going_on.count();
         }
     }
 }

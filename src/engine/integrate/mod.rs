@@ -11,11 +11,12 @@
 //! ```
 //!
 //! - [`fn@generate`] makes primary rays and intersects them.
-//! - `intersect` finds what the rays of later segments hit. Under a sky, paths that miss end here.
+//! - `intersect` finds what the rays of later segments hit. Under a sky, paths that miss end here; those that
+//!   hit a textured emitter end too, and wait for `finish`.
 //! - `shade` adds emitted radiance, samples the BSDF, and compresses the paths that go on to the front of the
 //!   queue, so that packets stay full. Where lights are sampled, it queues shadow rays.
 //! - `shadow_rays` adds the radiance of the shadow rays that are not occluded.
-//! - `finish` shades the last segment: emitted radiance, no scattering.
+//! - `finish` shades last segments: emitted radiance, no scattering.
 //!
 //! # The estimator
 //! Unidirectional path tracing: a path's radiance is the sum, over its segments, of the radiance emitted by

@@ -5,7 +5,7 @@
 use super::context::TraceContext;
 use super::features::has;
 use super::generate::generate;
-use super::intersect::{Intersected, intersect};
+use super::intersect::{Intersected, Segment, intersect};
 use super::scratch::Scratch;
 use super::shade::{Shaded, finish, shade};
 use super::shadow_rays::trace_shadow_rays;
@@ -34,6 +34,7 @@ pub fn trace_tile<L: Lane, const N: u32>(
         return rays;
     }
     scratch.begin_stage_with_rays::<L>(Stage::Shade, context, tile, 0, count);
+    let mut ended = 0;
     let mut shaded = shade::<L, N, true>(context, tile, scratch, &Intersected::all(count), 0);
     rays += shadow_rays::<L, N>(context, scratch, &shaded);
     for bounce in 1..context.max_bounces {
@@ -43,14 +44,15 @@ pub fn trace_tile<L: Lane, const N: u32>(
         if bounce.is_multiple_of(RENORMALIZATION_INTERVAL) {
             scratch.queue.normalize_directions::<L>(count);
         }
-        let left = intersect::<L, N>(context, scratch, count);
+        let left = intersect::<L, N>(context, scratch, Segment { count, ended, is_last: false });
+        ended = left.ended;
         scratch.begin_stage(Some(Stage::Shade));
         shaded = shade::<L, N, false>(context, tile, scratch, &left, bounce);
         rays += shadow_rays::<L, N>(context, scratch, &shaded);
     }
     count = shaded.alive;
     scratch.begin_stage_with_rays::<L>(Stage::Intersect, context, tile, context.max_bounces, count);
-    let left = intersect::<L, N>(context, scratch, count);
+    let left = intersect::<L, N>(context, scratch, Segment { count, ended, is_last: true });
     scratch.begin_stage(Some(Stage::Finish));
     finish::<L, N, false>(context, scratch, &left);
     rays + count as u64

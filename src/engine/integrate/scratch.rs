@@ -20,10 +20,12 @@ use crate::traverse::hierarchy::Hierarchy;
 use crate::traverse::rays::Hits;
 use bytemuck::Zeroable;
 
-/// One thread's working memory: 24 KiB, which a first-level cache holds, 12 more for shadow rays, and that of
-/// the traversals of a hierarchy.
+/// One thread's working memory: 24 KiB, which a first-level cache holds, 12 more for shadow rays, 14 more
+/// where paths end at emitters, and that of the traversals of a hierarchy.
 pub struct Scratch {
     pub queue: PathQueue,
+    /// The tile's paths that have ended on a surface, in full packets, for `finish`.
+    pub ended: PathQueue,
     pub shadow_queue: ShadowQueue,
     /// The values of the sample that is being taken.
     pub values: SampleTable,
@@ -63,9 +65,11 @@ fn count_segment(
 
 impl Scratch {
     pub fn new() -> Box<Self> {
-        let (queue, contributions) = (PathQueue::zeroed(), Contributions::zeroed());
+        let (queue, ended, contributions) =
+            (PathQueue::zeroed(), PathQueue::zeroed(), Contributions::zeroed());
         Box::new(Self {
             queue,
+            ended,
             shadow_queue: ShadowQueue::zeroed(),
             values: SampleTable::default(),
             contributions,

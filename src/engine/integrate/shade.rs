@@ -7,10 +7,10 @@
 use super::bsdf::{ScatteredPath, scatter};
 use super::context::TraceContext;
 use super::emission::{missed_radiance, surface_radiance};
-use super::features::{ends_missed, has};
+use super::features::{ends_at_emitters, ends_missed, has};
 use super::intersect::Intersected;
 use super::material::MaterialSample;
-use super::queue::{Path, primary_places, primary_slots};
+use super::queue::{Path, PathQueue, primary_places, primary_slots};
 use super::scratch::Scratch;
 use super::shadow_rays::sample_direct_light;
 use super::surface::Surface;
@@ -34,7 +34,7 @@ pub fn shade<L: Lane, const N: u32, const FIRST: bool>(
     context: &TraceContext,
     tile: Tile,
     scratch: &mut Scratch,
-    &Intersected { hits: count, contributions }: &Intersected,
+    &Intersected { hits: count, contributions, .. }: &Intersected,
     bounce: u32,
 ) -> Shaded {
     let values = scratch.values.bounce(bounce);
@@ -44,7 +44,7 @@ pub fn shade<L: Lane, const N: u32, const FIRST: bool>(
     let border = context.buffers.lights.border.as_ref();
     for at in (0..count).step_by(L::WIDTH) {
         let IntersectedPacket { path, hit, active, found, mut radiance } =
-            IntersectedPacket::<L>::load::<N, FIRST>(context, scratch, at, count);
+            IntersectedPacket::<L>::load::<N, FIRST>(context, &scratch.queue, at, count);
         if (FIRST || !ends_missed(N)) && !found.any() {
             accumulator.add(scratch, at, active, &path, radiance);
             continue;
@@ -85,18 +85,27 @@ pub fn shade<L: Lane, const N: u32, const FIRST: bool>(
     Shaded { alive: going_on, shadow_rays }
 }
 
-/// Shades the last segment: adds emitted radiance and scatters nothing.
+/// Shades last segments: adds emitted radiance and scatters nothing.
 pub fn finish<L: Lane, const N: u32, const FIRST: bool>(
     context: &TraceContext,
     scratch: &mut Scratch,
-    &Intersected { hits, contributions }: &Intersected,
+    &Intersected { hits, contributions, ended }: &Intersected,
 ) {
     let mut accumulator = RadianceAccumulator::<FIRST> { contributions };
-    // Without emitters, what was hit adds nothing.
-    let count = if FIRST || !ends_missed(N) || has(N, Features::EMISSION) { hits } else { 0 };
+    // All last segments are in the queue of ended paths, those of the last bounce too.
+    let has_moved = !FIRST && ends_at_emitters(N) && context.buffers.emitters.is_some();
+    let count = if has_moved {
+        ended
+    } else if FIRST || !ends_missed(N) || has(N, Features::EMISSION) {
+        hits
+    } else {
+        // Without emitters, what was hit adds nothing.
+        0
+    };
     for at in (0..count).step_by(L::WIDTH) {
+        let queue = if has_moved { &scratch.ended } else { &scratch.queue };
         let IntersectedPacket { path, hit, active, found, mut radiance } =
-            IntersectedPacket::<L>::load::<N, FIRST>(context, scratch, at, count);
+            IntersectedPacket::<L>::load::<N, FIRST>(context, queue, at, count);
         if has(N, Features::EMISSION) && found.any() {
             let surface = Surface::of::<N>(context, &path, &hit, found);
             let material = MaterialSample::of::<N>(context, &surface, found);
@@ -124,12 +133,12 @@ impl<L: Lane> IntersectedPacket<L> {
     #[inline(always)]
     fn load<const N: u32, const FIRST: bool>(
         context: &TraceContext,
-        scratch: &Scratch,
+        queue: &PathQueue,
         at: usize,
         count: usize,
     ) -> Self {
-        let path = load_path::<L, N, FIRST>(context, scratch, at);
-        let hit: Hit<L> = scratch.queue.hit(at);
+        let path = load_path::<L, N, FIRST>(context, queue, at);
+        let hit: Hit<L> = queue.hit(at);
         let active = L::Mask::first(count - at);
         if !FIRST && ends_missed(N) {
             return Self { path, hit, active, found: active, radiance: Vec3::zero() };
@@ -143,13 +152,13 @@ impl<L: Lane> IntersectedPacket<L> {
 #[inline(always)]
 fn load_path<L: Lane, const N: u32, const FIRST: bool>(
     context: &TraceContext,
-    scratch: &Scratch,
+    queue: &PathQueue,
     at: usize,
 ) -> Path<L> {
     if !FIRST {
-        return scratch.queue.path(at, has(N, Features::LIGHTS));
+        return queue.path(at, has(N, Features::LIGHTS));
     }
-    let (direction, key) = scratch.queue.primary(at);
+    let (direction, key) = queue.primary(at);
     let ray = Ray { origin: context.camera.origin(), direction };
     Path { ray, throughput: Vec3::repeat(L::one()), inv_pdf: L::zero(), key, slot: primary_slots::<L>(at) }
 }

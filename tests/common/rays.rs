@@ -12,7 +12,7 @@ use octray::traverse::rays::{Hits, Rays};
 use octray::traverse::stack::Stack;
 use octray::traverse::stream::Stream;
 use octray::traverse::tile::{self, MAX_ENTRY_POINTS};
-use octray::traverse::{Batch, Methods, Primitives, TraversalChoice};
+use octray::traverse::{Batch, Layout, Methods, Primitives, TraversalChoice};
 
 /// t, primitive, u and v of each ray, as bits.
 pub type Answers = Vec<[u32; 4]>;
@@ -117,25 +117,31 @@ impl Set {
         primitives.for_batch::<f32>(&Buffers::new(scene), None, All(self, before, &mut answers));
         answers
     }
-    /// Asserts that every traversal finds what testing everything finds; returns how many rays hit something.
+    /// Asserts that every traversal finds what testing everything finds, in both layouts of the leaves; returns
+    /// how many rays hit something.
     pub fn check(&self, scene: &Scene, what: &str) -> usize {
-        let hierarchy = Hierarchy::new(scene, Trees::WideAndBinary);
         let expected = self.linear(scene);
+        for layout in [Layout::Full, Layout::Compact] {
+            let hierarchy = Hierarchy::in_layout(scene, Trees::WideAndBinary, Some(layout));
+            self.check_in(&hierarchy, &expected, &format!("{what}, {layout:?}"));
+        }
+        expected.iter().filter(|answer| answer[1] != MISS).count()
+    }
+    fn check_in(&self, hierarchy: &Hierarchy, expected: &Answers, what: &str) {
         let mut tracer = Tracer::new();
         for traversal in Traversal::ALL {
             let name = traversal.name();
-            let found = self.through_by::<false>(&mut tracer, &hierarchy, traversal);
-            for (at, (found, expected)) in found.iter().zip(&expected).enumerate() {
+            let found = self.through_by::<false>(&mut tracer, hierarchy, traversal);
+            for (at, (found, expected)) in found.iter().zip(expected).enumerate() {
                 let ray = self.rays().packet::<f32>(at);
                 let t_max = self.t_max[at];
                 assert_eq!(found, expected, "{what}, {name}: ray {at}, {ray:?} to {t_max}");
             }
-            let found = self.through_by::<true>(&mut tracer, &hierarchy, traversal);
-            for (at, (found, expected)) in found.iter().zip(&expected).enumerate() {
+            let found = self.through_by::<true>(&mut tracer, hierarchy, traversal);
+            for (at, (found, expected)) in found.iter().zip(expected).enumerate() {
                 assert_eq!(found[1] == MISS, expected[1] == MISS, "{what}, any hit, {name}: ray {at}");
             }
         }
-        expected.iter().filter(|answer| answer[1] != MISS).count()
     }
 }
 

@@ -11,6 +11,7 @@ use octray::bvh::Trees;
 use octray::math::MISS;
 use octray::measure::stability::meshes::bumpy_ball;
 use octray::scene::{MaterialKind, Scene};
+use octray::traverse::Layout;
 use octray::traverse::batch::Traversal;
 use octray::traverse::hierarchy::Hierarchy;
 use octray::traverse::tile::TILE;
@@ -175,13 +176,15 @@ fn find_leaks(rays: usize) {
     for mesh in &meshes {
         assert_closed(mesh.name, &mesh.triangles);
         let start = Instant::now();
-        let hierarchy = Hierarchy::new(&mesh.scene(), Trees::WideAndBinary);
+        let [hierarchy, compact] = [Layout::Full, Layout::Compact]
+            .map(|layout| Hierarchy::in_layout(&mesh.scene(), Trees::WideAndBinary, Some(layout)));
         let count = mesh.triangles.len() as u32;
         (0..batches).into_par_iter().for_each(|batch| {
             let set = mesh.rays(&mut Rng(0x9e37_79b9_7f4a_7c15 ^ (batch as u64 + 1)), BATCH);
-            for traversal in Traversal::ALL {
+            let full = Traversal::ALL.into_iter().map(|traversal| (&hierarchy, traversal));
+            for (hierarchy, traversal) in full.chain([(&compact, Traversal::Hybrid)]) {
                 let found =
-                    [set.through::<false>(&hierarchy, traversal), set.through::<true>(&hierarchy, traversal)];
+                    [set.through::<false>(hierarchy, traversal), set.through::<true>(hierarchy, traversal)];
                 for (any, found) in found.into_iter().enumerate() {
                     // Any hit may be one of what is outside.
                     let leaks = |[_, primitive, ..]: &[u32; 4]| {

@@ -91,6 +91,12 @@ impl WideNode {
     pub fn boxes(&self) -> &[[f32; WIDE]; 8] {
         bytemuck::cast_ref(self)
     }
+    /// Reads a word of each cache line; returns the words combined.
+    #[inline(always)]
+    pub fn touch(&self) -> u32 {
+        let [lo, _, hi, _, z, _, children, _] = self.boxes().each_ref().map(|row| row[0].to_bits());
+        lo ^ hi ^ z ^ children
+    }
     pub fn bounds(&self, slot: usize) -> Bounds {
         let [a, b, c, x, y, z] = self.planes.each_ref().map(|plane| plane[slot]);
         Bounds { lo: Vec3::new(a, b, c), hi: Vec3::new(x, y, z) }
@@ -133,7 +139,8 @@ impl BinaryNode {
 }
 
 /// Up to eight primitives of one kind, numbered as hits are: spheres first, then triangles.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
+#[repr(transparent)]
 pub struct Leaf {
     /// Ascending; [`Leaf::NONE`] behind the last one.
     pub primitives: [u32; LEAF],

@@ -13,16 +13,18 @@
 //! | [`stream`] | ray streams on the wide tree: batches of rays in any order |
 //! | [`batch`] | the choice between them |
 //!
-//! They share [`hierarchy`] (leaves and how rays intersect them), `prepared` (rays ready for boxes and
-//! triangles), [`rays`] (columns of rays and hits), [`stack`], and [`counter`], which counts the tests.
+//! They share [`hierarchy`] (nodes and leaves), `leaf` (how rays intersect triangles), `compact` (the leaves
+//! of large hierarchies), `prepared` (rays ready for boxes and triangles), [`rays`] (columns of rays and hits), [`stack`], and [`counter`], which counts the tests.
 //!
 //! The law of every traversal: it gives the same hit, bit for bit, as testing every primitive in order,
 //! spheres first, then triangles, the nearest t winning and the lower index on a tie.
 
 pub mod batch;
+mod compact;
 pub mod counter;
 pub mod frustum;
 pub mod hierarchy;
+mod leaf;
 pub mod linear;
 mod methods;
 mod prepared;
@@ -35,6 +37,7 @@ pub mod stream;
 pub mod tile;
 mod visible;
 
+pub use compact::Layout;
 pub use methods::{BoxChoice, Methods, SphereChoice, TraversalChoice, TriangleChoice};
 pub use prepared::{Packet, SingleRay};
 pub use primitives::{Batch, Primitives};

@@ -228,16 +228,18 @@ impl<'a, C: CounterSink> PacketTraversal<'a, C> {
             }
             return;
         }
-        let triangles = self.hierarchy.triangle_leaf(leaf.index());
-        let main = triangles.planes(self.frustum.axis());
-        let (_, meets) =
-            self.frustum.pass(|upper| main[upper & 1], |axis| triangles.planes(axis), self.limit);
-        self.counter.packet_triangles(self.hierarchy, leaf, meets);
-        let mut closer = false;
-        for lane in meets.lanes() {
-            closer |=
-                triangles.intersect_packet(lane, self.hierarchy.padding, &mut self.packet, &mut self.hit);
-        }
+        let closer = self.hierarchy.with_triangles(leaf.index(), |triangles| {
+            let main = triangles.planes(self.frustum.axis());
+            let (_, meets) =
+                self.frustum.pass(|upper| main[upper & 1], |axis| triangles.planes(axis), self.limit);
+            self.counter.packet_triangles(self.hierarchy, leaf, meets);
+            let mut closer = false;
+            for lane in meets.lanes() {
+                closer |=
+                    triangles.intersect_packet(lane, self.hierarchy.padding, &mut self.packet, &mut self.hit);
+            }
+            closer
+        });
         if closer {
             self.shorten();
         }

@@ -224,6 +224,13 @@ impl<C: CounterSink> StreamTraversal<'_, '_, C> {
         if all == 0 {
             return;
         }
+        if self.hierarchy.is_large() {
+            // The lines of all children are fetched while the lists are written.
+            let touched = set_bits(all)
+                .map(|slot| self.hierarchy.touch(node.children()[slot & (WIDE - 1)]))
+                .fold(0, |sum, word| sum ^ word);
+            std::hint::black_box(touched);
+        }
         // One list for each child that some ray reaches, in whole packets.
         let most = (all.count_ones() as usize) * (count + WIDE);
         if lists.len() < free + most {
@@ -281,13 +288,14 @@ impl<C: CounterSink> StreamTraversal<'_, '_, C> {
             });
             return;
         }
-        let triangles = hierarchy.triangle_leaf(leaf.index());
-        update_hits::<ANY>(listed, records, hits, |listed| {
-            counter.leaf(hierarchy, leaf, 1);
-            let found = triangles.test(&listed.record.woop(listed.axis))?;
-            let mut hit = listed.hit();
-            triangles.accept(&listed.record.slabs(), &found, &mut hit);
-            Some(hit)
+        hierarchy.with_triangles(leaf.index(), |triangles| {
+            update_hits::<ANY>(listed, records, hits, |listed| {
+                counter.leaf(hierarchy, leaf, 1);
+                let found = triangles.test(&listed.record.woop(listed.axis))?;
+                let mut hit = listed.hit();
+                triangles.accept(&listed.record.slabs(), &found, &mut hit);
+                Some(hit)
+            });
         });
     }
 

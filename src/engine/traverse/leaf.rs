@@ -1,0 +1,142 @@
+//! Up to eight triangles, as rays intersect them, and which hits rays keep.
+
+use super::prepared::{Packet, splat_slabs};
+use crate::bvh::{LEAF, Leaf};
+use crate::kernel::ray_box::{Padding, Slabs, own_box};
+use crate::kernel::ray_triangle::{EightTriangles, TriangleHit, WoopRay};
+use crate::lane::{Bits, F32x8, Lane, Mask, Mask8, U32x8};
+use crate::math::{Hit, Vec3};
+
+/// Up to eight triangles: 320 bytes.
+#[derive(Clone, Copy, Debug)]
+#[repr(C, align(64))]
+pub struct TriangleLeaf {
+    pub(super) vertices: EightTriangles,
+    pub(super) primitives: Leaf,
+}
+
+/// The limit that lets hits at `t` itself pass: among equal distances the lowest number wins, in any order of
+/// tests.
+#[inline(always)]
+pub(super) fn inclusive(t: f32) -> f32 {
+    // Not next_up: its special cases would cost branches. t is positive, or −∞ for rays that are done.
+    if (0.0..f32::INFINITY).contains(&t) { f32::from_bits(t.to_bits() + 1) } else { t }
+}
+
+/// Lower and upper corner of the box of a triangle: exact. [`crate::bvh::Bounds::of_triangle`] over
+/// lanes.
+#[inline(always)]
+pub(super) fn box_of<L: Lane>([a, b, c]: [Vec3<L>; 3]) -> (Vec3<L>, Vec3<L>) {
+    let [x, y, z] = [[a.x, b.x, c.x], [a.y, b.y, c.y], [a.z, b.z, c.z]].map(extent_along);
+    (Vec3::new(x[0], y[0], z[0]), Vec3::new(x[1], y[1], z[1]))
+}
+
+/// The least and the greatest coordinate of a triangle along one axis.
+#[inline(always)]
+fn extent_along<L: Lane>([a, b, c]: [L; 3]) -> [L; 2] {
+    [a.min(b).min(c), a.max(b).max(c)]
+}
+
+/// [`keep_if_nearer`] in each lane; whether any lane kept it.
+#[inline(always)]
+pub(super) fn keep_lanes_if_nearer(
+    mask: Mask8,
+    primitive: u32,
+    [t, u, v]: [F32x8; 3],
+    hit: &mut Hit<F32x8>,
+) -> bool {
+    let number = U32x8::splat(primitive);
+    let one = U32x8::splat(1);
+    let lower = number.wrapping_add(one).less(hit.primitive.wrapping_add(one));
+    let nearer = mask & (t.lt(hit.t) | (t.eq(hit.t) & lower));
+    hit.t = F32x8::select(nearer, t, hit.t);
+    hit.primitive = U32x8::select(nearer, number, hit.primitive);
+    hit.u = F32x8::select(nearer, u, hit.u);
+    hit.v = F32x8::select(nearer, v, hit.v);
+    nearer.any()
+}
+
+impl TriangleLeaf {
+    /// The lower and the upper planes of the triangles' boxes along an axis; NaN where there is no triangle.
+    #[inline(always)]
+    pub fn planes(&self, axis: usize) -> [F32x8; 2] {
+        extent_along(self.vertices.each_ref().map(|vertex| F32x8::load(&vertex[axis])))
+    }
+
+    /// One ray against all of them; [`TriangleLeaf::accept`] then applies the rule of the own box to what is
+    /// found.
+    #[inline(always)]
+    pub fn test(&self, woop: &WoopRay<f32>) -> Option<TriangleHit<F32x8>> {
+        woop.test_eight(&self.vertices)
+    }
+
+    #[inline(always)]
+    pub(super) fn corners(&self, lane: usize) -> [[f32; 3]; 3] {
+        self.vertices.each_ref().map(|vertex| vertex.each_ref().map(|row| row[lane & 7]))
+    }
+
+    /// A packet against one of the triangles; whether any ray found a nearer hit.
+    #[inline(always)]
+    pub fn intersect_packet(
+        &self,
+        lane: usize,
+        padding: Padding,
+        packet: &mut Packet,
+        hit: &mut Hit<F32x8>,
+    ) -> bool {
+        let found = match packet.axis {
+            Some(axis) => packet.woop.test_lane_along(axis, &self.vertices, lane),
+            None => packet.woop.test_corners(self.corners(lane)),
+        };
+        found.is_some_and(|found| self.accept_lanes(lane, padding, packet, &found, hit))
+    }
+
+    /// Applies the rule of the own box to a packet's hits and keeps those that are nearer. Out of line: the
+    /// calling loop stays in registers.
+    #[inline(never)]
+    fn accept_lanes(
+        &self,
+        lane: usize,
+        padding: Padding,
+        packet: &mut Packet,
+        found: &TriangleHit<F32x8>,
+        hit: &mut Hit<F32x8>,
+    ) -> bool {
+        let infinite = F32x8::splat(f32::INFINITY);
+        let splat = |[x, y, z]: [f32; 3]| Vec3::new(F32x8::splat(x), F32x8::splat(y), F32x8::splat(z));
+        let slabs = packet.slabs.get_or_insert_with(|| Slabs::new(&packet.ray, padding));
+        let (mask, t) = own_box(slabs, box_of(self.corners(lane).map(splat)), found.mask, found.t, infinite);
+        keep_lanes_if_nearer(mask, self.primitives.primitives[lane & 7], [t, found.u, found.v], hit)
+    }
+
+    /// Applies the rule of the own box to a ray's hits and keeps the nearest. Rare and out of line: the
+    /// calling loops stay in registers.
+    #[cold]
+    #[inline(never)]
+    pub fn accept(&self, slabs: &Slabs<f32>, found: &TriangleHit<F32x8>, hit: &mut Hit<f32>) {
+        let vertex = |[x, y, z]: &[[f32; LEAF]; 3]| Vec3::new(F32x8::load(x), F32x8::load(y), F32x8::load(z));
+        let slabs = splat_slabs(slabs);
+        let limit = F32x8::splat(inclusive(hit.t));
+        let corners = box_of(self.vertices.each_ref().map(vertex));
+        let (mask, t) = own_box(&slabs, corners, found.mask, found.t, limit);
+        keep_nearest(mask, &self.primitives.primitives, [t, found.u, found.v], hit);
+    }
+}
+
+/// Keeps a hit that is nearer, or as near and of a lower number.
+#[inline(always)]
+pub(super) fn keep_if_nearer(mask: bool, primitive: u32, [t, u, v]: [f32; 3], hit: &mut Hit<f32>) {
+    // MISS is the largest number: plus one it is 0, below every other, so that a hit at t_max itself is none.
+    let lower = primitive.wrapping_add(1) < hit.primitive.wrapping_add(1);
+    if mask && (t < hit.t || (t == hit.t && lower)) {
+        *hit = Hit { t, primitive, u, v };
+    }
+}
+
+/// Keeps the nearest hit of the lanes in `mask`.
+#[inline(always)]
+pub(super) fn keep_nearest(mask: Mask8, primitives: &[u32; LEAF], [t, u, v]: [F32x8; 3], hit: &mut Hit<f32>) {
+    for lane in mask.lanes() {
+        keep_if_nearer(true, primitives[lane], [t, u, v].map(|column| column.get(lane)), hit);
+    }
+}

@@ -202,6 +202,7 @@ impl<'a> Line<'a> {
     }
 
     /// The packet from column `at` on; outside the row its first or last pixel.
+    #[inline(always)]
     fn packet(&self, at: i32) -> (B, [L; 6]) {
         let last = self.objects.len() as i32 - 1;
         if at >= 0 && at + L::WIDTH as i32 - 1 <= last {

@@ -13,6 +13,7 @@ use glam::Vec3;
 use octray_engine::display::{Blur, Denoiser, Fxaa, History, Samples, rows, walking_speed};
 use octray_engine::film::{Film, Picture};
 use octray_engine::integrate::aovs::Aovs;
+use octray_engine::integrate::edge_aovs::DenoiserAovs;
 use octray_engine::integrate::probe::PathShape;
 use octray_engine::render::Renderer;
 use octray_engine::render::aovs::{self, Cost};
@@ -47,6 +48,8 @@ pub struct Painter {
     aovs: Aovs,
     /// Whether `aovs` belong to the present camera.
     aovs_valid: bool,
+    denoiser_aovs: DenoiserAovs,
+    denoiser_aovs_valid: bool,
     costs: aovs::Map<Cost>,
     costs_valid: bool,
     shapes: aovs::Map<PathShape>,
@@ -81,7 +84,7 @@ impl Painter {
         let known = input.pose_shown && (self.reprojected || !controls.reprojection);
         self.reprojected = controls.reprojection;
         if !known {
-            (self.aovs_valid, self.costs_valid) = (false, false);
+            (self.aovs_valid, self.denoiser_aovs_valid, self.costs_valid) = (false, false, false);
         }
         frame.resize(film.resolution());
         film.picture_into(&mut self.mean);
@@ -129,7 +132,10 @@ impl Painter {
             (shown, behind) = (self.history.shown(), Samples::Each(self.history.counts()));
         }
         if controls.denoiser {
-            shown = self.denoiser.filter(shown, behind, &self.aovs);
+            if !std::mem::replace(&mut self.denoiser_aovs_valid, true) {
+                input.renderer.denoiser_aovs_into(&self.aovs, &mut self.denoiser_aovs);
+            }
+            shown = self.denoiser.filter(shown, behind, &self.denoiser_aovs);
         }
         match controls.filter {
             Filter::None => {}
@@ -279,7 +285,7 @@ mod tests {
         viewer.paint(64, false, true);
         viewer.go(38.5, 1);
         let shown = viewer.paint(1, false, false);
-        let Painter { history, denoiser, aovs, .. } = &mut viewer.painter;
+        let Painter { history, denoiser, denoiser_aovs: aovs, .. } = &mut viewer.painter;
         let mut words = vec![0; shown.len()];
         let each = denoiser.filter(history.shown(), Samples::Each(history.counts()), aovs);
         write(&Tone::default(), each, &mut words);

@@ -117,8 +117,8 @@ impl Set {
         primitives.for_batch::<f32>(&Buffers::new(scene), None, All(self, before, &mut answers));
         answers
     }
-    /// Asserts that every traversal finds what testing everything finds, in both layouts of the leaves; returns
-    /// how many rays hit something.
+    /// Asserts that every traversal finds what testing everything finds, in both layouts of the leaves;
+    /// returns how many rays hit something.
     pub fn check(&self, scene: &Scene, what: &str) -> usize {
         let expected = self.linear(scene);
         for layout in [Layout::Full, Layout::Compact] {

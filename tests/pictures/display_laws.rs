@@ -5,6 +5,7 @@ use glam::Vec3;
 use octray::display::{Blur, Denoiser, Fxaa, Samples, walking_speed};
 use octray::film::Picture;
 use octray::integrate::aovs::Aovs;
+use octray::integrate::edge_aovs::DenoiserAovs;
 use octray::render::{Renderer, Settings};
 use octray::scene::{Filter, MaterialKind, Scene};
 use octray::tone::Tone;
@@ -18,10 +19,22 @@ fn grey(value: f32) -> [f32; 3] {
     [value; 3]
 }
 
-fn guides(scene: &Scene) -> Aovs {
-    let mut guides = Aovs::default();
-    Renderer::new(scene, Settings::of(scene)).aovs_into(&mut guides);
+fn first_hits(scene: &Scene) -> Aovs {
+    let mut aovs = Aovs::default();
+    Renderer::new(scene, Settings::of(scene)).aovs_into(&mut aovs);
+    aovs
+}
+
+fn guides(scene: &Scene) -> DenoiserAovs {
+    let mut guides = DenoiserAovs::default();
+    Renderer::new(scene, Settings::of(scene)).denoiser_aovs_into(&first_hits(scene), &mut guides);
     guides
+}
+
+/// The places of pixels at edges.
+fn edges(guides: &DenoiserAovs) -> Vec<(u32, u32)> {
+    let rows = 0..guides.centers().resolution()[1];
+    rows.flat_map(|y| guides.edges(y).iter().map(move |edge| (edge.x, y))).collect()
 }
 
 /// The mean square of what a picture has besides a value.
@@ -147,14 +160,18 @@ fn balls() -> Scene {
 fn denoiser_keeps_hard_edges_of_objects_and_removes_noise_on_them() {
     let scene = balls();
     let guides = guides(&scene);
-    let levels = |x: u32, y: u32| [0.2, 0.9, 0.5][guides.pixel(x, y).object.min(2) as usize];
+    let levels = |x: u32, y: u32| [0.2, 0.9, 0.5][guides.centers().pixel(x, y).object.min(2) as usize];
     let mut rng = Rng::of("display", [7, 0]);
     let noisy = picture(scene.resolution, |(x, y)| grey(levels(x, y) * (2.0 * rng.unit()) as f32));
     let clean = picture(scene.resolution, |(x, y)| grey(levels(x, y)));
     let mut denoiser = Denoiser::new();
-    let edges = denoiser.filter(&clean, Samples::Same(1), &guides);
-    let worst = edges.pixels.iter().zip(&clean.pixels).map(|(a, b)| (a[0] / b[0] - 1.0).abs());
-    assert!(worst.fold(0.0, f32::max) < 1e-5, "no light crosses an edge");
+    let shown = denoiser.filter(&clean, Samples::Same(1), &guides);
+    let mixed = edges(&guides);
+    for (at, (a, b)) in shown.pixels.iter().zip(&clean.pixels).enumerate() {
+        let place = (at as u32 % 61, at as u32 / 61);
+        let change = (a[0] / b[0] - 1.0).abs();
+        assert!(change < 1e-5 || mixed.contains(&place), "{place:?}: no light crosses an edge");
+    }
     let error = |shown: &Picture| {
         let pairs = shown.pixels.iter().zip(&clean.pixels);
         pairs.map(|(a, b)| f64::from(a[0] - b[0]).powi(2)).sum::<f64>().sqrt()
@@ -187,7 +204,10 @@ fn denoiser_stops_at_objects_and_at_normals_and_at_distances() {
         ("a step", two_sides([0.0, 0.0], [2.0, 2.0], [0, 0])),
     ] {
         let guides = guides(&scene);
-        assert!(guides.pixel(1, 12).distance.is_finite() && guides.pixel(38, 12).distance.is_finite());
+        assert!(
+            guides.centers().pixel(1, 12).distance.is_finite()
+                && guides.centers().pixel(38, 12).distance.is_finite()
+        );
         // One noise on both sides, and a little green on the right one that it hides.
         let noisy = picture(scene.resolution, |(x, _)| {
             [rng.unit() as f32, if x < 20 { 0.0 } else { 0.1 }, rng.unit() as f32]
@@ -204,35 +224,98 @@ fn denoiser_stops_at_objects_and_at_normals_and_at_distances() {
 }
 
 #[test]
-fn denoiser_leaves_many_samples_mirrors_and_lamps_as_they_are() {
+fn denoiser_leaves_many_samples_and_lamps_as_they_are() {
     let mut scene = balls();
-    scene.materials[0] = material(MaterialKind::Diffuse);
-    scene.materials.push(material(MaterialKind::Metal { roughness: 0.0 }));
     scene.materials.push(lamp(3.0));
-    (scene.spheres[0].material, scene.spheres[1].material) = (1, 2);
+    scene.spheres[1].material = 1;
     let guides = guides(&scene);
     let mut rng = Rng::of("display", [9, 0]);
     let noisy = picture(scene.resolution, |_| grey(rng.unit() as f32 + 0.5));
     let mut denoiser = Denoiser::new();
+    let mixed = edges(&guides);
     let mut change = |samples| {
         let shown = denoiser.filter(&noisy, Samples::Same(samples), &guides);
         let mut changes = [0.0f32; 3];
         for (at, (a, b)) in shown.pixels.iter().zip(&noisy.pixels).enumerate() {
-            let object = guides.pixel(at as u32 % 61, at as u32 / 61).object;
-            let change = &mut changes[object.min(2) as usize];
-            *change = change.max((a[0] - b[0]).abs());
+            let (x, y) = (at as u32 % 61, at as u32 / 61);
+            if samples > 1 || !mixed.contains(&(x, y)) {
+                let object = guides.centers().pixel(x, y).object;
+                let change = &mut changes[object.min(2) as usize];
+                *change = change.max((a[0] - b[0]).abs());
+            }
         }
         changes
     };
-    let [mirror, _, wall] = change(1);
-    assert_eq!(mirror, 0.0, "to the last bit");
-    assert!(wall > 0.4);
-    // Noise of one in a thousand of what a sample may have.
-    assert!(change(1_000_000)[2] < 0.01);
+    let [ball, lamp, wall] = change(1);
+    assert_eq!(lamp, 0.0, "to the last bit");
+    assert!(ball > 0.4 && wall > 0.4);
+    // Noise of one in a thousand of what a sample may have, at edges too.
+    assert!(change(1_000_000).into_iter().all(|change| change < 0.02));
+}
+
+/// A mirror and a glass ball before walls: what they show is filtered with its own guides. Without them their
+/// noise would stay: all of it at the mirror's roughness of 0.
+#[test]
+fn denoiser_filters_what_mirrors_and_glass_show() {
+    for kind in [MaterialKind::Metal { roughness: 0.0 }, MaterialKind::Glass { ior: 1.5 }] {
+        let mut scene = balls();
+        scene.max_bounces = 6;
+        scene.materials.push(material(kind));
+        scene.spheres[0].material = 1;
+        let (first, guides) = (first_hits(&scene), guides(&scene));
+        let at_centers = guides.centers();
+        let mut rng = Rng::of("display", [12, 0]);
+        let albedo = |(x, y): (u32, u32)| at_centers.pixel(x, y).albedo;
+        let clean = picture(scene.resolution, |place| albedo(place).map(|channel| 0.8 * channel));
+        let noisy = picture(scene.resolution, |place| {
+            let noise = 2.0 * rng.unit() as f32;
+            albedo(place).map(|channel| 0.8 * channel * noise)
+        });
+        let mut denoiser = Denoiser::new();
+        let shown = denoiser.filter(&noisy, Samples::Same(1), &guides);
+        let (mut before, mut after, mut pixels) = (0.0, 0.0, 0);
+        for (at, (shown, noisy)) in shown.pixels.iter().zip(&noisy.pixels).enumerate() {
+            let (x, y) = (at as u32 % 61, at as u32 / 61);
+            let (seen, followed) = (first.pixel(x, y), at_centers.pixel(x, y));
+            assert_eq!(seen.object == followed.object, seen.object != 0, "an image is another object");
+            if seen.object == 0 && followed.distance.is_finite() {
+                assert!(followed.distance > seen.distance && followed.lobe == 1.0);
+                let square = |color: [f32; 3]| f64::from(color[0] - clean.pixels[at][0]).powi(2);
+                (before, after, pixels) = (before + square(*noisy), after + square(*shown), pixels + 1);
+            }
+        }
+        assert!(pixels > 100 && after < before / 4.0, "{kind:?}: {after} of {before}, {pixels} pixels");
+    }
+}
+
+/// Two objects side by side, whose border lies in the middle of a column.
+#[test]
+fn denoiser_composes_pixels_at_edges_of_what_lies_on_both_sides() {
+    let mut scene = two_sides([0.0, 0.0], [0.0, 0.0], [0, 1]);
+    let pixel = Renderer::new(&scene, Settings::of(&scene)).camera().pixel_size() * scene.camera.position.z;
+    let aside = Vec3::X * (0.01 + 0.55 * pixel);
+    (scene.camera.position, scene.camera.look_at) =
+        (scene.camera.position + aside, scene.camera.look_at + aside);
+    let guides = guides(&scene);
+    let left = guides.centers().pixel(1, 12).object;
+    let is_left = |x, y| guides.centers().pixel(x, y).object == left;
+    let column = (0..40).find(|&x| !is_left(x, 12)).unwrap();
+    let flat = picture(scene.resolution, |(x, y)| grey(if is_left(x, y) { 0.1 } else { 0.9 }));
+    let mut denoiser = Denoiser::new();
+    let row = |picture: &Picture| {
+        [-2, -1, 0, 1].map(|right| picture.pixels[(12 * 40 + column as i32 + right) as usize][0])
+    };
+    let [outer, before, behind, inner] = row(denoiser.filter(&flat, Samples::Same(1), &guides));
+    assert!((outer - 0.1).abs() < 1e-4 && (inner - 0.9).abs() < 1e-4, "{outer} {inner}");
+    // The border lies left or right of the centre of one of both pixels, whose points see both sides.
+    let mixed = [before, behind].into_iter().filter(|value| (0.2..0.8).contains(value)).count();
+    assert_eq!(mixed, 1, "{before} {behind}");
+    let many = row(denoiser.filter(&flat, Samples::Same(1_000_000), &guides));
+    assert!(many.iter().zip(row(&flat)).all(|(a, b)| (a - b).abs() < 1e-3), "the film's mean: {many:?}");
 }
 
 /// Pixels of metal within a quarter of its lobe show nearly the same: at a roughness of 0.2 and 400 rows
-/// within four pixels.
+/// within four pixels. Smoother metal than 0.17 shows what it reflects: here the sky.
 #[test]
 fn denoiser_smooths_metal_as_far_as_it_is_rough() {
     let left = |roughness| {
@@ -243,11 +326,8 @@ fn denoiser_smooths_metal_as_far_as_it_is_rough() {
         let noisy = picture([40, 400], |_| grey(rng.unit() as f32 + 0.5));
         noise(Denoiser::new().filter(&noisy, Samples::Same(1), &guides), 1.0) / noise(&noisy, 1.0)
     };
-    let [polished, brushed, rough] = [0.04, 0.2, 0.5].map(left);
-    assert!(
-        polished > 0.95 && (0.02..0.1).contains(&brushed) && rough < brushed / 4.0,
-        "{polished} {brushed} {rough}"
-    );
+    let [brushed, rough] = [0.2, 0.5].map(left);
+    assert!((0.02..0.1).contains(&brushed) && rough < brushed / 4.0, "{brushed} {rough}");
 }
 
 #[test]
@@ -259,11 +339,18 @@ fn denoiser_keeps_pictures_on_surfaces_sharp() {
     scene.spheres.iter_mut().for_each(|ball| ball.material = 1);
     let guides = guides(&scene);
     let mut rng = Rng::of("display", [3, 0]);
-    let albedo = |(x, y): (u32, u32)| guides.pixel(x, y).albedo;
-    let lit = picture(scene.resolution, |place| albedo(place).map(|channel| 0.8 * channel));
-    let noisy = picture(scene.resolution, |place| {
+    let albedo = |(x, y): (u32, u32)| guides.centers().pixel(x, y).albedo;
+    let mut lit = picture(scene.resolution, |place| albedo(place).map(|channel| 0.8 * channel));
+    // At edges the mean of what is in the pixel.
+    for y in 0..lit.height {
+        for edge in guides.edges(y) {
+            let mean = |channel: usize| edge.samples.iter().map(|sample| 0.2 * sample.albedo[channel]).sum();
+            lit.pixels[(y * lit.width + edge.x) as usize] = std::array::from_fn(mean);
+        }
+    }
+    let noisy = picture(scene.resolution, |(x, y)| {
         let noise = 2.0 * rng.unit() as f32;
-        albedo(place).map(|channel| 0.8 * channel * noise)
+        lit.pixels[(y * lit.width + x) as usize].map(|channel| channel * noise)
     });
     let error = |shown: &Picture| {
         let pairs = shown.pixels.as_flattened().iter().zip(lit.pixels.as_flattened());
@@ -271,7 +358,7 @@ fn denoiser_keeps_pictures_on_surfaces_sharp() {
     };
     let mut denoiser = Denoiser::new();
     let unharmed = error(denoiser.filter(&lit, Samples::Same(1), &guides)) / error(&noisy);
-    assert!(unharmed < 0.02, "light that is even on it: {unharmed}");
+    assert!(unharmed < 0.06, "light that is even on it: {unharmed}");
     let left = error(denoiser.filter(&noisy, Samples::Same(1), &guides)) / error(&noisy);
     assert!(left < 0.5, "{left}");
 }
@@ -339,22 +426,22 @@ fn filters_give_the_same_bits_on_any_threads() {
 
 #[test]
 fn walking_speed_is_a_quarter_of_the_near_quartile() {
-    let speed = |height| walking_speed(&guides(&floor(Vec3::ZERO, height)));
+    let speed = |height| walking_speed(&first_hits(&floor(Vec3::ZERO, height)));
     assert!((speed(8.0) / 2.0 - 1.0).abs() < 1e-3, "{}", speed(8.0));
     assert!((speed(800.0) / 200.0 - 1.0).abs() < 1e-3);
-    assert_eq!(walking_speed(&guides(&empty())), 1.0);
+    assert_eq!(walking_speed(&first_hits(&empty())), 1.0);
     // A ball twice as near, in less than a quarter of the picture and in more.
     let mut scene = Scene { resolution: [64, 64], ..floor(Vec3::ZERO, 8.0) };
     scene.camera.vertical_fov = 10.0;
     scene.spheres.push(sphere(Vec3::Y * 3.5, 0.5, 0));
-    let far = walking_speed(&guides(&scene));
+    let far = walking_speed(&first_hits(&scene));
     scene.spheres[0] = sphere(Vec3::Y * 3.0, 1.0, 0);
-    let near = walking_speed(&guides(&scene));
+    let near = walking_speed(&first_hits(&scene));
     assert!(far > 1.0 && far < 2.1 && (1.0..1.1).contains(&near), "{near} and {far}");
     // In 22 and 28 hundredths.
     for (radius, pace) in [(0.231, 2.0..2.02), (0.261, 1.2..1.25)] {
         scene.spheres[0] = sphere(Vec3::Y * 3.0, radius, 0);
-        let speed = walking_speed(&guides(&scene));
+        let speed = walking_speed(&first_hits(&scene));
         assert!(pace.contains(&speed), "{radius}: {speed}");
     }
 }

@@ -97,7 +97,7 @@ fn what_a_view_asks_for_and_does_not_exist_is_refused_by_every_command() {
         ),
         ("\"box\": \"padded\"", ["`box`", "render.box,", "padded-fma, fma"]),
         ("\"traversal\": \"fast\"", ["`traversal`", "render.traversal,", "needed, linear, scalar"]),
-        ("\"lights\": \"dim\"", ["`lights`", "render.lights,", "auto, on, off"]),
+        ("\"lights\": \"dim\"", ["`lights`", "render.lights,", "auto, on, power, off"]),
         ("\"sampler\": \"halton\"", ["`sampler`", "render.sampler,", "sobol, random"]),
         ("\"pipeline\": \"small\"", ["`pipeline`", "render.pipeline,", "needed, general"]),
         ("\"samples\": 0", ["`samples` cannot be 0", "render.samples,", "from 1 to 16,777,216"]),

@@ -15,12 +15,13 @@ use super::stats::RayKind;
 use super::surface::Surface;
 use crate::buffers::{Features, MaterialCode};
 use crate::camera::MAX_PIXELS;
-use crate::lane::{Bits, F32x8, Lane, Mask};
+use crate::lane::{Bits, F32x8, Lane, Mask, Mask8};
 use crate::math::{Hit, MISS, Vec3};
 
 /// Lanes of the pass. AOVs are the same at any width.
 type L = F32x8;
-const ALL: u32 = Features::ALL.0;
+type B = <L as Lane>::Bits;
+pub(super) const ALL: u32 = Features::ALL.0;
 
 /// One variable of every pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -42,6 +43,8 @@ pub enum Plane {
     /// Width of the lobe, in [0, 1]: alpha (the square of the roughness) of metal, roughness of `scatter`; 0
     /// of mirrors and glass; 1 of every other surface, and where there is none.
     Lobe,
+    /// Of emissive surfaces and of the environment, radiance over albedo; 0 of every other surface.
+    Scale,
     /// Bits of [`AovSample::object`].
     Object,
 }
@@ -72,6 +75,8 @@ pub struct Aovs {
 }
 
 impl Aovs {
+    pub(super) const PLANES: usize = PLANES;
+
     /// Allocates only where the picture grows. The values are unspecified afterwards.
     pub fn resize(&mut self, resolution: [u32; 2]) {
         let [width, height] = resolution.map(|side| side as usize);
@@ -105,6 +110,12 @@ impl Aovs {
             object: at(Plane::Object).to_bits(),
         }
     }
+    /// As many pixels and the same values as another one.
+    pub(crate) fn copy_from(&mut self, other: &Self) {
+        (self.resolution, self.stride) = (other.resolution, other.stride);
+        self.values.clear();
+        self.values.extend_from_slice(&other.values);
+    }
     /// The length of a row and all rows, for [`render_row`].
     pub(crate) fn rows(&mut self) -> (usize, &mut [f32]) {
         (self.stride * PLANES, &mut self.values)
@@ -134,59 +145,89 @@ pub(crate) fn render_row(context: &TraceContext, y: u32, row: &mut [f32], scratc
 
 /// The planes of the packet at `at`.
 fn aovs(context: &TraceContext, scratch: &Scratch, at: usize, count: usize) -> [L; PLANES] {
-    let (zero, one) = (L::zero(), L::one());
     let ray = scratch.queue.ray::<L>(at);
     let path = Path {
         ray,
-        throughput: Vec3::repeat(one),
-        inv_pdf: zero,
-        key: <L as Lane>::Bits::splat(0),
-        slot: <L as Lane>::Bits::splat(0),
+        throughput: Vec3::repeat(L::one()),
+        inv_pdf: L::zero(),
+        key: B::splat(0),
+        slot: B::splat(0),
     };
-    let hit: Hit<L> = scratch.queue.hit(at);
-    let active = <L as Lane>::Mask::first(count - at);
-    let found = hit.found() & active;
-    let (mut normal, mut object) = (Vec3::zero(), <L as Lane>::Bits::splat(MISS));
-    let (mut albedo, mut lobe) = (Vec3::repeat(one), one);
-    if !found.all() {
-        albedo = displayable(environment_radiance::<L, ALL>(context, ray.direction, active & !found));
-    }
-    if found.any() {
-        let surface = Surface::of::<ALL>(context, &path, &hit, found);
-        let material = MaterialSample::of::<ALL>(context, &surface, found);
-        let is = |kind: u32| material.kind.equals(<L as Lane>::Bits::splat(kind));
-        let color = Vec3::select(is(MaterialCode::EMITTER), displayable(material.emission), material.color);
-        let away = zero.lt(material.ns.dot(ray.direction));
-        let facing = Vec3::select(away, -material.ns, material.ns);
-        let spread = material.parameter.min(one);
-        let spread = L::select(is(MaterialCode::GGX) | is(MaterialCode::SCATTER), spread, one);
-        let spread = L::select(is(MaterialCode::MIRROR) | is(MaterialCode::GLASS), zero, spread);
-        normal = Vec3::select(found, facing, normal);
-        albedo = Vec3::select(found, color, albedo);
-        lobe = L::select(found, spread, lobe);
-        object = <L as Lane>::Bits::select(found, surface.object(context, &hit), object);
-    }
-    let distance = L::select(found, hit.t, L::splat(f32::INFINITY));
-    let on_triangle =
-        found & !hit.primitive.less(<L as Lane>::Bits::splat(context.buffers.spheres.len() as u32));
-    let weight = |weight| L::select(on_triangle, weight, zero);
-    [
-        distance,
-        normal.x,
-        normal.y,
-        normal.z,
-        albedo.x,
-        albedo.y,
-        albedo.z,
-        weight(hit.u),
-        weight(hit.v),
-        lobe,
-        L::from_bits(object),
-    ]
+    Seen::of(context, &path, &scratch.queue.hit(at), <L as Lane>::Mask::first(count - at)).planes(context)
 }
 
-/// Radiance scaled so that no channel is above 1.
-fn displayable(radiance: Vec3<L>) -> Vec3<L> {
+/// What a packet of rays sees.
+pub(super) struct Seen {
+    hit: Hit<L>,
+    pub found: Mask8,
+    /// Where some lane is in `found`.
+    pub surface: Option<(Surface<L>, MaterialSample<L>)>,
+    pub normal: Vec3<L>,
+    pub albedo: Vec3<L>,
+    pub scale: L,
+    pub lobe: L,
+    pub object: B,
+}
+
+impl Seen {
+    pub fn of(context: &TraceContext, path: &Path<L>, hit: &Hit<L>, active: Mask8) -> Self {
+        let (zero, one) = (L::zero(), L::one());
+        let direction = path.ray.direction;
+        let found = hit.found() & active;
+        let (albedo, scale) = (Vec3::repeat(one), one);
+        let (normal, lobe, object) = (Vec3::zero(), one, B::splat(MISS));
+        let mut seen = Self { hit: *hit, found, surface: None, normal, albedo, scale, lobe, object };
+        if !found.all() {
+            let radiance = environment_radiance::<L, ALL>(context, direction, active & !found);
+            (seen.albedo, seen.scale) = displayable(radiance);
+        }
+        if found.any() {
+            let surface = Surface::of::<ALL>(context, path, hit, found);
+            let material = MaterialSample::of::<ALL>(context, &surface, found);
+            let is = |kind: u32| material.kind.equals(B::splat(kind));
+            let (emitted, of_emitter) = displayable(material.emission);
+            let color = Vec3::select(is(MaterialCode::EMITTER), emitted, material.color);
+            let of_color = of_emitter.only(is(MaterialCode::EMITTER));
+            let away = zero.lt(material.ns.dot(direction));
+            let facing = Vec3::select(away, -material.ns, material.ns);
+            let spread = material.parameter.min(one);
+            let spread = L::select(is(MaterialCode::GGX) | is(MaterialCode::SCATTER), spread, one);
+            let spread = L::select(is(MaterialCode::MIRROR) | is(MaterialCode::GLASS), zero, spread);
+            seen.normal = Vec3::select(found, facing, normal);
+            seen.albedo = Vec3::select(found, color, seen.albedo);
+            seen.scale = L::select(found, of_color, seen.scale);
+            seen.lobe = L::select(found, spread, lobe);
+            seen.object = B::select(found, surface.object(context, hit), object);
+            seen.surface = Some((surface, material));
+        }
+        seen
+    }
+
+    fn planes(&self, context: &TraceContext) -> [L; PLANES] {
+        let Self { hit, found, normal, albedo, scale, lobe, object, .. } = self;
+        let distance = L::select(*found, hit.t, L::splat(f32::INFINITY));
+        let spheres = B::splat(context.buffers.spheres.len() as u32);
+        let on_triangle = *found & !hit.primitive.less(spheres);
+        let weight = |weight| L::select(on_triangle, weight, L::zero());
+        [
+            distance,
+            normal.x,
+            normal.y,
+            normal.z,
+            albedo.x,
+            albedo.y,
+            albedo.z,
+            weight(hit.u),
+            weight(hit.v),
+            *lobe,
+            *scale,
+            L::from_bits(*object),
+        ]
+    }
+}
+
+/// Radiance scaled so that no channel is above 1, and one over that scale.
+fn displayable(radiance: Vec3<L>) -> (Vec3<L>, L) {
     let most = radiance.x.max(radiance.y).max(radiance.z).max(L::one());
-    radiance * (L::one() / most)
+    (radiance * (L::one() / most), most)
 }

@@ -100,19 +100,56 @@ pub fn scatter<L: Lane, const N: u32>(
     let throughput = path.throughput * (color * sample.weight);
     // A path with throughput 0 ends here. NaN goes on, to be counted at the film.
     let dark = (throughput.x + throughput.y + throughput.z).eq(L::zero());
-    // Only glass transmits to the far side. A reflection that rounding puts slightly below its surface starts
-    // on the near side, in every pipeline.
-    let side = if has(N, Features::GLASS) {
-        let through = surface.offset.copysign(sample.wi.dot(ng));
-        L::select(material.has_lobe(MaterialCode::GLASS, found), through, surface.offset)
-    } else {
-        surface.offset
-    };
-    let ray = Ray { origin: ng.mul_add(side, surface.point), direction: sample.wi };
+    let ray = leave::<L, N>(surface, material, ng, sample.wi, found);
     let inv_pdf =
         if has(N, Features::LIGHTS) { L::one() / sample.pdf.max(L::splat(1e-30)) } else { L::zero() };
     let path = Path { ray, throughput, inv_pdf, key: path.key, slot: path.slot };
     ScatteredPath { path, alive: sample.alive & !dark }
+}
+
+/// The ray that leaves a surface.
+#[inline(always)]
+fn leave<L: Lane, const N: u32>(
+    surface: &Surface<L>,
+    material: &MaterialSample<L>,
+    ng: Vec3<L>,
+    wi: Vec3<L>,
+    found: L::Mask,
+) -> Ray<L> {
+    // Only glass transmits to the far side. A reflection that rounding puts slightly below its surface starts
+    // on the near side, in every pipeline.
+    let side = if has(N, Features::GLASS) {
+        let through = surface.offset.copysign(wi.dot(ng));
+        L::select(material.has_lobe(MaterialCode::GLASS, found), through, surface.offset)
+    } else {
+        surface.offset
+    };
+    Ray { origin: ng.mul_add(side, surface.point), direction: wi }
+}
+
+/// The ray that continues a path at mirrors and glass (the lanes of `found`; others are unspecified), and the
+/// factor of its throughput: along the reflection, or at glass along the more likely one of reflection and
+/// refraction. The mask holds refractions.
+#[inline(always)]
+pub fn follow_delta<L: Lane, const N: u32>(
+    d: Vec3<L>,
+    surface: &Surface<L>,
+    material: &MaterialSample<L>,
+    found: L::Mask,
+) -> (Ray<L>, Vec3<L>, L::Mask) {
+    let normals = FacingNormals::of::<N>(d, surface, material);
+    let FacingNormals { ng, ns_specular, outside, .. } = normals;
+    let mut sample = bsdf::mirror::sample(d, ns_specular);
+    let glass = material.has_lobe(MaterialCode::GLASS, found);
+    if glass.any() {
+        let either = bsdf::glass::sample(d, ns_specular, outside, material.parameter, L::splat(0.5));
+        sample.wi = Vec3::select(glass, either.wi, sample.wi);
+        sample.weight = L::select(glass, either.weight, sample.weight);
+        resolve_refraction::<L, N>(d, &normals, material, &mut sample);
+    }
+    let refracts = glass & sample.wi.dot(ng).lt(L::zero());
+    let ray = leave::<L, N>(surface, material, ng, sample.wi, found);
+    (ray, material.color * sample.weight, refracts)
 }
 
 /// Samples each lobe in its lanes.

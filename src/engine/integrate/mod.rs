@@ -30,6 +30,7 @@ mod bsdf;
 mod columns;
 mod context;
 pub mod cost;
+pub mod edge_aovs;
 mod emission;
 mod features;
 mod generate;

@@ -6,6 +6,7 @@
 use super::Renderer;
 use crate::camera::Tile;
 use crate::integrate::aovs::{self, Aovs};
+use crate::integrate::edge_aovs::{self, DenoiserAovs};
 use crate::integrate::probe::PathShape;
 use crate::integrate::{Scratch, cost};
 use rayon::prelude::*;
@@ -36,6 +37,24 @@ impl Renderer {
         aovs.resize(self.settings.resolution);
         let (length, rows) = aovs.rows();
         self.each_row(rows, length, |y, row, scratch| aovs::render_row(&self.context, y, row, scratch));
+    }
+
+    /// The denoiser's AOVs; `first` are those of [`Renderer::aovs_into`] for the same camera.
+    ///
+    /// # Panics
+    /// If `first` is of another resolution.
+    pub fn denoiser_aovs_into(&self, first: &Aovs, aovs: &mut DenoiserAovs) {
+        assert_eq!(first.resolution(), self.settings.resolution, "AOVs of another resolution");
+        let DenoiserAovs { centers, edges } = aovs;
+        centers.copy_from(first);
+        let (length, rows) = centers.rows();
+        self.each_row(rows, length, |y, row, scratch| {
+            edge_aovs::follow_row(&self.context, y, row, scratch);
+        });
+        edges.resize_with(self.settings.resolution[1] as usize, Vec::new);
+        self.each_row(edges, 1, |y, edges, scratch| {
+            edge_aovs::edge_row(&self.context, centers, y, &mut edges[0], scratch);
+        });
     }
 
     /// The traversal cost of the ray through the centre of each pixel, traced by itself.

@@ -1,8 +1,8 @@
 //! The digital shifts of the pixels in the first dimensions of a path: neighbours get shifts that differ as
 //! the points of a net do, so that their errors cancel in a blur (blue noise).
 //!
-//! For: [`Places`], whose [`Places::shift`] it is. May import: `lane`, `sobol`'s digits, `random`. Must never know: tiles,
-//! cameras.
+//! For: [`Places`], whose [`Places::shift`] it is. May import: `lane`, `sobol`'s digits, `random`. Must never
+//! know: tiles, cameras.
 //!
 //! # Construction
 //! The pixels of a square of [`SIZE`]² are numbered along a Z-order curve whose quadrants are permuted at
@@ -12,12 +12,12 @@
 //! Carlo Sampling Error via Hierarchical Ordering of Pixels", 2020).
 //!
 //! After 2ʲ samples the first digits of the shift no longer matter: the points of a pixel hold every
-//! combination of them. What matters are the digits behind them, so those must spread over neighbours as well.
-//! A triangular digit scrambling ([`POLYNOMIALS`]), which leaves nets nets (J. Matoušek 1998), takes the digits
-//! that change from pixel to pixel into all later ones. The variance of the mean over 4 × 4 pixels is below
-//! that of independent shifts by a factor of 660, 170, 59, 20, 4.6 for a smooth function at 1, 2, 4, 8, 16
-//! samples (without the scrambling 20, 6.0, 1.6, 0.4, 0.1), and of 12, 5.0, 4.4, 2.4, 1.7 for an edge (5.5,
-//! 2.0, 1.7, 1.0, 0.6).
+//! combination of them. What matters are the digits behind them, so those must spread over neighbours as
+//! well. A triangular digit scrambling ([`POLYNOMIALS`]), which leaves nets nets (J. Matoušek 1998), takes
+//! the digits that change from pixel to pixel into all later ones. The variance of the mean over 4 × 4 pixels
+//! is below that of independent shifts by a factor of 660, 170, 59, 20, 4.6 for a smooth function at 1, 2, 4,
+//! 8, 16 samples (without the scrambling 20, 6.0, 1.6, 0.4, 0.1), and of 12, 5.0, 4.4, 2.4, 1.7 for an edge
+//! (5.5, 2.0, 1.7, 1.0, 0.6).
 //!
 //! All pairs of dimensions read one table, each at an offset of its own: quadrants are permuted at random, so
 //! the table's values at an offset have nothing in common with those without it. The table repeats after
@@ -115,8 +115,8 @@ fn table() -> Box<Shifts> {
     table
 }
 
-/// The number of a pixel, its last digit first: the digits of its coordinates in turns, each flipped by a coin
-/// that belongs to the digits before it.
+/// The number of a pixel, its last digit first: the digits of its coordinates in turns, each flipped by a
+/// coin that belongs to the digits before it.
 fn number_in_z_order(x: u32, y: u32) -> u32 {
     let digit = |place: u32| (if place.is_multiple_of(2) { x } else { y }) >> (place / 2) & 1;
     let mut before = 1;

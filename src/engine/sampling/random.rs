@@ -25,8 +25,8 @@ pub fn mix_bits<B: Bits>(x: B) -> B {
     x ^ x.shr(16)
 }
 
-/// The keys of the pixels with these indices (y · width + x): for one seed a bijection. They are no hash: what
-/// is made of them is hashed.
+/// The keys of the pixels with these indices (y · width + x): for one seed a bijection. They are no hash:
+/// what is made of them is hashed.
 #[inline(always)]
 pub fn pixel_key<B: Bits>(seed: u32, pixel: B) -> B {
     pixel ^ B::splat(seed_key(seed))

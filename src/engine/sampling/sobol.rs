@@ -15,10 +15,10 @@
 //! Shuffle and scrambling are the same in all pixels ([`point`], once for all packets). Each pixel adds a
 //! digital shift to all its points (a Cranley-Patterson rotation in base 2, by exclusive or). Over all seeds
 //! the points of one pixel are scrambled as Owen's are. Before the first bounce the shifts of neighbours
-//! spread as the points of a net do ([`super::blue_noise`]); later they are random ([`shift`]): for every seed
-//! each point is uniform over the pixels, and the errors of different pixels are independent. So points cost
-//! no more than independent values. Scrambling the points of each pixel separately was measured: the same
-//! noise at four times the cost.
+//! spread as the points of a net do ([`super::blue_noise`]); later they are random ([`shift`]): for every
+//! seed each point is uniform over the pixels, and the errors of different pixels are independent. So points
+//! cost no more than independent values. Scrambling the points of each pixel separately was measured: the
+//! same noise at four times the cost.
 //!
 //! Words are scrambled with their digits reversed: bit j is digit j after the point. A hash in which only
 //! lower bits change a bit (sums and products, no right shifts) is then an Owen scrambling (S. Laine, T.

@@ -22,13 +22,14 @@ pub enum Layout {
 
 /// Nodes and leaves of more bytes than this are compact: from some 130,000 triangles on.
 const MAX_FULL: usize = 8 << 20;
-/// Leaves looked at for the choice of the layout: each that many-th. At least three quarters of them must fit.
+/// Leaves looked at for the choice of the layout: each that many-th. At least three quarters of them must
+/// fit.
 const SAMPLED: usize = 64;
 /// Fewest leaves for another thread to fill.
 const MIN_LEAVES_PER_THREAD: usize = 256;
 
-/// Columns of vertices in a compact leaf: eleven vertices, and NaN for the corners of absent triangles. Of the
-/// leaves of scanned and of procedural meshes, 99 % have no more.
+/// Columns of vertices in a compact leaf: eleven vertices, and NaN for the corners of absent triangles. Of
+/// the leaves of scanned and of procedural meshes, 99 % have no more.
 const COLUMNS: usize = 12;
 
 /// Up to eight triangles with up to eleven different vertices: three cache lines.

@@ -132,8 +132,9 @@ impl Hierarchy {
         self.triangles.with(leaf, visit)
     }
 
-    /// Reads a word of each cache line of a child, so that the lines of several children are fetched together:
-    /// a prefetch without unsafe code. The result is for [`std::hint::black_box`], which keeps the reads.
+    /// Reads a word of each cache line of a child, so that the lines of several children are fetched
+    /// together: a prefetch without unsafe code. The result is for [`std::hint::black_box`], which keeps the
+    /// reads.
     #[inline(always)]
     pub fn touch(&self, child: Child) -> u32 {
         if !child.is_leaf() {

@@ -14,7 +14,8 @@
 //! | [`batch`] | the choice between them |
 //!
 //! They share [`hierarchy`] (nodes and leaves), `leaf` (how rays intersect triangles), `compact` (the leaves
-//! of large hierarchies), `prepared` (rays ready for boxes and triangles), [`rays`] (columns of rays and hits), [`stack`], and [`counter`], which counts the tests.
+//! of large hierarchies), `prepared` (rays ready for boxes and triangles), [`rays`] (columns of rays and
+//! hits), [`stack`], and [`counter`], which counts the tests.
 //!
 //! The law of every traversal: it gives the same hit, bit for bit, as testing every primitive in order,
 //! spheres first, then triangles, the nearest t winning and the lower index on a tie.

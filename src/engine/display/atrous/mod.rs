@@ -1,7 +1,7 @@
 //! A denoiser: the edge-avoiding à-trous wavelet filter.
 //!
-//! For: [`Denoiser`]. May import: [`mod@planes`], `rows`, `lane`, the AOVs of `integrate`, `film`. Must never
-//! know: cameras, renderers.
+//! For: [`Denoiser`]. May import: [`mod@planes`], [`mod@edges`], `rows`, `lane`, the AOVs of `integrate`,
+//! `film`. Must never know: cameras, renderers.
 //!
 //! Source: Dammertz, Sewtz, Hanika, Lensch, "Edge-Avoiding À-Trous Wavelet Transform for fast Global
 //! Illumination Filtering", HPG 2010. Each level is a small blur with twice the tap distance of the level
@@ -12,23 +12,27 @@
 //!   a slanted floor is no edge).
 //! - Colour: the weight falls where colours differ by more than the noise. The noise is estimated from the
 //!   number of samples and from the neighbourhood; it halves with every level, as the remaining noise does. A
-//!   converged picture changes little.
-//! - Lobe width: on smooth surfaces the weight falls with the distance of the tap, because no guide buffer
-//!   holds the edges of what they reflect. At roughness 0 only the pixel itself counts: mirrors, glass and
-//!   the sky stay bit-identical.
+//!   converged picture changes little. With few samples the first levels hardly look at colours: few pixels
+//!   hold most of the light, and stopping there would leave their neighbours dark and them as fireflies.
+//! - Lobe width: on glossy surfaces the weight falls with the distance of the tap, because no guide buffer
+//!   holds the edges of what they reflect. The guide buffers of mirrors and glass are those of what they show
+//!   ([`DenoiserAovs`]). What emits, seen directly or in mirrors, has no noise and is not filtered.
 //!
 //! Colours are filtered demodulated (radiance over albedo), so that textures stay sharp; a tap's weight is
-//! proportional to its albedo, because the error of the quotient is inversely proportional to it.
+//! proportional to its albedo, because the error of the quotient is inversely proportional to it. Pixels at
+//! edges of objects and textures are composed of what several of their points show ([`mod@edges`]).
 //!
 //! Three departures from the paper: a level has 3×3 taps with weights 1 2 1 (the paper's 5×5 are 2.8 times as
 //! many, for 0.8 to 1.1 times the error); e^(−x) is (1 − x/4)⁴ up to 4 and 0 beyond, so that strong edges
 //! stop the filter completely; and the colour range is the one described above.
 
+mod edges;
 mod planes;
 
 use super::rows;
 use crate::film::Picture;
-use crate::integrate::aovs::{Aovs, Plane};
+use crate::integrate::aovs::Plane;
+use crate::integrate::edge_aovs::DenoiserAovs;
 use crate::lane::{Bits, F32x8, Lane, Mask};
 use planes::{GUIDES, Guide, MIN_ALBEDO, PAD, Task, UNFILTERED};
 
@@ -36,22 +40,26 @@ pub use planes::Samples;
 
 type L = F32x8;
 
-/// Levels, each twice as wide as the one before: 63 pixels in all.
-const LEVELS: u32 = 5;
+/// Levels, each twice as wide as the one before: 31 pixels in all. A fifth blurs more than it smooths.
+const LEVELS: u32 = 4;
 /// Upper bound of the colour range at one sample a pixel, as a multiple of the brightness, whatever the
 /// neighbourhood's variance.
-const NOISE_PER_SAMPLE: f32 = 4.0;
-/// Edge stopping by normals: weight 1/e at 20°, 0 from 41° on.
-const NORMAL_FACTOR: f32 = 8.0;
+const NOISE_PER_SAMPLE: f32 = 8.0;
+/// The factor, less 1, by which one sample a pixel widens the colour range of the first level: few pixels
+/// hold most of the light, and the variance of the others is underestimated. It falls with the samples, and
+/// with the levels as the tap distance to the power of −1.5.
+const FEW_SAMPLES: f32 = 26.0;
+/// Edge stopping by normals: weight 1/e at 24°, 0 from 49° on.
+const NORMAL_FACTOR: f32 = 6.0;
 /// Edge stopping by depth: tolerances relative to 1/depth, and to its change by the slope over the step.
 const DEPTH_TOLERANCE: f32 = 0.02;
 const SLOPE_TOLERANCE: f32 = 0.5;
 
-/// The filter. Cost: 45 taps a pixel and 25 reads for the variance of its neighbourhood, eight pixels at
-/// once; working memory: 80 bytes a pixel with the picture.
+/// The filter. Cost: 36 taps a pixel and 25 reads for the variance of its neighbourhood, eight pixels at
+/// once, and 9 reads for each point of a pixel at an edge; working memory: 80 bytes a pixel with the picture.
 ///
-/// Law: a filtered pixel is a mean of pixels of one object, times the pixel's albedo; a picture without noise
-/// changes little.
+/// Law: a filtered pixel is a mean of pixels of one object, times the pixel's albedo, or at an edge a mean of
+/// such; a picture without noise changes little.
 #[derive(Clone, Debug, Default)]
 pub struct Denoiser {
     guides: Vec<f32>,
@@ -69,7 +77,7 @@ impl Denoiser {
     ///
     /// # Panics
     /// If picture, samples and AOVs differ in size.
-    pub fn filter(&mut self, picture: &Picture, samples: Samples, aovs: &Aovs) -> &Picture {
+    pub fn filter(&mut self, picture: &Picture, samples: Samples, aovs: &DenoiserAovs) -> &Picture {
         let task = Task::new(picture, samples, aovs);
         let (stride, width) = (task.stride, task.width);
         self.guides.resize(stride * GUIDES * task.height, 0.0);
@@ -91,7 +99,7 @@ impl Denoiser {
         rows::each(&mut self.shown.pixels, width, |y, row| {
             let of_row = &light[y * of_light..][..of_light];
             let [red, green, blue] = [0, 1, 2].map(|channel| &of_row[channel * stride + PAD..]);
-            let plane = |plane| aovs.row(plane, y as u32);
+            let plane = |plane| aovs.centers().row(plane, y as u32);
             let albedo = [Plane::AlbedoRed, Plane::AlbedoGreen, Plane::AlbedoBlue].map(plane);
             let narrow = &self.guides[y * of_guides + Guide::Narrowness as usize * stride + PAD..];
             for (x, pixel) in row.iter_mut().enumerate() {
@@ -102,6 +110,7 @@ impl Denoiser {
                     [red[x] * r, green[x] * g, blue[x] * b]
                 };
             }
+            task.compose_edges(y, light, row);
         });
         &self.shown
     }
@@ -125,6 +134,7 @@ fn level(task: &Task, step: i32, y: usize, to: &mut [f32], light: &[f32], guides
     const TAPS: [(i32, f32); 3] = [(-1, 0.25), (0, 0.5), (1, 0.25)];
     let stride = task.stride;
     let finer = (step * step) as f32;
+    let few_samples = FEW_SAMPLES / (step as f32 * (step as f32).sqrt());
     let row_of = |line: usize| {
         (&guides[line * GUIDES * stride..][..GUIDES * stride], &light[line * 3 * stride..][..3 * stride])
     };
@@ -142,6 +152,8 @@ fn level(task: &Task, step: i32, y: usize, to: &mut [f32], light: &[f32], guides
         let own_color = light_at(own_light, at);
         let mut mean = own_color;
         if !narrowness.eq(L::splat(UNFILTERED)).all() {
+            let samples = own(Guide::Samples);
+            let wider = L::one() + L::splat(few_samples) / samples.max(L::one());
             let center = Center {
                 object: own(Guide::Object).to_bits(),
                 normal: [own(Guide::NormalX), own(Guide::NormalY), own(Guide::NormalZ)],
@@ -149,8 +161,8 @@ fn level(task: &Task, step: i32, y: usize, to: &mut [f32], light: &[f32], guides
                 slope: [own(Guide::SlopeX), own(Guide::SlopeY)],
                 narrowness,
                 light: own_color,
-                by_samples: own(Guide::Samples) * L::splat(finer / (NOISE_PER_SAMPLE * NOISE_PER_SAMPLE)),
-                by_variance: own(Guide::Strictness) * L::splat(finer),
+                by_samples: samples * L::splat(finer / (NOISE_PER_SAMPLE * NOISE_PER_SAMPLE)),
+                by_variance: own(Guide::Strictness) * L::splat(finer) / (wider * wider),
             };
             let (mut weights, mut sums) = (L::zero(), [L::zero(); 3]);
             for (line, (down, of_line)) in lines.iter().zip(TAPS) {

@@ -6,6 +6,7 @@
 use super::super::rows::packet;
 use crate::film::Picture;
 use crate::integrate::aovs::{Aovs, Plane};
+use crate::integrate::edge_aovs::DenoiserAovs;
 use crate::lane::{Bits, F32x8, Lane, Mask8};
 use crate::math::MISS;
 
@@ -38,7 +39,7 @@ pub const GUIDES: usize = Guide::Strictness as usize + 1;
 
 /// Padding columns left of the picture, and right of it after the last packet: at least the distance of the
 /// furthest tap.
-pub const PAD: usize = 16;
+pub const PAD: usize = 8;
 /// The object id outside the picture: no object has it.
 const OUTSIDE: u32 = MISS - 1;
 /// Lower bound of albedo when demodulating: dividing by less would amplify noise.
@@ -50,16 +51,14 @@ pub const UNFILTERED: f32 = 1e30;
 /// camera. Of 1, 1/2 and 1/4 it is the one that increased next to no error over a filter that hardly filters
 /// smooth metal, and halved the error at a roughness of 0.2.
 const SHARE_OF_LOBE: f32 = 0.25;
-/// The colour range in standard deviations of the neighbourhood, and the factor by which one sample a pixel
-/// widens it: then few pixels hold most of the light, and the variance of the others is underestimated.
-const SIGMA_COLOR: f32 = 3.0;
-const FEW_SAMPLES: f32 = 2.0;
+/// The colour range in standard deviations of the neighbourhood.
+const SIGMA_COLOR: f32 = 1.6;
 /// Pixels to each side over which the variance of colours is estimated.
 const WINDOW: i32 = 2;
 
-const NORMALS: [(Guide, Plane); 3] =
+pub const NORMALS: [(Guide, Plane); 3] =
     [(Guide::NormalX, Plane::NormalX), (Guide::NormalY, Plane::NormalY), (Guide::NormalZ, Plane::NormalZ)];
-const ALBEDO: [Plane; 3] = [Plane::AlbedoRed, Plane::AlbedoGreen, Plane::AlbedoBlue];
+pub const ALBEDO: [Plane; 3] = [Plane::AlbedoRed, Plane::AlbedoGreen, Plane::AlbedoBlue];
 
 /// The numbers of samples that a picture's pixels are means of.
 #[derive(Clone, Copy, Debug)]
@@ -72,9 +71,10 @@ pub enum Samples<'a> {
 
 /// A picture to be filtered, and its AOVs.
 pub struct Task<'a> {
-    picture: &'a Picture,
+    pub picture: &'a Picture,
     samples: Samples<'a>,
-    aovs: &'a Aovs,
+    pub all: &'a DenoiserAovs,
+    pub aovs: &'a Aovs,
     pub width: usize,
     pub height: usize,
     /// Elements from one plane of a row to the next.
@@ -82,14 +82,15 @@ pub struct Task<'a> {
 }
 
 impl<'a> Task<'a> {
-    pub fn new(picture: &'a Picture, samples: Samples<'a>, aovs: &'a Aovs) -> Self {
+    pub fn new(picture: &'a Picture, samples: Samples<'a>, all: &'a DenoiserAovs) -> Self {
+        let aovs = all.centers();
         assert_eq!([picture.width, picture.height], aovs.resolution(), "picture and AOVs differ in size");
         if let Samples::Each(counts) = samples {
             assert_eq!(counts.len(), picture.pixels.len(), "picture and samples differ in size");
         }
         let [width, height] = aovs.resolution().map(|side| side as usize);
         let stride = PAD + width.next_multiple_of(L::WIDTH) + PAD;
-        Self { picture, samples, aovs, width, height, stride }
+        Self { picture, samples, all, aovs, width, height, stride }
     }
 
     /// Fills a row of guide buffers except [`Guide::Strictness`], and of demodulated radiance.
@@ -116,7 +117,7 @@ impl<'a> Task<'a> {
             let lobe = packet(row(Plane::Lobe), at);
             let radius = lobe * L::splat(SHARE_OF_LOBE * self.height as f32);
             let narrowness = L::select(lobe.lt(one), one / (radius * radius), zero);
-            let sharp = object.equals(B::splat(MISS)) | lobe.eq(zero);
+            let sharp = lobe.eq(zero) | zero.lt(packet(row(Plane::Scale), at));
             set(Guide::Narrowness, L::select(sharp, L::splat(UNFILTERED), narrowness.min(L::splat(1e20))));
             set(
                 Guide::Samples,
@@ -131,6 +132,7 @@ impl<'a> Task<'a> {
                 (radiance / *albedo).store(&mut light[channel * stride + PAD + at..]);
             }
         }
+        self.prepare_edges(y, guides, light);
         // Outside the picture: no object, and finite, since taps of weight 0 are multiplied, too.
         for (number, plane) in guides.chunks_mut(stride).enumerate() {
             let outside = match number {
@@ -141,6 +143,14 @@ impl<'a> Task<'a> {
             clear_sides(plane, width, outside);
         }
         light.chunks_mut(stride).for_each(|plane| clear_sides(plane, width, 0.0));
+    }
+
+    /// The number of samples of a pixel, counted row by row.
+    pub fn samples_of(&self, pixel: usize) -> f32 {
+        match self.samples {
+            Samples::Same(samples) => samples as f32,
+            Samples::Each(samples) => samples[pixel],
+        }
     }
 
     /// The slopes of 1/depth to the right and down: of the two one-sided differences on the same object, the
@@ -209,9 +219,7 @@ impl<'a> Task<'a> {
             let share = L::one() / count.max(L::one());
             let mean = sum * share;
             let variance = (squares * share - mean * mean).max(L::splat(1e-10)) * L::splat(1.0 / 3.0);
-            let more = L::splat(FEW_SAMPLES) / own(Guide::Samples).max(L::one()) + L::one();
-            let range = more * more * L::splat(SIGMA_COLOR * SIGMA_COLOR);
-            let strictness = L::one() / (variance * range);
+            let strictness = L::one() / (variance * L::splat(SIGMA_COLOR * SIGMA_COLOR));
             strictness.store(&mut guides[Guide::Strictness as usize * stride + PAD + at..]);
         }
     }

@@ -7,6 +7,7 @@ use super::ground_truth::GroundTruth;
 use crate::display::{Blur, Denoiser, Fxaa, Samples};
 use crate::film::Picture;
 use crate::integrate::aovs::Aovs;
+use crate::integrate::edge_aovs::DenoiserAovs;
 use crate::measure::errors::Errors;
 use crate::measure::flip::Flip;
 use crate::measure::quantiles::{Rounds, Spread};
@@ -111,6 +112,7 @@ pub fn measure(
 #[derive(Default)]
 struct Filters {
     aovs: Aovs,
+    denoiser_aovs: DenoiserAovs,
     blur: Blur,
     fxaa: Fxaa,
     denoiser: Denoiser,
@@ -124,13 +126,14 @@ impl Filters {
         samples: u32,
         renderer: &Renderer,
     ) -> &'a Picture {
-        let Self { aovs, blur, fxaa, denoiser } = self;
+        let Self { aovs, denoiser_aovs, blur, fxaa, denoiser } = self;
         renderer.on_threads(|| match filter {
             "blurred" => blur.filter(picture),
             "FXAA" => fxaa.filter(picture, &Tone::default()),
             "denoised" => {
                 renderer.aovs_into(aovs);
-                denoiser.filter(picture, Samples::Same(samples), aovs)
+                renderer.denoiser_aovs_into(aovs, denoiser_aovs);
+                denoiser.filter(picture, Samples::Same(samples), denoiser_aovs)
             }
             _ => picture,
         })

@@ -11,6 +11,7 @@ use super::ground_truth::{GroundTruth, GroundTruthRenderer};
 use crate::display::{Denoiser, History, Samples, walking_speed};
 use crate::film::Picture;
 use crate::integrate::aovs::Aovs;
+use crate::integrate::edge_aovs::DenoiserAovs;
 use crate::measure::errors::Errors;
 use crate::measure::quantiles::Spread;
 use crate::render::{Renderer, Settings};
@@ -186,6 +187,7 @@ fn render_path(
     let Settings { resolution, max_bounces, .. } = *renderer.settings();
     let (mut film, mut fresh, mut aovs) = (renderer.film(), Picture::default(), Aovs::default());
     let (mut history, mut denoiser) = (History::new(), Denoiser::new());
+    let mut denoiser_aovs = DenoiserAovs::default();
     let mut taken =
         PathFrames { frame_ms: Vec::new(), filter_ms: [const { Vec::new() }; 3], compared: Vec::new() };
     let compared: Vec<u32> =
@@ -208,7 +210,10 @@ fn render_path(
         let reprojected = ms(start);
         let start = Instant::now();
         let (kept, counts) = (history.shown(), Samples::Each(history.counts()));
-        let clean = renderer.on_threads(|| denoiser.filter(kept, counts, &aovs));
+        let clean = renderer.on_threads(|| {
+            renderer.denoiser_aovs_into(&aovs, &mut denoiser_aovs);
+            denoiser.filter(kept, counts, &denoiser_aovs)
+        });
         for (filter_ms, ms) in taken.filter_ms.iter_mut().zip([0.0, reprojected, reprojected + ms(start)]) {
             filter_ms.push(ms);
         }

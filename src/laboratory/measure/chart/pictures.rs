@@ -64,7 +64,8 @@ pub struct Line {
     /// Pictures that differ from the default's with the same seed and samples; `None` where they may differ.
     pub pictures_unlike_default: Option<usize>,
     /// Time to the error (root mean square) of its own last point, or of the default's where that is larger,
-    /// over the default's time to the same error, by the medians over the seeds; see [`super::pareto`] for interpolation and extrapolation.
+    /// over the default's time to the same error, by the medians over the seeds; see [`super::pareto`] for
+    /// interpolation and extrapolation.
     pub time_to_equal_error: f64,
     /// The configuration that is better in time and error at every point of this one, beyond the spread of
     /// the seeds. If only several together are, the best of them at the last point.

@@ -1,13 +1,13 @@
-//! Light sampling over lanes: chooses a light by the alias table of [`Lights`], and samples directions of an
-//! [`EnvironmentLight`] by inverting its CDFs. Points on spheres and triangles are sampled by
-//! [`crate::kernel::light`].
+//! Light sampling over lanes: chooses a light by the alias table of [`Lights`], resamples many lights by
+//! their irradiance ([`Lights::resample`]), and samples directions of an [`EnvironmentLight`] by inverting
+//! its CDFs. Points on spheres, triangles and parallelograms are sampled by [`crate::kernel::light`].
 //!
 //! May import: `lane`, `math`, `kernel`, `buffers`. Must never know: paths, queues, pixels.
 
 use crate::buffers::{EnvironmentLight, Lights};
 use crate::kernel::light::LightSample;
 use crate::lane::{Bits, Lane, functions};
-use crate::math::Vec3;
+use crate::math::{BELOW_ONE, Vec3};
 
 /// A light for each lane.
 pub struct ChosenLight<L: Lane> {
@@ -51,8 +51,7 @@ impl Lights {
                 let threshold = L::from_bits(L::gather_bits(&self.alias_table.threshold, slot));
                 let own = fraction.lt(threshold);
                 let above = (fraction - threshold) / (L::one() - threshold);
-                let rest =
-                    L::select(own, fraction / threshold, above).min(L::splat(1.0 - f32::EPSILON / 2.0));
+                let rest = L::select(own, fraction / threshold, above).min(L::splat(BELOW_ONE));
                 (L::Bits::select(own, slot, L::gather_bits(&self.alias_table.alias, slot)), rest)
             }
             _ => (self.light_of(number(), second_number()), u),
@@ -78,7 +77,7 @@ impl Lights {
     ) -> ChosenLight<L> {
         let mut chosen = L::Bits::splat(0);
         let (mut sum, mut quotient) = (L::zero(), L::zero());
-        let below_one = L::splat(1.0 - f32::EPSILON / 2.0);
+        let below_one = L::splat(BELOW_ONE);
         for candidate in 0..CANDIDATES {
             // Evenly spread over the table.
             let at = (number + L::splat(candidate as f32)) * L::splat(1.0 / CANDIDATES as f32);
@@ -86,7 +85,7 @@ impl Lights {
             let probability = self.rows.fetch::<L>(light.shl(1), false)[7];
             let own = self.irradiance(light, point, n) / probability;
             sum = sum + own;
-            // The last one that the choice falls to stays; what is left of the number chooses again.
+            // Weighted reservoir sampling; the rest of the number is used again.
             let share = L::select(L::zero().lt(own), own / sum, L::zero());
             let taken = choice.lt(share);
             let left = L::select(taken, choice / share, (choice - share) / (L::one() - share));

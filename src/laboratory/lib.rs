@@ -22,8 +22,8 @@
 //! | [`measure::chart`] | `octray chart`: error against time |
 //!
 //! # Rules
-//! - The reference is independent: it imports the scene's types and the integer random numbers, and nothing
-//!   else of the engine. The engine therefore cannot share its mistakes.
+//! - The reference is independent: it imports the scene's types and the sample values, and nothing else of
+//!   the engine. The engine therefore cannot share its mistakes.
 //! - What is compared by speed is timed in alternating rounds, so that a slow spell of the machine affects
 //!   all alike.
 //! - A speed is a median with a spread. A speed and its error come from the same run.

@@ -1,6 +1,6 @@
 //! Shapes and text as SVG, in colours for light and dark pages.
 //!
-//! For: [`svg`], [`Canvas`], [`Ink`], [`Mark`], [`Text`]. May import: `labels`; `plotters`, which no other
+//! For: `svg`, `Canvas`, `Ink`, `Mark`, `Text`. May import: `labels`; `plotters`, which no other
 //! file uses. Must not know: axes, data.
 //!
 //! Only the SVG backend of plotters is used, so no font library is needed: the viewer of the file has the

@@ -1,6 +1,6 @@
 //! The drawings of a scene in `octray chart`: pictures, frames, display filters, motion.
 //!
-//! For: [`of_pictures`], [`frames`], [`display`], [`motion`]. May import: `figure`, `measure::chart`. Must
+//! For: `of_pictures`, `frames`, `display`, `motion`. May import: `figure`, `measure::chart`. Must
 //! not know: files, pages.
 
 use super::drawing::{Drawing, Kind, file_name};
@@ -357,7 +357,7 @@ mod tests {
     }
 
     #[test]
-    fn also_rans_are_grey_and_methods_that_fail_dashed() {
+    fn configurations_never_on_the_front_are_grey_and_methods_that_fail_dashed() {
         let lines = vec![
             measured(DEFAULT, 1.0, 1.0),
             measured("scalar", 7.0, 1.0),

@@ -42,7 +42,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn file_names_hold_nothing_that_a_shell_or_a_folder_would_mind() {
+    fn file_names_hold_only_letters_digits_and_hyphens() {
         assert_eq!(file_name("builtin:cornell-spheres"), "cornell-spheres");
         assert_eq!(file_name("../My scenes/Kitchen 2.json"), "my-scenes-kitchen-2-json");
         assert_eq!(file_name("builtin:terrain:2000"), "terrain-2000");

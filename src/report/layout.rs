@@ -1,6 +1,6 @@
 //! Where the parts of a figure stand: its panels with shared axes, its text, its direct labels.
 //!
-//! For: [`Layout`]. May import: `figure`, `axis`, `labels`, the texts of `canvas`. Must not know: how shapes
+//! For: `Layout`. May import: `figure`, `axis`, `labels`, the texts of `canvas`. Must not know: how shapes
 //! are written.
 //!
 //! From top to bottom: title, notes, the name of the y axis, panels in one or two columns, the name of the x

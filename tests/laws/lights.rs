@@ -427,13 +427,18 @@ fn resampled_lights_count_once_each() {
         counts[number] += 1.0;
         sums[number] += f64::from(light.resampled / light.probability) / f64::from(draws);
     }
+    let (all, mut checked) = (sums.iter().sum::<f64>() / lights.len() as f64, 0);
+    // Rarely chosen ones too, each as often too much as too little.
+    assert!((all - 1.0).abs() < 0.05, "{all} of all lights");
     for (number, (sum, count)) in sums.into_iter().zip(counts).enumerate() {
         let same = lights.probabilities.iter().filter(|&&p| p == lights.probabilities[number]).count();
         if count > 2000.0 && same == 1 {
             // Each light once.
             assert!((sum - 1.0).abs() < 0.15, "light {number}, drawn {count} times: {sum}");
+            checked += 1;
         }
     }
+    assert!(checked >= 10, "only {checked} lights checked one by one");
 }
 
 /// Holds what is found with and without search, and with other random numbers, against each other.

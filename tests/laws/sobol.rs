@@ -70,7 +70,7 @@ mod textbook {
     use super::{Point, Rng};
     use std::collections::HashMap;
 
-    /// Flips each digit of the fraction `x` / 2³² by a coin that belongs to the digits before it.
+    /// Flips each digit of the fraction `x` / 2³² by a random bit that is a function of the digits before it.
     struct Owen(HashMap<(u32, u32), bool>);
 
     impl Owen {
@@ -195,7 +195,7 @@ fn pixels_pairs_and_seeds_have_nothing_in_common() {
             check(format!("{at}, of successive seeds"), &|p| (number(5, p, s, d), number(6, p, t, d)));
         }
         for &e in &used[i + 1..] {
-            // Those of one net: `blocks_of_pixels_meet_as_independent_orders_do`.
+            // Those of one net: `pairs_of_a_block_of_pixels_meet_as_independent_orders_do`.
             if !(is_shared(d) && is_shared(e)) {
                 check(format!("dimensions {d} and {e}"), &|p| (number(5, p, 3, d), number(5, p, 3, e)));
             }

@@ -41,7 +41,7 @@ pub struct Lights {
     pub(crate) alias_table: AliasTable,
     /// What [`Lights::resample`] weighs lights by; empty unless there are more than `MAX_SHARED`. One row of
     /// eight a light: centre, radius of a sphere around it, unit normal of a flat one or else 0, and its
-    /// power over 4π, or over π of a flat one. The sky, the last one: 0 (three times), [`SKY_RADIUS`], 0
+    /// power over 4π, or over 2π of a flat one. The sky, the last one: 0 (three times), [`SKY_RADIUS`], 0
     /// (three times), the mean irradiance.
     pub(crate) importance_rows: Rows,
     /// Whether those rows exist.
@@ -270,7 +270,7 @@ fn importance_row(
     let radius = [a, b, c].map(|vertex| (vertex - center).length()).into_iter().fold(0.0, f64::max);
     let n = (b - a).cross(c - a).normalize().as_vec3();
     let center = center.as_vec3();
-    [center.x, center.y, center.z, radius as f32, n.x, n.y, n.z, power as f32]
+    [center.x, center.y, center.z, radius as f32, n.x, n.y, n.z, (0.5 * power) as f32]
 }
 
 /// The probabilities of lights with these shares of all power: the shares, but none below [`MIN_SHARE`] of

@@ -1,7 +1,8 @@
 //! The BSDF of a surface, over all lobes that the pipeline has.
 //!
 //! For: [`scatter`], which samples it, [`evaluate`], its value and pdf, and [`has_sampled_lobe`]. May import:
-//! `kernel`, `queue`, `surface`, `material`. Must never know: lights, stages.
+//! `kernel`, `buffers`, `sampling`, `queue`, `surface`, `material`. Must never know: how lights are sampled,
+//! stages.
 
 use super::features::has;
 use super::material::MaterialSample;

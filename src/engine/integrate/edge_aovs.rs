@@ -35,7 +35,8 @@ pub const EDGE_POINTS: usize = 4;
 /// difference).
 const NORMAL_STEP: f32 = 0.4;
 const ALBEDO_STEP: f32 = 0.05;
-/// Bit of combined object ids, which no others have: see [`combine`].
+/// Bit of combined object ids, which no object's id has: see [`combine`]. `MISS` also has bit 31, which
+/// combined ids lack.
 const COMBINED: u32 = 1 << 30;
 /// Bit of a path's key: it passed glass or rough metal, where the estimator chooses at random.
 const CHOSEN: u32 = 1 << 31;

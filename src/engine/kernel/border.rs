@@ -7,7 +7,7 @@
 
 use crate::kernel::bsdf::{BsdfSample, diffuse};
 use crate::lane::{Lane, Mask};
-use crate::math::Vec3;
+use crate::math::{BELOW_ONE, Vec3};
 
 /// The points a + x ab + y ac of the outer parallelogram, −m ≤ x ≤ 1 + m and −m' ≤ y ≤ 1 + m', outside the
 /// inner one, 0 ≤ x, y ≤ 1.
@@ -60,7 +60,7 @@ impl Strip {
     #[inline(always)]
     pub fn sample_diffuse<L: Lane>(&self, origin: Vec3<L>, n: Vec3<L>, u: L, v: L) -> BsdfSample<L> {
         let to_strip = u.lt(L::splat(SHARE));
-        let below_one = L::splat(1.0 - f32::EPSILON / 2.0);
+        let below_one = L::splat(BELOW_ONE);
         let rest = ((u - L::splat(SHARE)) * L::splat(1.0 / (1.0 - SHARE))).max(L::zero()).min(below_one);
         let mut wi = diffuse::sample(n, rest, v).wi;
         if to_strip.any() {

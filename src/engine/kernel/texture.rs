@@ -5,7 +5,7 @@
 
 use crate::lane::functions::polynomial;
 use crate::lane::{Bits, Lane};
-use crate::math::Vec3;
+use crate::math::{BELOW_ONE, Vec3};
 
 /// Size and position of each lane's texture among the texels.
 #[derive(Clone, Copy, Debug)]
@@ -20,7 +20,7 @@ pub struct Grid<L: Lane> {
 /// x − ⌊x⌋, below 1 even where rounding would give 1 (tiny negative x).
 #[inline(always)]
 fn fraction<L: Lane>(x: L) -> L {
-    (x - x.floor()).min(L::splat(1.0 - f32::EPSILON / 2.0))
+    (x - x.floor()).min(L::splat(BELOW_ONE))
 }
 
 impl<L: Lane> Grid<L> {

@@ -8,6 +8,6 @@ mod precision;
 mod ray;
 mod vec3;
 
-pub use precision::{EPSILON, gamma};
+pub use precision::{BELOW_ONE, EPSILON, gamma};
 pub use ray::{Hit, MISS, Ray};
 pub use vec3::Vec3;

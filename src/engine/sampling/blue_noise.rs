@@ -13,15 +13,16 @@
 //!
 //! After 2ʲ samples the first digits of the shift no longer matter: the points of a pixel hold every
 //! combination of them. What matters are the digits behind them, so those must spread over neighbours as
-//! well. A triangular digit scrambling ([`POLYNOMIALS`]), which leaves nets nets (J. Matoušek 1998), takes
-//! the digits that change from pixel to pixel into all later ones. The variance of the mean over 4 × 4 pixels
-//! is below that of independent shifts by a factor of 660, 170, 59, 20, 4.6 for a smooth function at 1, 2, 4,
-//! 8, 16 samples (without the scrambling 20, 6.0, 1.6, 0.4, 0.1), and of 12, 5.0, 4.4, 2.4, 1.7 for an edge
-//! (5.5, 2.0, 1.7, 1.0, 0.6).
+//! well. A triangular digit scrambling (`POLYNOMIALS`), which keeps the net property (J. Matoušek 1998),
+//! takes the digits that change from pixel to pixel into all later ones. The variance of the mean over 4 × 4
+//! pixels is below that of independent shifts by a factor of 660, 170, 59, 20, 4.6 for a smooth function at
+//! 1, 2, 4, 8, 16 samples (without the scrambling 20, 6.0, 1.6, 0.4, 0.1), and of 12, 5.0, 4.4, 2.4, 1.7 for
+//! an edge (5.5, 2.0, 1.7, 1.0, 0.6).
 //!
 //! All pairs of dimensions read one table, each at an offset of its own: quadrants are permuted at random, so
 //! the table's values at an offset have nothing in common with those without it. The table repeats after
-//! [`SIZE`] pixels.
+//! [`SIZE`] pixels: pixels so far apart have the same values, and a mean over larger areas gains nothing from
+//! them.
 
 use super::random::{mix_bits, seed_key};
 use super::sobol::second_dimension;
@@ -116,7 +117,7 @@ fn table() -> Box<Shifts> {
 }
 
 /// The number of a pixel, its last digit first: the digits of its coordinates in turns, each flipped by a
-/// coin that belongs to the digits before it.
+/// random bit that is a function of the digits before it.
 fn number_in_z_order(x: u32, y: u32) -> u32 {
     let digit = |place: u32| (if place.is_multiple_of(2) { x } else { y }) >> (place / 2) & 1;
     let mut before = 1;

@@ -1,4 +1,4 @@
-//! The choice between Sobol and independent sample values.
+//! The choice among Sobol points with blue noise, Sobol points with independent pixels, and random values.
 
 use super::blue_noise::{self, Places, Shifts, seed_offset};
 use super::{dimension, random, sobol};
@@ -6,7 +6,7 @@ use crate::choice::choices;
 use crate::lane::{Bits, Lane};
 
 choices! {
-    /// The source of a path's sample values. With either they are functions of (seed, pixel, sample,
+    /// The source of a path's sample values. With each they are functions of (seed, pixel, sample,
     /// dimension).
     pub enum Sampler {
         /// See [`sobol`] and [`blue_noise`].

@@ -50,7 +50,7 @@ impl Hierarchy {
         Self::in_layout(scene, trees, None)
     }
 
-    /// The same with the leaves of triangles in a given layout; `None` takes the one that suits their number.
+    /// The same with the leaves of triangles in a given layout; `None` chooses by their size.
     pub fn in_layout(scene: &Scene, trees: Trees, layout: Option<Layout>) -> Self {
         let (bvh, padding) = rayon::join(|| Bvh::new(scene, trees), || padding_of(scene));
         let sphere_leaf = |leaf: &Leaf| {

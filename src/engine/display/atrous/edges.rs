@@ -14,7 +14,7 @@ use crate::integrate::edge_aovs::{EDGE_POINTS, EdgeSample, POINTS};
 /// The weight of pixels that show several objects, as taps, at a fraction of a sample: their light is that of
 /// one object or another.
 const TRUST: f32 = 0.3;
-/// Samples from which on they have more than half of a full weight.
+/// Samples at which they have (1 + `TRUST`) / 2 of a full weight.
 const TRUSTED_SAMPLES: f32 = 16.0;
 /// Samples, less one, at which a pixel is half the film's mean: at edges of textures, and of objects.
 const TEXTURE_SAMPLES: f32 = 8.0;

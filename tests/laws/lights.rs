@@ -411,9 +411,9 @@ fn a_rectangular_lamp_is_one_light_and_its_border_pays_near_a_ceiling() {
 fn resampled_lights_count_once_each() {
     let scene = many_lamps(100);
     let lights = Lights::new(&scene, LightChoice::Auto);
-    assert!(lights.is_resampled && !Lights::new(&scene, LightChoice::Power).is_resampled);
+    assert!(lights.is_resampled() && !Lights::new(&scene, LightChoice::Power).is_resampled());
     // The floor is a light too.
-    assert!(!Lights::new(&many_lamps(63), LightChoice::Auto).is_resampled);
+    assert!(!Lights::new(&many_lamps(63), LightChoice::Auto).is_resampled());
     // From below, where every light is above the horizon.
     let point = Vec3::new(0.1, -3.0, 0.2);
     let (mut counts, mut sums) = (vec![0.0; 102], vec![0.0; 102]);

@@ -9,9 +9,6 @@ use crate::kernel::border::Strip;
 use crate::scene::{Scene, Triangle};
 use glam::DVec3;
 
-/// A strip around a light, in its plane.
-pub type LightBorder = Strip;
-
 /// The width of the strip, in distances of the surface: there irradiance falls to a hundredth.
 const WIDTH: f64 = 4.0;
 /// A surface is close up to this share of the light's shorter edge. Farther away it is less bright and more

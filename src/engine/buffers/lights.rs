@@ -3,10 +3,10 @@
 
 use super::environment_light::EnvironmentLight;
 use super::features::Features;
-use super::light_border::LightBorder;
 use super::quads;
 use super::rows::Rows;
 use crate::choice::choices;
+use crate::kernel::border::Strip;
 use crate::kernel::surface::{sphere_offset, triangle_offset};
 use crate::scene::{MaterialKind, Scene, Sphere, Triangle};
 use std::collections::HashMap;
@@ -44,8 +44,6 @@ pub struct Lights {
     /// power over 4π, or over 2π of a flat one. The sky, the last one: 0 (three times), [`SKY_RADIUS`], 0
     /// (three times), the mean irradiance.
     pub(crate) importance_rows: Rows,
-    /// Whether those rows exist.
-    pub is_resampled: bool,
     /// The probability of choosing the light that each primitive of the scene is or belongs to, spheres
     /// first, and the sky; empty without lights.
     pub probabilities: Vec<f32>,
@@ -53,7 +51,7 @@ pub struct Lights {
     /// other half; else 0. Empty where no triangle is.
     pub diagonals: Vec<u8>,
     /// The strip around a light to which scattered rays are sent, if one pays.
-    pub border: Option<LightBorder>,
+    pub border: Option<Strip>,
     /// The environment light, if it is one of the lights, and the probability of choosing it.
     pub sky: Option<(EnvironmentLight, f32)>,
 }
@@ -127,10 +125,9 @@ impl Lights {
             importance_rows: Rows::new(important.map(|&number| {
                 importance_row(scene, number, light_powers[number], sky.as_ref(), corner(number))
             })),
-            is_resampled,
             border: brightest
                 .filter(|(number, _)| light_powers[*number] >= MIN_BORDER_SHARE * total)
-                .and_then(|(number, corner)| LightBorder::of(scene, number - spheres, corner)),
+                .and_then(|(number, corner)| Strip::of(scene, number - spheres, corner)),
             rows: Rows::new(lights.iter().zip(&shares).flat_map(|(&number, &share)| {
                 let offset = partner(number).map_or(0.0, |other| own_offset(scene, other));
                 rows(scene, number, share as f32, corner(number).map(|corner| (corner, offset)))
@@ -140,6 +137,11 @@ impl Lights {
             probabilities,
             diagonals,
         }
+    }
+    /// Whether [`Lights::resample`] chooses among them, and not [`Lights::choose`].
+    #[inline(always)]
+    pub fn is_resampled(&self) -> bool {
+        !self.importance_rows.is_empty()
     }
     /// The features that sampling them needs of a pipeline.
     pub fn needs(&self) -> Features {

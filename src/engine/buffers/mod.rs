@@ -20,7 +20,6 @@ mod texels;
 
 pub use environment_light::EnvironmentLight;
 pub use features::Features;
-pub use light_border::LightBorder;
 pub use lights::{LightChoice, Lights};
 pub use spheres::{SphereBlock, Spheres};
 pub use texels::{Abilities, Textures};

@@ -37,6 +37,9 @@ impl Rows {
         }
         Self { rows, first_as_columns }
     }
+    pub fn is_empty(&self) -> bool {
+        self.rows.is_empty()
+    }
     pub fn bytes(&self) -> usize {
         size_of_val(self.rows.as_slice())
     }

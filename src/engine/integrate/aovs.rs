@@ -7,7 +7,7 @@
 use super::context::TraceContext;
 use super::emission::environment_radiance;
 use super::generate::pixel_centers;
-use super::intersect::intersect_linear;
+use super::intersect::intersect_queue;
 use super::material::MaterialSample;
 use super::queue::Path;
 use super::scratch::Scratch;
@@ -129,12 +129,7 @@ pub(crate) fn render_row(context: &TraceContext, y: u32, row: &mut [f32], scratc
     for left in (0..width).step_by(MAX_PIXELS) {
         let count = MAX_PIXELS.min(width - left);
         pixel_centers(context, [left as u32, y], count, scratch);
-        match context.primitives.hierarchy() {
-            Some((hierarchy, traversal)) => {
-                scratch.intersect_hierarchy(hierarchy, traversal, count, RayKind::Primary);
-            }
-            None => intersect_linear::<L>(context, None, scratch.queue.queries(count)),
-        }
+        intersect_queue::<L>(context, None, scratch, count, RayKind::Primary);
         for at in (0..count).step_by(L::WIDTH) {
             for (plane, values) in aovs(context, scratch, at, count).into_iter().enumerate() {
                 values.store(&mut row[plane * stride + left + at..]);

@@ -8,7 +8,8 @@ use super::features::has;
 use super::material::MaterialSample;
 use super::queue::Path;
 use super::surface::Surface;
-use crate::buffers::{Features, LightBorder, MaterialCode};
+use crate::buffers::{Features, MaterialCode};
+use crate::kernel::border::Strip;
 use crate::kernel::bsdf::{self, BsdfEval, BsdfSample, LobeEval};
 use crate::kernel::normals;
 use crate::lane::{Bits, Lane, Mask};
@@ -68,7 +69,7 @@ pub fn scatter<L: Lane, const N: u32>(
     path: &Path<L>,
     surface: &Surface<L>,
     material: &MaterialSample<L>,
-    (numbers, border): (&PacketValues<L>, Option<&LightBorder>),
+    (numbers, border): (&PacketValues<L>, Option<&Strip>),
     found: L::Mask,
 ) -> ScatteredPath<L> {
     let d = path.ray.direction;
@@ -157,7 +158,7 @@ pub fn follow_delta<L: Lane, const N: u32>(
 struct Sampling<'a, L: Lane> {
     d: Vec3<L>,
     numbers: &'a PacketValues<'a, L>,
-    border: Option<&'a LightBorder>,
+    border: Option<&'a Strip>,
     /// Where rays leave that are reflected.
     near_side: Vec3<L>,
     normals: &'a FacingNormals<L>,

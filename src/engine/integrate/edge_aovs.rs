@@ -12,7 +12,7 @@
 use super::aovs::{ALL, Aovs, Plane, Seen};
 use super::bsdf::follow_delta;
 use super::context::TraceContext;
-use super::intersect::intersect_linear;
+use super::intersect::intersect_queue;
 use super::queue::Path;
 use super::scratch::Scratch;
 use super::stats::RayKind;
@@ -267,12 +267,7 @@ impl Points {
                 return;
             }
             let kind = if followed == 0 { RayKind::Primary } else { RayKind::Bounce };
-            match context.primitives.hierarchy() {
-                Some((hierarchy, traversal)) => {
-                    scratch.intersect_hierarchy(hierarchy, traversal, count, kind)
-                }
-                None => intersect_linear::<L>(context, None, scratch.queue.queries(count)),
-            }
+            intersect_queue::<L>(context, None, scratch, count, kind);
             let mut going_on = 0;
             for at in (0..count).step_by(L::WIDTH) {
                 let path = scratch.queue.path::<L>(at, true);

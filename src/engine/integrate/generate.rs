@@ -9,7 +9,7 @@
 
 use super::context::TraceContext;
 use super::features::has;
-use super::intersect::intersect_linear;
+use super::intersect::intersect_queue;
 use super::queue::{PathQueue, primary_places};
 use super::scratch::Scratch;
 use super::stats::RayKind;
@@ -31,8 +31,7 @@ pub fn generate<L: Lane, const N: u32>(
     scratch.values.begin(context.sampler, context.seed, sample);
     let numbers = scratch.values.pixel();
     let batch = GenerateBatch::<N> { context, tile, sample, numbers, queue: &mut scratch.queue };
-    let hierarchy = context.primitives.hierarchy();
-    if hierarchy.is_none() && context.primitives.uses_default_methods() {
+    if context.primitives.hierarchy().is_none() && context.primitives.uses_default_methods() {
         context.primitives.for_default_batch::<L>(&context.buffers, visible, batch);
         return count;
     }
@@ -40,12 +39,7 @@ pub fn generate<L: Lane, const N: u32>(
     for at in (0..count).step_by(L::WIDTH) {
         scratch.queue.store_origin::<L>(at, context.camera.origin());
     }
-    match hierarchy {
-        Some((hierarchy, traversal)) => {
-            scratch.intersect_hierarchy(hierarchy, traversal, count, RayKind::Primary);
-        }
-        None => intersect_linear::<L>(context, visible, scratch.queue.queries(count)),
-    }
+    intersect_queue::<L>(context, visible, scratch, count, RayKind::Primary);
     count
 }
 

@@ -1,8 +1,9 @@
 //! Second stage: finds the nearest hit of every path of the queue, and ends the paths that miss or that hit
 //! what scatters nothing.
 //!
-//! For: [`intersect`], and [`intersect_linear`] for rays of any queue. May import: `scratch`, `emission` (of
-//! the environment) and what stands above them. Must never know: shading of surfaces.
+//! For: [`intersect`], [`intersect_queue`], which only finds hits, and [`intersect_linear`] for rays of any
+//! queue. May import: `scratch`, `emission` (of the environment) and what stands above them. Must never know:
+//! shading of surfaces.
 
 use super::context::TraceContext;
 use super::emission::missed_radiance;
@@ -58,14 +59,11 @@ pub fn intersect<L: Lane, const N: u32>(
 ) -> Intersected {
     let Segment { count, ended, .. } = segment;
     let mut left = Intersected { hits: 0, contributions: 0, ended };
-    if let Some((hierarchy, traversal)) = context.primitives.hierarchy() {
-        scratch.intersect_hierarchy(hierarchy, traversal, count, RayKind::Bounce);
-        end_paths::<L, N>(context, scratch, segment, &mut left, |queue, at| queue.hit(at));
-    } else if context.primitives.uses_default_methods() {
+    if context.primitives.hierarchy().is_none() && context.primitives.uses_default_methods() {
         let batch = IntersectBatch::<N> { context, scratch, segment, left: &mut left };
         context.primitives.for_default_batch::<L>(&context.buffers, None, batch);
     } else {
-        intersect_linear::<L>(context, None, scratch.queue.queries(count));
+        intersect_queue::<L>(context, None, scratch, count, RayKind::Bounce);
         end_paths::<L, N>(context, scratch, segment, &mut left, |queue, at| queue.hit(at));
     }
     left
@@ -86,6 +84,12 @@ impl<L: Lane, const N: u32> Batch<L> for IntersectBatch<'_, N> {
     }
 }
 
+/// Which primitives are textured emitters, if paths end at those.
+#[inline(always)]
+pub fn ending_emitters<const N: u32>(context: &TraceContext) -> Option<&[f32; 16]> {
+    context.buffers.emitters.as_deref().filter(|_| ends_at_emitters(N))
+}
+
 /// Stores the hits that `hit` finds packet by packet, ends the paths that end here, and compresses the others
 /// and their hits.
 #[inline(always)]
@@ -97,7 +101,7 @@ fn end_paths<L: Lane, const N: u32>(
     hit: impl Fn(&PathQueue, usize) -> Hit<L>,
 ) {
     let (lights, triangles) = (has(N, Features::LIGHTS), has(N, Features::TRIANGLES));
-    let emitters = context.buffers.emitters.as_ref().filter(|_| ends_at_emitters(N));
+    let emitters = ending_emitters::<N>(context);
     for at in (0..count).step_by(L::WIDTH) {
         let hit = hit(&scratch.queue, at);
         if !ends_missed(N) && emitters.is_none() {
@@ -149,6 +153,22 @@ fn compress_hit<L: Lane>(hit: &Hit<L>, indices: L::CompressIndices) -> Hit<L> {
         primitive: L::compress_bits(hit.primitive, indices),
         u: hit.u.compress(indices),
         v: hit.v.compress(indices),
+    }
+}
+
+/// Finds the nearest hits of the first `count` rays of the path queue, by whatever traversal was chosen;
+/// without a hierarchy only `visible` primitives are tested.
+#[inline(always)]
+pub fn intersect_queue<L: Lane>(
+    context: &TraceContext,
+    visible: Option<&Visible>,
+    scratch: &mut Scratch,
+    count: usize,
+    kind: RayKind,
+) {
+    match context.primitives.hierarchy() {
+        Some((hierarchy, traversal)) => scratch.intersect_hierarchy(hierarchy, traversal, count, kind),
+        None => intersect_linear::<L>(context, visible, scratch.queue.queries(count)),
     }
 }
 

@@ -7,8 +7,8 @@
 use super::bsdf::{ScatteredPath, scatter};
 use super::context::TraceContext;
 use super::emission::{missed_radiance, surface_radiance};
-use super::features::{ends_at_emitters, ends_missed, has};
-use super::intersect::Intersected;
+use super::features::{ends_missed, has};
+use super::intersect::{Intersected, ending_emitters};
 use super::material::MaterialSample;
 use super::queue::{Path, PathQueue, primary_places, primary_slots};
 use super::scratch::Scratch;
@@ -93,7 +93,7 @@ pub fn finish<L: Lane, const N: u32, const FIRST: bool>(
 ) {
     let mut accumulator = RadianceAccumulator::<FIRST> { contributions };
     // All last segments are in the queue of ended paths, those of the last bounce too.
-    let has_moved = !FIRST && ends_at_emitters(N) && context.buffers.emitters.is_some();
+    let has_moved = !FIRST && ending_emitters::<N>(context).is_some();
     let count = if has_moved {
         ended
     } else if FIRST || !ends_missed(N) || has(N, Features::EMISSION) {

@@ -31,10 +31,9 @@ mod planes;
 
 use super::rows;
 use crate::film::Picture;
-use crate::integrate::aovs::Plane;
 use crate::integrate::edge_aovs::DenoiserAovs;
 use crate::lane::{Bits, F32x8, Lane, Mask};
-use planes::{GUIDES, Guide, MIN_ALBEDO, PAD, Task, UNFILTERED};
+use planes::{ALBEDO, GUIDES, Guide, MIN_ALBEDO, PAD, Task, UNFILTERED};
 
 pub use planes::Samples;
 
@@ -100,7 +99,7 @@ impl Denoiser {
             let of_row = &light[y * of_light..][..of_light];
             let [red, green, blue] = [0, 1, 2].map(|channel| &of_row[channel * stride + PAD..]);
             let plane = |plane| aovs.centers().row(plane, y as u32);
-            let albedo = [Plane::AlbedoRed, Plane::AlbedoGreen, Plane::AlbedoBlue].map(plane);
+            let albedo = ALBEDO.map(plane);
             let narrow = &self.guides[y * of_guides + Guide::Narrowness as usize * stride + PAD..];
             for (x, pixel) in row.iter_mut().enumerate() {
                 *pixel = if narrow[x] == UNFILTERED {

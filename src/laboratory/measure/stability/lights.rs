@@ -3,7 +3,7 @@
 use super::methods::Method;
 use super::recipe::{Bound, EPSILON, FailureCounts, Recipe};
 use super::rng::Rng;
-use crate::kernel::light::{self, LightSample};
+use crate::kernel::light::{self, FlatLight, LightSample};
 use crate::lane::functions;
 use crate::math::Vec3;
 use crate::sampling::warp;
@@ -55,9 +55,11 @@ pub const RECIPES: &[Recipe] = &[
         source: OOSTEROM,
         cases: 50_000,
         methods: &[
-            Method::other("angles", |rng, x, cases| triangle(rng, cases, small(x), angles)),
-            Method::other("determinant", |rng, x, cases| triangle(rng, cases, small(x), determinant)),
-            Method::default("whole-or-area", |rng, x, cases| triangle(rng, cases, small(x), whole_or_area)),
+            Method::other("angles", |rng, x, cases| flat::<false>(rng, cases, small(x), angles)),
+            Method::other("determinant", |rng, x, cases| flat::<false>(rng, cases, small(x), determinant)),
+            Method::default("whole-or-area", |rng, x, cases| {
+                flat::<false>(rng, cases, small(x), whole_or_area)
+            }),
         ],
         // Measured, not derived: 8 ε.
         bound: |_| Bound::error(16.0 * EPSILON),
@@ -72,8 +74,10 @@ pub const RECIPES: &[Recipe] = &[
         source: OOSTEROM,
         cases: 50_000,
         methods: &[
-            Method::other("determinants", |rng, x, cases| quad(rng, cases, small(x), determinants)),
-            Method::default("whole-or-area", |rng, x, cases| quad(rng, cases, small(x), quad_or_area)),
+            Method::other("determinants", |rng, x, cases| flat::<true>(rng, cases, small(x), determinants)),
+            Method::default("whole-or-area", |rng, x, cases| {
+                flat::<true>(rng, cases, small(x), whole_or_area)
+            }),
         ],
         // Measured, not derived: half of it.
         bound: |_| Bound::error(32.0 * EPSILON),
@@ -88,9 +92,11 @@ pub const RECIPES: &[Recipe] = &[
         source: OOSTEROM,
         cases: 50_000,
         methods: &[
-            Method::other("angles", |rng, x, cases| triangle(rng, cases, edge_on(x), angles)),
-            Method::other("determinant", |rng, x, cases| triangle(rng, cases, edge_on(x), determinant)),
-            Method::default("whole-or-area", |rng, x, cases| triangle(rng, cases, edge_on(x), whole_or_area)),
+            Method::other("angles", |rng, x, cases| flat::<false>(rng, cases, edge_on(x), angles)),
+            Method::other("determinant", |rng, x, cases| flat::<false>(rng, cases, edge_on(x), determinant)),
+            Method::default("whole-or-area", |rng, x, cases| {
+                flat::<false>(rng, cases, edge_on(x), whole_or_area)
+            }),
         ],
         // The distance of the plane is rounded by some ε; closer to it there is no promise.
         bound: |height| {
@@ -192,14 +198,6 @@ fn around(
     counts
 }
 
-/// A triangle or parallelogram relative to the lit point: a corner, and the edges that meet there.
-#[derive(Clone, Copy)]
-struct FlatLight {
-    a: Vec3<f32>,
-    ab: Vec3<f32>,
-    ac: Vec3<f32>,
-}
-
 /// Corners at a distance of about 1, edges of about `edge`; no slivers, not edge-on.
 fn small(edge: f64) -> impl Fn(&mut Rng) -> [DVec3; 3] {
     move |rng| loop {
@@ -227,7 +225,7 @@ fn edge_on(height: f64) -> impl Fn(&mut Rng) -> [DVec3; 3] {
 }
 
 /// Solid angle as the sum of the angles less π.
-fn angles(light: FlatLight, _: f32, _: f32) -> DirectionPdf {
+fn angles(light: FlatLight<f32>, _: f32, _: f32) -> DirectionPdf {
     let corners = [light.a, light.a + light.ab, light.a + light.ac].map(Vec3::normalize);
     let sides = [0, 1, 2].map(|i| corners[i].cross(corners[(i + 1) % 3]).normalize());
     let angle = |i: usize| (-sides[i].dot(sides[(i + 1) % 3])).clamp(-1.0, 1.0).acos();
@@ -235,67 +233,41 @@ fn angles(light: FlatLight, _: f32, _: f32) -> DirectionPdf {
 }
 
 /// Solid angle from the tangent of its half (Van Oosterom, Strackee).
-fn determinant(light: FlatLight, _: f32, _: f32) -> DirectionPdf {
+fn determinant(light: FlatLight<f32>, _: f32, _: f32) -> DirectionPdf {
     let [a, b, c] = [light.a, light.a + light.ab, light.a + light.ac].map(Vec3::normalize);
     let volume = a.dot(b.cross(c)).abs();
     let sum = 1.0 + a.dot(b) + b.dot(c) + c.dot(a);
     ((a + b + c).normalize(), 1.0 / (2.0 * volume.atan2(sum)))
 }
 
-/// The renderer's method.
-fn whole_or_area(light: FlatLight, u: f32, v: f32) -> DirectionPdf {
-    sample_flat(light, false, u, v)
-}
-
-/// The textbook's method for each half of a parallelogram.
-fn determinants(light: FlatLight, u: f32, v: f32) -> DirectionPdf {
-    let FlatLight { a, ab, ac } = light;
-    let (wi, first) = determinant(light, u, v);
-    let (_, second) = determinant(FlatLight { a: a + ab + ac, ab: ab * -1.0, ac: ac * -1.0 }, u, v);
-    (wi, 1.0 / (1.0 / first + 1.0 / second))
-}
-
-/// The renderer's method for parallelograms.
-fn quad_or_area(light: FlatLight, u: f32, v: f32) -> DirectionPdf {
-    sample_flat(light, true, u, v)
-}
-
-fn sample_flat(FlatLight { a, ab, ac }: FlatLight, is_quad: bool, u: f32, v: f32) -> DirectionPdf {
-    let LightSample { wi, pdf, .. } = light::sample_flat(&light::FlatLight { a, ab, ac, is_quad }, u, v);
+/// The renderer's method, for triangles and parallelograms.
+fn whole_or_area(light: FlatLight<f32>, u: f32, v: f32) -> DirectionPdf {
+    let LightSample { wi, pdf, .. } = light::sample_flat(&light, u, v);
     (wi, pdf)
 }
 
-/// The pdf may be that of sampling the solid angle or the area; each method uses area for small solid angles.
-fn triangle(
-    rng: &mut Rng,
-    cases: usize,
-    corners: impl Fn(&mut Rng) -> [DVec3; 3],
-    sample: fn(FlatLight, f32, f32) -> DirectionPdf,
-) -> FailureCounts {
-    flat(rng, cases, corners, sample, false)
+/// The textbook's method for each half of a parallelogram.
+fn determinants(light: FlatLight<f32>, u: f32, v: f32) -> DirectionPdf {
+    let FlatLight { a, ab, ac, .. } = light;
+    let (wi, first) = determinant(light, u, v);
+    let other = FlatLight { a: a + ab + ac, ab: ab * -1.0, ac: ac * -1.0, ..light };
+    let (_, second) = determinant(other, u, v);
+    (wi, 1.0 / (1.0 / first + 1.0 / second))
 }
 
-/// The same for parallelograms, with the fourth corner opposite the first.
-fn quad(
+/// Triangles, or parallelograms with the fourth corner opposite the first. The pdf may be that of sampling the
+/// solid angle or the area; each method uses area for small solid angles.
+fn flat<const IS_QUAD: bool>(
     rng: &mut Rng,
     cases: usize,
     corners: impl Fn(&mut Rng) -> [DVec3; 3],
-    sample: fn(FlatLight, f32, f32) -> DirectionPdf,
-) -> FailureCounts {
-    flat(rng, cases, corners, sample, true)
-}
-
-fn flat(
-    rng: &mut Rng,
-    cases: usize,
-    corners: impl Fn(&mut Rng) -> [DVec3; 3],
-    sample: fn(FlatLight, f32, f32) -> DirectionPdf,
-    is_quad: bool,
+    sample: fn(FlatLight<f32>, f32, f32) -> DirectionPdf,
 ) -> FailureCounts {
     let mut counts = FailureCounts::default();
     for _ in 0..cases {
         let [a, b, c] = corners(rng).map(|corner| corner.as_vec3());
-        let light = FlatLight { a: Vec3::splat(a), ab: Vec3::splat(b - a), ac: Vec3::splat(c - a) };
+        let [at, ab, ac] = [a, b - a, c - a].map(Vec3::splat);
+        let light = FlatLight { a: at, ab, ac, is_quad: IS_QUAD };
         let (u, v) = numbers(rng);
         let (direction, pdf) = sample(light, u, v);
         let w = direction.get(0).as_dvec3();
@@ -303,10 +275,10 @@ fn flat(
         let [a, ab, ac] = [a, b - a, c - a].map(|vector| vector.as_dvec3());
         let normal = ab.cross(ac);
         let t = a.dot(normal) / w.dot(normal);
-        let by_area = if is_quad { 1.0 } else { 2.0 } * t * t / normal.dot(w).abs();
+        let by_area = if IS_QUAD { 1.0 } else { 2.0 } * t * t / normal.dot(w).abs();
         let [a, b, c, d] = [a, a + ab, a + ac, a + ab + ac].map(DVec3::normalize);
         let half = |a: DVec3| a.dot(b.cross(c)).abs().atan2(1.0 + a.dot(b) + b.dot(c) + c.dot(a));
-        let by_angle = 0.5 / (half(a) + if is_quad { half(d) } else { 0.0 });
+        let by_angle = 0.5 / (half(a) + if IS_QUAD { half(d) } else { 0.0 });
         let pdf = f64::from(pdf);
         let error = [by_angle, by_area].map(|expected| (pdf / expected - 1.0).abs());
         let error = error[0].min(error[1]);

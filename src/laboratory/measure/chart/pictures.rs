@@ -223,12 +223,15 @@ fn timed<R>(run: impl FnOnce() -> R) -> (R, Duration) {
 /// Applies a change to the film once, and returns its time in seconds: the median of several changes of equal
 /// films where one is [`SHORT`].
 fn median_time(film: &mut Film, change: impl Fn(&mut Film)) -> f64 {
+    median_of_repeats(film, |film| timed(|| change(film)).1.as_secs_f64())
+}
+
+/// [`median_time`] of a change that returns its own time.
+fn median_of_repeats(film: &mut Film, mut change: impl FnMut(&mut Film) -> f64) -> f64 {
     let before = film.clone();
-    let ((), first) = timed(|| change(film));
-    let mut times = vec![first.as_secs_f64()];
+    let mut times = vec![change(film)];
     while times.len() < MOST_REPEATS && times.iter().sum::<f64>() < SHORT.as_secs_f64() {
-        let mut again = before.clone();
-        times.push(timed(|| change(&mut again)).1.as_secs_f64());
+        times.push(change(&mut before.clone()));
     }
     Quantiles::of(times).median()
 }
@@ -354,26 +357,27 @@ mod tests {
         );
     }
 
-    /// A change that is slow the first time, as with cold caches, and once by an interrupt.
+    /// A change that is slow the first time, as with cold caches.
     #[test]
     fn short_parts_are_timed_until_one_delay_does_not_count() {
         let scene = octray_formats::scene::load("builtin:three").unwrap();
         let renderer = Renderer::new(&scene, Settings { resolution: [8, 8], ..Settings::of(&scene) });
-        let (mut film, delays) = (renderer.film(), std::cell::Cell::new(0));
-        let median = median_time(&mut film, |film| {
+        let (mut film, mut times) = (renderer.film(), 0);
+        let mut changed = |film: &mut Film| {
             renderer.add_samples(film, 3);
-            delays.set(delays.get() + 1);
-            std::thread::sleep(Duration::from_micros(if delays.get() == 1 { 500 } else { 20 }));
-        });
-        assert!(delays.get() > 2 && median < 400e-6, "{median} s after {}", delays.get());
+            times += 1;
+            if times == 1 { 500e-6 } else { 20e-6 }
+        };
+        assert_eq!(median_of_repeats(&mut film, &mut changed), 20e-6);
         assert_eq!(film.samples(), 3, "repeats leave the film as one change does");
-        let slow = Duration::from_millis(2);
-        delays.set(0);
-        let median = median_time(&mut film, |_| {
-            delays.set(delays.get() + 1);
-            std::thread::sleep(slow);
-        });
-        assert!(delays.get() == 1 && median >= slow.as_secs_f64(), "a long part is timed once");
+        assert!(times > 2, "{times} times");
+        let (mut times, long) = (0, SHORT.as_secs_f64());
+        let mut take_long = |_: &mut Film| {
+            times += 1;
+            long
+        };
+        assert_eq!(median_of_repeats(&mut film, &mut take_long), long);
+        assert_eq!(times, 1, "a long part is timed once");
     }
 
     #[test]

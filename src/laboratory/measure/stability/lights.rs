@@ -255,8 +255,8 @@ fn determinants(light: FlatLight<f32>, u: f32, v: f32) -> DirectionPdf {
     (wi, 1.0 / (1.0 / first + 1.0 / second))
 }
 
-/// Triangles, or parallelograms with the fourth corner opposite the first. The pdf may be that of sampling the
-/// solid angle or the area; each method uses area for small solid angles.
+/// Triangles, or parallelograms with the fourth corner opposite the first. The pdf may be that of sampling
+/// the solid angle or the area; each method uses area for small solid angles.
 fn flat<const IS_QUAD: bool>(
     rng: &mut Rng,
     cases: usize,

@@ -103,17 +103,19 @@ impl TileSums {
         let [r, g, b] = channels.map(|channel| &channel[..self.packets.len()]);
         let packets = self.packets.iter_mut().zip(r).zip(g).zip(b);
         for (packet, (((sums, r), g), b)) in packets.enumerate() {
-            let mut sample = [r, g, b].map(|channel| L::load(channel));
-            let [r, g, b] = sample;
+            // Not as arrays: sixteen lanes would go through memory in halves.
+            let (mut r, mut g, mut b) = (L::load(r), L::load(g), L::load(b));
             // x · 0 is 0 for every finite x and NaN for the others.
             let zero = L::zero();
             let finite = r.mul_add(zero, g.mul_add(zero, b * zero)).eq(zero);
             if !finite.all() {
-                sample = discard(&mut self.discarded, self.tile.pixels(), packet, finite, sample);
+                count_discarded(&mut self.discarded, self.tile.pixels(), packet, finite);
+                (r, g, b) = (r.only(finite), g.only(finite), b.only(finite));
             }
-            for (sum, value) in sums.iter_mut().zip(sample) {
-                sum.add(value);
-            }
+            let [red, green, blue] = sums;
+            red.add(r);
+            green.add(g);
+            blue.add(b);
         }
         if let Some(noise) = &mut self.noise {
             noise.add(self.samples, channels);
@@ -135,21 +137,14 @@ impl TileSums {
     }
 }
 
-/// The packet's sample with 0 in the lanes that are not finite, which are counted. Not inlined: it is rare,
-/// and would take registers from the loop.
+/// Counts the pixels of a packet whose sample is not finite. Not inlined: it is rare, and would take
+/// registers from the loop.
 #[cold]
 #[inline(never)]
-fn discard(
-    discarded: &mut Vec<u32>,
-    pixels: usize,
-    packet: usize,
-    finite: <L as Lane>::Mask,
-    sample: [L; 3],
-) -> [L; 3] {
+fn count_discarded(discarded: &mut Vec<u32>, pixels: usize, packet: usize, finite: <L as Lane>::Mask) {
     discarded.resize(pixels, 0);
     let lanes = discarded[packet * L::WIDTH..].iter_mut().take(L::WIDTH);
     lanes.enumerate().for_each(|(lane, count)| *count += (!finite.bitmask() >> lane) & 1);
-    sample.map(|channel| channel.only(finite))
 }
 
 impl Film {

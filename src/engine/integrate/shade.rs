@@ -43,8 +43,9 @@ pub fn shade<L: Lane, const N: u32, const FIRST: bool>(
     let sample_lights = has(N, Features::LIGHTS) && !context.buffers.lights.is_empty();
     let border = context.buffers.lights.border.as_ref();
     for at in (0..count).step_by(L::WIDTH) {
-        let IntersectedPacket { path, hit, active, found, mut radiance } =
-            IntersectedPacket::<L>::load::<N, FIRST>(context, &scratch.queue, at, count);
+        let path = load_path::<L, N, FIRST>(context, &scratch.queue, at);
+        let SegmentEnds { hit, active, found, mut radiance } =
+            SegmentEnds::of::<N, FIRST>(context, &scratch.queue, (at, count), &path);
         if (FIRST || !ends_missed(N)) && !found.any() {
             accumulator.add(scratch, at, active, &path, radiance);
             continue;
@@ -104,8 +105,9 @@ pub fn finish<L: Lane, const N: u32, const FIRST: bool>(
     };
     for at in (0..count).step_by(L::WIDTH) {
         let queue = if has_moved { &scratch.ended } else { &scratch.queue };
-        let IntersectedPacket { path, hit, active, found, mut radiance } =
-            IntersectedPacket::<L>::load::<N, FIRST>(context, queue, at, count);
+        let path = load_path::<L, N, FIRST>(context, queue, at);
+        let SegmentEnds { hit, active, found, mut radiance } =
+            SegmentEnds::of::<N, FIRST>(context, queue, (at, count), &path);
         if has(N, Features::EMISSION) && found.any() {
             let surface = Surface::of::<N>(context, &path, &hit, found);
             let material = MaterialSample::of::<N>(context, &surface, found);
@@ -117,9 +119,8 @@ pub fn finish<L: Lane, const N: u32, const FIRST: bool>(
     accumulator.finish(scratch);
 }
 
-/// A packet of path segments that have been intersected.
-struct IntersectedPacket<L: Lane> {
-    path: Path<L>,
+/// What a packet of path segments ends at.
+struct SegmentEnds<L: Lane> {
     hit: Hit<L>,
     active: L::Mask,
     /// Active lanes that hit a surface.
@@ -128,24 +129,24 @@ struct IntersectedPacket<L: Lane> {
     radiance: Vec3<L>,
 }
 
-impl<L: Lane> IntersectedPacket<L> {
-    /// The packet at `at` of a queue of `count` paths.
+impl<L: Lane> SegmentEnds<L> {
+    /// Of the packet at `at` of a queue of `count` paths. It does not hold the path itself: that would be
+    /// copied through memory.
     #[inline(always)]
-    fn load<const N: u32, const FIRST: bool>(
+    fn of<const N: u32, const FIRST: bool>(
         context: &TraceContext,
         queue: &PathQueue,
-        at: usize,
-        count: usize,
+        (at, count): (usize, usize),
+        path: &Path<L>,
     ) -> Self {
-        let path = load_path::<L, N, FIRST>(context, queue, at);
         let hit: Hit<L> = queue.hit(at);
         let active = L::Mask::first(count - at);
         if !FIRST && ends_missed(N) {
-            return Self { path, hit, active, found: active, radiance: Vec3::zero() };
+            return Self { hit, active, found: active, radiance: Vec3::zero() };
         }
         let found = hit.found() & active;
-        let radiance = missed_radiance::<L, N, FIRST>(context, &path, active & !found);
-        Self { path, hit, active, found, radiance }
+        let radiance = missed_radiance::<L, N, FIRST>(context, path, active & !found);
+        Self { hit, active, found, radiance }
     }
 }
 

@@ -164,8 +164,8 @@ macro_rules! packet {
             }
             #[inline(always)]
             fn select(mask: $mask, if_true: Self, if_false: Self) -> Self {
-                let [if_true, if_false] = [if_true, if_false].map(|ints| bytemuck::cast::<_, $f32>(ints.0));
-                Self(bytemuck::cast(mask.0.select(if_true, if_false)))
+                let as_floats = |ints: Self| bytemuck::cast::<_, $f32>(ints.0);
+                Self(bytemuck::cast(mask.0.select(as_floats(if_true), as_floats(if_false))))
             }
         }
 

@@ -72,11 +72,19 @@ impl F32x8 {
     /// [`Lane::gather_rows`].
     #[inline(always)]
     pub(super) fn gathered<const N: usize>(rows: &[[f32; N]], index: U32x8) -> [Self; N] {
+        // Plain loops: closures of `array` functions are not unrolled before values become registers.
         let index = index.0.to_array();
         let row = |lane: usize| &rows[index[lane] as usize];
+        let mut columns = [Self::ZERO; N];
         if N == 8 {
-            let columns = f32x8::transpose(std::array::from_fn(|lane| Self::load(row(lane)).0));
-            std::array::from_fn(|column| Self(columns[column]))
+            let mut loaded = [f32x8::ZERO; 8];
+            for (lane, loaded) in loaded.iter_mut().enumerate() {
+                *loaded = Self::load(row(lane)).0;
+            }
+            let transposed = f32x8::transpose(loaded);
+            for (column, transposed) in columns.iter_mut().zip(&transposed) {
+                *column = Self(*transposed);
+            }
         } else if N == 4 {
             // Two 4 × 4 transposes.
             let columns_of = |first: usize| {
@@ -95,11 +103,15 @@ impl F32x8 {
                 ]
             };
             let (low, high) = (columns_of(0), columns_of(4));
-            std::array::from_fn(|column| Self(bytemuck::cast([low[column], high[column]])))
+            for (index, column) in columns.iter_mut().enumerate() {
+                *column = Self(bytemuck::cast([low[index], high[index]]));
+            }
         } else {
-            let rows: [_; 8] = std::array::from_fn(row);
-            std::array::from_fn(|column| Self::from_fn(|lane| rows[lane][column]))
+            for (index, column) in columns.iter_mut().enumerate() {
+                *column = Self::from_fn(|lane| row(lane)[index]);
+            }
         }
+        columns
     }
 }
 
@@ -153,10 +165,11 @@ impl F32x16 {
     /// [`Lane::gather_rows`].
     #[inline(always)]
     pub(super) fn gathered<const N: usize>(rows: &[[f32; N]], index: U32x16) -> [Self; N] {
-        let [low, high] = index.halves().map(|index| F32x8::gathered(rows, index));
+        let [low, high] = index.halves();
+        let (low, high) = (F32x8::gathered(rows, low), F32x8::gathered(rows, high));
         let mut columns = [Self::ZERO; N];
-        for (column, (low, high)) in columns.iter_mut().zip(low.into_iter().zip(high)) {
-            *column = bytemuck::cast([low, high]);
+        for (column, (low, high)) in columns.iter_mut().zip(low.iter().zip(&high)) {
+            *column = bytemuck::cast([*low, *high]);
         }
         columns
     }

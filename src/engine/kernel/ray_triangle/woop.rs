@@ -266,7 +266,8 @@ impl TriangleMethod for Woop {
         limit: L,
     ) -> [TriangleHit<L>; 2] {
         let ([a, b, c], d) = (ray.vertices(first), ray.vertex(&second.rows[2]));
-        let [pa, pb, pc, pd] = [a, b, c, d].map(|v| sheared(ray.shear, v));
+        let shear = |v| sheared(ray.shear, v);
+        let (pa, pb, pc, pd) = (shear(a), shear(b), shear(c), shear(d));
         let first = [exact_edge(pc, pb), exact_edge(pa, pc), exact_edge(pb, pa)];
         // The last one is that of the first triangle with its sign changed, but for the sign of zeros.
         let second = [exact_edge(pd, pc), exact_edge(pa, pd), exact_edge(pc, pa)];

@@ -31,24 +31,38 @@ impl Sampler {
     }
 }
 
-/// The values of one sample index in all its dimensions asked for so far. They are the same in every pixel:
-/// kept by a thread, they are computed once a sample and not once a tile.
+/// The values of the latest samples. They are the same in every pixel: kept by a thread, they are computed
+/// once a sample and not once a tile, in stills too, where a tile takes many samples before the next begins.
 #[derive(Clone, Debug, Default)]
 pub struct SampleTable {
-    /// Sampler, seed and sample.
-    of: Option<(Sampler, u32, u32)>,
-    /// The position in the pixel, then one scattering event after the other.
+    of: Option<(Sampler, u32)>,
+    sample: u32,
+    /// The sample of each row.
+    samples: Vec<Option<u32>>,
+    /// Rows of [`SampleTable::width`] values: the position in the pixel, then one scattering event after the
+    /// other.
     values: Vec<SampleValues>,
+    width: usize,
+    /// Where the row of `sample` begins.
+    begin: usize,
 }
 
 impl SampleTable {
+    /// Most samples that are kept: more than a tile takes in a tenth of a second of all but the simplest
+    /// pictures.
+    const MAX_SAMPLES: usize = 256;
+    /// Most values that are kept, 112 KiB, where paths are long.
+    const MAX_VALUES: usize = 2048;
+
     /// Turns to sample `sample`.
     #[inline]
     pub fn begin(&mut self, sampler: Sampler, seed: u32, sample: u32) {
-        if self.of != Some((sampler, seed, sample)) {
-            self.of = Some((sampler, seed, sample));
-            self.values.clear();
+        if self.of != Some((sampler, seed)) {
+            self.of = Some((sampler, seed));
+            self.samples.fill(None);
         }
+        self.sample = sample;
+        self.find();
     }
     /// The values of the position in the pixel.
     #[inline]
@@ -62,20 +76,45 @@ impl SampleTable {
     }
     #[inline]
     fn get(&mut self, index: usize) -> SampleValues {
-        if index >= self.values.len() {
-            self.extend(index);
+        if index >= self.width {
+            self.widen(index + 1);
         }
-        self.values[index]
+        self.values[self.begin + index]
+    }
+    /// Finds the sample's row.
+    #[inline]
+    fn find(&mut self) {
+        if self.samples.is_empty() {
+            return;
+        }
+        let row = self.sample as usize % self.samples.len();
+        self.begin = row * self.width;
+        if self.samples[row] != Some(self.sample) {
+            self.compute(row);
+        }
     }
     #[cold]
-    fn extend(&mut self, index: usize) {
-        let (sampler, seed, sample) = self.of.expect("a sample has begun");
-        let first = |index: usize| match index {
+    fn compute(&mut self, row: usize) {
+        for index in 0..self.width {
+            self.values[self.begin + index] = self.value(index);
+        }
+        self.samples[row] = Some(self.sample);
+    }
+    #[cold]
+    fn widen(&mut self, width: usize) {
+        self.width = width;
+        let rows = (Self::MAX_VALUES / width).clamp(1, Self::MAX_SAMPLES);
+        self.samples = vec![None; rows];
+        self.values = vec![self.value(0); rows * width];
+        self.find();
+    }
+    fn value(&self, index: usize) -> SampleValues {
+        let (sampler, seed) = self.of.expect("a sample has begun");
+        let first = match index {
             0 => dimension::PIXEL,
             event => dimension::bounce(event as u32 - 1),
         };
-        let values = |index| SampleValues::new(sampler, seed, sample, first(index));
-        self.values.extend((self.values.len()..=index).map(values));
+        SampleValues::new(sampler, seed, self.sample, first)
     }
 }
 
@@ -160,6 +199,33 @@ impl<L: Lane> PacketValues<'_, L> {
             _ => {
                 let (first, second) = self.get_2d(dimension & !1);
                 if dimension & 1 == 0 { first } else { second }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn table_gives_the_values_of_every_sample_in_any_order() {
+        let parts = |values: SampleValues| (values.sampler, values.first, values.points, values.seed_offset);
+        let mut table = SampleTable::default();
+        let samples = [0, 1, 0, 255, 256, 511, 1, 257, 0, u32::MAX];
+        for (round, (sampler, seed)) in
+            [(Sampler::Sobol, 0), (Sampler::Sobol, 7), (Sampler::Random, 7), (Sampler::Sobol, 0)]
+                .into_iter()
+                .enumerate()
+        {
+            for sample in samples {
+                table.begin(sampler, seed, sample);
+                let of = |first| parts(SampleValues::new(sampler, seed, sample, first));
+                assert_eq!(parts(table.pixel()), of(dimension::PIXEL), "sample {sample}");
+                // Later rounds ask for longer paths, the last for as long ones as leave one row.
+                for bounce in [0, [2, 5, 9, 3000][round]] {
+                    assert_eq!(parts(table.bounce(bounce)), of(dimension::bounce(bounce)), "sample {sample}");
+                }
             }
         }
     }

@@ -110,6 +110,10 @@ pub fn seen(scene: &Scene, render: RenderMethods) -> Vec<PrimaryHit> {
     Renderer::new(scene, settings).primary_hits(0)
 }
 
+/// Share of a ball's radius within which rays may pass its silhouette on either side: a few ε of the 1,000
+/// radii to the eye are the error of the distance at which a ray passes the centre.
+const SILHOUETTE: f32 = 1e-3;
+
 /// The small ball fills the picture's height, down to its contact with the huge one.
 fn mixed(rng: &mut Rng, ratio: f64, cases: usize, render: RenderMethods) -> FailureCounts {
     let mut counts = FailureCounts::default();
@@ -127,8 +131,12 @@ fn mixed(rng: &mut Rng, ratio: f64, cases: usize, render: RenderMethods) -> Fail
         scene.spheres = balls.map(|Ball { center, radius }| sphere(center, radius)).into();
         let (position, look_at) = (eye.as_vec3(), balls[1].center);
         scene.camera = Camera { position, look_at, up: along.cross(up).as_vec3(), vertical_fov: 0.12 };
+        let inner = Ball { radius: balls[1].radius * (1.0 - SILHOUETTE), ..balls[1] };
         for hit in seen(&scene, render) {
             let ray = ray(hit.origin.into(), hit.direction.into());
+            if reference_t(inner, &ray).is_none() {
+                continue;
+            }
             let [ground, nearest] = balls.map(|ball| reference_t(ball, &ray).unwrap_or(f64::INFINITY));
             if nearest + 0.1 * small < ground && counts.tested < cases {
                 counts.record(hit.primitive != 1);

@@ -140,14 +140,7 @@ pub(crate) fn render_row(context: &TraceContext, y: u32, row: &mut [f32], scratc
 
 /// The planes of the packet at `at`.
 fn aovs(context: &TraceContext, scratch: &Scratch, at: usize, count: usize) -> [L; PLANES] {
-    let ray = scratch.queue.ray::<L>(at);
-    let path = Path {
-        ray,
-        throughput: Vec3::repeat(L::one()),
-        inv_pdf: L::zero(),
-        key: B::splat(0),
-        slot: B::splat(0),
-    };
+    let path = Path::primary(scratch.queue.ray::<L>(at), B::splat(0), B::splat(0));
     Seen::of(context, &path, &scratch.queue.hit(at), <L as Lane>::Mask::first(count - at)).planes(context)
 }
 

@@ -19,7 +19,7 @@ use super::stats::RayKind;
 use crate::buffers::MaterialCode;
 use crate::camera::MAX_PIXELS;
 use crate::lane::{Bits, F32x8, Lane, Mask};
-use crate::math::{MISS, Vec3};
+use crate::math::MISS;
 
 type L = F32x8;
 type B = <L as Lane>::Bits;
@@ -249,15 +249,9 @@ impl Points {
 
     /// Traces the paths of the points; calls `put` with the slot of each, and what it shows.
     fn trace(&self, context: &TraceContext, scratch: &mut Scratch, mut put: impl FnMut(usize, Shown)) {
-        let (zero, one) = (L::zero(), L::one());
         for at in (0..self.count).step_by(L::WIDTH) {
-            let path = Path {
-                ray: context.camera.rays(L::load(&self.x[at..]), L::load(&self.y[at..])),
-                throughput: Vec3::repeat(one),
-                inv_pdf: zero,
-                key: B::splat(0),
-                slot: B::load(&self.slots[at..]),
-            };
+            let ray = context.camera.rays(L::load(&self.x[at..]), L::load(&self.y[at..]));
+            let path = Path::primary(ray, B::splat(0), B::load(&self.slots[at..]));
             scratch.queue.store_path(at, &path, true);
         }
         let most = MAX_FOLLOWED.min(context.max_bounces);

@@ -28,7 +28,7 @@ pub fn generate<L: Lane, const N: u32>(
     scratch: &mut Scratch,
 ) -> usize {
     let (count, visible) = (tile.pixels(), context.visible.get(tile.number));
-    scratch.values.begin(context.sampler, context.seed, sample);
+    scratch.values.begin(context.sampler, context.seed, sample, context.max_bounces);
     let numbers = scratch.values.pixel();
     let batch = GenerateBatch::<N> { context, tile, sample, numbers, queue: &mut scratch.queue };
     if context.primitives.hierarchy().is_none() && context.primitives.uses_default_methods() {

@@ -155,6 +155,11 @@ impl PathQueue {
 }
 
 impl<L: Lane> Path<L> {
+    /// A path as it leaves the camera.
+    #[inline(always)]
+    pub fn primary(ray: Ray<L>, key: L::Bits, slot: L::Bits) -> Self {
+        Path { ray, throughput: Vec3::repeat(L::one()), inv_pdf: L::zero(), key, slot }
+    }
     /// The lanes at `indices`, moved to the front.
     #[inline(always)]
     pub fn compress(&self, indices: L::CompressIndices) -> Self {

@@ -161,7 +161,7 @@ fn load_path<L: Lane, const N: u32, const FIRST: bool>(
     }
     let (direction, key) = queue.primary(at);
     let ray = Ray { origin: context.camera.origin(), direction };
-    Path { ray, throughput: Vec3::repeat(L::one()), inv_pdf: L::zero(), key, slot: primary_slots::<L>(at) }
+    Path::primary(ray, key, primary_slots::<L>(at))
 }
 
 /// The lanes that add radiance: those that missed, and, where surfaces emit, those with radiance other than

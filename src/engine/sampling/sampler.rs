@@ -35,15 +35,13 @@ impl Sampler {
 /// once a sample and not once a tile, in stills too, where a tile takes many samples before the next begins.
 #[derive(Clone, Debug, Default)]
 pub struct SampleTable {
-    of: Option<(Sampler, u32)>,
-    sample: u32,
+    /// Sampler, seed, and scattering events of a path.
+    of: Option<(Sampler, u32, u32)>,
     /// The sample of each row.
     samples: Vec<Option<u32>>,
-    /// Rows of [`SampleTable::width`] values: the position in the pixel, then one scattering event after the
-    /// other.
+    /// Rows of the position in the pixel, then one scattering event after the other.
     values: Vec<SampleValues>,
-    width: usize,
-    /// Where the row of `sample` begins.
+    /// Where the row of the current sample begins.
     begin: usize,
 }
 
@@ -54,67 +52,37 @@ impl SampleTable {
     /// Most values that are kept, 112 KiB, where paths are long.
     const MAX_VALUES: usize = 2048;
 
-    /// Turns to sample `sample`.
+    /// Turns to sample `sample` of paths with up to `events` scattering events.
     #[inline]
-    pub fn begin(&mut self, sampler: Sampler, seed: u32, sample: u32) {
-        if self.of != Some((sampler, seed)) {
-            self.of = Some((sampler, seed));
-            self.samples.fill(None);
+    pub fn begin(&mut self, sampler: Sampler, seed: u32, sample: u32, events: u32) {
+        let width = events as usize + 1;
+        if self.of != Some((sampler, seed, events)) {
+            self.of = Some((sampler, seed, events));
+            let rows = (Self::MAX_VALUES / width).clamp(1, Self::MAX_SAMPLES);
+            self.samples.clear();
+            self.samples.resize(rows, None);
+            let placeholder = SampleValues::new(sampler, seed, sample, dimension::PIXEL);
+            self.values.resize(rows * width, placeholder);
         }
-        self.sample = sample;
-        self.find();
+        let row = sample as usize % self.samples.len();
+        self.begin = row * width;
+        if self.samples[row] != Some(sample) {
+            self.samples[row] = Some(sample);
+            let firsts = std::iter::once(dimension::PIXEL).chain((0..events).map(dimension::bounce));
+            for (value, first) in self.values[self.begin..][..width].iter_mut().zip(firsts) {
+                *value = SampleValues::new(sampler, seed, sample, first);
+            }
+        }
     }
     /// The values of the position in the pixel.
     #[inline]
-    pub fn pixel(&mut self) -> SampleValues {
-        self.get(0)
+    pub fn pixel(&self) -> SampleValues {
+        self.values[self.begin]
     }
-    /// The values of scattering event `bounce`, counted from 0.
+    /// The values of scattering event `bounce`, counted from 0 and below the number of events.
     #[inline]
-    pub fn bounce(&mut self, bounce: u32) -> SampleValues {
-        self.get(bounce as usize + 1)
-    }
-    #[inline]
-    fn get(&mut self, index: usize) -> SampleValues {
-        if index >= self.width {
-            self.widen(index + 1);
-        }
-        self.values[self.begin + index]
-    }
-    /// Finds the sample's row.
-    #[inline]
-    fn find(&mut self) {
-        if self.samples.is_empty() {
-            return;
-        }
-        let row = self.sample as usize % self.samples.len();
-        self.begin = row * self.width;
-        if self.samples[row] != Some(self.sample) {
-            self.compute(row);
-        }
-    }
-    #[cold]
-    fn compute(&mut self, row: usize) {
-        for index in 0..self.width {
-            self.values[self.begin + index] = self.value(index);
-        }
-        self.samples[row] = Some(self.sample);
-    }
-    #[cold]
-    fn widen(&mut self, width: usize) {
-        self.width = width;
-        let rows = (Self::MAX_VALUES / width).clamp(1, Self::MAX_SAMPLES);
-        self.samples = vec![None; rows];
-        self.values = vec![self.value(0); rows * width];
-        self.find();
-    }
-    fn value(&self, index: usize) -> SampleValues {
-        let (sampler, seed) = self.of.expect("a sample has begun");
-        let first = match index {
-            0 => dimension::PIXEL,
-            event => dimension::bounce(event as u32 - 1),
-        };
-        SampleValues::new(sampler, seed, self.sample, first)
+    pub fn bounce(&self, bounce: u32) -> SampleValues {
+        self.values[self.begin + 1 + bounce as usize]
     }
 }
 
@@ -213,17 +181,19 @@ mod tests {
         let parts = |values: SampleValues| (values.sampler, values.first, values.points, values.seed_offset);
         let mut table = SampleTable::default();
         let samples = [0, 1, 0, 255, 256, 511, 1, 257, 0, u32::MAX];
-        for (round, (sampler, seed)) in
-            [(Sampler::Sobol, 0), (Sampler::Sobol, 7), (Sampler::Random, 7), (Sampler::Sobol, 0)]
-                .into_iter()
-                .enumerate()
-        {
+        // Events, at last so many that one row is left.
+        for (sampler, seed, events) in [
+            (Sampler::Sobol, 0, 3),
+            (Sampler::Sobol, 7, 3),
+            (Sampler::Random, 7, 10),
+            (Sampler::Sobol, 0, 3000),
+            (Sampler::Sobol, 0, 3),
+        ] {
             for sample in samples {
-                table.begin(sampler, seed, sample);
+                table.begin(sampler, seed, sample, events);
                 let of = |first| parts(SampleValues::new(sampler, seed, sample, first));
                 assert_eq!(parts(table.pixel()), of(dimension::PIXEL), "sample {sample}");
-                // Later rounds ask for longer paths, the last for as long ones as leave one row.
-                for bounce in [0, [2, 5, 9, 3000][round]] {
+                for bounce in [0, events - 1] {
                     assert_eq!(parts(table.bounce(bounce)), of(dimension::bounce(bounce)), "sample {sample}");
                 }
             }

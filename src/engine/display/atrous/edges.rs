@@ -26,9 +26,9 @@ impl Task<'_> {
     /// Demodulates the pixels of a row that are at edges by the mean albedo of the centre and of the points
     /// that show the centre's object; reduces the weight of those that show several.
     pub fn prepare_edges(&self, y: usize, guides: &mut [f32], light: &mut [f32]) {
-        let objects = self.aovs.objects(y as u32);
-        let albedo = ALBEDO.map(|plane| self.aovs.row(plane, y as u32));
-        for edge in self.all.edges(y as u32) {
+        let objects = self.aovs.centers().objects(y as u32);
+        let albedo = ALBEDO.map(|plane| self.aovs.centers().row(plane, y as u32));
+        for edge in self.aovs.edges(y as u32) {
             let x = edge.x as usize;
             let (mut sum, mut count) = (albedo.map(|albedo| albedo[x].max(MIN_ALBEDO)), 1.0);
             for sample in edge.samples.iter().filter(|sample| sample.object == objects[x]) {
@@ -51,8 +51,8 @@ impl Task<'_> {
 
     /// Composes the pixels of a row that are at edges; `light` is that of all rows, filtered.
     pub fn compose_edges(&self, y: usize, light: &[f32], row: &mut [[f32; 3]]) {
-        let objects = self.aovs.objects(y as u32);
-        for edge in self.all.edges(y as u32) {
+        let objects = self.aovs.centers().objects(y as u32);
+        for edge in self.aovs.edges(y as u32) {
             let x = edge.x as usize;
             let mut sum = [0.0; 3];
             for (sample, point) in edge.samples.iter().zip(POINTS) {
@@ -83,7 +83,7 @@ impl Task<'_> {
         let mut nearest = (f32::INFINITY, None);
         let around = |own: usize, side: usize| own.saturating_sub(1)..(own + 2).min(side);
         for line in around(y, self.height) {
-            let objects = self.aovs.objects(line as u32);
+            let objects = self.aovs.centers().objects(line as u32);
             for column in around(x, self.width) {
                 if objects[column] != sample.object {
                     continue;
@@ -92,7 +92,7 @@ impl Task<'_> {
                 let (across, along) = (away(column, x, right), away(line, y, down));
                 let mut distance = across * across + along * along;
                 for ((_, plane), normal) in NORMALS.into_iter().zip(sample.normal) {
-                    let difference = self.aovs.row(plane, line as u32)[column] - normal;
+                    let difference = self.aovs.centers().row(plane, line as u32)[column] - normal;
                     distance += NORMAL_DISTANCE * (difference * difference);
                 }
                 if distance < nearest.0 {

@@ -5,7 +5,7 @@
 
 use super::super::rows::packet;
 use crate::film::Picture;
-use crate::integrate::aovs::{Aovs, Plane};
+use crate::integrate::aovs::Plane;
 use crate::integrate::edge_aovs::DenoiserAovs;
 use crate::lane::{Bits, F32x8, Lane, Mask8};
 use crate::math::MISS;
@@ -73,8 +73,7 @@ pub enum Samples<'a> {
 pub struct Task<'a> {
     pub picture: &'a Picture,
     samples: Samples<'a>,
-    pub all: &'a DenoiserAovs,
-    pub aovs: &'a Aovs,
+    pub aovs: &'a DenoiserAovs,
     pub width: usize,
     pub height: usize,
     /// Elements from one plane of a row to the next.
@@ -82,21 +81,21 @@ pub struct Task<'a> {
 }
 
 impl<'a> Task<'a> {
-    pub fn new(picture: &'a Picture, samples: Samples<'a>, all: &'a DenoiserAovs) -> Self {
-        let aovs = all.centers();
-        assert_eq!([picture.width, picture.height], aovs.resolution(), "picture and AOVs differ in size");
+    pub fn new(picture: &'a Picture, samples: Samples<'a>, aovs: &'a DenoiserAovs) -> Self {
+        let resolution = aovs.centers().resolution();
+        assert_eq!([picture.width, picture.height], resolution, "picture and AOVs differ in size");
         if let Samples::Each(counts) = samples {
             assert_eq!(counts.len(), picture.pixels.len(), "picture and samples differ in size");
         }
-        let [width, height] = aovs.resolution().map(|side| side as usize);
+        let [width, height] = resolution.map(|side| side as usize);
         let stride = PAD + width.next_multiple_of(L::WIDTH) + PAD;
-        Self { picture, samples, all, aovs, width, height, stride }
+        Self { picture, samples, aovs, width, height, stride }
     }
 
     /// Fills a row of guide buffers except [`Guide::Strictness`], and of demodulated radiance.
     pub fn prepare(&self, y: usize, guides: &mut [f32], light: &mut [f32]) {
         let (width, stride) = (self.width, self.stride);
-        let row = |plane| self.aovs.row(plane, y as u32);
+        let row = |plane| self.aovs.centers().row(plane, y as u32);
         let (zero, one) = (L::zero(), L::one());
         for at in (0..width).step_by(L::WIDTH) {
             let mut set =
@@ -156,7 +155,8 @@ impl<'a> Task<'a> {
     /// The slopes of 1/depth to the right and down: of the two one-sided differences on the same object, the
     /// smaller one.
     fn slopes(&self, [at, y]: [usize; 2], object: B, inverse_depth: L) -> [L; 2] {
-        let line = |y: usize| [Plane::Distance, Plane::Object].map(|plane| self.aovs.row(plane, y as u32));
+        let line =
+            |y: usize| [Plane::Distance, Plane::Object].map(|plane| self.aovs.centers().row(plane, y as u32));
         let shifted = |x: i32| {
             let [distance, objects] = line(y);
             let pixel =
@@ -189,7 +189,7 @@ impl<'a> Task<'a> {
             let object = own(Guide::Object).to_bits();
             let (mut count, mut sum, mut squares) = (L::zero(), L::zero(), L::zero());
             for line in lines.clone() {
-                let objects = self.aovs.objects(line as u32);
+                let objects = self.aovs.centers().objects(line as u32);
                 let light = &light[line as usize * 3 * stride..][..3 * stride];
                 for right in -WINDOW..=WINDOW {
                     let x = at as i32 + right;

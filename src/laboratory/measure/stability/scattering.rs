@@ -5,7 +5,7 @@ use super::recipe::{Bound, FailureCounts, Recipe};
 use super::rng::Rng;
 use crate::kernel::bsdf::diffuse;
 use crate::kernel::normals;
-use crate::math::Vec3;
+use crate::math::{BELOW_ONE, Vec3};
 use crate::sampling::warp;
 use glam::DVec3;
 use std::f64::consts::TAU;
@@ -75,7 +75,7 @@ const CHIANG: &str = "Chiang, Li, Burley, Taming the Shadow Terminator, SIGGRAPH
 
 /// The numbers u and v from which [`warp::sample_uniform_sphere`] computes this unit vector, up to rounding.
 fn numbers(v: DVec3) -> (f32, f32) {
-    let below_one = |x: f64| (x as f32).min(1.0 - f32::EPSILON / 2.0);
+    let below_one = |x: f64| (x as f32).min(BELOW_ONE);
     (below_one(0.5 - 0.5 * v.z), below_one((v.y.atan2(v.x) / TAU).rem_euclid(1.0)))
 }
 

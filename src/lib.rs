@@ -19,7 +19,7 @@
 //! | package | modules |
 //! |---|---|
 //! | [`octray_engine`] | from a scene to a film: see its front page for the architecture |
-//! | [`octray_formats`] | [`scene`] files and [`output`] files, [`wording`] |
+//! | [`octray_formats`] | [`scene`] files, [`output`] files, [`mod@checkpoint`] files, [`wording`] |
 //! | `octray_viewer` | `viewer` (feature `viewer`) |
 //! | [`octray_laboratory`] | [`mod@reference`], [`measure`] |
 //! | `octray` | [`machine`], [`report`], [`cli`] |
@@ -55,6 +55,7 @@
 //! | [`threads`] | worker threads with working memory of their own |
 //! | [`film`], [`adaptive`] | sums of samples; adaptive sampling by blocks |
 //! | [`render`], [`tone`], [`output`] | tiles on threads; tone mapping; picture files |
+//! | [`mod@checkpoint`] | the sums of a film as a file: to resume, and to join shards |
 //! | [`display`] | filters between film and window: antialiasing, denoising, temporal reprojection |
 //! | [`measure`] | measurements: speed, SIMD against scalar, accuracy, stability |
 //! | [`machine`] | the machine and build of a figure |
@@ -84,7 +85,7 @@ pub use octray_engine::{
     adaptive, buffers, bvh, camera, choice, display, film, integrate, kernel, lane, math, render, sampling,
     threads, tone, traverse,
 };
-pub use octray_formats::{output, scene, wording};
+pub use octray_formats::{checkpoint, output, scene, wording};
 pub use octray_laboratory::{measure, reference};
 #[cfg(feature = "viewer")]
 pub use octray_viewer as viewer;

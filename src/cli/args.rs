@@ -7,6 +7,7 @@
 use super::groups::{LimitArgs, MethodArgs, PictureArgs, choice};
 use crate::measure::stability::recipes;
 use crate::render::{LaneChoice, PipelineChoice};
+use crate::tone::Operator;
 use crate::traverse::TraversalChoice;
 #[cfg(feature = "viewer")]
 use crate::viewer::keys;
@@ -48,6 +49,7 @@ pub enum Command {
     Bench(BenchArgs),
     Compare(CompareArgs),
     Render(RenderArgs),
+    Merge(MergeArgs),
     Rays(RaysArgs),
     Chart(ChartArgs),
     #[cfg(feature = "viewer")]
@@ -175,15 +177,29 @@ pub struct CompareArgs {
 /// and --robust override all its intersection methods, and --samples, --time-limit and --target-error its
 /// samples.
 ///
+/// --checkpoint makes a rendering restartable: after a crash, Ctrl-C or a time limit, the same command goes
+/// on, and its picture has the bits of a run that was never interrupted. More --samples go on from the same
+/// file too. Time limits count from each start, and for each frame. A checkpoint of another scene, of other
+/// settings, or by an octray of another version or rounding is refused. If it cannot be saved, a warning says
+/// so, the earlier one stays and the rendering goes on; if that is still so at the end, the picture is
+/// written and the exit code is 2.
+///
+/// --shard divides a picture among machines: part I of N has every N-th tile of 16×16 pixels. `octray merge`
+/// joins the parts into the bits of one run. A part is a checkpoint: with the same name for --checkpoint and
+/// --output it goes on where it was interrupted.
+///
 /// Ctrl-C ends the rendering early: the picture so far is written, the exit code is 130, and with --json
 /// `interrupted` is true. If a sample of the whole picture takes long, some parts then have one sample more
 /// than others; parts without a sample are black; if no part has a sample, nothing is written. A second
-/// Ctrl-C ends the program at once and writes nothing.
+/// Ctrl-C ends the program at once and writes nothing; the last checkpoint stays.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   octray render builtin:three -o three.png
   octray render scene.json -o scene.exr --samples 1024 --size 1920x1080
-  octray render scene.json -o scene.png --target-error 0.05 --time-limit 600 --samples-map where.png")]
+  octray render scene.json -o scene.png --target-error 0.05 --time-limit 600 --samples-map where.png
+  octray render scene.json -o scene.exr --samples 4096 --checkpoint scene.part
+  octray render scene.json -o 3.part --samples 4096 --shard 3/8
+  octray render path.json -o shot-####.png --frames 1..48")]
 pub struct RenderArgs {
     #[arg(value_name = "SCENE", help = SCENE)]
     pub scene: String,
@@ -196,6 +212,20 @@ pub struct RenderArgs {
     /// the most, half as bright to the eye for its square root) into .png and .jpg.
     #[arg(long, value_name = "FILE")]
     pub samples_map: Option<PathBuf>,
+    /// Save what is done into FILE every few seconds and at the end; if FILE is there, go on from it.
+    #[arg(long, value_name = "FILE")]
+    pub checkpoint: Option<PathBuf>,
+    /// Seconds between two checkpoints [default: 5, or 50 times as long as saving takes].
+    #[arg(long, value_name = "SECONDS", allow_hyphen_values = true, requires = "checkpoint")]
+    pub checkpoint_interval: Option<String>,
+    /// Render part I of N of the picture into a part file for `octray merge`; with --frames, every N-th
+    /// frame.
+    #[arg(long, value_name = "I/N", allow_hyphen_values = true)]
+    pub shard: Option<String>,
+    /// Render the frames A to B of the keyframes of a view. The last # or row of # in the names of files
+    /// becomes the frame's number.
+    #[arg(long, value_name = "A..B", allow_hyphen_values = true)]
+    pub frames: Option<String>,
     #[command(flatten)]
     pub picture: PictureArgs,
     /// Print the report as JSON (schema octray-render-1).
@@ -205,6 +235,32 @@ pub struct RenderArgs {
     /// Counting takes some time; it does not change the picture.
     #[arg(long)]
     pub stats: bool,
+}
+
+/// Join the parts of a picture that was rendered in shards.
+///
+/// The parts come from `octray render --shard I/N -o PART`. The picture has the bits of one run. Parts that
+/// are missing, doubled, incomplete or of other pictures are named, and nothing is written. A checkpoint of a
+/// whole picture is a part too, the only one.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Example:
+  octray merge *.part -o scene.exr")]
+pub struct MergeArgs {
+    #[arg(value_name = "PART", required = true, help = "The parts, in any order")]
+    pub parts: Vec<PathBuf>,
+    /// The picture file: .png, .jpg, .exr or .hdr.
+    #[arg(short, long, value_name = "FILE")]
+    pub output: PathBuf,
+    /// Brighten (above 0) or darken (below 0) the displayed picture by so many stops of a factor of two
+    /// [default: the parts'].
+    #[arg(long, value_name = "STOPS", allow_hyphen_values = true)]
+    pub exposure: Option<String>,
+    /// Tone mapping of the displayed picture [default: the parts'].
+    #[arg(long, value_name = "OPERATOR", value_parser = choice::<Operator>())]
+    pub tone: Option<Operator>,
+    /// Print the report as JSON (schema octray-merge-1).
+    #[arg(long)]
+    pub json: bool,
 }
 
 /// Measure rays per second, by kind of ray and traversal.

@@ -3,8 +3,10 @@
 //! For: [`CliError`], whose messages say what is wrong, where, and how to mend it. May import: the errors of
 //! other modules. Must not know: the commands.
 
+use crate::checkpoint::CheckpointError;
 use crate::output::OutputError;
 use crate::scene::SceneError;
+use std::error::Error;
 use std::io;
 use std::path::PathBuf;
 
@@ -17,6 +19,17 @@ pub const INTERRUPTED: u8 = 130;
 
 /// How to build for the machine at hand.
 pub const REBUILD: &str = "RUSTFLAGS=\"-C target-cpu=native\" cargo build --release";
+
+/// An error and its causes, a line each.
+pub fn describe(error: &dyn Error) -> String {
+    let mut text = error.to_string();
+    let mut cause = error.source();
+    while let Some(error) = cause {
+        text.push_str(&format!("\n  because: {error}"));
+        cause = error.source();
+    }
+    text
+}
 
 /// Why a command failed.
 #[derive(Debug, thiserror::Error)]
@@ -31,6 +44,8 @@ pub enum CliError {
     Scene(#[from] SceneError),
     #[error(transparent)]
     Output(#[from] OutputError),
+    #[error(transparent)]
+    Checkpoint(#[from] CheckpointError),
     #[cfg(feature = "viewer")]
     #[error(transparent)]
     Window(#[from] crate::viewer::WindowError),

@@ -43,6 +43,11 @@ impl Interrupt {
         interrupt
     }
 
+    /// A new picture begins: until a part of it is done, the first Ctrl-C ends the program.
+    pub fn begin(&self) {
+        self.begun.store(false, Ordering::SeqCst);
+    }
+
     /// From now on an early end keeps a picture; before, the first Ctrl-C ends the program.
     pub fn set_begun(&self) {
         // Called after every tile by all threads: a load leaves the cache line shared, a store would not.
@@ -64,6 +69,14 @@ impl Interrupt {
     /// Has the user pressed Ctrl-C again, for an end at once without a picture?
     pub fn insisted(&self) -> bool {
         self.requests.load(Ordering::SeqCst) > 1
+    }
+
+    /// Ends [`Interrupt::hold`]. A second Ctrl-C since then ends the program now.
+    pub fn release(&self) {
+        self.holding.store(false, Ordering::SeqCst);
+        if self.insisted() {
+            std::process::exit(INTERRUPTED.into());
+        }
     }
 
     /// From now on a second Ctrl-C does not end the program at once: a file is being written, and a partial

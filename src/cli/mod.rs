@@ -9,9 +9,11 @@
 //! | [`options`], [`picture`], [`methods`], [`limits`], [`numbers`] | validated options: names known, numbers in range |
 //! | [`overrides`] | settings that the command line or a view overrides |
 //! | [`mod@bench`], [`compare`], [`render`], [`rays`], [`chart`], `view` | commands |
-//! | [`stability`], [`convert`], [`inspect`] | commands |
+//! | [`stability`], [`merge`], [`convert`], [`inspect`] | commands |
 //! | [`scenes`] | loads the scenes of commands |
 //! | [`trace`], [`interrupt`], [`progress`] | sampling up to a limit, Ctrl-C, progress lines |
+//! | [`jobs`], [`frames`] | of `render`: the pictures or parts of one call, and their files |
+//! | [`checkpoint`] | of `render`: saves the film and resumes from it |
 //! | [`samples_map`] | of `render`: a picture of the number of samples |
 //! | [`ground_truth`] | of `chart`: the cache of ground truths |
 //! | [`ray_dump`] | of `rays`: rays and hits as files |
@@ -23,16 +25,20 @@
 pub mod args;
 pub mod bench;
 pub mod chart;
+pub mod checkpoint;
 pub mod compare;
 pub mod convert;
 pub mod error;
+pub mod frames;
 pub mod ground_truth;
 pub mod groups;
 pub mod inspect;
 pub mod interrupt;
+pub mod jobs;
 pub mod limits;
 pub mod machine_check;
 pub mod memory;
+pub mod merge;
 pub mod methods;
 pub mod numbers;
 pub mod options;
@@ -62,6 +68,7 @@ octray traces paths through scenes on the CPU, 8 or 16 rays at a time. Try:
   octray bench                                    frames per second, SIMD beside scalar
   octray compare                                  check that SIMD and scalar agree, bit by bit
   octray render builtin:three -o three.png        a picture
+  octray merge part-*.part -o picture.png         a picture from the shards of several runs
   octray view                                     a window to walk through the scenes
   octray rays builtin:knot:100000                 rays per second, by traversal
   octray chart builtin:three -o charts            speed against accuracy, charted
@@ -98,6 +105,7 @@ fn run(args: Args, verdict: &machine_check::Verdict) -> Result<ExitCode, CliErro
         Command::Bench(args) => run_measured(args, verdict, bench::run),
         Command::Compare(args) => run_measured(args, verdict, compare::run),
         Command::Render(args) => run_measured(args, verdict, render::run),
+        Command::Merge(args) => merge::run(args.try_into()?),
         Command::Rays(args) => run_measured(args, verdict, rays::run),
         Command::Chart(args) => run_measured(args, verdict, chart::run),
         #[cfg(feature = "viewer")]
@@ -124,12 +132,6 @@ fn run_measured<Args, Options: TryFrom<Args, Error = CliError>>(
 
 /// Writes the error and its causes to standard error.
 fn report(error: &CliError) -> ExitCode {
-    let mut text = format!("error: {error}");
-    let mut cause = std::error::Error::source(error);
-    while let Some(error) = cause {
-        text.push_str(&format!("\n  because: {error}"));
-        cause = error.source();
-    }
-    terminal::note(&text);
+    terminal::note(&format!("error: {}", error::describe(error)));
     ExitCode::from(BAD_INPUT)
 }

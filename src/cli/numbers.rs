@@ -128,6 +128,14 @@ fn check_whole(number: u64, least: u32, most: u32) -> Result<u32, String> {
     }
 }
 
+/// Decimal digits and nothing else, up to the largest u32.
+pub fn read_whole(text: &str) -> Option<u32> {
+    match read(text) {
+        Reading::Number(number) => u32::try_from(number).ok(),
+        Reading::TooLarge | Reading::Other => None,
+    }
+}
+
 enum Reading {
     Number(u64),
     TooLarge,

@@ -4,18 +4,22 @@
 //! validate. May import: `args`, `limits`, `methods`, `numbers`, `picture`, and the choices and limits of
 //! what the commands run. Must not know: how a command works.
 
-use super::args::{BenchArgs, ChartArgs, CompareArgs, RaysArgs, RenderArgs, StabilityArgs};
+use super::args::{BenchArgs, ChartArgs, CompareArgs, MergeArgs, RaysArgs, RenderArgs, StabilityArgs};
 use super::error::CliError;
+use super::frames::{Frames, shard};
+use super::groups::LimitArgs;
 use super::limits::Limits;
 use super::methods::MethodOptions;
-use super::numbers::{bounces, refuse, samples, seconds, seed, size, threads, whole};
+use super::numbers::{bounces, exposure, refuse, samples, seconds, seed, size, threads, whole};
 use super::picture::PictureOptions;
+use crate::checkpoint::Shard;
 use crate::machine;
 use crate::measure::chart::ground_truth::SHRINK;
 use crate::measure::chart::pictures;
 use crate::measure::stability::{Recipe, recipes};
 use crate::measure::trace::TraceMethod;
 use crate::render::{LaneChoice, PipelineChoice};
+use crate::tone::Operator;
 use crate::wording::grouped;
 use std::path::PathBuf;
 use std::time::Duration;
@@ -68,10 +72,27 @@ pub struct RenderOptions {
     pub output: PathBuf,
     /// The file for the numbers of samples.
     pub samples_map: Option<PathBuf>,
+    pub checkpoint: Option<PathBuf>,
+    /// Time between two checkpoints; by the time that saving takes if `None`.
+    pub checkpoint_interval: Option<Duration>,
+    /// Of tiles, or with `frames` of frames.
+    pub shard: Option<Shard>,
+    pub frames: Option<Frames>,
     /// With limits.
     pub picture: PictureOptions,
     pub json: bool,
     pub stats: bool,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+pub struct MergeOptions {
+    /// At least one.
+    pub parts: Vec<PathBuf>,
+    pub output: PathBuf,
+    /// The parts' own if `None`.
+    pub exposure: Option<f32>,
+    pub tone: Option<Operator>,
+    pub json: bool,
 }
 
 #[derive(Clone, Debug, PartialEq)]
@@ -153,14 +174,52 @@ impl TryFrom<RenderArgs> for RenderOptions {
     type Error = CliError;
     fn try_from(args: RenderArgs) -> Result<Self, CliError> {
         let mut picture = PictureOptions::try_from(args.picture)?;
+        let shard = args.shard.as_deref().map(shard).transpose()?;
+        let frames = args.frames.as_deref().map(Frames::read).transpose()?;
+        if let (Some(text), None) = (&args.shard, frames) {
+            check_shard(text, &args.limits, args.samples_map.is_some())?;
+        }
+        let interval = args.checkpoint_interval.as_deref();
         picture.overrides.limits = Limits::of_args(args.limits)?;
         Ok(Self {
             scene: args.scene,
             output: args.output,
             samples_map: args.samples_map,
+            checkpoint: args.checkpoint,
+            checkpoint_interval: interval.map(|text| seconds("--checkpoint-interval", text)).transpose()?,
+            shard,
+            frames,
             picture,
             json: args.json,
             stats: args.stats,
+        })
+    }
+}
+
+/// Refuses what a shard of tiles cannot do.
+fn check_shard(text: &str, limits: &LimitArgs, map: bool) -> Result<(), CliError> {
+    let why = if limits.target_error.is_some() {
+        "--target-error decides by the whole picture, of which a shard sees a part: give --samples instead"
+    } else if limits.time_limit.is_some() && limits.samples.is_none() {
+        "shards join where each has as many samples: with --time-limit give --samples too, and --checkpoint to \
+         go on later"
+    } else if map {
+        "all pixels of a shard have as many samples: leave out --samples-map"
+    } else {
+        return Ok(());
+    };
+    Err(refuse("--shard", text, why))
+}
+
+impl TryFrom<MergeArgs> for MergeOptions {
+    type Error = CliError;
+    fn try_from(args: MergeArgs) -> Result<Self, CliError> {
+        Ok(Self {
+            parts: args.parts,
+            output: args.output,
+            exposure: args.exposure.as_deref().map(exposure).transpose()?,
+            tone: args.tone,
+            json: args.json,
         })
     }
 }
@@ -227,7 +286,6 @@ mod tests {
     use crate::cli::overrides::Overrides;
     use crate::sampling::Sampler;
     use crate::scene::{Loaded, Rendering, Scene, View, load};
-    use crate::tone::Operator;
     use crate::traverse::batch::Traversal;
     use crate::traverse::{BoxChoice, Methods, SphereChoice, TraversalChoice, TriangleChoice};
     use clap::Parser;

@@ -28,20 +28,33 @@ pub struct Progress {
     pixels: u64,
     /// Pixel samples in all, by the present forecast.
     expected: Arc<AtomicU64>,
+    /// Pixel samples of an earlier run.
+    resumed: Arc<AtomicU64>,
 }
 
 impl Progress {
-    /// Starts now; `limit` is the time limit, if there is one.
-    pub fn new([width, height]: [u32; 2], limit: Option<Duration>) -> Self {
-        let pixels = u64::from(width) * u64::from(height);
-        let (rays, expected) = (Arc::new(AtomicU64::new(0)), Arc::new(AtomicU64::new(0)));
-        let (counted, all, start) = (rays.clone(), expected.clone(), Instant::now());
+    /// Starts now, for a film of so many pixels; `limit` is the time limit, if there is one.
+    pub fn new(pixels: u64, limit: Option<Duration>) -> Self {
+        let [rays, expected, resumed] = [(); 3].map(|()| Arc::new(AtomicU64::new(0)));
+        let (counted, all, had, start) = (rays.clone(), expected.clone(), resumed.clone(), Instant::now());
         let say = move |state: &ProgressState, out: &mut dyn Write| {
-            let [rays, expected] = [&counted, &all].map(|count| count.load(Ordering::Relaxed));
-            let _ = out.write_str(&figures(state.pos(), pixels, expected, rays, start.elapsed(), limit));
+            let [rays, expected, had] = [&counted, &all, &had].map(|count| count.load(Ordering::Relaxed));
+            let done = [had, state.pos()];
+            let _ = out.write_str(&figures(done, pixels, expected, rays, start.elapsed(), limit));
         };
         let bar = line(Some(pixels), style("{wide_bar} {figures}").with_key("figures", say));
-        Self { bar, rays, pixels, expected }
+        Self { bar, rays, pixels, expected, resumed }
+    }
+
+    /// Counts the pixel samples of an earlier run.
+    pub fn resume(&self, pixel_samples: u64) {
+        self.resumed.store(pixel_samples, Ordering::Relaxed);
+        self.bar.set_position(pixel_samples);
+    }
+
+    /// Runs `say`, which may write above the line.
+    pub fn above(&self, say: impl FnOnce()) {
+        self.bar.suspend(say);
     }
 
     /// Sets the forecast of pixel samples.
@@ -146,10 +159,10 @@ fn style(template: &str) -> ProgressStyle {
     ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar())
 }
 
-/// The text behind the bar, at `done` of `expected` pixel samples; `pixels` of them are a sample of the
-/// picture.
+/// The text behind the bar, at `done` of `expected` pixel samples, `had` of them by an earlier run; `pixels`
+/// of them are a sample of the picture.
 fn figures(
-    done: u64,
+    [had, done]: [u64; 2],
     pixels: u64,
     expected: u64,
     rays: u64,
@@ -165,7 +178,9 @@ fn figures(
         if of_samples < of_time { String::new() } else { format!("/{}", grouped(expected.div_ceil(pixels))) };
     let mut text = format!("{:.1} %  {}{all} samples  {rate} Mray/s", share * 100.0, grouped(done / pixels));
     if (SETTLED_SHARE..1.0).contains(&share) && time >= SETTLED {
-        let left = time.mul_f64((1.0 - share) / share).max(Duration::from_secs(1));
+        // The share that this run did.
+        let own = share - if of_samples < of_time { 0.0 } else { had as f64 / expected.max(1) as f64 };
+        let left = time.mul_f64(((1.0 - share) / own.max(1e-9)).min(1e9)).max(Duration::from_secs(1));
         // Parts of a picture differ in cost: before the first whole sample the time left is a guess.
         let guess = if done < pixels && of_time < of_samples { "perhaps " } else { "" };
         let _ = write!(text, "  {guess}{} left", HumanDuration(left));
@@ -180,8 +195,8 @@ mod tests {
     #[test]
     fn figures_move_within_a_sample_and_tell_the_time_left_only_when_it_is_known() {
         let seconds = Duration::from_secs;
-        let after = |done, time| figures(done, 1_000, 4_000, 2_000_000 * time, seconds(time), None);
-        assert_eq!(figures(0, 1_000, 4_000, 0, Duration::ZERO, None), "0.0 %  0/4 samples  0.0 Mray/s");
+        let after = |done, time| figures([0, done], 1_000, 4_000, 2_000_000 * time, seconds(time), None);
+        assert_eq!(figures([0, 0], 1_000, 4_000, 0, Duration::ZERO, None), "0.0 %  0/4 samples  0.0 Mray/s");
         assert_eq!(after(16, 60), "0.4 %  0/4 samples  2.0 Mray/s", "too little is done");
         assert_eq!(after(2_000, 1), "50.0 %  2/4 samples  2.0 Mray/s", "too little time has passed");
         assert_eq!(after(400, 6), "10.0 %  0/4 samples  2.0 Mray/s  perhaps 54 seconds left");
@@ -192,13 +207,16 @@ mod tests {
             "never none before the end"
         );
         assert_eq!(after(4_000, 9), "100.0 %  4/4 samples  2.0 Mray/s");
+        // Half was there; a quarter took nine seconds, and so will the last one.
+        let resumed = figures([2_000, 3_000], 1_000, 4_000, 18_000_000, seconds(9), None);
+        assert_eq!(resumed, "75.0 %  3/4 samples  2.0 Mray/s  9 seconds left");
     }
 
     #[test]
     fn figures_go_by_the_clock_where_it_will_end_first() {
         let seconds = Duration::from_secs;
         let after =
-            |done, time| figures(done, 1_000, 4_000, 2_000_000 * time, seconds(time), Some(seconds(10)));
+            |done, time| figures([0, done], 1_000, 4_000, 2_000_000 * time, seconds(time), Some(seconds(10)));
         assert_eq!(after(500, 5), "50.0 %  0 samples  2.0 Mray/s  5 seconds left");
         assert_eq!(after(3_000, 5), "75.0 %  3/4 samples  2.0 Mray/s  2 seconds left");
         assert_eq!(after(500, 12), "100.0 %  0 samples  2.0 Mray/s");

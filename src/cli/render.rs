@@ -1,9 +1,13 @@
-//! `octray render`: a still.
+//! `octray render`: stills, and parts of them.
 
+use super::checkpoint::{self, Keeper};
 use super::error::{CliError, INTERRUPTED};
+use super::frames::Frames;
 use super::interrupt::Interrupt;
+use super::jobs::{Job, is_same, jobs};
 use super::limits::Limits;
 use super::memory;
+use super::numbers::refuse;
 use super::options::RenderOptions;
 use super::overrides::Overrides;
 use super::picture::PictureOptions;
@@ -11,33 +15,33 @@ use super::progress::Progress;
 use super::samples_map;
 use super::scenes;
 use super::terminal;
-use super::trace::trace;
+use super::trace::{Traced, Watch, trace};
 use crate::adaptive::ErrorEstimate;
+use crate::camera::Tile;
+use crate::checkpoint::{Header, Identity, Shard};
 use crate::film::Film;
 use crate::film::noise::Noise;
 use crate::measure::stats::FrameStats;
-use crate::output::{self, Existing, Format};
+use crate::output::{self, Format};
 use crate::render::{Renderer, Settings};
 use crate::report::numbers::mrays_per_s;
 use crate::report::render::{End, EstimatedError, Report};
 use crate::report::stats;
-use crate::scene::Scene;
+use crate::scene::{Camera, Loaded, Scene};
+use crate::tone::Tone;
 use crate::wording::counted;
 use std::process::ExitCode;
-use std::time::Duration;
 
 /// Runs the command.
 pub fn run(options: RenderOptions) -> Result<ExitCode, CliError> {
     // Outputs are checked before hours of rendering.
-    let format = Format::of(&options.output)?;
-    output::check(&options.output, Existing::Replace)?;
-    samples_map::check(&options)?;
+    let jobs = jobs(&options)?;
     let scene = scenes::load_with_warnings(&options.scene)?;
+    let cameras = cameras(&options, &jobs, &scene)?;
     let overrides = options.picture.overrides.or(Overrides::of_view(&scene)?);
-    let limits = overrides.limits.unwrap_or_default();
     // Options alone get the warning: a view's are for files of any format.
     let Overrides { exposure, tone, .. } = options.picture.overrides;
-    if format.is_linear() && (exposure.is_some() || tone.is_some()) {
+    if Format::of(&options.output).is_ok_and(Format::is_linear) && (exposure.is_some() || tone.is_some()) {
         terminal::warn(&format!(
             "--exposure and --tone have no effect on {}: it holds the linear radiance.",
             options.output.display()
@@ -45,57 +49,247 @@ pub fn run(options: RenderOptions) -> Result<ExitCode, CliError> {
     }
 
     let settings = settings(&scene, &options.picture, &overrides);
-    let adaptive = limits.target.is_some();
-    let noise = if adaptive { Noise::BYTES_PER_PIXEL } else { 0 };
+    let limits = overrides.limits.unwrap_or_default();
+    let noise = if limits.target.is_some() { Noise::BYTES_PER_PIXEL } else { 0 };
     memory::check(settings.resolution, Film::BYTES_PER_PIXEL + noise)?;
+    check_shard(&jobs, &settings)?;
     let renderer = Renderer::new(&scene, settings);
-    if options.stats {
-        renderer.start_stats();
+    let (interrupt, tone) = (Interrupt::listen(), overrides.tone());
+    let stage = Stage { options, limits, settings, tone, interrupt };
+    let mut prepared = Some((scene.scene, renderer));
+    let last = jobs.len() - 1;
+    for (index, (job, camera)) in jobs.into_iter().zip(cameras).enumerate() {
+        let (scene, renderer) = prepared.as_mut().expect("kept until the last job");
+        if job.frame.is_some() {
+            scene.camera = camera;
+            renderer.set_view(scene, &camera, settings.resolution, settings.max_bounces);
+        }
+        stage.interrupt.begin();
+        let done = stage.trace(&job, scene, renderer)?;
+        if index == last {
+            // Frees memory for the encoder.
+            prepared = None;
+        }
+        let code = stage.finish(&job, done)?;
+        if code != ExitCode::SUCCESS {
+            return Ok(code);
+        }
+        // While the files of this frame were written.
+        if index < last && stage.interrupt.requested() {
+            return Ok(ExitCode::from(INTERRUPTED));
+        }
+        stage.interrupt.release();
     }
-    let interrupt = Interrupt::listen();
-    let mut film = if adaptive { renderer.film_with_noise() } else { renderer.film() };
-    let progress = Progress::new(settings.resolution, limits.time);
-    let (time, end) = trace(&renderer, &mut film, &limits, &interrupt, &progress);
-    progress.writing(&options.output);
-    let (mut report, begun) =
-        (report_of(&options, &limits, &settings, &film, time, end), film.pixels_begun());
-    let frames = report.mean_samples.round() as u32;
-    report.stats = options
-        .stats
-        .then(|| FrameStats::of(&renderer.take_stats(), settings.lanes, settings.threads, frames));
-    interrupt.hold();
-    if let Some(file) = &options.samples_map
-        && let Err(error) = samples_map::save(file, &film, &|| interrupt.insisted())
-    {
-        progress.end();
-        return if interrupt.insisted() { Ok(ExitCode::from(INTERRUPTED)) } else { Err(error) };
-    }
-    let picture = film.picture();
-    // Frees memory for the encoder.
-    drop((film, renderer, scene));
-    let saved = output::save_unless(&options.output, &picture, &overrides.tone(), &|| interrupt.insisted());
-    progress.end();
-    if saved.is_err() && interrupt.insisted() {
-        return Ok(ExitCode::from(INTERRUPTED));
-    }
-    saved?;
+    Ok(ExitCode::SUCCESS)
+}
 
-    if report.discarded_samples > 0 {
-        terminal::warn(&format!(
-            "{} not finite and left out; this is a bug in octray: please report it with the scene.",
-            counted(report.discarded_samples, "sample was", "samples were")
-        ));
+/// The camera of each job: the scene's, or that of its frame. All are checked before the first is rendered.
+fn cameras(options: &RenderOptions, jobs: &[Job], scene: &Loaded) -> Result<Vec<Camera>, CliError> {
+    let Some(Frames { first, last }) = options.frames else { return Ok(vec![scene.camera]) };
+    let refuse = |why: String| refuse("--frames", &format!("{first}..{last}"), why);
+    let path = scene.view.as_ref().map(|view| &view.path);
+    let Some((path, [begin, end])) = path.and_then(|path| Some((path, path.frames()?))) else {
+        let why = format!("`{}` has no keyframes: add `keyframes` to a view of the scene", scene.name);
+        return Err(refuse(why));
+    };
+    let camera = |frame| {
+        let outside = || refuse(format!("the keyframes of `{}` go from {begin} to {end}", scene.name));
+        let camera = path.at(frame).ok_or_else(outside)?;
+        match camera.fault() {
+            None => Ok(camera),
+            Some((key, what, _)) => {
+                let mend = "move the keyframes around it, or add one";
+                Err(refuse(format!(
+                    "between keyframes, frame {frame} has an impossible `{key}` ({what}): {mend}"
+                )))
+            }
+        }
+    };
+    // Frames of other shards too: a fault shows wherever it lies.
+    (first..=last).try_for_each(|frame| camera(frame).map(drop))?;
+    jobs.iter().filter_map(|job| job.frame).map(camera).collect()
+}
+
+/// Refuses shards without tiles.
+fn check_shard(jobs: &[Job], settings: &Settings) -> Result<(), CliError> {
+    let tiles = Tile::cover(settings.resolution, settings.tile_size).count();
+    let Some(Shard { number, of }) = jobs.iter().map(|job| job.shard).find(|shard| shard.of as usize > tiles)
+    else {
+        return Ok(());
+    };
+    let why = format!("the picture has {}: give at most as many parts", counted(tiles, "tile", "tiles"));
+    Err(refuse("--shard", &format!("{number}/{of}"), why))
+}
+
+/// What all jobs share.
+struct Stage {
+    options: RenderOptions,
+    limits: Limits,
+    settings: Settings,
+    tone: Tone,
+    interrupt: Interrupt,
+}
+
+/// A film at its end, and what is told of it.
+struct Done {
+    film: Film,
+    /// With the goals of the last round: for checkpoints and parts.
+    header: Option<Header>,
+    goals: Vec<u32>,
+    keeper: Option<Keeper>,
+    report: Report,
+    progress: Progress,
+}
+
+impl Stage {
+    /// Renders a film to its end.
+    fn trace(&self, job: &Job, scene: &Scene, renderer: &Renderer) -> Result<Done, CliError> {
+        let Self { options, limits, settings, interrupt, .. } = self;
+        if options.stats {
+            renderer.start_stats();
+        }
+        let mut film = if limits.target.is_some() { renderer.film_with_noise() } else { renderer.film() };
+        film.keep_tiles(|number| job.shard.has(number));
+        let mut header = (job.part || job.checkpoint.is_some()).then(|| self.header(job, scene));
+        let (mut goals, mut keeper) = (Vec::new(), None);
+        if let (Some(file), Some(header)) = (&job.checkpoint, &header) {
+            goals = checkpoint::resume(file, header, &mut film)?;
+            let interval = options.checkpoint_interval;
+            keeper = Some(Keeper::new(file.clone(), header.clone(), interval, interrupt));
+        }
+        let before = Before { samples: film.mean_samples(), rays: film.rays() };
+        if before.samples > 0.0 {
+            interrupt.set_begun();
+        }
+        let progress = Progress::new(film.pixels(), limits.time);
+        progress.resume(film.pixel_samples());
+        let watch = Watch { interrupt, progress: &progress };
+        let traced = trace(renderer, &mut film, limits, goals, keeper.as_mut(), watch);
+        progress.writing(&job.output);
+        if let Some(header) = &mut header {
+            header.complete = matches!(traced.end, End::Samples | End::TargetError);
+        }
+        let mut report = self.report(job, &film, &before, &traced);
+        let frames = (report.mean_samples - before.samples).round().max(1.0) as u32;
+        report.stats = options
+            .stats
+            .then(|| FrameStats::of(&renderer.take_stats(), settings.lanes, settings.threads, frames));
+        Ok(Done { film, header, goals: traced.goals, keeper, report, progress })
     }
-    if options.json {
-        terminal::print_json(&report)?;
-    } else {
-        terminal::print(&report.line(limits.samples, begun))?;
+
+    /// Writes the files of a film, and its report.
+    fn finish(&self, job: &Job, done: Done) -> Result<ExitCode, CliError> {
+        let Done { film, header, goals, mut keeper, report, progress } = done;
+        let begun = film.pixels_begun() as f64 / film.pixels() as f64;
+        self.interrupt.hold();
+        let complete = header.as_ref().is_some_and(|header| header.complete);
+        let kept = keeper.as_mut().map_or(Ok(()), |keeper| keeper.finish(&film, &goals, complete));
+        let saved = match header {
+            // Where both are one file, it is written.
+            Some(_) if job.part && job.checkpoint.as_ref().is_some_and(|file| is_same(file, &job.output)) => {
+                Ok(())
+            }
+            Some(header) if job.part => self.save_part(job, &film, &header, &goals),
+            _ => self.save_picture(job, film),
+        };
+        progress.end();
+        if (saved.is_err() || kept.is_err()) && self.interrupt.insisted() {
+            return Ok(ExitCode::from(INTERRUPTED));
+        }
+        saved?;
+        self.tell(&report, begun)?;
+        // The picture is there; what cannot be is a later run that goes on from here.
+        kept?;
+        Ok(if report.interrupted { ExitCode::from(INTERRUPTED) } else { ExitCode::SUCCESS })
+    }
+
+    /// What checkpoints say of this film.
+    fn header(&self, job: &Job, scene: &Scene) -> Header {
+        Header {
+            name: scene.name.clone(),
+            identity: Identity::new(scene, &self.settings, self.limits.target.as_ref(), job.shard),
+            display: self.tone.into(),
+            wanted: self.limits.samples,
+            complete: false,
+            rays: 0,
+            tiles: 0,
+        }
+    }
+
+    fn save_part(&self, job: &Job, film: &Film, header: &Header, goals: &[u32]) -> Result<(), CliError> {
+        Ok(crate::checkpoint::save(&job.output, header, film, goals, &|| self.interrupt.insisted())?)
+    }
+
+    fn save_picture(&self, job: &Job, film: Film) -> Result<(), CliError> {
+        let given_up = || self.interrupt.insisted();
+        if let Some(file) = &job.samples_map {
+            samples_map::save(file, &film, &given_up)?;
+        }
+        let picture = film.picture();
+        // Frees memory for the encoder.
+        drop(film);
+        Ok(output::save_unless(&job.output, &picture, &self.tone, &given_up)?)
+    }
+
+    fn tell(&self, report: &Report, begun: f64) -> Result<(), CliError> {
+        if report.discarded_samples > 0 {
+            terminal::warn(&format!(
+                "{} not finite and left out; this is a bug in octray: please report it with the scene.",
+                counted(report.discarded_samples, "sample was", "samples were")
+            ));
+        }
+        if self.options.json {
+            return terminal::print_json(report);
+        }
+        terminal::print(&report.line(self.limits.samples, begun))?;
         if let Some(taken) = &report.stats {
             terminal::print(&stats::frames("stage", &[taken]))?;
             terminal::print(&stats::meaning_of_frames())?;
         }
+        Ok(())
     }
-    Ok(if report.interrupted { ExitCode::from(INTERRUPTED) } else { ExitCode::SUCCESS })
+
+    fn report(&self, job: &Job, film: &Film, before: &Before, traced: &Traced) -> Report {
+        let Self { options, limits, settings, .. } = self;
+        let [width, height] = settings.resolution;
+        let target = &limits.target;
+        let estimated = target.map(|_| {
+            let ErrorEstimate { rms, largest } = ErrorEstimate::of(film);
+            EstimatedError { rms, largest }
+        });
+        Report {
+            schema: "octray-render-1",
+            scene: options.scene.clone(),
+            frame: job.frame,
+            shard: job.part.then_some([job.shard.number, job.shard.of]),
+            output: job.output.display().to_string(),
+            width,
+            height,
+            samples: film.samples(),
+            most_samples: film.most_samples(),
+            mean_samples: film.mean_samples(),
+            resumed_samples: Some(before.samples).filter(|&samples| samples > 0.0),
+            ended_by: traced.end,
+            time_limit: limits.time.map(|time| time.as_secs_f64()),
+            target_error: target.map(|target| target.error),
+            estimated_error: estimated,
+            max_bounces: settings.max_bounces,
+            seed: settings.seed,
+            clamp: Some(settings.clamp).filter(|clamp| clamp.is_finite()),
+            seconds: traced.time.as_secs_f64(),
+            rays: film.rays(),
+            mrays_per_s: mrays_per_s(film.rays() - before.rays, traced.time),
+            discarded_samples: film.discarded(),
+            interrupted: traced.end == End::Interrupt,
+            stats: None,
+        }
+    }
+}
+
+/// What the checkpoint held.
+struct Before {
+    samples: f64,
+    rays: u64,
 }
 
 fn settings(scene: &Scene, options: &PictureOptions, overrides: &Overrides) -> Settings {
@@ -111,44 +305,5 @@ fn settings(scene: &Scene, options: &PictureOptions, overrides: &Overrides) -> S
         threads: options.threads,
         clamp: overrides.clamp.unwrap_or(default.clamp),
         ..default
-    }
-}
-
-fn report_of(
-    options: &RenderOptions,
-    limits: &Limits,
-    settings: &Settings,
-    film: &Film,
-    time: Duration,
-    end: End,
-) -> Report {
-    let [width, height] = settings.resolution;
-    let target = &limits.target;
-    let estimated = target.map(|_| {
-        let ErrorEstimate { rms, largest } = ErrorEstimate::of(film);
-        EstimatedError { rms, largest }
-    });
-    Report {
-        schema: "octray-render-1",
-        scene: options.scene.clone(),
-        output: options.output.display().to_string(),
-        width,
-        height,
-        samples: film.samples(),
-        most_samples: film.most_samples(),
-        mean_samples: film.mean_samples(),
-        ended_by: end,
-        time_limit: limits.time.map(|time| time.as_secs_f64()),
-        target_error: target.map(|target| target.error),
-        estimated_error: estimated,
-        max_bounces: settings.max_bounces,
-        seed: settings.seed,
-        clamp: Some(settings.clamp).filter(|clamp| clamp.is_finite()),
-        seconds: time.as_secs_f64(),
-        rays: film.rays(),
-        mrays_per_s: mrays_per_s(film.rays(), time),
-        discarded_samples: film.discarded(),
-        interrupted: end == End::Interrupt,
-        stats: None,
     }
 }

@@ -1,32 +1,12 @@
 //! `--samples-map`: a picture of the number of samples of each pixel.
 //!
-//! For: [`check`], [`save`]. May import: `options`, `film`, `output`. Must not know: why the numbers differ.
+//! For: [`save`]. May import: `film`, `output`. Must not know: why the numbers differ.
 
 use super::error::CliError;
-use super::numbers::refuse;
-use super::options::RenderOptions;
 use crate::film::{Film, Picture};
-use crate::output::{self, Existing, Format};
+use crate::output::{self, Format};
 use crate::tone::{Tone, srgb_decode};
-use std::path::{Path, PathBuf};
-
-/// Checks that the map can be written; called before the rendering.
-pub fn check(options: &RenderOptions) -> Result<(), CliError> {
-    let Some(file) = &options.samples_map else { return Ok(()) };
-    Format::of(file)?;
-    if place(file) == place(&options.output) {
-        let why = "it is also the output file: give another file";
-        return Err(refuse("--samples-map", &file.display().to_string(), why));
-    }
-    Ok(output::check(file, Existing::Replace)?)
-}
-
-/// The canonical path of a file, there or not; the path itself where its folder does not exist.
-fn place(path: &Path) -> PathBuf {
-    let folder = path.parent().unwrap_or(Path::new("")).join(".").canonicalize();
-    let of_new = |folder: PathBuf| path.file_name().map(|name| folder.join(name));
-    path.canonicalize().ok().or_else(|| folder.ok().and_then(of_new)).unwrap_or_else(|| path.into())
-}
+use std::path::Path;
 
 /// Writes the map; fails and leaves no file once `given_up` returns true.
 pub fn save(file: &Path, film: &Film, given_up: &dyn Fn() -> bool) -> Result<(), CliError> {

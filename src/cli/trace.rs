@@ -1,12 +1,14 @@
 //! Takes samples until a limit is reached or the user interrupts.
 //!
-//! For: [`trace`]. May import: `limits`, `interrupt`, `progress`, `render`. Must not know: files.
+//! For: [`trace`]. May import: `checkpoint`, `limits`, `interrupt`, `progress`, `render`. Must not know: what
+//! is done with the film.
 
+use super::checkpoint::Keeper;
 use super::interrupt::Interrupt;
 use super::limits::Limits;
 use super::progress::Progress;
 use crate::adaptive::{ErrorEstimate, Round};
-use crate::film::Film;
+use crate::film::{Film, TileSums};
 use crate::render::{RenderObserver, Renderer};
 use crate::report::render::End;
 use std::time::{Duration, Instant};
@@ -18,34 +20,61 @@ const CHUNK: Duration = Duration::from_millis(100);
 /// samples. A chunk that takes longer stops between tiles.
 const GRACE: Duration = Duration::from_millis(300);
 
-/// Adds samples in chunks until a limit is reached or the user interrupts. Returns the time taken and why it
-/// ended.
+/// Whom a tracing listens to, and whom it tells.
+#[derive(Clone, Copy)]
+pub struct Watch<'a> {
+    pub interrupt: &'a Interrupt,
+    pub progress: &'a Progress,
+}
+
+/// What a tracing took.
+pub struct Traced {
+    pub time: Duration,
+    pub end: End,
+    /// The samples that each tile was to have at the end of the last round, by tile number.
+    pub goals: Vec<u32>,
+}
+
+/// Adds samples in chunks until a limit is reached or the user interrupts. `resumed` are the goals of the
+/// round in which the film was saved; empty for a new film. Between chunks, `keeper` saves the film when it
+/// is time.
 pub fn trace(
     renderer: &Renderer,
     film: &mut Film,
     limits: &Limits,
-    interrupt: &Interrupt,
-    progress: &Progress,
-) -> (Duration, End) {
+    resumed: Vec<u32>,
+    mut keeper: Option<&mut Keeper>,
+    watch: Watch,
+) -> Traced {
     let start = Instant::now();
     let deadline = limits.time.map(|time| start + time);
     let mut pace = Pace { chunk: 1, seconds_a_pixel: 0.0 };
+    let mut goals = resumed;
     let end = loop {
-        let Some(round) = next_round(film, limits) else {
+        let Some(round) = next_round(film, limits, &goals) else {
             let met = limits.target.is_some_and(|target| target.met(&ErrorEstimate::of(film)));
             break if met { End::TargetError } else { End::Samples };
         };
-        progress.expect(round.forecast);
-        if let Some(end) = take_round(renderer, film, &round, &mut pace, deadline, interrupt, progress) {
+        watch.progress.expect(round.forecast);
+        let keeper = keeper.as_deref_mut();
+        let end = take_round(renderer, film, &round, &mut pace, deadline, keeper, watch);
+        goals = round.goals;
+        if let Some(end) = end {
             break end;
         }
     };
-    (start.elapsed(), end)
+    Traced { time: start.elapsed(), end, goals }
 }
 
-/// The next round; `None` at the end.
-fn next_round(film: &Film, limits: &Limits) -> Option<Round> {
+/// The next round, or what is left of one with these goals; `None` at the end.
+fn next_round(film: &Film, limits: &Limits, goals: &[u32]) -> Option<Round> {
     match &limits.target {
+        // The film of an unfinished round must not decide: with other samples, it would decide otherwise.
+        Some(_) if film.tiles().iter().any(|sums| goals.get(sums.tile.number) > Some(&sums.samples)) => {
+            let pixel_samples =
+                |sums: &TileSums| sums.tile.pixels() as u64 * u64::from(goals[sums.tile.number]);
+            Some(Round { goals: goals.to_vec(), forecast: film.tiles().iter().map(pixel_samples).sum() })
+        }
         Some(target) => target.next(film),
         None => Round::equal(film, limits.samples),
     }
@@ -67,19 +96,20 @@ fn take_round(
     round: &Round,
     pace: &mut Pace,
     deadline: Option<Instant>,
-    interrupt: &Interrupt,
-    progress: &Progress,
+    mut keeper: Option<&mut Keeper>,
+    watch: Watch,
 ) -> Option<End> {
     loop {
         let (missing, pixels) = round.missing(film);
         if missing == 0 {
             return None;
         }
-        if interrupt.requested() {
+        if watch.interrupt.requested() {
             return Some(End::Interrupt);
         }
         let mut chunk = pace.chunk.min(missing);
-        let (began, whole) = (Instant::now(), film.samples() > 0);
+        let (began, least) = (Instant::now(), film.samples());
+        let whole = least > 0;
         if let Some(deadline) = deadline {
             let left = deadline.saturating_duration_since(began).as_secs_f64();
             let fitting = (left / (pixels as f64 * pace.seconds_a_pixel).max(1e-12)) as u32;
@@ -91,9 +121,31 @@ fn take_round(
         }
         let late = deadline.map(|deadline| if whole { deadline + GRACE } else { deadline });
         let before = film.pixel_samples();
-        let watch = Chunk { began, late, interrupt, progress };
-        renderer.sample_tiles_to(film, |tile, had| round.goals[tile].min(had.saturating_add(chunk)), &watch);
-        let took = began.elapsed();
+        let mut observer = Chunk { began, late, pause: None, watch };
+        // A resumed film may be uneven: where all tiles have one goal, those ahead wait for the others.
+        let even = round.goals.windows(2).all(|goals| goals[0] == goals[1]);
+        let mut goals = round.goals.clone();
+        for sums in film.tiles() {
+            let goal = &mut goals[sums.tile.number];
+            *goal = (*goal).min(if even { least } else { sums.samples }.saturating_add(chunk));
+        }
+        let mut took = Duration::ZERO;
+        // A chunk that is longer than the time between two checkpoints pauses for each.
+        loop {
+            observer.pause = keeper.as_ref().map(|keeper| keeper.due() + GRACE);
+            let resumed = Instant::now();
+            renderer.sample_tiles_to(film, |tile, _| goals[tile], &observer);
+            took += resumed.elapsed();
+            if let Some(keeper) = keeper.as_deref_mut()
+                && keeper.due() <= Instant::now()
+            {
+                watch.progress.above(|| keeper.keep(film, &round.goals));
+            }
+            let done = film.tiles().iter().all(|sums| sums.samples >= goals[sums.tile.number]);
+            if done || observer.is_stopped() {
+                break;
+            }
+        }
         let done = film.pixel_samples() - before;
         pace.seconds_a_pixel = took.as_secs_f64() / (done as f64).max(1.0);
         pace.chunk = next_chunk(chunk, took);
@@ -104,18 +156,25 @@ fn take_round(
 struct Chunk<'a> {
     began: Instant,
     late: Option<Instant>,
-    interrupt: &'a Interrupt,
-    progress: &'a Progress,
+    pause: Option<Instant>,
+    watch: Watch<'a>,
+}
+
+impl Chunk<'_> {
+    /// By the user or the deadline, for good.
+    fn is_stopped(&self) -> bool {
+        let interrupted = self.watch.interrupt.requested() && self.began.elapsed() >= GRACE;
+        interrupted || self.late.is_some_and(|late| Instant::now() >= late)
+    }
 }
 
 impl RenderObserver for Chunk<'_> {
     fn is_cancelled(&self) -> bool {
-        let interrupted = self.interrupt.requested() && self.began.elapsed() >= GRACE;
-        interrupted || self.late.is_some_and(|late| Instant::now() >= late)
+        self.is_stopped() || self.pause.is_some_and(|pause| Instant::now() >= pause)
     }
     fn sample_done(&self, pixels: usize, rays: u64) {
-        self.interrupt.set_begun();
-        self.progress.add(pixels, rays);
+        self.watch.interrupt.set_begun();
+        self.watch.progress.add(pixels, rays);
     }
 }
 
@@ -145,13 +204,20 @@ mod tests {
     }
 
     fn traced(limits: Limits, interrupt: &Interrupt) -> (Film, Duration, End) {
+        traced_from(|_| 0, limits, interrupt)
+    }
+
+    /// From a film whose tiles have `had(number)` samples.
+    fn traced_from(had: fn(usize) -> u32, limits: Limits, interrupt: &Interrupt) -> (Film, Duration, End) {
         let scene = scene::load("builtin:three").unwrap();
         let settings = Settings { resolution: [40, 24], max_bounces: 1, ..Settings::of(&scene) };
         let renderer = Renderer::new(&scene, settings);
         let mut film = renderer.film_with_noise();
-        let progress = Progress::new(settings.resolution, limits.time);
-        let (time, end) = trace(&renderer, &mut film, &limits, interrupt, &progress);
-        (film, time, end)
+        renderer.sample_tiles_to(&mut film, |tile, _| had(tile), &());
+        let progress = Progress::new(film.pixels(), limits.time);
+        let watch = Watch { interrupt, progress: &progress };
+        let traced = trace(&renderer, &mut film, &limits, vec![], None, watch);
+        (film, traced.time, traced.end)
     }
 
     #[test]
@@ -171,6 +237,15 @@ mod tests {
         assert_eq!(end, End::TimeLimit);
         assert!(took >= time / 2 && took < time + 2 * GRACE, "{took:?}");
         assert!(film.samples() > 1 && film.samples() == film.most_samples());
+    }
+
+    #[test]
+    fn trace_evens_out_what_it_resumes() {
+        let time = Duration::from_millis(200);
+        let limits = Limits { samples: 1 << 24, target: None, time: Some(time) };
+        let (film, _, end) = traced_from(|tile| tile as u32 % 4, limits, &Interrupt::default());
+        assert_eq!(end, End::TimeLimit);
+        assert!(film.samples() > 3 && film.samples() == film.most_samples());
     }
 
     #[test]

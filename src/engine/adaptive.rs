@@ -94,7 +94,8 @@ struct Block {
 /// The samples to take next.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Round {
-    /// The number of samples that each tile shall have, by tile number.
+    /// The number of samples that each tile shall have, by tile number; whatever for tiles that the film has
+    /// not.
     pub goals: Vec<u32>,
     /// The expected total of pixel samples of the whole picture, if each block's error falls with the square
     /// root of its samples.
@@ -104,13 +105,14 @@ pub struct Round {
 impl Round {
     /// `samples` samples for every pixel; none if all have them.
     pub fn equal(film: &Film, samples: u32) -> Option<Self> {
-        let [width, height] = film.resolution().map(u64::from);
-        let goals = vec![samples; film.tiles.len()];
-        (film.samples() < samples).then_some(Self { goals, forecast: width * height * u64::from(samples) })
+        let numbers = film.tiles.last().map_or(0, |tile| tile.tile.number + 1);
+        let forecast = film.pixels() * u64::from(samples);
+        (film.samples() < samples).then_some(Self { goals: vec![samples; numbers], forecast })
     }
     /// The largest number of samples that a tile lacks, and the pixels of all tiles that lack some.
     pub fn missing(&self, film: &Film) -> (u32, u64) {
-        let lacking = film.tiles.iter().zip(&self.goals).filter(|(tile, goal)| tile.samples < **goal);
+        let goals = film.tiles.iter().map(|tile| (tile, self.goals[tile.tile.number]));
+        let lacking = goals.filter(|(tile, goal)| tile.samples < *goal);
         lacking.fold((0, 0), |(most, pixels), (tile, goal)| {
             (most.max(goal - tile.samples), pixels + tile.tile.pixels() as u64)
         })

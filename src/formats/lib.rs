@@ -3,12 +3,14 @@
 //! ```text
 //! .json (native, thesis, view), .obj + .mtl, builtin:NAME  ->  scene::load  ->  Scene (engine)
 //! film::Picture (engine)  ->  output::save  ->  .png .jpg .exr .hdr
+//! film::Film (engine)  <->  checkpoint::save, checkpoint::Checkpoint
 //! ```
 //!
 //! | module | what it does |
 //! |---|---|
 //! | [`scene`] | scene files, models and views into a valid [`scene::Scene`]; views and native files out |
 //! | [`output`] | a picture as PNG, JPEG, EXR or HDR; files that are complete or absent |
+//! | [`checkpoint`] | the sums of a film, whole or a shard of it, written and read bit by bit |
 //! | [`openexr`] | OpenEXR, read (textures) and written (pictures) |
 //! | [`wording`] | numbers and nouns as text |
 //!
@@ -34,6 +36,7 @@
 
 #![forbid(unsafe_code)]
 
+pub mod checkpoint;
 pub mod openexr;
 pub mod output;
 pub mod scene;

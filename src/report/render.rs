@@ -24,6 +24,12 @@ pub enum End {
 pub struct Report {
     pub schema: &'static str,
     pub scene: String,
+    /// With `--frames`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub frame: Option<u32>,
+    /// With `--shard`: its number, and of how many. Samples and rays are those of the shard.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub shard: Option<[u32; 2]>,
     pub output: String,
     pub width: u32,
     pub height: u32,
@@ -32,6 +38,9 @@ pub struct Report {
     pub samples: u32,
     pub most_samples: u32,
     pub mean_samples: f64,
+    /// The mean number of samples that the checkpoint had, if there was one: they are among the others.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub resumed_samples: Option<f64>,
     pub ended_by: End,
     pub time_limit: Option<f64>,
     pub target_error: Option<f64>,
@@ -41,9 +50,11 @@ pub struct Report {
     pub seed: u32,
     /// Largest radiance of a sample in each channel, with which the picture is biased. Null without a limit.
     pub clamp: Option<f32>,
-    /// Wall time of tracing, without loading and writing.
+    /// Wall time of tracing of this run, without loading and writing.
     pub seconds: f64,
+    /// Of all samples.
     pub rays: u64,
+    /// Of this run.
     pub mrays_per_s: f64,
     pub discarded_samples: u64,
     pub interrupted: bool,
@@ -60,8 +71,8 @@ pub struct EstimatedError {
 }
 
 impl Report {
-    /// One line. `wanted` is the limit of samples, `begun` the number of pixels with at least one sample.
-    pub fn line(&self, wanted: u32, begun: u64) -> String {
+    /// One line. `wanted` is the limit of samples, `begun` the share of pixels with at least one sample.
+    pub fn line(&self, wanted: u32, begun: f64) -> String {
         let Self { output, width, height, samples, most_samples, seconds, mrays_per_s, .. } = self;
         let had = if samples == most_samples {
             grouped(samples)
@@ -75,13 +86,17 @@ impl Report {
             true => String::new(),
             false => format!(" (mean {})", figure(self.mean_samples, 0)),
         };
-        let black = 1.0 - begun as f64 / (f64::from(*width) * f64::from(*height));
-        let black = match black > 0.0 {
-            true => format!("; {:.0} % of the picture has had none and is black", 100.0 * black),
+        let shard = self.shard.map(|[number, of]| format!("shard {number} of {of}, ")).unwrap_or_default();
+        let resumed = match self.resumed_samples {
+            Some(samples) => format!(" ({} resumed)", figure(samples, 0)),
+            None => String::new(),
+        };
+        let black = match begun < 1.0 {
+            true => format!("; {:.0} % of the picture has had none and is black", 100.0 * (1.0 - begun)),
             false => String::new(),
         };
         format!(
-            "{output}: {width}×{height}, {had}{of_wanted} sample{plural}{mean}, {seconds:.2} s, {rate} Mray/s{black}\n{}",
+            "{output}: {shard}{width}×{height}, {had}{of_wanted} sample{plural}{mean}{resumed}, {seconds:.2} s, {rate} Mray/s{black}\n{}",
             self.ending()
         )
     }

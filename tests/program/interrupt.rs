@@ -84,7 +84,7 @@ fn put_endless_paths(desk: &Desk, balls: usize) {
 
 /// A picture whose first sample, of two thousand million rays, takes far longer than anyone waits; each of
 /// its tiles is quick.
-fn put_heavy_picture(desk: &Desk) -> &'static str {
+pub fn put_heavy_picture(desk: &Desk) -> &'static str {
     put_endless_paths(desk, 8);
     "endless.json --size 2048x1024 --bounces 1024 --lanes 1 --samples 4"
 }

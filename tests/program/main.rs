@@ -5,9 +5,12 @@
 mod openexr;
 
 mod chart;
+#[cfg(unix)]
+mod checkpoints;
 mod convert;
 mod desk;
 mod figures;
+mod frames;
 #[cfg(unix)]
 mod interrupt;
 mod limits;
@@ -15,6 +18,7 @@ mod rays;
 mod render;
 mod report_page;
 mod scenes;
+mod shards;
 mod stability;
 mod stats;
 mod streams;

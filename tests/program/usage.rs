@@ -5,7 +5,8 @@ use predicates::prelude::*;
 use predicates::str::contains;
 use std::fs;
 
-const COMMANDS: [&str; 7] = ["bench", "compare", "render", "rays", "stability", "convert", "inspect"];
+const COMMANDS: [&str; 8] =
+    ["bench", "compare", "render", "merge", "rays", "stability", "convert", "inspect"];
 
 #[test]
 fn octray_alone_says_what_to_try() {

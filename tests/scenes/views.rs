@@ -6,7 +6,9 @@ use glam::Vec3;
 use octray::buffers::LightChoice;
 use octray::render::PipelineChoice;
 use octray::sampling::Sampler;
-use octray::scene::{Camera, Loaded, Rendering, Scene, SceneError, View, load, load_with_view};
+use octray::scene::{
+    Camera, CameraPath, Keyframe, Loaded, Rendering, Scene, SceneError, View, load, load_with_view,
+};
 use octray::tone::Operator;
 use octray::traverse::{BoxChoice, SphereChoice, TraversalChoice, TriangleChoice};
 use std::fs;
@@ -59,6 +61,7 @@ fn view_that_says_nothing_is_the_scene_itself() {
             resolution: None,
             max_bounces: None,
             render: Rendering::default(),
+            path: CameraPath::default(),
         };
         assert_eq!(scene.view, Some(nothing));
     }
@@ -148,12 +151,15 @@ fn written_views_read_back_in_every_bit() {
             assert_ne!(turn, 0);
             continue;
         }
+        let camera = Camera { position, look_at, up, vertical_fov };
+        let keyframes = [3, u32::MAX].map(|frame| Keyframe { frame, camera }).to_vec();
         let view = View {
             scene: "builtin:three".into(),
-            camera: Some(Camera { position, look_at, up, vertical_fov }),
+            camera: Some(camera),
             resolution: Some([16_384, 1]),
             max_bounces: Some(0),
             render: Rendering { exposure, ..render },
+            path: CameraPath::new(keyframes),
         };
         let Loaded { scene, view: found } =
             load_with_view(&write(folder.path(), "view.json", view.text())).unwrap();

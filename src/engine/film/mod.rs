@@ -4,9 +4,11 @@
 //! [`Tile`]). Must never know: scenes, tone mapping, files.
 //!
 //! Sums are compensated: a plain f32 sum is off by 5e-6 after a million samples and stalls at 2²⁴ of them.
-//! The variance of samples ([`mod@noise`]) is estimated only in films that are made for it.
+//! The variance of samples ([`mod@noise`]) is estimated only in films that are made for it. A tile's sums are
+//! read and set again by [`TileSums::words_into`] and [`TileSums::restore`], for checkpoints.
 
 pub mod noise;
+mod words;
 
 use crate::camera::Tile;
 use crate::lane::{Lane, Mask, NATIVE_WIDTH, Native};
@@ -153,15 +155,21 @@ impl Film {
     pub const BYTES_PER_PIXEL: usize = 3 * size_of::<CompensatedSum>() / L::WIDTH + 1 + size_of::<[f32; 3]>();
 
     /// An empty film, divided into tiles of at most `tile_size` pixels in width and height.
-    pub(crate) fn new(resolution: [u32; 2], tile_size: [u32; 2]) -> Self {
+    pub fn new(resolution: [u32; 2], tile_size: [u32; 2]) -> Self {
         let tiles = Tile::cover(resolution, tile_size).map(TileSums::new).collect();
         Self { resolution, tiles, rays: 0 }
     }
 
     /// The film with variance estimation, which takes [`Noise::BYTES_PER_PIXEL`] more.
-    pub(crate) fn with_noise(mut self) -> Self {
+    pub fn with_noise(mut self) -> Self {
         self.tiles.iter_mut().for_each(|tile| tile.noise = Some(Noise::new(tile.packets.len())));
         self
+    }
+
+    /// Keeps the tiles whose number `keep` accepts and drops the others: a shard of a picture. Pixels of
+    /// dropped tiles are black in [`Film::picture`] and count in no other figure.
+    pub fn keep_tiles(&mut self, keep: impl Fn(usize) -> bool) {
+        self.tiles.retain(|sums| keep(sums.tile.number));
     }
 
     /// Empties the film and keeps its memory.
@@ -173,6 +181,18 @@ impl Film {
     /// Pixels: width, height.
     pub fn resolution(&self) -> [u32; 2] {
         self.resolution
+    }
+    /// The sums of the tiles, in ascending order of the tiles' numbers.
+    pub fn tiles(&self) -> &[TileSums] {
+        &self.tiles
+    }
+    /// The same, to restore them.
+    pub fn tiles_mut(&mut self) -> &mut [TileSums] {
+        &mut self.tiles
+    }
+    /// Pixels of all tiles.
+    pub fn pixels(&self) -> u64 {
+        self.tiles.iter().map(|tile| tile.tile.pixels() as u64).sum()
     }
     /// Samples that every pixel has, discarded ones included.
     pub fn samples(&self) -> u32 {
@@ -189,8 +209,7 @@ impl Film {
     }
     /// The mean number of samples of a pixel.
     pub fn mean_samples(&self) -> f64 {
-        let [width, height] = self.resolution.map(f64::from);
-        self.pixel_samples() as f64 / (width * height)
+        self.pixel_samples() as f64 / self.pixels().max(1) as f64
     }
     /// Pixels with at least one sample.
     pub fn pixels_begun(&self) -> u64 {
@@ -199,6 +218,10 @@ impl Film {
     /// Rays traced so far: closest-hit or any-hit queries of active lanes.
     pub fn rays(&self) -> u64 {
         self.rays
+    }
+    /// Counts rays that were traced elsewhere, for sums that were restored.
+    pub fn add_rays(&mut self, rays: u64) {
+        self.rays = self.rays.saturating_add(rays);
     }
     /// Samples discarded because they were not finite. Expected to be 0: more is a bug.
     pub fn discarded(&self) -> u64 {
@@ -227,6 +250,9 @@ impl Film {
         let [width, _] = self.resolution;
         picture.resize(self.resolution);
         let pixels = &mut picture.pixels;
+        if self.pixels() < pixels.len() as u64 {
+            pixels.fill([0.0; 3]);
+        }
         for sums in &self.tiles {
             let tile = sums.tile;
             for slot in 0..tile.pixels() {

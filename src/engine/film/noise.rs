@@ -67,6 +67,21 @@ impl Noise {
         }
     }
 
+    /// d of the current group and Σ d² of a pixel.
+    pub(super) fn numbers(&self, slot: usize) -> [f32; 2] {
+        let Spread { difference, squares } = self.packets[slot / L::WIDTH];
+        [difference, squares].map(|lanes| lanes.get(slot % L::WIDTH))
+    }
+
+    /// Sets what [`Noise::numbers`] returns to `numbers(slot)`.
+    pub(super) fn set(&mut self, numbers: impl Fn(usize) -> [f32; 2]) {
+        for (packet, spread) in self.packets.iter_mut().enumerate() {
+            let [difference, squares] =
+                [0, 1].map(|which| L::from_fn(|lane| numbers(packet * L::WIDTH + lane)[which]));
+            *spread = Spread { difference, squares };
+        }
+    }
+
     /// The estimated variance of a pixel's mean luminance after `samples` samples; infinite before the first
     /// complete group.
     pub(crate) fn variance_of_mean(&self, slot: usize, samples: u32) -> f64 {

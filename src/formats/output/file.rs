@@ -1,8 +1,8 @@
 //! Atomic writes: a complete file or none.
 //!
-//! For: [`write_atomically`], [`save_text`], [`save_json`], [`make_folder`], and [`check`], which tests
-//! beforehand whether a write can succeed. May import: `error`, `tempfile`, `serde_json`. Must not know:
-//! pictures, formats.
+//! For: [`write_atomically`], [`save_text`], [`save_json`], [`make_folder`], [`check`], which tests
+//! beforehand whether a write can succeed, and [`remove_leftovers`]. May import: `error`, `tempfile`,
+//! `serde_json`. Must not know: pictures, formats.
 //!
 //! The content is written to a temporary file in the final folder, synced to the disk, and renamed to its
 //! final name in one step. A reader sees the old file or the new one; after a failure the old one is left and
@@ -74,6 +74,30 @@ pub fn save_json(path: &Path, what: &impl Serialize) -> Result<(), OutputError> 
         file.write_all(b"\n")
     })
 }
+
+/// Removes temporary files that runs left which were killed while they wrote `path`. Call it before the
+/// first write: a run that writes the same file at this moment loses its temporary file, and says so.
+pub fn remove_leftovers(path: &Path) {
+    let Ok(destination) = Destination::of(path, Existing::Replace) else { return };
+    let prefix = temporary_prefix(&destination.file);
+    for entry in fs::read_dir(&destination.folder).into_iter().flatten().flatten() {
+        let name = entry.file_name();
+        let name = name.to_string_lossy();
+        if name.starts_with(&prefix) && name.ends_with(SUFFIX) {
+            // What cannot be removed is left.
+            let _ = fs::remove_file(entry.path());
+        }
+    }
+}
+
+/// How the names of temporary files for `file` begin: of the same length for every name.
+fn temporary_prefix(file: &Path) -> String {
+    let name = file.file_name().unwrap_or_default().as_encoded_bytes();
+    format!(".octray-{:08x}-", crc32fast::hash(name))
+}
+
+/// How they end.
+const SUFFIX: &str = ".tmp";
 
 /// Creates a folder and its parents unless they exist.
 pub fn make_folder(folder: &Path) -> Result<(), OutputError> {
@@ -151,7 +175,8 @@ impl Destination {
     /// An empty file in the folder, removed on drop unless it is persisted.
     fn temporary(&self) -> Result<NamedTempFile, OutputError> {
         let mut builder = tempfile::Builder::new();
-        builder.prefix(".octray-").suffix(".tmp");
+        let prefix = temporary_prefix(&self.file);
+        builder.prefix(&prefix).suffix(SUFFIX);
         // The permissions of an ordinary new file, less the umask; tempfile's default is readable by the
         // owner alone.
         #[cfg(unix)]

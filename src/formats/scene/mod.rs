@@ -15,6 +15,7 @@
 //! | `placement` | scale, rotation and translation of a mesh |
 //! | `procedural` | generated meshes of any size |
 //! | `view` | a view file: another scene, a camera, render options; read and written |
+//! | `camera_path` | cameras between the keyframes of a view |
 //! | `convert` | from a model to a native scene file |
 //! | `write` | numbers, vectors, cameras and paths as the native formats write them |
 //! | `builder` | collects materials, textures and primitives; fills in defaults |
@@ -27,6 +28,7 @@
 
 mod builder;
 mod builtin;
+mod camera_path;
 mod check;
 mod convert;
 mod embedded;
@@ -49,6 +51,7 @@ mod view;
 mod write;
 
 pub use builtin::names as builtin_names;
+pub use camera_path::{CameraPath, Keyframe};
 pub use convert::{native_from_obj, native_from_obj_in};
 pub use error::SceneError;
 pub use load::{load, load_with_view};

@@ -46,6 +46,15 @@ pub struct CameraFile {
     pub vertical_fov: Option<f64>,
 }
 
+/// Of a view.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, expecting = "an object with `frame` and `camera`")]
+pub struct KeyframeFile {
+    pub frame: u32,
+    /// What it leaves out is as in the view.
+    pub camera: CameraFile,
+}
+
 /// `color`, or `gradient`, or `texture` (which `color` then multiplies).
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields, expecting = "an object with `color`, `gradient` or `texture`")]

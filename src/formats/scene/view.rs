@@ -4,11 +4,12 @@
 //! import: `json`, `native`, `validate` (cameras), `check`, `write`. Must not know: the ranges of the render
 //! options; the viewer.
 
+use super::camera_path::{CameraPath, Keyframe};
 use super::check::{check_bounces, check_resolution};
 use super::embedded::PREFIX;
 use super::error::SceneError;
 use super::json::{JsonPath, Source, read as read_json};
-use super::native::{CameraFile, VIEW_FORMAT};
+use super::native::{CameraFile, KeyframeFile, VIEW_FORMAT};
 use super::validate::camera;
 use super::write;
 use octray_engine::buffers::LightChoice;
@@ -51,6 +52,8 @@ pub struct View {
     /// The scene's own if `None`.
     pub max_bounces: Option<u32>,
     pub render: Rendering,
+    /// The cameras of `octray render --frames`; empty without keyframes.
+    pub path: CameraPath,
 }
 
 /// Options of `octray render`, under their names on the command line. `None` is not written. The command
@@ -108,7 +111,7 @@ impl From<Scene> for Loaded {
 
 impl View {
     /// A view of a scene with its present camera, for a file in `folder`. For a scene loaded through a view,
-    /// it names the viewed scene. `render` is empty.
+    /// it names the viewed scene. `render` and `path` are empty.
     pub fn of(scene: &Scene, loaded_through: Option<&View>, folder: &Path) -> Self {
         Self {
             scene: name_of_viewed(scene, loaded_through, folder),
@@ -116,6 +119,7 @@ impl View {
             resolution: Some(scene.resolution),
             max_bounces: Some(scene.max_bounces),
             render: Rendering::default(),
+            path: CameraPath::default(),
         }
     }
 
@@ -131,6 +135,9 @@ impl View {
             // characters.
             let render = serde_json::to_string_pretty(&self.render).expect("options are JSON");
             entries.push(("render", render.replace('\n', "\n  ")));
+        }
+        if !self.path.keyframes().is_empty() {
+            entries.push(("keyframes", write::keyframes(self.path.keyframes())));
         }
         let lines: Vec<String> = entries.iter().map(|(key, value)| format!("  \"{key}\": {value}")).collect();
         format!("{{\n{}\n}}\n", lines.join(",\n"))
@@ -161,6 +168,8 @@ pub struct ViewFile {
     resolution: Option<[u32; 2]>,
     max_bounces: Option<u32>,
     render: Option<Rendering>,
+    #[serde(default)]
+    keyframes: Vec<KeyframeFile>,
 }
 
 /// Parses a text whose `format` is [`VIEW_FORMAT`].
@@ -180,22 +189,53 @@ pub fn apply(source: &Source, file: ViewFile, mut scene: Scene, name: String) ->
         scene.max_bounces = bounces;
     }
     if let Some(camera_file) = &file.camera {
-        let own = scene.camera;
-        scene.camera = camera(source, &root.key("camera"), camera_file, |position, look_at| Camera {
-            position: position.unwrap_or(own.position),
-            look_at: look_at.unwrap_or(own.look_at),
-            ..own
-        })?;
+        scene.camera = camera_over(source, &root.key("camera"), camera_file, scene.camera)?;
     }
+    let path = path(source, &root.key("keyframes"), &file.keyframes, scene.camera)?;
     let view = View {
         scene: file.scene,
         camera: file.camera.map(|_| scene.camera),
         resolution: file.resolution,
         max_bounces: file.max_bounces,
         render: file.render.unwrap_or_default(),
+        path,
     };
     scene.name = name;
     Ok(Loaded { scene, view: Some(view) })
+}
+
+/// A camera, with what it leaves out from `own`.
+fn camera_over(
+    source: &Source,
+    place: &JsonPath,
+    file: &CameraFile,
+    own: Camera,
+) -> Result<Camera, SceneError> {
+    camera(source, place, file, |position, look_at| Camera {
+        position: position.unwrap_or(own.position),
+        look_at: look_at.unwrap_or(own.look_at),
+        ..own
+    })
+}
+
+/// The keyframes, whose cameras take from `own` what they leave out.
+fn path(
+    source: &Source,
+    place: &JsonPath,
+    files: &[KeyframeFile],
+    own: Camera,
+) -> Result<CameraPath, SceneError> {
+    let mut keyframes: Vec<Keyframe> = Vec::with_capacity(files.len());
+    for (index, file) in files.iter().enumerate() {
+        let place = place.item(index);
+        if keyframes.last().is_some_and(|before| before.frame >= file.frame) {
+            let what = format!("frame {} comes after a frame that is not before it", file.frame);
+            return Err(source.error(&place.key("frame"), what, "write the keyframes in ascending order"));
+        }
+        let camera = camera_over(source, &place.key("camera"), &file.camera, own)?;
+        keyframes.push(Keyframe { frame: file.frame, camera });
+    }
+    Ok(CameraPath::new(keyframes))
 }
 
 /// An error about the value of `key` in the `render` object of the view that the scene was loaded through.

@@ -1,9 +1,10 @@
 //! Writes numbers, vectors, cameras and relative paths for the native formats. A number reads back as the
 //! same bits.
 //!
-//! For: [`number`], [`vec2`], [`vec3`], [`camera`], [`relative`]. May import: the engine's scene model. Must
-//! not know: which file is written.
+//! For: [`number`], [`vec2`], [`vec3`], [`camera`], [`keyframes`], [`relative`]. May import: the engine's
+//! scene model, `camera_path`. Must not know: which file is written.
 
+use super::camera_path::Keyframe;
 use glam::{Vec2, Vec3};
 use octray_engine::scene::Camera;
 use std::path::Path;
@@ -16,6 +17,13 @@ pub fn camera(camera: &Camera) -> String {
         vec3(camera.up),
         number(camera.vertical_fov)
     )
+}
+
+/// As a view writes them: one a line, for an object that is indented by two spaces.
+pub fn keyframes(keyframes: &[Keyframe]) -> String {
+    let line =
+        |key: &Keyframe| format!("    {{ \"frame\": {}, \"camera\": {} }}", key.frame, camera(&key.camera));
+    format!("[\n{}\n  ]", keyframes.iter().map(line).collect::<Vec<_>>().join(",\n"))
 }
 
 pub fn vec3(v: Vec3) -> String {

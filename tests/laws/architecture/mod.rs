@@ -33,7 +33,7 @@ const ORDER: [&[&str]; PACKAGES.len()] = [
         "tone",
         "display",
     ],
-    &["wording", "openexr", "scene", "output"],
+    &["wording", "openexr", "scene", "output", "checkpoint"],
     &[
         "display_mode",
         "dynamic_resolution",

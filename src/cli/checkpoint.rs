@@ -1,0 +1,92 @@
+//! `--checkpoint`: saves the film every few seconds and resumes from it.
+//!
+//! For: [`Keeper`], [`resume`]. May import: `interrupt`, `terminal`, the checkpoints of `octray_formats`.
+//! Must not know: how samples are taken.
+
+use super::error::{CliError, describe};
+use super::interrupt::Interrupt;
+use super::numbers::refuse;
+use super::terminal;
+use crate::checkpoint::{self, Checkpoint, CheckpointError, Header};
+use crate::film::Film;
+use crate::output::OutputError;
+use crate::wording::grouped;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+/// Time between two checkpoints, unless one takes long to save.
+const INTERVAL: Duration = Duration::from_secs(5);
+/// So many times as long as it took to save the last one: saving takes at most a fiftieth of the time.
+const SAVINGS: u32 = 50;
+
+/// Fills the film from a checkpoint, if the file is there. Returns the goals of the round in which it was
+/// saved, by tile number. `header` is what this run would write.
+pub fn resume(file: &Path, header: &Header, film: &mut Film) -> Result<Vec<u32>, CliError> {
+    let Some(checkpoint) = Checkpoint::open(file)? else { return Ok(Vec::new()) };
+    let differences = checkpoint.header.identity.differences(&header.identity);
+    if !differences.is_empty() {
+        return Err(CheckpointError::Differs { path: file.to_owned(), differences }.into());
+    }
+    let goals = checkpoint.fill(film)?;
+    let (most, wanted) = (film.most_samples(), header.wanted);
+    if most > wanted {
+        let why = format!(
+            "the checkpoint `{}` has {most} samples of some pixels: give {most} or more, or another file",
+            file.display()
+        );
+        return Err(refuse("--samples", &grouped(wanted), why));
+    }
+    Ok(goals)
+}
+
+/// Saves the film of a rendering while it grows, and at its end.
+pub struct Keeper {
+    file: PathBuf,
+    header: Header,
+    /// By the time that saving takes if `None`.
+    interval: Option<Duration>,
+    due: Instant,
+    interrupt: Interrupt,
+    /// Was the user warned that saving fails?
+    warned: bool,
+}
+
+impl Keeper {
+    pub fn new(file: PathBuf, header: Header, interval: Option<Duration>, interrupt: &Interrupt) -> Self {
+        let due = Instant::now() + interval.unwrap_or(INTERVAL);
+        Self { file, header, interval, due, interrupt: interrupt.clone(), warned: false }
+    }
+
+    /// When the film is to be saved next.
+    pub fn due(&self) -> Instant {
+        self.due
+    }
+
+    /// Saves the film of a rendering that goes on. If that fails, a warning says so once, and the earlier
+    /// checkpoint stays: hours of rendering shall not end because a disk is full.
+    pub fn keep(&mut self, film: &Film, goals: &[u32]) {
+        let began = Instant::now();
+        self.interrupt.hold();
+        let saved = self.save(film, goals);
+        self.interrupt.release();
+        let next = self.interval.unwrap_or_else(|| INTERVAL.max(SAVINGS * began.elapsed()));
+        self.due = Instant::now() + next;
+        if let Err(error) = &saved
+            && !self.warned
+        {
+            let why = describe(error);
+            terminal::warn(&format!("no checkpoint was saved, and the rendering goes on without: {why}"));
+        }
+        self.warned = saved.is_err();
+    }
+
+    /// Saves the film at the end of a rendering, `complete` or not.
+    pub fn finish(&mut self, film: &Film, goals: &[u32], complete: bool) -> Result<(), OutputError> {
+        self.header.complete = complete;
+        self.save(film, goals)
+    }
+
+    fn save(&self, film: &Film, goals: &[u32]) -> Result<(), OutputError> {
+        checkpoint::save(&self.file, &self.header, film, goals, &|| self.interrupt.insisted())
+    }
+}

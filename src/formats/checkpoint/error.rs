@@ -1,0 +1,34 @@
+//! Why a checkpoint cannot be used: what, where, and how to mend it.
+//!
+//! For: [`CheckpointError`]. May import: `std`. Must not know: films.
+
+use std::io;
+use std::path::PathBuf;
+
+/// Why a checkpoint was refused. The file is unchanged.
+#[derive(Debug, thiserror::Error)]
+pub enum CheckpointError {
+    #[error("cannot read the checkpoint `{}`", .path.display())]
+    Read { path: PathBuf, source: io::Error },
+    #[error(
+        "`{}` is not a checkpoint of octray\n  give another name: an existing file of another kind is not replaced",
+        .path.display()
+    )]
+    NotACheckpoint { path: PathBuf },
+    #[error(
+        "the checkpoint `{}` has version {found} of the format, and this octray reads version {reads}\n  \
+         finish it with the octray that made it, or delete it to start anew", .path.display()
+    )]
+    Version { path: PathBuf, found: u32, reads: u32 },
+    #[error(
+        "the checkpoint `{}` is damaged: {what}\n  delete it to start anew, or take an earlier copy", .path.display()
+    )]
+    Damaged { path: PathBuf, what: String },
+    #[error(
+        "the checkpoint `{}` is of another picture\n  {}\n  give the scene and the options that it was begun with, \
+         or another file, or delete it to start anew", .path.display(), .differences.join("\n  ")
+    )]
+    Differs { path: PathBuf, differences: Vec<String> },
+    #[error("the parts do not make one picture\n  {}\n  {mend}", .faults.join("\n  "))]
+    Parts { faults: Vec<String>, mend: &'static str },
+}

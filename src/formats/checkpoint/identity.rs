@@ -1,0 +1,199 @@
+//! What must be the same for two runs to give the same bits.
+//!
+//! For: [`Identity`] and its parts. May import: the engine's settings and choices. Must not know: files.
+
+use super::fingerprint::Fingerprint;
+use octray_engine::adaptive::Target;
+use octray_engine::buffers::LightChoice;
+use octray_engine::lane::FUSED;
+use octray_engine::render::Settings;
+use octray_engine::sampling::Sampler;
+use octray_engine::scene::Scene;
+use octray_engine::tone::{Operator, Tone};
+use octray_engine::traverse::{BoxChoice, Methods, SphereChoice, TraversalChoice, TriangleChoice};
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+/// A part of a picture: the tiles whose number leaves the remainder `number` − 1 when divided by `of`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Shard {
+    /// From 1 to `of`.
+    pub number: u32,
+    pub of: u32,
+}
+
+impl Shard {
+    /// The whole picture.
+    pub const WHOLE: Self = Self { number: 1, of: 1 };
+
+    /// Is this tile, or this frame counted from the first, in the shard?
+    pub fn has(self, index: usize) -> bool {
+        index % self.of as usize == self.number as usize - 1
+    }
+}
+
+/// How a build rounds `a · b + c`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Rounding {
+    /// Once: fused multiply-add.
+    Fused,
+    /// Twice.
+    Separate,
+}
+
+/// The program that renders.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Program {
+    /// Its version: another one may have other methods.
+    pub version: String,
+    pub rounding: Rounding,
+}
+
+impl Program {
+    pub fn current() -> Self {
+        let rounding = if FUSED { Rounding::Fused } else { Rounding::Separate };
+        Self { version: env!("CARGO_PKG_VERSION").into(), rounding }
+    }
+}
+
+/// Every setting that changes a bit of a film.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Recorded {
+    pub resolution: [u32; 2],
+    pub tile_size: [u32; 2],
+    pub max_bounces: u32,
+    pub seed: u32,
+    /// Null without a limit.
+    pub clamp: Option<f32>,
+    pub sphere: SphereChoice,
+    pub triangle: TriangleChoice,
+    #[serde(rename = "box")]
+    pub boxes: BoxChoice,
+    pub lights: LightChoice,
+    pub sampler: Sampler,
+    /// Null if box tests lose no hit, because then every traversal and width gives the same bits.
+    pub traversal: Option<TraversalChoice>,
+    pub lanes: Option<u32>,
+    /// Error, fewest and most samples of adaptive sampling; null without.
+    pub target: Option<(f64, u32, u32)>,
+}
+
+impl Recorded {
+    pub fn of(settings: &Settings, target: Option<&Target>) -> Self {
+        // Every field by name: whoever adds one decides whether it changes the film.
+        let Settings {
+            resolution,
+            max_bounces,
+            seed,
+            methods,
+            lanes,
+            threads: _,
+            tile_size,
+            pipeline: _,
+            clamp,
+        } = *settings;
+        let Methods { sphere, triangle, boxes, traversal, lights, sampler } = methods;
+        let lossy = !methods.lose_no_hit();
+        Self {
+            resolution,
+            tile_size,
+            max_bounces,
+            seed,
+            clamp: Some(clamp).filter(|clamp| clamp.is_finite()),
+            sphere,
+            triangle,
+            boxes,
+            lights,
+            sampler,
+            traversal: lossy.then_some(traversal),
+            lanes: lossy.then_some(lanes as u32),
+            target: target.map(|&Target { error, least, most }| (error, least, most)),
+        }
+    }
+}
+
+/// What must be the same for two runs to give the same bits, and so to resume one from the other.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Identity {
+    pub program: Program,
+    pub scene: Fingerprint,
+    pub settings: Recorded,
+    pub shard: Shard,
+}
+
+impl Identity {
+    pub fn new(scene: &Scene, settings: &Settings, target: Option<&Target>, shard: Shard) -> Self {
+        Self {
+            program: Program::current(),
+            scene: Fingerprint::of(scene),
+            settings: Recorded::of(settings, target),
+            shard,
+        }
+    }
+
+    /// What differs from `here`, a sentence each.
+    pub fn differences(&self, here: &Self) -> Vec<String> {
+        let [theirs, ours] = [self, here].map(|identity| serde_json::to_value(identity).unwrap_or_default());
+        let mut found = Vec::new();
+        for (group, theirs) in theirs.as_object().into_iter().flatten() {
+            for (key, value) in theirs.as_object().into_iter().flatten() {
+                let other = &ours[group][key];
+                match (group.as_str(), value == other) {
+                    (_, true) => {}
+                    // Numbers of a fingerprint mean nothing to a reader.
+                    ("scene", _) => found.push(format!("{key} of the scene: not the same")),
+                    (group, _) => found.push(format!(
+                        "{}: {}, and here {}",
+                        label(group, key),
+                        shown(value),
+                        shown(other)
+                    )),
+                }
+            }
+        }
+        found
+    }
+}
+
+fn label(group: &str, key: &str) -> String {
+    match (group, key) {
+        ("program", "version") => "version of octray".into(),
+        ("program", "rounding") => "rounding of the build".into(),
+        ("shard", "number") => "number of the shard".into(),
+        ("shard", _) => "number of shards".into(),
+        (_, key) => key.replace('_', " "),
+    }
+}
+
+fn shown(value: &Value) -> String {
+    match value {
+        Value::Null => "none".into(),
+        Value::String(text) => text.clone(),
+        other => other.to_string(),
+    }
+}
+
+/// How a picture file is made of the film: no bit of the film depends on it.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Display {
+    pub exposure: f32,
+    pub tone: Operator,
+}
+
+impl From<Tone> for Display {
+    fn from(Tone { exposure, operator }: Tone) -> Self {
+        Self { exposure, tone: operator }
+    }
+}
+
+impl From<Display> for Tone {
+    fn from(Display { exposure, tone }: Display) -> Self {
+        Self { exposure, operator: tone }
+    }
+}

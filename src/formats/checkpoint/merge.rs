@@ -1,0 +1,99 @@
+//! Joins the shards of a picture: the film has the bits of one run.
+//!
+//! For: [`Parts`]. May import: `file`, `identity`, the engine's film. Must not know: pictures, command lines.
+
+use super::error::CheckpointError;
+use super::file::{Checkpoint, Header};
+use super::identity::Identity;
+use crate::wording::counted;
+use octray_engine::film::Film;
+use std::fs::File;
+use std::io::{BufReader, ErrorKind};
+use std::path::PathBuf;
+
+const MEND: &str = "give every shard of one picture once, each complete: an unfinished one goes on with its own \
+                    command and --checkpoint";
+
+/// All shards of one picture, each once and complete. Their headers were read, their tiles were not yet.
+pub struct Parts(Vec<Checkpoint<BufReader<File>>>);
+
+impl Parts {
+    /// Opens the parts. An error names everything that is missing, doubled, mixed or incomplete.
+    ///
+    /// # Panics
+    /// If there are none.
+    pub fn open(paths: &[PathBuf]) -> Result<Self, CheckpointError> {
+        let open = |path: &PathBuf| {
+            let missing = || CheckpointError::Read { path: path.clone(), source: ErrorKind::NotFound.into() };
+            Checkpoint::open(path)?.ok_or_else(missing)
+        };
+        let parts = paths.iter().map(open).collect::<Result<Vec<_>, _>>()?;
+        let mut faults: Vec<String> = parts[1..].iter().flat_map(|part| mixed(part, &parts[0])).collect();
+        faults.extend(parts.iter().enumerate().flat_map(|(at, part)| doubled(part, &parts[..at])));
+        faults.extend(missing(&parts));
+        faults.extend(parts.iter().filter(|part| !part.header.complete).map(|part| {
+            let wanted = counted(part.header.wanted, "sample", "samples");
+            format!("`{}` is not complete: its run ended before it had {wanted}", part.path.display())
+        }));
+        if faults.is_empty() { Ok(Self(parts)) } else { Err(CheckpointError::Parts { faults, mend: MEND }) }
+    }
+
+    /// What holds for all parts, from the first one.
+    pub fn header(&self) -> &Header {
+        &self.0[0].header
+    }
+
+    /// The whole film.
+    pub fn film(self) -> Result<Film, CheckpointError> {
+        let settings = &self.header().identity.settings;
+        let mut film = Film::new(settings.resolution, settings.tile_size);
+        if settings.target.is_some() {
+            film = film.with_noise();
+        }
+        for part in self.0 {
+            part.fill(&mut film)?;
+        }
+        Ok(film)
+    }
+}
+
+type Part = Checkpoint<BufReader<File>>;
+
+fn mixed(part: &Part, first: &Part) -> Vec<String> {
+    let (theirs, ours) = (&part.header, &first.header);
+    let here = Identity { shard: ours.identity.shard, ..theirs.identity.clone() };
+    let mut found = here.differences(&ours.identity);
+    if theirs.identity.shard.of != ours.identity.shard.of {
+        found.push(format!("{} shards, and here {}", theirs.identity.shard.of, ours.identity.shard.of));
+    }
+    if theirs.wanted != ours.wanted {
+        found.push(format!("samples: {}, and here {}", theirs.wanted, ours.wanted));
+    }
+    if theirs.display != ours.display {
+        found.push("exposure or tone: not the same".into());
+    }
+    let [part, first] = [&part.path, &first.path].map(|path| path.display());
+    found.into_iter().map(|what| format!("`{part}` is not of the picture of `{first}`: {what}")).collect()
+}
+
+fn doubled(part: &Part, before: &[Part]) -> Option<String> {
+    let shard = part.header.identity.shard;
+    let same = before.iter().find(|other| other.header.identity.shard == shard)?;
+    let [path, other] = [&part.path, &same.path].map(|path| path.display());
+    Some(format!("shard {} is there twice: `{other}` and `{path}`", shard.number))
+}
+
+fn missing(parts: &[Part]) -> Option<String> {
+    let of = parts[0].header.identity.shard.of;
+    let mut there: Vec<u32> = parts.iter().map(|part| part.header.identity.shard.number).collect();
+    there.sort_unstable();
+    // At most as many as a line can hold.
+    let mut lacking = (1..=of).filter(|number| there.binary_search(number).is_err());
+    let named: Vec<String> = lacking.by_ref().take(10).map(|number| number.to_string()).collect();
+    let more = if lacking.next().is_some() { ", …" } else { "" };
+    match named.len() {
+        0 => None,
+        1 => Some(format!("shard {} of {of} is missing", named[0])),
+        _ => Some(format!("shards {}{more} of {of} are missing", named.join(", "))),
+    }
+}

@@ -1,0 +1,52 @@
+//! Checkpoints: the sums of a film as a file, bit by bit. A rendering resumes from one; the shards of a
+//! picture are parts in this format, and [`merge`](mod@merge) joins them.
+//!
+//! For: [`save`], [`Checkpoint`], [`Identity`], [`merge::Parts`]. May import: the engine's film, scene model
+//! and settings, `output`. Must not know: how samples are taken, command lines.
+//!
+//! # Format, version 1
+//! All numbers are little-endian; a word has 32 bits.
+//!
+//! | bytes | what |
+//! |---|---|
+//! | 8 | magic: `89 6f 63 74 72 61 79 0a` (`octray` between a byte that is not ASCII and a line feed) |
+//! | 4 | version of the format: 1 |
+//! | 4 | n, the length of the header: at most 2¹⁶ |
+//! | n | the header ([`Header`]), JSON in UTF-8 |
+//! | 4 | CRC-32 (ISO-HDLC, as in PNG) of everything before |
+//! | 16 + 4 m a tile | the tiles, in ascending order of their numbers; how many is in the header |
+//! | 4 | CRC-32 of everything before |
+//!
+//! A tile is four words: its number, the samples that each of its pixels has, the samples that it shall have
+//! at the end of the present round of adaptive sampling, and 1 if a column of discarded samples follows, else
+//! 0. Then come the m words of its pixels, in the order of [`TileSums::words_into`]: compensated sums with
+//! their rounding errors, and with a target error what estimates the variance. Pixels are independent of the
+//! width of the program's packets.
+//!
+//! # What must be the same to resume
+//! [`Identity`]: the version of octray and its rounding (with fused multiply-add or without), the scene's
+//! content, every setting that changes a bit of the film, and the shard. Threads, lanes, pipeline, traversal
+//! and tone mapping may differ. The scene's content is known by a CRC-32 of each of its parts: it tells apart
+//! scenes that were changed or confused, not scenes that were forged.
+//!
+//! # Shards
+//! Shard i of n has the tiles whose number leaves the remainder i − 1 when divided by n ([`Shard`]). Shards
+//! divide the pixels and not the samples: f32 addition is not associative, so the sums of two halves of a
+//! pixel's samples do not add up to the bits of one sum, but a tile that is rendered whole has the bits that
+//! it has in any film. Neighbouring tiles are in different shards, so that all have about the same work.
+//! Adaptive sampling decides by the whole picture, and so cannot be divided.
+//!
+//! [`TileSums::words_into`]: octray_engine::film::TileSums::words_into
+
+mod error;
+mod file;
+mod fingerprint;
+mod identity;
+pub mod merge;
+#[cfg(test)]
+mod tests;
+
+pub use error::CheckpointError;
+pub use file::{Checkpoint, Header, is_checkpoint, save};
+pub use fingerprint::Fingerprint;
+pub use identity::{Display, Identity, Program, Recorded, Rounding, Shard};

@@ -1,0 +1,103 @@
+//! Checkpoints written and read in memory: their bits, and damage of every kind.
+
+use super::file::write;
+use super::*;
+use octray_engine::film::Film;
+use octray_engine::render::{Renderer, Settings};
+use octray_engine::tone::Tone;
+use std::path::Path;
+
+const SHARD: Shard = Shard { number: 2, of: 3 };
+
+/// The header and the film of a shard with two samples.
+fn film() -> (Header, Film) {
+    let scene = crate::scene::load("builtin:three").unwrap();
+    let settings = Settings { resolution: [50, 20], ..Settings::of(&scene) };
+    let renderer = Renderer::new(&scene, settings);
+    let mut film = renderer.film();
+    film.keep_tiles(|number| SHARD.has(number));
+    renderer.add_samples(&mut film, 2);
+    let identity = Identity::new(&scene, &settings, None, SHARD);
+    let display = Tone::default().into();
+    let (name, wanted, complete) = (scene.name, 7, false);
+    (Header { name, identity, display, wanted, complete, rays: 0, tiles: 0 }, film)
+}
+
+fn empty() -> Film {
+    Film::new([50, 20], [16, 16])
+}
+
+fn words(film: &Film) -> Vec<u32> {
+    let mut words = Vec::new();
+    film.tiles()
+        .iter()
+        .filter(|sums| SHARD.has(sums.tile.number))
+        .for_each(|sums| sums.words_into(&mut words));
+    words
+}
+
+fn written() -> (Vec<u8>, Film) {
+    let (header, film) = film();
+    let mut bytes = Vec::new();
+    write(&mut bytes, &header, &film, &[0, 5, 0, 0, 4]).unwrap();
+    (bytes, film)
+}
+
+fn read(bytes: &[u8]) -> Result<(Header, Film, Vec<u32>), CheckpointError> {
+    let checkpoint = Checkpoint::read(bytes, Path::new("c"))?;
+    let (header, mut film) = (checkpoint.header.clone(), empty());
+    checkpoint.fill(&mut film).map(|goals| (header, film, goals))
+}
+
+#[test]
+fn checkpoint_is_read_as_it_was_written() {
+    let (bytes, film) = written();
+    let (header, found, goals) = read(&bytes).unwrap();
+    assert_eq!((header.wanted, header.complete, header.rays, header.tiles), (7, false, film.rays(), 3));
+    assert_eq!(
+        (words(&found), found.rays(), goals),
+        (words(&film), film.rays(), vec![0, 5, 0, 0, 4, 0, 0, 2])
+    );
+    assert_eq!(found.pixel_samples(), film.pixel_samples());
+}
+
+#[test]
+fn every_damage_is_seen() {
+    let (bytes, _) = written();
+    for length in (0..200).chain([bytes.len() - 5, bytes.len() - 1]) {
+        assert!(read(&bytes[..length]).is_err(), "the first {length} bytes");
+    }
+    let longer = [&bytes[..], &[0]].concat();
+    assert!(read(&longer).is_err_and(|error| error.to_string().contains("follows its end")));
+    // All of what comes before the sums, and some of these.
+    for at in (0..bytes.len()).filter(|at| *at < 1200 || at % 97 == 0) {
+        let mut damaged = bytes.clone();
+        damaged[at] ^= 1 << (at % 8);
+        if let Ok((header, ..)) = read(&damaged) {
+            panic!("bit {} of byte {at} changes and nobody sees it: {header:?}", at % 8);
+        }
+    }
+}
+
+#[test]
+fn differences_are_named() {
+    let (header, _) = film();
+    let mut other = header.identity.clone();
+    assert!(header.identity.differences(&other).is_empty());
+    other.settings.seed = 4;
+    other.settings.clamp = Some(0.61);
+    other.scene.camera = "0".into();
+    other.program.version = "9.9.9".into();
+    other.shard.number = 3;
+    let said = header.identity.differences(&other).join("\n");
+    for words in [
+        "seed: 0, and here 4",
+        "clamp: none, and here 0.61",
+        "camera of the scene",
+        "version of octray: 0.1.0, and here 9.9.9",
+        "number of the shard: 2, and here 3",
+    ] {
+        assert!(said.contains(words), "{words}: {said}");
+    }
+    assert_eq!(said.lines().count(), 5, "{said}");
+}

@@ -1,11 +1,11 @@
-// Traces the rays of an octray dump with Embree 3, in every mode that may be its fastest, and compares the
-// hits with octray's.
+// Traces the rays of an octray dump with Embree 3 or 4, in every mode that may be its fastest, and compares
+// the hits with octray's. Compile it once for each version, with -DEMBREE=3 or -DEMBREE=4.
 //
 //   peer DUMP [--passes N] [--only MODE]... [--json]     trace: Mray/s of each mode, agreement with octray
 //   peer DUMP --builds [--passes N] [--json]             build only: milliseconds of each scene, on one thread and on all
 //
-// A mode is QUALITY/ROBUSTNESS/CALL/FLAG, such as high/fast/packet8/coherent. Tracing runs on the calling
-// thread alone.
+// A mode is embreeN/QUALITY/ROBUSTNESS/CALL/FLAG, such as embree4/high/fast/packet8/coherent. Tracing runs on
+// the calling thread alone.
 //
 // What is timed: one pass of rtcIntersect* (closest hit: primary, diffuse) or rtcOccluded* (any hit: shadow)
 // over all rays of a kind, which are stored in the layout of the call. Filling that layout, resetting it
@@ -13,8 +13,8 @@
 
 #include "dump.h"
 #include "reference.h"
+#include "versions.h"
 
-#include <embree3/rtcore.h>
 #include <pmmintrin.h>
 
 #include <algorithm>
@@ -61,6 +61,7 @@ class Device {
 public:
     explicit Device(unsigned threads) : handle(rtcNewDevice(("threads=" + std::to_string(threads)).c_str())) {
         if (!handle) throw std::runtime_error("Embree gives no device");
+        if (property(RTC_DEVICE_PROPERTY_VERSION_MAJOR) != EMBREE) throw std::runtime_error("the library is another version of Embree");
     }
     ~Device() { rtcReleaseDevice(handle); }
     Device(const Device&) = delete;
@@ -98,7 +99,7 @@ public:
 struct Batch {
     virtual ~Batch() = default;
     virtual void reset() = 0;
-    virtual void trace(RTCScene scene, RTCIntersectContext& context) = 0;
+    virtual void trace(RTCScene scene, Query& query) = 0;
     virtual Answers answers() = 0;
 };
 
@@ -133,21 +134,21 @@ public:
                 RTCHitN* hit = hit_of(fresh[i / N]);
                 RTCHitN_geomID(hit, N, lane) = RTC_INVALID_GEOMETRY_ID;
                 RTCHitN_primID(hit, N, lane) = RTC_INVALID_GEOMETRY_ID;
-                RTCHitN_instID(hit, N, lane, 0) = RTC_INVALID_GEOMETRY_ID;
+                set_no_instance(hit, N, lane);
             }
         }
     }
 
     void reset() override { packets = fresh; }
 
-    void trace(RTCScene scene, RTCIntersectContext& context) override {
+    void trace(RTCScene scene, Query& query) override {
         alignas(64) int valid[N];
         std::fill(valid, valid + N, -1);
         size_t whole = count / N;
-        for (size_t i = 0; i < whole; i++) call(valid, scene, context, packets[i]);
+        for (size_t i = 0; i < whole; i++) call(valid, scene, query, packets[i]);
         if (count % N) {
             std::fill(valid + count % N, valid + N, 0);
-            call(valid, scene, context, packets[whole]);
+            call(valid, scene, query, packets[whole]);
         }
     }
 
@@ -170,20 +171,12 @@ private:
     static RTCRayN* ray_of(Packet& packet) { return reinterpret_cast<RTCRayN*>(&packet); }
     static RTCHitN* hit_of(Packet& packet) { return RTCRayHitN_HitN(reinterpret_cast<RTCRayHitN*>(&packet), N); }
 
-    static void call(const int* valid, RTCScene scene, RTCIntersectContext& context, Packet& packet) {
-        if constexpr (N == 1 && ANY) rtcOccluded1(scene, &context, &packet);
-        if constexpr (N == 1 && !ANY) rtcIntersect1(scene, &context, &packet);
-        if constexpr (N == 8 && ANY) rtcOccluded8(valid, scene, &context, &packet);
-        if constexpr (N == 8 && !ANY) rtcIntersect8(valid, scene, &context, &packet);
-        if constexpr (N == 16 && ANY) rtcOccluded16(valid, scene, &context, &packet);
-        if constexpr (N == 16 && !ANY) rtcIntersect16(valid, scene, &context, &packet);
-    }
-
     size_t count;
     std::vector<Packet> fresh, packets;
 };
 
-// rtcIntersectNp and rtcOccludedNp: columns as octray holds them, given in one call.
+#if EMBREE == 3
+// rtcIntersectNp and rtcOccludedNp: columns as octray holds them, given in one call. Embree 4 has no streams.
 class Stream : public Batch {
 public:
     explicit Stream(const Rays& rays)
@@ -194,7 +187,7 @@ public:
         std::fill(geometry.begin(), geometry.end(), RTC_INVALID_GEOMETRY_ID);
     }
 
-    void trace(RTCScene scene, RTCIntersectContext& context) override {
+    void trace(RTCScene scene, Query& query) override {
         RTCRayHitNp columns{}; // what is null, Embree takes for its default or leaves unwritten
         auto of = [](const std::vector<float>& column) { return const_cast<float*>(column.data()); };
         columns.ray.org_x = of(rays.origin[0]);
@@ -209,8 +202,8 @@ public:
         columns.hit.primID = primitive.data();
         columns.hit.geomID = geometry.data();
         auto count = static_cast<unsigned>(rays.count);
-        if (rays.any_hit) rtcOccludedNp(scene, &context, &columns.ray, count);
-        else rtcIntersectNp(scene, &context, &columns, count);
+        if (rays.any_hit) rtcOccludedNp(scene, &query.context, &columns.ray, count);
+        else rtcIntersectNp(scene, &query.context, &columns, count);
     }
 
     Answers answers() override {
@@ -231,12 +224,15 @@ private:
     std::vector<float> t, u, v;
     std::vector<unsigned> primitive, geometry;
 };
+#endif
 
 template <bool ANY> static std::unique_ptr<Batch> batch_of(const std::string& call, const Rays& rays) {
     if (call == "single") return std::make_unique<Packets<1, ANY>>(rays);
     if (call == "packet8") return std::make_unique<Packets<8, ANY>>(rays);
-    if (call == "packet16") return std::make_unique<Packets<16, ANY>>(rays);
-    return std::make_unique<Stream>(rays);
+#if EMBREE == 3
+    if (call == "stream") return std::make_unique<Stream>(rays);
+#endif
+    return std::make_unique<Packets<16, ANY>>(rays);
 }
 
 // --------------------------------------------------------------------------------------------------------------- modes
@@ -246,16 +242,18 @@ struct Mode {
     bool robust, coherent;
 
     std::string name() const {
-        return quality + (robust ? "/robust/" : "/fast/") + call + (coherent ? "/coherent" : "/incoherent");
+        return "embree" + std::to_string(EMBREE) + "/" + quality + (robust ? "/robust/" : "/fast/") + call + (coherent ? "/coherent" : "/incoherent");
     }
 };
 
 static std::vector<Mode> all_modes() {
+    std::vector<const char*> calls = {"single", "packet8", "packet16"};
+    if (EMBREE == 3) calls.push_back("stream");
     std::vector<Mode> modes;
     // LOW took as long to build as MEDIUM and traced no faster in any mode: only its builds are measured.
     for (const char* quality : {"medium", "high"})
         for (bool robust : {false, true})
-            for (const char* call : {"single", "packet8", "packet16", "stream"})
+            for (const char* call : calls)
                 for (bool coherent : {false, true}) modes.push_back({quality, call, robust, coherent});
     return modes;
 }
@@ -270,15 +268,13 @@ struct Result {
 
 static Result trace(const Scene& scene, const Rays& rays, const Mode& mode, int passes, const std::vector<Triangle>& triangles) {
     auto batch = rays.any_hit ? batch_of<true>(mode.call, rays) : batch_of<false>(mode.call, rays);
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    context.flags = mode.coherent ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
+    Query query(mode.coherent);
 
     Result result{rays.kind, mode, rays.count, 0, {}, {}};
     for (int pass = 0; pass <= passes; pass++) {
         batch->reset();
         auto start = std::chrono::steady_clock::now();
-        batch->trace(scene.handle, context);
+        batch->trace(scene.handle, query);
         double seconds = seconds_since(start);
         if (pass > 0) result.mrays.push_back(rays.count / seconds * 1e-6); // the first pass warms up
     }
@@ -338,12 +334,12 @@ static std::string json(const Agreement& a) {
 }
 
 static void print(const std::vector<Result>& results) {
-    std::printf("%-8s %-34s %8s %17s %9s %9s   %s\n", "kind", "mode", "Mray/s", "min..max", "rays", "hits",
+    std::printf("%-8s %-42s %8s %17s %9s %9s   %s\n", "kind", "mode", "Mray/s", "min..max", "rays", "hits",
                 "disagreements (octray right / Embree right / within bound / both wrong)");
     for (const Result& r : results) {
         auto [low, high] = std::minmax_element(r.mrays.begin(), r.mrays.end());
         const Agreement& a = r.agreement;
-        std::printf("%-8s %-34s %8.2f %8.2f..%7.2f %9zu %9zu   %zu", r.kind.c_str(), r.mode.name().c_str(), median(r.mrays), *low,
+        std::printf("%-8s %-42s %8.2f %8.2f..%7.2f %9zu %9zu   %zu", r.kind.c_str(), r.mode.name().c_str(), median(r.mrays), *low,
                     *high, r.rays, r.hits, a.disagreements());
         if (a.is_judged) std::printf(" (%zu / %zu / %zu / %zu)", a.octray_right, a.embree_right, a.within_bound, a.both_wrong);
         std::printf("\n");
@@ -419,7 +415,7 @@ static int run(const Options& options) {
         print(results);
         return 0;
     }
-    std::printf("{\"schema\":\"octray-embree-1\",\"embree\":\"%ld.%ld.%ld\",\"native_packet8\":%s,\"native_packet16\":%s,"
+    std::printf("{\"schema\":\"octray-embree-2\",\"embree\":\"%ld.%ld.%ld\",\"native_packet8\":%s,\"native_packet16\":%s,"
                 "\"triangles\":%zu,\"results\":[",
                 device.property(RTC_DEVICE_PROPERTY_VERSION_MAJOR), device.property(RTC_DEVICE_PROPERTY_VERSION_MINOR),
                 device.property(RTC_DEVICE_PROPERTY_VERSION_PATCH),

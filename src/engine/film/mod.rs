@@ -6,6 +6,7 @@
 //! Sums are compensated: a plain f32 sum is off by 5e-6 after a million samples and stalls at 2²⁴ of them.
 //! The variance of samples ([`mod@noise`]) is estimated only in films that are made for it.
 
+mod hash;
 pub mod noise;
 
 use crate::camera::Tile;

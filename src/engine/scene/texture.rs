@@ -1,5 +1,8 @@
 //! Textures and their texels.
 
+use crate::math::portable;
+use std::sync::LazyLock;
+
 /// An image for surfaces or the sky.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Texture {
@@ -45,7 +48,7 @@ impl Texels {
         match self {
             Self::Srgb8(texels) => {
                 let [r, g, b, _] = texels[index];
-                [r, g, b].map(|byte| srgb_to_linear(f64::from(byte) / 255.0))
+                [r, g, b].map(|byte| SRGB_BYTES[usize::from(byte)])
             }
             Self::Unorm8(texels) => {
                 let [r, g, b, _] = texels[index];
@@ -59,6 +62,10 @@ impl Texels {
     }
 }
 
+/// The linear value of each sRGB byte.
+static SRGB_BYTES: LazyLock<[f64; 256]> =
+    LazyLock::new(|| std::array::from_fn(|byte| srgb_to_linear(byte as f64 / 255.0)));
+
 /// What the texels of an image file are, which decides whether they are decoded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum TexelKind {
@@ -70,7 +77,7 @@ pub enum TexelKind {
 
 /// The linear value of an sRGB value, by IEC 61966-2-1. Values above 1 follow the same curve.
 pub fn srgb_to_linear(x: f64) -> f64 {
-    if x <= 0.04045 { x / 12.92 } else { ((x + 0.055) / 1.055).powf(2.4) }
+    if x <= 0.04045 { x / 12.92 } else { portable::pow((x + 0.055) / 1.055, 2.4) }
 }
 
 /// How a texture is read between texel centres. It repeats in both directions; on spheres and the sky v is

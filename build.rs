@@ -28,7 +28,8 @@ fn main() {
         let (_, rest) = package.as_ref()?.split_once("\"sha1\": \"")?;
         rest.get(..12).map(str::to_owned)
     });
-    let rebuild = if package.is_some() { "cargo install --locked --force octray" } else { "cargo build --release" };
+    let rebuild =
+        if package.is_some() { "cargo install --locked --force octray" } else { "cargo build --release" };
     println!("cargo:rustc-env=OCTRAY_REBUILD=RUSTFLAGS=\"-C target-cpu=native\" {rebuild}");
     // Cargo counts a missing file as changed.
     for path in watched.iter().filter(|path| path.exists()) {

@@ -17,7 +17,12 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     };
     scene.materials.push(gold);
     let material = scene.materials.len() as u32 - 1;
-    scene.spheres.push(Sphere { center: Vec3::new(0.0, 0.4, 1.5), radius: 0.4, material, ..scene.spheres[0] });
+    scene.spheres.push(Sphere {
+        center: Vec3::new(0.0, 0.4, 1.5),
+        radius: 0.4,
+        material,
+        ..scene.spheres[0]
+    });
 
     let threads = std::thread::available_parallelism()?.get();
     let settings = Settings { resolution: [320, 180], threads, ..Settings::of(&scene) };

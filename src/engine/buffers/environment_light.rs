@@ -105,6 +105,7 @@ impl EnvironmentLight {
             contrast: squares / (2.0 * TAU) / (mean * mean),
         }
     }
+    /// Memory of the tables.
     pub fn bytes(&self) -> usize {
         let tables = [&self.row_cdf, &self.column_cdfs, &self.pdfs, &self.edge_cosines];
         tables.iter().map(|table| size_of_val(table.as_slice())).sum()

@@ -28,6 +28,7 @@ pub struct Pinhole {
 }
 
 impl Pinhole {
+    /// The camera for a picture of this width and height.
     pub fn new(camera: &scene::Camera, [width, height]: [u32; 2]) -> Self {
         // In f64: it is computed once per image.
         let forward = (camera.look_at.as_dvec3() - camera.position.as_dvec3()).normalize();

@@ -19,7 +19,9 @@ type L = Native;
 /// A picture in linear RGB, row by row from the top, before tone mapping: the mean of a film.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Picture {
+    /// Pixels in a row.
     pub width: u32,
+    /// Rows.
     pub height: u32,
     /// `width · height` pixels.
     pub pixels: Vec<[f32; 3]>,
@@ -44,6 +46,7 @@ pub struct Film {
 /// The sums of one tile's pixels, row by row.
 #[derive(Clone, Debug)]
 pub struct TileSums {
+    /// The pixels.
     pub tile: Tile,
     /// Samples that every pixel of the tile has.
     pub samples: u32,

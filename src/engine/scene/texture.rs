@@ -6,9 +6,13 @@ use std::sync::LazyLock;
 /// An image for surfaces or the sky.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Texture {
+    /// Its file's name.
     pub name: String,
+    /// Texels in a row.
     pub width: u32,
+    /// Rows of texels.
     pub height: u32,
+    /// How it is read between texel centres.
     pub filter: Filter,
     /// Row by row from the top; `width · height` of them.
     pub texels: Texels,
@@ -28,15 +32,18 @@ pub enum Texels {
 }
 
 impl Texels {
+    /// The number of texels.
     pub fn len(&self) -> usize {
         match self {
             Self::Srgb8(texels) | Self::Unorm8(texels) => texels.len(),
             Self::Float32(texels) => texels.len(),
         }
     }
+    /// Whether there is no texel.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
+    /// Memory of the texels.
     pub fn bytes(&self) -> usize {
         match self {
             Self::Srgb8(texels) | Self::Unorm8(texels) => size_of_val(texels.as_slice()),
@@ -84,7 +91,9 @@ pub fn srgb_to_linear(x: f64) -> f64 {
 /// clamped, because it stays within [0, 1].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
 pub enum Filter {
+    /// The nearest texel.
     Nearest,
+    /// Interpolated between four texels.
     #[default]
     Bilinear,
 }

@@ -1,4 +1,5 @@
-//! Renders a scene that is made in code into a buffer of bytes: `cargo run --release --example render_to_buffer`
+//! Renders a scene that is changed in code into a buffer of bytes:
+//! `cargo run --release --example render_to_buffer`
 
 use glam::Vec3;
 use octray_engine::render::{Renderer, Settings};

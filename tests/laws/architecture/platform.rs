@@ -5,8 +5,8 @@ use super::sources::{Source, sources};
 
 /// Methods of the standard library's numbers that are the platform's. `powi` is in the compiler's hands too;
 /// squares alone have one order of products.
-const PLATFORM: &str = "sin cos tan asin acos atan atan2 sin_cos sinh cosh tanh exp exp2 exp_m1 ln ln_1p log log2 \
-                        log10 powf powi cbrt hypot";
+const PLATFORM: &str = "sin cos tan asin acos atan atan2 sin_cos sinh cosh tanh exp exp2 exp_m1 ln ln_1p \
+                        log log2 log10 powf powi cbrt hypot";
 
 /// What comes after the film (a display, a file), and estimates of noise: the promise ends there.
 const BEYOND: [&str; 4] =

@@ -133,8 +133,8 @@ pub struct CompareArgs {
     #[arg(long, value_name = "N", allow_hyphen_values = true)]
     pub threads: Option<String>,
     /// Only print a hash of each scene's film, equal on every machine: FNV-1a (64 bits) of width and height
-    /// (u32) and of the linear RGB of all pixels by rows (f32), little-endian. "fused" or "plain" says whether
-    /// this build has fused multiply-add; films of the two kinds differ.
+    /// (u32) and of the linear RGB of all pixels by rows (f32), little-endian. "fused" or "plain" says
+    /// whether this build has fused multiply-add; films of the two kinds differ.
     #[arg(long)]
     pub hash: bool,
     /// Pixels of the pictures.

@@ -1,6 +1,7 @@
 //! What `octray compare` reports, as a table or as JSON.
 //!
-//! For: [`Report`], [`HashReport`]. May import: `measure`, `numbers`. Must not know: how pictures are compared.
+//! For: [`Report`], [`HashReport`]. May import: `measure`, `numbers`. Must not know: how pictures are
+//! compared.
 
 use super::numbers::ratio;
 use crate::lane::FUSED;

@@ -3,9 +3,9 @@
 use super::Picture;
 
 impl Picture {
-    /// The 64-bit FNV-1a hash of the picture: of its width and height (u32), then of the red, green and blue of
-    /// each pixel (f32), row by row from the top, all as little-endian bytes. These are the numbers that an EXR
-    /// file of the picture holds.
+    /// The 64-bit FNV-1a hash of the picture: of its width and height (u32), then of the red, green and blue
+    /// of each pixel (f32), row by row from the top, all as little-endian bytes. These are the numbers that
+    /// an EXR file of the picture holds.
     ///
     /// Source: G. Fowler, L. C. Noll, K.-P. Vo, D. Eastlake, "The FNV Non-Cryptographic Hash Algorithm".
     pub fn hash(&self) -> u64 {

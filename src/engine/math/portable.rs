@@ -1,9 +1,9 @@
 //! Elementary functions in f64 with the same bits on every machine.
 //!
-//! What builds a scene uses these. Those of the standard library are the platform's: glibc has other last bits
-//! than musl, chooses by the processor, and the compiler evaluates constants with a third library. These are
-//! sums and products in a fixed order (the crate `libm`, a translation of musl's). Per-ray code has functions
-//! over lanes, in [`crate::lane::functions`].
+//! What builds a scene uses these. Those of the standard library are the platform's: glibc has other last
+//! bits than musl, chooses by the processor, and the compiler evaluates constants with a third library.
+//! These are sums and products in a fixed order (the crate `libm`, a translation of musl's). Per-ray code has
+//! functions over lanes, in [`crate::lane::functions`].
 
 pub use libm::{atan, cos, hypot, pow, tan};
 

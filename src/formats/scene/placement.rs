@@ -1,6 +1,7 @@
 //! The transformation of a mesh.
 //!
-//! For: [`Placement`]. May import: `glam`, the engine's `math`. Must not know: where the numbers come from, meshes.
+//! For: [`Placement`]. May import: `glam`, the engine's `math`. Must not know: where the numbers come from,
+//! meshes.
 
 use glam::{DMat3, DVec3};
 use octray_engine::math::portable;

@@ -1,4 +1,5 @@
-//! Records what the program is built from and with: `OCTRAY_COMMIT` and `OCTRAY_RUSTC`. Never fails a build.
+//! Records what the program is built from and with: `OCTRAY_COMMIT` and `OCTRAY_RUSTC`; and how to build it for
+//! the machine at hand: `OCTRAY_REBUILD`. Never fails a build.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -21,6 +22,15 @@ fn main() {
         let changes = git(&[&status[..], &SOURCES[..]].concat());
         if changes.is_some_and(|changes| !changes.is_empty()) { format!("{commit}+changes") } else { commit }
     });
+    // A package from a registry has no `.cargo/config.toml`, and names its commit in this file.
+    let package = std::fs::read_to_string(".cargo_vcs_info.json").ok();
+    let commit = commit.or_else(|| {
+        let (_, rest) = package.as_ref()?.split_once("\"sha1\": \"")?;
+        rest.get(..12).map(str::to_owned)
+    });
+    let rebuild =
+        if package.is_some() { "cargo install --locked --force octray" } else { "cargo build --release" };
+    println!("cargo:rustc-env=OCTRAY_REBUILD=RUSTFLAGS=\"-C target-cpu=native\" {rebuild}");
     // Cargo counts a missing file as changed.
     for path in watched.iter().filter(|path| path.exists()) {
         println!("cargo:rerun-if-changed={}", path.display());

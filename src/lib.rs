@@ -67,9 +67,9 @@
 //!
 //! # Laws
 //! - **One picture.** A pixel is a function of (scene, settings, pixel, sample): the same bits for scalar and
-//!   SIMD, for any number of
-//!   threads, any tile size, whole or in parts. Ties in t go to the lower primitive index; sums have a fixed
-//!   order; no width uses an approximation of its own.
+//!   SIMD, for any number of threads, any tile size, whole or in parts; and from every build with fused
+//!   multiply-add, and every build without ([`lane::FUSED`]). Ties in t go to the lower primitive index; sums
+//!   have a fixed order; no width uses an approximation of its own.
 //! - **Width is a type.** A kernel is written once over [`lane::Lane`] and runs at widths 1, 8 and 16.
 //! - **The reference is independent.** It shares no code with the kernels that it checks.
 //! - **Features.** The shading stages are compiled for sets of features; a scene gets the smallest set that

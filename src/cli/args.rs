@@ -128,12 +128,17 @@ pub struct CompareArgs {
     /// Scene files, models, or builtin:NAME; the built-in scenes if none is given.
     #[arg(value_name = "SCENE")]
     pub scenes: Vec<String>,
-    /// Print the figures as JSON (schema octray-compare-1).
+    /// Print the figures as JSON (schema octray-compare-1; of hashes octray-hash-1).
     #[arg(long)]
     pub json: bool,
     /// Worker threads [default: all cores].
     #[arg(long, value_name = "N", allow_hyphen_values = true)]
     pub threads: Option<String>,
+    /// Only print a hash of each scene's film, equal on every machine: FNV-1a (64 bits) of width and height
+    /// (u32) and of the linear RGB of all pixels by rows (f32), little-endian. "fused" or "plain" says
+    /// whether this build has fused multiply-add; films of the two kinds differ.
+    #[arg(long)]
+    pub hash: bool,
     /// Pixels of the pictures.
     #[arg(long, value_name = "WxH", default_value = "240x135", allow_hyphen_values = true)]
     pub size: String,

@@ -17,8 +17,8 @@ pub const BAD_INPUT: u8 = 2;
 /// Exit code after Ctrl-C.
 pub const INTERRUPTED: u8 = 130;
 
-/// How to build for the machine at hand.
-pub const REBUILD: &str = "RUSTFLAGS=\"-C target-cpu=native\" cargo build --release";
+/// How to build for the machine at hand, from a checkout or from a registry.
+pub const REBUILD: &str = env!("OCTRAY_REBUILD");
 
 /// An error and its causes, a line each.
 pub fn describe(error: &dyn Error) -> String {

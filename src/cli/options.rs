@@ -57,6 +57,8 @@ pub struct CompareOptions {
     /// Empty: the built-in scenes.
     pub scenes: Vec<String>,
     pub json: bool,
+    /// Hashes of films instead of a comparison.
+    pub hash: bool,
     pub threads: usize,
     pub size: [u32; 2],
     pub bounces: u32,
@@ -159,6 +161,7 @@ impl TryFrom<CompareArgs> for CompareOptions {
         Ok(Self {
             scenes: args.scenes,
             json: args.json,
+            hash: args.hash,
             threads: threads(args.threads.as_deref())?.unwrap_or_else(machine::cores),
             size: size(&args.size)?,
             bounces: bounces(&args.bounces)?,

@@ -77,6 +77,7 @@ pub struct Target {
     pub error: f64,
     /// The smallest and the largest number of samples of a pixel.
     pub least: u32,
+    /// Most samples of a pixel.
     pub most: u32,
 }
 
@@ -125,6 +126,7 @@ pub struct ErrorEstimate {
     /// The root mean square of the blocks' errors over the picture, and the largest error of a block;
     /// infinite before the first estimate.
     pub rms: f64,
+    /// The largest error of a block.
     pub largest: f64,
 }
 

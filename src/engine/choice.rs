@@ -71,6 +71,7 @@ macro_rules! choices {
         }
 
         impl $Choice {
+            /// All alternatives, in the order of help texts.
             pub const ALL: [Self; [$($name),+].len()] = [$(Self::$Variant),+];
 
             /// As the command line, view files and reports spell it.

@@ -54,6 +54,7 @@
 //! - **Safe.** No `unsafe`; `wide` and `bytemuck` contain what is needed.
 
 #![forbid(unsafe_code)]
+#![warn(missing_docs)]
 
 pub mod adaptive;
 pub mod buffers;

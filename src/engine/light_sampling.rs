@@ -15,11 +15,15 @@ pub struct ChosenLight<L: Lane> {
     pub at: Vec3<L>,
     /// 0 for triangles, negative for the environment light.
     pub radius: L,
+    /// Radiance of the light.
     pub emission: Vec3<L>,
+    /// The edge to the second vertex.
     pub ab: Vec3<L>,
+    /// The edge to the third vertex.
     pub ac: Vec3<L>,
     /// The lanes whose light is the parallelogram that continues the triangle `at`, `ab`, `ac`.
     pub is_quad: L::Mask,
+    /// The light's error bound: shadow rays end at this distance from its surface.
     pub offset: L,
     /// The probability of choosing it by power.
     pub probability: L,

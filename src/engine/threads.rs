@@ -23,6 +23,7 @@ impl<W: Send> Threads<W> {
         });
         Self { pool: Handle(pool), memories: (0..count).map(|_| Mutex::new(memory())).collect() }
     }
+    /// The number of worker threads.
     pub fn count(&self) -> usize {
         self.memories.len()
     }

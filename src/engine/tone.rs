@@ -11,6 +11,7 @@ use std::sync::LazyLock;
 pub struct Tone {
     /// In stops: radiance is multiplied by 2^exposure first.
     pub exposure: f32,
+    /// The tone curve.
     pub operator: Operator,
 }
 

@@ -1,8 +1,10 @@
 //! What `octray compare` reports, as a table or as JSON.
 //!
-//! For: [`Report`]. May import: `measure`, `numbers`. Must not know: how pictures are compared.
+//! For: [`Report`], [`HashReport`]. May import: `measure`, `numbers`. Must not know: how pictures are
+//! compared.
 
 use super::numbers::ratio;
+use crate::lane::FUSED;
 use crate::measure::compare::Comparison;
 use crate::wording::{counted, grouped};
 use serde::Serialize;
@@ -15,6 +17,34 @@ const FEWEST_ROUNDS: usize = 3;
 pub struct Report {
     pub schema: &'static str,
     pub results: Vec<Comparison>,
+}
+
+/// The JSON report of `--hash`.
+#[derive(Debug, Serialize)]
+pub struct HashReport {
+    pub schema: &'static str,
+    /// Whether this build has fused multiply-add.
+    pub fused: bool,
+    pub results: Vec<FilmHash>,
+}
+
+impl Default for HashReport {
+    fn default() -> Self {
+        Self { schema: "octray-hash-1", fused: FUSED, results: Vec::new() }
+    }
+}
+
+/// The hash of a scene's film: see [`crate::film::Picture::hash`].
+#[derive(Debug, Serialize)]
+pub struct FilmHash {
+    pub scene: String,
+    /// 16 hexadecimal digits.
+    pub hash: String,
+}
+
+/// A scene's hash and which builds have the same.
+pub fn hash_row(FilmHash { scene, hash }: &FilmHash) -> String {
+    format!("{hash}  {}  {scene}\n", if FUSED { "fused" } else { "plain" })
 }
 
 /// What stands above the rows of scenes.

@@ -236,3 +236,26 @@ fn compare_counts_the_wrong_hits_of_a_naive_method_and_forgives_them() {
     assert_eq!(wrong_hits("robust"), 0.0);
     assert!(wrong_hits("naive") > 10.0);
 }
+
+/// The command and `tests/films` agree on settings, on the bytes that are hashed, and on the table.
+#[test]
+fn compare_hash_prints_the_expected_hash_of_a_film() {
+    let desk = Desk::new();
+    let table = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/films/hashes.txt");
+    let table = fs::read_to_string(table).unwrap();
+    let [_, fused, plain] = table
+        .lines()
+        .map(|line| line.split_whitespace().collect::<Vec<_>>())
+        .find(|columns| columns[0] == "builtin:three")
+        .and_then(|columns| <[&str; 3]>::try_from(columns).ok())
+        .unwrap();
+    let (hash, build) = if octray::lane::FUSED { (fused, "fused") } else { (plain, "plain") };
+    let mut printed = desk.octray(&["compare", "--hash", "builtin:three"]);
+    printed.assert().success().stdout(format!("{hash}  {build}  builtin:three\n"));
+    let report = desk.json(&["compare", "--hash", "--json", "builtin:three"]);
+    assert_eq!(report["schema"], "octray-hash-1");
+    assert_eq!(report["fused"], octray::lane::FUSED);
+    assert_eq!(report["results"], json!([{ "scene": "builtin:three", "hash": hash }]));
+    let other = desk.json(&["compare", "--hash", "--json", "builtin:three", "--seed", "1"]);
+    assert_ne!(other["results"][0]["hash"], hash, "another seed is another film");
+}

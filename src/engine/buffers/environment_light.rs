@@ -1,6 +1,7 @@
 //! The environment light: the sky's texture as a piecewise constant distribution over directions. The tables
 //! are built here and sampled in [`crate::light_sampling`].
 
+use crate::math::portable;
 use crate::scene::{Filter, Scene, Sky, Texture};
 use std::f64::consts::{PI, TAU};
 
@@ -84,7 +85,7 @@ impl EnvironmentLight {
             }
         }
         let radiances: Vec<f64> = sums.iter().zip(&weights).map(|(sum, weight)| sum / weight).collect();
-        let edge = |row: usize| (PI * row as f64 / rows as f64).cos();
+        let edge = |row: usize| portable::cos(PI * row as f64 / rows as f64);
         let solid_angle = |row: usize| (edge(row) - edge(row + 1)) * TAU / columns as f64;
         let row_powers: Vec<f64> = (0..rows)
             .map(|row| radiances[row * columns..][..columns].iter().sum::<f64>() * solid_angle(row))
@@ -104,6 +105,7 @@ impl EnvironmentLight {
             contrast: squares / (2.0 * TAU) / (mean * mean),
         }
     }
+    /// Memory of the tables.
     pub fn bytes(&self) -> usize {
         let tables = [&self.row_cdf, &self.column_cdfs, &self.pdfs, &self.edge_cosines];
         tables.iter().map(|table| size_of_val(table.as_slice())).sum()

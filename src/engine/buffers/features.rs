@@ -12,7 +12,7 @@ pub struct Features(pub u32);
 macro_rules! features {
     ($($(#[$doc:meta])* $name:ident = $bit:literal, $text:literal;)*) => {
         impl Features {
-            $($(#[$doc])* pub const $name: Features = Features(1 << $bit);)*
+            $(#[doc = concat!("Feature: ", $text, ".")] $(#[$doc])* pub const $name: Features = Features(1 << $bit);)*
             /// Every feature there is.
             pub const ALL: Features = Features(0 $(| 1 << $bit)*);
             const NAMES: &'static [(Features, &'static str)] = &[$((Features::$name, $text)),*];
@@ -59,12 +59,14 @@ features! {
 }
 
 impl Features {
+    /// No feature.
     pub const NONE: Features = Features(0);
     /// The features that make shading normals differ from geometric normals.
     pub const SHADING_NORMALS: Features = Self::SMOOTH_NORMALS.with(Self::NORMAL_MAPS);
     /// The features that read [`super::Buffers::detail_rows`].
     pub const DETAILS: Features = Self::PLASTIC.with(Self::NORMAL_MAPS).with(Self::ROUGHNESS_MAPS);
 
+    /// These features and the other's.
     pub const fn with(self, other: Features) -> Features {
         Features(self.0 | other.0)
     }

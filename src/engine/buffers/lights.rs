@@ -86,6 +86,7 @@ impl Lights {
     /// 18 on average, and 12 for a light of the least probability ([`MIN_SHARE`]).
     pub(crate) const MAX_SHARED: usize = 64;
 
+    /// The lights of a scene that the choice selects.
     pub fn new(scene: &Scene, choice: LightChoice) -> Self {
         let primitives = scene.spheres.len() + scene.triangles.len();
         if choice == LightChoice::Off || !anything_scatters(scene) {
@@ -151,12 +152,15 @@ impl Lights {
             _ => Features::LIGHTS,
         }
     }
+    /// The number of lights that are sampled.
     pub fn len(&self) -> usize {
         self.alias_table.alias.len()
     }
+    /// Whether no light is sampled.
     pub fn is_empty(&self) -> bool {
         self.alias_table.alias.is_empty()
     }
+    /// Memory of the tables.
     pub fn bytes(&self) -> usize {
         self.rows.bytes()
             + self.importance_rows.bytes()

@@ -34,7 +34,9 @@ use rows::Rows;
 /// Everything that rendering reads of a scene, except the triangles' intersection data (see
 /// [`store_triangles`]).
 pub struct Buffers {
+    /// The features that the scene uses.
     pub needs: Features,
+    /// All spheres.
     pub spheres: Spheres,
     /// One row of eight a sphere: centre, radius, offset of leaving rays, material (bits), texture turn (see
     /// `texture_turn`), probability of being chosen as a light.
@@ -59,13 +61,17 @@ pub struct Buffers {
     /// refraction, mean transmittance of plastic's coat, roughness map and normal map (bits: index + 1, 0 for
     /// none), 0.
     pub detail_rows: Rows,
+    /// Whether any triangle has texture coordinates of its own.
     pub has_uvs: bool,
     /// For paths that end at emitters: 1 for each primitive that is a textured emitter, which scatters
     /// nothing; 0 for the others. Absent where there is no such emitter, and where a register table does not
     /// hold all primitives.
     pub emitters: Option<Box<[f32; 16]>>,
+    /// All textures, encoded for lookups.
     pub textures: Textures,
+    /// What rays see that hit nothing.
     pub sky: Sky,
+    /// The lights that are sampled.
     pub lights: Lights,
 }
 
@@ -86,12 +92,19 @@ pub struct Sky {
 pub struct MaterialCode(pub u32);
 
 impl MaterialCode {
+    /// Emits and scatters nothing.
     pub const EMITTER: u32 = 0;
+    /// Lambertian.
     pub const DIFFUSE: u32 = 1;
+    /// A perfect mirror.
     pub const MIRROR: u32 = 2;
+    /// A rough metal.
     pub const GGX: u32 = 3;
+    /// A smooth dielectric.
     pub const GLASS: u32 = 4;
+    /// The thesis's lobe.
     pub const SCATTER: u32 = 5;
+    /// A coat over a diffuse base.
     pub const PLASTIC: u32 = 6;
     /// Position of the texture index, in bits.
     pub const TEXTURE_SHIFT: u32 = 8;
@@ -121,6 +134,7 @@ impl Buffers {
         Self::with_lights(scene, LightChoice::default())
     }
 
+    /// With the lights that the choice selects.
     pub fn with_lights(scene: &Scene, choice: LightChoice) -> Self {
         let lights = Lights::new(scene, choice);
         let probability = |number: usize| lights.probabilities.get(number).copied().unwrap_or(0.0);

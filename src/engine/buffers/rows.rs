@@ -26,6 +26,7 @@ impl Rows {
     /// Most rows that are kept as columns.
     const COLUMN_LENGTH: usize = 16;
 
+    /// The rows, padded.
     pub fn new(rows: impl Iterator<Item = [f32; 8]>) -> Self {
         let mut rows: Vec<Row> = rows.map(Row).collect();
         rows.shrink_to_fit();
@@ -37,9 +38,11 @@ impl Rows {
         }
         Self { rows, first_as_columns }
     }
+    /// Whether there is no row.
     pub fn is_empty(&self) -> bool {
         self.rows.is_empty()
     }
+    /// Memory of the rows.
     pub fn bytes(&self) -> usize {
         size_of_val(self.rows.as_slice())
     }

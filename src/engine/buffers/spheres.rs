@@ -59,14 +59,17 @@ impl Spheres {
         let blocks = spheres.chunks(BLOCK).map(SphereBlock::new).collect();
         Self { blocks, len: spheres.len() }
     }
+    /// The number of spheres.
     #[inline(always)]
     pub fn len(&self) -> usize {
         self.len
     }
+    /// Whether there is no sphere.
     #[inline(always)]
     pub fn is_empty(&self) -> bool {
         self.len == 0
     }
+    /// The spheres in blocks of eight.
     #[inline(always)]
     pub fn blocks(&self) -> &[SphereBlock] {
         &self.blocks
@@ -88,6 +91,7 @@ impl Spheres {
             }
         }
     }
+    /// Memory of the blocks.
     pub fn bytes(&self) -> usize {
         size_of_val(self.blocks.as_slice())
     }

@@ -50,6 +50,7 @@ impl Textures {
         }
         Self { display, linear, grids: Rows::new(grids.into_iter()), few: textures.len() <= Rows::FEW }
     }
+    /// Memory of the texels.
     pub fn bytes(&self) -> usize {
         size_of_val(self.display.as_slice()) + size_of_val(self.linear.as_slice()) + self.grids.bytes()
     }

@@ -10,7 +10,9 @@ use glam::Vec3;
 /// The points between `lo` and `hi`, faces included. Units: scene units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bounds {
+    /// The lower corner.
     pub lo: Vec3,
+    /// The upper corner.
     pub hi: Vec3,
 }
 
@@ -39,6 +41,7 @@ impl Bounds {
             None => Self::of_triangle(scene.triangles[number - scene.spheres.len()].vertices),
         }
     }
+    /// The smallest box that holds both.
     pub fn union(self, other: Self) -> Self {
         Self { lo: self.lo.min(other.lo), hi: self.hi.max(other.hi) }
     }
@@ -46,6 +49,7 @@ impl Bounds {
     pub fn contains(self, other: Self) -> bool {
         self.lo.cmple(other.lo).all() && self.hi.cmpge(other.hi).all()
     }
+    /// Whether it holds no point.
     pub fn is_empty(self) -> bool {
         !self.lo.cmple(self.hi).all()
     }

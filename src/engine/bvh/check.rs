@@ -11,9 +11,11 @@ use serde::Serialize;
 /// areas over the root's.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Statistics {
+    /// Nodes of the wide tree.
     pub wide_nodes: usize,
     /// 0 where no binary tree is kept, as `binary_depth`.
     pub binary_nodes: usize,
+    /// Leaves of both kinds.
     pub leaves: usize,
     /// Filled slots of a wide node, of 8, on average.
     pub node_fill: f64,
@@ -21,10 +23,13 @@ pub struct Statistics {
     pub leaf_fill: f64,
     /// Levels of nodes above the deepest leaf.
     pub wide_depth: usize,
+    /// Depth of the binary tree.
     pub binary_depth: usize,
-    /// Expected wide nodes, leaves and primitives that a random line tests.
+    /// Expected wide nodes that a random line tests.
     pub node_visits: f64,
+    /// The same of leaves.
     pub leaf_visits: f64,
+    /// The same of primitives.
     pub primitive_tests: f64,
     /// `node_visits` and `leaf_visits`, weighted by the builder's costs.
     pub cost: f64,

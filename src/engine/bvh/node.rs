@@ -30,6 +30,7 @@ impl Child {
     /// range.
     pub const NONE: Self = Self(u32::MAX);
 
+    /// Whether it is a leaf, not a node.
     #[inline(always)]
     pub fn is_leaf(self) -> bool {
         self.0 & Self::LEAF != 0
@@ -97,6 +98,7 @@ impl WideNode {
         let [lo, _, hi, _, z, _, children, _] = self.boxes().each_ref().map(|row| row[0].to_bits());
         lo ^ hi ^ z ^ children
     }
+    /// The box of a child.
     pub fn bounds(&self, slot: usize) -> Bounds {
         let [a, b, c, x, y, z] = self.planes.each_ref().map(|plane| plane[slot]);
         Bounds { lo: Vec3::new(a, b, c), hi: Vec3::new(x, y, z) }
@@ -126,6 +128,7 @@ impl BinaryNode {
     pub fn child(&self) -> Child {
         self.child
     }
+    /// The node's box.
     #[inline(always)]
     pub fn bounds(&self) -> Bounds {
         Bounds { lo: self.lo.into(), hi: self.hi.into() }
@@ -147,7 +150,9 @@ pub struct Leaf {
 }
 
 impl Leaf {
+    /// Marks an unused place.
     pub const NONE: u32 = u32::MAX;
+    /// The indices of the primitives.
     pub fn primitives(&self) -> &[u32] {
         let len = self.primitives.iter().position(|&one| one == Self::NONE).unwrap_or(LEAF);
         &self.primitives[..len]

@@ -19,16 +19,20 @@ pub enum Trees {
 /// A hierarchy over spheres and triangles.
 #[derive(Clone, Debug)]
 pub struct Bvh {
+    /// The wide tree, the root first.
     pub wide: Vec<WideNode>,
     /// Over the same leaves; empty with [`Trees::Wide`].
     pub binary: Vec<BinaryNode>,
+    /// Leaves of triangles.
     pub triangle_leaves: Vec<Leaf>,
+    /// Leaves of spheres.
     pub sphere_leaves: Vec<Leaf>,
     /// Around everything.
     pub bounds: Bounds,
 }
 
 impl Bvh {
+    /// Builds the hierarchy of a scene.
     pub fn new(scene: &Scene, trees: Trees) -> Self {
         let spheres = scene.spheres.len();
         let count = spheres + scene.triangles.len();

@@ -12,7 +12,7 @@ pub use tile::{MAX_PIXELS, Tile};
 pub use view_frustum::ViewFrustum;
 
 use crate::lane::Lane;
-use crate::math::{Ray, Vec3};
+use crate::math::{Ray, Vec3, portable};
 use crate::scene;
 
 /// A pinhole camera, prepared for packets. Raster space is in pixels from the upper left corner of the image;
@@ -28,12 +28,13 @@ pub struct Pinhole {
 }
 
 impl Pinhole {
+    /// The camera for a picture of this width and height.
     pub fn new(camera: &scene::Camera, [width, height]: [u32; 2]) -> Self {
         // In f64: it is computed once per image.
         let forward = (camera.look_at.as_dvec3() - camera.position.as_dvec3()).normalize();
         let right = forward.cross(camera.up.as_dvec3()).normalize();
         let up = right.cross(forward);
-        let half_height = (f64::from(camera.vertical_fov).to_radians() / 2.0).tan();
+        let half_height = portable::tan(f64::from(camera.vertical_fov).to_radians() / 2.0);
         let half_width = half_height * f64::from(width) / f64::from(height);
         let corner = forward - right * half_width + up * half_height;
         let right = right * (2.0 * half_width / f64::from(width));

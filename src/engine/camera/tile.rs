@@ -11,9 +11,13 @@ pub const MAX_PIXELS: usize = 256;
 pub struct Tile {
     /// Index in the picture's order of tiles.
     pub number: usize,
+    /// Its first column.
     pub x: u32,
+    /// Its first row.
     pub y: u32,
+    /// Pixels in a row.
     pub width: u32,
+    /// Rows.
     pub height: u32,
 }
 
@@ -30,6 +34,7 @@ impl Tile {
             height: size[1].min(resolution[1] - y),
         })
     }
+    /// The number of its pixels.
     pub fn pixels(&self) -> usize {
         (self.width * self.height) as usize
     }

@@ -16,6 +16,7 @@ pub struct Blur {
 }
 
 impl Blur {
+    /// Without memory, which grows at first use.
     pub fn new() -> Self {
         Self::default()
     }

@@ -48,6 +48,7 @@ pub struct Fxaa {
 }
 
 impl Fxaa {
+    /// Without memory, which grows at first use.
     pub fn new() -> Self {
         Self::default()
     }

@@ -83,6 +83,7 @@ pub struct History {
 }
 
 impl History {
+    /// Without a frame to reproject.
     pub fn new() -> Self {
         Self::default()
     }

@@ -7,6 +7,7 @@
 //! The variance of samples ([`mod@noise`]) is estimated only in films that are made for it. A tile's sums are
 //! read and set again by [`TileSums::words_into`] and [`TileSums::restore`], for checkpoints.
 
+mod hash;
 pub mod noise;
 mod words;
 
@@ -20,7 +21,9 @@ type L = Native;
 /// A picture in linear RGB, row by row from the top, before tone mapping: the mean of a film.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Picture {
+    /// Pixels in a row.
     pub width: u32,
+    /// Rows.
     pub height: u32,
     /// `width · height` pixels.
     pub pixels: Vec<[f32; 3]>,
@@ -45,6 +48,7 @@ pub struct Film {
 /// The sums of one tile's pixels, row by row.
 #[derive(Clone, Debug)]
 pub struct TileSums {
+    /// The pixels.
     pub tile: Tile,
     /// Samples that every pixel of the tile has.
     pub samples: u32,

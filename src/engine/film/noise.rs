@@ -43,6 +43,7 @@ struct Spread {
 }
 
 impl Noise {
+    /// Memory of a pixel in bytes.
     pub const BYTES_PER_PIXEL: usize = size_of::<Spread>() / L::WIDTH;
 
     pub(super) fn new(packets: usize) -> Self {

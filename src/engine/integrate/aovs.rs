@@ -30,15 +30,20 @@ pub enum Plane {
     Distance,
     /// Unit shading normal, facing the camera; zero where there is no surface.
     NormalX,
+    /// y of the shading normal.
     NormalY,
+    /// z of the shading normal.
     NormalZ,
     /// Albedo, textures included, in [0, 1]. Of emissive surfaces and of the environment the radiance, scaled
     /// down where a channel is above 1.
     AlbedoRed,
+    /// Green of the albedo.
     AlbedoGreen,
+    /// Blue of the albedo.
     AlbedoBlue,
     /// Barycentric weights of a triangle's second and third vertex; 0 elsewhere.
     WeightU,
+    /// The barycentric weight of the third vertex.
     WeightV,
     /// Width of the lobe, in [0, 1]: alpha (the square of the roughness) of metal, roughness of `scatter`; 0
     /// of mirrors and glass; 1 of every other surface, and where there is none.
@@ -54,10 +59,15 @@ const PLANES: usize = Plane::Object as usize + 1;
 /// The surface at the centre of a pixel: see [`Plane`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AovSample {
+    /// Distance from the camera; infinite for a miss.
     pub distance: f32,
+    /// The shading normal; zero for a miss.
     pub normal: glam::Vec3,
+    /// Reflectance in linear RGB.
     pub albedo: [f32; 3],
+    /// Barycentric weights of a triangle's second and third vertex.
     pub weights: [f32; 2],
+    /// Width of the lobe: see [`Plane::Lobe`].
     pub lobe: f32,
     /// Object id: the same on one sphere, or on all triangles of one material; [`MISS`] where there is no
     /// surface.
@@ -99,6 +109,7 @@ impl Aovs {
     pub fn objects(&self, y: u32) -> &[u32] {
         bytemuck::cast_slice(self.row(Plane::Object, y))
     }
+    /// The sample of a pixel of the tile.
     pub fn pixel(&self, x: u32, y: u32) -> AovSample {
         let at = |plane| self.row(plane, y)[x as usize];
         AovSample {

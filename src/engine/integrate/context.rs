@@ -10,16 +10,22 @@ use crate::traverse::{Primitives, Visible};
 
 /// The scene and settings of a picture, read-only while samples are taken.
 pub struct TraceContext {
+    /// The scene in flat form.
     pub buffers: Buffers,
+    /// The scene for intersection.
     pub primitives: Primitives,
+    /// The camera.
     pub camera: Pinhole,
     /// The primitives that the primary rays of each tile can hit, by [`Tile::number`]; empty where culling
     /// does not pay.
     pub visible: Vec<Visible>,
     /// Pixels in a row of the picture.
     pub width: u32,
+    /// Scattering events allowed on a path.
     pub max_bounces: u32,
+    /// Seed of the random numbers.
     pub seed: u32,
+    /// Where sample values come from.
     pub sampler: Sampler,
 }
 

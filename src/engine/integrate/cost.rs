@@ -12,6 +12,7 @@ use crate::traverse::counter::Counts;
 /// Intersection tests of one ray, traced by itself.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Cost {
+    /// Boxes tested.
     pub boxes: u32,
     /// Spheres and triangles.
     pub primitives: u32,

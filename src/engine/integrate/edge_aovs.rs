@@ -30,6 +30,7 @@ const MAX_FOLLOWED: u32 = 8;
 const NARROW_METAL: f32 = 0.03;
 /// Points of a pixel at an edge, from its upper left corner: a rotated grid.
 pub const POINTS: [[f32; 2]; EDGE_POINTS] = [[0.375, 0.125], [0.875, 0.375], [0.125, 0.625], [0.625, 0.875]];
+/// Points of a pixel that are looked at.
 pub const EDGE_POINTS: usize = 4;
 /// A pixel is at an edge where a neighbour's unit normal or albedo differs by more than this (length of the
 /// difference).
@@ -44,7 +45,9 @@ const CHOSEN: u32 = 1 << 31;
 /// What is seen at a point of the picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct EdgeSample {
+    /// The object that is seen there.
     pub object: u32,
+    /// Its shading normal.
     pub normal: [f32; 3],
     /// Reflectance; of what emits, the radiance.
     pub albedo: [f32; 3],
@@ -55,7 +58,9 @@ pub struct EdgeSample {
 /// A pixel whose neighbours show something else.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EdgePixel {
+    /// The pixel's column.
     pub x: u32,
+    /// What is seen at each point.
     pub samples: [EdgeSample; EDGE_POINTS],
 }
 

@@ -84,6 +84,7 @@ pub const RENORMALIZATION_INTERVAL: u32 = 8;
 /// 1.5, `balls` 1.3, a scanned mesh 1.2, boxes with area lights 1.0 to 1.06, where triangle tests take most
 /// of the time. Intersection methods other than the default ones go through a function that all pipelines
 /// share: six pairs of methods would be most of a pipeline's code.
+#[cfg(not(octray_general_only))]
 const PIPELINES: &[(Features, [Pipeline; 3])] = &[
     pipeline::<{ DIFFUSE_AND_MIRROR_SPHERES.0 }>(),
     pipeline::<{ FEW_TEXTURED.0 }>(),
@@ -91,11 +92,16 @@ const PIPELINES: &[(Features, [Pipeline; 3])] = &[
     pipeline::<{ UNTEXTURED.with(Features::LIGHTS).0 }>(),
     pipeline::<{ Features::ALL.0 }>(),
 ];
+/// With `--cfg octray_general_only`, for checks of other processors in `.ci/run`: half the compilation.
+#[cfg(octray_general_only)]
+const PIPELINES: &[(Features, [Pipeline; 3])] = &[pipeline::<{ Features::ALL.0 }>()];
 
+#[cfg(not(octray_general_only))]
 const DIFFUSE_AND_MIRROR_SPHERES: Features =
     Features::SPHERES.with(Features::DIFFUSE).with(Features::MIRROR).with(Features::SKY_GRADIENT);
 
 /// The thesis's kind of scene: a handful of textured spheres and triangles.
+#[cfg(not(octray_general_only))]
 const FEW_TEXTURED: Features = Features::SPHERES
     .with(Features::TRIANGLES)
     .with(Features::DIFFUSE)
@@ -105,6 +111,7 @@ const FEW_TEXTURED: Features = Features::SPHERES
     .with(Features::TEXTURES);
 
 /// Any number of untextured surfaces under an untextured sky: meshes, boxes with area lights, glass.
+#[cfg(not(octray_general_only))]
 const UNTEXTURED: Features = Features::SPHERES
     .with(Features::TRIANGLES)
     .with(Features::MANY_SPHERES)

@@ -18,6 +18,7 @@ pub struct PathShape {
 
 /// Records the shape of a tile's paths, by slot.
 pub struct Probe {
+    /// One for each path of the tile.
     pub paths: [PathShape; MAX_PIXELS],
 }
 

@@ -36,12 +36,16 @@ pub struct PathQueue {
 /// A packet of paths as they leave a surface or the camera.
 #[derive(Clone, Copy)]
 pub struct Path<L: Lane> {
+    /// The next segment.
     pub ray: Ray<L>,
+    /// The product of weights so far.
     pub throughput: Vec3<L>,
     /// One over the pdf of the ray's direction, in sr; 0 after a delta lobe, which light sampling cannot
     /// sample.
     pub inv_pdf: L,
+    /// The key of the random numbers.
     pub key: L::Bits,
+    /// The pixel's place in the tile.
     pub slot: L::Bits,
 }
 
@@ -84,6 +88,7 @@ impl PathQueue {
     pub fn slots(&self) -> &IntColumn {
         &self.slot
     }
+    /// The rays of `WIDTH` paths.
     #[inline(always)]
     pub fn ray<L: Lane>(&self, at: usize) -> Ray<L> {
         Ray { origin: self.origin.load(at), direction: self.direction.load(at) }
@@ -105,6 +110,7 @@ impl PathQueue {
     pub fn primary<L: Lane>(&self, at: usize) -> (Vec3<L>, L::Bits) {
         (self.direction.load(at), L::Bits::load(&self.key[at..]))
     }
+    /// Stores camera rays at full throughput.
     #[inline(always)]
     pub fn store_primary<L: Lane>(&mut self, at: usize, direction: Vec3<L>, key: L::Bits) {
         self.direction.store(at, direction);
@@ -115,6 +121,7 @@ impl PathQueue {
     pub fn store_origin<L: Lane>(&mut self, at: usize, origin: Vec3<L>) {
         self.origin.store(at, origin);
     }
+    /// Stores paths; with `lights`, also what MIS needs.
     #[inline(always)]
     pub fn store_path<L: Lane>(&mut self, at: usize, path: &Path<L>, lights: bool) {
         self.origin.store(at, path.ray.origin);
@@ -133,6 +140,7 @@ impl PathQueue {
             self.direction.store(at, direction.normalize());
         }
     }
+    /// The hits of `WIDTH` paths.
     #[inline(always)]
     pub fn hit<L: Lane>(&self, at: usize) -> Hit<L> {
         Hit {

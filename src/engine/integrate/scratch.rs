@@ -23,9 +23,11 @@ use bytemuck::Zeroable;
 /// One thread's working memory: 24 KiB, which a first-level cache holds, 12 more for shadow rays, 17 more
 /// where paths end at emitters, and that of the traversals of a hierarchy.
 pub struct Scratch {
+    /// The paths that are alive.
     pub queue: PathQueue,
     /// The tile's paths that have ended on a surface, in full packets, for `finish`.
     pub ended: PathQueue,
+    /// The shadow rays of a stage.
     pub shadow_queue: ShadowQueue,
     /// The values of the sample that is being taken.
     pub values: SampleTable,
@@ -64,6 +66,7 @@ fn count_segment(
 }
 
 impl Scratch {
+    /// Empty queues on the heap.
     pub fn new() -> Box<Self> {
         let (queue, ended, contributions) =
             (PathQueue::zeroed(), PathQueue::zeroed(), Contributions::zeroed());

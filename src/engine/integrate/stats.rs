@@ -25,6 +25,7 @@ pub enum Stage {
 }
 
 impl Stage {
+    /// All stages, in order.
     pub const ALL: [Self; 6] =
         [Self::Generate, Self::Intersect, Self::Trace, Self::Shade, Self::ShadowRays, Self::Finish];
 
@@ -53,6 +54,7 @@ pub enum RayKind {
 }
 
 impl RayKind {
+    /// All segments, in order.
     pub const ALL: [Self; 3] = [Self::Primary, Self::Bounce, Self::Shadow];
 
     /// As reports name it.
@@ -72,6 +74,7 @@ pub struct Stats {
     pub times: [Duration; Stage::ALL.len()],
     /// Segments of paths: primary rays, then those after one bounce, and so on.
     pub segments: Vec<Segment>,
+    /// All shadow rays.
     pub shadow_rays: Segment,
     /// Intersection tests, in the order of [`RayKind::ALL`].
     pub counts: [Counts; RayKind::ALL.len()],
@@ -80,6 +83,7 @@ pub struct Stats {
 /// Rays of one kind, or of one number of bounces.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Segment {
+    /// Rays traced.
     pub rays: u64,
     /// Packets that hold them, single rays at a width of 1.
     pub packets: u64,

@@ -34,6 +34,7 @@ pub struct Strip {
 pub const SHARE: f32 = 1.0 / 16.0;
 
 impl Strip {
+    /// The strip around a parallelogram at `a` with edges `ab` and `ac`; margins in shares of the edges.
     pub fn new(a: glam::Vec3, ab: glam::Vec3, ac: glam::Vec3, margins: [f64; 2]) -> Self {
         let (x, y) = (ab.as_dvec3(), ac.as_dvec3());
         let cross = x.cross(y);

@@ -24,6 +24,7 @@ pub struct LightSample<L: Lane> {
 }
 
 impl<L: Lane> LightSample<L> {
+    /// Lane by lane, one of two samples.
     #[inline(always)]
     pub fn select(mask: L::Mask, if_true: Self, if_false: Self) -> Self {
         Self {
@@ -84,8 +85,11 @@ pub fn sample_sphere<L: Lane>(center: Vec3<L>, radius: L, u: L, v: L) -> LightSa
 /// continues it to a + ab + ac.
 #[derive(Clone, Copy)]
 pub struct FlatLight<L: Lane> {
+    /// The first vertex.
     pub a: Vec3<L>,
+    /// The edge to the second vertex.
     pub ab: Vec3<L>,
+    /// The edge to the third vertex.
     pub ac: Vec3<L>,
     /// The lanes of parallelograms.
     pub is_quad: L::Mask,

@@ -14,6 +14,7 @@ pub trait SphereMethod: Send + Sync + 'static {
     /// What is computed once per ray.
     type Prepared<L: Lane>: Copy;
 
+    /// Prepares a ray for all spheres.
     fn prepare<L: Lane>(ray: &Ray<L>) -> Self::Prepared<L>;
 
     /// The lanes that hit, and the nearest t of each in (0, `limit`); t is unspecified where nothing is hit.

@@ -36,7 +36,7 @@ pub fn triangle_offset(vertices: [glam::Vec3; 3]) -> f32 {
     // In f64, because slivers lose their area in f32.
     let [a, b, c] = vertices.map(|vertex| vertex.as_dvec3());
     let longest = (b - a).length().max((c - b).length()).max((a - c).length());
-    let sliver = longest.powi(3) / (b - a).cross(c - a).length();
+    let sliver = longest * longest * longest / (b - a).cross(c - a).length();
     EPSILON * (16.0 * (largest + longest as f32) + sliver as f32)
 }
 

@@ -12,6 +12,7 @@ use crate::math::{BELOW_ONE, Vec3};
 pub struct Grid<L: Lane> {
     /// Texels in a row and in a column, as floats: ≤ 2¹⁴ each.
     pub width: L,
+    /// Rows of texels.
     pub height: L,
     /// Index of the first texel.
     pub first: L::Bits,

@@ -13,7 +13,7 @@
 //! either). *That* it returns a NaN is promised.
 //!
 //! [`Lane::mul_add`] is fused where the target has FMA and rounds twice where it has not, at every width
-//! alike: one build always agrees with itself, two builds may differ in the last bit.
+//! alike ([`FUSED`]). Builds that fuse agree with each other in every bit, and so do builds that do not.
 //!
 //! A wider machine gets a new type that implements these traits, not a new tree of code.
 
@@ -25,6 +25,10 @@ mod traits;
 
 pub use packet::{F32x8, F32x16, Mask8, Mask16, U32x8, U32x16};
 pub use traits::{Bits, Lane, Mask, lane_indices, set_bits};
+
+/// Whether [`Lane::mul_add`] is fused: with FMA in the target. Films of fused builds differ in last bits from
+/// those of the others, and in nothing else does a build change a film.
+pub const FUSED: bool = cfg!(target_feature = "fma");
 
 /// Every width, in ascending order.
 pub const WIDTHS: [usize; 3] = [1, 8, 16];

@@ -43,6 +43,7 @@ macro_rules! packet {
         pub struct $mask($f32);
 
         impl $floats {
+            /// 0 in every lane.
             pub const ZERO: Self = Self($f32::ZERO);
         }
 

@@ -111,7 +111,7 @@ impl Lane for f32 {
     #[inline(always)]
     fn mul_add(self, factor: Self, addend: Self) -> Self {
         // Without FMA in the target, `f32::mul_add` calls a software routine, and `wide` does not.
-        if cfg!(target_feature = "fma") { f32::mul_add(self, factor, addend) } else { self * factor + addend }
+        if super::FUSED { f32::mul_add(self, factor, addend) } else { self * factor + addend }
     }
     #[inline(always)]
     fn sqrt(self) -> Self {

@@ -60,8 +60,10 @@ pub trait Bits:
     + BitXor<Output = Self>
     + Not<Output = Self>
 {
+    /// Comparisons of this width.
     type Mask: Mask;
 
+    /// One integer in every lane.
     fn splat(value: u32) -> Self;
     /// Lane `i` gets `f(i)`.
     fn from_fn(f: impl FnMut(usize) -> u32) -> Self;
@@ -77,15 +79,19 @@ pub trait Bits:
     /// # Panics
     /// If `to` is shorter than the width.
     fn store(self, to: &mut [u32]);
+    /// The sum modulo 2³².
     fn wrapping_add(self, other: Self) -> Self;
+    /// The product modulo 2³².
     fn wrapping_mul(self, other: Self) -> Self;
     /// Shift left by the same `count` < 32 in every lane.
     fn shl(self, count: u32) -> Self;
     /// Logical shift right by the same `count` < 32 in every lane.
     fn shr(self, count: u32) -> Self;
+    /// Lanes where both are equal.
     fn equals(self, other: Self) -> Self::Mask;
     /// Unsigned comparison.
     fn less(self, other: Self) -> Self::Mask;
+    /// Lane by lane, one of two integers.
     fn select(mask: Self::Mask, if_true: Self, if_false: Self) -> Self;
 }
 
@@ -105,11 +111,14 @@ pub trait Lane:
 {
     /// Lanes in a packet.
     const WIDTH: usize;
+    /// Comparisons of this width.
     type Mask: Mask;
+    /// Integers of this width.
     type Bits: Bits<Mask = Self::Mask>;
     /// A permutation of lanes, made by [`Lane::compress_indices`].
     type CompressIndices: Copy;
 
+    /// One number in every lane.
     fn splat(value: f32) -> Self;
     /// Lane `i` gets `f(i)`.
     fn from_fn(f: impl FnMut(usize) -> f32) -> Self;
@@ -139,17 +148,23 @@ pub trait Lane:
     /// The largest integer ≤ the value. Zeros keep their sign.
     fn floor(self) -> Self;
 
+    /// Lanes where self < other; false for NaN.
     fn lt(self, other: Self) -> Self::Mask;
+    /// Lanes where self ≤ other; false for NaN.
     fn le(self, other: Self) -> Self::Mask;
+    /// Lanes where self = other; false for NaN.
     fn eq(self, other: Self) -> Self::Mask;
+    /// Lanes where self > other; false for NaN.
     #[inline(always)]
     fn gt(self, other: Self) -> Self::Mask {
         other.lt(self)
     }
+    /// Lanes where self ≥ other; false for NaN.
     #[inline(always)]
     fn ge(self, other: Self) -> Self::Mask {
         other.le(self)
     }
+    /// Lane by lane, one of two numbers.
     fn select(mask: Self::Mask, if_true: Self, if_false: Self) -> Self;
     /// The value in the lanes of the mask, zero in the others.
     fn only(self, mask: Self::Mask) -> Self;
@@ -158,6 +173,7 @@ pub trait Lane:
 
     /// The bit pattern.
     fn to_bits(self) -> Self::Bits;
+    /// The numbers with these bits.
     fn from_bits(bits: Self::Bits) -> Self;
     /// Rounds towards zero to a signed integer in two's complement. Domain: |x| < 2³¹; outside it and for NaN
     /// the result is 0x8000_0000.
@@ -170,6 +186,7 @@ pub trait Lane:
     fn compress_indices(mask: Self::Mask) -> Self::CompressIndices;
     /// Permutes the lanes by [`Lane::compress_indices`].
     fn compress(self, indices: Self::CompressIndices) -> Self;
+    /// As [`Lane::compress`], of integers.
     fn compress_bits(bits: Self::Bits, indices: Self::CompressIndices) -> Self::Bits;
 
     /// `table[index]` in each lane, for tables that fit one register. Domain: every index, in inactive lanes
@@ -189,10 +206,12 @@ pub trait Lane:
     /// If an index, in any lane, is not below `table.len()`.
     fn gather_bits(table: &[u32], index: Self::Bits) -> Self::Bits;
 
+    /// 0 in every lane.
     #[inline(always)]
     fn zero() -> Self {
         Self::splat(0.0)
     }
+    /// 1 in every lane.
     #[inline(always)]
     fn one() -> Self {
         Self::splat(1.0)

@@ -9,7 +9,9 @@ pub const MISS: u32 = u32::MAX;
 /// A packet of rays: points `origin + t · direction` with t > 0. Directions need not have unit length.
 #[derive(Clone, Copy, Debug)]
 pub struct Ray<L> {
+    /// Where it begins.
     pub origin: Vec3<L>,
+    /// Its direction, of unit length where nothing else is said.
     pub direction: Vec3<L>,
 }
 
@@ -27,13 +29,18 @@ impl<L: Lane> Ray<L> {
 /// t is +∞. `u` and `v` are the barycentric weights of a triangle's second and third vertex; 0 on spheres.
 #[derive(Clone, Copy, Debug)]
 pub struct Hit<L: Lane> {
+    /// The distance in multiples of the direction's length.
     pub t: L,
+    /// The index of the primitive, or [`MISS`].
     pub primitive: L::Bits,
+    /// The barycentric weight of a triangle's second vertex.
     pub u: L,
+    /// The barycentric weight of a triangle's third vertex.
     pub v: L,
 }
 
 impl<L: Lane> Hit<L> {
+    /// No hit, at an infinite distance.
     #[inline(always)]
     pub fn miss() -> Self {
         Self { t: L::splat(f32::INFINITY), primitive: L::Bits::splat(MISS), u: L::zero(), v: L::zero() }

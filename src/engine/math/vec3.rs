@@ -6,12 +6,16 @@ use std::ops::{Add, Mul, Neg, Sub};
 /// `WIDTH` vectors, points or colours, one per lane, component by component (structure of arrays).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Vec3<L> {
+    /// The first component.
     pub x: L,
+    /// The second component.
     pub y: L,
+    /// The third component.
     pub z: L,
 }
 
 impl<L: Lane> Vec3<L> {
+    /// A vector of its components.
     #[inline(always)]
     pub fn new(x: L, y: L, z: L) -> Self {
         Self { x, y, z }
@@ -26,6 +30,7 @@ impl<L: Lane> Vec3<L> {
     pub fn repeat(x: L) -> Self {
         Self::new(x, x, x)
     }
+    /// The zero vector.
     #[inline(always)]
     pub fn zero() -> Self {
         Self::repeat(L::zero())
@@ -35,10 +40,12 @@ impl<L: Lane> Vec3<L> {
     pub fn get(self, lane: usize) -> glam::Vec3 {
         glam::Vec3::new(self.x.get(lane), self.y.get(lane), self.z.get(lane))
     }
+    /// The scalar product.
     #[inline(always)]
     pub fn dot(self, other: Self) -> L {
         self.x.mul_add(other.x, self.y.mul_add(other.y, self.z * other.z))
     }
+    /// The vector product.
     #[inline(always)]
     pub fn cross(self, other: Self) -> Self {
         Self::new(
@@ -61,6 +68,7 @@ impl<L: Lane> Vec3<L> {
     pub fn normalize(self) -> Self {
         self * (L::one() / self.dot(self).sqrt())
     }
+    /// Lane by lane, one of two vectors.
     #[inline(always)]
     pub fn select(mask: L::Mask, if_true: Self, if_false: Self) -> Self {
         Self::new(

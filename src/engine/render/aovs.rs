@@ -17,7 +17,9 @@ pub use crate::integrate::cost::Cost;
 /// A value for each pixel, row by row from the top.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Map<T> {
+    /// Pixels in a row.
     pub width: u32,
+    /// Rows.
     pub height: u32,
     /// `width · height` of them.
     pub pixels: Vec<T>,

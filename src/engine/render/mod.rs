@@ -57,9 +57,13 @@ fn check_resolution(resolution: [u32; 2]) {
 /// A primary ray and its hit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PrimaryHit {
+    /// The pixel's column.
     pub x: u32,
+    /// The pixel's row.
     pub y: u32,
+    /// Where the ray begins.
     pub origin: [f32; 3],
+    /// The ray's direction, of unit length.
     pub direction: [f32; 3],
     /// Infinite for a miss.
     pub t: f32,
@@ -130,6 +134,7 @@ impl Renderer {
         let (features, pipeline) = pipeline_for(needs, lanes);
         Self { settings, context, features, pipeline, threads: Threads::new(threads, Scratch::new) }
     }
+    /// The settings of the rendering.
     pub fn settings(&self) -> &Settings {
         &self.settings
     }
@@ -153,6 +158,7 @@ impl Renderer {
             find_visible(&mut context.visible, scene, &context.camera, &self.settings, MAX_CULLED_MOVING);
         }
     }
+    /// The camera, prepared.
     pub fn camera(&self) -> &Pinhole {
         &self.context.camera
     }

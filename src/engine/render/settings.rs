@@ -53,7 +53,9 @@ pub struct Settings {
     pub resolution: [u32; 2],
     /// Scattering events allowed on a path.
     pub max_bounces: u32,
+    /// Seed of the random numbers.
     pub seed: u32,
+    /// Intersection, traversal, lights and sampler.
     pub methods: Methods,
     /// 1 (scalar path), 8 or 16 (packets): see [`LaneChoice`].
     pub lanes: usize,
@@ -61,6 +63,7 @@ pub struct Settings {
     pub threads: usize,
     /// Pixels of a tile: width, height; their product is at most [`crate::camera::MAX_PIXELS`].
     pub tile_size: [u32; 2],
+    /// What the pipeline is compiled for: the film is the same.
     pub pipeline: PipelineChoice,
     /// The most radiance of a sample in a channel; infinite, the default, is no limit. Clamping is biased:
     /// the picture is darker than ground truth by what it cuts off.

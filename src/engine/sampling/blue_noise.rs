@@ -57,6 +57,7 @@ pub fn shifts() -> &'static Shifts {
 
 /// Where the pixels of a packet are in the picture.
 #[derive(Clone, Copy, Debug)]
+#[allow(missing_docs)] // The variants' text explains their fields.
 pub enum Places<L: Lane> {
     /// Consecutive pixels of a row, from (x, y) on.
     Row { x: u32, y: u32 },

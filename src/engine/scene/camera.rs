@@ -11,6 +11,7 @@ const MIN_UP_SINE: f64 = 1e-5;
 /// A pinhole camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
+    /// The eye.
     pub position: Vec3,
     /// Differs from `position`.
     pub look_at: Vec3,

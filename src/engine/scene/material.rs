@@ -5,7 +5,9 @@ use glam::Vec3;
 /// How a surface scatters and emits light.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Material {
+    /// As the user named it.
     pub name: String,
+    /// How it scatters.
     pub kind: MaterialKind,
     /// Reflectance (transmittance of glass), each channel in [0, 1].
     pub color: Vec3,
@@ -42,6 +44,7 @@ impl MaterialKind {
 
 /// The BSDF of a material and its parameters.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[allow(missing_docs)] // The variants' text explains their fields.
 pub enum MaterialKind {
     /// Lambertian.
     Diffuse,

@@ -16,15 +16,21 @@ use std::path::PathBuf;
 pub struct Scene {
     /// Short name for tables: `builtin:three`, or the name of the file.
     pub name: String,
+    /// Where it is seen from.
     pub camera: Camera,
     /// Pixels: width, height; each from 1 to [`MAX_SIDE`].
     pub resolution: [u32; 2],
     /// Largest number of scattering events on a path.
     pub max_bounces: u32,
+    /// What rays see that hit nothing.
     pub sky: Sky,
+    /// Primitives refer to them by index.
     pub materials: Vec<Material>,
+    /// Materials and the sky refer to them by index.
     pub textures: Vec<Texture>,
+    /// All spheres.
     pub spheres: Vec<Sphere>,
+    /// All triangles.
     pub triangles: Vec<Triangle>,
     /// Texture coordinates of the triangles' vertices, v upwards: one entry per triangle; empty if no
     /// material has a texture.
@@ -46,6 +52,7 @@ pub const MAX_BOUNCES: u32 = 1_024;
 
 /// The radiance of rays that miss everything.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[allow(missing_docs)] // The variants' text explains their fields.
 pub enum Sky {
     /// The same radiance from all directions.
     Color(Vec3),

@@ -7,9 +7,11 @@ use glam::Vec3;
 /// does), and u = −(a + `texture_turn`) if from outside; both wrapped to [0, 1).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sphere {
+    /// Its centre.
     pub center: Vec3,
     /// Above 0.
     pub radius: f32,
+    /// Index of its material.
     pub material: u32,
     /// Rotation of the texture around the vertical axis, in whole turns, anticlockwise seen from above, in
     /// [0, 1).
@@ -31,6 +33,8 @@ pub enum Side {
 /// A triangle with an area above 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Triangle {
+    /// Its corners.
     pub vertices: [Vec3; 3],
+    /// Index of its material.
     pub material: u32,
 }

@@ -1,11 +1,18 @@
 //! Textures and their texels.
 
+use crate::math::portable;
+use std::sync::LazyLock;
+
 /// An image for surfaces or the sky.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Texture {
+    /// Its file's name.
     pub name: String,
+    /// Texels in a row.
     pub width: u32,
+    /// Rows of texels.
     pub height: u32,
+    /// How it is read between texel centres.
     pub filter: Filter,
     /// Row by row from the top; `width · height` of them.
     pub texels: Texels,
@@ -25,15 +32,18 @@ pub enum Texels {
 }
 
 impl Texels {
+    /// The number of texels.
     pub fn len(&self) -> usize {
         match self {
             Self::Srgb8(texels) | Self::Unorm8(texels) => texels.len(),
             Self::Float32(texels) => texels.len(),
         }
     }
+    /// Whether there is no texel.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
+    /// Memory of the texels.
     pub fn bytes(&self) -> usize {
         match self {
             Self::Srgb8(texels) | Self::Unorm8(texels) => size_of_val(texels.as_slice()),
@@ -45,7 +55,7 @@ impl Texels {
         match self {
             Self::Srgb8(texels) => {
                 let [r, g, b, _] = texels[index];
-                [r, g, b].map(|byte| srgb_to_linear(f64::from(byte) / 255.0))
+                [r, g, b].map(|byte| SRGB_BYTES[usize::from(byte)])
             }
             Self::Unorm8(texels) => {
                 let [r, g, b, _] = texels[index];
@@ -59,6 +69,10 @@ impl Texels {
     }
 }
 
+/// The linear value of each sRGB byte.
+static SRGB_BYTES: LazyLock<[f64; 256]> =
+    LazyLock::new(|| std::array::from_fn(|byte| srgb_to_linear(byte as f64 / 255.0)));
+
 /// What the texels of an image file are, which decides whether they are decoded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum TexelKind {
@@ -70,14 +84,16 @@ pub enum TexelKind {
 
 /// The linear value of an sRGB value, by IEC 61966-2-1. Values above 1 follow the same curve.
 pub fn srgb_to_linear(x: f64) -> f64 {
-    if x <= 0.04045 { x / 12.92 } else { ((x + 0.055) / 1.055).powf(2.4) }
+    if x <= 0.04045 { x / 12.92 } else { portable::pow((x + 0.055) / 1.055, 2.4) }
 }
 
 /// How a texture is read between texel centres. It repeats in both directions; on spheres and the sky v is
 /// clamped, because it stays within [0, 1].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
 pub enum Filter {
+    /// The nearest texel.
     Nearest,
+    /// Interpolated between four texels.
     #[default]
     Bilinear,
 }

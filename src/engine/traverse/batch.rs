@@ -48,6 +48,7 @@ pub struct Tracer {
 }
 
 impl Tracer {
+    /// Without memory, which grows at first use.
     pub fn new() -> Self {
         Self::default()
     }

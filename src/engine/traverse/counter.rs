@@ -67,15 +67,20 @@ impl CounterSink for &Counter {
 /// Tests of one kind, and the steps that they take.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Tests {
+    /// Rays times boxes or primitives.
     pub tests: u64,
+    /// What is tested at once counts once: a packet against a primitive, a ray against eight boxes.
     pub steps: u64,
 }
 
 /// Tests by kind.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Counts {
+    /// Tests of boxes.
     pub boxes: Tests,
+    /// Tests of triangles.
     pub triangles: Tests,
+    /// Tests of spheres.
     pub spheres: Tests,
 }
 
@@ -99,6 +104,7 @@ impl AddAssign for Counts {
 pub struct Counter(Cell<Counts>);
 
 impl Counter {
+    /// What was counted so far.
     pub fn get(&self) -> Counts {
         self.0.get()
     }

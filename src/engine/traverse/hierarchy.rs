@@ -15,7 +15,9 @@ use rayon::prelude::*;
 
 /// The bounding volume hierarchy, and the primitives of its leaves as intersection reads them.
 pub struct Hierarchy {
+    /// The trees.
     pub bvh: Bvh,
+    /// What box tests are padded by.
     pub padding: Padding,
     triangles: TriangleLeaves,
     spheres: Vec<SphereLeaf>,

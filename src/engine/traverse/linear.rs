@@ -30,9 +30,11 @@ pub fn features_of(scene: &Scene) -> Features {
 /// The primitives to test a ray against, by ascending number: spheres first, then triangles as the method
 /// stores them.
 pub trait Candidates<Stored> {
+    /// Whether there is any sphere.
     fn has_spheres(&self) -> bool;
     /// Calls `f` with each sphere's number, centre and squared radius.
     fn for_each_sphere<L: Lane>(&self, f: impl FnMut(u32, Vec3<L>, L));
+    /// Whether there is any triangle.
     fn has_triangles(&self) -> bool;
     /// Each triangle and its number. An iterator and no closure: a test is so much code that a closure with
     /// it would not be inlined into the loop (4 % more instructions in boxes).
@@ -44,14 +46,18 @@ pub trait Candidates<Stored> {
 /// Every primitive of a scene.
 #[derive(Clone, Copy)]
 pub struct All<'a, Stored> {
+    /// All spheres.
     pub spheres: &'a Spheres,
+    /// All triangles.
     pub triangles: &'a [Stored],
 }
 
 /// Those primitives that are listed as visible.
 #[derive(Clone, Copy)]
 pub struct OnlyVisible<'a, Stored> {
+    /// Every primitive.
     pub all: All<'a, Stored>,
+    /// The indices of those that can be hit.
     pub visible: &'a Visible,
 }
 

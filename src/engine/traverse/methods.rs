@@ -49,11 +49,17 @@ choices! {
 /// The methods of a rendering. The defaults are robust: they hold where others fail.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub struct Methods {
+    /// How rays meet spheres.
     pub sphere: SphereChoice,
+    /// How rays meet triangles.
     pub triangle: TriangleChoice,
+    /// How rays meet boxes.
     pub boxes: BoxChoice,
+    /// How rays find primitives.
     pub traversal: TraversalChoice,
+    /// Which lights are sampled.
     pub lights: LightChoice,
+    /// Where sample values come from.
     pub sampler: Sampler,
 }
 
@@ -63,6 +69,7 @@ pub enum TraversalChoice {
     /// Linear in small scenes, else the fastest traversal: see [`Features::HIERARCHY`].
     #[default]
     Needed,
+    /// Every primitive is tested.
     Linear,
     /// Through a hierarchy. Only the default sphere and triangle methods have one; others test every
     /// primitive.

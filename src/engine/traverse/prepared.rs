@@ -8,12 +8,16 @@ use crate::math::{Ray, Vec3};
 /// One ray, ready for boxes and triangles.
 #[derive(Clone, Copy)]
 pub struct SingleRay {
+    /// The ray itself.
     pub ray: Ray<f32>,
+    /// What box tests need of it.
     pub slabs: Slabs<f32>,
+    /// What triangle tests need of it.
     pub woop: WoopRay<f32>,
 }
 
 impl SingleRay {
+    /// Prepares a ray.
     #[inline(always)]
     pub fn new(ray: Ray<f32>, padding: Padding) -> Self {
         Self { ray, slabs: Slabs::new(&ray, padding), woop: Woop::prepare(&ray) }
@@ -22,6 +26,7 @@ impl SingleRay {
 
 /// Eight rays, ready for triangles.
 pub struct Packet {
+    /// The rays themselves.
     pub ray: Ray<F32x8>,
     pub(super) woop: WoopRay<F32x8>,
     /// See [`WoopRay::common_axis`].
@@ -31,6 +36,7 @@ pub struct Packet {
 }
 
 impl Packet {
+    /// Prepares eight rays.
     #[inline(always)]
     pub fn new(ray: Ray<F32x8>) -> Self {
         let woop = Woop::prepare(&ray);

@@ -8,16 +8,22 @@ use crate::math::{Hit, Ray, Vec3};
 /// Rays as columns of equal length.
 #[derive(Clone, Copy)]
 pub struct Rays<'a> {
+    /// x, y and z of where they begin.
     pub origin: [&'a [f32]; 3],
+    /// x, y and z of their directions, of unit length.
     pub direction: [&'a [f32]; 3],
 }
 
 /// Hits as columns. Before a traversal `t` holds each ray's t_max (a ray with NaN, 0 or less hits nothing)
 /// and `primitive` [`crate::math::MISS`]; or both hold an earlier hit.
 pub struct Hits<'a> {
+    /// Distances.
     pub t: &'a mut [f32],
+    /// Indices of primitives.
     pub primitive: &'a mut [u32],
+    /// Barycentric weights of the second vertex.
     pub u: &'a mut [f32],
+    /// Barycentric weights of the third vertex.
     pub v: &'a mut [f32],
 }
 
@@ -27,9 +33,11 @@ fn load<L: Lane>([x, y, z]: &[&[f32]; 3], at: usize) -> Vec3<L> {
 }
 
 impl<'a> Rays<'a> {
+    /// The number of rays.
     pub fn len(&self) -> usize {
         self.origin[0].len()
     }
+    /// Whether there is no ray.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
@@ -38,10 +46,12 @@ impl<'a> Rays<'a> {
     pub fn packet<L: Lane>(&self, at: usize) -> Ray<L> {
         Ray { origin: load(&self.origin, at), direction: load(&self.direction, at) }
     }
+    /// One ray, prepared.
     #[inline(always)]
     pub fn single(&self, at: usize, padding: Padding) -> SingleRay {
         SingleRay::new(self.packet::<f32>(at), padding)
     }
+    /// Some of the rays.
     pub fn range(&self, range: std::ops::Range<usize>) -> Rays<'a> {
         Rays {
             origin: self.origin.map(|column| &column[range.clone()]),
@@ -51,14 +61,17 @@ impl<'a> Rays<'a> {
 }
 
 impl Hits<'_> {
+    /// One hit.
     #[inline(always)]
     pub fn get(&self, at: usize) -> Hit<f32> {
         Hit { t: self.t[at], primitive: self.primitive[at], u: self.u[at], v: self.v[at] }
     }
+    /// Replaces one hit.
     #[inline(always)]
     pub fn set(&mut self, at: usize, hit: &Hit<f32>) {
         (self.t[at], self.primitive[at], self.u[at], self.v[at]) = (hit.t, hit.primitive, hit.u, hit.v);
     }
+    /// Some of the hits.
     pub fn range(&mut self, range: std::ops::Range<usize>) -> Hits<'_> {
         Hits {
             t: &mut self.t[range.clone()],

@@ -15,6 +15,7 @@ pub struct Stack {
 }
 
 impl Stack {
+    /// An empty stack.
     pub fn new() -> Self {
         Self { child: [0; CAPACITY], near: [0.0; CAPACITY] }
     }

@@ -10,7 +10,9 @@ use crate::scene::{Scene, Sphere, Triangle};
 /// Primitives in ascending order: spheres by their number, triangles counted from 0.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Visible {
+    /// Indices of spheres.
     pub spheres: Vec<u32>,
+    /// Indices of triangles.
     pub triangles: Vec<u32>,
 }
 

@@ -5,8 +5,9 @@
 use std::io;
 use std::path::PathBuf;
 
-/// Why a file was not written. Any earlier file is unchanged.
+/// Why a file was not written. Any earlier file is unchanged. The messages explain the variants.
 #[derive(Debug, thiserror::Error)]
+#[allow(missing_docs)]
 pub enum OutputError {
     #[error(
         "the name `{}` does not say which picture format to write\n  \

@@ -107,7 +107,9 @@ pub fn make_folder(folder: &Path) -> Result<(), OutputError> {
 
 /// A writer that fails once `cancelled` returns true: a large file takes seconds.
 pub struct CancellableWriter<'a, W> {
+    /// What is written to.
     pub inner: W,
+    /// Whether to stop.
     pub cancelled: &'a dyn Fn() -> bool,
 }
 

@@ -8,19 +8,19 @@ use std::path::Path;
 pub const PREFIX: &str = "builtin:";
 
 pub const SCENES: [(&str, &str); 8] = [
-    ("thesis", include_str!("../../../scenes/thesis.json")),
-    ("three", include_str!("../../../scenes/three.json")),
-    ("spheres", include_str!("../../../scenes/spheres.json")),
-    ("cornell", include_str!("../../../scenes/cornell.json")),
-    ("cornell-spheres", include_str!("../../../scenes/cornell-spheres.json")),
-    ("balls", include_str!("../../../scenes/balls.json")),
-    ("materials", include_str!("../../../scenes/materials.json")),
-    ("chess", include_str!("../../../scenes/chess.json")),
+    ("thesis", include_str!("../scenes/thesis.json")),
+    ("three", include_str!("../scenes/three.json")),
+    ("spheres", include_str!("../scenes/spheres.json")),
+    ("cornell", include_str!("../scenes/cornell.json")),
+    ("cornell-spheres", include_str!("../scenes/cornell-spheres.json")),
+    ("balls", include_str!("../scenes/balls.json")),
+    ("materials", include_str!("../scenes/materials.json")),
+    ("chess", include_str!("../scenes/chess.json")),
 ];
 
 const FILES: [(&str, &[u8]); 2] = [
-    ("textures/sky.jpg", include_bytes!("../../../scenes/textures/sky.jpg")),
-    ("textures/chess.png", include_bytes!("../../../scenes/textures/chess.png")),
+    ("textures/sky.jpg", include_bytes!("../scenes/textures/sky.jpg")),
+    ("textures/chess.png", include_bytes!("../scenes/textures/chess.png")),
 ];
 
 /// The content of a file that a built-in scene refers to.

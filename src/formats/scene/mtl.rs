@@ -240,7 +240,7 @@ impl Entry {
             }
             Type::Plastic => {
                 // alpha is roughness squared.
-                let roughness = stated.unwrap_or((2.0 / (self.specular_exponent + 2.0)).powf(0.25));
+                let roughness = stated.unwrap_or((2.0 / (self.specular_exponent + 2.0)).sqrt().sqrt());
                 let ior = ior.filter(|&ior| ior > 1.0 && ior <= 3.0).unwrap_or(IOR);
                 MaterialKind::Plastic { roughness: roughness as f32, ior: ior as f32 }
             }

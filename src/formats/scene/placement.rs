@@ -1,8 +1,10 @@
 //! The transformation of a mesh.
 //!
-//! For: [`Placement`]. May import: `glam`. Must not know: where the numbers come from, meshes.
+//! For: [`Placement`]. May import: `glam`, the engine's `math`. Must not know: where the numbers come from,
+//! meshes.
 
 use glam::{DMat3, DVec3};
+use octray_engine::math::portable;
 
 /// A mesh's transformation: scaled, then rotated, then translated.
 pub struct Placement {
@@ -25,7 +27,7 @@ impl Placement {
 pub fn rotation([x, y, z]: [f64; 3]) -> DMat3 {
     let sin_cos = |degrees: f64| {
         // Right angles are exact: a mesh rotated by 90° keeps its flat faces flat.
-        let (sin, cos) = degrees.to_radians().sin_cos();
+        let (sin, cos) = portable::sin_cos(degrees.to_radians());
         match degrees.rem_euclid(360.0) {
             0.0 => (0.0, 1.0),
             90.0 => (1.0, 0.0),

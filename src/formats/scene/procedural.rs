@@ -11,6 +11,7 @@ use super::embedded::PREFIX;
 use super::error::SceneError;
 use crate::wording::grouped;
 use glam::{DVec3, Vec3};
+use octray_engine::math::portable;
 use octray_engine::scene::{Camera, Material, MaterialKind, Scene, Sky};
 use std::f64::consts::TAU;
 
@@ -156,7 +157,7 @@ fn height(x: f64, z: f64) -> f64 {
     for octave in 0..11 {
         let ridge = 1.0 - noise(x * scale, z * scale, octave).abs();
         let signal = ridge * ridge * weight;
-        sum += signal * 0.55_f64.powi(octave as i32);
+        sum += signal * portable::powi(0.55, octave);
         // Low signals damp the next octave: valleys stay smooth.
         weight = (1.6 * signal).min(1.0);
         scale *= 2.03;
@@ -198,7 +199,7 @@ fn knot(builder: &mut SceneBuilder, cells: usize) -> (Camera, Sky) {
     let copper = builder.add_material(material("copper", copper, [0.9, 0.45, 0.24]), 1.0);
     let [around_axis, around_ring] = WINDINGS;
     // Quads are about square.
-    let length = TAU * (around_axis * RING).hypot(around_ring * TORUS);
+    let length = TAU * portable::hypot(around_axis * RING, around_ring * TORUS);
     let around = ((cells as f64 * TAU * TUBE / length).sqrt().round() as usize).max(3);
     let along = rounded_quotient(cells, around).max(3);
     let point = |x: usize, y: usize| {
@@ -220,7 +221,7 @@ fn knot(builder: &mut SceneBuilder, cells: usize) -> (Camera, Sky) {
 fn on_tube(s: f64, t: f64) -> DVec3 {
     let [around_axis, around_ring] = WINDINGS;
     let ((sin_axis, cos_axis), (sin_ring, cos_ring)) =
-        ((around_axis * s).sin_cos(), (around_ring * s).sin_cos());
+        (portable::sin_cos(around_axis * s), portable::sin_cos(around_ring * s));
     let outwards = DVec3::new(cos_axis, 0.0, sin_axis);
     let forwards = DVec3::new(-sin_axis, 0.0, cos_axis);
     let radius = RING + TORUS * cos_ring;
@@ -230,8 +231,9 @@ fn on_tube(s: f64, t: f64) -> DVec3 {
     // The torus's normal is perpendicular to every curve on it, and is periodic along the knot.
     let normal = outwards * cos_ring + DVec3::Y * sin_ring;
     let binormal = tangent.normalize().cross(normal);
-    let ribs = 1.0 + 0.07 * (5.0 * t + 24.0 * s).sin();
-    center + (normal * t.cos() + binormal * t.sin()) * (TUBE * ribs)
+    let ribs = 1.0 + 0.07 * portable::sin_cos(5.0 * t + 24.0 * s).0;
+    let (sin, cos) = portable::sin_cos(t);
+    center + (normal * cos + binormal * sin) * (TUBE * ribs)
 }
 
 #[cfg(test)]

@@ -19,6 +19,7 @@ use super::error::SceneError;
 use super::files::Files;
 use super::json::{JsonPath, Source, read};
 use glam::{DVec3, Vec2, Vec3};
+use octray_engine::math::portable;
 use octray_engine::scene::{
     Camera, Filter, Material, MaterialKind, Scene, Side, Sky, Sphere, TexelKind, srgb_to_linear,
 };
@@ -177,12 +178,13 @@ fn resolution(source: &Source, place: &JsonPath, res: Option<[f64; 2]>) -> Resul
 fn camera([width, height]: [u32; 2]) -> Camera {
     let half_height = HALF_WIDTH * f64::from(height) / f64::from(width);
     // The point at z = 0 in the middle of the picture.
-    let target = CAMERA + DVec3::new(YAW.cos() / YAW.sin(), 0.0, 1.0) * -CAMERA.z;
+    let (sin, cos) = portable::sin_cos(YAW);
+    let target = CAMERA + DVec3::new(cos / sin, 0.0, 1.0) * -CAMERA.z;
     Camera {
         position: inverted(CAMERA),
         look_at: inverted(target),
         up: Vec3::Y,
-        vertical_fov: (2.0 * half_height.atan()).to_degrees() as f32,
+        vertical_fov: (2.0 * portable::atan(half_height)).to_degrees() as f32,
     }
 }
 

@@ -51,6 +51,7 @@ pub struct View {
     pub resolution: Option<[u32; 2]>,
     /// The scene's own if `None`.
     pub max_bounces: Option<u32>,
+    /// How to render.
     pub render: Rendering,
     /// The cameras of `octray render --frames`; empty without keyframes.
     pub path: CameraPath,
@@ -61,28 +62,40 @@ pub struct View {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, expecting = "an object of options of `octray render`")]
 pub struct Rendering {
+    /// Samples per pixel.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub samples: Option<u32>,
+    /// Seed of the random numbers.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub seed: Option<u32>,
+    /// Exposure in stops.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub exposure: Option<f32>,
+    /// The tone curve.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tone: Option<Operator>,
+    /// The most radiance of a sample.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub clamp: Option<f32>,
+    /// How rays meet spheres.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sphere: Option<SphereChoice>,
+    /// How rays meet triangles.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub triangle: Option<TriangleChoice>,
+    /// How rays meet boxes.
     #[serde(rename = "box", skip_serializing_if = "Option::is_none")]
     pub boxes: Option<BoxChoice>,
+    /// How rays find primitives.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub traversal: Option<TraversalChoice>,
+    /// Which lights are sampled.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub lights: Option<LightChoice>,
+    /// Where sample values come from.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sampler: Option<Sampler>,
+    /// What the pipeline is compiled for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pipeline: Option<PipelineChoice>,
 }
@@ -92,6 +105,7 @@ pub struct Rendering {
 pub struct Loaded {
     /// With the view's camera, resolution and bounces applied.
     pub scene: Scene,
+    /// How the scene is to be looked at, if a view named it.
     pub view: Option<View>,
 }
 

@@ -6,6 +6,7 @@
 //! new one is given its place.
 
 mod circles;
+mod platform;
 mod sources;
 
 use sources::{PACKAGES, Source, checkout, files_below, read, sources};

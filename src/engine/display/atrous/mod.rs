@@ -68,6 +68,7 @@ pub struct Denoiser {
 }
 
 impl Denoiser {
+    /// Without memory, which grows at first use.
     pub fn new() -> Self {
         Self::default()
     }

@@ -57,6 +57,7 @@ pub fn evaluate<L: Lane>(d: Vec3<L>, n: Vec3<L>, alpha: L, wi: Vec3<L>) -> LobeE
     LobeEval::within(L::zero().lt(cos) & !is_narrow(alpha), value, pdf)
 }
 
+/// Lanes whose lobe is too narrow to evaluate.
 #[inline(always)]
 pub fn is_narrow<L: Lane>(alpha: L) -> L::Mask {
     alpha.lt(L::splat(NARROW))

@@ -6,6 +6,7 @@ use crate::math::Vec3;
 /// A sampled direction.
 #[derive(Clone, Copy, Debug)]
 pub struct BsdfSample<L: Lane> {
+    /// The direction of the next segment.
     pub wi: Vec3<L>,
     /// f · cos θ / pdf without the material's colour, which multiplies it.
     pub weight: L,

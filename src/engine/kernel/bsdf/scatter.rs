@@ -36,6 +36,7 @@ pub const NARROW: f32 = 1.0 / 64.0;
 /// η of "the rim" in the head of this file.
 const RIM: f32 = 1.0 / 16_384.0;
 
+/// Samples a direction around the reflected one.
 #[inline(always)]
 pub fn sample<L: Lane>(d: Vec3<L>, n: Vec3<L>, roughness: L, u: L, v: L) -> BsdfSample<L> {
     let reflected = d.reflect(n);

@@ -7,9 +7,13 @@ use crate::math::Ray;
 /// The numbers are unspecified outside of `mask`.
 #[derive(Clone, Copy, Debug)]
 pub struct TriangleHit<L: Lane> {
+    /// The lanes that hit.
     pub mask: L::Mask,
+    /// The distance in multiples of the direction's length.
     pub t: L,
+    /// The barycentric weight of the second vertex.
     pub u: L,
+    /// The barycentric weight of the third vertex.
     pub v: L,
 }
 
@@ -32,8 +36,11 @@ pub trait TriangleMethod: Send + Sync + 'static {
     /// What is computed once per ray.
     type Prepared<L: Lane>: Copy;
 
+    /// A triangle as it is kept in memory.
     fn store(vertices: [glam::Vec3; 3]) -> Self::Stored;
+    /// Prepares a ray for all triangles.
     fn prepare<L: Lane>(ray: &Ray<L>) -> Self::Prepared<L>;
+    /// The hit of each lane before its `limit`.
     fn test<L: Lane>(ray: &Self::Prepared<L>, triangle: &Self::Stored, limit: L) -> TriangleHit<L>;
 
     /// Finds triangles whose successor continues them: a, b, c before a, c, d, as polygons are cut. No

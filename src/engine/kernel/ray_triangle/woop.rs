@@ -60,6 +60,7 @@ impl<L: Lane> WoopRay<L> {
     pub fn into_parts(self) -> (L::Bits, Vec3<L>, Vec3<L>) {
         (self.z_axis, self.origin, self.shear)
     }
+    /// A prepared ray of what was stored of one.
     #[inline(always)]
     pub fn from_parts(z_axis: L::Bits, origin: Vec3<L>, shear: Vec3<L>) -> Self {
         Self { z_axis, origin, shear }

@@ -59,6 +59,7 @@ impl Default for Stream {
 }
 
 impl Stream {
+    /// Empty, with room for a batch.
     pub fn new() -> Self {
         Self {
             records: bytemuck::zeroed_box(),

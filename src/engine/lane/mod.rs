@@ -43,10 +43,6 @@ pub type Native = F32x8;
 /// Lanes of [`Native`].
 pub const NATIVE_WIDTH: usize = <Native as Lane>::WIDTH;
 
-/// Whether [`Lane::mul_add`] rounds once, as it does where the target has fused multiply-add. Films of builds
-/// that round otherwise differ in their last bits.
-pub const FUSED: bool = cfg!(target_feature = "fma");
-
 /// The widths up to [`NATIVE_WIDTH`], the widest first: those that are worth timing.
 pub fn native_widths() -> impl Iterator<Item = usize> {
     WIDTHS.into_iter().rev().filter(|&lanes| lanes <= NATIVE_WIDTH)

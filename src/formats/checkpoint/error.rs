@@ -5,7 +5,8 @@
 use std::io;
 use std::path::PathBuf;
 
-/// Why a checkpoint was refused. The file is unchanged.
+/// Why a checkpoint was refused. The file is unchanged; messages say what each variant means.
+#[allow(missing_docs)]
 #[derive(Debug, thiserror::Error)]
 pub enum CheckpointError {
     #[error("cannot read the checkpoint `{}`", .path.display())]

@@ -25,7 +25,9 @@ const MAX_HEADER: u32 = 1 << 16;
 pub struct Header {
     /// The scene's name, for people.
     pub name: String,
+    /// What must be the same to go on.
     pub identity: Identity,
+    /// How the picture is shown.
     pub display: Display,
     /// Samples per pixel that the run was to take; with adaptive sampling the most.
     pub wanted: u32,
@@ -83,6 +85,7 @@ pub fn is_checkpoint(path: &Path) -> bool {
 pub struct Checkpoint<R> {
     /// Where it was read from, for messages.
     pub path: PathBuf,
+    /// What stands before the sums.
     pub header: Header,
     reader: Summed<R>,
 }

@@ -12,11 +12,17 @@ use std::fmt::{self, Debug, Write};
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Fingerprint {
+    /// Of position, direction and angle of view.
     pub camera: String,
+    /// Of the sky without its texture.
     pub sky: String,
+    /// Of all materials, in their order.
     pub materials: String,
+    /// Of all texels and their filters.
     pub textures: String,
+    /// Of centres, radii, materials and turns.
     pub spheres: String,
+    /// Of vertices and materials.
     pub triangles: String,
     /// Texture coordinates and normals of the triangles' vertices.
     pub vertices: String,

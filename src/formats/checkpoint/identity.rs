@@ -20,6 +20,7 @@ use serde_json::Value;
 pub struct Shard {
     /// From 1 to `of`.
     pub number: u32,
+    /// The number of shards.
     pub of: u32,
 }
 
@@ -49,10 +50,12 @@ pub enum Rounding {
 pub struct Program {
     /// Its version: another one may have other methods.
     pub version: String,
+    /// How films of this build are rounded.
     pub rounding: Rounding,
 }
 
 impl Program {
+    /// This build.
     pub fn current() -> Self {
         let rounding = if FUSED { Rounding::Fused } else { Rounding::Separate };
         Self { version: env!("CARGO_PKG_VERSION").into(), rounding }
@@ -63,26 +66,37 @@ impl Program {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Recorded {
+    /// Pixels: width, height.
     pub resolution: [u32; 2],
+    /// Pixels: width, height, at most.
     pub tile_size: [u32; 2],
+    /// Scattering events allowed on a path.
     pub max_bounces: u32,
+    /// Of the random numbers.
     pub seed: u32,
     /// Null without a limit.
     pub clamp: Option<f32>,
+    /// The sphere test.
     pub sphere: SphereChoice,
+    /// The triangle test.
     pub triangle: TriangleChoice,
+    /// The box test.
     #[serde(rename = "box")]
     pub boxes: BoxChoice,
+    /// Which lights are sampled.
     pub lights: LightChoice,
+    /// Where samples come from.
     pub sampler: Sampler,
     /// Null if box tests lose no hit, because then every traversal and width gives the same bits.
     pub traversal: Option<TraversalChoice>,
+    /// Lanes of a packet; null as the traversal.
     pub lanes: Option<u32>,
     /// Error, fewest and most samples of adaptive sampling; null without.
     pub target: Option<(f64, u32, u32)>,
 }
 
 impl Recorded {
+    /// What is recorded of settings, and of the target error.
     pub fn of(settings: &Settings, target: Option<&Target>) -> Self {
         // Every field by name: whoever adds one decides whether it changes the film.
         let Settings {
@@ -120,13 +134,18 @@ impl Recorded {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Identity {
+    /// Which build.
     pub program: Program,
+    /// Which scene.
     pub scene: Fingerprint,
+    /// How it is rendered.
     pub settings: Recorded,
+    /// Which tiles.
     pub shard: Shard,
 }
 
 impl Identity {
+    /// What a run of this build with these settings would write.
     pub fn new(scene: &Scene, settings: &Settings, target: Option<&Target>, shard: Shard) -> Self {
         Self {
             program: Program::current(),
@@ -182,7 +201,9 @@ fn shown(value: &Value) -> String {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Display {
+    /// Stops of a factor of two.
     pub exposure: f32,
+    /// Tone mapping.
     pub tone: Operator,
 }
 

@@ -15,7 +15,9 @@ use octray_engine::scene::Camera;
 /// A camera at a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Keyframe {
+    /// Its number.
     pub frame: u32,
+    /// The view at that frame.
     pub camera: Camera,
 }
 
@@ -31,6 +33,7 @@ impl CameraPath {
         Self(keyframes)
     }
 
+    /// In ascending order of their frames.
     pub fn keyframes(&self) -> &[Keyframe] {
         &self.0
     }

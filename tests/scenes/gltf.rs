@@ -88,7 +88,7 @@ fn a_placed_mesh_has_the_vertices_normals_and_coordinates_of_its_nodes() {
         json["scenes"][0]["nodes"] = json!([1]);
         json["nodes"] = json!([
             { "mesh": 0, "translation": [1, 0, 0], "scale": [2, 1, 1] },
-            { "children": [0], "rotation": [0, 0, 0.70710678, 0.70710678], "translation": [0, 0, 5] }
+            { "children": [0], "rotation": [0, 0, 3, 3], "translation": [0, 0, 5] }
         ]);
     }));
     let near = |a: Vec3, b: [f32; 3]| assert!(a.abs_diff_eq(b.into(), 1e-6), "{a} {b:?}");

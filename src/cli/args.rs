@@ -15,7 +15,7 @@ use clap::builder::PossibleValuesParser;
 use clap::{Parser, Subcommand};
 use std::path::PathBuf;
 
-const SCENE: &str = "A scene file (.json), a model (.obj), or builtin:NAME";
+const SCENE: &str = "A scene file (.json), a model (.obj, .gltf, .glb, .ply), or builtin:NAME";
 
 /// A data-oriented path tracer for CPUs.
 ///
@@ -24,8 +24,9 @@ const SCENE: &str = "A scene file (.json), a model (.obj), or builtin:NAME";
 ///
 /// A SCENE is one of: a scene file (.json, in octray's own format or in the thesis's); a view (.json, format
 /// octray-view-1), which names another scene, a camera and options of render: all commands but rays use its
-/// camera, and render and view its options; a model (.obj, framed automatically under a plain sky); or a
-/// built-in scene (builtin:NAME). `octray inspect SCENE` shows what a scene contains.
+/// camera, and render and view its options; a model (.obj, .gltf, .glb or .ply, framed automatically under a
+/// plain sky unless it has a camera); or a built-in scene (builtin:NAME). `octray inspect SCENE` shows what a
+/// scene contains.
 ///
 /// Exit codes: 0 success; 1 a check failed; 2 the input cannot be used; 130 Ctrl-C came before the end.
 #[derive(Debug, Parser)]
@@ -436,16 +437,17 @@ pub struct StabilityArgs {
 
 /// Convert a mesh to a scene file.
 ///
-/// Writes a scene in octray's own format: the model, its materials, a camera that frames it, and a plain sky.
-/// The scene file holds every triangle and does not need the model file. Textures stay where they are; the
-/// scene file names them relative to its own folder. An existing scene file is kept unless --force is given.
+/// Writes a scene in octray's own format: the model, its materials, its camera or one that frames it, and a
+/// plain sky. The scene file holds every triangle and does not need the model file. Textures stay where they
+/// are, and the scene file names them relative to its own folder; those inside the model are written beside
+/// it. An existing scene file is kept unless --force is given.
 #[derive(Debug, clap::Args)]
 #[command(
     after_help = "Example:\n  octray convert bunny.obj bunny.json && octray render bunny.json -o bunny.png"
 )]
 pub struct ConvertArgs {
-    /// A Wavefront OBJ file.
-    #[arg(value_name = "MODEL.obj")]
+    /// A model: Wavefront OBJ, glTF 2.0 (.gltf, .glb) or PLY.
+    #[arg(value_name = "MODEL")]
     pub model: PathBuf,
     /// The scene file to write.
     #[arg(value_name = "SCENE.json")]

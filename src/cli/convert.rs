@@ -4,7 +4,7 @@ use super::args::ConvertArgs;
 use super::error::CliError;
 use super::terminal;
 use crate::output::{self, Existing};
-use crate::scene;
+use crate::scene::{self, Converted};
 use std::io::Write;
 use std::path::Path;
 use std::process::ExitCode;
@@ -16,10 +16,17 @@ pub fn run(options: &ConvertArgs) -> Result<ExitCode, CliError> {
     // Before the check of the extension, so that a folder is reported as a folder.
     output::check(&options.scene, existing)?;
     check_scene(&options.scene)?;
-    let folder = options.scene.parent().unwrap_or(Path::new(""));
-    let (text, warnings) = scene::native_from_obj_in(&options.model, folder)?;
+    let Converted { text, pictures, warnings } = scene::convert_model(&options.model, &options.scene)?;
     for warning in &warnings {
         terminal::warn(warning);
+    }
+    let pictures = pictures.iter().map(|(name, content)| (options.scene.with_file_name(name), content));
+    let pictures: Vec<_> = pictures.collect();
+    for (path, _) in &pictures {
+        output::check(path, existing)?;
+    }
+    for (path, content) in &pictures {
+        output::write_atomically(path, existing, |file| file.write_all(content))?;
     }
     output::write_atomically(&options.scene, existing, |file| file.write_all(text.as_bytes()))?;
     terminal::print(&format!(
@@ -41,18 +48,19 @@ fn refuse(file: &Path, what: &'static str, mend: String) -> Result<(), CliError>
     Err(CliError::Name { file: file.into(), what, mend })
 }
 
-fn check_model(ConvertArgs { model, scene, .. }: &ConvertArgs) -> Result<(), CliError> {
-    let [from, to] = [model, scene].map(|path| path.display());
+fn check_model(options: &ConvertArgs) -> Result<(), CliError> {
+    let ConvertArgs { model, scene: to_write, .. } = options;
+    let [from, to] = [model, to_write].map(|path| path.display());
     if ends_in(model, "json") || model.to_string_lossy().starts_with("builtin:") {
-        let mend = match ends_in(scene, "obj") {
+        let mend = match scene::is_model(to_write) {
             true => format!("the model comes first: octray convert {to} {from}"),
             false => format!("octray render {from} -o picture.png shows it as it is"),
         };
         return refuse(model, "is a scene already, not a model", mend);
     }
-    if !ends_in(model, "obj") {
-        let mend = "export the model as Wavefront OBJ: that is the one format that convert reads";
-        return refuse(model, "is not an .obj file", mend.into());
+    if !scene::is_model(model) {
+        let mend = "export the model as .obj, .gltf, .glb or .ply: those are the formats that convert reads";
+        return refuse(model, "is not a model", mend.into());
     }
     Ok(())
 }

@@ -149,7 +149,10 @@ impl Report {
 pub fn run(options: ViewOptions) -> Result<ExitCode, CliError> {
     let names = scenes::or_built_in(&options.scenes);
     let Some(playlist) = Playlist::new(&names) else {
-        let what = format!("there is no scene (.json) and no model (.obj) in {}", names.join(", "));
+        let what = format!(
+            "there is no scene (.json) and no model (.obj, .gltf, .glb, .ply) in {}",
+            names.join(", ")
+        );
         return Err(CliError::Nothing { what, mend: "name a folder that holds some, or a file" });
     };
     if options.terminal && !std::io::stdout().is_terminal() {

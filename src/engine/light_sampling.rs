@@ -172,15 +172,16 @@ impl EnvironmentLight {
         let lower = read(&self.edge_cosines, row.wrapping_add(L::Bits::splat(1)));
         let y = (lower - upper).mul_add(down, upper);
         let sin = y.neg_mul_add(y, L::one()).max(L::zero()).sqrt();
-        let turns = (L::from_int(column) + across) * L::splat(1.0 / self.columns as f32);
+        let turns =
+            (L::from_int(column) + across) * L::splat(1.0 / self.columns as f32) - L::splat(self.turn);
         let (sin_around, cos_around) = functions::sin_cos_turns(turns);
         let direction = Vec3::new(sin * cos_around, y, sin * sin_around).normalize();
         let pdf = read(&self.pdfs, first.wrapping_add(column));
         LightSample { wi: direction, t: L::splat(f32::INFINITY), n: Vec3::zero(), pdf }
     }
 
-    /// The pdf of [`Self::sample`], in 1/sr, at the direction with these texture coordinates, u unwrapped and
-    /// v from the top.
+    /// The pdf of [`Self::sample`], in 1/sr, at the direction with these [`latitude_longitude`] coordinates,
+    /// u unwrapped and v from the top.
     #[inline(always)]
     pub fn pdf<L: Lane>(&self, (u, v): (L, L)) -> L {
         let cell_along = |x: L, count: u32| {
@@ -188,6 +189,7 @@ impl EnvironmentLight {
             let last = L::Bits::splat(count - 1);
             L::Bits::select(last.less(at), last, at)
         };
+        let u = u + L::splat(self.turn);
         let (column, row) = (cell_along(u - u.floor(), self.columns), cell_along(v, self.rows));
         let cell = row.wrapping_mul(L::Bits::splat(self.columns)).wrapping_add(column);
         L::from_bits(L::gather_bits(&self.pdfs, cell))

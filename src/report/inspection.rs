@@ -55,6 +55,8 @@ struct Materials {
     glass: usize,
     scatter: usize,
     plastic: usize,
+    #[serde(rename = "metal-rough")]
+    metal_rough: usize,
     emitter: usize,
     /// Emissive ones of any type.
     shining: usize,
@@ -76,7 +78,7 @@ struct TextureReport {
 enum SkyReport {
     Color { color: Vec3Report },
     Gradient { bottom: Vec3Report, top: Vec3Report },
-    Texture { texture: String, color: Vec3Report },
+    Texture { texture: String, color: Vec3Report, turn_degrees: f32 },
 }
 
 /// The emitters that next event estimation samples; paths hit the others by scattering alone.
@@ -235,6 +237,7 @@ impl Materials {
                 MaterialKind::Glass { .. } => &mut count.glass,
                 MaterialKind::Scatter { .. } => &mut count.scatter,
                 MaterialKind::Plastic { .. } => &mut count.plastic,
+                MaterialKind::MetalRough { .. } => &mut count.metal_rough,
                 MaterialKind::Emitter => &mut count.emitter,
             } += 1;
             count.shining += usize::from(material.emission != Vec3::ZERO);
@@ -250,6 +253,7 @@ impl Materials {
             ("glass", self.glass),
             ("scatter", self.scatter),
             ("plastic", self.plastic),
+            ("metal-rough", self.metal_rough),
             ("emitter", self.emitter),
         ];
         let total: usize = types.iter().map(|(_, count)| count).sum();
@@ -321,9 +325,11 @@ impl SkyReport {
         match scene.sky {
             Sky::Color(color) => Self::Color { color: color.into() },
             Sky::Gradient { bottom, top } => Self::Gradient { bottom: bottom.into(), top: top.into() },
-            Sky::Texture { texture, color } => {
-                Self::Texture { texture: scene.textures[texture as usize].name.clone(), color: color.into() }
-            }
+            Sky::Texture { texture, color, turn } => Self::Texture {
+                texture: scene.textures[texture as usize].name.clone(),
+                color: color.into(),
+                turn_degrees: 360.0 * turn,
+            },
         }
     }
 
@@ -331,7 +337,14 @@ impl SkyReport {
         match self {
             Self::Color { color } => vector(*color),
             Self::Gradient { bottom, top } => format!("{} below to {} above", vector(*bottom), vector(*top)),
-            Self::Texture { texture, color } => format!("{texture}, times {}", vector(*color)),
+            Self::Texture { texture, color, turn_degrees } => {
+                let turned = if *turn_degrees == 0.0 {
+                    String::new()
+                } else {
+                    format!(", turned by {turn_degrees}°")
+                };
+                format!("{texture}, times {}{turned}", vector(*color))
+            }
         }
     }
 }

@@ -1,7 +1,8 @@
 //! The list of scenes to switch between.
 //!
-//! For: [`Playlist`]. May import: the standard library. Must not know: what a scene holds.
+//! For: [`Playlist`]. May import: the formats' names of models. Must not know: what a scene holds.
 
+use octray_formats::scene::is_model;
 use std::path::Path;
 
 /// Scene names as on the command line, and the index of the current one.
@@ -47,8 +48,7 @@ impl Playlist {
 fn expand(name: &str) -> Vec<String> {
     let Ok(folder) = std::fs::read_dir(name) else { return vec![name.to_string()] };
     let shown = |path: &Path| {
-        let extension = path.extension().map(|extension| extension.to_ascii_lowercase());
-        extension.is_some_and(|extension| extension == "json" || extension == "obj")
+        path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("json")) || is_model(path)
     };
     let paths = folder.filter_map(|entry| Some(entry.ok()?.path()));
     let mut names: Vec<String> =
@@ -82,7 +82,7 @@ mod tests {
     #[test]
     fn folders_stand_for_the_scenes_in_them() {
         let folder = tempfile::tempdir().unwrap();
-        for name in ["z.json", "b.OBJ", "readme.md", "a.json", "b.mtl"] {
+        for name in ["z.json", "b.OBJ", "readme.md", "a.json", "b.mtl", "c.glb", "d.gltf", "d.bin", "e.Ply"] {
             std::fs::write(folder.path().join(name), "").unwrap();
         }
         let path = folder.path().to_string_lossy().into_owned();
@@ -92,7 +92,7 @@ mod tests {
             names.push(list.current().rsplit(['/', '\\']).next().unwrap().to_string());
             list.next();
         }
-        assert_eq!(names, ["first", "a.json", "b.OBJ", "z.json"]);
+        assert_eq!(names, ["first", "a.json", "b.OBJ", "c.glb", "d.gltf", "e.Ply", "z.json"]);
         let empty = tempfile::tempdir().unwrap();
         assert_eq!(Playlist::new(&[empty.path().to_string_lossy().into_owned()]), None);
         assert!(!list.drop_in(&empty.path().to_string_lossy()));

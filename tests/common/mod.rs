@@ -43,6 +43,7 @@ pub fn material(kind: MaterialKind) -> Material {
         color: Vec3::ONE,
         texture: None,
         roughness_map: None,
+        emission_map: None,
         normal_map: None,
         emission: Vec3::ZERO,
     }

@@ -199,7 +199,7 @@ fn put_even_sky(scene: &mut Scene) {
     let texels = Texels::Float32(vec![[1.0; 4]; 32]);
     scene.textures =
         vec![Texture { name: "even".into(), width: 8, height: 4, filter: Filter::Nearest, texels }];
-    scene.sky = Sky::Texture { texture: 0, color: Vec3::ONE };
+    scene.sky = Sky::Texture { texture: 0, color: Vec3::ONE, turn: 0.0 };
 }
 
 /// The sky's chance counts on both sides, by search and by chance: here it is about two thirds.

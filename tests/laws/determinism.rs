@@ -77,7 +77,7 @@ fn lamp_and_sign() -> Scene {
 
 /// The same, and so much of it that it goes through the hierarchy.
 fn crowd() -> Scene {
-    everything_of(45)
+    everything_of(61)
 }
 
 fn everything_of(triangles: usize) -> Scene {
@@ -95,6 +95,8 @@ fn everything_of(triangles: usize) -> Scene {
         MaterialKind::Metal { roughness: 1.0 },
         MaterialKind::Plastic { roughness: 0.0, ior: 1.5 },
         MaterialKind::Plastic { roughness: 0.5, ior: 1.7 },
+        MaterialKind::MetalRough { roughness: 0.6, metallic: 0.4, ior: 1.5 },
+        MaterialKind::MetalRough { roughness: 0.0, metallic: 0.0, ior: 1.5 },
     ]
     .into_iter()
     .map(|kind| colored(&mut rng, kind))
@@ -111,6 +113,10 @@ fn everything_of(triangles: usize) -> Scene {
     materials[9].normal_map = Some(1);
     materials[0].normal_map = Some(2);
     materials[11].roughness_map = Some(0);
+    materials[12].roughness_map = Some(1);
+    materials[12].normal_map = Some(1);
+    materials[13].emission = Vec3::new(0.3, 0.2, 0.1);
+    materials[13].emission_map = Some(2);
     let mut scene = furnished(&mut rng, materials, 20, triangles, true);
     // Every other triangle is smooth.
     scene.normals = (0..scene.triangles.len())
@@ -121,7 +127,7 @@ fn everything_of(triangles: usize) -> Scene {
         noise(&mut rng, 4, 7, Filter::Bilinear),
         noise(&mut rng, 16, 8, Filter::Bilinear),
     ];
-    scene.sky = Sky::Texture { texture: 2, color: Vec3::new(1.0, 0.9, 0.8) };
+    scene.sky = Sky::Texture { texture: 2, color: Vec3::new(1.0, 0.9, 0.8), turn: 0.4 };
     scene
 }
 
@@ -165,7 +171,7 @@ fn triangles_alone() -> Scene {
         vec![colored(&mut rng, MaterialKind::Diffuse), colored(&mut rng, MaterialKind::Glass { ior: 1.3 })];
     materials[1].emission = Vec3::new(0.0, 0.3, 0.0);
     let textures = vec![noise(&mut rng, 9, 5, Filter::Nearest)];
-    let sky = Sky::Texture { texture: 0, color: Vec3::ONE };
+    let sky = Sky::Texture { texture: 0, color: Vec3::ONE, turn: 0.0 };
     Scene { textures, sky, ..furnished(&mut rng, materials, 0, 25, false) }
 }
 

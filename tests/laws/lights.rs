@@ -477,7 +477,7 @@ fn sunny(filter: Filter) -> Texture {
 fn under_the_sun(filter: Filter) -> Scene {
     Scene {
         textures: vec![sunny(filter)],
-        sky: Sky::Texture { texture: 0, color: Vec3::ONE },
+        sky: Sky::Texture { texture: 0, color: Vec3::ONE, turn: 0.3 },
         ..floor(Vec3::ZERO, 2.0)
     }
 }

@@ -7,6 +7,7 @@
 
 use crate::common::Rng;
 use glam::{DVec3, Vec3};
+use octray::kernel::bsdf::metal_rough::MetalRough;
 use octray::kernel::bsdf::plastic::{Plastic, mean_transmittance};
 use octray::kernel::bsdf::{BsdfEval, BsdfSample, LobeEval, diffuse, ggx, scatter};
 use octray::math;
@@ -18,6 +19,7 @@ enum Lobe {
     Ggx { alpha: f32 },
     Scatter { roughness: f32 },
     Plastic { alpha: f32, ior: f32, color: Vec3, transmitted: f32 },
+    MetalRough { alpha: f32, metallic: f32, color: Vec3 },
 }
 
 fn lane(v: Vec3) -> math::Vec3<f32> {
@@ -36,6 +38,11 @@ impl Lobe {
         let Lobe::Plastic { alpha, ior, color, transmitted } = self else { unreachable!() };
         Plastic { color: lane(color), alpha, ior, transmitted }
     }
+    /// Of the index 1.5.
+    fn metal_rough(self) -> MetalRough<f32> {
+        let Lobe::MetalRough { alpha, metallic, color } = self else { unreachable!() };
+        MetalRough { color: lane(color), alpha, f0: 0.04, metallic }
+    }
     fn sample(self, d: Vec3, n: Vec3, [choose, u, v]: [f32; 3]) -> Drawn {
         let (d, n) = (lane(d), lane(n));
         let grey = |lobe: BsdfSample<f32>| (lobe, math::Vec3::repeat(lobe.weight));
@@ -44,6 +51,7 @@ impl Lobe {
             Lobe::Ggx { alpha } => grey(ggx::sample(d, n, alpha, u, v)),
             Lobe::Scatter { roughness } => grey(scatter::sample(d, n, roughness, u, v)),
             Lobe::Plastic { .. } => self.plastic().sample(d, n, choose, (u, v)),
+            Lobe::MetalRough { .. } => self.metal_rough().sample(d, n, choose, (u, v)),
         };
         Drawn { direction: lobe.wi.get(0), weight: weight.get(0), pdf: lobe.pdf, alive: lobe.alive }
     }
@@ -57,6 +65,10 @@ impl Lobe {
             Lobe::Scatter { roughness } => grey(scatter::evaluate(d, n, roughness, towards)),
             Lobe::Plastic { .. } => {
                 let BsdfEval { value, pdf } = self.plastic().evaluate(d, n, towards);
+                (value.get(0), pdf)
+            }
+            Lobe::MetalRough { .. } => {
+                let BsdfEval { value, pdf } = self.metal_rough().evaluate(d, n, towards);
                 (value.get(0), pdf)
             }
         }
@@ -116,6 +128,13 @@ fn lobes() -> Vec<Lobe> {
     let color = Vec3::new(0.8, 0.3, 0.1);
     lobes.extend([0.0, 0.01, 0.2, 1.0].map(|alpha| plastic(alpha, 1.5, color)));
     lobes.extend([plastic(0.3, 2.6, WHITE), plastic(0.2, 1.5, Vec3::ZERO)]);
+    lobes.extend(
+        [(0.0, 0.0), (0.01, 0.0), (0.2, 0.5), (0.5, 1.0)].map(|(alpha, metallic)| Lobe::MetalRough {
+            alpha,
+            metallic,
+            color,
+        }),
+    );
     lobes
 }
 
@@ -299,7 +318,8 @@ fn metal_and_plastic_look_the_same_both_ways() {
 fn albedo(lobe: Lobe, degrees: f64) -> f64 {
     let (d, n) = arriving(degrees);
     // Coats choose by their first number; the others use none.
-    let (side, layers) = (96, if matches!(lobe, Lobe::Plastic { .. }) { 16 } else { 1 });
+    let (side, layers) =
+        (96, if matches!(lobe, Lobe::Plastic { .. } | Lobe::MetalRough { .. }) { 16 } else { 1 });
     let at = |i: usize, of: usize| (i as f32 + 0.5) / of as f32;
     let mut sum = 0.0;
     for i in 0..side * side * layers {
@@ -326,6 +346,13 @@ fn white_furnace_loses_what_is_stated_and_gains_nothing() {
         let found = ANGLES.map(|degrees| albedo(Lobe::Ggx { alpha }, degrees));
         println!("GGX, alpha {alpha}: {found:.3?}");
         assert!(found.iter().all(|&x| (least - 0.01..1.0 + 1e-5).contains(&x)), "GGX {alpha}: {found:?}");
+    }
+    // Least of the shares that a white dielectric returns.
+    for (alpha, least) in [(0.0, 1.0), (0.04, 0.73), (0.25, 0.53), (1.0, 0.97)] {
+        let lobe = Lobe::MetalRough { alpha, metallic: 0.0, color: WHITE };
+        let found = ANGLES.map(|degrees| albedo(lobe, degrees));
+        println!("metal-rough, alpha {alpha}: {found:.3?}");
+        assert!(found.iter().all(|&x| (least - 0.01..1.005).contains(&x)), "{alpha}: {found:?}");
     }
     for ior in [1.0, 1.33, 1.5, 3.0] {
         for (roughness, least) in [(0.0_f32, 1.0), (0.1, 0.93), (0.4, 0.564), (0.7, 0.741), (1.0, 0.827)] {

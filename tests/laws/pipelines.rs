@@ -9,7 +9,7 @@ use octray::render::{PipelineChoice, Settings};
 use octray::scene::{Camera, Filter, Material, MaterialKind, Scene, Sky};
 use octray::traverse::{BoxChoice, Methods};
 
-const KINDS: [MaterialKind; 8] = [
+const KINDS: [MaterialKind; 10] = [
     MaterialKind::Diffuse,
     MaterialKind::Metal { roughness: 0.0 },
     MaterialKind::Metal { roughness: 0.4 },
@@ -17,6 +17,8 @@ const KINDS: [MaterialKind; 8] = [
     MaterialKind::Scatter { roughness: 0.5 },
     MaterialKind::Plastic { roughness: 0.0, ior: 1.5 },
     MaterialKind::Plastic { roughness: 0.5, ior: 1.6 },
+    MaterialKind::MetalRough { roughness: 0.0, metallic: 0.5, ior: 1.5 },
+    MaterialKind::MetalRough { roughness: 0.5, metallic: 0.3, ior: 1.5 },
     MaterialKind::Emitter,
 ];
 
@@ -27,6 +29,7 @@ enum Extra {
     Triangles,
     Smooth,
     Shine,
+    Glow,
     Picture(Filter),
     Roughness,
     Normals,
@@ -37,11 +40,12 @@ enum Extra {
     Crowd,
 }
 
-const EXTRAS: [Extra; 14] = [
+const EXTRAS: [Extra; 15] = [
     Extra::None,
     Extra::Triangles,
     Extra::Smooth,
     Extra::Shine,
+    Extra::Glow,
     Extra::Picture(Filter::Nearest),
     Extra::Picture(Filter::Bilinear),
     Extra::Roughness,
@@ -70,6 +74,11 @@ fn with(kind: MaterialKind, extra: Extra) -> Scene {
         Extra::Triangles => scene.triangles.push(triangle(floor, 0)),
         Extra::Smooth => scene = Scene { sky: scene.sky, ..smooth_ball(kind) },
         Extra::Shine => scene.materials[0].emission = Vec3::new(0.1, 0.2, 0.3),
+        Extra::Glow => {
+            scene.textures = vec![noise(&mut rng, 5, 7, Filter::Bilinear)];
+            scene.materials[0].emission = Vec3::ONE;
+            scene.materials[0].emission_map = (kind != MaterialKind::Emitter).then_some(0);
+        }
         Extra::Picture(filter) => {
             scene.textures = vec![noise(&mut rng, 5, 7, filter)];
             scene.materials[0].texture = Some(0);
@@ -87,7 +96,7 @@ fn with(kind: MaterialKind, extra: Extra) -> Scene {
         Extra::Gradient => scene.sky = Sky::Gradient { bottom: Vec3::ONE, top: Vec3::new(0.5, 0.7, 1.0) },
         Extra::SkyPicture(filter) => {
             scene.textures = vec![noise(&mut rng, 5, 7, filter)];
-            scene.sky = Sky::Texture { texture: 0, color: Vec3::ONE };
+            scene.sky = Sky::Texture { texture: 0, color: Vec3::ONE, turn: 0.3 };
         }
         Extra::RoundLamp => {
             scene.materials.push(lamp);

@@ -13,12 +13,13 @@ use octray::sampling::Sampler;
 use octray::scene::{Filter, Material, MaterialKind, Scene, Sky};
 use octray::traverse::Methods;
 
-const KINDS: [MaterialKind; 8] = [
+const KINDS: [MaterialKind; 9] = [
     MaterialKind::Diffuse,
     MaterialKind::Metal { roughness: 0.2 },
     MaterialKind::Metal { roughness: 0.7 },
     MaterialKind::Plastic { roughness: 0.0, ior: 1.5 },
     MaterialKind::Plastic { roughness: 0.5, ior: 1.5 },
+    MaterialKind::MetalRough { roughness: 0.5, metallic: 0.5, ior: 1.5 },
     MaterialKind::Scatter { roughness: 0.4 },
     MaterialKind::Scatter { roughness: 2.0 },
     MaterialKind::Glass { ior: 1.5 },

@@ -165,6 +165,7 @@ fn packets_and_judge_agree_on_the_energy_of_every_material() {
         MaterialKind::Metal { roughness: 1.0 },
         MaterialKind::Glass { ior: 1.5 },
         MaterialKind::Glass { ior: 0.8 },
+        MaterialKind::MetalRough { roughness: 0.3, metallic: 0.2, ior: 1.5 },
         MaterialKind::Scatter { roughness: 0.4 },
         MaterialKind::Scatter { roughness: 2.5 },
     ] {
@@ -210,7 +211,7 @@ fn packets_and_judge_agree_on_pictures_on_spheres_triangles_and_sky() {
             spheres: vec![ball(-1.3, 0.15, 0), ball(0.0, 0.4, 1), ball(1.3, 0.7, 2)],
             triangles: vec![triangle(wall, 0)],
             uvs: vec![[Vec2::new(0.1, 0.2), Vec2::new(2.3, 0.4), Vec2::new(0.7, 1.9)]],
-            sky: Sky::Texture { texture: 0, color: Vec3::new(1.0, 0.5, 2.0) },
+            sky: Sky::Texture { texture: 0, color: Vec3::new(1.0, 0.5, 2.0), turn: 0.7 },
             ..empty()
         };
         assert_agrees(&format!("{filter:?}"), &scene, 4, 0.02);

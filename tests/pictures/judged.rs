@@ -51,7 +51,7 @@ fn assert_is_the_judges(name: &str, scene: &Scene) {
     assert!(off <= 15, "{name}: {off} of 1,536 pixels are off by more than a thousandth");
 }
 
-const KINDS: [MaterialKind; 8] = [
+const KINDS: [MaterialKind; 10] = [
     MaterialKind::Diffuse,
     MaterialKind::Metal { roughness: 0.0 },
     MaterialKind::Metal { roughness: 0.5 },
@@ -60,6 +60,8 @@ const KINDS: [MaterialKind; 8] = [
     MaterialKind::Scatter { roughness: 0.8 },
     MaterialKind::Plastic { roughness: 0.0, ior: 1.5 },
     MaterialKind::Plastic { roughness: 0.4, ior: 1.8 },
+    MaterialKind::MetalRough { roughness: 0.0, metallic: 0.3, ior: 1.5 },
+    MaterialKind::MetalRough { roughness: 0.6, metallic: 0.5, ior: 1.3 },
 ];
 
 #[test]
@@ -100,6 +102,8 @@ fn picture_is_the_judges_with_maps_of_normals_and_roughness() {
             let mut scene = Scene { textures: textures.clone(), ..scene };
             scene.materials[0].normal_map = Some(0);
             scene.materials[0].roughness_map = Some(1);
+            scene.materials[0].emission = Vec3::new(0.5, 0.2, 0.1);
+            scene.materials[0].emission_map = Some(0);
             scene
         };
         let mut round = worn(balls(kind));

@@ -8,12 +8,13 @@ use octray::math;
 use octray::render::Settings;
 use octray::scene::{MaterialKind, Scene, Sky};
 
-const KINDS: [(MaterialKind, f64); 6] = [
+const KINDS: [(MaterialKind, f64); 7] = [
     (MaterialKind::Diffuse, 0.04),
     (MaterialKind::Metal { roughness: 0.0 }, 0.0),
     (MaterialKind::Metal { roughness: 0.3 }, 0.05),
     (MaterialKind::Plastic { roughness: 0.0, ior: 1.5 }, 0.05),
     (MaterialKind::Plastic { roughness: 0.5, ior: 1.5 }, 0.09),
+    (MaterialKind::MetalRough { roughness: 0.5, metallic: 0.5, ior: 1.5 }, 0.09),
     (MaterialKind::Glass { ior: 1.5 }, 0.002),
 ];
 

@@ -37,7 +37,11 @@ fn ball(texture_side: Side) -> Scene {
 }
 
 fn sky() -> Scene {
-    Scene { sky: Sky::Texture { texture: 0, color: Vec3::ONE }, textures: vec![columns()], ..empty() }
+    Scene {
+        sky: Sky::Texture { texture: 0, color: Vec3::ONE, turn: 0.1 },
+        textures: vec![columns()],
+        ..empty()
+    }
 }
 
 /// What stands in a row of pixels, from left to right; the packets, the scalar path and the judge agree on

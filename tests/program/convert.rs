@@ -43,6 +43,49 @@ fn converted_models_render_the_same_wherever_the_scene_file_stands() {
 }
 
 #[test]
+fn models_of_every_format_are_read_by_every_command() {
+    let desk = Desk::new();
+    let bytes: Vec<u8> =
+        [0.0_f32, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0].iter().flat_map(|x| x.to_le_bytes()).collect();
+    fs::write(desk.path("t.bin"), bytes).unwrap();
+    desk.write(
+        "t.gltf",
+        r#"{ "asset": { "version": "2.0" }, "scenes": [{ "nodes": [0] }], "nodes": [{ "mesh": 0 }],
+        "meshes": [{ "primitives": [{ "attributes": { "POSITION": 0 }, "material": 0 }] }],
+        "materials": [{ "emissiveFactor": [0.5, 0.25, 1], "pbrMetallicRoughness": { "metallicFactor": 0.5 } }],
+        "accessors": [{ "bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3" }],
+        "bufferViews": [{ "buffer": 0, "byteLength": 36 }], "buffers": [{ "uri": "t.bin", "byteLength": 36 }] }"#,
+    );
+    desk.write(
+        "t.ply",
+        "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
+         property uchar red\nproperty uchar green\nproperty uchar blue\nelement face 1\n\
+         property list uchar int vertex_indices\nend_header\n0 0 0 255 0 0\n1 0 0 0 255 0\n0 1 0 0 0 255\n3 0 1 2\n",
+    );
+    for (model, kind) in [("t.gltf", "metal-rough"), ("t.ply", "diffuse")] {
+        let shown = desk.render_small(model);
+        assert!(shown.iter().any(|pixel| *pixel != shown[0]), "{model}");
+        desk.octray(&["convert", model, "t.json", "--force"]).assert().success().stderr("");
+        assert_eq!(desk.render_small("t.json"), shown, "{model}");
+        desk.write(
+            "placed.json",
+            &format!(r#"{{ "format": "octray-1", "meshes": [{{ "model": "{model}" }}] }}"#),
+        );
+        assert_eq!(
+            desk.json(&["inspect", "placed.json", "--json"])["materials"][kind],
+            json_number(model),
+            "{model}"
+        );
+        desk.octray(&["rays", model, "--size", "8x8", "--passes", "1", "--json"]).assert().success();
+    }
+}
+
+/// The number of materials of the model's kind: vertex colours add a variant.
+fn json_number(model: &str) -> u64 {
+    if model.ends_with("ply") { 2 } else { 1 }
+}
+
+#[test]
 fn convert_says_what_of_a_model_it_leaves_out() {
     let desk = Desk::new();
     desk.write("odd.mtl", "newmtl a\nKd 1 1 1\nd 0.5\n");
@@ -68,7 +111,7 @@ fn convert_refuses_names_that_no_command_would_read() {
         (
             "model.stl",
             "new.json",
-            &["error: `model.stl` is not an .obj file\n", "export the model as Wavefront OBJ"],
+            &["error: `model.stl` is not a model\n", "export the model as .obj, .gltf, .glb or .ply"],
         ),
         ("scene.json", "new.json", &["`scene.json` is a scene already", "octray render scene.json"]),
         ("scene.json", "model.obj", &["the model comes first: octray convert model.obj scene.json"]),

@@ -249,10 +249,16 @@ fn normals_without_a_direction_are_refused() {
 fn keys_of_another_material_type_are_refused() {
     let cases = [
         ("\"type\": \"diffuse\", \"ior\": 1.5", "ior", "glass"),
-        ("\"type\": \"diffuse\", \"roughness\": 0.5", "roughness", "`plastic` or `scatter`"),
-        ("\"type\": \"diffuse\", \"roughness_map\": \"r.png\"", "roughness_map", "`plastic` or `scatter`"),
+        ("\"type\": \"diffuse\", \"roughness\": 0.5", "roughness", "`metal-rough` or `scatter`"),
+        (
+            "\"type\": \"diffuse\", \"roughness_map\": \"r.png\"",
+            "roughness_map",
+            "`metal-rough` or `scatter`",
+        ),
         ("\"type\": \"emitter\", \"normal_map\": \"n.png\"", "normal_map", "scatters nothing"),
-        ("\"type\": \"glass\", \"roughness\": 0.5", "roughness", "`plastic` or `scatter`"),
+        ("\"type\": \"metal\", \"metallic\": 0.5", "metallic", "make the type `metal-rough`"),
+        ("\"type\": \"emitter\", \"emission_map\": \"e.png\"", "emission_map", "`texture`"),
+        ("\"type\": \"glass\", \"roughness\": 0.5", "roughness", "`metal-rough` or `scatter`"),
         ("\"type\": \"emitter\", \"color\": [1,1,1]", "color", "`emission`"),
         ("\"type\": \"diffuse\", \"filter\": \"nearest\"", "filter", "add a `texture`"),
         ("\"type\": \"diffuse\", \"texture_size\": 2", "texture_size", "add a `texture`"),
@@ -407,15 +413,15 @@ fn names_that_are_no_scenes_are_refused() {
     fs::create_dir(folder.path().join("folder.json")).unwrap();
     fs::write(folder.path().join("scene.txt"), "{}").unwrap();
     let cases = [
-        (path("missing.json"), "no such file", ".json or .obj"),
-        (path("missing.obj"), "no such file", ".json or .obj"),
-        (path("folder.json"), "folder", ".json or .obj"),
-        (path("scene.txt"), "not the name of a scene", ".json or .obj"),
+        (path("missing.json"), "no such file", "(.json), a model (.obj, .gltf, .glb, .ply)"),
+        (path("missing.obj"), "no such file", "(.json), a model (.obj, .gltf, .glb, .ply)"),
+        (path("folder.json"), "folder", "(.json), a model (.obj, .gltf, .glb, .ply)"),
+        (path("scene.txt"), "not the name of a scene", "(.json), a model (.obj, .gltf, .glb, .ply)"),
         ("three".to_string(), "not the name of a scene", "did you mean `builtin:three`?"),
         ("knot:100".to_string(), "not the name of a scene", "did you mean `builtin:knot:100`?"),
         ("terrian:100".to_string(), "not the name of a scene", "did you mean `builtin:terrain:100`?"),
         ("terrain".to_string(), "not the name of a scene", "did you mean `builtin:terrain:N`?"),
-        (String::new(), "not the name of a scene", ".json or .obj"),
+        (String::new(), "not the name of a scene", "(.json), a model (.obj, .gltf, .glb, .ply)"),
     ];
     for (spec, what, mend) in cases {
         let error = load(&spec).unwrap_err();

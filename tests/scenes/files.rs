@@ -82,6 +82,24 @@ fn native_example_of_the_design_keeps_every_value() {
 }
 
 #[test]
+fn metal_rough_and_turned_skies_are_read() {
+    let folder = TempDir::new().unwrap();
+    image::RgbImage::new(2, 1).save(folder.path().join("p.png")).unwrap();
+    let text = r#"{ "format": "octray-1", "spheres": [{ "center": [1,2,3], "radius": 2, "material": "m" }],
+        "materials": { "m": { "type": "metal-rough", "emission_map": "p.png" },
+                       "n": { "type": "metal-rough", "metallic": 0.25, "roughness": 0, "roughness_map": "p.png", "ior": 9 } },
+        "sky": { "texture": "p.png", "turn_degrees": -90 } }"#;
+    let path = folder.path().join("s.json");
+    fs::write(&path, text).unwrap();
+    let scene = load(path.to_str().unwrap()).unwrap();
+    let [m, n] = [0, 1].map(|index: usize| &scene.materials[index]);
+    assert_eq!(m.kind, MaterialKind::MetalRough { roughness: 1.0, metallic: 1.0, ior: 1.5 });
+    assert_eq!((m.emission, m.emission_map.is_some(), m.color), (Vec3::ONE, true, Vec3::ONE));
+    assert_eq!(n.kind, MaterialKind::MetalRough { roughness: 0.0, metallic: 0.25, ior: 9.0 });
+    assert!(matches!(scene.sky, Sky::Texture { turn: 0.75, .. }), "{:?}", scene.sky);
+}
+
+#[test]
 fn native_defaults_fill_a_scene_of_one_sphere() {
     let scene = load_text(r#"{ "format": "octray-1", "spheres": [{ "center": [1,2,3], "radius": 2 }] }"#);
     assert_eq!((scene.resolution, scene.max_bounces), ([240, 135], 4));
@@ -148,7 +166,7 @@ fn sky_reads_gradient_and_texture() {
     let gradient = with(r#"{ "gradient": { "bottom": [1,1,1], "top": [0.5,0.7,1] } }"#);
     assert_eq!(gradient.sky, Sky::Gradient { bottom: Vec3::ONE, top: Vec3::new(0.5, 0.7, 1.0) });
     let textured = with(r#"{ "texture": "sky.exr", "color": [3,3,3] }"#);
-    assert_eq!(textured.sky, Sky::Texture { texture: 0, color: Vec3::splat(3.0) });
+    assert_eq!(textured.sky, Sky::Texture { texture: 0, color: Vec3::splat(3.0), turn: 0.0 });
     // An EXR holds linear light: the numbers pass as they are.
     assert_eq!(textured.textures[0].texels, Texels::Float32(vec![[2.0, 0.5, 0.25, 0.0]]));
     assert_eq!(textured.textures[0].filter, Filter::Bilinear);

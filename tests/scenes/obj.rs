@@ -2,7 +2,7 @@
 
 use crate::folder::{save_picture, write};
 use glam::{Vec2, Vec3};
-use octray::scene::{MaterialKind, Scene, Sky, Texels, load, native_from_obj, native_from_obj_in};
+use octray::scene::{MaterialKind, Scene, Sky, Texels, convert_model, load};
 use std::path::Path;
 use tempfile::TempDir;
 
@@ -193,15 +193,48 @@ fn what_is_left_out_of_a_material_is_a_warning_with_its_line() {
         ("illum 7\nNi 1.0\n", ":3: glass with `Ni 1` does not refract and is invisible."),
         ("illum 7\nmap_Kd p.png\n", ":2: glass is shown without its `map_Kd`."),
         ("map_d leaf.png\n", ":2: `map_d` is not read."),
+        ("map_Ks s.png\n", ":2: `map_Ks` is not read."),
+        ("map_Kd -o 0.5 -s 1 1 1 p.png\n", ":2: the option `-o` of `map_Kd` is not read."),
+        ("norm -bm 0.3 p.png\n", ":2: the option `-bm` of `norm` is not read."),
         ("map_Bump b.png\nPm 1\nmap_Bump c.png\n", ":2: `map_Bump` is not read (1 more like it)."),
     ] {
         let (kind, _, warnings) = with_material(statements);
         assert_eq!(warnings.first().map(String::as_str), Some(warning), "{statements}");
         assert_eq!(matches!(kind, MaterialKind::Glass { .. }), warning.contains(": glass "));
     }
-    let silent = "# note\nKa 1 1 1\nKs 1 1 1\nNs 20\nNi 1.45\nd 1\nTr 0\nTf 1 1 1\nillum 2\nmap_Ks s.png\n\n";
+    let silent = "# note\nKa 1 1 1\nKs 1 1 1\nNs 20\nNi 1.45\nd 1\nTr 0\nTf 1 1 1\nillum 2\n\n";
     assert_eq!(with_material(silent).2, [""; 0]);
     assert_eq!(with_material("Tr 1\n").2, [""; 0], "what some programs write of opaque things");
+}
+
+#[test]
+fn options_of_maps_come_before_names_that_may_hold_spaces() {
+    for options in ["", "-s 1 1 1 ", "-o 0 0 -clamp off ", "-blendu on -mm 0 1 -bm 1.0 "] {
+        let folder = TempDir::new().unwrap();
+        image::RgbImage::new(1, 1).save(folder.path().join("a b.png")).unwrap();
+        write(folder.path(), "m.mtl", format!("newmtl a\nmap_Kd {options}a b.png\n"));
+        let scene = load(&write(folder.path(), "m.obj", format!("mtllib m.mtl\nusemtl a\n{ONE}"))).unwrap();
+        assert_eq!((scene.textures[0].name.as_str(), scene.warnings.len()), ("a b.png", 0), "{options}");
+    }
+}
+
+#[test]
+fn tall_models_are_framed_whole_and_others_as_ever() {
+    let column =
+        |height: f32| format!("v 0 0 0\nv 1 0 0\nv 0 {height} 0\nv 0 {height} 1\nf 1 2 3\nf 2 3 4\n");
+    for (height, least) in [(30.0, 0.9), (300.0, 0.9), (1.0, 0.3)] {
+        let scene = load_obj(column(height));
+        let camera = scene.camera;
+        let forward = (camera.look_at - camera.position).normalize();
+        let up = forward.cross(camera.up).cross(forward).normalize();
+        let reach = |corner: Vec3| {
+            let from = corner - camera.position;
+            from.dot(up).abs() / from.dot(forward) / (camera.vertical_fov / 2.0).to_radians().tan()
+        };
+        let farthest =
+            scene.triangles.iter().flat_map(|triangle| triangle.vertices).map(reach).fold(0.0, f32::max);
+        assert!((least..0.99).contains(&farthest), "{height}: {farthest} of half the picture's height");
+    }
 }
 
 #[test]
@@ -356,14 +389,15 @@ fn converted_model_loads_as_the_same_scene() {
     let model = write(folder.path(), "models/m.obj", text);
     let direct = load(&model).unwrap();
 
-    let beside = write(folder.path(), "models/scene.json", native_from_obj(Path::new(&model)).unwrap());
+    let convert = |scene: &Path| convert_model(Path::new(&model), scene).unwrap().text;
+    let beside = folder.path().join("models/scene.json");
+    let beside = write(folder.path(), "models/scene.json", convert(&beside));
     let converted = load(&beside).unwrap();
     assert_same_scene(&direct, &converted);
     assert_eq!(converted.textures[0].name, "p.png");
 
-    let elsewhere = folder.path().join("scenes/deep");
-    let (text, _) = native_from_obj_in(Path::new(&model), &elsewhere).unwrap();
-    let converted = load(&write(folder.path(), "scenes/deep/scene.json", text)).unwrap();
+    let elsewhere = folder.path().join("scenes/deep/scene.json");
+    let converted = load(&write(folder.path(), "scenes/deep/scene.json", convert(&elsewhere))).unwrap();
     assert_same_scene(&direct, &converted);
     assert_eq!(converted.textures[0].name, "../../models/p.png");
 }
@@ -371,7 +405,8 @@ fn converted_model_loads_as_the_same_scene() {
 #[test]
 fn conversion_of_a_broken_model_is_refused() {
     let folder = TempDir::new().unwrap();
-    let error = native_from_obj(Path::new(&write(folder.path(), "m.obj", "v 0 0 0\nf 1 2 3\n"))).unwrap_err();
+    let refused = |model: &Path| convert_model(model, &folder.path().join("s.json")).err().unwrap();
+    let error = refused(Path::new(&write(folder.path(), "m.obj", "v 0 0 0\nf 1 2 3\n")));
     assert_eq!(error.at.as_deref(), Some("line 2"));
-    assert!(native_from_obj(&folder.path().join("gone.obj")).unwrap_err().what.contains("no such file"));
+    assert!(refused(&folder.path().join("gone.obj")).what.contains("no such file"));
 }

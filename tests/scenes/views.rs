@@ -270,7 +270,12 @@ fn scenes_that_a_view_cannot_show_are_refused_at_their_name() {
     );
     assert_refused(&view("shot.json", ""), "`shot.json` is a view itself", place, "that it is a view of");
     assert_refused(&view("view.json", ""), "`view.json` is a view itself", place, "that it is a view of");
-    assert_refused(&view("notes.txt", ""), "`notes.txt` is not the name of a scene", place, ".json or .obj");
+    assert_refused(
+        &view("notes.txt", ""),
+        "`notes.txt` is not the name of a scene",
+        place,
+        "a model (.obj, .gltf, .glb, .ply)",
+    );
     assert_refused(&view("", ""), "`` is not the name of a scene", place, "builtin:NAME");
     assert_refused(
         &view("builtin:thre", ""),

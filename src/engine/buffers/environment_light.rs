@@ -21,6 +21,8 @@ pub struct EnvironmentLight {
     pub(crate) pdfs: Vec<u32>,
     /// Cosines of the polar angle at the rows' upper edges, and at the last one's lower edge. Bits.
     pub(crate) edge_cosines: Vec<u32>,
+    /// Turns of the texture: see [`Sky::Texture`].
+    pub(crate) turn: f32,
     /// The mean radiance over all directions.
     pub mean: f64,
     /// The mean of the squared radiance over the square of the mean: 1 for a uniform sky.
@@ -53,9 +55,9 @@ fn cdf(parts: &[f64]) -> Vec<f64> {
 impl EnvironmentLight {
     /// The light of a scene whose sky is a texture; `None` where it is black.
     pub fn of(scene: &Scene) -> Option<Self> {
-        let Sky::Texture { texture, color } = scene.sky else { return None };
+        let Sky::Texture { texture, color, turn } = scene.sky else { return None };
         let color = f64::from(color.element_sum()) / 3.0;
-        let sky = Self::new(&scene.textures[texture as usize], color);
+        let sky = Self { turn, ..Self::new(&scene.textures[texture as usize], color) };
         (sky.mean > 0.0 && sky.mean.is_finite()).then_some(sky)
     }
 
@@ -101,6 +103,7 @@ impl EnvironmentLight {
             column_cdfs: bits((0..rows).flat_map(|row| cdf(&radiances[row * columns..][..columns]))),
             pdfs: bits(radiances.iter().map(|radiance| radiance / power)),
             edge_cosines: bits((0..=rows).map(edge)),
+            turn: 0.0,
             mean,
             contrast: squares / (2.0 * TAU) / (mean * mean),
         }

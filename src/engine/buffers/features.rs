@@ -56,6 +56,8 @@ features! {
     SMOOTH_NORMALS = 19, "smooth-normals";
     NORMAL_MAPS = 20, "normal-maps";
     ROUGHNESS_MAPS = 21, "roughness-maps";
+    METAL_ROUGH = 22, "metal-rough";
+    EMISSION_MAPS = 23, "emission-maps";
 }
 
 impl Features {
@@ -64,7 +66,11 @@ impl Features {
     /// The features that make shading normals differ from geometric normals.
     pub const SHADING_NORMALS: Features = Self::SMOOTH_NORMALS.with(Self::NORMAL_MAPS);
     /// The features that read [`super::Buffers::detail_rows`].
-    pub const DETAILS: Features = Self::PLASTIC.with(Self::NORMAL_MAPS).with(Self::ROUGHNESS_MAPS);
+    pub const DETAILS: Features = Self::PLASTIC
+        .with(Self::METAL_ROUGH)
+        .with(Self::NORMAL_MAPS)
+        .with(Self::ROUGHNESS_MAPS)
+        .with(Self::EMISSION_MAPS);
 
     /// These features and the other's.
     pub const fn with(self, other: Features) -> Features {
@@ -115,6 +121,7 @@ impl Features {
             need(material.texture.is_some(), Self::TEXTURES);
             need(material.normal_map.is_some(), Self::NORMAL_MAPS);
             need(material.roughness_map.is_some() && material.kind.has_roughness(), Self::ROUGHNESS_MAPS);
+            need(material.emission_map.is_some(), Self::EMISSION_MAPS);
             match material.kind {
                 MaterialKind::Diffuse => need(true, Self::DIFFUSE),
                 MaterialKind::Metal { roughness: 0.0 } => need(true, Self::MIRROR),
@@ -122,6 +129,7 @@ impl Features {
                 MaterialKind::Glass { .. } => need(true, Self::GLASS),
                 MaterialKind::Scatter { .. } => need(true, Self::SCATTER),
                 MaterialKind::Plastic { .. } => need(true, Self::PLASTIC),
+                MaterialKind::MetalRough { .. } => need(true, Self::METAL_ROUGH),
                 MaterialKind::Emitter => {}
             }
         }

@@ -185,7 +185,8 @@ fn power_of(scene: &Scene, number: usize, choice: LightChoice) -> f64 {
     let emission = |material: u32| {
         let material = &scene.materials[material as usize];
         // Textured emitters are found by scattering alone: the light rows hold one emission for all points.
-        let is_textured = material.kind == MaterialKind::Emitter && material.texture.is_some();
+        let is_textured = material.kind == MaterialKind::Emitter && material.texture.is_some()
+            || material.emission_map.is_some();
         if is_textured { 0.0 } else { f64::from(material.emission.element_sum()) / 3.0 }
     };
     match scene.spheres.get(number) {

@@ -24,7 +24,7 @@ pub use lights::{LightChoice, Lights};
 pub use spheres::{SphereBlock, Spheres};
 pub use texels::{Abilities, Textures};
 
-use crate::kernel::bsdf::plastic;
+use crate::kernel::bsdf::{metal_rough, plastic};
 use crate::kernel::ray_triangle::TriangleMethod;
 use crate::kernel::surface::{self, sphere_offset, triangle_normal, triangle_offset};
 use crate::scene::{self, MaterialKind, Scene, Side};
@@ -58,8 +58,9 @@ pub struct Buffers {
     /// map.
     pub tangent_rows: Rows,
     /// One row of eight a material, read where the pipeline has some of [`Features::DETAILS`]: index of
-    /// refraction, mean transmittance of plastic's coat, roughness map and normal map (bits: index + 1, 0 for
-    /// none), 0.
+    /// refraction, mean transmittance of plastic's coat, roughness map, normal map and emission map (bits:
+    /// index + 1, 0 for none), 0. Of metal-rough the first two are the dielectric's reflectance at normal
+    /// incidence and the metallic share.
     pub detail_rows: Rows,
     /// Whether any triangle has texture coordinates of its own.
     pub has_uvs: bool,
@@ -84,6 +85,8 @@ pub struct Sky {
     pub rise: Vec3,
     /// Index of the texture, where [`Features::SKY_TEXTURE`] holds.
     pub texture: u32,
+    /// Turns of the texture: added to u.
+    pub turn: f32,
 }
 
 /// A material's kind and texture in one number: kind in the lowest byte, above it texture index + 1, 0 for
@@ -106,13 +109,14 @@ impl MaterialCode {
     pub const SCATTER: u32 = 5;
     /// A coat over a diffuse base.
     pub const PLASTIC: u32 = 6;
+    pub const METAL_ROUGH: u32 = 7;
     /// Position of the texture index, in bits.
     pub const TEXTURE_SHIFT: u32 = 8;
     /// Masks the kind.
     pub const KIND: u32 = 0xff;
 
-    /// The code of a material, and its parameter: alpha of GGX and of plastic's coat, index of refraction of
-    /// glass, roughness of scatter.
+    /// The code of a material, and its parameter: alpha of GGX, plastic's coat and metal-rough, index of
+    /// refraction of glass, roughness of scatter.
     fn of(material: &scene::Material) -> (Self, f32) {
         let (kind, parameter) = match material.kind {
             MaterialKind::Emitter => (Self::EMITTER, 0.0),
@@ -122,6 +126,7 @@ impl MaterialCode {
             MaterialKind::Glass { ior } => (Self::GLASS, ior),
             MaterialKind::Scatter { roughness } => (Self::SCATTER, roughness),
             MaterialKind::Plastic { roughness, .. } => (Self::PLASTIC, roughness * roughness),
+            MaterialKind::MetalRough { roughness, .. } => (Self::METAL_ROUGH, roughness * roughness),
         };
         let texture = material.texture.map_or(0, |texture| texture + 1);
         (Self(kind | texture << Self::TEXTURE_SHIFT), parameter)
@@ -184,9 +189,13 @@ pub fn store_triangles<T: TriangleMethod>(scene: &Scene) -> Vec<T::Stored> {
 impl Sky {
     fn new(sky: scene::Sky) -> Self {
         match sky {
-            scene::Sky::Color(color) => Self { bottom: color, rise: Vec3::ZERO, texture: 0 },
-            scene::Sky::Gradient { bottom, top } => Self { bottom, rise: top - bottom, texture: 0 },
-            scene::Sky::Texture { texture, color } => Self { bottom: color, rise: Vec3::ZERO, texture },
+            scene::Sky::Color(color) => Self { bottom: color, rise: Vec3::ZERO, texture: 0, turn: 0.0 },
+            scene::Sky::Gradient { bottom, top } => {
+                Self { bottom, rise: top - bottom, texture: 0, turn: 0.0 }
+            }
+            scene::Sky::Texture { texture, color, turn } => {
+                Self { bottom: color, rise: Vec3::ZERO, texture, turn }
+            }
         }
     }
 }
@@ -245,11 +254,13 @@ fn detail_row(material: &scene::Material) -> [f32; 8] {
         MaterialKind::Plastic { roughness, ior } => {
             (ior, plastic::mean_transmittance(ior, roughness * roughness))
         }
+        MaterialKind::MetalRough { metallic, ior, .. } => (metal_rough::normal_reflectance(ior), metallic),
         _ => (1.0, 1.0),
     };
     let code = |map: Option<u32>| f32::from_bits(map.map_or(0, |index| index + 1));
     let roughness_map = material.roughness_map.filter(|_| material.kind.has_roughness());
-    [ior, transmitted, code(roughness_map), code(material.normal_map), 0.0, 0.0, 0.0, 0.0]
+    let (normal_map, emission_map) = (code(material.normal_map), code(material.emission_map));
+    [ior, transmitted, code(roughness_map), normal_map, emission_map, 0.0, 0.0, 0.0]
 }
 
 /// See [`Buffers::normal_rows`].

@@ -45,8 +45,9 @@ pub enum Plane {
     WeightU,
     /// The barycentric weight of the third vertex.
     WeightV,
-    /// Width of the lobe, in [0, 1]: alpha (the square of the roughness) of metal, roughness of `scatter`; 0
-    /// of mirrors and glass; 1 of every other surface, and where there is none.
+    /// Width of the lobe, in [0, 1]: alpha (the square of the roughness) of metal and of the metallic share
+    /// of metal-rough, roughness of `scatter`; 0 of mirrors and glass; 1 of every other surface and share,
+    /// and where there is none.
     Lobe,
     /// Of emissive surfaces and of the environment, radiance over albedo; 0 of every other surface.
     Scale,
@@ -192,6 +193,10 @@ impl Seen {
             let spread = material.parameter.min(one);
             let spread = L::select(is(MaterialCode::GGX) | is(MaterialCode::SCATTER), spread, one);
             let spread = L::select(is(MaterialCode::MIRROR) | is(MaterialCode::GLASS), zero, spread);
+            // The dielectric's base is diffuse.
+            let metallic = material.transmitted;
+            let metal_rough = metallic.mul_add(material.parameter, one - metallic);
+            let spread = L::select(is(MaterialCode::METAL_ROUGH), metal_rough, spread);
             seen.normal = Vec3::select(found, facing, normal);
             seen.albedo = Vec3::select(found, color, seen.albedo);
             seen.scale = L::select(found, of_color, seen.scale);

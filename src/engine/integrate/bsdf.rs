@@ -26,6 +26,7 @@ trait LobeVisitor<L: Lane> {
     fn glass(&mut self, _mask: L::Mask) {}
     fn scatter(&mut self, mask: L::Mask);
     fn plastic(&mut self, mask: L::Mask);
+    fn metal_rough(&mut self, mask: L::Mask);
 }
 
 /// Visits every lobe that the pipeline has and that some lane of `mask` has.
@@ -51,7 +52,8 @@ fn visit_lobes<L: Lane, const N: u32>(
         GGX => ggx,
         GLASS => glass,
         SCATTER => scatter,
-        PLASTIC => plastic
+        PLASTIC => plastic,
+        METAL_ROUGH => metal_rough
     );
 }
 
@@ -227,6 +229,14 @@ impl<L: Lane> LobeVisitor<L> for Sampling<'_, L> {
         self.take(mask, lobe);
         self.color = Vec3::select(mask, weight, self.color);
     }
+    #[inline(always)]
+    fn metal_rough(&mut self, mask: L::Mask) {
+        let n = self.normals.ns_specular;
+        let (number, pair) = (self.lobe_number(), self.two_numbers());
+        let (lobe, weight) = self.material.metal_rough().sample(self.d, n, number, pair);
+        self.take(mask, lobe);
+        self.color = Vec3::select(mask, weight, self.color);
+    }
 }
 
 /// The value of the BSDF, cosine included, for light that arrives from `towards` and leaves against `d`, and
@@ -296,18 +306,27 @@ impl<L: Lane> LobeVisitor<L> for Evaluation<'_, L> {
     fn plastic(&mut self, mask: L::Mask) {
         self.take(mask, self.material.plastic().evaluate(self.d, self.normals.ns_specular, self.towards));
     }
+    #[inline(always)]
+    fn metal_rough(&mut self, mask: L::Mask) {
+        let n = self.normals.ns_specular;
+        self.take(mask, self.material.metal_rough().evaluate(self.d, n, self.towards));
+    }
 }
 
 /// The lanes with a lobe that is worth light sampling: one that is neither a delta lobe nor too narrow.
 /// Unspecified in lanes that hit nothing.
 #[inline(always)]
-pub fn has_sampled_lobe<L: Lane>(material: &MaterialSample<L>) -> L::Mask {
+pub fn has_sampled_lobe<L: Lane, const N: u32>(material: &MaterialSample<L>) -> L::Mask {
     let has_lobe = |kind: u32| material.kind.equals(L::Bits::splat(kind));
     let wide = |least: f32| L::splat(least).le(material.parameter);
-    has_lobe(MaterialCode::DIFFUSE)
+    let mut sampled = has_lobe(MaterialCode::DIFFUSE)
         | has_lobe(MaterialCode::PLASTIC)
         | (has_lobe(MaterialCode::GGX) & !bsdf::ggx::is_narrow(material.parameter))
-        | (has_lobe(MaterialCode::SCATTER) & wide(bsdf::scatter::NARROW))
+        | (has_lobe(MaterialCode::SCATTER) & wide(bsdf::scatter::NARROW));
+    if has(N, Features::METAL_ROUGH) {
+        sampled = sampled | has_lobe(MaterialCode::METAL_ROUGH);
+    }
+    sampled
 }
 
 /// The normals of a surface, flipped to the side from which the ray arrives.

@@ -79,7 +79,8 @@ pub fn environment_radiance<L: Lane, const N: u32>(
         radiance = Vec3::splat(sky.rise).mul_add(height, radiance);
     }
     if has(N, Features::SKY_TEXTURE) && context.buffers.needs.contains(Features::SKY_TEXTURE) {
-        let coordinates = latitude_longitude(direction);
+        let (u, v) = latitude_longitude(direction);
+        let coordinates = (u + L::splat(sky.turn), v);
         let index = L::Bits::splat(sky.texture);
         let everywhere = L::Mask::splat(true);
         radiance = radiance

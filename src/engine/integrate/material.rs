@@ -7,6 +7,7 @@ use super::context::TraceContext;
 use super::features::{abilities, has};
 use super::surface::{Coordinates, Surface};
 use crate::buffers::{Features, MaterialCode};
+use crate::kernel::bsdf::metal_rough::MetalRough;
 use crate::kernel::bsdf::plastic::Plastic;
 use crate::kernel::normals;
 use crate::lane::{Bits, Lane, Mask};
@@ -18,10 +19,11 @@ pub struct MaterialSample<L: Lane> {
     /// One of [`MaterialCode`]'s kinds.
     pub kind: L::Bits,
     pub color: Vec3<L>,
-    /// Alpha of rough metal and plastic, `scatter`'s roughness, glass's index of refraction.
+    /// Alpha of rough metal, plastic and metal-rough, `scatter`'s roughness, glass's index of refraction.
     pub parameter: L,
     pub emission: Vec3<L>,
-    /// Plastic's index of refraction, and the share of light that its coat transmits.
+    /// Plastic's index of refraction, and the share of light that its coat transmits. Of metal-rough the
+    /// dielectric's reflectance at normal incidence, and the metallic share.
     pub ior: L,
     pub transmitted: L,
     /// Unit shading normal on the side of the geometric one; the geometric one itself unless
@@ -53,21 +55,25 @@ impl<L: Lane> MaterialSample<L> {
             (material.ns, material.has_shading_normal) = surface.interpolated_normal::<N>(context, found);
         }
         let none = L::Bits::splat(0);
-        let (mut roughness_map, mut normal_map) = (none, none);
+        let (mut roughness_map, mut normal_map, mut emission_map) = (none, none, none);
         if Features(N).meets(Features::DETAILS) && context.buffers.needs.meets(Features::DETAILS) {
-            let [ior, transmitted, roughness, normal, ..] =
+            let [ior, transmitted, roughness, normal, emission, ..] =
                 context.buffers.detail_rows.fetch::<L>(index, few);
             (material.ior, material.transmitted) = (ior, transmitted);
             (roughness_map, normal_map) = (roughness.to_bits(), normal.to_bits());
+            if has(N, Features::EMISSION_MAPS) {
+                emission_map = emission.to_bits();
+            }
         }
         if Features(N).meets(TEXTURED) {
             let texture = code.shr(MaterialCode::TEXTURE_SHIFT);
-            let textured = found & !(texture | roughness_map | normal_map).equals(none);
+            let textured = found & !(texture | roughness_map | normal_map | emission_map).equals(none);
             if textured.any() {
                 let coordinates = surface.texture_coordinates::<N>(context, textured);
                 material.apply_color_texture::<N>(context, coordinates, found, texture);
                 material.apply_roughness_map::<N>(context, coordinates, found, roughness_map);
                 material.apply_normal_map::<N>(context, surface, coordinates, found, normal_map);
+                material.apply_emission_map::<N>(context, coordinates, found, emission_map);
             }
         }
         material
@@ -82,6 +88,11 @@ impl<L: Lane> MaterialSample<L> {
     pub fn plastic(&self) -> Plastic<L> {
         let Self { color, parameter: alpha, ior, transmitted, .. } = *self;
         Plastic { color, alpha, ior, transmitted }
+    }
+    #[inline(always)]
+    pub fn metal_rough(&self) -> MetalRough<L> {
+        let Self { color, parameter: alpha, ior: f0, transmitted: metallic, .. } = *self;
+        MetalRough { color, alpha, f0, metallic }
     }
 
     /// Multiplies colours by textures; `code` is index + 1, 0 for none.
@@ -106,7 +117,8 @@ impl<L: Lane> MaterialSample<L> {
         }
     }
 
-    /// Multiplies roughness: the parameter of `scatter`, and the square root of every other one.
+    /// Multiplies roughness: the parameter of `scatter`, and the square root of every other one. Of
+    /// metal-rough the metallic share too.
     #[inline(always)]
     fn apply_roughness_map<const N: u32>(
         &mut self,
@@ -117,10 +129,33 @@ impl<L: Lane> MaterialSample<L> {
     ) {
         let mapped = found & !code.equals(L::Bits::splat(0));
         if has(N, Features::ROUGHNESS_MAPS) && mapped.any() {
-            let factor = texel::<L, N>(context, at, mapped, code, TexelKind::Data).x.min(L::one());
+            let texel = texel::<L, N>(context, at, mapped, code, TexelKind::Data);
+            let mut factor = texel.x.min(L::one());
+            if has(N, Features::METAL_ROUGH) {
+                let packed = mapped & self.kind.equals(L::Bits::splat(MaterialCode::METAL_ROUGH));
+                factor = L::select(packed, texel.y.min(L::one()), factor);
+                let metallic = self.transmitted * texel.z.min(L::one());
+                self.transmitted = L::select(packed, metallic, self.transmitted);
+            }
             let scatters = self.kind.equals(L::Bits::splat(MaterialCode::SCATTER));
             let factor = L::select(scatters, factor, factor * factor);
             self.parameter = L::select(mapped, self.parameter * factor, self.parameter);
+        }
+    }
+
+    /// Multiplies emission.
+    #[inline(always)]
+    fn apply_emission_map<const N: u32>(
+        &mut self,
+        context: &TraceContext,
+        at: Coordinates<L>,
+        found: L::Mask,
+        code: L::Bits,
+    ) {
+        let mapped = found & !code.equals(L::Bits::splat(0));
+        if has(N, Features::EMISSION_MAPS) && mapped.any() {
+            let texel = texel::<L, N>(context, at, mapped, code, TexelKind::Color);
+            self.emission = Vec3::select(mapped, self.emission * texel, self.emission);
         }
     }
 
@@ -146,7 +181,10 @@ impl<L: Lane> MaterialSample<L> {
 }
 
 /// Features that look up textures on surfaces.
-const TEXTURED: Features = Features::TEXTURES.with(Features::ROUGHNESS_MAPS).with(Features::NORMAL_MAPS);
+const TEXTURED: Features = Features::TEXTURES
+    .with(Features::ROUGHNESS_MAPS)
+    .with(Features::NORMAL_MAPS)
+    .with(Features::EMISSION_MAPS);
 
 /// The texels of the lanes in `mask`; `code` is index + 1.
 #[inline(always)]

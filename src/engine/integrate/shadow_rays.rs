@@ -37,7 +37,7 @@ pub fn sample_direct_light<L: Lane, const N: u32>(
     (surface, material): (&Surface<L>, &MaterialSample<L>),
     (numbers, found): (&PacketValues<L>, L::Mask),
 ) -> usize {
-    let mask = found & has_sampled_lobe::<L>(material);
+    let mask = found & has_sampled_lobe::<L, N>(material);
     if !mask.any() {
         return count;
     }

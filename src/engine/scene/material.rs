@@ -13,7 +13,9 @@ pub struct Material {
     pub color: Vec3,
     /// Multiplies `color`; of an [`MaterialKind::Emitter`], multiplies `emission`.
     pub texture: Option<u32>,
-    /// Its red channel, linear and at most 1, multiplies the roughness of kinds that have one.
+    /// Its red channel, linear and at most 1, multiplies the roughness of kinds that have one. Of
+    /// [`MaterialKind::MetalRough`] its green channel multiplies the roughness and its blue one the metallic
+    /// share, as glTF packs them.
     pub roughness_map: Option<u32>,
     /// Normals in tangent space, in OpenGL's convention: x = 2 red − 1 along growing u, y = 2 green − 1 along
     /// growing v (up), z = 2 blue − 1 along the outward normal. From behind, the surface shows the back of
@@ -21,12 +23,14 @@ pub struct Material {
     pub normal_map: Option<u32>,
     /// Radiance, the same in every direction and on both sides; each channel ≥ 0.
     pub emission: Vec3,
+    /// Multiplies `emission`; none of an [`MaterialKind::Emitter`], whose `texture` does.
+    pub emission_map: Option<u32>,
 }
 
 impl Material {
     /// All textures of the material.
     pub fn textures(&self) -> impl Iterator<Item = u32> {
-        [self.texture, self.roughness_map, self.normal_map].into_iter().flatten()
+        [self.texture, self.roughness_map, self.normal_map, self.emission_map].into_iter().flatten()
     }
 }
 
@@ -37,6 +41,8 @@ impl MaterialKind {
             Self::Metal { roughness } | Self::Plastic { roughness, .. } | Self::Scatter { roughness } => {
                 roughness > 0.0
             }
+            // The map holds the metallic share too.
+            Self::MetalRough { .. } => true,
             Self::Diffuse | Self::Glass { .. } | Self::Emitter => false,
         }
     }
@@ -60,6 +66,10 @@ pub enum MaterialKind {
     /// A dielectric coat of index `ior` over a diffuse base of reflectance `color`: GGX with alpha =
     /// roughness², smooth at roughness 0. Roughness in [0, 1], `ior` in [1, 3].
     Plastic { roughness: f32, ior: f32 },
+    /// The metallic-roughness model of glTF 2.0: between a metal (`metallic` 1) whose reflectance at normal
+    /// incidence is `color`, and a dielectric (0) of index `ior` with a diffuse base of `color`; GGX with
+    /// alpha = roughness², reflectance by Schlick. Roughness and `metallic` in [0, 1], `ior` ≥ 1.
+    MetalRough { roughness: f32, metallic: f32, ior: f32 },
     /// Emits and scatters nothing.
     Emitter,
 }

@@ -59,7 +59,8 @@ pub enum Sky {
     /// From `bottom` (straight down) to `top` (straight up), linear in the direction's y.
     Gradient { bottom: Vec3, top: Vec3 },
     /// An environment map in latitude and longitude (equirectangular), its upper edge straight up, times a
-    /// colour. The direction (x, y, z) has the texture coordinates u = atan2(z, x) / 2π, wrapped to [0, 1),
-    /// and acos(y) / π from the top.
-    Texture { texture: u32, color: Vec3 },
+    /// colour. The direction (x, y, z) has the texture coordinates u = atan2(z, x) / 2π + `turn`, wrapped to
+    /// [0, 1), and acos(y) / π from the top. `turn` rotates the sky around the vertical axis, in whole turns,
+    /// anticlockwise seen from above, in [0, 1).
+    Texture { texture: u32, color: Vec3, turn: f32 },
 }

@@ -1,11 +1,13 @@
 //! Builds a [`Scene`]: the part that all formats share.
 //!
 //! For: [`SceneBuilder`], which collects materials, textures and primitives and fills in defaults. May
-//! import: `check`, `texture`, `error`, the engine's scene model. Must not know: a file format.
+//! import: `check`, `texture`, `vertex_colors`, `error`, the engine's scene model. Must not know: a file
+//! format.
 
 use super::check::has_area;
 use super::error::SceneError;
 use super::texture::Textures;
+use super::vertex_colors::VertexColors;
 use glam::{DVec2, DVec3, Vec2, Vec3};
 use octray_engine::scene::{Camera, Material, MaterialKind, Scene, Sky, Sphere, Triangle, bounds, framing};
 
@@ -27,6 +29,7 @@ pub struct SceneBuilder {
     triangles: Vec<Triangle>,
     uvs: Vec<[Vec2; 3]>,
     normals: Vec<[Vec3; 3]>,
+    colors: VertexColors,
     pub warnings: Vec<String>,
 }
 
@@ -46,6 +49,7 @@ impl SceneBuilder {
                     color: Vec3::splat(0.8),
                     texture: None,
                     roughness_map: None,
+                    emission_map: None,
                     normal_map: None,
                     emission: Vec3::ZERO,
                 },
@@ -86,6 +90,37 @@ impl SceneBuilder {
         self.triangles.push(Triangle { vertices, material });
         true
     }
+    /// The variant of a material whose triangles have vertex colours, for [`Self::add_colored_triangle`];
+    /// `None` where textures or emission already take the texture's place.
+    pub fn colored(&mut self, material: u32) -> Option<u32> {
+        if let Some(&known) = self.colors.materials.get(&material) {
+            return Some(known);
+        }
+        let plain = &self.materials[material as usize];
+        if plain.textures().next().is_some() || plain.kind == MaterialKind::Emitter {
+            return None;
+        }
+        let texture = Some(self.colors.texture(&mut self.textures));
+        let colored = self.add_material(Material { texture, ..plain.clone() }, 1.0);
+        self.colors.materials.insert(material, colored);
+        Some(colored)
+    }
+    /// As [`Self::add_triangle`], with a material of [`Self::colored`] and the colours of the vertices,
+    /// linear and in [0, 1].
+    #[must_use]
+    pub fn add_colored_triangle(
+        &mut self,
+        vertices: [Vec3; 3],
+        material: u32,
+        colors: [Vec3; 3],
+        normals: Option<[Vec3; 3]>,
+    ) -> bool {
+        let has_area = self.add_triangle(vertices, material, Some([Vec2::ZERO; 3]), normals);
+        if has_area {
+            self.colors.add(self.triangles.len() - 1, colors);
+        }
+        has_area
+    }
     pub fn warn(&mut self, warning: impl Into<String>) {
         self.warnings.push(warning.into());
     }
@@ -98,7 +133,11 @@ impl SceneBuilder {
     /// A camera that sees the whole scene, or as much of it as the given position and target allow. Domain:
     /// the scene is not empty.
     pub fn framing(&self, position: Option<Vec3>, look_at: Option<Vec3>) -> Camera {
-        framing(bounds(&self.spheres, &self.triangles).unwrap_or_default(), position, look_at)
+        framing(&self.spheres, &self.triangles, position, look_at)
+    }
+    /// The lower and upper corner of the box around everything.
+    pub fn bounds(&self) -> (DVec3, DVec3) {
+        bounds(&self.spheres, &self.triangles).unwrap_or_default()
     }
     pub fn is_empty(&self) -> bool {
         self.spheres.is_empty() && self.triangles.is_empty()
@@ -117,6 +156,7 @@ impl SceneBuilder {
             let what = format!("the scene holds {primitives} spheres and triangles");
             return Err(SceneError::new(what).mend(format!("leave at most {MAX_PRIMITIVES}")));
         }
+        self.colors.lay_out(&mut self.textures.list, &mut self.uvs)?;
         let black = match sky {
             Sky::Color(color) | Sky::Texture { color, .. } => color == Vec3::ZERO,
             Sky::Gradient { bottom, top } => bottom == Vec3::ZERO && top == Vec3::ZERO,

@@ -39,6 +39,14 @@ pub fn vec2(source: &Source, place: &JsonPath, v: [f64; 2]) -> Result<Vec2, Scen
     Ok(Vec2::new(number(source, &place.item(0), v[0])?, number(source, &place.item(1), v[1])?))
 }
 
+/// Degrees as a fraction of a whole turn, in [0, 1); 0 where missing.
+pub fn turns(source: &Source, place: &JsonPath, degrees: Option<f64>) -> Result<f32, SceneError> {
+    let degrees = degrees.unwrap_or(0.0);
+    number(source, place, degrees)?;
+    // A fraction that rounds up to 1.0 becomes 0.
+    Ok(Some((degrees / 360.0).rem_euclid(1.0) as f32).filter(|&turns| turns < 1.0).unwrap_or(0.0))
+}
+
 /// A number of at least 0.
 pub fn not_negative(source: &Source, place: &JsonPath, x: f64) -> Result<f32, SceneError> {
     if x < 0.0 {

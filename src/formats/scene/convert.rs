@@ -1,37 +1,91 @@
 //! Converts a model to a native scene file with its triangles and materials written out.
 //!
-//! For: [`native_from_obj`], [`native_from_obj_in`]. May import: `obj`, `files`, `write`, `native` (the
-//! format's name). Must not know: how a scene file is read.
+//! For: [`convert_model`]. May import: `model`, `files`, `write`, `native` (the format's name),
+//! `vertex_colors`. Must not know: how a scene file is read.
 //!
-//! Every number reads back as the same bits. Textures stay files, named as in the model's materials.
+//! Every number reads back as the same bits. Textures stay files, named as in the model's materials; those
+//! inside the model become files.
 
 use super::error::SceneError;
 use super::files::Files;
 use super::native::FORMAT;
-use super::obj;
 use super::write::{camera, number, relative, vec2, vec3};
+use super::{model, vertex_colors};
+use crate::openexr;
 use glam::Vec3;
-use octray_engine::scene::{Filter, Material, MaterialKind, Scene, Sky};
+use image::codecs::png::PngEncoder;
+use image::{ExtendedColorType, ImageEncoder};
+use octray_engine::film::Picture;
+use octray_engine::scene::{Filter, Material, MaterialKind, Scene, Sky, Texels, Texture};
 use serde_json::{Map, Value, json};
 use std::collections::HashMap;
 use std::fmt::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-/// The text of a scene file that shows the model as [`load`](super::load) would. Texture paths are relative
-/// to the model's folder, so that the file works there.
-pub fn native_from_obj(model: &Path) -> Result<String, SceneError> {
-    Ok(native_from_obj_in(model, model.parent().unwrap_or(Path::new("")))?.0)
+/// A scene file, and the pictures beside it.
+pub struct Converted {
+    /// The text of the scene file.
+    pub text: String,
+    /// Textures that are no files of their own, as those inside a .glb: file names beside the scene file, and
+    /// content.
+    pub pictures: Vec<(PathBuf, Vec<u8>)>,
+    pub warnings: Vec<String>,
 }
 
-/// The same for a scene file in another folder, with the model's warnings.
-pub fn native_from_obj_in(model: &Path, folder: &Path) -> Result<(String, Vec<String>), SceneError> {
+/// A scene file at `scene` that shows the model as [`load`](super::load) would. Texture paths in it are
+/// relative to its folder.
+pub fn convert_model(model: &Path, scene: &Path) -> Result<Converted, SceneError> {
     let files = Files::beside(model);
-    let scene = obj::scene(&files.read_named(model)?, model, &files, String::new())?;
-    let models = model.parent().unwrap_or(Path::new(""));
-    Ok((text(&scene, &|texture| relative(models, texture, folder)), scene.warnings))
+    let content = files.read_named(model)?;
+    let shown = model::scene(&content, model, &files, String::new())?;
+    let (models, folder) = (folder_of(model), folder_of(scene));
+    let mut pictures = Vec::new();
+    let mut paths = Vec::new();
+    for texture in &shown.textures {
+        if texture.name == vertex_colors::NAME {
+            paths.push(String::new());
+        } else if models.join(&texture.name).is_file() {
+            paths.push(relative(models, &texture.name, folder));
+        } else {
+            let (extension, bytes) = encoded(texture).map_err(|reason| {
+                let what = format!("cannot write the texture `{}`: {reason}", texture.name);
+                SceneError::new(what).in_file(model)
+            })?;
+            let stem = scene.file_stem().unwrap_or_default().to_string_lossy();
+            let name = PathBuf::from(format!("{stem}-{}.{extension}", pictures.len() + 1));
+            paths.push(name.to_string_lossy().into_owned());
+            pictures.push((name, bytes));
+        }
+    }
+    Ok(Converted { text: text(&shown, &paths), pictures, warnings: shown.warnings })
 }
 
-fn text(scene: &Scene, texture_path: &dyn Fn(&str) -> String) -> String {
+fn folder_of(path: &Path) -> &Path {
+    path.parent().unwrap_or(Path::new(""))
+}
+
+/// A texture as the content of an image file that reads back as the same texels, and the extension.
+fn encoded(texture: &Texture) -> Result<(&'static str, Vec<u8>), String> {
+    let (width, height) = (texture.width, texture.height);
+    let mut bytes = Vec::new();
+    match &texture.texels {
+        Texels::Srgb8(texels) | Texels::Unorm8(texels) => {
+            let raw: Vec<u8> = texels.iter().flat_map(|&[r, g, b, _]| [r, g, b]).collect();
+            PngEncoder::new(&mut bytes)
+                .write_image(&raw, width, height, ExtendedColorType::Rgb8)
+                .map_err(|error| error.to_string())?;
+            Ok(("png", bytes))
+        }
+        Texels::Float32(texels) => {
+            let pixels = texels.iter().map(|&[r, g, b, _]| [r, g, b]).collect();
+            openexr::write(std::io::Cursor::new(&mut bytes), &Picture { width, height, pixels })
+                .map_err(|error| error.to_string())?;
+            Ok(("exr", bytes))
+        }
+    }
+}
+
+fn text(scene: &Scene, paths: &[String]) -> String {
     let names = unique_names(&scene.materials);
     let mut text = String::from("{\n");
     let mut entry =
@@ -49,15 +103,20 @@ fn text(scene: &Scene, texture_path: &dyn Fn(&str) -> String) -> String {
         // A model has no sky texture.
         Sky::Texture { .. } => {}
     }
-    let materials = scene.materials.iter().zip(&names).map(|(material, name)| {
-        format!("    {}: {}", json!(name), material_text(scene, material, texture_path))
-    });
+    let materials =
+        scene.materials.iter().zip(&names).map(|(material, name)| {
+            format!("    {}: {}", json!(name), material_text(scene, material, paths))
+        });
     entry("materials", format!("{{\n{}\n  }}", materials.collect::<Vec<_>>().join(",\n")));
     text.push_str("  \"triangles\": [\n");
     for (i, triangle) in scene.triangles.iter().enumerate() {
         let [a, b, c] = triangle.vertices.map(vec3);
         write!(text, "    {{ \"vertices\": [{a}, {b}, {c}]").expect("text grows");
-        if scene.materials[triangle.material as usize].textures().next().is_some() {
+        let material = &scene.materials[triangle.material as usize];
+        if let Some(texture) = vertex_colors_of(scene, material) {
+            let [a, b, c] = vertex_colors::read_back(texture, scene.uvs[i]).map(|color| vec3(color.into()));
+            write!(text, ", \"colors\": [{a}, {b}, {c}]").expect("text grows");
+        } else if material.textures().next().is_some() {
             let [a, b, c] = scene.uvs[i].map(vec2);
             write!(text, ", \"uvs\": [{a}, {b}, {c}]").expect("text grows");
         }
@@ -93,7 +152,13 @@ fn unique_names(materials: &[Material]) -> Vec<String> {
         .collect()
 }
 
-fn material_text(scene: &Scene, material: &Material, texture_path: &dyn Fn(&str) -> String) -> String {
+/// The texture of vertex colours, if the material has it.
+fn vertex_colors_of<'a>(scene: &'a Scene, material: &Material) -> Option<&'a Texture> {
+    let texture = &scene.textures[material.texture? as usize];
+    (texture.name == vertex_colors::NAME).then_some(texture)
+}
+
+fn material_text(scene: &Scene, material: &Material, paths: &[String]) -> String {
     let mut keys = Map::new();
     let mut set = |key: &str, value: Value| keys.insert(key.to_string(), value);
     let (kind, key) = match material.kind {
@@ -102,6 +167,7 @@ fn material_text(scene: &Scene, material: &Material, texture_path: &dyn Fn(&str)
         MaterialKind::Scatter { roughness } => ("scatter", Some(("roughness", roughness))),
         MaterialKind::Glass { ior } => ("glass", Some(("ior", ior))),
         MaterialKind::Plastic { roughness, .. } => ("plastic", Some(("roughness", roughness))),
+        MaterialKind::MetalRough { roughness, .. } => ("metal-rough", Some(("roughness", roughness))),
         MaterialKind::Emitter => ("emitter", None),
     };
     set("type", json!(kind));
@@ -109,6 +175,10 @@ fn material_text(scene: &Scene, material: &Material, texture_path: &dyn Fn(&str)
         set(key, json!(f64::from(value)));
     }
     if let MaterialKind::Plastic { ior, .. } = material.kind {
+        set("ior", json!(f64::from(ior)));
+    }
+    if let MaterialKind::MetalRough { metallic, ior, .. } = material.kind {
+        set("metallic", json!(f64::from(metallic)));
         set("ior", json!(f64::from(ior)));
     }
     if material.kind != MaterialKind::Emitter {
@@ -121,10 +191,13 @@ fn material_text(scene: &Scene, material: &Material, texture_path: &dyn Fn(&str)
         ("texture", material.texture),
         ("roughness_map", material.roughness_map),
         ("normal_map", material.normal_map),
+        ("emission_map", material.emission_map),
     ];
-    for (key, texture) in textures {
-        if let Some(texture) = texture.map(|index| &scene.textures[index as usize]) {
-            set(key, json!(texture_path(&texture.name)));
+    let is_colored = vertex_colors_of(scene, material).is_some();
+    for (key, index) in textures.into_iter().filter(|_| !is_colored) {
+        if let Some(index) = index.map(|index| index as usize) {
+            let texture = &scene.textures[index];
+            set(key, json!(paths[index]));
             if texture.filter == Filter::Nearest {
                 set("filter", json!("nearest"));
             }
@@ -151,6 +224,7 @@ mod tests {
             roughness_map: None,
             normal_map: None,
             emission: Vec3::ZERO,
+            emission_map: None,
         };
         assert_eq!(
             unique_names(&["a", "a", "b", "a 2", "a"].map(material)),

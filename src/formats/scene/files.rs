@@ -12,6 +12,9 @@ use std::fs;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
+/// What may be named as a scene.
+pub const FILES: &str = "a scene (.json), a model (.obj, .gltf, .glb, .ply), or `builtin:NAME`";
+
 /// The folder that a scene's relative paths start from, and the files that were requested while loading it.
 pub struct Files {
     /// `None`: the files inside the program, named relative to `scenes/`.
@@ -56,7 +59,7 @@ impl Files {
         self.read(path).map_err(|reason| {
             SceneError::new(format!("cannot read the scene: {reason}"))
                 .in_file(path)
-                .mend("give a .json or .obj file that exists and can be read, or `builtin:NAME`")
+                .mend(format!("give a file that exists and can be read: {FILES}"))
         })
     }
     pub fn exists(&self, path: &Path) -> bool {

@@ -5,11 +5,11 @@
 
 use super::embedded::PREFIX;
 use super::error::SceneError;
-use super::files::Files;
+use super::files::{FILES, Files};
 use super::json::{JsonPath, Source, read};
 use super::native::{FORMAT, VIEW_FORMAT};
 use super::view::Loaded;
-use super::{builtin, obj, procedural, thesis, validate, view};
+use super::{builtin, model, procedural, thesis, validate, view};
 use octray_engine::scene::Scene;
 use serde::Deserialize;
 use serde::de::IgnoredAny;
@@ -21,9 +21,9 @@ pub fn load(spec: &str) -> Result<Scene, SceneError> {
     load_with_view(spec).map(|loaded| loaded.scene)
 }
 
-/// Loads a scene: `builtin:NAME`, a generated mesh (`builtin:knot:N`), the path of an .obj file (framed
-/// automatically under a plain sky), or the path of a .json file in the native format or the thesis's, or of
-/// a view of any of these.
+/// Loads a scene: `builtin:NAME`, a generated mesh (`builtin:knot:N`), the path of a model (.obj, .gltf, .glb
+/// or .ply; framed automatically under a plain sky), or the path of a .json file in the native format or the
+/// thesis's, or of a view of any of these.
 pub fn load_with_view(spec: &str) -> Result<Loaded, SceneError> {
     if let Some(name) = spec.strip_prefix(PREFIX) {
         return built_in(spec, name);
@@ -32,7 +32,7 @@ pub fn load_with_view(spec: &str) -> Result<Loaded, SceneError> {
     if !may_be_scene(path) {
         let mend = match builtin::guess(spec) {
             Some(near) => format!("did you mean `{near}`?"),
-            None => "give a .json or .obj file, or `builtin:NAME`".to_string(),
+            None => format!("give {FILES}"),
         };
         return Err(SceneError::new("this is not the name of a scene").in_file(path).mend(mend));
     }
@@ -56,7 +56,7 @@ fn has_extension(path: &Path, wanted: &str) -> bool {
 }
 
 fn may_be_scene(path: &Path) -> bool {
-    has_extension(path, "json") || has_extension(path, "obj")
+    has_extension(path, "json") || model::is_model(path)
 }
 
 /// Called for a file that is a view.
@@ -65,8 +65,8 @@ type OnView<'a> = &'a dyn Fn(&Source, &Files, String) -> Result<Loaded, SceneErr
 /// The scene in a file whose content, `bytes`, was read through `files`.
 fn from_disk(path: &Path, bytes: &[u8], files: Files, on_view: OnView) -> Result<Loaded, SceneError> {
     let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    let loaded = if has_extension(path, "obj") {
-        obj::scene(bytes, path, &files, name).map(Loaded::from)
+    let loaded = if model::is_model(path) {
+        model::scene(bytes, path, &files, name).map(Loaded::from)
     } else {
         utf8(path, bytes).and_then(|text| json_scene(&Source { file: path, text }, &files, name, on_view))
     };
@@ -137,7 +137,8 @@ fn from_view(source: &Source, files: &Files, name: String) -> Result<Loaded, Sce
 
 /// The scene that a view names.
 fn named_in_view(source: &Source, files: &Files, spec: &str) -> Result<Loaded, SceneError> {
-    const MEND: &str = "give the path of a .json or .obj file relative to the view, or `builtin:NAME`";
+    const MEND: &str = "give the path of a scene (.json) or a model (.obj, .gltf, .glb, .ply) relative to the \
+                        view, or `builtin:NAME`";
     let root = JsonPath::Root;
     let fault = |what: String, mend: &str| source.error(&root.key("scene"), what, mend);
     if let Some(name) = spec.strip_prefix(PREFIX) {

@@ -3,7 +3,7 @@
 //! For: [`material`], [`sky`]. May import: `native`, `check`, `builder`, `json`. Must not know: primitives.
 
 use super::builder::SceneBuilder;
-use super::check::{fraction, not_negative, number, radiance, reflectance};
+use super::check::{fraction, not_negative, number, radiance, reflectance, turns};
 use super::error::SceneError;
 use super::files::Files;
 use super::json::{JsonPath, Source};
@@ -16,9 +16,9 @@ use octray_engine::scene::{Filter, MIN_LENGTH, Material, MaterialKind, Sky, Texe
 /// everywhere.
 const MIN_TEXTURE_SIZE: f64 = MIN_LENGTH;
 
-const TYPES: [&str; 6] = ["diffuse", "metal", "plastic", "glass", "scatter", "emitter"];
+const TYPES: [&str; 7] = ["diffuse", "metal", "plastic", "metal-rough", "glass", "scatter", "emitter"];
 /// Types that have a roughness.
-const ROUGH: [&str; 3] = ["metal", "plastic", "scatter"];
+const ROUGH: [&str; 4] = ["metal", "plastic", "metal-rough", "scatter"];
 
 /// Adds one material to the builder and returns its index.
 pub fn material(
@@ -31,13 +31,19 @@ pub fn material(
     check_keys(source, file, place)?;
     let roughness = place.key("roughness");
     // A map without `roughness` is the roughness itself: it multiplies 1.
-    let stated_roughness = file.roughness.unwrap_or(if file.roughness_map.is_some() { 1.0 } else { 0.0 });
+    let least = if file.roughness_map.is_some() || file.r#type == "metal-rough" { 1.0 } else { 0.0 };
+    let stated_roughness = file.roughness.unwrap_or(least);
     let kind = match file.r#type.as_str() {
         "diffuse" => MaterialKind::Diffuse,
         "metal" => MaterialKind::Metal { roughness: fraction(source, &roughness, stated_roughness)? },
         "plastic" => MaterialKind::Plastic {
             roughness: fraction(source, &roughness, stated_roughness)?,
             ior: coat_ior(source, &place.key("ior"), file.ior.unwrap_or(1.5))?,
+        },
+        "metal-rough" => MaterialKind::MetalRough {
+            roughness: fraction(source, &roughness, stated_roughness)?,
+            metallic: fraction(source, &place.key("metallic"), file.metallic.unwrap_or(1.0))?,
+            ior: dielectric_ior(source, &place.key("ior"), file.ior.unwrap_or(1.5))?,
         },
         "glass" => MaterialKind::Glass { ior: ior(source, &place.key("ior"), file.ior.unwrap_or(1.5))? },
         "scatter" => {
@@ -54,7 +60,7 @@ pub fn material(
     };
     let emission = match file.emission {
         Some(emission) => radiance(source, &place.key("emission"), emission)?,
-        None if emitter => Vec3::ONE,
+        None if emitter || file.emission_map.is_some() => Vec3::ONE,
         None => Vec3::ZERO,
     };
     let mut load = |key: &'static str, path: &Option<String>, texel_kind| {
@@ -64,6 +70,7 @@ pub fn material(
     let texture = load("texture", &file.texture, TexelKind::Color)?;
     let roughness_map = load("roughness_map", &file.roughness_map, TexelKind::Data)?;
     let normal_map = load("normal_map", &file.normal_map, TexelKind::Data)?;
+    let emission_map = load("emission_map", &file.emission_map, TexelKind::Color)?;
     let texture_size = match file.texture_size {
         Some(size) if size < MIN_TEXTURE_SIZE => {
             let mend = "write how many scene units one repeat of the texture covers, above 0";
@@ -73,7 +80,7 @@ pub fn material(
         None => 1.0,
     };
     let name = name.clone();
-    let material = Material { name, kind, color, texture, roughness_map, normal_map, emission };
+    let material = Material { name, kind, color, texture, roughness_map, normal_map, emission, emission_map };
     Ok(builder.add_material(material, texture_size))
 }
 
@@ -89,12 +96,19 @@ fn check_keys(source: &Source, file: &MaterialFile, place: &JsonPath) -> Result<
         Err(source.error(&place.key(key), format!("`{key}` does not belong to a {name} material"), mend))
     };
     if file.roughness.is_some() && !ROUGH.contains(&name) {
-        return refuse("roughness", "remove it, or make the type `metal`, `plastic` or `scatter`");
+        return refuse(
+            "roughness",
+            "remove it, or make the type `metal`, `plastic`, `metal-rough` or `scatter`",
+        );
     }
     if file.roughness_map.is_some() && !ROUGH.contains(&name) {
-        return refuse("roughness_map", "remove it, or make the type `metal`, `plastic` or `scatter`");
+        let mend = "remove it, or make the type `metal`, `plastic`, `metal-rough` or `scatter`";
+        return refuse("roughness_map", mend);
     }
-    if file.roughness_map.is_some() && file.roughness == Some(0.0) {
+    if file.metallic.is_some() && name != "metal-rough" {
+        return refuse("metallic", "remove it, or make the type `metal-rough`");
+    }
+    if file.roughness_map.is_some() && file.roughness == Some(0.0) && name != "metal-rough" {
         let mend = "remove it, or give `roughness` a number above 0, which it multiplies";
         let what = "a `roughness_map` multiplies `roughness` and cannot change a `roughness` of 0";
         return Err(source.error(&place.key("roughness_map"), what, mend));
@@ -102,13 +116,17 @@ fn check_keys(source: &Source, file: &MaterialFile, place: &JsonPath) -> Result<
     if file.normal_map.is_some() && name == "emitter" {
         return refuse("normal_map", "remove it: an emitter scatters nothing");
     }
-    if file.ior.is_some() && !["glass", "plastic"].contains(&name) {
-        return refuse("ior", "remove it, or make the type `glass` or `plastic`");
+    if file.emission_map.is_some() && name == "emitter" {
+        return refuse("emission_map", "make it the `texture`, which multiplies the emission of an emitter");
+    }
+    if file.ior.is_some() && !["glass", "plastic", "metal-rough"].contains(&name) {
+        return refuse("ior", "remove it, or make the type `glass`, `plastic` or `metal-rough`");
     }
     if file.color.is_some() && name == "emitter" {
         return refuse("color", "remove it: an emitter scatters nothing; its light is `emission`");
     }
-    if [&file.texture, &file.roughness_map, &file.normal_map].iter().all(|path| path.is_none()) {
+    let pictures = [&file.texture, &file.roughness_map, &file.normal_map, &file.emission_map];
+    if pictures.iter().all(|path| path.is_none()) {
         let present = [("filter", file.filter.is_some()), ("texture_size", file.texture_size.is_some())];
         if let Some((key, _)) = present.iter().find(|(_, present)| *present) {
             let what = format!("`{key}` without a `texture`");
@@ -123,6 +141,19 @@ fn ior(source: &Source, place: &JsonPath, x: f64) -> Result<f32, SceneError> {
     if x < MIN_LENGTH {
         let mend = "write a number above 0: water is 1.33, glass 1.5, diamond 2.4";
         return Err(source.error(place, format!("an index of refraction of {x} is impossible"), mend));
+    }
+    number(source, place, x)
+}
+
+/// The index of refraction of metal-rough.
+fn dielectric_ior(source: &Source, place: &JsonPath, x: f64) -> Result<f32, SceneError> {
+    if x < 1.0 {
+        let mend = "write a number of 1 or more: most dielectrics are about 1.5";
+        return Err(source.error(
+            place,
+            format!("a surface cannot have an index of refraction of {x}"),
+            mend,
+        ));
     }
     number(source, place, x)
 }
@@ -173,6 +204,10 @@ pub fn sky(
         let mend = "remove it, or add a `texture`";
         return Err(source.error(&place.key("filter"), "`filter` without a `texture`", mend));
     }
+    if file.turn_degrees.is_some() && file.texture.is_none() {
+        let mend = "remove it, or add a `texture`: a sky without one is the same from all sides";
+        return Err(source.error(&place.key("turn_degrees"), "`turn_degrees` without a `texture`", mend));
+    }
     match file {
         SkyFile { gradient: Some(gradient), color: None, texture: None, .. } => {
             let place = place.key("gradient");
@@ -185,7 +220,8 @@ pub fn sky(
             let mend = "keep `gradient` alone, or remove it and keep `color` and `texture`";
             Err(source.error(place, "a sky cannot have a `gradient` and a `color` or `texture`", mend))
         }
-        SkyFile { color, texture: Some(path), filter, .. } => Ok(Sky::Texture {
+        SkyFile { color, texture: Some(path), filter, turn_degrees, .. } => Ok(Sky::Texture {
+            turn: turns(source, &place.key("turn_degrees"), *turn_degrees)?,
             color: radiance(source, &place.key("color"), color.unwrap_or([1.0; 3]))?,
             texture: texture(
                 source,

@@ -1,7 +1,7 @@
 //! From scene files to a valid [`Scene`].
 //!
 //! For: [`load`] and [`load_with_view`], which read every format; [`View`], which is also written;
-//! [`native_from_obj`], which converts a model. The scene model itself is the engine's, re-exported here. May
+//! [`convert_model`], which converts a model. The scene model itself is the engine's, re-exported here. May
 //! import: the engine's scene model, the files that hold pictures. Must not know: buffers, lanes, pipelines,
 //! windows.
 //!
@@ -11,13 +11,18 @@
 //! | `native` | the native JSON as the user wrote it: keys and their JSON types |
 //! | `validate`, `material` | from that to a [`Scene`], or an error that says where and how to mend it |
 //! | `thesis` | the thesis's own JSON |
+//! | `model` | models of any format: reading them, and a scene of one |
 //! | `obj`, `mtl`, `statements` | Wavefront OBJ and MTL, and the lines that both are made of |
+//! | `gltf` | glTF 2.0, as text (.gltf) and binary (.glb) |
+//! | `ply` | PLY, as text and in both binary orders |
+//! | `tally` | counts a model's triangles; why a model cannot be used |
 //! | `placement` | scale, rotation and translation of a mesh |
 //! | `procedural` | generated meshes of any size |
 //! | `view` | a view file: another scene, a camera, render options; read and written |
 //! | `camera_path` | cameras between the keyframes of a view |
 //! | `convert` | from a model to a native scene file |
 //! | `write` | numbers, vectors, cameras and paths as the native formats write them |
+//! | `vertex_colors` | colours of vertices as a texture |
 //! | `builder` | collects materials, textures and primitives; fills in defaults |
 //! | `texture` | image files decoded to texels |
 //! | `files` | reads a scene's other files and records which were requested |
@@ -34,27 +39,33 @@ mod convert;
 mod embedded;
 pub mod error;
 mod files;
+mod gltf;
 mod json;
 mod load;
 mod material;
+mod model;
 mod mtl;
 mod native;
 mod obj;
 mod placement;
+mod ply;
 mod procedural;
 mod spelling;
 mod statements;
+mod tally;
 mod texture;
 mod thesis;
 mod validate;
+mod vertex_colors;
 mod view;
 mod write;
 
 pub use builtin::names as builtin_names;
 pub use camera_path::{CameraPath, Keyframe};
-pub use convert::{native_from_obj, native_from_obj_in};
+pub use convert::{Converted, convert_model};
 pub use error::SceneError;
 pub use load::{load, load_with_view};
+pub use model::{EXTENSIONS as MODEL_EXTENSIONS, is_model};
 pub use view::{Loaded, Rendering, View, view_fault};
 
 pub use octray_engine::scene::*;

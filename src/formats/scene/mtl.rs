@@ -80,7 +80,7 @@ pub fn load(
 }
 
 /// Keywords that are ignored without a warning.
-const SILENT: [&[u8]; 5] = [b"Ka", b"sharpness", b"map_Ka", b"map_Ks", b"map_Ns"];
+const SILENT: [&[u8]; 3] = [b"Ka", b"sharpness", b"map_Ka"];
 /// Keywords that are ignored without a warning if their value is 0.
 const LAYERS: [&[u8]; 5] = [b"Pc", b"Pcr", b"Ps", b"aniso", b"anisor"];
 /// Default index of refraction: window glass.
@@ -155,7 +155,7 @@ fn parse(text: &[u8], path: &Path, notes: &mut Notes) -> Result<Vec<Entry>, Scen
             b"Kd" => entry.diffuse = Some(color(rest).map_err(fault)?),
             b"Ks" => entry.specular = color(rest).map_err(fault)?,
             b"Ke" => entry.emission = color(rest).map_err(fault)?,
-            b"map_Kd" => entry.texture = texture_path(rest),
+            b"map_Kd" => entry.texture = texture_path(keyword, rest, line, notes),
             b"illum" => entry.illumination = stated(rest)?,
             // `-halo` varies the opacity with the angle; the base opacity follows it.
             b"d" => entry.opacity = stated(rest.trim_ascii().strip_prefix(b"-halo").unwrap_or(rest))?,
@@ -164,8 +164,8 @@ fn parse(text: &[u8], path: &Path, notes: &mut Notes) -> Result<Vec<Entry>, Scen
             b"Ns" => [entry.specular_exponent] = numbers::<1>(rest, "this statement").map_err(fault)?,
             b"Pm" => entry.metallic = stated(rest)?,
             b"Pr" => entry.roughness = stated(rest)?.map(|(x, _)| x.clamp(0.0, 1.0)),
-            b"map_Pr" => entry.roughness_map = texture_path(rest),
-            b"norm" | b"map_Kn" => entry.normal_map = texture_path(rest),
+            b"map_Pr" => entry.roughness_map = texture_path(keyword, rest, line, notes),
+            b"norm" | b"map_Kn" => entry.normal_map = texture_path(keyword, rest, line, notes),
             _ if LAYERS.contains(&keyword) && numbers::<1>(rest, "a layer") == Ok([0.0]) => {}
             b"Tf" => entry.filter = numbers::<3>(rest, "a colour").ok().map(DVec3::from),
             _ if SILENT.contains(&keyword) || keyword.is_empty() || keyword.starts_with(b"#") => {}
@@ -188,13 +188,54 @@ fn color(rest: &[u8]) -> Result<DVec3, Fault> {
     Ok(color)
 }
 
-/// The file name of a `map_Kd` statement, after options such as `-s 1 1 1` and `-clamp on`.
-fn texture_path(rest: &[u8]) -> Option<String> {
+/// Options of `map_` statements, the most values that each takes, and the values that ask for nothing.
+const MAP_OPTIONS: [(&str, usize, &[&str]); 14] = [
+    ("-blendu", 1, &["on"]),
+    ("-blendv", 1, &["on"]),
+    ("-bm", 1, &["1"]),
+    ("-boost", 1, &["0"]),
+    ("-cc", 1, &["off"]),
+    ("-clamp", 1, &["off"]),
+    ("-imfchan", 1, &["rgb"]),
+    ("-mm", 2, &["0", "1"]),
+    ("-o", 3, &["0", "0", "0"]),
+    ("-s", 3, &["1", "1", "1"]),
+    ("-t", 3, &["0", "0", "0"]),
+    ("-texres", 1, &[]),
+    ("-type", 1, &[]),
+    ("-colorspace", 1, &[]),
+];
+
+/// The file name of a `map_` statement, after options such as `-s 1 1 1` and `-clamp on`, which are noted
+/// unless they ask for nothing. The name may hold spaces.
+fn texture_path(keyword: &[u8], rest: &[u8], line: usize, notes: &mut Notes) -> Option<String> {
     let rest = name(rest);
-    if !rest.starts_with('-') {
-        return Some(rest).filter(|rest| !rest.is_empty());
+    let mut rest = rest.as_str();
+    while rest.starts_with('-') {
+        let (option, after) = rest.split_once(char::is_whitespace)?;
+        let Some(&(_, most, idle)) = MAP_OPTIONS.iter().find(|(known, ..)| *known == option) else { break };
+        rest = after.trim_start();
+        let mut asks = false;
+        for value in 0..most {
+            let (word, after) = rest.split_once(char::is_whitespace)?;
+            // Only the first value is required; further ones are numbers.
+            let number = word.parse::<f64>();
+            if value > 0 && number.is_err() {
+                break;
+            }
+            let same = |idle: &&str| match idle.parse::<f64>() {
+                Ok(idle) => number == Ok(idle),
+                Err(_) => word == *idle,
+            };
+            asks |= !idle.get(value).is_some_and(same);
+            rest = after.trim_start();
+        }
+        if asks {
+            let keyword = String::from_utf8_lossy(keyword);
+            notes.add(line, format!("the option `{option}` of `{keyword}` is not read"));
+        }
     }
-    rest.split_whitespace().next_back().map(str::to_string)
+    Some(rest.to_string()).filter(|rest| !rest.is_empty())
 }
 
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -327,6 +368,7 @@ impl Entry {
             roughness_map,
             normal_map,
             emission: self.emission.as_vec3().max(Vec3::ZERO),
+            emission_map: None,
         };
         builder.add_material(material, 1.0)
     }

@@ -63,6 +63,7 @@ pub struct SkyFile {
     pub gradient: Option<GradientFile>,
     pub texture: Option<String>,
     pub filter: Option<FilterFile>,
+    pub turn_degrees: Option<f64>,
 }
 
 #[derive(Deserialize)]
@@ -87,10 +88,12 @@ pub struct MaterialFile {
     pub color: Option<[f64; 3]>,
     pub emission: Option<[f64; 3]>,
     pub roughness: Option<f64>,
+    pub metallic: Option<f64>,
     pub ior: Option<f64>,
     pub texture: Option<String>,
     pub roughness_map: Option<String>,
     pub normal_map: Option<String>,
+    pub emission_map: Option<String>,
     /// Scene units that one repeat of the texture covers on triangles without `uvs`.
     pub texture_size: Option<f64>,
     pub filter: Option<FilterFile>,
@@ -121,14 +124,19 @@ pub struct TriangleFile {
     pub uvs: Option<[[f64; 2]; 3]>,
     /// Missing: flat.
     pub normals: Option<[[f64; 3]; 3]>,
+    /// Reflectances that multiply the material's colour.
+    pub colors: Option<[[f64; 3]; 3]>,
     pub material: Option<String>,
 }
 
 #[derive(Deserialize)]
-#[serde(deny_unknown_fields, expecting = "an object with `obj`")]
+#[serde(deny_unknown_fields, expecting = "an object with `model`")]
 pub struct MeshFile {
-    pub obj: String,
-    /// Missing: the materials of the model's own MTL file.
+    /// The path of a model of any format.
+    pub model: Option<String>,
+    /// The same; the name from when OBJ was the only format.
+    pub obj: Option<String>,
+    /// Missing: the model's own materials.
     pub material: Option<String>,
     pub translate: Option<[f64; 3]>,
     /// About the x axis, then the y axis, then the z axis.

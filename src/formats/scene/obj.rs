@@ -1,20 +1,20 @@
 //! Wavefront OBJ: from text to a mesh, and from a mesh to the triangles of a [`SceneBuilder`].
 //!
-//! For: [`parse`], [`add`], [`scene`]. May import: `mtl`, `statements`, `builder`, `check`, `placement`. Must
+//! For: [`parse`], [`add`]. May import: `mtl`, `statements`, `builder`, `check`, `placement`, `tally`. Must
 //! not know: JSON.
 //!
 //! No library is used, so that every error has its line, no file can cause a panic, and a corner without
 //! texture coordinates never gets another corner's.
 
-use super::builder::{DEFAULT_BOUNCES, DEFAULT_RESOLUTION, SceneBuilder};
+use super::builder::SceneBuilder;
 use super::check::fits;
 use super::error::SceneError;
 use super::files::Files;
 use super::mtl;
 use super::placement::Placement;
 use super::statements::{Fault, logical_lines, name, number, numbers, words};
+use super::tally::{Misplaced, Tally};
 use glam::{DVec3, Vec2, Vec3};
-use octray_engine::scene::{Scene, Sky};
 use std::collections::HashMap;
 use std::path::Path;
 
@@ -165,14 +165,6 @@ fn index(word: Option<&[u8]>, count: usize) -> Result<u32, Fault> {
     })
 }
 
-/// Why a mesh cannot be used with its placement.
-pub enum Misplaced {
-    /// This point lies beyond the bounds of a scene.
-    TooFar(DVec3),
-    /// No triangle has an area in single precision.
-    NoArea,
-}
-
 /// Adds a mesh's triangles to the builder. Polygons become fans around their first corner; triangles without
 /// area are left out, with one warning that counts them. All have `material`, or else the materials of the
 /// model's MTL. Returns `Some` if the placement makes the mesh unusable.
@@ -204,7 +196,7 @@ pub fn add(
     let normals: Vec<Vec3> =
         mesh.normals.iter().map(|n| (placement.rotation * n.as_dvec3()).as_vec3()).collect();
 
-    let (mut without_area, mut with_area) = (0, 0);
+    let mut tally = Tally::default();
     for face in &mesh.faces {
         let material = match material.or_else(|| own[face.material?]) {
             Some(material) => material,
@@ -220,41 +212,8 @@ pub fn add(
             let normals = all_have(|corner| corner.normal)
                 .then(|| fan.map(|corner| normals[corner.normal as usize]))
                 .filter(|normals| normals.iter().all(|&normal| normal != Vec3::ZERO));
-            match builder.add_triangle(vertices, material, uvs, normals) {
-                true => with_area += 1,
-                false => without_area += 1,
-            }
+            tally.count(builder.add_triangle(vertices, material, uvs, normals));
         }
     }
-    if with_area == 0 {
-        return Ok(Some(Misplaced::NoArea));
-    }
-    if without_area > 0 {
-        let (noun, verb) = if without_area == 1 { ("triangle", "was") } else { ("triangles", "were") };
-        builder.warn(format!("{}: {without_area} {noun} of zero area {verb} left out.", path.display()));
-    }
-    Ok(None)
-}
-
-/// The sky over a model that is loaded as a scene: white above and nearly black below, so that surfaces
-/// facing up, sideways and down differ. Under a sky of one colour a diffuse shape shows only its creases.
-const SKY: Sky = Sky::Gradient { bottom: Vec3::splat(0.05), top: Vec3::ONE };
-
-/// A model as a scene: framed automatically under a plain sky.
-pub fn scene(text: &[u8], path: &Path, files: &Files, name: String) -> Result<Scene, SceneError> {
-    let mut builder = SceneBuilder::default();
-    let mesh = parse(text, path)?;
-    // Without a placement no point is too far: `parse` checked the bounds.
-    if add(&mesh, path, files, &mut builder, None, &Placement::IDENTITY)?.is_some() {
-        let mend = "export the model again, or larger: all its faces have zero area in single precision";
-        return Err(SceneError::new("the mesh has nothing to see").in_file(path).mend(mend));
-    }
-    let camera = builder.framing(None, None);
-    if let Some((_, what, _)) = camera.fault() {
-        let mend = "scale the model up, or move it nearer to the origin";
-        return Err(SceneError::new(format!("the mesh cannot be framed: {what}")).in_file(path).mend(mend));
-    }
-    builder
-        .finish(name, camera, DEFAULT_RESOLUTION, DEFAULT_BOUNCES, SKY)
-        .map_err(|error| error.in_file(path))
+    Ok(tally.finish(path, builder))
 }

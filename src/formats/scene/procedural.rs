@@ -79,6 +79,7 @@ fn material(name: &str, kind: MaterialKind, color: [f32; 3]) -> Material {
         color: color.into(),
         texture: None,
         roughness_map: None,
+        emission_map: None,
         normal_map: None,
         emission: Vec3::ZERO,
     }

@@ -2,15 +2,35 @@
 //!
 //! For: [`nearest`]. May import: nothing. Must not know: what is named.
 
-/// The known name nearest to a misspelt one, if any is within a third of its length.
+/// The known name nearest to a misspelt one, if any is within a third of its length; else the one known name
+/// that a word of two letters or more abbreviates: that begins with it (`rough`), holds it (`fov`), or begins
+/// what is written (`roughness_of_metal`).
 pub fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let limit = (name.chars().count() / 3).max(1);
+    let known: Vec<&str> = known.into_iter().collect();
     known
-        .into_iter()
-        .map(|known| (distance(&name.to_lowercase(), &known.to_lowercase()), known))
+        .iter()
+        .map(|&known| (distance(&name.to_lowercase(), &known.to_lowercase()), known))
         .filter(|&(distance, _)| distance <= limit)
         .min_by_key(|&(distance, _)| distance)
         .map(|(_, known)| known)
+        .or_else(|| abbreviated(name, &known))
+}
+
+/// The name that a word abbreviates, if it is the only one.
+fn abbreviated<'a>(name: &str, known: &[&'a str]) -> Option<&'a str> {
+    let name = name.to_lowercase();
+    if name.chars().count() < 2 {
+        return None;
+    }
+    let rules: [&dyn Fn(&str) -> bool; 3] =
+        [&|known| known.starts_with(&name), &|known| known.contains(&name), &|known| {
+            known.len() > 2 && name.starts_with(known)
+        }];
+    rules.iter().find_map(|rule| {
+        let mut fitting = known.iter().filter(|known| rule(&known.to_lowercase()));
+        fitting.next().filter(|_| fitting.next().is_none()).copied()
+    })
 }
 
 /// Levenshtein distance: the fewest insertions, deletions and replacements that turn one word into the other.
@@ -38,6 +58,20 @@ mod tests {
         assert_eq!(nearest("crome", ["clay", "chrome"]), Some("chrome"));
         assert_eq!(nearest("Clay", ["clay", "chrome"]), Some("clay"));
         assert_eq!(nearest("velvet", ["clay", "chrome"]), None);
+    }
+
+    #[test]
+    fn nearest_finds_what_a_word_abbreviates_unless_it_could_be_two() {
+        let known = ["roughness", "vertical_fov", "texture", "texture_size", "translate"];
+        for (name, wanted) in [
+            ("rough", "roughness"),
+            ("FOV", "vertical_fov"),
+            ("roughness_of_metal", "roughness"),
+            ("trans", "translate"),
+        ] {
+            assert_eq!(nearest(name, known), Some(wanted), "{name}");
+        }
+        assert_eq!([nearest("te", known), nearest("t", known), nearest("size_of", known)], [None; 3]);
     }
 
     #[test]

@@ -36,10 +36,31 @@ impl Textures {
             return Ok(known);
         }
         let (width, height, texels) = decode(&files.read(path)?, path, texel_kind)?;
+        Ok(self.add(key, Texture { name: name.to_string(), width, height, filter, texels }))
+    }
+    /// The same from an image file's content, of which `change` makes the texels that are kept. `path` names
+    /// the image and the change.
+    pub fn load_embedded(
+        &mut self,
+        bytes: impl FnOnce() -> Result<Vec<u8>, String>,
+        path: &Path,
+        filter: Filter,
+        texel_kind: TexelKind,
+        change: impl FnOnce(Texels) -> Texels,
+    ) -> Result<u32, String> {
+        let key = (path.to_path_buf(), filter, texel_kind);
+        if let Some(&known) = self.known.get(&key) {
+            return Ok(known);
+        }
+        let (width, height, texels) = decode(&bytes()?, path, texel_kind)?;
+        let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        Ok(self.add(key, Texture { name, width, height, filter, texels: change(texels) }))
+    }
+    fn add(&mut self, key: (PathBuf, Filter, TexelKind), texture: Texture) -> u32 {
         let number = self.list.len() as u32;
-        self.list.push(Texture { name: name.to_string(), width, height, filter, texels });
+        self.list.push(texture);
         self.known.insert(key, number);
-        Ok(number)
+        number
     }
 }
 

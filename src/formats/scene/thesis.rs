@@ -282,6 +282,7 @@ impl Loader<'_> {
             color,
             texture,
             roughness_map: None,
+            emission_map: None,
             normal_map: None,
             emission,
         };

@@ -1,10 +1,12 @@
 //! From the native file to a [`Scene`], or an error that says where and how to mend it.
 //!
-//! For: [`scene`], and [`camera`], which views share. May import: `native`, `material`, `obj`, `builder`,
+//! For: [`scene`], and [`camera`], which views share. May import: `native`, `material`, `model`, `builder`,
 //! `check`, `json`. Must not know: where the text came from.
 
 use super::builder::{DEFAULT_BOUNCES, DEFAULT_RESOLUTION, SceneBuilder};
-use super::check::{WITHIN_BOUNDS, check_bounces, check_resolution, fits, number, radius, vec2, vec3};
+use super::check::{
+    WITHIN_BOUNDS, check_bounces, check_resolution, fits, number, radius, reflectance, turns, vec2, vec3,
+};
 use super::error::SceneError;
 use super::files::Files;
 use super::json::{JsonPath, Source, read};
@@ -13,7 +15,8 @@ use super::native::{
 };
 use super::placement::{Placement, rotation};
 use super::spelling::nearest;
-use super::{material, obj};
+use super::tally::Misplaced;
+use super::{material, model};
 use glam::{DVec3, Vec3};
 use octray_engine::scene::{Camera, Scene, Side, Sky, Sphere};
 use std::collections::HashMap;
@@ -124,10 +127,7 @@ fn add_sphere(
     file: &SphereFile,
     place: &JsonPath,
 ) -> Result<(), SceneError> {
-    let turn = file.turn_degrees.unwrap_or(0.0);
-    number(source, &place.key("turn_degrees"), turn)?;
-    // A fraction that rounds up to 1.0 becomes 0.
-    let turn = Some((turn / 360.0).rem_euclid(1.0) as f32).filter(|&turn| turn < 1.0).unwrap_or(0.0);
+    let turn = turns(source, &place.key("turn_degrees"), file.turn_degrees)?;
     let sphere = Sphere {
         center: vec3(source, &place.key("center"), file.center)?,
         radius: radius(source, &place.key("radius"), file.radius)?,
@@ -167,7 +167,24 @@ fn add_triangle(
     let normals =
         file.normals.map(|normals| vertex_normals(source, &place.key("normals"), normals)).transpose()?;
     let material = named(source, builder, names, file.material.as_ref(), place)?;
-    if !builder.add_triangle(vertices, material, uvs, normals) {
+    let has_area = match file.colors {
+        None => builder.add_triangle(vertices, material, uvs, normals),
+        Some(colors) => {
+            let place = place.key("colors");
+            let [a, b, c] = colors;
+            let colors = [
+                reflectance(source, &place.item(0), a)?,
+                reflectance(source, &place.item(1), b)?,
+                reflectance(source, &place.item(2), c)?,
+            ];
+            let material = builder.colored(material).ok_or_else(|| {
+                let what = "`colors` on a triangle whose material has textures or scatters nothing";
+                source.error(&place, what, "remove `colors`, or use a material without textures")
+            })?;
+            builder.add_colored_triangle(vertices, material, colors, normals)
+        }
+    };
+    if !has_area {
         return Err(source.error(&at_vertices, zero_area(&vertices), AREA_MEND));
     }
     Ok(())
@@ -222,24 +239,37 @@ fn add_mesh(
         None => None,
     };
     let placement = Placement { rotation: rotation(rotate), scale, translate: DVec3::from(translate) };
-    let path = files.resolve(&file.obj);
-    let text = files.read(&path).map_err(|reason| {
-        let what = format!("cannot read the mesh `{}`: {reason}", file.obj);
+    let (key, name) = match (&file.model, &file.obj) {
+        (Some(model), None) => ("model", model),
+        (None, Some(obj)) => ("obj", obj),
+        (None, None) => {
+            let mend = "add `model`: the path of an .obj, .gltf, .glb or .ply file";
+            return Err(source.error(place, "the key `model` is missing", mend));
+        }
+        (Some(_), Some(_)) => {
+            let mend = "remove `obj`: both name the model";
+            return Err(source.error(&place.key("obj"), "a mesh with `model` and `obj`", mend));
+        }
+    };
+    let path = files.resolve(name);
+    let bytes = files.read(&path).map_err(|reason| {
+        let what = format!("cannot read the mesh `{name}`: {reason}");
         let mend = format!(
-            "the file searched for is {}: give the path of an .obj file relative to the scene file",
+            "the file searched for is {}: give the path of an .obj, .gltf, .glb or .ply file relative to the \
+             scene file",
             path.display()
         );
-        source.error(&place.key("obj"), what, mend)
+        source.error(&place.key(key), what, mend)
     })?;
-    let mesh = obj::parse(&text, &path)?;
-    match obj::add(&mesh, &path, files, builder, material, &placement)? {
-        Some(obj::Misplaced::NoArea) => {
-            let what = format!("the mesh `{}` is invisible: all its faces have zero area", file.obj);
+    let model = model::read(&bytes, &path, files)?;
+    match model.add(&path, files, builder, material, &placement)? {
+        Some(Misplaced::NoArea) => {
+            let what = format!("the mesh `{name}` is invisible: all its faces have zero area");
             let mend = "use a larger `scale`, a smaller `translate`, or export the model again: its vertices \
                         must differ in single precision";
             Err(source.error(place, what, mend))
         }
-        Some(obj::Misplaced::TooFar(point)) => {
+        Some(Misplaced::TooFar(point)) => {
             let what = format!("the mesh reaches {point}, too far from the origin");
             Err(source.error(place, what, format!("use a smaller `scale` or `translate`: {WITHIN_BOUNDS}")))
         }

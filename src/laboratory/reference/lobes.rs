@@ -132,6 +132,12 @@ fn sample_lobe(
             let coat = Coat { ior: f64::from(ior), alpha: (roughness * rougher).powi(2), transmitted };
             return plastic(color, &coat, d, n, number);
         }
+        MaterialKind::MetalRough { roughness, metallic, ior } => {
+            let ior = f64::from(ior);
+            let alpha = (f64::from(roughness) * rougher).powi(2);
+            let f0 = ((ior - 1.0) / (ior + 1.0)).powi(2);
+            return metal_rough(color, (alpha, f0, f64::from(metallic)), d, n, number);
+        }
     };
     sample.map(|(towards, weight)| (towards, color * weight, is_delta))
 }
@@ -212,6 +218,54 @@ fn plastic(
         let visible = distribution / (4.0 * out.z * (1.0 + lambda_out));
         value += visible * (1.0 + lambda_out) / (1.0 + lambda_out + lambda_in) * reflected(half.dot(out));
         pdf += on_coat * visible;
+    }
+    Some((to_world(towards, n), value / pdf, false))
+}
+
+/// glTF's metallic-roughness model: the equations at the head of `kernel/bsdf/metal_rough.rs`, divided by the
+/// pdf with which the estimator samples.
+fn metal_rough(
+    color: DVec3,
+    (alpha, f0, metallic): (f64, f64, f64),
+    d: DVec3,
+    n: DVec3,
+    number: impl Fn(u32) -> f64,
+) -> Option<(DVec3, DVec3, bool)> {
+    let normal = DVec3::splat((1.0 - metallic) * f0) + color * metallic;
+    let fresnel = |cos: f64| normal.lerp(DVec3::ONE, (1.0 - cos).max(0.0).powi(5));
+    let q = (1.0 - 0.43 * alpha.powf(1.5)).powi(5);
+    let transmitted = |cos: f64| 1.0 - q * (1.0 - cos).max(0.0).powi(5);
+    let out = to_local(-d, n);
+    let into_base = color * (1.0 - metallic) * (1.0 - f0) * transmitted(out.z);
+    let (brightest, of_base) = (fresnel(out.z).max_element(), into_base.max_element());
+    let on_specular = brightest / (brightest + of_base).max(1e-300);
+    let smooth = alpha < NARROWEST_ALPHA;
+    let towards = if number(LOBE) < on_specular {
+        let (towards, weight) = ggx(out, alpha, number(DIRECTION), number(DIRECTION + 1));
+        if smooth {
+            let facet = (towards + out).normalize().dot(out);
+            let weight = fresnel(facet) * (weight / on_specular);
+            return (towards.z > 0.0).then(|| (to_world(towards, n), weight, true));
+        }
+        towards
+    } else {
+        to_local((n + on_sphere(number)).normalize(), n)
+    };
+    if towards.z <= 0.0 {
+        return None;
+    }
+    let half = (towards + out).normalize();
+    let facet = half.dot(out);
+    let lambert = towards.z / PI;
+    let mut value = into_base * (transmitted(towards.z) / (1.0 - q / 21.0) * lambert);
+    let mut pdf = (1.0 - on_specular) * lambert;
+    if !smooth {
+        let [lambda_out, lambda_in] = [out, towards].map(|w| lambda(w, alpha));
+        let slope = half.z * half.z * (alpha * alpha - 1.0) + 1.0;
+        let distribution = alpha * alpha / (PI * slope * slope);
+        let visible = distribution / (4.0 * out.z * (1.0 + lambda_out));
+        value += fresnel(facet) * visible * (1.0 + lambda_out) / (1.0 + lambda_out + lambda_in);
+        pdf += on_specular * visible;
     }
     Some((to_world(towards, n), value / pdf, false))
 }

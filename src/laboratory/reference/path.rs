@@ -58,16 +58,23 @@ impl Reference {
             let material = &self.materials[surface.material];
             let texel = self.lookup(material.texture, surface.uv, surface.wraps);
             let emitter = material.kind == MaterialKind::Emitter;
-            light += throughput * material.emission.as_dvec3() * if emitter { texel } else { DVec3::ONE };
+            let emission = self.lookup(material.emission_map, surface.uv, surface.wraps);
+            light += throughput * material.emission.as_dvec3() * if emitter { texel } else { emission };
             if b == settings.max_bounces {
                 break;
             }
-            let roughness = self.lookup(material.roughness_map, surface.uv, surface.wraps).x.min(1.0);
+            let map = self.lookup(material.roughness_map, surface.uv, surface.wraps).min(DVec3::ONE);
+            let (kind, roughness) = match material.kind {
+                MaterialKind::MetalRough { roughness, metallic, ior } => {
+                    let metallic = (f64::from(metallic) * map.z) as f32;
+                    (MaterialKind::MetalRough { roughness, metallic, ior }, map.y)
+                }
+                kind => (kind, map.x),
+            };
             let ns = self.mapped_normal(material.normal_map, &surface).or(surface.ns);
             let normals = lobes::Normals::facing(direction, surface.ng, ns);
             let color = material.color.as_dvec3() * texel;
-            let sample =
-                lobes::sample(material.kind, roughness, color, direction, &normals, numbers(bounce(b)));
+            let sample = lobes::sample(kind, roughness, color, direction, &normals, numbers(bounce(b)));
             let Some((scattered, weight)) = sample else {
                 break;
             };
@@ -114,8 +121,9 @@ impl Reference {
         match self.sky {
             Sky::Color(color) => color.as_dvec3(),
             Sky::Gradient { bottom, top } => bottom.as_dvec3().lerp(top.as_dvec3(), 0.5 * (d.y + 1.0)),
-            Sky::Texture { texture, color } => {
-                color.as_dvec3() * self.lookup(Some(texture), texture::on_sphere(d, 0.0, Side::Inside), false)
+            Sky::Texture { texture, color, turn } => {
+                let at = texture::on_sphere(d, f64::from(turn), Side::Inside);
+                color.as_dvec3() * self.lookup(Some(texture), at, false)
             }
         }
     }

@@ -16,7 +16,7 @@ fn seen(scene: Scene, position: Vec3, look_at: Vec3) -> [f64; 3] {
 
 fn sky(filter: Filter, direction: Vec3) -> [f64; 3] {
     let scene = Scene {
-        sky: Sky::Texture { texture: 0, color: Vec3::new(1.0, 1.0, 0.5) },
+        sky: Sky::Texture { texture: 0, color: Vec3::new(1.0, 1.0, 0.5), turn: 0.0 },
         textures: vec![numbered(8, 4, filter)],
         ..empty()
     };

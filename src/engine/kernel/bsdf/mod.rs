@@ -8,8 +8,8 @@
 //! leaves the surface, towards the light. `n` is the unit normal on the side of wo (n · d < 0). u, v and
 //! `uc`, which chooses between lobes, are uniform in [0, 1).
 //!
-//! Lobes have no colour, which the material multiplies; only [`plastic`] holds one, because its coat is white
-//! over a base that is not.
+//! Lobes have no colour, which the material multiplies; only [`plastic`] and [`metal_rough`] hold one,
+//! because their reflection is white, or whiter, over a base that is not.
 //!
 //! A lobe too narrow for single precision to evaluate its pdf is sampled like any other but counts as a delta
 //! lobe: the pdf of its samples is infinite, and *evaluate* returns zero.
@@ -18,6 +18,7 @@ pub mod diffuse;
 mod fresnel;
 pub mod ggx;
 pub mod glass;
+pub mod metal_rough;
 pub mod mirror;
 pub mod plastic;
 mod sample;

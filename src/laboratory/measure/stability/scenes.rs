@@ -80,6 +80,7 @@ pub fn empty() -> Scene {
         color: Vec3::ONE,
         texture: None,
         roughness_map: None,
+        emission_map: None,
         normal_map: None,
         emission: Vec3::ZERO,
     };

@@ -1,0 +1,176 @@
+//! The bytes of a glTF file: its JSON and binary parts, its buffers, data URIs.
+//!
+//! For: [`split`], [`buffers`], [`view`], [`from_uri`]. May import: `files`, `json`, `error`. Must not know:
+//! what the bytes mean.
+
+use super::super::error::SceneError;
+use super::super::files::Files;
+use super::super::json::{JsonPath, Source};
+use gltf_json::Root;
+use gltf_json::buffer::View;
+use std::path::Path;
+
+/// The JSON text, and the binary part of a .glb file, of which all lengths are checked.
+pub fn split<'a>(content: &'a [u8], path: &Path) -> Result<(&'a str, Option<&'a [u8]>), SceneError> {
+    let fault = |what: String| SceneError::new(what).in_file(path).mend("export the model again");
+    let text = |bytes: &'a [u8]| {
+        let text = std::str::from_utf8(bytes).map_err(|_| fault("the JSON is not UTF-8".into()))?;
+        Ok(text.trim_start_matches('\u{feff}'))
+    };
+    if !content.starts_with(b"glTF") {
+        return Ok((text(content)?, None));
+    }
+    let word = |at: usize| {
+        let bytes = content.get(at..at + 4)?;
+        Some(u32::from_le_bytes(bytes.try_into().expect("four bytes")))
+    };
+    if word(4) != Some(2) {
+        return Err(fault("this is not binary glTF of version 2".into()));
+    }
+    let (mut json, mut binary, mut at) = (None, None, 12);
+    while let (Some(length), Some(kind)) = (word(at), word(at + 4)) {
+        let chunk = content.get(at + 8..).and_then(|rest| rest.get(..length as usize)).ok_or_else(|| {
+            let rest = content.len() - at - 8;
+            fault(format!("a chunk at byte {at} says it has {length} bytes, and the file has {rest} more"))
+        })?;
+        match &kind.to_le_bytes() {
+            b"JSON" if json.is_none() => json = Some(text(chunk)?),
+            b"BIN\0" if binary.is_none() => binary = Some(chunk),
+            // Others are to be skipped.
+            _ => {}
+        }
+        at += 8 + chunk.len();
+    }
+    Ok((json.ok_or_else(|| fault("the file has no JSON chunk".into()))?, binary))
+}
+
+/// The content of every buffer.
+pub fn buffers(
+    source: &Source,
+    root: &Root,
+    binary: Option<&[u8]>,
+    files: &Files,
+) -> Result<Vec<Vec<u8>>, SceneError> {
+    let place = JsonPath::Root;
+    let list = place.key("buffers");
+    let mut buffers = Vec::new();
+    for (index, buffer) in root.buffers.iter().enumerate() {
+        let place = list.item(index);
+        let mut content = match (&buffer.uri, binary) {
+            (Some(uri), _) => from_uri(uri, source.file, files).map_err(|reason| {
+                let mend = "put the file beside the model, or export the model as .glb";
+                source.error(&place.key("uri"), format!("cannot read a buffer: {reason}"), mend)
+            })?,
+            (None, Some(binary)) if index == 0 => binary.to_vec(),
+            (None, _) => {
+                let mend = "export the model again";
+                return Err(source.error(&place, "a buffer without `uri` and without a binary part", mend));
+            }
+        };
+        let length = buffer.byte_length.0;
+        if (content.len() as u64) < length {
+            let what = format!("the buffer has {} bytes, not {length}", content.len());
+            return Err(source.error(&place.key("byteLength"), what, "export the model again"));
+        }
+        content.truncate(length as usize);
+        buffers.push(content);
+    }
+    Ok(buffers)
+}
+
+/// The bytes of a buffer view; `None` where it reaches beyond its buffer.
+pub fn view<'a>(view: &View, buffers: &'a [Vec<u8>]) -> Option<&'a [u8]> {
+    let buffer = buffers.get(view.buffer.value())?;
+    let start = usize::try_from(view.byte_offset.unwrap_or_default().0).ok()?;
+    let length = usize::try_from(view.byte_length.0).ok()?;
+    buffer.get(start..)?.get(..length)
+}
+
+/// The content that a URI names: a data URI, or a file beside the model.
+pub fn from_uri(uri: &str, model: &Path, files: &Files) -> Result<Vec<u8>, String> {
+    match data(uri) {
+        Some(bytes) => bytes,
+        None => files
+            .read(&path(uri, model))
+            .map(|bytes| bytes.into_owned())
+            .map_err(|reason| format!("{}: {reason}", path(uri, model).display())),
+    }
+}
+
+/// The file that a URI names.
+pub fn path(uri: &str, model: &Path) -> std::path::PathBuf {
+    model.parent().unwrap_or(Path::new("")).join(decoded(uri))
+}
+
+/// The content of a data URI; `None` for any other.
+pub fn data(uri: &str) -> Option<Result<Vec<u8>, String>> {
+    let (head, body) = uri.strip_prefix("data:")?.split_once(',')?;
+    Some(match head.ends_with(";base64") {
+        true => base64(body.as_bytes()).ok_or_else(|| "a data URI is not base64".to_string()),
+        false => Err("a data URI is not base64".to_string()),
+    })
+}
+
+/// Percent-encoded bytes decoded.
+pub fn decoded(uri: &str) -> String {
+    let bytes = uri.as_bytes();
+    let (mut plain, mut at) = (Vec::with_capacity(bytes.len()), 0);
+    while at < bytes.len() {
+        let escaped = (bytes[at] == b'%')
+            .then(|| uri.get(at + 1..at + 3).and_then(|hex| u8::from_str_radix(hex, 16).ok()))
+            .flatten();
+        plain.push(escaped.unwrap_or(bytes[at]));
+        at += if escaped.is_some() { 3 } else { 1 };
+    }
+    String::from_utf8(plain).unwrap_or_else(|_| uri.to_string())
+}
+
+/// Base64 (RFC 4648 §4); padding may be missing.
+fn base64(text: &[u8]) -> Option<Vec<u8>> {
+    let text = text.strip_suffix(b"==").or(text.strip_suffix(b"=")).unwrap_or(text);
+    let mut bytes = Vec::with_capacity(text.len() / 4 * 3 + 3);
+    for group in text.chunks(4) {
+        let mut bits = 0_u32;
+        for &letter in group {
+            let value = match letter {
+                b'A'..=b'Z' => letter - b'A',
+                b'a'..=b'z' => letter - b'a' + 26,
+                b'0'..=b'9' => letter - b'0' + 52,
+                b'+' => 62,
+                b'/' => 63,
+                _ => return None,
+            };
+            bits = bits << 6 | u32::from(value);
+        }
+        bits <<= 6 * (4 - group.len());
+        let whole = match group.len() {
+            1 => return None,
+            length => length - 1,
+        };
+        bytes.extend_from_slice(&bits.to_be_bytes()[1..1 + whole]);
+    }
+    Some(bytes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn base64_decodes_every_length_and_refuses_what_is_none() {
+        // RFC 4648 §10.
+        let cases =
+            [("", ""), ("Zg==", "f"), ("Zm8=", "fo"), ("Zm9v", "foo"), ("Zm9vYmFy", "foobar"), ("Zm8", "fo")];
+        for (text, plain) in cases {
+            assert_eq!(base64(text.as_bytes()).as_deref(), Some(plain.as_bytes()), "{text}");
+        }
+        for text in ["Z", "Zg=a", "Z\n9v", "Zm9vY"] {
+            assert_eq!(base64(text.as_bytes()), None, "{text}");
+        }
+    }
+
+    #[test]
+    fn names_are_decoded() {
+        assert_eq!(decoded("a%20b%2Fc%zz%e2%82%ac%"), "a b/c%zz€%");
+    }
+}

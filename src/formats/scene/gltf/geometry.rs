@@ -1,0 +1,202 @@
+//! The triangles of a primitive, and their way into the scene.
+//!
+//! For: [`Geometry`], [`read`], [`Transform`]. May import: `accessor`, `material` (which texture coordinates
+//! it uses), `nodes` (names of compressions), `builder`, `tally`. Must not know: files.
+
+use super::super::builder::SceneBuilder;
+use super::super::check::fits;
+use super::super::error::SceneError;
+use super::super::json::{JsonPath, Source};
+use super::super::placement::Placement;
+use super::super::tally::{Misplaced, Tally};
+use super::accessor::{Accessors, Numbers};
+use super::nodes::COMPRESSIONS;
+use super::notes::Notes;
+use super::{material, texture};
+use glam::{DMat3, DMat4, DVec3, Vec2, Vec3};
+use gltf_json::mesh::{Mode, Primitive, Semantic};
+use gltf_json::validation::Checked;
+use std::rc::Rc;
+
+/// The numbers of one primitive; primitives and nodes share them.
+pub struct Geometry {
+    positions: Rc<Numbers>,
+    normals: Option<Rc<Numbers>>,
+    uvs: Option<Rc<Numbers>>,
+    colors: Option<Rc<Numbers>>,
+    indices: Option<Rc<Numbers>>,
+    mode: Mode,
+}
+
+impl Geometry {
+    /// Whether it has texture coordinates and vertex colours.
+    pub fn has(&self) -> material::Has {
+        material::Has { uvs: self.uvs.is_some(), colors: self.colors.is_some() }
+    }
+    /// The number of corners.
+    fn corners(&self) -> usize {
+        self.indices.as_ref().map_or(self.positions.count, |indices| indices.count)
+    }
+    pub fn triangles(&self) -> usize {
+        match self.mode {
+            Mode::Triangles => self.corners() / 3,
+            _ => self.corners().saturating_sub(2),
+        }
+    }
+    /// The vertices of a triangle, in the order that makes its front counter-clockwise.
+    fn triangle(&self, number: usize) -> [usize; 3] {
+        let corners = match self.mode {
+            Mode::Triangles => [3 * number, 3 * number + 1, 3 * number + 2],
+            Mode::TriangleFan => [0, number + 1, number + 2],
+            _ if number.is_multiple_of(2) => [number, number + 1, number + 2],
+            _ => [number + 1, number, number + 2],
+        };
+        corners
+            .map(|corner| self.indices.as_ref().map_or(corner, |indices| indices.at::<1>(corner)[0] as usize))
+    }
+}
+
+/// The numbers of a primitive; `None`, with a note, where it is not made of triangles.
+pub fn read(
+    source: &Source,
+    accessors: &mut Accessors,
+    primitive: &Primitive,
+    place: &JsonPath,
+    notes: &mut Notes,
+) -> Result<Option<Geometry>, SceneError> {
+    let extensions = primitive.extensions.as_ref().map(|extensions| &extensions.others);
+    for name in extensions.into_iter().flat_map(|others| others.keys()) {
+        if COMPRESSIONS.contains(&name.as_str()) {
+            notes
+                .add(place, format!("`{name}` is not read: the uncompressed copy is shown, if there is one"));
+        } else {
+            notes.add(place, format!("`{name}` is not read"));
+        }
+    }
+    if primitive.targets.as_ref().is_some_and(|targets| !targets.is_empty()) {
+        notes.add(place, "morph targets are not read: the mesh is shown as it is without them".into());
+    }
+    let mode = match primitive.mode {
+        Checked::Valid(mode @ (Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan)) => mode,
+        Checked::Valid(_) => {
+            notes.add(place, "points and lines are left out".into());
+            return Ok(None);
+        }
+        Checked::Invalid => {
+            return Err(source.error(
+                &place.key("mode"),
+                "the mode is unknown",
+                "write a number from 0 to 6",
+            ));
+        }
+    };
+    let attributes = place.key("attributes");
+    let set = material::uv_set(primitive, accessors.root());
+    let find =
+        |semantic: Semantic| primitive.attributes.get(&Checked::Valid(semantic)).map(|index| index.value());
+    let mut read = |semantic: Semantic, key: &'static str, components: &[usize]| {
+        find(semantic).map(|index| accessors.vertices(index, components, &attributes.key(key))).transpose()
+    };
+    let Some(positions) = read(Semantic::Positions, "POSITION", &[3])? else {
+        notes.add(place, "a mesh without positions is left out".into());
+        return Ok(None);
+    };
+    let normals = read(Semantic::Normals, "NORMAL", &[3])?;
+    let colors = read(Semantic::Colors(0), "COLOR_0", &[3, 4])?;
+    let uvs = match set {
+        0 => read(Semantic::TexCoords(0), "TEXCOORD_0", &[2])?,
+        1 => read(Semantic::TexCoords(1), "TEXCOORD_1", &[2])?,
+        set => read(Semantic::TexCoords(set), "attributes", &[2])?,
+    };
+    for (numbers, key) in [(&normals, "NORMAL"), (&colors, "COLOR_0"), (&uvs, "TEXCOORD_0")] {
+        if let Some(numbers) = numbers
+            && numbers.count < positions.count
+        {
+            let what = format!("{} values for {} vertices", numbers.count, positions.count);
+            return Err(source.error(&attributes.key(key), what, "export the model again"));
+        }
+    }
+    let indices = match primitive.indices {
+        None => None,
+        Some(index) => {
+            let place = place.key("indices");
+            let indices = accessors.indices(index.value(), &place)?;
+            if let Some(outside) = indices.values.iter().find(|&&index| index >= positions.count as f64) {
+                let what = format!("the mesh uses vertex {outside} of {}", positions.count);
+                return Err(source.error(&place, what, "export the model again"));
+            }
+            Some(indices)
+        }
+    };
+    Ok(Some(Geometry { positions, normals, uvs, colors, indices, mode }))
+}
+
+/// From a mesh's coordinates to the scene's.
+pub struct Transform {
+    matrix: DMat4,
+    /// The inverse transpose; `None` where there is none.
+    of_normals: Option<DMat3>,
+    /// Mirrors, so that the order of vertices turns round.
+    mirrors: bool,
+}
+
+impl Transform {
+    pub fn of(node: &DMat4, placement: &Placement) -> Self {
+        let linear = placement.rotation * DMat3::from_diagonal(DVec3::splat(placement.scale));
+        let placed = DMat4::from_mat3(linear);
+        let matrix = DMat4::from_translation(placement.translate) * placed * *node;
+        let linear = DMat3::from_mat4(matrix);
+        let determinant = linear.determinant();
+        let inverse = linear.inverse().transpose();
+        let invertible = determinant != 0.0 && inverse.is_finite();
+        Self { matrix, of_normals: invertible.then_some(inverse), mirrors: determinant < 0.0 }
+    }
+
+    pub fn add(
+        &self,
+        geometry: &Geometry,
+        material: u32,
+        uv_map: Option<texture::UvMap>,
+        builder: &mut SceneBuilder,
+        tally: &mut Tally,
+    ) -> Option<Misplaced> {
+        let colored = geometry.colors.as_ref().and_then(|colors| Some((colors, builder.colored(material)?)));
+        for number in 0..geometry.triangles() {
+            let mut corners = geometry.triangle(number);
+            if self.mirrors {
+                corners.swap(1, 2);
+            }
+            let points = corners.map(|corner| {
+                let point = DVec3::from_array(geometry.positions.at(corner));
+                self.matrix.transform_point3(point)
+            });
+            if let Some(&outside) = points.iter().find(|point| !point.to_array().into_iter().all(fits)) {
+                return Some(Misplaced::TooFar(outside));
+            }
+            let vertices = points.map(DVec3::as_vec3);
+            let normals = geometry.normals.as_ref().zip(self.of_normals).map(|(normals, of_normals)| {
+                corners.map(|corner| {
+                    let normal = of_normals * DVec3::from_array(normals.at(corner));
+                    normal.normalize_or_zero().as_vec3()
+                })
+            });
+            let normals = normals.filter(|normals| normals.iter().all(|&normal| normal != Vec3::ZERO));
+            tally.count(match &colored {
+                Some((colors, material)) => {
+                    let of_corner = |corner| DVec3::from_array(colors.at(corner)).as_vec3();
+                    let colors = corners.map(|corner| of_corner(corner).clamp(Vec3::ZERO, Vec3::ONE));
+                    builder.add_colored_triangle(vertices, *material, colors, normals)
+                }
+                None => {
+                    let map = uv_map.unwrap_or_default();
+                    let uvs =
+                        geometry.uvs.as_ref().map(|uvs| corners.map(|corner| map.apply(uvs.at(corner))));
+                    let uvs =
+                        uvs.filter(|uvs| uvs.iter().all(|uv| uv.is_finite() && fits(uv.length().into())));
+                    builder.add_triangle(vertices, material, uvs.or(Some([Vec2::ZERO; 3])), normals)
+                }
+            });
+        }
+        None
+    }
+}

@@ -1,0 +1,172 @@
+//! glTF 2.0: from a file to the triangles, materials and camera of a scene.
+//!
+//! For: [`read`], [`Gltf`]. May import: `builder`, `check`, `files`, `json`, `placement`, `tally`. Must not
+//! know: JSON scenes.
+//!
+//! | file | what it does |
+//! |---|---|
+//! | `bytes` | binary files, buffers, data URIs |
+//! | `accessor` | numbers in buffers |
+//! | `geometry` | triangles, and their way into the scene |
+//! | `nodes` | the tree of nodes as placed meshes and a camera |
+//! | `material`, `texture` | materials and their textures |
+//! | `notes` | what is left out, each kind once |
+//!
+//! Meshes are copied to every node that shows them, because the hierarchy is flat: instances share the
+//! numbers read from the file while it is loaded, and their materials and textures, but no triangles. A file
+//! may be hostile: no number in it is used as an index or a size before it is checked, nodes are visited
+//! once, and [`MAX_TRIANGLES`] bounds what copies add up to.
+//!
+//! The types come from `gltf-json`, the data types of the `gltf` crate. The rest of that crate is not used:
+//! its validation and its readers index by numbers from the file.
+
+mod accessor;
+mod bytes;
+mod geometry;
+mod material;
+mod nodes;
+mod notes;
+mod texture;
+
+use super::builder::SceneBuilder;
+use super::check::fits;
+use super::error::SceneError;
+use super::files::Files;
+use super::json::{JsonPath, Source};
+use super::placement::Placement;
+use super::tally::{Misplaced, Tally};
+use geometry::{Geometry, Transform};
+use glam::DVec4;
+use gltf_json::Root;
+use notes::Notes;
+use octray_engine::scene::Camera;
+use std::collections::HashMap;
+use std::collections::hash_map::Entry;
+use std::path::Path;
+
+/// Most triangles of a model, all copies counted: 2.4 GB of vertices.
+const MAX_TRIANGLES: u64 = 1 << 26;
+
+/// A glTF file, read. Its geometry is checked by [`Gltf::add`].
+pub struct Gltf {
+    root: Root,
+    /// The text of the JSON part, for messages.
+    text: String,
+    buffers: Vec<Vec<u8>>,
+    nodes: nodes::Placed,
+}
+
+/// Reads the content of a .gltf or .glb file, and the buffers that it names.
+pub fn read(content: &[u8], path: &Path, files: &Files) -> Result<Gltf, SceneError> {
+    let (text, binary) = bytes::split(content, path)?;
+    let source = Source { file: path, text };
+    let root: Root = super::json::read(&source)?;
+    let place = JsonPath::Root;
+    if !root.asset.version.starts_with("2.") {
+        let what = format!("glTF {} is not read", root.asset.version);
+        return Err(source.error(&place.key("asset").key("version"), what, "export the model as glTF 2.0"));
+    }
+    let mut required = root.extensions_required.iter().enumerate();
+    if let Some((index, name)) = required.find(|(_, name)| nodes::COMPRESSIONS.contains(&name.as_str())) {
+        let mend = "export the model without compression";
+        let what = format!("the geometry is compressed ({name}), which is not read");
+        return Err(source.error(&place.key("extensionsRequired").item(index), what, mend));
+    }
+    let buffers = bytes::buffers(&source, &root, binary, files)?;
+    let nodes = nodes::place(&source, &root)?;
+    Ok(Gltf { text: text.to_string(), buffers, nodes, root })
+}
+
+impl Gltf {
+    /// Adds the triangles of all placed meshes to the builder, with `material` or else with their own
+    /// materials. Returns `Some` if the placement makes the model unusable.
+    pub fn add(
+        &self,
+        path: &Path,
+        files: &Files,
+        builder: &mut SceneBuilder,
+        material: Option<u32>,
+        placement: &Placement,
+    ) -> Result<Option<Misplaced>, SceneError> {
+        let source = Source { file: path, text: &self.text };
+        let mut notes = Notes::default();
+        nodes::note_ignored(&self.root, &mut notes);
+        let mut accessors = accessor::Accessors::new(&source, &self.root, &self.buffers);
+        let mut materials = material::Materials::new(&source, &self.root, &self.buffers, files);
+        let mut meshes: HashMap<usize, Vec<(u32, Geometry)>> = HashMap::new();
+        let mut triangles = 0;
+        for &(mesh, _) in &self.nodes.meshes {
+            let parts = match meshes.entry(mesh) {
+                Entry::Occupied(known) => known.into_mut(),
+                Entry::Vacant(new) => {
+                    let mut parts = Vec::new();
+                    let root = JsonPath::Root;
+                    let list = root.key("meshes");
+                    let of_mesh = list.item(mesh);
+                    let primitives = of_mesh.key("primitives");
+                    for (index, primitive) in self.root.meshes[mesh].primitives.iter().enumerate() {
+                        let place = primitives.item(index);
+                        let read = geometry::read(&source, &mut accessors, primitive, &place, &mut notes)?;
+                        let Some(geometry) = read else { continue };
+                        let own = match material {
+                            Some(material) => material,
+                            None => materials.of(primitive, geometry.has(), &place, builder, &mut notes)?,
+                        };
+                        parts.push((own, geometry));
+                    }
+                    new.insert(parts)
+                }
+            };
+            triangles += parts.iter().map(|(_, geometry)| geometry.triangles() as u64).sum::<u64>();
+            if triangles > MAX_TRIANGLES {
+                let what = format!("the model holds more than {MAX_TRIANGLES} triangles, copies counted");
+                let mend = "show the mesh on fewer nodes, or simplify it";
+                return Err(source.error(&JsonPath::Root.key("nodes"), what, mend));
+            }
+        }
+        notes.warn(path, builder);
+        let mut tally = Tally::default();
+        for (mesh, transform) in &self.nodes.meshes {
+            for (own, geometry) in &meshes[mesh] {
+                let transform = Transform::of(transform, placement);
+                let uvs = materials.uv_map(*own);
+                if let Some(misplaced) = transform.add(geometry, *own, uvs, builder, &mut tally) {
+                    return Ok(Some(misplaced));
+                }
+            }
+        }
+        Ok(tally.finish(path, builder))
+    }
+
+    /// The model's first camera, if it is one that octray has.
+    pub fn camera(&self, path: &Path, builder: &mut SceneBuilder) -> Option<Camera> {
+        let (index, transform) = self.nodes.camera?;
+        let Some(perspective) = &self.root.cameras[index].perspective else {
+            let path = path.display();
+            builder.warn(format!("{path}: cameras[{index}] is orthographic: the model is framed instead."));
+            return None;
+        };
+        let position = transform.w_axis.truncate();
+        let [forward, up] = [DVec4::NEG_Z, DVec4::Y].map(|axis| (transform * axis).truncate());
+        // A point as far away as the model, so that a viewer turns around something.
+        let (lower, upper) = builder.bounds();
+        let distance = (((lower + upper) / 2.0 - position).length()).max(1e-3 * position.length()).max(1e-6);
+        let camera = Camera {
+            position: position.as_vec3(),
+            look_at: (position + forward.normalize_or_zero() * distance).as_vec3(),
+            up: up.normalize_or_zero().as_vec3(),
+            vertical_fov: perspective.yfov.to_degrees(),
+        };
+        let Camera { position, look_at, up, .. } = camera;
+        let mut placed = [position, look_at, up].into_iter().flat_map(|v| v.to_array());
+        match camera.fault() {
+            None if placed.all(|x| fits(x.into())) => Some(camera),
+            _ => {
+                let path = path.display();
+                builder
+                    .warn(format!("{path}: cameras[{index}] cannot be used: the model is framed instead."));
+                None
+            }
+        }
+    }
+}

@@ -1,0 +1,140 @@
+//! The tree of nodes, flattened: meshes and a camera with their transforms.
+//!
+//! For: [`place`], [`note_ignored`]. May import: `json`, `error`, `notes`. Must not know: geometry.
+
+use super::super::error::SceneError;
+use super::super::json::{JsonPath, Source};
+use super::notes::Notes;
+use glam::{DMat4, DQuat, DVec3};
+use gltf_json::Root;
+use gltf_json::scene::Node;
+
+/// Extensions without which a file's geometry cannot be read.
+pub const COMPRESSIONS: [&str; 3] =
+    ["KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression"];
+
+/// What the nodes of a scene show, in the coordinates of the file.
+#[derive(Default)]
+pub struct Placed {
+    /// Index of each mesh, which exists, and its transform.
+    pub meshes: Vec<(usize, DMat4)>,
+    /// Index of the first camera, which exists, and its transform.
+    pub camera: Option<(usize, DMat4)>,
+}
+
+/// Visits the nodes of the file's scene; without a scene, all nodes that are no node's child.
+pub fn place(source: &Source, root: &Root) -> Result<Placed, SceneError> {
+    let place = JsonPath::Root;
+    let fault = |place: &JsonPath, what: String| source.error(place, what, "export the model again");
+    let nodes = place.key("nodes");
+    let scene = root.scene.map_or(0, |scene| scene.value());
+    let mut open: Vec<(usize, DMat4)> = match root.scenes.get(scene) {
+        Some(scene) => scene.nodes.iter().map(|node| (node.value(), DMat4::IDENTITY)).collect(),
+        None if root.scene.is_some() => {
+            return Err(fault(&place.key("scene"), format!("there is no scene {scene}")));
+        }
+        None => {
+            let mut is_child = vec![false; root.nodes.len()];
+            for child in root.nodes.iter().flat_map(|node| node.children.iter().flatten()) {
+                if let Some(is_child) = is_child.get_mut(child.value()) {
+                    *is_child = true;
+                }
+            }
+            (0..root.nodes.len())
+                .filter(|&node| !is_child[node])
+                .map(|node| (node, DMat4::IDENTITY))
+                .collect()
+        }
+    };
+    // The first ones first.
+    open.reverse();
+    let mut seen = vec![false; root.nodes.len()];
+    let mut placed = Placed::default();
+    while let Some((index, parent)) = open.pop() {
+        let Some(node) = root.nodes.get(index) else {
+            return Err(fault(&nodes, format!("there is no node {index}")));
+        };
+        // A tree has neither; without this, children could be shared without end.
+        if std::mem::replace(&mut seen[index], true) {
+            let what = format!("node {index} is the child of two nodes, or of itself");
+            return Err(fault(&nodes.item(index), what));
+        }
+        let transform = parent * local(node);
+        if let Some(mesh) = node.mesh {
+            if mesh.value() >= root.meshes.len() {
+                return Err(fault(
+                    &nodes.item(index).key("mesh"),
+                    format!("there is no mesh {}", mesh.value()),
+                ));
+            }
+            placed.meshes.push((mesh.value(), transform));
+        }
+        if let Some(camera) = node.camera
+            && placed.camera.is_none()
+        {
+            let camera = camera.value();
+            if camera >= root.cameras.len() {
+                return Err(fault(&nodes.item(index).key("camera"), format!("there is no camera {camera}")));
+            }
+            placed.camera = Some((camera, transform));
+        }
+        open.extend(node.children.iter().flatten().rev().map(|child| (child.value(), transform)));
+    }
+    if placed.meshes.is_empty() {
+        return Err(fault(&nodes, "no node shows a mesh".into()));
+    }
+    Ok(placed)
+}
+
+fn local(node: &Node) -> DMat4 {
+    if let Some(matrix) = node.matrix {
+        return DMat4::from_cols_array(&matrix.map(f64::from));
+    }
+    let vector = |v: [f32; 3]| DVec3::from_array(v.map(f64::from));
+    let [x, y, z, w] = node.rotation.unwrap_or_default().0.map(f64::from);
+    let length = (x * x + y * y + z * z + w * w).sqrt();
+    let rotation = match length > 0.0 {
+        true => DQuat::from_xyzw(x / length, y / length, z / length, w / length),
+        false => DQuat::IDENTITY,
+    };
+    DMat4::from_scale_rotation_translation(
+        node.scale.map_or(DVec3::ONE, vector),
+        rotation,
+        node.translation.map_or(DVec3::ZERO, vector),
+    )
+}
+
+/// Notes what of the file's nodes is left out.
+pub fn note_ignored(root: &Root, notes: &mut Notes) {
+    let place = JsonPath::Root;
+    for (index, _) in root.animations.iter().enumerate() {
+        notes.add(&place.key("animations").item(index), "animations are not played".into());
+    }
+    for (index, node) in root.nodes.iter().enumerate() {
+        let list = place.key("nodes");
+        let place = list.item(index);
+        if node.skin.is_some() {
+            notes.add(
+                &place.key("skin"),
+                "skins are not read: the mesh is shown as it is without bones".into(),
+            );
+        }
+        for name in node.extensions.iter().flat_map(|extensions| extensions.others.keys()) {
+            let place = place.key("extensions");
+            notes.add(
+                &place,
+                match name.as_str() {
+                    "KHR_lights_punctual" => {
+                        "lights (`KHR_lights_punctual`) are left out: light comes from emissive surfaces"
+                            .into()
+                    }
+                    "EXT_mesh_gpu_instancing" => "instances (`EXT_mesh_gpu_instancing`) are left out".into(),
+                    name => format!("`{name}` is not read"),
+                },
+            );
+        }
+    }
+    if root.scenes.len() > 1 {
+        notes.add(&place.key("scenes"), "the file has several scenes: one is shown".into());
+    }
+}

@@ -1,0 +1,114 @@
+//! Colours of vertices as a texture: the engine knows no others.
+//!
+//! For: [`VertexColors`]. May import: `texture`, `error`, the engine's scene model. Must not know: a file
+//! format.
+//!
+//! Each triangle has a patch of 2 × 2 texels, and its corners lie at the centres of three of them:
+//!
+//! ```text
+//! a  b          the fourth texel is b + c − a, so that the bilinear blend of the four
+//! c  b+c−a      is a + x (b − a) + y (c − a), linear over the triangle
+//! ```
+//!
+//! The fourth texel may be negative or above 1; no point of the triangle is. Neighbouring patches show up by
+//! rounding: the texture coordinate resolves a 1024th of a texel.
+
+use super::error::SceneError;
+use super::texture::Textures;
+use glam::{Vec2, Vec3};
+use octray_engine::scene::{Filter, MAX_SIDE, Texels, Texture};
+use std::collections::HashMap;
+
+/// The name of the texture.
+pub const NAME: &str = "(vertex colours)";
+
+#[derive(Default)]
+pub struct VertexColors {
+    /// Each material's variant with the texture.
+    pub materials: HashMap<u32, u32>,
+    texture: Option<u32>,
+    /// Index of the triangle, and the colours of its vertices.
+    triangles: Vec<(usize, [Vec3; 3])>,
+}
+
+impl VertexColors {
+    /// The index of the texture, which [`Self::lay_out`] fills.
+    pub fn texture(&mut self, textures: &mut Textures) -> u32 {
+        *self.texture.get_or_insert_with(|| {
+            textures.list.push(Texture {
+                name: NAME.to_string(),
+                width: 1,
+                height: 1,
+                filter: Filter::Bilinear,
+                texels: Texels::Float32(vec![[1.0, 1.0, 1.0, 0.0]]),
+            });
+            (textures.list.len() - 1) as u32
+        })
+    }
+    pub fn add(&mut self, triangle: usize, colors: [Vec3; 3]) {
+        self.triangles.push((triangle, colors));
+    }
+    /// Fills the texture, and the texture coordinates of the triangles that use it.
+    pub fn lay_out(&self, textures: &mut [Texture], uvs: &mut [[Vec2; 3]]) -> Result<(), SceneError> {
+        let (Some(texture), count) = (self.texture, self.triangles.len()) else { return Ok(()) };
+        if count == 0 {
+            return Ok(());
+        }
+        let most = (MAX_SIDE / 2) as usize;
+        let columns = ((count as f64).sqrt().ceil() as usize).clamp(1, most);
+        let rows = count.div_ceil(columns);
+        if rows > most {
+            let what = format!("{count} triangles have vertex colours");
+            return Err(SceneError::new(what).mend(format!("leave colours on at most {}", most * most)));
+        }
+        let (width, height) = (2 * columns, 2 * rows);
+        let mut texels = vec![[0.0; 4]; width * height];
+        let size = Vec2::new(width as f32, height as f32);
+        for (patch, &(triangle, [a, b, c])) in self.triangles.iter().enumerate() {
+            let (x, y) = (2 * (patch % columns), 2 * (patch / columns));
+            let mut set = |right: usize, down: usize, color: Vec3| {
+                texels[(y + down) * width + x + right] = color.extend(0.0).to_array();
+            };
+            set(0, 0, a);
+            set(1, 0, b);
+            set(0, 1, c);
+            set(1, 1, b + c - a);
+            let at = |right: usize, down: usize| {
+                let texel = Vec2::new((x + right) as f32 + 0.5, (y + down) as f32 + 0.5) / size;
+                Vec2::new(texel.x, 1.0 - texel.y)
+            };
+            uvs[triangle] = [at(0, 0), at(1, 0), at(0, 1)];
+        }
+        let texture = &mut textures[texture as usize];
+        (texture.width, texture.height) = (width as u32, height as u32);
+        texture.texels = Texels::Float32(texels);
+        Ok(())
+    }
+}
+
+/// The colours that a triangle with these texture coordinates in the texture has.
+pub fn read_back(texture: &Texture, uvs: [Vec2; 3]) -> [[f32; 3]; 3] {
+    uvs.map(|uv| {
+        let x = (uv.x * texture.width as f32) as usize;
+        let y = ((1.0 - uv.y) * texture.height as f32) as usize;
+        texture.texels.linear(y * texture.width as usize + x).map(|channel| channel as f32)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn colors_read_back_from_their_texture() {
+        let (mut colors, mut textures) = (VertexColors::default(), Textures::default());
+        let index = colors.texture(&mut textures) as usize;
+        let of = |i: usize| [0.1, 0.4, 0.9].map(|x| Vec3::new(x, i as f32 / 5000.0, 0.5));
+        (0..5000).for_each(|i| colors.add(i, of(i)));
+        let mut uvs = vec![[Vec2::ZERO; 3]; 5000];
+        colors.lay_out(&mut textures.list, &mut uvs).unwrap();
+        for (i, &uvs) in uvs.iter().enumerate() {
+            assert_eq!(read_back(&textures.list[index], uvs), of(i).map(|color| color.to_array()), "{i}");
+        }
+    }
+}

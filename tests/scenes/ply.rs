@@ -1,0 +1,198 @@
+//! PLY models: the three encodings, and files that lie.
+
+use glam::{Vec2, Vec3};
+use octray::measure::stability::Rng;
+use octray::render::{Renderer, Settings};
+use octray::scene::{Scene, Texels, load, srgb_to_linear};
+use std::fs;
+use tempfile::TempDir;
+
+fn read_bytes(content: &[u8]) -> Result<Scene, String> {
+    let folder = TempDir::new().unwrap();
+    let path = folder.path().join("m.ply");
+    fs::write(&path, content).unwrap();
+    load(path.to_str().unwrap()).map_err(|error| error.to_string())
+}
+
+/// Three encodings of the same numbers, each with its type.
+fn encoded(header: &str, numbers: &[(char, f64)]) -> [Vec<u8>; 3] {
+    let file = |format: &str, body: Vec<u8>| {
+        [format!("ply\nformat {format} 1.0\ncomment made by hand\n{header}end_header\n").into_bytes(), body]
+            .concat()
+    };
+    let binary = |big: bool| {
+        let of = |&(kind, number): &(char, f64)| {
+            let mut bytes = match kind {
+                'c' => vec![number as u8],
+                'i' => (number as i32).to_le_bytes().to_vec(),
+                'd' => number.to_le_bytes().to_vec(),
+                _ => (number as f32).to_le_bytes().to_vec(),
+            };
+            if big {
+                bytes.reverse();
+            }
+            bytes
+        };
+        numbers.iter().flat_map(of).collect::<Vec<u8>>()
+    };
+    let words: Vec<String> = numbers.iter().map(|(_, number)| number.to_string()).collect();
+    [
+        file("ascii", words.join(" ").into_bytes()),
+        file("binary_little_endian", binary(false)),
+        file("binary_big_endian", binary(true)),
+    ]
+}
+
+#[test]
+fn all_encodings_give_the_same_polygons_normals_and_colours() {
+    let header = "element edge 1\nproperty int a\nelement vertex 5\nproperty double x\nproperty float y\n\
+                  property float z\nproperty float nx\nproperty float ny\nproperty float nz\nproperty uchar red\n\
+                  property uchar green\nproperty uchar blue\nproperty uchar alpha\nelement face 2\n\
+                  property list uchar int vertex_indices\nproperty uchar flags\nobj_info x\n";
+    let mut numbers = vec![('i', 77.0)];
+    for (x, y, red) in
+        [(0.0, 0.0, 0.0), (1.0, 0.0, 255.0), (1.5, 1.0, 128.0), (0.5, 2.0, 0.0), (-0.5, 1.0, 0.0)]
+    {
+        numbers.extend([('d', x), ('f', y), ('f', 0.0), ('f', 0.6), ('f', 0.0), ('f', 0.8)]);
+        numbers.extend([('c', red), ('c', 0.0), ('c', 255.0), ('c', 3.0)]);
+    }
+    for face in [&[0, 1, 2, 3, 4][..], &[2, 1, 0]] {
+        numbers.push(('c', face.len() as f64));
+        numbers.extend(face.iter().map(|&corner| ('i', f64::from(corner))));
+        numbers.push(('c', 9.0));
+    }
+    for content in encoded(header, &numbers) {
+        let scene = read_bytes(&content).unwrap();
+        assert_eq!(scene.triangles.len(), 4, "a fan of three, and one");
+        assert_eq!(
+            scene.triangles[1].vertices,
+            [Vec3::ZERO, Vec3::new(1.5, 1.0, 0.0), Vec3::new(0.5, 2.0, 0.0)]
+        );
+        assert!(scene.normals[0][0].abs_diff_eq(Vec3::new(0.6, 0.0, 0.8), 1e-6));
+        // The colours at the corners: the texels around them.
+        let texture = &scene.textures[0];
+        let at = |uv: Vec2| {
+            let (x, y) =
+                ((uv.x * texture.width as f32) as u32, ((1.0 - uv.y) * texture.height as f32) as u32);
+            let Texels::Float32(texels) = &texture.texels else { panic!("linear") };
+            Vec3::from_slice(&texels[(y * texture.width + x) as usize])
+        };
+        let grey = srgb_to_linear(128.0 / 255.0) as f32;
+        assert_eq!(scene.uvs[0].map(at), [Vec3::Z, Vec3::new(1.0, 0.0, 1.0), Vec3::new(grey, 0.0, 1.0)]);
+    }
+}
+
+#[test]
+fn colours_are_linear_between_vertices() {
+    let header = "element vertex 3\nproperty float x\nproperty float y\nproperty float z\nproperty float red\n\
+                  property float green\nproperty float blue\nelement face 1\nproperty list uchar uint vertex_index\n";
+    let rows =
+        [[0.0, 0.0, 0.0, 1.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0, 1.0, 0.0], [0.0, 1.0, 0.0, 0.0, 0.0, 1.0]];
+    let mut numbers: Vec<(char, f64)> = rows.iter().flatten().map(|&x| ('f', x)).collect();
+    numbers.extend([('c', 3.0), ('i', 0.0), ('i', 1.0), ('i', 2.0)]);
+    let mut scene = read_bytes(&encoded(header, &numbers)[1]).unwrap();
+    // Seen from straight above under a white sky, each colour is that of its point.
+    scene.camera = octray::scene::Camera {
+        position: Vec3::new(0.5, 0.5, 10.0),
+        look_at: Vec3::new(0.5, 0.5, 0.0),
+        up: Vec3::Y,
+        vertical_fov: (0.05_f32).atan().to_degrees() * 2.0,
+    };
+    scene.sky = octray::scene::Sky::Color(Vec3::ONE);
+    scene.resolution = [20, 20];
+    scene.max_bounces = 1;
+    let renderer = Renderer::new(&scene, Settings::of(&scene));
+    let mut film = renderer.film();
+    renderer.add_samples(&mut film, 16);
+    let picture = film.picture();
+    for (x, y) in [(1, 18), (5, 9), (8, 15), (2, 4)] {
+        let at = |p: usize| (p as f32 + 0.5) / 20.0;
+        let (u, v) = (at(x), 1.0 - at(y));
+        let found = Vec3::from(picture.pixels[y * 20 + x]);
+        let wanted = Vec3::new(1.0 - u - v, u, v);
+        assert!(found.abs_diff_eq(wanted, 0.02), "({u}, {v}): {found}, not {wanted}");
+    }
+}
+
+#[test]
+fn files_that_lie_are_refused() {
+    let file = |header: &str, body: &str| read_bytes(format!("ply\n{header}end_header\n{body}").as_bytes());
+    let xyz = "property float x\nproperty float y\nproperty float z\n";
+    let face = "property list uchar int vertex_indices\n";
+    let (ascii, little) = ("format ascii 1.0\n", "format binary_little_endian 1.0\n");
+    let three = "0 0 0 1 0 0 0 1 0 ";
+    let cases = [
+        (
+            file(
+                &format!("{ascii}element vertex 3\n{xyz}element face 1\n{face}"),
+                &format!("{three}3 0 1 3"),
+            ),
+            "face 0 uses vertex 3",
+        ),
+        (
+            file(&format!("{ascii}element vertex 3\n{xyz}element face 1\n{face}"), &format!("{three}3 0 1")),
+            "ends too early",
+        ),
+        (
+            file(
+                &format!("{ascii}element vertex 3\n{xyz}element face 1\n{face}"),
+                &format!("{three}3 0 1 -1"),
+            ),
+            "-1 is not a vertex",
+        ),
+        (file(&format!("{ascii}element vertex 3\n{xyz}"), three), "no faces"),
+        (file(&format!("{ascii}element vertex 3\n{xyz}"), "0 0 zero 1 0 0 0 1 0"), "`zero` is not a number"),
+        (file(&format!("{ascii}element vertex 3\n{xyz}"), "0 0 1e30 1 0 0 0 1 0"), "scene can hold"),
+        (
+            file(&format!("{little}element vertex 99999999999999999\n{xyz}"), "000"),
+            "more than the file holds",
+        ),
+        (file(&format!("{ascii}element vertex 9999999999\n{xyz}"), "000"), "more than the file holds"),
+        (file(&format!("{little}element face 1\n{face}"), "\u{7f}00"), "ends too early"),
+        (file(&format!("{ascii}element vertex 3\nproperty float x\n"), "0 0 0"), "without x, y and z"),
+        (file(&format!("{ascii}element vertex 3\nproperty real x\n"), ""), "type of the property"),
+        (file(&format!("{ascii}property float x\n"), ""), "property of no element"),
+        (file("element vertex 3\n", ""), "no `format`"),
+        (file("format ascii 1.0\nelement vertex -3\n", ""), "not a count"),
+        (read_bytes(b"plx\n"), "not a PLY file"),
+        (read_bytes(b"ply\nformat ascii 1.0\n"), "ends too early"),
+    ];
+    for (result, what) in cases {
+        let error = result.err().unwrap_or_else(|| panic!("{what}"));
+        assert!(error.contains(what) && error.contains("m.ply"), "{what}: {error}");
+    }
+    // Elements without properties take no bytes, and no time.
+    let empty =
+        format!("{ascii}element nothing 99999999999999\nelement vertex 3\n{xyz}element face 1\n{face}");
+    assert_eq!(file(&empty, &format!("{three}3 0 1 2")).unwrap().triangles.len(), 1);
+}
+
+#[test]
+fn changed_bytes_never_cause_a_panic() {
+    let header = "element vertex 4\nproperty float x\nproperty float y\nproperty float z\nproperty uchar red\n\
+                  property uchar green\nproperty uchar blue\nelement face 2\nproperty list uchar int vertex_indices\n";
+    let mut numbers = Vec::new();
+    for (x, y) in [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)] {
+        numbers.extend([('f', x), ('f', y), ('f', 0.0), ('c', 1.0), ('c', 2.0), ('c', 3.0)]);
+    }
+    for _ in 0..2 {
+        numbers.extend([('c', 3.0), ('i', 0.0), ('i', 1.0), ('i', 2.0)]);
+    }
+    let mut rng = Rng(12);
+    let folder = TempDir::new().unwrap();
+    let path = folder.path().join("m.ply");
+    for content in encoded(header, &numbers) {
+        for round in 0..700 {
+            let mut changed = content.clone();
+            for _ in 0..1 + round % 3 {
+                let at = rng.bits() as usize % changed.len();
+                changed[at] = if round % 2 == 0 { b'0' + (rng.bits() % 10) as u8 } else { rng.bits() as u8 };
+            }
+            if round % 7 == 0 {
+                changed.truncate(rng.bits() as usize % changed.len());
+            }
+            fs::write(&path, changed).unwrap();
+            let _ = load(path.to_str().unwrap());
+        }
+    }
+}

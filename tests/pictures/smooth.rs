@@ -1,12 +1,13 @@
 //! The law of smooth normals: they bend what a surface does, and let no light through it, nor a ray.
 
-use crate::common::{Rng, empty, smooth_ball};
+use crate::common::{Rng, empty, material, smooth_ball, sphere};
 use glam::Vec3;
-use octray::buffers::Features;
+use octray::buffers::{Features, LightChoice};
 use octray::kernel::normals;
 use octray::math;
 use octray::render::Settings;
-use octray::scene::{MaterialKind, Scene, Sky};
+use octray::scene::{Material, MaterialKind, Scene, Sky};
+use octray::traverse::Methods;
 
 const KINDS: [(MaterialKind, f64); 7] = [
     (MaterialKind::Diffuse, 0.04),
@@ -52,14 +53,71 @@ fn white_furnace_of_a_smooth_ball_loses_what_is_stated() {
     }
 }
 
-/// What leaves a convex body never meets it again, so that more events change nothing; what leaked into it
-/// would.
+/// A light inside a closed body is not seen outside: no ray that leaves the body starts inside.
 #[test]
 fn nothing_leaves_below_the_surface() {
     for (kind, _) in KINDS.into_iter().filter(|(kind, _)| !matches!(kind, MaterialKind::Glass { .. })) {
-        let mut scene = furnace(kind);
-        scene.materials[0].emission = Vec3::splat(0.3);
-        assert_eq!(picture(&scene, 1), picture(&scene, 9), "{kind:?}");
+        let dark = furnace(kind);
+        let mut lit = dark.clone();
+        lit.materials.push(Material { emission: Vec3::splat(1e6), ..material(MaterialKind::Emitter) });
+        lit.spheres.push(sphere(Vec3::ZERO, 0.7, 1));
+        let [dark, lit] = [dark, lit].map(|scene| {
+            let methods = Methods { lights: LightChoice::Off, ..Methods::default() };
+            let settings =
+                Settings { resolution: [60, 40], max_bounces: 9, seed: 4, methods, ..Settings::of(&scene) };
+            crate::common::render(&scene, settings, 64).pixels
+        });
+        assert_eq!(dark, lit, "{kind:?}");
+    }
+}
+
+/// The triangles of a coarse ball do not show where the light grazes it: its picture is that of a sphere.
+#[test]
+fn terminator_of_a_smooth_ball_is_that_of_a_sphere() {
+    let lit = |scene: Scene| {
+        let mut scene = Scene { sky: Sky::Color(Vec3::ZERO), ..scene };
+        scene.materials[0].color = Vec3::ONE;
+        scene.materials.push(Material { emission: Vec3::splat(2000.0), ..material(MaterialKind::Emitter) });
+        scene.spheres.push(sphere(Vec3::new(30.0, 8.0, 2.0), 1.0, 1));
+        scene
+    };
+    let ball = smooth_ball(MaterialKind::Diffuse);
+    let round = Scene {
+        triangles: Vec::new(),
+        normals: Vec::new(),
+        spheres: vec![sphere(Vec3::ZERO, 1.0, 0)],
+        ..ball.clone()
+    };
+    let [ball, round] = [ball, round].map(|scene| picture(&lit(scene), 1));
+    // Where both are lit from well above the horizon.
+    let lit = ball.iter().zip(&round).filter(|(ball, round)| ball[1] > 0.0 && round[1] > 0.6);
+    let off: Vec<f64> = lit.map(|(ball, round)| f64::from(1.0 - ball[1] / round[1]).abs()).collect();
+    let mean = off.iter().sum::<f64>() / off.len() as f64;
+    println!("{:.4} off in the mean of {} pixels", mean, off.len());
+    assert!(off.len() > 200);
+    assert!(mean < 0.05, "{mean}");
+}
+
+#[test]
+fn bulge_leads_to_the_sphere_and_never_inside() {
+    let scene = smooth_ball(MaterialKind::Diffuse);
+    let lane = |v: Vec3| math::Vec3::<f32>::splat(v);
+    let mut rng = Rng(92);
+    for (triangle, normals) in scene.triangles.iter().zip(&scene.normals) {
+        let [a, b, c] = triangle.vertices;
+        let ng = (b - a).cross(c - a).normalize();
+        for _ in 0..50 {
+            let (x, y) = (rng.unit() as f32, rng.unit() as f32);
+            let (u, v) = if x + y < 1.0 { (x, y) } else { (1.0 - x, 1.0 - y) };
+            let point = a + (b - a) * u + (c - a) * v;
+            let bulge = |side: f32| {
+                let edges = [b - a, c - a].map(lane);
+                normals::bulge(normals.map(lane), edges, (u, v), lane(ng * side), side).get(0)
+            };
+            let (depth, height) = (1.0 - point.length(), (point + bulge(1.0)).length() - 1.0);
+            assert!(-1e-6 <= height && height <= depth + 1e-6, "{depth} below, {height} above");
+            assert_eq!(bulge(-1.0), Vec3::ZERO, "from inside, the ball is concave");
+        }
     }
 }
 

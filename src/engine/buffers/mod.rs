@@ -109,6 +109,7 @@ impl MaterialCode {
     pub const SCATTER: u32 = 5;
     /// A coat over a diffuse base.
     pub const PLASTIC: u32 = 6;
+    /// glTF's metallic-roughness.
     pub const METAL_ROUGH: u32 = 7;
     /// Position of the texture index, in bits.
     pub const TEXTURE_SHIFT: u32 = 8;

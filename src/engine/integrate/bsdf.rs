@@ -63,6 +63,8 @@ pub struct ScatteredPath<L: Lane> {
     pub path: Path<L>,
     /// Those that go on.
     pub alive: L::Mask,
+    /// Where rays to the lights start: at lobes that are none of mirrors and glass, the path's origin.
+    pub near_side: Vec3<L>,
 }
 
 /// Samples the BSDF: the next segment of each path in `found`.
@@ -77,11 +79,12 @@ pub fn scatter<L: Lane, const N: u32>(
     let d = path.ray.direction;
     let normals = FacingNormals::of::<N>(d, surface, material);
     let nothing = L::Mask::splat(false);
+    let near_side = normals.ng.mul_add(surface.offset, leaving_point::<L, N>(surface, material, nothing));
     let mut sampling = Sampling {
         d,
         numbers,
         border: border.filter(|_| has(N, Features::LIGHTS)),
-        near_side: normals.ng.mul_add(surface.offset, surface.point),
+        near_side,
         normals: &normals,
         material,
         sample: BsdfSample { wi: normals.ns_specular, weight: L::one(), pdf: L::zero(), alive: nothing },
@@ -91,12 +94,14 @@ pub fn scatter<L: Lane, const N: u32>(
     let Sampling { mut sample, color, .. } = sampling;
 
     let ng = normals.ng;
+    let is_delta = !sample.pdf.lt(L::splat(f32::INFINITY));
     if Features(N).meets(Features::SHADING_NORMALS) && material.has_shading_normal.any() {
         let bent = material.has_shading_normal;
         let refracted = resolve_refraction::<L, N>(d, &normals, material, &mut sample);
-        // On the reflecting side nothing goes on below the surface.
-        sample.alive = sample.alive & (!bent | refracted | L::zero().lt(sample.wi.dot(ng)));
-        let shadowed = bent & sample.pdf.lt(L::splat(f32::INFINITY));
+        // On the reflecting side nothing goes on below the horizon.
+        let horizon = Vec3::select(is_delta, ng, normals.horizon);
+        sample.alive = sample.alive & (!bent | refracted | L::zero().lt(sample.wi.dot(horizon)));
+        let shadowed = bent & !is_delta;
         let factor = normals.terminator::<N>(material, sample.wi);
         sample.weight = L::select(shadowed, sample.weight * factor, sample.weight);
     }
@@ -104,21 +109,21 @@ pub fn scatter<L: Lane, const N: u32>(
     let throughput = path.throughput * (color * sample.weight);
     // A path with throughput 0 ends here. NaN goes on, to be counted at the film.
     let dark = (throughput.x + throughput.y + throughput.z).eq(L::zero());
-    let ray = leave::<L, N>(surface, material, ng, sample.wi, found);
+    let ray = leave::<L, N>(surface, material, ng, sample.wi, (found, is_delta));
     let inv_pdf =
         if has(N, Features::LIGHTS) { L::one() / sample.pdf.max(L::splat(1e-30)) } else { L::zero() };
     let path = Path { ray, throughput, inv_pdf, key: path.key, slot: path.slot };
-    ScatteredPath { path, alive: sample.alive & !dark }
+    ScatteredPath { path, alive: sample.alive & !dark, near_side }
 }
 
-/// The ray that leaves a surface.
+/// The ray that leaves a surface in the lanes of `found`; those of `is_delta` have a delta lobe.
 #[inline(always)]
 fn leave<L: Lane, const N: u32>(
     surface: &Surface<L>,
     material: &MaterialSample<L>,
     ng: Vec3<L>,
     wi: Vec3<L>,
-    found: L::Mask,
+    (found, is_delta): (L::Mask, L::Mask),
 ) -> Ray<L> {
     // Only glass transmits to the far side. A reflection that rounding puts slightly below its surface starts
     // on the near side, in every pipeline.
@@ -128,7 +133,21 @@ fn leave<L: Lane, const N: u32>(
     } else {
         surface.offset
     };
-    Ray { origin: ng.mul_add(side, surface.point), direction: wi }
+    Ray { origin: ng.mul_add(side, leaving_point::<L, N>(surface, material, is_delta)), direction: wi }
+}
+
+/// Where rays start: the hit, or, except at mirrors and glass, whose pictures would shift, the point of the
+/// smooth surface above it.
+#[inline(always)]
+fn leaving_point<L: Lane, const N: u32>(
+    surface: &Surface<L>,
+    material: &MaterialSample<L>,
+    is_delta: L::Mask,
+) -> Vec3<L> {
+    if !has(N, Features::SMOOTH_NORMALS) || !material.has_shading_normal.any() {
+        return surface.point;
+    }
+    Vec3::select(is_delta, surface.point, surface.point + material.bulge)
 }
 
 /// The ray that continues a path at mirrors and glass (the lanes of `found`; others are unspecified), and the
@@ -152,7 +171,7 @@ pub fn follow_delta<L: Lane, const N: u32>(
         resolve_refraction::<L, N>(d, &normals, material, &mut sample);
     }
     let refracts = glass & sample.wi.dot(ng).lt(L::zero());
-    let ray = leave::<L, N>(surface, material, ng, sample.wi, found);
+    let ray = leave::<L, N>(surface, material, ng, sample.wi, (found, L::Mask::splat(true)));
     (ray, material.color * sample.weight, refracts)
 }
 
@@ -340,6 +359,8 @@ struct FacingNormals<L: Lane> {
     /// `ns`, bent so that mirror reflection stays above the surface and ns_specular · d ≤ 0. For lobes that
     /// reflect and refract.
     ns_specular: Vec3<L>,
+    /// Reflected light stays above the plane of this normal: the interpolated one, or `ng`.
+    horizon: Vec3<L>,
     /// The ray arrives at the outward side.
     outside: L::Mask,
 }
@@ -349,13 +370,16 @@ impl<L: Lane> FacingNormals<L> {
     fn of<const N: u32>(d: Vec3<L>, surface: &Surface<L>, material: &MaterialSample<L>) -> Self {
         let cosine = d.dot(surface.ng);
         let ng = surface.ng.flip_sign(-cosine);
-        let (mut ns_specular, mut ns) = (ng, ng);
+        let (mut ns_specular, mut ns, mut horizon) = (ng, ng, ng);
         let bent = material.has_shading_normal;
         if Features(N).meets(Features::SHADING_NORMALS) && bent.any() {
             ns = Vec3::select(bent, material.ns.flip_sign(-cosine), ng);
             ns_specular = Vec3::select(bent, normals::bend_for_reflection(d, ns, ng), ng);
+            if has(N, Features::SMOOTH_NORMALS) {
+                horizon = material.interpolated.flip_sign(-cosine);
+            }
         }
-        Self { ng, ns, ns_specular, outside: !L::zero().lt(cosine) }
+        Self { ng, ns, ns_specular, horizon, outside: !L::zero().lt(cosine) }
     }
 
     /// The factor by which shading normals darken the lobes towards `w`: see [`normals::terminator`].
@@ -366,7 +390,7 @@ impl<L: Lane> FacingNormals<L> {
             let diffuse = material.kind.equals(L::Bits::splat(MaterialCode::DIFFUSE));
             normal = Vec3::select(diffuse, self.ns, normal);
         }
-        normals::shadow_terminator(w, normal, self.ng)
+        normals::shadow_terminator(w, normal, self.horizon)
     }
 }
 

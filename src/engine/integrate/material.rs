@@ -31,6 +31,10 @@ pub struct MaterialSample<L: Lane> {
     pub ns: Vec3<L>,
     /// The lanes whose shading normal is interpolated or mapped.
     pub has_shading_normal: L::Mask,
+    /// The interpolated normal, without the normal map; the geometric one where vertices have none.
+    pub interpolated: Vec3<L>,
+    /// What leads from the hit to the smooth surface, where normals are interpolated: see [`normals::bulge`].
+    pub bulge: Vec3<L>,
 }
 
 impl<L: Lane> MaterialSample<L> {
@@ -50,9 +54,13 @@ impl<L: Lane> MaterialSample<L> {
             transmitted: L::one(),
             ns: surface.ng,
             has_shading_normal: L::Mask::splat(false),
+            interpolated: surface.ng,
+            bulge: Vec3::zero(),
         };
         if has(N, Features::SMOOTH_NORMALS) && context.buffers.needs.contains(Features::SMOOTH_NORMALS) {
-            (material.ns, material.has_shading_normal) = surface.interpolated_normal::<N>(context, found);
+            (material.ns, material.has_shading_normal, material.bulge) =
+                surface.interpolated_normal::<N>(context, found);
+            material.interpolated = material.ns;
         }
         let none = L::Bits::splat(0);
         let (mut roughness_map, mut normal_map, mut emission_map) = (none, none, none);

@@ -70,7 +70,7 @@ pub fn shade<L: Lane, const N: u32, const FIRST: bool>(
                 sample_direct_light::<L, N>(context, (scratch, shadow_rays), &path, &scattered, hit, event);
         }
         // In place: no more paths go on than were read, so nothing unread is overwritten.
-        let ScatteredPath { path, alive } = scattered;
+        let ScatteredPath { path, alive, .. } = scattered;
         if alive.all() {
             scratch.queue.store_path(going_on, &path, has(N, Features::LIGHTS));
         } else if alive.any() {

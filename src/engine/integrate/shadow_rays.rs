@@ -44,8 +44,8 @@ pub fn sample_direct_light<L: Lane, const N: u32>(
     let (u, v) = numbers.get_2d(dimension::LIGHT_POINT);
     let lights = &context.buffers.lights;
     let few = !has(N, Features::MANY_LIGHTS);
-    // The origin of the scattered ray, so that BSDF sampling of the same direction has the same light pdf.
-    let origin = scattered.path.ray.origin;
+    // As scattered rays, so that BSDF sampling of the same direction has the same light pdf.
+    let origin = scattered.near_side;
     let (light, u) = if has(N, Features::MANY_LIGHTS) && lights.is_resampled() {
         let n = surface.ng.flip_sign(-path.ray.direction.dot(surface.ng));
         let numbers = [dimension::LIGHT, dimension::LIGHT_ALIAS, dimension::LIGHT_RESAMPLED]

@@ -33,6 +33,10 @@ pub struct Surface<L: Lane> {
     /// [`crate::buffers`].
     turn: L,
     barycentric: (L, L),
+    /// Of the triangle: first to second vertex, first to third.
+    edges: [Vec3<L>; 2],
+    /// Its sign bit is set where the ray arrives from behind `ng`.
+    facing: L,
     /// The pdf with which light sampling at the ray's origin samples the ray's direction, in 1/sr; 0 where it
     /// never does.
     pub light_pdf: L,
@@ -59,6 +63,8 @@ impl<L: Lane> Surface<L> {
             triangle,
             turn: L::zero(),
             barycentric: (hit.u, hit.v),
+            edges: [Vec3::zero(); 2],
+            facing: L::zero(),
             light_pdf: L::zero(),
         };
         if has(N, Features::SPHERES) && (!has(N, Features::TRIANGLES) || (found & is_sphere).any()) {
@@ -68,6 +74,7 @@ impl<L: Lane> Surface<L> {
         if has(N, Features::TRIANGLES) && (!has(N, Features::SPHERES) || (found & !is_sphere).any()) {
             surface.set_triangle::<N>(context, path, hit);
         }
+        surface.facing = -path.ray.direction.dot(surface.ng);
         surface
     }
 
@@ -113,6 +120,7 @@ impl<L: Lane> Surface<L> {
         let (u, v) = self.barycentric;
         let (ab, ac) = (Vec3::new(abx, aby, abz), Vec3::new(acx, acy, acz));
         let point = ab.mul_add(u, ac.mul_add(v, Vec3::new(ax, ay, az)));
+        self.edges = [ab, ac];
         let keep = self.is_sphere;
         self.point = Vec3::select(keep, self.point, point);
         self.ng = Vec3::select(keep, self.ng, Vec3::new(nx, ny, nz));
@@ -130,16 +138,18 @@ impl<L: Lane> Surface<L> {
         }
     }
 
-    /// Interpolated vertex normals, and the lanes of `found` that have them; geometric normals elsewhere.
+    /// Interpolated vertex normals, and the lanes of `found` that have them; geometric normals elsewhere. And
+    /// what leads from the point to the smooth surface, on the side from which the ray arrives: see
+    /// [`normals::bulge`].
     #[inline(always)]
     pub fn interpolated_normal<const N: u32>(
         &self,
         context: &TraceContext,
         found: L::Mask,
-    ) -> (Vec3<L>, L::Mask) {
+    ) -> (Vec3<L>, L::Mask, Vec3<L>) {
         let on_triangle = found & !self.is_sphere;
         if !on_triangle.any() {
-            return (self.ng, L::Mask::splat(false));
+            return (self.ng, L::Mask::splat(false), Vec3::zero());
         }
         let few = !has(N, Features::MANY_TRIANGLES);
         let first = self.triangle.shl(1);
@@ -149,7 +159,11 @@ impl<L: Lane> Surface<L> {
         let corners = [Vec3::new(ax, ay, az), Vec3::new(bx, by, bz), Vec3::new(cx, cy, cz)];
         let (normal, exists) = normals::interpolate(corners, self.barycentric, self.ng);
         let interpolated = on_triangle & exists;
-        (Vec3::select(interpolated, normal, self.ng), interpolated)
+        let ng = self.ng.flip_sign(self.facing);
+        let against = normals::blend(corners, self.barycentric).dot(ng);
+        let bulge = normals::bulge(corners, self.edges, self.barycentric, ng, against);
+        let bulge = Vec3::select(interpolated, bulge, Vec3::zero());
+        (Vec3::select(interpolated, normal, self.ng), interpolated, bulge)
     }
 
     /// The tangent along growing u in the lanes of `mapped`, and the frame's handedness (see

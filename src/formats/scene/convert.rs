@@ -29,6 +29,7 @@ pub struct Converted {
     /// Textures that are no files of their own, as those inside a .glb: file names beside the scene file, and
     /// content.
     pub pictures: Vec<(PathBuf, Vec<u8>)>,
+    /// What was left out, with its place.
     pub warnings: Vec<String>,
 }
 

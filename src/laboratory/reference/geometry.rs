@@ -40,6 +40,9 @@ pub(super) struct Surface {
     pub ng: DVec3,
     /// Shading normal, unit length, where it is not `ng`; in the hemisphere of `ng`.
     pub ns: Option<DVec3>,
+    /// What leads from `point` to the smooth surface, on the side of `ng` and on the other one: see
+    /// [`crate::kernel::normals::bulge`].
+    pub bulge: [DVec3; 2],
     /// Unit vector along growing u, zero where u is constant; v grows on the side of `hand` · ng × right.
     pub right: DVec3,
     pub hand: f64,
@@ -87,6 +90,7 @@ impl Sphere {
         };
         Surface {
             ns: None,
+            bulge: [DVec3::ZERO; 2],
             right: east * hand,
             hand,
             point: self.center + normal * self.radius,
@@ -129,11 +133,22 @@ impl Triangle {
         let determinant = (q - p).perp_dot(r - p);
         let right = ((b - a) * (r - p).y - (c - a) * (q - p).y) / determinant;
         let right = if determinant == 0.0 { DVec3::ZERO } else { right.normalize_or_zero() };
+        let point = a * weights[0] + b * weights[1] + c * weights[2];
+        let bulge = [1.0, -1.0].map(|side| {
+            let outward = side * blend.dot(normal).signum();
+            let lift = |corner: usize| {
+                let n = self.normals[corner] * outward;
+                n * weights[corner] * (self.vertices[corner] - point).dot(n).max(0.0)
+            };
+            let bulge = lift(0) + lift(1) + lift(2);
+            if ns.is_none() || bulge.dot(normal) * side < 0.0 { DVec3::ZERO } else { bulge }
+        });
         Surface {
+            bulge,
             ns: ns.map(|ns| if ns.dot(normal) < 0.0 { -ns } else { ns }),
             right,
             hand: determinant.signum(),
-            point: a * weights[0] + b * weights[1] + c * weights[2],
+            point,
             ng: normal,
             material: self.material,
             uv: DVec2::new(uv.x, 1.0 - uv.y),

@@ -5,7 +5,8 @@ use crate::scene::MaterialKind;
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};
 
-/// The scattered direction and the path's weight, colour included; `None` where the light is absorbed.
+/// The scattered direction, the path's weight, colour included, and whether the lobe is a delta lobe; `None`
+/// where the light is absorbed.
 ///
 /// `rougher` multiplies the material's roughness. `number` gives the scattering event's random number of a
 /// dimension.
@@ -16,15 +17,16 @@ pub(super) fn sample(
     d: DVec3,
     normals: &Normals,
     number: impl Fn(u32) -> f64,
-) -> Option<(DVec3, DVec3)> {
+) -> Option<(DVec3, DVec3, bool)> {
     let Normals { ng, ns_specular, ns_diffuse, .. } = *normals;
     let (towards, weight, is_delta) = sample_lobe(kind, rougher, color, d, normals, number)?;
+    let horizon = if is_delta { ng } else { normals.horizon };
     if !normals.has_ns || towards.dot(ng) < 0.0 && matches!(kind, MaterialKind::Glass { .. }) {
-        return Some((towards, weight));
+        return Some((towards, weight, is_delta));
     }
     let ns = if kind == MaterialKind::Diffuse { ns_diffuse } else { ns_specular };
-    let shadow = if is_delta { 1.0 } else { terminator(towards, ns, ng) };
-    (towards.dot(ng) > 0.0).then_some((towards, weight * shadow))
+    let shadow = if is_delta { 1.0 } else { terminator(towards, ns, horizon) };
+    (towards.dot(horizon) > 0.0).then_some((towards, weight * shadow, is_delta))
 }
 
 /// The normals at a hit, all on the side from which the ray arrives.
@@ -35,6 +37,8 @@ pub(super) struct Normals {
     ns_specular: DVec3,
     /// Shading normal for diffuse lobes.
     ns_diffuse: DVec3,
+    /// Reflected light stays above its plane, but for delta lobes: the interpolated normal, or `ng`.
+    horizon: DVec3,
     /// Whether the shading normals differ from the geometric one.
     has_ns: bool,
     /// Whether the ray arrives from the side to which the unflipped geometric normal points.
@@ -42,14 +46,16 @@ pub(super) struct Normals {
 }
 
 impl Normals {
-    /// Turns `ng`, and the shading normal `ns` on its side, towards the ray of direction `d`.
-    pub(super) fn facing(d: DVec3, ng: DVec3, ns: Option<DVec3>) -> Self {
+    /// Turns `ng`, and the normals on its side, towards the ray of direction `d`: the shading normal `ns`, and
+    /// the interpolated one without a normal map.
+    pub(super) fn facing(d: DVec3, ng: DVec3, ns: Option<DVec3>, interpolated: Option<DVec3>) -> Self {
         let outside = ng.dot(d) <= 0.0;
         let side = if outside { 1.0 } else { -1.0 };
         let ng = ng * side;
         let ns_diffuse = ns.map_or(ng, |ns| ns * side);
         let ns_specular = if ns.is_some() { bend(d, ns_diffuse, ng) } else { ng };
-        Self { ng, ns_specular, ns_diffuse, has_ns: ns.is_some(), outside }
+        let horizon = interpolated.map_or(ng, |normal| normal * side);
+        Self { ng, ns_specular, ns_diffuse, horizon, has_ns: ns.is_some(), outside }
     }
 }
 

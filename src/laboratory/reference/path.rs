@@ -72,16 +72,18 @@ impl Reference {
                 kind => (kind, map.x),
             };
             let ns = self.mapped_normal(material.normal_map, &surface).or(surface.ns);
-            let normals = lobes::Normals::facing(direction, surface.ng, ns);
+            let normals = lobes::Normals::facing(direction, surface.ng, ns, surface.ns);
             let color = material.color.as_dvec3() * texel;
             let sample = lobes::sample(kind, roughness, color, direction, &normals, numbers(bounce(b)));
-            let Some((scattered, weight)) = sample else {
+            let Some((scattered, weight, is_delta)) = sample else {
                 break;
             };
             throughput *= weight;
             direction = scattered.normalize();
             let side = 1.0_f64.copysign(direction.dot(normals.ng));
-            origin = surface.point + normals.ng * (side * ORIGIN_OFFSET * surface.scale);
+            let bulge =
+                if is_delta { DVec3::ZERO } else { surface.bulge[usize::from(normals.ng != surface.ng)] };
+            origin = surface.point + bulge + normals.ng * (side * ORIGIN_OFFSET * surface.scale);
         }
         light.to_array()
     }

@@ -7,10 +7,10 @@
 //! - Lobes that reflect get `ns` bent towards `ng`, just so far that the mirror direction stays above the
 //!   surface ([`bend_for_reflection`]; Keller et al., "The Iray Light Transport Simulation and Rendering
 //!   System", 2017, §A.3).
-//! - Lobes other than delta lobes reflect into the hemisphere of the interpolated normal, and their rays start
-//!   where the smooth surface would be ([`bulge`]; Hanika, "Hacking the Shadow Terminator", Ray Tracing Gems II
-//!   ch. 4, 2021), so that coarse triangles show no edges where the light grazes them. Such a ray may meet the
-//!   body that it leaves, from outside.
+//! - Lobes other than delta lobes reflect into the hemisphere of the interpolated normal, and their rays
+//!   start where the smooth surface would be ([`bulge`]; Hanika, "Hacking the Shadow Terminator", Ray Tracing
+//!   Gems II ch. 4, 2021), so that coarse triangles show no edges where the light grazes them. Such a ray may
+//!   meet the body that it leaves, from outside.
 //! - Where the normal of a normal map differs from the interpolated one, they are multiplied by
 //!   [`shadow_terminator`] (Chiang, Li, Burley, "Taming the Shadow Terminator", SIGGRAPH Talks 2019), which
 //!   fades smoothly to black at the plane of the interpolated normal. Samples below it are absorbed.
@@ -50,10 +50,9 @@ pub fn blend<L: Lane>([a, b, c]: [Vec3<L>; 3], (u, v): (L, L)) -> Vec3<L> {
 /// planes of the vertices that lie above the point, each by the weight of its vertex. Zero on the concave
 /// side, and where it would lead below the triangle.
 ///
-/// `edges`: a to b, and a to c. `ng`: the geometric normal on the side on which rays leave; `side`: its sign is
-/// that of `ng` against the vertex normals.
-/// Domain: unit normals. No longer than the longest edge.
-/// Source: Hanika, "Hacking the Shadow Terminator", Ray Tracing Gems II ch. 4, 2021.
+/// `edges`: a to b, and a to c. `ng`: the geometric normal on the side on which rays leave; `side`: its sign
+/// is that of `ng` against the vertex normals. Domain: unit normals. No longer than the longest edge. Source:
+/// Hanika, "Hacking the Shadow Terminator", Ray Tracing Gems II ch. 4, 2021.
 #[inline(always)]
 pub fn bulge<L: Lane>(
     normals: [Vec3<L>; 3],

@@ -3,6 +3,7 @@
 use super::camera::Camera;
 use super::model::Scene;
 use super::shapes::{Sphere, Triangle};
+use crate::math::portable;
 use glam::{DVec3, Vec3};
 
 /// Degrees.
@@ -55,7 +56,8 @@ fn fitting(spheres: &[Sphere], triangles: &[Triangle], target: DVec3) -> f64 {
     let backward = VIEW_FROM.normalize();
     let right = DVec3::Y.cross(backward).normalize();
     let up = backward.cross(right);
-    let half_height = (f64::from(VERTICAL_FOV).to_radians() / 2.0).tan();
+    let (sin, cos) = portable::sin_cos(f64::from(VERTICAL_FOV).to_radians() / 2.0);
+    let half_height = sin / cos;
     // A ball touches the planes of the frustum: r / sin of half the angle further away than its centre.
     let needed = |center: DVec3, radius: f64| {
         let from = center - target;

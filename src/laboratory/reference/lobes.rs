@@ -46,8 +46,8 @@ pub(super) struct Normals {
 }
 
 impl Normals {
-    /// Turns `ng`, and the normals on its side, towards the ray of direction `d`: the shading normal `ns`, and
-    /// the interpolated one without a normal map.
+    /// Turns `ng`, and the normals on its side, towards the ray of direction `d`: the shading normal `ns`,
+    /// and the interpolated one without a normal map.
     pub(super) fn facing(d: DVec3, ng: DVec3, ns: Option<DVec3>, interpolated: Option<DVec3>) -> Self {
         let outside = ng.dot(d) <= 0.0;
         let side = if outside { 1.0 } else { -1.0 };

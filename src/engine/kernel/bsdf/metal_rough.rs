@@ -11,8 +11,8 @@
 //!
 //! The specular part is the standard's. Its base, a (1 − F(h · o)) / π, returns with a smooth coat up to 1.6
 //! times the light that arrives at a grazing angle; the one here has what the coat lets through on both ways,
-//! as [`super::plastic`], whose κ it takes. It is reciprocal, and creates at most 0.3 % (by quadrature, F₀ from
-//! 0 to ½). Light that reflects between facets is lost, as in [`super::ggx`].
+//! as [`super::plastic`], whose κ it takes. It is reciprocal, and creates at most 0.3 % (by quadrature, F₀
+//! from 0 to ½). Light that reflects between facets is lost, as in [`super::ggx`].
 //!
 //! Source: glTF 2.0 specification, appendix B; Schlick, "An Inexpensive BRDF Model for Physically-based
 //! Rendering", Computer Graphics Forum 13(3), 1994; the base: Ashikhmin, Shirley, "An Anisotropic Phong BRDF

@@ -212,7 +212,7 @@ fn plain(file: &MaterialFile, name: String) -> Material {
     let (kind, color, emission) = if extension(file, "KHR_materials_unlit").is_some() {
         (MaterialKind::Emitter, Vec3::ONE, color)
     } else if transmission > CLEAR && pbr.metallic_factor.0 < 0.5 {
-        (MaterialKind::Glass { ior }, color.powf(0.5), emission * strength as f32)
+        (MaterialKind::Glass { ior }, color.map(f32::sqrt), emission * strength as f32)
     } else {
         let (roughness, metallic) = (fraction(pbr.roughness_factor.0), fraction(pbr.metallic_factor.0));
         (MaterialKind::MetalRough { roughness, metallic, ior }, color, emission * strength as f32)

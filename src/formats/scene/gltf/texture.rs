@@ -12,6 +12,7 @@ use glam::{DVec2, Vec2};
 use gltf_json::Root;
 use gltf_json::texture::{Info, MagFilter, WrappingMode};
 use gltf_json::validation::Checked;
+use octray_engine::math::portable;
 use octray_engine::scene::{Filter, TexelKind, Texels};
 use serde_json::{Map, Value};
 use std::path::{Path, PathBuf};
@@ -34,7 +35,7 @@ impl Default for UvMap {
 impl UvMap {
     /// From glTF's texture coordinates, v downwards, to a scene's, v upwards.
     pub fn apply(&self, [u, v]: [f64; 2]) -> Vec2 {
-        let (sin, cos) = self.rotation.sin_cos();
+        let (sin, cos) = portable::sin_cos(self.rotation);
         let (u, v) = (u * self.scale[0], v * self.scale[1]);
         let uv = DVec2::new(cos * u + sin * v + self.offset[0], cos * v - sin * u + self.offset[1]);
         Vec2::new(uv.x as f32, (1.0 - uv.y) as f32)

@@ -180,8 +180,8 @@ impl EnvironmentLight {
         LightSample { wi: direction, t: L::splat(f32::INFINITY), n: Vec3::zero(), pdf }
     }
 
-    /// The pdf of [`Self::sample`], in 1/sr, at the direction with these [`latitude_longitude`] coordinates,
-    /// u unwrapped and v from the top.
+    /// The pdf of [`Self::sample`], in 1/sr, at the direction with these
+    /// [`crate::kernel::surface::latitude_longitude`] coordinates, u unwrapped and v from the top.
     #[inline(always)]
     pub fn pdf<L: Lane>(&self, (u, v): (L, L)) -> L {
         let cell_along = |x: L, count: u32| {

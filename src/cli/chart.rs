@@ -2,6 +2,7 @@
 
 use super::error::{CHECK_FAILED, CliError};
 use super::ground_truth;
+use super::interrupt;
 use super::options::ChartOptions;
 use super::progress::Countdown;
 use super::scenes;
@@ -17,6 +18,8 @@ use crate::report::page::page;
 use crate::report::tables;
 use std::path::Path;
 use std::process::ExitCode;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
 /// The intersection methods are timed for this share of the budget, at most so long.
@@ -38,6 +41,9 @@ pub fn run(options: ChartOptions) -> Result<ExitCode, CliError> {
     let budget = options.budget.unwrap_or(A_SCENE * names.len() as u32);
     output::make_folder(&options.output)?;
     let countdown = Countdown::new(start, budget);
+    let truths = Arc::new(AtomicUsize::new(0));
+    let (kept, folder) = (truths.clone(), options.output.clone());
+    interrupt::end_with(move || interrupted(kept.load(Ordering::SeqCst), &folder));
 
     countdown.step("intersection methods");
     let kernels = kernels::measure(start + budget.mul_f64(KERNELS_SHARE).min(KERNELS_MOST));
@@ -75,6 +81,7 @@ pub fn run(options: ChartOptions) -> Result<ExitCode, CliError> {
                 truth
             }
         };
+        truths.fetch_add(1, Ordering::SeqCst);
         let step = |what: &str| countdown.step(&format!("{}: {what}", scene.name));
         let mut charted = plan.chart(&scene, &truth, &step);
         // The name on the command line: files in different folders may share a file name.
@@ -96,6 +103,20 @@ pub fn run(options: ChartOptions) -> Result<ExitCode, CliError> {
     }
     let broken = chart.scenes.iter().flat_map(|scene| &scene.pictures).any(Line::is_broken);
     Ok(if broken { ExitCode::from(CHECK_FAILED) } else { ExitCode::SUCCESS })
+}
+
+/// What is left of a run that ends before its chart is drawn.
+fn interrupted(truths: usize, folder: &Path) -> String {
+    let folder = folder.display();
+    match truths {
+        0 => format!("Ctrl-C: nothing was drawn in `{folder}`."),
+        1 => format!(
+            "Ctrl-C: nothing was drawn in `{folder}`. It keeps a ground truth, which the next run takes."
+        ),
+        _ => format!(
+            "Ctrl-C: nothing was drawn in `{folder}`. It keeps {truths} ground truths, which the next run takes."
+        ),
+    }
 }
 
 /// The page, its drawings and its tables.

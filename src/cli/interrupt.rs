@@ -1,7 +1,7 @@
 //! Ctrl-C: the first requests an end, the second ends the program with nothing written. Before any part of a
 //! picture is done, the first ends the program too.
 //!
-//! For: [`Interrupt`]. May import: `ctrlc`, `terminal`. Must not know: what is interrupted.
+//! For: [`Interrupt`], and [`end_with`] for commands that cannot end early. May import: `ctrlc`, `terminal`. Must not know: what is interrupted.
 
 use super::error::INTERRUPTED;
 use super::terminal;
@@ -15,6 +15,17 @@ pub struct Interrupt {
     requests: Arc<AtomicU32>,
     begun: Arc<AtomicBool>,
     holding: Arc<AtomicBool>,
+}
+
+/// From now on Ctrl-C ends the program after a note that says what is left of the run. Where the handler
+/// cannot be installed, without.
+pub fn end_with(note: impl Fn() -> String + Send + 'static) {
+    let handler = move || {
+        let line = if std::io::stderr().is_terminal() { "\n" } else { "" };
+        terminal::note(&format!("{line}{}", note()));
+        std::process::exit(INTERRUPTED.into());
+    };
+    ctrlc::set_handler(handler).ok();
 }
 
 impl Interrupt {

@@ -31,6 +31,12 @@ fn start(desk: &Desk, arguments: &str) -> Child {
 #[cfg(target_os = "linux")]
 fn start_listening(desk: &Desk, arguments: &str) -> Child {
     let child = spawn(desk, arguments);
+    wait_until_listening(&child);
+    child
+}
+
+#[cfg(target_os = "linux")]
+fn wait_until_listening(child: &Child) {
     let listens = || {
         let status = std::fs::read_to_string(format!("/proc/{}/status", child.id())).unwrap();
         let caught = status.lines().find_map(|line| line.strip_prefix("SigCgt:")).unwrap();
@@ -40,7 +46,6 @@ fn start_listening(desk: &Desk, arguments: &str) -> Child {
     while !listens() {
         sleep(Duration::from_millis(1));
     }
-    child
 }
 
 fn press_ctrl_c(child: &Child) {
@@ -164,4 +169,18 @@ fn ctrl_c_twice_ends_at_once_and_writes_nothing() {
     let (code, said, _) = end(child);
     assert_eq!((code, said.as_str()), (Some(130), ""));
     assert_eq!(desk.names(), ["endless.json", "model.obj", "scene.json"]);
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn interrupted_chart_says_what_it_leaves() {
+    let desk = Desk::new();
+    let mut command = Command::new(env!("CARGO_BIN_EXE_octray"));
+    command.args(["chart", "builtin:three", "-o", "charts"]).current_dir(desk.0.path());
+    let child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    wait_until_listening(&child);
+    press_ctrl_c(&child);
+    let (code, printed, said) = end(child);
+    assert_eq!((code, printed.as_str()), (Some(130), ""), "{said}");
+    assert!(said.contains("Ctrl-C: nothing was drawn in `charts`."), "{said}");
 }

@@ -70,7 +70,7 @@ fn time_limit_ends_in_time_with_equal_pixels() {
     let said = desk.octray(&arguments.split(' ').collect::<Vec<_>>()).assert().success();
     said.stdout(
         contains("2000×1500, 0 to 1 samples (mean 0.")
-            .and(contains("% of the picture has had none and is black\nended by the time limit\n")),
+            .and(contains("% of the picture has had none and is black\nended by the time limit, too short for a sample of every pixel\n")),
     );
 }
 

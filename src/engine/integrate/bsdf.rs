@@ -382,7 +382,7 @@ impl<L: Lane> FacingNormals<L> {
         Self { ng, ns, ns_specular, horizon, outside: !L::zero().lt(cosine) }
     }
 
-    /// The factor by which shading normals darken the lobes towards `w`: see [`normals::terminator`].
+    /// The factor by which shading normals darken the lobes towards `w`: see [`normals::shadow_terminator`].
     #[inline(always)]
     fn terminator<const N: u32>(&self, material: &MaterialSample<L>, w: Vec3<L>) -> L {
         let mut normal = self.ns_specular;

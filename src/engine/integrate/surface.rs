@@ -157,11 +157,11 @@ impl<L: Lane> Surface<L> {
         let [ax, ay, az, bx, by, bz, ..] = context.buffers.normal_rows.fetch::<L>(first, few);
         let [cx, cy, cz, ..] = context.buffers.normal_rows.fetch::<L>(second, few);
         let corners = [Vec3::new(ax, ay, az), Vec3::new(bx, by, bz), Vec3::new(cx, cy, cz)];
-        let (normal, exists) = normals::interpolate(corners, self.barycentric, self.ng);
+        let blended = normals::blend(corners, self.barycentric);
+        let (normal, exists) = normals::interpolated(blended, self.ng);
         let interpolated = on_triangle & exists;
         let ng = self.ng.flip_sign(self.facing);
-        let against = normals::blend(corners, self.barycentric).dot(ng);
-        let bulge = normals::bulge(corners, self.edges, self.barycentric, ng, against);
+        let bulge = normals::bulge(corners, self.edges, self.barycentric, ng, blended.dot(ng));
         let bulge = Vec3::select(interpolated, bulge, Vec3::zero());
         (Vec3::select(interpolated, normal, self.ng), interpolated, bulge)
     }

@@ -32,11 +32,11 @@ fn try_normalize<L: Lane>(v: Vec3<L>) -> (Vec3<L>, L::Mask) {
     (v * (L::one() / length2.sqrt()), L::splat(MIN_LENGTH2).lt(length2))
 }
 
-/// The interpolated vertex normals of a triangle at the barycentrics (u, v), as a unit vector on the side of
-/// `ng`, and the lanes in which there is one: zero vectors mark flat triangles.
+/// The interpolated normal: `blended`, the [`blend`] of a triangle's vertex normals, as a unit vector on the
+/// side of `ng`, and the lanes in which there is one: zero vectors mark flat triangles.
 #[inline(always)]
-pub fn interpolate<L: Lane>(normals: [Vec3<L>; 3], at: (L, L), ng: Vec3<L>) -> (Vec3<L>, L::Mask) {
-    let (ns, valid) = try_normalize(blend(normals, at));
+pub fn interpolated<L: Lane>(blended: Vec3<L>, ng: Vec3<L>) -> (Vec3<L>, L::Mask) {
+    let (ns, valid) = try_normalize(blended);
     (ns.flip_sign(ns.dot(ng)), valid)
 }
 

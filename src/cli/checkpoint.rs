@@ -1,6 +1,6 @@
 //! `--checkpoint`: saves the film every few seconds and resumes from it.
 //!
-//! For: [`Keeper`], [`resume`]. May import: `interrupt`, `terminal`, the checkpoints of `octray_formats`.
+//! For: [`CheckpointWriter`], [`resume`]. May import: `interrupt`, `terminal`, the checkpoints of `octray_formats`.
 //! Must not know: how samples are taken.
 
 use super::error::{CliError, describe};
@@ -40,7 +40,7 @@ pub fn resume(file: &Path, header: &Header, film: &mut Film) -> Result<Vec<u32>,
 }
 
 /// Saves the film of a rendering while it grows, and at its end.
-pub struct Keeper {
+pub struct CheckpointWriter {
     file: PathBuf,
     header: Header,
     /// By the time that saving takes if `None`.
@@ -51,7 +51,7 @@ pub struct Keeper {
     warned: bool,
 }
 
-impl Keeper {
+impl CheckpointWriter {
     pub fn new(file: PathBuf, header: Header, interval: Option<Duration>, interrupt: &Interrupt) -> Self {
         let due = Instant::now() + interval.unwrap_or(INTERVAL);
         Self { file, header, interval, due, interrupt: interrupt.clone(), warned: false }
@@ -64,7 +64,7 @@ impl Keeper {
 
     /// Saves the film of a rendering that goes on. If that fails, a warning says so once, and the earlier
     /// checkpoint stays: hours of rendering shall not end because a disk is full.
-    pub fn keep(&mut self, film: &Film, goals: &[u32]) {
+    pub fn save_or_warn(&mut self, film: &Film, goals: &[u32]) {
         let began = Instant::now();
         self.interrupt.hold();
         let saved = self.save(film, goals);

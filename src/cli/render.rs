@@ -1,6 +1,6 @@
 //! `octray render`: stills, and parts of them.
 
-use super::checkpoint::{self, Keeper};
+use super::checkpoint::{self, CheckpointWriter};
 use super::error::{CliError, INTERRUPTED};
 use super::frames::Frames;
 use super::interrupt::Interrupt;
@@ -55,7 +55,7 @@ pub fn run(options: RenderOptions) -> Result<ExitCode, CliError> {
     check_shard(&jobs, &settings)?;
     let renderer = Renderer::new(&scene, settings);
     let (interrupt, tone) = (Interrupt::listen(), overrides.tone());
-    let stage = Stage { options, limits, settings, tone, interrupt };
+    let rendering = Rendering { options, limits, settings, tone, interrupt };
     let mut prepared = Some((scene.scene, renderer));
     let last = jobs.len() - 1;
     for (index, (job, camera)) in jobs.into_iter().zip(cameras).enumerate() {
@@ -64,21 +64,21 @@ pub fn run(options: RenderOptions) -> Result<ExitCode, CliError> {
             scene.camera = camera;
             renderer.set_view(scene, &camera, settings.resolution, settings.max_bounces);
         }
-        stage.interrupt.begin();
-        let done = stage.trace(&job, scene, renderer)?;
+        rendering.interrupt.begin();
+        let done = rendering.trace(&job, scene, renderer)?;
         if index == last {
             // Frees memory for the encoder.
             prepared = None;
         }
-        let code = stage.finish(&job, done)?;
+        let code = rendering.finish(&job, done)?;
         if code != ExitCode::SUCCESS {
             return Ok(code);
         }
         // While the files of this frame were written.
-        if index < last && stage.interrupt.requested() {
+        if index < last && rendering.interrupt.requested() {
             return Ok(ExitCode::from(INTERRUPTED));
         }
-        stage.interrupt.release();
+        rendering.interrupt.release();
     }
     Ok(ExitCode::SUCCESS)
 }
@@ -122,7 +122,7 @@ fn check_shard(jobs: &[Job], settings: &Settings) -> Result<(), CliError> {
 }
 
 /// What all jobs share.
-struct Stage {
+struct Rendering {
     options: RenderOptions,
     limits: Limits,
     settings: Settings,
@@ -136,12 +136,12 @@ struct Done {
     /// With the goals of the last round: for checkpoints and parts.
     header: Option<Header>,
     goals: Vec<u32>,
-    keeper: Option<Keeper>,
+    writer: Option<CheckpointWriter>,
     report: Report,
     progress: Progress,
 }
 
-impl Stage {
+impl Rendering {
     /// Renders a film to its end.
     fn trace(&self, job: &Job, scene: &Scene, renderer: &Renderer) -> Result<Done, CliError> {
         let Self { options, limits, settings, interrupt, .. } = self;
@@ -151,11 +151,11 @@ impl Stage {
         let mut film = if limits.target.is_some() { renderer.film_with_noise() } else { renderer.film() };
         film.keep_tiles(|number| job.shard.has(number));
         let mut header = (job.part || job.checkpoint.is_some()).then(|| self.header(job, scene));
-        let (mut goals, mut keeper) = (Vec::new(), None);
+        let (mut goals, mut writer) = (Vec::new(), None);
         if let (Some(file), Some(header)) = (&job.checkpoint, &header) {
             goals = checkpoint::resume(file, header, &mut film)?;
             let interval = options.checkpoint_interval;
-            keeper = Some(Keeper::new(file.clone(), header.clone(), interval, interrupt));
+            writer = Some(CheckpointWriter::new(file.clone(), header.clone(), interval, interrupt));
         }
         let before = Before { samples: film.mean_samples(), rays: film.rays() };
         if before.samples > 0.0 {
@@ -164,7 +164,7 @@ impl Stage {
         let progress = Progress::new(film.pixels(), limits.time);
         progress.resume(film.pixel_samples());
         let watch = Watch { interrupt, progress: &progress };
-        let traced = trace(renderer, &mut film, limits, goals, keeper.as_mut(), watch);
+        let traced = trace(renderer, &mut film, limits, goals, writer.as_mut(), watch);
         progress.writing(&job.output);
         if let Some(header) = &mut header {
             header.complete = matches!(traced.end, End::Samples | End::TargetError);
@@ -174,16 +174,16 @@ impl Stage {
         report.stats = options
             .stats
             .then(|| FrameStats::of(&renderer.take_stats(), settings.lanes, settings.threads, frames));
-        Ok(Done { film, header, goals: traced.goals, keeper, report, progress })
+        Ok(Done { film, header, goals: traced.goals, writer, report, progress })
     }
 
     /// Writes the files of a film, and its report.
     fn finish(&self, job: &Job, done: Done) -> Result<ExitCode, CliError> {
-        let Done { film, header, goals, mut keeper, report, progress } = done;
+        let Done { film, header, goals, mut writer, report, progress } = done;
         let begun = film.pixels_begun() as f64 / film.pixels() as f64;
         self.interrupt.hold();
         let complete = header.as_ref().is_some_and(|header| header.complete);
-        let kept = keeper.as_mut().map_or(Ok(()), |keeper| keeper.finish(&film, &goals, complete));
+        let kept = writer.as_mut().map_or(Ok(()), |writer| writer.finish(&film, &goals, complete));
         let saved = match header {
             // Where both are one file, it is written.
             Some(_) if job.part && job.checkpoint.as_ref().is_some_and(|file| is_same(file, &job.output)) => {

@@ -3,7 +3,7 @@
 //! For: [`trace`]. May import: `checkpoint`, `limits`, `interrupt`, `progress`, `render`. Must not know: what
 //! is done with the film.
 
-use super::checkpoint::Keeper;
+use super::checkpoint::CheckpointWriter;
 use super::interrupt::Interrupt;
 use super::limits::Limits;
 use super::progress::Progress;
@@ -36,14 +36,14 @@ pub struct Traced {
 }
 
 /// Adds samples in chunks until a limit is reached or the user interrupts. `resumed` are the goals of the
-/// round in which the film was saved; empty for a new film. Between chunks, `keeper` saves the film when it
+/// round in which the film was saved; empty for a new film. Between chunks, `writer` saves the film when it
 /// is time.
 pub fn trace(
     renderer: &Renderer,
     film: &mut Film,
     limits: &Limits,
     resumed: Vec<u32>,
-    mut keeper: Option<&mut Keeper>,
+    mut writer: Option<&mut CheckpointWriter>,
     watch: Watch,
 ) -> Traced {
     let start = Instant::now();
@@ -56,8 +56,8 @@ pub fn trace(
             break if met { End::TargetError } else { End::Samples };
         };
         watch.progress.expect(round.forecast);
-        let keeper = keeper.as_deref_mut();
-        let end = take_round(renderer, film, &round, &mut pace, deadline, keeper, watch);
+        let writer = writer.as_deref_mut();
+        let end = take_round(renderer, film, &round, &mut pace, deadline, writer, watch);
         goals = round.goals;
         if let Some(end) = end {
             break end;
@@ -96,7 +96,7 @@ fn take_round(
     round: &Round,
     pace: &mut Pace,
     deadline: Option<Instant>,
-    mut keeper: Option<&mut Keeper>,
+    mut writer: Option<&mut CheckpointWriter>,
     watch: Watch,
 ) -> Option<End> {
     loop {
@@ -132,14 +132,14 @@ fn take_round(
         let mut took = Duration::ZERO;
         // A chunk that is longer than the time between two checkpoints pauses for each.
         loop {
-            observer.pause = keeper.as_ref().map(|keeper| keeper.due() + GRACE);
+            observer.pause = writer.as_ref().map(|writer| writer.due() + GRACE);
             let resumed = Instant::now();
             renderer.sample_tiles_to(film, |tile, _| goals[tile], &observer);
             took += resumed.elapsed();
-            if let Some(keeper) = keeper.as_deref_mut()
-                && keeper.due() <= Instant::now()
+            if let Some(writer) = writer.as_deref_mut()
+                && writer.due() <= Instant::now()
             {
-                watch.progress.above(|| keeper.keep(film, &round.goals));
+                watch.progress.above(|| writer.save_or_warn(film, &round.goals));
             }
             let done = film.tiles().iter().all(|sums| sums.samples >= goals[sums.tile.number]);
             if done || observer.is_stopped() {

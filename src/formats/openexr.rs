@@ -6,13 +6,24 @@
 //! Single-threaded: several threads would write blocks in the order of their completion, and two files of one
 //! picture would differ.
 
+use exr::meta::MetaData;
 use exr::prelude::*;
 use octray_engine::film::Picture;
 use std::io::{Cursor, Seek, Write};
 
 /// The first layer with red, green and blue channels, in the size of the file's display window; black outside
-/// the layer's data window.
-pub fn read(bytes: &[u8]) -> std::result::Result<Picture, String> {
+/// the layer's data window. Windows of more than `most` pixels are refused before anything of their size is
+/// allocated.
+pub fn read(bytes: &[u8], most: u64) -> std::result::Result<Picture, String> {
+    let meta = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(|error| error.to_string())?;
+    for header in &meta.headers {
+        for size in [header.layer_size, header.shared_attributes.display_window.size] {
+            let Vec2(width, height) = size;
+            if (width as u64).saturating_mul(height as u64) > most {
+                return Err(format!("{width} × {height} pixels are more than the {most} that are read"));
+            }
+        }
+    }
     let image = exr::prelude::read()
         .no_deep_data()
         .largest_resolution_level()

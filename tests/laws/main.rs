@@ -32,6 +32,7 @@ mod lights;
 mod lobes;
 mod long_paths;
 mod pipelines;
+mod random_scenes;
 mod sampling_laws;
 mod sobol;
 mod stream_lists;

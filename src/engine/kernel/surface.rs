@@ -83,10 +83,15 @@ pub fn triangle_bounds([a, b, c]: [glam::Vec3; 3]) -> [glam::Vec3; 2] {
 
 /// The outward unit normal of a sphere at a point near its surface.
 ///
-/// Domain: the point is not the centre.
+/// On a sphere smaller than one step of its coordinates the point may round to the centre: the normal is then
+/// that of the top, and not NaN.
 #[inline(always)]
 pub fn sphere_normal<L: Lane>(point: Vec3<L>, center: Vec3<L>) -> Vec3<L> {
-    (point - center).normalize()
+    let mut normal = point - center;
+    let squared = normal.dot(normal);
+    let none = squared.eq(L::zero());
+    normal.y = L::select(none, L::one(), normal.y);
+    normal * (L::one() / L::select(none, L::one(), squared).sqrt())
 }
 
 /// Longitude and latitude of a unit vector as texture coordinates (equirectangular): u = atan2(z, x) / 2π,

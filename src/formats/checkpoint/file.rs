@@ -78,7 +78,9 @@ pub(super) fn write(out: impl Write, header: &Header, film: &Film, goals: &[u32]
 /// Does the file begin as a checkpoint does? False where it cannot be read.
 pub fn is_checkpoint(path: &Path) -> bool {
     let mut magic = [0; MAGIC.len()];
-    File::open(path).and_then(|mut file| file.read_exact(&mut magic)).is_ok() && magic == MAGIC
+    // To open a pipe would wait for somebody who writes.
+    let is_file = path.metadata().is_ok_and(|metadata| metadata.is_file());
+    is_file && File::open(path).and_then(|mut file| file.read_exact(&mut magic)).is_ok() && magic == MAGIC
 }
 
 /// A checkpoint whose header was read, and whose tiles were not yet.
@@ -94,12 +96,13 @@ impl Checkpoint<BufReader<File>> {
     /// Opens a file; `None` if there is none.
     pub fn open(path: &Path) -> Result<Option<Self>, CheckpointError> {
         let failed = |source| CheckpointError::Read { path: path.to_owned(), source };
-        match File::open(path) {
-            Ok(file) => {
-                let metadata = file.metadata().map_err(failed)?;
+        match path.metadata() {
+            Ok(metadata) => {
+                // To open a pipe would wait for somebody who writes.
                 if !metadata.is_file() {
                     return Err(CheckpointError::NotACheckpoint { path: path.to_owned() });
                 }
+                let file = File::open(path).map_err(failed)?;
                 let checkpoint = Self::read(BufReader::with_capacity(1 << 16, file), path)?;
                 // Before a film is allocated.
                 if metadata.len() < least_bytes(&checkpoint.header) {
@@ -164,7 +167,9 @@ impl<R: Read> Checkpoint<R> {
             let Some(sums) = sums.filter(|sums| shard.has(sums.tile.number)) else {
                 return Err(damaged(&self.path, format!("tile {number} is not where it should be")));
             };
-            if discarded > 1 {
+            // Goals of a round are within the target's limit, and rendering goes on until they are reached.
+            let most = self.header.identity.settings.target.map_or(u32::MAX, |(.., most)| most);
+            if discarded > 1 || goal > most.max(samples) {
                 return Err(damaged(&self.path, format!("tile {number} cannot be read")));
             }
             let mut words = vec![0; sums.words(discarded == 1)];

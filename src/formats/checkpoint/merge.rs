@@ -8,16 +8,16 @@ use super::identity::Identity;
 use crate::wording::counted;
 use octray_engine::film::Film;
 use std::fs::File;
-use std::io::{BufReader, ErrorKind};
+use std::io::{BufReader, ErrorKind, Read};
 use std::path::PathBuf;
 
 const MEND: &str = "give every shard of one picture once, each complete: an unfinished one goes on with its own \
                     command and --checkpoint";
 
 /// All shards of one picture, each once and complete. Their headers were read, their tiles were not yet.
-pub struct Parts(Vec<Checkpoint<BufReader<File>>>);
+pub struct Parts<R>(Vec<Checkpoint<R>>);
 
-impl Parts {
+impl Parts<BufReader<File>> {
     /// Opens the parts. An error names everything that is missing, doubled, mixed or incomplete.
     ///
     /// # Panics
@@ -27,7 +27,16 @@ impl Parts {
             let missing = || CheckpointError::Read { path: path.clone(), source: ErrorKind::NotFound.into() };
             Checkpoint::open(path)?.ok_or_else(missing)
         };
-        let parts = paths.iter().map(open).collect::<Result<Vec<_>, _>>()?;
+        Self::of(paths.iter().map(open).collect::<Result<_, _>>()?)
+    }
+}
+
+impl<R: Read> Parts<R> {
+    /// The same of parts that were opened.
+    ///
+    /// # Panics
+    /// If there are none.
+    pub fn of(parts: Vec<Checkpoint<R>>) -> Result<Self, CheckpointError> {
         let mut faults: Vec<String> = parts[1..].iter().flat_map(|part| mixed(part, &parts[0])).collect();
         faults.extend(parts.iter().enumerate().flat_map(|(at, part)| doubled(part, &parts[..at])));
         faults.extend(missing(&parts));
@@ -57,9 +66,7 @@ impl Parts {
     }
 }
 
-type Part = Checkpoint<BufReader<File>>;
-
-fn mixed(part: &Part, first: &Part) -> Vec<String> {
+fn mixed<R>(part: &Checkpoint<R>, first: &Checkpoint<R>) -> Vec<String> {
     let (theirs, ours) = (&part.header, &first.header);
     let here = Identity { shard: ours.identity.shard, ..theirs.identity.clone() };
     let mut found = here.differences(&ours.identity);
@@ -76,14 +83,14 @@ fn mixed(part: &Part, first: &Part) -> Vec<String> {
     found.into_iter().map(|what| format!("`{part}` is not of the picture of `{first}`: {what}")).collect()
 }
 
-fn doubled(part: &Part, before: &[Part]) -> Option<String> {
+fn doubled<R>(part: &Checkpoint<R>, before: &[Checkpoint<R>]) -> Option<String> {
     let shard = part.header.identity.shard;
     let same = before.iter().find(|other| other.header.identity.shard == shard)?;
     let [path, other] = [&part.path, &same.path].map(|path| path.display());
     Some(format!("shard {} is there twice: `{other}` and `{path}`", shard.number))
 }
 
-fn missing(parts: &[Part]) -> Option<String> {
+fn missing<R>(parts: &[Checkpoint<R>]) -> Option<String> {
     let of = parts[0].header.identity.shard.of;
     let mut there: Vec<u32> = parts.iter().map(|part| part.header.identity.shard.number).collect();
     there.sort_unstable();

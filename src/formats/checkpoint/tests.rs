@@ -80,6 +80,19 @@ fn every_damage_is_seen() {
 }
 
 #[test]
+fn goals_above_the_limit_of_samples_are_refused() {
+    let (mut header, film) = film();
+    header.identity.settings.target = Some((0.1, 1, 4));
+    let film = film.with_noise();
+    for (goal, fits) in [(4, true), (5, false)] {
+        let mut bytes = Vec::new();
+        write(&mut bytes, &header, &film, &[0, goal, 0, 0, 4]).unwrap();
+        let read = Checkpoint::read(&bytes[..], Path::new("c")).unwrap().fill(&mut empty().with_noise());
+        assert_eq!(read.is_ok(), fits, "{goal}");
+    }
+}
+
+#[test]
 fn differences_are_named() {
     let (header, _) = film();
     let mut other = header.identity.clone();

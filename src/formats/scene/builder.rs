@@ -15,8 +15,15 @@ use octray_engine::scene::{Camera, Material, MaterialKind, Scene, Sky, Sphere, T
 pub const DEFAULT_RESOLUTION: [u32; 2] = [240, 135];
 /// Default number of scattering events on a path.
 pub const DEFAULT_BOUNCES: u32 = 4;
-/// Primitive indices stay positive as 32-bit signed integers.
-pub const MAX_PRIMITIVES: usize = i32::MAX as usize;
+/// Most spheres and triangles of a scene: 11 GB of vertices. A hierarchy has room for four times as many.
+pub const MAX_PRIMITIVES: usize = 1 << 28;
+/// Most triangles that the copies of meshes may add up to, which a small file can ask for: 2.4 GB of
+/// vertices.
+pub const MAX_COPIES: usize = 1 << 26;
+/// Most materials of a scene.
+const MAX_MATERIALS: usize = 1 << 20;
+/// Most warnings that are kept; of the others only the number.
+const MAX_WARNINGS: usize = 1_000;
 
 #[derive(Default)]
 pub struct SceneBuilder {
@@ -30,7 +37,8 @@ pub struct SceneBuilder {
     uvs: Vec<[Vec2; 3]>,
     normals: Vec<[Vec3; 3]>,
     colors: VertexColors,
-    pub warnings: Vec<String>,
+    warnings: Vec<String>,
+    more_warnings: usize,
 }
 
 impl SceneBuilder {
@@ -122,7 +130,28 @@ impl SceneBuilder {
         has_area
     }
     pub fn warn(&mut self, warning: impl Into<String>) {
-        self.warnings.push(warning.into());
+        match self.warnings.len() < MAX_WARNINGS {
+            true => self.warnings.push(warning.into()),
+            false => self.more_warnings += 1,
+        }
+    }
+    /// The number of triangles so far.
+    pub fn triangles(&self) -> usize {
+        self.triangles.len()
+    }
+    /// Refuses more primitives or materials than a scene may have, before so many triangles are added.
+    pub fn check_room(&self, triangles: usize) -> Result<(), SceneError> {
+        let primitives = self.spheres.len() + self.triangles.len() + triangles;
+        if primitives > MAX_PRIMITIVES {
+            let what = format!("the scene holds {primitives} spheres and triangles");
+            return Err(SceneError::new(what).mend(format!("leave at most {MAX_PRIMITIVES}")));
+        }
+        let materials = self.materials.len();
+        if materials > MAX_MATERIALS {
+            let what = format!("the scene holds {materials} materials");
+            return Err(SceneError::new(what).mend(format!("leave at most {MAX_MATERIALS}")));
+        }
+        Ok(())
     }
     /// Whether any primitive emits light.
     pub fn emits(&self) -> bool {
@@ -142,7 +171,7 @@ impl SceneBuilder {
     pub fn is_empty(&self) -> bool {
         self.spheres.is_empty() && self.triangles.is_empty()
     }
-    /// The scene, unless it has too many primitives.
+    /// The scene, unless it has too many primitives or materials.
     pub fn finish(
         mut self,
         name: String,
@@ -151,11 +180,7 @@ impl SceneBuilder {
         max_bounces: u32,
         sky: Sky,
     ) -> Result<Scene, SceneError> {
-        let primitives = self.spheres.len() + self.triangles.len();
-        if primitives > MAX_PRIMITIVES {
-            let what = format!("the scene holds {primitives} spheres and triangles");
-            return Err(SceneError::new(what).mend(format!("leave at most {MAX_PRIMITIVES}")));
-        }
+        self.check_room(0)?;
         self.colors.lay_out(&mut self.textures.list, &mut self.uvs)?;
         let black = match sky {
             Sky::Color(color) | Sky::Texture { color, .. } => color == Vec3::ZERO,
@@ -163,6 +188,9 @@ impl SceneBuilder {
         };
         if black && !self.emits() {
             self.warn("Nothing in the scene emits light and the sky is black: the picture will be black.");
+        }
+        if self.more_warnings > 0 {
+            self.warnings.push(format!("{} more warnings are left out.", self.more_warnings));
         }
         Ok(Scene {
             name,

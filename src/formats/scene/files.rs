@@ -1,4 +1,4 @@
-//! Reads a scene's other files: from a folder on disk, or from the program itself.
+//! Reads a scene's other files: from a folder on disk, from the program itself, or from a caller's function.
 //!
 //! For: [`Files`], which also records every path that was requested. May import: `embedded`, `error`. Must
 //! not know: what the files hold.
@@ -8,51 +8,88 @@ use super::error::SceneError;
 use std::borrow::Cow;
 use std::cell::RefCell;
 use std::collections::HashSet;
-use std::fs;
-use std::io::ErrorKind;
+use std::fs::{self, File};
+use std::io::{self, ErrorKind, Read};
 use std::path::{Path, PathBuf};
+use std::rc::Rc;
 
 /// What may be named as a scene.
 pub const FILES: &str = "a scene (.json), a model (.obj, .gltf, .glb, .ply), or `builtin:NAME`";
 
+/// Largest file that is read, in bytes.
+const MAX_FILE: u64 = 1 << 34;
+
+/// The content of the file at a path.
+pub type Reading = dyn Fn(&Path) -> io::Result<Vec<u8>>;
+
+/// Where the content of files comes from.
+#[derive(Clone)]
+enum Store {
+    Disk,
+    /// The files inside the program, named relative to `scenes/`.
+    Program,
+    Given(Rc<Reading>),
+}
+
 /// The folder that a scene's relative paths start from, and the files that were requested while loading it.
 pub struct Files {
-    /// `None`: the files inside the program, named relative to `scenes/`.
-    folder: Option<PathBuf>,
-    /// Paths on disk, existing or not, in the order of the first request.
+    folder: PathBuf,
+    store: Store,
+    /// Paths outside the program, existing or not, in the order of the first request.
     requested: RefCell<Vec<PathBuf>>,
     /// The same paths, for lookup.
     seen: RefCell<HashSet<PathBuf>>,
 }
 
 impl Files {
-    /// The files beside `file`.
+    fn new(folder: PathBuf, store: Store) -> Self {
+        Self { folder, store, requested: RefCell::default(), seen: RefCell::default() }
+    }
+    /// The files beside `file` on disk.
     pub fn beside(file: &Path) -> Self {
-        let folder = file.parent().unwrap_or(Path::new("")).to_path_buf();
-        Self { folder: Some(folder), requested: RefCell::default(), seen: RefCell::default() }
+        Self::new(folder_of(file), Store::Disk)
+    }
+    /// The files beside `file`, from a function.
+    pub fn given(file: &Path, reading: Rc<Reading>) -> Self {
+        Self::new(folder_of(file), Store::Given(reading))
+    }
+    /// The files beside another file, from where these come from.
+    pub fn beside_other(&self, file: &Path) -> Self {
+        Self::new(folder_of(file), self.store.clone())
     }
     /// The files inside the program.
     pub fn embedded() -> Self {
-        Self { folder: None, requested: RefCell::default(), seen: RefCell::default() }
+        Self::new(PathBuf::new(), Store::Program)
     }
-    /// Where relative paths start, if on disk.
+    /// Where relative paths start, if outside the program.
     pub fn folder(&self) -> Option<&Path> {
-        self.folder.as_deref()
+        match self.store {
+            Store::Program => None,
+            Store::Disk | Store::Given(_) => Some(&self.folder),
+        }
     }
     /// The file that `path` names. A leading `./` is dropped for files inside the program.
     pub fn resolve(&self, path: &str) -> PathBuf {
-        match &self.folder {
+        match self.folder() {
             Some(folder) => folder.join(path),
             None => PathBuf::from(path.trim_start_matches("./")),
         }
     }
     /// The content of a resolved path, or the reason why there is none.
     pub fn read(&self, path: &Path) -> Result<Cow<'static, [u8]>, String> {
-        if self.folder.is_none() {
-            return embedded::file(path).map(Cow::Borrowed).ok_or_else(|| "no such file".to_string());
+        match &self.store {
+            Store::Program => {
+                embedded::file(path).map(Cow::Borrowed).ok_or_else(|| "no such file".to_string())
+            }
+            Store::Disk => {
+                self.record(path);
+                read_from_disk(path).map(Cow::Owned)
+            }
+            Store::Given(reading) => {
+                self.record(path);
+                reading(path).map(Cow::Owned).map_err(reason)
+            }
         }
-        self.record(path);
-        read_from_disk(path).map(Cow::Owned)
     }
     /// The content of a file that the user named on the command line.
     pub fn read_named(&self, path: &Path) -> Result<Cow<'static, [u8]>, SceneError> {
@@ -63,15 +100,19 @@ impl Files {
         })
     }
     pub fn exists(&self, path: &Path) -> bool {
-        match self.folder {
-            Some(_) => {
+        match &self.store {
+            Store::Program => embedded::file(path).is_some(),
+            Store::Disk => {
                 self.record(path);
                 path.is_file()
             }
-            None => embedded::file(path).is_some(),
+            Store::Given(reading) => {
+                self.record(path);
+                reading(path).is_ok()
+            }
         }
     }
-    /// The paths requested on disk, existing or not, in the order of the first request, each once.
+    /// The paths requested outside the program, existing or not, each once, in the order of requests.
     pub fn into_requested(self) -> Vec<PathBuf> {
         self.requested.into_inner()
     }
@@ -82,7 +123,12 @@ impl Files {
     }
 }
 
-/// Anything but a regular file is refused: a pipe or a device may never end.
+fn folder_of(file: &Path) -> PathBuf {
+    file.parent().unwrap_or(Path::new("")).to_path_buf()
+}
+
+/// Anything but a regular file is refused: a pipe or a device may never end. Reads as much as the file has at
+/// the beginning, and allocates it at once or not at all.
 fn read_from_disk(path: &Path) -> Result<Vec<u8>, String> {
     let metadata = fs::metadata(path).map_err(reason)?;
     if metadata.is_dir() {
@@ -91,10 +137,18 @@ fn read_from_disk(path: &Path) -> Result<Vec<u8>, String> {
     if !metadata.is_file() {
         return Err("it is not a regular file".to_string());
     }
-    fs::read(path).map_err(reason)
+    let length = metadata.len();
+    if length > MAX_FILE {
+        return Err(format!("it has {length} bytes, and at most {MAX_FILE} are read"));
+    }
+    let file = File::open(path).map_err(reason)?;
+    let mut content = Vec::new();
+    content.try_reserve_exact(length as usize).map_err(|error| error.to_string())?;
+    file.take(length).read_to_end(&mut content).map_err(reason)?;
+    Ok(content)
 }
 
-fn reason(error: std::io::Error) -> String {
+fn reason(error: io::Error) -> String {
     match error.kind() {
         ErrorKind::NotFound => "no such file".to_string(),
         ErrorKind::PermissionDenied => "no permission to read it".to_string(),

@@ -1,7 +1,7 @@
 //! From a name on the command line to a [`Scene`].
 //!
-//! For: [`load`], [`load_with_view`]. May import: every format of this folder. Must not know: what a scene is
-//! used for.
+//! For: [`load`], [`load_with_view`], [`load_from`]. May import: every format of this folder. Must not know:
+//! what a scene is used for.
 
 use super::embedded::PREFIX;
 use super::error::SceneError;
@@ -14,7 +14,9 @@ use octray_engine::scene::Scene;
 use serde::Deserialize;
 use serde::de::IgnoredAny;
 use serde_json::Value;
+use std::io;
 use std::path::Path;
+use std::rc::Rc;
 
 /// Loads a scene as [`load_with_view`] does, without its view.
 pub fn load(spec: &str) -> Result<Scene, SceneError> {
@@ -36,9 +38,36 @@ pub fn load_with_view(spec: &str) -> Result<Loaded, SceneError> {
         };
         return Err(SceneError::new("this is not the name of a scene").in_file(path).mend(mend));
     }
-    let files = Files::beside(path);
+    from_named(path, Files::beside(path))
+}
+
+/// Loads a scene as [`load_with_view`] does, from files that are not on disk: `read` has the content of the
+/// file at `path`, and of those that it names, beside it.
+///
+/// ```
+/// use octray_formats::scene::load_from;
+/// use std::io::ErrorKind;
+/// use std::path::Path;
+///
+/// let model = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+/// let files = |path: &Path| match path.to_str() {
+///     Some("archive/model.obj") => Ok(model.to_vec()),
+///     _ => Err(ErrorKind::NotFound.into()),
+/// };
+/// assert_eq!(load_from(Path::new("archive/model.obj"), files)?.triangles.len(), 1);
+/// # Ok::<(), octray_formats::scene::SceneError>(())
+/// ```
+pub fn load_from(
+    path: &Path,
+    read: impl Fn(&Path) -> io::Result<Vec<u8>> + 'static,
+) -> Result<Loaded, SceneError> {
+    from_named(path, Files::given(path, Rc::new(read)))
+}
+
+/// The scene in a file that the user named.
+fn from_named(path: &Path, files: Files) -> Result<Loaded, SceneError> {
     match files.read_named(path) {
-        Ok(bytes) => from_disk(path, &bytes, files, &from_view),
+        Ok(bytes) => from_bytes(path, &bytes, files, &from_view),
         Err(error) => Err(error.after(files.into_requested())),
     }
 }
@@ -63,7 +92,7 @@ fn may_be_scene(path: &Path) -> bool {
 type OnView<'a> = &'a dyn Fn(&Source, &Files, String) -> Result<Loaded, SceneError>;
 
 /// The scene in a file whose content, `bytes`, was read through `files`.
-fn from_disk(path: &Path, bytes: &[u8], files: Files, on_view: OnView) -> Result<Loaded, SceneError> {
+fn from_bytes(path: &Path, bytes: &[u8], files: Files, on_view: OnView) -> Result<Loaded, SceneError> {
     let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let loaded = if model::is_model(path) {
         model::scene(bytes, path, &files, name).map(Loaded::from)
@@ -149,9 +178,9 @@ fn named_in_view(source: &Source, files: &Files, spec: &str) -> Result<Loaded, S
     if !may_be_scene(&path) {
         return Err(fault(format!("`{spec}` is not the name of a scene"), MEND));
     }
-    // The scene's files lie beside the scene, not beside the view. `from_disk` appends their paths to the
+    // The scene's files lie beside the scene, not beside the view. `from_bytes` appends their paths to the
     // view's.
-    let files = Files::beside(&path);
+    let files = files.beside_other(&path);
     let bytes = match files.read(&path) {
         Ok(bytes) => bytes,
         Err(reason) => {
@@ -160,7 +189,7 @@ fn named_in_view(source: &Source, files: &Files, spec: &str) -> Result<Loaded, S
             return Err(error.after(files.into_requested()));
         }
     };
-    from_disk(&path, &bytes, files, &|_, _, _| {
+    from_bytes(&path, &bytes, files, &|_, _, _| {
         Err(fault(format!("`{spec}` is a view itself"), "name the scene that it is a view of"))
     })
 }

@@ -1,9 +1,9 @@
 //! From scene files to a valid [`Scene`].
 //!
-//! For: [`load`] and [`load_with_view`], which read every format; [`View`], which is also written;
-//! [`convert_model`], which converts a model. The scene model itself is the engine's, re-exported here. May
-//! import: the engine's scene model, the files that hold pictures. Must not know: buffers, lanes, pipelines,
-//! windows.
+//! For: [`load`], [`load_with_view`] and [`load_from`], which read every format; [`View`], which is also
+//! written; [`convert_model`], which converts a model. The scene model itself is the engine's, re-exported
+//! here. May import: the engine's scene model, the files that hold pictures. Must not know: buffers, lanes,
+//! pipelines, windows.
 //!
 //! | file | what it does |
 //! |---|---|
@@ -15,6 +15,7 @@
 //! | `obj`, `mtl`, `statements` | Wavefront OBJ and MTL, and the lines that both are made of |
 //! | `gltf` | glTF 2.0, as text (.gltf) and binary (.glb) |
 //! | `ply` | PLY, as text and in both binary orders |
+//! | `notes` | what is left out of a file, each kind once |
 //! | `tally` | counts a model's triangles; why a model cannot be used |
 //! | `placement` | scale, rotation and translation of a mesh |
 //! | `procedural` | generated meshes of any size |
@@ -46,6 +47,7 @@ mod material;
 mod model;
 mod mtl;
 mod native;
+mod notes;
 mod obj;
 mod placement;
 mod ply;
@@ -64,7 +66,7 @@ pub use builtin::names as builtin_names;
 pub use camera_path::{CameraPath, Keyframe};
 pub use convert::{Converted, convert_model};
 pub use error::SceneError;
-pub use load::{load, load_with_view};
+pub use load::{load, load_from, load_with_view};
 pub use model::{EXTENSIONS as MODEL_EXTENSIONS, is_model};
 pub use view::{Loaded, Rendering, View, view_fault};
 

@@ -56,7 +56,7 @@ impl Model {
         match self {
             Self::Obj(mesh) => obj::add(mesh, path, files, builder, material, placement),
             Self::Gltf(gltf) => gltf.add(path, files, builder, material, placement),
-            Self::Ply(mesh) => Ok(ply::add(mesh, path, builder, material, placement)),
+            Self::Ply(mesh) => ply::add(mesh, path, builder, material, placement),
         }
     }
 }

@@ -1,6 +1,6 @@
 //! Wavefront MTL: the materials that an OBJ file names.
 //!
-//! For: [`load`]. May import: `builder`, `files`, `statements`. Must not know: triangles.
+//! For: [`load`]. May import: `builder`, `files`, `notes`, `statements`. Must not know: triangles.
 //!
 //! Reads Kd (linear reflectance), map_Kd, Ke (radiance), `norm` (a normal map), and the statements that
 //! decide the type of the material:
@@ -33,10 +33,11 @@
 use super::builder::SceneBuilder;
 use super::error::SceneError;
 use super::files::Files;
+use super::notes::Notes;
 use super::statements::{Fault, logical_lines, name, numbers, words};
 use glam::{DVec3, Vec3};
 use octray_engine::scene::{Filter, MIN_LENGTH, Material, MaterialKind, TexelKind};
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
 /// Loads the libraries that an OBJ file at `obj` names into the builder; returns each material's index. A
@@ -49,7 +50,9 @@ pub fn load(
 ) -> Result<HashMap<String, u32>, SceneError> {
     let folder = obj.parent().unwrap_or(Path::new(""));
     let mut numbers = HashMap::new();
-    for library in libraries {
+    let mut seen = HashSet::new();
+    // Each once, however often the model names it.
+    for library in libraries.iter().filter(|library| seen.insert(*library)) {
         // One statement may name several libraries, or one whose name holds spaces.
         let whole = [library.as_str()];
         let names = if files.exists(&folder.join(library)) {
@@ -61,7 +64,7 @@ pub fn load(
             let path = folder.join(name);
             match files.read(&path) {
                 Ok(text) => {
-                    let mut notes = Notes::default();
+                    let mut notes = Notes::new(":");
                     let entries = parse(&text, &path, &mut notes)?;
                     notes.warn(&path, builder);
                     for entry in entries {
@@ -87,25 +90,6 @@ const LAYERS: [&[u8]; 5] = [b"Pc", b"Pcr", b"Ps", b"aniso", b"anisor"];
 const IOR: f64 = 1.5;
 /// A refractive material with an opacity below this is glass, and not a leaf or a curtain.
 const CLEAR: f64 = 0.5;
-
-/// What was ignored: each kind once, with its first line and the number of occurrences.
-#[derive(Default)]
-struct Notes(Vec<(String, usize, usize)>);
-
-impl Notes {
-    fn add(&mut self, line: usize, what: String) {
-        match self.0.iter_mut().find(|(known, ..)| *known == what) {
-            Some((.., count)) => *count += 1,
-            None => self.0.push((what, line, 1)),
-        }
-    }
-    fn warn(self, path: &Path, builder: &mut SceneBuilder) {
-        for (what, line, count) in self.0 {
-            let more = if count > 1 { format!(" ({} more like it)", count - 1) } else { String::new() };
-            builder.warn(format!("{}:{line}: {what}{more}.", path.display()));
-        }
-    }
-}
 
 /// A number, and the line that sets it.
 type Stated = Option<(f64, usize)>;
@@ -169,7 +153,7 @@ fn parse(text: &[u8], path: &Path, notes: &mut Notes) -> Result<Vec<Entry>, Scen
             _ if LAYERS.contains(&keyword) && numbers::<1>(rest, "a layer") == Ok([0.0]) => {}
             b"Tf" => entry.filter = numbers::<3>(rest, "a colour").ok().map(DVec3::from),
             _ if SILENT.contains(&keyword) || keyword.is_empty() || keyword.starts_with(b"#") => {}
-            _ => notes.add(line, format!("`{}` is not read", String::from_utf8_lossy(keyword))),
+            _ => notes.add(&line, format!("`{}` is not read", String::from_utf8_lossy(keyword))),
         }
     }
     entries.iter().for_each(|entry| entry.note_ignored(notes));
@@ -232,7 +216,7 @@ fn texture_path(keyword: &[u8], rest: &[u8], line: usize, notes: &mut Notes) -> 
         }
         if asks {
             let keyword = String::from_utf8_lossy(keyword);
-            notes.add(line, format!("the option `{option}` of `{keyword}` is not read"));
+            notes.add(&line, format!("the option `{option}` of `{keyword}` is not read"));
         }
     }
     Some(rest.to_string()).filter(|rest| !rest.is_empty())
@@ -297,24 +281,24 @@ impl Entry {
         if material_type != Type::Glass
             && let Some((_, line)) = self.stated_opacity().filter(|&(opacity, _)| opacity < 1.0)
         {
-            notes.add(line, "a partly transparent material that is not glass is shown opaque".to_string());
+            notes.add(&line, "a partly transparent material that is not glass is shown opaque".to_string());
         }
         if let (Type::Diffuse | Type::Plastic, Some((model, line))) = (material_type, self.illumination)
             && [4.0, 5.0, 8.0, 9.0].contains(&model)
         {
             notes.add(
-                line,
+                &line,
                 format!("`illum {model}` is shown diffuse: a mirror is `illum 3`, glass `illum 7`"),
             );
         }
         if material_type == Type::Glass
             && let Some((_, line)) = self.ior.filter(|&(ior, _)| ior == 1.0)
         {
-            notes.add(line, "glass with `Ni 1` does not refract and is invisible".to_string());
+            notes.add(&line, "glass with `Ni 1` does not refract and is invisible".to_string());
         }
         if material_type == Type::Glass && self.texture.is_some() {
             let line = [self.illumination, self.stated_opacity()].into_iter().flatten().next();
-            notes.add(line.map_or(1, |(_, line)| line), "glass is shown without its `map_Kd`".to_string());
+            notes.add(&line.map_or(1, |(_, line)| line), "glass is shown without its `map_Kd`".to_string());
         }
     }
 
@@ -349,9 +333,8 @@ impl Entry {
             loaded
                 .map_err(|reason| {
                     let (path, name) = (path.display(), &self.name);
-                    let warning =
-                        format!("{path}: the texture `{texture}` of `{name}` is left out: {reason}.");
-                    builder.warnings.push(warning);
+                    builder
+                        .warn(format!("{path}: the texture `{texture}` of `{name}` is left out: {reason}."));
                 })
                 .ok()
         };

@@ -4,6 +4,7 @@
 
 use serde::de::{Error, MapAccess, Visitor};
 use serde::{Deserialize, Deserializer};
+use std::collections::HashSet;
 use std::fmt;
 use std::marker::PhantomData;
 
@@ -163,8 +164,9 @@ impl<'de, T: Deserialize<'de>> Deserialize<'de> for Named<T> {
             }
             fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Self::Value, A::Error> {
                 let mut entries: Vec<(String, T)> = Vec::new();
+                let mut seen = HashSet::new();
                 while let Some((name, value)) = map.next_entry::<String, T>()? {
-                    if entries.iter().any(|(known, _)| *known == name) {
+                    if !seen.insert(name.clone()) {
                         return Err(A::Error::custom(format!("the name `{name}` occurs twice")));
                     }
                     entries.push((name, value));

@@ -55,7 +55,8 @@ struct Face {
 /// names may hold bytes that are not UTF-8.
 pub fn parse(text: &[u8], path: &Path) -> Result<Mesh, SceneError> {
     let mut mesh = Mesh::default();
-    let mut material = None;
+    // The material in use, and the index of each name.
+    let (mut material, mut materials) = (None, HashMap::new());
     for (line, content) in logical_lines(text) {
         let fault =
             |(what, mend): Fault| SceneError::new(what).in_file(path).at(format!("line {line}")).mend(mend);
@@ -73,11 +74,11 @@ pub fn parse(text: &[u8], path: &Path) -> Result<Mesh, SceneError> {
             b"mtllib" => mesh.libraries.push(name(rest)),
             b"usemtl" => {
                 let name = name(rest);
-                let known = mesh.materials.iter().position(|known| *known == name);
-                material = Some(known.unwrap_or_else(|| {
+                let next = mesh.materials.len();
+                material = Some(*materials.entry(name.clone()).or_insert(next));
+                if materials.len() > next {
                     mesh.materials.push(name);
-                    mesh.materials.len() - 1
-                }));
+                }
             }
             _ => {}
         }
@@ -98,6 +99,10 @@ fn texcoord(rest: &[u8]) -> Result<Vec2, Fault> {
 }
 
 impl Mesh {
+    /// The number of its triangles, those without area included.
+    fn triangles(&self) -> usize {
+        self.corners.len() - 2 * self.faces.len()
+    }
     fn push_face(&mut self, rest: &[u8], material: Option<usize>, line: usize) -> Result<(), Fault> {
         let start = self.corners.len();
         for word in words(rest) {
@@ -176,6 +181,7 @@ pub fn add(
     material: Option<u32>,
     placement: &Placement,
 ) -> Result<Option<Misplaced>, SceneError> {
+    builder.check_room(mesh.triangles()).map_err(|error| error.in_file(path))?;
     let own = match material {
         Some(_) => HashMap::new(),
         None => mtl::load(&mesh.libraries, path, files, builder)?,

@@ -2,12 +2,18 @@
 //!
 //! For: [`nearest`]. May import: nothing. Must not know: what is named.
 
+/// Longest name that is compared, in bytes: the time grows with the product of two lengths.
+const LONGEST: usize = 200;
+
 /// The known name nearest to a misspelt one, if any is within a third of its length; else the one known name
 /// that a word of two letters or more abbreviates: that begins with it (`rough`), holds it (`fov`), or begins
 /// what is written (`roughness_of_metal`).
 pub fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    if name.len() > LONGEST {
+        return None;
+    }
     let limit = (name.chars().count() / 3).max(1);
-    let known: Vec<&str> = known.into_iter().collect();
+    let known: Vec<&str> = known.into_iter().filter(|known| known.len() <= LONGEST).collect();
     known
         .iter()
         .map(|&known| (distance(&name.to_lowercase(), &known.to_lowercase()), known))

@@ -16,9 +16,13 @@ pub fn logical_lines(text: &[u8]) -> impl Iterator<Item = (usize, Cow<'_, [u8]>)
     std::iter::from_fn(move || {
         let (index, first) = lines.next()?;
         let mut content = Cow::Borrowed(first);
-        while let Some(head) = content.trim_ascii_end().strip_suffix(b"\\") {
+        while let Some(head) = content.trim_ascii_end().strip_suffix(b"\\").map(<[u8]>::len) {
             let Some((_, next)) = lines.next() else { break };
-            content = Cow::Owned([head, b" ", next].concat());
+            // In place: a copy for every line would take time by the square of their number.
+            let joined = content.to_mut();
+            joined.truncate(head);
+            joined.push(b' ');
+            joined.extend_from_slice(next);
         }
         Some((index + 1, content))
     })

@@ -5,7 +5,7 @@
 
 use super::files::Files;
 use crate::openexr;
-use image::{DynamicImage, ImageFormat, ImageReader};
+use image::{DynamicImage, ImageError, ImageFormat, ImageReader, Limits};
 use octray_engine::film::Picture;
 use octray_engine::scene::{Filter, TexelKind, Texels, Texture, srgb_to_linear};
 use std::collections::HashMap;
@@ -13,10 +13,21 @@ use std::fmt::Display;
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
 
+/// Most texels in a row and in a column of an image file.
+pub const MAX_IMAGE_SIDE: u32 = u16::MAX as u32;
+/// Most bytes that an image file may be decoded to.
+pub const MAX_IMAGE_BYTES: u64 = 512 << 20;
+/// Most bytes that the textures of a scene may take: four of a texel with 8 bits a channel, sixteen of
+/// others.
+const MAX_BYTES: usize = 4 << 30;
+/// What a texture counts at the least: it also has a name and a place in tables.
+const LEAST_BYTES: usize = 1 << 10;
+
 /// The textures of one scene; each file is loaded once for each filter and kind of texels.
 #[derive(Default)]
 pub struct Textures {
     pub list: Vec<Texture>,
+    bytes: usize,
     known: HashMap<(PathBuf, Filter, TexelKind), u32>,
 }
 
@@ -36,7 +47,7 @@ impl Textures {
             return Ok(known);
         }
         let (width, height, texels) = decode(&files.read(path)?, path, texel_kind)?;
-        Ok(self.add(key, Texture { name: name.to_string(), width, height, filter, texels }))
+        self.add(key, Texture { name: name.to_string(), width, height, filter, texels })
     }
     /// The same from an image file's content, of which `change` makes the texels that are kept. `path` names
     /// the image and the change.
@@ -54,13 +65,21 @@ impl Textures {
         }
         let (width, height, texels) = decode(&bytes()?, path, texel_kind)?;
         let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        Ok(self.add(key, Texture { name, width, height, filter, texels: change(texels) }))
+        self.add(key, Texture { name, width, height, filter, texels: change(texels) })
     }
-    fn add(&mut self, key: (PathBuf, Filter, TexelKind), texture: Texture) -> u32 {
+    fn add(&mut self, key: (PathBuf, Filter, TexelKind), texture: Texture) -> Result<u32, String> {
+        let bytes = match &texture.texels {
+            Texels::Srgb8(texels) | Texels::Unorm8(texels) => size_of_val(texels.as_slice()),
+            Texels::Float32(texels) => size_of_val(texels.as_slice()),
+        };
+        self.bytes += bytes.max(LEAST_BYTES);
+        if self.bytes > MAX_BYTES {
+            return Err(format!("the scene's textures take more than {MAX_BYTES} bytes"));
+        }
         let number = self.list.len() as u32;
         self.list.push(texture);
         self.known.insert(key, number);
-        number
+        Ok(number)
     }
 }
 
@@ -74,11 +93,21 @@ fn decode(bytes: &[u8], path: &Path, texel_kind: TexelKind) -> Result<(u32, u32,
         reader.set_format(format);
     }
     if reader.format() == Some(ImageFormat::OpenExr) {
-        let Picture { width, height, pixels } = openexr::read(bytes).map_err(broken)?;
+        let Picture { width, height, pixels } = openexr::read(bytes, MAX_IMAGE_BYTES / 12).map_err(broken)?;
+        if width.max(height) > MAX_IMAGE_SIDE {
+            return Err(too_large());
+        }
         return Ok((width, height, linear_texels(width, pixels)?));
     }
+    let mut limits = Limits::no_limits();
+    (limits.max_image_width, limits.max_image_height) = (Some(MAX_IMAGE_SIDE), Some(MAX_IMAGE_SIDE));
+    limits.max_alloc = Some(MAX_IMAGE_BYTES);
+    reader.limits(limits);
     let format = reader.format().ok_or("it is not a PNG, JPEG, BMP, TGA, HDR or EXR image")?;
-    let picture = reader.decode().map_err(broken)?;
+    let picture = reader.decode().map_err(|error| match error {
+        ImageError::Limits(_) => too_large(),
+        error => broken(error),
+    })?;
     let (width, height) = (picture.width(), picture.height());
     if width == 0 || height == 0 {
         return Err("the image has no pixels".to_string());
@@ -102,6 +131,13 @@ fn linear_texels(width: u32, pixels: Vec<[f32; 3]>) -> Result<Texels, String> {
         }
     }
     Ok(Texels::Float32(pixels.into_iter().map(|[r, g, b]| [r, g, b, 0.0]).collect()))
+}
+
+fn too_large() -> String {
+    format!(
+        "the image is larger than {MAX_IMAGE_SIDE} texels in width or height, or decodes to more than \
+         {MAX_IMAGE_BYTES} bytes"
+    )
 }
 
 fn broken(error: impl Display) -> String {

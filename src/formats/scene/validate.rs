@@ -3,13 +3,14 @@
 //! For: [`scene`], and [`camera`], which views share. May import: `native`, `material`, `model`, `builder`,
 //! `check`, `json`. Must not know: where the text came from.
 
-use super::builder::{DEFAULT_BOUNCES, DEFAULT_RESOLUTION, SceneBuilder};
+use super::builder::{DEFAULT_BOUNCES, DEFAULT_RESOLUTION, MAX_COPIES, SceneBuilder};
 use super::check::{
     WITHIN_BOUNDS, check_bounces, check_resolution, fits, number, radius, reflectance, turns, vec2, vec3,
 };
 use super::error::SceneError;
 use super::files::Files;
 use super::json::{JsonPath, Source, read};
+use super::model::Model;
 use super::native::{
     CameraFile, FORMAT, MeshFile, SceneFile, SideFile, SphereFile, TriangleFile, VIEW_FORMAT,
 };
@@ -20,6 +21,7 @@ use super::{material, model};
 use glam::{DVec3, Vec3};
 use octray_engine::scene::{Camera, Scene, Side, Sky, Sphere};
 use std::collections::HashMap;
+use std::rc::Rc;
 
 const AREA_MEND: &str = "remove the triangle, or move its vertices apart so that they span an area";
 
@@ -54,8 +56,9 @@ pub fn scene(source: &Source, files: &Files, name: String) -> Result<Scene, Scen
         add_triangle(source, &mut builder, &names, triangle, &triangles.item(i))?;
     }
     let meshes = root.key("meshes");
+    let mut models = Models::of(&file.meshes);
     for (i, mesh) in file.meshes.iter().enumerate() {
-        add_mesh(source, files, &mut builder, &names, mesh, &meshes.item(i))?;
+        add_mesh(source, files, &mut builder, &names, &mut models, mesh, &meshes.item(i))?;
     }
     if builder.is_empty() {
         let mend = "add an entry to `spheres`, `triangles` or `meshes`";
@@ -216,12 +219,33 @@ fn zero_area([a, b, c]: &[Vec3; 3]) -> &'static str {
     }
 }
 
-fn add_mesh(
+/// The models that a scene names more than once: each is read once.
+#[derive(Default)]
+struct Models<'a> {
+    /// How often a model is named.
+    uses: HashMap<&'a str, usize>,
+    read: HashMap<&'a str, Rc<Model>>,
+    /// Triangles of all copies.
+    copies: usize,
+}
+
+impl<'a> Models<'a> {
+    fn of(meshes: &'a [MeshFile]) -> Self {
+        let mut models = Self::default();
+        for name in meshes.iter().filter_map(|mesh| mesh.model.as_ref().or(mesh.obj.as_ref())) {
+            *models.uses.entry(name).or_default() += 1;
+        }
+        models
+    }
+}
+
+fn add_mesh<'a>(
     source: &Source,
     files: &Files,
     builder: &mut SceneBuilder,
     names: &Names,
-    file: &MeshFile,
+    models: &mut Models<'a>,
+    file: &'a MeshFile,
     place: &JsonPath,
 ) -> Result<(), SceneError> {
     let translate = file.translate.unwrap_or_default();
@@ -252,7 +276,8 @@ fn add_mesh(
         }
     };
     let path = files.resolve(name);
-    let bytes = files.read(&path).map_err(|reason| {
+    let known = models.read.get(name.as_str()).cloned();
+    let missing = |reason| {
         let what = format!("cannot read the mesh `{name}`: {reason}");
         let mend = format!(
             "the file searched for is {}: give the path of an .obj, .gltf, .glb or .ply file relative to the \
@@ -260,9 +285,23 @@ fn add_mesh(
             path.display()
         );
         source.error(&place.key(key), what, mend)
-    })?;
-    let model = model::read(&bytes, &path, files)?;
-    match model.add(&path, files, builder, material, &placement)? {
+    };
+    let model = match known {
+        Some(model) => model,
+        None => Rc::new(model::read(&files.read(&path).map_err(missing)?, &path, files)?),
+    };
+    let before = builder.triangles();
+    let misplaced = model.add(&path, files, builder, material, &placement)?;
+    let uses = models.uses[name.as_str()];
+    if uses > 1 && !models.read.contains_key(name.as_str()) {
+        models.read.insert(name, model);
+        models.copies += (builder.triangles() - before) * (uses - 1);
+        if models.copies > MAX_COPIES {
+            let what = format!("copies of models add up to more than {MAX_COPIES} triangles");
+            return Err(source.error(place, what, "name the model fewer times, or simplify it"));
+        }
+    }
+    match misplaced {
         Some(Misplaced::NoArea) => {
             let what = format!("the mesh `{name}` is invisible: all its faces have zero area");
             let mend = "use a larger `scale`, a smaller `translate`, or export the model again: its vertices \

@@ -4,7 +4,7 @@
 
 use super::super::error::SceneError;
 use super::super::json::{JsonPath, Source};
-use super::bytes;
+use super::bytes::{self, Buffer};
 use gltf_json::Root;
 use gltf_json::accessor::{Accessor, ComponentType, Type};
 use gltf_json::validation::Checked;
@@ -30,7 +30,7 @@ impl Numbers {
 pub struct Accessors<'a> {
     source: &'a Source<'a>,
     root: &'a Root,
-    buffers: &'a [Vec<u8>],
+    buffers: &'a [Buffer],
     read: HashMap<usize, Rc<Numbers>>,
     /// Numbers that may still be read: more than a file with any use needs, so that accessors that overlap,
     /// or that have no data, cannot take more memory than the file's size accounts for.
@@ -46,9 +46,9 @@ enum Fault {
 }
 
 impl<'a> Accessors<'a> {
-    pub fn new(source: &'a Source<'a>, root: &'a Root, buffers: &'a [Vec<u8>]) -> Self {
-        let bytes: usize = buffers.iter().map(Vec::len).sum();
-        Self { source, root, buffers, read: HashMap::new(), left: 1024 + 8 * bytes }
+    pub fn new(source: &'a Source<'a>, root: &'a Root, buffers: &'a [Buffer]) -> Self {
+        let left = 1024 + 8 * bytes::total(buffers);
+        Self { source, root, buffers, read: HashMap::new(), left }
     }
     pub fn root(&self) -> &'a Root {
         self.root

@@ -1,14 +1,17 @@
 //! The bytes of a glTF file: its JSON and binary parts, its buffers, data URIs.
 //!
-//! For: [`split`], [`buffers`], [`view`], [`from_uri`]. May import: `files`, `json`, `error`. Must not know:
-//! what the bytes mean.
+//! For: [`split`], [`Buffer`], [`buffers`], [`view`], [`from_uri`]. May import: `files`, `json`, `error`.
+//! Must not know: what the bytes mean.
 
 use super::super::error::SceneError;
 use super::super::files::Files;
 use super::super::json::{JsonPath, Source};
 use gltf_json::Root;
 use gltf_json::buffer::View;
+use std::collections::{HashMap, HashSet};
+use std::ops::Deref;
 use std::path::Path;
+use std::rc::Rc;
 
 /// The JSON text, and the binary part of a .glb file, of which all lengths are checked.
 pub fn split<'a>(content: &'a [u8], path: &Path) -> Result<(&'a str, Option<&'a [u8]>), SceneError> {
@@ -44,24 +47,49 @@ pub fn split<'a>(content: &'a [u8], path: &Path) -> Result<(&'a str, Option<&'a 
     Ok((json.ok_or_else(|| fault("the file has no JSON chunk".into()))?, binary))
 }
 
+/// The content of a buffer. Buffers of the same file share it.
+pub struct Buffer {
+    content: Rc<[u8]>,
+    length: usize,
+}
+
+impl Deref for Buffer {
+    type Target = [u8];
+
+    fn deref(&self) -> &[u8] {
+        &self.content[..self.length]
+    }
+}
+
+/// The bytes of all buffers, each file counted once.
+pub fn total(buffers: &[Buffer]) -> usize {
+    let mut seen = HashSet::new();
+    let first = buffers.iter().filter(|buffer| seen.insert(Rc::as_ptr(&buffer.content)));
+    first.map(|buffer| buffer.content.len()).sum()
+}
+
 /// The content of every buffer.
 pub fn buffers(
     source: &Source,
     root: &Root,
     binary: Option<&[u8]>,
     files: &Files,
-) -> Result<Vec<Vec<u8>>, SceneError> {
+) -> Result<Vec<Buffer>, SceneError> {
     let place = JsonPath::Root;
     let list = place.key("buffers");
     let mut buffers = Vec::new();
+    let mut read: HashMap<&str, Rc<[u8]>> = HashMap::new();
     for (index, buffer) in root.buffers.iter().enumerate() {
         let place = list.item(index);
-        let mut content = match (&buffer.uri, binary) {
-            (Some(uri), _) => from_uri(uri, source.file, files).map_err(|reason| {
-                let mend = "put the file beside the model, or export the model as .glb";
-                source.error(&place.key("uri"), format!("cannot read a buffer: {reason}"), mend)
-            })?,
-            (None, Some(binary)) if index == 0 => binary.to_vec(),
+        let content = match (&buffer.uri, binary) {
+            (Some(uri), _) if read.contains_key(uri.as_str()) => Rc::clone(&read[uri.as_str()]),
+            (Some(uri), _) => from_uri(uri, source.file, files)
+                .map_err(|reason| {
+                    let mend = "put the file beside the model, or export the model as .glb";
+                    source.error(&place.key("uri"), format!("cannot read a buffer: {reason}"), mend)
+                })?
+                .into(),
+            (None, Some(binary)) if index == 0 => binary.into(),
             (None, _) => {
                 let mend = "export the model again";
                 return Err(source.error(&place, "a buffer without `uri` and without a binary part", mend));
@@ -72,14 +100,16 @@ pub fn buffers(
             let what = format!("the buffer has {} bytes, not {length}", content.len());
             return Err(source.error(&place.key("byteLength"), what, "export the model again"));
         }
-        content.truncate(length as usize);
-        buffers.push(content);
+        if let Some(uri) = &buffer.uri {
+            read.insert(uri, Rc::clone(&content));
+        }
+        buffers.push(Buffer { content, length: length as usize });
     }
     Ok(buffers)
 }
 
 /// The bytes of a buffer view; `None` where it reaches beyond its buffer.
-pub fn view<'a>(view: &View, buffers: &'a [Vec<u8>]) -> Option<&'a [u8]> {
+pub fn view<'a>(view: &View, buffers: &'a [Buffer]) -> Option<&'a [u8]> {
     let buffer = buffers.get(view.buffer.value())?;
     let start = usize::try_from(view.byte_offset.unwrap_or_default().0).ok()?;
     let length = usize::try_from(view.byte_length.0).ok()?;

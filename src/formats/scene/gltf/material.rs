@@ -16,7 +16,8 @@ use super::super::builder::SceneBuilder;
 use super::super::error::SceneError;
 use super::super::files::Files;
 use super::super::json::{JsonPath, Source};
-use super::notes::Notes;
+use super::super::notes::Notes;
+use super::bytes::Buffer;
 use super::texture::{self, Images, Reference, UvMap};
 use glam::Vec3;
 use gltf_json::Root;
@@ -90,7 +91,7 @@ pub struct Materials<'a> {
 }
 
 impl<'a> Materials<'a> {
-    pub fn new(source: &'a Source<'a>, root: &'a Root, buffers: &'a [Vec<u8>], files: &'a Files) -> Self {
+    pub fn new(source: &'a Source<'a>, root: &'a Root, buffers: &'a [Buffer], files: &'a Files) -> Self {
         let images = Images { source, root, buffers, files };
         Self { images, added: HashMap::new(), default: None, uv_maps: HashMap::new() }
     }

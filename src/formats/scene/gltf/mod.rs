@@ -10,12 +10,11 @@
 //! | `geometry` | triangles, and their way into the scene |
 //! | `nodes` | the tree of nodes as placed meshes and a camera |
 //! | `material`, `texture` | materials and their textures |
-//! | `notes` | what is left out, each kind once |
 //!
 //! Meshes are copied to every node that shows them, because the hierarchy is flat: instances share the
 //! numbers read from the file while it is loaded, and their materials and textures, but no triangles. A file
 //! may be hostile: no number in it is used as an index or a size before it is checked, nodes are visited
-//! once, and [`MAX_TRIANGLES`] bounds what copies add up to.
+//! once, and [`MAX_COPIES`] bounds what copies add up to.
 //!
 //! The types come from `gltf-json`, the data types of the `gltf` crate. The rest of that crate is not used:
 //! its validation and its readers index by numbers from the file.
@@ -25,34 +24,30 @@ mod bytes;
 mod geometry;
 mod material;
 mod nodes;
-mod notes;
 mod texture;
 
-use super::builder::SceneBuilder;
+use super::builder::{MAX_COPIES, SceneBuilder};
 use super::check::fits;
 use super::error::SceneError;
 use super::files::Files;
 use super::json::{JsonPath, Source};
+use super::notes::Notes;
 use super::placement::Placement;
 use super::tally::{Misplaced, Tally};
 use geometry::{Geometry, Transform};
 use glam::DVec4;
 use gltf_json::Root;
-use notes::Notes;
 use octray_engine::scene::Camera;
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::path::Path;
-
-/// Most triangles of a model, all copies counted: 2.4 GB of vertices.
-const MAX_TRIANGLES: u64 = 1 << 26;
 
 /// A glTF file, read. Its geometry is checked by [`Gltf::add`].
 pub struct Gltf {
     root: Root,
     /// The text of the JSON part, for messages.
     text: String,
-    buffers: Vec<Vec<u8>>,
+    buffers: Vec<bytes::Buffer>,
     nodes: nodes::Placed,
 }
 
@@ -89,7 +84,7 @@ impl Gltf {
         placement: &Placement,
     ) -> Result<Option<Misplaced>, SceneError> {
         let source = Source { file: path, text: &self.text };
-        let mut notes = Notes::default();
+        let mut notes = Notes::new(": ");
         nodes::note_ignored(&self.root, &mut notes);
         let mut accessors = accessor::Accessors::new(&source, &self.root, &self.buffers);
         let mut materials = material::Materials::new(&source, &self.root, &self.buffers, files);
@@ -117,14 +112,15 @@ impl Gltf {
                     new.insert(parts)
                 }
             };
-            triangles += parts.iter().map(|(_, geometry)| geometry.triangles() as u64).sum::<u64>();
-            if triangles > MAX_TRIANGLES {
-                let what = format!("the model holds more than {MAX_TRIANGLES} triangles, copies counted");
+            triangles += parts.iter().map(|(_, geometry)| geometry.triangles()).sum::<usize>();
+            if triangles > MAX_COPIES {
+                let what = format!("the model holds more than {MAX_COPIES} triangles, copies counted");
                 let mend = "show the mesh on fewer nodes, or simplify it";
                 return Err(source.error(&JsonPath::Root.key("nodes"), what, mend));
             }
         }
         notes.warn(path, builder);
+        builder.check_room(triangles).map_err(|error| error.in_file(path))?;
         let mut tally = Tally::default();
         for (mesh, transform) in &self.nodes.meshes {
             for (own, geometry) in &meshes[mesh] {

@@ -4,7 +4,7 @@
 
 use super::super::error::SceneError;
 use super::super::json::{JsonPath, Source};
-use super::notes::Notes;
+use super::super::notes::Notes;
 use glam::{DMat4, DQuat, DVec3};
 use gltf_json::Root;
 use gltf_json::scene::Node;

@@ -6,8 +6,8 @@
 use super::super::builder::SceneBuilder;
 use super::super::files::Files;
 use super::super::json::{JsonPath, Source};
+use super::super::notes::Notes;
 use super::bytes;
-use super::notes::Notes;
 use glam::{DVec2, Vec2};
 use gltf_json::Root;
 use gltf_json::texture::{Info, MagFilter, WrappingMode};
@@ -82,7 +82,7 @@ impl Reference {
 pub struct Images<'a> {
     pub source: &'a Source<'a>,
     pub root: &'a Root,
-    pub buffers: &'a [Vec<u8>],
+    pub buffers: &'a [bytes::Buffer],
     pub files: &'a Files,
 }
 

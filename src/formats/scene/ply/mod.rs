@@ -83,6 +83,11 @@ fn skip(reader: &mut Reader, element: &Element, encoding: Encoding) -> Result<()
 }
 
 impl Mesh {
+    /// The number of its triangles, those without area included.
+    fn triangles(&self) -> usize {
+        let starts = std::iter::once(0).chain(self.ends.iter().copied());
+        starts.zip(&self.ends).map(|(start, end)| (end - start).saturating_sub(2)).sum()
+    }
     fn read_vertices(
         &mut self,
         reader: &mut Reader,
@@ -183,7 +188,8 @@ pub fn add(
     builder: &mut SceneBuilder,
     material: Option<u32>,
     placement: &Placement,
-) -> Option<Misplaced> {
+) -> Result<Option<Misplaced>, SceneError> {
+    builder.check_room(mesh.triangles()).map_err(|error| error.in_file(path))?;
     let colored = (material.is_none() && !mesh.colors.is_empty()).then(|| {
         let white = Material {
             name: "vertex colours".to_string(),
@@ -201,7 +207,7 @@ pub fn add(
     let material = colored.or(material).unwrap_or_else(|| builder.default_material());
     let positions: Vec<DVec3> = mesh.positions.iter().map(|&p| placement.point(p)).collect();
     if let Some(&outside) = positions.iter().find(|p| !p.to_array().into_iter().all(fits)) {
-        return Some(Misplaced::TooFar(outside));
+        return Ok(Some(Misplaced::TooFar(outside)));
     }
     let rotated = |normal: &Vec3| (placement.rotation * normal.as_dvec3()).as_vec3();
     let normals: Vec<Vec3> = mesh.normals.iter().map(rotated).collect();
@@ -230,5 +236,5 @@ pub fn add(
             });
         }
     }
-    tally.finish(path, builder)
+    Ok(tally.finish(path, builder))
 }

@@ -172,9 +172,8 @@ impl<'a> Reader<'a> {
                     let (Some(Some(scalar)), None | Some(Some(_))) = (scalar, length) else {
                         return Err(self.fault("the type of the property is unknown", MEND));
                     };
-                    let element = elements
-                        .last_mut()
-                        .ok_or_else(|| SceneError::new("a property of no element").in_file(self.path))?;
+                    let element =
+                        elements.last_mut().ok_or_else(|| self.fault("a property of no element", MEND))?;
                     element.properties.push(Property {
                         name: name.to_string(),
                         scalar,

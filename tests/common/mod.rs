@@ -37,16 +37,7 @@ pub fn empty() -> Scene {
 }
 
 pub fn material(kind: MaterialKind) -> Material {
-    Material {
-        name: "m".into(),
-        kind,
-        color: Vec3::ONE,
-        texture: None,
-        roughness_map: None,
-        emission_map: None,
-        normal_map: None,
-        emission: Vec3::ZERO,
-    }
+    Material::new("m", kind, Vec3::ONE)
 }
 
 pub fn sphere(center: Vec3, radius: f32, material: u32) -> Sphere {

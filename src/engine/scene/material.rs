@@ -28,6 +28,19 @@ pub struct Material {
 }
 
 impl Material {
+    /// A material without textures that emits nothing.
+    pub fn new(name: impl Into<String>, kind: MaterialKind, color: Vec3) -> Self {
+        Self {
+            name: name.into(),
+            kind,
+            color,
+            texture: None,
+            roughness_map: None,
+            normal_map: None,
+            emission: Vec3::ZERO,
+            emission_map: None,
+        }
+    }
     /// All textures of the material.
     pub fn textures(&self) -> impl Iterator<Item = u32> {
         [self.texture, self.roughness_map, self.normal_map, self.emission_map].into_iter().flatten()

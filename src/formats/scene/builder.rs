@@ -50,19 +50,8 @@ impl SceneBuilder {
     /// The material of primitives that name none.
     pub fn default_material(&mut self) -> u32 {
         self.default_material.unwrap_or_else(|| {
-            let number = self.add_material(
-                Material {
-                    name: "default".to_string(),
-                    kind: MaterialKind::Diffuse,
-                    color: Vec3::splat(0.8),
-                    texture: None,
-                    roughness_map: None,
-                    emission_map: None,
-                    normal_map: None,
-                    emission: Vec3::ZERO,
-                },
-                1.0,
-            );
+            let number =
+                self.add_material(Material::new("default", MaterialKind::Diffuse, Vec3::splat(0.8)), 1.0);
             self.default_material = Some(number);
             number
         })

@@ -217,16 +217,7 @@ mod tests {
 
     #[test]
     fn unique_names_numbers_duplicates() {
-        let material = |name: &str| Material {
-            name: name.to_string(),
-            kind: MaterialKind::Diffuse,
-            color: Vec3::ONE,
-            texture: None,
-            roughness_map: None,
-            normal_map: None,
-            emission: Vec3::ZERO,
-            emission_map: None,
-        };
+        let material = |name: &str| Material::new(name, MaterialKind::Diffuse, Vec3::ONE);
         assert_eq!(
             unique_names(&["a", "a", "b", "a 2", "a"].map(material)),
             ["a", "a 2", "b", "a 2 2", "a 3"]

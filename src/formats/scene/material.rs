@@ -31,8 +31,8 @@ pub fn material(
     check_keys(source, file, place)?;
     let roughness = place.key("roughness");
     // A map without `roughness` is the roughness itself: it multiplies 1.
-    let least = if file.roughness_map.is_some() || file.r#type == "metal-rough" { 1.0 } else { 0.0 };
-    let stated_roughness = file.roughness.unwrap_or(least);
+    let unstated = if file.roughness_map.is_some() || file.r#type == "metal-rough" { 1.0 } else { 0.0 };
+    let stated_roughness = file.roughness.unwrap_or(unstated);
     let kind = match file.r#type.as_str() {
         "diffuse" => MaterialKind::Diffuse,
         "metal" => MaterialKind::Metal { roughness: fraction(source, &roughness, stated_roughness)? },

@@ -344,14 +344,11 @@ impl Entry {
             if kind.has_roughness() { load(&self.roughness_map, TexelKind::Data) } else { None };
         let normal_map = load(&self.normal_map, TexelKind::Data);
         let material = Material {
-            name: self.name.clone(),
-            kind,
-            color: color.clamp(DVec3::ZERO, DVec3::ONE).as_vec3(),
             texture,
             roughness_map,
             normal_map,
             emission: self.emission.as_vec3().max(Vec3::ZERO),
-            emission_map: None,
+            ..Material::new(&self.name, kind, color.clamp(DVec3::ZERO, DVec3::ONE).as_vec3())
         };
         builder.add_material(material, 1.0)
     }

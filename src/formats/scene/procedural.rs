@@ -72,19 +72,6 @@ impl Shape {
     }
 }
 
-fn material(name: &str, kind: MaterialKind, color: [f32; 3]) -> Material {
-    Material {
-        name: name.into(),
-        kind,
-        color: color.into(),
-        texture: None,
-        roughness_map: None,
-        emission_map: None,
-        normal_map: None,
-        emission: Vec3::ZERO,
-    }
-}
-
 /// The whole number nearest to a quotient.
 fn rounded_quotient(over: usize, under: usize) -> usize {
     (over + under / 2) / under
@@ -118,11 +105,14 @@ const TERRAIN_SIDE: f64 = 10.0;
 const WATER: f64 = 0.42;
 
 fn terrain(builder: &mut SceneBuilder, cells: usize) -> (Camera, Sky) {
-    let grass = builder.add_material(material("grass", MaterialKind::Diffuse, [0.19, 0.25, 0.08]), 1.0);
-    let rock = builder.add_material(material("rock", MaterialKind::Diffuse, [0.34, 0.29, 0.25]), 1.0);
-    let snow = builder.add_material(material("snow", MaterialKind::Diffuse, [0.88, 0.9, 0.93]), 1.0);
+    let grass =
+        builder.add_material(Material::new("grass", MaterialKind::Diffuse, Vec3::new(0.19, 0.25, 0.08)), 1.0);
+    let rock =
+        builder.add_material(Material::new("rock", MaterialKind::Diffuse, Vec3::new(0.34, 0.29, 0.25)), 1.0);
+    let snow =
+        builder.add_material(Material::new("snow", MaterialKind::Diffuse, Vec3::new(0.88, 0.9, 0.93)), 1.0);
     let water = MaterialKind::Metal { roughness: 0.12 };
-    let water = builder.add_material(material("water", water, [0.32, 0.45, 0.52]), 1.0);
+    let water = builder.add_material(Material::new("water", water, Vec3::new(0.32, 0.45, 0.52)), 1.0);
     let columns = ((cells as f64).sqrt().round() as usize).max(1);
     let rows = rounded_quotient(cells, columns).max(1);
     let at = |i: usize, count: usize| (i as f64 / count as f64 - 0.5) * TERRAIN_SIDE;
@@ -197,7 +187,7 @@ const TUBE: f64 = 0.28;
 
 fn knot(builder: &mut SceneBuilder, cells: usize) -> (Camera, Sky) {
     let copper = MaterialKind::Metal { roughness: 0.35 };
-    let copper = builder.add_material(material("copper", copper, [0.9, 0.45, 0.24]), 1.0);
+    let copper = builder.add_material(Material::new("copper", copper, Vec3::new(0.9, 0.45, 0.24)), 1.0);
     let [around_axis, around_ring] = WINDINGS;
     // Quads are about square.
     let length = TAU * portable::hypot(around_axis * RING, around_ring * TORUS);

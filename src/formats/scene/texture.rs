@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 /// Most texels in a row and in a column of an image file.
 pub const MAX_IMAGE_SIDE: u32 = u16::MAX as u32;
 /// Most bytes that an image file may be decoded to.
-pub const MAX_IMAGE_BYTES: u64 = 512 << 20;
+pub const MAX_IMAGE_BYTES: u64 = 2 << 30;
 /// Most bytes that the textures of a scene may take: four of a texel with 8 bits a channel, sixteen of
 /// others.
 const MAX_BYTES: usize = 4 << 30;

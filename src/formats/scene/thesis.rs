@@ -276,16 +276,7 @@ impl Loader<'_> {
         if let Some(&number) = self.known.get(&key) {
             return Ok(number);
         }
-        let material = Material {
-            name: place.to_string(),
-            kind,
-            color,
-            texture,
-            roughness_map: None,
-            emission_map: None,
-            normal_map: None,
-            emission,
-        };
+        let material = Material { texture, emission, ..Material::new(place.to_string(), kind, color) };
         let number = self.builder.add_material(material, TEXTURE_SIZE);
         self.known.insert(key, number);
         Ok(number)

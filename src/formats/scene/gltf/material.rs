@@ -218,16 +218,7 @@ fn plain(file: &MaterialFile, name: String) -> Material {
         let (roughness, metallic) = (fraction(pbr.roughness_factor.0), fraction(pbr.metallic_factor.0));
         (MaterialKind::MetalRough { roughness, metallic, ior }, color, emission * strength as f32)
     };
-    Material {
-        name,
-        kind,
-        color,
-        texture: None,
-        roughness_map: None,
-        normal_map: None,
-        emission,
-        emission_map: None,
-    }
+    Material { emission, ..Material::new(name, kind, color) }
 }
 
 /// Notes what of a material is left out.

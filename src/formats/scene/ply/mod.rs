@@ -191,16 +191,7 @@ pub fn add(
 ) -> Result<Option<Misplaced>, SceneError> {
     builder.check_room(mesh.triangles()).map_err(|error| error.in_file(path))?;
     let colored = (material.is_none() && !mesh.colors.is_empty()).then(|| {
-        let white = Material {
-            name: "vertex colours".to_string(),
-            kind: MaterialKind::Diffuse,
-            color: Vec3::ONE,
-            texture: None,
-            roughness_map: None,
-            normal_map: None,
-            emission: Vec3::ZERO,
-            emission_map: None,
-        };
+        let white = Material::new("vertex colours", MaterialKind::Diffuse, Vec3::ONE);
         let white = builder.add_material(white, 1.0);
         builder.colored(white).expect("the material has no texture")
     });

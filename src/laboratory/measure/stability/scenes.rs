@@ -74,16 +74,7 @@ impl RenderMethods {
 
 /// No primitive, and one diffuse material.
 pub fn empty() -> Scene {
-    let diffuse = Material {
-        name: "diffuse".into(),
-        kind: MaterialKind::Diffuse,
-        color: Vec3::ONE,
-        texture: None,
-        roughness_map: None,
-        emission_map: None,
-        normal_map: None,
-        emission: Vec3::ZERO,
-    };
+    let diffuse = Material::new("diffuse", MaterialKind::Diffuse, Vec3::ONE);
     Scene {
         name: "recipe".into(),
         camera: Camera { position: Vec3::ZERO, look_at: Vec3::Z, up: Vec3::Y, vertical_fov: 90.0 },

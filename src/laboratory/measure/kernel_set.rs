@@ -17,7 +17,7 @@ use glam::Vec3 as Point;
 /// Rays: 64 packets of eight.
 pub const RAYS: usize = 512;
 /// Primitives of each kind, as in a small scene; all fit into the first-level cache.
-pub const PRIMITIVES: usize = 64;
+pub(crate) const PRIMITIVES: usize = 64;
 /// Largest absolute coordinate of a box.
 const EXTENT: f32 = 2.0;
 /// Tests of one ray against one primitive.
@@ -36,6 +36,7 @@ pub fn triangles<T: TriangleMethod>() -> Vec<T::Stored> {
 /// Result of all tests of a set.
 #[derive(Clone, Copy, Debug)]
 pub struct Found {
+    /// Tests that hit, of [`TESTS`].
     pub hits: usize,
     /// Sum of t over the hits.
     pub distance: f32,

@@ -62,12 +62,14 @@ impl TraceMethod {
 
 /// A scene with the hierarchy and the buffers that all methods read.
 pub struct PreparedScene {
+    /// Wide and binary trees: some traversals read the one, some the other.
     pub hierarchy: Hierarchy,
     buffers: Buffers,
     triangles: Vec<<Woop as TriangleMethod>::Stored>,
 }
 
 impl PreparedScene {
+    /// Stores the primitives as buffers beside a hierarchy of the same scene.
     pub fn new(scene: &Scene, hierarchy: Hierarchy) -> Self {
         Self { hierarchy, buffers: Buffers::new(scene), triangles: store_triangles::<Woop>(scene) }
     }
@@ -136,6 +138,7 @@ impl TracePool {
     pub fn new(threads: usize) -> Self {
         Self(Threads::new(threads, Tracer::new))
     }
+    /// Number of worker threads.
     pub fn threads(&self) -> usize {
         self.0.count()
     }

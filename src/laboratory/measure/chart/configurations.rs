@@ -20,6 +20,7 @@ use serde::Serialize;
 pub struct Configuration {
     /// The difference from the default.
     pub name: &'static str,
+    /// All of them, the changed one included.
     pub settings: Settings,
     /// Whether sampling is adaptive.
     pub adaptive: bool,

@@ -20,7 +20,9 @@ pub type Trial = fn(&mut Rng, f64, usize) -> FailureCounts;
 pub struct Recipe {
     /// Short name, for the command line and for files: `spheres-far`.
     pub name: &'static str,
+    /// What is difficult, as the heading of a figure.
     pub title: &'static str,
+    /// What varies along the axis, with its unit.
     pub axis: &'static str,
     /// Places on the axis, ascending. It is logarithmic; 0 may come first.
     pub places: &'static [f64],
@@ -32,6 +34,7 @@ pub struct Recipe {
     pub source: &'static str,
     /// Cases at each place, with an effort of 1.
     pub cases: usize,
+    /// The methods that are tried, the default among them.
     pub methods: &'static [Method<Trial>],
     /// Bound of the default method, by place.
     pub bound: fn(f64) -> Bound,
@@ -81,7 +84,9 @@ impl Effort {
 /// Failures and errors of a method.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FailureCounts {
+    /// Cases, failed or not.
     pub tested: usize,
+    /// Cases that failed.
     pub failures: usize,
     /// Errors of the cases that did not fail, where measured.
     pub errors: Vec<f64>,
@@ -89,13 +94,13 @@ pub struct FailureCounts {
 
 impl FailureCounts {
     /// Records a case without an error.
-    pub fn record(&mut self, failed: bool) {
+    pub(crate) fn record(&mut self, failed: bool) {
         self.tested += 1;
         self.failures += usize::from(failed);
     }
     /// Records a case that did not fail, with its error. An error that is NaN or infinite is a failure: in
     /// quantiles it would go unnoticed.
-    pub fn record_error(&mut self, error: f64) {
+    pub(crate) fn record_error(&mut self, error: f64) {
         if error.is_finite() {
             self.tested += 1;
             self.errors.push(error);
@@ -114,42 +119,59 @@ impl FailureCounts {
 /// The result of a recipe.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Outcome {
+    /// [`Recipe::name`].
     pub recipe: &'static str,
+    /// [`Recipe::title`].
     pub title: &'static str,
+    /// [`Recipe::axis`].
     pub axis: &'static str,
+    /// [`Recipe::failure`].
     pub failure: &'static str,
+    /// [`Recipe::error`].
     pub error: Option<&'static str>,
+    /// [`Recipe::source`].
     pub source: &'static str,
     /// Whether the default method keeps its bounds.
     pub holds: bool,
+    /// One per method, in the order of the recipe.
     pub curves: Vec<Curve>,
 }
 
 /// One method along the axis.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Curve {
+    /// Its name.
     pub method: &'static str,
     /// Whether this is the renderer's default.
     pub default: bool,
+    /// By place, ascending.
     pub points: Vec<Point>,
 }
 
-/// One method at one place of the axis. Quantiles are those of the error where the
-/// method did not fail; `None` where no error is measured.
+/// One method at one place of the axis. Quantiles are those of the error where the method did not fail;
+/// `None` where no error is measured.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Point {
+    /// The place, in the unit of [`Recipe::axis`].
     pub x: f64,
+    /// Cases, failed or not.
     pub tested: usize,
+    /// Cases that failed.
     pub failures: usize,
+    /// Median error, in the unit of [`Recipe::error`].
     pub p50: Option<f64>,
+    /// 90th percentile of the error.
     pub p90: Option<f64>,
+    /// 99th percentile of the error, which bounds limit.
     pub p99: Option<f64>,
+    /// Largest error.
     pub max: Option<f64>,
     /// Of the default method only.
     pub bound: Option<Bound>,
 }
 
 impl Outcome {
+    /// The curve of the method of this name.
     pub fn curve(&self, method: &str) -> Option<&Curve> {
         self.curves.iter().find(|curve| curve.method == method)
     }

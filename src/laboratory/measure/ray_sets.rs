@@ -145,7 +145,7 @@ impl RaySet {
         self.t_max.is_empty()
     }
     /// The view that traversals read.
-    pub fn rays(&self) -> Rays<'_> {
+    pub(crate) fn rays(&self) -> Rays<'_> {
         Rays {
             origin: self.origin.each_ref().map(Vec::as_slice),
             direction: self.direction.each_ref().map(Vec::as_slice),
@@ -198,7 +198,7 @@ impl Answers {
         Hits { t: &mut self.t, primitive: &mut self.primitive, u: &mut self.u, v: &mut self.v }
     }
     /// The hit of ray `at`.
-    pub fn get(&self, at: usize) -> Hit<f32> {
+    pub(crate) fn get(&self, at: usize) -> Hit<f32> {
         Hit { t: self.t[at], primitive: self.primitive[at], u: self.u[at], v: self.v[at] }
     }
     /// Number of hits.

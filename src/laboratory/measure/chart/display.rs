@@ -1,6 +1,6 @@
 //! Error and time of the display filters on frames of a few samples.
 //!
-//! For: [`measure`]. May import: `display`, `ground_truth`, `errors`, `flip`, `quantiles`. Must not know: how
+//! For: `measure`. May import: `display`, `ground_truth`, `errors`, `flip`, `quantiles`. Must not know: how
 //! results are drawn.
 
 use super::ground_truth::GroundTruth;

@@ -1,7 +1,7 @@
 //! The interactive view: frames per second on all cores, and the error of the accumulated picture after a
 //! given time.
 //!
-//! For: [`measure`]. May import: `configurations`, `ground_truth`, `errors`, `flip`, `quantiles`. Must not
+//! For: `measure`. May import: `configurations`, `ground_truth`, `errors`, `flip`, `quantiles`. Must not
 //! know: how results are drawn.
 
 use super::configurations::Configuration;

@@ -28,7 +28,7 @@ pub struct GroundTruth {
     /// At the size of frames, linear RGB.
     pub frame: Picture,
     /// The same view at 1/[`SHRINK`] of the width and height: each pixel the mean of a square.
-    pub small: Picture,
+    pub(crate) small: Picture,
     /// Its samples and its own error.
     pub info: GroundTruthInfo,
 }

@@ -82,7 +82,7 @@ impl Plan {
     }
 
     /// The default settings of a frame.
-    pub fn frame(&self, scene: &Scene) -> Settings {
+    pub(crate) fn frame(&self, scene: &Scene) -> Settings {
         let resolution = self.size.map(|side| side * SHRINK);
         Settings { resolution, max_bounces: self.max_bounces, ..Settings::of(scene) }
     }

@@ -1,6 +1,6 @@
 //! Error against time: every configuration from one sample per pixel on, with several seeds.
 //!
-//! For: [`measure`]. May import: `configurations`, `ground_truth`, `errors`, `flip`, `pareto`, `quantiles`.
+//! For: `measure`. May import: `configurations`, `ground_truth`, `errors`, `flip`, `pareto`, `quantiles`.
 //! Must not know: how results are drawn.
 
 use super::configurations::{Configuration, Group};

@@ -15,7 +15,7 @@ pub struct Method<F> {
     /// Whether this is the renderer's default.
     pub default: bool,
     /// What the recipe, the chart or the test runs with it.
-    pub run: F,
+    pub(crate) run: F,
 }
 
 impl<F> Method<F> {

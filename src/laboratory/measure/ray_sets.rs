@@ -141,7 +141,8 @@ impl RaySet {
     pub fn len(&self) -> usize {
         self.t_max.len()
     }
-    pub(crate) fn is_empty(&self) -> bool {
+    /// Whether there is no ray: a camera that sees no surface has no secondary rays.
+    pub fn is_empty(&self) -> bool {
         self.t_max.is_empty()
     }
     /// The view that traversals read.

@@ -80,6 +80,7 @@
 //! - **Safe.** No `unsafe`; the dependencies `wide` and `bytemuck` contain what is needed.
 
 #![forbid(unsafe_code)]
+#![warn(missing_docs)]
 
 pub use octray_engine::{
     adaptive, buffers, bvh, camera, choice, display, film, integrate, kernel, lane, math, render, sampling,

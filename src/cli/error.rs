@@ -50,8 +50,10 @@ pub enum CliError {
     #[error(transparent)]
     Window(#[from] crate::viewer::WindowError),
     /// There is nothing to show.
+    #[cfg(feature = "viewer")]
     #[error("{what}\n  {mend}")]
     Nothing { what: String, mend: &'static str },
+    #[cfg(feature = "viewer")]
     #[error("cannot draw in this terminal")]
     Terminal(#[source] io::Error),
     #[error("cannot write to standard output")]

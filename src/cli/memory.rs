@@ -1,7 +1,7 @@
 //! Memory of large pictures, checked before a rendering starts.
 //!
-//! For: [`check`], [`room_for`]. May import: `machine`, `report`'s numbers. Must not know: the use of the
-//! memory.
+//! For: [`check`], [`room_for`] (of the viewer). May import: `machine`, `report`'s numbers. Must not know:
+//! the use of the memory.
 
 use super::error::CliError;
 use super::terminal;
@@ -23,6 +23,7 @@ pub fn check(size: [u32; 2], bytes_per_pixel: usize) -> Result<(), CliError> {
 }
 
 /// The same without warnings: the reason for a refusal.
+#[cfg(feature = "viewer")]
 pub fn room_for(size: [u32; 2], bytes_per_pixel: usize) -> Result<(), String> {
     judge(size, bytes_per_pixel, machine::available_memory()).map(|_| ()).map_err(|error| error.to_string())
 }

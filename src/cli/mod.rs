@@ -5,61 +5,60 @@
 //!
 //! | file | what it does |
 //! |---|---|
-//! | [`args`], [`groups`] | raw arguments: names, shapes, help texts |
-//! | [`options`], [`picture`], [`methods`], [`limits`], [`numbers`] | validated options: names known, numbers in range |
-//! | [`overrides`] | settings that the command line or a view overrides |
-//! | [`mod@bench`], [`compare`], [`render`], [`rays`], [`chart`], `view` | commands |
-//! | [`stability`], [`merge`], [`convert`], [`inspect`] | commands |
-//! | [`scenes`] | loads the scenes of commands |
-//! | [`trace`], [`interrupt`], [`progress`] | sampling up to a limit, Ctrl-C, progress lines |
-//! | [`jobs`], [`frames`] | of `render`: the pictures or parts of one call, and their files |
-//! | [`checkpoint`] | of `render`: saves the film and resumes from it |
-//! | [`samples_map`] | of `render`: a picture of the number of samples |
-//! | [`ground_truth`] | of `chart`: the cache of ground truths |
-//! | [`ray_dump`] | of `rays`: rays and hits as files |
-//! | [`machine_check`] | refuses a machine without the instructions compiled for |
-//! | [`memory`] | refuses pictures that do not fit into memory |
-//! | [`terminal`] | the only writer to standard output and standard error |
-//! | [`error`] | errors and exit codes |
+//! | `args`, `groups` | raw arguments: names, shapes, help texts |
+//! | `options`, `picture`, `methods`, `limits`, `numbers` | validated options: names known, numbers in range |
+//! | `overrides` | settings that the command line or a view overrides |
+//! | `bench`, `compare`, `render`, `rays`, `chart`, `view` | commands |
+//! | `stability`, `merge`, `convert`, `inspect` | commands |
+//! | `scenes` | loads the scenes of commands |
+//! | `trace`, `interrupt`, `progress` | sampling up to a limit, Ctrl-C, progress lines |
+//! | `jobs`, `frames` | of `render`: the pictures or parts of one call, and their files |
+//! | `checkpoint` | of `render`: saves the film and resumes from it |
+//! | `samples_map` | of `render`: a picture of the number of samples |
+//! | `ground_truth` | of `chart`: the cache of ground truths |
+//! | `ray_dump` | of `rays`: rays and hits as files |
+//! | `machine_check` | refuses a machine without the instructions compiled for |
+//! | `memory` | refuses pictures that do not fit into memory |
+//! | `terminal` | the only writer to standard output and standard error |
+//! | `error` | errors and exit codes |
 
-pub mod args;
-pub mod bench;
-pub mod chart;
-pub mod checkpoint;
-pub mod compare;
-pub mod convert;
-pub mod error;
-pub mod frames;
-pub mod ground_truth;
-pub mod groups;
-pub mod inspect;
-pub mod interrupt;
-pub mod jobs;
-pub mod limits;
-pub mod machine_check;
-pub mod memory;
-pub mod merge;
-pub mod methods;
-pub mod numbers;
-pub mod options;
-pub mod overrides;
-pub mod picture;
-pub mod progress;
-pub mod ray_dump;
-pub mod rays;
-pub mod render;
-pub mod samples_map;
-pub mod scenes;
-pub mod stability;
-pub mod terminal;
-pub mod trace;
+mod args;
+mod bench;
+mod chart;
+mod checkpoint;
+mod compare;
+mod convert;
+mod error;
+mod frames;
+mod ground_truth;
+mod groups;
+mod inspect;
+mod interrupt;
+mod jobs;
+mod limits;
+mod machine_check;
+mod memory;
+mod merge;
+mod methods;
+mod numbers;
+mod options;
+mod overrides;
+mod picture;
+mod progress;
+mod ray_dump;
+mod rays;
+mod render;
+mod samples_map;
+mod scenes;
+mod stability;
+mod terminal;
+mod trace;
 #[cfg(feature = "viewer")]
-pub mod view;
-
-pub use error::{BAD_INPUT, CHECK_FAILED, CliError, INTERRUPTED};
+mod view;
 
 use args::{Args, Command};
 use clap::Parser;
+use error::{BAD_INPUT, CliError};
 use std::process::ExitCode;
 
 const WELCOME: &str = "\

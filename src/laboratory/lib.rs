@@ -12,7 +12,7 @@
 //! |---|---|
 //! | [`mod@reference`] | path tracing in f64, one ray and one primitive at a time; shares no equation with the engine |
 //! | [`measure::quantiles`] | medians, quantiles, spreads; rounds of a measurement |
-//! | [`measure::errors`], [`measure::flip`] | image metrics: RMSE, relative MSE, FLIP |
+//! | `measure::errors`, [`measure::flip`] | image metrics: RMSE, relative MSE, FLIP |
 //! | [`measure::timed`] | renderers timed in alternating rounds, ratios of their speeds |
 //! | [`measure::ray_sets`], [`measure::trace`] | prepared rays; the traversals that trace them, on one thread or many |
 //! | [`measure::stats`] | time by stage, rays by kind, tests per ray |
@@ -30,6 +30,7 @@
 //! - Random inputs are a function of fixed seeds: a failure can be repeated.
 
 #![forbid(unsafe_code)]
+#![warn(missing_docs)]
 
 // The engine's modules under the paths that they have in the program: `crate::film`, `crate::scene`.
 use octray_engine::{

@@ -3,7 +3,7 @@
 //! For: [`Machine`], part of every JSON report. May import: `features`, `wording`. Must not know: what was
 //! measured.
 
-pub mod features;
+pub(crate) mod features;
 
 use crate::wording::counted;
 use serde::Serialize;

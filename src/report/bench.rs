@@ -20,10 +20,13 @@ const BUSY: f64 = 0.6;
 /// The JSON report.
 #[derive(Debug, Serialize)]
 pub struct Report {
+    /// Name and version of the report's form.
     pub schema: &'static str,
+    /// What the figures were measured with.
     pub machine: Machine,
-    /// From the start of the command to the end of its first frame.
+    /// Milliseconds from the start of the command to the end of its first frame.
     pub first_frame_ms: f64,
+    /// By scene, then by engine.
     pub results: Vec<Measurement>,
     /// One sample of each scene: SIMD against scalar and against the f64 reference. A speed is reported with
     /// its accuracy.

@@ -1,6 +1,6 @@
 //! The JSON report of `octray chart`, and which drawings it has.
 //!
-//! For: [`Chart`], [`drawings`], [`verdict`]. May import: `chart_drawings`, `chart_kernels`,
+//! For: [`Chart`], `drawings`, `verdict`. May import: `chart_drawings`, `chart_kernels`,
 //! `measure::chart`. Must not know: files, pages.
 
 use super::chart_drawings::{Measure, display, frames, motion, of_pictures};
@@ -15,22 +15,29 @@ use serde::Serialize;
 /// All figures of a run.
 #[derive(Clone, Debug, Serialize)]
 pub struct Chart {
+    /// [`SCHEMA`].
     pub schema: &'static str,
+    /// What it was measured with.
     pub machine: Machine,
-    /// Time allowed, and time taken.
+    /// Seconds allowed, for all scenes together.
     pub budget_s: f64,
+    /// Seconds taken.
     pub seconds: f64,
+    /// Most scattering events of a path.
     pub max_bounces: u32,
     /// Number of seeds behind every median of `pictures`.
     pub seeds: u32,
+    /// The intersection methods alone, at both widths.
     pub kernels: Vec<Kernel>,
+    /// Error against time, a chart a scene.
     pub scenes: Vec<SceneChart>,
 }
 
+/// Name and version of the JSON report's form.
 pub const SCHEMA: &str = "octray-chart-1";
 
 /// All drawings of a chart.
-pub fn drawings(chart: &Chart) -> Vec<Drawing> {
+pub(crate) fn drawings(chart: &Chart) -> Vec<Drawing> {
     let mut all = intersection(&chart.kernels);
     for scene in &chart.scenes {
         all.extend(Measure::ALL.map(|measure| of_pictures(scene, chart.seeds, measure)));
@@ -40,7 +47,7 @@ pub fn drawings(chart: &Chart) -> Vec<Drawing> {
 }
 
 /// The verdict on a configuration.
-pub fn verdict(line: &pictures::Line) -> String {
+pub(crate) fn verdict(line: &pictures::Line) -> String {
     let rings = line.points.iter().filter(|point| point.on_front).count();
     let place = match line.dominated_by {
         _ if line.is_broken() => "NOT the default's picture".to_owned(),

@@ -15,16 +15,20 @@ const FEWEST_ROUNDS: usize = 3;
 /// The JSON report.
 #[derive(Debug, Serialize)]
 pub struct Report {
+    /// Name and version of the report's form.
     pub schema: &'static str,
+    /// One a scene.
     pub results: Vec<Comparison>,
 }
 
 /// The JSON report of `--hash`.
 #[derive(Debug, Serialize)]
 pub struct HashReport {
+    /// Name and version of the report's form.
     pub schema: &'static str,
     /// Whether this build has fused multiply-add.
     pub fused: bool,
+    /// One a scene.
     pub results: Vec<FilmHash>,
 }
 
@@ -37,6 +41,7 @@ impl Default for HashReport {
 /// The hash of a scene's film: see [`crate::film::Picture::hash`].
 #[derive(Debug, Serialize)]
 pub struct FilmHash {
+    /// Its name.
     pub scene: String,
     /// 16 hexadecimal digits.
     pub hash: String,

@@ -9,13 +9,17 @@ use super::figure::Figure;
 /// A drawing, and its file name without an extension.
 #[derive(Clone, Debug)]
 pub struct Drawing {
+    /// Without folder and extension.
     pub name: String,
     pub kind: Kind,
 }
 
+/// The form of a drawing.
 #[derive(Clone, Debug)]
 pub enum Kind {
+    /// Curves in planes with common axes.
     Lines(Figure),
+    /// A row a thing, a column a measure.
     Dots(DotTable),
 }
 

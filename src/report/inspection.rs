@@ -18,19 +18,27 @@ use std::fmt::Write;
 /// The JSON report.
 #[derive(Debug, Serialize)]
 pub struct Inspection {
+    /// Name and version of the report's form.
     schema: &'static str,
+    /// As named on the command line.
     scene: String,
+    /// Short name: `builtin:three`, or the name of the file.
     name: String,
     /// If its file is a view.
     view: Option<ViewReport>,
+    /// Width and height in pixels, where no option says otherwise.
     resolution: [u32; 2],
+    /// Most scattering events of a path.
     max_bounces: u32,
+    /// In the scene.
     spheres: usize,
+    /// In the scene.
     triangles: usize,
     /// Triangles with vertex normals.
     smooth_triangles: usize,
     /// Materials by type.
     materials: Materials,
+    /// In the order of the scene.
     textures: Vec<TextureReport>,
     sky: SkyReport,
     camera: CameraReport,
@@ -38,16 +46,21 @@ pub struct Inspection {
     bounds: Option<Bounds>,
     /// Features that the scene's pipeline must have.
     needs: Vec<&'static str>,
+    /// What next event estimation samples.
     lights: LightReport,
+    /// Bytes of the scene's lists and texels, without buffers and hierarchy.
     memory_bytes: usize,
+    /// The default one, and why.
     traversal: TraversalReport,
     /// The default methods that matter to this scene.
     defaults: Vec<DefaultReport>,
     /// Where rays traverse one.
     hierarchy: Option<HierarchyReport>,
+    /// What the loader warned of, a sentence each.
     warnings: Vec<String>,
 }
 
+/// Numbers of materials, used or not.
 #[derive(Debug, Default, Serialize)]
 struct Materials {
     diffuse: usize,
@@ -64,6 +77,7 @@ struct Materials {
     textured: usize,
 }
 
+/// A texture, its size in texels.
 #[derive(Debug, Serialize)]
 struct TextureReport {
     name: String,

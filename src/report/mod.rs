@@ -5,38 +5,38 @@
 //!
 //! | file | what it holds |
 //! |---|---|
-//! | [`mod@bench`], [`compare`], [`rays`], [`render`], [`stability_table`] | the report of a command: JSON and text |
-//! | [`inspection`], with [`defaults`] and [`traversal`] | the report of `inspect` |
-//! | [`chart`], [`chart_text`], [`tables`], [`page`] | the report of `chart`: JSON, text, CSV, HTML |
-//! | [`chart_drawings`], [`chart_kernels`], [`drawing`] | the drawings of `chart` |
-//! | [`stability`] | the drawings of `stability` |
-//! | [`stats`] | the tables of `--stats` |
-//! | [`figure`], [`plot`], [`layout`], [`axis`], [`labels`] | lines in planes, with their names beside them |
-//! | [`dots`], [`canvas`] | tables of dots; shapes and text as SVG |
-//! | [`numbers`] | numbers as text |
+//! | `bench`, `compare`, `rays`, `render`, `stability_table` | the report of a command: JSON and text |
+//! | `inspection`, with `defaults` and `traversal` | the report of `inspect` |
+//! | [`chart`], `chart_text`, `tables`, [`page`] | the report of `chart`: JSON, text, CSV, HTML |
+//! | `chart_drawings`, `chart_kernels`, `drawing` | the drawings of `chart` |
+//! | `stability` | the drawings of `stability` |
+//! | `stats` | the tables of `--stats` |
+//! | `figure`, `plot`, `layout`, `axis`, `labels` | lines in planes, with their names beside them |
+//! | `dots`, `canvas` | tables of dots; shapes and text as SVG |
+//! | `numbers` | numbers as text |
 
-pub mod axis;
-pub mod bench;
-pub mod canvas;
+pub(crate) mod axis;
+pub(crate) mod bench;
+pub(crate) mod canvas;
 pub mod chart;
-pub mod chart_drawings;
-pub mod chart_kernels;
-pub mod chart_text;
-pub mod compare;
-pub mod defaults;
-pub mod dots;
-pub mod drawing;
-pub mod figure;
-pub mod inspection;
-pub mod labels;
-pub mod layout;
-pub mod numbers;
+pub(crate) mod chart_drawings;
+pub(crate) mod chart_kernels;
+pub(crate) mod chart_text;
+pub(crate) mod compare;
+pub(crate) mod defaults;
+pub(crate) mod dots;
+pub(crate) mod drawing;
+pub(crate) mod figure;
+pub(crate) mod inspection;
+pub(crate) mod labels;
+pub(crate) mod layout;
+pub(crate) mod numbers;
 pub mod page;
-pub mod plot;
-pub mod rays;
-pub mod render;
-pub mod stability;
-pub mod stability_table;
-pub mod stats;
-pub mod tables;
-pub mod traversal;
+pub(crate) mod plot;
+pub(crate) mod rays;
+pub(crate) mod render;
+pub(crate) mod stability;
+pub(crate) mod stability_table;
+pub(crate) mod stats;
+pub(crate) mod tables;
+pub(crate) mod traversal;

@@ -14,22 +14,33 @@ use std::fmt::Write;
 /// The JSON report.
 #[derive(Debug, Serialize)]
 pub struct Report {
+    /// Name and version of the report's form.
     pub schema: &'static str,
+    /// What the figures were measured with.
     pub machine: Machine,
+    /// Its name.
     pub scene: String,
+    /// In the scene.
     pub triangles: usize,
+    /// In the scene.
     pub spheres: usize,
+    /// Of the picture whose pixel centres primary rays pass through, in pixels.
     pub width: u32,
+    /// In pixels.
     pub height: u32,
+    /// Of the directions of shadow and diffuse rays.
     pub seed: u32,
-    /// On one thread.
+    /// Median milliseconds of a build on one thread.
     pub build_ms: f64,
+    /// By number of threads, one first.
     pub builds: Vec<BuildTime>,
-    /// Nodes, and leaves with all that traversal reads.
+    /// Memory of nodes, and of leaves with all that traversal reads.
     pub bvh_bytes: usize,
+    /// Null for an invalid hierarchy.
     pub tree: Option<Statistics>,
     /// Why the hierarchy is invalid: a bug in octray.
     pub fault: Option<String>,
+    /// A row a kind of rays, traversal and number of threads.
     pub results: Vec<Measurement>,
     /// With `--stats`: a pass that was not timed.
     #[serde(skip_serializing_if = "Option::is_none")]

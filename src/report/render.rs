@@ -13,16 +13,22 @@ use serde::Serialize;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum End {
+    /// Every pixel has the samples asked for.
     Samples,
+    /// The estimated error is at most the target.
     TargetError,
+    /// The time of `--time-limit` is over.
     TimeLimit,
+    /// Ctrl-C; the picture so far is written.
     Interrupt,
 }
 
 /// The JSON report.
 #[derive(Debug, Serialize)]
 pub struct Report {
+    /// Name and version of the report's form.
     pub schema: &'static str,
+    /// Its name.
     pub scene: String,
     /// With `--frames`.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -30,23 +36,33 @@ pub struct Report {
     /// With `--shard`: its number, and of how many. Samples and rays are those of the shard.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub shard: Option<[u32; 2]>,
+    /// Path of the picture, or of the part of a shard.
     pub output: String,
+    /// In pixels.
     pub width: u32,
+    /// In pixels.
     pub height: u32,
-    /// The fewest samples of a pixel, and the most: more only with a target error, or where the rendering
-    /// stopped in the middle of a sample.
+    /// The fewest samples of a pixel.
     pub samples: u32,
+    /// The most: more than the fewest only with a target error, or where the rendering stopped in the middle
+    /// of a sample.
     pub most_samples: u32,
+    /// Mean over the pixels.
     pub mean_samples: f64,
     /// The mean number of samples that the checkpoint had, if there was one: they are among the others.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub resumed_samples: Option<f64>,
+    /// Why this run took no more samples.
     pub ended_by: End,
+    /// In seconds; null without one.
     pub time_limit: Option<f64>,
+    /// Relative standard error asked for, 0.05 for 5 %; null without one.
     pub target_error: Option<f64>,
     /// With a target error; null in them means unknown.
     pub estimated_error: Option<EstimatedError>,
+    /// Most scattering events of a path.
     pub max_bounces: u32,
+    /// Of the sample values.
     pub seed: u32,
     /// Largest radiance of a sample in each channel, with which the picture is biased. Null without a limit.
     pub clamp: Option<f32>,
@@ -56,7 +72,9 @@ pub struct Report {
     pub rays: u64,
     /// Of this run.
     pub mrays_per_s: f64,
+    /// Samples with a NaN or infinite channel, which count for nothing. 0 expected.
     pub discarded_samples: u64,
+    /// `ended_by` is `interrupt`.
     pub interrupted: bool,
     /// With `--stats`.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -66,7 +84,9 @@ pub struct Report {
 /// The estimate of [`crate::adaptive`].
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct EstimatedError {
+    /// Root mean square over the picture, relative like the target.
     pub rms: f64,
+    /// Of the worst block of 16×16 pixels, relative.
     pub largest: f64,
 }
 

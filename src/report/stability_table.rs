@@ -13,10 +13,13 @@ use std::fmt::Write;
 /// The JSON report.
 #[derive(Debug, Serialize)]
 pub struct Report {
+    /// Name and version of the report's form.
     pub schema: &'static str,
+    /// What the program was built for: failures depend on fused multiply-add.
     pub machine: Machine,
     /// Do the default methods keep their bounds in all recipes?
     pub holds: bool,
+    /// In the order in which they ran.
     pub recipes: Vec<Outcome>,
 }
 

@@ -26,6 +26,7 @@ pub enum DisplayMode {
 }
 
 impl DisplayMode {
+    #[cfg(test)]
     pub const ALL: [Self; 10] = [
         Self::Picture,
         Self::Normals,

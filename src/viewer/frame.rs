@@ -1,6 +1,6 @@
 //! Frames, and their handover from the render loop to a front end.
 //!
-//! For: [`Frame`] and [`Exchange`]. May import: the standard library. Must not know: how a frame is made or
+//! For: [`Frame`] and `Exchange`. May import: the standard library. Must not know: how a frame is made or
 //! shown.
 
 use std::sync::Mutex;
@@ -11,7 +11,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 pub struct Frame {
     /// 0x00RRGGBB, row by row from the top.
     pub pixels: Vec<u32>,
+    /// In pixels.
     pub width: u32,
+    /// In pixels.
     pub height: u32,
     /// The minimap, for the upper right corner; empty without one.
     pub inset: Vec<u32>,
@@ -31,13 +33,13 @@ pub struct Frame {
 
 impl Frame {
     /// A frame without a picture, with the message that a scene is being prepared.
-    pub fn announcing(scene: &str, resolution: [u32; 2]) -> Self {
+    pub(crate) fn announcing(scene: &str, resolution: [u32; 2]) -> Self {
         let mut frame =
             Self { message: format!("preparing {scene}"), title: scene.to_string(), ..Self::default() };
         frame.resize(resolution);
         frame
     }
-    pub fn resize(&mut self, [width, height]: [u32; 2]) {
+    pub(crate) fn resize(&mut self, [width, height]: [u32; 2]) {
         (self.width, self.height) = (width, height);
         self.pixels.resize(width as usize * height as usize, 0);
     }
@@ -46,7 +48,7 @@ impl Frame {
 /// Hands frames over by swapping buffers: neither side waits, nothing is copied. A frame that was not taken
 /// is replaced by the next one. It also carries the flags that both threads read.
 #[derive(Debug, Default)]
-pub struct Exchange {
+pub(crate) struct Exchange {
     /// The newest frame, and whether it is still to be taken.
     frame: Mutex<(Frame, bool)>,
     /// Whether events or results are pending for the render loop.

@@ -1,6 +1,6 @@
 //! Key bindings: one table for the state machine and the help.
 //!
-//! For: [`Key`], [`Action`], [`action_of`], [`help`]. May import: `display_mode`. Must not know: windows,
+//! For: [`Key`], `Action`, `action_of`, [`help`]. May import: `display_mode`. Must not know: windows,
 //! terminals.
 
 use super::display_mode::DisplayMode;
@@ -9,25 +9,39 @@ use super::display_mode::DisplayMode;
 /// it is known.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Key {
+    /// The character that the key types without Shift; the space bar is `' '`.
     Char(char),
+    /// Arrow up.
     Up,
+    /// Arrow down.
     Down,
+    /// Arrow left.
     Left,
+    /// Arrow right.
     Right,
+    /// Either Shift key; terminals do not report it.
     Shift,
+    /// Either Ctrl key; terminals do not report it.
     Control,
+    /// The tabulator key.
     Tab,
+    /// The Esc key.
     Escape,
+    /// Page up.
     PageUp,
+    /// Page down.
     PageDown,
+    /// The Home key, Pos 1 on some keyboards.
     Home,
+    /// Function key 1.
     F1,
+    /// Function key 5.
     F5,
 }
 
 /// A motion that lasts while a key is held.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Motion {
+pub(crate) enum Motion {
     Forward,
     Back,
     Left,
@@ -48,7 +62,7 @@ impl Motion {
 
 /// A command that runs once when a key goes down.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Command {
+pub(crate) enum Command {
     NextScene,
     PreviousScene,
     Reload,
@@ -82,13 +96,13 @@ pub enum Command {
 
 /// The effect of a key.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Action {
+pub(crate) enum Action {
     Hold(Motion),
     Do(Command),
 }
 
 /// A line of the help: keys with one action or with opposite ones.
-pub struct Binding {
+pub(crate) struct Binding {
     pub keys: &'static [(Key, Action)],
     /// The keys' names in the help.
     pub label: &'static str,
@@ -106,7 +120,7 @@ const fn letter(letter: char, command: Command) -> (Key, Action) {
 }
 
 /// All bindings, in the order of the help.
-pub const BINDINGS: &[Binding] = &[
+pub(crate) const BINDINGS: &[Binding] = &[
     Binding {
         keys: &[
             hold(Key::Char('w'), Motion::Forward),
@@ -246,7 +260,7 @@ pub const BINDINGS: &[Binding] = &[
 ];
 
 /// The action bound to a key.
-pub fn action_of(key: Key) -> Option<Action> {
+pub(crate) fn action_of(key: Key) -> Option<Action> {
     let all = BINDINGS.iter().flat_map(|binding| binding.keys);
     all.into_iter().find(|(bound, _)| *bound == key).map(|&(_, action)| action)
 }
@@ -258,7 +272,7 @@ pub fn help() -> impl Iterator<Item = String> {
 }
 
 /// The help for this many columns and lines: one line per binding if they fit, else compact.
-pub fn help_in(columns: usize, lines: usize) -> Vec<String> {
+pub(crate) fn help_in(columns: usize, lines: usize) -> Vec<String> {
     let help: Vec<String> = help().collect();
     let fits = help.len() <= lines && help.iter().all(|line| line.chars().count() <= columns);
     if fits { help } else { short_help(columns) }

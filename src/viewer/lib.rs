@@ -5,59 +5,60 @@
 //!
 //! A front end sends [`state::Event`]s and shows [`frame::Frame`]s. The render loop runs in a thread of its
 //! own, and so does the loader. Events reach the render loop through a message queue; frames reach the front
-//! end through [`frame::Exchange`].
+//! end through `frame::Exchange`, which swaps buffers.
 //!
 //! | file | what it does |
 //! |---|---|
-//! | [`mod@window`], [`mod@terminal`] | the front ends |
-//! | [`session`], [`options`] | starts the render loop and connects a front end to it; what it starts with |
+//! | `window`, `terminal` | the front ends |
+//! | `session`, `options` | starts the render loop and connects a front end to it; what it starts with |
 //! | [`keys`] | key bindings: the table behind the state machine and the help |
 //! | [`state`] | the state machine: from events to camera, controls and effects |
-//! | [`camera_controller`] | the camera as keys and mouse move it |
-//! | [`controls`] | the settings that keys change |
+//! | `camera_controller` | the camera as keys and mouse move it |
+//! | `controls` | the settings that keys change |
 //! | [`playlist`] | the scenes to switch between |
-//! | [`render_loop`] | the thread that renders frames |
-//! | [`renderer_config`] | renderer settings from controls and options |
-//! | [`accumulation`], [`dynamic_resolution`] | the film of the present pose, samples per frame; the resolution that holds a frame rate |
-//! | [`loader`], [`file_watcher`] | the thread that loads scenes; changes of their files |
-//! | [`painter`] | from film to pixels: reprojection, filters, tone mapping |
-//! | [`display_mode`], [`minimap`] | false-colour images instead of the picture; the scene from above |
-//! | [`overlay`], [`timing`] | the text over the picture; frame rates, latencies |
-//! | [`screenshot`] | saves the film, and a view file that renders it again |
+//! | `render_loop` | the thread that renders frames |
+//! | `renderer_config` | renderer settings from controls and options |
+//! | `accumulation`, `dynamic_resolution` | the film of the present pose, samples per frame; the resolution that holds a frame rate |
+//! | `loader`, `file_watcher` | the thread that loads scenes; changes of their files |
+//! | `painter` | from film to pixels: reprojection, filters, tone mapping |
+//! | `display_mode`, `minimap` | false-colour images instead of the picture; the scene from above |
+//! | `overlay`, `timing` | the text over the picture; frame rates, latencies |
+//! | `screenshot` | saves the film, and a view file that renders it again |
 //! | [`frame`] | frames handed from the render loop to a front end |
-//! | [`canvas`], [`cell_buffer`] | draw a frame, its minimap and text: as pixels, as character cells |
-//! | [`signals`] | Ctrl-C, `kill`, a closed terminal |
+//! | `canvas`, `cell_buffer` | draw a frame, its minimap and text: as pixels, as character cells |
+//! | `signals` | Ctrl-C, `kill`, a closed terminal |
 
 #![forbid(unsafe_code)]
+#![warn(missing_docs)]
 
-pub mod accumulation;
-pub mod camera_controller;
-pub mod canvas;
-pub mod cell_buffer;
-pub mod controls;
-pub mod display_mode;
-pub mod dynamic_resolution;
-pub mod file_watcher;
+mod accumulation;
+mod camera_controller;
+mod canvas;
+mod cell_buffer;
+mod controls;
+mod display_mode;
+mod dynamic_resolution;
+mod file_watcher;
 pub mod frame;
 pub mod keys;
-pub mod loader;
-pub mod minimap;
-pub mod options;
-pub mod overlay;
-pub mod painter;
+mod loader;
+mod minimap;
+mod options;
+mod overlay;
+mod painter;
 pub mod playlist;
-pub mod render_loop;
-pub mod renderer_config;
-pub mod screenshot;
-pub mod session;
-pub mod signals;
+mod render_loop;
+mod renderer_config;
+mod screenshot;
+mod session;
+mod signals;
 pub mod state;
-pub mod terminal;
-pub mod timing;
-pub mod window;
+mod terminal;
+mod timing;
+mod window;
 
-pub use options::{BYTES_PER_PIXEL, Options};
+pub use options::{BYTES_PER_PIXEL, Options, Wake};
 pub use session::Viewer;
 pub use terminal::terminal;
 pub use timing::Summary;
-pub use window::{WindowError, window};
+pub use window::{Presented, WindowError, window};

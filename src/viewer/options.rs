@@ -19,22 +19,27 @@ pub struct Options {
     pub size: Option<[u32; 2]>,
     /// Maximum number of scattering events for all scenes; each scene's own if `None`.
     pub bounces: Option<u32>,
+    /// Seed of a resting camera's samples: its film has the bits of a still of this seed.
     pub seed: u32,
+    /// Shading stages for the scene's features, or for all.
     pub pipeline: PipelineChoice,
     /// As in [`octray_engine::render::Settings`].
     pub clamp: f32,
+    /// Worker threads at the start.
     pub threads: usize,
     /// Upper bound of the thread count that keys can choose.
     pub max_threads: usize,
+    /// SIMD width at the start; a key switches between it and 1.
     pub lanes: LaneChoice,
+    /// Tone mapping at the start.
     pub tone: Tone,
-    /// Frames per second to hold by a lower resolution.
+    /// Frames per second to hold by a lower resolution; `None` keeps the full resolution.
     pub target: Option<u32>,
     /// The methods requested on the command line, which may depend on the scene.
     pub methods: Box<dyn Fn(&Loaded) -> Methods + Send + Sync>,
     /// Checks that memory suffices for a picture of this width and height; the error says why not.
     pub fits: Box<dyn Fn([u32; 2]) -> Result<(), String> + Send + Sync>,
-    /// Ends after this many frames.
+    /// Ends after this many frames; `None` runs until the user quits.
     pub frames: Option<u64>,
     /// The folder for screenshots.
     pub screenshots: PathBuf,

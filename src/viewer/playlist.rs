@@ -19,22 +19,23 @@ impl Playlist {
         let names: Vec<String> = names.iter().flat_map(|name| expand(name)).collect();
         (!names.is_empty()).then_some(Self { names, at: 0 })
     }
+    /// The name of the current scene.
     pub fn current(&self) -> &str {
         &self.names[self.at]
     }
     /// The number of scenes, and the current one counted from 1.
-    pub fn place(&self) -> [usize; 2] {
+    pub(crate) fn place(&self) -> [usize; 2] {
         [self.names.len(), self.at + 1]
     }
-    pub fn next(&mut self) {
+    pub(crate) fn next(&mut self) {
         self.at = (self.at + 1) % self.names.len();
     }
-    pub fn previous(&mut self) {
+    pub(crate) fn previous(&mut self) {
         self.at = (self.at + self.names.len() - 1) % self.names.len();
     }
     /// Makes this scene, or the first one of this folder, the current one. New scenes are inserted behind the
     /// current one. Returns false if the folder holds none.
-    pub fn drop_in(&mut self, name: &str) -> bool {
+    pub(crate) fn drop_in(&mut self, name: &str) -> bool {
         let new = expand(name);
         let Some(first) = new.first().cloned() else { return false };
         let unknown: Vec<String> = new.into_iter().filter(|name| !self.names.contains(name)).collect();

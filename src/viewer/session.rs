@@ -56,7 +56,7 @@ impl Viewer {
         self.exchange.take(frame)
     }
     /// Whether the render loop has ended, by a panic or otherwise.
-    pub fn is_finished(&self) -> bool {
+    pub(crate) fn is_finished(&self) -> bool {
         self.exchange.is_finished()
     }
     /// Ends the render loop. Does not wait for one that is still preparing its first scene.

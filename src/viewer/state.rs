@@ -1,7 +1,7 @@
 //! The state machine: from events to camera, controls, playlist and effects.
 //!
-//! For: [`State`]. May import: `keys`, `camera_controller`, `controls`, `playlist`. Must not know: threads,
-//! windows, terminals, files.
+//! For: [`Event`], `State`. May import: `keys`, `camera_controller`, `controls`, `playlist`. Must not know:
+//! threads, windows, terminals, files.
 
 use super::camera_controller::{CameraController, HeldMotions};
 use super::controls::Controls;
@@ -14,15 +14,20 @@ use std::time::{Duration, Instant};
 /// An event from a front end.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Event {
+    /// A key goes down or up.
     Key {
+        /// Which one.
         key: Key,
+        /// Pressed; false for released.
         down: bool,
+        /// Sent again by the system while the key is held. Always false for releases.
         repeat: bool,
     },
     /// Mouse travel in pixels, right and down.
     Mouse([f64; 2]),
     /// Steps of the mouse wheel, positive away from the user.
     Wheel(f64),
+    /// The left mouse button goes down: captures the mouse.
     Click,
     /// The window lost the focus: all keys count as released.
     Unfocused,
@@ -30,12 +35,13 @@ pub enum Event {
     Dropped(String),
     /// Refresh rate of the display, in frames per second.
     Rate(f64),
+    /// The front end closes: the render loop ends.
     Quit,
 }
 
 /// What the render loop has to do after an event.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Effect {
+pub(crate) enum Effect {
     /// Load the playlist's current scene.
     Load,
     /// Reload the current scene.
@@ -49,7 +55,7 @@ const MAX_STEP: Duration = Duration::from_millis(250);
 
 /// The viewer's state.
 #[derive(Clone, Debug)]
-pub struct State {
+pub(crate) struct State {
     pub playlist: Playlist,
     pub camera_controller: CameraController,
     pub controls: Controls,

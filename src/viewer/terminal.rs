@@ -36,7 +36,10 @@ const POLL_TIMEOUT: Duration = Duration::from_millis(8);
 /// Frames per second: what terminals keep up with.
 const FRAME_RATE: f64 = 30.0;
 
-/// Shows scenes in the terminal and returns on Ctrl-C.
+/// Shows scenes in the terminal; returns on Ctrl-C, or after [`Options::frames`].
+///
+/// # Errors
+/// If the terminal cannot be read from or written to; it is restored first.
 pub fn terminal(options: Options, playlist: Playlist, scene: Loaded) -> io::Result<Summary> {
     let exit_signal = ExitSignal::register()?;
     let mut raw = RawTerminal::enter()?;

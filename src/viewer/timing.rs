@@ -118,26 +118,30 @@ impl RateMeter {
 /// Sums over all frames of a run.
 #[derive(Clone, Debug, Default)]
 pub struct Summary {
+    /// Frames published by the render loop.
     pub frames: u64,
     /// Samples of whole pictures.
     pub samples: f64,
-    /// Time spent on tracing, and on painting frames: filters, tone mapping, text.
+    /// Time spent on tracing.
     pub tracing: Duration,
+    /// Time spent on painting frames: filters, tone mapping, text.
     pub painting: Duration,
     /// Time until the last frame.
     pub elapsed: Duration,
-    /// Latency from an event to the frame that shows it: maximum, sum, count.
+    /// Longest latency from an event to the frame that shows it.
     pub max_latency: Duration,
+    /// Sum of the latencies; over `latencies` it is their mean.
     pub latency_sum: Duration,
+    /// Frames that show the effect of an event.
     pub latencies: u64,
-    /// Longest time from requesting another scene to its first frame.
+    /// Longest time from requesting another scene to its first frame; `None` without such a request.
     pub max_switch_time: Option<Duration>,
 }
 
 impl Summary {
     /// Records a frame, published `after` the previous one, with the latency of the oldest event that it
     /// shows.
-    pub fn frame(&mut self, after: Duration, latency: Option<Duration>) {
+    pub(crate) fn frame(&mut self, after: Duration, latency: Option<Duration>) {
         self.elapsed += after;
         self.frames += 1;
         if let Some(latency) = latency {
@@ -147,7 +151,7 @@ impl Summary {
         }
     }
     /// Records a switch to another scene, shown `after` the request.
-    pub fn switched(&mut self, after: Duration) {
+    pub(crate) fn switched(&mut self, after: Duration) {
         self.max_switch_time = self.max_switch_time.max(Some(after));
     }
 }

@@ -35,10 +35,12 @@ const MAX_SCREEN_SHARE: f64 = 0.9;
 /// Why there is no window.
 #[derive(Debug, thiserror::Error)]
 pub enum WindowError {
+    /// No X or Wayland display answers; the text names those that were tried.
     #[error(
         "{0}\n  octray view --terminal shows the scene in a terminal, octray render writes it into a file"
     )]
     NoDisplay(String),
+    /// The window cannot be opened, or not be drawn in.
     #[error(
         "the window cannot be drawn in\n  octray view --terminal shows the scene in a terminal, octray render writes it into a file"
     )]
@@ -48,15 +50,19 @@ pub enum WindowError {
 /// Time spent on showing frames.
 #[derive(Clone, Debug, Default)]
 pub struct Presented {
-    /// Frames drawn, and the time for scaling, drawing the text, and presenting them.
+    /// Frames drawn; fewer than published where the display is slower.
     pub frames: u64,
+    /// Time for scaling them, drawing their text, and presenting them.
     pub time: Duration,
 }
 
 /// Event of the window's loop: a frame is ready.
 struct FrameReady;
 
-/// Opens a window and returns when it is closed.
+/// Opens a window and returns when it is closed: the render loop's figures, and those of the window.
+///
+/// # Errors
+/// If no display answers, or the window cannot be drawn in.
 pub fn window(
     options: Options,
     playlist: Playlist,

@@ -16,6 +16,7 @@ use std::time::{Duration, Instant};
 pub struct Engine {
     /// 1, 8 or 16.
     pub lanes: usize,
+    /// Worker threads.
     pub threads: usize,
 }
 
@@ -32,14 +33,21 @@ pub enum Effort {
 /// The speed of one engine on one scene.
 #[derive(Clone, Debug, Serialize)]
 pub struct Measurement {
+    /// Its name, as in [`Scene::name`].
     pub scene: String,
+    /// Of the picture, in pixels.
     pub width: u32,
+    /// Of the picture, in pixels.
     pub height: u32,
+    /// Most scattering events of a path.
     pub max_bounces: u32,
     /// `simd` or `scalar`.
     pub engine: &'static str,
+    /// SIMD width: 1, 8 or 16.
     pub lanes: usize,
+    /// Worker threads.
     pub threads: usize,
+    /// Timed frames behind the figures.
     pub frames: usize,
     /// Frames of one sample per pixel per second; presentation and file output excluded.
     pub fps_median: f64,
@@ -50,6 +58,7 @@ pub struct Measurement {
     /// Rays (closest-hit or any-hit queries of active lanes) over wall time of the median frame, in millions
     /// a second.
     pub mrays_per_s: f64,
+    /// Mean over the frames, of all kinds of rays.
     pub rays_per_frame: f64,
     /// Speed over that of the scalar engine on as many threads; `None` for that engine and where it is not
     /// timed.
@@ -57,8 +66,9 @@ pub struct Measurement {
     /// Speed over that of the first engine of the same width, which has fewer threads; `None` for that
     /// engine.
     pub scaling: Option<Ratio>,
+    /// Names of the features that the scene uses.
     pub needs: Vec<&'static str>,
-    /// `needed` or `general`.
+    /// `needed` (the smallest that has the scene's features) or `general`.
     pub pipeline: &'static str,
     /// Speed over that of the general pipeline at the same width and threads. Of the first engine only;
     /// `None` where the scene uses every feature.

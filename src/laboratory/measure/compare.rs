@@ -20,13 +20,17 @@ use std::time::{Duration, Instant};
 /// The comparison of one scene.
 #[derive(Clone, Debug, Serialize)]
 pub struct Comparison {
+    /// Its name.
     pub scene: String,
+    /// Pixels of the picture.
     pub pixels: usize,
+    /// Samples per pixel.
     pub samples: u32,
     /// The widths that were compared with scalar; the first one is timed.
     pub lanes: Vec<usize>,
     /// Pixels with any bit that differs between scalar and a width of SIMD. 0 expected.
     pub mismatched_pixels: usize,
+    /// The first in row order, of the first width that differs.
     pub first_mismatch: Option<Mismatch>,
     /// Samples of all widths that are not finite and so discarded. 0 expected.
     pub discarded_samples: u64,
@@ -34,7 +38,9 @@ pub struct Comparison {
     pub speedup: f64,
     /// The 10th and the 90th percentile of the rounds.
     pub speedup_spread: [f64; 2],
+    /// Rounds behind the median.
     pub speedup_rounds: usize,
+    /// The first width against the f64 reference.
     pub reference: ReferenceCheck,
 }
 
@@ -54,9 +60,13 @@ impl Comparison {
 pub struct Mismatch {
     /// The width of SIMD.
     pub lanes: usize,
+    /// Column, from the left.
     pub x: u32,
+    /// Row, from the top.
     pub y: u32,
+    /// Its mean in packets.
     pub simd: [f32; 3],
+    /// Its mean in the scalar renderer.
     pub scalar: [f32; 3],
 }
 
@@ -70,8 +80,9 @@ pub struct ReferenceCheck {
     pub max_abs: f64,
     /// Primary hits beyond the documented bounds. 0 expected.
     pub mismatched_hits: usize,
-    /// Compared pixels, and samples of each: on large meshes not all.
+    /// Compared pixels: on large meshes not all.
     pub pixels: usize,
+    /// Samples of each compared pixel.
     pub samples: u32,
 }
 

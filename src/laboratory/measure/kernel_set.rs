@@ -1,6 +1,6 @@
 //! Intersection kernels alone: a fixed set of rays and primitives, all tested against all.
 //!
-//! For: [`rays`], [`spheres`], [`triangles`], [`boxes`], [`all_spheres`], [`all_triangles`], [`all_boxes`].
+//! For: [`rays`], [`spheres`], [`triangles`], `boxes`, [`all_spheres`], [`all_triangles`], `all_boxes`.
 //! May import: `kernel`, `lane`, `math`. Must not know: clocks.
 //!
 //! Rays come in coherent packets, like those of cameras and mirrors; most tests miss, as they do in scenes.
@@ -17,7 +17,7 @@ use glam::Vec3 as Point;
 /// Rays: 64 packets of eight.
 pub const RAYS: usize = 512;
 /// Primitives of each kind, as in a small scene; all fit into the first-level cache.
-pub const PRIMITIVES: usize = 64;
+pub(crate) const PRIMITIVES: usize = 64;
 /// Largest absolute coordinate of a box.
 const EXTENT: f32 = 2.0;
 /// Tests of one ray against one primitive.
@@ -36,6 +36,7 @@ pub fn triangles<T: TriangleMethod>() -> Vec<T::Stored> {
 /// Result of all tests of a set.
 #[derive(Clone, Copy, Debug)]
 pub struct Found {
+    /// Tests that hit, of [`TESTS`].
     pub hits: usize,
     /// Sum of t over the hits.
     pub distance: f32,
@@ -56,13 +57,13 @@ pub fn all_spheres<L: Lane, S: SphereMethod>(rays: &[Ray<L>], spheres: &[(Point,
 }
 
 /// The boxes, by their lower and upper corners: those of the triangles.
-pub fn boxes() -> Vec<[Point; 2]> {
+pub(crate) fn boxes() -> Vec<[Point; 2]> {
     let of = |[a, b, c]: [Point; 3]| [a.min(b).min(c), a.max(b).max(c)];
     (0..PRIMITIVES as u32).map(|index| of(triangle(index))).collect()
 }
 
 /// Every ray against every box; t is the entry point.
-pub fn all_boxes<L: Lane, B: BoxMethod>(rays: &[Ray<L>], boxes: &[[Point; 2]]) -> Found {
+pub(crate) fn all_boxes<L: Lane, B: BoxMethod>(rays: &[Ray<L>], boxes: &[[Point; 2]]) -> Found {
     let mut sums = HitSums::new();
     for ray in rays {
         let prepared = B::prepare(ray, Padding::new(EXTENT));

@@ -6,7 +6,7 @@
 pub mod bench;
 pub mod chart;
 pub mod compare;
-pub mod errors;
+mod errors;
 pub mod flip;
 pub mod kernel_set;
 pub mod quantiles;

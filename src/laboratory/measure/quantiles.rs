@@ -1,13 +1,13 @@
 //! Quantiles of measurements, and how many rounds to measure.
 //!
-//! For: [`Quantiles`], [`Spread`], [`Rounds`]. May import: nothing. Must not know: what is measured.
+//! For: `Quantiles`, [`Spread`], `Rounds`. May import: nothing. Must not know: what is measured.
 
 use serde::Serialize;
 use std::time::Instant;
 
 /// Measurements, sorted.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Quantiles {
+pub(crate) struct Quantiles {
     /// Ascending; at least one.
     sorted: Vec<f64>,
 }
@@ -46,15 +46,18 @@ impl Quantiles {
 /// Median and spread.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Spread {
+    /// The middle value.
     pub median: f64,
+    /// The 10th percentile.
     pub p10: f64,
+    /// The 90th percentile.
     pub p90: f64,
 }
 
 impl Spread {
     /// # Panics
     /// If there are no values.
-    pub fn of(values: impl IntoIterator<Item = f64>) -> Self {
+    pub(crate) fn of(values: impl IntoIterator<Item = f64>) -> Self {
         let values = Quantiles::of(values.into_iter().collect());
         let [p10, p90] = values.spread();
         Self { median: values.median(), p10, p90 }
@@ -63,7 +66,7 @@ impl Spread {
 
 /// The rounds of a measurement, numbered from 0: at least `fewest`, at most `most`, and between the two until
 /// the time is over. All that is compared is measured once a round.
-pub struct Rounds {
+pub(crate) struct Rounds {
     fewest: usize,
     most: usize,
     end: Instant,

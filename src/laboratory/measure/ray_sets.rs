@@ -19,7 +19,7 @@ use crate::traverse::rays::{Hits, Rays};
 use serde::Serialize;
 
 /// Pixels of a tile: width, height. A tile's rays are contiguous in the arrays.
-pub const TILE: [u32; 2] = [16, 16];
+pub(crate) const TILE: [u32; 2] = [16, 16];
 /// Pixels of a packet.
 const BLOCK: [u32; 2] = [4, 2];
 /// t_max of shadow rays, in diagonals of the scene's bounds.
@@ -55,8 +55,11 @@ impl Kind {
 /// Rays of one kind as columns of equal length.
 #[derive(Clone, Debug)]
 pub struct RaySet {
+    /// Of all its rays.
     pub kind: Kind,
+    /// Columns x, y, z; scene units.
     pub origin: [Vec<f32>; 3],
+    /// Columns x, y, z; unit length.
     pub direction: [Vec<f32>; 3],
     /// In units of t: a distance, as directions have unit length.
     pub t_max: Vec<f32>,
@@ -64,7 +67,7 @@ pub struct RaySet {
 
 /// The pixels of a picture in the order of primary rays: tile by tile, and in a tile block by block. Tiles
 /// clipped by the picture's edge come last, so that all others start at a multiple of their size.
-pub fn pixels(size: [u32; 2]) -> Vec<[u32; 2]> {
+pub(crate) fn pixels(size: [u32; 2]) -> Vec<[u32; 2]> {
     let whole = |tile: &Tile| [tile.width, tile.height] == TILE;
     let (whole, cut): (Vec<Tile>, Vec<Tile>) = Tile::cover(size, TILE).partition(whole);
     let mut pixels = Vec::with_capacity(size[0] as usize * size[1] as usize);
@@ -105,7 +108,7 @@ impl RaySet {
 
     /// One ray of this kind from every hit of the primary rays through `pixels`, in their order. `width`:
     /// pixels of a row.
-    pub fn from_hits(
+    pub(crate) fn from_hits(
         kind: Kind,
         scene: &Scene,
         primary: &Prepared,
@@ -134,14 +137,16 @@ impl RaySet {
         set
     }
 
+    /// Number of rays.
     pub fn len(&self) -> usize {
         self.t_max.len()
     }
+    /// Whether there is no ray: a camera that sees no surface has no secondary rays.
     pub fn is_empty(&self) -> bool {
         self.t_max.is_empty()
     }
     /// The view that traversals read.
-    pub fn rays(&self) -> Rays<'_> {
+    pub(crate) fn rays(&self) -> Rays<'_> {
         Rays {
             origin: self.origin.each_ref().map(Vec::as_slice),
             direction: self.direction.each_ref().map(Vec::as_slice),
@@ -175,8 +180,11 @@ pub(super) fn secondary_origin(scene: &Scene, ray: &Ray<f32>, hit: &Hit<f32>) ->
 pub struct Answers {
     /// For a miss, t_max.
     pub t: Vec<f32>,
+    /// Spheres first, in the scene's order, then triangles; [`MISS`] without a hit.
     pub primitive: Vec<u32>,
+    /// Barycentric weight of a triangle's second vertex; 0 on spheres and for misses.
     pub u: Vec<f32>,
+    /// Barycentric weight of a triangle's third vertex; 0 on spheres and for misses.
     pub v: Vec<f32>,
 }
 
@@ -187,10 +195,11 @@ impl Answers {
         Self { t: set.t_max.clone(), primitive: vec![MISS; set.len()], u: zeros(), v: zeros() }
     }
     /// The view that traversals write.
-    pub fn hits(&mut self) -> Hits<'_> {
+    pub(crate) fn hits(&mut self) -> Hits<'_> {
         Hits { t: &mut self.t, primitive: &mut self.primitive, u: &mut self.u, v: &mut self.v }
     }
-    pub fn get(&self, at: usize) -> Hit<f32> {
+    /// The hit of ray `at`.
+    pub(crate) fn get(&self, at: usize) -> Hit<f32> {
         Hit { t: self.t[at], primitive: self.primitive[at], u: self.u[at], v: self.v[at] }
     }
     /// Number of hits.
@@ -202,7 +211,9 @@ impl Answers {
 /// Rays, and the nearest hit of each before its t_max.
 #[derive(Clone, Debug)]
 pub struct Prepared {
+    /// The rays.
     pub set: RaySet,
+    /// Their nearest hits, by the scalar traversal; also for shadow rays.
     pub nearest: Answers,
 }
 

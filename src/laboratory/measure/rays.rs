@@ -32,9 +32,11 @@ const MOST_LINEAR: usize = 500_000_000;
 /// Time of one build: nodes, and leaves with the primitives that traversals read.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct BuildTime {
+    /// Threads of the builder.
     pub threads: usize,
-    /// Median.
+    /// Median, in milliseconds.
     pub ms: f64,
+    /// Builds behind the median.
     pub builds: usize,
 }
 
@@ -94,20 +96,28 @@ pub fn prepare(
 /// The speed of one method with one kind of rays.
 #[derive(Clone, Debug, Serialize)]
 pub struct Measurement {
+    /// Of the rays.
     pub kind: Kind,
+    /// As on the command line: [`TraceMethod::name`].
     pub traversal: &'static str,
+    /// SIMD width of the traversal.
     pub lanes: usize,
+    /// Threads that trace.
     pub threads: usize,
+    /// Rays of a pass.
     pub rays: usize,
+    /// Rays that hit something, in the last pass.
     pub hits: usize,
     /// Millions of rays per second in the median pass; 0 without rays.
     pub mrays_per_s: f64,
     /// 90 % and 10 % of the passes are at least this fast: the spread.
     pub mrays_per_s_spread: [f64; 2],
+    /// Passes behind the median.
     pub passes: usize,
     /// Rays whose answer differs from the baseline's, in the pass with most of them: in any bit of the
     /// nearest hit; for shadow rays, in whether there is a hit.
     pub disagreements: usize,
+    /// Of the first pass that has one; `None` without.
     pub first_disagreement: Option<Disagreement>,
 }
 
@@ -116,15 +126,22 @@ pub struct Measurement {
 pub struct Disagreement {
     /// Index in the set.
     pub ray: usize,
+    /// By the scalar traversal.
     pub expected: Answer,
+    /// By the measured method.
     pub found: Answer,
 }
 
+/// One ray's hit, as in the columns of [`Answers`].
 #[derive(Clone, Debug, Serialize)]
 pub struct Answer {
+    /// In units of the direction's length; t_max for a miss.
     pub t: f32,
+    /// Number of the primitive hit; `u32::MAX` for a miss.
     pub primitive: u32,
+    /// Barycentric weight of a triangle's second vertex.
     pub u: f32,
+    /// Barycentric weight of a triangle's third vertex.
     pub v: f32,
 }
 

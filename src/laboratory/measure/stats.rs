@@ -12,13 +12,17 @@ use serde::Serialize;
 /// Cost of some samples of a picture.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct FrameStats {
+    /// SIMD width: 1, 8 or 16.
     pub lanes: usize,
+    /// Worker threads.
     pub threads: usize,
     /// Samples of every pixel.
     pub frames: u32,
+    /// Of every kind.
     pub rays: u64,
     /// Seconds of all stages, summed over the threads, with the cost of the clock and of counting.
     pub seconds: f64,
+    /// By [`Stage`], in the order in which a sample passes them.
     pub stages: Vec<StageStats>,
     /// Primary, bounce and shadow rays.
     pub kinds: Vec<KindStats>,
@@ -29,7 +33,9 @@ pub struct FrameStats {
 /// The time in a stage, summed over the threads.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct StageStats {
+    /// [`Stage::name`].
     pub stage: &'static str,
+    /// Summed over the threads.
     pub seconds: f64,
     /// Share of the time of all stages.
     pub share: f64,
@@ -37,18 +43,24 @@ pub struct StageStats {
     pub ns_per_ray: f64,
 }
 
+/// The rays of one kind, and their tests.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct KindStats {
-    /// `primary`, `bounce` or `light`.
+    /// `primary`, `bounce` or `shadow`: [`RayKind::name`].
     pub kind: &'static str,
+    /// Rays traced, inactive lanes not counted.
     pub rays: u64,
+    /// Flattened into this object in JSON.
     #[serde(flatten)]
     pub tests: TestStats,
 }
 
+/// The path segments after a number of bounces, shadow rays not counted.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct BounceStats {
+    /// Scattering events before; 0 for primary rays.
     pub bounce: usize,
+    /// Rays traced, inactive lanes not counted.
     pub rays: u64,
     /// Packets of these rays; single rays in the scalar renderer.
     pub packets: u64,
@@ -59,9 +71,13 @@ pub struct BounceStats {
 /// The tests of one traversal for one kind of rays.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RayStats {
+    /// Of the rays.
     pub kind: Kind,
+    /// [`TraceMethod::name`].
     pub traversal: &'static str,
+    /// Rays of the set.
     pub rays: u64,
+    /// Flattened into this object in JSON.
     #[serde(flatten)]
     pub tests: TestStats,
 }
@@ -69,8 +85,11 @@ pub struct RayStats {
 /// Tests by kind of primitive; [`crate::traverse::counter`] defines what counts.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TestStats {
+    /// Tests against boxes of the hierarchy.
     pub boxes: PerRay,
+    /// Tests against triangles.
     pub triangles: PerRay,
+    /// Tests against spheres.
     pub spheres: PerRay,
 }
 
@@ -81,7 +100,9 @@ pub struct PerRay {
     pub tests: u64,
     /// Steps of up to eight tests at once.
     pub steps: u64,
+    /// `tests` over the rays.
     pub tests_per_ray: f64,
+    /// `steps` over the rays.
     pub steps_per_ray: f64,
 }
 
@@ -137,7 +158,7 @@ impl FrameStats {
 impl RayStats {
     /// Traces the rays once more, on one thread, and counts. The counts do not depend on the number of
     /// threads.
-    pub fn count(prepared_scene: &PreparedScene, method: TraceMethod, set: &RaySet) -> Self {
+    pub(crate) fn count(prepared_scene: &PreparedScene, method: TraceMethod, set: &RaySet) -> Self {
         let rays = set.len() as u64;
         let tests = TestStats::of(&prepared_scene.count(method, set), rays);
         Self { kind: set.kind, traversal: method.name(), rays, tests }

@@ -1,6 +1,6 @@
 //! Renderers timed in alternating rounds, so that other load on the machine affects all of them alike.
 //!
-//! For: [`TimedRenderer`], and the [`Ratio`] of two of them. May import: `render`, `quantiles`. Must not
+//! For: `TimedRenderer`, and the [`Ratio`] of two of them. May import: `render`, `quantiles`. Must not
 //! know: the use of the times.
 //!
 //! A *round* gives every renderer one *turn*; a turn is some frames of one renderer.
@@ -17,7 +17,7 @@ const WARM_UP: u32 = 5;
 const WARM_UP_TIME: Duration = Duration::from_millis(200);
 
 /// A renderer, its film and its frame times. A frame is one sample of every pixel.
-pub struct TimedRenderer {
+pub(crate) struct TimedRenderer {
     pub renderer: Renderer,
     pub film: Film,
     /// Time of each frame.
@@ -67,15 +67,17 @@ impl TimedRenderer {
 /// slows both turns of a round, and few rounds.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Ratio {
+    /// Above 1 where the first is faster.
     pub median: f64,
     /// The 10th and the 90th percentile of the rounds.
     pub spread: [f64; 2],
+    /// Rounds that both took part in.
     pub rounds: usize,
 }
 
 impl Ratio {
     /// The speed of `fast` over that of `slow`; `None` before their first common round.
-    pub fn of(fast: &TimedRenderer, slow: &TimedRenderer) -> Option<Self> {
+    pub(crate) fn of(fast: &TimedRenderer, slow: &TimedRenderer) -> Option<Self> {
         Self::of_rounds(&fast.turns, &slow.turns)
     }
 

@@ -62,12 +62,14 @@ impl TraceMethod {
 
 /// A scene with the hierarchy and the buffers that all methods read.
 pub struct PreparedScene {
-    pub hierarchy: Hierarchy,
+    /// Wide and binary trees: some traversals read the one, some the other.
+    pub(crate) hierarchy: Hierarchy,
     buffers: Buffers,
     triangles: Vec<<Woop as TriangleMethod>::Stored>,
 }
 
 impl PreparedScene {
+    /// Stores the primitives as buffers beside a hierarchy of the same scene.
     pub fn new(scene: &Scene, hierarchy: Hierarchy) -> Self {
         Self { hierarchy, buffers: Buffers::new(scene), triangles: store_triangles::<Woop>(scene) }
     }
@@ -86,7 +88,7 @@ impl PreparedScene {
     }
 
     /// Counts the tests of these rays, traced in chunks as on several threads.
-    pub fn count(&self, method: TraceMethod, set: &RaySet) -> Counts {
+    pub(crate) fn count(&self, method: TraceMethod, set: &RaySet) -> Counts {
         let (mut tracer, mut answers, counter) = (Tracer::new(), Answers::none(set), Counter::default());
         let mut hits = answers.hits();
         for first in (0..set.len()).step_by(CHUNK) {
@@ -136,12 +138,13 @@ impl TracePool {
     pub fn new(threads: usize) -> Self {
         Self(Threads::new(threads, Tracer::new))
     }
+    /// Number of worker threads.
     pub fn threads(&self) -> usize {
         self.0.count()
     }
     /// Runs a closure on the pool's threads. Around [`TracePool::clear`] and [`TracePool::trace`], it keeps
     /// the threads awake between the two.
-    pub fn run<R: Send>(&self, run: impl FnOnce() -> R + Send) -> R {
+    pub(crate) fn run<R: Send>(&self, run: impl FnOnce() -> R + Send) -> R {
         self.0.run(run)
     }
     /// Resets the answers to misses.

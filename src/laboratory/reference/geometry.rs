@@ -27,8 +27,9 @@ pub struct Hit {
     pub primitive: u32,
     /// In units of the direction's length; above 0.
     pub t: f64,
-    /// Barycentric weights of a triangle's second and third vertex; 0 on spheres.
+    /// Barycentric weight of a triangle's second vertex; 0 on spheres.
     pub u: f64,
+    /// Barycentric weight of a triangle's third vertex; 0 on spheres.
     pub v: f64,
 }
 

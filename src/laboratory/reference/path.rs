@@ -15,7 +15,9 @@ pub struct PathSettings {
     pub resolution: [u32; 2],
     /// Scattering events allowed on a path.
     pub max_bounces: u32,
+    /// Of the sample values, as in the engine.
     pub seed: u32,
+    /// The sampler that the engine renders with: the same values give the same paths.
     pub sampler: Sampler,
 }
 

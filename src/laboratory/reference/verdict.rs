@@ -76,11 +76,28 @@ pub enum Verdict {
     /// not finite.
     Invalid,
     /// The point of these barycentric weights lies off the ray.
-    OffRay { distance: f64, bound: f64 },
+    OffRay {
+        /// From the ray.
+        distance: f64,
+        /// What single precision explains.
+        bound: f64,
+    },
     /// The point at t lies off the primitive.
-    OffSurface { distance: f64, bound: f64 },
-    /// This primitive, at this distance, is in front of the hit by more than `slack`.
-    Overlooked { primitive: u32, distance: f64, slack: f64 },
+    OffSurface {
+        /// From the surface.
+        distance: f64,
+        /// What single precision explains.
+        bound: f64,
+    },
+    /// Another primitive is in front of the hit by more than `slack`.
+    Overlooked {
+        /// Spheres first, in the scene's order, then triangles.
+        primitive: u32,
+        /// Of the crossing from the origin.
+        distance: f64,
+        /// Error bound of the crossing along the ray.
+        slack: f64,
+    },
 }
 
 /// A place where a ray passes through a primitive by more than the error bound.

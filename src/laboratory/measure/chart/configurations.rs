@@ -20,14 +20,15 @@ use serde::Serialize;
 pub struct Configuration {
     /// The difference from the default.
     pub name: &'static str,
-    pub settings: Settings,
+    /// All of them, the changed one included.
+    pub(crate) settings: Settings,
     /// Whether sampling is adaptive.
-    pub adaptive: bool,
+    pub(crate) adaptive: bool,
     /// Whether pictures must have the bits of the default.
-    pub same_bits: bool,
+    pub(crate) same_bits: bool,
     /// Whether its intersection methods are the robust ones. A picture's error hardly shows it, so a
     /// configuration that is faster and not robust does not count as better.
-    pub robust: bool,
+    pub(crate) robust: bool,
 }
 
 /// The configuration with which all others are compared.

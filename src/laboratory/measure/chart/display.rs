@@ -1,6 +1,6 @@
 //! Error and time of the display filters on frames of a few samples.
 //!
-//! For: [`measure`]. May import: `display`, `ground_truth`, `errors`, `flip`, `quantiles`. Must not know: how
+//! For: `measure`. May import: `display`, `ground_truth`, `errors`, `flip`, `quantiles`. Must not know: how
 //! results are drawn.
 
 use super::ground_truth::GroundTruth;
@@ -18,7 +18,7 @@ use serde::Serialize;
 use std::time::{Duration, Instant};
 
 /// Samples of the pictures.
-pub const SAMPLES: [u32; 3] = [1, 4, 16];
+pub(crate) const SAMPLES: [u32; 3] = [1, 4, 16];
 /// The filters; the first is none.
 pub const FILTERS: [&str; 4] = ["as it is", "blurred", "FXAA", "denoised"];
 /// Most seeds behind a median.
@@ -27,19 +27,23 @@ const MOST_SEEDS: usize = 8;
 /// One filter on pictures of one number of samples.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct FilterResult {
+    /// One of [`FILTERS`].
     #[serde(rename = "way")]
     pub filter: &'static str,
+    /// Samples per pixel of the unfiltered picture.
     pub samples: u32,
+    /// Worker threads.
     pub threads: usize,
+    /// Pictures behind each median.
     pub seeds: usize,
     /// Against the ground truth, without the part of its own error; null where that is larger, so this is
     /// unknown.
     pub rmse: Option<Spread>,
     /// Mean FLIP of the displayed picture; includes the ground truth's own noise.
     pub flip: Spread,
-    /// Time to render the samples, and to filter them. The denoiser's AOVs are rendered anew, as when the
-    /// camera moves.
+    /// Time to render the samples, in milliseconds.
     pub frame_ms: Spread,
+    /// Time to filter them, in milliseconds. The denoiser's AOVs are rendered anew, as when the camera moves.
     pub filter_ms: Spread,
 }
 
@@ -53,7 +57,7 @@ struct BySeed {
 }
 
 /// Filters frames of as many seeds as the time allows, at least one. `settings` are those of frames.
-pub fn measure(
+pub(crate) fn measure(
     scene: &Scene,
     settings: Settings,
     ground_truth: &GroundTruth,

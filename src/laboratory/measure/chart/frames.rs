@@ -1,7 +1,7 @@
 //! The interactive view: frames per second on all cores, and the error of the accumulated picture after a
 //! given time.
 //!
-//! For: [`measure`]. May import: `configurations`, `ground_truth`, `errors`, `flip`, `quantiles`. Must not
+//! For: `measure`. May import: `configurations`, `ground_truth`, `errors`, `flip`, `quantiles`. Must not
 //! know: how results are drawn.
 
 use super::configurations::Configuration;
@@ -16,13 +16,14 @@ use serde::Serialize;
 use std::time::Instant;
 
 /// Seconds of accumulation after which the error is measured.
-pub const MOMENTS: [f64; 3] = [1.0 / 30.0, 0.2, 1.0];
+pub(crate) const MOMENTS: [f64; 3] = [1.0 / 30.0, 0.2, 1.0];
 /// Most seeds, and so most accumulations of each configuration.
 const MOST_SEEDS: usize = 8;
 
 /// The accumulated picture after a time.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Moment {
+    /// Seconds of rendering since the film was empty; copying pictures does not count.
     pub after_s: f64,
     /// Samples per pixel: whole frames, including the one that is being rendered at that time.
     pub samples: Spread,
@@ -36,10 +37,15 @@ pub struct Moment {
 /// The frames of one configuration.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Frames {
+    /// Its name.
     pub configuration: &'static str,
+    /// Worker threads.
     pub threads: usize,
+    /// Accumulations behind each median.
     pub seeds: usize,
+    /// Frames of one sample per pixel per second: each accumulation's median frame.
     pub fps: Spread,
+    /// The picture at 1/30 s, 0.2 s and 1 s.
     pub moments: Vec<Moment>,
 }
 
@@ -51,7 +57,7 @@ struct Accumulation {
 
 /// Accumulates for a second with every configuration in each round. A round is a seed; at least one, and as
 /// many as the time allows.
-pub fn measure(
+pub(crate) fn measure(
     scene: &Scene,
     configurations: &[Configuration],
     ground_truth: &GroundTruth,

@@ -25,8 +25,11 @@ const SEEDS: [u32; 2] = [0x7472_7574, 0x7472_7575];
 /// A picture at two sizes, with its own error.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GroundTruth {
+    /// At the size of frames, linear RGB.
     pub frame: Picture,
-    pub small: Picture,
+    /// The same view at 1/[`SHRINK`] of the width and height: each pixel the mean of a square.
+    pub(crate) small: Picture,
+    /// Its samples and its own error.
     pub info: GroundTruthInfo,
 }
 
@@ -37,6 +40,7 @@ pub struct GroundTruthInfo {
     pub samples: u32,
     /// Standard error of the frame: root mean square over pixels and channels.
     pub frame_rmse: f64,
+    /// Standard error of the small picture.
     pub small_rmse: f64,
     /// Time budget, in seconds, of the run that rendered it.
     pub budget_s: f64,
@@ -46,7 +50,7 @@ pub struct GroundTruthInfo {
 }
 
 /// Renders a ground truth.
-pub struct GroundTruthRenderer {
+pub(crate) struct GroundTruthRenderer {
     renderers: [Renderer; 2],
     films: [Film; 2],
 }
@@ -109,7 +113,7 @@ impl GroundTruth {
     }
 
     /// Samples per pixel of the small picture.
-    pub fn small_samples(&self) -> u32 {
+    pub(crate) fn small_samples(&self) -> u32 {
         self.info.samples * SHRINK * SHRINK
     }
 }
@@ -117,14 +121,14 @@ impl GroundTruth {
 /// The root mean square error of a picture without the part of the ground truth's own error; the two are
 /// independent, so their squares add up. NaN where the ground truth's is larger: the picture's error is then
 /// unknown, but smaller.
-pub fn corrected(rmse: f64, of_ground_truth: f64) -> f64 {
+pub(crate) fn corrected(rmse: f64, of_ground_truth: f64) -> f64 {
     (rmse * rmse - of_ground_truth * of_ground_truth).sqrt()
 }
 
 impl GroundTruth {
     /// The errors of several pictures against this frame, each corrected; `None` where one is below the
     /// frame's own.
-    pub fn corrected_rmse(&self, rmse: impl IntoIterator<Item = f64>) -> Option<Spread> {
+    pub(crate) fn corrected_rmse(&self, rmse: impl IntoIterator<Item = f64>) -> Option<Spread> {
         let own = self.info.frame_rmse;
         let corrected: Vec<f64> = rmse.into_iter().map(|rmse| corrected(rmse, own)).collect();
         corrected.iter().all(|&error| error >= own).then(|| Spread::of(corrected))

@@ -20,7 +20,9 @@ use std::time::{Duration, Instant};
 pub struct Kernel {
     /// `sphere`, `triangle` or `box`.
     pub family: &'static str,
+    /// As `octray stability` names it.
     pub method: &'static str,
+    /// Whether it is the renderer's default.
     pub default: bool,
     /// [`NATIVE_WIDTH`] or 1.
     pub lanes: usize,
@@ -33,15 +35,18 @@ pub struct Kernel {
     pub p99: Option<f64>,
     /// The share of cases that fail.
     pub failures: f64,
-    /// The recipes of `octray stability`, and places on their axes, from which `p99` and `failures` come.
+    /// Where `p99` comes from; null without one.
     pub error_case: Option<Case>,
+    /// Where `failures` comes from.
     pub failure_case: Case,
 }
 
 /// A place in a recipe.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Case {
+    /// A recipe of `octray stability`.
     pub recipe: &'static str,
+    /// A place on its axis, in the unit of the axis.
     pub place: f64,
 }
 

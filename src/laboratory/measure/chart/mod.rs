@@ -23,17 +23,24 @@ use std::time::{Duration, Instant};
 /// The measurements of one scene.
 #[derive(Clone, Debug, Serialize)]
 pub struct SceneChart {
+    /// Its name.
     pub scene: String,
-    /// Pixels of `pictures`, and of everything else.
+    /// Pixels of `pictures`: width, height.
     pub size: [u32; 2],
+    /// Pixels of everything else: [`SHRINK`] times `size`.
     pub frame_size: [u32; 2],
+    /// The ground truth of all but `motion`, which has its own.
     pub truth: GroundTruthInfo,
     /// Seconds of one sample of the default in `pictures`: the unit of times that charts of two machines
     /// share.
     pub default_sample_s: f64,
+    /// Error against time, a line a configuration; the default first.
     pub pictures: Vec<pictures::Line>,
+    /// Interactive frames of a few configurations, on all threads.
     pub frames: Vec<frames::Frames>,
+    /// The display filters on frames of few samples.
     pub display: Vec<display::FilterResult>,
+    /// Frames of a moving camera, with and without reprojection.
     pub motion: Vec<motion::MotionResult>,
 }
 
@@ -55,11 +62,15 @@ const IN_FRAMES: [&str; 5] = [configurations::DEFAULT, "scalar", "random numbers
 pub struct Plan {
     /// Of the pictures; frames have [`SHRINK`] times as many pixels in width and in height.
     pub size: [u32; 2],
+    /// Most scattering events of a path.
     pub max_bounces: u32,
+    /// Seeds behind a median of `pictures`; at least [`pictures::SEEDS`].
     pub seeds: u32,
     /// Worker threads. `pictures` are timed on one thread.
     pub threads: usize,
+    /// When the steps begin.
     pub start: Instant,
+    /// Time for all steps, counted from `start`.
     pub time: Duration,
     /// The user's time for this scene; `time` is the part of it that remains.
     pub budget: Duration,
@@ -71,7 +82,7 @@ impl Plan {
     }
 
     /// The default settings of a frame.
-    pub fn frame(&self, scene: &Scene) -> Settings {
+    pub(crate) fn frame(&self, scene: &Scene) -> Settings {
         let resolution = self.size.map(|side| side * SHRINK);
         Settings { resolution, max_bounces: self.max_bounces, ..Settings::of(scene) }
     }

@@ -1,10 +1,10 @@
 //! Error of the interactive view in motion: frames of one sample, alone and with temporal reprojection of
 //! earlier frames.
 //!
-//! For: [`measure`]. May import: `display`, `ground_truth`, `errors`, `quantiles`. Must not know: how results
+//! For: `measure`. May import: `display`, `ground_truth`, `errors`, `quantiles`. Must not know: how results
 //! are drawn.
 //!
-//! The camera moves sideways and forwards at walking speed, and turns, at 60 frames per second: [`FRAMES`]
+//! The camera moves sideways and forwards at walking speed, and turns, at 60 frames per second: `FRAMES`
 //! frames with a seed each. Four frames of the second half are compared with their own ground truths.
 
 use super::ground_truth::{GroundTruth, GroundTruthRenderer};
@@ -22,8 +22,8 @@ use std::time::{Duration, Instant};
 
 /// Frames of a camera path; fewer where they take more than their share of the time, but at least
 /// [`LEAST_FRAMES`].
-pub const FRAMES: u32 = 48;
-pub const LEAST_FRAMES: u32 = 16;
+pub(crate) const FRAMES: u32 = 48;
+pub(crate) const LEAST_FRAMES: u32 = 16;
 const FRAMES_PER_SECOND: f32 = 60.0;
 /// Radians per second.
 const TURN: f32 = std::f32::consts::FRAC_PI_6;
@@ -40,14 +40,19 @@ const MOST_GROUND_TRUTH_SAMPLES: u32 = 1_024;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum CameraPath {
+    /// To the right at walking speed, looking ahead.
     Sideways,
+    /// Along the view at walking speed.
     Forwards,
+    /// In place, around the up vector, by 30° a second.
     Turning,
 }
 
 impl CameraPath {
+    /// In the order of reports.
     pub const ALL: [Self; 3] = [Self::Sideways, Self::Forwards, Self::Turning];
 
+    /// As reports name it, in lower case.
     pub fn name(self) -> &'static str {
         match self {
             Self::Sideways => "sideways",
@@ -75,10 +80,14 @@ impl CameraPath {
 /// One camera path with one filter.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct MotionResult {
+    /// How the camera moves.
     pub path: CameraPath,
+    /// One of [`FILTERS`].
     #[serde(rename = "way")]
     pub filter: &'static str,
+    /// Worker threads.
     pub threads: usize,
+    /// Frames of the path, of which four are compared.
     pub frames: u32,
     /// Scene units per second.
     pub speed: f32,
@@ -87,8 +96,9 @@ pub struct MotionResult {
     pub rmse: Option<f64>,
     /// The unfiltered frames' `rmse` over this one; null where one of the two is null.
     pub times_lower: Option<f64>,
-    /// Time to render a frame's sample, and to filter it, AOVs included.
+    /// Time to render a frame's sample, in milliseconds.
     pub frame_ms: Spread,
+    /// Time to filter it, AOVs included, in milliseconds.
     pub filter_ms: Spread,
 }
 
@@ -100,7 +110,7 @@ struct PathFrames {
 }
 
 /// Renders all camera paths, and then ground truths in the remaining time. `settings` are those of frames.
-pub fn measure(scene: &Scene, settings: Settings, threads: usize, end: Instant) -> Vec<MotionResult> {
+pub(crate) fn measure(scene: &Scene, settings: Settings, threads: usize, end: Instant) -> Vec<MotionResult> {
     measure_with(scene, settings, threads, end, MOST_GROUND_TRUTH_SAMPLES)
 }
 

@@ -49,7 +49,7 @@ impl ErrorCurve {
 
     /// If some other curve beats this one at every level: the first that does so at all levels, or else the
     /// one with the smallest error at the last level.
-    pub fn dominated_by<'a>(&self, others: &[(&'a str, &ErrorCurve)]) -> Option<&'a str> {
+    pub(crate) fn dominated_by<'a>(&self, others: &[(&'a str, &ErrorCurve)]) -> Option<&'a str> {
         let levels = 0..self.medians.len();
         let everywhere =
             |(_, other): &&(&str, &ErrorCurve)| levels.clone().all(|level| other.beats(self, level));
@@ -69,7 +69,7 @@ impl ErrorCurve {
 
     /// Time to the error of this curve's last point, or of the default's where that is larger, over the time
     /// of `default` to the same error: neither is extrapolated to errors that it did not reach.
-    pub fn time_to_last_error_over(&self, default: &ErrorCurve) -> f64 {
+    pub(crate) fn time_to_last_error_over(&self, default: &ErrorCurve) -> f64 {
         let last = |curve: &ErrorCurve| curve.medians[curve.medians.len() - 1][1];
         let error = last(self).max(last(default));
         (time_at(&self.medians, error) - time_at(&default.medians, error)).exp()

@@ -1,6 +1,6 @@
 //! Error against time: every configuration from one sample per pixel on, with several seeds.
 //!
-//! For: [`measure`]. May import: `configurations`, `ground_truth`, `errors`, `flip`, `pareto`, `quantiles`.
+//! For: `measure`. May import: `configurations`, `ground_truth`, `errors`, `flip`, `pareto`, `quantiles`.
 //! Must not know: how results are drawn.
 
 use super::configurations::{Configuration, Group};
@@ -20,8 +20,8 @@ use std::time::{Duration, Instant};
 /// Fewest seeds behind a median.
 pub const SEEDS: u32 = 8;
 /// Most samples of a pixel, and least ratio of the ground truth's samples to a picture's.
-pub const MOST_SAMPLES: u32 = 256;
-pub const GROUND_TRUTH_FACTOR: u32 = 100;
+pub(crate) const MOST_SAMPLES: u32 = 256;
+pub(crate) const GROUND_TRUTH_FACTOR: u32 = 100;
 /// First target error of the adaptive configuration. Each further one is half the last and takes about four
 /// times the samples.
 const FIRST_TARGET: f64 = 0.8;
@@ -41,10 +41,13 @@ const MOST_REPEATS: usize = 9;
 pub struct Point {
     /// Samples per pixel: mean over picture and seeds.
     pub samples: f64,
-    /// On one thread: rendering alone, without loading, building or encoding.
+    /// Seconds on one thread: rendering alone, without loading, building or encoding.
     pub seconds: Spread,
+    /// Root mean square error, in radiance.
     pub rmse: Spread,
+    /// Relative mean square error, without unit: `measure::errors` defines the three.
     pub relmse: Spread,
+    /// `relmse` without the worst 0.1 % of pixels.
     pub relmse_trimmed: Spread,
     /// Mean FLIP of the displayed picture.
     pub flip: Spread,
@@ -55,9 +58,11 @@ pub struct Point {
 /// A line of the chart.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Line {
+    /// Its name.
     pub configuration: &'static str,
     /// `None` for the default.
     pub group: Option<Group>,
+    /// By rising samples; adaptive configurations by falling target error.
     pub points: Vec<Point>,
     /// Whether its methods are the robust ones. One that is not robust dominates no other.
     pub robust: bool,
@@ -110,7 +115,7 @@ struct Run<'a> {
 }
 
 /// Measures all configurations until `end`; at least one level of each. `seeds` of them, numbered from 1.
-pub fn measure(
+pub(crate) fn measure(
     scene: &Scene,
     configurations: &[Configuration],
     ground_truth: &GroundTruth,

@@ -14,7 +14,7 @@ use glam::{DVec3, Vec3};
 const IZE: &str = "Ize, Robust BVH Ray Traversal, JCGT 2(2), 2013";
 const FALSE_MISS: &str = "a ray that hits the box misses it";
 
-pub const RECIPES: &[Recipe] = &[
+pub(super) const RECIPES: &[Recipe] = &[
     Recipe {
         name: "boxes-corners",
         title: "Rays aimed at corners of boxes, away from the origin of coordinates",
@@ -71,7 +71,9 @@ pub const SCALES: [f64; 7] = [1e-15, 1e-6, 1e-2, 1.0, 1e3, 1e6, 1e15];
 /// A box of single precision.
 #[derive(Clone, Copy, Debug)]
 pub struct Cuboid {
+    /// Lower corner, in scene units.
     pub lo: Vec3,
+    /// Upper corner; equal to `lo` in an axis where the box is flat.
     pub hi: Vec3,
 }
 
@@ -91,7 +93,7 @@ impl Cuboid {
     }
     /// A corner, or a point of an edge, a face or the inside: in each axis on the lower plane, on the upper
     /// one, or between.
-    pub fn point(&self, rng: &mut Rng) -> DVec3 {
+    pub(crate) fn point(&self, rng: &mut Rng) -> DVec3 {
         let (lo, hi) = (self.lo.as_dvec3(), self.hi.as_dvec3());
         let share = DVec3::from_array([(); 3].map(|()| match rng.index(3) {
             0 => 0.0,

@@ -31,7 +31,7 @@ macro_rules! spawn_methods {
 }
 pub(super) use spawn_methods;
 
-pub const RECIPES: &[Recipe] = &[
+pub(super) const RECIPES: &[Recipe] = &[
     Recipe {
         name: "leaving-place",
         title: "Leaving triangles with edges of 1",
@@ -86,15 +86,15 @@ pub const RECIPES: &[Recipe] = &[
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SpawnMethod {
     /// Recompute the point from the exact surface, instead of o + t d.
-    pub exact: bool,
-    pub offset: Offset,
+    pub(crate) exact: bool,
+    pub(crate) offset: Offset,
     /// Hits up to this t are ignored.
-    pub t_min: f32,
+    pub(crate) t_min: f32,
 }
 
 /// Offset of the origin along the normal.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Offset {
+pub(crate) enum Offset {
     /// This share of the error bound of [`crate::kernel::surface`].
     Bound(f32),
     /// Scene units.
@@ -103,7 +103,7 @@ pub enum Offset {
 
 impl SpawnMethod {
     /// In the order of `spawn_methods`: the renderer's own first.
-    pub const ALL: [Self; 6] = [
+    pub(crate) const ALL: [Self; 6] = [
         Self::with(true, Offset::Bound(1.0), 0.0),
         Self::with(false, Offset::Bound(1.0), 0.0),
         Self::with(true, Offset::Constant(1e-4), 0.0),
@@ -121,7 +121,7 @@ impl SpawnMethod {
     }
     /// The origin of the leaving ray, on the side of the unit vector `n`; `bound` is the surface's error
     /// bound.
-    pub fn start(self, exact: Vec3, along: Vec3, n: Vec3, bound: f32) -> Vec3 {
+    pub(crate) fn start(self, exact: Vec3, along: Vec3, n: Vec3, bound: f32) -> Vec3 {
         let point = if self.exact { exact } else { along };
         let offset = match self.offset {
             Offset::Bound(share) => bound * share,
@@ -134,7 +134,7 @@ impl SpawnMethod {
 
 /// A unit direction on the side of the unit vector `n`: cosine-weighted, or with a cosine from 1 down to
 /// 1e-6.
-pub fn leaving(rng: &mut Rng, n: Vec3) -> Vec3 {
+pub(crate) fn leaving(rng: &mut Rng, n: Vec3) -> Vec3 {
     if rng.index(2) == 0 {
         let [u, v] = [(); 2].map(|()| (rng.unit() as f32).min(1.0_f32.next_down()));
         return sample_cosine_hemisphere::<f32>(math::Vec3::splat(n), u, v).get(0);

@@ -18,7 +18,7 @@ const LEAK: &str = "a ray inside a closed mesh hits nothing";
 /// 1e-12 to 1e12.
 const SIZES: [f64; 9] = [1e-12, 1e-9, 1e-6, 1e-3, 1.0, 1e3, 1e6, 1e9, 1e12];
 
-pub const RECIPES: &[Recipe] = &[
+pub(super) const RECIPES: &[Recipe] = &[
     Recipe {
         name: "mesh-edges",
         title: "Rays at the edges of a closed mesh",
@@ -100,7 +100,7 @@ pub fn bumpy_ball(rows: usize) -> Vec<[Vec3; 3]> {
 
 /// The target of rays.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Target {
+pub(crate) enum Target {
     Edges,
     Vertices,
     Anywhere,

@@ -14,14 +14,15 @@ pub struct Method<F> {
     pub name: &'static str,
     /// Whether this is the renderer's default.
     pub default: bool,
-    pub run: F,
+    /// What the recipe, the chart or the test runs with it.
+    pub(crate) run: F,
 }
 
 impl<F> Method<F> {
-    pub const fn default(name: &'static str, run: F) -> Self {
+    pub(crate) const fn default(name: &'static str, run: F) -> Self {
         Self { name, default: true, run }
     }
-    pub const fn other(name: &'static str, run: F) -> Self {
+    pub(crate) const fn other(name: &'static str, run: F) -> Self {
         Self { name, default: false, run }
     }
 }

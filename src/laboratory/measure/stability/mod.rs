@@ -1,6 +1,6 @@
 //! Where methods fail: recipes of difficult inputs, every method on each, checked in double precision.
 //!
-//! For: [`recipes`]; [`mod@recipe`] defines a recipe, [`methods`] lists the methods by family. May import:
+//! For: [`recipes`]; `recipe.rs` defines a recipe, `methods.rs` lists the methods by family. May import:
 //! the engine, `reference`, `quantiles`. Must not know: how figures are shown.
 //!
 //! A recipe generates rays (or other inputs) with fixed seeds along one axis: a distance, a scale, a shape.
@@ -16,36 +16,36 @@
 //! | [`boxes`] | corners, planes of faces, boxes far from the origin |
 //! | [`leaving`] | self-intersection of rays that leave triangles |
 //! | [`shells`] | self-intersection on spheres; surfaces close to the one that is left |
-//! | [`textures`] | poles and seam of a sphere, large texture coordinates |
-//! | [`scattering`] | directions that cancel, shading normals |
-//! | [`lights`] | light sampling: small, near, surrounding and edge-on emitters |
-//! | [`numbers`] | the largest random numbers, long and large sums, NaN |
-//! | [`mirrors`] | thousands of reflections |
-//! | [`cameras`] | fields of view near 0° and 180°, cameras inside objects |
-//! | [`scenes`] | very different sizes in one scene, coplanar surfaces |
+//! | `textures` | poles and seam of a sphere, large texture coordinates |
+//! | `scattering` | directions that cancel, shading normals |
+//! | `lights` | light sampling: small, near, surrounding and edge-on emitters |
+//! | `numbers` | the largest random numbers, long and large sums, NaN |
+//! | `mirrors` | thousands of reflections |
+//! | `cameras` | fields of view near 0° and 180°, cameras inside objects |
+//! | `scenes` | very different sizes in one scene, coplanar surfaces |
 //!
 //! To add a recipe: add it to the `RECIPES` of its file. To add a file: add its `RECIPES` to [`recipes`].
 
 pub mod boxes;
-pub mod cameras;
+mod cameras;
 pub mod leaving;
-pub mod lights;
+mod lights;
 pub mod meshes;
-pub mod methods;
-pub mod mirrors;
-pub mod numbers;
+pub(super) mod methods;
+mod mirrors;
+mod numbers;
 pub mod rays;
-pub mod recipe;
-pub mod rng;
-pub mod scattering;
-pub mod scenes;
+mod recipe;
+mod rng;
+mod scattering;
+mod scenes;
 pub mod shells;
 pub mod spheres;
-pub mod textures;
+mod textures;
 pub mod triangles;
 
 pub use methods::Method;
-pub use recipe::{Bound, Curve, EPSILON, Effort, FailureCounts, Outcome, Point, Recipe, Trial};
+pub use recipe::{Bound, Curve, Effort, FailureCounts, Outcome, Point, Recipe, Trial};
 pub use rng::Rng;
 
 /// All recipes, in the order of reports.

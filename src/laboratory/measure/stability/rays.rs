@@ -1,6 +1,6 @@
 //! Rays from points in single and double precision.
 //!
-//! For: [`ray`], [`towards`], [`to_f64`], [`packet`]. May import: `lane`, `math`. Must not know: primitives.
+//! For: [`ray`], `towards`, `to_f64`, [`packet`]. May import: `lane`, `math`. Must not know: primitives.
 
 use crate::lane::Lane;
 use crate::math::{Ray, Vec3};
@@ -13,12 +13,12 @@ pub fn ray(origin: glam::Vec3, direction: glam::Vec3) -> Ray<f32> {
 
 /// The ray of unit direction from a single-precision point through a double-precision one, which it misses
 /// only by the rounding of its direction.
-pub fn towards(origin: glam::Vec3, target: DVec3) -> Ray<f32> {
+pub(crate) fn towards(origin: glam::Vec3, target: DVec3) -> Ray<f32> {
     ray(origin, (target - origin.as_dvec3()).normalize().as_vec3())
 }
 
 /// Origin and direction in f64, without rounding.
-pub fn to_f64(ray: &Ray<f32>) -> (DVec3, DVec3) {
+pub(crate) fn to_f64(ray: &Ray<f32>) -> (DVec3, DVec3) {
     (ray.origin.get(0).as_dvec3(), ray.direction.get(0).as_dvec3())
 }
 

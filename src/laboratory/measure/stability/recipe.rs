@@ -20,21 +20,24 @@ pub type Trial = fn(&mut Rng, f64, usize) -> FailureCounts;
 pub struct Recipe {
     /// Short name, for the command line and for files: `spheres-far`.
     pub name: &'static str,
-    pub title: &'static str,
-    pub axis: &'static str,
+    /// What is difficult, as the heading of a figure.
+    pub(crate) title: &'static str,
+    /// What varies along the axis, with its unit.
+    pub(crate) axis: &'static str,
     /// Places on the axis, ascending. It is logarithmic; 0 may come first.
     pub places: &'static [f64],
     /// Definition of a failure.
-    pub failure: &'static str,
+    pub(crate) failure: &'static str,
     /// Definition and unit of the error, where one is measured.
     pub error: Option<&'static str>,
     /// Source that describes the difficulty.
-    pub source: &'static str,
+    pub(crate) source: &'static str,
     /// Cases at each place, with an effort of 1.
     pub cases: usize,
+    /// The methods that are tried, the default among them.
     pub methods: &'static [Method<Trial>],
     /// Bound of the default method, by place.
-    pub bound: fn(f64) -> Bound,
+    pub(crate) bound: fn(f64) -> Bound,
 }
 
 /// Largest share of failures and error of a method.
@@ -54,11 +57,11 @@ impl Bound {
     pub const NO_FAILURE: Self = Self { failures: 0.0, p99: None };
 
     /// No failure, and a 99th percentile of the error up to this.
-    pub const fn error(p99: f64) -> Self {
+    pub(crate) const fn error(p99: f64) -> Self {
         Self { failures: 0.0, p99: Some(p99) }
     }
     /// Whether this number of failures is within the bound.
-    pub fn allows(&self, failures: usize, tested: usize) -> bool {
+    pub(crate) fn allows(&self, failures: usize, tested: usize) -> bool {
         let expected = self.failures * tested as f64;
         let spread = if expected > 0.0 { 5.0 * expected.sqrt() + 3.0 } else { 0.0 };
         failures as f64 <= expected + spread
@@ -81,7 +84,9 @@ impl Effort {
 /// Failures and errors of a method.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FailureCounts {
+    /// Cases, failed or not.
     pub tested: usize,
+    /// Cases that failed.
     pub failures: usize,
     /// Errors of the cases that did not fail, where measured.
     pub errors: Vec<f64>,
@@ -89,13 +94,13 @@ pub struct FailureCounts {
 
 impl FailureCounts {
     /// Records a case without an error.
-    pub fn record(&mut self, failed: bool) {
+    pub(crate) fn record(&mut self, failed: bool) {
         self.tested += 1;
         self.failures += usize::from(failed);
     }
     /// Records a case that did not fail, with its error. An error that is NaN or infinite is a failure: in
     /// quantiles it would go unnoticed.
-    pub fn record_error(&mut self, error: f64) {
+    pub(crate) fn record_error(&mut self, error: f64) {
         if error.is_finite() {
             self.tested += 1;
             self.errors.push(error);
@@ -114,42 +119,59 @@ impl FailureCounts {
 /// The result of a recipe.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Outcome {
+    /// Name of the recipe.
     pub recipe: &'static str,
+    /// What is difficult, as the heading of a figure.
     pub title: &'static str,
+    /// What varies along the axis, with its unit.
     pub axis: &'static str,
+    /// Definition of a failure.
     pub failure: &'static str,
+    /// Definition and unit of the error; `None` where only failures are counted.
     pub error: Option<&'static str>,
+    /// Source that describes the difficulty.
     pub source: &'static str,
     /// Whether the default method keeps its bounds.
     pub holds: bool,
+    /// One per method, in the order of the recipe.
     pub curves: Vec<Curve>,
 }
 
 /// One method along the axis.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Curve {
+    /// Its name.
     pub method: &'static str,
     /// Whether this is the renderer's default.
     pub default: bool,
+    /// By place, ascending.
     pub points: Vec<Point>,
 }
 
-/// One method at one place of the axis. Quantiles are those of the error where the
-/// method did not fail; `None` where no error is measured.
+/// One method at one place of the axis. Quantiles are those of the error where the method did not fail;
+/// `None` where no error is measured.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Point {
+    /// The place, in the unit of [`Outcome::axis`].
     pub x: f64,
+    /// Cases, failed or not.
     pub tested: usize,
+    /// Cases that failed.
     pub failures: usize,
+    /// Median error, in the unit of [`Outcome::error`].
     pub p50: Option<f64>,
+    /// 90th percentile of the error.
     pub p90: Option<f64>,
+    /// 99th percentile of the error, which bounds limit.
     pub p99: Option<f64>,
+    /// Largest error.
     pub max: Option<f64>,
     /// Of the default method only.
     pub bound: Option<Bound>,
 }
 
 impl Outcome {
+    /// The curve of the method of this name.
     pub fn curve(&self, method: &str) -> Option<&Curve> {
         self.curves.iter().find(|curve| curve.method == method)
     }
@@ -204,7 +226,7 @@ impl Recipe {
         }
     }
 
-    /// One method at one place, which need not be one of [`Recipe::places`].
+    /// One method at one place, which need not be one of the recipe's places.
     pub fn at(&self, method: &Method<Trial>, x: f64, effort: Effort) -> Point {
         let cases = effort.cases(self.cases);
         // Large enough that the setup of a part (a mesh) costs little, small enough for all threads.

@@ -23,6 +23,7 @@ impl Rng {
         };
         Self(numbers.into_iter().fold(start, mix) | 1)
     }
+    /// 32 uniform bits: the upper half of the output.
     pub fn bits(&mut self) -> u32 {
         self.0 ^= self.0 >> 12;
         self.0 ^= self.0 << 25;

@@ -14,7 +14,7 @@ use crate::kernel::surface::{sphere_normal, sphere_offset};
 use crate::math::{self, Ray};
 use glam::Vec3;
 
-pub const RECIPES: &[Recipe] = &[
+pub(super) const RECIPES: &[Recipe] = &[
     Recipe {
         name: "leaving-spheres",
         title: "Leaving spheres of radius 1 outwards",
@@ -57,7 +57,9 @@ pub const RECIPES: &[Recipe] = &[
 /// The side to which rays leave a sphere.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Side {
+    /// Along the outward normal.
     Outside,
+    /// Against the outward normal.
     Inside,
 }
 

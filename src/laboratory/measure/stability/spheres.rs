@@ -15,7 +15,7 @@ use std::f64::consts::TAU;
 const HAINES: &str = "Haines, Günther, Akenine-Möller, Ray Tracing Gems ch. 7, 2019";
 
 /// Bounds hold where the default method makes a promise; measured figures stand in `kernel::ray_sphere`.
-pub const RECIPES: &[Recipe] = &[
+pub(super) const RECIPES: &[Recipe] = &[
     Recipe {
         name: "spheres-far",
         title: "Spheres seen from far away",
@@ -96,7 +96,9 @@ pub const RECIPES: &[Recipe] = &[
 /// A sphere of single precision.
 #[derive(Clone, Copy, Debug)]
 pub struct Ball {
+    /// In scene units.
     pub center: Vec3,
+    /// In scene units; positive.
     pub radius: f32,
 }
 
@@ -104,7 +106,7 @@ pub struct Ball {
 pub const UNIT: Ball = Ball { center: Vec3::ZERO, radius: 1.0 };
 
 /// The nearest t in (0, `limit`) of one method.
-pub type Intersect = fn(Ball, &Ray<f32>, f32) -> Option<f32>;
+pub(crate) type Intersect = fn(Ball, &Ray<f32>, f32) -> Option<f32>;
 
 /// The nearest t in (0, `limit`) by method `S`.
 pub fn intersect<S: SphereMethod>(ball: Ball, ray: &Ray<f32>, limit: f32) -> Option<f32> {

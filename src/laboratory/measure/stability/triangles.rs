@@ -12,7 +12,7 @@ use glam::{DVec3, Vec3};
 
 pub(super) const WOOP: &str = "Woop, Benthin, Wald, Watertight Ray/Triangle Intersection, JCGT 2(1), 2013";
 const FALSE_MISS: &str = "a ray through the triangle misses it";
-pub const RECIPES: &[Recipe] = &[
+pub(super) const RECIPES: &[Recipe] = &[
     Recipe {
         name: "triangles-slivers",
         title: "Slivers seen from twice their length",
@@ -68,7 +68,7 @@ pub const RECIPES: &[Recipe] = &[
 ];
 
 /// The point of these weights.
-pub fn mean(points: [DVec3; 3], weights: [f64; 3]) -> DVec3 {
+pub(crate) fn mean(points: [DVec3; 3], weights: [f64; 3]) -> DVec3 {
     points[0] * weights[0] + points[1] * weights[1] + points[2] * weights[2]
 }
 
@@ -88,7 +88,7 @@ pub fn reference_tuv(triangle: [Vec3; 3], ray: &Ray<f32>) -> [f64; 3] {
 }
 
 /// t, u and v by one method.
-pub type Intersect = fn([Vec3; 3], &Ray<f32>, f32) -> Option<[f32; 3]>;
+pub(crate) type Intersect = fn([Vec3; 3], &Ray<f32>, f32) -> Option<[f32; 3]>;
 
 /// t, u and v by method `T`.
 pub fn intersect<T: TriangleMethod>(triangle: [Vec3; 3], ray: &Ray<f32>, limit: f32) -> Option<[f32; 3]> {
@@ -118,7 +118,7 @@ fn inside(
 
 /// A triangle with a longest edge of 1, or nearly, and a height of 1 / `aspect`, and a ray from the distance
 /// 2 through it.
-pub fn sliver(rng: &mut Rng, aspect: f64) -> ([Vec3; 3], Ray<f32>) {
+pub(crate) fn sliver(rng: &mut Rng, aspect: f64) -> ([Vec3; 3], Ray<f32>) {
     let along = rng.direction();
     let across = along.any_orthonormal_vector();
     let a = rng.in_cube();

@@ -142,7 +142,7 @@ fn no_display() -> WindowError {
     let named: Vec<String> = named.collect();
     WindowError::NoDisplay(match named.is_empty() {
         false => {
-            format!("there is no display to open a window on: none latency_sum at {}", named.join(" or "))
+            format!("there is no display to open a window on: none can be reached at {}", named.join(" or "))
         }
         true => "there is no display to open a window on".to_string(),
     })

@@ -54,7 +54,7 @@ pub enum RayKind {
 }
 
 impl RayKind {
-    /// All segments, in order.
+    /// All kinds, in order.
     pub const ALL: [Self; 3] = [Self::Primary, Self::Bounce, Self::Shadow];
 
     /// As reports name it.

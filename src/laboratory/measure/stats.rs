@@ -98,7 +98,7 @@ pub struct TestStats {
 pub struct PerRay {
     /// Tests of one ray, or one frustum of many rays, against one box or primitive.
     pub tests: u64,
-    /// Steps of up to eight tests at once.
+    /// Steps of as many tests at once as the packet or the node is wide.
     pub steps: u64,
     /// `tests` over the rays.
     pub tests_per_ray: f64,

@@ -4,7 +4,7 @@
 //! `kernel`, `buffers`, `sampling`, `queue`, `surface`, `material`. Must never know: how lights are sampled,
 //! stages.
 
-use super::features::has;
+use super::features::{has, is_general};
 use super::material::MaterialSample;
 use super::queue::Path;
 use super::surface::Surface;
@@ -70,6 +70,32 @@ pub struct ScatteredPath<L: Lane> {
 /// Samples the BSDF: the next segment of each path in `found`.
 #[inline(always)]
 pub fn scatter<L: Lane, const N: u32>(
+    path: &Path<L>,
+    surface: &Surface<L>,
+    material: &MaterialSample<L>,
+    numbers: (&PacketValues<L>, Option<&Strip>),
+    found: L::Mask,
+) -> ScatteredPath<L> {
+    if is_general(N) {
+        scatter_called::<L, N>(path, surface, material, numbers, found)
+    } else {
+        scatter_inlined::<L, N>(path, surface, material, numbers, found)
+    }
+}
+
+#[inline(never)]
+fn scatter_called<L: Lane, const N: u32>(
+    path: &Path<L>,
+    surface: &Surface<L>,
+    material: &MaterialSample<L>,
+    numbers: (&PacketValues<L>, Option<&Strip>),
+    found: L::Mask,
+) -> ScatteredPath<L> {
+    scatter_inlined::<L, N>(path, surface, material, numbers, found)
+}
+
+#[inline(always)]
+fn scatter_inlined<L: Lane, const N: u32>(
     path: &Path<L>,
     surface: &Surface<L>,
     material: &MaterialSample<L>,

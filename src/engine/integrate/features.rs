@@ -1,6 +1,6 @@
 //! Tests of a pipeline's feature set.
 //!
-//! For: [`has`], [`ends_missed`], [`ends_at_emitters`] and [`abilities`], constants once a pipeline is
+//! For: [`has`], [`is_general`], [`ends_missed`], [`ends_at_emitters`] and [`abilities`], constants once a pipeline is
 //! compiled. May import: `buffers`. Must never know: stages.
 
 use crate::buffers::{Abilities, Features};
@@ -9,6 +9,13 @@ use crate::buffers::{Abilities, Features};
 #[inline(always)]
 pub const fn has(n: u32, feature: Features) -> bool {
     Features(n).contains(feature)
+}
+
+/// Is this the pipeline with every feature? The longest functions of shading are called there, and inlined in
+/// others: a quarter less of the engine to compile, and as fast. See `perf/README.md`.
+#[inline(always)]
+pub const fn is_general(n: u32) -> bool {
+    n == Features::ALL.0
 }
 
 /// Do paths that miss end where they are intersected, so that shading has full packets? Only under a sky that

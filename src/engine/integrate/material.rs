@@ -4,7 +4,7 @@
 //! equations, stages.
 
 use super::context::TraceContext;
-use super::features::{abilities, has};
+use super::features::{abilities, has, is_general};
 use super::surface::{Coordinates, Surface};
 use crate::buffers::{Features, MaterialCode};
 use crate::kernel::bsdf::metal_rough::MetalRough;
@@ -41,6 +41,20 @@ impl<L: Lane> MaterialSample<L> {
     /// The materials of the lanes in `found`; the others are unspecified.
     #[inline(always)]
     pub fn of<const N: u32>(context: &TraceContext, surface: &Surface<L>, found: L::Mask) -> Self {
+        if is_general(N) {
+            Self::called::<N>(context, surface, found)
+        } else {
+            Self::inlined::<N>(context, surface, found)
+        }
+    }
+
+    #[inline(never)]
+    fn called<const N: u32>(context: &TraceContext, surface: &Surface<L>, found: L::Mask) -> Self {
+        Self::inlined::<N>(context, surface, found)
+    }
+
+    #[inline(always)]
+    fn inlined<const N: u32>(context: &TraceContext, surface: &Surface<L>, found: L::Mask) -> Self {
         let few = !has(N, Features::MANY_MATERIALS);
         let index = L::Bits::select(found, surface.material, L::Bits::splat(0));
         let [r, g, b, parameter, er, eg, eb, code] = context.buffers.material_rows.fetch::<L>(index, few);

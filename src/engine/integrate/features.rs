@@ -1,7 +1,7 @@
 //! Tests of a pipeline's feature set.
 //!
-//! For: [`has`], [`is_general`], [`ends_missed`], [`ends_at_emitters`] and [`abilities`], constants once a pipeline is
-//! compiled. May import: `buffers`. Must never know: stages.
+//! For: [`has`], [`is_general`], [`ends_missed`], [`ends_at_emitters`] and [`abilities`], constants once a
+//! pipeline is compiled. May import: `buffers`. Must never know: stages.
 
 use crate::buffers::{Abilities, Features};
 

@@ -51,8 +51,10 @@ pub fn blend<L: Lane>([a, b, c]: [Vec3<L>; 3], (u, v): (L, L)) -> Vec3<L> {
 /// side, and where it would lead below the triangle.
 ///
 /// `edges`: a to b, and a to c. `ng`: the geometric normal on the side on which rays leave; `side`: its sign
-/// is that of `ng` against the vertex normals. Domain: unit normals. No longer than the longest edge. Source:
-/// Hanika, "Hacking the Shadow Terminator", Ray Tracing Gems II ch. 4, 2021.
+/// is that of `ng` against the vertex normals.
+///
+/// Domain: unit normals. No longer than the longest edge.
+/// Source: Hanika, "Hacking the Shadow Terminator", Ray Tracing Gems II ch. 4, 2021.
 #[inline(always)]
 pub fn bulge<L: Lane>(
     normals: [Vec3<L>; 3],

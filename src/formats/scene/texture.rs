@@ -68,11 +68,7 @@ impl Textures {
         self.add(key, Texture { name, width, height, filter, texels: change(texels) })
     }
     fn add(&mut self, key: (PathBuf, Filter, TexelKind), texture: Texture) -> Result<u32, String> {
-        let bytes = match &texture.texels {
-            Texels::Srgb8(texels) | Texels::Unorm8(texels) => size_of_val(texels.as_slice()),
-            Texels::Float32(texels) => size_of_val(texels.as_slice()),
-        };
-        self.bytes += bytes.max(LEAST_BYTES);
+        self.bytes += texture.texels.bytes().max(LEAST_BYTES);
         if self.bytes > MAX_BYTES {
             return Err(format!("the scene's textures take more than {MAX_BYTES} bytes"));
         }

@@ -78,9 +78,17 @@ pub(super) fn write(out: impl Write, header: &Header, film: &Film, goals: &[u32]
 /// Does the file begin as a checkpoint does? False where it cannot be read.
 pub fn is_checkpoint(path: &Path) -> bool {
     let mut magic = [0; MAGIC.len()];
-    // To open a pipe would wait for somebody who writes.
-    let is_file = path.metadata().is_ok_and(|metadata| metadata.is_file());
-    is_file && File::open(path).and_then(|mut file| file.read_exact(&mut magic)).is_ok() && magic == MAGIC
+    let Ok(Some((mut file, _))) = open_regular(path) else { return false };
+    file.read_exact(&mut magic).is_ok() && magic == MAGIC
+}
+
+/// A file and its length; `None` if it is no regular file: to open a pipe would wait for somebody who writes.
+fn open_regular(path: &Path) -> io::Result<Option<(File, u64)>> {
+    let metadata = path.metadata()?;
+    if !metadata.is_file() {
+        return Ok(None);
+    }
+    Ok(Some((File::open(path)?, metadata.len())))
 }
 
 /// A checkpoint whose header was read, and whose tiles were not yet.
@@ -96,20 +104,16 @@ impl Checkpoint<BufReader<File>> {
     /// Opens a file; `None` if there is none.
     pub fn open(path: &Path) -> Result<Option<Self>, CheckpointError> {
         let failed = |source| CheckpointError::Read { path: path.to_owned(), source };
-        match path.metadata() {
-            Ok(metadata) => {
-                // To open a pipe would wait for somebody who writes.
-                if !metadata.is_file() {
-                    return Err(CheckpointError::NotACheckpoint { path: path.to_owned() });
-                }
-                let file = File::open(path).map_err(failed)?;
+        match open_regular(path) {
+            Ok(Some((file, length))) => {
                 let checkpoint = Self::read(BufReader::with_capacity(1 << 16, file), path)?;
                 // Before a film is allocated.
-                if metadata.len() < least_bytes(&checkpoint.header) {
+                if length < least_bytes(&checkpoint.header) {
                     return Err(damaged(path, "it ends too early"));
                 }
                 Ok(Some(checkpoint))
             }
+            Ok(None) => Err(CheckpointError::NotACheckpoint { path: path.to_owned() }),
             Err(error) if error.kind() == ErrorKind::NotFound => Ok(None),
             Err(error) => Err(failed(error)),
         }

@@ -132,15 +132,13 @@ fn line_and_column(text: &str, offset: usize) -> (usize, usize) {
     (before.matches('\n').count() + 1, before[line_start..].chars().count() + 1)
 }
 
-/// Parses a JSON text as `T`. Only a refused text is parsed a second time, for the path of the fault.
+/// Parses a JSON text as `T`.
 pub fn read<T: DeserializeOwned>(source: &Source) -> Result<T, SceneError> {
-    serde_json::from_str(source.text).or_else(|_| {
-        let mut deserializer = serde_json::Deserializer::from_str(source.text);
-        let value: T = serde_path_to_error::deserialize(&mut deserializer)
-            .map_err(|error| refusal(source, &error.path().to_string(), error.inner()))?;
-        deserializer.end().map_err(|error| refusal(source, ".", &error))?;
-        Ok(value)
-    })
+    let mut deserializer = serde_json::Deserializer::from_str(source.text);
+    let value: T = serde_path_to_error::deserialize(&mut deserializer)
+        .map_err(|error| refusal(source, &error.path().to_string(), error.inner()))?;
+    deserializer.end().map_err(|error| refusal(source, ".", &error))?;
+    Ok(value)
 }
 
 fn refusal(source: &Source, path: &str, error: &serde_json::Error) -> SceneError {

@@ -231,3 +231,29 @@ fn planar_uvs(vertices: [Vec3; 3], size: f64) -> [Vec2; 3] {
 /// Cosine of the steepest slope (40°) that is textured like a floor. Not a slope that people build: there,
 /// rounding would give neighbouring triangles different mappings.
 const FLAT: f64 = 0.77;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use octray_engine::scene::Side;
+
+    #[test]
+    fn room_ends_at_the_limits_of_a_scene() {
+        let mut builder = SceneBuilder::default();
+        let material = builder.default_material();
+        let (center, radius, texture_side, texture_turn) = (Vec3::ZERO, 1.0, Side::Outside, 0.0);
+        builder.spheres.push(Sphere { center, radius, material, texture_side, texture_turn });
+        assert!(builder.add_triangle([Vec3::ZERO, Vec3::X, Vec3::Y], material, None, None));
+        assert!(builder.check_room(MAX_PRIMITIVES - 2).is_ok());
+        let error = builder.check_room(MAX_PRIMITIVES - 1).unwrap_err();
+        assert_eq!(error.what, "the scene holds 268435457 spheres and triangles");
+
+        let grey = Material::new("m", MaterialKind::Diffuse, Vec3::ONE);
+        builder.materials.resize(MAX_MATERIALS, grey.clone());
+        assert!(builder.check_room(0).is_ok());
+        builder.materials.push(grey);
+        let error = builder.check_room(0).unwrap_err();
+        assert_eq!(error.what, "the scene holds 1048577 materials");
+        assert_eq!(error.mend.as_deref(), Some("leave at most 1048576"));
+    }
+}

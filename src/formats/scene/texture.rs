@@ -159,3 +159,27 @@ fn display_texels(picture: DynamicImage, texel_kind: TexelKind) -> Texels {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn textures_are_counted_and_end_at_the_limit() {
+        let texture = |texels| Texture {
+            name: String::new(),
+            width: 1,
+            height: texels,
+            filter: Filter::Nearest,
+            texels: Texels::Float32(vec![[0.0; 4]; texels as usize]),
+        };
+        let key = |name: &str| (PathBuf::from(name), Filter::Nearest, TexelKind::Color);
+        let mut textures = Textures { bytes: MAX_BYTES - 17_024, ..Textures::default() };
+        // 16 bytes each texel, and not less than a kilobyte.
+        assert_eq!(textures.add(key("a"), texture(1_000)), Ok(0));
+        assert_eq!(textures.add(key("b"), texture(1)), Ok(1));
+        let refused = textures.add(key("c"), texture(1));
+        assert_eq!(refused, Err("the scene's textures take more than 4294967296 bytes".to_string()));
+        assert_eq!(textures.list.len(), 2);
+    }
+}

@@ -294,6 +294,6 @@ mod tests {
     #[test]
     #[ignore = "minutes: run by .ci/run"]
     fn reprojection_halves_the_error_in_motion_at_least_on_large_frames() {
-        reprojection_halves_the_error(&["three", "cornell"], [96, 54], MOST_GROUND_TRUTH_SAMPLES / 2);
+        reprojection_halves_the_error(&["cornell"], [96, 54], MOST_GROUND_TRUTH_SAMPLES / 2);
     }
 }

@@ -198,13 +198,13 @@ pub fn frames(scene: &SceneChart) -> Drawing {
 /// Error of a picture with several display filters, against the time to render and to filter it.
 pub fn display(scene: &SceneChart) -> Drawing {
     let unit = scene.display.first().map_or(f64::NAN, |shown| shown.frame_ms.median);
-    let line = |(number, way): (usize, &&'static str)| {
-        let shown = scene.display.iter().filter(|shown| shown.filter == *way);
+    let line = |(number, filter): (usize, &&'static str)| {
+        let shown = scene.display.iter().filter(|shown| shown.filter == *filter);
         let point = |shown: &display::FilterResult| {
             Some([(shown.frame_ms.median + shown.filter_ms.median) / unit, shown.rmse?.median])
         };
         let look = if number == 0 { Look::Default } else { Look::Plain };
-        Line { name: (*way).into(), look, points: shown.filter_map(point).collect(), ..Line::default() }
+        Line { name: (*filter).into(), look, points: shown.filter_map(point).collect(), ..Line::default() }
     };
     let (threads, seeds) = scene.display.first().map_or((1, 0), |shown| (shown.threads, shown.seeds));
     let figure = Figure {

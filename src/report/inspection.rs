@@ -72,7 +72,7 @@ struct Materials {
     metal_rough: usize,
     emitter: usize,
     /// Emissive ones of any type.
-    shining: usize,
+    emissive: usize,
     /// Textured ones of any type.
     textured: usize,
 }
@@ -101,7 +101,7 @@ struct LightReport {
     /// Emissive spheres and triangles.
     emitters: usize,
     /// Those of them that are sampled.
-    sought: usize,
+    sampled: usize,
     /// Is the environment map sampled?
     sky: bool,
     /// The mean square of the environment map over the square of its mean, over all directions.
@@ -254,7 +254,7 @@ impl Materials {
                 MaterialKind::MetalRough { .. } => &mut count.metal_rough,
                 MaterialKind::Emitter => &mut count.emitter,
             } += 1;
-            count.shining += usize::from(material.emission != Vec3::ZERO);
+            count.emissive += usize::from(material.emission != Vec3::ZERO);
             count.textured += usize::from(material.texture.is_some());
         }
         count
@@ -274,7 +274,7 @@ impl Materials {
         let present = types.iter().filter(|(_, count)| *count > 0);
         let listed: Vec<String> = present.map(|(name, count)| format!("{count} {name}")).collect();
         let mut text = if listed.is_empty() { "0".into() } else { format!("{total}: {}", listed.join(", ")) };
-        for (what, count) in [("emissive", self.shining), ("textured", self.textured)] {
+        for (what, count) in [("emissive", self.emissive), ("textured", self.textured)] {
             if count > 0 {
                 let _ = write!(text, "; {count} {what}");
             }
@@ -311,7 +311,7 @@ impl LightReport {
         Self {
             emitters: spheres + triangles,
             // Two triangles may be one light.
-            sought: lights.probabilities.iter().filter(|&&probability| probability > 0.0).count()
+            sampled: lights.probabilities.iter().filter(|&&probability| probability > 0.0).count()
                 - usize::from(lights.sky.is_some()),
             sky: lights.sky.is_some(),
             sky_contrast: match &lights.sky {
@@ -322,10 +322,10 @@ impl LightReport {
     }
 
     fn text(&self) -> String {
-        let emitters = match (self.emitters, self.sought) {
+        let emitters = match (self.emitters, self.sampled) {
             (0, _) => "no emitters".to_string(),
-            (emitters, sought) => {
-                format!("{} of {} sampled", grouped(sought), counted(emitters, "emitter", "emitters"))
+            (emitters, sampled) => {
+                format!("{} of {} sampled", grouped(sampled), counted(emitters, "emitter", "emitters"))
             }
         };
         let Some(contrast) = self.sky_contrast else { return emitters };

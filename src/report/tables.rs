@@ -119,7 +119,7 @@ pub fn frames(chart: &Chart) -> String {
 pub fn display(chart: &Chart) -> String {
     let mut table = Table::new(&[
         "scene",
-        "way",
+        "filter",
         "samples",
         "threads",
         "seeds",
@@ -155,7 +155,7 @@ pub fn motion(chart: &Chart) -> String {
     let mut table = Table::new(&[
         "scene",
         "path",
-        "way",
+        "filter",
         "threads",
         "frames",
         "speed",
@@ -359,13 +359,13 @@ mod tests {
         assert_eq!(
             named(&display(&chart), 0),
             format!(
-                "scene=three way=blurred samples=4 threads=7 seeds=9 rmse=30 rmse_p10=29.8 rmse_p90=30.25 {flip} {times}"
+                "scene=three filter=blurred samples=4 threads=7 seeds=9 rmse=30 rmse_p10=29.8 rmse_p90=30.25 {flip} {times}"
             )
         );
         assert_eq!(
             named(&motion(&chart), 0),
             format!(
-                "scene=three path=forwards way=reprojected threads=7 frames=48 speed=1.5 rmse=0.25 times_lower= {times}"
+                "scene=three path=forwards filter=reprojected threads=7 frames=48 speed=1.5 rmse=0.25 times_lower= {times}"
             )
         );
         assert_eq!(

@@ -45,13 +45,13 @@ pub struct HierarchyReport {
 impl TraversalReport {
     /// What [`Methods::default`] chooses for this scene with 8 lanes.
     pub fn of(scene: &Scene) -> Self {
-        let way = Methods::default()
+        let traversal = Methods::default()
             .traversal_of(scene, F32x8::WIDTH)
             .map_or(TraceMethod::Linear, TraceMethod::Tree);
         Self {
             // The same for all rays: a traversal itself finds out which rays are coherent.
-            primary: way.name(),
-            bounces: way.name(),
+            primary: traversal.name(),
+            bounces: traversal.name(),
             linear_cost: linear::cost(scene),
             most_linear_cost: linear::MAX_COST,
         }

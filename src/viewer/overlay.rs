@@ -116,7 +116,8 @@ fn lines(
     }
     let methods = &settings.methods;
     let (sphere, triangle) = (methods.sphere.name(), methods.triangle.name());
-    let traversal = methods.traversal_of(scene, settings.lanes).map_or("linear", |way| way.name());
+    let traversal =
+        methods.traversal_of(scene, settings.lanes).map_or("linear", |traversal| traversal.name());
     write!(text, "\nspheres {sphere}, triangles {triangle}, {traversal}")?;
     if controls.preset != super::controls::MethodPreset::CommandLine {
         write!(text, " ({})", controls.preset.name())?;

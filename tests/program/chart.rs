@@ -53,11 +53,11 @@ fn chart_writes_a_page_drawings_tables_and_json_that_agree() {
     for (table, rows) in [(read("display.csv"), shown), (read("motion.csv"), moving)] {
         assert_eq!(table.lines().count(), rows.len() + 1);
         for (row, line) in rows.iter().zip(table.lines().skip(1)) {
-            assert!(line.contains(row["way"].as_str().unwrap()), "{line}");
+            assert!(line.contains(row["filter"].as_str().unwrap()), "{line}");
             assert!(row["frame_ms"]["median"].as_f64().unwrap() > 0.0, "{row}");
         }
     }
-    let reprojected = moving.iter().filter(|row| row["way"] == "reprojected");
+    let reprojected = moving.iter().filter(|row| row["filter"] == "reprojected");
     let lower = reprojected.filter_map(|row| row["times_lower"].as_f64());
     assert!(lower.into_iter().all(|times| times > 1.5), "{moving:?}");
     assert_eq!(read("kernels.csv").lines().count(), report["kernels"].as_array().unwrap().len() + 1);

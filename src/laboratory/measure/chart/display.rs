@@ -28,7 +28,6 @@ const MOST_SEEDS: usize = 8;
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct FilterResult {
     /// One of [`FILTERS`].
-    #[serde(rename = "way")]
     pub filter: &'static str,
     /// Samples per pixel of the unfiltered picture.
     pub samples: u32,

@@ -83,7 +83,6 @@ pub struct MotionResult {
     /// How the camera moves.
     pub path: CameraPath,
     /// One of [`FILTERS`].
-    #[serde(rename = "way")]
     pub filter: &'static str,
     /// Worker threads.
     pub threads: usize,

@@ -79,6 +79,18 @@ fn merge_names_what_is_missing_doubled_mixed_or_incomplete() {
     ] {
         refuses(&desk, &format!("merge {parts} -o a.exr"), words);
     }
+    run(&desk, &format!("{picture} --shard 3/4 -o light.part --exposure 1"));
+    refuses(
+        &desk,
+        "merge 1.part 2.part light.part 4.part -o a.exr",
+        &["`light.part`", "exposure or tone: not the same"],
+    );
+    run(&desk, &format!("{picture} --shard 1/12 -o twelfth.part"));
+    refuses(
+        &desk,
+        "merge twelfth.part -o a.exr",
+        &["shards 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, … of 12 are missing"],
+    );
     refuses(&desk, "merge 1.part 2.part 3.part 4.part -o a.gif", &["a.gif", ".png"]);
     run(&desk, "merge 1.part 2.part 3.part 4.part -o a.exr");
     // A checkpoint of a whole picture is its only part.
@@ -86,6 +98,9 @@ fn merge_names_what_is_missing_doubled_mixed_or_incomplete() {
     run(&desk, "merge whole -o c.exr");
     let [a, b, c] = ["a.exr", "b.exr", "c.exr"].map(|name| fs::read(desk.path(name)).unwrap());
     assert!(a == b && b == c);
+    run(&desk, "render scene.json --size 60x40 --target-error 0.2 -o d.exr --checkpoint noisy");
+    run(&desk, "merge noisy -o e.exr");
+    assert!(fs::read(desk.path("d.exr")).unwrap() == fs::read(desk.path("e.exr")).unwrap());
 }
 
 #[test]

@@ -416,7 +416,12 @@ fn names_that_are_no_scenes_are_refused() {
         (path("missing.json"), "no such file", "(.json), a model (.obj, .gltf, .glb, .ply)"),
         (path("missing.obj"), "no such file", "(.json), a model (.obj, .gltf, .glb, .ply)"),
         (path("folder.json"), "folder", "(.json), a model (.obj, .gltf, .glb, .ply)"),
-        (path("scene.txt"), "not the name of a scene", "(.json), a model (.obj, .gltf, .glb, .ply)"),
+        (path(""), "this is a folder, not a scene", "(.json), a model (.obj, .gltf, .glb, .ply)"),
+        (
+            path("scene.txt"),
+            "files of the kind `.txt` are not read",
+            "(.json), a model (.obj, .gltf, .glb, .ply)",
+        ),
         ("three".to_string(), "not the name of a scene", "did you mean `builtin:three`?"),
         ("knot:100".to_string(), "not the name of a scene", "did you mean `builtin:knot:100`?"),
         ("terrian:100".to_string(), "not the name of a scene", "did you mean `builtin:terrain:100`?"),

@@ -24,6 +24,9 @@ fn encoded(header: &str, numbers: &[(char, f64)]) -> [Vec<u8>; 3] {
         let of = |&(kind, number): &(char, f64)| {
             let mut bytes = match kind {
                 'c' => vec![number as u8],
+                'b' => vec![number as i8 as u8],
+                's' => (number as i16).to_le_bytes().to_vec(),
+                'u' => (number as u16).to_le_bytes().to_vec(),
                 'i' => (number as i32).to_le_bytes().to_vec(),
                 'd' => number.to_le_bytes().to_vec(),
                 _ => (number as f32).to_le_bytes().to_vec(),
@@ -153,6 +156,14 @@ fn files_that_lie_are_refused() {
         (file(&format!("{ascii}element vertex 3\nproperty real x\n"), ""), "type of the property"),
         (file(&format!("{ascii}property float x\n"), ""), "property of no element"),
         (file("element vertex 3\n", ""), "no `format`"),
+        (
+            file(&format!("{ascii}element vertex 1\n{xyz}element vertex 1\n{xyz}"), "0 0 0 0 0 0"),
+            "a second list of vertices",
+        ),
+        (
+            file(&format!("{ascii}element vertex 1\n{xyz}property list uchar int a\n"), "0 0 0 0"),
+            "vertices with lists are not read",
+        ),
         (file("format ascii 1.0\nelement vertex -3\n", ""), "not a count"),
         (read_bytes(b"plx\n"), "not a PLY file"),
         (read_bytes(b"ply\nformat ascii 1.0\n"), "ends too early"),
@@ -194,5 +205,65 @@ fn changed_bytes_never_cause_a_panic() {
             fs::write(&path, changed).unwrap();
             let _ = load(path.to_str().unwrap());
         }
+    }
+}
+
+#[test]
+fn placed_models_turn_their_normals_and_keep_their_coordinates() {
+    let folder = TempDir::new().unwrap();
+    image::RgbImage::new(1, 1).save(folder.path().join("p.png")).unwrap();
+    let text = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
+                property float nx\nproperty float ny\nproperty float nz\nproperty float s\nproperty float t\n\
+                property float red\nproperty float green\nproperty float blue\n\
+                element face 1\nproperty list uchar int vertex_indices\nend_header\n\
+                0 0 0  1.2 0 1.6  0.25 0.125  1 0 0\n1 0 0  0 1.2 1.6  0.5 0.125  0 1 0\n\
+                0 1 0  0 -1.2 1.6  0.25 0.75  0 0 1\n3 0 1 2\n";
+    fs::write(folder.path().join("m.ply"), text).unwrap();
+    let path = folder.path().join("s.json");
+    let scene = r#"{ "format": "octray-1", "materials": { "p": { "type": "diffuse", "texture": "p.png" } }, "meshes": [
+        { "model": "m.ply", "material": "p", "scale": 2, "rotate_degrees": [0, 0, 90], "translate": [0, 0, 1] } ] }"#;
+    fs::write(&path, scene).unwrap();
+    let scene = load(path.to_str().unwrap()).unwrap();
+    assert_eq!(
+        scene.triangles[0].vertices,
+        [[0.0, 0.0, 1.0], [0.0, 2.0, 1.0], [-2.0, 0.0, 1.0]].map(Vec3::from)
+    );
+    assert_eq!(scene.uvs[0], [[0.25, 0.125], [0.5, 0.125], [0.25, 0.75]].map(Vec2::from), "v upwards");
+    for (found, wanted) in scene.normals[0].iter().zip([[0.0, 0.6, 0.8], [-0.6, 0.0, 0.8], [0.6, 0.0, 0.8]]) {
+        assert!(found.abs_diff_eq(wanted.into(), 1e-6), "{found}, not {wanted:?}");
+    }
+    assert_eq!(scene.materials.len(), 1, "its own material takes the colours' place");
+}
+
+#[test]
+fn numbers_of_every_type_and_lists_of_other_names_have_their_place() {
+    let header = "element strip 1\nproperty list uchar int vertex_indices\nelement vertex 3\nproperty short x\n\
+                  property int y\nproperty char z\nproperty ushort red\nproperty ushort green\nproperty float blue\n\
+                  element face 1\nproperty list uchar float texcoord\nproperty uchar vertex_index\n\
+                  property list ushort uint vertex_indices\n";
+    let mut numbers = vec![('c', 2.0), ('i', 7.0), ('i', 8.0)];
+    for (x, y) in [(-300.0, -70_000.0), (300.0, -70_000.0), (-300.0, 70_000.0)] {
+        numbers.extend([('s', x), ('i', y), ('b', -3.0), ('u', 65_535.0), ('u', 257.0), ('f', 2.0)]);
+    }
+    // Three coordinates are no corners, and 9 is no vertex.
+    numbers.extend([
+        ('c', 3.0),
+        ('f', 0.0),
+        ('f', 1.0),
+        ('f', 2.0),
+        ('c', 9.0),
+        ('u', 3.0),
+        ('i', 0.0),
+        ('i', 1.0),
+        ('i', 2.0),
+    ]);
+    for content in encoded(header, &numbers) {
+        let scene = read_bytes(&content).unwrap();
+        let wanted =
+            [[-300.0, -70_000.0, -3.0], [300.0, -70_000.0, -3.0], [-300.0, 70_000.0, -3.0]].map(Vec3::from);
+        assert_eq!((scene.triangles.len(), scene.triangles[0].vertices), (1, wanted));
+        let Texels::Float32(texels) = &scene.textures[0].texels else { panic!("linear") };
+        let dark = srgb_to_linear(1.0 / 255.0) as f32;
+        assert!(texels.iter().any(|texel| texel[..3] == [1.0, dark, 1.0]), "{texels:?}");
     }
 }

@@ -132,10 +132,12 @@ impl Write for Hasher {
 mod tests {
     use super::*;
     use crate::scene::load;
+    use glam::{Vec2, Vec3};
+    use octray_engine::scene::{Filter, Side, Sky};
 
     #[test]
     fn fingerprint_tells_what_was_changed() {
-        let scene = load("builtin:thesis").unwrap();
+        let mut scene = load("builtin:thesis").unwrap();
         let own = Fingerprint::of(&scene);
         assert_eq!(own, Fingerprint::of(&scene.clone()));
         let changed = |change: fn(&mut Scene)| {
@@ -155,6 +157,43 @@ mod tests {
         let change = |scene: &mut Scene| match &mut scene.textures[0].texels {
             Texels::Srgb8(texels) | Texels::Unorm8(texels) => texels[5][1] ^= 1,
             Texels::Float32(texels) => texels[5][1] += 0.1,
+        };
+        assert_eq!(changed(change), "textures");
+        assert_eq!(changed(|scene| scene.sky = Sky::Color(Vec3::splat(0.123))), "sky");
+        assert_eq!(changed(|scene| scene.spheres[0].texture_turn += 0.5), "spheres");
+        assert_eq!(changed(|scene| scene.spheres[0].texture_side = Side::Outside), "spheres");
+        assert_eq!(changed(|scene| scene.spheres[0].material += 1), "spheres");
+        let filter = &mut scene.textures[0].filter;
+        *filter = if *filter == Filter::Nearest { Filter::Bilinear } else { Filter::Nearest };
+        assert_ne!(own.textures, Fingerprint::of(&scene).textures);
+    }
+
+    #[test]
+    fn fingerprint_tells_triangles_and_real_texels() {
+        let mut scene = load("builtin:three").unwrap();
+        let texels = Texels::Float32(vec![[0.5, 0.25, 0.125, 0.0]]);
+        let filter = Filter::Nearest;
+        scene.textures = vec![Texture { name: "t".into(), width: 1, height: 1, filter, texels }];
+        scene.triangles = vec![Triangle { vertices: [Vec3::ZERO, Vec3::X, Vec3::Y], material: 0 }];
+        (scene.uvs, scene.normals) = (vec![[Vec2::ZERO; 3]], vec![[Vec3::Z; 3]]);
+        let own = Fingerprint::of(&scene);
+        let changed = |change: fn(&mut Scene)| {
+            let mut other = scene.clone();
+            change(&mut other);
+            let other = Fingerprint::of(&other);
+            let parts = [
+                ("triangles", other.triangles != own.triangles),
+                ("vertices", other.vertices != own.vertices),
+                ("textures", other.textures != own.textures),
+            ];
+            parts.into_iter().filter(|(_, differs)| *differs).map(|(part, _)| part).collect::<String>()
+        };
+        assert_eq!(changed(|scene| scene.triangles[0].vertices[2].y = 2.0), "triangles");
+        assert_eq!(changed(|scene| scene.triangles[0].material = 1), "triangles");
+        assert_eq!(changed(|scene| scene.uvs[0][1].x = 1.0), "vertices");
+        assert_eq!(changed(|scene| scene.normals[0][1] = Vec3::X), "vertices");
+        let change = |scene: &mut Scene| {
+            scene.textures[0].texels = Texels::Float32(vec![[0.5, 0.25, 0.25, 0.0]]);
         };
         assert_eq!(changed(change), "textures");
     }

@@ -2,9 +2,11 @@
 
 use super::file::write;
 use super::*;
+use octray_engine::buffers::LightChoice;
 use octray_engine::film::Film;
 use octray_engine::render::{Renderer, Settings};
 use octray_engine::tone::Tone;
+use octray_engine::traverse::{BoxChoice, SphereChoice, TraversalChoice, TriangleChoice};
 use std::path::Path;
 
 const SHARD: Shard = Shard { number: 2, of: 3 };
@@ -113,4 +115,95 @@ fn differences_are_named() {
         assert!(said.contains(words), "{words}: {said}");
     }
     assert_eq!(said.lines().count(), 5, "{said}");
+}
+
+#[test]
+fn headers_that_lie_are_refused() {
+    let (header, film) = film();
+    let said = |change: &dyn Fn(&mut Header)| {
+        let mut header = header.clone();
+        change(&mut header);
+        let mut bytes = Vec::new();
+        write(&mut bytes, &header, &film, &[]).unwrap();
+        read(&bytes).err().unwrap().to_string()
+    };
+    for (width, height) in [(0, 20), (50, 0), (50, 16_385)] {
+        let said = said(&|header| header.identity.settings.resolution = [width, height]);
+        assert!(said.contains("its resolution is impossible"), "{said}");
+    }
+    for tile in [[0, 16], [16, 16_385], [16_384, 16_384]] {
+        let said = said(&|header| header.identity.settings.tile_size = tile);
+        assert!(said.contains("its resolution is impossible"), "{said}");
+    }
+    for (number, of) in [(0, 3), (4, 3), (0, 0)] {
+        let said = said(&|header| header.identity.shard = Shard { number, of });
+        assert!(said.contains("its shard is impossible"), "{said}");
+    }
+    let whole = said(&|header| header.identity.shard = Shard::WHOLE);
+    assert!(whole.contains("it has 3 tiles instead of 8"), "{whole}");
+    let first = said(&|header| header.identity.shard.number = 1);
+    assert!(first.contains("tile 1 is not where it should be"), "{first}");
+    let (mut long, _) = written();
+    long[12..16].copy_from_slice(&(1_u32 << 30).to_le_bytes());
+    assert!(read(&long).is_err_and(|error| error.to_string().contains("its header is too long")));
+}
+
+/// Before a film of that size is allocated.
+#[test]
+fn files_shorter_than_their_tiles_are_refused_when_they_are_opened() {
+    let folder = tempfile::TempDir::new().unwrap();
+    let path = folder.path().join("c.part");
+    let (mut header, film) = film();
+    header.identity.settings.resolution = [16_384, 16_384];
+    let mut bytes = Vec::new();
+    write(&mut bytes, &header, &film, &[]).unwrap();
+    std::fs::write(&path, bytes).unwrap();
+    let error = Checkpoint::open(&path).err().unwrap();
+    assert!(error.to_string().contains("it ends too early"), "{error}");
+}
+
+#[test]
+fn discarded_samples_are_kept() {
+    let (header, mut film) = film();
+    let sums = film.tiles_mut().iter_mut().find(|sums| SHARD.has(sums.tile.number)).unwrap();
+    let words_of_ones = vec![1; sums.words(true)];
+    sums.restore(2, true, &words_of_ones);
+    let mut bytes = Vec::new();
+    write(&mut bytes, &header, &film, &[]).unwrap();
+    let (_, found, _) = read(&bytes).unwrap();
+    assert_eq!((words(&found), found.discarded()), (words(&film), film.discarded()));
+    assert!(film.discarded() > 0);
+    // The flag that says so is 0 or 1.
+    let at = 16 + u32::from_le_bytes(bytes[12..16].try_into().unwrap()) as usize + 4 + 12;
+    assert_eq!(bytes[at], 1);
+    bytes[at] = 2;
+    let end = bytes.len() - 4;
+    let sum = crc32fast::hash(&bytes[..end]);
+    bytes[end..].copy_from_slice(&sum.to_le_bytes());
+    assert!(read(&bytes).is_err_and(|error| error.to_string().contains("tile 1 cannot be read")));
+}
+
+#[test]
+fn methods_that_change_bits_are_recorded() {
+    let scene = crate::scene::load("builtin:three").unwrap();
+    let plain = Settings::of(&scene);
+    let mut lossy = plain;
+    lossy.methods.boxes = BoxChoice::Fma;
+    let differ = |base: Settings, change: fn(&mut Settings)| {
+        let mut other = base;
+        change(&mut other);
+        Recorded::of(&base, None) != Recorded::of(&other, None)
+    };
+    for base in [plain, lossy] {
+        assert!(differ(base, |settings| settings.methods.sphere = SphereChoice::Naive));
+        assert!(differ(base, |settings| settings.methods.triangle = TriangleChoice::BaldwinWeber));
+        assert!(differ(base, |settings| settings.methods.lights = LightChoice::Off));
+        let is_lossy = base.methods.boxes == BoxChoice::Fma;
+        let change = |settings: &mut Settings| settings.methods.traversal = TraversalChoice::Linear;
+        assert_eq!(differ(base, change), is_lossy);
+        assert_eq!(
+            differ(base, |settings| settings.lanes = if settings.lanes == 1 { 8 } else { 1 }),
+            is_lossy
+        );
+    }
 }

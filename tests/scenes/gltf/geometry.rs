@@ -1,0 +1,210 @@
+//! Triangles and cameras of glTF models: nodes, accessors, modes.
+
+use super::{floats, model, placed, read, read_with, refused, square};
+use glam::Vec3;
+use serde_json::json;
+
+#[test]
+fn a_placed_mesh_has_the_vertices_normals_and_coordinates_of_its_nodes() {
+    let scene = read(&model(|json| {
+        json["scenes"][0]["nodes"] = json!([1]);
+        json["nodes"] = json!([
+            { "mesh": 0, "translation": [1, 0, 0], "scale": [2, 1, 1] },
+            { "children": [0], "rotation": [0, 0, 3, 3], "translation": [0, 0, 5] }
+        ]);
+    }));
+    let near = |a: Vec3, b: [f32; 3]| assert!(a.abs_diff_eq(b.into(), 1e-6), "{a} {b:?}");
+    let [first, second] = [0, 1].map(|triangle: usize| scene.triangles[triangle].vertices);
+    near(first[0], [0.0, 1.0, 5.0]);
+    near(first[1], [0.0, 3.0, 5.0]);
+    near(first[2], [-1.0, 3.0, 5.0]);
+    assert_eq!((first[0], first[2]), (second[0], second[1]));
+    assert!(scene.normals.is_empty() && scene.uvs.is_empty(), "flat, and without textures");
+}
+
+#[test]
+fn mirrored_nodes_keep_their_front() {
+    for (scale, front) in [([1, 1, 1], 1.0), ([-1, 1, 1], 1.0), ([-1, -1, 1], 1.0), ([1, 1, -1], -1.0)] {
+        let scene = read(&model(|json| json["nodes"][0]["scale"] = json!(scale)));
+        for triangle in &scene.triangles {
+            let [a, b, c] = triangle.vertices;
+            assert_eq!((b - a).cross(c - a).normalize().z, front, "{scale:?}");
+        }
+    }
+}
+
+#[test]
+fn strips_fans_and_missing_indices_make_the_triangles_of_the_standard() {
+    let of = |mode: u32, indices: bool| {
+        let scene = read(&model(|json| {
+            let primitive = &mut json["meshes"][0]["primitives"][0];
+            primitive["mode"] = json!(mode);
+            if !indices {
+                primitive.as_object_mut().unwrap().remove("indices");
+            }
+        }));
+        let corner = |v: Vec3| {
+            [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)].iter().position(|&(x, y)| (x, y) == (v.x, v.y))
+        };
+        let numbers = |triangle: &octray::scene::Triangle| triangle.vertices.map(|v| corner(v).unwrap());
+        scene.triangles.iter().map(numbers).collect::<Vec<_>>()
+    };
+    assert_eq!(of(4, true), [[0, 1, 2], [0, 2, 3]]);
+    assert_eq!(of(4, false), [[0, 1, 2]]);
+    assert_eq!(of(5, false), [[0, 1, 2], [2, 1, 3]]);
+    assert_eq!(of(6, false), [[0, 1, 2], [0, 2, 3]]);
+    // 0 1 2 0 2 3, without the one that has no area.
+    assert_eq!(of(5, true), [[0, 1, 2], [2, 1, 0], [2, 0, 3]]);
+}
+
+#[test]
+fn numbers_may_be_quantised_and_sparse() {
+    let json = model(|json| {
+        // Bytes of 127 are 1 if normalised.
+        json["accessors"][0] = json!({
+            "bufferView": 2, "componentType": 5120, "count": 4, "type": "VEC3", "normalized": true,
+            "sparse": {
+                "count": 1,
+                "indices": { "bufferView": 3, "componentType": 5123 },
+                "values": { "bufferView": 3, "byteOffset": 2 }
+            }
+        });
+        let views = json["bufferViews"].as_array_mut().unwrap();
+        views.push(json!({ "buffer": 0, "byteOffset": 136, "byteLength": 16, "byteStride": 4 }));
+        views.push(json!({ "buffer": 0, "byteOffset": 152, "byteLength": 6 }));
+        json["buffers"][0]["byteLength"] = json!(158);
+    });
+    let mut binary = square();
+    binary.extend([0, 0, 0, 99, 127, 0, 0, 99, 127, 127, 0, 99, 0, 127, 0, 99]);
+    binary.extend([2, 0, 127, 127, (-127_i8) as u8, 0]);
+    let scene = read_with(&json, &binary).unwrap().scene;
+    assert_eq!(scene.triangles[0].vertices, [Vec3::ZERO, Vec3::X, Vec3::new(1.0, 1.0, -1.0)]);
+    assert_eq!(scene.triangles[1].vertices[2], Vec3::Y);
+}
+
+#[test]
+fn cameras_look_along_minus_z_of_their_node() {
+    let scene = read(&model(|json| {
+        json["cameras"] = json!([{ "type": "perspective", "perspective": { "yfov": 0.5, "znear": 0.1 } }]);
+        json["nodes"] =
+            json!([{ "mesh": 0 }, { "camera": 0, "translation": [0, 0, 7], "rotation": [0, 0, 1, 0] }]);
+        json["scenes"][0]["nodes"] = json!([0, 1]);
+    }));
+    let camera = scene.camera;
+    assert_eq!((camera.position, camera.up), (Vec3::new(0.0, 0.0, 7.0), Vec3::NEG_Y));
+    assert_eq!((camera.look_at - camera.position).normalize(), Vec3::NEG_Z);
+    assert!((camera.vertical_fov - 28.65).abs() < 0.01);
+}
+
+#[test]
+fn normals_stay_upright_where_nodes_stretch() {
+    let mut binary = square();
+    let normals = [[0.6, 0.0, 0.8], [0.0, 0.6, 0.8], [0.0, -0.6, 0.8], [-0.6, 0.0, 0.8]];
+    for (vertex, normal) in normals.iter().enumerate() {
+        binary[32 * vertex + 12..][..12].copy_from_slice(&floats(normal));
+    }
+    let json =
+        model(|json| json["nodes"][0] = json!({ "mesh": 0, "translation": [1, 0, 0], "scale": [2, 1, 1] }));
+    let scene = placed(&json, &binary, json!({ "rotate_degrees": [0, 0, 90], "translate": [5, 0, 0] }));
+    // Twice as long in x, then turned from x to y.
+    let wanted = normals.map(|[x, y, z]: [f32; 3]| Vec3::new(-y, x / 2.0, z).normalize());
+    for (triangle, corners) in [[0, 1, 2], [0, 2, 3]].into_iter().enumerate() {
+        for (found, corner) in scene.normals[triangle].iter().zip(corners) {
+            assert!(found.abs_diff_eq(wanted[corner], 1e-6), "{corner}: {found}, not {}", wanted[corner]);
+        }
+    }
+    assert_eq!(scene.triangles[0].vertices[..2], [Vec3::new(5.0, 1.0, 0.0), Vec3::new(5.0, 3.0, 0.0)]);
+}
+
+#[test]
+fn numbers_of_every_type_are_normalised_by_their_largest() {
+    let cases: [(u32, Vec<u8>, Vec<u8>, f32); 5] = [
+        (5120, i8::MAX.to_le_bytes().to_vec(), i8::MIN.to_le_bytes().to_vec(), -1.0),
+        (5121, vec![u8::MAX], vec![0], 0.0),
+        (5122, i16::MAX.to_le_bytes().to_vec(), i16::MIN.to_le_bytes().to_vec(), -1.0),
+        (5123, u16::MAX.to_le_bytes().to_vec(), vec![0; 2], 0.0),
+        (5125, u32::MAX.to_le_bytes().to_vec(), vec![0; 4], 0.0),
+    ];
+    for (kind, most, least, lowest) in cases {
+        let zero = vec![0; most.len()];
+        let corners =
+            [[&zero, &zero, &least], [&most, &zero, &zero], [&most, &most, &zero], [&zero, &most, &zero]];
+        let bytes: Vec<u8> = corners.into_iter().flatten().flatten().copied().collect();
+        let json = model(|json| {
+            json["accessors"][0] = json!({
+                "bufferView": 2, "componentType": kind, "count": 4, "type": "VEC3", "normalized": true
+            });
+            let view = json!({ "buffer": 0, "byteOffset": 136, "byteLength": bytes.len() });
+            json["bufferViews"].as_array_mut().unwrap().push(view);
+            json["buffers"][0]["byteLength"] = json!(136 + bytes.len());
+        });
+        let scene = read_with(&json, &[square(), bytes].concat()).unwrap().scene;
+        let wanted = [Vec3::new(0.0, 0.0, lowest), Vec3::X, Vec3::new(1.0, 1.0, 0.0)];
+        assert_eq!(scene.triangles[0].vertices, wanted, "{kind}");
+    }
+}
+
+#[test]
+fn sparse_numbers_without_a_view_replace_zeros_from_their_offsets() {
+    let json = model(|json| {
+        json["accessors"][0] = json!({ "componentType": 5126, "count": 4, "type": "VEC3", "sparse": {
+            "count": 3,
+            "indices": { "bufferView": 2, "byteOffset": 3, "componentType": 5121 },
+            "values": { "bufferView": 2, "byteOffset": 8 }
+        } });
+        let view = json!({ "buffer": 0, "byteOffset": 136, "byteLength": 44 });
+        json["bufferViews"].as_array_mut().unwrap().push(view);
+        json["buffers"][0]["byteLength"] = json!(180);
+    });
+    let mut binary = square();
+    binary.extend([0, 0, 0, 1, 2, 3, 0, 0]);
+    binary.extend(floats(&[1.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 1.0, 0.0]));
+    let scene = read_with(&json, &binary).unwrap().scene;
+    assert_eq!(scene.triangles[0].vertices, [Vec3::ZERO, Vec3::X, Vec3::new(1.0, 1.0, 0.0)]);
+    assert_eq!(scene.triangles[1].vertices[2], Vec3::Y);
+}
+
+#[test]
+fn numbers_that_are_none_are_refused() {
+    let mut binary = square();
+    binary[32..36].copy_from_slice(&f32::NAN.to_le_bytes());
+    let error = read_with(&model(|_| {}), &binary).err().unwrap();
+    assert!(error.contains("the value of element 1 is not a number"), "{error}");
+    let mut binary = square();
+    binary[129] = 255;
+    let json = model(|json| json["accessors"][3]["componentType"] = json!(5120));
+    let error = read_with(&json, &binary).err().unwrap();
+    assert!(error.contains("these are not indices of vertices"), "{error}");
+    let error =
+        refused(&model(|json| json["buffers"].as_array_mut().unwrap().push(json!({ "byteLength": 4 }))));
+    assert!(error.contains("buffers[1]") && error.contains("without a binary part"), "{error}");
+}
+
+#[test]
+fn scenes_matrices_and_cameras_are_the_ones_that_are_named() {
+    let scene = read(&model(|json| {
+        json["nodes"][0]["matrix"] = json!([0, 1, 0, 0, -1, 0, 0, 0, 0, 0, 1, 0, 5, 0, 0, 1]);
+    }));
+    assert_eq!(scene.triangles[0].vertices[..2], [Vec3::new(5.0, 0.0, 0.0), Vec3::new(5.0, 1.0, 0.0)]);
+    let scene = read(&model(|json| {
+        json["nodes"] = json!([{ "mesh": 0 }, { "mesh": 0, "translation": [0, 0, 3] }]);
+        json["scenes"] = json!([{ "nodes": [0] }, { "nodes": [1] }]);
+        json["scene"] = json!(1);
+    }));
+    assert_eq!(scene.triangles[0].vertices[0].z, 3.0);
+    let scene = read(&model(|json| {
+        json["nodes"] = json!([{ "mesh": 0 }, { "children": [0], "translation": [0, 0, 3] }]);
+        let json = json.as_object_mut().unwrap();
+        json.remove("scene");
+        json.remove("scenes");
+    }));
+    assert_eq!((scene.triangles.len(), scene.triangles[0].vertices[0].z), (2, 3.0));
+    let scene = read(&model(|json| {
+        json["cameras"] = json!([{ "type": "perspective", "perspective": { "yfov": 0.5, "znear": 0.1 } }]);
+        json["nodes"] = json!([
+            { "mesh": 0 }, { "camera": 0, "translation": [0, 0, 7] }, { "camera": 0, "translation": [0, 0, 9] }
+        ]);
+        json["scenes"][0]["nodes"] = json!([0, 1, 2]);
+    }));
+    assert_eq!(scene.camera.position.z, 7.0);
+}

@@ -1,0 +1,245 @@
+//! Materials, textures and vertex colours of glTF models.
+
+use super::{Loaded, floats, material, model, pictured, read_with, square};
+use glam::{DVec3, Vec2, Vec3};
+use octray::scene::{Filter, Material, MaterialKind, Scene, Texels, convert_model, load};
+use serde_json::{Value, json};
+use std::fs;
+
+#[test]
+fn materials_are_those_of_the_standard() {
+    let (plain, _) = material(|_| {});
+    assert_eq!((plain.name.as_str(), plain.color, plain.emission), ("plain", Vec3::ONE, Vec3::ZERO));
+    assert_eq!(plain.kind, MaterialKind::MetalRough { roughness: 1.0, metallic: 1.0, ior: 1.5 });
+    let (rich, _) = material(|json| {
+        json["pbrMetallicRoughness"] = json!({ "baseColorFactor": [0.1, 0.2, 0.3, 0.4], "metallicFactor": 0.25, "roughnessFactor": 0.5 });
+        json["emissiveFactor"] = json!([1, 0.5, 0]);
+        json["extensions"] = json!({
+            "KHR_materials_ior": { "ior": 1.8 }, "KHR_materials_emissive_strength": { "emissiveStrength": 4 }
+        });
+    });
+    assert_eq!((rich.color, rich.emission), (Vec3::new(0.1, 0.2, 0.3), Vec3::new(4.0, 2.0, 0.0)));
+    assert_eq!(rich.kind, MaterialKind::MetalRough { roughness: 0.5, metallic: 0.25, ior: 1.8 });
+    let (glass, _) = material(|json| {
+        json["pbrMetallicRoughness"] =
+            json!({ "baseColorFactor": [0.25, 1, 1, 1], "metallicFactor": 0, "roughnessFactor": 0 });
+        json["extensions"] = json!({
+            "KHR_materials_transmission": { "transmissionFactor": 1 }, "KHR_materials_ior": { "ior": 1.33 }
+        });
+    });
+    assert_eq!((glass.kind, glass.color), (MaterialKind::Glass { ior: 1.33 }, Vec3::new(0.5, 1.0, 1.0)));
+    let (unlit, _) = material(|json| {
+        json["pbrMetallicRoughness"] = json!({ "baseColorFactor": [0.1, 0.2, 0.3, 1] });
+        json["extensions"] = json!({ "KHR_materials_unlit": {} });
+    });
+    assert_eq!((unlit.kind, unlit.emission), (MaterialKind::Emitter, Vec3::new(0.1, 0.2, 0.3)));
+}
+
+#[test]
+fn textures_have_their_places_and_coordinates() {
+    let transform = json!({ "KHR_texture_transform": { "scale": [2, 4], "offset": [0.5, 0.25] } });
+    let (json, binary) = pictured(|json| {
+        let texture = |index: usize| json!({ "index": index, "extensions": transform });
+        json["materials"][0] = json!({
+            "pbrMetallicRoughness": { "baseColorTexture": texture(0), "metallicRoughnessTexture": texture(1) },
+            "normalTexture": texture(0), "emissiveTexture": texture(1), "emissiveFactor": [1, 1, 1]
+        });
+        json["materials"].as_array_mut().unwrap().push(json!({
+            "pbrMetallicRoughness": { "baseColorTexture": texture(0) },
+            "normalTexture": { "index": 0, "scale": 0.5, "extensions": transform },
+            "emissiveTexture": { "index": 0 }, "emissiveFactor": [1, 1, 1]
+        }));
+        let mut other = json["meshes"][0]["primitives"][0].clone();
+        other["material"] = json!(1);
+        json["meshes"][0]["primitives"].as_array_mut().unwrap().push(other);
+        json["nodes"] = json!([{ "mesh": 0 }, { "mesh": 0 }]);
+        json["scenes"][0]["nodes"] = json!([0, 1]);
+    });
+    let scene = read_with(&json, &binary).unwrap().scene;
+    let [all, scaled] = [0, 1].map(|index: usize| &scene.materials[index]);
+    let texture = |index: Option<u32>| &scene.textures[index.unwrap() as usize];
+    assert_eq!(texture(all.texture).filter, Filter::Bilinear);
+    assert!(matches!(&texture(all.texture).texels, Texels::Srgb8(texels) if texels[0] == [255, 0, 0, 0]));
+    assert_eq!(texture(all.roughness_map).filter, Filter::Nearest);
+    assert!(matches!(texture(all.roughness_map).texels, Texels::Unorm8(_)));
+    assert!(matches!(texture(all.normal_map).texels, Texels::Unorm8(_)));
+    assert!(matches!(texture(all.emission_map).texels, Texels::Srgb8(_)));
+    // Shared by both materials and both nodes.
+    assert_eq!((scene.materials.len(), scene.textures.len(), scene.triangles.len()), (2, 5, 8));
+    assert_eq!(all.texture, scaled.texture);
+    // (1, -1, -1) of half the slope.
+    let Texels::Float32(texels) = &texture(scaled.normal_map).texels else { panic!("scaled") };
+    let wanted = 0.5 * DVec3::new(0.5, -0.5, -1.0).normalize() + 0.5;
+    assert!(Vec3::from_slice(&texels[0]).abs_diff_eq(wanted.as_vec3(), 1e-6), "{texels:?}");
+    // The upper left corner of the picture is (0, 0) in the file: (0.5, 0.25) after the transform.
+    assert_eq!(scene.uvs[1][2], Vec2::new(0.5, 0.75));
+    assert_eq!(scene.uvs[0], [[0.5, -3.25], [2.5, -3.25], [2.5, 0.75]].map(Vec2::from));
+    assert_eq!(scaled.emission_map, None);
+    let warning = &scene.warnings[0];
+    assert!(warning.contains("materials[1].emissiveTexture") && warning.contains("coordinates"), "{warning}");
+}
+
+#[test]
+fn vertex_colours_multiply_and_survive_conversion() {
+    let json = model(|json| {
+        json["meshes"][0]["primitives"][0]["attributes"]["COLOR_0"] = json!(4);
+        let accessor =
+            json!({ "bufferView": 2, "componentType": 5121, "normalized": true, "count": 4, "type": "VEC4" });
+        json["accessors"].as_array_mut().unwrap().push(accessor);
+        json["bufferViews"]
+            .as_array_mut()
+            .unwrap()
+            .push(json!({ "buffer": 0, "byteOffset": 136, "byteLength": 16 }));
+        json["buffers"][0]["byteLength"] = json!(152);
+    });
+    let mut binary = square();
+    binary.extend([255, 0, 0, 255, 0, 255, 0, 255, 0, 0, 255, 255, 255, 255, 255, 255]);
+    let Loaded { scene, folder, path } = read_with(&json, &binary).unwrap();
+    let shown = |scene: &Scene| {
+        let material = scene.triangles[0].material;
+        let material = Material { name: String::new(), ..scene.materials[material as usize].clone() };
+        (scene.textures.clone(), scene.uvs.clone(), material)
+    };
+    let target = folder.path().join("s.json");
+    let converted = convert_model(&path, &target).unwrap();
+    assert!(
+        converted.pictures.is_empty()
+            && converted.text.contains("\"colors\": [[1, 0, 0], [0, 1, 0], [0, 0, 1]]")
+    );
+    fs::write(&target, converted.text).unwrap();
+    let again = load(target.to_str().unwrap()).unwrap();
+    assert_eq!(shown(&scene), shown(&again));
+}
+
+#[test]
+fn texture_coordinates_turn_counter_clockwise_and_stay_at_their_vertices() {
+    let (json, binary) = pictured(|json| {
+        let turned = json!({ "KHR_texture_transform": { "rotation": std::f64::consts::FRAC_PI_2 } });
+        json["materials"][0]["pbrMetallicRoughness"] =
+            json!({ "baseColorTexture": { "index": 0, "extensions": turned } });
+    });
+    let scene = read_with(&json, &binary).unwrap().scene;
+    // (u, v) becomes (v, -u), v downwards.
+    for (found, wanted) in scene.uvs[0].iter().zip([[1.0, 1.0], [1.0, 2.0], [0.0, 2.0]]) {
+        assert!(found.abs_diff_eq(wanted.into(), 1e-6), "{found}, not {wanted:?}");
+    }
+    let (json, binary) = pictured(|json| {
+        json["materials"][0]["pbrMetallicRoughness"] = json!({ "baseColorTexture": { "index": 0 } });
+        json["nodes"][0]["scale"] = json!([-1, 1, 1]);
+    });
+    let scene = read_with(&json, &binary).unwrap().scene;
+    for (triangle, uvs) in scene.triangles.iter().zip(&scene.uvs) {
+        assert_eq!(*uvs, triangle.vertices.map(|v| Vec2::new(-v.x, v.y)));
+    }
+}
+
+#[test]
+fn textures_use_the_set_of_coordinates_of_the_first_of_them() {
+    let second = |texture: Value| {
+        let (json, binary) = pictured(|json| {
+            json["materials"][0] = texture;
+            json["meshes"][0]["primitives"][0]["attributes"]["TEXCOORD_1"] = json!(4);
+            // The last two numbers of the normals: (0, 1).
+            let accessor = json!({ "bufferView": 0, "byteOffset": 16, "componentType": 5126, "count": 4, "type": "VEC2" });
+            json["accessors"].as_array_mut().unwrap().push(accessor);
+        });
+        let scene = read_with(&json, &binary).unwrap().scene;
+        assert_eq!(scene.uvs[0], [Vec2::ZERO; 3], "{json}");
+        scene
+    };
+    let own = json!({ "index": 0, "texCoord": 1 });
+    let other = json!({ "index": 0, "extensions": { "KHR_texture_transform": { "texCoord": 1 } } });
+    let of = |texture: &Value| json!({ "pbrMetallicRoughness": { "baseColorTexture": texture } });
+    assert_eq!(second(of(&own)).warnings.len(), 0);
+    second(of(&other));
+    assert!(
+        second(json!({ "pbrMetallicRoughness": { "metallicRoughnessTexture": own } })).materials[0]
+            .roughness_map
+            .is_some()
+    );
+    assert!(second(json!({ "normalTexture": own })).materials[0].normal_map.is_some());
+    assert!(
+        second(json!({ "emissiveTexture": own, "emissiveFactor": [1, 1, 1] })).materials[0]
+            .emission_map
+            .is_some()
+    );
+    let mut both = of(&own);
+    both["normalTexture"] = json!({ "index": 0 });
+    let scene = second(both);
+    assert_eq!(scene.materials[0].normal_map, None);
+    assert!(scene.warnings[0].contains("materials[0].normalTexture"), "{:?}", scene.warnings);
+}
+
+#[test]
+fn vertex_colours_may_be_three_floats_and_end_at_one() {
+    let coloured = |json: &mut Value, length: usize| {
+        json["meshes"][0]["primitives"][0]["attributes"]["COLOR_0"] = json!(4);
+        let view = json["bufferViews"].as_array().unwrap().len();
+        let accessor = json!({ "bufferView": view, "componentType": 5126, "count": 4, "type": "VEC3" });
+        json["accessors"].as_array_mut().unwrap().push(accessor);
+        let view = json!({ "buffer": 0, "byteOffset": length, "byteLength": 48 });
+        json["bufferViews"].as_array_mut().unwrap().push(view);
+        json["buffers"][0]["byteLength"] = json!(length + 48);
+    };
+    let colours = floats(&[[2.0, 0.5, 0.0]; 4].concat());
+    let json = model(|json| coloured(json, 136));
+    let Loaded { folder, path, .. } = read_with(&json, &[square(), colours.clone()].concat()).unwrap();
+    let text = convert_model(&path, &folder.path().join("s.json")).unwrap().text;
+    assert!(text.contains("\"colors\": [[1, 0.5, 0], [1, 0.5, 0], [1, 0.5, 0]]"), "{text}");
+    let (mut json, binary) = pictured(|json| {
+        json["materials"][0]["pbrMetallicRoughness"] = json!({ "baseColorTexture": { "index": 0 } });
+    });
+    coloured(&mut json, binary.len());
+    let scene = read_with(&json, &[binary, colours].concat()).unwrap().scene;
+    assert!(scene.warnings[0].contains("vertex colours are left out"), "{:?}", scene.warnings);
+}
+
+#[test]
+fn glass_is_what_transmits_and_is_no_metal() {
+    let of = |transmission: f64, metallic: f64, ior: f64| {
+        let (json, binary) = pictured(|json| {
+            json["materials"][0]["pbrMetallicRoughness"] = json!({
+                "metallicFactor": metallic, "roughnessFactor": 0, "baseColorTexture": { "index": 0 }
+            });
+            json["materials"][0]["extensions"] = json!({
+                "KHR_materials_transmission": { "transmissionFactor": transmission },
+                "KHR_materials_ior": { "ior": ior }
+            });
+        });
+        read_with(&json, &binary).unwrap().scene.materials[0].clone()
+    };
+    let glass = of(0.75, 0.0, 1.5);
+    assert_eq!((glass.kind, glass.texture), (MaterialKind::Glass { ior: 1.5 }, None));
+    for (transmission, metallic) in [(0.25, 0.0), (1.0, 1.0)] {
+        let opaque = of(transmission, metallic, 0.0);
+        let metallic = metallic as f32;
+        assert_eq!(opaque.kind, MaterialKind::MetalRough { roughness: 0.0, metallic, ior: 1e6 });
+        assert!(opaque.texture.is_some());
+    }
+}
+
+#[test]
+fn what_of_textures_is_left_out_is_said_with_its_place() {
+    let warned = |change: &dyn Fn(&mut Value), place: &str, what: &str| {
+        let (json, binary) = pictured(|json| {
+            json["materials"][0]["pbrMetallicRoughness"] = json!({ "baseColorTexture": { "index": 1 } });
+            change(json);
+        });
+        let warnings = read_with(&json, &binary).unwrap().scene.warnings;
+        let found = warnings
+            .iter()
+            .any(|warning| warning.contains(&format!("m.glb: {place}: ")) && warning.contains(what));
+        assert!(found, "{place}, {what}: {warnings:#?}");
+    };
+    for side in ["wrapS", "wrapT"] {
+        warned(&|json| json["samplers"][0][side] = json!(33071), "samplers[0]", "textures repeat here");
+    }
+    let unmapped = |json: &mut Value| {
+        json["meshes"][0]["primitives"][0]["attributes"].as_object_mut().unwrap().remove("TEXCOORD_0");
+    };
+    warned(&unmapped, "meshes[0].primitives[0]", "without its texture coordinates");
+    warned(&|json| json["materials"][0]["alphaMode"] = json!("MASK"), "materials[0].alphaMode", "cut-out");
+    let (json, binary) = pictured(|json| json["materials"][0]["emissiveTexture"] = json!({ "index": 0 }));
+    let scene = read_with(&json, &binary).unwrap().scene;
+    assert!(scene.textures.is_empty() && scene.materials[0].emission_map.is_none(), "its factor is 0");
+}

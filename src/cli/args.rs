@@ -74,6 +74,7 @@ pub enum Command {
 /// Ratios are medians of alternating rounds, in brackets from 10 to 90 % of the rounds. Mray/s: millions of
 /// rays per second, one thread (or --threads). pixels≠: pixels in which any width differs from scalar in any
 /// bit. hits≠: primary hits that are wrong by the reference. Both should be 0; if not, the exit code is 1.
+/// rmse: root mean square error of a frame against the reference on the same random numbers.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example:\n  octray bench builtin:three --threads 1 --json > bench.json")]
 pub struct BenchArgs {

@@ -57,7 +57,7 @@ pub fn heading(report: &Report, [width, height]: [u32; 2], max_bounces: u32) -> 
         "{}\n\
          {width}×{height}, 1 sample a frame, up to {}\n\
          fps: median (1 % low); speed-up, scaling and gain: median of the rounds (10 to 90 % of them)\n\n\
-         {:<24}{}{:>16}{:>18}{:>16}{:>18}{:>18}{:>8}{:>9}{:>9}\n",
+         {:<24}{}{:>16}{:>18}{:>16}{:>18}{:>18}{:>8}{:>9}{:>9}{:>9}\n",
         report.machine,
         counted(max_bounces, "bounce", "bounces"),
         "scene",
@@ -69,7 +69,8 @@ pub fn heading(report: &Report, [width, height]: [u32; 2], max_bounces: u32) -> 
         "gain of needs",
         "Mray/s",
         "pixels≠",
-        "hits≠"
+        "hits≠",
+        "rmse"
     )
 }
 
@@ -92,7 +93,7 @@ pub fn row(results: &[Measurement], accuracy: &Comparison) -> String {
     let mut text = String::new();
     let _ = writeln!(
         text,
-        "{:<24}{}{:>16}{:>18}{:>16}{:>18}{:>18}{:>8}{:>9}{:>9}",
+        "{:<24}{}{:>16}{:>18}{:>16}{:>18}{:>18}{:>8}{:>9}{:>9}{:>9}",
         first.scene,
         packets().map(|lanes| format!("{:>16}", fps(of_width(lanes)))).collect::<String>(),
         fps(of_width(1)),
@@ -103,6 +104,7 @@ pub fn row(results: &[Measurement], accuracy: &Comparison) -> String {
         figure(first.mrays_per_s, 1),
         grouped(accuracy.mismatched_pixels),
         grouped(accuracy.reference.mismatched_hits),
+        format!("{:.1e}", accuracy.reference.rmse),
     );
     text
 }

@@ -12,7 +12,7 @@ pub enum CheckpointError {
     #[error("cannot read the checkpoint `{}`", .path.display())]
     Read { path: PathBuf, source: io::Error },
     #[error(
-        "`{}` is not a checkpoint of octray\n  give another name: an existing file of another kind is not replaced",
+        "`{}` is not a checkpoint of octray\n  name a checkpoint or a part: a file of another kind is neither read nor replaced",
         .path.display()
     )]
     NotACheckpoint { path: PathBuf },
@@ -22,7 +22,7 @@ pub enum CheckpointError {
     )]
     Version { path: PathBuf, found: u32, reads: u32 },
     #[error(
-        "the checkpoint `{}` is damaged: {what}\n  delete it to start anew, or take an earlier copy", .path.display()
+        "the checkpoint `{}` is damaged: {what}\n  delete it and render again, or take an earlier copy", .path.display()
     )]
     Damaged { path: PathBuf, what: String },
     #[error(

@@ -35,7 +35,7 @@ pub enum OutputError {
         .folder.display()
     )]
     FolderNotWritable { folder: PathBuf, source: io::Error },
-    #[error("cannot make the folder `{}`\n  choose another place", .folder.display())]
+    #[error("cannot make the folder `{}`\n  choose a place that is no file and may be written", .folder.display())]
     FolderNotMade { folder: PathBuf, source: io::Error },
     #[error("`{}` is protected against writing\n  choose another name, or: chmod u+w '{}'", .path.display(), .path.display())]
     ReadOnly { path: PathBuf },

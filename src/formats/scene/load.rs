@@ -36,7 +36,14 @@ pub fn load_with_view(spec: &str) -> Result<Loaded, SceneError> {
             Some(near) => format!("did you mean `{near}`?"),
             None => format!("give {FILES}"),
         };
-        return Err(SceneError::new("this is not the name of a scene").in_file(path).mend(mend));
+        let what = match path.extension() {
+            _ if path.is_dir() => "this is a folder, not a scene".into(),
+            Some(extension) if path.is_file() => {
+                format!("files of the kind `.{}` are not read", extension.to_string_lossy())
+            }
+            _ => "this is not the name of a scene".to_string(),
+        };
+        return Err(SceneError::new(what).in_file(path).mend(mend));
     }
     from_named(path, Files::beside(path))
 }

@@ -207,12 +207,14 @@ pub fn display(scene: &SceneChart) -> Drawing {
         Line { name: (*filter).into(), look, points: shown.filter_map(point).collect(), ..Line::default() }
     };
     let (threads, seeds) = scene.display.first().map_or((1, 0), |shown| (shown.threads, shown.seeds));
+    let mut notes = vec![
+        size_and(scene, threads, &counted(seeds, "seed", "seeds")),
+        "From left to right: 1, 4 and 16 samples a pixel. The time includes the filter.".into(),
+    ];
+    notes.extend(left_out(scene.display.iter().any(|shown| shown.rmse.is_none())));
     let figure = Figure {
         title: format!("{}: a picture with display filters", scene.scene),
-        notes: vec![
-            size_and(scene, threads, &counted(seeds, "seed", "seeds")),
-            "From left to right: 1, 4 and 16 samples a pixel. The time includes the filter.".into(),
-        ],
+        notes,
         x: Axis { label: format!("time, × rendering one sample ({} ms)", figure(unit, 2)), log: true },
         y: Axis { label: Measure::Rmse.label().into(), log: true },
         panels: Panel::split("", &[], display::FILTERS.iter().enumerate().map(line).collect()),
@@ -237,17 +239,24 @@ pub fn motion(scene: &SceneChart) -> Drawing {
         }
     };
     let (frames, threads) = scene.motion.first().map_or((0, 1), |moving| (moving.frames, moving.threads));
+    let mut notes = vec![
+        size_and(scene, threads, &counted(frames, "frame", "frames")),
+        "From top to bottom: unfiltered, reprojected, reprojected and denoised. Numbers: how much reprojection lowers the error.".into(),
+    ];
+    notes.extend(left_out(scene.motion.iter().any(|moving| moving.rmse.is_none())));
     let figure = Figure {
         title: format!("{}: one sample a frame, in motion", scene.scene),
-        notes: vec![
-            size_and(scene, threads, &counted(frames, "frame", "frames")),
-            "From top to bottom: unfiltered, reprojected, reprojected and denoised. Numbers: how much reprojection lowers the error.".into(),
-        ],
+        notes,
         x: Axis { label: "time of a frame, × rendering it".into(), log: true },
         y: Axis { label: Measure::Rmse.label().into(), log: true },
         panels: Panel::split("", &[], CameraPath::ALL.into_iter().map(line).collect()),
     };
     Drawing { name: format!("{}-motion", file_name(&scene.scene)), kind: Kind::Lines(figure) }
+}
+
+/// Why points are missing, if some are.
+fn left_out(some: bool) -> Option<String> {
+    some.then(|| "Left out: points whose error cannot be told from that of the ground truth.".into())
 }
 
 fn size_and(scene: &SceneChart, threads: usize, more: &str) -> String {

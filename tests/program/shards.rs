@@ -74,7 +74,7 @@ fn merge_names_what_is_missing_doubled_mixed_or_incomplete() {
         ("1.part 2.part five.part 4.part", &["`five.part`", "5 shards, and here 4"]),
         ("1.part 2.part more.part 4.part", &["`more.part`", "samples: 5, and here 2"]),
         ("1.part 2.part half.part 4.part", &["`half.part` is not complete"]),
-        ("1.part 2.part none.part 4.part", &["none.part"]),
+        ("1.part 2.part none.part 4.part", &["there is no part `none.part`", "--shard"]),
         ("1.part scene.json", &["scene.json", "not a checkpoint"]),
     ] {
         refuses(&desk, &format!("merge {parts} -o a.exr"), words);

@@ -41,7 +41,8 @@ fn material(keys: &str) -> String {
 
 #[test]
 fn broken_json_names_line_and_column() {
-    assert_refused("", "broken JSON", "line 1, column 0", "write a JSON object");
+    assert_refused("", "broken JSON", "line 1, column 1", "write a JSON object");
+    assert_refused("{\n  \"max_bounces\": 3\n\n", "broken JSON", "line 2, column 19", "close the brackets");
     assert_refused(
         "{ \"format\": \"octray-1\",\n \"spheres\": [",
         "broken JSON",

@@ -12,6 +12,10 @@ pub enum CheckpointError {
     #[error("cannot read the checkpoint `{}`", .path.display())]
     Read { path: PathBuf, source: io::Error },
     #[error(
+        "there is no part `{}`\n  render it with --shard and -o, or check its name", .path.display()
+    )]
+    NoPart { path: PathBuf },
+    #[error(
         "`{}` is not a checkpoint of octray\n  name a checkpoint or a part: a file of another kind is neither read nor replaced",
         .path.display()
     )]

@@ -8,7 +8,7 @@ use super::identity::Identity;
 use crate::wording::counted;
 use octray_engine::film::Film;
 use std::fs::File;
-use std::io::{BufReader, ErrorKind, Read};
+use std::io::{BufReader, Read};
 use std::path::PathBuf;
 
 const MEND: &str = "give every shard of one picture once, each complete: an unfinished one goes on with its own \
@@ -24,8 +24,7 @@ impl Parts<BufReader<File>> {
     /// If there are none.
     pub fn open(paths: &[PathBuf]) -> Result<Self, CheckpointError> {
         let open = |path: &PathBuf| {
-            let missing = || CheckpointError::Read { path: path.clone(), source: ErrorKind::NotFound.into() };
-            Checkpoint::open(path)?.ok_or_else(missing)
+            Checkpoint::open(path)?.ok_or_else(|| CheckpointError::NoPart { path: path.clone() })
         };
         Self::of(paths.iter().map(open).collect::<Result<_, _>>()?)
     }

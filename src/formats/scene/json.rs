@@ -142,9 +142,12 @@ pub fn read<T: DeserializeOwned>(source: &Source) -> Result<T, SceneError> {
 }
 
 fn refusal(source: &Source, path: &str, error: &serde_json::Error) -> SceneError {
-    let (line, column) = (error.line(), error.column());
+    let (mut line, mut column) = (error.line(), error.column());
     let message = error.to_string();
     let message = message.strip_suffix(&format!(" at line {line} column {column}")).unwrap_or(&message);
+    if error.is_eof() {
+        (line, column) = line_and_column(source.text, source.text.trim_end().len());
+    }
     let (what, mend) = if error.is_data() {
         data_fault(path, message)
     } else if message == "trailing characters" && path != "." {

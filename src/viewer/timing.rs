@@ -11,8 +11,10 @@ use std::time::Duration;
 
 /// Number of frames behind the frame rates.
 const FRAMES: usize = 256;
-/// Least tracing time behind a sample rate.
+/// Tracing time behind a sample rate, unless [`MAX_SAMPLES`] take less.
 const MIN_TIME: Duration = Duration::from_millis(250);
+/// Most samples behind a sample rate: their times have their memory from the start.
+const MAX_SAMPLES: usize = 1024;
 
 /// Measures frame rates over the last frames, and sample rates by width.
 #[derive(Clone, Debug)]
@@ -29,12 +31,18 @@ pub struct RateMeter {
 }
 
 /// Samples of the whole picture.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 struct Batch {
     /// Time of each.
     times: Vec<Duration>,
     spent: Duration,
     rays: u64,
+}
+
+impl Default for Batch {
+    fn default() -> Self {
+        Self { times: Vec::with_capacity(MAX_SAMPLES), spent: Duration::ZERO, rays: 0 }
+    }
 }
 
 impl Batch {
@@ -86,7 +94,7 @@ impl RateMeter {
         batch.times.push(time);
         batch.spent += time;
         batch.rays += rays;
-        if batch.spent >= MIN_TIME {
+        if batch.spent >= MIN_TIME || batch.times.len() == MAX_SAMPLES {
             let (rate, mrays) = batch.rates();
             (self.sample_rates[width], self.mrays) = (Some(rate), mrays);
             batch.times.clear();
@@ -192,6 +200,14 @@ mod tests {
         assert!((mrays - 4.0).abs() < 1e-9);
         rates.reset();
         assert_eq!(rates.rates(), Rates::default());
+    }
+
+    #[test]
+    fn fast_samples_have_a_rate_within_the_memory_of_the_start() {
+        let mut rates = RateMeter::default();
+        (0..2 * MAX_SAMPLES).for_each(|_| rates.sample(16, 1_000, Duration::from_micros(10)));
+        assert_eq!(rates.rates().samples, [Some(100_000.0), None]);
+        assert_eq!(rates.taken[0].times.capacity(), MAX_SAMPLES);
     }
 
     /// `bench` takes the median, so a sample that another program delayed must not lower the rate here.

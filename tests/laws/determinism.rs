@@ -468,7 +468,7 @@ fn seed_samples_and_bounces_change_the_picture() {
         (Settings { seed: 6, ..base }, 8, 0.5),
         (base, 7, 0.5),
         (Settings { max_bounces: 1, ..base }, 8, 0.2),
-        (Settings { max_bounces: 3, ..base }, 8, 0.05),
+        (Settings { max_bounces: 3, ..base }, 8, 0.03),
     ] {
         let other = Print::of(&scene, other, &[calls]);
         let differ = one.pixels.iter().zip(&other.pixels).filter(|(a, b)| a != b).count();

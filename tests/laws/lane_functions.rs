@@ -4,7 +4,7 @@
 //! has the same bits: `lane_parity`); what is ignored, on every 31st. The bounds hold with FMA and
 //! without: see `lane_parity` for the command.
 
-use octray::lane::functions::{atan2, cos, exp, ln, powf, sin, sin_cos, sin_cos_turns};
+use octray::lane::functions::{approximate_rsqrt, atan2, cos, exp, ln, powf, sin, sin_cos, sin_cos_turns};
 use std::f32::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 use std::f64::consts::TAU;
 
@@ -112,6 +112,11 @@ fn check_ln(stride: usize) {
     assert_bound("ln", worst(inputs, |x| ulps(ln(x), f64::from(x).ln())), LN);
 }
 
+fn check_approximate_rsqrt(stride: usize) {
+    let error = |x: f32| (f64::from(approximate_rsqrt(x)) * f64::from(x).sqrt() - 1.0).abs();
+    assert_bound("approximate_rsqrt", worst(floats(f32::MIN_POSITIVE, f32::MAX, stride), error), RSQRT);
+}
+
 fn check_powf(stride: usize) {
     let bases = || floats(f32::from_bits(1), f32::MAX, stride * 10_007);
     let inputs = bases().flat_map(|x| {
@@ -137,6 +142,7 @@ const ATAN2: f64 = 3.0;
 const EXP: f64 = 1.2;
 const LN: f64 = 0.9;
 const POWF: f64 = 1.5e-7;
+const RSQRT: f64 = 1.8e-3;
 
 #[test]
 fn sin_cos_is_as_accurate_as_documented() {
@@ -169,6 +175,12 @@ fn powf_is_as_accurate_as_documented() {
 }
 
 #[test]
+fn approximate_rsqrt_is_as_accurate_as_documented_and_finite_at_0() {
+    check_approximate_rsqrt(STRIDE);
+    assert!((1e19..1e20).contains(&approximate_rsqrt(0.0)));
+}
+
+#[test]
 #[ignore = "minutes: run by .ci/run"]
 fn functions_are_as_accurate_as_documented_on_a_dense_sweep() {
     check_sin_cos(31);
@@ -177,6 +189,7 @@ fn functions_are_as_accurate_as_documented_on_a_dense_sweep() {
     check_exp(31);
     check_ln(31);
     check_powf(31);
+    check_approximate_rsqrt(31);
 }
 
 fn same(a: f32, b: f32) -> bool {

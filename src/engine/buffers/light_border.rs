@@ -1,9 +1,7 @@
 //! The border of a light: the strip around a parallelogram that emits close to a surface.
 //!
 //! The surface there is lit from so near that it is nearly as bright as the light, as a ceiling around a lamp
-//! below it. Light sampling does not find it, and few scattered rays do: most of the noise of indirect light
-//! comes from them. So a share of the rays that leave diffuse surfaces is sent there:
-//! [`crate::kernel::border`].
+//! below it. So a share of the rays that leave diffuse surfaces is sent there: [`crate::kernel::guiding`].
 
 use crate::kernel::border::Strip;
 use crate::scene::{Scene, Triangle};

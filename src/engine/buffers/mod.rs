@@ -11,6 +11,7 @@
 
 mod environment_light;
 pub mod features;
+mod guiding;
 mod light_border;
 mod lights;
 mod quads;

@@ -9,8 +9,8 @@ use super::material::MaterialSample;
 use super::queue::Path;
 use super::surface::Surface;
 use crate::buffers::{Features, MaterialCode};
-use crate::kernel::border::Strip;
 use crate::kernel::bsdf::{self, BsdfEval, BsdfSample, LobeEval};
+use crate::kernel::guiding::Guiding;
 use crate::kernel::normals;
 use crate::lane::{Bits, Lane, Mask};
 use crate::math::{Ray, Vec3};
@@ -73,7 +73,7 @@ pub fn scatter<L: Lane, const N: u32>(
     path: &Path<L>,
     surface: &Surface<L>,
     material: &MaterialSample<L>,
-    numbers: (&PacketValues<L>, Option<&Strip>),
+    numbers: (&PacketValues<L>, Option<&Guiding>),
     found: L::Mask,
 ) -> ScatteredPath<L> {
     if is_general(N) {
@@ -88,7 +88,7 @@ fn scatter_called<L: Lane, const N: u32>(
     path: &Path<L>,
     surface: &Surface<L>,
     material: &MaterialSample<L>,
-    numbers: (&PacketValues<L>, Option<&Strip>),
+    numbers: (&PacketValues<L>, Option<&Guiding>),
     found: L::Mask,
 ) -> ScatteredPath<L> {
     scatter_inlined::<L, N>(path, surface, material, numbers, found)
@@ -99,7 +99,7 @@ fn scatter_inlined<L: Lane, const N: u32>(
     path: &Path<L>,
     surface: &Surface<L>,
     material: &MaterialSample<L>,
-    (numbers, border): (&PacketValues<L>, Option<&Strip>),
+    (numbers, guiding): (&PacketValues<L>, Option<&Guiding>),
     found: L::Mask,
 ) -> ScatteredPath<L> {
     let d = path.ray.direction;
@@ -109,7 +109,7 @@ fn scatter_inlined<L: Lane, const N: u32>(
     let mut sampling = Sampling {
         d,
         numbers,
-        border: border.filter(|_| has(N, Features::LIGHTS)),
+        guiding: guiding.filter(|_| has(N, Features::LIGHTS)),
         near_side,
         normals: &normals,
         material,
@@ -205,7 +205,7 @@ pub fn follow_delta<L: Lane, const N: u32>(
 struct Sampling<'a, L: Lane> {
     d: Vec3<L>,
     numbers: &'a PacketValues<'a, L>,
-    border: Option<&'a Strip>,
+    guiding: Option<&'a Guiding>,
     /// Where rays leave that are reflected.
     near_side: Vec3<L>,
     normals: &'a FacingNormals<L>,
@@ -239,8 +239,8 @@ impl<L: Lane> LobeVisitor<L> for Sampling<'_, L> {
     #[inline(always)]
     fn diffuse(&mut self, mask: L::Mask) {
         let (u, v) = self.two_numbers();
-        let sample = match self.border {
-            Some(border) => border.sample_diffuse(self.near_side, self.normals.ns, u, v),
+        let sample = match self.guiding {
+            Some(guiding) => guiding.sample_diffuse(self.near_side, self.normals.ns, u, v),
             None => bsdf::diffuse::sample(self.normals.ns, u, v),
         };
         self.take(mask, sample);

@@ -41,7 +41,7 @@ pub fn shade<L: Lane, const N: u32, const FIRST: bool>(
     let mut accumulator = RadianceAccumulator::<FIRST> { contributions };
     let (mut going_on, mut shadow_rays) = (0, 0);
     let sample_lights = has(N, Features::LIGHTS) && !context.buffers.lights.is_empty();
-    let border = context.buffers.lights.border.as_ref();
+    let guiding = context.buffers.lights.guiding.as_ref();
     for at in (0..count).step_by(L::WIDTH) {
         let path = load_path::<L, N, FIRST>(context, &scratch.queue, at);
         let SegmentEnds { hit, active, found, mut radiance } =
@@ -63,7 +63,7 @@ pub fn shade<L: Lane, const N: u32, const FIRST: bool>(
         } else {
             values.at_keys(path.key)
         };
-        let scattered = scatter::<L, N>(&path, &surface, &material, (numbers, border), found);
+        let scattered = scatter::<L, N>(&path, &surface, &material, (numbers, guiding), found);
         if sample_lights {
             let (hit, event) = ((&surface, &material), (numbers, found));
             shadow_rays =

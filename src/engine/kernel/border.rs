@@ -1,13 +1,7 @@
-//! Scattered directions towards the strip around a light.
-//!
-//! A share of the directions that leave a diffuse surface goes to the strip, uniformly by area; the others
-//! are sampled by the cosine. A direction's weight is its cosine over the pdf of both together, which is at
-//! most 1 / (1 − the share): a defensive mixture (T. Hesterberg, "Weighted Average Importance Sampling and
-//! Defensive Mixture Distributions", Technometrics 37(2), 1995).
+//! The strip around a light: points on it, uniform by area, and the pdf of directions to them.
 
-use crate::kernel::bsdf::{BsdfSample, diffuse};
-use crate::lane::{Lane, Mask};
-use crate::math::{BELOW_ONE, Vec3};
+use crate::lane::Lane;
+use crate::math::Vec3;
 
 /// The points a + x ab + y ac of the outer parallelogram, −m ≤ x ≤ 1 + m and −m' ≤ y ≤ 1 + m', outside the
 /// inner one, 0 ≤ x, y ≤ 1.
@@ -26,12 +20,6 @@ pub struct Strip {
     area: f32,
     inverse_area: f32,
 }
-
-/// The share of directions that go to the strip: a power of two, so that it is a cell of Sobol points.
-///
-/// In the Cornell box the variance of a sample is 0.65 times as large as without; with 1/20 and 1/10 the same
-/// within noise, with 1/5 0.72 times.
-pub const SHARE: f32 = 1.0 / 16.0;
 
 impl Strip {
     /// The strip around a parallelogram at `a` with edges `ab` and `ac`; margins in shares of the edges.
@@ -54,28 +42,11 @@ impl Strip {
         }
     }
 
-    /// A direction from `origin`, on a diffuse surface with the normal `n`, and its weight. The pdf is that
-    /// of the cosine alone: the one that weights of light sampling compare with.
+    /// A point of the strip, uniform by area: the two sides along ab first, corners included.
     ///
     /// Domain: u and v in [0, 1).
     #[inline(always)]
-    pub fn sample_diffuse<L: Lane>(&self, origin: Vec3<L>, n: Vec3<L>, u: L, v: L) -> BsdfSample<L> {
-        let to_strip = u.lt(L::splat(SHARE));
-        let below_one = L::splat(BELOW_ONE);
-        let rest = ((u - L::splat(SHARE)) * L::splat(1.0 / (1.0 - SHARE))).max(L::zero()).min(below_one);
-        let mut wi = diffuse::sample(n, rest, v).wi;
-        if to_strip.any() {
-            let towards = (self.point(u * L::splat(1.0 / SHARE), v) - origin).normalize();
-            wi = Vec3::select(to_strip, towards, wi);
-        }
-        let cosine = diffuse::evaluate(n, wi).pdf;
-        let pdf = L::splat(SHARE).mul_add(self.pdf(origin, wi), L::splat(1.0 - SHARE) * cosine);
-        BsdfSample { wi, weight: cosine / pdf, pdf: cosine, alive: L::zero().lt(cosine) }
-    }
-
-    /// A point of the strip, uniform by area: the two sides along ab first, corners included.
-    #[inline(always)]
-    fn point<L: Lane>(&self, u: L, v: L) -> Vec3<L> {
+    pub fn point<L: Lane>(&self, u: L, v: L) -> Vec3<L> {
         let [mx, my] = self.margins;
         let at = u * L::splat(self.area);
         let (long, short) = ((1.0 + 2.0 * mx) * my, mx);
@@ -94,7 +65,7 @@ impl Strip {
 
     /// The pdf of directions to the strip, in 1/sr; 0 in others.
     #[inline(always)]
-    fn pdf<L: Lane>(&self, origin: Vec3<L>, wi: Vec3<L>) -> L {
+    pub fn pdf<L: Lane>(&self, origin: Vec3<L>, wi: Vec3<L>) -> L {
         let normal = Vec3::splat(self.normal);
         let from = origin - Vec3::splat(self.a);
         let cosine = normal.dot(wi);

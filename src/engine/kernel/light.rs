@@ -57,21 +57,12 @@ pub fn sphere_pdf<L: Lane>(center: Vec3<L>, radius: L) -> L {
 }
 
 /// A direction uniform in the cone that a sphere subtends, and the first point of the sphere there.
-///
-/// Source: Shirley, Wang, Zimmerman, "Monte Carlo Techniques for Direct Lighting Calculations", ACM TOG
-/// 15(1), 1996.
 #[inline(always)]
 pub fn sample_sphere<L: Lane>(center: Vec3<L>, radius: L, u: L, v: L) -> LightSample<L> {
     let (distance2, one_minus_cos) = cone(center, radius);
     let distance = distance2.sqrt();
     let axis = center * (L::one() / distance);
-    let (tangent, bitangent) = warp::orthonormal_basis(axis);
-    let drop = u * one_minus_cos;
-    let cos = L::one() - drop;
-    let sin2 = drop * (L::splat(2.0) - drop);
-    let sin = sin2.sqrt();
-    let (sin_phi, cos_phi) = functions::sin_cos_turns(v);
-    let wi = tangent.mul_add(sin * cos_phi, bitangent.mul_add(sin * sin_phi, axis * cos));
+    let (wi, cos, sin2) = warp::sample_uniform_cone(axis, one_minus_cos, u, v);
     // The smaller root of t² − 2 t d cos θ + d² − r², from the product of the roots: the difference would
     // cancel.
     let radius2 = radius * radius;

@@ -1,15 +1,18 @@
 //! Kernels: equations over lanes. Values in, (mask, values) out.
 //!
 //! For: intersections ([`ray_sphere`], [`ray_triangle`], [`ray_box`]), scattering ([`bsdf`]), light sampling
-//! ([`light`]), towards the strip around a light ([`border`]), points on surfaces ([`surface`]), shading
-//! normals ([`normals`]) and texture lookups ([`texture`]), several methods side by side. Kernels allocate
-//! nothing, look nothing up and never panic.
+//! ([`light`]), directions guided ([`guiding`]) to the strip around a light ([`border`]) and to its images
+//! in mirrors ([`mirror_image`]), points on surfaces ([`surface`]), shading normals ([`normals`]) and texture
+//! lookups ([`texture`]), several methods side by side. Kernels allocate nothing, look nothing up and never
+//! panic.
 //! May import: `lane`, `math`, `sampling`.
 //! Must never know: scenes, queues, pixels.
 
 pub mod border;
 pub mod bsdf;
+pub mod guiding;
 pub mod light;
+pub mod mirror_image;
 pub mod normals;
 pub mod ray_box;
 pub mod ray_sphere;

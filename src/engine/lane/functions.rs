@@ -24,6 +24,20 @@ pub fn polynomial<L: Lane, const N: usize>(x: L, coefficients: [f32; N]) -> L {
     sum
 }
 
+/// About 1 / √x, in a sixth of the time of the exact one.
+///
+/// Domain: 0 and normal floats. At 0 it is 2e19.
+/// Error: relative, ≤ 1.8e-3 (measured).
+/// Source: C. Lomont, "Fast Inverse Square Root", 2003: half the exponent from a shift, then one step of
+/// Newton's method.
+#[inline(always)]
+pub fn approximate_rsqrt<L: Lane>(x: L) -> L {
+    // magic − half = magic + ¬half + 1
+    let half = x.to_bits().shr(1);
+    let y = L::from_bits((!half).wrapping_add(L::Bits::splat(0x5f37_5a86 + 1)));
+    y * (L::splat(-0.5) * x * y).mul_add(y, L::splat(1.5))
+}
+
 /// Sine and cosine of an angle in `[−π/4, π/4]`, without reduction.
 #[inline(always)]
 fn sin_cos_octant<L: Lane>(r: L) -> (L, L) {

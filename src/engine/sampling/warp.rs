@@ -43,3 +43,20 @@ pub fn sample_uniform_sphere<L: Lane>(u: L, v: L) -> Vec3<L> {
     let radius = L::splat(2.0) * (u * (L::one() - u)).sqrt();
     Vec3::new(radius * cos, radius * sin, z)
 }
+
+/// A direction with pdf 1 / (2π (1 − cos α)) within the angle α of a unit vector, and cos θ and sin² θ of its
+/// own angle θ.
+///
+/// Domain: u, v in [0, 1).
+/// Source: Shirley, Wang, Zimmerman, "Monte Carlo Techniques for Direct Lighting Calculations", ACM TOG
+/// 15(1), 1996.
+#[inline(always)]
+pub fn sample_uniform_cone<L: Lane>(axis: Vec3<L>, one_minus_cos: L, u: L, v: L) -> (Vec3<L>, L, L) {
+    let (tangent, bitangent) = orthonormal_basis(axis);
+    let drop = u * one_minus_cos;
+    let cos = L::one() - drop;
+    let sin2 = drop * (L::splat(2.0) - drop);
+    let sin = sin2.sqrt();
+    let (sin_phi, cos_phi) = sin_cos_turns(v);
+    (tangent.mul_add(sin * cos_phi, bitangent.mul_add(sin * sin_phi, axis * cos)), cos, sin2)
+}

@@ -22,9 +22,9 @@ struct Expected {
 const EXPECTED: [Expected; 8] = [
     Expected { scene: "thesis", primary_hits: 32_400, rays: 59_478 },
     Expected { scene: "three", primary_hits: 21_466, rays: 63_589 },
-    Expected { scene: "spheres", primary_hits: 22_770, rays: 95_664 },
+    Expected { scene: "spheres", primary_hits: 22_770, rays: 98_289 },
     Expected { scene: "cornell", primary_hits: 32_400, rays: 201_661 },
-    Expected { scene: "cornell-spheres", primary_hits: 32_400, rays: 207_487 },
+    Expected { scene: "cornell-spheres", primary_hits: 32_400, rays: 205_119 },
     Expected { scene: "balls", primary_hits: 26_888, rays: 75_747 },
     Expected { scene: "materials", primary_hits: 24_776, rays: 94_442 },
     Expected { scene: "chess", primary_hits: 32_400, rays: 46_589 },

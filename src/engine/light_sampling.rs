@@ -1,6 +1,7 @@
-//! Light sampling over lanes: chooses a light by the alias table of [`Lights`], resamples many lights by
-//! their irradiance ([`Lights::resample`]), and samples directions of an [`EnvironmentLight`] by inverting
-//! its CDFs. Points on spheres, triangles and parallelograms are sampled by [`crate::kernel::light`].
+//! Light sampling over lanes: chooses a light by the alias table of [`Lights`], or by the irradiance of each
+//! at a point ([`Lights::compare`] for few, [`Lights::resample`] for many), and samples directions of an
+//! [`EnvironmentLight`] by inverting its CDFs. Points on spheres, triangles and parallelograms are sampled by
+//! [`crate::kernel::light`].
 //!
 //! May import: `lane`, `math`, `kernel`, `buffers`. Must never know: paths, queues, pixels.
 
@@ -27,8 +28,9 @@ pub struct ChosenLight<L: Lane> {
     pub offset: L,
     /// The probability of choosing it by power.
     pub probability: L,
-    /// Its contribution counts so many times: 1 unless it was resampled.
-    pub resampled: L,
+    /// Its contribution counts so many times: 1 if it was chosen by power, else the probability by power over
+    /// that by irradiance.
+    pub weight: L,
 }
 
 /// How many lights [`Lights::resample`] compares.
@@ -63,6 +65,36 @@ impl Lights {
         (self.fetch(light, L::one(), few), rest)
     }
 
+    /// Chooses one of few lights in proportion to its irradiance at `point` with the normal `n`, were nothing
+    /// between them, by `u`. Returns the rest of `u` too, as [`Lights::choose`] does.
+    ///
+    /// Domain: there are importance rows, at most [`Lights::MAX_COMPARED`].
+    #[inline(always)]
+    pub fn compare<L: Lane>(&self, (point, n): (Vec3<L>, Vec3<L>), u: L, few: bool) -> (ChosenLight<L>, L) {
+        let mut ends = [L::zero(); Self::MAX_COMPARED];
+        let mut sum = L::zero();
+        for (light, end) in ends.iter_mut().enumerate().take(self.len()) {
+            sum = sum + self.irradiance(L::Bits::splat(light as u32), point, n, true);
+            *end = sum;
+        }
+        let at = u * sum;
+        let (mut light, mut start, mut end) = (L::Bits::splat(0), L::zero(), ends[0]);
+        for (index, ends) in ends.windows(2).enumerate().take(self.len() - 1) {
+            let is_beyond = ends[0].le(at);
+            light = L::Bits::select(is_beyond, L::Bits::splat(index as u32 + 1), light);
+            start = L::select(is_beyond, ends[0], start);
+            end = L::select(is_beyond, ends[1], end);
+        }
+        let share = end - start;
+        let possible = L::zero().lt(share);
+        let per_share = L::one() / L::select(possible, share, L::one());
+        let rest = ((at - start) * per_share).max(L::zero()).min(L::splat(BELOW_ONE));
+        let mut chosen = self.fetch(light, L::one(), few);
+        // 0 where no light is above the horizon.
+        chosen.weight = (chosen.probability * (sum * per_share)).only(possible);
+        (chosen, rest)
+    }
+
     /// Chooses among many lights by what each would bring to `point` with the normal `n`, were nothing
     /// between them: takes `CANDIDATES` lights by power, and one of those in proportion to its irradiance
     /// over its probability. Three numbers in [0, 1).
@@ -87,7 +119,7 @@ impl Lights {
             let at = (number + L::splat(candidate as f32)) * L::splat(1.0 / CANDIDATES as f32);
             let light = self.light_of(at.min(below_one), second_number);
             let probability = self.rows.fetch::<L>(light.shl(1), false)[7];
-            let own = self.irradiance(light, point, n) / probability;
+            let own = self.irradiance(light, point, n, false) / probability;
             sum = sum + own;
             // Weighted reservoir sampling; the rest of the number is used again.
             let share = L::select(L::zero().lt(own), own / sum, L::zero());
@@ -99,18 +131,18 @@ impl Lights {
         }
         let mean = sum * L::splat(1.0 / CANDIDATES as f32);
         // 0 where no candidate is above the horizon.
-        let resampled = L::select(L::zero().lt(quotient), mean / quotient, L::zero());
-        self.fetch(chosen, resampled, false)
+        let weight = L::select(L::zero().lt(quotient), mean / quotient, L::zero());
+        self.fetch(chosen, weight, false)
     }
 
     /// An estimate of the irradiance of a light at `point` on a surface with the normal `n`, nothing between
     /// them; above 0 where some of it is above the horizon.
     #[inline(always)]
-    fn irradiance<L: Lane>(&self, light: L::Bits, point: Vec3<L>, n: Vec3<L>) -> L {
-        let [x, y, z, radius, nx, ny, nz, power] = self.importance_rows.fetch::<L>(light, false);
+    fn irradiance<L: Lane>(&self, light: L::Bits, point: Vec3<L>, n: Vec3<L>, few: bool) -> L {
+        let [x, y, z, radius, nx, ny, nz, power] = self.importance_rows.fetch::<L>(light, few);
         let (to, normal) = (Vec3::new(x, y, z) - point, Vec3::new(nx, ny, nz));
         let distance2 = to.dot(to).max(radius * radius).max(L::splat(f32::MIN_POSITIVE));
-        let per_distance = L::one() / distance2.sqrt();
+        let per_distance = functions::approximate_rsqrt(distance2);
         // The cosine of an angle that is smaller by that of the bounding sphere is at most greater by its
         // sine.
         let sine = radius * per_distance;
@@ -141,7 +173,7 @@ impl Lights {
     }
 
     #[inline(always)]
-    fn fetch<L: Lane>(&self, light: L::Bits, resampled: L, few: bool) -> ChosenLight<L> {
+    fn fetch<L: Lane>(&self, light: L::Bits, weight: L, few: bool) -> ChosenLight<L> {
         let first = light.shl(1);
         let [x, y, z, radius, r, g, b, probability] = self.rows.fetch::<L>(first, few);
         let [abx, aby, abz, acx, acy, acz, quad, offset] =
@@ -155,7 +187,7 @@ impl Lights {
             is_quad: L::zero().lt(quad),
             offset,
             probability,
-            resampled,
+            weight,
         }
     }
 }

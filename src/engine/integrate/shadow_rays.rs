@@ -14,7 +14,7 @@ use super::queue::Path;
 use super::scratch::Scratch;
 use super::stats::Stage;
 use super::surface::Surface;
-use crate::buffers::Features;
+use crate::buffers::{Features, Lights};
 use crate::kernel::light::{FlatLight, LightSample, sample_flat, sample_sphere};
 use crate::lane::{Lane, Mask};
 use crate::math::{Hit, Ray, Vec3};
@@ -46,8 +46,11 @@ pub fn sample_direct_light<L: Lane, const N: u32>(
     let few = !has(N, Features::MANY_LIGHTS);
     // As scattered rays, so that BSDF sampling of the same direction has the same light pdf.
     let origin = scattered.near_side;
-    let (light, u) = if has(N, Features::MANY_LIGHTS) && lights.is_resampled() {
-        let n = surface.ng.flip_sign(-path.ray.direction.dot(surface.ng));
+    let by_irradiance = lights.are_chosen_by_irradiance();
+    let n = surface.ng.flip_sign(-path.ray.direction.dot(surface.ng));
+    let (light, u) = if by_irradiance && (few || lights.len() <= Lights::MAX_COMPARED) {
+        lights.compare((surface.point, n), u, few)
+    } else if by_irradiance && has(N, Features::MANY_LIGHTS) {
         let numbers = [dimension::LIGHT, dimension::LIGHT_ALIAS, dimension::LIGHT_RESAMPLED]
             .map(|dimension| numbers.get_1d(dimension));
         (lights.resample((surface.point, n), numbers), u)
@@ -90,7 +93,7 @@ pub fn sample_direct_light<L: Lane, const N: u32>(
     // pdf they take. 1 − the weight of BSDF sampling would cancel; this is the same heuristic with the pdfs
     // exchanged.
     let weight = mis_weight(inv_pdf, bsdf.pdf);
-    let radiance = path.throughput * bsdf.value * emission * (weight * inv_pdf * light.resampled);
+    let radiance = path.throughput * bsdf.value * emission * (weight * inv_pdf * light.weight);
     let carries = possible & !(radiance.x + radiance.y + radiance.z).eq(L::zero());
     if !carries.any() {
         return count;

@@ -206,7 +206,7 @@ mod tests {
     fn fast_samples_have_a_rate_within_the_memory_of_the_start() {
         let mut rates = RateMeter::default();
         (0..2 * MAX_SAMPLES).for_each(|_| rates.sample(16, 1_000, Duration::from_micros(10)));
-        assert_eq!(rates.rates().samples, [Some(100_000.0), None]);
+        assert!(rates.rates().samples[0].is_some_and(|rate| (rate - 100_000.0).abs() < 1e-3));
         assert_eq!(rates.taken[0].times.capacity(), MAX_SAMPLES);
     }
 

@@ -59,13 +59,13 @@ impl DefaultReport {
         let (lanes, why) = match LaneChoice::Auto.lanes(scene, &Methods::default()) {
             16 => (
                 "16",
-                "every primitive is tested: packets that fill AVX-512's vectors are 1.2 to 1.6 times as fast as those of 8",
+                "every primitive is tested: packets that fill AVX-512's vectors are 1.1 to 1.6 times as fast as those of 8",
             ),
             _ if hierarchy => (
                 "8",
                 "the traversals of a hierarchy have widths of their own, and shading gains nothing from 16",
             ),
-            _ => ("8", "this build has vectors of 8; with AVX-512, 16 is 1.2 to 1.6 times as fast"),
+            _ => ("8", "this build has vectors of 8; with AVX-512, 16 is 1.1 to 1.6 times as fast"),
         };
         add(true, "lanes", lanes, why);
         add(

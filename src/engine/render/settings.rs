@@ -32,7 +32,7 @@ choices! {
 impl LaneChoice {
     /// The width for a scene.
     ///
-    /// Measured with AVX-512: 16 lanes are 1.2 to 1.6 times as fast as 8 where every primitive is tested.
+    /// Measured with AVX-512: 16 lanes are 1.1 to 1.6 times as fast as 8 where every primitive is tested.
     /// With a hierarchy both take the same time: its traversals have widths of their own.
     pub fn lanes(self, scene: &Scene, methods: &Methods) -> usize {
         match self {

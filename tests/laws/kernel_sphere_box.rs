@@ -10,6 +10,7 @@ use glam::{DVec3, Vec3};
 use octray::bvh::Bounds;
 use octray::kernel::ray_box::{Padding, Slabs, sphere_padding};
 use octray::kernel::ray_sphere::{Robust, SphereMethod};
+use octray::kernel::sphere_culling::{CulledSphere, SphereCulling};
 use octray::math::{self, EPSILON};
 
 const LENGTHS: [f64; 4] = [0.0, 1e-5, -1e-5, 1e-7];
@@ -114,6 +115,59 @@ fn hits_lie_within_the_room_made_for_them_and_need_more_than_an_eighth_of_it() {
     println!("worst: {:.2} ε D; for the length {:.1e} r", worst / f64::from(EPSILON), worst_length);
     assert!(worst > per_distance / 8.0, "{worst:e}");
     assert!((per_radius / 8.0..per_radius).contains(&worst_length), "{worst_length:e}");
+}
+
+/// Culling keeps every sphere that is hit.
+#[test]
+fn spheres_that_are_hit_are_not_culled() {
+    let mut hits = 0;
+    for (length, distances) in LENGTHS.into_iter().flat_map(|length| DISTANCES.map(|near| (length, near))) {
+        each_hit(92, 100_000, distances, length, |&Found { center, radius, origin, direction, .. }| {
+            hits += 1;
+            let culling = SphereCulling::<f32>::new(&ray(origin, direction));
+            assert!(
+                culling.may_hit(&CulledSphere::new(center, radius)),
+                "{origin} {direction} {center} {radius:e}"
+            );
+        });
+    }
+    assert!(hits > 1_500_000, "{hits}");
+}
+
+/// Of spheres that a ray misses by a tenth of the radius and more, hardly any is kept, unless they are so far
+/// away or so small that their square is lost beside the distance's.
+#[test]
+fn spheres_that_are_missed_are_culled() {
+    let (mut rng, mut missed, mut kept) = (Rng(93), 0, 0);
+    for _ in 0..200_000 {
+        let radius = rng.scale(0.1, 10.0);
+        let (center, origin) = (rng.in_cube() * 30.0, rng.in_cube() * 30.0);
+        let direction = rng.direction();
+        let from_center = origin - center;
+        let ahead = (-from_center.dot(direction)).max(0.0);
+        if (from_center + direction * ahead).length() < 1.1 * radius {
+            continue;
+        }
+        let culling = SphereCulling::<f32>::new(&ray(origin.as_vec3(), direction.as_vec3()));
+        missed += 1;
+        kept += usize::from(culling.may_hit(&CulledSphere::new(center.as_vec3(), radius as f32)));
+    }
+    assert!(missed > 100_000 && kept < missed / 1000, "{kept} of {missed}");
+}
+
+/// What overflows is not culled, and neither is what is not a number.
+#[test]
+fn spheres_beyond_the_range_of_squares_are_not_culled() {
+    let far = Vec3::new(3e18, 0.0, 0.0);
+    let backwards = ray(far, Vec3::X);
+    for (ray, center) in [
+        (backwards, Vec3::ZERO),
+        (ray(Vec3::ZERO, -Vec3::X), far),
+        (ray(Vec3::ZERO, Vec3::NAN), Vec3::ONE),
+        (ray(Vec3::NAN, Vec3::X), Vec3::ONE),
+    ] {
+        assert!(SphereCulling::<f32>::new(&ray).may_hit(&CulledSphere::new(center, 1.0)), "{ray:?} {center}");
+    }
 }
 
 /// The same by the numbers that traversals use.

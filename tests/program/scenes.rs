@@ -135,29 +135,29 @@ fn inspect_shows_which_way_rays_go_and_why() {
         let ball = |x: usize| json!({ "center": [3 * x, 0, 0], "radius": 1 });
         json!({ "format": "octray-1", "spheres": (0..count).map(ball).collect::<Vec<_>>() }).to_string()
     };
-    desk.write("few.json", &balls(150));
-    desk.write("many.json", &balls(151));
+    desk.write("few.json", &balls(240));
+    desk.write("many.json", &balls(241));
     for (scene, cost, way) in [
         ("scene.json", 1, "linear"),
-        ("model.obj", 4, "linear"),
-        ("builtin:cornell", 128, "linear"),
-        ("few.json", 150, "linear"),
-        ("many.json", 151, "hybrid"),
-        ("builtin:knot:2000", 8_000, "hybrid"),
+        ("model.obj", 6, "linear"),
+        ("builtin:cornell", 192, "linear"),
+        ("few.json", 240, "linear"),
+        ("many.json", 241, "hybrid"),
+        ("builtin:knot:2000", 12_000, "hybrid"),
     ] {
         let report = desk.json(&["inspect", scene, "--json"]);
         let mut traversal = report["traversal"].clone();
         let found = traversal["linear_cost"].take().as_u64().unwrap();
         assert!(found.abs_diff(cost) <= cost / 50, "{scene}: {found}");
         let expected =
-            json!({ "primary": way, "bounces": way, "linear_cost": null, "most_linear_cost": 150 });
+            json!({ "primary": way, "bounces": way, "linear_cost": null, "most_linear_cost": 240 });
         assert_eq!(traversal, expected, "{scene}");
         assert_eq!(report["hierarchy"].is_null(), way == "linear", "{scene}");
         assert_eq!(report["needs"].as_array().unwrap().contains(&json!("hierarchy")), way != "linear");
     }
     desk.octray(&["inspect", "scene.json"]).assert().success().stdout(
         contains("traversal   linear for primary rays, linear for bounces\n")
-            .and(contains("cost a ray 1 (1 a sphere, 4 a triangle); up to 150, that is faster"))
+            .and(contains("cost a ray 1 (1 a sphere, 6 a triangle); up to 240, that is faster"))
             .and(contains("\nhierarchy").not()),
     );
 }
@@ -188,7 +188,7 @@ fn inspect_shows_the_hierarchy_that_rays_go_through() {
         format!("hierarchy   {} nodes in {levels} levels, {} leaves; ", grouped(nodes), grouped(leaves));
     desk.octray(&["inspect", "builtin:knot:2000"]).assert().success().stdout(
         contains("traversal   hybrid for primary rays, hybrid for bounces\n")
-            .and(contains("above 150, a hierarchy is faster"))
+            .and(contains("above 240, a hierarchy is faster"))
             .and(contains(shown))
             .and(contains(format!(", {each:.0} bytes a primitive; built in ")))
             .and(contains(" ms on ")),

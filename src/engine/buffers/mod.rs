@@ -27,6 +27,7 @@ pub use texels::{Abilities, Textures};
 
 use crate::kernel::bsdf::{metal_rough, plastic};
 use crate::kernel::ray_triangle::TriangleMethod;
+use crate::kernel::sphere_culling::CulledSphere;
 use crate::kernel::surface::{self, sphere_offset, triangle_normal, triangle_offset};
 use crate::scene::{self, MaterialKind, Scene, Side};
 use glam::Vec3;
@@ -179,6 +180,11 @@ impl Buffers {
             + self.textures.bytes()
             + self.lights.bytes()
     }
+}
+
+/// The scene's spheres as culling reads them.
+pub fn store_culled_spheres(scene: &Scene) -> Vec<CulledSphere> {
+    scene.spheres.iter().map(|sphere| CulledSphere::new(sphere.center, sphere.radius)).collect()
 }
 
 /// The scene's triangles as an intersection method stores them, those that share an edge linked in pairs.

@@ -1,10 +1,10 @@
 //! Kernels: equations over lanes. Values in, (mask, values) out.
 //!
-//! For: intersections ([`ray_sphere`], [`ray_triangle`], [`ray_box`]), scattering ([`bsdf`]), light sampling
-//! ([`light`]), directions guided ([`guiding`]) to the strip around a light ([`border`]) and to its images
-//! in mirrors ([`mirror_image`]), points on surfaces ([`surface`]), shading normals ([`normals`]) and texture
-//! lookups ([`texture`]), several methods side by side. Kernels allocate nothing, look nothing up and never
-//! panic.
+//! For: intersections ([`ray_sphere`], [`ray_triangle`], [`ray_box`]), culling of spheres
+//! ([`sphere_culling`]), scattering ([`bsdf`]), light sampling ([`light`]), directions guided ([`guiding`])
+//! to the strip around a light ([`border`]) and to its images in mirrors ([`mirror_image`]), points on
+//! surfaces ([`surface`]), shading normals ([`normals`]) and texture lookups ([`texture`]), several methods
+//! side by side. Kernels allocate nothing, look nothing up and never panic.
 //! May import: `lane`, `math`, `sampling`.
 //! Must never know: scenes, queues, pixels.
 
@@ -17,5 +17,6 @@ pub mod normals;
 pub mod ray_box;
 pub mod ray_sphere;
 pub mod ray_triangle;
+pub mod sphere_culling;
 pub mod surface;
 pub mod texture;

@@ -13,6 +13,8 @@ use crate::math::{Ray, Vec3};
 pub trait SphereMethod: Send + Sync + 'static {
     /// What is computed once per ray.
     type Prepared<L: Lane>: Copy;
+    /// Whether spheres may be culled by [`super::sphere_culling`]: only if the method finds no hit on those.
+    const MAY_CULL: bool;
 
     /// Prepares a ray for all spheres.
     fn prepare<L: Lane>(ray: &Ray<L>) -> Self::Prepared<L>;
@@ -41,6 +43,7 @@ pub struct Robust;
 
 impl SphereMethod for Robust {
     type Prepared<L: Lane> = Ray<L>;
+    const MAY_CULL: bool = true;
 
     #[inline(always)]
     fn prepare<L: Lane>(ray: &Ray<L>) -> Ray<L> {
@@ -111,6 +114,7 @@ impl<L: Lane> Scaled<L> {
 
 impl SphereMethod for RobustAnyLength {
     type Prepared<L: Lane> = Scaled<L>;
+    const MAY_CULL: bool = false;
 
     #[inline(always)]
     fn prepare<L: Lane>(ray: &Ray<L>) -> Scaled<L> {
@@ -131,6 +135,7 @@ pub struct Naive;
 
 impl SphereMethod for Naive {
     type Prepared<L: Lane> = Scaled<L>;
+    const MAY_CULL: bool = false;
 
     #[inline(always)]
     fn prepare<L: Lane>(ray: &Ray<L>) -> Scaled<L> {

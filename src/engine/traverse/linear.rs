@@ -6,16 +6,17 @@ use crate::buffers::{Features, Spheres};
 use crate::kernel::ray_box::{Padding, Slabs, own_box};
 use crate::kernel::ray_sphere::SphereMethod;
 use crate::kernel::ray_triangle::{TriangleHit, TriangleMethod};
+use crate::kernel::sphere_culling::{CulledSphere, SphereCulling};
 use crate::lane::{Bits, Lane, Mask};
 use crate::math::{Hit, Ray, Vec3};
 use crate::scene::Scene;
 
 /// The cost of testing a triangle, in tests of a sphere.
-pub const TRIANGLE_COST: usize = 4;
+pub const TRIANGLE_COST: usize = 6;
 /// Up to this [`cost`] primitives are tested one by one, above it through a hierarchy: about where that
-/// becomes faster. Measured in frames, both take equally long for terrains of about 25 triangles (a cost of
-/// 100), a box of 34 (136), 170 balls (170), knots of 75 (300).
-pub const MAX_COST: usize = 150;
+/// becomes faster. Measured in frames, both take equally long for terrains of about 45 triangles with 16
+/// lanes and 32 with 8, knots of 120 and 90, 270 to 390 spheres and 200 to 290.
+pub const MAX_COST: usize = 240;
 
 /// The cost of testing every primitive for a ray, in tests of a sphere.
 pub fn cost(scene: &Scene) -> usize {
@@ -27,13 +28,41 @@ pub fn features_of(scene: &Scene) -> Features {
     if cost(scene) > MAX_COST { Features::HIERARCHY } else { Features::NONE }
 }
 
+/// From this many spheres on, those that no ray of a packet may hit are culled first. Where all are tested,
+/// the branch that skips the rest of a test is often predicted wrong; culling has no branch.
+const CULLED_SPHERES: usize = 16;
+/// How many spheres are culled at a time.
+const CHUNK: usize = 64;
+
+/// Calls `f` with those of up to [`CHUNK`] spheres that some ray may hit: number, centre, squared radius.
+#[inline(always)]
+fn for_each_near<'a, L: Lane>(
+    rays: &SphereCulling<L>,
+    chunk: impl Iterator<Item = (u32, &'a CulledSphere)>,
+    spheres: &Spheres,
+    f: &mut impl FnMut(u32, Vec3<L>, L),
+) {
+    let (mut near, mut count) = ([0; CHUNK], 0);
+    for (number, sphere) in chunk {
+        // Always written, and counted only if it is near: no branch.
+        near[count % CHUNK] = number;
+        count += usize::from(rays.may_hit(sphere).any());
+    }
+    for &number in &near[..count.min(CHUNK)] {
+        let (center, radius2) = spheres.splat(number as usize);
+        f(number, center, radius2);
+    }
+}
+
 /// The primitives to test a ray against, by ascending number: spheres first, then triangles as the method
 /// stores them.
 pub trait Candidates<Stored> {
-    /// Whether there is any sphere.
-    fn has_spheres(&self) -> bool;
+    /// How many spheres there are.
+    fn sphere_count(&self) -> usize;
     /// Calls `f` with each sphere's number, centre and squared radius.
     fn for_each_sphere<L: Lane>(&self, f: impl FnMut(u32, Vec3<L>, L));
+    /// [`Candidates::for_each_sphere`] of those that any of the rays may hit.
+    fn for_each_sphere_near<L: Lane>(&self, rays: &SphereCulling<L>, f: impl FnMut(u32, Vec3<L>, L));
     /// Whether there is any triangle.
     fn has_triangles(&self) -> bool;
     /// Each triangle and its number. An iterator and no closure: a test is so much code that a closure with
@@ -48,6 +77,8 @@ pub trait Candidates<Stored> {
 pub struct All<'a, Stored> {
     /// All spheres.
     pub spheres: &'a Spheres,
+    /// The same, for culling.
+    pub culled_spheres: &'a [CulledSphere],
     /// All triangles.
     pub triangles: &'a [Stored],
 }
@@ -63,12 +94,19 @@ pub struct OnlyVisible<'a, Stored> {
 
 impl<Stored> Candidates<Stored> for All<'_, Stored> {
     #[inline(always)]
-    fn has_spheres(&self) -> bool {
-        !self.spheres.is_empty()
+    fn sphere_count(&self) -> usize {
+        self.spheres.len()
     }
     #[inline(always)]
     fn for_each_sphere<L: Lane>(&self, mut f: impl FnMut(u32, Vec3<L>, L)) {
         self.spheres.for_each(|index, center, radius2| f(index as u32, center, radius2));
+    }
+    #[inline(always)]
+    fn for_each_sphere_near<L: Lane>(&self, rays: &SphereCulling<L>, mut f: impl FnMut(u32, Vec3<L>, L)) {
+        for (chunk, spheres) in self.culled_spheres.chunks(CHUNK).enumerate() {
+            let numbers = (chunk * CHUNK) as u32..;
+            for_each_near(rays, numbers.zip(spheres), self.spheres, &mut f);
+        }
     }
     #[inline(always)]
     fn has_triangles(&self) -> bool {
@@ -85,14 +123,21 @@ impl<Stored> Candidates<Stored> for All<'_, Stored> {
 
 impl<Stored> Candidates<Stored> for OnlyVisible<'_, Stored> {
     #[inline(always)]
-    fn has_spheres(&self) -> bool {
-        !self.visible.spheres.is_empty()
+    fn sphere_count(&self) -> usize {
+        self.visible.spheres.len()
     }
     #[inline(always)]
     fn for_each_sphere<L: Lane>(&self, mut f: impl FnMut(u32, Vec3<L>, L)) {
         for &index in &self.visible.spheres {
             let (center, radius2) = self.all.spheres.splat(index as usize);
             f(index, center, radius2);
+        }
+    }
+    #[inline(always)]
+    fn for_each_sphere_near<L: Lane>(&self, rays: &SphereCulling<L>, mut f: impl FnMut(u32, Vec3<L>, L)) {
+        for visible in self.visible.spheres.chunks(CHUNK) {
+            let culled = |&number: &u32| (number, &self.all.culled_spheres[number as usize]);
+            for_each_near(rays, visible.iter().map(culled), self.all.spheres, &mut f);
         }
     }
     #[inline(always)]
@@ -120,11 +165,17 @@ pub fn closest<L: Lane, S: SphereMethod, T: TriangleMethod>(
     ray: &Ray<L>,
 ) -> Hit<L> {
     let mut hit = Hit::miss();
-    if candidates.has_spheres() {
+    let spheres = candidates.sphere_count();
+    if spheres > 0 {
         let prepared = S::prepare(ray);
-        candidates.for_each_sphere(|number, center, radius2| {
+        let test = |number, center, radius2| {
             intersect_sphere::<L, S>(&mut hit, &prepared, number, center, radius2);
-        });
+        };
+        if S::MAY_CULL && spheres >= CULLED_SPHERES {
+            candidates.for_each_sphere_near(&SphereCulling::new(ray), test);
+        } else {
+            candidates.for_each_sphere(test);
+        }
     }
     if candidates.has_triangles() {
         let prepared = T::prepare(ray);

@@ -6,11 +6,12 @@ use super::hierarchy::{Hierarchy, padding_of};
 use super::linear::{self, All, OnlyVisible};
 use super::methods::{BoxChoice, Methods, SphereChoice, TriangleChoice};
 use super::visible::Visible;
-use crate::buffers::{Buffers, store_triangles};
+use crate::buffers::{Buffers, store_culled_spheres, store_triangles};
 use crate::bvh::Trees;
 use crate::kernel::ray_box::Padding;
 use crate::kernel::ray_sphere::{self, SphereMethod};
 use crate::kernel::ray_triangle::{self, TriangleMethod};
+use crate::kernel::sphere_culling::CulledSphere;
 use crate::lane::Lane;
 use crate::math::{Hit, Ray};
 use crate::scene::Scene;
@@ -26,6 +27,7 @@ enum Triangles {
 pub struct Primitives {
     sphere: SphereChoice,
     triangles: Triangles,
+    culled_spheres: Vec<CulledSphere>,
     padding: Padding,
     /// The hierarchy and its traversal, where there is one; then the other fields are empty.
     hierarchy: Option<(Hierarchy, Traversal)>,
@@ -43,11 +45,11 @@ impl Primitives {
         if let Some(traversal) = methods.traversal_of(scene, lanes) {
             let mut hierarchy = Hierarchy::new(scene, trees_of(traversal));
             hierarchy.padding = padded(hierarchy.padding, methods.boxes);
-            let (triangles, padding) = (Triangles::Woop(Vec::new()), Padding::default());
             return Self {
                 sphere: methods.sphere,
-                triangles,
-                padding,
+                triangles: Triangles::Woop(Vec::new()),
+                culled_spheres: Vec::new(),
+                padding: Padding::default(),
                 hierarchy: Some((hierarchy, traversal)),
             };
         }
@@ -61,7 +63,8 @@ impl Primitives {
             }
         };
         let padding = padded(padding_of(scene), methods.boxes);
-        Self { sphere: methods.sphere, triangles, padding, hierarchy: None }
+        let culled_spheres = store_culled_spheres(scene);
+        Self { sphere: methods.sphere, triangles, culled_spheres, padding, hierarchy: None }
     }
 
     /// The hierarchy and its traversal, where there is one: then [`super::batch::Tracer`] traces batches.
@@ -119,7 +122,7 @@ impl Primitives {
         let Triangles::Woop(stored) = &self.triangles else {
             unreachable!("other methods than the default ones go through for_batch");
         };
-        with_both::<L, ray_sphere::Robust, ray_triangle::Woop>(buffers, stored, self.padding, visible, batch);
+        self.with_both::<L, ray_sphere::Robust, ray_triangle::Woop>(buffers, stored, visible, batch);
     }
 
     #[inline(always)]
@@ -131,14 +134,33 @@ impl Primitives {
     ) {
         match &self.triangles {
             Triangles::Woop(stored) => {
-                with_both::<L, S, ray_triangle::Woop>(buffers, stored, self.padding, visible, batch)
+                self.with_both::<L, S, ray_triangle::Woop>(buffers, stored, visible, batch)
             }
             Triangles::MollerTrumbore(stored) => {
-                with_both::<L, S, ray_triangle::MollerTrumbore>(buffers, stored, self.padding, visible, batch)
+                self.with_both::<L, S, ray_triangle::MollerTrumbore>(buffers, stored, visible, batch)
             }
             Triangles::BaldwinWeber(stored) => {
-                with_both::<L, S, ray_triangle::BaldwinWeber>(buffers, stored, self.padding, visible, batch)
+                self.with_both::<L, S, ray_triangle::BaldwinWeber>(buffers, stored, visible, batch)
             }
+        }
+    }
+
+    #[inline(always)]
+    fn with_both<L: Lane, S: SphereMethod, T: TriangleMethod>(
+        &self,
+        buffers: &Buffers,
+        triangles: &[T::Stored],
+        visible: Option<&Visible>,
+        batch: impl Batch<L>,
+    ) {
+        let (culled_spheres, padding) = (self.culled_spheres.as_slice(), self.padding);
+        let all = All { spheres: &buffers.spheres, culled_spheres, triangles };
+        match visible {
+            Some(visible) => {
+                let visible = OnlyVisible { all, visible };
+                batch.run(|ray| linear::closest::<L, S, T>(&visible, padding, ray));
+            }
+            None => batch.run(|ray| linear::closest::<L, S, T>(&all, padding, ray)),
         }
     }
 }
@@ -153,23 +175,5 @@ fn padded(padding: Padding, boxes: BoxChoice) -> Padding {
     match boxes {
         BoxChoice::PaddedFma => padding,
         BoxChoice::Fma => padding.without_padding(),
-    }
-}
-
-#[inline(always)]
-fn with_both<L: Lane, S: SphereMethod, T: TriangleMethod>(
-    buffers: &Buffers,
-    triangles: &[T::Stored],
-    padding: Padding,
-    visible: Option<&Visible>,
-    batch: impl Batch<L>,
-) {
-    let all = All { spheres: &buffers.spheres, triangles };
-    match visible {
-        Some(visible) => {
-            let visible = OnlyVisible { all, visible };
-            batch.run(|ray| linear::closest::<L, S, T>(&visible, padding, ray));
-        }
-        None => batch.run(|ray| linear::closest::<L, S, T>(&all, padding, ray)),
     }
 }

@@ -4,9 +4,10 @@
 //! `ray_sets` and the engine. Must not know: clocks.
 
 use super::ray_sets::{Answers, RaySet};
-use crate::buffers::{Buffers, store_triangles};
+use crate::buffers::{Buffers, store_culled_spheres, store_triangles};
 use crate::kernel::ray_sphere::Robust;
 use crate::kernel::ray_triangle::{TriangleMethod, Woop};
+use crate::kernel::sphere_culling::CulledSphere;
 use crate::lane::{Bits, F32x8, Lane};
 use crate::math::MISS;
 use crate::scene::Scene;
@@ -65,13 +66,19 @@ pub struct PreparedScene {
     /// Wide and binary trees: some traversals read the one, some the other.
     pub(crate) hierarchy: Hierarchy,
     buffers: Buffers,
+    culled_spheres: Vec<CulledSphere>,
     triangles: Vec<<Woop as TriangleMethod>::Stored>,
 }
 
 impl PreparedScene {
     /// Stores the primitives as buffers beside a hierarchy of the same scene.
     pub fn new(scene: &Scene, hierarchy: Hierarchy) -> Self {
-        Self { hierarchy, buffers: Buffers::new(scene), triangles: store_triangles::<Woop>(scene) }
+        Self {
+            hierarchy,
+            buffers: Buffers::new(scene),
+            culled_spheres: store_culled_spheres(scene),
+            triangles: store_triangles::<Woop>(scene),
+        }
     }
 
     /// Updates the hits of all rays: the closest hit; with `ANY`, any hit.
@@ -114,7 +121,8 @@ impl PreparedScene {
 
     /// Domain: whole packets.
     fn test_all<L: Lane>(&self, rays: &Rays, hits: &mut Hits) {
-        let all = linear::All { spheres: &self.buffers.spheres, triangles: &self.triangles };
+        let Self { culled_spheres, triangles, .. } = self;
+        let all = linear::All { spheres: &self.buffers.spheres, culled_spheres, triangles };
         let padding = self.hierarchy.padding;
         for at in (0..rays.len()).step_by(L::WIDTH) {
             let hit = linear::closest::<L, Robust, Woop>(&all, padding, &rays.packet(at));

@@ -133,6 +133,13 @@ fn files_that_lie_are_refused() {
             "face 0 uses vertex 3",
         ),
         (
+            file(
+                &format!("{ascii}element vertex 3\n{xyz}element face 1\n{face}"),
+                "0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n",
+            ),
+            "m.ply: line 13, byte 179",
+        ),
+        (
             file(&format!("{ascii}element vertex 3\n{xyz}element face 1\n{face}"), &format!("{three}3 0 1")),
             "ends too early",
         ),

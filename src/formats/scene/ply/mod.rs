@@ -46,23 +46,20 @@ pub fn parse(bytes: &[u8], path: &Path) -> Result<Mesh, SceneError> {
     let mut reader = Reader::new(path, bytes);
     let (encoding, elements) = reader.header()?;
     let mut mesh = Mesh::default();
-    for element in elements.iter().filter(|element| !element.properties.is_empty()) {
+    let elements = || elements.iter().filter(|element| !element.properties.is_empty());
+    let vertices = elements().filter(|element| element.name == "vertex");
+    let vertices = vertices.fold(0, |sum: usize, element| sum.saturating_add(element.count));
+    for element in elements() {
         reader.check_count(element, encoding)?;
         match element.name.as_str() {
             "vertex" => mesh.read_vertices(&mut reader, element, encoding)?,
-            "face" => mesh.read_faces(&mut reader, element, encoding)?,
+            "face" => mesh.read_faces(&mut reader, element, encoding, vertices)?,
             _ => skip(&mut reader, element, encoding)?,
         }
     }
     if mesh.ends.is_empty() {
         let mend = "export the model with faces: points alone have no surface";
         return Err(SceneError::new("the mesh has no faces").in_file(path).mend(mend));
-    }
-    let count = mesh.positions.len();
-    if let Some(at) = mesh.corners.iter().position(|&corner| corner as usize >= count) {
-        let face = mesh.ends.partition_point(|&end| end <= at);
-        let what = format!("face {face} uses vertex {}, and the file has {count}", mesh.corners[at]);
-        return Err(SceneError::new(what).in_file(path).mend("vertices count from 0"));
     }
     Ok(mesh)
 }
@@ -144,11 +141,13 @@ impl Mesh {
         Ok(())
     }
 
+    /// Of a file with this number of vertices, which may come after the faces.
     fn read_faces(
         &mut self,
         reader: &mut Reader,
         element: &Element,
         encoding: Encoding,
+        vertices: usize,
     ) -> Result<(), SceneError> {
         let is_corners = |property: &Property| {
             property.list.is_some() && ["vertex_indices", "vertex_index"].contains(&property.name.as_str())
@@ -163,10 +162,15 @@ impl Mesh {
                 for _ in 0..count as u64 {
                     let value = reader.number(property.scalar, encoding)?;
                     if is_corners(property) {
+                        let mend = "vertices count from 0";
                         if !(value >= 0.0 && value < f64::from(u32::MAX) && value.fract() == 0.0) {
-                            return Err(
-                                reader.fault(format!("{value} is not a vertex"), "vertices count from 0")
-                            );
+                            return Err(reader.fault(format!("{value} is not a vertex"), mend));
+                        }
+                        if value >= vertices as f64 {
+                            let face = self.ends.len();
+                            let what =
+                                format!("face {face} uses vertex {value}, and the file has {vertices}");
+                            return Err(reader.fault(what, mend));
                         }
                         self.corners.push(value as u32);
                     }

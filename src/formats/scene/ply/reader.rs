@@ -186,6 +186,8 @@ impl<'a> Reader<'a> {
             }
         }
         let encoding = encoding.ok_or_else(|| self.fault("the header has no `format`", MEND))?;
+        // Numbers begin on the next line.
+        self.line += 1;
         Ok((encoding, elements))
     }
 

@@ -47,6 +47,7 @@ fn departure(scene: &Scene, max_bounces: u32, lanes: usize) -> f64 {
         primitives: Primitives::new(scene, Methods::default(), 8),
         camera: Pinhole::new(&scene.camera, [16, 16]),
         visible: Vec::new(),
+        occluders: None,
         width: 16,
         max_bounces,
         seed: 1,

@@ -31,6 +31,7 @@ mod leaving;
 mod lights;
 mod lobes;
 mod long_paths;
+mod occluders;
 mod pipelines;
 mod random_scenes;
 mod sampling_laws;

@@ -9,7 +9,7 @@ use octray::math::{Hit, Ray};
 use octray::render::{Renderer, Settings};
 use octray::sampling::random::mix_bits;
 use octray::scene::{Camera, MaterialKind, Scene, Triangle};
-use octray::traverse::{Batch, Methods, Primitives, SphereChoice, TraversalChoice, Visible};
+use octray::traverse::{Batch, Methods, PrimitiveList, Primitives, SphereChoice, TraversalChoice};
 
 /// Tiles cull where every primitive is tested.
 const LINEAR: Methods = Methods {
@@ -87,9 +87,9 @@ fn visible_gives_the_hits_of_testing_everything_bit_for_bit() {
         for (y, x) in
             (0..RESOLUTION[1]).step_by(8).flat_map(|y| (0..RESOLUTION[0]).step_by(8).map(move |x| (y, x)))
         {
-            let visible = Visible::of(&scene, &camera.view_frustum([x, y], [TILE, TILE]));
+            let visible = PrimitiveList::of(&scene, &camera.view_frustum([x, y], [TILE, TILE]));
             skipped += 120 - visible.spheres.len() - visible.triangles.len();
-            let trace = |visible: Option<&Visible>| {
+            let trace = |visible: Option<&PrimitiveList>| {
                 let mut hits = Vec::new();
                 primitives.for_batch(&buffers, visible, Primary { camera, corner: [x, y], hits: &mut hits });
                 hits
@@ -148,9 +148,9 @@ fn edges_are_kept(view: Camera, resolution: [u32; 2], corner: [u32; 2]) -> [usiz
     }
     let rays: Vec<Ray<f32>> = edges.into_iter().flatten().collect();
     [specks, beside].map(|scene| {
-        let visible = Visible::of(&scene, &camera.view_frustum(corner, [TILE, TILE]));
+        let visible = PrimitiveList::of(&scene, &camera.view_frustum(corner, [TILE, TILE]));
         let (buffers, primitives) = (Buffers::new(&scene), Primitives::new(&scene, LINEAR, 8));
-        let trace = |visible: Option<&Visible>| {
+        let trace = |visible: Option<&PrimitiveList>| {
             let mut hits = Vec::new();
             primitives.for_batch::<f32>(&buffers, visible, Given { rays: &rays, hits: &mut hits });
             hits
@@ -245,5 +245,5 @@ fn visible_keeps_what_the_camera_stands_in_and_drops_what_is_behind() {
     scene.spheres = vec![ball(0.0, 100.0), ball(5.0, 1.0), ball(-5.0, 1.0), ball(5.0, 6.0)];
     scene.triangles.clear();
     let frustum = Pinhole::new(&camera, RESOLUTION).view_frustum([28, 20], [TILE, TILE]);
-    assert_eq!(Visible::of(&scene, &frustum).spheres, [0, 2, 3]);
+    assert_eq!(PrimitiveList::of(&scene, &frustum).spheres, [0, 2, 3]);
 }

@@ -6,7 +6,7 @@
 use crate::buffers::Buffers;
 use crate::camera::{Pinhole, Tile};
 use crate::sampling::Sampler;
-use crate::traverse::{Primitives, Visible};
+use crate::traverse::{Occluders, PrimitiveList, Primitives};
 
 /// The scene and settings of a picture, read-only while samples are taken.
 pub struct TraceContext {
@@ -18,7 +18,9 @@ pub struct TraceContext {
     pub camera: Pinhole,
     /// The primitives that the primary rays of each tile can hit, by [`Tile::number`]; empty where culling
     /// does not pay.
-    pub visible: Vec<Visible>,
+    pub visible: Vec<PrimitiveList>,
+    /// The primitives that shadow rays are tested against, if not all.
+    pub occluders: Option<Occluders>,
     /// Pixels in a row of the picture.
     pub width: u32,
     /// Scattering events allowed on a path.
@@ -34,7 +36,18 @@ impl TraceContext {
     /// of them, or for the primary rays of a `tile` those that it can see.
     pub fn linear_tests(&self, tile: Option<Tile>) -> Option<[usize; 2]> {
         let visible = tile.and_then(|tile| self.visible.get(tile.number));
+        self.tests_of(visible)
+    }
+    /// [`TraceContext::linear_tests`] of shadow rays.
+    pub fn linear_shadow_tests(&self) -> Option<[usize; 2]> {
+        self.tests_of(self.listed_occluders())
+    }
+    /// What shadow rays of linear traversal are tested against, if not all.
+    pub fn listed_occluders(&self) -> Option<&PrimitiveList> {
+        self.occluders.as_ref().map(|occluders| &occluders.list)
+    }
+    fn tests_of(&self, list: Option<&PrimitiveList>) -> Option<[usize; 2]> {
         let linear = self.primitives.hierarchy().is_none();
-        linear.then(|| self.primitives.linear(&self.buffers, visible))
+        linear.then(|| self.primitives.linear(&self.buffers, list))
     }
 }

@@ -15,7 +15,7 @@ use super::stats::RayKind;
 use crate::buffers::Features;
 use crate::lane::{Lane, Mask};
 use crate::math::{Hit, Ray};
-use crate::traverse::{Batch, Visible};
+use crate::traverse::{Batch, PrimitiveList};
 
 /// The segment that [`intersect`] finds the ends of.
 #[derive(Clone, Copy)]
@@ -161,7 +161,7 @@ fn compress_hit<L: Lane>(hit: &Hit<L>, indices: L::CompressIndices) -> Hit<L> {
 #[inline(always)]
 pub fn intersect_queue<L: Lane>(
     context: &TraceContext,
-    visible: Option<&Visible>,
+    visible: Option<&PrimitiveList>,
     scratch: &mut Scratch,
     count: usize,
     kind: RayKind,
@@ -172,11 +172,15 @@ pub fn intersect_queue<L: Lane>(
     }
 }
 
-/// Finds nearest hits by testing every primitive, or every `visible` one, with the intersection methods that
+/// Finds nearest hits by testing every primitive, or every one `listed`, with the intersection methods that
 /// were chosen.
 ///
 /// Not inlined, and shared by all pipelines: each pair of methods is much code.
 #[inline(never)]
-pub fn intersect_linear<L: Lane>(context: &TraceContext, visible: Option<&Visible>, queries: RayQueries) {
-    context.primitives.for_batch::<L>(&context.buffers, visible, queries);
+pub fn intersect_linear<L: Lane>(
+    context: &TraceContext,
+    listed: Option<&PrimitiveList>,
+    queries: RayQueries,
+) {
+    context.primitives.for_batch::<L>(&context.buffers, listed, queries);
 }

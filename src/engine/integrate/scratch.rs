@@ -121,7 +121,7 @@ impl Scratch {
     #[inline(always)]
     pub fn begin_shadow_rays<L: Lane>(&mut self, context: &TraceContext, rays: usize) {
         if let Some(meter) = &mut self.meter {
-            meter.count_shadow_rays(rays, L::WIDTH, context.linear_tests(None));
+            meter.count_shadow_rays(rays, L::WIDTH, context.linear_shadow_tests());
             meter.begin(Some(Stage::ShadowRays));
         }
     }

@@ -118,10 +118,13 @@ pub fn sample_direct_light<L: Lane, const N: u32>(
 pub fn trace_shadow_rays<L: Lane>(context: &TraceContext, scratch: &mut Scratch, count: usize) {
     scratch.begin_shadow_rays::<L>(context, count);
     match context.primitives.hierarchy() {
-        Some((hierarchy, traversal)) => scratch.occlude_in_hierarchy(hierarchy, traversal, count),
+        Some((all, traversal)) => {
+            let occluders = context.occluders.as_ref().and_then(|occluders| occluders.hierarchy.as_ref());
+            scratch.occlude_in_hierarchy(occluders.unwrap_or(all), traversal, count);
+        }
         None => {
             let queries = scratch.shadow_queue.queries(&mut scratch.queue, count);
-            intersect_linear::<L>(context, None, queries);
+            intersect_linear::<L>(context, context.listed_occluders(), queries);
         }
     }
     let mut contributions = 0;

@@ -17,10 +17,10 @@ use crate::lane::{F32x8, F32x16, WIDTHS};
 use crate::math::{Hit, MISS};
 use crate::scene::{Camera, Scene};
 use crate::threads::Threads;
-use crate::traverse::{Primitives, Visible, linear};
+use crate::traverse::{Occluders, PrimitiveList, Primitives, linear};
 use rayon::prelude::*;
 
-/// Limit on primitives times tiles for which [`Visible`] is found: some tens of milliseconds. With more,
+/// Limit on primitives times tiles for which [`PrimitiveList`] is found: some tens of milliseconds. With more,
 /// linear traversal is too slow to render with anyway.
 const MAX_CULLING_TESTS: usize = 4_000_000;
 /// Limit on primitives for which it is found again for every frame of a moving camera. Finding it takes 1 to
@@ -30,7 +30,7 @@ const MAX_CULLED_MOVING: usize = 256;
 /// Finds the primitives that each tile's primary rays can hit; empty where that is unknown, or where there
 /// are more primitives than `most` or than [`MAX_CULLING_TESTS`] allows.
 fn find_visible(
-    visible: &mut Vec<Visible>,
+    visible: &mut Vec<PrimitiveList>,
     scene: &Scene,
     camera: &Pinhole,
     settings: &Settings,
@@ -43,7 +43,7 @@ fn find_visible(
         visible.clear();
         return;
     }
-    visible.resize_with(count, Visible::default);
+    visible.resize_with(count, PrimitiveList::default);
     for (tile, visible) in tiles().zip(visible) {
         visible.find(scene, &camera.view_frustum([tile.x, tile.y], [tile.width, tile.height]));
     }
@@ -117,8 +117,11 @@ impl Renderer {
         }
         let mut buffers = Buffers::with_lights(scene, settings.methods.lights);
         buffers.needs = buffers.needs.with(linear::features_of(scene));
+        let occluders = settings.methods.keep_to_their_primitives();
+        let occluders = occluders.then(|| Occluders::of(scene, &buffers.lights, primitives.hierarchy()));
         let context = TraceContext {
             visible,
+            occluders: occluders.flatten(),
             buffers,
             primitives,
             camera,

@@ -1,7 +1,7 @@
 //! Every ray against every primitive: fastest for small scenes, and the result that every other traversal
 //! must equal.
 
-use super::visible::Visible;
+use super::primitive_list::PrimitiveList;
 use crate::buffers::{Features, Spheres};
 use crate::kernel::ray_box::{Padding, Slabs, own_box};
 use crate::kernel::ray_sphere::SphereMethod;
@@ -83,13 +83,13 @@ pub struct All<'a, Stored> {
     pub triangles: &'a [Stored],
 }
 
-/// Those primitives that are listed as visible.
+/// Those primitives that are listed.
 #[derive(Clone, Copy)]
-pub struct OnlyVisible<'a, Stored> {
+pub struct Listed<'a, Stored> {
     /// Every primitive.
     pub all: All<'a, Stored>,
     /// The indices of those that can be hit.
-    pub visible: &'a Visible,
+    pub listed: &'a PrimitiveList,
 }
 
 impl<Stored> Candidates<Stored> for All<'_, Stored> {
@@ -121,28 +121,28 @@ impl<Stored> Candidates<Stored> for All<'_, Stored> {
     }
 }
 
-impl<Stored> Candidates<Stored> for OnlyVisible<'_, Stored> {
+impl<Stored> Candidates<Stored> for Listed<'_, Stored> {
     #[inline(always)]
     fn sphere_count(&self) -> usize {
-        self.visible.spheres.len()
+        self.listed.spheres.len()
     }
     #[inline(always)]
     fn for_each_sphere<L: Lane>(&self, mut f: impl FnMut(u32, Vec3<L>, L)) {
-        for &index in &self.visible.spheres {
+        for &index in &self.listed.spheres {
             let (center, radius2) = self.all.spheres.splat(index as usize);
             f(index, center, radius2);
         }
     }
     #[inline(always)]
     fn for_each_sphere_near<L: Lane>(&self, rays: &SphereCulling<L>, mut f: impl FnMut(u32, Vec3<L>, L)) {
-        for visible in self.visible.spheres.chunks(CHUNK) {
+        for listed in self.listed.spheres.chunks(CHUNK) {
             let culled = |&number: &u32| (number, &self.all.culled_spheres[number as usize]);
-            for_each_near(rays, visible.iter().map(culled), self.all.spheres, &mut f);
+            for_each_near(rays, listed.iter().map(culled), self.all.spheres, &mut f);
         }
     }
     #[inline(always)]
     fn has_triangles(&self) -> bool {
-        !self.visible.triangles.is_empty()
+        !self.listed.triangles.is_empty()
     }
     #[inline(always)]
     fn triangles<'a>(&'a self) -> impl Iterator<Item = (u32, &'a Stored)>
@@ -150,7 +150,7 @@ impl<Stored> Candidates<Stored> for OnlyVisible<'_, Stored> {
         Stored: 'a,
     {
         let (first, triangles) = (self.all.spheres.len() as u32, self.all.triangles);
-        self.visible.triangles.iter().map(move |&index| (first + index, &triangles[index as usize]))
+        self.listed.triangles.iter().map(move |&index| (first + index, &triangles[index as usize]))
     }
 }
 

@@ -6,7 +6,7 @@
 //!
 //! | file | traversal |
 //! |---|---|
-//! | [`linear`] | every primitive is tested, of primary rays those that their tile can see ([`Visible`]) |
+//! | [`linear`] | every primitive is tested, of primary rays those that their tile can see, of shadow rays the [`Occluders`] |
 //! | [`scalar`] | one ray on the binary tree, one box and one primitive at a time: the baseline |
 //! | [`single`] | one ray on the wide tree, against eight boxes and eight primitives at once |
 //! | [`tile`] | primary rays of a tile on the wide tree, each packet in a [`frustum`] |
@@ -28,7 +28,9 @@ pub mod hierarchy;
 mod leaf;
 pub mod linear;
 mod methods;
+mod occluders;
 mod prepared;
+mod primitive_list;
 mod primitives;
 pub mod rays;
 pub mod scalar;
@@ -36,10 +38,10 @@ pub mod single;
 pub mod stack;
 pub mod stream;
 pub mod tile;
-mod visible;
 
 pub use compact::Layout;
 pub use methods::{BoxChoice, Methods, SphereChoice, TraversalChoice, TriangleChoice};
+pub use occluders::Occluders;
 pub use prepared::{Packet, SingleRay};
+pub use primitive_list::PrimitiveList;
 pub use primitives::{Batch, Primitives};
-pub use visible::Visible;

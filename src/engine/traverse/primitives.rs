@@ -3,9 +3,9 @@
 
 use super::batch::Traversal;
 use super::hierarchy::{Hierarchy, padding_of};
-use super::linear::{self, All, OnlyVisible};
+use super::linear::{self, All, Listed};
 use super::methods::{BoxChoice, Methods, SphereChoice, TriangleChoice};
-use super::visible::Visible;
+use super::primitive_list::PrimitiveList;
 use crate::buffers::{Buffers, store_culled_spheres, store_triangles};
 use crate::bvh::Trees;
 use crate::kernel::ray_box::Padding;
@@ -79,9 +79,9 @@ impl Primitives {
     }
 
     /// The numbers of spheres and triangles that [`Primitives::for_batch`] tests each ray against.
-    pub fn linear(&self, buffers: &Buffers, visible: Option<&Visible>) -> [usize; 2] {
-        if let Some(visible) = visible {
-            return [visible.spheres.len(), visible.triangles.len()];
+    pub fn linear(&self, buffers: &Buffers, listed: Option<&PrimitiveList>) -> [usize; 2] {
+        if let Some(listed) = listed {
+            return [listed.spheres.len(), listed.triangles.len()];
         }
         let triangles = match &self.triangles {
             Triangles::Woop(stored) => stored.len(),
@@ -98,13 +98,18 @@ impl Primitives {
     }
 
     /// Runs a batch of rays against every primitive with the chosen methods, each pair of methods compiled
-    /// separately; only without a hierarchy. `visible` holds all primitives that the rays can hit; without it
+    /// separately; only without a hierarchy. `listed` holds all primitives that the rays can hit; without it
     /// every primitive is tested.
     #[inline(always)]
-    pub fn for_batch<L: Lane>(&self, buffers: &Buffers, visible: Option<&Visible>, batch: impl Batch<L>) {
+    pub fn for_batch<L: Lane>(
+        &self,
+        buffers: &Buffers,
+        listed: Option<&PrimitiveList>,
+        batch: impl Batch<L>,
+    ) {
         match self.sphere {
-            SphereChoice::Robust => self.with_sphere::<L, ray_sphere::Robust>(buffers, visible, batch),
-            SphereChoice::Naive => self.with_sphere::<L, ray_sphere::Naive>(buffers, visible, batch),
+            SphereChoice::Robust => self.with_sphere::<L, ray_sphere::Robust>(buffers, listed, batch),
+            SphereChoice::Naive => self.with_sphere::<L, ray_sphere::Naive>(buffers, listed, batch),
         }
     }
 
@@ -116,31 +121,31 @@ impl Primitives {
     pub fn for_default_batch<L: Lane>(
         &self,
         buffers: &Buffers,
-        visible: Option<&Visible>,
+        listed: Option<&PrimitiveList>,
         batch: impl Batch<L>,
     ) {
         let Triangles::Woop(stored) = &self.triangles else {
             unreachable!("other methods than the default ones go through for_batch");
         };
-        self.with_both::<L, ray_sphere::Robust, ray_triangle::Woop>(buffers, stored, visible, batch);
+        self.with_both::<L, ray_sphere::Robust, ray_triangle::Woop>(buffers, stored, listed, batch);
     }
 
     #[inline(always)]
     fn with_sphere<L: Lane, S: SphereMethod>(
         &self,
         buffers: &Buffers,
-        visible: Option<&Visible>,
+        listed: Option<&PrimitiveList>,
         batch: impl Batch<L>,
     ) {
         match &self.triangles {
             Triangles::Woop(stored) => {
-                self.with_both::<L, S, ray_triangle::Woop>(buffers, stored, visible, batch)
+                self.with_both::<L, S, ray_triangle::Woop>(buffers, stored, listed, batch)
             }
             Triangles::MollerTrumbore(stored) => {
-                self.with_both::<L, S, ray_triangle::MollerTrumbore>(buffers, stored, visible, batch)
+                self.with_both::<L, S, ray_triangle::MollerTrumbore>(buffers, stored, listed, batch)
             }
             Triangles::BaldwinWeber(stored) => {
-                self.with_both::<L, S, ray_triangle::BaldwinWeber>(buffers, stored, visible, batch)
+                self.with_both::<L, S, ray_triangle::BaldwinWeber>(buffers, stored, listed, batch)
             }
         }
     }
@@ -150,15 +155,15 @@ impl Primitives {
         &self,
         buffers: &Buffers,
         triangles: &[T::Stored],
-        visible: Option<&Visible>,
+        listed: Option<&PrimitiveList>,
         batch: impl Batch<L>,
     ) {
         let (culled_spheres, padding) = (self.culled_spheres.as_slice(), self.padding);
         let all = All { spheres: &buffers.spheres, culled_spheres, triangles };
-        match visible {
-            Some(visible) => {
-                let visible = OnlyVisible { all, visible };
-                batch.run(|ray| linear::closest::<L, S, T>(&visible, padding, ray));
+        match listed {
+            Some(listed) => {
+                let listed = Listed { all, listed };
+                batch.run(|ray| linear::closest::<L, S, T>(&listed, padding, ray));
             }
             None => batch.run(|ray| linear::closest::<L, S, T>(&all, padding, ray)),
         }
@@ -166,7 +171,7 @@ impl Primitives {
 }
 
 /// The trees that a traversal reads.
-fn trees_of(traversal: Traversal) -> Trees {
+pub(super) fn trees_of(traversal: Traversal) -> Trees {
     if traversal == Traversal::Scalar { Trees::WideAndBinary } else { Trees::Wide }
 }
 

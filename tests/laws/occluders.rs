@@ -1,0 +1,220 @@
+//! Law: the primitives that shadow rays leave out lie between no surface and no light, judged in f64; and
+//! pictures are the same through a hierarchy.
+
+use crate::common::{Rng, empty, lamp, material, render, sphere, triangle};
+use glam::{DMat3, DVec3, Vec3};
+use octray::buffers::{LightChoice, Lights};
+use octray::render::Settings;
+use octray::scene::{Camera, MaterialKind, Scene, Sky, Triangle, load};
+use octray::traverse::batch::Traversal;
+use octray::traverse::{Methods, Occluders, TraversalChoice};
+
+const DIFFUSE: u32 = 0;
+const LAMP: u32 = 1;
+
+fn dark() -> Scene {
+    let materials = vec![material(MaterialKind::Diffuse), lamp(1.0)];
+    Scene { sky: Sky::Color(Vec3::ZERO), materials, ..empty() }
+}
+
+/// The two triangles of a parallelogram.
+fn quad(corner: DVec3, [ab, ac]: [DVec3; 2], material: u32) -> [Triangle; 2] {
+    let [a, b, c, d] = [corner, corner + ab, corner + ac, corner + ab + ac].map(|v| v.as_vec3());
+    [triangle([a, b, d], material), triangle([a, d, c], material)]
+}
+
+/// A turned and shifted room of twelve triangles with a lamp of two in it or in its ceiling, and furniture.
+fn room(rng: &mut Rng) -> Scene {
+    let axes = DMat3::from_axis_angle(rng.direction(), rng.unit() * 6.0);
+    let corner = rng.in_cube() * rng.scale(0.1, 10.0);
+    let [x, y, z] = [axes.x_axis, axes.y_axis * rng.scale(0.5, 2.0), axes.z_axis];
+    let mut scene = dark();
+    for (from, edges) in
+        [(corner, [x, y]), (corner, [y, z]), (corner, [z, x]), (corner + z, [x, y]), (corner + x, [y, z])]
+    {
+        scene.triangles.extend(quad(from, edges, DIFFUSE));
+    }
+    scene.triangles.extend(quad(corner + y, [z, x], DIFFUSE));
+    let height = [1.0, 0.999, 0.7][rng.index(3)];
+    scene.triangles.extend(quad(corner + x * 0.4 + z * 0.4 + y * height, [x * 0.2, z * 0.2], LAMP));
+    for _ in 0..rng.index(3) {
+        let inside = |rng: &mut Rng| corner + x * rng.unit() + y * rng.unit() + z * rng.unit();
+        let vertices = [inside(rng), inside(rng), inside(rng)].map(|v| v.as_vec3());
+        scene.triangles.push(triangle(vertices, rng.index(2) as u32));
+        let material = rng.index(2) as u32;
+        scene.spheres.push(sphere(inside(rng).as_vec3(), rng.scale(0.01, 0.3) as f32, material));
+    }
+    if rng.index(3) == 0 {
+        scene.spheres.push(sphere((corner + (x + y + z) * 0.5).as_vec3(), 3.0, DIFFUSE));
+    }
+    scene
+}
+
+/// A point on a primitive.
+fn point(rng: &mut Rng, scene: &Scene, number: usize) -> DVec3 {
+    match scene.spheres.get(number) {
+        Some(ball) => ball.center.as_dvec3() + rng.direction() * f64::from(ball.radius),
+        None => {
+            let [a, b, c] = scene.triangles[number - scene.spheres.len()].vertices.map(|v| v.as_dvec3());
+            let (u, v) = (rng.unit(), rng.unit());
+            let (u, v) = if u + v > 1.0 { (1.0 - u, 1.0 - v) } else { (u, v) };
+            a + (b - a) * u + (c - a) * v
+        }
+    }
+}
+
+/// Whether a primitive lies between two points, neither of which is on it.
+fn separates(scene: &Scene, number: usize, from: DVec3, to: DVec3) -> bool {
+    let d = to - from;
+    let between = |t: f64| (1e-6..1.0 - 1e-6).contains(&t);
+    if let Some(ball) = scene.spheres.get(number) {
+        let (o, r) = (from - ball.center.as_dvec3(), f64::from(ball.radius));
+        if [o, o + d].iter().any(|end| (end.length() - r).abs() < 1e-5) {
+            return false;
+        }
+        let (a, b, c) = (d.dot(d), o.dot(d), o.dot(o) - r * r);
+        let root = (b * b - a * c).sqrt();
+        return between((-b - root) / a) || between((-b + root) / a);
+    }
+    let [a, b, c] = scene.triangles[number - scene.spheres.len()].vertices.map(|v| v.as_dvec3());
+    let (e1, e2) = (b - a, c - a);
+    let normal = e1.cross(e2).normalize();
+    let [near, far] = [from, to].map(|end| normal.dot(end - a));
+    if near.abs().min(far.abs()) < 1e-5 || near.signum() == far.signum() {
+        return false;
+    }
+    let p = d.cross(e2);
+    let (det, s) = (e1.dot(p), from - a);
+    let (u, q) = (s.dot(p) / det, s.cross(e1));
+    let (v, t) = (d.dot(q) / det, e2.dot(q) / det);
+    u >= 0.0 && v >= 0.0 && u + v <= 1.0 && between(t)
+}
+
+#[test]
+fn what_shadow_rays_leave_out_occludes_no_light() {
+    let (mut left_out, mut rooms, mut occluded) = (0, 0, 0);
+    for seed in 0..120 {
+        let mut rng = Rng::of("occluders", [seed, 0]);
+        let scene = room(&mut rng);
+        let lights = Lights::new(&scene, LightChoice::On);
+        let Some(Occluders { list, .. }) = Occluders::of(&scene, &lights, None) else { continue };
+        let spheres = scene.spheres.len();
+        let count = spheres + scene.triangles.len();
+        let listed: Vec<usize> = (list.spheres.iter().map(|&index| index as usize))
+            .chain(list.triangles.iter().map(|&index| spheres + index as usize))
+            .collect();
+        (rooms, left_out) = (rooms + 1, left_out + count - listed.len());
+        let sampled: Vec<usize> = (0..count).filter(|&number| lights.probabilities[number] > 0.0).collect();
+        for _ in 0..2000 {
+            let (surface, light) = (rng.index(count), sampled[rng.index(sampled.len())]);
+            let (from, to) = (point(&mut rng, &scene, surface), point(&mut rng, &scene, light));
+            // Far sides of sphere lights are no ends of shadow rays.
+            if let Some(ball) = scene.spheres.get(light)
+                && (to - ball.center.as_dvec3()).dot(to - from) > 0.0
+                && from.distance(ball.center.as_dvec3()) > f64::from(ball.radius)
+            {
+                continue;
+            }
+            for number in 0..count {
+                let separates = separates(&scene, number, from, to);
+                occluded += usize::from(separates);
+                assert!(
+                    !separates || listed.contains(&number),
+                    "seed {seed}: {number} between {surface} at {from} and {light} at {to}"
+                );
+            }
+        }
+    }
+    assert!(rooms >= 100 && left_out > 9 * rooms, "{left_out} primitives left out in {rooms} rooms");
+    assert!(occluded > 20_000, "{occluded}");
+}
+
+/// Indices of the spheres and triangles that can occlude a light; all if none is left out.
+fn listed(scene: &Scene) -> Option<[Vec<u32>; 2]> {
+    let lights = Lights::new(scene, LightChoice::On);
+    Occluders::of(scene, &lights, None).map(|found| [found.list.spheres, found.list.triangles])
+}
+
+#[test]
+fn walls_lamps_and_surrounding_spheres_occlude_nothing() {
+    let builtin = |name: &str| load(name).expect("a built-in scene");
+    // Two boxes stand in the room, their bottoms left out: the five walls and the lamp have two triangles each.
+    let [spheres, triangles] = listed(&builtin("builtin:cornell")).expect("walls");
+    assert_eq!((spheres.len(), triangles.len()), (0, 20));
+    assert_eq!(listed(&builtin("builtin:cornell-spheres")), Some([vec![0, 1], vec![]]));
+
+    let (x, z) = (DVec3::X, DVec3::Z);
+    let mut scene = dark();
+    scene.triangles.extend(quad(DVec3::ZERO, [x, z], DIFFUSE));
+    scene.triangles.extend(quad(DVec3::Y, [x, z], LAMP));
+    assert_eq!(listed(&scene), Some([vec![], vec![]]), "a floor and a lamp");
+
+    let with = |change: &dyn Fn(&mut Scene)| {
+        let mut scene = scene.clone();
+        change(&mut scene);
+        listed(&scene)
+    };
+    let ball = |y: f32, radius, material| sphere(Vec3::new(0.5, y, 0.5), radius, material);
+    let pushed = |ball| with(&|scene| scene.spheres.push(ball));
+    assert_eq!(pushed(ball(0.5, 0.1, DIFFUSE)), Some([vec![0], vec![]]), "a ball between");
+    assert_eq!(pushed(ball(0.5, 5.0, DIFFUSE)), Some([vec![], vec![0, 1]]), "a ball around, shadowed below");
+    assert_eq!(pushed(ball(0.1, 0.1, DIFFUSE)), Some([vec![0], vec![]]), "a ball on the floor");
+    assert_eq!(pushed(ball(0.1, 0.11, DIFFUSE)), Some([vec![0], vec![0, 1]]), "a ball through the floor");
+    assert_eq!(pushed(ball(0.5, 0.1, LAMP)), Some([vec![0], vec![]]), "a second lamp between");
+    assert_eq!(pushed(ball(1.5, 0.1, LAMP)), Some([vec![0], vec![2, 3]]), "a lamp behind the lamp");
+    assert_eq!(pushed(ball(-1.5, 0.1, LAMP)), Some([vec![0], vec![0, 1]]), "a lamp below the floor");
+    let both = |scene: &mut Scene| scene.spheres.extend([ball(-1.5, 0.1, LAMP), ball(1.5, 0.1, DIFFUSE)]);
+    assert_eq!(with(&both), None, "a lamp below the floor, and a ball above the other lamp");
+
+    let mut scene = dark();
+    scene.spheres.extend([ball(0.0, 1.0, DIFFUSE), ball(0.0, 0.1, LAMP), ball(0.8, 0.1, DIFFUSE)]);
+    assert_eq!(listed(&scene), Some([vec![2], vec![]]), "a ball in a hollow one, with the only lamp");
+    scene.spheres[2].radius = 0.3;
+    assert_eq!(listed(&scene), Some([vec![0, 2], vec![]]), "a ball that reaches out of the hollow one");
+
+    let mut scene = dark();
+    scene.triangles.extend(quad(DVec3::ZERO, [x, z], DIFFUSE));
+    scene.spheres.push(ball(0.5, 0.1, LAMP));
+    assert_eq!(listed(&scene), Some([vec![], vec![]]), "a floor and a lamp that is a sphere");
+    scene.normals = vec![[Vec3::Y; 3]; scene.triangles.len()];
+    assert_eq!(listed(&scene), None, "rays start above triangles with vertex normals");
+}
+
+#[test]
+fn every_traversal_leaves_out_the_same() {
+    let cornell = load("builtin:cornell").expect("a built-in scene");
+    let rooms = (0..6).map(|seed| {
+        let mut scene = room(&mut Rng::of("occluders", [seed, 1]));
+        let at = scene.triangles[0].vertices[0];
+        let middle = (at + scene.triangles[11].vertices[2]) * 0.5;
+        scene.camera =
+            Camera { position: middle, look_at: at, up: Vec3::new(0.1, 1.0, 0.2), vertical_fov: 60.0 };
+        scene
+    });
+    // A surface behind a floor, and so close that it counts as on it, is lit through the floor.
+    let mut below = dark();
+    for (corner, side, material) in [
+        (DVec3::new(-1000.0, 0.0, -1000.0), 2000.0, DIFFUSE),
+        (DVec3::new(-0.01, -1e-4, -0.01), 0.02, DIFFUSE),
+        (DVec3::new(-1.0, 1.0, -1.0), 2.0, LAMP),
+    ] {
+        below.triangles.extend(quad(corner, [DVec3::X * side, DVec3::Z * side], material));
+    }
+    let (position, look_at) = (Vec3::NEG_Y * 5e-5, Vec3::NEG_Y * 1e-4);
+    below.camera = Camera { position, look_at, up: Vec3::Z, vertical_fov: 40.0 };
+    assert_eq!(listed(&below), Some([vec![], vec![]]));
+    let mut last_is_lit = false;
+    for scene in rooms.chain([cornell, below]) {
+        let film = |traversal, lanes| {
+            let methods = Methods { traversal, lights: LightChoice::On, ..Methods::default() };
+            let settings = Settings { resolution: [96, 64], lanes, methods, ..Settings::of(&scene) };
+            render(&scene, settings, 8).pixels
+        };
+        let linear = film(TraversalChoice::Linear, 8);
+        last_is_lit = linear.iter().any(|pixel| pixel[0] > 0.0);
+        for (traversal, lanes) in [(Traversal::Scalar, 1), (Traversal::Stream, 8), (Traversal::Hybrid, 16)] {
+            assert!(film(TraversalChoice::Through(traversal), lanes) == linear, "{traversal:?}");
+        }
+    }
+    assert!(last_is_lit, "the surface behind the floor");
+}

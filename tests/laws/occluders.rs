@@ -138,7 +138,8 @@ fn listed(scene: &Scene) -> Option<[Vec<u32>; 2]> {
 #[test]
 fn walls_lamps_and_surrounding_spheres_occlude_nothing() {
     let builtin = |name: &str| load(name).expect("a built-in scene");
-    // Two boxes stand in the room, their bottoms left out: the five walls and the lamp have two triangles each.
+    // Two boxes stand in the room, their bottoms left out. The five walls and the lamp have two triangles
+    // each.
     let [spheres, triangles] = listed(&builtin("builtin:cornell")).expect("walls");
     assert_eq!((spheres.len(), triangles.len()), (0, 20));
     assert_eq!(listed(&builtin("builtin:cornell-spheres")), Some([vec![0, 1], vec![]]));

@@ -20,8 +20,8 @@ use crate::threads::Threads;
 use crate::traverse::{Occluders, PrimitiveList, Primitives, linear};
 use rayon::prelude::*;
 
-/// Limit on primitives times tiles for which [`PrimitiveList`] is found: some tens of milliseconds. With more,
-/// linear traversal is too slow to render with anyway.
+/// Limit on primitives times tiles for which [`PrimitiveList`] is found: some tens of milliseconds. With
+/// more, linear traversal is too slow to render with anyway.
 const MAX_CULLING_TESTS: usize = 4_000_000;
 /// Limit on primitives for which it is found again for every frame of a moving camera. Finding it takes 1 to
 /// 4 % of a frame of one sample, and saves 0 to 25 % of it, more for larger pictures.

@@ -5,7 +5,7 @@ use super::primitive_list::PrimitiveList;
 use crate::buffers::{Features, Spheres};
 use crate::kernel::ray_box::{Padding, Slabs, own_box};
 use crate::kernel::ray_sphere::SphereMethod;
-use crate::kernel::ray_triangle::{TriangleHit, TriangleMethod};
+use crate::kernel::ray_triangle::{PairHit, TriangleHit, TriangleMethod};
 use crate::kernel::sphere_culling::{CulledSphere, SphereCulling};
 use crate::lane::{Bits, Lane, Mask};
 use crate::math::{Hit, Ray, Vec3};
@@ -181,19 +181,20 @@ pub fn closest<L: Lane, S: SphereMethod, T: TriangleMethod>(
         let prepared = T::prepare(ray);
         let mut triangles = candidates.triangles().peekable();
         while let Some((number, triangle)) = triangles.next() {
-            let limit = if T::own_box(triangle).is_some() { L::splat(f32::INFINITY) } else { hit.t };
             let successor = |(next, _): &(u32, &T::Stored)| *next == number + 1;
             if T::is_linked(triangle)
-                && let Some((next, second)) = triangles.next_if(successor)
+                && let Some((_, second)) = triangles.next_if(successor)
             {
-                let found = T::test_pair(&prepared, [triangle, second], limit);
-                let both = [(number, triangle), (next, second)].into_iter().zip(found);
-                for ((number, triangle), found) in both {
-                    keep_if_nearer::<L, T>(&mut hit, ray, padding, number, triangle, found);
+                let pair = [triangle, second];
+                match T::test_pair(&prepared, pair) {
+                    Some(found) => keep_pair_if_nearer::<L, T>(&mut hit, ray, padding, number, pair, found),
+                    None => {
+                        test_triangle::<L, T>(&mut hit, ray, &prepared, padding, number, triangle);
+                        test_triangle::<L, T>(&mut hit, ray, &prepared, padding, number + 1, second);
+                    }
                 }
             } else {
-                let found = T::test(&prepared, triangle, limit);
-                keep_if_nearer::<L, T>(&mut hit, ray, padding, number, triangle, found);
+                test_triangle::<L, T>(&mut hit, ray, &prepared, padding, number, triangle);
             }
         }
     }
@@ -213,28 +214,68 @@ fn intersect_sphere<L: Lane, S: SphereMethod>(
     hit.primitive = L::Bits::select(mask, L::Bits::splat(number), hit.primitive);
 }
 
+/// Keeps the hits of one triangle that are nearer than those found before.
 #[inline(always)]
-fn keep_if_nearer<L: Lane, T: TriangleMethod>(
+fn test_triangle<L: Lane, T: TriangleMethod>(
+    hit: &mut Hit<L>,
+    ray: &Ray<L>,
+    prepared: &T::Prepared<L>,
+    padding: Padding,
+    number: u32,
+    triangle: &T::Stored,
+) {
+    let corners = T::own_box(triangle);
+    let limit = if corners.is_some() { L::splat(f32::INFINITY) } else { hit.t };
+    let found = T::test(prepared, triangle, limit);
+    if found.mask.any() {
+        let corners = corners.map(|corners| corners.map(Vec3::splat));
+        keep_if_nearer(hit, ray, padding, L::Bits::splat(number), corners, found);
+    }
+}
+
+/// [`test_triangle`] of a pair that was tested.
+#[inline(always)]
+fn keep_pair_if_nearer<L: Lane, T: TriangleMethod>(
     hit: &mut Hit<L>,
     ray: &Ray<L>,
     padding: Padding,
     number: u32,
-    triangle: &T::Stored,
-    found: TriangleHit<L>,
+    [first, second]: [&T::Stored; 2],
+    PairHit { hit: found, is_second }: PairHit<L>,
 ) {
     if !found.mask.any() {
         return;
     }
-    let (mask, t) = match T::own_box(triangle) {
+    let corners = match (T::own_box(first), T::own_box(second)) {
+        (Some(first), Some(second)) => Some([0, 1].map(|corner| {
+            let axis = |axis: usize| {
+                L::select(is_second, L::splat(second[corner][axis]), L::splat(first[corner][axis]))
+            };
+            Vec3::new(axis(0), axis(1), axis(2))
+        })),
+        _ => None,
+    };
+    let number = L::Bits::select(is_second, L::Bits::splat(number + 1), L::Bits::splat(number));
+    keep_if_nearer(hit, ray, padding, number, corners, found);
+}
+
+/// Keeps what was found where it is nearer than what was found before, within the triangles' own boxes.
+#[inline(always)]
+fn keep_if_nearer<L: Lane>(
+    hit: &mut Hit<L>,
+    ray: &Ray<L>,
+    padding: Padding,
+    number: L::Bits,
+    corners: Option<[Vec3<L>; 2]>,
+    found: TriangleHit<L>,
+) {
+    let (mask, t) = match corners {
         // Slabs are computed here and not once a packet: few packets hit a triangle's plane inside its edges.
-        Some(corners) => {
-            let [lo, hi] = corners.map(Vec3::splat);
-            own_box(&Slabs::new(ray, padding), (lo, hi), found.mask, found.t, hit.t)
-        }
-        None => (found.mask, found.t),
+        Some([lo, hi]) => own_box(&Slabs::new(ray, padding), (lo, hi), found.mask, found.t, hit.t),
+        None => (found.mask & found.t.lt(hit.t), found.t),
     };
     hit.t = L::select(mask, t, hit.t);
-    hit.primitive = L::Bits::select(mask, L::Bits::splat(number), hit.primitive);
+    hit.primitive = L::Bits::select(mask, number, hit.primitive);
     hit.u = L::select(mask, found.u, hit.u);
     hit.v = L::select(mask, found.v, hit.v);
 }

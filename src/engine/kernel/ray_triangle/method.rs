@@ -24,6 +24,15 @@ impl<L: Lane> TriangleHit<L> {
     }
 }
 
+/// The result of testing a pair of triangles of which each ray hits at most one.
+#[derive(Clone, Copy, Debug)]
+pub struct PairHit<L: Lane> {
+    /// The hits.
+    pub hit: TriangleHit<L>,
+    /// The lanes whose hit is of the second triangle.
+    pub is_second: L::Mask,
+}
+
 /// A method of intersecting rays with triangles.
 ///
 /// Shapes: a packet of `WIDTH` rays against one triangle, as `Stored` keeps it in memory.
@@ -53,14 +62,11 @@ pub trait TriangleMethod: Send + Sync + 'static {
         false
     }
 
-    /// [`TriangleMethod::test`] of a linked triangle and its successor.
+    /// [`TriangleMethod::test`] of a linked triangle and its successor without a limit, or `None` if some ray
+    /// may hit both: it passes their common edge, or they are degenerate. Then test one after the other.
     #[inline(always)]
-    fn test_pair<L: Lane>(
-        ray: &Self::Prepared<L>,
-        [first, second]: [&Self::Stored; 2],
-        limit: L,
-    ) -> [TriangleHit<L>; 2] {
-        [Self::test(ray, first, limit), Self::test(ray, second, limit)]
+    fn test_pair<L: Lane>(_: &Self::Prepared<L>, _: [&Self::Stored; 2]) -> Option<PairHit<L>> {
+        None
     }
 
     /// The lower and upper corner of the triangle's own box, of methods whose hits are restricted to it: see

@@ -7,7 +7,7 @@ mod plucker;
 mod woop;
 
 pub use baldwin_weber::{AffineMap, BaldwinWeber};
-pub use method::{TriangleHit, TriangleMethod};
+pub use method::{PairHit, TriangleHit, TriangleMethod};
 pub use moller_trumbore::{Edges, MollerTrumbore, MollerTrumboreEpsilon};
 pub use plucker::Plucker;
 pub use woop::{EightTriangles, Woop, WoopContracted, WoopRay, WoopTriangle};

@@ -1,6 +1,6 @@
 //! Woop's watertight method, and the same with contracted edge functions.
 
-use super::method::{TriangleHit, TriangleMethod};
+use super::method::{PairHit, TriangleHit, TriangleMethod};
 use crate::kernel::surface::triangle_bounds;
 use crate::lane::{Bits, F32x8, Lane, Mask};
 use crate::math::{Ray, Vec3};
@@ -106,7 +106,8 @@ fn woop<L: Lane>(
     edge: impl Fn((L, L), (L, L)) -> L,
 ) -> Option<TriangleHit<L>> {
     let (pa, pb, pc) = (sheared(shear, a), sheared(shear, b), sheared(shear, c));
-    hit_of_edges(shear, [a.z, b.z, c.z], [edge(pc, pb), edge(pa, pc), edge(pb, pa)])
+    let edges = [edge(pc, pb), edge(pa, pc), edge(pb, pa)];
+    hit_of_edges(shear, inside(edges), [a.z, b.z, c.z], edges)
 }
 
 /// The x and y of a vertex in the space of the ray.
@@ -115,11 +116,22 @@ fn sheared<L: Lane>(shear: Vec3<L>, v: Vec3<L>) -> (L, L) {
     (shear.x.neg_mul_add(v.z, v.x), shear.y.neg_mul_add(v.z, v.y))
 }
 
-/// The hit of a triangle with these z of its vertices and these edge functions of its opposite edges.
+/// The lanes whose edge functions have the same sign, zero included: their lines pass the triangle.
 #[inline(always)]
-fn hit_of_edges<L: Lane>(shear: Vec3<L>, [az, bz, cz]: [L; 3], [u, v, w]: [L; 3]) -> Option<TriangleHit<L>> {
+fn inside<L: Lane>([u, v, w]: [L; 3]) -> L::Mask {
     let (least, most) = (u.min(v).min(w), u.max(v).max(w));
-    let inside = L::zero().le(least) | most.le(L::zero());
+    L::zero().le(least) | most.le(L::zero())
+}
+
+/// The hit of those lanes `inside` a triangle with these z of its vertices and these edge functions of its
+/// opposite edges.
+#[inline(always)]
+fn hit_of_edges<L: Lane>(
+    shear: Vec3<L>,
+    inside: L::Mask,
+    [az, bz, cz]: [L; 3],
+    [u, v, w]: [L; 3],
+) -> Option<TriangleHit<L>> {
     // Rays that leave a surface have t < 0 with it: compare signs before the branch, without a division.
     let determinant = u + v + w;
     let scaled_t = u.mul_add(az, v.mul_add(bz, w * cz)) * shear.z;
@@ -259,23 +271,26 @@ impl TriangleMethod for Woop {
     fn test<L: Lane>(ray: &WoopRay<L>, triangle: &WoopTriangle, limit: L) -> TriangleHit<L> {
         within(woop(ray.shear, ray.vertices(triangle), exact_edge), limit)
     }
-    /// The vertices that a, b, c and a, c, d share are transformed once.
+    /// The vertices that a, b, c and a, c, d share are transformed once, and each lane goes on with the triangle
+    /// that its line passes.
     #[inline(always)]
-    fn test_pair<L: Lane>(
-        ray: &WoopRay<L>,
-        [first, second]: [&WoopTriangle; 2],
-        limit: L,
-    ) -> [TriangleHit<L>; 2] {
+    fn test_pair<L: Lane>(ray: &WoopRay<L>, [first, second]: [&WoopTriangle; 2]) -> Option<PairHit<L>> {
         let ([a, b, c], d) = (ray.vertices(first), ray.vertex(&second.rows[2]));
         let shear = |v| sheared(ray.shear, v);
         let (pa, pb, pc, pd) = (shear(a), shear(b), shear(c), shear(d));
         let first = [exact_edge(pc, pb), exact_edge(pa, pc), exact_edge(pb, pa)];
         // The last one is that of the first triangle with its sign changed, but for the sign of zeros.
         let second = [exact_edge(pd, pc), exact_edge(pa, pd), exact_edge(pc, pa)];
-        [
-            within(hit_of_edges(ray.shear, [a.z, b.z, c.z], first), limit),
-            within(hit_of_edges(ray.shear, [a.z, c.z, d.z], second), limit),
-        ]
+        let (in_first, in_second) = (inside(first), inside(second));
+        if (in_first & in_second).any() {
+            return None;
+        }
+        let of = |first: L, second: L| L::select(in_second, second, first);
+        let edges = [of(first[0], second[0]), of(first[1], second[1]), of(first[2], second[2])];
+        let z = [a.z, of(b.z, c.z), of(c.z, d.z)];
+        let found = hit_of_edges(ray.shear, in_first | in_second, z, edges);
+        let hit = found.unwrap_or_else(|| TriangleHit::none(L::splat(f32::INFINITY)));
+        Some(PairHit { hit, is_second: in_second })
     }
 }
 

@@ -5,7 +5,7 @@
 use crate::common::{Rng, empty, sphere, triangle};
 use glam::{DVec3, Vec3};
 use octray::bvh::check::{Statistics, check};
-use octray::bvh::{Bounds, Bvh, Child, LEAF, MAX_DEPTH, MAX_STACK, Trees, WideNode};
+use octray::bvh::{Bounds, Bvh, Child, LEAF, MAX_DEPTH, MAX_STACK, Trees, WIDE, WideNode};
 use octray::scene::Scene;
 use std::path::Path;
 
@@ -75,9 +75,9 @@ fn sphere_box_holds_the_sphere() {
 }
 
 #[test]
-fn wide_node_is_four_cache_lines_and_an_empty_one_hits_nothing() {
-    assert_eq!((size_of::<WideNode>(), align_of::<WideNode>()), (256, 64));
-    for slot in 0..8 {
+fn wide_node_is_whole_cache_lines_and_an_empty_one_hits_nothing() {
+    assert_eq!((size_of::<WideNode>(), align_of::<WideNode>()), (32 * WIDE, 64));
+    for slot in 0..WIDE {
         assert_eq!(WideNode::EMPTY.bounds(slot), Bounds::EMPTY);
         assert!(WideNode::EMPTY.children()[slot] == Child::NONE && Child::NONE.is_leaf());
     }

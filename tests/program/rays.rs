@@ -1,6 +1,7 @@
 //! `octray rays`: what its report holds, and the files it writes for other programs.
 
 use crate::desk::Desk;
+use octray::lane::NATIVE_WIDTH;
 use predicates::prelude::*;
 use predicates::str::contains;
 use serde_json::{Value, json};
@@ -66,9 +67,15 @@ fn rays_reports_every_kind_and_way_in_json() {
         .collect();
     let mut expected = Vec::new();
     for kind in ["primary", "shadow", "diffuse"] {
-        for (way, lanes) in
-            [("scalar", 1), ("single", 8), ("packet", 8), ("stream", 8), ("hybrid", 8), ("linear", 8)]
-        {
+        let native = NATIVE_WIDTH;
+        for (way, lanes) in [
+            ("scalar", 1),
+            ("single", native),
+            ("packet", native),
+            ("stream", native),
+            ("hybrid", native),
+            ("linear", 8),
+        ] {
             if way != "packet" || kind == "primary" {
                 expected.push(json!([kind, way, lanes]));
             }

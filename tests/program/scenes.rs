@@ -2,6 +2,7 @@
 //! of them.
 
 use crate::desk::{Desk, SCENE};
+use octray::bvh::LEAF;
 use predicates::prelude::*;
 use predicates::str::contains;
 use serde_json::{Value, json};
@@ -174,7 +175,7 @@ fn inspect_shows_the_hierarchy_that_rays_go_through() {
     let each = hierarchy["bytes_per_primitive"].as_f64().unwrap();
     assert!((each * triangles as f64 - bytes as f64).abs() < 1.0 && each > 36.0, "{hierarchy}");
     let [nodes, leaves, levels] = ["wide_nodes", "leaves", "wide_depth"].map(|key| &hierarchy["tree"][key]);
-    assert!(leaves.as_u64().unwrap() >= triangles.div_ceil(8), "{hierarchy}");
+    assert!(leaves.as_u64().unwrap() >= triangles.div_ceil(LEAF as u64), "{hierarchy}");
     // As `rays` counts them.
     let arguments = ["builtin:knot:2000", "--json", "--size", "8x8", "--passes", "1", "--threads", "1"];
     let rays = desk.json(&[&["rays"], &arguments[..]].concat());

@@ -1,28 +1,27 @@
-//! Spheres in blocks of eight, for intersection.
+//! Spheres in blocks, for intersection.
 
 use crate::lane::Lane;
 use crate::math::Vec3;
 use crate::scene;
-use bytemuck::{Pod, Zeroable};
 
-/// Spheres in a block.
+/// Spheres in a block of [`Spheres`].
 const BLOCK: usize = 8;
 
-/// Eight spheres as a structure of arrays: each component fills a packet, two components a cache line.
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+/// `N` spheres as a structure of arrays: each component fills a packet.
+#[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
-pub struct SphereBlock {
-    x: [f32; BLOCK],
-    y: [f32; BLOCK],
-    z: [f32; BLOCK],
+pub struct SphereBlock<const N: usize> {
+    x: [f32; N],
+    y: [f32; N],
+    z: [f32; N],
     /// Squared radius; negative in padding, so that no ray hits it.
-    radius2: [f32; BLOCK],
+    radius2: [f32; N],
 }
 
-impl SphereBlock {
-    const PADDING: Self = Self { x: [0.0; BLOCK], y: [0.0; BLOCK], z: [0.0; BLOCK], radius2: [-1.0; BLOCK] };
+impl<const N: usize> SphereBlock<N> {
+    const PADDING: Self = Self { x: [0.0; N], y: [0.0; N], z: [0.0; N], radius2: [-1.0; N] };
 
-    /// Up to eight spheres, the rest padding.
+    /// Up to `N` spheres, the rest padding.
     pub fn new<'a>(spheres: impl IntoIterator<Item = &'a scene::Sphere>) -> Self {
         let mut block = Self::PADDING;
         for (lane, sphere) in spheres.into_iter().enumerate() {
@@ -43,14 +42,14 @@ impl SphereBlock {
     pub fn lanes<L: Lane>(&self) -> impl Iterator<Item = (Vec3<L>, L)> {
         let [x, y, z, radius2] =
             [&self.x, &self.y, &self.z, &self.radius2].map(|column| bytemuck::cast_slice::<f32, L>(column));
-        (0..BLOCK / L::WIDTH).map(move |i| (Vec3::new(x[i], y[i], z[i]), radius2[i]))
+        (0..N / L::WIDTH).map(move |i| (Vec3::new(x[i], y[i], z[i]), radius2[i]))
     }
 }
 
 /// All spheres, in blocks; the last one is padded.
 #[derive(Clone, Debug)]
 pub struct Spheres {
-    blocks: Vec<SphereBlock>,
+    blocks: Vec<SphereBlock<BLOCK>>,
     len: usize,
 }
 
@@ -69,9 +68,9 @@ impl Spheres {
     pub fn is_empty(&self) -> bool {
         self.len == 0
     }
-    /// The spheres in blocks of eight.
+    /// The spheres in blocks.
     #[inline(always)]
-    pub fn blocks(&self) -> &[SphereBlock] {
+    pub fn blocks(&self) -> &[SphereBlock<BLOCK>] {
         &self.blocks
     }
     /// One sphere broadcast to all lanes: centre and squared radius.

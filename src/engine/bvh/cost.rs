@@ -2,17 +2,17 @@
 //!
 //! The cost of a wide hierarchy is the sum of the half surface areas of its nodes times [`NODE`] and of its
 //! leaves times [`LEAF`]: the expected cost of a random ray. Dynamic programming from the leaves upwards
-//! finds, for each binary node and each j from 1 to 8, the cheapest forest of at most j wide subtrees; a wide
-//! node over a binary node has the cheapest forest of 8 as its children.
+//! finds, for each binary node and each j up to [`WIDE`], the cheapest forest of at most j wide subtrees; a
+//! wide node over a binary node has the cheapest forest of [`WIDE`] as its children.
 //!
 //! Source: Ylitie, Karras, Laine, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs",
 //! 2017, section 3.1.
 
 use super::node::WIDE;
 
-/// Cost of testing one ray against the eight boxes of a node.
+/// Cost of testing one ray against the boxes of a node.
 pub(super) const NODE: f64 = 1.0;
-/// Cost of testing one ray against the up to eight primitives of a leaf.
+/// Cost of testing one ray against the primitives of a leaf.
 pub(super) const LEAF: f64 = 1.3;
 
 /// `costs[j − 1]`: the cost of the cheapest forest of at most j trees for a binary node.
@@ -23,7 +23,7 @@ pub(super) struct Costs([f64; WIDE - 1]);
 /// The composition of the cheapest forests of a binary node.
 ///
 /// `plan[0]`: 0 if the node as one tree is a leaf, else it is a wide node and the number counts those of its
-/// 8 children that come from the left. `plan[j − 1]`: how many of at most j trees come from the left child; 0
+/// children that come from the left. `plan[j − 1]`: how many of at most j trees come from the left child; 0
 /// where one tree fewer is as good.
 #[derive(Clone, Copy)]
 pub(super) struct Plan([u8; WIDE - 1]);
@@ -35,7 +35,7 @@ impl Plan {
         self.0[0] == 0
     }
     /// Most children that the wide node over this node takes from its left child; it takes at most the rest
-    /// of 8 from its right child.
+    /// of [`WIDE`] from its right child.
     pub fn left_of_node(self) -> usize {
         self.0[0] as usize
     }

@@ -1,13 +1,14 @@
 //! The nodes and leaves that traversals read, and the limits that traversals rely on.
 
 use super::bounds::Bounds;
+use crate::lane::NATIVE_WIDTH;
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
-/// Children of a wide node.
-pub const WIDE: usize = 8;
-/// Most primitives in a leaf.
-pub const LEAF: usize = 8;
+/// Children of a wide node: as many as one vector tests at once.
+pub const WIDE: usize = NATIVE_WIDTH;
+/// Most primitives in a leaf: likewise.
+pub const LEAF: usize = NATIVE_WIDTH;
 /// Most levels from the root to a leaf. Splits by cost may be lopsided; where they would lead deeper, sets
 /// are halved, which takes 27 levels for [`super::MAX_PRIMITIVES`].
 pub const MAX_DEPTH: u32 = 48;
@@ -47,7 +48,7 @@ impl Child {
     }
 }
 
-/// Eight child boxes and the children: four cache lines.
+/// The boxes of the children, and the children: four or eight cache lines.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C, align(64))]
 pub struct WideNode {
@@ -95,8 +96,8 @@ impl WideNode {
     /// Reads a word of each cache line; returns the words combined.
     #[inline(always)]
     pub fn touch(&self) -> u32 {
-        let [lo, _, hi, _, z, _, children, _] = self.boxes().each_ref().map(|row| row[0].to_bits());
-        lo ^ hi ^ z ^ children
+        let lines: &[[u32; 16]] = bytemuck::cast_slice(self.boxes());
+        lines[..7 * WIDE / 16 + WIDE % 16 / 8].iter().fold(0, |words, line| words ^ line[0])
     }
     /// The box of a child.
     pub fn bounds(&self, slot: usize) -> Bounds {
@@ -141,7 +142,7 @@ impl BinaryNode {
     }
 }
 
-/// Up to eight primitives of one kind, numbered as hits are: spheres first, then triangles.
+/// Up to [`LEAF`] primitives of one kind, numbered as hits are: spheres first, then triangles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
 #[repr(transparent)]
 pub struct Leaf {

@@ -40,6 +40,11 @@ pub type Native = F32x16;
 #[cfg(not(target_feature = "avx512f"))]
 pub type Native = F32x8;
 
+/// The integers of [`Native`].
+pub type NativeBits = <Native as Lane>::Bits;
+/// The masks of [`Native`].
+pub type NativeMask = <Native as Lane>::Mask;
+
 /// Lanes of [`Native`].
 pub const NATIVE_WIDTH: usize = <Native as Lane>::WIDTH;
 

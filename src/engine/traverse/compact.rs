@@ -1,12 +1,12 @@
 //! The leaves of triangles, and their compact layout in large hierarchies.
 //!
 //! Where a hierarchy does not fit the caches, rays wait for its cache lines. The triangles of a leaf share
-//! vertices: stored once, eight triangles take three lines instead of five. A leaf is expanded where it is
+//! vertices: stored once, they take three lines instead of five. A leaf is expanded where it is
 //! visited, in streams once for all rays of a list. The vertices keep their bits.
 
 use super::leaf::TriangleLeaf;
 use crate::bvh::{Bvh, LEAF, Leaf};
-use crate::lane::{Bits, F32x8, Lane, Mask, U32x8, U32x16};
+use crate::lane::{Bits, Lane, Mask, Native, NativeBits, U32x16};
 use crate::scene::Scene;
 use bytemuck::{Pod, Zeroable};
 use rayon::prelude::*;
@@ -28,40 +28,45 @@ const SAMPLED: usize = 64;
 /// Fewest leaves for another thread to fill.
 const MIN_LEAVES_PER_THREAD: usize = 256;
 
-/// Columns of vertices in a compact leaf: eleven vertices, and NaN for the corners of absent triangles. Of
-/// the leaves of scanned and of procedural meshes, 99 % have no more.
-const COLUMNS: usize = 12;
+/// Columns of vertices in a compact leaf, the last one NaN for the corners of absent triangles. Nearly all
+/// leaves of scanned and of procedural meshes have no more vertices.
+const COLUMNS: usize = if LEAF == 8 { 11 } else { 22 };
 
-/// Up to eight triangles with up to eleven different vertices: three cache lines.
+/// Up to [`LEAF`] triangles with fewer than [`COLUMNS`] different vertices: three or six cache lines.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C, align(64))]
 struct CompactLeaf {
     /// The x, y and z of the vertices.
     vertices: [[f32; COLUMNS]; 3],
-    /// For the first corners of the eight triangles, their second and their third ones: the columns of their
-    /// vertices, four bits each.
-    corners: [u32; 3],
+    /// For the first corners of the triangles, their second and their third ones: the columns of their
+    /// vertices.
+    corners: [[u8; LEAF]; 3],
     primitives: Leaf,
     /// The index among the full leaves of one with more vertices, or [`CompactLeaf::IS_COMPACT`].
     full: u32,
+    /// Padding: every leaf starts a cache line.
+    unused: [u32; LEAF / 8 - 1],
 }
-const _: () = assert!(size_of::<CompactLeaf>() == 3 * 64);
+const _: () = assert!(size_of::<CompactLeaf>() == 3 * 64 * LEAF / 8);
 
 impl CompactLeaf {
     const IS_COMPACT: u32 = u32::MAX;
 
     /// `None` if there are too many vertices.
     fn new(leaf: &Leaf, corners_of: impl Fn(u32) -> [[f32; 3]; 3]) -> Option<Self> {
-        let mut rows = [[f32::NAN.to_bits(); 16]; 3];
-        let mut corners = [0x1111_1111 * (COLUMNS as u32 - 1); 3];
+        let mut rows = [[f32::NAN.to_bits(); 32]; 3];
+        let mut corners = [[COLUMNS as u8 - 1; LEAF]; 3];
         let mut filled = 0;
         for (lane, &primitive) in leaf.primitives().iter().enumerate() {
             for (corners, vertex) in corners.iter_mut().zip(corners_of(primitive)) {
                 // Bits, so that −0 and 0 stay what they are.
                 let vertex = vertex.map(f32::to_bits);
-                let [x, y, z] =
-                    [0, 1, 2].map(|axis| U32x16::load(&rows[axis]).equals(U32x16::splat(vertex[axis])));
-                let same = (x & y & z).bitmask();
+                let same = |first: usize| {
+                    let [x, y, z] = [0, 1, 2]
+                        .map(|axis| U32x16::load(&rows[axis][first..]).equals(U32x16::splat(vertex[axis])));
+                    (x & y & z).bitmask()
+                };
+                let same = if COLUMNS > 16 { same(0) | same(16) << 16 } else { same(0) };
                 let column = if same != 0 { same.trailing_zeros() as usize } else { filled };
                 if column == filled {
                     if filled == COLUMNS - 1 {
@@ -70,12 +75,17 @@ impl CompactLeaf {
                     rows.iter_mut().zip(vertex).for_each(|(row, component)| row[column] = component);
                     filled += 1;
                 }
-                let shift = 4 * lane;
-                *corners = *corners & !(15 << shift) | (column as u32) << shift;
+                corners[lane] = column as u8;
             }
         }
         let vertices = rows.map(|row| std::array::from_fn(|column| f32::from_bits(row[column])));
-        Some(Self { vertices, corners, primitives: *leaf, full: Self::IS_COMPACT })
+        Some(Self {
+            vertices,
+            corners,
+            primitives: *leaf,
+            full: Self::IS_COMPACT,
+            unused: Zeroable::zeroed(),
+        })
     }
 
     /// Stands for a full leaf.
@@ -85,17 +95,26 @@ impl CompactLeaf {
 
     #[inline(always)]
     fn expanded(&self) -> TriangleLeaf {
-        let words: &[f32; 48] = bytemuck::cast_ref(self);
-        // Four bits of each lane's own, moved to the top: a product with a power of two is a shift.
-        let to_top = U32x8::from_fn(|lane| 1 << (28 - 4 * lane));
-        let columns = self.corners.map(|corners| U32x8::splat(corners).wrapping_mul(to_top).shr(28));
-        let vertices = columns.map(|columns| {
-            [0, 1, 2].map(|axis| {
-                // Sixteen words from the row's first on; those behind its columns are not picked.
-                let row = words[axis * COLUMNS..].first_chunk().expect("a row and the words behind it");
-                bytemuck::cast(F32x8::pick_of_16(row, columns))
-            })
-        });
+        let words: &[f32; 48 * LEAF / 8] = bytemuck::cast_ref(self);
+        let mut vertices = [[[0.0; LEAF]; 3]; 3];
+        for (rows, corners) in vertices.iter_mut().zip(&self.corners) {
+            let columns = NativeBits::from_fn(|lane| u32::from(corners[lane]));
+            for (axis, row) in rows.iter_mut().enumerate() {
+                // Sixteen words from a place of the row on; those behind its columns are not picked.
+                let words = &words[axis * COLUMNS..];
+                let low = Native::pick_of_16(words.first_chunk().expect("a row"), columns);
+                let picked = if COLUMNS <= 16 {
+                    low
+                } else {
+                    let before = COLUMNS as u32 - 16;
+                    let behind = columns.wrapping_add(NativeBits::splat(before.wrapping_neg()));
+                    let words = words[before as usize..].first_chunk().expect("a row");
+                    let high = Native::pick_of_16(words, behind);
+                    Native::select(columns.less(NativeBits::splat(16)), low, high)
+                };
+                picked.store(row);
+            }
+        }
         TriangleLeaf { vertices, primitives: self.primitives }
     }
 
@@ -103,7 +122,7 @@ impl CompactLeaf {
     #[inline(always)]
     fn corners(&self, lane: usize) -> [[f32; 3]; 3] {
         self.corners.map(|corners| {
-            let column = (corners >> (4 * (lane & 7)) & 15) as usize % COLUMNS;
+            let column = usize::from(corners[lane & (LEAF - 1)]) % COLUMNS;
             [0, 1, 2].map(|axis| self.vertices[axis][column])
         })
     }
@@ -192,8 +211,8 @@ impl TriangleLeaves {
     #[inline(always)]
     pub fn touch(&self, leaf: usize) -> u32 {
         let Some(leaf) = self.compact.get(leaf) else { return 0 };
-        let words: &[u32; 48] = bytemuck::cast_ref(leaf);
-        words[0] ^ words[16] ^ words[32]
+        let lines: &[[u32; 16]; 3 * LEAF / 8] = bytemuck::cast_ref(leaf);
+        lines.iter().fold(0, |words, line| words ^ line[0])
     }
 
     pub fn bytes(&self) -> usize {
@@ -205,15 +224,16 @@ impl TriangleLeaves {
 mod tests {
     use super::*;
 
-    /// Eight triangles of a strip, the last one absent, with zeros of both signs.
+    /// Triangles of a strip, the last one absent, with zeros of both signs.
     #[test]
     fn compact_leaves_keep_the_bits_of_their_vertices() {
         let vertex =
             |i: usize| [i as f32 * 0.1, if i.is_multiple_of(2) { 0.0 } else { -0.0 }, 1.0 / (i as f32 + 1.0)];
         let strip = |primitive: u32| [0, 1, 2].map(|corner| vertex(primitive as usize + corner));
         let mut leaf = Leaf { primitives: [Leaf::NONE; LEAF] };
-        leaf.primitives[..7].copy_from_slice(&[0, 1, 2, 3, 4, 5, 8]);
-        let compact = CompactLeaf::new(&leaf, strip).expect("eleven vertices");
+        leaf.primitives[..LEAF - 1].copy_from_slice(&std::array::from_fn::<_, { LEAF - 1 }, _>(|i| i as u32));
+        leaf.primitives[LEAF - 2] += 1;
+        let compact = CompactLeaf::new(&leaf, strip).expect("two vertices more than triangles, and one");
         let expanded = compact.expanded();
         assert_eq!(expanded.primitives, leaf);
         for (lane, &primitive) in leaf.primitives().iter().enumerate() {
@@ -221,8 +241,8 @@ mod tests {
             assert_eq!(bits(expanded.corners(lane)), bits(strip(primitive)));
             assert_eq!(bits(compact.corners(lane)), bits(strip(primitive)));
         }
-        assert!(expanded.corners(7).as_flattened().iter().all(|component| component.is_nan()));
-        leaf.primitives[7] = 20;
-        assert!(CompactLeaf::new(&leaf, strip).is_none(), "fourteen vertices");
+        assert!(expanded.corners(LEAF - 1).as_flattened().iter().all(|component| component.is_nan()));
+        leaf.primitives[LEAF - 2..].copy_from_slice(&[100, 200]);
+        assert!(CompactLeaf::new(&leaf, strip).is_none(), "six vertices more than triangles");
     }
 }

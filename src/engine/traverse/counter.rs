@@ -1,16 +1,16 @@
 //! Counts of the boxes and primitives that rays are tested against.
 //!
 //! A *test* is one ray, or one frustum around many rays, against one box or one primitive; empty lanes do not
-//! count. A *step* is one run through the equations: one test in the scalar traversal, up to eight in the
-//! others. Tests measure how well the hierarchy culls, steps what that costs; eight times the steps is the
-//! number of tests that fit into them.
+//! count. A *step* is one run through the equations: one test in the scalar traversal, up to one a
+//! lane in the others. Tests measure how well the hierarchy culls, steps what that costs; lanes times the
+//! steps is the number of tests that fit into them.
 //!
 //! Traversals take a [`CounterSink`]. The no-op sink `()` leaves no code, as long as closures capture it by
 //! value (`move`): a closure that borrows it makes the compiler emit 1 % more instructions.
 
 use super::hierarchy::Hierarchy;
 use crate::bvh::{Child, WideNode};
-use crate::lane::{F32x8, Lane, Mask, Mask8};
+use crate::lane::{Mask, NativeMask};
 use serde::Serialize;
 use std::cell::Cell;
 use std::ops::AddAssign;
@@ -29,13 +29,13 @@ pub trait CounterSink: Copy {
     /// A ray against the primitives of a leaf, one after the other.
     #[inline(always)]
     fn leaf_one_by_one(self, _hierarchy: &Hierarchy, _leaf: Child) {}
-    /// A packet against the spheres of a leaf, one after the other.
+    /// A packet of `rays` rays against the spheres of a leaf, one after the other.
     #[inline(always)]
-    fn packet_spheres(self, _hierarchy: &Hierarchy, _leaf: Child) {}
-    /// A frustum against the boxes of a leaf's triangles, and its packet against those that it meets, one
-    /// after the other.
+    fn packet_spheres(self, _hierarchy: &Hierarchy, _leaf: Child, _rays: usize) {}
+    /// A frustum against the boxes of a leaf's triangles, and its packet of `rays` rays against those that it
+    /// meets, one after the other.
     #[inline(always)]
-    fn packet_triangles(self, _hierarchy: &Hierarchy, _leaf: Child, _met: Mask8) {}
+    fn packet_triangles(self, _hierarchy: &Hierarchy, _leaf: Child, _rays: usize, _met: NativeMask) {}
 }
 
 /// The no-op sink.
@@ -54,13 +54,13 @@ impl CounterSink for &Counter {
     fn leaf_one_by_one(self, hierarchy: &Hierarchy, leaf: Child) {
         self.primitives(leaf, hierarchy.filled(leaf), hierarchy.filled(leaf));
     }
-    fn packet_spheres(self, hierarchy: &Hierarchy, leaf: Child) {
+    fn packet_spheres(self, hierarchy: &Hierarchy, leaf: Child, rays: usize) {
         let filled = hierarchy.filled(leaf);
-        self.primitives(leaf, filled, F32x8::WIDTH * filled);
+        self.primitives(leaf, filled, rays * filled);
     }
-    fn packet_triangles(self, hierarchy: &Hierarchy, leaf: Child, met: Mask8) {
+    fn packet_triangles(self, hierarchy: &Hierarchy, leaf: Child, rays: usize, met: NativeMask) {
         self.boxes(1, hierarchy.filled(leaf));
-        self.primitives(leaf, met.count(), F32x8::WIDTH * met.count());
+        self.primitives(leaf, met.count(), rays * met.count());
     }
 }
 
@@ -69,7 +69,7 @@ impl CounterSink for &Counter {
 pub struct Tests {
     /// Rays times boxes or primitives.
     pub tests: u64,
-    /// What is tested at once counts once: a packet against a primitive, a ray against eight boxes.
+    /// What is tested at once counts once: a packet against a primitive, a ray against the boxes of a node.
     pub steps: u64,
 }
 

@@ -12,12 +12,13 @@
 //! Source: Reshetov, Soupikov, Hurley, "Multi-Level Ray Tracing Algorithm", SIGGRAPH 2005.
 
 use super::rays::Rays;
+use crate::bvh::WIDE;
 use crate::kernel::ray_box::Padding;
-use crate::lane::{F32x8, Lane, Mask, Mask8};
+use crate::lane::{F32x8, Lane, Mask, Mask8, Native, NativeMask};
 use crate::math::{Ray, Vec3};
 
-/// Eight boxes, one a lane: their lower and upper planes along an axis.
-type Planes = [F32x8; 2];
+/// Boxes, one a lane: their lower and upper planes along an axis.
+type Planes = [Native; 2];
 
 /// The common origin of a tile's rays, and the axis along which they run: all frusta of the tile share it.
 #[derive(Clone, Copy)]
@@ -79,12 +80,13 @@ impl FrustumAxis {
             }
             fits = fits & F32x8::zero().lt(main);
         }
-        fits.all().then(|| span.map(|[low, high]| [F32x8::splat(lowest(low)), F32x8::splat(-lowest(-high))]))
+        fits.all()
+            .then(|| span.map(|[low, high]| [F32x8::splat(-greatest(-low)), F32x8::splat(greatest(high))]))
     }
 
     /// The distances of the packet's rays along the axis at `t`.
     #[inline(always)]
-    pub fn depth(&self, direction: Vec3<F32x8>, t: F32x8) -> F32x8 {
+    pub fn depth<L: Lane>(&self, direction: Vec3<L>, t: L) -> L {
         [direction.x, direction.y, direction.z][self.axes[0]].abs() * t
     }
 
@@ -119,14 +121,14 @@ impl FrustumAxis {
             let (tilt, bound) = (tilt[lane & 7], bound[lane & 7]);
             // The corner that is furthest to the inside.
             let corner = usize::from(tilt * outwards <= 0.0);
-            Side { tilt: F32x8::splat(tilt), bound: F32x8::splat(bound), corner }
+            Side { tilt: Native::splat(tilt), bound: Native::splat(bound), corner }
         };
         Frustum {
             axes: self.axes,
             backwards: usize::from(self.forward < 0.0),
-            forward: F32x8::splat(self.forward),
-            near: F32x8::splat(-start - self.padding),
-            far: F32x8::splat(-start + self.padding),
+            forward: Native::splat(self.forward),
+            near: Native::splat(-start - self.padding),
+            far: Native::splat(-start + self.padding),
             sides: frusta.sides.each_ref().map(|[lower, upper]| [side(lower, -1.0), side(upper, 1.0)]),
         }
     }
@@ -145,10 +147,10 @@ pub struct Frustum {
     axes: [usize; 3],
     /// 1 where the rays run downwards along the axis, else 0.
     backwards: usize,
-    forward: F32x8,
+    forward: Native,
     /// Offsets from a coordinate along the axis to a lower and an upper bound of the distance along it.
-    near: F32x8,
-    far: F32x8,
+    near: Native,
+    far: Native,
     /// For each of the other axes, the lower and the upper one.
     sides: [[Side; 2]; 2],
 }
@@ -156,8 +158,8 @@ pub struct Frustum {
 /// A plane: points whose coordinate across the axis plus `tilt` times the coordinate along it is `bound`.
 #[derive(Clone, Copy)]
 struct Side {
-    tilt: F32x8,
-    bound: F32x8,
+    tilt: Native,
+    bound: Native,
     /// The plane along the axis, 0 the lower and 1 the upper one, of the box's corner that is furthest to the
     /// inside.
     corner: usize,
@@ -170,28 +172,28 @@ impl Frustum {
     #[inline(always)]
     pub fn pass(
         &self,
-        main: impl Fn(usize) -> F32x8,
+        main: impl Fn(usize) -> Native,
         across: impl Fn(usize) -> Planes,
         limit: f32,
-    ) -> (F32x8, Mask8) {
+    ) -> (Native, NativeMask) {
         let near = main(self.backwards).mul_add(self.forward, self.near);
         let far = main(1 - self.backwards).mul_add(self.forward, self.far);
-        let ahead = near.le(F32x8::splat(limit)) & F32x8::zero().le(far);
+        let ahead = near.le(Native::splat(limit)) & Native::zero().le(far);
         (near, ahead & self.across(&main, across))
     }
 
     /// Which boxes reach between the sides; NaN does not, an empty box only where the rounding error has no
     /// finite bound.
     #[inline(always)]
-    fn across(&self, main: impl Fn(usize) -> F32x8, across: impl Fn(usize) -> Planes) -> Mask8 {
-        let [a, b] = [0, 1].map(|i| {
+    fn across(&self, main: impl Fn(usize) -> Native, across: impl Fn(usize) -> Planes) -> NativeMask {
+        let between = |i: usize| {
             let [lower, upper] = &self.sides[i];
             let [lo, hi] = across(self.axes[1 + i]);
             let most = main(lower.corner).mul_add(lower.tilt, hi);
             let least = main(upper.corner).mul_add(upper.tilt, lo);
             lower.bound.le(most) & least.le(upper.bound)
-        });
-        a & b
+        };
+        between(0) & between(1)
     }
 
     /// The axis along which the rays run.
@@ -202,20 +204,20 @@ impl Frustum {
 
     /// Which boxes, in the layout of a node, reach between the sides.
     #[inline(always)]
-    pub fn across_boxes(&self, boxes: &Boxes) -> Mask8 {
+    pub fn across_boxes(&self, boxes: &Boxes) -> NativeMask {
         self.across(|upper| plane(boxes, self.axes[0] + 3 * upper), |axis| planes(boxes, axis))
     }
 
     /// [`Frustum::pass`] of boxes in the layout of a node.
     #[inline(always)]
-    pub fn pass_boxes(&self, boxes: &Boxes, limit: f32) -> (F32x8, Mask8) {
+    pub fn pass_boxes(&self, boxes: &Boxes, limit: f32) -> (Native, NativeMask) {
         self.pass(|upper| plane(boxes, self.axes[0] + 3 * upper), |axis| planes(boxes, axis), limit)
     }
 }
 
 #[inline(always)]
-fn plane(boxes: &Boxes, plane: usize) -> F32x8 {
-    F32x8::load(&boxes[plane & 7])
+fn plane(boxes: &Boxes, plane: usize) -> Native {
+    Native::load(&boxes[plane & 7])
 }
 
 #[inline(always)]
@@ -223,13 +225,21 @@ fn planes(boxes: &Boxes, axis: usize) -> Planes {
     [plane(boxes, axis), plane(boxes, axis + 3)]
 }
 
-/// Eight boxes: the lower planes along x, y, z, the upper ones, and two unused rows, so that `& 7` keeps a
-/// row index inside.
-pub type Boxes = [[f32; 8]; 8];
+/// The boxes of a node: the lower planes along x, y, z, the upper ones, and two unused rows, so that `& 7`
+/// keeps a row index inside.
+pub type Boxes = [[f32; WIDE]; 8];
 
-/// The least lane; NaN is ignored.
-pub fn lowest(x: F32x8) -> f32 {
-    let lanes: [f32; 8] = bytemuck::cast(x);
-    let pairs = [0, 1, 2, 3].map(|i| lanes[i].min(lanes[i + 4]));
-    pairs[0].min(pairs[2]).min(pairs[1].min(pairs[3]))
+/// The greatest lane; NaN is ignored.
+#[inline(always)]
+pub fn greatest<L: Lane>(x: L) -> f32 {
+    let mut lanes = [f32::NEG_INFINITY; 16];
+    x.store(&mut lanes);
+    let mut half = L::WIDTH / 2;
+    while half > 0 {
+        for lane in 0..half {
+            lanes[lane] = lanes[lane].max(lanes[lane + half]);
+        }
+        half /= 2;
+    }
+    lanes[0]
 }

@@ -5,10 +5,10 @@ use super::compact::{Layout, TriangleLeaves};
 use super::leaf::{TriangleLeaf, box_of, inclusive, keep_if_nearer, keep_lanes_if_nearer, keep_nearest};
 use super::prepared::{SingleRay, splat_vector};
 use crate::buffers::SphereBlock;
-use crate::bvh::{Bounds, Bvh, Child, Leaf, Trees};
+use crate::bvh::{Bounds, Bvh, Child, LEAF, Leaf, Trees};
 use crate::kernel::ray_box::{Padding, own_box};
 use crate::kernel::ray_sphere::{Robust, SphereMethod};
-use crate::lane::{F32x8, Lane};
+use crate::lane::{Lane, Native};
 use crate::math::{Hit, Ray, Vec3};
 use crate::scene::Scene;
 use rayon::prelude::*;
@@ -23,11 +23,11 @@ pub struct Hierarchy {
     spheres: Vec<SphereLeaf>,
 }
 
-/// Up to eight spheres.
+/// Up to [`LEAF`] spheres.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
 struct SphereLeaf {
-    spheres: SphereBlock,
+    spheres: SphereBlock<LEAF>,
     primitives: Leaf,
 }
 
@@ -92,15 +92,15 @@ impl Hierarchy {
         }
     }
 
-    /// One ray against up to eight spheres.
+    /// One ray against the spheres of a leaf at once.
     #[inline(never)]
     pub fn intersect_spheres(&self, leaf: usize, ray: &Ray<f32>, hit: &mut Hit<f32>) {
         let leaf = &self.spheres[leaf];
         let ray = Ray { origin: splat_vector(ray.origin), direction: splat_vector(ray.direction) };
-        for (center, radius2) in leaf.spheres.lanes::<F32x8>() {
-            let limit = F32x8::splat(inclusive(hit.t));
-            let (mask, t) = Robust::test::<F32x8>(&Robust::prepare(&ray), center, radius2, limit);
-            let none = F32x8::zero();
+        for (center, radius2) in leaf.spheres.lanes::<Native>() {
+            let limit = Native::splat(inclusive(hit.t));
+            let (mask, t) = Robust::test::<Native>(&Robust::prepare(&ray), center, radius2, limit);
+            let none = Native::zero();
             keep_nearest(mask, &leaf.primitives.primitives, [t, none, none], hit);
         }
     }
@@ -128,7 +128,7 @@ impl Hierarchy {
         }
     }
 
-    /// Visits up to eight triangles.
+    /// Visits a leaf of triangles.
     #[inline(always)]
     pub fn with_triangles<R>(&self, leaf: usize, visit: impl FnOnce(&TriangleLeaf) -> R) -> R {
         self.triangles.with(leaf, visit)
@@ -154,17 +154,17 @@ impl Hierarchy {
         self.triangles.is_compact()
     }
 
-    /// A packet against up to eight spheres, one after the other.
+    /// A packet against the spheres of a leaf, one after the other.
     #[inline(never)]
-    pub fn intersect_spheres_packet(&self, leaf: usize, ray: &Ray<F32x8>, hit: &mut Hit<F32x8>) -> bool {
+    pub fn intersect_spheres_packet<L: Lane>(&self, leaf: usize, ray: &Ray<L>, hit: &mut Hit<L>) -> bool {
         let mut closer = false;
         let leaf = &self.spheres[leaf];
         let prepared = Robust::prepare(ray);
         for (lane, &primitive) in leaf.primitives.primitives().iter().enumerate() {
-            let (center, radius2) = leaf.spheres.splat::<F32x8>(lane);
-            let infinite = F32x8::splat(f32::INFINITY);
-            let (mask, t) = Robust::test::<F32x8>(&prepared, center, radius2, infinite);
-            closer |= keep_lanes_if_nearer(mask, primitive, [t, F32x8::zero(), F32x8::zero()], hit);
+            let (center, radius2) = leaf.spheres.splat::<L>(lane);
+            let infinite = L::splat(f32::INFINITY);
+            let (mask, t) = Robust::test::<L>(&prepared, center, radius2, infinite);
+            closer |= keep_lanes_if_nearer(mask, primitive, [t, L::zero(), L::zero()], hit);
         }
         closer
     }

@@ -1,17 +1,17 @@
-//! Up to eight triangles, as rays intersect them, and which hits rays keep.
+//! Leaves of triangles, as rays intersect them, and which hits rays keep.
 
 use super::prepared::{Packet, splat_slabs};
 use crate::bvh::{LEAF, Leaf};
 use crate::kernel::ray_box::{Padding, Slabs, own_box};
-use crate::kernel::ray_triangle::{EightTriangles, TriangleHit, WoopRay};
-use crate::lane::{Bits, F32x8, Lane, Mask, Mask8, U32x8};
+use crate::kernel::ray_triangle::{TriangleBlock, TriangleHit, WoopRay};
+use crate::lane::{Bits, Lane, Mask, Native, NativeMask};
 use crate::math::{Hit, Vec3};
 
-/// Up to eight triangles: 320 bytes.
+/// Up to [`LEAF`] triangles: 40 bytes each.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
 pub struct TriangleLeaf {
-    pub(super) vertices: EightTriangles,
+    pub(super) vertices: TriangleBlock,
     pub(super) primitives: Leaf,
 }
 
@@ -27,7 +27,9 @@ pub(super) fn inclusive(t: f32) -> f32 {
 /// lanes.
 #[inline(always)]
 pub(super) fn box_of<L: Lane>([a, b, c]: [Vec3<L>; 3]) -> (Vec3<L>, Vec3<L>) {
-    let [x, y, z] = [[a.x, b.x, c.x], [a.y, b.y, c.y], [a.z, b.z, c.z]].map(extent_along);
+    let x = extent_along([a.x, b.x, c.x]);
+    let y = extent_along([a.y, b.y, c.y]);
+    let z = extent_along([a.z, b.z, c.z]);
     (Vec3::new(x[0], y[0], z[0]), Vec3::new(x[1], y[1], z[1]))
 }
 
@@ -39,50 +41,51 @@ fn extent_along<L: Lane>([a, b, c]: [L; 3]) -> [L; 2] {
 
 /// [`keep_if_nearer`] in each lane; whether any lane kept it.
 #[inline(always)]
-pub(super) fn keep_lanes_if_nearer(
-    mask: Mask8,
+pub(super) fn keep_lanes_if_nearer<L: Lane>(
+    mask: L::Mask,
     primitive: u32,
-    [t, u, v]: [F32x8; 3],
-    hit: &mut Hit<F32x8>,
+    [t, u, v]: [L; 3],
+    hit: &mut Hit<L>,
 ) -> bool {
-    let number = U32x8::splat(primitive);
-    let one = U32x8::splat(1);
+    let number = L::Bits::splat(primitive);
+    let one = L::Bits::splat(1);
     let lower = number.wrapping_add(one).less(hit.primitive.wrapping_add(one));
     let nearer = mask & (t.lt(hit.t) | (t.eq(hit.t) & lower));
-    hit.t = F32x8::select(nearer, t, hit.t);
-    hit.primitive = U32x8::select(nearer, number, hit.primitive);
-    hit.u = F32x8::select(nearer, u, hit.u);
-    hit.v = F32x8::select(nearer, v, hit.v);
+    hit.t = L::select(nearer, t, hit.t);
+    hit.primitive = L::Bits::select(nearer, number, hit.primitive);
+    hit.u = L::select(nearer, u, hit.u);
+    hit.v = L::select(nearer, v, hit.v);
     nearer.any()
 }
 
 impl TriangleLeaf {
     /// The lower and the upper planes of the triangles' boxes along an axis; NaN where there is no triangle.
     #[inline(always)]
-    pub fn planes(&self, axis: usize) -> [F32x8; 2] {
-        extent_along(self.vertices.each_ref().map(|vertex| F32x8::load(&vertex[axis])))
+    pub fn planes(&self, axis: usize) -> [Native; 2] {
+        let [a, b, c] = &self.vertices;
+        extent_along([Native::load(&a[axis]), Native::load(&b[axis]), Native::load(&c[axis])])
     }
 
     /// One ray against all of them; [`TriangleLeaf::accept`] then applies the rule of the own box to what is
     /// found.
     #[inline(always)]
-    pub fn test(&self, woop: &WoopRay<f32>) -> Option<TriangleHit<F32x8>> {
-        woop.test_eight(&self.vertices)
+    pub fn test(&self, woop: &WoopRay<f32>) -> Option<TriangleHit<Native>> {
+        woop.test_block(&self.vertices)
     }
 
     #[inline(always)]
     pub(super) fn corners(&self, lane: usize) -> [[f32; 3]; 3] {
-        self.vertices.each_ref().map(|vertex| vertex.each_ref().map(|row| row[lane & 7]))
+        self.vertices.each_ref().map(|vertex| vertex.each_ref().map(|row| row[lane & (LEAF - 1)]))
     }
 
     /// A packet against one of the triangles; whether any ray found a nearer hit.
     #[inline(always)]
-    pub fn intersect_packet(
+    pub fn intersect_packet<L: Lane>(
         &self,
         lane: usize,
         padding: Padding,
-        packet: &mut Packet,
-        hit: &mut Hit<F32x8>,
+        packet: &mut Packet<L>,
+        hit: &mut Hit<L>,
     ) -> bool {
         let found = match packet.axis {
             Some(axis) => packet.woop.test_lane_along(axis, &self.vertices, lane),
@@ -94,30 +97,34 @@ impl TriangleLeaf {
     /// Applies the rule of the own box to a packet's hits and keeps those that are nearer. Out of line: the
     /// calling loop stays in registers.
     #[inline(never)]
-    fn accept_lanes(
+    fn accept_lanes<L: Lane>(
         &self,
         lane: usize,
         padding: Padding,
-        packet: &mut Packet,
-        found: &TriangleHit<F32x8>,
-        hit: &mut Hit<F32x8>,
+        packet: &mut Packet<L>,
+        found: &TriangleHit<L>,
+        hit: &mut Hit<L>,
     ) -> bool {
-        let infinite = F32x8::splat(f32::INFINITY);
-        let splat = |[x, y, z]: [f32; 3]| Vec3::new(F32x8::splat(x), F32x8::splat(y), F32x8::splat(z));
+        let infinite = L::splat(f32::INFINITY);
+        let splat = |[x, y, z]: [f32; 3]| Vec3::new(L::splat(x), L::splat(y), L::splat(z));
         let slabs = packet.slabs.get_or_insert_with(|| Slabs::new(&packet.ray, padding));
-        let (mask, t) = own_box(slabs, box_of(self.corners(lane).map(splat)), found.mask, found.t, infinite);
-        keep_lanes_if_nearer(mask, self.primitives.primitives[lane & 7], [t, found.u, found.v], hit)
+        let [a, b, c] = self.corners(lane);
+        let corners = box_of([splat(a), splat(b), splat(c)]);
+        let (mask, t) = own_box(slabs, corners, found.mask, found.t, infinite);
+        keep_lanes_if_nearer(mask, self.primitives.primitives[lane & (LEAF - 1)], [t, found.u, found.v], hit)
     }
 
     /// Applies the rule of the own box to a ray's hits and keeps the nearest. Rare and out of line: the
     /// calling loops stay in registers.
     #[cold]
     #[inline(never)]
-    pub fn accept(&self, slabs: &Slabs<f32>, found: &TriangleHit<F32x8>, hit: &mut Hit<f32>) {
-        let vertex = |[x, y, z]: &[[f32; LEAF]; 3]| Vec3::new(F32x8::load(x), F32x8::load(y), F32x8::load(z));
+    pub fn accept(&self, slabs: &Slabs<f32>, found: &TriangleHit<Native>, hit: &mut Hit<f32>) {
+        let vertex =
+            |[x, y, z]: &[[f32; LEAF]; 3]| Vec3::new(Native::load(x), Native::load(y), Native::load(z));
         let slabs = splat_slabs(slabs);
-        let limit = F32x8::splat(inclusive(hit.t));
-        let corners = box_of(self.vertices.each_ref().map(vertex));
+        let limit = Native::splat(inclusive(hit.t));
+        let [a, b, c] = &self.vertices;
+        let corners = box_of([vertex(a), vertex(b), vertex(c)]);
         let (mask, t) = own_box(&slabs, corners, found.mask, found.t, limit);
         keep_nearest(mask, &self.primitives.primitives, [t, found.u, found.v], hit);
     }
@@ -135,7 +142,12 @@ pub(super) fn keep_if_nearer(mask: bool, primitive: u32, [t, u, v]: [f32; 3], hi
 
 /// Keeps the nearest hit of the lanes in `mask`.
 #[inline(always)]
-pub(super) fn keep_nearest(mask: Mask8, primitives: &[u32; LEAF], [t, u, v]: [F32x8; 3], hit: &mut Hit<f32>) {
+pub(super) fn keep_nearest(
+    mask: NativeMask,
+    primitives: &[u32; LEAF],
+    [t, u, v]: [Native; 3],
+    hit: &mut Hit<f32>,
+) {
     for lane in mask.lanes() {
         keep_if_nearer(true, primitives[lane], [t, u, v].map(|column| column.get(lane)), hit);
     }

@@ -8,7 +8,7 @@
 //! |---|---|
 //! | [`linear`] | every primitive is tested, of primary rays those that their tile can see, of shadow rays the [`Occluders`] |
 //! | [`scalar`] | one ray on the binary tree, one box and one primitive at a time: the baseline |
-//! | [`single`] | one ray on the wide tree, against eight boxes and eight primitives at once |
+//! | [`single`] | one ray on the wide tree, against all boxes of a node or primitives of a leaf at once |
 //! | [`tile`] | primary rays of a tile on the wide tree, each packet in a [`frustum`] |
 //! | [`stream`] | ray streams on the wide tree: batches of rays in any order |
 //! | [`batch`] | the choice between them |

@@ -2,7 +2,7 @@
 
 use crate::kernel::ray_box::{Padding, Slabs};
 use crate::kernel::ray_triangle::{TriangleMethod, Woop, WoopRay};
-use crate::lane::{F32x8, Lane};
+use crate::lane::{Lane, Native};
 use crate::math::{Ray, Vec3};
 
 /// One ray, ready for boxes and triangles.
@@ -24,21 +24,21 @@ impl SingleRay {
     }
 }
 
-/// Eight rays, ready for triangles.
-pub struct Packet {
+/// A packet of rays, ready for triangles.
+pub struct Packet<L: Lane> {
     /// The rays themselves.
-    pub ray: Ray<F32x8>,
-    pub(super) woop: WoopRay<F32x8>,
+    pub ray: Ray<L>,
+    pub(super) woop: WoopRay<L>,
     /// See [`WoopRay::common_axis`].
     pub(super) axis: Option<u32>,
     /// Computed for the first hit: many packets hit nothing.
-    pub(super) slabs: Option<Slabs<F32x8>>,
+    pub(super) slabs: Option<Slabs<L>>,
 }
 
-impl Packet {
-    /// Prepares eight rays.
+impl<L: Lane> Packet<L> {
+    /// Prepares a packet.
     #[inline(always)]
-    pub fn new(ray: Ray<F32x8>) -> Self {
+    pub fn new(ray: Ray<L>) -> Self {
         let woop = Woop::prepare(&ray);
         Self { ray, axis: woop.common_axis(), woop, slabs: None }
     }
@@ -46,14 +46,13 @@ impl Packet {
 
 /// A vector broadcast to all lanes.
 #[inline(always)]
-pub(super) fn splat_vector(v: Vec3<f32>) -> Vec3<F32x8> {
-    Vec3::new(F32x8::splat(v.x), F32x8::splat(v.y), F32x8::splat(v.z))
+pub(super) fn splat_vector(v: Vec3<f32>) -> Vec3<Native> {
+    Vec3::new(Native::splat(v.x), Native::splat(v.y), Native::splat(v.z))
 }
 
 /// A ray's slabs broadcast to all lanes.
 #[inline(always)]
-pub(super) fn splat_slabs(slabs: &Slabs<f32>) -> Slabs<F32x8> {
+pub(super) fn splat_slabs(slabs: &Slabs<f32>) -> Slabs<Native> {
     let Slabs { inverse, near, far } = *slabs;
-    let [inverse, near, far] = [inverse, near, far].map(splat_vector);
-    Slabs { inverse, near, far }
+    Slabs { inverse: splat_vector(inverse), near: splat_vector(near), far: splat_vector(far) }
 }

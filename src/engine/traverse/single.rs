@@ -1,22 +1,22 @@
-//! One ray against the eight boxes of a wide node at once.
+//! One ray against the boxes of a wide node at once.
 //!
-//! For incoherent rays: each step tests eight boxes, pushes those that the ray passes on a stack by one
-//! compressed store, and continues with the nearest.
+//! For incoherent rays: each step tests the boxes of a node, pushes those that the ray passes on a stack by
+//! one compressed store, and continues with the nearest.
 
 use super::counter::CounterSink;
 use super::hierarchy::Hierarchy;
 use super::prepared::{SingleRay, splat_slabs};
 use super::stack::{Stack, pop_within};
-use crate::bvh::{Child, WideNode};
+use crate::bvh::{Child, WIDE, WideNode};
 use crate::kernel::ray_box::Slabs;
-use crate::lane::{F32x8, Lane, Mask, Mask8};
+use crate::lane::{Lane, Mask, Native, NativeMask};
 use crate::math::{Hit, MISS, Vec3};
 
 /// A ray's slabs in all lanes, and the rows of a node's planes in the order in which the ray meets them:
 /// chosen once a ray by the direction's signs, where [`Slabs::pass`] selects for each box.
 #[derive(Clone, Copy)]
 struct NodeSlabs {
-    slabs: Slabs<F32x8>,
+    slabs: Slabs<Native>,
     first: [usize; 3],
     second: [usize; 3],
 }
@@ -35,16 +35,16 @@ impl NodeSlabs {
 
     /// The entry distances into the node's boxes, and which of them the ray passes before `t_max`.
     #[inline(always)]
-    fn pass(&self, node: &WideNode, t_max: f32) -> (F32x8, Mask8) {
+    fn pass(&self, node: &WideNode, t_max: f32) -> (Native, NativeMask) {
         let planes = node.planes();
         let rows = |[x, y, z]: [usize; 3]| {
-            Vec3::new(F32x8::load(&planes[x]), F32x8::load(&planes[y]), F32x8::load(&planes[z]))
+            Vec3::new(Native::load(&planes[x]), Native::load(&planes[y]), Native::load(&planes[z]))
         };
         let (near, far) = self.slabs.interval(rows(self.first), rows(self.second));
         // min and max return their second operand where one is NaN: in this order a NaN is kept and passes no
         // box, not even an empty one.
-        let entry = F32x8::zero().max(near);
-        let exit = F32x8::splat(t_max).min(far);
+        let entry = Native::zero().max(near);
+        let exit = Native::splat(t_max).min(far);
         (entry, entry.le(exit))
     }
 }
@@ -86,8 +86,8 @@ pub fn trace_from<const ANY: bool>(
             let (entry, passes) = slabs.pass(node, hit.t);
             let passed = passes.count();
             if passed == 1 {
-                // `& 7` lets the compiler drop the bounds check.
-                let lane = (passes.bitmask().trailing_zeros() & 7) as usize;
+                // The mask lets the compiler drop the bounds check.
+                let lane = (passes.bitmask().trailing_zeros() & (WIDE as u32 - 1)) as usize;
                 next = node.children()[lane];
                 continue;
             }

@@ -1,11 +1,11 @@
 //! The traversal stack: nodes and leaves still to visit, with the distances at which rays enter them.
 
 use crate::bvh::{Child, MAX_STACK, WIDE};
-use crate::lane::{Bits, F32x8, Lane, Mask, Mask8, U32x8};
+use crate::lane::{Bits, Lane, Mask, Native, NativeBits, NativeMask};
 
 /// Entries of the stack: a power of two, so that `& (CAPACITY - 1)` keeps every index inside without a bounds
 /// check, and with a packet to spare for whole stores.
-const CAPACITY: usize = 512;
+const CAPACITY: usize = 64 * WIDE;
 const _: () = assert!(MAX_STACK + WIDE <= CAPACITY);
 
 /// Working memory of a thread. The number of entries is kept by the traversal, in a register.
@@ -20,13 +20,13 @@ impl Stack {
         Self { child: [0; CAPACITY], near: [0.0; CAPACITY] }
     }
 
-    /// Pushes those of eight children that are set in `passes` at index `at`, by one compressed store, and
+    /// Pushes those of a node's children that are set in `passes` at index `at`, by one compressed store, and
     /// swaps the nearest to the top. Returns their number.
     #[inline(always)]
-    pub fn push(&mut self, at: usize, children: &[Child; WIDE], near: F32x8, passes: Mask8) -> usize {
-        let indices = F32x8::compress_indices(passes);
-        let children = U32x8::load(bytemuck::cast_slice(children));
-        F32x8::compress_bits(children, indices).store(&mut self.child[at & (CAPACITY - 1)..]);
+    pub fn push(&mut self, at: usize, children: &[Child; WIDE], near: Native, passes: NativeMask) -> usize {
+        let indices = Native::compress_indices(passes);
+        let children = NativeBits::load(bytemuck::cast_slice(children));
+        Native::compress_bits(children, indices).store(&mut self.child[at & (CAPACITY - 1)..]);
         near.compress(indices).store(&mut self.near[at & (CAPACITY - 1)..]);
         let count = passes.count();
         if count > 1 {

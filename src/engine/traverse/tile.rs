@@ -10,22 +10,24 @@
 //! tiles.
 
 use super::counter::CounterSink;
-use super::frustum::{Boxes, Frustum, FrustumAxis, lowest};
+use super::frustum::{Boxes, Frustum, FrustumAxis, greatest};
 use super::hierarchy::Hierarchy;
 use super::prepared::Packet;
 use super::rays::{Hits, Rays};
 use super::stack::{Stack, pop_within};
 use crate::bvh::{Child, WIDE};
-use crate::lane::{Bits, F32x8, Lane, Mask, U32x8, set_bits};
+use crate::lane::{Bits, F32x8, F32x16, Lane, Mask, U32x8, set_bits};
 use crate::math::Hit;
 
 /// Most rays of a tile.
 pub const TILE: usize = 256;
-/// Most packets of a tile.
-const PACKETS: usize = TILE / 8;
+/// Most rows of slopes of a tile.
+const ROWS: usize = TILE / ROW;
+/// Slopes of a row.
+const ROW: usize = F32x8::WIDTH;
 /// Most entry points of a tile.
 pub const MAX_ENTRY_POINTS: usize = 64;
-// One bit of a mask each, in whole blocks of eight boxes.
+// One bit of a mask each, in whole blocks of boxes.
 const _: () = assert!(MAX_ENTRY_POINTS == u64::BITS as usize && MAX_ENTRY_POINTS.is_multiple_of(WIDE));
 
 /// Entry points: nodes and leaves that together hold all that a tile can see, nearest first; one bit of a
@@ -49,12 +51,12 @@ struct Entry {
 }
 
 impl EntryPoints {
-    /// `None` if more than `most_nodes` of the entry points would be inner nodes for whose children there is
-    /// no room. Gives up early where that is probable.
+    /// `None` if the frustum meets more than about `most_leaves` leaves. Gives up early where that is
+    /// probable.
     fn of(
         hierarchy: &Hierarchy,
         frustum: &Frustum,
-        most_nodes: usize,
+        most_leaves: usize,
         counter: impl CounterSink,
     ) -> Option<Self> {
         let mut entries = [Entry { near: 0.0, child: Child(0), node: 0, slot: 0 }; MAX_ENTRY_POINTS];
@@ -63,9 +65,8 @@ impl EntryPoints {
         let mut opened = true;
         let nodes = |entries: &[Entry]| entries.iter().filter(|entry| !entry.child.is_leaf()).count();
         while opened {
-            // An opened node becomes about four entries: of more than twice as many nodes too few can be
-            // opened.
-            if nodes(&entries[..filled]) > 2 * most_nodes {
+            // A node has four leaves and more.
+            if nodes(&entries[..filled]) > most_leaves / 4 {
                 return None;
             }
             opened = false;
@@ -91,7 +92,19 @@ impl EntryPoints {
                 opened = true;
             }
         }
-        if nodes(&entries[..filled]) > most_nodes {
+        // Of the nodes for whose children there is no room the children that the frustum meets, inner ones as
+        // some eight leaves each.
+        let leaves = |entry: &Entry| {
+            if entry.child.is_leaf() {
+                return 1;
+            }
+            let node = &hierarchy.bvh.wide[entry.child.index()];
+            let (_, meets) = frustum.pass_boxes(node.boxes(), f32::INFINITY);
+            let of_child = |slot: usize| if node.children()[slot & (WIDE - 1)].is_leaf() { 1 } else { 8 };
+            meets.lanes().map(of_child).sum::<usize>()
+        };
+        let leaves: usize = entries[..filled].iter().map(leaves).sum();
+        if leaves > most_leaves {
             return None;
         }
         // Sorted as integers: the bits of non-negative floats have the order of the floats.
@@ -131,15 +144,15 @@ impl EntryPoints {
 }
 
 /// No box: NaN passes no bound, not even an infinite one.
-const EMPTY: Boxes = [[f32::NAN; 8]; 8];
+const EMPTY: Boxes = [[f32::NAN; WIDE]; 8];
 
 /// The traversal of one packet.
-struct PacketTraversal<'a, C> {
+struct PacketTraversal<'a, L: Lane, C> {
     hierarchy: &'a Hierarchy,
     axis: &'a FrustumAxis,
     frustum: &'a Frustum,
-    packet: Packet,
-    hit: Hit<F32x8>,
+    packet: Packet<L>,
+    hit: Hit<L>,
     /// The distance along the frustum axis beyond which there is no nearer hit.
     limit: f32,
     /// Whether any ray found a nearer hit.
@@ -147,7 +160,7 @@ struct PacketTraversal<'a, C> {
     counter: C,
 }
 
-impl<'a, C: CounterSink> PacketTraversal<'a, C> {
+impl<'a, L: Lane, C: CounterSink> PacketTraversal<'a, L, C> {
     #[inline(always)]
     fn new(
         hierarchy: &'a Hierarchy,
@@ -159,12 +172,12 @@ impl<'a, C: CounterSink> PacketTraversal<'a, C> {
         counter: C,
     ) -> Self {
         let hit = Hit {
-            t: F32x8::load(&hits.t[at..]),
-            primitive: U32x8::load(&hits.primitive[at..]),
-            u: F32x8::load(&hits.u[at..]),
-            v: F32x8::load(&hits.v[at..]),
+            t: L::load(&hits.t[at..]),
+            primitive: L::Bits::load(&hits.primitive[at..]),
+            u: L::load(&hits.u[at..]),
+            v: L::load(&hits.v[at..]),
         };
-        let packet = Packet::new(rays.packet::<F32x8>(at));
+        let packet = Packet::new(rays.packet::<L>(at));
         Self { hierarchy, axis, frustum, packet, hit, limit: f32::INFINITY, closer: false, counter }
     }
 
@@ -222,7 +235,7 @@ impl<'a, C: CounterSink> PacketTraversal<'a, C> {
     #[inline(always)]
     fn leaf(&mut self, leaf: Child) {
         if leaf.is_spheres() {
-            self.counter.packet_spheres(self.hierarchy, leaf);
+            self.counter.packet_spheres(self.hierarchy, leaf, L::WIDTH);
             if self.hierarchy.intersect_spheres_packet(leaf.index(), &self.packet.ray, &mut self.hit) {
                 self.shorten();
             }
@@ -232,7 +245,7 @@ impl<'a, C: CounterSink> PacketTraversal<'a, C> {
             let main = triangles.planes(self.frustum.axis());
             let (_, meets) =
                 self.frustum.pass(|upper| main[upper & 1], |axis| triangles.planes(axis), self.limit);
-            self.counter.packet_triangles(self.hierarchy, leaf, meets);
+            self.counter.packet_triangles(self.hierarchy, leaf, L::WIDTH, meets);
             let mut closer = false;
             for lane in meets.lanes() {
                 closer |=
@@ -250,57 +263,96 @@ impl<'a, C: CounterSink> PacketTraversal<'a, C> {
     fn shorten(&mut self) {
         self.closer = true;
         // Rounding is monotone: no box that a ray meets before its hit begins beyond this limit.
-        self.limit = -lowest(-self.axis.depth(self.packet.ray.direction, self.hit.t));
+        self.limit = greatest(self.axis.depth(self.packet.ray.direction, self.hit.t));
     }
 }
 
-/// The least and the greatest lane of each of eight rows.
+/// The least and the greatest of the slopes of each of eight packets, from rows of eight slopes, one or two
+/// rows a packet. What stands for packets behind the last row is not to be used.
 #[inline(always)]
-fn spans(rows: &[F32x8]) -> [F32x8; 2] {
+fn spans<L: Lane>(rows: &[F32x8]) -> [F32x8; 2] {
+    let each = L::WIDTH / ROW;
     let order = U32x8::from_fn(|lane| lane as u32);
-    let [first, rest @ ..] = F32x8::gather_rows::<8>(bytemuck::cast_slice(rows), order);
-    rest.into_iter().fold([first, first], |[low, high], x| [low.min(x), high.max(x)])
+    // The packets' least and greatest slopes by lane, then over the lanes.
+    let [mut lows, mut highs] = [[F32x8::zero(); 8]; 2];
+    for (packet, (low, high)) in lows.iter_mut().zip(&mut highs).enumerate() {
+        let row = |row: usize| rows[(packet * each + row).min(rows.len() - 1)];
+        (*low, *high) = (row(0), row(0));
+        for more in 1..each {
+            (*low, *high) = (low.min(row(more)), high.max(row(more)));
+        }
+    }
+    let transposed = |rows: &[F32x8; 8]| F32x8::gather_rows::<8>(bytemuck::cast_slice(rows), order);
+    let low = transposed(&lows).into_iter().reduce(F32x8::min);
+    let high = transposed(&highs).into_iter().reduce(F32x8::max);
+    [low, high].map(|span| span.expect("eight rows"))
 }
 
 /// Improves the hits of up to [`TILE`] primary rays, whose `t` come in as the rays' t_max. Returns false and
-/// does nothing if the rays are not whole packets or do not run together from one origin, or if more than
-/// about `most_nodes` of their entry points are inner nodes for whose children there is no room.
+/// does nothing if the rays are not whole packets or do not run together from one origin, or if they may meet
+/// more than about `most_leaves` leaves.
 #[inline(never)]
 pub fn trace(
     hierarchy: &Hierarchy,
     rays: &Rays,
     hits: &mut Hits,
     stack: &mut Stack,
-    most_nodes: usize,
+    most_leaves: usize,
     counter: impl CounterSink,
 ) -> bool {
     let count = rays.len();
-    if !count.is_multiple_of(8) || !(8..=TILE).contains(&count) {
+    if !count.is_multiple_of(ROW) || !(ROW..=TILE).contains(&count) {
         return false;
     }
-    let packets = count / 8;
     let Some(axis) = FrustumAxis::of(&rays.packet::<f32>(0), hierarchy.padding) else { return false };
-    let mut slopes = [[F32x8::zero(); PACKETS]; 2];
+    let mut slopes = [[F32x8::zero(); ROWS]; 2];
     let Some(span) = axis.slopes(rays, &mut slopes) else { return false };
     let tile_frustum = axis.frustum(&axis.frusta(span), 0);
-    let Some(entry_points) = EntryPoints::of(hierarchy, &tile_frustum, most_nodes, counter) else {
+    let Some(entry_points) = EntryPoints::of(hierarchy, &tile_frustum, most_leaves, counter) else {
         return false;
     };
     if entry_points.filled == 0 {
         return true;
     }
-    for first in (0..packets).step_by(8) {
-        let frusta = axis.frusta(slopes.each_ref().map(|rows| spans(&rows[first..first + 8])));
-        for at in first..packets.min(first + 8) {
-            let frustum = axis.frustum(&frusta, at - first);
-            counter.boxes(entry_points.filled.div_ceil(WIDE), entry_points.filled);
-            let meets = entry_points.across(&frustum);
-            // Many packets of tiles at silhouettes meet no entry point, and are not prepared.
-            if meets != 0 {
-                let packet = PacketTraversal::new(hierarchy, &axis, &frustum, rays, hits, at * 8, counter);
-                packet.run(&entry_points, meets, hits, at * 8, stack);
+    let rows = slopes.each_ref().map(|rows| &rows[..count / ROW]);
+    let traversal = TileTraversal { hierarchy, axis: &axis, entry_points: &entry_points, counter };
+    if cfg!(target_feature = "avx512f") && count.is_multiple_of(F32x16::WIDTH) {
+        traversal.packets::<F32x16>(rays, rows, hits, stack);
+    } else {
+        traversal.packets::<F32x8>(rays, rows, hits, stack);
+    }
+    true
+}
+
+/// The traversal of the packets of a tile.
+struct TileTraversal<'a, C> {
+    hierarchy: &'a Hierarchy,
+    axis: &'a FrustumAxis,
+    entry_points: &'a EntryPoints,
+    counter: C,
+}
+
+impl<C: CounterSink> TileTraversal<'_, C> {
+    /// `slopes` has rows of eight rays.
+    #[inline(always)]
+    fn packets<L: Lane>(&self, rays: &Rays, slopes: [&[F32x8]; 2], hits: &mut Hits, stack: &mut Stack) {
+        let Self { hierarchy, axis, entry_points, counter } = *self;
+        let packets = rays.len() / L::WIDTH;
+        // Frusta are made eight at a time.
+        for first in (0..packets).step_by(8) {
+            let rows = slopes.map(|rows| &rows[first * (L::WIDTH / ROW)..]);
+            let frusta = axis.frusta(rows.map(|rows| spans::<L>(rows)));
+            for packet in first..packets.min(first + 8) {
+                let (frustum, at) = (axis.frustum(&frusta, packet - first), packet * L::WIDTH);
+                counter.boxes(entry_points.filled.div_ceil(WIDE), entry_points.filled);
+                let meets = entry_points.across(&frustum);
+                // Many packets of tiles at silhouettes meet no entry point, and are not prepared.
+                if meets != 0 {
+                    let packet =
+                        PacketTraversal::<L, C>::new(hierarchy, axis, &frustum, rays, hits, at, counter);
+                    packet.run(entry_points, meets, hits, at, stack);
+                }
             }
         }
     }
-    true
 }

@@ -2,7 +2,7 @@
 
 use super::method::{PairHit, TriangleHit, TriangleMethod};
 use crate::kernel::surface::triangle_bounds;
-use crate::lane::{Bits, F32x8, Lane, Mask};
+use crate::lane::{Bits, Lane, Mask, NATIVE_WIDTH, Native};
 use crate::math::{Ray, Vec3};
 
 /// Woop's watertight test: the vertices are transformed into a space where the ray is the z axis, and three
@@ -159,19 +159,19 @@ fn exact_edge<L: Lane>(p: (L, L), q: (L, L)) -> L {
     p.0 * q.1 - p.1 * q.0
 }
 
-/// Eight triangles as a structure of arrays: three vertices of three components of eight lanes; NaN where
-/// there is none.
-pub type EightTriangles = [[[f32; 8]; 3]; 3];
+/// Triangles as a structure of arrays, as many as one vector has lanes: three vertices of three components;
+/// NaN where there is none.
+pub type TriangleBlock = [[[f32; NATIVE_WIDTH]; 3]; 3];
 
 impl WoopRay<f32> {
-    /// One ray against eight triangles. Each lane has the bits of the packet's test.
+    /// One ray against the triangles of a block. Each lane has the bits of the packet's test.
     #[inline(always)]
-    pub fn test_eight(&self, triangles: &EightTriangles) -> Option<TriangleHit<F32x8>> {
+    pub fn test_block(&self, triangles: &TriangleBlock) -> Option<TriangleHit<Native>> {
         let [x, y, z] = ORDERS[(self.z_axis & 3) as usize];
-        let splat = F32x8::splat;
+        let splat = Native::splat;
         let origin = Vec3::new(splat(self.origin.x), splat(self.origin.y), splat(self.origin.z));
         let shear = Vec3::new(splat(self.shear.x), splat(self.shear.y), splat(self.shear.z));
-        let row = |vertex: usize, axis: usize| F32x8::load(&triangles[vertex][axis]);
+        let row = |vertex: usize, axis: usize| Native::load(&triangles[vertex][axis]);
         let vertex = |vertex: usize| Vec3::new(row(vertex, x), row(vertex, y), row(vertex, z)) - origin;
         woop(shear, [vertex(0), vertex(1), vertex(2)], exact_edge)
     }
@@ -202,26 +202,29 @@ impl<L: Lane> WoopRay<L> {
         let is = |axis: u32| self.z_axis.equals(L::Bits::splat(axis));
         let (x, y) = (is(0), is(1));
         let vertex = |v: [f32; 3]| {
-            let [a, b, c] = v.map(L::splat);
+            let (a, b, c) = (L::splat(v[0]), L::splat(v[1]), L::splat(v[2]));
             let pick = |of_x: L, of_y: L, of_z: L| L::select(x, of_x, L::select(y, of_y, of_z));
             Vec3::new(pick(b, c, a), pick(c, a, b), pick(a, b, c)) - self.origin
         };
-        woop(self.shear, corners.map(vertex), exact_edge)
+        let [a, b, c] = corners;
+        woop(self.shear, [vertex(a), vertex(b), vertex(c)], exact_edge)
     }
 
-    /// A packet whose rays all have the z axis `axis` against one triangle of eight.
+    /// A packet whose rays all have the z axis `axis` against one triangle of a block.
     #[inline(always)]
     pub fn test_lane_along(
         &self,
         axis: u32,
-        triangles: &EightTriangles,
+        triangles: &TriangleBlock,
         lane: usize,
     ) -> Option<TriangleHit<L>> {
         let [x, y, z] = ORDERS[(axis & 3) as usize];
-        let vertex = |[a, b, c]: [f32; 3]| Vec3::new(L::splat(a), L::splat(b), L::splat(c)) - self.origin;
-        let lane = lane & 7;
-        let corners = triangles.each_ref().map(|rows| vertex([rows[x][lane], rows[y][lane], rows[z][lane]]));
-        woop(self.shear, corners, exact_edge)
+        let lane = lane & (NATIVE_WIDTH - 1);
+        let vertex = |rows: &[[f32; NATIVE_WIDTH]; 3]| {
+            Vec3::new(L::splat(rows[x][lane]), L::splat(rows[y][lane]), L::splat(rows[z][lane])) - self.origin
+        };
+        let [a, b, c] = triangles;
+        woop(self.shear, [vertex(a), vertex(b), vertex(c)], exact_edge)
     }
 }
 
@@ -271,8 +274,8 @@ impl TriangleMethod for Woop {
     fn test<L: Lane>(ray: &WoopRay<L>, triangle: &WoopTriangle, limit: L) -> TriangleHit<L> {
         within(woop(ray.shear, ray.vertices(triangle), exact_edge), limit)
     }
-    /// The vertices that a, b, c and a, c, d share are transformed once, and each lane goes on with the triangle
-    /// that its line passes.
+    /// The vertices that a, b, c and a, c, d share are transformed once, and each lane goes on with the
+    /// triangle that its line passes.
     #[inline(always)]
     fn test_pair<L: Lane>(ray: &WoopRay<L>, [first, second]: [&WoopTriangle; 2]) -> Option<PairHit<L>> {
         let ([a, b, c], d) = (ray.vertices(first), ray.vertex(&second.rows[2]));

@@ -1,14 +1,13 @@
-//! Ray streams: many rays traverse the tree together. Each node is read once for all rays that reach it, and
-//! its planes stay in registers.
+//! Ray streams: many rays traverse the tree together. Each node is read once for all rays that reach it.
 //!
-//! At a node each ray of its list is tested against eight boxes; the masks are compressed into a list of rays
-//! for each child. Children are visited in the order of their mean entry distance, or in slot order where any
-//! hit will do. Lists too short to pay are traced as single rays.
+//! At a node each ray of its list is tested against the boxes of all children; the masks are compressed into
+//! a list of rays for each child. Children are visited in the order of their mean entry distance, or in slot
+//! order where any hit will do. Single rays, of which no list would pay, are traced as such.
 //!
-//! Rays of all octants share a list: each ray selects the planes that it meets first. A batch sorted by
-//! octant, as in the source, saves the selection, but its lists have an eighth of the rays, and bounces are
-//! 1.1 times slower on 4,000 triangles, 1.6 times on 48,000. Only whole pieces of a batch within one octant,
-//! as most of primary rays, are traced octant by octant: 1.1 times faster.
+//! Rays of all octants share a list: an entry holds the ray's octant, from which follow the rows of the
+//! planes that it meets first. A batch sorted by octant, as in the source, saves that, but its lists have an
+//! eighth of the rays, and bounces are 1.1 times slower on 4,000 triangles, 1.6 times on 48,000. Only in
+//! batches within one octant, as most of primary rays, the planes stay in registers: up to 1.1 times faster.
 //!
 //! Source: Tsakok, "Faster Incoherent Rays: Multi-BVH Ray Stream Tracing", HPG 2009.
 
@@ -16,15 +15,15 @@ mod record;
 
 use super::counter::CounterSink;
 use super::hierarchy::Hierarchy;
-use super::prepared::SingleRay;
+use super::prepared::{SingleRay, splat_slabs};
 use super::rays::{Hits, Rays};
 use super::single;
 use super::stack::Stack;
 use crate::bvh::{Child, WIDE};
-use crate::kernel::ray_box::{Padding, Slabs};
-use crate::lane::{Bits, F32x8, Lane, Mask, U32x8, set_bits};
+use crate::kernel::ray_box::Padding;
+use crate::lane::{Bits, F32x8, Lane, Mask, NATIVE_WIDTH, Native, NativeBits, set_bits};
 use crate::math::{Hit, Ray, Vec3};
-use record::{MIXED, OCTANTS, Octant, Record};
+use record::Record;
 
 /// Rays of a batch. Larger batches share the reads of a large tree, until the records, 64 bytes a ray, leave
 /// the second-level cache: half as many are 3 % faster on 4,000 triangles, 3 % slower on 48,000 and 20 % on a
@@ -34,11 +33,16 @@ pub const BATCH: usize = 8192;
 const PIECES: usize = u32::BITS as usize;
 /// Rays of a piece.
 pub const PIECE: usize = BATCH / PIECES;
+/// Entries of a list that are read and written at once.
+const PACKET: usize = NATIVE_WIDTH;
 /// Lists of at most this many rays are traced one by one.
-const MAX_SINGLE: usize = 2;
+const MAX_SINGLE: usize = 1;
 
-/// An entry of a list: a ray's index in its batch, and from this bit on the axis of its triangle tests.
+/// An entry of a list: a ray's index in its batch, and from this bit on the axis of its triangle tests, two
+/// bits.
 const AXIS_SHIFT: u32 = BATCH.trailing_zeros();
+/// From this bit on, one bit for each axis along which the ray runs backwards.
+const OCTANT_SHIFT: u32 = AXIS_SHIFT + 2;
 
 /// Working memory of a thread: about a MiB.
 pub struct Stream {
@@ -65,7 +69,7 @@ impl Stream {
             records: bytemuck::zeroed_box(),
             axes: bytemuck::zeroed_box(),
             lists: vec![0; 16 * BATCH],
-            masks: vec![0; BATCH + WIDE],
+            masks: vec![0; BATCH + PACKET],
             stack: Stack::new(),
         }
     }
@@ -98,42 +102,33 @@ impl Stream {
     ) {
         debug_assert!(rays.len() <= BATCH);
         let of_piece = |piece: usize| piece * PIECE..rays.len().min((piece + 1) * PIECE);
-        let mut by_octant = [0u32; OCTANTS + 1];
-        for piece in set_bits(pieces) {
-            by_octant[self.prepare_piece(of_piece(piece), hierarchy.padding, rays, hits)] |= 1 << piece;
-        }
-        for (octant, pieces) in by_octant.into_iter().enumerate() {
-            let mut count = 0;
-            for piece in set_bits(pieces).map(of_piece) {
-                let entries = self.lists[count..].iter_mut().zip(&self.axes[piece.clone()]);
-                for ((entry, axis), at) in entries.zip(piece.start as u32..) {
-                    *entry = at | axis;
-                }
-                count += piece.len();
+        let (mut count, mut octants) = (0, [u32::MAX, 0]);
+        for piece in set_bits(pieces).map(of_piece) {
+            self.prepare_piece(piece.clone(), hierarchy.padding, rays, hits);
+            let entries = self.lists[count..].iter_mut().zip(&self.axes[piece.clone()]);
+            for ((entry, axis), at) in entries.zip(piece.start as u32..) {
+                *entry = at | axis;
+                octants = [octants[0] & axis, octants[1] | axis];
             }
-            if count > 0 {
-                let mut rays = StreamTraversal { stream: self, hierarchy, rays, hits, octant, counter };
-                if octant == MIXED {
-                    rays.node::<ANY, false>(0, 0, count, count + WIDE);
-                } else {
-                    rays.node::<ANY, true>(0, 0, count, count + WIDE);
-                }
+            count += piece.len();
+        }
+        if count > 0 {
+            let mut rays = StreamTraversal { stream: self, hierarchy, rays, hits, counter };
+            // The bits of the octant are the highest.
+            let [all, any] = octants.map(|bits| bits >> OCTANT_SHIFT);
+            if !ANY && all == any {
+                rays.node::<ANY, true>(0, 0, count, count + PACKET);
+            } else {
+                rays.node::<ANY, false>(0, 0, count, count + PACKET);
             }
         }
     }
 
-    /// Prepares the rays of a piece; returns the octant that they all run into, or [`MIXED`].
-    fn prepare_piece(
-        &mut self,
-        piece: std::ops::Range<usize>,
-        padding: Padding,
-        rays: &Rays,
-        hits: &Hits,
-    ) -> usize {
-        let whole = piece.end - piece.len() % WIDE;
-        let mut octant = Octant::default();
-        for at in (piece.start..whole).step_by(WIDE) {
-            self.prepare(at, &rays.packet(at), padding, F32x8::load(&hits.t[at..]), &mut octant);
+    /// Prepares the rays of a piece.
+    fn prepare_piece(&mut self, piece: std::ops::Range<usize>, padding: Padding, rays: &Rays, hits: &Hits) {
+        let whole = piece.end - piece.len() % F32x8::WIDTH;
+        for at in (piece.start..whole).step_by(F32x8::WIDTH) {
+            self.prepare(at, &rays.packet(at), padding, F32x8::load(&hits.t[at..]));
         }
         if whole < piece.end {
             // An incomplete last packet is filled with its first ray.
@@ -142,28 +137,16 @@ impl Stream {
             let vector =
                 |columns: [&[f32]; 3]| Vec3::new(lane(columns[0]), lane(columns[1]), lane(columns[2]));
             let ray = Ray { origin: vector(rays.origin), direction: vector(rays.direction) };
-            self.prepare(whole, &ray, padding, lane(hits.t), &mut octant);
+            self.prepare(whole, &ray, padding, lane(hits.t));
         }
-        octant.index()
     }
 
     #[inline(always)]
-    fn prepare(&mut self, at: usize, ray: &Ray<F32x8>, padding: Padding, t: F32x8, octant: &mut Octant) {
-        let (records, axes) = Record::of_packet(ray, padding, t, octant);
-        self.records[at..at + WIDE].copy_from_slice(&records);
-        axes.shl(AXIS_SHIFT).store(&mut self.axes[at..]);
+    fn prepare(&mut self, at: usize, ray: &Ray<F32x8>, padding: Padding, t: F32x8) {
+        let (records, axes, octants) = Record::of_packet(ray, padding, t);
+        self.records[at..at + F32x8::WIDTH].copy_from_slice(&records);
+        (axes.shl(AXIS_SHIFT) | octants.shl(OCTANT_SHIFT)).store(&mut self.axes[at..]);
     }
-}
-
-/// A child and the list of rays that reach it.
-#[derive(Clone, Copy)]
-struct ChildList {
-    /// Their mean entry distance.
-    distance: f32,
-    child: Child,
-    /// Index of the first in the lists.
-    start: u32,
-    count: u32,
 }
 
 /// The traversal of those rays of a batch that are traced together.
@@ -172,8 +155,6 @@ struct StreamTraversal<'a, 'b, C> {
     hierarchy: &'a Hierarchy,
     rays: &'a Rays<'a>,
     hits: &'a mut Hits<'b>,
-    /// The one that all rays run into, or [`MIXED`].
-    octant: usize,
     counter: C,
 }
 
@@ -191,30 +172,26 @@ impl<C: CounterSink> StreamTraversal<'_, '_, C> {
         self.counter.node(node, count);
         let Stream { records, lists, masks, .. } = &mut *self.stream;
         let boxes = node.boxes();
-        let plane = |plane: usize| F32x8::load(&boxes[plane & 7]);
-        // The lower and the upper planes; with one octant those that its rays meet first and second.
-        let backwards = |axis: usize| usize::from(ONE) & (self.octant >> axis);
-        let front = [0, 1, 2].map(|axis| plane(axis + 3 * backwards(axis)));
-        let back = [0, 1, 2].map(|axis| plane(axis + 3 - 3 * backwards(axis)));
-        let mut distances = F32x8::zero();
+        // The planes that a ray meets first along each axis, and those that it meets second: rows of the
+        // boxes, of which `& 7` keeps the index inside.
+        let planes = |entry: u32| {
+            let row = |row: u32| Native::load(&boxes[row as usize & 7]);
+            let upper = |axis: u32| 3 * (entry >> (OCTANT_SHIFT + axis) & 1);
+            let (x, y, z) = (upper(0), upper(1), upper(2));
+            let first = Vec3::new(row(x), row(1 + y), row(2 + z));
+            (first, Vec3::new(row(3 - x), row(4 - y), row(5 - z)))
+        };
+        let of_first_ray = planes(lists[start]);
+        let mut distances = Native::zero();
         let mut all = 0;
-        for (mask, &ray) in masks.iter_mut().zip(&lists[start..start + count]) {
-            let Record { inverse, near, far, t, .. } = &records[ray as usize & (BATCH - 1)];
-            let [inverse, near, far] = [inverse, near, far].map(|column| column.map(F32x8::splat));
-            let planes: [_; 3] = std::array::from_fn(|axis| {
-                // Differs from `< 0` only for −0, the inverse of an infinite direction: its product with any
-                // plane is 0.
-                let backwards = inverse[axis].is_sign_negative();
-                let pick = |a, b| if ONE { a } else { F32x8::select(backwards, b, a) };
-                (pick(front[axis], back[axis]), pick(back[axis], front[axis]))
-            });
-            let vector = |[x, y, z]: [F32x8; 3]| Vec3::new(x, y, z);
-            let slabs = Slabs { inverse: vector(inverse), near: vector(near), far: vector(far) };
-            let [first, second] = [planes.map(|axis| axis.0), planes.map(|axis| axis.1)].map(vector);
+        for (mask, &entry) in masks.iter_mut().zip(&lists[start..start + count]) {
+            let record = &records[entry as usize & (BATCH - 1)];
+            let slabs = splat_slabs(&record.slabs());
+            let (first, second) = if ONE { of_first_ray } else { planes(entry) };
             let (near, far) = slabs.interval(first, second);
             // A NaN is in both near and far; max or min keeps it, and it passes no box, not even an empty
             // one.
-            let (near, far) = (F32x8::zero().max(near), F32x8::splat(*t).min(far));
+            let (near, far) = (Native::zero().max(near), Native::splat(record.t).min(far));
             let passes = near.le(far);
             if !ANY {
                 distances = distances + near.only(passes);
@@ -233,45 +210,48 @@ impl<C: CounterSink> StreamTraversal<'_, '_, C> {
             std::hint::black_box(touched);
         }
         // One list for each child that some ray reaches, in whole packets.
-        let most = (all.count_ones() as usize) * (count + WIDE);
+        let most = (all.count_ones() as usize) * (count + PACKET);
         if lists.len() < free + most {
             lists.resize(free + most, 0);
         }
-        let mut children = [ChildList { distance: 0.0, child: Child::NONE, start: 0, count: 0 }; WIDE];
+        let mut starts = [(0, 0); WIDE];
+        let mut order = [0u64; WIDE];
+        let order = &mut order[..all.count_ones() as usize];
         let mut top = free;
         // The list is read in whole packets; the masks behind its end are cleared, so that entries there join
         // no list.
-        masks[count..count + WIDE].fill(0);
-        let packets = count.div_ceil(WIDE);
+        masks[count..count + PACKET].fill(0);
+        let packets = count.div_ceil(PACKET);
         let (read, write) = lists.split_at_mut(free);
-        let from = &read[start..start + packets * WIDE].as_chunks::<WIDE>().0;
-        let masks = &masks.as_chunks::<WIDE>().0[..packets];
-        for (listed, slot) in children.iter_mut().zip(set_bits(all).map(|slot| slot & (WIDE - 1))) {
-            let bit = U32x8::splat(1 << slot);
+        let from = &read[start..start + packets * PACKET].as_chunks::<PACKET>().0;
+        let masks = &masks.as_chunks::<PACKET>().0[..packets];
+        for (order, slot) in order.iter_mut().zip(set_bits(all).map(|slot| slot & (WIDE - 1))) {
+            let bit = NativeBits::splat(1 << slot);
             let begin = top;
             for (masks, rays) in masks.iter().zip(*from) {
-                let passes = (U32x8::load(masks) & bit).equals(bit);
-                let indices = F32x8::compress_indices(passes);
-                F32x8::compress_bits(U32x8::load(rays), indices).store(&mut write[top - free..]);
+                let passes = (NativeBits::load(masks) & bit).equals(bit);
+                let indices = Native::compress_indices(passes);
+                Native::compress_bits(NativeBits::load(rays), indices).store(&mut write[top - free..]);
                 top += passes.count();
             }
-            let count = top - begin;
-            let distance = distances.get(slot) / count as f32;
-            let child = node.children()[slot];
-            *listed = ChildList { distance, child, start: begin as u32, count: count as u32 };
+            starts[slot] = (begin as u32, (top - begin) as u32);
+            // Sorted as integers: the bits of non-negative floats have the order of the floats.
+            let distance = if ANY { 0.0 } else { distances.get(slot) / (top - begin) as f32 };
+            *order = u64::from(distance.to_bits()) << 32 | slot as u64;
         }
-        let children = &mut children[..all.count_ones() as usize];
         if !ANY {
-            children.sort_unstable_by(|a, b| a.distance.total_cmp(&b.distance));
+            order.sort_unstable();
         }
-        for &ChildList { child, start, count, .. } in children.iter() {
+        for &order in order.iter() {
+            let slot = order as usize & (WIDE - 1);
+            let (child, (start, count)) = (node.children()[slot], starts[slot]);
             let (start, count) = (start as usize, count as usize);
             if child.is_leaf() {
                 self.leaf::<ANY>(child, start, count);
             } else if count <= MAX_SINGLE {
                 self.one_by_one::<ANY>(child, start, count);
             } else {
-                self.node::<ANY, ONE>(child.index(), start, count, top + WIDE);
+                self.node::<ANY, ONE>(child.index(), start, count, top + PACKET);
             }
         }
     }
@@ -346,7 +326,7 @@ fn update_hits<const ANY: bool>(
         if ANY && record.t < 0.0 {
             continue;
         }
-        if let Some(hit) = find(ListedRay { ray, axis: entry >> AXIS_SHIFT, record, hits }) {
+        if let Some(hit) = find(ListedRay { ray, axis: entry >> AXIS_SHIFT & 3, record, hits }) {
             record.store_hit::<ANY>(ray, &hit, hits);
         }
     }

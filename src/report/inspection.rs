@@ -292,8 +292,9 @@ impl TextureReport {
             filter: match texture.filter {
                 Filter::Nearest => "nearest",
                 Filter::Bilinear => "bilinear",
+                Filter::Trilinear => "trilinear",
             },
-            memory_bytes: texture.texels.bytes(),
+            memory_bytes: texture.bytes(),
         }
     }
 

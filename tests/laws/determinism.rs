@@ -125,7 +125,7 @@ fn everything_of(triangles: usize) -> Scene {
     scene.textures = vec![
         noise(&mut rng, 5, 3, Filter::Nearest),
         noise(&mut rng, 4, 7, Filter::Bilinear),
-        noise(&mut rng, 16, 8, Filter::Bilinear),
+        noise(&mut rng, 16, 8, Filter::Trilinear),
     ];
     scene.sky = Sky::Texture { texture: 2, color: Vec3::new(1.0, 0.9, 0.8), turn: 0.4 };
     scene

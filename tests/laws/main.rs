@@ -21,6 +21,7 @@ mod frustum_edges;
 mod frustum_laws;
 mod hierarchy_laws;
 mod kernel_box;
+mod kernel_ray_cone;
 mod kernel_sphere;
 mod kernel_sphere_box;
 mod kernel_texture;

@@ -40,7 +40,7 @@ enum Extra {
     Crowd,
 }
 
-const EXTRAS: [Extra; 15] = [
+const EXTRAS: [Extra; 17] = [
     Extra::None,
     Extra::Triangles,
     Extra::Smooth,
@@ -48,11 +48,13 @@ const EXTRAS: [Extra; 15] = [
     Extra::Glow,
     Extra::Picture(Filter::Nearest),
     Extra::Picture(Filter::Bilinear),
+    Extra::Picture(Filter::Trilinear),
     Extra::Roughness,
     Extra::Normals,
     Extra::Gradient,
     Extra::SkyPicture(Filter::Nearest),
     Extra::SkyPicture(Filter::Bilinear),
+    Extra::SkyPicture(Filter::Trilinear),
     Extra::RoundLamp,
     Extra::Lamps,
     Extra::Crowd,

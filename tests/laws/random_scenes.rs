@@ -192,7 +192,7 @@ fn scene(rng: &mut Rng) -> Scene {
     let textures = rng.index(4);
     let mut scene = Scene { resolution: [5, 4], max_bounces: rng.index(7) as u32, ..empty() };
     for _ in 0..textures {
-        let filter = of(rng, &[Filter::Nearest, Filter::Bilinear]);
+        let filter = of(rng, &[Filter::Nearest, Filter::Bilinear, Filter::Trilinear]);
         let [width, height] = [(); 2].map(|()| 1 + rng.index(6) as u32);
         scene.textures.push(noise(rng, width, height, filter));
     }

@@ -187,7 +187,7 @@ fn packets_and_judge_agree_on_the_furnace_of_ggx() {
 /// A tilted wall behind three balls, all with pictures on them, under a sky that is one.
 #[test]
 fn packets_and_judge_agree_on_pictures_on_spheres_triangles_and_sky() {
-    for filter in [Filter::Nearest, Filter::Bilinear] {
+    for filter in [Filter::Nearest, Filter::Bilinear, Filter::Trilinear] {
         let mut rng = Rng(61);
         let textures = vec![noise(&mut rng, 7, 5, filter), noise(&mut rng, 4, 6, filter)];
         let shown = |kind, texture| Material { texture: Some(texture), ..material(kind) };

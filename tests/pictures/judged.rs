@@ -31,7 +31,7 @@ fn balls(kind: MaterialKind) -> Scene {
 
 /// At most one pixel in a hundred is off by more than a thousandth.
 #[track_caller]
-fn assert_is_the_judges(name: &str, scene: &Scene) {
+pub fn assert_is_the_judges(name: &str, scene: &Scene) {
     let max_bounces = scene.max_bounces;
     let settings = Settings { resolution: [48, 32], max_bounces, seed: 3, ..Settings::of(scene) };
     let renderer = Renderer::new(scene, settings);

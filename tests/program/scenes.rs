@@ -127,6 +127,12 @@ fn inspect_reports_textures_gradient_and_needs() {
             .and(contains("(0.25, 0.5, 1) below to (1, 0.5, 0.25) above"))
             .and(contains("triangles, diffuse, textures, sky-gradient\n")),
     );
+    // A level more, of one texel.
+    desk.write("levels.json", &GRADIENT.replace("nearest", "trilinear"));
+    desk.octray(&["inspect", "levels.json"]).assert().success().stdout(
+        contains("models/paper.png: 2×2, trilinear, 20 B")
+            .and(contains("textures, bilinear, sky-gradient, levels-of-detail\n")),
+    );
 }
 
 #[test]

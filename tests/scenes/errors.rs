@@ -337,7 +337,7 @@ fn skies_with_conflicting_keys_are_refused() {
         with("\"sky\": { \"filter\": \"cubic\" }"),
         "`cubic`",
         "sky.filter",
-        "one of nearest, bilinear",
+        "one of nearest, bilinear, trilinear",
     );
 }
 

@@ -180,10 +180,15 @@ fn texture_used_twice_is_loaded_once_for_each_filter() {
         &folder,
         r#"{ "format": "octray-1", "spheres": [{ "center": [0,0,0], "radius": 1 }], "materials": {
         "a": { "type": "diffuse", "texture": "p.png" }, "b": { "type": "metal", "texture": "p.png" },
-        "c": { "type": "metal", "texture": "p.png", "filter": "nearest" } } }"#,
+        "c": { "type": "metal", "texture": "p.png", "filter": "nearest" },
+        "d": { "type": "metal", "texture": "p.png", "filter": "trilinear" } },
+        "sky": { "texture": "p.png", "filter": "trilinear" } }"#,
     );
-    let numbers: Vec<_> = scene.materials.iter().take(3).map(|material| material.texture.unwrap()).collect();
-    assert_eq!((numbers, scene.textures.len()), (vec![0, 0, 1], 2));
+    let numbers: Vec<_> = scene.materials.iter().take(4).map(|material| material.texture.unwrap()).collect();
+    assert_eq!(numbers, [0, 0, 1, 2]);
+    let filters: Vec<_> = scene.textures.iter().map(|texture| texture.filter).collect();
+    assert_eq!(filters, [Filter::Bilinear, Filter::Nearest, Filter::Trilinear]);
+    assert!(matches!(scene.sky, Sky::Texture { texture: 2, .. }));
 }
 
 #[test]

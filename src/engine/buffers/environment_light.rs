@@ -69,7 +69,7 @@ impl EnvironmentLight {
         // lookups blend between texel centres.
         let spread: &[(usize, f64)] = match texture.filter {
             Filter::Nearest => &[(1, 1.0)],
-            Filter::Bilinear => &[(0, 0.125), (1, 0.75), (2, 0.125)],
+            Filter::Bilinear | Filter::Trilinear => &[(0, 0.125), (1, 0.75), (2, 0.125)],
         };
         let mut sums = vec![0.0; rows * columns];
         let mut weights = vec![0.0; rows * columns];

@@ -58,6 +58,8 @@ features! {
     ROUGHNESS_MAPS = 21, "roughness-maps";
     METAL_ROUGH = 22, "metal-rough";
     EMISSION_MAPS = 23, "emission-maps";
+    /// Some texture is filtered trilinearly: paths carry ray cones.
+    LEVELS_OF_DETAIL = 24, "levels-of-detail";
 }
 
 impl Features {
@@ -108,7 +110,8 @@ impl Features {
         need(matches!(scene.sky, Sky::Texture { .. }), Self::SKY_TEXTURE);
         let mut texture = |texture: u32| {
             let texture = &scene.textures[texture as usize];
-            need(texture.filter == Filter::Bilinear, Self::BILINEAR);
+            need(texture.filter != Filter::Nearest, Self::BILINEAR);
+            need(texture.filter == Filter::Trilinear, Self::LEVELS_OF_DETAIL);
             need(matches!(texture.texels, Texels::Float32(_)), Self::LINEAR_TEXTURES);
         };
         if let Sky::Texture { texture: sky, .. } = scene.sky {

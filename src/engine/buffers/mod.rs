@@ -14,6 +14,7 @@ pub mod features;
 mod guiding;
 mod light_border;
 mod lights;
+mod mip_chain;
 mod quads;
 pub mod rows;
 mod spheres;
@@ -46,8 +47,8 @@ pub struct Buffers {
     /// Two rows of eight a triangle: a, ab, offset, material (bits); ac, unit normal, probability of being
     /// chosen as a light, [`Lights::diagonals`].
     pub triangle_rows: Rows,
-    /// One row of eight a triangle: u and v of the three vertices, v downwards; empty without texture
-    /// coordinates.
+    /// One row of eight a triangle: u and v of the three vertices, v downwards, and
+    /// [`surface::texture_density`]; empty without texture coordinates.
     pub uv_rows: Rows,
     /// One row of eight a material: colour, parameter, emission, kind and texture (bits; see
     /// [`MaterialCode`]).
@@ -157,7 +158,7 @@ impl Buffers {
             spheres: Spheres::new(&scene.spheres),
             sphere_rows: Rows::new(spheres.map(|(number, sphere)| sphere_row(sphere, probability(number)))),
             triangle_rows: Rows::new(triangles.flat_map(of_triangle)),
-            uv_rows: Rows::new(scene.uvs.iter().map(uv_row)),
+            uv_rows: Rows::new(scene.triangles.iter().zip(&scene.uvs).map(uv_row)),
             material_rows: Rows::new(scene.materials.iter().map(material_row)),
             normal_rows: Rows::new(scene.normals.iter().flat_map(normal_rows)),
             tangent_rows: Rows::new(tangent_rows(scene)),
@@ -277,10 +278,10 @@ fn normal_rows([a, b, c]: &[Vec3; 3]) -> [[f32; 8]; 2] {
 }
 
 /// See [`Buffers::uv_rows`].
-fn uv_row(uvs: &[glam::Vec2; 3]) -> [f32; 8] {
+fn uv_row((triangle, uvs): (&scene::Triangle, &[glam::Vec2; 3])) -> [f32; 8] {
     let [au, bu, cu] = surface::remove_shared_repeats(uvs.map(|uv| f64::from(uv.x)));
     let [av, bv, cv] = surface::remove_shared_repeats(uvs.map(|uv| 1.0 - f64::from(uv.y)));
-    [au, av, bu, bv, cu, cv, 0.0, 0.0]
+    [au, av, bu, bv, cu, cv, surface::texture_density(triangle.vertices, *uvs), 0.0]
 }
 
 /// See [`Buffers::tangent_rows`].

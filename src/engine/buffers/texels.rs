@@ -1,7 +1,9 @@
 //! The texels of all textures in two pools, display values and linear radiance, and their lookup over lanes.
 
+use super::mip_chain::mip_chain;
 use super::rows::Rows;
-use crate::kernel::texture::{Grid, srgb_to_linear, unorm_to_unit};
+use crate::kernel::ray_cone::level_of_detail;
+use crate::kernel::texture::{Grid, TexturePoint, srgb_to_linear, unorm_to_unit};
 use crate::lane::{Bits, Lane, Mask};
 use crate::math::Vec3;
 use crate::scene::{Filter, TexelKind, Texels, Texture};
@@ -12,8 +14,12 @@ pub struct Textures {
     display: Vec<u32>,
     /// Linear radiance. Never empty.
     linear: Vec<[f32; 4]>,
-    /// One row a texture: width, height, first texel (bits), bilinear (1 or 0), linear radiance (1 or 0).
+    /// One row a texture: width, height, first texel (bits), bilinear (1 or 0), linear radiance (1 or 0), its
+    /// last level of detail, its first row in `levels` (bits).
     grids: Rows,
+    /// One row a level of detail, each texture's own texels first: width, height, first texel (bits). Empty
+    /// where no texture has levels.
+    levels: Rows,
     /// At most [`Rows::FEW`] textures.
     few: bool,
 }
@@ -25,51 +31,120 @@ pub struct Abilities {
     pub bilinear: bool,
     /// Some texture holds linear radiance.
     pub linear: bool,
+    /// Some texture has levels of detail.
+    pub levels: bool,
 }
 
 impl Textures {
     pub(super) fn new(textures: &[Texture]) -> Self {
-        let (mut display, mut linear, mut grids) = (vec![0], vec![[0.0; 4]], Vec::new());
-        for texture in textures {
-            let (first, is_linear) = match &texture.texels {
+        let (mut display, mut linear) = (vec![0], vec![[0.0; 4]]);
+        let (mut grids, mut levels) = (Vec::new(), Vec::new());
+        let has_levels = textures.iter().any(|texture| texture.filter == Filter::Trilinear);
+        let mut add = |[width, height]: [u32; 2], texels: &Texels| {
+            let first = match texels {
                 Texels::Srgb8(texels) | Texels::Unorm8(texels) => {
-                    let first = display.len();
                     display.extend(texels.iter().map(|&texel| u32::from_le_bytes(texel)));
-                    (first, 0.0)
+                    display.len() - texels.len()
                 }
                 Texels::Float32(texels) => {
-                    let first = linear.len();
                     linear.extend_from_slice(texels);
-                    (first, 1.0)
+                    linear.len() - texels.len()
                 }
             };
             let first = u32::try_from(first).expect("scene validation bounds the number of texels");
-            let bilinear = if texture.filter == Filter::Bilinear { 1.0 } else { 0.0 };
-            let (width, height) = (texture.width as f32, texture.height as f32);
-            grids.push([width, height, f32::from_bits(first), bilinear, is_linear, 0.0, 0.0, 0.0]);
+            [width as f32, height as f32, f32::from_bits(first)]
+        };
+        for texture in textures {
+            let [width, height, first] = add([texture.width, texture.height], &texture.texels);
+            let flag = |is: bool| f32::from(u8::from(is));
+            let is_bilinear = flag(texture.filter != Filter::Nearest);
+            let is_linear = flag(matches!(texture.texels, Texels::Float32(_)));
+            let (row, mut last) = (f32::from_bits(levels.len() as u32), 0.0);
+            if has_levels {
+                levels.push([width, height, first, 0.0, 0.0, 0.0, 0.0, 0.0]);
+                for (size, texels) in mip_chain(texture) {
+                    let [width, height, first] = add(size, &texels);
+                    levels.push([width, height, first, 0.0, 0.0, 0.0, 0.0, 0.0]);
+                    last += 1.0;
+                }
+            }
+            grids.push([width, height, first, is_bilinear, is_linear, last, row, 0.0]);
         }
-        Self { display, linear, grids: Rows::new(grids.into_iter()), few: textures.len() <= Rows::FEW }
+        let (grids, levels) = (Rows::new(grids.into_iter()), Rows::new(levels.into_iter()));
+        Self { display, linear, grids, levels, few: textures.len() <= Rows::FEW }
     }
     /// Memory of the texels.
     pub fn bytes(&self) -> usize {
-        size_of_val(self.display.as_slice()) + size_of_val(self.linear.as_slice()) + self.grids.bytes()
+        let texels = size_of_val(self.display.as_slice()) + size_of_val(self.linear.as_slice());
+        texels + self.grids.bytes() + self.levels.bytes()
     }
 
-    /// The colour, or the data, of texture `index` at (u, v), v from the top; u repeats, v repeats, or is
-    /// clamped to the edge where `clamp_v`. Only lanes in `active` are looked up; the others are unspecified.
+    /// The colour, or the data, of texture `index` at a point. Only lanes in `active` are looked up; the
+    /// others are unspecified.
     #[inline(always)]
     pub fn sample<L: Lane>(
         &self,
         index: L::Bits,
-        (u, v): (L, L),
-        clamp_v: L::Mask,
+        at: TexturePoint<L>,
         active: L::Mask,
         abilities: Abilities,
         texel_kind: TexelKind,
     ) -> Vec3<L> {
+        if abilities.levels && !self.levels.is_empty() {
+            return self.sample_levels(index, at, active, texel_kind);
+        }
         let index = L::Bits::select(active, index, L::Bits::splat(0));
         let [width, height, first, is_bilinear, is_linear, ..] = self.grids.fetch::<L>(index, self.few);
         let grid = Grid { width, height, first: first.to_bits() };
+        self.filter(&grid, (is_bilinear, is_linear), at, active, abilities, texel_kind)
+    }
+
+    /// [`Textures::sample`] where textures have levels of detail: the level that the footprint chooses,
+    /// blended with the next one.
+    ///
+    /// Not inlined: it is rarely needed, and much code.
+    #[inline(never)]
+    fn sample_levels<L: Lane>(
+        &self,
+        index: L::Bits,
+        at: TexturePoint<L>,
+        active: L::Mask,
+        texel_kind: TexelKind,
+    ) -> Vec3<L> {
+        let zero = L::Bits::splat(0);
+        let index = L::Bits::select(active, index, zero);
+        let [width, height, _, is_bilinear, is_linear, last, row, _] = self.grids.fetch::<L>(index, self.few);
+        let abilities = Abilities { bilinear: true, linear: true, levels: true };
+        let filter = |level: L, lanes: L::Mask| {
+            let index = row.to_bits().wrapping_add(level.truncate_to_int());
+            let [width, height, first, ..] =
+                self.levels.fetch::<L>(L::Bits::select(lanes, index, zero), false);
+            let grid = Grid { width, height, first: first.to_bits() };
+            self.filter(&grid, (is_bilinear, is_linear), at, lanes, abilities, texel_kind)
+        };
+        let level = level_of_detail(at.footprint, width * height, last);
+        let lower = level.floor();
+        let color = filter(lower, active);
+        let blend = level - lower;
+        let between = active & L::zero().lt(blend);
+        if !between.any() {
+            return color;
+        }
+        let coarser = filter(lower + L::one(), between);
+        Vec3::select(between, (coarser - color).mul_add(blend, color), color)
+    }
+
+    /// The texture at a point of one of its levels. `is_bilinear` and `is_linear` are those of the table.
+    #[inline(always)]
+    fn filter<L: Lane>(
+        &self,
+        grid: &Grid<L>,
+        (is_bilinear, is_linear): (L, L),
+        TexturePoint { u, v, clamp_v, .. }: TexturePoint<L>,
+        active: L::Mask,
+        abilities: Abilities,
+        texel_kind: TexelKind,
+    ) -> Vec3<L> {
         let linear = active & L::zero().lt(is_linear);
         let read = |texel: L::Bits| self.read::<L>(texel, active, linear, abilities, texel_kind);
         let smooth = active & L::zero().lt(is_bilinear);

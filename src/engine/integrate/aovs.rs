@@ -152,7 +152,8 @@ pub(crate) fn render_row(context: &TraceContext, y: u32, row: &mut [f32], scratc
 
 /// The planes of the packet at `at`.
 fn aovs(context: &TraceContext, scratch: &Scratch, at: usize, count: usize) -> [L; PLANES] {
-    let path = Path::primary(scratch.queue.ray::<L>(at), B::splat(0), B::splat(0));
+    let cone = context.primary_cone::<L, ALL>();
+    let path = Path::primary(scratch.queue.ray::<L>(at), B::splat(0), B::splat(0), cone);
     Seen::of(context, &path, &scratch.queue.hit(at), <L as Lane>::Mask::first(count - at)).planes(context)
 }
 
@@ -178,7 +179,8 @@ impl Seen {
         let (normal, lobe, object) = (Vec3::zero(), one, B::splat(MISS));
         let mut seen = Self { hit: *hit, found, surface: None, normal, albedo, scale, lobe, object };
         if !found.all() {
-            let radiance = environment_radiance::<L, ALL>(context, direction, active & !found);
+            let radiance =
+                environment_radiance::<L, ALL>(context, direction, path.cone.spread, active & !found);
             (seen.albedo, seen.scale) = displayable(radiance);
         }
         if found.any() {

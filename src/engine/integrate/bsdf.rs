@@ -63,6 +63,8 @@ pub struct ScatteredPath<L: Lane> {
     pub path: Path<L>,
     /// Those that go on.
     pub alive: L::Mask,
+    /// Those that a delta lobe scattered.
+    pub is_delta: L::Mask,
     /// Where rays to the lights start: at lobes that are none of mirrors and glass, the path's origin.
     pub near_side: Vec3<L>,
 }
@@ -138,8 +140,8 @@ fn scatter_inlined<L: Lane, const N: u32>(
     let ray = leave::<L, N>(surface, material, ng, sample.wi, (found, is_delta));
     let inv_pdf =
         if has(N, Features::LIGHTS) { L::one() / sample.pdf.max(L::splat(1e-30)) } else { L::zero() };
-    let path = Path { ray, throughput, inv_pdf, key: path.key, slot: path.slot };
-    ScatteredPath { path, alive: sample.alive & !dark, near_side }
+    let path = Path { ray, throughput, inv_pdf, ..*path };
+    ScatteredPath { path, alive: sample.alive & !dark, is_delta, near_side }
 }
 
 /// The ray that leaves a surface in the lanes of `found`; those of `is_delta` have a delta lobe.

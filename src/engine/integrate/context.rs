@@ -1,10 +1,14 @@
 //! What every stage reads.
 //!
-//! For: [`TraceContext`]. May import: `buffers`, `camera`, `sampling`, `traverse`. Must never know: stages,
-//! queues.
+//! For: [`TraceContext`]. May import: `features`, `queue`, `buffers`, `camera`, `sampling`, `traverse`. Must
+//! never know: stages.
 
-use crate::buffers::Buffers;
+use super::features::{carries_cones, has};
+use super::queue::QueueColumns;
+use crate::buffers::{Buffers, Features};
 use crate::camera::{Pinhole, Tile};
+use crate::kernel::ray_cone::Cone;
+use crate::lane::Lane;
 use crate::sampling::Sampler;
 use crate::traverse::{Occluders, PrimitiveList, Primitives};
 
@@ -32,6 +36,22 @@ pub struct TraceContext {
 }
 
 impl TraceContext {
+    /// Whether paths carry ray cones.
+    #[inline(always)]
+    pub fn carries_cones<const N: u32>(&self) -> bool {
+        carries_cones(N, self.buffers.needs)
+    }
+    /// The columns of the path queue that are stored.
+    #[inline(always)]
+    pub fn columns<const N: u32>(&self) -> QueueColumns {
+        QueueColumns { lights: has(N, Features::LIGHTS), cones: self.carries_cones::<N>() }
+    }
+    /// The cones of primary rays.
+    #[inline(always)]
+    pub fn primary_cone<L: Lane, const N: u32>(&self) -> Cone<L> {
+        if self.carries_cones::<N>() { Cone::of_pixel(self.camera.pixel_size()) } else { Cone::none() }
+    }
+
     /// How many spheres and triangles each ray of a tile is tested against, where there is no hierarchy: all
     /// of them, or for the primary rays of a `tile` those that it can see.
     pub fn linear_tests(&self, tile: Option<Tile>) -> Option<[usize; 2]> {

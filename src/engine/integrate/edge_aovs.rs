@@ -1,7 +1,7 @@
 //! The denoiser's AOVs: those of what mirrors and glass show, and of several points of pixels at edges.
 //!
-//! For: [`DenoiserAovs`], [`EdgePixel`]. May import: `aovs`, `bsdf`, `intersect`, `scratch` and what stands
-//! above them. Must never know: films, filters.
+//! For: [`DenoiserAovs`], [`EdgePixel`]. May import: `aovs`, `bsdf`, `cone`, `intersect`, `scratch` and what
+//! stands above them. Must never know: films, filters.
 //!
 //! At a delta lobe the path continues as the likelier of the estimator's paths does: along the reflection,
 //! or at glass along the more likely one of reflection and refraction. Normal, lobe and albedo are those of
@@ -11,6 +11,7 @@
 
 use super::aovs::{ALL, Aovs, Plane, Seen};
 use super::bsdf::follow_delta;
+use super::cone::scattered_cone;
 use super::context::TraceContext;
 use super::intersect::intersect_queue;
 use super::queue::Path;
@@ -254,10 +255,13 @@ impl Points {
 
     /// Traces the paths of the points; calls `put` with the slot of each, and what it shows.
     fn trace(&self, context: &TraceContext, scratch: &mut Scratch, mut put: impl FnMut(usize, Shown)) {
+        // `inv_pdf` holds distances.
+        let columns = context.columns::<ALL>();
         for at in (0..self.count).step_by(L::WIDTH) {
             let ray = context.camera.rays(L::load(&self.x[at..]), L::load(&self.y[at..]));
-            let path = Path::primary(ray, B::splat(0), B::load(&self.slots[at..]));
-            scratch.queue.store_path(at, &path, true);
+            let cone = context.primary_cone::<L, ALL>();
+            let path = Path::primary(ray, B::splat(0), B::load(&self.slots[at..]), cone);
+            scratch.queue.store_path(at, &path, columns);
         }
         let most = MAX_FOLLOWED.min(context.max_bounces);
         let mut count = self.count;
@@ -269,7 +273,7 @@ impl Points {
             intersect_queue::<L>(context, None, scratch, count, kind);
             let mut going_on = 0;
             for at in (0..count).step_by(L::WIDTH) {
-                let path = scratch.queue.path::<L>(at, true);
+                let path = scratch.queue.path::<L>(at, columns);
                 let hit = scratch.queue.hit::<L>(at);
                 let active = <L as Lane>::Mask::first(count - at);
                 let seen = Seen::of(context, &path, &hit, active);
@@ -296,10 +300,11 @@ impl Points {
                             inv_pdf: path.inv_pdf + hit.t,
                             key: id,
                             slot: path.slot,
+                            cone: scattered_cone(&path, surface, material, goes_on),
                         };
                         // In place: no more paths go on than were read.
                         let next = next.compress(L::compress_indices(goes_on));
-                        scratch.queue.store_path(going_on, &next, true);
+                        scratch.queue.store_path(going_on, &next, columns);
                         going_on += goes_on.count();
                     }
                 }

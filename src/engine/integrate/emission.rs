@@ -13,7 +13,9 @@ use super::material::MaterialSample;
 use super::queue::Path;
 use super::surface::Surface;
 use crate::buffers::Features;
+use crate::kernel::ray_cone;
 use crate::kernel::surface::latitude_longitude;
+use crate::kernel::texture::TexturePoint;
 use crate::lane::{Bits, Lane, Mask};
 use crate::math::Vec3;
 use crate::scene::TexelKind;
@@ -53,7 +55,8 @@ pub fn missed_radiance<L: Lane, const N: u32, const FIRST: bool>(
     if !missed.any() {
         return Vec3::zero();
     }
-    let mut radiance = environment_radiance::<L, N>(context, path.ray.direction, missed) * path.throughput;
+    let mut radiance =
+        environment_radiance::<L, N>(context, path.ray.direction, path.cone.spread, missed) * path.throughput;
     if !FIRST
         && has(N, Features::LIGHTS)
         && has(N, Features::SKY_TEXTURE)
@@ -65,11 +68,13 @@ pub fn missed_radiance<L: Lane, const N: u32, const FIRST: bool>(
     Vec3::select(missed, radiance, Vec3::zero())
 }
 
-/// The environment's radiance from a direction; unspecified in lanes outside `mask`.
+/// The environment's radiance from a direction, in a cone of the angle `spread`; unspecified in lanes outside
+/// `mask`.
 #[inline(always)]
 pub fn environment_radiance<L: Lane, const N: u32>(
     context: &TraceContext,
     direction: Vec3<L>,
+    spread: L,
     mask: L::Mask,
 ) -> Vec3<L> {
     let sky = &context.buffers.sky;
@@ -80,18 +85,15 @@ pub fn environment_radiance<L: Lane, const N: u32>(
     }
     if has(N, Features::SKY_TEXTURE) && context.buffers.needs.contains(Features::SKY_TEXTURE) {
         let (u, v) = latitude_longitude(direction);
-        let coordinates = (u + L::splat(sky.turn), v);
+        let mut footprint = L::zero();
+        if context.carries_cones::<N>() {
+            footprint = ray_cone::footprint(spread, L::one(), ray_cone::sphere_density(direction, L::one()));
+        }
+        let clamp_v = L::Mask::splat(true);
+        let at = TexturePoint { u: u + L::splat(sky.turn), v, clamp_v, footprint };
         let index = L::Bits::splat(sky.texture);
-        let everywhere = L::Mask::splat(true);
-        radiance = radiance
-            * context.buffers.textures.sample(
-                index,
-                coordinates,
-                everywhere,
-                mask,
-                abilities(N),
-                TexelKind::Color,
-            );
+        radiance =
+            radiance * context.buffers.textures.sample(index, at, mask, abilities(N), TexelKind::Color);
     }
     radiance
 }

@@ -1,7 +1,7 @@
 //! Tests of a pipeline's feature set.
 //!
 //! For: [`has`], [`is_general`], [`ends_missed`], [`ends_at_emitters`] and [`abilities`], constants once a
-//! pipeline is compiled. May import: `buffers`. Must never know: stages.
+//! pipeline is compiled; [`carries_cones`]. May import: `buffers`. Must never know: stages.
 
 use crate::buffers::{Abilities, Features};
 
@@ -36,5 +36,15 @@ pub const fn ends_at_emitters(n: u32) -> bool {
 /// The texture lookups that the feature set `N` holds.
 #[inline(always)]
 pub const fn abilities(n: u32) -> Abilities {
-    Abilities { bilinear: has(n, Features::BILINEAR), linear: has(n, Features::LINEAR_TEXTURES) }
+    Abilities {
+        bilinear: has(n, Features::BILINEAR),
+        linear: has(n, Features::LINEAR_TEXTURES),
+        levels: has(n, Features::LEVELS_OF_DETAIL),
+    }
+}
+
+/// Do paths carry ray cones? In the general pipeline only those of scenes that need them.
+#[inline(always)]
+pub const fn carries_cones(n: u32, needs: Features) -> bool {
+    has(n, Features::LEVELS_OF_DETAIL) && needs.contains(Features::LEVELS_OF_DETAIL)
 }

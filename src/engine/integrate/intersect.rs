@@ -100,7 +100,7 @@ fn end_paths<L: Lane, const N: u32>(
     left: &mut Intersected,
     hit: impl Fn(&PathQueue, usize) -> Hit<L>,
 ) {
-    let (lights, triangles) = (has(N, Features::LIGHTS), has(N, Features::TRIANGLES));
+    let (columns, triangles) = (context.columns::<N>(), has(N, Features::TRIANGLES));
     let emitters = ending_emitters::<N>(context);
     for at in (0..count).step_by(L::WIDTH) {
         let hit = hit(&scratch.queue, at);
@@ -124,21 +124,21 @@ fn end_paths<L: Lane, const N: u32>(
             left.hits += L::WIDTH;
             continue;
         }
-        let path = scratch.queue.path(at, lights);
+        let path = scratch.queue.path(at, columns);
         if missed.any() {
             let radiance = missed_radiance::<L, N, false>(context, &path, missed);
             left.contributions = scratch.push_contribution(left.contributions, missed, path.slot, radiance);
         }
         if ended.any() {
             let indices = L::compress_indices(ended);
-            scratch.ended.store_path(left.ended, &path.compress(indices), lights);
+            scratch.ended.store_path(left.ended, &path.compress(indices), columns);
             scratch.ended.store_hit(left.ended, &compress_hit(&hit, indices), triangles);
             left.ended += ended.count();
         }
         // In place: no more paths are left than were read, so nothing unread is overwritten.
         if going_on.any() {
             let indices = L::compress_indices(going_on);
-            scratch.queue.store_path(left.hits, &path.compress(indices), lights);
+            scratch.queue.store_path(left.hits, &path.compress(indices), columns);
             scratch.queue.store_hit(left.hits, &compress_hit(&hit, indices), triangles);
             left.hits += going_on.count();
         }

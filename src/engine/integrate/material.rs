@@ -5,11 +5,12 @@
 
 use super::context::TraceContext;
 use super::features::{abilities, has, is_general};
-use super::surface::{Coordinates, Surface};
+use super::surface::Surface;
 use crate::buffers::{Features, MaterialCode};
 use crate::kernel::bsdf::metal_rough::MetalRough;
 use crate::kernel::bsdf::plastic::Plastic;
 use crate::kernel::normals;
+use crate::kernel::texture::TexturePoint;
 use crate::lane::{Bits, Lane, Mask};
 use crate::math::Vec3;
 use crate::scene::TexelKind;
@@ -91,11 +92,11 @@ impl<L: Lane> MaterialSample<L> {
             let texture = code.shr(MaterialCode::TEXTURE_SHIFT);
             let textured = found & !(texture | roughness_map | normal_map | emission_map).equals(none);
             if textured.any() {
-                let coordinates = surface.texture_coordinates::<N>(context, textured);
-                material.apply_color_texture::<N>(context, coordinates, found, texture);
-                material.apply_roughness_map::<N>(context, coordinates, found, roughness_map);
-                material.apply_normal_map::<N>(context, surface, coordinates, found, normal_map);
-                material.apply_emission_map::<N>(context, coordinates, found, emission_map);
+                let at = surface.texture_point::<N>(context, textured);
+                material.apply_color_texture::<N>(context, at, found, texture);
+                material.apply_roughness_map::<N>(context, at, found, roughness_map);
+                material.apply_normal_map::<N>(context, surface, at, found, normal_map);
+                material.apply_emission_map::<N>(context, at, found, emission_map);
             }
         }
         material
@@ -122,7 +123,7 @@ impl<L: Lane> MaterialSample<L> {
     fn apply_color_texture<const N: u32>(
         &mut self,
         context: &TraceContext,
-        at: Coordinates<L>,
+        at: TexturePoint<L>,
         found: L::Mask,
         code: L::Bits,
     ) {
@@ -145,7 +146,7 @@ impl<L: Lane> MaterialSample<L> {
     fn apply_roughness_map<const N: u32>(
         &mut self,
         context: &TraceContext,
-        at: Coordinates<L>,
+        at: TexturePoint<L>,
         found: L::Mask,
         code: L::Bits,
     ) {
@@ -170,7 +171,7 @@ impl<L: Lane> MaterialSample<L> {
     fn apply_emission_map<const N: u32>(
         &mut self,
         context: &TraceContext,
-        at: Coordinates<L>,
+        at: TexturePoint<L>,
         found: L::Mask,
         code: L::Bits,
     ) {
@@ -186,7 +187,7 @@ impl<L: Lane> MaterialSample<L> {
         &mut self,
         context: &TraceContext,
         surface: &Surface<L>,
-        at: Coordinates<L>,
+        at: TexturePoint<L>,
         found: L::Mask,
         code: L::Bits,
     ) {
@@ -212,11 +213,11 @@ const TEXTURED: Features = Features::TEXTURES
 #[inline(always)]
 fn texel<L: Lane, const N: u32>(
     context: &TraceContext,
-    (coordinates, clamp_v): Coordinates<L>,
+    at: TexturePoint<L>,
     mask: L::Mask,
     code: L::Bits,
     texel_kind: TexelKind,
 ) -> Vec3<L> {
     let index = code.wrapping_add(L::Bits::splat(u32::MAX));
-    context.buffers.textures.sample(index, coordinates, clamp_v, mask, abilities(N), texel_kind)
+    context.buffers.textures.sample(index, at, mask, abilities(N), texel_kind)
 }

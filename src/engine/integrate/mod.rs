@@ -28,6 +28,7 @@
 pub mod aovs;
 mod bsdf;
 mod columns;
+mod cone;
 mod context;
 pub mod cost;
 pub mod edge_aovs;

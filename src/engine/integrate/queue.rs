@@ -6,6 +6,7 @@
 use super::columns::{Column, IntColumn, Vec3Columns, compress};
 use super::ray_queries::RayQueries;
 use crate::camera::Tile;
+use crate::kernel::ray_cone::Cone;
 use crate::lane::{Bits, Lane, lane_indices};
 use crate::math::{Hit, Ray, Vec3};
 use crate::sampling::Places;
@@ -31,6 +32,18 @@ pub struct PathQueue {
     primitive: IntColumn,
     u: Column,
     v: Column,
+    /// [`Cone`]s. Only where textures have levels of detail.
+    cone_width: Column,
+    cone_spread: Column,
+}
+
+/// The columns that are not stored in every scene.
+#[derive(Clone, Copy)]
+pub struct QueueColumns {
+    /// Lights are sampled: `inv_pdf`.
+    pub lights: bool,
+    /// Textures have levels of detail: ray cones.
+    pub cones: bool,
 }
 
 /// A packet of paths as they leave a surface or the camera.
@@ -47,6 +60,8 @@ pub struct Path<L: Lane> {
     pub key: L::Bits,
     /// The pixel's place in the tile.
     pub slot: L::Bits,
+    /// How wide the path is; none where textures have no levels of detail.
+    pub cone: Cone<L>,
 }
 
 /// The pixels of the packet at `at` before the first bounce, where every path is at the index of its slot.
@@ -93,10 +108,15 @@ impl PathQueue {
     pub fn ray<L: Lane>(&self, at: usize) -> Ray<L> {
         Ray { origin: self.origin.load(at), direction: self.direction.load(at) }
     }
-    /// `lights`: are lights sampled? Otherwise `inv_pdf` is not stored.
+    /// The paths of a packet; zeros for columns that are not stored.
     #[inline(always)]
-    pub fn path<L: Lane>(&self, at: usize, lights: bool) -> Path<L> {
+    pub fn path<L: Lane>(&self, at: usize, QueueColumns { lights, cones }: QueueColumns) -> Path<L> {
+        let cone = match cones {
+            true => Cone { width: L::load(&self.cone_width[at..]), spread: L::load(&self.cone_spread[at..]) },
+            false => Cone::none(),
+        };
         Path {
+            cone,
             ray: self.ray(at),
             throughput: self.throughput.load(at),
             inv_pdf: if lights { L::load(&self.inv_pdf[at..]) } else { L::zero() },
@@ -121,14 +141,23 @@ impl PathQueue {
     pub fn store_origin<L: Lane>(&mut self, at: usize, origin: Vec3<L>) {
         self.origin.store(at, origin);
     }
-    /// Stores paths; with `lights`, also what MIS needs.
+    /// Stores paths.
     #[inline(always)]
-    pub fn store_path<L: Lane>(&mut self, at: usize, path: &Path<L>, lights: bool) {
+    pub fn store_path<L: Lane>(
+        &mut self,
+        at: usize,
+        path: &Path<L>,
+        QueueColumns { lights, cones }: QueueColumns,
+    ) {
         self.origin.store(at, path.ray.origin);
         self.direction.store(at, path.ray.direction);
         self.throughput.store(at, path.throughput);
         if lights {
             path.inv_pdf.store(&mut self.inv_pdf[at..]);
+        }
+        if cones {
+            path.cone.width.store(&mut self.cone_width[at..]);
+            path.cone.spread.store(&mut self.cone_spread[at..]);
         }
         path.key.store(&mut self.key[at..]);
         path.slot.store(&mut self.slot[at..]);
@@ -165,8 +194,8 @@ impl PathQueue {
 impl<L: Lane> Path<L> {
     /// A path as it leaves the camera.
     #[inline(always)]
-    pub fn primary(ray: Ray<L>, key: L::Bits, slot: L::Bits) -> Self {
-        Path { ray, throughput: Vec3::repeat(L::one()), inv_pdf: L::zero(), key, slot }
+    pub fn primary(ray: Ray<L>, key: L::Bits, slot: L::Bits, cone: Cone<L>) -> Self {
+        Path { ray, throughput: Vec3::repeat(L::one()), inv_pdf: L::zero(), key, slot, cone }
     }
     /// The lanes at `indices`, moved to the front.
     #[inline(always)]
@@ -180,6 +209,10 @@ impl<L: Lane> Path<L> {
             inv_pdf: self.inv_pdf.compress(indices),
             key: L::compress_bits(self.key, indices),
             slot: L::compress_bits(self.slot, indices),
+            cone: Cone {
+                width: self.cone.width.compress(indices),
+                spread: self.cone.spread.compress(indices),
+            },
         }
     }
 }

@@ -5,6 +5,7 @@
 //! Must never know: how rays are traced.
 
 use super::bsdf::{ScatteredPath, scatter};
+use super::cone::scattered_cone;
 use super::context::TraceContext;
 use super::emission::{missed_radiance, surface_radiance};
 use super::features::{ends_missed, has};
@@ -63,7 +64,10 @@ pub fn shade<L: Lane, const N: u32, const FIRST: bool>(
         } else {
             values.at_keys(path.key)
         };
-        let scattered = scatter::<L, N>(&path, &surface, &material, (numbers, guiding), found);
+        let mut scattered = scatter::<L, N>(&path, &surface, &material, (numbers, guiding), found);
+        if context.carries_cones::<N>() {
+            scattered.path.cone = scattered_cone(&path, &surface, &material, scattered.is_delta);
+        }
         if sample_lights {
             let (hit, event) = ((&surface, &material), (numbers, found));
             shadow_rays =
@@ -72,13 +76,10 @@ pub fn shade<L: Lane, const N: u32, const FIRST: bool>(
         // In place: no more paths go on than were read, so nothing unread is overwritten.
         let ScatteredPath { path, alive, .. } = scattered;
         if alive.all() {
-            scratch.queue.store_path(going_on, &path, has(N, Features::LIGHTS));
+            scratch.queue.store_path(going_on, &path, context.columns::<N>());
         } else if alive.any() {
-            scratch.queue.store_path(
-                going_on,
-                &path.compress(L::compress_indices(alive)),
-                has(N, Features::LIGHTS),
-            );
+            let path = path.compress(L::compress_indices(alive));
+            scratch.queue.store_path(going_on, &path, context.columns::<N>());
         }
         going_on += alive.count();
     }
@@ -157,11 +158,11 @@ fn load_path<L: Lane, const N: u32, const FIRST: bool>(
     at: usize,
 ) -> Path<L> {
     if !FIRST {
-        return queue.path(at, has(N, Features::LIGHTS));
+        return queue.path(at, context.columns::<N>());
     }
     let (direction, key) = queue.primary(at);
     let ray = Ray { origin: context.camera.origin(), direction };
-    Path::primary(ray, key, primary_slots::<L>(at))
+    Path::primary(ray, key, primary_slots::<L>(at), context.primary_cone::<L, N>())
 }
 
 /// The lanes that add radiance: those that missed, and, where surfaces emit, those with radiance other than

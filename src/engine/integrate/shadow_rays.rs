@@ -5,6 +5,7 @@
 //! `emission`, `intersect` and what stands above them. Must never know: `shade`.
 
 use super::bsdf::{ScatteredPath, evaluate, has_sampled_lobe};
+use super::cone::scattered_cone;
 use super::context::TraceContext;
 use super::emission::{environment_radiance, mis_weight};
 use super::features::has;
@@ -81,7 +82,12 @@ pub fn sample_direct_light<L: Lane, const N: u32>(
         let is_sky = mask & light.radius.lt(L::zero());
         if is_sky.any() {
             sample = LightSample::select(is_sky, sky.sample(u, v), sample);
-            let seen = environment_radiance::<L, N>(context, sample.wi, is_sky);
+            // As BSDF sampling sees the same direction: the weights of the two must sum to 1 over one sky.
+            let mut spread = L::zero();
+            if context.carries_cones::<N>() {
+                spread = scattered_cone(path, surface, material, L::Mask::splat(false)).spread;
+            }
+            let seen = environment_radiance::<L, N>(context, sample.wi, spread, is_sky);
             emission = Vec3::select(is_sky, seen, emission);
         }
     }

@@ -9,12 +9,11 @@ use super::queue::Path;
 use crate::buffers::Features;
 use crate::kernel::light::{self, FlatLight};
 use crate::kernel::normals;
+use crate::kernel::ray_cone;
 use crate::kernel::surface::{latitude_longitude, sphere_normal};
+use crate::kernel::texture::TexturePoint;
 use crate::lane::{Bits, Lane, Mask};
 use crate::math::{Hit, Ray, Vec3};
-
-/// Texture coordinates, v from the top, and the lanes in which v is clamped: those on spheres.
-pub type Coordinates<L> = ((L, L), <L as Lane>::Mask);
 
 /// The surfaces at a packet's hits.
 pub struct Surface<L: Lane> {
@@ -35,8 +34,12 @@ pub struct Surface<L: Lane> {
     barycentric: (L, L),
     /// Of the triangle: first to second vertex, first to third.
     edges: [Vec3<L>; 2],
-    /// Its sign bit is set where the ray arrives from behind `ng`.
-    facing: L,
+    /// The cosine at which the ray arrives; below 0 from behind `ng`.
+    pub facing: L,
+    /// Width of the ray cone at the hit; 0 unless paths carry cones.
+    pub cone_width: L,
+    /// One over the radius of spheres, 0 on triangles; unset unless paths carry cones.
+    pub curvature: L,
     /// The pdf with which light sampling at the ray's origin samples the ray's direction, in 1/sr; 0 where it
     /// never does.
     pub light_pdf: L,
@@ -65,6 +68,8 @@ impl<L: Lane> Surface<L> {
             barycentric: (hit.u, hit.v),
             edges: [Vec3::zero(); 2],
             facing: L::zero(),
+            cone_width: L::zero(),
+            curvature: L::zero(),
             light_pdf: L::zero(),
         };
         if has(N, Features::SPHERES) && (!has(N, Features::TRIANGLES) || (found & is_sphere).any()) {
@@ -75,6 +80,9 @@ impl<L: Lane> Surface<L> {
             surface.set_triangle::<N>(context, path, hit);
         }
         surface.facing = -path.ray.direction.dot(surface.ng);
+        if context.carries_cones::<N>() {
+            surface.cone_width = path.cone.width_at(hit.t);
+        }
         surface
     }
 
@@ -102,6 +110,9 @@ impl<L: Lane> Surface<L> {
         self.offset = offset;
         self.material = material.to_bits();
         self.turn = turn;
+        if context.carries_cones::<N>() {
+            self.curvature = (L::one() / radius).only(self.is_sphere);
+        }
         if has(N, Features::LIGHTS) && L::zero().lt(chance).any() {
             self.light_pdf = chance * light::sphere_pdf(center - path.ray.origin, radius);
         }
@@ -186,28 +197,34 @@ impl<L: Lane> Surface<L> {
         (tangent, hand)
     }
 
-    /// Texture coordinates of the lanes in `textured`.
+    /// Where textures are read in the lanes of `textured`.
     #[inline(always)]
-    pub fn texture_coordinates<const N: u32>(
-        &self,
-        context: &TraceContext,
-        textured: L::Mask,
-    ) -> Coordinates<L> {
+    pub fn texture_point<const N: u32>(&self, context: &TraceContext, textured: L::Mask) -> TexturePoint<L> {
         let mut coordinates = (L::zero(), L::zero());
+        let mut density = L::zero();
         if has(N, Features::SPHERES) && (textured & self.is_sphere).any() {
             let (u, v) = latitude_longitude(self.ng);
             coordinates = (u.flip_sign(self.turn) + self.turn, v);
+            if context.carries_cones::<N>() {
+                density = ray_cone::sphere_density(self.ng, self.curvature);
+            }
         }
         if has(N, Features::TRIANGLES) && (textured & !self.is_sphere).any() && context.buffers.has_uvs {
             let few = !has(N, Features::MANY_TRIANGLES);
-            let [au, av, bu, bv, cu, cv, ..] = context.buffers.uv_rows.fetch::<L>(self.triangle, few);
+            let [au, av, bu, bv, cu, cv, of_triangle, _] =
+                context.buffers.uv_rows.fetch::<L>(self.triangle, few);
             let (u, v) = self.barycentric;
             let blend = |a: L, b: L, c: L| (b - a).mul_add(u, (c - a).mul_add(v, a));
             let keep = self.is_sphere;
             coordinates.0 = L::select(keep, coordinates.0, blend(au, bu, cu));
             coordinates.1 = L::select(keep, coordinates.1, blend(av, bv, cv));
+            density = L::select(keep, density, of_triangle);
         }
-        (coordinates, self.is_sphere)
+        let mut footprint = L::zero();
+        if context.carries_cones::<N>() {
+            footprint = ray_cone::footprint(self.cone_width, self.facing, density);
+        }
+        TexturePoint { u: coordinates.0, v: coordinates.1, clamp_v: self.is_sphere, footprint }
     }
 }
 

@@ -3,8 +3,8 @@
 //! For: intersections ([`ray_sphere`], [`ray_triangle`], [`ray_box`]), culling of spheres
 //! ([`sphere_culling`]), scattering ([`bsdf`]), light sampling ([`light`]), directions guided ([`guiding`])
 //! to the strip around a light ([`border`]) and to its images in mirrors ([`mirror_image`]), points on
-//! surfaces ([`surface`]), shading normals ([`normals`]) and texture lookups ([`texture`]), several methods
-//! side by side. Kernels allocate nothing, look nothing up and never panic.
+//! surfaces ([`surface`]), shading normals ([`normals`]), texture lookups ([`texture`]) and how wide they are
+//! ([`ray_cone`]), several methods side by side. Kernels allocate nothing, look nothing up and never panic.
 //! May import: `lane`, `math`, `sampling`.
 //! Must never know: scenes, queues, pixels.
 
@@ -15,6 +15,7 @@ pub mod light;
 pub mod mirror_image;
 pub mod normals;
 pub mod ray_box;
+pub mod ray_cone;
 pub mod ray_sphere;
 pub mod ray_triangle;
 pub mod sphere_culling;

@@ -67,6 +67,15 @@ pub fn triangle_tangent(vertices: [glam::Vec3; 3], uvs: [glam::Vec2; 3]) -> (gla
     (tangent, area.signum() as f32)
 }
 
+/// The area of a triangle in texture coordinates over its area in space, in 1 / (scene units)².
+///
+/// Computed in f64, like the normal.
+pub fn texture_density(vertices: [glam::Vec3; 3], uvs: [glam::Vec2; 3]) -> f32 {
+    let [a, b, c] = vertices.map(|vertex| vertex.as_dvec3());
+    let [p, q, r] = uvs.map(|uv| uv.as_dvec2());
+    ((q - p).perp_dot(r - p).abs() / (b - a).cross(c - a).length()) as f32
+}
+
 /// One texture coordinate of a triangle's corners, less the whole repeats that all three share. So
 /// interpolation does not round away the position within a repeat: a coordinate near 10⁶ would be off by 0.06
 /// repeats. Coordinates in [0, 1) stay unchanged. Confirmed by the recipe `textures-tiled`.

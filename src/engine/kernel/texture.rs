@@ -7,6 +7,19 @@ use crate::lane::functions::polynomial;
 use crate::lane::{Bits, Lane};
 use crate::math::{BELOW_ONE, Vec3};
 
+/// Where textures are read.
+#[derive(Clone, Copy, Debug)]
+pub struct TexturePoint<L: Lane> {
+    /// Texture coordinate to the right; it repeats.
+    pub u: L,
+    /// Texture coordinate from the top.
+    pub v: L,
+    /// The lanes in which v is clamped to the edge instead of repeated: those on spheres and the sky.
+    pub clamp_v: L::Mask,
+    /// The area that is seen, as in [`super::ray_cone::footprint`]; 0 unless paths carry ray cones.
+    pub footprint: L,
+}
+
 /// Size and position of each lane's texture among the texels.
 #[derive(Clone, Copy, Debug)]
 pub struct Grid<L: Lane> {

@@ -18,6 +18,22 @@ pub struct Texture {
     pub texels: Texels,
 }
 
+impl Texture {
+    /// The sizes of its levels of detail after its own texels, down to one texel: each has half the columns
+    /// and rows of the one before, rounded down and at least 1. None but for [`Filter::Trilinear`].
+    pub fn level_sizes(&self) -> impl Iterator<Item = [u32; 2]> + use<> {
+        let own = (self.filter == Filter::Trilinear).then_some([self.width, self.height]);
+        let halved = |size: &[u32; 2]| (*size != [1, 1]).then(|| size.map(|side| (side / 2).max(1)));
+        std::iter::successors(own, halved).skip(1)
+    }
+    /// Memory of its texels, those of its levels of detail included: a third more, and twice the texels of a
+    /// texture of one row.
+    pub fn bytes(&self) -> usize {
+        let texels = self.level_sizes().map(|[width, height]| width as usize * height as usize);
+        self.texels.bytes() + texels.sum::<usize>() * self.texels.bytes_each()
+    }
+}
+
 /// The texels of a texture, in the smallest format that keeps its accuracy: a texture that fits the cache is
 /// read several times as fast.
 #[derive(Clone, Debug, PartialEq)]
@@ -48,6 +64,13 @@ impl Texels {
         match self {
             Self::Srgb8(texels) | Self::Unorm8(texels) => size_of_val(texels.as_slice()),
             Self::Float32(texels) => size_of_val(texels.as_slice()),
+        }
+    }
+    /// Memory of one texel.
+    fn bytes_each(&self) -> usize {
+        match self {
+            Self::Srgb8(_) | Self::Unorm8(_) => size_of::<[u8; 4]>(),
+            Self::Float32(_) => size_of::<[f32; 4]>(),
         }
     }
     /// One texel, decoded: sRGB by IEC 61966-2-1, other formats as the numbers that they hold.
@@ -96,4 +119,7 @@ pub enum Filter {
     /// Interpolated between four texels.
     #[default]
     Bilinear,
+    /// Bilinear in the two levels of detail whose texels are about as wide as what a path sees of the
+    /// texture, blended: [`crate::kernel::ray_cone`]. Where texels are wider than that, the same as bilinear.
+    Trilinear,
 }

@@ -180,6 +180,7 @@ fn texture(
     let filter = match filter {
         Some(FilterFile::Nearest) => Filter::Nearest,
         Some(FilterFile::Bilinear) | None => Filter::Bilinear,
+        Some(FilterFile::Trilinear) => Filter::Trilinear,
     };
     let full = files.resolve(path);
     builder.textures.load(files, &full, path, filter, texel_kind).map_err(|reason| {

@@ -79,6 +79,7 @@ pub struct GradientFile {
 pub enum FilterFile {
     Nearest,
     Bilinear,
+    Trilinear,
 }
 
 /// The keys of all types; `material` checks which belong to `type`.

@@ -17,8 +17,8 @@ use std::path::{Path, PathBuf};
 pub const MAX_IMAGE_SIDE: u32 = u16::MAX as u32;
 /// Most bytes that an image file may be decoded to.
 pub const MAX_IMAGE_BYTES: u64 = 2 << 30;
-/// Most bytes that the textures of a scene may take: four of a texel with 8 bits a channel, sixteen of
-/// others.
+/// Most bytes that the textures of a scene may take, levels of detail included: four of a texel with 8 bits a
+/// channel, sixteen of others.
 const MAX_BYTES: usize = 4 << 30;
 /// What a texture counts at the least: it also has a name and a place in tables.
 const LEAST_BYTES: usize = 1 << 10;
@@ -68,7 +68,7 @@ impl Textures {
         self.add(key, Texture { name, width, height, filter, texels: change(texels) })
     }
     fn add(&mut self, key: (PathBuf, Filter, TexelKind), texture: Texture) -> Result<u32, String> {
-        self.bytes += texture.texels.bytes().max(LEAST_BYTES);
+        self.bytes += texture.bytes().max(LEAST_BYTES);
         if self.bytes > MAX_BYTES {
             return Err(format!("the scene's textures take more than {MAX_BYTES} bytes"));
         }
@@ -181,5 +181,9 @@ mod tests {
         let refused = textures.add(key("c"), texture(1));
         assert_eq!(refused, Err("the scene's textures take more than 4294967296 bytes".to_string()));
         assert_eq!(textures.list.len(), 2);
+        // Levels of detail count: 1,000 texels in a row have 994 more.
+        let mut textures = Textures { bytes: MAX_BYTES - 17_024, ..Textures::default() };
+        let levels = Texture { filter: Filter::Trilinear, ..texture(1_000) };
+        assert!(textures.add(key("d"), levels).is_err());
     }
 }

@@ -3,6 +3,7 @@
 use super::texture;
 use crate::scene::Side;
 use glam::{DVec2, DVec3};
+use std::f64::consts::{PI, TAU};
 
 pub(super) struct Sphere {
     pub center: DVec3,
@@ -52,6 +53,10 @@ pub(super) struct Surface {
     pub uv: DVec2,
     /// Whether texture rows repeat.
     pub wraps: bool,
+    /// Area in texture coordinates over area in space.
+    pub density: f64,
+    /// One over the radius, 0 on triangles.
+    pub curvature: f64,
     /// The largest length in the computation of `point`, whose error is a few 2⁻⁵³ of it.
     pub scale: f64,
 }
@@ -99,6 +104,9 @@ impl Sphere {
             material: self.material,
             uv: texture::on_sphere(normal, self.turn, self.picture_from),
             wraps: false,
+            // A turn is 2π r sin θ long, from pole to pole it is π r.
+            density: 1.0 / (TAU * PI * self.radius.powi(2) * normal.x.hypot(normal.z)),
+            curvature: 1.0 / self.radius,
             scale: self.center.abs().max_element() + self.radius,
         }
     }
@@ -154,6 +162,8 @@ impl Triangle {
             material: self.material,
             uv: DVec2::new(uv.x, 1.0 - uv.y),
             wraps: true,
+            density: determinant.abs() / (b - a).cross(c - a).length(),
+            curvature: 0.0,
             scale: a.abs().max(b.abs()).max(c.abs()).max_element(),
         }
     }

@@ -148,6 +148,21 @@ fn sample_lobe(
     sample.map(|(towards, weight)| (towards, color * weight, is_delta))
 }
 
+/// How wide the narrowest lobe is that is no delta lobe, from 0 to 1; arguments as in [`sample`].
+pub(super) fn width(kind: MaterialKind, rougher: f64) -> f64 {
+    let alpha = |roughness: f32| (f64::from(roughness) * rougher).powi(2);
+    match kind {
+        MaterialKind::Diffuse => 1.0,
+        MaterialKind::Metal { roughness } => alpha(roughness),
+        MaterialKind::Scatter { roughness } => (f64::from(roughness) * rougher).min(1.0),
+        // Under a smooth coat it is the base.
+        MaterialKind::Plastic { roughness, .. } | MaterialKind::MetalRough { roughness, .. } => {
+            if alpha(roughness) < NARROWEST_ALPHA { 1.0 } else { alpha(roughness) }
+        }
+        MaterialKind::Glass { .. } | MaterialKind::Emitter => 0.0,
+    }
+}
+
 /// Narrower lobes count as delta lobes; the reason stands in `kernel::bsdf`.
 const NARROWEST_ALPHA: f64 = 1.0 / 8192.0;
 const NARROWEST_CONE: f64 = 1.0 / 64.0;

@@ -7,6 +7,7 @@ use crate::sampling::dimension::{PIXEL, bounce};
 use crate::sampling::{Places, SampleValues, Sampler};
 use crate::scene::{MaterialKind, Side, Sky};
 use glam::DVec3;
+use std::f64::consts::{PI, TAU};
 
 /// The inputs of a path besides the scene, the pixel and the sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,6 +25,11 @@ pub struct PathSettings {
 /// Offset of a scattered ray's origin along the normal, relative to [`Surface::scale`]: some thousand times
 /// the error of the point (a few 2⁻⁵³), and far below the resolution of single precision.
 const ORIGIN_OFFSET: f64 = 1e-12;
+
+/// A ray cone meets surfaces at no smaller cosine.
+const LEAST_COSINE: f64 = 1e-3;
+/// What the widest lobe adds to the spread of a ray cone, as in the engine.
+const LOBE_SPREAD: f64 = 0.375;
 
 impl Reference {
     /// The average of the pixel's samples 0 to `samples` − 1, in linear RGB; black without samples.
@@ -51,21 +57,29 @@ impl Reference {
             self.camera_ray(settings.resolution, f64::from(x) + in_pixel(0), f64::from(y) + in_pixel(1));
         let mut throughput = DVec3::ONE;
         let mut light = DVec3::ZERO;
+        // The ray cone: width in scene units, and what it grows by in a unit of distance. Half a pixel wide.
+        let half_height = (f64::from(self.camera.vertical_fov).to_radians() / 2.0).tan();
+        let (mut width, mut spread) = (0.0, half_height / f64::from(settings.resolution[1]));
         for b in 0..=settings.max_bounces {
             let Some(hit) = self.closest(origin, direction) else {
-                light += throughput * self.sky(direction);
+                light += throughput * self.sky(direction, spread);
                 break;
             };
             let surface = self.surface(origin, direction, hit);
             let material = &self.materials[surface.material];
-            let texel = self.lookup(material.texture, surface.uv, surface.wraps);
+            let cosine = -direction.dot(surface.ng);
+            width += spread * hit.t;
+            // The longer side of what the cone covers.
+            let length = width / cosine.abs().max(LEAST_COSINE);
+            let area = width * length * surface.density;
+            let texel = self.lookup(material.texture, surface.uv, surface.wraps, area);
             let emitter = material.kind == MaterialKind::Emitter;
-            let emission = self.lookup(material.emission_map, surface.uv, surface.wraps);
+            let emission = self.lookup(material.emission_map, surface.uv, surface.wraps, area);
             light += throughput * material.emission.as_dvec3() * if emitter { texel } else { emission };
             if b == settings.max_bounces {
                 break;
             }
-            let map = self.lookup(material.roughness_map, surface.uv, surface.wraps).min(DVec3::ONE);
+            let map = self.lookup(material.roughness_map, surface.uv, surface.wraps, area).min(DVec3::ONE);
             let (kind, roughness) = match material.kind {
                 MaterialKind::MetalRough { roughness, metallic, ior } => {
                     let metallic = (f64::from(metallic) * map.z) as f32;
@@ -73,7 +87,7 @@ impl Reference {
                 }
                 kind => (kind, map.x),
             };
-            let ns = self.mapped_normal(material.normal_map, &surface).or(surface.ns);
+            let ns = self.mapped_normal(material.normal_map, &surface, area).or(surface.ns);
             let normals = lobes::Normals::facing(direction, surface.ng, ns, surface.ns);
             let color = material.color.as_dvec3() * texel;
             let sample = lobes::sample(kind, roughness, color, direction, &normals, numbers(bounce(b)));
@@ -81,6 +95,13 @@ impl Reference {
                 break;
             };
             throughput *= weight;
+            if !matches!(kind, MaterialKind::Glass { .. }) {
+                spread += 2.0 * surface.curvature.copysign(cosine) * length;
+            }
+            if !is_delta {
+                spread += LOBE_SPREAD * lobes::width(kind, roughness);
+            }
+            spread = spread.clamp(-1.0, 1.0);
             direction = scattered.normalize();
             let side = 1.0_f64.copysign(direction.dot(normals.ng));
             let bulge =
@@ -91,8 +112,8 @@ impl Reference {
     }
 
     /// The shading normal of a normal map, on the outward side; `None` without a map or a tangent.
-    fn mapped_normal(&self, map: Option<u32>, surface: &Surface) -> Option<DVec3> {
-        let texel = self.lookup(Some(map?), surface.uv, surface.wraps);
+    fn mapped_normal(&self, map: Option<u32>, surface: &Surface, area: f64) -> Option<DVec3> {
+        let texel = self.lookup(Some(map?), surface.uv, surface.wraps, area);
         let around = surface.ns.unwrap_or(surface.ng);
         let right = surface.right - around * surface.right.dot(around);
         if right.length() < 0.01 {
@@ -120,14 +141,15 @@ impl Reference {
         (position, (forward + right * across + up * upwards).normalize())
     }
 
-    /// The radiance of the sky in the unit direction `d`.
-    fn sky(&self, d: DVec3) -> DVec3 {
+    /// The radiance of the sky in the unit direction `d`, in a cone of the angle `spread`.
+    fn sky(&self, d: DVec3, spread: f64) -> DVec3 {
         match self.sky {
             Sky::Color(color) => color.as_dvec3(),
             Sky::Gradient { bottom, top } => bottom.as_dvec3().lerp(top.as_dvec3(), 0.5 * (d.y + 1.0)),
             Sky::Texture { texture, color, turn } => {
                 let at = texture::on_sphere(d, f64::from(turn), Side::Inside);
-                color.as_dvec3() * self.lookup(Some(texture), at, false)
+                let area = spread * spread / (TAU * PI * d.x.hypot(d.z));
+                color.as_dvec3() * self.lookup(Some(texture), at, false, area)
             }
         }
     }

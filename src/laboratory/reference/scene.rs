@@ -2,7 +2,7 @@
 
 use super::geometry::{Hit, Sphere, Surface, Triangle};
 use super::texture;
-use crate::scene::{Camera, Material, Scene, Sky, Texture};
+use crate::scene::{Camera, Material, Scene, Sky};
 use glam::{DVec2, DVec3};
 
 /// A scene in double precision.
@@ -10,7 +10,7 @@ pub struct Reference {
     pub(super) camera: Camera,
     pub(super) sky: Sky,
     pub(super) materials: Vec<Material>,
-    textures: Vec<Texture>,
+    textures: Vec<texture::Levels>,
     pub(super) spheres: Vec<Sphere>,
     pub(super) triangles: Vec<Triangle>,
 }
@@ -38,7 +38,7 @@ impl Reference {
             camera: scene.camera,
             sky: scene.sky,
             materials: scene.materials.clone(),
-            textures: scene.textures.clone(),
+            textures: scene.textures.iter().map(texture::Levels::new).collect(),
             spheres: spheres.collect(),
             triangles: triangles.collect(),
         }
@@ -68,8 +68,9 @@ impl Reference {
         }
     }
 
-    /// The colour of texture `texture` at `uv`, white if there is none; see [`texture::lookup`].
-    pub(super) fn lookup(&self, texture: Option<u32>, uv: DVec2, wraps: bool) -> DVec3 {
-        texture.map_or(DVec3::ONE, |index| texture::lookup(&self.textures[index as usize], uv, wraps))
+    /// The colour of texture `texture` at `uv` where a path sees `area` of it, white if there is none; see
+    /// [`texture::Levels::lookup`].
+    pub(super) fn lookup(&self, texture: Option<u32>, uv: DVec2, wraps: bool, area: f64) -> DVec3 {
+        texture.map_or(DVec3::ONE, |index| self.textures[index as usize].lookup(uv, wraps, area))
     }
 }

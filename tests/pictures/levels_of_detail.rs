@@ -49,7 +49,8 @@ fn settings(scene: &Scene, seed: u32) -> Settings {
     Settings { resolution: [96, 64], max_bounces: 2, seed, ..Settings::of(scene) }
 }
 
-/// Of a checkerboard whose fields are mostly smaller than pixels. Measured: 0.66 and 0.46 of bilinear's error.
+/// Of a checkerboard whose fields are mostly smaller than pixels. Measured: 0.66 and 0.46 of bilinear's
+/// error.
 #[test]
 fn far_checkerboard_has_less_error_in_one_sample_than_bilinear() {
     let [bilinear, trilinear] = [Filter::Bilinear, Filter::Trilinear].map(|filter| plain(filter, 12.0));

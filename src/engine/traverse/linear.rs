@@ -188,10 +188,8 @@ pub fn closest<L: Lane, S: SphereMethod, T: TriangleMethod>(
                 let pair = [triangle, second];
                 match T::test_pair(&prepared, pair) {
                     Some(found) => keep_pair_if_nearer::<L, T>(&mut hit, ray, padding, number, pair, found),
-                    None => {
-                        test_triangle::<L, T>(&mut hit, ray, &prepared, padding, number, triangle);
-                        test_triangle::<L, T>(&mut hit, ray, &prepared, padding, number + 1, second);
-                    }
+                    // Copies, so that the values of the loop stay in registers.
+                    None => hit = closer_of_pair::<L, T>(hit, *ray, prepared, padding, number, pair),
                 }
             } else {
                 test_triangle::<L, T>(&mut hit, ray, &prepared, padding, number, triangle);
@@ -231,6 +229,23 @@ fn test_triangle<L: Lane, T: TriangleMethod>(
         let corners = corners.map(|corners| corners.map(Vec3::splat));
         keep_if_nearer(hit, ray, padding, L::Bits::splat(number), corners, found);
     }
+}
+
+/// [`test_triangle`] of both triangles of a pair, one after the other: some ray passes their common edge.
+#[cold]
+#[inline(never)]
+fn closer_of_pair<L: Lane, T: TriangleMethod>(
+    mut hit: Hit<L>,
+    ray: Ray<L>,
+    prepared: T::Prepared<L>,
+    padding: Padding,
+    number: u32,
+    pair: [&T::Stored; 2],
+) -> Hit<L> {
+    for (number, triangle) in (number..).zip(pair) {
+        test_triangle::<L, T>(&mut hit, &ray, &prepared, padding, number, triangle);
+    }
+    hit
 }
 
 /// [`test_triangle`] of a pair that was tested.

@@ -13,8 +13,8 @@ const MOST_BOUNCES: usize = 12;
 
 /// The terms of the tables.
 const TESTS: &str = "\
-A test is one ray, or one frustum around many rays, against one box or primitive; in brackets the number of steps, each of up to eight
-tests at once.
+A test is one ray, or one frustum around many rays, against one box or primitive; in brackets the number of steps, each of up to
+one test a lane at once.
 ";
 const FRAMES: &str = "\
 Stages: nanoseconds per ray of any kind, summed over threads, including the cost of counting; share of all stages. Where every primitive

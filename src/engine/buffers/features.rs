@@ -78,6 +78,10 @@ impl Features {
     pub const fn with(self, other: Features) -> Features {
         Features(self.0 | other.0)
     }
+    /// These features but the other's.
+    pub const fn without(self, other: Features) -> Features {
+        Features(self.0 & !other.0)
+    }
     /// Whether this set holds every feature of `other`.
     pub const fn contains(self, other: Features) -> bool {
         self.0 & other.0 == other.0

@@ -31,7 +31,7 @@ pub struct Abilities {
     pub bilinear: bool,
     /// Some texture holds linear radiance.
     pub linear: bool,
-    /// Some texture has levels of detail.
+    /// Some texture has levels of detail. Only where that is so, `levels` is not empty.
     pub levels: bool,
 }
 
@@ -90,7 +90,7 @@ impl Textures {
         abilities: Abilities,
         texel_kind: TexelKind,
     ) -> Vec3<L> {
-        if abilities.levels && !self.levels.is_empty() {
+        if abilities.levels {
             return self.sample_levels(index, at, active, texel_kind);
         }
         let index = L::Bits::select(active, index, L::Bits::splat(0));

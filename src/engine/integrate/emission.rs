@@ -12,7 +12,7 @@ use super::features::{abilities, has};
 use super::material::MaterialSample;
 use super::queue::Path;
 use super::surface::Surface;
-use crate::buffers::Features;
+use crate::buffers::{Abilities, Features};
 use crate::kernel::ray_cone;
 use crate::kernel::surface::latitude_longitude;
 use crate::kernel::texture::TexturePoint;
@@ -89,11 +89,11 @@ pub fn environment_radiance<L: Lane, const N: u32>(
         if context.carries_cones::<N>() {
             footprint = ray_cone::footprint(spread, L::one(), ray_cone::sphere_density(direction, L::one()));
         }
+        let abilities = Abilities { levels: context.carries_cones::<N>(), ..abilities(N) };
         let clamp_v = L::Mask::splat(true);
         let at = TexturePoint { u: u + L::splat(sky.turn), v, clamp_v, footprint };
         let index = L::Bits::splat(sky.texture);
-        radiance =
-            radiance * context.buffers.textures.sample(index, at, mask, abilities(N), TexelKind::Color);
+        radiance = radiance * context.buffers.textures.sample(index, at, mask, abilities, TexelKind::Color);
     }
     radiance
 }

@@ -131,14 +131,14 @@ fn end_paths<L: Lane, const N: u32>(
         }
         if ended.any() {
             let indices = L::compress_indices(ended);
-            scratch.ended.store_path(left.ended, &path.compress(indices), columns);
+            scratch.ended.store_path(left.ended, &path.compress(indices, columns), columns);
             scratch.ended.store_hit(left.ended, &compress_hit(&hit, indices), triangles);
             left.ended += ended.count();
         }
         // In place: no more paths are left than were read, so nothing unread is overwritten.
         if going_on.any() {
             let indices = L::compress_indices(going_on);
-            scratch.queue.store_path(left.hits, &path.compress(indices), columns);
+            scratch.queue.store_path(left.hits, &path.compress(indices, columns), columns);
             scratch.queue.store_hit(left.hits, &compress_hit(&hit, indices), triangles);
             left.hits += going_on.count();
         }

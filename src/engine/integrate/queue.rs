@@ -199,8 +199,15 @@ impl<L: Lane> Path<L> {
     }
     /// The lanes at `indices`, moved to the front.
     #[inline(always)]
-    pub fn compress(&self, indices: L::CompressIndices) -> Self {
+    pub fn compress(&self, indices: L::CompressIndices, QueueColumns { cones, .. }: QueueColumns) -> Self {
+        let cone = match cones {
+            true => {
+                Cone { width: self.cone.width.compress(indices), spread: self.cone.spread.compress(indices) }
+            }
+            false => Cone::none(),
+        };
         Path {
+            cone,
             ray: Ray {
                 origin: compress(self.ray.origin, indices),
                 direction: compress(self.ray.direction, indices),
@@ -209,10 +216,6 @@ impl<L: Lane> Path<L> {
             inv_pdf: self.inv_pdf.compress(indices),
             key: L::compress_bits(self.key, indices),
             slot: L::compress_bits(self.slot, indices),
-            cone: Cone {
-                width: self.cone.width.compress(indices),
-                spread: self.cone.spread.compress(indices),
-            },
         }
     }
 }

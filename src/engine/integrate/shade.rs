@@ -41,6 +41,7 @@ pub fn shade<L: Lane, const N: u32, const FIRST: bool>(
     let values = scratch.values.bounce(bounce);
     let mut accumulator = RadianceAccumulator::<FIRST> { contributions };
     let (mut going_on, mut shadow_rays) = (0, 0);
+    let columns = context.columns::<N>();
     let sample_lights = has(N, Features::LIGHTS) && !context.buffers.lights.is_empty();
     let guiding = context.buffers.lights.guiding.as_ref();
     for at in (0..count).step_by(L::WIDTH) {
@@ -76,10 +77,10 @@ pub fn shade<L: Lane, const N: u32, const FIRST: bool>(
         // In place: no more paths go on than were read, so nothing unread is overwritten.
         let ScatteredPath { path, alive, .. } = scattered;
         if alive.all() {
-            scratch.queue.store_path(going_on, &path, context.columns::<N>());
+            scratch.queue.store_path(going_on, &path, columns);
         } else if alive.any() {
-            let path = path.compress(L::compress_indices(alive));
-            scratch.queue.store_path(going_on, &path, context.columns::<N>());
+            let path = path.compress(L::compress_indices(alive), columns);
+            scratch.queue.store_path(going_on, &path, columns);
         }
         going_on += alive.count();
     }

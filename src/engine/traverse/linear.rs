@@ -181,16 +181,13 @@ pub fn closest<L: Lane, S: SphereMethod, T: TriangleMethod>(
         let prepared = T::prepare(ray);
         let mut triangles = candidates.triangles().peekable();
         while let Some((number, triangle)) = triangles.next() {
-            let successor = |(next, _): &(u32, &T::Stored)| *next == number + 1;
             if T::is_linked(triangle)
-                && let Some((_, second)) = triangles.next_if(successor)
+                && let Some(&(next, second)) = triangles.peek()
+                && next == number + 1
+                && let Some(found) = T::test_pair(&prepared, [triangle, second])
             {
-                let pair = [triangle, second];
-                match T::test_pair(&prepared, pair) {
-                    Some(found) => keep_pair_if_nearer::<L, T>(&mut hit, ray, padding, number, pair, found),
-                    // Copies, so that the values of the loop stay in registers.
-                    None => hit = closer_of_pair::<L, T>(hit, *ray, prepared, padding, number, pair),
-                }
+                triangles.next();
+                keep_pair_if_nearer::<L, T>(&mut hit, ray, padding, number, [triangle, second], found);
             } else {
                 test_triangle::<L, T>(&mut hit, ray, &prepared, padding, number, triangle);
             }
@@ -226,26 +223,9 @@ fn test_triangle<L: Lane, T: TriangleMethod>(
     let limit = if corners.is_some() { L::splat(f32::INFINITY) } else { hit.t };
     let found = T::test(prepared, triangle, limit);
     if found.mask.any() {
-        let corners = corners.map(|corners| corners.map(Vec3::splat));
+        let corners = corners.map(|[lo, hi]| [Vec3::splat(lo), Vec3::splat(hi)]);
         keep_if_nearer(hit, ray, padding, L::Bits::splat(number), corners, found);
     }
-}
-
-/// [`test_triangle`] of both triangles of a pair, one after the other: some ray passes their common edge.
-#[cold]
-#[inline(never)]
-fn closer_of_pair<L: Lane, T: TriangleMethod>(
-    mut hit: Hit<L>,
-    ray: Ray<L>,
-    prepared: T::Prepared<L>,
-    padding: Padding,
-    number: u32,
-    pair: [&T::Stored; 2],
-) -> Hit<L> {
-    for (number, triangle) in (number..).zip(pair) {
-        test_triangle::<L, T>(&mut hit, &ray, &prepared, padding, number, triangle);
-    }
-    hit
 }
 
 /// [`test_triangle`] of a pair that was tested.
@@ -261,13 +241,12 @@ fn keep_pair_if_nearer<L: Lane, T: TriangleMethod>(
     if !found.mask.any() {
         return;
     }
+    let of = |first: f32, second: f32| L::select(is_second, L::splat(second), L::splat(first));
+    let corner = |first: glam::Vec3, second: glam::Vec3| {
+        Vec3::new(of(first.x, second.x), of(first.y, second.y), of(first.z, second.z))
+    };
     let corners = match (T::own_box(first), T::own_box(second)) {
-        (Some(first), Some(second)) => Some([0, 1].map(|corner| {
-            let axis = |axis: usize| {
-                L::select(is_second, L::splat(second[corner][axis]), L::splat(first[corner][axis]))
-            };
-            Vec3::new(axis(0), axis(1), axis(2))
-        })),
+        (Some(first), Some(second)) => Some([corner(first[0], second[0]), corner(first[1], second[1])]),
         _ => None,
     };
     let number = L::Bits::select(is_second, L::Bits::splat(number + 1), L::Bits::splat(number));

@@ -97,7 +97,8 @@ impl WideNode {
     #[inline(always)]
     pub fn touch(&self) -> u32 {
         let lines: &[[u32; 16]] = bytemuck::cast_slice(self.boxes());
-        lines[..7 * WIDE / 16 + WIDE % 16 / 8].iter().fold(0, |words, line| words ^ line[0])
+        // Six rows of planes and one of children; the last row is unused.
+        lines[..(7 * WIDE).div_ceil(16)].iter().fold(0, |words, line| words ^ line[0])
     }
     /// The box of a child.
     pub fn bounds(&self, slot: usize) -> Bounds {

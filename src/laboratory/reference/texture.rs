@@ -29,6 +29,9 @@ pub(super) struct Levels(Vec<Texture>);
 impl Levels {
     pub(super) fn new(texture: &Texture) -> Self {
         let mut levels = vec![texture.clone()];
+        if texture.filter != Filter::Trilinear {
+            return Self(levels);
+        }
         // Linear; bytes of data in 255ths.
         let is_data = matches!(texture.texels, Texels::Unorm8(_));
         let scale = if is_data { 255.0 } else { 1.0 };
@@ -37,7 +40,7 @@ impl Levels {
             .map(|texel| if is_data { texel.round() } else { texel })
             .collect();
         let mut size = [texture.width as usize, texture.height as usize];
-        while texture.filter == Filter::Trilinear && size != [1, 1] {
+        while size != [1, 1] {
             let [width, height] = size;
             let [columns, rows] = [(width / 2).max(1), (height / 2).max(1)];
             let texel = |index: usize| {

@@ -19,8 +19,54 @@ pub trait SphereMethod: Send + Sync + 'static {
     /// Prepares a ray for all spheres.
     fn prepare<L: Lane>(ray: &Ray<L>) -> Self::Prepared<L>;
 
+    /// The lanes that may hit, and their equations, unspecified in other lanes.
+    fn equation<L: Lane>(
+        ray: &Self::Prepared<L>,
+        center: Vec3<L>,
+        radius2: L,
+    ) -> (L::Mask, QuadraticEquation<L>);
+
+    /// The nearest root in front of the ray's origin; not above 0, or NaN, where there is none.
+    fn root<L: Lane>(ray: &Self::Prepared<L>, equation: &QuadraticEquation<L>) -> L;
+
     /// The lanes that hit, and the nearest t of each in (0, `limit`); t is unspecified where nothing is hit.
-    fn test<L: Lane>(ray: &Self::Prepared<L>, center: Vec3<L>, radius2: L, limit: L) -> (L::Mask, L);
+    #[inline(always)]
+    fn test<L: Lane>(ray: &Self::Prepared<L>, center: Vec3<L>, radius2: L, limit: L) -> (L::Mask, L) {
+        let (meets, equation) = Self::equation(ray, center, radius2);
+        if !meets.any() {
+            return (meets, limit);
+        }
+        let t = Self::root(ray, &equation);
+        (meets & L::zero().lt(t) & t.lt(limit), t)
+    }
+}
+
+/// What a method computes of t² |d|² − 2bt + c = 0 before it takes a square root: one equation a lane.
+#[derive(Clone, Copy, Debug)]
+pub struct QuadraticEquation<L> {
+    /// Half the linear coefficient, negated; of [`Naive`], the whole one, not negated.
+    pub b: L,
+    /// Above 0 where the ray starts outside of the sphere. Not used by [`Naive`].
+    pub c: L,
+    /// Not below 0 where the line meets the sphere.
+    pub discriminant: L,
+}
+
+impl<L: Lane> QuadraticEquation<L> {
+    /// Zeros.
+    #[inline(always)]
+    pub fn none() -> Self {
+        Self { b: L::zero(), c: L::zero(), discriminant: L::zero() }
+    }
+    /// `a` in the lanes of `mask`, `b` in the others.
+    #[inline(always)]
+    pub fn select(mask: L::Mask, a: &Self, b: &Self) -> Self {
+        Self {
+            b: L::select(mask, a.b, b.b),
+            c: L::select(mask, a.c, b.c),
+            discriminant: L::select(mask, a.discriminant, b.discriminant),
+        }
+    }
 }
 
 /// The discriminant from the perpendicular, the distance at which the line passes the centre, and not from
@@ -51,45 +97,53 @@ impl SphereMethod for Robust {
     }
 
     #[inline(always)]
-    fn test<L: Lane>(ray: &Ray<L>, center: Vec3<L>, radius2: L, limit: L) -> (L::Mask, L) {
-        by_perpendicular(ray, center, radius2, limit, |x| x, |x| x)
+    fn equation<L: Lane>(ray: &Ray<L>, center: Vec3<L>, radius2: L) -> (L::Mask, QuadraticEquation<L>) {
+        by_perpendicular(ray, center, radius2, |x| x)
+    }
+    #[inline(always)]
+    fn root<L: Lane>(_ray: &Ray<L>, equation: &QuadraticEquation<L>) -> L {
+        root_without_cancellation(equation, |x| x, |x| x)
     }
 }
 
-/// The robust test, with multiplication and division by the squared length of the direction as parameters.
+/// The robust equation, with division by the squared length of the direction as a parameter.
 #[inline(always)]
 fn by_perpendicular<L: Lane>(
     ray: &Ray<L>,
     center: Vec3<L>,
     radius2: L,
-    limit: L,
-    multiply: impl Fn(L) -> L,
     divide: impl Fn(L) -> L,
-) -> (L::Mask, L) {
+) -> (L::Mask, QuadraticEquation<L>) {
     let from_center = ray.origin - center;
     let b = -from_center.dot(ray.direction);
     let perpendicular = ray.direction.mul_add(divide(b), from_center);
     let discriminant = radius2 - perpendicular.dot(perpendicular);
     let c = from_center.dot(from_center) - radius2;
     let ahead = L::zero().lt(b);
-    // The surface counts as inside: the near root, 0, is no hit; the far root may be one.
+    // The surface counts as inside: the near root, 0, is no hit; the far root may be one. A ray that starts
+    // outside and moves away has both roots behind it.
     let inside = c.le(L::zero());
-    // A ray that starts outside and moves away has both roots behind it: most rays that leave a sphere return
-    // here.
-    let meets = L::zero().le(discriminant) & (ahead | inside);
-    if !meets.any() {
-        return (meets, limit);
-    }
+    (L::zero().le(discriminant) & (ahead | inside), QuadraticEquation { b, c, discriminant })
+}
+
+/// The nearest root in front, with multiplication and division by the squared length of the direction as
+/// parameters.
+#[inline(always)]
+fn root_without_cancellation<L: Lane>(
+    &QuadraticEquation { b, c, discriminant }: &QuadraticEquation<L>,
+    multiply: impl Fn(L) -> L,
+    divide: impl Fn(L) -> L,
+) -> L {
     // The roots are c/q and q. Neither cancels, because q is a sum of two numbers of the sign of b. From
     // outside the nearer one is c/q; from inside the one in front is q where the centre lies ahead, c/q where
     // it lies behind.
     let q = b + multiply(discriminant).sqrt().flip_sign(b);
     let far = divide(q);
-    // `inside` compares q and not b, which at the centre is a zero of either sign. The minimum keeps the
+    // The comparison is with q and not b, which at the centre is a zero of either sign. The minimum keeps the
     // nearer root from exceeding the other on the surface, where both are close to zero and c is rounding
     // error.
-    let t = L::select(inside & L::zero().lt(q), far, (c / q).min(far.abs()));
-    (meets & L::zero().lt(t) & t.lt(limit), t)
+    let ahead_from_inside = c.le(L::zero()) & L::zero().lt(q);
+    L::select(ahead_from_inside, far, (c / q).min(far.abs()))
 }
 
 /// [`Robust`] for directions of any length between 1e-15 and 1e15, at the cost of one division per ray and
@@ -122,9 +176,16 @@ impl SphereMethod for RobustAnyLength {
     }
 
     #[inline(always)]
-    fn test<L: Lane>(prepared: &Scaled<L>, center: Vec3<L>, radius2: L, limit: L) -> (L::Mask, L) {
-        let Scaled { ray, a, inverse_a } = prepared;
-        by_perpendicular(ray, center, radius2, limit, |x| *a * x, |x| x * *inverse_a)
+    fn equation<L: Lane>(
+        Scaled { ray, inverse_a, .. }: &Scaled<L>,
+        center: Vec3<L>,
+        radius2: L,
+    ) -> (L::Mask, QuadraticEquation<L>) {
+        by_perpendicular(ray, center, radius2, |x| x * *inverse_a)
+    }
+    #[inline(always)]
+    fn root<L: Lane>(Scaled { a, inverse_a, .. }: &Scaled<L>, equation: &QuadraticEquation<L>) -> L {
+        root_without_cancellation(equation, |x| *a * x, |x| x * *inverse_a)
     }
 }
 
@@ -143,25 +204,22 @@ impl SphereMethod for Naive {
     }
 
     #[inline(always)]
-    fn test<L: Lane>(prepared: &Scaled<L>, center: Vec3<L>, radius2: L, limit: L) -> (L::Mask, L) {
-        let Scaled { ray, a, inverse_a } = prepared;
+    fn equation<L: Lane>(
+        Scaled { ray, a, .. }: &Scaled<L>,
+        center: Vec3<L>,
+        radius2: L,
+    ) -> (L::Mask, QuadraticEquation<L>) {
         let from_center = ray.origin - center;
         let b = L::splat(2.0) * from_center.dot(ray.direction);
         let c = from_center.dot(from_center) - radius2;
         let discriminant = b * b - L::splat(4.0) * *a * c;
-        let meets = L::zero().le(discriminant);
-        if !meets.any() {
-            return (meets, limit);
-        }
-        let root = discriminant.sqrt();
-        let half = L::splat(0.5) * *inverse_a;
-        nearest_in_front(meets, (-b - root) * half, (root - b) * half, limit)
+        (L::zero().le(discriminant), QuadraticEquation { b, c, discriminant })
     }
-}
-
-/// The nearer root in (0, limit).
-#[inline(always)]
-fn nearest_in_front<L: Lane>(meets: L::Mask, near: L, far: L, limit: L) -> (L::Mask, L) {
-    let t = L::select(L::zero().lt(near), near, far);
-    (meets & L::zero().lt(t) & t.lt(limit), t)
+    #[inline(always)]
+    fn root<L: Lane>(prepared: &Scaled<L>, equation: &QuadraticEquation<L>) -> L {
+        let (b, root) = (equation.b, equation.discriminant.sqrt());
+        let half = L::splat(0.5) * prepared.inverse_a;
+        let near = (-b - root) * half;
+        L::select(L::zero().lt(near), near, (root - b) * half)
+    }
 }

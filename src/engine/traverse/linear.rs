@@ -4,7 +4,7 @@
 use super::primitive_list::PrimitiveList;
 use crate::buffers::{Features, Spheres};
 use crate::kernel::ray_box::{Padding, Slabs, own_box};
-use crate::kernel::ray_sphere::SphereMethod;
+use crate::kernel::ray_sphere::{QuadraticEquation, SphereMethod};
 use crate::kernel::ray_triangle::{PairHit, TriangleHit, TriangleMethod};
 use crate::kernel::sphere_culling::{CulledSphere, SphereCulling};
 use crate::lane::{Bits, Lane, Mask};
@@ -31,6 +31,8 @@ pub fn features_of(scene: &Scene) -> Features {
 /// From this many spheres on, those that no ray of a packet may hit are culled first. Where all are tested,
 /// the branch that skips the rest of a test is often predicted wrong; culling has no branch.
 const CULLED_SPHERES: usize = 16;
+/// Most rays of a packet whose equations wait for others: see [`SphereTests`].
+const MAX_WAITING: usize = 8;
 /// How many spheres are culled at a time.
 const CHUNK: usize = 64;
 
@@ -167,15 +169,14 @@ pub fn closest<L: Lane, S: SphereMethod, T: TriangleMethod>(
     let mut hit = Hit::miss();
     let spheres = candidates.sphere_count();
     if spheres > 0 {
-        let prepared = S::prepare(ray);
-        let test = |number, center, radius2| {
-            intersect_sphere::<L, S>(&mut hit, &prepared, number, center, radius2);
-        };
+        let mut tests = SphereTests::<L, S>::new(ray);
+        let test = |number, center, radius2| tests.test(number, center, radius2);
         if S::MAY_CULL && spheres >= CULLED_SPHERES {
             candidates.for_each_sphere_near(&SphereCulling::new(ray), test);
         } else {
             candidates.for_each_sphere(test);
         }
+        hit = tests.nearest();
     }
     if candidates.has_triangles() {
         let prepared = T::prepare(ray);
@@ -196,17 +197,69 @@ pub fn closest<L: Lane, S: SphereMethod, T: TriangleMethod>(
     hit
 }
 
-#[inline(always)]
-fn intersect_sphere<L: Lane, S: SphereMethod>(
-    hit: &mut Hit<L>,
-    ray: &S::Prepared<L>,
-    number: u32,
-    center: Vec3<L>,
-    radius2: L,
-) {
-    let (mask, t) = S::test(ray, center, radius2, hit.t);
-    hit.t = L::select(mask, t, hit.t);
-    hit.primitive = L::Bits::select(mask, L::Bits::splat(number), hit.primitive);
+/// The tests of a packet against spheres in turn. A ray meets few of them, so square root and division wait,
+/// lane by lane, until some ray meets a second sphere: one pair of them serves several spheres. Not so in
+/// packets of more than [`MAX_WAITING`] rays, some of which nearly always meet a second one.
+struct SphereTests<L: Lane, S: SphereMethod> {
+    ray: S::Prepared<L>,
+    /// The nearest hits of the equations that are solved.
+    hit: Hit<L>,
+    /// The lanes that hold an equation to solve.
+    waiting: L::Mask,
+    equation: QuadraticEquation<L>,
+    /// The spheres of the equations.
+    number: L::Bits,
+}
+
+impl<L: Lane, S: SphereMethod> SphereTests<L, S> {
+    #[inline(always)]
+    fn new(ray: &Ray<L>) -> Self {
+        Self {
+            ray: S::prepare(ray),
+            hit: Hit::miss(),
+            waiting: L::Mask::splat(false),
+            equation: QuadraticEquation::none(),
+            number: L::Bits::splat(0),
+        }
+    }
+    #[inline(always)]
+    fn test(&mut self, number: u32, center: Vec3<L>, radius2: L) {
+        let (meets, equation) = S::equation(&self.ray, center, radius2);
+        let number = L::Bits::splat(number);
+        if L::WIDTH > MAX_WAITING {
+            if meets.any() {
+                self.keep_if_nearer(meets, &equation, number);
+            }
+            return;
+        }
+        // Where all wait, as in a sphere around the scene, the next one that any ray meets is a second one.
+        if (meets & self.waiting).any() || self.waiting.all() {
+            self.solve();
+        }
+        self.equation = QuadraticEquation::select(meets, &equation, &self.equation);
+        self.number = L::Bits::select(meets, number, self.number);
+        self.waiting = self.waiting | meets;
+    }
+    #[inline(always)]
+    fn keep_if_nearer(&mut self, meets: L::Mask, equation: &QuadraticEquation<L>, number: L::Bits) {
+        let t = S::root(&self.ray, equation);
+        let nearer = meets & L::zero().lt(t) & t.lt(self.hit.t);
+        self.hit.t = L::select(nearer, t, self.hit.t);
+        self.hit.primitive = L::Bits::select(nearer, number, self.hit.primitive);
+    }
+    #[inline(always)]
+    fn solve(&mut self) {
+        let (equation, number) = (self.equation, self.number);
+        self.keep_if_nearer(self.waiting, &equation, number);
+        self.waiting = L::Mask::splat(false);
+    }
+    #[inline(always)]
+    fn nearest(mut self) -> Hit<L> {
+        if L::WIDTH <= MAX_WAITING && self.waiting.any() {
+            self.solve();
+        }
+        self.hit
+    }
 }
 
 /// Keeps the hits of one triangle that are nearer than those found before.

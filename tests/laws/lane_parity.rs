@@ -340,17 +340,21 @@ same_at_every_width! {
         }
         let color = Vec3::new(u, v, L::splat(0.5));
         let plastic = bsdf::plastic::Plastic { color, alpha, ior, transmitted: L::splat(0.9) };
-        let (drawn, weight) = plastic.sample(d, n, v, (u, v));
+        let view = plastic.view(d, n);
+        let (drawn, weight) = plastic.sample(&view, d, n, v, (u, v));
         values.extend(vector(drawn.wi).into_iter().chain(vector(weight)));
         values.extend([Float(drawn.pdf), Truth(drawn.alive)]);
-        let lobe = plastic.evaluate(d, n, towards);
+        let lobe = plastic.evaluate(&view, d, n, towards);
         values.extend(vector(lobe.value));
         values.push(Float(lobe.pdf));
         values
     };
     surfaces_are_the_same_at_every_width: |o| {
         let n = Vec3::new(o.x, o.y, o.z);
-        let mut values = vector(surface::sphere_normal(n, Vec3::new(o.y, o.z, o.x)));
+        let center = Vec3::new(o.y, o.z, o.x);
+        let (point, normal) = surface::sphere_surface(n, center, o.x, L::Mask::splat(true));
+        let mut values = vector(point);
+        values.extend(vector(normal));
         let (u, v) = surface::latitude_longitude(n);
         values.extend([Float(u), Float(v)]);
         values

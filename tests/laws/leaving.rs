@@ -8,7 +8,8 @@
 use crate::common::{Rng, empty, material, sphere, triangle};
 use glam::Vec3;
 use octray::buffers::Buffers;
-use octray::kernel::surface::{sphere_offset, triangle_normal, triangle_offset};
+use octray::kernel::surface::{sphere_offset, sphere_surface, triangle_normal, triangle_offset};
+use octray::math;
 use octray::measure::stability::FailureCounts;
 use octray::measure::stability::leaving::{self, SpawnMethod, leave_triangle};
 use octray::measure::stability::shells::{Side, leave_shell, leave_sphere};
@@ -32,8 +33,8 @@ fn buffers_hold_the_offsets_and_normals_that_are_tested_here() {
             ..empty()
         };
         let buffers = Buffers::new(&scene);
-        let [x, y, z, radius, offset, ..] = buffers.sphere_rows.fetch::<f32>(0, true);
-        assert_eq!((Vec3::new(x, y, z), radius), (ball.center, ball.radius));
+        let [x, y, z, inverse_radius, offset, ..] = buffers.sphere_rows.fetch::<f32>(0, true);
+        assert_eq!((Vec3::new(x, y, z), inverse_radius), (ball.center, 1.0 / ball.radius));
         assert_eq!(offset, sphere_offset(ball.center, ball.radius));
         let [ax, ay, az, abx, aby, abz, offset, _] = buffers.triangle_rows.fetch::<f32>(0, true);
         let [acx, acy, acz, nx, ny, nz, ..] = buffers.triangle_rows.fetch::<f32>(1, true);
@@ -190,4 +191,39 @@ fn half_the_offset_would_do_and_a_twentieth_would_not() {
     let (triangles, spheres) = cases(0.05, 10_000);
     println!("a twentieth of the offset: triangles {triangles:?}, spheres {spheres:?}");
     assert!(triangles.iter().sum::<usize>() > 100 && spheres.iter().all(|&faults| faults > 10));
+}
+
+/// The points and normals of spheres from nearly none to 10⁶ radii away, where the root is left out and where
+/// it is not, and from the centre itself.
+#[test]
+fn points_are_on_their_spheres_and_normals_have_unit_length() {
+    let mut rng = Rng(22);
+    let [mut roots, mut others] = [0, 0];
+    for case in 0..200_000 {
+        let (place, radius) = (rng.scale(1e-3, 1e6), rng.scale(1e-6, 1e3));
+        let (center, radius) = ((rng.direction() * place).as_vec3(), radius as f32);
+        // Off the surface as a hit that comes from far away is.
+        let off = 1.0 + rng.scale(1e-9, 0.5) * if case % 2 == 0 { 1.0 } else { -1.0 };
+        let near = (center.as_dvec3() + rng.direction() * (f64::from(radius) * off)).as_vec3();
+        let (near, splat) = (math::Vec3::<f32>::splat(near), math::Vec3::splat(center));
+        let (point, normal) = sphere_surface(near, splat, 1.0 / radius, true);
+        let (point, normal) = (point.get(0), normal.get(0));
+        let epsilon = f64::from(octray::math::EPSILON);
+        let length = normal.as_dvec3().length();
+        assert!((length - 1.0).abs() <= 3.0 * epsilon, "|n| = {length}, r = {radius}, c = {center}");
+        let exact = center.as_dvec3() + normal.as_dvec3() / length * f64::from(radius);
+        let bound = 3.5 * epsilon * f64::from(center.abs().max_element() + radius);
+        let error = (point.as_dvec3() - exact).length();
+        assert!(error <= bound, "off by {error}, bound {bound}, r = {radius}, c = {center}");
+        // The direction is that of the point given.
+        let from_center = near.get(0) - center;
+        if from_center != Vec3::ZERO {
+            let cross = from_center.as_dvec3().normalize().cross(normal.as_dvec3()).length();
+            assert!(cross <= 4.0 * epsilon, "the normal turns by {cross}");
+        }
+        *if off > 1.001 { &mut roots } else { &mut others } += 1;
+    }
+    assert!(roots > 10_000 && others > 10_000);
+    let (point, normal) = sphere_surface(math::Vec3::<f32>::zero(), math::Vec3::zero(), 0.5, true);
+    assert_eq!((point.get(0), normal.get(0)), (Vec3::new(0.0, 2.0, 0.0), Vec3::Y));
 }

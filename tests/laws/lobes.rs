@@ -50,7 +50,10 @@ impl Lobe {
             Lobe::Diffuse => grey(diffuse::sample(n, u, v)),
             Lobe::Ggx { alpha } => grey(ggx::sample(d, n, alpha, u, v)),
             Lobe::Scatter { roughness } => grey(scatter::sample(d, n, roughness, u, v)),
-            Lobe::Plastic { .. } => self.plastic().sample(d, n, choose, (u, v)),
+            Lobe::Plastic { .. } => {
+                let plastic = self.plastic();
+                plastic.sample(&plastic.view(d, n), d, n, choose, (u, v))
+            }
             Lobe::MetalRough { .. } => self.metal_rough().sample(d, n, choose, (u, v)),
         };
         Drawn { direction: lobe.wi.get(0), weight: weight.get(0), pdf: lobe.pdf, alive: lobe.alive }
@@ -64,7 +67,8 @@ impl Lobe {
             Lobe::Ggx { alpha } => grey(ggx::evaluate(d, n, alpha, towards)),
             Lobe::Scatter { roughness } => grey(scatter::evaluate(d, n, roughness, towards)),
             Lobe::Plastic { .. } => {
-                let BsdfEval { value, pdf } = self.plastic().evaluate(d, n, towards);
+                let plastic = self.plastic();
+                let BsdfEval { value, pdf } = plastic.evaluate(&plastic.view(d, n), d, n, towards);
                 (value.get(0), pdf)
             }
             Lobe::MetalRough { .. } => {

@@ -41,8 +41,8 @@ pub struct Buffers {
     pub needs: Features,
     /// All spheres.
     pub spheres: Spheres,
-    /// One row of eight a sphere: centre, radius, offset of leaving rays, material (bits), texture turn (see
-    /// `texture_turn`), probability of being chosen as a light.
+    /// One row of eight a sphere: centre, one over the radius, offset of leaving rays, material (bits),
+    /// texture turn (see `texture_turn`), probability of being chosen as a light.
     pub sphere_rows: Rows,
     /// Two rows of eight a triangle: a, ab, offset, material (bits); ac, unit normal, probability of being
     /// chosen as a light, [`Lights::diagonals`].
@@ -226,7 +226,8 @@ fn textured_emitters(scene: &Scene) -> Option<Box<[f32; 16]>> {
 fn sphere_row(sphere: &scene::Sphere, probability: f32) -> [f32; 8] {
     let [x, y, z] = sphere.center.to_array();
     let offset = sphere_offset(sphere.center, sphere.radius);
-    [x, y, z, sphere.radius, offset, f32::from_bits(sphere.material), texture_turn(sphere), probability]
+    let material = f32::from_bits(sphere.material);
+    [x, y, z, 1.0 / sphere.radius, offset, material, texture_turn(sphere), probability]
 }
 
 /// A sphere's texture turn, its sign bit set (on 0 too) where the texture is oriented to be seen from

@@ -9,6 +9,7 @@ use super::material::MaterialSample;
 use super::queue::Path;
 use super::surface::Surface;
 use crate::buffers::{Features, MaterialCode};
+use crate::kernel::bsdf::plastic::PlasticView;
 use crate::kernel::bsdf::{self, BsdfEval, BsdfSample, LobeEval};
 use crate::kernel::guiding::Guiding;
 use crate::kernel::normals;
@@ -67,6 +68,8 @@ pub struct ScatteredPath<L: Lane> {
     pub is_delta: L::Mask,
     /// Where rays to the lights start: at lobes that are none of mirrors and glass, the path's origin.
     pub near_side: Vec3<L>,
+    /// For [`evaluate`].
+    pub plastic: PlasticView<L>,
 }
 
 /// Samples the BSDF: the next segment of each path in `found`.
@@ -117,9 +120,10 @@ fn scatter_inlined<L: Lane, const N: u32>(
         material,
         sample: BsdfSample { wi: normals.ns_specular, weight: L::one(), pdf: L::zero(), alive: nothing },
         color: material.color,
+        plastic: PlasticView::none(),
     };
     visit_lobes::<L, N>(material, found, &mut sampling);
-    let Sampling { mut sample, color, .. } = sampling;
+    let Sampling { mut sample, color, plastic, .. } = sampling;
 
     let ng = normals.ng;
     let is_delta = !sample.pdf.lt(L::splat(f32::INFINITY));
@@ -141,7 +145,7 @@ fn scatter_inlined<L: Lane, const N: u32>(
     let inv_pdf =
         if has(N, Features::LIGHTS) { L::one() / sample.pdf.max(L::splat(1e-30)) } else { L::zero() };
     let path = Path { ray, throughput, inv_pdf, ..*path };
-    ScatteredPath { path, alive: sample.alive & !dark, is_delta, near_side }
+    ScatteredPath { path, alive: sample.alive & !dark, is_delta, near_side, plastic }
 }
 
 /// The ray that leaves a surface in the lanes of `found`; those of `is_delta` have a delta lobe.
@@ -214,6 +218,7 @@ struct Sampling<'a, L: Lane> {
     material: &'a MaterialSample<L>,
     sample: BsdfSample<L>,
     color: Vec3<L>,
+    plastic: PlasticView<L>,
 }
 
 impl<L: Lane> Sampling<'_, L> {
@@ -272,7 +277,9 @@ impl<L: Lane> LobeVisitor<L> for Sampling<'_, L> {
     fn plastic(&mut self, mask: L::Mask) {
         let n = self.normals.ns_specular;
         let (number, pair) = (self.lobe_number(), self.two_numbers());
-        let (lobe, weight) = self.material.plastic().sample(self.d, n, number, pair);
+        let plastic = self.material.plastic();
+        self.plastic = plastic.view(self.d, n);
+        let (lobe, weight) = plastic.sample(&self.plastic, self.d, n, number, pair);
         self.take(mask, lobe);
         self.color = Vec3::select(mask, weight, self.color);
     }
@@ -288,18 +295,18 @@ impl<L: Lane> LobeVisitor<L> for Sampling<'_, L> {
 
 /// The value of the BSDF, cosine included, for light that arrives from `towards` and leaves against `d`, and
 /// the pdf with which [`scatter`] samples `towards`. Zero in lanes outside `mask`, below the surface, and of
-/// delta lobes.
+/// delta lobes. `plastic` is that of [`ScatteredPath`] at this surface.
 #[inline(always)]
 pub fn evaluate<L: Lane, const N: u32>(
     d: Vec3<L>,
     surface: &Surface<L>,
-    material: &MaterialSample<L>,
+    (material, plastic): (&MaterialSample<L>, &PlasticView<L>),
     towards: Vec3<L>,
     mask: L::Mask,
 ) -> BsdfEval<L> {
     let normals = FacingNormals::of::<N>(d, surface, material);
     let eval = BsdfEval { value: Vec3::zero(), pdf: L::zero() };
-    let mut evaluation = Evaluation { d, towards, normals: &normals, material, eval };
+    let mut evaluation = Evaluation { d, towards, normals: &normals, material, plastic, eval };
     visit_lobes::<L, N>(material, mask, &mut evaluation);
     let mut eval = evaluation.eval;
     if Features(N).meets(Features::SHADING_NORMALS) && material.has_shading_normal.any() {
@@ -319,6 +326,7 @@ struct Evaluation<'a, L: Lane> {
     towards: Vec3<L>,
     normals: &'a FacingNormals<L>,
     material: &'a MaterialSample<L>,
+    plastic: &'a PlasticView<L>,
     eval: BsdfEval<L>,
 }
 
@@ -351,7 +359,8 @@ impl<L: Lane> LobeVisitor<L> for Evaluation<'_, L> {
     }
     #[inline(always)]
     fn plastic(&mut self, mask: L::Mask) {
-        self.take(mask, self.material.plastic().evaluate(self.d, self.normals.ns_specular, self.towards));
+        let n = self.normals.ns_specular;
+        self.take(mask, self.material.plastic().evaluate(self.plastic, self.d, n, self.towards));
     }
     #[inline(always)]
     fn metal_rough(&mut self, mask: L::Mask) {

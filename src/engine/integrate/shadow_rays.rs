@@ -91,7 +91,8 @@ pub fn sample_direct_light<L: Lane, const N: u32>(
             emission = Vec3::select(is_sky, seen, emission);
         }
     }
-    let bsdf = evaluate::<L, N>(path.ray.direction, surface, material, sample.wi, mask);
+    let lobes = (material, &scattered.plastic);
+    let bsdf = evaluate::<L, N>(path.ray.direction, surface, lobes, sample.wi, mask);
     let pdf = light.probability * sample.pdf;
     let possible = mask & L::zero().lt(pdf);
     let inv_pdf = L::one() / L::select(possible, pdf, L::one());

@@ -10,7 +10,7 @@ use crate::buffers::Features;
 use crate::kernel::light::{self, FlatLight};
 use crate::kernel::normals;
 use crate::kernel::ray_cone;
-use crate::kernel::surface::{latitude_longitude, sphere_normal};
+use crate::kernel::surface::{latitude_longitude, sphere_surface};
 use crate::kernel::texture::TexturePoint;
 use crate::lane::{Bits, Lane, Mask};
 use crate::math::{Hit, Ray, Vec3};
@@ -73,8 +73,7 @@ impl<L: Lane> Surface<L> {
             light_pdf: L::zero(),
         };
         if has(N, Features::SPHERES) && (!has(N, Features::TRIANGLES) || (found & is_sphere).any()) {
-            let index = L::Bits::select(found & is_sphere, hit.primitive, zero);
-            surface.set_sphere::<N>(context, path, hit, index);
+            surface.set_sphere::<N>(context, path, hit, found & is_sphere);
         }
         if has(N, Features::TRIANGLES) && (!has(N, Features::SPHERES) || (found & !is_sphere).any()) {
             surface.set_triangle::<N>(context, path, hit);
@@ -99,21 +98,22 @@ impl<L: Lane> Surface<L> {
         context: &TraceContext,
         path: &Path<L>,
         hit: &Hit<L>,
-        index: L::Bits,
+        used: L::Mask,
     ) {
+        let index = L::Bits::select(used, hit.primitive, L::Bits::splat(0));
         let few = !has(N, Features::MANY_SPHERES);
-        let [x, y, z, radius, offset, material, turn, chance] =
+        let [x, y, z, inverse_radius, offset, material, turn, chance] =
             context.buffers.sphere_rows.fetch::<L>(index, few);
         let center = Vec3::new(x, y, z);
-        self.ng = sphere_normal(path.ray.at(hit.t), center);
-        self.point = self.ng.mul_add(radius, center);
+        (self.point, self.ng) = sphere_surface(path.ray.at(hit.t), center, inverse_radius, used);
         self.offset = offset;
         self.material = material.to_bits();
         self.turn = turn;
         if context.carries_cones::<N>() {
-            self.curvature = (L::one() / radius).only(self.is_sphere);
+            self.curvature = inverse_radius.only(self.is_sphere);
         }
         if has(N, Features::LIGHTS) && L::zero().lt(chance).any() {
+            let radius = L::one() / inverse_radius;
             self.light_pdf = chance * light::sphere_pdf(center - path.ray.origin, radius);
         }
     }

@@ -36,15 +36,31 @@ impl<L: Lane> LightSample<L> {
     }
 }
 
-/// The squared distance of a sphere, and 1 − cos θ of the cone of half angle θ that it subtends; NaN from
-/// inside.
-///
-/// 1 − cos θ = sin² θ / (1 + cos θ), which does not cancel at any distance.
-#[inline(always)]
-fn cone<L: Lane>(center: Vec3<L>, radius: L) -> (L, L) {
-    let distance2 = center.dot(center);
-    let sin2 = radius * radius / distance2;
-    (distance2, sin2 / (L::one() + (L::one() - sin2).sqrt()))
+/// The cone that a sphere subtends.
+struct Cone<L: Lane> {
+    /// The squared distance of the centre, and one over the distance.
+    distance2: L,
+    per_distance: L,
+    /// 1 − cos θ of its half angle; NaN from inside the sphere.
+    one_minus_cos: L,
+}
+
+impl<L: Lane> Cone<L> {
+    #[inline(always)]
+    fn new(center: Vec3<L>, radius: L) -> Self {
+        let distance2 = center.dot(center);
+        let per_distance = L::one() / distance2.sqrt();
+        let sine = radius * per_distance;
+        let sin2 = sine * sine;
+        // 1 − cos θ = sin² θ / (1 + cos θ), which does not cancel at any distance.
+        let one_minus_cos = sin2 / (L::one() + (L::one() - sin2).sqrt());
+        Self { distance2, per_distance, one_minus_cos }
+    }
+    /// One over the solid angle; 0 from inside the sphere and on it.
+    #[inline(always)]
+    fn pdf(&self) -> L {
+        valid_pdf(L::splat(1.0 / TAU) / self.one_minus_cos)
+    }
 }
 
 /// The pdf of directions towards a sphere: one over its solid angle; 0 from inside it and on it.
@@ -52,24 +68,23 @@ fn cone<L: Lane>(center: Vec3<L>, radius: L) -> (L, L) {
 /// Domain: a radius of at least 1e-15 distances.
 #[inline(always)]
 pub fn sphere_pdf<L: Lane>(center: Vec3<L>, radius: L) -> L {
-    let (_, one_minus_cos) = cone(center, radius);
-    valid_pdf(L::splat(1.0 / TAU) / one_minus_cos)
+    Cone::new(center, radius).pdf()
 }
 
-/// A direction uniform in the cone that a sphere subtends, and the first point of the sphere there.
+/// A direction uniform in the cone that a sphere subtends, and the first point of the sphere there. The
+/// normal has unit length within some ε times the distance over the radius.
 #[inline(always)]
 pub fn sample_sphere<L: Lane>(center: Vec3<L>, radius: L, u: L, v: L) -> LightSample<L> {
-    let (distance2, one_minus_cos) = cone(center, radius);
-    let distance = distance2.sqrt();
-    let axis = center * (L::one() / distance);
-    let (wi, cos, sin2) = warp::sample_uniform_cone(axis, one_minus_cos, u, v);
+    let cone = Cone::new(center, radius);
+    let Cone { distance2, per_distance, one_minus_cos } = cone;
+    let (wi, cos, sin2) = warp::sample_uniform_cone(center * per_distance, one_minus_cos, u, v);
     // The smaller root of t² − 2 t d cos θ + d² − r², from the product of the roots: the difference would
     // cancel.
     let radius2 = radius * radius;
     let half_chord = (sin2.neg_mul_add(distance2, radius2)).max(L::zero()).sqrt();
-    let t = (distance2 - radius2) / distance.mul_add(cos, half_chord);
-    let n = (wi * t - center).normalize();
-    LightSample { wi, t, n, pdf: valid_pdf(L::splat(1.0 / TAU) / one_minus_cos) }
+    let t = (distance2 - radius2) / (distance2 * per_distance).mul_add(cos, half_chord);
+    let n = (wi * t - center) * (L::one() / radius);
+    LightSample { wi, t, n, pdf: cone.pdf() }
 }
 
 /// A flat light relative to the lit point: the triangle a, a + ab, a + ac, or the parallelogram that

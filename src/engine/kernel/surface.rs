@@ -8,15 +8,18 @@
 //! Source: Wächter, Binder, "A Fast and Robust Method for Avoiding Self-Intersection", Ray Tracing Gems ch.
 //! 6, 2019; Pharr et al., PBR 4ed §6.8.
 
-use crate::lane::{Lane, functions::atan2_turns};
+use crate::lane::{
+    Lane, Mask,
+    functions::{asin_half_turns, atan2_turns},
+};
 use crate::math::{EPSILON, Vec3, gamma};
 
 /// The offset along the normal of rays that leave a sphere.
 ///
-/// Units: scene units. Error: the point c + r·n is off by at most 2 ε (|c| + r) in each component; testing
-/// the same sphere again computes |o − c|² − r² with a relative error of γ(5), which is a distance of
-/// γ(5)/2 · r, plus the rounding of o − c of ε (|c| + r). The sum, projected on the normal (√3 for three
-/// components), is below 8 ε (|c| + r): measured, half of it suffices, `tests/laws/leaving.rs`.
+/// Units: scene units. Error: the point is off by at most 3.5 ε (|c| + r), see [`sphere_surface`]; testing
+/// the same sphere again computes |o − c|² − r² with a relative error of γ(5), which is a distance of γ(5)/2
+/// · r, plus the rounding of o − c of ε (|c| + r) in each component, √3 of that along the normal. The sum is
+/// below 8 ε (|c| + r): measured, half of it suffices, `tests/laws/leaving.rs`.
 pub fn sphere_offset(center: glam::Vec3, radius: f32) -> f32 {
     gamma(8) * (center.abs().max_element() + radius)
 }
@@ -90,28 +93,63 @@ pub fn triangle_bounds([a, b, c]: [glam::Vec3; 3]) -> [glam::Vec3; 2] {
     [a.min(b).min(c), a.max(b).max(c)]
 }
 
-/// The outward unit normal of a sphere at a point near its surface.
+/// The point of a sphere next to `near`, a point close to its surface, and the outward unit normal there, in
+/// the lanes of `used`; unspecified in others.
+///
+/// A point p of a sphere is moved onto it by 1 / |u|, u = (p − c) / r, and |u|² = 1 + δ. A hit's δ is some ε
+/// times the distance over the radius, so that 1 − δ / 2 is 1 / |u| less 3/8 δ²: no root and no division.
+/// Only where |δ| is above 2⁻¹², for spheres farther away than some thousand radii, both are computed.
+///
+/// Error: the point is off by at most 3.5 ε (|c| + r), the normal's length by 3 ε (measured,
+/// `tests/laws/leaving.rs`).
+#[inline(always)]
+pub fn sphere_surface<L: Lane>(
+    near: Vec3<L>,
+    center: Vec3<L>,
+    inverse_radius: L,
+    used: L::Mask,
+) -> (Vec3<L>, Vec3<L>) {
+    let from_center = near - center;
+    let unit = from_center * inverse_radius;
+    let delta = unit.dot(unit) - L::one();
+    let scale = delta.mul_add(L::splat(-0.5), L::one());
+    let (point, normal) = (from_center.mul_add(scale, center), unit * scale);
+    // Not so for NaN either.
+    let far = used & !delta.abs().le(L::splat(f32::powi(0.5, 12)));
+    if !far.any() {
+        return (point, normal);
+    }
+    let exact = sphere_normal(from_center);
+    let exact_point = exact.mul_add(L::one() / inverse_radius, center);
+    (Vec3::select(far, exact_point, point), Vec3::select(far, exact, normal))
+}
+
+/// The direction from a sphere's centre as a unit vector.
 ///
 /// On a sphere smaller than one step of its coordinates the point may round to the centre: the normal is then
 /// that of the top, and not NaN.
 #[inline(always)]
-pub fn sphere_normal<L: Lane>(point: Vec3<L>, center: Vec3<L>) -> Vec3<L> {
-    let mut normal = point - center;
-    let squared = normal.dot(normal);
+fn sphere_normal<L: Lane>(mut from_center: Vec3<L>) -> Vec3<L> {
+    let squared = from_center.dot(from_center);
     let none = squared.eq(L::zero());
-    normal.y = L::select(none, L::one(), normal.y);
-    normal * (L::one() / L::select(none, L::one(), squared).sqrt())
+    from_center.y = L::select(none, L::one(), from_center.y);
+    from_center * (L::one() / L::select(none, L::one(), squared).sqrt())
 }
 
 /// Longitude and latitude of a unit vector as texture coordinates (equirectangular): u = atan2(z, x) / 2π,
 /// unwrapped, in [−½, ½]; v = acos(y) / π from the top, in [0, 1].
 ///
-/// Domain: y may exceed 1 by rounding: v comes from the arctangent, which stays defined and accurate at the
-/// poles.
-/// Error: ≤ 3e-7 (measured, `tests/laws/kernel_texture.rs`).
+/// v is the arcsine of the smaller one of y and the distance from the axis: without a division, defined where
+/// rounding makes y exceed 1, and as accurate at the poles as the arctangent.
+///
+/// Error: ≤ 3e-7 (measured, `tests/laws/kernel_texture.rs`); in v at most a third of that of the length.
 #[inline(always)]
 pub fn latitude_longitude<L: Lane>(n: Vec3<L>) -> (L, L) {
     let around = n.x.mul_add(n.x, n.z * n.z).sqrt();
-    let half_v = atan2_turns(around, n.y);
-    (atan2_turns(n.z, n.x), half_v + half_v)
+    let height = n.y.abs();
+    let near_pole = around.lt(height);
+    let angle = asin_half_turns(L::select(near_pole, around, height));
+    let from_pole = L::select(near_pole, angle, L::splat(0.5) - angle);
+    let v = L::select(n.y.lt(L::zero()), L::one() - from_pole, from_pole);
+    (atan2_turns(n.z, n.x), v)
 }

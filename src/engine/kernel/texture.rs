@@ -105,21 +105,14 @@ pub fn unorm_to_unit<L: Lane>(texel: L::Bits) -> Vec3<L> {
 /// Source: IEC 61966-2-1; coefficients by Lawson's algorithm, minimax in relative error over 11 to 255.
 #[inline(always)]
 pub fn srgb_to_linear<L: Lane>(texel: L::Bits) -> Vec3<L> {
-    const CURVE: [f32; 9] = [
-        -0.196_950_97,
-        0.831_312_8,
-        -1.502_675_5,
-        1.569_481_5,
-        -1.147_476_9,
-        0.933_723_45,
-        0.475_832_6,
-        0.035_900_477,
-        0.000_841_282_8,
-    ];
+    // Of the byte itself, not of its 255th part. Even and odd powers are summed apart: shorter chains.
+    const EVEN: [f32; 5] = [-1.101_632_4e-20, -5.465_427e-15, -2.713_833_6e-10, 7.317_687e-6, 8.412_828e-4];
+    const ODD: [f32; 4] = [1.185_722_9e-17, 1.455_644_4e-12, 5.631_158e-8, 1.407_861_9e-4];
     let linear = |byte: L::Bits| {
-        let encoded = L::from_int(byte & L::Bits::splat(0xff)) * L::splat(1.0 / 255.0);
-        let curve = polynomial(encoded, CURVE);
-        L::select(encoded.le(L::splat(0.04045)), encoded * L::splat(1.0 / 12.92), curve)
+        let byte = L::from_int(byte & L::Bits::splat(0xff));
+        let squared = byte * byte;
+        let curve = polynomial(squared, ODD).mul_add(byte, polynomial(squared, EVEN));
+        L::select(byte.le(L::splat(10.0)), byte * L::splat(1.0 / (255.0 * 12.92)), curve)
     };
     Vec3::new(linear(texel), linear(texel.shr(8)), linear(texel.shr(16)))
 }

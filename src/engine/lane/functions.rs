@@ -7,7 +7,7 @@
 //! expf, logf).
 
 use super::traits::{Bits, Lane};
-use std::f32::consts::{FRAC_PI_2, FRAC_PI_4, LOG2_E, PI, TAU};
+use std::f32::consts::{FRAC_PI_2, FRAC_PI_4, LOG2_E, PI};
 
 /// ln 2 in two parts. The first has few bits, so that its product with an exponent is exact (Cody & Waite
 /// 1980).
@@ -154,18 +154,44 @@ pub fn atan2<L: Lane>(y: L, x: L) -> L {
 /// Units: turns (1 = 2π), in [−½, ½].
 /// Domain: finite, the larger component at least 1e-30; (0, 0) gives 0.
 /// Error: see `kernel::surface::latitude_longitude`.
+/// Source of the polynomial: Lawson's algorithm, minimax over quotients of up to 1.
 #[inline(always)]
 pub fn atan2_turns<L: Lane>(y: L, x: L) -> L {
+    const CURVE: [f32; 7] = [
+        0.001_084_129_6,
+        -0.005_348_275,
+        0.012_672_498,
+        -0.021_061_515,
+        0.031_525_116,
+        -0.053_026_237,
+        0.159_154_33,
+    ];
     let (ax, ay) = (x.abs(), y.abs());
-    let steep = ax.lt(ay);
-    let (low, high) = (L::select(steep, ax, ay), L::select(steep, ay, ax));
-    let (numerator, denominator, reduced) = reduce_atan(low, high);
-    let q = numerator / denominator.max(L::splat(f32::MIN_POSITIVE));
-    let angle = atan_octant(q) * L::splat(1.0 / TAU);
-    let angle = angle + L::splat(0.125).only(reduced);
-    let angle = L::select(steep, L::splat(0.25) - angle, angle);
+    let (low, high) = (ax.min(ay), ax.max(ay));
+    let q = low / high.max(L::splat(f32::MIN_POSITIVE));
+    let angle = polynomial(q * q, CURVE) * q;
+    let angle = L::select(ax.lt(ay), L::splat(0.25) - angle, angle);
     let angle = L::select(x.lt(L::zero()), L::splat(0.5) - angle, angle);
     angle.flip_sign(y)
+}
+
+/// The arcsine, in half turns (1 = π).
+///
+/// Domain: |x| ≤ 0.7071.
+/// Error: see `kernel::surface::latitude_longitude`.
+/// Source of the polynomial: Lawson's algorithm, minimax over the domain.
+#[inline(always)]
+pub fn asin_half_turns<L: Lane>(x: L) -> L {
+    const CURVE: [f32; 7] = [
+        0.037_641_007,
+        -0.026_440_024,
+        0.024_943_812,
+        0.010_700_693,
+        0.024_275_774,
+        0.053_031_58,
+        0.318_310_17,
+    ];
+    polynomial(x * x, CURVE) * x
 }
 
 /// eˣ.

@@ -9,7 +9,7 @@
 //! ([`crate::kernel::surface`]). Their random numbers are a function of seed and pixel alone.
 
 use crate::camera::{Pinhole, Tile};
-use crate::kernel::surface::{sphere_normal, sphere_offset, triangle_normal, triangle_offset};
+use crate::kernel::surface::{sphere_offset, sphere_surface, triangle_normal, triangle_offset};
 use crate::math::{Hit, MISS, Ray, Vec3};
 use crate::sampling::dimension::{DIRECTION, bounce};
 use crate::sampling::random::{path_key, uniform};
@@ -160,8 +160,8 @@ pub(super) fn secondary_origin(scene: &Scene, ray: &Ray<f32>, hit: &Hit<f32>) ->
     let (point, outward, offset) = match scene.spheres.get(number) {
         Some(sphere) => {
             let center = Vec3::splat(sphere.center);
-            let outward = sphere_normal(ray.at(hit.t), center);
-            (outward.mul_add(sphere.radius, center), outward, sphere_offset(sphere.center, sphere.radius))
+            let (point, outward) = sphere_surface(ray.at(hit.t), center, 1.0 / sphere.radius, true);
+            (point, outward, sphere_offset(sphere.center, sphere.radius))
         }
         None => {
             let vertices = scene.triangles[number - scene.spheres.len()].vertices;

@@ -8,6 +8,12 @@
 //! Λ(w) = (√(1 + α² tan² w) − 1) / 2          pdf     = D / 4 cos o · 1 / (1 + Λ(o))
 //! ```
 //!
+//! With s(w) = cos w √(1 + α² tan² w) these are, without quotients of cosines,
+//!
+//! ```text
+//! pdf = D / 2 (cos o + s(o))          f cos θ / pdf = cos i (cos o + s(o)) / (cos i s(o) + cos o s(i))
+//! ```
+//!
 //! Source: Dupuy, Benyoub, "Sampling Visible GGX Normals with Spherical Caps", HPG 2023; Heitz,
 //! "Understanding the Masking-Shadowing Function in Microfacet-Based BRDFs", JCGT 2014, eq. 72 and 99.
 
@@ -32,6 +38,16 @@ pub(super) fn cos_o<L: Lane>(d: Vec3<L>, n: Vec3<L>) -> L {
 /// Domain: `alpha` in [0, 1]; 0 is a mirror.
 #[inline(always)]
 pub fn sample<L: Lane>(d: Vec3<L>, n: Vec3<L>, alpha: L, u: L, v: L) -> BsdfSample<L> {
+    let (wi, cos) = sample_direction(d, n, alpha, u, v);
+    let alive = L::zero().lt(cos);
+    let weight = shadowing(alpha, cos_o(d, n), cos).only(alive);
+    let pdf = L::select(is_narrow(alpha), L::splat(f32::INFINITY), pdf(d, n, alpha, wi));
+    BsdfSample { wi, weight, pdf, alive }
+}
+
+/// The direction of [`sample`] alone, and its cosine; not above 0 where it is absorbed.
+#[inline(always)]
+pub(super) fn sample_direction<L: Lane>(d: Vec3<L>, n: Vec3<L>, alpha: L, u: L, v: L) -> (Vec3<L>, L) {
     let (tangent, bitangent) = warp::orthonormal_basis(n);
     let wo = Vec3::new(-d.dot(tangent), -d.dot(bitangent), cos_o(d, n));
     let stretched = Vec3::new(alpha * wo.x, alpha * wo.y, wo.z).normalize();
@@ -39,13 +55,11 @@ pub fn sample<L: Lane>(d: Vec3<L>, n: Vec3<L>, alpha: L, u: L, v: L) -> BsdfSamp
     let z = (L::one() - u).mul_add(L::one() + stretched.z, -stretched.z);
     let radius = z.neg_mul_add(z, L::one()).max(L::zero()).sqrt();
     let half = Vec3::new(radius * cos, radius * sin, z) + stretched;
-    let normal = Vec3::new(alpha * half.x, alpha * half.y, half.z).normalize();
-    let local = normal * (L::splat(2.0) * wo.dot(normal)) - wo;
-    let alive = L::zero().lt(local.z);
-    let weight = shadowing(alpha, wo.z, local.z).only(alive);
-    let wi = tangent.mul_add(local.x, bitangent.mul_add(local.y, n * local.z));
-    let pdf = L::select(is_narrow(alpha), L::splat(f32::INFINITY), pdf(d, n, alpha, wi));
-    BsdfSample { wi, weight, pdf, alive }
+    // The visible normal, not of unit length.
+    let normal = Vec3::new(alpha * half.x, alpha * half.y, half.z);
+    let twice = L::splat(2.0) * wo.dot(normal) / normal.dot(normal);
+    let local = normal * twice - wo;
+    (tangent.mul_add(local.x, bitangent.mul_add(local.y, n * local.z)), local.z)
 }
 
 /// Zero below the surface and for narrow lobes.
@@ -63,21 +77,23 @@ pub fn is_narrow<L: Lane>(alpha: L) -> L::Mask {
     alpha.lt(L::splat(NARROW))
 }
 
+/// s of the head of this file.
+#[inline(always)]
+fn stretched_cosine<L: Lane>(alpha: L, cos: L) -> L {
+    let sin2 = cos.neg_mul_add(cos, L::one()).max(L::zero());
+    cos.mul_add(cos, alpha * alpha * sin2).sqrt()
+}
+
 /// G₂/G₁ from the cosines of wo and wi, both above 0.
 #[inline(always)]
-fn shadowing<L: Lane>(alpha: L, cos_o: L, cos_i: L) -> L {
-    let lambda = |cos: L| {
-        let tan2 = (L::one() / (cos * cos) - L::one()).max(L::zero());
-        L::splat(0.5) * ((alpha * alpha).mul_add(tan2, L::one()).sqrt() - L::one())
-    };
-    let masking = L::one() + lambda(cos_o);
-    masking / (masking + lambda(cos_i))
+pub(super) fn shadowing<L: Lane>(alpha: L, cos_o: L, cos_i: L) -> L {
+    let (s_o, s_i) = (stretched_cosine(alpha, cos_o), stretched_cosine(alpha, cos_i));
+    cos_i * (cos_o + s_o) / cos_i.mul_add(s_o, cos_o * s_i)
 }
 
 /// The pdf of a direction above the surface.
 ///
-/// D needs the tangent of h: h⊥ comes from the cross product, because 1 − cos² cancels. cos o (1 + Λ(o)) is
-/// written out, so that grazing angles do not divide by a small number.
+/// D needs the tangent of h: h⊥ comes from the cross product, because 1 − cos² cancels.
 ///
 /// Domain: alpha from [`NARROW`] to 1.
 #[inline(always)]
@@ -87,9 +103,6 @@ fn pdf<L: Lane>(d: Vec3<L>, n: Vec3<L>, alpha: L, wi: Vec3<L>) -> L {
     // Above 0: a grazing ray that continues straight ahead has no half vector.
     let along = cos + wi.dot(n).max(L::zero());
     let (along2, across2) = (along * along, across.dot(across));
-    let alpha2 = alpha * alpha;
-    let ratio = alpha * (along2 + across2) / alpha2.mul_add(along2, across2);
-    let sin2 = cos.neg_mul_add(cos, L::one()).max(L::zero());
-    let visible = cos + cos.mul_add(cos, alpha2 * sin2).sqrt();
-    L::splat(0.5 * FRAC_1_PI) * (ratio * ratio) / visible
+    let ratio = alpha * (along2 + across2) / (alpha * alpha).mul_add(along2, across2);
+    L::splat(0.5 * FRAC_1_PI) * (ratio * ratio) / (cos + stretched_cosine(alpha, cos))
 }

@@ -21,7 +21,7 @@
 use super::plastic::GRAZING_FIT;
 use super::sample::{BsdfEval, BsdfSample, LobeEval};
 use super::{diffuse, ggx};
-use crate::lane::Lane;
+use crate::lane::{Lane, Mask};
 use crate::math::Vec3;
 
 /// The parameters of metal-rough.
@@ -102,18 +102,20 @@ impl<L: Lane> MetalRough<L> {
     #[inline(always)]
     pub fn sample(&self, d: Vec3<L>, n: Vec3<L>, uc: L, (u, v): (L, L)) -> (BsdfSample<L>, Vec3<L>) {
         let probability = self.specular_probability(d, n);
-        let (specular, on_base) = (ggx::sample(d, n, self.alpha, u, v), diffuse::sample(n, u, v));
+        let (specular, cos) = ggx::sample_direction(d, n, self.alpha, u, v);
         let reflects = uc.lt(probability);
+        let wi = Vec3::select(reflects, specular, diffuse::sample(n, u, v).wi);
+        let BsdfEval { value, mut pdf } = self.evaluate(d, n, wi);
+        let mut weight = value * (L::one() / pdf);
         let delta = reflects & ggx::is_narrow(self.alpha);
-        let wi = Vec3::select(reflects, specular.wi, on_base.wi);
-        let BsdfEval { value, pdf } = self.evaluate(d, n, wi);
-        let weight = value * (L::one() / pdf);
-        let fresnel = self.fresnel(Self::facet_cosine(d, specular.wi));
-        let mirror_weight = fresnel * (specular.weight / probability);
-        let weight = Vec3::select(delta, mirror_weight, weight);
-        let pdf = L::select(delta, L::splat(f32::INFINITY), pdf);
+        if delta.any() {
+            let shadowing = ggx::shadowing(self.alpha, ggx::cos_o(d, n), cos);
+            let fresnel = self.fresnel(Self::facet_cosine(d, specular));
+            weight = Vec3::select(delta, fresnel * (shadowing / probability), weight);
+            pdf = L::select(delta, L::splat(f32::INFINITY), pdf);
+        }
         // Where the pdf is zero, rounding moved the sample out of the lobe.
-        let alive = (!reflects | specular.alive) & L::zero().lt(pdf);
+        let alive = (!reflects | L::zero().lt(cos)) & L::zero().lt(pdf);
         (BsdfSample { wi, weight: L::one(), pdf, alive }, weight)
     }
 

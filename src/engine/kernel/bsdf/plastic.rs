@@ -20,7 +20,7 @@
 
 use super::sample::{BsdfEval, BsdfSample, LobeEval};
 use super::{diffuse, fresnel, ggx};
-use crate::lane::Lane;
+use crate::lane::{Lane, Mask};
 use crate::math::Vec3;
 
 /// κ in the head of this file.
@@ -54,32 +54,71 @@ pub fn mean_transmittance(ior: f32, alpha: f32) -> f32 {
     ((0..STEPS).map(transmittance).sum::<f64>() / f64::from(STEPS)) as f32
 }
 
-impl<L: Lane> Plastic<L> {
+/// What depends on the direction from which plastic is seen, and not on that of the light.
+#[derive(Clone, Copy, Debug)]
+pub struct PlasticView<L: Lane> {
+    /// T(o).
+    into_base: L,
+    /// a / (η² (1 − a) + a T̄) of each channel.
+    base: Vec3<L>,
+    /// The probability of sampling the coat.
+    coat_probability: L,
+    /// κ α^1.5.
+    grazing: L,
+    /// 1 / η.
+    inverse_ior: L,
+}
+
+impl<L: Lane> PlasticView<L> {
+    /// Zeros, for packets without plastic.
+    #[inline(always)]
+    pub fn none() -> Self {
+        let zero = L::zero();
+        Self { into_base: zero, base: Vec3::zero(), coat_probability: zero, grazing: zero, inverse_ior: zero }
+    }
     #[inline(always)]
     fn fresnel(&self, cos: L) -> L {
         // Above 0: at a cosine of 0 an index of 1 gives 0/0.
-        fresnel::dielectric(L::one() / self.ior, cos.min(L::one()).max(L::splat(1e-6))).reflectance
+        fresnel::dielectric(self.inverse_ior, cos.min(L::one()).max(L::splat(1e-6))).reflectance
     }
     /// T of a direction, from its cosine.
     #[inline(always)]
     fn transmittance(&self, cos: L) -> L {
-        let fit = L::splat(GRAZING_FIT) * self.alpha * self.alpha.sqrt();
         let cos = cos.max(L::zero());
-        L::one() - self.fresnel((L::one() - cos).mul_add(fit, cos))
-    }
-    /// a / (η² (1 − a) + a T̄) of each channel.
-    #[inline(always)]
-    fn base_factor(&self) -> Vec3<L> {
-        let eta2 = self.ior * self.ior;
-        let factor =
-            |a: L| a / a.mul_add(self.transmitted, eta2 * (L::one() - a)).max(L::splat(f32::MIN_POSITIVE));
-        Vec3::new(factor(self.color.x), factor(self.color.y), factor(self.color.z))
+        L::one() - self.fresnel((L::one() - cos).mul_add(self.grazing, cos))
     }
     /// F at the facet that reflects d into `wi`: h · o = |h| / 2.
     #[inline(always)]
     fn facet_fresnel(&self, d: Vec3<L>, wi: Vec3<L>) -> L {
         let half = wi - d;
         self.fresnel(L::splat(0.5) * half.dot(half).sqrt())
+    }
+}
+
+impl<L: Lane> Plastic<L> {
+    /// Prepares the lobe for rays that arrive along `d`.
+    #[inline(always)]
+    pub fn view(&self, d: Vec3<L>, n: Vec3<L>) -> PlasticView<L> {
+        let mut view = PlasticView {
+            base: self.base_factor(),
+            grazing: L::splat(GRAZING_FIT) * self.alpha * self.alpha.sqrt(),
+            inverse_ior: L::one() / self.ior,
+            ..PlasticView::none()
+        };
+        view.into_base = view.transmittance(ggx::cos_o(d, n));
+        view.coat_probability = self.coat_probability(view.into_base, view.base);
+        view
+    }
+    /// a / (η² (1 − a) + a T̄) of each channel, by one division.
+    #[inline(always)]
+    fn base_factor(&self) -> Vec3<L> {
+        let Vec3 { x, y, z } = self.color;
+        let eta2 = self.ior * self.ior;
+        // Above 0; the product of three stays a normal number.
+        let divisor = |a: L| a.mul_add(self.transmitted, eta2 * (L::one() - a)).max(L::splat(1e-12));
+        let (dx, dy, dz) = (divisor(x), divisor(y), divisor(z));
+        let inverse = L::one() / (dx * dy * dz);
+        Vec3::new(x * (dy * dz * inverse), y * (dx * dz * inverse), z * (dx * dy * inverse))
     }
     /// The probability of sampling the coat: its share of the reflected light if it were smooth, in the
     /// channel with the brightest base.
@@ -93,33 +132,41 @@ impl<L: Lane> Plastic<L> {
 
     /// Samples the coat or the base, as `uc` says. The second result is the weight with colour.
     #[inline(always)]
-    pub fn sample(&self, d: Vec3<L>, n: Vec3<L>, uc: L, (u, v): (L, L)) -> (BsdfSample<L>, Vec3<L>) {
-        let (into_base, base) = (self.transmittance(ggx::cos_o(d, n)), self.base_factor());
-        let probability = self.coat_probability(into_base, base);
-        let (on_coat, on_base) = (ggx::sample(d, n, self.alpha, u, v), diffuse::sample(n, u, v));
+    pub fn sample(
+        &self,
+        view: &PlasticView<L>,
+        d: Vec3<L>,
+        n: Vec3<L>,
+        uc: L,
+        (u, v): (L, L),
+    ) -> (BsdfSample<L>, Vec3<L>) {
+        let probability = view.coat_probability;
+        let (on_coat, cos) = ggx::sample_direction(d, n, self.alpha, u, v);
         let coat = uc.lt(probability);
+        let wi = Vec3::select(coat, on_coat, diffuse::sample(n, u, v).wi);
+        let BsdfEval { value, mut pdf } = self.evaluate(view, d, n, wi);
+        let mut weight = value * (L::one() / pdf);
         let delta = coat & ggx::is_narrow(self.alpha);
-        let wi = Vec3::select(coat, on_coat.wi, on_base.wi);
-        let BsdfEval { value, pdf } = self.evaluate(d, n, wi);
-        let weight = value * (L::one() / pdf);
-        let mirror_weight = on_coat.weight * self.facet_fresnel(d, on_coat.wi) / probability;
-        let weight = Vec3::select(delta, Vec3::repeat(mirror_weight), weight);
-        let pdf = L::select(delta, L::splat(f32::INFINITY), pdf);
+        if delta.any() {
+            let shadowing = ggx::shadowing(self.alpha, ggx::cos_o(d, n), cos);
+            let mirror_weight = shadowing * view.facet_fresnel(d, on_coat) / probability;
+            weight = Vec3::select(delta, Vec3::repeat(mirror_weight), weight);
+            pdf = L::select(delta, L::splat(f32::INFINITY), pdf);
+        }
         // Where the pdf is zero, rounding moved the sample out of the lobe.
-        let alive = (!coat | on_coat.alive) & L::zero().lt(pdf);
+        let alive = (!coat | L::zero().lt(cos)) & L::zero().lt(pdf);
         (BsdfSample { wi, weight: L::one(), pdf, alive }, weight)
     }
 
     /// Coat and base together; the base alone where the coat is a delta lobe. Zero below the surface.
     #[inline(always)]
-    pub fn evaluate(&self, d: Vec3<L>, n: Vec3<L>, wi: Vec3<L>) -> BsdfEval<L> {
-        let (into_base, base) = (self.transmittance(ggx::cos_o(d, n)), self.base_factor());
-        let probability = self.coat_probability(into_base, base);
+    pub fn evaluate(&self, view: &PlasticView<L>, d: Vec3<L>, n: Vec3<L>, wi: Vec3<L>) -> BsdfEval<L> {
+        let probability = view.coat_probability;
         let on_coat: LobeEval<L> = ggx::evaluate(d, n, self.alpha, wi);
         let on_base = diffuse::evaluate(n, wi);
-        let diffuse = into_base * self.transmittance(wi.dot(n)) * on_base.value;
-        let specular = self.facet_fresnel(d, wi) * on_coat.value;
+        let diffuse = view.into_base * view.transmittance(wi.dot(n)) * on_base.value;
+        let specular = view.facet_fresnel(d, wi) * on_coat.value;
         let pdf = probability.mul_add(on_coat.pdf, (L::one() - probability) * on_base.pdf);
-        BsdfEval { value: base.mul_add(diffuse, Vec3::repeat(specular)), pdf }
+        BsdfEval { value: view.base.mul_add(diffuse, Vec3::repeat(specular)), pdf }
     }
 }

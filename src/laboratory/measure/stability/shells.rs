@@ -10,7 +10,7 @@ use super::recipe::{Bound, FailureCounts, Recipe};
 use super::rng::Rng;
 use super::spheres::{Ball, intersect};
 use crate::kernel::ray_sphere::Robust;
-use crate::kernel::surface::{sphere_normal, sphere_offset};
+use crate::kernel::surface::{sphere_offset, sphere_surface};
 use crate::math::{self, Ray};
 use glam::Vec3;
 
@@ -80,8 +80,8 @@ pub fn leave_sphere(
     let from = (ball.center.as_dvec3() + rng.direction() * away).as_vec3();
     let arriving = towards(from, ball.center.as_dvec3() + rng.in_cube() * radius);
     let Some(t) = intersect::<Robust>(ball, &arriving, f32::INFINITY) else { return };
-    let normal = sphere_normal(arriving.at(t), center);
-    let exact = normal.mul_add(ball.radius, center).get(0);
+    let (exact, normal) = sphere_surface(arriving.at(t), center, 1.0 / ball.radius, true);
+    let exact = exact.get(0);
     let n = if side == Side::Outside { normal } else { -normal }.get(0);
     let bound = sphere_offset(ball.center, ball.radius);
     let next = ray(method.start(exact, arriving.at(t).get(0), n, bound), leaving(rng, n));
@@ -141,8 +141,8 @@ pub fn leave_shell(
     );
     let Some(t) = intersect::<Robust>(own, &arriving, f32::INFINITY) else { return counts.record(true) };
     let splat = math::Vec3::<f32>::splat(center);
-    let normal = sphere_normal(arriving.at(t), splat);
-    let exact = normal.mul_add(own.radius, splat).get(0);
+    let (exact, normal) = sphere_surface(arriving.at(t), splat, 1.0 / own.radius, true);
+    let exact = exact.get(0);
     let n = if side == Side::Outside { normal } else { -normal }.get(0);
     let direction = loop {
         let direction = rng.direction().as_vec3();

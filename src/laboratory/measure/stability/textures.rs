@@ -6,7 +6,7 @@ use super::recipe::{Bound, EPSILON, FailureCounts, Recipe};
 use super::rng::Rng;
 use super::spheres::Ball;
 use crate::kernel::ray_sphere::{Robust, SphereMethod};
-use crate::kernel::surface::{latitude_longitude, remove_shared_repeats, sphere_normal};
+use crate::kernel::surface::{latitude_longitude, remove_shared_repeats, sphere_surface};
 use crate::kernel::texture::Grid;
 use crate::math::Vec3;
 use glam::DVec3;
@@ -29,9 +29,10 @@ pub const RECIPES: &[Recipe] = &[
             Method::other("acos-clamped", |rng, x, cases| {
                 poles(rng, x, cases, |point, ball| cos_latitude(point, ball).clamp(-1.0, 1.0).acos())
             }),
-            Method::default("atan2", |rng, x, cases| {
+            Method::default("arcsine", |rng, x, cases| {
                 poles(rng, x, cases, |point, ball| {
-                    let normal = sphere_normal(point, Vec3::splat(ball.center));
+                    let center = Vec3::splat(ball.center);
+                    let (_, normal) = sphere_surface(point, center, 1.0 / ball.radius, true);
                     latitude_longitude(normal).1 * std::f32::consts::PI
                 })
             }),

@@ -14,6 +14,7 @@
 mod record;
 
 use super::counter::CounterSink;
+use super::frustum::Boxes;
 use super::hierarchy::Hierarchy;
 use super::prepared::{SingleRay, splat_slabs};
 use super::rays::{Hits, Rays};
@@ -37,6 +38,11 @@ pub const PIECE: usize = BATCH / PIECES;
 const PACKET: usize = NATIVE_WIDTH;
 /// Lists of at most this many rays are traced one by one.
 const MAX_SINGLE: usize = 1;
+
+/// Whether planes stay in registers and each ray selects its own, or are loaded for each ray. AMD's
+/// processors, which alone have SSE4a, select in one operation and load fewer vectors a cycle: shadow rays
+/// are 1.06 to 1.11 times as fast so (Zen 4). On Intel's they are 0.91 to 0.95 times as fast.
+const SELECTS_PLANES: bool = cfg!(target_feature = "sse4a");
 
 /// An entry of a list: a ray's index in its batch, and from this bit on the axis of its triangle tests, two
 /// bits.
@@ -149,6 +155,30 @@ impl Stream {
     }
 }
 
+/// The planes that a ray meets first along each axis, and those that it meets second.
+type Planes = (Vec3<Native>, Vec3<Native>);
+
+/// Chosen by the octant in the entry of a list: rows of the boxes, of which `& 7` keeps the index inside.
+#[inline(always)]
+fn planes_by_octant(boxes: &Boxes, entry: u32) -> Planes {
+    let row = |row: u32| Native::load(&boxes[row as usize & 7]);
+    let upper = |axis: u32| 3 * (entry >> (OCTANT_SHIFT + axis) & 1);
+    let (x, y, z) = (upper(0), upper(1), upper(2));
+    (Vec3::new(row(x), row(1 + y), row(2 + z)), Vec3::new(row(3 - x), row(4 - y), row(5 - z)))
+}
+
+/// The same planes, chosen by the signs of the direction's inverse.
+#[inline(always)]
+fn planes_by_sign(boxes: &Boxes, inverse: Vec3<Native>) -> Planes {
+    let row = |row: usize| Native::load(&boxes[row]);
+    let pair = |axis: usize, inverse: Native| {
+        let (backwards, lower, upper) = (inverse.is_sign_negative(), row(axis), row(axis + 3));
+        (Native::select(backwards, upper, lower), Native::select(backwards, lower, upper))
+    };
+    let (x, y, z) = (pair(0, inverse.x), pair(1, inverse.y), pair(2, inverse.z));
+    (Vec3::new(x.0, y.0, z.0), Vec3::new(x.1, y.1, z.1))
+}
+
 /// The traversal of those rays of a batch that are traced together.
 struct StreamTraversal<'a, 'b, C> {
     stream: &'a mut Stream,
@@ -172,22 +202,19 @@ impl<C: CounterSink> StreamTraversal<'_, '_, C> {
         self.counter.node(node, count);
         let Stream { records, lists, masks, .. } = &mut *self.stream;
         let boxes = node.boxes();
-        // The planes that a ray meets first along each axis, and those that it meets second: rows of the
-        // boxes, of which `& 7` keeps the index inside.
-        let planes = |entry: u32| {
-            let row = |row: u32| Native::load(&boxes[row as usize & 7]);
-            let upper = |axis: u32| 3 * (entry >> (OCTANT_SHIFT + axis) & 1);
-            let (x, y, z) = (upper(0), upper(1), upper(2));
-            let first = Vec3::new(row(x), row(1 + y), row(2 + z));
-            (first, Vec3::new(row(3 - x), row(4 - y), row(5 - z)))
-        };
-        let of_first_ray = planes(lists[start]);
+        let of_first_ray = planes_by_octant(boxes, lists[start]);
         let mut distances = Native::zero();
         let mut all = 0;
         for (mask, &entry) in masks.iter_mut().zip(&lists[start..start + count]) {
             let record = &records[entry as usize & (BATCH - 1)];
             let slabs = splat_slabs(&record.slabs());
-            let (first, second) = if ONE { of_first_ray } else { planes(entry) };
+            let (first, second) = if ONE {
+                of_first_ray
+            } else if SELECTS_PLANES {
+                planes_by_sign(boxes, slabs.inverse)
+            } else {
+                planes_by_octant(boxes, entry)
+            };
             let (near, far) = slabs.interval(first, second);
             // A NaN is in both near and far; max or min keeps it, and it passes no box, not even an empty
             // one.

@@ -6,7 +6,7 @@ use super::prepared::SingleRay;
 use super::rays::{Hits, Rays};
 use super::stack::Stack;
 use super::stream::{BATCH, PIECE, Stream};
-use super::tile::{self, TILE};
+use super::tile::{self, Packets, TILE};
 use super::{scalar, single};
 use crate::choice::choices;
 use crate::lane::NATIVE_WIDTH;
@@ -14,12 +14,6 @@ use crate::math::Hit;
 
 // A tile is a piece of a stream's batch.
 const _: () = assert!(PIECE == TILE);
-
-/// A tile that may see more leaves sees more triangles than its packets can share: its rays are traced in
-/// streams. Measured on knots, terrains and scans of 4,000 to 1,000,000 triangles: 40 suits the terrains, 240
-/// the knots and scans of up to 100,000 triangles, which are up to 1.2 times faster with it; from 60 to 120
-/// none is much slower than at its best.
-const MAX_LEAVES: usize = 80;
 
 choices! {
     /// A traversal of the hierarchy. All give the same hits, bit for bit.
@@ -101,8 +95,10 @@ impl Tracer {
                 });
             }
             Traversal::Stream => self.stream().trace::<ANY>(hierarchy, rays, hits, counter),
-            Traversal::Packet => self.tiles::<ANY>(hierarchy, rays, hits, usize::MAX, counter),
-            Traversal::Hybrid => self.tiles::<ANY>(hierarchy, rays, hits, MAX_LEAVES, counter),
+            Traversal::Packet => self.tiles::<ANY>(hierarchy, rays, hits, Packets::Always, counter),
+            Traversal::Hybrid => {
+                self.tiles::<ANY>(hierarchy, rays, hits, Packets::WherePaying, counter);
+            }
         }
     }
 
@@ -112,7 +108,7 @@ impl Tracer {
         hierarchy: &Hierarchy,
         rays: &Rays,
         hits: &mut Hits,
-        most_leaves: usize,
+        packets: Packets,
         counter: impl CounterSink,
     ) {
         for first in (0..rays.len()).step_by(BATCH) {
@@ -127,7 +123,7 @@ impl Tracer {
                         &rays.range(range.clone()),
                         &mut hits.range(range),
                         &mut self.stack,
-                        most_leaves,
+                        packets,
                         counter,
                     );
                 apart |= u32::from(!together) << tile;

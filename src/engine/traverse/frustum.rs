@@ -84,6 +84,26 @@ impl FrustumAxis {
             .then(|| span.map(|[low, high]| [F32x8::splat(-greatest(-low)), F32x8::splat(greatest(high))]))
     }
 
+    /// The shares of the two sides of a tile that boxes cover, seen from the origin: an estimate, 0 for boxes
+    /// beside the tile. `span` is that of [`FrustumAxis::slopes`].
+    #[inline(always)]
+    pub fn covered(&self, span: &[[F32x8; 2]; 2], boxes: &Boxes) -> [Native; 2] {
+        let [main, others @ ..] = self.axes;
+        let from_origin = |planes: Planes, axis: usize| planes.map(|p| p - Native::splat(self.origin[axis]));
+        let [lo, hi] = from_origin(planes(boxes, main), main);
+        let (near, far) = if self.forward > 0.0 { (lo, hi) } else { (-hi, -lo) };
+        let inverse = |depth: Native| Native::one() / depth.max(Native::splat(f32::MIN_POSITIVE));
+        let (near, far) = (inverse(near), inverse(far));
+        [0, 1].map(|i| {
+            let [lo, hi] = from_origin(planes(boxes, others[i]), others[i]);
+            let lo = lo * Native::select(lo.lt(Native::zero()), near, far);
+            let hi = hi * Native::select(hi.lt(Native::zero()), far, near);
+            let [least, most] = span[i].map(|slopes| slopes.get(0));
+            let share = hi.min(Native::splat(most)) - lo.max(Native::splat(least));
+            share.max(Native::zero()) * Native::splat(1.0 / (most - least).max(f32::MIN_POSITIVE))
+        })
+    }
+
     /// The distances of the packet's rays along the axis at `t`.
     #[inline(always)]
     pub fn depth<L: Lane>(&self, direction: Vec3<L>, t: L) -> L {

@@ -6,6 +6,9 @@
 //! traverses in order the entry points that its frustum meets, and below them nearest first. In a leaf the
 //! triangles outside the frustum are culled; the packet is tested against the rest one by one.
 //!
+//! A packet pays for a triangle that one of its rays meets as for one that all meet. Tiles that see leaves so
+//! small, or so thin, that few rays of a packet would share each are left to streams: [`Packets`].
+//!
 //! Source: Reshetov, Soupikov, Hurley, "Multi-Level Ray Tracing Algorithm", SIGGRAPH 2005: entry points for
 //! tiles.
 
@@ -16,7 +19,7 @@ use super::prepared::Packet;
 use super::rays::{Hits, Rays};
 use super::stack::{Stack, pop_within};
 use crate::bvh::{Child, WIDE};
-use crate::lane::{Bits, F32x8, F32x16, Lane, Mask, U32x8, set_bits};
+use crate::lane::{Bits, F32x8, F32x16, Lane, Mask, Native, NativeMask, U32x8, set_bits};
 use crate::math::Hit;
 
 /// Most rays of a tile.
@@ -29,6 +32,23 @@ const ROW: usize = F32x8::WIDTH;
 pub const MAX_ENTRY_POINTS: usize = 64;
 // One bit of a mask each, in whole blocks of boxes.
 const _: () = assert!(MAX_ENTRY_POINTS == u64::BITS as usize && MAX_ENTRY_POINTS.is_multiple_of(WIDE));
+
+/// Which tiles are traced in packets.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum Packets {
+    /// All that can be.
+    Always,
+    /// Those for which that is faster than streams, by an estimate.
+    WherePaying,
+}
+
+/// Most inner nodes among the entry points of a tile for which packets pay.
+const MAX_INNER: usize = 24;
+/// Up to so many leaves, and no inner nodes, packets pay, whatever the estimate would say.
+const FEW_LEAVES: usize = 30;
+/// The least number of rays of a packet that meet a leaf that it visits, by the estimate, for packets to pay.
+/// Measured on knots, terrains and scans of 4,000 to 1,000,000 triangles: `perf/README.md`.
+const MIN_SHARING: f32 = 4.5;
 
 /// Entry points: nodes and leaves that together hold all that a tile can see, nearest first; one bit of a
 /// mask each.
@@ -51,22 +71,21 @@ struct Entry {
 }
 
 impl EntryPoints {
-    /// `None` if the frustum meets more than about `most_leaves` leaves. Gives up early where that is
-    /// probable.
+    /// `None` if packets do not pay. Gives up early where that is probable.
     fn of(
         hierarchy: &Hierarchy,
-        frustum: &Frustum,
-        most_leaves: usize,
+        tile: &SeenTile,
+        packets: Packets,
         counter: impl CounterSink,
     ) -> Option<Self> {
+        let frustum = &tile.frustum;
         let mut entries = [Entry { near: 0.0, child: Child(0), node: 0, slot: 0 }; MAX_ENTRY_POINTS];
         let mut filled = 1;
         // Level by level, as long as there is room: each round opens the nodes that the one before found.
         let mut opened = true;
-        let nodes = |entries: &[Entry]| entries.iter().filter(|entry| !entry.child.is_leaf()).count();
+        let inner = |entries: &[Entry]| entries.iter().filter(|entry| !entry.child.is_leaf()).count();
         while opened {
-            // A node has four leaves and more.
-            if nodes(&entries[..filled]) > most_leaves / 4 {
+            if packets == Packets::WherePaying && inner(&entries[..filled]) > MAX_INNER {
                 return None;
             }
             opened = false;
@@ -92,25 +111,15 @@ impl EntryPoints {
                 opened = true;
             }
         }
-        // Of the nodes for whose children there is no room the children that the frustum meets, inner ones as
-        // some eight leaves each.
-        let leaves = |entry: &Entry| {
-            if entry.child.is_leaf() {
-                return 1;
-            }
-            let node = &hierarchy.bvh.wide[entry.child.index()];
-            let (_, meets) = frustum.pass_boxes(node.boxes(), f32::INFINITY);
-            let of_child = |slot: usize| if node.children()[slot & (WIDE - 1)].is_leaf() { 1 } else { 8 };
-            meets.lanes().map(of_child).sum::<usize>()
-        };
-        let leaves: usize = entries[..filled].iter().map(leaves).sum();
-        if leaves > most_leaves {
+        let entries = &entries[..filled];
+        let are_few = inner(entries) == 0 && filled <= FEW_LEAVES;
+        if packets == Packets::WherePaying && !are_few && tile.sharing(hierarchy, entries) < MIN_SHARING {
             return None;
         }
         // Sorted as integers: the bits of non-negative floats have the order of the floats.
         let mut order = [0u64; MAX_ENTRY_POINTS];
         let order = &mut order[..filled];
-        for ((order, entry), at) in order.iter_mut().zip(&entries).zip(0..) {
+        for ((order, entry), at) in order.iter_mut().zip(entries).zip(0..) {
             *order = u64::from(entry.near.max(0.0).to_bits()) << 32 | at;
         }
         order.sort_unstable();
@@ -121,7 +130,7 @@ impl EntryPoints {
             filled,
         };
         for (at, order) in order.iter().enumerate() {
-            let entry = entries[*order as usize & (MAX_ENTRY_POINTS - 1)];
+            let entry = &entries[*order as u32 as usize];
             let from = hierarchy.bvh.wide[entry.node as usize].boxes();
             let to = &mut sorted.boxes[at / WIDE];
             for plane in 0..6 {
@@ -140,6 +149,72 @@ impl EntryPoints {
         boxes.zip((0..).step_by(WIDE)).fold(0, |meets, (boxes, first)| {
             meets | u64::from(frustum.across_boxes(boxes).bitmask()) << first
         })
+    }
+}
+
+/// A tile, as boxes are seen in it.
+struct SeenTile<'a> {
+    axis: &'a FrustumAxis,
+    /// The least and the greatest slopes along each of the other axes.
+    span: [[F32x8; 2]; 2],
+    frustum: Frustum,
+}
+
+impl SeenTile<'_> {
+    /// An estimate of the rays of a packet that meet a leaf which the packet visits, in the mean over the
+    /// leaves of all entries. What hides what is not looked at.
+    fn sharing(&self, hierarchy: &Hierarchy, entries: &[Entry]) -> f32 {
+        let nodes = &hierarchy.bvh.wide;
+        let mut sharing = Sharing { rays: Native::zero(), visits: Native::zero() };
+        let (mut boxes, mut gathered) = (EMPTY, 0);
+        for &Entry { child, node, slot, .. } in entries {
+            if child.is_leaf() {
+                let from = nodes[node as usize].boxes();
+                for plane in 0..6 {
+                    boxes[plane][gathered] = from[plane][slot as usize & (WIDE - 1)];
+                }
+                gathered += 1;
+                if gathered == WIDE {
+                    sharing.add(self.axis.covered(&self.span, &boxes), Native::one());
+                    (boxes, gathered) = (EMPTY, 0);
+                }
+            } else {
+                let node = &nodes[child.index()];
+                let (_, meets) = self.frustum.pass_boxes(node.boxes(), f32::INFINITY);
+                let leaves = node.children().map(|child| if child.is_leaf() { 1.0 } else { INNER_LEAVES });
+                let covered = self.axis.covered(&self.span, node.boxes());
+                sharing.add(covered, Native::load(&leaves).only(meets));
+            }
+        }
+        // Boxes behind the last one are NaN, of which the estimate would make boxes that cover all.
+        let last = Native::one().only(NativeMask::first(gathered));
+        sharing.add(self.axis.covered(&self.span, &boxes), last);
+        let sum = |x: Native| (0..WIDE).map(|lane| x.get(lane)).sum::<f32>();
+        sum(sharing.rays) / sum(sharing.visits).max(f32::MIN_POSITIVE)
+    }
+}
+
+/// Leaves that an inner node which is not opened counts for.
+const INNER_LEAVES: f32 = 8.0;
+
+/// Sums of [`SeenTile::sharing`]: rays that meet leaves, and visits of packets to leaves.
+struct Sharing {
+    rays: Native,
+    visits: Native,
+}
+
+impl Sharing {
+    /// Adds boxes that cover these shares of the tile's sides and stand for so many leaves each. A tile has
+    /// four packets a side; a leaf is visited by those that it covers and, with the part of its edge, by one
+    /// more a side.
+    #[inline(always)]
+    fn add(&mut self, [a, b]: [Native; 2], leaves: Native) {
+        let four = Native::splat(4.0);
+        let split = Native::one() / leaves.max(Native::one()).sqrt();
+        let packets = |share: Native| (share * split).mul_add(four, Native::one()).min(four);
+        let met = Native::zero().lt(leaves);
+        self.rays = self.rays + (a * b * Native::splat(TILE as f32)).only(met);
+        self.visits = self.visits + (packets(a) * packets(b) * leaves).only(met);
     }
 }
 
@@ -289,15 +364,15 @@ fn spans<L: Lane>(rows: &[F32x8]) -> [F32x8; 2] {
 }
 
 /// Improves the hits of up to [`TILE`] primary rays, whose `t` come in as the rays' t_max. Returns false and
-/// does nothing if the rays are not whole packets or do not run together from one origin, or if they may meet
-/// more than about `most_leaves` leaves.
+/// does nothing if the rays are not whole packets or do not run together from one origin, or if packets do not
+/// pay.
 #[inline(never)]
 pub fn trace(
     hierarchy: &Hierarchy,
     rays: &Rays,
     hits: &mut Hits,
     stack: &mut Stack,
-    most_leaves: usize,
+    packets: Packets,
     counter: impl CounterSink,
 ) -> bool {
     let count = rays.len();
@@ -307,10 +382,8 @@ pub fn trace(
     let Some(axis) = FrustumAxis::of(&rays.packet::<f32>(0), hierarchy.padding) else { return false };
     let mut slopes = [[F32x8::zero(); ROWS]; 2];
     let Some(span) = axis.slopes(rays, &mut slopes) else { return false };
-    let tile_frustum = axis.frustum(&axis.frusta(span), 0);
-    let Some(entry_points) = EntryPoints::of(hierarchy, &tile_frustum, most_leaves, counter) else {
-        return false;
-    };
+    let tile = SeenTile { axis: &axis, span, frustum: axis.frustum(&axis.frusta(span), 0) };
+    let Some(entry_points) = EntryPoints::of(hierarchy, &tile, packets, counter) else { return false };
     if entry_points.filled == 0 {
         return true;
     }

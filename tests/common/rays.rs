@@ -11,7 +11,7 @@ use octray::traverse::hierarchy::Hierarchy;
 use octray::traverse::rays::{Hits, Rays};
 use octray::traverse::stack::Stack;
 use octray::traverse::stream::Stream;
-use octray::traverse::tile;
+use octray::traverse::tile::{self, Packets};
 use octray::traverse::{Batch, Layout, Methods, Primitives, TraversalChoice};
 
 /// t, primitive, u and v of each ray, as bits.
@@ -86,7 +86,7 @@ impl Set {
         let tile = 0..self.len().min(tile::TILE);
         let rays = self.rays().range(tile.clone());
         self.with_hits(|hits| {
-            tile::trace(hierarchy, &rays, &mut hits.range(tile), &mut Stack::new(), usize::MAX, ())
+            tile::trace(hierarchy, &rays, &mut hits.range(tile), &mut Stack::new(), Packets::Always, ())
         })
         .0
     }

@@ -212,7 +212,7 @@ fn points_are_on_their_spheres_and_normals_have_unit_length() {
         let length = normal.as_dvec3().length();
         assert!((length - 1.0).abs() <= 3.0 * epsilon, "|n| = {length}, r = {radius}, c = {center}");
         let exact = center.as_dvec3() + normal.as_dvec3() / length * f64::from(radius);
-        let bound = 3.5 * epsilon * f64::from(center.abs().max_element() + radius);
+        let bound = 4.5 * epsilon * f64::from(center.abs().max_element() + radius);
         let error = (point.as_dvec3() - exact).length();
         assert!(error <= bound, "off by {error}, bound {bound}, r = {radius}, c = {center}");
         // The direction is that of the point given.

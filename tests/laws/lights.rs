@@ -314,6 +314,21 @@ fn directions_within_a_triangle_are_spread_as_their_density_says() {
     assert!(worst < 4.5, "{worst} standard deviations");
 }
 
+/// Shadow rays end a little before a light, along its normal.
+#[test]
+fn normals_of_sphere_lights_are_no_longer_than_one_at_any_distance() {
+    let mut rng = Rng(41);
+    for _ in 0..20_000 {
+        let (u, v) = (rng.unit() as f32, rng.unit() as f32);
+        let distance = rng.scale(1e-3, 1e3);
+        let ratio = rng.scale(1.01, 1e12);
+        let aim = sample_sphere(vector(rng.direction() * distance), (distance / ratio) as f32, u, v);
+        let length = double(aim.n).length();
+        assert!(length <= 1.5, "|n| = {length} from {ratio} radii");
+        assert!(ratio > 1e4 || (length - 1.0).abs() < 1e-2, "|n| = {length} from {ratio} radii");
+    }
+}
+
 #[test]
 fn a_direction_has_the_density_it_was_drawn_with() {
     let mut rng = Rng(4);

@@ -98,7 +98,8 @@ pub fn triangle_bounds([a, b, c]: [glam::Vec3; 3]) -> [glam::Vec3; 2] {
 ///
 /// A point p of a sphere is moved onto it by 1 / |u|, u = (p − c) / r, and |u|² = 1 + δ. A hit's δ is some ε
 /// times the distance over the radius, so that 1 − δ / 2 is 1 / |u| less 3/8 δ²: no root and no division.
-/// Only where |δ| is above 2⁻¹², for spheres farther away than some thousand radii, both are computed.
+/// Only where |δ| is above 2⁻¹², for spheres some thousand radii away from the ray's origin or from that of
+/// space, both are computed.
 ///
 /// Error: the point is off by at most 4.5 ε (|c| + r), the normal's length by 3 ε (measured, with and without
 /// FMA, `tests/laws/leaving.rs`).

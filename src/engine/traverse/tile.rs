@@ -46,8 +46,9 @@ pub enum Packets {
 const MAX_INNER: usize = 24;
 /// Up to so many leaves, and no inner nodes, packets pay, whatever the estimate would say.
 const FEW_LEAVES: usize = 30;
-/// The least number of rays of a packet that meet a leaf that it visits, by the estimate, for packets to pay.
-/// Measured on knots, terrains and scans of 4,000 to 1,000,000 triangles: `perf/README.md`.
+/// The least number of rays of a packet that meet a leaf that it visits, by the estimate, for packets to pay:
+/// of 16 rays in a full tile, whatever the width. Measured with 16 lanes on knots, terrains and scans of
+/// 4,000 to 1,000,000 triangles: `perf/README.md`.
 const MIN_SHARING: f32 = 4.5;
 
 /// Entry points: nodes and leaves that together hold all that a tile can see, nearest first; one bit of a
@@ -204,9 +205,9 @@ struct Sharing {
 }
 
 impl Sharing {
-    /// Adds boxes that cover these shares of the tile's sides and stand for so many leaves each. A tile has
-    /// four packets a side; a leaf is visited by those that it covers and, with the part of its edge, by one
-    /// more a side.
+    /// Adds boxes that cover these shares of the tile's sides and stand for so many leaves each. A full tile
+    /// has four packets of 16 a side; a leaf is visited by those that it covers and, with the part of its
+    /// edge, by one more a side.
     #[inline(always)]
     fn add(&mut self, [a, b]: [Native; 2], leaves: Native) {
         let four = Native::splat(4.0);
@@ -364,8 +365,8 @@ fn spans<L: Lane>(rows: &[F32x8]) -> [F32x8; 2] {
 }
 
 /// Improves the hits of up to [`TILE`] primary rays, whose `t` come in as the rays' t_max. Returns false and
-/// does nothing if the rays are not whole packets or do not run together from one origin, or if packets do not
-/// pay.
+/// does nothing if the rays are not whole packets or do not run together from one origin, or if packets do
+/// not pay.
 #[inline(never)]
 pub fn trace(
     hierarchy: &Hierarchy,

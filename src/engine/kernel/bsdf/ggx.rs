@@ -11,7 +11,7 @@
 //! With s(w) = cos w √(1 + α² tan² w) these are, without quotients of cosines,
 //!
 //! ```text
-//! pdf = D / 2 (cos o + s(o))          f cos θ / pdf = cos i (cos o + s(o)) / (cos i s(o) + cos o s(i))
+//! pdf = D / (2 (cos o + s(o)))          f cos θ / pdf = cos i (cos o + s(o)) / (cos i s(o) + cos o s(i))
 //! ```
 //!
 //! Source: Dupuy, Benyoub, "Sampling Visible GGX Normals with Spherical Caps", HPG 2023; Heitz,

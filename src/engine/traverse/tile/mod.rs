@@ -12,15 +12,22 @@
 //! Source: Reshetov, Soupikov, Hurley, "Multi-Level Ray Tracing Algorithm", SIGGRAPH 2005: entry points for
 //! tiles.
 
+mod entry_points;
+mod sharing;
+
+pub use entry_points::{MAX_ENTRY_POINTS, Packets};
+
 use super::counter::CounterSink;
-use super::frustum::{Boxes, Frustum, FrustumAxis, greatest};
+use super::frustum::{Frustum, FrustumAxis, greatest};
 use super::hierarchy::Hierarchy;
 use super::prepared::Packet;
 use super::rays::{Hits, Rays};
 use super::stack::{Stack, pop_within};
 use crate::bvh::{Child, WIDE};
-use crate::lane::{Bits, F32x8, F32x16, Lane, Mask, Native, NativeMask, U32x8, set_bits};
+use crate::lane::{Bits, F32x8, F32x16, Lane, Mask, U32x8, set_bits};
 use crate::math::Hit;
+use entry_points::EntryPoints;
+use sharing::SeenTile;
 
 /// Most rays of a tile.
 pub const TILE: usize = 256;
@@ -28,199 +35,6 @@ pub const TILE: usize = 256;
 const ROWS: usize = TILE / ROW;
 /// Slopes of a row.
 const ROW: usize = F32x8::WIDTH;
-/// Most entry points of a tile.
-pub const MAX_ENTRY_POINTS: usize = 64;
-// One bit of a mask each, in whole blocks of boxes.
-const _: () = assert!(MAX_ENTRY_POINTS == u64::BITS as usize && MAX_ENTRY_POINTS.is_multiple_of(WIDE));
-
-/// Which tiles are traced in packets.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub enum Packets {
-    /// All that can be.
-    Always,
-    /// Those for which that is faster than streams, by an estimate.
-    WherePaying,
-}
-
-/// Most inner nodes among the entry points of a tile for which packets pay.
-const MAX_INNER: usize = 24;
-/// Up to so many leaves, and no inner nodes, packets pay, whatever the estimate would say.
-const FEW_LEAVES: usize = 30;
-/// The least number of rays of a packet that meet a leaf that it visits, by the estimate, for packets to pay:
-/// of 16 rays in a full tile, whatever the width. Measured with 16 lanes on knots, terrains and scans of
-/// 4,000 to 1,000,000 triangles: `perf/README.md`.
-const MIN_SHARING: f32 = 4.5;
-
-/// Entry points: nodes and leaves that together hold all that a tile can see, nearest first; one bit of a
-/// mask each.
-struct EntryPoints {
-    boxes: [Boxes; MAX_ENTRY_POINTS / WIDE],
-    children: [Child; MAX_ENTRY_POINTS],
-    /// The distance along the frustum axis at which each begins, ascending.
-    near: [f32; MAX_ENTRY_POINTS],
-    filled: usize,
-}
-
-/// A child of a node whose box the tile's frustum meets.
-#[derive(Clone, Copy)]
-struct Entry {
-    near: f32,
-    child: Child,
-    /// The node and the slot that hold its box.
-    node: u32,
-    slot: u32,
-}
-
-impl EntryPoints {
-    /// `None` if packets do not pay. Gives up early where that is probable.
-    fn of(
-        hierarchy: &Hierarchy,
-        tile: &SeenTile,
-        packets: Packets,
-        counter: impl CounterSink,
-    ) -> Option<Self> {
-        let frustum = &tile.frustum;
-        let mut entries = [Entry { near: 0.0, child: Child(0), node: 0, slot: 0 }; MAX_ENTRY_POINTS];
-        let mut filled = 1;
-        // Level by level, as long as there is room: each round opens the nodes that the one before found.
-        let mut opened = true;
-        let inner = |entries: &[Entry]| entries.iter().filter(|entry| !entry.child.is_leaf()).count();
-        while opened {
-            if packets == Packets::WherePaying && inner(&entries[..filled]) > MAX_INNER {
-                return None;
-            }
-            opened = false;
-            for at in (0..filled).rev() {
-                let Entry { child, .. } = entries[at];
-                if child.is_leaf() {
-                    continue;
-                }
-                let node = &hierarchy.bvh.wide[child.index()];
-                counter.node(node, 1);
-                let (near, meets) = frustum.pass_boxes(node.boxes(), f32::INFINITY);
-                if filled - 1 + meets.count() > MAX_ENTRY_POINTS {
-                    continue;
-                }
-                filled -= 1;
-                entries[at] = entries[filled];
-                for slot in meets.lanes() {
-                    let (near, parent) = (near.get(slot), child.index() as u32);
-                    entries[filled] =
-                        Entry { near, child: node.children()[slot], node: parent, slot: slot as u32 };
-                    filled += 1;
-                }
-                opened = true;
-            }
-        }
-        let entries = &entries[..filled];
-        let are_few = inner(entries) == 0 && filled <= FEW_LEAVES;
-        if packets == Packets::WherePaying && !are_few && tile.sharing(hierarchy, entries) < MIN_SHARING {
-            return None;
-        }
-        // Sorted as integers: the bits of non-negative floats have the order of the floats.
-        let mut order = [0u64; MAX_ENTRY_POINTS];
-        let order = &mut order[..filled];
-        for ((order, entry), at) in order.iter_mut().zip(entries).zip(0..) {
-            *order = u64::from(entry.near.max(0.0).to_bits()) << 32 | at;
-        }
-        order.sort_unstable();
-        let mut sorted = Self {
-            boxes: [EMPTY; MAX_ENTRY_POINTS / WIDE],
-            children: [Child::NONE; MAX_ENTRY_POINTS],
-            near: [0.0; MAX_ENTRY_POINTS],
-            filled,
-        };
-        for (at, order) in order.iter().enumerate() {
-            let entry = &entries[*order as u32 as usize];
-            let from = hierarchy.bvh.wide[entry.node as usize].boxes();
-            let to = &mut sorted.boxes[at / WIDE];
-            for plane in 0..6 {
-                to[plane][at % WIDE] = from[plane][entry.slot as usize];
-            }
-            sorted.children[at] = entry.child;
-            sorted.near[at] = f32::from_bits((order >> 32) as u32);
-        }
-        Some(sorted)
-    }
-
-    /// The entry points whose boxes reach between the sides of a packet's frustum, one bit each.
-    #[inline(always)]
-    fn across(&self, frustum: &Frustum) -> u64 {
-        let boxes = self.boxes[..self.filled.div_ceil(WIDE)].iter();
-        boxes.zip((0..).step_by(WIDE)).fold(0, |meets, (boxes, first)| {
-            meets | u64::from(frustum.across_boxes(boxes).bitmask()) << first
-        })
-    }
-}
-
-/// A tile, as boxes are seen in it.
-struct SeenTile<'a> {
-    axis: &'a FrustumAxis,
-    /// The least and the greatest slopes along each of the other axes.
-    span: [[F32x8; 2]; 2],
-    frustum: Frustum,
-}
-
-impl SeenTile<'_> {
-    /// An estimate of the rays of a packet that meet a leaf which the packet visits, in the mean over the
-    /// leaves of all entries. What hides what is not looked at.
-    fn sharing(&self, hierarchy: &Hierarchy, entries: &[Entry]) -> f32 {
-        let nodes = &hierarchy.bvh.wide;
-        let mut sharing = Sharing { rays: Native::zero(), visits: Native::zero() };
-        let (mut boxes, mut gathered) = (EMPTY, 0);
-        for &Entry { child, node, slot, .. } in entries {
-            if child.is_leaf() {
-                let from = nodes[node as usize].boxes();
-                for plane in 0..6 {
-                    boxes[plane][gathered] = from[plane][slot as usize & (WIDE - 1)];
-                }
-                gathered += 1;
-                if gathered == WIDE {
-                    sharing.add(self.axis.covered(&self.span, &boxes), Native::one());
-                    (boxes, gathered) = (EMPTY, 0);
-                }
-            } else {
-                let node = &nodes[child.index()];
-                let (_, meets) = self.frustum.pass_boxes(node.boxes(), f32::INFINITY);
-                let leaves = node.children().map(|child| if child.is_leaf() { 1.0 } else { INNER_LEAVES });
-                let covered = self.axis.covered(&self.span, node.boxes());
-                sharing.add(covered, Native::load(&leaves).only(meets));
-            }
-        }
-        // Boxes behind the last one are NaN, of which the estimate would make boxes that cover all.
-        let last = Native::one().only(NativeMask::first(gathered));
-        sharing.add(self.axis.covered(&self.span, &boxes), last);
-        let sum = |x: Native| (0..WIDE).map(|lane| x.get(lane)).sum::<f32>();
-        sum(sharing.rays) / sum(sharing.visits).max(f32::MIN_POSITIVE)
-    }
-}
-
-/// Leaves that an inner node which is not opened counts for.
-const INNER_LEAVES: f32 = 8.0;
-
-/// Sums of [`SeenTile::sharing`]: rays that meet leaves, and visits of packets to leaves.
-struct Sharing {
-    rays: Native,
-    visits: Native,
-}
-
-impl Sharing {
-    /// Adds boxes that cover these shares of the tile's sides and stand for so many leaves each. A full tile
-    /// has four packets of 16 a side; a leaf is visited by those that it covers and, with the part of its
-    /// edge, by one more a side.
-    #[inline(always)]
-    fn add(&mut self, [a, b]: [Native; 2], leaves: Native) {
-        let four = Native::splat(4.0);
-        let split = Native::one() / leaves.max(Native::one()).sqrt();
-        let packets = |share: Native| (share * split).mul_add(four, Native::one()).min(four);
-        let met = Native::zero().lt(leaves);
-        self.rays = self.rays + (a * b * Native::splat(TILE as f32)).only(met);
-        self.visits = self.visits + (packets(a) * packets(b) * leaves).only(met);
-    }
-}
-
-/// No box: NaN passes no bound, not even an infinite one.
-const EMPTY: Boxes = [[f32::NAN; WIDE]; 8];
 
 /// The traversal of one packet.
 struct PacketTraversal<'a, L: Lane, C> {

@@ -1,0 +1,123 @@
+//! Entry points of a tile, found by its frustum level by level; and whether its packets pay.
+
+use super::sharing::{EMPTY, Entry, SeenTile};
+use crate::bvh::{Child, WIDE};
+use crate::lane::{Lane, Mask};
+use crate::traverse::counter::CounterSink;
+use crate::traverse::frustum::{Boxes, Frustum};
+use crate::traverse::hierarchy::Hierarchy;
+
+/// Most entry points of a tile.
+pub const MAX_ENTRY_POINTS: usize = 64;
+// One bit of a mask each, in whole blocks of boxes.
+const _: () = assert!(MAX_ENTRY_POINTS == u64::BITS as usize && MAX_ENTRY_POINTS.is_multiple_of(WIDE));
+
+/// Which tiles are traced in packets.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum Packets {
+    /// All that can be.
+    Always,
+    /// Those for which that is faster than streams, by an estimate.
+    WherePaying,
+}
+
+/// Most inner nodes among the entry points of a tile for which packets pay.
+const MAX_INNER: usize = 24;
+/// Up to so many leaves, and no inner nodes, packets pay, whatever the estimate would say.
+const FEW_LEAVES: usize = 30;
+/// The least number of rays of a packet that meet a leaf that it visits, by the estimate, for packets to pay:
+/// of 16 rays in a full tile, whatever the width. Measured with 16 lanes on knots, terrains and scans of
+/// 4,000 to 1,000,000 triangles: `perf/README.md`.
+const MIN_SHARING: f32 = 4.5;
+
+/// Entry points: nodes and leaves that together hold all that a tile can see, nearest first; one bit of a
+/// mask each.
+pub struct EntryPoints {
+    boxes: [Boxes; MAX_ENTRY_POINTS / WIDE],
+    pub children: [Child; MAX_ENTRY_POINTS],
+    /// The distance along the frustum axis at which each begins, ascending.
+    pub near: [f32; MAX_ENTRY_POINTS],
+    pub filled: usize,
+}
+
+impl EntryPoints {
+    /// `None` if packets do not pay. Gives up early where that is probable.
+    pub fn of(
+        hierarchy: &Hierarchy,
+        tile: &SeenTile,
+        packets: Packets,
+        counter: impl CounterSink,
+    ) -> Option<Self> {
+        let frustum = &tile.frustum;
+        let mut entries = [Entry { near: 0.0, child: Child(0), node: 0, slot: 0 }; MAX_ENTRY_POINTS];
+        let mut filled = 1;
+        // Level by level, as long as there is room: each round opens the nodes that the one before found.
+        let mut opened = true;
+        let inner = |entries: &[Entry]| entries.iter().filter(|entry| !entry.child.is_leaf()).count();
+        while opened {
+            if packets == Packets::WherePaying && inner(&entries[..filled]) > MAX_INNER {
+                return None;
+            }
+            opened = false;
+            for at in (0..filled).rev() {
+                let Entry { child, .. } = entries[at];
+                if child.is_leaf() {
+                    continue;
+                }
+                let node = &hierarchy.bvh.wide[child.index()];
+                counter.node(node, 1);
+                let (near, meets) = frustum.pass_boxes(node.boxes(), f32::INFINITY);
+                if filled - 1 + meets.count() > MAX_ENTRY_POINTS {
+                    continue;
+                }
+                filled -= 1;
+                entries[at] = entries[filled];
+                for slot in meets.lanes() {
+                    let (near, parent) = (near.get(slot), child.index() as u32);
+                    entries[filled] =
+                        Entry { near, child: node.children()[slot], node: parent, slot: slot as u32 };
+                    filled += 1;
+                }
+                opened = true;
+            }
+        }
+        let entries = &entries[..filled];
+        let are_few = inner(entries) == 0 && filled <= FEW_LEAVES;
+        if packets == Packets::WherePaying && !are_few && tile.sharing(hierarchy, entries) < MIN_SHARING {
+            return None;
+        }
+        // Sorted as integers: the bits of non-negative floats have the order of the floats.
+        let mut order = [0u64; MAX_ENTRY_POINTS];
+        let order = &mut order[..filled];
+        for ((order, entry), at) in order.iter_mut().zip(entries).zip(0..) {
+            *order = u64::from(entry.near.max(0.0).to_bits()) << 32 | at;
+        }
+        order.sort_unstable();
+        let mut sorted = Self {
+            boxes: [EMPTY; MAX_ENTRY_POINTS / WIDE],
+            children: [Child::NONE; MAX_ENTRY_POINTS],
+            near: [0.0; MAX_ENTRY_POINTS],
+            filled,
+        };
+        for (at, order) in order.iter().enumerate() {
+            let entry = &entries[*order as u32 as usize];
+            let from = hierarchy.bvh.wide[entry.node as usize].boxes();
+            let to = &mut sorted.boxes[at / WIDE];
+            for plane in 0..6 {
+                to[plane][at % WIDE] = from[plane][entry.slot as usize];
+            }
+            sorted.children[at] = entry.child;
+            sorted.near[at] = f32::from_bits((order >> 32) as u32);
+        }
+        Some(sorted)
+    }
+
+    /// The entry points whose boxes reach between the sides of a packet's frustum, one bit each.
+    #[inline(always)]
+    pub fn across(&self, frustum: &Frustum) -> u64 {
+        let boxes = self.boxes[..self.filled.div_ceil(WIDE)].iter();
+        boxes.zip((0..).step_by(WIDE)).fold(0, |meets, (boxes, first)| {
+            meets | u64::from(frustum.across_boxes(boxes).bitmask()) << first
+        })
+    }
+}

@@ -1,0 +1,89 @@
+//! How many rays of a packet share a leaf: an estimate from the extents of boxes on the tile.
+
+use crate::bvh::{Child, WIDE};
+use crate::lane::{F32x8, Lane, Mask, Native, NativeMask};
+use crate::traverse::frustum::{Boxes, Frustum, FrustumAxis};
+use crate::traverse::hierarchy::Hierarchy;
+
+/// A child of a node whose box the tile's frustum meets.
+#[derive(Clone, Copy)]
+pub struct Entry {
+    pub near: f32,
+    pub child: Child,
+    /// The node and the slot that hold its box.
+    pub node: u32,
+    pub slot: u32,
+}
+
+/// A tile, as boxes are seen in it.
+pub struct SeenTile<'a> {
+    pub axis: &'a FrustumAxis,
+    /// The least and the greatest slopes along each of the other axes.
+    pub span: [[F32x8; 2]; 2],
+    pub frustum: Frustum,
+}
+
+impl SeenTile<'_> {
+    /// An estimate of the rays of a packet that meet a leaf which the packet visits, in the mean over the
+    /// leaves of all entries. What hides what is not looked at.
+    pub fn sharing(&self, hierarchy: &Hierarchy, entries: &[Entry]) -> f32 {
+        let nodes = &hierarchy.bvh.wide;
+        let mut sharing = Sharing { rays: Native::zero(), visits: Native::zero() };
+        let (mut boxes, mut gathered) = (EMPTY, 0);
+        for &Entry { child, node, slot, .. } in entries {
+            if child.is_leaf() {
+                let from = nodes[node as usize].boxes();
+                for plane in 0..6 {
+                    boxes[plane][gathered] = from[plane][slot as usize & (WIDE - 1)];
+                }
+                gathered += 1;
+                if gathered == WIDE {
+                    sharing.add(self.axis.covered(&self.span, &boxes), Native::one());
+                    (boxes, gathered) = (EMPTY, 0);
+                }
+            } else {
+                let node = &nodes[child.index()];
+                let (_, meets) = self.frustum.pass_boxes(node.boxes(), f32::INFINITY);
+                let leaves = node.children().map(|child| if child.is_leaf() { 1.0 } else { INNER_LEAVES });
+                let covered = self.axis.covered(&self.span, node.boxes());
+                sharing.add(covered, Native::load(&leaves).only(meets));
+            }
+        }
+        // Boxes behind the last one are NaN, of which the estimate would make boxes that cover all.
+        let last = Native::one().only(NativeMask::first(gathered));
+        sharing.add(self.axis.covered(&self.span, &boxes), last);
+        let sum = |x: Native| (0..WIDE).map(|lane| x.get(lane)).sum::<f32>();
+        sum(sharing.rays) / sum(sharing.visits).max(f32::MIN_POSITIVE)
+    }
+}
+
+/// Packets of a full tile, along each side, and rays of a packet: as if all were 16 wide.
+const PACKETS_A_SIDE: f32 = 4.0;
+const PACKET: f32 = 16.0;
+
+/// Leaves that an inner node which is not opened counts for.
+const INNER_LEAVES: f32 = 8.0;
+
+/// Sums of [`SeenTile::sharing`]: rays that meet leaves, and visits of packets to leaves.
+struct Sharing {
+    rays: Native,
+    visits: Native,
+}
+
+impl Sharing {
+    /// Adds boxes that cover these shares of the tile's sides and stand for so many leaves each. A leaf is
+    /// visited by the packets that it covers and, with the part of its edge, by one more a side.
+    #[inline(always)]
+    fn add(&mut self, [a, b]: [Native; 2], leaves: Native) {
+        let side = Native::splat(PACKETS_A_SIDE);
+        let split = Native::one() / leaves.max(Native::one()).sqrt();
+        let packets = |share: Native| (share * split).mul_add(side, Native::one()).min(side);
+        let met = Native::zero().lt(leaves);
+        let tile = Native::splat(PACKETS_A_SIDE * PACKETS_A_SIDE * PACKET);
+        self.rays = self.rays + (a * b * tile).only(met);
+        self.visits = self.visits + (packets(a) * packets(b) * leaves).only(met);
+    }
+}
+
+/// No box: NaN passes no bound, not even an infinite one.
+pub const EMPTY: Boxes = [[f32::NAN; WIDE]; 8];

@@ -1,0 +1,295 @@
+//! Sampling of spheres, triangles, and quads: irradiance, densities, normals, and equal bits at every width.
+
+use super::{double, polygon_irradiance, render, square, vector};
+use crate::common::{Rng, floor, lamp, mean, sphere, triangle};
+use glam::{DVec3, Vec3};
+use octray::buffers::LightChoice;
+use octray::kernel::light::{FlatLight, LightSample, flat_pdf, sample_flat, sample_sphere, sphere_pdf};
+use octray::lane::{F32x8, F32x16, Lane};
+use octray::math;
+use std::f64::consts::PI;
+
+/// What a Lambertian point would receive from an emitter of radiance 1: the mean of direction / density,
+/// whose product with a normal is the irradiance as long as the emitter is above the horizon.
+fn vector_irradiance(aim: impl Fn(f32, f32) -> LightSample<f32>, side: u32) -> DVec3 {
+    let sum: DVec3 = square(side)
+        .map(|(u, v)| {
+            let aim = aim(u, v);
+            double(aim.wi) / f64::from(aim.pdf)
+        })
+        .sum();
+    sum / f64::from(side * side)
+}
+
+fn solid_angle([a, b, c]: [DVec3; 3]) -> f64 {
+    let [a, b, c] = [a, b, c].map(DVec3::normalize);
+    2.0 * a.dot(b.cross(c)).abs().atan2(1.0 + a.dot(b) + b.dot(c) + c.dot(a))
+}
+
+#[test]
+fn a_sphere_gives_the_irradiance_of_the_closed_form() {
+    let mut rng = Rng(1);
+    for _ in 0..300 {
+        let radius = rng.scale(1e-4, 1e4);
+        let distance = radius * rng.scale(1.001, 1e5);
+        let center = rng.direction() * distance;
+        let aim = |u, v| sample_sphere(vector(center), radius as f32, u, v);
+        // π sin² of half its angle, towards its centre.
+        let truth = center.normalize() * PI * (radius / distance).powi(2);
+        let error = (vector_irradiance(aim, 64) - truth).length() / truth.length();
+        assert!(error < 5e-4, "radius {radius:e} at {distance:e}: {error:e}");
+    }
+}
+
+/// Corners that a point at the origin sees from far to near, blunt to sharp.
+fn corners(rng: &mut Rng) -> [DVec3; 3] {
+    let size = rng.scale(1e-3, 1e3);
+    let middle = rng.direction() * size * rng.scale(1e-2, 1e3);
+    [(); 3].map(|()| middle + rng.direction() * size)
+}
+
+fn flat([a, b, c]: [DVec3; 3], is_quad: bool) -> FlatLight<f32> {
+    FlatLight { a: vector(a), ab: vector(b - a), ac: vector(c - a), is_quad }
+}
+
+fn aim_at(corners: [DVec3; 3], u: f32, v: f32) -> LightSample<f32> {
+    sample_flat(&flat(corners, false), u, v)
+}
+
+#[test]
+fn a_triangle_gives_the_irradiance_of_lamberts_formula() {
+    let mut rng = Rng(2);
+    let (mut whole, mut by_area) = (0, 0);
+    for _ in 0..1000 {
+        let corners = corners(&mut rng);
+        let omega = solid_angle(corners);
+        let [a, b, c] = corners;
+        let normal = (b - a).cross(c - a).normalize();
+        let height = a.dot(normal).abs() / a.length().max(b.length()).max(c.length());
+        // Nearly edge-on its single-precision corners are another triangle's.
+        if height < 0.02 {
+            continue;
+        }
+        if omega < 1e-3 {
+            by_area += 1
+        } else {
+            whole += 1
+        }
+        let mine = vector_irradiance(|u, v| aim_at(corners, u, v), 96);
+        let truth = polygon_irradiance(&corners);
+        // The order of the corners decides the sign of Lambert's vector.
+        let error = (mine - truth).length().min((mine + truth).length()) / truth.length();
+        assert!(error < 2e-3, "{corners:?}, {omega:e} sr: {error:e}");
+    }
+    assert!(whole > 200 && by_area > 200, "{whole} {by_area}");
+}
+
+#[test]
+fn a_parallelogram_gives_the_irradiance_of_lamberts_formula() {
+    let mut rng = Rng(12);
+    let (mut whole, mut by_area) = (0, 0);
+    for _ in 0..500 {
+        let [a, b, c] = corners(&mut rng);
+        let d = b + c - a;
+        let normal = (b - a).cross(c - a);
+        // Slivers, and corners near or behind the lit point, are other parallelograms in single precision.
+        let longest = (b - a).length().max((c - a).length());
+        let height =
+            a.dot(normal.normalize()).abs() / [a, b, c, d].map(DVec3::length).into_iter().fold(0.0, f64::max);
+        if height < 0.02 || normal.length() < 0.02 * longest * longest {
+            continue;
+        }
+        let omega = solid_angle([a, b, c]) + solid_angle([d, b, c]);
+        *(if omega < 1e-3 { &mut by_area } else { &mut whole }) += 1;
+        let light = flat([a, b, c], true);
+        let mine = vector_irradiance(|u, v| sample_flat(&light, u, v), 96);
+        let truth = polygon_irradiance(&[a, b, d, c]);
+        let error = (mine - truth).length().min((mine + truth).length()) / truth.length();
+        assert!(error < 3e-3, "{a} {b} {c}, {omega:e} sr: {error:e}");
+    }
+    assert!(whole > 100 && by_area > 50, "{whole} {by_area}");
+}
+
+#[test]
+fn directions_fall_into_both_halves_of_a_parallelogram_by_their_solid_angles() {
+    let mut rng = Rng(13);
+    for _ in 0..200 {
+        let [a, b, c] = corners(&mut rng);
+        let [first, second] = [solid_angle([a, b, c]), solid_angle([b + c - a, b, c])];
+        let height = a.dot((b - a).cross(c - a).normalize()).abs() / a.length();
+        if first + second < 2e-3 || height < 0.02 {
+            continue;
+        }
+        let light = flat([a, b, c], true);
+        let in_first = square(64).filter(|&(u, v)| {
+            let wi = double(sample_flat(&light, u, v).wi);
+            // On a's side of the plane through b and c.
+            b.cross(c).dot(wi) * b.cross(c).dot(a) > 0.0
+        });
+        let share = in_first.count() as f64 / 4096.0;
+        assert!((share - first / (first + second)).abs() < 0.02, "{share}, {first} {second}");
+    }
+}
+
+#[test]
+fn directions_within_a_triangle_are_spread_as_their_density_says() {
+    let mut rng = Rng(3);
+    let (mut worst, mut tried) = (0.0_f64, 0);
+    while tried < 60 {
+        let corners = corners(&mut rng);
+        if solid_angle(corners) < 2e-3 {
+            continue;
+        }
+        tried += 1;
+        // Three times each triangle in four, each with its own share of the solid angle.
+        let split = |[a, b, c]: [DVec3; 3]| {
+            let (ab, bc, ca) = ((a + b) * 0.5, (b + c) * 0.5, (c + a) * 0.5);
+            [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]
+        };
+        // The planes through the origin and a cell's edges, towards its inside.
+        let planes = |cell: [DVec3; 3]| {
+            let [a, b, c] = cell.map(DVec3::normalize);
+            let sign = a.cross(b).dot(c).signum();
+            [a.cross(b), b.cross(c), c.cross(a)].map(|edge| sign * edge.normalize())
+        };
+        let mut cells = vec![corners];
+        let mut levels = Vec::new();
+        for _ in 0..3 {
+            cells = cells.into_iter().flat_map(split).collect();
+            levels.push(cells.iter().copied().map(planes).collect::<Vec<_>>());
+        }
+        let total: f64 = cells.iter().map(|&cell| solid_angle(cell)).sum();
+        let mut counts = vec![0.0; cells.len()];
+        let draws = 64 * 64 * 4;
+        for _ in 0..draws {
+            let aim = aim_at(corners, rng.unit() as f32, rng.unit() as f32);
+            let direction = double(aim.wi);
+            // Down from quarter to quarter: the nearest is where the smallest of the three volumes is
+            // largest.
+            let inside =
+                |planes: &[DVec3; 3]| planes.map(|n| n.dot(direction)).into_iter().fold(f64::MAX, f64::min);
+            let cell = levels.iter().fold(0, |cell, level| {
+                let quarters = 4 * cell..4 * cell + 4;
+                quarters.max_by(|&i, &j| inside(&level[i]).total_cmp(&inside(&level[j]))).expect("four")
+            });
+            counts[cell] += 1.0;
+        }
+        let chi_squared: f64 = cells
+            .iter()
+            .zip(&counts)
+            .map(|(&cell, count)| {
+                let expected = f64::from(draws) * solid_angle(cell) / total;
+                (count - expected).powi(2) / expected.max(1.0)
+            })
+            .sum();
+        // Wilson and Hilferty: the cube root is nearly normal.
+        let freedom = cells.len() as f64 - 1.0;
+        let spread = 2.0 / (9.0 * freedom);
+        worst = worst.max(((chi_squared / freedom).cbrt() - (1.0 - spread)) / spread.sqrt());
+    }
+    assert!(worst < 4.5, "{worst} standard deviations");
+}
+
+/// Shadow rays end a little before a light, along its normal.
+#[test]
+fn normals_of_sphere_lights_are_no_longer_than_one_at_any_distance() {
+    let mut rng = Rng(41);
+    for _ in 0..20_000 {
+        let (u, v) = (rng.unit() as f32, rng.unit() as f32);
+        let distance = rng.scale(1e-3, 1e3);
+        let ratio = rng.scale(1.01, 1e12);
+        let aim = sample_sphere(vector(rng.direction() * distance), (distance / ratio) as f32, u, v);
+        let length = double(aim.n).length();
+        assert!(length <= 1.5, "|n| = {length} from {ratio} radii");
+        assert!(ratio > 1e4 || (length - 1.0).abs() < 1e-2, "|n| = {length} from {ratio} radii");
+    }
+}
+
+#[test]
+fn a_direction_has_the_density_it_was_drawn_with() {
+    let mut rng = Rng(4);
+    for _ in 0..20_000 {
+        let (u, v) = (rng.unit() as f32, rng.unit() as f32);
+        let [a, b, c] = corners(&mut rng);
+        for is_quad in [false, true] {
+            let light = flat([a, b, c], is_quad);
+            let aim = sample_flat(&light, u, v);
+            let again = flat_pdf(&light, aim.wi, aim.t);
+            assert!(aim.pdf == again || aim.pdf == 0.0, "{} {again}", aim.pdf);
+        }
+        let radius = rng.scale(1e-3, 1e3);
+        let center = rng.direction() * radius * rng.scale(0.1, 1e4);
+        let aim = sample_sphere(vector(center), radius as f32, u, v);
+        assert_eq!(aim.pdf, sphere_pdf(vector(center), radius as f32));
+        assert_eq!(aim.pdf > 0.0, center.as_vec3().length() > radius as f32, "{center} {radius}");
+        if aim.pdf > 0.0 {
+            assert!(double(aim.n).dot(double(aim.wi)) < 1e-3 && aim.t > 0.0);
+        }
+    }
+}
+
+#[test]
+fn aims_are_the_same_at_every_width() {
+    fn check<L: Lane>() {
+        let mut rng = Rng(5);
+        for _ in 0..1_000 {
+            let all: [([DVec3; 3], f32, f32, f32); 16] = std::array::from_fn(|_| {
+                (corners(&mut rng), rng.scale(1e-3, 1e3) as f32, rng.unit() as f32, rng.unit() as f32)
+            });
+            let wide = |of: &dyn Fn(usize) -> DVec3| {
+                let at = |axis: usize| L::from_fn(|lane| of(lane).as_vec3()[axis]);
+                math::Vec3::new(at(0), at(1), at(2))
+            };
+            let [a, ab, ac] = [
+                wide(&|lane| all[lane].0[0]),
+                wide(&|lane| all[lane].0[1] - all[lane].0[0]),
+                wide(&|lane| all[lane].0[2] - all[lane].0[0]),
+            ];
+            let radius = L::from_fn(|lane| all[lane].1);
+            let (u, v) = (L::from_fn(|lane| all[lane].2), L::from_fn(|lane| all[lane].3));
+            // Every third lane a triangle.
+            let kind = L::from_fn(|lane| (lane % 3) as f32);
+            let flats = sample_flat(&FlatLight { a, ab, ac, is_quad: L::zero().lt(kind) }, u, v);
+            let spheres = sample_sphere(a, radius, u, v);
+            for (lane, &(corners, radius, u, v)) in all.iter().enumerate().take(L::WIDTH) {
+                let one = sample_flat(&flat(corners, lane % 3 > 0), u, v);
+                let bits = |v: Vec3| v.to_array().map(f32::to_bits);
+                assert_eq!(bits(flats.wi.get(lane)), bits(one.wi.get(0)));
+                assert_eq!(flats.pdf.get(lane).to_bits(), one.pdf.to_bits());
+                let one = sample_sphere(vector(corners[0]), radius, u, v);
+                if one.pdf > 0.0 {
+                    assert_eq!(bits(spheres.wi.get(lane)), bits(one.wi.get(0)));
+                    assert_eq!(spheres.pdf.get(lane).to_bits(), one.pdf.to_bits());
+                }
+            }
+        }
+    }
+    check::<F32x8>();
+    check::<F32x16>();
+}
+
+#[test]
+fn a_lamp_lights_the_floor_as_the_closed_form_says_at_every_scale() {
+    // A lamp in its own way, or a density that is not what was drawn, would show.
+    for scale in [1e-3, 1.0, 1e3] {
+        for away in [Vec3::ZERO, Vec3::new(30.0, -20.0, 50.0)] {
+            let foot = away * scale;
+            let mut scene = floor(foot, 2.0 * scale);
+            let center = foot + Vec3::new(0.6, 0.8, 0.0) * scale;
+            scene.spheres = vec![sphere(center, 0.1 * scale, 1)];
+            scene.materials.push(lamp(50.0));
+            // Radiance 50, sin² = 0.01, cos = 0.8, of π / π.
+            let truth = 50.0 * 0.01 * 0.8;
+            let got = mean(&render(&scene, LightChoice::Auto, 64, 1));
+            assert!((got / truth - 1.0).abs() < 2e-3, "sphere, {scale} {away}: {got} of {truth}");
+
+            let corners = [Vec3::new(0.5, 0.7, 0.0), Vec3::new(0.7, 0.8, 0.1), Vec3::new(0.6, 0.9, -0.2)];
+            scene.spheres.clear();
+            scene.triangles.push(triangle(corners.map(|corner| foot + corner * scale), 1));
+            let seen = corners.map(|corner| corner.as_dvec3());
+            let truth = 50.0 / PI * polygon_irradiance(&seen).y.abs();
+            let got = mean(&render(&scene, LightChoice::Auto, 64, 1));
+            assert!((got / truth - 1.0).abs() < 4e-3, "triangle, {scale} {away}: {got} of {truth}");
+        }
+    }
+}

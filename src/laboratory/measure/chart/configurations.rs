@@ -10,7 +10,7 @@ use crate::buffers::{Features, LightChoice};
 use crate::lane::native_widths;
 use crate::render::{PipelineChoice, Renderer, Settings};
 use crate::sampling::Sampler;
-use crate::scene::Scene;
+use crate::scene::{Filter, Scene};
 use crate::traverse::batch::Traversal;
 use crate::traverse::{BoxChoice, Methods, SphereChoice, TraversalChoice, TriangleChoice, linear};
 use serde::Serialize;
@@ -22,6 +22,8 @@ pub struct Configuration {
     pub name: &'static str,
     /// All of them, the changed one included.
     pub(crate) settings: Settings,
+    /// Whether textures have levels of detail: bilinear ones become trilinear.
+    pub(crate) levels_of_detail: bool,
     /// Whether sampling is adaptive.
     pub(crate) adaptive: bool,
     /// Whether pictures must have the bits of the default.
@@ -31,6 +33,21 @@ pub struct Configuration {
     pub(crate) robust: bool,
 }
 
+impl Configuration {
+    /// A renderer of the scene with these settings but this resolution and number of threads.
+    pub(crate) fn renderer(&self, scene: &Scene, resolution: [u32; 2], threads: usize) -> Renderer {
+        let settings = Settings { resolution, threads, ..self.settings };
+        if !self.levels_of_detail {
+            return Renderer::new(scene, settings);
+        }
+        let mut scene = scene.clone();
+        for texture in scene.textures.iter_mut().filter(|texture| texture.filter == Filter::Bilinear) {
+            texture.filter = Filter::Trilinear;
+        }
+        Renderer::new(&scene, settings)
+    }
+}
+
 /// The configuration with which all others are compared.
 pub const DEFAULT: &str = "default";
 
@@ -38,7 +55,7 @@ pub const DEFAULT: &str = "default";
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Group {
-    /// Other random numbers or other estimators: other pictures with the same mean.
+    /// Other random numbers, estimators or filters: other pictures with the same mean, or nearly.
     Sampling,
     /// The default's picture, bit by bit, at another speed.
     Speed,
@@ -50,7 +67,15 @@ pub enum Group {
 pub const GROUPS: [(Group, &[&str]); 3] = [
     (
         Group::Sampling,
-        &["random numbers", "independent pixels", "adaptive", "lights off", "lights on", "lights by power"],
+        &[
+            "random numbers",
+            "independent pixels",
+            "adaptive",
+            "lights off",
+            "lights on",
+            "lights by power",
+            "trilinear",
+        ],
     ),
     (
         Group::Speed,
@@ -84,7 +109,7 @@ const MOST_LINEAR: usize = 4_000;
 pub fn of_scene(scene: &Scene, settings: Settings) -> Vec<Configuration> {
     let of = |name, settings: Settings, same_bits| {
         let robust = settings.methods.are_robust();
-        Configuration { name, settings, adaptive: false, same_bits, robust }
+        Configuration { name, settings, levels_of_detail: false, adaptive: false, same_bits, robust }
     };
     let with = |name, same_bits, change: &dyn Fn(&mut Methods)| {
         let mut methods = settings.methods;
@@ -116,6 +141,8 @@ pub fn of_scene(scene: &Scene, settings: Settings) -> Vec<Configuration> {
         add(differs(scene, &renderer, one.settings), one);
     }
     add(true, Configuration { adaptive: true, ..of("adaptive", settings, false) });
+    let has_bilinear = scene.textures.iter().any(|texture| texture.filter == Filter::Bilinear);
+    add(has_bilinear, Configuration { levels_of_detail: true, ..of("trilinear", settings, false) });
 
     let hierarchy = settings.methods.traversal_of(scene, settings.lanes).is_some();
     let linear = linear::cost(scene) <= MOST_LINEAR;
@@ -190,7 +217,9 @@ mod tests {
         let terrain = names("builtin:terrain:2000");
         assert!(terrain.contains(&"streams") && !terrain.contains(&"every primitive tested"), "{terrain:?}");
         assert_eq!(terrain.contains(&"16 lanes"), NATIVE_WIDTH > 8, "a hierarchy has 8 by default");
-        for name in three.iter().chain(&cornell).chain(&terrain) {
+        let thesis = names("builtin:thesis");
+        assert!(thesis.contains(&"trilinear") && !three.contains(&"trilinear"), "only with textures");
+        for name in three.iter().chain(&cornell).chain(&terrain).chain(&thesis) {
             assert_eq!(Group::of(name).is_none(), *name == DEFAULT, "{name} is in a drawing");
         }
     }

@@ -10,7 +10,7 @@ use crate::film::Picture;
 use crate::measure::errors::Errors;
 use crate::measure::flip::Flip;
 use crate::measure::quantiles::{Quantiles, Rounds, Spread};
-use crate::render::{Renderer, Settings};
+use crate::render::Renderer;
 use crate::scene::Scene;
 use serde::Serialize;
 use std::time::Instant;
@@ -66,7 +66,7 @@ pub(crate) fn measure(
 ) -> Vec<Frames> {
     let flip = Flip::of(&ground_truth.frame);
     let resolution = [ground_truth.frame.width, ground_truth.frame.height];
-    let of = |one: &Configuration| Renderer::new(scene, Settings { resolution, threads, ..one.settings });
+    let of = |one: &Configuration| one.renderer(scene, resolution, threads);
     let mut renderers: Vec<Renderer> = configurations.iter().map(of).collect();
     let mut taken: Vec<Vec<Accumulation>> = configurations.iter().map(|_| Vec::new()).collect();
     for round in Rounds::within(end, 1, MOST_SEEDS) {

@@ -11,7 +11,7 @@ use crate::film::Film;
 use crate::measure::errors::Errors;
 use crate::measure::flip::Flip;
 use crate::measure::quantiles::{Quantiles, Spread};
-use crate::render::{Renderer, Settings};
+use crate::render::Renderer;
 use crate::scene::Scene;
 use serde::Serialize;
 use std::hash::{DefaultHasher, Hasher};
@@ -146,7 +146,7 @@ impl<'a> Run<'a> {
     fn new(scene: &Scene, configuration: &'a Configuration, ground_truth: &GroundTruth, seeds: u32) -> Self {
         let start = Instant::now();
         let resolution = [ground_truth.small.width, ground_truth.small.height];
-        let renderer = Renderer::new(scene, Settings { resolution, threads: 1, ..configuration.settings });
+        let renderer = configuration.renderer(scene, resolution, 1);
         let mut film = renderer.film();
         renderer.add_samples(&mut film, 1);
         let (_, sample) = timed(|| renderer.add_samples(&mut film, 1));
@@ -317,6 +317,7 @@ mod tests {
     use super::super::configurations::{DEFAULT, of_scene};
     use super::super::ground_truth::GroundTruthRenderer;
     use super::*;
+    use crate::render::Settings;
 
     #[test]
     fn errors_fall_and_equal_configurations_have_equal_bits() {
@@ -395,6 +396,7 @@ mod tests {
         let of = |name, lanes, robust| Configuration {
             name,
             settings: Settings { resolution: [16, 9], lanes, ..frame },
+            levels_of_detail: false,
             adaptive: false,
             same_bits: true,
             robust,

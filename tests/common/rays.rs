@@ -4,21 +4,22 @@ use super::{Rng, empty, material, sphere, triangle};
 use glam::Vec3;
 use octray::buffers::Buffers;
 use octray::bvh::Trees;
-use octray::math::{Hit, MISS, Ray};
+use octray::lane::Lane;
+use octray::math::{MISS, Ray};
 use octray::scene::{MaterialKind, Scene};
 use octray::traverse::batch::{Tracer, Traversal};
 use octray::traverse::hierarchy::Hierarchy;
-use octray::traverse::rays::{Hits, Rays};
+use octray::traverse::rays::{Hits, Rays, RaysAndHits};
 use octray::traverse::stack::Stack;
 use octray::traverse::stream::Stream;
 use octray::traverse::tile::{self, Packets};
-use octray::traverse::{Batch, Layout, Methods, Primitives, TraversalChoice};
+use octray::traverse::{Layout, Methods, PrimitiveList, Primitives, TraversalChoice};
 
 /// t, primitive, u and v of each ray, as bits.
 pub type Answers = Vec<[u32; 4]>;
 
 /// Rays, and what is known of their hits before.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub struct Set {
     pub origin: [Vec<f32>; 3],
     pub direction: [Vec<f32>; 3],
@@ -90,32 +91,66 @@ impl Set {
         })
         .0
     }
+    /// Rays of any length, before they hit anything.
+    pub fn of(rays: &[Ray<f32>]) -> Self {
+        let mut set = Self::default();
+        for &Ray { origin, direction } in rays {
+            set.push(origin.get(0), direction.get(0), f32::INFINITY);
+        }
+        set
+    }
+    /// What is nearest of every primitive, or of every one that is listed, before the rays end; whatever they
+    /// have hit before.
+    pub fn nearest<L: Lane>(
+        &self,
+        primitives: &Primitives,
+        buffers: &Buffers,
+        listed: Option<&PrimitiveList>,
+    ) -> Answers {
+        let count = self.len();
+        let padded = |column: &[f32]| {
+            let more = column.last().copied().into_iter().cycle().take(L::WIDTH - 1);
+            let mut padded: Vec<f32> = column.iter().copied().chain(more).collect();
+            padded.truncate(count.next_multiple_of(L::WIDTH));
+            padded
+        };
+        let (origin, direction) = (
+            self.origin.each_ref().map(|column| padded(column)),
+            self.direction.each_ref().map(|column| padded(column)),
+        );
+        let count = count.next_multiple_of(L::WIDTH);
+        // Weights that are not overwritten would show, where they are used.
+        let [_, triangles] = primitives.linear(buffers, None);
+        let weight = if triangles > 0 { f32::NAN } else { 0.0 };
+        let (mut t, mut primitive) = (padded(&self.t_max), vec![7; count]);
+        let [mut u, mut v] = [(); 2].map(|()| vec![weight; count]);
+        let mut batch = RaysAndHits {
+            rays: Rays {
+                origin: origin.each_ref().map(Vec::as_slice),
+                direction: direction.each_ref().map(Vec::as_slice),
+            },
+            hits: Hits { t: &mut t, primitive: &mut primitive, u: &mut u, v: &mut v },
+        };
+        primitives.trace_linear::<L>(buffers, listed, &mut batch);
+        let bits = |i: usize| [t[i].to_bits(), primitive[i], u[i].to_bits(), v[i].to_bits()];
+        (0..self.len()).map(bits).collect()
+    }
     /// Every primitive tested in order, at a width of one.
     pub fn linear(&self, scene: &Scene) -> Answers {
-        struct All<'a>(&'a Set, Answers, &'a mut Answers);
-        impl Batch<f32> for All<'_> {
-            fn run(self, closest: impl Fn(&Ray<f32>) -> Hit<f32>) {
-                let Self(set, before, answers) = self;
-                for (at, before) in before.into_iter().enumerate() {
-                    let Hit { t, primitive, u, v } = closest(&set.rays().packet::<f32>(at));
-                    // Testing everything knows no t_max: there and beyond it nothing was to be found, but
-                    // what is as far as the hit from before and has a lower number.
-                    let t_max = set.t_max[at];
-                    let known = set.primitive[at];
-                    let lower = known != MISS && primitive < known;
-                    answers.push(match primitive != MISS && (t < t_max || (t == t_max && lower)) {
-                        true => [t.to_bits(), primitive, u.to_bits(), v.to_bits()],
-                        false => before,
-                    });
-                }
-            }
-        }
         let methods = Methods { traversal: TraversalChoice::Linear, ..Methods::default() };
-        let mut answers = Vec::new();
+        let endless = Self { t_max: vec![f32::INFINITY; self.len()], ..self.clone() };
+        let nearest = endless.nearest::<f32>(&Primitives::new(scene, methods, 1), &Buffers::new(scene), None);
         let before = self.with_hits(|_| ()).1;
-        let primitives = Primitives::new(scene, methods, 1);
-        primitives.for_batch::<f32>(&Buffers::new(scene), None, All(self, before, &mut answers));
-        answers
+        let answer = |at: usize| {
+            let [t, primitive, ..] = nearest[at];
+            let (t, t_max, known) = (f32::from_bits(t), self.t_max[at], self.primitive[at]);
+            // At and beyond t_max nothing was to be found, but what is as far as the hit from before and has
+            // a lower number.
+            let lower = known != MISS && primitive < known;
+            let counts = primitive != MISS && (t < t_max || (t == t_max && lower));
+            if counts { nearest[at] } else { before[at] }
+        };
+        (0..self.len()).map(answer).collect()
     }
     /// Asserts that every traversal finds what testing everything finds, in both layouts of the leaves;
     /// returns how many rays hit something.

@@ -4,15 +4,16 @@
 //!
 //! The oracle is a loop of its own that calls the kernels at width 1. Seeds are fixed.
 
-use crate::common::{Rng, empty, material, packet, ray, sphere, triangle};
+use crate::common::rays::Set;
+use crate::common::{Rng, empty, material, ray, sphere, triangle};
 use glam::Vec3;
 use octray::buffers::Buffers;
 use octray::kernel::ray_sphere::{self, SphereMethod};
 use octray::kernel::ray_triangle::{self, TriangleMethod};
-use octray::lane::{Bits, F32x8, F32x16, Lane};
-use octray::math::{self, Hit, MISS, Ray};
+use octray::lane::{F32x8, F32x16, Lane};
+use octray::math::{self, MISS, Ray};
 use octray::scene::{MaterialKind, Scene};
-use octray::traverse::{Batch, Methods, Primitives, SphereChoice, TraversalChoice, TriangleChoice};
+use octray::traverse::{Methods, Primitives, SphereChoice, TraversalChoice, TriangleChoice};
 
 /// A hit's bits: t, primitive, u, v.
 type Answer = [u32; 4];
@@ -43,36 +44,8 @@ fn oracle<S: SphereMethod, T: TriangleMethod>(scene: &Scene, ray: &Ray<f32>) -> 
     answer
 }
 
-/// Collects the traversal's answers.
-struct Collect<'a> {
-    rays: &'a [Ray<f32>],
-    answers: &'a mut Vec<Answer>,
-}
-
-impl<L: Lane> Batch<L> for Collect<'_> {
-    fn run(self, closest: impl Fn(&Ray<L>) -> Hit<L>) {
-        for rays in self.rays.chunks_exact(L::WIDTH) {
-            let hit = closest(&packet::<L>(rays));
-            for lane in 0..L::WIDTH {
-                self.answers.push([
-                    hit.t.get(lane).to_bits(),
-                    hit.primitive.get(lane),
-                    hit.u.get(lane).to_bits(),
-                    hit.v.get(lane).to_bits(),
-                ]);
-            }
-        }
-    }
-}
-
 fn traversed<L: Lane>(scene: &Scene, methods: Methods, rays: &[Ray<f32>]) -> Vec<Answer> {
-    let mut answers = Vec::new();
-    Primitives::new(scene, methods, 8).for_batch::<L>(
-        &Buffers::new(scene),
-        None,
-        Collect { rays, answers: &mut answers },
-    );
-    answers
+    Set::of(rays).nearest::<L>(&Primitives::new(scene, methods, 8), &Buffers::new(scene), None)
 }
 
 /// Asserts the law for one choice of equations; returns the answers.
@@ -214,4 +187,54 @@ fn traversal_equals_every_primitive_one_by_one_for_directions_of_no_length() {
     let directions = [Vec3::NAN, Vec3::ZERO, Vec3::INFINITY, Vec3::new(0.0, f32::NAN, 1.0), Vec3::X];
     let rays: Vec<_> = (0..400).map(|i| ray((rng.in_cube() * 4.0).as_vec3(), directions[i % 5])).collect();
     assert_law_of_all(&scene, &rays);
+}
+
+/// A hit at t_max or behind it is none, and what lies behind a hit never takes its place.
+#[test]
+fn hits_count_before_the_end_of_a_ray() {
+    fn check<L: Lane>(scene: &Scene, set: &Set, triangle: TriangleChoice) -> usize {
+        let methods = Methods { triangle, traversal: TraversalChoice::Linear, ..Methods::default() };
+        let (primitives, buffers) = (Primitives::new(scene, methods, 8), Buffers::new(scene));
+        let endless = set.nearest::<L>(&primitives, &buffers, None);
+        let mut ended = 0;
+        for (end, counts) in [
+            (0.0, false),
+            (-1.0, false),
+            (f32::NAN, false),
+            (0.5, false),
+            (1.0 - f32::EPSILON, false),
+            (1.0, false),
+            (1.0 + f32::EPSILON, true),
+            (2.0, true),
+        ] {
+            let t_max = endless.iter().map(|answer| match answer[1] {
+                MISS => 1.0,
+                _ => f32::from_bits(answer[0]) * end,
+            });
+            let set = Set { t_max: t_max.collect(), ..set.clone() };
+            let answers = set.nearest::<L>(&primitives, &buffers, None);
+            for ((answer, endless), t_max) in answers.iter().zip(&endless).zip(&set.t_max) {
+                if endless[1] != MISS && counts {
+                    assert_eq!(answer, endless);
+                } else {
+                    assert_eq!(answer[..2], [t_max.to_bits(), MISS], "t_max {t_max}, {endless:?}");
+                    ended += usize::from(endless[1] != MISS);
+                }
+            }
+        }
+        ended
+    }
+    let mut rng = Rng(35);
+    for (spheres, triangles) in [(20, 20), (5, 0), (0, 20)] {
+        let scene = mixed(&mut rng, spheres, triangles);
+        let set = Set::of(&rays(&mut rng, 400));
+        for triangle in [TriangleChoice::Woop, TriangleChoice::MollerTrumbore, TriangleChoice::BaldwinWeber] {
+            let ended = [
+                check::<f32>(&scene, &set, triangle),
+                check::<F32x8>(&scene, &set, triangle),
+                check::<F32x16>(&scene, &set, triangle),
+            ];
+            assert!(ended[0] > 200 && ended == [ended[0]; 3], "{ended:?}");
+        }
+    }
 }

@@ -1,15 +1,16 @@
 //! Law: leaving out what a tile cannot see changes no hit (conservative culling).
 
+use crate::common::rays::Set;
 use crate::common::{Rng, empty, material, sphere};
 use glam::Vec3;
 use octray::buffers::Buffers;
 use octray::camera::Pinhole;
 use octray::lane::F32x8;
-use octray::math::{Hit, Ray};
+use octray::math::Ray;
 use octray::render::{Renderer, Settings};
 use octray::sampling::random::mix_bits;
 use octray::scene::{Camera, MaterialKind, Scene, Triangle};
-use octray::traverse::{Batch, Methods, PrimitiveList, Primitives, SphereChoice, TraversalChoice};
+use octray::traverse::{Methods, PrimitiveList, Primitives, SphereChoice, TraversalChoice};
 
 /// Tiles cull where every primitive is tested.
 const LINEAR: Methods = Methods {
@@ -44,28 +45,11 @@ fn scene(seed: u32, camera: Camera) -> Scene {
     }
 }
 
-/// Primary rays to corners, edges and inner points of a tile's pixels, and what they hit.
-struct Primary<'a> {
-    camera: Pinhole,
-    corner: [u32; 2],
-    hits: &'a mut Vec<[u32; 4]>,
-}
-
-impl Batch<F32x8> for Primary<'_> {
-    fn run(self, closest: impl Fn(&Ray<F32x8>) -> Hit<F32x8>) {
-        use octray::lane::Lane;
-        let steps = [0.0, 0.5, 1.0, 3.25, 4.0, 6.75, 7.0, 8.0];
-        for dy in steps {
-            let x = F32x8::from_fn(|lane| self.corner[0] as f32 + steps[lane]);
-            let y = F32x8::splat(self.corner[1] as f32 + dy);
-            let hit = closest(&self.camera.rays(x, y));
-            self.hits.extend((0..8).map(|lane| {
-                use octray::lane::Bits;
-                let bits = |x: F32x8| x.get(lane).to_bits();
-                [bits(hit.t), hit.primitive.get(lane), bits(hit.u), bits(hit.v)]
-            }));
-        }
-    }
+/// Primary rays to corners, edges and inner points of a tile's pixels.
+fn primary_rays(camera: &Pinhole, [x, y]: [u32; 2]) -> Set {
+    let steps = [0.0, 0.5, 1.0, 3.25, 4.0, 6.75, 7.0, 8.0];
+    let points = steps.iter().flat_map(|dy| steps.map(|dx| (x as f32 + dx, y as f32 + dy)));
+    Set::of(&points.map(|(x, y)| camera.rays(x, y)).collect::<Vec<_>>())
 }
 
 #[test]
@@ -89,11 +73,9 @@ fn visible_gives_the_hits_of_testing_everything_bit_for_bit() {
         {
             let visible = PrimitiveList::of(&scene, &camera.view_frustum([x, y], [TILE, TILE]));
             skipped += 120 - visible.spheres.len() - visible.triangles.len();
-            let trace = |visible: Option<&PrimitiveList>| {
-                let mut hits = Vec::new();
-                primitives.for_batch(&buffers, visible, Primary { camera, corner: [x, y], hits: &mut hits });
-                hits
-            };
+            let rays = primary_rays(&camera, [x, y]);
+            let trace =
+                |visible: Option<&PrimitiveList>| rays.nearest::<F32x8>(&primitives, &buffers, visible);
             let everything = trace(None);
             assert_eq!(trace(Some(&visible)), everything, "seed {seed}, tile at ({x}, {y})");
             found += everything.iter().filter(|hit| hit[1] != octray::math::MISS).count();
@@ -146,32 +128,15 @@ fn edges_are_kept(view: Camera, resolution: [u32; 2], corner: [u32; 2]) -> [usiz
             }
         }
     }
-    let rays: Vec<Ray<f32>> = edges.into_iter().flatten().collect();
+    let rays = Set::of(&edges.into_iter().flatten().collect::<Vec<Ray<f32>>>());
     [specks, beside].map(|scene| {
         let visible = PrimitiveList::of(&scene, &camera.view_frustum(corner, [TILE, TILE]));
         let (buffers, primitives) = (Buffers::new(&scene), Primitives::new(&scene, LINEAR, 8));
-        let trace = |visible: Option<&PrimitiveList>| {
-            let mut hits = Vec::new();
-            primitives.for_batch::<f32>(&buffers, visible, Given { rays: &rays, hits: &mut hits });
-            hits
-        };
+        let trace = |visible: Option<&PrimitiveList>| rays.nearest::<f32>(&primitives, &buffers, visible);
         let everything = trace(None);
         assert_eq!(trace(Some(&visible)), everything, "{view:?}, tile at {corner:?}");
-        everything.iter().filter(|&&[_, primitive]| primitive != octray::math::MISS).count()
+        everything.iter().filter(|&&[_, primitive, ..]| primitive != octray::math::MISS).count()
     })
-}
-
-/// Rays, and what they hit: t and the primitive.
-struct Given<'a> {
-    rays: &'a [Ray<f32>],
-    hits: &'a mut Vec<[u32; 2]>,
-}
-
-impl Batch<f32> for Given<'_> {
-    fn run(self, closest: impl Fn(&Ray<f32>) -> Hit<f32>) {
-        let answer = |hit: Hit<f32>| [hit.t.to_bits(), hit.primitive];
-        self.hits.extend(self.rays.iter().map(|ray| answer(closest(ray))));
-    }
 }
 
 /// Directions all around, none along an axis.

@@ -55,9 +55,9 @@ impl Rows {
     #[inline(always)]
     pub fn fetch<L: Lane>(&self, index: L::Bits, few: bool) -> [L; 8] {
         let columns = &self.first_as_columns.0;
-        if few {
+        if few && L::WIDTH <= Self::FEW {
             columns.each_ref().map(|column| L::pick(column.first_chunk().expect("eight of sixteen"), index))
-        } else if self.rows.len() <= Self::COLUMN_LENGTH {
+        } else if few || self.rows.len() <= Self::COLUMN_LENGTH {
             columns.each_ref().map(|column| L::pick_of_16(column, index))
         } else {
             L::gather_rows::<8>(bytemuck::cast_slice(&self.rows), index)

@@ -99,6 +99,30 @@ impl Textures {
         self.filter(&grid, (is_bilinear, is_linear), at, active, abilities, texel_kind)
     }
 
+    /// The indices of the texels of texture `index` that are nearest to a point; 0 in lanes that are not
+    /// `active`. For [`Textures::read_texels`].
+    ///
+    /// Domain: textures of display values.
+    #[inline(always)]
+    pub fn nearest_texels<L: Lane>(&self, index: L::Bits, at: TexturePoint<L>, active: L::Mask) -> L::Bits {
+        let zero = L::Bits::splat(0);
+        let index = L::Bits::select(active, index, zero);
+        let [width, height, first, ..] = self.grids.fetch::<L>(index, self.few);
+        let grid = Grid { width, height, first: first.to_bits() };
+        L::Bits::select(active, grid.nearest(at.u, at.v, at.clamp_v), zero)
+    }
+
+    /// Replaces the indices of texels by the texels.
+    ///
+    /// # Panics
+    /// If an index is not one of [`Textures::nearest_texels`].
+    #[inline(never)]
+    pub fn read_texels(&self, texels: &mut [u32]) {
+        for texel in texels {
+            *texel = self.display[*texel as usize];
+        }
+    }
+
     /// [`Textures::sample`] where textures have levels of detail: the level that the footprint chooses,
     /// blended with the next one.
     ///

@@ -4,11 +4,12 @@
 //! never know: stages.
 
 use super::features::{carries_cones, has};
-use super::queue::QueueColumns;
+use super::queue::{Path, PathQueue, QueueColumns, primary_slots};
 use crate::buffers::{Buffers, Features};
 use crate::camera::{Pinhole, Tile};
 use crate::kernel::ray_cone::Cone;
 use crate::lane::Lane;
+use crate::math::Ray;
 use crate::sampling::Sampler;
 use crate::traverse::{Occluders, PrimitiveList, Primitives};
 
@@ -50,6 +51,18 @@ impl TraceContext {
     #[inline(always)]
     pub fn primary_cone<L: Lane, const N: u32>(&self) -> Cone<L> {
         if self.carries_cones::<N>() { Cone::of_pixel(self.camera.pixel_size()) } else { Cone::none() }
+    }
+
+    /// The paths of the packet at `at`. `FIRST`: at their first segment, of which the queue holds direction
+    /// and key alone.
+    #[inline(always)]
+    pub fn path<L: Lane, const N: u32, const FIRST: bool>(&self, queue: &PathQueue, at: usize) -> Path<L> {
+        if !FIRST {
+            return queue.path(at, self.columns::<N>());
+        }
+        let (direction, key) = queue.primary(at);
+        let ray = Ray { origin: self.camera.origin(), direction };
+        Path::primary(ray, key, primary_slots::<L>(at), self.primary_cone::<L, N>())
     }
 
     /// How many spheres and triangles each ray of a tile is tested against, where there is no hierarchy: all

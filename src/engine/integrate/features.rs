@@ -1,7 +1,8 @@
 //! Tests of a pipeline's feature set.
 //!
-//! For: [`has`], [`is_general`], [`ends_missed`], [`ends_at_emitters`] and [`abilities`], constants once a
-//! pipeline is compiled; [`carries_cones`]. May import: `buffers`. Must never know: stages.
+//! For: [`has`], [`is_general`], [`ends_missed`], [`ends_at_emitters`], [`reads_texels_first`] and
+//! [`abilities`], constants once a pipeline is compiled; [`carries_cones`]. May import: `buffers`. Must never
+//! know: stages.
 
 use crate::buffers::{Abilities, Features};
 
@@ -32,6 +33,20 @@ pub const fn ends_missed(n: u32) -> bool {
 pub const fn ends_at_emitters(n: u32) -> bool {
     has(n, Features::EMISSION) && has(n, Features::TEXTURES)
 }
+
+/// Are texels read before shading, in a loop of their own? Where each hit has one, of a display value.
+#[inline(always)]
+pub const fn reads_texels_first(n: u32) -> bool {
+    has(n, Features::TEXTURES) && !Features(n).meets(MANY_TEXELS)
+}
+
+/// Features with which a hit may have several texels, or one that is more than four bytes.
+const MANY_TEXELS: Features = Features::BILINEAR
+    .with(Features::LINEAR_TEXTURES)
+    .with(Features::LEVELS_OF_DETAIL)
+    .with(Features::ROUGHNESS_MAPS)
+    .with(Features::NORMAL_MAPS)
+    .with(Features::EMISSION_MAPS);
 
 /// The texture lookups that the feature set `N` holds.
 #[inline(always)]

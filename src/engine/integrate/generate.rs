@@ -4,77 +4,59 @@
 //! through their centres. May import: `intersect`, `scratch` and what stands above them. Must never know:
 //! shading.
 //!
-//! Where every primitive is tested, generation and intersection are one pass, so that rays need not be read
-//! back.
+//! Generation is a loop of its own, and so is the test of every primitive: see `linear` in
+//! [`crate::traverse`].
 
 use super::context::TraceContext;
-use super::features::has;
 use super::intersect::intersect_queue;
 use super::queue::{PathQueue, primary_places};
 use super::scratch::Scratch;
 use super::stats::RayKind;
-use crate::buffers::Features;
 use crate::camera::{Pinhole, Tile};
 use crate::lane::{Bits, F32x8, Lane, lane_indices};
-use crate::math::{Hit, Ray};
 use crate::sampling::{Places, SampleValues, dimension};
-use crate::traverse::Batch;
 
 /// Fills the queue with the tile's pixels, row by row, finds what they hit, and returns how many there are.
-pub fn generate<L: Lane, const N: u32>(
-    context: &TraceContext,
-    tile: Tile,
-    sample: u32,
-    scratch: &mut Scratch,
-) -> usize {
+pub fn generate<L: Lane>(context: &TraceContext, tile: Tile, sample: u32, scratch: &mut Scratch) -> usize {
     let (count, visible) = (tile.pixels(), context.visible.get(tile.number));
     scratch.values.begin(context.sampler, context.seed, sample, context.max_bounces);
     let numbers = scratch.values.pixel();
-    let batch = GenerateBatch::<N> { context, tile, sample, numbers, queue: &mut scratch.queue };
-    if context.primitives.hierarchy().is_none() && context.primitives.uses_default_methods() {
-        context.primitives.for_default_batch::<L>(&context.buffers, visible, batch);
-        return count;
-    }
-    Batch::<L>::run(batch, |_| Hit::miss());
-    for at in (0..count).step_by(L::WIDTH) {
-        scratch.queue.store_origin::<L>(at, context.camera.origin());
-    }
+    camera_rays::<L>(context, tile, sample, numbers, &mut scratch.queue);
     intersect_queue::<L>(context, visible, scratch, count, RayKind::Primary);
     count
 }
 
-struct GenerateBatch<'a, const N: u32> {
-    context: &'a TraceContext,
+/// Stores a ray through a random point of each pixel, and its origin where a traversal reads that.
+#[inline(always)]
+fn camera_rays<L: Lane>(
+    context: &TraceContext,
     tile: Tile,
     sample: u32,
     numbers: SampleValues,
-    queue: &'a mut PathQueue,
-}
-
-impl<L: Lane, const N: u32> Batch<L> for GenerateBatch<'_, N> {
-    #[inline(always)]
-    fn run(self, closest: impl Fn(&Ray<L>) -> Hit<L>) {
-        let Self { context, tile, sample, numbers, queue } = self;
-        let camera: Pinhole = context.camera;
-        let TraceContext { sampler, seed, width, .. } = *context;
-        for at in (0..tile.pixels()).step_by(L::WIDTH) {
-            let places = primary_places::<L>(tile, at);
-            let (x, y, pixel) = match places {
-                Places::Row { x, y } => {
-                    let lanes = lane_indices::<L>();
-                    let first = L::Bits::splat(y * width + x);
-                    (L::splat(x as f32) + L::from_int(lanes), L::splat(y as f32), first.wrapping_add(lanes))
-                }
-                Places::Any { x, y } => {
-                    let before = y.wrapping_mul(L::Bits::splat(width));
-                    (L::from_int(x), L::from_int(y), before.wrapping_add(x))
-                }
-            };
-            let key = sampler.key(seed, pixel, sample);
-            let (jitter_x, jitter_y) = numbers.at_pixels(key, places).get_2d(dimension::PIXEL);
-            let ray = camera.rays(x + jitter_x, y + jitter_y);
-            queue.store_primary(at, ray.direction, key);
-            queue.store_hit(at, &closest(&ray), has(N, Features::TRIANGLES));
+    queue: &mut PathQueue,
+) {
+    let store_origins = context.primitives.hierarchy().is_some();
+    let camera: Pinhole = context.camera;
+    let TraceContext { sampler, seed, width, .. } = *context;
+    for at in (0..tile.pixels()).step_by(L::WIDTH) {
+        let places = primary_places::<L>(tile, at);
+        let (x, y, pixel) = match places {
+            Places::Row { x, y } => {
+                let lanes = lane_indices::<L>();
+                let first = L::Bits::splat(y * width + x);
+                (L::splat(x as f32) + L::from_int(lanes), L::splat(y as f32), first.wrapping_add(lanes))
+            }
+            Places::Any { x, y } => {
+                let before = y.wrapping_mul(L::Bits::splat(width));
+                (L::from_int(x), L::from_int(y), before.wrapping_add(x))
+            }
+        };
+        let key = sampler.key(seed, pixel, sample);
+        let (jitter_x, jitter_y) = numbers.at_pixels(key, places).get_2d(dimension::PIXEL);
+        let ray = camera.rays(x + jitter_x, y + jitter_y);
+        queue.store_primary(at, ray.direction, key);
+        if store_origins {
+            queue.store_origin(at, ray.origin);
         }
     }
 }

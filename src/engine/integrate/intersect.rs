@@ -1,21 +1,19 @@
 //! Second stage: finds the nearest hit of every path of the queue, and ends the paths that miss or that hit
 //! what scatters nothing.
 //!
-//! For: [`intersect`], [`intersect_queue`], which only finds hits, and [`intersect_linear`] for rays of any
-//! queue. May import: `scratch`, `emission` (of the environment) and what stands above them. Must never know:
-//! shading of surfaces.
+//! For: [`intersect`], [`intersect_queue`], which only finds hits. May import: `scratch`, `linear_rays`,
+//! `emission` (of the environment) and what stands above them. Must never know: shading of surfaces.
 
 use super::context::TraceContext;
 use super::emission::missed_radiance;
 use super::features::{ends_at_emitters, ends_missed, has};
-use super::queue::PathQueue;
-use super::ray_queries::RayQueries;
+use super::linear_rays::{LinearRays, RaySource};
 use super::scratch::Scratch;
 use super::stats::RayKind;
 use crate::buffers::Features;
 use crate::lane::{Lane, Mask};
-use crate::math::{Hit, Ray};
-use crate::traverse::{Batch, PrimitiveList};
+use crate::math::Hit;
+use crate::traverse::PrimitiveList;
 
 /// The segment that [`intersect`] finds the ends of.
 #[derive(Clone, Copy)]
@@ -59,29 +57,9 @@ pub fn intersect<L: Lane, const N: u32>(
 ) -> Intersected {
     let Segment { count, ended, .. } = segment;
     let mut left = Intersected { hits: 0, contributions: 0, ended };
-    if context.primitives.hierarchy().is_none() && context.primitives.uses_default_methods() {
-        let batch = IntersectBatch::<N> { context, scratch, segment, left: &mut left };
-        context.primitives.for_default_batch::<L>(&context.buffers, None, batch);
-    } else {
-        intersect_queue::<L>(context, None, scratch, count, RayKind::Bounce);
-        end_paths::<L, N>(context, scratch, segment, &mut left, |queue, at| queue.hit(at));
-    }
+    intersect_queue::<L>(context, None, scratch, count, RayKind::Bounce);
+    end_paths::<L, N>(context, scratch, segment, &mut left);
     left
-}
-
-struct IntersectBatch<'a, const N: u32> {
-    context: &'a TraceContext,
-    scratch: &'a mut Scratch,
-    segment: Segment,
-    left: &'a mut Intersected,
-}
-
-impl<L: Lane, const N: u32> Batch<L> for IntersectBatch<'_, N> {
-    #[inline(always)]
-    fn run(self, closest: impl Fn(&Ray<L>) -> Hit<L>) {
-        let Self { context, scratch, segment, left } = self;
-        end_paths::<L, N>(context, scratch, segment, left, |queue, at| closest(&queue.ray(at)));
-    }
 }
 
 /// Which primitives are textured emitters, if paths end at those.
@@ -90,25 +68,25 @@ pub fn ending_emitters<const N: u32>(context: &TraceContext) -> Option<&[f32; 16
     context.buffers.emitters.as_deref().filter(|_| ends_at_emitters(N))
 }
 
-/// Stores the hits that `hit` finds packet by packet, ends the paths that end here, and compresses the others
-/// and their hits.
+/// Ends the paths that end here, and compresses the others and their hits.
+///
+/// It is not one loop with the tests of primitives: in short loops the processor works on several packets at
+/// a time.
 #[inline(always)]
 fn end_paths<L: Lane, const N: u32>(
     context: &TraceContext,
     scratch: &mut Scratch,
     Segment { count, is_last, .. }: Segment,
     left: &mut Intersected,
-    hit: impl Fn(&PathQueue, usize) -> Hit<L>,
 ) {
     let (columns, triangles) = (context.columns::<N>(), has(N, Features::TRIANGLES));
     let emitters = ending_emitters::<N>(context);
+    if !ends_missed(N) && emitters.is_none() {
+        left.hits = count;
+        return;
+    }
     for at in (0..count).step_by(L::WIDTH) {
-        let hit = hit(&scratch.queue, at);
-        if !ends_missed(N) && emitters.is_none() {
-            scratch.queue.store_hit(at, &hit, triangles);
-            left.hits = count;
-            continue;
-        }
+        let hit: Hit<L> = scratch.queue.hit(at);
         let active = L::Mask::first(count - at);
         let found = hit.found() & active;
         let nothing = L::Mask::splat(false);
@@ -120,7 +98,6 @@ fn end_paths<L: Lane, const N: u32>(
         };
         let going_on = active & !(missed | ended);
         if going_on.all() && left.hits == at {
-            scratch.queue.store_hit(at, &hit, triangles);
             left.hits += L::WIDTH;
             continue;
         }
@@ -168,19 +145,13 @@ pub fn intersect_queue<L: Lane>(
 ) {
     match context.primitives.hierarchy() {
         Some((hierarchy, traversal)) => scratch.intersect_hierarchy(hierarchy, traversal, count, kind),
-        None => intersect_linear::<L>(context, visible, scratch.queue.queries(count)),
+        None => {
+            let source = match kind {
+                RayKind::Primary => RaySource::Camera(context.camera.position),
+                _ => RaySource::Paths,
+            };
+            let mut rays = LinearRays { source, queue: &mut scratch.queue, count };
+            context.primitives.trace_linear::<L>(&context.buffers, visible, &mut rays);
+        }
     }
-}
-
-/// Finds nearest hits by testing every primitive, or every one `listed`, with the intersection methods that
-/// were chosen.
-///
-/// Not inlined, and shared by all pipelines: each pair of methods is much code.
-#[inline(never)]
-pub fn intersect_linear<L: Lane>(
-    context: &TraceContext,
-    listed: Option<&PrimitiveList>,
-    queries: RayQueries,
-) {
-    context.primitives.for_batch::<L>(&context.buffers, listed, queries);
 }

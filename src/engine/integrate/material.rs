@@ -1,16 +1,16 @@
 //! Evaluated materials: parameters, textures, shading normals.
 //!
-//! For: [`MaterialSample`]. May import: `surface` and what stands above it. Must never know: lobes'
-//! equations, stages.
+//! For: [`MaterialSample`]; [`texel_indices`]. May import: `surface` and what stands above it. Must never
+//! know: lobes' equations, stages.
 
 use super::context::TraceContext;
-use super::features::{abilities, has, is_general};
+use super::features::{abilities, has, is_general, reads_texels_first};
 use super::surface::Surface;
 use crate::buffers::{Features, MaterialCode};
 use crate::kernel::bsdf::metal_rough::MetalRough;
 use crate::kernel::bsdf::plastic::Plastic;
 use crate::kernel::normals;
-use crate::kernel::texture::TexturePoint;
+use crate::kernel::texture::{TexturePoint, srgb_to_linear};
 use crate::lane::{Bits, Lane, Mask};
 use crate::math::Vec3;
 use crate::scene::TexelKind;
@@ -93,7 +93,7 @@ impl<L: Lane> MaterialSample<L> {
         if Features(N).meets(TEXTURED) {
             let texture = code.shr(MaterialCode::TEXTURE_SHIFT);
             let textured = found & !(texture | roughness_map | normal_map | emission_map).equals(none);
-            if textured.any() {
+            if !reads_texels_first(N) && textured.any() {
                 let at = surface.texture_point::<N>(context, textured);
                 material.apply_color_texture::<N>(context, at, found, texture);
                 material.apply_roughness_map::<N>(context, at, found, roughness_map);
@@ -135,11 +135,29 @@ impl<L: Lane> MaterialSample<L> {
         let textured = found & !code.equals(L::Bits::splat(0));
         if textured.any() {
             let texel = texel::<L, N>(context, at, textured, code, TexelKind::Color);
-            let texel = Vec3::select(textured, texel, Vec3::repeat(L::one()));
-            let emits = self.kind.equals(L::Bits::splat(MaterialCode::EMITTER));
-            self.emission = Vec3::select(emits, self.emission * texel, self.emission);
-            self.color = self.color * texel;
+            self.multiply_color(texel, textured);
         }
+    }
+
+    /// Multiplies colours by texels that were read before, at the indices of [`texel_indices`].
+    #[inline(always)]
+    pub fn multiply_texels<const N: u32>(
+        &mut self,
+        context: &TraceContext,
+        surface: &Surface<L>,
+        found: L::Mask,
+        texels: L::Bits,
+    ) {
+        let (_, textured) = color_textures::<L, N>(context, surface, found);
+        self.multiply_color(srgb_to_linear(texels), textured);
+    }
+
+    #[inline(always)]
+    fn multiply_color(&mut self, texel: Vec3<L>, textured: L::Mask) {
+        let texel = Vec3::select(textured, texel, Vec3::repeat(L::one()));
+        let emits = self.kind.equals(L::Bits::splat(MaterialCode::EMITTER));
+        self.emission = Vec3::select(emits, self.emission * texel, self.emission);
+        self.color = self.color * texel;
     }
 
     /// Multiplies roughness: the parameter of `scatter`, and the square root of every other one. Of
@@ -205,6 +223,36 @@ impl<L: Lane> MaterialSample<L> {
     }
 }
 
+/// The indices of the texels that [`MaterialSample::multiply_texels`] multiplies colours by; 0 in lanes
+/// without.
+#[inline(always)]
+pub fn texel_indices<L: Lane, const N: u32>(
+    context: &TraceContext,
+    surface: &Surface<L>,
+    found: L::Mask,
+) -> L::Bits {
+    let (code, textured) = color_textures::<L, N>(context, surface, found);
+    if !textured.any() {
+        return L::Bits::splat(0);
+    }
+    let at = surface.texture_point::<N>(context, textured);
+    context.buffers.textures.nearest_texels(number(code), at, textured)
+}
+
+/// The codes of the textures of colours, and the lanes that have one.
+#[inline(always)]
+fn color_textures<L: Lane, const N: u32>(
+    context: &TraceContext,
+    surface: &Surface<L>,
+    found: L::Mask,
+) -> (L::Bits, L::Mask) {
+    let (few, none) = (!has(N, Features::MANY_MATERIALS), L::Bits::splat(0));
+    let index = L::Bits::select(found, surface.material, none);
+    let [.., code] = context.buffers.material_rows.fetch::<L>(index, few);
+    let code = code.to_bits().shr(MaterialCode::TEXTURE_SHIFT);
+    (code, found & !code.equals(none))
+}
+
 /// The features of the general pipeline where no texture has levels of detail. A call that may follow every
 /// lookup costs 6 % in textured scenes.
 const WITHOUT_LEVELS: Features = Features::ALL.without(Features::LEVELS_OF_DETAIL);
@@ -224,6 +272,11 @@ fn texel<L: Lane, const N: u32>(
     code: L::Bits,
     texel_kind: TexelKind,
 ) -> Vec3<L> {
-    let index = code.wrapping_add(L::Bits::splat(u32::MAX));
-    context.buffers.textures.sample(index, at, mask, abilities(N), texel_kind)
+    context.buffers.textures.sample(number(code), at, mask, abilities(N), texel_kind)
+}
+
+/// The index of a texture from its code, which is one more.
+#[inline(always)]
+fn number<B: Bits>(code: B) -> B {
+    code.wrapping_add(B::splat(u32::MAX))
 }

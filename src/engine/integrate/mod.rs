@@ -10,11 +10,12 @@
 //! generate → ( intersect → shade → shadow rays )* → intersect → finish
 //! ```
 //!
-//! - [`fn@generate`] makes primary rays and intersects them.
+//! - [`fn@generate`] makes primary rays and finds what they hit.
 //! - `intersect` finds what the rays of later segments hit. Under a sky, paths that miss end here; those that
 //!   hit a textured emitter end too, and wait for `finish`.
 //! - `shade` adds emitted radiance, samples the BSDF, and compresses the paths that go on to the front of the
-//!   queue, so that packets stay full. Where lights are sampled, it queues shadow rays.
+//!   queue, so that packets stay full. Where lights are sampled, it queues shadow rays. Where each hit has at
+//!   most one texel, all are read first.
 //! - `shadow_rays` adds the radiance of the shadow rays that are not occluded.
 //! - `finish` shades last segments: emitted radiance, no scattering.
 //!
@@ -36,6 +37,7 @@ mod emission;
 mod features;
 mod generate;
 mod intersect;
+mod linear_rays;
 mod material;
 mod meter;
 mod pipeline;
@@ -48,6 +50,7 @@ mod shadow_queue;
 mod shadow_rays;
 pub mod stats;
 mod surface;
+mod texel_reads;
 
 pub use context::TraceContext;
 pub use generate::generate;

@@ -26,7 +26,7 @@ pub fn trace_tile<L: Lane, const N: u32>(
     scratch: &mut Scratch,
 ) -> u64 {
     scratch.begin_stage(Some(Stage::Generate));
-    let mut count = generate::<L, N>(context, tile, sample, scratch);
+    let mut count = generate::<L>(context, tile, sample, scratch);
     let mut rays = count as u64;
     if context.max_bounces == 0 {
         scratch.begin_stage_with_rays::<L>(Stage::Finish, context, tile, 0, count);
@@ -82,8 +82,7 @@ pub const RENORMALIZATION_INTERVAL: u32 = 8;
 /// Each costs two to four seconds of compilation and 100 to 200 kB of program for its three widths, so only
 /// sets with a measured gain are here. Speed-up over the general pipeline, measured: `three` 1.7, `thesis`
 /// 1.5, `balls` 1.3, a scanned mesh 1.2, boxes with area lights 1.0 to 1.06, where triangle tests take most
-/// of the time. Intersection methods other than the default ones go through a function that all pipelines
-/// share: six pairs of methods would be most of a pipeline's code.
+/// of the time. All share the loops that test every primitive.
 #[cfg(not(octray_general_only))]
 const PIPELINES: &[(Features, [Pipeline; 3])] = &[
     pipeline::<{ DIFFUSE_AND_MIRROR_SPHERES.0 }>(),

@@ -179,14 +179,29 @@ impl PathQueue {
             v: L::load(&self.v[at..]),
         }
     }
+    /// Distance and primitive of `WIDTH` hits.
+    #[inline(always)]
+    pub fn nearest<L: Lane>(&self, at: usize) -> (L, L::Bits) {
+        (L::load(&self.t[at..]), L::Bits::load(&self.primitive[at..]))
+    }
+    /// Stores distance and primitive of hits.
+    #[inline(always)]
+    pub fn store_nearest<L: Lane>(&mut self, at: usize, t: L, primitive: L::Bits) {
+        t.store(&mut self.t[at..]);
+        primitive.store(&mut self.primitive[at..]);
+    }
+    /// Stores barycentric weights of hits.
+    #[inline(always)]
+    pub fn store_barycentrics<L: Lane>(&mut self, at: usize, u: L, v: L) {
+        u.store(&mut self.u[at..]);
+        v.store(&mut self.v[at..]);
+    }
     /// `barycentric`: are there triangles? Otherwise u and v are not stored.
     #[inline(always)]
     pub fn store_hit<L: Lane>(&mut self, at: usize, hit: &Hit<L>, barycentric: bool) {
-        hit.t.store(&mut self.t[at..]);
-        hit.primitive.store(&mut self.primitive[at..]);
+        self.store_nearest(at, hit.t, hit.primitive);
         if barycentric {
-            hit.u.store(&mut self.u[at..]);
-            hit.v.store(&mut self.v[at..]);
+            self.store_barycentrics(at, hit.u, hit.v);
         }
     }
 }

@@ -3,9 +3,7 @@
 //! For: [`RayQueries`]. May import: `columns`, `traverse`. Must never know: paths, stages.
 
 use super::columns::{Column, IntColumn, Vec3Columns};
-use crate::lane::{Bits, Lane};
-use crate::math::{Hit, MISS, Ray};
-use crate::traverse::Batch;
+use crate::math::MISS;
 use crate::traverse::batch::{Tracer, Traversal};
 use crate::traverse::counter::Counter;
 use crate::traverse::hierarchy::Hierarchy;
@@ -34,7 +32,16 @@ impl RayQueries<'_> {
         traversal: Traversal,
         counter: Option<&Counter>,
     ) {
+        self.begin(!ANY, 1, |rays, hits| match counter {
+            None => tracer.trace::<ANY>(traversal, hierarchy, &rays, hits),
+            Some(counter) => tracer.count::<ANY>(traversal, hierarchy, &rays, hits, counter),
+        });
+    }
+
+    #[inline(always)]
+    fn begin(self, uv: bool, width: usize, trace: impl FnOnce(Rays, &mut Hits)) {
         let RayQueries { count, origin, direction, t_max, t, primitive, u, v } = self;
+        let count = count.next_multiple_of(width);
         let rays = Rays { origin: origin.first(count), direction: direction.first(count) };
         let [t, u, v] = [t, u, v].map(|column| &mut column[..count]);
         let primitive = &mut primitive[..count];
@@ -43,32 +50,11 @@ impl RayQueries<'_> {
             None => t.fill(f32::INFINITY),
         }
         primitive.fill(MISS);
-        if !ANY {
+        if uv {
             // Spheres and misses have no barycentric coordinates.
             u.fill(0.0);
             v.fill(0.0);
         }
-        let mut hits = Hits { t, primitive, u, v };
-        match counter {
-            None => tracer.trace::<ANY>(traversal, hierarchy, &rays, &mut hits),
-            Some(counter) => tracer.count::<ANY>(traversal, hierarchy, &rays, &mut hits, counter),
-        }
-    }
-}
-
-impl<L: Lane> Batch<L> for RayQueries<'_> {
-    #[inline(always)]
-    fn run(self, closest: impl Fn(&Ray<L>) -> Hit<L>) {
-        for at in (0..self.count).step_by(L::WIDTH) {
-            let mut hit = closest(&Ray { origin: self.origin.load(at), direction: self.direction.load(at) });
-            if let Some(t_max) = self.t_max {
-                let before = hit.t.lt(L::load(&t_max[at..]));
-                hit.primitive = L::Bits::select(before, hit.primitive, L::Bits::splat(MISS));
-            }
-            hit.t.store(&mut self.t[at..]);
-            hit.primitive.store(&mut self.primitive[at..]);
-            hit.u.store(&mut self.u[at..]);
-            hit.v.store(&mut self.v[at..]);
-        }
+        trace(rays, &mut Hits { t, primitive, u, v });
     }
 }

@@ -31,6 +31,8 @@ pub struct Scratch {
     pub shadow_queue: ShadowQueue,
     /// The values of the sample that is being taken.
     pub values: SampleTable,
+    /// Texels of the hits that are to be shaded.
+    pub texels: IntColumn,
     tracer: Tracer,
     contributions: Contributions,
     /// One sample's radiance of each pixel of the tile.
@@ -75,6 +77,7 @@ impl Scratch {
             ended,
             shadow_queue: ShadowQueue::zeroed(),
             values: SampleTable::default(),
+            texels: IntColumn::zeroed(),
             contributions,
             radiance: Vec3Columns::zeroed(),
             tracer: Tracer::new(),

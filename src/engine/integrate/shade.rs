@@ -8,17 +8,18 @@ use super::bsdf::{ScatteredPath, scatter};
 use super::cone::scattered_cone;
 use super::context::TraceContext;
 use super::emission::{missed_radiance, surface_radiance};
-use super::features::{ends_missed, has};
+use super::features::{ends_missed, has, reads_texels_first};
 use super::intersect::{Intersected, ending_emitters};
 use super::material::MaterialSample;
-use super::queue::{Path, PathQueue, primary_places, primary_slots};
+use super::queue::{Path, PathQueue, primary_places};
 use super::scratch::Scratch;
 use super::shadow_rays::sample_direct_light;
 use super::surface::Surface;
+use super::texel_reads::read_texels;
 use crate::buffers::Features;
 use crate::camera::Tile;
-use crate::lane::{Lane, Mask};
-use crate::math::{Hit, Ray, Vec3};
+use crate::lane::{Bits, Lane, Mask};
+use crate::math::{Hit, Vec3};
 
 /// How many rays a run of [`shade`] leaves at the front of each queue.
 pub struct Shaded {
@@ -44,8 +45,11 @@ pub fn shade<L: Lane, const N: u32, const FIRST: bool>(
     let columns = context.columns::<N>();
     let sample_lights = has(N, Features::LIGHTS) && !context.buffers.lights.is_empty();
     let guiding = context.buffers.lights.guiding.as_ref();
+    if reads_texels_first(N) {
+        read_texels::<L, N, FIRST>(context, &scratch.queue, count, &mut scratch.texels);
+    }
     for at in (0..count).step_by(L::WIDTH) {
-        let path = load_path::<L, N, FIRST>(context, &scratch.queue, at);
+        let path = context.path::<L, N, FIRST>(&scratch.queue, at);
         let SegmentEnds { hit, active, found, mut radiance } =
             SegmentEnds::of::<N, FIRST>(context, &scratch.queue, (at, count), &path);
         if (FIRST || !ends_missed(N)) && !found.any() {
@@ -53,7 +57,7 @@ pub fn shade<L: Lane, const N: u32, const FIRST: bool>(
             continue;
         }
         let surface = Surface::of::<N>(context, &path, &hit, found);
-        let material = MaterialSample::of::<N>(context, &surface, found);
+        let material = material_of::<L, N>(context, scratch, at, &surface, found);
         if has(N, Features::EMISSION) {
             let emitted = surface_radiance::<L, N, FIRST>(&path, &surface, &material);
             radiance = Vec3::select(found, emitted, radiance);
@@ -105,20 +109,41 @@ pub fn finish<L: Lane, const N: u32, const FIRST: bool>(
         // Without emitters, what was hit adds nothing.
         0
     };
+    if reads_texels_first(N) {
+        let queue = if has_moved { &scratch.ended } else { &scratch.queue };
+        read_texels::<L, N, FIRST>(context, queue, count, &mut scratch.texels);
+    }
     for at in (0..count).step_by(L::WIDTH) {
         let queue = if has_moved { &scratch.ended } else { &scratch.queue };
-        let path = load_path::<L, N, FIRST>(context, queue, at);
+        let path = context.path::<L, N, FIRST>(queue, at);
         let SegmentEnds { hit, active, found, mut radiance } =
             SegmentEnds::of::<N, FIRST>(context, queue, (at, count), &path);
         if has(N, Features::EMISSION) && found.any() {
             let surface = Surface::of::<N>(context, &path, &hit, found);
-            let material = MaterialSample::of::<N>(context, &surface, found);
+            let material = material_of::<L, N>(context, scratch, at, &surface, found);
             let emitted = surface_radiance::<L, N, FIRST>(&path, &surface, &material);
             radiance = Vec3::select(found, emitted, radiance);
         }
         accumulator.add(scratch, at, carries_radiance::<L, N>(active, found, radiance), &path, radiance);
     }
     accumulator.finish(scratch);
+}
+
+/// The materials of the packet at `at`.
+#[inline(always)]
+fn material_of<L: Lane, const N: u32>(
+    context: &TraceContext,
+    scratch: &Scratch,
+    at: usize,
+    surface: &Surface<L>,
+    found: L::Mask,
+) -> MaterialSample<L> {
+    let mut material = MaterialSample::of::<N>(context, surface, found);
+    if reads_texels_first(N) {
+        let texels = L::Bits::load(&scratch.texels[at..]);
+        material.multiply_texels::<N>(context, surface, found, texels);
+    }
+    material
 }
 
 /// What a packet of path segments ends at.
@@ -150,20 +175,6 @@ impl<L: Lane> SegmentEnds<L> {
         let radiance = missed_radiance::<L, N, FIRST>(context, path, active & !found);
         Self { hit, active, found, radiance }
     }
-}
-
-#[inline(always)]
-fn load_path<L: Lane, const N: u32, const FIRST: bool>(
-    context: &TraceContext,
-    queue: &PathQueue,
-    at: usize,
-) -> Path<L> {
-    if !FIRST {
-        return queue.path(at, context.columns::<N>());
-    }
-    let (direction, key) = queue.primary(at);
-    let ray = Ray { origin: context.camera.origin(), direction };
-    Path::primary(ray, key, primary_slots::<L>(at), context.primary_cone::<L, N>())
 }
 
 /// The lanes that add radiance: those that missed, and, where surfaces emit, those with radiance other than

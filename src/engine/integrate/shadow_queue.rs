@@ -27,6 +27,16 @@ impl ShadowQueue {
         let ShadowQueue { origin, direction, t_max, .. } = self;
         RayQueries { origin, direction, t_max: Some(t_max), ..queue.queries(count) }
     }
+    /// The rays of a packet.
+    #[inline(always)]
+    pub fn ray<L: Lane>(&self, at: usize) -> Ray<L> {
+        Ray { origin: self.origin.load(at), direction: self.direction.load(at) }
+    }
+    /// Their t_max.
+    #[inline(always)]
+    pub fn t_max<L: Lane>(&self, at: usize) -> L {
+        L::load(&self.t_max[at..])
+    }
     /// The pixels of the packet at `at`, and the radiance that its rays carry.
     #[inline(always)]
     pub fn contribution<L: Lane>(&self, at: usize) -> (L::Bits, Vec3<L>) {

@@ -9,7 +9,7 @@ use super::cone::scattered_cone;
 use super::context::TraceContext;
 use super::emission::{environment_radiance, mis_weight};
 use super::features::has;
-use super::intersect::intersect_linear;
+use super::linear_rays::{LinearRays, RaySource};
 use super::material::MaterialSample;
 use super::queue::Path;
 use super::scratch::Scratch;
@@ -130,8 +130,9 @@ pub fn trace_shadow_rays<L: Lane>(context: &TraceContext, scratch: &mut Scratch,
             scratch.occlude_in_hierarchy(occluders.unwrap_or(all), traversal, count);
         }
         None => {
-            let queries = scratch.shadow_queue.queries(&mut scratch.queue, count);
-            intersect_linear::<L>(context, context.listed_occluders(), queries);
+            let source = RaySource::Shadow(&scratch.shadow_queue);
+            let mut rays = LinearRays { source, queue: &mut scratch.queue, count };
+            context.primitives.trace_linear::<L>(&context.buffers, context.listed_occluders(), &mut rays);
         }
     }
     let mut contributions = 0;

@@ -235,9 +235,9 @@ impl Renderer {
         let on_triangle = |primitive: u32| primitive != MISS && primitive >= spheres;
         let of_tile = |tile: Tile| {
             let count = match self.settings.lanes {
-                1 => generate::<f32, { Features::ALL.0 }>(&self.context, tile, sample, &mut scratch),
-                16 => generate::<F32x16, { Features::ALL.0 }>(&self.context, tile, sample, &mut scratch),
-                _ => generate::<F32x8, { Features::ALL.0 }>(&self.context, tile, sample, &mut scratch),
+                1 => generate::<f32>(&self.context, tile, sample, &mut scratch),
+                16 => generate::<F32x16>(&self.context, tile, sample, &mut scratch),
+                _ => generate::<F32x8>(&self.context, tile, sample, &mut scratch),
             };
             let slots = 0..count as u32;
             let hit = |slot: u32| {

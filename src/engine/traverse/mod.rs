@@ -13,14 +13,16 @@
 //! | [`stream`] | ray streams on the wide tree: batches of rays in any order |
 //! | [`batch`] | the choice between them |
 //!
-//! They share [`hierarchy`] (nodes and leaves), `leaf` (how rays intersect triangles), `compact` (the leaves
-//! of large hierarchies), `prepared` (rays ready for boxes and triangles), [`rays`] (columns of rays and
-//! hits), [`stack`], and [`counter`], which counts the tests.
+//! They share `candidates` (the primitives that are tested one by one), [`hierarchy`] (nodes and leaves),
+//! `leaf` (how rays intersect triangles), `compact` (the leaves of large hierarchies), `prepared` (rays ready
+//! for boxes and triangles), [`rays`] (columns of rays and hits), [`stack`], and [`counter`], which counts
+//! the tests.
 //!
 //! The law of every traversal: it gives the same hit, bit for bit, as testing every primitive in order,
 //! spheres first, then triangles, the nearest t winning and the lower index on a tie.
 
 pub mod batch;
+mod candidates;
 mod compact;
 pub mod counter;
 pub mod frustum;
@@ -40,8 +42,9 @@ pub mod stream;
 pub mod tile;
 
 pub use compact::Layout;
+pub use linear::Batch;
 pub use methods::{BoxChoice, Methods, SphereChoice, TraversalChoice, TriangleChoice};
 pub use occluders::Occluders;
 pub use prepared::{Packet, SingleRay};
 pub use primitive_list::PrimitiveList;
-pub use primitives::{Batch, Primitives};
+pub use primitives::Primitives;

@@ -2,18 +2,18 @@
 //! and not once a ray.
 
 use super::batch::Traversal;
+use super::candidates::{AllSpheres, AllTriangles, ListedSpheres, ListedTriangles, SphereCandidates};
 use super::hierarchy::{Hierarchy, padding_of};
-use super::linear::{self, All, Listed};
+use super::linear::{self, Batch};
 use super::methods::{BoxChoice, Methods, SphereChoice, TriangleChoice};
 use super::primitive_list::PrimitiveList;
 use crate::buffers::{Buffers, store_culled_spheres, store_triangles};
 use crate::bvh::Trees;
 use crate::kernel::ray_box::Padding;
-use crate::kernel::ray_sphere::{self, SphereMethod};
+use crate::kernel::ray_sphere;
 use crate::kernel::ray_triangle::{self, TriangleMethod};
 use crate::kernel::sphere_culling::CulledSphere;
 use crate::lane::Lane;
-use crate::math::{Hit, Ray};
 use crate::scene::Scene;
 
 /// The scene's triangles as the chosen method stores them.
@@ -31,12 +31,6 @@ pub struct Primitives {
     padding: Padding,
     /// The hierarchy and its traversal, where there is one; then the other fields are empty.
     hierarchy: Option<(Hierarchy, Traversal)>,
-}
-
-/// A loop over a batch of rays, generic over the closest-hit function: closures cannot be generic.
-pub trait Batch<L: Lane> {
-    /// Calls `closest` for each ray.
-    fn run(self, closest: impl Fn(&Ray<L>) -> Hit<L>);
 }
 
 impl Primitives {
@@ -78,7 +72,7 @@ impl Primitives {
         self.hierarchy.as_ref().map_or(self.padding, |(hierarchy, _)| hierarchy.padding)
     }
 
-    /// The numbers of spheres and triangles that [`Primitives::for_batch`] tests each ray against.
+    /// The numbers of spheres and triangles that [`Primitives::trace_linear`] tests each ray against.
     pub fn linear(&self, buffers: &Buffers, listed: Option<&PrimitiveList>) -> [usize; 2] {
         if let Some(listed) = listed {
             return [listed.spheres.len(), listed.triangles.len()];
@@ -91,81 +85,71 @@ impl Primitives {
         [buffers.spheres.len(), triangles]
     }
 
-    /// Whether these are the default methods: only they are compiled into pipelines.
-    #[inline(always)]
-    pub fn uses_default_methods(&self) -> bool {
-        self.sphere == SphereChoice::default() && matches!(self.triangles, Triangles::Woop(_))
-    }
-
-    /// Runs a batch of rays against every primitive with the chosen methods, each pair of methods compiled
-    /// separately; only without a hierarchy. `listed` holds all primitives that the rays can hit; without it
-    /// every primitive is tested.
-    #[inline(always)]
-    pub fn for_batch<L: Lane>(
+    /// Finds the nearest hits with the chosen methods, by testing every primitive; only without a hierarchy.
+    /// `listed` holds all primitives that the rays can hit; without it every primitive is tested.
+    pub fn trace_linear<L: Lane>(
         &self,
         buffers: &Buffers,
         listed: Option<&PrimitiveList>,
-        batch: impl Batch<L>,
+        batch: &mut impl Batch<L>,
     ) {
-        match self.sphere {
-            SphereChoice::Robust => self.with_sphere::<L, ray_sphere::Robust>(buffers, listed, batch),
-            SphereChoice::Naive => self.with_sphere::<L, ray_sphere::Naive>(buffers, listed, batch),
-        }
-    }
-
-    /// [`Primitives::for_batch`] with the default methods alone: a sixth of its code.
-    ///
-    /// # Panics
-    /// If another triangle method was chosen: not [`Primitives::uses_default_methods`].
-    #[inline(always)]
-    pub fn for_default_batch<L: Lane>(
-        &self,
-        buffers: &Buffers,
-        listed: Option<&PrimitiveList>,
-        batch: impl Batch<L>,
-    ) {
-        let Triangles::Woop(stored) = &self.triangles else {
-            unreachable!("other methods than the default ones go through for_batch");
-        };
-        self.with_both::<L, ray_sphere::Robust, ray_triangle::Woop>(buffers, stored, listed, batch);
-    }
-
-    #[inline(always)]
-    fn with_sphere<L: Lane, S: SphereMethod>(
-        &self,
-        buffers: &Buffers,
-        listed: Option<&PrimitiveList>,
-        batch: impl Batch<L>,
-    ) {
-        match &self.triangles {
-            Triangles::Woop(stored) => {
-                self.with_both::<L, S, ray_triangle::Woop>(buffers, stored, listed, batch)
+        let [spheres, triangles] = self.linear(buffers, listed);
+        // Without any candidate, the loop over none of the spheres stores the misses.
+        if spheres > 0 || triangles == 0 {
+            let all = AllSpheres { spheres: &buffers.spheres, culled: &self.culled_spheres };
+            match listed {
+                Some(PrimitiveList { spheres, .. }) => {
+                    self.trace_spheres(&ListedSpheres { all, listed: spheres }, batch)
+                }
+                None => self.trace_spheres(&all, batch),
             }
+        }
+        let triangles = TriangleLoop { buffers, listed, padding: self.padding, after_spheres: spheres > 0 };
+        match &self.triangles {
+            Triangles::Woop(stored) => triangles.trace::<L, ray_triangle::Woop>(stored, batch),
             Triangles::MollerTrumbore(stored) => {
-                self.with_both::<L, S, ray_triangle::MollerTrumbore>(buffers, stored, listed, batch)
+                triangles.trace::<L, ray_triangle::MollerTrumbore>(stored, batch)
             }
             Triangles::BaldwinWeber(stored) => {
-                self.with_both::<L, S, ray_triangle::BaldwinWeber>(buffers, stored, listed, batch)
+                triangles.trace::<L, ray_triangle::BaldwinWeber>(stored, batch)
             }
         }
     }
 
-    #[inline(always)]
-    fn with_both<L: Lane, S: SphereMethod, T: TriangleMethod>(
-        &self,
-        buffers: &Buffers,
-        triangles: &[T::Stored],
-        listed: Option<&PrimitiveList>,
-        batch: impl Batch<L>,
-    ) {
-        let (culled_spheres, padding) = (self.culled_spheres.as_slice(), self.padding);
-        let all = All { spheres: &buffers.spheres, culled_spheres, triangles };
+    fn trace_spheres<L: Lane>(&self, spheres: &impl SphereCandidates, batch: &mut impl Batch<L>) {
+        match self.sphere {
+            SphereChoice::Robust => linear::trace_spheres::<L, ray_sphere::Robust>(spheres, batch),
+            SphereChoice::Naive => linear::trace_spheres::<L, ray_sphere::Naive>(spheres, batch),
+        }
+    }
+}
+
+/// What the loop over triangles needs, whatever the method.
+struct TriangleLoop<'a> {
+    buffers: &'a Buffers,
+    listed: Option<&'a PrimitiveList>,
+    padding: Padding,
+    after_spheres: bool,
+}
+
+impl TriangleLoop<'_> {
+    fn trace<L: Lane, T: TriangleMethod>(&self, stored: &[T::Stored], batch: &mut impl Batch<L>) {
+        let &Self { buffers, listed, padding, after_spheres } = self;
+        if stored.is_empty() {
+            return;
+        }
+        let all = AllTriangles { first: buffers.spheres.len() as u32, triangles: stored };
         match listed {
-            Some(listed) => {
-                let listed = Listed { all, listed };
-                batch.run(|ray| linear::closest::<L, S, T>(&listed, padding, ray));
+            Some(PrimitiveList { triangles, .. }) if triangles.is_empty() => {
+                for at in (0..batch.count()).step_by(L::WIDTH) {
+                    batch.store_barycentrics(at, L::zero(), L::zero());
+                }
             }
-            None => batch.run(|ray| linear::closest::<L, S, T>(&all, padding, ray)),
+            Some(PrimitiveList { triangles, .. }) => {
+                let listed = ListedTriangles { all, listed: triangles };
+                linear::trace_triangles::<L, T>(&listed, padding, after_spheres, batch);
+            }
+            None => linear::trace_triangles::<L, T>(&all, padding, after_spheres, batch),
         }
     }
 }

@@ -1,8 +1,9 @@
 //! Rays and hits in structure-of-arrays form: what traversals of whole batches read and write.
 
+use super::linear::Batch;
 use super::prepared::SingleRay;
 use crate::kernel::ray_box::Padding;
-use crate::lane::Lane;
+use crate::lane::{Bits, Lane};
 use crate::math::{Hit, Ray, Vec3};
 
 /// Rays as columns of equal length.
@@ -79,5 +80,44 @@ impl Hits<'_> {
             u: &mut self.u[range.clone()],
             v: &mut self.v[range],
         }
+    }
+}
+
+/// Rays and their hits as columns, to test every primitive against.
+///
+/// Domain: whole packets.
+pub struct RaysAndHits<'a, 'b> {
+    /// The rays.
+    pub rays: Rays<'a>,
+    /// Their hits; before, each ray's t_max.
+    pub hits: Hits<'b>,
+}
+
+impl<L: Lane> Batch<L> for RaysAndHits<'_, '_> {
+    #[inline(always)]
+    fn count(&self) -> usize {
+        self.rays.len()
+    }
+    #[inline(always)]
+    fn ray(&self, at: usize) -> Ray<L> {
+        self.rays.packet(at)
+    }
+    #[inline(always)]
+    fn t_max(&self, at: usize) -> L {
+        L::load(&self.hits.t[at..])
+    }
+    #[inline(always)]
+    fn nearest(&self, at: usize) -> (L, L::Bits) {
+        (L::load(&self.hits.t[at..]), L::Bits::load(&self.hits.primitive[at..]))
+    }
+    #[inline(always)]
+    fn store_nearest(&mut self, at: usize, t: L, primitive: L::Bits) {
+        t.store(&mut self.hits.t[at..]);
+        primitive.store(&mut self.hits.primitive[at..]);
+    }
+    #[inline(always)]
+    fn store_barycentrics(&mut self, at: usize, u: L, v: L) {
+        u.store(&mut self.hits.u[at..]);
+        v.store(&mut self.hits.v[at..]);
     }
 }

@@ -4,20 +4,16 @@
 //! `ray_sets` and the engine. Must not know: clocks.
 
 use super::ray_sets::{Answers, RaySet};
-use crate::buffers::{Buffers, store_culled_spheres, store_triangles};
-use crate::kernel::ray_sphere::Robust;
-use crate::kernel::ray_triangle::{TriangleMethod, Woop};
-use crate::kernel::sphere_culling::CulledSphere;
-use crate::lane::{Bits, F32x8, Lane};
+use crate::buffers::Buffers;
+use crate::lane::{F32x8, Lane};
 use crate::math::MISS;
 use crate::scene::Scene;
 use crate::threads::Threads;
-use crate::traverse::TraversalChoice;
 use crate::traverse::batch::{Tracer, Traversal};
 use crate::traverse::counter::{Counter, Counts};
 use crate::traverse::hierarchy::Hierarchy;
-use crate::traverse::linear;
-use crate::traverse::rays::{Hits, Rays};
+use crate::traverse::rays::{Hits, Rays, RaysAndHits};
+use crate::traverse::{Methods, Primitives, TraversalChoice};
 use rayon::prelude::*;
 
 /// Rays of a thread's unit of work: whole tiles, and a whole batch of a stream.
@@ -66,19 +62,16 @@ pub struct PreparedScene {
     /// Wide and binary trees: some traversals read the one, some the other.
     pub(crate) hierarchy: Hierarchy,
     buffers: Buffers,
-    culled_spheres: Vec<CulledSphere>,
-    triangles: Vec<<Woop as TriangleMethod>::Stored>,
+    /// Without a hierarchy.
+    primitives: Primitives,
 }
 
 impl PreparedScene {
     /// Stores the primitives as buffers beside a hierarchy of the same scene.
     pub fn new(scene: &Scene, hierarchy: Hierarchy) -> Self {
-        Self {
-            hierarchy,
-            buffers: Buffers::new(scene),
-            culled_spheres: store_culled_spheres(scene),
-            triangles: store_triangles::<Woop>(scene),
-        }
+        let linear = Methods { traversal: TraversalChoice::Linear, ..Methods::default() };
+        let primitives = Primitives::new(scene, linear, F32x8::WIDTH);
+        Self { hierarchy, buffers: Buffers::new(scene), primitives }
     }
 
     /// Updates the hits of all rays: the closest hit; with `ANY`, any hit.
@@ -103,7 +96,7 @@ impl PreparedScene {
             let (rays, hits) = (&set.rays().range(range.clone()), &mut hits.range(range));
             match (method, set.kind.any_hit()) {
                 (TraceMethod::Linear, _) => {
-                    let each = [self.buffers.spheres.len(), self.triangles.len()];
+                    let each = self.primitives.linear(&self.buffers, None);
                     // As in `trace`: whole packets, and the rest one by one.
                     let packets = rays.len() / F32x8::WIDTH + rays.len() % F32x8::WIDTH;
                     counter.linear(each, packets, rays.len());
@@ -121,19 +114,8 @@ impl PreparedScene {
 
     /// Domain: whole packets.
     fn test_all<L: Lane>(&self, rays: &Rays, hits: &mut Hits) {
-        let Self { culled_spheres, triangles, .. } = self;
-        let all = linear::All { spheres: &self.buffers.spheres, culled_spheres, triangles };
-        let padding = self.hierarchy.padding;
-        for at in (0..rays.len()).step_by(L::WIDTH) {
-            let hit = linear::closest::<L, Robust, Woop>(&all, padding, &rays.packet(at));
-            let limit = L::load(&hits.t[at..]);
-            let within = hit.found() & hit.t.lt(limit);
-            let zero = L::zero();
-            L::select(within, hit.t, limit).store(&mut hits.t[at..]);
-            L::Bits::select(within, hit.primitive, L::Bits::splat(MISS)).store(&mut hits.primitive[at..]);
-            L::select(within, hit.u, zero).store(&mut hits.u[at..]);
-            L::select(within, hit.v, zero).store(&mut hits.v[at..]);
-        }
+        let mut batch = RaysAndHits { rays: *rays, hits: hits.range(0..rays.len()) };
+        self.primitives.trace_linear::<L>(&self.buffers, None, &mut batch);
     }
 }
 

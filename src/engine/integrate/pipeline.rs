@@ -89,6 +89,7 @@ const PIPELINES: &[(Features, [Pipeline; 3])] = &[
     pipeline::<{ FEW_TEXTURED.0 }>(),
     pipeline::<{ UNTEXTURED.0 }>(),
     pipeline::<{ UNTEXTURED.with(Features::LIGHTS).0 }>(),
+    pipeline::<{ ALL_LOBES.0 }>(),
     pipeline::<{ Features::ALL.0 }>(),
 ];
 /// With `--cfg octray_general_only`, for checks of other processors in `.ci/run`: half the compilation.
@@ -122,6 +123,15 @@ const UNTEXTURED: Features = Features::SPHERES
     .with(Features::GLASS)
     .with(Features::EMISSION)
     .with(Features::SKY_GRADIENT);
+
+/// Untextured surfaces of every kind.
+#[cfg(not(octray_general_only))]
+const ALL_LOBES: Features = UNTEXTURED
+    .with(Features::LIGHTS)
+    .with(Features::GGX)
+    .with(Features::SCATTER)
+    .with(Features::PLASTIC)
+    .with(Features::METAL_ROUGH);
 
 const fn pipeline<const N: u32>() -> (Features, [Pipeline; 3]) {
     (Features(N), [trace_tile::<f32, N>, trace_tile::<F32x8, N>, trace_tile::<F32x16, N>])

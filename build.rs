@@ -30,7 +30,9 @@ fn main() {
     });
     let rebuild =
         if package.is_some() { "cargo install --locked --force octray" } else { "cargo build --release" };
-    println!("cargo:rustc-env=OCTRAY_REBUILD=RUSTFLAGS=\"-C target-cpu=native\" {rebuild}");
+    // As in `.cargo/config.toml`.
+    let flags = "-C target-cpu=native -C force-frame-pointers=yes";
+    println!("cargo:rustc-env=OCTRAY_REBUILD=RUSTFLAGS=\"{flags}\" {rebuild}");
     // Cargo counts a missing file as changed.
     for path in watched.iter().filter(|path| path.exists()) {
         println!("cargo:rerun-if-changed={}", path.display());

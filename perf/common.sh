@@ -18,7 +18,7 @@ build() {
     octray=$2/profiling/octray
 }
 
-# For this processor, with the frame pointers that perf's call graphs need.
+# As in .cargo/config.toml: for this processor, with the frame pointers that perf's call graphs need too.
 build_for_perf() { build "-C target-cpu=native -C force-frame-pointers=yes" "$root/target"; }
 
 # Succeeds if perf can profile here; otherwise prints the reason and the remedy.

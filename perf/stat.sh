@@ -164,7 +164,7 @@ else
         exit 2
     fi
     # The same instructions on every machine; valgrind has no AVX-512.
-    build "-C target-cpu=x86-64-v3" "$root/target/callgrind"
+    build "-C target-cpu=x86-64-v3 -C force-frame-pointers=yes" "$root/target/callgrind"
     rm -rf "$kept" && mkdir -p "$kept"
     has --size || fixed+=(--size 240x135)
     count=count_by_simulation columns=(instructions branches mispredicted L1-misses L2-misses)

@@ -119,7 +119,7 @@ impl Set {
             self.direction.each_ref().map(|column| padded(column)),
         );
         let count = count.next_multiple_of(L::WIDTH);
-        // Weights that are not overwritten would show, where they are used.
+        // NaN shows weights that were not overwritten.
         let [_, triangles] = primitives.linear(buffers, None);
         let weight = if triangles > 0 { f32::NAN } else { 0.0 };
         let (mut t, mut primitive) = (padded(&self.t_max), vec![7; count]);

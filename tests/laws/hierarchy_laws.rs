@@ -141,7 +141,7 @@ fn rays_that_are_none_miss_and_a_hit_at_the_reach_is_none() {
     set.check(&scene, "reaches that end at the hit");
 }
 
-/// Measuring knows one way more: it tests everything with packets, and holds the t_max to them afterwards.
+/// Measuring knows one way more: it tests everything with packets.
 #[test]
 fn ways_that_are_measured_agree_and_a_hit_at_the_reach_is_none() {
     let scene = mixture(&mut Rng(16), 40, 20, 0.0, 0.0);

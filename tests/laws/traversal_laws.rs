@@ -217,7 +217,7 @@ fn hits_count_before_the_end_of_a_ray() {
                 if endless[1] != MISS && counts {
                     assert_eq!(answer, endless);
                 } else {
-                    assert_eq!(answer[..2], [t_max.to_bits(), MISS], "t_max {t_max}, {endless:?}");
+                    assert_eq!(*answer, [t_max.to_bits(), MISS, 0, 0], "t_max {t_max}, {endless:?}");
                     ended += usize::from(endless[1] != MISS);
                 }
             }

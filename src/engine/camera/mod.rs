@@ -19,8 +19,7 @@ use crate::scene;
 /// the direction through its point (x, y) is `corner + x · right + y · down`, normalised.
 #[derive(Clone, Copy, Debug)]
 pub struct Pinhole {
-    /// The origin of all primary rays.
-    pub position: glam::Vec3,
+    position: glam::Vec3,
     corner: glam::Vec3,
     right: glam::Vec3,
     down: glam::Vec3,

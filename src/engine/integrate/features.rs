@@ -34,7 +34,7 @@ pub const fn ends_at_emitters(n: u32) -> bool {
     has(n, Features::EMISSION) && has(n, Features::TEXTURES)
 }
 
-/// Are texels read before shading, in a loop of their own? Where each hit has one, of a display value.
+/// Are texels read before shading, in a loop of their own? Where each hit has at most one, a display value.
 #[inline(always)]
 pub const fn reads_texels_first(n: u32) -> bool {
     has(n, Features::TEXTURES) && !Features(n).meets(MANY_TEXELS)

@@ -134,7 +134,8 @@ fn compress_hit<L: Lane>(hit: &Hit<L>, indices: L::CompressIndices) -> Hit<L> {
 }
 
 /// Finds the nearest hits of the first `count` rays of the path queue, by whatever traversal was chosen;
-/// without a hierarchy only `visible` primitives are tested.
+/// without a hierarchy only `visible` primitives are tested. Primary rays start at the camera: only with a
+/// hierarchy their origins are read from the queue.
 #[inline(always)]
 pub fn intersect_queue<L: Lane>(
     context: &TraceContext,
@@ -147,7 +148,7 @@ pub fn intersect_queue<L: Lane>(
         Some((hierarchy, traversal)) => scratch.intersect_hierarchy(hierarchy, traversal, count, kind),
         None => {
             let source = match kind {
-                RayKind::Primary => RaySource::Camera(context.camera.position),
+                RayKind::Primary => RaySource::Camera(context.camera),
                 _ => RaySource::Paths,
             };
             let mut rays = LinearRays { source, queue: &mut scratch.queue, count };

@@ -1,18 +1,19 @@
 //! The rays of a tile as they are traced where every primitive is tested.
 //!
 //! For: [`LinearRays`], a batch of primary, bounce or shadow rays. May import: `queue`, `shadow_queue`,
-//! `traverse`. Must never know: stages.
+//! `camera`, `traverse`. Must never know: stages.
 
 use super::queue::PathQueue;
 use super::shadow_queue::ShadowQueue;
+use crate::camera::Pinhole;
 use crate::lane::Lane;
-use crate::math::{Ray, Vec3};
+use crate::math::Ray;
 use crate::traverse::Batch;
 
 /// Where rays are read from.
 pub enum RaySource<'a> {
-    /// From the camera, at this point, in the directions of the path queue.
-    Camera(glam::Vec3),
+    /// From this camera, in the directions of the path queue.
+    Camera(Pinhole),
     /// The path queue.
     Paths,
     /// The shadow-ray queue.
@@ -35,9 +36,7 @@ impl<L: Lane> Batch<L> for LinearRays<'_> {
     #[inline(always)]
     fn ray(&self, at: usize) -> Ray<L> {
         match self.source {
-            RaySource::Camera(origin) => {
-                Ray { origin: Vec3::splat(origin), direction: self.queue.primary(at).0 }
-            }
+            RaySource::Camera(camera) => Ray { origin: camera.origin(), direction: self.queue.primary(at).0 },
             RaySource::Paths => self.queue.ray(at),
             RaySource::Shadow(queue) => queue.ray(at),
         }

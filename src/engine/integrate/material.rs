@@ -39,7 +39,8 @@ pub struct MaterialSample<L: Lane> {
 }
 
 impl<L: Lane> MaterialSample<L> {
-    /// The materials of the lanes in `found`; the others are unspecified.
+    /// The materials of the lanes in `found`; the others are unspecified. Where [`reads_texels_first`],
+    /// colours lack their texels: [`MaterialSample::multiply_texels`].
     #[inline(always)]
     pub fn of<const N: u32>(context: &TraceContext, surface: &Surface<L>, found: L::Mask) -> Self {
         if has(N, Features::LEVELS_OF_DETAIL) && !context.carries_cones::<N>() {
@@ -236,7 +237,7 @@ pub fn texel_indices<L: Lane, const N: u32>(
         return L::Bits::splat(0);
     }
     let at = surface.texture_point::<N>(context, textured);
-    context.buffers.textures.nearest_texels(number(code), at, textured)
+    context.buffers.textures.nearest_texels(texture_index(code), at, textured)
 }
 
 /// The codes of the textures of colours, and the lanes that have one.
@@ -272,11 +273,11 @@ fn texel<L: Lane, const N: u32>(
     code: L::Bits,
     texel_kind: TexelKind,
 ) -> Vec3<L> {
-    context.buffers.textures.sample(number(code), at, mask, abilities(N), texel_kind)
+    context.buffers.textures.sample(texture_index(code), at, mask, abilities(N), texel_kind)
 }
 
 /// The index of a texture from its code, which is one more.
 #[inline(always)]
-fn number<B: Bits>(code: B) -> B {
+fn texture_index<B: Bits>(code: B) -> B {
     code.wrapping_add(B::splat(u32::MAX))
 }

@@ -79,9 +79,9 @@ pub const RENORMALIZATION_INTERVAL: u32 = 8;
 /// The compiled pipelines: sets of features, smallest first. A scene gets the first one that holds its
 /// features.
 ///
-/// Each costs two to four seconds of compilation and 100 to 200 kB of program for its three widths, so only
+/// Each costs two to eight seconds of compilation and 100 to 200 kB of program for its three widths, so only
 /// sets with a measured gain are here. Speed-up over the general pipeline, measured: `three` 1.7, `thesis`
-/// 1.5, `balls` 1.3, a scanned mesh 1.2, boxes with area lights 1.0 to 1.06, where triangle tests take most
+/// 1.5, `balls` 1.3, a scanned mesh 1.2, `materials` and `spheres` 1.05, boxes with area lights 1.0 to 1.06, where triangle tests take most
 /// of the time. All share the loops that test every primitive.
 #[cfg(not(octray_general_only))]
 const PIPELINES: &[(Features, [Pipeline; 3])] = &[
@@ -124,7 +124,7 @@ const UNTEXTURED: Features = Features::SPHERES
     .with(Features::EMISSION)
     .with(Features::SKY_GRADIENT);
 
-/// Untextured surfaces of every kind.
+/// Every lobe, without textures, vertex normals, or more lights than a register table holds.
 #[cfg(not(octray_general_only))]
 const ALL_LOBES: Features = UNTEXTURED
     .with(Features::LIGHTS)

@@ -32,16 +32,7 @@ impl RayQueries<'_> {
         traversal: Traversal,
         counter: Option<&Counter>,
     ) {
-        self.begin(!ANY, 1, |rays, hits| match counter {
-            None => tracer.trace::<ANY>(traversal, hierarchy, &rays, hits),
-            Some(counter) => tracer.count::<ANY>(traversal, hierarchy, &rays, hits, counter),
-        });
-    }
-
-    #[inline(always)]
-    fn begin(self, uv: bool, width: usize, trace: impl FnOnce(Rays, &mut Hits)) {
         let RayQueries { count, origin, direction, t_max, t, primitive, u, v } = self;
-        let count = count.next_multiple_of(width);
         let rays = Rays { origin: origin.first(count), direction: direction.first(count) };
         let [t, u, v] = [t, u, v].map(|column| &mut column[..count]);
         let primitive = &mut primitive[..count];
@@ -50,11 +41,15 @@ impl RayQueries<'_> {
             None => t.fill(f32::INFINITY),
         }
         primitive.fill(MISS);
-        if uv {
+        if !ANY {
             // Spheres and misses have no barycentric coordinates.
             u.fill(0.0);
             v.fill(0.0);
         }
-        trace(rays, &mut Hits { t, primitive, u, v });
+        let mut hits = Hits { t, primitive, u, v };
+        match counter {
+            None => tracer.trace::<ANY>(traversal, hierarchy, &rays, &mut hits),
+            Some(counter) => tracer.count::<ANY>(traversal, hierarchy, &rays, &mut hits, counter),
+        }
     }
 }

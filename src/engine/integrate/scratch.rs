@@ -20,7 +20,7 @@ use crate::traverse::hierarchy::Hierarchy;
 use crate::traverse::rays::Hits;
 use bytemuck::Zeroable;
 
-/// One thread's working memory: 24 KiB, which a first-level cache holds, 12 more for shadow rays, 17 more
+/// One thread's working memory: 25 KiB, which a first-level cache holds, 12 more for shadow rays, 17 more
 /// where paths end at emitters, and that of the traversals of a hierarchy.
 pub struct Scratch {
     /// The paths that are alive.

@@ -15,7 +15,7 @@ use super::queue::{Path, PathQueue, primary_places};
 use super::scratch::Scratch;
 use super::shadow_rays::sample_direct_light;
 use super::surface::Surface;
-use super::texel_reads::read_texels;
+use super::texel_reads::texels_of_hits;
 use crate::buffers::Features;
 use crate::camera::Tile;
 use crate::lane::{Bits, Lane, Mask};
@@ -46,7 +46,7 @@ pub fn shade<L: Lane, const N: u32, const FIRST: bool>(
     let sample_lights = has(N, Features::LIGHTS) && !context.buffers.lights.is_empty();
     let guiding = context.buffers.lights.guiding.as_ref();
     if reads_texels_first(N) {
-        read_texels::<L, N, FIRST>(context, &scratch.queue, count, &mut scratch.texels);
+        texels_of_hits::<L, N, FIRST>(context, &scratch.queue, count, &mut scratch.texels);
     }
     for at in (0..count).step_by(L::WIDTH) {
         let path = context.path::<L, N, FIRST>(&scratch.queue, at);
@@ -111,7 +111,7 @@ pub fn finish<L: Lane, const N: u32, const FIRST: bool>(
     };
     if reads_texels_first(N) {
         let queue = if has_moved { &scratch.ended } else { &scratch.queue };
-        read_texels::<L, N, FIRST>(context, queue, count, &mut scratch.texels);
+        texels_of_hits::<L, N, FIRST>(context, queue, count, &mut scratch.texels);
     }
     for at in (0..count).step_by(L::WIDTH) {
         let queue = if has_moved { &scratch.ended } else { &scratch.queue };

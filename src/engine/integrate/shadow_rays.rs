@@ -2,7 +2,7 @@
 //!
 //! For: [`sample_direct_light`], which queues a shadow ray at each scattering event, and
 //! [`trace_shadow_rays`], the stage that adds the radiance of the unoccluded ones. May import: `bsdf`,
-//! `emission`, `intersect` and what stands above them. Must never know: `shade`.
+//! `emission`, `linear_rays`, `scratch` and what stands above them. Must never know: `shade`.
 
 use super::bsdf::{ScatteredPath, evaluate, has_sampled_lobe};
 use super::cone::scattered_cone;

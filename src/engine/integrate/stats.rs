@@ -10,7 +10,7 @@ use std::time::Duration;
 /// A stage of the integrator, to which time is attributed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stage {
-    /// Generates primary rays; where every primitive is tested, intersects them in the same pass.
+    /// Generates primary rays; where every primitive is tested, finds what they hit, too.
     Generate,
     /// Intersects rays after a bounce, where every primitive is tested.
     Intersect,

@@ -26,7 +26,7 @@ impl<L: Lane> Ray<L> {
 /// The closest hit of each ray so far.
 ///
 /// `primitive` counts the scene's spheres first, then its triangles. Where nothing is hit it is [`MISS`], and
-/// t is +∞. `u` and `v` are the barycentric weights of a triangle's second and third vertex; 0 on spheres.
+/// t is the ray's t_max. `u` and `v` are the barycentric weights of a triangle's second and third vertex; 0 on spheres.
 #[derive(Clone, Copy, Debug)]
 pub struct Hit<L: Lane> {
     /// The distance in multiples of the direction's length.
@@ -40,11 +40,6 @@ pub struct Hit<L: Lane> {
 }
 
 impl<L: Lane> Hit<L> {
-    /// No hit, at an infinite distance.
-    #[inline(always)]
-    pub fn miss() -> Self {
-        Self { t: L::splat(f32::INFINITY), primitive: L::Bits::splat(MISS), u: L::zero(), v: L::zero() }
-    }
     /// The lanes with a hit.
     #[inline(always)]
     pub fn found(&self) -> L::Mask {

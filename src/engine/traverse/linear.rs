@@ -2,8 +2,8 @@
 //! must equal.
 //!
 //! Spheres and triangles have a loop over the rays each. In short loops the processor works on several
-//! packets at a time, and what a ray needs stays in registers: 1.02 to 1.12 times as fast as one loop in
-//! scenes that have both.
+//! packets at a time, and what a ray needs stays in registers: with 16 lanes 1.03 to 1.1 times as fast as one
+//! loop in scenes that have both; with 8 there is no difference.
 
 use super::candidates::{SphereCandidates, TriangleCandidates};
 use crate::buffers::Features;

@@ -86,7 +86,8 @@ impl Primitives {
     }
 
     /// Finds the nearest hits with the chosen methods, by testing every primitive; only without a hierarchy.
-    /// `listed` holds all primitives that the rays can hit; without it every primitive is tested.
+    /// `listed` holds all primitives that the rays can hit; without it every primitive is tested. In scenes
+    /// without triangles no barycentric weights are stored.
     pub fn trace_linear<L: Lane>(
         &self,
         buffers: &Buffers,

@@ -85,7 +85,7 @@ impl Hits<'_> {
 
 /// Rays and their hits as columns, to test every primitive against.
 ///
-/// Domain: whole packets.
+/// Domain: whole packets; the last one would be read beyond the columns' ends, a panic.
 pub struct RaysAndHits<'a, 'b> {
     /// The rays.
     pub rays: Rays<'a>,

@@ -138,11 +138,12 @@ pub fn of_scene(scene: &Scene, settings: Settings) -> Vec<Configuration> {
         ("lights by power", LightChoice::Power),
     ] {
         let one = with(name, false, &|methods| methods.lights = lights);
-        add(differs(scene, &renderer, one.settings), one);
+        add(differs(scene, &renderer, &one), one);
     }
     add(true, Configuration { adaptive: true, ..of("adaptive", settings, false) });
+    let trilinear = Configuration { levels_of_detail: true, ..of("trilinear", settings, false) };
     let has_bilinear = scene.textures.iter().any(|texture| texture.filter == Filter::Bilinear);
-    add(has_bilinear, Configuration { levels_of_detail: true, ..of("trilinear", settings, false) });
+    add(has_bilinear && differs(scene, &renderer, &trilinear), trilinear);
 
     let hierarchy = settings.methods.traversal_of(scene, settings.lanes).is_some();
     let linear = linear::cost(scene) <= MOST_LINEAR;
@@ -168,15 +169,16 @@ pub fn of_scene(scene: &Scene, settings: Settings) -> Vec<Configuration> {
     all
 }
 
-/// Whether these settings give another picture than the renderer: without emitters, light sampling changes
-/// nothing.
-fn differs(scene: &Scene, renderer: &Renderer, settings: Settings) -> bool {
+/// Whether a configuration gives another picture than the default's renderer: without emitters, light
+/// sampling changes nothing; without a texture in view, no filter does.
+fn differs(scene: &Scene, renderer: &Renderer, one: &Configuration) -> bool {
     let first = |renderer: &Renderer| {
         let mut film = renderer.film();
         renderer.add_samples(&mut film, 1);
         film.picture()
     };
-    first(renderer) != first(&Renderer::new(scene, settings))
+    let Settings { resolution, threads, .. } = one.settings;
+    first(renderer) != first(&one.renderer(scene, resolution, threads))
 }
 
 #[cfg(test)]
@@ -185,9 +187,12 @@ mod tests {
     use crate::lane::NATIVE_WIDTH;
 
     fn names(scene: &str) -> Vec<&'static str> {
-        let scene = octray_formats::scene::load(scene).unwrap();
-        let settings = Settings { resolution: [16, 9], ..Settings::of(&scene) };
-        of_scene(&scene, settings).iter().map(|one| one.name).collect()
+        names_of(&octray_formats::scene::load(scene).unwrap())
+    }
+
+    fn names_of(scene: &Scene) -> Vec<&'static str> {
+        let settings = Settings { resolution: [16, 9], ..Settings::of(scene) };
+        of_scene(scene, settings).iter().map(|one| one.name).collect()
     }
 
     #[test]
@@ -217,8 +222,11 @@ mod tests {
         let terrain = names("builtin:terrain:2000");
         assert!(terrain.contains(&"streams") && !terrain.contains(&"every primitive tested"), "{terrain:?}");
         assert_eq!(terrain.contains(&"16 lanes"), NATIVE_WIDTH > 8, "a hierarchy has 8 by default");
-        let thesis = names("builtin:thesis");
-        assert!(thesis.contains(&"trilinear") && !three.contains(&"trilinear"), "only with textures");
+        let mut thesis = octray_formats::scene::load("builtin:thesis").unwrap();
+        assert!(!names_of(&thesis).contains(&"trilinear"), "its textures are read at the nearest texel");
+        thesis.textures.iter_mut().for_each(|texture| texture.filter = Filter::Bilinear);
+        assert!(names_of(&thesis).contains(&"trilinear"));
+        let thesis = names_of(&thesis);
         for name in three.iter().chain(&cornell).chain(&terrain).chain(&thesis) {
             assert_eq!(Group::of(name).is_none(), *name == DEFAULT, "{name} is in a drawing");
         }

@@ -81,8 +81,8 @@ pub const RENORMALIZATION_INTERVAL: u32 = 8;
 ///
 /// Each costs two to eight seconds of compilation and 100 to 200 kB of program for its three widths, so only
 /// sets with a measured gain are here. Speed-up over the general pipeline, measured: `three` 1.7, `thesis`
-/// 1.5, `balls` 1.3, a scanned mesh 1.2, `materials` and `spheres` 1.05, boxes with area lights 1.0 to 1.06, where triangle tests take most
-/// of the time. All share the loops that test every primitive.
+/// 1.5, `balls` 1.3, a scanned mesh 1.2, `materials` and `spheres` 1.05, boxes with area lights 1.0 to 1.06,
+/// where triangle tests take most of the time. All share the loops that test every primitive.
 #[cfg(not(octray_general_only))]
 const PIPELINES: &[(Features, [Pipeline; 3])] = &[
     pipeline::<{ DIFFUSE_AND_MIRROR_SPHERES.0 }>(),

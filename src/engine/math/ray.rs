@@ -26,7 +26,8 @@ impl<L: Lane> Ray<L> {
 /// The closest hit of each ray so far.
 ///
 /// `primitive` counts the scene's spheres first, then its triangles. Where nothing is hit it is [`MISS`], and
-/// t is the ray's t_max. `u` and `v` are the barycentric weights of a triangle's second and third vertex; 0 on spheres.
+/// t is the ray's t_max. `u` and `v` are the barycentric weights of a triangle's second and third vertex; 0
+/// on spheres.
 #[derive(Clone, Copy, Debug)]
 pub struct Hit<L: Lane> {
     /// The distance in multiples of the direction's length.

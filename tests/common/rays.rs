@@ -107,18 +107,15 @@ impl Set {
         buffers: &Buffers,
         listed: Option<&PrimitiveList>,
     ) -> Answers {
-        let count = self.len();
-        let padded = |column: &[f32]| {
-            let more = column.last().copied().into_iter().cycle().take(L::WIDTH - 1);
-            let mut padded: Vec<f32> = column.iter().copied().chain(more).collect();
-            padded.truncate(count.next_multiple_of(L::WIDTH));
-            padded
+        let count = self.len().next_multiple_of(L::WIDTH);
+        let padded = |column: &[f32]| -> Vec<f32> {
+            let last = column.last().copied().into_iter().cycle();
+            column.iter().copied().chain(last).take(count).collect()
         };
         let (origin, direction) = (
             self.origin.each_ref().map(|column| padded(column)),
             self.direction.each_ref().map(|column| padded(column)),
         );
-        let count = count.next_multiple_of(L::WIDTH);
         // NaN shows weights that were not overwritten.
         let [_, triangles] = primitives.linear(buffers, None);
         let weight = if triangles > 0 { f32::NAN } else { 0.0 };

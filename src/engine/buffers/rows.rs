@@ -55,6 +55,7 @@ impl Rows {
     #[inline(always)]
     pub fn fetch<L: Lane>(&self, index: L::Bits, few: bool) -> [L; 8] {
         let columns = &self.first_as_columns.0;
+        // A register of sixteen lanes takes a column of sixteen as it lies in memory.
         if few && L::WIDTH <= Self::FEW {
             columns.each_ref().map(|column| L::pick(column.first_chunk().expect("eight of sixteen"), index))
         } else if few || self.rows.len() <= Self::COLUMN_LENGTH {

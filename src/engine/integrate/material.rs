@@ -91,10 +91,10 @@ impl<L: Lane> MaterialSample<L> {
                 emission_map = emission.to_bits();
             }
         }
-        if Features(N).meets(TEXTURED) {
+        if Features(N).meets(TEXTURED) && !reads_texels_first(N) {
             let texture = code.shr(MaterialCode::TEXTURE_SHIFT);
             let textured = found & !(texture | roughness_map | normal_map | emission_map).equals(none);
-            if !reads_texels_first(N) && textured.any() {
+            if textured.any() {
                 let at = surface.texture_point::<N>(context, textured);
                 material.apply_color_texture::<N>(context, at, found, texture);
                 material.apply_roughness_map::<N>(context, at, found, roughness_map);

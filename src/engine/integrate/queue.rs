@@ -172,12 +172,8 @@ impl PathQueue {
     /// The hits of `WIDTH` paths.
     #[inline(always)]
     pub fn hit<L: Lane>(&self, at: usize) -> Hit<L> {
-        Hit {
-            t: L::load(&self.t[at..]),
-            primitive: L::Bits::load(&self.primitive[at..]),
-            u: L::load(&self.u[at..]),
-            v: L::load(&self.v[at..]),
-        }
+        let (t, primitive) = self.nearest(at);
+        Hit { t, primitive, u: L::load(&self.u[at..]), v: L::load(&self.v[at..]) }
     }
     /// Distance and primitive of `WIDTH` hits.
     #[inline(always)]

@@ -105,15 +105,23 @@ impl Primitives {
                 None => self.trace_spheres(&all, batch),
             }
         }
-        let triangles = TriangleLoop { buffers, listed, padding: self.padding, after_spheres: spheres > 0 };
+        let (first, after_spheres) = (buffers.spheres.len() as u32, spheres > 0);
         match &self.triangles {
-            Triangles::Woop(stored) => triangles.trace::<L, ray_triangle::Woop>(stored, batch),
-            Triangles::MollerTrumbore(stored) => {
-                triangles.trace::<L, ray_triangle::MollerTrumbore>(stored, batch)
+            Triangles::Woop(stored) => {
+                self.trace_triangles::<L, ray_triangle::Woop>((first, stored), listed, after_spheres, batch)
             }
-            Triangles::BaldwinWeber(stored) => {
-                triangles.trace::<L, ray_triangle::BaldwinWeber>(stored, batch)
-            }
+            Triangles::MollerTrumbore(stored) => self.trace_triangles::<L, ray_triangle::MollerTrumbore>(
+                (first, stored),
+                listed,
+                after_spheres,
+                batch,
+            ),
+            Triangles::BaldwinWeber(stored) => self.trace_triangles::<L, ray_triangle::BaldwinWeber>(
+                (first, stored),
+                listed,
+                after_spheres,
+                batch,
+            ),
         }
     }
 
@@ -123,23 +131,18 @@ impl Primitives {
             SphereChoice::Naive => linear::trace_spheres::<L, ray_sphere::Naive>(spheres, batch),
         }
     }
-}
 
-/// What the loop over triangles needs, whatever the method.
-struct TriangleLoop<'a> {
-    buffers: &'a Buffers,
-    listed: Option<&'a PrimitiveList>,
-    padding: Padding,
-    after_spheres: bool,
-}
-
-impl TriangleLoop<'_> {
-    fn trace<L: Lane, T: TriangleMethod>(&self, stored: &[T::Stored], batch: &mut impl Batch<L>) {
-        let &Self { buffers, listed, padding, after_spheres } = self;
-        if stored.is_empty() {
+    fn trace_triangles<L: Lane, T: TriangleMethod>(
+        &self,
+        (first, triangles): (u32, &[T::Stored]),
+        listed: Option<&PrimitiveList>,
+        after_spheres: bool,
+        batch: &mut impl Batch<L>,
+    ) {
+        if triangles.is_empty() {
             return;
         }
-        let all = AllTriangles { first: buffers.spheres.len() as u32, triangles: stored };
+        let all = AllTriangles { first, triangles };
         match listed {
             Some(PrimitiveList { triangles, .. }) if triangles.is_empty() => {
                 for at in (0..batch.count()).step_by(L::WIDTH) {
@@ -148,9 +151,9 @@ impl TriangleLoop<'_> {
             }
             Some(PrimitiveList { triangles, .. }) => {
                 let listed = ListedTriangles { all, listed: triangles };
-                linear::trace_triangles::<L, T>(&listed, padding, after_spheres, batch);
+                linear::trace_triangles::<L, T>(&listed, self.padding, after_spheres, batch);
             }
-            None => linear::trace_triangles::<L, T>(&all, padding, after_spheres, batch),
+            None => linear::trace_triangles::<L, T>(&all, self.padding, after_spheres, batch),
         }
     }
 }

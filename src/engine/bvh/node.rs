@@ -1,7 +1,7 @@
 //! The nodes and leaves that traversals read, and the limits that traversals rely on.
 
 use super::bounds::Bounds;
-use crate::lane::NATIVE_WIDTH;
+use crate::lane::{Bits, Mask, NATIVE_WIDTH, NativeBits};
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
@@ -76,6 +76,13 @@ impl WideNode {
     #[inline(always)]
     pub fn children(&self) -> &[Child; WIDE] {
         &self.children
+    }
+    /// The slots whose references have the flags of `kind` among [`Child::LEAF`] and [`Child::SPHERES`], one
+    /// bit each: 0 for nodes, `LEAF` for leaves of triangles, both for leaves of spheres and empty slots.
+    #[inline(always)]
+    pub fn slots(&self, kind: u32) -> u32 {
+        let children = NativeBits::load(bytemuck::cast_slice(&self.children));
+        (children & NativeBits::splat(!Child::INDEX)).equals(NativeBits::splat(kind)).bitmask()
     }
     /// Number of filled slots.
     pub fn filled(&self) -> usize {

@@ -5,7 +5,7 @@
 //! visited, in streams once for all rays of a list. The vertices keep their bits.
 
 use super::leaf::TriangleLeaf;
-use crate::bvh::{Bvh, LEAF, Leaf};
+use crate::bvh::{Bvh, LEAF, Leaf, WIDE};
 use crate::lane::{Bits, Lane, Mask, Native, NativeBits, U32x16};
 use crate::scene::Scene;
 use bytemuck::{Pod, Zeroable};
@@ -195,6 +195,27 @@ impl TriangleLeaves {
             None => &self.full[leaf],
         };
         visit(leaf)
+    }
+
+    /// Several leaves at once: each of `slots` gives its place in the answer and its index. Compact ones are
+    /// expanded into `expanded`; places without a leaf hold any.
+    #[inline(always)]
+    pub fn several<'a>(
+        &'a self,
+        slots: impl Iterator<Item = (usize, usize)>,
+        expanded: &'a mut [TriangleLeaf; WIDE],
+    ) -> [&'a TriangleLeaf; WIDE] {
+        if self.is_compact() {
+            for (slot, leaf) in slots {
+                self.with(leaf, |leaf| expanded[slot] = *leaf);
+            }
+            return expanded.each_ref();
+        }
+        let mut leaves = [&expanded[0]; WIDE];
+        for (slot, leaf) in slots {
+            leaves[slot] = &self.full[leaf];
+        }
+        leaves
     }
 
     /// The corners of one triangle of a leaf.

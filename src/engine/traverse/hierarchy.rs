@@ -5,10 +5,10 @@ use super::compact::{Layout, TriangleLeaves};
 use super::leaf::{TriangleLeaf, box_of, inclusive, keep_if_nearer, keep_lanes_if_nearer, keep_nearest};
 use super::prepared::{SingleRay, splat_vector};
 use crate::buffers::SphereBlock;
-use crate::bvh::{Bounds, Bvh, Child, LEAF, Leaf, Trees};
+use crate::bvh::{Bounds, Bvh, Child, LEAF, Leaf, Trees, WIDE, WideNode};
 use crate::kernel::ray_box::{Padding, own_box};
 use crate::kernel::ray_sphere::{Robust, SphereMethod};
-use crate::lane::{Lane, Native};
+use crate::lane::{Lane, Native, set_bits};
 use crate::math::{Hit, Ray, Vec3};
 use crate::scene::Scene;
 use rayon::prelude::*;
@@ -132,6 +132,19 @@ impl Hierarchy {
     #[inline(always)]
     pub fn with_triangles<R>(&self, leaf: usize, visit: impl FnOnce(&TriangleLeaf) -> R) -> R {
         self.triangles.with(leaf, visit)
+    }
+
+    /// The leaves of triangles in these slots of a node, one bit each; other slots hold any. Compact ones are
+    /// expanded into `expanded`.
+    #[inline(always)]
+    pub fn triangle_leaves<'a>(
+        &'a self,
+        node: &WideNode,
+        slots: u32,
+        expanded: &'a mut [TriangleLeaf; WIDE],
+    ) -> [&'a TriangleLeaf; WIDE] {
+        let slots = set_bits(slots).map(|slot| slot & (WIDE - 1));
+        self.triangles.several(slots.map(|slot| (slot, node.children()[slot].index())), expanded)
     }
 
     /// Reads a word of each cache line of a child, so that the lines of several children are fetched

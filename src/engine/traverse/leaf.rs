@@ -6,9 +6,10 @@ use crate::kernel::ray_box::{Padding, Slabs, own_box};
 use crate::kernel::ray_triangle::{TriangleBlock, TriangleHit, WoopRay};
 use crate::lane::{Bits, Lane, Mask, Native, NativeMask};
 use crate::math::{Hit, Vec3};
+use bytemuck::Zeroable;
 
 /// Up to [`LEAF`] triangles: 40 bytes each.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Zeroable)]
 #[repr(C, align(64))]
 pub struct TriangleLeaf {
     pub(super) vertices: TriangleBlock,

@@ -1,8 +1,9 @@
 //! Ray streams: many rays traverse the tree together. Each node is read once for all rays that reach it.
 //!
 //! At a node each ray of its list is tested against the boxes of all children; the masks are compressed into
-//! a list of rays for each child. Children are visited in the order of their mean entry distance, or in slot
-//! order where any hit will do. Single rays, of which no list would pay, are traced as such.
+//! a list of rays for each child. Leaves are visited first, then nodes in the order of their mean entry
+//! distance, or in slot order where any hit will do. Single rays, of which no list would pay, are traced as
+//! such.
 //!
 //! Rays of all octants share a list: an entry holds the ray's octant, from which follow the rows of the
 //! planes that it meets first, unless `SELECTS_PLANES`. A batch sorted by octant, as in the source, saves
@@ -17,12 +18,14 @@ mod record;
 use super::counter::CounterSink;
 use super::frustum::Boxes;
 use super::hierarchy::Hierarchy;
+use super::leaf::TriangleLeaf;
 use super::prepared::{SingleRay, splat_slabs};
 use super::rays::{Hits, Rays};
 use super::single;
 use super::stack::Stack;
-use crate::bvh::{Child, WIDE};
+use crate::bvh::{Child, WIDE, WideNode};
 use crate::kernel::ray_box::Padding;
+use crate::kernel::ray_triangle::WoopRay;
 use crate::lane::{Bits, F32x8, Lane, Mask, NATIVE_WIDTH, Native, NativeBits, set_bits};
 use crate::math::{Hit, Ray, Vec3};
 use record::Record;
@@ -51,6 +54,9 @@ const AXIS_SHIFT: u32 = BATCH.trailing_zeros();
 /// From this bit on, one bit for each axis along which the ray runs backwards.
 const OCTANT_SHIFT: u32 = AXIS_SHIFT + 2;
 
+/// In lists of rays that reach leaves of triangles, from this bit on the leaf's slot in its node.
+const SLOT_SHIFT: u32 = OCTANT_SHIFT + 3;
+
 /// Working memory of a thread: about a MiB.
 pub struct Stream {
     records: Box<[Record; BATCH]>,
@@ -60,6 +66,8 @@ pub struct Stream {
     lists: Vec<u32>,
     /// For each ray of a list, the boxes that it passes, one bit each.
     masks: Vec<u32>,
+    /// Room for the leaves of a node, expanded.
+    leaves: Box<[TriangleLeaf; WIDE]>,
     stack: Stack,
 }
 
@@ -77,6 +85,7 @@ impl Stream {
             axes: bytemuck::zeroed_box(),
             lists: vec![0; 16 * BATCH],
             masks: vec![0; BATCH + PACKET],
+            leaves: bytemuck::zeroed_box(),
             stack: Stack::new(),
         }
     }
@@ -237,15 +246,12 @@ impl<C: CounterSink> StreamTraversal<'_, '_, C> {
                 .fold(0, |sum, word| sum ^ word);
             std::hint::black_box(touched);
         }
-        // One list for each child that some ray reaches, in whole packets.
+        // One list for each child that some ray reaches, in whole packets: at first those of leaves of
+        // triangles, which together are one list of rays with the slots of their leaves.
         let most = (all.count_ones() as usize) * (count + PACKET);
         if lists.len() < free + most {
             lists.resize(free + most, 0);
         }
-        let mut starts = [(0, 0); WIDE];
-        let mut order = [0u64; WIDE];
-        let order = &mut order[..all.count_ones() as usize];
-        let mut top = free;
         // The list is read in whole packets; the masks behind its end are cleared, so that entries there join
         // no list.
         masks[count..count + PACKET].fill(0);
@@ -253,18 +259,38 @@ impl<C: CounterSink> StreamTraversal<'_, '_, C> {
         let (read, write) = lists.split_at_mut(free);
         let from = &read[start..start + packets * PACKET].as_chunks::<PACKET>().0;
         let masks = &masks.as_chunks::<PACKET>().0[..packets];
-        for (order, slot) in order.iter_mut().zip(set_bits(all).map(|slot| slot & (WIDE - 1))) {
-            let bit = NativeBits::splat(1 << slot);
+        let mut top = free;
+        let mut list = |slot: usize, tag: u32| {
+            let (bit, tag) = (NativeBits::splat(1 << slot), NativeBits::splat(tag));
             let begin = top;
             for (masks, rays) in masks.iter().zip(*from) {
                 let passes = (NativeBits::load(masks) & bit).equals(bit);
                 let indices = Native::compress_indices(passes);
-                Native::compress_bits(NativeBits::load(rays), indices).store(&mut write[top - free..]);
+                let listed = Native::compress_bits(NativeBits::load(rays), indices);
+                (listed | tag).store(&mut write[top - free..]);
                 top += passes.count();
             }
-            starts[slot] = (begin as u32, (top - begin) as u32);
+            (begin, top - begin)
+        };
+        let slots = |bits: u32| set_bits(bits).map(|slot| slot & (WIDE - 1));
+        let triangles = all & node.slots(Child::LEAF);
+        let paired = slots(triangles).map(|slot| list(slot, (slot as u32) << SLOT_SHIFT).1).sum();
+        let mut lists = [(0, 0); WIDE];
+        for slot in slots(all & !triangles) {
+            lists[slot] = list(slot, 0);
+        }
+        // Leaves first, as hits in them spare tests of the nodes' children.
+        self.triangles::<ANY>(node, triangles, free, paired);
+        let nodes = all & node.slots(0);
+        for slot in slots(all & !triangles & !nodes) {
+            let (start, count) = lists[slot];
+            self.spheres::<ANY>(node.children()[slot], start, count);
+        }
+        let mut order = [0u64; WIDE];
+        let order = &mut order[..nodes.count_ones() as usize];
+        for (order, slot) in order.iter_mut().zip(slots(nodes)) {
             // Sorted as integers: the bits of non-negative floats have the order of the floats.
-            let distance = if ANY { 0.0 } else { distances.get(slot) / (top - begin) as f32 };
+            let distance = if ANY { 0.0 } else { distances.get(slot) / lists[slot].1 as f32 };
             *order = u64::from(distance.to_bits()) << 32 | slot as u64;
         }
         if !ANY {
@@ -272,11 +298,8 @@ impl<C: CounterSink> StreamTraversal<'_, '_, C> {
         }
         for &order in order.iter() {
             let slot = order as usize & (WIDE - 1);
-            let (child, (start, count)) = (node.children()[slot], starts[slot]);
-            let (start, count) = (start as usize, count as usize);
-            if child.is_leaf() {
-                self.leaf::<ANY>(child, start, count);
-            } else if count <= MAX_SINGLE {
+            let (child, (start, count)) = (node.children()[slot], lists[slot]);
+            if count <= MAX_SINGLE {
                 self.one_by_one::<ANY>(child, start, count);
             } else {
                 self.node::<ANY, ONE>(child.index(), start, count, top + PACKET);
@@ -284,27 +307,33 @@ impl<C: CounterSink> StreamTraversal<'_, '_, C> {
         }
     }
 
-    fn leaf<const ANY: bool>(&mut self, leaf: Child, start: usize, count: usize) {
-        let Self { stream, hierarchy, rays, hits, counter, .. } = self;
-        let Stream { records, lists, .. } = &mut **stream;
-        let listed = &lists[start..start + count];
-        if leaf.is_spheres() {
-            update_hits::<ANY>(listed, records, hits, |listed| {
-                counter.leaf(hierarchy, leaf, 1);
-                let mut hit = listed.hit();
-                hierarchy.intersect_spheres(leaf.index(), &rays.packet(listed.ray), &mut hit);
-                Some(hit)
-            });
+    /// Tests the `count` rays listed from `start` on, each against the leaf of triangles whose slot is in its
+    /// entry: one loop over all leaves, as most lists of large hierarchies hold two rays or three.
+    fn triangles<const ANY: bool>(&mut self, node: &WideNode, slots: u32, start: usize, count: usize) {
+        if count == 0 {
             return;
         }
-        hierarchy.with_triangles(leaf.index(), |triangles| {
-            update_hits::<ANY>(listed, records, hits, |listed| {
-                counter.leaf(hierarchy, leaf, 1);
-                let found = triangles.test(&listed.record.woop(listed.axis))?;
-                let mut hit = listed.hit();
-                triangles.accept(&listed.record.slabs(), &found, &mut hit);
-                Some(hit)
-            });
+        let Self { stream, hierarchy, hits, counter, .. } = self;
+        let Stream { records, lists, leaves, .. } = &mut **stream;
+        let leaves = hierarchy.triangle_leaves(node, slots, leaves);
+        update_hits::<ANY>(&lists[start..start + count], records, hits, |listed| {
+            let slot = (listed.entry >> SLOT_SHIFT) as usize & (WIDE - 1);
+            counter.leaf(hierarchy, node.children()[slot], 1);
+            let found = leaves[slot].test(&listed.woop())?;
+            let mut hit = listed.hit();
+            leaves[slot].accept(&listed.record.slabs(), &found, &mut hit);
+            Some(hit)
+        });
+    }
+
+    fn spheres<const ANY: bool>(&mut self, leaf: Child, start: usize, count: usize) {
+        let Self { stream, hierarchy, rays, hits, counter, .. } = self;
+        let Stream { records, lists, .. } = &mut **stream;
+        update_hits::<ANY>(&lists[start..start + count], records, hits, |listed| {
+            counter.leaf(hierarchy, leaf, 1);
+            let mut hit = listed.hit();
+            hierarchy.intersect_spheres(leaf.index(), &rays.packet(listed.ray()), &mut hit);
+            Some(hit)
         });
     }
 
@@ -312,8 +341,8 @@ impl<C: CounterSink> StreamTraversal<'_, '_, C> {
         let Self { stream, hierarchy, rays, hits, counter, .. } = self;
         let Stream { records, lists, stack, .. } = &mut **stream;
         update_hits::<ANY>(&lists[start..start + count], records, hits, |listed| {
-            let (slabs, woop) = (listed.record.slabs(), listed.record.woop(listed.axis));
-            let single = SingleRay { ray: rays.packet(listed.ray), slabs, woop };
+            let (slabs, woop) = (listed.record.slabs(), listed.woop());
+            let single = SingleRay { ray: rays.packet(listed.ray()), slabs, woop };
             let mut hit = listed.hit();
             single::trace_from::<ANY>(hierarchy, child, &single, stack, &mut hit, *counter);
             Some(hit)
@@ -323,19 +352,26 @@ impl<C: CounterSink> StreamTraversal<'_, '_, C> {
 
 /// A ray of a list.
 struct ListedRay<'a> {
-    /// Its index in the batch.
-    ray: usize,
-    /// The axis of its triangle tests.
-    axis: u32,
+    entry: u32,
     record: &'a Record,
     hits: &'a Hits<'a>,
 }
 
 impl ListedRay<'_> {
+    /// Its index in the batch.
+    #[inline(always)]
+    fn ray(&self) -> usize {
+        self.entry as usize & (BATCH - 1)
+    }
+    /// As triangle tests take it.
+    #[inline(always)]
+    fn woop(&self) -> WoopRay<f32> {
+        self.record.woop(self.entry >> AXIS_SHIFT & 3)
+    }
     /// Its nearest hit so far.
     #[inline(always)]
     fn hit(&self) -> Hit<f32> {
-        Hit { t: self.record.t, ..self.hits.get(self.ray) }
+        Hit { t: self.record.t, ..self.hits.get(self.ray()) }
     }
 }
 
@@ -354,7 +390,7 @@ fn update_hits<const ANY: bool>(
         if ANY && record.t < 0.0 {
             continue;
         }
-        if let Some(hit) = find(ListedRay { ray, axis: entry >> AXIS_SHIFT & 3, record, hits }) {
+        if let Some(hit) = find(ListedRay { entry, record, hits }) {
             record.store_hit::<ANY>(ray, &hit, hits);
         }
     }

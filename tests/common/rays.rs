@@ -172,6 +172,9 @@ impl Set {
             let found = self.through_by::<true>(&mut tracer, hierarchy, traversal);
             for (at, (found, expected)) in found.iter().zip(expected).enumerate() {
                 assert_eq!(found[1] == MISS, expected[1] == MISS, "{what}, any hit, {name}: ray {at}");
+                // Some hit, so none nearer than the nearest.
+                let [found, nearest] = [found, expected].map(|answer| f32::from_bits(answer[0]));
+                assert!(found >= nearest, "{what}, any hit, {name}: ray {at} at {found} before {nearest}");
             }
         }
     }

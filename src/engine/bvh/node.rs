@@ -77,12 +77,21 @@ impl WideNode {
     pub fn children(&self) -> &[Child; WIDE] {
         &self.children
     }
-    /// The slots whose references have the flags of `kind` among [`Child::LEAF`] and [`Child::SPHERES`], one
-    /// bit each: 0 for nodes, `LEAF` for leaves of triangles, both for leaves of spheres and empty slots.
+    /// The slots of nodes, one bit each.
     #[inline(always)]
-    pub fn slots(&self, kind: u32) -> u32 {
+    pub fn nodes(&self) -> u32 {
+        self.slots(0)
+    }
+    /// The slots of leaves of triangles, one bit each.
+    #[inline(always)]
+    pub fn triangle_leaves(&self) -> u32 {
+        self.slots(Child::LEAF)
+    }
+    /// The slots whose references have just these of the bits outside [`Child::INDEX`].
+    #[inline(always)]
+    fn slots(&self, flags: u32) -> u32 {
         let children = NativeBits::load(bytemuck::cast_slice(&self.children));
-        (children & NativeBits::splat(!Child::INDEX)).equals(NativeBits::splat(kind)).bitmask()
+        (children & NativeBits::splat(!Child::INDEX)).equals(NativeBits::splat(flags)).bitmask()
     }
     /// Number of filled slots.
     pub fn filled(&self) -> usize {

@@ -2,10 +2,10 @@
 //!
 //! Where a hierarchy does not fit the caches, rays wait for its cache lines. The triangles of a leaf share
 //! vertices: stored once, they take three lines instead of five. A leaf is expanded where it is
-//! visited, in streams once for all rays of a list. The vertices keep their bits.
+//! visited, in streams once for all rays of a node. The vertices keep their bits.
 
 use super::leaf::TriangleLeaf;
-use crate::bvh::{Bvh, LEAF, Leaf, WIDE};
+use crate::bvh::{Bvh, LEAF, Leaf};
 use crate::lane::{Bits, Lane, Mask, Native, NativeBits, U32x16};
 use crate::scene::Scene;
 use bytemuck::{Pod, Zeroable};
@@ -94,10 +94,9 @@ impl CompactLeaf {
     }
 
     #[inline(always)]
-    fn expanded(&self) -> TriangleLeaf {
+    fn expand(&self, to: &mut TriangleLeaf) {
         let words: &[f32; 48 * LEAF / 8] = bytemuck::cast_ref(self);
-        let mut vertices = [[[0.0; LEAF]; 3]; 3];
-        for (rows, corners) in vertices.iter_mut().zip(&self.corners) {
+        for (rows, corners) in to.vertices.iter_mut().zip(&self.corners) {
             let columns = NativeBits::from_fn(|lane| u32::from(corners[lane]));
             for (axis, row) in rows.iter_mut().enumerate() {
                 // Sixteen words from a place of the row on; those behind its columns are not picked.
@@ -115,7 +114,7 @@ impl CompactLeaf {
                 picked.store(row);
             }
         }
-        TriangleLeaf { vertices, primitives: self.primitives }
+        to.primitives = self.primitives;
     }
 
     /// One triangle alone.
@@ -185,37 +184,20 @@ impl TriangleLeaves {
     /// Visits a leaf.
     #[inline(always)]
     pub fn with<R>(&self, leaf: usize, visit: impl FnOnce(&TriangleLeaf) -> R) -> R {
-        let expanded;
-        let leaf = match self.compact.get(leaf) {
+        visit(self.expanded(leaf, &mut Zeroable::zeroed()))
+    }
+
+    /// A leaf, expanded into `room` if it is compact.
+    #[inline(always)]
+    pub fn expanded<'a>(&'a self, leaf: usize, room: &'a mut TriangleLeaf) -> &'a TriangleLeaf {
+        match self.compact.get(leaf) {
             Some(compact) if compact.full == CompactLeaf::IS_COMPACT => {
-                expanded = compact.expanded();
-                &expanded
+                compact.expand(room);
+                room
             }
             Some(compact) => &self.full[compact.full as usize],
             None => &self.full[leaf],
-        };
-        visit(leaf)
-    }
-
-    /// Several leaves at once: each of `slots` gives its place in the answer and its index. Compact ones are
-    /// expanded into `expanded`; places without a leaf hold any.
-    #[inline(always)]
-    pub fn several<'a>(
-        &'a self,
-        slots: impl Iterator<Item = (usize, usize)>,
-        expanded: &'a mut [TriangleLeaf; WIDE],
-    ) -> [&'a TriangleLeaf; WIDE] {
-        if self.is_compact() {
-            for (slot, leaf) in slots {
-                self.with(leaf, |leaf| expanded[slot] = *leaf);
-            }
-            return expanded.each_ref();
         }
-        let mut leaves = [&expanded[0]; WIDE];
-        for (slot, leaf) in slots {
-            leaves[slot] = &self.full[leaf];
-        }
-        leaves
     }
 
     /// The corners of one triangle of a leaf.
@@ -255,7 +237,8 @@ mod tests {
         leaf.primitives[..LEAF - 1].copy_from_slice(&std::array::from_fn::<_, { LEAF - 1 }, _>(|i| i as u32));
         leaf.primitives[LEAF - 2] += 1;
         let compact = CompactLeaf::new(&leaf, strip).expect("two vertices more than triangles, and one");
-        let expanded = compact.expanded();
+        let mut expanded = TriangleLeaf::zeroed();
+        compact.expand(&mut expanded);
         assert_eq!(expanded.primitives, leaf);
         for (lane, &primitive) in leaf.primitives().iter().enumerate() {
             let bits = |corners: [[f32; 3]; 3]| corners.map(|corner| corner.map(f32::to_bits));

@@ -134,17 +134,20 @@ impl Hierarchy {
         self.triangles.with(leaf, visit)
     }
 
-    /// The leaves of triangles in these slots of a node, one bit each; other slots hold any. Compact ones are
-    /// expanded into `expanded`.
+    /// The leaves of triangles in these slots of a node, one bit each; other slots refer to an empty leaf.
+    /// Compact ones are expanded into `room`.
     #[inline(always)]
     pub fn triangle_leaves<'a>(
         &'a self,
         node: &WideNode,
         slots: u32,
-        expanded: &'a mut [TriangleLeaf; WIDE],
+        room: &'a mut [TriangleLeaf; WIDE],
     ) -> [&'a TriangleLeaf; WIDE] {
-        let slots = set_bits(slots).map(|slot| slot & (WIDE - 1));
-        self.triangles.several(slots.map(|slot| (slot, node.children()[slot].index())), expanded)
+        let mut leaves = [const { &TriangleLeaf::EMPTY }; WIDE];
+        for (slot, room) in set_bits(slots).map(|slot| slot & (WIDE - 1)).zip(room) {
+            leaves[slot] = self.triangles.expanded(node.children()[slot].index(), room);
+        }
+        leaves
     }
 
     /// Reads a word of each cache line of a child, so that the lines of several children are fetched

@@ -60,6 +60,10 @@ pub(super) fn keep_lanes_if_nearer<L: Lane>(
 }
 
 impl TriangleLeaf {
+    /// No triangle.
+    pub(super) const EMPTY: Self =
+        Self { vertices: [[[f32::NAN; LEAF]; 3]; 3], primitives: Leaf { primitives: [Leaf::NONE; LEAF] } };
+
     /// The lower and the upper planes of the triangles' boxes along an axis; NaN where there is no triangle.
     #[inline(always)]
     pub fn planes(&self, axis: usize) -> [Native; 2] {

@@ -54,8 +54,9 @@ const AXIS_SHIFT: u32 = BATCH.trailing_zeros();
 /// From this bit on, one bit for each axis along which the ray runs backwards.
 const OCTANT_SHIFT: u32 = AXIS_SHIFT + 2;
 
-/// In lists of rays that reach leaves of triangles, from this bit on the leaf's slot in its node.
+/// From this bit on, in lists of rays that reach leaves of triangles, the leaf's slot in its node.
 const SLOT_SHIFT: u32 = OCTANT_SHIFT + 3;
+const _: () = assert!(SLOT_SHIFT + WIDE.trailing_zeros() <= u32::BITS);
 
 /// Working memory of a thread: about a MiB.
 pub struct Stream {
@@ -130,7 +131,7 @@ impl Stream {
         }
         if count > 0 {
             let mut rays = StreamTraversal { stream: self, hierarchy, rays, hits, counter };
-            // The bits of the octant are the highest.
+            // The bits of the octant are the highest of `axes`.
             let [all, any] = octants.map(|bits| bits >> OCTANT_SHIFT);
             if !ANY && all == any {
                 rays.node::<ANY, true>(0, 0, count, count + PACKET);
@@ -246,8 +247,8 @@ impl<C: CounterSink> StreamTraversal<'_, '_, C> {
                 .fold(0, |sum, word| sum ^ word);
             std::hint::black_box(touched);
         }
-        // One list for each child that some ray reaches, in whole packets: at first those of leaves of
-        // triangles, which together are one list of rays with the slots of their leaves.
+        // Lists lie end to end, written by whole packets: first one of rays that reach leaves of triangles,
+        // with the leaves' slots, then one for each other child.
         let most = (all.count_ones() as usize) * (count + PACKET);
         if lists.len() < free + most {
             lists.resize(free + most, 0);
@@ -273,24 +274,23 @@ impl<C: CounterSink> StreamTraversal<'_, '_, C> {
             (begin, top - begin)
         };
         let slots = |bits: u32| set_bits(bits).map(|slot| slot & (WIDE - 1));
-        let triangles = all & node.slots(Child::LEAF);
+        let (nodes, triangles) = (all & node.nodes(), all & node.triangle_leaves());
         let paired = slots(triangles).map(|slot| list(slot, (slot as u32) << SLOT_SHIFT).1).sum();
-        let mut lists = [(0, 0); WIDE];
+        let mut spans = [(0, 0); WIDE];
         for slot in slots(all & !triangles) {
-            lists[slot] = list(slot, 0);
+            spans[slot] = list(slot, 0);
         }
         // Leaves first, as hits in them spare tests of the nodes' children.
         self.triangles::<ANY>(node, triangles, free, paired);
-        let nodes = all & node.slots(0);
         for slot in slots(all & !triangles & !nodes) {
-            let (start, count) = lists[slot];
+            let (start, count) = spans[slot];
             self.spheres::<ANY>(node.children()[slot], start, count);
         }
         let mut order = [0u64; WIDE];
         let order = &mut order[..nodes.count_ones() as usize];
         for (order, slot) in order.iter_mut().zip(slots(nodes)) {
             // Sorted as integers: the bits of non-negative floats have the order of the floats.
-            let distance = if ANY { 0.0 } else { distances.get(slot) / lists[slot].1 as f32 };
+            let distance = if ANY { 0.0 } else { distances.get(slot) / spans[slot].1 as f32 };
             *order = u64::from(distance.to_bits()) << 32 | slot as u64;
         }
         if !ANY {
@@ -298,7 +298,7 @@ impl<C: CounterSink> StreamTraversal<'_, '_, C> {
         }
         for &order in order.iter() {
             let slot = order as usize & (WIDE - 1);
-            let (child, (start, count)) = (node.children()[slot], lists[slot]);
+            let (child, (start, count)) = (node.children()[slot], spans[slot]);
             if count <= MAX_SINGLE {
                 self.one_by_one::<ANY>(child, start, count);
             } else {
@@ -309,6 +309,7 @@ impl<C: CounterSink> StreamTraversal<'_, '_, C> {
 
     /// Tests the `count` rays listed from `start` on, each against the leaf of triangles whose slot is in its
     /// entry: one loop over all leaves, as most lists of large hierarchies hold two rays or three.
+    #[inline(never)]
     fn triangles<const ANY: bool>(&mut self, node: &WideNode, slots: u32, start: usize, count: usize) {
         if count == 0 {
             return;

@@ -1,7 +1,7 @@
 //! The nodes and leaves that traversals read, and the limits that traversals rely on.
 
 use super::bounds::Bounds;
-use crate::lane::{Bits, Mask, NATIVE_WIDTH, NativeBits};
+use crate::lane::{Bits, Mask, NATIVE_WIDTH, NativeBits, set_bits};
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
@@ -58,6 +58,12 @@ pub struct WideNode {
     unused: [u32; WIDE],
 }
 
+/// The slots of a node that are set in `bits`, in ascending order. The mask spares bounds checks.
+#[inline(always)]
+pub fn slots(bits: u32) -> impl Iterator<Item = usize> {
+    set_bits(bits).map(|slot| slot & (WIDE - 1))
+}
+
 impl WideNode {
     /// No child.
     pub const EMPTY: Self = {
@@ -80,16 +86,16 @@ impl WideNode {
     /// The slots of nodes, one bit each.
     #[inline(always)]
     pub fn nodes(&self) -> u32 {
-        self.slots(0)
+        self.slots_of(0)
     }
     /// The slots of leaves of triangles, one bit each.
     #[inline(always)]
     pub fn triangle_leaves(&self) -> u32 {
-        self.slots(Child::LEAF)
+        self.slots_of(Child::LEAF)
     }
     /// The slots whose references have just these of the bits outside [`Child::INDEX`].
     #[inline(always)]
-    fn slots(&self, flags: u32) -> u32 {
+    fn slots_of(&self, flags: u32) -> u32 {
         let children = NativeBits::load(bytemuck::cast_slice(&self.children));
         (children & NativeBits::splat(!Child::INDEX)).equals(NativeBits::splat(flags)).bitmask()
     }

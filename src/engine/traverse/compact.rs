@@ -135,6 +135,12 @@ pub(super) struct TriangleLeaves {
     compact: Vec<CompactLeaf>,
 }
 
+/// A leaf as it is stored.
+enum Stored<'a> {
+    Full(&'a TriangleLeaf),
+    Compact(&'a CompactLeaf),
+}
+
 impl TriangleLeaves {
     /// `None` takes the layout that suits the hierarchy.
     pub fn new(scene: &Scene, bvh: &Bvh, layout: Option<Layout>) -> Self {
@@ -143,13 +149,13 @@ impl TriangleLeaves {
             scene.triangles[primitive as usize - scene.spheres.len()].vertices.map(|vertex| vertex.to_array())
         };
         let full = |leaf: &Leaf| {
-            let mut vertices = [[[f32::NAN; LEAF]; 3]; 3];
+            let mut full = TriangleLeaf { primitives: *leaf, ..TriangleLeaf::EMPTY };
             for (lane, &primitive) in leaf.primitives().iter().enumerate() {
-                for (rows, corner) in vertices.iter_mut().zip(corners_of(primitive)) {
+                for (rows, corner) in full.vertices.iter_mut().zip(corners_of(primitive)) {
                     rows.iter_mut().zip(corner).for_each(|(row, component)| row[lane] = component);
                 }
             }
-            TriangleLeaf { vertices, primitives: *leaf }
+            full
         };
         let compact = |leaf: &Leaf| CompactLeaf::new(leaf, corners_of);
         let suits = || {
@@ -184,29 +190,44 @@ impl TriangleLeaves {
     /// Visits a leaf.
     #[inline(always)]
     pub fn with<R>(&self, leaf: usize, visit: impl FnOnce(&TriangleLeaf) -> R) -> R {
-        visit(self.expanded(leaf, &mut Zeroable::zeroed()))
+        let mut room;
+        visit(match self.stored(leaf) {
+            Stored::Full(leaf) => leaf,
+            Stored::Compact(leaf) => {
+                room = TriangleLeaf::EMPTY;
+                leaf.expand(&mut room);
+                &room
+            }
+        })
     }
 
     /// A leaf, expanded into `room` if it is compact.
     #[inline(always)]
     pub fn expanded<'a>(&'a self, leaf: usize, room: &'a mut TriangleLeaf) -> &'a TriangleLeaf {
-        match self.compact.get(leaf) {
-            Some(compact) if compact.full == CompactLeaf::IS_COMPACT => {
-                compact.expand(room);
+        match self.stored(leaf) {
+            Stored::Full(leaf) => leaf,
+            Stored::Compact(leaf) => {
+                leaf.expand(room);
                 room
             }
-            Some(compact) => &self.full[compact.full as usize],
-            None => &self.full[leaf],
         }
     }
 
     /// The corners of one triangle of a leaf.
     #[inline(always)]
     pub fn corners(&self, leaf: usize, lane: usize) -> [[f32; 3]; 3] {
+        match self.stored(leaf) {
+            Stored::Full(leaf) => leaf.corners(lane),
+            Stored::Compact(leaf) => leaf.corners(lane),
+        }
+    }
+
+    #[inline(always)]
+    fn stored(&self, leaf: usize) -> Stored<'_> {
         match self.compact.get(leaf) {
-            Some(compact) if compact.full == CompactLeaf::IS_COMPACT => compact.corners(lane),
-            Some(compact) => self.full[compact.full as usize].corners(lane),
-            None => self.full[leaf].corners(lane),
+            Some(compact) if compact.full == CompactLeaf::IS_COMPACT => Stored::Compact(compact),
+            Some(compact) => Stored::Full(&self.full[compact.full as usize]),
+            None => Stored::Full(&self.full[leaf]),
         }
     }
 
@@ -237,7 +258,7 @@ mod tests {
         leaf.primitives[..LEAF - 1].copy_from_slice(&std::array::from_fn::<_, { LEAF - 1 }, _>(|i| i as u32));
         leaf.primitives[LEAF - 2] += 1;
         let compact = CompactLeaf::new(&leaf, strip).expect("two vertices more than triangles, and one");
-        let mut expanded = TriangleLeaf::zeroed();
+        let mut expanded = TriangleLeaf::EMPTY;
         compact.expand(&mut expanded);
         assert_eq!(expanded.primitives, leaf);
         for (lane, &primitive) in leaf.primitives().iter().enumerate() {

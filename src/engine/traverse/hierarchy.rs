@@ -5,10 +5,10 @@ use super::compact::{Layout, TriangleLeaves};
 use super::leaf::{TriangleLeaf, box_of, inclusive, keep_if_nearer, keep_lanes_if_nearer, keep_nearest};
 use super::prepared::{SingleRay, splat_vector};
 use crate::buffers::SphereBlock;
-use crate::bvh::{Bounds, Bvh, Child, LEAF, Leaf, Trees, WIDE, WideNode};
+use crate::bvh::{Bounds, Bvh, Child, LEAF, Leaf, Trees, WIDE, WideNode, slots};
 use crate::kernel::ray_box::{Padding, own_box};
 use crate::kernel::ray_sphere::{Robust, SphereMethod};
-use crate::lane::{Lane, Native, set_bits};
+use crate::lane::{Lane, Native};
 use crate::math::{Hit, Ray, Vec3};
 use crate::scene::Scene;
 use rayon::prelude::*;
@@ -140,11 +140,11 @@ impl Hierarchy {
     pub fn triangle_leaves<'a>(
         &'a self,
         node: &WideNode,
-        slots: u32,
+        reached: u32,
         room: &'a mut [TriangleLeaf; WIDE],
     ) -> [&'a TriangleLeaf; WIDE] {
         let mut leaves = [const { &TriangleLeaf::EMPTY }; WIDE];
-        for (slot, room) in set_bits(slots).map(|slot| slot & (WIDE - 1)).zip(room) {
+        for (slot, room) in slots(reached).zip(room) {
             leaves[slot] = self.triangles.expanded(node.children()[slot].index(), room);
         }
         leaves

@@ -6,10 +6,9 @@ use crate::kernel::ray_box::{Padding, Slabs, own_box};
 use crate::kernel::ray_triangle::{TriangleBlock, TriangleHit, WoopRay};
 use crate::lane::{Bits, Lane, Mask, Native, NativeMask};
 use crate::math::{Hit, Vec3};
-use bytemuck::Zeroable;
 
 /// Up to [`LEAF`] triangles: 40 bytes each.
-#[derive(Clone, Copy, Debug, Zeroable)]
+#[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
 pub struct TriangleLeaf {
     pub(super) vertices: TriangleBlock,

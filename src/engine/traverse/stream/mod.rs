@@ -23,7 +23,7 @@ use super::prepared::{SingleRay, splat_slabs};
 use super::rays::{Hits, Rays};
 use super::single;
 use super::stack::Stack;
-use crate::bvh::{Child, WIDE, WideNode};
+use crate::bvh::{Child, WIDE, WideNode, slots};
 use crate::kernel::ray_box::Padding;
 use crate::kernel::ray_triangle::WoopRay;
 use crate::lane::{Bits, F32x8, Lane, Mask, NATIVE_WIDTH, Native, NativeBits, set_bits};
@@ -86,7 +86,7 @@ impl Stream {
             axes: bytemuck::zeroed_box(),
             lists: vec![0; 16 * BATCH],
             masks: vec![0; BATCH + PACKET],
-            leaves: bytemuck::zeroed_box(),
+            leaves: Box::new([TriangleLeaf::EMPTY; WIDE]),
             stack: Stack::new(),
         }
     }
@@ -242,8 +242,8 @@ impl<C: CounterSink> StreamTraversal<'_, '_, C> {
         }
         if self.hierarchy.is_large() {
             // The lines of all children are fetched while the lists are written.
-            let touched = set_bits(all)
-                .map(|slot| self.hierarchy.touch(node.children()[slot & (WIDE - 1)]))
+            let touched = slots(all)
+                .map(|slot| self.hierarchy.touch(node.children()[slot]))
                 .fold(0, |sum, word| sum ^ word);
             std::hint::black_box(touched);
         }
@@ -273,7 +273,6 @@ impl<C: CounterSink> StreamTraversal<'_, '_, C> {
             }
             (begin, top - begin)
         };
-        let slots = |bits: u32| set_bits(bits).map(|slot| slot & (WIDE - 1));
         let (nodes, triangles) = (all & node.nodes(), all & node.triangle_leaves());
         let paired = slots(triangles).map(|slot| list(slot, (slot as u32) << SLOT_SHIFT).1).sum();
         let mut spans = [(0, 0); WIDE];

@@ -119,11 +119,12 @@ fn by_perpendicular<L: Lane>(
     let perpendicular = ray.direction.mul_add(divide(b), from_center);
     let discriminant = radius2 - perpendicular.dot(perpendicular);
     let c = from_center.dot(from_center) - radius2;
-    let ahead = L::zero().lt(b);
-    // The surface counts as inside: the near root, 0, is no hit; the far root may be one. A ray that starts
-    // outside and moves away has both roots behind it.
-    let inside = c.le(L::zero());
-    (L::zero().le(discriminant) & (ahead | inside), QuadraticEquation { b, c, discriminant })
+    // A ray that starts outside and moves away has both roots behind it. Signs instead of comparisons, which
+    // share their execution ports with multiplications. Only zeros differ: from a point of the surface away
+    // from the centre, no root is above 0.
+    let (ahead, inside, meets) = (!b.to_bits(), c.to_bits(), !discriminant.to_bits());
+    let may_hit = L::from_bits(meets & (ahead | inside)).is_sign_negative();
+    (may_hit, QuadraticEquation { b, c, discriminant })
 }
 
 /// The nearest root in front, with multiplication and division by the squared length of the direction as

@@ -22,7 +22,7 @@ const SMALLEST: f64 = 64.0 * f32::MIN_POSITIVE as f64;
 #[repr(C, align(16))]
 pub struct CulledSphere {
     center: [f32; 3],
-    /// |c|² − r², less its share of the margin.
+    /// |c|² − r², less its share of the margin; −∞ for a sphere that is never culled, with its centre at 0.
     power: f32,
 }
 
@@ -31,8 +31,11 @@ impl CulledSphere {
     pub fn new(center: glam::Vec3, radius: f32) -> Self {
         let (c2, r2) = (center.as_dvec3().length_squared(), f64::from(radius).powi(2));
         let power = c2 - r2 - MARGIN * (c2 + r2) - SMALLEST;
-        let power = if c2 + r2 < f64::from(LARGEST) { power as f32 } else { f32::NEG_INFINITY };
-        Self { center: center.to_array(), power }
+        let (center, power) = match c2 + r2 < f64::from(LARGEST) {
+            true => (center.to_array(), power as f32),
+            false => ([0.0; 3], f32::NEG_INFINITY),
+        };
+        Self { center, power }
     }
 }
 
@@ -43,7 +46,8 @@ impl CulledSphere {
 /// e = (|c|² − r²) + |o|² − 2 o · c, so that both take eight operations with what is known of the ray and of
 /// the sphere; the exact test takes twenty.
 ///
-/// Domain: that of [`super::ray_sphere::Robust`], directions of unit length within 1e-5.
+/// Domain: that of [`super::ray_sphere::Robust`], directions of unit length within 1e-5. Rays with NaN hit
+/// nothing and may be culled.
 /// Bounds: with ε = 2⁻²⁴ and S = |o| + |c|, the rounding of e is at most 10 ε (S² + r²), that of b 10 ε S, so
 /// that of b² − e at most 32 ε (S² + r²). The exact test finds a discriminant that is at most 16 ε (S² + r²)
 /// too large. With S² ≤ 2 (|o|² + |c|²) a margin of 128 ε (|o|² + |c|² + r²) covers both. Where rounding
@@ -69,11 +73,13 @@ impl<L: Lane> SphereCulling<L> {
         let direction = ray.direction * scale;
         let squared = ray.origin.dot(ray.origin);
         let power = squared * L::splat((1.0 - MARGIN) as f32);
+        // Far away all products are 0 and e is −∞: nothing is culled, and nothing is NaN.
         let near = squared.lt(L::splat(LARGEST));
+        let only_near = |v: Vec3<L>| Vec3::select(near, v, Vec3::zero());
         Self {
-            direction,
-            along: -direction.dot(ray.origin),
-            minus_twice_origin: ray.origin * L::splat(-2.0),
+            along: -only_near(direction).dot(only_near(ray.origin)),
+            direction: only_near(direction),
+            minus_twice_origin: only_near(ray.origin * L::splat(-2.0)),
             power: L::select(near, power, L::splat(f32::NEG_INFINITY)),
         }
     }
@@ -84,12 +90,12 @@ impl<L: Lane> SphereCulling<L> {
         let [x, y, z] = sphere.center.map(L::splat);
         let b =
             x.mul_add(self.direction.x, y.mul_add(self.direction.y, z.mul_add(self.direction.z, self.along)));
-        let e = self.power + L::splat(sphere.power);
         let Vec3 { x: ox, y: oy, z: oz } = self.minus_twice_origin;
-        let e = x.mul_add(ox, y.mul_add(oy, z.mul_add(oz, e)));
-        // Comparisons that are false for NaN: what overflows is not culled.
-        let misses = b.mul_add(b, -e).lt(L::zero());
-        let behind = b.lt(L::zero()) & L::zero().lt(e);
-        !(misses | behind)
+        let e = x.mul_add(ox, y.mul_add(oy, z.mul_add(oz, self.power + L::splat(sphere.power))));
+        // Signs instead of comparisons, which share their execution ports with products. The line meets the
+        // sphere where e − b² < 0; the sphere is not behind where b > 0 or e < 0. Margins keep all of them
+        // away from 0 where the sphere is hit.
+        let (meets, ahead, inside) = (b.neg_mul_add(b, e).to_bits(), !b.to_bits(), e.to_bits());
+        L::from_bits(meets & (ahead | inside)).is_sign_negative()
     }
 }

@@ -50,7 +50,7 @@ pub struct WoopRay<L: Lane> {
     z_axis: L::Bits,
     /// The origin in that order.
     origin: Vec3<L>,
-    /// x and y per z, and 1 per z.
+    /// x and y per z, and −1 per z: what is sheared is the origin relative to a vertex.
     shear: Vec3<L>,
 }
 
@@ -79,15 +79,17 @@ impl<L: Lane> WoopRay<L> {
         let z_axis = L::Bits::select(x_is_not, L::Bits::select(y_is_not, axis(2), axis(1)), axis(0));
         let direction = order(d);
         let inverse_z = L::one() / direction.z;
-        let shear = Vec3::new(direction.x * inverse_z, direction.y * inverse_z, inverse_z);
+        let shear = Vec3::new(direction.x * inverse_z, direction.y * inverse_z, -inverse_z);
         Self { z_axis, origin: order(ray.origin), shear }
     }
 
-    /// A vertex relative to the origin, in the ray's order of axes.
+    /// The origin relative to a vertex, in the ray's order of axes. Not the vertex relative to the origin:
+    /// only what is subtracted can be read from memory by the subtraction itself. The edge functions are the
+    /// same.
     #[inline(always)]
     fn vertex(&self, row: &[f32; 8]) -> Vec3<L> {
         let pick = |steps: u32| L::pick(row, self.z_axis.wrapping_add(L::Bits::splat(steps)));
-        Vec3::new(pick(1), pick(2), pick(0)) - self.origin
+        self.origin - Vec3::new(pick(1), pick(2), pick(0))
     }
 
     #[inline(always)]
@@ -96,7 +98,7 @@ impl<L: Lane> WoopRay<L> {
     }
 }
 
-/// Woop's test of triangles given by their vertices relative to the origin, in the ray's order of axes.
+/// Woop's test of triangles given by the origin relative to their vertices, in the ray's order of axes.
 /// `edge` computes the edge function p.x q.y − p.y q.x. Returns `None` only if no lane hits; the mask of a
 /// result may be empty too.
 #[inline(always)]
@@ -110,7 +112,7 @@ fn woop<L: Lane>(
     hit_of_edges(shear, inside(edges), [a.z, b.z, c.z], edges)
 }
 
-/// The x and y of a vertex in the space of the ray.
+/// The x and y of a vertex in the space of the ray, negated.
 #[inline(always)]
 fn sheared<L: Lane>(shear: Vec3<L>, v: Vec3<L>) -> (L, L) {
     (shear.x.neg_mul_add(v.z, v.x), shear.y.neg_mul_add(v.z, v.y))
@@ -123,8 +125,8 @@ fn inside<L: Lane>([u, v, w]: [L; 3]) -> L::Mask {
     L::zero().le(least) | most.le(L::zero())
 }
 
-/// The hit of those lanes `inside` a triangle with these z of its vertices and these edge functions of its
-/// opposite edges.
+/// The hit of those lanes `inside` a triangle with these z, relative to its vertices, and these edge
+/// functions of the opposite edges.
 #[inline(always)]
 fn hit_of_edges<L: Lane>(
     shear: Vec3<L>,
@@ -172,7 +174,7 @@ impl WoopRay<f32> {
         let origin = Vec3::new(splat(self.origin.x), splat(self.origin.y), splat(self.origin.z));
         let shear = Vec3::new(splat(self.shear.x), splat(self.shear.y), splat(self.shear.z));
         let row = |vertex: usize, axis: usize| Native::load(&triangles[vertex][axis]);
-        let vertex = |vertex: usize| Vec3::new(row(vertex, x), row(vertex, y), row(vertex, z)) - origin;
+        let vertex = |vertex: usize| origin - Vec3::new(row(vertex, x), row(vertex, y), row(vertex, z));
         woop(shear, [vertex(0), vertex(1), vertex(2)], exact_edge)
     }
 
@@ -182,7 +184,7 @@ impl WoopRay<f32> {
         let order = ORDERS[(self.z_axis & 3) as usize];
         let vertex = |v: Vec3<f32>| {
             let v = [v.x, v.y, v.z];
-            Vec3::new(v[order[0]], v[order[1]], v[order[2]]) - self.origin
+            self.origin - Vec3::new(v[order[0]], v[order[1]], v[order[2]])
         };
         woop(self.shear, vertices.map(vertex), exact_edge)
     }
@@ -204,7 +206,7 @@ impl<L: Lane> WoopRay<L> {
         let vertex = |v: [f32; 3]| {
             let (a, b, c) = (L::splat(v[0]), L::splat(v[1]), L::splat(v[2]));
             let pick = |of_x: L, of_y: L, of_z: L| L::select(x, of_x, L::select(y, of_y, of_z));
-            Vec3::new(pick(b, c, a), pick(c, a, b), pick(a, b, c)) - self.origin
+            self.origin - Vec3::new(pick(b, c, a), pick(c, a, b), pick(a, b, c))
         };
         let [a, b, c] = corners;
         woop(self.shear, [vertex(a), vertex(b), vertex(c)], exact_edge)
@@ -221,7 +223,7 @@ impl<L: Lane> WoopRay<L> {
         let [x, y, z] = ORDERS[(axis & 3) as usize];
         let lane = lane & (NATIVE_WIDTH - 1);
         let vertex = |rows: &[[f32; NATIVE_WIDTH]; 3]| {
-            Vec3::new(L::splat(rows[x][lane]), L::splat(rows[y][lane]), L::splat(rows[z][lane])) - self.origin
+            self.origin - Vec3::new(L::splat(rows[x][lane]), L::splat(rows[y][lane]), L::splat(rows[z][lane]))
         };
         let [a, b, c] = triangles;
         woop(self.shear, [vertex(a), vertex(b), vertex(c)], exact_edge)

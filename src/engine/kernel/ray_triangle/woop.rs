@@ -136,14 +136,14 @@ fn hit_of_edges<L: Lane>(
 ) -> Option<TriangleHit<L>> {
     // Rays that leave a surface have t < 0 with it: compare signs before the branch, without a division.
     let determinant = u + v + w;
-    let scaled_t = u.mul_add(az, v.mul_add(bz, w * cz)) * shear.z;
-    let inside = inside & !(scaled_t.flip_sign(determinant)).lt(L::zero());
+    let z = u.mul_add(az, v.mul_add(bz, w * cz));
+    let inside = inside & !z.flip_sign(determinant).flip_sign(shear.z).is_sign_negative();
     if !inside.any() {
         return None;
     }
     // A zero determinant gives an infinite or NaN t, which the mask rejects.
     let inverse = L::one() / determinant;
-    let t = scaled_t * inverse;
+    let t = z * shear.z * inverse;
     let mask = inside & L::zero().lt(t) & t.lt(L::splat(f32::INFINITY));
     Some(TriangleHit { mask, t, u: v * inverse, v: w * inverse })
 }

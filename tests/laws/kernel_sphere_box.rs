@@ -155,7 +155,8 @@ fn spheres_that_are_missed_are_culled() {
     assert!(missed > 100_000 && kept < missed / 1000, "{kept} of {missed}");
 }
 
-/// What overflows is not culled, even where a sum of products would be ∞ − ∞.
+/// What overflows is not culled, even where a sum of products would be ∞ − ∞, and neither is what is not a
+/// number.
 #[test]
 fn spheres_beyond_the_range_of_squares_are_not_culled() {
     let far = Vec3::new(3e18, 0.0, 0.0);
@@ -163,6 +164,8 @@ fn spheres_beyond_the_range_of_squares_are_not_culled() {
     for (ray, center) in [
         (backwards, Vec3::ZERO),
         (ray(Vec3::ZERO, -Vec3::X), far),
+        (ray(Vec3::ZERO, Vec3::NAN), Vec3::ONE),
+        (ray(Vec3::NAN, Vec3::X), Vec3::ONE),
         (ray(Vec3::splat(3e38), Vec3::new(0.6, -0.8, 0.0)), Vec3::new(-1e14, 1e14, 1e14)),
         (ray(Vec3::new(2e14, -2e14, 3.0), Vec3::new(0.6, 0.8, 0.0)), Vec3::new(3e38, -3e38, 3e38)),
         (ray(Vec3::splat(3e38), Vec3::X), Vec3::splat(-3e38)),

@@ -119,12 +119,18 @@ fn by_perpendicular<L: Lane>(
     let perpendicular = ray.direction.mul_add(divide(b), from_center);
     let discriminant = radius2 - perpendicular.dot(perpendicular);
     let c = from_center.dot(from_center) - radius2;
-    // A ray that starts outside and moves away has both roots behind it. Signs instead of comparisons, which
-    // share their execution ports with multiplications. Only zeros differ: from a point of the surface away
-    // from the centre, no root is above 0.
-    let (ahead, inside, meets) = (!b.to_bits(), c.to_bits(), !discriminant.to_bits());
-    let may_hit = L::from_bits(meets & (ahead | inside)).is_sign_negative();
+    let may_hit = may_hit(b, c, !discriminant.to_bits());
     (may_hit, QuadraticEquation { b, c, discriminant })
+}
+
+/// The lanes whose lines meet the sphere, where the sign bit of `meets` is set, but those of rays that start
+/// outside and move away: both roots are behind them. b and c as in [`QuadraticEquation`].
+///
+/// By signs and not by comparisons, which share their execution ports with multiplications. Only zeros
+/// differ: from a point of the surface away from the centre no root is above 0.
+#[inline(always)]
+pub(super) fn may_hit<L: Lane>(b: L, c: L, meets: L::Bits) -> L::Mask {
+    L::from_bits(meets & (!b.to_bits() | c.to_bits())).is_sign_negative()
 }
 
 /// The nearest root in front, with multiplication and division by the squared length of the direction as

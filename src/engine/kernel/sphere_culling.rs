@@ -1,8 +1,9 @@
 //! Culling of spheres: a conservative test, cheaper than that of [`super::ray_sphere::Robust`].
 //!
 //! For: [`CulledSphere`] and [`SphereCulling`], which find the few of many spheres that a packet of rays may
-//! hit. May import: `lane`, `math`. Must never know: what else is tested, hits.
+//! hit. May import: `ray_sphere`, `lane`, `math`. Must never know: what else is tested, hits.
 
+use super::ray_sphere::may_hit;
 use crate::lane::Lane;
 use crate::math::{Ray, Vec3};
 use bytemuck::{Pod, Zeroable};
@@ -46,8 +47,7 @@ impl CulledSphere {
 /// e = (|c|² − r²) + |o|² − 2 o · c, so that both take eight operations with what is known of the ray and of
 /// the sphere; the exact test takes twenty.
 ///
-/// Domain: that of [`super::ray_sphere::Robust`], directions of unit length within 1e-5. Rays with NaN hit
-/// nothing and may be culled.
+/// Domain: that of [`super::ray_sphere::Robust`], directions of unit length within 1e-5.
 /// Bounds: with ε = 2⁻²⁴ and S = |o| + |c|, the rounding of e is at most 10 ε (S² + r²), that of b 10 ε S, so
 /// that of b² − e at most 32 ε (S² + r²). The exact test finds a discriminant that is at most 16 ε (S² + r²)
 /// too large. With S² ≤ 2 (|o|² + |c|²) a margin of 128 ε (|o|² + |c|² + r²) covers both. Where rounding
@@ -68,18 +68,20 @@ impl<L: Lane> SphereCulling<L> {
     /// Prepares a packet.
     #[inline(always)]
     pub fn new(ray: &Ray<L>) -> Self {
-        // The exact test computes b² (2 − |d|²) − e. A direction times 1 − (|d|² − 1) / 2 gives the same b².
-        let scale = ray.direction.dot(ray.direction).neg_mul_add(L::splat(0.5), L::splat(1.5));
-        let direction = ray.direction * scale;
-        let squared = ray.origin.dot(ray.origin);
-        let power = squared * L::splat((1.0 - MARGIN) as f32);
-        // Far away all products are 0 and e is −∞: nothing is culled, and nothing is NaN.
-        let near = squared.lt(L::splat(LARGEST));
+        let (length2, distance2) = (ray.direction.dot(ray.direction), ray.origin.dot(ray.origin));
+        // Outside the range of squares, and where a ray has NaN, all products are 0 and e is −∞: nothing is
+        // culled.
+        let largest = L::splat(LARGEST);
+        let near = length2.lt(largest) & distance2.lt(largest);
         let only_near = |v: Vec3<L>| Vec3::select(near, v, Vec3::zero());
+        // The exact test computes b² (2 − |d|²) − e. A direction times 1 − (|d|² − 1) / 2 gives the same b².
+        let scale = length2.neg_mul_add(L::splat(0.5), L::splat(1.5));
+        let (origin, direction) = (only_near(ray.origin), only_near(ray.direction * scale));
+        let power = distance2 * L::splat((1.0 - MARGIN) as f32);
         Self {
-            along: -only_near(direction).dot(only_near(ray.origin)),
-            direction: only_near(direction),
-            minus_twice_origin: only_near(ray.origin * L::splat(-2.0)),
+            direction,
+            along: -direction.dot(origin),
+            minus_twice_origin: origin * L::splat(-2.0),
             power: L::select(near, power, L::splat(f32::NEG_INFINITY)),
         }
     }
@@ -92,10 +94,7 @@ impl<L: Lane> SphereCulling<L> {
             x.mul_add(self.direction.x, y.mul_add(self.direction.y, z.mul_add(self.direction.z, self.along)));
         let Vec3 { x: ox, y: oy, z: oz } = self.minus_twice_origin;
         let e = x.mul_add(ox, y.mul_add(oy, z.mul_add(oz, self.power + L::splat(sphere.power))));
-        // Signs instead of comparisons, which share their execution ports with products. The line meets the
-        // sphere where e − b² < 0; the sphere is not behind where b > 0 or e < 0. Margins keep all of them
-        // away from 0 where the sphere is hit.
-        let (meets, ahead, inside) = (b.neg_mul_add(b, e).to_bits(), !b.to_bits(), e.to_bits());
-        L::from_bits(meets & (ahead | inside)).is_sign_negative()
+        // Margins keep e and b² − e away from 0 where the sphere is hit.
+        may_hit(b, e, b.neg_mul_add(b, e).to_bits())
     }
 }

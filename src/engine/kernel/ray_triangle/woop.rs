@@ -83,13 +83,11 @@ impl<L: Lane> WoopRay<L> {
         Self { z_axis, origin: order(ray.origin), shear }
     }
 
-    /// The origin relative to a vertex, in the ray's order of axes. Not the vertex relative to the origin:
-    /// only what is subtracted can be read from memory by the subtraction itself. The edge functions are the
-    /// same.
+    /// A vertex in the ray's order of axes.
     #[inline(always)]
     fn vertex(&self, row: &[f32; 8]) -> Vec3<L> {
         let pick = |steps: u32| L::pick(row, self.z_axis.wrapping_add(L::Bits::splat(steps)));
-        self.origin - Vec3::new(pick(1), pick(2), pick(0))
+        Vec3::new(pick(1), pick(2), pick(0))
     }
 
     #[inline(always)]
@@ -98,15 +96,18 @@ impl<L: Lane> WoopRay<L> {
     }
 }
 
-/// Woop's test of triangles given by the origin relative to their vertices, in the ray's order of axes.
+/// Woop's test of rays, given by origin and shear, against triangles, all in the rays' order of axes.
 /// `edge` computes the edge function p.x q.y − p.y q.x. Returns `None` only if no lane hits; the mask of a
 /// result may be empty too.
 #[inline(always)]
 fn woop<L: Lane>(
-    shear: Vec3<L>,
+    (origin, shear): (Vec3<L>, Vec3<L>),
     [a, b, c]: [Vec3<L>; 3],
     edge: impl Fn((L, L), (L, L)) -> L,
 ) -> Option<TriangleHit<L>> {
+    // Not the vertices relative to the origin: only what is subtracted can be read from memory by the
+    // subtraction itself. Edge functions are the same.
+    let (a, b, c) = (origin - a, origin - b, origin - c);
     let (pa, pb, pc) = (sheared(shear, a), sheared(shear, b), sheared(shear, c));
     let edges = [edge(pc, pb), edge(pa, pc), edge(pb, pa)];
     hit_of_edges(shear, inside(edges), [a.z, b.z, c.z], edges)
@@ -174,8 +175,8 @@ impl WoopRay<f32> {
         let origin = Vec3::new(splat(self.origin.x), splat(self.origin.y), splat(self.origin.z));
         let shear = Vec3::new(splat(self.shear.x), splat(self.shear.y), splat(self.shear.z));
         let row = |vertex: usize, axis: usize| Native::load(&triangles[vertex][axis]);
-        let vertex = |vertex: usize| origin - Vec3::new(row(vertex, x), row(vertex, y), row(vertex, z));
-        woop(shear, [vertex(0), vertex(1), vertex(2)], exact_edge)
+        let vertex = |vertex: usize| Vec3::new(row(vertex, x), row(vertex, y), row(vertex, z));
+        woop((origin, shear), [vertex(0), vertex(1), vertex(2)], exact_edge)
     }
 
     /// One ray against one triangle given by its vertices.
@@ -184,9 +185,9 @@ impl WoopRay<f32> {
         let order = ORDERS[(self.z_axis & 3) as usize];
         let vertex = |v: Vec3<f32>| {
             let v = [v.x, v.y, v.z];
-            self.origin - Vec3::new(v[order[0]], v[order[1]], v[order[2]])
+            Vec3::new(v[order[0]], v[order[1]], v[order[2]])
         };
-        woop(self.shear, vertices.map(vertex), exact_edge)
+        woop((self.origin, self.shear), vertices.map(vertex), exact_edge)
     }
 }
 
@@ -206,10 +207,10 @@ impl<L: Lane> WoopRay<L> {
         let vertex = |v: [f32; 3]| {
             let (a, b, c) = (L::splat(v[0]), L::splat(v[1]), L::splat(v[2]));
             let pick = |of_x: L, of_y: L, of_z: L| L::select(x, of_x, L::select(y, of_y, of_z));
-            self.origin - Vec3::new(pick(b, c, a), pick(c, a, b), pick(a, b, c))
+            Vec3::new(pick(b, c, a), pick(c, a, b), pick(a, b, c))
         };
         let [a, b, c] = corners;
-        woop(self.shear, [vertex(a), vertex(b), vertex(c)], exact_edge)
+        woop((self.origin, self.shear), [vertex(a), vertex(b), vertex(c)], exact_edge)
     }
 
     /// A packet whose rays all have the z axis `axis` against one triangle of a block.
@@ -223,10 +224,10 @@ impl<L: Lane> WoopRay<L> {
         let [x, y, z] = ORDERS[(axis & 3) as usize];
         let lane = lane & (NATIVE_WIDTH - 1);
         let vertex = |rows: &[[f32; NATIVE_WIDTH]; 3]| {
-            self.origin - Vec3::new(L::splat(rows[x][lane]), L::splat(rows[y][lane]), L::splat(rows[z][lane]))
+            Vec3::new(L::splat(rows[x][lane]), L::splat(rows[y][lane]), L::splat(rows[z][lane]))
         };
         let [a, b, c] = triangles;
-        woop(self.shear, [vertex(a), vertex(b), vertex(c)], exact_edge)
+        woop((self.origin, self.shear), [vertex(a), vertex(b), vertex(c)], exact_edge)
     }
 }
 
@@ -274,13 +275,14 @@ impl TriangleMethod for Woop {
     }
     #[inline(always)]
     fn test<L: Lane>(ray: &WoopRay<L>, triangle: &WoopTriangle, limit: L) -> TriangleHit<L> {
-        within(woop(ray.shear, ray.vertices(triangle), exact_edge), limit)
+        within(woop((ray.origin, ray.shear), ray.vertices(triangle), exact_edge), limit)
     }
     /// The vertices that a, b, c and a, c, d share are transformed once, and each lane goes on with the
     /// triangle that its line passes.
     #[inline(always)]
     fn test_pair<L: Lane>(ray: &WoopRay<L>, [first, second]: [&WoopTriangle; 2]) -> Option<PairHit<L>> {
         let ([a, b, c], d) = (ray.vertices(first), ray.vertex(&second.rows[2]));
+        let (a, b, c, d) = (ray.origin - a, ray.origin - b, ray.origin - c, ray.origin - d);
         let shear = |v| sheared(ray.shear, v);
         let (pa, pb, pc, pd) = (shear(a), shear(b), shear(c), shear(d));
         let first = [exact_edge(pc, pb), exact_edge(pa, pc), exact_edge(pb, pa)];
@@ -312,6 +314,9 @@ impl TriangleMethod for WoopContracted {
     }
     #[inline(always)]
     fn test<L: Lane>(ray: &WoopRay<L>, triangle: &WoopTriangle, limit: L) -> TriangleHit<L> {
-        within(woop(ray.shear, ray.vertices(triangle), |p, q| p.1.neg_mul_add(q.0, p.0 * q.1)), limit)
+        within(
+            woop((ray.origin, ray.shear), ray.vertices(triangle), |p, q| p.1.neg_mul_add(q.0, p.0 * q.1)),
+            limit,
+        )
     }
 }

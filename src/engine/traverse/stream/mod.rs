@@ -43,7 +43,7 @@ const PACKET: usize = NATIVE_WIDTH;
 /// Lists of at most this many rays are traced one by one.
 const MAX_SINGLE: usize = 1;
 
-/// Whether planes stay in registers and each ray selects its own, or are loaded for each ray. AMD's
+/// Whether each ray selects its planes by the signs of its direction, or loads them by its octant. AMD's
 /// processors, which alone have SSE4a, select in one operation and load fewer vectors a cycle: shadow rays
 /// are 1.06 to 1.11 times as fast so (Zen 4). On Intel's they are 0.91 to 0.95 times as fast.
 const SELECTS_PLANES: bool = cfg!(target_feature = "sse4a");

@@ -77,7 +77,8 @@
 //! - **Conservative culling.** A culled test never changes a hit.
 //! - **Speed and accuracy.** A speed is reported together with its accuracy, and the default methods are
 //!   robust.
-//! - **Safe.** No `unsafe`; the dependencies `wide` and `bytemuck` contain what is needed.
+//! - **Safe.** The dependencies `wide` and `bytemuck` contain what is needed, but for one instruction: one
+//!   `unsafe` block, in a module of its own.
 
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]

@@ -51,9 +51,10 @@
 //! - **Conservative culling.** Whatever skips a test gives the same hit as testing every primitive.
 //! - **Kernels are pure.** Values in, (mask, values) out: they allocate nothing, look nothing up and never
 //!   panic.
-//! - **Safe.** No `unsafe`; `wide` and `bytemuck` contain what is needed.
+//! - **Safe.** `wide` and `bytemuck` contain what is needed, but for one instruction: `lane::vpcompressd` has
+//!   the only `unsafe` block.
 
-#![forbid(unsafe_code)]
+#![deny(unsafe_code)]
 #![warn(missing_docs)]
 
 pub mod adaptive;

@@ -394,6 +394,7 @@ fn packing_moves_the_lanes_of_every_mask_to_the_front() {
             for (to, from) in chosen.enumerate() {
                 assert_eq!(packed.get(to), floats.get(from), "mask {bits:#b}");
                 assert_eq!(packed_bits.get(to), integers.get(from), "mask {bits:#b}");
+                assert_eq!(integers.compress(mask).get(to), integers.get(from), "mask {bits:#b}");
             }
         }
     }
@@ -401,7 +402,7 @@ fn packing_moves_the_lanes_of_every_mask_to_the_front() {
     check::<F32x16>();
     // At width one the only lane is the first.
     f32::compress_indices(true);
-    assert_eq!((7.5_f32.compress(()), f32::compress_bits(9, ())), (7.5, 9));
+    assert_eq!((7.5_f32.compress(()), f32::compress_bits(9, ()), 9.compress(true)), (7.5, 9, 9));
 }
 
 fn mask_of<L: Lane>(bits: u32) -> L::Mask {

@@ -22,6 +22,8 @@ mod packet;
 mod permute;
 mod scalar;
 mod traits;
+#[cfg(target_feature = "avx512f")]
+mod vpcompressd;
 
 pub use packet::{F32x8, F32x16, Mask8, Mask16, U32x8, U32x16};
 pub use traits::{Bits, Lane, Mask, lane_indices, set_bits};

@@ -168,6 +168,10 @@ macro_rules! packet {
                 let as_floats = |ints: Self| bytemuck::cast::<_, $f32>(ints.0);
                 Self(bytemuck::cast(mask.0.select(as_floats(if_true), as_floats(if_false))))
             }
+            #[inline(always)]
+            fn compress(self, mask: $mask) -> Self {
+                self.compressed(mask)
+            }
         }
 
         impl Lane for $floats {

@@ -52,6 +52,11 @@ impl U32x8 {
     pub(super) fn permuted(self, indices: Self) -> Self {
         Self(self.0.shuffle(indices.0))
     }
+    /// [`Bits::compress`].
+    #[inline(always)]
+    pub(super) fn compressed(self, mask: Mask8) -> Self {
+        self.permuted(Self::indices_of(mask))
+    }
 }
 
 impl F32x8 {
@@ -139,6 +144,18 @@ impl U32x16 {
             let (from, indices) = (self.0.to_array(), indices.0.to_array());
             Self::from_fn(|lane| from[indices[lane] as usize & 15])
         }
+    }
+    /// [`Bits::compress`].
+    #[cfg(target_feature = "avx512f")]
+    #[inline(always)]
+    pub(super) fn compressed(self, mask: Mask16) -> Self {
+        super::vpcompressd::compress(self, mask)
+    }
+    /// [`Bits::compress`].
+    #[cfg(not(target_feature = "avx512f"))]
+    #[inline(always)]
+    pub(super) fn compressed(self, mask: Mask16) -> Self {
+        self.permuted(Self::indices_of(mask))
     }
 }
 

@@ -79,6 +79,10 @@ impl Bits for u32 {
     fn select(mask: bool, if_true: Self, if_false: Self) -> Self {
         if mask { if_true } else { if_false }
     }
+    #[inline(always)]
+    fn compress(self, _mask: bool) -> Self {
+        self
+    }
 }
 
 impl Lane for f32 {

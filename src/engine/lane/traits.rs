@@ -93,6 +93,9 @@ pub trait Bits:
     fn less(self, other: Self) -> Self::Mask;
     /// Lane by lane, one of two integers.
     fn select(mask: Self::Mask, if_true: Self, if_false: Self) -> Self;
+    /// Moves the lanes of `mask` to the front and keeps their order (stream compaction). The lanes behind
+    /// them are unspecified. Several columns by one mask: [`Lane::compress_indices`].
+    fn compress(self, mask: Self::Mask) -> Self;
 }
 
 /// One or several `f32` that take part in the same arithmetic.

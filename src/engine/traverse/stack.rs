@@ -24,10 +24,9 @@ impl Stack {
     /// swaps the nearest to the top. Returns their number.
     #[inline(always)]
     pub fn push(&mut self, at: usize, children: &[Child; WIDE], near: Native, passes: NativeMask) -> usize {
-        let indices = Native::compress_indices(passes);
         let children = NativeBits::load(bytemuck::cast_slice(children));
-        Native::compress_bits(children, indices).store(&mut self.child[at & (CAPACITY - 1)..]);
-        near.compress(indices).store(&mut self.near[at & (CAPACITY - 1)..]);
+        children.compress(passes).store(&mut self.child[at & (CAPACITY - 1)..]);
+        Native::from_bits(near.to_bits().compress(passes)).store(&mut self.near[at & (CAPACITY - 1)..]);
         let count = passes.count();
         if count > 1 {
             let last = at + count - 1;

@@ -211,12 +211,21 @@ fn wide_is_imported_by_lane_alone() {
 }
 
 #[test]
-fn no_source_is_unsafe() {
+fn one_source_is_unsafe() {
     for source in sources() {
-        let code = source.code.replace("#![forbid(unsafe_code)]", "");
-        assert!(!code.contains("unsafe"), "{}", source.path.display());
-        let forbids = code.len() < source.code.len();
-        assert!(!source.path.ends_with("lib.rs") || forbids, "every package forbids unsafe code");
+        let path = source.path.display();
+        let allowed = source.path.ends_with("engine/lane/vpcompressd.rs");
+        let fence = if source.path.ends_with("engine/lib.rs") {
+            "#![deny(unsafe_code)]"
+        } else if allowed {
+            "#![allow(unsafe_code)]"
+        } else {
+            "#![forbid(unsafe_code)]"
+        };
+        let code = source.code.replace(fence, "");
+        assert_eq!(code.matches("unsafe").count(), usize::from(allowed), "{path}");
+        let fenced = code.len() < source.code.len();
+        assert!(fenced || !(allowed || source.path.ends_with("lib.rs")), "{path} has no {fence}");
     }
 }
 

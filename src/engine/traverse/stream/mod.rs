@@ -266,9 +266,7 @@ impl<C: CounterSink> StreamTraversal<'_, '_, C> {
             let begin = top;
             for (masks, rays) in masks.iter().zip(*from) {
                 let passes = (NativeBits::load(masks) & bit).equals(bit);
-                let indices = Native::compress_indices(passes);
-                let listed = Native::compress_bits(NativeBits::load(rays), indices);
-                (listed | tag).store(&mut write[top - free..]);
+                (NativeBits::load(rays).compress(passes) | tag).store(&mut write[top - free..]);
                 top += passes.count();
             }
             (begin, top - begin)

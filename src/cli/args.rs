@@ -272,7 +272,7 @@ pub struct MergeArgs {
 
 /// Measure rays per second, by kind of ray and traversal.
 ///
-/// Three kinds: primary rays from a camera that sees the whole scene (4×2 pixels a packet), one shadow ray
+/// Three kinds: primary rays from a camera that sees the whole scene (blocks of 4×4 pixels), one shadow ray
 /// from each of their hits (cosine-weighted, a quarter of the scene's diagonal long, any hit), and one
 /// diffuse ray from each (cosine-weighted, nearest hit). They are traced from prepared arrays, whose
 /// preparation is not timed. All traversals are measured in alternation.

@@ -36,7 +36,7 @@ pub fn run(options: BenchOptions) -> Result<ExitCode, CliError> {
             }
         }
         let effort = options.frames.map_or(Effort::Time(PER_SCENE), Effort::Frames);
-        let engines = engines(&scene, &settings, &options);
+        let engines = engines(&options);
         let results = bench(&scene, settings, &engines, effort, options.stats);
         let accuracy = compare(&scene, settings, 1);
         failed |= accuracy.failed(settings.methods);
@@ -60,11 +60,11 @@ pub fn run(options: BenchOptions) -> Result<ExitCode, CliError> {
     Ok(if failed { ExitCode::from(CHECK_FAILED) } else { ExitCode::SUCCESS })
 }
 
-/// The width that suits the scene first, then the other packets that are one vector of the machine, scalar,
-/// and the first once more on all cores.
-fn engines(scene: &Scene, settings: &Settings, options: &BenchOptions) -> Vec<Engine> {
+/// The width that was asked for or that of `--lanes auto`; then, by default, the other packets that are one
+/// vector of the machine, scalar, and the first once more on all cores.
+fn engines(options: &BenchOptions) -> Vec<Engine> {
     let threads = options.threads.unwrap_or(1);
-    let first = options.lanes.unwrap_or_default().lanes(scene, &settings.methods);
+    let first = options.lanes.unwrap_or_default().lanes();
     let mut engines = vec![Engine { lanes: first, threads }];
     if options.lanes.is_none() {
         let others = native_widths().filter(|&lanes| lanes != first);

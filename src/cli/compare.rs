@@ -45,7 +45,7 @@ fn settings(options: &CompareOptions, scene: &Scene) -> Settings {
         max_bounces: options.bounces,
         seed: options.seed,
         methods,
-        lanes: LaneChoice::Auto.lanes(scene, &methods),
+        lanes: LaneChoice::Auto.lanes(),
         pipeline: options.pipeline,
         threads: options.threads,
         ..Settings::of(scene)

@@ -301,7 +301,7 @@ fn settings(scene: &Scene, options: &PictureOptions, overrides: &Overrides) -> S
         seed: overrides.seed.unwrap_or(default.seed),
         methods,
         pipeline: overrides.pipeline.unwrap_or(default.pipeline),
-        lanes: options.lanes.lanes(scene, &methods),
+        lanes: options.lanes.lanes(),
         threads: options.threads,
         clamp: overrides.clamp.unwrap_or(default.clamp),
         ..default

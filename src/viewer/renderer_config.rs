@@ -26,7 +26,7 @@ impl RendererConfig {
     pub fn wanted(scene: &Loaded, controls: &Controls, options: &Options) -> Self {
         let methods = controls.methods(scene, (options.methods)(scene));
         let lanes = if controls.scalar { LaneChoice::One } else { controls.lanes };
-        Self { methods, threads: controls.threads, lanes: lanes.lanes(scene, &methods) }
+        Self { methods, threads: controls.threads, lanes: lanes.lanes() }
     }
 }
 

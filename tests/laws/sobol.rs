@@ -22,7 +22,7 @@ fn point(sampler: Sampler, seed: u32, pixel: u32, sample: u32, dimension: u32) -
 /// The values of a pixel of a picture [`WIDTH`] pixels wide, before or after the first bounce.
 fn in_pixel(values: &SampleValues, key: u32, pixel: u32, dimension: u32) -> PacketValues<'_, f32> {
     if is_shared(dimension) {
-        values.at_pixels(key, Places::Row { x: pixel % WIDTH, y: pixel / WIDTH })
+        values.at_pixels(key, Places::Block { x: pixel % WIDTH, y: pixel / WIDTH })
     } else {
         values.at_keys(key)
     }
@@ -365,7 +365,7 @@ fn whatever_the_seed_errors_of_pixels_have_no_bias_and_nothing_in_common() {
 /// The point of the pixel at (x, y) in a dimension before the first bounce.
 fn shared_point(seed: u32, [x, y]: [u32; 2], sample: u32, dimension: u32) -> Point {
     let values = SampleValues::new(Sampler::Sobol, seed, sample, dimension);
-    let (x, y) = values.at_pixels::<f32>(0, Places::Row { x, y }).get_2d(0);
+    let (x, y) = values.at_pixels::<f32>(0, Places::Block { x, y }).get_2d(0);
     [f64::from(x), f64::from(y)]
 }
 

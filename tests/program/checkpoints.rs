@@ -187,7 +187,7 @@ fn checkpoint_of_something_else_is_refused_and_kept() {
     desk.octray(&free.split(' ').collect::<Vec<_>>()).assert().success();
 
     for (place, words) in [
-        (8, &["version 0 of the format", "reads version 1"][..]),
+        (8, &["version 3 of the format", "reads version 2"][..]),
         (40, &["damaged", "checksum"]),
         (kept.len() - 20, &["damaged", "checksum"]),
     ] {

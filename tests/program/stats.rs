@@ -1,6 +1,7 @@
 //! `--stats`: tables for people, figures in JSON, and nothing of either without it.
 
 use crate::desk::Desk;
+use octray::lane::NATIVE_WIDTH;
 use predicates::prelude::*;
 use predicates::str::contains;
 use serde_json::{Value, json};
@@ -72,7 +73,7 @@ fn render_and_bench_print_tables_and_what_they_mean() {
         let said = String::from_utf8_lossy(&shown.get_output().stdout).into_owned();
         for word in [
             "generate ",
-            "8 lanes, 1 thread",
+            &format!("{NATIVE_WIDTH} lanes, 1 thread"),
             "box tests a ray",
             "lanes in use, bounce 0",
             "A test is one ray",

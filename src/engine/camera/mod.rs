@@ -8,7 +8,7 @@
 mod tile;
 mod view_frustum;
 
-pub use tile::{MAX_PIXELS, Tile};
+pub use tile::{BLOCK, MAX_PIXELS, Tile};
 pub use view_frustum::ViewFrustum;
 
 use crate::lane::Lane;

@@ -1,10 +1,15 @@
 //! The division of a picture into tiles.
 //!
-//! For: [`Tile`]. May import: nothing. Must never know: what is rendered in a tile.
+//! For: [`Tile`]. May import: `lane`. Must never know: what is rendered in a tile.
+
+use crate::lane::{Bits, Lane};
 
 /// Most pixels in a tile. Path queues have this length. Columns for more would lie whole pages apart, all in
 /// the same few sets of the cache: 2 % slower.
 pub const MAX_PIXELS: usize = 256;
+
+/// Columns and rows of the blocks in which a tile's pixels are numbered: a packet of sixteen.
+pub const BLOCK: u32 = 4;
 
 /// A rectangle of pixels, at most [`MAX_PIXELS`] of them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -37,5 +42,81 @@ impl Tile {
     /// The number of its pixels.
     pub fn pixels(&self) -> usize {
         (self.width * self.height) as usize
+    }
+    /// The column and row in the picture of each pixel, in the order in which they are numbered: in bands of
+    /// [`BLOCK`] rows, in a band by blocks of [`BLOCK`] columns, in a block row by row; the last band and the
+    /// last block may be smaller. So a packet of rays sees a square or half of one: fewer edges and fewer
+    /// primitives than a row of as many pixels.
+    pub fn places(self) -> impl Iterator<Item = [u32; 2]> {
+        let blocks = |length: u32| {
+            (0..length).step_by(BLOCK as usize).map(move |first| (first, BLOCK.min(length - first)))
+        };
+        blocks(self.height).flat_map(move |(top, rows)| {
+            blocks(self.width).flat_map(move |(left, columns)| {
+                let rows = self.y + top..self.y + top + rows;
+                rows.flat_map(move |y| (0..columns).map(move |column| [self.x + left + column, y]))
+            })
+        })
+    }
+    /// The place of pixel number `at` where it is in a block of [`BLOCK`]² pixels; elsewhere `None`.
+    #[inline(always)]
+    pub fn place_in_block(&self, at: u32) -> Option<[u32; 2]> {
+        let band = BLOCK * self.width;
+        let (top, in_band) = (at / band * BLOCK, at % band);
+        let is_whole = self.width.is_multiple_of(BLOCK) && top + BLOCK <= self.height;
+        let (block, number) = (in_band / (BLOCK * BLOCK), in_band % (BLOCK * BLOCK));
+        is_whole.then(|| [self.x + BLOCK * block + number % BLOCK, self.y + top + number / BLOCK])
+    }
+    /// Columns and rows in the picture of any pixels by number, as [`Tile::places`] counts them. Places of
+    /// numbers from [`Tile::pixels`] on are unspecified.
+    #[inline(always)]
+    pub fn places_of<L: Lane>(&self, numbers: L::Bits) -> [L::Bits; 2] {
+        let splat = |value: u32| L::splat(value as f32);
+        // Exact: numbers are below 2¹⁰, and the quotient is rounded down from half a step up.
+        let divided = |value: L, by: L| L::from_int(((value + L::splat(0.5)) / by).truncate_to_int());
+        let [block, width, height] = [BLOCK, self.width, self.height].map(splat);
+        let number = L::from_int(numbers);
+        let band = divided(number, block * width);
+        let top = band * block;
+        let in_band = number - top * width;
+        let rows = block.min(height - top);
+        let left = divided(in_band, block * rows) * block;
+        let in_block = in_band - left * rows;
+        let columns = block.min(width - left);
+        let row = divided(in_block, columns);
+        let place = |first: u32, steps: L| L::Bits::splat(first).wrapping_add(steps.truncate_to_int());
+        [place(self.x, left + (in_block - row * columns)), place(self.y, top + row)]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn places_are_each_pixel_once_and_those_of_blocks() {
+        for [width, height] in [[16, 16], [16, 7], [10, 5], [3, 3], [1, 9], [64, 4], [5, 51]] {
+            let tile = Tile { number: 0, x: 32, y: 7, width, height };
+            let mut places: Vec<_> = tile.places().collect();
+            for (number, &place) in (0..).zip(&places) {
+                let told = format!("pixel {number} of {width}×{height}");
+                assert_eq!(tile.places_of::<f32>(number), place, "{told}");
+                let in_block = tile.place_in_block(number);
+                assert!(in_block.is_none_or(|in_block| in_block == place), "{told}");
+                let is_whole = width % 4 == 0 && place[1] - 7 < height / 4 * 4;
+                assert_eq!(in_block.is_some(), is_whole, "{told}");
+            }
+            places.sort_by_key(|&[x, y]| (y, x));
+            let rows = (7..7 + height).flat_map(|y| (32..32 + width).map(move |x| [x, y]));
+            assert!(places.into_iter().eq(rows), "{width}×{height}");
+        }
+    }
+
+    #[test]
+    fn sixteen_pixels_of_a_full_tile_are_a_block() {
+        let tile = Tile { number: 0, x: 0, y: 0, width: 16, height: 16 };
+        let places: Vec<_> = tile.places().collect();
+        assert_eq!(&places[..6], &[[0, 0], [1, 0], [2, 0], [3, 0], [0, 1], [1, 1]]);
+        assert_eq!((places[16], places[64], places[255]), ([4, 0], [0, 4], [15, 15]));
     }
 }

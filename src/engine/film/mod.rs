@@ -45,7 +45,7 @@ pub struct Film {
     pub(crate) rays: u64,
 }
 
-/// The sums of one tile's pixels, row by row.
+/// The sums of one tile's pixels, in the order of [`Tile::places`].
 #[derive(Clone, Debug)]
 pub struct TileSums {
     /// The pixels.
@@ -259,11 +259,9 @@ impl Film {
         }
         for sums in &self.tiles {
             let tile = sums.tile;
-            for slot in 0..tile.pixels() {
-                let (column, row) = (slot as u32 % tile.width, slot as u32 / tile.width);
-                let index = (tile.y + row) as usize * width as usize + (tile.x + column) as usize;
-                pixels[index] = pixel(sums, slot);
-            }
+            tile.places().enumerate().for_each(|(slot, [x, y])| {
+                pixels[y as usize * width as usize + x as usize] = pixel(sums, slot);
+            });
         }
     }
 }

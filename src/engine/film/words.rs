@@ -3,8 +3,8 @@
 //! For: checkpoints, through [`TileSums::words_into`] and [`TileSums::restore`]. May import: `lane`. Must
 //! never know: files.
 //!
-//! A word holds the bits of an f32, or a u32. Words stand in columns of one word a pixel, row by row of the
-//! tile:
+//! A word holds the bits of an f32, or a u32. Words stand in columns of one word a pixel, in the order of
+//! [`crate::camera::Tile::places`]:
 //!
 //! | columns | what |
 //! |---|---|

@@ -12,11 +12,12 @@ use super::intersect::intersect_queue;
 use super::queue::{PathQueue, primary_places};
 use super::scratch::Scratch;
 use super::stats::RayKind;
-use crate::camera::{Pinhole, Tile};
+use crate::camera::{BLOCK, Pinhole, Tile};
 use crate::lane::{Bits, F32x8, Lane, lane_indices};
 use crate::sampling::{Places, SampleValues, dimension};
 
-/// Fills the queue with the tile's pixels, row by row, finds what they hit, and returns how many there are.
+/// Fills the queue with the tile's pixels in their order, finds what they hit, and returns how many there
+/// are.
 pub fn generate<L: Lane>(context: &TraceContext, tile: Tile, sample: u32, scratch: &mut Scratch) -> usize {
     let (count, visible) = (tile.pixels(), context.visible.get(tile.number));
     scratch.values.begin(context.sampler, context.seed, sample, context.max_bounces);
@@ -41,10 +42,13 @@ fn camera_rays<L: Lane>(
     for at in (0..tile.pixels()).step_by(L::WIDTH) {
         let places = primary_places::<L>(tile, at);
         let (x, y, pixel) = match places {
-            Places::Row { x, y } => {
+            Places::Block { x, y } => {
                 let lanes = lane_indices::<L>();
+                let (column, row) = (lanes & L::Bits::splat(BLOCK - 1), lanes.shr(BLOCK.ilog2()));
+                let pixel = row.wrapping_mul(L::Bits::splat(width)).wrapping_add(column);
                 let first = L::Bits::splat(y * width + x);
-                (L::splat(x as f32) + L::from_int(lanes), L::splat(y as f32), first.wrapping_add(lanes))
+                let from = |first: u32, steps: L::Bits| L::splat(first as f32) + L::from_int(steps);
+                (from(x, column), from(y, row), first.wrapping_add(pixel))
             }
             Places::Any { x, y } => {
                 let before = y.wrapping_mul(L::Bits::splat(width));

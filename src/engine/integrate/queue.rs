@@ -5,7 +5,7 @@
 
 use super::columns::{Column, IntColumn, Vec3Columns, compress};
 use super::ray_queries::RayQueries;
-use crate::camera::Tile;
+use crate::camera::{BLOCK, Tile};
 use crate::kernel::ray_cone::Cone;
 use crate::lane::{Bits, Lane, lane_indices};
 use crate::math::{Hit, Ray, Vec3};
@@ -26,7 +26,7 @@ pub struct PathQueue {
     inv_pdf: Column,
     /// Key of the path's random numbers.
     key: IntColumn,
-    /// The path's pixel, counted row by row within its tile.
+    /// The number of the path's pixel in its tile ([`Tile::places`]).
     slot: IntColumn,
     t: Column,
     primitive: IntColumn,
@@ -73,19 +73,12 @@ pub fn primary_slots<L: Lane>(at: usize) -> L::Bits {
 /// The places of those pixels in the picture.
 #[inline(always)]
 pub fn primary_places<L: Lane>(tile: Tile, at: usize) -> Places<L> {
-    let (row, column) = (at as u32 / tile.width, at as u32 % tile.width);
-    if column + L::WIDTH as u32 <= tile.width {
-        return Places::Row { x: tile.x + column, y: tile.y + row };
-    }
-    // Rows by multiplication: exact, because slots are below 2¹⁰ and the quotient is rounded down from half a
-    // step up.
-    let slots = primary_slots::<L>(at);
-    let middle = L::from_int(slots) + L::splat(0.5);
-    let row = (middle * L::splat(1.0 / tile.width as f32)).truncate_to_int();
-    let before = row.wrapping_mul(L::Bits::splat(tile.width.wrapping_neg()));
-    Places::Any {
-        x: slots.wrapping_add(before).wrapping_add(L::Bits::splat(tile.x)),
-        y: row.wrapping_add(L::Bits::splat(tile.y)),
+    match tile.place_in_block(at as u32) {
+        Some([x, y]) if L::WIDTH == 1 || x.is_multiple_of(BLOCK) => Places::Block { x, y },
+        _ => {
+            let [x, y] = tile.places_of::<L>(primary_slots::<L>(at));
+            Places::Any { x, y }
+        }
     }
 }
 

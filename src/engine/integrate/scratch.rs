@@ -135,7 +135,8 @@ impl Scratch {
         let probe = self.probe.insert(probe.unwrap_or_default());
         probe.paths.fill(PathShape::default());
     }
-    /// Ends the recording and returns it: the tile's pixels, row by row.
+    /// Ends the recording and returns it: the tile's pixels, in the order of
+    /// [`crate::camera::Tile::places`].
     pub fn end_probe(&mut self) -> &Probe {
         self.idle_probe = self.probe.take();
         self.idle_probe.get_or_insert_default()
@@ -219,7 +220,7 @@ impl Scratch {
         }
     }
 
-    /// Red, green and blue of the tile's pixels, row by row; elements behind them are unspecified.
+    /// Red, green and blue of the tile's pixels, in their order; elements behind them are unspecified.
     pub fn radiance(&self) -> [&[f32]; 3] {
         [&self.radiance.x, &self.radiance.y, &self.radiance.z]
     }

@@ -95,9 +95,8 @@ impl Renderer {
             scratch.begin_stage(None);
             let probe = scratch.end_probe();
             let mut shapes = shapes.lock().expect("no thread panicked while it copied");
-            let rows = shapes.pixels.chunks_mut(width).skip(tile.y as usize);
-            for (row, paths) in rows.zip(probe.paths[..tile.pixels()].chunks(tile.width as usize)) {
-                row[tile.x as usize..][..paths.len()].copy_from_slice(paths);
+            for ([x, y], path) in tile.places().zip(&probe.paths) {
+                shapes.pixels[y as usize * width + x as usize] = *path;
             }
         };
         let tiles = Tile::cover(self.settings.resolution, self.settings.tile_size);

@@ -239,14 +239,12 @@ impl Renderer {
                 16 => generate::<F32x16>(&self.context, tile, sample, &mut scratch),
                 _ => generate::<F32x8>(&self.context, tile, sample, &mut scratch),
             };
-            let slots = 0..count as u32;
-            let hit = |slot: u32| {
-                let at = slot as usize;
+            let hit = |(at, [x, y]): (usize, [u32; 2])| {
                 let (direction, _) = scratch.queue.primary::<f32>(at);
                 let Hit { t, primitive, u, v } = scratch.queue.hit::<f32>(at);
                 PrimaryHit {
-                    x: tile.x + slot % tile.width,
-                    y: tile.y + slot / tile.width,
+                    x,
+                    y,
                     origin: self.context.camera.origin::<f32>().get(0).to_array(),
                     direction: direction.get(0).to_array(),
                     t,
@@ -254,7 +252,7 @@ impl Renderer {
                     weights: if on_triangle(primitive) { [u, v] } else { [0.0; 2] },
                 }
             };
-            slots.map(hit).collect::<Vec<_>>()
+            tile.places().take(count).enumerate().map(hit).collect::<Vec<_>>()
         };
         Tile::cover(self.settings.resolution, self.settings.tile_size).flat_map(of_tile).collect()
     }

@@ -33,9 +33,12 @@ use std::sync::LazyLock;
 pub const SIZE: u32 = 128;
 /// Digits of a pixel's number in the square.
 const DIGITS: u32 = 2 * SIZE.ilog2();
-/// From one row of the table to the next: a packet of the next period lies behind each row.
-const STRIDE: u32 = SIZE + 16;
-const LENGTH: usize = (SIZE * STRIDE) as usize;
+/// Columns of a strip of the table.
+const STRIP: u32 = 4;
+/// The table is stored strip by strip, each row by row, so that blocks of [`STRIP`] columns lie in one piece:
+/// from one strip to the next, with the rows of the next period behind each.
+const STRIDE: u32 = STRIP * (SIZE + 16 / STRIP);
+const LENGTH: usize = (SIZE / STRIP * STRIDE) as usize;
 
 /// The triangular scrambling of each dimension: bit j is the share that the digit j places before has. Of 60
 /// random pairs the one with the smallest errors of blocks of 4 × 4 and 2 × 2 pixels, for a smooth function,
@@ -59,8 +62,8 @@ pub fn shifts() -> &'static Shifts {
 #[derive(Clone, Copy, Debug)]
 #[allow(missing_docs)] // The variants' text explains their fields.
 pub enum Places<L: Lane> {
-    /// Consecutive pixels of a row, from (x, y) on.
-    Row { x: u32, y: u32 },
+    /// From (x, y) on, rows of 4 pixels below each other. Domain: x is a multiple of 4, or there is one lane.
+    Block { x: u32, y: u32 },
     /// Columns and rows.
     Any { x: L::Bits, y: L::Bits },
 }
@@ -73,15 +76,18 @@ impl<L: Lane> Places<L> {
         let [right, down] = offset(dimension);
         let [right, down] = [right + of_seed[0], down + of_seed[1]];
         let both = match self {
-            Self::Row { x, y } => {
-                let at = ((y + down) % SIZE * STRIDE + (x + right) % SIZE) as usize;
-                L::Bits::load(&shifts.0[at..at + 16])
+            Self::Block { x, y } => {
+                let (x, y) = ((x + right) % SIZE, (y + down) % SIZE);
+                let at = (x / STRIP * STRIDE + y * STRIP + x % STRIP) as usize;
+                L::Bits::load(&shifts.0[at..at + L::WIDTH])
             }
             Self::Any { x, y } => {
-                let wrapped =
-                    |x: L::Bits, by: u32| x.wrapping_add(L::Bits::splat(by)) & L::Bits::splat(SIZE - 1);
-                let row = wrapped(y, down).wrapping_mul(L::Bits::splat(STRIDE));
-                L::gather_bits(&shifts.0, row.wrapping_add(wrapped(x, right)))
+                let splat = L::Bits::splat;
+                let wrapped = |x: L::Bits, by: u32| x.wrapping_add(splat(by)) & splat(SIZE - 1);
+                let (x, y) = (wrapped(x, right), wrapped(y, down));
+                let strip = x.shr(STRIP.ilog2()).wrapping_mul(splat(STRIDE));
+                let in_strip = y.shl(STRIP.ilog2()).wrapping_add(x & splat(STRIP - 1));
+                L::gather_bits(&shifts.0, strip.wrapping_add(in_strip))
             }
         };
         [both & L::Bits::splat(0xffff_0000), both.shl(16)]
@@ -106,9 +112,9 @@ pub fn seed_offset(seed: u32) -> [u32; 2] {
 /// Words with their digits reversed: bit j is digit j after the point.
 fn table() -> Box<Shifts> {
     let mut table = Box::new(Shifts([0; LENGTH]));
-    for (y, row) in (0..).zip(table.0.chunks_exact_mut(STRIDE as usize)) {
-        for (x, shift) in (0..).zip(row) {
-            let number = number_in_z_order(x % SIZE, y);
+    for (strip, shifts) in (0..).zip(table.0.chunks_exact_mut(STRIDE as usize)) {
+        for (at, shift) in (0..).zip(shifts) {
+            let number = number_in_z_order(strip * STRIP + at % STRIP, at / STRIP % SIZE);
             let [first, second] = [(number, POLYNOMIALS[0]), (second_dimension(number), POLYNOMIALS[1])]
                 .map(|(digits, polynomial)| scrambled(digits, polynomial).reverse_bits() >> 16);
             *shift = first << 16 | second;

@@ -106,7 +106,7 @@ const MOST_SAMPLES: u32 = 16;
 /// the scene is timed beside scalar.
 pub fn compare(scene: &Scene, settings: Settings, samples: u32) -> Comparison {
     let of = |lanes| Renderer::new(scene, Settings { lanes, ..settings });
-    let suited = LaneChoice::Auto.lanes(scene, &settings.methods);
+    let suited = LaneChoice::Auto.lanes();
     let (mut simd, mut scalar) = (TimedRenderer::new(of(suited)), TimedRenderer::new(of(1)));
     let share = Share::of(scene, &settings, samples);
     let samples_lights = simd.renderer.needs().contains(Features::LIGHTS);

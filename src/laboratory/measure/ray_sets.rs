@@ -20,8 +20,6 @@ use serde::Serialize;
 
 /// Pixels of a tile: width, height. A tile's rays are contiguous in the arrays.
 pub(crate) const TILE: [u32; 2] = [16, 16];
-/// Pixels of a packet.
-const BLOCK: [u32; 2] = [4, 2];
 /// t_max of shadow rays, in diagonals of the scene's bounds.
 const SHADOW_T_MAX: f64 = 0.25;
 
@@ -65,18 +63,14 @@ pub struct RaySet {
     pub t_max: Vec<f32>,
 }
 
-/// The pixels of a picture in the order of primary rays: tile by tile, and in a tile block by block. Tiles
+/// The pixels of a picture in the order of primary rays: tile by tile, and in a tile as in frames. Tiles
 /// clipped by the picture's edge come last, so that all others start at a multiple of their size.
 pub(crate) fn pixels(size: [u32; 2]) -> Vec<[u32; 2]> {
     let whole = |tile: &Tile| [tile.width, tile.height] == TILE;
     let (whole, cut): (Vec<Tile>, Vec<Tile>) = Tile::cover(size, TILE).partition(whole);
     let mut pixels = Vec::with_capacity(size[0] as usize * size[1] as usize);
     for tile in whole.iter().chain(&cut) {
-        for block in Tile::cover([tile.width, tile.height], BLOCK) {
-            let (left, top) = (tile.x + block.x, tile.y + block.y);
-            let rows = top..top + block.height;
-            pixels.extend(rows.flat_map(|y| (left..left + block.width).map(move |x| [x, y])));
-        }
+        pixels.extend(tile.places());
     }
     pixels
 }
@@ -244,9 +238,11 @@ mod tests {
                 let (low, high) = span(tile, axis);
                 assert_eq!((low % 16, high), (0, low + 15));
             }
-            for block in tile.chunks(8) {
-                let ((left, right), (top, bottom)) = (span(block, 0), span(block, 1));
-                assert_eq!((left % 4, right, top % 2, bottom), (0, left + 3, 0, top + 1));
+            for (packet, rows) in [(8, 2), (16, 4)] {
+                for packet in tile.chunks(packet) {
+                    let ((left, right), (top, bottom)) = (span(packet, 0), span(packet, 1));
+                    assert_eq!((left % 4, right, top % rows, bottom), (0, left + 3, 0, top + rows - 1));
+                }
             }
         }
     }

@@ -46,7 +46,7 @@ impl Reference {
             let numbers = SampleValues::new(settings.sampler, settings.seed, sample, first);
             move |dimension: u32| {
                 let numbers = match first < bounce(1) {
-                    true => numbers.at_pixels::<f32>(key, Places::Row { x, y }),
+                    true => numbers.at_pixels::<f32>(key, Places::Block { x, y }),
                     false => numbers.at_keys(key),
                 };
                 f64::from(numbers.get_1d(dimension))

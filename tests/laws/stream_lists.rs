@@ -2,7 +2,7 @@
 //! that all of them pass.
 
 use crate::common::rays::Set;
-use crate::common::{Rng, empty, material, triangle};
+use crate::common::{Rng, empty, material, sphere, triangle};
 use glam::Vec3;
 use octray::bvh::Trees;
 use octray::math::MISS;
@@ -10,16 +10,35 @@ use octray::scene::{MaterialKind, Scene};
 use octray::traverse::batch::Traversal;
 use octray::traverse::hierarchy::Hierarchy;
 
-#[test]
-fn lists_grow_when_every_ray_passes_every_box() {
-    let mut rng = Rng(95);
+/// Thin triangles behind each other, each across all rays.
+fn triangles() -> Scene {
     let mut scene = Scene { materials: vec![material(MaterialKind::Diffuse)], ..empty() };
     for layer in 0..4500 {
         let z = layer as f32 * 2e-4;
         let corners = [Vec3::new(-90.0, -90.0, z), Vec3::new(90.0, -90.0, z), Vec3::new(0.0, 90.0, z)];
         scene.triangles.push(triangle(corners, 0));
     }
-    let hierarchy = Hierarchy::new(&scene, Trees::WideAndBinary);
+    scene
+}
+
+/// Spheres behind each other, each across all rays.
+fn spheres() -> Scene {
+    let mut scene = Scene { materials: vec![material(MaterialKind::Diffuse)], ..empty() };
+    let layers = (0..700).map(|layer| sphere(Vec3::Z * (20.0 + layer as f32 * 2e-3), 20.0, 0));
+    scene.spheres.extend(layers);
+    scene
+}
+
+#[test]
+fn lists_grow_when_every_ray_passes_every_box() {
+    for scene in [triangles(), spheres()] {
+        every_ray_finds_its_hit(&scene);
+    }
+}
+
+fn every_ray_finds_its_hit(scene: &Scene) {
+    let mut rng = Rng(95);
+    let hierarchy = Hierarchy::new(scene, Trees::WideAndBinary);
     for count in [8191, 8185] {
         let mut set = Set::default();
         for _ in 0..count {
@@ -27,7 +46,7 @@ fn lists_grow_when_every_ray_passes_every_box() {
             set.push(Vec3::new(0.0, 0.0, -5.0), aim.normalize(), f32::INFINITY);
         }
         // Of the other traversals each ray goes by itself or with a packet.
-        let expected = set.linear(&scene);
+        let expected = set.linear(scene);
         assert!(expected.iter().all(|answer| answer[1] != MISS));
         for traversal in [Traversal::Stream, Traversal::Hybrid] {
             let name = traversal.name();

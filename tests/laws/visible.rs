@@ -59,7 +59,7 @@ fn visible_gives_the_hits_of_testing_everything_bit_for_bit() {
         (Vec3::new(3.0, -2.0, 5.0), Vec3::X, 1.0),
         (Vec3::ONE, -Vec3::ONE, 150.0),
     ];
-    let (mut skipped, mut found) = (0, 0);
+    let (mut skipped, mut found, mut empty_lists) = (0, 0, 0);
     for (seed, (position, towards, vertical_fov)) in
         (1..=12).flat_map(|seed| cameras.map(|camera| (seed, camera)))
     {
@@ -72,7 +72,9 @@ fn visible_gives_the_hits_of_testing_everything_bit_for_bit() {
             (0..RESOLUTION[1]).step_by(8).flat_map(|y| (0..RESOLUTION[0]).step_by(8).map(move |x| (y, x)))
         {
             let visible = PrimitiveList::of(&scene, &camera.view_frustum([x, y], [TILE, TILE]));
-            skipped += 120 - visible.spheres.len() - visible.triangles.len();
+            let listed = visible.spheres.len() + visible.triangles.len();
+            skipped += 120 - listed;
+            empty_lists += usize::from(listed == 0);
             let rays = primary_rays(&camera, [x, y]);
             let trace =
                 |visible: Option<&PrimitiveList>| rays.nearest::<F32x8>(&primitives, &buffers, visible);
@@ -84,6 +86,7 @@ fn visible_gives_the_hits_of_testing_everything_bit_for_bit() {
     // The test means something only if much is skipped and much is hit.
     assert!(skipped > 150_000, "only {skipped} of 207,360 tests were skipped");
     assert!(found > 20_000, "only {found} of 110,592 rays hit anything");
+    assert!(empty_lists > 10, "{empty_lists} of 1,728 tiles see nothing");
 }
 
 /// Primary rays through the four edges of a tile, as rounding leaves them.

@@ -57,7 +57,7 @@ pub fn heading(report: &Report, [width, height]: [u32; 2], max_bounces: u32) -> 
         "{}\n\
          {width}×{height}, 1 sample a frame, up to {}\n\
          fps: median (1 % low); speed-up, scaling and gain: median of the rounds (10 to 90 % of them)\n\n\
-         {:<24}{}{:>16}{:>18}{:>16}{:>18}{:>18}{:>8}{:>9}{:>9}{:>9}\n",
+         {:<24}{}{:>16}{:>20}{:>16}{:>18}{:>18}{:>8}{:>9}{:>9}{:>9}\n",
         report.machine,
         counted(max_bounces, "bounce", "bounces"),
         "scene",
@@ -93,7 +93,7 @@ pub fn row(results: &[Measurement], accuracy: &Comparison) -> String {
     let mut text = String::new();
     let _ = writeln!(
         text,
-        "{:<24}{}{:>16}{:>18}{:>16}{:>18}{:>18}{:>8}{:>9}{:>9}{:>9}",
+        "{:<24}{}{:>16}{:>20}{:>16}{:>18}{:>18}{:>8}{:>9}{:>9}{:>9}",
         first.scene,
         packets().map(|lanes| format!("{:>16}", fps(of_width(lanes)))).collect::<String>(),
         fps(of_width(1)),
@@ -119,8 +119,8 @@ pub fn busy(results: &[Measurement]) -> Option<String> {
     let engine = engine(*lanes);
     let threads = counted(threads, "thread", "threads");
     Some(format!(
-        "the machine is busy: the 1 % low of {scene} ({engine}, {threads}) is {:.0} % of its median; end other programs, or \
-         trust the speed-ups alone.",
+        "the machine is busy: the 1 % low of {scene} ({engine}, {threads}) is {:.0} % of its median; end other \
+         programs and measure again: ratios are wrong, too.",
         100.0 * share(worst)
     ))
 }
@@ -138,7 +138,7 @@ pub fn stats_of(results: &[Measurement]) -> String {
 pub fn meaning(report: &Report) -> String {
     let pixels: usize = report.accuracy.iter().map(|accuracy| accuracy.mismatched_pixels).sum();
     let hits: usize = report.accuracy.iter().map(|accuracy| accuracy.reference.mismatched_hits).sum();
-    // Of each scene the first width alone, the one that suits it.
+    // Of each scene the first width alone: that of the default, or the one asked for.
     let firsts = report.results.chunk_by(|a, b| a.scene == b.scene).map(|of_scene| &of_scene[0]);
     let ratios: Vec<f64> = firsts.filter_map(|first| Some(first.speedup?.median)).collect();
     let speed = match (ratios.iter().copied().reduce(f64::min), ratios.iter().copied().reduce(f64::max)) {
@@ -149,7 +149,7 @@ pub fn meaning(report: &Report) -> String {
         _ => "one width was timed".into(),
     };
     let same = if pixels == 0 {
-        "the pictures of both are the same, bit by bit".into()
+        "the pictures of all widths are the same, bit by bit".into()
     } else {
         counted(pixels, "PIXEL DIFFERS", "PIXELS DIFFER")
     };

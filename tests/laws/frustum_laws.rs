@@ -103,6 +103,21 @@ fn frustum_of_infinite_bounds_meets_no_box_that_is_not_there() {
 }
 
 #[test]
+fn rays_of_two_origins_go_in_no_frustum() {
+    let mut rng = Rng(62);
+    let scene = mixture(&mut rng, 900, 60, 1.0, 0.0);
+    let hierarchy = hierarchy(&scene);
+    for ray in [0, TILE - 1] {
+        for axis in 0..3 {
+            let mut set = View::along(&mut rng, 4, 0.5, 0.0).rays(TILE);
+            assert!(set.goes_in_a_frustum(&hierarchy));
+            set.origin[axis][ray] += 1e-3;
+            assert!(!set.goes_in_a_frustum(&hierarchy), "ray {ray}, axis {axis}");
+        }
+    }
+}
+
+#[test]
 fn frustum_keeps_to_the_reach_of_each_ray() {
     let mut rng = Rng(61);
     let scene = mixture(&mut rng, 900, 60, 1.0, 0.0);

@@ -7,6 +7,7 @@
 
 use crate::common::Rng;
 use crate::common::statistics::{allowed, chi_squared_deviation, correlation, joint};
+use octray::lane::{Bits, F32x8, F32x16, Lane, lane_indices};
 use octray::sampling::{PacketValues, Places, SampleValues, Sampler, blue_noise, dimension, random};
 use std::f64::consts::{FRAC_PI_4, TAU};
 
@@ -367,6 +368,29 @@ fn shared_point(seed: u32, [x, y]: [u32; 2], sample: u32, dimension: u32) -> Poi
     let values = SampleValues::new(Sampler::Sobol, seed, sample, dimension);
     let (x, y) = values.at_pixels::<f32>(0, Places::Block { x, y }).get_2d(0);
     [f64::from(x), f64::from(y)]
+}
+
+#[test]
+fn shifts_of_a_block_are_those_of_its_pixels() {
+    fn check<L: Lane>() {
+        let lanes = lane_indices::<L>();
+        let (column, row) = (lanes & L::Bits::splat(3), lanes.shr(2));
+        for (x, y) in (0..132).flat_map(|y| (0..132).step_by(4).map(move |x| (x, y))) {
+            for dimension in shared_pairs() {
+                let values = SampleValues::new(Sampler::Sobol, 77, 5, dimension);
+                let of = |places| {
+                    let (first, second) = values.at_pixels::<L>(L::Bits::splat(0), places).get_2d(0);
+                    (0..L::WIDTH).map(|lane| [first.get(lane), second.get(lane)]).collect::<Vec<_>>()
+                };
+                let from = |first: u32, steps: L::Bits| L::Bits::splat(first).wrapping_add(steps);
+                let any = Places::Any { x: from(x, column), y: from(y, row) };
+                assert_eq!(of(Places::Block { x, y }), of(any), "block at ({x}, {y}), {dimension}");
+            }
+        }
+    }
+    check::<f32>();
+    check::<F32x8>();
+    check::<F32x16>();
 }
 
 fn shared_pairs() -> impl Iterator<Item = u32> {

@@ -193,6 +193,20 @@ fn pixels_of_one_tile_cost_the_same_where_there_is_no_hierarchy() {
 }
 
 #[test]
+fn shapes_of_paths_are_at_their_pixels_whatever_the_tiles() {
+    let scene = load("builtin:three").unwrap();
+    let segments = |tile_size| {
+        let mut shapes = Map::default();
+        Renderer::new(&scene, Settings { tile_size, ..settings(&scene) }).path_shapes_into(0, &mut shapes);
+        shapes.pixels.iter().map(|shape| shape.segments).collect::<Vec<_>>()
+    };
+    let each_alone = segments([1, 1]);
+    for tile_size in [[16, 16], [7, 5], [64, 1]] {
+        assert_eq!(segments(tile_size), each_alone, "tiles of {tile_size:?}");
+    }
+}
+
+#[test]
 fn shapes_of_paths_add_up_to_the_rays_of_the_sample() {
     for lanes in WIDTHS {
         for name in ["builtin:three", "builtin:spheres", "builtin:knot:3000"] {

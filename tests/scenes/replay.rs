@@ -3,6 +3,7 @@
 #[path = "../../fuzz/targets.rs"]
 mod targets;
 
+use octray::checkpoint::Checkpoint;
 use std::fs;
 use std::path::Path;
 
@@ -19,5 +20,16 @@ fn fuzz_targets_pass_their_seeds_and_what_was_found() {
             println!("{}", file.display());
             target(&fs::read(file).unwrap());
         }
+    }
+}
+
+#[test]
+fn seeds_of_checkpoints_can_be_read() {
+    // Else the fuzzer begins with files that are refused for their version.
+    for name in ["whole", "shard", "noise"] {
+        let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("fuzz/seeds/checkpoints").join(name);
+        let bytes = fs::read(&file).unwrap();
+        let read = Checkpoint::read(bytes.as_slice(), &file);
+        assert!(read.is_ok(), "{name}: {}", read.err().unwrap());
     }
 }

@@ -58,7 +58,8 @@ impl Tile {
             })
         })
     }
-    /// The place of pixel number `at` where it is in a block of [`BLOCK`]² pixels; elsewhere `None`.
+    /// The place of pixel number `at`, which is in a block of [`BLOCK`]² pixels; `None` in tiles whose width
+    /// is no multiple of [`BLOCK`], and in a last band of fewer rows.
     #[inline(always)]
     pub fn place_in_block(&self, at: u32) -> Option<[u32; 2]> {
         let band = BLOCK * self.width;

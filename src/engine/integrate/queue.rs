@@ -9,7 +9,7 @@ use crate::camera::{BLOCK, Tile};
 use crate::kernel::ray_cone::Cone;
 use crate::lane::{Bits, Lane, lane_indices};
 use crate::math::{Hit, Ray, Vec3};
-use crate::sampling::Places;
+use crate::sampling::{Places, blue_noise};
 use crate::traverse::rays::Rays;
 use bytemuck::Zeroable;
 
@@ -69,6 +69,9 @@ pub struct Path<L: Lane> {
 pub fn primary_slots<L: Lane>(at: usize) -> L::Bits {
     lane_indices::<L>().wrapping_add(L::Bits::splat(at as u32))
 }
+
+// The pixels of a block are read from one place of the table of shifts.
+const _: () = assert!(BLOCK == blue_noise::STRIP);
 
 /// The places of those pixels in the picture.
 #[inline(always)]

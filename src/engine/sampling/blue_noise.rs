@@ -33,10 +33,11 @@ use std::sync::LazyLock;
 pub const SIZE: u32 = 128;
 /// Digits of a pixel's number in the square.
 const DIGITS: u32 = 2 * SIZE.ilog2();
-/// Columns of a strip of the table.
-const STRIP: u32 = 4;
-/// The table is stored strip by strip, each row by row, so that blocks of [`STRIP`] columns lie in one piece:
-/// from one strip to the next, with the rows of the next period behind each.
+/// Columns of a strip. The table is stored strip by strip, each row by row, so that the pixels of a block lie
+/// in one piece.
+pub const STRIP: u32 = 4;
+/// From one strip to the next: behind each are the rows of the next period that the widest packet, of sixteen
+/// pixels, reaches.
 const STRIDE: u32 = STRIP * (SIZE + 16 / STRIP);
 const LENGTH: usize = (SIZE / STRIP * STRIDE) as usize;
 
@@ -62,7 +63,8 @@ pub fn shifts() -> &'static Shifts {
 #[derive(Clone, Copy, Debug)]
 #[allow(missing_docs)] // The variants' text explains their fields.
 pub enum Places<L: Lane> {
-    /// From (x, y) on, rows of 4 pixels below each other. Domain: x is a multiple of 4, or there is one lane.
+    /// From (x, y) on, rows of [`STRIP`] pixels below each other. Domain: x is a multiple of [`STRIP`], or
+    /// there is one lane.
     Block { x: u32, y: u32 },
     /// Columns and rows.
     Any { x: L::Bits, y: L::Bits },
@@ -77,6 +79,7 @@ impl<L: Lane> Places<L> {
         let [right, down] = [right + of_seed[0], down + of_seed[1]];
         let both = match self {
             Self::Block { x, y } => {
+                debug_assert!(L::WIDTH == 1 || x.is_multiple_of(STRIP), "a block lies in a strip");
                 let (x, y) = ((x + right) % SIZE, (y + down) % SIZE);
                 let at = (x / STRIP * STRIDE + y * STRIP + x % STRIP) as usize;
                 L::Bits::load(&shifts.0[at..at + L::WIDTH])
@@ -95,7 +98,8 @@ impl<L: Lane> Places<L> {
 }
 
 /// The pair's offset in the table: different in both directions for the pairs of the pixel and of the first
-/// event. To the right whole packets of sixteen, so that loads stay aligned.
+/// event. To the right whole packets of sixteen, so that a
+/// block stays in a strip.
 #[inline(always)]
 pub const fn offset(dimension: u32) -> [u32; 2] {
     let pair = dimension / 2;

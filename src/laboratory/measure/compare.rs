@@ -102,12 +102,12 @@ const MOST_TESTS: usize = 2_000_000_000;
 const MOST_SAMPLES: u32 = 16;
 
 /// Renders `samples` samples with the scalar renderer and with packets of every width, and compares the
-/// pictures with each other and with the reference. `settings` holds for all but lanes: the width that suits
-/// the scene is timed beside scalar.
+/// pictures with each other and with the reference. `settings` holds for all but lanes: the default
+/// width is timed beside scalar.
 pub fn compare(scene: &Scene, settings: Settings, samples: u32) -> Comparison {
     let of = |lanes| Renderer::new(scene, Settings { lanes, ..settings });
-    let suited = LaneChoice::Auto.lanes();
-    let (mut simd, mut scalar) = (TimedRenderer::new(of(suited)), TimedRenderer::new(of(1)));
+    let default = LaneChoice::Auto.lanes();
+    let (mut simd, mut scalar) = (TimedRenderer::new(of(default)), TimedRenderer::new(of(1)));
     let share = Share::of(scene, &settings, samples);
     let samples_lights = simd.renderer.needs().contains(Features::LIGHTS);
     let mut to_check = None;
@@ -125,7 +125,7 @@ pub fn compare(scene: &Scene, settings: Settings, samples: u32) -> Comparison {
         time_again(&mut simd, &mut scalar);
     }
     let speedup = Ratio::of(&simd, &scalar).expect("there was a sample, so there was a round");
-    let mut lanes = vec![suited];
+    let mut lanes = vec![default];
     let (mut differ, mut first_mismatch) = (BTreeSet::new(), None);
     let mut check = |lanes, picture: &Picture| {
         let found = mismatches(picture, &scalar_picture);
@@ -138,8 +138,8 @@ pub fn compare(scene: &Scene, settings: Settings, samples: u32) -> Comparison {
         }));
         differ.extend(found);
     };
-    check(suited, &simd_picture);
-    for other in WIDTHS.into_iter().filter(|&other| other > 1 && other != suited) {
+    check(default, &simd_picture);
+    for other in WIDTHS.into_iter().filter(|&other| other > 1 && other != default) {
         let renderer = of(other);
         let mut film = renderer.film();
         renderer.add_samples(&mut film, samples);

@@ -232,8 +232,8 @@ impl Print {
     }
 }
 
-/// Those of 13 columns have such as begin between two blocks and are whole blocks wide.
-const TILES: [[u32; 2]; 6] = [[1, 1], [7, 3], [16, 16], [32, 8], [240, 1], [13, 19]];
+/// With tiles of 11 columns the last one begins between two blocks and is a whole block wide.
+const TILES: [[u32; 2]; 6] = [[1, 1], [7, 3], [16, 16], [32, 8], [240, 1], [11, 19]];
 
 fn base(scene: &Scene, resolution: [u32; 2], max_bounces: u32) -> Settings {
     Settings { resolution, max_bounces, seed: 5, lanes: 1, threads: 1, ..Settings::of(scene) }

@@ -98,8 +98,7 @@ impl<L: Lane> Places<L> {
 }
 
 /// The pair's offset in the table: different in both directions for the pairs of the pixel and of the first
-/// event. To the right whole packets of sixteen, so that a
-/// block stays in a strip.
+/// event. To the right multiples of sixteen, so that a block stays in a strip.
 #[inline(always)]
 pub const fn offset(dimension: u32) -> [u32; 2] {
     let pair = dimension / 2;

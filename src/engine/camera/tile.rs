@@ -1,8 +1,6 @@
 //! The division of a picture into tiles.
 //!
-//! For: [`Tile`]. May import: `lane`. Must never know: what is rendered in a tile.
-
-use crate::lane::{Bits, Lane};
+//! For: [`Tile`]. May import: nothing. Must never know: what is rendered in a tile.
 
 /// Most pixels in a tile. Path queues have this length. Columns for more would lie whole pages apart, all in
 /// the same few sets of the cache: 2 % slower.
@@ -58,36 +56,6 @@ impl Tile {
             })
         })
     }
-    /// The place of pixel number `at`, which is in a block of [`BLOCK`]² pixels; `None` in tiles whose width
-    /// is no multiple of [`BLOCK`], and in a last band of fewer rows.
-    #[inline(always)]
-    pub fn place_in_block(&self, at: u32) -> Option<[u32; 2]> {
-        let band = BLOCK * self.width;
-        let (top, in_band) = (at / band * BLOCK, at % band);
-        let is_whole = self.width.is_multiple_of(BLOCK) && top + BLOCK <= self.height;
-        let (block, number) = (in_band / (BLOCK * BLOCK), in_band % (BLOCK * BLOCK));
-        is_whole.then(|| [self.x + BLOCK * block + number % BLOCK, self.y + top + number / BLOCK])
-    }
-    /// Columns and rows in the picture of any pixels by number, as [`Tile::places`] counts them. Places of
-    /// numbers from [`Tile::pixels`] on are unspecified.
-    #[inline(always)]
-    pub fn places_of<L: Lane>(&self, numbers: L::Bits) -> [L::Bits; 2] {
-        let splat = |value: u32| L::splat(value as f32);
-        // Exact: numbers are below 2¹⁰, and the quotient is rounded down from half a step up.
-        let divided = |value: L, by: L| L::from_int(((value + L::splat(0.5)) / by).truncate_to_int());
-        let [block, width, height] = [BLOCK, self.width, self.height].map(splat);
-        let number = L::from_int(numbers);
-        let band = divided(number, block * width);
-        let top = band * block;
-        let in_band = number - top * width;
-        let rows = block.min(height - top);
-        let left = divided(in_band, block * rows) * block;
-        let in_block = in_band - left * rows;
-        let columns = block.min(width - left);
-        let row = divided(in_block, columns);
-        let place = |first: u32, steps: L| L::Bits::splat(first).wrapping_add(steps.truncate_to_int());
-        [place(self.x, left + (in_block - row * columns)), place(self.y, top + row)]
-    }
 }
 
 #[cfg(test)]
@@ -95,18 +63,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn places_are_each_pixel_once_and_those_of_blocks() {
+    fn places_are_each_pixel_once() {
         for [width, height] in [[16, 16], [16, 7], [10, 5], [3, 3], [1, 9], [64, 4], [5, 51]] {
             let tile = Tile { number: 0, x: 32, y: 7, width, height };
             let mut places: Vec<_> = tile.places().collect();
-            for (number, &place) in (0..).zip(&places) {
-                let told = format!("pixel {number} of {width}×{height}");
-                assert_eq!(tile.places_of::<f32>(number), place, "{told}");
-                let in_block = tile.place_in_block(number);
-                assert!(in_block.is_none_or(|in_block| in_block == place), "{told}");
-                let is_whole = width % 4 == 0 && place[1] - 7 < height / 4 * 4;
-                assert_eq!(in_block.is_some(), is_whole, "{told}");
-            }
             places.sort_by_key(|&[x, y]| (y, x));
             let rows = (7..7 + height).flat_map(|y| (32..32 + width).map(move |x| [x, y]));
             assert!(places.into_iter().eq(rows), "{width}×{height}");

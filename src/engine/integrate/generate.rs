@@ -9,38 +9,34 @@
 
 use super::context::TraceContext;
 use super::intersect::intersect_queue;
-use super::queue::{PathQueue, primary_places};
 use super::scratch::Scratch;
 use super::stats::RayKind;
 use crate::camera::{BLOCK, Pinhole, Tile};
 use crate::lane::{Bits, F32x8, Lane, lane_indices};
-use crate::sampling::{Places, SampleValues, dimension};
+use crate::sampling::{Places, dimension};
 
 /// Fills the queue with the tile's pixels in their order, finds what they hit, and returns how many there
 /// are.
 pub fn generate<L: Lane>(context: &TraceContext, tile: Tile, sample: u32, scratch: &mut Scratch) -> usize {
     let (count, visible) = (tile.pixels(), context.visible.get(tile.number));
     scratch.values.begin(context.sampler, context.seed, sample, context.max_bounces);
-    let numbers = scratch.values.pixel();
-    camera_rays::<L>(context, tile, sample, numbers, &mut scratch.queue);
+    scratch.pixels.begin(tile);
+    camera_rays::<L>(context, sample, count, scratch);
     intersect_queue::<L>(context, visible, scratch, count, RayKind::Primary);
     count
 }
 
-/// Stores a ray through a random point of each pixel, and its origin where a traversal reads that.
+/// Stores a ray through a random point of each of the tile's `count` pixels, and its origin where a traversal
+/// reads that.
 #[inline(always)]
-fn camera_rays<L: Lane>(
-    context: &TraceContext,
-    tile: Tile,
-    sample: u32,
-    numbers: SampleValues,
-    queue: &mut PathQueue,
-) {
+fn camera_rays<L: Lane>(context: &TraceContext, sample: u32, count: usize, scratch: &mut Scratch) {
+    let Scratch { queue, values, pixels, .. } = scratch;
+    let numbers = values.pixel();
     let store_origins = context.primitives.hierarchy().is_some();
     let camera: Pinhole = context.camera;
     let TraceContext { sampler, seed, width, .. } = *context;
-    for at in (0..tile.pixels()).step_by(L::WIDTH) {
-        let places = primary_places::<L>(tile, at);
+    for at in (0..count).step_by(L::WIDTH) {
+        let places = pixels.places::<L>(at);
         let (x, y, pixel) = match places {
             Places::Block { x, y } => {
                 let lanes = lane_indices::<L>();

@@ -51,6 +51,7 @@ mod shadow_rays;
 pub mod stats;
 mod surface;
 mod texel_reads;
+mod tile_pixels;
 
 pub use context::TraceContext;
 pub use generate::generate;

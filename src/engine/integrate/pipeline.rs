@@ -35,7 +35,7 @@ pub fn trace_tile<L: Lane, const N: u32>(
     }
     scratch.begin_stage_with_rays::<L>(Stage::Shade, context, tile, 0, count);
     let mut ended = 0;
-    let mut shaded = shade::<L, N, true>(context, tile, scratch, &Intersected::all(count), 0);
+    let mut shaded = shade::<L, N, true>(context, scratch, &Intersected::all(count), 0);
     rays += shadow_rays::<L, N>(context, scratch, &shaded);
     for bounce in 1..context.max_bounces {
         count = shaded.alive;
@@ -47,7 +47,7 @@ pub fn trace_tile<L: Lane, const N: u32>(
         let left = intersect::<L, N>(context, scratch, Segment { count, ended, is_last: false });
         ended = left.ended;
         scratch.begin_stage(Some(Stage::Shade));
-        shaded = shade::<L, N, false>(context, tile, scratch, &left, bounce);
+        shaded = shade::<L, N, false>(context, scratch, &left, bounce);
         rays += shadow_rays::<L, N>(context, scratch, &shaded);
     }
     count = shaded.alive;

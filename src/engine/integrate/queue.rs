@@ -1,15 +1,13 @@
 //! The path queue: a tile's paths in structure-of-arrays form.
 //!
-//! For: [`PathQueue`] and [`Path`], one packet of it. May import: `columns`, `ray_queries`, `lane`, `math`,
-//! `sampling`, `camera`'s tiles, `traverse`. Must never know: stages, statistics, scenes.
+//! For: [`PathQueue`] and [`Path`], one packet of it. May import: `columns`, `ray_queries`, `kernel`, `lane`,
+//! `math`, `traverse`. Must never know: stages, statistics, scenes.
 
 use super::columns::{Column, IntColumn, Vec3Columns, compress};
 use super::ray_queries::RayQueries;
-use crate::camera::{BLOCK, Tile};
 use crate::kernel::ray_cone::Cone;
 use crate::lane::{Bits, Lane, lane_indices};
 use crate::math::{Hit, Ray, Vec3};
-use crate::sampling::{Places, blue_noise};
 use crate::traverse::rays::Rays;
 use bytemuck::Zeroable;
 
@@ -26,7 +24,7 @@ pub struct PathQueue {
     inv_pdf: Column,
     /// Key of the path's random numbers.
     key: IntColumn,
-    /// The number of the path's pixel in its tile ([`Tile::places`]).
+    /// The number of the path's pixel in its tile ([`crate::camera::Tile::places`]).
     slot: IntColumn,
     t: Column,
     primitive: IntColumn,
@@ -68,21 +66,6 @@ pub struct Path<L: Lane> {
 #[inline(always)]
 pub fn primary_slots<L: Lane>(at: usize) -> L::Bits {
     lane_indices::<L>().wrapping_add(L::Bits::splat(at as u32))
-}
-
-// The pixels of a block are read from one place of the table of shifts.
-const _: () = assert!(BLOCK == blue_noise::STRIP);
-
-/// The places of those pixels in the picture.
-#[inline(always)]
-pub fn primary_places<L: Lane>(tile: Tile, at: usize) -> Places<L> {
-    match tile.place_in_block(at as u32) {
-        Some([x, y]) if L::WIDTH == 1 || x.is_multiple_of(BLOCK) => Places::Block { x, y },
-        _ => {
-            let [x, y] = tile.places_of::<L>(primary_slots::<L>(at));
-            Places::Any { x, y }
-        }
-    }
 }
 
 impl PathQueue {

@@ -10,6 +10,7 @@ use super::probe::{PathShape, Probe};
 use super::queue::PathQueue;
 use super::shadow_queue::ShadowQueue;
 use super::stats::{RayKind, Stage, Stats};
+use super::tile_pixels::TilePixels;
 use crate::camera::{MAX_PIXELS, Tile};
 use crate::lane::{Bits, Lane, Mask};
 use crate::math::{MISS, Vec3};
@@ -31,6 +32,8 @@ pub struct Scratch {
     pub shadow_queue: ShadowQueue,
     /// The values of the sample that is being taken.
     pub values: SampleTable,
+    /// The places of the tile's pixels.
+    pub pixels: Box<TilePixels>,
     /// Texels of the hits that are to be shaded.
     pub texels: IntColumn,
     tracer: Tracer,
@@ -77,6 +80,7 @@ impl Scratch {
             ended,
             shadow_queue: ShadowQueue::zeroed(),
             values: SampleTable::default(),
+            pixels: Box::new(TilePixels::new()),
             texels: IntColumn::zeroed(),
             contributions,
             radiance: Vec3Columns::zeroed(),

@@ -11,13 +11,12 @@ use super::emission::{missed_radiance, surface_radiance};
 use super::features::{ends_missed, has, reads_texels_first};
 use super::intersect::{Intersected, ending_emitters};
 use super::material::MaterialSample;
-use super::queue::{Path, PathQueue, primary_places};
+use super::queue::{Path, PathQueue};
 use super::scratch::Scratch;
 use super::shadow_rays::sample_direct_light;
 use super::surface::Surface;
 use super::texel_reads::texels_of_hits;
 use crate::buffers::Features;
-use crate::camera::Tile;
 use crate::lane::{Bits, Lane, Mask};
 use crate::math::{Hit, Vec3};
 
@@ -34,7 +33,6 @@ pub struct Shaded {
 /// `FIRST`: the queue holds primary rays, as [`super::generate()`] left them, and some missed.
 pub fn shade<L: Lane, const N: u32, const FIRST: bool>(
     context: &TraceContext,
-    tile: Tile,
     scratch: &mut Scratch,
     &Intersected { hits: count, contributions, .. }: &Intersected,
     bounce: u32,
@@ -65,7 +63,7 @@ pub fn shade<L: Lane, const N: u32, const FIRST: bool>(
         accumulator.add(scratch, at, carries_radiance::<L, N>(active, found, radiance), &path, radiance);
 
         let numbers = &if FIRST {
-            values.at_pixels(path.key, primary_places(tile, at))
+            values.at_pixels(path.key, scratch.pixels.places(at))
         } else {
             values.at_keys(path.key)
         };

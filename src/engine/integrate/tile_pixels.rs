@@ -1,0 +1,108 @@
+//! Where the pixels of a tile are in the picture.
+//!
+//! For: [`TilePixels`], the table that the stages before the first bounce read. May import: `lane`,
+//! `sampling`, `camera`'s tiles. Must never know: paths.
+
+use crate::camera::{BLOCK, MAX_PIXELS, Tile};
+use crate::lane::{Bits, Lane};
+use crate::sampling::{Places, blue_noise};
+
+/// The pixels of a tile in the order of [`Tile::places`]. The table is the same for every sample and for every
+/// tile of this size, so a thread seldom computes it.
+pub struct TilePixels {
+    tile: Tile,
+    /// Pixels at the front whose packets are rows of [`BLOCK`] pixels below each other.
+    in_blocks: usize,
+    /// Columns and rows from the tile's first pixel.
+    steps: [[u8; 2]; MAX_PIXELS],
+}
+
+// The pixels of a block are read from one place of the table of shifts.
+const _: () = assert!(BLOCK == blue_noise::STRIP);
+
+impl TilePixels {
+    /// Of no tile.
+    pub fn new() -> Self {
+        let tile = Tile { number: 0, x: 0, y: 0, width: 0, height: 0 };
+        Self { tile, in_blocks: 0, steps: [[0; 2]; MAX_PIXELS] }
+    }
+
+    /// Turns to a tile.
+    pub fn begin(&mut self, tile: Tile) {
+        let before = std::mem::replace(&mut self.tile, tile);
+        if [before.width, before.height] != [tile.width, tile.height] {
+            for (step, [x, y]) in self.steps.iter_mut().zip(tile.places()) {
+                *step = [(x - tile.x) as u8, (y - tile.y) as u8];
+            }
+        }
+        let is_aligned = tile.width.is_multiple_of(BLOCK) && tile.x.is_multiple_of(BLOCK);
+        let rows = if is_aligned { tile.height / BLOCK * BLOCK } else { 0 };
+        self.in_blocks = (rows * tile.width) as usize;
+    }
+
+    /// The places of the packet at `at`; unspecified behind the last pixel.
+    #[inline(always)]
+    pub fn places<L: Lane>(&self, at: usize) -> Places<L> {
+        if L::WIDTH == 1 || at < self.in_blocks {
+            let [x, y] = self.place(at);
+            Places::Block { x, y }
+        } else {
+            let [x, y] = [0, 1].map(|axis| L::Bits::from_fn(|lane| self.place(at + lane)[axis]));
+            Places::Any { x, y }
+        }
+    }
+
+    /// Column and row in the picture.
+    #[inline(always)]
+    fn place(&self, at: usize) -> [u32; 2] {
+        // Below MAX_PIXELS already, but for lanes behind the last pixel.
+        let [x, y] = self.steps[at % MAX_PIXELS];
+        [self.tile.x + u32::from(x), self.tile.y + u32::from(y)]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lane::{F32x8, F32x16, lane_indices};
+
+    fn check<L: Lane>(tile: Tile, pixels: &TilePixels) {
+        let expected: Vec<_> = tile.places().collect();
+        for at in (0..tile.pixels()).step_by(L::WIDTH) {
+            let [x, y] = match pixels.places::<L>(at) {
+                Places::Any { x, y } => [x, y],
+                Places::Block { x, y } => {
+                    let lanes = lane_indices::<L>();
+                    let from = |first: u32, steps: L::Bits| L::Bits::splat(first).wrapping_add(steps);
+                    [from(x, lanes & L::Bits::splat(BLOCK - 1)), from(y, lanes.shr(BLOCK.ilog2()))]
+                }
+            };
+            for (lane, &place) in expected[at..].iter().take(L::WIDTH).enumerate() {
+                assert_eq!([x.get(lane), y.get(lane)], place, "pixel {} of {tile:?}", at + lane);
+            }
+        }
+    }
+
+    #[test]
+    fn places_are_those_of_the_tile() {
+        let mut pixels = TilePixels::new();
+        let sizes = [[16, 16], [16, 7], [10, 5], [3, 3], [1, 9], [64, 4], [256, 1], [5, 51]];
+        for ([width, height], [x, y]) in sizes.into_iter().zip([[32, 7], [30, 7]].into_iter().cycle()) {
+            for corner in [[x, y], [x + 16, y + 1]] {
+                let tile = Tile { number: 0, x: corner[0], y: corner[1], width, height };
+                pixels.begin(tile);
+                check::<f32>(tile, &pixels);
+                check::<F32x8>(tile, &pixels);
+                check::<F32x16>(tile, &pixels);
+            }
+        }
+    }
+
+    #[test]
+    fn packets_of_whole_blocks_are_blocks() {
+        let mut pixels = TilePixels::new();
+        pixels.begin(Tile { number: 0, x: 32, y: 7, width: 16, height: 7 });
+        let is_block = |at| matches!(pixels.places::<F32x16>(at), Places::Block { .. });
+        assert_eq!([0, 48, 64].map(is_block), [true, true, false]);
+    }
+}

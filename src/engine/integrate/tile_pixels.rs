@@ -7,14 +7,21 @@ use crate::camera::{BLOCK, MAX_PIXELS, Tile};
 use crate::lane::{Bits, Lane};
 use crate::sampling::{Places, blue_noise};
 
-/// The pixels of a tile in the order of [`Tile::places`]. The table is the same for every sample and for every
-/// tile of this size, so a thread seldom computes it.
+/// Columns and rows of a tile's pixels from its first, in the order of [`Tile::places`].
+type Steps = [[u8; 2]; MAX_PIXELS];
+
+/// Sizes of tiles in a picture: whole, cut at the right, cut below, cut at both.
+const SIZES: usize = 4;
+
+/// The pixels of a tile. Its table is the same for every sample and for all tiles of its size, so a thread
+/// seldom computes one.
 pub struct TilePixels {
     tile: Tile,
     /// Pixels at the front whose packets are rows of [`BLOCK`] pixels below each other.
     in_blocks: usize,
-    /// Columns and rows from the tile's first pixel.
-    steps: [[u8; 2]; MAX_PIXELS],
+    steps: Steps,
+    /// Tables of the sizes met before.
+    known: Vec<([u32; 2], Steps)>,
 }
 
 // The pixels of a block are read from one place of the table of shifts.
@@ -24,20 +31,36 @@ impl TilePixels {
     /// Of no tile.
     pub fn new() -> Self {
         let tile = Tile { number: 0, x: 0, y: 0, width: 0, height: 0 };
-        Self { tile, in_blocks: 0, steps: [[0; 2]; MAX_PIXELS] }
+        Self { tile, in_blocks: 0, steps: [[0; 2]; MAX_PIXELS], known: Vec::new() }
     }
 
     /// Turns to a tile.
     pub fn begin(&mut self, tile: Tile) {
         let before = std::mem::replace(&mut self.tile, tile);
-        if [before.width, before.height] != [tile.width, tile.height] {
-            for (step, [x, y]) in self.steps.iter_mut().zip(tile.places()) {
-                *step = [(x - tile.x) as u8, (y - tile.y) as u8];
-            }
+        let size = [tile.width, tile.height];
+        if [before.width, before.height] != size {
+            self.steps = self.steps_of(size);
         }
         let is_aligned = tile.width.is_multiple_of(BLOCK) && tile.x.is_multiple_of(BLOCK);
         let rows = if is_aligned { tile.height / BLOCK * BLOCK } else { 0 };
         self.in_blocks = (rows * tile.width) as usize;
+    }
+
+    fn steps_of(&mut self, size: [u32; 2]) -> Steps {
+        if let Some((_, steps)) = self.known.iter().find(|(known, _)| *known == size) {
+            return *steps;
+        }
+        let mut steps = [[0; 2]; MAX_PIXELS];
+        let [width, height] = size;
+        let tile = Tile { number: 0, x: 0, y: 0, width, height };
+        for (step, place) in steps.iter_mut().zip(tile.places()) {
+            *step = place.map(|coordinate| coordinate as u8);
+        }
+        if self.known.len() == SIZES {
+            self.known.clear();
+        }
+        self.known.push((size, steps));
+        steps
     }
 
     /// The places of the packet at `at`; unspecified behind the last pixel.

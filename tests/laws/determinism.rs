@@ -4,6 +4,7 @@
 use crate::common::{Rng, empty, material, noise, sphere, triangle};
 use glam::{Vec2, Vec3};
 use octray::buffers::{Buffers, Features};
+use octray::film::Film;
 use octray::integrate::pipeline_for;
 use octray::lane::WIDTHS;
 use octray::render::{PipelineChoice, RenderObserver, Renderer, Settings};
@@ -75,7 +76,20 @@ fn lamp_and_sign() -> Scene {
     Scene { sky: Sky::Color(Vec3::ZERO), ..scene }
 }
 
-/// The same, and so much of it that it goes through the hierarchy.
+/// A ball that fills the view, in a dome that shines with a picture: every path ends there after one bounce.
+fn ball_in_a_dome() -> Scene {
+    let shining =
+        Material { texture: Some(0), emission: Vec3::splat(2.0), ..material(MaterialKind::Emitter) };
+    Scene {
+        camera: Camera { position: Vec3::Z * 6.0, look_at: Vec3::ZERO, up: Vec3::Y, vertical_fov: 45.0 },
+        materials: vec![material(MaterialKind::Diffuse), shining],
+        spheres: vec![sphere(Vec3::ZERO, 5.0, 0), sphere(Vec3::ZERO, 50.0, 1)],
+        textures: vec![noise(&mut Rng(31), 8, 8, Filter::Nearest)],
+        ..empty()
+    }
+}
+
+/// As [`everything`], and so much of it that it goes through the hierarchy.
 fn crowd() -> Scene {
     everything_of(61)
 }
@@ -285,6 +299,48 @@ fn check_ways(scene: &Scene, wanted: impl Fn(usize, usize, usize) -> bool) {
                     }
                 }
             }
+        }
+    }
+}
+
+#[test]
+fn picture_is_the_same_however_many_tiles_are_traced_together() {
+    // One thread traces five of these tiles together, six threads one. Paths of three tiles fill the queue if
+    // they all go on, and the queue of ended paths if they all end.
+    for scene in [everything(), ball_in_a_dome(), lamp_and_sign(), matt_and_mirror(), crowd()] {
+        for max_bounces in [1, 2, 6] {
+            let alone = Settings { threads: 6, lanes: 8, ..base(&scene, [160, 140], max_bounces) };
+            let expected = Print::of(&scene, alone, &[2]);
+            for lanes in WIDTHS {
+                let together = Settings { threads: 1, lanes, ..alone };
+                Print::of(&scene, together, &[2]).assert_same(&expected, together, &[2]);
+            }
+        }
+    }
+}
+
+#[test]
+fn tiles_with_different_numbers_of_samples_are_those_of_films_with_one() {
+    let scene = few_textured();
+    let renderer = Renderer::new(&scene, Settings { lanes: 8, ..base(&scene, [160, 140], 4) });
+    let films: Vec<Film> = (0..4)
+        .map(|samples| {
+            let mut film = renderer.film();
+            renderer.add_samples(&mut film, samples);
+            film
+        })
+        .collect();
+    let mut mixed = renderer.film();
+    // Runs of two, three and five tiles, so that some groups are equal and others are not.
+    let goal = |tile: usize| [1, 1, 3, 3, 3, 2, 2, 2, 2, 2][tile % 10];
+    for round in 1..=2 {
+        renderer.sample_tiles_to(&mut mixed, |tile, _| goal(tile).min(2 * round), &());
+    }
+    for (tile, sums) in mixed.tiles().iter().enumerate() {
+        let same = &films[goal(tile) as usize].tiles()[tile];
+        assert_eq!(sums.samples, goal(tile));
+        for slot in 0..sums.tile.pixels() {
+            assert_eq!(sums.mean(slot).map(f64::to_bits), same.mean(slot).map(f64::to_bits), "tile {tile}");
         }
     }
 }

@@ -55,7 +55,7 @@ fn departure(scene: &Scene, max_bounces: u32, lanes: usize) -> f64 {
     };
     let tile = Tile { number: 0, x: 0, y: 0, width: 16, height: 16 };
     let mut scratch = Scratch::new();
-    let rays = pipeline_for(Features::of(scene), lanes).1(&context, tile, 0, &mut scratch);
+    let rays = pipeline_for(Features::of(scene), lanes).1(&context, &[tile], 0, &mut scratch);
     // Nothing leaves the room (but by rounding): all paths reach their last segment.
     assert!(rays > 250 * u64::from(max_bounces), "{rays}");
     let alive = (rays - 256) / u64::from(max_bounces);

@@ -7,9 +7,14 @@ use crate::camera::MAX_PIXELS;
 use crate::lane::{F32x16, Lane};
 use crate::math::Vec3;
 use bytemuck::Zeroable;
+use std::ops::Range;
 
-/// The widest packet more than pixels, so that the last packet may be stored whole.
-const LENGTH: usize = MAX_PIXELS + F32x16::WIDTH;
+/// Paths of earlier tiles in a queue, at most, when a tile begins.
+pub const MAX_WAITING: usize = 2 * MAX_PIXELS;
+/// Those, a tile's, and the widest packet more, so that the last packet may be stored whole. Columns are
+/// three quarters of a page and a cache line apart, so that the same part of all columns is spread evenly
+/// over the sets of the cache.
+const LENGTH: usize = MAX_WAITING + MAX_PIXELS + F32x16::WIDTH;
 
 pub type Column = [f32; LENGTH];
 pub type IntColumn = [u32; LENGTH];
@@ -28,8 +33,8 @@ impl Vec3Columns {
     pub fn load<L: Lane>(&self, at: usize) -> Vec3<L> {
         Vec3::new(L::load(&self.x[at..]), L::load(&self.y[at..]), L::load(&self.z[at..]))
     }
-    pub fn first(&self, count: usize) -> [&[f32]; 3] {
-        [&self.x[..count], &self.y[..count], &self.z[..count]]
+    pub fn range(&self, range: Range<usize>) -> [&[f32]; 3] {
+        [&self.x, &self.y, &self.z].map(|column| &column[range.clone()])
     }
     #[inline(always)]
     pub fn store<L: Lane>(&mut self, at: usize, v: Vec3<L>) {

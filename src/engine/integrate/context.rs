@@ -4,11 +4,11 @@
 //! never know: stages.
 
 use super::features::{carries_cones, has};
-use super::queue::{Path, PathQueue, QueueColumns, primary_slots};
+use super::queue::{Path, PathQueue, QueueColumns};
 use crate::buffers::{Buffers, Features};
 use crate::camera::{Pinhole, Tile};
 use crate::kernel::ray_cone::Cone;
-use crate::lane::Lane;
+use crate::lane::{Bits, Lane, lane_indices};
 use crate::math::Ray;
 use crate::sampling::Sampler;
 use crate::traverse::{Occluders, PrimitiveList, Primitives};
@@ -62,7 +62,8 @@ impl TraceContext {
         }
         let (direction, key) = queue.primary(at);
         let ray = Ray { origin: self.camera.origin(), direction };
-        Path::primary(ray, key, primary_slots::<L>(at), self.primary_cone::<L, N>())
+        let slot = lane_indices::<L>().wrapping_add(L::Bits::splat(queue.primary_slot(at)));
+        Path::primary(ray, key, slot, self.primary_cone::<L, N>())
     }
 
     /// How many spheres and triangles each ray of a tile is tested against, where there is no hierarchy: all

@@ -12,31 +12,41 @@ use super::intersect::intersect_queue;
 use super::scratch::Scratch;
 use super::stats::RayKind;
 use crate::camera::{BLOCK, Pinhole, Tile};
-use crate::lane::{Bits, F32x8, Lane, lane_indices};
+use crate::lane::{Bits, F32x8, F32x16, Lane, lane_indices};
 use crate::sampling::{Places, dimension};
+use std::ops::Range;
 
-/// Fills the queue with the tile's pixels in their order, finds what they hit, and returns how many there
-/// are.
-pub fn generate<L: Lane>(context: &TraceContext, tile: Tile, sample: u32, scratch: &mut Scratch) -> usize {
+/// Queues the tile's pixels in their order behind `waiting` paths, finds what they hit, and returns where in
+/// the queue they are. `number`: the tile's among those that are traced together.
+pub fn generate<L: Lane>(
+    context: &TraceContext,
+    (number, tile): (usize, Tile),
+    sample: u32,
+    waiting: usize,
+    scratch: &mut Scratch,
+) -> Range<usize> {
     let (count, visible) = (tile.pixels(), context.visible.get(tile.number));
+    let first = waiting.next_multiple_of(F32x16::WIDTH);
+    let paths = first..first + count;
+    scratch.queue.begin_tile(number, first);
     scratch.values.begin(context.sampler, context.seed, sample, context.max_bounces);
     scratch.pixels.begin(tile);
-    camera_rays::<L>(context, sample, count, scratch);
-    intersect_queue::<L>(context, visible, scratch, count, RayKind::Primary);
-    count
+    camera_rays::<L>(context, sample, paths.clone(), scratch);
+    intersect_queue::<L>(context, visible, scratch, paths.clone(), RayKind::Primary);
+    paths
 }
 
-/// Stores a ray through a random point of each of the tile's `count` pixels, and its origin where a traversal
-/// reads that.
+/// Stores a ray through a random point of each of the tile's pixels, and its origin where a traversal reads
+/// that.
 #[inline(always)]
-fn camera_rays<L: Lane>(context: &TraceContext, sample: u32, count: usize, scratch: &mut Scratch) {
+fn camera_rays<L: Lane>(context: &TraceContext, sample: u32, paths: Range<usize>, scratch: &mut Scratch) {
     let Scratch { queue, values, pixels, .. } = scratch;
     let numbers = values.pixel();
     let store_origins = context.primitives.hierarchy().is_some();
     let camera: Pinhole = context.camera;
     let TraceContext { sampler, seed, width, .. } = *context;
-    for at in (0..count).step_by(L::WIDTH) {
-        let places = pixels.places::<L>(at);
+    for at in paths.clone().step_by(L::WIDTH) {
+        let places = pixels.places::<L>(at - paths.start);
         let (x, y, pixel) = match places {
             Places::Block { x, y } => {
                 let lanes = lane_indices::<L>();

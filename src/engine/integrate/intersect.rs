@@ -14,13 +14,13 @@ use crate::buffers::Features;
 use crate::lane::{Lane, Mask};
 use crate::math::Hit;
 use crate::traverse::PrimitiveList;
+use std::ops::Range;
 
 /// The segment that [`intersect`] finds the ends of.
-#[derive(Clone, Copy)]
 pub struct Segment {
-    /// Paths, at the front of the queue.
-    pub count: usize,
-    /// Paths of the tile that have ended on a surface in earlier segments.
+    /// The paths' indices in the queue.
+    pub paths: Range<usize>,
+    /// Paths that have ended on a surface in earlier segments.
     pub ended: usize,
     /// No segment follows.
     pub is_last: bool,
@@ -28,24 +28,24 @@ pub struct Segment {
 
 /// What a run of [`intersect`] leaves.
 pub struct Intersected {
-    /// Paths to shade, at the front of the queue.
-    pub hits: usize,
+    /// The indices in the queue of paths to shade.
+    pub hits: Range<usize>,
     /// Contributions of those that missed.
     pub contributions: usize,
-    /// Paths of the tile that have ended on a surface, in the queue of their own.
+    /// Paths that have ended on a surface, in the queue of their own.
     pub ended: usize,
 }
 
 impl Intersected {
-    /// The `count` paths of a tile's primary rays, as [`super::generate()`] leaves them: each at the index of
-    /// its pixel, those that missed too.
-    pub fn all(count: usize) -> Self {
-        Self { hits: count, contributions: 0, ended: 0 }
+    /// The paths of a tile's primary rays, as [`super::generate()`] leaves them: each at the index of its
+    /// pixel, those that missed too.
+    pub fn all(paths: Range<usize>) -> Self {
+        Self { hits: paths, contributions: 0, ended: 0 }
     }
 }
 
-/// Finds the nearest hits of paths after a bounce. Those that go on are compressed to the front, so that
-/// shading has full packets; these end here:
+/// Finds the nearest hits of paths after a bounce. Those that go on are compressed to the front of their
+/// range, so that shading has full packets; these end here:
 /// - Under a sky ([`ends_missed`]), paths that miss. They add the environment's radiance. Without one,
 ///   shading finds them.
 /// - Where emitters are textured ([`ends_at_emitters`]), paths that hit one. They move to the queue of ended
@@ -55,9 +55,9 @@ pub fn intersect<L: Lane, const N: u32>(
     scratch: &mut Scratch,
     segment: Segment,
 ) -> Intersected {
-    let Segment { count, ended, .. } = segment;
-    let mut left = Intersected { hits: 0, contributions: 0, ended };
-    intersect_queue::<L>(context, None, scratch, count, RayKind::Bounce);
+    let (paths, ended) = (segment.paths.clone(), segment.ended);
+    let mut left = Intersected { hits: paths.start..paths.start, contributions: 0, ended };
+    intersect_queue::<L>(context, None, scratch, paths, RayKind::Bounce);
     end_paths::<L, N>(context, scratch, segment, &mut left);
     left
 }
@@ -76,18 +76,18 @@ pub fn ending_emitters<const N: u32>(context: &TraceContext) -> Option<&[f32; 16
 fn end_paths<L: Lane, const N: u32>(
     context: &TraceContext,
     scratch: &mut Scratch,
-    Segment { count, is_last, .. }: Segment,
+    Segment { paths, is_last, .. }: Segment,
     left: &mut Intersected,
 ) {
     let (columns, triangles) = (context.columns::<N>(), has(N, Features::TRIANGLES));
     let emitters = ending_emitters::<N>(context);
     if !ends_missed(N) && emitters.is_none() {
-        left.hits = count;
+        left.hits = paths;
         return;
     }
-    for at in (0..count).step_by(L::WIDTH) {
+    for at in paths.clone().step_by(L::WIDTH) {
         let hit: Hit<L> = scratch.queue.hit(at);
-        let active = L::Mask::first(count - at);
+        let active = L::Mask::first(paths.end - at);
         let found = hit.found() & active;
         let nothing = L::Mask::splat(false);
         let missed = if ends_missed(N) { active & !found } else { nothing };
@@ -97,8 +97,8 @@ fn end_paths<L: Lane, const N: u32>(
             Some(emits) => found & L::zero().lt(L::pick_of_16(emits, hit.primitive)),
         };
         let going_on = active & !(missed | ended);
-        if going_on.all() && left.hits == at {
-            left.hits += L::WIDTH;
+        if going_on.all() && left.hits.end == at {
+            left.hits.end += L::WIDTH;
             continue;
         }
         let path = scratch.queue.path(at, columns);
@@ -115,9 +115,9 @@ fn end_paths<L: Lane, const N: u32>(
         // In place: no more paths are left than were read, so nothing unread is overwritten.
         if going_on.any() {
             let indices = L::compress_indices(going_on);
-            scratch.queue.store_path(left.hits, &path.compress(indices, columns), columns);
-            scratch.queue.store_hit(left.hits, &compress_hit(&hit, indices), triangles);
-            left.hits += going_on.count();
+            scratch.queue.store_path(left.hits.end, &path.compress(indices, columns), columns);
+            scratch.queue.store_hit(left.hits.end, &compress_hit(&hit, indices), triangles);
+            left.hits.end += going_on.count();
         }
     }
 }
@@ -133,7 +133,7 @@ fn compress_hit<L: Lane>(hit: &Hit<L>, indices: L::CompressIndices) -> Hit<L> {
     }
 }
 
-/// Finds the nearest hits of the first `count` rays of the path queue, by whatever traversal was chosen;
+/// Finds the nearest hits of a range of the path queue, by whatever traversal was chosen;
 /// without a hierarchy only `visible` primitives are tested. Primary rays start at the camera: only with a
 /// hierarchy their origins are read from the queue.
 #[inline(always)]
@@ -141,17 +141,17 @@ pub fn intersect_queue<L: Lane>(
     context: &TraceContext,
     visible: Option<&PrimitiveList>,
     scratch: &mut Scratch,
-    count: usize,
+    paths: Range<usize>,
     kind: RayKind,
 ) {
     match context.primitives.hierarchy() {
-        Some((hierarchy, traversal)) => scratch.intersect_hierarchy(hierarchy, traversal, count, kind),
+        Some((hierarchy, traversal)) => scratch.intersect_hierarchy(hierarchy, traversal, paths, kind),
         None => {
             let source = match kind {
                 RayKind::Primary => RaySource::Camera(context.camera),
                 _ => RaySource::Paths,
             };
-            let mut rays = LinearRays { source, queue: &mut scratch.queue, count };
+            let mut rays = LinearRays { source, queue: &mut scratch.queue, range: paths };
             context.primitives.trace_linear::<L>(&context.buffers, visible, &mut rays);
         }
     }

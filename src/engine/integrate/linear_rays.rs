@@ -9,6 +9,7 @@ use crate::camera::Pinhole;
 use crate::lane::Lane;
 use crate::math::Ray;
 use crate::traverse::Batch;
+use std::ops::Range;
 
 /// Where rays are read from.
 pub enum RaySource<'a> {
@@ -25,13 +26,14 @@ pub enum RaySource<'a> {
 pub struct LinearRays<'a> {
     pub source: RaySource<'a>,
     pub queue: &'a mut PathQueue,
-    pub count: usize,
+    /// The rays' indices in their queue, and those of their hits in the path queue.
+    pub range: Range<usize>,
 }
 
 impl<L: Lane> Batch<L> for LinearRays<'_> {
     #[inline(always)]
-    fn count(&self) -> usize {
-        self.count
+    fn range(&self) -> Range<usize> {
+        self.range.clone()
     }
     #[inline(always)]
     fn ray(&self, at: usize) -> Ray<L> {

@@ -1,6 +1,6 @@
 //! The integrator: a wavefront path tracer.
 //!
-//! For: [`trace_tile`], one sample of every pixel of a tile. May import: everything above it. Must never
+//! For: [`trace_tiles`], one sample of every pixel of some tiles. May import: everything above it. Must never
 //! know: threads, files.
 //!
 //! A tile's paths are in a queue in structure-of-arrays form ([`queue`]). Each stage runs over the whole
@@ -18,6 +18,9 @@
 //!   most one texel, all are read first.
 //! - `shadow_rays` adds the radiance of the shadow rays that are not occluded.
 //! - `finish` shades last segments: emitted radiance, no scattering.
+//!
+//! A tile has few paths left after some events, which fill packets badly. So the paths of several tiles wait
+//! for each other in the queue and go on together.
 //!
 //! # The estimator
 //! Unidirectional path tracing: a path's radiance is the sum, over its segments, of the radiance emitted by
@@ -55,5 +58,5 @@ mod tile_pixels;
 
 pub use context::TraceContext;
 pub use generate::generate;
-pub use pipeline::{Pipeline, RENORMALIZATION_INTERVAL, pipeline_for, trace_tile};
-pub use scratch::Scratch;
+pub use pipeline::{Pipeline, RENORMALIZATION_INTERVAL, pipeline_for, trace_tiles};
+pub use scratch::{MAX_TILES, Scratch};

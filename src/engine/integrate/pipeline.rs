@@ -1,7 +1,8 @@
 //! Pipelines: the stages in order, compiled for a set of features.
 //!
-//! For: [`trace_tile`] and [`pipeline_for`]. May import: every stage. Must never know: threads, films.
+//! For: [`trace_tiles`] and [`pipeline_for`]. May import: every stage. Must never know: threads, films.
 
+use super::columns::MAX_WAITING;
 use super::context::TraceContext;
 use super::features::has;
 use super::generate::generate;
@@ -13,58 +14,127 @@ use super::stats::Stage;
 use crate::buffers::Features;
 use crate::camera::Tile;
 use crate::lane::{F32x8, F32x16, Lane};
+use std::ops::Range;
 
-/// [`trace_tile`] at one width, compiled for one set of features.
-pub type Pipeline = fn(&TraceContext, Tile, u32, &mut Scratch) -> u64;
+/// [`trace_tiles`] at one width, compiled for one set of features.
+pub type Pipeline = fn(&TraceContext, &[Tile], u32, &mut Scratch) -> u64;
 
-/// Takes sample `sample` of every pixel of a tile into `scratch`'s radiance and returns the number of rays.
-/// `N` holds the features that this pipeline is compiled with; it must contain the scene's [`Features`].
-pub fn trace_tile<L: Lane, const N: u32>(
+/// Scattering events after which the paths of several tiles are traced together. A tile alone has few left by
+/// then: one or two packets, half empty, whose steps wait for each other.
+const SHARED_FROM: u32 = 2;
+
+/// Takes sample `sample` of every pixel of up to [`super::MAX_TILES`] tiles into `scratch`'s radiance and
+/// returns the number of rays. `N` holds the features that this pipeline is compiled with; it must contain
+/// the scene's [`Features`].
+pub fn trace_tiles<L: Lane, const N: u32>(
     context: &TraceContext,
-    tile: Tile,
+    tiles: &[Tile],
     sample: u32,
     scratch: &mut Scratch,
 ) -> u64 {
-    scratch.begin_stage(Some(Stage::Generate));
-    let mut count = generate::<L>(context, tile, sample, scratch);
-    let mut rays = count as u64;
-    if context.max_bounces == 0 {
-        scratch.begin_stage_with_rays::<L>(Stage::Finish, context, tile, 0, count);
-        finish::<L, N, true>(context, scratch, &Intersected::all(count));
-        return rays;
-    }
-    scratch.begin_stage_with_rays::<L>(Stage::Shade, context, tile, 0, count);
-    let mut ended = 0;
-    let mut shaded = shade::<L, N, true>(context, scratch, &Intersected::all(count), 0);
-    rays += shadow_rays::<L, N>(context, scratch, &shaded);
-    for bounce in 1..context.max_bounces {
-        count = shaded.alive;
-        rays += count as u64;
-        scratch.begin_stage_with_rays::<L>(Stage::Intersect, context, tile, bounce, count);
-        if bounce.is_multiple_of(RENORMALIZATION_INTERVAL) {
-            scratch.queue.normalize_directions::<L>(count);
+    let (mut rays, mut left) = (0, Left::default());
+    for (number, &tile) in tiles.iter().enumerate() {
+        rays += first_segments::<L, N>(context, (number, tile), sample, scratch, &mut left);
+        let is_last = number + 1 == tiles.len();
+        if context.max_bounces > 0 && (is_last || left.waiting + left.ended > MAX_WAITING) {
+            rays += later_segments::<L, N>(context, scratch, left);
+            left = Left::default();
         }
-        let left = intersect::<L, N>(context, scratch, Segment { count, ended, is_last: false });
-        ended = left.ended;
-        scratch.begin_stage(Some(Stage::Shade));
-        shaded = shade::<L, N, false>(context, scratch, &left, bounce);
-        rays += shadow_rays::<L, N>(context, scratch, &shaded);
     }
-    count = shaded.alive;
-    scratch.begin_stage_with_rays::<L>(Stage::Intersect, context, tile, context.max_bounces, count);
-    let left = intersect::<L, N>(context, scratch, Segment { count, ended, is_last: true });
-    scratch.begin_stage(Some(Stage::Finish));
-    finish::<L, N, false>(context, scratch, &left);
-    rays + count as u64
+    rays
 }
 
-/// Traces the shadow rays that `shade` queued, and returns how many there are.
+/// Paths that tiles have left.
+#[derive(Clone, Copy, Default)]
+struct Left {
+    /// Those after the event [`SHARED_FROM`], or the last if that is earlier: at the front of the queue.
+    waiting: usize,
+    /// Those that have ended on a surface, for `finish`.
+    ended: usize,
+}
+
+/// Traces the paths of a tile to their event [`SHARED_FROM`]. Returns the number of rays.
+fn first_segments<L: Lane, const N: u32>(
+    context: &TraceContext,
+    (number, tile): (usize, Tile),
+    sample: u32,
+    scratch: &mut Scratch,
+    left: &mut Left,
+) -> u64 {
+    scratch.begin_stage(Some(Stage::Generate));
+    let mut paths = generate::<L>(context, (number, tile), sample, left.waiting, scratch);
+    let mut rays = paths.len() as u64;
+    if context.max_bounces == 0 {
+        scratch.begin_stage_with_rays::<L>(Stage::Finish, context, Some(tile), 0, &paths);
+        finish::<L, N, true>(context, scratch, &Intersected::all(paths));
+        return rays;
+    }
+    scratch.begin_stage_with_rays::<L>(Stage::Shade, context, Some(tile), 0, &paths);
+    let last = SHARED_FROM.min(context.max_bounces) - 1;
+    let (first, waiting) = (paths.start, left.waiting);
+    let to = |event| if event == last { waiting } else { first };
+    let mut shaded = shade::<L, N, true>(context, scratch, &Intersected::all(paths.clone()), 0, to(0));
+    shadow_rays::<L, N>(context, scratch, &shaded);
+    rays += shaded.shadow_rays as u64;
+    for bounce in 1..=last {
+        paths.end = first + shaded.alive;
+        shaded = trace_bounce::<L, N>(context, scratch, &paths, bounce, to(bounce), &mut left.ended);
+        rays += (paths.len() + shaded.shadow_rays) as u64;
+    }
+    left.waiting += shaded.alive;
+    rays
+}
+
+/// Traces the paths that tiles have left to their ends. Returns the number of rays.
+fn later_segments<L: Lane, const N: u32>(
+    context: &TraceContext,
+    scratch: &mut Scratch,
+    Left { waiting, mut ended }: Left,
+) -> u64 {
+    let (mut paths, mut rays) = (0..waiting, 0);
+    for bounce in SHARED_FROM..context.max_bounces {
+        let shaded = trace_bounce::<L, N>(context, scratch, &paths, bounce, 0, &mut ended);
+        rays += (paths.len() + shaded.shadow_rays) as u64;
+        paths.end = shaded.alive;
+    }
+    rays += paths.len() as u64;
+    scratch.begin_stage_with_rays::<L>(Stage::Intersect, context, None, context.max_bounces, &paths);
+    let found = intersect::<L, N>(context, scratch, Segment { paths, ended, is_last: true });
+    scratch.begin_stage(Some(Stage::Finish));
+    finish::<L, N, false>(context, scratch, &found);
+    rays
+}
+
+/// Traces a segment of paths after `bounce` bounces, shades their hits, and traces the shadow rays. Those
+/// that go on are stored from `to` on.
 #[inline(always)]
-fn shadow_rays<L: Lane, const N: u32>(context: &TraceContext, scratch: &mut Scratch, shaded: &Shaded) -> u64 {
+fn trace_bounce<L: Lane, const N: u32>(
+    context: &TraceContext,
+    scratch: &mut Scratch,
+    paths: &Range<usize>,
+    bounce: u32,
+    to: usize,
+    ended: &mut usize,
+) -> Shaded {
+    scratch.begin_stage_with_rays::<L>(Stage::Intersect, context, None, bounce, paths);
+    if bounce.is_multiple_of(RENORMALIZATION_INTERVAL) {
+        scratch.queue.normalize_directions::<L>(paths.clone());
+    }
+    let segment = Segment { paths: paths.clone(), ended: *ended, is_last: false };
+    let found = intersect::<L, N>(context, scratch, segment);
+    *ended = found.ended;
+    scratch.begin_stage(Some(Stage::Shade));
+    let shaded = shade::<L, N, false>(context, scratch, &found, bounce, to);
+    shadow_rays::<L, N>(context, scratch, &shaded);
+    shaded
+}
+
+/// Traces the shadow rays that `shade` queued.
+#[inline(always)]
+fn shadow_rays<L: Lane, const N: u32>(context: &TraceContext, scratch: &mut Scratch, shaded: &Shaded) {
     if has(N, Features::LIGHTS) && shaded.shadow_rays > 0 {
         trace_shadow_rays::<L>(context, scratch, shaded.shadow_rays);
     }
-    shaded.shadow_rays as u64
 }
 
 /// Scattering events after which directions are brought back to unit length.
@@ -134,7 +204,7 @@ const ALL_LOBES: Features = UNTEXTURED
     .with(Features::METAL_ROUGH);
 
 const fn pipeline<const N: u32>() -> (Features, [Pipeline; 3]) {
-    (Features(N), [trace_tile::<f32, N>, trace_tile::<F32x8, N>, trace_tile::<F32x16, N>])
+    (Features(N), [trace_tiles::<f32, N>, trace_tiles::<F32x8, N>, trace_tiles::<F32x16, N>])
 }
 
 /// The pipeline for the features that a scene needs at a width of 1, 8 or 16, and the features that it is

@@ -1,11 +1,12 @@
 //! Path lengths by pixel, for the heat maps of the viewer.
 //!
-//! For: [`Probe`] and [`PathShape`]. May import: `columns`, `camera` (the size of a tile). Must never know:
+//! For: [`Probe`] and [`PathShape`]. May import: `queue`, `camera` (the size of a tile). Must never know:
 //! scenes, stages.
 
-use super::columns::IntColumn;
+use super::queue::PathQueue;
 use crate::camera::MAX_PIXELS;
 use crate::lane::Lane;
+use std::ops::Range;
 
 /// The number of segments of a pixel's path, and the occupancy of the packets that traced them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -29,15 +30,16 @@ impl Default for Probe {
 }
 
 impl Probe {
-    /// Adds a segment to the first `rays` paths. Before the first bounce each is at the index of its slot.
+    /// Adds a segment to these paths of a queue.
     #[cold]
     #[inline(never)]
-    pub fn record<L: Lane>(&mut self, slots: &IntColumn, bounces: u32, rays: usize) {
-        for (at, &slot) in slots.iter().enumerate().take(rays) {
-            let packet = at - at % L::WIDTH;
-            let path = &mut self.paths[if bounces == 0 { at } else { slot as usize }];
+    pub fn record<L: Lane>(&mut self, queue: &PathQueue, bounces: u32, paths: Range<usize>) {
+        for (number, at) in paths.clone().enumerate() {
+            let before = number - number % L::WIDTH;
+            let slot = if bounces == 0 { queue.primary_slot(at) } else { queue.slots()[at] };
+            let path = &mut self.paths[slot as usize];
             path.segments += 1;
-            path.lanes += L::WIDTH.min(rays - packet) as u32;
+            path.lanes += L::WIDTH.min(paths.len() - before) as u32;
         }
     }
 }

@@ -1,15 +1,17 @@
 //! The path queue: a tile's paths in structure-of-arrays form.
 //!
-//! For: [`PathQueue`] and [`Path`], one packet of it. May import: `columns`, `ray_queries`, `kernel`, `lane`,
-//! `math`, `traverse`. Must never know: stages, statistics, scenes.
+//! For: [`PathQueue`] and [`Path`], one packet of it. May import: `columns`, `ray_queries`, `camera` (the
+//! size of a tile), `kernel`, `lane`, `math`, `traverse`. Must never know: stages, statistics, scenes.
 
 use super::columns::{Column, IntColumn, Vec3Columns, compress};
 use super::ray_queries::RayQueries;
+use crate::camera::MAX_PIXELS;
 use crate::kernel::ray_cone::Cone;
-use crate::lane::{Bits, Lane, lane_indices};
+use crate::lane::{Bits, Lane};
 use crate::math::{Hit, Ray, Vec3};
 use crate::traverse::rays::Rays;
 use bytemuck::Zeroable;
+use std::ops::Range;
 
 /// A tile's paths, and the hits of their last segments.
 #[derive(Clone, Copy, Zeroable)]
@@ -24,7 +26,8 @@ pub struct PathQueue {
     inv_pdf: Column,
     /// Key of the path's random numbers.
     key: IntColumn,
-    /// The number of the path's pixel in its tile ([`crate::camera::Tile::places`]).
+    /// The number of the path's pixel among those of all tiles that are traced together: that in its tile
+    /// ([`crate::camera::Tile::places`]), and [`MAX_PIXELS`] for each tile before it.
     slot: IntColumn,
     t: Column,
     primitive: IntColumn,
@@ -33,6 +36,9 @@ pub struct PathQueue {
     /// [`Cone`]s. Only where textures have levels of detail.
     cone_width: Column,
     cone_spread: Column,
+    /// What is added to the index of a primary ray for its slot, modulo 2³².
+    to_slot: u32,
+    padding: [u32; 15],
 }
 
 /// The columns that are not stored in every scene.
@@ -62,21 +68,20 @@ pub struct Path<L: Lane> {
     pub cone: Cone<L>,
 }
 
-/// The pixels of the packet at `at` before the first bounce, where every path is at the index of its slot.
-#[inline(always)]
-pub fn primary_slots<L: Lane>(at: usize) -> L::Bits {
-    lane_indices::<L>().wrapping_add(L::Bits::splat(at as u32))
-}
-
 impl PathQueue {
-    /// The first `count` rays, and where their hits are written.
-    pub fn queries(&mut self, count: usize) -> RayQueries<'_> {
-        let PathQueue { origin, direction, t, primitive, u, v, .. } = self;
-        RayQueries { count, origin, direction, t_max: None, t, primitive, u, v }
+    /// Begins the tile of this number among those that are traced together: its primary rays are at `first`
+    /// and behind.
+    pub fn begin_tile(&mut self, number: usize, first: usize) {
+        self.to_slot = ((number * MAX_PIXELS) as u32).wrapping_sub(first as u32);
     }
-    /// The first `count` rays.
-    pub fn rays(&self, count: usize) -> Rays<'_> {
-        Rays { origin: self.origin.first(count), direction: self.direction.first(count) }
+    /// Some rays, and where their hits are written.
+    pub fn queries(&mut self, range: Range<usize>) -> RayQueries<'_> {
+        let PathQueue { origin, direction, t, primitive, u, v, .. } = self;
+        RayQueries { range, origin, direction, t_max: None, t, primitive, u, v }
+    }
+    /// Some rays.
+    pub fn rays(&self, range: Range<usize>) -> Rays<'_> {
+        Rays { origin: self.origin.range(range.clone()), direction: self.direction.range(range) }
     }
     /// The slots of all paths.
     pub fn slots(&self) -> &IntColumn {
@@ -103,8 +108,13 @@ impl PathQueue {
             slot: L::Bits::load(&self.slot[at..]),
         }
     }
-    /// Direction and key of paths at their first segment, where origin, throughput and slot follow from the
-    /// index in the queue.
+    /// The slot of the primary ray at `at`.
+    #[inline(always)]
+    pub fn primary_slot(&self, at: usize) -> u32 {
+        self.to_slot.wrapping_add(at as u32)
+    }
+    /// Direction and key of paths at their first segment, where origin and throughput are all the same, and
+    /// slots follow from the index in the queue.
     #[inline(always)]
     pub fn primary<L: Lane>(&self, at: usize) -> (Vec3<L>, L::Bits) {
         (self.direction.load(at), L::Bits::load(&self.key[at..]))
@@ -141,9 +151,9 @@ impl PathQueue {
         path.key.store(&mut self.key[at..]);
         path.slot.store(&mut self.slot[at..]);
     }
-    /// Renormalises the directions of the first `count` paths.
-    pub fn normalize_directions<L: Lane>(&mut self, count: usize) {
-        for at in (0..count).step_by(L::WIDTH) {
+    /// Renormalises the directions of a range of paths.
+    pub fn normalize_directions<L: Lane>(&mut self, paths: Range<usize>) {
+        for at in paths.step_by(L::WIDTH) {
             let direction: Vec3<L> = self.direction.load(at);
             self.direction.store(at, direction.normalize());
         }

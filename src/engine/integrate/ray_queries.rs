@@ -8,10 +8,11 @@ use crate::traverse::batch::{Tracer, Traversal};
 use crate::traverse::counter::Counter;
 use crate::traverse::hierarchy::Hierarchy;
 use crate::traverse::rays::{Hits, Rays};
+use std::ops::Range;
 
-/// The first `count` rays of a queue and where their hits are written.
+/// A range of the rays of a queue, and where their hits are written.
 pub struct RayQueries<'a> {
-    pub count: usize,
+    pub range: Range<usize>,
     pub origin: &'a Vec3Columns,
     pub direction: &'a Vec3Columns,
     /// Hits from here on do not count; without it, all do.
@@ -32,12 +33,12 @@ impl RayQueries<'_> {
         traversal: Traversal,
         counter: Option<&Counter>,
     ) {
-        let RayQueries { count, origin, direction, t_max, t, primitive, u, v } = self;
-        let rays = Rays { origin: origin.first(count), direction: direction.first(count) };
-        let [t, u, v] = [t, u, v].map(|column| &mut column[..count]);
-        let primitive = &mut primitive[..count];
+        let RayQueries { range, origin, direction, t_max, t, primitive, u, v } = self;
+        let rays = Rays { origin: origin.range(range.clone()), direction: direction.range(range.clone()) };
+        let [t, u, v] = [t, u, v].map(|column| &mut column[range.clone()]);
+        let primitive = &mut primitive[range.clone()];
         match t_max {
-            Some(t_max) => t.copy_from_slice(&t_max[..count]),
+            Some(t_max) => t.copy_from_slice(&t_max[range]),
             None => t.fill(f32::INFINITY),
         }
         primitive.fill(MISS);

@@ -20,13 +20,15 @@ use crate::traverse::counter::{Counter, Counts};
 use crate::traverse::hierarchy::Hierarchy;
 use crate::traverse::rays::Hits;
 use bytemuck::Zeroable;
+use std::ops::Range;
 
-/// One thread's working memory: 25 KiB, which a first-level cache holds, 12 more for shadow rays, 17 more
-/// where paths end at emitters, and that of the traversals of a hierarchy.
+/// One thread's working memory. In use at a time are 25 KiB, which a first-level cache holds, 11 more for
+/// each 256 paths that wait, 12 for shadow rays, 17 where paths end at emitters, and the memory of the
+/// traversals of a hierarchy.
 pub struct Scratch {
-    /// The paths that are alive.
+    /// The paths that are alive: those that wait, then those of a tile.
     pub queue: PathQueue,
-    /// The tile's paths that have ended on a surface, in full packets, for `finish`.
+    /// Paths that have ended on a surface, in full packets, for `finish`.
     pub ended: PathQueue,
     /// The shadow rays of a stage.
     pub shadow_queue: ShadowQueue,
@@ -38,8 +40,7 @@ pub struct Scratch {
     pub texels: IntColumn,
     tracer: Tracer,
     contributions: Contributions,
-    /// One sample's radiance of each pixel of the tile.
-    radiance: Vec3Columns,
+    radiance: Radiance,
     /// Measures times and counts while statistics are wanted.
     meter: Option<Box<Meter>>,
     /// Records path lengths while they are wanted.
@@ -47,6 +48,18 @@ pub struct Scratch {
     /// The probe's memory while it is not in use.
     idle_probe: Option<Box<Probe>>,
 }
+
+/// Most tiles that are traced together.
+pub const MAX_TILES: usize = 8;
+
+/// Pixels of these tiles, and a quarter of a page and a cache line more, so that red, green and blue of a
+/// pixel are in different sets of the cache.
+const RADIANCE_LENGTH: usize = MAX_TILES * MAX_PIXELS + 272;
+
+/// Red, green and blue of one sample of the pixels of all tiles that are traced together.
+#[derive(Clone, Copy, Zeroable)]
+#[repr(C, align(64))]
+struct Radiance([[f32; RADIANCE_LENGTH]; 3]);
 
 /// Radiance to be added to pixels.
 #[derive(Clone, Copy, Zeroable)]
@@ -62,11 +75,11 @@ struct Contributions {
 fn count_segment(
     meter: &mut Meter,
     context: &TraceContext,
-    tile: Tile,
+    tile: Option<Tile>,
     bounces: u32,
     (rays, width): (usize, usize),
 ) {
-    let tests = context.linear_tests((bounces == 0).then_some(tile));
+    let tests = context.linear_tests(tile);
     meter.count_segment(bounces, rays, width, tests);
 }
 
@@ -83,7 +96,7 @@ impl Scratch {
             pixels: Box::new(TilePixels::new()),
             texels: IntColumn::zeroed(),
             contributions,
-            radiance: Vec3Columns::zeroed(),
+            radiance: Radiance::zeroed(),
             tracer: Tracer::new(),
             meter: None,
             probe: None,
@@ -106,22 +119,23 @@ impl Scratch {
             meter.begin(stage);
         }
     }
-    /// Begins a stage for statistics, and counts `rays` rays that have bounced `bounces` times.
+    /// Begins a stage for statistics, and counts rays that have bounced `bounces` times: primary rays with
+    /// their `tile`.
     #[inline(always)]
     pub fn begin_stage_with_rays<L: Lane>(
         &mut self,
         stage: Stage,
         context: &TraceContext,
-        tile: Tile,
+        tile: Option<Tile>,
         bounces: u32,
-        rays: usize,
+        paths: &Range<usize>,
     ) {
         if let Some(meter) = &mut self.meter {
-            count_segment(meter, context, tile, bounces, (rays, L::WIDTH));
+            count_segment(meter, context, tile, bounces, (paths.len(), L::WIDTH));
             meter.begin(Some(stage));
         }
         if let Some(probe) = &mut self.probe {
-            probe.record::<L>(self.queue.slots(), bounces, rays);
+            probe.record::<L>(&self.queue, bounces, paths.clone());
         }
     }
     /// Begins the shadow-ray stage for statistics, and counts its rays.
@@ -154,25 +168,25 @@ impl Scratch {
         queries.trace::<true>(&mut self.tracer, hierarchy, traversal, counter);
     }
 
-    /// Finds the nearest hits of the first `count` rays of the path queue in a hierarchy.
+    /// Finds the nearest hits of a range of the path queue in a hierarchy.
     #[inline(always)]
     pub fn intersect_hierarchy(
         &mut self,
         hierarchy: &Hierarchy,
         traversal: Traversal,
-        count: usize,
+        paths: Range<usize>,
         kind: RayKind,
     ) {
         let before = self.meter.as_mut().and_then(|meter| meter.begin(Some(Stage::Trace)));
         let counter = self.meter.as_ref().map(|meter| meter.counter(kind));
-        self.queue.queries(count).trace::<false>(&mut self.tracer, hierarchy, traversal, counter);
+        self.queue.queries(paths).trace::<false>(&mut self.tracer, hierarchy, traversal, counter);
         self.begin_stage(before);
     }
 
     /// Counts the tests that find the nearest hit of the ray at `at`, traced by itself.
     pub fn count_tests(&mut self, hierarchy: &Hierarchy, traversal: Traversal, at: usize) -> Counts {
         let counter = Counter::default();
-        let rays = self.queue.rays(at + 1).range(at..at + 1);
+        let rays = self.queue.rays(at..at + 1);
         let (mut t, mut primitive, mut u, mut v) = ([f32::INFINITY], [MISS], [0.0], [0.0]);
         let mut hits = Hits { t: &mut t, primitive: &mut primitive, u: &mut u, v: &mut v };
         self.tracer.count::<false>(traversal, hierarchy, &rays, &mut hits, &counter);
@@ -182,7 +196,11 @@ impl Scratch {
     /// Sets the radiance of the pixels of the packet at `at`, before the first bounce.
     #[inline(always)]
     pub fn set_radiance<L: Lane>(&mut self, at: usize, radiance: Vec3<L>) {
-        self.radiance.store(at, radiance);
+        let slot = self.queue.primary_slot(at) as usize;
+        let [red, green, blue] = &mut self.radiance.0;
+        radiance.x.store(&mut red[slot..]);
+        radiance.y.store(&mut green[slot..]);
+        radiance.z.store(&mut blue[slot..]);
     }
 
     /// Queues radiance of the lanes of `mask` behind `count` earlier contributions; returns how many there
@@ -205,27 +223,29 @@ impl Scratch {
     #[inline(never)]
     pub fn add_contributions(&mut self, count: usize) {
         let Contributions { radiance: Vec3Columns { x, y, z }, slot } = &self.contributions;
-        let Vec3Columns { x: red, y: green, z: blue } = &mut self.radiance;
+        let [red, green, blue] = &mut self.radiance.0;
         let events = slot[..count].iter().zip(&x[..count]).zip(&y[..count]).zip(&z[..count]);
         for (((&slot, &r), &g), &b) in events {
-            // It is below the number of pixels already; this lets the compiler drop the bounds checks.
-            let slot = slot as usize % MAX_PIXELS;
+            // It is below that already; this lets the compiler drop the bounds checks.
+            let slot = slot as usize % (MAX_TILES * MAX_PIXELS);
             red[slot] += r;
             green[slot] += g;
             blue[slot] += b;
         }
     }
 
-    /// Clamps radiance to `most`. Infinite and NaN values stay; the film counts them.
-    pub fn clamp_radiance(&mut self, most: f32) {
-        let Vec3Columns { x, y, z } = &mut self.radiance;
-        for value in [x, y, z].into_iter().flatten().filter(|value| **value > most && value.is_finite()) {
-            *value = most;
+    /// Clamps radiance of the first `tiles` tiles to `most`. Infinite and NaN values stay; the film counts
+    /// them.
+    pub fn clamp_radiance(&mut self, tiles: usize, most: f32) {
+        for channel in &mut self.radiance.0 {
+            let values = channel[..tiles * MAX_PIXELS].iter_mut();
+            values.filter(|value| **value > most && value.is_finite()).for_each(|value| *value = most);
         }
     }
 
-    /// Red, green and blue of the tile's pixels, in their order; elements behind them are unspecified.
-    pub fn radiance(&self) -> [&[f32]; 3] {
-        [&self.radiance.x, &self.radiance.y, &self.radiance.z]
+    /// Red, green and blue of the pixels of the tile of this number among those that were traced together, in
+    /// their order; elements behind them are unspecified.
+    pub fn radiance(&self, number: usize) -> [&[f32]; 3] {
+        self.radiance.0.each_ref().map(|channel| &channel[number * MAX_PIXELS..][..MAX_PIXELS])
     }
 }

@@ -19,6 +19,7 @@ use super::texel_reads::texels_of_hits;
 use crate::buffers::Features;
 use crate::lane::{Bits, Lane, Mask};
 use crate::math::{Hit, Vec3};
+use std::ops::Range;
 
 /// How many rays a run of [`shade`] leaves at the front of each queue.
 pub struct Shaded {
@@ -30,12 +31,15 @@ pub struct Shaded {
 
 /// Shades the hits of paths after `bounce` bounces, samples lights for them, and scatters them.
 ///
+/// Those that go on are stored from `to` on.
+///
 /// `FIRST`: the queue holds primary rays, as [`super::generate()`] left them, and some missed.
 pub fn shade<L: Lane, const N: u32, const FIRST: bool>(
     context: &TraceContext,
     scratch: &mut Scratch,
-    &Intersected { hits: count, contributions, .. }: &Intersected,
+    &Intersected { hits: ref paths, contributions, .. }: &Intersected,
     bounce: u32,
+    to: usize,
 ) -> Shaded {
     let values = scratch.values.bounce(bounce);
     let mut accumulator = RadianceAccumulator::<FIRST> { contributions };
@@ -44,12 +48,12 @@ pub fn shade<L: Lane, const N: u32, const FIRST: bool>(
     let sample_lights = has(N, Features::LIGHTS) && !context.buffers.lights.is_empty();
     let guiding = context.buffers.lights.guiding.as_ref();
     if reads_texels_first(N) {
-        texels_of_hits::<L, N, FIRST>(context, &scratch.queue, count, &mut scratch.texels);
+        texels_of_hits::<L, N, FIRST>(context, &scratch.queue, paths.clone(), &mut scratch.texels);
     }
-    for at in (0..count).step_by(L::WIDTH) {
+    for at in paths.clone().step_by(L::WIDTH) {
         let path = context.path::<L, N, FIRST>(&scratch.queue, at);
         let SegmentEnds { hit, active, found, mut radiance } =
-            SegmentEnds::of::<N, FIRST>(context, &scratch.queue, (at, count), &path);
+            SegmentEnds::of::<N, FIRST>(context, &scratch.queue, at..paths.end, &path);
         if (FIRST || !ends_missed(N)) && !found.any() {
             accumulator.add(scratch, at, active, &path, radiance);
             continue;
@@ -63,7 +67,7 @@ pub fn shade<L: Lane, const N: u32, const FIRST: bool>(
         accumulator.add(scratch, at, carries_radiance::<L, N>(active, found, radiance), &path, radiance);
 
         let numbers = &if FIRST {
-            values.at_pixels(path.key, scratch.pixels.places(at))
+            values.at_pixels(path.key, scratch.pixels.places(at - paths.start))
         } else {
             values.at_keys(path.key)
         };
@@ -79,10 +83,10 @@ pub fn shade<L: Lane, const N: u32, const FIRST: bool>(
         // In place: no more paths go on than were read, so nothing unread is overwritten.
         let ScatteredPath { path, alive, .. } = scattered;
         if alive.all() {
-            scratch.queue.store_path(going_on, &path, columns);
+            scratch.queue.store_path(to + going_on, &path, columns);
         } else if alive.any() {
             let path = path.compress(L::compress_indices(alive), columns);
-            scratch.queue.store_path(going_on, &path, columns);
+            scratch.queue.store_path(to + going_on, &path, columns);
         }
         going_on += alive.count();
     }
@@ -94,28 +98,28 @@ pub fn shade<L: Lane, const N: u32, const FIRST: bool>(
 pub fn finish<L: Lane, const N: u32, const FIRST: bool>(
     context: &TraceContext,
     scratch: &mut Scratch,
-    &Intersected { hits, contributions, ended }: &Intersected,
+    &Intersected { ref hits, contributions, ended }: &Intersected,
 ) {
     let mut accumulator = RadianceAccumulator::<FIRST> { contributions };
     // All last segments are in the queue of ended paths, those of the last bounce too.
     let has_moved = !FIRST && ending_emitters::<N>(context).is_some();
-    let count = if has_moved {
-        ended
+    let paths = if has_moved {
+        0..ended
     } else if FIRST || !ends_missed(N) || has(N, Features::EMISSION) {
-        hits
+        hits.clone()
     } else {
         // Without emitters, what was hit adds nothing.
-        0
+        0..0
     };
     if reads_texels_first(N) {
         let queue = if has_moved { &scratch.ended } else { &scratch.queue };
-        texels_of_hits::<L, N, FIRST>(context, queue, count, &mut scratch.texels);
+        texels_of_hits::<L, N, FIRST>(context, queue, paths.clone(), &mut scratch.texels);
     }
-    for at in (0..count).step_by(L::WIDTH) {
+    for at in paths.clone().step_by(L::WIDTH) {
         let queue = if has_moved { &scratch.ended } else { &scratch.queue };
         let path = context.path::<L, N, FIRST>(queue, at);
         let SegmentEnds { hit, active, found, mut radiance } =
-            SegmentEnds::of::<N, FIRST>(context, queue, (at, count), &path);
+            SegmentEnds::of::<N, FIRST>(context, queue, at..paths.end, &path);
         if has(N, Features::EMISSION) && found.any() {
             let surface = Surface::of::<N>(context, &path, &hit, found);
             let material = material_of::<L, N>(context, scratch, at, &surface, found);
@@ -155,17 +159,17 @@ struct SegmentEnds<L: Lane> {
 }
 
 impl<L: Lane> SegmentEnds<L> {
-    /// Of the packet at `at` of a queue of `count` paths. It does not hold the path itself: that would be
+    /// Of the first packet of `paths` in a queue. It does not hold the path itself: that would be
     /// copied through memory.
     #[inline(always)]
     fn of<const N: u32, const FIRST: bool>(
         context: &TraceContext,
         queue: &PathQueue,
-        (at, count): (usize, usize),
+        paths: Range<usize>,
         path: &Path<L>,
     ) -> Self {
-        let hit: Hit<L> = queue.hit(at);
-        let active = L::Mask::first(count - at);
+        let hit: Hit<L> = queue.hit(paths.start);
+        let active = L::Mask::first(paths.len());
         if !FIRST && ends_missed(N) {
             return Self { hit, active, found: active, radiance: Vec3::zero() };
         }

@@ -25,7 +25,7 @@ impl ShadowQueue {
     /// The first `count` rays; their hits overwrite those in the path queue, which shading has read.
     pub fn queries<'a>(&'a self, queue: &'a mut PathQueue, count: usize) -> RayQueries<'a> {
         let ShadowQueue { origin, direction, t_max, .. } = self;
-        RayQueries { origin, direction, t_max: Some(t_max), ..queue.queries(count) }
+        RayQueries { origin, direction, t_max: Some(t_max), ..queue.queries(0..count) }
     }
     /// The rays of a packet.
     #[inline(always)]

@@ -131,7 +131,7 @@ pub fn trace_shadow_rays<L: Lane>(context: &TraceContext, scratch: &mut Scratch,
         }
         None => {
             let source = RaySource::Shadow(&scratch.shadow_queue);
-            let mut rays = LinearRays { source, queue: &mut scratch.queue, count };
+            let mut rays = LinearRays { source, queue: &mut scratch.queue, range: 0..count };
             context.primitives.trace_linear::<L>(&context.buffers, context.listed_occluders(), &mut rays);
         }
     }

@@ -13,21 +13,22 @@ use super::queue::PathQueue;
 use super::surface::Surface;
 use crate::lane::{Bits, Lane, Mask};
 use crate::math::Hit;
+use std::ops::Range;
 
-/// Reads the texels of the first `count` hits of a queue. `FIRST`: of primary rays.
+/// Reads the texels of the hits of a range of a queue. `FIRST`: of primary rays.
 #[inline(always)]
 pub fn texels_of_hits<L: Lane, const N: u32, const FIRST: bool>(
     context: &TraceContext,
     queue: &PathQueue,
-    count: usize,
+    paths: Range<usize>,
     texels: &mut IntColumn,
 ) {
-    for at in (0..count).step_by(L::WIDTH) {
+    for at in paths.clone().step_by(L::WIDTH) {
         let path = context.path::<L, N, FIRST>(queue, at);
         let hit: Hit<L> = queue.hit(at);
-        let found = hit.found() & L::Mask::first(count - at);
+        let found = hit.found() & L::Mask::first(paths.end - at);
         let surface = Surface::of::<N>(context, &path, &hit, found);
         texel_indices::<L, N>(context, &surface, found).store(&mut texels[at..]);
     }
-    context.buffers.textures.read_texels(&mut texels[..count]);
+    context.buffers.textures.read_texels(&mut texels[paths]);
 }

@@ -91,7 +91,7 @@ impl Renderer {
         let trace = |tile: Tile| {
             let mut scratch = self.threads.local();
             scratch.start_probe();
-            (self.pipeline)(&self.context, tile, sample, &mut scratch);
+            (self.pipeline)(&self.context, &[tile], sample, &mut scratch);
             scratch.begin_stage(None);
             let probe = scratch.end_probe();
             let mut shapes = shapes.lock().expect("no thread panicked while it copied");

@@ -12,7 +12,7 @@ use crate::buffers::{Buffers, Features};
 use crate::camera::{MAX_PIXELS, Pinhole, Tile};
 use crate::film::{Film, TileSums};
 use crate::integrate::stats::Stats;
-use crate::integrate::{Pipeline, Scratch, TraceContext, generate, pipeline_for};
+use crate::integrate::{MAX_TILES, Pipeline, Scratch, TraceContext, generate, pipeline_for};
 use crate::lane::{F32x8, F32x16, WIDTHS};
 use crate::math::{Hit, MISS};
 use crate::scene::{Camera, Scene};
@@ -49,6 +49,10 @@ fn find_visible(
     }
 }
 
+/// Each thread gets at least so many parts of a picture, if it has so many tiles: then none waits long for
+/// the last one.
+const PARTS_PER_THREAD: usize = 16;
+
 fn check_resolution(resolution: [u32; 2]) {
     let fits = resolution.iter().all(|side| (1..=crate::scene::MAX_SIDE).contains(side));
     assert!(fits, "resolution {resolution:?}");
@@ -76,9 +80,10 @@ pub struct PrimaryHit {
 /// Observes progress and cancels rendering. Called from all threads at once. `()` observes nothing and never
 /// cancels.
 pub trait RenderObserver: Sync {
-    /// Called before each sample of a tile; no more samples are taken where it is true.
+    /// Called before each sample of a tile, or of several that are traced together; no more samples are taken
+    /// where it is true.
     fn is_cancelled(&self) -> bool;
-    /// Called after each sample of a tile with its number of pixels and of rays.
+    /// Called after each such sample with its number of pixels and of rays.
     fn sample_done(&self, pixels: usize, rays: u64);
 }
 
@@ -220,11 +225,12 @@ impl Renderer {
         goal: impl Fn(usize, u32) -> u32 + Sync,
         observer: &dyn RenderObserver,
     ) {
-        let add =
-            |sums: &mut TileSums| self.add_to_tile(sums, goal(sums.tile.number, sums.samples), observer);
+        let together = film.tiles.len() / (PARTS_PER_THREAD * self.threads.count());
+        let together = together.clamp(1, MAX_TILES);
+        let add = |sums: &mut [TileSums]| self.add_to_tiles(sums, &goal, observer);
         film.rays += match self.threads.is_single() {
-            true => film.tiles.iter_mut().map(add).sum::<u64>(),
-            false => self.threads.run(|| film.tiles.par_iter_mut().map(add).sum::<u64>()),
+            true => film.tiles.chunks_mut(together).map(add).sum::<u64>(),
+            false => self.threads.run(|| film.tiles.par_chunks_mut(together).map(add).sum::<u64>()),
         };
     }
 
@@ -234,10 +240,10 @@ impl Renderer {
         let spheres = self.context.buffers.spheres.len() as u32;
         let on_triangle = |primitive: u32| primitive != MISS && primitive >= spheres;
         let of_tile = |tile: Tile| {
-            let count = match self.settings.lanes {
-                1 => generate::<f32>(&self.context, tile, sample, &mut scratch),
-                16 => generate::<F32x16>(&self.context, tile, sample, &mut scratch),
-                _ => generate::<F32x8>(&self.context, tile, sample, &mut scratch),
+            let paths = match self.settings.lanes {
+                1 => generate::<f32>(&self.context, (0, tile), sample, 0, &mut scratch),
+                16 => generate::<F32x16>(&self.context, (0, tile), sample, 0, &mut scratch),
+                _ => generate::<F32x8>(&self.context, (0, tile), sample, 0, &mut scratch),
             };
             let hit = |(at, [x, y]): (usize, [u32; 2])| {
                 let (direction, _) = scratch.queue.primary::<f32>(at);
@@ -252,23 +258,46 @@ impl Renderer {
                     weights: if on_triangle(primitive) { [u, v] } else { [0.0; 2] },
                 }
             };
-            tile.places().take(count).enumerate().map(hit).collect::<Vec<_>>()
+            paths.zip(tile.places()).map(hit).collect::<Vec<_>>()
         };
         Tile::cover(self.settings.resolution, self.settings.tile_size).flat_map(of_tile).collect()
     }
 
-    /// Takes samples until the tile has `goal` of them; returns the number of rays.
-    fn add_to_tile(&self, sums: &mut TileSums, goal: u32, observer: &dyn RenderObserver) -> u64 {
+    /// Takes samples until each of up to [`MAX_TILES`] tiles has `goal` of them, and returns the number of
+    /// rays. Tiles with as many to take are traced together.
+    fn add_to_tiles(
+        &self,
+        tiles: &mut [TileSums],
+        goal: &impl Fn(usize, u32) -> u32,
+        observer: &dyn RenderObserver,
+    ) -> u64 {
+        let goal = |sums: &TileSums| goal(sums.tile.number, sums.samples);
+        let first = (tiles[0].samples, goal(&tiles[0]));
+        let together = match tiles.iter().all(|sums| (sums.samples, goal(sums)) == first) {
+            true => tiles.len(),
+            false => 1,
+        };
+        tiles.chunks_mut(together).map(|tiles| self.add_together(tiles, goal(&tiles[0]), observer)).sum()
+    }
+
+    /// The same for tiles with as many samples.
+    fn add_together(&self, tiles: &mut [TileSums], goal: u32, observer: &dyn RenderObserver) -> u64 {
         let mut scratch = self.threads.local();
+        let mut traced = [tiles[0].tile; MAX_TILES];
+        traced.iter_mut().zip(&*tiles).for_each(|(tile, sums)| *tile = sums.tile);
+        let traced = &traced[..tiles.len()];
+        let pixels = traced.iter().map(Tile::pixels).sum();
         let mut total = 0;
-        while sums.samples < goal && !observer.is_cancelled() {
-            let rays = (self.pipeline)(&self.context, sums.tile, sums.samples, &mut scratch);
+        while tiles[0].samples < goal && !observer.is_cancelled() {
+            let rays = (self.pipeline)(&self.context, traced, tiles[0].samples, &mut scratch);
             if self.settings.clamp < f32::INFINITY {
-                scratch.clamp_radiance(self.settings.clamp);
+                scratch.clamp_radiance(traced.len(), self.settings.clamp);
             }
-            sums.add(scratch.radiance());
+            for (number, sums) in tiles.iter_mut().enumerate() {
+                sums.add(scratch.radiance(number));
+            }
             scratch.begin_stage(None);
-            observer.sample_done(sums.tile.pixels(), rays);
+            observer.sample_done(pixels, rays);
             total += rays;
         }
         total

@@ -14,6 +14,7 @@ use crate::kernel::sphere_culling::SphereCulling;
 use crate::lane::{Bits, Lane, Mask};
 use crate::math::{Hit, MISS, Ray, Vec3};
 use crate::scene::Scene;
+use std::ops::Range;
 
 /// The cost of testing a triangle, in tests of a sphere.
 pub const TRIANGLE_COST: usize = 6;
@@ -40,9 +41,9 @@ const MAX_WAITING: usize = 8;
 
 /// Rays and their hits, a packet of `WIDTH` at a time.
 pub trait Batch<L: Lane> {
-    /// The number of rays. The last packet may have fewer than `WIDTH`; what its other lanes hold is
+    /// The indices of the rays. The last packet may have fewer than `WIDTH`; what its other lanes hold is
     /// unspecified.
-    fn count(&self) -> usize;
+    fn range(&self) -> Range<usize>;
     /// The packet of rays from `at` on.
     fn ray(&self, at: usize) -> Ray<L>;
     /// Their t_max: hits from here on do not count.
@@ -65,7 +66,7 @@ pub(super) fn trace_spheres<L: Lane, S: SphereMethod>(
     batch: &mut impl Batch<L>,
 ) {
     let count = spheres.count();
-    for at in (0..batch.count()).step_by(L::WIDTH) {
+    for at in batch.range().step_by(L::WIDTH) {
         let ray = batch.ray(at);
         let mut tests = SphereTests::<L, S>::new(&ray, batch.t_max(at));
         let test = |number, center, radius2| tests.test(number, center, radius2);
@@ -91,7 +92,7 @@ pub(super) fn trace_triangles<L: Lane, T: TriangleMethod>(
     after_spheres: bool,
     batch: &mut impl Batch<L>,
 ) {
-    for at in (0..batch.count()).step_by(L::WIDTH) {
+    for at in batch.range().step_by(L::WIDTH) {
         let (t, primitive) = match after_spheres {
             true => batch.nearest(at),
             false => (batch.t_max(at), L::Bits::splat(MISS)),

@@ -145,7 +145,7 @@ impl Primitives {
         let all = AllTriangles { first, triangles };
         match listed {
             Some(PrimitiveList { triangles, .. }) if triangles.is_empty() => {
-                for at in (0..batch.count()).step_by(L::WIDTH) {
+                for at in batch.range().step_by(L::WIDTH) {
                     batch.store_barycentrics(at, L::zero(), L::zero());
                 }
             }

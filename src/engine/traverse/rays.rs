@@ -95,8 +95,8 @@ pub struct RaysAndHits<'a, 'b> {
 
 impl<L: Lane> Batch<L> for RaysAndHits<'_, '_> {
     #[inline(always)]
-    fn count(&self) -> usize {
-        self.rays.len()
+    fn range(&self) -> std::ops::Range<usize> {
+        0..self.rays.len()
     }
     #[inline(always)]
     fn ray(&self, at: usize) -> Ray<L> {

@@ -3,8 +3,8 @@
 //! For: [`trace_tiles`], one sample of every pixel of some tiles. May import: everything above it. Must never
 //! know: threads, files.
 //!
-//! A tile's paths are in a queue in structure-of-arrays form ([`queue`]). Each stage runs over the whole
-//! queue before the next one starts:
+//! A tile's paths are in a queue in structure-of-arrays form ([`queue`]). Each stage runs over all of them
+//! before the next one starts:
 //!
 //! ```text
 //! generate → ( intersect → shade → shadow rays )* → intersect → finish
@@ -13,14 +13,14 @@
 //! - [`fn@generate`] makes primary rays and finds what they hit.
 //! - `intersect` finds what the rays of later segments hit. Under a sky, paths that miss end here; those that
 //!   hit a textured emitter end too, and wait for `finish`.
-//! - `shade` adds emitted radiance, samples the BSDF, and compresses the paths that go on to the front of the
-//!   queue, so that packets stay full. Where lights are sampled, it queues shadow rays. Where each hit has at
+//! - `shade` adds emitted radiance, samples the BSDF, and compresses the paths that go on, so that packets stay
+//!   full. Where lights are sampled, it queues shadow rays. Where each hit has at
 //!   most one texel, all are read first.
 //! - `shadow_rays` adds the radiance of the shadow rays that are not occluded.
 //! - `finish` shades last segments: emitted radiance, no scattering.
 //!
-//! A tile has few paths left after some events, which fill packets badly. So the paths of several tiles wait
-//! for each other in the queue and go on together.
+//! After two events a tile has few paths left: one or two packets, half empty. So the paths of several tiles
+//! wait for each other in the queue from there and go on together ([`fn@trace_tiles`]).
 //!
 //! # The estimator
 //! Unidirectional path tracing: a path's radiance is the sum, over its segments, of the radiance emitted by

@@ -1,4 +1,4 @@
-//! The path queue: a tile's paths in structure-of-arrays form.
+//! The path queue: paths in structure-of-arrays form.
 //!
 //! For: [`PathQueue`] and [`Path`], one packet of it. May import: `columns`, `ray_queries`, `camera` (the
 //! size of a tile), `kernel`, `lane`, `math`, `traverse`. Must never know: stages, statistics, scenes.
@@ -13,7 +13,7 @@ use crate::traverse::rays::Rays;
 use bytemuck::Zeroable;
 use std::ops::Range;
 
-/// A tile's paths, and the hits of their last segments.
+/// A tile's paths behind those of earlier tiles that wait, and the hits of their last segments.
 #[derive(Clone, Copy, Zeroable)]
 #[repr(C)]
 pub struct PathQueue {

@@ -8,7 +8,7 @@
 use super::candidates::{SphereCandidates, TriangleCandidates};
 use crate::buffers::Features;
 use crate::kernel::ray_box::{Padding, Slabs, own_box};
-use crate::kernel::ray_sphere::{QuadraticEquation, SphereMethod};
+use crate::kernel::ray_sphere::{QuadraticEquation, RelativeSphere, SphereMethod};
 use crate::kernel::ray_triangle::{PairHit, TriangleHit, TriangleMethod};
 use crate::kernel::sphere_culling::SphereCulling;
 use crate::lane::{Bits, Lane, Mask};
@@ -36,6 +36,8 @@ pub fn features_of(scene: &Scene) -> Features {
 /// From this many spheres on, those that no ray of a packet may hit are culled first. Where all are tested,
 /// the branch that skips the rest of a test is often predicted wrong; culling has no branch.
 const CULLED_SPHERES: usize = 16;
+/// Up to this many spheres, less than are culled, are prepared for rays with one origin.
+const MAX_RELATIVE: usize = CULLED_SPHERES - 1;
 /// Most rays of a packet whose equations wait for others: see [`SphereTests`].
 const MAX_WAITING: usize = 8;
 
@@ -46,6 +48,8 @@ pub trait Batch<L: Lane> {
     fn range(&self) -> Range<usize>;
     /// The packet of rays from `at` on.
     fn ray(&self, at: usize) -> Ray<L>;
+    /// The origin of all rays, where it is one.
+    fn common_origin(&self) -> Option<Vec3<f32>>;
     /// Their t_max: hits from here on do not count.
     fn t_max(&self, at: usize) -> L;
     /// The hits that [`Batch::store_nearest`] stored.
@@ -66,14 +70,43 @@ pub(super) fn trace_spheres<L: Lane, S: SphereMethod>(
     batch: &mut impl Batch<L>,
 ) {
     let count = spheres.count();
+    if let Some(origin) = batch.common_origin().filter(|_| count <= MAX_RELATIVE) {
+        trace_relative_spheres::<L, S>(origin, spheres, batch);
+        return;
+    }
     for at in batch.range().step_by(L::WIDTH) {
         let ray = batch.ray(at);
         let mut tests = SphereTests::<L, S>::new(&ray, batch.t_max(at));
-        let test = |number, center, radius2| tests.test(number, center, radius2);
+        let test = |number, center, radius2| {
+            tests.test(number, &RelativeSphere::new(ray.origin, center, radius2));
+        };
         if S::MAY_CULL && count >= CULLED_SPHERES {
             spheres.for_each_near(&SphereCulling::new(&ray), test);
         } else {
             spheres.for_each(test);
+        }
+        let (t, primitive) = tests.nearest();
+        batch.store_nearest(at, t, primitive);
+    }
+}
+
+/// [`trace_spheres`] of rays with one origin: what does not depend on the direction is computed once for all.
+#[inline(always)]
+fn trace_relative_spheres<L: Lane, S: SphereMethod>(
+    origin: Vec3<f32>,
+    spheres: &impl SphereCandidates,
+    batch: &mut impl Batch<L>,
+) {
+    let nothing = RelativeSphere::new(origin, origin, 0.0);
+    let (mut relative, mut count) = ([(0, nothing); MAX_RELATIVE], 0);
+    spheres.for_each::<f32>(|number, center, radius2| {
+        relative[count] = (number, RelativeSphere::new(origin, center, radius2));
+        count += 1;
+    });
+    for at in batch.range().step_by(L::WIDTH) {
+        let mut tests = SphereTests::<L, S>::new(&batch.ray(at), batch.t_max(at));
+        for (number, sphere) in &relative[..count] {
+            tests.test(*number, &sphere.splat());
         }
         let (t, primitive) = tests.nearest();
         batch.store_nearest(at, t, primitive);
@@ -145,8 +178,8 @@ impl<L: Lane, S: SphereMethod> SphereTests<L, S> {
         }
     }
     #[inline(always)]
-    fn test(&mut self, number: u32, center: Vec3<L>, radius2: L) {
-        let (meets, equation) = S::equation(&self.ray, center, radius2);
+    fn test(&mut self, number: u32, sphere: &RelativeSphere<L>) {
+        let (meets, equation) = S::equation(&self.ray, sphere);
         let number = L::Bits::splat(number);
         if L::WIDTH > MAX_WAITING {
             if meets.any() {

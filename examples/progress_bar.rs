@@ -14,7 +14,7 @@ struct Bar {
 }
 
 impl RenderObserver for Bar {
-    /// Rendering stops between two samples of a tile where this is true.
+    /// Rendering stops between two samples of some tiles where this is true.
     fn is_cancelled(&self) -> bool {
         false
     }

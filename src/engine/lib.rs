@@ -11,13 +11,13 @@
 //! | [`scene::Scene`] | a valid scene: its existence is the proof of validity | [`scene`] |
 //! | [`buffers::Buffers`] | aligned structure-of-arrays buffers | [`buffers`], [`bvh`] |
 //! | [`buffers::Features`] | the features that the scene uses | [`buffers`] |
-//! | packets and queues | 8 or 16 rays and a mask; the paths of a tile, as columns | [`math`], [`integrate`] |
+//! | packets and queues | 8 or 16 rays and a mask; the paths of one or several tiles, as columns | [`math`], [`integrate`] |
 //! | [`film::Film`] | sums of linear radiance, in a fixed order | [`film`], [`render`] |
 //!
-//! The integrator runs in stages over the queue of a tile: generate camera rays → intersect → shade → trace
-//! shadow rays, once per scattering event. Each stage processes the whole queue before the next begins, and
-//! compresses it to the paths that are alive. Between packets and film stand the [`kernel`]s: equations over
-//! lanes.
+//! The integrator runs in stages over the paths of a tile: generate camera rays → intersect → shade → trace
+//! shadow rays, once per scattering event. Each stage processes all paths before the next begins, and
+//! compresses them to those that are alive. After two events the paths of several tiles go on together.
+//! Between packets and film stand the [`kernel`]s: equations over lanes.
 //!
 //! # Modules
 //! Each imports only from those above it.

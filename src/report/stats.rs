@@ -19,7 +19,7 @@ one test a lane at once.
 const FRAMES: &str = "\
 Stages: nanoseconds per ray of any kind, summed over threads, including the cost of counting; share of all stages. Where every primitive
 is tested, generate and intersect find the hits, otherwise trace does. Lanes in use: rays over the lanes of the packets that hold them, and
-the share of rays after this number of bounces in all rays.
+the share of rays after this number of bounces in all rays. From two bounces on, tiles share packets: more of them with fewer threads.
 ";
 
 /// A table with one column for each of `columns`; `heading` stands above the names of the rows.

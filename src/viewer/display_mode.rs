@@ -69,7 +69,9 @@ impl DisplayMode {
             Self::Bounces => "black none, white all that are allowed, of the last sample",
             Self::Cost => "tests of boxes and primitives for the camera's ray: black 1, white 1,024 and more",
             Self::Samples => "samples behind each pixel: black 1, white 65,536 and more",
-            Self::Lanes => "active lanes of the packets that a pixel's path went in: black 0, white all",
+            Self::Lanes => {
+                "active lanes of the packets of a pixel's path, each tile traced alone: black 0, white all"
+            }
         }
     }
 }

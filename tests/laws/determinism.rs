@@ -336,28 +336,34 @@ fn tiles_with_different_numbers_of_samples_are_those_of_films_with_one() {
     for round in 1..=2 {
         renderer.sample_tiles_to(&mut mixed, |tile, _| goal(tile).min(2 * round), &());
     }
-    for (tile, sums) in mixed.tiles().iter().enumerate() {
-        let same = &films[goal(tile) as usize].tiles()[tile];
-        assert_eq!(sums.samples, goal(tile));
-        for slot in 0..sums.tile.pixels() {
-            assert_eq!(sums.mean(slot).map(f64::to_bits), same.mean(slot).map(f64::to_bits), "tile {tile}");
+    let check = |mixed: &Film, goal: &dyn Fn(usize) -> u32| {
+        for (tile, sums) in mixed.tiles().iter().enumerate() {
+            let same = &films[goal(tile) as usize].tiles()[tile];
+            assert_eq!(sums.samples, goal(tile));
+            for slot in 0..sums.tile.pixels() {
+                assert_eq!(sums.mean(slot).map(f64::to_bits), same.mean(slot).map(f64::to_bits), "{tile}");
+            }
         }
-    }
+    };
+    check(&mixed, &goal);
+    // The same goal, but not as many samples to begin with.
+    renderer.sample_tiles_to(&mut mixed, |_, _| 3, &());
+    check(&mixed, &|_| 3);
 }
 
-/// Stops after so many samples of tiles.
+/// Stops after so many calls, each for a sample of the tiles that are traced together.
 struct StopAfter {
-    tiles: AtomicU32,
+    calls: AtomicU32,
     rays: AtomicU64,
 }
 
 impl RenderObserver for StopAfter {
     fn is_cancelled(&self) -> bool {
-        self.tiles.load(Ordering::SeqCst) == 0
+        self.calls.load(Ordering::SeqCst) == 0
     }
     fn sample_done(&self, _pixels: usize, rays: u64) {
         // Other threads may be at work on one more when the last one is counted.
-        let _ = self.tiles.fetch_update(Ordering::SeqCst, Ordering::SeqCst, |left| left.checked_sub(1));
+        let _ = self.calls.fetch_update(Ordering::SeqCst, Ordering::SeqCst, |left| left.checked_sub(1));
         self.rays.fetch_add(rays, Ordering::SeqCst);
     }
 }
@@ -365,16 +371,18 @@ impl RenderObserver for StopAfter {
 #[test]
 fn picture_that_was_stopped_midway_is_of_whole_samples_and_goes_on_to_the_same() {
     let scene = everything();
-    let base = Settings { tile_size: [7, 3], lanes: 8, ..base(&scene, [37, 23], 4) };
+    // 156 tiles: one thread traces eight together, two four, three three.
+    let base = Settings { tile_size: [3, 2], lanes: 8, ..base(&scene, [37, 23], 4) };
     let prints: Vec<Print> = (0..=5).map(|samples| Print::of(&scene, base, &[samples])).collect();
-    for (threads, tiles) in [(1, 0), (1, 1), (1, 17), (2, 30), (1, 100), (3, 150)] {
+    for (threads, calls) in [(1, 0), (1, 1), (1, 17), (2, 30), (1, 70), (3, 150)] {
         let renderer = Renderer::new(&scene, Settings { threads, ..base });
         let mut film = renderer.film();
-        let watch = StopAfter { tiles: tiles.into(), rays: 0.into() };
+        let watch = StopAfter { calls: calls.into(), rays: 0.into() };
         renderer.add_samples(&mut film, 1);
         renderer.add_samples_observed(&mut film, 4, &watch);
         let (least, most) = (film.samples(), film.most_samples());
-        assert!(least >= 1 && most <= 5 && (tiles == 0) == (most == 1), "{least} to {most} samples");
+        assert!(least >= 1 && most <= 5 && (calls == 0) == (most == 1), "{least} to {most} samples");
+        assert!(least < 5, "it was stopped");
         for (index, pixel) in film.picture().pixels.iter().enumerate() {
             let bits = pixel.map(f32::to_bits);
             let known = (least..=most).any(|samples| prints[samples as usize].pixels[index] == bits);
@@ -386,7 +394,7 @@ fn picture_that_was_stopped_midway_is_of_whole_samples_and_goes_on_to_the_same()
         let pixels: Vec<_> = film.picture().pixels.iter().map(|pixel| pixel.map(f32::to_bits)).collect();
         assert!(
             pixels == prints[5].pixels && film.rays() == prints[5].rays,
-            "{threads} threads, {tiles} tiles"
+            "{threads} threads, {calls} calls"
         );
     }
 }

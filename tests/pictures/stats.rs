@@ -209,6 +209,7 @@ fn ways() -> impl Iterator<Item = TraversalChoice> {
 
 #[test]
 fn counting_changes_no_bit_and_no_number_of_threads_changes_the_counts() {
+    // Twelve tiles are so few that each goes on alone, whatever the number of threads.
     for name in ["builtin:three", "builtin:cornell-spheres", "builtin:knot:500"] {
         let scene = load(name).unwrap();
         for (way, lanes) in ways().flat_map(|way| [(way, 1), (way, 8)]) {
@@ -219,6 +220,22 @@ fn counting_changes_no_bit_and_no_number_of_threads_changes_the_counts() {
             let timeless = |stats: &Stats| Stats { times: Default::default(), ..stats.clone() };
             assert_eq!(timeless(&counted.2), timeless(&on_three.2), "{name}, {way:?}, {lanes} lanes");
         }
+    }
+}
+
+#[test]
+fn tiles_that_go_on_together_have_the_same_rays_in_fewer_packets() {
+    let scene = load("builtin:three").unwrap();
+    // Of 90 tiles one thread traces five together, three threads one.
+    let [together, alone] = [1, 3].map(|threads| {
+        let of_threads = settings(&scene, TraversalChoice::Needed, 8, threads);
+        rendered(&scene, Settings { resolution: [160, 140], ..of_threads }, true).2.segments
+    });
+    assert_eq!((together.len(), alone.len()), (4, 4));
+    for (bounces, (together, alone)) in together.iter().zip(&alone).enumerate() {
+        assert_eq!(together.rays, alone.rays, "after {bounces} bounces");
+        assert_eq!(together.packets < alone.packets, bounces >= 2, "after {bounces} bounces");
+        assert!(together.packets * 8 >= together.rays, "after {bounces} bounces");
     }
 }
 

@@ -2,8 +2,8 @@
 //!
 //! For: [`Tile`]. May import: nothing. Must never know: what is rendered in a tile.
 
-/// Most pixels in a tile. Path queues have this length. Columns for more would lie whole pages apart, all in
-/// the same few sets of the cache: 2 % slower.
+/// Most pixels in a tile: what the paths of more take does not fit a first-level cache. Tiles of 512 pixels
+/// are not faster, and smaller ones slower.
 pub const MAX_PIXELS: usize = 256;
 
 /// Columns and rows of the blocks in which a tile's pixels are numbered: a packet of sixteen.

@@ -9,12 +9,12 @@ use crate::math::Vec3;
 use bytemuck::Zeroable;
 use std::ops::Range;
 
-/// Paths of earlier tiles in a queue, at most, when a tile begins.
-pub const MAX_WAITING: usize = 2 * MAX_PIXELS;
+/// Paths of earlier tiles, those that wait and those that have ended, at most, when a tile begins.
+pub const MAX_EARLIER: usize = 2 * MAX_PIXELS;
 /// Those, a tile's, and the widest packet more, so that the last packet may be stored whole. Columns are
 /// three quarters of a page and a cache line apart, so that the same part of all columns is spread evenly
 /// over the sets of the cache.
-const LENGTH: usize = MAX_WAITING + MAX_PIXELS + F32x16::WIDTH;
+const LENGTH: usize = MAX_EARLIER + MAX_PIXELS + F32x16::WIDTH;
 
 pub type Column = [f32; LENGTH];
 pub type IntColumn = [u32; LENGTH];

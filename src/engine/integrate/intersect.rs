@@ -37,8 +37,8 @@ pub struct Intersected {
 }
 
 impl Intersected {
-    /// The paths of a tile's primary rays, as [`super::generate()`] leaves them: each at the index of its
-    /// pixel, those that missed too.
+    /// The paths of a tile's primary rays, as [`super::generate()`] leaves them: in the order of
+    /// their pixels, those that missed too.
     pub fn all(paths: Range<usize>) -> Self {
         Self { hits: paths, contributions: 0, ended: 0 }
     }

@@ -14,8 +14,8 @@
 //! - `intersect` finds what the rays of later segments hit. Under a sky, paths that miss end here; those that
 //!   hit a textured emitter end too, and wait for `finish`.
 //! - `shade` adds emitted radiance, samples the BSDF, and compresses the paths that go on, so that packets
-//!   stay full. Where lights are sampled, it queues shadow rays. Where each hit has at most one texel, all are
-//!   read first.
+//!   stay full. Where lights are sampled, it queues shadow rays. Where each hit has at most one texel, all
+//!   are read first.
 //! - `shadow_rays` adds the radiance of the shadow rays that are not occluded.
 //! - `finish` shades last segments: emitted radiance, no scattering.
 //!

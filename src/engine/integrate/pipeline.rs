@@ -2,12 +2,12 @@
 //!
 //! For: [`trace_tiles`] and [`pipeline_for`]. May import: every stage. Must never know: threads, films.
 
-use super::columns::MAX_WAITING;
+use super::columns::MAX_EARLIER;
 use super::context::TraceContext;
 use super::features::has;
 use super::generate::generate;
 use super::intersect::{Intersected, Segment, intersect};
-use super::scratch::Scratch;
+use super::scratch::{MAX_TILES, Scratch};
 use super::shade::{Shaded, finish, shade};
 use super::shadow_rays::trace_shadow_rays;
 use super::stats::Stage;
@@ -23,7 +23,7 @@ pub type Pipeline = fn(&TraceContext, &[Tile], u32, &mut Scratch) -> u64;
 /// then: one or two packets, half empty, whose steps wait for each other.
 const SHARED_FROM: u32 = 2;
 
-/// Takes sample `sample` of every pixel of up to [`super::MAX_TILES`] tiles into `scratch`'s radiance and
+/// Takes sample `sample` of every pixel of up to [`MAX_TILES`] tiles into `scratch`'s radiance and
 /// returns the number of rays. `N` holds the features that this pipeline is compiled with; it must contain
 /// the scene's [`Features`].
 pub fn trace_tiles<L: Lane, const N: u32>(
@@ -32,11 +32,12 @@ pub fn trace_tiles<L: Lane, const N: u32>(
     sample: u32,
     scratch: &mut Scratch,
 ) -> u64 {
+    debug_assert!(tiles.len() <= MAX_TILES, "radiance of {} tiles", tiles.len());
     let (mut rays, mut left) = (0, Left::default());
     for (number, &tile) in tiles.iter().enumerate() {
         rays += first_segments::<L, N>(context, (number, tile), sample, scratch, &mut left);
         let is_last = number + 1 == tiles.len();
-        if context.max_bounces > 0 && (is_last || left.waiting + left.ended > MAX_WAITING) {
+        if context.max_bounces > 0 && (is_last || left.waiting + left.ended > MAX_EARLIER) {
             rays += later_segments::<L, N>(context, scratch, left);
             left = Left::default();
         }

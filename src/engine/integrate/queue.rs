@@ -38,7 +38,6 @@ pub struct PathQueue {
     cone_spread: Column,
     /// What is added to the index of a primary ray for its slot, modulo 2³².
     to_slot: u32,
-    padding: [u32; 15],
 }
 
 /// The columns that are not stored in every scene.
@@ -62,7 +61,7 @@ pub struct Path<L: Lane> {
     pub inv_pdf: L,
     /// The key of the random numbers.
     pub key: L::Bits,
-    /// The pixel's place in the tile.
+    /// The number of the pixel, as in the queue.
     pub slot: L::Bits,
     /// How wide the path is; none where textures have no levels of detail.
     pub cone: Cone<L>,

@@ -21,11 +21,11 @@ use crate::lane::{Bits, Lane, Mask};
 use crate::math::{Hit, Vec3};
 use std::ops::Range;
 
-/// How many rays a run of [`shade`] leaves at the front of each queue.
+/// How many rays a run of [`shade`] leaves.
 pub struct Shaded {
-    /// Paths that go on.
+    /// Paths that go on, in the path queue from where they were to be stored.
     pub alive: usize,
-    /// Shadow rays, for `trace_shadow_rays`.
+    /// Shadow rays at the front of their queue, for `trace_shadow_rays`.
     pub shadow_rays: usize,
 }
 
@@ -43,6 +43,7 @@ pub fn shade<L: Lane, const N: u32, const FIRST: bool>(
 ) -> Shaded {
     let values = scratch.values.bounce(bounce);
     let mut accumulator = RadianceAccumulator::<FIRST> { contributions };
+    debug_assert!(to <= paths.start, "{to} lies in {paths:?}");
     let (mut going_on, mut shadow_rays) = (0, 0);
     let columns = context.columns::<N>();
     let sample_lights = has(N, Features::LIGHTS) && !context.buffers.lights.is_empty();
@@ -80,7 +81,8 @@ pub fn shade<L: Lane, const N: u32, const FIRST: bool>(
             shadow_rays =
                 sample_direct_light::<L, N>(context, (scratch, shadow_rays), &path, &scattered, hit, event);
         }
-        // In place: no more paths go on than were read, so nothing unread is overwritten.
+        // In place: no more paths go on than were read, and they are stored where those began or before, so
+        // nothing unread is overwritten.
         let ScatteredPath { path, alive, .. } = scattered;
         if alive.all() {
             scratch.queue.store_path(to + going_on, &path, columns);
@@ -191,7 +193,7 @@ fn carries_radiance<L: Lane, const N: u32>(active: L::Mask, found: L::Mask, radi
     }
 }
 
-/// Adds radiance to pixels. At the first segment every path is at its pixel's index and whole packets are
+/// Adds radiance to pixels. At the first segment paths are in the order of their pixels and whole packets are
 /// stored; later, contributions are queued and added at the end of the stage.
 struct RadianceAccumulator<const FIRST: bool> {
     contributions: usize,

@@ -22,7 +22,8 @@ pub struct ShadowQueue {
 }
 
 impl ShadowQueue {
-    /// The first `count` rays; their hits overwrite those in the path queue, which shading has read.
+    /// The first `count` rays; their hits overwrite those in the path queue, which shading has
+    /// read, or which waiting paths do not have yet.
     pub fn queries<'a>(&'a self, queue: &'a mut PathQueue, count: usize) -> RayQueries<'a> {
         let ShadowQueue { origin, direction, t_max, .. } = self;
         RayQueries { origin, direction, t_max: Some(t_max), ..queue.queries(0..count) }

@@ -20,7 +20,7 @@ pub enum Stage {
     Shade,
     /// Traces shadow rays and adds the radiance of the unoccluded ones.
     ShadowRays,
-    /// Adds the radiance emitted at the end of last segments, and the tile's sample to the film.
+    /// Adds the radiance emitted at the end of last segments, and the tiles' sample to the film.
     Finish,
 }
 

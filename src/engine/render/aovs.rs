@@ -83,7 +83,8 @@ impl Renderer {
         }
     }
 
-    /// The path lengths of one sample, traced in packets of [`super::Settings::lanes`].
+    /// The path lengths of one sample, traced in packets of [`super::Settings::lanes`], each tile alone:
+    /// frames have fuller packets after two bounces, where tiles go on together.
     pub fn path_shapes_into(&self, sample: u32, shapes: &mut Map<PathShape>) {
         shapes.resize(self.settings.resolution);
         let width = shapes.width as usize;

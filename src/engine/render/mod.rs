@@ -49,8 +49,7 @@ fn find_visible(
     }
 }
 
-/// Each thread gets at least so many parts of a picture, if it has so many tiles: then none waits long for
-/// the last one.
+/// A picture has so many parts for each thread, if it has so many tiles: then none waits long for the last.
 const PARTS_PER_THREAD: usize = 16;
 
 fn check_resolution(resolution: [u32; 2]) {
@@ -264,7 +263,7 @@ impl Renderer {
     }
 
     /// Takes samples until each of up to [`MAX_TILES`] tiles has `goal` of them, and returns the number of
-    /// rays. Tiles with as many to take are traced together.
+    /// rays. Neighbours in this order that have and want as many are traced together.
     fn add_to_tiles(
         &self,
         tiles: &mut [TileSums],
@@ -272,12 +271,9 @@ impl Renderer {
         observer: &dyn RenderObserver,
     ) -> u64 {
         let goal = |sums: &TileSums| goal(sums.tile.number, sums.samples);
-        let first = (tiles[0].samples, goal(&tiles[0]));
-        let together = match tiles.iter().all(|sums| (sums.samples, goal(sums)) == first) {
-            true => tiles.len(),
-            false => 1,
-        };
-        tiles.chunks_mut(together).map(|tiles| self.add_together(tiles, goal(&tiles[0]), observer)).sum()
+        let alike = |a: &TileSums, b: &TileSums| (a.samples, goal(a)) == (b.samples, goal(b));
+        let runs = tiles.chunk_by_mut(alike);
+        runs.map(|tiles| self.add_together(tiles, goal(&tiles[0]), observer)).sum()
     }
 
     /// The same for tiles with as many samples.

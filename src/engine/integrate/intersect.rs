@@ -37,8 +37,8 @@ pub struct Intersected {
 }
 
 impl Intersected {
-    /// The paths of a tile's primary rays, as [`super::generate()`] leaves them: in the order of
-    /// their pixels, those that missed too.
+    /// The paths of a tile's primary rays, as [`super::generate()`] leaves them: in the order of their
+    /// pixels, those that missed too.
     pub fn all(paths: Range<usize>) -> Self {
         Self { hits: paths, contributions: 0, ended: 0 }
     }
@@ -133,9 +133,9 @@ fn compress_hit<L: Lane>(hit: &Hit<L>, indices: L::CompressIndices) -> Hit<L> {
     }
 }
 
-/// Finds the nearest hits of a range of the path queue, by whatever traversal was chosen;
-/// without a hierarchy only `visible` primitives are tested. Primary rays start at the camera: only with a
-/// hierarchy their origins are read from the queue.
+/// Finds the nearest hits of a range of the path queue, by whatever traversal was chosen; without a
+/// hierarchy only `visible` primitives are tested. Primary rays start at the camera: only with a hierarchy
+/// their origins are read from the queue.
 #[inline(always)]
 pub fn intersect_queue<L: Lane>(
     context: &TraceContext,

@@ -48,8 +48,11 @@ pub trait Batch<L: Lane> {
     fn range(&self) -> Range<usize>;
     /// The packet of rays from `at` on.
     fn ray(&self, at: usize) -> Ray<L>;
-    /// The origin of all rays, where it is one.
-    fn common_origin(&self) -> Option<Vec3<f32>>;
+    /// The origin of all rays, where it is known to be one.
+    #[inline(always)]
+    fn common_origin(&self) -> Option<Vec3<f32>> {
+        None
+    }
     /// Their t_max: hits from here on do not count.
     fn t_max(&self, at: usize) -> L;
     /// The hits that [`Batch::store_nearest`] stored.
@@ -71,43 +74,43 @@ pub(super) fn trace_spheres<L: Lane, S: SphereMethod>(
 ) {
     let count = spheres.count();
     if let Some(origin) = batch.common_origin().filter(|_| count <= MAX_RELATIVE) {
-        trace_relative_spheres::<L, S>(origin, spheres, batch);
+        // What does not depend on the direction is computed once for all rays.
+        let mut relative = [(0, RelativeSphere::new(origin, origin, 0.0)); MAX_RELATIVE];
+        let mut places = relative.iter_mut();
+        spheres.for_each::<f32>(|number, center, radius2| {
+            if let Some(place) = places.next() {
+                *place = (number, RelativeSphere::new(origin, center, radius2));
+            }
+        });
+        test_packets::<L, S>(batch, |_, tests| {
+            for (number, sphere) in &relative[..count] {
+                tests.test(*number, &sphere.splat());
+            }
+        });
         return;
     }
-    for at in batch.range().step_by(L::WIDTH) {
-        let ray = batch.ray(at);
-        let mut tests = SphereTests::<L, S>::new(&ray, batch.t_max(at));
+    test_packets::<L, S>(batch, |ray, tests| {
         let test = |number, center, radius2| {
             tests.test(number, &RelativeSphere::new(ray.origin, center, radius2));
         };
         if S::MAY_CULL && count >= CULLED_SPHERES {
-            spheres.for_each_near(&SphereCulling::new(&ray), test);
+            spheres.for_each_near(&SphereCulling::new(ray), test);
         } else {
             spheres.for_each(test);
         }
-        let (t, primitive) = tests.nearest();
-        batch.store_nearest(at, t, primitive);
-    }
+    });
 }
 
-/// [`trace_spheres`] of rays with one origin: what does not depend on the direction is computed once for all.
+/// Tests each packet of rays against the spheres of `test`, and stores the nearest hits.
 #[inline(always)]
-fn trace_relative_spheres<L: Lane, S: SphereMethod>(
-    origin: Vec3<f32>,
-    spheres: &impl SphereCandidates,
+fn test_packets<L: Lane, S: SphereMethod>(
     batch: &mut impl Batch<L>,
+    test: impl Fn(&Ray<L>, &mut SphereTests<L, S>),
 ) {
-    let nothing = RelativeSphere::new(origin, origin, 0.0);
-    let (mut relative, mut count) = ([(0, nothing); MAX_RELATIVE], 0);
-    spheres.for_each::<f32>(|number, center, radius2| {
-        relative[count] = (number, RelativeSphere::new(origin, center, radius2));
-        count += 1;
-    });
     for at in batch.range().step_by(L::WIDTH) {
-        let mut tests = SphereTests::<L, S>::new(&batch.ray(at), batch.t_max(at));
-        for (number, sphere) in &relative[..count] {
-            tests.test(*number, &sphere.splat());
-        }
+        let ray = batch.ray(at);
+        let mut tests = SphereTests::new(&ray, batch.t_max(at));
+        test(&ray, &mut tests);
         let (t, primitive) = tests.nearest();
         batch.store_nearest(at, t, primitive);
     }

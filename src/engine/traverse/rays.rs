@@ -99,10 +99,6 @@ impl<L: Lane> Batch<L> for RaysAndHits<'_, '_> {
         0..self.rays.len()
     }
     #[inline(always)]
-    fn common_origin(&self) -> Option<Vec3<f32>> {
-        None
-    }
-    #[inline(always)]
     fn ray(&self, at: usize) -> Ray<L> {
         self.rays.packet(at)
     }

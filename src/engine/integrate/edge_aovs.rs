@@ -303,7 +303,7 @@ impl Points {
                             cone: scattered_cone(&path, surface, material, goes_on),
                         };
                         // In place: no more paths go on than were read.
-                        let next = next.compress(L::compress_indices(goes_on), columns);
+                        let next = next.compress(goes_on, columns);
                         scratch.queue.store_path(going_on, &next, columns);
                         going_on += goes_on.count();
                     }

@@ -11,7 +11,7 @@ use super::linear_rays::{LinearRays, RaySource};
 use super::scratch::Scratch;
 use super::stats::RayKind;
 use crate::buffers::Features;
-use crate::lane::{Lane, Mask};
+use crate::lane::{Bits, Lane, Mask};
 use crate::math::Hit;
 use crate::traverse::PrimitiveList;
 use std::ops::Range;
@@ -107,29 +107,27 @@ fn end_paths<L: Lane, const N: u32>(
             left.contributions = scratch.push_contribution(left.contributions, missed, path.slot, radiance);
         }
         if ended.any() {
-            let indices = L::compress_indices(ended);
-            scratch.ended.store_path(left.ended, &path.compress(indices, columns), columns);
-            scratch.ended.store_hit(left.ended, &compress_hit(&hit, indices), triangles);
+            scratch.ended.store_path(left.ended, &path.compress(ended, columns), columns);
+            scratch.ended.store_hit(left.ended, &compress_hit(&hit, ended), triangles);
             left.ended += ended.count();
         }
         // In place: no more paths are left than were read, so nothing unread is overwritten.
         if going_on.any() {
-            let indices = L::compress_indices(going_on);
-            scratch.queue.store_path(left.hits.end, &path.compress(indices, columns), columns);
-            scratch.queue.store_hit(left.hits.end, &compress_hit(&hit, indices), triangles);
+            scratch.queue.store_path(left.hits.end, &path.compress(going_on, columns), columns);
+            scratch.queue.store_hit(left.hits.end, &compress_hit(&hit, going_on), triangles);
             left.hits.end += going_on.count();
         }
     }
 }
 
-/// The lanes at `indices`, moved to the front.
+/// The lanes of `mask`, moved to the front.
 #[inline(always)]
-fn compress_hit<L: Lane>(hit: &Hit<L>, indices: L::CompressIndices) -> Hit<L> {
+fn compress_hit<L: Lane>(hit: &Hit<L>, mask: L::Mask) -> Hit<L> {
     Hit {
-        t: hit.t.compress(indices),
-        primitive: L::compress_bits(hit.primitive, indices),
-        u: hit.u.compress(indices),
-        v: hit.v.compress(indices),
+        t: hit.t.compress(mask),
+        primitive: hit.primitive.compress(mask),
+        u: hit.u.compress(mask),
+        v: hit.v.compress(mask),
     }
 }
 

@@ -198,23 +198,21 @@ impl<L: Lane> Path<L> {
     }
     /// The lanes at `indices`, moved to the front.
     #[inline(always)]
-    pub fn compress(&self, indices: L::CompressIndices, QueueColumns { cones, .. }: QueueColumns) -> Self {
+    pub fn compress(&self, mask: L::Mask, QueueColumns { cones, .. }: QueueColumns) -> Self {
         let cone = match cones {
-            true => {
-                Cone { width: self.cone.width.compress(indices), spread: self.cone.spread.compress(indices) }
-            }
+            true => Cone { width: self.cone.width.compress(mask), spread: self.cone.spread.compress(mask) },
             false => Cone::none(),
         };
         Path {
             cone,
             ray: Ray {
-                origin: compress(self.ray.origin, indices),
-                direction: compress(self.ray.direction, indices),
+                origin: compress(self.ray.origin, mask),
+                direction: compress(self.ray.direction, mask),
             },
-            throughput: compress(self.throughput, indices),
-            inv_pdf: self.inv_pdf.compress(indices),
-            key: L::compress_bits(self.key, indices),
-            slot: L::compress_bits(self.slot, indices),
+            throughput: compress(self.throughput, mask),
+            inv_pdf: self.inv_pdf.compress(mask),
+            key: self.key.compress(mask),
+            slot: self.slot.compress(mask),
         }
     }
 }

@@ -43,21 +43,21 @@ impl ShadowQueue {
     pub fn contribution<L: Lane>(&self, at: usize) -> (L::Bits, Vec3<L>) {
         (L::Bits::load(&self.slot[at..]), self.radiance.load(at))
     }
-    /// Stores the lanes at `indices` from `at` on.
+    /// Stores the lanes of `mask` from `at` on.
     #[inline(always)]
     pub fn store<L: Lane>(
         &mut self,
         at: usize,
-        indices: L::CompressIndices,
+        mask: L::Mask,
         ray: &Ray<L>,
         t_max: L,
         radiance: Vec3<L>,
         slot: L::Bits,
     ) {
-        self.origin.store(at, compress(ray.origin, indices));
-        self.direction.store(at, compress(ray.direction, indices));
-        t_max.compress(indices).store(&mut self.t_max[at..]);
-        self.radiance.store(at, compress(radiance, indices));
-        L::compress_bits(slot, indices).store(&mut self.slot[at..]);
+        self.origin.store(at, compress(ray.origin, mask));
+        self.direction.store(at, compress(ray.direction, mask));
+        t_max.compress(mask).store(&mut self.t_max[at..]);
+        self.radiance.store(at, compress(radiance, mask));
+        slot.compress(mask).store(&mut self.slot[at..]);
     }
 }

@@ -110,14 +110,7 @@ pub fn sample_direct_light<L: Lane, const N: u32>(
     let far = !sample.t.is_finite();
     let direction = Vec3::select(far, sample.wi, end * (L::one() / length));
     let t_max = L::select(far, sample.t, length * L::splat(1.0 - SHADOW_EPSILON));
-    scratch.shadow_queue.store(
-        count,
-        L::compress_indices(carries),
-        &Ray { origin, direction },
-        t_max,
-        radiance,
-        path.slot,
-    );
+    scratch.shadow_queue.store(count, carries, &Ray { origin, direction }, t_max, radiance, path.slot);
     count + carries.count()
 }
 
@@ -144,6 +137,6 @@ pub fn trace_shadow_rays<L: Lane>(context: &TraceContext, scratch: &mut Scratch,
             contributions = scratch.push_contribution(contributions, unoccluded, slot, radiance);
         }
     }
-    scratch.add_contributions(contributions);
+    scratch.add_contributions::<false>(contributions);
     scratch.begin_stage(Some(Stage::Shade));
 }

@@ -178,7 +178,6 @@ macro_rules! packet {
             const WIDTH: usize = $width;
             type Mask = $mask;
             type Bits = $ints;
-            type CompressIndices = $ints;
 
             #[inline(always)]
             fn splat(value: f32) -> Self {
@@ -278,18 +277,6 @@ macro_rules! packet {
             #[inline(always)]
             fn from_int(int: $ints) -> Self {
                 Self($f32::$from_ints(bytemuck::cast::<_, $i32>(int.0)))
-            }
-            #[inline(always)]
-            fn compress_indices(mask: $mask) -> $ints {
-                $ints::indices_of(mask)
-            }
-            #[inline(always)]
-            fn compress(self, indices: $ints) -> Self {
-                Self::from_bits(self.to_bits().permuted(indices))
-            }
-            #[inline(always)]
-            fn compress_bits(bits: $ints, indices: $ints) -> $ints {
-                bits.permuted(indices)
             }
             #[inline(always)]
             fn pick(table: &[f32; 8], index: $ints) -> Self {

@@ -5,7 +5,7 @@
 
 use super::packet::{F32x8, F32x16, Mask8, Mask16, U32x8, U32x16};
 use super::traits::{Bits, Lane, Mask};
-use wide::{f32x4, f32x8, u32x8, u32x16};
+use wide::{f32x4, f32x8, u32x8};
 
 /// `COMPRESS[m]`: the indices of the set bits of m in ascending order, then zeros. 8 KiB.
 static COMPRESS: [[u32; 8]; 256] = {
@@ -27,6 +27,7 @@ static COMPRESS: [[u32; 8]; 256] = {
 };
 
 /// `JOIN[n]`: the first n of the lower eight lanes, then the upper eight, then lane 0.
+#[cfg(not(target_feature = "avx512f"))]
 static JOIN: [[u32; 16]; 9] = {
     let mut table = [[0; 16]; 9];
     let mut count = 0;
@@ -42,11 +43,6 @@ static JOIN: [[u32; 16]; 9] = {
 };
 
 impl U32x8 {
-    /// [`Lane::compress_indices`].
-    #[inline(always)]
-    pub(super) fn indices_of(mask: Mask8) -> Self {
-        Self(u32x8::new(COMPRESS[(mask.bitmask() & 0xff) as usize]))
-    }
     /// Lane `indices[i]` in lane i; each index is below 8.
     #[inline(always)]
     pub(super) fn permuted(self, indices: Self) -> Self {
@@ -55,7 +51,7 @@ impl U32x8 {
     /// [`Bits::compress`].
     #[inline(always)]
     pub(super) fn compressed(self, mask: Mask8) -> Self {
-        self.permuted(Self::indices_of(mask))
+        self.permuted(Self(u32x8::new(COMPRESS[(mask.bitmask() & 0xff) as usize])))
     }
 }
 
@@ -125,15 +121,6 @@ impl U32x16 {
     fn halves(self) -> [U32x8; 2] {
         bytemuck::cast(self)
     }
-    /// [`Lane::compress_indices`]. A table of all masks would hold 4 MiB: each half is compressed by its own,
-    /// then the halves are joined.
-    #[inline(always)]
-    pub(super) fn indices_of(mask: Mask16) -> Self {
-        let mask = mask.bitmask() as usize;
-        let [low, high] = [mask & 0xff, mask >> 8 & 0xff].map(|half| U32x8(u32x8::new(COMPRESS[half])));
-        let both: Self = bytemuck::cast([low, high.wrapping_add(U32x8::splat(8))]);
-        both.permuted(Self(u32x16::new(JOIN[(mask & 0xff).count_ones() as usize])))
-    }
     /// Lane `indices[i]` in lane i; each index is below 16.
     #[inline(always)]
     pub(super) fn permuted(self, indices: Self) -> Self {
@@ -151,11 +138,16 @@ impl U32x16 {
     pub(super) fn compressed(self, mask: Mask16) -> Self {
         super::vpcompressd::compress(self, mask)
     }
-    /// [`Bits::compress`].
+    /// [`Bits::compress`]. A table of all masks would hold 4 MiB: the indices of each half are found by its
+    /// own, then joined.
     #[cfg(not(target_feature = "avx512f"))]
     #[inline(always)]
     pub(super) fn compressed(self, mask: Mask16) -> Self {
-        self.permuted(Self::indices_of(mask))
+        let mask = mask.bitmask() as usize;
+        let [low, high] = [mask & 0xff, mask >> 8 & 0xff].map(|half| U32x8(u32x8::new(COMPRESS[half])));
+        let both: Self = bytemuck::cast([low, high.wrapping_add(U32x8::splat(8))]);
+        let joined = both.permuted(Self(wide::u32x16::new(JOIN[(mask & 0xff).count_ones() as usize])));
+        self.permuted(joined)
     }
 }
 

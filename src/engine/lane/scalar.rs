@@ -89,7 +89,6 @@ impl Lane for f32 {
     const WIDTH: usize = 1;
     type Mask = bool;
     type Bits = u32;
-    type CompressIndices = ();
 
     #[inline(always)]
     fn splat(value: f32) -> Self {
@@ -166,16 +165,6 @@ impl Lane for f32 {
     #[inline(always)]
     fn from_int(int: u32) -> Self {
         int as i32 as f32
-    }
-    #[inline(always)]
-    fn compress_indices(_mask: bool) {}
-    #[inline(always)]
-    fn compress(self, _indices: ()) -> Self {
-        self
-    }
-    #[inline(always)]
-    fn compress_bits(bits: u32, _indices: ()) -> u32 {
-        bits
     }
     #[inline(always)]
     fn pick(table: &[f32; 8], index: u32) -> Self {

@@ -94,7 +94,7 @@ pub trait Bits:
     /// Lane by lane, one of two integers.
     fn select(mask: Self::Mask, if_true: Self, if_false: Self) -> Self;
     /// Moves the lanes of `mask` to the front and keeps their order (stream compaction). The lanes behind
-    /// them are unspecified. Several columns by one mask: [`Lane::compress_indices`].
+    /// them are unspecified. Several columns by one mask share the work on it.
     fn compress(self, mask: Self::Mask) -> Self;
 }
 
@@ -118,8 +118,6 @@ pub trait Lane:
     type Mask: Mask;
     /// Integers of this width.
     type Bits: Bits<Mask = Self::Mask>;
-    /// A permutation of lanes, made by [`Lane::compress_indices`].
-    type CompressIndices: Copy;
 
     /// One number in every lane.
     fn splat(value: f32) -> Self;
@@ -184,13 +182,11 @@ pub trait Lane:
     /// The nearest float to a signed integer in two's complement.
     fn from_int(int: Self::Bits) -> Self;
 
-    /// The permutation that moves the lanes of `mask` to the front and keeps their order (stream compaction).
-    /// The lanes behind them are unspecified.
-    fn compress_indices(mask: Self::Mask) -> Self::CompressIndices;
-    /// Permutes the lanes by [`Lane::compress_indices`].
-    fn compress(self, indices: Self::CompressIndices) -> Self;
-    /// As [`Lane::compress`], of integers.
-    fn compress_bits(bits: Self::Bits, indices: Self::CompressIndices) -> Self::Bits;
+    /// As [`Bits::compress`].
+    #[inline(always)]
+    fn compress(self, mask: Self::Mask) -> Self {
+        Self::from_bits(self.to_bits().compress(mask))
+    }
 
     /// `table[index]` in each lane, for tables that fit one register. Domain: every index, in inactive lanes
     /// too, is below 8; the result of any other index is unspecified.

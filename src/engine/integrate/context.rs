@@ -37,6 +37,13 @@ pub struct TraceContext {
 }
 
 impl TraceContext {
+    /// Does a path add radiance to its pixel once at most, where it leaves the scene? So it does where nothing
+    /// emits.
+    #[inline(always)]
+    pub fn paths_add_once(&self) -> bool {
+        !self.buffers.needs.meets(Features::EMISSION.with(Features::LIGHTS))
+    }
+
     /// Whether paths carry ray cones.
     #[inline(always)]
     pub fn carries_cones<const N: u32>(&self) -> bool {

@@ -213,24 +213,25 @@ impl Scratch {
         slot: L::Bits,
         radiance: Vec3<L>,
     ) -> usize {
-        let indices = L::compress_indices(mask);
-        self.contributions.radiance.store(count, compress(radiance, indices));
-        L::compress_bits(slot, indices).store(&mut self.contributions.slot[count..]);
+        self.contributions.radiance.store(count, compress(radiance, mask));
+        slot.compress(mask).store(&mut self.contributions.slot[count..]);
         count + mask.count()
     }
 
-    /// Adds the first `count` contributions to their pixels, in their order.
+    /// Adds the first `count` contributions to their pixels, in their order. With `ONCE` they are stored: no
+    /// pixel has another one.
     #[inline(never)]
-    pub fn add_contributions(&mut self, count: usize) {
+    pub fn add_contributions<const ONCE: bool>(&mut self, count: usize) {
         let Contributions { radiance: Vec3Columns { x, y, z }, slot } = &self.contributions;
         let [red, green, blue] = &mut self.radiance.0;
         let events = slot[..count].iter().zip(&x[..count]).zip(&y[..count]).zip(&z[..count]);
         for (((&slot, &r), &g), &b) in events {
             // It is below that already; this lets the compiler drop the bounds checks.
             let slot = slot as usize % (MAX_TILES * MAX_PIXELS);
-            red[slot] += r;
-            green[slot] += g;
-            blue[slot] += b;
+            for (channel, value) in [(&mut *red, r), (&mut *green, g), (&mut *blue, b)] {
+                debug_assert!(!ONCE || !(channel[slot] > 0.0), "a second contribution to slot {slot}");
+                channel[slot] = if ONCE { value } else { channel[slot] + value };
+            }
         }
     }
 

@@ -87,12 +87,12 @@ pub fn shade<L: Lane, const N: u32, const FIRST: bool>(
         if alive.all() {
             scratch.queue.store_path(to + going_on, &path, columns);
         } else if alive.any() {
-            let path = path.compress(L::compress_indices(alive), columns);
+            let path = path.compress(alive, columns);
             scratch.queue.store_path(to + going_on, &path, columns);
         }
         going_on += alive.count();
     }
-    accumulator.finish(scratch);
+    accumulator.finish(context, scratch);
     Shaded { alive: going_on, shadow_rays }
 }
 
@@ -130,7 +130,7 @@ pub fn finish<L: Lane, const N: u32, const FIRST: bool>(
         }
         accumulator.add(scratch, at, carries_radiance::<L, N>(active, found, radiance), &path, radiance);
     }
-    accumulator.finish(scratch);
+    accumulator.finish(context, scratch);
 }
 
 /// The materials of the packet at `at`.
@@ -215,7 +215,11 @@ impl<const FIRST: bool> RadianceAccumulator<FIRST> {
             self.contributions = scratch.push_contribution(self.contributions, mask, path.slot, radiance);
         }
     }
-    fn finish(self, scratch: &mut Scratch) {
-        scratch.add_contributions(self.contributions);
+    fn finish(self, context: &TraceContext, scratch: &mut Scratch) {
+        if context.paths_add_once() {
+            scratch.add_contributions::<true>(self.contributions);
+        } else {
+            scratch.add_contributions::<false>(self.contributions);
+        }
     }
 }

@@ -87,23 +87,6 @@ pub struct QuadraticEquation<L> {
     pub discriminant: L,
 }
 
-impl<L: Lane> QuadraticEquation<L> {
-    /// Zeros.
-    #[inline(always)]
-    pub fn none() -> Self {
-        Self { b: L::zero(), c: L::zero(), discriminant: L::zero() }
-    }
-    /// `a` in the lanes of `mask`, `b` in the others.
-    #[inline(always)]
-    pub fn select(mask: L::Mask, a: &Self, b: &Self) -> Self {
-        Self {
-            b: L::select(mask, a.b, b.b),
-            c: L::select(mask, a.c, b.c),
-            discriminant: L::select(mask, a.discriminant, b.discriminant),
-        }
-    }
-}
-
 /// The discriminant from the perpendicular, the distance at which the line passes the centre, and not from
 /// b² − 4ac.
 ///

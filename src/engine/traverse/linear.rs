@@ -8,7 +8,7 @@
 use super::candidates::{SphereCandidates, TriangleCandidates};
 use crate::buffers::Features;
 use crate::kernel::ray_box::{Padding, Slabs, own_box};
-use crate::kernel::ray_sphere::{QuadraticEquation, RelativeSphere, SphereMethod};
+use crate::kernel::ray_sphere::{RelativeSphere, SphereMethod};
 use crate::kernel::ray_triangle::{PairHit, TriangleHit, TriangleMethod};
 use crate::kernel::sphere_culling::SphereCulling;
 use crate::lane::{Bits, Lane, Mask};
@@ -33,13 +33,14 @@ pub fn features_of(scene: &Scene) -> Features {
     if cost(scene) > MAX_COST { Features::HIERARCHY } else { Features::NONE }
 }
 
-/// From this many spheres on, those that no ray of a packet may hit are culled first. Where all are tested,
-/// the branch that skips the rest of a test is often predicted wrong; culling has no branch.
-const CULLED_SPHERES: usize = 16;
+/// From this many spheres on, those that no ray of a packet, or a single ray, may hit are culled first.
+/// Culling costs about half a test. A packet takes the rest of a test whether any of its rays meets the sphere
+/// or not; a single ray does not.
+const fn culled_from(width: usize) -> usize {
+    if width == 1 { 16 } else { 8 }
+}
 /// Up to this many spheres, less than are culled, are prepared for rays with one origin.
-const MAX_RELATIVE: usize = CULLED_SPHERES - 1;
-/// Most rays of a packet whose equations wait for others: see [`SphereTests`].
-const MAX_WAITING: usize = 8;
+const MAX_RELATIVE: usize = culled_from(1) - 1;
 
 /// Rays and their hits, a packet of `WIDTH` at a time.
 pub trait Batch<L: Lane> {
@@ -73,7 +74,8 @@ pub(super) fn trace_spheres<L: Lane, S: SphereMethod>(
     batch: &mut impl Batch<L>,
 ) {
     let count = spheres.count();
-    if let Some(origin) = batch.common_origin().filter(|_| count <= MAX_RELATIVE) {
+    let are_culled = S::MAY_CULL && count >= culled_from(L::WIDTH);
+    if let Some(origin) = batch.common_origin().filter(|_| !are_culled && count <= MAX_RELATIVE) {
         // What does not depend on the direction is computed once for all rays.
         let mut relative = [(0, RelativeSphere::new(origin, origin, 0.0)); MAX_RELATIVE];
         let mut places = relative.iter_mut();
@@ -93,7 +95,7 @@ pub(super) fn trace_spheres<L: Lane, S: SphereMethod>(
         let test = |number, center, radius2| {
             tests.test(number, &RelativeSphere::new(ray.origin, center, radius2));
         };
-        if S::MAY_CULL && count >= CULLED_SPHERES {
+        if are_culled {
             spheres.for_each_near(&SphereCulling::new(ray), test);
         } else {
             spheres.for_each(test);
@@ -111,8 +113,7 @@ fn test_packets<L: Lane, S: SphereMethod>(
         let ray = batch.ray(at);
         let mut tests = SphereTests::new(&ray, batch.t_max(at));
         test(&ray, &mut tests);
-        let (t, primitive) = tests.nearest();
-        batch.store_nearest(at, t, primitive);
+        batch.store_nearest(at, tests.t, tests.primitive);
     }
 }
 
@@ -153,70 +154,31 @@ pub(super) fn trace_triangles<L: Lane, T: TriangleMethod>(
     }
 }
 
-/// The tests of a packet against spheres in turn. A ray meets few of them, so square root and division wait,
-/// lane by lane, until some ray meets a second sphere: one pair of them serves several spheres. Not so in
-/// packets of more than [`MAX_WAITING`] rays, some of which nearly always meet a second one.
+/// The tests of a packet against spheres in turn.
 struct SphereTests<L: Lane, S: SphereMethod> {
     ray: S::Prepared<L>,
-    /// The nearest hits of the equations that are solved: t, and the index of the primitive.
+    /// The nearest hits so far: t, and the index of the primitive.
     t: L,
     primitive: L::Bits,
-    /// The lanes that hold an equation to solve.
-    waiting: L::Mask,
-    equation: QuadraticEquation<L>,
-    /// The spheres of the equations.
-    number: L::Bits,
 }
 
 impl<L: Lane, S: SphereMethod> SphereTests<L, S> {
     #[inline(always)]
     fn new(ray: &Ray<L>, t: L) -> Self {
-        Self {
-            ray: S::prepare(ray),
-            t,
-            primitive: L::Bits::splat(MISS),
-            waiting: L::Mask::splat(false),
-            equation: QuadraticEquation::none(),
-            number: L::Bits::splat(0),
-        }
+        Self { ray: S::prepare(ray), t, primitive: L::Bits::splat(MISS) }
     }
     #[inline(always)]
     fn test(&mut self, number: u32, sphere: &RelativeSphere<L>) {
         let (meets, equation) = S::equation(&self.ray, sphere);
-        let number = L::Bits::splat(number);
-        if L::WIDTH > MAX_WAITING {
-            if meets.any() {
-                self.keep_if_nearer(meets, &equation, number);
-            }
+        // Only of a single ray the rest of the test is skipped. Whether any ray of a packet meets a sphere is
+        // often predicted wrong, which costs more than a square root and a division.
+        if L::WIDTH == 1 && !meets.any() {
             return;
         }
-        // Where all wait, as in a sphere around the scene, the next one that any ray meets is a second one.
-        if (meets & self.waiting).any() || self.waiting.all() {
-            self.solve();
-        }
-        self.equation = QuadraticEquation::select(meets, &equation, &self.equation);
-        self.number = L::Bits::select(meets, number, self.number);
-        self.waiting = self.waiting | meets;
-    }
-    #[inline(always)]
-    fn keep_if_nearer(&mut self, meets: L::Mask, equation: &QuadraticEquation<L>, number: L::Bits) {
-        let t = S::root(&self.ray, equation);
+        let t = S::root(&self.ray, &equation);
         let nearer = meets & L::zero().lt(t) & t.lt(self.t);
         self.t = L::select(nearer, t, self.t);
-        self.primitive = L::Bits::select(nearer, number, self.primitive);
-    }
-    #[inline(always)]
-    fn solve(&mut self) {
-        let (equation, number) = (self.equation, self.number);
-        self.keep_if_nearer(self.waiting, &equation, number);
-        self.waiting = L::Mask::splat(false);
-    }
-    #[inline(always)]
-    fn nearest(mut self) -> (L, L::Bits) {
-        if L::WIDTH <= MAX_WAITING && self.waiting.any() {
-            self.solve();
-        }
-        (self.t, self.primitive)
+        self.primitive = L::Bits::select(nearer, L::Bits::splat(number), self.primitive);
     }
 }
 

@@ -43,9 +43,7 @@ impl<L: Lane> MaterialSample<L> {
     /// colours lack their texels: [`MaterialSample::multiply_texels`].
     #[inline(always)]
     pub fn of<const N: u32>(context: &TraceContext, surface: &Surface<L>, found: L::Mask) -> Self {
-        if has(N, Features::LEVELS_OF_DETAIL) && !context.carries_cones::<N>() {
-            Self::called::<{ WITHOUT_LEVELS.0 }>(context, surface, found)
-        } else if is_general(N) {
+        if is_general(N) {
             Self::called::<N>(context, surface, found)
         } else {
             Self::inlined::<N>(context, surface, found)
@@ -54,7 +52,11 @@ impl<L: Lane> MaterialSample<L> {
 
     #[inline(never)]
     fn called<const N: u32>(context: &TraceContext, surface: &Surface<L>, found: L::Mask) -> Self {
-        Self::inlined::<N>(context, surface, found)
+        if has(N, Features::LEVELS_OF_DETAIL) && !context.carries_cones::<N>() {
+            Self::inlined::<{ WITHOUT_LEVELS.0 }>(context, surface, found)
+        } else {
+            Self::inlined::<N>(context, surface, found)
+        }
     }
 
     #[inline(always)]

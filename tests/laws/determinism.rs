@@ -303,6 +303,22 @@ fn check_ways(scene: &Scene, wanted: impl Fn(usize, usize, usize) -> bool) {
     }
 }
 
+/// Some are culled first from a number on that depends on the width, and prepared for the camera below it.
+#[test]
+fn picture_is_the_same_for_all_lanes_with_every_number_of_spheres() {
+    for count in 1..=20 {
+        let materials =
+            vec![material(MaterialKind::Diffuse), material(MaterialKind::Metal { roughness: 0.0 })];
+        let scene = furnished(&mut Rng(60 + count as u64), materials, count, 0, false);
+        let scalar = base(&scene, [64, 48], 4);
+        let expected = Print::of(&scene, scalar, &[2]);
+        for lanes in [8, 16] {
+            let packets = Settings { lanes, ..scalar };
+            Print::of(&scene, packets, &[2]).assert_same(&expected, packets, &[2]);
+        }
+    }
+}
+
 #[test]
 fn picture_is_the_same_however_many_tiles_are_traced_together() {
     // One thread traces five of these tiles together, six threads one. Paths of three tiles fill the queue if

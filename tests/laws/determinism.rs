@@ -303,18 +303,21 @@ fn check_ways(scene: &Scene, wanted: impl Fn(usize, usize, usize) -> bool) {
     }
 }
 
-/// Some are culled first from a number on that depends on the width, and prepared for the camera below it.
+/// Where culling begins depends on the width and the method. Below it, camera rays use prepared spheres.
 #[test]
 fn picture_is_the_same_for_all_lanes_with_every_number_of_spheres() {
     for count in 1..=20 {
         let materials =
             vec![material(MaterialKind::Diffuse), material(MaterialKind::Metal { roughness: 0.0 })];
         let scene = furnished(&mut Rng(60 + count as u64), materials, count, 0, false);
-        let scalar = base(&scene, [64, 48], 4);
-        let expected = Print::of(&scene, scalar, &[2]);
-        for lanes in [8, 16] {
-            let packets = Settings { lanes, ..scalar };
-            Print::of(&scene, packets, &[2]).assert_same(&expected, packets, &[2]);
+        for choice in SphereChoice::ALL {
+            let mut scalar = base(&scene, [48, 32], 4);
+            scalar.methods.sphere = choice;
+            let expected = Print::of(&scene, scalar, &[2]);
+            for lanes in [8, 16] {
+                let packets = Settings { lanes, ..scalar };
+                Print::of(&scene, packets, &[2]).assert_same(&expected, packets, &[2]);
+            }
         }
     }
 }

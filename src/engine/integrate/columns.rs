@@ -44,7 +44,7 @@ impl Vec3Columns {
     }
 }
 
-/// The lanes at `indices`, moved to the front.
+/// The lanes of `mask`, moved to the front.
 #[inline(always)]
 pub fn compress<L: Lane>(v: Vec3<L>, mask: L::Mask) -> Vec3<L> {
     Vec3::new(v.x.compress(mask), v.y.compress(mask), v.z.compress(mask))

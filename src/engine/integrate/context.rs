@@ -37,8 +37,8 @@ pub struct TraceContext {
 }
 
 impl TraceContext {
-    /// Does a path add radiance to its pixel once at most, where it leaves the scene? So it does where nothing
-    /// emits.
+    /// Whether a path adds radiance to its pixel at most once. True where nothing emits: it adds only where
+    /// it misses.
     #[inline(always)]
     pub fn paths_add_once(&self) -> bool {
         !self.buffers.needs.meets(Features::EMISSION.with(Features::LIGHTS))

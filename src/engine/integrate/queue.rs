@@ -196,7 +196,7 @@ impl<L: Lane> Path<L> {
     pub fn primary(ray: Ray<L>, key: L::Bits, slot: L::Bits, cone: Cone<L>) -> Self {
         Path { ray, throughput: Vec3::repeat(L::one()), inv_pdf: L::zero(), key, slot, cone }
     }
-    /// The lanes at `indices`, moved to the front.
+    /// The lanes of `mask`, moved to the front.
     #[inline(always)]
     pub fn compress(&self, mask: L::Mask, QueueColumns { cones, .. }: QueueColumns) -> Self {
         let cone = match cones {

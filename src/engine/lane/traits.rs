@@ -94,7 +94,7 @@ pub trait Bits:
     /// Lane by lane, one of two integers.
     fn select(mask: Self::Mask, if_true: Self, if_false: Self) -> Self;
     /// Moves the lanes of `mask` to the front and keeps their order (stream compaction). The lanes behind
-    /// them are unspecified. Several columns by one mask share the work on it.
+    /// them are unspecified.
     fn compress(self, mask: Self::Mask) -> Self;
 }
 

@@ -33,14 +33,14 @@ pub fn features_of(scene: &Scene) -> Features {
     if cost(scene) > MAX_COST { Features::HIERARCHY } else { Features::NONE }
 }
 
-/// From this many spheres on, those that no ray of a packet, or a single ray, may hit are culled first.
-/// Culling costs about half a test. A packet takes the rest of a test whether any of its rays meets the sphere
-/// or not; a single ray does not.
-const fn culled_from(width: usize) -> usize {
+/// From this many spheres on, those that no ray of a packet may hit are culled first. Culling costs about
+/// half a test. Packets always compute the root, so culling pays sooner than for single rays, which skip it
+/// where they miss.
+const fn min_culled_spheres(width: usize) -> usize {
     if width == 1 { 16 } else { 8 }
 }
-/// Up to this many spheres, less than are culled, are prepared for rays with one origin.
-const MAX_RELATIVE: usize = culled_from(1) - 1;
+/// Most spheres that are prepared for rays with one origin. Culled spheres are not prepared.
+const MAX_RELATIVE: usize = min_culled_spheres(1) - 1;
 
 /// Rays and their hits, a packet of `WIDTH` at a time.
 pub trait Batch<L: Lane> {
@@ -74,7 +74,7 @@ pub(super) fn trace_spheres<L: Lane, S: SphereMethod>(
     batch: &mut impl Batch<L>,
 ) {
     let count = spheres.count();
-    let are_culled = S::MAY_CULL && count >= culled_from(L::WIDTH);
+    let are_culled = S::MAY_CULL && count >= min_culled_spheres(L::WIDTH);
     if let Some(origin) = batch.common_origin().filter(|_| !are_culled && count <= MAX_RELATIVE) {
         // What does not depend on the direction is computed once for all rays.
         let mut relative = [(0, RelativeSphere::new(origin, origin, 0.0)); MAX_RELATIVE];

@@ -44,18 +44,18 @@ impl<L: Lane> MaterialSample<L> {
     #[inline(always)]
     pub fn of<const N: u32>(context: &TraceContext, surface: &Surface<L>, found: L::Mask) -> Self {
         if is_general(N) {
-            Self::called::<N>(context, surface, found)
+            Self::called(context, surface, found)
         } else {
             Self::inlined::<N>(context, surface, found)
         }
     }
 
     #[inline(never)]
-    fn called<const N: u32>(context: &TraceContext, surface: &Surface<L>, found: L::Mask) -> Self {
-        if has(N, Features::LEVELS_OF_DETAIL) && !context.carries_cones::<N>() {
-            Self::inlined::<{ WITHOUT_LEVELS.0 }>(context, surface, found)
+    fn called(context: &TraceContext, surface: &Surface<L>, found: L::Mask) -> Self {
+        if context.carries_cones::<{ Features::ALL.0 }>() {
+            Self::inlined::<{ Features::ALL.0 }>(context, surface, found)
         } else {
-            Self::inlined::<N>(context, surface, found)
+            Self::inlined::<{ WITHOUT_LEVELS.0 }>(context, surface, found)
         }
     }
 

@@ -39,6 +39,16 @@ pub trait SphereMethod: Send + Sync + 'static {
         if !meets.any() {
             return (meets, limit);
         }
+        Self::solve(ray, (meets, equation), limit)
+    }
+
+    /// The same of what [`SphereMethod::equation`] gives.
+    #[inline(always)]
+    fn solve<L: Lane>(
+        ray: &Self::Prepared<L>,
+        (meets, equation): (L::Mask, QuadraticEquation<L>),
+        limit: L,
+    ) -> (L::Mask, L) {
         let t = Self::root(ray, &equation);
         (meets & L::zero().lt(t) & t.lt(limit), t)
     }

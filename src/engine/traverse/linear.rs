@@ -175,8 +175,7 @@ impl<L: Lane, S: SphereMethod> SphereTests<L, S> {
         if L::WIDTH == 1 && !meets.any() {
             return;
         }
-        let t = S::root(&self.ray, &equation);
-        let nearer = meets & L::zero().lt(t) & t.lt(self.t);
+        let (nearer, t) = S::solve(&self.ray, (meets, equation), self.t);
         self.t = L::select(nearer, t, self.t);
         self.primitive = L::Bits::select(nearer, L::Bits::splat(number), self.primitive);
     }

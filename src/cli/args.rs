@@ -69,7 +69,7 @@ pub enum Command {
 /// Columns: 16 lanes, 8 lanes, scalar: frames per second on one thread (or --threads), the median, and in
 /// brackets the 1 % low (the rate that 99 % of the frames reach). Packets of 16 are measured where they are
 /// one vector of the machine. speed-up: over scalar, by the width that --lanes auto takes; so are the
-/// following. all cores: on all cores. scaling: all cores over one thread. gain of needs: the pipeline
+/// following. all cores: on all cores. scaling: all cores over one thread. over general: the pipeline
 /// compiled for the features of the scene over the one with every feature; empty where these are the same.
 /// Ratios are medians of alternating rounds, in brackets from 10 to 90 % of the rounds. Mray/s: millions of
 /// rays per second, one thread (or --threads). pixels≠: pixels in which any width differs from scalar in any

@@ -10,7 +10,7 @@ use crate::machine;
 use crate::measure::bench::{Effort, Engine, bench};
 use crate::measure::compare::{BYTES_PER_PIXEL as COMPARE_BYTES_PER_PIXEL, compare};
 use crate::render::{Renderer, Settings};
-use crate::report::bench::{Report, busy, heading, meaning, row, stats_of};
+use crate::report::bench::{Report, heading, meaning, row, stats_of, warning};
 use crate::scene::Scene;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
@@ -54,7 +54,7 @@ pub fn run(options: BenchOptions) -> Result<ExitCode, CliError> {
             terminal::print(&stats_of(&report.results))?;
         }
     }
-    if let Some(sentence) = busy(&report.results) {
+    if let Some(sentence) = warning(&report.results) {
         terminal::warn(&sentence);
     }
     Ok(if failed { ExitCode::from(CHECK_FAILED) } else { ExitCode::SUCCESS })

@@ -120,14 +120,14 @@ impl Countdown {
     }
 }
 
-/// The line of a list of tasks, with the name of the present one.
+/// The line of a list of tasks, with the name of the present one and the time since the start.
 pub struct Tasks {
     bar: ProgressBar,
 }
 
 impl Tasks {
     pub fn new(count: usize) -> Self {
-        Self { bar: line(Some(count as u64), style("{wide_bar} {pos}/{len} {msg}")) }
+        Self { bar: line(Some(count as u64), style("{wide_bar} {pos}/{len} {msg}  {elapsed}")) }
     }
 
     /// Shows the present task.

@@ -56,7 +56,7 @@ pub fn heading(report: &Report, [width, height]: [u32; 2], max_bounces: u32) -> 
     format!(
         "{}\n\
          {width}×{height}, 1 sample a frame, up to {}\n\
-         fps: median (1 % low); speed-up, scaling and gain: median of the rounds (10 to 90 % of them)\n\n\
+         fps: median (1 % low); speed-up, scaling and over general: median of the rounds (10 to 90 % of them)\n\n\
          {:<24}{}{:>16}{:>20}{:>16}{:>18}{:>18}{:>8}{:>9}{:>9}{:>9}\n",
         report.machine,
         counted(max_bounces, "bounce", "bounces"),
@@ -66,7 +66,7 @@ pub fn heading(report: &Report, [width, height]: [u32; 2], max_bounces: u32) -> 
         "speed-up",
         "all cores",
         "scaling",
-        "gain of needs",
+        "over general",
         "Mray/s",
         "pixels≠",
         "hits≠",
@@ -109,9 +109,21 @@ pub fn row(results: &[Measurement], accuracy: &Comparison) -> String {
     text
 }
 
-/// A warning about the engine with the lowest 1 % low, where that is below `BUSY`. With fewer frames than
-/// [`FEWEST_FRAMES`] the 1 % low is the slowest frame, which proves nothing.
-pub fn busy(results: &[Measurement]) -> Option<String> {
+/// A warning about the engine with the lowest 1 % low, where that is below `BUSY`; else one about scenes with
+/// fewer frames than [`FEWEST_FRAMES`], whose 1 % low is the slowest frame, which proves nothing.
+pub fn warning(results: &[Measurement]) -> Option<String> {
+    busy(results).or_else(|| {
+        let few = results.iter().find(|result| result.frames < FEWEST_FRAMES)?;
+        Some(format!(
+            "{} of {} are too few to tell whether other programs took the processor: measure {FEWEST_FRAMES} \
+             frames or more.",
+            counted(few.frames, "frame", "frames"),
+            few.scene
+        ))
+    })
+}
+
+fn busy(results: &[Measurement]) -> Option<String> {
     let share = |result: &Measurement| result.fps_low_1_percent / result.fps_median;
     let timed = results.iter().filter(|result| result.frames >= FEWEST_FRAMES);
     let worst = timed.min_by(|a, b| share(a).total_cmp(&share(b))).filter(|worst| share(worst) < BUSY)?;
@@ -158,9 +170,9 @@ pub fn meaning(report: &Report) -> String {
     } else {
         counted(hits, "PRIMARY HIT IS", "PRIMARY HITS ARE") + " WRONG by the f64 reference"
     };
-    let gain =
-        "Gain of needs: speed against the pipeline with every feature; empty where a scene uses that one.";
-    format!("\n{speed}; {same}; {right}.\n{gain}\n")
+    let general =
+        "Over general: speed over the pipeline with every feature; empty where a scene uses that one.";
+    format!("\n{speed}; {same}; {right}.\n{general}\n")
 }
 
 #[cfg(test)]
@@ -168,7 +180,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn busy_names_the_engine_with_the_lowest_share() {
+    fn warning_names_the_engine_with_the_lowest_share_or_a_scene_of_few_frames() {
         let result = |scene: &str, frames, low| Measurement {
             scene: scene.into(),
             width: 240,
@@ -191,8 +203,10 @@ mod tests {
             stats: None,
         };
         let few = result("few", FEWEST_FRAMES - 1, 1.0);
-        assert_eq!(busy(&[few.clone(), result("calm", 99, 61.0)]), None);
-        let sentence = busy(&[few, result("bad", 99, 50.0), result("worse", 99, 40.0)]).unwrap();
+        assert_eq!(warning(&[result("calm", 99, 61.0)]), None);
+        let sentence = warning(&[few.clone(), result("calm", 99, 61.0)]).unwrap();
+        assert!(sentence.starts_with("49 frames of few are too few"), "{sentence}");
+        let sentence = warning(&[few, result("bad", 99, 50.0), result("worse", 99, 40.0)]).unwrap();
         assert!(
             sentence.contains("busy") && sentence.contains("worse (8 lanes, 2 threads) is 40 %"),
             "{sentence}"

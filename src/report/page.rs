@@ -7,10 +7,11 @@ use super::chart::{self, Chart};
 use super::chart_drawings::{Measure, display, frames, motion, of_pictures};
 use super::chart_kernels::intersection as of_kernels;
 use super::drawing::Drawing;
+use crate::measure::chart::SceneChart;
+use crate::measure::chart::configurations::{DEFAULT, GROUPS};
 use crate::measure::chart::display::FILTERS;
 use crate::measure::chart::kernels::Kernel;
 use crate::measure::chart::pictures::Line;
-use crate::measure::chart::{SceneChart, configurations::DEFAULT};
 use crate::measure::quantiles::Spread;
 use crate::wording::counted;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
@@ -51,6 +52,7 @@ pub fn page(chart: &Chart) -> String {
                 h1 { "Speed against accuracy" }
                 p { (introduction()) }
                 (verdict(chart))
+                (meanings(chart))
                 @for scene in &chart.scenes { (of_scene(chart, scene)) }
                 (intersection(chart))
                 (source(chart))
@@ -107,6 +109,23 @@ fn verdict(chart: &Chart) -> Markup {
             }
         }
         p { small { "Some dominated configurations are kept on purpose: the scalar path checks SIMD, and naive methods show the gain of robust ones." } }
+    }
+}
+
+/// What differs from the default in each configuration that the chart shows.
+fn meanings(chart: &Chart) -> Markup {
+    let shown = |name: &str| {
+        chart.scenes.iter().flat_map(|scene| &scene.pictures).any(|line| line.configuration == name)
+    };
+    let named = GROUPS.into_iter().flat_map(|(_, named)| named).filter(|(name, _)| shown(name));
+    html! {
+        h2 { "What the lines are" }
+        p { "The default is what " code { "octray render" } " takes without options. Every other configuration differs from it in one thing:" }
+        div class="wide" {
+            table {
+                @for (name, meaning) in named { tr { td { (name) } td class="text" { (meaning) } } }
+            }
+        }
     }
 }
 

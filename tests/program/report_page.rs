@@ -4,7 +4,7 @@
 //! their family).
 
 use octray::machine::Machine;
-use octray::measure::chart::configurations::of_scene;
+use octray::measure::chart::configurations::{GROUPS, of_scene};
 use octray::measure::chart::{Plan, kernels};
 use octray::report::chart::{Chart, SCHEMA};
 use octray::report::page::page;
@@ -86,6 +86,10 @@ fn page_stands_alone_and_holds_all_figures_and_configurations() {
     let scene = octray::scene::load("builtin:three").unwrap();
     for one in of_scene(&scene, octray::render::Settings::of(&scene)) {
         assert!(page.contains(one.name), "{}", one.name);
+    }
+    let shown = |name| chart.scenes[0].pictures.iter().any(|line| line.configuration == name);
+    for (name, meaning) in GROUPS.into_iter().flat_map(|(_, named)| named) {
+        assert_eq!(page.contains(meaning), shown(*name), "{name} is explained where it is shown");
     }
     assert!(page.contains(chart.machine.commit) && page.contains("name=\"viewport\""));
 }

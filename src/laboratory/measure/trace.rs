@@ -5,7 +5,7 @@
 
 use super::ray_sets::{Answers, RaySet};
 use crate::buffers::Buffers;
-use crate::lane::{F32x8, Lane};
+use crate::lane::{Lane, NATIVE_WIDTH, Native};
 use crate::math::MISS;
 use crate::scene::Scene;
 use crate::threads::Threads;
@@ -22,7 +22,7 @@ const CHUNK: usize = crate::traverse::stream::BATCH;
 /// A method of finding hits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TraceMethod {
-    /// Testing every primitive, eight rays at a time.
+    /// Testing every primitive, a vector of rays at a time.
     Linear,
     /// Through the hierarchy.
     Tree(Traversal),
@@ -39,7 +39,7 @@ impl TraceMethod {
     /// SIMD lanes.
     pub fn lanes(self) -> usize {
         match self {
-            Self::Linear => F32x8::WIDTH,
+            Self::Linear => NATIVE_WIDTH,
             Self::Tree(traversal) => traversal.lanes(),
         }
     }
@@ -70,7 +70,7 @@ impl PreparedScene {
     /// Stores the primitives as buffers beside a hierarchy of the same scene.
     pub fn new(scene: &Scene, hierarchy: Hierarchy) -> Self {
         let linear = Methods { traversal: TraversalChoice::Linear, ..Methods::default() };
-        let primitives = Primitives::new(scene, linear, F32x8::WIDTH);
+        let primitives = Primitives::new(scene, linear, NATIVE_WIDTH);
         Self { hierarchy, buffers: Buffers::new(scene), primitives }
     }
 
@@ -79,8 +79,8 @@ impl PreparedScene {
         match method {
             TraceMethod::Tree(traversal) => tracer.trace::<ANY>(traversal, &self.hierarchy, rays, hits),
             TraceMethod::Linear => {
-                let packets = rays.len() - rays.len() % F32x8::WIDTH;
-                self.test_all::<F32x8>(&rays.range(0..packets), &mut hits.range(0..packets));
+                let packets = rays.len() - rays.len() % NATIVE_WIDTH;
+                self.test_all::<Native>(&rays.range(0..packets), &mut hits.range(0..packets));
                 let rest = packets..rays.len();
                 self.test_all::<f32>(&rays.range(rest.clone()), &mut hits.range(rest));
             }
@@ -98,7 +98,7 @@ impl PreparedScene {
                 (TraceMethod::Linear, _) => {
                     let each = self.primitives.linear(&self.buffers, None);
                     // As in `trace`: whole packets, and the rest one by one.
-                    let packets = rays.len() / F32x8::WIDTH + rays.len() % F32x8::WIDTH;
+                    let packets = rays.len() / NATIVE_WIDTH + rays.len() % NATIVE_WIDTH;
                     counter.linear(each, packets, rays.len());
                 }
                 (TraceMethod::Tree(traversal), true) => {

@@ -63,41 +63,57 @@ pub enum Group {
     NotRobust,
 }
 
-/// All names but [`DEFAULT`], by group, in the order of every chart.
-pub const GROUPS: [(Group, &[&str]); 3] = [
+/// All names but [`DEFAULT`], by group, in the order of every chart, each with what differs from the default
+/// and the option that sets it.
+pub const GROUPS: [(Group, &[(&str, &str)]); 3] = [
     (
         Group::Sampling,
         &[
-            "random numbers",
-            "independent pixels",
-            "adaptive",
-            "lights off",
-            "lights on",
-            "lights by power",
-            "trilinear",
+            ("random numbers", "independent random numbers instead of Sobol points: --sampler random"),
+            (
+                "independent pixels",
+                "the errors of neighbouring pixels are independent, not blue noise: --sampler padded-sobol",
+            ),
+            ("adaptive", "more samples where the estimated error is larger: --target-error"),
+            ("lights off", "no next event estimation: --lights off"),
+            ("lights on", "next event estimation of every emitter: --lights on"),
+            ("lights by power", "emitters chosen by power alone: --lights power"),
+            (
+                "trilinear",
+                "bilinear textures with levels of detail: the filter trilinear of a scene's textures",
+            ),
         ],
     ),
     (
         Group::Speed,
         &[
-            "scalar",
-            "8 lanes",
-            "16 lanes",
-            "general pipeline",
-            "hierarchy",
-            "every primitive tested",
-            "streams",
-            "packets",
-            "single rays",
+            ("scalar", "one ray at a time: --lanes 1"),
+            ("8 lanes", "packets of eight: --lanes 8"),
+            ("16 lanes", "packets of sixteen: --lanes 16"),
+            ("general pipeline", "compiled for every feature: --pipeline general"),
+            ("hierarchy", "rays traverse a hierarchy of boxes: --traversal hybrid"),
+            ("every primitive tested", "no hierarchy: --traversal linear"),
+            ("streams", "all rays traverse the hierarchy in streams: --traversal stream"),
+            ("packets", "all camera rays traverse it in packets: --traversal packet"),
+            ("single rays", "each ray traverses it alone: --traversal single"),
         ],
     ),
-    (Group::NotRobust, &["boxes without padding", "naive spheres", "Möller–Trumbore", "Baldwin–Weber"]),
+    (
+        Group::NotRobust,
+        &[
+            ("boxes without padding", "loses hits at corners and edges of boxes: --box fma"),
+            ("naive spheres", "loses digits on small, distant and huge spheres: --sphere naive"),
+            ("Möller–Trumbore", "leaks at edges and vertices of triangles: --triangle moller-trumbore"),
+            ("Baldwin–Weber", "leaks at edges and vertices of triangles: --triangle baldwin-weber"),
+        ],
+    ),
 ];
 
 impl Group {
     /// The group of a configuration; `None` for the default.
     pub fn of(configuration: &str) -> Option<Self> {
-        GROUPS.into_iter().find(|(_, names)| names.contains(&configuration)).map(|(group, _)| group)
+        let has = |named: &[(&str, &str)]| named.iter().any(|(name, _)| *name == configuration);
+        GROUPS.into_iter().find(|(_, named)| has(named)).map(|(group, _)| group)
     }
 }
 

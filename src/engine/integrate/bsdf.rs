@@ -82,21 +82,21 @@ pub fn scatter<L: Lane, const N: u32>(
     found: L::Mask,
 ) -> ScatteredPath<L> {
     if is_general(N) {
-        scatter_called::<L, N>(path, surface, material, numbers, found)
+        scatter_called(path, surface, material, numbers, found)
     } else {
         scatter_inlined::<L, N>(path, surface, material, numbers, found)
     }
 }
 
 #[inline(never)]
-fn scatter_called<L: Lane, const N: u32>(
+fn scatter_called<L: Lane>(
     path: &Path<L>,
     surface: &Surface<L>,
     material: &MaterialSample<L>,
     numbers: (&PacketValues<L>, Option<&Guiding>),
     found: L::Mask,
 ) -> ScatteredPath<L> {
-    scatter_inlined::<L, N>(path, surface, material, numbers, found)
+    scatter_inlined::<L, { Features::ALL.0 }>(path, surface, material, numbers, found)
 }
 
 #[inline(always)]

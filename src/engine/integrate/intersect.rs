@@ -56,10 +56,10 @@ pub fn intersect<L: Lane, const N: u32>(
     segment: Segment,
 ) -> Intersected {
     let (paths, ended) = (segment.paths.clone(), segment.ended);
-    let mut left = Intersected { hits: paths.start..paths.start, contributions: 0, ended };
+    let mut result = Intersected { hits: paths.start..paths.start, contributions: 0, ended };
     intersect_queue::<L>(context, None, scratch, paths, RayKind::Bounce);
-    end_paths::<L, N>(context, scratch, segment, &mut left);
-    left
+    end_paths::<L, N>(context, scratch, segment, &mut result);
+    result
 }
 
 /// Which primitives are textured emitters, if paths end at those.
@@ -77,12 +77,12 @@ fn end_paths<L: Lane, const N: u32>(
     context: &TraceContext,
     scratch: &mut Scratch,
     Segment { paths, is_last, .. }: Segment,
-    left: &mut Intersected,
+    result: &mut Intersected,
 ) {
     let (columns, triangles) = (context.columns::<N>(), has(N, Features::TRIANGLES));
     let emitters = ending_emitters::<N>(context);
     if !ends_missed(N) && emitters.is_none() {
-        left.hits = paths;
+        result.hits = paths;
         return;
     }
     for at in paths.clone().step_by(L::WIDTH) {
@@ -97,25 +97,26 @@ fn end_paths<L: Lane, const N: u32>(
             Some(emits) => found & L::zero().lt(L::pick_of_16(emits, hit.primitive)),
         };
         let going_on = active & !(missed | ended);
-        if going_on.all() && left.hits.end == at {
-            left.hits.end += L::WIDTH;
+        if going_on.all() && result.hits.end == at {
+            result.hits.end += L::WIDTH;
             continue;
         }
         let path = scratch.queue.path(at, columns);
         if missed.any() {
             let radiance = missed_radiance::<L, N, false>(context, &path, missed);
-            left.contributions = scratch.push_contribution(left.contributions, missed, path.slot, radiance);
+            result.contributions =
+                scratch.push_contribution(result.contributions, missed, path.slot, radiance);
         }
         if ended.any() {
-            scratch.ended.store_path(left.ended, &path.compress(ended, columns), columns);
-            scratch.ended.store_hit(left.ended, &compress_hit(&hit, ended), triangles);
-            left.ended += ended.count();
+            scratch.ended.store_path(result.ended, &path.compress(ended, columns), columns);
+            scratch.ended.store_hit(result.ended, &compress_hit(&hit, ended), triangles);
+            result.ended += ended.count();
         }
         // In place: no more paths are left than were read, so nothing unread is overwritten.
         if going_on.any() {
-            scratch.queue.store_path(left.hits.end, &path.compress(going_on, columns), columns);
-            scratch.queue.store_hit(left.hits.end, &compress_hit(&hit, going_on), triangles);
-            left.hits.end += going_on.count();
+            scratch.queue.store_path(result.hits.end, &path.compress(going_on, columns), columns);
+            scratch.queue.store_hit(result.hits.end, &compress_hit(&hit, going_on), triangles);
+            result.hits.end += going_on.count();
         }
     }
 }

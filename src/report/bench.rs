@@ -100,7 +100,7 @@ pub fn row(results: &[Measurement], accuracy: &Comparison) -> String {
         ratio_of(|result| result.speedup),
         fps(all),
         ratio_of(|result| result.scaling),
-        ratio_of(|result| result.gain),
+        ratio_of(|result| result.over_general),
         figure(first.mrays_per_s, 1),
         grouped(accuracy.mismatched_pixels),
         grouped(accuracy.reference.mismatched_hits),
@@ -109,20 +109,21 @@ pub fn row(results: &[Measurement], accuracy: &Comparison) -> String {
     text
 }
 
-/// A warning about the engine with the lowest 1 % low, where that is below `BUSY`; else one about scenes with
-/// fewer frames than [`FEWEST_FRAMES`], whose 1 % low is the slowest frame, which proves nothing.
+/// A warning that the machine is busy; else that a scene has fewer frames than [`FEWEST_FRAMES`]: its 1 % low
+/// is the slowest frame, which proves nothing.
 pub fn warning(results: &[Measurement]) -> Option<String> {
     busy(results).or_else(|| {
         let few = results.iter().find(|result| result.frames < FEWEST_FRAMES)?;
         Some(format!(
-            "{} of {} are too few to tell whether other programs took the processor: measure {FEWEST_FRAMES} \
-             frames or more.",
-            counted(few.frames, "frame", "frames"),
-            few.scene
+            "{} was timed for {}, too few to tell whether other programs took the processor: give --frames \
+             {FEWEST_FRAMES} or more.",
+            few.scene,
+            counted(few.frames, "frame", "frames")
         ))
     })
 }
 
+/// Names the engine with the lowest 1 % low, where that is below `BUSY` of its median.
 fn busy(results: &[Measurement]) -> Option<String> {
     let share = |result: &Measurement| result.fps_low_1_percent / result.fps_median;
     let timed = results.iter().filter(|result| result.frames >= FEWEST_FRAMES);
@@ -199,13 +200,15 @@ mod tests {
             scaling: None,
             needs: Vec::new(),
             pipeline: "needed",
-            gain: None,
+            over_general: None,
             stats: None,
         };
         let few = result("few", FEWEST_FRAMES - 1, 1.0);
         assert_eq!(warning(&[result("calm", 99, 61.0)]), None);
         let sentence = warning(&[few.clone(), result("calm", 99, 61.0)]).unwrap();
-        assert!(sentence.starts_with("49 frames of few are too few"), "{sentence}");
+        assert!(sentence.starts_with("few was timed for 49 frames, too few"), "{sentence}");
+        let sentence = warning(&[result("one", 1, 100.0)]).unwrap();
+        assert!(sentence.starts_with("one was timed for 1 frame, too few"), "{sentence}");
         let sentence = warning(&[few, result("bad", 99, 50.0), result("worse", 99, 40.0)]).unwrap();
         assert!(
             sentence.contains("busy") && sentence.contains("worse (8 lanes, 2 threads) is 40 %"),

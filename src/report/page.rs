@@ -120,7 +120,7 @@ fn meanings(chart: &Chart) -> Markup {
     let named = GROUPS.into_iter().flat_map(|(_, named)| named).filter(|(name, _)| shown(name));
     html! {
         h2 { "What the lines are" }
-        p { "The default is what " code { "octray render" } " takes without options. Every other configuration differs from it in one thing:" }
+        p { "The default has the methods that " code { "octray render" } " takes without options. Every other configuration differs from it in one thing:" }
         div class="wide" {
             table {
                 @for (name, meaning) in named { tr { td { (name) } td class="text" { (meaning) } } }

@@ -108,17 +108,17 @@ fn bench_measures_the_width_and_threads_asked_for() {
 #[test]
 fn bench_shows_what_leaving_features_out_gains_where_something_is_left_out() {
     let desk = Desk::new();
-    let gain = |scene: &str| {
+    let over_general = |scene: &str| {
         let report =
             desk.json(&["bench", scene, "--frames", "2", "--size", "8x8", "--threads", "1", "--json"]);
         let results = report["results"].as_array().unwrap().clone();
-        assert!(results[1..].iter().all(|result| result["gain"].is_null()), "{report}");
-        results[0]["gain"].clone()
+        assert!(results[1..].iter().all(|result| result["over_general"].is_null()), "{report}");
+        results[0]["over_general"].clone()
     };
-    let three = gain("builtin:three");
+    let three = over_general("builtin:three");
     assert!(three["median"].as_f64().unwrap() > 0.0 && three["rounds"].as_u64().unwrap() > 0, "{three}");
     // It has textures and maps that only the general pipeline has.
-    assert!(gain(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/films/everything.json")).is_null());
+    assert!(over_general(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/films/everything.json")).is_null());
 }
 
 #[test]
@@ -128,7 +128,7 @@ fn bench_and_compare_take_the_pipeline_asked_for() {
     let report = desk.json(&arguments.split(' ').collect::<Vec<_>>());
     let results = report["results"].as_array().unwrap();
     assert!(results.iter().all(|result| result["pipeline"] == "general"), "{report}");
-    assert!(results.iter().all(|result| result["gain"].is_null()), "{report}");
+    assert!(results.iter().all(|result| result["over_general"].is_null()), "{report}");
     let arguments = "compare builtin:three --samples 1 --size 8x8 --pipeline general --json";
     let report = desk.json(&arguments.split(' ').collect::<Vec<_>>());
     assert_eq!(report["results"][0]["mismatched_pixels"], 0);

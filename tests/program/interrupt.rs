@@ -19,12 +19,25 @@ fn spawn(desk: &Desk, arguments: &str) -> Child {
     command.stderr(Stdio::piped()).spawn().unwrap()
 }
 
-/// The same, and waits until it listens, which it does before it traces: before that, Ctrl-C ends it as it
-/// ends any program.
+/// The same, and waits until it has rendered for two seconds: its own, which a busy machine makes longer.
 fn start(desk: &Desk, arguments: &str) -> Child {
     let child = spawn(desk, arguments);
-    sleep(Duration::from_secs(2));
+    let start = Instant::now();
+    while processor_time(&child).unwrap_or(start.elapsed()) < Duration::from_secs(2) {
+        assert!(start.elapsed() < 3 * PATIENCE, "it does nothing");
+        sleep(Duration::from_millis(10));
+    }
     child
+}
+
+/// What its threads have used of the processor; `None` where the system does not say so.
+fn processor_time(child: &Child) -> Option<Duration> {
+    let stat = std::fs::read_to_string(format!("/proc/{}/stat", child.id())).ok()?;
+    // Behind the name, which ends with the last parenthesis, the 12th and 13th fields: of the program and of
+    // the system for it, in hundredths of a second.
+    let fields = stat.rsplit_once(')')?.1.split_whitespace();
+    let ticks: u64 = fields.skip(11).take(2).filter_map(|field| field.parse::<u64>().ok()).sum();
+    Some(Duration::from_millis(10 * ticks))
 }
 
 /// Starts a rendering, and answers at once when it listens.

@@ -74,7 +74,7 @@ fn rays_reports_every_kind_and_way_in_json() {
             ("packet", native),
             ("stream", native),
             ("hybrid", native),
-            ("linear", 8),
+            ("linear", native),
         ] {
             if way != "packet" || kind == "primary" {
                 expected.push(json!([kind, way, lanes]));

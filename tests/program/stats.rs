@@ -131,6 +131,12 @@ fn rays_counts_the_tests_of_every_kind_and_way_once() {
         let all = &find(kind, "linear")["triangles"]["tests_per_ray"];
         assert_eq!(number(all), number(&plain["triangles"]), "{kind}");
         assert_eq!(find(kind, "linear")["boxes"]["tests"], 0);
+        let of_kind = plain["results"].as_array().unwrap().iter().find(|result| result["kind"] == kind);
+        let rays = of_kind.unwrap()["rays"].as_u64().unwrap() as usize;
+        let packets = rays / NATIVE_WIDTH + rays % NATIVE_WIDTH;
+        assert!(kind == "primary" || !rays.is_multiple_of(NATIVE_WIDTH), "some are traced one by one");
+        let steps = packets as f64 * number(&plain["triangles"]);
+        assert_eq!(number(&find(kind, "linear")["triangles"]["steps"]), steps, "whole packets, and the rest");
         let [tests, steps] = ["tests", "steps"].map(|key| &find(kind, "scalar")["boxes"][key]);
         assert_eq!(tests, steps, "one test a step");
     }

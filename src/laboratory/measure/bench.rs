@@ -72,7 +72,7 @@ pub struct Measurement {
     pub pipeline: &'static str,
     /// Speed over that of the general pipeline at the same width and threads. Of the first engine only;
     /// `None` where the scene uses every feature.
-    pub gain: Option<Ratio>,
+    pub over_general: Option<Ratio>,
     /// Of further frames that are not timed; on request.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stats: Option<FrameStats>,
@@ -198,7 +198,7 @@ fn measurement(scene: &Scene, run: &Run, runs: &[Run]) -> Measurement {
             PipelineChoice::Needed => "needed",
             PipelineChoice::General => "general",
         },
-        gain: general.as_ref().and_then(|general| Ratio::of(&run.timed, general)),
+        over_general: general.as_ref().and_then(|general| Ratio::of(&run.timed, general)),
         stats: None,
     }
 }
@@ -219,7 +219,7 @@ mod tests {
         assert_eq!((found.frames, found.engine), (100, "simd"));
         assert_eq!((found.fps_median, found.fps_low_1_percent), (1.0 / 50.5, 1.0 / 99.0));
         assert_eq!(found.fps_spread, [1.0 / 90.0, 1.0 / 10.0]);
-        let others = (found.speedup, found.scaling, found.gain);
+        let others = (found.speedup, found.scaling, found.over_general);
         assert_eq!(others, (None, None, None), "nothing else was timed");
     }
 }

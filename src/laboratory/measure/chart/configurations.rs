@@ -76,8 +76,12 @@ pub const GROUPS: [(Group, &[(&str, &str)]); 3] = [
             ),
             ("adaptive", "more samples where the estimated error is larger: --target-error"),
             ("lights off", "no next event estimation: --lights off"),
-            ("lights on", "next event estimation of every emitter: --lights on"),
-            ("lights by power", "emitters chosen by power alone: --lights power"),
+            ("lights on", "next event estimation of every emitter that can be sampled: --lights on"),
+            (
+                "lights by power",
+                "emitters chosen by power alone, each triangle by itself, and no rays guided to borders and \
+                 images of lights: --lights power",
+            ),
             (
                 "trilinear",
                 "bilinear textures with levels of detail: the filter trilinear of a scene's textures",
@@ -87,15 +91,19 @@ pub const GROUPS: [(Group, &[(&str, &str)]); 3] = [
     (
         Group::Speed,
         &[
-            ("scalar", "one ray at a time: --lanes 1"),
+            ("scalar", "one ray at a time, where there is a hierarchy through a binary tree: --lanes 1"),
             ("8 lanes", "packets of eight: --lanes 8"),
             ("16 lanes", "packets of sixteen: --lanes 16"),
             ("general pipeline", "compiled for every feature: --pipeline general"),
             ("hierarchy", "rays traverse a hierarchy of boxes: --traversal hybrid"),
             ("every primitive tested", "no hierarchy: --traversal linear"),
             ("streams", "all rays traverse the hierarchy in streams: --traversal stream"),
-            ("packets", "all camera rays traverse it in packets: --traversal packet"),
-            ("single rays", "each ray traverses it alone: --traversal single"),
+            (
+                "packets",
+                "camera rays traverse the hierarchy in packets wherever they can, others in streams: \
+                 --traversal packet",
+            ),
+            ("single rays", "each ray traverses the hierarchy alone: --traversal single"),
         ],
     ),
     (

@@ -25,6 +25,9 @@ impl Frames {
         let (first, last) = text.split_once("..").unwrap_or((text, text));
         match (read_whole(first), read_whole(last)) {
             (Some(first), Some(last)) if first <= last && last <= MAX_FRAME => Ok(Self { first, last }),
+            (Some(first), Some(last)) if first > last => {
+                Err(refuse("--frames", text, "the first frame is after the last: give A..B, such as 1..48"))
+            }
             _ => Err(refuse("--frames", text, "give the first and the last frame as A..B, such as 1..48")),
         }
     }

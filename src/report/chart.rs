@@ -55,7 +55,7 @@ pub(crate) fn verdict(line: &pictures::Line) -> String {
         None if rings > 0 => {
             format!("on the front at {rings} of {}", counted(line.points.len(), "point", "points"))
         }
-        None => "behind the front, by less than the spread of the seeds in places".to_owned(),
+        None => "not on the front, but within the spread of the seeds at some of its points".to_owned(),
     };
     if line.robust { place } else { place + "; not robust" }
 }

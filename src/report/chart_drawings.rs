@@ -77,7 +77,7 @@ pub fn of_pictures(scene: &SceneChart, seeds: u32, measure: Measure) -> Drawing 
     let [width, height] = scene.size;
     let mut notes = vec![
         "Left is faster, lower is more accurate. Each point has twice the samples of the one before (adaptive: half the target error).".into(),
-        "Pale band: the front, which no robust configuration beats. Grey: never on the front. Dashed: not robust.".into(),
+        "Pale band: the front, which no robust configuration beats. Blue: the default. Grey: never on the front. Dashed: not robust.".into(),
         format!("{width}×{height} on one thread, {seeds} seeds: medians, and 10 to 90 % of them."),
     ];
     if measure == Measure::Rmse {

@@ -73,8 +73,8 @@ fn introduction() -> Markup {
 fn verdict(chart: &Chart) -> Markup {
     let default =
         |scene: &SceneChart| scene.pictures.iter().find(|line| line.configuration == DEFAULT).cloned();
-    let on_front = |scene: &&SceneChart| default(scene).is_some_and(|line| line.dominated_by.is_none());
-    let count = chart.scenes.iter().filter(on_front).count();
+    let undominated = |scene: &&SceneChart| default(scene).is_some_and(|line| line.dominated_by.is_none());
+    let count = chart.scenes.iter().filter(undominated).count();
     let unlike: usize = chart
         .scenes
         .iter()
@@ -86,7 +86,7 @@ fn verdict(chart: &Chart) -> Markup {
     html! {
         h2 { "What was found" }
         ul {
-            li { "The default is on the front, up to the spread, in " (count) " of " (counted(chart.scenes.len(), "scene", "scenes")) "." }
+            li { "No other configuration dominates the default in " (count) " of " (counted(chart.scenes.len(), "scene", "scenes")) "." }
             li {
                 @if unlike == 0 { "Configurations that must give the default's picture gave it, bit by bit." }
                 @else { (counted(unlike, "picture", "pictures")) " DIFFERED from the default's where all bits should agree: a bug in octray." }
@@ -104,7 +104,7 @@ fn verdict(chart: &Chart) -> Markup {
         p {
             small {
                 "Pictures are timed on one thread and at a third of a frame's width and height: which traversal is the fastest depends on the size, so \
-                 measure at yours. Methods that are not robust are compared with all others, but dominate none: their failures hardly \
+                 measure at yours. In pictures, methods that are not robust are compared with all others, but dominate none: their failures hardly \
                  show in a picture's error; the failure rates are below."
             }
         }

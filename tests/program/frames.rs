@@ -77,7 +77,10 @@ fn frames_that_cannot_be_are_refused_before_the_first() {
     put_view(&desk, "through.json", through);
     for (arguments, words) in [
         ("path.json -o a-#.png --frames 9..12", &["--frames 9..12", "go from 10 to 20"][..]),
-        ("path.json -o a-#.png --frames 12..10", &["--frames 12..10", "A..B"]),
+        (
+            "path.json -o a-#.png --frames 12..10",
+            &["--frames 12..10", "the first frame is after the last", "A..B"],
+        ),
         ("path.json -o a.png --frames 10..12", &["--output a.png", "shot-####.png"]),
         ("path.json -o a-#.png --frames 10..12 --checkpoint c.part", &["--checkpoint c.part", "#"]),
         ("path.json -o a-#.png --frames 10..12 --samples-map m.png", &["--samples-map m.png", "#"]),

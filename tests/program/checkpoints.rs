@@ -213,7 +213,7 @@ fn checkpoint_of_something_else_is_refused_and_kept() {
 fn full_disk_costs_neither_the_picture_nor_the_earlier_checkpoint() {
     let desk = Desk::new();
     let expected = render(&desk, PLAIN, "b.exr");
-    let with = format!("{PLAIN} --checkpoint c.part --checkpoint-interval 0.05 -o a.exr --threads 1");
+    let with = format!("{PLAIN} --checkpoint c.part --checkpoint-interval 0.001 -o a.exr --threads 1");
     let first = with.replace("--samples 96", "--samples 20");
     desk.octray(&first.split(' ').collect::<Vec<_>>()).assert().success();
     let kept = fs::read(desk.path("c.part")).unwrap();

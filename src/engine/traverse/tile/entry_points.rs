@@ -25,10 +25,6 @@ pub enum Packets {
 const MAX_INNER: usize = 24;
 /// Up to so many leaves, and no inner nodes, packets pay, whatever the estimate would say.
 const FEW_LEAVES: usize = 30;
-/// The least number of rays of a packet that meet a leaf that it visits, by the estimate, for packets to pay:
-/// of 16 rays in a full tile, whatever the width. Measured with 16 lanes on knots, terrains and scans of
-/// 4,000 to 1,000,000 triangles: `perf/README.md`.
-const MIN_SHARING: f32 = 4.5;
 
 /// Entry points: nodes and leaves that together hold all that a tile can see, nearest first; one bit of a
 /// mask each.
@@ -83,7 +79,7 @@ impl EntryPoints {
         }
         let entries = &entries[..filled];
         let are_few = inner(entries) == 0 && filled <= FEW_LEAVES;
-        if packets == Packets::WherePaying && !are_few && tile.sharing(hierarchy, entries) < MIN_SHARING {
+        if packets == Packets::WherePaying && !are_few && !tile.packets_pay(hierarchy, entries) {
             return None;
         }
         // Sorted as integers: the bits of non-negative floats have the order of the floats.

@@ -1,4 +1,5 @@
-//! How many rays of a packet share a leaf: an estimate from the extents of boxes on the tile.
+//! Whether packets pay: estimates from the extents of boxes on the tile of how many rays of a packet share a
+//! leaf, and of how many leaves a ray meets.
 
 use crate::bvh::{Child, WIDE};
 use crate::lane::{F32x8, Lane, Mask, Native, NativeMask};
@@ -24,9 +25,9 @@ pub struct SeenTile<'a> {
 }
 
 impl SeenTile<'_> {
-    /// An estimate of the rays of a packet that meet a leaf which the packet visits, in the mean over the
-    /// leaves of all entries. What hides what is not looked at.
-    pub fn sharing(&self, hierarchy: &Hierarchy, entries: &[Entry]) -> f32 {
+    /// Whether packets are probably faster than streams, by the leaves of all entries. What hides what is not
+    /// looked at.
+    pub fn packets_pay(&self, hierarchy: &Hierarchy, entries: &[Entry]) -> bool {
         let nodes = &hierarchy.bvh.wide;
         let mut sharing = Sharing { rays: Native::zero(), visits: Native::zero() };
         let (mut boxes, mut gathered) = (EMPTY, 0);
@@ -53,18 +54,29 @@ impl SeenTile<'_> {
         let last = Native::one().only(NativeMask::first(gathered));
         sharing.add(self.axis.covered(&self.span, &boxes), last);
         let sum = |x: Native| (0..WIDE).map(|lane| x.get(lane)).sum::<f32>();
-        sum(sharing.rays) / sum(sharing.visits).max(f32::MIN_POSITIVE)
+        let (rays, visits) = (sum(sharing.rays), sum(sharing.visits).max(f32::MIN_POSITIVE));
+        let (shared, layers) = (rays / visits, rays / RAYS);
+        shared >= MIN_SHARED || shared * layers.sqrt() >= MIN_SHARED_IN_LAYERS
     }
 }
 
 /// Packets of a full tile, along each side, and rays of a packet: as if all were 16 wide.
 const PACKETS_A_SIDE: f32 = 4.0;
 const PACKET: f32 = 16.0;
+/// Rays of a full tile.
+const RAYS: f32 = PACKETS_A_SIDE * PACKETS_A_SIDE * PACKET;
+
+/// Packets pay where at least so many of their rays meet a leaf that they visit, of 16 whatever the width.
+/// Measured with 16 lanes on knots, terrains and scans of 4,000 to 1,000,000 triangles: `perf/README.md`.
+const MIN_SHARED: f32 = 4.5;
+/// And where the product of these rays and the root of the number of leaves that a ray meets is so large:
+/// packets whose rays have all hit leave out the leaves behind, but streams read them.
+const MIN_SHARED_IN_LAYERS: f32 = 7.0;
 
 /// Leaves that an inner node which is not opened counts for.
 const INNER_LEAVES: f32 = 8.0;
 
-/// Sums of [`SeenTile::sharing`]: rays that meet leaves, and visits of packets to leaves.
+/// Sums of [`SeenTile::packets_pay`]: rays that meet leaves, and visits of packets to leaves.
 struct Sharing {
     rays: Native,
     visits: Native,
@@ -79,8 +91,7 @@ impl Sharing {
         let split = Native::one() / leaves.max(Native::one()).sqrt();
         let packets = |share: Native| (share * split).mul_add(side, Native::one()).min(side);
         let met = Native::zero().lt(leaves);
-        let tile = Native::splat(PACKETS_A_SIDE * PACKETS_A_SIDE * PACKET);
-        self.rays = self.rays + (a * b * tile).only(met);
+        self.rays = self.rays + (a * b * Native::splat(RAYS)).only(met);
         self.visits = self.visits + (packets(a) * packets(b) * leaves).only(met);
     }
 }

@@ -10,7 +10,7 @@ use crate::machine::{self, Machine};
 use crate::measure::rays;
 use crate::measure::trace::{PreparedScene, TraceMethod, TracePool};
 use crate::output;
-use crate::report::rays::{Report, heading, meaning, row};
+use crate::report::rays::{Report, heading, meaning, row, warning};
 use crate::report::stats;
 use crate::scene::SceneError;
 use std::process::ExitCode;
@@ -89,6 +89,9 @@ pub fn run(options: RaysOptions) -> Result<ExitCode, CliError> {
         if let Some(taken) = &report.stats {
             terminal::print(&stats::rays(taken))?;
         }
+    }
+    if let Some(sentence) = warning(&report.results) {
+        terminal::warn(&sentence);
     }
     let failed = report.fault.is_some() || report.results.iter().any(|result| result.disagreements > 0);
     Ok(if failed { ExitCode::from(CHECK_FAILED) } else { ExitCode::SUCCESS })

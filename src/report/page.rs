@@ -13,6 +13,7 @@ use crate::measure::chart::display::FILTERS;
 use crate::measure::chart::kernels::Kernel;
 use crate::measure::chart::pictures::Line;
 use crate::measure::quantiles::Spread;
+use crate::measure::stability::methods::MEANINGS;
 use crate::wording::counted;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
@@ -33,6 +34,27 @@ small { color: #555 }
 @media screen and (prefers-color-scheme: dark) { body { color: #e6edf3; background: #0d1117 } small { color: #9aa4ae } th, td { border-color: #30363d } }
 @media print { svg { min-width: 0 } figure, table { break-inside: avoid } body { max-width: none; font-size: 10px } table { font-size: 7px } th, td { padding: 0.1rem 0.3rem; white-space: normal } figure svg { max-height: 12cm } }
 ";
+
+/// The words of the page.
+const WORDS: [(&str, &str); 8] = [
+    ("ground truth", "a picture of so many samples that its own error is small"),
+    (
+        "RMSE",
+        "root mean square error: the root of the mean of (x − y)² over channels, y the ground truth's; bright regions dominate it",
+    ),
+    (
+        "relMSE",
+        "relative mean square error: the mean of (x − y)² / (y² + 0.01); dark and bright regions count alike",
+    ),
+    ("trimmed", "without the worst 0.1 % of pixels, so that a few fireflies do not decide"),
+    ("FLIP", "the difference that a viewer notices on a display, 0 to 1 (Andersson et al. 2020)"),
+    (
+        "time to equal error",
+        "the time to the last error of a configuration, over the default's time to the same error",
+    ),
+    ("dominated", "at each point, another configuration has a smaller error in the same time"),
+    ("FXAA", "a filter that smooths the edges of a displayed picture (Lottes 2009)"),
+];
 
 /// For an error below that of the ground truth.
 const UNKNOWN: &str = "below the ground truth's";
@@ -121,6 +143,15 @@ fn meanings(chart: &Chart) -> Markup {
     html! {
         h2 { "What the lines are" }
         p { "The default has the methods that " code { "octray render" } " takes without options. Every other configuration differs from it in one thing:" }
+        (explained(named.copied()))
+        h2 { "What the words mean" }
+        (explained(WORDS.into_iter()))
+    }
+}
+
+/// A table of names and what each is.
+fn explained(named: impl Iterator<Item = (&'static str, &'static str)>) -> Markup {
+    html! {
         div class="wide" {
             table {
                 @for (name, meaning) in named { tr { td { (name) } td class="text" { (meaning) } } }
@@ -261,6 +292,8 @@ fn motion_table(scene: &SceneChart) -> Markup {
 fn intersection(chart: &Chart) -> Markup {
     html! {
         h2 { "Intersection methods" }
+        p { "The error of a picture hardly shows where intersection methods fail. These tests do; " code { "octray stability" } " has them all." }
+        (explained(MEANINGS.into_iter()))
         @for drawing in of_kernels(&chart.kernels) { (figure(&drawing)) }
         div class="wide" {
             table {

@@ -11,6 +11,11 @@ use crate::wording::{counted, grouped};
 use serde::Serialize;
 use std::fmt::Write;
 
+/// Where a tenth of the passes is slower than this share of the median, other programs took the processor.
+const BUSY: f64 = 0.75;
+/// Passes below which a tenth of them proves nothing.
+const FEWEST_PASSES: usize = 10;
+
 /// The JSON report.
 #[derive(Debug, Serialize)]
 pub struct Report {
@@ -113,6 +118,21 @@ pub fn row(result: &Measurement) -> String {
     )
 }
 
+/// A warning that the machine is busy, which names the row whose slow passes are slowest beside its median.
+pub fn warning(results: &[Measurement]) -> Option<String> {
+    let share = |result: &Measurement| result.mrays_per_s_spread[0] / result.mrays_per_s;
+    let timed = results.iter().filter(|result| result.passes >= FEWEST_PASSES && result.mrays_per_s > 0.0);
+    let worst = timed.min_by(|a, b| share(a).total_cmp(&share(b))).filter(|worst| share(worst) < BUSY)?;
+    Some(format!(
+        "the machine is busy: a tenth of the passes of {} rays, {}, {}, have {:.0} % of the median's speed or \
+         less; end other programs and measure again: ratios are wrong, too.",
+        worst.kind.name(),
+        worst.traversal,
+        counted(worst.threads, "thread", "threads"),
+        100.0 * share(worst)
+    ))
+}
+
 /// The table in words.
 pub fn meaning(report: &Report) -> String {
     let mut text = String::from("\n");
@@ -141,4 +161,31 @@ pub fn meaning(report: &Report) -> String {
         text.push_str("Every traversal finds the hits of one scalar ray at a time, bit by bit.\n");
     }
     text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::measure::ray_sets::Kind;
+
+    #[test]
+    fn slow_passes_tell_of_a_busy_machine() {
+        let result = |traversal, passes, slow| Measurement {
+            kind: Kind::Diffuse,
+            traversal,
+            lanes: 8,
+            threads: 2,
+            rays: 1,
+            hits: 0,
+            mrays_per_s: 10.0,
+            mrays_per_s_spread: [slow, 11.0],
+            passes,
+            disagreements: 0,
+            first_disagreement: None,
+        };
+        let calm = result("stream", 50, 7.6);
+        assert_eq!(warning(&[calm.clone(), result("packet", 9, 1.0)]), None);
+        let sentence = warning(&[calm, result("single", 50, 7.0), result("hybrid", 10, 6.0)]).unwrap();
+        assert!(sentence.contains("diffuse rays, hybrid, 2 threads, have 60 %"), "{sentence}");
+    }
 }

@@ -121,9 +121,9 @@ impl Report {
         )
     }
 
-    /// Why the rendering ended, with a target error or a time limit, and the estimated error.
+    /// Why the rendering ended, with a target error or a time limit or by Ctrl-C, and the estimated error.
     fn ending(&self) -> String {
-        if self.target_error.is_none() && self.time_limit.is_none() {
+        if self.target_error.is_none() && self.time_limit.is_none() && !self.interrupted {
             return String::new();
         }
         let by = match self.ended_by {

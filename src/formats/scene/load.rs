@@ -30,6 +30,9 @@ pub fn load_with_view(spec: &str) -> Result<Loaded, SceneError> {
     if let Some(name) = spec.strip_prefix(PREFIX) {
         return built_in(spec, name);
     }
+    if spec.is_empty() {
+        return Err(SceneError::new("the name of the scene is empty").mend(format!("give {FILES}")));
+    }
     let path = Path::new(spec);
     if !may_be_scene(path) {
         let mend = match builtin::guess(spec) {

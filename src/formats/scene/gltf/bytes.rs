@@ -21,7 +21,8 @@ pub fn split<'a>(content: &'a [u8], path: &Path) -> Result<(&'a str, Option<&'a 
         Ok(text.trim_start_matches('\u{feff}'))
     };
     if !content.starts_with(b"glTF") {
-        return Ok((text(content)?, None));
+        let neither = || fault("this is not glTF: neither binary, which begins with `glTF`, nor text".into());
+        return Ok((text(content).map_err(|_| neither())?, None));
     }
     let word = |at: usize| {
         let bytes = content.get(at..at + 4)?;

@@ -27,6 +27,25 @@ impl<F> Method<F> {
     }
 }
 
+/// What each intersection method is, in the order of the lists below, the source included.
+pub const MEANINGS: [(&str, &str); 15] = [
+    ("robust", "the discriminant from the distance of the line to the centre (Haines et al. 2019)"),
+    ("robust-any-length", "the same for directions of any length"),
+    ("naive", "the textbook quadratic formula"),
+    ("woop", "edge functions in the ray's space, as two rounded products: watertight (Woop et al. 2013)"),
+    ("woop-contracted", "the same with FMA in the edge functions, as a contracting compiler makes it"),
+    ("moller-trumbore", "Cramer's rule, without an epsilon on the determinant (Möller, Trumbore 1997)"),
+    ("moller-trumbore-epsilon", "the same with the paper's epsilon, which drops small triangles"),
+    ("baldwin-weber", "a stored map for each triangle (Baldwin, Weber 2016)"),
+    ("plucker", "signed volumes of the edges as seen from the ray's origin (Shevtsov et al. 2007)"),
+    ("padded-fma", "one FMA a plane, with padding that covers its rounding"),
+    ("by-sign", "(p − o) · (1 / d), planes picked by the direction's sign (Williams et al. 2005)"),
+    ("by-sign-2-ulp", "the same with the far distance widened by 2 ulp (Ize 2013)"),
+    ("fma", "one FMA a plane, without padding"),
+    ("x86-min-max", "planes ordered by the minimum and maximum of x86 (Kay, Kajiya 1986)"),
+    ("ieee-min-max", "planes ordered by those of IEEE 754, which ignore NaN"),
+];
+
 /// The array of [`Method`]s with this function for every
 /// [`SphereMethod`](crate::kernel::ray_sphere::SphereMethod).
 macro_rules! sphere_methods {
@@ -67,3 +86,22 @@ macro_rules! list {
 }
 
 pub(crate) use {box_methods, list, sphere_methods, triangle_methods};
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::kernel::ray_box::BoxMethod;
+    use crate::kernel::ray_sphere::SphereMethod;
+    use crate::kernel::ray_triangle::TriangleMethod;
+
+    fn sphere<S: SphereMethod>() {}
+    fn triangle<T: TriangleMethod>() {}
+    fn of_box<B: BoxMethod>() {}
+
+    #[test]
+    fn every_method_has_a_meaning() {
+        let spheres: &[Method<fn()>] = &sphere_methods!(sphere);
+        let names = [spheres, &triangle_methods!(triangle), &box_methods!(of_box)].concat();
+        assert!(names.iter().map(|method| method.name).eq(MEANINGS.map(|(name, _)| name)));
+    }
+}

@@ -31,7 +31,7 @@ mod cameras;
 pub mod leaving;
 mod lights;
 pub mod meshes;
-pub(super) mod methods;
+pub mod methods;
 mod mirrors;
 mod numbers;
 pub mod rays;

@@ -30,9 +30,6 @@ pub fn load_with_view(spec: &str) -> Result<Loaded, SceneError> {
     if let Some(name) = spec.strip_prefix(PREFIX) {
         return built_in(spec, name);
     }
-    if spec.is_empty() {
-        return Err(SceneError::new("the name of the scene is empty").mend(format!("give {FILES}")));
-    }
     let path = Path::new(spec);
     if !may_be_scene(path) {
         let mend = match builtin::guess(spec) {
@@ -44,6 +41,7 @@ pub fn load_with_view(spec: &str) -> Result<Loaded, SceneError> {
             Some(extension) if path.is_file() => {
                 format!("files of the kind `.{}` are not read", extension.to_string_lossy())
             }
+            _ if spec.is_empty() => "an empty text is not the name of a scene".to_string(),
             _ => "this is not the name of a scene".to_string(),
         };
         return Err(SceneError::new(what).in_file(path).mend(mend));

@@ -1,8 +1,9 @@
 //! What `octray bench` reports: frames per second, as a table or as JSON.
 //!
-//! For: [`Report`]. May import: `lane` (its widths), `measure`, `machine`, `numbers`, `stats`. Must not
-//! know: how the figures are measured.
+//! For: [`Report`]. May import: `lane` (its widths), `measure`, `machine`, `numbers`, `stats`, `busy`.
+//! Must not know: how the figures are measured.
 
+use super::busy;
 use super::numbers::{figure, ratio};
 use super::stats::{self, engine};
 use crate::lane::native_widths;
@@ -125,17 +126,12 @@ pub fn warning(results: &[Measurement]) -> Option<String> {
 
 /// Names the engine with the lowest 1 % low, where that is below `BUSY` of its median.
 fn busy(results: &[Measurement]) -> Option<String> {
-    let share = |result: &Measurement| result.fps_low_1_percent / result.fps_median;
     let timed = results.iter().filter(|result| result.frames >= FEWEST_FRAMES);
-    let worst = timed.min_by(|a, b| share(a).total_cmp(&share(b))).filter(|worst| share(worst) < BUSY)?;
-    let Measurement { scene, lanes, threads, .. } = worst;
-    let engine = engine(*lanes);
-    let threads = counted(threads, "thread", "threads");
-    Some(format!(
-        "the machine is busy: the 1 % low of {scene} ({engine}, {threads}) is {:.0} % of its median; end other \
-         programs and measure again: ratios are wrong, too.",
-        100.0 * share(worst)
-    ))
+    let share = |result: &Measurement| result.fps_low_1_percent / result.fps_median;
+    busy::warning(timed, share, BUSY, |Measurement { scene, lanes, threads, .. }, share| {
+        let (engine, threads) = (engine(*lanes), counted(threads, "thread", "threads"));
+        format!("the 1 % low of {scene} ({engine}, {threads}) is {share} of its median")
+    })
 }
 
 /// The tables of `--stats`: one a scene with a column an engine, and what they mean.

@@ -13,10 +13,11 @@
 //! | `stats` | the tables of `--stats` |
 //! | `figure`, `plot`, `layout`, `axis`, `labels` | lines in planes, with their names beside them |
 //! | `dots`, `canvas` | tables of dots; shapes and text as SVG |
-//! | `numbers` | numbers as text |
+//! | `numbers`, `busy` | numbers as text; the warning of a busy machine |
 
 pub(crate) mod axis;
 pub(crate) mod bench;
+pub(crate) mod busy;
 pub(crate) mod canvas;
 pub mod chart;
 pub(crate) mod chart_drawings;

@@ -1,7 +1,9 @@
 //! What `octray rays` reports: rays per second, as a table or as JSON.
 //!
-//! For: [`Report`]. May import: `measure`, `machine`, `numbers`. Must not know: how the figures are measured.
+//! For: [`Report`]. May import: `measure`, `machine`, `numbers`, `busy`. Must not know: how the figures
+//! are measured.
 
+use super::busy;
 use super::numbers::{bytes, figure};
 use crate::bvh::check::Statistics;
 use crate::machine::Machine;
@@ -118,19 +120,16 @@ pub fn row(result: &Measurement) -> String {
     )
 }
 
-/// A warning that the machine is busy, which names the row whose slow passes are slowest beside its median.
+/// Names the row whose slow passes are slowest beside its median, where they are below `BUSY` of it.
 pub fn warning(results: &[Measurement]) -> Option<String> {
-    let share = |result: &Measurement| result.mrays_per_s_spread[0] / result.mrays_per_s;
     let timed = results.iter().filter(|result| result.passes >= FEWEST_PASSES && result.mrays_per_s > 0.0);
-    let worst = timed.min_by(|a, b| share(a).total_cmp(&share(b))).filter(|worst| share(worst) < BUSY)?;
-    Some(format!(
-        "the machine is busy: a tenth of the passes of {} rays, {}, {}, have {:.0} % of the median's speed or \
-         less; end other programs and measure again: ratios are wrong, too.",
-        worst.kind.name(),
-        worst.traversal,
-        counted(worst.threads, "thread", "threads"),
-        100.0 * share(worst)
-    ))
+    let share = |result: &Measurement| result.mrays_per_s_spread[0] / result.mrays_per_s;
+    busy::warning(timed, share, BUSY, |Measurement { kind, traversal, threads, .. }, share| {
+        let (kind, threads) = (kind.name(), counted(threads, "thread", "threads"));
+        format!(
+            "a tenth of the passes of {kind} rays, {traversal}, {threads}, have {share} of the median's speed or less"
+        )
+    })
 }
 
 /// The table in words.

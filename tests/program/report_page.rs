@@ -6,6 +6,7 @@
 use octray::machine::Machine;
 use octray::measure::chart::configurations::{GROUPS, of_scene};
 use octray::measure::chart::{Plan, kernels};
+use octray::measure::stability::methods::MEANINGS;
 use octray::report::chart::{Chart, SCHEMA};
 use octray::report::page::page;
 use std::path::Path;
@@ -90,6 +91,13 @@ fn page_stands_alone_and_holds_all_figures_and_configurations() {
     let shown = |name| chart.scenes[0].pictures.iter().any(|line| line.configuration == name);
     for (name, meaning) in GROUPS.into_iter().flat_map(|(_, named)| named) {
         assert_eq!(page.contains(meaning), shown(*name), "{name} is explained where it is shown");
+    }
+    for kernel in &chart.kernels {
+        let meaning = MEANINGS.into_iter().find(|(name, _)| *name == kernel.method).unwrap().1;
+        assert!(page.contains(meaning), "{} is explained", kernel.method);
+    }
+    for word in ["relMSE", "trimmed", "FLIP", "FXAA", "dominated", "p99"] {
+        assert!(page.contains(&format!("<td>{word}</td>")), "{word} is explained");
     }
     assert!(page.contains(chart.machine.commit) && page.contains("name=\"viewport\""));
 }

@@ -11,8 +11,7 @@ use std::path::PathBuf;
 pub enum OutputError {
     #[error(
         "the name `{}` does not say which picture format to write\n  \
-         end it in .png or .jpg (for screens), or .exr or .hdr (linear radiance); \
-         parts of a picture, of any other name, take --shard", .path.display()
+         end it in .png or .jpg (for screens), or .exr or .hdr (linear radiance)", .path.display()
     )]
     UnknownFormat { path: PathBuf },
     #[error(

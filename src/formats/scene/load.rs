@@ -41,7 +41,6 @@ pub fn load_with_view(spec: &str) -> Result<Loaded, SceneError> {
             Some(extension) if path.is_file() => {
                 format!("files of the kind `.{}` are not read", extension.to_string_lossy())
             }
-            _ if spec.is_empty() => "an empty text is not the name of a scene".to_string(),
             _ => "this is not the name of a scene".to_string(),
         };
         return Err(SceneError::new(what).in_file(path).mend(mend));

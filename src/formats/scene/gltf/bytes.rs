@@ -16,13 +16,13 @@ use std::rc::Rc;
 /// The JSON text, and the binary part of a .glb file, of which all lengths are checked.
 pub fn split<'a>(content: &'a [u8], path: &Path) -> Result<(&'a str, Option<&'a [u8]>), SceneError> {
     let fault = |what: String| SceneError::new(what).in_file(path).mend("export the model again");
-    let text = |bytes: &'a [u8]| {
-        let text = std::str::from_utf8(bytes).map_err(|_| fault("the JSON is not UTF-8".into()))?;
+    let text = |bytes: &'a [u8], what: &str| {
+        let text = std::str::from_utf8(bytes).map_err(|_| fault(what.into()))?;
         Ok(text.trim_start_matches('\u{feff}'))
     };
     if !content.starts_with(b"glTF") {
-        let neither = || fault("this is not glTF: neither binary, which begins with `glTF`, nor text".into());
-        return Ok((text(content).map_err(|_| neither())?, None));
+        let neither = "this is not glTF: neither binary, which begins with `glTF`, nor text in UTF-8";
+        return Ok((text(content, neither)?, None));
     }
     let word = |at: usize| {
         let bytes = content.get(at..at + 4)?;
@@ -38,7 +38,7 @@ pub fn split<'a>(content: &'a [u8], path: &Path) -> Result<(&'a str, Option<&'a 
             fault(format!("a chunk at byte {at} says it has {length} bytes, and the file has {rest} more"))
         })?;
         match &kind.to_le_bytes() {
-            b"JSON" if json.is_none() => json = Some(text(chunk)?),
+            b"JSON" if json.is_none() => json = Some(text(chunk, "the JSON is not UTF-8")?),
             b"BIN\0" if binary.is_none() => binary = Some(chunk),
             // Others are to be skipped.
             _ => {}

@@ -1,7 +1,7 @@
 //! The list of all intersection methods by family and name, for recipes, charts and tests.
 //!
-//! For: [`Method`], and a macro per family that makes an array of its methods. `sphere_methods!(time)`
-//! instantiates `fn time<S: SphereMethod>() -> f64` for each method. `sphere_methods!(far, intersect)`
+//! For: [`Method`], [`MEANINGS`], and a macro per family that makes an array of its methods.
+//! `sphere_methods!(time)` instantiates `fn time<S: SphereMethod>() -> f64` for each method. `sphere_methods!(far, intersect)`
 //! instantiates only the small `intersect::<S>` and passes it to `fn far(rng, x, cases, intersect)`, so that
 //! `far` is compiled once.
 //!
@@ -32,18 +32,21 @@ pub const MEANINGS: [(&str, &str); 15] = [
     ("robust", "the discriminant from the distance of the line to the centre (Haines et al. 2019)"),
     ("robust-any-length", "the same for directions of any length"),
     ("naive", "the textbook quadratic formula"),
-    ("woop", "edge functions in the ray's space, as two rounded products: watertight (Woop et al. 2013)"),
+    (
+        "woop",
+        "edge functions in the ray's space, differences of two rounded products: watertight (Woop et al. 2013)",
+    ),
     ("woop-contracted", "the same with FMA in the edge functions, as a contracting compiler makes it"),
     ("moller-trumbore", "Cramer's rule, without an epsilon on the determinant (Möller, Trumbore 1997)"),
     ("moller-trumbore-epsilon", "the same with the paper's epsilon, which drops small triangles"),
     ("baldwin-weber", "a stored map for each triangle (Baldwin, Weber 2016)"),
-    ("plucker", "signed volumes of the edges as seen from the ray's origin (Shevtsov et al. 2007)"),
+    ("plucker", "signed volumes that the ray spans with each edge (Shevtsov et al. 2007)"),
     ("padded-fma", "one FMA a plane, with padding that covers its rounding"),
     ("by-sign", "(p − o) · (1 / d), planes picked by the direction's sign (Williams et al. 2005)"),
     ("by-sign-2-ulp", "the same with the far distance widened by 2 ulp (Ize 2013)"),
     ("fma", "one FMA a plane, without padding"),
     ("x86-min-max", "planes ordered by the minimum and maximum of x86 (Kay, Kajiya 1986)"),
-    ("ieee-min-max", "planes ordered by those of IEEE 754, which ignore NaN"),
+    ("ieee-min-max", "planes ordered by those of IEEE 754-2008, which ignore NaN"),
 ];
 
 /// The array of [`Method`]s with this function for every

@@ -1,9 +1,9 @@
 //! The list of all intersection methods by family and name, for recipes, charts and tests.
 //!
 //! For: [`Method`], [`MEANINGS`], and a macro per family that makes an array of its methods.
-//! `sphere_methods!(time)` instantiates `fn time<S: SphereMethod>() -> f64` for each method. `sphere_methods!(far, intersect)`
-//! instantiates only the small `intersect::<S>` and passes it to `fn far(rng, x, cases, intersect)`, so that
-//! `far` is compiled once.
+//! `sphere_methods!(time)` instantiates `fn time<S: SphereMethod>() -> f64` for each method.
+//! `sphere_methods!(far, intersect)` instantiates only the small `intersect::<S>` and passes it to
+//! `fn far(rng, x, cases, intersect)`, so that `far` is compiled once.
 //!
 //! May import: `kernel`. Must not know: the use of the methods.
 

@@ -51,6 +51,52 @@ fn tests(tests: u64, steps: u64) -> Tests {
     Tests { tests, steps }
 }
 
+/// What is counted for the triangles that a tile of 16×16 rays from one point meets: they fill a plane of so
+/// many squares a side, of two triangles each.
+fn counted_in_tile(squares: usize, traversal: Traversal) -> Tests {
+    let corner = |x: usize, y: usize| {
+        let [x, y] = [x, y].map(|step| 2.0 * step as f32 / squares as f32 - 1.0);
+        Vec3::new(x, y, 0.0)
+    };
+    let square = |x: usize, y: usize| {
+        let [a, b, c, d] = [corner(x, y), corner(x + 1, y), corner(x + 1, y + 1), corner(x, y + 1)];
+        [triangle([a, b, c], 0), triangle([a, c, d], 0)]
+    };
+    let squares = (0..squares).flat_map(|y| (0..squares).flat_map(move |x| square(x, y)));
+    let scene =
+        Scene { materials: vec![material(MaterialKind::Diffuse)], triangles: squares.collect(), ..empty() };
+    let hierarchy = Hierarchy::new(&scene, Trees::Wide);
+    // Blocks of 4×4 rays, as in tiles of primary rays.
+    let (mut x, mut y) = (Vec::new(), Vec::new());
+    for ray in 0..256 {
+        let (block, inside) = (ray / 16, ray % 16);
+        x.push(((4 * (block % 4) + inside % 4) as f32 - 7.5) / 38.5);
+        y.push(((4 * (block / 4) + inside / 4) as f32 - 7.5) / 38.5);
+    }
+    let (zeros, fives, ones) = (vec![0.0; 256], vec![5.0; 256], vec![-1.0; 256]);
+    let rays = Rays { origin: [&zeros, &zeros, &fives], direction: [&x, &y, &ones] };
+    let counter = Counter::default();
+    let (mut t, mut primitive) = (vec![f32::INFINITY; 256], vec![MISS; 256]);
+    let (mut u, mut v) = (zeros.clone(), zeros.clone());
+    let mut hits = Hits { t: &mut t, primitive: &mut primitive, u: &mut u, v: &mut v };
+    Tracer::new().count::<false>(traversal, &hierarchy, &rays, &mut hits, &counter);
+    assert!(primitive.iter().all(|&one| one != MISS));
+    counter.get().triangles
+}
+
+/// Of 40 leaves, each of which six rays meet, and of 600, each of which less than one meets.
+#[test]
+fn tiles_of_small_leaves_are_left_to_streams() {
+    let [large, small] = if LEAF == 8 { [11, 45] } else { [16, 64] };
+    let counted = counted_in_tile;
+    let [packets, streams] = [Traversal::Packet, Traversal::Stream];
+    assert_eq!(counted(large, Traversal::Hybrid), counted(large, packets));
+    assert_eq!(counted(small, Traversal::Hybrid), counted(small, streams));
+    for squares in [large, small] {
+        assert_ne!(counted(squares, packets), counted(squares, streams), "{squares}");
+    }
+}
+
 #[test]
 fn tests_of_two_triangles_are_those_counted_by_hand() {
     let scene = two_triangles();

@@ -22,7 +22,7 @@ pub enum Packets {
 }
 
 /// Most inner nodes among the entry points of a tile for which packets pay.
-const MAX_INNER: usize = 24;
+const MAX_INNER: usize = 32;
 /// Up to so many leaves, and no inner nodes, packets pay, whatever the estimate would say.
 const FEW_LEAVES: usize = 30;
 

@@ -6,9 +6,8 @@
 //! traverses in order the entry points that its frustum meets, and below them nearest first. In a leaf the
 //! triangles outside the frustum are culled; the packet is tested against the rest one by one.
 //!
-//! A packet pays for a triangle that one of its rays meets as for one that all meet. Tiles that see leaves so
-//! small, or so thin, that few rays of a packet would share each are left to streams, unless each ray meets
-//! many leaves: [`Packets`].
+//! A packet pays for a triangle that one of its rays meets as for one that all meet. Tiles that see many
+//! leaves so small, or so thin, that few rays of a packet would share each are left to streams: [`Packets`].
 //!
 //! Source: Reshetov, Soupikov, Hurley, "Multi-Level Ray Tracing Algorithm", SIGGRAPH 2005: entry points for
 //! tiles.

@@ -7,7 +7,7 @@ use super::busy;
 use super::numbers::{bytes, figure};
 use crate::bvh::check::Statistics;
 use crate::machine::Machine;
-use crate::measure::rays::{BuildTime, Measurement};
+use crate::measure::rays::{BuildTime, FEWEST_PASSES, Measurement};
 use crate::measure::stats::RayStats;
 use crate::wording::{counted, grouped};
 use serde::Serialize;
@@ -15,8 +15,8 @@ use std::fmt::Write;
 
 /// Where a tenth of the passes is slower than this share of the median, other programs took the processor.
 const BUSY: f64 = 0.75;
-/// Passes below which a tenth of them proves nothing.
-const FEWEST_PASSES: usize = 10;
+/// Seconds of a pass below which a short interruption looks like a slow pass.
+const SHORTEST_PASS: f64 = 1e-3;
 
 /// The JSON report.
 #[derive(Debug, Serialize)]
@@ -120,9 +120,14 @@ pub fn row(result: &Measurement) -> String {
     )
 }
 
-/// Names the row whose slow passes are slowest beside its median, where they are below `BUSY` of it.
+/// Names the row whose slow passes are slowest beside its median, where they are below `BUSY` of it. Rows of
+/// fewer than [`FEWEST_PASSES`] passes, or of passes that take less than a millisecond, prove nothing.
 pub fn warning(results: &[Measurement]) -> Option<String> {
-    let timed = results.iter().filter(|result| result.passes >= FEWEST_PASSES && result.mrays_per_s > 0.0);
+    let seconds = |result: &Measurement| result.rays as f64 / (1e6 * result.mrays_per_s);
+    let timed = results
+        .iter()
+        .filter(|result| result.passes >= FEWEST_PASSES && seconds(result) >= SHORTEST_PASS)
+        .filter(|result| result.mrays_per_s > 0.0);
     let share = |result: &Measurement| result.mrays_per_s_spread[0] / result.mrays_per_s;
     busy::warning(timed, share, BUSY, |Measurement { kind, traversal, threads, .. }, share| {
         let (kind, threads) = (kind.name(), counted(threads, "thread", "threads"));
@@ -169,12 +174,12 @@ mod tests {
 
     #[test]
     fn slow_passes_tell_of_a_busy_machine() {
-        let result = |traversal, passes, slow| Measurement {
+        let of = |rays, traversal, passes, slow| Measurement {
             kind: Kind::Diffuse,
             traversal,
             lanes: 8,
             threads: 2,
-            rays: 1,
+            rays,
             hits: 0,
             mrays_per_s: 10.0,
             mrays_per_s_spread: [slow, 11.0],
@@ -182,8 +187,10 @@ mod tests {
             disagreements: 0,
             first_disagreement: None,
         };
+        let result = |traversal, passes, slow| of(10_000, traversal, passes, slow);
         let calm = result("stream", 50, 7.6);
-        assert_eq!(warning(&[calm.clone(), result("packet", 9, 1.0)]), None);
+        let short = of(9_999, "scalar", 50, 1.0);
+        assert_eq!(warning(&[calm.clone(), result("packet", 9, 1.0), short]), None);
         let sentence = warning(&[calm, result("single", 50, 7.0), result("hybrid", 10, 6.0)]).unwrap();
         assert!(sentence.contains("diffuse rays, hybrid, 2 threads, have 60 %"), "{sentence}");
     }

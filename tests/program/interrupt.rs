@@ -13,7 +13,7 @@ const PATIENCE: Duration = Duration::from_secs(20);
 
 /// Starts a rendering on one thread.
 fn spawn(desk: &Desk, arguments: &str) -> Child {
-    let arguments = format!("render {arguments} -o a.exr --threads 1 --json");
+    let arguments = format!("render {arguments} -o a.exr --threads 1");
     let mut command = Command::new(env!("CARGO_BIN_EXE_octray"));
     command.args(arguments.split(' ')).current_dir(desk.0.path()).stdout(Stdio::piped());
     command.stderr(Stdio::piped()).spawn().unwrap()
@@ -110,7 +110,7 @@ pub fn put_heavy_picture(desk: &Desk) -> &'static str {
 #[test]
 fn ctrl_c_saves_the_samples_so_far() {
     let desk = Desk::new();
-    let child = start(&desk, "builtin:three --samples 10000000 --size 64x36");
+    let child = start(&desk, "builtin:three --samples 10000000 --size 64x36 --json");
     press_ctrl_c(&child);
     let (code, said, _) = end(child);
     assert_eq!(code, Some(130), "{said}");
@@ -145,8 +145,7 @@ fn ctrl_c_ends_a_sample_that_takes_minutes_and_keeps_its_tiles() {
     press_ctrl_c(&child);
     let (code, said, _) = end(child);
     assert_eq!(code, Some(130), "{said}");
-    let report: Value = serde_json::from_str(&said).unwrap();
-    assert_eq!([&report["samples"], &report["most_samples"]], [0, 1], "{report}");
+    assert!(said.contains("0 to 1 of 4 samples") && said.ends_with("ended by Ctrl-C\n"), "{said}");
     // Everything shines: what has had a sample is not black.
     let pixels = desk.pixels("a.exr");
     let begun = pixels.iter().filter(|pixel| **pixel != [0.0; 3]).count();

@@ -19,8 +19,8 @@ use crate::traverse::hierarchy::Hierarchy;
 use serde::Serialize;
 use std::time::{Duration, Instant};
 
-/// Fewest passes behind a median.
-const FEWEST_PASSES: usize = 7;
+/// Fewest passes behind a median and its spread, of which a tenth is one pass.
+pub const FEWEST_PASSES: usize = 10;
 /// Passes repeat until this time has passed for all methods of a kind together.
 const PER_KIND: Duration = Duration::from_secs(1);
 /// Builds repeat until this time or this number is reached.

@@ -146,7 +146,8 @@ impl<'a> Reader<'a> {
     pub fn header(&mut self) -> Result<(Encoding, Vec<Element>), SceneError> {
         const MEND: &str = "export the model again as PLY 1.0";
         if self.next_line() != Some(b"ply") {
-            return Err(self.fault("this is not a PLY file: its first line is not `ply`", MEND));
+            let what = "this is not a PLY file: its first line is not `ply`";
+            return Err(SceneError::new(what).in_file(self.path).mend(MEND));
         }
         let (mut encoding, mut elements) = (None, Vec::<Element>::new());
         loop {

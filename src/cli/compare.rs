@@ -55,12 +55,12 @@ fn settings(options: &CompareOptions, scene: &Scene) -> Settings {
 fn compare_all(options: &CompareOptions) -> Result<ExitCode, CliError> {
     let mut report = Report { schema: "octray-compare-1", results: Vec::new() };
     let scenes = scenes::checked(&options.scenes)?;
-    if !options.json {
-        terminal::print(&heading())?;
-    }
     let (mut failed, mut lossy) = (false, false);
     for spec in scenes {
         let scene = scenes::load_with_warnings(&spec)?;
+        if !options.json && report.results.is_empty() {
+            terminal::print(&heading())?;
+        }
         let settings = settings(options, &scene);
         let comparison = compare(&scene, settings, options.samples);
         failed |= comparison.failed(settings.methods);

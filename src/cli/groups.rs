@@ -93,7 +93,7 @@ pub struct PictureArgs {
 pub struct LimitArgs {
     /// Samples per pixel: four times as many halve the noise [default: 64; with --target-error at most 16384;
     /// with --time-limit as many as fit].
-    #[arg(long, value_name = "N", allow_hyphen_values = true)]
+    #[arg(long, visible_alias = "spp", value_name = "N", allow_hyphen_values = true)]
     pub samples: Option<String>,
     /// Stop at a relative standard error of E over the picture, such as 0.05 for five per cent, and of 2 E in
     /// every block of 16×16 pixels. Blocks that reach it early get no more samples.

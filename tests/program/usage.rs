@@ -102,11 +102,16 @@ fn bench_and_compare_refuse_the_same_numbers() {
     desk.refuses(&["bench", "--frames", "0"], &["--frames", "from 1 to"]);
     desk.refuses(&["bench", "--lanes", "4"], &["--lanes", "auto, 1, 8, 16"]);
     desk.refuses(&["compare", "--samples", "0"], &["--samples", "from 1 to"]);
+    // The name of other renderers.
+    desk.refuses(&["render", "scene.json", "-o", "a.png", "--spp", "0"], &["--samples", "from 1 to"]);
 }
 
 #[test]
 fn unknown_scenes_are_refused_by_name() {
     let desk = Desk::new();
+    for command in ["bench", "compare", "rays", "inspect"] {
+        desk.refuses(&[command, "nothing.json"], &["nothing.json"]);
+    }
     desk.refuses(&["inspect", "nowhere.json"], &["nowhere.json"]);
     desk.refuses(&["render", "nowhere.json", "-o", "a.png"], &["nowhere.json"]);
     desk.refuses(&["convert", "nowhere.obj", "new.json"], &["nowhere.obj"]);

@@ -84,6 +84,9 @@ const TURN: Duration = Duration::from_millis(50);
 /// Fewest frames behind a median, and fewest after `PATIENCE`.
 pub const FEWEST_FRAMES: usize = 50;
 const FEWEST_SLOW_FRAMES: usize = 3;
+/// Fewest turns that a given number of frames is divided into: each round of them has ratios of its own, and
+/// one alone has no spread.
+const FEWEST_TURNS: usize = 5;
 /// Time in which the slowest engine renders frames for [`FrameStats`].
 const STATS_TIME: Duration = Duration::from_millis(250);
 const MOST_STATS_FRAMES: f64 = 1_000.0;
@@ -139,7 +142,10 @@ pub fn bench(
     while !runs.iter().all(&enough) {
         for run in &mut runs {
             let left = match effort {
-                Effort::Frames(frames) => (frames as usize).saturating_sub(run.timed.seconds.len()),
+                Effort::Frames(frames) => {
+                    let (frames, done) = (frames as usize, run.timed.seconds.len());
+                    frames.saturating_sub(done).min(frames.div_ceil(FEWEST_TURNS))
+                }
                 Effort::Time(_) => usize::MAX,
             };
             run.turn(left);

@@ -280,7 +280,7 @@ pub struct MergeArgs {
 /// Columns: rays, hits: their numbers. lanes: rays traced at a time. Mray/s: millions of rays per second, the
 /// median; beside it from 10 to 90 % of the passes. differ: rays whose hit is not that of one scalar ray at a
 /// time. It should be 0; if not, the exit code is 1. A warning tells where other programs took the processor:
-/// a tenth of the passes much slower than the median.
+/// a tenth of the passes, of a millisecond or more, much slower than the median.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   octray rays bunny.obj

@@ -110,14 +110,15 @@ fn bench_shows_what_leaving_features_out_gains_where_something_is_left_out() {
     let desk = Desk::new();
     let over_general = |scene: &str| {
         let report =
-            desk.json(&["bench", scene, "--frames", "9", "--size", "8x8", "--threads", "1", "--json"]);
+            desk.json(&["bench", scene, "--frames", "11", "--size", "8x8", "--threads", "1", "--json"]);
         let results = report["results"].as_array().unwrap().clone();
         assert!(results[1..].iter().all(|result| result["over_general"].is_null()), "{report}");
+        assert_eq!(results[0]["frames"], 11);
         results[0]["over_general"].clone()
     };
     let three = over_general("builtin:three");
-    // Nine frames are five turns of at most two: ratios of several rounds.
-    assert!(three["median"].as_f64().unwrap() > 0.0 && three["rounds"] == 5, "{three}");
+    // Turns of two frames, and of fewer on a busy machine: ratios of several rounds.
+    assert!(three["median"].as_f64().unwrap() > 0.0 && three["rounds"].as_u64().unwrap() >= 5, "{three}");
     // It has textures and maps that only the general pipeline has.
     assert!(over_general(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/films/everything.json")).is_null());
 }

@@ -84,8 +84,8 @@ const TURN: Duration = Duration::from_millis(50);
 /// Fewest frames behind a median, and fewest after `PATIENCE`.
 pub const FEWEST_FRAMES: usize = 50;
 const FEWEST_SLOW_FRAMES: usize = 3;
-/// Fewest turns that a given number of frames is divided into: each round of them has ratios of its own, and
-/// one alone has no spread.
+/// Fewest turns that a given number of frames, from this many on, is divided into: each round of them has
+/// ratios of its own, and one alone has no spread.
 const FEWEST_TURNS: usize = 5;
 /// Time in which the slowest engine renders frames for [`FrameStats`].
 const STATS_TIME: Duration = Duration::from_millis(250);
@@ -144,7 +144,7 @@ pub fn bench(
             let left = match effort {
                 Effort::Frames(frames) => {
                     let (frames, done) = (frames as usize, run.timed.seconds.len());
-                    frames.saturating_sub(done).min(frames.div_ceil(FEWEST_TURNS))
+                    frames.saturating_sub(done).min((frames / FEWEST_TURNS).max(1))
                 }
                 Effort::Time(_) => usize::MAX,
             };

@@ -38,12 +38,16 @@ fn counted<const ANY: bool>(scene: &Scene, traversal: Traversal, starts: &[f32])
     let (zeros, ones) = (vec![0.0; count], vec![-1.0; count]);
     let fives = vec![5.0; count];
     let origin = [starts, &zeros, &fives];
-    let rays = Rays { origin, direction: [&tilt, &zeros, &ones] };
-    let counter = Counter::default();
+    count_rays::<ANY>(&hierarchy, traversal, &Rays { origin, direction: [&tilt, &zeros, &ones] })
+}
+
+/// What is counted for these rays, and how many of them hit something.
+fn count_rays<const ANY: bool>(hierarchy: &Hierarchy, traversal: Traversal, rays: &Rays) -> (Counts, usize) {
+    let (count, counter) = (rays.len(), Counter::default());
     let (mut t, mut primitive) = (vec![f32::INFINITY; count], vec![MISS; count]);
-    let (mut u, mut v) = (zeros.clone(), zeros.clone());
+    let [mut u, mut v] = [(); 2].map(|()| vec![0.0; count]);
     let mut hits = Hits { t: &mut t, primitive: &mut primitive, u: &mut u, v: &mut v };
-    Tracer::new().count::<ANY>(traversal, &hierarchy, &rays, &mut hits, &counter);
+    Tracer::new().count::<ANY>(traversal, hierarchy, rays, &mut hits, &counter);
     (counter.get(), primitive.iter().filter(|&&one| one != MISS).count())
 }
 
@@ -75,25 +79,20 @@ fn counted_in_tile(squares: usize, traversal: Traversal) -> Tests {
     }
     let (zeros, fives, ones) = (vec![0.0; 256], vec![5.0; 256], vec![-1.0; 256]);
     let rays = Rays { origin: [&zeros, &zeros, &fives], direction: [&x, &y, &ones] };
-    let counter = Counter::default();
-    let (mut t, mut primitive) = (vec![f32::INFINITY; 256], vec![MISS; 256]);
-    let (mut u, mut v) = (zeros.clone(), zeros.clone());
-    let mut hits = Hits { t: &mut t, primitive: &mut primitive, u: &mut u, v: &mut v };
-    Tracer::new().count::<false>(traversal, &hierarchy, &rays, &mut hits, &counter);
-    assert!(primitive.iter().all(|&one| one != MISS));
-    counter.get().triangles
+    let (counts, hits) = count_rays::<false>(&hierarchy, traversal, &rays);
+    assert_eq!(hits, 256);
+    counts.triangles
 }
 
 /// Of 40 leaves, each of which six rays meet, and of 600, each of which less than one meets.
 #[test]
 fn tiles_of_small_leaves_are_left_to_streams() {
     let [large, small] = if LEAF == 8 { [11, 45] } else { [16, 64] };
-    let counted = counted_in_tile;
     let [packets, streams] = [Traversal::Packet, Traversal::Stream];
-    assert_eq!(counted(large, Traversal::Hybrid), counted(large, packets));
-    assert_eq!(counted(small, Traversal::Hybrid), counted(small, streams));
+    assert_eq!(counted_in_tile(large, Traversal::Hybrid), counted_in_tile(large, packets));
+    assert_eq!(counted_in_tile(small, Traversal::Hybrid), counted_in_tile(small, streams));
     for squares in [large, small] {
-        assert_ne!(counted(squares, packets), counted(squares, streams), "{squares}");
+        assert_ne!(counted_in_tile(squares, packets), counted_in_tile(squares, streams), "{squares}");
     }
 }
 

@@ -141,16 +141,27 @@ fn ctrl_c_saves_the_samples_so_far() {
 #[test]
 fn ctrl_c_ends_a_sample_that_takes_minutes_and_keeps_its_tiles() {
     let desk = Desk::new();
-    let child = start(&desk, put_heavy_picture(&desk));
+    let child = start(&desk, &format!("{} --json", put_heavy_picture(&desk)));
     press_ctrl_c(&child);
     let (code, said, _) = end(child);
     assert_eq!(code, Some(130), "{said}");
-    assert!(said.contains("0 to 1 of 4 samples") && said.ends_with("ended by Ctrl-C\n"), "{said}");
+    let report: Value = serde_json::from_str(&said).unwrap();
+    assert_eq!([&report["samples"], &report["most_samples"]], [0, 1], "{report}");
     // Everything shines: what has had a sample is not black.
     let pixels = desk.pixels("a.exr");
     let begun = pixels.iter().filter(|pixel| **pixel != [0.0; 3]).count();
     assert!((256..2048 * 1024).contains(&begun) && pixels.len() == 2048 * 1024, "{begun} pixels");
     assert_eq!(desk.names(), ["a.exr", "endless.json", "model.obj", "scene.json"]);
+}
+
+#[test]
+fn ctrl_c_is_named_as_the_end() {
+    let desk = Desk::new();
+    let child = start(&desk, "builtin:three --samples 10000000 --size 64x36");
+    press_ctrl_c(&child);
+    let (code, said, _) = end(child);
+    assert_eq!(code, Some(130), "{said}");
+    assert!(said.contains(" of 10,000,000 samples") && said.ends_with("ended by Ctrl-C\n"), "{said}");
 }
 
 /// Two thousand balls, each of which every ray is tested against: the first tile takes a second or some.

@@ -109,7 +109,7 @@ fn bench_and_compare_refuse_the_same_numbers() {
 #[test]
 fn unknown_scenes_are_refused_by_name() {
     let desk = Desk::new();
-    for command in ["bench", "compare", "rays", "inspect"] {
+    for command in ["bench", "compare", "rays"] {
         desk.refuses(&[command, "nothing.json"], &["nothing.json"]);
     }
     desk.refuses(&["inspect", "nowhere.json"], &["nowhere.json"]);

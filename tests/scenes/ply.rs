@@ -179,6 +179,8 @@ fn files_that_lie_are_refused() {
         let error = result.err().unwrap_or_else(|| panic!("{what}"));
         assert!(error.contains(what) && error.contains("m.ply"), "{what}: {error}");
     }
+    // A file of another kind has no place where it went wrong.
+    assert!(!read_bytes(b"plx\n").unwrap_err().contains("byte"));
     // Elements without properties take no bytes, and no time.
     let empty =
         format!("{ascii}element nothing 99999999999999\nelement vertex 3\n{xyz}element face 1\n{face}");

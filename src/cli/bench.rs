@@ -10,7 +10,7 @@ use crate::machine;
 use crate::measure::bench::{Effort, Engine, bench};
 use crate::measure::compare::{BYTES_PER_PIXEL as COMPARE_BYTES_PER_PIXEL, compare};
 use crate::render::{Renderer, Settings};
-use crate::report::bench::{Report, heading, meaning, row, stats_of, warning};
+use crate::report::bench::{Report, heading, meaning, ratios, row, stats_of, warning};
 use crate::scene::Scene;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
@@ -49,6 +49,7 @@ pub fn run(options: BenchOptions) -> Result<ExitCode, CliError> {
     if options.json {
         terminal::print_json(&report)?;
     } else {
+        terminal::print(&ratios(&report.results))?;
         terminal::print(&meaning(&report))?;
         if options.stats {
             terminal::print(&stats_of(&report.results))?;

@@ -11,16 +11,17 @@ use std::process::ExitCode;
 
 /// Runs the command.
 pub fn run(options: &ConvertArgs) -> Result<ExitCode, CliError> {
+    let scene = options.scene();
     let existing = if options.force { Existing::Replace } else { Existing::Keep };
     check_model(options)?;
     // Before the check of the extension, so that a folder is reported as a folder.
-    output::check(&options.scene, existing)?;
-    check_scene(&options.scene)?;
-    let Converted { text, pictures, warnings } = scene::convert_model(&options.model, &options.scene)?;
+    output::check(scene, existing)?;
+    check_scene(scene)?;
+    let Converted { text, pictures, warnings } = scene::convert_model(&options.model, scene)?;
     for warning in &warnings {
         terminal::warn(warning);
     }
-    let pictures = pictures.iter().map(|(name, content)| (options.scene.with_file_name(name), content));
+    let pictures = pictures.iter().map(|(name, content)| (scene.with_file_name(name), content));
     let pictures: Vec<_> = pictures.collect();
     for (path, _) in &pictures {
         output::check(path, existing)?;
@@ -28,11 +29,11 @@ pub fn run(options: &ConvertArgs) -> Result<ExitCode, CliError> {
     for (path, content) in &pictures {
         output::write_atomically(path, existing, |file| file.write_all(content))?;
     }
-    output::write_atomically(&options.scene, existing, |file| file.write_all(text.as_bytes()))?;
+    output::write_atomically(scene, existing, |file| file.write_all(text.as_bytes()))?;
     terminal::print(&format!(
         "wrote {}\n  to see it: octray render {} -o picture.png\n",
-        options.scene.display(),
-        options.scene.display()
+        scene.display(),
+        scene.display()
     ))?;
     Ok(ExitCode::SUCCESS)
 }
@@ -49,7 +50,7 @@ fn refuse(file: &Path, what: &'static str, mend: String) -> Result<(), CliError>
 }
 
 fn check_model(options: &ConvertArgs) -> Result<(), CliError> {
-    let ConvertArgs { model, scene: to_write, .. } = options;
+    let (model, to_write) = (options.model.as_path(), options.scene());
     let [from, to] = [model, to_write].map(|path| path.display());
     if ends_in(model, "json") || model.to_string_lossy().starts_with("builtin:") {
         let mend = match scene::is_model(to_write) {

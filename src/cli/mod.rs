@@ -58,6 +58,7 @@ mod view;
 
 use args::{Args, Command};
 use clap::Parser;
+use clap::error::{ContextKind, ContextValue};
 use error::{BAD_INPUT, CliError};
 use std::process::ExitCode;
 
@@ -86,13 +87,24 @@ pub fn main() -> ExitCode {
         return report(&error);
     }
     // Exits on wrong usage with code 2, and after --help and --version with 0.
-    let args = Args::parse();
+    let args = Args::try_parse().unwrap_or_else(|error| without_tip(error).exit());
     match run(args, &verdict) {
         Ok(code) => code,
         // The reader closed the pipe, as `head` does: not an error.
         Err(CliError::Stdout(error)) if error.kind() == std::io::ErrorKind::BrokenPipe => ExitCode::SUCCESS,
         Err(error) => report(&error),
     }
+}
+
+/// The error without clap's tip to pass an unknown option as a value: no value of octray's looks like one.
+fn without_tip(mut error: clap::Error) -> clap::Error {
+    if let Some(ContextValue::StyledStrs(mut tips)) = error.remove(ContextKind::Suggested) {
+        tips.retain(|tip| !tip.to_string().contains("as a value"));
+        if !tips.is_empty() {
+            error.insert(ContextKind::Suggested, ContextValue::StyledStrs(tips));
+        }
+    }
+    error
 }
 
 fn run(args: Args, verdict: &machine_check::Verdict) -> Result<ExitCode, CliError> {

@@ -1,10 +1,11 @@
-//! What `octray bench` reports: frames per second, as a table or as JSON.
+//! What `octray bench` reports: frames per second, as two tables or as JSON.
 //!
-//! For: [`Report`]. May import: `lane` (its widths), `measure`, `machine`, `numbers`, `stats`, `busy`.
-//! Must not know: how the figures are measured.
+//! For: [`Report`]. May import: `lane` (its widths), `measure`, `machine`, `numbers`, `paragraph`, `stats`,
+//! `busy`. Must not know: how the figures are measured.
 
 use super::busy;
 use super::numbers::{figure, ratio};
+use super::paragraph::paragraph;
 use super::stats::{self, engine};
 use crate::lane::native_widths;
 use crate::machine::Machine;
@@ -57,17 +58,14 @@ pub fn heading(report: &Report, [width, height]: [u32; 2], max_bounces: u32) -> 
     format!(
         "{}\n\
          {width}×{height}, 1 sample a frame, up to {}\n\
-         fps: median (1 % low); speed-up, scaling and over general: median of the rounds (10 to 90 % of them)\n\n\
-         {:<24}{}{:>16}{:>20}{:>16}{:>18}{:>18}{:>8}{:>9}{:>9}{:>9}\n",
+         frames per second: median (1 % low)\n\n\
+         {:<24}{}{:>16}{:>16}{:>8}{:>8}{:>7}{:>9}\n",
         report.machine,
         counted(max_bounces, "bounce", "bounces"),
         "scene",
         packets().map(|lanes| format!("{:>16}", format!("{lanes} lanes"))).collect::<String>(),
         "scalar",
-        "speed-up",
         "all cores",
-        "scaling",
-        "over general",
         "Mray/s",
         "pixels≠",
         "hits≠",
@@ -82,32 +80,66 @@ pub fn row(results: &[Measurement], accuracy: &Comparison) -> String {
     let all = results.iter().skip(1).find(|result| result.threads > first.threads);
     let fps = |result: Option<&Measurement>| {
         result.map_or(String::new(), |result| {
-            format!("{} ({})", figure(result.fps_median, 0), figure(result.fps_low_1_percent, 0))
+            format!("{} ({})", rate(result.fps_median), rate(result.fps_low_1_percent))
         })
-    };
-    let ratio_of = |of: fn(&Measurement) -> Option<Ratio>| {
-        results
-            .iter()
-            .find_map(of)
-            .map_or(String::new(), |Ratio { median, spread, .. }| ratio(median, spread))
     };
     let mut text = String::new();
     let _ = writeln!(
         text,
-        "{:<24}{}{:>16}{:>20}{:>16}{:>18}{:>18}{:>8}{:>9}{:>9}{:>9}",
+        "{:<24}{}{:>16}{:>16}{:>8}{:>8}{:>7}{:>9}",
         first.scene,
         packets().map(|lanes| format!("{:>16}", fps(of_width(lanes)))).collect::<String>(),
         fps(of_width(1)),
-        ratio_of(|result| result.speedup),
         fps(all),
-        ratio_of(|result| result.scaling),
-        ratio_of(|result| result.over_general),
         figure(first.mrays_per_s, 1),
         grouped(accuracy.mismatched_pixels),
         grouped(accuracy.reference.mismatched_hits),
         format!("{:.1e}", accuracy.reference.rmse),
     );
     text
+}
+
+/// Frames per second, in thousands (k) where a column would be too narrow.
+fn rate(fps: f64) -> String {
+    if fps < 100_000.0 { figure(fps, 0) } else { figure(fps / 1_000.0, 0) + "k" }
+}
+
+/// The ratios of the scenes, below the table of rates; nothing where no two engines were timed.
+pub fn ratios(results: &[Measurement]) -> String {
+    let mut rows = String::new();
+    for of_scene in results.chunk_by(|a, b| a.scene == b.scene) {
+        let cells = RATIOS.map(|(_, _, of)| {
+            let Some(Ratio { median, spread, .. }) = of_scene.iter().find_map(of) else {
+                return String::new();
+            };
+            ratio(median, spread)
+        });
+        if cells.iter().any(|cell| !cell.is_empty()) {
+            rows += &ratio_row(&of_scene[0].scene, cells);
+        }
+    }
+    if rows.is_empty() {
+        return rows;
+    }
+    let meanings = RATIOS.map(|(name, meaning, _)| format!("{name}: {meaning}")).join("; ");
+    let heading = ratio_row("scene", RATIOS.map(|(name, _, _)| name.to_owned()));
+    let what = paragraph(&format!("Ratios, medians of the rounds (10 to 90 % of them). {meanings}."));
+    format!("\n{what}\n{heading}{rows}")
+}
+
+/// A name, what it means, and where its values stand.
+type RatioColumn = (&'static str, &'static str, fn(&Measurement) -> Option<Ratio>);
+/// The columns of the table of ratios.
+const RATIOS: [RatioColumn; 3] = [
+    ("speed-up", "SIMD over scalar", |result| result.speedup),
+    ("scaling", "all cores over one", |result| result.scaling),
+    ("over general", "over the pipeline with every feature, empty where the scene uses that one", |result| {
+        result.over_general
+    }),
+];
+
+fn ratio_row(scene: &str, [speedup, scaling, over_general]: [String; 3]) -> String {
+    format!("{scene:<24}{speedup:>20}{scaling:>20}{over_general:>20}\n")
 }
 
 /// A warning that the machine is busy; else that a scene has fewer frames than [`FEWEST_FRAMES`]: its 1 % low
@@ -143,7 +175,7 @@ pub fn stats_of(results: &[Measurement]) -> String {
     tables.collect::<String>() + &stats::meaning_of_frames()
 }
 
-/// The table in words.
+/// The tables in words.
 pub fn meaning(report: &Report) -> String {
     let pixels: usize = report.accuracy.iter().map(|accuracy| accuracy.mismatched_pixels).sum();
     let hits: usize = report.accuracy.iter().map(|accuracy| accuracy.reference.mismatched_hits).sum();
@@ -152,24 +184,22 @@ pub fn meaning(report: &Report) -> String {
     let ratios: Vec<f64> = firsts.filter_map(|first| Some(first.speedup?.median)).collect();
     let speed = match (ratios.iter().copied().reduce(f64::min), ratios.iter().copied().reduce(f64::max)) {
         (Some(least), Some(most)) if ratios.len() > 1 => {
-            format!("SIMD is {least:.1} to {most:.1} times as fast as scalar")
+            format!("SIMD is {least:.1} to {most:.1} times as fast as scalar.")
         }
-        (Some(ratio), _) => format!("SIMD is {ratio:.1} times as fast as scalar"),
-        _ => "one width was timed".into(),
+        (Some(ratio), _) => format!("SIMD is {ratio:.1} times as fast as scalar."),
+        _ => "One width was timed.".into(),
     };
     let same = if pixels == 0 {
-        "the pictures of all widths are the same, bit by bit".into()
+        "The pictures of all widths are the same, bit by bit.".into()
     } else {
-        counted(pixels, "PIXEL DIFFERS", "PIXELS DIFFER")
+        counted(pixels, "PIXEL DIFFERS.", "PIXELS DIFFER.")
     };
     let right = if hits == 0 {
-        "every primary hit is right by the f64 reference".into()
+        "Every primary hit is right by the f64 reference.".into()
     } else {
-        counted(hits, "PRIMARY HIT IS", "PRIMARY HITS ARE") + " WRONG by the f64 reference"
+        counted(hits, "PRIMARY HIT IS", "PRIMARY HITS ARE") + " WRONG by the f64 reference."
     };
-    let general =
-        "Over general: speed over the pipeline with every feature; empty where a scene uses that one.";
-    format!("\n{speed}; {same}; {right}.\n{general}\n")
+    format!("\n{speed}\n{same}\n{right}\n")
 }
 
 #[cfg(test)]

@@ -1,10 +1,11 @@
 //! What `octray inspect` reports: what a scene contains and how it is rendered, as text or as JSON.
 //!
-//! For: [`Inspection`]. May import: `defaults`, `traversal`, `numbers`, `scene`, `buffers`. Must not know:
-//! command lines.
+//! For: [`Inspection`]. May import: `defaults`, `traversal`, `numbers`, `paragraph`, `scene`, `buffers`. Must
+//! not know: command lines.
 
 use super::defaults::DefaultReport;
 use super::numbers::bytes;
+use super::paragraph::item;
 use super::traversal::{HierarchyReport, TraversalReport};
 use crate::buffers::{EnvironmentLight, Features, LightChoice, Lights};
 use crate::scene::{Filter, Loaded, Material, MaterialKind, Rendering, Scene, Sky, Texture, View};
@@ -211,10 +212,7 @@ impl Inspection {
 
     /// The report for people.
     pub fn text(&self) -> String {
-        self.lines().into_iter().fold(String::new(), |mut text, (name, value)| {
-            let _ = writeln!(text, "{name:<11} {value}");
-            text
-        })
+        self.lines().into_iter().map(|(name, value)| item(name, 11, &value)).collect()
     }
 }
 
@@ -366,7 +364,12 @@ impl SkyReport {
 
 impl CameraReport {
     fn text(&self) -> String {
-        format!("at {} towards {}, {}° high", vector(self.position), vector(self.look_at), self.vertical_fov)
+        format!(
+            "at {} towards {}, vertical field of view {}°",
+            vector(self.position),
+            vector(self.look_at),
+            self.vertical_fov
+        )
     }
 }
 

@@ -13,7 +13,7 @@
 //! | `stats` | the tables of `--stats` |
 //! | `figure`, `plot`, `layout`, `axis`, `labels` | lines in planes, with their names beside them |
 //! | `dots`, `canvas` | tables of dots; shapes and text as SVG |
-//! | `numbers`, `busy` | numbers as text; the warning of a busy machine |
+//! | `numbers`, `paragraph`, `busy` | numbers as text; lines of a width; the warning of a busy machine |
 
 pub(crate) mod axis;
 pub(crate) mod bench;
@@ -33,6 +33,7 @@ pub(crate) mod labels;
 pub(crate) mod layout;
 pub(crate) mod numbers;
 pub mod page;
+pub(crate) mod paragraph;
 pub(crate) mod plot;
 pub(crate) mod rays;
 pub(crate) mod render;

@@ -84,8 +84,8 @@ pub fn heading(report: &Report) -> String {
             let Statistics { node_visits, leaf_visits, cost, .. } = tree;
             let _ = writeln!(
                 text,
-                "{} of {node_fill:.1} boxes, {} of {leaf_fill:.1} primitives, {}; a random line tests {node_visits:.1} nodes and \
-                 {leaf_visits:.1} leaves, cost {cost:.1}",
+                "{} of {node_fill:.1} boxes, {} of {leaf_fill:.1} primitives, {}\n\
+                 a random line tests {node_visits:.1} nodes and {leaf_visits:.1} leaves, cost {cost:.1}",
                 counted(wide_nodes, "node", "nodes"),
                 counted(leaves, "leaf", "leaves"),
                 counted(wide_depth, "level", "levels")

@@ -1,9 +1,10 @@
 //! The tables of `--stats`.
 //!
-//! For: [`frames`], [`meaning_of_frames`], [`rays`]. May import: `measure::stats`, `numbers`. Must not know:
-//! the commands.
+//! For: [`frames`], [`meaning_of_frames`], [`rays`]. May import: `measure::stats`, `numbers`, `paragraph`.
+//! Must not know: the commands.
 
 use super::numbers::figure;
+use super::paragraph::paragraph;
 use crate::measure::stats::{BounceStats, FrameStats, PerRay, RayStats, TestStats};
 use crate::wording::{counted, grouped};
 use std::fmt::Write;
@@ -12,15 +13,14 @@ use std::fmt::Write;
 const MOST_BOUNCES: usize = 12;
 
 /// The terms of the tables.
-const TESTS: &str = "\
-A test is one ray, or one frustum around many rays, against one box or primitive; in brackets the number of steps, each of up to
-one test a lane at once.
-";
-const FRAMES: &str = "\
-Stages: nanoseconds per ray of any kind, summed over threads, including the cost of counting; share of all stages. Where every primitive
-is tested, generate and intersect find the hits, otherwise trace does. Lanes in use: rays over the lanes of the packets that hold them, and
-the share of rays after this number of bounces in all rays. From two bounces on, tiles share packets: more of them with fewer threads.
-";
+const TESTS: &str = "A test is one ray, or one frustum around many rays, against one box or primitive; in brackets \
+                     the number of steps, each of up to one test a lane at once.";
+const STAGES: &str = "Stages: nanoseconds per ray of any kind, summed over threads, including the cost of counting; \
+                      share of all stages. Where every primitive is tested, generate and intersect find the hits, \
+                      otherwise trace does.";
+const LANES_IN_USE: &str = "Lanes in use: rays over the lanes of the packets that hold them, and the share of rays \
+                            after this number of bounces in all rays. From two bounces on, tiles share packets: more \
+                            of them with fewer threads.";
 
 /// A table with one column for each of `columns`; `heading` stands above the names of the rows.
 pub fn frames(heading: &str, columns: &[&FrameStats]) -> String {
@@ -72,7 +72,7 @@ pub fn frames(heading: &str, columns: &[&FrameStats]) -> String {
 
 /// What the tables of [`frames`] mean.
 pub fn meaning_of_frames() -> String {
-    format!("\n{FRAMES}{TESTS}")
+    "\n".to_owned() + &[STAGES, LANES_IN_USE, TESTS].map(paragraph).concat()
 }
 
 /// A row for each kind of rays and traversal.
@@ -85,7 +85,7 @@ pub fn rays(rows: &[RayStats]) -> String {
         KINDS.iter().for_each(|(_, of)| text.push_str(&format!("{:>24}", cell(of(&row.tests)))));
         text.push('\n');
     }
-    text + TESTS
+    text + &paragraph(TESTS)
 }
 
 type Of = fn(&TestStats) -> PerRay;

@@ -19,6 +19,16 @@ fn convert_writes_a_scene_and_keeps_what_is_there() {
 }
 
 #[test]
+fn convert_takes_the_scene_file_as_an_option_too() {
+    let desk = Desk::new();
+    let written = |arguments: &[&str]| {
+        desk.octray(&[&["convert", "model.obj"], arguments].concat()).assert().success();
+        fs::read(desk.path(arguments[arguments.len() - 1])).unwrap()
+    };
+    assert_eq!(written(&["-o", "option.json"]), written(&["place.json"]));
+}
+
+#[test]
 fn converted_models_render_the_same_wherever_the_scene_file_stands() {
     let desk = Desk::new();
     desk.put_textured_model();

@@ -18,6 +18,13 @@ pub const SCENE: &str = r#"{
   "spheres": [ { "center": [0, 0, 0], "radius": 1, "material": "clay" } ]
 }"#;
 
+/// Tables are at most 120 columns wide, so that a terminal of that width shows their rows whole.
+pub fn assert_fits(table: &str) {
+    for line in table.lines() {
+        assert!(line.chars().count() <= 120, "{} columns: {line}", line.chars().count());
+    }
+}
+
 /// A folder with a scene and a model in it, in which the program runs.
 pub struct Desk(pub TempDir);
 

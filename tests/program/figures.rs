@@ -1,6 +1,6 @@
 //! `octray bench` and `octray compare`: what their reports hold.
 
-use crate::desk::{Desk, SCENE};
+use crate::desk::{Desk, SCENE, assert_fits};
 use octray::lane::native_widths;
 use predicates::prelude::*;
 use predicates::str::contains;
@@ -151,7 +151,12 @@ fn bench_traces_the_paths_of_the_seed_asked_for() {
 fn bench_prints_a_row_a_scene_and_what_it_means() {
     let desk = Desk::new();
     let shown = desk.octray(&["bench", "scene.json", "--frames", "2", "--size", "8x8"]).assert().success();
-    shown.stdout(contains("\nscene.json ").and(contains("speed-up")).and(contains("same, bit by bit")));
+    let shown =
+        shown.stdout(contains("\nscene.json ").and(contains("speed-up")).and(contains("same, bit by bit")));
+    let said = String::from_utf8_lossy(&shown.get_output().stdout).into_owned();
+    assert_eq!(said.matches("\nscene.json ").count(), 2, "rates and ratios: {said}");
+    // The first line names the machine.
+    assert_fits(said.split_once('\n').unwrap().1);
 }
 
 #[test]

@@ -136,7 +136,7 @@ fn inspect_says_that_a_scene_is_a_view_of_another() {
         contains("scene       view.json\nview of     ../scene.json\nrender      --")
             .and(contains(" --exposure -0.7 "))
             .and(contains(" --tone reinhard "))
-            .and(contains("33.3° high")),
+            .and(contains("vertical field of view 33.3°")),
     );
     assert_eq!(desk.json(&["inspect", "scene.json", "--json"])["view"], Value::Null);
     desk.octray(&["inspect", "scene.json"]).assert().stdout(contains("view of").not());

@@ -101,3 +101,14 @@ impl Sharing {
 
 /// No box: NaN passes no bound, not even an infinite one.
 pub const EMPTY: Boxes = [[f32::NAN; WIDE]; 8];
+
+#[cfg(test)]
+mod tests {
+    use super::are_shared_enough;
+
+    #[test]
+    fn more_entry_points_ask_for_more_rays_that_share_a_leaf() {
+        assert!(are_shared_enough(1.0, 27) && !are_shared_enough(1.0, 28));
+        assert!(are_shared_enough(3.2, 64) && !are_shared_enough(3.1, 64));
+    }
+}

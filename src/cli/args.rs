@@ -12,7 +12,7 @@ use crate::traverse::TraversalChoice;
 #[cfg(feature = "viewer")]
 use crate::viewer::keys;
 use clap::builder::PossibleValuesParser;
-use clap::{ArgGroup, Parser, Subcommand};
+use clap::{Parser, Subcommand};
 use std::path::{Path, PathBuf};
 
 const SCENE: &str = "A scene file (.json), a model (.obj, .gltf, .glb, .ply), or builtin:NAME";
@@ -68,14 +68,16 @@ pub enum Command {
 ///
 /// Columns: 16 lanes, 8 lanes, scalar: frames per second on one thread (or --threads), the median, and in
 /// brackets the 1 % low (the rate that 99 % of the frames reach). Packets of 16 are measured where they are
-/// one vector of the machine. all cores: by the width that --lanes auto takes; so are the following. Mray/s:
-/// millions of rays per second, one thread (or --threads). pixels≠: pixels in which any width differs from
-/// scalar in any bit. hits≠: primary hits that are wrong by the reference. Both should be 0; if not, the exit
-/// code is 1. rmse: root mean square error of a frame against the reference on the same random numbers.
+/// one vector of the machine. all cores, and Mray/s, millions of rays per second on one thread (or
+/// --threads): by the width of --lanes, or that of --lanes auto. 178k is 178,000; a dash stands for what was
+/// not measured. pixels≠: pixels in which any width differs from scalar in any bit. hits≠: primary hits that
+/// are wrong by the reference. Both should be 0; if not, the exit code is 1. rmse: root mean square error of
+/// a frame without next event estimation (--lights off) against the reference on the same random numbers.
 ///
-/// Ratios, medians of alternating rounds, in brackets from 10 to 90 % of the rounds: speed-up: over scalar.
-/// scaling: all cores over one thread. over general: the pipeline compiled for the features of the scene over
-/// the one with every feature; empty where these are the same.
+/// A second table, after the last scene, has ratios of that width: medians of alternating rounds, and in
+/// brackets from 10 to 90 % of them. speed-up: over scalar. scaling: all cores over one thread. over general:
+/// the pipeline compiled for the features of the scene over the one with every feature; a dash where these
+/// are the same.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example:\n  octray bench builtin:three --threads 1 --json > bench.json")]
 pub struct BenchArgs {
@@ -125,7 +127,8 @@ pub struct BenchArgs {
 ///
 /// Columns: differing: pixels that differ. speed-up: SIMD over scalar, the median, and in brackets from 10 to
 /// 90 % of the rounds. rmse/f64, max/f64: root mean square and largest difference from the reference. wrong
-/// hits: primary hits that are wrong by the reference.
+/// hits: primary hits that are wrong by the reference. Samples are timed on all cores at once, where other
+/// programs disturb them: `octray bench` measures the speed-up on one.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example:\n  octray compare builtin:three --samples 64")]
 pub struct CompareArgs {
@@ -447,18 +450,17 @@ pub struct StabilityArgs {
 /// it. An existing scene file is kept unless --force is given.
 #[derive(Debug, clap::Args)]
 #[command(
-    after_help = "Example:\n  octray convert bunny.obj bunny.json && octray render bunny.json -o bunny.png",
-    group = ArgGroup::new("written").args(["scene", "output"]).required(true)
+    after_help = "Example:\n  octray convert bunny.obj bunny.json && octray render bunny.json -o bunny.png"
 )]
 pub struct ConvertArgs {
     /// A model: Wavefront OBJ, glTF 2.0 (.gltf, .glb) or PLY.
     #[arg(value_name = "MODEL")]
     pub model: PathBuf,
     /// The scene file to write.
-    #[arg(value_name = "SCENE.json")]
+    #[arg(value_name = "SCENE.json", required_unless_present = "output")]
     scene: Option<PathBuf>,
-    /// The same as an option, as other commands have it.
-    #[arg(short, long, value_name = "SCENE.json")]
+    /// The scene file to write, instead of the second argument.
+    #[arg(short, long, value_name = "SCENE.json", conflicts_with = "scene")]
     output: Option<PathBuf>,
     /// Replace SCENE.json if it exists.
     #[arg(long)]
@@ -468,7 +470,7 @@ pub struct ConvertArgs {
 impl ConvertArgs {
     /// The scene file to write; the parser makes sure that there is just one.
     pub fn scene(&self) -> &Path {
-        self.scene.as_deref().or(self.output.as_deref()).expect("one of the group `written` is required")
+        self.scene.as_deref().or(self.output.as_deref()).expect("clap requires one of the two")
     }
 }
 

@@ -32,7 +32,12 @@ pub fn run(options: BenchOptions) -> Result<ExitCode, CliError> {
         if index == 0 {
             report.first_frame_ms = first_frame(&scene, settings, start);
             if !options.json {
-                terminal::print(&heading(&report, settings.resolution, settings.max_bounces))?;
+                terminal::print(&heading(
+                    &report,
+                    settings.resolution,
+                    settings.max_bounces,
+                    threads(&options),
+                ))?;
             }
         }
         let effort = options.frames.map_or(Effort::Time(PER_SCENE), Effort::Frames);
@@ -49,10 +54,10 @@ pub fn run(options: BenchOptions) -> Result<ExitCode, CliError> {
     if options.json {
         terminal::print_json(&report)?;
     } else {
-        terminal::print(&ratios(&report.results))?;
+        terminal::print(&ratios(&report))?;
         terminal::print(&meaning(&report))?;
         if options.stats {
-            terminal::print(&stats_of(&report.results))?;
+            terminal::print(&stats_of(&report))?;
         }
     }
     if let Some(sentence) = warning(&report.results) {
@@ -64,7 +69,7 @@ pub fn run(options: BenchOptions) -> Result<ExitCode, CliError> {
 /// The width that was asked for or that of `--lanes auto`; then, by default, the other packets that are one
 /// vector of the machine, scalar, and the first once more on all cores.
 fn engines(options: &BenchOptions) -> Vec<Engine> {
-    let threads = options.threads.unwrap_or(1);
+    let threads = threads(options);
     let first = options.lanes.unwrap_or_default().lanes();
     let mut engines = vec![Engine { lanes: first, threads }];
     if options.lanes.is_none() {
@@ -75,6 +80,11 @@ fn engines(options: &BenchOptions) -> Vec<Engine> {
         engines.push(Engine { lanes: first, threads: machine::cores() });
     }
     engines
+}
+
+/// Of every engine but the one on all cores.
+fn threads(options: &BenchOptions) -> usize {
+    options.threads.unwrap_or(1)
 }
 
 fn settings(scene: &Scene, options: &BenchOptions) -> Settings {

@@ -96,7 +96,7 @@ pub fn main() -> ExitCode {
     }
 }
 
-/// The error without clap's tip to pass an unknown option as a value: no value of octray's looks like one.
+/// The error without clap's tip to pass an unknown option as a value: no scene is named like an option.
 fn without_tip(mut error: clap::Error) -> clap::Error {
     if let Some(ContextValue::StyledStrs(mut tips)) = error.remove(ContextKind::Suggested) {
         tips.retain(|tip| !tip.to_string().contains("as a value"));

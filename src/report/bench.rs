@@ -5,7 +5,7 @@
 
 use super::busy;
 use super::numbers::{figure, ratio};
-use super::paragraph::paragraph;
+use super::paragraph::{paragraph, row_name};
 use super::stats::{self, engine};
 use crate::lane::native_widths;
 use crate::machine::Machine;
@@ -14,10 +14,14 @@ use crate::measure::compare::Comparison;
 use crate::measure::timed::Ratio;
 use crate::wording::{counted, grouped};
 use serde::Serialize;
-use std::fmt::Write;
 
 /// A 1 % low below this share of the median means that other programs took the processor.
 const BUSY: f64 = 0.6;
+
+/// Where all cores are less than so many times as fast as one, they are not to be had.
+const LEAST_SCALING: f64 = 1.2;
+/// Fewest tiles of a thread for which it can be kept busy.
+const TILES_A_THREAD: usize = 8;
 
 /// The JSON report.
 #[derive(Debug, Serialize)]
@@ -46,6 +50,12 @@ impl Report {
             accuracy: Vec::new(),
         }
     }
+
+    /// The results of each scene: all have the same engines.
+    fn scenes(&self) -> impl Iterator<Item = &[Measurement]> {
+        let engines = self.results.len() / self.accuracy.len().max(1);
+        self.results.chunks(engines.max(1))
+    }
 }
 
 /// The packets that have a column, the widest first.
@@ -53,15 +63,21 @@ fn packets() -> impl Iterator<Item = usize> {
     native_widths().filter(|&lanes| lanes > 1)
 }
 
-/// What stands above the rows of scenes.
-pub fn heading(report: &Report, [width, height]: [u32; 2], max_bounces: u32) -> String {
+/// Columns of a scene's name.
+const NAME: usize = 24;
+/// Stands for what was not measured.
+const NOTHING: &str = "–";
+
+/// What stands above the rows of scenes; `threads` of all columns but one.
+pub fn heading(report: &Report, [width, height]: [u32; 2], max_bounces: u32, threads: usize) -> String {
     format!(
         "{}\n\
-         {width}×{height}, 1 sample a frame, up to {}\n\
+         {width}×{height}, 1 sample a frame, up to {}, {}\n\
          frames per second: median (1 % low)\n\n\
-         {:<24}{}{:>16}{:>16}{:>8}{:>8}{:>7}{:>9}\n",
+         {:<NAME$}{}{:>16}{:>16}{:>7}{:>8}{:>8}{:>9}\n",
         report.machine,
         counted(max_bounces, "bounce", "bounces"),
+        counted(threads, "thread", "threads"),
         "scene",
         packets().map(|lanes| format!("{:>16}", format!("{lanes} lanes"))).collect::<String>(),
         "scalar",
@@ -73,21 +89,19 @@ pub fn heading(report: &Report, [width, height]: [u32; 2], max_bounces: u32) -> 
     )
 }
 
-/// A scene's row; cells without a measurement stay empty.
+/// A scene's row.
 pub fn row(results: &[Measurement], accuracy: &Comparison) -> String {
     let first = &results[0];
     let of_width = |lanes| results.iter().find(move |result| result.lanes == lanes);
     let all = results.iter().skip(1).find(|result| result.threads > first.threads);
     let fps = |result: Option<&Measurement>| {
-        result.map_or(String::new(), |result| {
+        result.map_or(NOTHING.into(), |result| {
             format!("{} ({})", rate(result.fps_median), rate(result.fps_low_1_percent))
         })
     };
-    let mut text = String::new();
-    let _ = writeln!(
-        text,
-        "{:<24}{}{:>16}{:>16}{:>8}{:>8}{:>7}{:>9}",
-        first.scene,
+    format!(
+        "{}{}{:>16}{:>16}{:>7}{:>8}{:>8}{:>9}\n",
+        row_name(&first.scene, NAME),
         packets().map(|lanes| format!("{:>16}", fps(of_width(lanes)))).collect::<String>(),
         fps(of_width(1)),
         fps(all),
@@ -95,8 +109,7 @@ pub fn row(results: &[Measurement], accuracy: &Comparison) -> String {
         grouped(accuracy.mismatched_pixels),
         grouped(accuracy.reference.mismatched_hits),
         format!("{:.1e}", accuracy.reference.rmse),
-    );
-    text
+    )
 }
 
 /// Frames per second, in thousands (k) where a column would be too narrow.
@@ -104,48 +117,48 @@ fn rate(fps: f64) -> String {
     if fps < 100_000.0 { figure(fps, 0) } else { figure(fps / 1_000.0, 0) + "k" }
 }
 
-/// The ratios of the scenes, below the table of rates; nothing where no two engines were timed.
-pub fn ratios(results: &[Measurement]) -> String {
+/// A column of the table of ratios.
+struct RatioColumn {
+    name: &'static str,
+    meaning: &'static str,
+    of: fn(&Measurement) -> Option<Ratio>,
+}
+
+const RATIOS: [RatioColumn; 3] = [
+    RatioColumn { name: "speed-up", meaning: "SIMD over scalar", of: |result| result.speedup },
+    RatioColumn { name: "scaling", meaning: "all cores over one", of: |result| result.scaling },
+    RatioColumn {
+        name: "over general",
+        meaning: "over the pipeline with every feature, where the scene does not use that one",
+        of: |result| result.over_general,
+    },
+];
+
+/// The ratios of the scenes, below the table of rates; nothing where no ratio was measured.
+pub fn ratios(report: &Report) -> String {
+    let row = |scene: &str, cells: [String; 3]| {
+        row_name(scene, NAME) + &cells.map(|cell| format!("{cell:>24}")).concat() + "\n"
+    };
     let mut rows = String::new();
-    for of_scene in results.chunk_by(|a, b| a.scene == b.scene) {
-        let cells = RATIOS.map(|(_, _, of)| {
-            let Some(Ratio { median, spread, .. }) = of_scene.iter().find_map(of) else {
-                return String::new();
-            };
-            ratio(median, spread)
-        });
-        if cells.iter().any(|cell| !cell.is_empty()) {
-            rows += &ratio_row(&of_scene[0].scene, cells);
+    for of_scene in report.scenes() {
+        let ratios = RATIOS.map(|column| of_scene.iter().find_map(column.of));
+        if ratios.iter().any(Option::is_some) {
+            let cell = |of: Option<Ratio>| of.map_or(NOTHING.into(), |of| ratio(of.median, of.spread));
+            rows += &row(&of_scene[0].scene, ratios.map(cell));
         }
     }
     if rows.is_empty() {
         return rows;
     }
-    let meanings = RATIOS.map(|(name, meaning, _)| format!("{name}: {meaning}")).join("; ");
-    let heading = ratio_row("scene", RATIOS.map(|(name, _, _)| name.to_owned()));
-    let what = paragraph(&format!("Ratios, medians of the rounds (10 to 90 % of them). {meanings}."));
-    format!("\n{what}\n{heading}{rows}")
+    let meanings = RATIOS.map(|column| format!("{} is {}", column.name, column.meaning)).join(", ");
+    let meanings = format!("Ratios, medians of the rounds (10 to 90 % of them): {meanings}.");
+    format!("\n{}\n{}{rows}", paragraph(&meanings), row("scene", RATIOS.map(|column| column.name.into())))
 }
 
-/// A name, what it means, and where its values stand.
-type RatioColumn = (&'static str, &'static str, fn(&Measurement) -> Option<Ratio>);
-/// The columns of the table of ratios.
-const RATIOS: [RatioColumn; 3] = [
-    ("speed-up", "SIMD over scalar", |result| result.speedup),
-    ("scaling", "all cores over one", |result| result.scaling),
-    ("over general", "over the pipeline with every feature, empty where the scene uses that one", |result| {
-        result.over_general
-    }),
-];
-
-fn ratio_row(scene: &str, [speedup, scaling, over_general]: [String; 3]) -> String {
-    format!("{scene:<24}{speedup:>20}{scaling:>20}{over_general:>20}\n")
-}
-
-/// A warning that the machine is busy; else that a scene has fewer frames than [`FEWEST_FRAMES`]: its 1 % low
-/// is the slowest frame, which proves nothing.
+/// A warning that the machine is busy, by the 1 % low or by what other cores add; else that a scene has fewer
+/// frames than [`FEWEST_FRAMES`]: its 1 % low is the slowest frame, which proves nothing.
 pub fn warning(results: &[Measurement]) -> Option<String> {
-    busy(results).or_else(|| {
+    busy(results).or_else(|| cores_are_taken(results)).or_else(|| {
         let few = results.iter().find(|result| result.frames < FEWEST_FRAMES)?;
         Some(format!(
             "{} was timed for {}, too few to tell whether other programs took the processor: give --frames \
@@ -166,9 +179,26 @@ fn busy(results: &[Measurement]) -> Option<String> {
     })
 }
 
+/// Names the scene that gains least from all cores, where that is less than [`LEAST_SCALING`] and there are
+/// tiles for all.
+fn cores_are_taken(results: &[Measurement]) -> Option<String> {
+    let has_tiles = |result: &&Measurement| {
+        let tiles = (result.width * result.height) as usize / (16 * 16);
+        tiles >= TILES_A_THREAD * result.threads
+    };
+    let scaled = results.iter().filter(has_tiles).filter_map(|result| Some((result, result.scaling?.median)));
+    let (least, scaling) =
+        scaled.min_by(|a, b| a.1.total_cmp(&b.1)).filter(|least| least.1 < LEAST_SCALING)?;
+    Some(format!(
+        "{} was only {scaling:.2} times as fast on all cores as on one: other programs took the others, or they \
+         are threads of one core.",
+        least.scene
+    ))
+}
+
 /// The tables of `--stats`: one a scene with a column an engine, and what they mean.
-pub fn stats_of(results: &[Measurement]) -> String {
-    let tables = results.chunk_by(|a, b| a.scene == b.scene).map(|of_scene| {
+pub fn stats_of(report: &Report) -> String {
+    let tables = report.scenes().map(|of_scene| {
         let columns: Vec<_> = of_scene.iter().filter_map(|result| result.stats.as_ref()).collect();
         stats::frames(&of_scene[0].scene, &columns)
     });
@@ -180,7 +210,7 @@ pub fn meaning(report: &Report) -> String {
     let pixels: usize = report.accuracy.iter().map(|accuracy| accuracy.mismatched_pixels).sum();
     let hits: usize = report.accuracy.iter().map(|accuracy| accuracy.reference.mismatched_hits).sum();
     // Of each scene the first width alone: that of the default, or the one asked for.
-    let firsts = report.results.chunk_by(|a, b| a.scene == b.scene).map(|of_scene| &of_scene[0]);
+    let firsts = report.scenes().map(|of_scene| &of_scene[0]);
     let ratios: Vec<f64> = firsts.filter_map(|first| Some(first.speedup?.median)).collect();
     let speed = match (ratios.iter().copied().reduce(f64::min), ratios.iter().copied().reduce(f64::max)) {
         (Some(least), Some(most)) if ratios.len() > 1 => {
@@ -205,10 +235,10 @@ pub fn meaning(report: &Report) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::measure::compare::ReferenceCheck;
 
-    #[test]
-    fn warning_names_the_engine_with_the_lowest_share_or_a_scene_of_few_frames() {
-        let result = |scene: &str, frames, low| Measurement {
+    fn result(scene: &str, frames: usize, low: f64) -> Measurement {
+        Measurement {
             scene: scene.into(),
             width: 240,
             height: 135,
@@ -228,7 +258,89 @@ mod tests {
             pipeline: "needed",
             over_general: None,
             stats: None,
+        }
+    }
+
+    fn times(median: f64) -> Option<Ratio> {
+        Some(Ratio { median, spread: [median - 0.25, median + 0.5], rounds: 5 })
+    }
+
+    fn equal_pictures() -> Comparison {
+        Comparison {
+            scene: "same".into(),
+            pixels: 1,
+            samples: 1,
+            lanes: vec![8],
+            mismatched_pixels: 0,
+            first_mismatch: None,
+            discarded_samples: 0,
+            speedup: 1.0,
+            speedup_spread: [1.0; 2],
+            speedup_rounds: 1,
+            reference: ReferenceCheck { rmse: 0.0, max_abs: 0.0, mismatched_hits: 0, pixels: 1, samples: 1 },
+        }
+    }
+
+    /// Two engines of two scenes that have one name.
+    fn report() -> Report {
+        let engines = |speedup, scaling| {
+            let first = Measurement { speedup, over_general: times(1.5), ..result("same", 99, 90.0) };
+            [first, Measurement { scaling, threads: 4, ..result("same", 99, 90.0) }]
         };
+        Report {
+            results: [engines(times(7.0), times(2.0)), engines(times(6.0), None)].concat(),
+            accuracy: vec![equal_pictures(), equal_pictures()],
+            ..Report::of_this_machine()
+        }
+    }
+
+    #[test]
+    fn ratios_stand_below_their_names_in_a_row_for_each_scene() {
+        let rows = ratios(&report());
+        let rows: Vec<Vec<&str>> =
+            rows.lines().skip_while(|line| !line.starts_with("scene ")).map(words).collect();
+        assert_eq!(rows[0], ["scene", "speed-up", "scaling", "over", "general"]);
+        assert_eq!(rows[1], ["same", "7.00×", "(6.75–7.50)", "2.00×", "(1.75–2.50)", "1.50×", "(1.25–2.00)"]);
+        assert_eq!(rows[2], ["same", "6.00×", "(5.75–6.50)", "–", "1.50×", "(1.25–2.00)"]);
+        assert_eq!(rows.len(), 3);
+        let mut alone = report();
+        alone.results.iter_mut().for_each(|result| *result = self::result("same", 99, 90.0));
+        assert_eq!(ratios(&alone), "");
+        assert!(meaning(&report()).contains("SIMD is 6.0 to 7.0 times"));
+    }
+
+    fn words(line: &str) -> Vec<&str> {
+        line.split_whitespace().collect()
+    }
+
+    #[test]
+    fn rates_stand_below_their_names() {
+        let engine = |lanes, threads, fps_median| Measurement {
+            lanes,
+            threads,
+            fps_median,
+            ..result("scene", 99, 10.0)
+        };
+        let engines = [engine(8, 1, 99_999.0), engine(1, 1, 40.0), engine(8, 2, 1_386_600.0)];
+        let row = row(&engines, &equal_pictures());
+        let cells = words(&row).into_iter().rev().collect::<Vec<_>>();
+        assert_eq!(cells[..4], ["0.0e0", "0", "0", "1.0"], "{row}");
+        assert_eq!(cells[4..8], ["(10)", "1,387k", "(10)", "40"], "{row}");
+        assert_eq!(cells[8..10], ["(10)", "99,999"], "{row}");
+    }
+
+    #[test]
+    fn warning_names_a_scene_that_gains_nothing_from_all_cores() {
+        let scaled = |scene, scaling| Measurement { scaling, ..result(scene, 99, 90.0) };
+        assert_eq!(warning(&[scaled("two", times(1.9)), scaled("one", None)]), None);
+        let sentence = warning(&[scaled("two", times(1.9)), scaled("taken", times(0.98))]).unwrap();
+        assert!(sentence.starts_with("taken was only 0.98 times as fast on all cores"), "{sentence}");
+        let small = Measurement { width: 16, height: 16, ..scaled("small", times(0.98)) };
+        assert_eq!(warning(&[small]), None, "a tile has one thread");
+    }
+
+    #[test]
+    fn warning_names_the_engine_with_the_lowest_share_or_a_scene_of_few_frames() {
         let few = result("few", FEWEST_FRAMES - 1, 1.0);
         assert_eq!(warning(&[result("calm", 99, 61.0)]), None);
         let sentence = warning(&[few.clone(), result("calm", 99, 61.0)]).unwrap();

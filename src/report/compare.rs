@@ -1,9 +1,10 @@
 //! What `octray compare` reports, as a table or as JSON.
 //!
-//! For: [`Report`], [`HashReport`]. May import: `measure`, `numbers`. Must not know: how pictures are
-//! compared.
+//! For: [`Report`], [`HashReport`]. May import: `measure`, `numbers`, `paragraph`. Must not know: how pictures
+//! are compared.
 
 use super::numbers::ratio;
+use super::paragraph::row_name;
 use crate::lane::FUSED;
 use crate::measure::compare::Comparison;
 use crate::wording::{counted, grouped};
@@ -55,7 +56,7 @@ pub fn hash_row(FilmHash { scene, hash }: &FilmHash) -> String {
 /// What stands above the rows of scenes.
 pub fn heading() -> String {
     format!(
-        "{:<24}{:>12}{:>12}{:>12}{:>18}{:>12}{:>12}{:>12}\n",
+        "{:<24}{:>11}{:>11}{:>11}{:>23}{:>12}{:>12}{:>12}\n",
         "scene", "pixels", "samples", "differing", "speed-up", "rmse/f64", "max/f64", "wrong hits"
     )
 }
@@ -65,7 +66,8 @@ pub fn row(result: &Comparison) -> String {
     let Comparison { scene, pixels, samples, mismatched_pixels, first_mismatch, reference, .. } = result;
     let known = result.speedup_rounds >= FEWEST_ROUNDS;
     let mut row = format!(
-        "{scene:<24}{:>12}{:>12}{:>12}{:>18}{:>12.2e}{:>12.2e}{:>12}\n",
+        "{}{:>11}{:>11}{:>11}{:>23}{:>12.2e}{:>12.2e}{:>12}\n",
+        row_name(scene, 24),
         grouped(pixels),
         grouped(samples),
         grouped(mismatched_pixels),

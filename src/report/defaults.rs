@@ -59,7 +59,7 @@ impl DefaultReport {
         let (lanes, why) = match LaneChoice::Auto.lanes() {
             16 if hierarchy => (
                 "16",
-                "fills AVX-512's vectors: 1.03 to 1.06 times as fast as 8 (traversals of a hierarchy have widths of their own)",
+                "fills AVX-512's vectors: 1.0 to 1.06 times as fast as 8 (traversals of a hierarchy have widths of their own)",
             ),
             16 => (
                 "16",

@@ -44,7 +44,7 @@ pub fn percent(share: f64) -> String {
 
 /// A ratio, and in brackets its spread.
 pub fn ratio(median: f64, [low, high]: [f64; 2]) -> String {
-    format!("{median:.2}× ({low:.1}–{high:.1})")
+    format!("{median:.2}× ({low:.2}–{high:.2})")
 }
 
 /// Millions of rays per second.

@@ -1,23 +1,31 @@
 //! Text in lines that a terminal of ordinary width shows whole.
 //!
-//! For: [`paragraph`], [`item`]. May import: `textwrap`. Must not know: what the text says.
+//! For: [`paragraph`], [`item`], [`row_name`]. May import: `textwrap`. Must not know: what the text says.
 
-use textwrap::Options;
+use textwrap::{Options, WordSplitter};
 
-/// Columns of a line, those that help texts have.
+/// Columns of a line, as of help that is piped.
 const WIDTH: usize = 100;
+
+/// Lines end at blanks alone: paths, and names such as `moller-trumbore`, stay whole.
+fn options<'a>() -> Options<'a> {
+    Options::new(WIDTH).break_words(false).word_splitter(WordSplitter::NoHyphenation)
+}
 
 /// Sentences in lines of up to `WIDTH` columns, the last one ended too.
 pub fn paragraph(text: &str) -> String {
-    textwrap::fill(text, WIDTH) + "\n"
+    textwrap::fill(text, options()) + "\n"
 }
 
 /// A name in a column of `name_width`, and what is said of it, in further lines below itself.
 pub fn item(name: &str, name_width: usize, text: &str) -> String {
     let (first, further) = (format!("{name:<name_width$} "), " ".repeat(name_width + 1));
-    let options = Options::new(WIDTH).initial_indent(&first).subsequent_indent(&further);
-    // Words longer than a line, such as paths, stay whole: they are there to be copied.
-    textwrap::fill(text, options.break_words(false)) + "\n"
+    textwrap::fill(text, options().initial_indent(&first).subsequent_indent(&further)) + "\n"
+}
+
+/// A scene's name in the first column of a table, `width` wide; a longer one in a line above its row.
+pub fn row_name(name: &str, width: usize) -> String {
+    if name.chars().count() < width { format!("{name:<width$}") } else { format!("{name}\n{:width$}", "") }
 }
 
 #[cfg(test)]
@@ -26,7 +34,7 @@ mod tests {
 
     #[test]
     fn item_indents_further_lines_and_keeps_long_words() {
-        let path = "x".repeat(120);
+        let path = "long-name/".repeat(12);
         assert_eq!(item("file", 6, &path), format!("file   {path}\n"));
         let two = item("why", 6, &"word ".repeat(25));
         assert_eq!(two.lines().count(), 2);
@@ -35,5 +43,11 @@ mod tests {
             "{two}"
         );
         assert!(two.lines().nth(1).unwrap().starts_with("       word"), "{two}");
+    }
+
+    #[test]
+    fn row_name_keeps_columns_in_place() {
+        assert_eq!(row_name("abc", 5), "abc  ");
+        assert_eq!(row_name("abcde", 5), "abcde\n     ");
     }
 }

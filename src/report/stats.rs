@@ -13,14 +13,16 @@ use std::fmt::Write;
 const MOST_BOUNCES: usize = 12;
 
 /// The terms of the tables.
-const TESTS: &str = "A test is one ray, or one frustum around many rays, against one box or primitive; in brackets \
-                     the number of steps, each of up to one test a lane at once.";
-const STAGES: &str = "Stages: nanoseconds per ray of any kind, summed over threads, including the cost of counting; \
-                      share of all stages. Where every primitive is tested, generate and intersect find the hits, \
-                      otherwise trace does.";
-const LANES_IN_USE: &str = "Lanes in use: rays over the lanes of the packets that hold them, and the share of rays \
-                            after this number of bounces in all rays. From two bounces on, tiles share packets: more \
-                            of them with fewer threads.";
+const TESTS: &str = "\
+A test is one ray, or one frustum around many rays, against one box or primitive; in brackets the number of \
+steps, each of up to one test a lane at once. Traversals of a hierarchy have the machine's lanes, whatever \
+--lanes says. Primitives that no ray of a tile can meet, or that can occlude no light, are not tested.";
+const STAGES: &str = "\
+Stages: nanoseconds per ray of any kind, summed over threads, including the cost of counting; share of all \
+stages. Where every primitive is tested, generate and intersect find the hits, otherwise trace does.";
+const LANES_IN_USE: &str = "\
+Lanes in use: rays over the lanes of the packets that hold them, and the share of rays after this number of \
+bounces in all rays. From two bounces on, tiles share packets: more of them with fewer threads.";
 
 /// A table with one column for each of `columns`; `heading` stands above the names of the rows.
 pub fn frames(heading: &str, columns: &[&FrameStats]) -> String {

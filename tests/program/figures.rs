@@ -155,6 +155,12 @@ fn bench_prints_a_row_a_scene_and_what_it_means() {
         shown.stdout(contains("\nscene.json ").and(contains("speed-up")).and(contains("same, bit by bit")));
     let said = String::from_utf8_lossy(&shown.get_output().stdout).into_owned();
     assert_eq!(said.matches("\nscene.json ").count(), 2, "rates and ratios: {said}");
+    let twice = desk
+        .octray(&["bench", "scene.json", "scene.json", "--frames", "2", "--size", "8x8"])
+        .assert()
+        .success();
+    let rows = String::from_utf8_lossy(&twice.get_output().stdout).matches("\nscene.json ").count();
+    assert_eq!(rows, 4, "a scene named twice has two rows in each table");
     // The first line names the machine.
     assert_fits(said.split_once('\n').unwrap().1);
 }

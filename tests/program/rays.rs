@@ -1,6 +1,6 @@
 //! `octray rays`: what its report holds, and the files it writes for other programs.
 
-use crate::desk::Desk;
+use crate::desk::{Desk, assert_fits};
 use octray::lane::NATIVE_WIDTH;
 use predicates::prelude::*;
 use predicates::str::contains;
@@ -149,8 +149,11 @@ fn rays_leaves_out_what_would_take_too_long_and_says_so() {
 #[test]
 fn rays_prints_a_row_a_way_and_what_it_means() {
     let desk = Desk::new();
-    let shown = desk.octray(&["rays", "scene.json", "--size", "16x16", "--passes", "1"]).assert().success();
-    shown.stdout(contains("\nprimary ").and(contains("Mray/s")).and(contains("bit by bit")));
+    let arguments = ["rays", "builtin:knot:2000", "--size", "16x16", "--passes", "1", "--stats"];
+    let shown = desk.octray(&arguments).assert().success();
+    let shown = shown.stdout(contains("\nprimary ").and(contains("Mray/s")).and(contains("bit by bit")));
+    // The first line names the machine.
+    assert_fits(String::from_utf8_lossy(&shown.get_output().stdout).split_once('\n').unwrap().1);
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! `--stats`: tables for people, figures in JSON, and nothing of either without it.
 
-use crate::desk::Desk;
+use crate::desk::{Desk, assert_fits};
 use octray::lane::NATIVE_WIDTH;
 use predicates::prelude::*;
 use predicates::str::contains;
@@ -80,6 +80,8 @@ fn render_and_bench_print_tables_and_what_they_mean() {
         ] {
             assert!(said.contains(word), "{word} is not in {said}");
         }
+        // The first line of `bench` names the machine.
+        assert_fits(said.split_once('\n').unwrap().1);
         let plain = desk.octray(&arguments(line.trim_end_matches(" --stats"))).assert().success();
         plain.stdout(contains("lanes in use").not());
     }

@@ -1,12 +1,13 @@
 //! What `octray bench` reports: frames per second, as two tables or as JSON.
 //!
-//! For: [`Report`]. May import: `lane` (its widths), `measure`, `machine`, `numbers`, `paragraph`, `stats`,
-//! `busy`. Must not know: how the figures are measured.
+//! For: [`Report`]. May import: `lane` (its widths), `camera` (the size of tiles), `measure`, `machine`,
+//! `numbers`, `paragraph`, `stats`, `busy`. Must not know: how the figures are measured.
 
 use super::busy;
 use super::numbers::{figure, ratio};
-use super::paragraph::{paragraph, row_name};
+use super::paragraph::{NAME, paragraph, row_name};
 use super::stats::{self, engine};
+use crate::camera::MAX_PIXELS;
 use crate::lane::native_widths;
 use crate::machine::Machine;
 use crate::measure::bench::{FEWEST_FRAMES, Measurement};
@@ -63,8 +64,6 @@ fn packets() -> impl Iterator<Item = usize> {
     native_widths().filter(|&lanes| lanes > 1)
 }
 
-/// Columns of a scene's name.
-const NAME: usize = 24;
 /// Stands for what was not measured.
 const NOTHING: &str = "–";
 
@@ -101,7 +100,7 @@ pub fn row(results: &[Measurement], accuracy: &Comparison) -> String {
     };
     format!(
         "{}{}{:>16}{:>16}{:>7}{:>8}{:>8}{:>9}\n",
-        row_name(&first.scene, NAME),
+        row_name(&first.scene),
         packets().map(|lanes| format!("{:>16}", fps(of_width(lanes)))).collect::<String>(),
         fps(of_width(1)),
         fps(all),
@@ -137,7 +136,7 @@ const RATIOS: [RatioColumn; 3] = [
 /// The ratios of the scenes, below the table of rates; nothing where no ratio was measured.
 pub fn ratios(report: &Report) -> String {
     let row = |scene: &str, cells: [String; 3]| {
-        row_name(scene, NAME) + &cells.map(|cell| format!("{cell:>24}")).concat() + "\n"
+        row_name(scene) + &cells.map(|cell| format!("{cell:>24}")).concat() + "\n"
     };
     let mut rows = String::new();
     for of_scene in report.scenes() {
@@ -183,7 +182,7 @@ fn busy(results: &[Measurement]) -> Option<String> {
 /// tiles for all.
 fn cores_are_taken(results: &[Measurement]) -> Option<String> {
     let has_tiles = |result: &&Measurement| {
-        let tiles = (result.width * result.height) as usize / (16 * 16);
+        let tiles = result.width as usize * result.height as usize / MAX_PIXELS;
         tiles >= TILES_A_THREAD * result.threads
     };
     let scaled = results.iter().filter(has_tiles).filter_map(|result| Some((result, result.scaling?.median)));

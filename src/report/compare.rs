@@ -4,7 +4,7 @@
 //! pictures are compared.
 
 use super::numbers::ratio;
-use super::paragraph::row_name;
+use super::paragraph::{NAME, row_name};
 use crate::lane::FUSED;
 use crate::measure::compare::Comparison;
 use crate::wording::{counted, grouped};
@@ -56,7 +56,7 @@ pub fn hash_row(FilmHash { scene, hash }: &FilmHash) -> String {
 /// What stands above the rows of scenes.
 pub fn heading() -> String {
     format!(
-        "{:<24}{:>11}{:>11}{:>11}{:>23}{:>12}{:>12}{:>12}\n",
+        "{:<NAME$}{:>11}{:>11}{:>11}{:>23}{:>12}{:>12}{:>12}\n",
         "scene", "pixels", "samples", "differing", "speed-up", "rmse/f64", "max/f64", "wrong hits"
     )
 }
@@ -67,7 +67,7 @@ pub fn row(result: &Comparison) -> String {
     let known = result.speedup_rounds >= FEWEST_ROUNDS;
     let mut row = format!(
         "{}{:>11}{:>11}{:>11}{:>23}{:>12.2e}{:>12.2e}{:>12}\n",
-        row_name(scene, 24),
+        row_name(scene),
         grouped(pixels),
         grouped(samples),
         grouped(mismatched_pixels),

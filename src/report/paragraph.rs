@@ -1,6 +1,7 @@
 //! Text in lines that a terminal of ordinary width shows whole.
 //!
-//! For: [`paragraph`], [`item`], [`row_name`]. May import: `textwrap`. Must not know: what the text says.
+//! For: [`paragraph`], [`item`], [`row_name`] and its [`NAME`]. May import: `textwrap`. Must not know: what
+//! the text says.
 
 use textwrap::{Options, WordSplitter};
 
@@ -23,9 +24,12 @@ pub fn item(name: &str, name_width: usize, text: &str) -> String {
     textwrap::fill(text, options().initial_indent(&first).subsequent_indent(&further)) + "\n"
 }
 
-/// A scene's name in the first column of a table, `width` wide; a longer one in a line above its row.
-pub fn row_name(name: &str, width: usize) -> String {
-    if name.chars().count() < width { format!("{name:<width$}") } else { format!("{name}\n{:width$}", "") }
+/// Columns of the scene's name in tables that have a row for each scene.
+pub const NAME: usize = 24;
+
+/// A scene's name in its [`NAME`] columns; a longer one in a line above its row.
+pub fn row_name(name: &str) -> String {
+    if name.chars().count() < NAME { format!("{name:<NAME$}") } else { format!("{name}\n{:NAME$}", "") }
 }
 
 #[cfg(test)]
@@ -47,7 +51,8 @@ mod tests {
 
     #[test]
     fn row_name_keeps_columns_in_place() {
-        assert_eq!(row_name("abc", 5), "abc  ");
-        assert_eq!(row_name("abcde", 5), "abcde\n     ");
+        assert_eq!(row_name("abc"), "abc".to_owned() + &" ".repeat(NAME - 3));
+        let long = "x".repeat(NAME);
+        assert_eq!(row_name(&long), long + "\n" + &" ".repeat(NAME));
     }
 }

@@ -84,6 +84,15 @@ fn end(mut child: Child) -> (Option<i32>, String, String) {
     (child.wait().unwrap().code(), said, complained)
 }
 
+/// What is printed of a rendering that Ctrl-C ends after two seconds of its own.
+fn interrupted(desk: &Desk, arguments: &str) -> String {
+    let child = start(desk, arguments);
+    press_ctrl_c(&child);
+    let (code, said, _) = end(child);
+    assert_eq!(code, Some(130), "{said}");
+    said
+}
+
 /// A white room that shines, and so many balls in it: every path has as many bounces as it may.
 fn put_endless_paths(desk: &Desk, balls: usize) {
     let ball = |i: usize| {
@@ -110,10 +119,7 @@ pub fn put_heavy_picture(desk: &Desk) -> &'static str {
 #[test]
 fn ctrl_c_saves_the_samples_so_far() {
     let desk = Desk::new();
-    let child = start(&desk, "builtin:three --samples 10000000 --size 64x36 --json");
-    press_ctrl_c(&child);
-    let (code, said, _) = end(child);
-    assert_eq!(code, Some(130), "{said}");
+    let said = interrupted(&desk, "builtin:three --samples 10000000 --size 64x36 --json");
     let report: Value = serde_json::from_str(&said).unwrap();
     assert_eq!(report["interrupted"], true);
     let [samples, most] = ["samples", "most_samples"].map(|key| report[key].as_u64().unwrap());
@@ -141,10 +147,7 @@ fn ctrl_c_saves_the_samples_so_far() {
 #[test]
 fn ctrl_c_ends_a_sample_that_takes_minutes_and_keeps_its_tiles() {
     let desk = Desk::new();
-    let child = start(&desk, &format!("{} --json", put_heavy_picture(&desk)));
-    press_ctrl_c(&child);
-    let (code, said, _) = end(child);
-    assert_eq!(code, Some(130), "{said}");
+    let said = interrupted(&desk, &format!("{} --json", put_heavy_picture(&desk)));
     let report: Value = serde_json::from_str(&said).unwrap();
     assert_eq!([&report["samples"], &report["most_samples"]], [0, 1], "{report}");
     // Everything shines: what has had a sample is not black.
@@ -157,10 +160,7 @@ fn ctrl_c_ends_a_sample_that_takes_minutes_and_keeps_its_tiles() {
 #[test]
 fn ctrl_c_is_named_as_the_end() {
     let desk = Desk::new();
-    let child = start(&desk, "builtin:three --samples 10000000 --size 64x36");
-    press_ctrl_c(&child);
-    let (code, said, _) = end(child);
-    assert_eq!(code, Some(130), "{said}");
+    let said = interrupted(&desk, "builtin:three --samples 10000000 --size 64x36");
     assert!(said.contains(" of 10,000,000 samples") && said.ends_with("ended by Ctrl-C\n"), "{said}");
 }
 

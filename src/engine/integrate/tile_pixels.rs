@@ -4,11 +4,13 @@
 //! `sampling`, `camera`'s tiles. Must never know: paths.
 
 use crate::camera::{BLOCK, MAX_PIXELS, Tile};
-use crate::lane::{Bits, Lane};
+use crate::lane::{Bits, F32x16, Lane};
 use crate::sampling::{Places, blue_noise};
 
-/// Columns and rows of a tile's pixels from its first, in the order of [`Tile::places`].
-type Steps = [[u8; 2]; MAX_PIXELS];
+/// Columns and rows of a tile's pixels from its first, in the order of [`Tile::places`]; then zeros, so that
+/// a packet can be read from every pixel on.
+type Steps = [[u8; 2]; MAX_PIXELS + F32x16::WIDTH];
+const NO_STEPS: Steps = [[0; 2]; MAX_PIXELS + F32x16::WIDTH];
 
 /// Sizes of tiles in a picture: whole, cut at the right, cut below, cut at both.
 const SIZES: usize = 4;
@@ -31,7 +33,7 @@ impl TilePixels {
     /// Of no tile.
     pub fn new() -> Self {
         let tile = Tile { number: 0, x: 0, y: 0, width: 0, height: 0 };
-        Self { tile, in_blocks: 0, steps: [[0; 2]; MAX_PIXELS], known: Vec::new() }
+        Self { tile, in_blocks: 0, steps: NO_STEPS, known: Vec::new() }
     }
 
     /// Turns to a tile.
@@ -50,7 +52,7 @@ impl TilePixels {
         if let Some((_, steps)) = self.known.iter().find(|(known, _)| *known == size) {
             return *steps;
         }
-        let mut steps = [[0; 2]; MAX_PIXELS];
+        let mut steps = NO_STEPS;
         let [width, height] = size;
         let tile = Tile { number: 0, x: 0, y: 0, width, height };
         for (step, place) in steps.iter_mut().zip(tile.places()) {
@@ -67,20 +69,16 @@ impl TilePixels {
     #[inline(always)]
     pub fn places<L: Lane>(&self, at: usize) -> Places<L> {
         if L::WIDTH == 1 || at < self.in_blocks {
-            let [x, y] = self.place(at);
-            Places::Block { x, y }
+            let [x, y] = self.steps[at];
+            Places::Block { x: self.tile.x + u32::from(x), y: self.tile.y + u32::from(y) }
         } else {
-            let [x, y] = [0, 1].map(|axis| L::Bits::from_fn(|lane| self.place(at + lane)[axis]));
-            Places::Any { x, y }
+            let steps = &self.steps[at..at + L::WIDTH];
+            let from = |first: u32, axis: usize| {
+                let steps = L::Bits::from_fn(|lane| u32::from(steps[lane][axis]));
+                L::Bits::splat(first).wrapping_add(steps)
+            };
+            Places::Any { x: from(self.tile.x, 0), y: from(self.tile.y, 1) }
         }
-    }
-
-    /// Column and row in the picture.
-    #[inline(always)]
-    fn place(&self, at: usize) -> [u32; 2] {
-        // Below MAX_PIXELS already, but for lanes behind the last pixel.
-        let [x, y] = self.steps[at % MAX_PIXELS];
-        [self.tile.x + u32::from(x), self.tile.y + u32::from(y)]
     }
 }
 

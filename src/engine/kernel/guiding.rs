@@ -9,7 +9,7 @@
 
 use super::border::Strip;
 use super::bsdf::{BsdfSample, diffuse};
-use super::mirror_image::MirrorImage;
+use super::mirror_image::{Cone, MirrorImage};
 use crate::lane::{Lane, Mask};
 use crate::math::{BELOW_ONE, Vec3};
 
@@ -88,9 +88,15 @@ impl Guiding {
         let below_one = L::splat(BELOW_ONE);
         let strip_share = if self.strip.is_some() { SHARE } else { 0.0 };
         // Each target has an interval of u, the strip the first; those of images that are not seen are empty.
-        let cones = images.each_ref().map(|image| image.cone(origin));
-        let shares = cones.each_ref().map(|cone| L::splat(self.image_share).only(cone.is_seen()));
-        let start = shares.iter().fold(L::splat(strip_share), |sum, share| sum + *share);
+        // Loops: `map` of an array may not be inlined.
+        let mut cones = [Cone::<L>::none(); K];
+        let mut shares = [L::zero(); K];
+        let mut start = L::splat(strip_share);
+        for (image, (cone, share)) in images.iter().zip(cones.iter_mut().zip(&mut shares)) {
+            *cone = image.cone(origin);
+            *share = L::splat(self.image_share).only(cone.is_seen());
+            start = start + *share;
+        }
         let rest = L::one() - start;
         let scale = if K == 0 { L::splat(1.0 / (1.0 - strip_share)) } else { L::one() / rest };
         let mut wi = diffuse::sample(n, ((u - start) * scale).max(L::zero()).min(below_one), v).wi;

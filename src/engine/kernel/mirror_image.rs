@@ -68,6 +68,11 @@ impl MirrorImage {
 }
 
 impl<L: Lane> Cone<L> {
+    /// No directions.
+    #[inline(always)]
+    pub fn none() -> Self {
+        Self { axis: Vec3::zero(), one_minus_cos: L::zero(), inverse: L::zero() }
+    }
     /// The lanes in which it has directions.
     #[inline(always)]
     pub fn is_seen(&self) -> L::Mask {

@@ -1,6 +1,7 @@
 //! `octray bench`: frames per second, SIMD beside scalar.
 
 use super::error::{CHECK_FAILED, CliError};
+use super::interrupt;
 use super::memory;
 use super::options::BenchOptions;
 use super::scenes;
@@ -13,6 +14,7 @@ use crate::render::{Renderer, Settings};
 use crate::report::bench::{Report, heading, meaning, ratios, row, stats_of, warning};
 use crate::scene::Scene;
 use std::process::ExitCode;
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 /// Measuring time of a scene, all engines together; the eight built-in ones take half a minute, loading and
@@ -26,7 +28,13 @@ pub fn run(options: BenchOptions) -> Result<ExitCode, CliError> {
     let mut report = Report::of_this_machine();
     memory::check(options.size, COMPARE_BYTES_PER_PIXEL)?;
     let mut failed = false;
-    for (index, spec) in scenes::checked(&options.scenes)?.iter().enumerate() {
+    let scenes = scenes::checked(&options.scenes)?;
+    // The ratios of what is measured, for an early end.
+    let so_far = Arc::new(Mutex::new(String::new()));
+    let kept = so_far.clone();
+    let json = options.json;
+    interrupt::end_with(move || interrupted(json, &kept.lock().unwrap_or_else(PoisonError::into_inner)));
+    for (index, spec) in scenes.iter().enumerate() {
         let scene = scenes::load_with_warnings(spec)?;
         let settings = settings(&scene, &options);
         if index == 0 {
@@ -45,11 +53,13 @@ pub fn run(options: BenchOptions) -> Result<ExitCode, CliError> {
         let results = bench(&scene, settings, &engines, effort, options.stats);
         let accuracy = compare(&scene, settings, 1);
         failed |= accuracy.failed(settings.methods);
-        if !options.json {
-            terminal::print(&row(&results, &accuracy))?;
-        }
+        let row = row(&results, &accuracy);
         report.results.extend(results);
         report.accuracy.push(accuracy);
+        if !options.json {
+            *so_far.lock().unwrap_or_else(PoisonError::into_inner) = ratios(&report);
+            terminal::print(&row)?;
+        }
     }
     if options.json {
         terminal::print_json(&report)?;
@@ -64,6 +74,15 @@ pub fn run(options: BenchOptions) -> Result<ExitCode, CliError> {
         terminal::warn(&sentence);
     }
     Ok(if failed { ExitCode::from(CHECK_FAILED) } else { ExitCode::SUCCESS })
+}
+
+/// What is said of a run that Ctrl-C ends: the `ratios` of the scenes that were measured.
+fn interrupted(json: bool, ratios: &str) -> String {
+    match (json, ratios) {
+        (true, _) => "Ctrl-C: the report was not written, as it holds all scenes.".into(),
+        (false, "") => "Ctrl-C came before a ratio was measured.".into(),
+        (false, ratios) => format!("{ratios}\nCtrl-C: scenes without a row were not measured."),
+    }
 }
 
 /// The width that was asked for or that of `--lanes auto`; then, by default, the other packets that are one

@@ -324,7 +324,8 @@ impl LightReport {
         let emitters = match (self.emitters, self.sampled) {
             (0, _) => "no emitters".to_string(),
             (emitters, sampled) => {
-                format!("{} of {} sampled", grouped(sampled), counted(emitters, "emitter", "emitters"))
+                let emitters = counted(emitters, "emitter", "emitters");
+                format!("next event estimation samples {} of {emitters}", grouped(sampled))
             }
         };
         let Some(contrast) = self.sky_contrast else { return emitters };

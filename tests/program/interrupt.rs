@@ -2,7 +2,7 @@
 
 use crate::desk::Desk;
 use serde_json::{Value, json};
-use std::io::Read;
+use std::io::{BufRead, BufReader, Read};
 use std::process::{Child, Command, Stdio};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
@@ -206,4 +206,22 @@ fn interrupted_chart_says_what_it_leaves() {
     let (code, printed, said) = end(child);
     assert_eq!((code, printed.as_str()), (Some(130), ""), "{said}");
     assert!(said.contains("Ctrl-C: nothing was drawn in `charts`."), "{said}");
+}
+
+#[test]
+fn interrupted_bench_prints_the_ratios_of_what_it_measured() {
+    let desk = Desk::new();
+    let mut command = Command::new(env!("CARGO_BIN_EXE_octray"));
+    command.args("bench builtin:three builtin:cornell --size 64x36 --threads 1".split(' '));
+    command.current_dir(desk.0.path()).stdout(Stdio::piped()).stderr(Stdio::piped());
+    let mut child = command.spawn().unwrap();
+    let printed = BufReader::new(child.stdout.as_mut().unwrap());
+    let row = printed.lines().map_while(Result::ok).find(|line| line.starts_with("builtin:three"));
+    assert!(row.is_some(), "no row of the first scene");
+    press_ctrl_c(&child);
+    let (code, _, said) = end(child);
+    assert_eq!(code, Some(130), "{said}");
+    let ratios = said.lines().find(|line| line.starts_with("builtin:three")).unwrap_or_default();
+    assert!(ratios.contains('×'), "{said}");
+    assert!(said.contains("Ctrl-C") && !said.contains("builtin:cornell"), "{said}");
 }

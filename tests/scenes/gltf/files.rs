@@ -129,6 +129,19 @@ fn broken_files_are_refused_with_place_and_remedy() {
 }
 
 #[test]
+fn bytes_of_another_format_are_not_called_broken_json() {
+    let folder = TempDir::new().unwrap();
+    let path = folder.path().join("m.glb");
+    let error = |content: &[u8]| {
+        fs::write(&path, content).unwrap();
+        load(path.to_str().unwrap()).unwrap_err().to_string()
+    };
+    assert!(error(b"o model\nv 0 0 0\n").contains("neither binary, which begins with `glTF`, nor JSON"));
+    assert!(error(b"\xff\xfe").contains("nor text in UTF-8"));
+    assert!(error(b"glTF\x01\0\0\0").contains("not binary glTF of version 2"));
+}
+
+#[test]
 fn copies_of_a_mesh_are_counted_before_they_are_made() {
     // 2^16 nodes of 2^11 triangles: 2^27.
     let json = model(|json| {

@@ -22,7 +22,12 @@ pub fn split<'a>(content: &'a [u8], path: &Path) -> Result<(&'a str, Option<&'a 
     };
     if !content.starts_with(b"glTF") {
         let neither = "this is not glTF: neither binary, which begins with `glTF`, nor text in UTF-8";
-        return Ok((text(content, neither)?, None));
+        let text = text(content, neither)?;
+        let is_named_binary = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("glb"));
+        if is_named_binary && !text.trim_start().starts_with('{') {
+            return Err(fault("this is not glTF: neither binary, which begins with `glTF`, nor JSON".into()));
+        }
+        return Ok((text, None));
     }
     let word = |at: usize| {
         let bytes = content.get(at..at + 4)?;

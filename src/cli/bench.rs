@@ -29,11 +29,10 @@ pub fn run(options: BenchOptions) -> Result<ExitCode, CliError> {
     memory::check(options.size, COMPARE_BYTES_PER_PIXEL)?;
     let mut failed = false;
     let scenes = scenes::checked(&options.scenes)?;
-    // The ratios of what is measured, for an early end.
-    let so_far = Arc::new(Mutex::new(String::new()));
-    let kept = so_far.clone();
-    let json = options.json;
-    interrupt::end_with(move || interrupted(json, &kept.lock().unwrap_or_else(PoisonError::into_inner)));
+    let measured =
+        Arc::new(Mutex::new(Measured { json: options.json, scenes: scenes.len(), ..Measured::default() }));
+    let until_now = measured.clone();
+    interrupt::end_with(move || until_now.lock().unwrap_or_else(PoisonError::into_inner).on_ctrl_c());
     for (index, spec) in scenes.iter().enumerate() {
         let scene = scenes::load_with_warnings(spec)?;
         let settings = settings(&scene, &options);
@@ -56,8 +55,11 @@ pub fn run(options: BenchOptions) -> Result<ExitCode, CliError> {
         let row = row(&results, &accuracy);
         report.results.extend(results);
         report.accuracy.push(accuracy);
+        {
+            let mut measured = measured.lock().unwrap_or_else(PoisonError::into_inner);
+            (measured.done, measured.ratios) = (index + 1, ratios(&report));
+        }
         if !options.json {
-            *so_far.lock().unwrap_or_else(PoisonError::into_inner) = ratios(&report);
             terminal::print(&row)?;
         }
     }
@@ -76,12 +78,26 @@ pub fn run(options: BenchOptions) -> Result<ExitCode, CliError> {
     Ok(if failed { ExitCode::from(CHECK_FAILED) } else { ExitCode::SUCCESS })
 }
 
-/// What is said of a run that Ctrl-C ends: the `ratios` of the scenes that were measured.
-fn interrupted(json: bool, ratios: &str) -> String {
-    match (json, ratios) {
-        (true, _) => "Ctrl-C: the report was not written, as it holds all scenes.".into(),
-        (false, "") => "Ctrl-C came before a ratio was measured.".into(),
-        (false, ratios) => format!("{ratios}\nCtrl-C: scenes without a row were not measured."),
+/// What is measured when Ctrl-C comes.
+#[derive(Default)]
+struct Measured {
+    json: bool,
+    /// All that are to be measured.
+    scenes: usize,
+    done: usize,
+    /// The table of those that are done.
+    ratios: String,
+}
+
+impl Measured {
+    /// Printed on Ctrl-C.
+    fn on_ctrl_c(&self) -> String {
+        let Self { json, scenes, done, ratios } = self;
+        match (json, done) {
+            (true, _) => format!("Ctrl-C came after {done} of {scenes} scenes: the report was not written."),
+            (false, 0) => "Ctrl-C came before a scene was measured.".into(),
+            (false, _) => format!("{ratios}\nCtrl-C came after {done} of {scenes} scenes."),
+        }
     }
 }
 

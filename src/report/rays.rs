@@ -85,7 +85,8 @@ pub fn heading(report: &Report) -> String {
             let _ = writeln!(
                 text,
                 "{} of {node_fill:.1} boxes, {} of {leaf_fill:.1} primitives, {}\n\
-                 a random line tests {node_visits:.1} nodes and {leaf_visits:.1} leaves, which costs as much as {cost:.1} nodes",
+                 a random line tests {node_visits:.1} nodes and {leaf_visits:.1} leaves, \
+                 which costs as much as {cost:.1} nodes",
                 counted(wide_nodes, "node", "nodes"),
                 counted(leaves, "leaf", "leaves"),
                 counted(wide_depth, "level", "levels")

@@ -208,20 +208,40 @@ fn interrupted_chart_says_what_it_leaves() {
     assert!(said.contains("Ctrl-C: nothing was drawn in `charts`."), "{said}");
 }
 
-#[test]
-fn interrupted_bench_prints_the_ratios_of_what_it_measured() {
+/// `octray bench` of two scenes, ended once the first one's row is printed.
+fn interrupted_bench() -> (String, String) {
     let desk = Desk::new();
     let mut command = Command::new(env!("CARGO_BIN_EXE_octray"));
     command.args("bench builtin:three builtin:cornell --size 64x36 --threads 1".split(' '));
-    command.current_dir(desk.0.path()).stdout(Stdio::piped()).stderr(Stdio::piped());
-    let mut child = command.spawn().unwrap();
+    command.current_dir(desk.0.path());
+    let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
     let printed = BufReader::new(child.stdout.as_mut().unwrap());
     let row = printed.lines().map_while(Result::ok).find(|line| line.starts_with("builtin:three"));
-    assert!(row.is_some(), "no row of the first scene");
     press_ctrl_c(&child);
     let (code, _, said) = end(child);
     assert_eq!(code, Some(130), "{said}");
+    (row.unwrap_or_default(), said)
+}
+
+#[test]
+fn interrupted_bench_prints_the_ratios_of_what_it_measured() {
+    let (row, said) = interrupted_bench();
+    assert!(!row.is_empty(), "no row of the first scene: {said}");
     let ratios = said.lines().find(|line| line.starts_with("builtin:three")).unwrap_or_default();
-    assert!(ratios.contains('×'), "{said}");
-    assert!(said.contains("Ctrl-C") && !said.contains("builtin:cornell"), "{said}");
+    assert!(ratios.contains('×') && !said.contains("builtin:cornell"), "{said}");
+    assert!(said.ends_with("Ctrl-C came after 1 of 2 scenes.\n"), "{said}");
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn interrupted_bench_says_that_there_is_no_report() {
+    let desk = Desk::new();
+    let mut command = Command::new(env!("CARGO_BIN_EXE_octray"));
+    command.args(["bench", "builtin:three", "--json"]).current_dir(desk.0.path());
+    let child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    wait_until_listening(&child);
+    press_ctrl_c(&child);
+    let (code, printed, said) = end(child);
+    assert_eq!((code, printed.as_str()), (Some(130), ""), "{said}");
+    assert!(said.contains("Ctrl-C came after 0 of 1 scenes: the report was not written."), "{said}");
 }

@@ -7,10 +7,11 @@ use crate::camera::{BLOCK, MAX_PIXELS, Tile};
 use crate::lane::{Bits, F32x16, Lane};
 use crate::sampling::{Places, blue_noise};
 
-/// Columns and rows of a tile's pixels from its first, in the order of [`Tile::places`]; then zeros, so that
-/// a packet can be read from every pixel on.
-type Steps = [[u8; 2]; MAX_PIXELS + F32x16::WIDTH];
-const NO_STEPS: Steps = [[0; 2]; MAX_PIXELS + F32x16::WIDTH];
+/// Columns and rows of a tile's pixels from its first, in the order of [`Tile::places`]; zeros behind them.
+type Steps = [[u8; 2]; MAX_PIXELS];
+
+// Whole packets, so that the last one can be read too.
+const _: () = assert!(MAX_PIXELS.is_multiple_of(F32x16::WIDTH));
 
 /// Sizes of tiles in a picture: whole, cut at the right, cut below, cut at both.
 const SIZES: usize = 4;
@@ -33,7 +34,7 @@ impl TilePixels {
     /// Of no tile.
     pub fn new() -> Self {
         let tile = Tile { number: 0, x: 0, y: 0, width: 0, height: 0 };
-        Self { tile, in_blocks: 0, steps: NO_STEPS, known: Vec::new() }
+        Self { tile, in_blocks: 0, steps: [[0; 2]; MAX_PIXELS], known: Vec::new() }
     }
 
     /// Turns to a tile.
@@ -52,7 +53,7 @@ impl TilePixels {
         if let Some((_, steps)) = self.known.iter().find(|(known, _)| *known == size) {
             return *steps;
         }
-        let mut steps = NO_STEPS;
+        let mut steps = [[0; 2]; MAX_PIXELS];
         let [width, height] = size;
         let tile = Tile { number: 0, x: 0, y: 0, width, height };
         for (step, place) in steps.iter_mut().zip(tile.places()) {
@@ -65,7 +66,7 @@ impl TilePixels {
         steps
     }
 
-    /// The places of the packet at `at`; unspecified behind the last pixel.
+    /// The places of the packet at `at`, a multiple of its width; unspecified in lanes behind the last pixel.
     #[inline(always)]
     pub fn places<L: Lane>(&self, at: usize) -> Places<L> {
         if L::WIDTH == 1 || at < self.in_blocks {
@@ -73,11 +74,11 @@ impl TilePixels {
             Places::Block { x: self.tile.x + u32::from(x), y: self.tile.y + u32::from(y) }
         } else {
             let steps = &self.steps[at..at + L::WIDTH];
-            let from = |first: u32, axis: usize| {
+            let coordinates = |first: u32, axis: usize| {
                 let steps = L::Bits::from_fn(|lane| u32::from(steps[lane][axis]));
                 L::Bits::splat(first).wrapping_add(steps)
             };
-            Places::Any { x: from(self.tile.x, 0), y: from(self.tile.y, 1) }
+            Places::Any { x: coordinates(self.tile.x, 0), y: coordinates(self.tile.y, 1) }
         }
     }
 }

@@ -68,7 +68,7 @@ impl MirrorImage {
 }
 
 impl<L: Lane> Cone<L> {
-    /// No directions.
+    /// No directions: of an image that is not computed yet.
     #[inline(always)]
     pub fn none() -> Self {
         Self { axis: Vec3::zero(), one_minus_cos: L::zero(), inverse: L::zero() }

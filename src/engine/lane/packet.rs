@@ -47,8 +47,8 @@ macro_rules! packet {
             pub const ZERO: Self = Self($f32::ZERO);
             /// `wide` compares eight lanes by an instruction of AVX, which leaves the result in a vector.
             /// From a loop the compiler makes one that leaves it in a mask register, where there are such:
-            /// `three` is 1.04 times as fast, boxes 0.99 (perf/README.md). With AVX alone the loop is slower,
-            /// and so is one of sixteen lanes.
+            /// `three` is 1.04 times as fast, `cornell` 0.995 (perf/README.md). With AVX alone such a loop is
+            /// slower, and so is one over sixteen lanes.
             const COMPARES_IN_LOOP: bool = $width == 8 && cfg!(target_feature = "avx512vl");
 
             #[inline(always)]

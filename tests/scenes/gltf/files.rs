@@ -131,14 +131,20 @@ fn broken_files_are_refused_with_place_and_remedy() {
 #[test]
 fn bytes_of_another_format_are_not_called_broken_json() {
     let folder = TempDir::new().unwrap();
-    let path = folder.path().join("m.glb");
-    let error = |content: &[u8]| {
+    let error = |name: &str, content: &[u8]| {
+        let path = folder.path().join(name);
         fs::write(&path, content).unwrap();
         load(path.to_str().unwrap()).unwrap_err().to_string()
     };
-    assert!(error(b"o model\nv 0 0 0\n").contains("neither binary, which begins with `glTF`, nor JSON"));
-    assert!(error(b"\xff\xfe").contains("nor text in UTF-8"));
-    assert!(error(b"glTF\x01\0\0\0").contains("not binary glTF of version 2"));
+    let neither = "neither binary, which begins with `glTF`, nor";
+    for name in ["m.glb", "M.GLB"] {
+        assert!(error(name, b"o model\nv 0 0 0\n").contains(&format!("{neither} JSON")));
+        assert!(error(name, b"\xff\xfe").contains(&format!("{neither} text in UTF-8")));
+        assert!(error(name, b"glTF\x01\0\0\0").contains("not binary glTF of version 2"));
+        // JSON, and text that should be, has its faults named by their place.
+        assert!(error(name, b" {\n\"asset\" 1}").contains("line 2"));
+    }
+    assert!(error("m.gltf", b"o model\n").contains("line 1"));
 }
 
 #[test]

@@ -21,11 +21,12 @@ pub fn split<'a>(content: &'a [u8], path: &Path) -> Result<(&'a str, Option<&'a 
         Ok(text.trim_start_matches('\u{feff}'))
     };
     if !content.starts_with(b"glTF") {
-        let neither = "this is not glTF: neither binary, which begins with `glTF`, nor text in UTF-8";
-        let text = text(content, neither)?;
+        let neither =
+            |nor: &str| format!("this is not glTF: neither binary, which begins with `glTF`, nor {nor}");
+        let text = text(content, &neither("text in UTF-8"))?;
         let is_named_binary = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("glb"));
         if is_named_binary && !text.trim_start().starts_with('{') {
-            return Err(fault("this is not glTF: neither binary, which begins with `glTF`, nor JSON".into()));
+            return Err(fault(neither("JSON")));
         }
         return Ok((text, None));
     }

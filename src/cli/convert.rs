@@ -4,7 +4,7 @@ use super::args::ConvertArgs;
 use super::error::CliError;
 use super::terminal;
 use crate::output::{self, Existing};
-use crate::scene::{self, Converted};
+use crate::scene::{self, Converted, has_extension};
 use std::io::Write;
 use std::path::Path;
 use std::process::ExitCode;
@@ -38,21 +38,17 @@ pub fn run(options: &ConvertArgs) -> Result<ExitCode, CliError> {
     Ok(ExitCode::SUCCESS)
 }
 
-// Scenes and models are recognised by their extensions: a file with another one would be read as something
-// else, or not at all.
-
-fn ends_in(path: &Path, wanted: &str) -> bool {
-    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(wanted))
-}
-
 fn refuse(file: &Path, what: &'static str, mend: String) -> Result<(), CliError> {
     Err(CliError::Name { file: file.into(), what, mend })
 }
 
+// Scenes and models are recognised by their extensions: a file with another one would be read as something
+// else, or not at all.
+
 fn check_model(options: &ConvertArgs) -> Result<(), CliError> {
     let (model, to_write) = (options.model.as_path(), options.scene());
     let [from, to] = [model, to_write].map(|path| path.display());
-    if ends_in(model, "json") || model.to_string_lossy().starts_with("builtin:") {
+    if has_extension(model, "json") || model.to_string_lossy().starts_with("builtin:") {
         let mend = match scene::is_model(to_write) {
             true => format!("the model comes first: octray convert {to} {from}"),
             false => format!("octray render {from} -o picture.png shows it as it is"),
@@ -67,7 +63,7 @@ fn check_model(options: &ConvertArgs) -> Result<(), CliError> {
 }
 
 fn check_scene(scene: &Path) -> Result<(), CliError> {
-    if ends_in(scene, "json") {
+    if has_extension(scene, "json") {
         return Ok(());
     }
     let better = scene.with_extension("json");

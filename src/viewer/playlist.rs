@@ -1,9 +1,8 @@
 //! The list of scenes to switch between.
 //!
-//! For: [`Playlist`]. May import: the formats' names of models. Must not know: what a scene holds.
+//! For: [`Playlist`]. May import: the formats' names of files. Must not know: what a scene holds.
 
-use octray_formats::scene::is_model;
-use std::path::Path;
+use octray_formats::scene::may_be_scene;
 
 /// Scene names as on the command line, and the index of the current one.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -48,12 +47,9 @@ impl Playlist {
 /// The name itself, or the scenes and models of a folder.
 fn expand(name: &str) -> Vec<String> {
     let Ok(folder) = std::fs::read_dir(name) else { return vec![name.to_string()] };
-    let shown = |path: &Path| {
-        path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("json")) || is_model(path)
-    };
     let paths = folder.filter_map(|entry| Some(entry.ok()?.path()));
     let mut names: Vec<String> =
-        paths.filter(|path| shown(path)).map(|path| path.to_string_lossy().into_owned()).collect();
+        paths.filter(|path| may_be_scene(path)).map(|path| path.to_string_lossy().into_owned()).collect();
     names.sort();
     names
 }

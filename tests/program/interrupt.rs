@@ -11,12 +11,16 @@ use std::time::{Duration, Instant};
 /// machine's share.
 const PATIENCE: Duration = Duration::from_secs(20);
 
+/// Starts a command.
+fn launch(desk: &Desk, line: &str) -> Child {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_octray"));
+    command.args(line.split(' ')).current_dir(desk.0.path()).stdout(Stdio::piped());
+    command.stderr(Stdio::piped()).spawn().unwrap()
+}
+
 /// Starts a rendering on one thread.
 fn spawn(desk: &Desk, arguments: &str) -> Child {
-    let arguments = format!("render {arguments} -o a.exr --threads 1");
-    let mut command = Command::new(env!("CARGO_BIN_EXE_octray"));
-    command.args(arguments.split(' ')).current_dir(desk.0.path()).stdout(Stdio::piped());
-    command.stderr(Stdio::piped()).spawn().unwrap()
+    launch(desk, &format!("render {arguments} -o a.exr --threads 1"))
 }
 
 /// The same, and waits until it has rendered for two seconds: its own, which a busy machine makes longer.
@@ -194,39 +198,35 @@ fn ctrl_c_twice_ends_at_once_and_writes_nothing() {
     assert_eq!(desk.names(), ["endless.json", "model.obj", "scene.json"]);
 }
 
+/// What is said of a command that Ctrl-C ends as soon as it listens, and that prints nothing.
 #[cfg(target_os = "linux")]
-#[test]
-fn interrupted_chart_says_what_it_leaves() {
+fn interrupted_at_once(line: &str) -> String {
     let desk = Desk::new();
-    let mut command = Command::new(env!("CARGO_BIN_EXE_octray"));
-    command.args(["chart", "builtin:three", "-o", "charts"]).current_dir(desk.0.path());
-    let child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    let child = launch(&desk, line);
     wait_until_listening(&child);
     press_ctrl_c(&child);
     let (code, printed, said) = end(child);
     assert_eq!((code, printed.as_str()), (Some(130), ""), "{said}");
+    said
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn interrupted_chart_says_what_it_leaves() {
+    let said = interrupted_at_once("chart builtin:three -o charts");
     assert!(said.contains("Ctrl-C: nothing was drawn in `charts`."), "{said}");
 }
 
-/// `octray bench` of two scenes, ended once the first one's row is printed.
-fn interrupted_bench() -> (String, String) {
+#[test]
+fn interrupted_bench_prints_the_ratios_of_what_it_measured() {
     let desk = Desk::new();
-    let mut command = Command::new(env!("CARGO_BIN_EXE_octray"));
-    command.args("bench builtin:three builtin:cornell --size 64x36 --threads 1".split(' '));
-    command.current_dir(desk.0.path());
-    let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    let mut child = launch(&desk, "bench builtin:three builtin:cornell --size 64x36 --threads 1");
     let printed = BufReader::new(child.stdout.as_mut().unwrap());
     let row = printed.lines().map_while(Result::ok).find(|line| line.starts_with("builtin:three"));
     press_ctrl_c(&child);
     let (code, _, said) = end(child);
     assert_eq!(code, Some(130), "{said}");
-    (row.unwrap_or_default(), said)
-}
-
-#[test]
-fn interrupted_bench_prints_the_ratios_of_what_it_measured() {
-    let (row, said) = interrupted_bench();
-    assert!(!row.is_empty(), "no row of the first scene: {said}");
+    assert!(row.is_some(), "no row of the first scene: {said}");
     let ratios = said.lines().find(|line| line.starts_with("builtin:three")).unwrap_or_default();
     assert!(ratios.contains('×') && !said.contains("builtin:cornell"), "{said}");
     assert!(said.ends_with("Ctrl-C came after 1 of 2 scenes.\n"), "{said}");
@@ -235,13 +235,6 @@ fn interrupted_bench_prints_the_ratios_of_what_it_measured() {
 #[cfg(target_os = "linux")]
 #[test]
 fn interrupted_bench_says_that_there_is_no_report() {
-    let desk = Desk::new();
-    let mut command = Command::new(env!("CARGO_BIN_EXE_octray"));
-    command.args(["bench", "builtin:three", "--json"]).current_dir(desk.0.path());
-    let child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
-    wait_until_listening(&child);
-    press_ctrl_c(&child);
-    let (code, printed, said) = end(child);
-    assert_eq!((code, printed.as_str()), (Some(130), ""), "{said}");
+    let said = interrupted_at_once("bench builtin:three --json");
     assert!(said.contains("Ctrl-C came after 0 of 1 scenes: the report was not written."), "{said}");
 }

@@ -1,7 +1,7 @@
 //! Reads a scene's other files: from a folder on disk, from the program itself, or from a caller's function.
 //!
-//! For: [`Files`], which also records every path that was requested. May import: `embedded`, `error`. Must
-//! not know: what the files hold.
+//! For: [`Files`], which also records every path that was requested, and [`has_extension`]. May import:
+//! `embedded`, `error`. Must not know: what the files hold.
 
 use super::embedded;
 use super::error::SceneError;
@@ -15,6 +15,11 @@ use std::rc::Rc;
 
 /// What may be named as a scene.
 pub const FILES: &str = "a scene (.json), a model (.obj, .gltf, .glb, .ply), or `builtin:NAME`";
+
+/// Whether a file's name ends in this extension, in letters of either case.
+pub fn has_extension(path: &Path, wanted: &str) -> bool {
+    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(wanted))
+}
 
 /// Largest file that is read, in bytes.
 const MAX_FILE: u64 = 1 << 34;

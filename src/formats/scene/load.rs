@@ -1,11 +1,11 @@
 //! From a name on the command line to a [`Scene`].
 //!
-//! For: [`load`], [`load_with_view`], [`load_from`]. May import: every format of this folder. Must not know:
-//! what a scene is used for.
+//! For: [`load`], [`load_with_view`], [`load_from`], and [`may_be_scene`]. May import: every format of this
+//! folder. Must not know: what a scene is used for.
 
 use super::embedded::PREFIX;
 use super::error::SceneError;
-use super::files::{FILES, Files};
+use super::files::{FILES, Files, has_extension};
 use super::json::{JsonPath, Source, read};
 use super::native::{FORMAT, VIEW_FORMAT};
 use super::view::Loaded;
@@ -87,11 +87,8 @@ fn built_in(spec: &str, name: &str) -> Result<Loaded, SceneError> {
     json_scene(&source, &Files::embedded(), spec.to_string(), &from_view)
 }
 
-fn has_extension(path: &Path, wanted: &str) -> bool {
-    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(wanted))
-}
-
-fn may_be_scene(path: &Path) -> bool {
+/// Whether a file's extension is that of a scene, a view or a model.
+pub fn may_be_scene(path: &Path) -> bool {
     has_extension(path, "json") || model::is_model(path)
 }
 

@@ -66,7 +66,8 @@ pub use builtin::names as builtin_names;
 pub use camera_path::{CameraPath, Keyframe};
 pub use convert::{Converted, convert_model};
 pub use error::SceneError;
-pub use load::{load, load_from, load_with_view};
+pub use files::has_extension;
+pub use load::{load, load_from, load_with_view, may_be_scene};
 pub use model::{EXTENSIONS as MODEL_EXTENSIONS, is_model};
 pub use view::{Loaded, Rendering, View, view_fault};
 

@@ -5,7 +5,7 @@
 
 use super::builder::{DEFAULT_BOUNCES, DEFAULT_RESOLUTION, SceneBuilder};
 use super::error::SceneError;
-use super::files::Files;
+use super::files::{Files, has_extension};
 use super::placement::Placement;
 use super::tally::Misplaced;
 use super::{gltf, obj, ply};
@@ -22,8 +22,7 @@ pub fn is_model(path: &Path) -> bool {
 }
 
 fn extension(path: &Path) -> Option<&'static str> {
-    let extension = path.extension()?;
-    EXTENSIONS.into_iter().find(|known| extension.eq_ignore_ascii_case(known))
+    EXTENSIONS.into_iter().find(|known| has_extension(path, known))
 }
 
 /// A model, read and checked.

@@ -4,7 +4,7 @@
 //! Must not know: what the bytes mean.
 
 use super::super::error::SceneError;
-use super::super::files::Files;
+use super::super::files::{Files, has_extension};
 use super::super::json::{JsonPath, Source};
 use gltf_json::Root;
 use gltf_json::buffer::View;
@@ -24,8 +24,7 @@ pub fn split<'a>(content: &'a [u8], path: &Path) -> Result<(&'a str, Option<&'a 
         let neither =
             |nor: &str| format!("this is not glTF: neither binary, which begins with `glTF`, nor {nor}");
         let text = text(content, &neither("text in UTF-8"))?;
-        let is_named_binary = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("glb"));
-        if is_named_binary && !text.trim_start().starts_with('{') {
+        if has_extension(path, "glb") && !text.trim_start().starts_with('{') {
             return Err(fault(neither("JSON")));
         }
         return Ok((text, None));

@@ -2,14 +2,16 @@
 //! traversals.
 
 use super::compact::{Layout, TriangleLeaves};
-use super::leaf::{TriangleLeaf, box_of, inclusive, keep_if_nearer, keep_lanes_if_nearer, keep_nearest};
+use super::leaf::{
+    TriangleLeaf, inclusive, intersect_one, keep_if_nearer, keep_lanes_if_nearer, keep_nearest,
+};
 use super::prepared::{SingleRay, splat_vector};
 use crate::buffers::SphereBlock;
 use crate::bvh::{Bounds, Bvh, Child, LEAF, Leaf, Trees, WIDE, WideNode, slots};
-use crate::kernel::ray_box::{Padding, own_box};
+use crate::kernel::ray_box::Padding;
 use crate::kernel::ray_sphere::{Robust, SphereMethod};
 use crate::lane::{Lane, Native};
-use crate::math::{Hit, Ray, Vec3};
+use crate::math::{Hit, Ray};
 use crate::scene::Scene;
 use rayon::prelude::*;
 
@@ -85,9 +87,7 @@ impl Hierarchy {
             self.intersect_spheres(leaf.index(), &ray.ray, hit);
         } else {
             self.with_triangles(leaf.index(), |leaf| {
-                if let Some(found) = leaf.test(&ray.woop) {
-                    leaf.accept(&ray.slabs, &found, hit);
-                }
+                leaf.accept(leaf.ahead(&ray.woop), &ray.woop, &ray.slabs, hit);
             });
         }
     }
@@ -118,12 +118,8 @@ impl Hierarchy {
         } else {
             let triangles = &self.triangles;
             for (lane, &primitive) in self.bvh.triangle_leaves[leaf.index()].primitives().iter().enumerate() {
-                let corners = triangles.corners(leaf.index(), lane).map(|[x, y, z]| Vec3::new(x, y, z));
-                if let Some(found) = ray.woop.test_one(corners) {
-                    let (mask, t) =
-                        own_box(&ray.slabs, box_of(corners), found.mask, found.t, inclusive(hit.t));
-                    keep_if_nearer(mask, primitive, [t, found.u, found.v], hit);
-                }
+                let corners = triangles.corners(leaf.index(), lane);
+                intersect_one(corners, primitive, &ray.woop, &ray.slabs, hit);
             }
         }
     }

@@ -1,10 +1,10 @@
 //! Leaves of triangles, as rays intersect them, and which hits rays keep.
 
-use super::prepared::{Packet, splat_slabs};
+use super::prepared::Packet;
 use crate::bvh::{LEAF, Leaf};
 use crate::kernel::ray_box::{Padding, Slabs, own_box};
 use crate::kernel::ray_triangle::{TriangleBlock, TriangleHit, WoopRay};
-use crate::lane::{Bits, Lane, Mask, Native, NativeMask};
+use crate::lane::{Bits, Lane, Mask, Native, NativeMask, set_bits};
 use crate::math::{Hit, Vec3};
 
 /// Up to [`LEAF`] triangles: 40 bytes each.
@@ -70,11 +70,19 @@ impl TriangleLeaf {
         extent_along([Native::load(&a[axis]), Native::load(&b[axis]), Native::load(&c[axis])])
     }
 
-    /// One ray against all of them; [`TriangleLeaf::accept`] then applies the rule of the own box to what is
-    /// found.
+    /// The triangles that a ray's line passes, not behind its origin, one bit each: all that the ray hits,
+    /// and few others.
     #[inline(always)]
-    pub fn test(&self, woop: &WoopRay<f32>) -> Option<TriangleHit<Native>> {
-        woop.test_block(&self.vertices)
+    pub fn ahead(&self, woop: &WoopRay<f32>) -> u32 {
+        woop.ahead_of_block(&self.vertices).bitmask()
+    }
+
+    /// Keeps the nearest hit of a ray with the triangles whose bits are set: one, seldom two.
+    #[inline(always)]
+    pub fn accept(&self, ahead: u32, woop: &WoopRay<f32>, slabs: &Slabs<f32>, hit: &mut Hit<f32>) {
+        for lane in set_bits(ahead).map(|lane| lane & (LEAF - 1)) {
+            intersect_one(self.corners(lane), self.primitives.primitives[lane], woop, slabs, hit);
+        }
     }
 
     #[inline(always)]
@@ -117,20 +125,21 @@ impl TriangleLeaf {
         let (mask, t) = own_box(slabs, corners, found.mask, found.t, infinite);
         keep_lanes_if_nearer(mask, self.primitives.primitives[lane & (LEAF - 1)], [t, found.u, found.v], hit)
     }
+}
 
-    /// Applies the rule of the own box to a ray's hits and keeps the nearest. Rare and out of line: the
-    /// calling loops stay in registers.
-    #[cold]
-    #[inline(never)]
-    pub fn accept(&self, slabs: &Slabs<f32>, found: &TriangleHit<Native>, hit: &mut Hit<f32>) {
-        let vertex =
-            |[x, y, z]: &[[f32; LEAF]; 3]| Vec3::new(Native::load(x), Native::load(y), Native::load(z));
-        let slabs = splat_slabs(slabs);
-        let limit = Native::splat(inclusive(hit.t));
-        let [a, b, c] = &self.vertices;
-        let corners = box_of([vertex(a), vertex(b), vertex(c)]);
-        let (mask, t) = own_box(&slabs, corners, found.mask, found.t, limit);
-        keep_nearest(mask, &self.primitives.primitives, [t, found.u, found.v], hit);
+/// One ray against one triangle given by its corners, with the rule of the own box.
+#[inline(always)]
+pub(super) fn intersect_one(
+    corners: [[f32; 3]; 3],
+    primitive: u32,
+    woop: &WoopRay<f32>,
+    slabs: &Slabs<f32>,
+    hit: &mut Hit<f32>,
+) {
+    let corners = corners.map(|[x, y, z]| Vec3::new(x, y, z));
+    if let Some(found) = woop.test_one(corners) {
+        let (mask, t) = own_box(slabs, box_of(corners), found.mask, found.t, inclusive(hit.t));
+        keep_if_nearer(mask, primitive, [t, found.u, found.v], hit);
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::method::{PairHit, TriangleHit, TriangleMethod};
 use crate::kernel::surface::triangle_bounds;
-use crate::lane::{Bits, Lane, Mask, NATIVE_WIDTH, Native};
+use crate::lane::{Bits, Lane, Mask, NATIVE_WIDTH, Native, NativeMask};
 use crate::math::{Ray, Vec3};
 
 /// Woop's watertight test: the vertices are transformed into a space where the ray is the z axis, and three
@@ -102,21 +102,32 @@ impl<L: Lane> WoopRay<L> {
 #[inline(always)]
 fn woop<L: Lane>(
     (origin, shear): (Vec3<L>, Vec3<L>),
-    [a, b, c]: [Vec3<L>; 3],
+    vertices: [Vec3<L>; 3],
     edge: impl Fn((L, L), (L, L)) -> L,
 ) -> Option<TriangleHit<L>> {
+    crossing((origin, shear), vertices, edge).hit(shear)
+}
+
+/// The same before the division.
+#[inline(always)]
+fn crossing<L: Lane>(
+    (origin, shear): (Vec3<L>, Vec3<L>),
+    [a, b, c]: [Vec3<L>; 3],
+    edge: impl Fn((L, L), (L, L)) -> L,
+) -> Crossing<L> {
     // Not the vertices relative to the origin: only what is subtracted can be read from memory by the
     // subtraction itself. Edge functions are the same.
     let (a, b, c) = (origin - a, origin - b, origin - c);
     let (pa, pb, pc) = (sheared(shear, a), sheared(shear, b), sheared(shear, c));
     let edges = [edge(pc, pb), edge(pa, pc), edge(pb, pa)];
-    hit_of_edges(shear, inside(edges), [a.z, b.z, c.z], edges)
+    Crossing::new(shear, inside(edges), [a.z, b.z, c.z], edges)
 }
 
-/// The x and y of a vertex in the space of the ray, negated.
+/// The x and y of a vertex in the space of the ray. What is subtracted is the vertex and not the product: a
+/// negated shear would be broadcast to the lanes once more.
 #[inline(always)]
 fn sheared<L: Lane>(shear: Vec3<L>, v: Vec3<L>) -> (L, L) {
-    (shear.x.neg_mul_add(v.z, v.x), shear.y.neg_mul_add(v.z, v.y))
+    (shear.x.mul_add(v.z, -v.x), shear.y.mul_add(v.z, -v.y))
 }
 
 /// The lanes whose edge functions have the same sign, zero included: their lines pass the triangle.
@@ -126,27 +137,44 @@ fn inside<L: Lane>([u, v, w]: [L; 3]) -> L::Mask {
     L::zero().le(least) | most.le(L::zero())
 }
 
-/// The hit of those lanes `inside` a triangle with these z, relative to its vertices, and these edge
-/// functions of the opposite edges.
-#[inline(always)]
-fn hit_of_edges<L: Lane>(
-    shear: Vec3<L>,
-    inside: L::Mask,
-    [az, bz, cz]: [L; 3],
-    [u, v, w]: [L; 3],
-) -> Option<TriangleHit<L>> {
-    // Rays that leave a surface have t < 0 with it: compare signs before the branch, without a division.
-    let determinant = u + v + w;
-    let z = u.mul_add(az, v.mul_add(bz, w * cz));
-    let inside = inside & !z.flip_sign(determinant).flip_sign(shear.z).is_sign_negative();
-    if !inside.any() {
-        return None;
+/// Where lines pass triangles, before the division.
+struct Crossing<L: Lane> {
+    /// The lanes whose lines pass their triangle, not behind the origin. Few that miss are among them: t may
+    /// be zero, infinite or NaN.
+    ahead: L::Mask,
+    /// The distance along z, times the determinant.
+    z: L,
+    /// The sum of the edge functions.
+    determinant: L,
+    /// The edge functions opposite to the second and the third vertex.
+    v: L,
+    w: L,
+}
+
+impl<L: Lane> Crossing<L> {
+    /// Of those lanes `inside` a triangle with these z, relative to its vertices, and these edge functions of
+    /// the opposite edges.
+    #[inline(always)]
+    fn new(shear: Vec3<L>, inside: L::Mask, [az, bz, cz]: [L; 3], [u, v, w]: [L; 3]) -> Self {
+        let determinant = u + v + w;
+        let z = u.mul_add(az, v.mul_add(bz, w * cz));
+        // Rays that leave a surface have t < 0 with it: its sign takes no division.
+        let sign = L::from_bits(z.to_bits() ^ determinant.to_bits() ^ shear.z.to_bits());
+        Self { ahead: inside & !sign.is_sign_negative(), z, determinant, v, w }
     }
-    // A zero determinant gives an infinite or NaN t, which the mask rejects.
-    let inverse = L::one() / determinant;
-    let t = z * shear.z * inverse;
-    let mask = inside & L::zero().lt(t) & t.lt(L::splat(f32::INFINITY));
-    Some(TriangleHit { mask, t, u: v * inverse, v: w * inverse })
+
+    /// The hits; `None` if no line passes its triangle ahead.
+    #[inline(always)]
+    fn hit(&self, shear: Vec3<L>) -> Option<TriangleHit<L>> {
+        if !self.ahead.any() {
+            return None;
+        }
+        // A zero determinant gives an infinite or NaN t, which the mask rejects.
+        let inverse = L::one() / self.determinant;
+        let t = self.z * shear.z * inverse;
+        let mask = self.ahead & L::zero().lt(t) & t.lt(L::splat(f32::INFINITY));
+        Some(TriangleHit { mask, t, u: self.v * inverse, v: self.w * inverse })
+    }
 }
 
 /// The hits before `limit`.
@@ -167,16 +195,16 @@ fn exact_edge<L: Lane>(p: (L, L), q: (L, L)) -> L {
 pub type TriangleBlock = [[[f32; NATIVE_WIDTH]; 3]; 3];
 
 impl WoopRay<f32> {
-    /// One ray against the triangles of a block. Each lane has the bits of the packet's test.
+    /// Those triangles of a block that the ray's line passes, not behind its origin: all that
+    /// [`WoopRay::test_one`] hits, and few others.
     #[inline(always)]
-    pub fn test_block(&self, triangles: &TriangleBlock) -> Option<TriangleHit<Native>> {
+    pub fn ahead_of_block(&self, triangles: &TriangleBlock) -> NativeMask {
         let [x, y, z] = ORDERS[(self.z_axis & 3) as usize];
-        let splat = Native::splat;
-        let origin = Vec3::new(splat(self.origin.x), splat(self.origin.y), splat(self.origin.z));
-        let shear = Vec3::new(splat(self.shear.x), splat(self.shear.y), splat(self.shear.z));
+        let splat = |v: Vec3<f32>| Vec3::new(Native::splat(v.x), Native::splat(v.y), Native::splat(v.z));
         let row = |vertex: usize, axis: usize| Native::load(&triangles[vertex][axis]);
         let vertex = |vertex: usize| Vec3::new(row(vertex, x), row(vertex, y), row(vertex, z));
-        woop((origin, shear), [vertex(0), vertex(1), vertex(2)], exact_edge)
+        let vertices = [vertex(0), vertex(1), vertex(2)];
+        crossing((splat(self.origin), splat(self.shear)), vertices, exact_edge).ahead
     }
 
     /// One ray against one triangle given by its vertices.
@@ -295,7 +323,7 @@ impl TriangleMethod for Woop {
         let of = |first: L, second: L| L::select(in_second, second, first);
         let edges = [of(first[0], second[0]), of(first[1], second[1]), of(first[2], second[2])];
         let z = [a.z, of(b.z, c.z), of(c.z, d.z)];
-        let found = hit_of_edges(ray.shear, in_first | in_second, z, edges);
+        let found = Crossing::new(ray.shear, in_first | in_second, z, edges).hit(ray.shear);
         let hit = found.unwrap_or_else(|| TriangleHit::none(L::splat(f32::INFINITY)));
         Some(PairHit { hit, is_second: in_second })
     }

@@ -13,6 +13,7 @@
 //!
 //! Source: Tsakok, "Faster Incoherent Rays: Multi-BVH Ray Stream Tracing", HPG 2009.
 
+mod listed;
 mod record;
 
 use super::counter::CounterSink;
@@ -25,15 +26,12 @@ use super::single;
 use super::stack::Stack;
 use crate::bvh::{Child, WIDE, WideNode, slots};
 use crate::kernel::ray_box::Padding;
-use crate::kernel::ray_triangle::WoopRay;
 use crate::lane::{Bits, F32x8, Lane, Mask, NATIVE_WIDTH, Native, NativeBits, set_bits};
-use crate::math::{Hit, Ray, Vec3};
+use crate::math::{Ray, Vec3};
+pub use listed::BATCH;
+use listed::{AXIS_SHIFT, ListedRay, OCTANT_SHIFT, SLOT_SHIFT, update_hit, update_hits};
 use record::Record;
 
-/// Rays of a batch. Larger batches share the reads of a large tree, until the records, 64 bytes a ray, leave
-/// the second-level cache: half as many are 3 % faster on 4,000 triangles, 3 % slower on 48,000 and 20 % on a
-/// million.
-pub const BATCH: usize = 8192;
 /// Pieces of a batch, one bit of a mask each.
 const PIECES: usize = u32::BITS as usize;
 /// Rays of a piece.
@@ -42,21 +40,16 @@ pub const PIECE: usize = BATCH / PIECES;
 const PACKET: usize = NATIVE_WIDTH;
 /// Lists of at most this many rays are traced one by one.
 const MAX_SINGLE: usize = 1;
+/// From this many pairs of a ray and a leaf on, triangles are tested in two loops.
+const MIN_LONG: usize = 24;
+/// But not where any hit will do and rays reach more leaves of a node than this, on average: there a hit
+/// spares the tests of the other leaves.
+const MAX_LEAVES: usize = 2;
 
 /// Whether each ray selects its planes by the signs of its direction, or loads them by its octant. AMD's
 /// processors, which alone have SSE4a, select in one operation and load fewer vectors a cycle: shadow rays
 /// are 1.06 to 1.11 times as fast so (Zen 4). On Intel's they are 0.91 to 0.95 times as fast.
 const SELECTS_PLANES: bool = cfg!(target_feature = "sse4a");
-
-/// An entry of a list: a ray's index in its batch, and from this bit on the axis of its triangle tests, two
-/// bits.
-const AXIS_SHIFT: u32 = BATCH.trailing_zeros();
-/// From this bit on, one bit for each axis along which the ray runs backwards.
-const OCTANT_SHIFT: u32 = AXIS_SHIFT + 2;
-
-/// From this bit on, in lists of rays that reach leaves of triangles, the leaf's slot in its node.
-const SLOT_SHIFT: u32 = OCTANT_SHIFT + 3;
-const _: () = assert!(SLOT_SHIFT + WIDE.trailing_zeros() <= u32::BITS);
 
 /// Working memory of a thread: about a MiB.
 pub struct Stream {
@@ -65,8 +58,11 @@ pub struct Stream {
     axes: Box<[u32; BATCH]>,
     /// Lists of rays, one after the other: a stack of lists.
     lists: Vec<u32>,
-    /// For each ray of a list, the boxes that it passes, one bit each.
+    /// For each ray of a list, the boxes that it passes, one bit each; then the triangles of its leaf that it
+    /// may hit.
     masks: Vec<u32>,
+    /// The entries of those that may hit a triangle.
+    found: Vec<u32>,
     /// Room for the leaves of a node, expanded.
     leaves: Box<[TriangleLeaf; WIDE]>,
     stack: Stack,
@@ -86,6 +82,7 @@ impl Stream {
             axes: bytemuck::zeroed_box(),
             lists: vec![0; 16 * BATCH],
             masks: vec![0; BATCH + PACKET],
+            found: vec![0; BATCH + PACKET],
             leaves: Box::new([TriangleLeaf::EMPTY; WIDE]),
             stack: Stack::new(),
         }
@@ -278,7 +275,11 @@ impl<C: CounterSink> StreamTraversal<'_, '_, C> {
             spans[slot] = list(slot, 0);
         }
         // Leaves first, as hits in them spare tests of the nodes' children.
-        self.triangles::<ANY>(node, triangles, free, paired);
+        if paired >= MIN_LONG && !(ANY && paired > MAX_LEAVES * count) {
+            self.triangles_then_hits::<ANY>(node, triangles, free, paired);
+        } else if paired > 0 {
+            self.triangles::<ANY>(node, triangles, free, paired);
+        }
         for slot in slots(all & !triangles & !nodes) {
             let (start, count) = spans[slot];
             self.spheres::<ANY>(node.children()[slot], start, count);
@@ -308,28 +309,61 @@ impl<C: CounterSink> StreamTraversal<'_, '_, C> {
     /// entry: one loop over all leaves, as most lists of large hierarchies hold two rays or three.
     #[inline(never)]
     fn triangles<const ANY: bool>(&mut self, node: &WideNode, slots: u32, start: usize, count: usize) {
-        if count == 0 {
-            return;
-        }
         let Self { stream, hierarchy, hits, counter, .. } = self;
         let Stream { records, lists, leaves, .. } = &mut **stream;
         let leaves = hierarchy.triangle_leaves(node, slots, leaves);
-        update_hits::<ANY>(&lists[start..start + count], records, hits, |listed| {
-            let slot = (listed.entry >> SLOT_SHIFT) as usize & (WIDE - 1);
-            counter.leaf(hierarchy, node.children()[slot], 1);
-            let found = leaves[slot].test(&listed.woop())?;
-            let mut hit = listed.hit();
-            leaves[slot].accept(&listed.record.slabs(), &found, &mut hit);
-            Some(hit)
+        update_hits::<ANY>(&lists[start..start + count], records, hits, |listed, hits| {
+            counter.leaf(hierarchy, node.children()[listed.slot()], 1);
+            let leaf = leaves[listed.slot()];
+            let ahead = leaf.ahead(&listed.woop());
+            (ahead != 0).then(|| listed.accept(leaf, ahead, hits))
         });
+    }
+
+    /// The same for long lists, in two loops: the first tests all, without a branch, the second accepts what
+    /// it found. One test in ten finds a hit; a branch for it is often predicted wrong, and then the tests
+    /// begun behind it are lost: 100 cycles, as much as four tests.
+    #[inline(never)]
+    fn triangles_then_hits<const ANY: bool>(
+        &mut self,
+        node: &WideNode,
+        slots: u32,
+        start: usize,
+        count: usize,
+    ) {
+        let Self { stream, hierarchy, hits, counter, .. } = self;
+        let Stream { records, lists, masks, found, leaves, .. } = &mut **stream;
+        let leaves = hierarchy.triangle_leaves(node, slots, leaves);
+        for first in (start..start + count).step_by(BATCH) {
+            let tests = BATCH.min(start + count - first);
+            for (mask, &entry) in masks.iter_mut().zip(&lists[first..first + tests]) {
+                let listed = ListedRay::new(entry, records);
+                counter.leaf(hierarchy, node.children()[listed.slot()], 1);
+                *mask = leaves[listed.slot()].ahead(&listed.woop());
+            }
+            masks[tests..tests + PACKET].fill(0);
+            let mut top = 0;
+            for at in (0..tests).step_by(PACKET) {
+                let mask = NativeBits::load(&masks[at..]);
+                let hit = !mask.equals(NativeBits::splat(0));
+                NativeBits::load(&lists[first + at..]).compress(hit).store(&mut found[top..]);
+                mask.compress(hit).store(&mut masks[top..]);
+                top += hit.count();
+            }
+            for (&entry, &ahead) in found[..top].iter().zip(&*masks) {
+                update_hit::<ANY>(entry, records, hits, |listed, hits| {
+                    Some(listed.accept(leaves[listed.slot()], ahead, hits))
+                });
+            }
+        }
     }
 
     fn spheres<const ANY: bool>(&mut self, leaf: Child, start: usize, count: usize) {
         let Self { stream, hierarchy, rays, hits, counter, .. } = self;
         let Stream { records, lists, .. } = &mut **stream;
-        update_hits::<ANY>(&lists[start..start + count], records, hits, |listed| {
+        update_hits::<ANY>(&lists[start..start + count], records, hits, |listed, hits| {
             counter.leaf(hierarchy, leaf, 1);
-            let mut hit = listed.hit();
+            let mut hit = listed.hit(hits);
             hierarchy.intersect_spheres(leaf.index(), &rays.packet(listed.ray()), &mut hit);
             Some(hit)
         });
@@ -338,58 +372,12 @@ impl<C: CounterSink> StreamTraversal<'_, '_, C> {
     fn one_by_one<const ANY: bool>(&mut self, child: Child, start: usize, count: usize) {
         let Self { stream, hierarchy, rays, hits, counter, .. } = self;
         let Stream { records, lists, stack, .. } = &mut **stream;
-        update_hits::<ANY>(&lists[start..start + count], records, hits, |listed| {
+        update_hits::<ANY>(&lists[start..start + count], records, hits, |listed, hits| {
             let (slabs, woop) = (listed.record.slabs(), listed.woop());
             let single = SingleRay { ray: rays.packet(listed.ray()), slabs, woop };
-            let mut hit = listed.hit();
+            let mut hit = listed.hit(hits);
             single::trace_from::<ANY>(hierarchy, child, &single, stack, &mut hit, *counter);
             Some(hit)
         });
-    }
-}
-
-/// A ray of a list.
-struct ListedRay<'a> {
-    entry: u32,
-    record: &'a Record,
-    hits: &'a Hits<'a>,
-}
-
-impl ListedRay<'_> {
-    /// Its index in the batch.
-    #[inline(always)]
-    fn ray(&self) -> usize {
-        self.entry as usize & (BATCH - 1)
-    }
-    /// As triangle tests take it.
-    #[inline(always)]
-    fn woop(&self) -> WoopRay<f32> {
-        self.record.woop(self.entry >> AXIS_SHIFT & 3)
-    }
-    /// Its nearest hit so far.
-    #[inline(always)]
-    fn hit(&self) -> Hit<f32> {
-        Hit { t: self.record.t, ..self.hits.get(self.ray()) }
-    }
-}
-
-/// Stores what `find` returns for each listed ray that is not done: the hit so far or a nearer one; `None`
-/// changes nothing.
-#[inline(always)]
-fn update_hits<const ANY: bool>(
-    listed: &[u32],
-    records: &mut [Record; BATCH],
-    hits: &mut Hits,
-    mut find: impl FnMut(ListedRay) -> Option<Hit<f32>>,
-) {
-    for &entry in listed {
-        let ray = entry as usize & (BATCH - 1);
-        let record = &mut records[ray];
-        if ANY && record.t < 0.0 {
-            continue;
-        }
-        if let Some(hit) = find(ListedRay { entry, record, hits }) {
-            record.store_hit::<ANY>(ray, &hit, hits);
-        }
     }
 }

@@ -4,7 +4,7 @@
 use crate::common::rays::Set;
 use crate::common::{Rng, empty, material, sphere, triangle};
 use glam::Vec3;
-use octray::bvh::Trees;
+use octray::bvh::{LEAF, Trees};
 use octray::math::MISS;
 use octray::scene::{MaterialKind, Scene};
 use octray::traverse::batch::Traversal;
@@ -54,5 +54,33 @@ fn every_ray_finds_its_hit(scene: &Scene) {
             let any = set.through::<true>(&hierarchy, traversal);
             assert!(any.iter().all(|answer| answer[1] != MISS), "{count} rays, any hit, {name}");
         }
+    }
+}
+
+/// Two leaves that each ray reaches are tested in two loops, more pairs than a batch has rays.
+#[test]
+fn any_hit_rays_of_a_whole_batch_reach_two_leaves() {
+    let mut scene = triangles();
+    scene.triangles.truncate(LEAF + 1);
+    // The last one is met by rays that miss the others.
+    let z = scene.triangles.len() as f32 * 2e-4;
+    let corners = [Vec3::new(90.0, 90.0, z), Vec3::new(-90.0, 90.0, z), Vec3::new(90.0, -90.0, z)];
+    scene.triangles.push(triangle(corners, 0));
+    let hierarchy = Hierarchy::new(&scene, Trees::WideAndBinary);
+    assert_eq!(hierarchy.bvh.wide[0].filled(), 2);
+    let mut rng = Rng(96);
+    let mut set = Set::default();
+    for _ in 0..8185 {
+        // Inside of the boxes.
+        let at = |unit: f64| 170.0 * unit as f32 - 85.0;
+        let aim = Vec3::new(at(rng.unit()), at(rng.unit()), 5.0);
+        set.push(Vec3::new(0.0, 0.0, -5.0), aim.normalize(), f32::INFINITY);
+    }
+    let misses = |answers: &[[u32; 4]]| answers.iter().map(|answer| answer[1] == MISS).collect::<Vec<_>>();
+    let expected = misses(&set.linear(&scene));
+    let missed = expected.iter().filter(|&&missed| missed).count();
+    assert!((500..4000).contains(&missed), "{missed}");
+    for traversal in [Traversal::Stream, Traversal::Hybrid] {
+        assert_eq!(misses(&set.through::<true>(&hierarchy, traversal)), expected, "{}", traversal.name());
     }
 }

@@ -2,15 +2,13 @@
 //! traversals.
 
 use super::compact::{Layout, TriangleLeaves};
-use super::leaf::{
-    TriangleLeaf, inclusive, intersect_one, keep_if_nearer, keep_lanes_if_nearer, keep_nearest,
-};
+use super::leaf::{TriangleLeaf, inclusive, intersect_one, keep_if_nearer, keep_lanes_if_nearer};
 use super::prepared::{SingleRay, splat_vector};
 use crate::buffers::SphereBlock;
 use crate::bvh::{Bounds, Bvh, Child, LEAF, Leaf, Trees, WIDE, WideNode, slots};
 use crate::kernel::ray_box::Padding;
 use crate::kernel::ray_sphere::{Robust, SphereMethod};
-use crate::lane::{Lane, Native};
+use crate::lane::{Lane, Mask, Native, NativeMask};
 use crate::math::{Hit, Ray};
 use crate::scene::Scene;
 use rayon::prelude::*;
@@ -179,5 +177,13 @@ impl Hierarchy {
             closer |= keep_lanes_if_nearer(mask, primitive, [t, L::zero(), L::zero()], hit);
         }
         closer
+    }
+}
+
+/// Keeps the nearest hit of the lanes in `mask`.
+#[inline(always)]
+fn keep_nearest(mask: NativeMask, primitives: &[u32; LEAF], [t, u, v]: [Native; 3], hit: &mut Hit<f32>) {
+    for lane in mask.lanes() {
+        keep_if_nearer(true, primitives[lane], [t, u, v].map(|column| column.get(lane)), hit);
     }
 }

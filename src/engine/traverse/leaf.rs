@@ -4,7 +4,7 @@ use super::prepared::Packet;
 use crate::bvh::{LEAF, Leaf};
 use crate::kernel::ray_box::{Padding, Slabs, own_box};
 use crate::kernel::ray_triangle::{TriangleBlock, TriangleHit, WoopRay};
-use crate::lane::{Bits, Lane, Mask, Native, NativeMask, set_bits};
+use crate::lane::{Bits, Lane, Mask, Native, set_bits};
 use crate::math::{Hit, Vec3};
 
 /// Up to [`LEAF`] triangles: 40 bytes each.
@@ -77,7 +77,7 @@ impl TriangleLeaf {
         woop.ahead_of_block(&self.vertices).bitmask()
     }
 
-    /// Keeps the nearest hit of a ray with the triangles whose bits are set: one, seldom two.
+    /// Keeps the nearest hit of a ray with the triangles whose bits are set: none or one, seldom two.
     #[inline(always)]
     pub fn accept(&self, ahead: u32, woop: &WoopRay<f32>, slabs: &Slabs<f32>, hit: &mut Hit<f32>) {
         for lane in set_bits(ahead).map(|lane| lane & (LEAF - 1)) {
@@ -150,18 +150,5 @@ pub(super) fn keep_if_nearer(mask: bool, primitive: u32, [t, u, v]: [f32; 3], hi
     let lower = primitive.wrapping_add(1) < hit.primitive.wrapping_add(1);
     if mask && (t < hit.t || (t == hit.t && lower)) {
         *hit = Hit { t, primitive, u, v };
-    }
-}
-
-/// Keeps the nearest hit of the lanes in `mask`.
-#[inline(always)]
-pub(super) fn keep_nearest(
-    mask: NativeMask,
-    primitives: &[u32; LEAF],
-    [t, u, v]: [Native; 3],
-    hit: &mut Hit<f32>,
-) {
-    for lane in mask.lanes() {
-        keep_if_nearer(true, primitives[lane], [t, u, v].map(|column| column.get(lane)), hit);
     }
 }

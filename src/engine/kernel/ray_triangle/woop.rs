@@ -139,8 +139,8 @@ fn inside<L: Lane>([u, v, w]: [L; 3]) -> L::Mask {
 
 /// Where lines pass triangles, before the division.
 struct Crossing<L: Lane> {
-    /// The lanes whose lines pass their triangle, not behind the origin. Few that miss are among them: t may
-    /// be zero, infinite or NaN.
+    /// The lanes whose lines pass their triangle, not behind the origin. A few that miss are among them:
+    /// their t is zero, infinite or NaN.
     ahead: L::Mask,
     /// The distance along z, times the determinant.
     z: L,
@@ -152,13 +152,14 @@ struct Crossing<L: Lane> {
 }
 
 impl<L: Lane> Crossing<L> {
-    /// Of those lanes `inside` a triangle with these z, relative to its vertices, and these edge functions of
-    /// the opposite edges.
+    /// The crossings of the lanes that are `inside` their triangles, from the z of the origin relative to
+    /// the vertices and the edge functions of the opposite edges.
     #[inline(always)]
     fn new(shear: Vec3<L>, inside: L::Mask, [az, bz, cz]: [L; 3], [u, v, w]: [L; 3]) -> Self {
         let determinant = u + v + w;
         let z = u.mul_add(az, v.mul_add(bz, w * cz));
-        // Rays that leave a surface have t < 0 with it: its sign takes no division.
+        // Rays that leave a surface have t < 0 with it. The sign of t takes no division: it is that of the
+        // product, the sign bits combined.
         let sign = L::from_bits(z.to_bits() ^ determinant.to_bits() ^ shear.z.to_bits());
         Self { ahead: inside & !sign.is_sign_negative(), z, determinant, v, w }
     }

@@ -21,6 +21,12 @@ pub const OCTANT_SHIFT: u32 = AXIS_SHIFT + 2;
 pub const SLOT_SHIFT: u32 = OCTANT_SHIFT + 3;
 const _: () = assert!(SLOT_SHIFT + WIDE.trailing_zeros() <= u32::BITS);
 
+/// The index of an entry's ray in its batch.
+#[inline(always)]
+fn ray(entry: u32) -> usize {
+    entry as usize & (BATCH - 1)
+}
+
 /// A ray of a list.
 pub struct ListedRay<'a> {
     entry: u32,
@@ -31,12 +37,12 @@ pub struct ListedRay<'a> {
 impl<'a> ListedRay<'a> {
     #[inline(always)]
     pub fn new(entry: u32, records: &'a [Record; BATCH]) -> Self {
-        Self { entry, record: &records[entry as usize & (BATCH - 1)] }
+        Self { entry, record: &records[ray(entry)] }
     }
     /// Its index in the batch.
     #[inline(always)]
     pub fn ray(&self) -> usize {
-        self.entry as usize & (BATCH - 1)
+        ray(self.entry)
     }
     /// The slot of the leaf of triangles that it reaches.
     #[inline(always)]

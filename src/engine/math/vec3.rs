@@ -14,6 +14,14 @@ pub struct Vec3<L> {
     pub z: L,
 }
 
+impl Vec3<f32> {
+    /// The same vector in every lane.
+    #[inline(always)]
+    pub fn broadcast<L: Lane>(self) -> Vec3<L> {
+        Vec3::new(L::splat(self.x), L::splat(self.y), L::splat(self.z))
+    }
+}
+
 impl<L: Lane> Vec3<L> {
     /// A vector of its components.
     #[inline(always)]

@@ -3,7 +3,7 @@
 
 use super::compact::{Layout, TriangleLeaves};
 use super::leaf::{TriangleLeaf, inclusive, intersect_one, keep_if_nearer, keep_lanes_if_nearer};
-use super::prepared::{SingleRay, splat_vector};
+use super::prepared::SingleRay;
 use crate::buffers::SphereBlock;
 use crate::bvh::{Bounds, Bvh, Child, LEAF, Leaf, Trees, WIDE, WideNode, slots};
 use crate::kernel::ray_box::Padding;
@@ -94,7 +94,7 @@ impl Hierarchy {
     #[inline(never)]
     pub fn intersect_spheres(&self, leaf: usize, ray: &Ray<f32>, hit: &mut Hit<f32>) {
         let leaf = &self.spheres[leaf];
-        let ray = Ray { origin: splat_vector(ray.origin), direction: splat_vector(ray.direction) };
+        let ray = Ray { origin: ray.origin.broadcast(), direction: ray.direction.broadcast() };
         for (center, radius2) in leaf.spheres.lanes::<Native>() {
             let limit = Native::splat(inclusive(hit.t));
             let (mask, t) = Robust::test::<Native>(&Robust::prepare(&ray), center, radius2, limit);

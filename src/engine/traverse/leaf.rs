@@ -80,8 +80,9 @@ impl TriangleLeaf {
     /// Keeps the nearest hit of a ray with the triangles whose bits are set: none or one, seldom two.
     #[inline(always)]
     pub fn accept(&self, ahead: u32, woop: &WoopRay<f32>, slabs: &Slabs<f32>, hit: &mut Hit<f32>) {
-        for lane in set_bits(ahead).map(|lane| lane & (LEAF - 1)) {
-            intersect_one(self.corners(lane), self.primitives.primitives[lane], woop, slabs, hit);
+        for lane in set_bits(ahead) {
+            let primitive = self.primitives.primitives[lane & (LEAF - 1)];
+            intersect_one(self.corners(lane), primitive, woop, slabs, hit);
         }
     }
 

@@ -3,7 +3,7 @@
 use crate::kernel::ray_box::{Padding, Slabs};
 use crate::kernel::ray_triangle::{TriangleMethod, Woop, WoopRay};
 use crate::lane::{Lane, Native};
-use crate::math::{Ray, Vec3};
+use crate::math::Ray;
 
 /// One ray, ready for boxes and triangles.
 #[derive(Clone, Copy)]
@@ -44,15 +44,9 @@ impl<L: Lane> Packet<L> {
     }
 }
 
-/// A vector broadcast to all lanes.
-#[inline(always)]
-pub(super) fn splat_vector(v: Vec3<f32>) -> Vec3<Native> {
-    Vec3::new(Native::splat(v.x), Native::splat(v.y), Native::splat(v.z))
-}
-
 /// A ray's slabs broadcast to all lanes.
 #[inline(always)]
 pub(super) fn splat_slabs(slabs: &Slabs<f32>) -> Slabs<Native> {
     let Slabs { inverse, near, far } = *slabs;
-    Slabs { inverse: splat_vector(inverse), near: splat_vector(near), far: splat_vector(far) }
+    Slabs { inverse: inverse.broadcast(), near: near.broadcast(), far: far.broadcast() }
 }

@@ -201,11 +201,10 @@ impl WoopRay<f32> {
     #[inline(always)]
     pub fn ahead_of_block(&self, triangles: &TriangleBlock) -> NativeMask {
         let [x, y, z] = ORDERS[(self.z_axis & 3) as usize];
-        let splat = |v: Vec3<f32>| Vec3::new(Native::splat(v.x), Native::splat(v.y), Native::splat(v.z));
         let row = |vertex: usize, axis: usize| Native::load(&triangles[vertex][axis]);
         let vertex = |vertex: usize| Vec3::new(row(vertex, x), row(vertex, y), row(vertex, z));
         let vertices = [vertex(0), vertex(1), vertex(2)];
-        crossing((splat(self.origin), splat(self.shear)), vertices, exact_edge).ahead
+        crossing((self.origin.broadcast(), self.shear.broadcast()), vertices, exact_edge).ahead
     }
 
     /// One ray against one triangle given by its vertices.

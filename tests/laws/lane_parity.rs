@@ -247,7 +247,10 @@ same_at_every_width! {
         Integer(o.i.shl(0)), Integer(o.i.shl(1)), Integer(o.i.shl(23)), Integer(o.i.shl(31)),
         Integer(o.i.shr(0)), Integer(o.i.shr(1)), Integer(o.i.shr(23)), Integer(o.i.shr(31)),
     ];
-    integer_comparisons_are_the_same_at_every_width: |o| [Truth(o.i.equals(o.j)), Truth(o.i.less(o.j))];
+    integer_comparisons_are_the_same_at_every_width: |o| [
+        Truth(o.i.equals(o.j)), Truth(o.i.less(o.j)), Truth(o.i.le_signed(o.j)),
+        Integer(o.i.min_signed(o.j)), Integer(o.i.max_signed(o.j)),
+    ];
     integer_logic_is_the_same_at_every_width: |o| [
         Integer(o.i & o.j), Integer(o.i | o.j), Integer(o.i ^ o.j), Integer(!o.i),
         Integer(L::Bits::select(o.mask, o.i, o.j)),
@@ -400,6 +403,22 @@ fn packing_moves_the_lanes_of_every_mask_to_the_front() {
     check::<F32x16>();
     // At width one the only lane is the first.
     assert_eq!((7.5_f32.compress(true), 9.compress(true)), (7.5, 9));
+}
+
+#[test]
+fn numbers_in_memory_are_broadcast_bit_for_bit() {
+    fn check<L: Lane>(numbers: &[f32]) {
+        for number in numbers {
+            let lanes = L::broadcast(number);
+            for lane in 0..L::WIDTH {
+                assert_eq!(lanes.get(lane).to_bits(), number.to_bits());
+            }
+        }
+    }
+    let numbers: Vec<f32> = SPECIAL.iter().flat_map(|&x| [x, -x]).collect();
+    check::<f32>(&numbers);
+    check::<F32x8>(&numbers);
+    check::<F32x16>(&numbers);
 }
 
 fn mask_of<L: Lane>(bits: u32) -> L::Mask {

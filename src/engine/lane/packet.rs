@@ -66,6 +66,13 @@ macro_rules! packet {
         forward_operator!($ints, BitAnd::bitand, BitOr::bitor, BitXor::bitxor);
         forward_operator!($mask, BitAnd::bitand, BitOr::bitor, BitXor::bitxor);
 
+        impl $ints {
+            #[inline(always)]
+            fn signed(self) -> $i32 {
+                bytemuck::cast(self.0)
+            }
+        }
+
         impl Neg for $floats {
             type Output = Self;
             #[inline(always)]
@@ -179,6 +186,18 @@ macro_rules! packet {
                 $mask(bytemuck::cast(self.0.simd_lt(other.0)))
             }
             #[inline(always)]
+            fn min_signed(self, other: Self) -> Self {
+                Self(bytemuck::cast(self.signed().min(other.signed())))
+            }
+            #[inline(always)]
+            fn max_signed(self, other: Self) -> Self {
+                Self(bytemuck::cast(self.signed().max(other.signed())))
+            }
+            #[inline(always)]
+            fn le_signed(self, other: Self) -> $mask {
+                $mask(bytemuck::cast(self.signed().simd_le(other.signed())))
+            }
+            #[inline(always)]
             fn select(mask: $mask, if_true: Self, if_false: Self) -> Self {
                 let as_floats = |ints: Self| bytemuck::cast::<_, $f32>(ints.0);
                 Self(bytemuck::cast(mask.0.select(as_floats(if_true), as_floats(if_false))))
@@ -197,6 +216,10 @@ macro_rules! packet {
             #[inline(always)]
             fn splat(value: f32) -> Self {
                 Self($f32::splat(value))
+            }
+            #[inline(always)]
+            fn broadcast(number: &f32) -> Self {
+                Self::broadcasted(number)
             }
             #[inline(always)]
             fn from_fn(mut f: impl FnMut(usize) -> f32) -> Self {

@@ -56,6 +56,11 @@ impl U32x8 {
 }
 
 impl F32x8 {
+    /// [`Lane::broadcast`].
+    #[inline(always)]
+    pub(super) fn broadcasted(number: &f32) -> Self {
+        Self::splat(*number)
+    }
     /// [`Lane::pick`].
     #[inline(always)]
     pub(super) fn picked(table: &[f32; 8], index: U32x8) -> Self {
@@ -136,7 +141,7 @@ impl U32x16 {
     #[cfg(target_feature = "avx512f")]
     #[inline(always)]
     pub(super) fn compressed(self, mask: Mask16) -> Self {
-        super::vpcompressd::compress(self, mask)
+        super::avx512::compress(self, mask)
     }
     /// [`Bits::compress`]. A table of all masks would hold 4 MiB: the indices of each half are found by its
     /// own, then joined.
@@ -152,6 +157,14 @@ impl U32x16 {
 }
 
 impl F32x16 {
+    /// [`Lane::broadcast`].
+    #[inline(always)]
+    pub(super) fn broadcasted(number: &f32) -> Self {
+        #[cfg(target_feature = "avx512f")]
+        return super::avx512::broadcast(number);
+        #[cfg(not(target_feature = "avx512f"))]
+        Self::splat(*number)
+    }
     /// [`Lane::pick`].
     #[inline(always)]
     pub(super) fn picked(table: &[f32; 8], index: U32x16) -> Self {

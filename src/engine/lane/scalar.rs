@@ -76,6 +76,18 @@ impl Bits for u32 {
         self < other
     }
     #[inline(always)]
+    fn min_signed(self, other: Self) -> Self {
+        (self as i32).min(other as i32) as u32
+    }
+    #[inline(always)]
+    fn max_signed(self, other: Self) -> Self {
+        (self as i32).max(other as i32) as u32
+    }
+    #[inline(always)]
+    fn le_signed(self, other: Self) -> bool {
+        self as i32 <= other as i32
+    }
+    #[inline(always)]
     fn select(mask: bool, if_true: Self, if_false: Self) -> Self {
         if mask { if_true } else { if_false }
     }

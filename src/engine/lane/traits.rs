@@ -91,6 +91,12 @@ pub trait Bits:
     fn equals(self, other: Self) -> Self::Mask;
     /// Unsigned comparison.
     fn less(self, other: Self) -> Self::Mask;
+    /// The smaller one, as signed integers in two's complement.
+    fn min_signed(self, other: Self) -> Self;
+    /// The larger one, as signed integers.
+    fn max_signed(self, other: Self) -> Self;
+    /// Comparison of signed integers: self ≤ other.
+    fn le_signed(self, other: Self) -> Self::Mask;
     /// Lane by lane, one of two integers.
     fn select(mask: Self::Mask, if_true: Self, if_false: Self) -> Self;
     /// Moves the lanes of `mask` to the front and keeps their order (stream compaction). The lanes behind
@@ -121,6 +127,12 @@ pub trait Lane:
 
     /// One number in every lane.
     fn splat(value: f32) -> Self;
+    /// The same of a number in memory, for loops that would otherwise wait for an execution port: sixteen
+    /// lanes take an instruction that the compiler does not choose.
+    #[inline(always)]
+    fn broadcast(number: &f32) -> Self {
+        Self::splat(*number)
+    }
     /// Lane `i` gets `f(i)`.
     fn from_fn(f: impl FnMut(usize) -> f32) -> Self;
     /// The value of one lane.

@@ -15,10 +15,18 @@ pub struct Vec3<L> {
 }
 
 impl Vec3<f32> {
-    /// The same vector in every lane.
+    /// The components where they are, for [`Vec3::broadcast`].
+    #[inline(always)]
+    pub fn each_ref(&self) -> Vec3<&f32> {
+        Vec3 { x: &self.x, y: &self.y, z: &self.z }
+    }
+}
+
+impl Vec3<&f32> {
+    /// The same vector in every lane: [`Lane::broadcast`] of each component.
     #[inline(always)]
     pub fn broadcast<L: Lane>(self) -> Vec3<L> {
-        Vec3::new(L::splat(self.x), L::splat(self.y), L::splat(self.z))
+        Vec3::new(L::broadcast(self.x), L::broadcast(self.y), L::broadcast(self.z))
     }
 }
 

@@ -85,7 +85,7 @@ impl Hierarchy {
             self.intersect_spheres(leaf.index(), &ray.ray, hit);
         } else {
             self.with_triangles(leaf.index(), |leaf| {
-                leaf.accept(leaf.ahead(&ray.woop), &ray.woop, &ray.slabs, hit);
+                leaf.accept(leaf.ahead(ray.woop.stored()), &ray.woop, &ray.slabs, hit);
             });
         }
     }
@@ -94,7 +94,10 @@ impl Hierarchy {
     #[inline(never)]
     pub fn intersect_spheres(&self, leaf: usize, ray: &Ray<f32>, hit: &mut Hit<f32>) {
         let leaf = &self.spheres[leaf];
-        let ray = Ray { origin: ray.origin.broadcast(), direction: ray.direction.broadcast() };
+        let ray = Ray {
+            origin: ray.origin.each_ref().broadcast(),
+            direction: ray.direction.each_ref().broadcast(),
+        };
         for (center, radius2) in leaf.spheres.lanes::<Native>() {
             let limit = Native::splat(inclusive(hit.t));
             let (mask, t) = Robust::test::<Native>(&Robust::prepare(&ray), center, radius2, limit);

@@ -3,7 +3,7 @@
 use super::prepared::Packet;
 use crate::bvh::{LEAF, Leaf};
 use crate::kernel::ray_box::{Padding, Slabs, own_box};
-use crate::kernel::ray_triangle::{TriangleBlock, TriangleHit, WoopRay};
+use crate::kernel::ray_triangle::{StoredWoopRay, TriangleBlock, TriangleHit, WoopRay};
 use crate::lane::{Bits, Lane, Mask, Native, set_bits};
 use crate::math::{Hit, Vec3};
 
@@ -73,7 +73,7 @@ impl TriangleLeaf {
     /// The triangles that a ray's line passes, not behind its origin, one bit each: all that the ray hits,
     /// and few others.
     #[inline(always)]
-    pub fn ahead(&self, woop: &WoopRay<f32>) -> u32 {
+    pub fn ahead(&self, woop: StoredWoopRay) -> u32 {
         woop.ahead_of_block(&self.vertices).bitmask()
     }
 

@@ -3,7 +3,7 @@
 use crate::kernel::ray_box::{Padding, Slabs};
 use crate::kernel::ray_triangle::{TriangleMethod, Woop, WoopRay};
 use crate::lane::{Lane, Native};
-use crate::math::Ray;
+use crate::math::{Ray, Vec3};
 
 /// One ray, ready for boxes and triangles.
 #[derive(Clone, Copy)]
@@ -47,6 +47,6 @@ impl<L: Lane> Packet<L> {
 /// A ray's slabs broadcast to all lanes.
 #[inline(always)]
 pub(super) fn splat_slabs(slabs: &Slabs<f32>) -> Slabs<Native> {
-    let Slabs { inverse, near, far } = *slabs;
-    Slabs { inverse: inverse.broadcast(), near: near.broadcast(), far: far.broadcast() }
+    let all = |v: &Vec3<f32>| v.each_ref().broadcast();
+    Slabs { inverse: all(&slabs.inverse), near: all(&slabs.near), far: all(&slabs.far) }
 }

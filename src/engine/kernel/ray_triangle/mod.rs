@@ -10,4 +10,4 @@ pub use baldwin_weber::{AffineMap, BaldwinWeber};
 pub use method::{PairHit, TriangleHit, TriangleMethod};
 pub use moller_trumbore::{Edges, MollerTrumbore, MollerTrumboreEpsilon};
 pub use plucker::Plucker;
-pub use woop::{TriangleBlock, Woop, WoopContracted, WoopRay, WoopTriangle};
+pub use woop::{StoredWoopRay, TriangleBlock, Woop, WoopContracted, WoopRay, WoopTriangle};

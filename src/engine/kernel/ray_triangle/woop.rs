@@ -195,7 +195,18 @@ fn exact_edge<L: Lane>(p: (L, L), q: (L, L)) -> L {
 /// NaN where there is none.
 pub type TriangleBlock = [[[f32; NATIVE_WIDTH]; 3]; 3];
 
-impl WoopRay<f32> {
+/// [`WoopRay`] of one ray where it is stored, whose numbers a test reads straight into all lanes.
+#[derive(Clone, Copy)]
+pub struct StoredWoopRay<'a> {
+    /// As in [`WoopRay`].
+    pub z_axis: u32,
+    /// As in [`WoopRay`].
+    pub origin: Vec3<&'a f32>,
+    /// As in [`WoopRay`].
+    pub shear: Vec3<&'a f32>,
+}
+
+impl StoredWoopRay<'_> {
     /// Those triangles of a block that the ray's line passes, not behind its origin: all that
     /// [`WoopRay::test_one`] hits, and few others.
     #[inline(always)]
@@ -205,6 +216,14 @@ impl WoopRay<f32> {
         let vertex = |vertex: usize| Vec3::new(row(vertex, x), row(vertex, y), row(vertex, z));
         let vertices = [vertex(0), vertex(1), vertex(2)];
         crossing((self.origin.broadcast(), self.shear.broadcast()), vertices, exact_edge).ahead
+    }
+}
+
+impl WoopRay<f32> {
+    /// The ray where it is.
+    #[inline(always)]
+    pub fn stored(&self) -> StoredWoopRay<'_> {
+        StoredWoopRay { z_axis: self.z_axis, origin: self.origin.each_ref(), shear: self.shear.each_ref() }
     }
 
     /// One ray against one triangle given by its vertices.

@@ -1,8 +1,7 @@
 //! The entries of a stream's lists: rays of a batch, and how their hits are kept.
 
 use super::record::Record;
-use crate::bvh::WIDE;
-use crate::kernel::ray_triangle::WoopRay;
+use crate::kernel::ray_triangle::{StoredWoopRay, WoopRay};
 use crate::math::Hit;
 use crate::traverse::leaf::TriangleLeaf;
 use crate::traverse::rays::Hits;
@@ -15,44 +14,38 @@ pub const BATCH: usize = 8192;
 /// An entry of a list: a ray's index in its batch, and from this bit on the axis of its triangle tests, two
 /// bits.
 pub const AXIS_SHIFT: u32 = BATCH.trailing_zeros();
-/// From this bit on, one bit for each axis along which the ray runs backwards.
-pub const OCTANT_SHIFT: u32 = AXIS_SHIFT + 2;
-/// From this bit on, in lists of rays that reach leaves of triangles, the leaf's slot in its node.
-pub const SLOT_SHIFT: u32 = OCTANT_SHIFT + 3;
-const _: () = assert!(SLOT_SHIFT + WIDE.trailing_zeros() <= u32::BITS);
-
-/// The index of an entry's ray in its batch.
-#[inline(always)]
-fn ray(entry: u32) -> usize {
-    entry as usize & (BATCH - 1)
-}
+const _: () = assert!(AXIS_SHIFT + 2 <= u16::BITS);
 
 /// A ray of a list.
 pub struct ListedRay<'a> {
-    entry: u32,
+    entry: u16,
     /// The prepared ray.
     pub record: &'a Record,
 }
 
 impl<'a> ListedRay<'a> {
     #[inline(always)]
-    pub fn new(entry: u32, records: &'a [Record; BATCH]) -> Self {
-        Self { entry, record: &records[ray(entry)] }
+    pub fn new(entry: u16, records: &'a [Record; BATCH]) -> Self {
+        Self { entry, record: &records[entry as usize & (BATCH - 1)] }
     }
     /// Its index in the batch.
     #[inline(always)]
     pub fn ray(&self) -> usize {
-        ray(self.entry)
+        self.entry as usize & (BATCH - 1)
     }
-    /// The slot of the leaf of triangles that it reaches.
     #[inline(always)]
-    pub fn slot(&self) -> usize {
-        (self.entry >> SLOT_SHIFT) as usize & (WIDE - 1)
+    fn axis(&self) -> u32 {
+        u32::from(self.entry >> AXIS_SHIFT & 3)
     }
     /// As triangle tests take it.
     #[inline(always)]
     pub fn woop(&self) -> WoopRay<f32> {
-        self.record.woop(self.entry >> AXIS_SHIFT & 3)
+        self.record.woop(self.axis())
+    }
+    /// The same where it is.
+    #[inline(always)]
+    pub fn stored_woop(&self) -> StoredWoopRay<'_> {
+        self.record.stored_woop(self.axis())
     }
     /// Its nearest hit so far.
     #[inline(always)]
@@ -71,7 +64,7 @@ impl<'a> ListedRay<'a> {
 /// [`update_hit`] of each ray of a list.
 #[inline(always)]
 pub fn update_hits<const ANY: bool>(
-    entries: &[u32],
+    entries: &[u16],
     records: &mut [Record; BATCH],
     hits: &mut Hits,
     mut find: impl FnMut(&ListedRay, &Hits) -> Option<Hit<f32>>,
@@ -85,7 +78,7 @@ pub fn update_hits<const ANY: bool>(
 /// changes nothing.
 #[inline(always)]
 pub fn update_hit<const ANY: bool>(
-    entry: u32,
+    entry: u16,
     records: &mut [Record; BATCH],
     hits: &mut Hits,
     find: impl FnOnce(&ListedRay, &Hits) -> Option<Hit<f32>>,

@@ -5,39 +5,38 @@
 //! distance, or in slot order where any hit will do. Single rays, of which no list would pay, are traced as
 //! such.
 //!
-//! Rays of all octants share a list: an entry holds the ray's octant, from which follow the rows of the
-//! planes that it meets first, unless `SELECTS_PLANES`. A batch sorted by octant, as in the source, saves
-//! that, but its lists have an eighth of the rays, and bounces are 1.1 times slower on 4,000 triangles, 1.6
-//! times on 48,000. Only in batches within one octant, as most of primary rays, the planes stay in registers:
-//! up to 1.1 times faster.
+//! Rays of all octants share a list. A batch sorted by octant, as in the source, saves the ordering of
+//! planes, but its lists have an eighth of the rays, and bounces are 1.1 times slower on 4,000 triangles, 1.6
+//! times on 48,000. Only in batches within one octant, as most of primary rays, planes are ordered once a
+//! list.
 //!
 //! Source: Tsakok, "Faster Incoherent Rays: Multi-BVH Ray Stream Tracing", HPG 2009.
 
+mod boxes;
 mod listed;
 mod record;
 
 use super::counter::CounterSink;
-use super::frustum::Boxes;
 use super::hierarchy::Hierarchy;
 use super::leaf::TriangleLeaf;
-use super::prepared::{SingleRay, splat_slabs};
+use super::prepared::SingleRay;
 use super::rays::{Hits, Rays};
 use super::single;
 use super::stack::Stack;
 use crate::bvh::{Child, WIDE, WideNode, slots};
 use crate::kernel::ray_box::Padding;
-use crate::lane::{Bits, F32x8, Lane, Mask, NATIVE_WIDTH, Native, NativeBits, set_bits};
+use crate::lane::compaction::{CHUNK, compress_where};
+use crate::lane::{Bits, F32x8, Lane, Native, set_bits};
 use crate::math::{Ray, Vec3};
+use boxes::pass_boxes;
 pub use listed::BATCH;
-use listed::{AXIS_SHIFT, ListedRay, OCTANT_SHIFT, SLOT_SHIFT, update_hit, update_hits};
+use listed::{AXIS_SHIFT, ListedRay, update_hit, update_hits};
 use record::Record;
 
 /// Pieces of a batch, one bit of a mask each.
 const PIECES: usize = u32::BITS as usize;
 /// Rays of a piece.
 pub const PIECE: usize = BATCH / PIECES;
-/// Entries of a list that are read and written at once.
-const PACKET: usize = NATIVE_WIDTH;
 /// Lists of at most this many rays are traced one by one.
 const MAX_SINGLE: usize = 1;
 /// From this many pairs of a ray and a leaf on, triangles are tested in two loops. From 16 to 128 are alike
@@ -47,10 +46,8 @@ const MIN_LONG: usize = 24;
 /// loop: there a hit spares the tests of the other leaves.
 const MAX_LEAVES: usize = 2;
 
-/// Whether each ray selects its planes by the signs of its direction, or loads them by its octant. AMD's
-/// processors, which alone have SSE4a, select in one operation and load fewer vectors a cycle: shadow rays
-/// are 1.06 to 1.11 times as fast so (Zen 4). On Intel's they are 0.91 to 0.95 times as fast.
-const SELECTS_PLANES: bool = cfg!(target_feature = "sse4a");
+/// In `axes`, from this bit on one bit for each axis along which a ray runs backwards: above a list entry.
+const OCTANT_SHIFT: u32 = u16::BITS;
 
 /// Working memory of a thread: about a MiB.
 pub struct Stream {
@@ -58,12 +55,16 @@ pub struct Stream {
     /// The axes of the rays' triangle tests, shifted to their place in list entries.
     axes: Box<[u32; BATCH]>,
     /// Lists of rays, one after the other: a stack of lists.
-    lists: Vec<u32>,
-    /// For each ray of a list, the boxes that it passes, one bit each; then the triangles of its leaf that it
-    /// may hit.
-    masks: Vec<u32>,
-    /// List entries of the rays whose mask of triangles is not zero.
-    found: Vec<u32>,
+    lists: Vec<u16>,
+    /// For each pair of a ray and a leaf of triangles, the leaf's slot in its node.
+    slots: Vec<u8>,
+    /// For each ray of a list, the boxes that it passes, one bit each; then for each pair of a ray and a leaf
+    /// the triangles that the ray may hit.
+    masks: Vec<u16>,
+    /// The places of the pairs whose mask of triangles is not zero.
+    found: Vec<u16>,
+    /// The place of each pair: 0, 1, 2, …
+    places: Box<[u16; BATCH]>,
     /// Room for the leaves of a node, expanded.
     leaves: Box<[TriangleLeaf; WIDE]>,
     stack: Stack,
@@ -82,8 +83,10 @@ impl Stream {
             records: bytemuck::zeroed_box(),
             axes: bytemuck::zeroed_box(),
             lists: vec![0; 16 * BATCH],
-            masks: vec![0; BATCH + PACKET],
-            found: vec![0; BATCH],
+            slots: vec![0; 16 * BATCH],
+            masks: vec![0; BATCH + CHUNK],
+            found: vec![0; BATCH + CHUNK],
+            places: Box::new(std::array::from_fn(|place| place as u16)),
             leaves: Box::new([TriangleLeaf::EMPTY; WIDE]),
             stack: Stack::new(),
         }
@@ -122,19 +125,18 @@ impl Stream {
             self.prepare_piece(piece.clone(), hierarchy.padding, rays, hits);
             let entries = self.lists[count..].iter_mut().zip(&self.axes[piece.clone()]);
             for ((entry, axis), at) in entries.zip(piece.start as u32..) {
-                *entry = at | axis;
+                *entry = (at | axis) as u16;
                 octants = [octants[0] & axis, octants[1] | axis];
             }
             count += piece.len();
         }
         if count > 0 {
             let mut rays = StreamTraversal { stream: self, hierarchy, rays, hits, counter };
-            // The bits of the octant are the highest of `axes`.
             let [all, any] = octants.map(|bits| bits >> OCTANT_SHIFT);
             if !ANY && all == any {
-                rays.node::<ANY, true>(0, 0, count, count + PACKET);
+                rays.node::<ANY, true>(0, 0, count, count + CHUNK);
             } else {
-                rays.node::<ANY, false>(0, 0, count, count + PACKET);
+                rays.node::<ANY, false>(0, 0, count, count + CHUNK);
             }
         }
     }
@@ -164,30 +166,6 @@ impl Stream {
     }
 }
 
-/// The planes that a ray meets first along each axis, and those that it meets second.
-type Planes = (Vec3<Native>, Vec3<Native>);
-
-/// Chosen by the octant in the entry of a list: rows of the boxes, of which `& 7` keeps the index inside.
-#[inline(always)]
-fn planes_by_octant(boxes: &Boxes, entry: u32) -> Planes {
-    let row = |row: u32| Native::load(&boxes[row as usize & 7]);
-    let upper = |axis: u32| 3 * (entry >> (OCTANT_SHIFT + axis) & 1);
-    let (x, y, z) = (upper(0), upper(1), upper(2));
-    (Vec3::new(row(x), row(1 + y), row(2 + z)), Vec3::new(row(3 - x), row(4 - y), row(5 - z)))
-}
-
-/// The same planes, chosen by the signs of the direction's inverse.
-#[inline(always)]
-fn planes_by_sign(boxes: &Boxes, inverse: Vec3<Native>) -> Planes {
-    let row = |row: usize| Native::load(&boxes[row]);
-    let pair = |axis: usize, inverse: Native| {
-        let (backwards, lower, upper) = (inverse.is_sign_negative(), row(axis), row(axis + 3));
-        (Native::select(backwards, upper, lower), Native::select(backwards, lower, upper))
-    };
-    let (x, y, z) = (pair(0, inverse.x), pair(1, inverse.y), pair(2, inverse.z));
-    (Vec3::new(x.0, y.0, z.0), Vec3::new(x.1, y.1, z.1))
-}
-
 /// The traversal of those rays of a batch that are traced together.
 struct StreamTraversal<'a, 'b, C> {
     stream: &'a mut Stream,
@@ -209,32 +187,10 @@ impl<C: CounterSink> StreamTraversal<'_, '_, C> {
     ) {
         let node = &self.hierarchy.bvh.wide[node];
         self.counter.node(node, count);
-        let Stream { records, lists, masks, .. } = &mut *self.stream;
-        let boxes = node.boxes();
-        let of_first_ray = planes_by_octant(boxes, lists[start]);
+        let Stream { records, lists, slots: tags, masks, .. } = &mut *self.stream;
         let mut distances = Native::zero();
-        let mut all = 0;
-        for (mask, &entry) in masks.iter_mut().zip(&lists[start..start + count]) {
-            let record = ListedRay::new(entry, records).record;
-            let slabs = splat_slabs(&record.slabs());
-            let (first, second) = if ONE {
-                of_first_ray
-            } else if SELECTS_PLANES {
-                planes_by_sign(boxes, slabs.inverse)
-            } else {
-                planes_by_octant(boxes, entry)
-            };
-            let (near, far) = slabs.interval(first, second);
-            // A NaN is in both near and far; max or min keeps it, and it passes no box, not even an empty
-            // one.
-            let (near, far) = (Native::zero().max(near), Native::splat(record.t).min(far));
-            let passes = near.le(far);
-            if !ANY {
-                distances = distances + near.only(passes);
-            }
-            *mask = passes.bitmask();
-            all |= *mask;
-        }
+        let list = &lists[start..start + count];
+        let all = pass_boxes::<ANY, ONE>(node.boxes(), list, records, masks, &mut distances);
         if all == 0 {
             return;
         }
@@ -245,35 +201,42 @@ impl<C: CounterSink> StreamTraversal<'_, '_, C> {
                 .fold(0, |sum, word| sum ^ word);
             std::hint::black_box(touched);
         }
-        // Lists lie end to end, written by whole packets: first one of rays that reach leaves of triangles,
-        // with the leaves' slots, then one for each other child.
-        let most = (all.count_ones() as usize) * (count + PACKET);
+        // Lists lie end to end, written by whole chunks: first one of rays that reach leaves of triangles,
+        // then one for each other child.
+        let most = (all.count_ones() as usize) * (count + CHUNK);
         if lists.len() < free + most {
             lists.resize(free + most, 0);
         }
-        // The list is read in whole packets; the masks behind its end are cleared, so that entries there join
+        if tags.len() < most {
+            tags.resize(most, 0);
+        }
+        // The list is read in whole chunks; the masks behind its end are cleared, so that entries there join
         // no list.
-        masks[count..count + PACKET].fill(0);
-        let packets = count.div_ceil(PACKET);
+        masks[count..count + CHUNK].fill(0);
+        let chunks = count.div_ceil(CHUNK);
         let (read, write) = lists.split_at_mut(free);
-        let from = &read[start..start + packets * PACKET].as_chunks::<PACKET>().0;
-        let masks = &masks.as_chunks::<PACKET>().0[..packets];
+        let from = read[start..start + chunks * CHUNK].as_chunks::<CHUNK>().0;
+        let masks = &masks.as_chunks::<CHUNK>().0[..chunks];
         let mut top = free;
-        let mut list = |slot: usize, tag: u32| {
-            let (bit, tag) = (NativeBits::splat(1 << slot), NativeBits::splat(tag));
+        let mut list = |slot: usize| {
             let begin = top;
-            for (masks, rays) in masks.iter().zip(*from) {
-                let passes = (NativeBits::load(masks) & bit).equals(bit);
-                (NativeBits::load(rays).compress(passes) | tag).store(&mut write[top - free..]);
-                top += passes.count();
+            for (masks, rays) in masks.iter().zip(from) {
+                let to = write[top - free..].first_chunk_mut().expect("lists have room for all rays");
+                top += compress_where(rays, masks, 1 << slot, to);
             }
             (begin, top - begin)
         };
         let (nodes, triangles) = (all & node.nodes(), all & node.triangle_leaves());
-        let paired = slots(triangles).map(|slot| list(slot, (slot as u32) << SLOT_SHIFT).1).sum();
+        let mut paired = 0;
+        for slot in slots(triangles) {
+            let count = list(slot).1;
+            let tags = tags[paired..].as_chunks_mut::<CHUNK>().0;
+            tags[..count.div_ceil(CHUNK)].fill([slot as u8; CHUNK]);
+            paired += count;
+        }
         let mut spans = [(0, 0); WIDE];
         for slot in slots(all & !triangles) {
-            spans[slot] = list(slot, 0);
+            spans[slot] = list(slot);
         }
         // Leaves first, as hits in them spare tests of the nodes' children.
         if paired >= MIN_LONG && !(ANY && paired > MAX_LEAVES * count) {
@@ -301,24 +264,26 @@ impl<C: CounterSink> StreamTraversal<'_, '_, C> {
             if count <= MAX_SINGLE {
                 self.one_by_one::<ANY>(child, start, count);
             } else {
-                self.node::<ANY, ONE>(child.index(), start, count, top + PACKET);
+                self.node::<ANY, ONE>(child.index(), start, count, top + CHUNK);
             }
         }
     }
 
-    /// Tests the `count` rays listed from `start` on, each against the leaf of triangles whose slot is in its
-    /// entry: one loop over all leaves, as most lists of large hierarchies hold two rays or three.
+    /// Tests the `count` rays listed from `start` on, each against the leaf of triangles of its slot: one
+    /// loop over all leaves, as most lists of large hierarchies hold two rays or three.
     #[inline(never)]
-    fn triangles<const ANY: bool>(&mut self, node: &WideNode, slots: u32, start: usize, count: usize) {
+    fn triangles<const ANY: bool>(&mut self, node: &WideNode, reached: u32, start: usize, count: usize) {
         let Self { stream, hierarchy, hits, counter, .. } = self;
-        let Stream { records, lists, leaves, .. } = &mut **stream;
-        let leaves = hierarchy.triangle_leaves(node, slots, leaves);
-        update_hits::<ANY>(&lists[start..start + count], records, hits, |listed, hits| {
-            counter.leaf(hierarchy, node.children()[listed.slot()], 1);
-            let leaf = leaves[listed.slot()];
-            let ahead = leaf.ahead(&listed.woop());
-            (ahead != 0).then(|| listed.accept(leaf, ahead, hits))
-        });
+        let Stream { records, lists, slots, leaves, .. } = &mut **stream;
+        let leaves = hierarchy.triangle_leaves(node, reached, leaves);
+        for (&entry, &slot) in lists[start..start + count].iter().zip(&*slots) {
+            let slot = usize::from(slot) & (WIDE - 1);
+            update_hit::<ANY>(entry, records, hits, |listed, hits| {
+                counter.leaf(hierarchy, node.children()[slot], 1);
+                let ahead = leaves[slot].ahead(listed.stored_woop());
+                (ahead != 0).then(|| listed.accept(leaves[slot], ahead, hits))
+            });
+        }
     }
 
     /// The same for long lists, in two loops: the first tests all, without a branch, the second accepts what
@@ -328,32 +293,33 @@ impl<C: CounterSink> StreamTraversal<'_, '_, C> {
     fn triangles_then_hits<const ANY: bool>(
         &mut self,
         node: &WideNode,
-        slots: u32,
+        reached: u32,
         start: usize,
         count: usize,
     ) {
         let Self { stream, hierarchy, hits, counter, .. } = self;
-        let Stream { records, lists, masks, found, leaves, .. } = &mut **stream;
-        let leaves = hierarchy.triangle_leaves(node, slots, leaves);
-        for first in (start..start + count).step_by(BATCH) {
-            let tests = BATCH.min(start + count - first);
-            for (mask, &entry) in masks.iter_mut().zip(&lists[first..first + tests]) {
-                let listed = ListedRay::new(entry, records);
-                counter.leaf(hierarchy, node.children()[listed.slot()], 1);
-                *mask = leaves[listed.slot()].ahead(&listed.woop());
+        let Stream { records, lists, slots, masks, found, places, leaves, .. } = &mut **stream;
+        let leaves = hierarchy.triangle_leaves(node, reached, leaves);
+        let slot_of = |slot: u8| usize::from(slot) & (WIDE - 1);
+        let pairs = lists[start..start + count].chunks(BATCH).zip(slots.chunks(BATCH));
+        for (entries, slots) in pairs {
+            for ((mask, &entry), &slot) in masks.iter_mut().zip(entries).zip(slots) {
+                let (slot, listed) = (slot_of(slot), ListedRay::new(entry, records));
+                counter.leaf(hierarchy, node.children()[slot], 1);
+                *mask = leaves[slot].ahead(listed.stored_woop()) as u16;
             }
-            masks[tests..tests + PACKET].fill(0);
+            masks[entries.len()..entries.len() + CHUNK].fill(0);
+            let chunks = places.as_chunks::<CHUNK>().0.iter().zip(masks.as_chunks::<CHUNK>().0);
             let mut top = 0;
-            for at in (0..tests).step_by(PACKET) {
-                let mask = NativeBits::load(&masks[at..]);
-                let hit = !mask.equals(NativeBits::splat(0));
-                NativeBits::load(&lists[first + at..]).compress(hit).store(&mut found[top..]);
-                mask.compress(hit).store(&mut masks[top..]);
-                top += hit.count();
+            for (places, masks) in chunks.take(entries.len().div_ceil(CHUNK)) {
+                let to = found[top..].first_chunk_mut().expect("`found` has room for all pairs");
+                top += compress_where(places, masks, u16::MAX, to);
             }
-            for (&entry, &ahead) in found[..top].iter().zip(&*masks) {
-                update_hit::<ANY>(entry, records, hits, |listed, hits| {
-                    Some(listed.accept(leaves[listed.slot()], ahead, hits))
+            for &place in &found[..top] {
+                let place = usize::from(place) & (BATCH - 1);
+                let (slot, ahead) = (slot_of(slots[place]), u32::from(masks[place]));
+                update_hit::<ANY>(entries[place], records, hits, |listed, hits| {
+                    Some(listed.accept(leaves[slot], ahead, hits))
                 });
             }
         }

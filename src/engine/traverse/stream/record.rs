@@ -1,7 +1,7 @@
 //! The prepared rays of a stream, and their octants.
 
 use crate::kernel::ray_box::{Padding, Slabs};
-use crate::kernel::ray_triangle::{TriangleMethod, Woop, WoopRay};
+use crate::kernel::ray_triangle::{StoredWoopRay, TriangleMethod, Woop, WoopRay};
 use crate::lane::{Bits, F32x8, Lane, U32x8};
 use crate::math::{Hit, MISS, Ray, Vec3};
 use crate::traverse::rays::Hits;
@@ -11,10 +11,12 @@ use bytemuck::{Pod, Zeroable};
 #[derive(Clone, Copy, Pod, Zeroable)]
 #[repr(C, align(64))]
 pub struct Record {
-    /// The columns of [`Slabs`].
+    /// As in [`Slabs`].
     pub inverse: [f32; 3],
-    pub near: [f32; 3],
-    pub far: [f32; 3],
+    /// What a plane's product with `inverse` is added to: the lower planes along x, y, z, then the upper
+    /// ones, as in the rows of a node. For the plane that the ray meets first that of [`Slabs::near`], for
+    /// the other that of [`Slabs::far`].
+    pub rest: [f32; 6],
     /// The distance of the nearest hit so far, at first the ray's t_max; −∞ once the ray is done.
     pub t: f32,
     /// The vectors of [`WoopRay`].
@@ -27,23 +29,43 @@ impl Record {
     /// each axis along which a ray runs backwards.
     #[inline(always)]
     pub fn of_packet(ray: &Ray<F32x8>, padding: Padding, t: F32x8) -> ([Self; 8], U32x8, U32x8) {
-        let slabs = Slabs::new(ray, padding);
-        // Differs from `< 0` only for −0, the inverse of an infinite direction: its product with any plane is
-        // 0.
-        let backwards = |inverse: F32x8, axis: u32| inverse.to_bits().shr(31).shl(axis);
-        let Vec3 { x, y, z } = slabs.inverse;
-        let octants = backwards(x, 0) | backwards(y, 1) | backwards(z, 2);
+        let Slabs { inverse, near, far } = Slabs::new(ray, padding);
+        let octants = [inverse.x, inverse.y, inverse.z].map(|inverse| inverse.to_bits().shr(31));
+        let octants = octants[0] | octants[1].shl(1) | octants[2].shl(2);
+        let rest = |inverse: F32x8, near: F32x8, far: F32x8| {
+            let backwards = inverse.is_sign_negative();
+            (F32x8::select(backwards, far, near), F32x8::select(backwards, near, far))
+        };
+        let ((d, g), (e, h), (f, i)) =
+            (rest(inverse.x, near.x, far.x), rest(inverse.y, near.y, far.y), rest(inverse.z, near.z, far.z));
+        let Vec3 { x: a, y: b, z: c } = inverse;
         let (axis, origin, shear) = Woop::prepare(ray).into_parts();
-        let columns = [slabs.inverse, slabs.near, slabs.far, origin, shear].map(|v| [v.x, v.y, v.z]);
-        let [[a, b, c], [d, e, f], [g, h, i], [j, k, l], [m, n, o]] = columns;
+        let (Vec3 { x: j, y: k, z: l }, Vec3 { x: m, y: n, z: o }) = (origin, shear);
         let lanes = U32x8::from_fn(|lane| lane as u32);
         let transposed = |columns: [F32x8; 8]| F32x8::gather_rows::<8>(bytemuck::cast_slice(&columns), lanes);
         let (low, high) = (transposed([a, b, c, d, e, f, g, h]), transposed([i, t, j, k, l, m, n, o]));
         (std::array::from_fn(|lane| bytemuck::cast([low[lane], high[lane]])), axis, octants)
     }
 
+    /// Whether the ray runs backwards along an axis. Differs from a direction below 0 only for −0, whose
+    /// inverse has a sign too.
+    #[inline(always)]
+    pub fn is_backwards(&self, axis: usize) -> bool {
+        self.inverse[axis].is_sign_negative()
+    }
+
+    #[inline(always)]
     pub fn slabs(&self) -> Slabs<f32> {
-        Slabs { inverse: vector(self.inverse), near: vector(self.near), far: vector(self.far) }
+        let rest = |axis: usize| {
+            let [lower, upper] = [self.rest[axis], self.rest[axis + 3]];
+            if self.is_backwards(axis) { [upper, lower] } else { [lower, upper] }
+        };
+        let [x, y, z] = [rest(0), rest(1), rest(2)];
+        Slabs {
+            inverse: vector(self.inverse),
+            near: Vec3::new(x[0], y[0], z[0]),
+            far: Vec3::new(x[1], y[1], z[1]),
+        }
     }
 
     /// Stores the hit of the ray with this index in its batch.
@@ -53,8 +75,15 @@ impl Record {
         hits.set(ray, hit);
     }
 
+    #[inline(always)]
     pub fn woop(&self, axis: u32) -> WoopRay<f32> {
         WoopRay::from_parts(axis, vector(self.origin), vector(self.shear))
+    }
+    /// The same where it is.
+    #[inline(always)]
+    pub fn stored_woop(&self, axis: u32) -> StoredWoopRay<'_> {
+        let ([a, b, c], [x, y, z]) = (&self.origin, &self.shear);
+        StoredWoopRay { z_axis: axis, origin: Vec3 { x: a, y: b, z: c }, shear: Vec3 { x, y, z } }
     }
 }
 

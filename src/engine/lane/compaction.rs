@@ -12,28 +12,27 @@ pub fn compress_where(from: &[u16; CHUNK], masks: &[u16; CHUNK], bits: u16, to: 
     #[cfg(all(target_feature = "avx512bw", target_feature = "avx512vbmi2"))]
     return super::avx512::compress_where(from, masks, bits, to);
     #[cfg(not(all(target_feature = "avx512bw", target_feature = "avx512vbmi2")))]
-    compress_by_eight(from, masks, bits, to)
+    compress_by_table(from, masks, bits, to)
 }
 
 /// The same, eight numbers at a time by a table.
 #[cfg(any(test, not(all(target_feature = "avx512bw", target_feature = "avx512vbmi2"))))]
 #[inline(always)]
-fn compress_by_eight(from: &[u16; CHUNK], masks: &[u16; CHUNK], bits: u16, to: &mut [u16; CHUNK]) -> usize {
+fn compress_by_table(from: &[u16; CHUNK], masks: &[u16; CHUNK], bits: u16, to: &mut [u16; CHUNK]) -> usize {
     use wide::{u8x16, u16x8};
     let mut count = 0;
     for (from, masks) in from.as_chunks::<8>().0.iter().zip(masks.as_chunks::<8>().0) {
         let others = (u16x8::new(*masks) & u16x8::splat(bits)).simd_eq(u16x8::splat(0));
         let chosen = !others.to_bitmask() as usize & 0xff;
         let moved = bytemuck::cast::<_, u8x16>(*from).shuffle(u8x16::new(BYTES[chosen]));
-        // No more than `from` holds before, so that there is room for eight.
-        to[count..count + 8].copy_from_slice(bytemuck::cast_ref::<_, [u16; 8]>(&moved));
+        // `count` is at most the place of these eight in `from`, so that there is room for them.
+        to[count..count + 8].copy_from_slice(&bytemuck::cast::<_, [u16; 8]>(moved));
         count += chosen.count_ones() as usize;
     }
     count
 }
 
-/// `BYTES[m]`: the bytes of the 16-bit numbers whose bits are set in m, in ascending order, then zeros. 4
-/// KiB.
+/// `BYTES[m]`: the bytes of the numbers whose bits are set in m, in ascending order, then zeros. 4 KiB.
 #[cfg(any(test, not(all(target_feature = "avx512bw", target_feature = "avx512vbmi2"))))]
 static BYTES: [[u8; 16]; 256] = {
     let mut table = [[0; 16]; 256];
@@ -57,31 +56,22 @@ static BYTES: [[u8; 16]; 256] = {
 mod tests {
     use super::*;
 
-    /// One number after the other.
-    fn expected(from: &[u16; CHUNK], masks: &[u16; CHUNK], bits: u16) -> Vec<u16> {
-        let chosen = from.iter().zip(masks).filter(|(_, mask)| *mask & bits != 0);
-        chosen.map(|(&number, _)| number).collect()
-    }
+    type Compress = fn(&[u16; CHUNK], &[u16; CHUNK], u16, &mut [u16; CHUNK]) -> usize;
 
     #[test]
     fn the_chosen_numbers_stand_in_front_in_their_order() {
-        let from = std::array::from_fn(|lane| 1000 + 7 * lane as u16);
-        let mut random = 0x9e37_79b9_u32;
-        let mut next = || {
-            random = random.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            random >> 16
-        };
-        // Every mask of eight numbers in each place, then masks of all 32.
-        let rounds = (0..4 * 256).map(|round| (round & 255) << (8 * (round >> 8)));
-        let random: Vec<u32> = (0..10_000).map(|_| next() << 16 | next()).collect();
-        for chosen in rounds.chain([u32::MAX]).chain(random) {
-            for (bits, others) in [(1 << (chosen & 15), 0), (0x8001, 0x7ffe), (u16::MAX, 0)] {
-                // One of the bits chooses; the others never do.
-                let one = bits & bits.wrapping_neg();
-                let masks =
-                    std::array::from_fn(|lane| others | if chosen >> lane & 1 == 1 { one } else { 0 });
-                let expected = expected(&from, &masks, bits);
-                for compress in [compress_where, compress_by_eight] {
+        let from: [u16; CHUNK] = std::array::from_fn(|lane| 1000 + 7 * lane as u16);
+        // All masks of eight neighbours, then some of every lane.
+        let neighbours = (0..4 * 256).map(|round: u32| (round & 255) << (8 * (round >> 8)));
+        let some = (0..10_000_u32).map(|round| round.wrapping_mul(0x9e37_79b9));
+        for chosen in neighbours.chain(some).chain([u32::MAX]) {
+            let is_chosen = |lane: usize| chosen >> lane & 1 == 1;
+            let expected: Vec<u16> =
+                (0..CHUNK).filter(|&lane| is_chosen(lane)).map(|lane| from[lane]).collect();
+            // One of the bits chooses; others never do.
+            for (bits, one, others) in [(1 << 3, 1 << 3, 0), (0x8001, 0x8000, 0x7ffe), (u16::MAX, 1, 0)] {
+                let masks = std::array::from_fn(|lane| others | if is_chosen(lane) { one } else { 0 });
+                for compress in [compress_where as Compress, compress_by_table] {
                     let mut to = [0; CHUNK];
                     let count = compress(&from, &masks, bits, &mut to);
                     assert_eq!(to[..count], expected, "{chosen:#b}, bits {bits:#x}");

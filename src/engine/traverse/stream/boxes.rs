@@ -1,55 +1,49 @@
 //! The rays of a list against the boxes of a node.
 
-use super::listed::BATCH;
-use super::listed::ListedRay;
-use super::record::Record;
-use crate::lane::{Bits, Lane, Mask, Native, NativeBits};
+use super::listed::{BATCH, ListedRay};
+use super::record::{ORDERS_BY_T, Record};
+use crate::lane::{Bits, Lane, Mask, Native};
 use crate::math::Vec3;
 use crate::traverse::frustum::Boxes;
 
-/// Whether the two planes of an axis are ordered by their t, or by the ray's octant. AMD's processors, which
-/// alone have SSE4a, do the first in few cycles, as integers, and load fewer vectors a cycle: there the
-/// planes stay in registers for all rays of a list. Intel's load those that the ray meets first and second.
-const ORDERS_BY_T: bool = cfg!(target_feature = "sse4a");
+/// A plane along each axis.
+type Planes = Vec3<Native>;
 
-/// The rows of a node's planes in the order in which rays of an octant meet them.
-#[derive(Clone, Copy)]
-struct Order {
-    first: [usize; 3],
-    second: [usize; 3],
-}
-
-impl Order {
-    #[inline(always)]
-    fn of(record: &Record) -> Self {
-        let backwards = |axis: usize| 3 * usize::from(record.is_backwards(axis));
-        let [x, y, z] = [backwards(0), backwards(1), backwards(2)];
-        Self { first: [x, 1 + y, 2 + z], second: [3 - x, 4 - y, 5 - z] }
-    }
-}
-
-/// These rows of a node, of which `& 7` keeps the index inside.
+/// The planes that rays of an octant meet first along each axis, and those that they meet second.
 #[inline(always)]
-fn rows(boxes: &Boxes, rows: [usize; 3]) -> Vec3<Native> {
+fn in_order(boxes: &Boxes, octant: u8) -> (Planes, Planes) {
+    // `& 7` keeps the index inside.
     let row = |row: usize| Native::load(&boxes[row & 7]);
-    Vec3::new(row(rows[0]), row(rows[1]), row(rows[2]))
+    let upper = |axis: u32| 3 * usize::from(octant >> axis & 1);
+    let (x, y, z) = (upper(0), upper(1), upper(2));
+    (Vec3::new(row(x), row(1 + y), row(2 + z)), Vec3::new(row(3 - x), row(4 - y), row(5 - z)))
 }
 
-/// The t at which a ray meets three planes, given with their rows. `all` brings a number of the ray into all
-/// lanes.
+/// The t at which a ray meets planes. `all` brings a number of the ray into all lanes.
 #[inline(always)]
 fn meets(
-    record: &Record,
+    planes: Planes,
     inverse: Vec3<Native>,
-    (planes, rows): (Vec3<Native>, [usize; 3]),
+    rest: Vec3<&f32>,
     all: impl Fn(&f32) -> Native,
-) -> [NativeBits; 3] {
-    // `rest` lies behind the three numbers of `inverse`; `& 15` drops the bounds check.
-    let numbers: &[f32; 16] = bytemuck::cast_ref(record);
-    let t = |plane: Native, inverse: Native, row: usize| {
-        plane.mul_add(inverse, all(&numbers[(3 + row) & 15])).to_bits()
-    };
-    [t(planes.x, inverse.x, rows[0]), t(planes.y, inverse.y, rows[1]), t(planes.z, inverse.z, rows[2])]
+) -> Vec3<Native> {
+    Vec3::new(
+        planes.x.mul_add(inverse.x, all(rest.x)),
+        planes.y.mul_add(inverse.y, all(rest.y)),
+        planes.z.mul_add(inverse.z, all(rest.z)),
+    )
+}
+
+/// The smaller t; of NaN the second, or by their bits.
+#[inline(always)]
+fn min(a: Native, b: Native) -> Native {
+    if ORDERS_BY_T { Native::from_bits(a.to_bits().min_signed(b.to_bits())) } else { a.min(b) }
+}
+
+/// The larger t; of NaN the second, or by their bits.
+#[inline(always)]
+fn max(a: Native, b: Native) -> Native {
+    if ORDERS_BY_T { Native::from_bits(a.to_bits().max_signed(b.to_bits())) } else { a.max(b) }
 }
 
 /// Tests the rays of a list against the boxes of a node: one bit a box in `masks`, in the order of the list.
@@ -64,44 +58,49 @@ fn meets(
 pub fn pass_boxes<const ANY: bool, const ONE: bool>(
     boxes: &Boxes,
     list: &[u16],
-    records: &[Record; BATCH],
+    (records, octants): (&[Record; BATCH], &[u8; BATCH]),
     masks: &mut [u16],
     distances: &mut Native,
 ) -> u32 {
-    let Order { first, second } = Order::of(ListedRay::new(list[0], records).record);
     // Loaded once: the compiler cannot know that masks do not lie where boxes do.
-    let planes = |of: [usize; 3]| (rows(boxes, of), of);
-    let (low, high, first, second) = (planes([0, 1, 2]), planes([3, 4, 5]), planes(first), planes(second));
-    let occupied = low.0.x.le(high.0.x).bitmask();
+    let octant = octants[ListedRay::new(list[0], records).ray()];
+    let (of_octant_0, of_first_ray) = (in_order(boxes, 0), in_order(boxes, octant));
+    let occupied = of_octant_0.0.x.le(of_octant_0.1.x).bitmask();
+    // Along each axis, the place in `rest` of the number of the first plane, and of that of the second.
+    let backwards = |axis: usize| if ONE && ORDERS_BY_T { 3 * usize::from(octant >> axis & 1) } else { 0 };
+    let of_first = [backwards(0), 1 + backwards(1), 2 + backwards(2)];
+    let of_second = [3 - of_first[0], 5 - of_first[1], 7 - of_first[2]];
     let (mut all, mut sum) = (0, *distances);
     for (mask, &entry) in masks.iter_mut().zip(list) {
-        let record = ListedRay::new(entry, records).record;
+        let listed = ListedRay::new(entry, records);
+        let record = listed.record;
         let [x, y, z] = &record.inverse;
         let inverse = Vec3 { x, y, z }.broadcast();
-        // The operand of an FMA that it need not keep is read from memory by the FMA itself; the sum of the
-        // first goes where the addend was, as the factor is needed once more.
-        let both = |first: (Vec3<Native>, [usize; 3]), second: (Vec3<Native>, [usize; 3])| {
-            let first = meets(record, inverse, first, Native::broadcast);
-            (first, meets(record, inverse, second, |&number| Native::splat(number)))
+        let rest = |places: [usize; 3]| {
+            let of = |axis: usize| record.rest(places[axis]);
+            Vec3 { x: of(0), y: of(1), z: of(2) }
+        };
+        // An addend is read from memory by the FMA that may overwrite its factor; the other FMA of an axis
+        // overwrites its addend.
+        let both = |(first, second): (Planes, Planes)| {
+            let first = meets(first, inverse, rest(of_first), Native::broadcast);
+            (first, meets(second, inverse, rest(of_second), |&number| Native::splat(number)))
         };
         let (near, far) = if ONE {
-            both(first, second)
+            both(of_first_ray)
         } else if ORDERS_BY_T {
-            let (a, b) = both(low, high);
-            (
-                [a[0].min_signed(b[0]), a[1].min_signed(b[1]), a[2].min_signed(b[2])],
-                [a[0].max_signed(b[0]), a[1].max_signed(b[1]), a[2].max_signed(b[2])],
-            )
+            let (a, b) = both(of_octant_0);
+            let near = Vec3::new(min(a.x, b.x), min(a.y, b.y), min(a.z, b.z));
+            (near, Vec3::new(max(a.x, b.x), max(a.y, b.y), max(a.z, b.z)))
         } else {
-            let Order { first, second } = Order::of(record);
-            both(planes(first), planes(second))
+            both(in_order(boxes, octants[listed.ray()]))
         };
-        let near = near[0].max_signed(near[1]).max_signed(near[2].max_signed(NativeBits::splat(0)));
-        let t = NativeBits::splat(record.t.to_bits());
-        let far = far[0].min_signed(far[1]).min_signed(far[2].min_signed(t));
-        let passes = near.le_signed(far);
+        // In this order, a NaN in both is kept, and passes no box.
+        let near = max(Native::zero(), max(max(near.x, near.y), near.z));
+        let far = min(Native::splat(record.t), min(min(far.x, far.y), far.z));
+        let passes = if ORDERS_BY_T { near.to_bits().le_signed(far.to_bits()) } else { near.le(far) };
         if !ANY {
-            sum = sum + Native::from_bits(near).only(passes);
+            sum = sum + near.only(passes);
         }
         *mask = passes.bitmask() as u16;
         all |= u32::from(*mask);

@@ -13,8 +13,14 @@ pub const BATCH: usize = 8192;
 
 /// An entry of a list: a ray's index in its batch, and from this bit on the axis of its triangle tests, two
 /// bits.
-pub const AXIS_SHIFT: u32 = BATCH.trailing_zeros();
+const AXIS_SHIFT: u32 = BATCH.trailing_zeros();
 const _: () = assert!(AXIS_SHIFT + 2 <= u16::BITS);
+
+/// The entry of a ray with this index and axis.
+#[inline(always)]
+pub fn entry_of(ray: u16, axis: u8) -> u16 {
+    ray | u16::from(axis) << AXIS_SHIFT
+}
 
 /// A ray of a list.
 pub struct ListedRay<'a> {

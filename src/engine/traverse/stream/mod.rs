@@ -30,7 +30,7 @@ use crate::lane::{Bits, F32x8, Lane, Native, set_bits};
 use crate::math::{Ray, Vec3};
 use boxes::pass_boxes;
 pub use listed::BATCH;
-use listed::{AXIS_SHIFT, ListedRay, update_hit, update_hits};
+use listed::{ListedRay, entry_of, update_hit, update_hits};
 use record::Record;
 
 /// Pieces of a batch, one bit of a mask each.
@@ -46,14 +46,13 @@ const MIN_LONG: usize = 24;
 /// loop: there a hit spares the tests of the other leaves.
 const MAX_LEAVES: usize = 2;
 
-/// In `axes`, from this bit on one bit for each axis along which a ray runs backwards: above a list entry.
-const OCTANT_SHIFT: u32 = u16::BITS;
-
 /// Working memory of a thread: about a MiB.
 pub struct Stream {
     records: Box<[Record; BATCH]>,
-    /// The axes of the rays' triangle tests, shifted to their place in list entries.
+    /// The axes of the rays' triangle tests, and from bit 8 on the octants.
     axes: Box<[u32; BATCH]>,
+    /// The rays' octants: one bit for each axis along which a ray runs backwards.
+    octants: Box<[u8; BATCH]>,
     /// Lists of rays, one after the other: a stack of lists.
     lists: Vec<u16>,
     /// For each pair of a ray and a leaf of triangles, the leaf's slot in its node.
@@ -82,6 +81,7 @@ impl Stream {
         Self {
             records: bytemuck::zeroed_box(),
             axes: bytemuck::zeroed_box(),
+            octants: bytemuck::zeroed_box(),
             lists: vec![0; 16 * BATCH],
             slots: vec![0; 16 * BATCH],
             masks: vec![0; BATCH + CHUNK],
@@ -120,20 +120,21 @@ impl Stream {
     ) {
         debug_assert!(rays.len() <= BATCH);
         let of_piece = |piece: usize| piece * PIECE..rays.len().min((piece + 1) * PIECE);
-        let (mut count, mut octants) = (0, [u32::MAX, 0]);
+        let (mut count, mut of_all, mut of_any) = (0, u8::MAX, 0);
         for piece in set_bits(pieces).map(of_piece) {
             self.prepare_piece(piece.clone(), hierarchy.padding, rays, hits);
-            let entries = self.lists[count..].iter_mut().zip(&self.axes[piece.clone()]);
-            for ((entry, axis), at) in entries.zip(piece.start as u32..) {
-                *entry = (at | axis) as u16;
-                octants = [octants[0] & axis, octants[1] | axis];
+            let entries = self.lists[count..].iter_mut().zip(&mut self.octants[piece.clone()]);
+            let axes = self.axes[piece.clone()].iter().zip(piece.start as u16..);
+            for ((entry, octant), (&axis, ray)) in entries.zip(axes) {
+                *entry = entry_of(ray, axis as u8);
+                *octant = (axis >> 8) as u8;
+                (of_all, of_any) = (of_all & *octant, of_any | *octant);
             }
             count += piece.len();
         }
         if count > 0 {
             let mut rays = StreamTraversal { stream: self, hierarchy, rays, hits, counter };
-            let [all, any] = octants.map(|bits| bits >> OCTANT_SHIFT);
-            if !ANY && all == any {
+            if !ANY && of_all == of_any {
                 rays.node::<ANY, true>(0, 0, count, count + CHUNK);
             } else {
                 rays.node::<ANY, false>(0, 0, count, count + CHUNK);
@@ -162,7 +163,7 @@ impl Stream {
     fn prepare(&mut self, at: usize, ray: &Ray<F32x8>, padding: Padding, t: F32x8) {
         let (records, axes, octants) = Record::of_packet(ray, padding, t);
         self.records[at..at + F32x8::WIDTH].copy_from_slice(&records);
-        (axes.shl(AXIS_SHIFT) | octants.shl(OCTANT_SHIFT)).store(&mut self.axes[at..]);
+        (axes | octants.shl(8)).store(&mut self.axes[at..]);
     }
 }
 
@@ -187,10 +188,10 @@ impl<C: CounterSink> StreamTraversal<'_, '_, C> {
     ) {
         let node = &self.hierarchy.bvh.wide[node];
         self.counter.node(node, count);
-        let Stream { records, lists, slots: tags, masks, .. } = &mut *self.stream;
+        let Stream { records, octants, lists, slots: tags, masks, .. } = &mut *self.stream;
         let mut distances = Native::zero();
         let list = &lists[start..start + count];
-        let all = pass_boxes::<ANY, ONE>(node.boxes(), list, records, masks, &mut distances);
+        let all = pass_boxes::<ANY, ONE>(node.boxes(), list, (records, octants), masks, &mut distances);
         if all == 0 {
             return;
         }
@@ -230,8 +231,11 @@ impl<C: CounterSink> StreamTraversal<'_, '_, C> {
         let mut paired = 0;
         for slot in slots(triangles) {
             let count = list(slot).1;
-            let tags = tags[paired..].as_chunks_mut::<CHUNK>().0;
-            tags[..count.div_ceil(CHUNK)].fill([slot as u8; CHUNK]);
+            // A whole chunk at first, as most lists are short.
+            tags[paired..paired + CHUNK].fill(slot as u8);
+            if count > CHUNK {
+                tags[paired + CHUNK..paired + count].fill(slot as u8);
+            }
             paired += count;
         }
         let mut spans = [(0, 0); WIDE];

@@ -2,10 +2,16 @@
 
 use crate::kernel::ray_box::{Padding, Slabs};
 use crate::kernel::ray_triangle::{StoredWoopRay, TriangleMethod, Woop, WoopRay};
-use crate::lane::{Bits, F32x8, Lane, U32x8};
+use crate::lane::{Bits, F32x8, Lane, Mask, U32x8};
 use crate::math::{Hit, MISS, Ray, Vec3};
 use crate::traverse::rays::Hits;
 use bytemuck::{Pod, Zeroable};
+
+/// Whether boxes are tested with the two planes of an axis ordered by their t, or by the ray's octant. AMD's
+/// processors, which alone have SSE4a, do the first in few cycles, as integers, and load fewer vectors a
+/// cycle: there the planes stay in registers for all rays of a list. Others load those that the ray meets
+/// first and second.
+pub const ORDERS_BY_T: bool = cfg!(target_feature = "sse4a");
 
 /// A ray ready for boxes and triangles: one cache line.
 #[derive(Clone, Copy, Pod, Zeroable)]
@@ -13,10 +19,9 @@ use bytemuck::{Pod, Zeroable};
 pub struct Record {
     /// As in [`Slabs`].
     pub inverse: [f32; 3],
-    /// What a plane's product with `inverse` is added to: the lower planes along x, y, z, then the upper
-    /// ones, as in the rows of a node. For the plane that the ray meets first that of [`Slabs::near`], for
-    /// the other that of [`Slabs::far`].
-    pub rest: [f32; 6],
+    /// [`Slabs::near`] and [`Slabs::far`]; with [`ORDERS_BY_T`] exchanged along axes on which the ray runs
+    /// backwards, so that they belong to the lower and the upper planes of boxes.
+    rest: [f32; 6],
     /// The distance of the nearest hit so far, at first the ray's t_max; −∞ once the ray is done.
     pub t: f32,
     /// The vectors of [`WoopRay`].
@@ -30,10 +35,11 @@ impl Record {
     #[inline(always)]
     pub fn of_packet(ray: &Ray<F32x8>, padding: Padding, t: F32x8) -> ([Self; 8], U32x8, U32x8) {
         let Slabs { inverse, near, far } = Slabs::new(ray, padding);
+        // Differs from a direction below 0 only for −0, whose inverse has the sign too.
         let octants = [inverse.x, inverse.y, inverse.z].map(|inverse| inverse.to_bits().shr(31));
         let octants = octants[0] | octants[1].shl(1) | octants[2].shl(2);
         let rest = |inverse: F32x8, near: F32x8, far: F32x8| {
-            let backwards = inverse.is_sign_negative();
+            let backwards = inverse.is_sign_negative() & Mask::splat(ORDERS_BY_T);
             (F32x8::select(backwards, far, near), F32x8::select(backwards, near, far))
         };
         let ((d, g), (e, h), (f, i)) =
@@ -47,18 +53,23 @@ impl Record {
         (std::array::from_fn(|lane| bytemuck::cast([low[lane], high[lane]])), axis, octants)
     }
 
-    /// Whether the ray runs backwards along an axis. Differs from a direction below 0 only for −0, whose
-    /// inverse has a sign too.
+    /// The number of `rest` at this place, 0 to 5.
     #[inline(always)]
-    pub fn is_backwards(&self, axis: usize) -> bool {
-        self.inverse[axis].is_sign_negative()
+    pub fn rest(&self, place: usize) -> &f32 {
+        // It lies behind the three numbers of `inverse`; `& 15` drops the bounds check.
+        let numbers: &[f32; 16] = bytemuck::cast_ref(self);
+        &numbers[(3 + place) & 15]
     }
 
     #[inline(always)]
     pub fn slabs(&self) -> Slabs<f32> {
         let rest = |axis: usize| {
-            let [lower, upper] = [self.rest[axis], self.rest[axis + 3]];
-            if self.is_backwards(axis) { [upper, lower] } else { [lower, upper] }
+            let [first, second] = [self.rest[axis], self.rest[3 + axis]];
+            if ORDERS_BY_T && self.inverse[axis].is_sign_negative() {
+                [second, first]
+            } else {
+                [first, second]
+            }
         };
         let [x, y, z] = [rest(0), rest(1), rest(2)];
         Slabs {

@@ -5,7 +5,7 @@ use super::hierarchy::Hierarchy;
 use super::prepared::SingleRay;
 use super::rays::{Hits, Rays};
 use super::stack::Stack;
-use super::stream::{BATCH, PIECE, Stream};
+use super::stream::{BATCH, PIECE, PIECES, Stream};
 use super::tile::{self, Packets, TILE};
 use super::{scalar, single};
 use crate::choice::choices;
@@ -13,7 +13,7 @@ use crate::lane::NATIVE_WIDTH;
 use crate::math::Hit;
 
 // A tile is a piece of a stream's batch.
-const _: () = assert!(PIECE == TILE);
+const _: () = assert!(PIECE == TILE && BATCH <= TILE * u64::BITS as usize);
 
 choices! {
     /// A traversal of the hierarchy. All give the same hits, bit for bit.
@@ -39,7 +39,7 @@ impl Traversal {
 #[derive(Default)]
 pub struct Tracer {
     stack: Stack,
-    /// About a MiB, allocated at first use.
+    /// Two MiB, allocated at first use.
     stream: Option<Box<Stream>>,
 }
 
@@ -114,7 +114,7 @@ impl Tracer {
         for first in (0..rays.len()).step_by(BATCH) {
             let batch = first..rays.len().min(first + BATCH);
             let (rays, mut hits) = (rays.range(batch.clone()), hits.range(batch));
-            let mut apart = 0u32;
+            let mut apart = 0u64;
             for (tile, first) in (0..rays.len()).step_by(TILE).enumerate() {
                 let range = first..rays.len().min(first + TILE);
                 let together = !ANY
@@ -126,10 +126,21 @@ impl Tracer {
                         packets,
                         counter,
                     );
-                apart |= u32::from(!together) << tile;
+                apart |= u64::from(!together) << tile;
             }
-            if apart != 0 {
-                self.stream().trace_pieces::<ANY>(hierarchy, &rays, &mut hits, apart, counter);
+            // None is a tile of camera rays, or none pays.
+            if apart.count_ones() as usize == rays.len().div_ceil(TILE) {
+                self.stream().trace::<ANY>(hierarchy, &rays, &mut hits, counter);
+                continue;
+            }
+            // Camera rays of more tiles share little, and leave the cache.
+            for (half, first) in (0..rays.len()).step_by(PIECES * PIECE).enumerate() {
+                let pieces = (apart >> (PIECES * half)) as u32;
+                if pieces != 0 {
+                    let half = first..rays.len().min(first + PIECES * PIECE);
+                    let (rays, hits) = (&rays.range(half.clone()), &mut hits.range(half));
+                    self.stream().trace_pieces::<ANY>(hierarchy, rays, hits, pieces, counter);
+                }
             }
         }
     }

@@ -13,11 +13,14 @@ use crate::traverse::batch::{Tracer, Traversal};
 use crate::traverse::counter::{Counter, Counts};
 use crate::traverse::hierarchy::Hierarchy;
 use crate::traverse::rays::{Hits, Rays, RaysAndHits};
+use crate::traverse::stream::PIECE;
 use crate::traverse::{Methods, Primitives, TraversalChoice};
 use rayon::prelude::*;
 
-/// Rays of a thread's unit of work: whole tiles, and a whole batch of a stream.
+/// Most rays of a thread's unit of work: a whole batch of a stream.
 const CHUNK: usize = crate::traverse::stream::BATCH;
+/// Units of work for each thread, so that all end at about the same time.
+const UNITS: usize = 4;
 
 /// A method of finding hits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -179,15 +182,17 @@ impl TracePool {
             return work(0, &mut answers.hits());
         }
         debug_assert_eq!(rays, answers.t.len());
+        // Whole tiles.
+        let chunk = rays.div_ceil(UNITS * self.threads()).next_multiple_of(PIECE).min(CHUNK);
         let Answers { t, primitive, u, v } = answers;
         let columns = (
-            t.par_chunks_mut(CHUNK),
-            primitive.par_chunks_mut(CHUNK),
-            u.par_chunks_mut(CHUNK),
-            v.par_chunks_mut(CHUNK),
+            t.par_chunks_mut(chunk),
+            primitive.par_chunks_mut(chunk),
+            u.par_chunks_mut(chunk),
+            v.par_chunks_mut(chunk),
         );
-        columns.into_par_iter().enumerate().for_each(|(chunk, (t, primitive, u, v))| {
-            work(chunk * CHUNK, &mut Hits { t, primitive, u, v });
+        columns.into_par_iter().enumerate().for_each(|(unit, (t, primitive, u, v))| {
+            work(unit * chunk, &mut Hits { t, primitive, u, v });
         });
     }
 }

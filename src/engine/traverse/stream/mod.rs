@@ -32,11 +32,12 @@ use boxes::pass_boxes;
 pub use listed::BATCH;
 use listed::{ListedRay, entry_of, update_hit, update_hits};
 use record::Record;
+use std::ops::Range;
 
-/// Pieces of a batch, one bit of a mask each.
-const PIECES: usize = u32::BITS as usize;
 /// Rays of a piece.
-pub const PIECE: usize = BATCH / PIECES;
+pub const PIECE: usize = 256;
+/// Pieces that [`Stream::trace_pieces`] chooses among, one bit of a mask each.
+pub const PIECES: usize = u32::BITS as usize;
 /// Lists of at most this many rays are traced one by one.
 const MAX_SINGLE: usize = 1;
 /// From this many pairs of a ray and a leaf on, triangles are tested in two loops. From 16 to 128 are alike
@@ -46,7 +47,7 @@ const MIN_LONG: usize = 24;
 /// loop: there a hit spares the tests of the other leaves.
 const MAX_LEAVES: usize = 2;
 
-/// Working memory of a thread: about a MiB.
+/// Working memory of a thread: two MiB.
 pub struct Stream {
     records: Box<[Record; BATCH]>,
     /// The axes of the rays' triangle tests, and from bit 8 on the octants.
@@ -102,14 +103,13 @@ impl Stream {
     ) {
         for first in (0..rays.len()).step_by(BATCH) {
             let batch = first..rays.len().min(first + BATCH);
-            let all = u32::MAX >> (PIECES - batch.len().div_ceil(PIECE));
-            let (rays, hits) = (&rays.range(batch.clone()), &mut hits.range(batch));
-            self.trace_pieces::<ANY>(hierarchy, rays, hits, all, counter);
+            let (whole, rays, hits) = (0..batch.len(), &rays.range(batch.clone()), &mut hits.range(batch));
+            self.trace_ranges::<ANY>(hierarchy, rays, hits, [whole].into_iter(), counter);
         }
     }
 
-    /// The same for some pieces of up to [`BATCH`] rays: bit p of `pieces` stands for the up to [`PIECE`]
-    /// rays from p · [`PIECE`] on. Domain: no bit of an empty piece is set.
+    /// The same for some pieces of the rays: bit p of `pieces` stands for the up to [`PIECE`] rays from p ·
+    /// [`PIECE`] on. Domain: no bit of an empty piece is set.
     pub fn trace_pieces<const ANY: bool>(
         &mut self,
         hierarchy: &Hierarchy,
@@ -118,19 +118,33 @@ impl Stream {
         pieces: u32,
         counter: impl CounterSink,
     ) {
-        debug_assert!(rays.len() <= BATCH);
         let of_piece = |piece: usize| piece * PIECE..rays.len().min((piece + 1) * PIECE);
+        let ranges = set_bits(pieces).map(of_piece);
+        self.trace_ranges::<ANY>(hierarchy, rays, hits, ranges, counter);
+    }
+
+    /// The same for ranges of up to [`BATCH`] rays, which are traced together.
+    #[inline(always)]
+    fn trace_ranges<const ANY: bool>(
+        &mut self,
+        hierarchy: &Hierarchy,
+        rays: &Rays,
+        hits: &mut Hits,
+        ranges: impl Iterator<Item = Range<usize>>,
+        counter: impl CounterSink,
+    ) {
+        debug_assert!(rays.len() <= BATCH);
         let (mut count, mut of_all, mut of_any) = (0, u8::MAX, 0);
-        for piece in set_bits(pieces).map(of_piece) {
-            self.prepare_piece(piece.clone(), hierarchy.padding, rays, hits);
-            let entries = self.lists[count..].iter_mut().zip(&mut self.octants[piece.clone()]);
-            let axes = self.axes[piece.clone()].iter().zip(piece.start as u16..);
+        for range in ranges {
+            self.prepare_range(range.clone(), hierarchy.padding, rays, hits);
+            let entries = self.lists[count..].iter_mut().zip(&mut self.octants[range.clone()]);
+            let axes = self.axes[range.clone()].iter().zip(range.start as u16..);
             for ((entry, octant), (&axis, ray)) in entries.zip(axes) {
                 *entry = entry_of(ray, axis as u8);
                 *octant = (axis >> 8) as u8;
                 (of_all, of_any) = (of_all & *octant, of_any | *octant);
             }
-            count += piece.len();
+            count += range.len();
         }
         if count > 0 {
             let mut rays = StreamTraversal { stream: self, hierarchy, rays, hits, counter };
@@ -142,13 +156,12 @@ impl Stream {
         }
     }
 
-    /// Prepares the rays of a piece.
-    fn prepare_piece(&mut self, piece: std::ops::Range<usize>, padding: Padding, rays: &Rays, hits: &Hits) {
-        let whole = piece.end - piece.len() % F32x8::WIDTH;
-        for at in (piece.start..whole).step_by(F32x8::WIDTH) {
+    fn prepare_range(&mut self, range: Range<usize>, padding: Padding, rays: &Rays, hits: &Hits) {
+        let whole = range.end - range.len() % F32x8::WIDTH;
+        for at in (range.start..whole).step_by(F32x8::WIDTH) {
             self.prepare(at, &rays.packet(at), padding, F32x8::load(&hits.t[at..]));
         }
-        if whole < piece.end {
+        if whole < range.end {
             // An incomplete last packet is filled with its first ray.
             let lane =
                 |column: &[f32]| F32x8::from_fn(|lane| *column[whole..].get(lane).unwrap_or(&column[whole]));

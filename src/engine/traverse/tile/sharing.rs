@@ -65,14 +65,15 @@ const PACKET: f32 = 16.0;
 /// Rays of a full tile.
 const RAYS: f32 = PACKETS_A_SIDE * PACKETS_A_SIDE * PACKET;
 
-/// Packets pay where (rays that share a leaf)³ is at least (entry points / 27)⁴: one ray with 27 entry
-/// points, 3.2 with 64, of 16 whatever the width. The more entry points, the more a stream saves, which tests
+/// Packets pay where (rays that share a leaf)³ is at least (entry points / 23)⁴: one ray with 23 entry
+/// points, 3.9 with 64, of 16 whatever the width. The more entry points, the more a stream saves, which tests
 /// a ray against many boxes at once.
 ///
-/// Fitted to 13,500 tiles traced in both ways, of 15 views of knots, terrains and scans of 4,000 to 1,000,000
-/// triangles (16 lanes, AMD Zen 4): `perf/README.md`.
+/// The exponent is fitted to 13,500 tiles traced in both ways, of 15 views of knots, terrains and scans of
+/// 4,000 to 1,000,000 triangles (16 lanes, AMD Zen 4), the 23 to the speed of streams since then:
+/// `perf/README.md`.
 fn are_shared_enough(shared: f32, entry_points: usize) -> bool {
-    let entry_points = entry_points as f32 / 27.0;
+    let entry_points = entry_points as f32 / 23.0;
     shared * shared * shared >= entry_points * entry_points * entry_points * entry_points
 }
 
@@ -108,7 +109,7 @@ mod tests {
 
     #[test]
     fn more_entry_points_ask_for_more_rays_that_share_a_leaf() {
-        assert!(are_shared_enough(1.0, 27) && !are_shared_enough(1.0, 28));
-        assert!(are_shared_enough(3.2, 64) && !are_shared_enough(3.1, 64));
+        assert!(are_shared_enough(1.0, 23) && !are_shared_enough(1.0, 24));
+        assert!(are_shared_enough(4.0, 64) && !are_shared_enough(3.9, 64));
     }
 }

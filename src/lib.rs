@@ -31,17 +31,15 @@
 //! |---|---|---|
 //! | scene file | what the user wrote | [`scene`] |
 //! | [`scene::Scene`] | the validated scene | [`scene`] |
-//! | [`buffers::Buffers`] and its features | structure-of-arrays buffers, and what the scene uses |
-//! [`buffers`] | | packets and queues | 8 or 16 rays and a mask; the paths of a tile in structure-of-arrays
-//! form | [`math`], [`integrate`] |
+//! | [`buffers::Buffers`] and its features | structure-of-arrays buffers, and what the scene uses | [`buffers`] |
+//! | packets and queues | 8 or 16 rays and a mask; the paths of a tile in structure-of-arrays form | [`math`], [`integrate`] |
 //! | [`film::Film`] | sums of linear radiance, in a fixed order | [`film`], [`render`] |
 //! | picture file | the displayed or linear picture | [`output`] |
 //!
 //! # Modules, each importing only those above it
 //! | module | what it holds |
 //! |---|---|
-//! | [`lane`] | width as a type: `f32`, `F32x8` and `F32x16` behind one trait, with the elementary functions
-//! |
+//! | [`lane`] | width as a type: `f32`, `F32x8` and `F32x16` behind one trait, with the elementary functions |
 //! | [`math`] | vectors, rays and hits of lanes; rounding error bounds |
 //! | [`mod@choice`] | named alternatives that the command line, view files and reports share |
 //! | [`wording`] | numbers and nouns in text |
@@ -79,7 +77,7 @@
 //! - **Conservative culling.** A culled test never changes a hit.
 //! - **Speed and accuracy.** A speed is reported together with its accuracy, and the default methods are
 //!   robust.
-//! - **Safe.** The dependencies `wide` and `bytemuck` contain what is needed, but for three instructions of
+//! - **Safe.** The dependencies `wide` and `bytemuck` contain what is needed, but for a few instructions of
 //!   AVX-512: their `unsafe` blocks are a module of their own.
 
 #![forbid(unsafe_code)]

@@ -11,8 +11,7 @@
 //! | [`scene::Scene`] | a valid scene: its existence is the proof of validity | [`scene`] |
 //! | [`buffers::Buffers`] | aligned structure-of-arrays buffers | [`buffers`], [`bvh`] |
 //! | [`buffers::Features`] | the features that the scene uses | [`buffers`] |
-//! | packets and queues | 8 or 16 rays and a mask; the paths of one or several tiles, as columns | [`math`],
-//! [`integrate`] |
+//! | packets and queues | 8 or 16 rays and a mask; the paths of one or several tiles, as columns | [`math`], [`integrate`] |
 //! | [`film::Film`] | sums of linear radiance, in a fixed order | [`film`], [`render`] |
 //!
 //! The integrator runs in stages over the paths of a tile: generate camera rays → intersect → shade → trace
@@ -52,7 +51,7 @@
 //! - **Conservative culling.** Whatever skips a test gives the same hit as testing every primitive.
 //! - **Kernels are pure.** Values in, (mask, values) out: they allocate nothing, look nothing up and never
 //!   panic.
-//! - **Safe.** `wide` and `bytemuck` contain what is needed, but for three instructions: `lane::avx512` has
+//! - **Safe.** `wide` and `bytemuck` contain what is needed, but for a few instructions: `lane::avx512` has
 //!   the only `unsafe` blocks.
 
 #![deny(unsafe_code)]

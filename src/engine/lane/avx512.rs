@@ -2,7 +2,7 @@
 //!
 //! For: `packet`, `permute`, `compaction`. May import: `packet`, `traits`. Must never know: what is computed.
 //!
-//! The only unsafe code of octray: one block an instruction. The instructions read and write nothing but what
+//! The only unsafe code of octray: one block a function. The instructions read and write nothing but what
 //! references lead to, and each exists only in builds for processors that have it. Laws compare them with
 //! what they do lane by lane. Miri cannot: it does not know them. What each is worth is in perf/README.md.
 

@@ -183,7 +183,7 @@ impl TracePool {
         }
         debug_assert_eq!(rays, answers.t.len());
         // Whole tiles.
-        let chunk = rays.div_ceil(UNITS * self.threads()).next_multiple_of(PIECE).min(CHUNK);
+        let chunk = rays.div_ceil(UNITS * self.threads()).next_multiple_of(PIECE).clamp(PIECE, CHUNK);
         let Answers { t, primitive, u, v } = answers;
         let columns = (
             t.par_chunks_mut(chunk),
@@ -194,5 +194,20 @@ impl TracePool {
         columns.into_par_iter().enumerate().for_each(|(unit, (t, primitive, u, v))| {
             work(unit * chunk, &mut Hits { t, primitive, u, v });
         });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::measure::ray_sets::Kind;
+
+    #[test]
+    fn no_rays_are_no_work_on_any_number_of_threads() {
+        let none = || [Vec::new(), Vec::new(), Vec::new()];
+        let set = RaySet { kind: Kind::Shadow, origin: none(), direction: none(), t_max: Vec::new() };
+        for threads in [1, 2, 5] {
+            TracePool::new(threads).clear(&set, &mut Answers::none(&set));
+        }
     }
 }

@@ -50,10 +50,10 @@ fn max(a: Native, b: Native) -> Native {
 /// Returns the boxes that any of them passes. Adds the entry distances to `distances`, box by box, unless any
 /// hit will do. With `ONE` all rays run into one octant.
 ///
-/// A t is compared as an integer: bits of non-negative floats have the order of the floats. Negative ones are
-/// below all those, in reverse order among themselves, which changes nothing: intervals start at 0 or later,
-/// and end before that or not. A NaN is above or below all numbers by its sign. In both bounds alike, as rays
-/// that have one have it, it passes no box.
+/// With [`ORDERS_BY_T`] a t is compared as an integer: bits of non-negative floats have the order of the
+/// floats. Negative ones are below all those, in reverse order among themselves, which changes nothing:
+/// intervals start at 0 or later, and end before that or not. A NaN is above or below all numbers by its
+/// sign: a ray that has one may pass no box, or more than it meets, and triangle tests keep no hit of it.
 #[inline(always)]
 pub fn pass_boxes<const ANY: bool, const ONE: bool>(
     boxes: &Boxes,
@@ -95,7 +95,7 @@ pub fn pass_boxes<const ANY: bool, const ONE: bool>(
         } else {
             both(in_order(boxes, octants[listed.ray()]))
         };
-        // In this order, a NaN in both is kept, and passes no box.
+        // As floats, a NaN in both is kept in this order, and passes no box.
         let near = max(Native::zero(), max(max(near.x, near.y), near.z));
         let far = min(Native::splat(record.t), min(min(far.x, far.y), far.z));
         let passes = if ORDERS_BY_T { near.to_bits().le_signed(far.to_bits()) } else { near.le(far) };

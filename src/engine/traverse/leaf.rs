@@ -3,7 +3,7 @@
 use super::prepared::Packet;
 use crate::bvh::{LEAF, Leaf};
 use crate::kernel::ray_box::{Padding, Slabs, own_box};
-use crate::kernel::ray_triangle::{StoredWoopRay, TriangleBlock, TriangleHit, WoopRay};
+use crate::kernel::ray_triangle::{StoredWoopRay, TriangleBlock, WoopRay};
 use crate::lane::{Bits, Lane, Mask, Native, set_bits};
 use crate::math::{Hit, Vec3};
 
@@ -91,9 +91,20 @@ impl TriangleLeaf {
         self.vertices.each_ref().map(|vertex| vertex.each_ref().map(|row| row[lane & (LEAF - 1)]))
     }
 
-    /// A packet against one of the triangles; whether any ray found a nearer hit.
+    /// Those of the triangles in `lanes` that the line of any of a packet's rays passes, not behind its
+    /// origin, one bit each; all of them where the rays have different z axes.
     #[inline(always)]
-    pub fn intersect_packet<L: Lane>(
+    pub fn ahead_of_packet<L: Lane>(&self, lanes: u32, packet: &Packet<L>) -> u32 {
+        let Some(axis) = packet.axis else { return lanes };
+        set_bits(lanes).fold(0, |ahead, lane| {
+            ahead | u32::from(packet.woop.is_lane_ahead(axis, &self.vertices, lane)) << lane
+        })
+    }
+
+    /// Keeps the nearest hits of a packet's rays with one of the triangles; whether any of them was nearer.
+    /// Out of line: the calling loop stays in registers.
+    #[inline(never)]
+    pub fn accept_packet<L: Lane>(
         &self,
         lane: usize,
         padding: Padding,
@@ -104,20 +115,7 @@ impl TriangleLeaf {
             Some(axis) => packet.woop.test_lane_along(axis, &self.vertices, lane),
             None => packet.woop.test_corners(self.corners(lane)),
         };
-        found.is_some_and(|found| self.accept_lanes(lane, padding, packet, &found, hit))
-    }
-
-    /// Applies the rule of the own box to a packet's hits and keeps those that are nearer. Out of line: the
-    /// calling loop stays in registers.
-    #[inline(never)]
-    fn accept_lanes<L: Lane>(
-        &self,
-        lane: usize,
-        padding: Padding,
-        packet: &mut Packet<L>,
-        found: &TriangleHit<L>,
-        hit: &mut Hit<L>,
-    ) -> bool {
+        let Some(found) = found else { return false };
         let infinite = L::splat(f32::INFINITY);
         let splat = |[x, y, z]: [f32; 3]| Vec3::new(L::splat(x), L::splat(y), L::splat(z));
         let slabs = packet.slabs.get_or_insert_with(|| Slabs::new(&packet.ray, padding));

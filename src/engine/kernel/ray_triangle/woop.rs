@@ -268,13 +268,25 @@ impl<L: Lane> WoopRay<L> {
         triangles: &TriangleBlock,
         lane: usize,
     ) -> Option<TriangleHit<L>> {
+        self.crossing_along(axis, triangles, lane).hit(self.shear)
+    }
+
+    /// Whether the line of any of these rays passes the triangle, not behind the origin: wherever
+    /// [`WoopRay::test_lane_along`] finds a hit, and seldom elsewhere.
+    #[inline(always)]
+    pub fn is_lane_ahead(&self, axis: u32, triangles: &TriangleBlock, lane: usize) -> bool {
+        self.crossing_along(axis, triangles, lane).ahead.any()
+    }
+
+    #[inline(always)]
+    fn crossing_along(&self, axis: u32, triangles: &TriangleBlock, lane: usize) -> Crossing<L> {
         let [x, y, z] = ORDERS[(axis & 3) as usize];
         let lane = lane & (NATIVE_WIDTH - 1);
         let vertex = |rows: &[[f32; NATIVE_WIDTH]; 3]| {
             Vec3::new(L::splat(rows[x][lane]), L::splat(rows[y][lane]), L::splat(rows[z][lane]))
         };
         let [a, b, c] = triangles;
-        woop((self.origin, self.shear), [vertex(a), vertex(b), vertex(c)], exact_edge)
+        crossing((self.origin, self.shear), [vertex(a), vertex(b), vertex(c)], exact_edge)
     }
 }
 

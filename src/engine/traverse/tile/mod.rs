@@ -136,12 +136,13 @@ impl<'a, L: Lane, C: CounterSink> PacketTraversal<'a, L, C> {
             let (_, meets) =
                 self.frustum.pass(|upper| main[upper & 1], |axis| triangles.planes(axis), self.limit);
             self.counter.packet_triangles(self.hierarchy, leaf, L::WIDTH, meets);
-            let mut closer = false;
-            for lane in meets.lanes() {
-                closer |=
-                    triangles.intersect_packet(lane, self.hierarchy.padding, &mut self.packet, &mut self.hit);
-            }
-            closer
+            // All triangles first, without a branch for whether one is hit, which would often be predicted
+            // wrong; those that are hit are tested again.
+            let ahead = triangles.ahead_of_packet(meets.bitmask(), &self.packet);
+            let Self { hierarchy, packet, hit, .. } = self;
+            set_bits(ahead).fold(false, |closer, lane| {
+                closer | triangles.accept_packet(lane, hierarchy.padding, packet, hit)
+            })
         });
         if closer {
             self.shorten();

@@ -77,8 +77,8 @@
 //! - **Conservative culling.** A culled test never changes a hit.
 //! - **Speed and accuracy.** A speed is reported together with its accuracy, and the default methods are
 //!   robust.
-//! - **Safe.** The dependencies `wide` and `bytemuck` contain what is needed, but for a few instructions of
-//!   AVX-512: their `unsafe` blocks are a module of their own.
+//! - **Safe.** The dependencies `wide` and `bytemuck` contain what is needed, but for a few instructions:
+//!   their `unsafe` blocks are a module of their own.
 
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]

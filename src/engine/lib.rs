@@ -51,8 +51,8 @@
 //! - **Conservative culling.** Whatever skips a test gives the same hit as testing every primitive.
 //! - **Kernels are pure.** Values in, (mask, values) out: they allocate nothing, look nothing up and never
 //!   panic.
-//! - **Safe.** `wide` and `bytemuck` contain what is needed, but for a few instructions: `lane::avx512` has
-//!   the only `unsafe` blocks.
+//! - **Safe.** `wide` and `bytemuck` contain what is needed, but for a few instructions: `lane` has the
+//!   only `unsafe` blocks.
 
 #![deny(unsafe_code)]
 #![warn(missing_docs)]

@@ -1,7 +1,7 @@
 //! The nodes and leaves that traversals read, and the limits that traversals rely on.
 
 use super::bounds::Bounds;
-use crate::lane::{Bits, Mask, NATIVE_WIDTH, NativeBits, set_bits};
+use crate::lane::{Bits, Mask, NATIVE_WIDTH, NativeBits, prefetch, set_bits};
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
@@ -115,12 +115,12 @@ impl WideNode {
     pub fn boxes(&self) -> &[[f32; WIDE]; 8] {
         bytemuck::cast_ref(self)
     }
-    /// Reads a word of each cache line; returns the words combined.
+    /// Fetches what a traversal reads of it.
     #[inline(always)]
-    pub fn touch(&self) -> u32 {
-        let lines: &[[u32; 16]] = bytemuck::cast_slice(self.boxes());
-        // Six rows of planes and one of children; the last row is unused.
-        lines[..(7 * WIDE).div_ceil(16)].iter().fold(0, |words, line| words ^ line[0])
+    pub fn prefetch(&self) {
+        // The last row is unused.
+        prefetch(&self.planes);
+        prefetch(&self.children);
     }
     /// The box of a child.
     pub fn bounds(&self, slot: usize) -> Bounds {

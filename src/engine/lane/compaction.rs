@@ -1,6 +1,6 @@
 //! Stream compaction of lists of 16-bit numbers.
 //!
-//! For: [`compress_where`]. May import: `avx512`, `wide`. Must never know: what is listed.
+//! For: [`compress_where`]. May import: `instructions`, `wide`. Must never know: what is listed.
 
 /// Numbers that [`compress_where`] takes at a time.
 pub const CHUNK: usize = 32;
@@ -10,7 +10,7 @@ pub const CHUNK: usize = 32;
 #[inline(always)]
 pub fn compress_where(from: &[u16; CHUNK], masks: &[u16; CHUNK], bits: u16, to: &mut [u16; CHUNK]) -> usize {
     #[cfg(all(target_feature = "avx512bw", target_feature = "avx512vbmi2"))]
-    return super::avx512::compress_where(from, masks, bits, to);
+    return super::instructions::compress_where(from, masks, bits, to);
     #[cfg(not(all(target_feature = "avx512bw", target_feature = "avx512vbmi2")))]
     compress_by_table(from, masks, bits, to)
 }

@@ -2,7 +2,7 @@
 //!
 //! For: the [`Lane`] trait (`f32`, [`F32x8`], [`F32x16`]), its integers [`Bits`] (`u32`, [`U32x8`],
 //! [`U32x16`]), its masks [`Mask`] (`bool`, [`Mask8`], [`Mask16`]) with their [`set_bits`], the elementary
-//! functions in [`functions`], and [`compaction`] of lists.
+//! functions in [`functions`], [`compaction`] of lists, and [`prefetch`].
 //! May import: `wide` and `bytemuck`; it is the only importer of `wide`.
 //! Must never know: vectors, rays, scenes.
 //!
@@ -17,15 +17,15 @@
 //!
 //! A wider machine gets a new type that implements these traits, not a new tree of code.
 
-#[cfg(target_feature = "avx512f")]
-mod avx512;
 pub mod compaction;
 pub mod functions;
+mod instructions;
 mod packet;
 mod permute;
 mod scalar;
 mod traits;
 
+pub use instructions::prefetch;
 pub use packet::{F32x8, F32x16, Mask8, Mask16, U32x8, U32x16};
 pub use traits::{Bits, Lane, Mask, lane_indices, set_bits};
 

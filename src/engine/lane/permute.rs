@@ -141,7 +141,7 @@ impl U32x16 {
     #[cfg(target_feature = "avx512f")]
     #[inline(always)]
     pub(super) fn compressed(self, mask: Mask16) -> Self {
-        super::avx512::compress(self, mask)
+        super::instructions::compress(self, mask)
     }
     /// [`Bits::compress`]. A table of all masks would hold 4 MiB: the indices of each half are found by its
     /// own, then joined.
@@ -161,7 +161,7 @@ impl F32x16 {
     #[inline(always)]
     pub(super) fn broadcasted(number: &f32) -> Self {
         #[cfg(target_feature = "avx512f")]
-        return super::avx512::broadcast(number);
+        return super::instructions::broadcast(number);
         #[cfg(not(target_feature = "avx512f"))]
         Self::splat(*number)
     }

@@ -6,7 +6,7 @@
 
 use super::leaf::TriangleLeaf;
 use crate::bvh::{Bvh, LEAF, Leaf};
-use crate::lane::{Bits, Lane, Mask, Native, NativeBits, U32x16};
+use crate::lane::{Bits, Lane, Mask, Native, NativeBits, U32x16, prefetch};
 use crate::scene::Scene;
 use bytemuck::{Pod, Zeroable};
 use rayon::prelude::*;
@@ -232,12 +232,13 @@ impl TriangleLeaves {
         }
     }
 
-    /// Reads a word of each cache line of a compact leaf; returns the words combined.
+    /// Fetches what a traversal reads of a leaf, or where a compact leaf refers to a full one.
     #[inline(always)]
-    pub fn touch(&self, leaf: usize) -> u32 {
-        let Some(leaf) = self.compact.get(leaf) else { return 0 };
-        let lines: &[[u32; 16]; 3 * LEAF / 8] = bytemuck::cast_ref(leaf);
-        lines.iter().fold(0, |words, line| words ^ line[0])
+    pub fn prefetch(&self, leaf: usize) {
+        match self.compact.get(leaf) {
+            Some(compact) => prefetch(compact),
+            None => prefetch(&self.full[leaf].vertices),
+        }
     }
 
     pub fn bytes(&self) -> usize {

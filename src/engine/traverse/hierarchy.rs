@@ -147,21 +147,17 @@ impl Hierarchy {
         leaves
     }
 
-    /// Reads a word of each cache line of a child, so that the lines of several children are fetched
-    /// together: a prefetch without unsafe code. The result is for [`std::hint::black_box`], which keeps the
-    /// reads.
+    /// Fetches the cache lines of a child ahead of its visit.
     #[inline(always)]
-    pub fn touch(&self, child: Child) -> u32 {
+    pub fn prefetch(&self, child: Child) {
         if !child.is_leaf() {
-            self.bvh.wide[child.index()].touch()
-        } else if child.is_spheres() {
-            0
-        } else {
-            self.triangles.touch(child.index())
+            self.bvh.wide[child.index()].prefetch();
+        } else if !child.is_spheres() {
+            self.triangles.prefetch(child.index());
         }
     }
 
-    /// Whether the hierarchy does not fit the caches: then streams [`Hierarchy::touch`] children.
+    /// Whether the hierarchy does not fit the caches: then streams [`Hierarchy::prefetch`] children.
     #[inline(always)]
     pub fn is_large(&self) -> bool {
         self.triangles.is_compact()

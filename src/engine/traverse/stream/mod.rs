@@ -209,11 +209,8 @@ impl<C: CounterSink> StreamTraversal<'_, '_, C> {
             return;
         }
         if self.hierarchy.is_large() {
-            // The lines of all children are fetched while the lists are written.
-            let touched = slots(all)
-                .map(|slot| self.hierarchy.touch(node.children()[slot]))
-                .fold(0, |sum, word| sum ^ word);
-            std::hint::black_box(touched);
+            // While the lists are written.
+            slots(all).for_each(|slot| self.hierarchy.prefetch(node.children()[slot]));
         }
         // Lists lie end to end, written by whole chunks: first one of rays that reach leaves of triangles,
         // then one for each other child.

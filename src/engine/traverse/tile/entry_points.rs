@@ -108,6 +108,12 @@ impl EntryPoints {
         Some(sorted)
     }
 
+    /// Fetches the cache lines of an entry point.
+    #[inline(always)]
+    pub fn prefetch(&self, hierarchy: &Hierarchy, entry: usize) {
+        hierarchy.prefetch(self.children[entry & (MAX_ENTRY_POINTS - 1)]);
+    }
+
     /// The entry points whose boxes reach between the sides of a packet's frustum, one bit each.
     #[inline(always)]
     pub fn across(&self, frustum: &Frustum) -> u64 {

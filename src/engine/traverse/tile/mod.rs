@@ -71,9 +71,17 @@ impl<'a, L: Lane, C: CounterSink> PacketTraversal<'a, L, C> {
         Self { hierarchy, axis, frustum, packet, hit, limit: f32::INFINITY, closer: false, counter }
     }
 
-    /// Visits the entry points that are set in `meets`.
+    /// Visits the entry points that are set in `meets`, and fetches one of `unread` before each visit.
     #[inline(always)]
-    fn run(mut self, entry_points: &EntryPoints, meets: u64, hits: &mut Hits, at: usize, stack: &mut Stack) {
+    fn run(
+        mut self,
+        entry_points: &EntryPoints,
+        meets: u64,
+        mut unread: impl Iterator<Item = usize>,
+        hits: &mut Hits,
+        at: usize,
+        stack: &mut Stack,
+    ) {
         // The mask lets the compiler drop the bounds checks.
         for entry in set_bits(meets).map(|entry| entry & (MAX_ENTRY_POINTS - 1)) {
             // The tile's frustum and the packet's have one axis, so the distances hold for the packet; they
@@ -81,6 +89,7 @@ impl<'a, L: Lane, C: CounterSink> PacketTraversal<'a, L, C> {
             if entry_points.near[entry] > self.limit {
                 break;
             }
+            unread.next().inspect(|&entry| entry_points.prefetch(self.hierarchy, entry));
             self.visit(entry_points.children[entry], stack);
         }
         if self.closer {
@@ -227,6 +236,8 @@ impl<C: CounterSink> TileTraversal<'_, C> {
     fn packets<L: Lane>(&self, rays: &Rays, slopes: [&[F32x8]; 2], hits: &mut Hits, stack: &mut Stack) {
         let Self { hierarchy, axis, entry_points, counter } = *self;
         let packets = rays.len() / L::WIDTH;
+        // The entry points that packets have met so far.
+        let mut met = 0;
         // Frusta are made eight at a time.
         for first in (0..packets).step_by(8) {
             let rows = slopes.map(|rows| &rows[first * (L::WIDTH / ROW)..]);
@@ -237,9 +248,13 @@ impl<C: CounterSink> TileTraversal<'_, C> {
                 let meets = entry_points.across(&frustum);
                 // Many packets of tiles at silhouettes meet no entry point, and are not prepared.
                 if meets != 0 {
+                    // The first one while the packet is prepared, the next while it is visited, and so on.
+                    let mut unread = set_bits(meets & !met);
+                    unread.next().inspect(|&entry| entry_points.prefetch(hierarchy, entry));
+                    met |= meets;
                     let packet =
                         PacketTraversal::<L, C>::new(hierarchy, axis, &frustum, rays, hits, at, counter);
-                    packet.run(entry_points, meets, hits, at, stack);
+                    packet.run(entry_points, meets, unread, hits, at, stack);
                 }
             }
         }

@@ -1,35 +1,54 @@
-//! Instructions of AVX-512 that `wide` does not have, or that the compiler does not choose.
+//! Instructions that `wide` does not have, or that the compiler does not choose.
 //!
-//! For: `packet`, `permute`, `compaction`. May import: `packet`, `traits`. Must never know: what is computed.
+//! For: `permute`, `compaction`; [`prefetch`] for all. May import: `packet`, `traits`. Must never know: what
+//! is computed.
 //!
 //! The only unsafe code of octray: one block a function. The instructions read and write nothing but what
-//! references lead to, and each exists only in builds for processors that have it. Laws compare them with
-//! what they do lane by lane. Miri cannot: it does not know them. What each is worth is in perf/README.md.
+//! references lead to, and each exists only in builds for processors that have it. Laws compare those that
+//! compute with what they do lane by lane. Miri cannot: it does not know them. What each is worth is in
+//! perf/README.md.
 
 #![allow(unsafe_code)]
 
+#[cfg(target_feature = "avx512f")]
 use super::packet::{F32x16, Mask16, U32x16};
+#[cfg(target_feature = "avx512f")]
 use super::traits::Mask;
-use std::arch::asm;
-use std::arch::x86_64::{__m512, _mm512_maskz_compress_epi32};
+
+/// `prefetcht0`: fetches the cache lines of a value ahead of its use. A hint: it changes no result, and
+/// nothing waits for it.
+#[inline(always)]
+pub fn prefetch<T>(value: &T) {
+    #[cfg(target_arch = "x86_64")]
+    for byte in (0..size_of::<T>()).step_by(64) {
+        use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
+        // SAFETY: every processor of this architecture has SSE. The byte is one of the value.
+        unsafe { _mm_prefetch::<_MM_HINT_T0>(std::ptr::from_ref(value).cast::<i8>().add(byte)) }
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    let _ = value;
+}
 
 /// `vpcompressd`: the lanes of `mask` in ascending order, then zeros. Packs the paths of frames: `three` is
 /// 1.03 times as fast as with tables.
+#[cfg(target_feature = "avx512f")]
 #[inline(always)]
 pub(super) fn compress(from: U32x16, mask: Mask16) -> U32x16 {
+    use std::arch::x86_64::_mm512_maskz_compress_epi32;
     let (from, mask) = (bytemuck::cast(from), mask.bitmask() as u16);
-    // SAFETY: the processor must have AVX-512F, and this module is compiled only where the target has it.
+    // SAFETY: the processor must have AVX-512F, and this function is compiled only where the target has it.
     bytemuck::cast(unsafe { _mm512_maskz_compress_epi32(mask, from) })
 }
 
 /// `vpbroadcastd`: a number in memory in every lane. The compiler chooses `vbroadcastss`, which on Zen 4
 /// takes an execution port that arithmetic needs; this one is a load alone.
+#[cfg(target_feature = "avx512f")]
 #[inline(always)]
 pub(super) fn broadcast(number: &f32) -> F32x16 {
-    let lanes: __m512;
+    let lanes: std::arch::x86_64::__m512;
     // SAFETY: the processor must have AVX-512F, as above. The four bytes read are those of the reference.
     unsafe {
-        asm!(
+        std::arch::asm!(
             "vpbroadcastd {lanes}, dword ptr [{number}]",
             lanes = out(zmm_reg) lanes,
             number = in(reg) number,

@@ -21,7 +21,7 @@ pub enum Layout {
 }
 
 /// Nodes and leaves of more bytes than this are compact: from some 130,000 triangles on in leaves of 8, from
-/// 260,000 in those of 16, which take longer to expand. Only there streams read ahead, too.
+/// 260,000 in those of 16, which take longer to expand.
 const MAX_FULL: usize = if LEAF == 8 { 8 << 20 } else { 16 << 20 };
 /// Leaves looked at for the choice of the layout: each that many-th. At least three quarters of them must
 /// fit.
@@ -181,11 +181,6 @@ impl TriangleLeaves {
             }
         }
         Self { full: others, compact }
-    }
-
-    #[inline(always)]
-    pub fn is_compact(&self) -> bool {
-        !self.compact.is_empty()
     }
 
     /// Visits a leaf.

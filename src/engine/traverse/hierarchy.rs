@@ -157,12 +157,6 @@ impl Hierarchy {
         }
     }
 
-    /// Whether the hierarchy does not fit the caches: then streams [`Hierarchy::prefetch`] children.
-    #[inline(always)]
-    pub fn is_large(&self) -> bool {
-        self.triangles.is_compact()
-    }
-
     /// A packet against the spheres of a leaf, one after the other.
     #[inline(never)]
     pub fn intersect_spheres_packet<L: Lane>(&self, leaf: usize, ray: &Ray<L>, hit: &mut Hit<L>) -> bool {

@@ -208,10 +208,8 @@ impl<C: CounterSink> StreamTraversal<'_, '_, C> {
         if all == 0 {
             return;
         }
-        if self.hierarchy.is_large() {
-            // While the lists are written.
-            slots(all).for_each(|slot| self.hierarchy.prefetch(node.children()[slot]));
-        }
+        // While the lists are written.
+        slots(all).for_each(|slot| self.hierarchy.prefetch(node.children()[slot]));
         // Lists lie end to end, written by whole chunks: first one of rays that reach leaves of triangles,
         // then one for each other child.
         let most = (all.count_ones() as usize) * (count + CHUNK);

@@ -69,9 +69,12 @@ impl EntryPoints {
                 filled -= 1;
                 entries[at] = entries[filled];
                 for slot in meets.lanes() {
-                    let (near, parent) = (near.get(slot), child.index() as u32);
-                    entries[filled] =
-                        Entry { near, child: node.children()[slot], node: parent, slot: slot as u32 };
+                    let (near, parent, child) = (near.get(slot), child.index() as u32, node.children()[slot]);
+                    if !child.is_leaf() {
+                        // It is opened in the next round.
+                        hierarchy.prefetch(child);
+                    }
+                    entries[filled] = Entry { near, child, node: parent, slot: slot as u32 };
                     filled += 1;
                 }
                 opened = true;

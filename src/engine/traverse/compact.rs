@@ -227,7 +227,8 @@ impl TriangleLeaves {
         }
     }
 
-    /// Fetches what a traversal reads of a leaf, or where a compact leaf refers to a full one.
+    /// Fetches the vertices of a full leaf, or a whole compact leaf: one that stands for a full leaf does not
+    /// say so before it is read.
     #[inline(always)]
     pub fn prefetch(&self, leaf: usize) {
         match self.compact.get(leaf) {

@@ -147,7 +147,8 @@ impl Hierarchy {
         leaves
     }
 
-    /// Fetches the cache lines of a child ahead of its visit.
+    /// Fetches the cache lines of a node or of a leaf of triangles ahead of its visit. Leaves of spheres are
+    /// few, and not fetched.
     #[inline(always)]
     pub fn prefetch(&self, child: Child) {
         if !child.is_leaf() {

@@ -207,7 +207,9 @@ mod tests {
         let none = || [Vec::new(), Vec::new(), Vec::new()];
         let set = RaySet { kind: Kind::Shadow, origin: none(), direction: none(), t_max: Vec::new() };
         for threads in [1, 2, 5] {
-            TracePool::new(threads).clear(&set, &mut Answers::none(&set));
+            let (pool, mut answers) = (TracePool::new(threads), Answers::none(&set));
+            pool.clear(&set, &mut answers);
+            pool.each_chunk(set.len(), &mut answers, |_, hits| assert!(hits.t.is_empty()));
         }
     }
 }

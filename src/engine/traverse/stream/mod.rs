@@ -208,7 +208,7 @@ impl<C: CounterSink> StreamTraversal<'_, '_, C> {
         if all == 0 {
             return;
         }
-        // While the lists are written.
+        // The lines arrive while the lists are written.
         slots(all).for_each(|slot| self.hierarchy.prefetch(node.children()[slot]));
         // Lists lie end to end, written by whole chunks: first one of rays that reach leaves of triangles,
         // then one for each other child.

@@ -71,7 +71,7 @@ impl EntryPoints {
                 for slot in meets.lanes() {
                     let (near, parent, child) = (near.get(slot), child.index() as u32, node.children()[slot]);
                     if !child.is_leaf() {
-                        // It is opened in the next round.
+                        // The next round may open it.
                         hierarchy.prefetch(child);
                     }
                     entries[filled] = Entry { near, child, node: parent, slot: slot as u32 };

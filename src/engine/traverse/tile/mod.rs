@@ -4,7 +4,8 @@
 //! [`MAX_ENTRY_POINTS`] entry points: nodes and leaves that together hold all that the tile can see, sorted
 //! by distance. Without entry points the tile is empty. Then each packet, with a frustum of its own,
 //! traverses in order the entry points that its frustum meets, and below them nearest first. In a leaf the
-//! triangles outside the frustum are culled; the packet is tested against the rest one by one.
+//! triangles outside the frustum are culled; the packet is tested against the rest one by one, and once more
+//! against those that a ray hits.
 //!
 //! A packet pays for a triangle that one of its rays meets as for one that all meet. Tiles that see many
 //! leaves so small, or so thin, that few rays of a packet would share each are left to streams: [`Packets`].
@@ -71,7 +72,8 @@ impl<'a, L: Lane, C: CounterSink> PacketTraversal<'a, L, C> {
         Self { hierarchy, axis, frustum, packet, hit, limit: f32::INFINITY, closer: false, counter }
     }
 
-    /// Visits the entry points that are set in `meets`, and fetches one of `unread` before each visit.
+    /// Visits the entry points that are set in `meets`. Before each visit it fetches one of `unread`, those
+    /// that no packet met before.
     #[inline(always)]
     fn run(
         mut self,
@@ -89,7 +91,9 @@ impl<'a, L: Lane, C: CounterSink> PacketTraversal<'a, L, C> {
             if entry_points.near[entry] > self.limit {
                 break;
             }
-            unread.next().inspect(|&entry| entry_points.prefetch(self.hierarchy, entry));
+            if let Some(next) = unread.next() {
+                entry_points.prefetch(self.hierarchy, next);
+            }
             self.visit(entry_points.children[entry], stack);
         }
         if self.closer {
@@ -146,7 +150,7 @@ impl<'a, L: Lane, C: CounterSink> PacketTraversal<'a, L, C> {
                 self.frustum.pass(|upper| main[upper & 1], |axis| triangles.planes(axis), self.limit);
             self.counter.packet_triangles(self.hierarchy, leaf, L::WIDTH, meets);
             // All triangles first, without a branch for whether one is hit, which would often be predicted
-            // wrong; those that are hit are tested again.
+            // wrong; those that are hit are tested again. (Only the latter where rays have different z axes.)
             let ahead = triangles.ahead_of_packet(meets.bitmask(), &self.packet);
             let Self { hierarchy, packet, hit, .. } = self;
             set_bits(ahead).fold(false, |closer, lane| {
@@ -248,9 +252,11 @@ impl<C: CounterSink> TileTraversal<'_, C> {
                 let meets = entry_points.across(&frustum);
                 // Many packets of tiles at silhouettes meet no entry point, and are not prepared.
                 if meets != 0 {
-                    // The first one while the packet is prepared, the next while it is visited, and so on.
+                    // The first is fetched while the packet is prepared, one more before each visit.
                     let mut unread = set_bits(meets & !met);
-                    unread.next().inspect(|&entry| entry_points.prefetch(hierarchy, entry));
+                    if let Some(first) = unread.next() {
+                        entry_points.prefetch(hierarchy, first);
+                    }
                     met |= meets;
                     let packet =
                         PacketTraversal::<L, C>::new(hierarchy, axis, &frustum, rays, hits, at, counter);

@@ -111,10 +111,12 @@ impl EntryPoints {
         Some(sorted)
     }
 
-    /// Fetches the cache lines of an entry point.
+    /// Fetches the cache lines of the next of these entry points, if there is one.
     #[inline(always)]
-    pub fn prefetch(&self, hierarchy: &Hierarchy, entry: usize) {
-        hierarchy.prefetch(self.children[entry & (MAX_ENTRY_POINTS - 1)]);
+    pub fn prefetch_next(&self, hierarchy: &Hierarchy, entries: &mut impl Iterator<Item = usize>) {
+        if let Some(entry) = entries.next() {
+            hierarchy.prefetch(self.children[entry & (MAX_ENTRY_POINTS - 1)]);
+        }
     }
 
     /// The entry points whose boxes reach between the sides of a packet's frustum, one bit each.

@@ -91,9 +91,7 @@ impl<'a, L: Lane, C: CounterSink> PacketTraversal<'a, L, C> {
             if entry_points.near[entry] > self.limit {
                 break;
             }
-            if let Some(next) = unread.next() {
-                entry_points.prefetch(self.hierarchy, next);
-            }
+            entry_points.prefetch_next(self.hierarchy, &mut unread);
             self.visit(entry_points.children[entry], stack);
         }
         if self.closer {
@@ -254,9 +252,7 @@ impl<C: CounterSink> TileTraversal<'_, C> {
                 if meets != 0 {
                     // The first is fetched while the packet is prepared, one more before each visit.
                     let mut unread = set_bits(meets & !met);
-                    if let Some(first) = unread.next() {
-                        entry_points.prefetch(hierarchy, first);
-                    }
+                    entry_points.prefetch_next(hierarchy, &mut unread);
                     met |= meets;
                     let packet =
                         PacketTraversal::<L, C>::new(hierarchy, axis, &frustum, rays, hits, at, counter);

@@ -111,17 +111,17 @@ impl TriangleLeaf {
         packet: &mut Packet<L>,
         hit: &mut Hit<L>,
     ) -> bool {
+        let splat = |[x, y, z]: [f32; 3]| Vec3::new(L::splat(x), L::splat(y), L::splat(z));
+        let [a, b, c] = self.corners(lane);
+        let corners = [splat(a), splat(b), splat(c)];
         let found = match packet.axis {
             Some(axis) => packet.woop.test_lane_along(axis, &self.vertices, lane),
-            None => packet.woop.test_corners(self.corners(lane)),
+            None => packet.woop.test_each(corners),
         };
         let Some(found) = found else { return false };
         let infinite = L::splat(f32::INFINITY);
-        let splat = |[x, y, z]: [f32; 3]| Vec3::new(L::splat(x), L::splat(y), L::splat(z));
         let slabs = packet.slabs.get_or_insert_with(|| Slabs::new(&packet.ray, padding));
-        let [a, b, c] = self.corners(lane);
-        let corners = box_of([splat(a), splat(b), splat(c)]);
-        let (mask, t) = own_box(slabs, corners, found.mask, found.t, infinite);
+        let (mask, t) = own_box(slabs, box_of(corners), found.mask, found.t, infinite);
         keep_lanes_if_nearer(mask, self.primitives.primitives[lane & (LEAF - 1)], [t, found.u, found.v], hit)
     }
 }

@@ -246,17 +246,15 @@ impl<L: Lane> WoopRay<L> {
         self.z_axis.equals(L::Bits::splat(first)).all().then_some(first)
     }
 
-    /// A packet against one triangle, given by its corners.
+    /// Each ray against the triangle of its lane, given by its vertices.
     #[inline(always)]
-    pub fn test_corners(&self, corners: [[f32; 3]; 3]) -> Option<TriangleHit<L>> {
+    pub fn test_each(&self, [a, b, c]: [Vec3<L>; 3]) -> Option<TriangleHit<L>> {
         let is = |axis: u32| self.z_axis.equals(L::Bits::splat(axis));
         let (x, y) = (is(0), is(1));
-        let vertex = |v: [f32; 3]| {
-            let (a, b, c) = (L::splat(v[0]), L::splat(v[1]), L::splat(v[2]));
+        let vertex = |v: Vec3<L>| {
             let pick = |of_x: L, of_y: L, of_z: L| L::select(x, of_x, L::select(y, of_y, of_z));
-            Vec3::new(pick(b, c, a), pick(c, a, b), pick(a, b, c))
+            Vec3::new(pick(v.y, v.z, v.x), pick(v.z, v.x, v.y), pick(v.x, v.y, v.z))
         };
-        let [a, b, c] = corners;
         woop((self.origin, self.shear), [vertex(a), vertex(b), vertex(c)], exact_edge)
     }
 

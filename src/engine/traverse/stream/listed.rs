@@ -2,6 +2,7 @@
 
 use super::record::Record;
 use crate::kernel::ray_triangle::{StoredWoopRay, WoopRay};
+use crate::lane::{Bits, NativeBits};
 use crate::math::Hit;
 use crate::traverse::leaf::TriangleLeaf;
 use crate::traverse::rays::Hits;
@@ -20,6 +21,18 @@ const _: () = assert!(AXIS_SHIFT + 2 <= u16::BITS);
 #[inline(always)]
 pub fn entry_of(ray: u16, axis: u8) -> u16 {
     ray | u16::from(axis) << AXIS_SHIFT
+}
+
+/// The indices of the rays of entries.
+#[inline(always)]
+pub fn rays_of(entries: NativeBits) -> NativeBits {
+    entries & NativeBits::splat(BATCH as u32 - 1)
+}
+
+/// The axes of the triangle tests of entries.
+#[inline(always)]
+pub fn axes_of(entries: NativeBits) -> NativeBits {
+    entries.shr(AXIS_SHIFT)
 }
 
 /// A ray of a list.

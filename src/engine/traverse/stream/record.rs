@@ -2,7 +2,7 @@
 
 use crate::kernel::ray_box::{Padding, Slabs};
 use crate::kernel::ray_triangle::{StoredWoopRay, TriangleMethod, Woop, WoopRay};
-use crate::lane::{Bits, F32x8, Lane, Mask, U32x8};
+use crate::lane::{Bits, F32x8, Lane, Mask, Native, NativeBits, U32x8};
 use crate::math::{Hit, MISS, Ray, Vec3};
 use crate::traverse::rays::Hits;
 use bytemuck::{Pod, Zeroable};
@@ -77,6 +77,28 @@ impl Record {
             near: Vec3::new(x[0], y[0], z[0]),
             far: Vec3::new(x[1], y[1], z[1]),
         }
+    }
+
+    /// Rays, one a lane, as boxes and triangles take them, and the distances of their nearest hits so far.
+    #[inline(always)]
+    pub fn columns(
+        records: &[Self],
+        rays: NativeBits,
+        axes: NativeBits,
+    ) -> (Slabs<Native>, WoopRay<Native>, Native) {
+        // A record is two rows.
+        let rows: &[[f32; 8]] = bytemuck::cast_slice(records);
+        let row = rays.shl(1);
+        let [a, b, c, d, e, f, g, h] = Native::gather_rows::<8>(rows, row);
+        let [i, t, j, k, l, m, n, o] = Native::gather_rows::<8>(rows, row | NativeBits::splat(1));
+        let rest = |inverse: Native, first: Native, second: Native| {
+            let exchanged = inverse.is_sign_negative() & Mask::splat(ORDERS_BY_T);
+            (Native::select(exchanged, second, first), Native::select(exchanged, first, second))
+        };
+        let (x, y, z) = (rest(a, d, g), rest(b, e, h), rest(c, f, i));
+        let (near, far) = (Vec3::new(x.0, y.0, z.0), Vec3::new(x.1, y.1, z.1));
+        let woop = WoopRay::from_parts(axes, Vec3::new(j, k, l), Vec3::new(m, n, o));
+        (Slabs { inverse: Vec3::new(a, b, c), near, far }, woop, t)
     }
 
     /// Stores the hit of the ray with this index in its batch.

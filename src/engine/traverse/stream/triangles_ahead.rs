@@ -1,0 +1,86 @@
+//! Triangles ahead of rays, of which hits are accepted as many at a time as a vector has lanes.
+
+use super::listed::{BATCH, axes_of, rays_of, update_hit};
+use super::record::Record;
+use crate::bvh::LEAF;
+use crate::kernel::ray_box::own_box;
+use crate::lane::{Bits, Lane, Mask, NATIVE_WIDTH, Native, NativeBits, NativeMask};
+use crate::math::Vec3;
+use crate::traverse::leaf::{TriangleLeaf, box_of, keep_if_nearer};
+use crate::traverse::rays::Hits;
+
+/// A column: a number for each lane.
+type Column<T> = [T; NATIVE_WIDTH];
+
+/// Listed rays, each with a triangle that its line passes: up to [`NATIVE_WIDTH`].
+#[repr(align(64))]
+pub struct TrianglesAhead {
+    /// The components of the corners.
+    corners: [[Column<f32>; 3]; 3],
+    /// The rays' entries in lists.
+    entries: Column<u32>,
+    primitives: Column<u32>,
+    filled: usize,
+}
+
+impl TrianglesAhead {
+    /// Empty.
+    pub const EMPTY: Self = Self {
+        corners: [[[0.0; NATIVE_WIDTH]; 3]; 3],
+        entries: [0; NATIVE_WIDTH],
+        primitives: [0; NATIVE_WIDTH],
+        filled: 0,
+    };
+
+    /// Whether there is nothing to accept.
+    #[inline(always)]
+    pub fn is_empty(&self) -> bool {
+        self.filled == 0
+    }
+
+    /// Adds a ray and a triangle of a leaf. Returns whether all lanes are filled: then hits must be accepted
+    /// before the next is added.
+    #[inline(always)]
+    pub fn push(&mut self, entry: u16, leaf: &TriangleLeaf, triangle: usize) -> bool {
+        // The masks drop the bounds checks.
+        let (lane, triangle) = (self.filled & (NATIVE_WIDTH - 1), triangle & (LEAF - 1));
+        for (to, from) in self.corners.as_flattened_mut().iter_mut().zip(leaf.vertices.as_flattened()) {
+            to[lane] = from[triangle];
+        }
+        self.entries[lane] = u32::from(entry);
+        self.primitives[lane] = leaf.primitives.primitives[triangle];
+        self.filled = lane + 1;
+        self.filled == NATIVE_WIDTH
+    }
+
+    /// Stores the hits that are nearer than those so far. Then it is empty again.
+    #[inline(never)]
+    pub fn accept<const ANY: bool>(&mut self, records: &mut [Record; BATCH], hits: &mut Hits) {
+        let filled = NativeMask::first(std::mem::take(&mut self.filled));
+        let entries = NativeBits::load(&self.entries);
+        let (slabs, woop, limit) = Record::columns(records, rays_of(entries), axes_of(entries));
+        let corner =
+            |[x, y, z]: &[Column<f32>; 3]| Vec3::new(Native::load(x), Native::load(y), Native::load(z));
+        let [a, b, c] = &self.corners;
+        let corners = [corner(a), corner(b), corner(c)];
+        let Some(found) = woop.test_each(corners) else { return };
+        let infinite = Native::splat(f32::INFINITY);
+        let (mask, t) = own_box(&slabs, box_of(corners), found.mask & filled, found.t, infinite);
+        let column = |x: Native| {
+            let mut column = [0.0; NATIVE_WIDTH];
+            x.store(&mut column);
+            column
+        };
+        let (ts, us, vs) = (column(t), column(found.u), column(found.v));
+        // A hit at the limit itself may have a lower number. A ray may be in several lanes: each of them
+        // compares anew.
+        for lane in (mask & t.le(limit)).lanes() {
+            let lane = lane & (NATIVE_WIDTH - 1);
+            update_hit::<ANY>(self.entries[lane] as u16, records, hits, |listed, hits| {
+                let mut hit = listed.hit(hits);
+                keep_if_nearer(true, self.primitives[lane], [ts[lane], us[lane], vs[lane]], &mut hit);
+                Some(hit)
+            });
+        }
+    }
+}

@@ -38,12 +38,9 @@ impl Record {
         // Differs from a direction below 0 only for −0, whose inverse has the sign too.
         let octants = [inverse.x, inverse.y, inverse.z].map(|inverse| inverse.to_bits().shr(31));
         let octants = octants[0] | octants[1].shl(1) | octants[2].shl(2);
-        let rest = |inverse: F32x8, near: F32x8, far: F32x8| {
-            let backwards = inverse.is_sign_negative() & Mask::splat(ORDERS_BY_T);
-            (F32x8::select(backwards, far, near), F32x8::select(backwards, near, far))
-        };
-        let ((d, g), (e, h), (f, i)) =
-            (rest(inverse.x, near.x, far.x), rest(inverse.y, near.y, far.y), rest(inverse.z, near.z, far.z));
+        let (d, g) = in_other_order(inverse.x, near.x, far.x);
+        let (e, h) = in_other_order(inverse.y, near.y, far.y);
+        let (f, i) = in_other_order(inverse.z, near.z, far.z);
         let Vec3 { x: a, y: b, z: c } = inverse;
         let (axis, origin, shear) = Woop::prepare(ray).into_parts();
         let (Vec3 { x: j, y: k, z: l }, Vec3 { x: m, y: n, z: o }) = (origin, shear);
@@ -63,20 +60,10 @@ impl Record {
 
     #[inline(always)]
     pub fn slabs(&self) -> Slabs<f32> {
-        let rest = |axis: usize| {
-            let [first, second] = [self.rest[axis], self.rest[3 + axis]];
-            if ORDERS_BY_T && self.inverse[axis].is_sign_negative() {
-                [second, first]
-            } else {
-                [first, second]
-            }
-        };
-        let [x, y, z] = [rest(0), rest(1), rest(2)];
-        Slabs {
-            inverse: vector(self.inverse),
-            near: Vec3::new(x[0], y[0], z[0]),
-            far: Vec3::new(x[1], y[1], z[1]),
-        }
+        let rest = |axis: usize| in_other_order(self.inverse[axis], self.rest[axis], self.rest[3 + axis]);
+        let (x, y, z) = (rest(0), rest(1), rest(2));
+        let (near, far) = (Vec3::new(x.0, y.0, z.0), Vec3::new(x.1, y.1, z.1));
+        Slabs { inverse: vector(self.inverse), near, far }
     }
 
     /// Rays, one a lane, as boxes and triangles take them, and the distances of their nearest hits so far.
@@ -91,11 +78,7 @@ impl Record {
         let row = rays.shl(1);
         let [a, b, c, d, e, f, g, h] = Native::gather_rows::<8>(rows, row);
         let [i, t, j, k, l, m, n, o] = Native::gather_rows::<8>(rows, row | NativeBits::splat(1));
-        let rest = |inverse: Native, first: Native, second: Native| {
-            let exchanged = inverse.is_sign_negative() & Mask::splat(ORDERS_BY_T);
-            (Native::select(exchanged, second, first), Native::select(exchanged, first, second))
-        };
-        let (x, y, z) = (rest(a, d, g), rest(b, e, h), rest(c, f, i));
+        let (x, y, z) = (in_other_order(a, d, g), in_other_order(b, e, h), in_other_order(c, f, i));
         let (near, far) = (Vec3::new(x.0, y.0, z.0), Vec3::new(x.1, y.1, z.1));
         let woop = WoopRay::from_parts(axes, Vec3::new(j, k, l), Vec3::new(m, n, o));
         (Slabs { inverse: Vec3::new(a, b, c), near, far }, woop, t)
@@ -118,6 +101,14 @@ impl Record {
         let ([a, b, c], [x, y, z]) = (&self.origin, &self.shear);
         StoredWoopRay { z_axis: axis, origin: Vec3 { x: a, y: b, z: c }, shear: Vec3 { x, y, z } }
     }
+}
+
+/// The numbers of an axis in the order of [`Slabs`], near and far, from that of `rest`, or the other way
+/// round.
+#[inline(always)]
+fn in_other_order<L: Lane>(inverse: L, first: L, second: L) -> (L, L) {
+    let exchanged = inverse.is_sign_negative() & Mask::splat(ORDERS_BY_T);
+    (L::select(exchanged, second, first), L::select(exchanged, first, second))
 }
 
 fn vector([x, y, z]: [f32; 3]) -> Vec3<f32> {

@@ -108,10 +108,10 @@ impl FrustumAxis {
         })
     }
 
-    /// The distances of the packet's rays along the axis at `t`.
+    /// The distances along the axis at t = 1 of the rays of a packet from `at` on.
     #[inline(always)]
-    pub fn depth<L: Lane>(&self, direction: Vec3<L>, t: L) -> L {
-        [direction.x, direction.y, direction.z][self.axes[0]].abs() * t
+    pub fn depths<L: Lane>(&self, rays: &Rays, at: usize) -> L {
+        L::load(&rays.direction[self.axes[0]][at..]).abs()
     }
 
     /// Eight frusta, one a lane, around all rays between these slopes: for each of the other axes the least
@@ -253,17 +253,19 @@ fn planes(boxes: &Boxes, axis: usize) -> Planes {
 /// keeps a row index inside.
 pub type Boxes = [[f32; WIDE]; 8];
 
-/// The greatest lane; NaN is ignored.
+/// The greatest lane. Domain: no lane is NaN.
 #[inline(always)]
 pub fn greatest<L: Lane>(x: L) -> f32 {
     let mut lanes = [f32::NEG_INFINITY; 16];
     x.store(&mut lanes);
-    let mut half = L::WIDTH / 2;
-    while half > 0 {
+    let [low, high] = [F32x8::load(&lanes), F32x8::load(&lanes[8..])];
+    let mut lanes = [0.0; 8];
+    low.max(high).store(&mut lanes);
+    // Not f32::max, which takes three instructions for NaN.
+    for half in [4, 2, 1] {
         for lane in 0..half {
-            lanes[lane] = lanes[lane].max(lanes[lane + half]);
+            lanes[lane] = Lane::max(lanes[lane], lanes[lane + half]);
         }
-        half /= 2;
     }
     lanes[0]
 }

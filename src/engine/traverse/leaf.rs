@@ -3,7 +3,7 @@
 use super::prepared::Packet;
 use crate::bvh::{LEAF, Leaf};
 use crate::kernel::ray_box::{Padding, Slabs, own_box};
-use crate::kernel::ray_triangle::{StoredWoopRay, TriangleBlock, WoopRay};
+use crate::kernel::ray_triangle::{StoredWoopRay, TriangleBlock, TriangleHit, WoopRay};
 use crate::lane::{Bits, Lane, Mask, Native, set_bits};
 use crate::math::{Hit, Vec3};
 
@@ -111,17 +111,44 @@ impl TriangleLeaf {
         packet: &mut Packet<L>,
         hit: &mut Hit<L>,
     ) -> bool {
-        let splat = |[x, y, z]: [f32; 3]| Vec3::new(L::splat(x), L::splat(y), L::splat(z));
-        let [a, b, c] = self.corners(lane);
-        let corners = [splat(a), splat(b), splat(c)];
-        let found = match packet.axis {
-            Some(axis) => packet.woop.test_lane_along(axis, &self.vertices, lane),
-            None => packet.woop.test_each(corners),
-        };
-        let Some(found) = found else { return false };
-        let infinite = L::splat(f32::INFINITY);
+        let Some(axis) = packet.axis else { return self.accept_packet_of_axes(lane, padding, packet, hit) };
+        let found = packet.woop.test_lane_along(axis, &self.vertices, lane);
+        found.is_some_and(|found| self.keep(lane, &found, padding, packet, hit))
+    }
+
+    /// [`TriangleLeaf::accept_packet`] where the rays have different z axes. Few packets have, and this test
+    /// would take registers from the other.
+    #[cold]
+    #[inline(never)]
+    fn accept_packet_of_axes<L: Lane>(
+        &self,
+        lane: usize,
+        padding: Padding,
+        packet: &mut Packet<L>,
+        hit: &mut Hit<L>,
+    ) -> bool {
+        let found = packet.woop.test_each(self.corners_in_all_lanes(lane));
+        found.is_some_and(|found| self.keep(lane, &found, padding, packet, hit))
+    }
+
+    #[inline(always)]
+    fn corners_in_all_lanes<L: Lane>(&self, lane: usize) -> [Vec3<L>; 3] {
+        self.corners(lane).map(|[x, y, z]| Vec3::new(L::splat(x), L::splat(y), L::splat(z)))
+    }
+
+    /// Keeps the hits of a packet with one of the triangles where they are nearer; whether any of them was.
+    #[inline(always)]
+    fn keep<L: Lane>(
+        &self,
+        lane: usize,
+        found: &TriangleHit<L>,
+        padding: Padding,
+        packet: &mut Packet<L>,
+        hit: &mut Hit<L>,
+    ) -> bool {
         let slabs = packet.slabs.get_or_insert_with(|| Slabs::new(&packet.ray, padding));
-        let (mask, t) = own_box(slabs, box_of(corners), found.mask, found.t, infinite);
+        let (bounds, infinite) = (box_of(self.corners_in_all_lanes(lane)), L::splat(f32::INFINITY));
+        let (mask, t) = own_box(slabs, bounds, found.mask, found.t, infinite);
         keep_lanes_if_nearer(mask, self.primitives.primitives[lane & (LEAF - 1)], [t, found.u, found.v], hit)
     }
 }

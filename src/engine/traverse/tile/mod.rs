@@ -40,10 +40,11 @@ const ROW: usize = F32x8::WIDTH;
 /// The traversal of one packet.
 struct PacketTraversal<'a, L: Lane, C> {
     hierarchy: &'a Hierarchy,
-    axis: &'a FrustumAxis,
     frustum: &'a Frustum,
     packet: Packet<L>,
     hit: Hit<L>,
+    /// The rays' distances along the frustum axis at t = 1.
+    depths: L,
     /// The distance along the frustum axis beyond which there is no nearer hit.
     limit: f32,
     /// Whether any ray found a nearer hit.
@@ -55,7 +56,7 @@ impl<'a, L: Lane, C: CounterSink> PacketTraversal<'a, L, C> {
     #[inline(always)]
     fn new(
         hierarchy: &'a Hierarchy,
-        axis: &'a FrustumAxis,
+        axis: &FrustumAxis,
         frustum: &'a Frustum,
         rays: &Rays,
         hits: &Hits,
@@ -68,8 +69,8 @@ impl<'a, L: Lane, C: CounterSink> PacketTraversal<'a, L, C> {
             u: L::load(&hits.u[at..]),
             v: L::load(&hits.v[at..]),
         };
-        let packet = Packet::new(rays.packet::<L>(at));
-        Self { hierarchy, axis, frustum, packet, hit, limit: f32::INFINITY, closer: false, counter }
+        let (packet, depths) = (Packet::new(rays.packet::<L>(at)), axis.depths(rays, at));
+        Self { hierarchy, frustum, packet, hit, depths, limit: f32::INFINITY, closer: false, counter }
     }
 
     /// Visits the entry points that are set in `meets`. Before each visit it fetches one of `unread`, those
@@ -161,11 +162,12 @@ impl<'a, L: Lane, C: CounterSink> PacketTraversal<'a, L, C> {
     }
 
     /// Shortens the limit to the furthest of the rays' nearest hits.
-    #[inline(never)]
+    #[inline(always)]
     fn shorten(&mut self) {
         self.closer = true;
         // Rounding is monotone: no box that a ray meets before its hit begins beyond this limit.
-        self.limit = greatest(self.axis.depth(self.packet.ray.direction, self.hit.t));
+        // A t_max that is NaN counts as infinite.
+        self.limit = greatest((self.depths * self.hit.t).min(L::splat(f32::INFINITY)));
     }
 }
 

@@ -85,9 +85,17 @@ impl Set {
     /// Are the first rays, a tile at most, ones for which there is a frustum?
     pub fn goes_in_a_frustum(&self, hierarchy: &Hierarchy) -> bool {
         let tile = 0..self.len().min(tile::TILE);
-        let rays = self.rays().range(tile.clone());
+        let (rays, next) = (self.rays().range(tile.clone()), self.rays().range(0..0));
         self.with_hits(|hits| {
-            tile::trace(hierarchy, &rays, &mut hits.range(tile), &mut Stack::new(), Packets::Always, ())
+            tile::trace(
+                hierarchy,
+                &rays,
+                &next,
+                &mut hits.range(tile),
+                &mut Stack::new(),
+                Packets::Always,
+                (),
+            )
         })
         .0
     }

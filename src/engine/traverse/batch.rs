@@ -117,10 +117,12 @@ impl Tracer {
             let mut apart = 0u64;
             for (tile, first) in (0..rays.len()).step_by(TILE).enumerate() {
                 let range = first..rays.len().min(first + TILE);
+                let next = range.end..rays.len().min(range.end + TILE);
                 let together = !ANY
                     && tile::trace(
                         hierarchy,
                         &rays.range(range.clone()),
+                        &rays.range(next),
                         &mut hits.range(range),
                         &mut self.stack,
                         packets,

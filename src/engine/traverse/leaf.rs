@@ -133,7 +133,10 @@ impl TriangleLeaf {
 
     #[inline(always)]
     fn corners_in_all_lanes<L: Lane>(&self, lane: usize) -> [Vec3<L>; 3] {
-        self.corners(lane).map(|[x, y, z]| Vec3::new(L::splat(x), L::splat(y), L::splat(z)))
+        // Not by array::map, which is a call of its own for vectors of sixteen.
+        let splat = |[x, y, z]: [f32; 3]| Vec3::new(L::splat(x), L::splat(y), L::splat(z));
+        let [a, b, c] = self.corners(lane);
+        [splat(a), splat(b), splat(c)]
     }
 
     /// Keeps the hits of a packet with one of the triangles where they are nearer; whether any of them was.

@@ -56,7 +56,8 @@ impl<'a> Rays<'a> {
     #[inline(always)]
     pub fn prefetch(&self, at: usize) {
         if at < self.len() {
-            self.origin.iter().chain(&self.direction).for_each(|column| prefetch(&column[at]));
+            self.origin.iter().for_each(|column| prefetch(&column[at]));
+            self.direction.iter().for_each(|column| prefetch(&column[at]));
         }
     }
     /// Some of the rays.

@@ -48,7 +48,12 @@ fn refuse(file: &Path, what: &'static str, mend: String) -> Result<(), CliError>
 fn check_model(options: &ConvertArgs) -> Result<(), CliError> {
     let (model, to_write) = (options.model.as_path(), options.scene());
     let [from, to] = [model, to_write].map(|path| path.display());
-    if has_extension(model, "json") || model.to_string_lossy().starts_with("builtin:") {
+    let name = model.to_string_lossy();
+    if name.starts_with("builtin:") {
+        // An unknown name is none of a scene.
+        scene::load(&name)?;
+    }
+    if has_extension(model, "json") || name.starts_with("builtin:") {
         let mend = match scene::is_model(to_write) {
             true => format!("the model comes first: octray convert {to} {from}"),
             false => format!("octray render {from} -o picture.png shows it as it is"),
@@ -58,6 +63,9 @@ fn check_model(options: &ConvertArgs) -> Result<(), CliError> {
     if !scene::is_model(model) {
         let mend = "export the model as .obj, .gltf, .glb or .ply: those are the formats that convert reads";
         return refuse(model, "is not a model", mend.into());
+    }
+    if !model.exists() {
+        return refuse(model, "does not exist", "give the path of a model: .obj, .gltf, .glb or .ply".into());
     }
     Ok(())
 }

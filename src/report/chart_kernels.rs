@@ -41,7 +41,7 @@ fn of_family(family: &str, kernels: &[Kernel]) -> Drawing {
     let mut notes = Vec::new();
     if let Some(Kernel { failure_case: case, error_case, .. }) = first {
         notes.push(format!(
-            "Cost: one ray against one primitive, over the default's. Failures: stability recipe {} at {}.",
+            "Cost: one ray against one primitive, over the default's. Failures: a quarter of stability recipe {} at {}.",
             case.recipe,
             grouped(case.place)
         ));

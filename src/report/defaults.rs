@@ -72,7 +72,7 @@ impl DefaultReport {
             true,
             "sampler",
             "sobol",
-            "Sobol points cost the same as independent numbers and leave less noise",
+            "Sobol points cost a few per cent more than independent numbers and leave less noise",
         );
         add(
             true,

@@ -221,3 +221,40 @@ fn frustum_keeps_the_first_of_copies_seen_from_afar() {
     }
     assert_eq!(hits, 240 * TILE);
 }
+
+/// Many triangles in a plane across the axis: rounding decides which one a ray meets first, and the frustum
+/// must look at all of them, though each begins where the hit so far is.
+#[test]
+fn frustum_keeps_the_first_of_many_triangles_in_a_plane() {
+    let mut rng = Rng(94);
+    let mut hits = 0;
+    for round in 0..24 {
+        let axis = round % 6;
+        let [main, a, b] = [axis % 3, (axis + 1) % 3, (axis + 2) % 3];
+        let mut towards = DVec3::ZERO;
+        towards[main] = [1.0, -1.0][axis / 3];
+        let origin = (rng.direction() * 0.1 - towards * 5.0).as_vec3();
+        let mut set = Set::default();
+        for i in 0..TILE {
+            let [x, y] = steps(i);
+            let mut d = towards;
+            (d[a], d[b]) = (0.02 * x, 0.02 * y);
+            set.push(origin, d.normalize().as_vec3(), f32::INFINITY);
+        }
+        let mut scene = Scene { materials: vec![material(MaterialKind::Diffuse)], ..empty() };
+        for _ in 0..64 {
+            let turn = rng.scale(0.1, 6.0);
+            let size = rng.scale(2.0, 4.0);
+            let corner = |i: f64| {
+                let (sin, cos) = (turn + i * std::f64::consts::TAU / 3.0).sin_cos();
+                let mut v = towards * 0.3;
+                (v[a], v[b]) = (size * cos, size * sin);
+                v.as_vec3()
+            };
+            scene.triangles.push(triangle([0.0, 1.0, 2.0].map(corner), 0));
+        }
+        assert!(set.goes_in_a_frustum(&Hierarchy::new(&scene, Trees::WideAndBinary)), "round {round}");
+        hits += set.check(&scene, &format!("round {round}"));
+    }
+    assert_eq!(hits, 24 * TILE);
+}

@@ -31,6 +31,63 @@ fn image(rng: &mut Rng) -> MirrorImage {
     }
 }
 
+/// By area, in double precision: the pdf of directions to a point is the same all over the strip and zero
+/// beside it, and points are as many in each corner and along each side as its area asks for.
+#[test]
+fn points_of_a_strip_are_uniform_by_area_and_so_is_the_pdf() {
+    let mut rng = Rng(17);
+    let mut checked = 0;
+    for round in 0..24 {
+        let [ab, ac] = [(); 2].map(|()| rng.direction() * rng.scale(0.5, 2.0));
+        let cross = ab.cross(ac);
+        // Neither edge on nor too near: there single precision is not enough to compare.
+        let a = rng.direction() * 3.0;
+        if cross.length() < 0.3 || cross.normalize().dot(a).abs() < 0.5 {
+            continue;
+        }
+        checked += 1;
+        let margins @ [mx, my] = [(); 2].map(|()| rng.scale(0.05, 0.5));
+        let strip = Strip::new(a.as_vec3(), ab.as_vec3(), ac.as_vec3(), margins);
+        let outer = (1.0 + 2.0 * mx) * (1.0 + 2.0 * my);
+        let density = 1.0 / ((outer - 1.0) * cross.length());
+        let zero = math::Vec3::splat(Vec3::ZERO);
+        for (u, v) in square(64) {
+            // A little beyond the outer parallelogram, too.
+            let [x, y] = [(u, mx), (v, my)].map(|(u, m)| f64::from(u).mul_add(1.2 + 2.4 * m, -0.1 - 1.2 * m));
+            let beyond = (-x).max(x - 1.0) / mx;
+            let beyond = beyond.max((-y).max(y - 1.0) / my);
+            let point = a + ab * x + ac * y;
+            let wi = point.normalize();
+            let pdf = f64::from(strip.pdf::<f32>(zero, math::Vec3::splat(wi.as_vec3())));
+            let by_area = pdf * wi.dot(cross.normalize()).abs() / point.length_squared();
+            let expected = if (0.0..1.0).contains(&beyond) { density } else { 0.0 };
+            let at_an_edge = beyond.abs() < 1e-3 || (beyond - 1.0).abs() < 1e-3;
+            let off = (by_area - expected).abs() / density;
+            assert!(at_an_edge || off < 1e-3, "round {round}, ({x}, {y}): {by_area} for {expected}");
+        }
+        // Columns and rows: before the inner parallelogram, beside it, behind it.
+        let mut shares = [[0.0; 3]; 3];
+        let side = 256;
+        for (u, v) in square(side) {
+            let from = double(strip.point::<f32>(u, v)) - a;
+            let x = ac.cross(cross).dot(from) / ac.cross(cross).dot(ab);
+            let y = ab.cross(cross).dot(from) / ab.cross(cross).dot(ac);
+            let part = |x: f64| if x < 0.0 { 0 } else { 1 + usize::from(x > 1.0) };
+            shares[part(y)][part(x)] += 1.0 / f64::from(side * side);
+        }
+        for (row, height) in [my, 1.0, my].into_iter().enumerate() {
+            for (column, width) in [mx, 1.0, mx].into_iter().enumerate() {
+                let inner = row == 1 && column == 1;
+                let share = if inner { 0.0 } else { width * height / (outer - 1.0) };
+                let found = shares[row][column];
+                // The inner edges may be a rounding error inside.
+                assert!((found - share).abs() < 5e-3, "round {round}: {found} for {share}");
+            }
+        }
+    }
+    assert!(checked >= 6, "only {checked} strips");
+}
+
 #[test]
 fn guided_rays_change_no_expectation() {
     let mut rng = Rng(14);

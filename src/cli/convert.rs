@@ -49,11 +49,12 @@ fn check_model(options: &ConvertArgs) -> Result<(), CliError> {
     let (model, to_write) = (options.model.as_path(), options.scene());
     let [from, to] = [model, to_write].map(|path| path.display());
     let name = model.to_string_lossy();
-    if name.starts_with("builtin:") {
+    let is_built_in = name.starts_with("builtin:");
+    if is_built_in {
         // An unknown name is none of a scene.
         scene::load(&name)?;
     }
-    if has_extension(model, "json") || name.starts_with("builtin:") {
+    if is_built_in || has_extension(model, "json") {
         let mend = match scene::is_model(to_write) {
             true => format!("the model comes first: octray convert {to} {from}"),
             false => format!("octray render {from} -o picture.png shows it as it is"),

@@ -5,7 +5,7 @@
 use super::dots::{Column, DotTable, Row};
 use super::drawing::{Drawing, Kind};
 use super::numbers::{figure, percent};
-use crate::measure::chart::kernels::Kernel;
+use crate::measure::chart::kernels::{EFFORT, Kernel};
 use crate::wording::grouped;
 
 /// A drawing for each family of methods.
@@ -41,7 +41,8 @@ fn of_family(family: &str, kernels: &[Kernel]) -> Drawing {
     let mut notes = Vec::new();
     if let Some(Kernel { failure_case: case, error_case, .. }) = first {
         notes.push(format!(
-            "Cost: one ray against one primitive, over the default's. Failures: a quarter of stability recipe {} at {}.",
+            "Cost: one ray against one primitive, over the default's. Failures: {} of stability recipe {} at {}.",
+            percent(EFFORT.0),
             case.recipe,
             grouped(case.place)
         ));

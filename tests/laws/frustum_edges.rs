@@ -3,7 +3,7 @@
 
 use crate::common::rays::Set;
 use crate::common::{Rng, empty, material, sphere, triangle};
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 use octray::bvh::Trees;
 use octray::scene::{MaterialKind, Scene};
 use octray::traverse::hierarchy::Hierarchy;
@@ -183,6 +183,45 @@ fn frustum_keeps_what_rounding_hits_beside_it() {
     assert!(hits > 200, "{hits}");
 }
 
+/// The view along an axis, forwards or backwards.
+struct Along {
+    towards: DVec3,
+    /// The other two axes.
+    across: [usize; 2],
+}
+
+impl Along {
+    /// Of six: x, y, z forwards, then backwards.
+    fn axis(axis: usize) -> Self {
+        let mut towards = DVec3::ZERO;
+        towards[axis % 3] = [1.0, -1.0][axis / 3];
+        Self { towards, across: [(axis + 1) % 3, (axis + 2) % 3] }
+    }
+    /// A tile of rays from so far before the world's origin.
+    fn tile(&self, rng: &mut Rng, away: f64, spread: f64) -> Set {
+        let origin = (rng.direction() * 0.1 - self.towards * away).as_vec3();
+        let mut set = Set::default();
+        for i in 0..TILE {
+            let direction = self.at(1.0, steps(i).map(|step| spread * step));
+            set.push(origin, direction.normalize().as_vec3(), f32::INFINITY);
+        }
+        set
+    }
+    /// A triangle around the axis, whose corners lie at these depths.
+    fn triangle(&self, depths: [f64; 3], size: f64, turn: f64) -> [Vec3; 3] {
+        std::array::from_fn(|i| {
+            let (sin, cos) = (turn + i as f64 * std::f64::consts::TAU / 3.0).sin_cos();
+            self.at(depths[i], [size * cos, size * sin]).as_vec3()
+        })
+    }
+    fn at(&self, depth: f64, across: [f64; 2]) -> DVec3 {
+        let mut at = self.towards * depth;
+        let [a, b] = self.across;
+        [at[a], at[b]] = across;
+        at
+    }
+}
+
 /// Copies of triangles, seen from so far away that rounding puts their hits before their boxes, which reach
 /// hardly anywhere themselves: the first copy counts, and the frustum must not leave it out because another
 /// one has been hit.
@@ -191,29 +230,14 @@ fn frustum_keeps_the_first_of_copies_seen_from_afar() {
     let mut rng = Rng(93);
     let mut hits = 0;
     for round in 0..240 {
-        let (axis, away) = (round % 6, [1e3, 1e4, 1e6][round / 6 % 3]);
-        let [main, a, b] = [axis % 3, (axis + 1) % 3, (axis + 2) % 3];
-        let mut towards = DVec3::ZERO;
-        towards[main] = [1.0, -1.0][axis / 3];
-        let origin = (rng.direction() * 0.1 - towards * away).as_vec3();
-        let mut set = Set::default();
+        let away = [1e3, 1e4, 1e6][round / 6 % 3];
         // Every other tile is narrower than its directions can tell.
         let spread = if round % 2 == 0 { 0.0 } else { 0.3 / away };
-        for i in 0..TILE {
-            let [x, y] = steps(i);
-            let mut d = towards;
-            (d[a], d[b]) = (spread * x, spread * y);
-            set.push(origin, d.normalize().as_vec3(), f32::INFINITY);
-        }
+        let view = Along::axis(round % 6);
+        let set = view.tile(&mut rng, away, spread);
         let mut scene = Scene { materials: vec![material(MaterialKind::Diffuse)], ..empty() };
         for depth in [-0.5, 0.0, 0.5].map(|depth| depth + 0.2 * rng.unit()) {
-            let corner = |i: f64| {
-                let (sin, cos) = (i * std::f64::consts::TAU / 3.0).sin_cos();
-                let mut v = towards * (depth + 0.01 * i);
-                (v[a], v[b]) = (3.0 * cos, 3.0 * sin);
-                v.as_vec3()
-            };
-            let vertices = [0.0, 1.0, 2.0].map(corner);
+            let vertices = view.triangle([0.0, 0.01, 0.02].map(|behind| depth + behind), 3.0, 0.0);
             scene.triangles.extend([(); 30].map(|()| triangle(vertices, 0)));
         }
         assert!(set.goes_in_a_frustum(&Hierarchy::new(&scene, Trees::WideAndBinary)), "round {round}");
@@ -229,29 +253,13 @@ fn frustum_keeps_the_first_of_many_triangles_in_a_plane() {
     let mut rng = Rng(94);
     let mut hits = 0;
     for round in 0..24 {
-        let axis = round % 6;
-        let [main, a, b] = [axis % 3, (axis + 1) % 3, (axis + 2) % 3];
-        let mut towards = DVec3::ZERO;
-        towards[main] = [1.0, -1.0][axis / 3];
-        let origin = (rng.direction() * 0.1 - towards * 5.0).as_vec3();
-        let mut set = Set::default();
-        for i in 0..TILE {
-            let [x, y] = steps(i);
-            let mut d = towards;
-            (d[a], d[b]) = (0.02 * x, 0.02 * y);
-            set.push(origin, d.normalize().as_vec3(), f32::INFINITY);
-        }
+        let view = Along::axis(round % 6);
+        let set = view.tile(&mut rng, 5.0, 0.02);
         let mut scene = Scene { materials: vec![material(MaterialKind::Diffuse)], ..empty() };
         for _ in 0..64 {
             let turn = rng.scale(0.1, 6.0);
             let size = rng.scale(2.0, 4.0);
-            let corner = |i: f64| {
-                let (sin, cos) = (turn + i * std::f64::consts::TAU / 3.0).sin_cos();
-                let mut v = towards * 0.3;
-                (v[a], v[b]) = (size * cos, size * sin);
-                v.as_vec3()
-            };
-            scene.triangles.push(triangle([0.0, 1.0, 2.0].map(corner), 0));
+            scene.triangles.push(triangle(view.triangle([0.3; 3], size, turn), 0));
         }
         assert!(set.goes_in_a_frustum(&Hierarchy::new(&scene, Trees::WideAndBinary)), "round {round}");
         hits += set.check(&scene, &format!("round {round}"));

@@ -120,7 +120,7 @@ struct TimedKernel {
 /// Length of a turn: long against the time of reading the clock, short against the drift of clock rates.
 const TURN: Duration = Duration::from_micros(500);
 /// The share of the stability command's cases.
-const EFFORT: Effort = Effort(0.25);
+pub const EFFORT: Effort = Effort(0.25);
 
 /// Measures errors and failures of every method, then times every method at both widths in alternating turns
 /// until `end`, at least three each.

@@ -5,7 +5,7 @@
 use crate::common::{Rng, empty, sphere, triangle};
 use glam::{DVec3, Vec3};
 use octray::bvh::check::{Statistics, check};
-use octray::bvh::{Bounds, Bvh, Child, LEAF, MAX_DEPTH, MAX_STACK, Trees, WIDE, WideNode};
+use octray::bvh::{Bounds, Bvh, Child, MAX_DEPTH, MAX_STACK, SHORT, Trees, WIDE, WideNode};
 use octray::scene::Scene;
 use std::path::Path;
 
@@ -90,7 +90,8 @@ fn few_primitives_make_a_valid_tree() {
         for spheres in [0, count / 3, count] {
             let boxes: Vec<_> = (0..count).map(|_| at(rng.in_cube(), 0.1)).collect();
             let statistics = valid(spheres, &boxes);
-            assert!(count > LEAF || statistics.wide_nodes == 1, "{count} fit one node");
+            // More may be short nodes in two levels.
+            assert!(count > SHORT || statistics.wide_nodes == 1, "{count} fit one node");
         }
     }
     let none = Bvh::of_boxes(0, 0, Trees::WideAndBinary, |_| unreachable!());

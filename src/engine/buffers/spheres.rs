@@ -38,11 +38,10 @@ impl<const N: usize> SphereBlock<N> {
         (center, L::splat(self.radius2[index]))
     }
 
-    /// The block's spheres `WIDTH` at a time: centres and squared radii, in order.
-    pub fn lanes<L: Lane>(&self) -> impl Iterator<Item = (Vec3<L>, L)> {
-        let [x, y, z, radius2] =
-            [&self.x, &self.y, &self.z, &self.radius2].map(|column| bytemuck::cast_slice::<f32, L>(column));
-        (0..N / L::WIDTH).map(move |i| (Vec3::new(x[i], y[i], z[i]), radius2[i]))
+    /// The first spheres, one a lane: centres and squared radii.
+    #[inline(always)]
+    pub fn first<L: Lane>(&self) -> (Vec3<L>, L) {
+        (Vec3::new(L::load(&self.x), L::load(&self.y), L::load(&self.z)), L::load(&self.radius2))
     }
 }
 

@@ -4,8 +4,8 @@
 //! threads are joined by copying.
 
 use super::bounds::{Bounds, PackedBox};
-use super::cost::{Costs, Plan};
-use super::node::{LEAF, MAX_DEPTH};
+use super::cost::{Costs, Plan, TestCosts};
+use super::node::{LEAF, MAX_DEPTH, SHORT};
 use super::split::{self, Set};
 use crate::lane::{Mask, Mask8};
 use rayon::join;
@@ -28,6 +28,7 @@ pub(super) struct BuildNode {
 pub(super) struct Builder<'a> {
     /// Whether a primitive, by its number, is a sphere: leaves hold one kind.
     pub is_sphere: &'a (dyn Fn(u32) -> bool + Sync),
+    pub tests: TestCosts,
     /// Largest set that becomes a leaf without trying a split by cost.
     pub max_unsplit: usize,
 }
@@ -56,7 +57,7 @@ impl Builder<'_> {
         nodes: &mut Vec<BuildNode>,
     ) -> Costs {
         let count = boxes.len();
-        let leaf = Costs::of_leaf(set.bounds.half_area());
+        let leaf = Costs::of_leaf(self.tests.of_leaf(count), set.bounds.half_area());
         let Some((middle, low, high)) = self.split(boxes, &set, depth, &leaf) else {
             let count = count as u32;
             let bounds = set.bounds.bounds();
@@ -82,7 +83,7 @@ impl Builder<'_> {
             (left, self.subtree(right, second, high, depth + 1, nodes))
         };
         let one_leaf = (count <= LEAF && self.homogeneous(boxes)).then_some(leaf);
-        let (costs, plan) = Costs::of_inner(set.bounds.half_area(), &left, &right, one_leaf);
+        let (costs, plan) = Costs::of_inner(&self.tests, set.bounds.half_area(), (&left, &right), one_leaf);
         nodes[node].plan = plan;
         costs
     }
@@ -113,7 +114,9 @@ impl Builder<'_> {
         }
         if count > self.max_unsplit && depth + 2 <= MAX_DEPTH {
             let split = split::cheapest_split(boxes, set, LEAF as u32);
-            if let Some(split) = split.filter(|split| leaf.improved_by_split(split.cost)) {
+            if let Some(split) =
+                split.filter(|split| leaf.improved_by_split(self.tests.of_leaf(SHORT), split.cost))
+            {
                 return Some(split::partition(boxes, set, &split));
             }
         }

@@ -1,7 +1,7 @@
 //! Validity and statistics of a hierarchy, for tests and reports: nothing here is fast.
 
 use super::bounds::Bounds;
-use super::cost;
+use super::cost::TestCosts;
 use super::node::{Child, LEAF, Leaf, MAX_DEPTH, WIDE};
 use super::tree::Bvh;
 use crate::scene::Scene;
@@ -17,9 +17,9 @@ pub struct Statistics {
     pub binary_nodes: usize,
     /// Leaves of both kinds.
     pub leaves: usize,
-    /// Filled slots of a wide node, of 8, on average.
+    /// Filled slots of a wide node, of [`WIDE`], on average.
     pub node_fill: f64,
-    /// Primitives of a leaf, of 8, on average.
+    /// Primitives of a leaf, of [`LEAF`], on average.
     pub leaf_fill: f64,
     /// Levels of nodes above the deepest leaf.
     pub wide_depth: usize,
@@ -31,7 +31,7 @@ pub struct Statistics {
     pub leaf_visits: f64,
     /// The same of primitives.
     pub primitive_tests: f64,
-    /// `node_visits` and `leaf_visits`, weighted by the builder's costs.
+    /// `node_visits` and `leaf_visits`, each weighted by what the builder counts its test as.
     pub cost: f64,
     /// Most references on the stack of a traversal of the wide tree.
     pub stack: usize,
@@ -43,6 +43,7 @@ struct Validator<'a, F> {
     bounds: F,
     seen: Vec<u32>,
     statistics: Statistics,
+    tests: TestCosts,
     area: f64,
 }
 
@@ -79,7 +80,14 @@ pub fn check(
         stack: 0,
     };
     let area = bvh.bounds.half_area().max(f64::MIN_POSITIVE);
-    let mut validator = Validator { bvh, bounds, seen: vec![0; count], statistics, area };
+    let mut validator = Validator {
+        bvh,
+        bounds,
+        seen: vec![0; count],
+        statistics,
+        tests: TestCosts::of(count - spheres),
+        area,
+    };
 
     let mut next_leaf = [0; 2];
     let mut next_node = 1;
@@ -104,7 +112,6 @@ pub fn check(
     let mut statistics = validator.statistics;
     statistics.node_fill = (bvh.wide.len() - 1 + leaves) as f64 / bvh.wide.len() as f64;
     statistics.leaf_fill = count as f64 / leaves.max(1) as f64;
-    statistics.cost = cost::NODE * statistics.node_visits + cost::LEAF * statistics.leaf_visits;
     statistics.binary_depth = deepest as usize;
     statistics.stack = stack.max(1);
     Ok(statistics)
@@ -128,8 +135,10 @@ impl<F: Fn(usize) -> Bounds> Validator<'_, F> {
         let wide = *self.bvh.wide.get(node).ok_or_else(|| format!("wide node {node} is out of range"))?;
         expect(level <= MAX_DEPTH as usize, || format!("wide node {node} is {level} levels deep"))?;
         self.statistics.wide_depth = self.statistics.wide_depth.max(level);
-        self.statistics.node_visits += around.half_area() / self.area;
         let filled = wide.children().iter().take_while(|&&child| child != Child::NONE).count();
+        let share = around.half_area() / self.area;
+        self.statistics.node_visits += share;
+        self.statistics.cost += share * self.tests.of_node(filled);
         let (mut union, mut deepest) = (Bounds::EMPTY, 0);
         for slot in 0..WIDE {
             let (child, bounds) = (wide.children()[slot], wide.bounds(slot));
@@ -193,6 +202,7 @@ impl<F: Fn(usize) -> Bounds> Validator<'_, F> {
         }
         let share = bounds.half_area() / self.area;
         self.statistics.leaf_visits += share;
+        self.statistics.cost += share * self.tests.of_leaf(primitives.len());
         self.statistics.primitive_tests += share * primitives.len() as f64;
         debug_assert!(primitives.len() <= LEAF);
         Ok(union)

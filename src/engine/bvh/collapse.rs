@@ -2,7 +2,7 @@
 
 use super::bounds::{Bounds, PackedBox};
 use super::build::BuildNode;
-use super::node::{BinaryNode, Child, Leaf, WIDE, WideNode};
+use super::node::{BinaryNode, Child, Leaf, WideNode};
 
 /// The finished parts, appended in depth-first order.
 pub(super) struct Collapse<'a> {
@@ -48,7 +48,7 @@ impl<'a> Collapse<'a> {
         } else if nodes[0].plan.is_leaf() {
             collapse.tree(0, &mut root);
         } else {
-            collapse.children(0, nodes[0].plan.left_of_node(), WIDE, &mut root);
+            collapse.children(0, nodes[0].plan.left_of_node(), &mut root);
         }
         collapse.wide[0] = root.node;
         collapse
@@ -65,12 +65,12 @@ impl<'a> Collapse<'a> {
     fn forest(&mut self, node: usize, trees: usize, slots: &mut Slots) {
         match self.nodes[node].plan.left_of_forest(trees) {
             None => self.tree(node, slots),
-            Some((of_left, trees)) => self.children(node, of_left, trees, slots),
+            Some(plan) => self.children(node, plan, slots),
         }
     }
 
     /// The same for both children: `of_left` trees for the left one, the rest for the right one.
-    fn children(&mut self, node: usize, of_left: usize, trees: usize, slots: &mut Slots) {
+    fn children(&mut self, node: usize, (of_left, trees): (usize, usize), slots: &mut Slots) {
         let BuildNode { bounds, at, .. } = self.nodes[node];
         let (left, right) = (node + 1, node + at as usize);
         let order = order_of(self.nodes[left].bounds, self.nodes[right].bounds);
@@ -95,7 +95,7 @@ impl<'a> Collapse<'a> {
         self.wide.push(WideNode::EMPTY);
         slots.push(bounds, Child(index as u32));
         let mut own = Slots::new();
-        self.children(node, plan.left_of_node(), WIDE, &mut own);
+        self.children(node, plan.left_of_node(), &mut own);
         self.wide[index] = own.node;
     }
 

@@ -3,6 +3,7 @@
 use super::bounds::{Bounds, MAX_PRIMITIVES, PackedBox};
 use super::build::Builder;
 use super::collapse::Collapse;
+use super::cost::TestCosts;
 use super::node::{BinaryNode, Child, LEAF, Leaf, WideNode};
 use crate::scene::Scene;
 use rayon::prelude::*;
@@ -58,7 +59,8 @@ impl Bvh {
             .map(|number| PackedBox::new(bounds(number), number as u32))
             .collect();
         let is_sphere = move |number: u32| (number as usize) < spheres;
-        let nodes = Builder { is_sphere: &is_sphere, max_unsplit: LEAF / 2 }.build(&mut boxes);
+        let tests = TestCosts::of(count - spheres);
+        let nodes = Builder { is_sphere: &is_sphere, tests, max_unsplit: LEAF / 2 }.build(&mut boxes);
         let Collapse { wide, binary, triangle_leaves, sphere_leaves, .. } =
             Collapse::new(&nodes, &boxes, &is_sphere, trees == Trees::WideAndBinary);
         let bounds = if boxes.is_empty() { Bounds::EMPTY } else { nodes[0].bounds };

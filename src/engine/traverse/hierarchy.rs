@@ -8,7 +8,7 @@ use crate::buffers::SphereBlock;
 use crate::bvh::{Bounds, Bvh, Child, LEAF, Leaf, Trees, WIDE, WideNode, slots};
 use crate::kernel::ray_box::Padding;
 use crate::kernel::ray_sphere::{Robust, SphereMethod};
-use crate::lane::{Lane, Mask, Native, NativeMask};
+use crate::lane::{F32x8, Lane, Mask, Native};
 use crate::math::{Hit, Ray};
 use crate::scene::Scene;
 use rayon::prelude::*;
@@ -85,7 +85,7 @@ impl Hierarchy {
             self.intersect_spheres(leaf.index(), &ray.ray, hit);
         } else {
             self.with_triangles(leaf.index(), |leaf| {
-                leaf.accept(leaf.ahead(ray.woop.stored()), &ray.woop, &ray.slabs, hit);
+                leaf.accept(leaf.ahead::<Native>(ray.woop.stored()), &ray.woop, &ray.slabs, hit);
             });
         }
     }
@@ -94,15 +94,10 @@ impl Hierarchy {
     #[inline(never)]
     pub fn intersect_spheres(&self, leaf: usize, ray: &Ray<f32>, hit: &mut Hit<f32>) {
         let leaf = &self.spheres[leaf];
-        let ray = Ray {
-            origin: ray.origin.each_ref().broadcast(),
-            direction: ray.direction.each_ref().broadcast(),
-        };
-        for (center, radius2) in leaf.spheres.lanes::<Native>() {
-            let limit = Native::splat(inclusive(hit.t));
-            let (mask, t) = Robust::test::<Native>(&Robust::prepare(&ray), center, radius2, limit);
-            let none = Native::zero();
-            keep_nearest(mask, &leaf.primitives.primitives, [t, none, none], hit);
+        if leaf.primitives.is_short() {
+            leaf.intersect::<F32x8>(ray, hit);
+        } else {
+            leaf.intersect::<Native>(ray, hit);
         }
     }
 
@@ -174,10 +169,17 @@ impl Hierarchy {
     }
 }
 
-/// Keeps the nearest hit of the lanes in `mask`.
-#[inline(always)]
-fn keep_nearest(mask: NativeMask, primitives: &[u32; LEAF], [t, u, v]: [Native; 3], hit: &mut Hit<f32>) {
-    for lane in mask.lanes() {
-        keep_if_nearer(true, primitives[lane], [t, u, v].map(|column| column.get(lane)), hit);
+impl SphereLeaf {
+    /// One ray against the first spheres, one a lane.
+    #[inline(always)]
+    fn intersect<L: Lane>(&self, ray: &Ray<f32>, hit: &mut Hit<f32>) {
+        let origin = ray.origin.each_ref().broadcast();
+        let ray = Ray { origin, direction: ray.direction.each_ref().broadcast() };
+        let (center, radius2) = self.spheres.first();
+        let limit = L::splat(inclusive(hit.t));
+        let (mask, t) = Robust::test::<L>(&Robust::prepare(&ray), center, radius2, limit);
+        for lane in mask.lanes() {
+            keep_if_nearer(true, self.primitives.primitives[lane], [t.get(lane), 0.0, 0.0], hit);
+        }
     }
 }

@@ -2,18 +2,16 @@
 
 use super::listed::{BATCH, ListedRay};
 use super::record::{ORDERS_BY_T, Record};
-use crate::lane::{Bits, Lane, Mask, Native};
+use crate::bvh::WIDE;
+use crate::lane::{Bits, Lane, Mask};
 use crate::math::Vec3;
 use crate::traverse::frustum::Boxes;
 
-/// A plane along each axis.
-type Planes = Vec3<Native>;
-
 /// The planes that rays of an octant meet first along each axis, and those that they meet second.
 #[inline(always)]
-fn in_order(boxes: &Boxes, octant: u8) -> (Planes, Planes) {
+fn in_order<L: Lane>(boxes: &Boxes, octant: u8) -> (Vec3<L>, Vec3<L>) {
     // `& 7` keeps the index inside.
-    let row = |row: usize| Native::load(&boxes[row & 7]);
+    let row = |row: usize| L::load(&boxes[row & 7]);
     let upper = |axis: u32| 3 * usize::from(octant >> axis & 1);
     let (x, y, z) = (upper(0), upper(1), upper(2));
     (Vec3::new(row(x), row(1 + y), row(2 + z)), Vec3::new(row(3 - x), row(4 - y), row(5 - z)))
@@ -21,12 +19,7 @@ fn in_order(boxes: &Boxes, octant: u8) -> (Planes, Planes) {
 
 /// The t at which a ray meets planes. `all` brings a number of the ray into all lanes.
 #[inline(always)]
-fn meets(
-    planes: Planes,
-    inverse: Vec3<Native>,
-    rest: Vec3<&f32>,
-    all: impl Fn(&f32) -> Native,
-) -> Vec3<Native> {
+fn meets<L: Lane>(planes: Vec3<L>, inverse: Vec3<L>, rest: Vec3<&f32>, all: impl Fn(&f32) -> L) -> Vec3<L> {
     Vec3::new(
         planes.x.mul_add(inverse.x, all(rest.x)),
         planes.y.mul_add(inverse.y, all(rest.y)),
@@ -36,41 +29,41 @@ fn meets(
 
 /// The smaller t; of NaN the second, or by their bits.
 #[inline(always)]
-fn min(a: Native, b: Native) -> Native {
-    if ORDERS_BY_T { Native::from_bits(a.to_bits().min_signed(b.to_bits())) } else { a.min(b) }
+fn min<L: Lane>(a: L, b: L) -> L {
+    if ORDERS_BY_T { L::from_bits(a.to_bits().min_signed(b.to_bits())) } else { a.min(b) }
 }
 
 /// The larger t; of NaN the second, or by their bits.
 #[inline(always)]
-fn max(a: Native, b: Native) -> Native {
-    if ORDERS_BY_T { Native::from_bits(a.to_bits().max_signed(b.to_bits())) } else { a.max(b) }
+fn max<L: Lane>(a: L, b: L) -> L {
+    if ORDERS_BY_T { L::from_bits(a.to_bits().max_signed(b.to_bits())) } else { a.max(b) }
 }
 
-/// Tests the rays of a list against the boxes of a node: one bit a box in `masks`, in the order of the list.
-/// Returns the boxes that any of them passes. Adds the entry distances to `distances`, box by box, unless any
-/// hit will do. With `ONE` all rays run into one octant.
+/// Tests the rays of a list against the first boxes of a node, one a lane: one bit a box in `masks`, in the
+/// order of the list. Returns the boxes that any of them passes. Stores the sums of the entry distances, box
+/// by box, in `distances`, unless any hit will do. With `ONE` all rays run into one octant.
 ///
 /// With [`ORDERS_BY_T`] a t is compared as an integer: bits of non-negative floats have the order of the
 /// floats. Negative ones are below all those, in reverse order among themselves, which changes nothing:
 /// intervals start at 0 or later, and end before that or not. A NaN is above or below all numbers by its
 /// sign: a ray that has one may pass no box, or more than it meets, and triangle tests keep no hit of it.
 #[inline(always)]
-pub fn pass_boxes<const ANY: bool, const ONE: bool>(
+pub fn pass_boxes<L: Lane, const ANY: bool, const ONE: bool>(
     boxes: &Boxes,
     list: &[u16],
     (records, octants): (&[Record; BATCH], &[u8; BATCH]),
     masks: &mut [u16],
-    distances: &mut Native,
+    distances: &mut [f32; WIDE],
 ) -> u32 {
     // Loaded once: the compiler cannot know that masks do not lie where boxes do.
     let octant = octants[ListedRay::new(list[0], records).ray()];
-    let (of_octant_0, of_first_ray) = (in_order(boxes, 0), in_order(boxes, octant));
+    let (of_octant_0, of_first_ray) = (in_order::<L>(boxes, 0), in_order::<L>(boxes, octant));
     let occupied = of_octant_0.0.x.le(of_octant_0.1.x).bitmask();
     // Along each axis, the place in `rest` of the number of the first plane, and of that of the second.
     let backwards = |axis: usize| if ONE && ORDERS_BY_T { 3 * usize::from(octant >> axis & 1) } else { 0 };
     let of_first = [backwards(0), 1 + backwards(1), 2 + backwards(2)];
     let of_second = [3 - of_first[0], 5 - of_first[1], 7 - of_first[2]];
-    let (mut all, mut sum) = (0, *distances);
+    let (mut all, mut sum) = (0, L::zero());
     for (mask, &entry) in masks.iter_mut().zip(list) {
         let listed = ListedRay::new(entry, records);
         let record = listed.record;
@@ -82,9 +75,9 @@ pub fn pass_boxes<const ANY: bool, const ONE: bool>(
         };
         // An addend is read from memory by the FMA that may overwrite its factor; the other FMA of an axis
         // overwrites its addend.
-        let both = |(first, second): (Planes, Planes)| {
-            let first = meets(first, inverse, rest(of_first), Native::broadcast);
-            (first, meets(second, inverse, rest(of_second), |&number| Native::splat(number)))
+        let both = |(first, second): (Vec3<L>, Vec3<L>)| {
+            let first = meets(first, inverse, rest(of_first), L::broadcast);
+            (first, meets(second, inverse, rest(of_second), |&number| L::splat(number)))
         };
         let (near, far) = if ONE {
             both(of_first_ray)
@@ -93,11 +86,11 @@ pub fn pass_boxes<const ANY: bool, const ONE: bool>(
             let near = Vec3::new(min(a.x, b.x), min(a.y, b.y), min(a.z, b.z));
             (near, Vec3::new(max(a.x, b.x), max(a.y, b.y), max(a.z, b.z)))
         } else {
-            both(in_order(boxes, octants[listed.ray()]))
+            both(in_order::<L>(boxes, octants[listed.ray()]))
         };
         // As floats, a NaN in both is kept in this order, and passes no box.
-        let near = max(Native::zero(), max(max(near.x, near.y), near.z));
-        let far = min(Native::splat(record.t), min(min(far.x, far.y), far.z));
+        let near = max(L::zero(), max(max(near.x, near.y), near.z));
+        let far = min(L::splat(record.t), min(min(far.x, far.y), far.z));
         let passes = if ORDERS_BY_T { near.to_bits().le_signed(far.to_bits()) } else { near.le(far) };
         if !ANY {
             sum = sum + near.only(passes);
@@ -105,6 +98,8 @@ pub fn pass_boxes<const ANY: bool, const ONE: bool>(
         *mask = passes.bitmask() as u16;
         all |= u32::from(*mask);
     }
-    *distances = sum;
+    if !ANY {
+        sum.store(&mut distances[..]);
+    }
     all & occupied
 }

@@ -207,9 +207,13 @@ impl<C: CounterSink> StreamTraversal<'_, '_, C> {
         let node = &self.hierarchy.bvh.wide[node];
         self.counter.node(node, count);
         let Stream { records, octants, lists, slots: tags, masks, .. } = &mut *self.stream;
-        let mut distances = Native::zero();
-        let list = &lists[start..start + count];
-        let all = pass_boxes::<ANY, ONE>(node.boxes(), list, (records, octants), masks, &mut distances);
+        let mut distances = [0.0; WIDE];
+        let (list, rays) = (&lists[start..start + count], (&**records, &**octants));
+        let all = if node.is_short() {
+            pass_boxes::<F32x8, ANY, ONE>(node.boxes(), list, rays, masks, &mut distances)
+        } else {
+            pass_boxes::<Native, ANY, ONE>(node.boxes(), list, rays, masks, &mut distances)
+        };
         if all == 0 {
             return;
         }
@@ -269,7 +273,7 @@ impl<C: CounterSink> StreamTraversal<'_, '_, C> {
         let order = &mut order[..nodes.count_ones() as usize];
         for (order, slot) in order.iter_mut().zip(slots(nodes)) {
             // Sorted as integers: the bits of non-negative floats have the order of the floats.
-            let distance = if ANY { 0.0 } else { distances.get(slot) / spans[slot].1 as f32 };
+            let distance = if ANY { 0.0 } else { distances[slot] / spans[slot].1 as f32 };
             *order = u64::from(distance.to_bits()) << 32 | slot as u64;
         }
         if !ANY {
@@ -297,7 +301,7 @@ impl<C: CounterSink> StreamTraversal<'_, '_, C> {
             let slot = usize::from(slot) & (WIDE - 1);
             update_hit::<ANY>(entry, records, hits, |listed, hits| {
                 counter.leaf(hierarchy, node.children()[slot], 1);
-                let ahead = leaves[slot].ahead(listed.stored_woop());
+                let ahead = leaves[slot].ahead::<Native>(listed.stored_woop());
                 (ahead != 0).then(|| listed.accept(leaves[slot], ahead, hits))
             });
         }
@@ -316,15 +320,21 @@ impl<C: CounterSink> StreamTraversal<'_, '_, C> {
         count: usize,
     ) {
         let Self { stream, hierarchy, hits, counter, .. } = self;
-        let Stream { records, lists, slots, masks, found, places, leaves, ahead, .. } = &mut **stream;
+        let Stream { records, lists, slots: tags, masks, found, places, leaves, ahead, .. } = &mut **stream;
         let leaves = hierarchy.triangle_leaves(node, reached, leaves);
         let slot_of = |slot: u8| usize::from(slot) & (WIDE - 1);
-        let pairs = lists[start..start + count].chunks(BATCH).zip(slots.chunks(BATCH));
+        let short = slots(reached).fold(0u32, |bits, slot| bits | u32::from(leaves[slot].is_short()) << slot);
+        let pairs = lists[start..start + count].chunks(BATCH).zip(tags.chunks(BATCH));
         for (entries, slots) in pairs {
             for ((mask, &entry), &slot) in masks.iter_mut().zip(entries).zip(slots) {
                 let (slot, listed) = (slot_of(slot), ListedRay::new(entry, records));
                 counter.leaf(hierarchy, node.children()[slot], 1);
-                *mask = leaves[slot].ahead(listed.stored_woop()) as u16;
+                let passed = if short >> slot & 1 != 0 {
+                    leaves[slot].ahead::<F32x8>(listed.stored_woop())
+                } else {
+                    leaves[slot].ahead::<Native>(listed.stored_woop())
+                };
+                *mask = passed as u16;
             }
             masks[entries.len()..entries.len() + CHUNK].fill(0);
             let chunks = places.as_chunks::<CHUNK>().0.iter().zip(masks.as_chunks::<CHUNK>().0);

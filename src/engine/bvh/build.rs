@@ -27,10 +27,10 @@ pub(super) struct BuildNode {
 /// The parameters of a build.
 pub(super) struct Builder<'a> {
     /// Whether a primitive, by its number, is a sphere: leaves hold one kind.
-    pub is_sphere: &'a (dyn Fn(u32) -> bool + Sync),
-    pub tests: TestCosts,
+    is_sphere: &'a (dyn Fn(u32) -> bool + Sync),
+    tests: TestCosts,
     /// Largest set that becomes a leaf without trying a split by cost.
-    pub max_unsplit: usize,
+    max_unsplit: usize,
 }
 
 /// Levels of halving until each part fits a leaf.
@@ -38,12 +38,18 @@ fn levels(count: usize) -> u32 {
     count.div_ceil(LEAF).next_power_of_two().ilog2()
 }
 
-impl Builder<'_> {
-    pub fn build(&self, boxes: &mut [PackedBox]) -> Vec<BuildNode> {
+impl<'a> Builder<'a> {
+    /// For this number of triangles, beside any number of spheres.
+    pub fn new(is_sphere: &'a (dyn Fn(u32) -> bool + Sync), triangles: usize) -> Self {
+        Self { is_sphere, tests: TestCosts::of(triangles), max_unsplit: LEAF / 2 }
+    }
+
+    /// The tree over the boxes, and its costs.
+    pub fn build(&self, boxes: &mut [PackedBox]) -> (Vec<BuildNode>, Costs) {
         let mut nodes = Vec::with_capacity(boxes.len() / 2);
         let set = Set::of(boxes);
-        self.subtree(boxes, 0, set, 0, &mut nodes);
-        nodes
+        let costs = self.subtree(boxes, 0, set, 0, &mut nodes);
+        (nodes, costs)
     }
 
     /// Appends the tree over `boxes`, which start at index `first` of all boxes and have the bounds in `set`;
@@ -114,6 +120,7 @@ impl Builder<'_> {
         }
         if count > self.max_unsplit && depth + 2 <= MAX_DEPTH {
             let split = split::cheapest_split(boxes, set, LEAF as u32);
+            // At best both halves are short.
             if let Some(split) =
                 split.filter(|split| leaf.improved_by_split(self.tests.of_leaf(SHORT), split.cost))
             {

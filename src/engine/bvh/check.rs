@@ -31,7 +31,7 @@ pub struct Statistics {
     pub leaf_visits: f64,
     /// The same of primitives.
     pub primitive_tests: f64,
-    /// `node_visits` and `leaf_visits`, each weighted by what the builder counts its test as.
+    /// Expected cost of a random line, in tests of a node of [`WIDE`] children: what the builder minimises.
     pub cost: f64,
     /// Most references on the stack of a traversal of the wide tree.
     pub stack: usize,
@@ -240,5 +240,47 @@ impl<F: Fn(usize) -> Bounds> Validator<'_, F> {
         };
         expect(union == node.bounds(), || format!("binary node {index} has a box of its own"))?;
         Ok(union)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::check;
+    use crate::bvh::bounds::{Bounds, PackedBox};
+    use crate::bvh::build::Builder;
+    use crate::bvh::cost::TestCosts;
+    use crate::bvh::node::SHORT;
+    use crate::bvh::tree::{Bvh, Trees};
+    use crate::lane::COMPUTES_IN_HALVES;
+    use glam::Vec3;
+
+    #[test]
+    fn cost_is_what_the_builder_minimises() {
+        for (spheres, count) in [(0, 40), (0, 300), (300, 1300), (0, 1001), (400, 2400), (3000, 3000)] {
+            // Points of a Kronecker sequence, with boxes of three sizes.
+            let bounds = |number: usize| {
+                let point = (Vec3::new(0.819_17, 0.671_04, 0.549_7) * number as f32).fract();
+                let half = Vec3::splat([0.005, 0.02, 0.08][number % 3]);
+                Bounds { lo: point - half, hi: point + half }
+            };
+            let is_sphere = |number: u32| (number as usize) < spheres;
+            let mut boxes: Vec<_> =
+                (0..count).map(|number| PackedBox::new(bounds(number), number as u32)).collect();
+            let (_, costs) = Builder::new(&is_sphere, count - spheres).build(&mut boxes);
+            let bvh = Bvh::of_boxes(spheres, count, Trees::Wide, bounds);
+            let planned = costs.of_tree() / bvh.bounds.half_area();
+            let cost = check(&bvh, spheres, count, bounds).unwrap().cost;
+            // The builder rounds extents to f32.
+            assert!((cost / planned - 1.0).abs() < 1e-6, "{spheres} of {count}: {cost}, planned {planned}");
+        }
+    }
+
+    #[test]
+    fn short_nodes_and_leaves_are_cheaper_only_where_that_was_measured() {
+        for (triangles, cheaper) in [(0, COMPUTES_IN_HALVES), (1000, COMPUTES_IN_HALVES), (1001, false)] {
+            let tests = TestCosts::of(triangles);
+            assert_eq!(tests.of_node(SHORT) < tests.of_node(SHORT + 1), cheaper, "{triangles}");
+            assert_eq!(tests.of_leaf(SHORT) < tests.of_leaf(SHORT + 1), cheaper, "{triangles}");
+        }
     }
 }

@@ -12,7 +12,8 @@
 use super::node::{SHORT, WIDE};
 use crate::lane::COMPUTES_IN_HALVES;
 
-/// Costs of testing one ray against the boxes of a node or the primitives of a leaf.
+/// Costs of testing one ray against the boxes of a node or the primitives of a leaf, in tests of a node of
+/// [`WIDE`] children.
 pub(super) struct TestCosts {
     node: f64,
     leaf: f64,
@@ -23,9 +24,9 @@ pub(super) struct TestCosts {
 
 /// Most triangles of a hierarchy that counts short nodes and leaves as cheaper. It has more of them, which
 /// shadow rays and bounces gain by, and packets of camera rays lose by: frames of 100 to 700 triangles are
-/// 0.98 to 1.05 times as fast, of 1,000 to 16,000 0.93 to 1.01 times. From 50,000 on bounces lose, too, as
-/// nodes and leaves take more memory. Spheres take less: frames of 300 to 5,000 are 1.02 to 1.08 times as
-/// fast.
+/// 0.98 to 1.05 times as fast, frames of 1,000 to 16,000 0.93 to 1.01 times. From 50,000 on bounces lose,
+/// too, as more nodes and leaves take more memory. A sphere takes half the memory of a triangle: frames of
+/// 300 to 5,000 are 0.99 to 1.08 times as fast, and bounces among 100,000 gain.
 const MAX_TRIANGLES: usize = 1000;
 
 impl TestCosts {
@@ -81,6 +82,11 @@ impl Plan {
 }
 
 impl Costs {
+    /// The cost of the cheapest single tree.
+    #[cfg(test)]
+    pub fn of_tree(&self) -> f64 {
+        self.0[0]
+    }
     pub fn of_leaf(cost: f64, half_area: f64) -> Self {
         Self([cost * half_area; WIDE - 1])
     }

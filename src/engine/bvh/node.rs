@@ -11,8 +11,8 @@ use glam::Vec3;
 pub const WIDE: usize = NATIVE_WIDTH;
 /// Most primitives in a leaf: likewise.
 pub const LEAF: usize = NATIVE_WIDTH;
-/// Most children of a short node and most triangles in a short leaf: as many as eight lanes test at once.
-/// Nodes and leaves are short only where that costs less than a whole vector ([`COMPUTES_IN_HALVES`]).
+/// Most children of a short node and most primitives of a short leaf: as many as eight lanes test at once.
+/// They count as short only where that costs less than a whole vector ([`COMPUTES_IN_HALVES`]).
 pub const SHORT: usize = F32x8::WIDTH;
 /// Most levels from the root to a leaf. Splits by cost may be lopsided; where they would lead deeper, sets
 /// are halved, which takes 27 levels for [`super::MAX_PRIMITIVES`].

@@ -3,8 +3,7 @@
 use super::bounds::{Bounds, MAX_PRIMITIVES, PackedBox};
 use super::build::Builder;
 use super::collapse::Collapse;
-use super::cost::TestCosts;
-use super::node::{BinaryNode, Child, LEAF, Leaf, WideNode};
+use super::node::{BinaryNode, Child, Leaf, WideNode};
 use crate::scene::Scene;
 use rayon::prelude::*;
 
@@ -59,8 +58,7 @@ impl Bvh {
             .map(|number| PackedBox::new(bounds(number), number as u32))
             .collect();
         let is_sphere = move |number: u32| (number as usize) < spheres;
-        let tests = TestCosts::of(count - spheres);
-        let nodes = Builder { is_sphere: &is_sphere, tests, max_unsplit: LEAF / 2 }.build(&mut boxes);
+        let (nodes, _) = Builder::new(&is_sphere, count - spheres).build(&mut boxes);
         let Collapse { wide, binary, triangle_leaves, sphere_leaves, .. } =
             Collapse::new(&nodes, &boxes, &is_sphere, trees == Trees::WideAndBinary);
         let bounds = if boxes.is_empty() { Bounds::EMPTY } else { nodes[0].bounds };

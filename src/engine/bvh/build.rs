@@ -13,6 +13,9 @@ use rayon::join;
 /// Larger sets have their halves built by two threads.
 const FORK: usize = 1024;
 
+/// Largest set that becomes a leaf without trying a split by cost.
+const MAX_UNSPLIT: usize = LEAF / 2;
+
 /// A node of the build tree; its left child is the next node.
 #[derive(Clone, Copy)]
 pub(super) struct BuildNode {
@@ -29,8 +32,6 @@ pub(super) struct Builder<'a> {
     /// Whether a primitive, by its number, is a sphere: leaves hold one kind.
     is_sphere: &'a (dyn Fn(u32) -> bool + Sync),
     tests: TestCosts,
-    /// Largest set that becomes a leaf without trying a split by cost.
-    max_unsplit: usize,
 }
 
 /// Levels of halving until each part fits a leaf.
@@ -41,7 +42,7 @@ fn levels(count: usize) -> u32 {
 impl<'a> Builder<'a> {
     /// For this number of triangles, beside any number of spheres.
     pub fn new(is_sphere: &'a (dyn Fn(u32) -> bool + Sync), triangles: usize) -> Self {
-        Self { is_sphere, tests: TestCosts::of(triangles), max_unsplit: LEAF / 2 }
+        Self { is_sphere, tests: TestCosts::of(triangles) }
     }
 
     /// The tree over the boxes, and its costs.
@@ -118,7 +119,7 @@ impl<'a> Builder<'a> {
                 None => split::halve(boxes, set, LEAF),
             });
         }
-        if count > self.max_unsplit && depth + 2 <= MAX_DEPTH {
+        if count > MAX_UNSPLIT && depth + 2 <= MAX_DEPTH {
             let split = split::cheapest_split(boxes, set, LEAF as u32);
             // At best both halves are short.
             if let Some(split) =

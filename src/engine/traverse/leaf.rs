@@ -77,12 +77,6 @@ impl TriangleLeaf {
         woop.ahead_of_block::<L>(&self.vertices).bitmask()
     }
 
-    /// Whether [`TriangleLeaf::ahead`] with eight lanes finds all, and costs less.
-    #[inline(always)]
-    pub fn is_short(&self) -> bool {
-        self.primitives.is_short()
-    }
-
     /// Keeps the nearest hit of a ray with the triangles whose bits are set: none or one, seldom two.
     #[inline(always)]
     pub fn accept(&self, ahead: u32, woop: &WoopRay<f32>, slabs: &Slabs<f32>, hit: &mut Hit<f32>) {

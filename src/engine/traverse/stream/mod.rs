@@ -323,7 +323,8 @@ impl<C: CounterSink> StreamTraversal<'_, '_, C> {
         let Stream { records, lists, slots: tags, masks, found, places, leaves, ahead, .. } = &mut **stream;
         let leaves = hierarchy.triangle_leaves(node, reached, leaves);
         let slot_of = |slot: u8| usize::from(slot) & (WIDE - 1);
-        let short = slots(reached).fold(0u32, |bits, slot| bits | u32::from(leaves[slot].is_short()) << slot);
+        let short = slots(reached)
+            .fold(0u32, |bits, slot| bits | u32::from(leaves[slot].primitives.is_short()) << slot);
         let pairs = lists[start..start + count].chunks(BATCH).zip(tags.chunks(BATCH));
         for (entries, slots) in pairs {
             for ((mask, &entry), &slot) in masks.iter_mut().zip(entries).zip(slots) {

@@ -46,20 +46,34 @@ pub struct CheckpointWriter {
     /// By the time that saving takes if `None`.
     interval: Option<Duration>,
     due: Instant,
+    /// Pixel samples in the file.
+    saved: u64,
     interrupt: Interrupt,
     /// Was the user warned that saving fails?
     warned: bool,
 }
 
 impl CheckpointWriter {
-    pub fn new(file: PathBuf, header: Header, interval: Option<Duration>, interrupt: &Interrupt) -> Self {
+    /// `saved` are the pixel samples that the file holds already.
+    pub fn new(
+        file: PathBuf,
+        header: Header,
+        interval: Option<Duration>,
+        saved: u64,
+        interrupt: &Interrupt,
+    ) -> Self {
         let due = Instant::now() + interval.unwrap_or(INTERVAL);
-        Self { file, header, interval, due, interrupt: interrupt.clone(), warned: false }
+        Self { file, header, interval, due, saved, interrupt: interrupt.clone(), warned: false }
     }
 
     /// When the film is to be saved next.
     pub fn due(&self) -> Instant {
         self.due
+    }
+
+    /// Is it time to save, and has the film samples that the file has not?
+    pub fn is_due(&self, film: &Film) -> bool {
+        self.due <= Instant::now() && film.pixel_samples() > self.saved
     }
 
     /// Saves the film of a rendering that goes on. If that fails, a warning says so once, and the earlier
@@ -78,6 +92,9 @@ impl CheckpointWriter {
             terminal::warn(&format!("no checkpoint was saved, and the rendering goes on without: {why}"));
         }
         self.warned = saved.is_err();
+        if saved.is_ok() {
+            self.saved = film.pixel_samples();
+        }
     }
 
     /// Saves the film at the end of a rendering, `complete` or not.

@@ -22,11 +22,16 @@ pub struct Interrupt {
 /// cannot be installed, without.
 pub fn end_with(note: impl Fn() -> String + Send + 'static) {
     let handler = move || {
-        let line = if std::io::stderr().is_terminal() { "\n" } else { "" };
-        terminal::note(&format!("{line}{}", note()));
+        self::note(&note());
         std::process::exit(INTERRUPTED.into());
     };
     ctrlc::set_handler(handler).ok();
+}
+
+/// Says something below the progress line, if there is one.
+fn note(line: &str) {
+    let below = if std::io::stderr().is_terminal() { "\n" } else { "" };
+    terminal::note(&format!("{below}{line}"));
 }
 
 impl Interrupt {
@@ -37,15 +42,12 @@ impl Interrupt {
         let handler = interrupt.clone();
         let listening = ctrlc::set_handler(move || {
             if !handler.begun.load(Ordering::SeqCst) {
-                // Below the progress line, if there is one.
-                let line = if std::io::stderr().is_terminal() { "\n" } else { "" };
-                terminal::note(&format!(
-                    "{line}Ctrl-C came before any part of the picture was done: nothing was written."
-                ));
+                note("Ctrl-C came before any part of the picture was done: nothing was written.");
                 std::process::exit(INTERRUPTED.into());
             }
-            let again = handler.requests.fetch_add(1, Ordering::SeqCst) > 0;
-            if again && !handler.holding.load(Ordering::SeqCst) {
+            if handler.requests.fetch_add(1, Ordering::SeqCst) == 0 {
+                note("Ctrl-C: parts under way are finished, then the picture is written; again ends without it.");
+            } else if !handler.holding.load(Ordering::SeqCst) {
                 std::process::exit(INTERRUPTED.into());
             }
         });

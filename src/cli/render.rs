@@ -154,8 +154,8 @@ impl Rendering {
         let (mut goals, mut writer) = (Vec::new(), None);
         if let (Some(file), Some(header)) = (&job.checkpoint, &header) {
             goals = checkpoint::resume(file, header, &mut film)?;
-            let interval = options.checkpoint_interval;
-            writer = Some(CheckpointWriter::new(file.clone(), header.clone(), interval, interrupt));
+            let (interval, saved) = (options.checkpoint_interval, film.pixel_samples());
+            writer = Some(CheckpointWriter::new(file.clone(), header.clone(), interval, saved, interrupt));
         }
         let before = Before { samples: film.mean_samples(), rays: film.rays() };
         if before.samples > 0.0 {

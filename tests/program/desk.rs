@@ -1,6 +1,7 @@
 //! A folder to work in, and the program that runs there.
 
 use crate::openexr;
+use crate::program::octray;
 use assert_cmd::Command;
 use serde_json::Value;
 use std::fs;
@@ -37,7 +38,7 @@ impl Desk {
     }
 
     pub fn octray(&self, arguments: &[&str]) -> Command {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_octray"));
+        let mut command = Command::from_std(octray());
         command.args(arguments).current_dir(self.0.path());
         command
     }

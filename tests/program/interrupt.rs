@@ -1,100 +1,106 @@
 //! Ctrl-C.
 
 use crate::desk::Desk;
+use crate::program::{octray, send_signal};
+use crate::waiting::wait_for;
+use octray::render::{Renderer, Settings};
+use octray::scene;
 use serde_json::{Value, json};
-use std::io::{BufRead, BufReader, Read};
-use std::process::{Child, Command, Stdio};
-use std::thread::sleep;
-use std::time::{Duration, Instant};
+use std::io::{BufRead, BufReader, Lines};
+use std::process::{Child, ChildStderr, ChildStdout, Stdio};
 
-/// How long hearing Ctrl-C, ending a few tiles and writing a picture may take: a few seconds, and a busy
-/// machine's share.
-const PATIENCE: Duration = Duration::from_secs(20);
-
-/// Starts a command.
-fn launch(desk: &Desk, line: &str) -> Child {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_octray"));
-    command.args(line.split(' ')).current_dir(desk.0.path()).stdout(Stdio::piped());
-    command.stderr(Stdio::piped()).spawn().unwrap()
+/// A command that goes on, and what it says.
+pub struct Running {
+    child: Child,
+    printed: Lines<BufReader<ChildStdout>>,
+    said: Lines<BufReader<ChildStderr>>,
+    /// The lines of `said` that were read.
+    heard: String,
 }
 
-/// Starts a rendering on one thread.
-fn spawn(desk: &Desk, arguments: &str) -> Child {
-    launch(desk, &format!("render {arguments} -o a.exr --threads 1"))
-}
-
-/// The same, and waits until it has rendered for two seconds: its own, which a busy machine makes longer.
-fn start(desk: &Desk, arguments: &str) -> Child {
-    let child = spawn(desk, arguments);
-    let start = Instant::now();
-    while processor_time(&child).unwrap_or(start.elapsed()) < Duration::from_secs(2) {
-        assert!(start.elapsed() < 3 * PATIENCE, "it does nothing");
-        sleep(Duration::from_millis(10));
+impl Running {
+    pub fn start(desk: &Desk, line: &str) -> Self {
+        let mut command = octray();
+        command.args(line.split(' ')).current_dir(desk.0.path());
+        let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+        let printed = BufReader::new(child.stdout.take().unwrap()).lines();
+        let said = BufReader::new(child.stderr.take().unwrap()).lines();
+        Self { child, printed, said, heard: String::new() }
     }
-    child
-}
 
-/// What its threads have used of the processor; `None` where the system does not say so.
-fn processor_time(child: &Child) -> Option<Duration> {
-    let stat = std::fs::read_to_string(format!("/proc/{}/stat", child.id())).ok()?;
-    // Behind the name, which ends with the last parenthesis, the 12th and 13th fields: of the program and of
-    // the system for it, in hundredths of a second.
-    let fields = stat.rsplit_once(')')?.1.split_whitespace();
-    let ticks: u64 = fields.skip(11).take(2).filter_map(|field| field.parse::<u64>().ok()).sum();
-    Some(Duration::from_millis(10 * ticks))
-}
-
-/// Starts a rendering, and answers at once when it listens.
-#[cfg(target_os = "linux")]
-fn start_listening(desk: &Desk, arguments: &str) -> Child {
-    let child = spawn(desk, arguments);
-    wait_until_listening(&child);
-    child
-}
-
-#[cfg(target_os = "linux")]
-fn wait_until_listening(child: &Child) {
-    let listens = || {
-        let status = std::fs::read_to_string(format!("/proc/{}/status", child.id())).unwrap();
-        let caught = status.lines().find_map(|line| line.strip_prefix("SigCgt:")).unwrap();
-        // The second bit is that of the second signal, which Ctrl-C sends.
-        u64::from_str_radix(caught.trim(), 16).unwrap() & 2 > 0
-    };
-    while !listens() {
-        sleep(Duration::from_millis(1));
+    /// Starts a rendering on one thread, and waits until its checkpoint says that tiles are done.
+    fn rendering(desk: &Desk, arguments: &str) -> Self {
+        let checkpoint = "--checkpoint c.part --checkpoint-interval 0.001";
+        let line = format!("render {arguments} -o a.exr --threads 1 {checkpoint}");
+        let running = Self::start(desk, &line);
+        wait_for("a checkpoint", || desk.path("c.part").exists().then_some(()));
+        running
     }
-}
 
-fn press_ctrl_c(child: &Child) {
-    let sent = Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
-    assert!(sent.success());
-}
+    pub fn press_ctrl_c(&self) {
+        send_signal("INT", self.child.id());
+    }
 
-/// Waits for the end, but not for long, and answers the exit code, what was printed, and what was said on
-/// standard error.
-fn end(mut child: Child) -> (Option<i32>, String, String) {
-    let start = Instant::now();
-    while child.try_wait().unwrap().is_none() {
-        if start.elapsed() > PATIENCE {
-            child.kill().unwrap();
-            panic!("Ctrl-C did not end the rendering");
+    /// Waits for a line on standard error.
+    pub fn wait_until_it_says(&mut self, words: &str) {
+        while !self.heard.contains(words) {
+            let line = self.said.next().unwrap_or_else(|| panic!("{words} is not in: {}", self.heard));
+            self.heard += &(line.unwrap() + "\n");
         }
-        sleep(Duration::from_millis(10));
     }
-    let (mut said, mut complained) = (String::new(), String::new());
-    child.stdout.take().unwrap().read_to_string(&mut said).unwrap();
-    child.stderr.take().unwrap().read_to_string(&mut complained).unwrap();
-    assert!(!complained.contains("samples  "), "progress is for terminals: {complained}");
-    (child.wait().unwrap().code(), said, complained)
+
+    /// Waits until Ctrl-C is heard: the second bit of this mask is that of the second signal.
+    #[cfg(target_os = "linux")]
+    fn wait_until_it_listens(&mut self) {
+        wait_for("a handler of Ctrl-C", || {
+            assert_eq!(self.child.try_wait().unwrap(), None, "the program ended");
+            let status = std::fs::read_to_string(format!("/proc/{}/status", self.child.id())).unwrap();
+            let caught = status.lines().find_map(|line| line.strip_prefix("SigCgt:")).unwrap();
+            (u64::from_str_radix(caught.trim(), 16).unwrap() & 2 > 0).then_some(())
+        });
+    }
+
+    /// Waits for the end: the exit code, what was printed since, and all that was said on standard error.
+    pub fn end(mut self) -> (Option<i32>, String, String) {
+        let status = wait_for("the end", || self.child.try_wait().unwrap());
+        self.said.by_ref().for_each(|line| self.heard += &(line.unwrap() + "\n"));
+        assert!(!self.heard.contains("samples  "), "progress is for terminals: {}", self.heard);
+        let printed = self.printed.by_ref().map(|line| line.unwrap() + "\n").collect();
+        (status.code(), printed, std::mem::take(&mut self.heard))
+    }
 }
 
-/// What is printed of a rendering that Ctrl-C ends after two seconds of its own.
+impl Drop for Running {
+    fn drop(&mut self) {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+/// What is printed of a rendering that Ctrl-C ends when tiles are done.
 fn interrupted(desk: &Desk, arguments: &str) -> String {
-    let child = start(desk, arguments);
-    press_ctrl_c(&child);
-    let (code, said, _) = end(child);
-    assert_eq!(code, Some(130), "{said}");
-    said
+    let running = Running::rendering(desk, arguments);
+    running.press_ctrl_c();
+    let (code, printed, said) = running.end();
+    assert_eq!(code, Some(130), "{printed}{said}");
+    printed
+}
+
+/// Asserts that every pixel of a picture is that of `least` to `most` samples, to the bit: only a rendering
+/// that was ended within its first sample, or a machine that was very busy, leaves more numbers than one.
+pub fn assert_samples(desk: &Desk, name: &str, size: [u32; 2], pixels: &[[f32; 3]], [least, most]: [u64; 2]) {
+    let scene = scene::load(name).unwrap();
+    let renderer = Renderer::new(&scene, Settings { resolution: size, ..Settings::of(&scene) });
+    let mut film = renderer.film();
+    let mut unknown: Vec<usize> = (0..pixels.len()).collect();
+    for samples in 0..=most {
+        if samples >= least {
+            let again = film.picture().pixels;
+            unknown.retain(|&index| again[index] != pixels[index]);
+        }
+        renderer.add_samples(&mut film, 1);
+    }
+    assert!(unknown.is_empty(), "{unknown:?} differ from {least} to {most} samples in {:?}", desk.names());
 }
 
 /// A white room that shines, and so many balls in it: every path has as many bounces as it may.
@@ -113,99 +119,86 @@ fn put_endless_paths(desk: &Desk, balls: usize) {
     desk.write("endless.json", &scene.to_string());
 }
 
-/// A picture whose first sample, of two thousand million rays, takes far longer than anyone waits; each of
-/// its tiles is quick.
+/// A picture whose sample takes minutes, and each run of its tiles seconds: of 2,048 tiles eight are traced
+/// together, of a quarter of a million rays each.
 pub fn put_heavy_picture(desk: &Desk) -> &'static str {
     put_endless_paths(desk, 8);
-    "endless.json --size 2048x1024 --bounces 1024 --lanes 1 --samples 4"
+    "endless.json --size 1024x512 --bounces 1024 --lanes 1 --samples 4"
 }
 
 #[test]
 fn ctrl_c_saves_the_samples_so_far() {
     let desk = Desk::new();
-    let said = interrupted(&desk, "builtin:three --samples 10000000 --size 64x36 --json");
-    let report: Value = serde_json::from_str(&said).unwrap();
+    let printed = interrupted(&desk, "builtin:three --samples 10000000 --size 64x36 --json");
+    let report: Value = serde_json::from_str(&printed).unwrap();
     assert_eq!(report["interrupted"], true);
-    let [samples, most] = ["samples", "most_samples"].map(|key| report[key].as_u64().unwrap());
-    assert!((1..10_000_000).contains(&samples) && samples <= most, "{report}");
-    assert_eq!(desk.names(), ["a.exr", "model.obj", "scene.json"], "no temporary file stays");
+    let [least, most] = ["samples", "most_samples"].map(|key| report[key].as_u64().unwrap());
+    assert!((1..10_000_000).contains(&most) && least <= most, "{report}");
+    assert_eq!(desk.names(), ["a.exr", "c.part", "model.obj", "scene.json"], "no temporary file stays");
     let pixels = desk.pixels("a.exr");
     assert_eq!(pixels.len(), 64 * 36);
-
-    // Every pixel is that of so many samples, to the bit. Only where the machine was very busy is it not the
-    // same number for all.
-    let render = |samples: u64| {
-        let samples = samples.to_string();
-        let again = ["render", "builtin:three", "-o", "b.exr", "--size", "64x36", "--samples", &samples];
-        desk.octray(&again).assert().success();
-        desk.pixels("b.exr")
-    };
-    let mut unknown: Vec<usize> = (0..pixels.len()).collect();
-    for samples in samples..=most {
-        let again = render(samples);
-        unknown.retain(|&index| again[index] != pixels[index]);
-    }
-    assert!(unknown.is_empty(), "{unknown:?} differ from {samples} to {most} samples");
+    assert_samples(&desk, "builtin:three", [64, 36], &pixels, [least, most]);
 }
 
 #[test]
 fn ctrl_c_ends_a_sample_that_takes_minutes_and_keeps_its_tiles() {
     let desk = Desk::new();
-    let said = interrupted(&desk, &format!("{} --json", put_heavy_picture(&desk)));
-    let report: Value = serde_json::from_str(&said).unwrap();
+    let printed = interrupted(&desk, &format!("{} --json", put_heavy_picture(&desk)));
+    let report: Value = serde_json::from_str(&printed).unwrap();
     assert_eq!([&report["samples"], &report["most_samples"]], [0, 1], "{report}");
     // Everything shines: what has had a sample is not black.
     let pixels = desk.pixels("a.exr");
     let begun = pixels.iter().filter(|pixel| **pixel != [0.0; 3]).count();
-    assert!((256..2048 * 1024).contains(&begun) && pixels.len() == 2048 * 1024, "{begun} pixels");
-    assert_eq!(desk.names(), ["a.exr", "endless.json", "model.obj", "scene.json"]);
+    assert!((256..1024 * 512).contains(&begun) && pixels.len() == 1024 * 512, "{begun} pixels");
+    assert_eq!(desk.names(), ["a.exr", "c.part", "endless.json", "model.obj", "scene.json"]);
 }
 
 #[test]
 fn ctrl_c_is_named_as_the_end() {
     let desk = Desk::new();
-    let said = interrupted(&desk, "builtin:three --samples 10000000 --size 64x36");
-    assert!(said.contains(" of 10,000,000 samples") && said.ends_with("ended by Ctrl-C\n"), "{said}");
+    let printed = interrupted(&desk, "builtin:three --samples 10000000 --size 64x36");
+    assert!(printed.contains(" of 10,000,000 samples") && printed.ends_with("ended by Ctrl-C\n"), "{printed}");
 }
 
-/// Two thousand balls, each of which every ray is tested against: the first tile takes a second or some.
+/// So many balls, each of which every ray is tested against, that the first tile takes minutes.
 #[cfg(target_os = "linux")]
 #[test]
 fn ctrl_c_before_the_first_tile_is_done_writes_nothing_and_says_so() {
     let desk = Desk::new();
-    put_endless_paths(&desk, 2_000);
+    put_endless_paths(&desk, 40_000);
     desk.write("a.exr", "of yesterday");
     let arguments = "endless.json --size 64x64 --bounces 1024 --lanes 1 --traversal linear --samples 4";
-    let child = start_listening(&desk, arguments);
-    press_ctrl_c(&child);
-    let (code, said, complained) = end(child);
-    assert_eq!((code, said.as_str()), (Some(130), ""));
-    assert!(complained.contains("nothing was written"), "{complained}");
+    let mut running = Running::start(&desk, &format!("render {arguments} -o a.exr --threads 1"));
+    running.wait_until_it_listens();
+    running.press_ctrl_c();
+    let (code, printed, said) = running.end();
+    assert_eq!((code, printed.as_str()), (Some(130), ""));
+    assert!(said.contains("nothing was written"), "{said}");
     assert_eq!(std::fs::read_to_string(desk.path("a.exr")).unwrap(), "of yesterday");
     assert_eq!(desk.names(), ["a.exr", "endless.json", "model.obj", "scene.json"]);
 }
 
+/// The second comes while the tiles under way go on for seconds.
 #[test]
 fn ctrl_c_twice_ends_at_once_and_writes_nothing() {
     let desk = Desk::new();
-    let child = start(&desk, put_heavy_picture(&desk));
-    press_ctrl_c(&child);
-    // Far less than the tiles under way are given to end, and enough for the two signals not to become one.
-    sleep(Duration::from_millis(30));
-    press_ctrl_c(&child);
-    let (code, said, _) = end(child);
-    assert_eq!((code, said.as_str()), (Some(130), ""));
-    assert_eq!(desk.names(), ["endless.json", "model.obj", "scene.json"]);
+    let mut running = Running::rendering(&desk, put_heavy_picture(&desk));
+    running.press_ctrl_c();
+    running.wait_until_it_says("again ends without it");
+    running.press_ctrl_c();
+    let (code, printed, _) = running.end();
+    assert_eq!((code, printed.as_str()), (Some(130), ""));
+    assert_eq!(desk.names(), ["c.part", "endless.json", "model.obj", "scene.json"]);
 }
 
 /// What is said of a command that Ctrl-C ends as soon as it listens, and that prints nothing.
 #[cfg(target_os = "linux")]
 fn interrupted_at_once(line: &str) -> String {
     let desk = Desk::new();
-    let child = launch(&desk, line);
-    wait_until_listening(&child);
-    press_ctrl_c(&child);
-    let (code, printed, said) = end(child);
+    let mut running = Running::start(&desk, line);
+    running.wait_until_it_listens();
+    running.press_ctrl_c();
+    let (code, printed, said) = running.end();
     assert_eq!((code, printed.as_str()), (Some(130), ""), "{said}");
     said
 }
@@ -217,24 +210,26 @@ fn interrupted_chart_says_what_it_leaves() {
     assert!(said.contains("Ctrl-C: nothing was drawn in `charts`."), "{said}");
 }
 
+/// The second scene takes minutes: its reference tests every ball for every ray.
 #[test]
 fn interrupted_bench_prints_the_ratios_of_what_it_measured() {
     let desk = Desk::new();
-    let mut child = launch(&desk, "bench builtin:three builtin:cornell --size 64x36 --threads 1");
-    let printed = BufReader::new(child.stdout.as_mut().unwrap());
-    let row = printed.lines().map_while(Result::ok).find(|line| line.starts_with("builtin:three"));
-    press_ctrl_c(&child);
-    let (code, _, said) = end(child);
+    put_endless_paths(&desk, 20_000);
+    let line = "bench builtin:three endless.json --size 64x36 --frames 1 --threads 1 --bounces 1024";
+    let mut running = Running::start(&desk, line);
+    let row = running.printed.by_ref().map_while(Result::ok).find(|line| line.starts_with("builtin:three"));
+    running.press_ctrl_c();
+    let (code, _, said) = running.end();
     assert_eq!(code, Some(130), "{said}");
     assert!(row.is_some(), "no row of the first scene: {said}");
     let ratios = said.lines().find(|line| line.starts_with("builtin:three")).unwrap_or_default();
-    assert!(ratios.contains('×') && !said.contains("builtin:cornell"), "{said}");
+    assert!(ratios.contains('×') && !said.contains("endless.json"), "{said}");
     assert!(said.ends_with("Ctrl-C came after 1 of 2 scenes.\n"), "{said}");
 }
 
 #[cfg(target_os = "linux")]
 #[test]
 fn interrupted_bench_says_that_there_is_no_report() {
-    let said = interrupted_at_once("bench builtin:three --json");
+    let said = interrupted_at_once("bench builtin:three --frames 10000 --json");
     assert!(said.contains("Ctrl-C came after 0 of 1 scenes: the report was not written."), "{said}");
 }

@@ -3,6 +3,10 @@
 
 #[path = "../common/openexr.rs"]
 mod openexr;
+#[path = "../common/program.rs"]
+mod program;
+#[path = "../common/waiting.rs"]
+mod waiting;
 
 mod chart;
 #[cfg(unix)]

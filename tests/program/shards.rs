@@ -108,7 +108,7 @@ fn unfinished_part_goes_on_in_its_place() {
     let desk = Desk::new();
     let picture = "render builtin:cornell --size 48x32 --samples 40 --threads 1";
     let part = format!("{picture} --shard 1/1 -o 1.part --checkpoint 1.part");
-    run(&desk, &format!("{part} --time-limit 0.01"));
+    run(&desk, &format!("{part} --time-limit 0.001"));
     desk.octray(&["merge", "1.part", "-o", "a.exr"]).assert().code(2).stderr(contains("not complete"));
     run(&desk, &part);
     run(&desk, "merge 1.part -o a.exr");

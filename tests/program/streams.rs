@@ -1,6 +1,7 @@
 //! Standard output and standard error that are closed or full.
 
 use crate::desk::Desk;
+use crate::program::octray;
 #[cfg(target_os = "linux")]
 use std::fs;
 use std::path::Path;
@@ -8,7 +9,7 @@ use std::process::Stdio;
 
 /// Runs the program with standard output closed at the other end.
 fn with_closed_output(folder: &Path, arguments: &[&str]) -> std::process::Output {
-    let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_octray"));
+    let mut command = octray();
     let (reader, writer) = std::io::pipe().unwrap();
     drop(reader);
     command.args(arguments).current_dir(folder).stdout(writer).stderr(Stdio::piped());
@@ -41,7 +42,7 @@ fn a_closed_standard_error_does_no_harm() {
     ] {
         let (reader, writer) = std::io::pipe().unwrap();
         drop(reader);
-        let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_octray"));
+        let mut command = octray();
         command.args(arguments).current_dir(desk.0.path()).stdout(Stdio::null()).stderr(writer);
         assert_eq!(command.status().unwrap().code(), Some(code), "{arguments:?}");
     }
@@ -52,7 +53,7 @@ fn a_closed_standard_error_does_no_harm() {
 fn a_full_standard_output_is_an_error() {
     let desk = Desk::new();
     let full = fs::File::options().write(true).open("/dev/full").unwrap();
-    let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_octray"));
+    let mut command = octray();
     command.args(["inspect", "scene.json"]).current_dir(desk.0.path()).stdout(full).stderr(Stdio::piped());
     let output = command.spawn().unwrap().wait_with_output().unwrap();
     assert_eq!(output.status.code(), Some(2));

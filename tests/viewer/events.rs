@@ -1,6 +1,7 @@
 //! What becomes of events that come while other things go on: scenes that are being read, files that change,
 //! an end.
 
+use crate::program::octray;
 use crate::seat::options;
 use crate::waiting::wait_for;
 use octray::render::PipelineChoice;
@@ -16,7 +17,6 @@ use serde_json::Value;
 use std::fmt::Write;
 use std::fs;
 use std::path::Path;
-use std::process::Command;
 use std::sync::mpsc::{Sender, channel};
 use std::sync::{Arc, Mutex};
 use std::thread::sleep;
@@ -205,7 +205,7 @@ fn a_screenshot_in_the_middle_of_a_sample_is_rendered_again() {
     for number in 1..=3 {
         let shot = folder.path().join(format!("octray-cornell-{number:04}"));
         let again = folder.path().join("again.exr");
-        let mut render = Command::new(env!("CARGO_BIN_EXE_octray"));
+        let mut render = octray();
         render.arg("render").arg(shot.with_extension("json")).arg("-o").arg(&again);
         assert!(render.output().unwrap().status.success());
         assert!(fs::read(&again).unwrap() == fs::read(shot.with_extension("exr")).unwrap(), "{number}");

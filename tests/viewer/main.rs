@@ -1,12 +1,16 @@
 //! The viewer: without a window, in a terminal, and in a window on a display of the test's own.
 #![cfg(feature = "viewer")]
 
+#[path = "../common/program.rs"]
+mod program;
 #[path = "../common/seat.rs"]
 mod seat;
 #[path = "../common/waiting.rs"]
 mod waiting;
 
 mod events;
+#[cfg(unix)]
+mod pictures;
 #[cfg(unix)]
 mod terminal;
 #[cfg(unix)]

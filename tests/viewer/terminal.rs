@@ -1,13 +1,13 @@
 //! `octray view --terminal` in a terminal of the test's own: what stands on its screen, what keys do, and how
 //! it is left.
 
-use crate::waiting::{Bytes, difference, rendered, wait_for};
+use crate::pictures::{Bytes, difference, rendered};
+use crate::program::{PROGRAM, kept, send_signal};
+use crate::waiting::{repeat_until, wait_for};
 use portable_pty::{Child, CommandBuilder, ExitStatus, PtyPair, PtySize, native_pty_system};
 use std::io::{Read, Write};
-use std::process::Command;
 use std::sync::{Arc, Mutex};
-use std::thread::{self, sleep};
-use std::time::Duration;
+use std::thread;
 
 /// Two pixels of the picture in every character.
 const COLUMNS: u16 = 64;
@@ -40,7 +40,9 @@ impl Terminal {
     fn start(arguments: &[&str], features: &'static str) -> Self {
         let size = PtySize { rows: ROWS, cols: COLUMNS, pixel_width: 0, pixel_height: 0 };
         let pair = native_pty_system().openpty(size).unwrap();
-        let mut command = CommandBuilder::new(env!("CARGO_BIN_EXE_octray"));
+        let mut command = CommandBuilder::new(PROGRAM);
+        command.env_clear();
+        kept().for_each(|(name, value)| command.env(name, value));
         command.args(["view", "--terminal", "--size", SIZE, "--threads", "1"]);
         command.args(arguments);
         command.env("TERM", "xterm-256color");
@@ -158,11 +160,7 @@ fn half_blocks_show_what_render_writes_and_keys_change_it() {
         terminal.write("w");
         terminal.picture().filter(|picture| difference(picture, &three) > OTHER)
     });
-    wait_for("home, and a stand there", || {
-        terminal.write("\x1b[H");
-        sleep(Duration::from_millis(500));
-        terminal.shows(&three).then_some(())
-    });
+    repeat_until("home, and a stand there", || terminal.write("\x1b[H"), || terminal.shows(&three));
     terminal.write(".");
     terminal.wait_for_picture("the next scene", &rendered("builtin:thesis", SIZE, SAMPLES));
     terminal.write("h");
@@ -187,11 +185,8 @@ fn terminals_that_tell_when_keys_come_up_are_asked_to_and_left_alone_in_the_end(
             terminal.picture().filter(|picture| difference(picture, &three) > OTHER)
         });
         terminal.write(end);
-        wait_for("home, and a stand there", || {
-            terminal.write("\x1b[H");
-            sleep(Duration::from_millis(500));
-            terminal.shows(&three).then_some(())
-        });
+        terminal.write("\x1b[H");
+        terminal.wait_for_picture("home, and a stand there", &three);
     }
     assert!(!terminal.wrote("\x1b[<1u"));
     terminal.write("\x03");
@@ -201,11 +196,10 @@ fn terminals_that_tell_when_keys_come_up_are_asked_to_and_left_alone_in_the_end(
 
 #[test]
 fn terminal_is_left_as_it_was_when_the_program_is_told_to_end() {
-    for signal in ["-TERM", "-INT", "-HUP"] {
+    for signal in ["TERM", "INT", "HUP"] {
         let terminal = Terminal::start(&["builtin:three"], PLAIN);
         wait_for("figures", || terminal.text().contains("builtin:three").then_some(()));
-        let id = terminal.program.process_id().unwrap().to_string();
-        assert!(Command::new("kill").args([signal, &id]).status().unwrap().success());
+        send_signal(signal, terminal.program.process_id().unwrap());
         assert_eq!(terminal.end().exit_code(), 0, "{signal}");
     }
 }

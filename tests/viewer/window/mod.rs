@@ -4,14 +4,13 @@
 //! tested, and it says so.
 
 mod screen;
-use crate::waiting::{Bytes, difference, rendered, wait_for};
+use crate::pictures::{Bytes, difference, rendered};
+use crate::program::octray;
+use crate::waiting::wait_for;
 use screen::{SIZE, SIZE_TEXT, Screen, Viewer};
 use serde_json::Value;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::Command;
-use std::thread::sleep;
-use std::time::Duration;
 
 /// Samples of the pictures that the window's are held against: many enough for their noise to be below a
 /// byte.
@@ -29,13 +28,10 @@ fn wait_for_picture(viewer: &Viewer, what: &str, wanted: &Bytes) {
 fn wait_for_another(viewer: &Viewer, what: &str, than: &Bytes) -> Bytes {
     wait_for(what, || Some(viewer.picture()).filter(|picture| difference(picture, than) > OTHER))
 }
-/// Waits until the camera is where the scene has it, and stays there.
+/// Waits until the camera is where the scene has it.
 fn go_home(viewer: &Viewer, home: &Bytes) {
-    wait_for("home", || {
-        viewer.press("Home");
-        sleep(Duration::from_millis(300));
-        (difference(&viewer.picture(), home) < SAME).then_some(())
-    });
+    viewer.press("Home");
+    wait_for_picture(viewer, "home", home);
 }
 
 #[test]
@@ -230,7 +226,7 @@ fn renders_again(place: &Path) {
     let folder = tempfile::tempdir().unwrap();
     for extension in ["png", "exr"] {
         let again: PathBuf = folder.path().join("again").with_extension(extension);
-        let mut render = Command::new(env!("CARGO_BIN_EXE_octray"));
+        let mut render = octray();
         render.arg("render").arg(place.with_extension("json")).arg("-o").arg(&again);
         let done = render.output().unwrap();
         assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));

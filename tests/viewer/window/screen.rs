@@ -1,6 +1,8 @@
 //! A display of the test's own, whose pixels can be read, and the program on it.
 
-use crate::waiting::{Bytes, wait_for};
+use crate::pictures::Bytes;
+use crate::program::{PROGRAM, away_from_home, send_signal};
+use crate::waiting::wait_for;
 use std::fs;
 use std::io::{BufRead, BufReader, ErrorKind, Read, Write};
 use std::path::Path;
@@ -49,8 +51,8 @@ impl Screen {
     /// A program that this screen is the display of. The environment speaks of another one as well, which is
     /// over: it is to be passed over.
     pub fn command(&self, program: &str) -> Command {
-        let mut command = Command::new(program);
-        command.env("DISPLAY", &self.display).env("WAYLAND_DISPLAY", "over").env_remove("WAYLAND_SOCKET");
+        let mut command = away_from_home(program);
+        command.env("DISPLAY", &self.display).env("WAYLAND_DISPLAY", "over");
         command
     }
 
@@ -109,7 +111,7 @@ pub struct Viewer<'a> {
 impl<'a> Viewer<'a> {
     /// Starts it in a folder, and waits for the window to be there and hear keys.
     pub fn start(screen: &'a Screen, folder: &Path, arguments: &[&str]) -> Self {
-        let mut command = screen.command(env!("CARGO_BIN_EXE_octray"));
+        let mut command = screen.command(PROGRAM);
         command.args(["view", "--size", SIZE_TEXT, "--threads", "1"]).args(arguments).current_dir(folder);
         let program = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
         let mut viewer = Self { screen, program, window: String::new() };
@@ -167,9 +169,8 @@ impl<'a> Viewer<'a> {
         quit.unwrap_or_else(|| self.xdotool(&["windowclose", &self.window]));
     }
 
-    /// As `kill` does.
     pub fn tell_to_end(&self) {
-        assert!(Command::new("kill").arg(self.program.id().to_string()).status().unwrap().success());
+        send_signal("TERM", self.program.id());
     }
 
     /// Waits for the end: what was printed, once the program has ended well.

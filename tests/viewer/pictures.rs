@@ -1,0 +1,25 @@
+//! The picture that a front end of the viewer should show.
+
+use crate::program::octray;
+
+/// Bytes of red, green and blue, row by row from the top.
+pub type Bytes = Vec<[u8; 3]>;
+
+/// The mean over all pixels and channels, in steps of a byte.
+pub fn difference(a: &[[u8; 3]], b: &[[u8; 3]]) -> f64 {
+    assert_eq!(a.len(), b.len());
+    let steps = |(a, b): (&[u8; 3], &[u8; 3])| (0..3).map(|c| u64::from(a[c].abs_diff(b[c]))).sum::<u64>();
+    a.iter().zip(b).map(steps).sum::<u64>() as f64 / (3 * a.len()) as f64
+}
+
+/// What `octray render` makes of a scene.
+pub fn rendered(scene: &str, size: &str, samples: u32) -> Bytes {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("picture.png");
+    let samples = samples.to_string();
+    let mut render = octray();
+    render.args(["render", scene, "--size", size, "--samples", &samples, "-o"]).arg(&file);
+    let done = render.output().unwrap();
+    assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
+    image::open(file).unwrap().to_rgb8().pixels().map(|pixel| pixel.0).collect()
+}

@@ -50,7 +50,8 @@ pub use rng::Rng;
 
 /// All recipes, in the order of reports.
 pub fn recipes() -> impl Iterator<Item = &'static Recipe> {
-    const FILES: &[&[Recipe]] = &[
+    // A static: the methods are compiled here, optimised. Those of a constant would be where it is used.
+    static FILES: &[&[Recipe]] = &[
         spheres::RECIPES,
         meshes::RECIPES,
         triangles::RECIPES,

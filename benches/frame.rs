@@ -1,11 +1,12 @@
-//! Frames of the built-in scenes, scalar and SIMD, on one thread: one sample per pixel at 240×135, up to 4
-//! bounces.
+//! Frames of the built-in scenes on one thread, at each width that `octray bench` measures on this machine:
+//! one sample per pixel at 240×135, up to 4 bounces.
 //!
 //! Before a scene is timed, its frame is held against what is known of it: so many primary hits, so many
-//! rays, and the same picture from both widths, bit by bit. An engine that skips work fails here instead of
+//! rays, and the same picture from every width, bit by bit. An engine that skips work fails here instead of
 //! looking fast.
 
 use criterion::{BatchSize, Criterion, Throughput};
+use octray_engine::lane::native_widths;
 use octray_engine::render::{Renderer, Settings};
 use octray_formats::scene;
 use std::time::Duration;
@@ -35,8 +36,6 @@ const HITS_TOLERANCE: u64 = 4;
 /// A path that turns off at a silhouette may end some bounces earlier or later: one ray in a thousand.
 const RAYS_TOLERANCE: f64 = 1e-3;
 
-const ENGINES: [(&str, usize); 2] = [("simd", 8), ("scalar", 1)];
-
 fn main() {
     let mut criterion = Criterion::default()
         .sample_size(20)
@@ -48,10 +47,10 @@ fn main() {
     assert!(faults.is_empty(), "nothing is timed before this is mended:\n{}", faults.join("\n"));
     for scene in &scenes {
         let mut group = criterion.benchmark_group(format!("frame/{}", scene.name));
-        group.throughput(Throughput::Elements(scene.first_frames[0].rays));
-        for ((engine, _), renderer) in ENGINES.iter().zip(&scene.renderers) {
+        group.throughput(Throughput::Elements(scene.engines[0].1.rays));
+        for (renderer, _) in &scene.engines {
             // Sample 0 every time: the frame that was checked.
-            group.bench_function(*engine, |bencher| {
+            group.bench_function(format!("{}-lanes", renderer.settings().lanes), |bencher| {
                 bencher.iter_batched_ref(
                     || renderer.film(),
                     |film| renderer.add_samples(film, 1),
@@ -64,11 +63,10 @@ fn main() {
     criterion.final_summary();
 }
 
-/// A scene made ready for each of [`ENGINES`], and what each sees in it.
+/// A scene made ready for each width, the widest first, and what each sees in it.
 struct Ready {
     name: &'static str,
-    renderers: [Renderer; 2],
-    first_frames: [Frame; 2],
+    engines: Vec<(Renderer, Frame)>,
 }
 
 /// What sample 0 gave.
@@ -82,7 +80,7 @@ struct Frame {
 impl Ready {
     fn new(name: &'static str) -> Self {
         let scene = scene::load(&format!("builtin:{name}")).expect("the scenes inside the program load");
-        let renderers = ENGINES.map(|(_, lanes)| {
+        let engines = native_widths().map(|lanes| {
             let settings = Settings {
                 resolution: [240, 135],
                 max_bounces: 4,
@@ -90,22 +88,24 @@ impl Ready {
                 threads: 1,
                 ..Settings::of(&scene)
             };
-            Renderer::new(&scene, settings)
+            let renderer = Renderer::new(&scene, settings);
+            let first = Frame::first(&renderer);
+            (renderer, first)
         });
-        let first_frames = renderers.each_ref().map(Frame::first);
-        Self { name, renderers, first_frames }
+        Self { name, engines: engines.collect() }
     }
 
     /// Holds the first frames against each other and against [`EXPECTED`].
     fn check(&self) -> Result<(), String> {
-        let Self { name, first_frames: [simd, scalar], .. } = self;
+        let Self { name, engines } = self;
+        let [(_, simd), .., (_, scalar)] = &engines[..] else { unreachable!("packets and scalar") };
         let line = |frame: &Frame| {
             let Frame { primary_hits, rays, .. } = frame;
             format!("Expected {{ scene: {name:?}, primary_hits: {primary_hits}, rays: {rays} }},")
         };
-        if simd != scalar {
-            let (of_simd, of_scalar) = (line(simd), line(scalar));
-            return Err(format!("SIMD and scalar frames differ:\n    {of_simd}\n    {of_scalar}"));
+        if let Some((renderer, frame)) = engines.iter().find(|(_, frame)| frame != scalar) {
+            let (lanes, wrong, right) = (renderer.settings().lanes, line(frame), line(scalar));
+            return Err(format!("frames of {lanes} lanes and of one differ:\n    {wrong}\n    {right}"));
         }
         let found = line(simd);
         let Some(expected) = EXPECTED.iter().find(|expected| expected.scene == *name) else {

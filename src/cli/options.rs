@@ -16,7 +16,7 @@ use crate::checkpoint::Shard;
 use crate::machine;
 use crate::measure::chart::ground_truth::SHRINK;
 use crate::measure::chart::pictures;
-use crate::measure::stability::{Recipe, recipes};
+use crate::measure::stability::{Effort, Recipe, recipes};
 use crate::measure::trace::TraceMethod;
 use crate::render::{LaneChoice, PipelineChoice};
 use crate::tone::Operator;
@@ -118,6 +118,7 @@ pub struct RaysOptions {
 pub struct StabilityOptions {
     pub json: bool,
     pub output: Option<PathBuf>,
+    pub effort: Effort,
     /// At least one.
     pub recipes: Vec<&'static Recipe>,
 }
@@ -277,7 +278,8 @@ impl From<StabilityArgs> for StabilityOptions {
         let wanted =
             |recipe: &&Recipe| args.only.is_empty() || args.only.iter().any(|name| name == recipe.name);
         let recipes = recipes().filter(wanted).collect();
-        Self { json: args.json, output: args.output, recipes }
+        let effort = if args.thorough { Effort::THOROUGH } else { Effort::STANDARD };
+        Self { json: args.json, output: args.output, effort, recipes }
     }
 }
 

@@ -120,24 +120,23 @@ impl Countdown {
     }
 }
 
-/// The line of a list of tasks, with the name of the present one and the time since the start.
+/// The line of a list of tasks, which several threads take, with the time left.
 pub struct Tasks {
     bar: ProgressBar,
 }
 
 impl Tasks {
     pub fn new(count: usize) -> Self {
-        Self { bar: line(Some(count as u64), style("{wide_bar} {pos}/{len} {msg}  {elapsed}")) }
+        let left = |state: &ProgressState, out: &mut dyn Write| {
+            let (share, time) = (f64::from(state.fraction()), state.elapsed());
+            let _ = out.write_str(&time_left(share, share, time));
+        };
+        Self { bar: line(Some(count as u64), style("{wide_bar} {pos}/{len}{left}").with_key("left", left)) }
     }
 
-    /// Shows the present task.
-    pub fn begin(&self, task: &'static str) {
-        self.bar.set_message(task);
-    }
-    /// Counts the task, and runs `tell`, which writes above the line.
-    pub fn done<R>(&self, tell: impl FnOnce() -> R) -> R {
+    /// Counts a task.
+    pub fn done(&self) {
         self.bar.inc(1);
-        self.bar.suspend(tell)
     }
     /// Removes the line.
     pub fn end(self) {
@@ -177,15 +176,22 @@ fn figures(
     let all =
         if of_samples < of_time { String::new() } else { format!("/{}", grouped(expected.div_ceil(pixels))) };
     let mut text = format!("{:.1} %  {}{all} samples  {rate} Mray/s", share * 100.0, grouped(done / pixels));
-    if (SETTLED_SHARE..1.0).contains(&share) && time >= SETTLED {
-        // The share that this run did.
-        let own = share - if of_samples < of_time { 0.0 } else { had as f64 / expected.max(1) as f64 };
-        let left = time.mul_f64(((1.0 - share) / own.max(1e-9)).min(1e9)).max(Duration::from_secs(1));
-        // Parts of a picture differ in cost: before the first whole sample the time left is a guess.
-        let guess = if done < pixels && of_time < of_samples { "perhaps " } else { "" };
-        let _ = write!(text, "  {guess}{} left", HumanDuration(left));
-    }
+    // The share that this run did.
+    let own = share - if of_samples < of_time { 0.0 } else { had as f64 / expected.max(1) as f64 };
+    let left = time_left(share, own, time);
+    // Parts of a picture differ in cost: before the first whole sample the time left is a guess.
+    let guess = done < pixels && of_time < of_samples;
+    text += &if guess { left.replacen("  ", "  perhaps ", 1) } else { left };
     text
+}
+
+/// The time left at this share of the work, `own` of which took this time; empty while it is uncertain.
+fn time_left(share: f64, own: f64, time: Duration) -> String {
+    if !(SETTLED_SHARE..1.0).contains(&share) || time < SETTLED {
+        return String::new();
+    }
+    let left = time.mul_f64(((1.0 - share) / own.max(1e-9)).min(1e9)).max(Duration::from_secs(1));
+    format!("  {} left", HumanDuration(left))
 }
 
 #[cfg(test)]

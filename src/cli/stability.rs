@@ -5,7 +5,7 @@ use super::options::StabilityOptions;
 use super::progress::Tasks;
 use super::terminal;
 use crate::machine::Machine;
-use crate::measure::stability::Effort;
+use crate::measure::stability::{self, Effort};
 use crate::output::{self, Existing};
 use crate::report::stability::figures;
 use crate::report::stability_table::{Report, table, verdict};
@@ -20,33 +20,26 @@ pub fn run(options: StabilityOptions) -> Result<ExitCode, CliError> {
         output::make_folder(folder)?;
         output::check(&folder.join(JSON), Existing::Replace)?;
     }
-    let mut report = Report {
+    let tasks = Tasks::new(options.recipes.iter().map(|recipe| recipe.points()).sum());
+    let recipes = stability::run(&options.recipes, options.effort, &|| tasks.done());
+    tasks.end();
+    let report = Report {
         schema: "octray-stability-1",
         machine: Machine::current(),
-        holds: true,
-        recipes: Vec::with_capacity(options.recipes.len()),
+        thorough: options.effort == Effort::THOROUGH,
+        holds: recipes.iter().all(|outcome| outcome.holds),
+        recipes,
     };
-    if !options.json {
-        terminal::print(&format!("{}\n", report.machine))?;
-    }
-    let tasks = Tasks::new(options.recipes.len());
-    for recipe in &options.recipes {
-        tasks.begin(recipe.name);
-        let outcome = recipe.run(Effort::FULL);
-        tasks.done(|| if options.json { Ok(()) } else { terminal::print(&table(&outcome)) })?;
-        report.holds &= outcome.holds;
-        report.recipes.push(outcome);
-    }
-    tasks.end();
     if let Some(folder) = &options.output {
         write(folder, &report)?;
     }
     if options.json {
         terminal::print_json(&report)?;
     } else {
-        terminal::print(&verdict(&report))?;
+        terminal::print(&format!("{}\n\n{}", report.machine, verdict(&report)))?;
+        report.recipes.iter().try_for_each(|outcome| terminal::print(&table(outcome)))?;
         if let Some(folder) = &options.output {
-            terminal::print(&format!("Charts and {JSON} are in {}.\n", folder.display()))?;
+            terminal::print(&format!("\nCharts and {JSON} are in {}.\n", folder.display()))?;
         }
     }
     Ok(if report.holds { ExitCode::SUCCESS } else { ExitCode::from(CHECK_FAILED) })

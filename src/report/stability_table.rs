@@ -17,6 +17,8 @@ pub struct Report {
     pub schema: &'static str,
     /// What the program was built for: failures depend on fused multiply-add.
     pub machine: Machine,
+    /// Were ten times as many cases tried?
+    pub thorough: bool,
     /// Do the default methods keep their bounds in all recipes?
     pub holds: bool,
     /// In the order in which they ran.
@@ -82,10 +84,10 @@ pub fn verdict(report: &Report) -> String {
         report.recipes.iter().filter(|outcome| !outcome.holds).map(|outcome| outcome.recipe).collect();
     match failed[..] {
         [] => format!(
-            "\nThe default methods (*) keep their bounds in {}. In brackets: places where they have no bound.\n",
+            "The default methods (*) keep their bounds in {}. In brackets: places where they have no bound.\n",
             counted(report.recipes.len(), "recipe", "recipes")
         ),
-        _ => format!("\nTHE DEFAULT METHODS (*) DO NOT KEEP THEIR BOUNDS in {}.\n", failed.join(", ")),
+        _ => format!("THE DEFAULT METHODS (*) DO NOT KEEP THEIR BOUNDS in {}.\n", failed.join(", ")),
     }
 }
 
@@ -134,6 +136,7 @@ mod tests {
     fn verdict_names_the_recipes_in_which_a_default_fails() {
         let report = |recipes: Vec<Outcome>| Report {
             schema: "",
+            thorough: false,
             machine: Machine::current(),
             holds: recipes.iter().all(|outcome| outcome.holds),
             recipes,

@@ -26,7 +26,7 @@ fn default_methods_keep_their_bounds_in_every_recipe_with_more_cases() {
 
 fn check_recipes(effort: Effort, without: &[&str]) {
     for recipe in recipes().filter(|recipe| !without.contains(&recipe.name)) {
-        let outcome = recipe.run(effort);
+        let outcome = recipe.run(effort, &|| {});
         let faults: Vec<&Point> = outcome.faults().collect();
         assert!(faults.is_empty(), "{}: {faults:?}", recipe.name);
         assert_eq!(others_fail(&outcome), !NOTHING_FAILS.contains(&recipe.name), "{}", recipe.name);

@@ -46,16 +46,33 @@ fn stability_reports_in_json_every_method_at_every_place() {
 }
 
 #[test]
-fn stability_gives_the_same_figures_every_time() {
+fn stability_gives_the_same_figures_every_time_on_any_number_of_threads() {
     let desk = Desk::new();
-    let [first, second] = [0, 1].map(|_| desk.json(&[&QUICK[..], &["--json"]].concat()));
-    assert_eq!(first, second);
+    let figures = |threads: &str| {
+        let mut command = desk.octray(&[&QUICK[..], &["--json"]].concat());
+        let done = command.env("RAYON_NUM_THREADS", threads).assert().success();
+        serde_json::from_slice::<Value>(&done.get_output().stdout).unwrap()["recipes"].clone()
+    };
+    let first = figures("1");
+    assert_eq!((&first, &first), (&figures("1"), &figures("3")));
+}
+
+#[test]
+fn thorough_stability_tries_ten_times_as_many_cases() {
+    let desk = Desk::new();
+    let known = recipe("textures-seam").unwrap();
+    let report = desk.json(&["stability", "--only", known.name, "--thorough", "--json"]);
+    assert_eq!(report["thorough"], true);
+    assert_eq!(report["recipes"][0]["curves"][0]["points"][0]["tested"], 10 * known.cases);
 }
 
 #[test]
 fn stability_prints_a_table_a_recipe_and_what_it_means() {
     let desk = Desk::new();
     let shown = desk.octray(&QUICK).assert().success();
+    let printed = String::from_utf8_lossy(&shown.get_output().stdout).into_owned();
+    let at = |words: &str| printed.find(words).unwrap_or_else(|| panic!("{words} is not in {printed}"));
+    assert!(at("keep their bounds") < at("\nspheres-tangent: "), "the verdict comes first");
     shown.stdout(
         contains("\nspheres-tangent: ")
             .and(contains("robust *"))

@@ -45,7 +45,7 @@ mod textures;
 pub mod triangles;
 
 pub use methods::Method;
-pub use recipe::{Bound, Curve, Effort, FailureCounts, Outcome, Point, Recipe, Trial};
+pub use recipe::{Bound, Curve, Effort, FailureCounts, Outcome, Point, Recipe, Trial, run};
 pub use rng::Rng;
 
 /// All recipes, in the order of reports.

@@ -74,7 +74,9 @@ pub struct Effort(pub f64);
 
 impl Effort {
     /// As many as the command.
-    pub const FULL: Self = Self(1.0);
+    pub const STANDARD: Self = Self(1.0);
+    /// As many as the command with `--thorough`: millions for most recipes.
+    pub const THOROUGH: Self = Self(10.0);
 
     fn cases(self, full: usize) -> usize {
         ((full as f64 * self.0).ceil() as usize).max(1)
@@ -205,15 +207,31 @@ impl Point {
     }
 }
 
+/// The same as [`Recipe::run`] for several recipes, in their order.
+pub fn run(recipes: &[&Recipe], effort: Effort, done: &(dyn Fn() + Sync)) -> Vec<Outcome> {
+    recipes.par_iter().map(|recipe| recipe.run(effort, done)).collect()
+}
+
 impl Recipe {
-    /// Every method at every place, in parallel on the threads of the caller's pool.
-    pub fn run(&self, effort: Effort) -> Outcome {
+    /// Points of all methods.
+    pub fn points(&self) -> usize {
+        self.methods.len() * self.places.len()
+    }
+
+    /// Every method at every place, in parallel on the threads of the caller's pool. Calls `done` after each
+    /// of [`Recipe::points`].
+    pub fn run(&self, effort: Effort, done: &(dyn Fn() + Sync)) -> Outcome {
+        let point = |method: &Method<Trial>, x| {
+            let point = self.at(method, x, effort);
+            done();
+            point
+        };
         let curve = |method: &Method<Trial>| Curve {
             method: method.name,
             default: method.default,
-            points: self.places.iter().map(|&x| self.at(method, x, effort)).collect(),
+            points: self.places.par_iter().map(|&x| point(method, x)).collect(),
         };
-        let curves: Vec<Curve> = self.methods.iter().map(curve).collect();
+        let curves: Vec<Curve> = self.methods.par_iter().map(curve).collect();
         Outcome {
             recipe: self.name,
             title: self.title,

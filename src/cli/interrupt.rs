@@ -46,7 +46,9 @@ impl Interrupt {
                 std::process::exit(INTERRUPTED.into());
             }
             if handler.requests.fetch_add(1, Ordering::SeqCst) == 0 {
-                note("Ctrl-C: parts under way are finished, then the picture is written; again ends without it.");
+                note(
+                    "Ctrl-C: parts under way are finished, then the picture is written; again ends without it.",
+                );
             } else if !handler.holding.load(Ordering::SeqCst) {
                 std::process::exit(INTERRUPTED.into());
             }

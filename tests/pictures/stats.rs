@@ -4,7 +4,7 @@
 use crate::common::{empty, material, sphere, triangle};
 use glam::Vec3;
 use octray::bvh::check::check_scene;
-use octray::bvh::{LEAF, Trees};
+use octray::bvh::{Bvh, LEAF, Trees, slots};
 use octray::film::Picture;
 use octray::integrate::stats::{RayKind, Segment, Stage, Stats};
 use octray::lane::WIDTHS;
@@ -205,13 +205,29 @@ fn all_in_the_way(count: usize, triangles: bool) -> Scene {
     scene
 }
 
+/// Most nodes that a ray of a list tests before and after it ends at its first leaf, if it passes all boxes:
+/// those on the way down, and once each of their other children, whose lists it joined before it ended.
+fn most_nodes(bvh: &Bvh, node: usize) -> u64 {
+    let node = &bvh.wide[node];
+    let nodes = node.nodes().count_ones() as usize;
+    let below = |slot: usize| most_nodes(bvh, node.children()[slot].index()) - 1;
+    let has_leaf = node.filled() > nodes;
+    let deepest = if has_leaf { 0 } else { slots(node.nodes()).map(below).max().unwrap_or(0) };
+    1 + nodes as u64 + deepest
+}
+
 #[test]
 fn any_hit_ends_at_the_first_and_the_nearest_does_not() {
     let mut faults = Vec::new();
     for triangles in [true, false] {
         let scene = all_in_the_way(600, triangles);
         let bvh = Hierarchy::new(&scene, Trees::WideAndBinary).bvh;
-        let levels = check_scene(&bvh, &scene).unwrap().wide_depth as u64;
+        let statistics = check_scene(&bvh, &scene).unwrap();
+        let [levels, nodes] = [statistics.wide_depth, statistics.wide_nodes].map(|count| count as u64);
+        let [binary_levels, binary_nodes] =
+            [statistics.binary_depth, statistics.binary_nodes].map(|count| count as u64);
+        let most_nodes = most_nodes(&bvh, 0);
+        assert!(most_nodes < nodes, "{most_nodes} of {nodes} nodes");
         let met = |counts: &Counts| if triangles { counts.triangles.tests } else { counts.spheres.tests };
         for traversal in Traversal::ALL {
             for rays in [1, 2, 16] {
@@ -223,15 +239,17 @@ fn any_hit_ends_at_the_first_and_the_nearest_does_not() {
                     "{traversal:?}, {rays} rays, triangles {triangles}: {any:?}, nearest {nearest:?}"
                 );
                 assert_eq!((met(&nearest), hit_nearest, hit_any), (600 * count, rays, rays), "{what}");
-                // One leaf, and the way down to it. Where rays go together, those that have ended still stand
-                // in lists of nodes.
-                let boxes = match (traversal, rays) {
-                    (Traversal::Scalar, _) => nearest.boxes.steps / 4,
-                    (Traversal::Single, _) | (_, 1) => levels * count,
-                    (_, 2) => (levels + 1) * count,
-                    _ => 8 * levels * count,
+                // Any hit: one leaf, and the way down to it, with both children a level in the binary tree; a
+                // packet also tests the boxes of a leaf's triangles. The nearest hit: every node, which rays
+                // in a frustum share.
+                let (most, all) = match traversal {
+                    Traversal::Scalar => (1 + 2 * binary_levels, binary_nodes),
+                    Traversal::Single => (levels, nodes),
+                    Traversal::Stream => (most_nodes, nodes),
+                    Traversal::Packet | Traversal::Hybrid => (most_nodes + 1, 0),
                 };
-                if met(&any) > LEAF as u64 * count || any.boxes.steps > boxes {
+                let ends = met(&any) <= LEAF as u64 * count && any.boxes.steps <= most * count;
+                if !ends || nearest.boxes.steps < all * count {
                     faults.push(what);
                 }
             }

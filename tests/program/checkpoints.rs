@@ -234,7 +234,8 @@ fn full_disk_costs_neither_the_picture_nor_the_earlier_checkpoint() {
 fn folder_that_vanishes_costs_no_picture() {
     let desk = Desk::new();
     fs::create_dir(desk.path("gone")).unwrap();
-    let of = |samples: u64| format!("render builtin:cornell --size 48x32 --samples {samples} -o a.exr --json");
+    let of =
+        |samples: u64| format!("render builtin:cornell --size 48x32 --samples {samples} -o a.exr --json");
     let with = "--checkpoint gone/c.part --checkpoint-interval 0.001 --threads 1";
     let mut running = Running::start(&desk, &format!("{} {with}", of(1_000_000)));
     wait_for_file(&desk, "gone/c.part");

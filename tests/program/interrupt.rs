@@ -157,7 +157,10 @@ fn ctrl_c_ends_a_sample_that_takes_minutes_and_keeps_its_tiles() {
 fn ctrl_c_is_named_as_the_end() {
     let desk = Desk::new();
     let printed = interrupted(&desk, "builtin:three --samples 10000000 --size 64x36");
-    assert!(printed.contains(" of 10,000,000 samples") && printed.ends_with("ended by Ctrl-C\n"), "{printed}");
+    assert!(
+        printed.contains(" of 10,000,000 samples") && printed.ends_with("ended by Ctrl-C\n"),
+        "{printed}"
+    );
 }
 
 /// So many balls, each of which every ray is tested against, that the first tile takes minutes.

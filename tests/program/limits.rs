@@ -78,11 +78,7 @@ fn whichever_limit_comes_first_ends_the_rendering() {
             "target-error",
             "ended by the target error; estimated error 0.",
         ),
-        (
-            "--time-limit 0.5 --target-error 0.0001 --size 96x54",
-            "time-limit",
-            "ended by the time limit; ",
-        ),
+        ("--time-limit 0.5 --target-error 0.0001 --size 96x54", "time-limit", "ended by the time limit; "),
         (
             "--target-error 0.1 --samples 3",
             "samples",

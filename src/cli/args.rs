@@ -422,9 +422,9 @@ fn view_after_help() -> String {
 /// offsets of rays that leave surfaces, texture lookup, scattering, light sampling, sums of samples, cameras
 /// and whole scenes; far away, huge, tiny, at edges, in the planes of faces, close to each other. All methods
 /// get the same cases and are compared with double precision. The verdict comes first, then a table a recipe:
-/// failure rates and errors by distance, scale or shape. The seeds are fixed: the figures are the same in every run and on any number of
-/// threads, and differ slightly between builds with and without FMA. Exits with 1 if a default method exceeds
-/// its bounds. All recipes together take about half a minute on two cores.
+/// failure rates and errors by distance, scale or shape. The seeds are fixed: the figures are the same in
+/// every run and on any number of threads, and differ slightly between builds with and without FMA. Exits
+/// with 1 if a default method exceeds its bounds. All recipes together take about half a minute on two cores.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   octray stability

@@ -302,7 +302,7 @@ mod tests {
             unreachable!("the command is render")
         };
         let view = View { render, ..View::of(&cornell(), None, std::path::Path::new("")) };
-        let scene = Loaded { scene: cornell(), view: Some(view) };
+        let scene = Loaded { view: Some(view), ..cornell().into() };
         let of_view = Overrides::of_view(&scene).unwrap();
         RenderOptions::try_from(args).unwrap().picture.overrides.or(of_view)
     }

@@ -83,11 +83,14 @@ fn canonical_path(file: &Path) -> Option<PathBuf> {
     })
 }
 
-/// Whether a file was modified after `than`. Modification times in the future are ignored.
+/// A file system's clock is behind the system's by up to this.
+const CLOCK_TICK: Duration = Duration::from_millis(10);
+
+/// Whether a file may have been modified after `than`. Modification times in the future are ignored.
 pub fn is_newer<'a>(files: impl IntoIterator<Item = &'a Path>, than: SystemTime) -> bool {
     let written = |file: &Path| std::fs::metadata(file).and_then(|file| file.modified()).ok();
     let now = SystemTime::now();
-    files.into_iter().filter_map(written).any(|written| written > than && written <= now)
+    files.into_iter().filter_map(written).any(|written| written + CLOCK_TICK > than && written <= now)
 }
 
 #[cfg(test)]

@@ -7,7 +7,6 @@ use octray_formats::scene::{self, Loaded, SceneError};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, TryRecvError, channel};
 use std::thread;
-use std::time::SystemTime;
 
 /// Where a scene comes from.
 #[derive(Clone)]
@@ -34,8 +33,6 @@ pub struct PreparedScene {
     pub scene: Arc<Loaded>,
     pub renderer: Renderer,
     pub reload: bool,
-    /// A time before its files were read; `None` if they were not.
-    pub read: Option<SystemTime>,
 }
 
 /// The loader thread, and the queues to and from it.
@@ -91,13 +88,12 @@ impl Loader {
 }
 
 fn prepare(request: LoadRequest) -> Result<PreparedScene, SceneError> {
-    let start = SystemTime::now();
-    let (scene, read) = match request.source {
-        SceneSource::Name(name) => (Arc::new(scene::load_with_view(&name)?), Some(start)),
-        SceneSource::Loaded(scene) => (scene, None),
+    let scene = match request.source {
+        SceneSource::Name(name) => Arc::new(scene::load_with_view(&name)?),
+        SceneSource::Loaded(scene) => scene,
     };
     let settings = (request.settings)(&scene).map_err(|why| SceneError::of_use(why, &scene))?;
-    Ok(PreparedScene { renderer: Renderer::new(&scene, settings), scene, reload: request.reload, read })
+    Ok(PreparedScene { renderer: Renderer::new(&scene, settings), scene, reload: request.reload })
 }
 
 #[cfg(test)]

@@ -26,7 +26,7 @@ use octray_formats::wording::counted;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::mpsc::Receiver;
-use std::time::{Duration, Instant, SystemTime};
+use std::time::{Duration, Instant};
 
 /// How long a message is shown.
 const MESSAGE_TIME: Duration = Duration::from_secs(6);
@@ -49,8 +49,6 @@ pub struct RenderLoop {
     frame: Frame,
     rates: RateMeter,
     summary: Summary,
-    /// When the first scene had been loaded.
-    started: SystemTime,
     /// The playlist name of the scene that is shown.
     name: String,
     /// Time of the oldest event that no frame shows yet.
@@ -85,7 +83,6 @@ impl RenderLoop {
         exchange: Arc<Exchange>,
         wake: Wake,
     ) -> (Self, Renderer) {
-        let started = SystemTime::now();
         let renderer = Renderer::new(&scene, settings(&scene, &state.controls, &options));
         let render_loop = Self {
             painter: Painter::default(),
@@ -103,7 +100,6 @@ impl RenderLoop {
             summary: Summary::default(),
             name: state.playlist.current().to_string(),
             accumulation: Accumulation::new(&renderer, &scene),
-            started,
             oldest_unshown_event: None,
             switch_requested: None,
             scene_arrived: false,
@@ -126,7 +122,7 @@ impl RenderLoop {
         self.exchange.set_ready();
         self.watch_files();
         self.show_warnings();
-        self.reload_if_changed(self.started);
+        self.reload_if_changed();
         while let Next::Swap(ready) = renderer.hold(|renderer| self.render_frames(renderer)) {
             renderer = self.install(*ready, renderer.settings());
         }
@@ -135,7 +131,7 @@ impl RenderLoop {
 
     /// Switches to a prepared scene or renderer; `before` are the settings until now.
     fn install(&mut self, ready: PreparedScene, before: &Settings) -> Renderer {
-        let PreparedScene { scene, renderer, reload, read } = ready;
+        let PreparedScene { scene, renderer, reload } = ready;
         if Arc::ptr_eq(&scene, &self.scene) {
             // Rates of both widths are shown side by side only if all other settings are the same.
             let now = RendererConfig::of(renderer.settings());
@@ -154,18 +150,17 @@ impl RenderLoop {
             self.watch_files();
             self.rates.reset();
             self.show_warnings();
+            self.reload_if_changed();
         }
         self.accumulation.reset(&renderer, &self.scene);
         self.painter.reset_history();
-        if let Some(read) = read {
-            self.reload_if_changed(read);
-        }
         renderer
     }
 
     /// Reloads the scene if a file changed or appeared between loading and the start of watching.
-    fn reload_if_changed(&mut self, read: SystemTime) {
-        if file_watcher::is_newer(self.scene.files.iter().map(PathBuf::as_path), read) {
+    fn reload_if_changed(&mut self) {
+        let files = self.scene.files.iter().map(PathBuf::as_path);
+        if self.scene.read.is_some_and(|read| file_watcher::is_newer(files, read)) {
             self.load();
         }
     }

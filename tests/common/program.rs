@@ -28,6 +28,6 @@ pub fn kept() -> impl Iterator<Item = (&'static str, std::ffi::OsString)> {
 /// Sends a signal by its name: `INT`, `TERM`.
 #[cfg(unix)]
 pub fn send_signal(name: &str, id: u32) {
-    let sent = Command::new("kill").args([&format!("-{name}"), &id.to_string()]).status().unwrap();
+    let sent = Command::new("sh").args(["-c", &format!("kill -{name} {id}")]).status().unwrap();
     assert!(sent.success(), "kill -{name} {id}");
 }

@@ -1,5 +1,5 @@
-//! Waiting for what another program does. Nothing is expected after a given time: what is waited for is looked
-//! for, and the longest wait only ends a test that has failed.
+//! Waiting for what another program does. Nothing is expected after a given time: what is waited for is
+//! looked for, and the longest wait only ends a test that has failed.
 #![allow(dead_code)] // Every test file takes its own part.
 
 use std::thread::sleep;

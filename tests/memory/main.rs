@@ -108,20 +108,30 @@ fn frames_take_no_memory() {
         let views = if threads > 1 { "27" } else { "234567890" };
 
         // More threads share their work through queues, whose room rayon changes now and then.
-        let now_and_then = if threads > 1 { WATCHED / 10 } else { 0 };
+        let now_and_then = |frames: u64| if threads > 1 { frames / 10 } else { 0 };
+        // The test's own thread takes some at times, to say that it takes long: what frames take, they take
+        // every time.
         let few = |seat: &mut Seat, what: &str, most: u64| {
-            let from = seat.made.load(Ordering::SeqCst) + WARM;
-            let (pieces, _) = seat.pieces(Duration::ZERO);
-            let frames = seat.made.load(Ordering::SeqCst) - from + 1;
-            let more = format!("{scene}, {threads} threads, {what}: {pieces} pieces in {frames} frames");
-            assert!(pieces as u64 <= most * frames + now_and_then, "{more}");
+            let mut watched = Vec::new();
+            let mut takes_more = || {
+                let from = seat.made.load(Ordering::SeqCst) + WARM;
+                let (pieces, _) = seat.pieces(Duration::ZERO);
+                let frames = seat.made.load(Ordering::SeqCst) - from + 1;
+                watched.push(format!("{pieces} pieces in {frames} frames"));
+                pieces as u64 > most * frames + now_and_then(frames)
+            };
+            let always = (0..3).all(|_| takes_more());
+            assert!(!always, "{scene}, {threads} threads, {what}: {watched:?}");
         };
         let none = |seat: &mut Seat, what: &str| few(seat, what, 0);
         none(&mut seat, "standing");
         let before = in_use();
+        let from = seat.made.load(Ordering::SeqCst);
         seat.watch(if threads > 1 { 200 } else { 1_000 });
-        let more = in_use() - before;
-        assert!(more.unsigned_abs() <= 4096 * now_and_then as usize, "{scene}: {more} bytes more in use");
+        let (more, frames) = (in_use() - before, seat.made.load(Ordering::SeqCst) - from);
+        // A line of the test's own, and the queues.
+        let most = 256 + 4096 * now_and_then(frames);
+        assert!(more.unsigned_abs() as u64 <= most, "{scene}: {more} bytes more in use");
         // In a circle.
         for key in [Key::Char('w'), Key::Right] {
             seat.key(key, true);

@@ -54,9 +54,11 @@ fn time_limit_ends_in_time_with_equal_pixels() {
     let desk = Desk::new();
     let report = desk.json(&["render", "scene.json", "-o", "a.exr", "--time-limit", "1", "--json"]);
     assert_eq!((&report["ended_by"], &report["time_limit"]), (&json!("time-limit"), &json!(1.0)));
-    assert_eq!(report["samples"], report["most_samples"], "{report}");
-    // It ends early only where the next chunk would take longer than what is left; a busy machine ends late.
-    assert!(report["samples"].as_u64().unwrap() > 1 && report["seconds"].as_f64().unwrap() > 0.5, "{report}");
+    // It ends early only where the next chunk would take longer than what is left, and leaves pixels uneven
+    // only where a busy machine keeps a chunk for longer than its grace.
+    let seconds = report["seconds"].as_f64().unwrap();
+    assert!(report["samples"] == report["most_samples"] || seconds > 1.3, "{report}");
+    assert!(report["most_samples"].as_u64().unwrap() > 1 && seconds > 0.5, "{report}");
     assert_eq!((&report["interrupted"], &report["estimated_error"]), (&json!(false), &json!(null)));
 
     // One sample takes some ten seconds, far longer than that: what there is counts.

@@ -161,7 +161,7 @@ fn written_views_read_back_in_every_bit() {
             render: Rendering { exposure, ..render },
             path: CameraPath::new(keyframes),
         };
-        let Loaded { scene, view: found } =
+        let Loaded { scene, view: found, .. } =
             load_with_view(&write(folder.path(), "view.json", view.text())).unwrap();
         let found = found.unwrap();
         assert_eq!(found, view);

@@ -325,7 +325,6 @@ fn what_appears_while_the_first_scene_is_made_ready_is_taken_in() {
     fs::write(&file, format!("mtllib gone.mtl\n{}", model(3))).unwrap();
     let (mut seat, go) = waiting_seat(&[file.to_str().unwrap()], folder.path());
     seat.wait("a word about it", |frame| frame.message.contains("preparing"));
-    sleep(Duration::from_millis(50));
     fs::write(folder.path().join("gone.mtl"), "newmtl a\nmap_Kd b.png\n").unwrap();
     drop(go);
     seat.wait("a word about what it misses in turn", |frame| frame.message.contains("b.png"));

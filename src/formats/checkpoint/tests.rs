@@ -109,7 +109,7 @@ fn differences_are_named() {
         "seed: 0, and here 4",
         "clamp: none, and here 0.61",
         "camera of the scene",
-        "version of octray: 0.1.0, and here 9.9.9",
+        concat!("version of octray: ", env!("CARGO_PKG_VERSION"), ", and here 9.9.9"),
         "number of the shard: 2, and here 3",
     ] {
         assert!(said.contains(words), "{words}: {said}");

@@ -17,6 +17,7 @@ use serde_json::Value;
 use std::io;
 use std::path::Path;
 use std::rc::Rc;
+use std::time::SystemTime;
 
 /// Loads a scene as [`load_with_view`] does, without its view.
 pub fn load(spec: &str) -> Result<Scene, SceneError> {
@@ -45,7 +46,8 @@ pub fn load_with_view(spec: &str) -> Result<Loaded, SceneError> {
         };
         return Err(SceneError::new(what).in_file(path).mend(mend));
     }
-    from_named(path, Files::beside(path))
+    let start = SystemTime::now();
+    from_named(path, Files::beside(path)).map(|loaded| Loaded { read: Some(start), ..loaded })
 }
 
 /// Loads a scene as [`load_with_view`] does, from files that are not on disk: `read` has the content of the

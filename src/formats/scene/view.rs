@@ -23,6 +23,7 @@ use serde_json::json;
 use std::fs;
 use std::ops::Deref;
 use std::path::Path;
+use std::time::SystemTime;
 
 /// The content of a file of the format `octray-view-1`. A view that is written and read again has the same
 /// bits.
@@ -107,6 +108,8 @@ pub struct Loaded {
     pub scene: Scene,
     /// How the scene is to be looked at, if a view named it.
     pub view: Option<View>,
+    /// A time before its files were read; `None` if it has none on disk.
+    pub read: Option<SystemTime>,
 }
 
 impl Deref for Loaded {
@@ -119,7 +122,7 @@ impl Deref for Loaded {
 
 impl From<Scene> for Loaded {
     fn from(scene: Scene) -> Self {
-        Self { scene, view: None }
+        Self { scene, view: None, read: None }
     }
 }
 
@@ -215,7 +218,7 @@ pub fn apply(source: &Source, file: ViewFile, mut scene: Scene, name: String) ->
         path,
     };
     scene.name = name;
-    Ok(Loaded { scene, view: Some(view) })
+    Ok(Loaded { scene, view: Some(view), read: None })
 }
 
 /// A camera, with what it leaves out from `own`.

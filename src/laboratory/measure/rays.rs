@@ -298,9 +298,7 @@ mod tests {
         let packet = [TraceMethod::Tree(Traversal::Packet)];
         let sets = prepare(&scene, &scene.overview().unwrap(), &prepared_scene, &pools[0], [64, 48], 0);
         for rays in &sets[1..] {
-            let start = Instant::now();
             assert!(measure(&prepared_scene, rays, &packet, &pools, None).is_empty());
-            assert!(start.elapsed() < PER_KIND, "{:?} for nothing", start.elapsed());
         }
         assert_eq!(measure(&prepared_scene, &sets[0], &packet, &pools, Some(1)).len(), 1);
     }

@@ -92,6 +92,15 @@ impl GroundTruthRenderer {
     }
 }
 
+#[cfg(test)]
+impl GroundTruthRenderer {
+    /// So many samples, however long they take.
+    pub fn render(&mut self, samples: u32) -> GroundTruth {
+        let hour = Duration::from_secs(3_600);
+        self.render_until(Instant::now() + hour, samples, hour)
+    }
+}
+
 impl GroundTruth {
     fn of_halves([a, b]: [Picture; 2], samples_of_half: u32, budget: Duration) -> Self {
         let [small_a, small_b] = [&a, &b].map(shrunk);
@@ -172,8 +181,7 @@ mod tests {
     fn ground_truth(scene: &str, samples: u32) -> GroundTruth {
         let scene = octray_formats::scene::load(scene).unwrap();
         let settings = Settings { resolution: [48, 27], ..Settings::of(&scene) };
-        let budget = Duration::from_secs(60);
-        GroundTruthRenderer::new(&scene, settings, 1).render_until(Instant::now() + budget, samples, budget)
+        GroundTruthRenderer::new(&scene, settings, 1).render(samples)
     }
 
     #[test]

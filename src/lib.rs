@@ -60,7 +60,7 @@
 //! | [`measure`] | measurements: speed, SIMD against scalar, accuracy, stability |
 //! | [`machine`] | the machine and build of a figure |
 //! | [`report`] | figures as text, JSON, CSV, SVG and HTML |
-//! | `viewer` | the window and terminal front ends (feature `viewer`) |
+//! | `viewer` | the front ends: terminal (feature `viewer`), window (feature `window`) |
 //! | [`cli`] | raw arguments, validated options, commands |
 //!
 //! `tests/laws/architecture/mod.rs` checks this order.

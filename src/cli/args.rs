@@ -366,7 +366,7 @@ pub struct ChartArgs {
     pub seeds: String,
 }
 
-/// Walk through scenes in a window.
+/// Walk through scenes in a terminal or, in builds with it, a window.
 ///
 /// The picture accumulates samples while the camera stands still, up to 65,536 per pixel: after N of them it
 /// has the bits of `octray render --samples N`. While the camera moves, earlier frames are reprojected. Where
@@ -376,8 +376,9 @@ pub struct ChartArgs {
 /// Two rates are shown: frames per second of the screen, at most the display's, and samples per second of the
 /// renderer alone, which are the fps of `octray bench` with the same scene, size, bounces, lanes and threads.
 ///
-/// --terminal draws with half-block characters in true colour, for machines without a display. It takes the
-/// same keys except Shift, Ctrl and mouse movement. Ctrl-C ends the viewer, with exit code 0.
+/// A build with --features window opens a window. Others, and --terminal, draw with half-block characters in
+/// true colour, which needs no display and takes the same keys except Shift, Ctrl and mouse movement. Ctrl-C
+/// ends the viewer, with exit code 0.
 #[cfg(feature = "viewer")]
 #[derive(Debug, clap::Args)]
 #[command(after_help = view_after_help())]

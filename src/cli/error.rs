@@ -46,7 +46,7 @@ pub enum CliError {
     Output(#[from] OutputError),
     #[error(transparent)]
     Checkpoint(#[from] CheckpointError),
-    #[cfg(feature = "viewer")]
+    #[cfg(feature = "window")]
     #[error(transparent)]
     Window(#[from] crate::viewer::WindowError),
     /// There is nothing to show.

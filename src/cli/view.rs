@@ -1,4 +1,4 @@
-//! `octray view`: a window, or a terminal, to walk through scenes in.
+//! `octray view`: walks through scenes in a terminal or, with the feature `window`, in a window.
 //!
 //! For: [`ViewOptions`], [`run`]. May import: `viewer`. Must not know: what keys do.
 
@@ -14,12 +14,13 @@ use crate::machine::{self, Machine};
 use crate::report::numbers::figure;
 use crate::scene::Loaded;
 use crate::viewer::playlist::Playlist;
-use crate::viewer::{self, Options, Presented, Summary};
+use crate::viewer::{self, Options, Summary};
 use crate::wording::counted;
 use serde::Serialize;
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::time::Duration;
 
 /// The validated options.
 pub struct ViewOptions {
@@ -30,6 +31,24 @@ pub struct ViewOptions {
     frames: Option<u64>,
     screenshots: PathBuf,
     picture: PictureOptions,
+}
+
+/// What brings a window, in a sentence without its end.
+const FOR_A_WINDOW: &str = if cfg!(feature = "window") {
+    "without --terminal it opens a window; to write a picture into a file, use octray render"
+} else {
+    "For a window: cargo run --release --features window -- view; for a picture in a file: octray render"
+};
+
+#[cfg(feature = "window")]
+fn in_window(viewer: Options, playlist: Playlist, first: Loaded) -> Result<Report, CliError> {
+    let (summary, presented) = viewer::window(viewer, playlist, first)?;
+    Ok(Report::of(&summary, Some((presented.frames, presented.time))))
+}
+
+#[cfg(not(feature = "window"))]
+fn in_window(_: Options, _: Playlist, _: Loaded) -> Result<Report, CliError> {
+    unreachable!("without windows it draws in the terminal")
 }
 
 /// Highest frame rate that can be a target.
@@ -109,7 +128,8 @@ struct Report {
 }
 
 impl Report {
-    fn of(summary: &Summary, presented: Option<&Presented>) -> Self {
+    /// `presented`: the frames that a window enlarged and presented, and the time that took.
+    fn of(summary: &Summary, presented: Option<(u64, Duration)>) -> Self {
         let elapsed = summary.elapsed.as_secs_f64().max(1e-9);
         let frames = summary.frames.max(1) as f64;
         let answered = |ms: f64| (summary.latencies > 0).then_some(ms);
@@ -124,7 +144,7 @@ impl Report {
             tracing_share: summary.tracing.as_secs_f64() / elapsed,
             painting_share: summary.painting.as_secs_f64() / elapsed,
             painting_ms: summary.painting.as_secs_f64() * 1e3 / frames,
-            presenting_ms: presented.map(|shown| shown.time.as_secs_f64() * 1e3 / shown.frames.max(1) as f64),
+            presenting_ms: presented.map(|(frames, time)| time.as_secs_f64() * 1e3 / frames.max(1) as f64),
             answer_ms: answered(summary.latency_sum.as_secs_f64() * 1e3 / summary.latencies.max(1) as f64),
             slowest_answer_ms: answered(summary.max_latency.as_secs_f64() * 1e3),
             slowest_switch_ms: summary.max_switch_time.map(|time| time.as_secs_f64() * 1e3),
@@ -154,9 +174,10 @@ pub fn run(options: ViewOptions) -> Result<ExitCode, CliError> {
         );
         return Err(CliError::Nothing { what, mend: "name a folder that holds some, or a file" });
     };
-    if options.terminal && !std::io::stdout().is_terminal() {
-        let what = "--terminal needs a terminal, and standard output is not one".to_string();
-        return Err(CliError::Nothing { what, mend: "to write a picture into a file, use octray render" });
+    let in_terminal = options.terminal || !cfg!(feature = "window");
+    if in_terminal && !std::io::stdout().is_terminal() {
+        let what = "octray view draws in a terminal here, and standard output is not one".to_string();
+        return Err(CliError::Nothing { what, mend: FOR_A_WINDOW });
     }
     if !options.screenshots.is_dir() {
         let what = format!("there is no folder `{}` for screenshots", options.screenshots.display());
@@ -173,12 +194,14 @@ pub fn run(options: ViewOptions) -> Result<ExitCode, CliError> {
     let first = scenes::load_with_warnings(name)?;
     memory::check(options.picture.size.unwrap_or(first.resolution), viewer::BYTES_PER_PIXEL)?;
     let viewer = options.viewer(&first)?;
-    let report = if options.terminal {
+    let report = if in_terminal {
         let summary = viewer::terminal(viewer, playlist, first).map_err(CliError::Terminal)?;
+        if !options.terminal {
+            terminal::note(&format!("This octray was built without windows. {FOR_A_WINDOW}."));
+        }
         Report::of(&summary, None)
     } else {
-        let (summary, presented) = viewer::window(viewer, playlist, first)?;
-        Report::of(&summary, Some(&presented))
+        in_window(viewer, playlist, first)?
     };
     if options.json {
         terminal::print_json(&report)?;

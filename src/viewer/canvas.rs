@@ -1,10 +1,11 @@
 //! Draws a frame into a window's pixels: enlarged, with the minimap and text over it.
 //!
-//! For: [`Canvas`], [`fit`], [`wrap`]. May import: `frame`, `keys` (for the help). Must not know: windows,
-//! how a frame is made.
+//! For: [`Canvas`]. May import: `frame`, `keys` (for the help), `layout`. Must not know: windows, how a frame
+//! is made.
 
 use super::frame::Frame;
 use super::keys;
+use super::layout::{fit, wrap};
 use embedded_graphics::draw_target::DrawTarget;
 use embedded_graphics::geometry::{OriginDimensions, Point, Size};
 use embedded_graphics::mono_font::iso_8859_1::{FONT_7X13, FONT_10X20};
@@ -22,19 +23,6 @@ pub struct Canvas<'a> {
     pub pixels: &'a mut [u32],
     pub width: u32,
     pub height: u32,
-}
-
-/// The largest centred rectangle of a picture's aspect ratio in a window: left, top, width, height.
-pub fn fit([width, height]: [u32; 2], window: [u32; 2]) -> [u32; 4] {
-    let [across, down] = window;
-    if width == 0 || height == 0 || across == 0 || down == 0 {
-        return [0; 4];
-    }
-    let (w, h) = (u64::from(width), u64::from(height));
-    let (wide, high) = (u64::from(across), u64::from(down));
-    let [shown, tall] =
-        if w * high <= h * wide { [(high * w / h).max(1), high] } else { [wide, (wide * h / w).max(1)] };
-    [((wide - shown) / 2) as u32, ((high - tall) / 2) as u32, shown as u32, tall as u32]
 }
 
 impl Canvas<'_> {
@@ -139,19 +127,6 @@ fn font(large: bool) -> (&'static MonoFont<'static>, [u32; 2]) {
     (font, [font.character_size.width, font.character_size.height + 1])
 }
 
-/// Wraps a line into pieces of at most `room` characters, between words where possible.
-pub fn wrap(line: &str, room: usize) -> impl Iterator<Item = &str> {
-    let mut rest = Some(line);
-    std::iter::from_fn(move || {
-        let line = rest?;
-        let Some((end, _)) = line.char_indices().nth(room) else { return rest.take() };
-        // A word that does not fit goes to the next line, unless it takes more than half a line.
-        let cut = line[..end].rfind(' ').filter(|&space| space > end / 2).map_or(end, |space| space + 1);
-        rest = Some(&line[cut..]);
-        Some(line[..cut].trim_end())
-    })
-}
-
 impl OriginDimensions for Canvas<'_> {
     fn size(&self) -> Size {
         Size::new(self.width, self.height)
@@ -203,8 +178,6 @@ mod tests {
         assert_eq!(shown(&frame(), 5, 2), [0, 1, 2, 3, 0, 0, 4, 5, 6, 0]);
         assert_eq!(shown(&frame(), 3, 4), [0, 0, 0, 1, 2, 3, 4, 5, 6, 0, 0, 0]);
         assert_eq!(shown(&Frame::default(), 2, 2), [0; 4]);
-        assert_eq!(fit([240, 135], [960, 540]), [0, 0, 960, 540]);
-        assert_eq!(fit([1, 16_000], [10, 10]), [4, 0, 1, 10]);
     }
 
     #[test]
@@ -218,16 +191,6 @@ mod tests {
         assert!(shown(&with, 100, 3).len() == 300, "no room for a line");
         let help = Frame { help: true, ..white };
         assert!(shown(&help, 700, 500).iter().filter(|&&pixel| pixel == 0x3f3f3f).count() > 50_000);
-    }
-
-    #[test]
-    fn lines_are_wrapped_between_words_where_there_are_some() {
-        let wrapped = |line, room| wrap(line, room).collect::<Vec<_>>();
-        assert_eq!(wrapped("", 5), [""]);
-        assert_eq!(wrapped("abcde", 5), ["abcde"]);
-        assert_eq!(wrapped("abc def ghi", 8), ["abc def", "ghi"]);
-        assert_eq!(wrapped("abcdefghij", 4), ["abcd", "efgh", "ij"]);
-        assert_eq!(wrapped("×··× ··", 4), ["×··×", " ··"]);
     }
 
     #[test]

@@ -1,12 +1,12 @@
 //! Draws frames as character cells: the upper half block in the colour of the upper pixel, on the colour of
 //! the lower one.
 //!
-//! For: [`CellBuffer`]. May import: `crossterm`'s commands, `canvas` (layout), `frame`, `keys` (for the
+//! For: [`CellBuffer`]. May import: `crossterm`'s commands, `layout`, `frame`, `keys` (for the
 //! help). Must not know: keyboards, scenes.
 
-use super::canvas::{fit, wrap};
 use super::frame::Frame;
 use super::keys;
+use super::layout::{fit, wrap};
 use crossterm::style::{Color, Colors, Print, ResetColor, SetColors};
 use crossterm::{cursor, queue, terminal as screen};
 use std::io::{self, Write};

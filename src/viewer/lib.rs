@@ -1,6 +1,6 @@
-//! The viewer: explores a path-traced scene in a window or a terminal.
+//! The viewer: explores a path-traced scene in a terminal or, with the feature `window`, in a window.
 //!
-//! For: [`window()`], [`terminal()`] and [`Options`]. May import: the engine, the formats. Must not know:
+//! For: `window()`, [`terminal()`] and [`Options`]. May import: the engine, the formats. Must not know:
 //! command lines, reports.
 //!
 //! A front end sends [`state::Event`]s and shows [`frame::Frame`]s. The render loop runs in a thread of its
@@ -25,7 +25,7 @@
 //! | `overlay`, `timing` | the text over the picture; frame rates, latencies |
 //! | `screenshot` | saves the film, and a view file that renders it again |
 //! | [`frame`] | frames handed from the render loop to a front end |
-//! | `canvas`, `cell_buffer` | draw a frame, its minimap and text: as pixels, as character cells |
+//! | `canvas`, `cell_buffer`, `layout` | draw a frame, its minimap and text: as pixels, as character cells |
 //! | `signals` | Ctrl-C, `kill`, a closed terminal |
 
 #![forbid(unsafe_code)]
@@ -33,6 +33,7 @@
 
 mod accumulation;
 mod camera_controller;
+#[cfg(feature = "window")]
 mod canvas;
 mod cell_buffer;
 mod controls;
@@ -41,6 +42,7 @@ mod dynamic_resolution;
 mod file_watcher;
 pub mod frame;
 pub mod keys;
+mod layout;
 mod loader;
 mod minimap;
 mod options;
@@ -55,10 +57,12 @@ mod signals;
 pub mod state;
 mod terminal;
 mod timing;
+#[cfg(feature = "window")]
 mod window;
 
 pub use options::{BYTES_PER_PIXEL, Options, Wake};
 pub use session::Viewer;
 pub use terminal::terminal;
 pub use timing::Summary;
+#[cfg(feature = "window")]
 pub use window::{Presented, WindowError, window};

@@ -10,11 +10,14 @@ fn what_cannot_be_shown_is_refused() {
     desk.refuses(&["view", "nowhere.json"], &["nowhere.json"]);
     desk.refuses(&["view", "builtin:nowhere"], &["builtin:nowhere"]);
     desk.refuses(&["view", "--frames", "0"], &["--frames 0"]);
-    desk.refuses(&["view", "scene.json", "--terminal"], &["--terminal needs a terminal", "octray render"]);
+    desk.refuses(
+        &["view", "scene.json", "--terminal"],
+        &["draws in a terminal", "standard output is not one", "octray render"],
+    );
 }
 
 /// Elsewhere a window needs no variable to be set.
-#[cfg(all(unix, not(target_vendor = "apple")))]
+#[cfg(all(feature = "window", unix, not(target_vendor = "apple")))]
 #[test]
 fn without_a_display_it_says_what_works_there() {
     let desk = Desk::new();

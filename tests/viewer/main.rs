@@ -13,5 +13,5 @@ mod events;
 mod pictures;
 #[cfg(unix)]
 mod terminal;
-#[cfg(unix)]
+#[cfg(all(unix, feature = "window"))]
 mod window;

@@ -50,6 +50,7 @@ const ORDER: [&[&str]; PACKAGES.len()] = [
         "camera_controller",
         "controls",
         "accumulation",
+        "layout",
         "canvas",
         "cell_buffer",
         "minimap",

@@ -86,7 +86,7 @@ pub fn heading(report: &Report) -> String {
                 text,
                 "{} of {node_fill:.1} boxes, {} of {leaf_fill:.1} primitives, {}\n\
                  a random line tests {node_visits:.1} nodes and {leaf_visits:.1} leaves, \
-                 which costs as much as {cost:.1} full nodes",
+                 which costs as much as {cost:.1} nodes",
                 counted(wide_nodes, "node", "nodes"),
                 counted(leaves, "leaf", "leaves"),
                 counted(wide_depth, "level", "levels")

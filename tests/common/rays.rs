@@ -11,7 +11,6 @@ use octray::traverse::batch::{Tracer, Traversal};
 use octray::traverse::hierarchy::Hierarchy;
 use octray::traverse::rays::{Hits, Rays, RaysAndHits};
 use octray::traverse::stack::Stack;
-use octray::traverse::stream::Stream;
 use octray::traverse::tile::{self, Packets};
 use octray::traverse::{Layout, Methods, PrimitiveList, Primitives, TraversalChoice};
 
@@ -75,27 +74,13 @@ impl Set {
     ) -> Answers {
         self.with_hits(|hits| tracer.trace::<ANY>(traversal, hierarchy, &self.rays(), hits)).1
     }
-    /// Some pieces alone, in streams.
-    pub fn pieces(&self, hierarchy: &Hierarchy, pieces: u32) -> Answers {
-        self.with_hits(|hits| {
-            Stream::default().trace_pieces::<false>(hierarchy, &self.rays(), hits, pieces, ())
-        })
-        .1
-    }
     /// Are the first rays, a tile at most, ones for which there is a frustum?
     pub fn goes_in_a_frustum(&self, hierarchy: &Hierarchy) -> bool {
         let tile = 0..self.len().min(tile::TILE);
-        let (rays, next) = (self.rays().range(tile.clone()), self.rays().range(0..0));
+        let rays = self.rays().range(tile.clone());
         self.with_hits(|hits| {
-            tile::trace(
-                hierarchy,
-                &rays,
-                &next,
-                &mut hits.range(tile),
-                &mut Stack::new(),
-                Packets::Always,
-                (),
-            )
+            let hits = &mut hits.range(tile);
+            tile::trace(hierarchy, &rays, hits, &mut Stack::new(), Packets::Always, ())
         })
         .0
     }

@@ -5,8 +5,7 @@
 use crate::common::{Rng, empty, sphere, triangle};
 use glam::{DVec3, Vec3};
 use octray::bvh::check::{Statistics, check};
-use octray::bvh::{Bounds, Bvh, Child, LEAF, MAX_DEPTH, MAX_STACK, SHORT, Trees, WIDE, WideNode};
-use octray::lane::COMPUTES_IN_HALVES;
+use octray::bvh::{Bounds, Bvh, Child, LEAF, MAX_DEPTH, MAX_STACK, Trees, WIDE, WideNode};
 use octray::scene::Scene;
 use std::path::Path;
 
@@ -87,13 +86,11 @@ fn wide_node_is_whole_cache_lines_and_an_empty_one_hits_nothing() {
 #[test]
 fn few_primitives_make_a_valid_tree() {
     let mut rng = Rng(1);
-    // More may be in two levels of short nodes, where those cost less.
-    let full = if COMPUTES_IN_HALVES { SHORT } else { LEAF };
     for count in 0..=40 {
         for spheres in [0, count / 3, count] {
             let boxes: Vec<_> = (0..count).map(|_| at(rng.in_cube(), 0.1)).collect();
             let statistics = valid(spheres, &boxes);
-            assert!(count > full || statistics.wide_nodes == 1, "{count} fit one node");
+            assert!(count > LEAF || statistics.wide_nodes == 1, "{count} fit one node");
         }
     }
     let none = Bvh::of_boxes(0, 0, Trees::WideAndBinary, |_| unreachable!());

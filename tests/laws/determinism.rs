@@ -3,7 +3,7 @@
 
 use crate::common::{Rng, empty, material, noise, sphere, triangle};
 use glam::{Vec2, Vec3};
-use octray::buffers::{Buffers, Features};
+use octray::buffers::Features;
 use octray::film::Film;
 use octray::integrate::pipeline_for;
 use octray::lane::WIDTHS;
@@ -441,35 +441,6 @@ fn picture_is_the_same_from_the_pipeline_with_every_feature() {
     }
     // The test means something only where there are two pipelines.
     assert!(specialised >= 8, "only {specialised} scenes and widths have a pipeline of their own");
-}
-
-/// More primitives than `Buffers::emitters` holds turn the early end of paths off: here tiny triangles within
-/// a sphere that nothing enters.
-#[test]
-fn picture_is_the_same_whether_paths_end_at_emitters_or_are_shaded() {
-    let textured_sky = Scene { sky: everything().sky, textures: everything().textures, ..lamp_and_sign() };
-    let mut around = few_textured();
-    around.spheres[2].material = 0;
-    around.materials[2].texture = Some(0);
-    around.spheres.push(sphere(Vec3::ZERO, 30.0, 2));
-    for scene in [lamp_and_sign(), textured_sky, around] {
-        let mut crowded = scene.clone();
-        let center = scene.spheres[1].center;
-        for _ in 0..16 {
-            let vertices = [Vec3::X, Vec3::Y, Vec3::Z].map(|corner| center + corner * 0.05);
-            crowded.triangles.push(triangle(vertices, scene.spheres[1].material));
-            crowded.uvs.push([Vec2::ZERO, Vec2::X, Vec2::Y]);
-        }
-        let ends = [&scene, &crowded].map(|scene| Buffers::new(scene).emitters.is_some());
-        assert_eq!(ends, [true, false]);
-        for lanes in WIDTHS {
-            for max_bounces in [1, 5] {
-                let base = Settings { lanes, ..base(&scene, [61, 37], max_bounces) };
-                let expected = Print::of(&crowded, base, &[3]);
-                Print::of(&scene, base, &[3]).assert_same(&expected, base, &[3]);
-            }
-        }
-    }
 }
 
 #[test]

@@ -67,10 +67,6 @@ pub struct Buffers {
     pub detail_rows: Rows,
     /// Whether any triangle has texture coordinates of its own.
     pub has_uvs: bool,
-    /// For paths that end at emitters: 1 for each primitive that is a textured emitter, which scatters
-    /// nothing; 0 for the others. Absent where there is no such emitter, and where a register table does not
-    /// hold all primitives.
-    pub emitters: Option<Box<[f32; 16]>>,
     /// All textures, encoded for lookups.
     pub textures: Textures,
     /// What rays see that hit nothing.
@@ -164,7 +160,6 @@ impl Buffers {
             tangent_rows: Rows::new(tangent_rows(scene)),
             detail_rows: Rows::new(scene.materials.iter().map(detail_row)),
             has_uvs: !scene.uvs.is_empty(),
-            emitters: textured_emitters(scene),
             textures: Textures::new(&scene.textures),
             sky: Sky::new(scene.sky),
             lights,
@@ -207,19 +202,6 @@ impl Sky {
             }
         }
     }
-}
-
-/// See [`Buffers::emitters`].
-fn textured_emitters(scene: &Scene) -> Option<Box<[f32; 16]>> {
-    let spheres = scene.spheres.iter().map(|sphere| sphere.material);
-    let materials = spheres.chain(scene.triangles.iter().map(|triangle| triangle.material));
-    let mut table = Box::new([0.0; 16]);
-    for (primitive, material) in materials.enumerate() {
-        let material = &scene.materials[material as usize];
-        let emits = material.kind == MaterialKind::Emitter && material.texture.is_some();
-        *table.get_mut(primitive)? = f32::from(u8::from(emits));
-    }
-    table.contains(&1.0).then_some(table)
 }
 
 /// See [`Buffers::sphere_rows`].

@@ -38,9 +38,9 @@ impl<const N: usize> SphereBlock<N> {
         (center, L::splat(self.radius2[index]))
     }
 
-    /// The first spheres, one a lane: centres and squared radii.
+    /// The spheres, one a lane: centres and squared radii.
     #[inline(always)]
-    pub fn first<L: Lane>(&self) -> (Vec3<L>, L) {
+    pub fn all<L: Lane>(&self) -> (Vec3<L>, L) {
         (Vec3::new(L::load(&self.x), L::load(&self.y), L::load(&self.z)), L::load(&self.radius2))
     }
 }

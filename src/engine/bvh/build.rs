@@ -4,8 +4,8 @@
 //! threads are joined by copying.
 
 use super::bounds::{Bounds, PackedBox};
-use super::cost::{Costs, Plan, TestCosts};
-use super::node::{LEAF, MAX_DEPTH, SHORT};
+use super::cost::{Costs, Plan};
+use super::node::{LEAF, MAX_DEPTH};
 use super::split::{self, Set};
 use crate::lane::{Mask, Mask8};
 use rayon::join;
@@ -30,8 +30,7 @@ pub(super) struct BuildNode {
 /// The parameters of a build.
 pub(super) struct Builder<'a> {
     /// Whether a primitive, by its number, is a sphere: leaves hold one kind.
-    is_sphere: &'a (dyn Fn(u32) -> bool + Sync),
-    tests: TestCosts,
+    pub is_sphere: &'a (dyn Fn(u32) -> bool + Sync),
 }
 
 /// Levels of halving until each part fits a leaf.
@@ -39,12 +38,7 @@ fn levels(count: usize) -> u32 {
     count.div_ceil(LEAF).next_power_of_two().ilog2()
 }
 
-impl<'a> Builder<'a> {
-    /// For this number of triangles, beside any number of spheres.
-    pub fn new(is_sphere: &'a (dyn Fn(u32) -> bool + Sync), triangles: usize) -> Self {
-        Self { is_sphere, tests: TestCosts::of(triangles) }
-    }
-
+impl Builder<'_> {
     /// The tree over the boxes, and its costs.
     pub fn build(&self, boxes: &mut [PackedBox]) -> (Vec<BuildNode>, Costs) {
         let mut nodes = Vec::with_capacity(boxes.len() / 2);
@@ -64,7 +58,7 @@ impl<'a> Builder<'a> {
         nodes: &mut Vec<BuildNode>,
     ) -> Costs {
         let count = boxes.len();
-        let leaf = Costs::of_leaf(self.tests.of_leaf(count), set.bounds.half_area());
+        let leaf = Costs::of_leaf(set.bounds.half_area());
         let Some((middle, low, high)) = self.split(boxes, &set, depth, &leaf) else {
             let count = count as u32;
             let bounds = set.bounds.bounds();
@@ -90,7 +84,7 @@ impl<'a> Builder<'a> {
             (left, self.subtree(right, second, high, depth + 1, nodes))
         };
         let one_leaf = (count <= LEAF && self.homogeneous(boxes)).then_some(leaf);
-        let (costs, plan) = Costs::of_inner(&self.tests, set.bounds.half_area(), (&left, &right), one_leaf);
+        let (costs, plan) = Costs::of_inner(set.bounds.half_area(), (&left, &right), one_leaf);
         nodes[node].plan = plan;
         costs
     }
@@ -121,10 +115,7 @@ impl<'a> Builder<'a> {
         }
         if count > MAX_UNSPLIT && depth + 2 <= MAX_DEPTH {
             let split = split::cheapest_split(boxes, set, LEAF as u32);
-            // At best both halves are short.
-            if let Some(split) =
-                split.filter(|split| leaf.improved_by_split(self.tests.of_leaf(SHORT), split.cost))
-            {
+            if let Some(split) = split.filter(|split| leaf.improved_by_split(split.cost)) {
                 return Some(split::partition(boxes, set, &split));
             }
         }

@@ -1,7 +1,7 @@
 //! Validity and statistics of a hierarchy, for tests and reports: nothing here is fast.
 
 use super::bounds::Bounds;
-use super::cost::TestCosts;
+use super::cost::LEAF_COST;
 use super::node::{Child, LEAF, Leaf, MAX_DEPTH, WIDE};
 use super::tree::Bvh;
 use crate::scene::Scene;
@@ -43,7 +43,6 @@ struct Validator<'a, F> {
     bounds: F,
     seen: Vec<u32>,
     statistics: Statistics,
-    tests: TestCosts,
     area: f64,
 }
 
@@ -80,14 +79,7 @@ pub fn check(
         stack: 0,
     };
     let area = bvh.bounds.half_area().max(f64::MIN_POSITIVE);
-    let mut validator = Validator {
-        bvh,
-        bounds,
-        seen: vec![0; count],
-        statistics,
-        tests: TestCosts::of(count - spheres),
-        area,
-    };
+    let mut validator = Validator { bvh, bounds, seen: vec![0; count], statistics, area };
 
     let mut next_leaf = [0; 2];
     let mut next_node = 1;
@@ -138,7 +130,7 @@ impl<F: Fn(usize) -> Bounds> Validator<'_, F> {
         let filled = wide.children().iter().take_while(|&&child| child != Child::NONE).count();
         let share = around.half_area() / self.area;
         self.statistics.node_visits += share;
-        self.statistics.cost += share * self.tests.of_node(filled);
+        self.statistics.cost += share;
         let (mut union, mut deepest) = (Bounds::EMPTY, 0);
         for slot in 0..WIDE {
             let (child, bounds) = (wide.children()[slot], wide.bounds(slot));
@@ -202,7 +194,7 @@ impl<F: Fn(usize) -> Bounds> Validator<'_, F> {
         }
         let share = bounds.half_area() / self.area;
         self.statistics.leaf_visits += share;
-        self.statistics.cost += share * self.tests.of_leaf(primitives.len());
+        self.statistics.cost += share * LEAF_COST;
         self.statistics.primitive_tests += share * primitives.len() as f64;
         debug_assert!(primitives.len() <= LEAF);
         Ok(union)
@@ -248,10 +240,7 @@ mod tests {
     use super::check;
     use crate::bvh::bounds::{Bounds, PackedBox};
     use crate::bvh::build::Builder;
-    use crate::bvh::cost::TestCosts;
-    use crate::bvh::node::SHORT;
     use crate::bvh::tree::{Bvh, Trees};
-    use crate::lane::COMPUTES_IN_HALVES;
     use glam::Vec3;
 
     #[test]
@@ -266,21 +255,12 @@ mod tests {
             let is_sphere = |number: u32| (number as usize) < spheres;
             let mut boxes: Vec<_> =
                 (0..count).map(|number| PackedBox::new(bounds(number), number as u32)).collect();
-            let (_, costs) = Builder::new(&is_sphere, count - spheres).build(&mut boxes);
+            let (_, costs) = Builder { is_sphere: &is_sphere }.build(&mut boxes);
             let bvh = Bvh::of_boxes(spheres, count, Trees::Wide, bounds);
             let planned = costs.of_tree() / bvh.bounds.half_area();
             let cost = check(&bvh, spheres, count, bounds).unwrap().cost;
             // The builder rounds extents to f32.
             assert!((cost / planned - 1.0).abs() < 1e-6, "{spheres} of {count}: {cost}, planned {planned}");
-        }
-    }
-
-    #[test]
-    fn short_nodes_and_leaves_are_cheaper_only_where_that_was_measured() {
-        for (triangles, cheaper) in [(0, COMPUTES_IN_HALVES), (1000, COMPUTES_IN_HALVES), (1001, false)] {
-            let tests = TestCosts::of(triangles);
-            assert_eq!(tests.of_node(SHORT) < tests.of_node(SHORT + 1), cheaper, "{triangles}");
-            assert_eq!(tests.of_leaf(SHORT) < tests.of_leaf(SHORT + 1), cheaper, "{triangles}");
         }
     }
 }

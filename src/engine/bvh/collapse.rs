@@ -2,7 +2,7 @@
 
 use super::bounds::{Bounds, PackedBox};
 use super::build::BuildNode;
-use super::node::{BinaryNode, Child, Leaf, WideNode};
+use super::node::{BinaryNode, Child, Leaf, WIDE, WideNode};
 
 /// The finished parts, appended in depth-first order.
 pub(super) struct Collapse<'a> {
@@ -48,7 +48,7 @@ impl<'a> Collapse<'a> {
         } else if nodes[0].plan.is_leaf() {
             collapse.tree(0, &mut root);
         } else {
-            collapse.children(0, nodes[0].plan.left_of_node(), &mut root);
+            collapse.children(0, (nodes[0].plan.left_of_node(), WIDE), &mut root);
         }
         collapse.wide[0] = root.node;
         collapse
@@ -95,7 +95,7 @@ impl<'a> Collapse<'a> {
         self.wide.push(WideNode::EMPTY);
         slots.push(bounds, Child(index as u32));
         let mut own = Slots::new();
-        self.children(node, plan.left_of_node(), &mut own);
+        self.children(node, (plan.left_of_node(), WIDE), &mut own);
         self.wide[index] = own.node;
     }
 

@@ -38,5 +38,5 @@ mod split;
 mod tree;
 
 pub use bounds::{Bounds, MAX_PRIMITIVES};
-pub use node::{BinaryNode, Child, LEAF, Leaf, MAX_DEPTH, MAX_STACK, SHORT, WIDE, WideNode, slots};
+pub use node::{BinaryNode, Child, LEAF, Leaf, MAX_DEPTH, MAX_STACK, WIDE, WideNode, slots};
 pub use tree::{Bvh, Trees};

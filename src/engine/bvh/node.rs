@@ -1,9 +1,7 @@
 //! The nodes and leaves that traversals read, and the limits that traversals rely on.
 
 use super::bounds::Bounds;
-use crate::lane::{
-    Bits, COMPUTES_IN_HALVES, F32x8, Lane, Mask, NATIVE_WIDTH, NativeBits, prefetch, set_bits,
-};
+use crate::lane::{Bits, Mask, NATIVE_WIDTH, NativeBits, prefetch, set_bits};
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
@@ -11,9 +9,6 @@ use glam::Vec3;
 pub const WIDE: usize = NATIVE_WIDTH;
 /// Most primitives in a leaf: likewise.
 pub const LEAF: usize = NATIVE_WIDTH;
-/// Most children of a short node and most primitives of a short leaf: as many as eight lanes test at once.
-/// They count as short only where that costs less than a whole vector ([`COMPUTES_IN_HALVES`]).
-pub const SHORT: usize = F32x8::WIDTH;
 /// Most levels from the root to a leaf. Splits by cost may be lopsided; where they would lead deeper, sets
 /// are halved, which takes 27 levels for [`super::MAX_PRIMITIVES`].
 pub const MAX_DEPTH: u32 = 48;
@@ -87,11 +82,6 @@ impl WideNode {
     #[inline(always)]
     pub fn children(&self) -> &[Child; WIDE] {
         &self.children
-    }
-    /// Whether the first [`SHORT`] slots hold all children, and testing only those costs less.
-    #[inline(always)]
-    pub fn is_short(&self) -> bool {
-        COMPUTES_IN_HALVES && self.children[SHORT & (WIDE - 1)] == Child::NONE
     }
     /// The slots of nodes, one bit each.
     #[inline(always)]
@@ -186,11 +176,6 @@ pub struct Leaf {
 impl Leaf {
     /// Marks an unused place.
     pub const NONE: u32 = u32::MAX;
-    /// Whether the first [`SHORT`] places hold all primitives, and testing only those costs less.
-    #[inline(always)]
-    pub fn is_short(&self) -> bool {
-        COMPUTES_IN_HALVES && self.primitives[SHORT & (LEAF - 1)] == Self::NONE
-    }
     /// The indices of the primitives.
     pub fn primitives(&self) -> &[u32] {
         let len = self.primitives.iter().position(|&one| one == Self::NONE).unwrap_or(LEAF);

@@ -58,7 +58,7 @@ impl Bvh {
             .map(|number| PackedBox::new(bounds(number), number as u32))
             .collect();
         let is_sphere = move |number: u32| (number as usize) < spheres;
-        let (nodes, _) = Builder::new(&is_sphere, count - spheres).build(&mut boxes);
+        let (nodes, _) = Builder { is_sphere: &is_sphere }.build(&mut boxes);
         let Collapse { wide, binary, triangle_leaves, sphere_leaves, .. } =
             Collapse::new(&nodes, &boxes, &is_sphere, trees == Trees::WideAndBinary);
         let bounds = if boxes.is_empty() { Bounds::EMPTY } else { nodes[0].bounds };

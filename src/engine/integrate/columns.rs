@@ -9,7 +9,7 @@ use crate::math::Vec3;
 use bytemuck::Zeroable;
 use std::ops::Range;
 
-/// Paths of earlier tiles, those that wait and those that have ended, at most, when a tile begins.
+/// Paths of earlier tiles that wait, at most, when a tile begins.
 pub const MAX_EARLIER: usize = 2 * MAX_PIXELS;
 /// Those, a tile's, and the widest packet more, so that the last packet may be stored whole. Columns are
 /// three quarters of a page and a cache line apart, so that the same part of all columns is spread evenly

@@ -37,13 +37,6 @@ pub struct TraceContext {
 }
 
 impl TraceContext {
-    /// Whether a path adds radiance to its pixel at most once. True where nothing emits: it adds only where
-    /// it misses.
-    #[inline(always)]
-    pub fn paths_add_once(&self) -> bool {
-        !self.buffers.needs.meets(Features::EMISSION.with(Features::LIGHTS))
-    }
-
     /// Whether paths carry ray cones.
     #[inline(always)]
     pub fn carries_cones<const N: u32>(&self) -> bool {

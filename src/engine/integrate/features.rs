@@ -1,6 +1,6 @@
 //! Tests of a pipeline's feature set.
 //!
-//! For: [`has`], [`is_general`], [`ends_missed`], [`ends_at_emitters`], [`reads_texels_first`] and
+//! For: [`has`], [`is_general`], [`ends_missed`], [`reads_texels_first`] and
 //! [`abilities`], constants once a pipeline is compiled; [`carries_cones`]. May import: `buffers`. Must never
 //! know: stages.
 
@@ -25,13 +25,6 @@ pub const fn is_general(n: u32) -> bool {
 #[inline(always)]
 pub const fn ends_missed(n: u32) -> bool {
     has(n, Features::SKY_GRADIENT) || has(n, Features::SKY_TEXTURE)
-}
-
-/// Do paths that hit a textured emitter end where they are intersected? The others are shaded in full
-/// packets, and the emitters' texels are fetched by `finish`. See [`crate::buffers::Buffers::emitters`].
-#[inline(always)]
-pub const fn ends_at_emitters(n: u32) -> bool {
-    has(n, Features::EMISSION) && has(n, Features::TEXTURES)
 }
 
 /// Are texels read before shading, in a loop of their own? Where each hit has at most one, a display value.

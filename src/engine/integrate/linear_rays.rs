@@ -7,7 +7,7 @@ use super::queue::PathQueue;
 use super::shadow_queue::ShadowQueue;
 use crate::camera::Pinhole;
 use crate::lane::Lane;
-use crate::math::{Ray, Vec3};
+use crate::math::Ray;
 use crate::traverse::Batch;
 use std::ops::Range;
 
@@ -41,13 +41,6 @@ impl<L: Lane> Batch<L> for LinearRays<'_> {
             RaySource::Camera(camera) => Ray { origin: camera.origin(), direction: self.queue.primary(at).0 },
             RaySource::Paths => self.queue.ray(at),
             RaySource::Shadow(queue) => queue.ray(at),
-        }
-    }
-    #[inline(always)]
-    fn common_origin(&self) -> Option<Vec3<f32>> {
-        match self.source {
-            RaySource::Camera(camera) => Some(camera.origin()),
-            _ => None,
         }
     }
     #[inline(always)]

@@ -11,8 +11,7 @@
 //! ```
 //!
 //! - [`fn@generate`] makes primary rays and finds what they hit.
-//! - `intersect` finds what the rays of later segments hit. Under a sky, paths that miss end here; those that
-//!   hit a textured emitter end too, and wait for `finish`.
+//! - `intersect` finds what the rays of later segments hit. Under a sky, paths that miss end here.
 //! - `shade` adds emitted radiance, samples the BSDF, and compresses the paths that go on, so that packets
 //!   stay full. Where lights are sampled, it queues shadow rays. Where each hit has at most one texel, all
 //!   are read first.

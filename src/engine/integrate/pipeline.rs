@@ -6,7 +6,7 @@ use super::columns::MAX_EARLIER;
 use super::context::TraceContext;
 use super::features::has;
 use super::generate::generate;
-use super::intersect::{Intersected, Segment, intersect};
+use super::intersect::{Intersected, intersect};
 use super::scratch::{MAX_TILES, Scratch};
 use super::shade::{Shaded, finish, shade};
 use super::shadow_rays::trace_shadow_rays;
@@ -33,37 +33,29 @@ pub fn trace_tiles<L: Lane, const N: u32>(
     scratch: &mut Scratch,
 ) -> u64 {
     debug_assert!(tiles.len() <= MAX_TILES, "radiance of {} tiles", tiles.len());
-    let (mut rays, mut left) = (0, Left::default());
+    let (mut rays, mut waiting) = (0, 0);
     for (number, &tile) in tiles.iter().enumerate() {
-        rays += first_segments::<L, N>(context, (number, tile), sample, scratch, &mut left);
+        rays += first_segments::<L, N>(context, (number, tile), sample, scratch, &mut waiting);
         let is_last = number + 1 == tiles.len();
-        if context.max_bounces > 0 && (is_last || left.waiting + left.ended > MAX_EARLIER) {
-            rays += later_segments::<L, N>(context, scratch, left);
-            left = Left::default();
+        if context.max_bounces > 0 && (is_last || waiting > MAX_EARLIER) {
+            rays += later_segments::<L, N>(context, scratch, waiting);
+            waiting = 0;
         }
     }
     rays
 }
 
-/// Paths that tiles have left.
-#[derive(Clone, Copy, Default)]
-struct Left {
-    /// Those after the event [`SHARED_FROM`], or the last if that is earlier: at the front of the queue.
-    waiting: usize,
-    /// Those that have ended on a surface, for `finish`.
-    ended: usize,
-}
-
-/// Traces the paths of a tile to their event [`SHARED_FROM`]. Returns the number of rays.
+/// Traces the paths of a tile to their event [`SHARED_FROM`], or to the last if that is earlier, and puts
+/// them behind the `waiting` ones of earlier tiles at the front of the queue. Returns the number of rays.
 fn first_segments<L: Lane, const N: u32>(
     context: &TraceContext,
     (number, tile): (usize, Tile),
     sample: u32,
     scratch: &mut Scratch,
-    left: &mut Left,
+    waiting: &mut usize,
 ) -> u64 {
     scratch.begin_stage(Some(Stage::Generate));
-    let mut paths = generate::<L>(context, (number, tile), sample, left.waiting, scratch);
+    let mut paths = generate::<L>(context, (number, tile), sample, *waiting, scratch);
     let mut rays = paths.len() as u64;
     if context.max_bounces == 0 {
         scratch.begin_stage_with_rays::<L>(Stage::Finish, context, Some(tile), 0, &paths);
@@ -72,35 +64,35 @@ fn first_segments<L: Lane, const N: u32>(
     }
     scratch.begin_stage_with_rays::<L>(Stage::Shade, context, Some(tile), 0, &paths);
     let last = SHARED_FROM.min(context.max_bounces) - 1;
-    let (first, waiting) = (paths.start, left.waiting);
-    let to = |event| if event == last { waiting } else { first };
+    let first = paths.start;
+    let to = |event| if event == last { *waiting } else { first };
     let mut shaded = shade::<L, N, true>(context, scratch, &Intersected::all(paths.clone()), 0, to(0));
     shadow_rays::<L, N>(context, scratch, &shaded);
     rays += shaded.shadow_rays as u64;
     for bounce in 1..=last {
         paths.end = first + shaded.alive;
-        shaded = trace_bounce::<L, N>(context, scratch, &paths, bounce, to(bounce), &mut left.ended);
+        shaded = trace_bounce::<L, N>(context, scratch, &paths, bounce, to(bounce));
         rays += (paths.len() + shaded.shadow_rays) as u64;
     }
-    left.waiting += shaded.alive;
+    *waiting += shaded.alive;
     rays
 }
 
-/// Traces the paths that tiles have left to their ends. Returns the number of rays.
+/// Traces the waiting paths of all tiles to their ends. Returns the number of rays.
 fn later_segments<L: Lane, const N: u32>(
     context: &TraceContext,
     scratch: &mut Scratch,
-    Left { waiting, mut ended }: Left,
+    waiting: usize,
 ) -> u64 {
     let (mut paths, mut rays) = (0..waiting, 0);
     for bounce in SHARED_FROM..context.max_bounces {
-        let shaded = trace_bounce::<L, N>(context, scratch, &paths, bounce, 0, &mut ended);
+        let shaded = trace_bounce::<L, N>(context, scratch, &paths, bounce, 0);
         rays += (paths.len() + shaded.shadow_rays) as u64;
         paths.end = shaded.alive;
     }
     rays += paths.len() as u64;
     scratch.begin_stage_with_rays::<L>(Stage::Intersect, context, None, context.max_bounces, &paths);
-    let found = intersect::<L, N>(context, scratch, Segment { paths, ended, is_last: true });
+    let found = intersect::<L, N>(context, scratch, paths);
     scratch.begin_stage(Some(Stage::Finish));
     finish::<L, N, false>(context, scratch, &found);
     rays
@@ -115,15 +107,12 @@ fn trace_bounce<L: Lane, const N: u32>(
     paths: &Range<usize>,
     bounce: u32,
     to: usize,
-    ended: &mut usize,
 ) -> Shaded {
     scratch.begin_stage_with_rays::<L>(Stage::Intersect, context, None, bounce, paths);
     if bounce.is_multiple_of(RENORMALIZATION_INTERVAL) {
         scratch.queue.normalize_directions::<L>(paths.clone());
     }
-    let segment = Segment { paths: paths.clone(), ended: *ended, is_last: false };
-    let found = intersect::<L, N>(context, scratch, segment);
-    *ended = found.ended;
+    let found = intersect::<L, N>(context, scratch, paths.clone());
     scratch.begin_stage(Some(Stage::Shade));
     let shaded = shade::<L, N, false>(context, scratch, &found, bounce, to);
     shadow_rays::<L, N>(context, scratch, &shaded);

@@ -23,13 +23,10 @@ use bytemuck::Zeroable;
 use std::ops::Range;
 
 /// One thread's working memory. In use at a time are 25 KiB, which a first-level cache holds, 11 more for
-/// each 256 paths that wait, 12 for shadow rays, 17 where paths end at emitters, and the memory of the
-/// traversals of a hierarchy.
+/// each 256 paths that wait, 12 for shadow rays, and the memory of the traversals of a hierarchy.
 pub struct Scratch {
     /// The paths that are alive: those that wait, then those of a tile.
     pub queue: PathQueue,
-    /// Paths that have ended on a surface, in full packets, for `finish`.
-    pub ended: PathQueue,
     /// The shadow rays of a stage.
     pub shadow_queue: ShadowQueue,
     /// The values of the sample that is being taken.
@@ -86,16 +83,13 @@ fn count_segment(
 impl Scratch {
     /// Empty queues on the heap.
     pub fn new() -> Box<Self> {
-        let (queue, ended, contributions) =
-            (PathQueue::zeroed(), PathQueue::zeroed(), Contributions::zeroed());
         Box::new(Self {
-            queue,
-            ended,
+            queue: PathQueue::zeroed(),
             shadow_queue: ShadowQueue::zeroed(),
             values: SampleTable::default(),
             pixels: Box::new(TilePixels::new()),
             texels: IntColumn::zeroed(),
-            contributions,
+            contributions: Contributions::zeroed(),
             radiance: Radiance::zeroed(),
             tracer: Tracer::new(),
             meter: None,
@@ -218,10 +212,9 @@ impl Scratch {
         count + mask.count()
     }
 
-    /// Adds the first `count` contributions to their pixels, in their order. With `ONCE` they are stored: no
-    /// pixel has another one.
+    /// Adds the first `count` contributions to their pixels, in their order.
     #[inline(never)]
-    pub fn add_contributions<const ONCE: bool>(&mut self, count: usize) {
+    pub fn add_contributions(&mut self, count: usize) {
         let Contributions { radiance: Vec3Columns { x, y, z }, slot } = &self.contributions;
         let [red, green, blue] = &mut self.radiance.0;
         let events = slot[..count].iter().zip(&x[..count]).zip(&y[..count]).zip(&z[..count]);
@@ -229,10 +222,7 @@ impl Scratch {
             // It is below that already; this lets the compiler drop the bounds checks.
             let slot = slot as usize % (MAX_TILES * MAX_PIXELS);
             for (channel, value) in [(&mut *red, r), (&mut *green, g), (&mut *blue, b)] {
-                // NaN: surfaces add 0 · throughput where the pipeline has emission, and that may be infinite.
-                let may_be_first = channel[slot] == 0.0 || channel[slot].is_nan();
-                debug_assert!(!ONCE || may_be_first, "a second contribution to slot {slot}");
-                channel[slot] = if ONCE { value } else { channel[slot] + value };
+                channel[slot] += value;
             }
         }
     }

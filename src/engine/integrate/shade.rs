@@ -9,7 +9,7 @@ use super::cone::scattered_cone;
 use super::context::TraceContext;
 use super::emission::{missed_radiance, surface_radiance};
 use super::features::{ends_missed, has, reads_texels_first};
-use super::intersect::{Intersected, ending_emitters};
+use super::intersect::Intersected;
 use super::material::MaterialSample;
 use super::queue::{Path, PathQueue};
 use super::scratch::Scratch;
@@ -37,7 +37,7 @@ pub struct Shaded {
 pub fn shade<L: Lane, const N: u32, const FIRST: bool>(
     context: &TraceContext,
     scratch: &mut Scratch,
-    &Intersected { hits: ref paths, contributions, .. }: &Intersected,
+    &Intersected { hits: ref paths, contributions }: &Intersected,
     bounce: u32,
     to: usize,
 ) -> Shaded {
@@ -92,7 +92,7 @@ pub fn shade<L: Lane, const N: u32, const FIRST: bool>(
         }
         going_on += alive.count();
     }
-    accumulator.finish(context, scratch);
+    accumulator.finish(scratch);
     Shaded { alive: going_on, shadow_rays }
 }
 
@@ -100,28 +100,22 @@ pub fn shade<L: Lane, const N: u32, const FIRST: bool>(
 pub fn finish<L: Lane, const N: u32, const FIRST: bool>(
     context: &TraceContext,
     scratch: &mut Scratch,
-    &Intersected { ref hits, contributions, ended }: &Intersected,
+    &Intersected { ref hits, contributions }: &Intersected,
 ) {
     let mut accumulator = RadianceAccumulator::<FIRST> { contributions };
-    // All last segments are in the queue of ended paths, those of the last bounce too.
-    let has_moved = !FIRST && ending_emitters::<N>(context).is_some();
-    let paths = if has_moved {
-        0..ended
-    } else if FIRST || !ends_missed(N) || has(N, Features::EMISSION) {
+    let paths = if FIRST || !ends_missed(N) || has(N, Features::EMISSION) {
         hits.clone()
     } else {
         // Without emitters, what was hit adds nothing.
         0..0
     };
     if reads_texels_first(N) {
-        let queue = if has_moved { &scratch.ended } else { &scratch.queue };
-        texels_of_hits::<L, N, FIRST>(context, queue, paths.clone(), &mut scratch.texels);
+        texels_of_hits::<L, N, FIRST>(context, &scratch.queue, paths.clone(), &mut scratch.texels);
     }
     for at in paths.clone().step_by(L::WIDTH) {
-        let queue = if has_moved { &scratch.ended } else { &scratch.queue };
-        let path = context.path::<L, N, FIRST>(queue, at);
+        let path = context.path::<L, N, FIRST>(&scratch.queue, at);
         let SegmentEnds { hit, active, found, mut radiance } =
-            SegmentEnds::of::<N, FIRST>(context, queue, at..paths.end, &path);
+            SegmentEnds::of::<N, FIRST>(context, &scratch.queue, at..paths.end, &path);
         if has(N, Features::EMISSION) && found.any() {
             let surface = Surface::of::<N>(context, &path, &hit, found);
             let material = material_of::<L, N>(context, scratch, at, &surface, found);
@@ -130,7 +124,7 @@ pub fn finish<L: Lane, const N: u32, const FIRST: bool>(
         }
         accumulator.add(scratch, at, carries_radiance::<L, N>(active, found, radiance), &path, radiance);
     }
-    accumulator.finish(context, scratch);
+    accumulator.finish(scratch);
 }
 
 /// The materials of the packet at `at`.
@@ -215,11 +209,7 @@ impl<const FIRST: bool> RadianceAccumulator<FIRST> {
             self.contributions = scratch.push_contribution(self.contributions, mask, path.slot, radiance);
         }
     }
-    fn finish(self, context: &TraceContext, scratch: &mut Scratch) {
-        if context.paths_add_once() {
-            scratch.add_contributions::<true>(self.contributions);
-        } else {
-            scratch.add_contributions::<false>(self.contributions);
-        }
+    fn finish(self, scratch: &mut Scratch) {
+        scratch.add_contributions(self.contributions);
     }
 }

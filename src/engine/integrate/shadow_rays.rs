@@ -137,6 +137,6 @@ pub fn trace_shadow_rays<L: Lane>(context: &TraceContext, scratch: &mut Scratch,
             contributions = scratch.push_contribution(contributions, unoccluded, slot, radiance);
         }
     }
-    scratch.add_contributions::<false>(contributions);
+    scratch.add_contributions(contributions);
     scratch.begin_stage(Some(Stage::Shade));
 }

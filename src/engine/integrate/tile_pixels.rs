@@ -7,24 +7,19 @@ use crate::camera::{BLOCK, MAX_PIXELS, Tile};
 use crate::lane::{Bits, F32x16, Lane};
 use crate::sampling::{Places, blue_noise};
 
-/// Columns and rows of a tile's pixels from its first, in the order of [`Tile::places`]; zeros behind them.
+/// Columns and rows of a tile's pixels from its first, in the order of [`Tile::places`]; unspecified behind
+/// them.
 type Steps = [[u8; 2]; MAX_PIXELS];
 
 // Whole packets, so that the last one can be read too.
 const _: () = assert!(MAX_PIXELS.is_multiple_of(F32x16::WIDTH));
 
-/// Sizes of tiles in a picture: whole, cut at the right, cut below, cut at both.
-const SIZES: usize = 4;
-
-/// The pixels of a tile. Its table is the same for every sample and for all tiles of its size, so a thread
-/// seldom computes one.
+/// The pixels of a tile. Its table is the same for every sample, and for the next tile if that is as large.
 pub struct TilePixels {
     tile: Tile,
     /// Pixels at the front whose packets are rows of [`BLOCK`] pixels below each other.
     in_blocks: usize,
     steps: Steps,
-    /// Tables of the sizes met before.
-    known: Vec<([u32; 2], Steps)>,
 }
 
 // The pixels of a block are read from one place of the table of shifts.
@@ -34,36 +29,22 @@ impl TilePixels {
     /// Of no tile.
     pub fn new() -> Self {
         let tile = Tile { number: 0, x: 0, y: 0, width: 0, height: 0 };
-        Self { tile, in_blocks: 0, steps: [[0; 2]; MAX_PIXELS], known: Vec::new() }
+        Self { tile, in_blocks: 0, steps: [[0; 2]; MAX_PIXELS] }
     }
 
     /// Turns to a tile.
     pub fn begin(&mut self, tile: Tile) {
         let before = std::mem::replace(&mut self.tile, tile);
-        let size = [tile.width, tile.height];
-        if [before.width, before.height] != size {
-            self.steps = self.steps_of(size);
+        let Tile { width, height, .. } = tile;
+        if [before.width, before.height] != [width, height] {
+            let places = Tile { number: 0, x: 0, y: 0, width, height }.places();
+            for (step, place) in self.steps.iter_mut().zip(places) {
+                *step = place.map(|coordinate| coordinate as u8);
+            }
         }
         let is_aligned = tile.width.is_multiple_of(BLOCK) && tile.x.is_multiple_of(BLOCK);
         let rows = if is_aligned { tile.height / BLOCK * BLOCK } else { 0 };
         self.in_blocks = (rows * tile.width) as usize;
-    }
-
-    fn steps_of(&mut self, size: [u32; 2]) -> Steps {
-        if let Some((_, steps)) = self.known.iter().find(|(known, _)| *known == size) {
-            return *steps;
-        }
-        let mut steps = [[0; 2]; MAX_PIXELS];
-        let [width, height] = size;
-        let tile = Tile { number: 0, x: 0, y: 0, width, height };
-        for (step, place) in steps.iter_mut().zip(tile.places()) {
-            *step = place.map(|coordinate| coordinate as u8);
-        }
-        if self.known.len() == SIZES {
-            self.known.clear();
-        }
-        self.known.push((size, steps));
-        steps
     }
 
     /// The places of the packet at `at`, a multiple of its width; unspecified in lanes behind the last pixel.

@@ -19,13 +19,11 @@ pub trait SphereMethod: Send + Sync + 'static {
     /// Prepares a ray for all spheres.
     fn prepare<L: Lane>(ray: &Ray<L>) -> Self::Prepared<L>;
 
-    /// The origins of the rays.
-    fn origin<L: Lane>(ray: &Self::Prepared<L>) -> Vec3<L>;
-
     /// The lanes that may hit, and their equations, unspecified in other lanes.
     fn equation<L: Lane>(
         ray: &Self::Prepared<L>,
-        sphere: &RelativeSphere<L>,
+        center: Vec3<L>,
+        radius2: L,
     ) -> (L::Mask, QuadraticEquation<L>);
 
     /// The nearest root in front of the ray's origin; not above 0, or NaN, where there is none.
@@ -34,8 +32,7 @@ pub trait SphereMethod: Send + Sync + 'static {
     /// The lanes that hit, and the nearest t of each in (0, `limit`); t is unspecified where nothing is hit.
     #[inline(always)]
     fn test<L: Lane>(ray: &Self::Prepared<L>, center: Vec3<L>, radius2: L, limit: L) -> (L::Mask, L) {
-        let sphere = RelativeSphere::new(Self::origin(ray), center, radius2);
-        let (meets, equation) = Self::equation(ray, &sphere);
+        let (meets, equation) = Self::equation(ray, center, radius2);
         if !meets.any() {
             return (meets, limit);
         }
@@ -51,38 +48,6 @@ pub trait SphereMethod: Send + Sync + 'static {
     ) -> (L::Mask, L) {
         let t = Self::root(ray, &equation);
         (meets & L::zero().lt(t) & t.lt(limit), t)
-    }
-}
-
-/// A sphere as seen from the origin of a ray: what does not depend on its direction.
-#[derive(Clone, Copy, Debug)]
-pub struct RelativeSphere<L> {
-    /// The origin, less the centre.
-    from_center: Vec3<L>,
-    radius2: L,
-    /// |`from_center`|² − r².
-    c: L,
-}
-
-impl<L: Lane> RelativeSphere<L> {
-    /// Of a sphere by centre and squared radius.
-    #[inline(always)]
-    pub fn new(origin: Vec3<L>, center: Vec3<L>, radius2: L) -> Self {
-        let from_center = origin - center;
-        Self { from_center, radius2, c: from_center.dot(from_center) - radius2 }
-    }
-}
-
-impl RelativeSphere<f32> {
-    /// The same sphere in every lane, for rays with one origin.
-    #[inline(always)]
-    pub fn splat<L: Lane>(&self) -> RelativeSphere<L> {
-        let Vec3 { x, y, z } = self.from_center;
-        RelativeSphere {
-            from_center: Vec3::new(L::splat(x), L::splat(y), L::splat(z)),
-            radius2: L::splat(self.radius2),
-            c: L::splat(self.c),
-        }
     }
 }
 
@@ -125,12 +90,8 @@ impl SphereMethod for Robust {
     }
 
     #[inline(always)]
-    fn origin<L: Lane>(ray: &Ray<L>) -> Vec3<L> {
-        ray.origin
-    }
-    #[inline(always)]
-    fn equation<L: Lane>(ray: &Ray<L>, sphere: &RelativeSphere<L>) -> (L::Mask, QuadraticEquation<L>) {
-        by_perpendicular(ray.direction, sphere, |x| x)
+    fn equation<L: Lane>(ray: &Ray<L>, center: Vec3<L>, radius2: L) -> (L::Mask, QuadraticEquation<L>) {
+        by_perpendicular(ray, center, radius2, |x| x)
     }
     #[inline(always)]
     fn root<L: Lane>(_ray: &Ray<L>, equation: &QuadraticEquation<L>) -> L {
@@ -141,12 +102,15 @@ impl SphereMethod for Robust {
 /// The robust equation, with division by the squared length of the direction as a parameter.
 #[inline(always)]
 fn by_perpendicular<L: Lane>(
-    direction: Vec3<L>,
-    &RelativeSphere { from_center, radius2, c }: &RelativeSphere<L>,
+    ray: &Ray<L>,
+    center: Vec3<L>,
+    radius2: L,
     divide: impl Fn(L) -> L,
 ) -> (L::Mask, QuadraticEquation<L>) {
-    let b = -from_center.dot(direction);
-    let perpendicular = direction.mul_add(divide(b), from_center);
+    let from_center = ray.origin - center;
+    let c = from_center.dot(from_center) - radius2;
+    let b = -from_center.dot(ray.direction);
+    let perpendicular = ray.direction.mul_add(divide(b), from_center);
     let discriminant = radius2 - perpendicular.dot(perpendicular);
     let may_hit = may_hit(b, c, !discriminant.to_bits());
     (may_hit, QuadraticEquation { b, c, discriminant })
@@ -212,15 +176,12 @@ impl SphereMethod for RobustAnyLength {
     }
 
     #[inline(always)]
-    fn origin<L: Lane>(prepared: &Scaled<L>) -> Vec3<L> {
-        prepared.ray.origin
-    }
-    #[inline(always)]
     fn equation<L: Lane>(
         Scaled { ray, inverse_a, .. }: &Scaled<L>,
-        sphere: &RelativeSphere<L>,
+        center: Vec3<L>,
+        radius2: L,
     ) -> (L::Mask, QuadraticEquation<L>) {
-        by_perpendicular(ray.direction, sphere, |x| x * *inverse_a)
+        by_perpendicular(ray, center, radius2, |x| x * *inverse_a)
     }
     #[inline(always)]
     fn root<L: Lane>(Scaled { a, inverse_a, .. }: &Scaled<L>, equation: &QuadraticEquation<L>) -> L {
@@ -243,14 +204,13 @@ impl SphereMethod for Naive {
     }
 
     #[inline(always)]
-    fn origin<L: Lane>(prepared: &Scaled<L>) -> Vec3<L> {
-        prepared.ray.origin
-    }
-    #[inline(always)]
     fn equation<L: Lane>(
         Scaled { ray, a, .. }: &Scaled<L>,
-        &RelativeSphere { from_center, c, .. }: &RelativeSphere<L>,
+        center: Vec3<L>,
+        radius2: L,
     ) -> (L::Mask, QuadraticEquation<L>) {
+        let from_center = ray.origin - center;
+        let c = from_center.dot(from_center) - radius2;
         let b = L::splat(2.0) * from_center.dot(ray.direction);
         let discriminant = b * b - L::splat(4.0) * *a * c;
         (L::zero().le(discriminant), QuadraticEquation { b, c, discriminant })

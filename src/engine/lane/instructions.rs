@@ -5,8 +5,7 @@
 //!
 //! The only unsafe code of octray: one block a function. The instructions read and write nothing but what
 //! references lead to, and each exists only in builds for processors that have it. Laws compare those that
-//! compute with what they do lane by lane. Miri cannot: it does not know them. What each is worth is in
-//! perf/README.md.
+//! compute with what they do lane by lane. Miri cannot: it does not know them.
 
 #![allow(unsafe_code)]
 

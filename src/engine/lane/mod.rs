@@ -51,15 +51,6 @@ pub type NativeMask = <Native as Lane>::Mask;
 /// Lanes of [`Native`].
 pub const NATIVE_WIDTH: usize = <Native as Lane>::WIDTH;
 
-/// Whether the processor computes a [`Native`] vector in two halves, so that half the lanes cost less. AMD's
-/// processors, which alone have SSE4a, do so with sixteen lanes up to Zen 4; later ones have VP2INTERSECT. A
-/// wrong guess costs speed, nothing else. What this chooses is tested on such machines only.
-pub const COMPUTES_IN_HALVES: bool = cfg!(all(
-    target_feature = "sse4a",
-    target_feature = "avx512f",
-    not(target_feature = "avx512vp2intersect")
-));
-
 /// The widths up to [`NATIVE_WIDTH`], the widest first: those that are worth timing.
 pub fn native_widths() -> impl Iterator<Item = usize> {
     WIDTHS.into_iter().rev().filter(|&lanes| lanes <= NATIVE_WIDTH)

@@ -45,21 +45,6 @@ macro_rules! packet {
         impl $floats {
             /// 0 in every lane.
             pub const ZERO: Self = Self($f32::ZERO);
-            /// `wide` compares eight lanes by an instruction of AVX, which leaves the result in a vector.
-            /// From a loop the compiler makes one that leaves it in a mask register, where there are such:
-            /// `three` is 1.04 times as fast, `cornell` 0.995 (perf/README.md). With AVX alone such a loop is
-            /// slower, and so is one over sixteen lanes.
-            const COMPARES_IN_LOOP: bool = $width == 8 && cfg!(target_feature = "avx512vl");
-
-            #[inline(always)]
-            fn compare_in_loop(self, other: Self, compare: impl Fn(f32, f32) -> bool) -> $mask {
-                let (a, b) = (self.0.to_array(), other.0.to_array());
-                let mut lanes = [0; $width];
-                for lane in 0..$width {
-                    lanes[lane] = if compare(a[lane], b[lane]) { u32::MAX } else { 0 };
-                }
-                $mask(bytemuck::cast(lanes))
-            }
         }
 
         forward_operator!($floats, Add::add, Sub::sub, Mul::mul, Div::div);
@@ -278,27 +263,15 @@ macro_rules! packet {
             }
             #[inline(always)]
             fn lt(self, other: Self) -> $mask {
-                if Self::COMPARES_IN_LOOP {
-                    self.compare_in_loop(other, |a, b| a < b)
-                } else {
-                    $mask(self.0.simd_lt(other.0))
-                }
+                $mask(self.0.simd_lt(other.0))
             }
             #[inline(always)]
             fn le(self, other: Self) -> $mask {
-                if Self::COMPARES_IN_LOOP {
-                    self.compare_in_loop(other, |a, b| a <= b)
-                } else {
-                    $mask(self.0.simd_le(other.0))
-                }
+                $mask(self.0.simd_le(other.0))
             }
             #[inline(always)]
             fn eq(self, other: Self) -> $mask {
-                if Self::COMPARES_IN_LOOP {
-                    self.compare_in_loop(other, |a, b| a == b)
-                } else {
-                    $mask(self.0.simd_eq(other.0))
-                }
+                $mask(self.0.simd_eq(other.0))
             }
             #[inline(always)]
             fn select(mask: $mask, if_true: Self, if_false: Self) -> Self {

@@ -5,15 +5,12 @@ use super::hierarchy::Hierarchy;
 use super::prepared::SingleRay;
 use super::rays::{Hits, Rays};
 use super::stack::Stack;
-use super::stream::{BATCH, PIECE, PIECES, Stream};
+use super::stream::Stream;
 use super::tile::{self, Packets, TILE};
 use super::{scalar, single};
 use crate::choice::choices;
 use crate::lane::NATIVE_WIDTH;
 use crate::math::Hit;
-
-// A tile is a piece of a stream's batch.
-const _: () = assert!(PIECE == TILE && BATCH <= TILE * u64::BITS as usize);
 
 choices! {
     /// A traversal of the hierarchy. All give the same hits, bit for bit.
@@ -102,7 +99,8 @@ impl Tracer {
         }
     }
 
-    /// Tiles for which there is a frustum as packets; the other tiles of a batch together in streams.
+    /// Tiles for which there is a frustum as packets; the others, as far as they follow each other, in
+    /// streams.
     fn tiles<const ANY: bool>(
         &mut self,
         hierarchy: &Hierarchy,
@@ -111,40 +109,23 @@ impl Tracer {
         packets: Packets,
         counter: impl CounterSink,
     ) {
-        for first in (0..rays.len()).step_by(BATCH) {
-            let batch = first..rays.len().min(first + BATCH);
-            let (rays, mut hits) = (rays.range(batch.clone()), hits.range(batch));
-            let mut apart = 0u64;
-            for (tile, first) in (0..rays.len()).step_by(TILE).enumerate() {
-                let range = first..rays.len().min(first + TILE);
-                let next = range.end..rays.len().min(range.end + TILE);
-                let together = !ANY
-                    && tile::trace(
-                        hierarchy,
-                        &rays.range(range.clone()),
-                        &rays.range(next),
-                        &mut hits.range(range),
-                        &mut self.stack,
-                        packets,
-                        counter,
-                    );
-                apart |= u64::from(!together) << tile;
-            }
-            // None is a tile of camera rays, or none pays.
-            if apart.count_ones() as usize == rays.len().div_ceil(TILE) {
-                self.stream().trace::<ANY>(hierarchy, &rays, &mut hits, counter);
-                continue;
-            }
-            // Camera rays of more tiles share little, and leave the cache.
-            for (half, first) in (0..rays.len()).step_by(PIECES * PIECE).enumerate() {
-                let pieces = (apart >> (PIECES * half)) as u32;
-                if pieces != 0 {
-                    let half = first..rays.len().min(first + PIECES * PIECE);
-                    let (rays, hits) = (&rays.range(half.clone()), &mut hits.range(half));
-                    self.stream().trace_pieces::<ANY>(hierarchy, rays, hits, pieces, counter);
-                }
+        let mut left = 0..0;
+        let tiles = (0..rays.len()).step_by(TILE).map(|first| first..rays.len().min(first + TILE));
+        for tile in tiles {
+            let is_done = !ANY && {
+                let (rays, hits) = (&rays.range(tile.clone()), &mut hits.range(tile.clone()));
+                tile::trace(hierarchy, rays, hits, &mut self.stack, packets, counter)
+            };
+            if is_done {
+                let (rays, hits) = (&rays.range(left.clone()), &mut hits.range(left));
+                self.stream().trace::<ANY>(hierarchy, rays, hits, counter);
+                left = tile.end..tile.end;
+            } else {
+                left.end = tile.end;
             }
         }
+        let (rays, hits) = (&rays.range(left.clone()), &mut hits.range(left));
+        self.stream().trace::<ANY>(hierarchy, rays, hits, counter);
     }
 
     fn stream(&mut self) -> &mut Stream {

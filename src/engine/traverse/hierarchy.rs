@@ -8,7 +8,7 @@ use crate::buffers::SphereBlock;
 use crate::bvh::{Bounds, Bvh, Child, LEAF, Leaf, Trees, WIDE, WideNode, slots};
 use crate::kernel::ray_box::Padding;
 use crate::kernel::ray_sphere::{Robust, SphereMethod};
-use crate::lane::{F32x8, Lane, Mask, Native};
+use crate::lane::{Lane, Mask, Native};
 use crate::math::{Hit, Ray};
 use crate::scene::Scene;
 use rayon::prelude::*;
@@ -85,7 +85,7 @@ impl Hierarchy {
             self.intersect_spheres(leaf.index(), &ray.ray, hit);
         } else {
             self.with_triangles(leaf.index(), |leaf| {
-                leaf.accept(leaf.ahead::<Native>(ray.woop.stored()), &ray.woop, &ray.slabs, hit);
+                leaf.accept(leaf.ahead(ray.woop.stored()), &ray.woop, &ray.slabs, hit);
             });
         }
     }
@@ -93,12 +93,7 @@ impl Hierarchy {
     /// One ray against the spheres of a leaf at once.
     #[inline(never)]
     pub fn intersect_spheres(&self, leaf: usize, ray: &Ray<f32>, hit: &mut Hit<f32>) {
-        let leaf = &self.spheres[leaf];
-        if leaf.primitives.is_short() {
-            leaf.intersect::<F32x8>(ray, hit);
-        } else {
-            leaf.intersect::<Native>(ray, hit);
-        }
+        self.spheres[leaf].intersect(ray, hit);
     }
 
     /// One ray against the primitives of a leaf, one after the other: for the scalar baseline.
@@ -170,14 +165,16 @@ impl Hierarchy {
 }
 
 impl SphereLeaf {
-    /// One ray against the first spheres, one a lane.
+    /// One ray against the spheres, one a lane.
     #[inline(always)]
-    fn intersect<L: Lane>(&self, ray: &Ray<f32>, hit: &mut Hit<f32>) {
-        let origin = ray.origin.each_ref().broadcast();
-        let ray = Ray { origin, direction: ray.direction.each_ref().broadcast() };
-        let (center, radius2) = self.spheres.first();
-        let limit = L::splat(inclusive(hit.t));
-        let (mask, t) = Robust::test::<L>(&Robust::prepare(&ray), center, radius2, limit);
+    fn intersect(&self, ray: &Ray<f32>, hit: &mut Hit<f32>) {
+        let ray = Ray {
+            origin: ray.origin.each_ref().broadcast(),
+            direction: ray.direction.each_ref().broadcast(),
+        };
+        let (center, radius2) = self.spheres.all();
+        let limit = Native::splat(inclusive(hit.t));
+        let (mask, t) = Robust::test(&Robust::prepare(&ray), center, radius2, limit);
         for lane in mask.lanes() {
             keep_if_nearer(true, self.primitives.primitives[lane], [t.get(lane), 0.0, 0.0], hit);
         }

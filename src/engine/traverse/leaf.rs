@@ -71,10 +71,10 @@ impl TriangleLeaf {
     }
 
     /// The triangles that a ray's line passes, not behind its origin, one bit each: all that the ray hits,
-    /// and few others. Of the first ones, as many as there are lanes.
+    /// and few others.
     #[inline(always)]
-    pub fn ahead<L: Lane>(&self, woop: StoredWoopRay) -> u32 {
-        woop.ahead_of_block::<L>(&self.vertices).bitmask()
+    pub fn ahead(&self, woop: StoredWoopRay) -> u32 {
+        woop.ahead_of_block(&self.vertices).bitmask()
     }
 
     /// Keeps the nearest hit of a ray with the triangles whose bits are set: none or one, seldom two.

@@ -8,7 +8,7 @@
 use super::candidates::{SphereCandidates, TriangleCandidates};
 use crate::buffers::Features;
 use crate::kernel::ray_box::{Padding, Slabs, own_box};
-use crate::kernel::ray_sphere::{RelativeSphere, SphereMethod};
+use crate::kernel::ray_sphere::SphereMethod;
 use crate::kernel::ray_triangle::{PairHit, TriangleHit, TriangleMethod};
 use crate::kernel::sphere_culling::SphereCulling;
 use crate::lane::{Bits, Lane, Mask};
@@ -39,8 +39,6 @@ pub fn features_of(scene: &Scene) -> Features {
 const fn min_culled_spheres(width: usize) -> usize {
     if width == 1 { 16 } else { 8 }
 }
-/// Most spheres that are prepared for rays with one origin. Culled spheres are not prepared.
-const MAX_RELATIVE: usize = min_culled_spheres(1) - 1;
 
 /// Rays and their hits, a packet of `WIDTH` at a time.
 pub trait Batch<L: Lane> {
@@ -49,11 +47,6 @@ pub trait Batch<L: Lane> {
     fn range(&self) -> Range<usize>;
     /// The packet of rays from `at` on.
     fn ray(&self, at: usize) -> Ray<L>;
-    /// The origin of all rays, where it is known to be one.
-    #[inline(always)]
-    fn common_origin(&self) -> Option<Vec3<f32>> {
-        None
-    }
     /// Their t_max: hits from here on do not count.
     fn t_max(&self, at: usize) -> L;
     /// The hits that [`Batch::store_nearest`] stored.
@@ -73,46 +66,16 @@ pub(super) fn trace_spheres<L: Lane, S: SphereMethod>(
     spheres: &impl SphereCandidates,
     batch: &mut impl Batch<L>,
 ) {
-    let count = spheres.count();
-    let are_culled = S::MAY_CULL && count >= min_culled_spheres(L::WIDTH);
-    if let Some(origin) = batch.common_origin().filter(|_| !are_culled && count <= MAX_RELATIVE) {
-        // What does not depend on the direction is computed once for all rays.
-        let mut relative = [(0, RelativeSphere::new(origin, origin, 0.0)); MAX_RELATIVE];
-        let mut places = relative.iter_mut();
-        spheres.for_each::<f32>(|number, center, radius2| {
-            if let Some(place) = places.next() {
-                *place = (number, RelativeSphere::new(origin, center, radius2));
-            }
-        });
-        test_packets::<L, S>(batch, |_, tests| {
-            for (number, sphere) in &relative[..count] {
-                tests.test(*number, &sphere.splat());
-            }
-        });
-        return;
-    }
-    test_packets::<L, S>(batch, |ray, tests| {
-        let test = |number, center, radius2| {
-            tests.test(number, &RelativeSphere::new(ray.origin, center, radius2));
-        };
+    let are_culled = S::MAY_CULL && spheres.count() >= min_culled_spheres(L::WIDTH);
+    for at in batch.range().step_by(L::WIDTH) {
+        let ray = batch.ray(at);
+        let mut tests = SphereTests::<L, S>::new(&ray, batch.t_max(at));
+        let test = |number, center, radius2| tests.test(number, center, radius2);
         if are_culled {
-            spheres.for_each_near(&SphereCulling::new(ray), test);
+            spheres.for_each_near(&SphereCulling::new(&ray), test);
         } else {
             spheres.for_each(test);
         }
-    });
-}
-
-/// Tests each packet of rays against the spheres of `test`, and stores the nearest hits.
-#[inline(always)]
-fn test_packets<L: Lane, S: SphereMethod>(
-    batch: &mut impl Batch<L>,
-    test: impl Fn(&Ray<L>, &mut SphereTests<L, S>),
-) {
-    for at in batch.range().step_by(L::WIDTH) {
-        let ray = batch.ray(at);
-        let mut tests = SphereTests::new(&ray, batch.t_max(at));
-        test(&ray, &mut tests);
         batch.store_nearest(at, tests.t, tests.primitive);
     }
 }
@@ -168,8 +131,8 @@ impl<L: Lane, S: SphereMethod> SphereTests<L, S> {
         Self { ray: S::prepare(ray), t, primitive: L::Bits::splat(MISS) }
     }
     #[inline(always)]
-    fn test(&mut self, number: u32, sphere: &RelativeSphere<L>) {
-        let (meets, equation) = S::equation(&self.ray, sphere);
+    fn test(&mut self, number: u32, center: Vec3<L>, radius2: L) {
+        let (meets, equation) = S::equation(&self.ray, center, radius2);
         // Only of a single ray the rest of the test is skipped. Whether any ray of a packet meets a sphere is
         // often predicted wrong, which costs more than a square root and a division.
         if L::WIDTH == 1 && !meets.any() {

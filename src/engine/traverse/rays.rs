@@ -3,7 +3,7 @@
 use super::linear::Batch;
 use super::prepared::SingleRay;
 use crate::kernel::ray_box::Padding;
-use crate::lane::{Bits, Lane, prefetch};
+use crate::lane::{Bits, Lane};
 use crate::math::{Hit, Ray, Vec3};
 
 /// Rays as columns of equal length.
@@ -51,14 +51,6 @@ impl<'a> Rays<'a> {
     #[inline(always)]
     pub fn single(&self, at: usize, padding: Padding) -> SingleRay {
         SingleRay::new(self.packet::<f32>(at), padding)
-    }
-    /// Fetches the cache lines of a packet from `at` on ahead of its use, if there is one.
-    #[inline(always)]
-    pub fn prefetch(&self, at: usize) {
-        if at < self.len() {
-            self.origin.iter().for_each(|column| prefetch(&column[at]));
-            self.direction.iter().for_each(|column| prefetch(&column[at]));
-        }
     }
     /// Some of the rays.
     pub fn range(&self, range: std::ops::Range<usize>) -> Rays<'a> {

@@ -57,22 +57,9 @@ pub fn trace<const ANY: bool>(
     hit: &mut Hit<f32>,
     counter: impl CounterSink,
 ) {
-    trace_from::<ANY>(hierarchy, Child(0), ray, stack, hit, counter);
-}
-
-/// The same below one node or leaf.
-#[inline(always)]
-pub fn trace_from<const ANY: bool>(
-    hierarchy: &Hierarchy,
-    from: Child,
-    ray: &SingleRay,
-    stack: &mut Stack,
-    hit: &mut Hit<f32>,
-    counter: impl CounterSink,
-) {
     let slabs = NodeSlabs::new(ray);
     let mut len = 0;
-    let mut next = from;
+    let mut next = Child(0);
     loop {
         if next.is_leaf() {
             counter.leaf(hierarchy, next, 1);

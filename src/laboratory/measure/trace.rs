@@ -13,7 +13,7 @@ use crate::traverse::batch::{Tracer, Traversal};
 use crate::traverse::counter::{Counter, Counts};
 use crate::traverse::hierarchy::Hierarchy;
 use crate::traverse::rays::{Hits, Rays, RaysAndHits};
-use crate::traverse::stream::PIECE;
+use crate::traverse::tile::TILE;
 use crate::traverse::{Methods, Primitives, TraversalChoice};
 use rayon::prelude::*;
 
@@ -183,7 +183,7 @@ impl TracePool {
         }
         debug_assert_eq!(rays, answers.t.len());
         // Whole tiles.
-        let chunk = rays.div_ceil(UNITS * self.threads()).next_multiple_of(PIECE).clamp(PIECE, CHUNK);
+        let chunk = rays.div_ceil(UNITS * self.threads()).next_multiple_of(TILE).clamp(TILE, CHUNK);
         let Answers { t, primitive, u, v } = answers;
         let columns = (
             t.par_chunks_mut(chunk),

@@ -2,7 +2,7 @@
 
 use super::method::{PairHit, TriangleHit, TriangleMethod};
 use crate::kernel::surface::triangle_bounds;
-use crate::lane::{Bits, Lane, Mask, NATIVE_WIDTH};
+use crate::lane::{Bits, Lane, Mask, NATIVE_WIDTH, Native, NativeMask};
 use crate::math::{Ray, Vec3};
 
 /// Woop's watertight test: the vertices are transformed into a space where the ray is the z axis, and three
@@ -207,12 +207,12 @@ pub struct StoredWoopRay<'a> {
 }
 
 impl StoredWoopRay<'_> {
-    /// Those of a block's first triangles, one a lane, that the ray's line passes, not behind its origin: all
-    /// that [`WoopRay::test_one`] hits, and few others.
+    /// Those of a block's triangles, one a lane, that the ray's line passes, not behind its origin: all that
+    /// [`WoopRay::test_one`] hits, and few others.
     #[inline(always)]
-    pub fn ahead_of_block<L: Lane>(&self, triangles: &TriangleBlock) -> L::Mask {
+    pub fn ahead_of_block(&self, triangles: &TriangleBlock) -> NativeMask {
         let [x, y, z] = ORDERS[(self.z_axis & 3) as usize];
-        let row = |vertex: usize, axis: usize| L::load(&triangles[vertex][axis]);
+        let row = |vertex: usize, axis: usize| Native::load(&triangles[vertex][axis]);
         let vertex = |vertex: usize| Vec3::new(row(vertex, x), row(vertex, y), row(vertex, z));
         let vertices = [vertex(0), vertex(1), vertex(2)];
         crossing((self.origin.broadcast(), self.shear.broadcast()), vertices, exact_edge).ahead

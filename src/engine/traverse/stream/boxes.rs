@@ -3,7 +3,7 @@
 use super::listed::{BATCH, ListedRay};
 use super::record::{ORDERS_BY_T, Record};
 use crate::bvh::WIDE;
-use crate::lane::{Bits, Lane, Mask};
+use crate::lane::{Bits, Lane, Mask, Native};
 use crate::math::Vec3;
 use crate::traverse::frustum::Boxes;
 
@@ -39,7 +39,7 @@ fn max<L: Lane>(a: L, b: L) -> L {
     if ORDERS_BY_T { L::from_bits(a.to_bits().max_signed(b.to_bits())) } else { a.max(b) }
 }
 
-/// Tests the rays of a list against the first boxes of a node, one a lane: one bit a box in `masks`, in the
+/// Tests the rays of a list against the boxes of a node, one a lane: one bit a box in `masks`, in the
 /// order of the list. Returns the boxes that any of them passes. Stores the sums of the entry distances, box
 /// by box, in `distances`, unless any hit will do. With `ONE` all rays run into one octant.
 ///
@@ -48,13 +48,14 @@ fn max<L: Lane>(a: L, b: L) -> L {
 /// intervals start at 0 or later, and end before that or not. A NaN is above or below all numbers by its
 /// sign: a ray that has one may pass no box, or more than it meets, and triangle tests keep no hit of it.
 #[inline(always)]
-pub fn pass_boxes<L: Lane, const ANY: bool, const ONE: bool>(
+pub fn pass_boxes<const ANY: bool, const ONE: bool>(
     boxes: &Boxes,
     list: &[u16],
     (records, octants): (&[Record; BATCH], &[u8; BATCH]),
     masks: &mut [u16],
     distances: &mut [f32; WIDE],
 ) -> u32 {
+    type L = Native;
     // Loaded once: the compiler cannot know that masks do not lie where boxes do.
     let octant = octants[ListedRay::new(list[0], records).ray()];
     let (of_octant_0, of_first_ray) = (in_order::<L>(boxes, 0), in_order::<L>(boxes, octant));

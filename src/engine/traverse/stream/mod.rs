@@ -2,8 +2,7 @@
 //!
 //! At a node each ray of its list is tested against the boxes of all children; the masks are compressed into
 //! a list of rays for each child. Leaves are visited first, then nodes in the order of their mean entry
-//! distance, or in slot order where any hit will do. Single rays, of which no list would pay, are traced as
-//! such.
+//! distance, or in slot order where any hit will do.
 //!
 //! Rays of all octants share a list. A batch sorted by octant, as in the source, saves the ordering of
 //! planes, but its lists have an eighth of the rays, and bounces are 1.1 times slower on 4,000 triangles, 1.6
@@ -20,28 +19,18 @@ mod triangles_ahead;
 use super::counter::CounterSink;
 use super::hierarchy::Hierarchy;
 use super::leaf::TriangleLeaf;
-use super::prepared::SingleRay;
 use super::rays::{Hits, Rays};
-use super::single;
-use super::stack::Stack;
 use crate::bvh::{Child, WIDE, WideNode, slots};
 use crate::kernel::ray_box::Padding;
 use crate::lane::compaction::{CHUNK, compress_where};
-use crate::lane::{Bits, F32x8, Lane, Native, set_bits};
+use crate::lane::{Bits, F32x8, Lane, set_bits};
 use crate::math::{Ray, Vec3};
 use boxes::pass_boxes;
 pub use listed::BATCH;
 use listed::{ListedRay, entry_of, update_hit, update_hits};
 use record::Record;
-use std::ops::Range;
 use triangles_ahead::TrianglesAhead;
 
-/// Rays of a piece.
-pub const PIECE: usize = 256;
-/// Pieces that [`Stream::trace_pieces`] chooses among, one bit of a mask each.
-pub const PIECES: usize = u32::BITS as usize;
-/// Lists of at most this many rays are traced one by one.
-const MAX_SINGLE: usize = 1;
 /// From this many pairs of a ray and a leaf on, triangles are tested in two loops. From 16 to 128 are alike
 /// within 2 %.
 const MIN_LONG: usize = 24;
@@ -71,7 +60,6 @@ pub struct Stream {
     leaves: Box<[TriangleLeaf; WIDE]>,
     /// Rays and triangles that wait to be accepted as hits; empty between loops.
     ahead: Box<TrianglesAhead>,
-    stack: Stack,
 }
 
 impl Default for Stream {
@@ -94,7 +82,6 @@ impl Stream {
             places: Box::new(std::array::from_fn(|place| place as u16)),
             leaves: Box::new([TriangleLeaf::EMPTY; WIDE]),
             ahead: Box::new(TrianglesAhead::EMPTY),
-            stack: Stack::new(),
         }
     }
 
@@ -108,65 +95,42 @@ impl Stream {
     ) {
         for first in (0..rays.len()).step_by(BATCH) {
             let batch = first..rays.len().min(first + BATCH);
-            let (whole, rays, hits) = (0..batch.len(), &rays.range(batch.clone()), &mut hits.range(batch));
-            self.trace_ranges::<ANY>(hierarchy, rays, hits, [whole].into_iter(), counter);
+            let (rays, hits) = (&rays.range(batch.clone()), &mut hits.range(batch));
+            self.trace_batch::<ANY>(hierarchy, rays, hits, counter);
         }
     }
 
-    /// The same for some pieces of the rays: bit p of `pieces` stands for the up to [`PIECE`] rays from p ·
-    /// [`PIECE`] on. Domain: no bit of an empty piece is set.
-    pub fn trace_pieces<const ANY: bool>(
+    /// The same for up to [`BATCH`] rays, but at least one.
+    fn trace_batch<const ANY: bool>(
         &mut self,
         hierarchy: &Hierarchy,
         rays: &Rays,
         hits: &mut Hits,
-        pieces: u32,
         counter: impl CounterSink,
     ) {
-        let of_piece = |piece: usize| piece * PIECE..rays.len().min((piece + 1) * PIECE);
-        let ranges = set_bits(pieces).map(of_piece);
-        self.trace_ranges::<ANY>(hierarchy, rays, hits, ranges, counter);
-    }
-
-    /// The same for ranges of up to [`BATCH`] rays, which are traced together.
-    #[inline(always)]
-    fn trace_ranges<const ANY: bool>(
-        &mut self,
-        hierarchy: &Hierarchy,
-        rays: &Rays,
-        hits: &mut Hits,
-        ranges: impl Iterator<Item = Range<usize>>,
-        counter: impl CounterSink,
-    ) {
-        debug_assert!(rays.len() <= BATCH);
-        let (mut count, mut of_all, mut of_any) = (0, u8::MAX, 0);
-        for range in ranges {
-            self.prepare_range(range.clone(), hierarchy.padding, rays, hits);
-            let entries = self.lists[count..].iter_mut().zip(&mut self.octants[range.clone()]);
-            let axes = self.axes[range.clone()].iter().zip(range.start as u16..);
-            for ((entry, octant), (&axis, ray)) in entries.zip(axes) {
-                *entry = entry_of(ray, axis as u8);
-                *octant = (axis >> 8) as u8;
-                (of_all, of_any) = (of_all & *octant, of_any | *octant);
-            }
-            count += range.len();
+        self.prepare_all(hierarchy.padding, rays, hits);
+        let count = rays.len();
+        let (mut of_all, mut of_any) = (u8::MAX, 0);
+        let entries = self.lists[..count].iter_mut().zip(&mut self.octants[..count]);
+        for (ray, ((entry, octant), &axis)) in (0..).zip(entries.zip(&self.axes[..count])) {
+            *entry = entry_of(ray, axis as u8);
+            *octant = (axis >> 8) as u8;
+            (of_all, of_any) = (of_all & *octant, of_any | *octant);
         }
-        if count > 0 {
-            let mut rays = StreamTraversal { stream: self, hierarchy, rays, hits, counter };
-            if !ANY && of_all == of_any {
-                rays.node::<ANY, true>(0, 0, count, count + CHUNK);
-            } else {
-                rays.node::<ANY, false>(0, 0, count, count + CHUNK);
-            }
+        let mut rays = StreamTraversal { stream: self, hierarchy, rays, hits, counter };
+        if !ANY && of_all == of_any {
+            rays.node::<ANY, true>(0, 0, count, count + CHUNK);
+        } else {
+            rays.node::<ANY, false>(0, 0, count, count + CHUNK);
         }
     }
 
-    fn prepare_range(&mut self, range: Range<usize>, padding: Padding, rays: &Rays, hits: &Hits) {
-        let whole = range.end - range.len() % F32x8::WIDTH;
-        for at in (range.start..whole).step_by(F32x8::WIDTH) {
+    fn prepare_all(&mut self, padding: Padding, rays: &Rays, hits: &Hits) {
+        let whole = rays.len() - rays.len() % F32x8::WIDTH;
+        for at in (0..whole).step_by(F32x8::WIDTH) {
             self.prepare(at, &rays.packet(at), padding, F32x8::load(&hits.t[at..]));
         }
-        if whole < range.end {
+        if whole < rays.len() {
             // An incomplete last packet is filled with its first ray.
             let lane =
                 |column: &[f32]| F32x8::from_fn(|lane| *column[whole..].get(lane).unwrap_or(&column[whole]));
@@ -209,11 +173,7 @@ impl<C: CounterSink> StreamTraversal<'_, '_, C> {
         let Stream { records, octants, lists, slots: tags, masks, .. } = &mut *self.stream;
         let mut distances = [0.0; WIDE];
         let (list, rays) = (&lists[start..start + count], (&**records, &**octants));
-        let all = if node.is_short() {
-            pass_boxes::<F32x8, ANY, ONE>(node.boxes(), list, rays, masks, &mut distances)
-        } else {
-            pass_boxes::<Native, ANY, ONE>(node.boxes(), list, rays, masks, &mut distances)
-        };
+        let all = pass_boxes::<ANY, ONE>(node.boxes(), list, rays, masks, &mut distances);
         if all == 0 {
             return;
         }
@@ -282,11 +242,7 @@ impl<C: CounterSink> StreamTraversal<'_, '_, C> {
         for &order in order.iter() {
             let slot = order as usize & (WIDE - 1);
             let (child, (start, count)) = (node.children()[slot], spans[slot]);
-            if count <= MAX_SINGLE {
-                self.one_by_one::<ANY>(child, start, count);
-            } else {
-                self.node::<ANY, ONE>(child.index(), start, count, top + CHUNK);
-            }
+            self.node::<ANY, ONE>(child.index(), start, count, top + CHUNK);
         }
     }
 
@@ -301,7 +257,7 @@ impl<C: CounterSink> StreamTraversal<'_, '_, C> {
             let slot = usize::from(slot) & (WIDE - 1);
             update_hit::<ANY>(entry, records, hits, |listed, hits| {
                 counter.leaf(hierarchy, node.children()[slot], 1);
-                let ahead = leaves[slot].ahead::<Native>(listed.stored_woop());
+                let ahead = leaves[slot].ahead(listed.stored_woop());
                 (ahead != 0).then(|| listed.accept(leaves[slot], ahead, hits))
             });
         }
@@ -323,19 +279,12 @@ impl<C: CounterSink> StreamTraversal<'_, '_, C> {
         let Stream { records, lists, slots: tags, masks, found, places, leaves, ahead, .. } = &mut **stream;
         let leaves = hierarchy.triangle_leaves(node, reached, leaves);
         let slot_of = |slot: u8| usize::from(slot) & (WIDE - 1);
-        let short = slots(reached)
-            .fold(0u32, |bits, slot| bits | u32::from(leaves[slot].primitives.is_short()) << slot);
         let pairs = lists[start..start + count].chunks(BATCH).zip(tags.chunks(BATCH));
         for (entries, slots) in pairs {
             for ((mask, &entry), &slot) in masks.iter_mut().zip(entries).zip(slots) {
                 let (slot, listed) = (slot_of(slot), ListedRay::new(entry, records));
                 counter.leaf(hierarchy, node.children()[slot], 1);
-                let passed = if short >> slot & 1 != 0 {
-                    leaves[slot].ahead::<F32x8>(listed.stored_woop())
-                } else {
-                    leaves[slot].ahead::<Native>(listed.stored_woop())
-                };
-                *mask = passed as u16;
+                *mask = leaves[slot].ahead(listed.stored_woop()) as u16;
             }
             masks[entries.len()..entries.len() + CHUNK].fill(0);
             let chunks = places.as_chunks::<CHUNK>().0.iter().zip(masks.as_chunks::<CHUNK>().0);
@@ -366,18 +315,6 @@ impl<C: CounterSink> StreamTraversal<'_, '_, C> {
             counter.leaf(hierarchy, leaf, 1);
             let mut hit = listed.hit(hits);
             hierarchy.intersect_spheres(leaf.index(), &rays.packet(listed.ray()), &mut hit);
-            Some(hit)
-        });
-    }
-
-    fn one_by_one<const ANY: bool>(&mut self, child: Child, start: usize, count: usize) {
-        let Self { stream, hierarchy, rays, hits, counter, .. } = self;
-        let Stream { records, lists, stack, .. } = &mut **stream;
-        update_hits::<ANY>(&lists[start..start + count], records, hits, |listed, hits| {
-            let (slabs, woop) = (listed.record.slabs(), listed.woop());
-            let single = SingleRay { ray: rays.packet(listed.ray()), slabs, woop };
-            let mut hit = listed.hit(hits);
-            single::trace_from::<ANY>(hierarchy, child, &single, stack, &mut hit, *counter);
             Some(hit)
         });
     }

@@ -192,14 +192,13 @@ fn spans<L: Lane>(rows: &[F32x8]) -> [F32x8; 2] {
     [low, high].map(|span| span.expect("eight rows"))
 }
 
-/// Improves the hits of up to [`TILE`] primary rays, whose `t` come in as the rays' t_max, and fetches the
-/// `next` rays, which are traced after them, or none. Returns false and does nothing if the rays are not
-/// whole packets or do not run together from one origin, or if packets do not pay.
+/// Improves the hits of up to [`TILE`] primary rays, whose `t` come in as the rays' t_max. Returns false and
+/// does nothing if the rays are not whole packets or do not run together from one origin, or if packets do
+/// not pay.
 #[inline(never)]
 pub fn trace(
     hierarchy: &Hierarchy,
     rays: &Rays,
-    next: &Rays,
     hits: &mut Hits,
     stack: &mut Stack,
     packets: Packets,
@@ -218,7 +217,7 @@ pub fn trace(
         return true;
     }
     let rows = slopes.each_ref().map(|rows| &rows[..count / ROW]);
-    let traversal = TileTraversal { hierarchy, axis: &axis, entry_points: &entry_points, next, counter };
+    let traversal = TileTraversal { hierarchy, axis: &axis, entry_points: &entry_points, counter };
     if cfg!(target_feature = "avx512f") && count.is_multiple_of(F32x16::WIDTH) {
         traversal.packets::<F32x16>(rays, rows, hits, stack);
     } else {
@@ -232,8 +231,6 @@ struct TileTraversal<'a, C> {
     hierarchy: &'a Hierarchy,
     axis: &'a FrustumAxis,
     entry_points: &'a EntryPoints,
-    /// The rays of the next tile.
-    next: &'a Rays<'a>,
     counter: C,
 }
 
@@ -241,7 +238,7 @@ impl<C: CounterSink> TileTraversal<'_, C> {
     /// `slopes` has rows of eight rays.
     #[inline(always)]
     fn packets<L: Lane>(&self, rays: &Rays, slopes: [&[F32x8]; 2], hits: &mut Hits, stack: &mut Stack) {
-        let Self { hierarchy, axis, entry_points, next, counter } = *self;
+        let Self { hierarchy, axis, entry_points, counter } = *self;
         let packets = rays.len() / L::WIDTH;
         // The entry points that packets have met so far.
         let mut met = 0;
@@ -251,8 +248,6 @@ impl<C: CounterSink> TileTraversal<'_, C> {
             let frusta = axis.frusta(rows.map(|rows| spans::<L>(rows)));
             for packet in first..packets.min(first + 8) {
                 let (frustum, at) = (axis.frustum(&frusta, packet - first), packet * L::WIDTH);
-                // A packet at a time: the whole tile at once would hold up the traversal.
-                next.prefetch(at);
                 counter.boxes(entry_points.filled.div_ceil(WIDE), entry_points.filled);
                 let meets = entry_points.across(&frustum);
                 // Many packets of tiles at silhouettes meet no entry point, and are not prepared.

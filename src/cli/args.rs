@@ -1,8 +1,7 @@
 //! Raw arguments: the commands, their options and their help texts.
 //!
-//! For: [`Args`], with one struct a command. May import: `clap`, `groups`, the names of recipes, the viewer's
-//! keys. Must not know: valid ranges. Numbers stay text here and `options` reads them, so that every refusal
-//! has the same form.
+//! For: [`Args`], with one struct a command. Numbers stay text here and `options` reads them, so that every
+//! refusal has the same form.
 
 use super::groups::{LimitArgs, MethodArgs, PictureArgs, choice};
 use crate::measure::stability::recipes;

@@ -1,7 +1,6 @@
 //! `--checkpoint`: saves the film every few seconds and resumes from it.
 //!
-//! For: [`CheckpointWriter`], [`resume`]. May import: `interrupt`, `terminal`, the checkpoints of
-//! `octray_formats`. Must not know: how samples are taken.
+//! For: [`CheckpointWriter`], [`resume`].
 
 use super::error::{CliError, describe};
 use super::interrupt::Interrupt;

@@ -1,7 +1,6 @@
 //! Errors of commands, and exit codes.
 //!
-//! For: [`CliError`], whose messages say what is wrong, where, and how to mend it. May import: the errors of
-//! other modules. Must not know: the commands.
+//! For: [`CliError`], whose messages say what is wrong, where, and how to mend it.
 
 use crate::checkpoint::CheckpointError;
 use crate::output::OutputError;

@@ -1,6 +1,6 @@
 //! `--frames` and `--shard`: which frames, which part, and the names of their files.
 //!
-//! For: [`Frames`], [`shard`], [`numbered`]. May import: `numbers`. Must not know: cameras, pictures.
+//! For: [`Frames`], [`shard`], [`numbered`].
 
 use super::error::CliError;
 use super::numbers::{read_whole, refuse};

@@ -1,7 +1,6 @@
 //! The cache of ground truths: pictures with many samples, which take long to render and stay valid.
 //!
-//! For: [`place`], [`load`], [`save`]. May import: `output`, `measure::chart`. Must not know: how a ground
-//! truth is rendered.
+//! For: [`place`], [`load`], [`save`].
 //!
 //! A ground truth is an .exr of the frame and beside it a .json of its quality. Their name holds a hash of
 //! all that decides the picture: the scene with its textures, the size, the bounces, the commit of the

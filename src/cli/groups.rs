@@ -1,8 +1,7 @@
 //! Groups of arguments that several commands share, and how a choice is read.
 //!
-//! For: [`MethodArgs`], [`PictureArgs`], [`LimitArgs`], [`choice`]. May import: `clap`, and the engine's
-//! choices, which bring their names and help texts. Must not know: valid ranges. Numbers stay text here and
-//! `numbers` reads them, so that every refusal has the same form.
+//! For: [`MethodArgs`], [`PictureArgs`], [`LimitArgs`], [`choice`]. Numbers stay text here and `numbers`
+//! reads them, so that every refusal has the same form.
 
 use crate::buffers::LightChoice;
 use crate::choice::Choice;

@@ -1,8 +1,7 @@
 //! Ctrl-C: the first requests an end, the second ends the program with nothing written. Before any part of a
 //! picture is done, the first ends the program too.
 //!
-//! For: [`Interrupt`], and [`end_with`] for commands that cannot end early. May import: `ctrlc`, `terminal`.
-//! Must not know: what is interrupted.
+//! For: [`Interrupt`], and [`end_with`] for commands that cannot end early.
 
 use super::error::INTERRUPTED;
 use super::terminal;

@@ -1,6 +1,6 @@
 //! What one call of `render` makes: a picture, a part of one, or the pictures of frames.
 //!
-//! For: [`jobs`]. May import: `options`, `frames`, `output`. Must not know: scenes, renderers.
+//! For: [`jobs`].
 
 use super::error::CliError;
 use super::frames::{Frames, numbered};

@@ -1,7 +1,6 @@
 //! When a rendering ends: `--samples`, `--target-error`, `--time-limit`.
 //!
-//! For: [`Limits`], made from raw arguments or refused. May import: `groups`, `numbers`, `adaptive`. Must not
-//! know: how samples are taken.
+//! For: [`Limits`], made from raw arguments or refused.
 
 use super::error::CliError;
 use super::groups::LimitArgs;

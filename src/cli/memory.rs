@@ -1,7 +1,6 @@
 //! Memory of large pictures, checked before a rendering starts.
 //!
-//! For: [`check`], [`room_for`] (of the viewer). May import: `machine`, `report`'s numbers. Must not know:
-//! the use of the memory.
+//! For: [`check`], [`room_for`] (of the viewer).
 
 use super::error::CliError;
 use super::terminal;

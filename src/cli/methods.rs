@@ -1,6 +1,6 @@
 //! The methods that the user chose, and from them the methods of a scene's rendering.
 //!
-//! For: [`MethodOptions`]. May import: `groups`, `traverse`'s choices. Must not know: the commands.
+//! For: [`MethodOptions`].
 
 use super::groups::MethodArgs;
 use crate::buffers::LightChoice;

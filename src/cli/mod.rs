@@ -1,7 +1,6 @@
 //! The command line: raw arguments, validated options, one file a command, exit codes.
 //!
-//! For: [`main`], all that the program's `main` does. May import: everything. Must not know: intersection,
-//! shading, sampling; reports are written by [`crate::report`].
+//! For: [`main`], all that the program's `main` does.
 //!
 //! | file | what it does |
 //! |---|---|

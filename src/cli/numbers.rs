@@ -1,8 +1,7 @@
 //! Numbers of the command line: read from text, checked against their ranges, or refused with what to give
 //! instead.
 //!
-//! For: one function a kind of number, and the checks that view files share. May import: `error`, `scene`'s
-//! limits, `wording`. Must not know: the commands.
+//! For: one function a kind of number, and the checks that view files share.
 
 use super::error::CliError;
 use crate::scene::{MAX_BOUNCES, MAX_SIDE};

@@ -1,8 +1,7 @@
 //! Validated options: numbers in range, names known, defaults filled in.
 //!
 //! For: one struct a command, made from its raw arguments or refused; `convert` and `inspect` have nothing to
-//! validate. May import: `args`, `limits`, `methods`, `numbers`, `picture`, and the choices and limits of
-//! what the commands run. Must not know: how a command works.
+//! validate.
 
 use super::args::{BenchArgs, ChartArgs, CompareArgs, MergeArgs, RaysArgs, RenderArgs, StabilityArgs};
 use super::error::CliError;

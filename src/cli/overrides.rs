@@ -1,8 +1,7 @@
 //! Settings of a still that the command line or a view file may override. Both use the same names; the
 //! command line overrides the view.
 //!
-//! For: [`Overrides`]. May import: `limits`, `methods`, `numbers`, `scene`'s views. Must not know: how a
-//! still is rendered.
+//! For: [`Overrides`].
 
 use super::error::CliError;
 use super::limits::Limits;

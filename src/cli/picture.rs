@@ -1,7 +1,6 @@
 //! How a picture is made: the validated options that `render` and `view` share.
 //!
-//! For: [`PictureOptions`]. May import: `groups`, `numbers`, `overrides`. Must not know: where the picture
-//! goes.
+//! For: [`PictureOptions`].
 
 use super::error::CliError;
 use super::groups::PictureArgs;

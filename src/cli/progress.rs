@@ -1,7 +1,6 @@
 //! Progress lines on standard error, where that is a terminal.
 //!
-//! For: [`Progress`] of a rendering, [`Countdown`] of a run with a time budget, [`Tasks`] of a list. May
-//! import: `report`'s numbers, `indicatif`. Must not know: what is rendered, or how.
+//! For: [`Progress`] of a rendering, [`Countdown`] of a run with a time budget, [`Tasks`] of a list.
 
 use crate::report::numbers::{figure, mrays_per_s};
 use crate::wording::grouped;

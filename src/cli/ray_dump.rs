@@ -1,6 +1,6 @@
 //! Rays, hits and triangles as files, so that other programs can trace the same rays.
 //!
-//! For: [`write()`]. May import: `measure::ray_sets`, `scene`, `output`. Must not know: how rays are traced.
+//! For: [`write()`].
 //!
 //! # Format
 //! Plain binary, little-endian, without padding. `primary.rays`, `shadow.rays` and `diffuse.rays` hold

@@ -1,6 +1,6 @@
 //! `--samples-map`: a picture of the number of samples of each pixel.
 //!
-//! For: [`save`]. May import: `film`, `output`. Must not know: why the numbers differ.
+//! For: [`save`].
 
 use super::error::CliError;
 use crate::film::{Film, Picture};

@@ -1,7 +1,6 @@
 //! Loads the scenes of commands.
 //!
-//! For: [`load`], [`load_with_warnings`], [`checked`], [`or_built_in`]. May import: `scene`, `overrides`,
-//! `terminal`. Must not know: the commands.
+//! For: [`load`], [`load_with_warnings`], [`checked`], [`or_built_in`].
 
 use super::error::CliError;
 use super::overrides::Overrides;

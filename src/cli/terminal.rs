@@ -1,7 +1,6 @@
 //! The only writer to standard output and standard error. It never panics when the other end is closed.
 //!
-//! For: [`print()`], [`print_json`], [`note`], [`warn`], [`warn_of_debug_build`]. May import: `error`. Must
-//! not know: the reports.
+//! For: [`print()`], [`print_json`], [`note`], [`warn`], [`warn_of_debug_build`].
 
 use super::error::CliError;
 use serde::Serialize;

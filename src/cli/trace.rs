@@ -1,7 +1,6 @@
 //! Takes samples until a limit is reached or the user interrupts.
 //!
-//! For: [`trace`]. May import: `checkpoint`, `limits`, `interrupt`, `progress`, `render`. Must not know: what
-//! is done with the film.
+//! For: [`trace`].
 
 use super::checkpoint::CheckpointWriter;
 use super::interrupt::Interrupt;

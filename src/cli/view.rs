@@ -1,6 +1,6 @@
 //! `octray view`: walks through scenes in a terminal or, with the feature `window`, in a window.
 //!
-//! For: [`ViewOptions`], [`run`]. May import: `viewer`. Must not know: what keys do.
+//! For: [`ViewOptions`], [`run`].
 
 use super::args::ViewArgs;
 use super::error::CliError;

@@ -1,8 +1,7 @@
 //! Closed sets of named alternatives: methods, samplers, tone operators. Each is defined once, by
 //! `choices!`; the command line, view files and reports share its names and help texts.
 //!
-//! For: [`Choice`], `choices!`. May import: `serde`. Must not know: what the alternatives do, and how
-//! command lines are parsed.
+//! For: [`Choice`], `choices!`.
 
 use serde::de::{Deserializer, Error, Visitor};
 use std::fmt;

@@ -2,8 +2,6 @@
 //! at a point ([`Lights::compare`] for few, [`Lights::resample`] for many), and samples directions of an
 //! [`EnvironmentLight`] by inverting its CDFs. Points on spheres, triangles and parallelograms are sampled by
 //! [`crate::kernel::light`].
-//!
-//! May import: `lane`, `math`, `kernel`, `buffers`. Must never know: paths, queues, pixels.
 
 use crate::buffers::{EnvironmentLight, Lights};
 use crate::kernel::light::LightSample;

@@ -1,6 +1,6 @@
 //! A pool of worker threads with thread-local memory.
 //!
-//! For: [`Threads`]. May import: `rayon`. Must never know: the work.
+//! For: [`Threads`].
 
 use std::sync::{Arc, Mutex, MutexGuard};
 

@@ -1,6 +1,6 @@
 //! Tone mapping: exposure, tone curve, sRGB transfer function, eight bits.
 //!
-//! For: [`Tone`]. May import: `film`. Must never know: file formats, files.
+//! For: [`Tone`].
 
 use crate::choice::choices;
 use crate::film::Picture;

@@ -1,7 +1,6 @@
 //! OpenEXR files: linear f32, lossless.
 //!
-//! For: [`read()`], [`write()`]. May import: the engine's `film`, the `exr` crate. Must not know: what a
-//! picture shows, paths.
+//! For: [`read()`], [`write()`].
 //!
 //! Single-threaded: several threads would write blocks in the order of their completion, and two files of one
 //! picture would differ.

@@ -1,6 +1,6 @@
 //! Numbers and nouns as text, in one style for the whole program.
 //!
-//! For: [`grouped`], [`counted`]. May import: nothing. Must not know: what is counted.
+//! For: [`grouped`], [`counted`].
 
 use std::fmt::Display;
 

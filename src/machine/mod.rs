@@ -1,7 +1,6 @@
 //! The machine and the build a figure was measured with.
 //!
-//! For: [`Machine`], part of every JSON report. May import: `features`, `wording`. Must not know: what was
-//! measured.
+//! For: [`Machine`], part of every JSON report.
 
 pub(crate) mod features;
 

@@ -1,6 +1,6 @@
 //! Maps numbers to positions along an axis, and chooses its ticks.
 //!
-//! For: [`Axis`], and `Range`. May import: nothing. Must not know: what is drawn.
+//! For: [`Axis`], and `Range`.
 
 /// A coordinate. The axis covers the range of the data.
 #[derive(Clone, Debug, Default)]

@@ -1,7 +1,6 @@
 //! What `octray bench` reports: frames per second, as two tables or as JSON.
 //!
-//! For: [`Report`]. May import: `lane` (its widths), `camera` (the size of tiles), `measure`, `machine`,
-//! `numbers`, `paragraph`, `stats`, `busy`. Must not know: how the figures are measured.
+//! For: [`Report`].
 
 use super::busy;
 use super::numbers::{figure, ratio};

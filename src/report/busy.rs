@@ -1,6 +1,6 @@
 //! The warning that other programs took the processor while something was timed.
 //!
-//! For: [`warning`]. Must not know: what was timed.
+//! For: [`warning`].
 
 /// Names the result whose `share`, the speed of its slow parts over that of the median, is the least, where
 /// that is below `bound`. `evidence` says so of a result, with the share in percent.

@@ -1,7 +1,6 @@
 //! Shapes and text as SVG, in colours for light and dark pages.
 //!
-//! For: `svg`, `Canvas`, `Ink`, `Mark`, `Text`. May import: `labels`; `plotters`, which no other
-//! file uses. Must not know: axes, data.
+//! For: `svg`, `Canvas`, `Ink`, `Mark`, `Text`.
 //!
 //! Only the SVG backend of plotters is used, so no font library is needed: the viewer of the file has the
 //! fonts. A unit is half a pixel where the drawing is 800 pixels wide, because plotters rounds to whole

@@ -1,7 +1,6 @@
 //! The JSON report of `octray chart`, and which drawings it has.
 //!
-//! For: [`Chart`], `drawings`, `verdict`. May import: `chart_drawings`, `chart_kernels`,
-//! `measure::chart`. Must not know: files, pages.
+//! For: [`Chart`], `drawings`, `verdict`.
 
 use super::chart_drawings::{Measure, display, frames, motion, of_pictures};
 use super::chart_kernels::intersection;

@@ -1,7 +1,6 @@
 //! The drawings of a scene in `octray chart`: pictures, frames, display filters, motion.
 //!
-//! For: `of_pictures`, `frames`, `display`, `motion`. May import: `figure`, `measure::chart`. Must
-//! not know: files, pages.
+//! For: `of_pictures`, `frames`, `display`, `motion`.
 
 use super::drawing::{Drawing, Kind, file_name};
 use super::figure::{Axis, Figure, Line, Look, Panel};

@@ -1,6 +1,6 @@
 //! The drawings of intersection methods in `octray chart`: cost beside failures and errors.
 //!
-//! For: [`intersection`]. May import: `dots`, `numbers`, `measure::chart`. Must not know: files, pages.
+//! For: [`intersection`].
 
 use super::dots::{Column, DotTable, Row};
 use super::drawing::{Drawing, Kind};

@@ -1,7 +1,6 @@
 //! What `octray chart` prints: a table of every scene, and warnings about the figures.
 //!
-//! For: [`text`], [`warnings`]. May import: `chart`, `numbers`, `measure::chart`. Must not know: how files
-//! are written.
+//! For: [`text`], [`warnings`].
 
 use super::chart::{Chart, verdict};
 use super::numbers::figure;

@@ -1,7 +1,6 @@
 //! What `octray compare` reports, as a table or as JSON.
 //!
-//! For: [`Report`], [`HashReport`]. May import: `measure`, `numbers`, `paragraph`. Must not know: how
-//! pictures are compared.
+//! For: [`Report`], [`HashReport`].
 
 use super::numbers::ratio;
 use super::paragraph::{NAME, row_name};

@@ -1,7 +1,7 @@
 //! The default methods that matter to a scene, and why they are the default: a part of what `octray inspect`
 //! reports.
 //!
-//! For: [`DefaultReport`]. May import: `traverse`'s choices. Must not know: the rest of the report.
+//! For: [`DefaultReport`].
 //!
 //! The figures come from `octray stability` and `octray chart`.
 

@@ -1,8 +1,7 @@
 //! A table of dots: a row for each thing, a column with an axis of its own for each measure (W. Cleveland's
 //! dot plot), drawn as SVG.
 //!
-//! For: [`DotTable`]. May import: `axis`, `canvas`, `labels`, `layout`. Must not know: the meaning of the
-//! numbers.
+//! For: [`DotTable`].
 
 use super::axis::{Axis, Range};
 use super::canvas::{Align, Canvas, DrawResult, Ink, Mark, Text, svg};

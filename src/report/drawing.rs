@@ -1,7 +1,6 @@
 //! A drawing of a chart: lines or dots, with a name for its file.
 //!
-//! For: [`Drawing`], [`file_name`]. May import: `figure`, `plot`, `dots`. Must not know: what is drawn,
-//! files.
+//! For: [`Drawing`], [`file_name`].
 
 use super::dots::DotTable;
 use super::figure::Figure;

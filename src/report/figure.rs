@@ -1,6 +1,6 @@
 //! What a drawing of lines shows.
 //!
-//! For: [`Figure`], [`Panel`], [`Line`]. May import: `axis`. Must not know: where and how anything is drawn.
+//! For: [`Figure`], [`Panel`], [`Line`].
 
 pub use super::axis::Axis;
 

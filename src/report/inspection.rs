@@ -1,7 +1,6 @@
 //! What `octray inspect` reports: what a scene contains and how it is rendered, as text or as JSON.
 //!
-//! For: [`Inspection`]. May import: `defaults`, `traversal`, `numbers`, `paragraph`, `scene`, `buffers`. Must
-//! not know: command lines.
+//! For: [`Inspection`].
 
 use super::defaults::DefaultReport;
 use super::numbers::bytes;

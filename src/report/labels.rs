@@ -1,7 +1,6 @@
 //! Direct labels: where they stand so that none covers another, and how their words are broken into lines.
 //!
-//! For: `spread`, `wrap`, `width`, `bold_width`. May import: nothing. Must not know: what is
-//! labelled.
+//! For: `spread`, `wrap`, `width`, `bold_width`.
 
 /// Width of a letter, as a share of the size of the text: of the wider common sans-serif fonts, because the
 /// viewer of a drawing has the font.

@@ -1,7 +1,6 @@
 //! Where the parts of a figure stand: its panels with shared axes, its text, its direct labels.
 //!
-//! For: `Layout`. May import: `figure`, `axis`, `labels`, the texts of `canvas`. Must not know: how shapes
-//! are written.
+//! For: `Layout`.
 //!
 //! From top to bottom: title, notes, the name of the y axis, panels in one or two columns, the name of the x
 //! axis. An odd number of panels leaves a place free, where the notes stand then. Names of lines stand in a

@@ -1,8 +1,5 @@
 //! Reports: the figures of the commands as text, JSON, CSV, SVG and HTML.
 //!
-//! May import: `measure`, `machine` and everything above them. Must not know: command lines, files,
-//! terminals.
-//!
 //! | file | what it holds |
 //! |---|---|
 //! | `bench`, `compare`, `rays`, `render`, `stability_table` | the report of a command: JSON and text |

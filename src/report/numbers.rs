@@ -1,7 +1,6 @@
 //! Numbers as text, in one style for all reports.
 //!
-//! For: [`figure`], [`bytes`], [`percent`], [`ratio`], [`mrays_per_s`]. May import: `wording`. Must not know:
-//! the quantities.
+//! For: [`figure`], [`bytes`], [`percent`], [`ratio`], [`mrays_per_s`].
 
 use crate::wording::grouped;
 use std::time::Duration;

@@ -1,7 +1,6 @@
 //! A chart as one page of HTML that needs no other file: figures, tables, and the origin of the numbers.
 //!
-//! For: [`page`]. May import: `chart`, `measure::chart`, `maud` (which escapes all text). Must not know:
-//! files.
+//! For: [`page`].
 
 use super::chart::{self, Chart};
 use super::chart_drawings::{Measure, display, frames, motion, of_pictures};

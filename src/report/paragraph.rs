@@ -1,7 +1,6 @@
 //! Text in lines that a terminal of ordinary width shows whole.
 //!
-//! For: [`paragraph`], [`item`], [`row_name`] and its [`NAME`]. May import: `textwrap`. Must not know: what
-//! the text says.
+//! For: [`paragraph`], [`item`], [`row_name`] and its [`NAME`].
 
 use textwrap::{Options, WordSplitter};
 

@@ -1,6 +1,6 @@
 //! Draws lines in planes with shared axes, as SVG.
 //!
-//! For: [`Figure::svg`]. May import: `figure`, `canvas`, `layout`. Must not know: the meaning of the numbers.
+//! For: [`Figure::svg`].
 
 use super::canvas::{Canvas, DrawResult, Ink, svg};
 use super::figure::{Figure, Line, Look, Panel};

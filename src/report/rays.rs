@@ -1,7 +1,6 @@
 //! What `octray rays` reports: rays per second, as a table or as JSON.
 //!
-//! For: [`Report`]. May import: `measure`, `machine`, `numbers`, `busy`. Must not know: how the figures
-//! are measured.
+//! For: [`Report`].
 
 use super::busy;
 use super::numbers::{bytes, figure};

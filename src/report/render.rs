@@ -1,7 +1,6 @@
 //! What `octray render` reports, as a line or as JSON.
 //!
-//! For: [`Report`], [`End`]. May import: `measure`, `numbers`, the constants of `adaptive`. Must not know:
-//! how samples are taken.
+//! For: [`Report`], [`End`].
 
 use super::numbers::figure;
 use crate::adaptive::MAX_BLOCK_ERROR;

@@ -1,6 +1,6 @@
 //! The outcome of a stability recipe as figures: failures along the axis, and errors.
 //!
-//! For: [`figures`]. May import: `figure`, `numbers`, `measure`. Must not know: files.
+//! For: [`figures`].
 
 use super::figure::{Axis, Figure, Line, Look, Panel};
 use super::numbers::percent;

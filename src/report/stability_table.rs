@@ -1,7 +1,6 @@
 //! What `octray stability` reports, as a table or as JSON.
 //!
-//! For: [`Report`], [`table`], [`verdict`]. May import: `measure`, `machine`, `numbers`. Must not know:
-//! files.
+//! For: [`Report`], [`table`], [`verdict`].
 
 use super::numbers::percent;
 use crate::machine::Machine;

@@ -1,7 +1,6 @@
 //! The tables of `--stats`.
 //!
-//! For: [`frames`], [`meaning_of_frames`], [`rays`]. May import: `measure::stats`, `numbers`, `paragraph`.
-//! Must not know: the commands.
+//! For: [`frames`], [`meaning_of_frames`], [`rays`].
 
 use super::numbers::figure;
 use super::paragraph::paragraph;

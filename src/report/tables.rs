@@ -1,7 +1,6 @@
 //! A chart's figures as CSV, one row a point, for spreadsheets and other programs.
 //!
-//! For: [`pictures`], [`frames`], [`display`], [`motion`], [`kernels`]. May import: `measure::chart`, `csv`.
-//! Must not know: files.
+//! For: [`pictures`], [`frames`], [`display`], [`motion`], [`kernels`].
 
 use super::chart::Chart;
 use crate::measure::quantiles::Spread;

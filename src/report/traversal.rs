@@ -1,7 +1,6 @@
 //! The traversal that a scene gets and why, and its hierarchy: a part of what `octray inspect` reports.
 //!
-//! For: [`TraversalReport`], [`HierarchyReport`]. May import: `measure`, `bvh`'s check, `traverse`'s choices,
-//! `numbers`. Must not know: the rest of the report.
+//! For: [`TraversalReport`], [`HierarchyReport`].
 
 use super::numbers::{bytes, figure};
 use crate::bvh::check::{Statistics, check_scene};

@@ -1,7 +1,6 @@
 //! Accumulates samples: the film of the present pose, samples until a frame is due.
 //!
-//! For: [`Accumulation`]. May import: `render`, `film`, `timing`, `frame` (for cancellation). Must not know:
-//! events, windows, how the film is displayed.
+//! For: [`Accumulation`].
 
 use super::dynamic_resolution::DynamicResolution;
 use super::frame::Exchange;

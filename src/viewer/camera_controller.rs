@@ -1,7 +1,6 @@
 //! The camera controller: moves, turns and zooms the camera by keys and mouse.
 //!
-//! For: [`CameraController`] and [`HeldMotions`]. May import: `scene`'s camera, `keys`. Must not know:
-//! pixels, clocks.
+//! For: [`CameraController`] and [`HeldMotions`].
 
 use super::keys::Motion;
 use glam::{DQuat, DVec3};

@@ -1,7 +1,6 @@
 //! Draws a frame into a window's pixels: enlarged, with the minimap and text over it.
 //!
-//! For: [`Canvas`]. May import: `frame`, `keys` (for the help), `layout`. Must not know: windows, how a frame
-//! is made.
+//! For: [`Canvas`].
 
 use super::frame::Frame;
 use super::keys;

@@ -1,8 +1,7 @@
 //! Draws frames as character cells: the upper half block in the colour of the upper pixel, on the colour of
 //! the lower one.
 //!
-//! For: [`CellBuffer`]. May import: `crossterm`'s commands, `layout`, `frame`, `keys` (for the
-//! help). Must not know: keyboards, scenes.
+//! For: [`CellBuffer`].
 
 use super::frame::Frame;
 use super::keys;

@@ -1,7 +1,6 @@
 //! The settings that keys change while the viewer runs.
 //!
-//! For: [`Controls`], changed by [`Controls::apply`]. May import: `keys`, `display_mode`, the engine's
-//! choices. Must not know: threads, windows.
+//! For: [`Controls`], changed by [`Controls::apply`].
 
 use super::display_mode::DisplayMode;
 use super::keys::Command;

@@ -1,7 +1,6 @@
 //! Display modes: the picture, or a false-colour image of normals, depth, cost and the like.
 //!
-//! For: [`DisplayMode`], and [`paint`], which fills a frame's pixels with one. May import: AOVs,
-//! `render::survey`. Must not know: keys, windows.
+//! For: [`DisplayMode`], and [`paint`], which fills a frame's pixels with one.
 
 use glam::Vec3;
 use octray_engine::integrate::aovs::{AovSample, Aovs, Plane};

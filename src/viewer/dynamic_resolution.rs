@@ -1,7 +1,6 @@
 //! Dynamic resolution: holds a target frame rate by fewer pixels.
 //!
-//! For: [`DynamicResolution`]. May import: the standard library. Must not know: renderers, clocks (durations
-//! are passed in).
+//! For: [`DynamicResolution`].
 
 use std::time::Duration;
 

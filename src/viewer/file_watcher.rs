@@ -1,6 +1,6 @@
 //! Watches a scene's files, so that the scene is reloaded when one of them changes.
 //!
-//! For: [`FileWatcher`]. May import: `notify`. Must not know: what is in a file.
+//! For: [`FileWatcher`].
 
 use notify::{EventKind, RecommendedWatcher, RecursiveMode, Watcher};
 use std::collections::BTreeSet;

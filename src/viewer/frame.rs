@@ -1,7 +1,6 @@
 //! Frames, and their handover from the render loop to a front end.
 //!
-//! For: [`Frame`] and `Exchange`. May import: the standard library. Must not know: how a frame is made or
-//! shown.
+//! For: [`Frame`] and `Exchange`.
 
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};

@@ -1,7 +1,6 @@
 //! Key bindings: one table for the state machine and the help.
 //!
-//! For: [`Key`], `Action`, `action_of`, [`help`]. May import: `display_mode`. Must not know: windows,
-//! terminals.
+//! For: [`Key`], `Action`, `action_of`, [`help`].
 
 use super::display_mode::DisplayMode;
 

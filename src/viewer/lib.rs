@@ -1,7 +1,6 @@
 //! The viewer: explores a path-traced scene in a terminal or, with the feature `window`, in a window.
 //!
-//! For: `window()`, [`terminal()`] and [`Options`]. May import: the engine, the formats. Must not know:
-//! command lines, reports.
+//! For: `window()`, [`terminal()`] and [`Options`].
 //!
 //! A front end sends [`state::Event`]s and shows [`frame::Frame`]s. The render loop runs in a thread of its
 //! own, and so does the loader. Events reach the render loop through a message queue; frames reach the front

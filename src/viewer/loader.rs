@@ -1,6 +1,6 @@
 //! Loads scenes and creates their renderers in a thread of its own, so that frames go on meanwhile.
 //!
-//! For: [`Loader`]. May import: `scene`, `render`. Must not know: the state machine, windows.
+//! For: [`Loader`].
 
 use octray_engine::render::{Renderer, Settings};
 use octray_formats::scene::{self, Loaded, SceneError};

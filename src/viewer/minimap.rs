@@ -1,7 +1,6 @@
 //! The minimap: the scene from above, with the camera and its field of view.
 //!
-//! For: [`Minimap`]. May import: the scene, `camera_controller`, `display_mode` (colours). Must not know:
-//! rays, windows.
+//! For: [`Minimap`].
 
 use super::camera_controller::CameraController;
 use glam::{DVec2, DVec3};

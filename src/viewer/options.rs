@@ -1,7 +1,6 @@
 //! What the viewer starts with.
 //!
-//! For: [`Options`], [`Wake`]. May import: `render`, `traverse`, `tone`, the scene. Must not know: the
-//! command line, threads.
+//! For: [`Options`], [`Wake`].
 
 use octray_engine::render::{LaneChoice, PipelineChoice};
 use octray_engine::tone::Tone;

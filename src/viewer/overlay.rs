@@ -1,7 +1,6 @@
 //! The text over a frame: figures and messages.
 //!
-//! For: [`Overlay`]. May import: `state`, `timing`, `painter`'s input, `frame`. Must not know: fonts,
-//! windows.
+//! For: [`Overlay`].
 
 use super::controls::Controls;
 use super::frame::Frame;

@@ -1,7 +1,6 @@
 //! From film to the pixels of a frame: reprojection, filters, tone mapping, or a false-colour display mode.
 //!
-//! For: [`Painter`], [`FrameInput`]. May import: `display`, `display_mode`, `minimap`, `controls`, `frame`.
-//! Must not know: events, threads, windows.
+//! For: [`Painter`], [`FrameInput`].
 //!
 //! Buffers are reused from frame to frame: a frame allocates nothing.
 

@@ -1,6 +1,6 @@
 //! The list of scenes to switch between.
 //!
-//! For: [`Playlist`]. May import: the formats' names of files. Must not know: what a scene holds.
+//! For: [`Playlist`].
 
 use octray_formats::scene::may_be_scene;
 

@@ -1,8 +1,7 @@
 //! The render loop: handles events, moves the camera, accumulates samples until a frame is due, publishes the
 //! frame.
 //!
-//! For: [`RenderLoop`]. May import: the viewer's files except the front ends. Must not know: windows,
-//! terminals.
+//! For: [`RenderLoop`].
 //!
 //! While the camera rests, samples accumulate in the film from the first one on, with the requested seed: the
 //! picture has the bits of `octray render` with the same number of samples. While it moves, each frame starts

@@ -1,7 +1,6 @@
 //! Renderer settings for a scene, from controls and options.
 //!
-//! For: [`RendererConfig`], [`settings`]. May import: `controls`, `options`, `render`. Must not know:
-//! threads, events, windows.
+//! For: [`RendererConfig`], [`settings`].
 
 use super::controls::Controls;
 use super::options::Options;

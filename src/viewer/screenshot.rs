@@ -1,6 +1,6 @@
 //! Screenshots: the film as PNG and EXR, and a view file that renders it again with the same bits.
 //!
-//! For: [`take`]. May import: `scene`'s views, `render`, `output`. Must not know: the state machine, windows.
+//! For: [`take`].
 
 use octray_engine::film::Film;
 use octray_engine::render::Settings;

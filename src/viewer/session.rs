@@ -1,7 +1,6 @@
 //! A running viewer: starts the render loop in a thread of its own and connects a front end to it.
 //!
-//! For: [`Viewer`]. May import: `render_loop`, `frame`, `state`, `options`. Must not know: windows,
-//! terminals.
+//! For: [`Viewer`].
 
 use super::controls::Controls;
 use super::frame::{Exchange, Frame};

@@ -1,6 +1,6 @@
 //! Signals that end the program: Ctrl-C, `kill`, a closed terminal.
 //!
-//! For: [`ExitSignal`]. May import: `signal-hook`. Must not know: front ends.
+//! For: [`ExitSignal`].
 
 #[cfg(unix)]
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};

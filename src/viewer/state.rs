@@ -1,7 +1,6 @@
 //! The state machine: from events to camera, controls, playlist and effects.
 //!
-//! For: [`Event`], `State`. May import: `keys`, `camera_controller`, `controls`, `playlist`. Must not know:
-//! threads, windows, terminals, files.
+//! For: [`Event`], `State`.
 
 use super::camera_controller::{CameraController, HeldMotions};
 use super::controls::Controls;

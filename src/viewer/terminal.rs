@@ -1,7 +1,6 @@
 //! The terminal front end: sends keys, shows frames as half blocks in true colour.
 //!
-//! For: [`terminal()`]. May import: `crossterm`, `cell_buffer`, `session`, `signals`, `keys`. Must not know:
-//! scenes, renderers.
+//! For: [`terminal()`].
 //!
 //! Most terminals do not report key releases: there, a key counts as held for `KEY_TIMEOUT` after each
 //! press or repetition.

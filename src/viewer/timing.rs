@@ -4,8 +4,7 @@
 //! the time between samples, for painting and for the display, does not count. It is what `octray bench`
 //! calls fps, by the same statistic: one over the median time of a sample of every pixel.
 //!
-//! For: [`RateMeter`], the present rates; [`Summary`], the sums of a run. May import: the standard library.
-//! Must not know: clocks (durations are passed in), windows.
+//! For: [`RateMeter`], the present rates; [`Summary`], the sums of a run.
 
 use std::time::Duration;
 

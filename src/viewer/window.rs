@@ -1,7 +1,6 @@
 //! The window front end: sends keys and mouse events, shows frames.
 //!
-//! For: [`window()`]. May import: `winit`, `softbuffer`, `canvas`, `session`. Must not know: scenes,
-//! renderers.
+//! For: [`window()`].
 
 use super::canvas::Canvas;
 use super::frame::Frame;

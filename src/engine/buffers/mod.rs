@@ -1,8 +1,7 @@
 //! The scene flattened into aligned structure-of-arrays buffers, and the features that it needs.
 //!
 //! For: [`Buffers`] (spheres, triangles, materials, textures, lights, sky, as intersection and shading read
-//! them) and [`Features`]. May import: `lane`, `math`, `kernel`, `scene`. Must never know: rays in flight,
-//! light sampling, pixels, threads.
+//! them) and [`Features`].
 //!
 //! Two layouts for two access patterns. Intersection streams through *blocks* of eight primitives, each
 //! component a packet of its own ([`SphereBlock`]): all lanes read together, or one primitive is broadcast to

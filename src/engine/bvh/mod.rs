@@ -2,8 +2,7 @@
 //! read.
 //!
 //! For: [`Bvh`], [`WideNode`], [`BinaryNode`], [`Leaf`]; [`Bounds`]; [`check`], which proves a hierarchy
-//! valid and measures it. May import: `lane`, `kernel` (the room that a sphere's box needs), `scene`. Must
-//! never know: rays in flight, intersection methods, pixels.
+//! valid and measures it.
 //!
 //! | file | what it does |
 //! |---|---|

@@ -2,8 +2,6 @@
 //!
 //! For: [`Pinhole`]; [`ViewFrustum`], the space that a part of the image sees; [`Tile`], a rectangle of
 //! pixels.
-//! May import: `lane`, `math`, `scene`.
-//! Must never know: buffers, film.
 
 mod tile;
 mod view_frustum;

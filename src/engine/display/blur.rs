@@ -1,6 +1,6 @@
 //! A 3×3 blur.
 //!
-//! For: [`Blur`]. May import: `rows`, `film`. Must never know: AOVs, cameras.
+//! For: [`Blur`].
 
 use super::rows;
 use crate::film::Picture;

@@ -1,6 +1,6 @@
 //! Fast approximate anti-aliasing (FXAA) of one picture.
 //!
-//! For: [`Fxaa`]. May import: `rows`, `film`, `tone`. Must never know: AOVs, cameras.
+//! For: [`Fxaa`].
 //!
 //! Source: Timothy Lottes, "FXAA", NVIDIA, 2009, and the algorithm of its version 3.11 (quality), reworded
 //! and reordered:

@@ -1,7 +1,6 @@
 //! Temporal reprojection: accumulates the frames of a moving camera.
 //!
-//! For: [`History`]. May import: `rows`, `camera`, the AOVs of `integrate`, `film`. Must never know: scenes,
-//! renderers, clocks.
+//! For: [`History`].
 //!
 //! A frame of a moving camera has one or a few samples a pixel; earlier frames have sampled most of the same
 //! points. For every pixel:

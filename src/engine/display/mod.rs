@@ -2,8 +2,7 @@
 //! camera moves.
 //!
 //! For: [`Blur`], [`Fxaa`] and [`Denoiser`], which filter a picture; [`History`], which accumulates frames of
-//! a moving camera; [`walking_speed`]. May import: `film`, `camera`, the AOVs of `integrate`, `tone`. Must
-//! never know: scenes, renderers, windows.
+//! a moving camera; [`walking_speed`].
 //!
 //! Pictures in, pictures out, in linear radiance: for display only, never back into a film. Each filter keeps
 //! its working memory and allocates nothing after the first picture of a size. Rows are filtered in parallel

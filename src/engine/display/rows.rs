@@ -1,7 +1,6 @@
 //! Loops over rows of pixels, parallel inside a pool of threads.
 //!
-//! For: [`each`], [`each_two`], [`packet`]. May import: `lane`, `rayon`. Must never know: the contents of a
-//! row.
+//! For: [`each`], [`each_two`], [`packet`].
 
 use crate::lane::{F32x8, Lane};
 use rayon::prelude::*;

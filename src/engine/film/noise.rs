@@ -1,6 +1,6 @@
 //! Variance of a pixel's samples, and the standard error of their mean.
 //!
-//! For: [`Noise`]. May import: `lane`. Must never know: blocks, targets, stopping criteria.
+//! For: [`Noise`].
 //!
 //! # The estimate
 //! For every group of four consecutive samples of a pixel, starting at a multiple of four, d is the luminance

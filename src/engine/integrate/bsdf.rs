@@ -1,8 +1,6 @@
 //! The BSDF of a surface, over all lobes that the pipeline has.
 //!
-//! For: [`scatter`], which samples it, [`evaluate`], its value and pdf, and [`has_sampled_lobe`]. May import:
-//! `kernel`, `buffers`, `sampling`, `queue`, `surface`, `material`. Must never know: how lights are sampled,
-//! stages.
+//! For: [`scatter`], which samples it, [`evaluate`], its value and pdf, and [`has_sampled_lobe`].
 
 use super::features::{has, is_general};
 use super::material::MaterialSample;

@@ -1,7 +1,6 @@
 //! Columns of a structure-of-arrays queue.
 //!
-//! For: [`Column`], [`IntColumn`], [`Vec3Columns`]. May import: `lane`, `math`, `camera` (the size of a
-//! tile). Must never know: what the columns hold.
+//! For: [`Column`], [`IntColumn`], [`Vec3Columns`].
 
 use crate::camera::MAX_PIXELS;
 use crate::lane::{F32x16, Lane};

@@ -1,7 +1,6 @@
 //! Ray cones behind surfaces.
 //!
-//! For: [`scattered_cone`]. May import: `queue`, `surface`, `material`, `buffers`, `kernel`. Must never know:
-//! textures, stages.
+//! For: [`scattered_cone`].
 
 use super::material::MaterialSample;
 use super::queue::Path;

@@ -1,7 +1,6 @@
 //! What every stage reads.
 //!
-//! For: [`TraceContext`]. May import: `features`, `queue`, `buffers`, `camera`, `sampling`, `traverse`. Must
-//! never know: stages.
+//! For: [`TraceContext`].
 
 use super::features::{carries_cones, has};
 use super::queue::{Path, PathQueue, QueueColumns};

@@ -1,6 +1,6 @@
 //! Traversal cost of primary rays, for the heat maps of the viewer.
 //!
-//! For: [`Cost`] and `render_row`. May import: `generate`, `scratch`, `traverse`. Must never know: shading.
+//! For: [`Cost`] and `render_row`.
 
 use super::context::TraceContext;
 use super::generate::pixel_centers;

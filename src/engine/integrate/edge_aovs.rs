@@ -1,7 +1,6 @@
 //! The denoiser's AOVs: those of what mirrors and glass show, and of several points of pixels at edges.
 //!
-//! For: [`DenoiserAovs`], [`EdgePixel`]. May import: `aovs`, `bsdf`, `cone`, `intersect`, `scratch` and what
-//! stands above them. Must never know: films, filters.
+//! For: [`DenoiserAovs`], [`EdgePixel`].
 //!
 //! At a delta lobe the path continues as the likelier of the estimator's paths does: along the reflection,
 //! or at glass along the more likely one of reflection and refraction. Normal, lobe and albedo are those of

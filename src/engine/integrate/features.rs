@@ -1,8 +1,7 @@
 //! Tests of a pipeline's feature set.
 //!
-//! For: [`has`], [`is_general`], [`ends_missed`], [`reads_texels_first`] and
-//! [`abilities`], constants once a pipeline is compiled; [`carries_cones`]. May import: `buffers`. Must never
-//! know: stages.
+//! For: [`has`], [`is_general`], [`ends_missed`], [`reads_texels_first`] and [`abilities`], constants once a
+//! pipeline is compiled; [`carries_cones`].
 
 use crate::buffers::{Abilities, Features};
 

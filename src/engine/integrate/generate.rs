@@ -1,8 +1,7 @@
 //! First stage: generates primary rays.
 //!
 //! For: [`generate`], a ray through a random point of every pixel of a tile, and [`pixel_centers`], rays
-//! through their centres. May import: `intersect`, `scratch` and what stands above them. Must never know:
-//! shading.
+//! through their centres.
 //!
 //! Generation is a loop of its own, and so is the test of every primitive: see `linear` in
 //! [`crate::traverse`].

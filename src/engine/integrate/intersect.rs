@@ -1,7 +1,6 @@
 //! Second stage: finds the nearest hit of every path of the queue, and ends the paths that miss.
 //!
-//! For: [`intersect`], [`intersect_queue`], which only finds hits. May import: `scratch`, `linear_rays`,
-//! `emission` (of the environment) and what stands above them. Must never know: shading of surfaces.
+//! For: [`intersect`], [`intersect_queue`], which only finds hits.
 
 use super::context::TraceContext;
 use super::emission::missed_radiance;

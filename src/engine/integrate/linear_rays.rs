@@ -1,7 +1,6 @@
 //! The rays of a tile as they are traced where every primitive is tested.
 //!
-//! For: [`LinearRays`], a batch of primary, bounce or shadow rays. May import: `queue`, `shadow_queue`,
-//! `camera`, `traverse`. Must never know: stages.
+//! For: [`LinearRays`], a batch of primary, bounce or shadow rays.
 
 use super::queue::PathQueue;
 use super::shadow_queue::ShadowQueue;

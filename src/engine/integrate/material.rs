@@ -1,7 +1,6 @@
 //! Evaluated materials: parameters, textures, shading normals.
 //!
-//! For: [`MaterialSample`]; [`texel_indices`]. May import: `surface` and what stands above it. Must never
-//! know: lobes' equations, stages.
+//! For: [`MaterialSample`]; [`texel_indices`].
 
 use super::context::TraceContext;
 use super::features::{abilities, has, is_general, reads_texels_first};

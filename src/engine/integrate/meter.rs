@@ -1,6 +1,6 @@
 //! Measures the statistics of one thread.
 //!
-//! For: [`Meter`]. May import: `stats`, `traverse` (its counters). Must never know: scenes, queues.
+//! For: [`Meter`].
 //!
 //! Without a meter, a stage costs one branch, and nothing is counted.
 

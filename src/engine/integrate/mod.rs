@@ -1,7 +1,6 @@
 //! The integrator: a wavefront path tracer.
 //!
-//! For: [`trace_tiles`], one sample of every pixel of some tiles. May import: everything above it. Must never
-//! know: threads, files.
+//! For: [`trace_tiles`], one sample of every pixel of some tiles.
 //!
 //! A tile's paths are in a queue in structure-of-arrays form ([`queue`]). Each stage runs over all of them
 //! before the next one starts:

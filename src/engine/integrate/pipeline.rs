@@ -1,6 +1,6 @@
 //! Pipelines: the stages in order, compiled for a set of features.
 //!
-//! For: [`trace_tiles`] and [`pipeline_for`]. May import: every stage. Must never know: threads, films.
+//! For: [`trace_tiles`] and [`pipeline_for`].
 
 use super::columns::MAX_EARLIER;
 use super::context::TraceContext;

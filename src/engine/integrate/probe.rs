@@ -1,7 +1,6 @@
 //! Path lengths by pixel, for the heat maps of the viewer.
 //!
-//! For: [`Probe`] and [`PathShape`]. May import: `queue`, `camera` (the size of a tile). Must never know:
-//! scenes, stages.
+//! For: [`Probe`] and [`PathShape`].
 
 use super::queue::PathQueue;
 use crate::camera::MAX_PIXELS;

@@ -1,7 +1,6 @@
 //! The path queue: paths in structure-of-arrays form.
 //!
-//! For: [`PathQueue`] and [`Path`], one packet of it. May import: `columns`, `ray_queries`, `camera` (the
-//! size of a tile), `kernel`, `lane`, `math`, `traverse`. Must never know: stages, statistics, scenes.
+//! For: [`PathQueue`] and [`Path`], one packet of it.
 
 use super::columns::{Column, IntColumn, Vec3Columns, compress};
 use super::ray_queries::RayQueries;

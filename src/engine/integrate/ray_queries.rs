@@ -1,6 +1,6 @@
 //! Ray queries: columns of rays, and the columns that receive their hits.
 //!
-//! For: [`RayQueries`]. May import: `columns`, `traverse`. Must never know: paths, stages.
+//! For: [`RayQueries`].
 
 use super::columns::{Column, IntColumn, Vec3Columns};
 use crate::math::MISS;

@@ -1,7 +1,6 @@
 //! A thread's working memory.
 //!
-//! For: [`Scratch`]: queues, one sample's radiance, and the optional meter and probe. May import: the queues,
-//! `meter`, `probe`, `context`. Must never know: what the stages compute.
+//! For: [`Scratch`]: queues, one sample's radiance, and the optional meter and probe.
 
 use super::columns::{IntColumn, Vec3Columns, compress};
 use super::context::TraceContext;

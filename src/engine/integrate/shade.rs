@@ -1,8 +1,7 @@
 //! Third and last stage: shading. Adds emitted radiance, samples the BSDF, and compresses the paths that go
 //! on.
 //!
-//! For: [`shade`] and [`finish`]. May import: `bsdf`, `emission`, `shadow_rays` and what stands above them.
-//! Must never know: how rays are traced.
+//! For: [`shade`] and [`finish`].
 
 use super::bsdf::{ScatteredPath, scatter};
 use super::cone::scattered_cone;

@@ -1,6 +1,6 @@
 //! The shadow-ray queue.
 //!
-//! For: [`ShadowQueue`]. May import: `columns`, `ray_queries`, `queue`. Must never know: lights, stages.
+//! For: [`ShadowQueue`].
 
 use super::columns::{Column, IntColumn, Vec3Columns, compress};
 use super::queue::PathQueue;

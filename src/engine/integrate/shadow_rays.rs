@@ -1,8 +1,7 @@
 //! Next event estimation: shadow rays to sampled points of the lights.
 //!
 //! For: [`sample_direct_light`], which queues a shadow ray at each scattering event, and
-//! [`trace_shadow_rays`], the stage that adds the radiance of the unoccluded ones. May import: `bsdf`,
-//! `emission`, `linear_rays`, `scratch` and what stands above them. Must never know: `shade`.
+//! [`trace_shadow_rays`], the stage that adds the radiance of the unoccluded ones.
 
 use super::bsdf::{ScatteredPath, evaluate, has_sampled_lobe};
 use super::cone::scattered_cone;

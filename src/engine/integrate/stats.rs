@@ -1,7 +1,6 @@
 //! Statistics of rendering: time by stage, rays and packets by bounce, intersection tests by kind of ray.
 //!
-//! For: [`Stats`], [`Stage`], [`RayKind`]. May import: `traverse` (its counts). Must never know: how they are
-//! measured.
+//! For: [`Stats`], [`Stage`], [`RayKind`].
 
 use crate::traverse::counter::Counts;
 use std::ops::AddAssign;

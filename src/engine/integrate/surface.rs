@@ -1,7 +1,6 @@
 //! The surface at a hit: point, geometric normal, texture coordinates.
 //!
-//! For: [`Surface`], looked up from the buffers for a packet of hits. May import: `context`, `features`,
-//! `queue`, `kernel`. Must never know: materials, lobes, stages.
+//! For: [`Surface`], looked up from the buffers for a packet of hits.
 
 use super::context::TraceContext;
 use super::features::has;

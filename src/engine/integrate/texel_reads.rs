@@ -1,6 +1,6 @@
 //! Texels of hits, read before the hits are shaded.
 //!
-//! For: [`texels_of_hits`]. May import: `material` and what stands above it. Must never know: lobes, stages.
+//! For: [`texels_of_hits`].
 //!
 //! Three short loops instead of one long: indices of texels, texels, shading. The processor works on several
 //! packets at a time, and reads of memory wait for nothing but their index: thesis and chess are 1.06 to 1.14

@@ -1,7 +1,6 @@
 //! Where the pixels of a tile are in the picture.
 //!
-//! For: [`TilePixels`], the table that the stages before the first bounce read. May import: `lane`,
-//! `sampling`, `camera`'s tiles. Must never know: paths.
+//! For: [`TilePixels`], the table that the stages before the first bounce read.
 
 use crate::camera::{BLOCK, MAX_PIXELS, Tile};
 use crate::lane::{Bits, F32x16, Lane};

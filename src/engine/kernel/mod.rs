@@ -5,8 +5,6 @@
 //! to the strip around a light ([`border`]) and to its images in mirrors ([`mirror_image`]), points on
 //! surfaces ([`surface`]), shading normals ([`normals`]), texture lookups ([`texture`]) and how wide they are
 //! ([`ray_cone`]), several methods side by side. Kernels allocate nothing, look nothing up and never panic.
-//! May import: `lane`, `math`, `sampling`.
-//! Must never know: scenes, queues, pixels.
 
 pub mod border;
 pub mod bsdf;

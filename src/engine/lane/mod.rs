@@ -3,8 +3,6 @@
 //! For: the [`Lane`] trait (`f32`, [`F32x8`], [`F32x16`]), its integers [`Bits`] (`u32`, [`U32x8`],
 //! [`U32x16`]), its masks [`Mask`] (`bool`, [`Mask8`], [`Mask16`]) with their [`set_bits`], the elementary
 //! functions in [`functions`], [`compaction`] of lists, and [`prefetch`].
-//! May import: `wide` and `bytemuck`; it is the only importer of `wide`.
-//! Must never know: vectors, rays, scenes.
 //!
 //! # The law
 //! Every operation gives the same bits at every width. Therefore no operation is an approximation that only

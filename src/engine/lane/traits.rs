@@ -1,6 +1,4 @@
 //! The traits of lanes: [`Mask`], [`Bits`] and [`Lane`].
-//!
-//! May import: `bytemuck`. Must never know: which types implement them.
 
 use bytemuck::Pod;
 use std::fmt::Debug;

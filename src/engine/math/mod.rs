@@ -1,8 +1,6 @@
 //! Vectors, rays and hits whose components are lanes, and bounds of rounding error.
 //!
 //! For: [`Vec3`], [`Ray`], [`Hit`], [`gamma`]; [`portable`] functions for what builds scenes.
-//! May import: `lane`, `glam` (for conversion), `libm`.
-//! Must never know: scenes, buffers.
 
 pub mod portable;
 mod precision;

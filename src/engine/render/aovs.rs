@@ -1,7 +1,6 @@
 //! AOVs and heat maps: feature buffers of the scene, traversal cost, and path lengths, by pixel.
 //!
-//! For: [`Renderer::aovs_into`] and the like, and [`Map`]. May import: `integrate`, and the renderer. Must
-//! never know: what shows them.
+//! For: [`Renderer::aovs_into`] and the like, and [`Map`].
 
 use super::Renderer;
 use crate::camera::Tile;

@@ -1,7 +1,7 @@
 //! Renders a scene into a film: tiles as rayon jobs.
 //!
 //! For: [`Renderer`], [`RenderObserver`] to follow and to cancel it, and [`mod@aovs`] for feature buffers and
-//! heat maps. May import: `film` and everything above it. Must never know: files, terminals, clocks.
+//! heat maps.
 
 pub mod aovs;
 mod settings;

@@ -1,7 +1,6 @@
 //! What decides a picture besides its scene.
 //!
-//! For: [`Settings`], [`PipelineChoice`] and [`LaneChoice`]. May import: `lane`, `scene`, `traverse`.
-//! Must never know: renderers, films.
+//! For: [`Settings`], [`PipelineChoice`] and [`LaneChoice`].
 
 use crate::choice::choices;
 use crate::lane::NATIVE_WIDTH;

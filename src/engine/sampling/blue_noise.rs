@@ -1,8 +1,7 @@
 //! The digital shifts of the pixels in the first dimensions of a path: neighbours get shifts that differ as
 //! the points of a net do, so that their errors cancel in a blur (blue noise).
 //!
-//! For: [`Places`], whose [`Places::shift`] it is. May import: `lane`, `sobol`'s digits, `random`. Must never
-//! know: tiles, cameras.
+//! For: [`Places`], whose [`Places::shift`] it is.
 //!
 //! # Construction
 //! The pixels of a square of [`SIZE`]² are numbered along a Z-order curve whose quadrants are permuted at

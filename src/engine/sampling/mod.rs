@@ -4,8 +4,6 @@
 //! [`sobol`], Owen-scrambled Sobol points, which are that too; [`blue_noise`], which spreads the errors of
 //! neighbouring pixels; [`Sampler`], the choice among the sources; [`dimension`], the dimensions of a path;
 //! and [`warp`], which maps the unit square to directions.
-//! May import: `lane`, `math`.
-//! Must never know: scenes, materials.
 
 pub mod blue_noise;
 pub mod dimension;

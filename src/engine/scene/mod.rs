@@ -1,8 +1,6 @@
 //! The scene: the form that every renderer reads.
 //!
 //! For: [`Scene`], whose existence is the proof of validity, and its parts.
-//! May import: nothing.
-//! Must never know: file formats, buffers, lanes, pipelines, pixels.
 
 mod camera;
 mod framing;

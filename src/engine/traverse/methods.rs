@@ -1,7 +1,6 @@
 //! The methods of a rendering, chosen at run time: intersection methods, traversal, light sampling, sampler.
 //!
-//! For: [`Methods`] and the choices it holds. May import: `batch` (for [`Traversal`]), the choices of
-//! `buffers` and `sampling`, and `scene`. Must not know: how the methods work.
+//! For: [`Methods`] and the choices it holds.
 
 use super::batch::Traversal;
 use super::linear;

@@ -1,8 +1,7 @@
 //! Which primitive a ray hits first.
 //!
 //! For: [`Methods`], the choice of intersection methods; [`Primitives`], a scene ready for intersection; and
-//! the traversals. May import: `lane`, `math`, `kernel`, `scene`, `buffers`, `bvh`, `camera`. Must never
-//! know: queues, materials, pixels.
+//! the traversals.
 //!
 //! | file | traversal |
 //! |---|---|

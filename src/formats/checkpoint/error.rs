@@ -1,6 +1,6 @@
 //! Why a checkpoint cannot be used: what, where, and how to mend it.
 //!
-//! For: [`CheckpointError`]. May import: `std`. Must not know: films.
+//! For: [`CheckpointError`].
 
 use std::io;
 use std::path::PathBuf;

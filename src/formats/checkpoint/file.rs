@@ -1,7 +1,6 @@
 //! Checkpoints as files: written atomically, read with their checksum.
 //!
-//! For: [`save`], [`Checkpoint`], [`is_checkpoint`]. May import: `identity`, `output`'s atomic writes, the
-//! engine's film. Must not know: when a checkpoint is due.
+//! For: [`save`], [`Checkpoint`], [`is_checkpoint`].
 
 use super::error::CheckpointError;
 use super::identity::{Display, Identity};

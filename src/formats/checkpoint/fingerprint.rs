@@ -1,7 +1,6 @@
 //! The content of a scene in a few numbers.
 //!
-//! For: [`Fingerprint`]. May import: the engine's scene model, `crc32fast`. Must not know: where the scene
-//! came from.
+//! For: [`Fingerprint`].
 
 use octray_engine::scene::{Scene, Sphere, Texels, Texture, Triangle};
 use serde::{Deserialize, Serialize};

@@ -1,6 +1,6 @@
 //! What must be the same for two runs to give the same bits.
 //!
-//! For: [`Identity`] and its parts. May import: the engine's settings and choices. Must not know: files.
+//! For: [`Identity`] and its parts.
 
 use super::fingerprint::Fingerprint;
 use octray_engine::adaptive::Target;

@@ -1,6 +1,6 @@
 //! Joins the shards of a picture: the film has the bits of one run.
 //!
-//! For: [`Parts`]. May import: `file`, `identity`, the engine's film. Must not know: pictures, command lines.
+//! For: [`Parts`].
 
 use super::error::CheckpointError;
 use super::file::{Checkpoint, Header};

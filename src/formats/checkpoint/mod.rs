@@ -1,8 +1,7 @@
 //! Checkpoints: the sums of a film as a file, bit by bit. A rendering resumes from one; the shards of a
 //! picture are parts in this format, and [`merge`](mod@merge) joins them.
 //!
-//! For: [`save`], [`Checkpoint`], [`Identity`], [`merge::Parts`]. May import: the engine's film, scene model
-//! and settings, `output`. Must not know: how samples are taken, command lines.
+//! For: [`save`], [`Checkpoint`], [`Identity`], [`merge::Parts`].
 //!
 //! # Format, version 2
 //! All numbers are little-endian; a word has 32 bits.

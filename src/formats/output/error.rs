@@ -1,6 +1,6 @@
 //! Why an output file was not written: what, where, and how to mend it.
 //!
-//! For: [`OutputError`]. May import: `std`. Must not know: pictures.
+//! For: [`OutputError`].
 
 use std::io;
 use std::path::PathBuf;

@@ -1,7 +1,6 @@
 //! Encodes a picture as PNG, JPEG, EXR or HDR, and saves it.
 //!
-//! For: [`Format`], [`encode`], [`save`]. May import: `film`, `tone`, `openexr`, `file`, the `image` crate.
-//! Must not know: what a picture shows.
+//! For: [`Format`], [`encode`], [`save`].
 
 use super::error::OutputError;
 use super::file::{CancellableWriter, Existing, write_atomically};

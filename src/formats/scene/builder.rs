@@ -1,8 +1,6 @@
 //! Builds a [`Scene`]: the part that all formats share.
 //!
-//! For: [`SceneBuilder`], which collects materials, textures and primitives and fills in defaults. May
-//! import: `check`, `texture`, `vertex_colors`, `error`, the engine's scene model. Must not know: a file
-//! format.
+//! For: [`SceneBuilder`], which collects materials, textures and primitives and fills in defaults.
 
 use super::check::has_area;
 use super::error::SceneError;

@@ -1,7 +1,6 @@
 //! The built-in scenes by name, with suggestions for misspelt names.
 //!
-//! For: [`names`], [`text`], [`guess`]. May import: `embedded`; `procedural` and `spelling` for suggestions.
-//! Must not know: a file format.
+//! For: [`names`], [`text`], [`guess`].
 
 use super::embedded::{PREFIX, SCENES};
 use super::error::SceneError;

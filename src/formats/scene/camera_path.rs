@@ -1,6 +1,6 @@
 //! Cameras between keyframes.
 //!
-//! For: [`CameraPath`]. May import: the engine's scene model. Must not know: files, pictures.
+//! For: [`CameraPath`].
 //!
 //! Position, target, up and field of view follow a Catmull-Rom spline each: a cubic Hermite spline through
 //! the keyframes, with the slope between the two neighbours as the slope at a keyframe, at the ends the slope

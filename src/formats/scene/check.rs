@@ -1,7 +1,6 @@
 //! Bounds and checks of numbers that every format shares.
 //!
-//! For: [`number`], [`vec3`], [`radiance`] and the like. May import: `json` (to locate errors), `error`, the
-//! engine's limits. Must not know: a file format.
+//! For: [`number`], [`vec3`], [`radiance`] and the like.
 
 use super::error::SceneError;
 use super::json::{JsonPath, Source};

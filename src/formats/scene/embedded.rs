@@ -1,6 +1,6 @@
 //! The scene files and textures that are compiled into the program.
 //!
-//! For: [`SCENES`], [`file`]. May import: `std`. Must not know: a file format.
+//! For: [`SCENES`], [`file`].
 
 use std::path::Path;
 

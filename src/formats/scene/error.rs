@@ -1,6 +1,6 @@
 //! Why a scene was refused: what, where, and how to mend it.
 //!
-//! For: [`SceneError`]. May import: the engine's scene model. Must not know: a file format.
+//! For: [`SceneError`].
 
 use octray_engine::scene::Scene;
 use std::path::PathBuf;

@@ -1,7 +1,6 @@
 //! Reads a scene's other files: from a folder on disk, from the program itself, or from a caller's function.
 //!
-//! For: [`Files`], which also records every path that was requested, and [`has_extension`]. May import:
-//! `embedded`, `error`. Must not know: what the files hold.
+//! For: [`Files`], which also records every path that was requested, and [`has_extension`].
 
 use super::embedded;
 use super::error::SceneError;

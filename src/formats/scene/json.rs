@@ -1,7 +1,6 @@
 //! Reads JSON and locates errors: a JSON path, and from it the line and column.
 //!
-//! For: [`read`], [`JsonPath`], [`Source`]. May import: `error`, `spelling`. Must not know: what the keys
-//! mean.
+//! For: [`read`], [`JsonPath`], [`Source`].
 
 use super::error::SceneError;
 use super::spelling::nearest;

@@ -1,7 +1,6 @@
 //! From a name on the command line to a [`Scene`].
 //!
-//! For: [`load`], [`load_with_view`], [`load_from`], and [`may_be_scene`]. May import: every format of this
-//! folder. Must not know: what a scene is used for.
+//! For: [`load`], [`load_with_view`], [`load_from`], and [`may_be_scene`].
 
 use super::embedded::PREFIX;
 use super::error::SceneError;

@@ -1,6 +1,6 @@
 //! Materials and skies of the native format: which keys belong together, and the defaults of missing ones.
 //!
-//! For: [`material`], [`sky`]. May import: `native`, `check`, `builder`, `json`. Must not know: primitives.
+//! For: [`material`], [`sky`].
 
 use super::builder::SceneBuilder;
 use super::check::{fraction, not_negative, number, radiance, reflectance, turns};

@@ -2,8 +2,7 @@
 //!
 //! For: [`load`], [`load_with_view`] and [`load_from`], which read every format; [`View`], which is also
 //! written; [`convert_model`], which converts a model. The scene model itself is the engine's, re-exported
-//! here. May import: the engine's scene model, the files that hold pictures. Must not know: buffers, lanes,
-//! pipelines, windows.
+//! here.
 //!
 //! | file | what it does |
 //! |---|---|

@@ -1,7 +1,6 @@
 //! Models of any format: OBJ, glTF and PLY.
 //!
-//! For: [`is_model`], [`read`], [`scene`]. May import: `obj`, `gltf`, `ply`, `builder`. Must not know: JSON
-//! scenes.
+//! For: [`is_model`], [`read`], [`scene`].
 
 use super::builder::{DEFAULT_BOUNCES, DEFAULT_RESOLUTION, SceneBuilder};
 use super::error::SceneError;

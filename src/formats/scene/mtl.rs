@@ -1,6 +1,6 @@
 //! Wavefront MTL: the materials that an OBJ file names.
 //!
-//! For: [`load`]. May import: `builder`, `files`, `notes`, `statements`. Must not know: triangles.
+//! For: [`load`].
 //!
 //! Reads Kd (linear reflectance), map_Kd, Ke (radiance), `norm` (a normal map), and the statements that
 //! decide the type of the material:

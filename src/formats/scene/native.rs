@@ -1,6 +1,6 @@
 //! The native scene file as the user wrote it: keys and JSON types, without validation.
 //!
-//! For: [`SceneFile`] and its parts. May import: `serde`. Must not know: what a valid scene is.
+//! For: [`SceneFile`] and its parts.
 
 use serde::de::{Error, MapAccess, Visitor};
 use serde::{Deserialize, Deserializer};

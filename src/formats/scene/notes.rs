@@ -1,6 +1,6 @@
 //! What is left out of a file: each kind once, with its first place and the number of places.
 //!
-//! For: [`Notes`]. May import: `builder`. Must not know: a file format.
+//! For: [`Notes`].
 
 use super::builder::SceneBuilder;
 use std::fmt::Display;

@@ -1,7 +1,6 @@
 //! Wavefront OBJ: from text to a mesh, and from a mesh to the triangles of a [`SceneBuilder`].
 //!
-//! For: [`parse`], [`add`]. May import: `mtl`, `statements`, `builder`, `check`, `placement`, `tally`. Must
-//! not know: JSON.
+//! For: [`parse`], [`add`].
 //!
 //! No library is used, so that every error has its line, no file can cause a panic, and a corner without
 //! texture coordinates never gets another corner's.

@@ -1,7 +1,6 @@
 //! The transformation of a mesh.
 //!
-//! For: [`Placement`]. May import: `glam`, the engine's `math`. Must not know: where the numbers come from,
-//! meshes.
+//! For: [`Placement`].
 
 use glam::{DMat3, DVec3};
 use octray_engine::math::portable;

@@ -1,6 +1,6 @@
 //! Suggestions for misspelt names.
 //!
-//! For: [`nearest`]. May import: nothing. Must not know: what is named.
+//! For: [`nearest`].
 
 /// Longest name that is compared, in bytes: the time grows with the product of two lengths.
 const LONGEST: usize = 200;

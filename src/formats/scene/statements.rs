@@ -1,7 +1,6 @@
 //! The lines of Wavefront files: statements, words and numbers.
 //!
-//! For: [`logical_lines`], [`words`], [`numbers`], [`name`]. May import: `check` (the bounds of numbers).
-//! Must not know: what a statement means.
+//! For: [`logical_lines`], [`words`], [`numbers`], [`name`].
 
 use super::check::{WITHIN_BOUNDS, fits};
 use std::borrow::Cow;

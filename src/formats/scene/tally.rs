@@ -1,6 +1,6 @@
 //! Counts a model's triangles as they enter the builder.
 //!
-//! For: [`Tally`], [`Misplaced`]. May import: `builder`. Must not know: a file format.
+//! For: [`Tally`], [`Misplaced`].
 
 use super::builder::SceneBuilder;
 use glam::DVec3;

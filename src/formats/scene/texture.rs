@@ -1,7 +1,6 @@
 //! Textures: PNG, JPEG, BMP, TGA, HDR and EXR files decoded to texels.
 //!
-//! For: [`Textures`]. May import: `files`, `openexr`, the `image` crate. Must not know: which surface uses a
-//! texture.
+//! For: [`Textures`].
 
 use super::files::Files;
 use crate::openexr;

@@ -1,6 +1,6 @@
 //! The thesis's scene format: its keys, its display colours, its axes.
 //!
-//! For: [`scene`]. May import: `json`, `check`, `builder`, `files`. Must not know: the native format.
+//! For: [`scene`].
 //!
 //! In the thesis's axes y points down and x grows to the left of the picture. Inverting the scene through the
 //! origin, p' = −p, makes y point up and x point right for a camera that looks along −z. It follows with n' =

@@ -1,7 +1,6 @@
 //! From the native file to a [`Scene`], or an error that says where and how to mend it.
 //!
-//! For: [`scene`], and [`camera`], which views share. May import: `native`, `material`, `model`, `builder`,
-//! `check`, `json`. Must not know: where the text came from.
+//! For: [`scene`], and [`camera`], which views share.
 
 use super::builder::{DEFAULT_BOUNCES, DEFAULT_RESOLUTION, MAX_COPIES, SceneBuilder};
 use super::check::{

@@ -1,7 +1,6 @@
 //! Colours of vertices as a texture: the engine knows no others.
 //!
-//! For: [`VertexColors`]. May import: `texture`, `error`, the engine's scene model. Must not know: a file
-//! format.
+//! For: [`VertexColors`].
 //!
 //! Each triangle has a patch of 2 × 2 texels, and its corners lie at the centres of three of them:
 //!

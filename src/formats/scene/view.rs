@@ -1,8 +1,6 @@
 //! A view: a file that names another scene, with a camera and render options of its own.
 //!
-//! For: [`View`] and [`Loaded`], the writer [`View::text`], and [`read`] and [`apply`] for `load`. May
-//! import: `json`, `native`, `validate` (cameras), `check`, `write`. Must not know: the ranges of the render
-//! options; the viewer.
+//! For: [`View`] and [`Loaded`], the writer [`View::text`], and [`read`] and [`apply`] for `load`.
 
 use super::camera_path::{CameraPath, Keyframe};
 use super::check::{check_bounces, check_resolution};

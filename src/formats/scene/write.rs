@@ -1,8 +1,7 @@
 //! Writes numbers, vectors, cameras and relative paths for the native formats. A number reads back as the
 //! same bits.
 //!
-//! For: [`number`], [`vec2`], [`vec3`], [`camera`], [`keyframes`], [`relative`]. May import: the engine's
-//! scene model, `camera_path`. Must not know: which file is written.
+//! For: [`number`], [`vec2`], [`vec3`], [`camera`], [`keyframes`], [`relative`].
 
 use super::camera_path::Keyframe;
 use glam::{Vec2, Vec3};

@@ -1,6 +1,6 @@
 //! Frames per second of SIMD and scalar renderers, in alternating rounds.
 //!
-//! For: [`bench()`]. May import: `timed`, `stats`, `quantiles`. Must not know: how figures are shown.
+//! For: [`bench()`].
 
 use super::quantiles::Quantiles;
 use super::stats::FrameStats;

@@ -1,7 +1,6 @@
 //! Every width of SIMD against scalar, bit for bit; and both against the f64 reference.
 //!
-//! For: [`compare()`]. May import: `reference`, `render`, `timed`, `quantiles`. Must not know: how figures
-//! are shown.
+//! For: [`compare()`].
 
 use super::quantiles::Rounds;
 use super::timed::{Ratio, TimedRenderer};

@@ -3,8 +3,6 @@
 //!
 //! All are over channels and not over luminance: in luminance, an excess of red cancels a lack of green, and
 //! colour noise costs nothing. Sums are f64.
-//!
-//! May import: `film`. Must not know: renderers.
 
 use crate::film::Picture;
 use serde::Serialize;

@@ -1,7 +1,6 @@
 //! Intersection kernels alone: a fixed set of rays and primitives, all tested against all.
 //!
 //! For: [`rays`], [`spheres`], [`triangles`], `boxes`, [`all_spheres`], [`all_triangles`], `all_boxes`.
-//! May import: `kernel`, `lane`, `math`. Must not know: clocks.
 //!
 //! Rays come in coherent packets, like those of cameras and mirrors; most tests miss, as they do in scenes.
 //! Every lane's result is used. No ray passes within 1e-6 of an edge or a silhouette, so rounding decides

@@ -1,7 +1,6 @@
 //! Measurements of the engine: speed, image error, agreement of its paths, failures of its methods.
 //!
-//! For: the modules of the table in the laboratory's documentation. May import: the engine, `reference`. Must
-//! not know: command lines, terminals, files.
+//! For: the modules of the table in the laboratory's documentation.
 
 pub mod bench;
 pub mod chart;

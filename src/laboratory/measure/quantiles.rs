@@ -1,6 +1,6 @@
 //! Quantiles of measurements, and how many rounds to measure.
 //!
-//! For: `Quantiles`, [`Spread`], `Rounds`. May import: nothing. Must not know: what is measured.
+//! For: `Quantiles`, [`Spread`], `Rounds`.
 
 use serde::Serialize;
 use std::time::Instant;

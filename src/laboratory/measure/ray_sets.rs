@@ -1,7 +1,6 @@
 //! Rays of a real picture in prepared arrays: camera rays, and secondary rays from their hits.
 //!
-//! For: [`RaySet`], [`Answers`], and both together, [`Prepared`]. May import: the engine. Must not know:
-//! clocks, files.
+//! For: [`RaySet`], [`Answers`], and both together, [`Prepared`].
 //!
 //! Three kinds ([`Kind`]). Primary rays pass through pixel centres. From each of their hits one shadow ray
 //! and one diffuse ray leave on the side from which the primary ray arrives, cosine-weighted around the

@@ -1,7 +1,6 @@
 //! Rays per second by kind of ray and traversal, from prepared arrays: generating the rays is not timed.
 //!
-//! For: [`build`], [`prepare`], [`measure()`]. May import: `trace`, `ray_sets`, `stats`, `quantiles`. Must
-//! not know: command lines, terminals.
+//! For: [`build`], [`prepare`], [`measure()`].
 //!
 //! All methods are timed in alternating passes, so that a slow spell of the machine affects all alike. Every
 //! pass's hits are compared with those of the scalar traversal.

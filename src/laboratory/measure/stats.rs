@@ -1,7 +1,6 @@
 //! The figures of `--stats`: time by stage, rays by kind, lanes in use by bounce, tests per ray.
 //!
-//! For: [`FrameStats`] of rendering, [`RayStats`] of rays in prepared arrays. May import: `integrate`'s and
-//! `traverse`'s counters, `trace`, `ray_sets`. Must not know: how figures are shown.
+//! For: [`FrameStats`] of rendering, [`RayStats`] of rays in prepared arrays.
 
 use super::ray_sets::{Kind, RaySet};
 use super::trace::{PreparedScene, TraceMethod};

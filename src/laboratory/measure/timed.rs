@@ -1,7 +1,6 @@
 //! Renderers timed in alternating rounds, so that other load on the machine affects all of them alike.
 //!
-//! For: `TimedRenderer`, and the [`Ratio`] of two of them. May import: `render`, `quantiles`. Must not
-//! know: the use of the times.
+//! For: `TimedRenderer`, and the [`Ratio`] of two of them.
 //!
 //! A *round* gives every renderer one *turn*; a turn is some frames of one renderer.
 

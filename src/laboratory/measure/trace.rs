@@ -1,7 +1,6 @@
 //! The traversals that trace a set of rays, on one thread or many.
 //!
-//! For: [`TraceMethod`], [`PreparedScene`] (what every method reads) and [`TracePool`]. May import:
-//! `ray_sets` and the engine. Must not know: clocks.
+//! For: [`TraceMethod`], [`PreparedScene`] (what every method reads) and [`TracePool`].
 
 use super::ray_sets::{Answers, RaySet};
 use crate::buffers::Buffers;

@@ -5,11 +5,7 @@
 //! single precision allows ([`Reference::check_primary`], [`Reference::check_weights`]), the radiance of a
 //! path and of a pixel ([`Reference::path`], [`Reference::pixel`]).
 //!
-//! May import: the types of `scene`, the integer hash of `sampling::random` and `sampling::dimension` (at
-//! width one; the reference follows the engine's paths because it draws the same random numbers), and glam's
-//! `DVec3`.
-//! Must not know: kernels, warps, buffers, acceleration structures, packets. It shares no
-//! equation's code with what it checks. Speed is no goal.
+//! It shares no equation's code with what it checks. Speed is no goal.
 //!
 //! | file | what it holds |
 //! |---|---|

@@ -1,7 +1,6 @@
 //! A denoiser: the edge-avoiding à-trous wavelet filter.
 //!
-//! For: [`Denoiser`]. May import: [`mod@planes`], [`mod@edges`], `rows`, `lane`, the AOVs of `integrate`,
-//! `film`. Must never know: cameras, renderers.
+//! For: [`Denoiser`].
 //!
 //! Source: Dammertz, Sewtz, Hanika, Lensch, "Edge-Avoiding À-Trous Wavelet Transform for fast Global
 //! Illumination Filtering", HPG 2010. Each level is a small blur with twice the tap distance of the level

@@ -1,7 +1,6 @@
 //! The filter's guide buffers (feature buffers), in planes from which whole packets of taps are loaded.
 //!
-//! For: [`Task`], [`Guide`]. May import: `rows`, `lane`, the AOVs of `integrate`, `film`. Must never know:
-//! the levels.
+//! For: [`Task`], [`Guide`].
 
 use super::super::rows::packet;
 use crate::film::Picture;

@@ -1,6 +1,6 @@
 //! Accessors: numbers in buffers, of any component type, interleaved, normalised or sparse.
 //!
-//! For: [`Accessors`], [`Numbers`]. May import: `bytes`, `json`, `error`. Must not know: meshes.
+//! For: [`Accessors`], [`Numbers`].
 
 use super::super::error::SceneError;
 use super::super::json::{JsonPath, Source};

@@ -1,7 +1,6 @@
 //! The bytes of a glTF file: its JSON and binary parts, its buffers, data URIs.
 //!
-//! For: [`split`], [`Buffer`], [`buffers`], [`view`], [`from_uri`]. May import: `files`, `json`, `error`.
-//! Must not know: what the bytes mean.
+//! For: [`split`], [`Buffer`], [`buffers`], [`view`], [`from_uri`].
 
 use super::super::error::SceneError;
 use super::super::files::{Files, has_extension};

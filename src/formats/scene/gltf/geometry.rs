@@ -1,7 +1,6 @@
 //! The triangles of a primitive, and their way into the scene.
 //!
-//! For: [`Geometry`], [`read`], [`Transform`]. May import: `accessor`, `material` (which texture coordinates
-//! it uses), `nodes` (names of compressions), `builder`, `tally`. Must not know: files.
+//! For: [`Geometry`], [`read`], [`Transform`].
 
 use super::super::builder::SceneBuilder;
 use super::super::check::fits;

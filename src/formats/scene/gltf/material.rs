@@ -1,6 +1,6 @@
 //! glTF materials: metallic-roughness, emission, transmission.
 //!
-//! For: [`Materials`], [`uv_set`]. May import: `texture`, `builder`, `notes`. Must not know: triangles.
+//! For: [`Materials`], [`uv_set`].
 //!
 //! | glTF | octray |
 //! |---|---|

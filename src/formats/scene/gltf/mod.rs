@@ -1,7 +1,6 @@
 //! glTF 2.0: from a file to the triangles, materials and camera of a scene.
 //!
-//! For: [`read`], [`Gltf`]. May import: `builder`, `check`, `files`, `json`, `placement`, `tally`. Must not
-//! know: JSON scenes.
+//! For: [`read`], [`Gltf`].
 //!
 //! | file | what it does |
 //! |---|---|

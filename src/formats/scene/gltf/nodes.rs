@@ -1,6 +1,6 @@
 //! The tree of nodes, flattened: meshes and a camera with their transforms.
 //!
-//! For: [`place`], [`note_ignored`]. May import: `json`, `error`, `notes`. Must not know: geometry.
+//! For: [`place`], [`note_ignored`].
 
 use super::super::error::SceneError;
 use super::super::json::{JsonPath, Source};

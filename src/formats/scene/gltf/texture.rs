@@ -1,7 +1,6 @@
 //! Textures of glTF materials: images, filters, and the transform of texture coordinates.
 //!
-//! For: [`Reference`], [`UvMap`], [`load`]. May import: `bytes`, `texture`, `files`, `notes`. Must not know:
-//! what a texture is used for.
+//! For: [`Reference`], [`UvMap`], [`load`].
 
 use super::super::builder::SceneBuilder;
 use super::super::files::Files;

@@ -1,7 +1,7 @@
 //! PLY: from a file of ASCII or either binary order to a mesh, and from a mesh to the triangles of a
 //! [`SceneBuilder`].
 //!
-//! For: [`parse`], [`add`]. May import: `builder`, `check`, `placement`, `tally`. Must not know: JSON scenes.
+//! For: [`parse`], [`add`].
 //!
 //! Reads the elements `vertex` (x, y, z; nx, ny, nz; red, green, blue; s, t or u, v) and `face` (a list
 //! `vertex_indices` or `vertex_index`, of any length); others are skipped. Whole numbers as colours are

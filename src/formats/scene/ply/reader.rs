@@ -1,6 +1,6 @@
 //! The bytes of a PLY file: header and numbers.
 //!
-//! For: [`Reader`], [`Element`]. May import: `error`. Must not know: what the numbers mean.
+//! For: [`Reader`], [`Element`].
 
 use super::super::error::SceneError;
 use std::path::Path;

@@ -1,7 +1,6 @@
 //! Error and time of the display filters on frames of a few samples.
 //!
-//! For: `measure`. May import: `display`, `ground_truth`, `errors`, `flip`, `quantiles`. Must not know: how
-//! results are drawn.
+//! For: `measure`.
 
 use super::ground_truth::GroundTruth;
 use crate::display::{Blur, Denoiser, Fxaa, Samples};

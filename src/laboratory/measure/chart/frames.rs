@@ -1,8 +1,7 @@
 //! The interactive view: frames per second on all cores, and the error of the accumulated picture after a
 //! given time.
 //!
-//! For: `measure`. May import: `configurations`, `ground_truth`, `errors`, `flip`, `quantiles`. Must not
-//! know: how results are drawn.
+//! For: `measure`.
 
 use super::configurations::Configuration;
 use super::ground_truth::GroundTruth;

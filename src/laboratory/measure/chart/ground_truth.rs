@@ -1,6 +1,6 @@
 //! The ground truth: the converged picture with which all others are compared, and its own standard error.
 //!
-//! For: [`GroundTruth`]. May import: `render`, `film`, `errors`. Must not know: files.
+//! For: [`GroundTruth`].
 //!
 //! It is rendered with independent random numbers (the default's are low-discrepancy) and its own seeds, in
 //! two halves. Half the distance of the halves is the standard error of their mean. At a third of the size,

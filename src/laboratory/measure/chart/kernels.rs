@@ -1,7 +1,6 @@
 //! The intersection methods alone: time of a test, and error and failures on difficult inputs.
 //!
-//! For: [`measure`]. May import: `kernel_set`, `stability`, `quantiles`. Must not know: how results are
-//! drawn.
+//! For: [`measure`].
 
 use crate::kernel::ray_box::BoxMethod;
 use crate::kernel::ray_sphere::SphereMethod;

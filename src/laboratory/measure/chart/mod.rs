@@ -1,8 +1,7 @@
 //! Speed against accuracy: cost and error of every configuration.
 //!
 //! For: [`SceneChart`], the data of `octray chart`: [`mod@kernels`], [`mod@pictures`], [`mod@frames`],
-//! [`mod@display`], [`mod@motion`], compared with the [`mod@ground_truth`]. May import: the modules above
-//! `chart` in `measure`. Must not know: files, drawings.
+//! [`mod@display`], [`mod@motion`], compared with the [`mod@ground_truth`].
 
 pub mod configurations;
 pub mod display;

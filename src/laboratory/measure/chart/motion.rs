@@ -1,8 +1,7 @@
 //! Error of the interactive view in motion: frames of one sample, alone and with temporal reprojection of
 //! earlier frames.
 //!
-//! For: `measure`. May import: `display`, `ground_truth`, `errors`, `quantiles`. Must not know: how results
-//! are drawn.
+//! For: `measure`.
 //!
 //! The camera moves sideways and forwards at walking speed, and turns, at 60 frames per second: `FRAMES`
 //! frames with a seed each. Four frames of the second half are compared with their own ground truths.

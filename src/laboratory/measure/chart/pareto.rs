@@ -1,6 +1,6 @@
 //! Dominance and the Pareto front of error against time.
 //!
-//! For: [`ErrorCurve`]. May import: `quantiles`. Must not know: what is rendered.
+//! For: [`ErrorCurve`].
 //!
 //! A configuration is measured at a few points and interpolated between them by straight lines in logarithms.
 //! After its last point its error is extrapolated with the root of time, as that of independent samples;

@@ -1,7 +1,6 @@
 //! Error against time: every configuration from one sample per pixel on, with several seeds.
 //!
-//! For: `measure`. May import: `configurations`, `ground_truth`, `errors`, `flip`, `pareto`, `quantiles`.
-//! Must not know: how results are drawn.
+//! For: `measure`.
 
 use super::configurations::{Configuration, Group};
 use super::ground_truth::GroundTruth;

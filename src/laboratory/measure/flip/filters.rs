@@ -1,6 +1,6 @@
 //! Separable filters: one in x, then one in y.
 //!
-//! For: [`Kernel`], [`rows`], [`columns`]. May import: nothing. Must not know: colours.
+//! For: [`Kernel`], [`rows`], [`columns`].
 //!
 //! Beyond the border, the nearest pixel repeats.
 

@@ -1,6 +1,6 @@
 //! ꟻLIP: the difference of two pictures as perceived when a screen alternates between them.
 //!
-//! For: [`Flip`]. May import: `film`, `tone` (what a screen shows). Must not know: renderers, scenes.
+//! For: [`Flip`].
 //!
 //! Source: Andersson, Nilsson, Akenine-Möller, Oskarsson, Åström, Fairchild, "FLIP: A Difference Evaluator
 //! for Alternating Images", Proceedings of the ACM on Computer Graphics and Interactive Techniques 3(2), 2020

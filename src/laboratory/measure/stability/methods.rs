@@ -4,8 +4,6 @@
 //! `sphere_methods!(time)` instantiates `fn time<S: SphereMethod>() -> f64` for each method.
 //! `sphere_methods!(far, intersect)` instantiates only the small `intersect::<S>` and passes it to
 //! `fn far(rng, x, cases, intersect)`, so that `far` is compiled once.
-//!
-//! May import: `kernel`. Must not know: the use of the methods.
 
 /// A method, and a function of it.
 #[derive(Clone, Copy, Debug)]

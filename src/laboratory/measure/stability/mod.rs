@@ -1,7 +1,6 @@
 //! Where methods fail: recipes of difficult inputs, every method on each, checked in double precision.
 //!
-//! For: [`recipes`]; `recipe.rs` defines a recipe, `methods.rs` lists the methods by family. May import:
-//! the engine, `reference`, `quantiles`. Must not know: how figures are shown.
+//! For: [`recipes`]; `recipe.rs` defines a recipe, `methods.rs` lists the methods by family.
 //!
 //! A recipe generates rays (or other inputs) with fixed seeds along one axis: a distance, a scale, a shape.
 //! At each place of the axis each method gets the same inputs; an f64 computation, which shares nothing with

@@ -1,6 +1,6 @@
 //! Rays from points in single and double precision.
 //!
-//! For: [`ray`], `towards`, `to_f64`, [`packet`]. May import: `lane`, `math`. Must not know: primitives.
+//! For: [`ray`], `towards`, `to_f64`, [`packet`].
 
 use crate::lane::Lane;
 use crate::math::{Ray, Vec3};

@@ -1,7 +1,6 @@
 //! A recipe: inputs on which methods fail, and the failures of each method.
 //!
-//! For: [`Recipe`], [`Bound`], [`FailureCounts`], [`Outcome`]. May import: `methods`, `rng`, `quantiles`.
-//! Must not know: any particular recipe.
+//! For: [`Recipe`], [`Bound`], [`FailureCounts`], [`Outcome`].
 
 use super::methods::Method;
 use super::rng::Rng;

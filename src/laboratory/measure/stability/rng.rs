@@ -1,6 +1,6 @@
 //! Random numbers for recipes and tests.
 //!
-//! For: [`Rng`]. May import: `glam`. Must not know: the use of the numbers.
+//! For: [`Rng`].
 
 use glam::DVec3;
 

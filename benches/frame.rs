@@ -6,7 +6,7 @@
 //! looking fast.
 
 use criterion::{BatchSize, Criterion, Throughput};
-use octray_engine::lane::native_widths;
+use octray_engine::lane::WIDTHS;
 use octray_engine::render::{Renderer, Settings};
 use octray_formats::scene;
 use std::time::Duration;
@@ -80,7 +80,7 @@ struct Frame {
 impl Ready {
     fn new(name: &'static str) -> Self {
         let scene = scene::load(&format!("builtin:{name}")).expect("the scenes inside the program load");
-        let engines = native_widths().map(|lanes| {
+        let engines = WIDTHS.into_iter().rev().map(|lanes| {
             let settings = Settings {
                 resolution: [240, 135],
                 max_bounces: 4,

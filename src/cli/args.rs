@@ -118,7 +118,7 @@ pub struct BenchArgs {
 
 /// Check that SIMD and scalar render the same picture.
 ///
-/// Renders each scene at widths 1, 8 and 16 and counts the pixels that differ in any bit: 0 is expected. Then
+/// Renders each scene at every width (1, 8 and, with AVX-512, 16) and counts the pixels that differ in any bit: 0 is expected. Then
 /// they are compared with a reference in double precision that shares no code with them. Exits with 1 if a
 /// pixel differs, a sample is not finite, or a primary hit is wrong; differing pixels are allowed with --box
 /// fma, and wrong hits with any method that is not robust. All widths are always compared, so there is no

@@ -6,7 +6,7 @@ use super::memory;
 use super::options::BenchOptions;
 use super::scenes;
 use super::terminal;
-use crate::lane::native_widths;
+use crate::lane::WIDTHS;
 use crate::machine;
 use crate::measure::bench::{Effort, Engine, bench};
 use crate::measure::compare::{BYTES_PER_PIXEL as COMPARE_BYTES_PER_PIXEL, compare};
@@ -108,7 +108,7 @@ fn engines(options: &BenchOptions) -> Vec<Engine> {
     let first = options.lanes.unwrap_or_default().lanes();
     let mut engines = vec![Engine { lanes: first, threads }];
     if options.lanes.is_none() {
-        let others = native_widths().filter(|&lanes| lanes != first);
+        let others = WIDTHS.into_iter().rev().filter(|&lanes| lanes != first);
         engines.extend(others.map(|lanes| Engine { lanes, threads }));
     }
     if options.threads.is_none() && machine::cores() > 1 && first > 1 {

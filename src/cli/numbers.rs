@@ -4,6 +4,8 @@
 //! For: one function a kind of number, and the checks that view files share.
 
 use super::error::CliError;
+use crate::lane::WIDTHS;
+use crate::render::LaneChoice;
 use crate::scene::{MAX_BOUNCES, MAX_SIDE};
 use crate::wording::grouped;
 use std::time::Duration;
@@ -147,6 +149,12 @@ fn read(text: &str) -> Reading {
         return Reading::Other;
     }
     text.parse().map_or(Reading::TooLarge, Reading::Number)
+}
+
+/// A width that this build has.
+pub fn lanes(choice: LaneChoice) -> Result<LaneChoice, CliError> {
+    let why = "this octray was built for processors without AVX-512: give auto, 1 or 8";
+    if WIDTHS.contains(&choice.lanes()) { Ok(choice) } else { Err(refuse("--lanes", choice.name(), why)) }
 }
 
 /// The error for an option's value that cannot be used, with what to give instead.

@@ -9,7 +9,7 @@ use super::frames::{Frames, shard};
 use super::groups::LimitArgs;
 use super::limits::Limits;
 use super::methods::MethodOptions;
-use super::numbers::{bounces, exposure, refuse, samples, seconds, seed, size, threads, whole};
+use super::numbers::{bounces, exposure, lanes, refuse, samples, seconds, seed, size, threads, whole};
 use super::picture::PictureOptions;
 use crate::checkpoint::Shard;
 use crate::machine;
@@ -144,7 +144,7 @@ impl TryFrom<BenchArgs> for BenchOptions {
             json: args.json,
             stats: args.stats,
             threads: threads(args.threads.as_deref())?,
-            lanes: args.lanes,
+            lanes: args.lanes.map(lanes).transpose()?,
             size: size(&args.size)?,
             bounces: bounces(&args.bounces)?,
             frames: args.frames.map(|text| whole("--frames", &text, 1, MAX_FRAMES)).transpose()?,

@@ -4,7 +4,7 @@
 
 use super::error::CliError;
 use super::groups::PictureArgs;
-use super::numbers::{bounces, clamp, exposure, seed, size, threads};
+use super::numbers::{bounces, clamp, exposure, lanes, seed, size, threads};
 use super::overrides::Overrides;
 use crate::render::LaneChoice;
 
@@ -27,7 +27,7 @@ impl TryFrom<PictureArgs> for PictureOptions {
             size: args.size.as_deref().map(size).transpose()?,
             bounces: args.bounces.as_deref().map(bounces).transpose()?,
             threads: threads(args.threads.as_deref())?.unwrap_or_else(crate::machine::cores),
-            lanes: args.lanes.unwrap_or_default(),
+            lanes: lanes(args.lanes.unwrap_or_default())?,
             overrides: Overrides {
                 limits: None,
                 seed: args.seed.as_deref().map(seed).transpose()?,

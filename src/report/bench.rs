@@ -7,7 +7,7 @@ use super::numbers::{figure, ratio};
 use super::paragraph::{NAME, paragraph, row_name};
 use super::stats::{self, engine};
 use crate::camera::MAX_PIXELS;
-use crate::lane::native_widths;
+use crate::lane::WIDTHS;
 use crate::machine::Machine;
 use crate::measure::bench::{FEWEST_FRAMES, Measurement};
 use crate::measure::compare::Comparison;
@@ -60,7 +60,7 @@ impl Report {
 
 /// The packets that have a column, the widest first.
 fn packets() -> impl Iterator<Item = usize> {
-    native_widths().filter(|&lanes| lanes > 1)
+    WIDTHS.into_iter().rev().filter(|&lanes| lanes > 1)
 }
 
 /// Stands for what was not measured.

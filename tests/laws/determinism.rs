@@ -303,7 +303,7 @@ fn check_ways(scene: &Scene, wanted: impl Fn(usize, usize, usize) -> bool) {
     }
 }
 
-/// Where culling begins depends on the width and the method. Below it, camera rays use prepared spheres.
+/// Where culling begins depends on the width and the method.
 #[test]
 fn picture_is_the_same_for_all_lanes_with_every_number_of_spheres() {
     for count in 1..=20 {
@@ -314,7 +314,7 @@ fn picture_is_the_same_for_all_lanes_with_every_number_of_spheres() {
             let mut scalar = base(&scene, [48, 32], 4);
             scalar.methods.sphere = choice;
             let expected = Print::of(&scene, scalar, &[2]);
-            for lanes in [8, 16] {
+            for lanes in WIDTHS.into_iter().skip(1) {
                 let packets = Settings { lanes, ..scalar };
                 Print::of(&scene, packets, &[2]).assert_same(&expected, packets, &[2]);
             }
@@ -325,7 +325,7 @@ fn picture_is_the_same_for_all_lanes_with_every_number_of_spheres() {
 #[test]
 fn picture_is_the_same_however_many_tiles_are_traced_together() {
     // One thread traces five of these tiles together, six threads one. Paths of three tiles fill the queue if
-    // they all go on, and the queue of ended paths if they all end.
+    // they all go on.
     for scene in [everything(), ball_in_a_dome(), lamp_and_sign(), matt_and_mirror(), crowd()] {
         for max_bounces in [1, 2, 6] {
             let alone = Settings { threads: 6, lanes: 8, ..base(&scene, [160, 140], max_bounces) };

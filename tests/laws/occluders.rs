@@ -4,6 +4,7 @@
 use crate::common::{Rng, empty, lamp, material, render, sphere, triangle};
 use glam::{DMat3, DVec3, Vec3};
 use octray::buffers::{LightChoice, Lights};
+use octray::lane::NATIVE_WIDTH;
 use octray::render::Settings;
 use octray::scene::{Camera, MaterialKind, Scene, Sky, Triangle, load};
 use octray::traverse::batch::Traversal;
@@ -213,7 +214,9 @@ fn every_traversal_leaves_out_the_same() {
         };
         let linear = film(TraversalChoice::Linear, 8);
         last_is_lit = linear.iter().any(|pixel| pixel[0] > 0.0);
-        for (traversal, lanes) in [(Traversal::Scalar, 1), (Traversal::Stream, 8), (Traversal::Hybrid, 16)] {
+        for (traversal, lanes) in
+            [(Traversal::Scalar, 1), (Traversal::Stream, 8), (Traversal::Hybrid, NATIVE_WIDTH)]
+        {
             assert!(film(TraversalChoice::Through(traversal), lanes) == linear, "{traversal:?}");
         }
     }

@@ -5,6 +5,7 @@
 use crate::common::{Rng, empty, noise, sphere, triangle};
 use glam::{DVec3, Vec2, Vec3};
 use octray::buffers::LightChoice;
+use octray::lane::WIDTHS;
 use octray::render::{PipelineChoice, Renderer, Settings};
 use octray::sampling::Sampler;
 use octray::scene::{Camera, Filter, Material, MaterialKind, Scene, Side, Sky, Sphere};
@@ -252,7 +253,7 @@ fn check(seed: u64) -> Result<bool, String> {
         return Err(format!("{discarded} samples discarded, a pixel of {wrong:?}"));
     }
     let bits = |pixels: &[[f32; 3]]| pixels.iter().map(|pixel| pixel.map(f32::to_bits)).collect::<Vec<_>>();
-    for lanes in [8, 16] {
+    for lanes in WIDTHS.into_iter().skip(1) {
         let (packets, _) = picture(lanes);
         let differ = bits(&packets).iter().zip(bits(&scalar)).filter(|(a, b)| **a != *b).count();
         if differ > 0 {

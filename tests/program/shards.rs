@@ -1,6 +1,7 @@
 //! `octray render --shard` and `octray merge`: parts that join into the bits of one run.
 
 use crate::desk::Desk;
+use octray::lane::WIDTHS;
 use predicates::str::contains;
 use std::fs;
 
@@ -19,7 +20,7 @@ fn eight_shards_join_into_the_bits_of_one_run() {
     let desk = Desk::new();
     for number in 1..=8 {
         // Widths and threads of their own, as on different machines.
-        let own = format!("--lanes {} --threads {}", [1, 8, 16][number % 3], 1 + number % 2);
+        let own = format!("--lanes {} --threads {}", WIDTHS[number % WIDTHS.len()], 1 + number % 2);
         let checkpoint = if number == 5 { " --checkpoint 5.part" } else { "" };
         run(&desk, &format!("{PICTURE} --shard {number}/8 -o {number}.part {own}{checkpoint}"));
     }

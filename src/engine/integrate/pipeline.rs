@@ -13,7 +13,9 @@ use super::shadow_rays::trace_shadow_rays;
 use super::stats::Stage;
 use crate::buffers::Features;
 use crate::camera::Tile;
-use crate::lane::{F32x8, F32x16, Lane};
+#[cfg(target_feature = "avx512f")]
+use crate::lane::F32x16;
+use crate::lane::{F32x8, Lane, WIDTHS};
 use std::ops::Range;
 
 /// [`trace_tiles`] at one width, compiled for one set of features.
@@ -136,6 +138,9 @@ fn shadow_rays<L: Lane, const N: u32>(context: &TraceContext, scratch: &mut Scra
 /// without renormalisation, `tests/laws/long_paths.rs`.
 pub const RENORMALIZATION_INTERVAL: u32 = 8;
 
+/// A pipeline at each of [`WIDTHS`].
+type Widths = [Pipeline; WIDTHS.len()];
+
 /// The compiled pipelines: sets of features, smallest first. A scene gets the first one that holds its
 /// features.
 ///
@@ -144,7 +149,7 @@ pub const RENORMALIZATION_INTERVAL: u32 = 8;
 /// 1.5, `balls` 1.3, a scanned mesh 1.2, `materials` and `spheres` 1.05, boxes with area lights 1.0 to 1.06,
 /// where triangle tests take most of the time. All share the loops that test every primitive.
 #[cfg(not(octray_general_only))]
-const PIPELINES: &[(Features, [Pipeline; 3])] = &[
+const PIPELINES: &[(Features, Widths)] = &[
     pipeline::<{ DIFFUSE_AND_MIRROR_SPHERES.0 }>(),
     pipeline::<{ FEW_TEXTURED.0 }>(),
     pipeline::<{ UNTEXTURED.0 }>(),
@@ -154,7 +159,7 @@ const PIPELINES: &[(Features, [Pipeline; 3])] = &[
 ];
 /// With `--cfg octray_general_only`, for checks of other processors in `.ci/run`: half the compilation.
 #[cfg(octray_general_only)]
-const PIPELINES: &[(Features, [Pipeline; 3])] = &[pipeline::<{ Features::ALL.0 }>()];
+const PIPELINES: &[(Features, Widths)] = &[pipeline::<{ Features::ALL.0 }>()];
 
 #[cfg(not(octray_general_only))]
 const DIFFUSE_AND_MIRROR_SPHERES: Features =
@@ -193,19 +198,21 @@ const ALL_LOBES: Features = UNTEXTURED
     .with(Features::PLASTIC)
     .with(Features::METAL_ROUGH);
 
-const fn pipeline<const N: u32>() -> (Features, [Pipeline; 3]) {
-    (Features(N), [trace_tiles::<f32, N>, trace_tiles::<F32x8, N>, trace_tiles::<F32x16, N>])
+const fn pipeline<const N: u32>() -> (Features, Widths) {
+    let widths = [
+        trace_tiles::<f32, N>,
+        trace_tiles::<F32x8, N>,
+        #[cfg(target_feature = "avx512f")]
+        trace_tiles::<F32x16, N>,
+    ];
+    (Features(N), widths)
 }
 
-/// The pipeline for the features that a scene needs at a width of 1, 8 or 16, and the features that it is
-/// compiled with.
+/// The pipeline for the features that a scene needs at one of [`WIDTHS`], and the features that it is compiled
+/// with.
 pub fn pipeline_for(needs: Features, lanes: usize) -> (Features, Pipeline) {
-    let (features, [scalar, eight, sixteen]) =
+    let (features, widths) =
         PIPELINES.iter().find(|(set, _)| set.contains(needs)).expect("the last pipeline has every feature");
-    let pipeline = match lanes {
-        1 => scalar,
-        16 => sixteen,
-        _ => eight,
-    };
-    (*features, *pipeline)
+    let width = WIDTHS.iter().position(|&width| width == lanes).expect("one of WIDTHS");
+    (*features, widths[width])
 }

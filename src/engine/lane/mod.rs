@@ -31,8 +31,14 @@ pub use traits::{Bits, Lane, Mask, lane_indices, set_bits};
 /// those of the others, and in nothing else does a build change a film.
 pub const FUSED: bool = cfg!(target_feature = "fma");
 
-/// Every width, in ascending order.
+/// The widths that pictures are rendered with, in ascending order: up to one vector of the instruction set
+/// that is compiled for.
+#[cfg(target_feature = "avx512f")]
 pub const WIDTHS: [usize; 3] = [1, 8, 16];
+/// The widths that pictures are rendered with, in ascending order: up to one vector of the instruction set
+/// that is compiled for.
+#[cfg(not(target_feature = "avx512f"))]
+pub const WIDTHS: [usize; 2] = [1, 8];
 
 /// The widest packet that is one vector of the instruction set that is compiled for.
 #[cfg(target_feature = "avx512f")]
@@ -48,8 +54,3 @@ pub type NativeMask = <Native as Lane>::Mask;
 
 /// Lanes of [`Native`].
 pub const NATIVE_WIDTH: usize = <Native as Lane>::WIDTH;
-
-/// The widths up to [`NATIVE_WIDTH`], the widest first: those that are worth timing.
-pub fn native_widths() -> impl Iterator<Item = usize> {
-    WIDTHS.into_iter().rev().filter(|&lanes| lanes <= NATIVE_WIDTH)
-}

@@ -13,7 +13,7 @@ use crate::camera::{MAX_PIXELS, Pinhole, Tile};
 use crate::film::{Film, TileSums};
 use crate::integrate::stats::Stats;
 use crate::integrate::{MAX_TILES, Pipeline, Scratch, TraceContext, generate, pipeline_for};
-use crate::lane::{F32x8, F32x16, WIDTHS};
+use crate::lane::{F32x8, Native, WIDTHS};
 use crate::math::{Hit, MISS};
 use crate::scene::{Camera, Scene};
 use crate::threads::Threads;
@@ -241,8 +241,8 @@ impl Renderer {
         let of_tile = |tile: Tile| {
             let paths = match self.settings.lanes {
                 1 => generate::<f32>(&self.context, (0, tile), sample, 0, &mut scratch),
-                16 => generate::<F32x16>(&self.context, (0, tile), sample, 0, &mut scratch),
-                _ => generate::<F32x8>(&self.context, (0, tile), sample, 0, &mut scratch),
+                8 => generate::<F32x8>(&self.context, (0, tile), sample, 0, &mut scratch),
+                _ => generate::<Native>(&self.context, (0, tile), sample, 0, &mut scratch),
             };
             let hit = |(at, [x, y]): (usize, [u32; 2])| {
                 let (direction, _) = scratch.queue.primary::<f32>(at);

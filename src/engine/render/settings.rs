@@ -24,7 +24,7 @@ choices! {
         Auto = "auto", "The width that measured fastest: 16 with AVX-512, else 8.";
         One = "1", "Scalar.";
         Eight = "8", "Packets of eight: one vector with AVX2.";
-        Sixteen = "16", "Packets of sixteen: one vector with AVX-512, two without.";
+        Sixteen = "16", "Packets of sixteen: one vector with AVX-512, which the build must have.";
     }
 }
 
@@ -55,7 +55,7 @@ pub struct Settings {
     pub seed: u32,
     /// Intersection, traversal, lights and sampler.
     pub methods: Methods,
-    /// 1 (scalar path), 8 or 16 (packets): see [`LaneChoice`].
+    /// One of [`WIDTHS`](crate::lane::WIDTHS): see [`LaneChoice`].
     pub lanes: usize,
     /// Worker threads, at least 1.
     pub threads: usize,

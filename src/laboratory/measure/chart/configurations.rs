@@ -6,7 +6,7 @@
 //! setting.
 
 use crate::buffers::{Features, LightChoice};
-use crate::lane::native_widths;
+use crate::lane::WIDTHS;
 use crate::render::{PipelineChoice, Renderer, Settings};
 use crate::sampling::Sampler;
 use crate::scene::{Filter, Scene};
@@ -146,7 +146,7 @@ pub fn of_scene(scene: &Scene, settings: Settings) -> Vec<Configuration> {
         }
     };
     add(true, of("scalar", Settings { lanes: 1, ..settings }, true));
-    for lanes in native_widths().filter(|&lanes| lanes > 1) {
+    for lanes in WIDTHS.into_iter().rev().filter(|&lanes| lanes > 1) {
         let name = if lanes == 8 { "8 lanes" } else { "16 lanes" };
         add(lanes != settings.lanes, of(name, Settings { lanes, ..settings }, true));
     }

@@ -174,11 +174,6 @@ pub fn run(options: ViewOptions) -> Result<ExitCode, CliError> {
         );
         return Err(CliError::Nothing { what, mend: "name a folder that holds some, or a file" });
     };
-    let in_terminal = options.terminal || !cfg!(feature = "window");
-    if in_terminal && !std::io::stdout().is_terminal() {
-        let what = "octray view draws in a terminal here, and standard output is not one".to_string();
-        return Err(CliError::Nothing { what, mend: FOR_A_WINDOW });
-    }
     if !options.screenshots.is_dir() {
         let what = format!("there is no folder `{}` for screenshots", options.screenshots.display());
         return Err(CliError::Nothing { what, mend: "make it, or name another with --screenshots" });
@@ -193,6 +188,11 @@ pub fn run(options: ViewOptions) -> Result<ExitCode, CliError> {
     }
     let first = scenes::load_with_warnings(name)?;
     memory::check(options.picture.size.unwrap_or(first.resolution), viewer::BYTES_PER_PIXEL)?;
+    let in_terminal = options.terminal || !cfg!(feature = "window");
+    if in_terminal && !std::io::stdout().is_terminal() {
+        let what = "octray view draws in a terminal here, and standard output is not one".to_string();
+        return Err(CliError::Nothing { what, mend: FOR_A_WINDOW });
+    }
     let viewer = options.viewer(&first)?;
     let report = if in_terminal {
         let summary = viewer::terminal(viewer, playlist, first).map_err(CliError::Terminal)?;

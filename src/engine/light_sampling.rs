@@ -37,7 +37,7 @@ const CANDIDATES: usize = 8;
 impl Lights {
     /// Chooses a light by `u`. Returns the rest of `u` too: a number in [0, 1), as well distributed over the
     /// chosen light as `u` is over all of them. Among more than 64 lights `number` and `second_number`
-    /// choose, and `u` is returned whole. `few` promises at most [`Lights::FEW`] lights.
+    /// choose, and `u` is returned whole. `fits_registers` promises at most [`Lights::FEW`] lights.
     ///
     /// Domain: there are lights.
     #[inline(always)]
@@ -46,11 +46,11 @@ impl Lights {
         u: L,
         number: impl Fn() -> L,
         second_number: impl Fn() -> L,
-        few: bool,
+        fits_registers: bool,
     ) -> (ChosenLight<L>, L) {
         let (light, rest) = match self.len() {
             1 => (L::Bits::splat(0), u),
-            count if few || count <= Self::MAX_SHARED => {
+            count if fits_registers || count <= Self::MAX_SHARED => {
                 let (slot, fraction) = self.slot(u);
                 let threshold = L::from_bits(L::gather_bits(&self.alias_table.threshold, slot));
                 let own = fraction.lt(threshold);
@@ -60,7 +60,7 @@ impl Lights {
             }
             _ => (self.light_of(number(), second_number()), u),
         };
-        (self.fetch(light, L::one(), few), rest)
+        (self.fetch(light, L::one(), fits_registers), rest)
     }
 
     /// Chooses one of few lights in proportion to its irradiance at `point` with the normal `n`, were nothing
@@ -68,7 +68,12 @@ impl Lights {
     ///
     /// Domain: there are importance rows, at most [`Lights::MAX_COMPARED`].
     #[inline(always)]
-    pub fn compare<L: Lane>(&self, (point, n): (Vec3<L>, Vec3<L>), u: L, few: bool) -> (ChosenLight<L>, L) {
+    pub fn compare<L: Lane>(
+        &self,
+        (point, n): (Vec3<L>, Vec3<L>),
+        u: L,
+        fits_registers: bool,
+    ) -> (ChosenLight<L>, L) {
         let mut ends = [L::zero(); Self::MAX_COMPARED];
         let mut sum = L::zero();
         for (light, end) in ends.iter_mut().enumerate().take(self.len()) {
@@ -87,7 +92,7 @@ impl Lights {
         let possible = L::zero().lt(share);
         let per_share = L::one() / L::select(possible, share, L::one());
         let rest = ((at - start) * per_share).max(L::zero()).min(L::splat(BELOW_ONE));
-        let mut chosen = self.fetch(light, L::one(), few);
+        let mut chosen = self.fetch(light, L::one(), fits_registers);
         // 0 where no light is above the horizon.
         chosen.weight = (chosen.probability * (sum * per_share)).only(possible);
         (chosen, rest)
@@ -136,8 +141,8 @@ impl Lights {
     /// An estimate of the irradiance of a light at `point` on a surface with the normal `n`, nothing between
     /// them; above 0 where some of it is above the horizon.
     #[inline(always)]
-    fn irradiance<L: Lane>(&self, light: L::Bits, point: Vec3<L>, n: Vec3<L>, few: bool) -> L {
-        let [x, y, z, radius, nx, ny, nz, power] = self.importance_rows.fetch::<L>(light, few);
+    fn irradiance<L: Lane>(&self, light: L::Bits, point: Vec3<L>, n: Vec3<L>, fits_registers: bool) -> L {
+        let [x, y, z, radius, nx, ny, nz, power] = self.importance_rows.fetch::<L>(light, fits_registers);
         let (to, normal) = (Vec3::new(x, y, z) - point, Vec3::new(nx, ny, nz));
         let distance2 = to.dot(to).max(radius * radius).max(L::splat(f32::MIN_POSITIVE));
         let per_distance = functions::approximate_rsqrt(distance2);
@@ -171,11 +176,11 @@ impl Lights {
     }
 
     #[inline(always)]
-    fn fetch<L: Lane>(&self, light: L::Bits, weight: L, few: bool) -> ChosenLight<L> {
+    fn fetch<L: Lane>(&self, light: L::Bits, weight: L, fits_registers: bool) -> ChosenLight<L> {
         let first = light.shl(1);
-        let [x, y, z, radius, r, g, b, probability] = self.rows.fetch::<L>(first, few);
+        let [x, y, z, radius, r, g, b, probability] = self.rows.fetch::<L>(first, fits_registers);
         let [abx, aby, abz, acx, acy, acz, quad, offset] =
-            self.rows.fetch::<L>(first | L::Bits::splat(1), few);
+            self.rows.fetch::<L>(first | L::Bits::splat(1), fits_registers);
         ChosenLight {
             at: Vec3::new(x, y, z),
             radius,

@@ -77,12 +77,13 @@ pub fn page(chart: &Chart) -> String {
             }
             body {
                 h1 { "Speed against accuracy" }
+                @for scene in &chart.scenes { (figure(&of_pictures(scene, chart.seeds, Measure::Rmse))) }
                 p { (introduction()) }
                 (verdict(chart))
-                (meanings(chart))
                 @for scene in &chart.scenes { (of_scene(chart, scene)) }
                 (intersection(chart))
                 (source(chart))
+                (meanings(chart))
             }
         }
     };
@@ -113,14 +114,19 @@ fn verdict(chart: &Chart) -> Markup {
     html! {
         h2 { "What was found" }
         ul {
-            li { "No other configuration dominates the default in " (count) " of " (counted(chart.scenes.len(), "scene", "scenes")) "." }
+            li {
+                @if count == chart.scenes.len() { "No other configuration dominates the default." }
+                @else { "The default is dominated in " (counted(chart.scenes.len() - count, "scene", "scenes")) " of " (chart.scenes.len()) "." }
+            }
             li {
                 @if unlike == 0 { "Configurations that must give the default's picture gave it, bit by bit." }
                 @else { (counted(unlike, "picture", "pictures")) " DIFFERED from the default's where all bits should agree: a bug in octray." }
             }
             @for scene in &chart.scenes {
                 @for line in &scene.pictures {
-                    @if let Some(better) = line.dominated_by { (dominated(scene, line, better)) }
+                    @if let Some(better) = line.dominated_by {
+                        li { (scene.scene) ": " em { (line.configuration) } " is dominated, at its last point by " em { (better) } "." }
+                    }
                 }
             }
             @for kernel in slow_equations {
@@ -146,7 +152,7 @@ fn meanings(chart: &Chart) -> Markup {
     };
     let named = GROUPS.into_iter().flat_map(|(_, named)| named).filter(|(name, _)| shown(name));
     html! {
-        h2 { "What the lines are" }
+        h2 { "What the names of lines mean" }
         p { "The default has the methods that " code { "octray render" } " takes without options. Every other configuration differs from it in one thing:" }
         (explained(named.copied()))
         h2 { "What the words mean" }
@@ -165,23 +171,10 @@ fn explained(named: impl Iterator<Item = (&'static str, &'static str)>) -> Marku
     }
 }
 
-/// A configuration that another dominates, with the figures of both.
-fn dominated(scene: &SceneChart, line: &Line, better: &str) -> Markup {
-    let by = scene.pictures.iter().find(|other| other.configuration == better);
-    let time = |line: &Line| times(line.time_to_equal_error);
-    html! {
-        li {
-            (scene.scene) ": " em { (line.configuration) } " is dominated: at each of its points another configuration has a smaller error in the same time, at its last point " em { (better) }
-            @if let Some(by) = by { " (" (time(line)) " and " (time(by)) " the default's time to its last error)" } "."
-        }
-    }
-}
-
 fn of_scene(chart: &Chart, scene: &SceneChart) -> Markup {
     let [width, height] = scene.frame_size;
     html! {
         h2 { (scene.scene) }
-        (figure(&of_pictures(scene, chart.seeds, Measure::Rmse)))
         (pictures_table(scene))
         (figure(&of_pictures(scene, chart.seeds, Measure::Relmse)))
         (figure(&of_pictures(scene, chart.seeds, Measure::Flip)))
@@ -208,16 +201,16 @@ fn pictures_table(scene: &SceneChart) -> Markup {
         div class="wide" {
             table {
                 tr {
-                    th { "configuration" } th { "time to equal error" } th { "samples" } th { "seconds" } th { "RMSE" } th { "relMSE" }
-                    th { "relMSE, trimmed" } th { "FLIP" } th class="text" { "verdict" }
+                    th { "configuration" } th class="text" { "verdict" } th { "time to equal error" } th { "samples" } th { "seconds" }
+                    th { "RMSE" } th { "relMSE" } th { "relMSE, trimmed" } th { "FLIP" }
                 }
                 @for line in &scene.pictures {
                     @if let Some(point) = last(line) {
                         tr class=[(line.configuration == DEFAULT).then_some("default")] {
-                            td { (line.configuration) } td { (times(line.time_to_equal_error)) } td { (format!("{:.0}", point.samples)) }
+                            td { (line.configuration) } td class="text" { (chart::verdict(line)) }
+                            td { (times(line.time_to_equal_error)) } td { (format!("{:.0}", point.samples)) }
                             td { (spread(&point.seconds)) } td { (number(point.rmse.median)) } td { (number(point.relmse.median)) }
                             td { (number(point.relmse_trimmed.median)) } td { (number(point.flip.median)) }
-                            td class="text" { (chart::verdict(line)) }
                         }
                     }
                 }

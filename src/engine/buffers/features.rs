@@ -67,7 +67,7 @@ impl Features {
     pub const NONE: Features = Features(0);
     /// The features that make shading normals differ from geometric normals.
     pub const SHADING_NORMALS: Features = Self::SMOOTH_NORMALS.with(Self::NORMAL_MAPS);
-    /// The features that read [`super::Buffers::detail_rows`].
+    /// The features that read [`super::Buffers::material_extra`].
     pub const DETAILS: Features = Self::PLASTIC
         .with(Self::METAL_ROUGH)
         .with(Self::NORMAL_MAPS)

@@ -63,7 +63,7 @@ pub struct Buffers {
     /// refraction, mean transmittance of plastic's coat, roughness map, normal map and emission map (bits:
     /// index + 1, 0 for none), 0. Of metal-rough the first two are the dielectric's reflectance at normal
     /// incidence and the metallic share.
-    pub detail_rows: Rows,
+    pub material_extra: Rows,
     /// Whether any triangle has texture coordinates of its own.
     pub has_uvs: bool,
     /// All textures, encoded for lookups.
@@ -157,7 +157,7 @@ impl Buffers {
             material_rows: Rows::new(scene.materials.iter().map(material_row)),
             normal_rows: Rows::new(scene.normals.iter().flat_map(normal_rows)),
             tangent_rows: Rows::new(tangent_rows(scene)),
-            detail_rows: Rows::new(scene.materials.iter().map(detail_row)),
+            material_extra: Rows::new(scene.materials.iter().map(detail_row)),
             has_uvs: !scene.uvs.is_empty(),
             textures: Textures::new(&scene.textures),
             sky: Sky::new(scene.sky),
@@ -169,7 +169,7 @@ impl Buffers {
     pub fn bytes(&self) -> usize {
         let Self { sphere_rows, triangle_rows, uv_rows, normal_rows, tangent_rows, .. } = self;
         let rows = [sphere_rows, triangle_rows, uv_rows, normal_rows, tangent_rows];
-        let rows = rows.into_iter().chain([&self.material_rows, &self.detail_rows]);
+        let rows = rows.into_iter().chain([&self.material_rows, &self.material_extra]);
         rows.map(Rows::bytes).sum::<usize>()
             + self.spheres.bytes()
             + self.textures.bytes()
@@ -239,7 +239,7 @@ fn material_row(material: &scene::Material) -> [f32; 8] {
     [color.x, color.y, color.z, parameter, emission.x, emission.y, emission.z, f32::from_bits(code.0)]
 }
 
-/// See [`Buffers::detail_rows`].
+/// See [`Buffers::material_extra`].
 fn detail_row(material: &scene::Material) -> [f32; 8] {
     let (ior, transmitted) = match material.kind {
         MaterialKind::Plastic { roughness, ior } => {

@@ -46,19 +46,19 @@ impl Rows {
     pub fn bytes(&self) -> usize {
         size_of_val(self.rows.as_slice())
     }
-    /// Row `index` of each lane. `few` promises that the table has at most [`Rows::FEW`] rows; the result is
-    /// the same with and without it.
+    /// Row `index` of each lane. `fits_registers` promises that the table has at most [`Rows::FEW`] rows; the
+    /// result is the same with and without it.
     ///
     /// # Panics
-    /// Without `few`, if an index in any lane is not below the number of rows, of which there are more than
-    /// sixteen.
+    /// Without `fits_registers`, if an index in any lane is not below the number of rows, of which there are
+    /// more than sixteen.
     #[inline(always)]
-    pub fn fetch<L: Lane>(&self, index: L::Bits, few: bool) -> [L; 8] {
+    pub fn fetch<L: Lane>(&self, index: L::Bits, fits_registers: bool) -> [L; 8] {
         let columns = &self.first_as_columns.0;
         // A register of sixteen lanes takes a column of sixteen as it lies in memory.
-        if few && L::WIDTH <= Self::FEW {
+        if fits_registers && L::WIDTH <= Self::FEW {
             columns.each_ref().map(|column| L::pick(column.first_chunk().expect("eight of sixteen"), index))
-        } else if few || self.rows.len() <= Self::COLUMN_LENGTH {
+        } else if fits_registers || self.rows.len() <= Self::COLUMN_LENGTH {
             columns.each_ref().map(|column| L::pick_of_16(column, index))
         } else {
             L::gather_rows::<8>(bytemuck::cast_slice(&self.rows), index)
@@ -79,8 +79,8 @@ mod tests {
             let rows = Rows::new((0..count).map(row));
             for shift in 0..count {
                 let of = |lane: usize| (lane as u32 * 5 + shift) % count;
-                for few in [false, count <= Rows::FEW as u32] {
-                    let columns = rows.fetch::<L>(L::Bits::from_fn(of), few);
+                for fits_registers in [false, count <= Rows::FEW as u32] {
+                    let columns = rows.fetch::<L>(L::Bits::from_fn(of), fits_registers);
                     for lane in 0..L::WIDTH {
                         assert_eq!(columns.map(|column| column.get(lane)), row(of(lane)), "{count} rows");
                     }

@@ -191,12 +191,12 @@ impl Seen {
             let of_color = of_emitter.only(is(MaterialCode::EMITTER));
             let away = zero.lt(material.ns.dot(direction));
             let facing = Vec3::select(away, -material.ns, material.ns);
-            let spread = material.parameter.min(one);
+            let spread = material.roughness_or_ior.min(one);
             let spread = L::select(is(MaterialCode::GGX) | is(MaterialCode::SCATTER), spread, one);
             let spread = L::select(is(MaterialCode::MIRROR) | is(MaterialCode::GLASS), zero, spread);
             // The dielectric's base is diffuse.
             let metallic = material.transmitted;
-            let metal_rough = metallic.mul_add(material.parameter, one - metallic);
+            let metal_rough = metallic.mul_add(material.roughness_or_ior, one - metallic);
             let spread = L::select(is(MaterialCode::METAL_ROUGH), metal_rough, spread);
             seen.normal = Vec3::select(found, facing, normal);
             seen.albedo = Vec3::select(found, color, seen.albedo);

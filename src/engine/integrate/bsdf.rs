@@ -65,7 +65,7 @@ pub struct ScatteredPath<L: Lane> {
     /// Those that a delta lobe scattered.
     pub is_delta: L::Mask,
     /// Where rays to the lights start: at lobes that are none of mirrors and glass, the path's origin.
-    pub near_side: Vec3<L>,
+    pub offset_origin: Vec3<L>,
     /// For [`evaluate`].
     pub plastic: PlasticView<L>,
 }
@@ -108,12 +108,12 @@ fn scatter_inlined<L: Lane, const N: u32>(
     let d = path.ray.direction;
     let normals = FacingNormals::of::<N>(d, surface, material);
     let nothing = L::Mask::splat(false);
-    let near_side = normals.ng.mul_add(surface.offset, leaving_point::<L, N>(surface, material, nothing));
+    let offset_origin = normals.ng.mul_add(surface.offset, leaving_point::<L, N>(surface, material, nothing));
     let mut sampling = Sampling {
         d,
         numbers,
         guiding: guiding.filter(|_| has(N, Features::LIGHTS)),
-        near_side,
+        offset_origin,
         normals: &normals,
         material,
         sample: BsdfSample { wi: normals.ns_specular, weight: L::one(), pdf: L::zero(), alive: nothing },
@@ -143,7 +143,7 @@ fn scatter_inlined<L: Lane, const N: u32>(
     let inv_pdf =
         if has(N, Features::LIGHTS) { L::one() / sample.pdf.max(L::splat(1e-30)) } else { L::zero() };
     let path = Path { ray, throughput, inv_pdf, ..*path };
-    ScatteredPath { path, alive: sample.alive & !dark, is_delta, near_side, plastic }
+    ScatteredPath { path, alive: sample.alive & !dark, is_delta, offset_origin, plastic }
 }
 
 /// The ray that leaves a surface in the lanes of `found`; those of `is_delta` have a delta lobe.
@@ -195,7 +195,7 @@ pub fn follow_delta<L: Lane, const N: u32>(
     let mut sample = bsdf::mirror::sample(d, ns_specular);
     let glass = material.has_lobe(MaterialCode::GLASS, found);
     if glass.any() {
-        let either = bsdf::glass::sample(d, ns_specular, outside, material.parameter, L::splat(0.5));
+        let either = bsdf::glass::sample(d, ns_specular, outside, material.roughness_or_ior, L::splat(0.5));
         sample.wi = Vec3::select(glass, either.wi, sample.wi);
         sample.weight = L::select(glass, either.weight, sample.weight);
         resolve_refraction::<L, N>(d, &normals, material, &mut sample);
@@ -211,7 +211,7 @@ struct Sampling<'a, L: Lane> {
     numbers: &'a PacketValues<'a, L>,
     guiding: Option<&'a Guiding>,
     /// Where rays leave that are reflected.
-    near_side: Vec3<L>,
+    offset_origin: Vec3<L>,
     normals: &'a FacingNormals<L>,
     material: &'a MaterialSample<L>,
     sample: BsdfSample<L>,
@@ -245,7 +245,7 @@ impl<L: Lane> LobeVisitor<L> for Sampling<'_, L> {
     fn diffuse(&mut self, mask: L::Mask) {
         let (u, v) = self.two_numbers();
         let sample = match self.guiding {
-            Some(guiding) => guiding.sample_diffuse(self.near_side, self.normals.ns, u, v),
+            Some(guiding) => guiding.sample_diffuse(self.offset_origin, self.normals.ns, u, v),
             None => bsdf::diffuse::sample(self.normals.ns, u, v),
         };
         self.take(mask, sample);
@@ -257,18 +257,21 @@ impl<L: Lane> LobeVisitor<L> for Sampling<'_, L> {
     #[inline(always)]
     fn ggx(&mut self, mask: L::Mask) {
         let (u, v) = self.two_numbers();
-        self.take(mask, bsdf::ggx::sample(self.d, self.normals.ns_specular, self.material.parameter, u, v));
+        self.take(
+            mask,
+            bsdf::ggx::sample(self.d, self.normals.ns_specular, self.material.roughness_or_ior, u, v),
+        );
     }
     #[inline(always)]
     fn glass(&mut self, mask: L::Mask) {
         let FacingNormals { ns_specular, outside, .. } = *self.normals;
-        let (ior, number) = (self.material.parameter, self.lobe_number());
+        let (ior, number) = (self.material.roughness_or_ior, self.lobe_number());
         self.take(mask, bsdf::glass::sample(self.d, ns_specular, outside, ior, number));
     }
     #[inline(always)]
     fn scatter(&mut self, mask: L::Mask) {
         let (u, v) = self.two_numbers();
-        let roughness = self.material.parameter;
+        let roughness = self.material.roughness_or_ior;
         self.take(mask, bsdf::scatter::sample(self.d, self.normals.ns_specular, roughness, u, v));
     }
     #[inline(always)]
@@ -347,12 +350,12 @@ impl<L: Lane> LobeVisitor<L> for Evaluation<'_, L> {
     }
     #[inline(always)]
     fn ggx(&mut self, mask: L::Mask) {
-        let (n, alpha) = (self.normals.ns_specular, self.material.parameter);
+        let (n, alpha) = (self.normals.ns_specular, self.material.roughness_or_ior);
         self.take_colored(mask, bsdf::ggx::evaluate(self.d, n, alpha, self.towards));
     }
     #[inline(always)]
     fn scatter(&mut self, mask: L::Mask) {
-        let (n, roughness) = (self.normals.ns_specular, self.material.parameter);
+        let (n, roughness) = (self.normals.ns_specular, self.material.roughness_or_ior);
         self.take_colored(mask, bsdf::scatter::evaluate(self.d, n, roughness, self.towards));
     }
     #[inline(always)]
@@ -372,10 +375,10 @@ impl<L: Lane> LobeVisitor<L> for Evaluation<'_, L> {
 #[inline(always)]
 pub fn has_sampled_lobe<L: Lane, const N: u32>(material: &MaterialSample<L>) -> L::Mask {
     let has_lobe = |kind: u32| material.kind.equals(L::Bits::splat(kind));
-    let wide = |least: f32| L::splat(least).le(material.parameter);
+    let wide = |least: f32| L::splat(least).le(material.roughness_or_ior);
     let mut sampled = has_lobe(MaterialCode::DIFFUSE)
         | has_lobe(MaterialCode::PLASTIC)
-        | (has_lobe(MaterialCode::GGX) & !bsdf::ggx::is_narrow(material.parameter))
+        | (has_lobe(MaterialCode::GGX) & !bsdf::ggx::is_narrow(material.roughness_or_ior))
         | (has_lobe(MaterialCode::SCATTER) & wide(bsdf::scatter::NARROW));
     if has(N, Features::METAL_ROUGH) {
         sampled = sampled | has_lobe(MaterialCode::METAL_ROUGH);

@@ -23,8 +23,8 @@ pub fn scattered_cone<L: Lane>(
     let (zero, one) = (L::zero(), L::one());
     // Where the specular lobe is a delta lobe, what is none comes from the diffuse base.
     let is_base =
-        is(MaterialCode::DIFFUSE) | (!is(MaterialCode::SCATTER) & ggx::is_narrow(material.parameter));
-    let lobe = L::select(is_base, one, material.parameter.min(one));
+        is(MaterialCode::DIFFUSE) | (!is(MaterialCode::SCATTER) & ggx::is_narrow(material.roughness_or_ior));
+    let lobe = L::select(is_base, one, material.roughness_or_ior.min(one));
     let lobe = L::select(is_delta, zero, lobe);
     // Refraction at a sphere bends otherwise.
     let curvature = L::select(is(MaterialCode::GLASS), zero, surface.curvature.flip_sign(surface.facing));

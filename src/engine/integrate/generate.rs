@@ -12,7 +12,7 @@ use super::scratch::Scratch;
 use super::stats::RayKind;
 use crate::camera::{BLOCK, Pinhole, Tile};
 use crate::lane::{Bits, F32x8, F32x16, Lane, lane_indices};
-use crate::sampling::{Places, dimension};
+use crate::sampling::{PixelCoordinates, dimension};
 use std::ops::Range;
 
 /// Queues the tile's pixels in their order behind `waiting` paths, finds what they hit, and returns where in
@@ -47,7 +47,7 @@ fn camera_rays<L: Lane>(context: &TraceContext, sample: u32, paths: Range<usize>
     for at in paths.clone().step_by(L::WIDTH) {
         let places = pixels.places::<L>(at - paths.start);
         let (x, y, pixel) = match places {
-            Places::Block { x, y } => {
+            PixelCoordinates::Block { x, y } => {
                 let lanes = lane_indices::<L>();
                 let (column, row) = (lanes & L::Bits::splat(BLOCK - 1), lanes.shr(BLOCK.ilog2()));
                 let pixel = row.wrapping_mul(L::Bits::splat(width)).wrapping_add(column);
@@ -55,7 +55,7 @@ fn camera_rays<L: Lane>(context: &TraceContext, sample: u32, paths: Range<usize>
                 let from = |first: u32, steps: L::Bits| L::splat(first as f32) + L::from_int(steps);
                 (from(x, column), from(y, row), first.wrapping_add(pixel))
             }
-            Places::Any { x, y } => {
+            PixelCoordinates::Any { x, y } => {
                 let before = y.wrapping_mul(L::Bits::splat(width));
                 (L::from_int(x), L::from_int(y), before.wrapping_add(x))
             }

@@ -20,7 +20,7 @@ pub struct MaterialSample<L: Lane> {
     pub kind: L::Bits,
     pub color: Vec3<L>,
     /// Alpha of rough metal, plastic and metal-rough, `scatter`'s roughness, glass's index of refraction.
-    pub parameter: L,
+    pub roughness_or_ior: L,
     pub emission: Vec3<L>,
     /// Plastic's index of refraction, and the share of light that its coat transmits. Of metal-rough the
     /// dielectric's reflectance at normal incidence, and the metallic share.
@@ -60,14 +60,15 @@ impl<L: Lane> MaterialSample<L> {
 
     #[inline(always)]
     fn inlined<const N: u32>(context: &TraceContext, surface: &Surface<L>, found: L::Mask) -> Self {
-        let few = !has(N, Features::MANY_MATERIALS);
+        let fits_registers = !has(N, Features::MANY_MATERIALS);
         let index = L::Bits::select(found, surface.material, L::Bits::splat(0));
-        let [r, g, b, parameter, er, eg, eb, code] = context.buffers.material_rows.fetch::<L>(index, few);
+        let [r, g, b, roughness_or_ior, er, eg, eb, code] =
+            context.buffers.material_rows.fetch::<L>(index, fits_registers);
         let code = code.to_bits();
         let mut material = Self {
             kind: code & L::Bits::splat(MaterialCode::KIND),
             color: Vec3::new(r, g, b),
-            parameter,
+            roughness_or_ior,
             emission: Vec3::new(er, eg, eb),
             ior: L::one(),
             transmitted: L::one(),
@@ -85,7 +86,7 @@ impl<L: Lane> MaterialSample<L> {
         let (mut roughness_map, mut normal_map, mut emission_map) = (none, none, none);
         if Features(N).meets(Features::DETAILS) && context.buffers.needs.meets(Features::DETAILS) {
             let [ior, transmitted, roughness, normal, emission, ..] =
-                context.buffers.detail_rows.fetch::<L>(index, few);
+                context.buffers.material_extra.fetch::<L>(index, fits_registers);
             (material.ior, material.transmitted) = (ior, transmitted);
             (roughness_map, normal_map) = (roughness.to_bits(), normal.to_bits());
             if has(N, Features::EMISSION_MAPS) {
@@ -113,12 +114,12 @@ impl<L: Lane> MaterialSample<L> {
     }
     #[inline(always)]
     pub fn plastic(&self) -> Plastic<L> {
-        let Self { color, parameter: alpha, ior, transmitted, .. } = *self;
+        let Self { color, roughness_or_ior: alpha, ior, transmitted, .. } = *self;
         Plastic { color, alpha, ior, transmitted }
     }
     #[inline(always)]
     pub fn metal_rough(&self) -> MetalRough<L> {
-        let Self { color, parameter: alpha, ior: f0, transmitted: metallic, .. } = *self;
+        let Self { color, roughness_or_ior: alpha, ior: f0, transmitted: metallic, .. } = *self;
         MetalRough { color, alpha, f0, metallic }
     }
 
@@ -184,7 +185,7 @@ impl<L: Lane> MaterialSample<L> {
             }
             let scatters = self.kind.equals(L::Bits::splat(MaterialCode::SCATTER));
             let factor = L::select(scatters, factor, factor * factor);
-            self.parameter = L::select(mapped, self.parameter * factor, self.parameter);
+            self.roughness_or_ior = L::select(mapped, self.roughness_or_ior * factor, self.roughness_or_ior);
         }
     }
 
@@ -248,9 +249,9 @@ fn color_textures<L: Lane, const N: u32>(
     surface: &Surface<L>,
     found: L::Mask,
 ) -> (L::Bits, L::Mask) {
-    let (few, none) = (!has(N, Features::MANY_MATERIALS), L::Bits::splat(0));
+    let (fits_registers, none) = (!has(N, Features::MANY_MATERIALS), L::Bits::splat(0));
     let index = L::Bits::select(found, surface.material, none);
-    let [.., code] = context.buffers.material_rows.fetch::<L>(index, few);
+    let [.., code] = context.buffers.material_rows.fetch::<L>(index, fits_registers);
     let code = code.to_bits().shr(MaterialCode::TEXTURE_SHIFT);
     (code, found & !code.equals(none))
 }

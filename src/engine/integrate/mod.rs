@@ -6,7 +6,7 @@
 //! before the next one starts:
 //!
 //! ```text
-//! generate → ( intersect → shade → shadow rays )* → intersect → finish
+//! generate → ( intersect → shade → shadow rays )* → intersect → shade last
 //! ```
 //!
 //! - [`fn@generate`] makes primary rays and finds what they hit.
@@ -15,7 +15,7 @@
 //!   stay full. Where lights are sampled, it queues shadow rays. Where each hit has at most one texel, all
 //!   are read first.
 //! - `shadow_rays` adds the radiance of the shadow rays that are not occluded.
-//! - `finish` shades last segments: emitted radiance, no scattering.
+//! - `shade_last` shades last segments: emitted radiance, no scattering.
 //!
 //! After two events a tile has few paths left: one or two packets, half empty. So the paths of several tiles
 //! wait for each other in the queue from there and go on together ([`fn@trace_tiles`]).

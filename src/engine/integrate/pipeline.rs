@@ -8,7 +8,7 @@ use super::features::has;
 use super::generate::generate;
 use super::intersect::{Intersected, intersect};
 use super::scratch::{MAX_TILES, Scratch};
-use super::shade::{Shaded, finish, shade};
+use super::shade::{Shaded, shade, shade_last};
 use super::shadow_rays::trace_shadow_rays;
 use super::stats::Stage;
 use crate::buffers::Features;
@@ -61,7 +61,7 @@ fn first_segments<L: Lane, const N: u32>(
     let mut rays = paths.len() as u64;
     if context.max_bounces == 0 {
         scratch.begin_stage_with_rays::<L>(Stage::Finish, context, Some(tile), 0, &paths);
-        finish::<L, N, true>(context, scratch, &Intersected::all(paths));
+        shade_last::<L, N, true>(context, scratch, &Intersected::all(paths));
         return rays;
     }
     scratch.begin_stage_with_rays::<L>(Stage::Shade, context, Some(tile), 0, &paths);
@@ -96,7 +96,7 @@ fn later_segments<L: Lane, const N: u32>(
     scratch.begin_stage_with_rays::<L>(Stage::Intersect, context, None, context.max_bounces, &paths);
     let found = intersect::<L, N>(context, scratch, paths);
     scratch.begin_stage(Some(Stage::Finish));
-    finish::<L, N, false>(context, scratch, &found);
+    shade_last::<L, N, false>(context, scratch, &found);
     rays
 }
 
@@ -153,7 +153,6 @@ const PIPELINES: &[(Features, Widths)] = &[
     pipeline::<{ DIFFUSE_AND_MIRROR_SPHERES.0 }>(),
     pipeline::<{ FEW_TEXTURED.0 }>(),
     pipeline::<{ UNTEXTURED.0 }>(),
-    pipeline::<{ UNTEXTURED.with(Features::LIGHTS).0 }>(),
     pipeline::<{ ALL_LOBES.0 }>(),
     pipeline::<{ Features::ALL.0 }>(),
 ];

@@ -1,7 +1,7 @@
 //! Third and last stage: shading. Adds emitted radiance, samples the BSDF, and compresses the paths that go
 //! on.
 //!
-//! For: [`shade`] and [`finish`].
+//! For: [`shade`] and [`shade_last`].
 
 use super::bsdf::{ScatteredPath, scatter};
 use super::cone::scattered_cone;
@@ -96,7 +96,7 @@ pub fn shade<L: Lane, const N: u32, const FIRST: bool>(
 }
 
 /// Shades last segments: adds emitted radiance and scatters nothing.
-pub fn finish<L: Lane, const N: u32, const FIRST: bool>(
+pub fn shade_last<L: Lane, const N: u32, const FIRST: bool>(
     context: &TraceContext,
     scratch: &mut Scratch,
     &Intersected { ref hits, contributions }: &Intersected,

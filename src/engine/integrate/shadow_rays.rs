@@ -43,13 +43,13 @@ pub fn sample_direct_light<L: Lane, const N: u32>(
     }
     let (u, v) = numbers.get_2d(dimension::LIGHT_POINT);
     let lights = &context.buffers.lights;
-    let few = !has(N, Features::MANY_LIGHTS);
+    let fits_registers = !has(N, Features::MANY_LIGHTS);
     // As scattered rays, so that BSDF sampling of the same direction has the same light pdf.
-    let origin = scattered.near_side;
+    let origin = scattered.offset_origin;
     let by_irradiance = lights.are_chosen_by_irradiance();
     let n = surface.ng.flip_sign(-path.ray.direction.dot(surface.ng));
-    let (light, u) = if by_irradiance && (few || lights.len() <= Lights::MAX_COMPARED) {
-        lights.compare((surface.point, n), u, few)
+    let (light, u) = if by_irradiance && (fits_registers || lights.len() <= Lights::MAX_COMPARED) {
+        lights.compare((surface.point, n), u, fits_registers)
     } else if by_irradiance && has(N, Features::MANY_LIGHTS) {
         let numbers = [dimension::LIGHT, dimension::LIGHT_ALIAS, dimension::LIGHT_RESAMPLED]
             .map(|dimension| numbers.get_1d(dimension));
@@ -59,7 +59,7 @@ pub fn sample_direct_light<L: Lane, const N: u32>(
             u,
             || numbers.get_1d(dimension::LIGHT),
             || numbers.get_1d(dimension::LIGHT_ALIAS),
-            few,
+            fits_registers,
         )
     };
     let at = light.at - origin;

@@ -100,9 +100,9 @@ impl<L: Lane> Surface<L> {
         used: L::Mask,
     ) {
         let index = L::Bits::select(used, hit.primitive, L::Bits::splat(0));
-        let few = !has(N, Features::MANY_SPHERES);
+        let fits_registers = !has(N, Features::MANY_SPHERES);
         let [x, y, z, inverse_radius, offset, material, turn, chance] =
-            context.buffers.sphere_rows.fetch::<L>(index, few);
+            context.buffers.sphere_rows.fetch::<L>(index, fits_registers);
         let center = Vec3::new(x, y, z);
         (self.point, self.ng) = sphere_surface(path.ray.at(hit.t), center, inverse_radius, used);
         self.offset = offset;
@@ -120,13 +120,13 @@ impl<L: Lane> Surface<L> {
     /// Overwrites the lanes on triangles.
     #[inline(always)]
     fn set_triangle<const N: u32>(&mut self, context: &TraceContext, path: &Path<L>, hit: &Hit<L>) {
-        let few = !has(N, Features::MANY_TRIANGLES);
+        let fits_registers = !has(N, Features::MANY_TRIANGLES);
         let first = self.triangle.shl(1);
         let [ax, ay, az, abx, aby, abz, offset, material] =
-            context.buffers.triangle_rows.fetch::<L>(first, few);
+            context.buffers.triangle_rows.fetch::<L>(first, fits_registers);
         let second = first | L::Bits::splat(1);
         let [acx, acy, acz, nx, ny, nz, chance, diagonal] =
-            context.buffers.triangle_rows.fetch::<L>(second, few);
+            context.buffers.triangle_rows.fetch::<L>(second, fits_registers);
         let (u, v) = self.barycentric;
         let (ab, ac) = (Vec3::new(abx, aby, abz), Vec3::new(acx, acy, acz));
         let point = ab.mul_add(u, ac.mul_add(v, Vec3::new(ax, ay, az)));
@@ -161,11 +161,11 @@ impl<L: Lane> Surface<L> {
         if !on_triangle.any() {
             return (self.ng, L::Mask::splat(false), Vec3::zero());
         }
-        let few = !has(N, Features::MANY_TRIANGLES);
+        let fits_registers = !has(N, Features::MANY_TRIANGLES);
         let first = self.triangle.shl(1);
         let second = first | L::Bits::splat(1);
-        let [ax, ay, az, bx, by, bz, ..] = context.buffers.normal_rows.fetch::<L>(first, few);
-        let [cx, cy, cz, ..] = context.buffers.normal_rows.fetch::<L>(second, few);
+        let [ax, ay, az, bx, by, bz, ..] = context.buffers.normal_rows.fetch::<L>(first, fits_registers);
+        let [cx, cy, cz, ..] = context.buffers.normal_rows.fetch::<L>(second, fits_registers);
         let corners = [Vec3::new(ax, ay, az), Vec3::new(bx, by, bz), Vec3::new(cx, cy, cz)];
         let blended = normals::blend(corners, self.barycentric);
         let (normal, exists) = normals::interpolated(blended, self.ng);
@@ -187,9 +187,9 @@ impl<L: Lane> Surface<L> {
         }
         let on_triangle = mapped & !self.is_sphere;
         if has(N, Features::TRIANGLES) && on_triangle.any() {
-            let few = !has(N, Features::MANY_TRIANGLES);
+            let fits_registers = !has(N, Features::MANY_TRIANGLES);
             let index = L::Bits::select(on_triangle, self.triangle, L::Bits::splat(0));
-            let [x, y, z, w, ..] = context.buffers.tangent_rows.fetch::<L>(index, few);
+            let [x, y, z, w, ..] = context.buffers.tangent_rows.fetch::<L>(index, fits_registers);
             tangent = Vec3::select(self.is_sphere, tangent, Vec3::new(x, y, z));
             hand = L::select(self.is_sphere, hand, w);
         }
@@ -209,9 +209,9 @@ impl<L: Lane> Surface<L> {
             }
         }
         if has(N, Features::TRIANGLES) && (textured & !self.is_sphere).any() && context.buffers.has_uvs {
-            let few = !has(N, Features::MANY_TRIANGLES);
+            let fits_registers = !has(N, Features::MANY_TRIANGLES);
             let [au, av, bu, bv, cu, cv, of_triangle, _] =
-                context.buffers.uv_rows.fetch::<L>(self.triangle, few);
+                context.buffers.uv_rows.fetch::<L>(self.triangle, fits_registers);
             let (u, v) = self.barycentric;
             let blend = |a: L, b: L, c: L| (b - a).mul_add(u, (c - a).mul_add(v, a));
             let keep = self.is_sphere;

@@ -4,7 +4,7 @@
 
 use crate::camera::{BLOCK, MAX_PIXELS, Tile};
 use crate::lane::{Bits, F32x16, Lane};
-use crate::sampling::{Places, blue_noise};
+use crate::sampling::{PixelCoordinates, blue_noise};
 
 /// Columns and rows of a tile's pixels from its first, in the order of [`Tile::places`]; unspecified behind
 /// them.
@@ -48,17 +48,17 @@ impl TilePixels {
 
     /// The places of the packet at `at`, a multiple of its width; unspecified in lanes behind the last pixel.
     #[inline(always)]
-    pub fn places<L: Lane>(&self, at: usize) -> Places<L> {
+    pub fn places<L: Lane>(&self, at: usize) -> PixelCoordinates<L> {
         if L::WIDTH == 1 || at < self.in_blocks {
             let [x, y] = self.steps[at];
-            Places::Block { x: self.tile.x + u32::from(x), y: self.tile.y + u32::from(y) }
+            PixelCoordinates::Block { x: self.tile.x + u32::from(x), y: self.tile.y + u32::from(y) }
         } else {
             let steps = &self.steps[at..at + L::WIDTH];
             let coordinates = |first: u32, axis: usize| {
                 let steps = L::Bits::from_fn(|lane| u32::from(steps[lane][axis]));
                 L::Bits::splat(first).wrapping_add(steps)
             };
-            Places::Any { x: coordinates(self.tile.x, 0), y: coordinates(self.tile.y, 1) }
+            PixelCoordinates::Any { x: coordinates(self.tile.x, 0), y: coordinates(self.tile.y, 1) }
         }
     }
 }
@@ -75,11 +75,11 @@ mod tests {
             // Of a last band with fewer rows, no packet is a block; nor where columns are none of strips.
             let is_aligned = tile.width.is_multiple_of(BLOCK) && tile.x.is_multiple_of(BLOCK);
             let is_whole = is_aligned && expected[at][1] - tile.y < tile.height / BLOCK * BLOCK;
-            let is_block = matches!(places, Places::Block { .. });
+            let is_block = matches!(places, PixelCoordinates::Block { .. });
             assert_eq!(is_block, is_whole || L::WIDTH == 1, "packet at {at} of {tile:?}");
             let [x, y] = match places {
-                Places::Any { x, y } => [x, y],
-                Places::Block { x, y } => {
+                PixelCoordinates::Any { x, y } => [x, y],
+                PixelCoordinates::Block { x, y } => {
                     let lanes = lane_indices::<L>();
                     let from = |first: u32, steps: L::Bits| L::Bits::splat(first).wrapping_add(steps);
                     [from(x, lanes & L::Bits::splat(BLOCK - 1)), from(y, lanes.shr(BLOCK.ilog2()))]
@@ -110,7 +110,7 @@ mod tests {
     fn packets_of_whole_blocks_are_blocks() {
         let mut pixels = TilePixels::new();
         pixels.begin(Tile { number: 0, x: 32, y: 7, width: 16, height: 7 });
-        let is_block = |at| matches!(pixels.places::<F32x16>(at), Places::Block { .. });
+        let is_block = |at| matches!(pixels.places::<F32x16>(at), PixelCoordinates::Block { .. });
         assert_eq!([0, 48, 64].map(is_block), [true, true, false]);
     }
 }

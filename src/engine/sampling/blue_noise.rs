@@ -1,7 +1,7 @@
 //! The digital shifts of the pixels in the first dimensions of a path: neighbours get shifts that differ as
 //! the points of a net do, so that their errors cancel in a blur (blue noise).
 //!
-//! For: [`Places`], whose [`Places::shift`] it is.
+//! For: [`PixelCoordinates`], whose [`PixelCoordinates::shift`] it is.
 //!
 //! # Construction
 //! The pixels of a square of [`SIZE`]² are numbered along a Z-order curve whose quadrants are permuted at
@@ -61,7 +61,7 @@ pub fn shifts() -> &'static Shifts {
 /// Where the pixels of a packet are in the picture.
 #[derive(Clone, Copy, Debug)]
 #[allow(missing_docs)] // The variants' text explains their fields.
-pub enum Places<L: Lane> {
+pub enum PixelCoordinates<L: Lane> {
     /// From (x, y) on, rows of [`STRIP`] pixels below each other. Domain: x is a multiple of [`STRIP`], or
     /// there is one lane.
     Block { x: u32, y: u32 },
@@ -69,7 +69,7 @@ pub enum Places<L: Lane> {
     Any { x: L::Bits, y: L::Bits },
 }
 
-impl<L: Lane> Places<L> {
+impl<L: Lane> PixelCoordinates<L> {
     /// The shifts of the pixels in the pair of dimensions that begins at `dimension`, in the upper digits of
     /// both words. `of_seed` is [`seed_offset`].
     #[inline(always)]

@@ -12,5 +12,5 @@ mod sampler;
 pub mod sobol;
 pub mod warp;
 
-pub use blue_noise::Places;
+pub use blue_noise::PixelCoordinates;
 pub use sampler::{PacketValues, SampleTable, SampleValues, Sampler};

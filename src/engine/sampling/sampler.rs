@@ -1,6 +1,6 @@
 //! The choice among Sobol points with blue noise, Sobol points with independent pixels, and random values.
 
-use super::blue_noise::{self, Places, Shifts, seed_offset};
+use super::blue_noise::{self, PixelCoordinates, Shifts, seed_offset};
 use super::{dimension, random, sobol};
 use crate::choice::choices;
 use crate::lane::{Bits, Lane};
@@ -114,7 +114,7 @@ impl SampleValues {
 
     /// The values of paths before their first bounce, in pixels at `places`.
     #[inline(always)]
-    pub fn at_pixels<L: Lane>(&self, key: L::Bits, places: Places<L>) -> PacketValues<'_, L> {
+    pub fn at_pixels<L: Lane>(&self, key: L::Bits, places: PixelCoordinates<L>) -> PacketValues<'_, L> {
         debug_assert!(self.first < dimension::bounce(1), "the position in the pixel or the first event");
         PacketValues { values: self, key, places: Some(places) }
     }
@@ -135,7 +135,7 @@ pub struct PacketValues<'a, L: Lane> {
     key: L::Bits,
     /// Before the first bounce, where neighbours' shifts spread ([`blue_noise`]). Later, paths of neighbours
     /// are too different to gain from it.
-    places: Option<Places<L>>,
+    places: Option<PixelCoordinates<L>>,
 }
 
 impl<L: Lane> PacketValues<'_, L> {

@@ -1,7 +1,7 @@
 //! The rays of a list against the boxes of a node.
 
 use super::listed::{BATCH, ListedRay};
-use super::record::{ORDERS_BY_T, Record};
+use super::prepared_ray::{ORDERS_BY_T, PreparedRay};
 use crate::bvh::WIDE;
 use crate::lane::{Bits, Lane, Mask, Native};
 use crate::math::Vec3;
@@ -51,13 +51,13 @@ fn max<L: Lane>(a: L, b: L) -> L {
 pub fn pass_boxes<const ANY: bool, const ONE: bool>(
     boxes: &Boxes,
     list: &[u16],
-    (records, octants): (&[Record; BATCH], &[u8; BATCH]),
+    (prepared, octants): (&[PreparedRay; BATCH], &[u8; BATCH]),
     masks: &mut [u16],
     distances: &mut [f32; WIDE],
 ) -> u32 {
     type L = Native;
     // Loaded once: the compiler cannot know that masks do not lie where boxes do.
-    let octant = octants[ListedRay::new(list[0], records).ray()];
+    let octant = octants[ListedRay::new(list[0], prepared).ray()];
     let (of_octant_0, of_first_ray) = (in_order::<L>(boxes, 0), in_order::<L>(boxes, octant));
     let occupied = of_octant_0.0.x.le(of_octant_0.1.x).bitmask();
     // Along each axis, the place in `rest` of the number of the first plane, and of that of the second.
@@ -66,12 +66,12 @@ pub fn pass_boxes<const ANY: bool, const ONE: bool>(
     let of_second = [3 - of_first[0], 5 - of_first[1], 7 - of_first[2]];
     let (mut all, mut sum) = (0, L::zero());
     for (mask, &entry) in masks.iter_mut().zip(list) {
-        let listed = ListedRay::new(entry, records);
-        let record = listed.record;
-        let [x, y, z] = &record.inverse;
+        let listed = ListedRay::new(entry, prepared);
+        let prepared = listed.prepared;
+        let [x, y, z] = &prepared.inverse;
         let inverse = Vec3 { x, y, z }.broadcast();
         let rest = |places: [usize; 3]| {
-            let of = |axis: usize| record.rest(places[axis]);
+            let of = |axis: usize| prepared.rest(places[axis]);
             Vec3 { x: of(0), y: of(1), z: of(2) }
         };
         // An addend is read from memory by the FMA that may overwrite its factor; the other FMA of an axis
@@ -91,7 +91,7 @@ pub fn pass_boxes<const ANY: bool, const ONE: bool>(
         };
         // As floats, a NaN in both is kept in this order, and passes no box.
         let near = max(L::zero(), max(max(near.x, near.y), near.z));
-        let far = min(L::splat(record.t), min(min(far.x, far.y), far.z));
+        let far = min(L::splat(prepared.t), min(min(far.x, far.y), far.z));
         let passes = if ORDERS_BY_T { near.to_bits().le_signed(far.to_bits()) } else { near.le(far) };
         if !ANY {
             sum = sum + near.only(passes);

@@ -1,6 +1,6 @@
 //! The entries of a stream's lists: rays of a batch, and how their hits are kept.
 
-use super::record::Record;
+use super::prepared_ray::PreparedRay;
 use crate::kernel::ray_triangle::{StoredWoopRay, WoopRay};
 use crate::lane::{Bits, NativeBits};
 use crate::math::Hit;
@@ -8,8 +8,8 @@ use crate::traverse::leaf::TriangleLeaf;
 use crate::traverse::rays::Hits;
 
 /// Rays of a batch: the most that a list entry can hold. Large batches share the reads of a large tree; the
-/// records, 64 bytes a ray, need not stay in the second-level cache, as lists are read in order. Half as many
-/// are 3 % faster on 4,000 triangles, 2 to 10 % slower on 100,000 and more.
+/// prepared rays, 64 bytes each, need not stay in the second-level cache, as lists are read in order. Half as
+/// many are 3 % faster on 4,000 triangles, 2 to 10 % slower on 100,000 and more.
 pub const BATCH: usize = 16_384;
 
 /// An entry of a list: a ray's index in its batch, and from this bit on the axis of its triangle tests, two
@@ -39,13 +39,13 @@ pub fn axes_of(entries: NativeBits) -> NativeBits {
 pub struct ListedRay<'a> {
     entry: u16,
     /// The prepared ray.
-    pub record: &'a Record,
+    pub prepared: &'a PreparedRay,
 }
 
 impl<'a> ListedRay<'a> {
     #[inline(always)]
-    pub fn new(entry: u16, records: &'a [Record; BATCH]) -> Self {
-        Self { entry, record: &records[entry as usize & (BATCH - 1)] }
+    pub fn new(entry: u16, prepared: &'a [PreparedRay; BATCH]) -> Self {
+        Self { entry, prepared: &prepared[entry as usize & (BATCH - 1)] }
     }
     /// Its index in the batch.
     #[inline(always)]
@@ -59,23 +59,23 @@ impl<'a> ListedRay<'a> {
     /// As triangle tests take it.
     #[inline(always)]
     pub fn woop(&self) -> WoopRay<f32> {
-        self.record.woop(self.axis())
+        self.prepared.woop(self.axis())
     }
     /// The same where it is.
     #[inline(always)]
     pub fn stored_woop(&self) -> StoredWoopRay<'_> {
-        self.record.stored_woop(self.axis())
+        self.prepared.stored_woop(self.axis())
     }
     /// Its nearest hit so far.
     #[inline(always)]
     pub fn hit(&self, hits: &Hits) -> Hit<f32> {
-        Hit { t: self.record.t, ..hits.get(self.ray()) }
+        Hit { t: self.prepared.t, ..hits.get(self.ray()) }
     }
     /// Its nearest hit after those triangles of a leaf whose bits are set.
     #[inline(always)]
     pub fn accept(&self, leaf: &TriangleLeaf, ahead: u32, hits: &Hits) -> Hit<f32> {
         let mut hit = self.hit(hits);
-        leaf.accept(ahead, &self.woop(), &self.record.slabs(), &mut hit);
+        leaf.accept(ahead, &self.woop(), &self.prepared.slabs(), &mut hit);
         hit
     }
 }
@@ -84,12 +84,12 @@ impl<'a> ListedRay<'a> {
 #[inline(always)]
 pub fn update_hits<const ANY: bool>(
     entries: &[u16],
-    records: &mut [Record; BATCH],
+    prepared: &mut [PreparedRay; BATCH],
     hits: &mut Hits,
     mut find: impl FnMut(&ListedRay, &Hits) -> Option<Hit<f32>>,
 ) {
     for &entry in entries {
-        update_hit::<ANY>(entry, records, hits, &mut find);
+        update_hit::<ANY>(entry, prepared, hits, &mut find);
     }
 }
 
@@ -98,16 +98,16 @@ pub fn update_hits<const ANY: bool>(
 #[inline(always)]
 pub fn update_hit<const ANY: bool>(
     entry: u16,
-    records: &mut [Record; BATCH],
+    prepared: &mut [PreparedRay; BATCH],
     hits: &mut Hits,
     find: impl FnOnce(&ListedRay, &Hits) -> Option<Hit<f32>>,
 ) {
-    let listed = ListedRay::new(entry, records);
-    if ANY && listed.record.t < 0.0 {
+    let listed = ListedRay::new(entry, prepared);
+    if ANY && listed.prepared.t < 0.0 {
         return;
     }
     if let Some(hit) = find(&listed, hits) {
         let ray = listed.ray();
-        records[ray].store_hit::<ANY>(ray, &hit, hits);
+        prepared[ray].store_hit::<ANY>(ray, &hit, hits);
     }
 }

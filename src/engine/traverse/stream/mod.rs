@@ -12,9 +12,9 @@
 //! Source: Tsakok, "Faster Incoherent Rays: Multi-BVH Ray Stream Tracing", HPG 2009.
 
 mod boxes;
+mod hit_batch;
 mod listed;
-mod record;
-mod triangles_ahead;
+mod prepared_ray;
 
 use super::counter::CounterSink;
 use super::hierarchy::Hierarchy;
@@ -26,10 +26,10 @@ use crate::lane::compaction::{CHUNK, compress_where};
 use crate::lane::{Bits, F32x8, Lane, set_bits};
 use crate::math::{Ray, Vec3};
 use boxes::pass_boxes;
+use hit_batch::HitBatch;
 pub use listed::BATCH;
 use listed::{ListedRay, entry_of, update_hit, update_hits};
-use record::Record;
-use triangles_ahead::TrianglesAhead;
+use prepared_ray::PreparedRay;
 
 /// From this many pairs of a ray and a leaf on, triangles are tested in two loops. From 16 to 128 are alike
 /// within 2 %.
@@ -40,7 +40,7 @@ const MAX_LEAVES: usize = 2;
 
 /// Working memory of a thread: two MiB.
 pub struct Stream {
-    records: Box<[Record; BATCH]>,
+    prepared: Box<[PreparedRay; BATCH]>,
     /// The axes of the rays' triangle tests, and from bit 8 on the octants.
     axes: Box<[u32; BATCH]>,
     /// The rays' octants: one bit for each axis along which a ray runs backwards.
@@ -59,7 +59,7 @@ pub struct Stream {
     /// Room for the leaves of a node, expanded.
     leaves: Box<[TriangleLeaf; WIDE]>,
     /// Rays and triangles that wait to be accepted as hits; empty between loops.
-    ahead: Box<TrianglesAhead>,
+    ahead: Box<HitBatch>,
 }
 
 impl Default for Stream {
@@ -72,7 +72,7 @@ impl Stream {
     /// Empty, with room for a batch.
     pub fn new() -> Self {
         Self {
-            records: bytemuck::zeroed_box(),
+            prepared: bytemuck::zeroed_box(),
             axes: bytemuck::zeroed_box(),
             octants: bytemuck::zeroed_box(),
             lists: vec![0; 16 * BATCH],
@@ -81,7 +81,7 @@ impl Stream {
             found: vec![0; BATCH + CHUNK],
             places: Box::new(std::array::from_fn(|place| place as u16)),
             leaves: Box::new([TriangleLeaf::EMPTY; WIDE]),
-            ahead: Box::new(TrianglesAhead::EMPTY),
+            ahead: Box::new(HitBatch::EMPTY),
         }
     }
 
@@ -143,8 +143,8 @@ impl Stream {
 
     #[inline(always)]
     fn prepare(&mut self, at: usize, ray: &Ray<F32x8>, padding: Padding, t: F32x8) {
-        let (records, axes, octants) = Record::of_packet(ray, padding, t);
-        self.records[at..at + F32x8::WIDTH].copy_from_slice(&records);
+        let (prepared, axes, octants) = PreparedRay::of_packet(ray, padding, t);
+        self.prepared[at..at + F32x8::WIDTH].copy_from_slice(&prepared);
         (axes | octants.shl(8)).store(&mut self.axes[at..]);
     }
 }
@@ -170,9 +170,9 @@ impl<C: CounterSink> StreamTraversal<'_, '_, C> {
     ) {
         let node = &self.hierarchy.bvh.wide[node];
         self.counter.node(node, count);
-        let Stream { records, octants, lists, slots: tags, masks, .. } = &mut *self.stream;
+        let Stream { prepared, octants, lists, slots: tags, masks, .. } = &mut *self.stream;
         let mut distances = [0.0; WIDE];
-        let (list, rays) = (&lists[start..start + count], (&**records, &**octants));
+        let (list, rays) = (&lists[start..start + count], (&**prepared, &**octants));
         let all = pass_boxes::<ANY, ONE>(node.boxes(), list, rays, masks, &mut distances);
         if all == 0 {
             return;
@@ -251,11 +251,11 @@ impl<C: CounterSink> StreamTraversal<'_, '_, C> {
     #[inline(never)]
     fn triangles<const ANY: bool>(&mut self, node: &WideNode, reached: u32, start: usize, count: usize) {
         let Self { stream, hierarchy, hits, counter, .. } = self;
-        let Stream { records, lists, slots, leaves, .. } = &mut **stream;
+        let Stream { prepared, lists, slots, leaves, .. } = &mut **stream;
         let leaves = hierarchy.triangle_leaves(node, reached, leaves);
         for (&entry, &slot) in lists[start..start + count].iter().zip(&*slots) {
             let slot = usize::from(slot) & (WIDE - 1);
-            update_hit::<ANY>(entry, records, hits, |listed, hits| {
+            update_hit::<ANY>(entry, prepared, hits, |listed, hits| {
                 counter.leaf(hierarchy, node.children()[slot], 1);
                 let ahead = leaves[slot].ahead(listed.stored_woop());
                 (ahead != 0).then(|| listed.accept(leaves[slot], ahead, hits))
@@ -276,13 +276,13 @@ impl<C: CounterSink> StreamTraversal<'_, '_, C> {
         count: usize,
     ) {
         let Self { stream, hierarchy, hits, counter, .. } = self;
-        let Stream { records, lists, slots: tags, masks, found, places, leaves, ahead, .. } = &mut **stream;
+        let Stream { prepared, lists, slots: tags, masks, found, places, leaves, ahead, .. } = &mut **stream;
         let leaves = hierarchy.triangle_leaves(node, reached, leaves);
         let slot_of = |slot: u8| usize::from(slot) & (WIDE - 1);
         let pairs = lists[start..start + count].chunks(BATCH).zip(tags.chunks(BATCH));
         for (entries, slots) in pairs {
             for ((mask, &entry), &slot) in masks.iter_mut().zip(entries).zip(slots) {
-                let (slot, listed) = (slot_of(slot), ListedRay::new(entry, records));
+                let (slot, listed) = (slot_of(slot), ListedRay::new(entry, prepared));
                 counter.leaf(hierarchy, node.children()[slot], 1);
                 *mask = leaves[slot].ahead(listed.stored_woop()) as u16;
             }
@@ -298,20 +298,20 @@ impl<C: CounterSink> StreamTraversal<'_, '_, C> {
                 let leaf = leaves[slot_of(slots[place])];
                 for triangle in set_bits(u32::from(masks[place])) {
                     if ahead.push(entries[place], leaf, triangle) {
-                        ahead.accept::<ANY>(records, hits);
+                        ahead.accept::<ANY>(prepared, hits);
                     }
                 }
             }
             if !ahead.is_empty() {
-                ahead.accept::<ANY>(records, hits);
+                ahead.accept::<ANY>(prepared, hits);
             }
         }
     }
 
     fn spheres<const ANY: bool>(&mut self, leaf: Child, start: usize, count: usize) {
         let Self { stream, hierarchy, rays, hits, counter, .. } = self;
-        let Stream { records, lists, .. } = &mut **stream;
-        update_hits::<ANY>(&lists[start..start + count], records, hits, |listed, hits| {
+        let Stream { prepared, lists, .. } = &mut **stream;
+        update_hits::<ANY>(&lists[start..start + count], prepared, hits, |listed, hits| {
             counter.leaf(hierarchy, leaf, 1);
             let mut hit = listed.hit(hits);
             hierarchy.intersect_spheres(leaf.index(), &rays.packet(listed.ray()), &mut hit);

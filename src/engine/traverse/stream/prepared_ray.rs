@@ -16,7 +16,7 @@ pub const ORDERS_BY_T: bool = cfg!(target_feature = "sse4a");
 /// A ray ready for boxes and triangles: one cache line.
 #[derive(Clone, Copy, Pod, Zeroable)]
 #[repr(C, align(64))]
-pub struct Record {
+pub struct PreparedRay {
     /// As in [`Slabs`].
     pub inverse: [f32; 3],
     /// [`Slabs::near`] and [`Slabs::far`]; with [`ORDERS_BY_T`] exchanged along axes on which the ray runs
@@ -29,9 +29,9 @@ pub struct Record {
     shear: [f32; 3],
 }
 
-impl Record {
-    /// Prepares eight rays: their records, the axes of their triangle tests, and their octants, one bit for
-    /// each axis along which a ray runs backwards.
+impl PreparedRay {
+    /// Prepares eight rays. Returns them, the axes of their triangle tests, and their octants, one bit for each
+    /// axis along which a ray runs backwards.
     #[inline(always)]
     pub fn of_packet(ray: &Ray<F32x8>, padding: Padding, t: F32x8) -> ([Self; 8], U32x8, U32x8) {
         let Slabs { inverse, near, far } = Slabs::new(ray, padding);
@@ -69,12 +69,12 @@ impl Record {
     /// Rays, one a lane, as boxes and triangles take them, and the distances of their nearest hits so far.
     #[inline(always)]
     pub fn columns(
-        records: &[Self],
+        prepared: &[Self],
         rays: NativeBits,
         axes: NativeBits,
     ) -> (Slabs<Native>, WoopRay<Native>, Native) {
-        // A record is two rows.
-        let rows: &[[f32; 8]] = bytemuck::cast_slice(records);
+        // A prepared ray is two rows.
+        let rows: &[[f32; 8]] = bytemuck::cast_slice(prepared);
         let row = rays.shl(1);
         let [a, b, c, d, e, f, g, h] = Native::gather_rows::<8>(rows, row);
         let [i, t, j, k, l, m, n, o] = Native::gather_rows::<8>(rows, row | NativeBits::splat(1));

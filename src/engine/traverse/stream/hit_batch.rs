@@ -1,7 +1,7 @@
 //! Triangles ahead of rays, of which hits are accepted as many at a time as a vector has lanes.
 
 use super::listed::{BATCH, axes_of, rays_of, update_hit};
-use super::record::Record;
+use super::prepared_ray::PreparedRay;
 use crate::bvh::LEAF;
 use crate::kernel::ray_box::own_box;
 use crate::lane::{Bits, Lane, Mask, NATIVE_WIDTH, Native, NativeBits, NativeMask};
@@ -14,7 +14,7 @@ type Column<T> = [T; NATIVE_WIDTH];
 
 /// Listed rays, each with a triangle that its line passes: up to [`NATIVE_WIDTH`].
 #[repr(align(64))]
-pub struct TrianglesAhead {
+pub struct HitBatch {
     /// The components of the corners.
     corners: [[Column<f32>; 3]; 3],
     /// The rays' entries in lists.
@@ -23,7 +23,7 @@ pub struct TrianglesAhead {
     filled: usize,
 }
 
-impl TrianglesAhead {
+impl HitBatch {
     /// Empty.
     pub const EMPTY: Self = Self {
         corners: [[[0.0; NATIVE_WIDTH]; 3]; 3],
@@ -55,10 +55,10 @@ impl TrianglesAhead {
 
     /// Stores the hits that are nearer than those so far. Then it is empty again.
     #[inline(never)]
-    pub fn accept<const ANY: bool>(&mut self, records: &mut [Record; BATCH], hits: &mut Hits) {
+    pub fn accept<const ANY: bool>(&mut self, prepared: &mut [PreparedRay; BATCH], hits: &mut Hits) {
         let filled = NativeMask::first(std::mem::take(&mut self.filled));
         let entries = NativeBits::load(&self.entries);
-        let (slabs, woop, limit) = Record::columns(records, rays_of(entries), axes_of(entries));
+        let (slabs, woop, limit) = PreparedRay::columns(prepared, rays_of(entries), axes_of(entries));
         let corner =
             |[x, y, z]: &[Column<f32>; 3]| Vec3::new(Native::load(x), Native::load(y), Native::load(z));
         let [a, b, c] = &self.corners;
@@ -76,7 +76,7 @@ impl TrianglesAhead {
         // compares anew.
         for lane in (mask & t.le(limit)).lanes() {
             let lane = lane & (NATIVE_WIDTH - 1);
-            update_hit::<ANY>(self.entries[lane] as u16, records, hits, |listed, hits| {
+            update_hit::<ANY>(self.entries[lane] as u16, prepared, hits, |listed, hits| {
                 let mut hit = listed.hit(hits);
                 keep_if_nearer(true, self.primitives[lane], [ts[lane], us[lane], vs[lane]], &mut hit);
                 Some(hit)

@@ -118,11 +118,11 @@ pub struct BenchArgs {
 
 /// Check that SIMD and scalar render the same picture.
 ///
-/// Renders each scene at every width (1, 8 and, with AVX-512, 16) and counts the pixels that differ in any bit: 0 is expected. Then
-/// they are compared with a reference in double precision that shares no code with them. Exits with 1 if a
-/// pixel differs, a sample is not finite, or a primary hit is wrong; differing pixels are allowed with --box
-/// fma, and wrong hits with any method that is not robust. All widths are always compared, so there is no
-/// --lanes.
+/// Renders each scene at every width (1, 8 and, with AVX-512, 16) and counts the pixels that differ in any
+/// bit: 0 is expected. Then they are compared with a reference in double precision that shares no code with
+/// them. Exits with 1 if a pixel differs, a sample is not finite, or a primary hit is wrong; differing pixels
+/// are allowed with --box fma, and wrong hits with any method that is not robust. All widths are always
+/// compared, so there is no --lanes.
 ///
 /// Columns: differing: pixels that differ. speed-up: SIMD over scalar, the median, and in brackets from 10 to
 /// 90 % of the rounds. rmse/f64, max/f64: root mean square and largest difference from the reference. wrong
@@ -437,7 +437,7 @@ pub struct StabilityArgs {
     /// Also write the JSON and a chart of each recipe (SVG) into this folder; created if it does not exist.
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,
-    /// Try ten times as many cases: millions, for failures that are rarer.
+    /// Try ten times as many cases, millions, for failures that are rarer; some five minutes on two cores.
     #[arg(long)]
     pub thorough: bool,
     /// Run these recipes only.

@@ -106,3 +106,39 @@ impl CheckpointWriter {
         checkpoint::save(&self.file, &self.header, film, goals, &|| self.interrupt.insisted())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::checkpoint::{Identity, Shard};
+    use crate::render::{Renderer, Settings};
+    use crate::tone::Tone;
+
+    #[test]
+    fn saving_is_due_only_where_there_is_something_new() {
+        let scene = crate::scene::load("builtin:three").unwrap();
+        let settings = Settings { resolution: [40, 24], max_bounces: 1, ..Settings::of(&scene) };
+        let renderer = Renderer::new(&scene, settings);
+        let mut film = renderer.film();
+        let header = Header {
+            name: scene.name.clone(),
+            identity: Identity::new(&scene, &settings, None, Shard { number: 1, of: 1 }),
+            display: Tone::default().into(),
+            wanted: 8,
+            complete: false,
+            rays: 0,
+            tiles: 0,
+        };
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("c.part");
+        let interrupt = Interrupt::default();
+        let mut writer = CheckpointWriter::new(file.clone(), header, Some(Duration::ZERO), 0, &interrupt);
+        assert!(!writer.is_due(&film), "nothing is done");
+        for _ in 0..2 {
+            renderer.add_samples(&mut film, 1);
+            assert!(writer.is_due(&film));
+            writer.save_or_warn(&film, &[]);
+            assert!(file.exists() && !writer.is_due(&film), "all is saved");
+        }
+    }
+}

@@ -8,6 +8,8 @@ use super::terminal;
 use std::io::IsTerminal;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+use std::sync::mpsc::{Receiver, channel};
+use std::time::Duration;
 
 /// Whether the user has pressed Ctrl-C. Hang-up keeps its default, so that nohup works.
 #[derive(Clone, Default)]
@@ -21,16 +23,28 @@ pub struct Interrupt {
 /// cannot be installed, without.
 pub fn end_with(note: impl Fn() -> String + Send + 'static) {
     let handler = move || {
-        self::note(&note());
-        std::process::exit(INTERRUPTED.into());
+        end_after(note());
     };
     ctrlc::set_handler(handler).ok();
 }
 
-/// Says something below the progress line, if there is one.
-fn note(line: &str) {
-    let below = if std::io::stderr().is_terminal() { "\n" } else { "" };
-    terminal::note(&format!("{below}{line}"));
+/// Says something below the progress line, if there is one. From a thread of its own: where nobody reads
+/// standard error, the handler must still hear Ctrl-C. The receiver hears of the end.
+fn note(line: String) -> Receiver<()> {
+    let (said, end) = channel();
+    std::thread::spawn(move || {
+        let below = if std::io::stderr().is_terminal() { "\n" } else { "" };
+        terminal::note(&format!("{below}{line}"));
+        said.send(()).ok();
+    });
+    end
+}
+
+/// Ends the program after a last word, which may take this long.
+fn end_after(line: String) -> ! {
+    const LAST_WORD: Duration = Duration::from_secs(1);
+    note(line).recv_timeout(LAST_WORD).ok();
+    std::process::exit(INTERRUPTED.into())
 }
 
 impl Interrupt {
@@ -41,13 +55,11 @@ impl Interrupt {
         let handler = interrupt.clone();
         let listening = ctrlc::set_handler(move || {
             if !handler.begun.load(Ordering::SeqCst) {
-                note("Ctrl-C came before any part of the picture was done: nothing was written.");
-                std::process::exit(INTERRUPTED.into());
+                end_after("Ctrl-C came before any part of the picture was done: nothing was written.".into());
             }
             if handler.requests.fetch_add(1, Ordering::SeqCst) == 0 {
-                note(
-                    "Ctrl-C: parts under way are finished, then the picture is written; again ends without it.",
-                );
+                let what = "parts under way are finished, then the picture is written; again ends without it";
+                note(format!("Ctrl-C: {what}."));
             } else if !handler.holding.load(Ordering::SeqCst) {
                 std::process::exit(INTERRUPTED.into());
             }

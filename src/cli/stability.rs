@@ -1,6 +1,7 @@
 //! `octray stability`: where methods fail, as a table, as JSON and as charts.
 
 use super::error::{CHECK_FAILED, CliError};
+use super::interrupt;
 use super::options::StabilityOptions;
 use super::progress::Tasks;
 use super::terminal;
@@ -20,6 +21,7 @@ pub fn run(options: StabilityOptions) -> Result<ExitCode, CliError> {
         output::make_folder(folder)?;
         output::check(&folder.join(JSON), Existing::Replace)?;
     }
+    interrupt::end_with(|| "Ctrl-C: figures come when all recipes are done; --only names a few.".into());
     let tasks = Tasks::new(options.recipes.iter().map(|recipe| recipe.points()).sum());
     let recipes = stability::run(&options.recipes, options.effort, &|| tasks.done());
     tasks.end();

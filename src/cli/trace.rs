@@ -259,7 +259,7 @@ mod tests {
     fn assert_even_if_in_time(film: &Film, took: Duration, limit: Duration) {
         let (least, most) = (film.samples(), film.most_samples());
         assert!(least == most || took >= limit + GRACE, "{least} to {most} samples in {took:?}");
-        assert!(most > 3);
+        assert!(most > 3 || took >= limit + GRACE, "{most} samples in {took:?}");
     }
 
     #[test]

@@ -37,7 +37,7 @@ pub struct ViewOptions {
 const FOR_A_WINDOW: &str = if cfg!(feature = "window") {
     "without --terminal it opens a window; to write a picture into a file, use octray render"
 } else {
-    "For a window: cargo run --release --features window -- view; for a picture in a file: octray render"
+    "for a window: cargo run --release --features window -- view; for a picture in a file: octray render"
 };
 
 #[cfg(feature = "window")]
@@ -197,7 +197,7 @@ pub fn run(options: ViewOptions) -> Result<ExitCode, CliError> {
     let report = if in_terminal {
         let summary = viewer::terminal(viewer, playlist, first).map_err(CliError::Terminal)?;
         if !options.terminal {
-            terminal::note(&format!("This octray was built without windows. {FOR_A_WINDOW}."));
+            terminal::note(&format!("this octray was built without windows; {FOR_A_WINDOW}"));
         }
         Report::of(&summary, None)
     } else {

@@ -20,7 +20,7 @@ pub struct Report {
     pub thorough: bool,
     /// Do the default methods keep their bounds in all recipes?
     pub holds: bool,
-    /// In the order in which they ran.
+    /// In the order of the list.
     pub recipes: Vec<Outcome>,
 }
 

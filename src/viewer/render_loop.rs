@@ -25,7 +25,7 @@ use octray_formats::wording::counted;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::mpsc::Receiver;
-use std::time::{Duration, Instant};
+use std::time::{Duration, Instant, SystemTime};
 
 /// How long a message is shown.
 const MESSAGE_TIME: Duration = Duration::from_secs(6);
@@ -63,6 +63,8 @@ pub struct RenderLoop {
     error: String,
     /// The files that the failed load requested, missing or faulty.
     error_files: Vec<PathBuf>,
+    /// When the last load was requested.
+    requested: SystemTime,
     screenshot_requested: bool,
 }
 
@@ -105,6 +107,7 @@ impl RenderLoop {
             message: None,
             error: String::new(),
             error_files: Vec::new(),
+            requested: SystemTime::now(),
             screenshot_requested: false,
             options,
             state,
@@ -208,6 +211,10 @@ impl RenderLoop {
                     // A change of one of these files triggers another attempt.
                     self.error_files = error.files;
                     self.watch_files();
+                    let files = self.error_files.iter().map(PathBuf::as_path);
+                    if file_watcher::is_newer(files, self.requested) {
+                        self.load();
+                    }
                     // A rebuild request that this load superseded must be sent again.
                     chosen = None;
                 }
@@ -270,6 +277,7 @@ impl RenderLoop {
         }
         // Before the scene is read, so that no change is missed.
         self.watch_files();
+        self.requested = SystemTime::now();
         self.request(SceneSource::Name(name), reload);
     }
 

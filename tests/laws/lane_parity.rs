@@ -10,7 +10,7 @@ use crate::common::Rng;
 use octray::kernel::{bsdf, surface, texture};
 use octray::lane::{Bits, F32x8, F32x16, Lane, Mask, functions, lane_indices, set_bits};
 use octray::math::Vec3;
-use octray::sampling::{Places, SampleValues, Sampler, random, warp};
+use octray::sampling::{PixelCoordinates, SampleValues, Sampler, random, warp};
 use std::f32::consts::PI;
 
 /// What an operation may read: three floats, three integers, a truth value.
@@ -285,7 +285,7 @@ same_at_every_width! {
         for sampler in [Sampler::Sobol, Sampler::Random] {
             let key = sampler.key(7, o.i, 12);
             let [some, other] = [SampleValues::new(sampler, 7, 12, 8), SampleValues::new(sampler, u32::MAX, u32::MAX, 16)];
-            let of_pixels = some.at_pixels(key, Places::<L>::Any { x: o.i, y: o.j });
+            let of_pixels = some.at_pixels(key, PixelCoordinates::<L>::Any { x: o.i, y: o.j });
             let (first, second) = (of_pixels.get_2d(2), other.at_keys::<L>(o.j).get_2d(0));
             values.extend([first.0, first.1, second.0, second.1, of_pixels.get_1d(5)].map(Float));
             values.push(Integer(key));

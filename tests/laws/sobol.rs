@@ -8,7 +8,9 @@
 use crate::common::Rng;
 use crate::common::statistics::{allowed, chi_squared_deviation, correlation, joint};
 use octray::lane::{Bits, F32x8, F32x16, Lane, lane_indices};
-use octray::sampling::{PacketValues, Places, SampleValues, Sampler, blue_noise, dimension, random};
+use octray::sampling::{
+    PacketValues, PixelCoordinates, SampleValues, Sampler, blue_noise, dimension, random,
+};
 use std::f64::consts::{FRAC_PI_4, TAU};
 
 type Point = [f64; 2];
@@ -23,7 +25,7 @@ fn point(sampler: Sampler, seed: u32, pixel: u32, sample: u32, dimension: u32) -
 /// The values of a pixel of a picture [`WIDTH`] pixels wide, before or after the first bounce.
 fn in_pixel(values: &SampleValues, key: u32, pixel: u32, dimension: u32) -> PacketValues<'_, f32> {
     if is_shared(dimension) {
-        values.at_pixels(key, Places::Block { x: pixel % WIDTH, y: pixel / WIDTH })
+        values.at_pixels(key, PixelCoordinates::Block { x: pixel % WIDTH, y: pixel / WIDTH })
     } else {
         values.at_keys(key)
     }
@@ -366,7 +368,7 @@ fn whatever_the_seed_errors_of_pixels_have_no_bias_and_nothing_in_common() {
 /// The point of the pixel at (x, y) in a dimension before the first bounce.
 fn shared_point(seed: u32, [x, y]: [u32; 2], sample: u32, dimension: u32) -> Point {
     let values = SampleValues::new(Sampler::Sobol, seed, sample, dimension);
-    let (x, y) = values.at_pixels::<f32>(0, Places::Block { x, y }).get_2d(0);
+    let (x, y) = values.at_pixels::<f32>(0, PixelCoordinates::Block { x, y }).get_2d(0);
     [f64::from(x), f64::from(y)]
 }
 
@@ -383,8 +385,8 @@ fn shifts_of_a_block_are_those_of_its_pixels() {
                     (0..L::WIDTH).map(|lane| [first.get(lane), second.get(lane)]).collect::<Vec<_>>()
                 };
                 let from = |first: u32, steps: L::Bits| L::Bits::splat(first).wrapping_add(steps);
-                let any = Places::Any { x: from(x, column), y: from(y, row) };
-                assert_eq!(of(Places::Block { x, y }), of(any), "block at ({x}, {y}), {dimension}");
+                let any = PixelCoordinates::Any { x: from(x, column), y: from(y, row) };
+                assert_eq!(of(PixelCoordinates::Block { x, y }), of(any), "block at ({x}, {y}), {dimension}");
             }
         }
     }

@@ -2,13 +2,13 @@
 
 use crate::desk::{Desk, SCENE};
 use crate::interrupt::{Running, assert_samples, put_heavy_picture};
-use crate::program::{PROGRAM, octray, send_signal};
+use crate::program::{PROGRAM, away_from_home, octray, send_signal};
 use crate::waiting::wait_for;
 use predicates::prelude::*;
 use predicates::str::contains;
 use serde_json::Value;
 use std::fs;
-use std::process::{Child, Command, Stdio};
+use std::process::{Child, Stdio};
 use std::thread::sleep;
 use std::time::{Duration, SystemTime};
 
@@ -219,7 +219,7 @@ fn full_disk_costs_neither_the_picture_nor_the_earlier_checkpoint() {
     let limit = 512 * 48;
     assert!(expected.len() < limit && limit < kept.len(), "{} and {}", expected.len(), kept.len());
     let script = format!("trap '' XFSZ; ulimit -f 48; exec '{PROGRAM}' {with}");
-    let ended = Command::new("sh").args(["-c", &script]).current_dir(desk.0.path()).output().unwrap();
+    let ended = away_from_home("sh").args(["-c", &script]).current_dir(desk.0.path()).output().unwrap();
     let said = String::from_utf8(ended.stderr).unwrap();
     assert_eq!(ended.status.code(), Some(2), "{said}");
     for words in ["warning: no checkpoint was saved", "error: writing `c.part` failed", "disk has room"] {
@@ -237,7 +237,7 @@ fn folder_that_vanishes_costs_no_picture() {
     let of =
         |samples: u64| format!("render builtin:cornell --size 48x32 --samples {samples} -o a.exr --json");
     let with = "--checkpoint gone/c.part --checkpoint-interval 0.001 --threads 1";
-    let mut running = Running::start(&desk, &format!("{} {with}", of(1_000_000)));
+    let running = Running::start(&desk, &format!("{} {with}", of(1_000_000)));
     wait_for_file(&desk, "gone/c.part");
     fs::rename(desk.path("gone"), desk.path("elsewhere")).unwrap();
     running.wait_until_it_says("warning: no checkpoint was saved");

@@ -58,7 +58,7 @@ fn time_limit_ends_in_time_with_equal_pixels() {
     // only where a busy machine keeps a chunk for longer than its grace.
     let seconds = report["seconds"].as_f64().unwrap();
     assert!(report["samples"] == report["most_samples"] || seconds > 1.3, "{report}");
-    assert!(report["most_samples"].as_u64().unwrap() > 1 && seconds > 0.5, "{report}");
+    assert!(report["most_samples"].as_u64().unwrap() > 1 && (0.5..5.0).contains(&seconds), "{report}");
     assert_eq!((&report["interrupted"], &report["estimated_error"]), (&json!(false), &json!(null)));
 
     // One sample takes some ten seconds, far longer than that: what there is counts.

@@ -1,9 +1,10 @@
 //! The native scene format: what its keys mean and what stands in for those left out.
 
 use glam::{Vec2, Vec3};
-use octray::scene::{Filter, MaterialKind, Scene, Sky, Texels, builtin_names, load};
+use octray::scene::{Filter, MaterialKind, Scene, Sky, Texels, builtin_names, load, load_with_view};
 use std::fs;
 use std::path::Path;
+use std::time::SystemTime;
 use tempfile::TempDir;
 
 /// Loads a scene text as a file, with whatever else stands in `folder`.
@@ -353,4 +354,19 @@ fn builtin_three_rests_on_a_floor_sphere_with_its_top_at_zero() {
         assert_eq!((ball.center.y - ball.radius, ball.radius), (0.0, 1.0));
     }
     assert_eq!(scene.sky, Sky::Gradient { bottom: Vec3::ONE, top: Vec3::new(0.5, 0.7, 1.0) });
+}
+
+/// A change while a scene is read must be newer than this time.
+#[test]
+fn time_of_reading_is_that_before_the_first_file_is_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("model.obj");
+    let mut text = "v 0 0 0\nv 1 0 0\nv 0 1 0\n".to_string();
+    (0..50_000).for_each(|_| text += "f 1 2 3\n");
+    std::fs::write(&path, text).unwrap();
+    let begin = SystemTime::now();
+    let read = load_with_view(path.to_str().unwrap()).unwrap().read.unwrap();
+    let half = begin.elapsed().unwrap() / 2;
+    assert!((begin..begin + half).contains(&read), "{read:?} of {begin:?} and {half:?} more");
+    assert_eq!(load_with_view("builtin:three").unwrap().read, None);
 }

@@ -148,8 +148,6 @@ fn a_file_that_changes_while_it_is_read_for_the_first_time_is_read_again() {
     seat.wait("a frame", |_| true);
     seat.press(Key::PageDown);
     seat.wait("a word about it", |frame| frame.message.contains("reading"));
-    // The scene is read by now, its model is not.
-    sleep(Duration::from_millis(50));
     fs::write(&file, scene("ball")).unwrap();
     // It has no triangles and no hierarchy for them.
     seat.wait("the scene as it has become", |frame| {

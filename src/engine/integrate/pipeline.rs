@@ -207,8 +207,8 @@ const fn pipeline<const N: u32>() -> (Features, Widths) {
     (Features(N), widths)
 }
 
-/// The pipeline for the features that a scene needs at one of [`WIDTHS`], and the features that it is compiled
-/// with.
+/// The pipeline for the features that a scene needs at one of [`WIDTHS`], and the features that it is
+/// compiled with.
 pub fn pipeline_for(needs: Features, lanes: usize) -> (Features, Pipeline) {
     let (features, widths) =
         PIPELINES.iter().find(|(set, _)| set.contains(needs)).expect("the last pipeline has every feature");

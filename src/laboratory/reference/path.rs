@@ -4,7 +4,7 @@ use super::geometry::Surface;
 use super::scene::Reference;
 use super::{lobes, texture};
 use crate::sampling::dimension::{PIXEL, bounce};
-use crate::sampling::{Places, SampleValues, Sampler};
+use crate::sampling::{PixelCoordinates, SampleValues, Sampler};
 use crate::scene::{MaterialKind, Side, Sky};
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};
@@ -46,7 +46,7 @@ impl Reference {
             let numbers = SampleValues::new(settings.sampler, settings.seed, sample, first);
             move |dimension: u32| {
                 let numbers = match first < bounce(1) {
-                    true => numbers.at_pixels::<f32>(key, Places::Block { x, y }),
+                    true => numbers.at_pixels::<f32>(key, PixelCoordinates::Block { x, y }),
                     false => numbers.at_keys(key),
                 };
                 f64::from(numbers.get_1d(dimension))

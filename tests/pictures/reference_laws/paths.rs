@@ -4,7 +4,7 @@ use super::scenes::{ball, empty, lamp, one_pixel, wall};
 use crate::common::{sphere, triangle};
 use glam::{DVec3, Vec3};
 use octray::reference::{PathSettings, Reference};
-use octray::sampling::{Places, SampleValues, Sampler, dimension, warp};
+use octray::sampling::{PixelCoordinates, SampleValues, Sampler, dimension, warp};
 use octray::scene::{Camera, Material, MaterialKind, Scene, Sky};
 use std::f64::consts::PI;
 
@@ -227,7 +227,9 @@ fn path_follows_the_directions_of_the_estimator() {
         let settings = PathSettings { resolution: [5, 3], max_bounces: 1, seed: 11, sampler };
         let key = sampler.key::<u32>(11, 2 * 5 + 4, sample);
         let numbers = SampleValues::new(sampler, 11, sample, dimension::bounce(0));
-        let (u, v) = numbers.at_pixels(key, Places::<f32>::Block { x: 4, y: 2 }).get_2d(dimension::DIRECTION);
+        let (u, v) = numbers
+            .at_pixels(key, PixelCoordinates::<f32>::Block { x: 4, y: 2 })
+            .get_2d(dimension::DIRECTION);
         let d = warp::sample_cosine_hemisphere(lane(n), u, v);
         let found = diffuse.path(settings, 4, 2, sample)[0];
         // The estimator's sine and cosine are off by up to 8e-7, on a vector of length 2 cos θ before it is

@@ -30,8 +30,8 @@ pub struct PreparedRay {
 }
 
 impl PreparedRay {
-    /// Prepares eight rays. Returns them, the axes of their triangle tests, and their octants, one bit for each
-    /// axis along which a ray runs backwards.
+    /// Prepares eight rays. Returns them, the axes of their triangle tests, and their octants, one bit for
+    /// each axis along which a ray runs backwards.
     #[inline(always)]
     pub fn of_packet(ray: &Ray<F32x8>, padding: Padding, t: F32x8) -> ([Self; 8], U32x8, U32x8) {
         let Slabs { inverse, near, far } = Slabs::new(ray, padding);

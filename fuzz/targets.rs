@@ -9,6 +9,7 @@
 use octray_engine::adaptive;
 use octray_engine::camera::Pinhole;
 use octray_engine::film::Film;
+use octray_engine::lane::WIDTHS;
 use octray_engine::render::{Renderer, Settings};
 use octray_engine::scene::{MAX_BOUNCES, Scene};
 use octray_engine::traverse::Methods;
@@ -147,7 +148,7 @@ fn show(loaded: &Loaded) {
         seed: loaded.view.as_ref().and_then(|view| view.render.seed).unwrap_or(0),
         ..Settings::of(scene)
     };
-    let bits = [1, 8, 16].map(|lanes| {
+    let bits = WIDTHS.map(|lanes| {
         let renderer = Renderer::new(scene, Settings { lanes, ..settings });
         let mut film = renderer.film();
         renderer.add_samples(&mut film, 1);
@@ -155,7 +156,7 @@ fn show(loaded: &Loaded) {
         channels.inspect(|x| assert!(x.is_finite() && *x >= 0.0, "{x}")).map(f32::to_bits).collect::<Vec<_>>()
     });
     if methods.lose_no_hit() {
-        assert!(bits[0] == bits[1] && bits[0] == bits[2], "all widths have the same bits");
+        assert!(bits.iter().all(|of_width| *of_width == bits[0]), "all widths have the same bits");
     }
     if let Some(view) = &loaded.view {
         fly(view);

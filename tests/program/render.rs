@@ -1,6 +1,7 @@
 //! `octray render`: files, reports, and the same picture from every way to compute it.
 
 use crate::desk::Desk;
+use octray::lane::NATIVE_WIDTH;
 use predicates::prelude::*;
 use predicates::str::contains;
 use std::fs;
@@ -121,7 +122,7 @@ fn lanes_and_threads_change_no_bit_of_the_file() {
             "--lanes 8 --threads 2",
             "--lanes 1 --threads 1",
             "--lanes 1 --threads 2",
-            "--lanes 16 --threads 2",
+            &format!("--lanes {NATIVE_WIDTH} --threads 2"),
             "--threads 1",
             "--lanes 8 --threads 1 --pipeline general",
         ] {

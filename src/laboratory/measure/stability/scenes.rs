@@ -7,6 +7,7 @@ use super::rng::Rng;
 use super::spheres::{Ball, reference_t};
 use crate::buffers::{LightChoice, store_triangles};
 use crate::kernel::ray_triangle::{TriangleMethod, Woop};
+use crate::lane::WIDTHS;
 use crate::math::MISS;
 use crate::render::{PrimaryHit, Renderer, Settings};
 use crate::sampling::Sampler;
@@ -210,7 +211,7 @@ fn renderer(rng: &mut Rng, scene: &Scene, _: &[PrimaryHit]) -> Vec<u32> {
     let traversals = [Traversal::Single, Traversal::Packet, Traversal::Stream, Traversal::Hybrid];
     let choices = [TraversalChoice::Linear, TraversalChoice::Through(traversals[rng.index(4)])];
     let render = RenderMethods::with(SphereChoice::Robust, TriangleChoice::Woop, choices[rng.index(2)]);
-    let render = RenderMethods { lanes: [1, 8, 16][rng.index(3)], ..render };
+    let render = RenderMethods { lanes: WIDTHS[rng.index(WIDTHS.len())], ..render };
     seen(scene, render).iter().map(|hit| hit.primitive).collect()
 }
 

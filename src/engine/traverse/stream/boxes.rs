@@ -67,11 +67,11 @@ pub fn pass_boxes<const ANY: bool, const ONE: bool>(
     let (mut all, mut sum) = (0, L::zero());
     for (mask, &entry) in masks.iter_mut().zip(list) {
         let listed = ListedRay::new(entry, prepared);
-        let prepared = listed.prepared;
-        let [x, y, z] = &prepared.inverse;
+        let ray = listed.prepared;
+        let [x, y, z] = &ray.inverse;
         let inverse = Vec3 { x, y, z }.broadcast();
         let rest = |places: [usize; 3]| {
-            let of = |axis: usize| prepared.rest(places[axis]);
+            let of = |axis: usize| ray.rest(places[axis]);
             Vec3 { x: of(0), y: of(1), z: of(2) }
         };
         // An addend is read from memory by the FMA that may overwrite its factor; the other FMA of an axis
@@ -91,7 +91,7 @@ pub fn pass_boxes<const ANY: bool, const ONE: bool>(
         };
         // As floats, a NaN in both is kept in this order, and passes no box.
         let near = max(L::zero(), max(max(near.x, near.y), near.z));
-        let far = min(L::splat(prepared.t), min(min(far.x, far.y), far.z));
+        let far = min(L::splat(ray.t), min(min(far.x, far.y), far.z));
         let passes = if ORDERS_BY_T { near.to_bits().le_signed(far.to_bits()) } else { near.le(far) };
         if !ANY {
             sum = sum + near.only(passes);

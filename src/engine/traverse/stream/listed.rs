@@ -80,19 +80,6 @@ impl<'a> ListedRay<'a> {
     }
 }
 
-/// [`update_hit`] of each ray of a list.
-#[inline(always)]
-pub fn update_hits<const ANY: bool>(
-    entries: &[u16],
-    prepared: &mut [PreparedRay; BATCH],
-    hits: &mut Hits,
-    mut find: impl FnMut(&ListedRay, &Hits) -> Option<Hit<f32>>,
-) {
-    for &entry in entries {
-        update_hit::<ANY>(entry, prepared, hits, &mut find);
-    }
-}
-
 /// Stores what `find` returns for a listed ray that is not done: the hit so far or a nearer one; `None`
 /// changes nothing.
 #[inline(always)]

@@ -28,7 +28,7 @@ use crate::math::{Ray, Vec3};
 use boxes::pass_boxes;
 use hit_batch::HitBatch;
 pub use listed::BATCH;
-use listed::{ListedRay, entry_of, update_hit, update_hits};
+use listed::{ListedRay, entry_of, update_hit};
 use prepared_ray::PreparedRay;
 
 /// From this many pairs of a ray and a leaf on, triangles are tested in two loops. From 16 to 128 are alike
@@ -311,11 +311,13 @@ impl<C: CounterSink> StreamTraversal<'_, '_, C> {
     fn spheres<const ANY: bool>(&mut self, leaf: Child, start: usize, count: usize) {
         let Self { stream, hierarchy, rays, hits, counter, .. } = self;
         let Stream { prepared, lists, .. } = &mut **stream;
-        update_hits::<ANY>(&lists[start..start + count], prepared, hits, |listed, hits| {
-            counter.leaf(hierarchy, leaf, 1);
-            let mut hit = listed.hit(hits);
-            hierarchy.intersect_spheres(leaf.index(), &rays.packet(listed.ray()), &mut hit);
-            Some(hit)
-        });
+        for &entry in &lists[start..start + count] {
+            update_hit::<ANY>(entry, prepared, hits, |listed, hits| {
+                counter.leaf(hierarchy, leaf, 1);
+                let mut hit = listed.hit(hits);
+                hierarchy.intersect_spheres(leaf.index(), &rays.packet(listed.ray()), &mut hit);
+                Some(hit)
+            });
+        }
     }
 }

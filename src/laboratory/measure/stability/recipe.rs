@@ -23,7 +23,7 @@ pub struct Recipe {
     pub(crate) title: &'static str,
     /// What varies along the axis, with its unit.
     pub(crate) axis: &'static str,
-    /// PixelCoordinates on the axis, ascending. It is logarithmic; 0 may come first.
+    /// Places on the axis, ascending. It is logarithmic; 0 may come first.
     pub places: &'static [f64],
     /// Definition of a failure.
     pub(crate) failure: &'static str,
@@ -176,7 +176,7 @@ impl Outcome {
     pub fn curve(&self, method: &str) -> Option<&Curve> {
         self.curves.iter().find(|curve| curve.method == method)
     }
-    /// PixelCoordinates where the default method breaks its bound.
+    /// Places where the default method breaks its bound.
     pub fn faults(&self) -> impl Iterator<Item = &Point> {
         self.curves.iter().flat_map(|curve| &curve.points).filter(|point| !point.holds())
     }

@@ -3,10 +3,9 @@
 
 use super::environment_light::EnvironmentLight;
 use super::features::Features;
+use super::quads;
 use super::rows::Rows;
-use super::{guiding, quads};
 use crate::choice::choices;
-use crate::kernel::guiding::Guiding;
 use crate::kernel::surface::{sphere_offset, triangle_offset};
 use crate::scene::{MaterialKind, Scene, Sphere, Triangle};
 use std::collections::HashMap;
@@ -20,7 +19,7 @@ choices! {
             "Emitters whose sampling pays: no sphere around the scene, none where all is mirrors and glass.";
         On = "on", "Every emitter that can be sampled.";
         Power = "power",
-            "As auto, but by power alone, every triangle by itself, and no rays guided to borders and images of lights.";
+            "As auto, but chosen by power alone, every triangle by itself.";
         Off = "off", "None: paths hit emitters by scattering alone.";
     }
 }
@@ -51,8 +50,6 @@ pub struct Lights {
     /// Of each triangle that is half of a parallelogram: one more than the index of the vertex opposite the
     /// other half; else 0. Empty where no triangle is.
     pub diagonals: Vec<u8>,
-    /// Where diffuse surfaces send a share of their rays, if it pays.
-    pub guiding: Option<Guiding>,
     /// The environment light, if it is one of the lights, and the probability of choosing it.
     pub sky: Option<(EnvironmentLight, f32)>,
 }
@@ -76,9 +73,6 @@ const MIN_CONTRAST: f64 = 2.0;
 /// only at some of its points. A light beside one 10⁹ times as bright would contribute 59 times its power
 /// (`tests/laws/choosing.rs`). Costs no more than this share of all shadow rays.
 const MIN_SHARE: f64 = 1.0 / 64.0;
-
-/// A light to whose surroundings rays are guided emits at least this share of all power.
-const MIN_GUIDING_SHARE: f64 = 0.5;
 
 impl Lights {
     /// Most lights whose rows fit the register form.
@@ -122,9 +116,6 @@ impl Lights {
         let mut diagonals = vec![0; if halves.is_empty() { 0 } else { scene.triangles.len() }];
         halves.iter().for_each(|(&triangle, half)| diagonals[triangle] = half.corner as u8 + 1);
         let corner = |number: usize| halves.get(&number.wrapping_sub(spheres)).map(|half| half.corner);
-        let is_guiding = |number: &&usize| {
-            **number < primitives && light_powers[**number] >= MIN_GUIDING_SHARE * total && merge
-        };
         let is_few = (2..=Self::MAX_COMPARED).contains(&lights.len());
         let by_irradiance = merge && (is_few || lights.len() > Self::MAX_SHARED);
         let important = lights.iter().filter(|_| by_irradiance);
@@ -132,10 +123,6 @@ impl Lights {
             importance_rows: Rows::new(important.map(|&number| {
                 importance_row(scene, number, light_powers[number], sky.as_ref(), corner(number))
             })),
-            guiding: lights
-                .iter()
-                .find(is_guiding)
-                .and_then(|&number| guiding::of(scene, number, corner(number))),
             rows: Rows::new(lights.iter().zip(&shares).flat_map(|(&number, &share)| {
                 let offset = partner(number).map_or(0.0, |other| own_offset(scene, other));
                 rows(scene, number, share as f32, corner(number).map(|corner| (corner, offset)))

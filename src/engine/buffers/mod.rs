@@ -10,8 +10,6 @@
 
 mod environment_light;
 pub mod features;
-mod guiding;
-mod light_border;
 mod lights;
 mod mip_chain;
 mod quads;

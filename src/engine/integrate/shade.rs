@@ -46,7 +46,6 @@ pub fn shade<L: Lane, const N: u32, const FIRST: bool>(
     let (mut going_on, mut shadow_rays) = (0, 0);
     let columns = context.columns::<N>();
     let sample_lights = has(N, Features::LIGHTS) && !context.buffers.lights.is_empty();
-    let guiding = context.buffers.lights.guiding.as_ref();
     if reads_texels_first(N) {
         texels_of_hits::<L, N, FIRST>(context, &scratch.queue, paths.clone(), &mut scratch.texels);
     }
@@ -71,7 +70,7 @@ pub fn shade<L: Lane, const N: u32, const FIRST: bool>(
         } else {
             values.at_keys(path.key)
         };
-        let mut scattered = scatter::<L, N>(&path, &surface, &material, (numbers, guiding), found);
+        let mut scattered = scatter::<L, N>(&path, &surface, &material, numbers, found);
         if context.carries_cones::<N>() {
             scattered.path.cone = scattered_cone(&path, &surface, &material, scattered.is_delta);
         }

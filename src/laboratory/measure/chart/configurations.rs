@@ -76,11 +76,7 @@ pub const GROUPS: [(Group, &[(&str, &str)]); 3] = [
             ("adaptive", "more samples where the estimated error is larger: --target-error"),
             ("lights off", "no next event estimation: --lights off"),
             ("lights on", "next event estimation of every emitter that can be sampled: --lights on"),
-            (
-                "lights by power",
-                "emitters chosen by power alone, each triangle by itself, and no rays guided to borders and \
-                 images of lights: --lights power",
-            ),
+            ("lights by power", "emitters chosen by power alone, each triangle by itself: --lights power"),
             (
                 "trilinear",
                 "bilinear textures with levels of detail: the filter trilinear of a scene's textures",

@@ -202,12 +202,13 @@ impl<const FIRST: bool> RadianceAccumulator<FIRST> {
         radiance: Vec3<L>,
     ) {
         if FIRST {
-            scratch.set_radiance(at, Vec3::select(mask, radiance, Vec3::zero()));
+            let slot = scratch.queue.primary_slot(at);
+            scratch.radiance.set(slot, Vec3::select(mask, radiance, Vec3::zero()));
         } else if mask.any() {
-            self.contributions = scratch.push_contribution(self.contributions, mask, path.slot, radiance);
+            self.contributions = scratch.radiance.push(self.contributions, mask, path.slot, radiance);
         }
     }
     fn finish(self, scratch: &mut Scratch) {
-        scratch.add_contributions(self.contributions);
+        scratch.radiance.add(self.contributions);
     }
 }

@@ -6,9 +6,8 @@
 
 use super::batch::Traversal;
 use super::hierarchy::Hierarchy;
-use super::linear::{MAX_COST, cost};
+use super::methods::{MAX_LIST_COST, list_cost};
 use super::primitive_list::PrimitiveList;
-use super::primitives::trees_of;
 use crate::buffers::Lights;
 use crate::scene::{Scene, Sphere, Triangle};
 use glam::DVec3;
@@ -37,7 +36,7 @@ impl Occluders {
     /// the triangles.
     pub fn of(scene: &Scene, lights: &Lights, hierarchy: Option<(&Hierarchy, Traversal)>) -> Option<Self> {
         let has_normals = !scene.normals.is_empty();
-        if lights.is_empty() || lights.sky.is_some() || has_normals || cost(scene) > MAX_COST {
+        if lights.is_empty() || lights.sky.is_some() || has_normals || list_cost(scene) > MAX_LIST_COST {
             return None;
         }
         let list = Surfaces::of(scene, lights).occluders(scene);
@@ -45,7 +44,7 @@ impl Occluders {
         (count < scene.spheres.len() + scene.triangles.len()).then(|| {
             let hierarchy = hierarchy.map(|(all, traversal)| {
                 // Hits are clamped to padded boxes: the padding of the whole scene gives the same bits.
-                let mut listed = Hierarchy::new(&with_primitives(scene, &list), trees_of(traversal));
+                let mut listed = Hierarchy::new(&with_primitives(scene, &list), traversal.trees());
                 listed.padding = all.padding;
                 listed
             });

@@ -11,7 +11,7 @@ use crate::render::{PipelineChoice, Renderer, Settings};
 use crate::sampling::Sampler;
 use crate::scene::{Filter, Scene};
 use crate::traverse::batch::Traversal;
-use crate::traverse::{BoxChoice, Methods, SphereChoice, TraversalChoice, TriangleChoice, linear};
+use crate::traverse::{BoxChoice, Methods, SphereChoice, TraversalChoice, TriangleChoice, list_cost};
 use serde::Serialize;
 
 /// Settings under a name.
@@ -120,7 +120,7 @@ impl Group {
     }
 }
 
-/// Largest cost of testing every primitive that is charted, in sphere tests as [`linear::cost`]
+/// Largest cost of testing every primitive that is charted, in sphere tests as [`list_cost`]
 /// counts.
 const MOST_LINEAR: usize = 4_000;
 
@@ -165,7 +165,7 @@ pub fn of_scene(scene: &Scene, settings: Settings) -> Vec<Configuration> {
     add(has_bilinear && differs(scene, &renderer, &trilinear), trilinear);
 
     let hierarchy = settings.methods.traversal_of(scene, settings.lanes).is_some();
-    let linear = linear::cost(scene) <= MOST_LINEAR;
+    let linear = list_cost(scene) <= MOST_LINEAR;
     let through = |name, traversal| with(name, true, &|methods| methods.traversal = traversal);
     add(hierarchy && linear, through("every primitive tested", TraversalChoice::Linear));
     add(!hierarchy, through("hierarchy", TraversalChoice::Through(Traversal::Hybrid)));

@@ -7,7 +7,7 @@ use super::quads;
 use super::rows::Rows;
 use crate::choice::choices;
 use crate::kernel::surface::{sphere_offset, triangle_offset};
-use crate::scene::{MaterialKind, Scene, Sphere, Triangle};
+use crate::scene::{MaterialKind, Primitive, Scene, Sphere, Triangle};
 use std::collections::HashMap;
 use std::f32::consts::PI;
 
@@ -86,7 +86,7 @@ impl Lights {
 
     /// The lights of a scene that the choice selects.
     pub fn new(scene: &Scene, choice: LightChoice) -> Self {
-        let primitives = scene.spheres.len() + scene.triangles.len();
+        let primitives = scene.primitives();
         if choice == LightChoice::Off || !anything_scatters(scene) {
             return Self::default();
         }
@@ -124,7 +124,8 @@ impl Lights {
                 importance_row(scene, number, light_powers[number], sky.as_ref(), corner(number))
             })),
             rows: Rows::new(lights.iter().zip(&shares).flat_map(|(&number, &share)| {
-                let offset = partner(number).map_or(0.0, |other| own_offset(scene, other));
+                let offset = partner(number)
+                    .map_or(0.0, |other| triangle_offset(scene.triangles[other - spheres].vertices));
                 rows(scene, number, share as f32, corner(number).map(|corner| (corner, offset)))
             })),
             alias_table: AliasTable::new(&shares),
@@ -183,14 +184,13 @@ fn power_of(scene: &Scene, number: usize, choice: LightChoice) -> f64 {
             || material.emission_map.is_some();
         if is_textured { 0.0 } else { f64::from(material.emission.element_sum()) / 3.0 }
     };
-    match scene.spheres.get(number) {
-        Some(sphere) if choice != LightChoice::On && surrounds(scene, sphere) => 0.0,
-        Some(&Sphere { radius, material, .. }) => {
+    match scene.primitive(number) {
+        Primitive::Sphere(sphere) if choice != LightChoice::On && surrounds(scene, sphere) => 0.0,
+        Primitive::Sphere(&Sphere { radius, material, .. }) => {
             let radius = f64::from(radius);
             4.0 * f64::from(PI) * f64::from(PI) * radius * radius * emission(material)
         }
-        None => {
-            let Triangle { vertices, material } = scene.triangles[number - scene.spheres.len()];
+        Primitive::Triangle(&Triangle { vertices, material }, _) => {
             let [a, b, c] = vertices.map(|vertex| vertex.as_dvec3());
             // Both sides emit.
             f64::from(PI) * (b - a).cross(c - a).length() * emission(material)
@@ -211,20 +211,15 @@ fn surrounds(scene: &Scene, sphere: &Sphere) -> bool {
     to.length() < f64::from(sphere.radius)
 }
 
-/// The offset of shadow rays that end at the triangle `number`, counted from the first sphere.
-fn own_offset(scene: &Scene, number: usize) -> f32 {
-    triangle_offset(scene.triangles[number - scene.spheres.len()].vertices)
-}
-
 /// See [`Lights::rows`]. `quad`: of a triangle that is half of a parallelogram, the vertex opposite the other
 /// half, and the offset of that.
 fn rows(scene: &Scene, number: usize, probability: f32, quad: Option<(usize, f32)>) -> [[f32; 8]; 2] {
-    if number == scene.spheres.len() + scene.triangles.len() {
+    if number == scene.primitives() {
         return [[0.0, 0.0, 0.0, SKY_RADIUS, 0.0, 0.0, 0.0, probability], [0.0; 8]];
     }
     let emission = |material: u32| scene.materials[material as usize].emission;
-    match scene.spheres.get(number) {
-        Some(&Sphere { center, radius, material, .. }) => {
+    match scene.primitive(number) {
+        Primitive::Sphere(&Sphere { center, radius, material, .. }) => {
             let e = emission(material);
             let offset = sphere_offset(center, radius);
             [
@@ -232,8 +227,7 @@ fn rows(scene: &Scene, number: usize, probability: f32, quad: Option<(usize, f32
                 [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, offset],
             ]
         }
-        None => {
-            let Triangle { vertices, material } = scene.triangles[number - scene.spheres.len()];
+        Primitive::Triangle(&Triangle { vertices, material }, _) => {
             let (corner, other) = quad.unwrap_or_default();
             let [a, b, c] = [0, 1, 2].map(|index| vertices[(corner + index) % 3]);
             let (ab, ac, e) = (b - a, c - a, emission(material));
@@ -256,22 +250,25 @@ fn importance_row(
     sky: Option<&EnvironmentLight>,
     quad: Option<usize>,
 ) -> [f32; 8] {
-    if number == scene.spheres.len() + scene.triangles.len() {
+    if number == scene.primitives() {
         let irradiance = f64::from(PI) * sky.map_or(0.0, |sky| sky.mean);
         return [0.0, 0.0, 0.0, SKY_RADIUS, 0.0, 0.0, 0.0, irradiance as f32];
     }
     let power = power / f64::from(PI);
-    if let Some(&Sphere { center, radius, .. }) = scene.spheres.get(number) {
-        return [center.x, center.y, center.z, radius, 0.0, 0.0, 0.0, (0.25 * power) as f32];
+    match scene.primitive(number) {
+        Primitive::Sphere(&Sphere { center, radius, .. }) => {
+            [center.x, center.y, center.z, radius, 0.0, 0.0, 0.0, (0.25 * power) as f32]
+        }
+        Primitive::Triangle(Triangle { vertices, .. }, _) => {
+            let corner = quad.unwrap_or_default();
+            let [a, b, c] = [0, 1, 2].map(|index| vertices[(corner + index) % 3].as_dvec3());
+            let center = if quad.is_some() { 0.5 * (b + c) } else { (a + b + c) / 3.0 };
+            let radius = [a, b, c].map(|vertex| (vertex - center).length()).into_iter().fold(0.0, f64::max);
+            let n = (b - a).cross(c - a).normalize().as_vec3();
+            let center = center.as_vec3();
+            [center.x, center.y, center.z, radius as f32, n.x, n.y, n.z, (0.5 * power) as f32]
+        }
     }
-    let Triangle { vertices, .. } = scene.triangles[number - scene.spheres.len()];
-    let corner = quad.unwrap_or_default();
-    let [a, b, c] = [0, 1, 2].map(|index| vertices[(corner + index) % 3].as_dvec3());
-    let center = if quad.is_some() { 0.5 * (b + c) } else { (a + b + c) / 3.0 };
-    let radius = [a, b, c].map(|vertex| (vertex - center).length()).into_iter().fold(0.0, f64::max);
-    let n = (b - a).cross(c - a).normalize().as_vec3();
-    let center = center.as_vec3();
-    [center.x, center.y, center.z, radius as f32, n.x, n.y, n.z, (0.5 * power) as f32]
 }
 
 /// The probabilities of lights with these shares of all power: the shares, but none below [`MIN_SHARE`] of

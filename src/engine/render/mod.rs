@@ -37,7 +37,7 @@ fn find_visible(
     most: usize,
 ) {
     let tiles = || Tile::cover(settings.resolution, settings.tile_size);
-    let (primitives, count) = (scene.spheres.len() + scene.triangles.len(), tiles().count());
+    let (primitives, count) = (scene.primitives(), tiles().count());
     let too_many = primitives > most || primitives * count > MAX_CULLING_TESTS;
     if !settings.methods.keep_to_their_primitives() || too_many {
         visible.clear();

@@ -37,13 +37,11 @@ const MIN_LEAVES_PER_THREAD: usize = 256;
 
 /// The [`Padding`] of a scene's boxes, from the extent of all its primitives.
 pub fn padding_of(scene: &Scene) -> Padding {
-    let vertices = scene.triangles.iter().flat_map(|triangle| triangle.vertices);
-    let of_triangles = vertices.map(|vertex| vertex.abs().max_element()).fold(0.0, f32::max);
-    let corner = |sphere: &crate::scene::Sphere| {
-        let Bounds { lo, hi } = Bounds::of_sphere(sphere.center, sphere.radius);
+    let reach = |number| {
+        let Bounds { lo, hi } = Bounds::of_primitive(scene.primitive(number));
         lo.abs().max(hi.abs()).max_element()
     };
-    let padding = Padding::new(scene.spheres.iter().map(corner).fold(of_triangles, f32::max));
+    let padding = Padding::new((0..scene.primitives()).map(reach).fold(0.0, f32::max));
     if scene.spheres.is_empty() { padding } else { padding.with_spheres() }
 }
 

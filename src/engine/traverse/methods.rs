@@ -56,7 +56,8 @@ pub fn list_cost(scene: &Scene) -> usize {
     scene.spheres.len() + TRIANGLE_COST * scene.triangles.len()
 }
 
-/// The features that traversal adds to those of [`Features::of`]: [`Features::HIERARCHY`] above [`MAX_LIST_COST`].
+/// The features that traversal adds to those of [`Features::of`]: [`Features::HIERARCHY`] above
+/// [`MAX_LIST_COST`].
 pub fn features_of(scene: &Scene) -> Features {
     if list_cost(scene) > MAX_LIST_COST { Features::HIERARCHY } else { Features::NONE }
 }

@@ -5,65 +5,56 @@
 
 use super::methods::box_methods;
 use super::rays::{ray, to_f64, towards};
-use super::recipe::{Bound, FailureCounts, Recipe};
+use super::recipe::{Bound, FAILED, FailureCounts, Recipe, trials};
 use super::rng::Rng;
 use crate::kernel::ray_box::{BoxMethod, Padding};
 use crate::math::{self, Ray};
 use glam::{DVec3, Vec3};
 
 const IZE: &str = "Ize, Robust BVH Ray Traversal, JCGT 2(2), 2013";
-const FALSE_MISS: &str = "a ray that hits the box misses it";
 
-pub(super) const RECIPES: &[Recipe] = &[
-    Recipe {
-        name: "boxes-corners",
-        title: "Rays aimed at corners of boxes, away from the origin of coordinates",
-        axis: "distance of the box from the origin / its size",
-        places: &[0.0, 1.0, 10.0, 100.0, 1e3, 1e4, 1e5, 1e6],
-        failure: FALSE_MISS,
-        error: Some("|Δt| of the entry point / t"),
-        source: IZE,
-        cases: 100_000,
-        methods: &box_methods!(at_corners, entry),
-        bound: |_| Bound::NO_FAILURE,
-    },
-    Recipe {
-        name: "boxes-faces",
-        title: "Rays that start in the plane of a face and run along it",
-        axis: "component of the direction across the face",
-        places: &[0.0, 1e-44, 1e-39, 1e-30, 1e-20, 1e-17, 1e-12, 1e-8, 1e-6, 1e-4],
-        failure: FALSE_MISS,
-        error: None,
-        source: IZE,
-        cases: 100_000,
-        methods: &box_methods!(along_faces, entry),
-        bound: |_| Bound::NO_FAILURE,
-    },
-    Recipe {
-        name: "boxes-scale",
-        title: "Boxes of all sizes, also flat ones, and directions close to an axis",
-        axis: "size of the scene",
-        places: &SCALES,
-        failure: FALSE_MISS,
-        error: None,
-        source: IZE,
-        cases: 100_000,
-        methods: &box_methods!(at_scale, entry),
-        bound: |_| Bound::NO_FAILURE,
-    },
-    Recipe {
-        name: "boxes-beside",
-        title: "The cost of padding: rays that miss a box by little",
-        axis: "distance of ray and box / padding of the default method",
-        places: &[0.01, 0.03, 0.1, 0.3, 1.0, 2.0, 10.0, 100.0],
-        failure: "a ray that misses the box hits it",
-        error: None,
-        source: "this program",
-        cases: 50_000,
-        methods: &box_methods!(beside, entry),
-        bound: |off| if off < 2.0 { Bound::NONE } else { Bound::NO_FAILURE },
-    },
-];
+pub(super) fn recipes() -> Vec<Recipe> {
+    let common = || Recipe { failure: "a ray that hits the box misses it", source: IZE, ..Recipe::COMMON };
+    vec![
+        Recipe {
+            name: "boxes-corners",
+            title: "Rays aimed at corners of boxes, away from the origin of coordinates",
+            axis: "distance of the box from the origin / its size",
+            places: &[0.0, 1.0, 10.0, 100.0, 1e3, 1e4, 1e5, 1e6],
+            error: Some("|Δt| of the entry point / t"),
+            methods: trials(at_corners, &box_methods!(entry)),
+            ..common()
+        },
+        Recipe {
+            name: "boxes-faces",
+            title: "Rays that start in the plane of a face and run along it",
+            axis: "component of the direction across the face",
+            places: &[0.0, 1e-44, 1e-39, 1e-30, 1e-20, 1e-17, 1e-12, 1e-8, 1e-6, 1e-4],
+            methods: trials(along_faces, &box_methods!(entry)),
+            ..common()
+        },
+        Recipe {
+            name: "boxes-scale",
+            title: "Boxes of all sizes, also flat ones, and directions close to an axis",
+            axis: "size of the scene",
+            places: &SCALES,
+            methods: trials(at_scale, &box_methods!(entry)),
+            ..common()
+        },
+        Recipe {
+            name: "boxes-beside",
+            title: "The cost of padding: rays that miss a box by little",
+            axis: "distance of ray and box / padding of the default method",
+            places: &[0.01, 0.03, 0.1, 0.3, 1.0, 2.0, 10.0, 100.0],
+            failure: "a ray that misses the box hits it",
+            source: "this program",
+            cases: 50_000,
+            methods: trials(beside, &box_methods!(entry)),
+            bound: |off| if off < 2.0 { Bound::NONE } else { Bound::NO_FAILURE },
+            ..common()
+        },
+    ]
+}
 
 /// Scene sizes from tiny to huge.
 pub const SCALES: [f64; 7] = [1e-15, 1e-6, 1e-2, 1.0, 1e3, 1e6, 1e15];
@@ -197,63 +188,49 @@ fn record_hit(counts: &mut FailureCounts, cuboid: &Cuboid, ray: &Ray<f32>, entry
     }
 }
 
+/// A box around `center` with edges from 0.1 to 1, and the halves of its edges.
+fn around(rng: &mut Rng, center: DVec3) -> (Cuboid, DVec3) {
+    let half = DVec3::from_array([(); 3].map(|()| 0.05 + 0.45 * rng.unit()));
+    (Cuboid { lo: (center - half).as_vec3(), hi: (center + half).as_vec3() }, half)
+}
+
 /// Origins up to four sizes away.
-fn at_corners(rng: &mut Rng, offset: f64, cases: usize, entry: Entry) -> FailureCounts {
-    let mut counts = FailureCounts::default();
-    while counts.tested < cases {
-        let center = rng.direction() * offset;
-        let half = DVec3::from_array([(); 3].map(|()| 0.05 + 0.45 * rng.unit()));
-        let cuboid = Cuboid { lo: (center - half).as_vec3(), hi: (center + half).as_vec3() };
-        let origin = (center + rng.in_cube() * 4.0).as_vec3();
-        let ray = towards(origin, cuboid.corner(rng));
-        // Rounding of the direction moves about half of them outside.
-        let (enter, leave) = reference_interval(cuboid.grown(0.0), &ray);
-        if enter <= leave && enter > 0.0 {
-            match entry(&cuboid, &ray) {
-                Some(near) => counts.record_error((f64::from(near) / enter - 1.0).abs()),
-                None => counts.record(true),
-            }
-        }
+fn at_corners(rng: &mut Rng, offset: f64, counts: &mut FailureCounts, entry: Entry) {
+    let center = rng.direction() * offset;
+    let (cuboid, _) = around(rng, center);
+    let origin = (center + rng.in_cube() * 4.0).as_vec3();
+    let ray = towards(origin, cuboid.corner(rng));
+    // Rounding of the direction moves about half of them outside.
+    let (enter, leave) = reference_interval(cuboid.grown(0.0), &ray);
+    if enter <= leave && enter > 0.0 {
+        let error = |near| (f64::from(near) / enter - 1.0).abs();
+        counts.record_error(entry(&cuboid, &ray).map_or(FAILED, error));
     }
-    counts
 }
 
 /// The direction's component across the face is ±`across`; lower and upper faces of all axes.
-fn along_faces(rng: &mut Rng, across: f64, cases: usize, entry: Entry) -> FailureCounts {
-    let mut counts = FailureCounts::default();
-    while counts.tested < cases {
-        let center = rng.in_cube();
-        let half = DVec3::from_array([(); 3].map(|()| 0.05 + 0.45 * rng.unit()));
-        let cuboid = Cuboid { lo: (center - half).as_vec3(), hi: (center + half).as_vec3() };
-        let axis = rng.index(3);
-        let mut origin = (rng.in_cube() * 4.0).as_vec3();
-        origin[axis] = [cuboid.lo, cuboid.hi][rng.index(2)][axis];
-        let mut target = center + half * rng.in_cube();
-        target[axis] = f64::from(origin[axis]);
-        let mut direction = (target - origin.as_dvec3()).normalize_or(DVec3::X).as_vec3();
-        direction[axis] = across as f32 * [1.0, -1.0][rng.index(2)];
-        record_hit(&mut counts, &cuboid, &ray(origin, direction), entry);
-    }
-    counts
+fn along_faces(rng: &mut Rng, across: f64, counts: &mut FailureCounts, entry: Entry) {
+    let center = rng.in_cube();
+    let (cuboid, half) = around(rng, center);
+    let axis = rng.index(3);
+    let mut origin = (rng.in_cube() * 4.0).as_vec3();
+    origin[axis] = [cuboid.lo, cuboid.hi][rng.index(2)][axis];
+    let mut target = center + half * rng.in_cube();
+    target[axis] = f64::from(origin[axis]);
+    let mut direction = (target - origin.as_dvec3()).normalize_or(DVec3::X).as_vec3();
+    direction[axis] = across as f32 * [1.0, -1.0][rng.index(2)];
+    record_hit(counts, &cuboid, &ray(origin, direction), entry);
 }
 
-fn at_scale(rng: &mut Rng, scale: f64, cases: usize, entry: Entry) -> FailureCounts {
-    let mut counts = FailureCounts::default();
-    while counts.tested < cases {
-        let cuboid = Cuboid::random(rng, scale);
-        let ray = aimed(rng, &cuboid, scale);
-        record_hit(&mut counts, &cuboid, &ray, entry);
-    }
-    counts
+fn at_scale(rng: &mut Rng, scale: f64, counts: &mut FailureCounts, entry: Entry) {
+    let cuboid = Cuboid::random(rng, scale);
+    let ray = aimed(rng, &cuboid, scale);
+    record_hit(counts, &cuboid, &ray, entry);
 }
 
-fn beside(rng: &mut Rng, off: f64, cases: usize, entry: Entry) -> FailureCounts {
-    let mut counts = FailureCounts::default();
-    while counts.tested < cases {
-        let cuboid = Cuboid::random(rng, 1.0);
-        if let Some(ray) = passing(rng, &cuboid, 1.0, off) {
-            counts.record(entry(&cuboid, &ray).is_some());
-        }
+fn beside(rng: &mut Rng, off: f64, counts: &mut FailureCounts, entry: Entry) {
+    let cuboid = Cuboid::random(rng, 1.0);
+    if let Some(ray) = passing(rng, &cuboid, 1.0, off) {
+        counts.record(entry(&cuboid, &ray).is_some());
     }
-    counts
 }

@@ -2,9 +2,9 @@
 
 use super::methods::Method;
 use super::rays::ray;
-use super::recipe::{Bound, EPSILON, FailureCounts, Recipe};
+use super::recipe::{Bound, EPSILON, FAILED, FailureCounts, Recipe, trials};
 use super::rng::Rng;
-use super::scenes::{self, RenderMethods, empty, put_box, sphere};
+use super::scenes::{empty, put_box, seen, sphere};
 use crate::buffers::store_triangles;
 use crate::camera::Pinhole;
 use crate::kernel::ray_sphere::{Robust, SphereMethod};
@@ -13,45 +13,53 @@ use crate::math::{MISS, Vec3};
 use crate::reference::{Reference, Verdict};
 use crate::render::PrimaryHit;
 use crate::scene::{Camera, Scene};
+use crate::traverse::Methods;
 
-pub const RECIPES: &[Recipe] = &[
-    Recipe {
-        name: "cameras-fov",
-        title: "Fields of view from 0° to 180°, 240×135 pixels",
-        axis: "vertical field of view in degrees",
-        places: &[
-            1e-5, 1e-4, 1e-3, 1e-2, 0.1, 1.0, 10.0, 40.0, 90.0, 150.0, 170.0, 179.0, 179.9, 179.99, 179.999,
-        ],
-        failure: "direction is NaN, not of unit length within 4 ε, or off by half a pixel or more where single precision resolves \
-                  pixels",
-        error: Some("pixels off"),
-        source: "Shirley, Ray Tracing in One Weekend §12; half the picture's height is tan(fov / 2), a pixel's 1 / 135 of twice that",
-        cases: 50_000,
-        methods: &[
-            Method::other("corner-in-the-world", |rng, x, cases| views(rng, x, cases, in_the_world)),
-            Method::other("f32", |rng, x, cases| views(rng, x, cases, in_single)),
-            Method::default("corner-in-f64", |rng, x, cases| views(rng, x, cases, pinhole)),
-        ],
-        bound: |degrees| Bound::error(8.0 * EPSILON * pixels_per_unit(degrees)),
-    },
-    Recipe {
-        name: "cameras-inside",
-        title: "Cameras inside balls and boxes of all sizes",
-        axis: "distance from the wall / size",
-        places: &[1e-5, 1e-4, 1e-3, 1e-2, 0.1, 0.5, 1.0],
-        failure: "a camera ray hits nothing, or a hit that the f64 reference rejects",
-        error: None,
-        source: "from inside a closed object, every ray hits it",
-        cases: 20_000,
-        methods: &[
-            Method::other("least-t-1e-4", |rng, x, cases| inside(rng, x, cases, beyond_least_t)),
-            Method::default("renderer", |rng, x, cases| {
-                inside(rng, x, cases, |scene| scenes::seen(scene, RenderMethods::NEEDED))
-            }),
-        ],
-        bound: |_| Bound::NO_FAILURE,
-    },
-];
+pub(super) fn recipes() -> Vec<Recipe> {
+    vec![
+        Recipe {
+            name: "cameras-fov",
+            title: "Fields of view from 0° to 180°, 240×135 pixels",
+            axis: "vertical field of view in degrees",
+            places: &[
+                1e-5, 1e-4, 1e-3, 1e-2, 0.1, 1.0, 10.0, 40.0, 90.0, 150.0, 170.0, 179.0, 179.9, 179.99,
+                179.999,
+            ],
+            failure: "direction is NaN, not of unit length within 4 ε, or off by half a pixel or more where single precision resolves \
+                      pixels",
+            error: Some("pixels off"),
+            source: "Shirley, Ray Tracing in One Weekend §12; half the picture's height is tan(fov / 2), a pixel's 1 / 135 of twice that",
+            cases: 50_000,
+            methods: trials(
+                views,
+                &[
+                    Method::other("corner-in-the-world", in_the_world),
+                    Method::other("f32", in_single),
+                    Method::default("corner-in-f64", pinhole),
+                ],
+            ),
+            bound: |degrees| Bound::error(8.0 * EPSILON * pixels_per_unit(degrees)),
+            ..Recipe::COMMON
+        },
+        Recipe {
+            name: "cameras-inside",
+            title: "Cameras inside balls and boxes of all sizes",
+            axis: "distance from the wall / size",
+            places: &[1e-5, 1e-4, 1e-3, 1e-2, 0.1, 0.5, 1.0],
+            failure: "a camera ray hits nothing, or a hit that the f64 reference rejects",
+            source: "from inside a closed object, every ray hits it",
+            cases: 20_000,
+            methods: trials(
+                inside,
+                &[
+                    Method::other("least-t-1e-4", beyond_least_t),
+                    Method::default("renderer", |scene| seen(scene, Methods::default(), 8)),
+                ],
+            ),
+            ..Recipe::COMMON
+        },
+    ]
+}
 
 const SIZE: [u32; 2] = [240, 135];
 
@@ -95,40 +103,32 @@ fn in_single(camera: &Camera, x: f32, y: f32) -> glam::Vec3 {
     (forward + right * (across * half_width) + up * (upwards * half_height)).normalize()
 }
 
-fn views(rng: &mut Rng, degrees: f64, cases: usize, view: View) -> FailureCounts {
-    let mut counts = FailureCounts::default();
-    for _ in 0..cases {
-        let position = rng.in_cube().as_vec3() * 1000.0;
-        let camera = Camera {
-            position,
-            look_at: position + rng.direction().as_vec3() * rng.scale(0.1, 100.0) as f32,
-            up: rng.direction().as_vec3(),
-            vertical_fov: degrees as f32,
-        };
-        let [width, height] = SIZE.map(f64::from);
-        let (x, y) = ((width * rng.unit()) as f32, (height * rng.unit()) as f32);
-        // Basis and picture in f64.
-        let forward = (camera.look_at.as_dvec3() - camera.position.as_dvec3()).normalize();
-        let right = forward.cross(camera.up.as_dvec3()).normalize();
-        let up = right.cross(forward);
-        let half_height = (f64::from(camera.vertical_fov).to_radians() / 2.0).tan();
-        if forward.cross(camera.up.as_dvec3()).length() < 0.1 {
-            continue;
-        }
-        let d = view(&camera, x, y).as_dvec3();
-        // The point where the direction hits the picture plane, in pixels.
-        let scale = height / (2.0 * half_height * d.dot(forward));
-        let point = [width / 2.0 + d.dot(right) * scale, height / 2.0 - d.dot(up) * scale];
-        let off = (point[0] - f64::from(x)).hypot(point[1] - f64::from(y));
-        let unit = (d.length() - 1.0).abs() <= 4.0 * EPSILON && d.dot(forward) > 0.0;
-        let resolved = EPSILON * pixels_per_unit(degrees) < 0.05;
-        if unit && off.is_finite() && (off < 0.5 || !resolved) {
-            counts.record_error(off);
-        } else {
-            counts.record(true);
-        }
+fn views(rng: &mut Rng, degrees: f64, counts: &mut FailureCounts, view: View) {
+    let position = rng.in_cube().as_vec3() * 1000.0;
+    let camera = Camera {
+        position,
+        look_at: position + rng.direction().as_vec3() * rng.scale(0.1, 100.0) as f32,
+        up: rng.direction().as_vec3(),
+        vertical_fov: degrees as f32,
+    };
+    let [width, height] = SIZE.map(f64::from);
+    let (x, y) = ((width * rng.unit()) as f32, (height * rng.unit()) as f32);
+    // Basis and picture in f64.
+    let forward = (camera.look_at.as_dvec3() - camera.position.as_dvec3()).normalize();
+    let right = forward.cross(camera.up.as_dvec3()).normalize();
+    let up = right.cross(forward);
+    let half_height = (f64::from(camera.vertical_fov).to_radians() / 2.0).tan();
+    if forward.cross(camera.up.as_dvec3()).length() < 0.1 {
+        return;
     }
-    counts
+    let d = view(&camera, x, y).as_dvec3();
+    // The point where the direction hits the picture plane, in pixels.
+    let scale = height / (2.0 * half_height * d.dot(forward));
+    let point = [width / 2.0 + d.dot(right) * scale, height / 2.0 - d.dot(up) * scale];
+    let off = (point[0] - f64::from(x)).hypot(point[1] - f64::from(y));
+    let unit = (d.length() - 1.0).abs() <= 4.0 * EPSILON && d.dot(forward) > 0.0;
+    let resolved = EPSILON * pixels_per_unit(degrees) < 0.05;
+    counts.record_error(if unit && (off < 0.5 || !resolved) { off } else { FAILED });
 }
 
 /// The same rays with a constant least t of 1e-4, a common way to avoid self-intersection.
@@ -150,37 +150,30 @@ fn beyond_least_t(scene: &Scene) -> Vec<PrimaryHit> {
         let ((_, t), primitive) = nearest.unwrap_or(((false, f32::INFINITY), MISS));
         PrimaryHit { t, primitive, ..hit }
     };
-    scenes::seen(scene, RenderMethods::NEEDED).into_iter().map(nearest).collect()
+    seen(scene, Methods::default(), 8).into_iter().map(nearest).collect()
 }
 
-/// Cameras alternately in a ball and in a tilted box, away from the origin.
-fn inside(rng: &mut Rng, from_wall: f64, cases: usize, find: fn(&Scene) -> Vec<PrimaryHit>) -> FailureCounts {
-    let mut counts = FailureCounts::default();
-    let mut number = 0;
-    while counts.tested < cases {
-        number += 1;
-        let size = rng.scale(1e-3, 1e3);
-        let center = rng.in_cube() * size;
-        let mut scene = empty();
-        let towards = if number % 2 == 0 {
-            let (center, radius) = (center.as_vec3(), size as f32);
-            scene.spheres.push(sphere(center, radius));
-            rng.direction()
-        } else {
-            put_box(&mut scene, rng, center, size)[rng.index(3)]
-        };
-        let position = (center + towards * (size * (1.0 - from_wall))).as_vec3();
-        scene.camera = Camera {
-            position,
-            look_at: position + (rng.direction() * size).as_vec3(),
-            up: rng.direction().as_vec3(),
-            vertical_fov: 100.0,
-        };
-        let reference = Reference::new(&scene);
-        for hit in find(&scene).into_iter().take(cases - counts.tested) {
-            let verdict = reference.check_primary(hit.origin, hit.direction, hit.t, hit.primitive);
-            counts.record(hit.primitive == MISS || verdict != Verdict::Right);
-        }
+/// Cameras in a ball or in a tilted box, away from the origin.
+fn inside(rng: &mut Rng, from_wall: f64, counts: &mut FailureCounts, find: fn(&Scene) -> Vec<PrimaryHit>) {
+    let size = rng.scale(1e-3, 1e3);
+    let center = rng.in_cube() * size;
+    let mut scene = empty();
+    let towards = if rng.index(2) == 0 {
+        scene.spheres.push(sphere(center.as_vec3(), size as f32));
+        rng.direction()
+    } else {
+        put_box(&mut scene, rng, center, size)[rng.index(3)]
+    };
+    let position = (center + towards * (size * (1.0 - from_wall))).as_vec3();
+    scene.camera = Camera {
+        position,
+        look_at: position + (rng.direction() * size).as_vec3(),
+        up: rng.direction().as_vec3(),
+        vertical_fov: 100.0,
+    };
+    let reference = Reference::new(&scene);
+    for hit in find(&scene) {
+        let verdict = reference.check_primary(hit.origin, hit.direction, hit.t, hit.primitive);
+        counts.record(hit.primitive == MISS || verdict != Verdict::Right);
     }
-    counts
 }

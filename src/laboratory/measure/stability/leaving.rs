@@ -3,8 +3,9 @@
 //! Source: Wächter, Binder, "A Fast and Robust Method for Avoiding Self-Intersection", Ray Tracing Gems ch.
 //! 6, 2019.
 
+use super::methods::Method;
 use super::rays::{ray, towards};
-use super::recipe::{Bound, FailureCounts, Recipe};
+use super::recipe::{FailureCounts, Recipe, trials};
 use super::rng::Rng;
 use super::triangles;
 use crate::kernel::ray_triangle::Woop;
@@ -13,74 +14,58 @@ use crate::math;
 use crate::sampling::warp::sample_cosine_hemisphere;
 use glam::Vec3;
 
-pub(super) const WAECHTER: &str = "Wächter, Binder, Ray Tracing Gems ch. 6, 2019";
-pub(super) const AGAIN: &str = "the ray hits the surface that it leaves";
+const WAECHTER: &str = "Wächter, Binder, Ray Tracing Gems ch. 6, 2019";
 
-/// The spawn methods, for a function that takes one of [`SpawnMethod::ALL`] as its last argument.
-macro_rules! spawn_methods {
-    ($run:ident) => {
-        $crate::measure::stability::leaving::spawn_methods!($run;
-            default "exact point, error bound" 0, other "o + t d, error bound" 1, other "exact point, 1e-4" 2,
-            other "o + t d, t > 1e-4" 3, other "exact point, no offset" 4, other "o + t d, no offset" 5)
-    };
-    ($run:ident; $($role:ident $name:literal $number:literal),+) => {
-        [$($crate::measure::stability::methods::Method::$role($name, |rng, x, cases| {
-            $run(rng, x, cases, $crate::measure::stability::leaving::SpawnMethod::ALL[$number])
-        })),+]
-    };
+/// What the recipes of rays that leave a surface have in common.
+pub(super) fn common() -> Recipe {
+    Recipe { failure: "the ray hits the surface that it leaves", source: WAECHTER, ..Recipe::COMMON }
 }
-pub(super) use spawn_methods;
 
-pub(super) const RECIPES: &[Recipe] = &[
-    Recipe {
-        name: "leaving-place",
-        title: "Leaving triangles with edges of 1",
-        axis: "distance of the triangle from the origin",
-        places: &[0.01, 0.1, 1.0, 10.0, 100.0, 1e3, 1e4, 1e5],
-        failure: AGAIN,
-        error: None,
-        source: WAECHTER,
-        cases: 100_000,
-        methods: &spawn_methods!(from_place),
-        bound: |_| Bound::NO_FAILURE,
-    },
-    Recipe {
-        name: "leaving-size",
-        title: "Leaving triangles at a distance of 1 from the origin",
-        axis: "edge of the triangle",
-        places: &[1e-3, 1e-2, 0.1, 1.0, 10.0, 100.0, 1e3, 1e4, 1e5],
-        failure: AGAIN,
-        error: None,
-        source: WAECHTER,
-        cases: 100_000,
-        methods: &spawn_methods!(of_size),
-        bound: |_| Bound::NO_FAILURE,
-    },
-    Recipe {
-        name: "leaving-travelled",
-        title: "Leaving triangles with edges of 1, at a distance of 1 from the origin, after a long ray",
-        axis: "length of the arriving ray",
-        places: &[0.01, 0.1, 1.0, 10.0, 100.0, 1e3, 1e4, 1e5],
-        failure: AGAIN,
-        error: None,
-        source: WAECHTER,
-        cases: 100_000,
-        methods: &spawn_methods!(after_distance),
-        bound: |_| Bound::NO_FAILURE,
-    },
-    Recipe {
-        name: "leaving-slivers",
-        title: "Leaving slivers with edges of 1",
-        axis: "usual height / height",
-        places: &[1.0, 10.0, 100.0, 1e3, 1e4],
-        failure: AGAIN,
-        error: None,
-        source: WAECHTER,
-        cases: 100_000,
-        methods: &spawn_methods!(of_slivers),
-        bound: |_| Bound::NO_FAILURE,
-    },
-];
+pub(super) fn recipes() -> Vec<Recipe> {
+    vec![
+        Recipe {
+            name: "leaving-place",
+            title: "Leaving triangles with edges of 1",
+            axis: "distance of the triangle from the origin",
+            places: &[0.01, 0.1, 1.0, 10.0, 100.0, 1e3, 1e4, 1e5],
+            methods: trials(
+                |rng, x, counts, method| leave_triangles(rng, counts, [1.0, x, 1.0], method),
+                &SPAWN_METHODS,
+            ),
+            ..common()
+        },
+        Recipe {
+            name: "leaving-size",
+            title: "Leaving triangles at a distance of 1 from the origin",
+            axis: "edge of the triangle",
+            places: &[1e-3, 1e-2, 0.1, 1.0, 10.0, 100.0, 1e3, 1e4, 1e5],
+            methods: trials(
+                |rng, x, counts, method| leave_triangles(rng, counts, [x, 1.0, 1.0], method),
+                &SPAWN_METHODS,
+            ),
+            ..common()
+        },
+        Recipe {
+            name: "leaving-travelled",
+            title: "Leaving triangles with edges of 1, at a distance of 1 from the origin, after a long ray",
+            axis: "length of the arriving ray",
+            places: &[0.01, 0.1, 1.0, 10.0, 100.0, 1e3, 1e4, 1e5],
+            methods: trials(after_distance, &SPAWN_METHODS),
+            ..common()
+        },
+        Recipe {
+            name: "leaving-slivers",
+            title: "Leaving slivers with edges of 1",
+            axis: "usual height / height",
+            places: &[1.0, 10.0, 100.0, 1e3, 1e4],
+            methods: trials(
+                |rng, x, counts, method| leave_triangles(rng, counts, [1.0, 1.0, x], method),
+                &SPAWN_METHODS,
+            ),
+            ..common()
+        },
+    ]
+}
 
 /// The origin of a ray that leaves a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -101,17 +86,17 @@ pub(crate) enum Offset {
     Constant(f32),
 }
 
-impl SpawnMethod {
-    /// In the order of `spawn_methods`: the renderer's own first.
-    pub(crate) const ALL: [Self; 6] = [
-        Self::with(true, Offset::Bound(1.0), 0.0),
-        Self::with(false, Offset::Bound(1.0), 0.0),
-        Self::with(true, Offset::Constant(1e-4), 0.0),
-        Self::with(false, Offset::Bound(0.0), 1e-4),
-        Self::with(true, Offset::Bound(0.0), 0.0),
-        Self::with(false, Offset::Bound(0.0), 0.0),
-    ];
+/// The renderer's own first.
+pub(super) const SPAWN_METHODS: [Method<SpawnMethod>; 6] = [
+    Method::default("exact point, error bound", SpawnMethod::share(1.0)),
+    Method::other("o + t d, error bound", SpawnMethod::with(false, Offset::Bound(1.0), 0.0)),
+    Method::other("exact point, 1e-4", SpawnMethod::with(true, Offset::Constant(1e-4), 0.0)),
+    Method::other("o + t d, t > 1e-4", SpawnMethod::with(false, Offset::Bound(0.0), 1e-4)),
+    Method::other("exact point, no offset", SpawnMethod::share(0.0)),
+    Method::other("o + t d, no offset", SpawnMethod::with(false, Offset::Bound(0.0), 0.0)),
+];
 
+impl SpawnMethod {
     const fn with(exact: bool, offset: Offset, t_min: f32) -> Self {
         Self { exact, offset, t_min }
     }
@@ -197,37 +182,17 @@ pub fn triangle(rng: &mut Rng, size: f64, place: f64, flat: f64) -> Option<[Vec3
 
 fn leave_triangles(
     rng: &mut Rng,
+    counts: &mut FailureCounts,
     [size, place, flat]: [f64; 3],
-    cases: usize,
     method: SpawnMethod,
-) -> FailureCounts {
-    let mut counts = FailureCounts::default();
-    while counts.tested < cases {
-        if let Some(vertices) = triangle(rng, size, place, flat) {
-            leave_triangle(&mut counts, rng, vertices, ARRIVING.map(|travelled| travelled * size), method);
-        }
+) {
+    if let Some(vertices) = triangle(rng, size, place, flat) {
+        leave_triangle(counts, rng, vertices, ARRIVING.map(|travelled| travelled * size), method);
     }
-    counts
 }
 
-fn from_place(rng: &mut Rng, place: f64, cases: usize, method: SpawnMethod) -> FailureCounts {
-    leave_triangles(rng, [1.0, place, 1.0], cases, method)
-}
-
-fn of_size(rng: &mut Rng, size: f64, cases: usize, method: SpawnMethod) -> FailureCounts {
-    leave_triangles(rng, [size, 1.0, 1.0], cases, method)
-}
-
-fn after_distance(rng: &mut Rng, travelled: f64, cases: usize, method: SpawnMethod) -> FailureCounts {
-    let mut counts = FailureCounts::default();
-    while counts.tested < cases {
-        if let Some(vertices) = triangle(rng, 1.0, 1.0, 1.0) {
-            leave_triangle(&mut counts, rng, vertices, [travelled; 2], method);
-        }
+fn after_distance(rng: &mut Rng, travelled: f64, counts: &mut FailureCounts, method: SpawnMethod) {
+    if let Some(vertices) = triangle(rng, 1.0, 1.0, 1.0) {
+        leave_triangle(counts, rng, vertices, [travelled; 2], method);
     }
-    counts
-}
-
-fn of_slivers(rng: &mut Rng, flat: f64, cases: usize, method: SpawnMethod) -> FailureCounts {
-    leave_triangles(rng, [1.0, 1.0, flat], cases, method)
 }

@@ -1,7 +1,7 @@
 //! Light sampling: emitters that are small, near, around the lit point, or seen edge-on.
 
 use super::methods::Method;
-use super::recipe::{Bound, EPSILON, FailureCounts, Recipe};
+use super::recipe::{Bound, EPSILON, FAILED, FailureCounts, Recipe, trials};
 use super::rng::Rng;
 use crate::kernel::light::{self, FlatLight, LightSample};
 use crate::lane::functions;
@@ -11,105 +11,123 @@ use glam::DVec3;
 use std::f32::consts::TAU;
 use std::f64::consts::PI;
 
-pub const RECIPES: &[Recipe] = &[
-    Recipe {
-        name: "lamps-spheres",
-        title: "Sampling spherical lights, from far away to close by",
-        axis: "radius / distance of the centre",
-        places: &[1e-6, 1e-5, 1e-4, 3e-4, 1e-3, 3e-3, 1e-2, 0.1, 0.5, 0.9, 0.99, 0.999, 0.9999, 0.99999],
-        failure: "pdf is not positive and finite, or the direction misses the light",
-        error: Some("|Δ pdf| / pdf"),
-        source: SHIRLEY,
-        cases: 50_000,
-        methods: &[
-            Method::other("cosine", |rng, x, cases| sphere(rng, x, cases, cosine)),
-            Method::other("taylor", |rng, x, cases| sphere(rng, x, cases, taylor)),
-            Method::default("sine", |rng, x, cases| sphere(rng, x, cases, sine)),
-        ],
-        // Close by, the cosine of the rim, √(1 − sin²), magnifies the rounding of sin².
-        bound: |ratio| Bound::error(8.0 * EPSILON / (1.0 - ratio * ratio).sqrt()),
-    },
-    Recipe {
-        name: "lamps-around",
-        title: "Lit points inside spherical lights",
-        axis: "distance from the centre / radius",
-        places: &[0.0, 1e-6, 1e-3, 0.1, 0.5, 0.9, 0.99, 0.999, 0.9999, 0.99999],
-        failure: "pdf is not 0, although the light is in every direction",
-        error: None,
-        source: SHIRLEY,
-        cases: 50_000,
-        methods: &[
-            Method::other("cosine", |rng, x, cases| around(rng, x, cases, cosine)),
-            Method::other("cosine-clamped", |rng, x, cases| around(rng, x, cases, cosine_clamped)),
-            Method::default("sine-and-inside", |rng, x, cases| around(rng, x, cases, sine)),
-        ],
-        bound: |_| Bound::NO_FAILURE,
-    },
-    Recipe {
-        name: "lamps-triangle",
-        title: "Sampling triangular lights that are small or far away",
-        axis: "edge / distance",
-        places: &[1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 0.1, 1.0, 10.0],
-        failure: "pdf is not positive and finite",
-        error: Some("|Δ pdf| / pdf"),
-        source: OOSTEROM,
-        cases: 50_000,
-        methods: &[
-            Method::other("angles", |rng, x, cases| flat::<false>(rng, cases, small(x), angles)),
-            Method::other("determinant", |rng, x, cases| flat::<false>(rng, cases, small(x), determinant)),
-            Method::default("whole-or-area", |rng, x, cases| {
-                flat::<false>(rng, cases, small(x), whole_or_area)
-            }),
-        ],
-        // Measured, not derived: 8 ε.
-        bound: |_| Bound::error(16.0 * EPSILON),
-    },
-    Recipe {
-        name: "lamps-quad",
-        title: "Sampling parallelograms that emit and are small or far away",
-        axis: "edge / distance",
-        places: &[1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 0.1, 1.0, 10.0],
-        failure: "pdf is not positive and finite",
-        error: Some("|Δ pdf| / pdf"),
-        source: OOSTEROM,
-        cases: 50_000,
-        methods: &[
-            Method::other("determinants", |rng, x, cases| flat::<true>(rng, cases, small(x), determinants)),
-            Method::default("whole-or-area", |rng, x, cases| {
-                flat::<true>(rng, cases, small(x), whole_or_area)
-            }),
-        ],
-        // Measured, not derived: half of it.
-        bound: |_| Bound::error(32.0 * EPSILON),
-    },
-    Recipe {
-        name: "lamps-edge-on",
-        title: "Sampling triangular lights seen nearly edge-on, about half as large as their distance",
-        axis: "distance from the triangle's plane / distance",
-        places: &[1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 0.1, 1.0],
-        failure: "pdf is not positive and finite",
-        error: Some("|Δ pdf| / pdf"),
-        source: OOSTEROM,
-        cases: 50_000,
-        methods: &[
-            Method::other("angles", |rng, x, cases| flat::<false>(rng, cases, edge_on(x), angles)),
-            Method::other("determinant", |rng, x, cases| flat::<false>(rng, cases, edge_on(x), determinant)),
-            Method::default("whole-or-area", |rng, x, cases| {
-                flat::<false>(rng, cases, edge_on(x), whole_or_area)
-            }),
-        ],
-        // The distance of the plane is rounded by some ε; closer to it there is no promise.
-        bound: |height| {
-            if height < 1e-5 { Bound::NONE } else { Bound::error(EPSILON * (16.0 + 8.0 / height)) }
+pub(super) fn recipes() -> Vec<Recipe> {
+    vec![
+        Recipe {
+            name: "lamps-spheres",
+            title: "Sampling spherical lights, from far away to close by",
+            axis: "radius / distance of the centre",
+            places: &[1e-6, 1e-5, 1e-4, 3e-4, 1e-3, 3e-3, 1e-2, 0.1, 0.5, 0.9, 0.99, 0.999, 0.9999, 0.99999],
+            failure: "pdf is not positive and finite, or the direction misses the light",
+            error: Some("|Δ pdf| / pdf"),
+            source: SHIRLEY,
+            cases: 50_000,
+            methods: trials(
+                sphere,
+                &[
+                    Method::other("cosine", cosine),
+                    Method::other("taylor", taylor),
+                    Method::default("sine", sine),
+                ],
+            ),
+            // Close by, the cosine of the rim, √(1 − sin²), magnifies the rounding of sin².
+            bound: |ratio| Bound::error(8.0 * EPSILON / (1.0 - ratio * ratio).sqrt()),
+            ..Recipe::COMMON
         },
-    },
-];
+        Recipe {
+            name: "lamps-around",
+            title: "Lit points inside spherical lights",
+            axis: "distance from the centre / radius",
+            places: &[0.0, 1e-6, 1e-3, 0.1, 0.5, 0.9, 0.99, 0.999, 0.9999, 0.99999],
+            failure: "pdf is not 0, although the light is in every direction",
+            source: SHIRLEY,
+            cases: 50_000,
+            methods: trials(
+                around,
+                &[
+                    Method::other("cosine", cosine),
+                    Method::other("cosine-clamped", cosine_clamped),
+                    Method::default("sine-and-inside", sine),
+                ],
+            ),
+            ..Recipe::COMMON
+        },
+        Recipe {
+            name: "lamps-triangle",
+            title: "Sampling triangular lights that are small or far away",
+            axis: "edge / distance",
+            places: &[1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 0.1, 1.0, 10.0],
+            failure: "pdf is not positive and finite",
+            error: Some("|Δ pdf| / pdf"),
+            source: OOSTEROM,
+            cases: 50_000,
+            methods: trials::<SampleFlat>(
+                |rng, x, counts, sample| flat(small(rng, x), false, rng, counts, sample),
+                &[
+                    Method::other("angles", angles),
+                    Method::other("determinant", determinant),
+                    Method::default("whole-or-area", whole_or_area),
+                ],
+            ),
+            // Measured, not derived: 8 ε.
+            bound: |_| Bound::error(16.0 * EPSILON),
+            ..Recipe::COMMON
+        },
+        Recipe {
+            name: "lamps-quad",
+            title: "Sampling parallelograms that emit and are small or far away",
+            axis: "edge / distance",
+            places: &[1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 0.1, 1.0, 10.0],
+            failure: "pdf is not positive and finite",
+            error: Some("|Δ pdf| / pdf"),
+            source: OOSTEROM,
+            cases: 50_000,
+            methods: trials::<SampleFlat>(
+                |rng, x, counts, sample| flat(small(rng, x), true, rng, counts, sample),
+                &[
+                    Method::other("determinants", determinants),
+                    Method::default("whole-or-area", whole_or_area),
+                ],
+            ),
+            // Measured, not derived: half of it.
+            bound: |_| Bound::error(32.0 * EPSILON),
+            ..Recipe::COMMON
+        },
+        Recipe {
+            name: "lamps-edge-on",
+            title: "Sampling triangular lights seen nearly edge-on, about half as large as their distance",
+            axis: "distance from the triangle's plane / distance",
+            places: &[1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 0.1, 1.0],
+            failure: "pdf is not positive and finite",
+            error: Some("|Δ pdf| / pdf"),
+            source: OOSTEROM,
+            cases: 50_000,
+            methods: trials::<SampleFlat>(
+                |rng, x, counts, sample| flat(edge_on(rng, x), false, rng, counts, sample),
+                &[
+                    Method::other("angles", angles),
+                    Method::other("determinant", determinant),
+                    Method::default("whole-or-area", whole_or_area),
+                ],
+            ),
+            // The distance of the plane is rounded by some ε; closer to it there is no promise.
+            bound: |height| {
+                if height < 1e-5 { Bound::NONE } else { Bound::error(EPSILON * (16.0 + 8.0 / height)) }
+            },
+            ..Recipe::COMMON
+        },
+    ]
+}
 
 const SHIRLEY: &str = "Shirley, Wang, Zimmerman, ACM TOG 15(1), 1996; Pharr et al., PBR 4ed §6.2.4";
 const OOSTEROM: &str = "Van Oosterom, Strackee, IEEE TBME 30(2), 1983; Arvo, SIGGRAPH 1995";
 
 /// A direction and its pdf.
 type DirectionPdf = (Vec3<f32>, f32);
+/// A direction towards a sphere, from its centre, its radius and two random numbers.
+type SampleSphere = fn(Vec3<f32>, f32, f32, f32) -> DirectionPdf;
+/// A direction towards a triangle or a parallelogram, from two random numbers.
+type SampleFlat = fn(FlatLight<f32>, f32, f32) -> DirectionPdf;
 
 /// Around the axis towards `center`.
 fn cone(center: Vec3<f32>, sin: f32, cos: f32, v: f32) -> Vec3<f32> {
@@ -160,47 +178,29 @@ fn ball(rng: &mut Rng, distance: f64) -> (Vec3<f32>, f32) {
     (Vec3::splat((rng.direction() * (radius * distance)).as_vec3()), radius as f32)
 }
 
-fn sphere(
-    rng: &mut Rng,
-    ratio: f64,
-    cases: usize,
-    sample: fn(Vec3<f32>, f32, f32, f32) -> DirectionPdf,
-) -> FailureCounts {
-    let mut counts = FailureCounts::default();
-    for _ in 0..cases {
-        let (center, radius) = ball(rng, 1.0 / ratio);
-        let (u, v) = numbers(rng);
-        let (direction, pdf) = sample(center, radius, u, v);
-        let (at, w, radius) = (center.get(0).as_dvec3(), direction.get(0).as_dvec3(), f64::from(radius));
-        let distance = (at - w * at.dot(w) / w.length_squared()).length();
-        // Directions are rounded.
-        let hits = distance <= radius + 8.0 * EPSILON * at.length();
-        let sin2 = radius * radius / at.length_squared();
-        let expected = (1.0 + (1.0 - sin2).sqrt()) / (2.0 * PI * sin2);
-        let error = (f64::from(pdf) / expected - 1.0).abs();
-        if hits && pdf > 0.0 && error.is_finite() { counts.record_error(error) } else { counts.record(true) }
-    }
-    counts
+fn sphere(rng: &mut Rng, ratio: f64, counts: &mut FailureCounts, sample: SampleSphere) {
+    let (center, radius) = ball(rng, 1.0 / ratio);
+    let (u, v) = numbers(rng);
+    let (direction, pdf) = sample(center, radius, u, v);
+    let (at, w, radius) = (center.get(0).as_dvec3(), direction.get(0).as_dvec3(), f64::from(radius));
+    let distance = (at - w * at.dot(w) / w.length_squared()).length();
+    // Directions are rounded.
+    let hits = distance <= radius + 8.0 * EPSILON * at.length();
+    let sin2 = radius * radius / at.length_squared();
+    let expected = (1.0 + (1.0 - sin2).sqrt()) / (2.0 * PI * sin2);
+    let error = (f64::from(pdf) / expected - 1.0).abs();
+    counts.record_error(if hits && pdf > 0.0 { error } else { FAILED });
 }
 
-fn around(
-    rng: &mut Rng,
-    from_center: f64,
-    cases: usize,
-    sample: fn(Vec3<f32>, f32, f32, f32) -> DirectionPdf,
-) -> FailureCounts {
-    let mut counts = FailureCounts::default();
-    for _ in 0..cases {
-        let (center, radius) = ball(rng, from_center);
-        let (u, v) = numbers(rng);
-        counts.record(sample(center, radius, u, v).1 != 0.0);
-    }
-    counts
+fn around(rng: &mut Rng, from_center: f64, counts: &mut FailureCounts, sample: SampleSphere) {
+    let (center, radius) = ball(rng, from_center);
+    let (u, v) = numbers(rng);
+    counts.record(sample(center, radius, u, v).1 != 0.0);
 }
 
 /// Corners at a distance of about 1, edges of about `edge`; no slivers, not edge-on.
-fn small(edge: f64) -> impl Fn(&mut Rng) -> [DVec3; 3] {
-    move |rng| loop {
+fn small(rng: &mut Rng, edge: f64) -> [DVec3; 3] {
+    loop {
         let middle = rng.direction();
         let corners = [(); 3].map(|()| middle + rng.direction() * edge);
         let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
@@ -212,16 +212,14 @@ fn small(edge: f64) -> impl Fn(&mut Rng) -> [DVec3; 3] {
 }
 
 /// Corners in a plane at the distance `height`, about 1 away along the plane.
-fn edge_on(height: f64) -> impl Fn(&mut Rng) -> [DVec3; 3] {
-    move |rng| {
-        let up = rng.direction();
-        let (x, y) = up.any_orthonormal_pair();
-        let turn = rng.unit();
-        [0.0, 1.0, 2.0].map(|third: f64| {
-            let (sin, cos) = ((turn + third / 3.0 + 0.1 * rng.signed()) * 2.0 * PI).sin_cos();
-            x * (1.0 + 0.3 * cos) + y * (0.3 * sin) + up * height
-        })
-    }
+fn edge_on(rng: &mut Rng, height: f64) -> [DVec3; 3] {
+    let up = rng.direction();
+    let (x, y) = up.any_orthonormal_pair();
+    let turn = rng.unit();
+    [0.0, 1.0, 2.0].map(|third: f64| {
+        let (sin, cos) = ((turn + third / 3.0 + 0.1 * rng.signed()) * 2.0 * PI).sin_cos();
+        x * (1.0 + 0.3 * cos) + y * (0.3 * sin) + up * height
+    })
 }
 
 /// Solid angle as the sum of the angles less π.
@@ -257,32 +255,20 @@ fn determinants(light: FlatLight<f32>, u: f32, v: f32) -> DirectionPdf {
 
 /// Triangles, or parallelograms with the fourth corner opposite the first. The pdf may be that of sampling
 /// the solid angle or the area; each method uses area for small solid angles.
-fn flat<const IS_QUAD: bool>(
-    rng: &mut Rng,
-    cases: usize,
-    corners: impl Fn(&mut Rng) -> [DVec3; 3],
-    sample: fn(FlatLight<f32>, f32, f32) -> DirectionPdf,
-) -> FailureCounts {
-    let mut counts = FailureCounts::default();
-    for _ in 0..cases {
-        let [a, b, c] = corners(rng).map(|corner| corner.as_vec3());
-        let [at, ab, ac] = [a, b - a, c - a].map(Vec3::splat);
-        let light = FlatLight { a: at, ab, ac, is_quad: IS_QUAD };
-        let (u, v) = numbers(rng);
-        let (direction, pdf) = sample(light, u, v);
-        let w = direction.get(0).as_dvec3();
-        // The light with rounded edges, as the method gets it.
-        let [a, ab, ac] = [a, b - a, c - a].map(|vector| vector.as_dvec3());
-        let normal = ab.cross(ac);
-        let t = a.dot(normal) / w.dot(normal);
-        let by_area = if IS_QUAD { 1.0 } else { 2.0 } * t * t / normal.dot(w).abs();
-        let [a, b, c, d] = [a, a + ab, a + ac, a + ab + ac].map(DVec3::normalize);
-        let half = |a: DVec3| a.dot(b.cross(c)).abs().atan2(1.0 + a.dot(b) + b.dot(c) + c.dot(a));
-        let by_angle = 0.5 / (half(a) + if IS_QUAD { half(d) } else { 0.0 });
-        let pdf = f64::from(pdf);
-        let error = [by_angle, by_area].map(|expected| (pdf / expected - 1.0).abs());
-        let error = error[0].min(error[1]);
-        if pdf > 0.0 && error.is_finite() { counts.record_error(error) } else { counts.record(true) }
-    }
-    counts
+fn flat(corners: [DVec3; 3], is_quad: bool, rng: &mut Rng, counts: &mut FailureCounts, sample: SampleFlat) {
+    let [a, b, c] = corners.map(|corner| corner.as_vec3());
+    let [at, ab, ac] = [a, b - a, c - a].map(Vec3::splat);
+    let (u, v) = numbers(rng);
+    let (direction, pdf) = sample(FlatLight { a: at, ab, ac, is_quad }, u, v);
+    let w = direction.get(0).as_dvec3();
+    // The light with rounded edges, as the method gets it.
+    let [a, ab, ac] = [a, b - a, c - a].map(|vector| vector.as_dvec3());
+    let normal = ab.cross(ac);
+    let t = a.dot(normal) / w.dot(normal);
+    let by_area = if is_quad { 1.0 } else { 2.0 } * t * t / normal.dot(w).abs();
+    let [a, b, c, d] = [a, a + ab, a + ac, a + ab + ac].map(DVec3::normalize);
+    let half = |a: DVec3| a.dot(b.cross(c)).abs().atan2(1.0 + a.dot(b) + b.dot(c) + c.dot(a));
+    let by_angle = 0.5 / (half(a) + if is_quad { half(d) } else { 0.0 });
+    let [by_angle, by_area] = [by_angle, by_area].map(|expected| (f64::from(pdf) / expected - 1.0).abs());
+    counts.record_error(if pdf > 0.0 { by_angle.min(by_area) } else { FAILED });
 }

@@ -5,69 +5,71 @@
 
 use super::methods::triangle_methods;
 use super::rays::{packet, towards};
-use super::recipe::{Bound, FailureCounts, Recipe};
+use super::recipe::{FailureCounts, Recipe, trials};
 use super::rng::Rng;
 use super::triangles::{WOOP, mean};
 use crate::kernel::ray_triangle::TriangleMethod;
 use crate::lane::{F32x8, Lane, Mask};
 use crate::math::Ray;
 use glam::{DVec3, Vec3};
+use std::sync::LazyLock;
 
-const LEAK: &str = "a ray inside a closed mesh hits nothing";
 /// Sizes of meshes, in scene units. The watertight test multiplies three lengths, which f32 represents from
 /// 1e-12 to 1e12.
 const SIZES: [f64; 9] = [1e-12, 1e-9, 1e-6, 1e-3, 1.0, 1e3, 1e6, 1e9, 1e12];
 
-pub(super) const RECIPES: &[Recipe] = &[
-    Recipe {
-        name: "mesh-edges",
-        title: "Rays at the edges of a closed mesh",
-        axis: "size of the mesh",
+pub(super) fn recipes() -> Vec<Recipe> {
+    let common = || Recipe {
         places: &SIZES,
-        failure: LEAK,
-        error: None,
+        failure: "a ray inside a closed mesh hits nothing",
         source: WOOP,
         cases: 40_000,
-        methods: &triangle_methods!(at_edges),
-        bound: |_| Bound::NO_FAILURE,
-    },
-    Recipe {
-        name: "mesh-vertices",
-        title: "Rays at the vertices of a closed mesh",
-        axis: "size of the mesh",
-        places: &SIZES,
-        failure: LEAK,
-        error: None,
-        source: WOOP,
-        cases: 40_000,
-        methods: &triangle_methods!(at_vertices),
-        bound: |_| Bound::NO_FAILURE,
-    },
-    Recipe {
-        name: "mesh-random",
-        title: "Rays anywhere at a closed mesh: failures are rarer than at edges",
-        axis: "size of the mesh",
-        places: &SIZES,
-        failure: LEAK,
-        error: None,
-        source: WOOP,
-        cases: 40_000,
-        methods: &triangle_methods!(anywhere),
-        bound: |_| Bound::NO_FAILURE,
-    },
-    Recipe {
-        name: "mesh-offset",
-        title: "Rays at the edges of a closed mesh away from the origin of coordinates",
-        axis: "distance of the mesh from the origin / its size",
-        places: &[0.0, 1.0, 10.0, 100.0, 1e3, 1e4],
-        failure: LEAK,
-        error: None,
-        source: WOOP,
-        cases: 40_000,
-        methods: &triangle_methods!(away),
-        bound: |_| Bound::NO_FAILURE,
-    },
-];
+        ..Recipe::COMMON
+    };
+    vec![
+        Recipe {
+            name: "mesh-edges",
+            title: "Rays at the edges of a closed mesh",
+            axis: "size of the mesh",
+            methods: trials::<Leaks>(
+                |rng, x, counts, leaks| leaks(rng, counts, x, 0.0, Target::Edges),
+                &triangle_methods!(leaks),
+            ),
+            ..common()
+        },
+        Recipe {
+            name: "mesh-vertices",
+            title: "Rays at the vertices of a closed mesh",
+            axis: "size of the mesh",
+            methods: trials::<Leaks>(
+                |rng, x, counts, leaks| leaks(rng, counts, x, 0.0, Target::Vertices),
+                &triangle_methods!(leaks),
+            ),
+            ..common()
+        },
+        Recipe {
+            name: "mesh-random",
+            title: "Rays anywhere at a closed mesh: failures are rarer than at edges",
+            axis: "size of the mesh",
+            methods: trials::<Leaks>(
+                |rng, x, counts, leaks| leaks(rng, counts, x, 0.0, Target::Anywhere),
+                &triangle_methods!(leaks),
+            ),
+            ..common()
+        },
+        Recipe {
+            name: "mesh-offset",
+            title: "Rays at the edges of a closed mesh away from the origin of coordinates",
+            axis: "distance of the mesh from the origin / its size",
+            places: &[0.0, 1.0, 10.0, 100.0, 1e3, 1e4],
+            methods: trials::<Leaks>(
+                |rng, x, counts, leaks| leaks(rng, counts, 1.0, x, Target::Edges),
+                &triangle_methods!(leaks),
+            ),
+            ..common()
+        },
+    ]
+}
 
 /// A closed bumpy ball around the origin, star-shaped, of radius about 1: `4 · rows · rows` triangles or so,
 /// all vertices shared.
@@ -120,81 +122,42 @@ fn from_within(rng: &mut Rng, triangle: [Vec3; 3], center: DVec3, size: f64, aim
     towards(origin, target)
 }
 
-/// The lanes of eight rays that hit one of these triangles of a mesh, as bits.
-type HitLanes<'a> = &'a dyn Fn(&[Ray<f32>; 8], &mut dyn Iterator<Item = usize>) -> u32;
-
-/// Rows of triangles of the mesh.
+/// The rows of a mesh of 2208 triangles.
 const ROWS: usize = 24;
+static MESH: LazyLock<Vec<[Vec3; 3]>> = LazyLock::new(|| bumpy_ball(ROWS));
+/// Packets of eight rays for each place of the mesh.
+const PACKETS: usize = 64;
 
-/// Leaks of a closed mesh of 2208 triangles of this size and place: rays from inside that hit nothing.
+/// [`leaks`] of one method.
+type Leaks = fn(&mut Rng, &mut FailureCounts, f64, f64, Target);
+
+/// Counts rays from inside a mesh of this size and place that hit nothing.
 fn leaks<T: TriangleMethod>(
     rng: &mut Rng,
+    counts: &mut FailureCounts,
     size: f64,
     offset: f64,
     aimed_at: Target,
-    cases: usize,
-) -> FailureCounts {
+) {
     let center = rng.direction() * (offset * size);
     let place = |vertex: Vec3| (vertex.as_dvec3() * size + center).as_vec3();
-    let mesh: Vec<_> = bumpy_ball(ROWS).into_iter().map(|corners| corners.map(place)).collect();
+    let mesh: Vec<_> = MESH.iter().map(|corners| corners.map(place)).collect();
     let stored: Vec<T::Stored> = mesh.iter().map(|&vertices| T::store(vertices)).collect();
-    let hits = |rays: &[Ray<f32>; 8], triangles: &mut dyn Iterator<Item = usize>| {
-        let prepared = T::prepare(&packet::<F32x8>(rays));
+    for _ in 0..PACKETS {
+        let first = rng.index(mesh.len());
+        let rays: [Ray<f32>; 8] =
+            std::array::from_fn(|_| from_within(rng, mesh[first], center, size, aimed_at));
+        let prepared = T::prepare(&packet::<F32x8>(&rays));
         let mut hit = <F32x8 as Lane>::Mask::splat(false);
-        for number in triangles {
-            hit = hit | T::test(&prepared, &stored[number], F32x8::splat(f32::INFINITY)).mask;
+        // Most rays hit the triangle at which they aim or a neighbour, at most a row of triangles away.
+        let around =
+            (0..mesh.len().div_ceil(2)).flat_map(|step| [first + step, first + mesh.len() - step - 1]);
+        for number in around {
+            hit = hit | T::test(&prepared, &stored[number % mesh.len()], F32x8::splat(f32::INFINITY)).mask;
             if hit.all() {
                 break;
             }
         }
-        hit.bitmask()
-    };
-    let ray = |rng: &mut Rng, triangle| from_within(rng, mesh[triangle], center, size, aimed_at);
-    count_leaks(rng, mesh.len(), cases, &ray, &hits)
-}
-
-/// Aims packets of rays with `ray` at random triangles, and counts those without a hit.
-fn count_leaks(
-    rng: &mut Rng,
-    triangles: usize,
-    cases: usize,
-    ray: &dyn Fn(&mut Rng, usize) -> Ray<f32>,
-    hits: HitLanes,
-) -> FailureCounts {
-    // Most rays hit the triangle at which they aim or a neighbour, at most a row of triangles away. Only the
-    // others are tested against the whole mesh.
-    let near = 4 * ROWS + 4;
-    let (mut tested, mut left) = (0, Vec::new());
-    while tested < cases {
-        let first = rng.index(triangles);
-        let rays: [Ray<f32>; 8] = std::array::from_fn(|_| ray(rng, first));
-        let around = (0..near).flat_map(|step| [first + step, first + triangles - step - 1]);
-        let hit = hits(&rays, &mut around.map(|number| number % triangles));
-        let count = (cases - tested).min(8);
-        left.extend((0..count).filter(|lane| hit >> lane & 1 == 0).map(|lane| rays[lane]));
-        tested += count;
+        (0..8).for_each(|lane| counts.record(hit.bitmask() >> lane & 1 == 0));
     }
-    let mut failures = 0;
-    for rays in left.chunks(8) {
-        let eight = std::array::from_fn(|lane| rays[lane % rays.len()]);
-        let hit = hits(&eight, &mut (0..triangles));
-        failures += (0..rays.len()).filter(|lane| hit >> lane & 1 == 0).count();
-    }
-    FailureCounts { tested: cases, failures, errors: Vec::new() }
-}
-
-fn at_edges<T: TriangleMethod>(rng: &mut Rng, size: f64, cases: usize) -> FailureCounts {
-    leaks::<T>(rng, size, 0.0, Target::Edges, cases)
-}
-
-fn at_vertices<T: TriangleMethod>(rng: &mut Rng, size: f64, cases: usize) -> FailureCounts {
-    leaks::<T>(rng, size, 0.0, Target::Vertices, cases)
-}
-
-fn anywhere<T: TriangleMethod>(rng: &mut Rng, size: f64, cases: usize) -> FailureCounts {
-    leaks::<T>(rng, size, 0.0, Target::Anywhere, cases)
-}
-
-fn away<T: TriangleMethod>(rng: &mut Rng, offset: f64, cases: usize) -> FailureCounts {
-    leaks::<T>(rng, 1.0, offset, Target::Edges, cases)
 }

@@ -2,8 +2,6 @@
 //!
 //! For: [`Method`], [`MEANINGS`], and a macro per family that makes an array of its methods.
 //! `sphere_methods!(time)` instantiates `fn time<S: SphereMethod>() -> f64` for each method.
-//! `sphere_methods!(far, intersect)` instantiates only the small `intersect::<S>` and passes it to
-//! `fn far(rng, x, cases, intersect)`, so that `far` is compiled once.
 
 /// A method, and a function of it.
 #[derive(Clone, Copy, Debug)]
@@ -50,16 +48,16 @@ pub const MEANINGS: [(&str, &str); 15] = [
 /// The array of [`Method`]s with this function for every
 /// [`SphereMethod`](crate::kernel::ray_sphere::SphereMethod).
 macro_rules! sphere_methods {
-    ($($run:ident),+) => {
-        $crate::measure::stability::methods::list!([$($run),+] ray_sphere;
+    ($run:ident) => {
+        $crate::measure::stability::methods::list!($run ray_sphere;
             default "robust" Robust, other "robust-any-length" RobustAnyLength, other "naive" Naive)
     };
 }
 
 /// The same for every [`TriangleMethod`](crate::kernel::ray_triangle::TriangleMethod).
 macro_rules! triangle_methods {
-    ($($run:ident),+) => {
-        $crate::measure::stability::methods::list!([$($run),+] ray_triangle;
+    ($run:ident) => {
+        $crate::measure::stability::methods::list!($run ray_triangle;
             default "woop" Woop, other "woop-contracted" WoopContracted, other "moller-trumbore" MollerTrumbore,
             other "moller-trumbore-epsilon" MollerTrumboreEpsilon, other "baldwin-weber" BaldwinWeber, other "plucker" Plucker)
     };
@@ -67,8 +65,8 @@ macro_rules! triangle_methods {
 
 /// The same for every [`BoxMethod`](crate::kernel::ray_box::BoxMethod).
 macro_rules! box_methods {
-    ($($run:ident),+) => {
-        $crate::measure::stability::methods::list!([$($run),+] ray_box;
+    ($run:ident) => {
+        $crate::measure::stability::methods::list!($run ray_box;
             default "padded-fma" Padded, other "by-sign" BySign, other "by-sign-2-ulp" BySignWidened, other "fma" Contracted,
             other "x86-min-max" X86MinMax, other "ieee-min-max" IeeeMinMax)
     };
@@ -76,13 +74,8 @@ macro_rules! box_methods {
 
 /// Rows of `default|other "name" Type`, with types of a module of `kernel`.
 macro_rules! list {
-    ([$run:ident] $family:ident; $($role:ident $name:literal $method:ident),+) => {
+    ($run:ident $family:ident; $($role:ident $name:literal $method:ident),+) => {
         [$($crate::measure::stability::methods::Method::$role($name, $run::<$crate::kernel::$family::$method>)),+]
-    };
-    ([$run:ident, $kernel:ident] $family:ident; $($role:ident $name:literal $method:ident),+) => {
-        [$($crate::measure::stability::methods::Method::$role($name, |rng, x, cases| {
-            $run(rng, x, cases, $kernel::<$crate::kernel::$family::$method>)
-        })),+]
     };
 }
 

@@ -2,7 +2,7 @@
 
 use super::methods::Method;
 use super::rays::{ray, to_f64};
-use super::recipe::{Bound, EPSILON, FailureCounts, Recipe};
+use super::recipe::{Bound, EPSILON, FailureCounts, Recipe, trials};
 use super::rng::Rng;
 use super::scenes::{empty, put_box};
 use crate::integrate::RENORMALIZATION_INTERVAL;
@@ -11,26 +11,30 @@ use crate::kernel::surface::{triangle_normal, triangle_offset};
 use crate::math::{Ray, Vec3};
 use glam::DVec3;
 
-pub const RECIPES: &[Recipe] = &[Recipe {
-    name: "mirrors-room",
-    title: "Paths between the mirrors of a closed room",
-    axis: "reflections",
-    places: &[1.0, 3.0, 10.0, 30.0, 100.0, 300.0, 1e3, 1e4, 1e5],
-    failure: "the ray leaks out of the room, or the length of its direction differs from 1 by more than 1e-5",
-    error: Some("|Δ direction| in radians, up to signs along the room's axes"),
-    source: "kernel::ray_sphere, which requires unit length within 1e-5",
-    cases: 48,
-    methods: &[
-        Method::other("point-along-ray", |rng, x, cases| room(rng, x, cases, along_ray, 1)),
-        Method::other("never-mended", |rng, x, cases| room(rng, x, cases, off_surface, u32::MAX)),
-        Method::other("mended-each-time", |rng, x, cases| room(rng, x, cases, off_surface, 1)),
-        Method::default("mended-each-eighth", |rng, x, cases| {
-            room(rng, x, cases, off_surface, RENORMALIZATION_INTERVAL)
-        }),
-    ],
-    // The rounding of a reflection, always with the same sign.
-    bound: |reflections| Bound::error(10.0 * EPSILON * (1.0 + reflections)),
-}];
+pub(super) fn recipes() -> Vec<Recipe> {
+    vec![Recipe {
+        name: "mirrors-room",
+        title: "Paths between the mirrors of a closed room",
+        axis: "reflections",
+        places: &[1.0, 3.0, 10.0, 30.0, 100.0, 300.0, 1e3, 1e4, 1e5],
+        failure: "the ray leaks out of the room, or the length of its direction differs from 1 by more than 1e-5",
+        error: Some("|Δ direction| in radians, up to signs along the room's axes"),
+        source: "kernel::ray_sphere, which requires unit length within 1e-5",
+        cases: 48,
+        methods: trials(
+            room,
+            &[
+                Method::other("point-along-ray", (along_ray, 1)),
+                Method::other("never-mended", (off_surface, u32::MAX)),
+                Method::other("mended-each-time", (off_surface, 1)),
+                Method::default("mended-each-eighth", (off_surface, RENORMALIZATION_INTERVAL)),
+            ],
+        ),
+        // The rounding of a reflection, always with the same sign.
+        bound: |reflections| Bound::error(10.0 * EPSILON * (1.0 + reflections)),
+        ..Recipe::COMMON
+    }]
+}
 
 /// A wall, with its offset for leaving rays.
 struct Wall {
@@ -54,33 +58,29 @@ fn off_surface(_: &Ray<f32>, hit: &TriangleHit<f32>, wall: &Wall, normal: Vec3<f
     normal.mul_add(wall.offset, (b - a).mul_add(hit.u, (c - a).mul_add(hit.v, a)))
 }
 
-/// A room up to three of its sizes from the origin.
-fn room(rng: &mut Rng, reflections: f64, cases: usize, start: Start, mend: u32) -> FailureCounts {
-    let mut counts = FailureCounts::default();
-    for _ in 0..cases {
-        let size = rng.scale(0.1, 10.0);
-        let center = rng.in_cube() * (3.0 * size);
-        let mut scene = empty();
-        let axes = put_box(&mut scene, rng, center, size);
-        let walls = scene.triangles.iter().map(|triangle| Wall {
-            stored: Woop::store(triangle.vertices),
-            vertices: triangle.vertices.map(Vec3::splat),
-            normal: Vec3::splat(triangle_normal(triangle.vertices)),
-            offset: triangle_offset(triangle.vertices),
-        });
-        let walls: Vec<Wall> = walls.collect();
-        let first = ray(center.as_vec3(), rng.direction().as_vec3());
-        let last = follow(first, &walls, reflections as u32, start, mend);
-        // Reflections in a box change only signs along its axes.
-        let along = |ray: &Ray<f32>| DVec3::from(axes.map(|axis| axis.dot(to_f64(ray).1).abs()));
-        match last {
-            Some(last) if (to_f64(&last).1.length() - 1.0).abs() <= 1e-5 => {
-                counts.record_error(along(&first).angle_between(along(&last)));
-            }
-            _ => counts.record(true),
+/// A room up to three of its sizes from the origin. `mend`: reflections until a direction is normalised again.
+fn room(rng: &mut Rng, reflections: f64, counts: &mut FailureCounts, (start, mend): (Start, u32)) {
+    let size = rng.scale(0.1, 10.0);
+    let center = rng.in_cube() * (3.0 * size);
+    let mut scene = empty();
+    let axes = put_box(&mut scene, rng, center, size);
+    let walls = scene.triangles.iter().map(|triangle| Wall {
+        stored: Woop::store(triangle.vertices),
+        vertices: triangle.vertices.map(Vec3::splat),
+        normal: Vec3::splat(triangle_normal(triangle.vertices)),
+        offset: triangle_offset(triangle.vertices),
+    });
+    let walls: Vec<Wall> = walls.collect();
+    let first = ray(center.as_vec3(), rng.direction().as_vec3());
+    let last = follow(first, &walls, reflections as u32, start, mend);
+    // Reflections in a box change only signs along its axes.
+    let along = |ray: &Ray<f32>| DVec3::from(axes.map(|axis| axis.dot(to_f64(ray).1).abs()));
+    match last {
+        Some(last) if (to_f64(&last).1.length() - 1.0).abs() <= 1e-5 => {
+            counts.record_error(along(&first).angle_between(along(&last)));
         }
+        _ => counts.record(true),
     }
-    counts
 }
 
 /// The ray after these reflections; `None` if it leaks out of the room.

@@ -7,15 +7,16 @@ use super::rng::Rng;
 use crate::measure::quantiles::Quantiles;
 use rayon::prelude::*;
 use serde::Serialize;
+use std::fmt::{self, Debug};
 
 /// Half the distance from 1 to the next f32, 2⁻²⁴, for bounds.
 pub const EPSILON: f64 = crate::math::EPSILON as f64;
 
-/// Tries a number of cases at a place of the axis.
-pub type Trial = fn(&mut Rng, f64, usize) -> FailureCounts;
+/// Tries and records some cases at a place of the axis: usually one, and none where the random input is
+/// unsuitable.
+pub type Trial = Box<dyn Fn(&mut Rng, f64, &mut FailureCounts) + Send + Sync>;
 
 /// Inputs on which methods fail, along one axis.
-#[derive(Debug)]
 pub struct Recipe {
     /// Short name, for the command line and for files: `spheres-far`.
     pub name: &'static str,
@@ -34,9 +35,28 @@ pub struct Recipe {
     /// Cases at each place, with an effort of 1.
     pub cases: usize,
     /// The methods that are tried, the default among them.
-    pub methods: &'static [Method<Trial>],
+    pub methods: Vec<Method<Trial>>,
     /// Bound of the default method, by place.
     pub(crate) bound: fn(f64) -> Bound,
+}
+
+impl Debug for Recipe {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str(self.name)
+    }
+}
+
+/// The trial of each method: `case` gets what the method computes.
+pub(crate) fn trials<M: Copy + Send + Sync + 'static>(
+    case: fn(&mut Rng, f64, &mut FailureCounts, M),
+    methods: &[Method<M>],
+) -> Vec<Method<Trial>> {
+    let trial = |&Method { name, default, run }: &Method<M>| Method::<Trial> {
+        name,
+        default,
+        run: Box::new(move |rng, x, counts| case(rng, x, counts, run)),
+    };
+    methods.iter().map(trial).collect()
 }
 
 /// Largest share of failures and error of a method.
@@ -99,8 +119,8 @@ impl FailureCounts {
         self.tested += 1;
         self.failures += usize::from(failed);
     }
-    /// Records a case that did not fail, with its error. An error that is NaN or infinite is a failure: in
-    /// quantiles it would go unnoticed.
+    /// Records a case that did not fail, with its error. An error that is NaN ([`FAILED`]) or infinite is a
+    /// failure: in quantiles it would go unnoticed.
     pub(crate) fn record_error(&mut self, error: f64) {
         if error.is_finite() {
             self.tested += 1;
@@ -116,6 +136,9 @@ impl FailureCounts {
         self
     }
 }
+
+/// The error of a case that failed.
+pub(crate) const FAILED: f64 = f64::NAN;
 
 /// The result of a recipe.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -212,6 +235,21 @@ pub fn run(recipes: &[&Recipe], effort: Effort, done: &(dyn Fn() + Sync)) -> Vec
 }
 
 impl Recipe {
+    /// What recipes have in common unless they say otherwise: the number of cases, no error, and a default
+    /// method that never fails.
+    pub(crate) const COMMON: Self = Self {
+        name: "",
+        title: "",
+        axis: "",
+        places: &[],
+        failure: "",
+        error: None,
+        source: "",
+        cases: 100_000,
+        methods: Vec::new(),
+        bound: |_| Bound::NO_FAILURE,
+    };
+
     /// Points of all methods.
     pub fn points(&self) -> usize {
         self.methods.len() * self.places.len()
@@ -246,11 +284,15 @@ impl Recipe {
     /// One method at one place, which need not be one of the recipe's places.
     pub fn at(&self, method: &Method<Trial>, x: f64, effort: Effort) -> Point {
         let cases = effort.cases(self.cases);
-        // Large enough that the setup of a part (a mesh) costs little, small enough for all threads.
+        // Large enough that the overhead of a part is small, small enough for all threads.
         let part = cases.div_ceil(16).clamp(1, 4096);
         let parts = (0..cases.div_ceil(part)).into_par_iter().map(|number| {
             let mut rng = Rng::of(self.name, [x.to_bits(), number as u64]);
-            (method.run)(&mut rng, x, part.min(cases - number * part))
+            let mut counts = FailureCounts::default();
+            while counts.tested < part.min(cases - number * part) {
+                (method.run)(&mut rng, x, &mut counts);
+            }
+            counts
         });
         // Merged in order, so that errors do not depend on threads.
         let counts =
@@ -259,7 +301,7 @@ impl Recipe {
     }
 
     /// The method of this name.
-    pub fn method(&self, name: &str) -> Option<&'static Method<Trial>> {
+    pub fn method(&self, name: &str) -> Option<&Method<Trial>> {
         self.methods.iter().find(|method| method.name == name)
     }
 }

@@ -2,75 +2,63 @@
 
 use super::methods::Method;
 use super::rays::ray;
-use super::recipe::{Bound, FailureCounts, Recipe};
+use super::recipe::{Bound, FailureCounts, Recipe, trials};
 use super::rng::Rng;
 use super::spheres::{Ball, reference_t};
-use crate::buffers::{LightChoice, store_triangles};
+use crate::buffers::store_triangles;
 use crate::kernel::ray_triangle::{TriangleMethod, Woop};
 use crate::lane::WIDTHS;
 use crate::math::MISS;
 use crate::render::{PrimaryHit, Renderer, Settings};
-use crate::sampling::Sampler;
 use crate::scene::{Camera, Material, MaterialKind, Scene, Side, Sky, Sphere, Triangle};
 use crate::traverse::batch::Traversal;
-use crate::traverse::{BoxChoice, Methods, SphereChoice, TraversalChoice, TriangleChoice};
+use crate::traverse::{Methods, SphereChoice, TraversalChoice};
 use glam::{DQuat, DVec3, Vec3};
 use std::f64::consts::TAU;
 
-pub const RECIPES: &[Recipe] = &[
-    Recipe {
-        name: "scenes-mixed",
-        title: "A small ball on a huge one, seen from a thousand times its size away",
-        axis: "radius of the huge ball / radius of the small one",
-        places: &[1.0, 1e2, 1e3, 1e4, 1e5, 1e6, 3e6, 1e7, 3e7, 1e8],
-        failure: "the small ball is not hit where it is in front by a tenth of its radius",
-        error: None,
-        source: "errors grow with the largest object and hide the smallest",
-        cases: 50_000,
-        methods: &[
-            Method::other("naive", |rng, x, cases| mixed(rng, x, cases, RenderMethods::NAIVE)),
-            Method::default("robust", |rng, x, cases| mixed(rng, x, cases, RenderMethods::NEEDED)),
-        ],
-        // The huge ball's surface is off along the ray by some ε of its radius: no promise above 1e5.
-        bound: |ratio| if ratio <= 1e5 { Bound::NO_FAILURE } else { Bound::NONE },
-    },
-    Recipe {
-        name: "scenes-coplanar",
-        title: "Coincident triangles, in any order, at both widths and with every traversal",
-        axis: "triangles in one place",
-        places: &[2.0, 4.0, 16.0, 64.0],
-        failure: "the hit is not the one of lowest index among coincident triangles",
-        error: None,
-        source: "for equal t, the first or the last triangle tested wins, unless a rule decides",
-        cases: 20_000,
-        methods: &[
-            Method::other("first-met", |rng, x, cases| coplanar(rng, x, cases, first_tested)),
-            Method::default("lower-index", |rng, x, cases| coplanar(rng, x, cases, renderer)),
-        ],
-        bound: |_| Bound::NO_FAILURE,
-    },
-];
-
-/// Methods and SIMD width of a renderer.
-#[derive(Clone, Copy)]
-pub struct RenderMethods {
-    methods: Methods,
-    lanes: usize,
-}
-
-impl RenderMethods {
-    const fn with(sphere: SphereChoice, triangle: TriangleChoice, traversal: TraversalChoice) -> Self {
-        let (lights, sampler) = (LightChoice::Off, Sampler::Sobol);
-        let boxes = BoxChoice::PaddedFma;
-        Self { methods: Methods { sphere, triangle, boxes, traversal, lights, sampler }, lanes: 8 }
-    }
-    /// Textbook methods.
-    const NAIVE: Self =
-        Self::with(SphereChoice::Naive, TriangleChoice::MollerTrumbore, TraversalChoice::Linear);
-    /// The default methods, testing every primitive.
-    pub const LINEAR: Self = Self::with(SphereChoice::Robust, TriangleChoice::Woop, TraversalChoice::Linear);
-    /// The renderer's defaults.
-    pub const NEEDED: Self = Self::with(SphereChoice::Robust, TriangleChoice::Woop, TraversalChoice::Needed);
+pub(super) fn recipes() -> Vec<Recipe> {
+    vec![
+        Recipe {
+            name: "scenes-mixed",
+            title: "A small ball on a huge one, seen from a thousand times its size away",
+            axis: "radius of the huge ball / radius of the small one",
+            places: &[1.0, 1e2, 1e3, 1e4, 1e5, 1e6, 3e6, 1e7, 3e7, 1e8],
+            failure: "the small ball is not hit where it is in front by a tenth of its radius",
+            source: "errors grow with the largest object and hide the smallest",
+            cases: 50_000,
+            methods: trials(
+                mixed,
+                &[
+                    Method::other(
+                        "naive",
+                        Methods {
+                            sphere: SphereChoice::Naive,
+                            traversal: TraversalChoice::Linear,
+                            ..Methods::default()
+                        },
+                    ),
+                    Method::default("robust", Methods::default()),
+                ],
+            ),
+            // The huge ball's surface is off along the ray by some ε of its radius: no promise above 1e5.
+            bound: |ratio| if ratio <= 1e5 { Bound::NO_FAILURE } else { Bound::NONE },
+            ..Recipe::COMMON
+        },
+        Recipe {
+            name: "scenes-coplanar",
+            title: "Coincident triangles, in any order, at both widths and with every traversal",
+            axis: "triangles in one place",
+            places: &[2.0, 4.0, 16.0, 64.0],
+            failure: "the hit is not the one of lowest index among coincident triangles",
+            source: "for equal t, the first or the last triangle tested wins, unless a rule decides",
+            cases: 20_000,
+            methods: trials(
+                coplanar,
+                &[Method::other("first-met", first_tested), Method::default("lower-index", renderer)],
+            ),
+            ..Recipe::COMMON
+        },
+    ]
 }
 
 /// No primitive, and one diffuse material.
@@ -98,9 +86,8 @@ pub fn triangle(vertices: [Vec3; 3]) -> Triangle {
 }
 
 /// The scene's camera rays and their hits.
-pub fn seen(scene: &Scene, render: RenderMethods) -> Vec<PrimaryHit> {
-    let settings = Settings { methods: render.methods, lanes: render.lanes, ..Settings::of(scene) };
-    Renderer::new(scene, settings).primary_hits(0)
+pub fn seen(scene: &Scene, methods: Methods, lanes: usize) -> Vec<PrimaryHit> {
+    Renderer::new(scene, Settings { methods, lanes, ..Settings::of(scene) }).primary_hits(0)
 }
 
 /// Share of a ball's radius within which rays may pass its silhouette on either side: a few ε of the 1,000
@@ -108,35 +95,26 @@ pub fn seen(scene: &Scene, render: RenderMethods) -> Vec<PrimaryHit> {
 const SILHOUETTE: f32 = 1e-3;
 
 /// The small ball fills the picture's height, down to its contact with the huge one.
-fn mixed(rng: &mut Rng, ratio: f64, cases: usize, render: RenderMethods) -> FailureCounts {
-    let mut counts = FailureCounts::default();
-    while counts.tested < cases {
-        let small = rng.scale(1e-3, 1.0);
-        let (up, contact) = (rng.direction(), rng.in_cube() * small);
-        let ball = |height: f64, radius: f64| Ball {
-            center: (contact + up * height).as_vec3(),
-            radius: radius as f32,
-        };
-        let balls = [ball(-ratio * small, ratio * small), ball(small, small)];
-        let along = up.cross(rng.direction()).normalize();
-        let eye = contact + (up * rng.scale(0.5, 5.0) + along).normalize() * (1000.0 * small);
-        let mut scene = empty();
-        scene.spheres = balls.map(|Ball { center, radius }| sphere(center, radius)).into();
-        let (position, look_at) = (eye.as_vec3(), balls[1].center);
-        scene.camera = Camera { position, look_at, up: along.cross(up).as_vec3(), vertical_fov: 0.12 };
-        let inner = Ball { radius: balls[1].radius * (1.0 - SILHOUETTE), ..balls[1] };
-        for hit in seen(&scene, render) {
-            let ray = ray(hit.origin.into(), hit.direction.into());
-            if reference_t(inner, &ray).is_none() {
-                continue;
-            }
-            let [ground, nearest] = balls.map(|ball| reference_t(ball, &ray).unwrap_or(f64::INFINITY));
-            if nearest + 0.1 * small < ground && counts.tested < cases {
-                counts.record(hit.primitive != 1);
-            }
+fn mixed(rng: &mut Rng, ratio: f64, counts: &mut FailureCounts, methods: Methods) {
+    let small = rng.scale(1e-3, 1.0);
+    let (up, contact) = (rng.direction(), rng.in_cube() * small);
+    let ball =
+        |height: f64, radius: f64| Ball { center: (contact + up * height).as_vec3(), radius: radius as f32 };
+    let balls = [ball(-ratio * small, ratio * small), ball(small, small)];
+    let along = up.cross(rng.direction()).normalize();
+    let eye = contact + (up * rng.scale(0.5, 5.0) + along).normalize() * (1000.0 * small);
+    let mut scene = empty();
+    scene.spheres = balls.map(|Ball { center, radius }| sphere(center, radius)).into();
+    let (position, look_at) = (eye.as_vec3(), balls[1].center);
+    scene.camera = Camera { position, look_at, up: along.cross(up).as_vec3(), vertical_fov: 0.12 };
+    let inner = Ball { radius: balls[1].radius * (1.0 - SILHOUETTE), ..balls[1] };
+    for hit in seen(&scene, methods, 8) {
+        let ray = ray(hit.origin.into(), hit.direction.into());
+        let [ground, nearest] = balls.map(|ball| reference_t(ball, &ray).unwrap_or(f64::INFINITY));
+        if reference_t(inner, &ray).is_some() && nearest + 0.1 * small < ground {
+            counts.record(hit.primitive != 1);
         }
     }
-    counts
 }
 
 /// A sphere of the first material.
@@ -165,26 +143,19 @@ fn shuffle<T>(values: &mut [T], rng: &mut Rng) {
     }
 }
 
-/// `find` returns the triangles that the rays of these hits hit.
-fn coplanar(
-    rng: &mut Rng,
-    copies: f64,
-    cases: usize,
-    find: fn(&mut Rng, &Scene, &[PrimaryHit]) -> Vec<u32>,
-) -> FailureCounts {
-    let mut counts = FailureCounts::default();
-    while counts.tested < cases {
-        let (scene, order) = wall(rng, copies);
-        let base = seen(&scene, RenderMethods { lanes: 1, ..RenderMethods::LINEAR });
-        let answers = find(rng, &scene, &base);
-        let hits = base.iter().zip(answers).filter(|(hit, _)| hit.primitive != MISS);
-        for (hit, answer) in hits.take(cases - counts.tested) {
-            let place = order[hit.primitive as usize];
-            let first = order.iter().position(|&other| other == place).map(|index| index as u32);
-            counts.record(Some(answer) != first);
-        }
+/// The triangles of a scene that the rays of these hits hit, by one method.
+type Find = fn(&mut Rng, &Scene, &[PrimaryHit]) -> Vec<u32>;
+
+fn coplanar(rng: &mut Rng, copies: f64, counts: &mut FailureCounts, find: Find) {
+    let (scene, order) = wall(rng, copies);
+    let linear = Methods { traversal: TraversalChoice::Linear, ..Methods::default() };
+    let base = seen(&scene, linear, 1);
+    let answers = find(rng, &scene, &base);
+    for (hit, answer) in base.iter().zip(answers).filter(|(hit, _)| hit.primitive != MISS) {
+        let place = order[hit.primitive as usize];
+        let first = order.iter().position(|&other| other == place).map(|index| index as u32);
+        counts.record(Some(answer) != first);
     }
-    counts
 }
 
 /// Tests triangles in random order, as a hierarchy does; only a smaller t replaces a hit.
@@ -210,9 +181,9 @@ fn first_tested(rng: &mut Rng, scene: &Scene, rays: &[PrimaryHit]) -> Vec<u32> {
 fn renderer(rng: &mut Rng, scene: &Scene, _: &[PrimaryHit]) -> Vec<u32> {
     let traversals = [Traversal::Single, Traversal::Packet, Traversal::Stream, Traversal::Hybrid];
     let choices = [TraversalChoice::Linear, TraversalChoice::Through(traversals[rng.index(4)])];
-    let render = RenderMethods::with(SphereChoice::Robust, TriangleChoice::Woop, choices[rng.index(2)]);
-    let render = RenderMethods { lanes: WIDTHS[rng.index(WIDTHS.len())], ..render };
-    seen(scene, render).iter().map(|hit| hit.primitive).collect()
+    let methods = Methods { traversal: choices[rng.index(2)], ..Methods::default() };
+    let lanes = WIDTHS[rng.index(WIDTHS.len())];
+    seen(scene, methods, lanes).iter().map(|hit| hit.primitive).collect()
 }
 
 /// Adds a tilted box of twelve triangles; returns the unit vectors towards three of its walls.

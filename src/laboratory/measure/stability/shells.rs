@@ -4,9 +4,9 @@
 //! Source: Wächter, Binder, "A Fast and Robust Method for Avoiding Self-Intersection", Ray Tracing Gems ch.
 //! 6, 2019.
 
-use super::leaving::{AGAIN, ARRIVING, SpawnMethod, WAECHTER, leaving, spawn_methods};
+use super::leaving::{ARRIVING, SPAWN_METHODS, SpawnMethod, common, leaving};
 use super::rays::{ray, to_f64, towards};
-use super::recipe::{Bound, FailureCounts, Recipe};
+use super::recipe::{Bound, FailureCounts, Recipe, trials};
 use super::rng::Rng;
 use super::spheres::{Ball, intersect};
 use crate::kernel::ray_sphere::Robust;
@@ -14,45 +14,45 @@ use crate::kernel::surface::{sphere_offset, sphere_surface};
 use crate::math::{self, Ray};
 use glam::Vec3;
 
-pub(super) const RECIPES: &[Recipe] = &[
-    Recipe {
-        name: "leaving-spheres",
-        title: "Leaving spheres of radius 1 outwards",
-        axis: "distance of the centre from the origin",
-        places: &[0.0, 0.1, 1.0, 10.0, 100.0, 1e3, 1e4],
-        failure: AGAIN,
-        error: None,
-        source: WAECHTER,
-        cases: 100_000,
-        methods: &spawn_methods!(outwards),
-        bound: |_| Bound::NO_FAILURE,
-    },
-    Recipe {
-        name: "leaving-inwards",
-        title: "Leaving spheres of radius 1 inwards",
-        axis: "distance of the centre from the origin",
-        places: &[0.0, 0.1, 1.0, 10.0, 100.0, 1e3, 1e4],
-        failure: "the ray misses the far side, or hits the near one",
-        error: None,
-        source: WAECHTER,
-        cases: 100_000,
-        methods: &spawn_methods!(inwards),
-        bound: |_| Bound::NO_FAILURE,
-    },
-    Recipe {
-        name: "leaving-shells",
-        title: "Leaving one of two concentric shells of radius 1, some distance from the origin, towards the other",
-        axis: "gap between the shells",
-        places: &[1e-6, 3e-6, 1e-5, 3e-5, 1e-4, 3e-4, 1e-3, 3e-3, 1e-2],
-        failure: "the ray misses the other shell, or hits its own",
-        error: None,
-        source: WAECHTER,
-        cases: 50_000,
-        methods: &spawn_methods!(between_shells),
-        // 1e-5 is two offsets of shells at this distance from the origin.
-        bound: |gap| if gap > 1e-5 { Bound::NO_FAILURE } else { Bound::NONE },
-    },
-];
+pub(super) fn recipes() -> Vec<Recipe> {
+    vec![
+        Recipe {
+            name: "leaving-spheres",
+            title: "Leaving spheres of radius 1 outwards",
+            axis: "distance of the centre from the origin",
+            places: &[0.0, 0.1, 1.0, 10.0, 100.0, 1e3, 1e4],
+            methods: trials(
+                |rng, x, counts, method| leave_spheres(rng, x, counts, Side::Outside, method),
+                &SPAWN_METHODS,
+            ),
+            ..common()
+        },
+        Recipe {
+            name: "leaving-inwards",
+            title: "Leaving spheres of radius 1 inwards",
+            axis: "distance of the centre from the origin",
+            places: &[0.0, 0.1, 1.0, 10.0, 100.0, 1e3, 1e4],
+            failure: "the ray misses the far side, or hits the near one",
+            methods: trials(
+                |rng, x, counts, method| leave_spheres(rng, x, counts, Side::Inside, method),
+                &SPAWN_METHODS,
+            ),
+            ..common()
+        },
+        Recipe {
+            name: "leaving-shells",
+            title: "Leaving one of two concentric shells of radius 1, some distance from the origin, towards the other",
+            axis: "gap between the shells",
+            places: &[1e-6, 3e-6, 1e-5, 3e-5, 1e-4, 3e-4, 1e-3, 3e-3, 1e-2],
+            failure: "the ray misses the other shell, or hits its own",
+            cases: 50_000,
+            methods: trials(between_shells, &SPAWN_METHODS),
+            // 1e-5 is two offsets of shells at this distance from the origin.
+            bound: |gap| if gap > 1e-5 { Bound::NO_FAILURE } else { Bound::NONE },
+            ..common()
+        },
+    ]
+}
 
 /// The side to which rays leave a sphere.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -101,21 +101,9 @@ fn far_side(ball: Ball, ray: &Ray<f32>, found: Option<f32>) -> bool {
     found.is_some_and(|t| f64::from(t) > 0.5 * chord)
 }
 
-fn leave_spheres(rng: &mut Rng, place: f64, cases: usize, side: Side, method: SpawnMethod) -> FailureCounts {
-    let mut counts = FailureCounts::default();
-    while counts.tested < cases {
-        let ball = Ball { center: (rng.direction() * place).as_vec3(), radius: 1.0 };
-        leave_sphere(&mut counts, rng, ball, ARRIVING, side, method);
-    }
-    counts
-}
-
-fn outwards(rng: &mut Rng, place: f64, cases: usize, method: SpawnMethod) -> FailureCounts {
-    leave_spheres(rng, place, cases, Side::Outside, method)
-}
-
-fn inwards(rng: &mut Rng, place: f64, cases: usize, method: SpawnMethod) -> FailureCounts {
-    leave_spheres(rng, place, cases, Side::Inside, method)
+fn leave_spheres(rng: &mut Rng, place: f64, counts: &mut FailureCounts, side: Side, method: SpawnMethod) {
+    let ball = Ball { center: (rng.direction() * place).as_vec3(), radius: 1.0 };
+    leave_sphere(counts, rng, ball, ARRIVING, side, method);
 }
 
 /// Counts rays that leave one of two concentric shells towards the other, with a cosine of at least 0.2, and
@@ -161,12 +149,8 @@ pub fn leave_shell(
     counts.record(!(other < own && f64::from(other) < 6.0 * gap));
 }
 
-fn between_shells(rng: &mut Rng, gap: f64, cases: usize, method: SpawnMethod) -> FailureCounts {
-    let mut counts = FailureCounts::default();
-    for case in 0..cases {
-        let center = rng.direction().as_vec3() * 3.0;
-        let side = [Side::Inside, Side::Outside][case % 2];
-        leave_shell(&mut counts, rng, center, gap, side, method);
-    }
-    counts
+fn between_shells(rng: &mut Rng, gap: f64, counts: &mut FailureCounts, method: SpawnMethod) {
+    let center = rng.direction().as_vec3() * 3.0;
+    let side = [Side::Inside, Side::Outside][rng.index(2)];
+    leave_shell(counts, rng, center, gap, side, method);
 }

@@ -5,7 +5,7 @@
 
 use super::methods::sphere_methods;
 use super::rays::{ray, to_f64};
-use super::recipe::{Bound, EPSILON, FailureCounts, Recipe};
+use super::recipe::{Bound, EPSILON, FAILED, FailureCounts, Recipe, trials};
 use super::rng::Rng;
 use crate::kernel::ray_sphere::SphereMethod;
 use crate::math::{self, Ray};
@@ -15,83 +15,77 @@ use std::f64::consts::TAU;
 const HAINES: &str = "Haines, Günther, Akenine-Möller, Ray Tracing Gems ch. 7, 2019";
 
 /// Bounds hold where the default method makes a promise; measured figures stand in `kernel::ray_sphere`.
-pub(super) const RECIPES: &[Recipe] = &[
-    Recipe {
-        name: "spheres-far",
-        title: "Spheres seen from far away",
-        axis: "distance / radius",
-        places: &[10.0, 30.0, 100.0, 300.0, 1e3, 4096.0, 1e4, 1e5, 1e6],
-        failure: "hit or miss misjudged",
-        error: Some("|Δt| / radius"),
-        source: HAINES,
-        cases: 400_000,
-        methods: &sphere_methods!(far, intersect),
-        // Within about ε D / 16 of the silhouette, rounding decides: 0.2 ε D of the disc at which rays aim.
-        bound: |d| Bound { failures: 0.25 * EPSILON * d, p99: Some(4.0 * EPSILON * (d + 1.0)) },
-    },
-    Recipe {
-        name: "spheres-scale",
-        title: "Spheres of all sizes, 100 radii away",
-        axis: "radius",
-        places: &[1e-15, 1e-10, 1e-6, 1e-3, 1.0, 1e3, 1e6, 1e10, 1e15],
-        failure: "hit or miss misjudged",
-        error: Some("|Δt| / radius"),
-        source: HAINES,
-        cases: 200_000,
-        methods: &sphere_methods!(of_radius, intersect),
-        bound: |_| Bound { failures: 0.25 * EPSILON * 100.0, p99: Some(4.0 * EPSILON * 101.0) },
-    },
-    Recipe {
-        name: "spheres-huge",
-        title: "Spheres seen from 1 above their surface",
-        axis: "radius",
-        places: &[1.0, 10.0, 100.0, 1e3, 1e4, 1e5, 1e6, 1e7],
-        failure: "missed, or t off by more than half",
-        error: Some("|Δt| / t"),
-        source: HAINES,
-        cases: 100_000,
-        methods: &sphere_methods!(from_close_by, intersect),
-        // c = |o − c|² − r² is a small difference of large numbers.
-        bound: |r| Bound { failures: 1.5 * EPSILON * r, p99: Some((2.0 * r + 10.0) * EPSILON) },
-    },
-    Recipe {
-        name: "spheres-tangent",
-        title: "Rays that barely hit or miss a sphere, from 1.5 to 1,000 radii",
-        axis: "distance of ray and silhouette / (ε distance of the origin)",
-        places: &[0.1, 0.3, 1.0, 3.0, 10.0, 20.0, 100.0, 1e3, 1e4, 1e5],
-        failure: "hit or miss misjudged",
-        error: None,
-        source: HAINES,
-        cases: 100_000,
-        methods: &sphere_methods!(tangent, intersect),
-        bound: |off| if off < 20.0 { Bound::NONE } else { Bound::NO_FAILURE },
-    },
-    Recipe {
-        name: "spheres-inside",
-        title: "Rays from inside spheres",
-        axis: "depth of the origin below the surface / radius",
-        places: &[1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 0.1, 0.5, 1.0],
-        failure: "a miss, or a point off the sphere by more than the rounding bound",
-        error: Some("distance of the point and the sphere / radius"),
-        source: HAINES,
-        cases: 100_000,
-        methods: &sphere_methods!(from_inside, intersect),
-        bound: |_| Bound::error(8.0 * EPSILON),
-    },
-    Recipe {
-        name: "spheres-lengths",
-        title: "Directions that are not of unit length, 100 radii away",
-        axis: "length of the direction",
-        places: &[1e-15, 1e-6, 0.5, 0.999, 0.99999, 1.0, 1.00001, 1.001, 1e6, 1e15],
-        failure: "hit or miss misjudged",
-        error: Some("|Δt| · length / radius"),
-        source: HAINES,
-        cases: 100_000,
-        methods: &sphere_methods!(of_length, intersect),
-        // The default assumes unit length, which the renderer maintains.
-        bound: |length| if length == 1.0 { Bound::error(4.0 * EPSILON * 101.0) } else { Bound::NONE },
-    },
-];
+pub(super) fn recipes() -> Vec<Recipe> {
+    let common = || Recipe { failure: "hit or miss misjudged", source: HAINES, ..Recipe::COMMON };
+    vec![
+        Recipe {
+            name: "spheres-far",
+            title: "Spheres seen from far away",
+            axis: "distance / radius",
+            places: &[10.0, 30.0, 100.0, 300.0, 1e3, 4096.0, 1e4, 1e5, 1e6],
+            error: Some("|Δt| / radius"),
+            cases: 400_000,
+            methods: trials(far, &sphere_methods!(intersect)),
+            // Within about ε D / 16 of the silhouette, rounding decides: 0.2 ε D of the disc at which rays aim.
+            bound: |d| Bound { failures: 0.25 * EPSILON * d, p99: Some(4.0 * EPSILON * (d + 1.0)) },
+            ..common()
+        },
+        Recipe {
+            name: "spheres-scale",
+            title: "Spheres of all sizes, 100 radii away",
+            axis: "radius",
+            places: &[1e-15, 1e-10, 1e-6, 1e-3, 1.0, 1e3, 1e6, 1e10, 1e15],
+            error: Some("|Δt| / radius"),
+            cases: 200_000,
+            methods: trials(of_radius, &sphere_methods!(intersect)),
+            bound: |_| Bound { failures: 0.25 * EPSILON * 100.0, p99: Some(4.0 * EPSILON * 101.0) },
+            ..common()
+        },
+        Recipe {
+            name: "spheres-huge",
+            title: "Spheres seen from 1 above their surface",
+            axis: "radius",
+            places: &[1.0, 10.0, 100.0, 1e3, 1e4, 1e5, 1e6, 1e7],
+            failure: "missed, or t off by more than half",
+            error: Some("|Δt| / t"),
+            methods: trials(from_close_by, &sphere_methods!(intersect)),
+            // c = |o − c|² − r² is a small difference of large numbers.
+            bound: |r| Bound { failures: 1.5 * EPSILON * r, p99: Some((2.0 * r + 10.0) * EPSILON) },
+            ..common()
+        },
+        Recipe {
+            name: "spheres-tangent",
+            title: "Rays that barely hit or miss a sphere, from 1.5 to 1,000 radii",
+            axis: "distance of ray and silhouette / (ε distance of the origin)",
+            places: &[0.1, 0.3, 1.0, 3.0, 10.0, 20.0, 100.0, 1e3, 1e4, 1e5],
+            methods: trials(tangent, &sphere_methods!(intersect)),
+            bound: |off| if off < 20.0 { Bound::NONE } else { Bound::NO_FAILURE },
+            ..common()
+        },
+        Recipe {
+            name: "spheres-inside",
+            title: "Rays from inside spheres",
+            axis: "depth of the origin below the surface / radius",
+            places: &[1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 0.1, 0.5, 1.0],
+            failure: "a miss, or a point off the sphere by more than the rounding bound",
+            error: Some("distance of the point and the sphere / radius"),
+            methods: trials(from_inside, &sphere_methods!(intersect)),
+            bound: |_| Bound::error(8.0 * EPSILON),
+            ..common()
+        },
+        Recipe {
+            name: "spheres-lengths",
+            title: "Directions that are not of unit length, 100 radii away",
+            axis: "length of the direction",
+            places: &[1e-15, 1e-6, 0.5, 0.999, 0.99999, 1.0, 1.00001, 1.001, 1e6, 1e15],
+            error: Some("|Δt| · length / radius"),
+            methods: trials(of_length, &sphere_methods!(intersect)),
+            // The default assumes unit length, which the renderer maintains.
+            bound: |length| if length == 1.0 { Bound::error(4.0 * EPSILON * 101.0) } else { Bound::NONE },
+            ..common()
+        },
+    ]
+}
 
 /// A sphere of single precision.
 #[derive(Clone, Copy, Debug)]
@@ -175,84 +169,56 @@ fn misjudged(
         (Some(t), Some(exact)) => {
             counts.record_error((f64::from(t) - exact).abs() * length / f64::from(ball.radius));
         }
-        (None, None) => counts.record(false),
-        _ => counts.record(true),
+        (t, exact) => counts.record(t.is_some() != exact.is_some()),
     }
 }
 
-fn far(rng: &mut Rng, distance: f64, cases: usize, intersect: Intersect) -> FailureCounts {
-    let mut counts = FailureCounts::default();
-    (0..cases).for_each(|_| misjudged(&mut counts, rng, UNIT, distance, 1.0, intersect));
-    counts
+fn far(rng: &mut Rng, distance: f64, counts: &mut FailureCounts, intersect: Intersect) {
+    misjudged(counts, rng, UNIT, distance, 1.0, intersect);
 }
 
 /// Spheres around the origin and elsewhere, where o − c is rounded.
-fn of_radius(rng: &mut Rng, radius: f64, cases: usize, intersect: Intersect) -> FailureCounts {
-    let mut counts = FailureCounts::default();
-    for case in 0..cases {
-        let place = [Vec3::ZERO, Vec3::new(0.3, -0.7, 0.6)][case % 2];
-        let ball = Ball { center: place * radius as f32, radius: radius as f32 };
-        misjudged(&mut counts, rng, ball, 100.0 * radius, 1.0, intersect);
-    }
-    counts
+fn of_radius(rng: &mut Rng, radius: f64, counts: &mut FailureCounts, intersect: Intersect) {
+    let place = [Vec3::ZERO, Vec3::new(0.3, -0.7, 0.6)][rng.index(2)];
+    let ball = Ball { center: place * radius as f32, radius: radius as f32 };
+    misjudged(counts, rng, ball, 100.0 * radius, 1.0, intersect);
 }
 
-fn of_length(rng: &mut Rng, length: f64, cases: usize, intersect: Intersect) -> FailureCounts {
-    let mut counts = FailureCounts::default();
-    (0..cases).for_each(|_| misjudged(&mut counts, rng, UNIT, 100.0, length, intersect));
-    counts
+fn of_length(rng: &mut Rng, length: f64, counts: &mut FailureCounts, intersect: Intersect) {
+    misjudged(counts, rng, UNIT, 100.0, length, intersect);
 }
 
 /// Downward rays in all directions; those near the horizon miss a small sphere.
-fn from_close_by(rng: &mut Rng, radius: f64, cases: usize, intersect: Intersect) -> FailureCounts {
+fn from_close_by(rng: &mut Rng, radius: f64, counts: &mut FailureCounts, intersect: Intersect) {
     let ball = Ball { center: Vec3::ZERO, radius: radius as f32 };
-    let mut counts = FailureCounts::default();
-    while counts.tested < cases {
-        let up = rng.direction();
-        let direction = rng.direction();
-        let ray = ray((up * (radius + 1.0)).as_vec3(), (direction * -direction.dot(up).signum()).as_vec3());
-        if let Some(exact) = reference_t(ball, &ray) {
-            match intersect(ball, &ray, f32::INFINITY).map(|t| (f64::from(t) / exact - 1.0).abs()) {
-                Some(error) if error <= 0.5 => counts.record_error(error),
-                _ => counts.record(true),
-            }
-        }
+    let up = rng.direction();
+    let direction = rng.direction();
+    let ray = ray((up * (radius + 1.0)).as_vec3(), (direction * -direction.dot(up).signum()).as_vec3());
+    if let Some(exact) = reference_t(ball, &ray) {
+        let error = intersect(ball, &ray, f32::INFINITY).map(|t| (f64::from(t) / exact - 1.0).abs());
+        counts.record_error(error.filter(|&error| error <= 0.5).unwrap_or(FAILED));
     }
-    counts
 }
 
 /// Half of the rays pass the silhouette inside and half outside, by `off` · ε · distance.
-fn tangent(rng: &mut Rng, off: f64, cases: usize, intersect: Intersect) -> FailureCounts {
-    let mut counts = FailureCounts::default();
-    for case in 0..cases {
-        let hits = case % 2 == 0;
-        let distance = rng.scale(1.5, 1e3);
-        let margin = off * EPSILON * distance;
-        let from_center = if hits { 1.0 - margin } else { 1.0 + margin };
-        let ray = passing(rng, from_center, distance);
-        // Near the silhouette, the rounding of the direction decides.
-        let hits = reference_t(UNIT, &ray).is_some();
-        counts.record(intersect(UNIT, &ray, f32::INFINITY).is_some() != hits);
-    }
-    counts
+fn tangent(rng: &mut Rng, off: f64, counts: &mut FailureCounts, intersect: Intersect) {
+    let distance = rng.scale(1.5, 1e3);
+    let margin = off * EPSILON * distance;
+    let from_center = [1.0 - margin, 1.0 + margin][rng.index(2)];
+    let ray = passing(rng, from_center, distance);
+    // Near the silhouette, the rounding of the direction decides.
+    let hits = reference_t(UNIT, &ray).is_some();
+    counts.record(intersect(UNIT, &ray, f32::INFINITY).is_some() != hits);
 }
 
-/// Records whether there is a hit and its point is on the sphere.
-fn lands(counts: &mut FailureCounts, ball: Ball, ray: &Ray<f32>, intersect: Intersect) {
-    match intersect(ball, ray, f32::INFINITY).map(|t| off(ball, ray, t)) {
-        Some((off, allowed)) if off <= allowed => counts.record_error(off / f64::from(ball.radius)),
+/// The point of the hit must be on the sphere.
+fn from_inside(rng: &mut Rng, depth: f64, counts: &mut FailureCounts, intersect: Intersect) {
+    let radius = rng.scale(1e-6, 1e6) as f32;
+    let ball = Ball { center: rng.in_cube().as_vec3() * radius, radius };
+    let inside = rng.direction() * ((1.0 - depth) * f64::from(radius));
+    let ray = ray((ball.center.as_dvec3() + inside).as_vec3(), rng.direction().as_vec3());
+    match intersect(ball, &ray, f32::INFINITY).map(|t| off(ball, &ray, t)) {
+        Some((off, allowed)) if off <= allowed => counts.record_error(off / f64::from(radius)),
         _ => counts.record(true),
     }
-}
-
-fn from_inside(rng: &mut Rng, depth: f64, cases: usize, intersect: Intersect) -> FailureCounts {
-    let mut counts = FailureCounts::default();
-    for _ in 0..cases {
-        let radius = rng.scale(1e-6, 1e6) as f32;
-        let ball = Ball { center: rng.in_cube().as_vec3() * radius, radius };
-        let inside = rng.direction() * ((1.0 - depth) * f64::from(radius));
-        let origin = (ball.center.as_dvec3() + inside).as_vec3();
-        lands(&mut counts, ball, &ray(origin, rng.direction().as_vec3()), intersect);
-    }
-    counts
 }

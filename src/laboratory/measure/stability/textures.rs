@@ -2,7 +2,7 @@
 
 use super::methods::Method;
 use super::rays::towards;
-use super::recipe::{Bound, EPSILON, FailureCounts, Recipe};
+use super::recipe::{Bound, EPSILON, FailureCounts, Recipe, trials};
 use super::rng::Rng;
 use super::spheres::Ball;
 use crate::kernel::ray_sphere::{Robust, SphereMethod};
@@ -12,98 +12,97 @@ use crate::math::Vec3;
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};
 
-pub const RECIPES: &[Recipe] = &[
-    Recipe {
-        name: "textures-poles",
-        title: "Latitude near the poles of a sphere",
-        axis: "distance from the pole / radius, at most",
-        places: &[1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 0.1, 1.0],
-        failure: "latitude is NaN",
-        error: Some("|Δ latitude| in radians"),
-        source: "numerics of the arccosine, whose slope at 1 is infinite",
-        cases: 100_000,
-        methods: &[
-            Method::other("acos", |rng, x, cases| {
-                poles(rng, x, cases, |point, ball| cos_latitude(point, ball).acos())
-            }),
-            Method::other("acos-clamped", |rng, x, cases| {
-                poles(rng, x, cases, |point, ball| cos_latitude(point, ball).clamp(-1.0, 1.0).acos())
-            }),
-            Method::default("arcsine", |rng, x, cases| {
-                poles(rng, x, cases, |point, ball| {
-                    let center = Vec3::splat(ball.center);
-                    let (_, normal) = sphere_surface(point, center, 1.0 / ball.radius, true);
-                    latitude_longitude(normal).1 * std::f32::consts::PI
-                })
-            }),
-        ],
-        // 3e-7 of a half turn: see `kernel::surface::latitude_longitude`.
-        bound: |_| Bound::error(3e-7 * PI),
-    },
-    Recipe {
-        name: "textures-seam",
-        title: "Columns of a texture of 1,024 at the seam of a sphere",
-        axis: "turns from the seam",
-        places: &[1e-12, 1e-10, 1e-9, 3e-9, 1e-8, 3e-8, 1e-7, 1e-6, 1e-4, 1e-2],
-        failure: "column outside the texture, or not the point's",
-        error: None,
-        source: "−x + 1 rounds to 1 for x below ε / 2",
-        cases: 20_000,
-        methods: &[
-            Method::other("plus-one", |rng, x, cases| {
-                seam(rng, x, cases, |u| whole(if u < 0.0 { u + 1.0 } else { u } * COLUMNS))
-            }),
-            Method::other("minus-floor", |rng, x, cases| {
-                seam(rng, x, cases, |u| whole((u - u.floor()) * COLUMNS))
-            }),
-            Method::default("below-one", |rng, x, cases| {
-                seam(rng, x, cases, |u| i64::from(nearest(u, COLUMNS)))
-            }),
-        ],
-        bound: |_| Bound::NO_FAILURE,
-    },
-    Recipe {
-        name: "textures-far",
-        title: "Columns of textures, far from their first repeat",
-        axis: "|u| in repeats",
-        places: &[1.0, 10.0, 1e3, 1e5, 1e6, 8e6, 1e7, 1e9, 1e12, 1e18, 1e38],
-        failure: "column outside the texture, or not the point's",
-        error: None,
-        source: "products and conversions beyond 24 or 31 bits",
-        cases: 20_000,
-        methods: &[
-            // A cast to int; out of range it saturates, which is undefined in C.
-            Method::other("integer", |rng, x, cases| {
-                far(rng, x, cases, |u, columns| i64::from((u * columns) as i32).rem_euclid(columns as i64))
-            }),
-            Method::other("remainder", |rng, x, cases| {
-                far(rng, x, cases, |u, columns| whole((u * columns) % columns))
-            }),
-            Method::default("fraction-first", |rng, x, cases| {
-                far(rng, x, cases, |u, columns| i64::from(nearest(u, columns)))
-            }),
-        ],
-        bound: |_| Bound::NO_FAILURE,
-    },
-    Recipe {
-        name: "textures-tiled",
-        title: "Coordinates between the corners of a triangle, far from their first repeat",
-        axis: "|u| in repeats",
-        places: &[1.0, 10.0, 1e3, 1e5, 1e6, 1e7, 1e9, 1e18],
-        failure: "coordinate is NaN",
-        error: Some("|Δu| in repeats"),
-        source: "rounding of a + (b − a) u + (c − a) v, relative to a",
-        cases: 50_000,
-        methods: &[
-            Method::other("as-written", |rng, x, cases| tiled(rng, x, cases, |corners| corners)),
-            Method::default("repeats-taken-away", |rng, x, cases| {
-                tiled(rng, x, cases, |corners| remove_shared_repeats(corners.map(f64::from)))
-            }),
-        ],
-        // Corners are at most two repeats apart, or two steps of single precision.
-        bound: |u| Bound::error(6.0 * EPSILON * (2.0_f64).max(4.0 * EPSILON * u)),
-    },
-];
+pub(super) fn recipes() -> Vec<Recipe> {
+    vec![
+        Recipe {
+            name: "textures-poles",
+            title: "Latitude near the poles of a sphere",
+            axis: "distance from the pole / radius, at most",
+            places: &[1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 0.1, 1.0],
+            failure: "latitude is NaN",
+            error: Some("|Δ latitude| in radians"),
+            source: "numerics of the arccosine, whose slope at 1 is infinite",
+            methods: trials(
+                poles,
+                &[
+                    Method::other("acos", |point, ball| cos_latitude(point, ball).acos()),
+                    Method::other("acos-clamped", |point, ball| {
+                        cos_latitude(point, ball).clamp(-1.0, 1.0).acos()
+                    }),
+                    Method::default("arcsine", |point, ball| {
+                        let center = Vec3::splat(ball.center);
+                        let (_, normal) = sphere_surface(point, center, 1.0 / ball.radius, true);
+                        latitude_longitude(normal).1 * std::f32::consts::PI
+                    }),
+                ],
+            ),
+            // 3e-7 of a half turn: see `kernel::surface::latitude_longitude`.
+            bound: |_| Bound::error(3e-7 * PI),
+            ..Recipe::COMMON
+        },
+        Recipe {
+            name: "textures-seam",
+            title: "Columns of a texture of 1,024 at the seam of a sphere",
+            axis: "turns from the seam",
+            places: &[1e-12, 1e-10, 1e-9, 3e-9, 1e-8, 3e-8, 1e-7, 1e-6, 1e-4, 1e-2],
+            failure: "column outside the texture, or not the point's",
+            source: "−x + 1 rounds to 1 for x below ε / 2",
+            cases: 20_000,
+            methods: trials(
+                seam,
+                &[
+                    Method::other("plus-one", |u| whole(if u < 0.0 { u + 1.0 } else { u } * COLUMNS)),
+                    Method::other("minus-floor", |u| whole((u - u.floor()) * COLUMNS)),
+                    Method::default("below-one", |u| i64::from(nearest(u, COLUMNS))),
+                ],
+            ),
+            ..Recipe::COMMON
+        },
+        Recipe {
+            name: "textures-far",
+            title: "Columns of textures, far from their first repeat",
+            axis: "|u| in repeats",
+            places: &[1.0, 10.0, 1e3, 1e5, 1e6, 8e6, 1e7, 1e9, 1e12, 1e18, 1e38],
+            failure: "column outside the texture, or not the point's",
+            source: "products and conversions beyond 24 or 31 bits",
+            cases: 20_000,
+            methods: trials(
+                far,
+                &[
+                    // A cast to int; out of range it saturates, which is undefined in C.
+                    Method::other("integer", |u, columns| {
+                        i64::from((u * columns) as i32).rem_euclid(columns as i64)
+                    }),
+                    Method::other("remainder", |u, columns| whole((u * columns) % columns)),
+                    Method::default("fraction-first", |u, columns| i64::from(nearest(u, columns))),
+                ],
+            ),
+            ..Recipe::COMMON
+        },
+        Recipe {
+            name: "textures-tiled",
+            title: "Coordinates between the corners of a triangle, far from their first repeat",
+            axis: "|u| in repeats",
+            places: &[1.0, 10.0, 1e3, 1e5, 1e6, 1e7, 1e9, 1e18],
+            failure: "coordinate is NaN",
+            error: Some("|Δu| in repeats"),
+            source: "rounding of a + (b − a) u + (c − a) v, relative to a",
+            cases: 50_000,
+            methods: trials(
+                tiled,
+                &[
+                    Method::other("as-written", |corners| corners),
+                    Method::default("repeats-taken-away", |corners| {
+                        remove_shared_repeats(corners.map(f64::from))
+                    }),
+                ],
+            ),
+            // Corners are at most two repeats apart, or two steps of single precision.
+            bound: |u| Bound::error(6.0 * EPSILON * (2.0_f64).max(4.0 * EPSILON * u)),
+            ..Recipe::COMMON
+        },
+    ]
+}
 
 /// Textbook cosine of the latitude.
 fn cos_latitude(point: Vec3<f32>, ball: Ball) -> f32 {
@@ -111,34 +110,27 @@ fn cos_latitude(point: Vec3<f32>, ball: Ball) -> f32 {
 }
 
 /// Hit points of rays from about five radii away.
-fn poles(rng: &mut Rng, most: f64, cases: usize, latitude: fn(Vec3<f32>, Ball) -> f32) -> FailureCounts {
-    let mut counts = FailureCounts::default();
-    while counts.tested < cases {
-        let ball = Ball { center: rng.in_cube().as_vec3(), radius: rng.scale(0.1, 10.0) as f32 };
-        let (off, phi) = (most * rng.unit().sqrt(), TAU * rng.unit());
-        let side = rng.signed().signum();
-        let normal = DVec3::new(off * phi.cos(), side * (1.0 - off * off).sqrt(), off * phi.sin());
-        let (center, radius) = (ball.center.as_dvec3(), f64::from(ball.radius));
-        let origin = (center + (normal * 2.0 + rng.direction()) * (2.0 * radius)).as_vec3();
-        let ray = towards(origin, center + normal * radius);
-        let (hit, t) = Robust::test::<f32>(
-            &Robust::prepare(&ray),
-            Vec3::splat(ball.center),
-            ball.radius * ball.radius,
-            f32::INFINITY,
-        );
-        if !hit {
-            continue;
-        }
-        let point = ray.at(t);
-        let n = point.get(0).as_dvec3() - center;
-        let expected = n.x.hypot(n.z).atan2(n.y);
-        match f64::from(latitude(point, ball)) {
-            latitude if latitude.is_nan() => counts.record(true),
-            latitude => counts.record_error((latitude - expected).abs()),
-        }
+fn poles(rng: &mut Rng, most: f64, counts: &mut FailureCounts, latitude: fn(Vec3<f32>, Ball) -> f32) {
+    let ball = Ball { center: rng.in_cube().as_vec3(), radius: rng.scale(0.1, 10.0) as f32 };
+    let (off, phi) = (most * rng.unit().sqrt(), TAU * rng.unit());
+    let side = rng.signed().signum();
+    let normal = DVec3::new(off * phi.cos(), side * (1.0 - off * off).sqrt(), off * phi.sin());
+    let (center, radius) = (ball.center.as_dvec3(), f64::from(ball.radius));
+    let origin = (center + (normal * 2.0 + rng.direction()) * (2.0 * radius)).as_vec3();
+    let ray = towards(origin, center + normal * radius);
+    let (hit, t) = Robust::test::<f32>(
+        &Robust::prepare(&ray),
+        Vec3::splat(ball.center),
+        ball.radius * ball.radius,
+        f32::INFINITY,
+    );
+    if !hit {
+        return;
     }
-    counts
+    let point = ray.at(t);
+    let n = point.get(0).as_dvec3() - center;
+    let expected = n.x.hypot(n.z).atan2(n.y);
+    counts.record_error((f64::from(latitude(point, ball)) - expected).abs());
 }
 
 const COLUMNS: f32 = 1024.0;
@@ -161,48 +153,33 @@ fn holds(column: i64, u: f64, columns: f64) -> bool {
     (0..columns as i64).contains(&column) && apart.min(columns - apart) <= 0.5 + 1e-3
 }
 
-/// Alternately on both sides of the seam.
-fn seam(rng: &mut Rng, turns: f64, cases: usize, column: fn(f32) -> i64) -> FailureCounts {
-    let mut counts = FailureCounts::default();
-    for case in 0..cases {
-        let angle = TAU * turns * [1.0, -1.0][case % 2];
-        let y = 0.9 * rng.signed();
-        let around = (1.0 - y * y).sqrt();
-        let normal = DVec3::new(around * angle.cos(), y, around * angle.sin()).as_vec3();
-        let (u, _) = latitude_longitude(Vec3::<f32>::splat(normal));
-        let expected = f64::from(normal.z).atan2(f64::from(normal.x)) / TAU;
-        counts.record(!holds(column(u), expected, f64::from(COLUMNS)));
-    }
-    counts
+/// On both sides of the seam.
+fn seam(rng: &mut Rng, turns: f64, counts: &mut FailureCounts, column: fn(f32) -> i64) {
+    let angle = TAU * turns * [1.0, -1.0][rng.index(2)];
+    let y = 0.9 * rng.signed();
+    let around = (1.0 - y * y).sqrt();
+    let normal = DVec3::new(around * angle.cos(), y, around * angle.sin()).as_vec3();
+    let (u, _) = latitude_longitude(Vec3::<f32>::splat(normal));
+    let expected = f64::from(normal.z).atan2(f64::from(normal.x)) / TAU;
+    counts.record(!holds(column(u), expected, f64::from(COLUMNS)));
 }
 
-fn far(rng: &mut Rng, u: f64, cases: usize, column: fn(f32, f32) -> i64) -> FailureCounts {
-    let mut counts = FailureCounts::default();
-    for _ in 0..cases {
-        let u = (u * (1.0 + rng.unit()) * rng.signed().signum()) as f32;
-        let columns = (1 + rng.index(4096)) as f32;
-        counts.record(!holds(column(u, columns), f64::from(u), f64::from(columns)));
-    }
-    counts
+fn far(rng: &mut Rng, u: f64, counts: &mut FailureCounts, column: fn(f32, f32) -> i64) {
+    let u = (u * (1.0 + rng.unit()) * rng.signed().signum()) as f32;
+    let columns = (1 + rng.index(4096)) as f32;
+    counts.record(!holds(column(u, columns), f64::from(u), f64::from(columns)));
 }
 
 /// Corners within a repeat of each other.
-fn tiled(rng: &mut Rng, u: f64, cases: usize, stored: fn([f32; 3]) -> [f32; 3]) -> FailureCounts {
-    let mut counts = FailureCounts::default();
-    for _ in 0..cases {
-        let start = u * rng.signed().signum() * (1.0 + rng.unit());
-        let corners = [(); 3].map(|()| (start + rng.unit()) as f32);
-        let [_, q, r] = rng.barycentrics().map(|weight| weight as f32);
-        let [a, b, c] = stored(corners);
-        // The interpolation of `integrate::surface`.
-        let blended = f64::from((b - a).mul_add(q, (c - a).mul_add(r, a)));
-        let [a, b, c] = corners.map(f64::from);
-        let expected = a + (b - a) * f64::from(q) + (c - a) * f64::from(r);
-        let apart = (blended - expected).rem_euclid(1.0);
-        match apart.min(1.0 - apart) {
-            apart if apart.is_nan() => counts.record(true),
-            apart => counts.record_error(apart),
-        }
-    }
-    counts
+fn tiled(rng: &mut Rng, u: f64, counts: &mut FailureCounts, stored: fn([f32; 3]) -> [f32; 3]) {
+    let start = u * rng.signed().signum() * (1.0 + rng.unit());
+    let corners = [(); 3].map(|()| (start + rng.unit()) as f32);
+    let [_, q, r] = rng.barycentrics().map(|weight| weight as f32);
+    let [a, b, c] = stored(corners);
+    // The interpolation of `integrate::surface`.
+    let blended = f64::from((b - a).mul_add(q, (c - a).mul_add(r, a)));
+    let [a, b, c] = corners.map(f64::from);
+    let expected = a + (b - a) * f64::from(q) + (c - a) * f64::from(r);
+    let apart = (blended - expected).rem_euclid(1.0);
+    counts.record_error(if apart > 0.5 { 1.0 - apart } else { apart });
 }

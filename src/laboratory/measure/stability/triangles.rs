@@ -4,68 +4,68 @@
 
 use super::methods::triangle_methods;
 use super::rays::{ray, to_f64, towards};
-use super::recipe::{Bound, EPSILON, FailureCounts, Recipe};
+use super::recipe::{Bound, EPSILON, FAILED, FailureCounts, Recipe, trials};
 use super::rng::Rng;
 use crate::kernel::ray_triangle::{TriangleHit, TriangleMethod};
 use crate::math::Ray;
 use glam::{DVec3, Vec3};
 
 pub(super) const WOOP: &str = "Woop, Benthin, Wald, Watertight Ray/Triangle Intersection, JCGT 2(1), 2013";
-const FALSE_MISS: &str = "a ray through the triangle misses it";
-pub(super) const RECIPES: &[Recipe] = &[
-    Recipe {
-        name: "triangles-slivers",
-        title: "Slivers seen from twice their length",
-        axis: "longest edge / height",
-        places: &[1.0, 10.0, 100.0, 1e3, 1e4, 1e5, 1e6],
-        failure: FALSE_MISS,
+pub(super) fn recipes() -> Vec<Recipe> {
+    let common = || Recipe {
+        failure: "a ray through the triangle misses it",
         error: Some("|Δt| / t"),
         source: WOOP,
-        cases: 100_000,
-        methods: &triangle_methods!(slivers, intersect),
-        // Rounding decides rays within the rounding error of an edge, which is most of a sliver.
-        bound: |aspect| Bound {
-            failures: 4.0 * EPSILON * aspect,
-            p99: Some(EPSILON * (24.0 + aspect / 6.0)),
+        ..Recipe::COMMON
+    };
+    vec![
+        Recipe {
+            name: "triangles-slivers",
+            title: "Slivers seen from twice their length",
+            axis: "longest edge / height",
+            places: &[1.0, 10.0, 100.0, 1e3, 1e4, 1e5, 1e6],
+            methods: trials(slivers, &triangle_methods!(intersect)),
+            // Rounding decides rays within the rounding error of an edge, which is most of a sliver.
+            bound: |aspect| Bound {
+                failures: 4.0 * EPSILON * aspect,
+                p99: Some(EPSILON * (24.0 + aspect / 6.0)),
+            },
+            ..common()
         },
-    },
-    Recipe {
-        name: "triangles-scale",
-        title: "Well-shaped triangles of all sizes",
-        axis: "longest edge",
-        places: &[1e-15, 1e-12, 1e-8, 1e-4, 1.0, 1e4, 1e8, 1e12, 1e15],
-        failure: "hit or miss misjudged, farther from an edge than rounding reaches",
-        error: Some("|Δt| / (t + edge)"),
-        source: WOOP,
-        cases: 100_000,
-        methods: &triangle_methods!(of_size, intersect),
-        bound: |size| if (1e-12..=1e12).contains(&size) { Bound::error(10.0 * EPSILON) } else { Bound::NONE },
-    },
-    Recipe {
-        name: "triangles-far",
-        title: "Triangles seen from far away",
-        axis: "distance / edge",
-        places: &[1.0, 10.0, 100.0, 1e3, 1e4, 1e5],
-        failure: FALSE_MISS,
-        error: Some("|Δt| / t"),
-        source: WOOP,
-        cases: 100_000,
-        methods: &triangle_methods!(from_far, intersect),
-        bound: |d| Bound { failures: 4.0 * EPSILON * d, p99: Some(10.0 * EPSILON) },
-    },
-    Recipe {
-        name: "triangles-grazing",
-        title: "Rays that graze a triangle, from three times its size",
-        axis: "cosine of the ray and the triangle's normal",
-        places: &[1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 0.1, 1.0],
-        failure: FALSE_MISS,
-        error: Some("distance of the point and the plane / edge"),
-        source: WOOP,
-        cases: 100_000,
-        methods: &triangle_methods!(grazing, intersect),
-        bound: |cos| Bound { failures: 4.0 * EPSILON / cos, p99: Some(10.0 * EPSILON) },
-    },
-];
+        Recipe {
+            name: "triangles-scale",
+            title: "Well-shaped triangles of all sizes",
+            axis: "longest edge",
+            places: &[1e-15, 1e-12, 1e-8, 1e-4, 1.0, 1e4, 1e8, 1e12, 1e15],
+            failure: "hit or miss misjudged, farther from an edge than rounding reaches",
+            error: Some("|Δt| / (t + edge)"),
+            methods: trials(of_size, &triangle_methods!(intersect)),
+            bound: |size| {
+                if (1e-12..=1e12).contains(&size) { Bound::error(10.0 * EPSILON) } else { Bound::NONE }
+            },
+            ..common()
+        },
+        Recipe {
+            name: "triangles-far",
+            title: "Triangles seen from far away",
+            axis: "distance / edge",
+            places: &[1.0, 10.0, 100.0, 1e3, 1e4, 1e5],
+            methods: trials(from_far, &triangle_methods!(intersect)),
+            bound: |d| Bound { failures: 4.0 * EPSILON * d, p99: Some(10.0 * EPSILON) },
+            ..common()
+        },
+        Recipe {
+            name: "triangles-grazing",
+            title: "Rays that graze a triangle, from three times its size",
+            axis: "cosine of the ray and the triangle's normal",
+            places: &[1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 0.1, 1.0],
+            error: Some("distance of the point and the plane / edge"),
+            methods: trials(grazing, &triangle_methods!(intersect)),
+            bound: |cos| Bound { failures: 4.0 * EPSILON / cos, p99: Some(10.0 * EPSILON) },
+            ..common()
+        },
+    ]
+}
 
 /// The point of these weights.
 pub(crate) fn mean(points: [DVec3; 3], weights: [f64; 3]) -> DVec3 {
@@ -109,10 +109,8 @@ fn inside(
     // Rounding may move the ray outside, or leave the triangle without area.
     let margin = u.min(v).min(1.0 - u - v);
     if margin > 0.0 && exact > 0.0 {
-        match intersect(triangle, ray, f32::INFINITY) {
-            Some([t, ..]) => counts.record_error((f64::from(t) - exact).abs() / unit(exact)),
-            None => counts.record(true),
-        }
+        let error = |[t, ..]: [f32; 3]| (f64::from(t) - exact).abs() / unit(exact);
+        counts.record_error(intersect(triangle, ray, f32::INFINITY).map_or(FAILED, error));
     }
 }
 
@@ -128,13 +126,9 @@ pub(crate) fn sliver(rng: &mut Rng, aspect: f64) -> ([Vec3; 3], Ray<f32>) {
     (triangle, towards(origin, target))
 }
 
-fn slivers(rng: &mut Rng, aspect: f64, cases: usize, intersect: Intersect) -> FailureCounts {
-    let mut counts = FailureCounts::default();
-    while counts.tested < cases {
-        let (triangle, ray) = sliver(rng, aspect);
-        inside(&mut counts, triangle, &ray, &|t| t, intersect);
-    }
-    counts
+fn slivers(rng: &mut Rng, aspect: f64, counts: &mut FailureCounts, intersect: Intersect) {
+    let (triangle, ray) = sliver(rng, aspect);
+    inside(counts, triangle, &ray, &|t| t, intersect);
 }
 
 /// A triangle of edges about 1 around `center`, all heights above 0.3, its normal, and a direction at most
@@ -167,23 +161,19 @@ pub fn well_shaped(rng: &mut Rng, center: DVec3, distance: f64, size: f64) -> ([
     (triangle, towards((target - direction * (distance * size)).as_vec3(), target))
 }
 
-fn of_size(rng: &mut Rng, size: f64, cases: usize, intersect: Intersect) -> FailureCounts {
-    let mut counts = FailureCounts::default();
-    while counts.tested < cases {
-        let (triangle, ray) = well_shaped(rng, DVec3::ZERO, 3.0, size);
-        let [exact, u, v] = reference_tuv(triangle, &ray);
-        let margin = u.min(v).min(1.0 - u - v);
-        // Some ten roundings, which heights above 0.3 and angles below 70° magnify.
-        if margin.abs() > 100.0 * EPSILON {
-            match intersect(triangle, &ray, f32::INFINITY) {
-                Some([t, ..]) if margin > 0.0 => {
-                    counts.record_error((f64::from(t) - exact).abs() / (exact + size))
-                }
-                found => counts.record(found.is_some() == (margin < 0.0)),
+fn of_size(rng: &mut Rng, size: f64, counts: &mut FailureCounts, intersect: Intersect) {
+    let (triangle, ray) = well_shaped(rng, DVec3::ZERO, 3.0, size);
+    let [exact, u, v] = reference_tuv(triangle, &ray);
+    let margin = u.min(v).min(1.0 - u - v);
+    // Some ten roundings, which heights above 0.3 and angles below 70° magnify.
+    if margin.abs() > 100.0 * EPSILON {
+        match intersect(triangle, &ray, f32::INFINITY) {
+            Some([t, ..]) if margin > 0.0 => {
+                counts.record_error((f64::from(t) - exact).abs() / (exact + size))
             }
+            found => counts.record(found.is_some() == (margin < 0.0)),
         }
     }
-    counts
 }
 
 /// A triangle, its normal, and a point of it.
@@ -194,27 +184,19 @@ fn with_target(rng: &mut Rng) -> ([Vec3; 3], DVec3, DVec3) {
     (triangle, normal, target)
 }
 
-fn from_far(rng: &mut Rng, distance: f64, cases: usize, intersect: Intersect) -> FailureCounts {
-    let mut counts = FailureCounts::default();
-    while counts.tested < cases {
-        let (triangle, normal, target) = with_target(rng);
-        let direction = rng.direction();
-        if direction.dot(normal).abs() >= 0.35 {
-            let ray = towards((target - direction * distance).as_vec3(), target);
-            inside(&mut counts, triangle, &ray, &|t| t, intersect);
-        }
+fn from_far(rng: &mut Rng, distance: f64, counts: &mut FailureCounts, intersect: Intersect) {
+    let (triangle, normal, target) = with_target(rng);
+    let direction = rng.direction();
+    if direction.dot(normal).abs() >= 0.35 {
+        let ray = towards((target - direction * distance).as_vec3(), target);
+        inside(counts, triangle, &ray, &|t| t, intersect);
     }
-    counts
 }
 
-fn grazing(rng: &mut Rng, cos: f64, cases: usize, intersect: Intersect) -> FailureCounts {
-    let mut counts = FailureCounts::default();
-    while counts.tested < cases {
-        let (triangle, normal, target) = with_target(rng);
-        let along = normal.cross(rng.direction()).normalize_or(normal.any_orthonormal_vector());
-        let direction = along * (1.0 - cos * cos).max(0.0).sqrt() + normal * cos;
-        let ray = ray((target - direction * 3.0).as_vec3(), direction.as_vec3());
-        inside(&mut counts, triangle, &ray, &|_| 1.0 / cos, intersect);
-    }
-    counts
+fn grazing(rng: &mut Rng, cos: f64, counts: &mut FailureCounts, intersect: Intersect) {
+    let (triangle, normal, target) = with_target(rng);
+    let along = normal.cross(rng.direction()).normalize_or(normal.any_orthonormal_vector());
+    let direction = along * (1.0 - cos * cos).max(0.0).sqrt() + normal * cos;
+    let ray = ray((target - direction * 3.0).as_vec3(), direction.as_vec3());
+    inside(counts, triangle, &ray, &|_| 1.0 / cos, intersect);
 }

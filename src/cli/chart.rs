@@ -15,7 +15,7 @@ use crate::output;
 use crate::report::chart::{Chart, SCHEMA, drawings};
 use crate::report::chart_text::{text, warnings};
 use crate::report::page::page;
-use crate::report::tables;
+use crate::report::tables::tables;
 use std::path::Path;
 use std::process::ExitCode;
 use std::sync::Arc;
@@ -123,13 +123,11 @@ fn interrupted(truths: usize, folder: &Path) -> String {
 fn write(folder: &Path, chart: &Chart) -> Result<(), CliError> {
     let save = |name: String, text: &str| output::save_text(&folder.join(name), text);
     for drawing in drawings(chart) {
-        save(format!("{}.svg", drawing.name), &drawing.svg())?;
+        save(format!("{}.svg", drawing.name), &drawing.svg)?;
     }
-    save("pictures.csv".into(), &tables::pictures(chart))?;
-    save("frames.csv".into(), &tables::frames(chart))?;
-    save("display.csv".into(), &tables::display(chart))?;
-    save("motion.csv".into(), &tables::motion(chart))?;
-    save("kernels.csv".into(), &tables::kernels(chart))?;
+    for (name, text) in tables(chart) {
+        save(name, &text)?;
+    }
     output::save_json(&folder.join("chart.json"), chart)?;
     Ok(save("report.html".into(), &page(chart))?)
 }

@@ -8,7 +8,7 @@ use super::terminal;
 use crate::machine::Machine;
 use crate::measure::stability::{self, Effort};
 use crate::output::{self, Existing};
-use crate::report::stability::figures;
+use crate::report::stability::drawings;
 use crate::report::stability_table::{Report, table, verdict};
 use std::path::Path;
 use std::process::ExitCode;
@@ -48,8 +48,8 @@ pub fn run(options: StabilityOptions) -> Result<ExitCode, CliError> {
 }
 
 fn write(folder: &Path, report: &Report) -> Result<(), CliError> {
-    for (name, figure) in report.recipes.iter().flat_map(figures) {
-        output::save_text(&folder.join(format!("{name}.svg")), &figure.svg())?;
+    for drawing in report.recipes.iter().flat_map(drawings) {
+        output::save_text(&folder.join(format!("{}.svg", drawing.name)), &drawing.svg)?;
     }
     Ok(output::save_json(&folder.join(JSON), report)?)
 }

@@ -15,7 +15,7 @@ use crate::output;
 use crate::report::chart::{Chart, SCHEMA, drawings};
 use crate::report::chart_text::{text, warnings};
 use crate::report::page::page;
-use crate::report::tables;
+use crate::report::tables::tables;
 use crate::scene::MAX_BOUNCES;
 use crate::wording::counted;
 use std::path::{Path, PathBuf};
@@ -161,13 +161,11 @@ pub fn run(options: Options) -> Result<ExitCode, CliError> {
 fn write(folder: &Path, chart: &Chart) -> Result<(), CliError> {
     let save = |name: &str, text: String| output::save_text(&folder.join(name), &text);
     for drawing in drawings(chart) {
-        save(&format!("{}.svg", drawing.name), drawing.svg())?;
+        save(&format!("{}.svg", drawing.name), drawing.svg)?;
     }
-    save("pictures.csv", tables::pictures(chart))?;
-    save("frames.csv", tables::frames(chart))?;
-    save("display.csv", tables::display(chart))?;
-    save("motion.csv", tables::motion(chart))?;
-    save("kernels.csv", tables::kernels(chart))?;
+    for (name, text) in tables(chart) {
+        save(&name, text)?;
+    }
     output::save_json(&folder.join("chart.json"), chart)?;
     Ok(save("report.html", page(chart))?)
 }

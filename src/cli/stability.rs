@@ -7,7 +7,7 @@ use super::terminal::Printer;
 use crate::machine::Machine;
 use crate::measure::stability::{self, Effort, Recipe, recipes};
 use crate::output::{self, Existing};
-use crate::report::stability::figures;
+use crate::report::stability::drawings;
 use crate::report::stability_table::{Report, table, verdict};
 use clap::builder::PossibleValuesParser;
 use std::path::{Path, PathBuf};
@@ -79,8 +79,8 @@ pub fn run(options: Options) -> Result<ExitCode, CliError> {
 }
 
 fn write(folder: &Path, report: &Report) -> Result<(), CliError> {
-    for (name, figure) in report.recipes.iter().flat_map(figures) {
-        output::save_text(&folder.join(format!("{name}.svg")), &figure.svg())?;
+    for drawing in report.recipes.iter().flat_map(drawings) {
+        output::save_text(&folder.join(format!("{}.svg", drawing.name)), &drawing.svg)?;
     }
     Ok(output::save_json(&folder.join(JSON), report)?)
 }

@@ -4,7 +4,7 @@
 
 use super::defaults::DefaultReport;
 use super::numbers::bytes;
-use super::paragraph::item;
+use super::text::item;
 use super::traversal::{HierarchyReport, TraversalReport};
 use crate::buffers::{EnvironmentLight, Features, LightChoice, Lights};
 use crate::scene::{Filter, Loaded, Material, MaterialKind, Rendering, Scene, Sky, Texture, View};

@@ -8,7 +8,7 @@
 use crate::buffers::Features;
 use crate::render::LaneChoice;
 use crate::scene::Scene;
-use crate::traverse::{Methods, features_of};
+use crate::traverse::features_of;
 use serde::Serialize;
 
 /// A default, and the reason for it.
@@ -41,21 +41,8 @@ impl DefaultReport {
             triangles,
             "triangle",
             "woop",
-            "no ray slips through an edge or a vertex; of rays aimed at edges, moller-trumbore loses one in six, baldwin-weber one in nine",
+            "no ray slips through an edge or a vertex; of rays aimed at edges, moller-trumbore loses one in six",
         );
-        add(
-            triangles || hierarchy,
-            "box",
-            "padded-fma",
-            "loses no hit; without padding, one ray in nine aimed at corners is lost, and no time is saved",
-        );
-        let fast = Methods::fast(scene) != Methods::default();
-        let robust = if fast {
-            "pictures hardly show the difference, rays aimed at edges do; --fast uses baldwin-weber"
-        } else {
-            "no method is faster here: --fast uses the same"
-        };
-        add(triangles, "robust", "on", robust);
         let (lanes, why) = match LaneChoice::Auto.lanes() {
             16 if hierarchy => (
                 "16",

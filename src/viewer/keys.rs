@@ -161,7 +161,7 @@ const BINDINGS: &[Binding] = &[
     ("L", "SIMD or scalar", &[(Char('l'), Switch(|set| set.scalar = !set.scalar))]),
     (
         "X",
-        "intersection methods: as requested, robust, fast, naive",
+        "intersection methods: as requested, robust, naive",
         &[(Char('x'), Switch(|set| cycle(&mut set.preset, &MethodPreset::ALL)))],
     ),
     (

@@ -14,7 +14,7 @@ use std::io::{self, BufReader, ErrorKind, Read, Write};
 use std::path::{Path, PathBuf};
 
 const MAGIC: [u8; 8] = *b"\x89octray\n";
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 /// Longest header in bytes: some fifty times what one takes.
 const MAX_HEADER: u32 = 1 << 16;
 

@@ -10,7 +10,7 @@ use octray_engine::render::Settings;
 use octray_engine::sampling::Sampler;
 use octray_engine::scene::Scene;
 use octray_engine::tone::{Operator, Tone};
-use octray_engine::traverse::{BoxChoice, Methods, SphereChoice, TraversalChoice, TriangleChoice};
+use octray_engine::traverse::{Methods, SphereChoice, TriangleChoice};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
@@ -80,17 +80,10 @@ pub struct Recorded {
     pub sphere: SphereChoice,
     /// The triangle test.
     pub triangle: TriangleChoice,
-    /// The box test.
-    #[serde(rename = "box")]
-    pub boxes: BoxChoice,
     /// Which lights are sampled.
     pub lights: LightChoice,
     /// Where samples come from.
     pub sampler: Sampler,
-    /// Null if box tests lose no hit, because then every traversal and width gives the same bits.
-    pub traversal: Option<TraversalChoice>,
-    /// Lanes of a packet; null as the traversal.
-    pub lanes: Option<u32>,
     /// Error, fewest and most samples of adaptive sampling; null without.
     pub target: Option<(f64, u32, u32)>,
 }
@@ -104,14 +97,13 @@ impl Recorded {
             max_bounces,
             seed,
             methods,
-            lanes,
+            lanes: _,
             threads: _,
             tile_size,
             pipeline: _,
             clamp,
         } = *settings;
-        let Methods { sphere, triangle, boxes, traversal, lights, sampler } = methods;
-        let lossy = !methods.lose_no_hit();
+        let Methods { sphere, triangle, traversal: _, lights, sampler } = methods;
         Self {
             resolution,
             tile_size,
@@ -120,11 +112,8 @@ impl Recorded {
             clamp: Some(clamp).filter(|clamp| clamp.is_finite()),
             sphere,
             triangle,
-            boxes,
             lights,
             sampler,
-            traversal: lossy.then_some(traversal),
-            lanes: lossy.then_some(lanes as u32),
             target: target.map(|&Target { error, least, most }| (error, least, most)),
         }
     }

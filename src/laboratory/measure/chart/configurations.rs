@@ -11,7 +11,7 @@ use crate::render::{PipelineChoice, Renderer, Settings};
 use crate::sampling::Sampler;
 use crate::scene::{Filter, Scene};
 use crate::traverse::batch::Traversal;
-use crate::traverse::{BoxChoice, Methods, SphereChoice, TraversalChoice, TriangleChoice, list_cost};
+use crate::traverse::{Methods, SphereChoice, TraversalChoice, TriangleChoice, list_cost};
 use serde::Serialize;
 
 /// Settings under a name.
@@ -104,10 +104,8 @@ pub const GROUPS: [(Group, &[(&str, &str)]); 3] = [
     (
         Group::NotRobust,
         &[
-            ("boxes without padding", "loses hits at corners and edges of boxes: --box fma"),
             ("naive spheres", "loses digits on small, distant and huge spheres: --sphere naive"),
             ("Möller–Trumbore", "leaks at edges and vertices of triangles: --triangle moller-trumbore"),
-            ("Baldwin–Weber", "leaks at edges and vertices of triangles: --triangle baldwin-weber"),
         ],
     ),
 ];
@@ -127,7 +125,7 @@ const MOST_LINEAR: usize = 4_000;
 /// The configurations that can differ on this scene, the default first. `settings` are those of the default.
 pub fn of_scene(scene: &Scene, settings: Settings) -> Vec<Configuration> {
     let of = |name, settings: Settings, same_bits| {
-        let robust = settings.methods.are_robust();
+        let robust = settings.methods.keep_to_their_primitives();
         Configuration { name, settings, levels_of_detail: false, adaptive: false, same_bits, robust }
     };
     let with = |name, same_bits, change: &dyn Fn(&mut Methods)| {
@@ -176,15 +174,11 @@ pub fn of_scene(scene: &Scene, settings: Settings) -> Vec<Configuration> {
     }
 
     let methods_apply = linear && !hierarchy;
-    add(hierarchy, with("boxes without padding", false, &|methods| methods.boxes = BoxChoice::Fma));
     let sphere = |sphere| with("naive spheres", false, &|methods: &mut Methods| methods.sphere = sphere);
     add(methods_apply && !scene.spheres.is_empty(), sphere(SphereChoice::Naive));
-    for (name, triangle) in
-        [("Möller–Trumbore", TriangleChoice::MollerTrumbore), ("Baldwin–Weber", TriangleChoice::BaldwinWeber)]
-    {
-        let one = with(name, false, &|methods| methods.triangle = triangle);
-        add(methods_apply && !scene.triangles.is_empty(), one);
-    }
+    let triangle =
+        |triangle| with("Möller–Trumbore", false, &|methods: &mut Methods| methods.triangle = triangle);
+    add(methods_apply && !scene.triangles.is_empty(), triangle(TriangleChoice::MollerTrumbore));
     all
 }
 

@@ -1,8 +1,8 @@
 //! Ctrl-C: the first requests an end, the second ends the program with nothing written. Before any part of a
 //! picture is done, the first ends the program too.
 //!
-//! For: [`listen`] and what follows it, of renderings; [`end_with`] of commands that cannot end early. Hang-up
-//! keeps its default, so that nohup works.
+//! For: [`listen`] and what follows it, of renderings; [`end_with`] of commands that cannot end early.
+//! Hang-up keeps its default, so that nohup works.
 
 use super::error::INTERRUPTED;
 use super::terminal;
@@ -52,8 +52,8 @@ fn end_after(line: String) -> ! {
     std::process::exit(INTERRUPTED.into())
 }
 
-/// Installs the handler, in background jobs too, which start with the signal ignored. Where that fails, Ctrl-C
-/// keeps its usual meaning.
+/// Installs the handler, in background jobs too, which start with the signal ignored. Where that fails,
+/// Ctrl-C keeps its usual meaning.
 pub fn listen() {
     let listening = ctrlc::set_handler(|| {
         if !BEGUN.load(Ordering::SeqCst) {

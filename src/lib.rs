@@ -62,7 +62,7 @@
 //! | [`machine`] | the machine and build of a figure |
 //! | [`report`] | figures as text, JSON, CSV, SVG and HTML |
 //! | `viewer` | the front ends: terminal (feature `viewer`), window (feature `window`) |
-//! | [`cli`] | raw arguments, validated options, commands |
+//! | [`cli`] | commands, their options and help |
 //!
 //! `tests/laws/architecture/mod.rs` checks this order.
 //!

@@ -2,7 +2,7 @@
 
 use super::error::{CliError, checked};
 use super::ground_truth;
-use super::interrupt::LastNote;
+use super::interrupt;
 use super::numbers::{seconds, size, whole};
 use super::progress;
 use super::scenes;
@@ -99,7 +99,7 @@ pub fn run(options: Options) -> Result<ExitCode, CliError> {
     output::make_folder(&options.output)?;
     let bar = progress::countdown(start, budget);
     let nothing = format!("Ctrl-C: nothing was drawn in `{}`.", options.output.display());
-    let on_ctrl_c = LastNote::listen(&nothing);
+    interrupt::end_with(&nothing);
 
     bar.set_message("intersection methods");
     let kernels = kernels::measure(start + budget.mul_f64(KERNELS_SHARE).min(KERNELS_MOST));
@@ -139,7 +139,7 @@ pub fn run(options: Options) -> Result<ExitCode, CliError> {
             }
         };
         let truths = counted(number + 1, "ground truth", "ground truths");
-        on_ctrl_c.set(format!("{nothing} It keeps {truths} for the next run."));
+        interrupt::set_last_note(format!("{nothing} It keeps {truths} for the next run."));
         let mut charted = plan.chart(&scene, &truth, &step);
         // The name on the command line: files in different folders may share a file name.
         charted.scene = name.clone();

@@ -10,7 +10,7 @@ const CAMERA: &str = r#""camera": { "position": [0.7, 0.1, 5.3], "look_at": [0.1
 const OPTIONS: &str = "--samples 3 --seed 4000000000 --exposure -0.7 --tone reinhard --clamp 0.61 --sphere naive \
     --triangle moller-trumbore --traversal linear --lights off --sampler random --pipeline general";
 const RENDER: &str = r#""render": { "samples": 3, "seed": 4000000000, "exposure": -0.7, "tone": "reinhard", "clamp": 0.61,
-    "sphere": "naive", "triangle": "moller-trumbore", "box": "fma", "traversal": "linear", "lights": "off",
+    "sphere": "naive", "triangle": "moller-trumbore", "traversal": "linear", "lights": "off",
     "sampler": "random", "pipeline": "general" }"#;
 
 fn view(scene: &str, more: &str) -> String {

@@ -225,7 +225,7 @@ mod tests {
         }
         assert!(three.contains(&"naive spheres") && three.contains(&"hierarchy"));
         let cornell = names("builtin:cornell");
-        for present in ["lights off", "lights by power", "Baldwin–Weber"] {
+        for present in ["lights off", "lights by power", "Möller–Trumbore"] {
             assert!(cornell.contains(&present), "{present}");
         }
         assert!(

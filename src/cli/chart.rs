@@ -12,8 +12,7 @@ use crate::measure::chart::ground_truth::SHRINK;
 use crate::measure::chart::pictures::Line;
 use crate::measure::chart::{Plan, kernels};
 use crate::output;
-use crate::report::chart::{Chart, SCHEMA, drawings};
-use crate::report::chart_text::{text, warnings};
+use crate::report::chart::{Chart, SCHEMA, drawings, text, warnings};
 use crate::report::page::page;
 use crate::report::tables::tables;
 use std::path::Path;
@@ -57,6 +56,7 @@ pub fn run(options: ChartOptions) -> Result<ExitCode, CliError> {
         kernels,
         scenes: Vec::new(),
     };
+    let mut shapes = vec!["box"];
     for (number, name) in names.iter().enumerate() {
         let scene = first.take().map_or_else(|| scenes::load(name), Ok)?;
         scene.warnings.iter().for_each(|warning| countdown.above(|| terminal::warn(warning)));
@@ -87,7 +87,11 @@ pub fn run(options: ChartOptions) -> Result<ExitCode, CliError> {
         // The name on the command line: files in different folders may share a file name.
         charted.scene = name.clone();
         chart.scenes.push(charted);
+        let of_scene = [("sphere", !scene.spheres.is_empty()), ("triangle", !scene.triangles.is_empty())];
+        shapes.extend(of_scene.into_iter().filter_map(|(shape, has)| has.then_some(shape)));
     }
+    // Methods for shapes that no scene has tell nothing of these scenes.
+    chart.kernels.retain(|kernel| shapes.contains(&kernel.family));
     countdown.step("drawing");
     chart.seconds = start.elapsed().as_secs_f64();
     write(&options.output, &chart)?;

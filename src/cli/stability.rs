@@ -8,8 +8,7 @@ use super::terminal;
 use crate::machine::Machine;
 use crate::measure::stability::{self, Effort};
 use crate::output::{self, Existing};
-use crate::report::stability::drawings;
-use crate::report::stability_table::{Report, table, verdict};
+use crate::report::stability::{Report, drawings, table, verdict};
 use std::path::Path;
 use std::process::ExitCode;
 

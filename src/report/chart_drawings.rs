@@ -13,43 +13,23 @@ use crate::measure::chart::{SceneChart, display, motion, pictures};
 use crate::measure::quantiles::Spread;
 use crate::wording::counted;
 
-/// The error measure of a drawing.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Measure {
-    Rmse,
-    Relmse,
-    Flip,
-}
-
-impl Measure {
-    fn label(self) -> &'static str {
-        match self {
-            Self::Rmse => "root mean square error (radiance)",
-            Self::Relmse => "relMSE without the worst 0.1 % of pixels",
-            Self::Flip => "mean FLIP of the displayed picture",
-        }
-    }
-    fn of(self, point: &Point) -> Spread {
-        match self {
-            Self::Rmse => point.rmse,
-            Self::Relmse => point.relmse_trimmed,
-            Self::Flip => point.flip,
-        }
-    }
-}
+/// An error measure.
+type ErrorOf = fn(&Point) -> Spread;
+/// The name of the axis of the usual one.
+const RMSE: &str = "root mean square error (radiance)";
 
 /// The drawings of a scene: pictures by RMSE, relMSE and FLIP; frames, display filters, motion.
 pub fn of_scene(scene: &SceneChart, seeds: u32) -> [Drawing; 6] {
-    let by = |measure| pictures(scene, seeds, measure);
+    let by = |y, error| pictures(scene, seeds, y, error);
+    let name = file_name(&scene.scene);
     let figures = [
-        ("pictures", by(Measure::Rmse)),
-        ("pictures-relmse", by(Measure::Relmse)),
-        ("pictures-flip", by(Measure::Flip)),
+        ("pictures", by(RMSE, |point| point.rmse)),
+        ("pictures-relmse", by("relMSE without the worst 0.1 % of pixels", |point| point.relmse_trimmed)),
+        ("pictures-flip", by("mean FLIP of the displayed picture", |point| point.flip)),
         ("frames", frames(scene)),
         ("display", display(scene)),
         ("motion", motion(scene)),
     ];
-    let name = file_name(&scene.scene);
     figures.map(|(of, figure)| Drawing { name: format!("{name}-{of}"), svg: figure.svg() })
 }
 
@@ -69,14 +49,14 @@ fn ink(configuration: &str) -> Ink {
 }
 
 /// Error against time on a scene: a panel for each group of configurations.
-fn pictures(scene: &SceneChart, seeds: u32, measure: Measure) -> Figure {
+fn pictures(scene: &SceneChart, seeds: u32, y: &str, error: ErrorOf) -> Figure {
     let unit = scene.default_sample_s;
     let lines = &scene.pictures;
-    let front = front_points(lines, measure);
+    let front = front_points(lines, error);
     let of = |group: Option<Group>| {
         let on_front = |line: &pictures::Line| front.iter().any(|(on, _)| *on == line.configuration);
         let lines = lines.iter().filter(move |line| line.group == group);
-        lines.map(move |line| drawn(line, unit, measure, on_front(line)))
+        lines.map(move |line| drawn(line, unit, error, on_front(line)))
     };
     let points = falling(front.iter().map(|(_, [time, error])| [time / unit, *error]).collect());
     let name = "Pareto front".into();
@@ -87,28 +67,26 @@ fn pictures(scene: &SceneChart, seeds: u32, measure: Measure) -> Figure {
         lines: std::iter::once(shared.clone()).chain(of(None)).chain(of(Some(group))).collect(),
     });
     let [width, height] = scene.size;
-    let mut notes = vec![
+    let notes = vec![
         "Left is faster, lower is more accurate. Each point has twice the samples of the one before (adaptive: half the target error).".into(),
         "Pale: the Pareto front, which no robust configuration beats. Thick: the default. Thin: never on the front. Dashed: not robust.".into(),
+        "Numbers: the time to the RMSE of the last point, over the default's.".into(),
         format!("{width}×{height} on one thread, {seeds} seeds: medians, and 10 to 90 % of them."),
     ];
-    if measure == Measure::Rmse {
-        notes.insert(2, "Numbers: the time to the error of the last point, over the default's.".into());
-    }
     Figure {
         title: format!("{}: error against time", scene.scene),
         notes,
         x: format!("time, × one sample of the default ({} ms)", figure(1e3 * unit, 2)),
-        y: measure.label().into(),
+        y: y.into(),
         panels: panels.collect(),
     }
 }
 
 /// The line of a configuration, with times in multiples of `unit`.
-fn drawn(line: &pictures::Line, unit: f64, measure: Measure, on_front: bool) -> Line {
-    let at = |point: &Point| [point.seconds.median / unit, measure.of(point).median];
+fn drawn(line: &pictures::Line, unit: f64, error: ErrorOf, on_front: bool) -> Line {
+    let at = |point: &Point| [point.seconds.median / unit, error(point).median];
     let band = |point: &Point| {
-        let Spread { p10, p90, .. } = measure.of(point);
+        let Spread { p10, p90, .. } = error(point);
         [point.seconds.median / unit, p10, p90]
     };
     let look = match line {
@@ -119,10 +97,7 @@ fn drawn(line: &pictures::Line, unit: f64, measure: Measure, on_front: bool) -> 
     };
     Line {
         name: line.configuration.into(),
-        figure: match measure {
-            Measure::Rmse if look != Look::Default => times(line.time_to_equal_error),
-            _ => String::new(),
-        },
+        figure: if look == Look::Default { String::new() } else { times(line.time_to_equal_error) },
         look,
         ink: ink(line.configuration),
         points: line.points.iter().map(at).collect(),
@@ -135,8 +110,8 @@ fn drawn(line: &pictures::Line, unit: f64, measure: Measure, on_front: bool) -> 
 
 /// The points, in seconds, of robust configurations that no other robust one passes below, each with its
 /// configuration.
-fn front_points(lines: &[pictures::Line], measure: Measure) -> Vec<(&'static str, [f64; 2])> {
-    let at = |point: &Point| [point.seconds.median, measure.of(point).median];
+fn front_points(lines: &[pictures::Line], error: ErrorOf) -> Vec<(&'static str, [f64; 2])> {
+    let at = |point: &Point| [point.seconds.median, error(point).median];
     let robust: Vec<(&pictures::Line, ErrorCurve)> = lines
         .iter()
         .filter(|line| line.robust)
@@ -249,13 +224,7 @@ fn motion(scene: &SceneChart) -> Figure {
 /// RMSE in one plane.
 fn of_frames(scene: &SceneChart, what: &str, notes: Vec<String>, x: String, lines: Vec<Line>) -> Figure {
     let title = format!("{}: {what}", scene.scene);
-    Figure {
-        title,
-        notes,
-        x,
-        y: Measure::Rmse.label().into(),
-        panels: vec![Panel { lines, ..Panel::default() }],
-    }
+    Figure { title, notes, x, y: RMSE.into(), panels: vec![Panel { lines, ..Panel::default() }] }
 }
 
 /// Why points are missing, if some are.
@@ -317,7 +286,7 @@ mod tests {
     }
 
     fn panels(scene: &SceneChart) -> Vec<Panel> {
-        super::pictures(scene, 8, Measure::Rmse).panels
+        super::pictures(scene, 8, RMSE, |point| point.rmse).panels
     }
 
     #[test]
@@ -364,7 +333,7 @@ mod tests {
             measured("scalar", 7.0, 1.0),
             measured("naive spheres", 0.1, 0.1),
         ];
-        let points = front_points(&lines, Measure::Rmse);
+        let points = front_points(&lines, |point| point.rmse);
         assert!(points.iter().all(|(name, _)| [DEFAULT, "random numbers"].contains(name)), "{points:?}");
         let front = falling(points.into_iter().map(|(_, point)| point).collect());
         assert_eq!(front[..3], [[0.25, 4.0], [0.5, 4.0 / 2f64.sqrt()], [1.0, 1.0]]);

@@ -23,40 +23,13 @@ pub struct DefaultReport {
 impl DefaultReport {
     /// Those that make a difference to this scene.
     pub fn all(scene: &Scene) -> Vec<Self> {
-        let mut all = Vec::new();
-        let mut add = |matters: bool, option, default, why| {
-            if matters {
-                all.push(Self { option, default, why });
-            }
-        };
         let (spheres, triangles) = (!scene.spheres.is_empty(), !scene.triangles.is_empty());
         let hierarchy = linear::features_of(scene).contains(Features::HIERARCHY);
-        add(
-            spheres,
-            "sphere",
-            "robust",
-            "at 1,000 radii it is wrong on less than one ray in 100,000, naive on one in 28, for hardly more time",
-        );
-        add(
-            triangles,
-            "triangle",
-            "woop",
-            "no ray slips through an edge or a vertex; of rays aimed at edges, moller-trumbore loses one in six, baldwin-weber one in nine",
-        );
-        add(
-            triangles || hierarchy,
-            "box",
-            "padded-fma",
-            "loses no hit; without padding, one ray in nine aimed at corners is lost, and no time is saved",
-        );
-        let fast = Methods::fast(scene) != Methods::default();
-        let robust = if fast {
-            "pictures hardly show the difference, rays aimed at edges do; --fast uses baldwin-weber"
-        } else {
-            "no method is faster here: --fast uses the same"
+        let robust = match Methods::fast(scene) == Methods::default() {
+            true => "no method is faster here: --fast uses the same",
+            false => "pictures hardly show the difference, rays aimed at edges do; --fast uses baldwin-weber",
         };
-        add(triangles, "robust", "on", robust);
-        let (lanes, why) = match LaneChoice::Auto.lanes() {
+        let (lanes, why_lanes) = match LaneChoice::Auto.lanes() {
             16 if hierarchy => (
                 "16",
                 "fills AVX-512's vectors: 1.0 to 1.06 times as fast as 8 (traversals of a hierarchy have widths of their own)",
@@ -67,20 +40,42 @@ impl DefaultReport {
             ),
             _ => ("8", "this build has vectors of 8; with AVX-512, 16 is the faster one"),
         };
-        add(true, "lanes", lanes, why);
-        add(
-            true,
-            "sampler",
-            "sobol",
-            "Sobol points cost a few per cent more than independent numbers and leave less noise",
-        );
-        add(
-            true,
-            "pipeline",
-            "needed",
-            "it is compiled for the smallest set of features that holds the scene's; the picture stays the same",
-        );
-        all
+        let all = [
+            (
+                spheres,
+                "sphere",
+                "robust",
+                "at 1,000 radii it is wrong on less than one ray in 100,000, naive on one in 28, for hardly more time",
+            ),
+            (
+                triangles,
+                "triangle",
+                "woop",
+                "no ray slips through an edge or a vertex; of rays aimed at edges, moller-trumbore loses one in six, baldwin-weber one in nine",
+            ),
+            (
+                triangles || hierarchy,
+                "box",
+                "padded-fma",
+                "loses no hit; without padding, one ray in nine aimed at corners is lost, and no time is saved",
+            ),
+            (triangles, "robust", "on", robust),
+            (true, "lanes", lanes, why_lanes),
+            (
+                true,
+                "sampler",
+                "sobol",
+                "Sobol points cost a few per cent more than independent numbers and leave less noise",
+            ),
+            (
+                true,
+                "pipeline",
+                "needed",
+                "it is compiled for the smallest set of features that holds the scene's; the picture stays the same",
+            ),
+        ];
+        let matters = all.into_iter().filter(|(matters, ..)| *matters);
+        matters.map(|(_, option, default, why)| Self { option, default, why }).collect()
     }
 
     /// The option, its default, and why.

@@ -182,7 +182,7 @@ mod tests {
         for part in ["<title>a &lt; b</title>", ".main { color: #0072b2 }", "prefers-color-scheme"] {
             assert!(drawn.contains(part), "{part} in {drawn}");
         }
-        assert_eq!(drawn.matches("class=\"remark\"").count(), 3, "{drawn}");
+        assert_eq!(drawn.matches("class=\"remark\"").count(), 2, "{drawn}");
     }
 
     /// Relative luminance and contrast as WCAG 2 defines them.

@@ -67,7 +67,7 @@ const HEIGHT: i32 = 440;
 const SAMPLE: [i32; 2] = [RIGHT + 24, RIGHT + 70];
 const NAME: i32 = RIGHT + 84;
 /// Most ticks of an axis.
-const TICKS: usize = 8;
+const TICKS: usize = 7;
 
 impl Figure {
     /// The drawing as the text of an SVG file.

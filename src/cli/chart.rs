@@ -14,7 +14,7 @@ use crate::measure::chart::{Plan, kernels};
 use crate::output;
 use crate::report::chart::{Chart, SCHEMA, drawings, text, warnings};
 use crate::report::page::page;
-use crate::report::tables::tables;
+use crate::report::tables::{json, tables};
 use std::path::Path;
 use std::process::ExitCode;
 use std::sync::Arc;
@@ -129,7 +129,7 @@ fn write(folder: &Path, chart: &Chart) -> Result<(), CliError> {
     for drawing in drawings(chart) {
         save(format!("{}.svg", drawing.name), &drawing.svg)?;
     }
-    for (name, text) in tables(chart) {
+    for (name, text) in tables(&json(chart)) {
         save(name, &text)?;
     }
     output::save_json(&folder.join("chart.json"), chart)?;

@@ -1,5 +1,4 @@
-//! What `octray chart` reports: JSON, a table of every scene, warnings about the figures, and which drawings it
-//! has.
+//! What `octray chart` reports: JSON, a table of every scene, warnings about the figures; and its drawings.
 //!
 //! For: [`Chart`], `drawings`, `verdict`, `text`, `warnings`.
 

@@ -2,7 +2,7 @@
 //!
 //! For: [`of_scene`].
 
-use super::drawing::{Drawing, Ink, file_name};
+use super::drawing::{Drawing, file_name};
 use super::figure::{Figure, Line, Look, Panel};
 use super::numbers::{figure, times};
 use crate::measure::chart::configurations::{DEFAULT, GROUPS, Group};
@@ -42,10 +42,10 @@ fn title(group: Group) -> &'static str {
     }
 }
 
-/// A configuration has the same colour in all drawings.
-fn ink(configuration: &str) -> Ink {
+/// The number of a configuration, so that it has the same colour in all drawings; 0 is the default's.
+fn number(configuration: &str) -> usize {
     let mut names = GROUPS.into_iter().flat_map(|(_, named)| named);
-    names.position(|(name, _)| *name == configuration).map_or(Ink::Main, Ink::Line)
+    names.position(|(name, _)| *name == configuration).map_or(0, |place| place + 1)
 }
 
 /// Error against time on a scene: a panel for each group of configurations.
@@ -60,7 +60,7 @@ fn pictures(scene: &SceneChart, seeds: u32, y: &str, error: ErrorOf) -> Figure {
     };
     let points = falling(front.iter().map(|(_, [time, error])| [time / unit, *error]).collect());
     let name = "Pareto front".into();
-    let shared = Line { name, look: Look::Front, ink: Ink::Front, points, ..Line::default() };
+    let shared = Line { name, look: Look::Front, points, ..Line::default() };
     let panels = GROUPS.into_iter().filter(|(group, _)| of(Some(*group)).next().is_some());
     let panels = panels.map(|(group, _)| Panel {
         title: title(group).into(),
@@ -99,7 +99,7 @@ fn drawn(line: &pictures::Line, unit: f64, error: ErrorOf, on_front: bool) -> Li
         name: line.configuration.into(),
         figure: if look == Look::Default { String::new() } else { times(line.time_to_equal_error) },
         look,
-        ink: ink(line.configuration),
+        number: number(line.configuration),
         points: line.points.iter().map(at).collect(),
         band: match look {
             Look::Default | Look::Plain => line.points.iter().map(band).collect(),
@@ -149,7 +149,7 @@ fn frames(scene: &SceneChart) -> Figure {
             name: frames.configuration.into(),
             figure: format!("{} fps", figure(frames.fps.median, 0)),
             look: if frames.configuration == DEFAULT { Look::Default } else { Look::Plain },
-            ink: ink(frames.configuration),
+            number: number(frames.configuration),
             points: known.collect(),
             ..Line::default()
         }
@@ -157,8 +157,7 @@ fn frames(scene: &SceneChart) -> Figure {
     let (threads, seeds) = scene.frames.first().map_or((1, 0), |frames| (frames.threads, frames.seeds));
     let notes = vec![
         size_and(scene, threads, &counted(seeds, "seed", "seeds")),
-        "Numbers: frames of one sample per second. No point where the error is below the ground truth's."
-            .into(),
+        "Numbers: frames of one sample per second.".into(),
     ];
     of_frames(scene, "accumulation in a window", notes, "seconds of accumulation".into(), lines.collect())
 }
@@ -171,24 +170,20 @@ fn display(scene: &SceneChart) -> Figure {
         let point = |shown: &display::FilterResult| {
             Some([(shown.frame_ms.median + shown.filter_ms.median) / unit, shown.rmse?.median])
         };
-        let (look, ink) = match number {
-            0 => (Look::Default, Ink::Main),
-            _ => (Look::Plain, Ink::Line(number - 1)),
-        };
+        let look = if number == 0 { Look::Default } else { Look::Plain };
         Line {
             name: (*filter).into(),
             look,
-            ink,
+            number,
             points: shown.filter_map(point).collect(),
             ..Line::default()
         }
     };
     let (threads, seeds) = scene.display.first().map_or((1, 0), |shown| (shown.threads, shown.seeds));
-    let mut notes = vec![
+    let notes = vec![
         size_and(scene, threads, &counted(seeds, "seed", "seeds")),
         "From left to right: 1, 4 and 16 samples a pixel. The time includes the filter.".into(),
     ];
-    notes.extend(left_out(scene.display.iter().any(|shown| shown.rmse.is_none())));
     let x = format!("time, × rendering one sample ({} ms)", figure(unit, 2));
     let lines = display::FILTERS.iter().enumerate().map(line).collect();
     of_frames(scene, "a picture with display filters", notes, x, lines)
@@ -206,17 +201,16 @@ fn motion(scene: &SceneChart) -> Figure {
         Line {
             name: path.name().into(),
             figure: lower.map_or(String::new(), |lower| format!("÷{}", figure(lower, 1))),
-            ink: Ink::Line(number),
+            number,
             points: moving().filter_map(point).collect(),
             ..Line::default()
         }
     };
     let (frames, threads) = scene.motion.first().map_or((0, 1), |moving| (moving.frames, moving.threads));
-    let mut notes = vec![
+    let notes = vec![
         size_and(scene, threads, &counted(frames, "frame", "frames")),
         "From top to bottom: unfiltered, reprojected, reprojected and denoised. Numbers: how much reprojection lowers the error.".into(),
     ];
-    notes.extend(left_out(scene.motion.iter().any(|moving| moving.rmse.is_none())));
     let lines = CameraPath::ALL.into_iter().enumerate().map(line).collect();
     of_frames(scene, "one sample a frame, in motion", notes, "time of a frame, × rendering it".into(), lines)
 }
@@ -224,12 +218,9 @@ fn motion(scene: &SceneChart) -> Figure {
 /// RMSE in one plane.
 fn of_frames(scene: &SceneChart, what: &str, notes: Vec<String>, x: String, lines: Vec<Line>) -> Figure {
     let title = format!("{}: {what}", scene.scene);
+    let unknown = "Left out: points whose error cannot be told from that of the ground truth.";
+    let notes = notes.into_iter().chain([unknown.into()]).collect();
     Figure { title, notes, x, y: RMSE.into(), panels: vec![Panel { lines, ..Panel::default() }] }
-}
-
-/// Why points are missing, if some are.
-fn left_out(some: bool) -> Option<String> {
-    some.then(|| "Left out: points whose error cannot be told from that of the ground truth.".into())
 }
 
 fn size_and(scene: &SceneChart, threads: usize, more: &str) -> String {
@@ -241,6 +232,7 @@ fn size_and(scene: &SceneChart, threads: usize, more: &str) -> String {
 mod tests {
     use super::*;
     use crate::measure::chart::ground_truth::GroundTruthInfo;
+    use crate::report::drawing::{line_class, marks};
 
     /// Seven doublings from a time and an error on; the error falls with the root of time.
     fn measured(configuration: &'static str, seconds: f64, error: f64) -> pictures::Line {
@@ -304,7 +296,7 @@ mod tests {
             let drawn: Vec<&Line> =
                 panels.iter().flat_map(|panel| &panel.lines).filter(|line| line.name == name).collect();
             let [line] = drawn[..] else { panic!("{name}: {}", drawn.len()) };
-            looks.push(line.ink.marks(&[[0, 0]]).into_string());
+            looks.push(marks(&line_class(line.number), line.number, &[[0, 0]]).into_string());
         }
         let count = looks.len();
         looks.sort();

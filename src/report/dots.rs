@@ -3,7 +3,7 @@
 //!
 //! For: [`DotTable`].
 
-use super::drawing::{Ink, LETTER, LINE, MARGIN, WIDTH, stroke, svg, text};
+use super::drawing::{LETTER, LINE, MARGIN, WIDTH, marks, stroke, svg, text};
 use super::scale::Scale;
 
 /// A drawing.
@@ -68,7 +68,7 @@ impl DotTable {
                 parts.push(stroke("remark", 2, &[[left, bottom], [left + wide, bottom]]));
                 for (row, value, words) in values {
                     let (at, default) = ([scale.at(value), middle(row)], self.rows[row].1);
-                    parts.push(if default { Ink::Main } else { Ink::Line(7) }.marks(&[at]));
+                    parts.push(marks(if default { "main" } else { "remark" }, 0, &[at]));
                     // Its text stands where there is more room.
                     let (aside, anchor) =
                         if at[0] < left + wide / 2 { (ASIDE, "start") } else { (-ASIDE, "end") };

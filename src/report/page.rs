@@ -211,8 +211,10 @@ fn cell(value: &Value) -> String {
         Value::Null => "–".into(),
         Value::String(word) => word.clone(),
         Value::Bool(yes) => yes.to_string(),
-        Value::Number(x) if x.is_u64() => x.to_string(),
-        Value::Number(x) => number(x.as_f64().unwrap_or(f64::NAN)),
+        Value::Number(x) => match x.as_f64().unwrap_or(f64::NAN) {
+            whole if whole.fract() == 0.0 => whole.to_string(),
+            x => number(x),
+        },
         spread if spread["p10"] == spread["p90"] => cell(&spread["median"]),
         spread => {
             let [median, p10, p90] = ["median", "p10", "p90"].map(|part| cell(&spread[part]));

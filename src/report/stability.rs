@@ -1,9 +1,8 @@
-//! What `octray stability` reports: as tables, as JSON, and as drawings of failures and errors along the axis of
-//! a recipe.
+//! What `octray stability` reports: tables, JSON, and drawings of failures and errors along a recipe's axis.
 //!
 //! For: [`Report`], [`table`], [`verdict`], [`drawings`].
 
-use super::drawing::{Drawing, Ink};
+use super::drawing::Drawing;
 use super::figure::{Figure, Line, Look, Panel};
 use super::numbers::percent;
 use super::text::row;
@@ -146,11 +145,8 @@ fn figure(
 ) -> Figure {
     let line = |(number, curve): (usize, &Curve)| {
         let (points, band) = of(curve);
-        let (mark, look, ink) = match curve.default {
-            true => (" (default)", Look::Default, Ink::Main),
-            false => ("", Look::Plain, Ink::Line(number)),
-        };
-        Line { name: format!("{}{mark}", curve.method), look, ink, points, band, ..Line::default() }
+        let (mark, look) = if curve.default { (" (default)", Look::Default) } else { ("", Look::Plain) };
+        Line { name: format!("{}{mark}", curve.method), look, number, points, band, ..Line::default() }
     };
     let lines = in_order(outcome).enumerate().map(line).collect();
     Figure {

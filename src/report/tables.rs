@@ -1,4 +1,4 @@
-//! A chart's figures as rows of tables, and as CSV for spreadsheets and other programs: both made from its JSON.
+//! A chart's figures as rows of tables, and as CSV for spreadsheets and other programs: made from its JSON.
 //!
 //! For: [`json`], [`Row`], [`tables`].
 

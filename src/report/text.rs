@@ -23,8 +23,8 @@ pub fn item(name: &str, name_width: usize, text: &str) -> String {
     textwrap::fill(text, options().initial_indent(&first).subsequent_indent(&further)) + "\n"
 }
 
-/// A row of a table: cells in columns of these widths, negative where they stand on the left. A first cell that
-/// is too long has a line of its own above.
+/// A row of a table: cells in columns of these widths, negative where they stand on the left. A first cell
+/// that is too long has a line of its own above.
 pub fn row(widths: &[isize], cells: impl IntoIterator<Item = impl AsRef<str>>) -> String {
     let mut row = String::new();
     for (cell, &width) in cells.into_iter().zip(widths) {

@@ -2,7 +2,6 @@
 //!
 //! For: [`Report`].
 
-use super::busy;
 use super::numbers::{figure, ratio};
 use super::stats::{self, engine};
 use super::text::{self, paragraph};
@@ -160,11 +159,13 @@ pub fn warning(results: &[Measurement]) -> Option<String> {
 /// Names the engine with the lowest 1 % low, where that is below `BUSY` of its median.
 fn busy(results: &[Measurement]) -> Option<String> {
     let timed = results.iter().filter(|result| result.frames >= FEWEST_FRAMES);
-    let share = |result: &Measurement| result.fps_low_1_percent / result.fps_median;
-    busy::warning(timed, share, BUSY, |Measurement { scene, lanes, threads, .. }, share| {
+    let shares = timed.map(|Measurement { scene, lanes, threads, fps_low_1_percent, fps_median, .. }| {
         let (engine, threads) = (engine(*lanes), counted(threads, "thread", "threads"));
-        format!("the 1 % low of {scene} ({engine}, {threads}) is {share} of its median")
-    })
+        let share = fps_low_1_percent / fps_median;
+        let percent = 100.0 * share;
+        (share, format!("the 1 % low of {scene} ({engine}, {threads}) is {percent:.0} % of its median"))
+    });
+    text::busy(shares, BUSY)
 }
 
 /// Names the scene that gains least from all cores, where that is less than [`LEAST_SCALING`] and there are

@@ -2,10 +2,9 @@
 //!
 //! For: [`Inspection`].
 
-use super::defaults::DefaultReport;
+use super::methods::{DefaultReport, HierarchyReport, TraversalReport};
 use super::numbers::bytes;
 use super::text::item;
-use super::traversal::{HierarchyReport, TraversalReport};
 use crate::buffers::{EnvironmentLight, Features, LightChoice, Lights};
 use crate::scene::{Filter, Loaded, Material, MaterialKind, Rendering, Scene, Sky, Texture, View, bounds};
 use crate::traverse::linear;

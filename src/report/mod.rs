@@ -3,24 +3,23 @@
 //! | file | what it holds |
 //! |---|---|
 //! | `bench`, `compare`, `rays`, `render`, `stability` | the report of a command: JSON and text, drawings |
-//! | `inspection`, with `defaults` and `traversal` | the report of `inspect` |
+//! | `inspection`, with `methods` | the report of `inspect` |
 //! | [`chart`], `tables`, [`page`] | the report of `chart`: JSON and text, CSV, HTML |
 //! | `chart_drawings`, `chart_kernels` | the drawings of `chart` |
 //! | `stats` | the tables of `--stats` |
 //! | `figure`, `dots`, over `drawing` and `scale` | lines in planes, tables of dots, as SVG |
-//! | `numbers`, `text`, `busy` | numbers as text; paragraphs and rows; the warning of a busy machine |
+//! | `numbers`, `text` | numbers as text; paragraphs, rows of tables, the warning of a busy machine |
 
 pub(crate) mod bench;
-pub(crate) mod busy;
 pub mod chart;
 pub(crate) mod chart_drawings;
 pub(crate) mod chart_kernels;
 pub(crate) mod compare;
-pub(crate) mod defaults;
 pub(crate) mod dots;
 pub(crate) mod drawing;
 pub(crate) mod figure;
 pub(crate) mod inspection;
+pub(crate) mod methods;
 pub(crate) mod numbers;
 pub mod page;
 pub(crate) mod rays;
@@ -30,4 +29,3 @@ pub(crate) mod stability;
 pub(crate) mod stats;
 pub(crate) mod tables;
 pub(crate) mod text;
-pub(crate) mod traversal;

@@ -2,9 +2,8 @@
 //!
 //! For: [`Report`].
 
-use super::busy;
 use super::numbers::{bytes, figure};
-use super::text::row as row_of;
+use super::text::{busy, row as row_of};
 use crate::bvh::check::Statistics;
 use crate::machine::Machine;
 use crate::measure::rays::{BuildTime, FEWEST_PASSES, Measurement};
@@ -127,13 +126,16 @@ pub fn warning(results: &[Measurement]) -> Option<String> {
         .iter()
         .filter(|result| result.passes >= FEWEST_PASSES && seconds(result) >= SHORTEST_PASS)
         .filter(|result| result.mrays_per_s > 0.0);
-    let share = |result: &Measurement| result.mrays_per_s_spread[0] / result.mrays_per_s;
-    busy::warning(timed, share, BUSY, |Measurement { kind, traversal, threads, .. }, share| {
+    let shares = timed.map(|Measurement { kind, traversal, threads, mrays_per_s, mrays_per_s_spread, .. }| {
         let (kind, threads) = (kind.name(), counted(threads, "thread", "threads"));
-        format!(
-            "a tenth of the passes of {kind} rays, {traversal}, {threads}, have {share} of the median's speed or less"
-        )
-    })
+        let share = mrays_per_s_spread[0] / mrays_per_s;
+        let evidence = format!(
+            "a tenth of the passes of {kind} rays, {traversal}, {threads}, have {:.0} % of the median's speed or less",
+            100.0 * share
+        );
+        (share, evidence)
+    });
+    busy(shares, BUSY)
 }
 
 /// The table in words.

@@ -1,6 +1,6 @@
-//! Text for terminals of ordinary width: paragraphs, and rows of tables.
+//! Text for terminals of ordinary width: paragraphs, rows of tables, the warning of a busy machine.
 //!
-//! For: [`paragraph`], [`item`], [`row`].
+//! For: [`paragraph`], [`item`], [`row`], [`busy`].
 
 use textwrap::{Options, WordSplitter};
 
@@ -35,6 +35,15 @@ pub fn row(widths: &[isize], cells: impl IntoIterator<Item = impl AsRef<str>>) -
         }
     }
     row + "\n"
+}
+
+/// The warning that other programs took the processor while something was timed: of the least share, the
+/// speed of slow parts over that of the median, its evidence, where the share is below `bound`.
+pub fn busy(shares: impl Iterator<Item = (f64, String)>, bound: f64) -> Option<String> {
+    let (_, evidence) = shares.min_by(|a, b| a.0.total_cmp(&b.0)).filter(|(share, _)| *share < bound)?;
+    Some(format!(
+        "the machine is busy: {evidence}; end other programs and measure again: ratios are wrong, too."
+    ))
 }
 
 #[cfg(test)]

@@ -208,7 +208,7 @@ impl Rendering {
         Header {
             name: scene.name.clone(),
             identity: Identity::new(scene, &self.settings, self.limits.target.as_ref(), job.shard),
-            display: self.tone.into(),
+            display: self.tone,
             wanted: self.limits.samples,
             complete: false,
             rays: 0,

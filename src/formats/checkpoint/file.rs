@@ -8,6 +8,7 @@ use crate::output::{CancellableWriter, Existing, OutputError, write_atomically};
 use octray_engine::camera::{MAX_PIXELS, Tile};
 use octray_engine::film::Film;
 use octray_engine::scene::MAX_SIDE;
+use octray_engine::tone::Tone;
 use serde::{Deserialize, Serialize};
 use std::fs::File;
 use std::io::{self, BufReader, ErrorKind, Read, Write};
@@ -27,7 +28,8 @@ pub struct Header {
     /// What must be the same to go on.
     pub identity: Identity,
     /// How the picture is shown.
-    pub display: Display,
+    #[serde(with = "Display")]
+    pub display: Tone,
     /// Samples per pixel that the run was to take; with adaptive sampling the most.
     pub wanted: u32,
     /// Was the run's limit of samples or its target error reached?

@@ -4,6 +4,7 @@
 
 use super::super::error::SceneError;
 use super::super::json::{JsonPath, Source};
+use super::super::scalar::{Kind, Scalar};
 use super::bytes::{self, Buffer, broken};
 use gltf_json::Root;
 use gltf_json::accessor::sparse::Sparse;
@@ -119,7 +120,7 @@ impl<'a> Accessors<'a> {
         };
         let count = usize::try_from(accessor.count.0).map_err(|_| TOO_MANY)?;
         let length = self.take(count, components)?;
-        let layout = Layout { component: component.0, components, normalized: accessor.normalized };
+        let layout = Layout::new(component.0, components, accessor.normalized);
         let mut values = match accessor.buffer_view {
             Some(view) => {
                 self.elements(view.value(), accessor.byte_offset.unwrap_or_default().0, count, layout)?
@@ -131,7 +132,7 @@ impl<'a> Accessors<'a> {
             let count = usize::try_from(count.0).map_err(|_| TOO_MANY)?;
             self.take(count, components + 1)?;
             let Checked::Valid(component) = indices.component_type else { return Err(UNKNOWN_TYPE) };
-            let of_indices = Layout { component: component.0, components: 1, normalized: false };
+            let of_indices = Layout::new(component.0, 1, false);
             let indices =
                 self.elements(indices.buffer_view.value(), indices.byte_offset.0, count, of_indices)?;
             let replaced =
@@ -171,30 +172,30 @@ impl<'a> Accessors<'a> {
 /// How an element is stored.
 #[derive(Clone, Copy)]
 struct Layout {
-    component: ComponentType,
+    scalar: Scalar,
     components: usize,
     normalized: bool,
 }
 
 impl Layout {
+    fn new(component: ComponentType, components: usize, normalized: bool) -> Self {
+        let kind = match component {
+            ComponentType::I8 | ComponentType::I16 => Kind::Signed,
+            ComponentType::U8 | ComponentType::U16 | ComponentType::U32 => Kind::Unsigned,
+            ComponentType::F32 => Kind::Real,
+        };
+        Self { scalar: Scalar { kind, bytes: component.size() }, components, normalized }
+    }
     /// Bytes of an element.
     fn size(self) -> usize {
-        self.components * self.component.size()
+        self.components * self.scalar.bytes
     }
     /// Appends the components of an element.
     fn read(self, bytes: &[u8], values: &mut Vec<f64>) {
-        for bytes in bytes.chunks_exact(self.component.size()) {
-            let two = || [bytes[0], bytes[1]];
-            let four = || [bytes[0], bytes[1], bytes[2], bytes[3]];
-            let (value, largest) = match self.component {
-                ComponentType::I8 => (f64::from(bytes[0] as i8), 127.0),
-                ComponentType::U8 => (f64::from(bytes[0]), 255.0),
-                ComponentType::I16 => (f64::from(i16::from_le_bytes(two())), 32_767.0),
-                ComponentType::U16 => (f64::from(u16::from_le_bytes(two())), 65_535.0),
-                ComponentType::U32 => (f64::from(u32::from_le_bytes(four())), 4_294_967_295.0),
-                ComponentType::F32 => (f64::from(f32::from_le_bytes(four())), 1.0),
-            };
-            values.push(if self.normalized { (value / largest).max(-1.0) } else { value });
+        let components = bytes.chunks_exact(self.scalar.bytes).map(|bytes| self.scalar.read(bytes));
+        match self.normalized {
+            true => values.extend(components.map(|value| (value / self.scalar.largest()).max(-1.0))),
+            false => values.extend(components),
         }
     }
 }

@@ -7,6 +7,7 @@ use super::super::files::{Files, has_extension};
 use super::super::json::{JsonPath, Source};
 use gltf_json::Root;
 use gltf_json::buffer::View;
+use std::borrow::Cow;
 use std::collections::{HashMap, HashSet};
 use std::ops::Deref;
 use std::path::{Path, PathBuf};
@@ -100,7 +101,7 @@ pub fn buffers(
                     let mend = "put the file beside the model, or export the model as .glb";
                     place.key("uri").error(format!("cannot read a buffer: {reason}"), mend)
                 })?;
-                Rc::clone(read.entry(uri).or_insert(content.into()))
+                Rc::clone(read.entry(uri).or_insert(content.into_owned().into()))
             }
             (None, Some(binary)) if index == 0 => binary.into(),
             (None, _) => return Err(broken(&place, "a buffer without `uri` and without a binary part")),
@@ -124,14 +125,13 @@ pub fn view<'a>(view: &View, buffers: &'a [Buffer]) -> Option<&'a [u8]> {
 }
 
 /// The content that a URI names: a data URI, or a file beside the model.
-pub fn from_uri(uri: &str, model: &Path, files: &Files) -> Result<Vec<u8>, String> {
+pub fn from_uri(uri: &str, model: &Path, files: &Files) -> Result<Cow<'static, [u8]>, String> {
     if is_data(uri) {
         let data = uri.split_once(";base64,").and_then(|(_, data)| base64(data.as_bytes()));
-        return data.ok_or_else(|| "a data URI is not base64".to_string());
+        return data.map(Cow::Owned).ok_or_else(|| "a data URI is not base64".to_string());
     }
     let path = path(uri, model);
-    let content = files.read(&path).map_err(|reason| format!("{}: {reason}", path.display()))?;
-    Ok(content.into_owned())
+    files.read(&path).map_err(|reason| format!("{}: {reason}", path.display()))
 }
 
 /// The file that a URI names.

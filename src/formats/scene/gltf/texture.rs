@@ -15,6 +15,7 @@ use gltf_json::validation::Checked;
 use octray_engine::math::portable;
 use octray_engine::scene::{Filter, TexelKind, Texels};
 use serde_json::{Map, Value};
+use std::borrow::Cow;
 
 /// The transform of texture coordinates (`KHR_texture_transform`): scaled, rotated, offset.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -110,20 +111,21 @@ impl Images<'_> {
             return None;
         };
         let model = self.source.file;
+        let textures = &mut builder.textures;
         let loaded = match &image.uri {
             Some(uri) if slopes.is_none() && !bytes::is_data(uri) => {
-                let path = bytes::path(uri, model);
-                builder.textures.load(self.files, &path, &bytes::decoded(uri), filter, kind)
+                textures.load(self.files, &bytes::path(uri, model), &bytes::decoded(uri), filter, kind)
             }
             _ => {
                 let name = model.file_name().unwrap_or_default().to_string_lossy();
                 let scaled = slopes.map_or(String::new(), |scale| format!(", slopes times {scale}"));
-                let path = model.with_file_name(format!("{name} image {index}{scaled}"));
+                let name = format!("{name} image {index}{scaled}");
                 let change = |texels| match slopes {
                     Some(scale) => scale_slopes(&texels, scale),
                     None => texels,
                 };
-                builder.textures.load_embedded(|| self.content(image), &path, filter, kind, change)
+                let path = model.with_file_name(&name);
+                textures.load_from(|| self.content(image), change, &path, &name, filter, kind)
             }
         };
         if let Err(reason) = &loaded {
@@ -148,13 +150,13 @@ impl Images<'_> {
         }
     }
 
-    fn content(&self, image: &Image) -> Result<Vec<u8>, String> {
+    fn content(&self, image: &Image) -> Result<Cow<'static, [u8]>, String> {
         match (&image.uri, image.buffer_view) {
             (Some(uri), _) => bytes::from_uri(uri, self.source.file, self.files),
             (None, Some(view)) => {
                 let view = self.root.buffer_views.get(view.value());
                 let bytes = view.and_then(|view| bytes::view(view, self.buffers));
-                bytes.map(<[u8]>::to_vec).ok_or_else(|| "it reaches beyond its buffer".to_string())
+                bytes.map(|bytes| bytes.to_vec().into()).ok_or("it reaches beyond its buffer".to_string())
             }
             (None, None) => Err("it has no data".to_string()),
         }

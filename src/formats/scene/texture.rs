@@ -26,6 +26,8 @@ const LEAST_BYTES: usize = 1 << 10;
 /// The textures of one scene; each file is loaded once for each filter and kind of texels.
 #[derive(Default)]
 pub struct Textures {
+    /// Where they come from.
+    pub files: Files,
     pub list: Vec<Texture>,
     bytes: usize,
     known: HashMap<(PathBuf, Filter, TexelKind), u32>,
@@ -36,12 +38,12 @@ impl Textures {
     /// the user.
     pub fn load(
         &mut self,
-        files: &Files,
         path: &Path,
         name: &str,
         filter: Filter,
         texel_kind: TexelKind,
     ) -> Result<u32, String> {
+        let files = self.files.clone();
         self.load_from(|| files.read(path), |texels| texels, path, name, filter, texel_kind)
     }
     /// The same from an image file's content, of which `change` makes the texels that are kept. `path` names

@@ -30,19 +30,15 @@ pub struct Geometry {
 
 impl Geometry {
     /// Notes which of the vertices' attributes the material cannot use, and which it lacks.
-    pub fn note_unused(
-        &self,
-        material: u32,
-        place: &JsonPath,
-        builder: &mut SceneBuilder,
-        notes: &mut Notes,
-    ) {
+    pub fn note_unused(&self, material: u32, place: &JsonPath, builder: &mut SceneBuilder) {
         let is_textured = builder.materials[material as usize].textures().next().is_some();
         if is_textured && self.uvs.is_none() {
-            notes.add(place, "a textured mesh without its texture coordinates has one texel's colour");
+            builder
+                .notes
+                .add(place, "a textured mesh without its texture coordinates has one texel's colour");
         }
         if self.colors.is_some() && builder.colored(material).is_none() {
-            notes.add(place, "vertex colours are left out, as the material has textures");
+            builder.notes.add(place, "vertex colours are left out, as the material has textures");
         }
     }
     /// The number of corners.

@@ -79,7 +79,6 @@ impl<'a> Materials<'a> {
         primitive: &Primitive,
         place: &JsonPath,
         builder: &mut SceneBuilder,
-        notes: &mut Notes,
     ) -> Result<(u32, UvMap), SceneError> {
         let index = primitive.material.map(|index| index.value());
         if let Some(&known) = self.added.get(&index) {
@@ -90,7 +89,7 @@ impl<'a> Materials<'a> {
                 let material = plain(&MaterialFile::default(), "default".into());
                 (builder.add_material(material, 1.0), UvMap::default())
             }
-            Some((index, Some(file))) => self.add(index, file, builder, notes),
+            Some((index, Some(file))) => self.add(index, file, builder),
             Some((index, None)) => {
                 return Err(broken(&place.key("material"), format!("there is no material {index}")));
             }
@@ -99,17 +98,11 @@ impl<'a> Materials<'a> {
         Ok(added)
     }
 
-    fn add(
-        &self,
-        index: usize,
-        file: &MaterialFile,
-        builder: &mut SceneBuilder,
-        notes: &mut Notes,
-    ) -> (u32, UvMap) {
+    fn add(&self, index: usize, file: &MaterialFile, builder: &mut SceneBuilder) -> (u32, UvMap) {
         let list = self.images.source.root();
         let list = list.key("materials");
         let place = list.item(index);
-        note_ignored(file, &place, notes);
+        note_ignored(file, &place, &mut builder.notes);
         let name = file.name.clone().unwrap_or_else(|| format!("material {index}"));
         let mut material = plain(file, name);
         let references = references(file);
@@ -120,10 +113,10 @@ impl<'a> Materials<'a> {
             let place = place.key(key);
             if (reference.set, reference.map) != (first.set, first.map) {
                 let what = "a texture is left out: its coordinates are not those of the material's first one";
-                notes.add(&place, what);
+                builder.notes.add(&place, what);
                 return None;
             }
-            self.images.load(reference.texture, kind, slopes, &place, builder, notes)
+            self.images.load(reference.texture, kind, slopes, &place, builder)
         };
         // Glass is shown without its texture.
         let is_glass = matches!(material.kind, MaterialKind::Glass { .. });

@@ -31,7 +31,6 @@ use super::error::SceneError;
 use super::files::Files;
 use super::json::Source;
 use super::mesh::{Placement, Tally, Unusable};
-use super::notes::Notes;
 use accessor::Accessors;
 use geometry::{Geometry, Transform};
 use glam::DVec4;
@@ -79,17 +78,15 @@ impl Gltf {
     pub fn add(
         &self,
         path: &Path,
-        files: &Files,
         builder: &mut SceneBuilder,
         material: Option<u32>,
         placement: &Placement,
     ) -> Result<(), Unusable> {
         let source = &Source { file: path, text: &self.text };
         let (place, root, buffers) = (source.root(), &self.root, &self.buffers);
-        let mut notes = Notes::new(": ");
-        nodes::note_ignored(&place, root, &mut notes);
+        nodes::note_ignored(&place, root, &mut builder.notes);
         let mut accessors = Accessors::new(source, root, buffers);
-        let mut materials = Materials::new(Images { source, root, buffers, files });
+        let mut materials = Materials::new(Images { source, root, buffers });
         let mut meshes: HashMap<usize, Vec<((u32, UvMap), Geometry)>> = HashMap::new();
         let mut triangles = 0;
         for &(mesh, _) in &self.nodes.meshes {
@@ -102,13 +99,13 @@ impl Gltf {
                         let of_mesh = list.item(mesh);
                         let primitives = of_mesh.key("primitives");
                         let place = primitives.item(index);
-                        let read = geometry::read(&mut accessors, primitive, &place, &mut notes)?;
+                        let read = geometry::read(&mut accessors, primitive, &place, &mut builder.notes)?;
                         let Some(geometry) = read else { continue };
                         let own = match material {
                             Some(material) => (material, UvMap::default()),
                             None => {
-                                let own = materials.of(primitive, &place, builder, &mut notes)?;
-                                geometry.note_unused(own.0, &place, builder, &mut notes);
+                                let own = materials.of(primitive, &place, builder)?;
+                                geometry.note_unused(own.0, &place, builder);
                                 own
                             }
                         };
@@ -124,7 +121,7 @@ impl Gltf {
                 return Err(place.key("nodes").error(what, mend).into());
             }
         }
-        notes.warn(path, builder);
+        builder.warn_of_notes(path, ": ");
         builder.check_room(triangles).map_err(|error| error.in_file(path))?;
         let mut tally = Tally::default();
         for (mesh, transform) in &self.nodes.meshes {

@@ -83,7 +83,6 @@ pub struct Images<'a> {
     pub source: &'a Source<'a>,
     pub root: &'a Root,
     pub buffers: &'a [bytes::Buffer],
-    pub files: &'a Files,
 }
 
 impl Images<'_> {
@@ -96,25 +95,25 @@ impl Images<'_> {
         slopes: Option<f32>,
         place: &JsonPath,
         builder: &mut SceneBuilder,
-        notes: &mut Notes,
     ) -> Option<u32> {
         let Some(file) = self.root.textures.get(texture) else {
-            notes.add(place, format!("there is no texture {texture}"));
+            builder.notes.add(place, format!("there is no texture {texture}"));
             return None;
         };
         let root = self.source.root();
-        let filter = self.filter(file, notes);
+        let filter = self.filter(file, &mut builder.notes);
         let index = file.source.value();
         let Some(image) = self.root.images.get(index) else {
             let what = "a texture without a PNG or JPEG image is left out";
-            notes.add(&root.key("textures").item(texture), what);
+            builder.notes.add(&root.key("textures").item(texture), what);
             return None;
         };
         let model = self.source.file;
         let textures = &mut builder.textures;
+        let files = textures.files.clone();
         let loaded = match &image.uri {
             Some(uri) if slopes.is_none() && !bytes::is_data(uri) => {
-                textures.load(self.files, &bytes::path(uri, model), &bytes::decoded(uri), filter, kind)
+                textures.load(&bytes::path(uri, model), &bytes::decoded(uri), filter, kind)
             }
             _ => {
                 let name = model.file_name().unwrap_or_default().to_string_lossy();
@@ -125,11 +124,11 @@ impl Images<'_> {
                     None => texels,
                 };
                 let path = model.with_file_name(&name);
-                textures.load_from(|| self.content(image), change, &path, &name, filter, kind)
+                textures.load_from(|| self.content(image, &files), change, &path, &name, filter, kind)
             }
         };
         if let Err(reason) = &loaded {
-            notes.add(&root.key("images").item(index), format!("the image is left out: {reason}"));
+            builder.notes.add(&root.key("images").item(index), format!("the image is left out: {reason}"));
         }
         loaded.ok()
     }
@@ -150,9 +149,9 @@ impl Images<'_> {
         }
     }
 
-    fn content(&self, image: &Image) -> Result<Cow<'static, [u8]>, String> {
+    fn content(&self, image: &Image, files: &Files) -> Result<Cow<'static, [u8]>, String> {
         match (&image.uri, image.buffer_view) {
-            (Some(uri), _) => bytes::from_uri(uri, self.source.file, self.files),
+            (Some(uri), _) => bytes::from_uri(uri, self.source.file, files),
             (None, Some(view)) => {
                 let view = self.root.buffer_views.get(view.value());
                 let bytes = view.and_then(|view| bytes::view(view, self.buffers));

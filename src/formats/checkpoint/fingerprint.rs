@@ -146,7 +146,8 @@ mod tests {
         (scene.uvs, scene.normals) = (vec![[Vec2::ZERO; 3]], vec![[Vec3::Z; 3]]);
         let marks = |scene: &Scene| serde_json::to_value(Fingerprint::of(scene)).unwrap();
         let own = marks(&scene);
-        let changes: [(fn(&mut Scene), &str); 16] = [
+        type Change = fn(&mut Scene);
+        let changes: [(Change, &str); 16] = [
             (|scene| scene.name.push('x'), ""),
             (|scene| scene.resolution[0] += 1, ""),
             (|scene| scene.camera.position.x += 1e-3, "camera"),

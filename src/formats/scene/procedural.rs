@@ -17,10 +17,12 @@ use std::f64::consts::TAU;
 const FEWEST: usize = 2;
 const MOST: usize = 4_000_000;
 
-/// The names that take a number, as they follow `builtin:`, and what adds about that many pairs of triangles.
-const SHAPES: [(&str, fn(&mut SceneBuilder, usize) -> (Camera, Sky)); 2] =
-    [("terrain", terrain), ("knot", knot)];
+/// Adds about so many pairs of triangles.
+type Add = fn(&mut SceneBuilder, usize) -> (Camera, Sky);
 
+const SHAPES: [(&str, Add); 2] = [("terrain", terrain), ("knot", knot)];
+
+/// The names that take a number, as they follow `builtin:`.
 pub fn words() -> impl Iterator<Item = &'static str> {
     SHAPES.iter().map(|&(word, _)| word)
 }

@@ -3,10 +3,9 @@
 //! For: [`Accessors`], [`Numbers`].
 
 use super::super::error::SceneError;
-use super::super::json::{JsonPath, Source};
+use super::super::json::JsonPath;
 use super::super::scalar::{Kind, Scalar};
-use super::bytes::{self, Buffer, broken};
-use gltf_json::Root;
+use super::bytes::{self, Document, broken};
 use gltf_json::accessor::sparse::Sparse;
 use gltf_json::accessor::{Accessor, ComponentType, Type};
 use gltf_json::validation::Checked;
@@ -30,9 +29,7 @@ impl Numbers {
 
 /// A file's accessors, each read once.
 pub struct Accessors<'a> {
-    source: &'a Source<'a>,
-    root: &'a Root,
-    buffers: &'a [Buffer],
+    pub document: &'a Document<'a>,
     read: HashMap<usize, Rc<Numbers>>,
     /// Numbers that may still be read: more than a file with any use needs, so that accessors that overlap,
     /// or that have no data, cannot take more memory than the file's size accounts for.
@@ -46,12 +43,8 @@ const TOO_MANY: Fault = "the accessor has more elements than the file has bytes 
 const UNKNOWN_TYPE: Fault = "the accessor has an unknown type";
 
 impl<'a> Accessors<'a> {
-    pub fn new(source: &'a Source<'a>, root: &'a Root, buffers: &'a [Buffer]) -> Self {
-        let left = 1024 + 8 * bytes::total(buffers);
-        Self { source, root, buffers, read: HashMap::new(), left }
-    }
-    pub fn root(&self) -> &'a Root {
-        self.root
+    pub fn new(document: &'a Document<'a>) -> Self {
+        Self { document, read: HashMap::new(), left: 1024 + 8 * bytes::total(document.buffers) }
     }
 
     /// The values of a vertex attribute, which has one of these numbers of components.
@@ -87,12 +80,12 @@ impl<'a> Accessors<'a> {
         if let Some(known) = self.read.get(&index) {
             return Ok(Rc::clone(known));
         }
-        let Some(accessor) = self.root.accessors.get(index) else {
+        let Some(accessor) = self.document.root.accessors.get(index) else {
             return Err(broken(place, format!("there is no accessor {index}")));
         };
         let numbers = self
             .decode(accessor)
-            .map_err(|fault| broken(&self.source.root().key("accessors").item(index), fault))?;
+            .map_err(|fault| broken(&self.document.source.root().key("accessors").item(index), fault))?;
         let numbers = Rc::new(numbers);
         self.read.insert(index, Rc::clone(&numbers));
         Ok(numbers)
@@ -147,8 +140,7 @@ impl<'a> Accessors<'a> {
 
     /// Elements of a buffer view, from a byte of it on.
     fn elements(&self, view: usize, offset: u64, count: usize, layout: Layout) -> Result<Vec<f64>, Fault> {
-        let view = self.root.buffer_views.get(view).ok_or(OUTSIDE)?;
-        let bytes = bytes::view(view, self.buffers).ok_or(OUTSIDE)?;
+        let (view, bytes) = self.document.view(view).ok_or(OUTSIDE)?;
         let offset = usize::try_from(offset).map_err(|_| OUTSIDE)?;
         let bytes = bytes.get(offset..).ok_or(OUTSIDE)?;
         let size = layout.size();

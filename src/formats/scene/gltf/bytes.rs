@@ -1,6 +1,6 @@
 //! The bytes of a glTF file: its JSON and binary parts, its buffers, data URIs.
 //!
-//! For: [`split`], [`Buffer`], [`buffers`], [`view`], [`from_uri`], and the error [`broken`].
+//! For: [`split`], [`buffers`], [`Document`], [`from_uri`], and the error [`broken`].
 
 use super::super::error::SceneError;
 use super::super::files::{Files, has_extension};
@@ -116,12 +116,22 @@ pub fn buffers(
     Ok(buffers)
 }
 
-/// The bytes of a buffer view; `None` where it reaches beyond its buffer.
-pub fn view<'a>(view: &View, buffers: &'a [Buffer]) -> Option<&'a [u8]> {
-    let buffer = buffers.get(view.buffer.value())?;
-    let start = usize::try_from(view.byte_offset.unwrap_or_default().0).ok()?;
-    let length = usize::try_from(view.byte_length.0).ok()?;
-    buffer.get(start..)?.get(..length)
+/// A file's JSON and its buffers.
+pub struct Document<'a> {
+    pub source: Source<'a>,
+    pub root: &'a Root,
+    pub buffers: &'a [Buffer],
+}
+
+impl Document<'_> {
+    /// A buffer view and its bytes; `None` where it reaches beyond its buffer, or where there is none.
+    pub fn view(&self, index: usize) -> Option<(&View, &[u8])> {
+        let view = self.root.buffer_views.get(index)?;
+        let buffer = self.buffers.get(view.buffer.value())?;
+        let start = usize::try_from(view.byte_offset.unwrap_or_default().0).ok()?;
+        let length = usize::try_from(view.byte_length.0).ok()?;
+        Some((view, buffer.get(start..)?.get(..length)?))
+    }
 }
 
 /// The content that a URI names: a data URI, or a file beside the model.

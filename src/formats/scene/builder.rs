@@ -113,8 +113,8 @@ impl SceneBuilder {
         self.triangles.push(Triangle { vertices, material });
         true
     }
-    /// The variant of a material whose triangles have vertex colours; `None` where textures or emission already
-    /// take the texture's place.
+    /// The variant of a material whose triangles have vertex colours; `None` where textures or emission
+    /// already take the texture's place.
     pub fn colored(&mut self, material: u32) -> Option<u32> {
         if let Some(&known) = self.colors.materials.get(&material) {
             return Some(known);

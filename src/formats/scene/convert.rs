@@ -37,7 +37,7 @@ pub fn convert_model(model: &Path, scene: &Path) -> Result<Converted, SceneError
     let files = Files::beside(model);
     let content = files.read_named(model)?;
     let shown = model::scene(&content, model, &files, String::new())?;
-    let (models, folder) = (folder_of(model), folder_of(scene));
+    let [models, folder] = [model, scene].map(|path| path.parent().unwrap_or(Path::new("")));
     let mut pictures = Vec::new();
     let mut paths = Vec::new();
     for texture in &shown.textures {
@@ -57,10 +57,6 @@ pub fn convert_model(model: &Path, scene: &Path) -> Result<Converted, SceneError
         }
     }
     Ok(Converted { text: text(&shown, &paths), pictures, warnings: shown.warnings })
-}
-
-fn folder_of(path: &Path) -> &Path {
-    path.parent().unwrap_or(Path::new(""))
 }
 
 /// A texture as the content of an image file that reads back as the same texels, and the extension.

@@ -46,20 +46,19 @@ pub fn load(
     obj: &Path,
     builder: &mut SceneBuilder,
 ) -> Result<HashMap<String, u32>, SceneError> {
-    let folder = obj.parent().unwrap_or(Path::new(""));
     let mut numbers = HashMap::new();
     let mut seen = HashSet::new();
     // Each once, however often the model names it.
     for library in libraries.iter().filter(|library| seen.insert(*library)) {
         // One statement may name several libraries, or one whose name holds spaces.
         let whole = [library.as_str()];
-        let names = if builder.files().exists(&folder.join(library)) {
+        let names = if builder.files().exists(&obj.with_file_name(library)) {
             whole.to_vec()
         } else {
             library.split_whitespace().collect()
         };
         for name in names {
-            let path = folder.join(name);
+            let path = obj.with_file_name(name);
             match builder.files().read(&path) {
                 Ok(text) => {
                     let entries = parse(&text, &path, &mut builder.notes)?;
@@ -317,11 +316,10 @@ impl Entry {
         }
         let mut load = |image: Option<&String>, texel_kind| {
             let image = image?;
-            let folder = path.parent().unwrap_or(Path::new(""));
             let slashed = image.replace('\\', "/");
-            let spelt = if builder.files().exists(&folder.join(image)) { image } else { &slashed };
-            let shown = Path::new(library).parent().unwrap_or(Path::new("")).join(spelt);
-            let (file, shown) = (folder.join(spelt), shown.to_string_lossy());
+            let spelt = if builder.files().exists(&path.with_file_name(image)) { image } else { &slashed };
+            let (file, shown) = (path.with_file_name(spelt), Path::new(library).with_file_name(spelt));
+            let shown = shown.to_string_lossy();
             let loaded = builder.textures.load(&file, &shown, Filter::Bilinear, texel_kind);
             if let Err(reason) = &loaded {
                 let name = &self.name;

@@ -27,8 +27,8 @@ pub fn words() -> impl Iterator<Item = &'static str> {
     SHAPES.iter().map(|&(word, _)| word)
 }
 
-/// The scene of the shape that a name asks for: `None` if the name is not a shape's, an error if its number is
-/// missing or out of range.
+/// The scene of the shape that a name asks for: `None` if the name is not a shape's, an error if its number
+/// is missing or out of range.
 pub fn scene(name: &str) -> Result<Option<Scene>, SceneError> {
     let (word, count) = name.split_once(':').unwrap_or((name, ""));
     let Some(&(word, add)) = SHAPES.iter().find(|(known, _)| *known == word) else { return Ok(None) };

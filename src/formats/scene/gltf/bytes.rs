@@ -146,7 +146,7 @@ pub fn from_uri(uri: &str, model: &Path, files: &Files) -> Result<Cow<'static, [
 
 /// The file that a URI names.
 pub fn path(uri: &str, model: &Path) -> PathBuf {
-    model.parent().unwrap_or(Path::new("")).join(decoded(uri))
+    model.with_file_name(decoded(uri))
 }
 
 /// Whether a URI is content and not a name.

@@ -118,7 +118,7 @@ mod tests {
         let header = Header {
             name: scene.name.clone(),
             identity: Identity::new(&scene, &settings, None, Shard { number: 1, of: 1 }),
-            display: Tone::default().into(),
+            display: Tone::default(),
             wanted: 8,
             complete: false,
             rays: 0,

@@ -169,11 +169,15 @@ impl Rendering {
 
     /// What checkpoints say of this film.
     fn header(&self, job: &Job, scene: &Scene) -> Header {
-        let (target, shard) = (self.limits.target.as_ref(), job.shard.unwrap_or(Shard::WHOLE));
         Header {
             name: scene.name.clone(),
-            identity: Identity::new(scene, &self.settings, target, shard),
-            display: self.tone.into(),
+            identity: Identity::new(
+                scene,
+                &self.settings,
+                self.limits.target.as_ref(),
+                job.shard.unwrap_or(Shard::WHOLE),
+            ),
+            display: self.tone,
             wanted: self.limits.samples,
             complete: false,
             rays: 0,

@@ -224,25 +224,4 @@ mod tests {
             assert!(pixels.into_iter().eq(rows), "{size:?}");
         }
     }
-
-    #[test]
-    fn pixels_of_whole_tiles_and_blocks_stand_together() {
-        let pixels = pixels([40, 50]);
-        let span = |pixels: &[[u32; 2]], axis: usize| {
-            let values = || pixels.iter().map(|pixel| pixel[axis]);
-            (values().min().unwrap(), values().max().unwrap())
-        };
-        for tile in pixels[..2 * 3 * 256].chunks(256) {
-            for axis in 0..2 {
-                let (low, high) = span(tile, axis);
-                assert_eq!((low % 16, high), (0, low + 15));
-            }
-            for (packet, rows) in [(8, 2), (16, 4)] {
-                for packet in tile.chunks(packet) {
-                    let ((left, right), (top, bottom)) = (span(packet, 0), span(packet, 1));
-                    assert_eq!((left % 4, right, top % rows, bottom), (0, left + 3, 0, top + rows - 1));
-                }
-            }
-        }
-    }
 }

@@ -1,8 +1,7 @@
 //! Cameras: fields of view near 0° and 180°, and cameras inside objects.
 
-use super::methods::Method;
 use super::rays::ray;
-use super::recipe::{Bound, EPSILON, FAILED, FailureCounts, Recipe, trials};
+use super::recipe::{Bound, EPSILON, FAILED, FailureCounts, Recipe, compare};
 use super::rng::Rng;
 use super::scenes::{empty, put_box, seen, sphere};
 use crate::buffers::store_triangles;
@@ -30,16 +29,12 @@ pub(super) fn recipes() -> Vec<Recipe> {
             error: Some("pixels off"),
             source: "Shirley, Ray Tracing in One Weekend §12; half the picture's height is tan(fov / 2), a pixel's 1 / 135 of twice that",
             cases: 50_000,
-            methods: trials(
+            methods: compare(
                 views,
-                &[
-                    Method::other("corner-in-the-world", in_the_world),
-                    Method::other("f32", in_single),
-                    Method::default("corner-in-f64", pinhole),
-                ],
+                "corner-in-f64",
+                &[("corner-in-the-world", in_the_world), ("f32", in_single), ("corner-in-f64", pinhole)],
             ),
             bound: |degrees| Bound::error(8.0 * EPSILON * pixels_per_unit(degrees)),
-            ..Recipe::COMMON
         },
         Recipe {
             name: "cameras-inside",
@@ -49,12 +44,10 @@ pub(super) fn recipes() -> Vec<Recipe> {
             failure: "a camera ray hits nothing, or a hit that the f64 reference rejects",
             source: "from inside a closed object, every ray hits it",
             cases: 20_000,
-            methods: trials(
+            methods: compare(
                 inside,
-                &[
-                    Method::other("least-t-1e-4", beyond_least_t),
-                    Method::default("renderer", |scene| seen(scene, Methods::default(), 8)),
-                ],
+                "renderer",
+                &[("least-t-1e-4", beyond_least_t), ("renderer", |scene| seen(scene, Methods::default(), 8))],
             ),
             ..Recipe::COMMON
         },

@@ -59,6 +59,16 @@ pub(crate) fn trials<M: Copy + Send + Sync + 'static>(
     methods.iter().map(trial).collect()
 }
 
+/// The same for methods by name, one of them the default.
+pub(crate) fn compare<M: Copy + Send + Sync + 'static>(
+    case: fn(&mut Rng, f64, &mut FailureCounts, M),
+    default: &str,
+    methods: &[(&'static str, M)],
+) -> Vec<Method<Trial>> {
+    let method = |&(name, run): &(&'static str, M)| Method { name, default: name == default, run };
+    trials(case, &methods.iter().map(method).collect::<Vec<_>>())
+}
+
 /// Largest share of failures and error of a method.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Bound {

@@ -1,8 +1,7 @@
 //! Whole scenes: very different sizes in one scene, and coplanar surfaces.
 
-use super::methods::Method;
 use super::rays::ray;
-use super::recipe::{Bound, FailureCounts, Recipe, trials};
+use super::recipe::{Bound, FailureCounts, Recipe, compare};
 use super::rng::Rng;
 use super::spheres::{Ball, reference_t};
 use crate::buffers::store_triangles;
@@ -17,6 +16,8 @@ use glam::{DQuat, DVec3, Vec3};
 use std::f64::consts::TAU;
 
 pub(super) fn recipes() -> Vec<Recipe> {
+    let naive =
+        Methods { sphere: SphereChoice::Naive, traversal: TraversalChoice::Linear, ..Methods::default() };
     vec![
         Recipe {
             name: "scenes-mixed",
@@ -26,20 +27,7 @@ pub(super) fn recipes() -> Vec<Recipe> {
             failure: "the small ball is not hit where it is in front by a tenth of its radius",
             source: "errors grow with the largest object and hide the smallest",
             cases: 50_000,
-            methods: trials(
-                mixed,
-                &[
-                    Method::other(
-                        "naive",
-                        Methods {
-                            sphere: SphereChoice::Naive,
-                            traversal: TraversalChoice::Linear,
-                            ..Methods::default()
-                        },
-                    ),
-                    Method::default("robust", Methods::default()),
-                ],
-            ),
+            methods: compare(mixed, "robust", &[("naive", naive), ("robust", Methods::default())]),
             // The huge ball's surface is off along the ray by some ε of its radius: no promise above 1e5.
             bound: |ratio| if ratio <= 1e5 { Bound::NO_FAILURE } else { Bound::NONE },
             ..Recipe::COMMON
@@ -52,9 +40,10 @@ pub(super) fn recipes() -> Vec<Recipe> {
             failure: "the hit is not the one of lowest index among coincident triangles",
             source: "for equal t, the first or the last triangle tested wins, unless a rule decides",
             cases: 20_000,
-            methods: trials(
+            methods: compare(
                 coplanar,
-                &[Method::other("first-met", first_tested), Method::default("lower-index", renderer)],
+                "lower-index",
+                &[("first-met", first_tested), ("lower-index", renderer)],
             ),
             ..Recipe::COMMON
         },

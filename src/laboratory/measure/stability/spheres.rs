@@ -26,7 +26,8 @@ pub(super) fn recipes() -> Vec<Recipe> {
             error: Some("|Δt| / radius"),
             cases: 400_000,
             methods: trials(far, &sphere_methods!(intersect)),
-            // Within about ε D / 16 of the silhouette, rounding decides: 0.2 ε D of the disc at which rays aim.
+            // Within about ε D / 16 of the silhouette, rounding decides: 0.2 ε D of the disc at which rays
+            // aim.
             bound: |d| Bound { failures: 0.25 * EPSILON * d, p99: Some(4.0 * EPSILON * (d + 1.0)) },
             ..common()
         },

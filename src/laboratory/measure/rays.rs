@@ -7,7 +7,7 @@
 
 use super::quantiles::{Quantiles, Rounds};
 use super::ray_sets::{Answers, Kind, Prepared, RaySet, pixels};
-use super::stats::RayStats;
+use super::stats::{RayStats, TestStats};
 use super::trace::{PreparedScene, TraceMethod, TracePool};
 use crate::bvh::Trees;
 use crate::camera::Pinhole;
@@ -178,17 +178,13 @@ impl Run<'_> {
             start.elapsed().as_secs_f64()
         });
         self.hits = answers.count();
-        let both = |ray| [nearest, answers].map(|answers| Answer::from(answers.get(ray)));
-        let disagree = |&ray: &usize| {
-            let [expected, found] = both(ray);
-            !expected.agrees(&found, set.kind)
+        let disagreement = |ray| {
+            let [expected, found] = [nearest, answers].map(|answers| Answer::from(answers.get(ray)));
+            (!expected.agrees(&found, set.kind)).then_some(Disagreement { ray, expected, found })
         };
-        let mut wrong = (0..set.len()).filter(disagree).peekable();
-        if let (None, Some(&ray)) = (&self.first, wrong.peek()) {
-            let [expected, found] = both(ray);
-            self.first = Some(Disagreement { ray, expected, found });
-        }
-        self.disagreements = self.disagreements.max(wrong.count());
+        let wrong: Vec<Disagreement> = (0..set.len()).filter_map(disagreement).collect();
+        self.disagreements = self.disagreements.max(wrong.len());
+        self.first = self.first.take().or(wrong.into_iter().next());
         seconds
     }
 }
@@ -249,11 +245,17 @@ pub fn measure(
     runs.into_iter().map(|run| measurement(set, run)).collect()
 }
 
-/// Counts the tests of these methods for one kind of rays, which each traces once on one thread, untimed.
-/// Methods that do not apply to the kind are left out.
+/// Counts the tests of these methods for one kind of rays, which each traces once on one thread, untimed: the
+/// counts do not depend on the number of threads. Methods that do not apply to the kind are left out.
 pub fn count(prepared_scene: &PreparedScene, rays: &Prepared, methods: &[TraceMethod]) -> Vec<RayStats> {
-    let methods = methods.iter().filter(|&&method| applies(method, rays.set.kind));
-    methods.map(|&method| RayStats::count(prepared_scene, method, &rays.set)).collect()
+    let Prepared { set, .. } = rays;
+    let methods = methods.iter().filter(|&&method| applies(method, set.kind));
+    let count = |&method: &TraceMethod| {
+        let rays = set.len() as u64;
+        let tests = TestStats::of(&prepared_scene.count(method, set), rays);
+        RayStats { kind: set.kind, traversal: method.name(), rays, tests }
+    };
+    methods.map(count).collect()
 }
 
 fn measurement(set: &RaySet, run: Run) -> Measurement {

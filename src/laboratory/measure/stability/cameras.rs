@@ -4,11 +4,12 @@ use super::rays::ray;
 use super::recipe::{Bound, EPSILON, FAILED, FailureCounts, Recipe, compare};
 use super::rng::Rng;
 use super::scenes::{empty, put_box, seen, sphere};
-use crate::buffers::store_triangles;
+use super::spheres::{self, Ball};
+use super::triangles;
 use crate::camera::Pinhole;
-use crate::kernel::ray_sphere::{Robust, SphereMethod};
-use crate::kernel::ray_triangle::{TriangleMethod, Woop};
-use crate::math::{MISS, Vec3};
+use crate::kernel::ray_sphere::Robust;
+use crate::kernel::ray_triangle::Woop;
+use crate::math::MISS;
 use crate::reference::{Reference, Verdict};
 use crate::render::PrimaryHit;
 use crate::scene::{Camera, Scene};
@@ -126,21 +127,18 @@ fn views(rng: &mut Rng, degrees: f64, counts: &mut FailureCounts, view: View) {
 
 /// The same rays with a constant least t of 1e-4, a common way to avoid self-intersection.
 fn beyond_least_t(scene: &Scene) -> Vec<PrimaryHit> {
-    let stored = store_triangles::<Woop>(scene);
     let nearest = |hit: PrimaryHit| {
         let ray = ray(hit.origin.into(), hit.direction.into());
-        let (on_sphere, on_triangle) = (Robust::prepare::<f32>(&ray), Woop::prepare::<f32>(&ray));
         let spheres = scene.spheres.iter().map(|sphere| {
-            let radius2 = sphere.radius * sphere.radius;
-            Robust::test(&on_sphere, Vec3::splat(sphere.center), radius2, f32::INFINITY)
+            let ball = Ball { center: sphere.center, radius: sphere.radius };
+            spheres::intersect::<Robust>(ball, &ray, f32::INFINITY)
         });
-        let triangles = stored.iter().map(|triangle| {
-            let found = Woop::test(&on_triangle, triangle, f32::INFINITY);
-            (found.mask, found.t)
+        let triangles = scene.triangles.iter().map(|triangle| {
+            triangles::intersect::<Woop>(triangle.vertices, &ray, f32::INFINITY).map(|[t, ..]| t)
         });
-        let found = spheres.chain(triangles).zip(0..).filter(|((hit, t), _)| *hit && *t > 1e-4);
-        let nearest = found.min_by(|((_, a), _), ((_, b), _)| a.total_cmp(b));
-        let ((_, t), primitive) = nearest.unwrap_or(((false, f32::INFINITY), MISS));
+        let hits = spheres.chain(triangles).zip(0..).filter_map(|(t, primitive)| Some((t?, primitive)));
+        let nearest = hits.filter(|(t, _)| *t > 1e-4).min_by(|(a, _), (b, _)| a.total_cmp(b));
+        let (t, primitive) = nearest.unwrap_or((f32::INFINITY, MISS));
         PrimaryHit { t, primitive, ..hit }
     };
     seen(scene, Methods::default(), 8).into_iter().map(nearest).collect()

@@ -4,8 +4,8 @@ use super::rays::ray;
 use super::recipe::{Bound, FailureCounts, Recipe, compare};
 use super::rng::Rng;
 use super::spheres::{Ball, reference_t};
-use crate::buffers::store_triangles;
-use crate::kernel::ray_triangle::{TriangleMethod, Woop};
+use super::triangles;
+use crate::kernel::ray_triangle::Woop;
 use crate::lane::WIDTHS;
 use crate::math::MISS;
 use crate::render::{PrimaryHit, Renderer, Settings};
@@ -151,14 +151,13 @@ fn coplanar(rng: &mut Rng, copies: f64, counts: &mut FailureCounts, find: Find) 
 fn first_tested(rng: &mut Rng, scene: &Scene, rays: &[PrimaryHit]) -> Vec<u32> {
     let mut order: Vec<usize> = (0..scene.triangles.len()).collect();
     shuffle(&mut order, rng);
-    let stored = store_triangles::<Woop>(scene);
     let answer = |hit: &PrimaryHit| {
-        let prepared = Woop::prepare::<f32>(&ray(hit.origin.into(), hit.direction.into()));
+        let ray = ray(hit.origin.into(), hit.direction.into());
         let (mut nearest, mut primitive) = (f32::INFINITY, MISS);
         for &index in &order {
-            let found = Woop::test(&prepared, &stored[index], f32::INFINITY);
-            if found.mask && found.t < nearest {
-                (nearest, primitive) = (found.t, index as u32);
+            let found = triangles::intersect::<Woop>(scene.triangles[index].vertices, &ray, f32::INFINITY);
+            if let Some([t, ..]) = found.filter(|&[t, ..]| t < nearest) {
+                (nearest, primitive) = (t, index as u32);
             }
         }
         primitive

@@ -15,13 +15,13 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     const COUNT: usize = 1_000;
     let x: Vec<f32> = (0..COUNT).map(|i| i as f32 / COUNT as f32 * 4.0 - 2.0).collect();
     let [zero, up, down] = [0.0, 5.0, -1.0].map(|value| vec![value; COUNT]);
-    let rays = Rays { origin: [&x, &up, &zero], direction: [&zero, &down, &zero] };
+    let rays = Rays::new([&x, &up, &zero], [&zero, &down, &zero]);
 
     // `t` begins as the largest distance of interest, `primitive` as a miss.
     let (mut t, mut primitive) = (vec![f32::INFINITY; COUNT], vec![MISS; COUNT]);
     let (mut u, mut v) = (vec![0.0; COUNT], vec![0.0; COUNT]);
     let mut hits = Hits { t: &mut t, primitive: &mut primitive, u: &mut u, v: &mut v };
-    Tracer::new().trace::<false>(Traversal::default(), &hierarchy, &rays, &mut hits);
+    Tracer::new().trace::<false>(Traversal::default(), &hierarchy, &rays, &mut hits, None);
 
     let found = primitive.iter().filter(|&&primitive| primitive != MISS).count();
     let highest = t.iter().fold(f32::INFINITY, |nearest, &t| nearest.min(t));

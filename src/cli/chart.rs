@@ -1,25 +1,25 @@
 //! `octray chart`: speed against accuracy.
 
-use super::error::{CHECK_FAILED, CliError};
+use super::error::{CliError, checked};
 use super::ground_truth;
-use super::interrupt;
-use super::options::ChartOptions;
-use super::progress::Countdown;
+use super::interrupt::LastNote;
+use super::numbers::{seconds, size, whole};
+use super::progress;
 use super::scenes;
-use super::terminal;
+use super::terminal::{self, Printer};
 use crate::machine::{self, Machine};
 use crate::measure::chart::ground_truth::SHRINK;
-use crate::measure::chart::pictures::Line;
+use crate::measure::chart::pictures::{Line, SEEDS};
 use crate::measure::chart::{Plan, kernels};
 use crate::output;
 use crate::report::chart::{Chart, SCHEMA, drawings};
 use crate::report::chart_text::{text, warnings};
 use crate::report::page::page;
-use crate::report::tables;
-use std::path::Path;
+use crate::report::tables::tables;
+use crate::scene::MAX_BOUNCES;
+use crate::wording::counted;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
 /// The intersection methods are timed for this share of the budget, at most so long.
@@ -29,9 +29,66 @@ const KERNELS_MOST: Duration = Duration::from_secs(10);
 const WRITING: Duration = Duration::from_millis(500);
 /// The budget of each scene without `--budget`.
 const A_SCENE: Duration = Duration::from_secs(20);
+/// Most seeds.
+const MAX_SEEDS: u32 = 1_000;
+
+/// Chart speed against accuracy.
+///
+/// Five charts: intersection methods (cost of a test beside failures and errors, at the widest vector of the
+/// machine and scalar), pictures (error against time for every configuration, from one sample per pixel on,
+/// with the Pareto front as one line), frames (the error of a window's accumulated picture after a short
+/// time), display (one picture unfiltered, blurred, with FXAA, and denoised), and motion (frames of a moving
+/// camera with one sample per pixel, unfiltered, reprojected, and also denoised). Errors are measured against
+/// a ground truth that is rendered first, with other random numbers, and cached in the folder for the next
+/// run; those in motion against ground truths of their own.
+///
+/// Times in drawings are multiples of the default's, so that charts of different machines can be compared;
+/// seconds are in the tables. A plane has at most six lines; more are spread over several.
+///
+/// Writes report.html (one page that needs no other file), an .svg for each figure, .csv tables and
+/// chart.json. Exits with 1 if a configuration that must give the default's picture, bit by bit, gives
+/// another.
+#[derive(Debug, clap::Parser)]
+#[command(after_help = "Example:\n  octray chart builtin:three builtin:cornell -o charts --budget 60")]
+pub struct Options {
+    /// Scene files, models, or builtin:NAME; the built-in scenes if none is given.
+    #[arg(value_name = "SCENE")]
+    scenes: Vec<String>,
+    /// The folder for all files; created if it does not exist.
+    #[arg(short, long, value_name = "DIR")]
+    output: PathBuf,
+    /// Also print the figures as JSON (schema octray-chart-1).
+    #[arg(long)]
+    json: bool,
+    /// Time for the whole run: a longer one has more samples, narrower bands and a better ground truth
+    /// [default: 20 for each scene].
+    #[arg(long, value_name = "SECONDS", value_parser = seconds, allow_hyphen_values = true)]
+    budget: Option<Duration>,
+    /// Pixels of a frame; multiples of 3, because the pictures of the pictures chart have a third of its
+    /// width and height.
+    #[arg(long, value_name = "WxH", default_value = "240x135", value_parser = chart_size, allow_hyphen_values = true)]
+    size: [u32; 2],
+    /// Most scattering events on a path.
+    #[arg(long, value_name = "N", default_value = "4", value_parser = whole::<0, MAX_BOUNCES>, allow_hyphen_values = true)]
+    bounces: u32,
+    /// Random seeds behind every median: 8 or more.
+    #[arg(long, value_name = "N", default_value = "8", value_parser = whole::<SEEDS, MAX_SEEDS>, allow_hyphen_values = true)]
+    seeds: u32,
+}
+
+fn chart_size(text: &str) -> Result<[u32; 2], String> {
+    let size = size(text)?;
+    let [width, height] = size.map(|side| side.next_multiple_of(SHRINK));
+    if size != [width, height] {
+        return Err(format!(
+            "pictures have a third of its width and height: give multiples of 3, such as {width}x{height}"
+        ));
+    }
+    Ok(size)
+}
 
 /// Runs the command.
-pub fn run(options: ChartOptions) -> Result<ExitCode, CliError> {
+pub fn run(options: Options) -> Result<ExitCode, CliError> {
     let start = Instant::now();
     terminal::warn_of_debug_build("chart");
     let names = scenes::checked(&options.scenes)?;
@@ -40,12 +97,11 @@ pub fn run(options: ChartOptions) -> Result<ExitCode, CliError> {
     let mut first = names.first().map(|name| scenes::load(name)).transpose()?;
     let budget = options.budget.unwrap_or(A_SCENE * names.len() as u32);
     output::make_folder(&options.output)?;
-    let countdown = Countdown::new(start, budget);
-    let truths = Arc::new(AtomicUsize::new(0));
-    let (kept, folder) = (truths.clone(), options.output.clone());
-    interrupt::end_with(move || interrupted(kept.load(Ordering::SeqCst), &folder));
+    let bar = progress::countdown(start, budget);
+    let nothing = format!("Ctrl-C: nothing was drawn in `{}`.", options.output.display());
+    let on_ctrl_c = LastNote::listen(&nothing);
 
-    countdown.step("intersection methods");
+    bar.set_message("intersection methods");
     let kernels = kernels::measure(start + budget.mul_f64(KERNELS_SHARE).min(KERNELS_MOST));
     let mut chart = Chart {
         schema: SCHEMA,
@@ -59,7 +115,7 @@ pub fn run(options: ChartOptions) -> Result<ExitCode, CliError> {
     };
     for (number, name) in names.iter().enumerate() {
         let scene = first.take().map_or_else(|| scenes::load(name), Ok)?;
-        scene.warnings.iter().for_each(|warning| countdown.above(|| terminal::warn(warning)));
+        scene.warnings.iter().for_each(|warning| bar.suspend(|| terminal::warn(warning)));
         let left = (start + budget).saturating_duration_since(Instant::now() + WRITING);
         let plan = Plan {
             size: options.size.map(|side| side / SHRINK),
@@ -70,7 +126,8 @@ pub fn run(options: ChartOptions) -> Result<ExitCode, CliError> {
             time: left / (names.len() - number) as u32,
             budget: budget / names.len() as u32,
         };
-        countdown.step(&format!("{}: ground truth", scene.name));
+        let step = |what: &str| bar.set_message(format!("{}: {what}", scene.name));
+        step("ground truth");
         let place = ground_truth::place(&options.output, &scene, options.size, options.bounces);
         let kept = ground_truth::load(&place, options.size);
         let truth = match kept.filter(|truth| plan.accepts(&truth.info)) {
@@ -81,55 +138,34 @@ pub fn run(options: ChartOptions) -> Result<ExitCode, CliError> {
                 truth
             }
         };
-        truths.fetch_add(1, Ordering::SeqCst);
-        let step = |what: &str| countdown.step(&format!("{}: {what}", scene.name));
+        let truths = counted(number + 1, "ground truth", "ground truths");
+        on_ctrl_c.set(format!("{nothing} It keeps {truths} for the next run."));
         let mut charted = plan.chart(&scene, &truth, &step);
         // The name on the command line: files in different folders may share a file name.
         charted.scene = name.clone();
         chart.scenes.push(charted);
     }
-    countdown.step("drawing");
+    bar.set_message("drawing");
     chart.seconds = start.elapsed().as_secs_f64();
     write(&options.output, &chart)?;
-    countdown.end();
+    bar.finish_and_clear();
 
-    if options.json {
-        terminal::print_json(&chart)?;
-    } else {
-        terminal::print(&text(&chart, &options.output))?;
-    }
-    for sentence in warnings(&chart) {
-        terminal::warn(&sentence);
-    }
-    let broken = chart.scenes.iter().flat_map(|scene| &scene.pictures).any(Line::is_broken);
-    Ok(if broken { ExitCode::from(CHECK_FAILED) } else { ExitCode::SUCCESS })
-}
-
-/// What is left of a run that ends before its chart is drawn.
-fn interrupted(truths: usize, folder: &Path) -> String {
-    let folder = folder.display();
-    match truths {
-        0 => format!("Ctrl-C: nothing was drawn in `{folder}`."),
-        1 => format!(
-            "Ctrl-C: nothing was drawn in `{folder}`. It keeps a ground truth, which the next run takes."
-        ),
-        _ => format!(
-            "Ctrl-C: nothing was drawn in `{folder}`. It keeps {truths} ground truths, which the next run takes."
-        ),
-    }
+    let out = Printer { json: options.json };
+    out.text(&text(&chart, &options.output))?;
+    out.report(&chart)?;
+    warnings(&chart).iter().for_each(|sentence| terminal::warn(sentence));
+    Ok(checked(chart.scenes.iter().flat_map(|scene| &scene.pictures).any(Line::is_broken)))
 }
 
 /// The page, its drawings and its tables.
 fn write(folder: &Path, chart: &Chart) -> Result<(), CliError> {
-    let save = |name: String, text: &str| output::save_text(&folder.join(name), text);
+    let save = |name: &str, text: String| output::save_text(&folder.join(name), &text);
     for drawing in drawings(chart) {
-        save(format!("{}.svg", drawing.name), &drawing.svg())?;
+        save(&format!("{}.svg", drawing.name), drawing.svg)?;
     }
-    save("pictures.csv".into(), &tables::pictures(chart))?;
-    save("frames.csv".into(), &tables::frames(chart))?;
-    save("display.csv".into(), &tables::display(chart))?;
-    save("motion.csv".into(), &tables::motion(chart))?;
-    save("kernels.csv".into(), &tables::kernels(chart))?;
+    for (name, text) in tables(chart) {
+        save(&name, text)?;
+    }
     output::save_json(&folder.join("chart.json"), chart)?;
-    Ok(save("report.html".into(), &page(chart))?)
+    Ok(save("report.html", page(chart))?)
 }

@@ -1,10 +1,9 @@
 //! `--checkpoint`: saves the film every few seconds and resumes from it.
 //!
-//! For: [`CheckpointWriter`], [`resume`].
+//! For: [`CheckpointWriter`].
 
-use super::error::{CliError, describe};
+use super::error::{CliError, describe, refuse};
 use super::interrupt::Interrupt;
-use super::numbers::refuse;
 use super::terminal;
 use crate::checkpoint::{self, Checkpoint, CheckpointError, Header};
 use crate::film::Film;
@@ -17,26 +16,6 @@ use std::time::{Duration, Instant};
 const INTERVAL: Duration = Duration::from_secs(5);
 /// So many times as long as it took to save the last one: saving takes at most a fiftieth of the time.
 const SAVINGS: u32 = 50;
-
-/// Fills the film from a checkpoint, if the file is there. Returns the goals of the round in which it was
-/// saved, by tile number. `header` is what this run would write.
-pub fn resume(file: &Path, header: &Header, film: &mut Film) -> Result<Vec<u32>, CliError> {
-    let Some(checkpoint) = Checkpoint::open(file)? else { return Ok(Vec::new()) };
-    let differences = checkpoint.header.identity.differences(&header.identity);
-    if !differences.is_empty() {
-        return Err(CheckpointError::Differs { path: file.to_owned(), differences }.into());
-    }
-    let goals = checkpoint.fill(film)?;
-    let (most, wanted) = (film.most_samples(), header.wanted);
-    if most > wanted {
-        let why = format!(
-            "the checkpoint `{}` has {most} samples of some pixels: give {most} or more, or another file",
-            file.display()
-        );
-        return Err(refuse("--samples", &grouped(wanted), why));
-    }
-    Ok(goals)
-}
 
 /// Saves the film of a rendering while it grows, and at its end.
 pub struct CheckpointWriter {
@@ -53,16 +32,32 @@ pub struct CheckpointWriter {
 }
 
 impl CheckpointWriter {
-    /// `saved` are the pixel samples that the file holds already.
-    pub fn new(
-        file: PathBuf,
+    /// Fills the film from the file, if it is there. Returns with it the goals of the round in which it was
+    /// saved, by tile number. `header` is what this run will write.
+    pub fn resume(
+        file: &Path,
         header: Header,
         interval: Option<Duration>,
-        saved: u64,
         interrupt: &Interrupt,
-    ) -> Self {
+        film: &mut Film,
+    ) -> Result<(Self, Vec<u32>), CliError> {
+        let mut goals = Vec::new();
+        if let Some(checkpoint) = Checkpoint::open(file)? {
+            let differences = checkpoint.header.identity.differences(&header.identity);
+            if !differences.is_empty() {
+                return Err(CheckpointError::Differs { path: file.to_owned(), differences }.into());
+            }
+            goals = checkpoint.fill(film)?;
+        }
+        let (most, wanted) = (film.most_samples(), header.wanted);
+        if most > wanted {
+            let has = format!("the checkpoint `{}` has {most} samples of some pixels", file.display());
+            let instead = format!("{has}: give {most} or more, or another file");
+            return Err(refuse("--samples", grouped(wanted), instead));
+        }
+        let (file, interrupt, saved) = (file.to_owned(), interrupt.clone(), film.pixel_samples());
         let due = Instant::now() + interval.unwrap_or(INTERVAL);
-        Self { file, header, interval, due, saved, interrupt: interrupt.clone(), warned: false }
+        Ok((Self { file, header, interval, due, saved, interrupt, warned: false }, goals))
     }
 
     /// When the film is to be saved next.
@@ -131,8 +126,9 @@ mod tests {
         };
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("c.part");
-        let interrupt = Interrupt::default();
-        let mut writer = CheckpointWriter::new(file.clone(), header, Some(Duration::ZERO), 0, &interrupt);
+        let (interval, interrupt) = (Some(Duration::ZERO), Interrupt::default());
+        let resumed = CheckpointWriter::resume(&file, header, interval, &interrupt, &mut film);
+        let mut writer = resumed.unwrap().0;
         assert!(!writer.is_due(&film), "nothing is done");
         for _ in 0..2 {
             renderer.add_samples(&mut film, 1);

@@ -1,16 +1,15 @@
 //! Errors of commands, and exit codes.
 //!
-//! For: [`CliError`], whose messages say what is wrong, where, and how to mend it.
+//! For: [`CliError`], whose messages say what is wrong, where, and how to mend it; [`refuse`].
 
 use crate::checkpoint::CheckpointError;
 use crate::output::OutputError;
 use crate::scene::SceneError;
 use std::error::Error;
+use std::fmt::Display;
 use std::io;
-use std::path::PathBuf;
+use std::process::ExitCode;
 
-/// Exit code of a failed check: pictures that differ, for example.
-pub const CHECK_FAILED: u8 = 1;
 /// Exit code where the input cannot be used: arguments, a scene, an output file, the machine.
 pub const BAD_INPUT: u8 = 2;
 /// Exit code after Ctrl-C.
@@ -18,6 +17,11 @@ pub const INTERRUPTED: u8 = 130;
 
 /// How to build for the machine at hand, from a checkout or from a registry.
 pub const REBUILD: &str = env!("OCTRAY_REBUILD");
+
+/// The exit code of a check: 1 if it failed, because pictures differ, for example.
+pub fn checked(failed: bool) -> ExitCode {
+    if failed { ExitCode::FAILURE } else { ExitCode::SUCCESS }
+}
 
 /// An error and its causes, a line each.
 pub fn describe(error: &dyn Error) -> String {
@@ -33,12 +37,9 @@ pub fn describe(error: &dyn Error) -> String {
 /// Why a command failed.
 #[derive(Debug, thiserror::Error)]
 pub enum CliError {
-    /// An argument's value cannot be used.
-    #[error("{option} {value}: {why}")]
-    Value { option: &'static str, value: String, why: String },
-    /// The name of a file cannot be used.
-    #[error("`{}` {what}\n  {mend}", .file.display())]
-    Name { file: PathBuf, what: &'static str, mend: String },
+    /// Arguments, or the machine, cannot be used.
+    #[error("{0}")]
+    Input(String),
     #[error(transparent)]
     Scene(#[from] SceneError),
     #[error(transparent)]
@@ -48,23 +49,14 @@ pub enum CliError {
     #[cfg(feature = "window")]
     #[error(transparent)]
     Window(#[from] crate::viewer::WindowError),
-    /// There is nothing to show.
-    #[cfg(feature = "viewer")]
-    #[error("{what}\n  {mend}")]
-    Nothing { what: String, mend: &'static str },
     #[cfg(feature = "viewer")]
     #[error("cannot draw in this terminal")]
     Terminal(#[source] io::Error),
     #[error("cannot write to standard output")]
     Stdout(#[source] io::Error),
-    #[error(
-        "{takes}, and {available} are available\n  give a smaller one, such as --size {}x{}, or end other programs",
-        .fits[0], .fits[1]
-    )]
-    Memory { takes: String, available: String, fits: [u32; 2] },
-    #[error(
-        "this octray was compiled for instructions that this machine does not have: {}\n  rebuild it here: {}",
-        .missing.join(", "), REBUILD
-    )]
-    Machine { missing: Vec<&'static str> },
+}
+
+/// The error for an option's value that cannot be used, with what to give instead.
+pub fn refuse(option: &str, value: impl Display, instead: impl Display) -> CliError {
+    CliError::Input(format!("{option} {value}: {instead}"))
 }

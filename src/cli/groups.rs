@@ -1,21 +1,30 @@
-//! Groups of arguments that several commands share, and how a choice is read.
+//! The options of methods, which several commands share, and value parsers of choices.
 //!
-//! For: [`MethodArgs`], [`PictureArgs`], [`LimitArgs`], [`choice`]. Numbers stay text here and `numbers`
-//! reads them, so that every refusal has the same form.
+//! For: [`MethodArgs`], [`choice`], [`lanes`].
 
 use crate::buffers::LightChoice;
 use crate::choice::Choice;
-use crate::render::{LaneChoice, PipelineChoice};
+use crate::lane::WIDTHS;
+use crate::render::LaneChoice;
 use crate::sampling::Sampler;
-use crate::tone::Operator;
 use crate::traverse::{BoxChoice, SphereChoice, TraversalChoice, TriangleChoice};
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+
+/// The help of an argument that is a scene.
+pub const SCENE: &str = "A scene file (.json), a model (.obj, .gltf, .glb, .ply), or builtin:NAME";
 
 /// Reads the name of a choice; help and errors list all names.
 pub fn choice<C: Choice>() -> impl TypedValueParser<Value = C> {
     let value = |choice: &C| PossibleValue::new(choice.name()).help(choice.about());
     PossibleValuesParser::new(C::all().iter().map(value))
         .map(|name| C::from_name(&name).expect("the parser accepts the names of choices alone"))
+}
+
+/// Reads a width that this build has.
+pub fn lanes() -> impl TypedValueParser<Value = LaneChoice> {
+    let instead = "this octray was built for processors without AVX-512: give auto, 1 or 8";
+    let is_built = |choice: LaneChoice| WIDTHS.contains(&choice.lanes());
+    choice::<LaneChoice>().try_map(move |choice| is_built(choice).then_some(choice).ok_or(instead))
 }
 
 /// The methods of a rendering.
@@ -51,65 +60,11 @@ pub struct MethodArgs {
     pub sampler: Option<Sampler>,
 }
 
-/// How a picture is made: shared by `render` and `view`.
-#[derive(Debug, clap::Args)]
-pub struct PictureArgs {
-    /// Pixels of the picture [default: the scene's].
-    #[arg(long, value_name = "WxH", allow_hyphen_values = true)]
-    pub size: Option<String>,
-    /// Most scattering events on a path; 0 shows only emission [default: the scene's].
-    #[arg(long, value_name = "N", allow_hyphen_values = true)]
-    pub bounces: Option<String>,
-    /// Seed of the random numbers: the same seed gives the same picture, bit by bit [default: 0].
-    #[arg(long, value_name = "N", allow_hyphen_values = true)]
-    pub seed: Option<String>,
-    /// Worker threads; they do not change the picture [default: all cores].
-    #[arg(long, value_name = "N", allow_hyphen_values = true)]
-    pub threads: Option<String>,
-    /// Rays traced at a time; they do not change the picture [default: auto].
-    #[arg(long, value_name = "LANES", value_parser = choice::<LaneChoice>())]
-    pub lanes: Option<LaneChoice>,
-    /// Largest radiance of a sample in each channel. It removes fireflies and their light: the picture is
-    /// biased, darker by the light that is cut off [default: no limit].
-    #[arg(long, value_name = "MOST", allow_hyphen_values = true)]
-    pub clamp: Option<String>,
-    /// Brighten (above 0) or darken (below 0) the displayed picture, .png and .jpg included, by so many stops
-    /// of a factor of two [default: 0].
-    #[arg(long, value_name = "STOPS", allow_hyphen_values = true)]
-    pub exposure: Option<String>,
-    /// Tone mapping of the displayed picture, .png and .jpg included [default: clamp].
-    #[arg(long, value_name = "OPERATOR", value_parser = choice::<Operator>())]
-    pub tone: Option<Operator>,
-    #[command(flatten)]
-    pub methods: MethodArgs,
-    /// Features that the pipeline is compiled for; it does not change the picture [default: needed].
-    #[arg(long, value_name = "PIPELINE", value_parser = choice::<PipelineChoice>())]
-    pub pipeline: Option<PipelineChoice>,
-}
-
-/// When a rendering ends.
-#[derive(Debug, clap::Args)]
-pub struct LimitArgs {
-    /// Samples per pixel: four times as many halve the noise [default: 64; with --target-error at most 16384;
-    /// with --time-limit as many as fit].
-    #[arg(long, visible_alias = "spp", value_name = "N", allow_hyphen_values = true)]
-    pub samples: Option<String>,
-    /// Stop at a relative standard error of E over the picture, such as 0.05 for five per cent, and of 2 E in
-    /// every block of 16×16 pixels. Blocks that reach it early get no more samples.
-    #[arg(long, value_name = "E", allow_hyphen_values = true)]
-    pub target_error: Option<String>,
-    /// With --target-error: samples per pixel before the first estimate of the error [default: 16].
-    #[arg(long, value_name = "N", allow_hyphen_values = true, requires = "target_error")]
-    pub min_samples: Option<String>,
-    /// Stop after so many seconds of tracing, between samples of the whole picture where one fits; loading
-    /// and writing are not counted.
-    #[arg(long, value_name = "SECONDS", allow_hyphen_values = true)]
-    pub time_limit: Option<String>,
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::render::PipelineChoice;
+    use crate::tone::Operator;
     use crate::traverse::batch::Traversal;
     use serde_json::json;
     use std::fmt::Debug;

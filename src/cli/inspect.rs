@@ -1,20 +1,34 @@
 //! `octray inspect`: what a scene contains, and which methods and traversal it gets.
 
-use super::args::InspectArgs;
-use super::error::{CHECK_FAILED, CliError};
+use super::error::{CliError, checked};
+use super::groups::SCENE;
 use super::scenes;
-use super::terminal;
+use super::terminal::Printer;
 use crate::report::inspection::Inspection;
 use std::process::ExitCode;
 
+/// Show what a scene contains.
+///
+/// Prints the numbers of objects, materials and textures, their memory, the camera, and warnings about the
+/// file; the features that the scene needs; the traversal and why, either testing every primitive or a
+/// hierarchy of boxes, which is built, timed and checked; and the default methods and why. Exits with 1 if
+/// the hierarchy is invalid.
+#[derive(Debug, clap::Parser)]
+#[command(after_help = "Example:\n  octray inspect builtin:three --json")]
+pub struct Options {
+    #[arg(value_name = "SCENE", help = SCENE)]
+    scene: String,
+    /// Print the report as JSON (schema octray-inspect-1).
+    #[arg(long)]
+    json: bool,
+}
+
 /// Runs the command.
-pub fn run(options: InspectArgs) -> Result<ExitCode, CliError> {
+pub fn run(options: Options) -> Result<ExitCode, CliError> {
     let scene = scenes::load(&options.scene)?;
     let inspection = Inspection::of(options.scene, &scene);
-    if options.json {
-        terminal::print_json(&inspection)?;
-    } else {
-        terminal::print(&inspection.text())?;
-    }
-    Ok(if inspection.is_valid() { ExitCode::SUCCESS } else { ExitCode::from(CHECK_FAILED) })
+    let out = Printer { json: options.json };
+    out.text(&inspection.text())?;
+    out.report(&inspection)?;
+    Ok(checked(!inspection.is_valid()))
 }

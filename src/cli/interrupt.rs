@@ -1,14 +1,14 @@
 //! Ctrl-C: the first requests an end, the second ends the program with nothing written. Before any part of a
 //! picture is done, the first ends the program too.
 //!
-//! For: [`Interrupt`], and [`end_with`] for commands that cannot end early.
+//! For: [`Interrupt`], and [`LastNote`] for commands that cannot end early.
 
 use super::error::INTERRUPTED;
 use super::terminal;
 use std::io::IsTerminal;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::sync::mpsc::{Receiver, channel};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 /// Whether the user has pressed Ctrl-C. Hang-up keeps its default, so that nohup works.
@@ -19,13 +19,24 @@ pub struct Interrupt {
     holding: Arc<AtomicBool>,
 }
 
-/// From now on Ctrl-C ends the program after a note that says what is left of the run. Where the handler
-/// cannot be installed, without.
-pub fn end_with(note: impl Fn() -> String + Send + 'static) {
-    let handler = move || {
-        end_after(note());
-    };
-    ctrlc::set_handler(handler).ok();
+/// What is left of a run that Ctrl-C ends, of a command that cannot end early.
+pub struct LastNote(Arc<Mutex<String>>);
+
+impl LastNote {
+    /// From now on Ctrl-C ends the program after this note. Where the handler cannot be installed, without.
+    pub fn listen(note: impl Into<String>) -> Self {
+        let note = Self(Arc::new(Mutex::new(note.into())));
+        let last = Self(note.0.clone());
+        ctrlc::set_handler(move || end_after(last.lock().clone())).ok();
+        note
+    }
+    /// Another note from now on.
+    pub fn set(&self, note: String) {
+        *self.lock() = note;
+    }
+    fn lock(&self) -> MutexGuard<'_, String> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
 }
 
 /// Says something below the progress line, if there is one. From a thread of its own: where nobody reads
@@ -83,11 +94,6 @@ impl Interrupt {
         }
     }
 
-    /// Acts as Ctrl-C.
-    #[cfg(test)]
-    pub fn request(&self) {
-        self.requests.fetch_add(1, Ordering::SeqCst);
-    }
     /// Has the user requested an end?
     pub fn requested(&self) -> bool {
         self.requests.load(Ordering::SeqCst) > 0

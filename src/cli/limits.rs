@@ -1,11 +1,11 @@
 //! When a rendering ends: `--samples`, `--target-error`, `--time-limit`.
 //!
-//! For: [`Limits`], made from raw arguments or refused.
+//! For: [`LimitOptions`], and [`Limits`] made of them.
 
-use super::error::CliError;
-use super::groups::LimitArgs;
-use super::numbers::{MAX_SAMPLES, samples, seconds, whole, within};
+use super::error::{CliError, refuse};
+use super::numbers::{MAX_SAMPLES, number, samples, seconds, whole};
 use crate::adaptive::Target;
+use crate::wording::grouped;
 use std::time::Duration;
 
 /// Samples per pixel without limits.
@@ -17,8 +17,33 @@ const MOST_SAMPLES: u32 = 1 << 14;
 const LEAST_SAMPLES: u32 = 16;
 /// Fewest samples from which a variance can be estimated.
 const FEWEST_SAMPLES: u32 = crate::film::noise::GROUP;
-/// Targets outside this range are typing errors: they would take a hundred million samples, or none at all.
-const TARGETS: [f64; 2] = [0.0001, 1.0];
+
+/// When a rendering ends: at the limit that is reached first.
+#[derive(Clone, Copy, Debug, Default, clap::Args)]
+pub struct LimitOptions {
+    /// Samples per pixel: four times as many halve the noise [default: 64; with --target-error at most 16384;
+    /// with --time-limit as many as fit].
+    #[arg(long, visible_alias = "spp", value_name = "N", value_parser = samples, allow_hyphen_values = true)]
+    pub samples: Option<u32>,
+    /// Stop at a relative standard error of E over the picture, such as 0.05 for five per cent, and of 2 E in
+    /// every block of 16×16 pixels. Blocks that reach it early get no more samples.
+    #[arg(long, value_name = "E", value_parser = target_error, allow_hyphen_values = true)]
+    pub target_error: Option<f64>,
+    /// With --target-error: samples per pixel before the first estimate of the error [default: 16].
+    #[arg(long, value_name = "N", value_parser = whole::<FEWEST_SAMPLES, MAX_SAMPLES>, allow_hyphen_values = true, requires = "target_error")]
+    pub min_samples: Option<u32>,
+    /// Stop after so many seconds of tracing, between samples of the whole picture where one fits; loading
+    /// and writing are not counted.
+    #[arg(long, value_name = "SECONDS", value_parser = seconds, allow_hyphen_values = true)]
+    pub time_limit: Option<Duration>,
+}
+
+/// Targets outside the range are typing errors: they would take a hundred million samples, or none at all.
+fn target_error(text: &str) -> Result<f64, String> {
+    let [least, most] = [0.0001, 1.0];
+    let instead = format!("give a number from {least} to {most}, such as 0.05 for five per cent");
+    number(text, |error| (least..=most).contains(error), instead)
+}
 
 /// When to stop: at the limit that is reached first.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,96 +55,46 @@ pub struct Limits {
     pub time: Option<Duration>,
 }
 
-impl Limits {
-    /// A number of samples per pixel, without other limits.
-    pub fn of_samples(samples: u32) -> Self {
-        Self { samples, target: None, time: None }
-    }
-    /// Those given, if any.
-    pub fn of_args(args: LimitArgs) -> Result<Option<Self>, CliError> {
-        if args.samples.is_none() && args.target_error.is_none() && args.time_limit.is_none() {
-            return Ok(None);
+impl LimitOptions {
+    /// The limits. `of_view` are a view's samples, which any of these options overrides.
+    pub fn limits(&self, of_view: Option<u32>) -> Result<Limits, CliError> {
+        let samples = match (self.samples, self.target_error, self.time_limit) {
+            (Some(samples), ..) => samples,
+            (None, _, Some(_)) => MAX_SAMPLES,
+            (None, Some(_), None) => MOST_SAMPLES,
+            (None, None, None) => of_view.unwrap_or(SAMPLES),
+        };
+        let least = self.min_samples.unwrap_or(LEAST_SAMPLES.min(samples));
+        let most = samples.max(FEWEST_SAMPLES);
+        if least > most {
+            let instead = format!("give a whole number from {FEWEST_SAMPLES} to {}", grouped(most));
+            return Err(refuse("--min-samples", grouped(least), instead));
         }
-        let error = args.target_error.as_deref().map(target).transpose()?;
-        let time = args.time_limit.as_deref().map(|text| seconds("--time-limit", text)).transpose()?;
-        let samples = match (&args.samples, time) {
-            (Some(text), _) => samples(text)?,
-            (None, Some(_)) => MAX_SAMPLES,
-            (None, None) => MOST_SAMPLES,
-        };
-        let least = match &args.min_samples {
-            Some(text) => whole("--min-samples", text, FEWEST_SAMPLES, samples.max(FEWEST_SAMPLES))?,
-            None => LEAST_SAMPLES.min(samples),
-        };
-        let target = error.map(|error| Target { error, least, most: samples });
-        Ok(Some(Self { samples, target, time }))
+        let target = self.target_error.map(|error| Target { error, least, most: samples });
+        Ok(Limits { samples, target, time: self.time_limit })
     }
-}
-
-impl Default for Limits {
-    fn default() -> Self {
-        Self::of_samples(SAMPLES)
-    }
-}
-
-fn target(text: &str) -> Result<f64, CliError> {
-    let [least, most] = TARGETS;
-    within("--target-error", text, TARGETS, || {
-        format!("give a number from {least} to {most}, such as 0.05 for five per cent")
-    })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn limits(
-        samples: Option<&str>,
-        target_error: Option<&str>,
-        min_samples: Option<&str>,
-        time_limit: Option<&str>,
-    ) -> Result<Limits, CliError> {
-        let [samples, target_error, min_samples, time_limit] =
-            [samples, target_error, min_samples, time_limit].map(|text| text.map(String::from));
-        Limits::of_args(LimitArgs { samples, target_error, min_samples, time_limit })
-            .map(Option::unwrap_or_default)
-    }
-
     #[test]
     fn limits_have_their_documented_defaults() {
-        let of = |samples, target, least, time| limits(samples, target, least, time).unwrap();
-        let target = |error, least, most| Some(Target { error, least, most });
         let second = Some(Duration::from_secs(1));
-        let plain = Limits { samples: 64, target: None, time: None };
-        assert_eq!(of(None, None, None, None), plain);
-        let to_target = Limits { samples: 16_384, target: target(0.05, 16, 16_384), time: None };
-        assert_eq!(of(None, Some("0.05"), None, None), to_target);
-        assert_eq!(
-            of(None, None, None, Some("1")),
-            Limits { samples: MAX_SAMPLES, target: None, time: second }
-        );
-        assert_eq!(of(None, Some("1"), None, Some("1")).target, target(1.0, 16, MAX_SAMPLES));
-        assert_eq!(of(Some("8"), Some("1e-3"), None, Some("1")).target, target(0.001, 8, 8));
-        assert_eq!(of(Some("99"), Some("0.1"), Some("99"), None).target, target(0.1, 99, 99));
-        assert_eq!(of(Some("8"), None, None, Some("0.5")).samples, 8);
-    }
-
-    #[test]
-    fn limits_refuse_the_rest_with_a_remedy() {
-        for text in ["0", "-0.1", "nan", "inf", "-inf", "", "five", "5%", "2", "1e-9", "0,05"] {
-            let message = limits(None, Some(text), None, None).unwrap_err().to_string();
-            assert!(message.contains("--target-error") && message.contains("0.05"), "{text}: {message}");
-        }
-        for text in ["0", "-1", "nan", "inf", "", "ten", "1e9", "1e999", "10s"] {
-            let message = limits(None, None, None, Some(text)).unwrap_err().to_string();
-            assert!(message.contains("--time-limit") && message.contains("seconds"), "{text}: {message}");
-        }
-        for text in ["0", "3", "65", "-1", "x"] {
-            let message = limits(Some("64"), Some("0.1"), Some(text), None).unwrap_err().to_string();
-            assert!(
-                message.contains("--min-samples") && message.contains("from 4 to 64"),
-                "{text}: {message}"
-            );
-        }
+        let of = |samples, target_error, min_samples, time_limit| {
+            LimitOptions { samples, target_error, min_samples, time_limit }.limits(None).unwrap()
+        };
+        let limits = |samples, target: Option<(f64, u32)>, time| {
+            let target = target.map(|(error, least)| Target { error, least, most: samples });
+            Limits { samples, target, time }
+        };
+        assert_eq!(of(None, None, None, None), limits(64, None, None));
+        assert_eq!(of(None, Some(0.05), None, None), limits(16_384, Some((0.05, 16)), None));
+        assert_eq!(of(None, None, None, second), limits(MAX_SAMPLES, None, second));
+        assert_eq!(of(None, Some(1.0), None, second), limits(MAX_SAMPLES, Some((1.0, 16)), second));
+        assert_eq!(of(Some(8), Some(0.001), None, second), limits(8, Some((0.001, 8)), second));
+        assert_eq!(of(Some(99), Some(0.1), Some(99), None), limits(99, Some((0.1, 99)), None));
+        assert_eq!(LimitOptions::default().limits(Some(37)).unwrap(), limits(37, None, None));
     }
 }

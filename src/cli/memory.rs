@@ -1,9 +1,11 @@
 //! Memory of large pictures, checked before a rendering starts.
 //!
-//! For: [`check`], [`room_for`] (of the viewer).
+//! For: [`check`], [`check_film`], [`room_for`] (of the viewer).
 
 use super::error::CliError;
 use super::terminal;
+use crate::film::Film;
+use crate::film::noise::Noise;
 use crate::machine;
 use crate::report::numbers::bytes;
 
@@ -15,20 +17,24 @@ const LARGE_SHARE: f64 = 0.25;
 /// Warns of a picture that takes much memory, and refuses one that takes more than the system calls
 /// available.
 pub fn check(size: [u32; 2], bytes_per_pixel: usize) -> Result<(), CliError> {
-    if let Some(sentence) = judge(size, bytes_per_pixel, machine::available_memory())? {
-        terminal::warn(&sentence);
-    }
+    let warning = judge(size, bytes_per_pixel, machine::available_memory()).map_err(CliError::Input)?;
+    warning.iter().for_each(|sentence| terminal::warn(sentence));
     Ok(())
+}
+
+/// Checks a film, which needs more memory to estimate errors.
+pub fn check_film(size: [u32; 2], with_noise: bool) -> Result<(), CliError> {
+    check(size, Film::BYTES_PER_PIXEL + if with_noise { Noise::BYTES_PER_PIXEL } else { 0 })
 }
 
 /// The same without warnings: the reason for a refusal.
 #[cfg(feature = "viewer")]
 pub fn room_for(size: [u32; 2], bytes_per_pixel: usize) -> Result<(), String> {
-    judge(size, bytes_per_pixel, machine::available_memory()).map(|_| ()).map_err(|error| error.to_string())
+    judge(size, bytes_per_pixel, machine::available_memory()).map(drop)
 }
 
 /// The warning, if there is one.
-fn judge(size: [u32; 2], bytes_per_pixel: usize, available: Option<u64>) -> Result<Option<String>, CliError> {
+fn judge(size: [u32; 2], bytes_per_pixel: usize, available: Option<u64>) -> Result<Option<String>, String> {
     let [width, height] = size;
     let needed = u64::from(width) * u64::from(height) * bytes_per_pixel as u64;
     let takes = format!("{width}×{height} pixels take about {} of memory", bytes(needed));
@@ -36,8 +42,9 @@ fn judge(size: [u32; 2], bytes_per_pixel: usize, available: Option<u64>) -> Resu
         Some(available) if needed > available => {
             // The same shape, smaller.
             let shrink = (available as f64 / needed as f64).sqrt();
-            let fits = size.map(|side| ((f64::from(side) * shrink) as u32).max(1));
-            Err(CliError::Memory { takes, available: bytes(available), fits })
+            let [width, height] = size.map(|side| ((f64::from(side) * shrink) as u32).max(1));
+            let mend = format!("give a smaller one, such as --size {width}x{height}, or end other programs");
+            Err(format!("{takes}, and {} are available\n  {mend}", bytes(available)))
         }
         Some(available) if needed > LARGE || needed as f64 > LARGE_SHARE * available as f64 => {
             Ok(Some(format!("{takes}; {} are available.", bytes(available))))
@@ -64,7 +71,7 @@ mod tests {
         assert!(warned([8000, 8000], None).ends_with("2.6 GB of memory."));
         assert!(warned([1000, 1000], Some(150_000_000)).contains("40.0 MB"), "more than a quarter");
         assert!(warned([1000, 1000], Some(40_000_000)).contains("40.0 MB"), "it just fits");
-        let refused = judge([16_384, 8_192], 40, Some(1_000_000_000)).unwrap_err().to_string();
+        let refused = judge([16_384, 8_192], 40, Some(1_000_000_000)).unwrap_err();
         assert!(refused.contains("5.4 GB") && refused.contains("1.0 GB"), "{refused}");
         assert!(refused.contains("--size 7071x3535"), "{refused}");
     }

@@ -1,17 +1,43 @@
 //! `octray merge`: the shards of a picture joined.
 
 use super::error::CliError;
+use super::groups::choice;
 use super::memory;
-use super::options::MergeOptions;
-use super::terminal;
+use super::numbers::exposure;
+use super::terminal::Printer;
 use crate::checkpoint::merge::Parts;
-use crate::film::Film;
-use crate::film::noise::Noise;
 use crate::output::{self, Existing, Format};
-use crate::tone::Tone;
+use crate::tone::{Operator, Tone};
 use crate::wording::{counted, grouped};
 use serde::Serialize;
+use std::path::PathBuf;
 use std::process::ExitCode;
+
+/// Join the parts of a picture that was rendered in shards.
+///
+/// The parts come from `octray render --shard I/N -o PART`. The picture has the bits of one run. Parts that
+/// are missing, doubled, incomplete or of other pictures are named, and nothing is written. A checkpoint of a
+/// whole picture is a part too, the only one.
+#[derive(Debug, clap::Parser)]
+#[command(after_help = "Example:
+  octray merge *.part -o scene.exr")]
+pub struct Options {
+    #[arg(value_name = "PART", required = true, help = "The parts, in any order")]
+    parts: Vec<PathBuf>,
+    /// The picture file: .png, .jpg, .exr or .hdr.
+    #[arg(short, long, value_name = "FILE")]
+    output: PathBuf,
+    /// Brighten (above 0) or darken (below 0) the displayed picture by so many stops of a factor of two
+    /// [default: the parts'].
+    #[arg(long, value_name = "STOPS", value_parser = exposure, allow_hyphen_values = true)]
+    exposure: Option<f32>,
+    /// Tone mapping of the displayed picture [default: the parts'].
+    #[arg(long, value_name = "OPERATOR", value_parser = choice::<Operator>())]
+    tone: Option<Operator>,
+    /// Print the report as JSON (schema octray-merge-1).
+    #[arg(long)]
+    json: bool,
+}
 
 /// The JSON report.
 #[derive(Debug, Serialize)]
@@ -29,14 +55,13 @@ struct Report {
 }
 
 /// Runs the command.
-pub fn run(options: MergeOptions) -> Result<ExitCode, CliError> {
+pub fn run(options: Options) -> Result<ExitCode, CliError> {
     Format::of(&options.output)?;
     output::check(&options.output, Existing::Replace)?;
     let parts = Parts::open(&options.parts)?;
     let header = parts.header().clone();
     let settings = &header.identity.settings;
-    let noise = if settings.target.is_some() { Noise::BYTES_PER_PIXEL } else { 0 };
-    memory::check(settings.resolution, Film::BYTES_PER_PIXEL + noise)?;
+    memory::check_film(settings.resolution, settings.target.is_some())?;
     let film = parts.film()?;
     let [width, height] = settings.resolution;
     let report = Report {
@@ -58,15 +83,9 @@ pub fn run(options: MergeOptions) -> Result<ExitCode, CliError> {
     let picture = film.picture();
     drop(film);
     output::save(&options.output, &picture, &tone)?;
-    if options.json {
-        terminal::print_json(&report)?;
-    } else {
-        let Report { output, parts, samples, .. } = report;
-        let parts = counted(parts, "part", "parts");
-        terminal::print(&format!(
-            "{output}: {width}×{height}, {} samples, from {parts}\n",
-            grouped(samples)
-        ))?;
-    }
+    let out = Printer { json: options.json };
+    let (samples, parts) = (grouped(report.samples), counted(report.parts, "part", "parts"));
+    out.text(&format!("{}: {width}×{height}, {samples} samples, from {parts}\n", report.output))?;
+    out.report(&report)?;
     Ok(ExitCode::SUCCESS)
 }

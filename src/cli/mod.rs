@@ -1,17 +1,16 @@
-//! The command line: raw arguments, validated options, one file a command, exit codes.
+//! The command line: one file a command, with its options and their help; exit codes.
 //!
 //! For: [`main`], all that the program's `main` does.
 //!
 //! | file | what it does |
 //! |---|---|
-//! | `args`, `groups` | raw arguments: names, shapes, help texts |
-//! | `options`, `picture`, `methods`, `limits`, `numbers` | validated options: names known, numbers in range |
-//! | `overrides` | settings that the command line or a view overrides |
+//! | `numbers`, `groups` | value parsers; options of methods |
+//! | `picture`, `methods`, `limits` | options that commands share, and the settings made of them |
 //! | `bench`, `compare`, `render`, `rays`, `chart`, `view` | commands |
 //! | `stability`, `merge`, `convert`, `inspect` | commands |
 //! | `scenes` | loads the scenes of commands |
 //! | `trace`, `interrupt`, `progress` | sampling up to a limit, Ctrl-C, progress lines |
-//! | `jobs`, `frames` | of `render`: the pictures or parts of one call, and their files |
+//! | `jobs`, `frames` | of `render`: its options, the pictures or parts of one call, and their files |
 //! | `checkpoint` | of `render`: saves the film and resumes from it |
 //! | `samples_map` | of `render`: a picture of the number of samples |
 //! | `ground_truth` | of `chart`: the cache of ground truths |
@@ -21,7 +20,6 @@
 //! | `terminal` | the only writer to standard output and standard error |
 //! | `error` | errors and exit codes |
 
-mod args;
 mod bench;
 mod chart;
 mod checkpoint;
@@ -40,8 +38,6 @@ mod memory;
 mod merge;
 mod methods;
 mod numbers;
-mod options;
-mod overrides;
 mod picture;
 mod progress;
 mod ray_dump;
@@ -55,11 +51,53 @@ mod trace;
 #[cfg(feature = "viewer")]
 mod view;
 
-use args::{Args, Command};
-use clap::Parser;
 use clap::error::{ContextKind, ContextValue};
+use clap::{Parser, Subcommand};
 use error::{BAD_INPUT, CliError};
 use std::process::ExitCode;
+
+/// A data-oriented path tracer for CPUs.
+///
+/// Traces 8 or 16 rays at a time with SIMD instructions, and one at a time to check that both give the same
+/// picture, bit by bit.
+///
+/// A SCENE is one of: a scene file (.json, in octray's own format or in the thesis's); a view (.json, format
+/// octray-view-1), which names another scene, a camera and options of render: all commands but rays use its
+/// camera, and render and view its options; a model (.obj, .gltf, .glb or .ply, framed automatically under a
+/// plain sky unless it has a camera); or a built-in scene (builtin:NAME). `octray inspect SCENE` shows what a
+/// scene contains.
+///
+/// Exit codes: 0 success; 1 a check failed; 2 the input cannot be used; 130 Ctrl-C came before the end.
+#[derive(Debug, Parser)]
+#[command(name = "octray", version, max_term_width = 110, after_help = after_help())]
+struct Args {
+    #[command(subcommand)]
+    command: Option<Command>,
+}
+
+/// The built-in scenes.
+fn after_help() -> String {
+    let names: Vec<String> = crate::scene::builtin_names().map(|name| format!("builtin:{name}")).collect();
+    format!(
+        "Built-in scenes: {}; meshes of about N triangles: builtin:knot:N, builtin:terrain:N.",
+        names.join(", ")
+    )
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    Bench(bench::Options),
+    Compare(compare::Options),
+    Render(jobs::RenderOptions),
+    Merge(merge::Options),
+    Rays(rays::Options),
+    Chart(chart::Options),
+    #[cfg(feature = "viewer")]
+    View(view::Options),
+    Stability(stability::Options),
+    Convert(convert::Options),
+    Inspect(inspect::Options),
+}
 
 const WELCOME: &str = "\
 octray traces paths through scenes on the CPU, 8 or 16 rays at a time. Try:
@@ -109,37 +147,38 @@ fn run(args: Args, verdict: &machine_check::Verdict) -> Result<ExitCode, CliErro
         terminal::print(WELCOME)?;
         return Ok(ExitCode::SUCCESS);
     };
-    match command {
-        Command::Bench(args) => run_measured(args, verdict, bench::run),
-        Command::Compare(args) => run_measured(args, verdict, compare::run),
-        Command::Render(args) => run_measured(args, verdict, render::run),
-        Command::Merge(args) => merge::run(args.try_into()?),
-        Command::Rays(args) => run_measured(args, verdict, rays::run),
-        Command::Chart(args) => run_measured(args, verdict, chart::run),
-        #[cfg(feature = "viewer")]
-        Command::View(args) => run_measured(args, verdict, view::run),
-        Command::Stability(args) => {
-            verdict.advise();
-            stability::run(args.into())
-        }
-        Command::Convert(args) => convert::run(&args),
-        Command::Inspect(args) => inspect::run(args),
+    // The speed of the others does not matter.
+    if !matches!(command, Command::Merge(_) | Command::Convert(_) | Command::Inspect(_)) {
+        verdict.advise();
     }
-}
-
-/// Validates the options of a command whose speed matters, warns if a rebuild would be faster, and runs it.
-fn run_measured<Args, Options: TryFrom<Args, Error = CliError>>(
-    args: Args,
-    verdict: &machine_check::Verdict,
-    run: fn(Options) -> Result<ExitCode, CliError>,
-) -> Result<ExitCode, CliError> {
-    let options = Options::try_from(args)?;
-    verdict.advise();
-    run(options)
+    match command {
+        Command::Bench(options) => bench::run(options),
+        Command::Compare(options) => compare::run(options),
+        Command::Render(options) => render::run(options),
+        Command::Merge(options) => merge::run(options),
+        Command::Rays(options) => rays::run(options),
+        Command::Chart(options) => chart::run(options),
+        #[cfg(feature = "viewer")]
+        Command::View(options) => view::run(options),
+        Command::Stability(options) => stability::run(options),
+        Command::Convert(options) => convert::run(options),
+        Command::Inspect(options) => inspect::run(options),
+    }
 }
 
 /// Writes the error and its causes to standard error.
 fn report(error: &CliError) -> ExitCode {
     terminal::note(&format!("error: {}", error::describe(error)));
     ExitCode::from(BAD_INPUT)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn args_are_consistent_in_claps_own_judgement() {
+        Args::command().debug_assert();
+    }
 }

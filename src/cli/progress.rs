@@ -1,6 +1,6 @@
 //! Progress lines on standard error, where that is a terminal.
 //!
-//! For: [`Progress`] of a rendering, [`Countdown`] of a run with a time budget, [`Tasks`] of a list.
+//! For: [`Progress`] of a rendering, [`countdown`] of a run with a time budget, [`tasks`] of a list.
 
 use crate::report::numbers::{figure, mrays_per_s};
 use crate::wording::grouped;
@@ -21,45 +21,26 @@ const SETTLED_SHARE: f64 = 0.02;
 /// A rendering's line. A separate thread draws it; workers only count. Nothing is drawn where standard error
 /// is not a terminal.
 pub struct Progress {
-    /// Counts pixel samples, so that it moves during the first sample of the picture.
-    bar: ProgressBar,
+    /// Counts pixel samples, so that it moves during the first sample of the picture. Its length is their
+    /// number in all, by the present forecast.
+    pub bar: ProgressBar,
     rays: Arc<AtomicU64>,
-    pixels: u64,
-    /// Pixel samples in all, by the present forecast.
-    expected: Arc<AtomicU64>,
-    /// Pixel samples of an earlier run.
-    resumed: Arc<AtomicU64>,
 }
 
 impl Progress {
-    /// Starts now, for a film of so many pixels; `limit` is the time limit, if there is one.
-    pub fn new(pixels: u64, limit: Option<Duration>) -> Self {
-        let [rays, expected, resumed] = [(); 3].map(|()| Arc::new(AtomicU64::new(0)));
-        let (counted, all, had, start) = (rays.clone(), expected.clone(), resumed.clone(), Instant::now());
+    /// Starts now, for a film of so many pixels that has pixel samples of an earlier run; `limit` is the time
+    /// limit, if there is one.
+    pub fn new(pixels: u64, resumed: u64, limit: Option<Duration>) -> Self {
+        let rays = Arc::new(AtomicU64::new(0));
+        let (counted, start) = (rays.clone(), Instant::now());
         let say = move |state: &ProgressState, out: &mut dyn Write| {
-            let [rays, expected, had] = [&counted, &all, &had].map(|count| count.load(Ordering::Relaxed));
-            let done = [had, state.pos()];
+            let (done, expected) = ([resumed, state.pos()], state.len().unwrap_or(0));
+            let rays = counted.load(Ordering::Relaxed);
             let _ = out.write_str(&figures(done, pixels, expected, rays, start.elapsed(), limit));
         };
         let bar = line(Some(pixels), style("{wide_bar} {figures}").with_key("figures", say));
-        Self { bar, rays, pixels, expected, resumed }
-    }
-
-    /// Counts the pixel samples of an earlier run.
-    pub fn resume(&self, pixel_samples: u64) {
-        self.resumed.store(pixel_samples, Ordering::Relaxed);
-        self.bar.set_position(pixel_samples);
-    }
-
-    /// Runs `say`, which may write above the line.
-    pub fn above(&self, say: impl FnOnce()) {
-        self.bar.suspend(say);
-    }
-
-    /// Sets the forecast of pixel samples.
-    pub fn expect(&self, pixel_samples: u64) {
-        self.expected.store(pixel_samples, Ordering::Relaxed);
-        self.bar.set_length(pixel_samples.max(self.pixels));
+        bar.set_position(resumed);
+        Self { bar, rays }
     }
 
     /// Counts one sample of `pixels` pixels, and its rays.
@@ -76,71 +57,30 @@ impl Progress {
         self.bar.set_message(file.display().to_string());
         self.bar.tick();
     }
-
-    /// Removes the line.
-    pub fn end(self) {
-        self.bar.finish_and_clear();
-    }
 }
 
-/// The line of a run with a time budget: the share of it that has passed, and the present step.
-pub struct Countdown {
-    bar: ProgressBar,
-}
-
-impl Countdown {
-    /// A run that began at `start` with a budget of `time`.
-    pub fn new(start: Instant, time: Duration) -> Self {
-        let passed = move || start.elapsed().div_duration_f64(time).min(1.0);
-        let filled = move |_: &ProgressState, out: &mut dyn Write| {
-            let _ = out.write_str(&"█".repeat((passed() * 30.0) as usize));
-        };
-        let say = move |_: &ProgressState, out: &mut dyn Write| {
-            let left = time.saturating_sub(start.elapsed()).max(Duration::from_secs(1));
-            let _ = write!(out, "{:.0} %  {} left", passed() * 100.0, HumanDuration(left));
-        };
-        let template = style("{filled:30!.cyan/blue} {say}  {msg}");
-        Self { bar: line(None, template.with_key("filled", filled).with_key("say", say)) }
-    }
-
-    /// Shows the present step.
-    pub fn step(&self, what: &str) {
-        self.bar.set_message(what.to_owned());
-    }
-
-    /// Runs `say`, which writes above the line.
-    pub fn above(&self, say: impl FnOnce()) {
-        self.bar.suspend(say);
-    }
-
-    /// Removes the line.
-    pub fn end(self) {
-        self.bar.finish_and_clear();
-    }
+/// The line of a run that began at `start` with a budget of `time`: the share of it that has passed, and the
+/// present step, which is its message.
+pub fn countdown(start: Instant, time: Duration) -> ProgressBar {
+    let passed = move || start.elapsed().div_duration_f64(time).min(1.0);
+    let filled = move |_: &ProgressState, out: &mut dyn Write| {
+        let _ = out.write_str(&"█".repeat((passed() * 30.0) as usize));
+    };
+    let say = move |_: &ProgressState, out: &mut dyn Write| {
+        let left = time.saturating_sub(start.elapsed()).max(Duration::from_secs(1));
+        let _ = write!(out, "{:.0} %  {} left", passed() * 100.0, HumanDuration(left));
+    };
+    let template = style("{filled:30!.cyan/blue} {say}  {msg}");
+    line(None, template.with_key("filled", filled).with_key("say", say))
 }
 
 /// The line of a list of tasks, which several threads take, with the time left.
-pub struct Tasks {
-    bar: ProgressBar,
-}
-
-impl Tasks {
-    pub fn new(count: usize) -> Self {
-        let left = |state: &ProgressState, out: &mut dyn Write| {
-            let (share, time) = (f64::from(state.fraction()), state.elapsed());
-            let _ = out.write_str(&time_left(share, share, time));
-        };
-        Self { bar: line(Some(count as u64), style("{wide_bar} {pos}/{len}{left}").with_key("left", left)) }
-    }
-
-    /// Counts a task.
-    pub fn done(&self) {
-        self.bar.inc(1);
-    }
-    /// Removes the line.
-    pub fn end(self) {
-        self.bar.finish_and_clear();
-    }
+pub fn tasks(count: usize) -> ProgressBar {
+    let left = |state: &ProgressState, out: &mut dyn Write| {
+        let (share, time) = (f64::from(state.fraction()), state.elapsed());
+        let _ = out.write_str(&time_left(share, share, time));
+    };
+    line(Some(count as u64), style("{wide_bar} {pos}/{len}{left}").with_key("left", left))
 }
 
 /// A line on standard error, redrawn by a separate thread, if that is a terminal.

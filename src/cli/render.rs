@@ -1,26 +1,21 @@
 //! `octray render`: stills, and parts of them.
 
-use super::checkpoint::{self, CheckpointWriter};
-use super::error::{CliError, INTERRUPTED};
-use super::frames::Frames;
+use super::checkpoint::CheckpointWriter;
+use super::error::{CliError, INTERRUPTED, refuse};
 use super::interrupt::Interrupt;
-use super::jobs::{Job, is_same, jobs};
+use super::jobs::{Job, RenderOptions, is_same, jobs, refuse_shard};
 use super::limits::Limits;
 use super::memory;
-use super::numbers::refuse;
-use super::options::RenderOptions;
-use super::overrides::Overrides;
-use super::picture::PictureOptions;
+use super::picture::of_view;
 use super::progress::Progress;
 use super::samples_map;
 use super::scenes;
-use super::terminal;
+use super::terminal::{self, Printer};
 use super::trace::{Traced, Watch, trace};
 use crate::adaptive::ErrorEstimate;
 use crate::camera::Tile;
-use crate::checkpoint::{Header, Identity, Shard};
+use crate::checkpoint::{self, Header, Identity, Shard};
 use crate::film::Film;
-use crate::film::noise::Noise;
 use crate::measure::stats::FrameStats;
 use crate::output::{self, Format};
 use crate::render::{Renderer, Settings};
@@ -38,23 +33,21 @@ pub fn run(options: RenderOptions) -> Result<ExitCode, CliError> {
     let jobs = jobs(&options)?;
     let scene = scenes::load_with_warnings(&options.scene)?;
     let cameras = cameras(&options, &jobs, &scene)?;
-    let overrides = options.picture.overrides.or(Overrides::of_view(&scene)?);
+    let limits = options.limits.limits(of_view(&scene).samples)?;
     // Options alone get the warning: a view's are for files of any format.
-    let Overrides { exposure, tone, .. } = options.picture.overrides;
-    if Format::of(&options.output).is_ok_and(Format::is_linear) && (exposure.is_some() || tone.is_some()) {
+    let is_displayed = options.picture.exposure.is_some() || options.picture.tone.is_some();
+    if Format::of(&options.output).is_ok_and(Format::is_linear) && is_displayed {
         terminal::warn(&format!(
             "--exposure and --tone have no effect on {}: it holds the linear radiance.",
             options.output.display()
         ));
     }
 
-    let settings = settings(&scene, &options.picture, &overrides);
-    let limits = overrides.limits.unwrap_or_default();
-    let noise = if limits.target.is_some() { Noise::BYTES_PER_PIXEL } else { 0 };
-    memory::check(settings.resolution, Film::BYTES_PER_PIXEL + noise)?;
+    let (settings, tone) = (options.picture.settings(&scene), options.picture.tone(&scene));
+    memory::check_film(settings.resolution, limits.target.is_some())?;
     check_shard(&jobs, &settings)?;
     let renderer = Renderer::new(&scene, settings);
-    let (interrupt, tone) = (Interrupt::listen(), overrides.tone());
+    let interrupt = Interrupt::listen();
     let rendering = Rendering { options, limits, settings, tone, interrupt };
     let mut prepared = Some((scene.scene, renderer));
     let last = jobs.len() - 1;
@@ -85,8 +78,8 @@ pub fn run(options: RenderOptions) -> Result<ExitCode, CliError> {
 
 /// The camera of each job: the scene's, or that of its frame. All are checked before the first is rendered.
 fn cameras(options: &RenderOptions, jobs: &[Job], scene: &Loaded) -> Result<Vec<Camera>, CliError> {
-    let Some(Frames { first, last }) = options.frames else { return Ok(vec![scene.camera]) };
-    let refuse = |why: String| refuse("--frames", &format!("{first}..{last}"), why);
+    let Some(frames) = options.frames.clone() else { return Ok(vec![scene.camera]) };
+    let refuse = |why: String| refuse("--frames", format!("{}..{}", frames.start(), frames.end()), why);
     let path = scene.view.as_ref().map(|view| &view.path);
     let Some((path, [begin, end])) = path.and_then(|path| Some((path, path.frames()?))) else {
         let why = format!("`{}` has no keyframes: add `keyframes` to a view of the scene", scene.name);
@@ -106,19 +99,18 @@ fn cameras(options: &RenderOptions, jobs: &[Job], scene: &Loaded) -> Result<Vec<
         }
     };
     // Frames of other shards too: a fault shows wherever it lies.
-    (first..=last).try_for_each(|frame| camera(frame).map(drop))?;
+    frames.clone().try_for_each(|frame| camera(frame).map(drop))?;
     jobs.iter().filter_map(|job| job.frame).map(camera).collect()
 }
 
 /// Refuses shards without tiles.
 fn check_shard(jobs: &[Job], settings: &Settings) -> Result<(), CliError> {
     let tiles = Tile::cover(settings.resolution, settings.tile_size).count();
-    let Some(Shard { number, of }) = jobs.iter().map(|job| job.shard).find(|shard| shard.of as usize > tiles)
-    else {
+    let Some(shard) = jobs.iter().filter_map(|job| job.shard).find(|shard| shard.of as usize > tiles) else {
         return Ok(());
     };
-    let why = format!("the picture has {}: give at most as many parts", counted(tiles, "tile", "tiles"));
-    Err(refuse("--shard", &format!("{number}/{of}"), why))
+    let tiles = counted(tiles, "tile", "tiles");
+    Err(refuse_shard(shard, format!("the picture has {tiles}: give at most as many parts")))
 }
 
 /// What all jobs share.
@@ -133,7 +125,7 @@ struct Rendering {
 /// A film at its end, and what is told of it.
 struct Done {
     film: Film,
-    /// With the goals of the last round: for checkpoints and parts.
+    /// For checkpoints and parts.
     header: Option<Header>,
     goals: Vec<u32>,
     writer: Option<CheckpointWriter>,
@@ -149,28 +141,26 @@ impl Rendering {
             renderer.start_stats();
         }
         let mut film = if limits.target.is_some() { renderer.film_with_noise() } else { renderer.film() };
-        film.keep_tiles(|number| job.shard.has(number));
-        let mut header = (job.part || job.checkpoint.is_some()).then(|| self.header(job, scene));
+        film.keep_tiles(|number| job.shard.is_none_or(|shard| shard.has(number)));
+        let mut header = (job.shard.is_some() || job.checkpoint.is_some()).then(|| self.header(job, scene));
         let (mut goals, mut writer) = (Vec::new(), None);
         if let (Some(file), Some(header)) = (&job.checkpoint, &header) {
-            goals = checkpoint::resume(file, header, &mut film)?;
-            let (interval, saved) = (options.checkpoint_interval, film.pixel_samples());
-            writer = Some(CheckpointWriter::new(file.clone(), header.clone(), interval, saved, interrupt));
+            let (header, interval) = (header.clone(), options.checkpoint_interval);
+            let resumed = CheckpointWriter::resume(file, header, interval, interrupt, &mut film)?;
+            (writer, goals) = (Some(resumed.0), resumed.1);
         }
-        let before = Before { samples: film.mean_samples(), rays: film.rays() };
-        if before.samples > 0.0 {
+        if film.pixel_samples() > 0 {
             interrupt.set_begun();
         }
-        let progress = Progress::new(film.pixels(), limits.time);
-        progress.resume(film.pixel_samples());
+        let progress = Progress::new(film.pixels(), film.pixel_samples(), limits.time);
         let watch = Watch { interrupt, progress: &progress };
         let traced = trace(renderer, &mut film, limits, goals, writer.as_mut(), watch);
         progress.writing(&job.output);
         if let Some(header) = &mut header {
             header.complete = matches!(traced.end, End::Samples | End::TargetError);
         }
-        let mut report = self.report(job, &film, &before, &traced);
-        let frames = (report.mean_samples - before.samples).round().max(1.0) as u32;
+        let mut report = self.report(job, &film, &traced);
+        let frames = (report.mean_samples - traced.resumed_samples).round().max(1.0) as u32;
         report.stats = options
             .stats
             .then(|| FrameStats::of(&renderer.take_stats(), settings.lanes, settings.threads, frames));
@@ -179,20 +169,21 @@ impl Rendering {
 
     /// Writes the files of a film, and its report.
     fn finish(&self, job: &Job, done: Done) -> Result<ExitCode, CliError> {
-        let Done { film, header, goals, mut writer, report, progress } = done;
+        let Done { film, header, goals, writer, report, progress } = done;
         let begun = film.pixels_begun() as f64 / film.pixels() as f64;
         self.interrupt.hold();
         let complete = header.as_ref().is_some_and(|header| header.complete);
-        let kept = writer.as_mut().map_or(Ok(()), |writer| writer.finish(&film, &goals, complete));
-        let saved = match header {
+        let kept = writer.map_or(Ok(()), |mut writer| writer.finish(&film, &goals, complete));
+        let saved = match header.filter(|_| job.shard.is_some()) {
+            None => self.save_picture(job, film),
             // Where both are one file, it is written.
-            Some(_) if job.part && job.checkpoint.as_ref().is_some_and(|file| is_same(file, &job.output)) => {
-                Ok(())
+            Some(_) if job.checkpoint.as_ref().is_some_and(|file| is_same(file, &job.output)) => Ok(()),
+            Some(header) => {
+                let given_up = || self.interrupt.insisted();
+                checkpoint::save(&job.output, &header, &film, &goals, &given_up).map_err(CliError::from)
             }
-            Some(header) if job.part => self.save_part(job, &film, &header, &goals),
-            _ => self.save_picture(job, film),
         };
-        progress.end();
+        progress.bar.finish_and_clear();
         if (saved.is_err() || kept.is_err()) && self.interrupt.insisted() {
             return Ok(ExitCode::from(INTERRUPTED));
         }
@@ -205,19 +196,16 @@ impl Rendering {
 
     /// What checkpoints say of this film.
     fn header(&self, job: &Job, scene: &Scene) -> Header {
+        let (target, shard) = (self.limits.target.as_ref(), job.shard.unwrap_or(Shard::WHOLE));
         Header {
             name: scene.name.clone(),
-            identity: Identity::new(scene, &self.settings, self.limits.target.as_ref(), job.shard),
+            identity: Identity::new(scene, &self.settings, target, shard),
             display: self.tone.into(),
             wanted: self.limits.samples,
             complete: false,
             rays: 0,
             tiles: 0,
         }
-    }
-
-    fn save_part(&self, job: &Job, film: &Film, header: &Header, goals: &[u32]) -> Result<(), CliError> {
-        Ok(crate::checkpoint::save(&job.output, header, film, goals, &|| self.interrupt.insisted())?)
     }
 
     fn save_picture(&self, job: &Job, film: Film) -> Result<(), CliError> {
@@ -238,18 +226,15 @@ impl Rendering {
                 counted(report.discarded_samples, "sample was", "samples were")
             ));
         }
-        if self.options.json {
-            return terminal::print_json(report);
-        }
-        terminal::print(&report.line(self.limits.samples, begun))?;
+        let out = Printer { json: self.options.json };
+        out.text(&report.line(self.limits.samples, begun))?;
         if let Some(taken) = &report.stats {
-            terminal::print(&stats::frames("stage", &[taken]))?;
-            terminal::print(&stats::meaning_of_frames())?;
+            out.text(&(stats::frames("stage", &[taken]) + &stats::meaning_of_frames()))?;
         }
-        Ok(())
+        out.report(report)
     }
 
-    fn report(&self, job: &Job, film: &Film, before: &Before, traced: &Traced) -> Report {
+    fn report(&self, job: &Job, film: &Film, traced: &Traced) -> Report {
         let Self { options, limits, settings, .. } = self;
         let [width, height] = settings.resolution;
         let target = &limits.target;
@@ -261,14 +246,14 @@ impl Rendering {
             schema: "octray-render-1",
             scene: options.scene.clone(),
             frame: job.frame,
-            shard: job.part.then_some([job.shard.number, job.shard.of]),
+            shard: job.shard.map(|Shard { number, of }| [number, of]),
             output: job.output.display().to_string(),
             width,
             height,
             samples: film.samples(),
             most_samples: film.most_samples(),
             mean_samples: film.mean_samples(),
-            resumed_samples: Some(before.samples).filter(|&samples| samples > 0.0),
+            resumed_samples: Some(traced.resumed_samples).filter(|&samples| samples > 0.0),
             ended_by: traced.end,
             time_limit: limits.time.map(|time| time.as_secs_f64()),
             target_error: target.map(|target| target.error),
@@ -278,32 +263,10 @@ impl Rendering {
             clamp: Some(settings.clamp).filter(|clamp| clamp.is_finite()),
             seconds: traced.time.as_secs_f64(),
             rays: film.rays(),
-            mrays_per_s: mrays_per_s(film.rays() - before.rays, traced.time),
+            mrays_per_s: mrays_per_s(traced.rays, traced.time),
             discarded_samples: film.discarded(),
             interrupted: traced.end == End::Interrupt,
             stats: None,
         }
-    }
-}
-
-/// What the checkpoint held.
-struct Before {
-    samples: f64,
-    rays: u64,
-}
-
-fn settings(scene: &Scene, options: &PictureOptions, overrides: &Overrides) -> Settings {
-    let default = Settings::of(scene);
-    let methods = overrides.methods.of(scene);
-    Settings {
-        resolution: options.size.unwrap_or(scene.resolution),
-        max_bounces: options.bounces.unwrap_or(scene.max_bounces),
-        seed: overrides.seed.unwrap_or(default.seed),
-        methods,
-        pipeline: overrides.pipeline.unwrap_or(default.pipeline),
-        lanes: options.lanes.lanes(),
-        threads: options.threads,
-        clamp: overrides.clamp.unwrap_or(default.clamp),
-        ..default
     }
 }

@@ -3,16 +3,33 @@
 //! For: [`load`], [`load_with_warnings`], [`checked`], [`or_built_in`].
 
 use super::error::CliError;
-use super::overrides::Overrides;
+use super::numbers::{clamp, exposure, samples};
+use super::picture::of_view;
 use super::terminal;
-use crate::scene::{self, Loaded};
+use crate::scene::{self, Loaded, view_fault};
+use std::fmt::Display;
 
-/// Loads a scene by name. Every command refuses a view with invalid overrides, also a command that does not
-/// use them.
+/// Loads a scene by name. Every command refuses a view with numbers out of range, also a command that does
+/// not use them.
 pub fn load(name: &str) -> Result<Loaded, CliError> {
     let scene = scene::load_with_view(name)?;
-    Overrides::of_view(&scene)?;
+    let view = of_view(&scene);
+    check(&scene, "samples", view.samples, samples)?;
+    check(&scene, "exposure", view.exposure, exposure)?;
+    check(&scene, "clamp", view.clamp, clamp)?;
     Ok(scene)
+}
+
+/// Checks a number of a view with the parser of the option of the same name.
+fn check<T: Display>(
+    scene: &Loaded,
+    key: &str,
+    number: Option<T>,
+    parse: fn(&str) -> Result<T, String>,
+) -> Result<(), CliError> {
+    let Some(text) = number.map(|number| number.to_string()) else { return Ok(()) };
+    let fault = |instead| view_fault(scene, key, format!("`{key}` cannot be {text}"), instead).into();
+    parse(&text).map(drop).map_err(fault)
 }
 
 /// Loads a scene by name, and prints its warnings.
@@ -28,9 +45,7 @@ pub fn load_with_warnings(name: &str) -> Result<Loaded, CliError> {
 /// others take their time, and only one is in memory at a time.
 pub fn checked(names: &[String]) -> Result<Vec<String>, CliError> {
     if names.len() > 1 {
-        for name in names {
-            load(name)?;
-        }
+        names.iter().try_for_each(|name| load(name).map(drop))?;
     }
     Ok(or_built_in(names))
 }

@@ -1,6 +1,6 @@
 //! The only writer to standard output and standard error. It never panics when the other end is closed.
 //!
-//! For: [`print()`], [`print_json`], [`note`], [`warn`], [`warn_of_debug_build`].
+//! For: [`print()`], [`Printer`], [`note`], [`warn`], [`warn_of_debug_build`].
 
 use super::error::CliError;
 use serde::Serialize;
@@ -12,10 +12,26 @@ pub fn print(text: &str) -> Result<(), CliError> {
     out.write_all(text.as_bytes()).and_then(|()| out.flush()).map_err(CliError::Stdout)
 }
 
-/// Writes a report to standard output as indented JSON.
-pub fn print_json(report: &impl Serialize) -> Result<(), CliError> {
-    let text = serde_json::to_string_pretty(report).map_err(|error| CliError::Stdout(error.into()))?;
-    print(&(text + "\n"))
+/// Prints what a command found: text or, with `--json`, a report.
+#[derive(Clone, Copy)]
+pub struct Printer {
+    pub json: bool,
+}
+
+impl Printer {
+    /// Prints text, but not with `--json`.
+    pub fn text(self, text: &str) -> Result<(), CliError> {
+        if self.json { Ok(()) } else { print(text) }
+    }
+
+    /// With `--json`, prints a report as indented JSON.
+    pub fn report(self, report: &impl Serialize) -> Result<(), CliError> {
+        if !self.json {
+            return Ok(());
+        }
+        let text = serde_json::to_string_pretty(report).map_err(|error| CliError::Stdout(error.into()))?;
+        print(&(text + "\n"))
+    }
 }
 
 /// Writes a line to standard error. A closed standard error loses the line.

@@ -31,6 +31,10 @@ pub struct Watch<'a> {
 pub struct Traced {
     pub time: Duration,
     pub end: End,
+    /// Mean samples of the film before.
+    pub resumed_samples: f64,
+    /// Without those that the film had before.
+    pub rays: u64,
     /// The samples that each tile was to have at the end of the last round, by tile number.
     pub goals: Vec<u32>,
 }
@@ -47,6 +51,7 @@ pub fn trace(
     watch: Watch,
 ) -> Traced {
     let start = Instant::now();
+    let (resumed_samples, resumed_rays) = (film.mean_samples(), film.rays());
     let deadline = limits.time.map(|time| start + time);
     let mut pace = Pace { chunk: 1, seconds_a_pixel: 0.0 };
     let mut goals = resumed;
@@ -55,7 +60,7 @@ pub fn trace(
             let met = limits.target.is_some_and(|target| target.met(&ErrorEstimate::of(film)));
             break if met { End::TargetError } else { End::Samples };
         };
-        watch.progress.expect(round.forecast);
+        watch.progress.bar.set_length(round.forecast);
         let writer = writer.as_deref_mut();
         let end = take_round(renderer, film, &round, &mut pace, deadline, writer, watch);
         goals = round.goals;
@@ -63,7 +68,7 @@ pub fn trace(
             break end;
         }
     };
-    Traced { time: start.elapsed(), end, goals }
+    Traced { time: start.elapsed(), end, resumed_samples, rays: film.rays() - resumed_rays, goals }
 }
 
 /// The next round, or what is left of one with these goals; `None` at the end.
@@ -140,7 +145,7 @@ fn take_round(
             if let Some(writer) = writer.as_deref_mut()
                 && writer.is_due(film)
             {
-                watch.progress.above(|| writer.save_or_warn(film, &round.goals));
+                watch.progress.bar.suspend(|| writer.save_or_warn(film, &round.goals));
             }
             let done = film.tiles().iter().all(|sums| sums.samples >= goals[sums.tile.number]);
             if done || observer.is_stopped() {
@@ -195,7 +200,6 @@ fn next_chunk(last: u32, took: Duration) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::adaptive::Target;
     use crate::render::Settings;
     use crate::scene;
 
@@ -210,69 +214,36 @@ mod tests {
         assert_eq!(next_chunk(u32::MAX, Duration::ZERO), u32::MAX);
     }
 
-    fn traced(limits: Limits, interrupt: &Interrupt) -> (Film, Duration, End) {
-        traced_from(|_| 0, limits, interrupt)
-    }
-
-    /// From a film whose tiles have `had(number)` samples.
-    fn traced_from(had: fn(usize) -> u32, limits: Limits, interrupt: &Interrupt) -> (Film, Duration, End) {
+    /// Traces a film whose tiles have `had(number)` samples.
+    fn traced(had: fn(usize) -> u32, limits: Limits) -> (Film, Traced) {
         let scene = scene::load("builtin:three").unwrap();
         let settings = Settings { resolution: [40, 24], max_bounces: 1, ..Settings::of(&scene) };
         let renderer = Renderer::new(&scene, settings);
         let mut film = renderer.film_with_noise();
         renderer.sample_tiles_to(&mut film, |tile, _| had(tile), &());
-        let progress = Progress::new(film.pixels(), limits.time);
-        let watch = Watch { interrupt, progress: &progress };
+        let progress = Progress::new(film.pixels(), film.pixel_samples(), limits.time);
+        let watch = Watch { interrupt: &Interrupt::default(), progress: &progress };
         let traced = trace(&renderer, &mut film, &limits, vec![], None, watch);
-        (film, traced.time, traced.end)
+        (film, traced)
     }
 
     #[test]
     fn trace_adds_exactly_the_samples_asked_for() {
         for samples in [1, 2, 3, 7, 100] {
-            let limits = Limits { samples, target: None, time: None };
-            let (film, _, end) = traced(limits, &Interrupt::default());
-            assert_eq!((film.samples(), film.most_samples(), end), (samples, samples, End::Samples));
+            let (film, traced) = traced(|_| 0, Limits { samples, target: None, time: None });
+            assert_eq!((film.samples(), film.most_samples(), traced.end), (samples, samples, End::Samples));
         }
     }
 
-    #[test]
-    fn trace_ends_in_time_with_equal_pixels() {
-        let time = Duration::from_millis(400);
-        let limits = Limits { samples: 1 << 24, target: None, time: Some(time) };
-        let (film, took, end) = traced(limits, &Interrupt::default());
-        assert_eq!(end, End::TimeLimit);
-        assert!(took >= time / 2, "{took:?}");
-        assert_even_if_in_time(&film, took, time);
-    }
-
+    /// All pixels have equal samples, unless a busy machine held the last chunk up for longer than its grace.
     #[test]
     fn trace_evens_out_what_it_resumes() {
         let time = Duration::from_millis(200);
         let limits = Limits { samples: 1 << 24, target: None, time: Some(time) };
-        let (film, took, end) = traced_from(|tile| tile as u32 % 4, limits, &Interrupt::default());
-        assert_eq!(end, End::TimeLimit);
-        assert_even_if_in_time(&film, took, time);
-    }
-
-    /// All pixels have equal samples, unless a busy machine held the last chunk up for longer than its grace.
-    fn assert_even_if_in_time(film: &Film, took: Duration, limit: Duration) {
-        let (least, most) = (film.samples(), film.most_samples());
-        assert!(least == most || took >= limit + GRACE, "{least} to {most} samples in {took:?}");
-        assert!(most > 3 || took >= limit + GRACE, "{most} samples in {took:?}");
-    }
-
-    #[test]
-    fn trace_says_which_limit_came_first() {
-        let target = |error, most| Some(Target { error, least: 16, most });
-        let hour = Some(Duration::from_secs(3_600));
-        let end = |samples, target, time| traced(Limits { samples, target, time }, &Interrupt::default()).2;
-        assert_eq!(end(1 << 14, target(0.5, 1 << 14), hour), End::TargetError);
-        assert_eq!(end(32, target(1e-4, 32), hour), End::Samples);
-        let moment = Some(Duration::from_millis(50));
-        assert_eq!(end(1 << 24, target(1e-4, 1 << 24), moment), End::TimeLimit);
-        let interrupt = Interrupt::default();
-        interrupt.request();
-        assert_eq!(traced(Limits { samples: 8, target: None, time: None }, &interrupt).2, End::Interrupt);
+        let (film, traced) = traced(|tile| tile as u32 % 4, limits);
+        assert_eq!(traced.end, End::TimeLimit);
+        let (least, most, took) = (film.samples(), film.most_samples(), traced.time);
+        assert!(least == most || took >= time + GRACE, "{least} to {most} samples in {took:?}");
+        assert!(most > 3 || took >= time + GRACE, "{most} samples in {took:?}");
     }
 }

@@ -1,20 +1,18 @@
 //! `octray view`: walks through scenes in a terminal or, with the feature `window`, in a window.
 //!
-//! For: [`ViewOptions`], [`run`].
-
-use super::args::ViewArgs;
 use super::error::CliError;
 use super::memory;
 use super::numbers::whole;
-use super::overrides::Overrides;
 use super::picture::PictureOptions;
 use super::scenes;
-use super::terminal;
+use super::terminal::{self, Printer};
 use crate::machine::{self, Machine};
+use crate::render::Settings;
 use crate::report::numbers::figure;
 use crate::scene::Loaded;
+use crate::viewer::keys;
 use crate::viewer::playlist::Playlist;
-use crate::viewer::{self, Options, Summary};
+use crate::viewer::{self, Summary};
 use crate::wording::counted;
 use serde::Serialize;
 use std::io::IsTerminal;
@@ -22,15 +20,56 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Duration;
 
-/// The validated options.
-pub struct ViewOptions {
+/// Highest frame rate that can be a target.
+const MAX_FPS: u32 = 1_000;
+
+/// Walk through scenes in a terminal or, in builds with it, a window.
+///
+/// The picture accumulates samples while the camera stands still, up to 65,536 per pixel: after N of them it
+/// has the bits of `octray render --samples N`. While the camera moves, earlier frames are reprojected. Where
+/// the window has room, it shows each pixel larger. Scenes can be dropped on the window. A scene whose files
+/// change is loaded again; if it cannot be read, the old one stays and the reason is shown.
+///
+/// Two rates are shown: frames per second of the screen, at most the display's, and samples per second of the
+/// renderer alone, which are the fps of `octray bench` with the same scene, size, bounces, lanes and threads.
+///
+/// A build with --features window opens a window. Others, and --terminal, draw with half-block characters in
+/// true colour, which needs no display and takes the same keys except Shift, Ctrl and mouse movement. Ctrl-C
+/// ends the viewer, with exit code 0.
+#[derive(Debug, clap::Parser)]
+#[command(after_help = after_help())]
+pub struct Options {
+    /// Scene files, models, folders of them, or builtin:NAME; the built-in scenes if none is given.
+    #[arg(value_name = "SCENE")]
     scenes: Vec<String>,
+    /// Draw in this terminal instead of a window.
+    #[arg(long)]
     terminal: bool,
-    json: bool,
-    target: Option<u32>,
-    frames: Option<u64>,
+    /// Keep at least so many frames per second, with coarser pixels where necessary.
+    #[arg(long, value_name = "N", value_parser = whole::<1, MAX_FPS>, allow_hyphen_values = true)]
+    target_fps: Option<u32>,
+    /// The folder for screenshots.
+    #[arg(long, value_name = "FOLDER", default_value = ".")]
     screenshots: PathBuf,
+    /// End after so many frames.
+    #[arg(long, value_name = "N", value_parser = whole::<1, { u32::MAX }>, allow_hyphen_values = true)]
+    frames: Option<u32>,
+    /// At the end, print frame rates and times as JSON (schema octray-window-1).
+    #[arg(long)]
+    json: bool,
+    #[command(flatten)]
     picture: PictureOptions,
+}
+
+/// Keys and examples.
+fn after_help() -> String {
+    let keys: Vec<String> = keys::help().map(|line| format!("  {line}")).collect();
+    let examples = "Examples:
+  octray view
+  octray view scene.json model.obj scenes/
+  octray view builtin:thesis --terminal
+  octray view builtin:three --frames 600 --json > view.json";
+    format!("Keys:\n{}\n\n{examples}", keys.join("\n"))
 }
 
 /// What brings a window, in a sentence without its end.
@@ -40,63 +79,28 @@ const FOR_A_WINDOW: &str = if cfg!(feature = "window") {
     "for a window: cargo run --release --features window -- view; for a picture in a file: octray render"
 };
 
-#[cfg(feature = "window")]
-fn in_window(viewer: Options, playlist: Playlist, first: Loaded) -> Result<Report, CliError> {
-    let (summary, presented) = viewer::window(viewer, playlist, first)?;
-    Ok(Report::of(&summary, Some((presented.frames, presented.time))))
-}
-
-#[cfg(not(feature = "window"))]
-fn in_window(_: Options, _: Playlist, _: Loaded) -> Result<Report, CliError> {
-    unreachable!("without windows it draws in the terminal")
-}
-
-/// Highest frame rate that can be a target.
-const MOST_FPS: u32 = 1_000;
-
-impl TryFrom<ViewArgs> for ViewOptions {
-    type Error = CliError;
-    fn try_from(args: ViewArgs) -> Result<Self, CliError> {
-        let whole_of =
-            |option, text: Option<String>, most| text.map(|text| whole(option, &text, 1, most)).transpose();
-        Ok(Self {
-            scenes: args.scenes,
-            terminal: args.terminal,
-            json: args.json,
-            target: whole_of("--target-fps", args.target_fps, MOST_FPS)?,
-            frames: whole_of("--frames", args.frames, u32::MAX)?.map(u64::from),
-            screenshots: args.screenshots,
-            picture: args.picture.try_into()?,
-        })
-    }
-}
-
-impl ViewOptions {
+impl Options {
     /// The viewer's options. Seed, tone and pipeline are those of its first scene; methods are those of each
     /// scene.
-    fn viewer(&self, first: &Loaded) -> Result<Options, CliError> {
-        let PictureOptions { size, bounces, threads, lanes, overrides } = self.picture;
-        let methods = overrides.methods;
-        let overrides = overrides.or(Overrides::of_view(first)?);
-        Ok(Options {
-            size,
-            bounces,
-            seed: overrides.seed.unwrap_or(0),
-            pipeline: overrides.pipeline.unwrap_or_default(),
-            clamp: overrides.clamp.unwrap_or(f32::INFINITY),
+    fn viewer(&self, first: &Loaded) -> viewer::Options {
+        let picture = self.picture;
+        let Settings { seed, pipeline, clamp, threads, .. } = picture.settings(first);
+        viewer::Options {
+            size: picture.size,
+            bounces: picture.bounces,
+            seed,
+            pipeline,
+            clamp,
             threads,
             max_threads: machine::cores().max(threads),
-            lanes,
-            tone: overrides.tone(),
-            target: self.target,
-            // A later view whose numbers are out of range keeps the defaults.
-            methods: Box::new(move |scene| {
-                methods.or(Overrides::of_view(scene).unwrap_or_default().methods).of(scene)
-            }),
+            lanes: picture.lanes.unwrap_or_default(),
+            tone: picture.tone(first),
+            target: self.target_fps,
+            methods: Box::new(move |scene| picture.methods(scene)),
             fits: Box::new(|size| memory::room_for(size, viewer::BYTES_PER_PIXEL)),
-            frames: self.frames,
+            frames: self.frames.map(u64::from),
             screenshots: self.screenshots.clone(),
-        })
+        }
     }
 }
 
@@ -165,48 +169,47 @@ impl Report {
 }
 
 /// Runs the command.
-pub fn run(options: ViewOptions) -> Result<ExitCode, CliError> {
+pub fn run(options: Options) -> Result<ExitCode, CliError> {
+    let refuse = |what: &str, mend: &str| Err(CliError::Input(format!("{what}\n  {mend}")));
     let names = scenes::or_built_in(&options.scenes);
     let Some(playlist) = Playlist::new(&names) else {
-        let what = format!(
-            "there is no scene (.json) and no model (.obj, .gltf, .glb, .ply) in {}",
-            names.join(", ")
-        );
-        return Err(CliError::Nothing { what, mend: "name a folder that holds some, or a file" });
+        let what = "there is no scene (.json) and no model (.obj, .gltf, .glb, .ply) in";
+        return refuse(&format!("{what} {}", names.join(", ")), "name a folder that holds some, or a file");
     };
     if !options.screenshots.is_dir() {
         let what = format!("there is no folder `{}` for screenshots", options.screenshots.display());
-        return Err(CliError::Nothing { what, mend: "make it, or name another with --screenshots" });
+        return refuse(&what, "make it, or name another with --screenshots");
     }
     let name = playlist.current();
     if !name.starts_with("builtin:") && Path::new(name).extension().is_none() && !Path::new(name).exists() {
         let what = format!("there is no file or folder `{name}`");
-        return Err(CliError::Nothing {
-            what,
-            mend: "name a scene, a model, a folder of them, or builtin:NAME",
-        });
+        return refuse(&what, "name a scene, a model, a folder of them, or builtin:NAME");
     }
     let first = scenes::load_with_warnings(name)?;
     memory::check(options.picture.size.unwrap_or(first.resolution), viewer::BYTES_PER_PIXEL)?;
     let in_terminal = options.terminal || !cfg!(feature = "window");
     if in_terminal && !std::io::stdout().is_terminal() {
-        let what = "octray view draws in a terminal here, and standard output is not one".to_string();
-        return Err(CliError::Nothing { what, mend: FOR_A_WINDOW });
+        let what = "octray view draws in a terminal here, and standard output is not one";
+        return refuse(what, FOR_A_WINDOW);
     }
-    let viewer = options.viewer(&first)?;
-    let report = if in_terminal {
-        let summary = viewer::terminal(viewer, playlist, first).map_err(CliError::Terminal)?;
-        if !options.terminal {
-            terminal::note(&format!("this octray was built without windows; {FOR_A_WINDOW}"));
+    let report = match options.viewer(&first) {
+        #[cfg(feature = "window")]
+        viewer if !in_terminal => {
+            let (summary, presented) = viewer::window(viewer, playlist, first)?;
+            Report::of(&summary, Some((presented.frames, presented.time)))
         }
-        Report::of(&summary, None)
-    } else {
-        in_window(viewer, playlist, first)?
+        viewer => {
+            let summary = viewer::terminal(viewer, playlist, first).map_err(CliError::Terminal)?;
+            if !options.terminal {
+                terminal::note(&format!("this octray was built without windows; {FOR_A_WINDOW}"));
+            }
+            Report::of(&summary, None)
+        }
     };
-    if options.json {
-        terminal::print_json(&report)?;
-    } else if options.frames.is_some() {
-        terminal::print(&report.line())?;
+    let out = Printer { json: options.json };
+    out.report(&report)?;
+    if options.frames.is_some() {
+        out.text(&report.line())?;
     }
     Ok(ExitCode::SUCCESS)
 }
@@ -214,10 +217,13 @@ pub fn run(options: ViewOptions) -> Result<ExitCode, CliError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cli::args::{Args, Command};
     use crate::scene::{Rendering, View, load_with_view};
     use crate::traverse::TriangleChoice;
     use clap::Parser;
+
+    fn viewer(options: &[&str], first: &Loaded) -> viewer::Options {
+        Options::parse_from(["view"].iter().chain(options)).viewer(first)
+    }
 
     #[test]
     fn every_view_has_its_own_methods_unless_an_option_overrides_them() {
@@ -225,14 +231,7 @@ mod tests {
         let render = Rendering { triangle: Some(TriangleChoice::MollerTrumbore), ..Rendering::default() };
         let view = View { render, ..View::of(&plain, None, Path::new("")) };
         let later = Loaded { view: Some(view), ..plain.clone() };
-        let triangle = |options: &[&str], scene: &Loaded| {
-            let words = ["octray", "view"].iter().chain(options);
-            let Some(Command::View(args)) = Args::parse_from(words).command else {
-                unreachable!("the command is view")
-            };
-            let options = ViewOptions::try_from(args).unwrap().viewer(&plain).unwrap();
-            (options.methods)(scene).triangle
-        };
+        let triangle = |options: &[&str], scene| (viewer(options, &plain).methods)(scene).triangle;
         assert_eq!(triangle(&[], &plain), TriangleChoice::Woop);
         assert_eq!(triangle(&[], &later), TriangleChoice::MollerTrumbore);
         assert_eq!(triangle(&["--triangle", "woop"], &later), TriangleChoice::Woop);
@@ -240,11 +239,7 @@ mod tests {
 
     #[test]
     fn later_scenes_are_checked_against_memory() {
-        let Some(Command::View(args)) = Args::parse_from(["octray", "view"]).command else {
-            unreachable!("the command is view")
-        };
-        let plain = load_with_view("builtin:cornell").unwrap();
-        let options = ViewOptions::try_from(args).unwrap().viewer(&plain).unwrap();
+        let options = viewer(&[], &load_with_view("builtin:cornell").unwrap());
         assert_eq!((options.fits)([16, 9]), Ok(()));
         if machine::available_memory().is_some() {
             let refused = (options.fits)([1 << 20, 1 << 20]).unwrap_err();

@@ -4,8 +4,8 @@
 
 use super::busy;
 use super::numbers::{figure, ratio};
-use super::paragraph::{NAME, paragraph, row_name};
 use super::stats::{self, engine};
+use super::text::{self, paragraph};
 use crate::camera::MAX_PIXELS;
 use crate::lane::WIDTHS;
 use crate::machine::Machine;
@@ -58,32 +58,28 @@ impl Report {
     }
 }
 
-/// The packets that have a column, the widest first.
-fn packets() -> impl Iterator<Item = usize> {
-    WIDTHS.into_iter().rev().filter(|&lanes| lanes > 1)
-}
-
 /// Stands for what was not measured.
 const NOTHING: &str = "–";
 
+/// The widths of the table's columns: the scene, a column a width, and the rest.
+fn widths() -> Vec<isize> {
+    [&[-24][..], &vec![16; WIDTHS.len()], &[16, 7, 8, 8, 9]].concat()
+}
+
 /// What stands above the rows of scenes; `threads` of all columns but one.
 pub fn heading(report: &Report, [width, height]: [u32; 2], max_bounces: u32, threads: usize) -> String {
+    let names = std::iter::once("scene".into())
+        .chain(WIDTHS.into_iter().rev().map(engine))
+        .chain(["all cores", "Mray/s", "pixels≠", "hits≠", "rmse"].map(String::from));
     format!(
         "{}\n\
          {width}×{height}, 1 sample a frame, up to {}, {}\n\
          frames per second: median (1 % low)\n\n\
-         {:<NAME$}{}{:>16}{:>16}{:>7}{:>8}{:>8}{:>9}\n",
+         {}",
         report.machine,
         counted(max_bounces, "bounce", "bounces"),
         counted(threads, "thread", "threads"),
-        "scene",
-        packets().map(|lanes| format!("{:>16}", format!("{lanes} lanes"))).collect::<String>(),
-        "scalar",
-        "all cores",
-        "Mray/s",
-        "pixels≠",
-        "hits≠",
-        "rmse"
+        text::row(&widths(), names)
     )
 }
 
@@ -97,17 +93,16 @@ pub fn row(results: &[Measurement], accuracy: &Comparison) -> String {
             format!("{} ({})", rate(result.fps_median), rate(result.fps_low_1_percent))
         })
     };
-    format!(
-        "{}{}{:>16}{:>16}{:>7}{:>8}{:>8}{:>9}\n",
-        row_name(&first.scene),
-        packets().map(|lanes| format!("{:>16}", fps(of_width(lanes)))).collect::<String>(),
-        fps(of_width(1)),
-        fps(all),
-        figure(first.mrays_per_s, 1),
-        grouped(accuracy.mismatched_pixels),
-        grouped(accuracy.reference.mismatched_hits),
-        format!("{:.1e}", accuracy.reference.rmse),
-    )
+    let cells = std::iter::once(first.scene.clone())
+        .chain(WIDTHS.into_iter().rev().map(|lanes| fps(of_width(lanes))))
+        .chain([
+            fps(all),
+            figure(first.mrays_per_s, 1),
+            grouped(accuracy.mismatched_pixels),
+            grouped(accuracy.reference.mismatched_hits),
+            format!("{:.1e}", accuracy.reference.rmse),
+        ]);
+    text::row(&widths(), cells)
 }
 
 /// Frames per second, in thousands (k) where a column would be too narrow.
@@ -135,7 +130,7 @@ const RATIOS: [RatioColumn; 3] = [
 /// The ratios of the scenes, below the table of rates; nothing where no ratio was measured.
 pub fn ratios(report: &Report) -> String {
     let row = |scene: &str, cells: [String; 3]| {
-        row_name(scene) + &cells.map(|cell| format!("{cell:>24}")).concat() + "\n"
+        text::row(&[-24, 24, 24, 24], std::iter::once(scene.to_owned()).chain(cells))
     };
     let mut rows = String::new();
     for of_scene in report.scenes() {

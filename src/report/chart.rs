@@ -2,7 +2,7 @@
 //!
 //! For: [`Chart`], `drawings`, `verdict`.
 
-use super::chart_drawings::{Measure, display, frames, motion, of_pictures};
+use super::chart_drawings::of_scene;
 use super::chart_kernels::intersection;
 use super::drawing::Drawing;
 use crate::machine::Machine;
@@ -37,12 +37,8 @@ pub const SCHEMA: &str = "octray-chart-1";
 
 /// All drawings of a chart.
 pub(crate) fn drawings(chart: &Chart) -> Vec<Drawing> {
-    let mut all = intersection(&chart.kernels);
-    for scene in &chart.scenes {
-        all.extend(Measure::ALL.map(|measure| of_pictures(scene, chart.seeds, measure)));
-        all.extend([frames(scene), display(scene), motion(scene)]);
-    }
-    all
+    let of_scenes = chart.scenes.iter().flat_map(|scene| of_scene(scene, chart.seeds));
+    intersection(&chart.kernels).into_iter().chain(of_scenes).collect()
 }
 
 /// The verdict on a configuration.

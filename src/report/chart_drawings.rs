@@ -1,10 +1,10 @@
 //! The drawings of a scene in `octray chart`: pictures, frames, display filters, motion.
 //!
-//! For: `of_pictures`, `frames`, `display`, `motion`.
+//! For: [`of_scene`].
 
-use super::drawing::{Drawing, Kind, file_name};
-use super::figure::{Axis, Figure, Line, Look, Panel};
-use super::numbers::figure;
+use super::drawing::{Drawing, Ink, file_name};
+use super::figure::{Figure, Line, Look, Panel};
+use super::numbers::{figure, times};
 use crate::measure::chart::configurations::{DEFAULT, GROUPS, Group};
 use crate::measure::chart::motion::CameraPath;
 use crate::measure::chart::pareto::ErrorCurve;
@@ -15,23 +15,13 @@ use crate::wording::counted;
 
 /// The error measure of a drawing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Measure {
+enum Measure {
     Rmse,
     Relmse,
     Flip,
 }
 
 impl Measure {
-    pub const ALL: [Self; 3] = [Self::Rmse, Self::Relmse, Self::Flip];
-
-    /// In file names.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Rmse => "rmse",
-            Self::Relmse => "relmse",
-            Self::Flip => "flip",
-        }
-    }
     fn label(self) -> &'static str {
         match self {
             Self::Rmse => "root mean square error (radiance)",
@@ -48,7 +38,22 @@ impl Measure {
     }
 }
 
-/// The title of a group's panels.
+/// The drawings of a scene: pictures by RMSE, relMSE and FLIP; frames, display filters, motion.
+pub fn of_scene(scene: &SceneChart, seeds: u32) -> [Drawing; 6] {
+    let by = |measure| pictures(scene, seeds, measure);
+    let figures = [
+        ("pictures", by(Measure::Rmse)),
+        ("pictures-relmse", by(Measure::Relmse)),
+        ("pictures-flip", by(Measure::Flip)),
+        ("frames", frames(scene)),
+        ("display", display(scene)),
+        ("motion", motion(scene)),
+    ];
+    let name = file_name(&scene.scene);
+    figures.map(|(of, figure)| Drawing { name: format!("{name}-{of}"), svg: figure.svg() })
+}
+
+/// The title of a group's panel.
 fn title(group: Group) -> &'static str {
     match group {
         Group::Sampling => "Sampling",
@@ -57,46 +62,46 @@ fn title(group: Group) -> &'static str {
     }
 }
 
+/// A configuration has the same colour in all drawings.
+fn ink(configuration: &str) -> Ink {
+    let mut names = GROUPS.into_iter().flat_map(|(_, named)| named);
+    names.position(|(name, _)| *name == configuration).map_or(Ink::Main, Ink::Line)
+}
+
 /// Error against time on a scene: a panel for each group of configurations.
-pub fn of_pictures(scene: &SceneChart, seeds: u32, measure: Measure) -> Drawing {
+fn pictures(scene: &SceneChart, seeds: u32, measure: Measure) -> Figure {
     let unit = scene.default_sample_s;
     let lines = &scene.pictures;
-    let of = |group: Option<Group>| lines.iter().filter(move |line| line.group == group);
     let front = front_points(lines, measure);
-    let drawn = |line: &pictures::Line| {
-        drawn(line, unit, measure, front.iter().any(|(on, _)| *on == line.configuration))
+    let of = |group: Option<Group>| {
+        let on_front = |line: &pictures::Line| front.iter().any(|(on, _)| *on == line.configuration);
+        let lines = lines.iter().filter(move |line| line.group == group);
+        lines.map(move |line| drawn(line, unit, measure, on_front(line)))
     };
     let points = falling(front.iter().map(|(_, [time, error])| [time / unit, *error]).collect());
-    let front = Line { name: "front".into(), look: Look::Front, points, ..Line::default() };
-    let shared: Vec<Line> = std::iter::once(front).chain(of(None).map(&drawn)).collect();
-    let panels = GROUPS.into_iter().flat_map(|(group, _)| {
-        let lines: Vec<Line> = of(Some(group)).map(&drawn).collect();
-        if lines.is_empty() { Vec::new() } else { Panel::split(title(group), &shared, lines) }
+    let name = "Pareto front".into();
+    let shared = Line { name, look: Look::Front, ink: Ink::Front, points, ..Line::default() };
+    let panels = GROUPS.into_iter().filter(|(group, _)| of(Some(*group)).next().is_some());
+    let panels = panels.map(|(group, _)| Panel {
+        title: title(group).into(),
+        lines: std::iter::once(shared.clone()).chain(of(None)).chain(of(Some(group))).collect(),
     });
     let [width, height] = scene.size;
     let mut notes = vec![
         "Left is faster, lower is more accurate. Each point has twice the samples of the one before (adaptive: half the target error).".into(),
-        "Pale band: the front, which no robust configuration beats. Blue: the default. Grey: never on the front. Dashed: not robust.".into(),
+        "Pale: the Pareto front, which no robust configuration beats. Thick: the default. Thin: never on the front. Dashed: not robust.".into(),
         format!("{width}×{height} on one thread, {seeds} seeds: medians, and 10 to 90 % of them."),
     ];
     if measure == Measure::Rmse {
         notes.insert(2, "Numbers: the time to the error of the last point, over the default's.".into());
     }
-    let name = match measure {
-        Measure::Rmse => format!("{}-pictures", file_name(&scene.scene)),
-        _ => format!("{}-pictures-{}", file_name(&scene.scene), measure.name()),
-    };
-    let figure = Figure {
+    Figure {
         title: format!("{}: error against time", scene.scene),
         notes,
-        x: Axis {
-            label: format!("time, × one sample of the default ({} ms)", figure(1e3 * unit, 2)),
-            log: true,
-        },
-        y: Axis { label: measure.label().into(), log: true },
+        x: format!("time, × one sample of the default ({} ms)", figure(1e3 * unit, 2)),
+        y: measure.label().into(),
         panels: panels.collect(),
-    };
-    Drawing { name, kind: Kind::Lines(figure) }
+    }
 }
 
 /// The line of a configuration, with times in multiples of `unit`.
@@ -119,6 +124,7 @@ fn drawn(line: &pictures::Line, unit: f64, measure: Measure, on_front: bool) -> 
             _ => String::new(),
         },
         look,
+        ink: ink(line.configuration),
         points: line.points.iter().map(at).collect(),
         band: match look {
             Look::Default | Look::Plain => line.points.iter().map(band).collect(),
@@ -160,50 +166,47 @@ fn falling(mut points: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
     points
 }
 
-/// A ratio with two digits, or three just around 1.
-fn times(ratio: f64) -> String {
-    match ratio {
-        _ if !ratio.is_finite() => String::new(),
-        _ if ratio < 1.995 => format!("{ratio:.2}×"),
-        _ if ratio < 9.95 => format!("{ratio:.1}×"),
-        _ => format!("{}×", figure(ratio, 0)),
-    }
-}
-
 /// Error of the accumulated picture in a window, against the time since it began.
-pub fn frames(scene: &SceneChart) -> Drawing {
+fn frames(scene: &SceneChart) -> Figure {
     let lines = scene.frames.iter().map(|frames| {
-        let known = frames.moments.iter().filter_map(|moment| Some((moment, moment.rmse?)));
-        let points = known.map(|(moment, rmse)| [moment.after_s, rmse.median]).collect();
-        let look = if frames.configuration == DEFAULT { Look::Default } else { Look::Plain };
-        let figure = format!("{} fps", figure(frames.fps.median, 0));
-        Line { name: frames.configuration.into(), figure, look, points, band: Vec::new() }
+        let known = frames.moments.iter().filter_map(|moment| Some([moment.after_s, moment.rmse?.median]));
+        Line {
+            name: frames.configuration.into(),
+            figure: format!("{} fps", figure(frames.fps.median, 0)),
+            look: if frames.configuration == DEFAULT { Look::Default } else { Look::Plain },
+            ink: ink(frames.configuration),
+            points: known.collect(),
+            ..Line::default()
+        }
     });
     let (threads, seeds) = scene.frames.first().map_or((1, 0), |frames| (frames.threads, frames.seeds));
-    let figure = Figure {
-        title: format!("{}: accumulation in a window", scene.scene),
-        notes: vec![
-            size_and(scene, threads, &counted(seeds, "seed", "seeds")),
-            "Numbers: frames of one sample per second. No point where the error is below the ground truth's."
-                .into(),
-        ],
-        x: Axis { label: "seconds of accumulation".into(), log: true },
-        y: Axis { label: Measure::Rmse.label().into(), log: true },
-        panels: Panel::split("", &[], lines.collect()),
-    };
-    Drawing { name: format!("{}-frames", file_name(&scene.scene)), kind: Kind::Lines(figure) }
+    let notes = vec![
+        size_and(scene, threads, &counted(seeds, "seed", "seeds")),
+        "Numbers: frames of one sample per second. No point where the error is below the ground truth's."
+            .into(),
+    ];
+    of_frames(scene, "accumulation in a window", notes, "seconds of accumulation".into(), lines.collect())
 }
 
 /// Error of a picture with several display filters, against the time to render and to filter it.
-pub fn display(scene: &SceneChart) -> Drawing {
+fn display(scene: &SceneChart) -> Figure {
     let unit = scene.display.first().map_or(f64::NAN, |shown| shown.frame_ms.median);
     let line = |(number, filter): (usize, &&'static str)| {
         let shown = scene.display.iter().filter(|shown| shown.filter == *filter);
         let point = |shown: &display::FilterResult| {
             Some([(shown.frame_ms.median + shown.filter_ms.median) / unit, shown.rmse?.median])
         };
-        let look = if number == 0 { Look::Default } else { Look::Plain };
-        Line { name: (*filter).into(), look, points: shown.filter_map(point).collect(), ..Line::default() }
+        let (look, ink) = match number {
+            0 => (Look::Default, Ink::Main),
+            _ => (Look::Plain, Ink::Line(number - 1)),
+        };
+        Line {
+            name: (*filter).into(),
+            look,
+            ink,
+            points: shown.filter_map(point).collect(),
+            ..Line::default()
+        }
     };
     let (threads, seeds) = scene.display.first().map_or((1, 0), |shown| (shown.threads, shown.seeds));
     let mut notes = vec![
@@ -211,19 +214,14 @@ pub fn display(scene: &SceneChart) -> Drawing {
         "From left to right: 1, 4 and 16 samples a pixel. The time includes the filter.".into(),
     ];
     notes.extend(left_out(scene.display.iter().any(|shown| shown.rmse.is_none())));
-    let figure = Figure {
-        title: format!("{}: a picture with display filters", scene.scene),
-        notes,
-        x: Axis { label: format!("time, × rendering one sample ({} ms)", figure(unit, 2)), log: true },
-        y: Axis { label: Measure::Rmse.label().into(), log: true },
-        panels: Panel::split("", &[], display::FILTERS.iter().enumerate().map(line).collect()),
-    };
-    Drawing { name: format!("{}-display", file_name(&scene.scene)), kind: Kind::Lines(figure) }
+    let x = format!("time, × rendering one sample ({} ms)", figure(unit, 2));
+    let lines = display::FILTERS.iter().enumerate().map(line).collect();
+    of_frames(scene, "a picture with display filters", notes, x, lines)
 }
 
 /// Error of frames of a moving camera, against the time to render and to filter them.
-pub fn motion(scene: &SceneChart) -> Drawing {
-    let line = |path: CameraPath| {
+fn motion(scene: &SceneChart) -> Figure {
+    let line = |(number, path): (usize, CameraPath)| {
         let moving = || scene.motion.iter().filter(move |moving| moving.path == path);
         let unit = moving().next().map_or(f64::NAN, |moving| moving.frame_ms.median);
         let point = |moving: &motion::MotionResult| {
@@ -233,6 +231,7 @@ pub fn motion(scene: &SceneChart) -> Drawing {
         Line {
             name: path.name().into(),
             figure: lower.map_or(String::new(), |lower| format!("÷{}", figure(lower, 1))),
+            ink: Ink::Line(number),
             points: moving().filter_map(point).collect(),
             ..Line::default()
         }
@@ -243,14 +242,20 @@ pub fn motion(scene: &SceneChart) -> Drawing {
         "From top to bottom: unfiltered, reprojected, reprojected and denoised. Numbers: how much reprojection lowers the error.".into(),
     ];
     notes.extend(left_out(scene.motion.iter().any(|moving| moving.rmse.is_none())));
-    let figure = Figure {
-        title: format!("{}: one sample a frame, in motion", scene.scene),
+    let lines = CameraPath::ALL.into_iter().enumerate().map(line).collect();
+    of_frames(scene, "one sample a frame, in motion", notes, "time of a frame, × rendering it".into(), lines)
+}
+
+/// RMSE in one plane.
+fn of_frames(scene: &SceneChart, what: &str, notes: Vec<String>, x: String, lines: Vec<Line>) -> Figure {
+    let title = format!("{}: {what}", scene.scene);
+    Figure {
+        title,
         notes,
-        x: Axis { label: "time of a frame, × rendering it".into(), log: true },
-        y: Axis { label: Measure::Rmse.label().into(), log: true },
-        panels: Panel::split("", &[], CameraPath::ALL.into_iter().map(line).collect()),
-    };
-    Drawing { name: format!("{}-motion", file_name(&scene.scene)), kind: Kind::Lines(figure) }
+        x,
+        y: Measure::Rmse.label().into(),
+        panels: vec![Panel { lines, ..Panel::default() }],
+    }
 }
 
 /// Why points are missing, if some are.
@@ -267,7 +272,6 @@ fn size_and(scene: &SceneChart, threads: usize, more: &str) -> String {
 mod tests {
     use super::*;
     use crate::measure::chart::ground_truth::GroundTruthInfo;
-    use crate::report::figure::MOST_LINES;
 
     /// Seven doublings from a time and an error on; the error falls with the root of time.
     fn measured(configuration: &'static str, seconds: f64, error: f64) -> pictures::Line {
@@ -313,26 +317,30 @@ mod tests {
     }
 
     fn panels(scene: &SceneChart) -> Vec<Panel> {
-        match of_pictures(scene, 8, Measure::Rmse).kind {
-            Kind::Lines(figure) => figure.panels,
-            Kind::Dots(_) => panic!("lines"),
-        }
+        super::pictures(scene, 8, Measure::Rmse).panels
     }
 
     #[test]
-    fn every_configuration_is_in_one_panel_of_at_most_six_lines() {
-        let names = || GROUPS.into_iter().flat_map(|(_, named)| named.iter().map(|&(name, _)| name));
-        let all = std::iter::once(DEFAULT).chain(names()).map(|name| measured(name, 1.5, 1.0)).collect();
+    fn every_configuration_is_in_one_panel_with_a_colour_and_a_mark_of_its_own() {
+        let names: Vec<&str> =
+            GROUPS.into_iter().flat_map(|(_, named)| named.iter().map(|&(name, _)| name)).collect();
+        let all = std::iter::once(&DEFAULT).chain(&names).map(|name| measured(name, 1.5, 1.0)).collect();
         let panels = panels(&scene(all));
-        assert!(panels.len() > GROUPS.len(), "the largest group has two panels");
+        assert_eq!(panels.len(), GROUPS.len());
         for panel in &panels {
-            assert!(panel.lines.len() <= MOST_LINES, "{}: {}", panel.title, panel.lines.len());
             assert_eq!((panel.lines[0].look, panel.lines[1].look), (Look::Front, Look::Default));
         }
-        for name in names() {
-            let drawn = panels.iter().flat_map(|panel| &panel.lines).filter(|line| line.name == name);
-            assert_eq!(drawn.count(), 1, "{name}");
+        let mut looks = Vec::new();
+        for name in names {
+            let drawn: Vec<&Line> =
+                panels.iter().flat_map(|panel| &panel.lines).filter(|line| line.name == name).collect();
+            let [line] = drawn[..] else { panic!("{name}: {}", drawn.len()) };
+            looks.push(line.ink.marks(&[[0, 0]]).into_string());
         }
+        let count = looks.len();
+        looks.sort();
+        looks.dedup();
+        assert_eq!(looks.len(), count);
     }
 
     #[test]
@@ -365,7 +373,7 @@ mod tests {
     }
 
     #[test]
-    fn configurations_never_on_the_front_are_grey_and_methods_that_fail_dashed() {
+    fn configurations_never_on_the_front_are_thin_and_methods_that_fail_dashed() {
         let lines = vec![
             measured(DEFAULT, 1.0, 1.0),
             measured("scalar", 7.0, 1.0),
@@ -375,11 +383,5 @@ mod tests {
         let looks: Vec<Look> = panels.iter().map(|panel| panel.lines[2].look).collect();
         assert_eq!(looks, [Look::Behind, Look::Dashed]);
         assert_eq!(panels[0].lines[2].figure, "7.0×");
-    }
-
-    #[test]
-    fn ratios_have_the_digits_that_tell_them_apart() {
-        assert_eq!([1.004, 0.789, 4.13, 12.4].map(times), ["1.00×", "0.79×", "4.1×", "12×"]);
-        assert_eq!(times(f64::NAN), "");
     }
 }

@@ -4,6 +4,7 @@
 
 use super::chart::{Chart, verdict};
 use super::numbers::figure;
+use super::text::row;
 use crate::measure::chart::ground_truth::SHRINK;
 use crate::measure::chart::motion;
 use crate::wording::grouped;
@@ -38,33 +39,33 @@ fn times(ratio: f64) -> String {
     if ratio.is_finite() { format!("{}×", figure(ratio, 2)) } else { "–".into() }
 }
 
+/// The widths of the table's columns.
+const WIDTHS: [isize; 6] = [-24, 12, 12, 12, 14, 0];
+
 /// The figures of a chart whose files are in `folder`.
 pub fn text(chart: &Chart, folder: &Path) -> String {
     let mut text = format!("{}\n", chart.machine);
     for scene in &chart.scenes {
         let [width, height] = scene.size;
         text += &format!(
-            "\n{}, {width}×{height}; the ground truth has {} samples and an error of {:.1e}\n{:<24}{:>12}{:>12}{:>12}{:>14}  verdict\n",
+            "\n{}, {width}×{height}; the ground truth has {} samples and an error of {:.1e}\n",
             scene.scene,
             grouped(scene.truth.samples * SHRINK * SHRINK),
             scene.truth.small_rmse,
-            "configuration",
-            "samples",
-            "seconds",
-            "RMSE",
-            "equal error",
         );
+        let names = ["configuration", "samples", "seconds", "RMSE", "equal error", "  verdict"];
+        text += &row(&WIDTHS, names);
         for line in &scene.pictures {
             let Some(last) = line.points.last() else { continue };
-            text += &format!(
-                "{:<24}{:>12}{:>12}{:>12.2e}{:>14}  {}\n",
-                line.configuration,
+            let cells = [
+                line.configuration.to_owned(),
                 figure(last.samples, 0),
                 figure(last.seconds.median, 3),
-                last.rmse.median,
+                format!("{:.2e}", last.rmse.median),
                 times(line.time_to_equal_error),
-                verdict(line),
-            );
+                format!("  {}", verdict(line)),
+            ];
+            text += &row(&WIDTHS, cells);
         }
         let reprojected = scene.motion.iter().filter(|moving| moving.filter == motion::FILTERS[1]);
         let lower: Vec<String> = reprojected

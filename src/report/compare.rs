@@ -3,7 +3,7 @@
 //! For: [`Report`], [`HashReport`].
 
 use super::numbers::ratio;
-use super::paragraph::{NAME, row_name};
+use super::text;
 use crate::lane::FUSED;
 use crate::measure::compare::Comparison;
 use crate::wording::{counted, grouped};
@@ -52,11 +52,14 @@ pub fn hash_row(FilmHash { scene, hash }: &FilmHash) -> String {
     format!("{hash}  {}  {scene}\n", if FUSED { "fused" } else { "plain" })
 }
 
+/// The widths of the table's columns.
+const WIDTHS: [isize; 8] = [-24, 11, 11, 11, 23, 12, 12, 12];
+
 /// What stands above the rows of scenes.
 pub fn heading() -> String {
-    format!(
-        "{:<NAME$}{:>11}{:>11}{:>11}{:>23}{:>12}{:>12}{:>12}\n",
-        "scene", "pixels", "samples", "differing", "speed-up", "rmse/f64", "max/f64", "wrong hits"
+    text::row(
+        &WIDTHS,
+        ["scene", "pixels", "samples", "differing", "speed-up", "rmse/f64", "max/f64", "wrong hits"],
     )
 }
 
@@ -64,17 +67,17 @@ pub fn heading() -> String {
 pub fn row(result: &Comparison) -> String {
     let Comparison { scene, pixels, samples, mismatched_pixels, first_mismatch, reference, .. } = result;
     let known = result.speedup_rounds >= FEWEST_ROUNDS;
-    let mut row = format!(
-        "{}{:>11}{:>11}{:>11}{:>23}{:>12.2e}{:>12.2e}{:>12}\n",
-        row_name(scene),
+    let cells = [
+        scene.clone(),
         grouped(pixels),
         grouped(samples),
         grouped(mismatched_pixels),
         if known { ratio(result.speedup, result.speedup_spread) } else { "–".into() },
-        reference.rmse,
-        reference.max_abs,
+        format!("{:.2e}", reference.rmse),
+        format!("{:.2e}", reference.max_abs),
         grouped(reference.mismatched_hits),
-    );
+    ];
+    let mut row = text::row(&WIDTHS, cells);
     if !known {
         row += &format!(
             "  speed-up: {} timed; give --samples {FEWEST_ROUNDS} or more\n",

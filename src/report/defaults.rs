@@ -8,7 +8,7 @@
 use crate::buffers::Features;
 use crate::render::LaneChoice;
 use crate::scene::Scene;
-use crate::traverse::{Methods, linear};
+use crate::traverse::{Methods, features_of};
 use serde::Serialize;
 
 /// A default, and the reason for it.
@@ -30,7 +30,7 @@ impl DefaultReport {
             }
         };
         let (spheres, triangles) = (!scene.spheres.is_empty(), !scene.triangles.is_empty());
-        let hierarchy = linear::features_of(scene).contains(Features::HIERARCHY);
+        let hierarchy = features_of(scene).contains(Features::HIERARCHY);
         add(
             spheres,
             "sphere",

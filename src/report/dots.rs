@@ -3,10 +3,8 @@
 //!
 //! For: [`DotTable`].
 
-use super::axis::{Axis, Range};
-use super::canvas::{Align, Canvas, DrawResult, Ink, Mark, Text, svg};
-use super::labels::bold_width;
-use super::layout::{LINE, MARGIN, TEXT, WIDTH, header};
+use super::drawing::{Ink, LETTER, LINE, MARGIN, WIDTH, stroke, svg, text};
+use super::scale::Scale;
 
 /// A drawing.
 #[derive(Clone, Debug, Default)]
@@ -14,15 +12,9 @@ pub struct DotTable {
     pub title: String,
     /// Explanations, a paragraph each.
     pub notes: Vec<String>,
-    pub rows: Vec<Row>,
+    /// Names, and which is the default.
+    pub rows: Vec<(String, bool)>,
     pub columns: Vec<Column>,
-}
-
-/// A row's name.
-#[derive(Clone, Debug, Default)]
-pub struct Row {
-    pub name: String,
-    pub default: bool,
 }
 
 /// A measure: its name, its unit below it, and a value for each row, with its text.
@@ -30,6 +22,7 @@ pub struct Row {
 pub struct Column {
     pub name: String,
     pub unit: String,
+    /// Otherwise its axis begins at 0.
     pub log: bool,
     pub values: Vec<Option<(f64, String)>>,
 }
@@ -37,141 +30,55 @@ pub struct Column {
 const ROW: i32 = 52;
 /// Between columns.
 const GAP: i32 = 40;
-const RADIUS: i32 = 10;
+/// From a dot's middle to its text, and from an axis to the dot at its lower end.
+const ASIDE: i32 = 20;
+/// Most ticks of an axis.
+const TICKS: usize = 3;
 
-/// The dots and texts in their places.
-struct Layout {
-    size: [i32; 2],
-    texts: Vec<Text>,
-    /// Left and right end of each column.
-    columns: Vec<[i32; 2]>,
-    /// Top and bottom edge of the rows.
-    rows: [i32; 2],
-    /// Each dot's place, and whether it is the default's.
-    dots: Vec<([i32; 2], bool)>,
+/// The width of a bold text.
+fn width(text: &str) -> i32 {
+    LETTER * text.chars().count() as i32
 }
 
 impl DotTable {
-    /// The drawing as the text of an SVG file, without a fixed size on the page.
+    /// The drawing as the text of an SVG file.
     pub fn svg(&self) -> String {
-        let layout = self.layout();
-        svg(&self.title, layout.size, |canvas| layout.draw(canvas))
-    }
-
-    fn layout(&self) -> Layout {
-        let mut texts = Vec::new();
-        let top = header(&mut texts, &self.title, &self.notes) + LINE / 2;
-        let name =
-            |row: &Row| Text { words: row.name.clone(), size: TEXT, bold: row.default, ..Text::default() };
-        let names = self.rows.iter().map(|row| bold_width(&row.name, TEXT)).max().unwrap_or(0);
-        let left = MARGIN + names + GAP;
-        let wide = (WIDTH - MARGIN - left + GAP) / self.columns.len().max(1) as i32 - GAP;
-        let rows = [top + 2 * LINE + 8, top + 2 * LINE + 8 + ROW * self.rows.len() as i32];
-        let middle = |row: usize| rows[0] + ROW * row as i32 + ROW / 2;
-        for (number, row) in self.rows.iter().enumerate() {
-            texts.push(Text { at: [MARGIN, middle(number)], ..name(row) });
-        }
-        let mut layout =
-            Layout { size: [WIDTH, rows[1] + MARGIN], texts, columns: Vec::new(), rows, dots: Vec::new() };
-        for (number, column) in self.columns.iter().enumerate() {
-            let ends = [0, wide].map(|x| left + (wide + GAP) * number as i32 + x);
-            layout.columns.push(ends);
-            let heading = |y, words: &String, ink, bold| {
-                let (at, words) = ([ends[0], y], words.clone());
-                Text { at, words, size: TEXT, ink, bold, ..Text::default() }
-            };
-            layout.texts.push(heading(top + LINE / 2, &column.name, Ink::Text, true));
-            layout.texts.push(heading(top + LINE * 3 / 2, &column.unit, Ink::Remark, false));
-            let values: Vec<f64> = column.values.iter().flatten().map(|(value, _)| *value).collect();
-            let axis = Axis { label: String::new(), log: column.log };
-            // The texts stand to the right of the dots.
-            let text =
-                column.values.iter().flatten().map(|(_, text)| bold_width(text, TEXT)).max().unwrap_or(0);
-            let range = Range::of(
-                &axis,
-                &values,
-                [ends[0] + RADIUS, (ends[1] - text - 2 * RADIUS).max(ends[0] + RADIUS)],
-            );
-            for (row, (value, text)) in
-                column.values.iter().enumerate().filter_map(|(row, one)| Some((row, one.as_ref()?)))
-            {
-                let at = [range.at(*value), middle(row)];
-                let default = self.rows.get(row).is_some_and(|row| row.default);
-                layout.dots.push((at, default));
-                let place = [at[0] + 2 * RADIUS, at[1]];
-                let text =
-                    Text { at: place, words: text.clone(), size: TEXT, bold: default, ..Text::default() };
-                layout.texts.push(Text { align: Align::Left, ..text });
+        svg(&self.title, &self.notes, |top, parts| {
+            let class = |default: bool| if default { "strong words" } else { "words" };
+            let first = top + 3 * LINE;
+            let bottom = first + ROW * self.rows.len() as i32;
+            let middle = |row: usize| first + ROW * row as i32 + ROW / 2;
+            let names = self.rows.iter().map(|(name, _)| width(name)).max().unwrap_or(0);
+            let begin = MARGIN + names + GAP;
+            let wide = (WIDTH - MARGIN - begin + GAP) / self.columns.len().max(1) as i32 - GAP;
+            for (row, (name, default)) in self.rows.iter().enumerate() {
+                parts.push(text([MARGIN, middle(row)], "start", class(*default), name));
             }
-        }
-        layout
-    }
-}
-
-impl Layout {
-    fn draw(&self, canvas: &Canvas) -> DrawResult {
-        for &[left, right] in &self.columns {
-            for y in (self.rows[0]..=self.rows[1]).step_by(ROW as usize) {
-                canvas.path(&[[left, y], [right, y]], Ink::Grid, 2, false)?;
+            for (number, column) in self.columns.iter().enumerate() {
+                let left = begin + (wide + GAP) * number as i32;
+                parts.push(text([left, top + LINE], "start", "strong words", &column.name));
+                parts.push(text([left, top + 2 * LINE], "start", "remark", &column.unit));
+                let values = column.values.iter().enumerate();
+                let values: Vec<_> = values
+                    .filter_map(|(row, value)| value.as_ref().map(|(value, text)| (row, *value, text)))
+                    .collect();
+                let numbers: Vec<f64> = values.iter().map(|(_, value, _)| *value).collect();
+                // The texts stand to the right of the dots.
+                let room = values.iter().map(|(_, _, text)| width(text)).max().unwrap_or(0);
+                let ends = [left + ASIDE, left + wide - room - ASIDE];
+                let scale = if column.log { Scale::log } else { Scale::from_zero }(&numbers, TICKS, ends);
+                for (at, label) in scale.ticks() {
+                    parts.push(stroke("grid", 2, &[[at, first], [at, bottom]]));
+                    parts.push(text([at, bottom + LINE * 3 / 4], "middle", "words", &label));
+                }
+                parts.push(stroke("remark", 2, &[[left, bottom], [left + wide, bottom]]));
+                for (row, value, words) in values {
+                    let (at, default) = ([scale.at(value), middle(row)], self.rows[row].1);
+                    parts.push(if default { Ink::Main } else { Ink::Line(7) }.marks(&[at]));
+                    parts.push(text([at[0] + ASIDE, at[1]], "start", class(default), words));
+                }
             }
-            canvas.path(&[[left, self.rows[0]], [left, self.rows[1]]], Ink::Behind, 2, false)?;
-        }
-        for &(at, default) in &self.dots {
-            canvas.mark(at, Mark::Dot, if default { Ink::Default } else { Ink::Behind }, RADIUS)?;
-        }
-        self.texts.iter().try_for_each(|text| canvas.text(text))
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::report::layout::collisions;
-
-    fn table() -> DotTable {
-        let column = |log, values: [f64; 4]| Column {
-            name: "failures".into(),
-            unit: "share of cases".into(),
-            log,
-            values: values.iter().map(|&value| Some((value, format!("{value:.3} %")))).collect(),
-        };
-        DotTable {
-            title: "methods".into(),
-            notes: vec!["a note".into()],
-            rows: ["moller-trumbore-epsilon", "b", "c", "d"]
-                .map(|name| Row { name: name.into(), default: name == "b" })
-                .to_vec(),
-            columns: vec![
-                column(false, [0.5, 1.0, 1.1, 9.0]),
-                column(true, [0.0, 1e-6, 1.0, 100.0]),
-                column(true, [3.0; 4]),
-                column(false, [0.0; 4]),
-            ],
-        }
-    }
-
-    #[test]
-    fn no_text_covers_another_or_a_dot_or_leaves_the_drawing() {
-        let layout = table().layout();
-        assert_eq!(collisions(layout.size, &layout.texts), Vec::<String>::new());
-        assert_eq!(layout.dots.len(), 16);
-        for ([x, y], _) in &layout.dots {
-            for text in &layout.texts {
-                let [left, top, right, bottom] = text.edges();
-                let near = |at: i32, low, high| at + RADIUS > low && at - RADIUS < high;
-                assert!(!(near(*x, left, right) && near(*y, top, bottom)), "{:?} over a dot", text.words);
-            }
-        }
-    }
-
-    #[test]
-    fn larger_values_stand_further_right_and_absent_ones_nowhere() {
-        let mut table = table();
-        let places = |table: &DotTable| table.layout().dots.iter().map(|([x, _], _)| *x).collect::<Vec<_>>();
-        let all = places(&table);
-        assert!(all[..4].is_sorted_by(|a, b| a < b) && all[4..8].is_sorted_by(|a, b| a < b), "{all:?}");
-        table.columns[0].values[1] = None;
-        assert_eq!(places(&table).len(), 15);
-        assert!(DotTable::default().svg().ends_with("</svg>\n"));
+            bottom + 2 * LINE
+        })
     }
 }

@@ -1,35 +1,17 @@
-//! A drawing of a chart: lines or dots, with a name for its file.
+//! What all drawings share: colours for light and dark pages, marks, title and notes.
 //!
 //! For: [`Drawing`], [`file_name`].
 
-use super::dots::DotTable;
-use super::figure::Figure;
+use maud::{Markup, PreEscaped, html};
+use textwrap::wrap;
 
-/// A drawing, and its file name without an extension.
+/// A drawing as the text of an SVG file.
 #[derive(Clone, Debug)]
 pub struct Drawing {
-    /// Without folder and extension.
+    /// Of its file, without folder and extension.
     pub name: String,
-    pub kind: Kind,
-}
-
-/// The form of a drawing.
-#[derive(Clone, Debug)]
-pub enum Kind {
-    /// Curves in planes with common axes.
-    Lines(Figure),
-    /// A row a thing, a column a measure.
-    Dots(DotTable),
-}
-
-impl Drawing {
-    /// The text of an SVG file.
-    pub fn svg(&self) -> String {
-        match &self.kind {
-            Kind::Lines(figure) => figure.svg(),
-            Kind::Dots(table) => table.svg(),
-        }
-    }
+    /// Without a fixed size on the page.
+    pub svg: String,
 }
 
 /// A scene's name as part of a file name: letters and digits, and hyphens for all else.
@@ -38,6 +20,148 @@ pub fn file_name(scene: &str) -> String {
     let name: String = scene.strip_prefix("builtin:").unwrap_or(scene).chars().map(plain).collect();
     let words: Vec<&str> = name.split('-').filter(|word| !word.is_empty()).collect();
     words.join("-")
+}
+
+/// Width of every drawing in its units. It is shown at about half of it.
+pub(super) const WIDTH: i32 = 1_600;
+pub(super) const MARGIN: i32 = 24;
+/// From one line of text to the next.
+pub(super) const LINE: i32 = 34;
+/// Sizes of letters.
+const TITLE: i32 = 34;
+const TEXT: i32 = 25;
+/// Letters of the wider common fonts, because the viewer of a drawing has the font: of bold text, of titles, of
+/// notes.
+pub(super) const LETTER: i32 = 17;
+const TITLE_LETTER: i32 = 23;
+const NOTE_LETTER: i32 = 15;
+
+/// Classes, and their colours on light and on dark paper.
+const INKS: [(&str, [u32; 2]); 6] = [
+    ("paper", [0xff_ff_ff, 0x0d_11_17]),
+    ("grid", [0xe4_e7_eb, 0x2b_31_3a]),
+    ("words", [0x1f_23_28, 0xe6_ed_f3]),
+    ("remark", [0x59_63_6e, 0x9a_a4_ae]),
+    ("front", [0xcb_d5_df, 0x45_50_5c]),
+    ("main", [0x00_72_b2, 0x4f_b0_ec]),
+];
+
+/// The colours of lines: those of Okabe and Ito, which any kind of colour vision distinguishes, darker where
+/// they are too pale on white, and others between them.
+const LINES: [[u32; 2]; 10] = [
+    [0x00_8f_68, 0x12_b8_88],
+    [0xd5_5e_00, 0xf0_7c_22],
+    [0xb0_4a_86, 0xe0_8f_be],
+    [0x8f_65_00, 0xe6_9f_00],
+    [0x6b_4f_c8, 0xa7_93_f0],
+    [0x5e_7a_12, 0xa3_c2_3f],
+    [0xb8_2e_2e, 0xf0_76_76],
+    [0x3b_40_48, 0xc9_d1_d9],
+    [0x0e_7f_8c, 0x45_c4_d0],
+    [0x8a_5a_3c, 0xc9_98_78],
+];
+
+/// The marks of points, as paths around them.
+const MARKS: [&str; 4] = [
+    "m-8 0a8 8 0 1 0 16 0a8 8 0 1 0 -16 0z",
+    "m-9 7h18l-9 -16z",
+    "m-7 -7h14v14h-14z",
+    "m0 -10l10 10l-10 10l-10 -10z",
+];
+
+/// The colour of a line or a dot.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Ink {
+    /// The default's.
+    #[default]
+    Main,
+    /// That of the Pareto front.
+    Front,
+    /// One of [`LINES`] and [`MARKS`], which together tell 20 lines apart.
+    Line(usize),
+}
+
+impl Ink {
+    /// The class of elements of this colour.
+    pub fn class(self) -> String {
+        match self {
+            Self::Main => "main".into(),
+            Self::Front => "front".into(),
+            Self::Line(number) => format!("line-{}", number % LINES.len()),
+        }
+    }
+
+    /// A mark around each of these points.
+    pub fn marks(self, points: &[[i32; 2]]) -> Markup {
+        let shape = MARKS[match self {
+            Self::Line(number) => (number + 1) % MARKS.len(),
+            Self::Main | Self::Front => 0,
+        }];
+        let path: String = points.iter().map(|[x, y]| format!("M{x} {y}{shape}")).collect();
+        html! { path class={ (self.class()) " mark" } d=(path) {} }
+    }
+}
+
+/// Points as an attribute has them.
+pub(super) fn path(points: &[[i32; 2]]) -> String {
+    points.iter().map(|[x, y]| format!("{x},{y} ")).collect()
+}
+
+/// A line of a grid or an axis.
+pub(super) fn stroke(class: &str, width: i32, points: &[[i32; 2]]) -> Markup {
+    html! { polyline class={ (class) " stroke" } stroke-width=(width) points=(path(points)) {} }
+}
+
+/// One line of text; `y` is the middle of its height, `anchor` the part of it that stands at `x`.
+pub(super) fn text([x, y]: [i32; 2], anchor: &str, class: &str, words: &str) -> Markup {
+    let size = if class.starts_with("title") { TITLE } else { TEXT };
+    html! { text x=(x) y=(y) dy="0.35em" text-anchor=(anchor) font-size=(size) class=(class) { (words) } }
+}
+
+/// The text of an SVG file with title and notes, a paragraph each. `draw` adds what stands below a height, and
+/// gives the end of its own.
+pub(super) fn svg(title: &str, notes: &[String], draw: impl FnOnce(i32, &mut Vec<Markup>) -> i32) -> String {
+    let mut y = MARGIN + TITLE / 2;
+    let mut parts = Vec::new();
+    for words in wrap(title, ((WIDTH - 2 * MARGIN) / TITLE_LETTER) as usize) {
+        parts.push(text([MARGIN, y], "start", "title words", &words));
+        y += TITLE * 5 / 4;
+    }
+    for words in notes.iter().flat_map(|note| wrap(note, ((WIDTH - 2 * MARGIN) / NOTE_LETTER) as usize)) {
+        parts.push(text([MARGIN, y], "start", "remark", &words));
+        y += LINE;
+    }
+    let height = draw(y, &mut parts) + MARGIN;
+    let drawing = html! {
+        svg role="img" viewBox={ "0 0 " (WIDTH) " " (height) } xmlns="http://www.w3.org/2000/svg" font-family="sans-serif" {
+            title { (title) }
+            style { (PreEscaped(style())) }
+            rect class="paper mark" width=(WIDTH) height=(height) {}
+            @for part in &parts { (part) }
+        }
+    };
+    drawing.into_string() + "\n"
+}
+
+/// Classes of shapes and colours. The paper too changes on screens set to dark, so a drawing can be read on
+/// any page, whatever that page does.
+fn style() -> String {
+    let lines = LINES.iter().enumerate().map(|(number, colors)| (Ink::Line(number).class(), *colors));
+    let inks: Vec<_> =
+        INKS.map(|(class, colors)| (class.to_owned(), colors)).into_iter().chain(lines).collect();
+    let colors = |dark: usize| -> String {
+        inks.iter()
+            .map(|(class, colors)| format!("svg .{class} {{ color: #{:06x} }}\n", colors[dark]))
+            .collect()
+    };
+    format!(
+        "svg text, svg .mark {{ fill: currentColor }}\n\
+         svg .stroke {{ fill: none; stroke: currentColor }}\n\
+         svg .title, svg .strong {{ font-weight: bold }}\n\
+         {}@media screen and (prefers-color-scheme: dark) {{\n{}}}\n",
+        colors(0),
+        colors(1)
+    )
 }
 
 #[cfg(test)]
@@ -49,5 +173,39 @@ mod tests {
         assert_eq!(file_name("builtin:cornell-spheres"), "cornell-spheres");
         assert_eq!(file_name("../My scenes/Kitchen 2.json"), "my-scenes-kitchen-2-json");
         assert_eq!(file_name("builtin:terrain:2000"), "terrain-2000");
+    }
+
+    #[test]
+    fn drawing_scales_has_a_title_and_colours_for_dark_pages() {
+        let drawn = svg("a < b", &["note ".repeat(40)], |y, _| y);
+        assert!(drawn.starts_with("<svg role=\"img\" viewBox=\"0 0 1600 "), "{drawn}");
+        for part in ["<title>a &lt; b</title>", ".main { color: #0072b2 }", "prefers-color-scheme"] {
+            assert!(drawn.contains(part), "{part} in {drawn}");
+        }
+        assert_eq!(drawn.matches("class=\"remark\"").count(), 3, "{drawn}");
+    }
+
+    /// Relative luminance and contrast as WCAG 2 defines them.
+    #[test]
+    fn text_and_lines_stand_out_on_light_and_on_dark_paper() {
+        let luminance = |color: u32| {
+            let channel = |shift: u32| {
+                let c = f64::from(color >> shift & 255) / 255.0;
+                if c <= 0.04045 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }
+            };
+            0.2126 * channel(16) + 0.7152 * channel(8) + 0.0722 * channel(0)
+        };
+        let papers = INKS[0].1;
+        for (class, colors) in INKS.into_iter().chain(LINES.map(|colors| ("line", colors))) {
+            let least = match class {
+                "paper" | "grid" | "front" => 1.0,
+                "words" | "remark" => 4.5,
+                _ => 3.0,
+            };
+            for (paper, color) in papers.into_iter().zip(colors) {
+                let [a, b] = [paper, color].map(|color| luminance(color) + 0.05);
+                assert!(a.max(b) / a.min(b) >= least, "{class} {color:06x}: {}", a.max(b) / a.min(b));
+            }
+        }
     }
 }

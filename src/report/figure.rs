@@ -1,11 +1,16 @@
-//! What a drawing of lines shows.
+//! Lines in planes with two logarithmic axes, drawn as SVG.
 //!
 //! For: [`Figure`], [`Panel`], [`Line`].
+//!
+//! Planes stand one below the other with shared axes, each with its legend to the right, in the order in which
+//! its lines end.
 
-pub use super::axis::Axis;
-
-/// Most lines of a panel: about as many as an eye follows.
-pub const MOST_LINES: usize = 6;
+use super::drawing::{Ink, LETTER, LINE, MARGIN, WIDTH, path, stroke, svg, text};
+use super::scale::Scale;
+use maud::{Markup, html};
+use std::borrow::Cow;
+use std::cmp::Reverse;
+use textwrap::wrap;
 
 /// A drawing.
 #[derive(Clone, Debug, Default)]
@@ -13,8 +18,9 @@ pub struct Figure {
     pub title: String,
     /// Explanations, a paragraph each.
     pub notes: Vec<String>,
-    pub x: Axis,
-    pub y: Axis,
+    /// The names of the axes.
+    pub x: String,
+    pub y: String,
     pub panels: Vec<Panel>,
 }
 
@@ -25,19 +31,18 @@ pub struct Panel {
     pub lines: Vec<Line>,
 }
 
-/// What distinguishes a line from others.
+/// How a line is drawn.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Look {
-    /// With a colour and a mark of its own.
     #[default]
     Plain,
     /// Thick, its name bold.
     Default,
-    /// Grey: something else is better everywhere.
+    /// Thin: something else is better everywhere.
     Behind,
-    /// A colour, and dashes: outside the comparison.
+    /// Outside the comparison.
     Dashed,
-    /// A broad pale line behind the others, without marks.
+    /// Broad, behind the others, without marks.
     Front,
 }
 
@@ -48,35 +53,123 @@ pub struct Line {
     /// A figure after its name, such as a ratio; may be empty.
     pub figure: String,
     pub look: Look,
+    pub ink: Ink,
     pub points: Vec<[f64; 2]>,
     /// x, and the lower and upper end in y; none or one a point.
     pub band: Vec<[f64; 3]>,
 }
 
-impl Line {
-    /// The words at its end.
-    pub(super) fn label(&self) -> String {
-        let space = if self.figure.is_empty() { "" } else { " " };
-        format!("{}{space}{}", self.name, self.figure)
+/// Left and right edge of the planes, and their height.
+const LEFT: i32 = 136;
+const RIGHT: i32 = 1_090;
+const HEIGHT: i32 = 440;
+/// The sample of a line in the legend, and where its name begins.
+const SAMPLE: [i32; 2] = [RIGHT + 24, RIGHT + 70];
+const NAME: i32 = RIGHT + 84;
+/// Most ticks of an axis.
+const TICKS: usize = 8;
+
+impl Figure {
+    /// The drawing as the text of an SVG file.
+    pub fn svg(&self) -> String {
+        svg(&self.title, &self.notes, |top, parts| {
+            let lines = || self.panels.iter().flat_map(|panel| &panel.lines);
+            let of =
+                |axis: usize| lines().flat_map(move |line| line.points.iter().map(move |point| point[axis]));
+            let bands = lines().flat_map(|line| line.band.iter().flat_map(|band| [band[1], band[2]]));
+            let numbers: Vec<f64> = of(1).chain(bands).collect();
+            let x = Scale::log(&of(0).collect::<Vec<f64>>(), TICKS, [LEFT, RIGHT]);
+            let name = |at, words: &str| text(at, "start", "strong words", &format!("{words} (log scale)"));
+            let mut y = top + LINE;
+            parts.push(name([MARGIN, y], &self.y));
+            for panel in &self.panels {
+                y += if panel.title.is_empty() { LINE } else { 2 * LINE };
+                panel.draw(&x, &Scale::log(&numbers, TICKS, [y + HEIGHT, y]), y, parts);
+                y += HEIGHT.max(panel.legend_height()) + LINE;
+            }
+            parts.push(name([LEFT, y + LINE], &self.x));
+            y + LINE * 3 / 2
+        })
     }
 }
 
 impl Panel {
-    /// Panels of all lines, as equally full as possible; each begins with the lines of `shared`.
-    pub fn split(title: &str, shared: &[Line], lines: Vec<Line>) -> Vec<Self> {
-        let count = lines.len().div_ceil(MOST_LINES - shared.len()).max(1);
-        let each = lines.len().div_ceil(count).max(1);
-        let panel = |(number, lines): (usize, &[Line])| Self {
-            title: match count {
-                1 => title.to_owned(),
-                _ => format!("{title} ({} of {count})", number + 1).trim_start().to_owned(),
-            },
-            lines: shared.iter().chain(lines).cloned().collect(),
-        };
-        if lines.is_empty() {
-            return vec![panel((0, &[]))];
+    fn draw(&self, x: &Scale, y: &Scale, top: i32, parts: &mut Vec<Markup>) {
+        let bottom = top + HEIGHT;
+        if !self.title.is_empty() {
+            parts.push(text([LEFT, top - LINE * 3 / 4], "start", "strong words", &self.title));
         }
-        lines.chunks(each).enumerate().map(panel).collect()
+        for (at, label) in x.ticks() {
+            parts.push(stroke("grid", 2, &[[at, top], [at, bottom]]));
+            parts.push(text([at, bottom + LINE * 3 / 4], "middle", "words", &label));
+        }
+        for (at, label) in y.ticks() {
+            parts.push(stroke("grid", 2, &[[LEFT, at], [RIGHT, at]]));
+            parts.push(text([LEFT - 12, at], "end", "words", &label));
+        }
+        parts.push(stroke("remark", 2, &[[LEFT, top], [LEFT, bottom], [RIGHT, bottom]]));
+        // The thick ones first, so that thinner ones of equal values lie on them.
+        let mut lines: Vec<&Line> = self.lines.iter().filter(|line| !line.points.is_empty()).collect();
+        lines.sort_by_key(|line| Reverse(line.look.thickness()));
+        parts.extend(lines.iter().map(|line| line.drawn(x, y)));
+        // The legend has the order in which they end.
+        lines.sort_by_key(|line| line.points.last().map(|point| y.at(point[1])));
+        let mut row = top + LINE / 2;
+        for line in lines {
+            let [left, right] = SAMPLE;
+            parts.push(line.stroke(&[[left, row], [right, row]], &[[(left + right) / 2, row]]));
+            let class = if line.look == Look::Default { "strong words" } else { "words" };
+            for words in line.label() {
+                parts.push(text([NAME, row], "start", class, &words));
+                row += LINE;
+            }
+        }
+    }
+
+    fn legend_height(&self) -> i32 {
+        self.lines.iter().map(|line| LINE * line.label().len() as i32).sum()
+    }
+}
+
+impl Look {
+    fn thickness(self) -> i32 {
+        match self {
+            Self::Front => 18,
+            Self::Default => 8,
+            Self::Plain | Self::Dashed => 4,
+            Self::Behind => 2,
+        }
+    }
+}
+
+impl Line {
+    /// The words of the legend, in lines that fit.
+    fn label(&self) -> Vec<String> {
+        let words = format!("{} {}", self.name, self.figure);
+        wrap(words.trim_end(), ((WIDTH - NAME) / LETTER) as usize).into_iter().map(Cow::into_owned).collect()
+    }
+
+    fn drawn(&self, x: &Scale, y: &Scale) -> Markup {
+        let points: Vec<[i32; 2]> =
+            self.points.iter().map(|point| [x.at(point[0]), y.at(point[1])]).collect();
+        let below = self.band.iter().map(|band| [x.at(band[0]), y.at(band[1])]);
+        let above = self.band.iter().rev().map(|band| [x.at(band[0]), y.at(band[2])]);
+        let band: Vec<[i32; 2]> = below.chain(above).collect();
+        html! {
+            @if !band.is_empty() {
+                polygon class={ (self.ink.class()) " mark" } opacity="0.15" points=(path(&band)) {}
+            }
+            (self.stroke(&points, &points))
+        }
+    }
+
+    /// A polyline, and marks at some points.
+    fn stroke(&self, points: &[[i32; 2]], marked: &[[i32; 2]]) -> Markup {
+        let (class, dashes) = (self.ink.class(), (self.look == Look::Dashed).then_some("12 8"));
+        html! {
+            polyline class={ (class) " stroke" } stroke-width=(self.look.thickness()) stroke-dasharray=[dashes] points=(path(points)) {}
+            @if self.look != Look::Front { (self.ink.marks(marked)) }
+        }
     }
 }
 
@@ -84,21 +177,40 @@ impl Panel {
 mod tests {
     use super::*;
 
+    fn line(name: &str, points: &[[f64; 2]]) -> Line {
+        Line { name: name.into(), points: points.to_vec(), ..Line::default() }
+    }
+
     #[test]
-    fn more_lines_than_an_eye_follows_go_to_further_panels() {
-        let line = |name: &str| Line { name: name.into(), ..Line::default() };
-        let lines = |count: usize| (0..count).map(|number| line(&number.to_string())).collect();
-        let shared = [line("front"), line("default")];
-        for (count, panels) in [(0, 1), (4, 1), (5, 2), (8, 2), (9, 3)] {
-            let split = Panel::split("group", &shared, lines(count));
-            assert_eq!(split.len(), panels, "{count}");
-            let mut names = Vec::new();
-            for panel in &split {
-                assert!(panel.lines.len() <= MOST_LINES && panel.lines[1].name == "default");
-                names.extend(panel.lines[2..].iter().map(|line| line.name.clone()));
-            }
-            assert_eq!(names, (0..count).map(|number| number.to_string()).collect::<Vec<_>>());
+    fn drawing_holds_names_bands_and_a_tick_for_0() {
+        let falling = line("way", &[[1.0, 1.0], [10.0, 0.1], [100.0, 0.0]]);
+        let panel = Panel { title: "one < two".into(), lines: vec![falling] };
+        let mut figure = Figure { y: "error".into(), panels: vec![panel], ..Figure::default() };
+        let plain = figure.svg();
+        for part in [">one &lt; two<", ">way<", ">0<", ">error (log scale)<", "</svg>"] {
+            assert!(plain.contains(part), "{part}");
         }
-        assert_eq!(Panel::split("group", &shared, lines(5))[1].title, "group (2 of 2)");
+        let line = &mut figure.panels[0].lines[0];
+        line.band = vec![[1.0, 0.5, 2.0], [10.0, 0.05, 0.2]];
+        line.figure = "2×".into();
+        let rich = figure.svg();
+        assert!(rich.contains(">way 2×<") && rich.contains("<polygon") && !plain.contains("<polygon"));
+    }
+
+    #[test]
+    fn nothing_to_draw_is_drawn() {
+        assert!(Figure::default().svg().ends_with("</svg>\n"));
+        let empty = Panel { lines: vec![line("none", &[])], ..Panel::default() };
+        assert!(!Figure { panels: vec![empty], ..Figure::default() }.svg().contains("none<"));
+    }
+
+    #[test]
+    fn legend_names_lines_from_top_to_bottom_as_they_end() {
+        let names = ["low", "a name that is longer than a line of the legend", "high"];
+        let ends = [0.1, 1.0, 10.0];
+        let lines = names.iter().zip(ends).map(|(name, end)| line(name, &[[1.0, 5.0], [2.0, end]])).collect();
+        let drawn = Figure { panels: vec![Panel { lines, ..Panel::default() }], ..Figure::default() }.svg();
+        let places = [">high<", ">a name that is", "the legend<", ">low<"].map(|words| drawn.find(words));
+        assert!(places.is_sorted() && places[0].is_some(), "{places:?}");
     }
 }

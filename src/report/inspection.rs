@@ -4,11 +4,11 @@
 
 use super::defaults::DefaultReport;
 use super::numbers::bytes;
-use super::paragraph::item;
+use super::text::item;
 use super::traversal::{HierarchyReport, TraversalReport};
 use crate::buffers::{EnvironmentLight, Features, LightChoice, Lights};
 use crate::scene::{Filter, Loaded, Material, MaterialKind, Rendering, Scene, Sky, Texture, View};
-use crate::traverse::linear;
+use crate::traverse::features_of;
 use crate::wording::{counted, grouped};
 use glam::Vec3;
 use serde::Serialize;
@@ -161,7 +161,7 @@ impl Inspection {
                 vertical_fov: scene.camera.vertical_fov,
             },
             bounds: Bounds::of(scene),
-            needs: Features::of(scene).with(linear::features_of(scene)).with(lights.needs()).names(),
+            needs: Features::of(scene).with(features_of(scene)).with(lights.needs()).names(),
             lights: LightReport::of(scene, &lights),
             memory_bytes: memory(scene),
             hierarchy: traversal.needs_hierarchy().then(|| HierarchyReport::of(scene)),

@@ -12,10 +12,8 @@
 //! | `dots`, `canvas` | tables of dots; shapes and text as SVG |
 //! | `numbers`, `paragraph`, `busy` | numbers as text; lines of a width; the warning of a busy machine |
 
-pub(crate) mod axis;
 pub(crate) mod bench;
 pub(crate) mod busy;
-pub(crate) mod canvas;
 pub mod chart;
 pub(crate) mod chart_drawings;
 pub(crate) mod chart_kernels;
@@ -26,16 +24,14 @@ pub(crate) mod dots;
 pub(crate) mod drawing;
 pub(crate) mod figure;
 pub(crate) mod inspection;
-pub(crate) mod labels;
-pub(crate) mod layout;
 pub(crate) mod numbers;
 pub mod page;
-pub(crate) mod paragraph;
-pub(crate) mod plot;
 pub(crate) mod rays;
 pub(crate) mod render;
+pub(crate) mod scale;
 pub(crate) mod stability;
 pub(crate) mod stability_table;
 pub(crate) mod stats;
 pub(crate) mod tables;
+pub(crate) mod text;
 pub(crate) mod traversal;

@@ -1,6 +1,6 @@
 //! Numbers as text, in one style for all reports.
 //!
-//! For: [`figure`], [`bytes`], [`percent`], [`ratio`], [`mrays_per_s`].
+//! For: [`figure`], [`bytes`], [`percent`], [`ratio`], [`times`], [`mrays_per_s`].
 
 use crate::wording::grouped;
 use std::time::Duration;
@@ -46,6 +46,16 @@ pub fn ratio(median: f64, [low, high]: [f64; 2]) -> String {
     format!("{median:.2}× ({low:.2}–{high:.2})")
 }
 
+/// A ratio with two digits, or three just around 1; nothing where it is not finite.
+pub fn times(ratio: f64) -> String {
+    match ratio {
+        _ if !ratio.is_finite() => String::new(),
+        _ if ratio < 1.995 => format!("{ratio:.2}×"),
+        _ if ratio < 9.95 => format!("{ratio:.1}×"),
+        _ => format!("{}×", figure(ratio, 0)),
+    }
+}
+
 /// Millions of rays per second.
 pub fn mrays_per_s(rays: u64, time: Duration) -> f64 {
     rays as f64 / time.as_secs_f64().max(1e-9) / 1e6
@@ -88,5 +98,11 @@ mod tests {
         let shares = [0.0, 2.5e-6, 0.000_013, 0.045, 0.5, 0.996, 0.99999, 1.0];
         let texts = ["0 %", "0.00025 %", "0.0013 %", "4.5 %", "50 %", "99.6 %", "99.9 %", "100 %"];
         assert_eq!(shares.map(percent), texts);
+    }
+
+    #[test]
+    fn ratios_have_the_digits_that_tell_them_apart() {
+        assert_eq!([1.004, 0.789, 4.13, 12.4].map(times), ["1.00×", "0.79×", "4.1×", "12×"]);
+        assert_eq!(times(f64::NAN), "");
     }
 }

@@ -1,16 +1,16 @@
-//! A chart as one page of HTML that needs no other file: figures, tables, and the origin of the numbers.
+//! A chart as one page of HTML that needs no other file: drawings, what was found, tables, and a glossary.
 //!
 //! For: [`page`].
 
 use super::chart::{self, Chart};
-use super::chart_drawings::{Measure, display, frames, motion, of_pictures};
+use super::chart_drawings::of_scene;
 use super::chart_kernels::intersection as of_kernels;
 use super::drawing::Drawing;
+use super::numbers::{percent, times};
+use super::stats::engine;
 use crate::measure::chart::SceneChart;
 use crate::measure::chart::configurations::{DEFAULT, GROUPS};
 use crate::measure::chart::display::FILTERS;
-use crate::measure::chart::kernels::Kernel;
-use crate::measure::chart::pictures::Line;
 use crate::measure::quantiles::Spread;
 use crate::measure::stability::methods::MEANINGS;
 use crate::wording::counted;
@@ -22,16 +22,17 @@ const STYLE: &str = "
 body { font: 16px/1.5 sans-serif; max-width: 64rem; margin: 0 auto; padding: 1rem; color: #222; background: #fff }
 h1, h2, h3 { line-height: 1.2 }
 figure { margin: 1rem 0; overflow-x: auto }
-svg { display: block; width: 100%; min-width: 50rem; height: auto }
+figure svg { display: block; width: 100%; min-width: 50rem; height: auto }
 .wide { overflow-x: auto }
-table { border-collapse: collapse; font-size: 0.9rem; font-variant-numeric: tabular-nums }
-th, td { padding: 0.25rem 0.75rem; border-bottom: 1px solid #ccc; text-align: right; white-space: nowrap }
+table { border-collapse: collapse; font-size: 0.85rem; font-variant-numeric: tabular-nums }
+th, td { padding: 0.25rem 0.5rem; border-bottom: 1px solid #ccc; text-align: right; vertical-align: baseline }
 th:first-child, td:first-child, .text { text-align: left }
-td.text { white-space: normal; min-width: 11rem }
+td { white-space: pre }
+td.text { white-space: normal; min-width: 9rem }
 .default { font-weight: bold }
 small { color: #555 }
 @media screen and (prefers-color-scheme: dark) { body { color: #e6edf3; background: #0d1117 } small { color: #9aa4ae } th, td { border-color: #30363d } }
-@media print { svg { min-width: 0 } figure, table { break-inside: avoid } body { max-width: none; font-size: 10px } table { font-size: 7px } th, td { padding: 0.1rem 0.3rem; white-space: normal } figure svg { max-height: 12cm } }
+@media print { figure svg { min-width: 0; max-height: 12cm } figure, table { break-inside: avoid } body { max-width: none; font-size: 10px } table { font-size: 7px } th, td { padding: 0.1rem 0.3rem } }
 ";
 
 /// The words of the page.
@@ -61,11 +62,9 @@ const WORDS: [(&str, &str); 10] = [
     ("FXAA", "a filter that smooths the edges of a displayed picture (Lottes 2009)"),
 ];
 
-/// For an error below that of the ground truth.
-const UNKNOWN: &str = "below the ground truth's";
-
 /// The page.
 pub fn page(chart: &Chart) -> String {
+    let drawings: Vec<[Drawing; 6]> = chart.scenes.iter().map(|scene| of_scene(scene, chart.seeds)).collect();
     let page = html! {
         (DOCTYPE)
         html lang="en" {
@@ -77,85 +76,228 @@ pub fn page(chart: &Chart) -> String {
             }
             body {
                 h1 { "Speed against accuracy" }
-                @for scene in &chart.scenes { (figure(&of_pictures(scene, chart.seeds, Measure::Rmse))) }
-                p { (introduction()) }
-                (verdict(chart))
-                @for scene in &chart.scenes { (of_scene(chart, scene)) }
+                @for [rmse, ..] in &drawings { (figure(rmse)) }
+                (found(chart))
+                @for (scene, drawings) in chart.scenes.iter().zip(&drawings) { (of_one(scene, drawings)) }
                 (intersection(chart))
                 (source(chart))
-                (meanings(chart))
+                (glossary(chart))
             }
         }
     };
     page.into_string()
 }
 
-fn introduction() -> Markup {
+/// What was found, in three sentences.
+fn found(chart: &Chart) -> Markup {
+    let lines = || chart.scenes.iter().flat_map(|scene| scene.pictures.iter().map(move |line| (scene, line)));
+    let scenes = chart.scenes.len();
+    let beaten =
+        lines().filter(|(_, line)| line.configuration == DEFAULT && line.dominated_by.is_some()).count();
+    let default = match beaten {
+        0 => "No other configuration dominates the default.".into(),
+        _ => format!("The default is dominated in {} of {scenes}.", counted(beaten, "scene", "scenes")),
+    };
+    let unlike: usize = lines().filter_map(|(_, line)| line.pictures_unlike_default).sum();
+    let same = match unlike {
+        0 => "Configurations that must give the default's picture gave it, bit by bit.".into(),
+        _ => {
+            let pictures = counted(unlike, "picture", "pictures");
+            format!("{pictures} DIFFERED from the default's where all bits should agree: a bug in octray.")
+        }
+    };
+    let dominated = lines().filter_map(|(scene, line)| {
+        Some(format!("{} in {} by {}", line.configuration, scene.scene, line.dominated_by?))
+    });
     html! {
-        "Every configuration is measured by its time and by its error against a ground truth. Further left is faster, lower is more accurate. \
-         Of two lines the lower left one is better; where they cross, it depends on the time available."
+        h2 { "What was found" }
+        ul { li { (default) } li { (same) } li { (list_of_dominated(dominated.collect())) } }
+        p {
+            small {
+                "Pictures are timed on one thread and at a third of a frame's width and height. Which traversal is the fastest depends on the \
+                 size: measure at yours. Methods that are not robust dominate none here: a picture's error hardly shows their failures; the \
+                 failure rates are below. Some dominated configurations stay on purpose: the scalar path checks SIMD, and naive methods show the \
+                 gain of robust ones."
+            }
+        }
     }
 }
 
-/// The findings in words.
-fn verdict(chart: &Chart) -> Markup {
-    let default =
-        |scene: &SceneChart| scene.pictures.iter().find(|line| line.configuration == DEFAULT).cloned();
-    let undominated = |scene: &&SceneChart| default(scene).is_some_and(|line| line.dominated_by.is_none());
-    let count = chart.scenes.iter().filter(undominated).count();
-    let unlike: usize = chart
-        .scenes
-        .iter()
-        .flat_map(|scene| &scene.pictures)
-        .filter_map(|line| line.pictures_unlike_default)
-        .sum();
-    let slow_equations: Vec<&Kernel> =
-        chart.kernels.iter().filter(|one| one.dominated_by(&chart.kernels).is_some()).collect();
+fn list_of_dominated(all: Vec<String>) -> String {
+    if all.is_empty() { "None is dominated.".into() } else { format!("Dominated: {}.", all.join("; ")) }
+}
+
+/// The tables of a scene, and the drawings that the page does not begin with.
+fn of_one(scene: &SceneChart, [_, relmse, flip, frames, display, motion]: &[Drawing; 6]) -> Markup {
+    let [width, height] = scene.frame_size;
     html! {
-        h2 { "What was found" }
-        ul {
-            li {
-                @if count == chart.scenes.len() { "No other configuration dominates the default." }
-                @else { "The default is dominated in " (counted(chart.scenes.len() - count, "scene", "scenes")) " of " (chart.scenes.len()) "." }
+        h2 { (scene.scene) }
+        (pictures_table(scene))
+        (figure(relmse))
+        (figure(flip))
+        p {
+            small {
+                "Ground truth: " (counted(scene.truth.samples, "sample", "samples")) " per pixel at " (width) "×" (height)
+                " by octray's own default methods, with independent numbers and other seeds. Its own error is " (number(scene.truth.frame_rmse)) ", and "
+                (number(scene.truth.small_rmse)) " at a third of the size" @if scene.truth.cached { " (kept from an earlier run)" }
+                ". The errors above include it; the root mean squares below exclude it."
             }
-            li {
-                @if unlike == 0 { "Configurations that must give the default's picture gave it, bit by bit." }
-                @else { (counted(unlike, "picture", "pictures")) " DIFFERED from the default's where all bits should agree: a bug in octray." }
+        }
+        (figure(frames))
+        (frames_table(scene))
+        (figure(display))
+        (display_table(scene))
+        (figure(motion))
+        (motion_table(scene))
+        p {
+            small {
+                "The camera moves by a quarter of the distance to near surfaces per second, or turns by 30° per second, at 60 frames per second \
+                 of one sample per pixel. Errors are those of the second half of the frames. \
+                 Times of the denoiser and of reprojection include the AOVs (albedo, normal and depth of each pixel)."
             }
-            @for scene in &chart.scenes {
-                @for line in &scene.pictures {
-                    @if let Some(better) = line.dominated_by {
-                        li { (scene.scene) ": " em { (line.configuration) } " is dominated, at its last point by " em { (better) } "." }
+        }
+    }
+}
+
+/// A table of these columns and rows, those of defaults in bold. The first column, and others whose names end
+/// with a colon, are text.
+fn table(columns: &[&str], rows: impl Iterator<Item = (bool, Vec<String>)>) -> Markup {
+    let class = |column: usize| columns.get(column).is_some_and(|name| name.ends_with(':')).then_some("text");
+    html! {
+        div class="wide" {
+            table {
+                tr { @for (number, name) in columns.iter().enumerate() { th class=[class(number)] { (name.trim_end_matches(':')) } } }
+                @for (default, cells) in rows {
+                    tr class=[default.then_some("default")] {
+                        @for (number, cell) in cells.iter().enumerate() { td class=[class(number)] { (cell) } }
                     }
                 }
             }
-            @for kernel in slow_equations {
-                @let by = kernel.dominated_by(&chart.kernels).map_or("", |other| other.method);
-                li { (kernel.family) " method " em { (kernel.method) } ", " (lanes(kernel)) ", is dominated by " em { (by) } "." }
-            }
         }
-        p {
-            small {
-                "Pictures are timed on one thread and at a third of a frame's width and height: which traversal is the fastest depends on the size, so \
-                 measure at yours. In pictures, methods that are not robust are compared with all others, but dominate none: their failures hardly \
-                 show in a picture's error; the failure rates are below."
-            }
-        }
-        p { small { "Some dominated configurations are kept on purpose: the scalar path checks SIMD, and naive methods show the gain of robust ones." } }
     }
 }
 
-/// What differs from the default in each configuration that the chart shows.
-fn meanings(chart: &Chart) -> Markup {
+fn pictures_table(scene: &SceneChart) -> Markup {
+    let rows = scene.pictures.iter().filter_map(|line| {
+        let point = line.points.last()?;
+        let errors = [point.rmse, point.relmse, point.relmse_trimmed, point.flip];
+        let mut cells = vec![
+            line.configuration.into(),
+            chart::verdict(line),
+            times(line.time_to_equal_error),
+            format!("{:.0}", point.samples),
+            spread(&point.seconds),
+        ];
+        cells.extend(errors.map(|error| number(error.median)));
+        Some((line.configuration == DEFAULT, cells))
+    });
+    table(
+        &[
+            "configuration",
+            "verdict:",
+            "time to equal error",
+            "samples",
+            "seconds",
+            "RMSE",
+            "relMSE",
+            "relMSE, trimmed",
+            "FLIP",
+        ],
+        rows,
+    )
+}
+
+fn frames_table(scene: &SceneChart) -> Markup {
+    let moments = scene.frames.iter().take(1).flat_map(|frames| &frames.moments);
+    let moments: Vec<String> = moments.map(|moment| format!("RMSE after {:.2} s", moment.after_s)).collect();
+    let mut columns = vec!["configuration", "frames per second"];
+    columns.extend(moments.iter().flat_map(|moment| [moment, "FLIP"]));
+    let rows = scene.frames.iter().map(|frames| {
+        let mut cells = vec![frames.configuration.into(), spread(&frames.fps)];
+        cells.extend(frames.moments.iter().flat_map(|moment| [rmse(&moment.rmse), spread(&moment.flip)]));
+        (frames.configuration == DEFAULT, cells)
+    });
+    table(&columns, rows)
+}
+
+fn display_table(scene: &SceneChart) -> Markup {
+    let rows = scene.display.iter().map(|shown| {
+        let times = [shown.flip, shown.frame_ms, shown.filter_ms].map(|of| spread(&of));
+        let mut cells = vec![shown.filter.to_owned(), shown.samples.to_string(), rmse(&shown.rmse)];
+        cells.extend(times);
+        (shown.filter == FILTERS[0], cells)
+    });
+    table(&["shown", "samples", "RMSE", "FLIP", "ms to render", "ms to filter"], rows)
+}
+
+fn motion_table(scene: &SceneChart) -> Markup {
+    let rows = scene.motion.iter().map(|moving| {
+        let cells = vec![
+            moving.path.name().into(),
+            moving.filter.into(),
+            moving.rmse.map_or("–".into(), number),
+            moving.times_lower.map_or("–".into(), times),
+            spread(&moving.frame_ms),
+            spread(&moving.filter_ms),
+        ];
+        (moving.filter == FILTERS[0], cells)
+    });
+    table(&["camera", "shown:", "RMSE", "lower by", "ms to render", "ms to filter"], rows)
+}
+
+fn intersection(chart: &Chart) -> Markup {
+    let dominated = chart.kernels.iter().filter_map(|kernel| {
+        let by = kernel.dominated_by(&chart.kernels)?.method;
+        Some(format!("{} {} ({}) by {by}", kernel.family, kernel.method, engine(kernel.lanes)))
+    });
+    let rows = chart.kernels.iter().map(|kernel| {
+        let [low, high] = kernel.ns_spread;
+        let cells = vec![
+            format!("{}: {}", kernel.family, kernel.method),
+            engine(kernel.lanes),
+            format!("{:.2}", kernel.ns),
+            format!("{low:.2}–{high:.2}"),
+            percent(kernel.failures),
+            kernel.p99.map_or("–".into(), number),
+        ];
+        (kernel.default, cells)
+    });
+    html! {
+        h2 { "Intersection methods" }
+        p { "The error of a picture hardly shows where intersection methods fail. The drawings below show it on difficult inputs; " code { "octray stability" } " has more of them." }
+        p { (list_of_dominated(dominated.collect())) }
+        @for drawing in of_kernels(&chart.kernels) { (figure(&drawing)) }
+        (table(&["method", "width:", "ns per test", "10 to 90 %", "fails", "error of t, p99"], rows))
+    }
+}
+
+fn source(chart: &Chart) -> Markup {
+    html! {
+        h2 { "Machine and build" }
+        p {
+            "Machine: " (chart.machine) ". Instruction sets compiled for: " (chart.machine.target_features.join(", ")) ". Taken in "
+            (format!("{:.0} s", chart.seconds)) " of " (format!("{:.0} s", chart.budget_s)) " allowed; up to "
+            (counted(chart.max_bounces, "bounce", "bounces")) ". The same numbers are in chart.json, pictures.csv, frames.csv, display.csv, motion.csv and kernels.csv beside this page."
+        }
+    }
+}
+
+/// What differs from the default in each configuration that the chart shows, what each of its intersection
+/// methods is, and the words of the page.
+fn glossary(chart: &Chart) -> Markup {
     let shown = |name: &str| {
         chart.scenes.iter().flat_map(|scene| &scene.pictures).any(|line| line.configuration == name)
     };
-    let named = GROUPS.into_iter().flat_map(|(_, named)| named).filter(|(name, _)| shown(name));
+    let configurations = GROUPS.into_iter().flat_map(|(_, named)| named).filter(|(name, _)| shown(name));
+    let measured = |name: &str| chart.kernels.iter().any(|kernel| kernel.method == name);
     html! {
-        h2 { "What the names of lines mean" }
+        h2 { "What the names of configurations mean" }
         p { "The default has the methods that " code { "octray render" } " takes without options. Every other configuration differs from it in one thing:" }
-        (explained(named.copied()))
+        (explained(configurations.copied()))
+        h2 { "What the names of intersection methods mean" }
+        (explained(MEANINGS.into_iter().filter(|(name, _)| measured(name))))
         h2 { "What the words mean" }
+        p { "Of two lines the lower left one is better. Where they cross, it depends on the time available." }
         (explained(WORDS.into_iter()))
     }
 }
@@ -171,160 +313,8 @@ fn explained(named: impl Iterator<Item = (&'static str, &'static str)>) -> Marku
     }
 }
 
-fn of_scene(chart: &Chart, scene: &SceneChart) -> Markup {
-    let [width, height] = scene.frame_size;
-    html! {
-        h2 { (scene.scene) }
-        (pictures_table(scene))
-        (figure(&of_pictures(scene, chart.seeds, Measure::Relmse)))
-        (figure(&of_pictures(scene, chart.seeds, Measure::Flip)))
-        p {
-            small {
-                "Ground truth: " (counted(scene.truth.samples, "sample", "samples")) " per pixel at " (width) "×" (height)
-                " by octray's own default methods, with independent numbers and other seeds; its own error is " (number(scene.truth.frame_rmse)) ", and "
-                (number(scene.truth.small_rmse)) " at a third of the size" @if scene.truth.cached { " (kept from an earlier run)" }
-                ". The errors above include it; the root mean squares below exclude it."
-            }
-        }
-        (figure(&frames(scene)))
-        (frames_table(scene))
-        (figure(&display(scene)))
-        (display_table(scene))
-        (figure(&motion(scene)))
-        (motion_table(scene))
-    }
-}
-
-fn pictures_table(scene: &SceneChart) -> Markup {
-    let last = |line: &Line| line.points.last().cloned();
-    html! {
-        div class="wide" {
-            table {
-                tr {
-                    th { "configuration" } th class="text" { "verdict" } th { "time to equal error" } th { "samples" } th { "seconds" }
-                    th { "RMSE" } th { "relMSE" } th { "relMSE, trimmed" } th { "FLIP" }
-                }
-                @for line in &scene.pictures {
-                    @if let Some(point) = last(line) {
-                        tr class=[(line.configuration == DEFAULT).then_some("default")] {
-                            td { (line.configuration) } td class="text" { (chart::verdict(line)) }
-                            td { (times(line.time_to_equal_error)) } td { (format!("{:.0}", point.samples)) }
-                            td { (spread(&point.seconds)) } td { (number(point.rmse.median)) } td { (number(point.relmse.median)) }
-                            td { (number(point.relmse_trimmed.median)) } td { (number(point.flip.median)) }
-                        }
-                    }
-                }
-            }
-        }
-    }
-}
-
-fn frames_table(scene: &SceneChart) -> Markup {
-    html! {
-        div class="wide" {
-            table {
-                tr {
-                    th { "configuration" } th { "frames per second" }
-                    @for moment in scene.frames.iter().take(1).flat_map(|frames| &frames.moments) {
-                        th { "RMSE after " (format!("{:.2} s", moment.after_s)) } th { "FLIP" }
-                    }
-                }
-                @for frames in &scene.frames {
-                    tr class=[(frames.configuration == DEFAULT).then_some("default")] {
-                        td { (frames.configuration) } td { (spread(&frames.fps)) }
-                        @for moment in &frames.moments {
-                            td { @match &moment.rmse { Some(rmse) => (spread(rmse)), None => (UNKNOWN) } }
-                            td { (spread(&moment.flip)) }
-                        }
-                    }
-                }
-            }
-        }
-    }
-}
-
-fn display_table(scene: &SceneChart) -> Markup {
-    html! {
-        div class="wide" {
-            table {
-                tr {
-                    th { "shown" } th { "samples" } th { "RMSE" } th { "FLIP" } th { "ms to render" } th { "ms to filter" }
-                }
-                @for shown in &scene.display {
-                    tr class=[(shown.filter == FILTERS[0]).then_some("default")] {
-                        td { (shown.filter) } td { (shown.samples) }
-                        td { (shown.rmse.as_ref().map_or(UNKNOWN.into(), spread)) } td { (spread(&shown.flip)) }
-                        td { (spread(&shown.frame_ms)) } td { (spread(&shown.filter_ms)) }
-                    }
-                }
-            }
-        }
-    }
-}
-
-fn motion_table(scene: &SceneChart) -> Markup {
-    html! {
-        div class="wide" {
-            table {
-                tr {
-                    th { "camera" } th class="text" { "shown" } th { "RMSE" } th { "lower by" } th { "ms to render" } th { "ms to filter" }
-                }
-                @for moving in &scene.motion {
-                    tr class=[(moving.filter == FILTERS[0]).then_some("default")] {
-                        td { (moving.path.name()) } td class="text" { (moving.filter) }
-                        td { (moving.rmse.map_or("–".into(), number)) } td { (moving.times_lower.map_or("–".into(), times)) }
-                        td { (spread(&moving.frame_ms)) } td { (spread(&moving.filter_ms)) }
-                    }
-                }
-            }
-        }
-        p {
-            small {
-                "The camera moves by a quarter of the distance to near surfaces per second, or turns by 30° per second, at 60 frames per second with one sample per pixel each; errors are those of the second half of the frames. "
-                "Times of the denoiser and of reprojection include the AOVs (albedo, normal and depth of each pixel)."
-            }
-        }
-    }
-}
-
-fn intersection(chart: &Chart) -> Markup {
-    html! {
-        h2 { "Intersection methods" }
-        p { "The error of a picture hardly shows where intersection methods fail. The figures below show it on difficult inputs; " code { "octray stability" } " has more of them." }
-        (explained(MEANINGS.into_iter()))
-        @for drawing in of_kernels(&chart.kernels) { (figure(&drawing)) }
-        div class="wide" {
-            table {
-                tr { th { "method" } th class="text" { "width" } th { "ns per test" } th { "10 to 90 %" } th { "fails" } th { "error of t, p99" } }
-                @for kernel in &chart.kernels {
-                    tr class=[kernel.default.then_some("default")] {
-                        td { (kernel.family) ": " (kernel.method) } td class="text" { (lanes(kernel)) } td { (format!("{:.2}", kernel.ns)) }
-                        td { (format!("{:.2}–{:.2}", kernel.ns_spread[0], kernel.ns_spread[1])) } td { (percent(kernel.failures)) }
-                        td { (kernel.p99.map_or("–".to_owned(), number)) }
-                    }
-                }
-            }
-        }
-    }
-}
-
-fn source(chart: &Chart) -> Markup {
-    html! {
-        h2 { "Machine and build" }
-        p {
-            "Machine: " (chart.machine) ". Instruction sets compiled for: " (chart.machine.target_features.join(", ")) ". Taken in "
-            (format!("{:.0} s", chart.seconds)) " of " (format!("{:.0} s", chart.budget_s)) " allowed; up to "
-            (counted(chart.max_bounces, "bounce", "bounces")) ". The same numbers are in chart.json, pictures.csv, frames.csv, display.csv, motion.csv and kernels.csv beside this page."
-        }
-    }
-}
-
 fn figure(drawing: &Drawing) -> Markup {
-    html! { figure { (PreEscaped(drawing.svg())) } }
-}
-
-fn lanes(kernel: &Kernel) -> &'static str {
-    if kernel.lanes == 1 { "scalar" } else { "SIMD" }
+    html! { figure { (PreEscaped(&drawing.svg)) } }
 }
 
 fn number(x: f64) -> String {
@@ -338,17 +328,15 @@ fn number(x: f64) -> String {
     }
 }
 
-fn times(ratio: f64) -> String {
-    format!("{}×", number(ratio))
-}
-
-fn percent(share: f64) -> String {
-    format!("{} %", number(100.0 * share))
-}
-
+/// The median, and below it the 10 % and 90 % quantiles.
 fn spread(spread: &Spread) -> String {
     if spread.p10 == spread.p90 {
         return number(spread.median);
     }
-    format!("{} ({}–{})", number(spread.median), number(spread.p10), number(spread.p90))
+    format!("{}\n({}–{})", number(spread.median), number(spread.p10), number(spread.p90))
+}
+
+/// Unknown where it is below that of the ground truth.
+fn rmse(known: &Option<Spread>) -> String {
+    known.as_ref().map_or("below the\nground truth's".into(), spread)
 }

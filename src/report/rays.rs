@@ -4,6 +4,7 @@
 
 use super::busy;
 use super::numbers::{bytes, figure};
+use super::text::row as row_of;
 use crate::bvh::check::Statistics;
 use crate::machine::Machine;
 use crate::measure::rays::{BuildTime, FEWEST_PASSES, Measurement};
@@ -95,29 +96,29 @@ pub fn heading(report: &Report) -> String {
             let _ = writeln!(text, "THE HIERARCHY IS INVALID: {}", fault.as_deref().unwrap_or_default());
         }
     }
-    let _ = writeln!(
-        text,
-        "\n{:<9}{:>11}{:>11}  {:<10}{:>6}{:>8}{:>9}{:>19}{:>8}",
-        "kind", "rays", "hits", "traversal", "lanes", "threads", "Mray/s", "10 % to 90 %", "differ"
-    );
-    text
+    let names =
+        ["kind", "rays", "hits", "  traversal", "lanes", "threads", "Mray/s", "10 % to 90 %", "differ"];
+    text + "\n" + &row_of(&WIDTHS, names)
 }
+
+/// The widths of the table's columns.
+const WIDTHS: [isize; 9] = [-9, 11, 11, -12, 6, 8, 9, 19, 8];
 
 /// The row of a kind of rays, a traversal and a number of threads.
 pub fn row(result: &Measurement) -> String {
     let [low, high] = result.mrays_per_s_spread;
-    format!(
-        "{:<9}{:>11}{:>11}  {:<10}{:>6}{:>8}{:>9.2}{:>19}{:>8}\n",
-        result.kind.name(),
+    let cells = [
+        result.kind.name().to_owned(),
         grouped(result.rays),
         grouped(result.hits),
-        result.traversal,
-        result.lanes,
-        result.threads,
-        result.mrays_per_s,
+        format!("  {}", result.traversal),
+        result.lanes.to_string(),
+        result.threads.to_string(),
+        format!("{:.2}", result.mrays_per_s),
         format!("{low:.2} to {high:.2}"),
-        grouped(result.disagreements)
-    )
+        grouped(result.disagreements),
+    ];
+    row_of(&WIDTHS, cells)
 }
 
 /// Names the row whose slow passes are slowest beside its median, where they are below `BUSY` of it. Rows of

@@ -1,17 +1,21 @@
-//! The outcome of a stability recipe as figures: failures along the axis, and errors.
+//! The outcome of a stability recipe as drawings: failures along the axis, and errors.
 //!
-//! For: [`figures`].
+//! For: [`drawings`].
 
-use super::figure::{Axis, Figure, Line, Look, Panel};
+use super::drawing::{Drawing, Ink};
+use super::figure::{Figure, Line, Look, Panel};
 use super::numbers::percent;
 use crate::measure::stability::{Curve, Outcome, Point};
 use crate::wording::grouped;
 
-/// The figures of a recipe, each with a name for its file: failures, and errors where they are measured.
-pub fn figures(outcome: &Outcome) -> Vec<(String, Figure)> {
-    let failures = (outcome.recipe.to_string(), failures(outcome));
-    let errors = outcome.error.map(|error| (format!("{}-error", outcome.recipe), errors(outcome, error)));
-    [Some(failures), errors].into_iter().flatten().collect()
+/// The drawings of a recipe: failures, and errors where they are measured.
+pub fn drawings(outcome: &Outcome) -> Vec<Drawing> {
+    let failures = Drawing { name: outcome.recipe.to_string(), svg: failures(outcome).svg() };
+    let errors = outcome.error.map(|error| Drawing {
+        name: format!("{}-error", outcome.recipe),
+        svg: errors(outcome, error).svg(),
+    });
+    std::iter::once(failures).chain(errors).collect()
 }
 
 fn failures(outcome: &Outcome) -> Figure {
@@ -24,11 +28,8 @@ fn failures(outcome: &Outcome) -> Figure {
     if !open.is_empty() {
         notes.push(format!("The default method has no bound at {}.", open.join(", ")));
     }
-    let of = |curve: &Curve| Line {
-        points: curve.points.iter().map(|point| [point.x, 100.0 * point.rate()]).collect(),
-        ..line(curve)
-    };
-    figure(outcome, notes, "failures, %", in_order(outcome).map(of).collect())
+    let points = |curve: &Curve| curve.points.iter().map(|point| [point.x, 100.0 * point.rate()]).collect();
+    figure(outcome, notes, "failures, %", |curve| (points(curve), Vec::new()))
 }
 
 fn errors(outcome: &Outcome, error: &str) -> Figure {
@@ -43,30 +44,39 @@ fn errors(outcome: &Outcome, error: &str) -> Figure {
         let points = with(|point| point.p99).map(|(x, p99)| [x, p99]).collect();
         let spread = with(|point| point.p50).zip(with(|point| point.max));
         let band = spread.map(|((x, p50), (_, max))| [x, p50, max]);
-        Line { points, band: if curve.default { band.collect() } else { Vec::new() }, ..line(curve) }
+        (points, if curve.default { band.collect() } else { Vec::new() })
     };
-    figure(outcome, notes, error, in_order(outcome).map(of).collect())
+    figure(outcome, notes, error, of)
 }
 
-/// The default first, so that it has the same colour in all figures.
+/// The default first.
 fn in_order(outcome: &Outcome) -> impl Iterator<Item = &Curve> {
     let of = |default| outcome.curves.iter().filter(move |curve| curve.default == default);
     of(true).chain(of(false))
 }
 
-fn line(curve: &Curve) -> Line {
-    let name = if curve.default { format!("{} (default)", curve.method) } else { curve.method.to_string() };
-    let look = if curve.default { Look::Default } else { Look::Plain };
-    Line { name, look, ..Line::default() }
-}
-
-fn figure(outcome: &Outcome, notes: Vec<String>, y: &str, lines: Vec<Line>) -> Figure {
+/// A line a curve, with the points and the band that `of` gives.
+fn figure(
+    outcome: &Outcome,
+    notes: Vec<String>,
+    y: &str,
+    of: impl Fn(&Curve) -> (Vec<[f64; 2]>, Vec<[f64; 3]>),
+) -> Figure {
+    let line = |(number, curve): (usize, &Curve)| {
+        let (points, band) = of(curve);
+        let (mark, look, ink) = match curve.default {
+            true => (" (default)", Look::Default, Ink::Main),
+            false => ("", Look::Plain, Ink::Line(number)),
+        };
+        Line { name: format!("{}{mark}", curve.method), look, ink, points, band, ..Line::default() }
+    };
+    let lines = in_order(outcome).enumerate().map(line).collect();
     Figure {
         title: outcome.title.to_string(),
         notes,
-        x: Axis { label: outcome.axis.to_string(), log: true },
-        y: Axis { label: y.to_string(), log: true },
-        panels: Panel::split("", &[], lines),
+        x: outcome.axis.to_string(),
+        y: y.to_string(),
+        panels: vec![Panel { lines, ..Panel::default() }],
     }
 }
 
@@ -75,7 +85,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn figures_show_every_method_and_mark_the_default() {
+    fn drawings_show_every_method_and_mark_the_default() {
         let point = |x, failures, p99| Point {
             x,
             tested: 1000,
@@ -101,10 +111,11 @@ mod tests {
             holds: true,
             curves: vec![curve("robust", true), curve("naive", false)],
         };
-        let figures = figures(&outcome);
-        let names: Vec<&str> = figures.iter().map(|(name, _)| name.as_str()).collect();
+        let drawings = drawings(&outcome);
+        let names: Vec<&str> = drawings.iter().map(|drawing| &drawing.name[..]).collect();
         assert_eq!(names, ["far", "far-error"]);
-        let [failures, errors] = [0, 1].map(|number| &figures[number].1.panels[0]);
+        let figures = [super::failures(&outcome), super::errors(&outcome, "|Δt|")];
+        let [failures, errors] = [0, 1].map(|number| &figures[number].panels[0]);
         assert_eq!(failures.lines[0].points, [[1.0, 0.0], [10.0, 0.5]]);
         assert_eq!(
             failures.lines.iter().map(|line| line.look).collect::<Vec<_>>(),
@@ -112,6 +123,6 @@ mod tests {
         );
         assert!(failures.lines[0].name.contains("default") && !failures.lines[1].name.contains("default"));
         assert_eq!((&errors.lines[1].points[..], errors.lines[0].band.len()), (&[[1.0, 1e-6]][..], 1));
-        assert_eq!(super::figures(&Outcome { error: None, ..outcome }).len(), 1);
+        assert_eq!(super::drawings(&Outcome { error: None, ..outcome }).len(), 1);
     }
 }

@@ -3,6 +3,7 @@
 //! For: [`Report`], [`table`], [`verdict`].
 
 use super::numbers::percent;
+use super::text::row;
 use crate::machine::Machine;
 use crate::measure::stability::{Bound, Curve, Outcome, Point};
 use crate::wording::{counted, grouped};
@@ -24,8 +25,8 @@ pub struct Report {
     pub recipes: Vec<Outcome>,
 }
 
-/// Columns of a name and of a figure.
-const NAME: usize = 26;
+/// Width of the column of names, and of those of figures.
+const NAME: isize = -28;
 const FIGURE: usize = 8;
 
 /// A recipe: a row a method for its failures, and a second row for its error where that is measured.
@@ -36,25 +37,21 @@ pub fn table(outcome: &Outcome) -> String {
         let _ = write!(text, "; below it {error}, 99th percentile");
     }
     let _ = writeln!(text, "\n  by {axis}:");
-    let row = |text: &mut String, name: &str, figure: &dyn Fn(&Point) -> String, points: &[Point]| {
-        let _ = write!(text, "  {name:<NAME$}");
-        points.iter().for_each(|point| {
-            let _ = write!(text, "{:>FIGURE$}", figure(point));
-        });
-        text.push('\n');
-    };
     let places = curves.first().map_or(&[][..], |curve| &curve.points);
-    row(&mut text, "", &|point| place(point.x), places);
+    let widths = [&[NAME][..], &vec![FIGURE as isize; places.len()]].concat();
+    let mut add = |name: String, figure: &dyn Fn(&Point) -> String, points: &[Point]| {
+        text += &row(&widths, std::iter::once(name).chain(points.iter().map(figure)));
+    };
+    add(String::new(), &|point| place(point.x), places);
     for Curve { method, default, points } in curves {
-        let name = format!("{method}{}", if *default { " *" } else { "" });
         let failures = |point: &Point| {
             let share = percent(point.rate()).trim_end_matches(" %").to_string();
             if point.promises_nothing() { format!("({share})") } else { share }
         };
-        row(&mut text, &name, &failures, points);
+        add(format!("  {method}{}", if *default { " *" } else { "" }), &failures, points);
         if error.is_some() {
             let error = |point: &Point| point.p99.map_or("-".into(), |p99| format!("{p99:.1e}"));
-            row(&mut text, "", &error, points);
+            add(String::new(), &error, points);
         }
     }
     for Point { x, failures, tested, p99, bound, .. } in outcome.faults() {

@@ -3,10 +3,9 @@
 //! For: [`frames`], [`meaning_of_frames`], [`rays`].
 
 use super::numbers::figure;
-use super::paragraph::paragraph;
+use super::text::{paragraph, row};
 use crate::measure::stats::{BounceStats, FrameStats, PerRay, RayStats, TestStats};
 use crate::wording::{counted, grouped};
-use std::fmt::Write;
 
 /// Most bounces that a table shows; the JSON report has all.
 const MOST_BOUNCES: usize = 12;
@@ -26,50 +25,55 @@ bounces in all rays. From two bounces on, tiles share packets: more of them with
 
 /// A table with one column for each of `columns`; `heading` stands above the names of the rows.
 pub fn frames(heading: &str, columns: &[&FrameStats]) -> String {
-    let mut table = Table { text: String::from("\n") };
-    table.row(heading, columns.iter().map(|column| heading_of(column)));
+    let widths = [&[-28][..], &vec![22; columns.len()]].concat();
+    let mut text = String::from("\n");
+    let mut add = |name: &str, cell: &dyn Fn(&FrameStats) -> String| {
+        let cells = columns.iter().map(|column| cell(column));
+        text += &row(&widths, std::iter::once(name.to_owned()).chain(cells));
+    };
+    add(heading, &heading_of);
     for (at, stage) in columns[0].stages.iter().enumerate() {
-        let of = |column: &&FrameStats| {
+        let of = |column: &FrameStats| {
             let stage = &column.stages[at];
             let time = format!("{} ns", figure(stage.ns_per_ray, 1));
             format!("{time} {:>5.1} %", 100.0 * stage.share)
         };
         if columns.iter().any(|column| column.stages[at].seconds > 0.0) {
-            table.row(stage.stage, columns.iter().map(of));
+            add(stage.stage, &of);
         }
     }
     for (at, kind) in columns[0].kinds.iter().enumerate() {
-        let share = |column: &&FrameStats| {
+        let share = |column: &FrameStats| {
             let rays = column.kinds[at].rays as f64;
             let frames = f64::from(column.frames.max(1));
             let share = 100.0 * rays / (column.rays as f64).max(1.0);
             format!("{} {share:>5.1} %", grouped(format!("{:.0}", rays / frames)))
         };
-        table.row(&format!("{} rays a sample", kind.kind), columns.iter().map(share));
+        add(&format!("{} rays a sample", kind.kind), &share);
         for (what, of) in KINDS {
-            let counted = |column: &&FrameStats| of(&column.kinds[at].tests).tests > 0;
-            if columns.iter().any(counted) {
-                let cell = |column: &&FrameStats| cell(of(&column.kinds[at].tests));
-                table.row(&format!("  {what} tests a ray"), columns.iter().map(cell));
+            let counted = |column: &FrameStats| of(&column.kinds[at].tests).tests > 0;
+            if columns.iter().any(|column| counted(column)) {
+                let cell = |column: &FrameStats| cell(of(&column.kinds[at].tests));
+                add(&format!("  {what} tests a ray"), &cell);
             }
         }
     }
     let bounces = columns.iter().map(|column| column.bounces.len()).max().unwrap_or(0);
     for bounce in 0..bounces.min(MOST_BOUNCES) {
-        let of = |column: &&FrameStats| {
+        let of = |column: &FrameStats| {
             let lanes = |bounce: &BounceStats| {
                 let share = 100.0 * bounce.rays as f64 / column.rays as f64;
                 format!("{:.1} % {share:>5.1} %", 100.0 * bounce.lanes_in_use)
             };
             column.bounces.get(bounce).map_or(String::new(), lanes)
         };
-        table.row(&format!("lanes in use, bounce {bounce}"), columns.iter().map(of));
+        add(&format!("lanes in use, bounce {bounce}"), &of);
     }
     if bounces > MOST_BOUNCES {
         let more = counted(bounces - MOST_BOUNCES, "bounce", "bounces");
-        let _ = writeln!(table.text, "  (and {more} more: --json has them)");
+        text += &format!("  (and {more} more: --json has them)\n");
     }
-    table.text
+    text
 }
 
 /// What the tables of [`frames`] mean.
@@ -79,13 +83,14 @@ pub fn meaning_of_frames() -> String {
 
 /// A row for each kind of rays and traversal.
 pub fn rays(rows: &[RayStats]) -> String {
-    let mut text = format!("\n{:<9}{:<10}", "kind", "traversal");
-    KINDS.iter().for_each(|(what, _)| text.push_str(&format!("{:>24}", format!("{what} tests a ray"))));
-    text.push('\n');
-    for row in rows {
-        let _ = write!(text, "{:<9}{:<10}", row.kind.name(), row.traversal);
-        KINDS.iter().for_each(|(_, of)| text.push_str(&format!("{:>24}", cell(of(&row.tests)))));
-        text.push('\n');
+    const WIDTHS: [isize; 5] = [-9, -10, 24, 24, 24];
+    let names = KINDS.map(|(what, _)| format!("{what} tests a ray"));
+    let mut text =
+        "\n".to_owned() + &row(&WIDTHS, ["kind".into(), "traversal".into()].into_iter().chain(names));
+    for of_kind in rows {
+        let cells = KINDS.map(|(_, of)| cell(of(&of_kind.tests)));
+        let names = [of_kind.kind.name().to_owned(), of_kind.traversal.to_string()];
+        text += &row(&WIDTHS, names.into_iter().chain(cells));
     }
     text + &paragraph(TESTS)
 }
@@ -114,18 +119,4 @@ fn heading_of(column: &FrameStats) -> String {
 /// A width in words.
 pub fn engine(lanes: usize) -> String {
     if lanes == 1 { "scalar".into() } else { format!("{lanes} lanes") }
-}
-
-struct Table {
-    text: String,
-}
-
-impl Table {
-    fn row(&mut self, name: &str, cells: impl Iterator<Item = String>) {
-        let _ = write!(self.text, "{name:<28}");
-        cells.for_each(|cell| {
-            let _ = write!(self.text, "{cell:>22}");
-        });
-        self.text.push('\n');
-    }
 }

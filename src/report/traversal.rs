@@ -9,7 +9,7 @@ use crate::machine;
 use crate::measure::rays::{self, BuildTime};
 use crate::measure::trace::TraceMethod;
 use crate::scene::Scene;
-use crate::traverse::{Methods, linear};
+use crate::traverse::{MAX_LIST_COST, Methods, TRIANGLE_COST, list_cost};
 use crate::wording::{counted, grouped};
 use serde::Serialize;
 
@@ -51,8 +51,8 @@ impl TraversalReport {
             // The same for all rays: a traversal itself finds out which rays are coherent.
             primary: traversal.name(),
             bounces: traversal.name(),
-            linear_cost: linear::cost(scene),
-            most_linear_cost: linear::MAX_COST,
+            linear_cost: list_cost(scene),
+            most_linear_cost: MAX_LIST_COST,
         }
     }
 
@@ -71,7 +71,7 @@ impl TraversalReport {
         let cost = format!(
             "testing everything would cost a ray {} (1 a sphere, {} a triangle)",
             grouped(*linear_cost),
-            linear::TRIANGLE_COST
+            TRIANGLE_COST
         );
         let why = format!("{cost}; {relation} {most_linear_cost}, {faster}");
         [("traversal", format!("{primary} for primary rays, {bounces} for bounces")), ("why", why)]

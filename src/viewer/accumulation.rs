@@ -8,6 +8,7 @@ use super::timing::{RateMeter, Summary};
 use octray_engine::film::Film;
 use octray_engine::render::{RenderObserver, Renderer};
 use octray_formats::scene::{Camera, Scene};
+use std::sync::atomic::Ordering::Acquire;
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -66,8 +67,8 @@ struct SampleWatch<'a> {
 
 impl RenderObserver for SampleWatch<'_> {
     fn is_cancelled(&self) -> bool {
-        self.exchange.is_closed()
-            || (self.optional && self.exchange.is_notified() && Instant::now() >= self.due)
+        let Exchange { closed, notified, .. } = self.exchange;
+        closed.load(Acquire) || (self.optional && notified.load(Acquire) && Instant::now() >= self.due)
     }
     fn sample_done(&self, _pixels: usize, _rays: u64) {}
 }
@@ -168,7 +169,7 @@ impl Accumulation {
                 rates.sample(renderer.settings().lanes, self.film.rays() - before.1, time);
                 self.sample_time = time;
             }
-            if exchange.is_closed() || Instant::now() + self.sample_time / 2 >= due {
+            if exchange.closed.load(Acquire) || Instant::now() + self.sample_time / 2 >= due {
                 return;
             }
         }
@@ -202,6 +203,7 @@ mod tests {
     use super::*;
     use octray_engine::render::Settings;
     use octray_formats::scene::load;
+    use std::sync::atomic::Ordering::Release;
 
     fn start() -> (Renderer, Scene, Accumulation) {
         let scene = load("builtin:three").unwrap();
@@ -270,7 +272,7 @@ mod tests {
         let (renderer, _, mut accumulation) = start();
         let (exchange, mut rates, mut summary) =
             (Exchange::default(), RateMeter::default(), Summary::default());
-        exchange.notify();
+        exchange.notified.store(true, Release);
         accumulation.accumulate(&renderer, 1e9, &exchange, (&mut rates, &mut summary));
         assert_eq!(
             accumulation.film.samples(),
@@ -278,7 +280,7 @@ mod tests {
             "the first sample of a picture is never cancelled by an event"
         );
         accumulation.film.clear();
-        exchange.close();
+        exchange.closed.store(true, Release);
         accumulation.accumulate(&renderer, 1.0, &exchange, (&mut rates, &mut summary));
         assert_eq!(accumulation.film.most_samples(), 0);
         accumulation.equalize_samples(&renderer);
@@ -296,13 +298,13 @@ mod tests {
         };
         assert_eq!(accumulate(&mut accumulation, &renderer, &exchange), 1);
         assert_eq!(accumulate(&mut accumulation, &renderer, &exchange), 2);
-        exchange.notify();
+        exchange.notified.store(true, Release);
         assert_eq!(
             accumulate(&mut accumulation, &renderer, &exchange),
             2,
             "an event cancels the next sample"
         );
-        exchange.clear_notification();
+        exchange.notified.store(false, Release);
         // One pixel, so that it has all of its samples soon.
         let scene = load("builtin:three").unwrap();
         let renderer = Renderer::new(&scene, Settings { resolution: [1, 1], ..Settings::of(&scene) });

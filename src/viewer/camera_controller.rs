@@ -1,10 +1,10 @@
 //! The camera controller: moves, turns and zooms the camera by keys and mouse.
 //!
-//! For: [`CameraController`] and [`HeldMotions`].
+//! For: [`CameraController`] and [`Motion`].
 
-use super::keys::Motion;
 use glam::{DQuat, DVec3};
 use octray_formats::scene::Camera;
+use std::collections::BTreeSet;
 
 /// Turning speed of a held arrow key, in radians per second.
 const TURN_SPEED: f64 = 1.2;
@@ -18,21 +18,21 @@ const MAX_PITCH: f64 = 89.0 * std::f64::consts::PI / 180.0;
 const FOV_RANGE: [f32; 2] = [1.0, 150.0];
 const FOV_STEP: f64 = 0.9;
 
-/// The motions whose keys are down.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct HeldMotions([bool; Motion::COUNT]);
-
-impl HeldMotions {
-    pub fn set(&mut self, motion: Motion, held: bool) {
-        self.0[motion as usize] = held;
-    }
-    pub fn is(&self, motion: Motion) -> bool {
-        self.0[motion as usize]
-    }
-    /// −1, 0 or 1.
-    fn axis(&self, back: Motion, forth: Motion) -> f64 {
-        f64::from(self.is(forth)) - f64::from(self.is(back))
-    }
+/// A motion that lasts while a key is held.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Motion {
+    Forward,
+    Back,
+    Left,
+    Right,
+    Up,
+    Down,
+    TurnLeft,
+    TurnRight,
+    TurnUp,
+    TurnDown,
+    /// Makes the other motions four times as fast.
+    Fast,
 }
 
 /// A camera that keys and mouse move. Until it is moved, it has the bits of the scene's camera.
@@ -83,15 +83,16 @@ impl CameraController {
 
     /// Applies the held motions for `seconds`, at `speed` scene units per second. Two half steps lead to the
     /// same place as one whole step up to rounding, unless it turns while walking.
-    pub fn advance(&mut self, held: &HeldMotions, seconds: f64, speed: f64) {
-        let pace = if held.is(Motion::Fast) { FAST_FACTOR } else { 1.0 };
+    pub fn advance(&mut self, held: &BTreeSet<Motion>, seconds: f64, speed: f64) {
+        let pace = if held.contains(&Motion::Fast) { FAST_FACTOR } else { 1.0 };
+        let axis = |back, forth| f64::from(held.contains(&forth)) - f64::from(held.contains(&back));
         let turn = TURN_SPEED * pace.sqrt() * self.turn_scale() * seconds;
-        let yaw = held.axis(Motion::TurnRight, Motion::TurnLeft) * turn;
-        let pitch = held.axis(Motion::TurnDown, Motion::TurnUp) * turn;
+        let yaw = axis(Motion::TurnRight, Motion::TurnLeft) * turn;
+        let pitch = axis(Motion::TurnDown, Motion::TurnUp) * turn;
         let (forward, up) = self.forward_and_up();
-        let step = forward * held.axis(Motion::Back, Motion::Forward)
-            + forward.cross(up) * held.axis(Motion::Left, Motion::Right)
-            + up * held.axis(Motion::Down, Motion::Up);
+        let step = forward * axis(Motion::Back, Motion::Forward)
+            + forward.cross(up) * axis(Motion::Left, Motion::Right)
+            + up * axis(Motion::Down, Motion::Up);
         if step == DVec3::ZERO && yaw == 0.0 && pitch == 0.0 {
             return;
         }
@@ -160,10 +161,8 @@ mod tests {
             vertical_fov: 40.0,
         }
     }
-    fn held(motions: &[Motion]) -> HeldMotions {
-        let mut held = HeldMotions::default();
-        motions.iter().for_each(|&motion| held.set(motion, true));
-        held
+    fn held(motions: &[Motion]) -> BTreeSet<Motion> {
+        motions.iter().copied().collect()
     }
     fn after(motions: &[Motion], seconds: f64) -> Camera {
         let mut controller = CameraController::new(home());
@@ -206,7 +205,7 @@ mod tests {
     #[test]
     fn a_camera_that_was_not_moved_is_the_scenes_own() {
         let mut controller = CameraController::new(home());
-        controller.advance(&HeldMotions::default(), 1.0, 2.0);
+        controller.advance(&held(&[]), 1.0, 2.0);
         controller.advance(&held(&[Motion::Fast]), 1.0, 2.0);
         controller.mouse_look([0.0, 0.0]);
         assert_eq!(*controller.camera(), home());

@@ -1,151 +1,91 @@
-//! Draws a frame into a window's pixels: enlarged, with the minimap and text over it.
+//! Draws a frame's picture and minimap at the size of a window or a terminal.
 //!
 //! For: [`Canvas`].
 
 use super::frame::Frame;
-use super::keys;
-use super::layout::{fit, wrap};
-use embedded_graphics::draw_target::DrawTarget;
-use embedded_graphics::geometry::{OriginDimensions, Point, Size};
-use embedded_graphics::mono_font::iso_8859_1::{FONT_7X13, FONT_10X20};
-use embedded_graphics::mono_font::{MonoFont, MonoTextStyle};
-use embedded_graphics::pixelcolor::{Rgb888, RgbColor};
-use embedded_graphics::prelude::{Drawable, Pixel};
-use embedded_graphics::text::{Baseline, Text};
-use std::convert::Infallible;
+use std::ops::Range;
 
-/// Pixels around blocks of text.
-const PADDING: u32 = 6;
-
-/// The pixels of a window, 0x00RRGGBB, row by row from the top.
+/// Pixels, 0x00RRGGBB, row by row from the top.
 pub struct Canvas<'a> {
     pub pixels: &'a mut [u32],
-    pub width: u32,
-    pub height: u32,
+    pub width: usize,
+    pub height: usize,
 }
+
+/// Left, top, width, height.
+type Rectangle = [usize; 4];
 
 impl Canvas<'_> {
-    /// Draws a frame. `columns` is working memory.
-    pub fn draw_frame(&mut self, frame: &Frame, columns: &mut Vec<u32>) {
-        self.enlarge(frame, columns);
-        self.draw_inset(&frame.inset, frame.inset_side);
-        let large = self.width >= 1_500;
-        let below = self.draw_text(&frame.figures, 0, large, Rgb888::WHITE);
-        let below = self.draw_text(&frame.message, below, large, Rgb888::YELLOW);
-        if frame.help {
-            let [columns, lines] = self.text_capacity(below, large);
-            self.draw_text(&keys::help_in(columns, lines).join("\n"), below, large, Rgb888::WHITE);
+    /// Draws the picture as large as it fits, black around it.
+    pub fn draw_picture(&mut self, frame: &Frame) {
+        let size = [frame.width, frame.height].map(|side| side as usize);
+        let area = fit(size, [self.width, self.height]);
+        if area != [0, 0, self.width, self.height] {
+            self.pixels.fill(0);
         }
+        self.resample(&frame.pixels, size, area);
     }
 
-    /// Scales the frame to the window by nearest neighbour; black around it.
-    fn enlarge(&mut self, frame: &Frame, columns: &mut Vec<u32>) {
-        let [left, top, width, height] = fit([frame.width, frame.height], [self.width, self.height]);
-        if width == 0 {
-            return self.pixels.fill(0);
-        }
-        columns.clear();
-        columns.extend((0..width).map(|x| (u64::from(x) * u64::from(frame.width) / u64::from(width)) as u32));
-        let row = self.width as usize;
-        self.pixels[..top as usize * row].fill(0);
-        self.pixels[(top + height) as usize * row..].fill(0);
-        let mut last = None;
+    /// Draws the square minimap into the upper right corner, at most as large as `side`.
+    pub fn draw_minimap(&mut self, frame: &Frame, side: usize, margin: usize) {
+        let own = frame.inset_side as usize;
+        let room = self.width.min(self.height).saturating_sub(margin);
+        let side = if frame.inset.is_empty() { 0 } else { side.min(own).min(room) };
+        let left = self.width.saturating_sub(margin + side);
+        self.resample(&frame.inset, [own; 2], [left, margin, side, side]);
+    }
+
+    /// Draws a picture of a size into an area. Where it becomes smaller, pixels are averaged.
+    fn resample(&mut self, picture: &[u32], size: [usize; 2], [left, top, width, height]: Rectangle) {
+        let columns: Vec<_> = (0..width).map(|x| span(x, width, size[0])).collect();
+        let mut last = 0..0;
         for y in 0..height {
-            let source = (u64::from(y) * u64::from(frame.height) / u64::from(height)) as usize;
-            let start = (top + y) as usize * row;
-            if last == Some(source) {
-                // Same source row as the row above.
-                self.pixels.copy_within(start - row..start, start);
+            let rows = span(y, height, size[1]);
+            let start = (top + y) * self.width + left;
+            if rows == last {
+                // The same as the row above.
+                let above = start - self.width;
+                self.pixels.copy_within(above..above + width, start);
                 continue;
             }
-            last = Some(source);
-            let source = &frame.pixels[source * frame.width as usize..][..frame.width as usize];
-            let target = &mut self.pixels[start..start + row];
-            target[..left as usize].fill(0);
-            target[(left + width) as usize..].fill(0);
-            let shown = target[left as usize..].iter_mut().zip(columns.iter());
-            shown.for_each(|(pixel, &column)| *pixel = source[column as usize]);
-        }
-    }
-
-    /// Draws the square inset in the upper right corner.
-    fn draw_inset(&mut self, inset: &[u32], side: u32) {
-        if inset.is_empty() || side == 0 {
-            return;
-        }
-        let left = self.width.saturating_sub(side + PADDING);
-        for (y, row) in inset.chunks(side as usize).enumerate().take(self.height as usize) {
-            for (x, &pixel) in row.iter().enumerate() {
-                let [x, y] = [left + x as u32, PADDING + y as u32];
-                if x < self.width && y < self.height {
-                    self.pixels[(y * self.width + x) as usize] = pixel;
-                }
+            for (pixel, columns) in self.pixels[start..].iter_mut().zip(&columns) {
+                *pixel = match (rows.len(), columns.len()) {
+                    (1, 1) => picture[rows.start * size[0] + columns.start],
+                    _ => mean(rows.clone().flat_map(|y| &picture[y * size[0]..][columns.clone()])),
+                };
             }
+            last = rows;
         }
-    }
-
-    /// Characters per line, and lines below `top` pixels, that fit the window.
-    fn text_capacity(&self, top: u32, large: bool) -> [usize; 2] {
-        let (_, [across, line]) = font(large);
-        let columns = self.width.saturating_sub(2 * PADDING) / across;
-        let lines = self.height.saturating_sub(top + PADDING) / line;
-        [columns.max(1) as usize, lines as usize]
-    }
-
-    /// Draws lines of text on a darkened background from `top` on; returns where the next text may start.
-    fn draw_text(&mut self, text: &str, top: u32, large: bool, color: Rgb888) -> u32 {
-        if text.is_empty() {
-            return top;
-        }
-        let (font, [across, line]) = font(large);
-        let [room, _] = self.text_capacity(top, large);
-        let lines = || text.lines().flat_map(|line| wrap(line, room));
-        let widest = lines().map(|line| line.chars().count() as u32).max().unwrap_or(0);
-        let width = (widest * across + 2 * PADDING).min(self.width);
-        let height = (lines().count() as u32 * line + PADDING).min(self.height.saturating_sub(top));
-        for y in top..top + height {
-            let start = (y * self.width) as usize;
-            // Darkens to a quarter.
-            let row = &mut self.pixels[start..start + width as usize];
-            row.iter_mut().for_each(|pixel| *pixel = (*pixel >> 2) & 0x3f3f3f);
-        }
-        let style = MonoTextStyle::new(font, color);
-        let mut y = top + PADDING / 2;
-        for words in lines() {
-            let at = Point::new(PADDING as i32, y as i32);
-            let Ok(_) = Text::with_baseline(words, at, style, Baseline::Top).draw(self);
-            y += line;
-        }
-        top + height
     }
 }
 
-/// The font, and the pixels of a character's width and a line's height.
-fn font(large: bool) -> (&'static MonoFont<'static>, [u32; 2]) {
-    let font = if large { &FONT_10X20 } else { &FONT_7X13 };
-    (font, [font.character_size.width, font.character_size.height + 1])
+/// The largest centred area of a picture's aspect ratio in a window.
+fn fit([width, height]: [usize; 2], [across, down]: [usize; 2]) -> Rectangle {
+    if width == 0 || height == 0 || across == 0 || down == 0 {
+        return [0; 4];
+    }
+    let [shown, tall] = match width * down <= height * across {
+        true => [(down * width / height).max(1), down],
+        false => [across, (across * height / width).max(1)],
+    };
+    [(across - shown) / 2, (down - tall) / 2, shown, tall]
 }
 
-impl OriginDimensions for Canvas<'_> {
-    fn size(&self) -> Size {
-        Size::new(self.width, self.height)
-    }
+/// The pixels of `all` that lie under pixel `at` of `count`; at least one.
+fn span(at: usize, count: usize, all: usize) -> Range<usize> {
+    let from = at * all / count;
+    from..((at + 1) * all / count).max(from + 1)
 }
 
-impl DrawTarget for Canvas<'_> {
-    type Color = Rgb888;
-    type Error = Infallible;
-
-    fn draw_iter<I: IntoIterator<Item = Pixel<Rgb888>>>(&mut self, pixels: I) -> Result<(), Infallible> {
-        let (width, height) = (self.width as i32, self.height as i32);
-        for Pixel(Point { x, y }, color) in pixels {
-            if (0..width).contains(&x) && (0..height).contains(&y) {
-                let word = u32::from(color.r()) << 16 | u32::from(color.g()) << 8 | u32::from(color.b());
-                self.pixels[(y * width + x) as usize] = word;
-            }
-        }
-        Ok(())
+fn mean<'a>(pixels: impl Iterator<Item = &'a u32>) -> u32 {
+    let (mut sums, mut count) = ([0u32; 3], 0);
+    for pixel in pixels {
+        let [_, r, g, b] = pixel.to_be_bytes();
+        sums = [sums[0] + u32::from(r), sums[1] + u32::from(g), sums[2] + u32::from(b)];
+        count += 1;
     }
+    let [r, g, b] = sums.map(|sum| (sum + count / 2) / count);
+    r << 16 | g << 8 | b
 }
 
 #[cfg(test)]
@@ -155,9 +95,11 @@ mod tests {
     fn frame() -> Frame {
         Frame { pixels: vec![1, 2, 3, 4, 5, 6], width: 3, height: 2, ..Frame::default() }
     }
-    fn shown(frame: &Frame, width: u32, height: u32) -> Vec<u32> {
-        let mut pixels = vec![9; (width * height) as usize];
-        Canvas { pixels: &mut pixels, width, height }.draw_frame(frame, &mut Vec::new());
+    fn shown(frame: &Frame, width: usize, height: usize) -> Vec<u32> {
+        let mut pixels = vec![9; width * height];
+        let mut canvas = Canvas { pixels: &mut pixels, width, height };
+        canvas.draw_picture(frame);
+        canvas.draw_minimap(frame, 2, 6);
         pixels
     }
 
@@ -173,32 +115,28 @@ mod tests {
     }
 
     #[test]
+    fn a_smaller_picture_has_the_mean_of_its_pixels() {
+        let pixels = vec![0x102030, 0x302010, 0, 0x40, 7, 7, 7, 7];
+        let frame = Frame { pixels, width: 4, height: 2, ..Frame::default() };
+        assert_eq!(shown(&frame, 2, 1), [0x101014, 0x14]);
+    }
+
+    #[test]
     fn the_shape_is_kept_and_what_is_left_is_black() {
         assert_eq!(shown(&frame(), 5, 2), [0, 1, 2, 3, 0, 0, 4, 5, 6, 0]);
         assert_eq!(shown(&frame(), 3, 4), [0, 0, 0, 1, 2, 3, 4, 5, 6, 0, 0, 0]);
         assert_eq!(shown(&Frame::default(), 2, 2), [0; 4]);
+        assert_eq!(fit([240, 135], [960, 540]), [0, 0, 960, 540]);
+        assert_eq!(fit([1, 16_000], [10, 10]), [4, 0, 1, 10]);
     }
 
     #[test]
-    fn text_is_written_over_a_darkened_picture_and_cut_at_the_edge() {
-        let white = Frame { pixels: vec![0xffffff; 1], width: 1, height: 1, ..Frame::default() };
-        let with = Frame { figures: "60 fps · 3×3".to_string(), ..white.clone() };
-        let pixels = shown(&with, 100, 40);
-        let count = |color| pixels.iter().filter(|&&pixel| pixel == color).count();
-        assert!(count(0x3f3f3f) > 500, "darkened");
-        assert_eq!(pixels[39 * 100 + 30..][..40], [0xffffff; 40], "below the text all is as it was");
-        assert!(shown(&with, 100, 3).len() == 300, "no room for a line");
-        let help = Frame { help: true, ..white };
-        assert!(shown(&help, 700, 500).iter().filter(|&&pixel| pixel == 0x3f3f3f).count() > 50_000);
-    }
-
-    #[test]
-    fn an_inset_lies_in_the_upper_right_corner() {
+    fn minimap_lies_in_the_upper_right_corner() {
         let with = Frame { inset: vec![7; 4], inset_side: 2, ..frame() };
         let pixels = shown(&with, 30, 20);
         let at = |x: usize, y: usize| pixels[y * 30 + x];
         assert_eq!((at(22, 6), at(23, 7)), (7, 7));
         assert_ne!(at(24, 6), 7);
-        assert_eq!(shown(&Frame { inset: vec![7; 4], inset_side: 2, ..frame() }, 3, 2).len(), 6);
+        assert_eq!(shown(&with, 3, 2).len(), 6, "no room");
     }
 }

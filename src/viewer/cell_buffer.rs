@@ -3,27 +3,24 @@
 //!
 //! For: [`CellBuffer`].
 
+use super::canvas::Canvas;
 use super::frame::Frame;
 use super::keys;
-use super::layout::{fit, wrap};
 use crossterm::style::{Color, Colors, Print, ResetColor, SetColors};
 use crossterm::{cursor, queue, terminal as screen};
+use std::borrow::Cow;
 use std::io::{self, Write};
+
+/// A character, and its colours: foreground, background; the terminal's own if `None`.
+type Cell = (char, Option<[u32; 2]>);
 
 /// The terminal's present content: only changed cells are written.
 #[derive(Default)]
 pub struct CellBuffer {
-    /// Upper and lower pixel of each cell, row by row.
-    shown: Vec<[u32; 2]>,
+    /// Row by row; empty if unknown.
+    shown: Vec<Cell>,
     size: [u16; 2],
-    /// Lines of text over the picture.
-    lines: Vec<String>,
-    /// The frame at the terminal's size.
-    pixels: Vec<u32>,
 }
-
-/// Marks cells whose content must be written again.
-const STALE: [u32; 2] = [u32::MAX; 2];
 
 impl CellBuffer {
     /// Forces a full redraw.
@@ -36,96 +33,53 @@ impl CellBuffer {
         if columns == 0 || rows == 0 {
             return Ok(());
         }
-        if self.size != size || self.shown.len() != columns * rows {
-            self.size = size;
-            self.shown.clear();
-            self.shown.resize(columns * rows, STALE);
-            self.lines.clear();
+        if self.size != size || self.shown.is_empty() {
+            self.invalidate();
             queue!(out, ResetColor, screen::Clear(screen::ClearType::All))?;
         }
-        self.downsample(frame, [columns as u32, 2 * rows as u32]);
-        let lines = text_of(frame, columns, rows);
-        // Cells that text no longer covers are written again.
-        for (row, line) in self.lines.iter().enumerate().take(rows) {
-            let kept = lines.get(row).map_or(0, |line| line.chars().count());
-            let gone = line.chars().count().min(columns);
-            self.shown[row * columns..][kept.min(gone)..gone].fill(STALE);
-        }
-        let mut colors = None;
-        for row in 0..rows {
-            let covered = lines.get(row).map_or(0, |line| line.chars().count().min(columns));
-            let mut at = None;
-            for column in covered..columns {
-                let cell = [2 * row, 2 * row + 1].map(|y| self.pixels[y * columns + column]);
-                let place = row * columns + column;
-                if self.shown[place] == cell {
-                    continue;
-                }
-                self.shown[place] = cell;
-                if at != Some(column) {
-                    queue!(out, cursor::MoveTo(column as u16, row as u16))?;
-                }
-                if colors != Some(cell) {
-                    colors = Some(cell);
-                    let [upper, lower] = cell.map(color);
-                    queue!(out, SetColors(Colors::new(upper, lower)))?;
-                }
-                queue!(out, Print('▀'))?;
-                at = Some(column + 1);
+        let cells = cells_of(frame, columns, rows);
+        // The cursor, and the colours that are set.
+        let (mut cursor, mut set) = (None, None);
+        for (place, &(character, colors)) in cells.iter().enumerate() {
+            if self.shown.get(place) == Some(&cells[place]) {
+                continue;
             }
-        }
-        for (row, line) in lines.iter().enumerate() {
-            if self.lines.get(row) != Some(line) || self.shown[row * columns] != STALE {
-                queue!(out, ResetColor, cursor::MoveTo(0, row as u16), Print(line))?;
-                let covered = line.chars().count().min(columns);
-                self.shown[row * columns..][..covered].fill(STALE);
+            let [row, column] = [place / columns, place % columns];
+            if cursor != Some(place) || column == 0 {
+                queue!(out, cursor::MoveTo(column as u16, row as u16))?;
             }
+            if set != Some(colors) {
+                set = Some(colors);
+                match colors.map(|colors| colors.map(color)) {
+                    Some([upper, lower]) => queue!(out, SetColors(Colors::new(upper, lower)))?,
+                    None => queue!(out, ResetColor)?,
+                }
+            }
+            queue!(out, Print(character))?;
+            // Other characters of a text may be wider or narrower than a cell.
+            cursor = (colors.is_some() || character.is_ascii()).then_some(place + 1);
         }
         queue!(out, ResetColor)?;
-        self.lines = lines;
+        (self.shown, self.size) = (cells, size);
         Ok(())
-    }
-
-    /// Resamples the frame to the terminal's size by box averages, with the minimap in its corner and black
-    /// around.
-    fn downsample(&mut self, frame: &Frame, [width, height]: [u32; 2]) {
-        self.pixels.clear();
-        self.pixels.resize((width * height) as usize, 0);
-        let [left, top, across, down] = fit([frame.width, frame.height], [width, height]);
-        let inset = if frame.inset.is_empty() { 0 } else { (width.min(height) / 3).min(frame.inset_side) };
-        for y in 0..down {
-            for x in 0..across {
-                let mean = mean(&frame.pixels, [frame.width, frame.height], [x, y], [across, down]);
-                self.pixels[((top + y) * width + left + x) as usize] = mean;
-            }
-        }
-        for y in 0..inset {
-            for x in 0..inset {
-                let side = frame.inset_side;
-                let mean = mean(&frame.inset, [side, side], [x, y], [inset, inset]);
-                self.pixels[(y * width + width - inset + x) as usize] = mean;
-            }
-        }
     }
 }
 
-/// The average of the source pixels under target pixel (x, y), at least of one.
-fn mean(pixels: &[u32], [width, height]: [u32; 2], [x, y]: [u32; 2], [across, down]: [u32; 2]) -> u32 {
-    let span = |at: u32, of: u32, all: u32| {
-        let from = (u64::from(at) * u64::from(all) / u64::from(of)) as u32;
-        let to = (u64::from(at + 1) * u64::from(all) / u64::from(of)) as u32;
-        from..to.max(from + 1)
+/// The cells of a terminal that shows a frame.
+fn cells_of(frame: &Frame, columns: usize, rows: usize) -> Vec<Cell> {
+    let mut pixels = vec![0; 2 * columns * rows];
+    let mut canvas = Canvas { pixels: &mut pixels, width: columns, height: 2 * rows };
+    canvas.draw_picture(frame);
+    canvas.draw_minimap(frame, columns.min(2 * rows) / 3, 0);
+    let pair = |place: usize| {
+        let upper = place / columns * 2 * columns + place % columns;
+        [pixels[upper], pixels[upper + columns]]
     };
-    let (mut sums, mut count) = ([0u32; 3], 0);
-    for y in span(y, down, height) {
-        for x in span(x, across, width) {
-            let [_, r, g, b] = pixels[(y * width + x) as usize].to_be_bytes();
-            sums = [sums[0] + u32::from(r), sums[1] + u32::from(g), sums[2] + u32::from(b)];
-            count += 1;
-        }
+    let mut cells: Vec<Cell> = (0..columns * rows).map(|place| ('▀', Some(pair(place)))).collect();
+    for (row, line) in cells.chunks_mut(columns).zip(text_of(frame, columns, rows)) {
+        row.iter_mut().zip(line.chars()).for_each(|(cell, character)| *cell = (character, None));
     }
-    let [r, g, b] = sums.map(|sum| (sum + count / 2) / count);
-    r << 16 | g << 8 | b
+    cells
 }
 
 fn color(pixel: u32) -> Color {
@@ -135,14 +89,17 @@ fn color(pixel: u32) -> Color {
 
 /// The lines of text over a frame that fit the terminal.
 fn text_of(frame: &Frame, columns: usize, rows: usize) -> Vec<String> {
-    let text = frame.figures.lines().chain(frame.message.lines());
-    let mut lines: Vec<String> = text.flat_map(|line| wrap(line, columns)).map(String::from).collect();
+    let mut lines = Vec::new();
+    for text in [&*frame.figures, &frame.message, if frame.help { "Ctrl-C  end" } else { "" }] {
+        if !text.is_empty() {
+            lines.extend(textwrap::wrap(text, columns).into_iter().map(Cow::into_owned));
+        }
+    }
     if frame.help {
-        lines.push("Ctrl-C  end".to_string());
         lines.extend(keys::help_in(columns, rows.saturating_sub(lines.len())));
     }
     lines.truncate(rows);
-    lines.iter().map(|line| line.chars().take(columns).collect()).collect()
+    lines
 }
 
 #[cfg(test)]
@@ -163,7 +120,28 @@ mod tests {
             assert!(lines.len() <= rows && lines.iter().all(|line| line.chars().count() <= columns));
             assert!(columns < 20 || lines[0] == "Ctrl-C  end");
         }
-        let last = keys::BINDINGS.last().expect("there are some");
-        assert!(text_of(&help, 80, 24).iter().any(|line| line.contains(last.meaning)), "all of it");
+        let last = keys::help().last().expect("there are some");
+        let (_, meaning) = last.split_once("  ").expect("keys and their meaning");
+        assert!(text_of(&help, 80, 24).iter().any(|line| line.contains(meaning.trim())), "all of it");
+    }
+
+    #[test]
+    fn only_what_changes_is_written() {
+        let mut cells = CellBuffer::default();
+        let mut written = |frame: &Frame, size| {
+            let mut out = Vec::new();
+            cells.draw(&mut out, frame, size).unwrap();
+            String::from_utf8(out).unwrap().chars().filter(|&letter| letter == '▀').count()
+        };
+        let mut frame = Frame { pixels: vec![1; 8], width: 4, height: 2, ..Frame::default() };
+        assert_eq!(written(&frame, [4, 1]), 4);
+        assert_eq!(written(&frame, [4, 1]), 0);
+        frame.pixels[2] = 2;
+        assert_eq!(written(&frame, [4, 1]), 1);
+        frame.message = "two".to_string();
+        assert_eq!(written(&frame, [4, 1]), 0, "text over the picture");
+        frame.message.clear();
+        assert_eq!(written(&frame, [4, 1]), 3, "what it covered");
+        assert_eq!(written(&frame, [8, 2]), 16, "another size");
     }
 }

@@ -1,14 +1,15 @@
 //! The settings that keys change while the viewer runs.
 //!
-//! For: [`Controls`], changed by [`Controls::apply`].
+//! For: [`Controls`].
 
 use super::display_mode::DisplayMode;
-use super::keys::Command;
-use octray_engine::render::LaneChoice;
-use octray_engine::tone::{Operator, Tone};
-use octray_engine::traverse::batch::Traversal;
+use super::options::Options;
+use octray_engine::choice::Choice;
+use octray_engine::render::{LaneChoice, Settings};
+use octray_engine::tone::Tone;
 use octray_engine::traverse::{Methods, SphereChoice, TraversalChoice, TriangleChoice};
-use octray_formats::scene::{MAX_BOUNCES, MAX_SIDE, Scene};
+use octray_formats::scene::{Loaded, MAX_BOUNCES, MAX_SIDE, Scene};
+use std::iter;
 
 /// Image-space antialiasing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -21,6 +22,8 @@ pub enum Filter {
 }
 
 impl Filter {
+    pub const ALL: [Self; 3] = [Self::None, Self::Blur, Self::Fxaa];
+
     pub fn name(self) -> &'static str {
         match self {
             Self::None => "no filter",
@@ -42,6 +45,8 @@ pub enum MethodPreset {
 }
 
 impl MethodPreset {
+    pub const ALL: [Self; 4] = [Self::CommandLine, Self::Robust, Self::Fast, Self::Naive];
+
     pub fn name(self) -> &'static str {
         match self {
             Self::CommandLine => "as requested",
@@ -50,32 +55,14 @@ impl MethodPreset {
             Self::Naive => "naive",
         }
     }
-    /// The methods for a scene, given those requested on the command line.
-    pub fn of(self, scene: &Scene, requested: Methods) -> Methods {
-        let Methods { traversal, lights, sampler, .. } = requested;
-        let methods = match self {
-            Self::CommandLine => return requested,
-            Self::Robust => Methods::default(),
-            Self::Fast => Methods::fast(scene),
-            Self::Naive => Methods {
-                sphere: SphereChoice::Naive,
-                triangle: TriangleChoice::MollerTrumbore,
-                ..Methods::default()
-            },
-        };
-        Methods { traversal, lights, sampler, ..methods }
-    }
 }
 
-/// Target frame rates.
-const TARGETS: [Option<u32>; 4] = [None, Some(15), Some(30), Some(60)];
 /// Bounds of [`Controls::scale`].
 const SCALES: [i32; 2] = [-8, 6];
 /// Most pixels that upscaling leads to: 3840×2160, about 1.5 GB.
 const MAX_PIXELS: f64 = 3840.0 * 2160.0;
-/// Bounds of the exposure in stops, and the step of a key.
+/// Bound of the exposure in stops, up and down.
 const MAX_STOPS: f32 = 20.0;
-const STOP_STEP: f32 = 0.5;
 
 /// The present settings.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -131,66 +118,25 @@ impl Controls {
         }
     }
 
-    /// Applies a command; commands that concern no setting change nothing.
-    pub fn apply(&mut self, command: Command) {
-        match command {
-            Command::FewerBounces => self.bounces = self.bounces.saturating_sub(1),
-            Command::MoreBounces => self.bounces = (self.bounces + 1).min(MAX_BOUNCES),
-            Command::Coarser => self.scale = (self.scale - 1).max(SCALES[0]),
-            Command::Finer => self.scale = (self.scale + 1).min(SCALES[1]),
-            Command::NextTarget => self.target = next(&TARGETS, self.target),
-            Command::NextThreads => {
-                self.threads = match self.threads {
-                    all if all >= self.max_threads => 1,
-                    some => (2 * some).min(self.max_threads),
-                }
-            }
-            Command::SwitchLanes => self.scalar = !self.scalar,
-            Command::NextMethods => {
-                let all = [
-                    MethodPreset::CommandLine,
-                    MethodPreset::Robust,
-                    MethodPreset::Fast,
-                    MethodPreset::Naive,
-                ];
-                self.preset = next(&all, self.preset);
-            }
-            Command::NextTraversal => {
-                let through = Traversal::ALL.map(|traversal| Some(TraversalChoice::Through(traversal)));
-                let mut all = vec![None, Some(TraversalChoice::Linear)];
-                all.extend(through);
-                self.traversal = next(&all, self.traversal);
-            }
-            // The command line's exposure may lie beyond the bounds.
-            Command::Brighter if self.tone.exposure < MAX_STOPS => {
-                self.tone.exposure = (self.tone.exposure + STOP_STEP).min(MAX_STOPS);
-            }
-            Command::Darker if self.tone.exposure > -MAX_STOPS => {
-                self.tone.exposure = (self.tone.exposure - STOP_STEP).max(-MAX_STOPS);
-            }
-            Command::NextTone => {
-                self.tone.operator = next(&Operator::ALL, self.tone.operator);
-            }
-            Command::Show(mode) => self.mode = mode,
-            Command::SwitchReprojection => self.reprojection = !self.reprojection,
-            Command::NextFilter => {
-                self.filter = next(&[Filter::None, Filter::Blur, Filter::Fxaa], self.filter)
-            }
-            Command::SwitchDenoiser => self.denoiser = !self.denoiser,
-            Command::SwitchMinimap => self.minimap = !self.minimap,
-            Command::SwitchOverlay => self.overlay = !self.overlay,
-            Command::SwitchHelp => self.help = !self.help,
-            Command::NextScene
-            | Command::PreviousScene
-            | Command::Reload
-            | Command::Home
-            | Command::Narrower
-            | Command::Wider
-            | Command::Screenshot
-            | Command::Brighter
-            | Command::Darker
-            | Command::ReleaseMouse => {}
-        }
+    pub fn add_bounces(&mut self, count: i32) {
+        self.bounces = self.bounces.saturating_add_signed(count).min(MAX_BOUNCES);
+    }
+    pub fn add_scale(&mut self, steps: i32) {
+        self.scale = (self.scale + steps).clamp(SCALES[0], SCALES[1]);
+    }
+    /// The command line's exposure may lie beyond the bounds.
+    pub fn add_exposure(&mut self, stops: f32) {
+        let exposure = &mut self.tone.exposure;
+        *exposure = (*exposure + stops).clamp(exposure.min(-MAX_STOPS), exposure.max(MAX_STOPS));
+    }
+    pub fn next_threads(&mut self) {
+        let all = self.threads >= self.max_threads;
+        self.threads = if all { 1 } else { (2 * self.threads).min(self.max_threads) };
+    }
+    pub fn next_traversal(&mut self) {
+        let others = TraversalChoice::all().iter().filter(|&&choice| choice != TraversalChoice::Needed);
+        let all: Vec<_> = iter::once(None).chain(others.copied().map(Some)).collect();
+        cycle(&mut self.traversal, &all);
     }
 
     /// The resolution for a scene: its own, scaled by [`Self::scale`] and by `factor`, within bounds.
@@ -204,16 +150,42 @@ impl Controls {
     }
 
     /// The methods for a scene, given those requested on the command line.
-    pub fn methods(&self, scene: &Scene, requested: Methods) -> Methods {
-        let methods = self.preset.of(scene, requested);
-        Methods { traversal: self.traversal.unwrap_or(methods.traversal), ..methods }
+    fn methods(&self, scene: &Scene, requested: Methods) -> Methods {
+        let methods = match self.preset {
+            MethodPreset::CommandLine => requested,
+            MethodPreset::Robust => Methods::default(),
+            MethodPreset::Fast => Methods::fast(scene),
+            MethodPreset::Naive => Methods {
+                sphere: SphereChoice::Naive,
+                triangle: TriangleChoice::MollerTrumbore,
+                ..Methods::default()
+            },
+        };
+        let Methods { lights, sampler, .. } = requested;
+        Methods { traversal: self.traversal.unwrap_or(requested.traversal), lights, sampler, ..methods }
+    }
+
+    /// The renderer's settings for a scene.
+    pub fn settings(&self, scene: &Loaded, options: &Options) -> Settings {
+        let lanes = if self.scalar { LaneChoice::One } else { self.lanes };
+        Settings {
+            resolution: self.resolution(options.size.unwrap_or(scene.resolution), 1.0),
+            max_bounces: self.bounces,
+            seed: options.seed,
+            methods: self.methods(scene, (options.methods)(scene)),
+            lanes: lanes.lanes(),
+            threads: self.threads,
+            pipeline: options.pipeline,
+            clamp: options.clamp,
+            ..Settings::of(scene)
+        }
     }
 }
 
-/// The value after `now`; cyclic.
-fn next<T: Copy + PartialEq>(all: &[T], now: T) -> T {
-    let place = all.iter().position(|one| *one == now).map_or(0, |place| place + 1);
-    all[place % all.len()]
+/// Sets a value to the next one in a cycle.
+pub fn cycle<T: Copy + PartialEq>(value: &mut T, all: &[T]) {
+    let next = all.iter().position(|one| one == value).map_or(0, |place| place + 1);
+    *value = all[next % all.len()];
 }
 
 #[cfg(test)]
@@ -225,71 +197,28 @@ mod tests {
     fn controls() -> Controls {
         Controls::new(4, 6, LaneChoice::Eight, Tone::default())
     }
-    fn after(commands: &[Command]) -> Controls {
-        let mut controls = controls();
-        commands.iter().for_each(|&command| controls.apply(command));
-        controls
-    }
-
-    #[test]
-    fn opposites_bring_everything_back() {
-        for (there, back) in [
-            (Command::MoreBounces, Command::FewerBounces),
-            (Command::Coarser, Command::Finer),
-            (Command::Brighter, Command::Darker),
-            (Command::SwitchLanes, Command::SwitchLanes),
-            (Command::SwitchReprojection, Command::SwitchReprojection),
-            (Command::SwitchDenoiser, Command::SwitchDenoiser),
-            (Command::SwitchMinimap, Command::SwitchMinimap),
-            (Command::SwitchOverlay, Command::SwitchOverlay),
-            (Command::SwitchHelp, Command::SwitchHelp),
-            (Command::Show(DisplayMode::Cost), Command::Show(DisplayMode::Picture)),
-        ] {
-            assert_ne!(after(&[there]), controls(), "{there:?} does something");
-            assert_eq!(after(&[there, back]), controls(), "{back:?} undoes {there:?}");
-        }
-    }
-
-    #[test]
-    fn circles_close_after_all_of_their_choices() {
-        for (command, choices) in [
-            (Command::NextTarget, 4),
-            (Command::NextThreads, 4),
-            (Command::NextMethods, 4),
-            (Command::NextTraversal, 7),
-            (Command::NextTone, 3),
-            (Command::NextFilter, 3),
-        ] {
-            for times in 1..choices {
-                assert_ne!(after(&vec![command; times]), controls(), "{command:?} {times}");
-            }
-            assert_eq!(after(&vec![command; choices]), controls(), "{command:?}");
-        }
-        let threads = |times| after(&vec![Command::NextThreads; times]).threads;
-        assert_eq!([1, 2, 3, 4].map(threads), [1, 2, 4, 6]);
-    }
 
     #[test]
     fn bounds_hold() {
-        assert_eq!(after(&[Command::FewerBounces; 9]).bounces, 0);
-        assert_eq!(after(&[Command::Brighter; 99]).tone.exposure, MAX_STOPS);
-        assert_eq!(after(&[Command::Darker; 99]).tone.exposure, -MAX_STOPS);
-        let coarsest = after(&[Command::Coarser; 99]);
-        assert_eq!(coarsest.resolution([240, 135], 1.0), [15, 8]);
-        assert_eq!(coarsest.resolution([240, 135], 1e-9), [14, 8], "a few pixels are left");
-        assert_eq!(coarsest.resolution([3, 2], 1.0), [3, 2], "nothing is made larger by being coarse");
-        let finest = after(&[Command::Finer; 99]);
-        assert_eq!(finest.resolution([240, 135], 1.0), [1920, 1080]);
-        assert_eq!(finest.resolution([1920, 1080], 1.0), [3840, 2160]);
-        assert_eq!(finest.resolution([5000, 4000], 1.0), [5000, 4000], "a scene's own resolution is kept");
-        assert_eq!(finest.resolution([MAX_SIDE, 100], 1.0), [MAX_SIDE, 100]);
-        let bright = Controls::new(4, 6, LaneChoice::Eight, Tone { exposure: 30.0, ..Tone::default() });
-        let pressed = |command| {
-            let mut controls = bright;
-            controls.apply(command);
+        let mut controls = controls();
+        let exposed = |controls: &mut Controls, exposure, stops| {
+            controls.tone.exposure = exposure;
+            controls.add_exposure(stops);
             controls.tone.exposure
         };
-        assert_eq!([Command::Brighter, Command::Darker].map(pressed), [30.0, 29.5]);
+        assert_eq!([19.75, 30.0].map(|from| exposed(&mut controls, from, 0.5)), [MAX_STOPS, 30.0]);
+        assert_eq!([-19.75, 30.0].map(|from| exposed(&mut controls, from, -0.5)), [-MAX_STOPS, 29.5]);
+        (0..9).for_each(|_| controls.add_bounces(-1));
+        assert_eq!(controls.bounces, 0);
+        (0..99).for_each(|_| controls.add_scale(-1));
+        assert_eq!(controls.resolution([240, 135], 1.0), [15, 8]);
+        assert_eq!(controls.resolution([240, 135], 1e-9), [14, 8], "a few pixels are left");
+        assert_eq!(controls.resolution([3, 2], 1.0), [3, 2], "nothing is made larger by being coarse");
+        (0..99).for_each(|_| controls.add_scale(1));
+        assert_eq!(controls.resolution([240, 135], 1.0), [1920, 1080]);
+        assert_eq!(controls.resolution([1920, 1080], 1.0), [3840, 2160]);
+        assert_eq!(controls.resolution([5000, 4000], 1.0), [5000, 4000], "a scene's own resolution is kept");
+        assert_eq!(controls.resolution([MAX_SIDE, 100], 1.0), [MAX_SIDE, 100]);
     }
 
     #[test]
@@ -297,17 +226,16 @@ mod tests {
         let scene = octray_formats::scene::load("builtin:cornell").unwrap();
         let (traversal, lights, sampler) = (TraversalChoice::Linear, LightChoice::Off, Sampler::Random);
         let requested = Methods { traversal, lights, sampler, ..Methods::default() };
-        for preset in
-            [MethodPreset::CommandLine, MethodPreset::Robust, MethodPreset::Fast, MethodPreset::Naive]
-        {
-            let of = preset.of(&scene, requested);
+        let mut controls = controls();
+        for preset in MethodPreset::ALL {
+            controls.preset = preset;
+            let of = controls.methods(&scene, requested);
             assert_eq!((of.traversal, of.lights, of.sampler), (traversal, lights, sampler), "{preset:?}");
         }
-        assert_eq!(MethodPreset::Naive.of(&scene, requested).sphere, SphereChoice::Naive);
-        let mut controls = controls();
-        controls.apply(Command::NextTraversal);
-        controls.apply(Command::NextTraversal);
-        let through = TraversalChoice::Through(Traversal::ALL[0]);
-        assert_eq!(controls.methods(&scene, requested).traversal, through);
+        assert_eq!(controls.methods(&scene, requested).sphere, SphereChoice::Naive);
+        controls.next_traversal();
+        controls.next_traversal();
+        let chosen = TraversalChoice::all()[2];
+        assert_eq!(controls.methods(&scene, requested).traversal, chosen);
     }
 }

@@ -1,12 +1,13 @@
 //! Display modes: the picture, or a false-colour image of normals, depth, cost and the like.
 //!
-//! For: [`DisplayMode`], and [`paint`], which fills a frame's pixels with one.
+//! For: [`DisplayMode`], and the colours of its modes, 0x00RRGGBB.
 
 use glam::Vec3;
 use octray_engine::integrate::aovs::{AovSample, Aovs, Plane};
 use octray_engine::integrate::probe::PathShape;
 use octray_engine::math::MISS;
-use octray_engine::render::aovs::{Cost, Map};
+use octray_engine::render::aovs::Cost;
+use octray_formats::scene::Camera;
 
 /// What a frame shows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -25,112 +26,48 @@ pub enum DisplayMode {
 }
 
 impl DisplayMode {
-    #[cfg(test)]
-    pub const ALL: [Self; 10] = [
-        Self::Picture,
-        Self::Normals,
-        Self::Albedo,
-        Self::Depth,
-        Self::Barycentrics,
-        Self::Lambert,
-        Self::Bounces,
-        Self::Cost,
-        Self::Samples,
-        Self::Lanes,
-    ];
-
-    pub fn name(self) -> &'static str {
+    /// Its name, and what the colours mean.
+    pub fn name_and_legend(self) -> (&'static str, &'static str) {
         match self {
-            Self::Picture => "picture",
-            Self::Normals => "normals",
-            Self::Albedo => "albedo",
-            Self::Depth => "depth",
-            Self::Barycentrics => "barycentrics",
-            Self::Lambert => "n·l",
-            Self::Bounces => "bounces",
-            Self::Cost => "cost",
-            Self::Samples => "samples",
-            Self::Lanes => "lanes",
-        }
-    }
-
-    /// What the colours mean.
-    pub fn legend(self) -> &'static str {
-        match self {
-            Self::Picture => "",
-            Self::Normals => "x red, y green, z blue, from -1 to 1",
-            Self::Albedo => "reflectance of the surface",
+            Self::Picture => ("picture", ""),
+            Self::Normals => ("normals", "x red, y green, z blue, from -1 to 1"),
+            Self::Albedo => ("albedo", "reflectance of the surface"),
             Self::Depth => {
-                "from the nearest, white, to what nine tenths of the pixels are nearer than, black"
+                ("depth", "from the nearest, white, to what nine tenths of the pixels are nearer than, black")
             }
-            Self::Barycentrics => "a triangle's first vertex red, second green, third blue; grey on spheres",
-            Self::Lambert => "normals against a light from above, behind and left of the camera",
-            Self::Bounces => "black none, white all that are allowed, of the last sample",
-            Self::Cost => "tests of boxes and primitives for the camera's ray: black 1, white 1,024 and more",
-            Self::Samples => "samples behind each pixel: black 1, white 65,536 and more",
-            Self::Lanes => {
-                "active lanes of the packets of a pixel's path, each tile traced alone: black 0, white all"
+            Self::Barycentrics => {
+                ("barycentrics", "a triangle's first vertex red, second green, third blue; grey on spheres")
             }
+            Self::Lambert => ("n·l", "normals against a light from above, behind and left of the camera"),
+            Self::Bounces => ("bounces", "black none, white all that are allowed, of the last sample"),
+            Self::Cost => {
+                ("cost", "tests of boxes and primitives for the camera's ray: black 1, white 1,024 and more")
+            }
+            Self::Samples => ("samples", "samples behind each pixel: black 1, white 65,536 and more"),
+            Self::Lanes => (
+                "lanes",
+                "active lanes of the packets of a pixel's path, each tile traced alone: black 0, white all",
+            ),
         }
     }
 }
 
-/// What display modes are painted from.
-pub struct ModeInput<'a> {
-    pub aovs: &'a Aovs,
-    pub shapes: &'a Map<PathShape>,
-    pub costs: &'a Map<Cost>,
-    /// Samples behind each pixel, row by row.
-    pub samples: &'a [f32],
-    /// Direction towards the light of [`DisplayMode::Lambert`], of unit length.
-    pub light: Vec3,
-    /// The distances that [`DisplayMode::Depth`] shows as white and as black: see [`depth_range`].
-    pub range: [f32; 2],
-    /// Bounces allowed, and lanes of a packet.
-    pub max_bounces: u32,
-    pub lanes: usize,
-}
-
-/// Fills pixels (0x00RRGGBB, row by row from the top) in a mode other than the picture.
-pub fn paint(mode: DisplayMode, from: &ModeInput, pixels: &mut [u32]) {
-    let width = from.aovs.resolution()[0] as usize;
-    for (at, pixel) in pixels.iter_mut().enumerate() {
-        let guide = || from.aovs.pixel((at % width) as u32, (at / width) as u32);
-        *pixel = match mode {
-            DisplayMode::Picture => continue,
-            DisplayMode::Normals => normal(&guide()),
-            DisplayMode::Albedo => rgb(guide().albedo.map(encode)),
-            DisplayMode::Depth => grey(depth(&guide(), from.range)),
-            DisplayMode::Barycentrics => barycentrics(&guide()),
-            DisplayMode::Lambert => n_dot_l(&guide(), from.light),
-            DisplayMode::Bounces => {
-                let bounces = from.shapes.pixels[at].segments.saturating_sub(1);
-                heat_map(bounces as f32 / from.max_bounces.max(1) as f32)
-            }
-            DisplayMode::Cost => {
-                let Cost { boxes, primitives } = from.costs.pixels[at];
-                heat_map(((boxes + primitives) as f32).max(1.0).log2() / 10.0)
-            }
-            DisplayMode::Samples => heat_map(from.samples[at].max(1.0).log2() / 16.0),
-            DisplayMode::Lanes => {
-                let PathShape { segments, lanes } = from.shapes.pixels[at];
-                heat_map(lanes as f32 / (segments.max(1) * from.lanes as u32) as f32)
-            }
-        };
-    }
-}
-
-fn normal(guide: &AovSample) -> u32 {
+pub fn normal(guide: &AovSample) -> u32 {
     match guide.object {
         MISS => 0,
         _ => rgb((guide.normal * 0.5 + 0.5).to_array()),
     }
 }
 
-fn depth(guide: &AovSample, [near, far]: [f32; 2]) -> f32 {
+pub fn albedo(guide: &AovSample) -> u32 {
+    rgb(guide.albedo.map(encode))
+}
+
+/// From the distances that are white and black: see [`depth_range`].
+pub fn depth(guide: &AovSample, [near, far]: [f32; 2]) -> u32 {
     // Logarithmic. Infinite distances are black, and so is everything if all distances are equal.
     let near = near.max(far * 1e-3);
-    ((far / guide.distance).ln() / (far / near).ln().max(f32::MIN_POSITIVE)).clamp(0.0, 1.0)
+    grey((far / guide.distance).ln() / (far / near).ln().max(f32::MIN_POSITIVE))
 }
 
 /// The smallest distance and the 90th percentile. `memory` is working memory.
@@ -147,7 +84,7 @@ pub fn depth_range(guides: &Aovs, memory: &mut Vec<f32>) -> [f32; 2] {
     [nearer.iter().copied().fold(far, f32::min), far]
 }
 
-fn barycentrics(guide: &AovSample) -> u32 {
+pub fn barycentrics(guide: &AovSample) -> u32 {
     match guide.weights {
         _ if guide.object == MISS => 0,
         [0.0, 0.0] => grey(0.3),
@@ -155,8 +92,33 @@ fn barycentrics(guide: &AovSample) -> u32 {
     }
 }
 
-fn n_dot_l(guide: &AovSample, light: Vec3) -> u32 {
+/// The cosine to a light in this direction, of unit length: see [`light_behind`].
+pub fn n_dot_l(guide: &AovSample, light: Vec3) -> u32 {
     grey(encode(guide.normal.dot(light).max(0.0)))
+}
+
+/// The direction towards a light above, behind and left of the camera.
+pub fn light_behind(camera: &Camera) -> Vec3 {
+    let up = camera.up.normalize();
+    let sight = (camera.look_at - camera.position).normalize();
+    (up * 0.8 - sight * 0.5 - sight.cross(up).normalize_or(Vec3::ZERO) * 0.4).normalize()
+}
+
+pub fn bounces(shape: &PathShape, max_bounces: u32) -> u32 {
+    heat_map(shape.segments.saturating_sub(1) as f32 / max_bounces.max(1) as f32)
+}
+
+/// `width` is the number of lanes of a packet.
+pub fn lanes(&PathShape { segments, lanes }: &PathShape, width: usize) -> u32 {
+    heat_map(lanes as f32 / (segments.max(1) * width as u32) as f32)
+}
+
+pub fn cost(&Cost { boxes, primitives }: &Cost) -> u32 {
+    heat_map(((boxes + primitives) as f32).max(1.0).log2() / 10.0)
+}
+
+pub fn samples(count: f32) -> u32 {
+    heat_map(count.max(1.0).log2() / 16.0)
 }
 
 /// Approximates sRGB's curve: these colours are for reading, not for measuring.
@@ -212,30 +174,13 @@ mod tests {
 
     #[test]
     fn heat_map_means_what_the_legends_say() {
-        let (mut guides, mut shapes, mut costs) = (Aovs::default(), Map::default(), Map::default());
-        guides.resize([3, 1]);
-        shapes.pixels =
-            [(1, 0), (2, 1), (2, 2)].map(|(segments, lanes)| PathShape { segments, lanes }).into();
-        costs.pixels =
-            [(0, 1), (16, 16), (1_000, 24)].map(|(boxes, primitives)| Cost { boxes, primitives }).into();
-        let sources = ModeInput {
-            aovs: &guides,
-            shapes: &shapes,
-            costs: &costs,
-            samples: &[1.0, 256.0, 65_536.0],
-            light: Vec3::Y,
-            range: [0.0; 2],
-            max_bounces: 2,
-            lanes: 1,
-        };
-        let painted = |mode| {
-            let mut pixels = [0; 3];
-            paint(mode, &sources, &mut pixels);
-            pixels
-        };
         let half = [0.0, 0.5, 1.0].map(heat_map);
-        assert_eq!([DisplayMode::Cost, DisplayMode::Samples, DisplayMode::Lanes].map(painted), [half; 3]);
-        assert_eq!(painted(DisplayMode::Bounces), [0.0, 0.5, 0.5].map(heat_map));
+        let shapes = [(1, 0), (2, 1), (2, 2)].map(|(segments, lanes)| PathShape { segments, lanes });
+        let costs = [(0, 1), (16, 16), (1_000, 24)].map(|(boxes, primitives)| Cost { boxes, primitives });
+        assert_eq!([1.0, 256.0, 65_536.0].map(samples), half);
+        assert_eq!(costs.map(|tests| cost(&tests)), half);
+        assert_eq!(shapes.map(|shape| lanes(&shape, 1)), half);
+        assert_eq!(shapes.map(|shape| bounces(&shape, 2)), [0.0, 0.5, 0.5].map(heat_map));
     }
 
     #[test]
@@ -254,9 +199,9 @@ mod tests {
         assert_eq!(n_dot_l(&guide, Vec3::Y), 0xffffff);
         assert_eq!(n_dot_l(&guide, Vec3::NEG_Y), 0);
         let at = |distance| depth(&AovSample { distance, ..guide }, [2.0, 10.0]);
-        assert_eq!([2.0, 10.0, 99.0].map(at), [1.0, 0.0, 0.0]);
-        assert!((at(20f32.sqrt()) - 0.5).abs() < 1e-6, "half way in ratios");
+        assert_eq!([2.0, 10.0, 99.0].map(at), [0xffffff, 0, 0]);
+        assert_eq!(at(20f32.sqrt()), 0x808080, "half way in ratios");
         let nothing = AovSample { distance: f32::INFINITY, object: MISS, ..guide };
-        assert_eq!((normal(&nothing), barycentrics(&nothing), depth(&nothing, [2.0, 10.0])), (0, 0, 0.0));
+        assert_eq!((normal(&nothing), barycentrics(&nothing), depth(&nothing, [2.0, 10.0])), (0, 0, 0));
     }
 }

@@ -2,8 +2,8 @@
 //!
 //! For: [`Frame`] and `Exchange`.
 
-use std::sync::Mutex;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
+use std::sync::{Mutex, MutexGuard};
 
 /// A frame to show: pixels, minimap, text.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -51,13 +51,11 @@ pub(crate) struct Exchange {
     /// The newest frame, and whether it is still to be taken.
     frame: Mutex<(Frame, bool)>,
     /// Whether events or results are pending for the render loop.
-    notified: AtomicBool,
+    pub notified: AtomicBool,
     /// Whether the render loop handles events.
-    ready: AtomicBool,
-    /// Whether the front end has closed.
-    closed: AtomicBool,
-    /// Whether the render loop has ended.
-    finished: AtomicBool,
+    pub ready: AtomicBool,
+    /// Whether the front end has closed: it takes no more frames.
+    pub closed: AtomicBool,
 }
 
 impl Exchange {
@@ -76,41 +74,7 @@ impl Exchange {
         }
         fresh
     }
-    pub fn notify(&self) {
-        self.notified.store(true, Ordering::Release);
-    }
-    pub fn clear_notification(&self) {
-        self.notified.store(false, Ordering::Release);
-    }
-    pub fn is_notified(&self) -> bool {
-        self.notified.load(Ordering::Acquire)
-    }
-
-    /// The render loop handles events from now on.
-    pub fn set_ready(&self) {
-        self.ready.store(true, Ordering::Release);
-    }
-    pub fn is_ready(&self) -> bool {
-        self.ready.load(Ordering::Acquire)
-    }
-
-    /// The front end takes no more frames.
-    pub fn close(&self) {
-        self.closed.store(true, Ordering::Release);
-    }
-    pub fn is_closed(&self) -> bool {
-        self.closed.load(Ordering::Acquire)
-    }
-
-    /// The render loop publishes no more frames.
-    pub fn finish(&self) {
-        self.finished.store(true, Ordering::Release);
-    }
-    pub fn is_finished(&self) -> bool {
-        self.finished.load(Ordering::Acquire)
-    }
-
-    fn lock(&self) -> std::sync::MutexGuard<'_, (Frame, bool)> {
+    fn lock(&self) -> MutexGuard<'_, (Frame, bool)> {
         // A swap cannot panic halfway: a poisoned lock holds a valid frame.
         self.frame.lock().unwrap_or_else(|poisoned| poisoned.into_inner())
     }

@@ -16,7 +16,6 @@
 //! | `controls` | the settings that keys change |
 //! | [`playlist`] | the scenes to switch between |
 //! | `render_loop` | the thread that renders frames |
-//! | `renderer_config` | renderer settings from controls and options |
 //! | `accumulation`, `dynamic_resolution` | the film of the present pose, samples per frame; the resolution that holds a frame rate |
 //! | `loader`, `file_watcher` | the thread that loads scenes; changes of their files |
 //! | `painter` | from film to pixels: reprojection, filters, tone mapping |
@@ -24,7 +23,8 @@
 //! | `overlay`, `timing` | the text over the picture; frame rates, latencies |
 //! | `screenshot` | saves the film, and a view file that renders it again |
 //! | [`frame`] | frames handed from the render loop to a front end |
-//! | `canvas`, `cell_buffer`, `layout` | draw a frame, its minimap and text: as pixels, as character cells |
+//! | `canvas` | draws a frame and its minimap at another size |
+//! | `window_text`, `cell_buffer` | draw a frame with its text: as pixels, as character cells |
 //! | `signals` | Ctrl-C, `kill`, a closed terminal |
 
 #![forbid(unsafe_code)]
@@ -32,7 +32,6 @@
 
 mod accumulation;
 mod camera_controller;
-#[cfg(feature = "window")]
 mod canvas;
 mod cell_buffer;
 mod controls;
@@ -41,7 +40,6 @@ mod dynamic_resolution;
 mod file_watcher;
 pub mod frame;
 pub mod keys;
-mod layout;
 mod loader;
 mod minimap;
 mod options;
@@ -49,7 +47,6 @@ mod overlay;
 mod painter;
 pub mod playlist;
 mod render_loop;
-mod renderer_config;
 mod screenshot;
 mod session;
 mod signals;
@@ -58,6 +55,8 @@ mod terminal;
 mod timing;
 #[cfg(feature = "window")]
 mod window;
+#[cfg(feature = "window")]
+mod window_text;
 
 pub use options::{BYTES_PER_PIXEL, Options, Wake};
 pub use session::Viewer;

@@ -1,9 +1,9 @@
-//! The text over a frame: figures and messages.
+//! The figures over a frame.
 //!
 //! For: [`Overlay`].
 
-use super::controls::Controls;
-use super::frame::Frame;
+use super::controls::{Controls, MethodPreset};
+use super::display_mode::DisplayMode;
 use super::painter::FrameInput;
 use super::state::State;
 use super::timing::{RateMeter, Rates};
@@ -15,68 +15,54 @@ use std::time::{Duration, Instant};
 /// Interval between updates of the figures, so that they can be read.
 const UPDATE_INTERVAL: Duration = Duration::from_millis(250);
 
-/// The text over a frame.
+/// The figures over a frame.
 #[derive(Default)]
 pub struct Overlay {
-    figures: String,
-    /// The controls that `figures` describe, and when they were written.
+    text: String,
+    /// The controls that `text` describes, and when it was written.
     written: Option<(Controls, Instant)>,
-    message: String,
 }
 
 impl Overlay {
-    pub fn set_message(&mut self, text: &str) {
-        self.message.clear();
-        self.message.push_str(text);
-    }
-
-    /// Writes the frame's figures, message and title.
+    /// Writes a frame's figures.
     pub fn write(
         &mut self,
         input: &FrameInput,
         state: &State,
         rates: &RateMeter,
         busy: bool,
-        frame: &mut Frame,
+        figures: &mut String,
     ) {
         let now = Instant::now();
         let fresh =
             |&(controls, at): &(Controls, Instant)| controls == state.controls && now - at < UPDATE_INTERVAL;
         if !self.written.as_ref().is_some_and(fresh) {
             self.written = Some((state.controls, now));
-            self.figures.clear();
+            self.text.clear();
             // The help is long and replaces the figures.
             if state.controls.overlay && !state.controls.help {
-                write(&mut self.figures, input, state, &rates.rates(), busy);
+                // Writing to a `String` cannot fail.
+                let _ = write(&mut self.text, input, state, &rates.rates(), busy);
             }
         }
-        frame.figures.clone_from(&self.figures);
-        frame.message.clone_from(&self.message);
-        if frame.title != input.scene.name {
-            frame.title.clone_from(&input.scene.name);
-        }
+        figures.clone_from(&self.text);
     }
 }
 
-/// Appends the figures, line by line. Writing to a `String` cannot fail.
-fn write(text: &mut String, input: &FrameInput, state: &State, figures: &Rates, busy: bool) {
-    let _ = lines(text, input, state, figures, busy);
-}
-
-fn lines(
+/// Appends the figures, line by line.
+fn write(
     text: &mut String,
     input: &FrameInput,
     state: &State,
     figures: &Rates,
     busy: bool,
 ) -> std::fmt::Result {
-    let FrameInput { renderer, scene, film, .. } = *input;
-    let State { controls, playlist, .. } = state;
+    let FrameInput { renderer, scene, controls, accumulation } = *input;
     let settings = renderer.settings();
-    let [scenes, place] = playlist.place();
+    let [scenes, place] = state.playlist.place();
     let [width, height] = settings.resolution;
     write!(text, "{}", scene.name)?;
-    if scenes > 1 && input.is_current {
+    if scenes > 1 && state.shows_current() {
         write!(text, " ({place} of {scenes})")?;
     }
     if !scene.warnings.is_empty() {
@@ -107,7 +93,7 @@ fn lines(
         (None, Some(_)) => write!(text, " · L measures SIMD beside it")?,
         (None, None) => {}
     }
-    let samples = counted(film.samples(), "sample", "samples");
+    let samples = counted(accumulation.film.samples(), "sample", "samples");
     let bounces = counted(settings.max_bounces, "bounce", "bounces");
     write!(text, "\n{width}×{height} · {samples} · {bounces}")?;
     if let Some(target) = controls.target {
@@ -118,31 +104,21 @@ fn lines(
     let traversal =
         methods.traversal_of(scene, settings.lanes).map_or("linear", |traversal| traversal.name());
     write!(text, "\nspheres {sphere}, triangles {triangle}, {traversal}")?;
-    if controls.preset != super::controls::MethodPreset::CommandLine {
+    if controls.preset != MethodPreset::CommandLine {
         write!(text, " ({})", controls.preset.name())?;
     }
     if methods.lights == LightChoice::Off {
         write!(text, ", no light sampling")?;
     }
-    writeln!(text)?;
-    shown(text, controls)
-}
-
-/// How the film is displayed.
-fn shown(text: &mut String, controls: &Controls) -> std::fmt::Result {
-    let Controls { mode, reprojection, filter, denoiser, tone, .. } = controls;
-    if *mode != super::display_mode::DisplayMode::Picture {
-        return write!(text, "{}: {}", mode.name(), mode.legend());
+    if controls.mode != DisplayMode::Picture {
+        let (mode, legend) = controls.mode.name_and_legend();
+        return write!(text, "\n{mode}: {legend}");
     }
-    let temporal = if *reprojection { "temporal" } else { "not temporal" };
-    let denoised = if *denoiser { ", denoised" } else { "" };
-    let operator = tone.operator.name();
-    write!(
-        text,
-        "{temporal}, {}{denoised} · exposure {:+.1}, {operator} · H for help",
-        filter.name(),
-        tone.exposure
-    )
+    let temporal = if controls.reprojection { "temporal" } else { "not temporal" };
+    let denoised = if controls.denoiser { ", denoised" } else { "" };
+    let (filter, exposure) = (controls.filter.name(), controls.tone.exposure);
+    let operator = controls.tone.operator.name();
+    write!(text, "\n{temporal}, {filter}{denoised} · exposure {exposure:+.1}, {operator} · H for help")
 }
 
 /// No decimals for large rates, one or two for small ones.
@@ -154,15 +130,15 @@ fn rate_of(rate: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::accumulation::Accumulation;
     use crate::playlist::Playlist;
     use octray_engine::render::{LaneChoice, Renderer, Settings};
-    use octray_formats::scene::load;
-    use std::time::Instant;
+    use octray_formats::scene::{Loaded, load};
 
     #[test]
     fn figures_stand_at_their_names() {
-        let mut scene = load("builtin:three").unwrap();
-        scene.warnings.push("It is odd.".into());
+        let mut scene = Loaded::from(load("builtin:three").unwrap());
+        scene.scene.warnings.push("It is odd.".into());
         let names = ["builtin:thesis".to_string(), "builtin:three".to_string()];
         let mut playlist = Playlist::new(&names).unwrap();
         playlist.next();
@@ -171,21 +147,17 @@ mod tests {
         let state = State::new(playlist, &scene, controls, None, Instant::now());
         let settings = Settings { threads: 2, lanes: 8, ..Settings::of(&scene) };
         let renderer = Renderer::new(&scene, settings);
-        let mut film = renderer.film();
-        renderer.add_samples(&mut film, 1);
+        let mut accumulation = Accumulation::new(&renderer, &scene);
+        renderer.add_samples(&mut accumulation.film, 1);
         let input = FrameInput {
             renderer: &renderer,
             scene: &scene,
-            camera: &scene.camera,
-            film: &film,
+            accumulation: &accumulation,
             controls: &controls,
-            pose_shown: true,
-            progressive: true,
-            is_current: true,
         };
         let figures = Rates { fps: 60.0, low: 0.25, samples: [Some(4_000.0), Some(8.0)], mrays: 7.5 };
         let mut text = String::new();
-        write(&mut text, &input, &state, &figures, true);
+        write(&mut text, &input, &state, &figures, true).unwrap();
         for words in [
             "builtin:three (2 of 2), 1 warning (R reloads), another is being prepared\n",
             "screen 60 fps, 1 % low 0.25 · renderer 4,000 samples/s, 7.5 Mray/s\n",
@@ -195,13 +167,7 @@ mod tests {
             assert!(text.contains(words), "{words:?} in {text}");
         }
         text.clear();
-        write(&mut text, &input, &state, &Rates::default(), false);
-        assert!(
-            text.contains(
-                "R reloads)
-no frame rate yet\n8 lanes"
-            ),
-            "{text}"
-        );
+        write(&mut text, &input, &state, &Rates::default(), false).unwrap();
+        assert!(text.contains("R reloads)\nno frame rate yet\n8 lanes"), "{text}");
     }
 }

@@ -4,34 +4,28 @@
 //!
 //! Buffers are reused from frame to frame: a frame allocates nothing.
 
+use super::accumulation::Accumulation;
 use super::controls::{Controls, Filter};
-use super::display_mode::{self, DisplayMode, ModeInput};
+use super::display_mode::{self, DisplayMode};
 use super::frame::Frame;
 use super::minimap::{self, Minimap};
-use glam::Vec3;
 use octray_engine::display::{Blur, Denoiser, Fxaa, History, Samples, rows, walking_speed};
-use octray_engine::film::{Film, Picture};
-use octray_engine::integrate::aovs::Aovs;
+use octray_engine::film::Picture;
+use octray_engine::integrate::aovs::{AovSample, Aovs};
 use octray_engine::integrate::edge_aovs::DenoiserAovs;
 use octray_engine::integrate::probe::PathShape;
-use octray_engine::render::Renderer;
 use octray_engine::render::aovs::{self, Cost};
+use octray_engine::render::{Renderer, Settings};
 use octray_engine::tone::Tone;
-use octray_formats::scene::{Camera, Scene};
+use octray_formats::scene::Loaded;
 
-/// What a frame is painted from.
+/// What a frame, or a screenshot, is made from.
+#[derive(Clone, Copy)]
 pub struct FrameInput<'a> {
     pub renderer: &'a Renderer,
-    pub scene: &'a Scene,
-    pub camera: &'a Camera,
-    pub film: &'a Film,
+    pub scene: &'a Loaded,
+    pub accumulation: &'a Accumulation,
     pub controls: &'a Controls,
-    /// Whether a frame of this pose was painted before.
-    pub pose_shown: bool,
-    /// Whether the film keeps its samples for the next frame.
-    pub progressive: bool,
-    /// Whether the scene is the playlist's current one.
-    pub is_current: bool,
 }
 
 /// Paints frames.
@@ -52,7 +46,6 @@ pub struct Painter {
     costs: aovs::Map<Cost>,
     costs_valid: bool,
     shapes: aovs::Map<PathShape>,
-    counts: Vec<f32>,
     distances: Vec<f32>,
     /// Drawn on first use.
     minimap: Option<Minimap>,
@@ -71,16 +64,14 @@ impl Painter {
     pub fn reset_history(&mut self) {
         self.history.reset();
     }
-    /// Walking speed derived from the scene's first frame, in scene units per second.
-    pub fn speed(&self) -> Option<f32> {
-        self.speed
-    }
 
-    /// Fills the frame's pixels and its minimap.
-    pub fn paint(&mut self, input: &FrameInput, frame: &mut Frame) {
-        let FrameInput { renderer, film, controls, .. } = *input;
+    /// Fills the frame's pixels and its minimap; returns the walking speed derived from the scene's first
+    /// frame, in scene units per second.
+    pub fn paint(&mut self, input: &FrameInput, frame: &mut Frame) -> f32 {
+        let FrameInput { renderer, scene, accumulation, controls } = *input;
+        let Accumulation { film, pose, pose_shown, progressive, .. } = accumulation;
         // Reprojection that is switched on at a resting camera starts as for a new pose.
-        let known = input.pose_shown && (self.reprojected || !controls.reprojection);
+        let known = *pose_shown && (self.reprojected || !controls.reprojection);
         self.reprojected = controls.reprojection;
         if !known {
             (self.aovs_valid, self.denoiser_aovs_valid, self.costs_valid) = (false, false, false);
@@ -94,27 +85,24 @@ impl Painter {
         let samples = film.samples().max(1);
         if first {
             // Samples that stay in the film must not enter the history too.
-            let own = if input.progressive { 0 } else { samples };
+            let own = if *progressive { 0 } else { samples };
             self.history.reproject(&self.mean, own, &self.aovs, renderer.camera());
         }
         if !controls.reprojection {
             // The history belongs to an earlier camera.
             self.history.reset();
-        } else if known || input.progressive {
+        } else if known || *progressive {
             self.history.blend_static(&self.mean, samples);
         }
-        match controls.mode {
-            DisplayMode::Picture => self.paint_picture(input, samples, &mut frame.pixels),
-            mode => self.paint_mode(mode, input, samples, &mut frame.pixels),
-        }
-        self.speed.get_or_insert_with(|| walking_speed(&self.aovs));
+        self.paint_mode(input, samples, &mut frame.pixels);
         frame.inset.clear();
         if controls.minimap {
             let aspect = f64::from(frame.width) / f64::from(frame.height);
-            let minimap = self.minimap.get_or_insert_with(|| Minimap::new(input.scene));
-            minimap.draw_into(input.camera, aspect, &mut frame.inset);
+            let minimap = self.minimap.get_or_insert_with(|| Minimap::new(scene));
+            minimap.draw_into(&pose.camera, aspect, &mut frame.inset);
             frame.inset_side = minimap::SIDE;
         }
+        *self.speed.get_or_insert_with(|| walking_speed(&self.aovs))
     }
 
     /// Renders the AOVs, once per camera.
@@ -144,42 +132,54 @@ impl Painter {
         write(&controls.tone, shown, pixels);
     }
 
-    fn paint_mode(&mut self, mode: DisplayMode, input: &FrameInput, samples: u32, pixels: &mut [u32]) {
-        let renderer = input.renderer;
-        match mode {
-            DisplayMode::Cost if !std::mem::replace(&mut self.costs_valid, true) => {
-                renderer.costs_into(&mut self.costs)
-            }
-            DisplayMode::Bounces | DisplayMode::Lanes => {
-                renderer.path_shapes_into(samples - 1, &mut self.shapes);
-            }
-            DisplayMode::Samples => {
-                self.counts.clear();
-                match input.controls.reprojection {
-                    true => self.counts.extend_from_slice(self.history.counts()),
-                    false => self.counts.resize(pixels.len(), samples as f32),
-                }
-            }
-            _ => {}
+    fn paint_mode(&mut self, input: &FrameInput, samples: u32, pixels: &mut [u32]) {
+        let FrameInput { renderer, controls: Controls { mode, .. }, .. } = input;
+        let &Settings { max_bounces, lanes, .. } = renderer.settings();
+        if matches!(mode, DisplayMode::Bounces | DisplayMode::Lanes) {
+            renderer.path_shapes_into(samples - 1, &mut self.shapes);
         }
-        let range = match mode {
-            DisplayMode::Depth => display_mode::depth_range(&self.aovs, &mut self.distances),
-            _ => [0.0; 2],
-        };
-        let camera = input.camera;
-        let up = camera.up.normalize();
-        let sight = (camera.look_at - camera.position).normalize();
-        let mode_input = ModeInput {
-            aovs: &self.aovs,
-            shapes: &self.shapes,
-            costs: &self.costs,
-            samples: &self.counts,
-            light: (up * 0.8 - sight * 0.5 - sight.cross(up).normalize_or(Vec3::ZERO) * 0.4).normalize(),
-            range,
-            max_bounces: renderer.settings().max_bounces,
-            lanes: renderer.settings().lanes,
-        };
-        display_mode::paint(mode, &mode_input, pixels);
+        match mode {
+            DisplayMode::Picture => self.paint_picture(input, samples, pixels),
+            DisplayMode::Normals => fill_from_aovs(pixels, &self.aovs, display_mode::normal),
+            DisplayMode::Albedo => fill_from_aovs(pixels, &self.aovs, display_mode::albedo),
+            DisplayMode::Depth => {
+                let range = display_mode::depth_range(&self.aovs, &mut self.distances);
+                fill_from_aovs(pixels, &self.aovs, |guide| display_mode::depth(guide, range));
+            }
+            DisplayMode::Barycentrics => fill_from_aovs(pixels, &self.aovs, display_mode::barycentrics),
+            DisplayMode::Lambert => {
+                let light = display_mode::light_behind(&input.accumulation.pose.camera);
+                fill_from_aovs(pixels, &self.aovs, |guide| display_mode::n_dot_l(guide, light));
+            }
+            DisplayMode::Bounces => {
+                fill(pixels, &self.shapes.pixels, |shape| display_mode::bounces(shape, max_bounces));
+            }
+            DisplayMode::Lanes => {
+                fill(pixels, &self.shapes.pixels, |shape| display_mode::lanes(shape, lanes));
+            }
+            DisplayMode::Cost => {
+                if !std::mem::replace(&mut self.costs_valid, true) {
+                    renderer.costs_into(&mut self.costs);
+                }
+                fill(pixels, &self.costs.pixels, display_mode::cost);
+            }
+            DisplayMode::Samples if input.controls.reprojection => {
+                fill(pixels, self.history.counts(), |&count| display_mode::samples(count));
+            }
+            DisplayMode::Samples => pixels.fill(display_mode::samples(samples as f32)),
+        }
+    }
+}
+
+/// Sets each pixel to the colour of its value.
+fn fill<T>(pixels: &mut [u32], values: &[T], color: impl Fn(&T) -> u32) {
+    pixels.iter_mut().zip(values).for_each(|(pixel, value)| *pixel = color(value));
+}
+
+fn fill_from_aovs(pixels: &mut [u32], aovs: &Aovs, color: impl Fn(&AovSample) -> u32) {
+    let width = aovs.resolution()[0] as usize;
+    for (at, pixel) in pixels.iter_mut().enumerate() {
+        *pixel = color(&aovs.pixel((at % width) as u32, (at / width) as u32));
     }
 }
 
@@ -192,53 +192,50 @@ fn write(tone: &Tone, picture: &Picture, words: &mut [u32]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use octray_engine::render::{LaneChoice, Settings};
+    use crate::accumulation::Pose;
+    use octray_engine::render::LaneChoice;
     use octray_formats::scene::load;
 
     /// A viewer without events: paints frames of a camera, a number of samples and a seed.
     struct TestViewer {
-        scene: Scene,
+        scene: Loaded,
         renderer: Renderer,
-        film: Film,
+        accumulation: Accumulation,
         controls: Controls,
         painter: Painter,
     }
 
     impl TestViewer {
         fn new() -> Self {
-            let scene = load("builtin:cornell-spheres").unwrap();
+            let scene = Loaded::from(load("builtin:cornell-spheres").unwrap());
             let renderer = Renderer::new(&scene, Settings { resolution: [24, 16], ..Settings::of(&scene) });
+            let accumulation = Accumulation::new(&renderer, &scene);
             let controls = Controls::new(scene.max_bounces, 1, LaneChoice::Eight, Tone::default());
-            Self { film: renderer.film(), renderer, scene, controls, painter: Painter::default() }
+            Self { scene, renderer, accumulation, controls, painter: Painter::default() }
         }
         fn go(&mut self, field: f32, seed: u32) {
-            self.scene.camera.vertical_fov = field;
-            let Scene { camera, max_bounces, .. } = self.scene;
-            self.renderer.set_view(&self.scene, &camera, [24, 16], max_bounces);
+            let mut pose = self.accumulation.pose;
+            pose.camera.vertical_fov = field;
+            let Pose { camera, resolution, bounces } = pose;
+            self.renderer.set_view(&self.scene, &camera, resolution, bounces);
             self.renderer.set_seed(seed);
-            self.film.clear();
+            self.accumulation.pose = pose;
+            self.accumulation.film.clear();
         }
         /// Takes more samples and paints.
         fn paint(&mut self, samples: u32, pose_shown: bool, progressive: bool) -> Vec<u32> {
-            self.renderer.add_samples(&mut self.film, samples);
+            let Self { scene, renderer, accumulation, controls, painter } = self;
+            renderer.add_samples(&mut accumulation.film, samples);
+            (accumulation.pose_shown, accumulation.progressive) = (pose_shown, progressive);
             let mut frame = Frame::default();
-            let input = FrameInput {
-                renderer: &self.renderer,
-                scene: &self.scene,
-                camera: &self.scene.camera,
-                film: &self.film,
-                controls: &self.controls,
-                pose_shown,
-                progressive,
-                is_current: true,
-            };
-            self.painter.paint(&input, &mut frame);
+            painter.paint(&FrameInput { renderer, scene, accumulation, controls }, &mut frame);
             frame.pixels
         }
         /// The film's mean, without history.
         fn mean(&self) -> Vec<u32> {
-            let mut words = vec![0; self.film.picture().pixels.len()];
-            Tone::default().words(&self.film.picture().pixels, &mut words);
+            let picture = self.accumulation.film.picture();
+            let mut words = vec![0; picture.pixels.len()];
+            Tone::default().words(&picture.pixels, &mut words);
             words
         }
     }

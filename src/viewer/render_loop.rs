@@ -8,22 +8,22 @@
 //! a new film with a seed of its own, and temporal reprojection supplies the missing samples.
 
 use super::accumulation::{Accumulation, Pose, PoseChange};
-use super::controls::Controls;
 use super::file_watcher::{self, FileWatcher};
 use super::frame::{Exchange, Frame};
-use super::loader::{LoadRequest, Loader, PreparedScene, SceneSource};
+use super::loader::Loader;
 use super::options::{Options, Wake};
 use super::overlay::Overlay;
 use super::painter::{FrameInput, Painter};
-use super::renderer_config::{RendererConfig, pixels, settings};
-use super::screenshot::{self, Shot};
+use super::screenshot;
 use super::state::{Effect, Event, State};
 use super::timing::{RateMeter, Summary};
 use octray_engine::render::{Renderer, Settings};
-use octray_formats::scene::Loaded;
+use octray_engine::traverse::Methods;
+use octray_formats::scene::{self, Loaded, SceneError};
 use octray_formats::wording::counted;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::sync::atomic::Ordering::{Acquire, Release};
 use std::sync::mpsc::Receiver;
 use std::time::{Duration, Instant, SystemTime};
 
@@ -32,12 +32,15 @@ const MESSAGE_TIME: Duration = Duration::from_secs(6);
 /// Number of a scene's warnings that are shown.
 const MAX_WARNINGS: usize = 4;
 
+/// A scene with its renderer.
+type Prepared = (Arc<Loaded>, Renderer);
+
 /// State of the render thread.
 pub struct RenderLoop {
     options: Arc<Options>,
     state: State,
     scene: Arc<Loaded>,
-    loader: Loader,
+    loader: Loader<Result<Prepared, SceneError>>,
     file_watcher: FileWatcher,
     events: Receiver<(Event, Instant)>,
     exchange: Arc<Exchange>,
@@ -48,30 +51,30 @@ pub struct RenderLoop {
     frame: Frame,
     rates: RateMeter,
     summary: Summary,
-    /// The playlist name of the scene that is shown.
-    name: String,
     /// Time of the oldest event that no frame shows yet.
     oldest_unshown_event: Option<Instant>,
     /// When the pending switch to another scene was requested.
     switch_requested: Option<Instant>,
-    /// Whether that scene has arrived and no frame shows it yet.
-    scene_arrived: bool,
-    /// When the temporary message was set.
-    message: Option<Instant>,
-    /// Why the requested scene could not be loaded; shown until it is, except while a temporary message is
-    /// shown.
+    /// The same, once that scene has arrived, until a frame shows it.
+    switch_unshown: Option<Instant>,
+    /// A message for a while, and since when it is shown.
+    message: Option<(String, Instant)>,
+    /// Why the requested scene could not be loaded; shown until it is, except while a message is shown.
     error: String,
     /// The files that the failed load requested, missing or faulty.
     error_files: Vec<PathBuf>,
-    /// When the last load was requested.
-    requested: SystemTime,
+    /// A time before the last scene was read.
+    read: SystemTime,
     screenshot_requested: bool,
 }
 
-/// What follows after the loop with one renderer.
-enum Next {
-    Swap(Box<PreparedScene>),
-    Quit,
+/// What only a new renderer can change.
+fn fixed(settings: &Settings) -> (Methods, usize, usize) {
+    (settings.methods, settings.threads, settings.lanes)
+}
+
+fn pixels([width, height]: [u32; 2]) -> u64 {
+    u64::from(width) * u64::from(height)
 }
 
 impl RenderLoop {
@@ -84,30 +87,27 @@ impl RenderLoop {
         exchange: Arc<Exchange>,
         wake: Wake,
     ) -> (Self, Renderer) {
-        let renderer = Renderer::new(&scene, settings(&scene, &state.controls, &options));
+        let renderer = Renderer::new(&scene, state.controls.settings(&scene, &options));
+        let notify = {
+            let exchange = exchange.clone();
+            move || exchange.notified.store(true, Release)
+        };
         let render_loop = Self {
+            loader: Loader::new(notify.clone()),
+            file_watcher: FileWatcher::new(notify),
+            accumulation: Accumulation::new(&renderer, &scene),
             painter: Painter::default(),
             overlay: Overlay::default(),
-            loader: Loader::start({
-                let exchange = exchange.clone();
-                move || exchange.notify()
-            }),
-            file_watcher: FileWatcher::new({
-                let exchange = exchange.clone();
-                move || exchange.notify()
-            }),
             frame: Frame::default(),
             rates: RateMeter::default(),
             summary: Summary::default(),
-            name: state.playlist.current().to_string(),
-            accumulation: Accumulation::new(&renderer, &scene),
             oldest_unshown_event: None,
             switch_requested: None,
-            scene_arrived: false,
+            switch_unshown: None,
             message: None,
             error: String::new(),
             error_files: Vec::new(),
-            requested: SystemTime::now(),
+            read: scene.read.unwrap_or_else(SystemTime::now),
             screenshot_requested: false,
             options,
             state,
@@ -121,60 +121,48 @@ impl RenderLoop {
 
     /// Runs until the viewer quits.
     pub fn run(mut self, mut renderer: Renderer) -> Summary {
-        self.exchange.set_ready();
-        self.watch_files();
-        self.show_warnings();
-        self.reload_if_changed();
-        while let Next::Swap(ready) = renderer.hold(|renderer| self.render_frames(renderer)) {
-            renderer = self.install(*ready, renderer.settings());
+        self.exchange.ready.store(true, Release);
+        self.enter_scene();
+        while let Some(prepared) = renderer.hold(|renderer| self.render_frames(renderer)) {
+            renderer = self.install(prepared, renderer.settings());
         }
         self.summary
     }
 
     /// Switches to a prepared scene or renderer; `before` are the settings until now.
-    fn install(&mut self, ready: PreparedScene, before: &Settings) -> Renderer {
-        let PreparedScene { scene, renderer, reload } = ready;
+    fn install(&mut self, (scene, renderer): Prepared, before: &Settings) -> Renderer {
         if Arc::ptr_eq(&scene, &self.scene) {
             // Rates of both widths are shown side by side only if all other settings are the same.
-            let now = RendererConfig::of(renderer.settings());
-            match now == (RendererConfig { lanes: now.lanes, ..RendererConfig::of(before) }) {
+            let now = renderer.settings();
+            match fixed(&Settings { lanes: before.lanes, ..*now }) == fixed(before) {
                 true => self.rates.switch_width(),
                 false => self.rates.reset(),
             }
         } else {
-            self.scene_arrived = !reload;
-            self.state.enter_scene(&scene, reload, &self.name);
-            self.scene = scene;
-            self.name = self.state.playlist.current().to_string();
+            let reload = self.state.shows_current();
+            self.switch_unshown = self.switch_requested.take().filter(|_| !reload);
+            self.state.enter_scene(&scene);
             self.painter.change_scene(reload);
-            self.error_files.clear();
+            self.scene = scene;
             self.error.clear();
-            self.watch_files();
+            self.error_files.clear();
             self.rates.reset();
-            self.show_warnings();
-            self.reload_if_changed();
+            self.enter_scene();
         }
         self.accumulation.reset(&renderer, &self.scene);
         self.painter.reset_history();
         renderer
     }
 
-    /// Reloads the scene if a file changed or appeared between loading and the start of watching.
-    fn reload_if_changed(&mut self) {
-        let files = self.scene.files.iter().map(PathBuf::as_path);
-        if self.scene.read.is_some_and(|read| file_watcher::is_newer(files, read)) {
-            self.load();
-        }
-    }
-
-    /// Shows the scene's warnings for a while.
-    fn show_warnings(&mut self) {
+    /// Shows a new scene's warnings for a while, and watches its files.
+    fn enter_scene(&mut self) {
         let warnings = &self.scene.warnings;
         let mut text = warnings.iter().take(MAX_WARNINGS).map(String::as_str).collect::<Vec<_>>().join("\n");
         if let Some(more) = warnings.len().checked_sub(MAX_WARNINGS).filter(|&more| more > 0) {
             text += &format!("\n(and {})", counted(more, "more warning", "more warnings"));
         }
-        self.set_message(&text);
+        self.message = (!text.is_empty()).then(|| (text, Instant::now()));
+        self.watch_read_files();
     }
 
     /// Watches the files of the scene that is shown, the requested scene file, and the files of a failed
@@ -186,35 +174,40 @@ impl RenderLoop {
         self.file_watcher.watch(files.chain(wanted));
     }
 
-    /// Renders frames with one renderer.
-    fn render_frames(&mut self, renderer: &mut Renderer) -> Next {
+    /// Watches the files of a load that has ended; repeats it if one of them changed or appeared meanwhile.
+    fn watch_read_files(&mut self) {
+        self.watch_files();
+        let files = self.scene.files.iter().chain(&self.error_files).map(PathBuf::as_path);
+        if file_watcher::is_newer(files, self.read) {
+            self.load();
+        }
+    }
+
+    /// Renders frames with one renderer until there is another; `None` if the viewer quits.
+    fn render_frames(&mut self, renderer: &mut Renderer) -> Option<Prepared> {
         // The controls that this renderer was last compared with.
         let mut chosen = None;
         loop {
-            self.exchange.clear_notification();
+            self.exchange.notified.store(false, Release);
             if self.handle_events() {
                 if self.screenshot_requested {
                     self.take_screenshot(renderer);
                 }
-                return Next::Quit;
+                return None;
             }
-            if chosen != Some(self.state.controls) && !self.loader.busy() {
+            if chosen != Some(self.state.controls) && !self.loader.is_busy() {
                 chosen = Some(self.state.controls);
                 self.request_rebuild(renderer);
             }
             match self.loader.poll() {
-                Some(Ok(ready)) => return Next::Swap(Box::new(ready)),
+                Some(Ok(prepared)) => return Some(prepared),
                 Some(Err(error)) => {
                     self.error = error.to_string();
-                    self.switch_requested = None;
-                    self.set_message("");
                     // A change of one of these files triggers another attempt.
                     self.error_files = error.files;
-                    self.watch_files();
-                    let files = self.error_files.iter().map(PathBuf::as_path);
-                    if file_watcher::is_newer(files, self.requested) {
-                        self.load();
-                    }
+                    self.message = None;
+                    self.switch_requested = None;
+                    self.watch_read_files();
                     // A rebuild request that this load superseded must be sent again.
                     chosen = None;
                 }
@@ -227,7 +220,7 @@ impl RenderLoop {
             self.update_pose(renderer);
             let measured = (&mut self.rates, &mut self.summary);
             self.accumulation.accumulate(renderer, self.state.rate, &self.exchange, measured);
-            if self.exchange.is_closed() {
+            if self.exchange.closed.load(Acquire) {
                 continue;
             }
             self.publish_frame(renderer);
@@ -235,7 +228,7 @@ impl RenderLoop {
                 self.take_screenshot(renderer);
             }
             if self.options.frames.is_some_and(|frames| self.summary.frames >= frames) {
-                return Next::Quit;
+                return None;
             }
         }
     }
@@ -253,7 +246,6 @@ impl RenderLoop {
                     self.switch_requested = Some(at);
                     self.load();
                 }
-                Some(Effect::Reload) => self.load(),
                 None => {}
             }
         }
@@ -262,39 +254,45 @@ impl RenderLoop {
 
     /// Requests another renderer if the controls no longer match this one.
     fn request_rebuild(&mut self, renderer: &Renderer) {
-        let wanted = RendererConfig::wanted(&self.scene, &self.state.controls, &self.options);
-        if wanted != RendererConfig::of(renderer.settings()) {
-            self.request(SceneSource::Loaded(self.scene.clone()), true);
+        let wanted = self.state.controls.settings(&self.scene, &self.options);
+        if fixed(&wanted) != fixed(renderer.settings()) {
+            let scene = self.scene.clone();
+            self.request(true, || Ok(scene));
         }
     }
 
     /// Requests the playlist's current scene; a reload if it is the one that is shown.
     fn load(&mut self) {
         let name = self.state.playlist.current().to_string();
-        let reload = name == self.name;
+        let reload = self.state.shows_current();
         if !reload {
-            self.set_message(&format!("reading {name}"));
+            self.set_message(format!("reading {name}"));
         }
         // Before the scene is read, so that no change is missed.
         self.watch_files();
-        self.requested = SystemTime::now();
-        self.request(SceneSource::Name(name), reload);
+        self.read = SystemTime::now();
+        self.request(reload, move || scene::load_with_view(&name).map(Arc::new));
     }
 
-    fn request(&mut self, source: SceneSource, reload: bool) {
-        let (controls, options) = (self.state.controls, self.options.clone());
-        let keep = reload.then_some(controls.bounces).or(options.bounces);
-        let held = pixels(settings(&self.scene, &controls, &options).resolution);
-        let settings = move |scene: &Loaded| {
-            let bounces = keep.unwrap_or(scene.max_bounces);
-            let settings = settings(scene, &Controls { bounces, ..controls }, &options);
+    /// Requests a renderer for the scene that `load` gives, which keeps the chosen bounces in a reload.
+    fn request(
+        &mut self,
+        reload: bool,
+        load: impl FnOnce() -> Result<Arc<Loaded>, SceneError> + Send + 'static,
+    ) {
+        let (mut controls, options) = (self.state.controls, self.options.clone());
+        let held = pixels(controls.settings(&self.scene, &options).resolution);
+        let bounces = if reload { Some(controls.bounces) } else { options.bounces };
+        self.loader.request(move || {
+            let scene = load()?;
+            controls.bounces = bounces.unwrap_or(scene.max_bounces);
+            let settings = controls.settings(&scene, &options);
             // The present resolution already has its memory.
             if pixels(settings.resolution) > held {
-                (options.fits)(settings.resolution)?;
+                (options.fits)(settings.resolution).map_err(|why| SceneError::of_use(why, &scene))?;
             }
-            Ok(settings)
-        };
-        self.loader.request(LoadRequest { source, settings: Box::new(settings), reload });
+            Ok((scene.clone(), Renderer::new(&scene, settings)))
+        });
     }
 
     /// Sets the renderer's pose from the state.
@@ -315,26 +313,22 @@ impl RenderLoop {
     /// Paints a frame and publishes it.
     fn publish_frame(&mut self, renderer: &Renderer) {
         let start = Instant::now();
-        if self.message.is_some_and(|since| start - since > MESSAGE_TIME) && !self.loader.busy() {
-            self.set_message("");
-        }
+        let busy = self.loader.is_busy();
+        self.message.take_if(|(_, since)| start - *since > MESSAGE_TIME && !busy);
         let input = FrameInput {
             renderer,
             scene: &self.scene,
-            camera: &self.accumulation.pose.camera,
-            film: &self.accumulation.film,
+            accumulation: &self.accumulation,
             controls: &self.state.controls,
-            pose_shown: self.accumulation.pose_shown,
-            progressive: self.accumulation.progressive,
-            is_current: self.name == self.state.playlist.current(),
         };
-        self.painter.paint(&input, &mut self.frame);
-        if let Some(speed) = self.painter.speed() {
-            self.state.speed = f64::from(speed);
-        }
+        let speed = self.painter.paint(&input, &mut self.frame);
+        self.state.speed = f64::from(speed);
         self.frame.mouse_captured = self.state.mouse_captured;
         self.frame.help = self.state.controls.help;
-        self.overlay.write(&input, &self.state, &self.rates, self.loader.busy(), &mut self.frame);
+        let text = self.message.as_ref().map_or(&self.error, |(text, _)| text);
+        self.frame.message.clone_from(text);
+        self.frame.title.clone_from(&self.scene.name);
+        self.overlay.write(&input, &self.state, &self.rates, busy, &mut self.frame.figures);
         let now = Instant::now();
         let painting = now - start;
         let since = self.accumulation.frame_shown(now, painting);
@@ -342,35 +336,30 @@ impl RenderLoop {
         self.rates.frame(since);
         self.summary.painting += painting;
         self.summary.frame(since, self.oldest_unshown_event.take().map(|at| now - at));
-        if std::mem::take(&mut self.scene_arrived)
-            && let Some(switch_requested) = self.switch_requested.take()
-        {
-            self.summary.switched(now - switch_requested);
+        if let Some(requested) = self.switch_unshown.take() {
+            self.summary.switched(now - requested);
         }
         self.exchange.publish(&mut self.frame);
         (self.wake)();
     }
 
-    /// Shows a message for a while; without one, the error if there is one.
-    fn set_message(&mut self, text: &str) {
-        self.overlay.set_message(if text.is_empty() { &self.error } else { text });
-        self.message = (!text.is_empty()).then(Instant::now);
+    /// Shows a message for a while.
+    fn set_message(&mut self, text: String) {
+        self.message = Some((text, Instant::now()));
     }
 
     fn take_screenshot(&mut self, renderer: &Renderer) {
         // As `octray render` does: the same number of samples in every pixel.
         self.accumulation.equalize_samples(renderer);
-        let shot = Shot {
+        let input = FrameInput {
+            renderer,
             scene: &self.scene,
-            camera: &self.accumulation.pose.camera,
-            settings: renderer.settings(),
-            film: &self.accumulation.film,
-            tone: &self.state.controls.tone,
+            accumulation: &self.accumulation,
+            controls: &self.state.controls,
         };
-        let text = match screenshot::take(&self.options.screenshots, &shot) {
+        self.set_message(match screenshot::take(&self.options.screenshots, &input) {
             Ok(place) => format!("saved {}.png, .exr and .json", place.display()),
             Err(error) => error.to_string(),
-        };
-        self.set_message(&text);
+        });
     }
 }

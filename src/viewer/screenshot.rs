@@ -2,46 +2,36 @@
 //!
 //! For: [`take`].
 
-use octray_engine::film::Film;
-use octray_engine::render::Settings;
-use octray_engine::tone::Tone;
+use super::painter::FrameInput;
 use octray_formats::output::{self, OutputError};
-use octray_formats::scene::{Camera, Loaded, Rendering, View};
+use octray_formats::scene::{Rendering, View};
 use std::path::{Path, PathBuf};
 
 /// Largest number of screenshots of a scene in a folder.
 const MOST: u32 = 9_999;
 
-/// What is saved.
-pub struct Shot<'a> {
-    pub scene: &'a Loaded,
-    pub camera: &'a Camera,
-    pub settings: &'a Settings,
-    /// With the same number of samples in every pixel.
-    pub film: &'a Film,
-    pub tone: &'a Tone,
-}
-
-/// Saves a screenshot under the first free name in a folder; returns the path without an extension.
-pub fn take(folder: &Path, shot: &Shot) -> Result<PathBuf, OutputError> {
-    let place = free_path(folder, &shot.scene.name);
-    let picture = shot.film.picture();
-    output::save(&place.with_extension("png"), &picture, shot.tone)?;
-    output::save(&place.with_extension("exr"), &picture, shot.tone)?;
-    output::save_text(&place.with_extension("json"), &view(folder, shot).text())?;
+/// Saves a screenshot under the first free name in a folder; returns the path without an extension. The film
+/// has the same number of samples in every pixel.
+pub fn take(folder: &Path, input: &FrameInput) -> Result<PathBuf, OutputError> {
+    let place = free_path(folder, &input.scene.name);
+    let (picture, tone) = (input.accumulation.film.picture(), &input.controls.tone);
+    output::save(&place.with_extension("png"), &picture, tone)?;
+    output::save(&place.with_extension("exr"), &picture, tone)?;
+    output::save_text(&place.with_extension("json"), &view(folder, input).text())?;
     Ok(place)
 }
 
 /// The view that `octray render` makes the same picture of.
-fn view(folder: &Path, shot: &Shot) -> View {
-    let Shot { scene, camera, settings, film, tone } = shot;
+fn view(folder: &Path, input: &FrameInput) -> View {
+    let FrameInput { scene, renderer, accumulation, controls } = input;
+    let (settings, tone) = (renderer.settings(), &controls.tone);
     let methods = &settings.methods;
     View {
-        camera: Some(**camera),
+        camera: Some(accumulation.pose.camera),
         resolution: Some(settings.resolution),
         max_bounces: Some(settings.max_bounces),
         render: Rendering {
-            samples: Some(film.samples()),
+            samples: Some(accumulation.film.samples()),
             seed: Some(settings.seed),
             exposure: Some(tone.exposure),
             tone: Some(tone.operator),

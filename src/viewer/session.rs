@@ -11,6 +11,7 @@ use super::state::{Event, State};
 use super::timing::Summary;
 use octray_formats::scene::Loaded;
 use std::sync::Arc;
+use std::sync::atomic::Ordering::{Acquire, Release};
 use std::sync::mpsc::{Sender, channel};
 use std::thread::JoinHandle;
 use std::time::Instant;
@@ -34,7 +35,6 @@ impl Viewer {
         let exchange = Arc::new(Exchange::default());
         let (shared, scene) = (exchange.clone(), Arc::new(scene));
         let thread = std::thread::spawn(move || {
-            let _guard = FinishGuard { exchange: shared.clone(), wake: wake.clone() };
             let size = options.size.unwrap_or(scene.resolution);
             shared.publish(&mut Frame::announcing(&scene.name, size));
             wake();
@@ -48,7 +48,7 @@ impl Viewer {
     pub fn send(&self, event: Event) {
         // Fails only if the render loop has ended; the event is then of no use.
         let _ = self.events.send((event, Instant::now()));
-        self.exchange.notify();
+        self.exchange.notified.store(true, Release);
     }
     /// Swaps `frame` for a newer one; returns false and changes nothing if there is none.
     pub fn take(&self, frame: &mut Frame) -> bool {
@@ -56,7 +56,7 @@ impl Viewer {
     }
     /// Whether the render loop has ended, by a panic or otherwise.
     pub(crate) fn is_finished(&self) -> bool {
-        self.exchange.is_finished()
+        self.thread.is_finished()
     }
     /// Ends the render loop. Does not wait for one that is still preparing its first scene.
     ///
@@ -64,23 +64,10 @@ impl Viewer {
     /// If the render loop panicked.
     pub fn finish(self) -> Summary {
         self.send(Event::Quit);
-        self.exchange.close();
-        if !self.exchange.is_ready() && !self.exchange.is_finished() {
+        self.exchange.closed.store(true, Release);
+        if !self.exchange.ready.load(Acquire) && !self.is_finished() {
             return Summary::default();
         }
         self.thread.join().expect("the render loop does not panic")
-    }
-}
-
-/// On drop, marks the exchange as finished and wakes the front end, also after a panic.
-struct FinishGuard {
-    exchange: Arc<Exchange>,
-    wake: Wake,
-}
-
-impl Drop for FinishGuard {
-    fn drop(&mut self) {
-        self.exchange.finish();
-        (self.wake)();
     }
 }

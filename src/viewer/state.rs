@@ -2,12 +2,12 @@
 //!
 //! For: [`Event`], `State`.
 
-use super::camera_controller::{CameraController, HeldMotions};
+use super::camera_controller::{CameraController, Motion};
 use super::controls::Controls;
-use super::keys::{self, Action, Command, Key};
+use super::keys::{self, Action, Key};
 use super::playlist::Playlist;
 use octray_formats::scene::Scene;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::time::{Duration, Instant};
 
 /// An event from a front end.
@@ -43,8 +43,6 @@ pub enum Event {
 pub(crate) enum Effect {
     /// Load the playlist's current scene.
     Load,
-    /// Reload the current scene.
-    Reload,
     Screenshot,
     Quit,
 }
@@ -64,7 +62,7 @@ pub(crate) struct State {
     pub mouse_captured: bool,
     /// Frames per second to show.
     pub rate: f64,
-    held: HeldMotions,
+    held: BTreeSet<Motion>,
     /// The time up to which the camera has moved, and for how long it has moved since the last frame.
     now: Instant,
     moved_for: Duration,
@@ -72,6 +70,8 @@ pub(crate) struct State {
     bounces: Option<u32>,
     /// The scene's bounces, or the command line's.
     scene_bounces: u32,
+    /// The playlist name of the scene that is shown.
+    pub name: String,
     /// Scenes that were left, by playlist name.
     saved: BTreeMap<String, SavedScene>,
 }
@@ -94,13 +94,14 @@ impl State {
         now: Instant,
     ) -> Self {
         Self {
+            name: playlist.current().to_string(),
             playlist,
             camera_controller: CameraController::new(scene.camera),
             controls,
             speed: 0.0,
             mouse_captured: false,
             rate: 60.0,
-            held: HeldMotions::default(),
+            held: BTreeSet::new(),
             now,
             moved_for: Duration::ZERO,
             bounces,
@@ -109,20 +110,24 @@ impl State {
         }
     }
 
-    /// Enters another scene after the one named `before`, or, with `reload`, the same one again. A scene that
-    /// was left before gets its camera and bounces back.
-    pub fn enter_scene(&mut self, scene: &Scene, reload: bool, before: &str) {
+    /// Whether the playlist's current scene is the one that is shown.
+    pub fn shows_current(&self) -> bool {
+        self.name == self.playlist.current()
+    }
+
+    /// Enters the playlist's current scene; a scene that was left before gets its camera and bounces back.
+    /// One that is shown already was reloaded: it keeps them.
+    pub fn enter_scene(&mut self, scene: &Scene) {
         let own = self.bounces.unwrap_or(scene.max_bounces);
         let own_before = std::mem::replace(&mut self.scene_bounces, own);
         let mut bounces = Some(self.controls.bounces).filter(|chosen| *chosen != own_before);
-        if !reload {
-            self.saved.insert(
-                before.to_string(),
-                SavedScene { camera_controller: self.camera_controller.clone(), bounces },
-            );
+        if !self.shows_current() {
+            let before = std::mem::replace(&mut self.name, self.playlist.current().to_string());
+            let left = SavedScene { camera_controller: self.camera_controller.clone(), bounces };
+            self.saved.insert(before, left);
             let fresh = SavedScene { camera_controller: CameraController::new(scene.camera), bounces: None };
             SavedScene { camera_controller: self.camera_controller, bounces } =
-                self.saved.remove(self.playlist.current()).unwrap_or(fresh);
+                self.saved.remove(&self.name).unwrap_or(fresh);
             // No motion until this scene's speed is known.
             self.speed = 0.0;
         }
@@ -141,7 +146,7 @@ impl State {
     fn move_camera(&mut self, to: Instant) {
         let step = to.saturating_duration_since(self.now).min(MAX_STEP - self.moved_for);
         self.now = self.now.max(to);
-        if self.held != HeldMotions::default() {
+        if !self.held.is_empty() {
             self.camera_controller.advance(&self.held, step.as_secs_f64(), self.speed);
             self.moved_for += step;
         }
@@ -157,7 +162,7 @@ impl State {
             Event::Wheel(steps) => self.camera_controller.zoom_by(steps),
             Event::Click => self.mouse_captured = true,
             Event::Unfocused => {
-                self.held = HeldMotions::default();
+                self.held.clear();
                 self.mouse_captured = false;
             }
             Event::Dropped(ref name) => return self.playlist.drop_in(name).then_some(Effect::Load),
@@ -171,41 +176,38 @@ impl State {
 
     fn key(&mut self, key: Key, down: bool, repeat: bool) -> Option<Effect> {
         match keys::action_of(key)? {
-            Action::Hold(motion) => self.held.set(motion, down),
-            Action::Do(command) if down && (!repeat || repeats(command)) => return self.command(command),
-            Action::Do(_) => {}
+            Action::Hold(motion) if down => {
+                self.held.insert(motion);
+            }
+            Action::Hold(motion) => {
+                self.held.remove(&motion);
+            }
+            _ if !down => {}
+            Action::Step(change) => change(&mut self.controls),
+            Action::Zoom(steps) => self.camera_controller.zoom_by(steps),
+            _ if repeat => {}
+            Action::Switch(change) => change(&mut self.controls),
+            Action::Home => self.camera_controller.reset(),
+            Action::ReleaseMouse => self.mouse_captured = false,
+            Action::Screenshot => return Some(Effect::Screenshot),
+            Action::Reload => return Some(Effect::Load),
+            Action::NextScene => {
+                self.playlist.next();
+                return Some(Effect::Load);
+            }
+            Action::PreviousScene => {
+                self.playlist.previous();
+                return Some(Effect::Load);
+            }
         }
         None
     }
-
-    fn command(&mut self, command: Command) -> Option<Effect> {
-        self.controls.apply(command);
-        match command {
-            Command::NextScene => self.playlist.next(),
-            Command::PreviousScene => self.playlist.previous(),
-            Command::Reload => return Some(Effect::Reload),
-            Command::Screenshot => return Some(Effect::Screenshot),
-            Command::Home => self.camera_controller.reset(),
-            Command::Narrower => self.camera_controller.zoom_by(1.0),
-            Command::Wider => self.camera_controller.zoom_by(-1.0),
-            Command::ReleaseMouse => self.mouse_captured = false,
-            _ => return None,
-        }
-        matches!(command, Command::NextScene | Command::PreviousScene).then_some(Effect::Load)
-    }
-}
-
-/// Whether a held key repeats the command.
-fn repeats(command: Command) -> bool {
-    use Command::*;
-    matches!(command, Narrower | Wider | FewerBounces | MoreBounces | Coarser | Finer | Brighter | Darker)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::display_mode::DisplayMode;
-    use crate::keys::Motion;
     use octray_engine::render::LaneChoice;
     use octray_engine::tone::Tone;
 
@@ -215,12 +217,6 @@ mod tests {
         let now = Instant::now();
         let controls = Controls::new(scene.max_bounces, 2, LaneChoice::Eight, Tone::default());
         (State::new(Playlist::new(&names).unwrap(), &scene, controls, None, now), now)
-    }
-    /// Is a key down that moves the camera?
-    fn moving(state: &State) -> bool {
-        use Motion::*;
-        let motions = [Forward, Back, Left, Right, Up, Down, TurnLeft, TurnRight, TurnUp, TurnDown];
-        motions.into_iter().any(|motion| state.held.is(motion))
     }
     fn key(key: Key, down: bool) -> Event {
         Event::Key { key, down, repeat: false }
@@ -235,9 +231,9 @@ mod tests {
         state.speed = 10.0;
         let from = state.camera_controller.camera().position;
         state.handle(&key(Key::Char('w'), true), now + ms(100));
-        assert!(moving(&state));
+        assert!(!state.held.is_empty());
         state.handle(&key(Key::Char('w'), false), now + ms(120));
-        assert!(!moving(&state));
+        assert!(state.held.is_empty());
         state.advance(now + ms(500));
         let walked = state.camera_controller.camera().position.distance(from);
         assert!((walked - 0.2).abs() < 1e-4, "20 ms at 10 units a second: {walked}");
@@ -293,7 +289,7 @@ mod tests {
         state.handle(&Event::Click, now);
         state.handle(&key(Key::Up, true), now);
         state.handle(&Event::Unfocused, now);
-        assert!(!moving(&state) && !state.mouse_captured);
+        assert!(state.held.is_empty() && !state.mouse_captured);
     }
 
     #[test]
@@ -322,7 +318,7 @@ mod tests {
         assert_eq!(state.handle(&key(Key::Char(','), true), now), Some(Effect::Load));
         assert_eq!(state.playlist.current(), "builtin:three");
         assert_eq!(state.handle(&key(Key::Tab, true), now), Some(Effect::Screenshot));
-        assert_eq!(state.handle(&key(Key::Char('r'), true), now), Some(Effect::Reload));
+        assert_eq!(state.handle(&key(Key::Char('r'), true), now), Some(Effect::Load));
         assert_eq!(state.handle(&Event::Quit, now), Some(Effect::Quit));
         assert_eq!(state.handle(&Event::Dropped("new.obj".into()), now), Some(Effect::Load));
         assert_eq!(state.playlist.current(), "new.obj");
@@ -346,22 +342,22 @@ mod tests {
         let mut thesis = octray_formats::scene::load("builtin:thesis").unwrap();
         thesis.max_bounces = 7;
         state.playlist.next();
-        state.enter_scene(&thesis, false, "builtin:three");
+        state.enter_scene(&thesis);
         assert_eq!((*state.camera_controller.camera(), state.controls.bounces), (thesis.camera, 7));
         state.handle(&Event::Wheel(1.0), now);
         state.controls.bounces = 3;
         let moved = *state.camera_controller.camera();
-        state.enter_scene(&thesis, true, "builtin:thesis");
+        state.enter_scene(&thesis);
         assert_eq!((*state.camera_controller.camera(), state.controls.bounces), (moved, 3), "read again");
         state.playlist.next();
-        state.enter_scene(&three, false, "builtin:thesis");
+        state.enter_scene(&three);
         assert_eq!(
             (*state.camera_controller.camera(), state.controls.bounces),
             (three.camera, three.max_bounces)
         );
         state.playlist.next();
         thesis.camera.vertical_fov = 50.0;
-        state.enter_scene(&thesis, false, "builtin:three");
+        state.enter_scene(&thesis);
         assert_eq!((*state.camera_controller.camera(), state.controls.bounces), (moved, 3), "as it was left");
         state.handle(&key(Key::Home, true), now);
         assert_eq!(*state.camera_controller.camera(), thesis.camera, "home is where the file has it now");
@@ -372,22 +368,18 @@ mod tests {
         let (mut state, now) = start();
         let mut three = octray_formats::scene::load("builtin:three").unwrap();
         let thesis = octray_formats::scene::load("builtin:thesis").unwrap();
-        let mut enter_scene = |state: &mut State, bounces, reload, before| {
+        let mut enter_scene = |state: &mut State, bounces| {
             three.max_bounces = bounces;
-            state.enter_scene(&three, reload, before);
+            state.enter_scene(&three);
             state.controls.bounces
         };
-        assert_eq!(enter_scene(&mut state, 9, true, "builtin:three"), 9, "changed in its file");
+        assert_eq!(enter_scene(&mut state, 9), 9, "changed in its file");
         state.playlist.next();
-        state.enter_scene(&thesis, false, "builtin:three");
+        state.enter_scene(&thesis);
         state.playlist.next();
-        assert_eq!(
-            enter_scene(&mut state, 8, false, "builtin:thesis"),
-            8,
-            "changed while another one was shown"
-        );
+        assert_eq!(enter_scene(&mut state, 8), 8, "changed while another one was shown");
         state.handle(&key(Key::Char(']'), true), now);
-        assert_eq!(enter_scene(&mut state, 5, true, "builtin:three"), 9, "chosen");
+        assert_eq!(enter_scene(&mut state, 5), 9, "chosen");
     }
 
     #[test]
@@ -397,7 +389,7 @@ mod tests {
         state.handle(&key(Key::Char('w'), true), now);
         state.playlist.next();
         let thesis = octray_formats::scene::load("builtin:thesis").unwrap();
-        state.enter_scene(&thesis, false, "builtin:three");
+        state.enter_scene(&thesis);
         state.advance(now + ms(100));
         assert_eq!(state.camera_controller.camera().position, thesis.camera.position);
     }
@@ -409,7 +401,7 @@ mod tests {
         let mut thesis = octray_formats::scene::load("builtin:thesis").unwrap();
         thesis.max_bounces = 7;
         state.playlist.next();
-        state.enter_scene(&thesis, false, "builtin:three");
+        state.enter_scene(&thesis);
         assert_eq!(state.controls.bounces, 2);
     }
 }

@@ -11,6 +11,7 @@ use super::session::Viewer;
 use super::signals::ExitSignal;
 use super::state::Event;
 use super::timing::Summary;
+use super::window_text;
 use octray_formats::scene::Loaded;
 use std::num::NonZeroU32;
 use std::rc::Rc;
@@ -84,7 +85,6 @@ pub fn window(
         context,
         surface: None,
         frame: Frame::default(),
-        columns: Vec::new(),
         window_size: PhysicalSize::default(),
         title: String::new(),
         mouse_captured: false,
@@ -158,7 +158,6 @@ struct App {
     context: softbuffer::Context<OwnedDisplayHandle>,
     surface: Option<Surface>,
     frame: Frame,
-    columns: Vec<u32>,
     /// The window's size at the last event: querying a closed window panics.
     window_size: PhysicalSize<u32>,
     /// The title that the window shows.
@@ -204,8 +203,8 @@ impl App {
         let refused = |error: softbuffer::SoftBufferError| WindowError::NoSurface(error.to_string().into());
         surface.resize(width, height).map_err(refused)?;
         let mut buffer = surface.buffer_mut().map_err(refused)?;
-        Canvas { pixels: &mut buffer, width: across, height: down }
-            .draw_frame(&self.frame, &mut self.columns);
+        let canvas = Canvas { pixels: &mut buffer, width: across as usize, height: down as usize };
+        window_text::draw(&self.frame, canvas);
         buffer.present().map_err(refused)?;
         if fresh {
             self.presented.frames += 1;

@@ -2,17 +2,16 @@
 
 use super::{Rng, empty, material, sphere, triangle};
 use glam::Vec3;
-use octray::buffers::Buffers;
 use octray::bvh::Trees;
 use octray::lane::Lane;
 use octray::math::{MISS, Ray};
 use octray::scene::{MaterialKind, Scene};
 use octray::traverse::batch::{Tracer, Traversal};
 use octray::traverse::hierarchy::Hierarchy;
-use octray::traverse::rays::{Hits, Rays, RaysAndHits};
+use octray::traverse::rays::{Hits, Rays};
 use octray::traverse::stack::Stack;
 use octray::traverse::tile::{self, Packets};
-use octray::traverse::{Layout, Methods, PrimitiveList, Primitives, TraversalChoice};
+use octray::traverse::{Layout, List, Methods, PrimitiveList};
 
 /// t, primitive, u and v of each ray, as bits.
 pub type Answers = Vec<[u32; 4]>;
@@ -44,10 +43,7 @@ impl Set {
         self.t_max.len()
     }
     pub fn rays(&self) -> Rays<'_> {
-        Rays {
-            origin: self.origin.each_ref().map(Vec::as_slice),
-            direction: self.direction.each_ref().map(Vec::as_slice),
-        }
+        Rays::new(self.origin.each_ref().map(Vec::as_slice), self.direction.each_ref().map(Vec::as_slice))
     }
     /// Runs something on columns of hits as they are before tracing; returns what it returns, and the hits.
     fn with_hits<R>(&self, run: impl FnOnce(&mut Hits) -> R) -> (R, Answers) {
@@ -72,7 +68,7 @@ impl Set {
         hierarchy: &Hierarchy,
         traversal: Traversal,
     ) -> Answers {
-        self.with_hits(|hits| tracer.trace::<ANY>(traversal, hierarchy, &self.rays(), hits)).1
+        self.with_hits(|hits| tracer.trace::<ANY>(traversal, hierarchy, &self.rays(), hits, None)).1
     }
     /// Are the first rays, a tile at most, ones for which there is a frustum?
     pub fn goes_in_a_frustum(&self, hierarchy: &Hierarchy) -> bool {
@@ -94,12 +90,7 @@ impl Set {
     }
     /// What is nearest of every primitive, or of every one that is listed, before the rays end; whatever they
     /// have hit before.
-    pub fn nearest<L: Lane>(
-        &self,
-        primitives: &Primitives,
-        buffers: &Buffers,
-        listed: Option<&PrimitiveList>,
-    ) -> Answers {
+    pub fn nearest<L: Lane>(&self, list: &List, listed: Option<&PrimitiveList>) -> Answers {
         let count = self.len().next_multiple_of(L::WIDTH);
         let padded = |column: &[f32]| -> Vec<f32> {
             let last = column.last().copied().into_iter().cycle();
@@ -109,27 +100,20 @@ impl Set {
             self.origin.each_ref().map(|column| padded(column)),
             self.direction.each_ref().map(|column| padded(column)),
         );
-        // NaN shows weights that were not overwritten.
-        let [_, triangles] = primitives.linear(buffers, None);
-        let weight = if triangles > 0 { f32::NAN } else { 0.0 };
-        let (mut t, mut primitive) = (padded(&self.t_max), vec![7; count]);
-        let [mut u, mut v] = [(); 2].map(|()| vec![weight; count]);
-        let mut batch = RaysAndHits {
-            rays: Rays {
-                origin: origin.each_ref().map(Vec::as_slice),
-                direction: direction.each_ref().map(Vec::as_slice),
-            },
-            hits: Hits { t: &mut t, primitive: &mut primitive, u: &mut u, v: &mut v },
-        };
-        primitives.trace_linear::<L>(buffers, listed, &mut batch);
+        let (mut t, mut primitive) = (padded(&self.t_max), vec![MISS; count]);
+        let [mut u, mut v] = [(); 2].map(|()| vec![0.0; count]);
+        let (origin, direction) =
+            (origin.each_ref().map(Vec::as_slice), direction.each_ref().map(Vec::as_slice));
+        let rays = Rays::first(self.len(), origin, direction);
+        let mut hits = Hits { t: &mut t, primitive: &mut primitive, u: &mut u, v: &mut v };
+        list.trace::<L>(&rays, &mut hits, listed, None);
         let bits = |i: usize| [t[i].to_bits(), primitive[i], u[i].to_bits(), v[i].to_bits()];
         (0..self.len()).map(bits).collect()
     }
     /// Every primitive tested in order, at a width of one.
     pub fn linear(&self, scene: &Scene) -> Answers {
-        let methods = Methods { traversal: TraversalChoice::Linear, ..Methods::default() };
         let endless = Self { t_max: vec![f32::INFINITY; self.len()], ..self.clone() };
-        let nearest = endless.nearest::<f32>(&Primitives::new(scene, methods, 1), &Buffers::new(scene), None);
+        let nearest = endless.nearest::<f32>(&List::new(scene, Methods::default()), None);
         let before = self.with_hits(|_| ()).1;
         let answer = |at: usize| {
             let [t, primitive, ..] = nearest[at];

@@ -2,7 +2,7 @@
 
 use crate::common::{Rng, empty, material, sphere, triangle};
 use glam::{Quat, Vec3};
-use octray::buffers::{Buffers, Features};
+use octray::buffers::{Buffers, Features, Lights};
 use octray::camera::{Pinhole, Tile};
 use octray::integrate::{Scratch, TraceContext, pipeline_for};
 use octray::math;
@@ -44,10 +44,9 @@ fn sign(bit: usize) -> f32 {
 fn departure(scene: &Scene, max_bounces: u32, lanes: usize) -> f64 {
     let context = TraceContext {
         buffers: Buffers::new(scene),
-        primitives: Primitives::new(scene, Methods::default(), 8),
+        primitives: Primitives::new(scene, Methods::default(), 8, &Lights::default()),
         camera: Pinhole::new(&scene.camera, [16, 16]),
         visible: Vec::new(),
-        occluders: None,
         width: 16,
         max_bounces,
         seed: 1,

@@ -7,7 +7,7 @@ use octray::buffers::LightChoice;
 use octray::film::Picture;
 use octray::render::{PipelineChoice, Settings};
 use octray::scene::{Camera, Filter, Material, MaterialKind, Scene, Sky};
-use octray::traverse::{BoxChoice, Methods};
+use octray::traverse::Methods;
 
 const KINDS: [MaterialKind; 10] = [
     MaterialKind::Diffuse,
@@ -138,19 +138,5 @@ fn every_feature_alone_gives_the_bits_of_all_features_together() {
                 assert!(render(&scene, needed) == render(&scene, general), "{kind:?}, {extra:?}, {lights:?}");
             }
         }
-    }
-}
-
-#[test]
-fn boxes_without_padding_have_none_in_a_hierarchy_and_out_of_it() {
-    for scene in ["builtin:cornell", "builtin:knot:2000"] {
-        let scene = octray::scene::load(scene).unwrap();
-        let padding = |boxes| {
-            octray::traverse::Primitives::new(&scene, Methods { boxes, ..Methods::default() }, 8).padding()
-        };
-        let full = octray::traverse::hierarchy::padding_of(&scene);
-        assert_eq!(padding(BoxChoice::PaddedFma), full);
-        assert_eq!(padding(BoxChoice::Fma), full.without_padding());
-        assert_ne!(padding(BoxChoice::Fma), full);
     }
 }

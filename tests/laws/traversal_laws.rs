@@ -7,13 +7,12 @@
 use crate::common::rays::Set;
 use crate::common::{Rng, empty, material, ray, sphere, triangle};
 use glam::Vec3;
-use octray::buffers::Buffers;
 use octray::kernel::ray_sphere::{self, SphereMethod};
 use octray::kernel::ray_triangle::{self, TriangleMethod};
 use octray::lane::{F32x8, F32x16, Lane};
 use octray::math::{self, MISS, Ray};
 use octray::scene::{MaterialKind, Scene};
-use octray::traverse::{Methods, Primitives, SphereChoice, TraversalChoice, TriangleChoice};
+use octray::traverse::{List, Methods, SphereChoice, TraversalChoice, TriangleChoice};
 
 /// A hit's bits: t, primitive, u, v.
 type Answer = [u32; 4];
@@ -45,7 +44,7 @@ fn oracle<S: SphereMethod, T: TriangleMethod>(scene: &Scene, ray: &Ray<f32>) -> 
 }
 
 fn traversed<L: Lane>(scene: &Scene, methods: Methods, rays: &[Ray<f32>]) -> Vec<Answer> {
-    Set::of(rays).nearest::<L>(&Primitives::new(scene, methods, 8), &Buffers::new(scene), None)
+    Set::of(rays).nearest::<L>(&List::new(scene, methods), None)
 }
 
 /// Asserts the law for one choice of equations; returns the answers.
@@ -193,9 +192,8 @@ fn traversal_equals_every_primitive_one_by_one_for_directions_of_no_length() {
 #[test]
 fn hits_count_before_the_end_of_a_ray() {
     fn check<L: Lane>(scene: &Scene, set: &Set, triangle: TriangleChoice) -> usize {
-        let methods = Methods { triangle, traversal: TraversalChoice::Linear, ..Methods::default() };
-        let (primitives, buffers) = (Primitives::new(scene, methods, 8), Buffers::new(scene));
-        let endless = set.nearest::<L>(&primitives, &buffers, None);
+        let list = List::new(scene, Methods { triangle, ..Methods::default() });
+        let endless = set.nearest::<L>(&list, None);
         let mut ended = 0;
         for (end, counts) in [
             (0.0, false),
@@ -212,7 +210,7 @@ fn hits_count_before_the_end_of_a_ray() {
                 _ => f32::from_bits(answer[0]) * end,
             });
             let set = Set { t_max: t_max.collect(), ..set.clone() };
-            let answers = set.nearest::<L>(&primitives, &buffers, None);
+            let answers = set.nearest::<L>(&list, None);
             for ((answer, endless), t_max) in answers.iter().zip(&endless).zip(&set.t_max) {
                 if endless[1] != MISS && counts {
                     assert_eq!(answer, endless);

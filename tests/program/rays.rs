@@ -228,7 +228,7 @@ fn what_rays_cannot_use_is_refused() {
         (&["scene.json", "--dump", "file/folder"], &["cannot make the folder `file/folder`", "because: "]),
         (&["nowhere.json", "--dump", "folder"], &["nowhere.json"]),
         (&["scene.json", "--size", "0x5"], &["--size", "from 1 to 16,384"]),
-        (&["scene.json", "--size", "4096x4096"], &["--size 4096x4096", "at most 8,388,608 pixels"]),
+        (&["scene.json", "--size", "4096x4096"], &["'4096x4096' for '--size", "at most 8,388,608 pixels"]),
         (&["scene.json", "--passes", "0"], &["--passes", "from 1 to"]),
         (&["scene.json", "--threads", "0"], &["--threads", "from 1 to 1,024"]),
         (&["scene.json", "--seed", "-1"], &["--seed", "from 0 to"]),

@@ -121,7 +121,7 @@ fn unfinished_part_goes_on_in_its_place() {
 fn shards_that_cannot_join_are_refused_before_they_are_rendered() {
     let desk = Desk::new();
     for (arguments, words) in [
-        ("--shard 9/8 -o 1.part", &["--shard 9/8", "3/8"][..]),
+        ("--shard 9/8 -o 1.part", &["'9/8' for '--shard", "3/8"][..]),
         ("--shard 1/2 -o a.png", &["--output a.png", "octray merge", ".part"]),
         ("--shard 1/2 -o scene.json", &["scene.json", "not a checkpoint"]),
         ("--shard 1/2 -o 1.part --target-error 0.1", &["--target-error", "--samples"]),

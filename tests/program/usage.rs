@@ -77,6 +77,7 @@ fn numbers_out_of_range_are_refused_with_their_range() {
         ("--threads", &["0", "-1", "1025", huge, "all"], "from 1 to 1,024"),
         ("--lanes", &["0", "2", "32", huge, "all"], "auto, 1, 8, 16"),
         ("--exposure", &["nan", "inf", "-65", "1e39", "bright"], "from -64 to 64"),
+        ("--clamp", &["0", "-1", "nan", "inf", "", "ten"], "above 0"),
         ("--size", &["0x0", "0x8", "8x0", "1000000000x1", "16385x1", "1x16385"], "from 1 to 16,384"),
         (
             "--size",

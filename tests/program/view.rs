@@ -9,7 +9,7 @@ fn what_cannot_be_shown_is_refused() {
     desk.refuses(&["view", "empty"], &["no scene", "empty", "name a folder that holds some"]);
     desk.refuses(&["view", "nowhere.json"], &["nowhere.json"]);
     desk.refuses(&["view", "builtin:nowhere"], &["builtin:nowhere"]);
-    desk.refuses(&["view", "--frames", "0"], &["--frames 0"]);
+    desk.refuses(&["view", "--frames", "0"], &["--frames", "from 1 to"]);
     desk.refuses(
         &["view", "scene.json", "--terminal"],
         &["draws in a terminal", "standard output is not one", "octray render"],

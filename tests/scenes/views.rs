@@ -353,6 +353,6 @@ fn scenes_that_cannot_be_read_know_what_was_looked_for() {
     write(folder, "of_model.json", view("m/m.obj", ""));
     write(folder, "m/m.obj", "mtllib m.mtl\nv 0 0 0\nf 1 2 3\n");
     assert_eq!(files("gone.json"), ["gone.json"]);
-    assert_eq!(files("view.json"), ["m/gone.json", "view.json"]);
+    assert_eq!(files("view.json"), ["view.json", "m/gone.json"]);
     assert_eq!(files("of_model.json"), ["m/m.obj", "of_model.json"]);
 }

@@ -3,12 +3,11 @@
 
 use super::environment_light::EnvironmentLight;
 use super::features::Features;
+use super::quads;
 use super::rows::Rows;
-use super::{guiding, quads};
 use crate::choice::choices;
-use crate::kernel::guiding::Guiding;
 use crate::kernel::surface::{sphere_offset, triangle_offset};
-use crate::scene::{MaterialKind, Scene, Sphere, Triangle};
+use crate::scene::{MaterialKind, Primitive, Scene, Sphere, Triangle};
 use std::collections::HashMap;
 use std::f32::consts::PI;
 
@@ -20,7 +19,7 @@ choices! {
             "Emitters whose sampling pays: no sphere around the scene, none where all is mirrors and glass.";
         On = "on", "Every emitter that can be sampled.";
         Power = "power",
-            "As auto, but by power alone, every triangle by itself, and no rays guided to borders and images of lights.";
+            "As auto, but chosen by power alone, every triangle by itself.";
         Off = "off", "None: paths hit emitters by scattering alone.";
     }
 }
@@ -51,8 +50,6 @@ pub struct Lights {
     /// Of each triangle that is half of a parallelogram: one more than the index of the vertex opposite the
     /// other half; else 0. Empty where no triangle is.
     pub diagonals: Vec<u8>,
-    /// Where diffuse surfaces send a share of their rays, if it pays.
-    pub guiding: Option<Guiding>,
     /// The environment light, if it is one of the lights, and the probability of choosing it.
     pub sky: Option<(EnvironmentLight, f32)>,
 }
@@ -77,9 +74,6 @@ const MIN_CONTRAST: f64 = 2.0;
 /// (`tests/laws/choosing.rs`). Costs no more than this share of all shadow rays.
 const MIN_SHARE: f64 = 1.0 / 64.0;
 
-/// A light to whose surroundings rays are guided emits at least this share of all power.
-const MIN_GUIDING_SHARE: f64 = 0.5;
-
 impl Lights {
     /// Most lights whose rows fit the register form.
     pub const FEW: usize = Rows::FEW / 2;
@@ -92,7 +86,7 @@ impl Lights {
 
     /// The lights of a scene that the choice selects.
     pub fn new(scene: &Scene, choice: LightChoice) -> Self {
-        let primitives = scene.spheres.len() + scene.triangles.len();
+        let primitives = scene.primitives();
         if choice == LightChoice::Off || !anything_scatters(scene) {
             return Self::default();
         }
@@ -122,9 +116,6 @@ impl Lights {
         let mut diagonals = vec![0; if halves.is_empty() { 0 } else { scene.triangles.len() }];
         halves.iter().for_each(|(&triangle, half)| diagonals[triangle] = half.corner as u8 + 1);
         let corner = |number: usize| halves.get(&number.wrapping_sub(spheres)).map(|half| half.corner);
-        let is_guiding = |number: &&usize| {
-            **number < primitives && light_powers[**number] >= MIN_GUIDING_SHARE * total && merge
-        };
         let is_few = (2..=Self::MAX_COMPARED).contains(&lights.len());
         let by_irradiance = merge && (is_few || lights.len() > Self::MAX_SHARED);
         let important = lights.iter().filter(|_| by_irradiance);
@@ -132,12 +123,9 @@ impl Lights {
             importance_rows: Rows::new(important.map(|&number| {
                 importance_row(scene, number, light_powers[number], sky.as_ref(), corner(number))
             })),
-            guiding: lights
-                .iter()
-                .find(is_guiding)
-                .and_then(|&number| guiding::of(scene, number, corner(number))),
             rows: Rows::new(lights.iter().zip(&shares).flat_map(|(&number, &share)| {
-                let offset = partner(number).map_or(0.0, |other| own_offset(scene, other));
+                let offset = partner(number)
+                    .map_or(0.0, |other| triangle_offset(scene.triangles[other - spheres].vertices));
                 rows(scene, number, share as f32, corner(number).map(|corner| (corner, offset)))
             })),
             alias_table: AliasTable::new(&shares),
@@ -196,14 +184,13 @@ fn power_of(scene: &Scene, number: usize, choice: LightChoice) -> f64 {
             || material.emission_map.is_some();
         if is_textured { 0.0 } else { f64::from(material.emission.element_sum()) / 3.0 }
     };
-    match scene.spheres.get(number) {
-        Some(sphere) if choice != LightChoice::On && surrounds(scene, sphere) => 0.0,
-        Some(&Sphere { radius, material, .. }) => {
+    match scene.primitive(number) {
+        Primitive::Sphere(sphere) if choice != LightChoice::On && surrounds(scene, sphere) => 0.0,
+        Primitive::Sphere(&Sphere { radius, material, .. }) => {
             let radius = f64::from(radius);
             4.0 * f64::from(PI) * f64::from(PI) * radius * radius * emission(material)
         }
-        None => {
-            let Triangle { vertices, material } = scene.triangles[number - scene.spheres.len()];
+        Primitive::Triangle(&Triangle { vertices, material }, _) => {
             let [a, b, c] = vertices.map(|vertex| vertex.as_dvec3());
             // Both sides emit.
             f64::from(PI) * (b - a).cross(c - a).length() * emission(material)
@@ -224,20 +211,15 @@ fn surrounds(scene: &Scene, sphere: &Sphere) -> bool {
     to.length() < f64::from(sphere.radius)
 }
 
-/// The offset of shadow rays that end at the triangle `number`, counted from the first sphere.
-fn own_offset(scene: &Scene, number: usize) -> f32 {
-    triangle_offset(scene.triangles[number - scene.spheres.len()].vertices)
-}
-
 /// See [`Lights::rows`]. `quad`: of a triangle that is half of a parallelogram, the vertex opposite the other
 /// half, and the offset of that.
 fn rows(scene: &Scene, number: usize, probability: f32, quad: Option<(usize, f32)>) -> [[f32; 8]; 2] {
-    if number == scene.spheres.len() + scene.triangles.len() {
+    if number == scene.primitives() {
         return [[0.0, 0.0, 0.0, SKY_RADIUS, 0.0, 0.0, 0.0, probability], [0.0; 8]];
     }
     let emission = |material: u32| scene.materials[material as usize].emission;
-    match scene.spheres.get(number) {
-        Some(&Sphere { center, radius, material, .. }) => {
+    match scene.primitive(number) {
+        Primitive::Sphere(&Sphere { center, radius, material, .. }) => {
             let e = emission(material);
             let offset = sphere_offset(center, radius);
             [
@@ -245,8 +227,7 @@ fn rows(scene: &Scene, number: usize, probability: f32, quad: Option<(usize, f32
                 [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, offset],
             ]
         }
-        None => {
-            let Triangle { vertices, material } = scene.triangles[number - scene.spheres.len()];
+        Primitive::Triangle(&Triangle { vertices, material }, _) => {
             let (corner, other) = quad.unwrap_or_default();
             let [a, b, c] = [0, 1, 2].map(|index| vertices[(corner + index) % 3]);
             let (ab, ac, e) = (b - a, c - a, emission(material));
@@ -269,22 +250,25 @@ fn importance_row(
     sky: Option<&EnvironmentLight>,
     quad: Option<usize>,
 ) -> [f32; 8] {
-    if number == scene.spheres.len() + scene.triangles.len() {
+    if number == scene.primitives() {
         let irradiance = f64::from(PI) * sky.map_or(0.0, |sky| sky.mean);
         return [0.0, 0.0, 0.0, SKY_RADIUS, 0.0, 0.0, 0.0, irradiance as f32];
     }
     let power = power / f64::from(PI);
-    if let Some(&Sphere { center, radius, .. }) = scene.spheres.get(number) {
-        return [center.x, center.y, center.z, radius, 0.0, 0.0, 0.0, (0.25 * power) as f32];
+    match scene.primitive(number) {
+        Primitive::Sphere(&Sphere { center, radius, .. }) => {
+            [center.x, center.y, center.z, radius, 0.0, 0.0, 0.0, (0.25 * power) as f32]
+        }
+        Primitive::Triangle(Triangle { vertices, .. }, _) => {
+            let corner = quad.unwrap_or_default();
+            let [a, b, c] = [0, 1, 2].map(|index| vertices[(corner + index) % 3].as_dvec3());
+            let center = if quad.is_some() { 0.5 * (b + c) } else { (a + b + c) / 3.0 };
+            let radius = [a, b, c].map(|vertex| (vertex - center).length()).into_iter().fold(0.0, f64::max);
+            let n = (b - a).cross(c - a).normalize().as_vec3();
+            let center = center.as_vec3();
+            [center.x, center.y, center.z, radius as f32, n.x, n.y, n.z, (0.5 * power) as f32]
+        }
     }
-    let Triangle { vertices, .. } = scene.triangles[number - scene.spheres.len()];
-    let corner = quad.unwrap_or_default();
-    let [a, b, c] = [0, 1, 2].map(|index| vertices[(corner + index) % 3].as_dvec3());
-    let center = if quad.is_some() { 0.5 * (b + c) } else { (a + b + c) / 3.0 };
-    let radius = [a, b, c].map(|vertex| (vertex - center).length()).into_iter().fold(0.0, f64::max);
-    let n = (b - a).cross(c - a).normalize().as_vec3();
-    let center = center.as_vec3();
-    [center.x, center.y, center.z, radius as f32, n.x, n.y, n.z, (0.5 * power) as f32]
 }
 
 /// The probabilities of lights with these shares of all power: the shares, but none below [`MIN_SHARE`] of

@@ -1,45 +1,36 @@
 //! The scene flattened into aligned structure-of-arrays buffers, and the features that it needs.
 //!
-//! For: [`Buffers`] (spheres, triangles, materials, textures, lights, sky, as intersection and shading read
-//! them) and [`Features`].
+//! For: [`Buffers`] (surfaces, materials, textures, lights, sky, as shading reads them) and [`Features`].
 //!
-//! Two layouts for two access patterns. Intersection streams through *blocks* of eight primitives, each
-//! component a packet of its own ([`SphereBlock`]): all lanes read together, or one primitive is broadcast to
-//! all lanes. Shading reads *row tables* ([`rows::Rows`]) of eight floats a row, each lane at its own index:
-//! rows are fetched and transposed into packets in registers.
+//! Shading reads *row tables* ([`rows::Rows`]) of eight floats a row, each lane at its own index: rows are
+//! fetched and transposed into packets in registers. What intersection reads is in [`crate::traverse`].
 
 mod environment_light;
 pub mod features;
-mod guiding;
-mod light_border;
 mod lights;
 mod mip_chain;
 mod quads;
 pub mod rows;
-mod spheres;
 mod texels;
 
 pub use environment_light::EnvironmentLight;
 pub use features::Features;
 pub use lights::{LightChoice, Lights};
-pub use spheres::{SphereBlock, Spheres};
 pub use texels::{Abilities, Textures};
 
 use crate::kernel::bsdf::{metal_rough, plastic};
 use crate::kernel::ray_triangle::TriangleMethod;
-use crate::kernel::sphere_culling::CulledSphere;
 use crate::kernel::surface::{self, sphere_offset, triangle_normal, triangle_offset};
 use crate::scene::{self, MaterialKind, Scene, Side};
 use glam::Vec3;
 use rows::Rows;
 
-/// Everything that rendering reads of a scene, except the triangles' intersection data (see
-/// [`store_triangles`]).
+/// Everything that shading reads of a scene.
 pub struct Buffers {
     /// The features that the scene uses.
     pub needs: Features,
-    /// All spheres.
-    pub spheres: Spheres,
+    /// The number of spheres: of primitives, they come first.
+    pub spheres: u32,
     /// One row of eight a sphere: centre, one over the radius, offset of leaving rays, material (bits),
     /// texture turn (see `texture_turn`), probability of being chosen as a light.
     pub sphere_rows: Rows,
@@ -150,7 +141,7 @@ impl Buffers {
         };
         Self {
             needs: Features::of(scene).with(lights.needs()),
-            spheres: Spheres::new(&scene.spheres),
+            spheres: scene.spheres.len() as u32,
             sphere_rows: Rows::new(spheres.map(|(number, sphere)| sphere_row(sphere, probability(number)))),
             triangle_rows: Rows::new(triangles.flat_map(of_triangle)),
             uv_rows: Rows::new(scene.triangles.iter().zip(&scene.uvs).map(uv_row)),
@@ -170,16 +161,8 @@ impl Buffers {
         let Self { sphere_rows, triangle_rows, uv_rows, normal_rows, tangent_rows, .. } = self;
         let rows = [sphere_rows, triangle_rows, uv_rows, normal_rows, tangent_rows];
         let rows = rows.into_iter().chain([&self.material_rows, &self.material_extra]);
-        rows.map(Rows::bytes).sum::<usize>()
-            + self.spheres.bytes()
-            + self.textures.bytes()
-            + self.lights.bytes()
+        rows.map(Rows::bytes).sum::<usize>() + self.textures.bytes() + self.lights.bytes()
     }
-}
-
-/// The scene's spheres as culling reads them.
-pub fn store_culled_spheres(scene: &Scene) -> Vec<CulledSphere> {
-    scene.spheres.iter().map(|sphere| CulledSphere::new(sphere.center, sphere.radius)).collect()
 }
 
 /// The scene's triangles as an intersection method stores them, those that share an edge linked in pairs.

@@ -3,7 +3,7 @@
 use crate::kernel::ray_box::sphere_padding;
 use crate::kernel::surface::triangle_bounds;
 use crate::lane::{F32x8, Lane, Mask8};
-use crate::scene::Scene;
+use crate::scene::Primitive;
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
@@ -34,11 +34,11 @@ impl Bounds {
         let half = radius + sphere_padding(center, radius);
         Self { lo: outwards(center - half, f32::next_down), hi: outwards(center + half, f32::next_up) }
     }
-    /// The box of a scene's primitive by its number: spheres first, then triangles.
-    pub fn of_primitive(scene: &Scene, number: usize) -> Self {
-        match scene.spheres.get(number) {
-            Some(sphere) => Self::of_sphere(sphere.center, sphere.radius),
-            None => Self::of_triangle(scene.triangles[number - scene.spheres.len()].vertices),
+    /// The box of a scene's primitive.
+    pub fn of_primitive(primitive: Primitive) -> Self {
+        match primitive {
+            Primitive::Sphere(sphere) => Self::of_sphere(sphere.center, sphere.radius),
+            Primitive::Triangle(triangle, _) => Self::of_triangle(triangle.vertices),
         }
     }
     /// The smallest box that holds both.

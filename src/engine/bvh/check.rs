@@ -52,7 +52,7 @@ type Checked<T> = Result<T, String>;
 pub fn check_scene(bvh: &Bvh, scene: &Scene) -> Checked<Statistics> {
     let spheres = scene.spheres.len();
     let count = spheres + scene.triangles.len();
-    check(bvh, spheres, count, |number| Bounds::of_primitive(scene, number))
+    check(bvh, spheres, count, |number| Bounds::of_primitive(scene.primitive(number)))
 }
 
 /// Checks the hierarchy over `count` primitives (`spheres` spheres first) with the given boxes: its

@@ -34,9 +34,8 @@ pub struct Bvh {
 impl Bvh {
     /// Builds the hierarchy of a scene.
     pub fn new(scene: &Scene, trees: Trees) -> Self {
-        let spheres = scene.spheres.len();
-        let count = spheres + scene.triangles.len();
-        Self::of_boxes(spheres, count, trees, |number| Bounds::of_primitive(scene, number))
+        let bounds = |number| Bounds::of_primitive(scene.primitive(number));
+        Self::of_boxes(scene.spheres.len(), scene.primitives(), trees, bounds)
     }
 
     /// A hierarchy over `count` primitives with the given boxes; the first `spheres` of them are spheres.

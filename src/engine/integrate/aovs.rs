@@ -6,7 +6,7 @@
 use super::context::TraceContext;
 use super::emission::environment_radiance;
 use super::generate::pixel_centers;
-use super::intersect::intersect_queue;
+use super::intersect::closest_of_queue;
 use super::material::MaterialSample;
 use super::queue::Path;
 use super::scratch::Scratch;
@@ -140,7 +140,7 @@ pub(crate) fn render_row(context: &TraceContext, y: u32, row: &mut [f32], scratc
     for left in (0..width).step_by(MAX_PIXELS) {
         let count = MAX_PIXELS.min(width - left);
         pixel_centers(context, [left as u32, y], count, scratch);
-        intersect_queue::<L>(context, None, scratch, 0..count, RayKind::Primary);
+        closest_of_queue::<L>(context, None, scratch, 0..count, RayKind::Primary);
         for at in (0..count).step_by(L::WIDTH) {
             for (plane, values) in aovs(context, scratch, at, count).into_iter().enumerate() {
                 values.store(&mut row[plane * stride + left + at..]);
@@ -211,7 +211,7 @@ impl Seen {
     fn planes(&self, context: &TraceContext) -> [L; PLANES] {
         let Self { hit, found, normal, albedo, scale, lobe, object, .. } = self;
         let distance = L::select(*found, hit.t, L::splat(f32::INFINITY));
-        let spheres = B::splat(context.buffers.spheres.len() as u32);
+        let spheres = B::splat(context.buffers.spheres);
         let on_triangle = *found & !hit.primitive.less(spheres);
         let weight = |weight| L::select(on_triangle, weight, L::zero());
         [

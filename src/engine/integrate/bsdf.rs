@@ -9,7 +9,6 @@ use super::surface::Surface;
 use crate::buffers::{Features, MaterialCode};
 use crate::kernel::bsdf::plastic::PlasticView;
 use crate::kernel::bsdf::{self, BsdfEval, BsdfSample, LobeEval};
-use crate::kernel::guiding::Guiding;
 use crate::kernel::normals;
 use crate::lane::{Bits, Lane, Mask};
 use crate::math::{Ray, Vec3};
@@ -76,7 +75,7 @@ pub fn scatter<L: Lane, const N: u32>(
     path: &Path<L>,
     surface: &Surface<L>,
     material: &MaterialSample<L>,
-    numbers: (&PacketValues<L>, Option<&Guiding>),
+    numbers: &PacketValues<L>,
     found: L::Mask,
 ) -> ScatteredPath<L> {
     if is_general(N) {
@@ -91,7 +90,7 @@ fn scatter_called<L: Lane>(
     path: &Path<L>,
     surface: &Surface<L>,
     material: &MaterialSample<L>,
-    numbers: (&PacketValues<L>, Option<&Guiding>),
+    numbers: &PacketValues<L>,
     found: L::Mask,
 ) -> ScatteredPath<L> {
     scatter_inlined::<L, { Features::ALL.0 }>(path, surface, material, numbers, found)
@@ -102,7 +101,7 @@ fn scatter_inlined<L: Lane, const N: u32>(
     path: &Path<L>,
     surface: &Surface<L>,
     material: &MaterialSample<L>,
-    (numbers, guiding): (&PacketValues<L>, Option<&Guiding>),
+    numbers: &PacketValues<L>,
     found: L::Mask,
 ) -> ScatteredPath<L> {
     let d = path.ray.direction;
@@ -112,8 +111,6 @@ fn scatter_inlined<L: Lane, const N: u32>(
     let mut sampling = Sampling {
         d,
         numbers,
-        guiding: guiding.filter(|_| has(N, Features::LIGHTS)),
-        offset_origin,
         normals: &normals,
         material,
         sample: BsdfSample { wi: normals.ns_specular, weight: L::one(), pdf: L::zero(), alive: nothing },
@@ -209,9 +206,6 @@ pub fn follow_delta<L: Lane, const N: u32>(
 struct Sampling<'a, L: Lane> {
     d: Vec3<L>,
     numbers: &'a PacketValues<'a, L>,
-    guiding: Option<&'a Guiding>,
-    /// Where rays leave that are reflected.
-    offset_origin: Vec3<L>,
     normals: &'a FacingNormals<L>,
     material: &'a MaterialSample<L>,
     sample: BsdfSample<L>,
@@ -244,11 +238,7 @@ impl<L: Lane> LobeVisitor<L> for Sampling<'_, L> {
     #[inline(always)]
     fn diffuse(&mut self, mask: L::Mask) {
         let (u, v) = self.two_numbers();
-        let sample = match self.guiding {
-            Some(guiding) => guiding.sample_diffuse(self.offset_origin, self.normals.ns, u, v),
-            None => bsdf::diffuse::sample(self.normals.ns, u, v),
-        };
-        self.take(mask, sample);
+        self.take(mask, bsdf::diffuse::sample(self.normals.ns, u, v));
     }
     #[inline(always)]
     fn mirror(&mut self, mask: L::Mask) {

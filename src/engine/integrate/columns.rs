@@ -6,7 +6,6 @@ use crate::camera::MAX_PIXELS;
 use crate::lane::{F32x16, Lane};
 use crate::math::Vec3;
 use bytemuck::Zeroable;
-use std::ops::Range;
 
 /// Paths of earlier tiles that wait, at most, when a tile begins.
 pub const MAX_EARLIER: usize = 2 * MAX_PIXELS;
@@ -32,8 +31,8 @@ impl Vec3Columns {
     pub fn load<L: Lane>(&self, at: usize) -> Vec3<L> {
         Vec3::new(L::load(&self.x[at..]), L::load(&self.y[at..]), L::load(&self.z[at..]))
     }
-    pub fn range(&self, range: Range<usize>) -> [&[f32]; 3] {
-        [&self.x, &self.y, &self.z].map(|column| &column[range.clone()])
+    pub fn from(&self, first: usize) -> [&[f32]; 3] {
+        [&self.x, &self.y, &self.z].map(|column| &column[first..])
     }
     #[inline(always)]
     pub fn store<L: Lane>(&mut self, at: usize, v: Vec3<L>) {

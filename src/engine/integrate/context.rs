@@ -5,12 +5,12 @@
 use super::features::{carries_cones, has};
 use super::queue::{Path, PathQueue, QueueColumns};
 use crate::buffers::{Buffers, Features};
-use crate::camera::{Pinhole, Tile};
+use crate::camera::Pinhole;
 use crate::kernel::ray_cone::Cone;
 use crate::lane::{Bits, Lane, lane_indices};
 use crate::math::Ray;
 use crate::sampling::Sampler;
-use crate::traverse::{Occluders, PrimitiveList, Primitives};
+use crate::traverse::{PrimitiveList, Primitives};
 
 /// The scene and settings of a picture, read-only while samples are taken.
 pub struct TraceContext {
@@ -20,11 +20,9 @@ pub struct TraceContext {
     pub primitives: Primitives,
     /// The camera.
     pub camera: Pinhole,
-    /// The primitives that the primary rays of each tile can hit, by [`Tile::number`]; empty where culling
-    /// does not pay.
+    /// The primitives that the primary rays of each tile can hit, by [`crate::camera::Tile::number`]; empty
+    /// where culling does not pay.
     pub visible: Vec<PrimitiveList>,
-    /// The primitives that shadow rays are tested against, if not all.
-    pub occluders: Option<Occluders>,
     /// Pixels in a row of the picture.
     pub width: u32,
     /// Scattering events allowed on a path.
@@ -63,24 +61,5 @@ impl TraceContext {
         let ray = Ray { origin: self.camera.origin(), direction };
         let slot = lane_indices::<L>().wrapping_add(L::Bits::splat(queue.primary_slot(at)));
         Path::primary(ray, key, slot, self.primary_cone::<L, N>())
-    }
-
-    /// How many spheres and triangles each ray of a tile is tested against, where there is no hierarchy: all
-    /// of them, or for the primary rays of a `tile` those that it can see.
-    pub fn linear_tests(&self, tile: Option<Tile>) -> Option<[usize; 2]> {
-        let visible = tile.and_then(|tile| self.visible.get(tile.number));
-        self.tests_of(visible)
-    }
-    /// [`TraceContext::linear_tests`] of shadow rays.
-    pub fn linear_shadow_tests(&self) -> Option<[usize; 2]> {
-        self.tests_of(self.listed_occluders())
-    }
-    /// What shadow rays of linear traversal are tested against, if not all.
-    pub fn listed_occluders(&self) -> Option<&PrimitiveList> {
-        self.occluders.as_ref().map(|occluders| &occluders.list)
-    }
-    fn tests_of(&self, list: Option<&PrimitiveList>) -> Option<[usize; 2]> {
-        let linear = self.primitives.hierarchy().is_none();
-        linear.then(|| self.primitives.linear(&self.buffers, list))
     }
 }

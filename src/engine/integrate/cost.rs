@@ -6,8 +6,7 @@ use super::context::TraceContext;
 use super::generate::pixel_centers;
 use super::scratch::Scratch;
 use crate::camera::MAX_PIXELS;
-use crate::traverse::batch::Traversal;
-use crate::traverse::counter::Counts;
+use crate::traverse::counter::{Counter, Counts};
 
 /// Intersection tests of one ray, traced by itself.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -35,22 +34,16 @@ pub(crate) fn render_row(
     row: &mut [Cost],
     scratch: &mut Scratch,
 ) {
-    let Some((hierarchy, traversal)) = context.primitives.hierarchy() else {
-        let tiles_across = row.len().div_ceil(tile_size[0] as usize);
-        let first = (y / tile_size[1]) as usize * tiles_across;
-        for (tile, pixels) in row.chunks_mut(tile_size[0] as usize).enumerate() {
-            let [spheres, triangles] =
-                context.primitives.linear(&context.buffers, context.visible.get(first + tile));
-            pixels.fill(Cost { boxes: 0, primitives: (spheres + triangles) as u32 });
-        }
-        return;
-    };
-    // Single rays: tests that a packet shares cannot be attributed to a pixel.
-    let traversal = if traversal == Traversal::Scalar { Traversal::Scalar } else { Traversal::Single };
+    let tiles_across = row.len().div_ceil(tile_size[0] as usize);
+    let first = (y / tile_size[1]) as usize * tiles_across;
     for (part, pixels) in row.chunks_mut(MAX_PIXELS).enumerate() {
         pixel_centers(context, [(part * MAX_PIXELS) as u32, y], pixels.len(), scratch);
         for (at, cost) in pixels.iter_mut().enumerate() {
-            *cost = scratch.count_tests(hierarchy, traversal, at).into();
+            let (counter, x) = (Counter::default(), part * MAX_PIXELS + at);
+            let visible = context.visible.get(first + x / tile_size[0] as usize);
+            let (rays, mut hits) = scratch.queue.queries(at..at + 1);
+            context.primitives.count_single(&rays, &mut hits, visible, &mut scratch.tracer, &counter);
+            *cost = counter.get().into();
         }
     }
 }

@@ -12,7 +12,7 @@ use super::aovs::{ALL, Aovs, Plane, Seen};
 use super::bsdf::follow_delta;
 use super::cone::scattered_cone;
 use super::context::TraceContext;
-use super::intersect::intersect_queue;
+use super::intersect::closest_of_queue;
 use super::queue::Path;
 use super::scratch::Scratch;
 use super::stats::RayKind;
@@ -269,7 +269,7 @@ impl Points {
                 return;
             }
             let kind = if followed == 0 { RayKind::Primary } else { RayKind::Bounce };
-            intersect_queue::<L>(context, None, scratch, 0..count, kind);
+            closest_of_queue::<L>(context, None, scratch, 0..count, kind);
             let mut going_on = 0;
             for at in (0..count).step_by(L::WIDTH) {
                 let path = scratch.queue.path::<L>(at, columns);

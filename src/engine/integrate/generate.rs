@@ -3,13 +3,12 @@
 //! For: [`generate`], a ray through a random point of every pixel of a tile, and [`pixel_centers`], rays
 //! through their centres.
 //!
-//! Generation is a loop of its own, and so is the test of every primitive: see `linear` in
-//! [`crate::traverse`].
+//! Generation is a loop of its own, and so is the test of every primitive: see [`crate::traverse::List`].
 
 use super::context::TraceContext;
-use super::intersect::intersect_queue;
+use super::intersect::closest_of_queue;
 use super::scratch::Scratch;
-use super::stats::RayKind;
+use super::stats::{RayKind, Stage};
 use crate::camera::{BLOCK, Pinhole, Tile};
 use crate::lane::{Bits, F32x8, F32x16, Lane, lane_indices};
 use crate::sampling::{PixelCoordinates, dimension};
@@ -31,17 +30,16 @@ pub fn generate<L: Lane>(
     scratch.values.begin(context.sampler, context.seed, sample, context.max_bounces);
     scratch.pixels.begin(tile);
     camera_rays::<L>(context, sample, paths.clone(), scratch);
-    intersect_queue::<L>(context, visible, scratch, paths.clone(), RayKind::Primary);
+    scratch.observer.begin(Some(Stage::Trace));
+    closest_of_queue::<L>(context, visible, scratch, paths.clone(), RayKind::Primary);
     paths
 }
 
-/// Stores a ray through a random point of each of the tile's pixels, and its origin where a traversal reads
-/// that.
+/// Stores a ray through a random point of each of the tile's pixels.
 #[inline(always)]
 fn camera_rays<L: Lane>(context: &TraceContext, sample: u32, paths: Range<usize>, scratch: &mut Scratch) {
     let Scratch { queue, values, pixels, .. } = scratch;
     let numbers = values.pixel();
-    let store_origins = context.primitives.hierarchy().is_some();
     let camera: Pinhole = context.camera;
     let TraceContext { sampler, seed, width, .. } = *context;
     for at in paths.clone().step_by(L::WIDTH) {
@@ -63,10 +61,7 @@ fn camera_rays<L: Lane>(context: &TraceContext, sample: u32, paths: Range<usize>
         let key = sampler.key(seed, pixel, sample);
         let (jitter_x, jitter_y) = numbers.at_pixels(key, places).get_2d(dimension::PIXEL);
         let ray = camera.rays(x + jitter_x, y + jitter_y);
-        queue.store_primary(at, ray.direction, key);
-        if store_origins {
-            queue.store_origin(at, ray.origin);
-        }
+        queue.store_primary(at, &ray, key);
     }
 }
 
@@ -77,7 +72,6 @@ pub(super) fn pixel_centers(context: &TraceContext, [x, y]: [u32; 2], count: usi
     for at in (0..count).step_by(L::WIDTH) {
         let x = L::from_int(lane_indices::<L>()) + L::splat((x as usize + at) as f32 + 0.5);
         let ray = context.camera.rays(x, y);
-        scratch.queue.store_primary(at, ray.direction, <L as Lane>::Bits::splat(0));
-        scratch.queue.store_origin(at, ray.origin);
+        scratch.queue.store_primary(at, &ray, <L as Lane>::Bits::splat(0));
     }
 }

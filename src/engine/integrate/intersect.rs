@@ -1,11 +1,10 @@
 //! Second stage: finds the nearest hit of every path of the queue, and ends the paths that miss.
 //!
-//! For: [`intersect`], [`intersect_queue`], which only finds hits.
+//! For: [`intersect`], [`closest_of_queue`], which only finds hits.
 
 use super::context::TraceContext;
 use super::emission::missed_radiance;
 use super::features::{ends_missed, has};
-use super::linear_rays::{LinearRays, RaySource};
 use super::scratch::Scratch;
 use super::stats::RayKind;
 use crate::buffers::Features;
@@ -41,7 +40,7 @@ pub fn intersect<L: Lane, const N: u32>(
     scratch: &mut Scratch,
     paths: Range<usize>,
 ) -> Intersected {
-    intersect_queue::<L>(context, None, scratch, paths.clone(), RayKind::Bounce);
+    closest_of_queue::<L>(context, None, scratch, paths.clone(), RayKind::Bounce);
     if !ends_missed(N) {
         return Intersected::all(paths);
     }
@@ -58,8 +57,7 @@ pub fn intersect<L: Lane, const N: u32>(
         let (path, missed) = (scratch.queue.path(at, columns), active & !found);
         if missed.any() {
             let radiance = missed_radiance::<L, N, false>(context, &path, missed);
-            result.contributions =
-                scratch.push_contribution(result.contributions, missed, path.slot, radiance);
+            result.contributions = scratch.radiance.push(result.contributions, missed, path.slot, radiance);
         }
         // In place: no more paths are left than were read, so nothing unread is overwritten.
         if found.any() {
@@ -82,26 +80,17 @@ fn compress_hit<L: Lane>(hit: &Hit<L>, mask: L::Mask) -> Hit<L> {
     }
 }
 
-/// Finds the nearest hits of a range of the path queue, by whatever traversal was chosen; without a
-/// hierarchy only `visible` primitives are tested. Primary rays start at the camera: only with a hierarchy
-/// their origins are read from the queue.
+/// Finds the nearest hits of a range of the path queue, `visible` holding all primitives that the rays can
+/// hit, if that is known.
 #[inline(always)]
-pub fn intersect_queue<L: Lane>(
+pub fn closest_of_queue<L: Lane>(
     context: &TraceContext,
     visible: Option<&PrimitiveList>,
     scratch: &mut Scratch,
     paths: Range<usize>,
     kind: RayKind,
 ) {
-    match context.primitives.hierarchy() {
-        Some((hierarchy, traversal)) => scratch.intersect_hierarchy(hierarchy, traversal, paths, kind),
-        None => {
-            let source = match kind {
-                RayKind::Primary => RaySource::Camera(context.camera),
-                _ => RaySource::Paths,
-            };
-            let mut rays = LinearRays { source, queue: &mut scratch.queue, range: paths };
-            context.primitives.trace_linear::<L>(&context.buffers, visible, &mut rays);
-        }
-    }
+    let Scratch { queue, tracer, observer, .. } = scratch;
+    let (rays, mut hits) = queue.queries(paths);
+    context.primitives.closest::<L>(&rays, &mut hits, visible, tracer, observer.counter(kind));
 }

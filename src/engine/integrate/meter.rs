@@ -1,16 +1,89 @@
-//! Measures the statistics of one thread.
+//! Measures the statistics of one thread, and how long its paths are.
 //!
-//! For: [`Meter`].
+//! For: [`Observer`].
 //!
-//! Without a meter, a stage costs one branch, and nothing is counted.
+//! While nothing is wanted, a stage costs one branch, and nothing is counted.
 
+use super::probe::{PathShape, Probe};
+use super::queue::PathQueue;
 use super::stats::{RayKind, Segment, Stage, Stats};
+use crate::lane::Lane;
 use crate::traverse::counter::Counter;
+use std::ops::Range;
 use std::time::{Duration, Instant};
+
+/// What is recorded of one thread's work.
+#[derive(Default)]
+pub struct Observer {
+    /// Times and counts, while statistics are wanted.
+    meter: Option<Box<Meter>>,
+    /// Path lengths, while they are wanted.
+    probe: Option<Box<Probe>>,
+    /// The probe's memory while it is not in use.
+    idle_probe: Option<Box<Probe>>,
+}
+
+impl Observer {
+    /// Starts statistics.
+    pub fn start_stats(&mut self) {
+        self.meter = Some(Box::default());
+    }
+    /// Ends statistics and returns them.
+    pub fn take_stats(&mut self) -> Stats {
+        self.meter.take().map(|meter| meter.stats()).unwrap_or_default()
+    }
+    /// Attributes time to this stage, or to none, from now on. Returns the previous stage.
+    #[inline(always)]
+    pub fn begin(&mut self, stage: Option<Stage>) -> Option<Stage> {
+        self.meter.as_mut().and_then(|meter| meter.begin(stage))
+    }
+    /// Begins a stage, and counts rays that have bounced `bounces` times.
+    #[inline(always)]
+    pub fn begin_rays<L: Lane>(
+        &mut self,
+        stage: Stage,
+        bounces: u32,
+        queue: &PathQueue,
+        paths: &Range<usize>,
+    ) {
+        if let Some(meter) = &mut self.meter {
+            meter.count_segment(bounces, paths.len(), L::WIDTH);
+            meter.begin(Some(stage));
+        }
+        if let Some(probe) = &mut self.probe {
+            probe.record::<L>(queue, bounces, paths.clone());
+        }
+    }
+    /// Begins the shadow-ray stage, and counts its rays.
+    #[inline(always)]
+    pub fn begin_shadow_rays<L: Lane>(&mut self, rays: usize) {
+        if let Some(meter) = &mut self.meter {
+            meter.shadow_rays += Segment::of(rays, L::WIDTH);
+            meter.begin(Some(Stage::ShadowRays));
+        }
+    }
+    /// The counter of intersection tests of a kind of ray.
+    #[inline(always)]
+    pub fn counter(&self, kind: RayKind) -> Option<&Counter> {
+        self.meter.as_ref().map(|meter| &meter.counters[kind as usize])
+    }
+    /// Starts to record how long the paths of a tile are.
+    pub fn start_probe(&mut self) {
+        let probe = self.idle_probe.take();
+        let probe = self.probe.insert(probe.unwrap_or_default());
+        probe.paths.fill(PathShape::default());
+    }
+    /// Ends the recording and returns it: the tile's pixels, in the order of
+    /// [`crate::camera::Tile::places`].
+    pub fn end_probe(&mut self) -> &Probe {
+        self.idle_probe = self.probe.take();
+        self.idle_probe.get_or_insert_default()
+    }
+}
 
 /// The running statistics of one thread.
 #[derive(Debug)]
-pub struct Meter {
+struct Meter {
     times: [Duration; Stage::ALL.len()],
     segments: Vec<Segment>,
     shadow_rays: Segment,
@@ -34,7 +107,7 @@ impl Default for Meter {
 }
 
 impl Meter {
-    pub fn stats(&self) -> Stats {
+    fn stats(&self) -> Stats {
         let Self { times, ref segments, shadow_rays, ref counters, .. } = *self;
         Stats {
             times,
@@ -43,10 +116,9 @@ impl Meter {
             counts: counters.each_ref().map(Counter::get),
         }
     }
-    /// Attributes time to this stage, or to none, from now on. Returns the previous stage.
     #[cold]
     #[inline(never)]
-    pub fn begin(&mut self, stage: Option<Stage>) -> Option<Stage> {
+    fn begin(&mut self, stage: Option<Stage>) -> Option<Stage> {
         let now = Instant::now();
         if let Some(stage) = self.stage {
             self.times[stage as usize] += now - self.since;
@@ -54,34 +126,17 @@ impl Meter {
         self.since = now;
         std::mem::replace(&mut self.stage, stage)
     }
-    /// Counts rays after `bounces` bounces, in packets of `width`. Where there is no hierarchy, `tests` is
-    /// the number of spheres and triangles that each is tested against.
-    pub fn count_segment(&mut self, bounces: u32, rays: usize, width: usize, tests: Option<[usize; 2]>) {
-        let (at, packets) = (bounces as usize, rays.div_ceil(width));
+    /// Counts rays after `bounces` bounces, in packets of `width`.
+    #[cold]
+    #[inline(never)]
+    fn count_segment(&mut self, bounces: u32, rays: usize, width: usize) {
         if rays == 0 {
             return;
         }
+        let at = bounces as usize;
         if self.segments.len() <= at {
             self.segments.resize(at + 1, Segment::default());
         }
-        self.segments[at] += Segment { rays: rays as u64, packets: packets as u64 };
-        let kind = if bounces == 0 { RayKind::Primary } else { RayKind::Bounce };
-        if let Some(tests) = tests {
-            self.counter(kind).linear(tests, packets, rays);
-        }
-    }
-    /// Counts shadow rays; parameters as in [`Meter::count_segment`].
-    #[cold]
-    #[inline(never)]
-    pub fn count_shadow_rays(&mut self, rays: usize, width: usize, tests: Option<[usize; 2]>) {
-        let packets = rays.div_ceil(width);
-        self.shadow_rays += Segment { rays: rays as u64, packets: packets as u64 };
-        if let Some(tests) = tests {
-            self.counter(RayKind::Shadow).linear(tests, packets, rays);
-        }
-    }
-    /// The counter of intersection tests of a kind of ray.
-    pub fn counter(&self, kind: RayKind) -> &Counter {
-        &self.counters[kind as usize]
+        self.segments[at] += Segment::of(rays, width);
     }
 }

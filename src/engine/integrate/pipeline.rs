@@ -7,7 +7,8 @@ use super::context::TraceContext;
 use super::features::has;
 use super::generate::generate;
 use super::intersect::{Intersected, intersect};
-use super::scratch::{MAX_TILES, Scratch};
+use super::radiance::MAX_TILES;
+use super::scratch::Scratch;
 use super::shade::{Shaded, shade, shade_last};
 use super::shadow_rays::trace_shadow_rays;
 use super::stats::Stage;
@@ -56,15 +57,15 @@ fn first_segments<L: Lane, const N: u32>(
     scratch: &mut Scratch,
     waiting: &mut usize,
 ) -> u64 {
-    scratch.begin_stage(Some(Stage::Generate));
+    scratch.observer.begin(Some(Stage::Generate));
     let mut paths = generate::<L>(context, (number, tile), sample, *waiting, scratch);
     let mut rays = paths.len() as u64;
     if context.max_bounces == 0 {
-        scratch.begin_stage_with_rays::<L>(Stage::Finish, context, Some(tile), 0, &paths);
+        scratch.observer.begin_rays::<L>(Stage::Finish, 0, &scratch.queue, &paths);
         shade_last::<L, N, true>(context, scratch, &Intersected::all(paths));
         return rays;
     }
-    scratch.begin_stage_with_rays::<L>(Stage::Shade, context, Some(tile), 0, &paths);
+    scratch.observer.begin_rays::<L>(Stage::Shade, 0, &scratch.queue, &paths);
     let last = SHARED_FROM.min(context.max_bounces) - 1;
     let first = paths.start;
     let to = |event| if event == last { *waiting } else { first };
@@ -93,9 +94,9 @@ fn later_segments<L: Lane, const N: u32>(
         paths.end = shaded.alive;
     }
     rays += paths.len() as u64;
-    scratch.begin_stage_with_rays::<L>(Stage::Intersect, context, None, context.max_bounces, &paths);
+    scratch.observer.begin_rays::<L>(Stage::Trace, context.max_bounces, &scratch.queue, &paths);
     let found = intersect::<L, N>(context, scratch, paths);
-    scratch.begin_stage(Some(Stage::Finish));
+    scratch.observer.begin(Some(Stage::Finish));
     shade_last::<L, N, false>(context, scratch, &found);
     rays
 }
@@ -110,12 +111,12 @@ fn trace_bounce<L: Lane, const N: u32>(
     bounce: u32,
     to: usize,
 ) -> Shaded {
-    scratch.begin_stage_with_rays::<L>(Stage::Intersect, context, None, bounce, paths);
+    scratch.observer.begin_rays::<L>(Stage::Trace, bounce, &scratch.queue, paths);
     if bounce.is_multiple_of(RENORMALIZATION_INTERVAL) {
         scratch.queue.normalize_directions::<L>(paths.clone());
     }
     let found = intersect::<L, N>(context, scratch, paths.clone());
-    scratch.begin_stage(Some(Stage::Shade));
+    scratch.observer.begin(Some(Stage::Shade));
     let shaded = shade::<L, N, false>(context, scratch, &found, bounce, to);
     shadow_rays::<L, N>(context, scratch, &shaded);
     shaded

@@ -3,12 +3,11 @@
 //! For: [`PathQueue`] and [`Path`], one packet of it.
 
 use super::columns::{Column, IntColumn, Vec3Columns, compress};
-use super::ray_queries::RayQueries;
 use crate::camera::MAX_PIXELS;
 use crate::kernel::ray_cone::Cone;
 use crate::lane::{Bits, Lane};
-use crate::math::{Hit, Ray, Vec3};
-use crate::traverse::rays::Rays;
+use crate::math::{Hit, MISS, Ray, Vec3};
+use crate::traverse::rays::{Hits, Rays};
 use bytemuck::Zeroable;
 use std::ops::Range;
 
@@ -72,14 +71,23 @@ impl PathQueue {
     pub fn begin_tile(&mut self, number: usize, first: usize) {
         self.to_slot = ((number * MAX_PIXELS) as u32).wrapping_sub(first as u32);
     }
-    /// Some rays, and where their hits are written.
-    pub fn queries(&mut self, range: Range<usize>) -> RayQueries<'_> {
+    /// Some rays, and their hits, of which nothing is known yet.
+    #[inline(always)]
+    pub fn queries(&mut self, range: Range<usize>) -> (Rays<'_>, Hits<'_>) {
+        self.t[range.clone()].fill(f32::INFINITY);
+        self.primitive[range.clone()].fill(MISS);
         let PathQueue { origin, direction, t, primitive, u, v, .. } = self;
-        RayQueries { range, origin, direction, t_max: None, t, primitive, u, v }
+        let first = range.start;
+        let rays = Rays::first(range.len(), origin.from(first), direction.from(first));
+        (rays, hits(t, primitive, u, v, first))
     }
-    /// Some rays.
-    pub fn rays(&self, range: Range<usize>) -> Rays<'_> {
-        Rays { origin: self.origin.range(range.clone()), direction: self.direction.range(range) }
+    /// The hits of `count` rays of another queue with these t_max, which overwrite the paths' own.
+    #[inline(always)]
+    pub fn other_hits(&mut self, t_max: &[f32]) -> Hits<'_> {
+        let count = t_max.len();
+        self.t[..count].copy_from_slice(t_max);
+        self.primitive[..count].fill(MISS);
+        hits(&mut self.t, &mut self.primitive, &mut self.u, &mut self.v, 0)
     }
     /// The slots of all paths.
     pub fn slots(&self) -> &IntColumn {
@@ -111,22 +119,18 @@ impl PathQueue {
     pub fn primary_slot(&self, at: usize) -> u32 {
         self.to_slot.wrapping_add(at as u32)
     }
-    /// Direction and key of paths at their first segment, where origin and throughput are all the same, and
-    /// slots follow from the index in the queue.
+    /// Direction and key of paths at their first segment, where throughput is the same for all, and slots
+    /// follow from the index in the queue.
     #[inline(always)]
     pub fn primary<L: Lane>(&self, at: usize) -> (Vec3<L>, L::Bits) {
         (self.direction.load(at), L::Bits::load(&self.key[at..]))
     }
     /// Stores camera rays at full throughput.
     #[inline(always)]
-    pub fn store_primary<L: Lane>(&mut self, at: usize, direction: Vec3<L>, key: L::Bits) {
-        self.direction.store(at, direction);
+    pub fn store_primary<L: Lane>(&mut self, at: usize, ray: &Ray<L>, key: L::Bits) {
+        self.origin.store(at, ray.origin);
+        self.direction.store(at, ray.direction);
         key.store(&mut self.key[at..]);
-    }
-    /// The origins of the packet at `at`, for traversals that read them from the queue.
-    #[inline(always)]
-    pub fn store_origin<L: Lane>(&mut self, at: usize, origin: Vec3<L>) {
-        self.origin.store(at, origin);
     }
     /// Stores paths.
     #[inline(always)]
@@ -159,34 +163,35 @@ impl PathQueue {
     /// The hits of `WIDTH` paths.
     #[inline(always)]
     pub fn hit<L: Lane>(&self, at: usize) -> Hit<L> {
-        let (t, primitive) = self.nearest(at);
-        Hit { t, primitive, u: L::load(&self.u[at..]), v: L::load(&self.v[at..]) }
-    }
-    /// Distance and primitive of `WIDTH` hits.
-    #[inline(always)]
-    pub fn nearest<L: Lane>(&self, at: usize) -> (L, L::Bits) {
-        (L::load(&self.t[at..]), L::Bits::load(&self.primitive[at..]))
-    }
-    /// Stores distance and primitive of hits.
-    #[inline(always)]
-    pub fn store_nearest<L: Lane>(&mut self, at: usize, t: L, primitive: L::Bits) {
-        t.store(&mut self.t[at..]);
-        primitive.store(&mut self.primitive[at..]);
-    }
-    /// Stores barycentric weights of hits.
-    #[inline(always)]
-    pub fn store_barycentrics<L: Lane>(&mut self, at: usize, u: L, v: L) {
-        u.store(&mut self.u[at..]);
-        v.store(&mut self.v[at..]);
-    }
-    /// `barycentric`: are there triangles? Otherwise u and v are not stored.
-    #[inline(always)]
-    pub fn store_hit<L: Lane>(&mut self, at: usize, hit: &Hit<L>, barycentric: bool) {
-        self.store_nearest(at, hit.t, hit.primitive);
-        if barycentric {
-            self.store_barycentrics(at, hit.u, hit.v);
+        Hit {
+            t: L::load(&self.t[at..]),
+            primitive: L::Bits::load(&self.primitive[at..]),
+            u: L::load(&self.u[at..]),
+            v: L::load(&self.v[at..]),
         }
     }
+    /// Stores hits; u and v only if there are `triangles`.
+    #[inline(always)]
+    pub fn store_hit<L: Lane>(&mut self, at: usize, hit: &Hit<L>, triangles: bool) {
+        hit.t.store(&mut self.t[at..]);
+        hit.primitive.store(&mut self.primitive[at..]);
+        if triangles {
+            hit.u.store(&mut self.u[at..]);
+            hit.v.store(&mut self.v[at..]);
+        }
+    }
+}
+
+/// Columns of hits from `first` on.
+#[inline(always)]
+fn hits<'a>(
+    t: &'a mut Column,
+    primitive: &'a mut IntColumn,
+    u: &'a mut Column,
+    v: &'a mut Column,
+    first: usize,
+) -> Hits<'a> {
+    Hits { t: &mut t[first..], primitive: &mut primitive[first..], u: &mut u[first..], v: &mut v[first..] }
 }
 
 impl<L: Lane> Path<L> {

@@ -46,7 +46,6 @@ pub fn shade<L: Lane, const N: u32, const FIRST: bool>(
     let (mut going_on, mut shadow_rays) = (0, 0);
     let columns = context.columns::<N>();
     let sample_lights = has(N, Features::LIGHTS) && !context.buffers.lights.is_empty();
-    let guiding = context.buffers.lights.guiding.as_ref();
     if reads_texels_first(N) {
         texels_of_hits::<L, N, FIRST>(context, &scratch.queue, paths.clone(), &mut scratch.texels);
     }
@@ -71,7 +70,7 @@ pub fn shade<L: Lane, const N: u32, const FIRST: bool>(
         } else {
             values.at_keys(path.key)
         };
-        let mut scattered = scatter::<L, N>(&path, &surface, &material, (numbers, guiding), found);
+        let mut scattered = scatter::<L, N>(&path, &surface, &material, numbers, found);
         if context.carries_cones::<N>() {
             scattered.path.cone = scattered_cone(&path, &surface, &material, scattered.is_delta);
         }
@@ -203,12 +202,13 @@ impl<const FIRST: bool> RadianceAccumulator<FIRST> {
         radiance: Vec3<L>,
     ) {
         if FIRST {
-            scratch.set_radiance(at, Vec3::select(mask, radiance, Vec3::zero()));
+            let slot = scratch.queue.primary_slot(at);
+            scratch.radiance.set(slot, Vec3::select(mask, radiance, Vec3::zero()));
         } else if mask.any() {
-            self.contributions = scratch.push_contribution(self.contributions, mask, path.slot, radiance);
+            self.contributions = scratch.radiance.push(self.contributions, mask, path.slot, radiance);
         }
     }
     fn finish(self, scratch: &mut Scratch) {
-        scratch.add_contributions(self.contributions);
+        scratch.radiance.add(self.contributions);
     }
 }

@@ -4,9 +4,9 @@
 
 use super::columns::{Column, IntColumn, Vec3Columns, compress};
 use super::queue::PathQueue;
-use super::ray_queries::RayQueries;
 use crate::lane::{Bits, Lane};
 use crate::math::{Ray, Vec3};
+use crate::traverse::rays::{Hits, Rays};
 use bytemuck::Zeroable;
 
 /// Shadow rays, and the radiance that each unoccluded one adds to its pixel.
@@ -24,19 +24,10 @@ pub struct ShadowQueue {
 impl ShadowQueue {
     /// The first `count` rays; their hits overwrite those in the path queue, which shading has
     /// read, or which waiting paths do not have yet.
-    pub fn queries<'a>(&'a self, queue: &'a mut PathQueue, count: usize) -> RayQueries<'a> {
-        let ShadowQueue { origin, direction, t_max, .. } = self;
-        RayQueries { origin, direction, t_max: Some(t_max), ..queue.queries(0..count) }
-    }
-    /// The rays of a packet.
     #[inline(always)]
-    pub fn ray<L: Lane>(&self, at: usize) -> Ray<L> {
-        Ray { origin: self.origin.load(at), direction: self.direction.load(at) }
-    }
-    /// Their t_max.
-    #[inline(always)]
-    pub fn t_max<L: Lane>(&self, at: usize) -> L {
-        L::load(&self.t_max[at..])
+    pub fn queries<'a>(&'a self, queue: &'a mut PathQueue, count: usize) -> (Rays<'a>, Hits<'a>) {
+        let rays = Rays::first(count, self.origin.from(0), self.direction.from(0));
+        (rays, queue.other_hits(&self.t_max[..count]))
     }
     /// The pixels of the packet at `at`, and the radiance that its rays carry.
     #[inline(always)]

@@ -8,16 +8,15 @@ use super::cone::scattered_cone;
 use super::context::TraceContext;
 use super::emission::{environment_radiance, mis_weight};
 use super::features::has;
-use super::linear_rays::{LinearRays, RaySource};
 use super::material::MaterialSample;
 use super::queue::Path;
 use super::scratch::Scratch;
-use super::stats::Stage;
+use super::stats::{RayKind, Stage};
 use super::surface::Surface;
 use crate::buffers::{Features, Lights};
 use crate::kernel::light::{FlatLight, LightSample, sample_flat, sample_sphere};
 use crate::lane::{Lane, Mask};
-use crate::math::{Hit, Ray, Vec3};
+use crate::math::{Ray, Vec3};
 use crate::sampling::{PacketValues, dimension};
 
 /// A shadow ray ends this share of its length before the light: far more than the error of a hit's distance,
@@ -115,27 +114,18 @@ pub fn sample_direct_light<L: Lane, const N: u32>(
 
 /// Traces the first `count` shadow rays and adds the radiance of the unoccluded ones.
 pub fn trace_shadow_rays<L: Lane>(context: &TraceContext, scratch: &mut Scratch, count: usize) {
-    scratch.begin_shadow_rays::<L>(context, count);
-    match context.primitives.hierarchy() {
-        Some((all, traversal)) => {
-            let occluders = context.occluders.as_ref().and_then(|occluders| occluders.hierarchy.as_ref());
-            scratch.occlude_in_hierarchy(occluders.unwrap_or(all), traversal, count);
-        }
-        None => {
-            let source = RaySource::Shadow(&scratch.shadow_queue);
-            let mut rays = LinearRays { source, queue: &mut scratch.queue, range: 0..count };
-            context.primitives.trace_linear::<L>(&context.buffers, context.listed_occluders(), &mut rays);
-        }
-    }
+    let Scratch { queue, shadow_queue, tracer, observer, radiance: sums, .. } = scratch;
+    observer.begin_shadow_rays::<L>(count);
+    let (rays, mut hits) = shadow_queue.queries(queue, count);
+    context.primitives.occluded::<L>(&rays, &mut hits, tracer, observer.counter(RayKind::Shadow));
     let mut contributions = 0;
     for at in (0..count).step_by(L::WIDTH) {
-        let hit: Hit<L> = scratch.queue.hit(at);
-        let unoccluded = L::Mask::first(count - at) & !hit.found();
+        let unoccluded = L::Mask::first(count - at) & !hits.packet::<L>(at).found();
         if unoccluded.any() {
-            let (slot, radiance) = scratch.shadow_queue.contribution::<L>(at);
-            contributions = scratch.push_contribution(contributions, unoccluded, slot, radiance);
+            let (slot, radiance) = shadow_queue.contribution::<L>(at);
+            contributions = sums.push(contributions, unoccluded, slot, radiance);
         }
     }
-    scratch.add_contributions(contributions);
-    scratch.begin_stage(Some(Stage::Shade));
+    sums.add(contributions);
+    observer.begin(Some(Stage::Shade));
 }

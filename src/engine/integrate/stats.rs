@@ -9,11 +9,9 @@ use std::time::Duration;
 /// A stage of the integrator, to which time is attributed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stage {
-    /// Generates primary rays; where every primitive is tested, finds what they hit, too.
+    /// Generates primary rays.
     Generate,
-    /// Intersects rays after a bounce, where every primitive is tested.
-    Intersect,
-    /// Intersects rays with a hierarchy.
+    /// Finds the nearest hits of paths; under a sky, ends those that miss after a bounce.
     Trace,
     /// Adds emitted radiance, samples BSDFs and lights, compresses.
     Shade,
@@ -25,14 +23,12 @@ pub enum Stage {
 
 impl Stage {
     /// All stages, in order.
-    pub const ALL: [Self; 6] =
-        [Self::Generate, Self::Intersect, Self::Trace, Self::Shade, Self::ShadowRays, Self::Finish];
+    pub const ALL: [Self; 5] = [Self::Generate, Self::Trace, Self::Shade, Self::ShadowRays, Self::Finish];
 
     /// As reports name it.
     pub fn name(self) -> &'static str {
         match self {
             Self::Generate => "generate",
-            Self::Intersect => "intersect",
             Self::Trace => "trace",
             Self::Shade => "shade",
             Self::ShadowRays => "shadow rays",
@@ -86,6 +82,13 @@ pub struct Segment {
     pub rays: u64,
     /// Packets that hold them, single rays at a width of 1.
     pub packets: u64,
+}
+
+impl Segment {
+    /// Rays in packets of `width`.
+    pub fn of(rays: usize, width: usize) -> Self {
+        Self { rays: rays as u64, packets: rays.div_ceil(width) as u64 }
+    }
 }
 
 impl Stats {

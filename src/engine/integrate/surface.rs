@@ -48,7 +48,7 @@ impl<L: Lane> Surface<L> {
     /// Looks up the surfaces of the lanes in `found`; the others are unspecified.
     #[inline(always)]
     pub fn of<const N: u32>(context: &TraceContext, path: &Path<L>, hit: &Hit<L>, found: L::Mask) -> Self {
-        let spheres = L::Bits::splat(context.buffers.spheres.len() as u32);
+        let spheres = L::Bits::splat(context.buffers.spheres);
         let zero = L::Bits::splat(0);
         let is_sphere = match (has(N, Features::SPHERES), has(N, Features::TRIANGLES)) {
             (true, true) => hit.primitive.less(spheres),
@@ -87,7 +87,7 @@ impl<L: Lane> Surface<L> {
     /// The object id: one for each sphere, and one for all triangles of a material.
     #[inline(always)]
     pub fn object(&self, context: &TraceContext, hit: &Hit<L>) -> L::Bits {
-        let of_material = self.material.wrapping_add(L::Bits::splat(context.buffers.spheres.len() as u32));
+        let of_material = self.material.wrapping_add(L::Bits::splat(context.buffers.spheres));
         L::Bits::select(self.is_sphere, hit.primitive, of_material)
     }
 

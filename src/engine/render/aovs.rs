@@ -90,10 +90,10 @@ impl Renderer {
         let shapes = Mutex::new(shapes);
         let trace = |tile: Tile| {
             let mut scratch = self.threads.local();
-            scratch.start_probe();
+            scratch.observer.start_probe();
             (self.pipeline)(&self.context, &[tile], sample, &mut scratch);
-            scratch.begin_stage(None);
-            let probe = scratch.end_probe();
+            scratch.observer.begin(None);
+            let probe = scratch.observer.end_probe();
             let mut shapes = shapes.lock().expect("no thread panicked while it copied");
             for ([x, y], path) in tile.places().zip(&probe.paths) {
                 shapes.pixels[y as usize * width + x as usize] = *path;

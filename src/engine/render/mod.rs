@@ -17,7 +17,7 @@ use crate::lane::{F32x8, Native, WIDTHS};
 use crate::math::{Hit, MISS};
 use crate::scene::{Camera, Scene};
 use crate::threads::Threads;
-use crate::traverse::{Occluders, PrimitiveList, Primitives, linear};
+use crate::traverse::{PrimitiveList, Primitives, features_of};
 use rayon::prelude::*;
 
 /// Limit on primitives times tiles for which [`PrimitiveList`] is found: some tens of milliseconds. With
@@ -37,7 +37,7 @@ fn find_visible(
     most: usize,
 ) {
     let tiles = || Tile::cover(settings.resolution, settings.tile_size);
-    let (primitives, count) = (scene.spheres.len() + scene.triangles.len(), tiles().count());
+    let (primitives, count) = (scene.primitives(), tiles().count());
     let too_many = primitives > most || primitives * count > MAX_CULLING_TESTS;
     if !settings.methods.keep_to_their_primitives() || too_many {
         visible.clear();
@@ -114,18 +114,15 @@ impl Renderer {
         assert!((1..=MAX_PIXELS).contains(&tile_pixels), "tile size {tile_size:?}");
         assert!(WIDTHS.contains(&lanes), "{lanes} lanes");
         let camera = Pinhole::new(&scene.camera, resolution);
-        let primitives = Primitives::new(scene, settings.methods, lanes);
+        let mut buffers = Buffers::with_lights(scene, settings.methods.lights);
+        buffers.needs = buffers.needs.with(features_of(scene));
+        let primitives = Primitives::new(scene, settings.methods, lanes, &buffers.lights);
         let mut visible = Vec::new();
-        if primitives.hierarchy().is_none() {
+        if primitives.take_lists() {
             find_visible(&mut visible, scene, &camera, &settings, usize::MAX);
         }
-        let mut buffers = Buffers::with_lights(scene, settings.methods.lights);
-        buffers.needs = buffers.needs.with(linear::features_of(scene));
-        let occluders = settings.methods.keep_to_their_primitives();
-        let occluders = occluders.then(|| Occluders::of(scene, &buffers.lights, primitives.hierarchy()));
         let context = TraceContext {
             visible,
-            occluders: occluders.flatten(),
             buffers,
             primitives,
             camera,
@@ -161,7 +158,7 @@ impl Renderer {
         let context = &mut self.context;
         context.camera = Pinhole::new(camera, resolution);
         (context.width, context.max_bounces) = (resolution[0], max_bounces);
-        if context.primitives.hierarchy().is_none() {
+        if context.primitives.take_lists() {
             find_visible(&mut context.visible, scene, &context.camera, &self.settings, MAX_CULLED_MOVING);
         }
     }
@@ -197,12 +194,12 @@ impl Renderer {
     }
     /// Starts statistics. They cost some time and change no bit of the picture.
     pub fn start_stats(&self) {
-        self.threads.for_each_memory(|scratch| scratch.start_stats());
+        self.threads.for_each_memory(|scratch| scratch.observer.start_stats());
     }
     /// Ends statistics and returns them, summed over all threads.
     pub fn take_stats(&self) -> Stats {
         let mut sum = Stats::default();
-        self.threads.for_each_memory(|scratch| sum += &scratch.take_stats());
+        self.threads.for_each_memory(|scratch| sum += &scratch.observer.take_stats());
         sum
     }
     /// Adds `samples` samples to every pixel; their numbers follow those of earlier samples.
@@ -236,7 +233,7 @@ impl Renderer {
     /// The primary rays of one sample of every pixel, and what they hit, tile by tile.
     pub fn primary_hits(&self, sample: u32) -> Vec<PrimaryHit> {
         let mut scratch = Scratch::new();
-        let spheres = self.context.buffers.spheres.len() as u32;
+        let spheres = self.context.buffers.spheres;
         let on_triangle = |primitive: u32| primitive != MISS && primitive >= spheres;
         let of_tile = |tile: Tile| {
             let paths = match self.settings.lanes {
@@ -287,12 +284,12 @@ impl Renderer {
         while tiles[0].samples < goal && !observer.is_cancelled() {
             let rays = (self.pipeline)(&self.context, traced, tiles[0].samples, &mut scratch);
             if self.settings.clamp < f32::INFINITY {
-                scratch.clamp_radiance(traced.len(), self.settings.clamp);
+                scratch.radiance.clamp(traced.len(), self.settings.clamp);
             }
             for (number, sums) in tiles.iter_mut().enumerate() {
-                sums.add(scratch.radiance(number));
+                sums.add(scratch.radiance.of_tile(number));
             }
-            scratch.begin_stage(None);
+            scratch.observer.begin(None);
             observer.sample_done(pixels, rays);
             total += rays;
         }

@@ -13,5 +13,5 @@ pub use camera::{Camera, CameraFault, MIN_LENGTH};
 pub use framing::{bounds, framing};
 pub use material::{Material, MaterialKind};
 pub use model::{MAX_BOUNCES, MAX_SIDE, Scene, Sky};
-pub use shapes::{Side, Sphere, Triangle};
+pub use shapes::{Primitive, Side, Sphere, Triangle};
 pub use texture::{Filter, TexelKind, Texels, Texture, srgb_to_linear};

@@ -2,7 +2,7 @@
 
 use super::camera::Camera;
 use super::material::Material;
-use super::shapes::{Sphere, Triangle};
+use super::shapes::{Primitive, Sphere, Triangle};
 use super::texture::Texture;
 use glam::{Vec2, Vec3};
 use std::path::PathBuf;
@@ -43,6 +43,26 @@ pub struct Scene {
     /// The files that the scene was read from and those that were not found, each path once and as given: the
     /// scene file first; after a view, the scene that it names. Empty for built-in scenes.
     pub files: Vec<PathBuf>,
+}
+
+impl Scene {
+    /// The number of primitives.
+    pub fn primitives(&self) -> usize {
+        self.spheres.len() + self.triangles.len()
+    }
+    /// A primitive by its number, as hits name it: spheres first, then triangles.
+    ///
+    /// # Panics
+    /// If there are not so many.
+    pub fn primitive(&self, number: usize) -> Primitive<'_> {
+        match self.spheres.get(number) {
+            Some(sphere) => Primitive::Sphere(sphere),
+            None => {
+                let index = number - self.spheres.len();
+                Primitive::Triangle(&self.triangles[index], index)
+            }
+        }
+    }
 }
 
 /// Largest width and height of an image in pixels.

@@ -1,4 +1,4 @@
-//! Spheres and triangles.
+//! The kinds of primitives: spheres and triangles.
 
 use glam::Vec3;
 
@@ -37,4 +37,13 @@ pub struct Triangle {
     pub vertices: [Vec3; 3],
     /// Index of its material.
     pub material: u32,
+}
+
+/// A primitive of a scene: see [`super::Scene::primitive`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Primitive<'a> {
+    /// A sphere.
+    Sphere(&'a Sphere),
+    /// A triangle, and its number among the triangles.
+    Triangle(&'a Triangle, usize),
 }

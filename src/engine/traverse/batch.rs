@@ -8,6 +8,7 @@ use super::stack::Stack;
 use super::stream::Stream;
 use super::tile::{self, Packets, TILE};
 use super::{scalar, single};
+use crate::bvh::Trees;
 use crate::choice::choices;
 use crate::lane::NATIVE_WIDTH;
 use crate::math::Hit;
@@ -30,6 +31,10 @@ impl Traversal {
     pub fn lanes(self) -> usize {
         if self == Self::Scalar { 1 } else { NATIVE_WIDTH }
     }
+    /// The trees that it reads.
+    pub fn trees(self) -> Trees {
+        if self == Self::Scalar { Trees::WideAndBinary } else { Trees::Wide }
+    }
 }
 
 /// Working memory of a thread.
@@ -47,27 +52,19 @@ impl Tracer {
     }
 
     /// Improves the hits of all rays. With `ANY`, each ray ends at the first hit found: then only whether
-    /// `primitive` is [`crate::math::MISS`] is defined.
+    /// `primitive` is [`crate::math::MISS`] is defined. A `counter` counts the tests.
     pub fn trace<const ANY: bool>(
         &mut self,
         traversal: Traversal,
         hierarchy: &Hierarchy,
         rays: &Rays,
         hits: &mut Hits,
+        counter: Option<&Counter>,
     ) {
-        self.trace_counted::<ANY>(traversal, hierarchy, rays, hits, ());
-    }
-
-    /// The same, and counts the tests.
-    pub fn count<const ANY: bool>(
-        &mut self,
-        traversal: Traversal,
-        hierarchy: &Hierarchy,
-        rays: &Rays,
-        hits: &mut Hits,
-        counter: &Counter,
-    ) {
-        self.trace_counted::<ANY>(traversal, hierarchy, rays, hits, counter);
+        match counter {
+            None => self.trace_counted::<ANY>(traversal, hierarchy, rays, hits, ()),
+            Some(counter) => self.trace_counted::<ANY>(traversal, hierarchy, rays, hits, counter),
+        }
     }
 
     #[inline(always)]

@@ -116,7 +116,7 @@ impl Counter {
         }
     }
     /// `rays` rays against all of these numbers of spheres and triangles, in `packets` packets or one by one.
-    pub fn linear(&self, [spheres, triangles]: [usize; 2], packets: usize, rays: usize) {
+    pub fn list(&self, [spheres, triangles]: [usize; 2], packets: usize, rays: usize) {
         self.add(|counts| &mut counts.spheres, packets * spheres, rays * spheres);
         self.add(|counts| &mut counts.triangles, packets * triangles, rays * triangles);
     }

@@ -4,12 +4,11 @@
 use super::compact::{Layout, TriangleLeaves};
 use super::leaf::{TriangleLeaf, inclusive, intersect_one, keep_if_nearer, keep_lanes_if_nearer};
 use super::prepared::SingleRay;
-use crate::buffers::SphereBlock;
 use crate::bvh::{Bounds, Bvh, Child, LEAF, Leaf, Trees, WIDE, WideNode, slots};
 use crate::kernel::ray_box::Padding;
 use crate::kernel::ray_sphere::{Robust, SphereMethod};
 use crate::lane::{Lane, Mask, Native};
-use crate::math::{Hit, Ray};
+use crate::math::{Hit, Ray, Vec3};
 use crate::scene::Scene;
 use rayon::prelude::*;
 
@@ -23,11 +22,13 @@ pub struct Hierarchy {
     spheres: Vec<SphereLeaf>,
 }
 
-/// Up to [`LEAF`] spheres.
+/// Up to [`LEAF`] spheres as a structure of arrays.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
 struct SphereLeaf {
-    spheres: SphereBlock<LEAF>,
+    center: [[f32; LEAF]; 3],
+    /// Squared; negative where there is no sphere, so that no ray hits it.
+    radius2: [f32; LEAF],
     primitives: Leaf,
 }
 
@@ -36,13 +37,11 @@ const MIN_LEAVES_PER_THREAD: usize = 256;
 
 /// The [`Padding`] of a scene's boxes, from the extent of all its primitives.
 pub fn padding_of(scene: &Scene) -> Padding {
-    let vertices = scene.triangles.iter().flat_map(|triangle| triangle.vertices);
-    let of_triangles = vertices.map(|vertex| vertex.abs().max_element()).fold(0.0, f32::max);
-    let corner = |sphere: &crate::scene::Sphere| {
-        let Bounds { lo, hi } = Bounds::of_sphere(sphere.center, sphere.radius);
+    let reach = |number| {
+        let Bounds { lo, hi } = Bounds::of_primitive(scene.primitive(number));
         lo.abs().max(hi.abs()).max_element()
     };
-    let padding = Padding::new(scene.spheres.iter().map(corner).fold(of_triangles, f32::max));
+    let padding = Padding::new((0..scene.primitives()).map(reach).fold(0.0, f32::max));
     if scene.spheres.is_empty() { padding } else { padding.with_spheres() }
 }
 
@@ -55,14 +54,10 @@ impl Hierarchy {
     /// The same with the leaves of triangles in a given layout; `None` chooses by their size.
     pub fn in_layout(scene: &Scene, trees: Trees, layout: Option<Layout>) -> Self {
         let (bvh, padding) = rayon::join(|| Bvh::new(scene, trees), || padding_of(scene));
-        let sphere_leaf = |leaf: &Leaf| {
-            let spheres = leaf.primitives().iter().map(|&primitive| &scene.spheres[primitive as usize]);
-            SphereLeaf { spheres: SphereBlock::new(spheres), primitives: *leaf }
-        };
         let spheres = bvh.sphere_leaves.par_iter().with_min_len(MIN_LEAVES_PER_THREAD);
         Self {
             triangles: TriangleLeaves::new(scene, &bvh, layout),
-            spheres: spheres.map(sphere_leaf).collect(),
+            spheres: spheres.map(|leaf| SphereLeaf::new(scene, leaf)).collect(),
             padding,
             bvh,
         }
@@ -102,7 +97,7 @@ impl Hierarchy {
         if leaf.is_spheres() {
             let leaf = &self.spheres[leaf.index()];
             for (lane, &primitive) in leaf.primitives.primitives().iter().enumerate() {
-                let (center, radius2) = leaf.spheres.splat::<f32>(lane);
+                let (center, radius2) = leaf.sphere::<f32>(lane);
                 let (mask, t) = Robust::test::<f32>(&ray.ray, center, radius2, inclusive(hit.t));
                 keep_if_nearer(mask, primitive, [t, 0.0, 0.0], hit);
             }
@@ -155,7 +150,7 @@ impl Hierarchy {
         let leaf = &self.spheres[leaf];
         let prepared = Robust::prepare(ray);
         for (lane, &primitive) in leaf.primitives.primitives().iter().enumerate() {
-            let (center, radius2) = leaf.spheres.splat::<L>(lane);
+            let (center, radius2) = leaf.sphere::<L>(lane);
             let infinite = L::splat(f32::INFINITY);
             let (mask, t) = Robust::test::<L>(&prepared, center, radius2, infinite);
             closer |= keep_lanes_if_nearer(mask, primitive, [t, L::zero(), L::zero()], hit);
@@ -165,6 +160,23 @@ impl Hierarchy {
 }
 
 impl SphereLeaf {
+    fn new(scene: &Scene, leaf: &Leaf) -> Self {
+        let mut stored = Self { center: [[0.0; LEAF]; 3], radius2: [-1.0; LEAF], primitives: *leaf };
+        for (lane, &primitive) in leaf.primitives().iter().enumerate() {
+            let crate::scene::Sphere { center, radius, .. } = scene.spheres[primitive as usize];
+            (0..3).for_each(|axis| stored.center[axis][lane] = center[axis]);
+            stored.radius2[lane] = radius * radius;
+        }
+        stored
+    }
+
+    /// Centre and squared radius of one sphere in all lanes.
+    #[inline(always)]
+    fn sphere<L: Lane>(&self, lane: usize) -> (Vec3<L>, L) {
+        let [x, y, z] = &self.center;
+        (Vec3::new(L::splat(x[lane]), L::splat(y[lane]), L::splat(z[lane])), L::splat(self.radius2[lane]))
+    }
+
     /// One ray against the spheres, one a lane.
     #[inline(always)]
     fn intersect(&self, ray: &Ray<f32>, hit: &mut Hit<f32>) {
@@ -172,7 +184,9 @@ impl SphereLeaf {
             origin: ray.origin.each_ref().broadcast(),
             direction: ray.direction.each_ref().broadcast(),
         };
-        let (center, radius2) = self.spheres.all();
+        let [x, y, z] = &self.center;
+        let center = Vec3::new(Native::load(x), Native::load(y), Native::load(z));
+        let radius2 = Native::load(&self.radius2);
         let limit = Native::splat(inclusive(hit.t));
         let (mask, t) = Robust::test(&Robust::prepare(&ray), center, radius2, limit);
         for lane in mask.lanes() {

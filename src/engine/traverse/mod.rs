@@ -5,14 +5,14 @@
 //!
 //! | file | traversal |
 //! |---|---|
-//! | [`linear`] | every primitive is tested, of primary rays those that their tile can see, of shadow rays the [`Occluders`] |
+//! | `list` | every primitive is tested, of primary rays those that their tile can see, of shadow rays the [`Occluders`] |
 //! | [`scalar`] | one ray on the binary tree, one box and one primitive at a time: the baseline |
 //! | [`single`] | one ray on the wide tree, against all boxes of a node or primitives of a leaf at once |
 //! | [`tile`] | primary rays of a tile on the wide tree, each packet in a [`frustum`] |
 //! | [`stream`] | ray streams on the wide tree: batches of rays in any order |
 //! | [`batch`] | the choice between them |
 //!
-//! They share `candidates` (the primitives that are tested one by one), [`hierarchy`] (nodes and leaves),
+//! [`Primitives`] asks them. They share [`hierarchy`] (nodes and leaves),
 //! `leaf` (how rays intersect triangles), `compact` (the leaves of large hierarchies), `prepared` (rays ready
 //! for boxes and triangles), [`rays`] (columns of rays and hits), [`stack`], and [`counter`], which counts
 //! the tests.
@@ -21,13 +21,12 @@
 //! spheres first, then triangles, the nearest t winning and the lower index on a tie.
 
 pub mod batch;
-mod candidates;
 mod compact;
 pub mod counter;
 pub mod frustum;
 pub mod hierarchy;
 mod leaf;
-pub mod linear;
+mod list;
 mod methods;
 mod occluders;
 mod prepared;
@@ -41,8 +40,9 @@ pub mod stream;
 pub mod tile;
 
 pub use compact::Layout;
-pub use linear::Batch;
+pub use list::List;
 pub use methods::{BoxChoice, Methods, SphereChoice, TraversalChoice, TriangleChoice};
+pub use methods::{MAX_LIST_COST, TRIANGLE_COST, features_of, list_cost};
 pub use occluders::Occluders;
 pub use prepared::{Packet, SingleRay};
 pub use primitive_list::PrimitiveList;

@@ -6,12 +6,11 @@
 
 use super::batch::Traversal;
 use super::hierarchy::Hierarchy;
-use super::linear::{MAX_COST, cost};
+use super::methods::{MAX_LIST_COST, list_cost};
 use super::primitive_list::PrimitiveList;
-use super::primitives::trees_of;
 use crate::buffers::Lights;
-use crate::scene::{Scene, Sphere, Triangle};
-use glam::DVec3;
+use crate::scene::{Primitive, Scene, Sphere, Triangle};
+use glam::{DVec3, Vec3};
 
 /// How far beyond a plane or sphere a surface may reach that counts as on its near side, as a multiple of the
 /// largest coordinate: what rounding of a wall's vertices does to its plane. Rays leave surfaces four times
@@ -37,15 +36,15 @@ impl Occluders {
     /// the triangles.
     pub fn of(scene: &Scene, lights: &Lights, hierarchy: Option<(&Hierarchy, Traversal)>) -> Option<Self> {
         let has_normals = !scene.normals.is_empty();
-        if lights.is_empty() || lights.sky.is_some() || has_normals || cost(scene) > MAX_COST {
+        if lights.is_empty() || lights.sky.is_some() || has_normals || list_cost(scene) > MAX_LIST_COST {
             return None;
         }
         let list = Surfaces::of(scene, lights).occluders(scene);
         let count = list.spheres.len() + list.triangles.len();
-        (count < scene.spheres.len() + scene.triangles.len()).then(|| {
+        (count < scene.primitives()).then(|| {
             let hierarchy = hierarchy.map(|(all, traversal)| {
                 // Hits are clamped to padded boxes: the padding of the whole scene gives the same bits.
-                let mut listed = Hierarchy::new(&with_primitives(scene, &list), trees_of(traversal));
+                let mut listed = Hierarchy::new(&with_primitives(scene, &list), traversal.trees());
                 listed.padding = all.padding;
                 listed
             });
@@ -86,14 +85,16 @@ struct Surfaces {
 impl Surfaces {
     fn of(scene: &Scene, lights: &Lights) -> Self {
         let is_light = |number: usize| lights.probabilities[number] > 0.0;
-        let spheres = scene.spheres.iter().map(|s| (s.center.as_dvec3(), f64::from(s.radius)));
-        let spheres =
-            spheres.enumerate().map(|(number, (center, radius))| (center, radius, is_light(number)));
-        let vertices = scene.triangles.iter().enumerate().flat_map(|(index, triangle)| {
-            let is_light = is_light(scene.spheres.len() + index);
-            triangle.vertices.map(|vertex| (vertex.as_dvec3(), 0.0, is_light))
-        });
-        let balls: Vec<_> = spheres.chain(vertices).collect();
+        let mut balls = Vec::new();
+        for number in 0..scene.primitives() {
+            let mut add = |center: Vec3, radius: f32| {
+                balls.push((center.as_dvec3(), f64::from(radius), is_light(number)));
+            };
+            match scene.primitive(number) {
+                Primitive::Sphere(&Sphere { center, radius, .. }) => add(center, radius),
+                Primitive::Triangle(triangle, _) => triangle.vertices.iter().for_each(|&v| add(v, 0.0)),
+            }
+        }
         let largest = balls.iter().map(|(center, radius, _)| center.abs().max_element() + radius);
         Self {
             only_light: (0..scene.spheres.len()).find(|&number| lights.len() == 1 && is_light(number)),

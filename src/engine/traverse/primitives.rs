@@ -1,172 +1,107 @@
-//! A scene's primitives, ready for the chosen intersection methods, which are dispatched once a batch of rays
-//! and not once a ray.
+//! The seam between rays and primitives: two questions over columns of rays, whatever answers them.
 
-use super::batch::Traversal;
-use super::candidates::{AllSpheres, AllTriangles, ListedSpheres, ListedTriangles, SphereCandidates};
-use super::hierarchy::{Hierarchy, padding_of};
-use super::linear::{self, Batch};
-use super::methods::{BoxChoice, Methods, SphereChoice, TriangleChoice};
+use super::batch::{Tracer, Traversal};
+use super::counter::Counter;
+use super::hierarchy::Hierarchy;
+use super::list::List;
+use super::methods::Methods;
+use super::occluders::Occluders;
 use super::primitive_list::PrimitiveList;
-use crate::buffers::{Buffers, store_culled_spheres, store_triangles};
-use crate::bvh::Trees;
-use crate::kernel::ray_box::Padding;
-use crate::kernel::ray_sphere;
-use crate::kernel::ray_triangle::{self, TriangleMethod};
-use crate::kernel::sphere_culling::CulledSphere;
+use super::rays::{Hits, Rays};
+use crate::buffers::Lights;
 use crate::lane::Lane;
 use crate::scene::Scene;
 
-/// The scene's triangles as the chosen method stores them.
-enum Triangles {
-    Woop(Vec<<ray_triangle::Woop as TriangleMethod>::Stored>),
-    MollerTrumbore(Vec<<ray_triangle::MollerTrumbore as TriangleMethod>::Stored>),
-    BaldwinWeber(Vec<<ray_triangle::BaldwinWeber as TriangleMethod>::Stored>),
-}
-
 /// A scene's primitives ready for intersection by the chosen methods.
 pub struct Primitives {
-    sphere: SphereChoice,
-    triangles: Triangles,
-    culled_spheres: Vec<CulledSphere>,
-    padding: Padding,
-    /// The hierarchy and its traversal, where there is one; then the other fields are empty.
-    hierarchy: Option<(Hierarchy, Traversal)>,
+    all: Structure,
+    /// Those that shadow rays are tested against, if not all.
+    occluders: Option<Occluders>,
+}
+
+/// What finds hits.
+enum Structure {
+    List(List),
+    Tree(Hierarchy, Traversal),
 }
 
 impl Primitives {
-    /// For packets of `lanes` rays, with a hierarchy if [`Methods::traversal_of`] names a traversal.
-    pub fn new(scene: &Scene, methods: Methods, lanes: usize) -> Self {
-        if let Some(traversal) = methods.traversal_of(scene, lanes) {
-            let mut hierarchy = Hierarchy::new(scene, trees_of(traversal));
-            hierarchy.padding = padded(hierarchy.padding, methods.boxes);
-            return Self {
-                sphere: methods.sphere,
-                triangles: Triangles::Woop(Vec::new()),
-                culled_spheres: Vec::new(),
-                padding: Padding::default(),
-                hierarchy: Some((hierarchy, traversal)),
-            };
-        }
-        let triangles = match methods.triangle {
-            TriangleChoice::Woop => Triangles::Woop(store_triangles::<ray_triangle::Woop>(scene)),
-            TriangleChoice::MollerTrumbore => {
-                Triangles::MollerTrumbore(store_triangles::<ray_triangle::MollerTrumbore>(scene))
-            }
-            TriangleChoice::BaldwinWeber => {
-                Triangles::BaldwinWeber(store_triangles::<ray_triangle::BaldwinWeber>(scene))
-            }
+    /// For packets of `lanes` rays: a hierarchy if [`Methods::traversal_of`] names a traversal, else a list.
+    /// `lights` are those that shadow rays run to.
+    pub fn new(scene: &Scene, methods: Methods, lanes: usize, lights: &Lights) -> Self {
+        let all = match methods.traversal_of(scene, lanes) {
+            Some(traversal) => Structure::Tree(Hierarchy::new(scene, traversal.trees()), traversal),
+            None => Structure::List(List::new(scene, methods)),
         };
-        let padding = padded(padding_of(scene), methods.boxes);
-        let culled_spheres = store_culled_spheres(scene);
-        Self { sphere: methods.sphere, triangles, culled_spheres, padding, hierarchy: None }
+        let hierarchy = match &all {
+            Structure::Tree(hierarchy, traversal) => Some((hierarchy, *traversal)),
+            Structure::List(_) => None,
+        };
+        let may_be_few = methods.keep_to_their_primitives();
+        let occluders = may_be_few.then(|| Occluders::of(scene, lights, hierarchy)).flatten();
+        Self { all, occluders }
     }
 
-    /// The hierarchy and its traversal, where there is one: then [`super::batch::Tracer`] traces batches.
+    /// Whether rays can be tested against a list of their own of what they can hit.
+    pub fn take_lists(&self) -> bool {
+        matches!(self.all, Structure::List(_))
+    }
+
+    /// Improves the hits of all rays to the nearest. `listed` holds all primitives that the rays can hit, if
+    /// that is known.
     #[inline(always)]
-    pub fn hierarchy(&self) -> Option<(&Hierarchy, Traversal)> {
-        self.hierarchy.as_ref().map(|(hierarchy, traversal)| (hierarchy, *traversal))
-    }
-
-    /// The padding of boxes.
-    pub fn padding(&self) -> Padding {
-        self.hierarchy.as_ref().map_or(self.padding, |(hierarchy, _)| hierarchy.padding)
-    }
-
-    /// The numbers of spheres and triangles that [`Primitives::trace_linear`] tests each ray against.
-    pub fn linear(&self, buffers: &Buffers, listed: Option<&PrimitiveList>) -> [usize; 2] {
-        if let Some(listed) = listed {
-            return [listed.spheres.len(), listed.triangles.len()];
-        }
-        let triangles = match &self.triangles {
-            Triangles::Woop(stored) => stored.len(),
-            Triangles::MollerTrumbore(stored) => stored.len(),
-            Triangles::BaldwinWeber(stored) => stored.len(),
-        };
-        [buffers.spheres.len(), triangles]
-    }
-
-    /// Finds the nearest hits with the chosen methods, by testing every primitive; only without a hierarchy.
-    /// `listed` holds all primitives that the rays can hit; without it every primitive is tested. In scenes
-    /// without triangles no barycentric weights are stored.
-    pub fn trace_linear<L: Lane>(
+    pub fn closest<L: Lane>(
         &self,
-        buffers: &Buffers,
+        rays: &Rays,
+        hits: &mut Hits,
         listed: Option<&PrimitiveList>,
-        batch: &mut impl Batch<L>,
+        tracer: &mut Tracer,
+        counter: Option<&Counter>,
     ) {
-        let [spheres, triangles] = self.linear(buffers, listed);
-        // Without any candidate, the loop over none of the spheres stores the misses.
-        if spheres > 0 || triangles == 0 {
-            let all = AllSpheres { spheres: &buffers.spheres, culled: &self.culled_spheres };
-            match listed {
-                Some(PrimitiveList { spheres, .. }) => {
-                    self.trace_spheres(&ListedSpheres { all, listed: spheres }, batch)
-                }
-                None => self.trace_spheres(&all, batch),
+        match &self.all {
+            Structure::List(list) => list.trace::<L>(rays, hits, listed, counter),
+            Structure::Tree(tree, traversal) => {
+                tracer.trace::<false>(*traversal, tree, rays, hits, counter);
             }
-        }
-        let (first, after_spheres) = (buffers.spheres.len() as u32, spheres > 0);
-        match &self.triangles {
-            Triangles::Woop(stored) => {
-                self.trace_triangles::<L, ray_triangle::Woop>((first, stored), listed, after_spheres, batch)
-            }
-            Triangles::MollerTrumbore(stored) => self.trace_triangles::<L, ray_triangle::MollerTrumbore>(
-                (first, stored),
-                listed,
-                after_spheres,
-                batch,
-            ),
-            Triangles::BaldwinWeber(stored) => self.trace_triangles::<L, ray_triangle::BaldwinWeber>(
-                (first, stored),
-                listed,
-                after_spheres,
-                batch,
-            ),
         }
     }
 
-    fn trace_spheres<L: Lane>(&self, spheres: &impl SphereCandidates, batch: &mut impl Batch<L>) {
-        match self.sphere {
-            SphereChoice::Robust => linear::trace_spheres::<L, ray_sphere::Robust>(spheres, batch),
-            SphereChoice::Naive => linear::trace_spheres::<L, ray_sphere::Naive>(spheres, batch),
-        }
-    }
-
-    fn trace_triangles<L: Lane, T: TriangleMethod>(
+    /// Finds which rays to lights hit anything: their primitive is no [`crate::math::MISS`]; all else in
+    /// their hits is unspecified.
+    pub fn occluded<L: Lane>(
         &self,
-        (first, triangles): (u32, &[T::Stored]),
-        listed: Option<&PrimitiveList>,
-        after_spheres: bool,
-        batch: &mut impl Batch<L>,
+        rays: &Rays,
+        hits: &mut Hits,
+        tracer: &mut Tracer,
+        counter: Option<&Counter>,
     ) {
-        if triangles.is_empty() {
-            return;
-        }
-        let all = AllTriangles { first, triangles };
-        match listed {
-            Some(PrimitiveList { triangles, .. }) if triangles.is_empty() => {
-                for at in batch.range().step_by(L::WIDTH) {
-                    batch.store_barycentrics(at, L::zero(), L::zero());
-                }
+        match &self.all {
+            Structure::List(list) => {
+                let listed = self.occluders.as_ref().map(|occluders| &occluders.list);
+                list.trace::<L>(rays, hits, listed, counter);
             }
-            Some(PrimitiveList { triangles, .. }) => {
-                let listed = ListedTriangles { all, listed: triangles };
-                linear::trace_triangles::<L, T>(&listed, self.padding, after_spheres, batch);
+            Structure::Tree(all, traversal) => {
+                let occluders = self.occluders.as_ref().and_then(|occluders| occluders.hierarchy.as_ref());
+                tracer.trace::<true>(*traversal, occluders.unwrap_or(all), rays, hits, counter);
             }
-            None => linear::trace_triangles::<L, T>(&all, self.padding, after_spheres, batch),
         }
     }
-}
 
-/// The trees that a traversal reads.
-pub(super) fn trees_of(traversal: Traversal) -> Trees {
-    if traversal == Traversal::Scalar { Trees::WideAndBinary } else { Trees::Wide }
-}
-
-/// The padding with a box method.
-fn padded(padding: Padding, boxes: BoxChoice) -> Padding {
-    match boxes {
-        BoxChoice::PaddedFma => padding,
-        BoxChoice::Fma => padding.without_padding(),
+    /// [`Primitives::closest`] of rays traced one by one: tests that rays share cannot be attributed to any.
+    pub fn count_single(
+        &self,
+        rays: &Rays,
+        hits: &mut Hits,
+        listed: Option<&PrimitiveList>,
+        tracer: &mut Tracer,
+        counter: &Counter,
+    ) {
+        match &self.all {
+            Structure::List(list) => list.trace::<f32>(rays, hits, listed, Some(counter)),
+            Structure::Tree(tree, traversal) => {
+                let single = if *traversal == Traversal::Scalar { *traversal } else { Traversal::Single };
+                tracer.trace::<false>(single, tree, rays, hits, Some(counter));
+            }
+        }
     }
 }

@@ -1,22 +1,24 @@
-//! Rays and hits in structure-of-arrays form: what traversals of whole batches read and write.
+//! Rays and hits as columns: what every traversal reads and writes.
 
-use super::linear::Batch;
 use super::prepared::SingleRay;
 use crate::kernel::ray_box::Padding;
 use crate::lane::{Bits, Lane};
 use crate::math::{Hit, Ray, Vec3};
+use std::ops::Range;
 
-/// Rays as columns of equal length.
+/// Rays as columns.
 #[derive(Clone, Copy)]
 pub struct Rays<'a> {
     /// x, y and z of where they begin.
     pub origin: [&'a [f32]; 3],
     /// x, y and z of their directions, of unit length.
     pub direction: [&'a [f32]; 3],
+    count: usize,
 }
 
 /// Hits as columns. Before a traversal `t` holds each ray's t_max (a ray with NaN, 0 or less hits nothing)
-/// and `primitive` [`crate::math::MISS`]; or both hold an earlier hit.
+/// and `primitive` [`crate::math::MISS`]; or both hold an earlier hit. Barycentric weights are unspecified
+/// but on triangles.
 pub struct Hits<'a> {
     /// Distances.
     pub t: &'a mut [f32],
@@ -34,13 +36,22 @@ fn load<L: Lane>([x, y, z]: &[&[f32]; 3], at: usize) -> Vec3<L> {
 }
 
 impl<'a> Rays<'a> {
+    /// As many rays as the columns are long.
+    pub fn new(origin: [&'a [f32]; 3], direction: [&'a [f32]; 3]) -> Self {
+        Self { origin, direction, count: origin[0].len() }
+    }
+    /// The first `count` rays of longer columns. A [`super::List`] reads and writes whole packets: there the
+    /// columns of rays and hits go on to the end of the last one.
+    pub fn first(count: usize, origin: [&'a [f32]; 3], direction: [&'a [f32]; 3]) -> Self {
+        Self { origin, direction, count }
+    }
     /// The number of rays.
     pub fn len(&self) -> usize {
-        self.origin[0].len()
+        self.count
     }
     /// Whether there is no ray.
     pub fn is_empty(&self) -> bool {
-        self.len() == 0
+        self.count == 0
     }
     /// `WIDTH` rays from `at` on.
     #[inline(always)]
@@ -53,11 +64,11 @@ impl<'a> Rays<'a> {
         SingleRay::new(self.packet::<f32>(at), padding)
     }
     /// Some of the rays.
-    pub fn range(&self, range: std::ops::Range<usize>) -> Rays<'a> {
-        Rays {
-            origin: self.origin.map(|column| &column[range.clone()]),
-            direction: self.direction.map(|column| &column[range.clone()]),
-        }
+    pub fn range(&self, range: Range<usize>) -> Rays<'a> {
+        Rays::new(
+            self.origin.map(|column| &column[range.clone()]),
+            self.direction.map(|column| &column[range.clone()]),
+        )
     }
 }
 
@@ -72,52 +83,37 @@ impl Hits<'_> {
     pub fn set(&mut self, at: usize, hit: &Hit<f32>) {
         (self.t[at], self.primitive[at], self.u[at], self.v[at]) = (hit.t, hit.primitive, hit.u, hit.v);
     }
+    /// `WIDTH` hits from `at` on.
+    #[inline(always)]
+    pub fn packet<L: Lane>(&self, at: usize) -> Hit<L> {
+        let (t, primitive) = self.nearest(at);
+        Hit { t, primitive, u: L::load(&self.u[at..]), v: L::load(&self.v[at..]) }
+    }
+    /// Replaces `WIDTH` hits.
+    #[inline(always)]
+    pub fn store<L: Lane>(&mut self, at: usize, hit: &Hit<L>) {
+        self.store_nearest(at, hit.t, hit.primitive);
+        hit.u.store(&mut self.u[at..]);
+        hit.v.store(&mut self.v[at..]);
+    }
+    /// Distance and primitive of `WIDTH` hits.
+    #[inline(always)]
+    pub(super) fn nearest<L: Lane>(&self, at: usize) -> (L, L::Bits) {
+        (L::load(&self.t[at..]), L::Bits::load(&self.primitive[at..]))
+    }
+    /// Replaces distance and primitive of `WIDTH` hits.
+    #[inline(always)]
+    pub(super) fn store_nearest<L: Lane>(&mut self, at: usize, t: L, primitive: L::Bits) {
+        t.store(&mut self.t[at..]);
+        primitive.store(&mut self.primitive[at..]);
+    }
     /// Some of the hits.
-    pub fn range(&mut self, range: std::ops::Range<usize>) -> Hits<'_> {
+    pub fn range(&mut self, range: Range<usize>) -> Hits<'_> {
         Hits {
             t: &mut self.t[range.clone()],
             primitive: &mut self.primitive[range.clone()],
             u: &mut self.u[range.clone()],
             v: &mut self.v[range],
         }
-    }
-}
-
-/// Rays and their hits as columns, to test every primitive against.
-///
-/// Domain: whole packets; the last one would be read beyond the columns' ends, a panic.
-pub struct RaysAndHits<'a, 'b> {
-    /// The rays.
-    pub rays: Rays<'a>,
-    /// Their hits; before, each ray's t_max.
-    pub hits: Hits<'b>,
-}
-
-impl<L: Lane> Batch<L> for RaysAndHits<'_, '_> {
-    #[inline(always)]
-    fn range(&self) -> std::ops::Range<usize> {
-        0..self.rays.len()
-    }
-    #[inline(always)]
-    fn ray(&self, at: usize) -> Ray<L> {
-        self.rays.packet(at)
-    }
-    #[inline(always)]
-    fn t_max(&self, at: usize) -> L {
-        L::load(&self.hits.t[at..])
-    }
-    #[inline(always)]
-    fn nearest(&self, at: usize) -> (L, L::Bits) {
-        (L::load(&self.hits.t[at..]), L::Bits::load(&self.hits.primitive[at..]))
-    }
-    #[inline(always)]
-    fn store_nearest(&mut self, at: usize, t: L, primitive: L::Bits) {
-        t.store(&mut self.hits.t[at..]);
-        primitive.store(&mut self.hits.primitive[at..]);
-    }
-    #[inline(always)]
-    fn store_barycentrics(&mut self, at: usize, u: L, v: L) {
-        u.store(&mut self.hits.u[at..]);
-        v.store(&mut self.hits.v[at..]);
     }
 }

@@ -1,6 +1,7 @@
 //! Builds a [`Scene`]: the part that all formats share.
 //!
-//! For: [`SceneBuilder`], which collects materials, textures and primitives and fills in defaults.
+//! For: [`SceneBuilder`], which collects materials, textures and primitives and fills in defaults, and
+//! [`Attributes`].
 
 use super::check::has_area;
 use super::error::SceneError;
@@ -22,6 +23,17 @@ pub const MAX_COPIES: usize = 1 << 26;
 const MAX_MATERIALS: usize = 1 << 20;
 /// Most warnings that are kept; of the others only the number.
 const MAX_WARNINGS: usize = 1_000;
+
+/// What the vertices of a triangle have besides their positions.
+#[derive(Clone, Copy, Default)]
+pub struct Attributes {
+    /// Planar where missing.
+    pub uvs: Option<[Vec2; 3]>,
+    /// Of unit length; those of the plane where missing.
+    pub normals: Option<[Vec3; 3]>,
+    /// Linear, in [0, 1]; they multiply the material's colour.
+    pub colors: Option<[Vec3; 3]>,
+}
 
 #[derive(Default)]
 pub struct SceneBuilder {
@@ -55,20 +67,22 @@ impl SceneBuilder {
         })
     }
     /// Adds a triangle and returns true, or returns false because it has no area. Texture coordinates are
-    /// kept only if the material has textures, and are planar where `uvs` is `None`. Vertex normals, of unit
-    /// length, are kept only if they differ from the geometric normal.
+    /// kept only if the material has textures, and vertex normals only if they differ from the geometric
+    /// normal. Vertex colours are kept where the material can be [`Self::colored`].
     #[must_use]
-    pub fn add_triangle(
-        &mut self,
-        vertices: [Vec3; 3],
-        material: u32,
-        uvs: Option<[Vec2; 3]>,
-        normals: Option<[Vec3; 3]>,
-    ) -> bool {
+    pub fn add_triangle(&mut self, vertices: [Vec3; 3], material: u32, attributes: Attributes) -> bool {
         if !has_area(&vertices) {
             return false;
         }
         let before = self.triangles.len();
+        let colored = attributes.colors.and_then(|colors| Some((self.colored(material)?, colors)));
+        let (material, uvs) = match colored {
+            Some((material, colors)) => {
+                self.colors.add(before, colors);
+                (material, Some([Vec2::ZERO; 3]))
+            }
+            None => (material, attributes.uvs),
+        };
         if self.materials[material as usize].textures().next().is_some() {
             let size = self.texture_sizes[material as usize];
             self.uvs.resize(before, [Vec2::ZERO; 3]);
@@ -76,7 +90,7 @@ impl SceneBuilder {
         } else if !self.uvs.is_empty() {
             self.uvs.push([Vec2::ZERO; 3]);
         }
-        if let Some(normals) = normals.filter(|normals| is_smooth(vertices, *normals)) {
+        if let Some(normals) = attributes.normals.filter(|normals| is_smooth(vertices, *normals)) {
             self.normals.resize(before, [Vec3::ZERO; 3]);
             self.normals.push(normals);
         } else if !self.normals.is_empty() {
@@ -85,8 +99,8 @@ impl SceneBuilder {
         self.triangles.push(Triangle { vertices, material });
         true
     }
-    /// The variant of a material whose triangles have vertex colours, for [`Self::add_colored_triangle`];
-    /// `None` where textures or emission already take the texture's place.
+    /// The variant of a material whose triangles have vertex colours; `None` where textures or emission already
+    /// take the texture's place.
     pub fn colored(&mut self, material: u32) -> Option<u32> {
         if let Some(&known) = self.colors.materials.get(&material) {
             return Some(known);
@@ -99,22 +113,6 @@ impl SceneBuilder {
         let colored = self.add_material(Material { texture, ..plain.clone() }, 1.0);
         self.colors.materials.insert(material, colored);
         Some(colored)
-    }
-    /// As [`Self::add_triangle`], with a material of [`Self::colored`] and the colours of the vertices,
-    /// linear and in [0, 1].
-    #[must_use]
-    pub fn add_colored_triangle(
-        &mut self,
-        vertices: [Vec3; 3],
-        material: u32,
-        colors: [Vec3; 3],
-        normals: Option<[Vec3; 3]>,
-    ) -> bool {
-        let has_area = self.add_triangle(vertices, material, Some([Vec2::ZERO; 3]), normals);
-        if has_area {
-            self.colors.add(self.triangles.len() - 1, colors);
-        }
-        has_area
     }
     pub fn warn(&mut self, warning: impl Into<String>) {
         match self.warnings.len() < MAX_WARNINGS {
@@ -241,7 +239,7 @@ mod tests {
         let material = builder.default_material();
         let (center, radius, texture_side, texture_turn) = (Vec3::ZERO, 1.0, Side::Outside, 0.0);
         builder.spheres.push(Sphere { center, radius, material, texture_side, texture_turn });
-        assert!(builder.add_triangle([Vec3::ZERO, Vec3::X, Vec3::Y], material, None, None));
+        assert!(builder.add_triangle([Vec3::ZERO, Vec3::X, Vec3::Y], material, Attributes::default()));
         assert!(builder.check_room(MAX_PRIMITIVES - 2).is_ok());
         let error = builder.check_room(MAX_PRIMITIVES - 1).unwrap_err();
         assert_eq!(error.what, "the scene holds 268435457 spheres and triangles");

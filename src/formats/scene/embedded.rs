@@ -1,13 +1,13 @@
 //! The scene files and textures that are compiled into the program.
 //!
-//! For: [`SCENES`], [`file`].
+//! For: [`names`], [`scene`], [`file`].
 
 use std::path::Path;
 
 /// Prefix of built-in scenes on the command line.
 pub const PREFIX: &str = "builtin:";
 
-pub const SCENES: [(&str, &str); 8] = [
+const SCENES: [(&str, &str); 8] = [
     ("thesis", include_str!("../scenes/thesis.json")),
     ("three", include_str!("../scenes/three.json")),
     ("spheres", include_str!("../scenes/spheres.json")),
@@ -22,6 +22,16 @@ const FILES: [(&str, &[u8]); 2] = [
     ("textures/sky.jpg", include_bytes!("../scenes/textures/sky.jpg")),
     ("textures/chess.png", include_bytes!("../scenes/textures/chess.png")),
 ];
+
+/// The names that may follow [`PREFIX`].
+pub fn names() -> impl Iterator<Item = &'static str> {
+    SCENES.iter().map(|&(name, _)| name)
+}
+
+/// The text of a built-in scene.
+pub fn scene(name: &str) -> Option<&'static str> {
+    SCENES.iter().find(|&&(known, _)| known == name).map(|&(_, text)| text)
+}
 
 /// The content of a file that a built-in scene refers to.
 pub fn file(path: &Path) -> Option<&'static [u8]> {

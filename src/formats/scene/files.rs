@@ -39,15 +39,21 @@ enum Store {
 pub struct Files {
     folder: PathBuf,
     store: Store,
-    /// Paths outside the program, existing or not, in the order of the first request.
-    requested: RefCell<Vec<PathBuf>>,
+    requested: Rc<RefCell<Requested>>,
+}
+
+/// Paths outside the program that were requested, existing or not.
+#[derive(Default)]
+struct Requested {
+    /// In the order of the first request.
+    list: Vec<PathBuf>,
     /// The same paths, for lookup.
-    seen: RefCell<HashSet<PathBuf>>,
+    seen: HashSet<PathBuf>,
 }
 
 impl Files {
     fn new(folder: PathBuf, store: Store) -> Self {
-        Self { folder, store, requested: RefCell::default(), seen: RefCell::default() }
+        Self { folder, store, requested: Rc::default() }
     }
     /// The files beside `file` on disk.
     pub fn beside(file: &Path) -> Self {
@@ -57,9 +63,9 @@ impl Files {
     pub fn given(file: &Path, reading: Rc<Reading>) -> Self {
         Self::new(folder_of(file), Store::Given(reading))
     }
-    /// The files beside another file, from where these come from.
+    /// The files beside another file, from where these come from. Requests are recorded with those of these.
     pub fn beside_other(&self, file: &Path) -> Self {
-        Self::new(folder_of(file), self.store.clone())
+        Self { folder: folder_of(file), store: self.store.clone(), requested: Rc::clone(&self.requested) }
     }
     /// The files inside the program.
     pub fn embedded() -> Self {
@@ -105,24 +111,21 @@ impl Files {
     }
     pub fn exists(&self, path: &Path) -> bool {
         match &self.store {
-            Store::Program => embedded::file(path).is_some(),
             Store::Disk => {
                 self.record(path);
                 path.is_file()
             }
-            Store::Given(reading) => {
-                self.record(path);
-                reading(path).is_ok()
-            }
+            Store::Program | Store::Given(_) => self.read(path).is_ok(),
         }
     }
     /// The paths requested outside the program, existing or not, each once, in the order of requests.
     pub fn into_requested(self) -> Vec<PathBuf> {
-        self.requested.into_inner()
+        std::mem::take(&mut self.requested.borrow_mut().list)
     }
     fn record(&self, path: &Path) {
-        if self.seen.borrow_mut().insert(path.to_path_buf()) {
-            self.requested.borrow_mut().push(path.to_path_buf());
+        let mut requested = self.requested.borrow_mut();
+        if requested.seen.insert(path.to_path_buf()) {
+            requested.list.push(path.to_path_buf());
         }
     }
 }

@@ -1,17 +1,32 @@
 //! Reads JSON and locates errors: a JSON path, and from it the line and column.
 //!
-//! For: [`read`], [`JsonPath`], [`Source`].
+//! For: [`read`], [`Source`], [`JsonPath`].
 
 use super::error::SceneError;
-use super::spelling::nearest;
+use super::spelling::did_you_mean;
 use serde::de::DeserializeOwned;
+use serde_json::value::RawValue;
+use std::collections::HashMap;
 use std::fmt;
 use std::path::Path;
 
-/// A path into a JSON text, a chain of borrowed steps: nothing is allocated until an error prints it.
+/// A JSON text and the file it came from, for messages.
+pub struct Source<'a> {
+    pub file: &'a Path,
+    pub text: &'a str,
+}
+
+impl Source<'_> {
+    /// The place of the whole text.
+    pub fn root(&self) -> JsonPath<'_> {
+        JsonPath::Root(self)
+    }
+}
+
+/// A place in a JSON text, a chain of borrowed steps: nothing is allocated until an error prints it.
 #[derive(Clone, Copy)]
 pub enum JsonPath<'a> {
-    Root,
+    Root(&'a Source<'a>),
     Key(&'a JsonPath<'a>, &'a str),
     Item(&'a JsonPath<'a>, usize),
 }
@@ -23,103 +38,48 @@ impl<'a> JsonPath<'a> {
     pub fn item(&'a self, index: usize) -> JsonPath<'a> {
         JsonPath::Item(self, index)
     }
-    /// The byte at which the path's value starts. Domain: `text` is valid JSON.
-    fn offset(&self, text: &[u8]) -> Option<usize> {
+    fn source(&self) -> &'a Source<'a> {
         match *self {
-            JsonPath::Root => Some(skip_space(text, 0)),
-            JsonPath::Key(parent, key) => {
-                let mut at = skip_space(text, parent.offset(text)? + 1);
-                while text.get(at) == Some(&b'"') {
-                    let key_end = skip_value(text, at);
-                    let value = skip_space(text, skip_space(text, key_end) + 1);
-                    if serde_json::from_slice::<String>(text.get(at..key_end)?)
-                        .is_ok_and(|found| found == key)
-                    {
-                        return Some(value);
-                    }
-                    at = next_entry(text, value);
-                }
-                None
-            }
-            JsonPath::Item(parent, index) => {
-                let mut at = skip_space(text, parent.offset(text)? + 1);
-                for _ in 0..index {
-                    at = next_entry(text, at);
-                }
-                (at < text.len()).then_some(at)
+            JsonPath::Root(source) => source,
+            JsonPath::Key(parent, _) | JsonPath::Item(parent, _) => parent.source(),
+        }
+    }
+    /// An error about the value here.
+    pub fn error(&self, what: impl Into<String>, mend: impl Into<String>) -> SceneError {
+        let source = self.source();
+        let error = SceneError::new(what).in_file(source.file).mend(mend);
+        match (self, self.value()) {
+            (JsonPath::Root(_), _) => error,
+            (_, None) => error.at(self.to_string()),
+            (_, Some(value)) => {
+                let offset = value.as_ptr().addr() - source.text.as_ptr().addr();
+                let (line, column) = line_and_column(source.text, offset);
+                error.at(format!("{self}, line {line}, column {column}"))
             }
         }
+    }
+    /// The part of the text that is the value here, if there is one. Domain: the text is valid JSON.
+    fn value(&self) -> Option<&'a str> {
+        let value: &RawValue = match *self {
+            JsonPath::Root(source) => return Some(source.text),
+            JsonPath::Key(parent, key) => {
+                serde_json::from_str::<HashMap<String, &RawValue>>(parent.value()?).ok()?.remove(key)?
+            }
+            JsonPath::Item(parent, index) => {
+                serde_json::from_str::<Vec<&RawValue>>(parent.value()?).ok()?.get(index)?
+            }
+        };
+        Some(value.get())
     }
 }
 
 impl fmt::Display for JsonPath<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            JsonPath::Root => Ok(()),
-            JsonPath::Key(JsonPath::Root, key) => write!(f, "{key}"),
+            JsonPath::Root(_) => Ok(()),
+            JsonPath::Key(JsonPath::Root(_), key) => write!(f, "{key}"),
             JsonPath::Key(parent, key) => write!(f, "{parent}.{key}"),
             JsonPath::Item(parent, index) => write!(f, "{parent}[{index}]"),
-        }
-    }
-}
-
-fn skip_space(text: &[u8], mut at: usize) -> usize {
-    while text.get(at).is_some_and(u8::is_ascii_whitespace) {
-        at += 1;
-    }
-    at
-}
-
-/// The start of the entry after the one whose value starts at `value`: past the value and the comma.
-fn next_entry(text: &[u8], value: usize) -> usize {
-    skip_space(text, skip_space(text, skip_value(text, value)) + 1)
-}
-
-/// The first byte after the value that starts at `at`.
-fn skip_value(text: &[u8], mut at: usize) -> usize {
-    let mut depth = 0_usize;
-    while let Some(&byte) = text.get(at) {
-        match byte {
-            b'"' => {
-                at += 1;
-                while text.get(at).is_some_and(|&byte| byte != b'"') {
-                    at += if text[at] == b'\\' { 2 } else { 1 };
-                }
-            }
-            b'{' | b'[' => depth += 1,
-            b'}' | b']' => depth = depth.saturating_sub(1),
-            _ => {
-                // A number or a word ends at a separator.
-                while text.get(at + 1).is_some_and(|next| !b",:]} \t\r\n".contains(next)) && depth == 0 {
-                    at += 1;
-                }
-            }
-        }
-        at += 1;
-        if depth == 0 {
-            break;
-        }
-    }
-    at
-}
-
-/// A JSON text and the file it came from, for messages.
-pub struct Source<'a> {
-    pub file: &'a Path,
-    pub text: &'a str,
-}
-
-impl Source<'_> {
-    /// An error about the value at `place`.
-    pub fn error(&self, place: &JsonPath, what: impl Into<String>, mend: impl Into<String>) -> SceneError {
-        let error = SceneError::new(what).in_file(self.file).mend(mend);
-        match (place, place.offset(self.text.as_bytes())) {
-            (JsonPath::Root, _) => error,
-            (place, None) => error.at(place.to_string()),
-            (place, Some(offset)) => {
-                let (line, column) = line_and_column(self.text, offset);
-                error.at(format!("{place}, line {line}, column {column}"))
-            }
         }
     }
 }
@@ -185,37 +145,31 @@ fn syntax_fault(message: &str, line: &str, column: usize) -> (String, String) {
 }
 
 fn data_fault(path: &str, message: &str) -> (String, String) {
-    let quoted = || message.split('`').skip(1).step_by(2);
+    let quoted: Vec<&str> = message.split('`').skip(1).step_by(2).collect();
+    let (word, known) = quoted.split_first().map_or(("", &[][..]), |(word, known)| (*word, known));
     if message.starts_with("unknown field") {
-        let unknown = quoted().next().unwrap_or_default();
-        let known: Vec<&str> = quoted().skip(1).collect();
-        let guess = nearest(unknown, known.iter().copied());
-        let guess = guess.map(|known| format!("did you mean `{known}`? ")).unwrap_or_default();
-        let mend = format!("{guess}the keys known here are {}", known.join(", "));
-        return (format!("unknown key `{unknown}`"), mend);
+        let mend = format!("{}the keys known here are {}", did_you_mean(word, known), known.join(", "));
+        return (format!("unknown key `{word}`"), mend);
     }
     if message.starts_with("missing field") {
-        let missing = quoted().next().unwrap_or_default();
-        return (format!("the key `{missing}` is missing"), format!("add `{missing}` to this object"));
+        return (format!("the key `{word}` is missing"), format!("add `{word}` to this object"));
     }
     if message.starts_with("duplicate field") || message.contains("occurs twice") {
-        return (
-            message.replace("duplicate field", "a second"),
-            "remove or rename one of the two".to_string(),
-        );
+        let what = message.replace("duplicate field", "a second");
+        return (what, "remove or rename one of the two".to_string());
     }
     if message.starts_with("unknown variant") {
-        let (key, word) = (path.rsplit('.').next().unwrap_or(path), quoted().next().unwrap_or_default());
-        let known: Vec<&str> = quoted().skip(1).collect();
+        let key = path.rsplit('.').next().unwrap_or(path);
         return (format!("`{key}` cannot be `{word}`"), format!("write one of {}", known.join(", ")));
     }
     let message = message
         .replace("expected f64", "expected a number")
         .replace("expected u32", "expected a whole number of 0 or more")
         .replace("expected a sequence", "expected an array");
-    let expected = message.rsplit_once("expected ").map(|(_, expected)| expected.to_string());
-    let mend =
-        expected.map_or("see the scene format".to_string(), |expected| format!("write {expected} here"));
+    let mend = match message.rsplit_once("expected ") {
+        Some((_, expected)) => format!("write {expected} here"),
+        None => "see the scene format".to_string(),
+    };
     (message, mend)
 }
 
@@ -228,8 +182,8 @@ mod tests {
         let text =
             "{ \"a,{\": [1, {\"x\": \"]\\\"\"}, 3],\n  \"b\\u0041\": [\n [0], [1, -2.5e3] ], \"c\": true }";
         let source = Source { file: Path::new("x.json"), text };
-        let root = JsonPath::Root;
-        let at = |place: &JsonPath| source.error(place, "", "").at.unwrap();
+        let root = source.root();
+        let at = |place: &JsonPath| place.error("", "").at.unwrap();
         assert_eq!(at(&root.key("a,{").item(2)), "a,{[2], line 1, column 28");
         assert_eq!(at(&root.key("bA").item(1).item(1)), "bA[1][1], line 3, column 11");
         assert_eq!(at(&root.key("c")), "c, line 3, column 27");

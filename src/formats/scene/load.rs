@@ -2,13 +2,14 @@
 //!
 //! For: [`load`], [`load_with_view`], [`load_from`], and [`may_be_scene`].
 
-use super::embedded::PREFIX;
+use super::embedded::{self, PREFIX};
 use super::error::SceneError;
 use super::files::{FILES, Files, has_extension};
 use super::json::{JsonPath, Source, read};
 use super::native::{FORMAT, VIEW_FORMAT};
-use super::view::Loaded;
-use super::{builtin, model, procedural, thesis, validate, view};
+use super::spelling::nearest;
+use super::view::{self, Loaded, ViewFile};
+use super::{model, procedural, thesis, validate};
 use octray_engine::scene::Scene;
 use serde::Deserialize;
 use serde::de::IgnoredAny;
@@ -28,11 +29,11 @@ pub fn load(spec: &str) -> Result<Scene, SceneError> {
 /// thesis's, or of a view of any of these.
 pub fn load_with_view(spec: &str) -> Result<Loaded, SceneError> {
     if let Some(name) = spec.strip_prefix(PREFIX) {
-        return built_in(spec, name);
+        return built_in(name).map(Loaded::from);
     }
     let path = Path::new(spec);
     if !may_be_scene(path) {
-        let mend = match builtin::guess(spec) {
+        let mend = match builtin_like(spec) {
             Some(near) => format!("did you mean `{near}`?"),
             None => format!("give {FILES}"),
         };
@@ -74,18 +75,20 @@ pub fn load_from(
 
 /// The scene in a file that the user named.
 fn from_named(path: &Path, files: Files) -> Result<Loaded, SceneError> {
-    match files.read_named(path) {
-        Ok(bytes) => from_bytes(path, &bytes, files, &from_view),
+    let found = files.read_named(path).and_then(|bytes| match content(path, &bytes, &files)? {
+        Content::Scene(scene) => Ok(Loaded::from(scene)),
+        Content::View(source, file) => {
+            let scene = viewed(&source.root().key("scene"), &files, &file.scene)?;
+            view::apply(&source, file, scene, file_name(path))
+        }
+    });
+    match found {
+        Ok(mut loaded) => {
+            loaded.scene.files = files.into_requested();
+            Ok(loaded)
+        }
         Err(error) => Err(error.after(files.into_requested())),
     }
-}
-
-fn built_in(spec: &str, name: &str) -> Result<Loaded, SceneError> {
-    if let Some(shape) = procedural::read(name)? {
-        return shape.scene(spec).map(Loaded::from);
-    }
-    let source = Source { file: Path::new(spec), text: builtin::text(name)? };
-    json_scene(&source, &Files::embedded(), spec.to_string(), &from_view)
 }
 
 /// Whether a file's extension is that of a scene, a view or a model.
@@ -93,25 +96,22 @@ pub fn may_be_scene(path: &Path) -> bool {
     has_extension(path, "json") || model::is_model(path)
 }
 
-/// Called for a file that is a view.
-type OnView<'a> = &'a dyn Fn(&Source, &Files, String) -> Result<Loaded, SceneError>;
+/// What a file holds.
+enum Content<'a> {
+    Scene(Scene),
+    View(Source<'a>, ViewFile),
+}
 
-/// The scene in a file whose content, `bytes`, was read through `files`.
-fn from_bytes(path: &Path, bytes: &[u8], files: Files, on_view: OnView) -> Result<Loaded, SceneError> {
-    let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    let loaded = if model::is_model(path) {
-        model::scene(bytes, path, &files, name).map(Loaded::from)
-    } else {
-        utf8(path, bytes).and_then(|text| json_scene(&Source { file: path, text }, &files, name, on_view))
-    };
-    match loaded {
-        Ok(mut loaded) => {
-            let of_viewed = std::mem::replace(&mut loaded.scene.files, files.into_requested());
-            loaded.scene.files.extend(of_viewed);
-            Ok(loaded)
-        }
-        Err(error) => Err(error.after(files.into_requested())),
+/// The content of a file whose bytes were read through `files`.
+fn content<'a>(path: &'a Path, bytes: &'a [u8], files: &Files) -> Result<Content<'a>, SceneError> {
+    if model::is_model(path) {
+        return model::scene(bytes, path, files, file_name(path)).map(Content::Scene);
     }
+    from_json(Source { file: path, text: utf8(path, bytes)? }, files, file_name(path))
+}
+
+fn file_name(path: &Path) -> String {
+    path.file_name().unwrap_or_default().to_string_lossy().into_owned()
 }
 
 fn utf8<'a>(path: &Path, bytes: &'a [u8]) -> Result<&'a str, SceneError> {
@@ -135,23 +135,23 @@ struct Keys {
     res: Option<IgnoredAny>,
 }
 
-fn json_scene(source: &Source, files: &Files, name: String, on_view: OnView) -> Result<Loaded, SceneError> {
+fn from_json<'a>(source: Source<'a>, files: &Files, name: String) -> Result<Content<'a>, SceneError> {
     // Serde would read an array's entries as the keys in order of declaration.
     if source.text.trim_start().starts_with('[') {
-        return Err(not_a_scene(source));
+        return Err(not_a_scene(&source));
     }
     let keys: Keys = serde_json::from_str(source.text).or_else(|_| {
         // `Keys` skips the values; a full read finds the JSON path of a fault inside them.
-        read::<Value>(source)?;
-        read(source)
+        read::<Value>(&source)?;
+        read(&source)
     })?;
     match keys.format {
-        Some(format) if format == VIEW_FORMAT => on_view(source, files, name),
-        Some(_) => validate::scene(source, files, name).map(Loaded::from),
+        Some(format) if format == VIEW_FORMAT => read(&source).map(|file| Content::View(source, file)),
+        Some(_) => validate::scene(&source, files, name).map(Content::Scene),
         None if keys.sphere.is_some() || keys.triangle.is_some() || keys.res.is_some() => {
-            thesis::scene(source, files, name).map(Loaded::from)
+            thesis::scene(&source, files, name).map(Content::Scene)
         }
-        None => Err(not_a_scene(source)),
+        None => Err(not_a_scene(&source)),
     }
 }
 
@@ -162,39 +162,58 @@ fn not_a_scene(source: &Source) -> SceneError {
     ))
 }
 
-/// The scene that a view names, as the view shows it.
-fn from_view(source: &Source, files: &Files, name: String) -> Result<Loaded, SceneError> {
-    let file = view::read(source)?;
-    let scene = named_in_view(source, files, &file.scene)?.scene;
-    view::apply(source, file, scene, name)
-}
-
-/// The scene that a view names.
-fn named_in_view(source: &Source, files: &Files, spec: &str) -> Result<Loaded, SceneError> {
+/// The scene that a view names at `place`.
+fn viewed(place: &JsonPath, files: &Files, spec: &str) -> Result<Scene, SceneError> {
     const MEND: &str = "give the path of a scene (.json) or a model (.obj, .gltf, .glb, .ply) relative to the \
                         view, or `builtin:NAME`";
-    let root = JsonPath::Root;
-    let fault = |what: String, mend: &str| source.error(&root.key("scene"), what, mend);
     if let Some(name) = spec.strip_prefix(PREFIX) {
-        return built_in(spec, name)
-            .map_err(|error| fault(error.what, error.mend.as_deref().unwrap_or(MEND)));
+        return built_in(name)
+            .map_err(|error| place.error(error.what, error.mend.unwrap_or_else(|| MEND.to_string())));
     }
     let path = files.resolve(spec);
     if !may_be_scene(&path) {
-        return Err(fault(format!("`{spec}` is not the name of a scene"), MEND));
+        return Err(place.error(format!("`{spec}` is not the name of a scene"), MEND));
     }
-    // The scene's files lie beside the scene, not beside the view. `from_bytes` appends their paths to the
-    // view's.
+    // The scene's files lie beside the scene, not beside the view.
     let files = files.beside_other(&path);
-    let bytes = match files.read(&path) {
-        Ok(bytes) => bytes,
-        Err(reason) => {
-            let mend = format!("the file searched for is {}: {MEND}", path.display());
-            let error = fault(format!("cannot read the scene `{spec}`: {reason}"), &mend);
-            return Err(error.after(files.into_requested()));
+    let bytes = files.read(&path).map_err(|reason| {
+        let mend = format!("the file searched for is {}: {MEND}", path.display());
+        place.error(format!("cannot read the scene `{spec}`: {reason}"), mend)
+    })?;
+    match content(&path, &bytes, &files)? {
+        Content::Scene(scene) => Ok(scene),
+        Content::View(..) => {
+            let mend = "name the scene that it is a view of";
+            Err(place.error(format!("`{spec}` is a view itself"), mend))
         }
-    };
-    from_bytes(&path, &bytes, files, &|_, _, _| {
-        Err(fault(format!("`{spec}` is a view itself"), "name the scene that it is a view of"))
-    })
+    }
+}
+
+/// The built-in or generated scene of a name without its prefix.
+fn built_in(name: &str) -> Result<Scene, SceneError> {
+    if let Some(scene) = procedural::scene(name)? {
+        return Ok(scene);
+    }
+    let spec = format!("{PREFIX}{name}");
+    let text = embedded::scene(name).ok_or_else(|| {
+        let guess = builtin_like(name).map(|near| format!("did you mean `{near}`? ")).unwrap_or_default();
+        let made = procedural::words().map(|word| format!("{word}:N"));
+        let names: Vec<String> = embedded::names().map(String::from).chain(made).collect();
+        let mend = format!("{guess}the names are {}", names.join(", "));
+        SceneError::new(format!("there is no scene `{spec}`")).mend(mend)
+    })?;
+    match from_json(Source { file: Path::new(&spec), text }, &Files::embedded(), spec.clone())? {
+        Content::Scene(scene) => Ok(scene),
+        Content::View(..) => unreachable!("no built-in scene is a view"),
+    }
+}
+
+/// The built-in or generated scene whose name is nearest to this one, as the command line takes it; `None` if
+/// none is near.
+fn builtin_like(name: &str) -> Option<String> {
+    let (word, count) = name.split_once(':').unwrap_or((name, ""));
+    if let Some(word) = nearest(word, procedural::words()) {
+        return Some(format!("{PREFIX}{word}:{}", if count.is_empty() { "N" } else { count }));
+    }
+    nearest(name, embedded::names()).map(|near| format!("{PREFIX}{near}"))
 }

@@ -15,8 +15,7 @@
 //! | `gltf` | glTF 2.0, as text (.gltf) and binary (.glb) |
 //! | `ply` | PLY, as text and in both binary orders |
 //! | `notes` | what is left out of a file, each kind once |
-//! | `tally` | counts a model's triangles; why a model cannot be used |
-//! | `placement` | scale, rotation and translation of a mesh |
+//! | `mesh` | a mesh of polygons, its scale, rotation and translation; why a model cannot be used |
 //! | `procedural` | generated meshes of any size |
 //! | `view` | a view file: another scene, a camera, render options; read and written |
 //! | `camera_path` | cameras between the keyframes of a view |
@@ -26,13 +25,12 @@
 //! | `builder` | collects materials, textures and primitives; fills in defaults |
 //! | `texture` | image files decoded to texels |
 //! | `files` | reads a scene's other files and records which were requested |
-//! | `builtin`, `embedded` | the built-in scenes by name; their files inside the program |
+//! | `embedded` | the built-in scenes by name; their files inside the program |
 //! | `check`, `spelling` | bounds of numbers; suggestions for misspelt names |
 //! | `json` | reading JSON; the line and column of a JSON path |
 //! | [`error`] | why a scene was refused |
 
 mod builder;
-mod builtin;
 mod camera_path;
 mod check;
 mod convert;
@@ -43,17 +41,16 @@ mod gltf;
 mod json;
 mod load;
 mod material;
+mod mesh;
 mod model;
 mod mtl;
 mod native;
 mod notes;
 mod obj;
-mod placement;
 mod ply;
 mod procedural;
 mod spelling;
 mod statements;
-mod tally;
 mod texture;
 mod thesis;
 mod validate;
@@ -61,9 +58,9 @@ mod vertex_colors;
 mod view;
 mod write;
 
-pub use builtin::names as builtin_names;
 pub use camera_path::{CameraPath, Keyframe};
 pub use convert::{Converted, convert_model};
+pub use embedded::names as builtin_names;
 pub use error::SceneError;
 pub use files::has_extension;
 pub use load::{load, load_from, load_with_view, may_be_scene};

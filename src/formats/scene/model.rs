@@ -5,11 +5,12 @@
 use super::builder::{DEFAULT_BOUNCES, DEFAULT_RESOLUTION, SceneBuilder};
 use super::error::SceneError;
 use super::files::{Files, has_extension};
-use super::placement::Placement;
-use super::tally::Misplaced;
-use super::{gltf, obj, ply};
+use super::gltf::{self, Gltf};
+use super::mesh::{Mesh, Placement, Unusable};
+use super::obj::Obj;
+use super::ply;
 use glam::Vec3;
-use octray_engine::scene::{Scene, Sky};
+use octray_engine::scene::{Material, MaterialKind, Scene, Sky};
 use std::path::Path;
 
 /// The extensions of the formats that are read.
@@ -17,32 +18,29 @@ pub const EXTENSIONS: [&str; 4] = ["obj", "gltf", "glb", "ply"];
 
 /// Whether a file's extension is that of a model.
 pub fn is_model(path: &Path) -> bool {
-    extension(path).is_some()
-}
-
-fn extension(path: &Path) -> Option<&'static str> {
-    EXTENSIONS.into_iter().find(|known| has_extension(path, known))
+    EXTENSIONS.iter().any(|known| has_extension(path, known))
 }
 
 /// A model, read and checked.
 pub enum Model {
-    Obj(obj::Mesh),
-    Gltf(Box<gltf::Gltf>),
-    Ply(ply::Mesh),
+    Obj(Obj),
+    Gltf(Box<Gltf>),
+    Ply(Mesh),
 }
 
 /// Reads the content of a model file; a file of another extension is read as OBJ.
 pub fn read(bytes: &[u8], path: &Path, files: &Files) -> Result<Model, SceneError> {
-    match extension(path) {
-        Some("gltf" | "glb") => gltf::read(bytes, path, files).map(Box::new).map(Model::Gltf),
-        Some("ply") => ply::parse(bytes, path).map(Model::Ply),
-        _ => obj::parse(bytes, path).map(Model::Obj),
+    if has_extension(path, "gltf") || has_extension(path, "glb") {
+        gltf::read(bytes, path, files).map(Box::new).map(Model::Gltf)
+    } else if has_extension(path, "ply") {
+        ply::parse(bytes, path).map(Model::Ply)
+    } else {
+        Obj::parse(bytes, path).map(Model::Obj)
     }
 }
 
 impl Model {
-    /// Adds the model's triangles to the builder, with `material` or else with its own materials. Returns
-    /// `Some` if the placement makes the model unusable.
+    /// Adds the model's triangles to the builder, with `material` or else with its own materials.
     pub fn add(
         &self,
         path: &Path,
@@ -50,12 +48,17 @@ impl Model {
         builder: &mut SceneBuilder,
         material: Option<u32>,
         placement: &Placement,
-    ) -> Result<Option<Misplaced>, SceneError> {
-        match self {
-            Self::Obj(mesh) => obj::add(mesh, path, files, builder, material, placement),
-            Self::Gltf(gltf) => gltf.add(path, files, builder, material, placement),
-            Self::Ply(mesh) => ply::add(mesh, path, builder, material, placement),
-        }
+    ) -> Result<(), Unusable> {
+        let (mesh, own) = match (self, material) {
+            (Self::Gltf(gltf), _) => return gltf.add(path, files, builder, material, placement),
+            (Self::Obj(obj), None) => (&obj.mesh, obj.add_materials(path, files, builder)?),
+            (Self::Ply(mesh), None) if !mesh.colors.is_empty() => {
+                let white = Material::new("vertex colours", MaterialKind::Diffuse, Vec3::ONE);
+                (mesh, vec![Some(builder.add_material(white, 1.0))])
+            }
+            (Self::Obj(Obj { mesh, .. }) | Self::Ply(mesh), _) => (mesh, Vec::new()),
+        };
+        mesh.add(path, builder, material, &own, placement)
     }
 }
 
@@ -65,19 +68,20 @@ const SKY: Sky = Sky::Gradient { bottom: Vec3::splat(0.05), top: Vec3::ONE };
 
 /// A model as a scene, under a plain sky: seen by its own camera, or framed automatically.
 pub fn scene(bytes: &[u8], path: &Path, files: &Files, name: String) -> Result<Scene, SceneError> {
+    let fault = |what: String, mend: &str| SceneError::new(what).in_file(path).mend(mend);
     let mut builder = SceneBuilder::default();
     let model = read(bytes, path, files)?;
-    match model.add(path, files, &mut builder, None, &Placement::IDENTITY)? {
-        None => {}
-        Some(Misplaced::NoArea) => {
-            let mend = "export the model again, or larger: all its faces have zero area in single precision";
-            return Err(SceneError::new("the mesh has nothing to see").in_file(path).mend(mend));
-        }
-        Some(Misplaced::TooFar(point)) => {
-            let what = format!("the mesh reaches {point}, too far from the origin");
-            return Err(SceneError::new(what).in_file(path).mend("scale the model down, or move it"));
-        }
-    }
+    model.add(path, files, &mut builder, None, &Placement::IDENTITY).map_err(|unusable| match unusable {
+        Unusable::Broken(error) => error,
+        Unusable::NoArea => fault(
+            "the mesh has nothing to see".to_string(),
+            "export the model again, or larger: all its faces have zero area in single precision",
+        ),
+        Unusable::TooFar(point) => fault(
+            format!("the mesh reaches {point}, too far from the origin"),
+            "scale the model down, or move it",
+        ),
+    })?;
     let own = match &model {
         Model::Gltf(gltf) => gltf.camera(path, &mut builder),
         Model::Obj(_) | Model::Ply(_) => None,
@@ -85,7 +89,7 @@ pub fn scene(bytes: &[u8], path: &Path, files: &Files, name: String) -> Result<S
     let camera = own.unwrap_or_else(|| builder.framing(None, None));
     if let Some((_, what, _)) = camera.fault() {
         let mend = "scale the model up, or move it nearer to the origin";
-        return Err(SceneError::new(format!("the mesh cannot be framed: {what}")).in_file(path).mend(mend));
+        return Err(fault(format!("the mesh cannot be framed: {what}"), mend));
     }
     builder
         .finish(name, camera, DEFAULT_RESOLUTION, DEFAULT_BOUNCES, SKY)

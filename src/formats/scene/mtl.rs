@@ -34,7 +34,7 @@ use super::builder::SceneBuilder;
 use super::error::SceneError;
 use super::files::Files;
 use super::notes::Notes;
-use super::statements::{Fault, logical_lines, name, numbers, words};
+use super::statements::{Statement, statements};
 use glam::{DVec3, Vec3};
 use octray_engine::scene::{Filter, MIN_LENGTH, Material, MaterialKind, TexelKind};
 use std::collections::{HashMap, HashSet};
@@ -82,92 +82,99 @@ pub fn load(
     Ok(numbers)
 }
 
-/// Keywords that are ignored without a warning.
-const SILENT: [&[u8]; 3] = [b"Ka", b"sharpness", b"map_Ka"];
-/// Keywords that are ignored without a warning if their value is 0.
-const LAYERS: [&[u8]; 5] = [b"Pc", b"Pcr", b"Ps", b"aniso", b"anisor"];
+/// What is read of a statement.
+enum Reads {
+    /// A colour: one number for a grey, or three.
+    Color,
+    /// A filter colour, where it is three numbers.
+    Filter,
+    Number,
+    /// An image file.
+    Map,
+    /// Nothing. A warning unless the number is 0.
+    Layer,
+    Nothing,
+}
+
+/// The statements that are known; all others give a warning.
+const STATEMENTS: [(Reads, &[&str]); 6] = [
+    (Reads::Color, &["Kd", "Ks", "Ke"]),
+    (Reads::Filter, &["Tf"]),
+    (Reads::Number, &["illum", "d", "Tr", "Ni", "Ns", "Pm", "Pr"]),
+    (Reads::Map, &["map_Kd", "map_Pr", "norm", "map_Kn"]),
+    (Reads::Layer, &["Pc", "Pcr", "Ps", "aniso", "anisor"]),
+    (Reads::Nothing, &["Ka", "sharpness", "map_Ka"]),
+];
+
 /// Default index of refraction: window glass.
 const IOR: f64 = 1.5;
 /// A refractive material with an opacity below this is glass, and not a leaf or a curtain.
 const CLEAR: f64 = 0.5;
 
-/// A number, and the line that sets it.
-type Stated = Option<(f64, usize)>;
-
+/// A material: what its statements say, by their keywords.
 #[derive(Default)]
 struct Entry {
     name: String,
-    diffuse: Option<DVec3>,
-    specular: DVec3,
-    emission: DVec3,
-    texture: Option<String>,
-    illumination: Stated,
-    /// `d`.
-    opacity: Stated,
-    /// `Tr`.
-    transparency: Stated,
-    ior: Stated,
-    /// `Ns`.
-    specular_exponent: f64,
-    /// `Pm`.
-    metallic: Stated,
-    /// `Pr`.
-    roughness: Option<f64>,
-    roughness_map: Option<String>,
-    normal_map: Option<String>,
-    /// `Tf`, where it is three numbers.
-    filter: Option<DVec3>,
+    colors: HashMap<&'static str, DVec3>,
+    /// With the line of each.
+    numbers: HashMap<&'static str, (f64, usize)>,
+    maps: HashMap<&'static str, String>,
 }
 
 fn parse(text: &[u8], path: &Path, notes: &mut Notes) -> Result<Vec<Entry>, SceneError> {
     let mut entries: Vec<Entry> = Vec::new();
-    for (line, content) in logical_lines(text) {
-        let fault =
-            |(what, mend): Fault| SceneError::new(what).in_file(path).at(format!("line {line}")).mend(mend);
-        let content = content.trim_ascii();
-        let end = content.iter().position(u8::is_ascii_whitespace).unwrap_or(content.len());
-        let (keyword, rest) = (&content[..end], &content[end..]);
+    for statement in statements(text, path) {
+        let keyword = statement.keyword();
         if keyword == b"newmtl" {
-            entries.push(Entry { name: name(rest), ..Entry::default() });
+            entries.push(Entry { name: statement.name(), ..Entry::default() });
             continue;
         }
         // Statements before the first `newmtl` are ignored.
         let Some(entry) = entries.last_mut() else { continue };
-        let stated =
-            |rest: &[u8]| numbers::<1>(rest, "this statement").map(|[x]| Some((x, line))).map_err(fault);
-        match keyword {
-            b"Kd" => entry.diffuse = Some(color(rest).map_err(fault)?),
-            b"Ks" => entry.specular = color(rest).map_err(fault)?,
-            b"Ke" => entry.emission = color(rest).map_err(fault)?,
-            b"map_Kd" => entry.texture = texture_path(keyword, rest, line, notes),
-            b"illum" => entry.illumination = stated(rest)?,
-            // `-halo` varies the opacity with the angle; the base opacity follows it.
-            b"d" => entry.opacity = stated(rest.trim_ascii().strip_prefix(b"-halo").unwrap_or(rest))?,
-            b"Tr" => entry.transparency = stated(rest)?,
-            b"Ni" => entry.ior = stated(rest)?,
-            b"Ns" => [entry.specular_exponent] = numbers::<1>(rest, "this statement").map_err(fault)?,
-            b"Pm" => entry.metallic = stated(rest)?,
-            b"Pr" => entry.roughness = stated(rest)?.map(|(x, _)| x.clamp(0.0, 1.0)),
-            b"map_Pr" => entry.roughness_map = texture_path(keyword, rest, line, notes),
-            b"norm" | b"map_Kn" => entry.normal_map = texture_path(keyword, rest, line, notes),
-            _ if LAYERS.contains(&keyword) && numbers::<1>(rest, "a layer") == Ok([0.0]) => {}
-            b"Tf" => entry.filter = numbers::<3>(rest, "a colour").ok().map(DVec3::from),
-            _ if SILENT.contains(&keyword) || keyword.is_empty() || keyword.starts_with(b"#") => {}
-            _ => notes.add(&line, format!("`{}` is not read", String::from_utf8_lossy(keyword))),
+        let known = STATEMENTS.iter().find_map(|(reads, keywords)| {
+            Some((*keywords.iter().find(|known| known.as_bytes() == keyword)?, reads))
+        });
+        match known {
+            Some((keyword, Reads::Color)) => {
+                entry.colors.insert(keyword, color(&statement)?);
+            }
+            Some((keyword, Reads::Filter)) => {
+                entry.colors.extend(statement.numbers("a colour").map(|color| (keyword, DVec3::from(color))));
+            }
+            Some((keyword, Reads::Number)) => {
+                entry.numbers.insert(keyword, (number(&statement)?, statement.line));
+            }
+            Some((keyword, Reads::Map)) => {
+                entry.maps.extend(image_file(&statement, notes).map(|file| (keyword, file)));
+            }
+            Some((_, Reads::Layer)) if number(&statement).is_ok_and(|x| x == 0.0) => {}
+            Some((_, Reads::Nothing)) => {}
+            None if keyword.starts_with(b"#") => {}
+            _ => {
+                let keyword = String::from_utf8_lossy(keyword);
+                notes.add(&statement.line, format!("`{keyword}` is not read"));
+            }
         }
     }
     entries.iter().for_each(|entry| entry.note_ignored(notes));
     Ok(entries)
 }
 
-fn color(rest: &[u8]) -> Result<DVec3, Fault> {
-    // One number means a grey.
-    let color = match words(rest).count() {
-        1 => DVec3::splat(numbers::<1>(rest, "a colour")?[0]),
-        _ => DVec3::from(numbers::<3>(rest, "a colour")?),
+fn number(statement: &Statement) -> Result<f64, SceneError> {
+    // `d -halo` varies the opacity with the angle; the base opacity follows.
+    match statement.words().find(|word| word != b"-halo") {
+        Some(word) => statement.number(word),
+        None => Err(statement.fault("this statement needs 1 numbers", "write 1 numbers on this line")),
+    }
+}
+
+fn color(statement: &Statement) -> Result<DVec3, SceneError> {
+    let color = match statement.words().count() {
+        1 => DVec3::splat(statement.numbers::<1>("a colour")?[0]),
+        _ => DVec3::from(statement.numbers("a colour")?),
     };
     if color.min_element() < 0.0 {
-        return Err(("a colour is negative".to_string(), "write numbers of 0 or more".to_string()));
+        return Err(statement.fault("a colour is negative", "write numbers of 0 or more"));
     }
     Ok(color)
 }
@@ -192,8 +199,8 @@ const MAP_OPTIONS: [(&str, usize, &[&str]); 14] = [
 
 /// The file name of a `map_` statement, after options such as `-s 1 1 1` and `-clamp on`, which are noted
 /// unless they ask for nothing. The name may hold spaces.
-fn texture_path(keyword: &[u8], rest: &[u8], line: usize, notes: &mut Notes) -> Option<String> {
-    let rest = name(rest);
+fn image_file(statement: &Statement, notes: &mut Notes) -> Option<String> {
+    let rest = statement.name();
     let mut rest = rest.as_str();
     while rest.starts_with('-') {
         let (option, after) = rest.split_once(char::is_whitespace)?;
@@ -215,139 +222,122 @@ fn texture_path(keyword: &[u8], rest: &[u8], line: usize, notes: &mut Notes) -> 
             rest = after.trim_start();
         }
         if asks {
-            let keyword = String::from_utf8_lossy(keyword);
-            notes.add(&line, format!("the option `{option}` of `{keyword}` is not read"));
+            let keyword = String::from_utf8_lossy(statement.keyword());
+            notes.add(&statement.line, format!("the option `{option}` of `{keyword}` is not read"));
         }
     }
     Some(rest.to_string()).filter(|rest| !rest.is_empty())
 }
 
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Type {
-    Diffuse,
-    Metal,
-    Plastic,
-    Glass,
-}
-
 impl Entry {
-    /// 1 is opaque; `None` where neither `d` nor `Tr` sets it.
-    fn stated_opacity(&self) -> Stated {
-        let transparency = self.transparency.filter(|&(x, _)| x != 1.0);
-        self.opacity.or(transparency.map(|(x, line)| (1.0 - x, line)))
+    fn number(&self, keyword: &str) -> Option<f64> {
+        self.numbers.get(keyword).map(|&(number, _)| number)
     }
-
+    /// 1 is opaque, with the line that says so; `None` where neither `d` nor `Tr` does.
+    fn opacity(&self) -> Option<(f64, usize)> {
+        let transparency = self.numbers.get("Tr").filter(|&&(x, _)| x != 1.0);
+        self.numbers.get("d").copied().or(transparency.map(|&(x, line)| (1.0 - x, line)))
+    }
     /// By the table at the head of this file.
-    fn material_type(&self) -> Type {
-        let opacity = self.stated_opacity().map(|(opacity, _)| opacity);
-        let refracts = self.ior.is_some_and(|(ior, _)| ior > 1.0);
-        match self.illumination.map(|(model, _)| model as u32) {
-            Some(3) => Type::Metal,
-            Some(6 | 7) => Type::Glass,
-            Some(4 | 9) if opacity.is_none_or(|opacity| opacity < 1.0) => Type::Glass,
-            _ if refracts && opacity.is_some_and(|opacity| opacity < CLEAR) => Type::Glass,
-            _ if self.metallic.is_some_and(|(metallic, _)| metallic >= 0.5) => Type::Metal,
-            _ if self.roughness.is_some() || self.roughness_map.is_some() => Type::Plastic,
-            Some(2) | None if self.specular != DVec3::ZERO && self.specular_exponent >= 1.0 => Type::Plastic,
-            _ => Type::Diffuse,
-        }
-    }
-
     fn kind(&self) -> MaterialKind {
-        let stated = self.roughness.or(self.roughness_map.as_ref().map(|_| 1.0));
-        let ior = self.ior.map(|(ior, _)| ior);
-        match self.material_type() {
-            Type::Diffuse => MaterialKind::Diffuse,
-            Type::Metal => {
-                let is_mirror = self.illumination.is_some_and(|(model, _)| model as u32 == 3);
-                let roughness = stated.unwrap_or(if is_mirror { 0.0 } else { 0.5 });
-                MaterialKind::Metal { roughness: roughness as f32 }
-            }
-            Type::Plastic => {
-                // alpha is roughness squared.
-                let roughness = stated.unwrap_or((2.0 / (self.specular_exponent + 2.0)).sqrt().sqrt());
-                let ior = ior.filter(|&ior| ior > 1.0 && ior <= 3.0).unwrap_or(IOR);
-                MaterialKind::Plastic { roughness: roughness as f32, ior: ior as f32 }
-            }
-            Type::Glass => {
-                MaterialKind::Glass { ior: ior.filter(|&ior| ior >= MIN_LENGTH).unwrap_or(IOR) as f32 }
-            }
+        let opacity = self.opacity().map(|(opacity, _)| opacity);
+        let ior = self.number("Ni");
+        let refracts = ior.is_some_and(|ior| ior > 1.0);
+        let exponent = self.number("Ns").unwrap_or(0.0);
+        let is_shiny = self.colors.get("Ks").is_some_and(|&color| color != DVec3::ZERO) && exponent >= 1.0;
+        let roughness = self.number("Pr").map(|x| x.clamp(0.0, 1.0));
+        let roughness = roughness.or(self.maps.get("map_Pr").map(|_| 1.0));
+        let metal = |unstated| MaterialKind::Metal { roughness: roughness.unwrap_or(unstated) as f32 };
+        let glass = || {
+            let ior = ior.filter(|&ior| ior >= MIN_LENGTH).unwrap_or(IOR);
+            MaterialKind::Glass { ior: ior as f32 }
+        };
+        let plastic = || {
+            // alpha is roughness squared.
+            let roughness = roughness.unwrap_or((2.0 / (exponent + 2.0)).sqrt().sqrt());
+            let ior = ior.filter(|&ior| ior > 1.0 && ior <= 3.0).unwrap_or(IOR);
+            MaterialKind::Plastic { roughness: roughness as f32, ior: ior as f32 }
+        };
+        match self.number("illum").map(|model| model as u32) {
+            Some(3) => metal(0.0),
+            Some(6 | 7) => glass(),
+            Some(4 | 9) if opacity.is_none_or(|opacity| opacity < 1.0) => glass(),
+            _ if refracts && opacity.is_some_and(|opacity| opacity < CLEAR) => glass(),
+            _ if self.number("Pm").is_some_and(|metallic| metallic >= 0.5) => metal(0.5),
+            _ if roughness.is_some() => plastic(),
+            Some(2) | None if is_shiny => plastic(),
+            _ => MaterialKind::Diffuse,
         }
     }
 
-    /// Notes statements about the material's type that cannot be followed.
+    /// Notes statements about the material's kind that cannot be followed.
     fn note_ignored(&self, notes: &mut Notes) {
-        let material_type = self.material_type();
-        if material_type != Type::Glass
-            && let Some((_, line)) = self.stated_opacity().filter(|&(opacity, _)| opacity < 1.0)
-        {
-            notes.add(&line, "a partly transparent material that is not glass is shown opaque".to_string());
+        let (illumination, opacity) = (self.numbers.get("illum").copied(), self.opacity());
+        let mut note = |line: usize, what: &str| notes.add(&line, what.to_string());
+        if let MaterialKind::Glass { .. } = self.kind() {
+            if let Some(&(_, line)) = self.numbers.get("Ni").filter(|&&(ior, _)| ior == 1.0) {
+                note(line, "glass with `Ni 1` does not refract and is invisible");
+            }
+            if self.maps.contains_key("map_Kd") {
+                let line = illumination.or(opacity).map_or(1, |(_, line)| line);
+                note(line, "glass is shown without its `map_Kd`");
+            }
+            return;
         }
-        if let (Type::Diffuse | Type::Plastic, Some((model, line))) = (material_type, self.illumination)
+        if let Some((_, line)) = opacity.filter(|&(opacity, _)| opacity < 1.0) {
+            note(line, "a partly transparent material that is not glass is shown opaque");
+        }
+        if let (MaterialKind::Diffuse | MaterialKind::Plastic { .. }, Some((model, line))) =
+            (self.kind(), illumination)
             && [4.0, 5.0, 8.0, 9.0].contains(&model)
         {
-            notes.add(
-                &line,
-                format!("`illum {model}` is shown diffuse: a mirror is `illum 3`, glass `illum 7`"),
-            );
-        }
-        if material_type == Type::Glass
-            && let Some((_, line)) = self.ior.filter(|&(ior, _)| ior == 1.0)
-        {
-            notes.add(&line, "glass with `Ni 1` does not refract and is invisible".to_string());
-        }
-        if material_type == Type::Glass && self.texture.is_some() {
-            let line = [self.illumination, self.stated_opacity()].into_iter().flatten().next();
-            notes.add(&line.map_or(1, |(_, line)| line), "glass is shown without its `map_Kd`".to_string());
+            let what = format!("`illum {model}` is shown diffuse: a mirror is `illum 3`, glass `illum 7`");
+            note(line, &what);
         }
     }
 
     /// Adds the material to the builder. `library` is the MTL's name in the OBJ file, `path` the file that
     /// was found.
     fn add(&self, library: &str, path: &Path, files: &Files, builder: &mut SceneBuilder) -> u32 {
-        let mirror_color = if self.specular == DVec3::ZERO { None } else { Some(self.specular) };
-        let material_type = self.material_type();
-        let given = match material_type {
-            Type::Diffuse | Type::Plastic => self.diffuse,
-            Type::Metal if self.metallic.is_none() => mirror_color.or(self.diffuse),
-            Type::Metal => self.diffuse,
-            Type::Glass => self.filter.filter(|filter| filter.max_element() > 0.0),
-        };
-        // A textured material without Kd shows its texture unchanged.
-        let is_diffuse = matches!(material_type, Type::Diffuse | Type::Plastic);
-        let plain = if self.texture.is_some() || !is_diffuse { DVec3::ONE } else { DVec3::splat(0.8) };
-        let color = given.unwrap_or(plain);
-        if color.max_element() > 1.0 {
-            let (path, name) = (path.display(), &self.name);
-            builder.warn(format!("{path}: the colour of `{name}` is above 1 and was clamped to 1."));
-        }
-        let mut load = |texture: &Option<String>, texel_kind| {
-            let texture = texture.as_ref()?;
-            let folder = path.parent().unwrap_or(Path::new(""));
-            let slashed = texture.replace('\\', "/");
-            let spelt = if files.exists(&folder.join(texture)) { texture } else { &slashed };
-            let shown = Path::new(library).parent().unwrap_or(Path::new("")).join(spelt);
-            let shown = shown.to_string_lossy();
-            let loaded =
-                builder.textures.load(files, &folder.join(spelt), &shown, Filter::Bilinear, texel_kind);
-            loaded
-                .map_err(|reason| {
-                    let (path, name) = (path.display(), &self.name);
-                    builder
-                        .warn(format!("{path}: the texture `{texture}` of `{name}` is left out: {reason}."));
-                })
-                .ok()
-        };
+        let [diffuse, specular, filter] = ["Kd", "Ks", "Tf"].map(|keyword| self.colors.get(keyword).copied());
+        let [color_map, roughness_map, norm, map_kn] =
+            ["map_Kd", "map_Pr", "norm", "map_Kn"].map(|keyword| self.maps.get(keyword));
         let kind = self.kind();
-        let texture = if material_type == Type::Glass { None } else { load(&self.texture, TexelKind::Color) };
-        let roughness_map =
-            if kind.has_roughness() { load(&self.roughness_map, TexelKind::Data) } else { None };
-        let normal_map = load(&self.normal_map, TexelKind::Data);
+        let color = match kind {
+            MaterialKind::Glass { .. } => {
+                filter.filter(|filter| filter.max_element() > 0.0).unwrap_or(DVec3::ONE)
+            }
+            MaterialKind::Metal { .. } => {
+                let mirrored = specular.filter(|&color| color != DVec3::ZERO && self.number("Pm").is_none());
+                mirrored.or(diffuse).unwrap_or(DVec3::ONE)
+            }
+            // A textured material without Kd shows its texture unchanged.
+            _ => diffuse.unwrap_or(if color_map.is_some() { DVec3::ONE } else { DVec3::splat(0.8) }),
+        };
+        let place = path.display();
+        if color.max_element() > 1.0 {
+            builder.warn(format!("{place}: the colour of `{}` is above 1 and was clamped to 1.", self.name));
+        }
+        let mut load = |image: Option<&String>, texel_kind| {
+            let image = image?;
+            let folder = path.parent().unwrap_or(Path::new(""));
+            let slashed = image.replace('\\', "/");
+            let spelt = if files.exists(&folder.join(image)) { image } else { &slashed };
+            let shown = Path::new(library).parent().unwrap_or(Path::new("")).join(spelt);
+            let (file, shown) = (folder.join(spelt), shown.to_string_lossy());
+            let loaded = builder.textures.load(files, &file, &shown, Filter::Bilinear, texel_kind);
+            if let Err(reason) = &loaded {
+                let name = &self.name;
+                builder.warn(format!("{place}: the texture `{image}` of `{name}` is left out: {reason}."));
+            }
+            loaded.ok()
+        };
+        let is_glass = matches!(kind, MaterialKind::Glass { .. });
         let material = Material {
-            texture,
-            roughness_map,
-            normal_map,
-            emission: self.emission.as_vec3().max(Vec3::ZERO),
+            texture: load(color_map.filter(|_| !is_glass), TexelKind::Color),
+            roughness_map: load(roughness_map.filter(|_| kind.has_roughness()), TexelKind::Data),
+            normal_map: load(norm.or(map_kn), TexelKind::Data),
+            emission: self.colors.get("Ke").map_or(Vec3::ZERO, |emission| emission.as_vec3()),
             ..Material::new(&self.name, kind, color.clamp(DVec3::ZERO, DVec3::ONE).as_vec3())
         };
         builder.add_material(material, 1.0)

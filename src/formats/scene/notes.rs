@@ -13,6 +13,7 @@ const MOST: usize = 100;
 pub struct Notes {
     /// Between the file's name and the place.
     separator: &'static str,
+    /// What it is, the first place and the number of places.
     kinds: Vec<(String, String, usize)>,
     others: usize,
 }
@@ -21,9 +22,9 @@ impl Notes {
     pub fn new(separator: &'static str) -> Self {
         Self { separator, kinds: Vec::new(), others: 0 }
     }
-    pub fn add(&mut self, place: &impl Display, what: String) {
-        let known = self.kinds.iter().position(|(known, ..)| *known == what);
-        match known {
+    pub fn add(&mut self, place: &impl Display, what: impl Into<String>) {
+        let what = what.into();
+        match self.kinds.iter().position(|(known, ..)| *known == what) {
             Some(known) => self.kinds[known].2 += 1,
             None if self.kinds.len() < MOST => self.kinds.push((what, place.to_string(), 1)),
             None => self.others += 1,

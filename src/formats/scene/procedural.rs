@@ -1,11 +1,11 @@
 //! Generated meshes of any size, to measure how cost grows with the number of triangles.
 //!
-//! For: [`read`], and [`Shape::scene`].
+//! For: [`scene`], [`words`].
 //!
 //! `terrain:N` is a height field with lakes, `knot:N` a closed tube tied in a trefoil. N is the approximate
 //! number of triangles (a knot has at least 18). The shape does not depend on N, only its tessellation does.
 
-use super::builder::{DEFAULT_BOUNCES, DEFAULT_RESOLUTION, SceneBuilder};
+use super::builder::{Attributes, DEFAULT_BOUNCES, DEFAULT_RESOLUTION, SceneBuilder};
 use super::embedded::PREFIX;
 use super::error::SceneError;
 use crate::wording::grouped;
@@ -17,58 +17,33 @@ use std::f64::consts::TAU;
 const FEWEST: usize = 2;
 const MOST: usize = 4_000_000;
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Kind {
-    Terrain,
-    Knot,
-}
+/// The names that take a number, as they follow `builtin:`, and what adds about that many pairs of triangles.
+const SHAPES: [(&str, fn(&mut SceneBuilder, usize) -> (Camera, Sky)); 2] =
+    [("terrain", terrain), ("knot", knot)];
 
-const KINDS: [(&str, Kind); 2] = [("terrain", Kind::Terrain), ("knot", Kind::Knot)];
-
-/// A mesh to generate.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Shape {
-    kind: Kind,
-    triangles: usize,
-}
-
-/// The names that take a number, as they follow `builtin:`.
 pub fn words() -> impl Iterator<Item = &'static str> {
-    KINDS.iter().map(|&(word, _)| word)
+    SHAPES.iter().map(|&(word, _)| word)
 }
 
-/// The shape that a name asks for: `None` if the name is not a shape's, an error if its number is missing or
-/// out of range.
-pub fn read(name: &str) -> Result<Option<Shape>, SceneError> {
+/// The scene of the shape that a name asks for: `None` if the name is not a shape's, an error if its number is
+/// missing or out of range.
+pub fn scene(name: &str) -> Result<Option<Scene>, SceneError> {
     let (word, count) = name.split_once(':').unwrap_or((name, ""));
-    let Some(&(word, kind)) = KINDS.iter().find(|(known, _)| *known == word) else { return Ok(None) };
-    let digits = !count.is_empty() && count.bytes().all(|byte| byte.is_ascii_digit());
-    if !digits {
+    let Some(&(word, add)) = SHAPES.iter().find(|(known, _)| *known == word) else { return Ok(None) };
+    let range = format!("from {} to {}", grouped(FEWEST), grouped(MOST));
+    if count.is_empty() || !count.bytes().all(|byte| byte.is_ascii_digit()) {
         return Err(SceneError::new(format!("`{PREFIX}{name}` does not say how many triangles to make"))
-            .mend(format!("give {PREFIX}{word}:N with a whole number N {}", range())));
+            .mend(format!("give {PREFIX}{word}:N with a whole number N {range}")));
     }
-    match count.parse() {
-        Ok(triangles) if (FEWEST..=MOST).contains(&triangles) => Ok(Some(Shape { kind, triangles })),
-        _ => Err(SceneError::new(format!("`{PREFIX}{name}`: {count} is out of range"))
-            .mend(format!("give a whole number {}", range()))),
-    }
-}
-
-/// The allowed numbers of triangles, as text.
-fn range() -> String {
-    format!("from {} to {}", grouped(FEWEST), grouped(MOST))
-}
-
-impl Shape {
-    /// Generates the scene.
-    pub fn scene(self, name: &str) -> Result<Scene, SceneError> {
-        let mut builder = SceneBuilder::default();
-        let (camera, sky) = match self.kind {
-            Kind::Terrain => terrain(&mut builder, self.triangles / 2),
-            Kind::Knot => knot(&mut builder, self.triangles / 2),
-        };
-        builder.finish(name.to_string(), camera, DEFAULT_RESOLUTION, DEFAULT_BOUNCES, sky)
-    }
+    let triangles = count.parse().ok().filter(|triangles| (FEWEST..=MOST).contains(triangles));
+    let triangles = triangles.ok_or_else(|| {
+        SceneError::new(format!("`{PREFIX}{name}`: {count} is out of range"))
+            .mend(format!("give a whole number {range}"))
+    })?;
+    let mut builder = SceneBuilder::default();
+    let (camera, sky) = add(&mut builder, triangles / 2);
+    let name = format!("{PREFIX}{name}");
+    builder.finish(name, camera, DEFAULT_RESOLUTION, DEFAULT_BOUNCES, sky).map(Some)
 }
 
 /// The whole number nearest to a quotient.
@@ -91,7 +66,7 @@ fn add_grid(
         for (low, high) in lower.windows(2).zip(upper.windows(2)) {
             for corners in [[low[0], high[0], high[1]], [low[0], high[1], low[1]]] {
                 // Triangles without area are left out.
-                let _ = builder.add_triangle(corners, material(corners), None, None);
+                let _ = builder.add_triangle(corners, material(corners), Attributes::default());
             }
         }
         lower = upper;
@@ -104,14 +79,13 @@ const TERRAIN_SIDE: f64 = 10.0;
 const WATER: f64 = 0.42;
 
 fn terrain(builder: &mut SceneBuilder, cells: usize) -> (Camera, Sky) {
-    let grass =
-        builder.add_material(Material::new("grass", MaterialKind::Diffuse, Vec3::new(0.19, 0.25, 0.08)), 1.0);
-    let rock =
-        builder.add_material(Material::new("rock", MaterialKind::Diffuse, Vec3::new(0.34, 0.29, 0.25)), 1.0);
-    let snow =
-        builder.add_material(Material::new("snow", MaterialKind::Diffuse, Vec3::new(0.88, 0.9, 0.93)), 1.0);
-    let water = MaterialKind::Metal { roughness: 0.12 };
-    let water = builder.add_material(Material::new("water", water, Vec3::new(0.32, 0.45, 0.52)), 1.0);
+    let mut add = |name: &str, kind, color: [f32; 3]| {
+        builder.add_material(Material::new(name, kind, Vec3::from(color)), 1.0)
+    };
+    let grass = add("grass", MaterialKind::Diffuse, [0.19, 0.25, 0.08]);
+    let rock = add("rock", MaterialKind::Diffuse, [0.34, 0.29, 0.25]);
+    let snow = add("snow", MaterialKind::Diffuse, [0.88, 0.9, 0.93]);
+    let water = add("water", MaterialKind::Metal { roughness: 0.12 }, [0.32, 0.45, 0.52]);
     let columns = ((cells as f64).sqrt().round() as usize).max(1);
     let rows = rounded_quotient(cells, columns).max(1);
     let at = |i: usize, count: usize| (i as f64 / count as f64 - 0.5) * TERRAIN_SIDE;
@@ -232,7 +206,7 @@ mod tests {
     use std::collections::HashMap;
 
     fn make(name: &str) -> Scene {
-        read(name).unwrap().unwrap().scene(name).unwrap()
+        scene(name).unwrap().unwrap()
     }
 
     #[test]
@@ -287,11 +261,10 @@ mod tests {
             (&["knot:99999999999", "terrain:99999999999999999999999"], "out of range"),
         ] {
             for name in names {
-                let error = read(name).unwrap_err().to_string();
+                let error = scene(name).unwrap_err().to_string();
                 assert!(error.contains(what) && error.contains("from 2 to 4,000,000"), "{name}: {error}");
             }
         }
-        assert_eq!(read("three").unwrap(), None);
-        assert_eq!(read("knots:5").unwrap(), None);
+        assert!(scene("three").unwrap().is_none() && scene("knots:5").unwrap().is_none());
     }
 }

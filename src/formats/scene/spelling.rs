@@ -1,6 +1,6 @@
 //! Suggestions for misspelt names.
 //!
-//! For: [`nearest`].
+//! For: [`nearest`], [`did_you_mean`].
 
 /// Longest name that is compared, in bytes: the time grows with the product of two lengths.
 const LONGEST: usize = 200;
@@ -12,47 +12,33 @@ pub fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Opti
     if name.len() > LONGEST {
         return None;
     }
-    let limit = (name.chars().count() / 3).max(1);
+    let name = name.to_lowercase();
     let known: Vec<&str> = known.into_iter().filter(|known| known.len() <= LONGEST).collect();
-    known
-        .iter()
-        .map(|&known| (distance(&name.to_lowercase(), &known.to_lowercase()), known))
-        .filter(|&(distance, _)| distance <= limit)
-        .min_by_key(|&(distance, _)| distance)
-        .map(|(_, known)| known)
-        .or_else(|| abbreviated(name, &known))
+    let limit = (name.chars().count() / 3).max(1);
+    let near = known.iter().map(|&known| (strsim::levenshtein(&name, &known.to_lowercase()), known));
+    let near = near.filter(|&(distance, _)| distance <= limit).min_by_key(|&(distance, _)| distance);
+    near.map(|(_, known)| known).or_else(|| abbreviated(&name, &known))
 }
 
-/// The name that a word abbreviates, if it is the only one.
+/// The name that a word in small letters abbreviates, if it is the only one.
 fn abbreviated<'a>(name: &str, known: &[&'a str]) -> Option<&'a str> {
-    let name = name.to_lowercase();
     if name.chars().count() < 2 {
         return None;
     }
-    let rules: [&dyn Fn(&str) -> bool; 3] =
-        [&|known| known.starts_with(&name), &|known| known.contains(&name), &|known| {
-            known.len() > 2 && name.starts_with(known)
-        }];
+    let rules: [fn(&str, &str) -> bool; 3] = [
+        |name, known| known.starts_with(name),
+        |name, known| known.contains(name),
+        |name, known| known.len() > 2 && name.starts_with(known),
+    ];
     rules.iter().find_map(|rule| {
-        let mut fitting = known.iter().filter(|known| rule(&known.to_lowercase()));
+        let mut fitting = known.iter().filter(|known| rule(name, &known.to_lowercase()));
         fitting.next().filter(|_| fitting.next().is_none()).copied()
     })
 }
 
-/// Levenshtein distance: the fewest insertions, deletions and replacements that turn one word into the other.
-fn distance(a: &str, b: &str) -> usize {
-    let b: Vec<char> = b.chars().collect();
-    let mut row: Vec<usize> = (0..=b.len()).collect();
-    for (i, a) in a.chars().enumerate() {
-        let mut diagonal = row[0];
-        row[0] = i + 1;
-        for (j, &b) in b.iter().enumerate() {
-            let replaced = diagonal + usize::from(a != b);
-            diagonal = row[j + 1];
-            row[j + 1] = replaced.min(row[j] + 1).min(diagonal + 1);
-        }
-    }
-    row[b.len()]
+/// The beginning of a remedy: the known name that may be meant; empty if none is near.
+pub fn did_you_mean(name: &str, known: &[&str]) -> String {
+    nearest(name, known.iter().copied()).map(|near| format!("did you mean `{near}`? ")).unwrap_or_default()
 }
 
 #[cfg(test)]
@@ -78,12 +64,5 @@ mod tests {
             assert_eq!(nearest(name, known), Some(wanted), "{name}");
         }
         assert_eq!([nearest("te", known), nearest("t", known), nearest("size_of", known)], [None; 3]);
-    }
-
-    #[test]
-    fn distance_equals_hand_counts() {
-        assert_eq!(distance("kitten", "sitting"), 3);
-        assert_eq!(distance("", "abc"), 3);
-        assert_eq!(distance("abc", "abc"), 0);
     }
 }

@@ -1,18 +1,25 @@
-//! The lines of Wavefront files: statements, words and numbers.
+//! The lines of Wavefront files: statements of a keyword, words and numbers.
 //!
-//! For: [`logical_lines`], [`words`], [`numbers`], [`name`].
+//! For: [`statements`], [`Statement`].
 
 use super::check::{WITHIN_BOUNDS, fits};
+use super::error::SceneError;
 use std::borrow::Cow;
+use std::path::Path;
 
-/// What is wrong with a line, and how to mend it.
-pub type Fault = (String, String);
+/// A line that is not empty, and those that a backslash at its end joins to it.
+pub struct Statement<'a> {
+    path: &'a Path,
+    /// The number of its first line, from 1.
+    pub line: usize,
+    content: Cow<'a, [u8]>,
+}
 
-/// Lines with their numbers, from 1. A backslash at a line's end joins the next line to it.
-pub fn logical_lines(text: &[u8]) -> impl Iterator<Item = (usize, Cow<'_, [u8]>)> {
+/// The statements of a file. Comments are statements whose keyword begins with `#`.
+pub fn statements<'a>(text: &'a [u8], path: &'a Path) -> impl Iterator<Item = Statement<'a>> {
     let text = text.strip_prefix(b"\xef\xbb\xbf").unwrap_or(text);
     let mut lines = text.split(|&byte| byte == b'\n').enumerate();
-    std::iter::from_fn(move || {
+    let statements = std::iter::from_fn(move || {
         let (index, first) = lines.next()?;
         let mut content = Cow::Borrowed(first);
         while let Some(head) = content.trim_ascii_end().strip_suffix(b"\\").map(<[u8]>::len) {
@@ -23,39 +30,49 @@ pub fn logical_lines(text: &[u8]) -> impl Iterator<Item = (usize, Cow<'_, [u8]>)
             joined.push(b' ');
             joined.extend_from_slice(next);
         }
-        Some((index + 1, content))
-    })
+        Some(Statement { path, line: index + 1, content })
+    });
+    statements.filter(|statement| !statement.keyword().is_empty())
 }
 
-/// The rest of a line as a name: it may hold spaces.
-pub fn name(rest: &[u8]) -> String {
-    String::from_utf8_lossy(rest.trim_ascii()).into_owned()
-}
-
-pub fn words(rest: &[u8]) -> impl Iterator<Item = &[u8]> {
-    rest.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty())
-}
-
-/// The first `N` words as numbers; what follows them (weights, vertex colours) is ignored.
-pub fn numbers<const N: usize>(rest: &[u8], what: &str) -> Result<[f64; N], Fault> {
-    let mut words = words(rest);
-    let mut values = [0.0; N];
-    for value in &mut values {
-        let Some(word) = words.next() else {
-            return Err((format!("{what} needs {N} numbers"), format!("write {N} numbers on this line")));
-        };
-        *value = number(word)?;
+impl Statement<'_> {
+    pub fn keyword(&self) -> &[u8] {
+        let content = self.content.trim_ascii_start();
+        content.split(u8::is_ascii_whitespace).next().unwrap_or_default()
     }
-    Ok(values)
-}
-
-pub fn number(word: &[u8]) -> Result<f64, Fault> {
-    let shown = String::from_utf8_lossy(word);
-    let value: f64 =
-        shown.parse().map_err(|_| (format!("`{shown}` is not a number"), "write a number".to_string()))?;
-    if fits(value) {
-        Ok(value)
-    } else {
-        Err((format!("`{shown}` is not a number that a scene can hold"), WITHIN_BOUNDS.to_string()))
+    /// What follows the keyword, as a name: it may hold spaces.
+    pub fn name(&self) -> String {
+        let rest = &self.content.trim_ascii_start()[self.keyword().len()..];
+        String::from_utf8_lossy(rest.trim_ascii()).into_owned()
+    }
+    /// The words that follow the keyword.
+    pub fn words(&self) -> impl Iterator<Item = &[u8]> {
+        self.content.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty()).skip(1)
+    }
+    /// The first `N` words as numbers; what follows them (weights, vertex colours) is ignored.
+    pub fn numbers<const N: usize>(&self, what: &str) -> Result<[f64; N], SceneError> {
+        let mut words = self.words();
+        let mut values = [0.0; N];
+        for value in &mut values {
+            let missing =
+                || self.fault(format!("{what} needs {N} numbers"), format!("write {N} numbers on this line"));
+            *value = self.number(words.next().ok_or_else(missing)?)?;
+        }
+        Ok(values)
+    }
+    pub fn number(&self, word: &[u8]) -> Result<f64, SceneError> {
+        let shown = String::from_utf8_lossy(word);
+        match shown.parse() {
+            Ok(value) if fits(value) => Ok(value),
+            Ok(_) => {
+                let what = format!("`{shown}` is not a number that a scene can hold");
+                Err(self.fault(what, WITHIN_BOUNDS))
+            }
+            Err(_) => Err(self.fault(format!("`{shown}` is not a number"), "write a number")),
+        }
+    }
+    /// An error about the statement.
+    pub fn fault(&self, what: impl Into<String>, mend: impl Into<String>) -> SceneError {
+        SceneError::new(what).in_file(self.path).at(format!("line {}", self.line)).mend(mend)
     }
 }

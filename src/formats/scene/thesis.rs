@@ -13,8 +13,8 @@
 //!   π, is our acos(n'.y) / π;
 //! - a triangle's planar mapping is computed before the inversion and carried by its vertices.
 
-use super::builder::{DEFAULT_BOUNCES, DEFAULT_RESOLUTION, SceneBuilder};
-use super::check::{MAX_NUMBER, check_resolution, number, radius, vec3};
+use super::builder::{Attributes, DEFAULT_BOUNCES, DEFAULT_RESOLUTION, SceneBuilder};
+use super::check::MAX_NUMBER;
 use super::error::SceneError;
 use super::files::Files;
 use super::json::{JsonPath, Source, read};
@@ -86,92 +86,67 @@ struct TriangleFile {
 /// Keys that spheres and triangles share.
 struct Surface<'a> {
     /// Display values from 0 to 255.
-    color: [f64; 3],
-    emission: f64,
-    roughness: f64,
-    texture: &'a str,
-}
-
-impl<'a> Surface<'a> {
-    fn new(
-        color: Option<[f64; 3]>,
-        emission: Option<f64>,
-        roughness: Option<f64>,
-        texture: Option<&'a String>,
-    ) -> Self {
-        Self {
-            color: color.unwrap_or([255.0; 3]),
-            emission: emission.unwrap_or(0.0),
-            roughness: roughness.unwrap_or(0.0),
-            texture: texture.map_or("", String::as_str),
-        }
-    }
+    color: Option<[f64; 3]>,
+    emission: Option<f64>,
+    roughness: Option<f64>,
+    texture: Option<&'a String>,
 }
 
 /// The accepted form of a scene text in the thesis's format.
 pub fn scene(source: &Source, files: &Files, name: String) -> Result<Scene, SceneError> {
     let file: SceneFile = read(source)?;
-    let root = JsonPath::Root;
-    let mut loader = Loader {
-        source,
-        files,
-        builder: SceneBuilder::default(),
-        known: HashMap::new(),
-        missing: HashSet::new(),
-    };
+    let root = source.root();
+    let builder = SceneBuilder::default();
+    let mut loader = Loader { files, builder, known: HashMap::new(), missing: HashSet::new() };
 
-    let resolution = resolution(source, &root.key("res"), file.res)?;
-    let spheres = root.key("sphere");
+    let resolution = match file.res {
+        Some(resolution) => whole_resolution(&root.key("res"), resolution)?,
+        None => DEFAULT_RESOLUTION,
+    };
     for (i, sphere) in file.sphere.iter().enumerate() {
-        loader.add_sphere(sphere, &spheres.item(i))?;
+        loader.add_sphere(sphere, &root.key("sphere").item(i))?;
     }
-    let triangles = root.key("triangle");
     let mut without_area = Vec::new();
     for (i, triangle) in file.triangle.iter().enumerate() {
-        if !loader.add_triangle(triangle, &triangles.item(i))? {
+        if !loader.add_triangle(triangle, &root.key("triangle").item(i))? {
             without_area.push(i);
         }
     }
+    let mut builder = loader.builder;
     if let Some(first) = without_area.first() {
         let count = without_area.len();
-        loader
-            .builder
-            .warn(format!("{count} of zero area among the triangles, first triangle[{first}], left out."));
+        builder.warn(format!("{count} of zero area among the triangles, first triangle[{first}], left out."));
     }
-    if loader.builder.is_empty() {
+    if builder.is_empty() {
         let mend = "add an entry to `sphere` or `triangle`";
-        return Err(source.error(&root, "the scene holds nothing to see", mend));
+        return Err(root.error("the scene holds nothing to see", mend));
     }
-    let sky = file.sky.unwrap_or_default();
-    for (i, channel) in sky.into_iter().enumerate() {
-        if !(0.0..=MAX_NUMBER).contains(&channel) {
-            let what = format!("the sky's channel {channel} is not a display value");
-            return Err(source.error(&root.key("sky").item(i), what, "write a number from 0 to 1"));
+    let sky = root.key("sky").each(file.sky.unwrap_or_default(), |place, channel| {
+        if (0.0..=MAX_NUMBER).contains(&channel) {
+            return Ok(srgb_to_linear(channel) as f32);
         }
-    }
-    let sky = Sky::Color(DVec3::from(sky.map(srgb_to_linear)).as_vec3());
-    warn_of_unknown(&mut loader.builder, &file);
+        let what = format!("the sky's channel {channel} is not a display value");
+        Err(place.error(what, "write a number from 0 to 1"))
+    })?;
+    warn_of_unknown(&mut builder, &file);
 
     let camera = camera(resolution);
     debug_assert!(camera.fault().is_none());
-    loader
-        .builder
-        .finish(name, camera, resolution, DEFAULT_BOUNCES, sky)
+    builder
+        .finish(name, camera, resolution, DEFAULT_BOUNCES, Sky::Color(Vec3::from(sky)))
         .map_err(|error| error.in_file(source.file))
 }
 
-fn resolution(source: &Source, place: &JsonPath, res: Option<[f64; 2]>) -> Result<[u32; 2], SceneError> {
-    let Some(res) = res else { return Ok(DEFAULT_RESOLUTION) };
-    for (i, side) in res.into_iter().enumerate() {
-        if side.fract() != 0.0 {
+fn whole_resolution(place: &JsonPath, resolution: [f64; 2]) -> Result<[u32; 2], SceneError> {
+    let whole = place.each(resolution, |place, side| match side.fract() == 0.0 {
+        // A cast that saturates: what is out of range stays out of range.
+        true => Ok(side as u32),
+        false => {
             let what = format!("{side} is not a whole number of pixels");
-            return Err(source.error(&place.item(i), what, "write a whole number of pixels"));
+            Err(place.error(what, "write a whole number of pixels"))
         }
-    }
-    // A cast that saturates: what is out of range stays out of range.
-    let resolution = res.map(|side| side as u32);
-    check_resolution(source, place, resolution)?;
-    Ok(resolution)
+    })?;
+    place.resolution(whole)
 }
 
 /// The thesis's camera in our axes.
@@ -194,7 +169,6 @@ fn inverted(p: DVec3) -> Vec3 {
 }
 
 struct Loader<'a> {
-    source: &'a Source<'a>,
     files: &'a Files,
     builder: SceneBuilder,
     /// Index of each material, by the bits of its properties.
@@ -205,12 +179,12 @@ struct Loader<'a> {
 
 impl Loader<'_> {
     fn add_sphere(&mut self, file: &SphereFile, place: &JsonPath) -> Result<(), SceneError> {
-        let surface = Surface::new(file.color, file.emission, file.roughness, file.texture.as_ref());
-        let center = file.center;
-        vec3(self.source, &place.key("center"), center)?;
+        let &SphereFile { center, radius, color, emission, roughness, ref texture, .. } = file;
+        place.key("center").vec3(center)?;
+        let surface = Surface { color, emission, roughness, texture: texture.as_ref() };
         let sphere = Sphere {
             center: inverted(DVec3::from(center)),
-            radius: radius(self.source, &place.key("radius"), file.radius)?,
+            radius: place.key("radius").radius(radius)?,
             material: self.material(&surface, place)?,
             texture_turn: 0.5,
             // The thesis's program maps every sphere's texture as seen from inside: right for skies, mirrored
@@ -222,57 +196,46 @@ impl Loader<'_> {
     }
     /// Returns false for a triangle without area.
     fn add_triangle(&mut self, file: &TriangleFile, place: &JsonPath) -> Result<bool, SceneError> {
-        let surface = Surface::new(file.color, file.emission, file.roughness, file.texture.as_ref());
-        for (key, v) in [("center", file.center), ("s0", file.s0), ("s1", file.s1)] {
-            vec3(self.source, &place.key(key), v)?;
+        let &TriangleFile { center, s0, s1, color, emission, roughness, ref texture, .. } = file;
+        for (key, v) in [("center", center), ("s0", s0), ("s1", s1)] {
+            place.key(key).vec3(v)?;
         }
-        let [center, s0, s1] = [file.center, file.s0, file.s1].map(DVec3::from);
+        let [center, s0, s1] = [center, s0, s1].map(DVec3::from);
         let corners = [center, center + s0, center + s1];
         if let Some(far) = corners.iter().find(|corner| corner.abs().max_element() > MAX_NUMBER) {
             let what = format!("the triangle reaches {far}, too far from the origin");
-            return Err(self.source.error(
-                place,
-                what,
-                "move it or make it smaller: numbers stay within ±1e18",
-            ));
+            return Err(place.error(what, "move it or make it smaller: numbers stay within ±1e18"));
         }
+        let surface = Surface { color, emission, roughness, texture: texture.as_ref() };
         let material = self.material(&surface, place)?;
-        let uvs = planar_uvs(corners);
-        Ok(self.builder.add_triangle(corners.map(inverted), material, Some(uvs), None))
+        let attributes = Attributes { uvs: Some(planar_uvs(corners)), ..Attributes::default() };
+        Ok(self.builder.add_triangle(corners.map(inverted), material, attributes))
     }
     fn material(&mut self, surface: &Surface, place: &JsonPath) -> Result<u32, SceneError> {
-        let texture = self.texture(surface.texture);
-        let emission = number(self.source, &place.key("emission"), surface.emission)?;
-        let roughness = number(self.source, &place.key("roughness"), surface.roughness)?;
+        let texture = surface.texture.and_then(|path| self.texture(path));
+        let emission = place.key("emission").number(surface.emission.unwrap_or(0.0))?;
+        let at_roughness = place.key("roughness");
+        let roughness = at_roughness.number(surface.roughness.unwrap_or(0.0))?;
         if roughness < 0.0 {
-            let what = format!("{roughness} is negative");
-            return Err(self.source.error(
-                &place.key("roughness"),
-                what,
-                "write 0 for a mirror, or a number above it",
-            ));
+            let mend = "write 0 for a mirror, or a number above it";
+            return Err(at_roughness.error(format!("{roughness} is negative"), mend));
         }
-        if surface.color.iter().any(|channel| !(0.0..=255.0).contains(channel)) {
-            let color = surface.color;
+        let color = surface.color.unwrap_or([255.0; 3]);
+        if color.iter().any(|channel| !(0.0..=255.0).contains(channel)) {
             self.builder.warn(format!("{place}.color: {color:?} is outside 0 to 255 and was clamped."));
         }
-        let color = surface.color.map(|channel| srgb_to_linear(channel.clamp(0.0, 255.0) / 255.0));
-        let color = DVec3::from(color);
-        let emits = emission > 0.0;
-        let kind = if emits {
-            MaterialKind::Emitter
+        let color = DVec3::from(color.map(|channel| srgb_to_linear(channel.clamp(0.0, 255.0) / 255.0)));
+        let (kind, emission, color, roughness) = if emission > 0.0 {
+            (MaterialKind::Emitter, (color * f64::from(emission)).as_vec3(), Vec3::ONE, 0.0)
         } else if roughness == 0.0 {
-            MaterialKind::Metal { roughness: 0.0 }
+            (MaterialKind::Metal { roughness }, Vec3::ZERO, color.as_vec3(), roughness)
         } else {
-            MaterialKind::Scatter { roughness: (f64::from(roughness) / REFLECTED_LENGTH) as f32 }
+            let shorter = (f64::from(roughness) / REFLECTED_LENGTH) as f32;
+            (MaterialKind::Scatter { roughness: shorter }, Vec3::ZERO, color.as_vec3(), roughness)
         };
-        let (emission, color) = match kind {
-            MaterialKind::Emitter => ((color * f64::from(emission)).as_vec3(), Vec3::ONE),
-            _ => (Vec3::ZERO, color.as_vec3()),
-        };
-        let roughness = if emits { 0.0 } else { roughness };
         let [e, c] = [emission, color].map(|v| v.to_array().map(f32::to_bits));
-        let key = ([e[0], e[1], e[2], c[0], c[1], c[2], roughness.to_bits(), u32::from(emits)], texture);
+        let is_emitter = u32::from(kind == MaterialKind::Emitter);
+        let key = ([e[0], e[1], e[2], c[0], c[1], c[2], roughness.to_bits(), is_emitter], texture);
         if let Some(&number) = self.known.get(&key) {
             return Ok(number);
         }
@@ -293,16 +256,16 @@ impl Loader<'_> {
                 self.builder.textures.load(self.files, &found, path, Filter::Nearest, TexelKind::Color)
             }
             None => {
-                Err("no such file beside the scene, in the folders above it or in the working folder"
-                    .to_string())
+                let reason =
+                    "no such file beside the scene, in the folders above it or in the working folder";
+                Err(reason.to_string())
             }
         };
-        loaded
-            .map_err(|reason| {
-                self.builder.warn(format!("The texture `{path}` is left out: {reason}."));
-                self.missing.insert(path.to_string());
-            })
-            .ok()
+        if let Err(reason) = &loaded {
+            self.builder.warn(format!("The texture `{path}` is left out: {reason}."));
+            self.missing.insert(path.to_string());
+        }
+        loaded.ok()
     }
 }
 

@@ -1,12 +1,11 @@
 //! A view: a file that names another scene, with a camera and render options of its own.
 //!
-//! For: [`View`] and [`Loaded`], the writer [`View::text`], and [`read`] and [`apply`] for `load`.
+//! For: [`View`] and [`Loaded`], the writer [`View::text`], and [`ViewFile`] and [`apply`] for `load`.
 
 use super::camera_path::{CameraPath, Keyframe};
-use super::check::{check_bounces, check_resolution};
 use super::embedded::PREFIX;
 use super::error::SceneError;
-use super::json::{JsonPath, Source, read as read_json};
+use super::json::{JsonPath, Source};
 use super::native::{CameraFile, KeyframeFile, VIEW_FORMAT};
 use super::validate::camera;
 use super::write;
@@ -187,46 +186,33 @@ pub struct ViewFile {
     keyframes: Vec<KeyframeFile>,
 }
 
-/// Parses a text whose `format` is [`VIEW_FORMAT`].
-pub fn read(source: &Source) -> Result<ViewFile, SceneError> {
-    read_json(source)
-}
-
 /// Applies a view to the scene that it names. Camera keys that the view leaves out keep the scene's values.
 pub fn apply(source: &Source, file: ViewFile, mut scene: Scene, name: String) -> Result<Loaded, SceneError> {
-    let root = JsonPath::Root;
+    let root = source.root();
     if let Some(resolution) = file.resolution {
-        check_resolution(source, &root.key("resolution"), resolution)?;
-        scene.resolution = resolution;
+        scene.resolution = root.key("resolution").resolution(resolution)?;
     }
     if let Some(bounces) = file.max_bounces {
-        check_bounces(source, &root.key("max_bounces"), bounces)?;
-        scene.max_bounces = bounces;
+        scene.max_bounces = root.key("max_bounces").bounces(bounces)?;
     }
-    if let Some(camera_file) = &file.camera {
-        scene.camera = camera_over(source, &root.key("camera"), camera_file, scene.camera)?;
+    if let Some(camera) = &file.camera {
+        scene.camera = camera_over(&root.key("camera"), camera, scene.camera)?;
     }
-    let path = path(source, &root.key("keyframes"), &file.keyframes, scene.camera)?;
     let view = View {
         scene: file.scene,
         camera: file.camera.map(|_| scene.camera),
         resolution: file.resolution,
         max_bounces: file.max_bounces,
         render: file.render.unwrap_or_default(),
-        path,
+        path: path(&root.key("keyframes"), &file.keyframes, scene.camera)?,
     };
     scene.name = name;
     Ok(Loaded { scene, view: Some(view), read: None })
 }
 
 /// A camera, with what it leaves out from `own`.
-fn camera_over(
-    source: &Source,
-    place: &JsonPath,
-    file: &CameraFile,
-    own: Camera,
-) -> Result<Camera, SceneError> {
-    camera(source, place, file, |position, look_at| Camera {
+fn camera_over(place: &JsonPath, file: &CameraFile, own: Camera) -> Result<Camera, SceneError> {
+    camera(place, file, |position, look_at| Camera {
         position: position.unwrap_or(own.position),
         look_at: look_at.unwrap_or(own.look_at),
         ..own
@@ -234,20 +220,15 @@ fn camera_over(
 }
 
 /// The keyframes, whose cameras take from `own` what they leave out.
-fn path(
-    source: &Source,
-    place: &JsonPath,
-    files: &[KeyframeFile],
-    own: Camera,
-) -> Result<CameraPath, SceneError> {
+fn path(place: &JsonPath, files: &[KeyframeFile], own: Camera) -> Result<CameraPath, SceneError> {
     let mut keyframes: Vec<Keyframe> = Vec::with_capacity(files.len());
     for (index, file) in files.iter().enumerate() {
         let place = place.item(index);
         if keyframes.last().is_some_and(|before| before.frame >= file.frame) {
             let what = format!("frame {} comes after a frame that is not before it", file.frame);
-            return Err(source.error(&place.key("frame"), what, "write the keyframes in ascending order"));
+            return Err(place.key("frame").error(what, "write the keyframes in ascending order"));
         }
-        let camera = camera_over(source, &place.key("camera"), &file.camera, own)?;
+        let camera = camera_over(&place.key("camera"), &file.camera, own)?;
         keyframes.push(Keyframe { frame: file.frame, camera });
     }
     Ok(CameraPath::new(keyframes))
@@ -258,6 +239,6 @@ fn path(
 pub fn view_fault(scene: &Scene, key: &str, what: impl Into<String>, mend: impl Into<String>) -> SceneError {
     let file = scene.files.first().map_or(Path::new(""), |file| file);
     let text = fs::read_to_string(file).unwrap_or_default();
-    let (root, text) = (JsonPath::Root, text.trim_start_matches('\u{feff}'));
-    Source { file, text }.error(&root.key("render").key(key), what, mend)
+    let source = Source { file, text: text.trim_start_matches('\u{feff}') };
+    source.root().key("render").key(key).error(what, mend)
 }

@@ -140,10 +140,7 @@ impl RaySet {
     }
     /// The view that traversals read.
     pub(crate) fn rays(&self) -> Rays<'_> {
-        Rays {
-            origin: self.origin.each_ref().map(Vec::as_slice),
-            direction: self.direction.each_ref().map(Vec::as_slice),
-        }
+        Rays::new(self.origin.each_ref().map(Vec::as_slice), self.direction.each_ref().map(Vec::as_slice))
     }
 }
 

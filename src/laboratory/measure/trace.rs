@@ -3,17 +3,16 @@
 //! For: [`TraceMethod`], [`PreparedScene`] (what every method reads) and [`TracePool`].
 
 use super::ray_sets::{Answers, RaySet};
-use crate::buffers::Buffers;
-use crate::lane::{Lane, NATIVE_WIDTH, Native};
+use crate::lane::{NATIVE_WIDTH, Native};
 use crate::math::MISS;
 use crate::scene::Scene;
 use crate::threads::Threads;
 use crate::traverse::batch::{Tracer, Traversal};
 use crate::traverse::counter::{Counter, Counts};
 use crate::traverse::hierarchy::Hierarchy;
-use crate::traverse::rays::{Hits, Rays, RaysAndHits};
+use crate::traverse::rays::{Hits, Rays};
 use crate::traverse::tile::TILE;
-use crate::traverse::{Methods, Primitives, TraversalChoice};
+use crate::traverse::{List, Methods, TraversalChoice};
 use rayon::prelude::*;
 
 /// Most rays of a thread's unit of work: a whole batch of a stream.
@@ -63,31 +62,37 @@ impl TraceMethod {
 pub struct PreparedScene {
     /// Wide and binary trees: some traversals read the one, some the other.
     pub(crate) hierarchy: Hierarchy,
-    buffers: Buffers,
-    /// Without a hierarchy.
-    primitives: Primitives,
+    list: List,
 }
 
 impl PreparedScene {
-    /// Stores the primitives as buffers beside a hierarchy of the same scene.
+    /// Stores a list of the primitives beside a hierarchy of the same scene.
     pub fn new(scene: &Scene, hierarchy: Hierarchy) -> Self {
-        let linear = Methods { traversal: TraversalChoice::Linear, ..Methods::default() };
-        let primitives = Primitives::new(scene, linear, NATIVE_WIDTH);
-        Self { hierarchy, buffers: Buffers::new(scene), primitives }
+        Self { hierarchy, list: List::new(scene, Methods::default()) }
     }
 
     /// Updates the hits of all rays: the closest hit, or any hit.
-    fn trace(&self, method: TraceMethod, tracer: &mut Tracer, rays: &Rays, hits: &mut Hits, any_hit: bool) {
+    fn trace(
+        &self,
+        method: TraceMethod,
+        tracer: &mut Tracer,
+        rays: &Rays,
+        hits: &mut Hits,
+        any_hit: bool,
+        counter: Option<&Counter>,
+    ) {
         match method {
             TraceMethod::Tree(traversal) if any_hit => {
-                tracer.trace::<true>(traversal, &self.hierarchy, rays, hits)
+                tracer.trace::<true>(traversal, &self.hierarchy, rays, hits, counter);
             }
-            TraceMethod::Tree(traversal) => tracer.trace::<false>(traversal, &self.hierarchy, rays, hits),
+            TraceMethod::Tree(traversal) => {
+                tracer.trace::<false>(traversal, &self.hierarchy, rays, hits, counter);
+            }
             TraceMethod::Linear => {
                 let packets = rays.len() - rays.len() % NATIVE_WIDTH;
-                self.test_all::<Native>(&rays.range(0..packets), &mut hits.range(0..packets));
-                let rest = packets..rays.len();
-                self.test_all::<f32>(&rays.range(rest.clone()), &mut hits.range(rest));
+                let (first, rest) = (0..packets, packets..rays.len());
+                self.list.trace::<Native>(&rays.range(first.clone()), &mut hits.range(first), None, counter);
+                self.list.trace::<f32>(&rays.range(rest.clone()), &mut hits.range(rest), None, counter);
             }
         }
     }
@@ -99,28 +104,9 @@ impl PreparedScene {
         for first in (0..set.len()).step_by(CHUNK) {
             let range = first..set.len().min(first + CHUNK);
             let (rays, hits) = (&set.rays().range(range.clone()), &mut hits.range(range));
-            match (method, set.kind.any_hit()) {
-                (TraceMethod::Linear, _) => {
-                    let each = self.primitives.linear(&self.buffers, None);
-                    // As in `trace`: whole packets, and the rest one by one.
-                    let packets = rays.len() / NATIVE_WIDTH + rays.len() % NATIVE_WIDTH;
-                    counter.linear(each, packets, rays.len());
-                }
-                (TraceMethod::Tree(traversal), true) => {
-                    tracer.count::<true>(traversal, &self.hierarchy, rays, hits, &counter);
-                }
-                (TraceMethod::Tree(traversal), false) => {
-                    tracer.count::<false>(traversal, &self.hierarchy, rays, hits, &counter);
-                }
-            }
+            self.trace(method, &mut tracer, rays, hits, set.kind.any_hit(), Some(&counter));
         }
         counter.get()
-    }
-
-    /// Domain: whole packets.
-    fn test_all<L: Lane>(&self, rays: &Rays, hits: &mut Hits) {
-        let mut batch = RaysAndHits { rays: *rays, hits: hits.range(0..rays.len()) };
-        self.primitives.trace_linear::<L>(&self.buffers, None, &mut batch);
     }
 }
 
@@ -177,7 +163,7 @@ impl TracePool {
         any_hit: bool,
     ) {
         let range = first..first + hits.t.len();
-        prepared_scene.trace(method, &mut self.0.local(), &set.rays().range(range), hits, any_hit);
+        prepared_scene.trace(method, &mut self.0.local(), &set.rays().range(range), hits, any_hit, None);
     }
 
     /// All answers at once on one thread, in chunks on more; `work` takes the number of its first ray.

@@ -3,7 +3,6 @@
 
 mod choice;
 mod frames;
-mod guiding;
 mod shapes;
 
 use crate::common::{Rng, floor, lamp, sphere, triangle};

@@ -4,8 +4,9 @@
 
 use super::super::error::SceneError;
 use super::super::json::{JsonPath, Source};
-use super::bytes::{self, Buffer};
+use super::bytes::{self, Buffer, broken};
 use gltf_json::Root;
+use gltf_json::accessor::sparse::Sparse;
 use gltf_json::accessor::{Accessor, ComponentType, Type};
 use gltf_json::validation::Checked;
 use std::collections::HashMap;
@@ -37,13 +38,11 @@ pub struct Accessors<'a> {
     left: usize,
 }
 
-/// What an accessor cannot be read for.
-enum Fault {
-    /// Beyond its buffer view, or without one.
-    Outside,
-    TooMany,
-    Type,
-}
+/// What is wrong with an accessor.
+type Fault = &'static str;
+const OUTSIDE: Fault = "the accessor reaches beyond its buffer";
+const TOO_MANY: Fault = "the accessor has more elements than the file has bytes for";
+const UNKNOWN_TYPE: Fault = "the accessor has an unknown type";
 
 impl<'a> Accessors<'a> {
     pub fn new(source: &'a Source<'a>, root: &'a Root, buffers: &'a [Buffer]) -> Self {
@@ -64,11 +63,11 @@ impl<'a> Accessors<'a> {
         let numbers = self.numbers(index, place)?;
         if !components.contains(&numbers.components) {
             let what = format!("the values have {} components, not {}", numbers.components, components[0]);
-            return Err(self.source.error(place, what, "export the model again"));
+            return Err(broken(place, what));
         }
         if let Some(at) = numbers.values.iter().position(|value| !value.is_finite()) {
-            let what = format!("the value of element {} is not a number", at / numbers.components);
-            return Err(self.source.error(place, what, "export the model again"));
+            let element = at / numbers.components;
+            return Err(broken(place, format!("the value of element {element} is not a number")));
         }
         Ok(numbers)
     }
@@ -78,8 +77,7 @@ impl<'a> Accessors<'a> {
         let numbers = self.numbers(index, place)?;
         let whole = |value: &f64| *value >= 0.0 && value.fract() == 0.0;
         if numbers.components != 1 || !numbers.values.iter().all(whole) {
-            let what = "these are not indices of vertices";
-            return Err(self.source.error(place, what, "export the model again"));
+            return Err(broken(place, "these are not indices of vertices"));
         }
         Ok(numbers)
     }
@@ -89,27 +87,27 @@ impl<'a> Accessors<'a> {
             return Ok(Rc::clone(known));
         }
         let Some(accessor) = self.root.accessors.get(index) else {
-            let what = format!("there is no accessor {index}");
-            return Err(self.source.error(place, what, "export the model again"));
+            return Err(broken(place, format!("there is no accessor {index}")));
         };
-        let numbers = self.decode(accessor).map_err(|fault| {
-            let what = match fault {
-                Fault::Outside => "reaches beyond its buffer",
-                Fault::TooMany => "has more elements than the file has bytes for",
-                Fault::Type => "has an unknown type",
-            };
-            let (root, mend) = (JsonPath::Root, "export the model again");
-            self.source.error(&root.key("accessors").item(index), format!("the accessor {what}"), mend)
-        })?;
+        let numbers = self
+            .decode(accessor)
+            .map_err(|fault| broken(&self.source.root().key("accessors").item(index), fault))?;
         let numbers = Rc::new(numbers);
         self.read.insert(index, Rc::clone(&numbers));
         Ok(numbers)
     }
 
+    /// Takes from the numbers that may still be read.
+    fn take(&mut self, count: usize, components: usize) -> Result<usize, Fault> {
+        let length = count.checked_mul(components).filter(|&length| length <= self.left).ok_or(TOO_MANY)?;
+        self.left -= length;
+        Ok(length)
+    }
+
     fn decode(&mut self, accessor: &Accessor) -> Result<Numbers, Fault> {
         let (Checked::Valid(component), Checked::Valid(kind)) = (accessor.component_type, accessor.type_)
         else {
-            return Err(Fault::Type);
+            return Err(UNKNOWN_TYPE);
         };
         let components = match kind {
             Type::Scalar => 1,
@@ -117,35 +115,30 @@ impl<'a> Accessors<'a> {
             Type::Vec3 => 3,
             Type::Vec4 => 4,
             // No attribute of a mesh has one.
-            Type::Mat2 | Type::Mat3 | Type::Mat4 => return Err(Fault::Type),
+            Type::Mat2 | Type::Mat3 | Type::Mat4 => return Err(UNKNOWN_TYPE),
         };
-        let count = usize::try_from(accessor.count.0).map_err(|_| Fault::TooMany)?;
-        let length =
-            count.checked_mul(components).filter(|&length| length <= self.left).ok_or(Fault::TooMany)?;
-        self.left -= length;
+        let count = usize::try_from(accessor.count.0).map_err(|_| TOO_MANY)?;
+        let length = self.take(count, components)?;
         let layout = Layout { component: component.0, components, normalized: accessor.normalized };
         let mut values = match accessor.buffer_view {
             Some(view) => {
-                let offset = accessor.byte_offset.unwrap_or_default().0;
-                self.elements(view.value(), offset, count, layout)?
+                self.elements(view.value(), accessor.byte_offset.unwrap_or_default().0, count, layout)?
             }
             None if accessor.sparse.is_some() => vec![0.0; length],
-            None => return Err(Fault::Outside),
+            None => return Err(OUTSIDE),
         };
-        if let Some(sparse) = &accessor.sparse {
-            let count = usize::try_from(sparse.count.0).map_err(|_| Fault::TooMany)?;
-            let length = count.checked_mul(components + 1).filter(|&length| length <= self.left);
-            self.left -= length.ok_or(Fault::TooMany)?;
-            let Checked::Valid(component) = sparse.indices.component_type else { return Err(Fault::Type) };
+        if let Some(Sparse { count, indices, values: replaced, .. }) = &accessor.sparse {
+            let count = usize::try_from(count.0).map_err(|_| TOO_MANY)?;
+            self.take(count, components + 1)?;
+            let Checked::Valid(component) = indices.component_type else { return Err(UNKNOWN_TYPE) };
             let of_indices = Layout { component: component.0, components: 1, normalized: false };
-            let (indices, replaced) = (&sparse.indices, &sparse.values);
             let indices =
                 self.elements(indices.buffer_view.value(), indices.byte_offset.0, count, of_indices)?;
             let replaced =
                 self.elements(replaced.buffer_view.value(), replaced.byte_offset.0, count, layout)?;
             for (&element, new) in indices.iter().zip(replaced.chunks_exact(components)) {
                 let start = element as usize * components;
-                values.get_mut(start..start + components).ok_or(Fault::Outside)?.copy_from_slice(new);
+                values.get_mut(start..start + components).ok_or(OUTSIDE)?.copy_from_slice(new);
             }
         }
         Ok(Numbers { count, components, values })
@@ -153,10 +146,10 @@ impl<'a> Accessors<'a> {
 
     /// Elements of a buffer view, from a byte of it on.
     fn elements(&self, view: usize, offset: u64, count: usize, layout: Layout) -> Result<Vec<f64>, Fault> {
-        let view = self.root.buffer_views.get(view).ok_or(Fault::Outside)?;
-        let bytes = bytes::view(view, self.buffers).ok_or(Fault::Outside)?;
-        let bytes =
-            usize::try_from(offset).ok().and_then(|offset| bytes.get(offset..)).ok_or(Fault::Outside)?;
+        let view = self.root.buffer_views.get(view).ok_or(OUTSIDE)?;
+        let bytes = bytes::view(view, self.buffers).ok_or(OUTSIDE)?;
+        let offset = usize::try_from(offset).map_err(|_| OUTSIDE)?;
+        let bytes = bytes.get(offset..).ok_or(OUTSIDE)?;
         let size = layout.size();
         let stride = view.byte_stride.map_or(size, |stride| stride.0);
         // The last element needs no stride.
@@ -165,7 +158,7 @@ impl<'a> Accessors<'a> {
             _ => (count - 1).checked_mul(stride).and_then(|bytes| bytes.checked_add(size)),
         };
         if stride < size || needed.is_none_or(|needed| needed > bytes.len()) {
-            return Err(Fault::Outside);
+            return Err(OUTSIDE);
         }
         let mut values = Vec::with_capacity(count * layout.components);
         for element in 0..count {

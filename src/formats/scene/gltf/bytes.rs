@@ -1,6 +1,6 @@
 //! The bytes of a glTF file: its JSON and binary parts, its buffers, data URIs.
 //!
-//! For: [`split`], [`Buffer`], [`buffers`], [`view`], [`from_uri`].
+//! For: [`split`], [`Buffer`], [`buffers`], [`view`], [`from_uri`], and the error [`broken`].
 
 use super::super::error::SceneError;
 use super::super::files::{Files, has_extension};
@@ -9,12 +9,19 @@ use gltf_json::Root;
 use gltf_json::buffer::View;
 use std::collections::{HashMap, HashSet};
 use std::ops::Deref;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::rc::Rc;
+
+const EXPORT_AGAIN: &str = "export the model again";
+
+/// An error about a value that no person writes.
+pub fn broken(place: &JsonPath, what: impl Into<String>) -> SceneError {
+    place.error(what, EXPORT_AGAIN)
+}
 
 /// The JSON text, and the binary part of a .glb file, of which all lengths are checked.
 pub fn split<'a>(content: &'a [u8], path: &Path) -> Result<(&'a str, Option<&'a [u8]>), SceneError> {
-    let fault = |what: String| SceneError::new(what).in_file(path).mend("export the model again");
+    let fault = |what: String| SceneError::new(what).in_file(path).mend(EXPORT_AGAIN);
     let text = |bytes: &'a [u8], what: &str| {
         let text = std::str::from_utf8(bytes).map_err(|_| fault(what.into()))?;
         Ok(text.trim_start_matches('\u{feff}'))
@@ -80,33 +87,28 @@ pub fn buffers(
     binary: Option<&[u8]>,
     files: &Files,
 ) -> Result<Vec<Buffer>, SceneError> {
-    let place = JsonPath::Root;
-    let list = place.key("buffers");
+    let list = source.root();
+    let list = list.key("buffers");
     let mut buffers = Vec::new();
     let mut read: HashMap<&str, Rc<[u8]>> = HashMap::new();
     for (index, buffer) in root.buffers.iter().enumerate() {
         let place = list.item(index);
-        let content = match (&buffer.uri, binary) {
-            (Some(uri), _) if read.contains_key(uri.as_str()) => Rc::clone(&read[uri.as_str()]),
-            (Some(uri), _) => from_uri(uri, source.file, files)
-                .map_err(|reason| {
+        let content = match (buffer.uri.as_deref(), binary) {
+            (Some(uri), _) if read.contains_key(uri) => Rc::clone(&read[uri]),
+            (Some(uri), _) => {
+                let content = from_uri(uri, source.file, files).map_err(|reason| {
                     let mend = "put the file beside the model, or export the model as .glb";
-                    source.error(&place.key("uri"), format!("cannot read a buffer: {reason}"), mend)
-                })?
-                .into(),
-            (None, Some(binary)) if index == 0 => binary.into(),
-            (None, _) => {
-                let mend = "export the model again";
-                return Err(source.error(&place, "a buffer without `uri` and without a binary part", mend));
+                    place.key("uri").error(format!("cannot read a buffer: {reason}"), mend)
+                })?;
+                Rc::clone(read.entry(uri).or_insert(content.into()))
             }
+            (None, Some(binary)) if index == 0 => binary.into(),
+            (None, _) => return Err(broken(&place, "a buffer without `uri` and without a binary part")),
         };
         let length = buffer.byte_length.0;
         if (content.len() as u64) < length {
             let what = format!("the buffer has {} bytes, not {length}", content.len());
-            return Err(source.error(&place.key("byteLength"), what, "export the model again"));
-        }
-        if let Some(uri) = &buffer.uri {
-            read.insert(uri, Rc::clone(&content));
+            return Err(broken(&place.key("byteLength"), what));
         }
         buffers.push(Buffer { content, length: length as usize });
     }
@@ -123,27 +125,23 @@ pub fn view<'a>(view: &View, buffers: &'a [Buffer]) -> Option<&'a [u8]> {
 
 /// The content that a URI names: a data URI, or a file beside the model.
 pub fn from_uri(uri: &str, model: &Path, files: &Files) -> Result<Vec<u8>, String> {
-    match data(uri) {
-        Some(bytes) => bytes,
-        None => files
-            .read(&path(uri, model))
-            .map(|bytes| bytes.into_owned())
-            .map_err(|reason| format!("{}: {reason}", path(uri, model).display())),
+    if is_data(uri) {
+        let data = uri.split_once(";base64,").and_then(|(_, data)| base64(data.as_bytes()));
+        return data.ok_or_else(|| "a data URI is not base64".to_string());
     }
+    let path = path(uri, model);
+    let content = files.read(&path).map_err(|reason| format!("{}: {reason}", path.display()))?;
+    Ok(content.into_owned())
 }
 
 /// The file that a URI names.
-pub fn path(uri: &str, model: &Path) -> std::path::PathBuf {
+pub fn path(uri: &str, model: &Path) -> PathBuf {
     model.parent().unwrap_or(Path::new("")).join(decoded(uri))
 }
 
-/// The content of a data URI; `None` for any other.
-pub fn data(uri: &str) -> Option<Result<Vec<u8>, String>> {
-    let (head, body) = uri.strip_prefix("data:")?.split_once(',')?;
-    Some(match head.ends_with(";base64") {
-        true => base64(body.as_bytes()).ok_or_else(|| "a data URI is not base64".to_string()),
-        false => Err("a data URI is not base64".to_string()),
-    })
+/// Whether a URI is content and not a name.
+pub fn is_data(uri: &str) -> bool {
+    uri.starts_with("data:") && uri.contains(',')
 }
 
 /// Percent-encoded bytes decoded.

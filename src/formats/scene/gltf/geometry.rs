@@ -2,16 +2,17 @@
 //!
 //! For: [`Geometry`], [`read`], [`Transform`].
 
-use super::super::builder::SceneBuilder;
+use super::super::builder::{Attributes, SceneBuilder};
 use super::super::check::fits;
 use super::super::error::SceneError;
-use super::super::json::{JsonPath, Source};
+use super::super::json::JsonPath;
+use super::super::mesh::{Placement, Tally, Unusable};
 use super::super::notes::Notes;
-use super::super::placement::Placement;
-use super::super::tally::{Misplaced, Tally};
 use super::accessor::{Accessors, Numbers};
+use super::bytes::broken;
+use super::material;
 use super::nodes::COMPRESSIONS;
-use super::{material, texture};
+use super::texture::UvMap;
 use glam::{DMat3, DMat4, DVec3, Vec2, Vec3};
 use gltf_json::mesh::{Mode, Primitive, Semantic};
 use gltf_json::validation::Checked;
@@ -28,9 +29,21 @@ pub struct Geometry {
 }
 
 impl Geometry {
-    /// Whether it has texture coordinates and vertex colours.
-    pub fn has(&self) -> material::Has {
-        material::Has { uvs: self.uvs.is_some(), colors: self.colors.is_some() }
+    /// Notes which of the vertices' attributes the material cannot use, and which it lacks.
+    pub fn note_unused(
+        &self,
+        material: u32,
+        place: &JsonPath,
+        builder: &mut SceneBuilder,
+        notes: &mut Notes,
+    ) {
+        let is_textured = builder.materials[material as usize].textures().next().is_some();
+        if is_textured && self.uvs.is_none() {
+            notes.add(place, "a textured mesh without its texture coordinates has one texel's colour");
+        }
+        if self.colors.is_some() && builder.colored(material).is_none() {
+            notes.add(place, "vertex colours are left out, as the material has textures");
+        }
     }
     /// The number of corners.
     fn corners(&self) -> usize {
@@ -50,14 +63,13 @@ impl Geometry {
             _ if number.is_multiple_of(2) => [number, number + 1, number + 2],
             _ => [number + 1, number, number + 2],
         };
-        corners
-            .map(|corner| self.indices.as_ref().map_or(corner, |indices| indices.at::<1>(corner)[0] as usize))
+        let indices = self.indices.as_ref();
+        corners.map(|corner| indices.map_or(corner, |indices| indices.at::<1>(corner)[0] as usize))
     }
 }
 
 /// The numbers of a primitive; `None`, with a note, where it is not made of triangles.
 pub fn read(
-    source: &Source,
     accessors: &mut Accessors,
     primitive: &Primitive,
     place: &JsonPath,
@@ -65,68 +77,53 @@ pub fn read(
 ) -> Result<Option<Geometry>, SceneError> {
     let extensions = primitive.extensions.as_ref().map(|extensions| &extensions.others);
     for name in extensions.into_iter().flat_map(|others| others.keys()) {
-        if COMPRESSIONS.contains(&name.as_str()) {
-            notes
-                .add(place, format!("`{name}` is not read: the uncompressed copy is shown, if there is one"));
-        } else {
-            notes.add(place, format!("`{name}` is not read"));
-        }
+        let is_compression = COMPRESSIONS.contains(&name.as_str());
+        let shown = if is_compression { ": the uncompressed copy is shown, if there is one" } else { "" };
+        notes.add(place, format!("`{name}` is not read{shown}"));
     }
     if primitive.targets.as_ref().is_some_and(|targets| !targets.is_empty()) {
-        notes.add(place, "morph targets are not read: the mesh is shown as it is without them".into());
+        notes.add(place, "morph targets are not read: the mesh is shown as it is without them");
     }
     let mode = match primitive.mode {
         Checked::Valid(mode @ (Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan)) => mode,
         Checked::Valid(_) => {
-            notes.add(place, "points and lines are left out".into());
+            notes.add(place, "points and lines are left out");
             return Ok(None);
         }
         Checked::Invalid => {
-            return Err(source.error(
-                &place.key("mode"),
-                "the mode is unknown",
-                "write a number from 0 to 6",
-            ));
+            return Err(place.key("mode").error("the mode is unknown", "write a number from 0 to 6"));
         }
     };
     let attributes = place.key("attributes");
     let set = material::uv_set(primitive, accessors.root());
-    let find =
-        |semantic: Semantic| primitive.attributes.get(&Checked::Valid(semantic)).map(|index| index.value());
     let mut read = |semantic: Semantic, key: &'static str, components: &[usize]| {
-        find(semantic).map(|index| accessors.vertices(index, components, &attributes.key(key))).transpose()
+        let index = primitive.attributes.get(&Checked::Valid(semantic));
+        index.map(|index| accessors.vertices(index.value(), components, &attributes.key(key))).transpose()
     };
     let Some(positions) = read(Semantic::Positions, "POSITION", &[3])? else {
-        notes.add(place, "a mesh without positions is left out".into());
+        notes.add(place, "a mesh without positions is left out");
         return Ok(None);
     };
     let normals = read(Semantic::Normals, "NORMAL", &[3])?;
     let colors = read(Semantic::Colors(0), "COLOR_0", &[3, 4])?;
-    let uvs = match set {
-        0 => read(Semantic::TexCoords(0), "TEXCOORD_0", &[2])?,
-        1 => read(Semantic::TexCoords(1), "TEXCOORD_1", &[2])?,
-        set => read(Semantic::TexCoords(set), "attributes", &[2])?,
+    let uv_key = match set {
+        0 => "TEXCOORD_0",
+        1 => "TEXCOORD_1",
+        _ => "attributes",
     };
+    let uvs = read(Semantic::TexCoords(set), uv_key, &[2])?;
     for (numbers, key) in [(&normals, "NORMAL"), (&colors, "COLOR_0"), (&uvs, "TEXCOORD_0")] {
-        if let Some(numbers) = numbers
-            && numbers.count < positions.count
-        {
+        if let Some(numbers) = numbers.as_ref().filter(|numbers| numbers.count < positions.count) {
             let what = format!("{} values for {} vertices", numbers.count, positions.count);
-            return Err(source.error(&attributes.key(key), what, "export the model again"));
+            return Err(broken(&attributes.key(key), what));
         }
     }
-    let indices = match primitive.indices {
-        None => None,
-        Some(index) => {
-            let place = place.key("indices");
-            let indices = accessors.indices(index.value(), &place)?;
-            if let Some(outside) = indices.values.iter().find(|&&index| index >= positions.count as f64) {
-                let what = format!("the mesh uses vertex {outside} of {}", positions.count);
-                return Err(source.error(&place, what, "export the model again"));
-            }
-            Some(indices)
-        }
-    };
+    let place = place.key("indices");
+    let indices = primitive.indices.map(|index| accessors.indices(index.value(), &place)).transpose()?;
+    let mut values = indices.iter().flat_map(|indices| &indices.values);
+    if let Some(outside) = values.find(|&&index| index >= positions.count as f64) {
+        return Err(broken(&place, format!("the mesh uses vertex {outside} of {}", positions.count)));
+    }
     Ok(Some(Geometry { positions, normals, uvs, colors, indices, mode }))
 }
 
@@ -154,12 +151,10 @@ impl Transform {
     pub fn add(
         &self,
         geometry: &Geometry,
-        material: u32,
-        uv_map: Option<texture::UvMap>,
+        (material, uv_map): (u32, UvMap),
         builder: &mut SceneBuilder,
         tally: &mut Tally,
-    ) -> Option<Misplaced> {
-        let colored = geometry.colors.as_ref().and_then(|colors| Some((colors, builder.colored(material)?)));
+    ) -> Result<(), Unusable> {
         for number in 0..geometry.triangles() {
             let mut corners = geometry.triangle(number);
             if self.mirrors {
@@ -169,33 +164,23 @@ impl Transform {
                 let point = DVec3::from_array(geometry.positions.at(corner));
                 self.matrix.transform_point3(point)
             });
-            if let Some(&outside) = points.iter().find(|point| !point.to_array().into_iter().all(fits)) {
-                return Some(Misplaced::TooFar(outside));
-            }
-            let vertices = points.map(DVec3::as_vec3);
             let normals = geometry.normals.as_ref().zip(self.of_normals).map(|(normals, of_normals)| {
                 corners.map(|corner| {
                     let normal = of_normals * DVec3::from_array(normals.at(corner));
                     normal.normalize_or_zero().as_vec3()
                 })
             });
-            let normals = normals.filter(|normals| normals.iter().all(|&normal| normal != Vec3::ZERO));
-            tally.count(match &colored {
-                Some((colors, material)) => {
-                    let of_corner = |corner| DVec3::from_array(colors.at(corner)).as_vec3();
-                    let colors = corners.map(|corner| of_corner(corner).clamp(Vec3::ZERO, Vec3::ONE));
-                    builder.add_colored_triangle(vertices, *material, colors, normals)
-                }
-                None => {
-                    let map = uv_map.unwrap_or_default();
-                    let uvs =
-                        geometry.uvs.as_ref().map(|uvs| corners.map(|corner| map.apply(uvs.at(corner))));
-                    let uvs =
-                        uvs.filter(|uvs| uvs.iter().all(|uv| uv.is_finite() && fits(uv.length().into())));
-                    builder.add_triangle(vertices, material, uvs.or(Some([Vec2::ZERO; 3])), normals)
-                }
+            let colors = geometry.colors.as_ref().map(|colors| {
+                corners.map(|corner| {
+                    let color = DVec3::from_array(colors.at(corner)).as_vec3();
+                    color.clamp(Vec3::ZERO, Vec3::ONE)
+                })
             });
+            let uvs = geometry.uvs.as_ref().map(|uvs| corners.map(|corner| uv_map.apply(uvs.at(corner))));
+            let uvs = uvs.filter(|uvs| uvs.iter().all(|uv| uv.is_finite() && fits(uv.length().into())));
+            let attributes = Attributes { uvs: uvs.or(Some([Vec2::ZERO; 3])), normals, colors };
+            tally.add(points, material, attributes, builder)?;
         }
-        None
+        Ok(())
     }
 }

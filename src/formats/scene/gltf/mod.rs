@@ -29,17 +29,19 @@ use super::builder::{MAX_COPIES, SceneBuilder};
 use super::check::fits;
 use super::error::SceneError;
 use super::files::Files;
-use super::json::{JsonPath, Source};
+use super::json::Source;
+use super::mesh::{Placement, Tally, Unusable};
 use super::notes::Notes;
-use super::placement::Placement;
-use super::tally::{Misplaced, Tally};
+use accessor::Accessors;
 use geometry::{Geometry, Transform};
 use glam::DVec4;
 use gltf_json::Root;
+use material::Materials;
 use octray_engine::scene::Camera;
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::path::Path;
+use texture::{Images, UvMap};
 
 /// A glTF file, read. Its geometry is checked by [`Gltf::add`].
 pub struct Gltf {
@@ -55,25 +57,25 @@ pub fn read(content: &[u8], path: &Path, files: &Files) -> Result<Gltf, SceneErr
     let (text, binary) = bytes::split(content, path)?;
     let source = Source { file: path, text };
     let root: Root = super::json::read(&source)?;
-    let place = JsonPath::Root;
+    let place = source.root();
     if !root.asset.version.starts_with("2.") {
         let what = format!("glTF {} is not read", root.asset.version);
-        return Err(source.error(&place.key("asset").key("version"), what, "export the model as glTF 2.0"));
+        return Err(place.key("asset").key("version").error(what, "export the model as glTF 2.0"));
     }
     let mut required = root.extensions_required.iter().enumerate();
     if let Some((index, name)) = required.find(|(_, name)| nodes::COMPRESSIONS.contains(&name.as_str())) {
         let mend = "export the model without compression";
         let what = format!("the geometry is compressed ({name}), which is not read");
-        return Err(source.error(&place.key("extensionsRequired").item(index), what, mend));
+        return Err(place.key("extensionsRequired").item(index).error(what, mend));
     }
     let buffers = bytes::buffers(&source, &root, binary, files)?;
-    let nodes = nodes::place(&source, &root)?;
+    let nodes = nodes::place(&place, &root)?;
     Ok(Gltf { text: text.to_string(), buffers, nodes, root })
 }
 
 impl Gltf {
     /// Adds the triangles of all placed meshes to the builder, with `material` or else with their own
-    /// materials. Returns `Some` if the placement makes the model unusable.
+    /// materials.
     pub fn add(
         &self,
         path: &Path,
@@ -81,30 +83,34 @@ impl Gltf {
         builder: &mut SceneBuilder,
         material: Option<u32>,
         placement: &Placement,
-    ) -> Result<Option<Misplaced>, SceneError> {
-        let source = Source { file: path, text: &self.text };
+    ) -> Result<(), Unusable> {
+        let source = &Source { file: path, text: &self.text };
+        let (place, root, buffers) = (source.root(), &self.root, &self.buffers);
         let mut notes = Notes::new(": ");
-        nodes::note_ignored(&self.root, &mut notes);
-        let mut accessors = accessor::Accessors::new(&source, &self.root, &self.buffers);
-        let mut materials = material::Materials::new(&source, &self.root, &self.buffers, files);
-        let mut meshes: HashMap<usize, Vec<(u32, Geometry)>> = HashMap::new();
+        nodes::note_ignored(&place, root, &mut notes);
+        let mut accessors = Accessors::new(source, root, buffers);
+        let mut materials = Materials::new(Images { source, root, buffers, files });
+        let mut meshes: HashMap<usize, Vec<((u32, UvMap), Geometry)>> = HashMap::new();
         let mut triangles = 0;
         for &(mesh, _) in &self.nodes.meshes {
             let parts = match meshes.entry(mesh) {
                 Entry::Occupied(known) => known.into_mut(),
                 Entry::Vacant(new) => {
                     let mut parts = Vec::new();
-                    let root = JsonPath::Root;
-                    let list = root.key("meshes");
-                    let of_mesh = list.item(mesh);
-                    let primitives = of_mesh.key("primitives");
-                    for (index, primitive) in self.root.meshes[mesh].primitives.iter().enumerate() {
+                    for (index, primitive) in root.meshes[mesh].primitives.iter().enumerate() {
+                        let list = place.key("meshes");
+                        let of_mesh = list.item(mesh);
+                        let primitives = of_mesh.key("primitives");
                         let place = primitives.item(index);
-                        let read = geometry::read(&source, &mut accessors, primitive, &place, &mut notes)?;
+                        let read = geometry::read(&mut accessors, primitive, &place, &mut notes)?;
                         let Some(geometry) = read else { continue };
                         let own = match material {
-                            Some(material) => material,
-                            None => materials.of(primitive, geometry.has(), &place, builder, &mut notes)?,
+                            Some(material) => (material, UvMap::default()),
+                            None => {
+                                let own = materials.of(primitive, &place, builder, &mut notes)?;
+                                geometry.note_unused(own.0, &place, builder, &mut notes);
+                                own
+                            }
                         };
                         parts.push((own, geometry));
                     }
@@ -115,36 +121,35 @@ impl Gltf {
             if triangles > MAX_COPIES {
                 let what = format!("the model holds more than {MAX_COPIES} triangles, copies counted");
                 let mend = "show the mesh on fewer nodes, or simplify it";
-                return Err(source.error(&JsonPath::Root.key("nodes"), what, mend));
+                return Err(place.key("nodes").error(what, mend).into());
             }
         }
         notes.warn(path, builder);
         builder.check_room(triangles).map_err(|error| error.in_file(path))?;
         let mut tally = Tally::default();
         for (mesh, transform) in &self.nodes.meshes {
+            let transform = Transform::of(transform, placement);
             for (own, geometry) in &meshes[mesh] {
-                let transform = Transform::of(transform, placement);
-                let uvs = materials.uv_map(*own);
-                if let Some(misplaced) = transform.add(geometry, *own, uvs, builder, &mut tally) {
-                    return Ok(Some(misplaced));
-                }
+                transform.add(geometry, *own, builder, &mut tally)?;
             }
         }
-        Ok(tally.finish(path, builder))
+        tally.finish(path, builder)
     }
 
     /// The model's first camera, if it is one that octray has.
     pub fn camera(&self, path: &Path, builder: &mut SceneBuilder) -> Option<Camera> {
         let (index, transform) = self.nodes.camera?;
+        let (lower, upper) = builder.bounds();
+        let mut framed = |why: &str| {
+            builder.warn(format!("{}: cameras[{index}] {why}: the model is framed instead.", path.display()));
+        };
         let Some(perspective) = &self.root.cameras[index].perspective else {
-            let path = path.display();
-            builder.warn(format!("{path}: cameras[{index}] is orthographic: the model is framed instead."));
+            framed("is orthographic");
             return None;
         };
         let position = transform.w_axis.truncate();
         let [forward, up] = [DVec4::NEG_Z, DVec4::Y].map(|axis| (transform * axis).truncate());
         // A point as far away as the model, so that a viewer turns around something.
-        let (lower, upper) = builder.bounds();
         let distance = (((lower + upper) / 2.0 - position).length()).max(1e-3 * position.length()).max(1e-6);
         let camera = Camera {
             position: position.as_vec3(),
@@ -154,14 +159,10 @@ impl Gltf {
         };
         let Camera { position, look_at, up, .. } = camera;
         let mut placed = [position, look_at, up].into_iter().flat_map(|v| v.to_array());
-        match camera.fault() {
-            None if placed.all(|x| fits(x.into())) => Some(camera),
-            _ => {
-                let path = path.display();
-                builder
-                    .warn(format!("{path}: cameras[{index}] cannot be used: the model is framed instead."));
-                None
-            }
+        let is_usable = camera.fault().is_none() && placed.all(|x| fits(x.into()));
+        if !is_usable {
+            framed("cannot be used");
         }
+        is_usable.then_some(camera)
     }
 }

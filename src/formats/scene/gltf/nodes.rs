@@ -3,8 +3,9 @@
 //! For: [`place`], [`note_ignored`].
 
 use super::super::error::SceneError;
-use super::super::json::{JsonPath, Source};
+use super::super::json::JsonPath;
 use super::super::notes::Notes;
+use super::bytes::broken;
 use glam::{DMat4, DQuat, DVec3};
 use gltf_json::Root;
 use gltf_json::scene::Node;
@@ -23,15 +24,13 @@ pub struct Placed {
 }
 
 /// Visits the nodes of the file's scene; without a scene, all nodes that are no node's child.
-pub fn place(source: &Source, root: &Root) -> Result<Placed, SceneError> {
-    let place = JsonPath::Root;
-    let fault = |place: &JsonPath, what: String| source.error(place, what, "export the model again");
+pub fn place(place: &JsonPath, root: &Root) -> Result<Placed, SceneError> {
     let nodes = place.key("nodes");
     let scene = root.scene.map_or(0, |scene| scene.value());
     let mut open: Vec<(usize, DMat4)> = match root.scenes.get(scene) {
         Some(scene) => scene.nodes.iter().map(|node| (node.value(), DMat4::IDENTITY)).collect(),
         None if root.scene.is_some() => {
-            return Err(fault(&place.key("scene"), format!("there is no scene {scene}")));
+            return Err(broken(&place.key("scene"), format!("there is no scene {scene}")));
         }
         None => {
             let mut is_child = vec![false; root.nodes.len()];
@@ -40,10 +39,8 @@ pub fn place(source: &Source, root: &Root) -> Result<Placed, SceneError> {
                     *is_child = true;
                 }
             }
-            (0..root.nodes.len())
-                .filter(|&node| !is_child[node])
-                .map(|node| (node, DMat4::IDENTITY))
-                .collect()
+            let roots = (0..root.nodes.len()).filter(|&node| !is_child[node]);
+            roots.map(|node| (node, DMat4::IDENTITY)).collect()
         }
     };
     // The first ones first.
@@ -52,36 +49,32 @@ pub fn place(source: &Source, root: &Root) -> Result<Placed, SceneError> {
     let mut placed = Placed::default();
     while let Some((index, parent)) = open.pop() {
         let Some(node) = root.nodes.get(index) else {
-            return Err(fault(&nodes, format!("there is no node {index}")));
+            return Err(broken(&nodes, format!("there is no node {index}")));
         };
         // A tree has neither; without this, children could be shared without end.
         if std::mem::replace(&mut seen[index], true) {
             let what = format!("node {index} is the child of two nodes, or of itself");
-            return Err(fault(&nodes.item(index), what));
+            return Err(broken(&nodes.item(index), what));
         }
         let transform = parent * local(node);
-        if let Some(mesh) = node.mesh {
-            if mesh.value() >= root.meshes.len() {
-                return Err(fault(
-                    &nodes.item(index).key("mesh"),
-                    format!("there is no mesh {}", mesh.value()),
-                ));
+        if let Some(mesh) = node.mesh.map(|mesh| mesh.value()) {
+            if mesh >= root.meshes.len() {
+                return Err(broken(&nodes.item(index).key("mesh"), format!("there is no mesh {mesh}")));
             }
-            placed.meshes.push((mesh.value(), transform));
+            placed.meshes.push((mesh, transform));
         }
-        if let Some(camera) = node.camera
+        if let Some(camera) = node.camera.map(|camera| camera.value())
             && placed.camera.is_none()
         {
-            let camera = camera.value();
             if camera >= root.cameras.len() {
-                return Err(fault(&nodes.item(index).key("camera"), format!("there is no camera {camera}")));
+                return Err(broken(&nodes.item(index).key("camera"), format!("there is no camera {camera}")));
             }
             placed.camera = Some((camera, transform));
         }
         open.extend(node.children.iter().flatten().rev().map(|child| (child.value(), transform)));
     }
     if placed.meshes.is_empty() {
-        return Err(fault(&nodes, "no node shows a mesh".into()));
+        return Err(broken(&nodes, "no node shows a mesh"));
     }
     Ok(placed)
 }
@@ -105,36 +98,29 @@ fn local(node: &Node) -> DMat4 {
 }
 
 /// Notes what of the file's nodes is left out.
-pub fn note_ignored(root: &Root, notes: &mut Notes) {
-    let place = JsonPath::Root;
+pub fn note_ignored(place: &JsonPath, root: &Root, notes: &mut Notes) {
     for (index, _) in root.animations.iter().enumerate() {
-        notes.add(&place.key("animations").item(index), "animations are not played".into());
+        notes.add(&place.key("animations").item(index), "animations are not played");
     }
     for (index, node) in root.nodes.iter().enumerate() {
         let list = place.key("nodes");
         let place = list.item(index);
         if node.skin.is_some() {
-            notes.add(
-                &place.key("skin"),
-                "skins are not read: the mesh is shown as it is without bones".into(),
-            );
+            let what = "skins are not read: the mesh is shown as it is without bones";
+            notes.add(&place.key("skin"), what);
         }
         for name in node.extensions.iter().flat_map(|extensions| extensions.others.keys()) {
-            let place = place.key("extensions");
-            notes.add(
-                &place,
-                match name.as_str() {
-                    "KHR_lights_punctual" => {
-                        "lights (`KHR_lights_punctual`) are left out: light comes from emissive surfaces"
-                            .into()
-                    }
-                    "EXT_mesh_gpu_instancing" => "instances (`EXT_mesh_gpu_instancing`) are left out".into(),
-                    name => format!("`{name}` is not read"),
-                },
-            );
+            let what = match name.as_str() {
+                "KHR_lights_punctual" => {
+                    "lights (`KHR_lights_punctual`) are left out: light comes from emissive surfaces".into()
+                }
+                "EXT_mesh_gpu_instancing" => "instances (`EXT_mesh_gpu_instancing`) are left out".into(),
+                name => format!("`{name}` is not read"),
+            };
+            notes.add(&place.key("extensions"), what);
         }
     }
     if root.scenes.len() > 1 {
-        notes.add(&place.key("scenes"), "the file has several scenes: one is shown".into());
+        notes.add(&place.key("scenes"), "the file has several scenes: one is shown");
     }
 }

@@ -1,20 +1,20 @@
 //! Textures of glTF materials: images, filters, and the transform of texture coordinates.
 //!
-//! For: [`Reference`], [`UvMap`], [`load`].
+//! For: [`Reference`], [`UvMap`], [`Images`].
 
 use super::super::builder::SceneBuilder;
 use super::super::files::Files;
 use super::super::json::{JsonPath, Source};
 use super::super::notes::Notes;
 use super::bytes;
-use glam::{DVec2, Vec2};
+use glam::{DVec3, Vec2};
 use gltf_json::Root;
-use gltf_json::texture::{Info, MagFilter, WrappingMode};
+use gltf_json::image::Image;
+use gltf_json::texture::{Info, MagFilter, Texture, WrappingMode};
 use gltf_json::validation::Checked;
 use octray_engine::math::portable;
 use octray_engine::scene::{Filter, TexelKind, Texels};
 use serde_json::{Map, Value};
-use std::path::{Path, PathBuf};
 
 /// The transform of texture coordinates (`KHR_texture_transform`): scaled, rotated, offset.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -36,8 +36,8 @@ impl UvMap {
     pub fn apply(&self, [u, v]: [f64; 2]) -> Vec2 {
         let (sin, cos) = portable::sin_cos(self.rotation);
         let (u, v) = (u * self.scale[0], v * self.scale[1]);
-        let uv = DVec2::new(cos * u + sin * v + self.offset[0], cos * v - sin * u + self.offset[1]);
-        Vec2::new(uv.x as f32, (1.0 - uv.y) as f32)
+        let (u, v) = (cos * u + sin * v + self.offset[0], cos * v - sin * u + self.offset[1]);
+        Vec2::new(u as f32, (1.0 - v) as f32)
     }
     fn of(value: &Value) -> Self {
         let two = |key: &str, default: f64| {
@@ -85,77 +85,80 @@ pub struct Images<'a> {
     pub files: &'a Files,
 }
 
-/// What is made of a texture's texels before they are kept: `None`, nothing; else the factor of a normal
-/// map's slopes.
-pub type Slopes = Option<f32>;
-
-/// Loads a texture; `None`, with a note, where it cannot be used. A model's shape is visible without it.
-pub fn load(
-    images: &Images,
-    texture: usize,
-    (kind, slopes): (TexelKind, Slopes),
-    place: &JsonPath,
-    builder: &mut SceneBuilder,
-    notes: &mut Notes,
-) -> Option<u32> {
-    let Some(file) = images.root.textures.get(texture) else {
-        notes.add(place, format!("there is no texture {texture}"));
-        return None;
-    };
-    let root = JsonPath::Root;
-    let samplers = root.key("samplers");
-    let sampler =
-        file.sampler.and_then(|index| Some((index.value(), images.root.samplers.get(index.value())?)));
-    let mut filter = Filter::Bilinear;
-    if let Some((index, sampler)) = sampler {
-        if matches!(sampler.mag_filter, Some(Checked::Valid(MagFilter::Nearest))) {
-            filter = Filter::Nearest;
+impl Images<'_> {
+    /// Loads a texture; `None`, with a note, where it cannot be used. A model's shape is visible without it. The
+    /// slopes of a normal map are multiplied by `slopes`.
+    pub fn load(
+        &self,
+        texture: usize,
+        kind: TexelKind,
+        slopes: Option<f32>,
+        place: &JsonPath,
+        builder: &mut SceneBuilder,
+        notes: &mut Notes,
+    ) -> Option<u32> {
+        let Some(file) = self.root.textures.get(texture) else {
+            notes.add(place, format!("there is no texture {texture}"));
+            return None;
+        };
+        let root = self.source.root();
+        let filter = self.filter(file, notes);
+        let index = file.source.value();
+        let Some(image) = self.root.images.get(index) else {
+            let what = "a texture without a PNG or JPEG image is left out";
+            notes.add(&root.key("textures").item(texture), what);
+            return None;
+        };
+        let model = self.source.file;
+        let loaded = match &image.uri {
+            Some(uri) if slopes.is_none() && !bytes::is_data(uri) => {
+                let path = bytes::path(uri, model);
+                builder.textures.load(self.files, &path, &bytes::decoded(uri), filter, kind)
+            }
+            _ => {
+                let name = model.file_name().unwrap_or_default().to_string_lossy();
+                let scaled = slopes.map_or(String::new(), |scale| format!(", slopes times {scale}"));
+                let path = model.with_file_name(format!("{name} image {index}{scaled}"));
+                let change = |texels| match slopes {
+                    Some(scale) => scale_slopes(&texels, scale),
+                    None => texels,
+                };
+                builder.textures.load_embedded(|| self.content(image), &path, filter, kind, change)
+            }
+        };
+        if let Err(reason) = &loaded {
+            notes.add(&root.key("images").item(index), format!("the image is left out: {reason}"));
         }
+        loaded.ok()
+    }
+
+    /// Notes what of the texture's sampler is left out.
+    fn filter(&self, texture: &Texture, notes: &mut Notes) -> Filter {
+        let index = texture.sampler.map(|index| index.value());
+        let sampler = index.and_then(|index| Some((index, self.root.samplers.get(index)?)));
+        let Some((index, sampler)) = sampler else { return Filter::Bilinear };
         let repeats = Checked::Valid(WrappingMode::Repeat);
         if sampler.wrap_s != repeats || sampler.wrap_t != repeats {
-            notes.add(
-                &samplers.item(index),
-                "textures repeat here: clamping and mirroring are not read".into(),
-            );
+            let what = "textures repeat here: clamping and mirroring are not read";
+            notes.add(&self.source.root().key("samplers").item(index), what);
+        }
+        match sampler.mag_filter {
+            Some(Checked::Valid(MagFilter::Nearest)) => Filter::Nearest,
+            _ => Filter::Bilinear,
         }
     }
-    let index = file.source.value();
-    let Some(image) = images.root.images.get(index) else {
-        let list = root.key("textures");
-        notes.add(&list.item(texture), "a texture without a PNG or JPEG image is left out".into());
-        return None;
-    };
-    let model = images.source.file;
-    let name = model.file_name().unwrap_or_default().to_string_lossy();
-    let loaded = match &image.uri {
-        Some(uri) if slopes.is_none() && bytes::data(uri).is_none() => {
-            let path = bytes::path(uri, model);
-            builder.textures.load(images.files, &path, &bytes::decoded(uri), filter, kind)
+
+    fn content(&self, image: &Image) -> Result<Vec<u8>, String> {
+        match (&image.uri, image.buffer_view) {
+            (Some(uri), _) => bytes::from_uri(uri, self.source.file, self.files),
+            (None, Some(view)) => {
+                let view = self.root.buffer_views.get(view.value());
+                let bytes = view.and_then(|view| bytes::view(view, self.buffers));
+                bytes.map(<[u8]>::to_vec).ok_or_else(|| "it reaches beyond its buffer".to_string())
+            }
+            (None, None) => Err("it has no data".to_string()),
         }
-        uri => {
-            let content = || match (uri, image.buffer_view) {
-                (Some(uri), _) => bytes::from_uri(uri, model, images.files),
-                (None, Some(view)) => {
-                    let view = images.root.buffer_views.get(view.value());
-                    let bytes = view.and_then(|view| bytes::view(view, images.buffers));
-                    bytes.map(<[u8]>::to_vec).ok_or_else(|| "it reaches beyond its buffer".to_string())
-                }
-                (None, None) => Err("it has no data".to_string()),
-            };
-            let scaled = slopes.map_or(String::new(), |scale| format!(", slopes times {scale}"));
-            let path: PathBuf = model.with_file_name(format!("{name} image {index}{scaled}"));
-            builder.textures.load_embedded(content, Path::new(&path), filter, kind, |texels| match slopes {
-                Some(scale) => scale_slopes(&texels, scale),
-                None => texels,
-            })
-        }
-    };
-    loaded
-        .map_err(|reason| {
-            let list = root.key("images");
-            notes.add(&list.item(index), format!("the image is left out: {reason}"));
-        })
-        .ok()
+    }
 }
 
 /// A normal map with the slopes of its normals multiplied.
@@ -163,9 +166,8 @@ fn scale_slopes(texels: &Texels, scale: f32) -> Texels {
     let scaled = (0..texels.len()).map(|index| {
         let [x, y, z] = texels.linear(index).map(|channel| 2.0 * channel - 1.0);
         let scale = f64::from(scale);
-        let normal = glam::DVec3::new(x * scale, y * scale, z);
-        let [x, y, z] =
-            normal.try_normalize().unwrap_or(glam::DVec3::Z).to_array().map(|c| (0.5 * c + 0.5) as f32);
+        let normal = DVec3::new(x * scale, y * scale, z).try_normalize().unwrap_or(DVec3::Z);
+        let [x, y, z] = normal.to_array().map(|c| (0.5 * c + 0.5) as f32);
         [x, y, z, 0.0]
     });
     Texels::Float32(scaled.collect())

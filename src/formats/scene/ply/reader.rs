@@ -6,7 +6,7 @@ use super::super::error::SceneError;
 use std::path::Path;
 
 #[derive(Clone, Copy, PartialEq, Eq)]
-pub enum Encoding {
+enum Encoding {
     Ascii,
     Little,
     Big,
@@ -74,13 +74,14 @@ pub struct Element {
 pub struct Reader<'a> {
     path: &'a Path,
     bytes: &'a [u8],
+    encoding: Encoding,
     at: usize,
     line: usize,
 }
 
 impl<'a> Reader<'a> {
     pub fn new(path: &'a Path, bytes: &'a [u8]) -> Self {
-        Self { path, bytes, at: 0, line: 0 }
+        Self { path, bytes, encoding: Encoding::Ascii, at: 0, line: 0 }
     }
     pub fn fault(&self, what: impl Into<String>, mend: impl Into<String>) -> SceneError {
         SceneError::new(what)
@@ -105,10 +106,14 @@ impl<'a> Reader<'a> {
         self.line += 1;
         Some(rest[..end].trim_ascii())
     }
+    /// How many numbers come next of a property.
+    pub fn count(&mut self, property: &Property) -> Result<u64, SceneError> {
+        property.list.map_or(Ok(1), |length| Ok(self.number(length)? as u64))
+    }
     /// The next number.
     #[inline]
-    pub fn number(&mut self, scalar: Scalar, encoding: Encoding) -> Result<f64, SceneError> {
-        if encoding == Encoding::Ascii {
+    pub fn number(&mut self, scalar: Scalar) -> Result<f64, SceneError> {
+        if self.encoding == Encoding::Ascii {
             let space = self.rest().iter().position(|byte| !byte.is_ascii_whitespace());
             let skipped = &self.rest()[..space.ok_or_else(|| self.ends_early())?];
             self.line += skipped.iter().filter(|&&byte| byte == b'\n').count();
@@ -125,7 +130,7 @@ impl<'a> Reader<'a> {
         let mut raw = [0; 8];
         let size = scalar.bytes();
         raw[..size].copy_from_slice(self.rest().get(..size).ok_or_else(|| self.ends_early())?);
-        if encoding == Encoding::Big {
+        if self.encoding == Encoding::Big {
             raw[..size].reverse();
         }
         self.at += size;
@@ -143,7 +148,7 @@ impl<'a> Reader<'a> {
     }
 
     /// Everything up to `end_header`.
-    pub fn header(&mut self) -> Result<(Encoding, Vec<Element>), SceneError> {
+    pub fn header(&mut self) -> Result<Vec<Element>, SceneError> {
         const MEND: &str = "export the model again as PLY 1.0";
         if self.next_line() != Some(b"ply") {
             let what = "this is not a PLY file: its first line is not `ply`";
@@ -186,23 +191,20 @@ impl<'a> Reader<'a> {
                 _ => return Err(self.fault(format!("`{line}` does not belong into a header"), MEND)),
             }
         }
-        let encoding = encoding.ok_or_else(|| self.fault("the header has no `format`", MEND))?;
+        self.encoding = encoding.ok_or_else(|| self.fault("the header has no `format`", MEND))?;
         // Numbers begin on the next line.
         self.line += 1;
-        Ok((encoding, elements))
+        Ok(elements)
     }
 
     /// Refuses more elements than the rest of the file can hold.
-    pub fn check_count(&self, element: &Element, encoding: Encoding) -> Result<(), SceneError> {
-        let least: usize = match encoding {
-            // A digit and a space each.
-            Encoding::Ascii => 2 * element.properties.len(),
-            _ => element
-                .properties
-                .iter()
-                .map(|property| property.list.unwrap_or(property.scalar).bytes())
-                .sum(),
-        };
+    pub fn check_count(&self, element: &Element) -> Result<(), SceneError> {
+        let least = element.properties.iter().map(|property| match self.encoding {
+            // A digit and a space.
+            Encoding::Ascii => 2,
+            Encoding::Little | Encoding::Big => property.list.unwrap_or(property.scalar).bytes(),
+        });
+        let least: usize = least.sum();
         let needed = least.checked_mul(element.count);
         // The last number of a file has no space behind it.
         if needed.is_none_or(|needed| needed > self.rest().len() + 1) {

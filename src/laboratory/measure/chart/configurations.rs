@@ -11,7 +11,7 @@ use crate::render::{PipelineChoice, Renderer, Settings};
 use crate::sampling::Sampler;
 use crate::scene::{Filter, Scene};
 use crate::traverse::batch::Traversal;
-use crate::traverse::{BoxChoice, SphereChoice, TraversalChoice, TriangleChoice, linear};
+use crate::traverse::{BoxChoice, SphereChoice, TraversalChoice, TriangleChoice, list_cost};
 use serde::Serialize;
 
 /// Settings under a name.
@@ -80,11 +80,7 @@ pub const GROUPS: [(Group, &[(&str, &str)]); 3] = [
             ("adaptive", "more samples where the estimated error is larger: --target-error"),
             ("lights off", "no next event estimation: --lights off"),
             ("lights on", "next event estimation of every emitter that can be sampled: --lights on"),
-            (
-                "lights by power",
-                "emitters chosen by power alone, each triangle by itself, and no rays guided to borders and \
-                 images of lights: --lights power",
-            ),
+            ("lights by power", "emitters chosen by power alone, each triangle by itself: --lights power"),
             (
                 "trilinear",
                 "bilinear textures with levels of detail: the filter trilinear of a scene's textures",
@@ -128,8 +124,7 @@ impl Group {
     }
 }
 
-/// Largest cost of testing every primitive that is charted, in sphere tests as [`linear::cost`]
-/// counts.
+/// Largest cost of testing every primitive that is charted, in sphere tests as [`list_cost`] counts.
 const MOST_LINEAR: usize = 4_000;
 
 /// The configurations that can differ on this scene, the default first. `settings` are those of the default.
@@ -143,7 +138,7 @@ pub fn of_scene(scene: &Scene, settings: Settings) -> Vec<Configuration> {
     let renderer = Renderer::new(scene, settings);
     let default_picture = first_sample(&renderer);
     let hierarchy = settings.methods.traversal_of(scene, settings.lanes).is_some();
-    let linear = linear::cost(scene) <= MOST_LINEAR;
+    let linear = list_cost(scene) <= MOST_LINEAR;
 
     let mut all = vec![default.clone()];
     let mut add = |name, applies: bool, change: &dyn Fn(&mut Configuration)| {

@@ -1,6 +1,6 @@
-//! Text in lines that a terminal of ordinary width shows whole.
+//! Text for terminals of ordinary width: paragraphs, and rows of tables.
 //!
-//! For: [`paragraph`], [`item`], [`row_name`] and its [`NAME`].
+//! For: [`paragraph`], [`item`], [`row`].
 
 use textwrap::{Options, WordSplitter};
 
@@ -23,12 +23,18 @@ pub fn item(name: &str, name_width: usize, text: &str) -> String {
     textwrap::fill(text, options().initial_indent(&first).subsequent_indent(&further)) + "\n"
 }
 
-/// Columns of the scene's name in tables that have a row for each scene.
-pub const NAME: usize = 24;
-
-/// A scene's name in its [`NAME`] columns; a longer one in a line above its row.
-pub fn row_name(name: &str) -> String {
-    if name.chars().count() < NAME { format!("{name:<NAME$}") } else { format!("{name}\n{:NAME$}", "") }
+/// A row of a table: cells in columns of these widths, negative where they stand on the left. A first cell that
+/// is too long has a line of its own above.
+pub fn row(widths: &[isize], cells: impl IntoIterator<Item = impl AsRef<str>>) -> String {
+    let mut row = String::new();
+    for (cell, &width) in cells.into_iter().zip(widths) {
+        let (cell, columns) = (cell.as_ref(), width.unsigned_abs());
+        row += &if width > 0 { format!("{cell:>columns$}") } else { format!("{cell:<columns$}") };
+        if row.chars().count() > columns && row.len() == cell.len() {
+            row += &format!("\n{:columns$}", "");
+        }
+    }
+    row + "\n"
 }
 
 #[cfg(test)]
@@ -49,9 +55,9 @@ mod tests {
     }
 
     #[test]
-    fn row_name_keeps_columns_in_place() {
-        assert_eq!(row_name("abc"), "abc".to_owned() + &" ".repeat(NAME - 3));
-        let long = "x".repeat(NAME);
-        assert_eq!(row_name(&long), long + "\n" + &" ".repeat(NAME));
+    fn row_keeps_columns_in_place() {
+        assert_eq!(row(&[-5, 4, 0], ["abc", "d", " and"]), "abc     d and\n");
+        assert_eq!(row(&[-5, 4], ["abcdé", "f"]), "abcdé   f\n");
+        assert_eq!(row(&[-5, 4], ["abcdef", "g"]), "abcdef\n        g\n");
     }
 }

@@ -1,0 +1,308 @@
+//! Every ray against every primitive: fastest for small scenes, and the result that every other traversal
+//! must equal.
+//!
+//! Spheres and triangles have a loop over the rays each. In short loops the processor works on several
+//! packets at a time, and what a ray needs stays in registers: with 16 lanes 1.03 to 1.1 times as fast as one
+//! loop in scenes that have both; with 8 there is no difference.
+
+use super::counter::Counter;
+use super::hierarchy::padding_of;
+use super::methods::{Methods, SphereChoice, TriangleChoice};
+use super::primitive_list::PrimitiveList;
+use super::rays::{Hits, Rays};
+use crate::buffers::store_triangles;
+use crate::kernel::ray_box::{Padding, Slabs, own_box};
+use crate::kernel::ray_sphere::{Naive, Robust, SphereMethod};
+use crate::kernel::ray_triangle::{MollerTrumbore, PairHit, TriangleHit, TriangleMethod, Woop};
+use crate::kernel::sphere_culling::{CulledSphere, SphereCulling};
+use crate::lane::{Bits, Lane, Mask};
+use crate::math::{Hit, Ray, Vec3};
+use crate::scene::Scene;
+
+/// From this many spheres on, those that no ray of a packet may hit are culled first. Culling costs about
+/// half a test. Packets always compute the root, so culling pays sooner than for single rays, which skip it
+/// where they miss.
+const fn min_culled_spheres(width: usize) -> usize {
+    if width == 1 { 16 } else { 8 }
+}
+
+/// How many spheres are culled at a time.
+const CHUNK: usize = 64;
+
+/// All primitives of a scene, in the order of their numbers.
+pub struct List {
+    sphere: SphereChoice,
+    spheres: Vec<Sphere>,
+    triangles: Triangles,
+    padding: Padding,
+}
+
+/// A sphere, for the test and for culling before it.
+#[derive(Clone, Copy)]
+#[repr(align(32))]
+struct Sphere {
+    center: glam::Vec3,
+    radius2: f32,
+    culled: CulledSphere,
+}
+
+/// The triangles as the chosen method stores them.
+enum Triangles {
+    Woop(Vec<<Woop as TriangleMethod>::Stored>),
+    MollerTrumbore(Vec<<MollerTrumbore as TriangleMethod>::Stored>),
+}
+
+impl List {
+    /// Stores a scene's primitives for the intersection methods chosen.
+    pub fn new(scene: &Scene, methods: Methods) -> Self {
+        let sphere = |sphere: &crate::scene::Sphere| Sphere {
+            center: sphere.center,
+            radius2: sphere.radius * sphere.radius,
+            culled: CulledSphere::new(sphere.center, sphere.radius),
+        };
+        Self {
+            sphere: methods.sphere,
+            spheres: scene.spheres.iter().map(sphere).collect(),
+            triangles: match methods.triangle {
+                TriangleChoice::Woop => Triangles::Woop(store_triangles::<Woop>(scene)),
+                TriangleChoice::MollerTrumbore | TriangleChoice::BaldwinWeber => {
+                    Triangles::MollerTrumbore(store_triangles::<MollerTrumbore>(scene))
+                }
+            },
+            padding: padding_of(scene),
+        }
+    }
+
+    /// The numbers of spheres and triangles that [`List::trace`] tests each ray against.
+    fn tests(&self, listed: Option<&PrimitiveList>) -> [usize; 2] {
+        if let Some(listed) = listed {
+            return [listed.spheres.len(), listed.triangles.len()];
+        }
+        let triangles = match &self.triangles {
+            Triangles::Woop(stored) => stored.len(),
+            Triangles::MollerTrumbore(stored) => stored.len(),
+        };
+        [self.spheres.len(), triangles]
+    }
+
+    /// Improves the hits of all rays by testing every primitive, or those that are `listed`: then they hold
+    /// all that the rays can hit. A `counter` counts the tests.
+    pub fn trace<L: Lane>(
+        &self,
+        rays: &Rays,
+        hits: &mut Hits,
+        listed: Option<&PrimitiveList>,
+        counter: Option<&Counter>,
+    ) {
+        if let Some(counter) = counter {
+            counter.list(self.tests(listed), rays.len().div_ceil(L::WIDTH), rays.len());
+        }
+        match self.sphere {
+            SphereChoice::Robust => self.trace_spheres::<L, Robust>(rays, hits, listed),
+            SphereChoice::Naive => self.trace_spheres::<L, Naive>(rays, hits, listed),
+        }
+        match &self.triangles {
+            Triangles::Woop(stored) => self.trace_triangles::<L, Woop>(stored, rays, hits, listed),
+            Triangles::MollerTrumbore(stored) => {
+                self.trace_triangles::<L, MollerTrumbore>(stored, rays, hits, listed);
+            }
+        }
+    }
+
+    fn trace_spheres<L: Lane, S: SphereMethod>(
+        &self,
+        rays: &Rays,
+        hits: &mut Hits,
+        listed: Option<&PrimitiveList>,
+    ) {
+        let all = &*self.spheres;
+        match listed {
+            None => trace_spheres::<L, S>(all, (0u32..).zip(all), all.len(), rays, hits),
+            Some(PrimitiveList { spheres, .. }) => {
+                let listed = spheres.iter().map(|&number| (number, &all[number as usize]));
+                trace_spheres::<L, S>(all, listed, spheres.len(), rays, hits);
+            }
+        }
+    }
+
+    fn trace_triangles<L: Lane, T: TriangleMethod>(
+        &self,
+        all: &[T::Stored],
+        rays: &Rays,
+        hits: &mut Hits,
+        listed: Option<&PrimitiveList>,
+    ) {
+        let first = self.spheres.len() as u32;
+        match listed {
+            None if all.is_empty() => (),
+            None => trace_triangles::<L, T>((first..).zip(all), self.padding, rays, hits),
+            Some(PrimitiveList { triangles, .. }) if triangles.is_empty() => (),
+            Some(PrimitiveList { triangles, .. }) => {
+                let listed = triangles.iter().map(|&index| (first + index, &all[index as usize]));
+                trace_triangles::<L, T>(listed, self.padding, rays, hits);
+            }
+        }
+    }
+}
+
+/// Finds the nearest of the spheres that each ray hits. A later sphere replaces a hit only if it is strictly
+/// nearer, so the lower number wins ties.
+///
+/// Shapes: packets of `WIDTH` rays; one sphere at a time is broadcast to all lanes.
+#[inline(never)]
+fn trace_spheres<'a, L: Lane, S: SphereMethod>(
+    all: &[Sphere],
+    spheres: impl Iterator<Item = (u32, &'a Sphere)> + Clone,
+    count: usize,
+    rays: &Rays,
+    hits: &mut Hits,
+) {
+    if count == 0 {
+        return;
+    }
+    let are_culled = S::MAY_CULL && count >= min_culled_spheres(L::WIDTH);
+    for at in (0..rays.len()).step_by(L::WIDTH) {
+        let ray = rays.packet::<L>(at);
+        let (t, primitive) = hits.nearest(at);
+        let mut tests = SphereTests::<L, S> { ray: S::prepare(&ray), t, primitive };
+        if are_culled {
+            let culling = SphereCulling::new(&ray);
+            for chunk in (0..count).step_by(CHUNK) {
+                let (mut near, mut found) = ([0; CHUNK], 0);
+                for (number, sphere) in spheres.clone().skip(chunk).take(CHUNK) {
+                    // Always written, and counted only if it is near: no branch.
+                    near[found % CHUNK] = number;
+                    found += usize::from(culling.may_hit(&sphere.culled).any());
+                }
+                for &number in &near[..found.min(CHUNK)] {
+                    tests.test(number, &all[number as usize]);
+                }
+            }
+        } else {
+            spheres.clone().for_each(|(number, sphere)| tests.test(number, sphere));
+        }
+        hits.store_nearest(at, tests.t, tests.primitive);
+    }
+}
+
+/// The tests of a packet against spheres in turn.
+struct SphereTests<L: Lane, S: SphereMethod> {
+    ray: S::Prepared<L>,
+    /// The nearest hits so far: t, and the index of the primitive.
+    t: L,
+    primitive: L::Bits,
+}
+
+impl<L: Lane, S: SphereMethod> SphereTests<L, S> {
+    #[inline(always)]
+    fn test(&mut self, number: u32, sphere: &Sphere) {
+        let (meets, equation) = S::equation(&self.ray, Vec3::splat(sphere.center), L::splat(sphere.radius2));
+        // Only of a single ray the rest of the test is skipped. Whether any ray of a packet meets a sphere is
+        // often predicted wrong, which costs more than a square root and a division.
+        if L::WIDTH == 1 && !meets.any() {
+            return;
+        }
+        let (nearer, t) = S::solve(&self.ray, (meets, equation), self.t);
+        self.t = L::select(nearer, t, self.t);
+        self.primitive = L::Bits::select(nearer, L::Bits::splat(number), self.primitive);
+    }
+}
+
+/// Finds the nearest of the triangles that each ray hits, or keeps what it has hit before where no triangle
+/// is strictly nearer. An iterator and no closure gives the triangles: a test is so much code that a closure
+/// with it would not be inlined into the loop (4 % more instructions in boxes).
+///
+/// Shapes: packets of `WIDTH` rays; one triangle, or two that share an edge, at a time is broadcast to all
+/// lanes.
+#[inline(never)]
+fn trace_triangles<'a, L: Lane, T: TriangleMethod>(
+    triangles: impl Iterator<Item = (u32, &'a T::Stored)> + Clone,
+    padding: Padding,
+    rays: &Rays,
+    hits: &mut Hits,
+) {
+    for at in (0..rays.len()).step_by(L::WIDTH) {
+        let (t, primitive) = hits.nearest(at);
+        let (ray, mut hit) = (rays.packet::<L>(at), Hit { t, primitive, u: L::zero(), v: L::zero() });
+        let prepared = T::prepare(&ray);
+        let mut triangles = triangles.clone().peekable();
+        while let Some((number, triangle)) = triangles.next() {
+            if T::is_linked(triangle)
+                && let Some(&(next, second)) = triangles.peek()
+                && next == number + 1
+                && let Some(found) = T::test_pair(&prepared, [triangle, second])
+            {
+                triangles.next();
+                keep_pair_if_nearer::<L, T>(&mut hit, &ray, padding, number, [triangle, second], found);
+            } else {
+                test_triangle::<L, T>(&mut hit, &ray, &prepared, padding, number, triangle);
+            }
+        }
+        hits.store(at, &hit);
+    }
+}
+
+/// Keeps the hits of one triangle that are nearer than those found before.
+#[inline(always)]
+fn test_triangle<L: Lane, T: TriangleMethod>(
+    hit: &mut Hit<L>,
+    ray: &Ray<L>,
+    prepared: &T::Prepared<L>,
+    padding: Padding,
+    number: u32,
+    triangle: &T::Stored,
+) {
+    let corners = T::own_box(triangle);
+    let limit = if corners.is_some() { L::splat(f32::INFINITY) } else { hit.t };
+    let found = T::test(prepared, triangle, limit);
+    if found.mask.any() {
+        let corners = corners.map(|[lo, hi]| [Vec3::splat(lo), Vec3::splat(hi)]);
+        keep_if_nearer(hit, ray, padding, L::Bits::splat(number), corners, found);
+    }
+}
+
+/// [`test_triangle`] of a pair that was tested.
+#[inline(always)]
+fn keep_pair_if_nearer<L: Lane, T: TriangleMethod>(
+    hit: &mut Hit<L>,
+    ray: &Ray<L>,
+    padding: Padding,
+    number: u32,
+    [first, second]: [&T::Stored; 2],
+    PairHit { hit: found, is_second }: PairHit<L>,
+) {
+    if !found.mask.any() {
+        return;
+    }
+    let of = |first: f32, second: f32| L::select(is_second, L::splat(second), L::splat(first));
+    let corner = |first: glam::Vec3, second: glam::Vec3| {
+        Vec3::new(of(first.x, second.x), of(first.y, second.y), of(first.z, second.z))
+    };
+    let corners = match (T::own_box(first), T::own_box(second)) {
+        (Some(first), Some(second)) => Some([corner(first[0], second[0]), corner(first[1], second[1])]),
+        _ => None,
+    };
+    let number = L::Bits::select(is_second, L::Bits::splat(number + 1), L::Bits::splat(number));
+    keep_if_nearer(hit, ray, padding, number, corners, found);
+}
+
+/// Keeps what was found where it is nearer than what was found before, within the triangles' own boxes.
+#[inline(always)]
+fn keep_if_nearer<L: Lane>(
+    hit: &mut Hit<L>,
+    ray: &Ray<L>,
+    padding: Padding,
+    number: L::Bits,
+    corners: Option<[Vec3<L>; 2]>,
+    found: TriangleHit<L>,
+) {
+    let (mask, t) = match corners {
+        // Slabs are computed here and not once a packet: few packets hit a triangle's plane inside its edges.
+        Some([lo, hi]) => own_box(&Slabs::new(ray, padding), (lo, hi), found.mask, found.t, hit.t),
+        None => (found.mask & found.t.lt(hit.t), found.t),
+    };
+    hit.t = L::select(mask, t, hit.t);
+    hit.primitive = L::Bits::select(mask, number, hit.primitive);
+    hit.u = L::select(mask, found.u, hit.u);
+    hit.v = L::select(mask, found.v, hit.v);
+}

@@ -75,28 +75,26 @@ pub(crate) fn pixels(size: [u32; 2]) -> Vec<[u32; 2]> {
 }
 
 impl RaySet {
-    fn with_capacity(kind: Kind, rays: usize) -> Self {
-        let column = || Vec::with_capacity(rays);
-        let columns = || [column(), column(), column()];
-        Self { kind, origin: columns(), direction: columns(), t_max: column() }
-    }
-
-    fn push(&mut self, ray: Ray<f32>, t_max: f32) {
-        let Ray { origin, direction } = ray;
-        self.origin.iter_mut().zip([origin.x, origin.y, origin.z]).for_each(|(column, x)| column.push(x));
-        let components = [direction.x, direction.y, direction.z];
-        self.direction.iter_mut().zip(components).for_each(|(column, x)| column.push(x));
-        self.t_max.push(t_max);
+    /// Of rays, each with its t_max.
+    fn of(kind: Kind, rays: impl Iterator<Item = (Ray<f32>, f32)>) -> Self {
+        let columns = || [const { Vec::new() }; 3];
+        let mut set = Self { kind, origin: columns(), direction: columns(), t_max: Vec::new() };
+        for (Ray { origin, direction }, t_max) in rays {
+            for (columns, vector) in [(&mut set.origin, origin), (&mut set.direction, direction)] {
+                columns.iter_mut().zip(vector.get(0).to_array()).for_each(|(column, x)| column.push(x));
+            }
+            set.t_max.push(t_max);
+        }
+        set
     }
 
     /// The rays through the centres of these pixels.
     pub fn primary(camera: &Pinhole, pixels: &[[u32; 2]]) -> Self {
-        let mut set = Self::with_capacity(Kind::Primary, pixels.len());
-        for pixel in pixels {
+        let ray = |pixel: &[u32; 2]| {
             let [x, y] = pixel.map(|x| x as f32 + 0.5);
-            set.push(camera.rays(x, y), f32::INFINITY);
-        }
-        set
+            (camera.rays(x, y), f32::INFINITY)
+        };
+        Self::of(Kind::Primary, pixels.iter().map(ray))
     }
 
     /// One ray of this kind from every hit of the primary rays through `pixels`, in their order. `width`:
@@ -116,18 +114,17 @@ impl RaySet {
             Kind::Shadow => ((SHADOW_T_MAX * (upper - lower).length()) as f32, 0),
             _ => (f32::INFINITY, 1),
         };
-        let mut set = Self::with_capacity(kind, answers.count());
-        for (at, &[x, y]) in pixels.iter().enumerate() {
+        let ray = |(at, &[x, y]): (usize, &[u32; 2])| {
             let hit = answers.get(at);
-            if hit.primitive != MISS {
+            (hit.primitive != MISS).then(|| {
                 let (origin, normal) = secondary_origin(scene, &rays.rays().packet::<f32>(at), &hit);
                 let key = path_key(seed, y * width + x, 0);
                 let random = |number: u32| uniform::<f32>(key, bounce(event) + DIRECTION + number);
                 let direction = sample_cosine_hemisphere(normal, random(0), random(1));
-                set.push(Ray { origin, direction }, t_max);
-            }
-        }
-        set
+                (Ray { origin, direction }, t_max)
+            })
+        };
+        Self::of(kind, pixels.iter().enumerate().filter_map(ray))
     }
 
     /// Number of rays.

@@ -10,9 +10,9 @@ use crate::wording::grouped;
 
 /// The drawings of a recipe: failures, and errors where they are measured.
 pub fn drawings(outcome: &Outcome) -> Vec<Drawing> {
-    let failures = Drawing { name: outcome.recipe.to_string(), svg: failures(outcome).svg() };
-    let errors = outcome.error.map(|error| Drawing {
-        name: format!("{}-error", outcome.recipe),
+    let failures = Drawing { name: outcome.recipe.name.to_string(), svg: failures(outcome).svg() };
+    let errors = outcome.recipe.error.map(|error| Drawing {
+        name: format!("{}-error", outcome.recipe.name),
         svg: errors(outcome, error).svg(),
     });
     std::iter::once(failures).chain(errors).collect()
@@ -22,7 +22,7 @@ fn failures(outcome: &Outcome) -> Figure {
     let tested = outcome.curves.iter().flat_map(|curve| &curve.points).map(|point| point.tested);
     let least = tested.min().unwrap_or(0).max(1);
     let seen = format!("{} cases a point: one failure is {}.", grouped(least), percent(1.0 / least as f64));
-    let mut notes = vec![format!("Failure: {}.", outcome.failure), seen];
+    let mut notes = vec![format!("Failure: {}.", outcome.recipe.failure), seen];
     let open = in_order(outcome).flat_map(|curve| &curve.points).filter(|point| point.promises_nothing());
     let open: Vec<String> = open.map(|point| format!("{:e}", point.x)).collect();
     if !open.is_empty() {
@@ -72,9 +72,9 @@ fn figure(
     };
     let lines = in_order(outcome).enumerate().map(line).collect();
     Figure {
-        title: outcome.title.to_string(),
+        title: outcome.recipe.title.to_string(),
         notes,
-        x: outcome.axis.to_string(),
+        x: outcome.recipe.axis.to_string(),
         y: y.to_string(),
         panels: vec![Panel { lines, ..Panel::default() }],
     }
@@ -83,6 +83,7 @@ fn figure(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::measure::stability::Recipe;
 
     #[test]
     fn drawings_show_every_method_and_mark_the_default() {
@@ -101,13 +102,9 @@ mod tests {
             default,
             points: vec![point(1.0, 0, Some(1e-6)), point(10.0, 5, None)],
         };
+        let recipe = |error| &*Box::leak(Box::new(Recipe { name: "far", error, ..Recipe::COMMON }));
         let outcome = Outcome {
-            recipe: "far",
-            title: "Far away",
-            axis: "distance",
-            failure: "missed",
-            error: Some("|Δt|"),
-            source: "somebody",
+            recipe: recipe(Some("|Δt|")),
             holds: true,
             curves: vec![curve("robust", true), curve("naive", false)],
         };
@@ -123,6 +120,6 @@ mod tests {
         );
         assert!(failures.lines[0].name.contains("default") && !failures.lines[1].name.contains("default"));
         assert_eq!((&errors.lines[1].points[..], errors.lines[0].band.len()), (&[[1.0, 1e-6]][..], 1));
-        assert_eq!(super::drawings(&Outcome { error: None, ..outcome }).len(), 1);
+        assert_eq!(super::drawings(&Outcome { recipe: recipe(None), ..outcome }).len(), 1);
     }
 }

@@ -5,7 +5,7 @@
 use super::numbers::percent;
 use super::text::row;
 use crate::machine::Machine;
-use crate::measure::stability::{Bound, Curve, Outcome, Point};
+use crate::measure::stability::{Bound, Curve, Outcome, Point, Recipe};
 use crate::wording::{counted, grouped};
 use serde::Serialize;
 use std::fmt::Write;
@@ -31,8 +31,9 @@ const FIGURE: usize = 8;
 
 /// A recipe: a row a method for its failures, and a second row for its error where that is measured.
 pub fn table(outcome: &Outcome) -> String {
-    let Outcome { recipe, title, axis, failure, error, curves, .. } = outcome;
-    let mut text = format!("\n{recipe}: {title}\n  %: {failure}");
+    let Outcome { recipe, curves, .. } = outcome;
+    let Recipe { name, title, axis, failure, error, .. } = recipe;
+    let mut text = format!("\n{name}: {title}\n  %: {failure}");
     if let Some(error) = error {
         let _ = write!(text, "; below it {error}, 99th percentile");
     }
@@ -77,7 +78,7 @@ fn place(x: f64) -> String {
 /// The tables in words.
 pub fn verdict(report: &Report) -> String {
     let failed: Vec<&str> =
-        report.recipes.iter().filter(|outcome| !outcome.holds).map(|outcome| outcome.recipe).collect();
+        report.recipes.iter().filter(|outcome| !outcome.holds).map(|outcome| outcome.recipe.name).collect();
     match failed[..] {
         [] => format!(
             "The default methods (*) keep their bounds in {}. In brackets: places where they have no bound.\n",
@@ -103,12 +104,7 @@ mod tests {
             bound: Some(Bound::NO_FAILURE),
         };
         Outcome {
-            recipe: "far",
-            title: "Far away",
-            axis: "distance",
-            failure: "missed",
-            error: Some("|Δt|"),
-            source: "somebody",
+            recipe: Box::leak(Box::new(Recipe { name: "far", error: Some("|Δt|"), ..Recipe::COMMON })),
             holds: point.holds(),
             curves: vec![Curve { method: "robust", default: true, points: vec![point] }],
         }

@@ -13,7 +13,6 @@ use crate::measure::quantiles::{Quantiles, Spread};
 use crate::render::Renderer;
 use crate::scene::Scene;
 use serde::Serialize;
-use std::hash::{DefaultHasher, Hasher};
 use std::time::{Duration, Instant};
 
 /// Fewest seeds behind a median.
@@ -90,8 +89,8 @@ struct Level {
     seconds: Vec<f64>,
     errors: Vec<Errors>,
     flip: Vec<f64>,
-    /// Fingerprint of each seed's picture.
-    bits: Vec<u64>,
+    /// Of each seed's picture.
+    hashes: Vec<u64>,
 }
 
 /// A configuration while it is measured.
@@ -205,7 +204,7 @@ impl<'a> Run<'a> {
             level.seconds.push(*seconds);
             level.errors.push(Errors::of(&picture, &ground_truth.small));
             level.flip.push(flip.against(&picture));
-            level.bits.push(fingerprint(&picture.pixels));
+            level.hashes.push(picture.hash());
         }
         self.done = level.samples * 2.0 > f64::from(most);
         self.targets += 1;
@@ -242,13 +241,6 @@ fn to_target(renderer: &Renderer, target: &Target) -> Film {
     film
 }
 
-/// A hash of the picture's bits.
-fn fingerprint(pixels: &[[f32; 3]]) -> u64 {
-    let mut hasher = DefaultHasher::new();
-    hasher.write(bytemuck::cast_slice(pixels));
-    hasher.finish()
-}
-
 /// The lines of all runs; the first run is the default.
 fn lines(runs: &[Run]) -> Vec<Line> {
     let curves: Vec<ErrorCurve> = runs.iter().map(Run::curve).collect();
@@ -273,7 +265,7 @@ fn lines(runs: &[Run]) -> Vec<Line> {
         };
         let unlike = || {
             let levels = run.levels.iter().zip(&default.levels);
-            levels.flat_map(|(a, b)| a.bits.iter().zip(&b.bits)).filter(|(a, b)| a != b).count()
+            levels.flat_map(|(a, b)| a.hashes.iter().zip(&b.hashes)).filter(|(a, b)| a != b).count()
         };
         Line {
             configuration: run.name(),

@@ -9,7 +9,7 @@
 
 use crate::camera::{Pinhole, Tile};
 use crate::kernel::surface::{sphere_offset, sphere_surface, triangle_normal, triangle_offset};
-use crate::math::{Hit, MISS, Ray, Vec3};
+use crate::math::{MISS, Ray, Vec3};
 use crate::sampling::dimension::{DIRECTION, bounce};
 use crate::sampling::random::{path_key, uniform};
 use crate::sampling::warp::sample_cosine_hemisphere;
@@ -142,7 +142,7 @@ impl RaySet {
 }
 
 /// Origin of a secondary ray at a hit, and the unit normal on the side from which the first ray arrives.
-pub(super) fn secondary_origin(scene: &Scene, ray: &Ray<f32>, hit: &Hit<f32>) -> (Vec3<f32>, Vec3<f32>) {
+pub(super) fn secondary_origin(scene: &Scene, ray: &Ray<f32>, hit: &Answer) -> (Vec3<f32>, Vec3<f32>) {
     let number = hit.primitive as usize;
     let (point, outward, offset) = match scene.spheres.get(number) {
         Some(sphere) => {
@@ -160,6 +160,31 @@ pub(super) fn secondary_origin(scene: &Scene, ray: &Ray<f32>, hit: &Hit<f32>) ->
     };
     let normal = outward.flip_sign(-ray.direction.dot(outward));
     (normal.mul_add(offset, point), normal)
+}
+
+/// One ray's hit, as in the columns of [`Answers`].
+#[derive(Clone, Debug, Serialize)]
+pub struct Answer {
+    /// In units of the direction's length; t_max for a miss.
+    pub t: f32,
+    /// Number of the primitive hit; `u32::MAX` for a miss.
+    pub primitive: u32,
+    /// Barycentric weight of a triangle's second vertex.
+    pub u: f32,
+    /// Barycentric weight of a triangle's third vertex.
+    pub v: f32,
+}
+
+impl Answer {
+    /// Whether both are a hit; where the nearest one counts, whether all bits are equal.
+    pub(super) fn agrees(&self, other: &Self, kind: Kind) -> bool {
+        let bits = |Self { t, primitive, u, v }: &Self| (*primitive, [t, u, v].map(|x| x.to_bits()));
+        if kind.any_hit() {
+            (self.primitive == MISS) == (other.primitive == MISS)
+        } else {
+            bits(self) == bits(other)
+        }
+    }
 }
 
 /// The hit of each ray of a set, as columns.
@@ -186,8 +211,8 @@ impl Answers {
         Hits { t: &mut self.t, primitive: &mut self.primitive, u: &mut self.u, v: &mut self.v }
     }
     /// The hit of ray `at`.
-    pub(crate) fn get(&self, at: usize) -> Hit<f32> {
-        Hit { t: self.t[at], primitive: self.primitive[at], u: self.u[at], v: self.v[at] }
+    pub(crate) fn get(&self, at: usize) -> Answer {
+        Answer { t: self.t[at], primitive: self.primitive[at], u: self.u[at], v: self.v[at] }
     }
     /// Number of hits.
     pub fn count(&self) -> usize {

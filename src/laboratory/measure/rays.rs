@@ -6,12 +6,11 @@
 //! pass's hits are compared with those of the scalar traversal.
 
 use super::quantiles::{Quantiles, Rounds};
-use super::ray_sets::{Answers, Kind, Prepared, RaySet, pixels};
+use super::ray_sets::{Answer, Answers, Kind, Prepared, RaySet, pixels};
 use super::stats::{RayStats, TestStats};
 use super::trace::{PreparedScene, TraceMethod, TracePool};
 use crate::bvh::Trees;
 use crate::camera::Pinhole;
-use crate::math::{Hit, MISS};
 use crate::scene::{Camera, Scene};
 use crate::traverse::batch::Traversal;
 use crate::traverse::hierarchy::Hierarchy;
@@ -131,19 +130,6 @@ pub struct Disagreement {
     pub found: Answer,
 }
 
-/// One ray's hit, as in the columns of [`Answers`].
-#[derive(Clone, Debug, Serialize)]
-pub struct Answer {
-    /// In units of the direction's length; t_max for a miss.
-    pub t: f32,
-    /// Number of the primitive hit; `u32::MAX` for a miss.
-    pub primitive: u32,
-    /// Barycentric weight of a triangle's second vertex.
-    pub u: f32,
-    /// Barycentric weight of a triangle's third vertex.
-    pub v: f32,
-}
-
 /// Whether a method is timed for a kind of rays: packets need coherent rays.
 fn applies(method: TraceMethod, kind: Kind) -> bool {
     method != TraceMethod::Tree(Traversal::Packet) || kind == Kind::Primary
@@ -179,31 +165,13 @@ impl Run<'_> {
         });
         self.hits = answers.count();
         let disagreement = |ray| {
-            let [expected, found] = [nearest, answers].map(|answers| Answer::from(answers.get(ray)));
+            let [expected, found] = [nearest, answers].map(|answers| answers.get(ray));
             (!expected.agrees(&found, set.kind)).then_some(Disagreement { ray, expected, found })
         };
         let wrong: Vec<Disagreement> = (0..set.len()).filter_map(disagreement).collect();
         self.disagreements = self.disagreements.max(wrong.len());
         self.first = self.first.take().or(wrong.into_iter().next());
         seconds
-    }
-}
-
-impl From<Hit<f32>> for Answer {
-    fn from(Hit { t, primitive, u, v }: Hit<f32>) -> Self {
-        Self { t, primitive, u, v }
-    }
-}
-
-impl Answer {
-    /// Whether both are a hit; where the nearest one counts, whether all bits are equal.
-    fn agrees(&self, other: &Self, kind: Kind) -> bool {
-        let bits = |Self { t, primitive, u, v }: &Self| (*primitive, [t, u, v].map(|x| x.to_bits()));
-        if kind.any_hit() {
-            (self.primitive == MISS) == (other.primitive == MISS)
-        } else {
-            bits(self) == bits(other)
-        }
     }
 }
 
@@ -281,6 +249,7 @@ fn measurement(set: &RaySet, run: Run) -> Measurement {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::math::MISS;
     use crate::measure::ray_sets::secondary_origin;
     use octray_formats::scene::load;
 

@@ -193,49 +193,36 @@ mod tests {
     use super::*;
     use crate::lane::NATIVE_WIDTH;
 
-    fn names(scene: &str) -> Vec<&'static str> {
-        names_of(&octray_formats::scene::load(scene).unwrap())
-    }
-
-    fn names_of(scene: &Scene) -> Vec<&'static str> {
+    fn names(scene: &Scene) -> Vec<&'static str> {
         let settings = Settings { resolution: [16, 9], ..Settings::of(scene) };
         of_scene(scene, settings).iter().map(|one| one.name).collect()
     }
 
     #[test]
     fn configurations_are_those_that_a_scene_can_tell_apart() {
-        let three = names("builtin:three");
-        assert_eq!(three[..2], [DEFAULT, "scalar"]);
-        assert_eq!(three.contains(&"8 lanes"), NATIVE_WIDTH > 8, "where 8 lanes are not the default");
-        for absent in [
-            "lights off",
-            "lights on",
-            "lights by power",
-            "Möller–Trumbore",
-            "streams",
-            "every primitive tested",
-        ] {
-            assert!(!three.contains(&absent), "{absent}");
+        let load = |name: &str| octray_formats::scene::load(name).unwrap();
+        let mut smooth = load("builtin:thesis");
+        smooth.textures.iter_mut().for_each(|texture| texture.filter = Filter::Bilinear);
+        let no_emitters = ["lights off", "lights on", "lights by power"];
+        let scenes: [(Scene, &[&str], &[&str]); 5] = [
+            (load("builtin:three"), &["naive spheres", "hierarchy"], &["Möller–Trumbore", "streams"]),
+            (load("builtin:three"), &["scalar"], &no_emitters),
+            // Auto samples all emitters.
+            (load("builtin:cornell"), &["lights off", "Baldwin–Weber"], &["naive spheres", "lights on"]),
+            (load("builtin:terrain:2000"), &["streams"], &["every primitive tested"]),
+            (smooth, &["trilinear"], &[]),
+        ];
+        for (scene, present, absent) in &scenes {
+            let names = names(scene);
+            assert_eq!(names[..2], [DEFAULT, "scalar"]);
+            assert_eq!(names.contains(&"8 lanes"), NATIVE_WIDTH > 8, "where 8 lanes are not the default");
+            assert!(present.iter().all(|name| names.contains(name)), "{}: {names:?}", scene.name);
+            assert!(!absent.iter().any(|name| names.contains(name)), "{}: {names:?}", scene.name);
+            for name in names {
+                assert_eq!(Group::of(name).is_none(), name == DEFAULT, "{name} is in a drawing");
+            }
         }
-        assert!(three.contains(&"naive spheres") && three.contains(&"hierarchy"));
-        let cornell = names("builtin:cornell");
-        for present in ["lights off", "lights by power", "Baldwin–Weber"] {
-            assert!(cornell.contains(&present), "{present}");
-        }
-        assert!(
-            !cornell.contains(&"naive spheres") && !cornell.contains(&"lights on"),
-            "auto samples all emitters"
-        );
-        let terrain = names("builtin:terrain:2000");
-        assert!(terrain.contains(&"streams") && !terrain.contains(&"every primitive tested"), "{terrain:?}");
-        assert_eq!(terrain.contains(&"8 lanes"), NATIVE_WIDTH > 8, "where 8 lanes are not the default");
-        let mut thesis = octray_formats::scene::load("builtin:thesis").unwrap();
-        assert!(!names_of(&thesis).contains(&"trilinear"), "its textures are read at the nearest texel");
-        thesis.textures.iter_mut().for_each(|texture| texture.filter = Filter::Bilinear);
-        assert!(names_of(&thesis).contains(&"trilinear"));
-        let thesis = names_of(&thesis);
-        for name in three.iter().chain(&cornell).chain(&terrain).chain(&thesis) {
-            assert_eq!(Group::of(name).is_none(), *name == DEFAULT, "{name} is in a drawing");
-        }
+        let thesis = load("builtin:thesis");
+        assert!(!names(&thesis).contains(&"trilinear"), "its textures are read at the nearest texel");
     }
 }

@@ -8,17 +8,20 @@ use glam::DVec3;
 pub struct Rng(pub u64);
 
 impl Rng {
-    /// The generator of a part of a recipe: a hash of the recipe's name and the numbers, so that neither
+    /// The generator of a part of a recipe: a function of the recipe's name and the numbers, so that neither
     /// threads nor other recipes change its output.
     pub fn of(name: &str, numbers: [u64; 2]) -> Self {
-        // The finaliser of SplitMix64, which decorrelates consecutive numbers.
-        let mix = |state: u64, word: u64| {
-            let x = (state ^ word).wrapping_add(0x9e37_79b9_7f4a_7c15);
+        // FNV-1a, then the finaliser of SplitMix64 for each number, which decorrelates consecutive numbers.
+        let start = name.bytes().fold(0xcbf2_9ce4_8422_2325, |hash: u64, byte| {
+            (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
+        });
+        let mix = |state: u64, number: u64| {
+            let x = (state ^ number).wrapping_add(0x9e37_79b9_7f4a_7c15);
             let x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
             let x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
             x ^ (x >> 31)
         };
-        Self(name.bytes().map(u64::from).chain(numbers).fold(0, mix) | 1)
+        Self(numbers.into_iter().fold(start, mix) | 1)
     }
     /// 32 uniform bits: the upper half of the output.
     pub fn bits(&mut self) -> u32 {

@@ -32,7 +32,6 @@ pub(super) fn recipes() -> Vec<Recipe> {
             cases: 50_000,
             methods: compare(
                 views,
-                "corner-in-f64",
                 &[("corner-in-the-world", in_the_world), ("f32", in_single), ("corner-in-f64", pinhole)],
             ),
             bound: |degrees| Bound::error(8.0 * EPSILON * pixels_per_unit(degrees)),
@@ -47,7 +46,6 @@ pub(super) fn recipes() -> Vec<Recipe> {
             cases: 20_000,
             methods: compare(
                 inside,
-                "renderer",
                 &[("least-t-1e-4", beyond_least_t), ("renderer", |scene| seen(scene, Methods::default(), 8))],
             ),
             ..Recipe::COMMON

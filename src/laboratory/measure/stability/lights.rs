@@ -29,7 +29,7 @@ pub(super) fn recipes() -> Vec<Recipe> {
             error: Some("|Δ pdf| / pdf"),
             source: SHIRLEY,
             cases: 50_000,
-            methods: compare(sphere, "sine", &[("cosine", cosine), ("taylor", taylor), ("sine", sine)]),
+            methods: compare(sphere, &[("cosine", cosine), ("taylor", taylor), ("sine", sine)]),
             // Close by, the cosine of the rim, √(1 − sin²), magnifies the rounding of sin².
             bound: |ratio| Bound::error(8.0 * EPSILON / (1.0 - ratio * ratio).sqrt()),
         },
@@ -43,7 +43,6 @@ pub(super) fn recipes() -> Vec<Recipe> {
             cases: 50_000,
             methods: compare(
                 around,
-                "sine-and-inside",
                 &[("cosine", cosine), ("cosine-clamped", cosine_clamped), ("sine-and-inside", sine)],
             ),
             ..Recipe::COMMON
@@ -54,7 +53,6 @@ pub(super) fn recipes() -> Vec<Recipe> {
             axis: "edge / distance",
             methods: compare::<SampleFlat>(
                 |rng, x, counts, sample| flat(small(rng, x), false, rng, counts, sample),
-                "whole-or-area",
                 &[("angles", angles), ("determinant", determinant), ("whole-or-area", whole_or_area)],
             ),
             // Measured, not derived: 8 ε.
@@ -67,7 +65,6 @@ pub(super) fn recipes() -> Vec<Recipe> {
             axis: "edge / distance",
             methods: compare::<SampleFlat>(
                 |rng, x, counts, sample| flat(small(rng, x), true, rng, counts, sample),
-                "whole-or-area",
                 &[("determinants", determinants), ("whole-or-area", whole_or_area)],
             ),
             // Measured, not derived: half of it.
@@ -81,7 +78,6 @@ pub(super) fn recipes() -> Vec<Recipe> {
             places: &[1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 0.1, 1.0],
             methods: compare::<SampleFlat>(
                 |rng, x, counts, sample| flat(edge_on(rng, x), false, rng, counts, sample),
-                "whole-or-area",
                 &[("angles", angles), ("determinant", determinant), ("whole-or-area", whole_or_area)],
             ),
             // The distance of the plane is rounded by some ε; closer to it there is no promise.

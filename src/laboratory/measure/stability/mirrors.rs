@@ -22,7 +22,6 @@ pub(super) fn recipes() -> Vec<Recipe> {
         cases: 48,
         methods: compare(
             room,
-            "mended-each-eighth",
             &[
                 ("point-along-ray", (along_ray, 1)),
                 ("never-mended", (off_surface, u32::MAX)),

@@ -19,7 +19,6 @@ pub(super) fn recipes() -> Vec<Recipe> {
             source: "rounding to nearest rounds the largest numbers up",
             methods: compare(
                 top,
-                "upper-24-bits",
                 &[
                     ("divided", |bits| bits as f32 / 4_294_967_296.0),
                     ("divided-in-f64", |bits| (f64::from(bits) / 4_294_967_296.0) as f32),
@@ -39,11 +38,7 @@ pub(super) fn recipes() -> Vec<Recipe> {
             error: Some("|Δ| / sum"),
             source: KAHAN,
             cases: 2,
-            methods: compare(
-                long,
-                "film",
-                &[("f32", plain), ("kahan", kahan), ("f64", double), ("film", on_film)],
-            ),
+            methods: compare(long, &[("f32", plain), ("kahan", kahan), ("f64", double), ("film", on_film)]),
             bound: |_| Bound::error(2.0 * EPSILON),
         },
         Recipe {
@@ -55,7 +50,7 @@ pub(super) fn recipes() -> Vec<Recipe> {
             error: Some("|Δ| / sum"),
             source: KAHAN,
             cases: 200,
-            methods: compare(large, "film", &[("f32", plain), ("f64", double), ("film", on_film)]),
+            methods: compare(large, &[("f32", plain), ("f64", double), ("film", on_film)]),
             // A sum above the largest f32, 3.4e38, is infinite. Scenes hold no number above 1e18.
             bound: |magnitude| if magnitude < 1e35 { Bound::error(2.0 * EPSILON) } else { Bound::NONE },
         },
@@ -68,7 +63,7 @@ pub(super) fn recipes() -> Vec<Recipe> {
             error: Some("|Δ| / mean of the others"),
             source: "x + NaN = NaN",
             cases: 2_000,
-            methods: compare(poisoned, "film", &[("f32", plain), ("f64", double), ("film", on_film)]),
+            methods: compare(poisoned, &[("f32", plain), ("f64", double), ("film", on_film)]),
             bound: |_| Bound::error(2.0 * EPSILON),
         },
     ]

@@ -65,14 +65,14 @@ pub(crate) fn trials<M: Copy + Send + Sync + 'static>(
     methods.iter().map(trial).collect()
 }
 
-/// The same for methods by name, one of them the default.
+/// The same for methods by name, the last one the default.
 pub(crate) fn compare<M: Copy + Send + Sync + 'static>(
     case: fn(&mut Rng, f64, &mut FailureCounts, M),
-    default: &str,
     methods: &[(&'static str, M)],
 ) -> Vec<Method<Trial>> {
-    let method = |&(name, run): &(&'static str, M)| Method { name, default: name == default, run };
-    trials(case, &methods.iter().map(method).collect::<Vec<_>>())
+    let last = methods.len() - 1;
+    let method = |(at, &(name, run))| Method { name, default: at == last, run };
+    trials(case, &methods.iter().enumerate().map(method).collect::<Vec<_>>())
 }
 
 /// Largest share of failures and error of a method.

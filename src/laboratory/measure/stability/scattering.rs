@@ -21,7 +21,6 @@ pub(super) fn recipes() -> Vec<Recipe> {
             cases: 50_000,
             methods: compare(
                 opposite,
-                "smaller-sphere",
                 &[
                     ("sum", |n, u, v| (warp::sample_uniform_sphere(u, v) + n).normalize()),
                     ("smaller-sphere", warp::sample_cosine_hemisphere::<f32>),
@@ -40,7 +39,6 @@ pub(super) fn recipes() -> Vec<Recipe> {
             cases: 2_000,
             methods: compare(
                 diffuse_light,
-                "absorbed-and-shadowed",
                 &[
                     ("unchecked", |_, _, _| Some(1.0)),
                     ("absorbed", |w, _, ng| (w.dot(ng) > 0.0).then_some(1.0)),
@@ -60,7 +58,6 @@ pub(super) fn recipes() -> Vec<Recipe> {
             source: "Keller et al., The Iray Light Transport Simulation and Rendering System, 2017, §A.3",
             methods: compare(
                 mirror,
-                "bent",
                 &[("unbent", |_, ns, _| ns), ("bent", normals::bend_for_reflection::<f32>)],
             ),
             ..Recipe::COMMON

@@ -27,7 +27,7 @@ pub(super) fn recipes() -> Vec<Recipe> {
             failure: "the small ball is not hit where it is in front by a tenth of its radius",
             source: "errors grow with the largest object and hide the smallest",
             cases: 50_000,
-            methods: compare(mixed, "robust", &[("naive", naive), ("robust", Methods::default())]),
+            methods: compare(mixed, &[("naive", naive), ("robust", Methods::default())]),
             // The huge ball's surface is off along the ray by some ε of its radius: no promise above 1e5.
             bound: |ratio| if ratio <= 1e5 { Bound::NO_FAILURE } else { Bound::NONE },
             ..Recipe::COMMON
@@ -40,11 +40,7 @@ pub(super) fn recipes() -> Vec<Recipe> {
             failure: "the hit is not the one of lowest index among coincident triangles",
             source: "for equal t, the first or the last triangle tested wins, unless a rule decides",
             cases: 20_000,
-            methods: compare(
-                coplanar,
-                "lower-index",
-                &[("first-met", first_tested), ("lower-index", renderer)],
-            ),
+            methods: compare(coplanar, &[("first-met", first_tested), ("lower-index", renderer)]),
             ..Recipe::COMMON
         },
     ]

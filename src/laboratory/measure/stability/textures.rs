@@ -3,8 +3,8 @@
 use super::rays::towards;
 use super::recipe::{Bound, EPSILON, FailureCounts, Recipe, compare};
 use super::rng::Rng;
-use super::spheres::Ball;
-use crate::kernel::ray_sphere::{Robust, SphereMethod};
+use super::spheres::{Ball, intersect};
+use crate::kernel::ray_sphere::Robust;
 use crate::kernel::surface::{latitude_longitude, remove_shared_repeats, sphere_surface};
 use crate::kernel::texture::Grid;
 use crate::math::Vec3;
@@ -23,7 +23,6 @@ pub(super) fn recipes() -> Vec<Recipe> {
             source: "numerics of the arccosine, whose slope at 1 is infinite",
             methods: compare(
                 poles,
-                "arcsine",
                 &[
                     ("acos", |point, ball| cos_latitude(point, ball).acos()),
                     ("acos-clamped", |point, ball| cos_latitude(point, ball).clamp(-1.0, 1.0).acos()),
@@ -48,11 +47,10 @@ pub(super) fn recipes() -> Vec<Recipe> {
             cases: 20_000,
             methods: compare(
                 seam,
-                "below-one",
                 &[
                     ("plus-one", |u| whole(if u < 0.0 { u + 1.0 } else { u } * COLUMNS)),
                     ("minus-floor", |u| whole((u - u.floor()) * COLUMNS)),
-                    ("below-one", |u| i64::from(nearest(u, COLUMNS))),
+                    ("below-one", |u| nearest(u, COLUMNS)),
                 ],
             ),
             ..Recipe::COMMON
@@ -67,12 +65,11 @@ pub(super) fn recipes() -> Vec<Recipe> {
             cases: 20_000,
             methods: compare(
                 far,
-                "fraction-first",
                 &[
                     // A cast to int; out of range it saturates, which is undefined in C.
                     ("integer", |u, columns| i64::from((u * columns) as i32).rem_euclid(columns as i64)),
                     ("remainder", |u, columns| whole((u * columns) % columns)),
-                    ("fraction-first", |u, columns| i64::from(nearest(u, columns))),
+                    ("fraction-first", nearest),
                 ],
             ),
             ..Recipe::COMMON
@@ -88,7 +85,6 @@ pub(super) fn recipes() -> Vec<Recipe> {
             cases: 50_000,
             methods: compare(
                 tiled,
-                "repeats-taken-away",
                 &[
                     ("as-written", |corners| corners),
                     ("repeats-taken-away", |corners| remove_shared_repeats(corners.map(f64::from))),
@@ -114,15 +110,7 @@ fn poles(rng: &mut Rng, most: f64, counts: &mut FailureCounts, latitude: fn(Vec3
     let (center, radius) = (ball.center.as_dvec3(), f64::from(ball.radius));
     let origin = (center + (normal * 2.0 + rng.direction()) * (2.0 * radius)).as_vec3();
     let ray = towards(origin, center + normal * radius);
-    let (hit, t) = Robust::test::<f32>(
-        &Robust::prepare(&ray),
-        Vec3::splat(ball.center),
-        ball.radius * ball.radius,
-        f32::INFINITY,
-    );
-    if !hit {
-        return;
-    }
+    let Some(t) = intersect::<Robust>(ball, &ray, f32::INFINITY) else { return };
     let point = ray.at(t);
     let n = point.get(0).as_dvec3() - center;
     let expected = n.x.hypot(n.z).atan2(n.y);
@@ -137,8 +125,8 @@ fn whole(x: f32) -> i64 {
 }
 
 /// The default's column.
-fn nearest(u: f32, columns: f32) -> u32 {
-    Grid { width: columns, height: 1.0, first: 0_u32 }.nearest(u, 0.0, false)
+fn nearest(u: f32, columns: f32) -> i64 {
+    i64::from(Grid { width: columns, height: 1.0, first: 0_u32 }.nearest(u, 0.0, false))
 }
 
 /// Whether this column of a repeating texture contains u, with a tolerance of a thousandth of a column.

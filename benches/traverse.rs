@@ -74,11 +74,7 @@ fn trace(
     answers: &mut Answers,
 ) {
     pool.clear(&rays.set, answers);
-    if rays.set.kind.any_hit() {
-        pool.trace::<true>(way, prepared_scene, &rays.set, answers);
-    } else {
-        pool.trace::<false>(way, prepared_scene, &rays.set, answers);
-    }
+    pool.trace(way, prepared_scene, &rays.set, answers, rays.set.kind.any_hit());
 }
 
 /// # Panics

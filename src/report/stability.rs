@@ -7,7 +7,7 @@ use super::figure::{Figure, Line, Look, Panel};
 use super::numbers::percent;
 use super::text::row;
 use crate::machine::Machine;
-use crate::measure::stability::{Bound, Curve, Outcome, Point};
+use crate::measure::stability::{Bound, Curve, Outcome, Point, Recipe};
 use crate::wording::{counted, grouped};
 use serde::Serialize;
 use std::fmt::Write;
@@ -33,8 +33,9 @@ const FIGURE: usize = 8;
 
 /// A recipe: a row a method for its failures, and a second row for its error where that is measured.
 pub fn table(outcome: &Outcome) -> String {
-    let Outcome { recipe, title, axis, failure, error, curves, .. } = outcome;
-    let mut text = format!("\n{recipe}: {title}\n  %: {failure}");
+    let Outcome { recipe, curves, .. } = outcome;
+    let Recipe { name, title, axis, failure, error, .. } = recipe;
+    let mut text = format!("\n{name}: {title}\n  %: {failure}");
     if let Some(error) = error {
         let _ = write!(text, "; below it {error}, 99th percentile");
     }
@@ -79,7 +80,7 @@ fn place(x: f64) -> String {
 /// The tables in words.
 pub fn verdict(report: &Report) -> String {
     let failed: Vec<&str> =
-        report.recipes.iter().filter(|outcome| !outcome.holds).map(|outcome| outcome.recipe).collect();
+        report.recipes.iter().filter(|outcome| !outcome.holds).map(|outcome| outcome.recipe.name).collect();
     match failed[..] {
         [] => format!(
             "The default methods (*) keep their bounds in {}. In brackets: places where they have no bound.\n",
@@ -91,9 +92,9 @@ pub fn verdict(report: &Report) -> String {
 
 /// The drawings of a recipe: failures, and errors where they are measured.
 pub fn drawings(outcome: &Outcome) -> Vec<Drawing> {
-    let failures = Drawing { name: outcome.recipe.to_string(), svg: failures(outcome).svg() };
-    let errors = outcome.error.map(|error| Drawing {
-        name: format!("{}-error", outcome.recipe),
+    let failures = Drawing { name: outcome.recipe.name.to_string(), svg: failures(outcome).svg() };
+    let errors = outcome.recipe.error.map(|error| Drawing {
+        name: format!("{}-error", outcome.recipe.name),
         svg: errors(outcome, error).svg(),
     });
     std::iter::once(failures).chain(errors).collect()
@@ -103,7 +104,7 @@ fn failures(outcome: &Outcome) -> Figure {
     let tested = outcome.curves.iter().flat_map(|curve| &curve.points).map(|point| point.tested);
     let least = tested.min().unwrap_or(0).max(1);
     let seen = format!("{} cases a point: one failure is {}.", grouped(least), percent(1.0 / least as f64));
-    let mut notes = vec![format!("Failure: {}.", outcome.failure), seen];
+    let mut notes = vec![format!("Failure: {}.", outcome.recipe.failure), seen];
     let open = in_order(outcome).flat_map(|curve| &curve.points).filter(|point| point.promises_nothing());
     let open: Vec<String> = open.map(|point| format!("{:e}", point.x)).collect();
     if !open.is_empty() {
@@ -150,9 +151,9 @@ fn figure(
     };
     let lines = in_order(outcome).enumerate().map(line).collect();
     Figure {
-        title: outcome.title.to_string(),
+        title: outcome.recipe.title.to_string(),
         notes,
-        x: outcome.axis.to_string(),
+        x: outcome.recipe.axis.to_string(),
         y: y.to_string(),
         panels: vec![Panel { lines, ..Panel::default() }],
     }
@@ -163,6 +164,10 @@ mod tests {
     use super::*;
 
     /// Two methods at one place, where the default has so many failures.
+    fn recipe(error: Option<&'static str>) -> &'static Recipe {
+        Box::leak(Box::new(Recipe { name: "far", error, ..Recipe::COMMON }))
+    }
+
     fn outcome(failures: usize) -> Outcome {
         let point = |failures, p99| Point {
             x: 4096.0,
@@ -177,12 +182,7 @@ mod tests {
         let robust = point(failures, Some(1.5e-6));
         let naive = Point { bound: None, ..point(10, None) };
         Outcome {
-            recipe: "far",
-            title: "Far away",
-            axis: "distance",
-            failure: "missed",
-            error: Some("|Δt|"),
-            source: "somebody",
+            recipe: recipe(Some("|Δt|")),
             holds: robust.holds(),
             curves: vec![
                 Curve { method: "naive", default: false, points: vec![naive] },
@@ -233,6 +233,6 @@ mod tests {
         assert_eq!((&failures[1].name[..], failures[1].look), ("naive", Look::Plain));
         assert_eq!((&errors[0].points, errors[1].points.len()), (&vec![[4096.0, 1.5e-6]], 0));
         assert_eq!((errors[0].band.len(), errors[1].band.len()), (1, 0));
-        assert_eq!(drawings(&Outcome { error: None, ..outcome }).len(), 1);
+        assert_eq!(drawings(&Outcome { recipe: recipe(None), ..outcome }).len(), 1);
     }
 }

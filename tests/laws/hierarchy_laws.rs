@@ -145,7 +145,7 @@ fn ways_that_are_measured_agree_and_a_hit_at_the_reach_is_none() {
     let pool = TracePool::new(1);
     let traced = |set: &RaySet, way: TraceMethod| {
         let mut answers = Answers::none(set);
-        pool.trace::<false>(way, &prepared_scene, set, &mut answers);
+        pool.trace(way, &prepared_scene, set, &mut answers, false);
         answers
     };
     let nearest = traced(&set, TraceMethod::Linear);

@@ -155,11 +155,8 @@ pub fn bench(
     let median = |run: &Run| Quantiles::of(run.timed.seconds.clone()).median();
     let slowest = runs.iter().map(median).fold(0.0, f64::max);
     let frames = (STATS_TIME.as_secs_f64() / slowest).clamp(1.0, MOST_STATS_FRAMES) as u32;
-    let with_stats = |run: &Run| Measurement {
-        stats: stats.then(|| frame_stats(run, frames)),
-        ..measurement(scene, run, &runs)
-    };
-    runs.iter().map(with_stats).collect()
+    let stats = |run: &Run| stats.then(|| frame_stats(run, frames));
+    runs.iter().map(|run| measurement(scene, run, &runs, stats(run))).collect()
 }
 
 /// Statistics of the picture's first `frames` frames, rendered anew.
@@ -175,7 +172,7 @@ fn frame_stats(run: &Run, frames: u32) -> FrameStats {
     FrameStats::of(&renderer.take_stats(), *lanes, *threads, film.samples())
 }
 
-fn measurement(scene: &Scene, run: &Run, runs: &[Run]) -> Measurement {
+fn measurement(scene: &Scene, run: &Run, runs: &[Run], stats: Option<FrameStats>) -> Measurement {
     let Run { engine, timed: TimedRenderer { renderer, film, seconds, .. }, general } = run;
     let times = Quantiles::of(seconds.clone());
     let settings = renderer.settings();
@@ -205,7 +202,7 @@ fn measurement(scene: &Scene, run: &Run, runs: &[Run]) -> Measurement {
             PipelineChoice::General => "general",
         },
         over_general: general.as_ref().and_then(|general| Ratio::of(&run.timed, general)),
-        stats: None,
+        stats,
     }
 }
 
@@ -221,7 +218,7 @@ mod tests {
         timed.turn(1, TURN);
         timed.seconds = (1..=100).map(f64::from).collect();
         let run = Run { engine: Engine { lanes: 8, threads: 1 }, timed, general: None };
-        let found = measurement(&scene, &run, &[]);
+        let found = measurement(&scene, &run, &[], None);
         assert_eq!((found.frames, found.engine), (100, "simd"));
         assert_eq!((found.fps_median, found.fps_low_1_percent), (1.0 / 50.5, 1.0 / 99.0));
         assert_eq!(found.fps_spread, [1.0 / 90.0, 1.0 / 10.0]);

@@ -4,8 +4,8 @@
 
 use super::quantiles::Rounds;
 use super::timed::{Ratio, TimedRenderer};
-use crate::buffers::{Features, LightChoice};
-use crate::film::Picture;
+use crate::buffers::LightChoice;
+use crate::film::{Film, Picture};
 use crate::lane::WIDTHS;
 use crate::reference::{PathSettings, Reference, Verdict};
 use crate::render::{LaneChoice, PrimaryHit, Renderer, Settings};
@@ -102,31 +102,27 @@ const MOST_SAMPLES: u32 = 16;
 /// pictures with each other and with the reference. `settings` holds for all but lanes: the default
 /// width is timed beside scalar.
 pub fn compare(scene: &Scene, settings: Settings, samples: u32) -> Comparison {
-    let of = |lanes| Renderer::new(scene, Settings { lanes, ..settings });
+    let of = |lanes| Settings { lanes, ..settings };
     let default = LaneChoice::Auto.lanes();
-    let (mut simd, mut scalar) = (TimedRenderer::new(of(default)), TimedRenderer::new(of(1)));
-    let share = Share::of(scene, &settings, samples);
-    let samples_lights = simd.renderer.needs().contains(Features::LIGHTS);
-    let mut to_check = None;
+    let [mut simd, mut scalar] =
+        [default, 1].map(|lanes| TimedRenderer::new(Renderer::new(scene, of(lanes))));
     let start = Instant::now();
-    for sample in 1..=samples {
+    for _ in 0..samples {
         simd.turn(1, Duration::ZERO);
         scalar.turn(1, Duration::ZERO);
-        if sample == share.samples && !samples_lights {
-            to_check = Some(simd.film.picture());
-        }
     }
-    let (simd_picture, scalar_picture) = (simd.film.picture(), scalar.film.picture());
-    let mut discarded_samples = simd.film.discarded() + scalar.film.discarded();
-    if start.elapsed() < ENOUGH || start.elapsed() / samples < TURN {
-        time_again(&mut simd, &mut scalar);
-    }
-    let speedup = Ratio::of(&simd, &scalar).expect("there was a sample, so there was a round");
+    let took = start.elapsed();
+    let scalar_picture = scalar.film.picture();
     let mut lanes = vec![default];
+    lanes.extend(WIDTHS.into_iter().filter(|&other| other > 1 && other != default));
     let (mut differ, mut first_mismatch) = (BTreeSet::new(), None);
-    let mut check = |lanes, picture: &Picture| {
-        let found = mismatches(picture, &scalar_picture);
-        first_mismatch = first_mismatch.take().or(found.first().map(|&index| Mismatch {
+    let mut discarded_samples = scalar.film.discarded();
+    for &lanes in &lanes {
+        let other = (lanes != default).then(|| rendered(scene, of(lanes), samples));
+        let film = other.as_ref().unwrap_or(&simd.film);
+        let picture = film.picture();
+        let found = mismatches(&picture, &scalar_picture);
+        first_mismatch = first_mismatch.or(found.first().map(|&index| Mismatch {
             lanes,
             x: index as u32 % picture.width,
             y: index as u32 / picture.width,
@@ -134,20 +130,25 @@ pub fn compare(scene: &Scene, settings: Settings, samples: u32) -> Comparison {
             scalar: scalar_picture.pixels[index],
         }));
         differ.extend(found);
-    };
-    check(default, &simd_picture);
-    for other in WIDTHS.into_iter().filter(|&other| other > 1 && other != default) {
-        let renderer = of(other);
-        let mut film = renderer.film();
-        renderer.add_samples(&mut film, samples);
         discarded_samples += film.discarded();
-        check(other, &film.picture());
-        lanes.push(other);
     }
-    let to_check = to_check.unwrap_or_else(|| without_light_sampling(scene, settings, share.samples));
+    if took < ENOUGH || took / samples < TURN {
+        // Longer turns, in place of those before.
+        simd.clear_times();
+        scalar.clear_times();
+        for _ in Rounds::until(Instant::now() + ENOUGH * 2, 1, MOST_ROUNDS) {
+            simd.turn(usize::MAX, TURN);
+            scalar.turn(usize::MAX, TURN);
+        }
+    }
+    let speedup = Ratio::of(&simd, &scalar).expect("there was a sample, so there was a round");
+    // The reference has no next event estimation, so it can only follow paths without.
+    let share = Share::of(scene, &settings, samples);
+    let methods = Methods { lights: LightChoice::Off, ..settings.methods };
+    let to_check = rendered(scene, Settings { methods, ..settings }, share.samples).picture();
     Comparison {
         scene: scene.name.clone(),
-        pixels: simd_picture.pixels.len(),
+        pixels: scalar_picture.pixels.len(),
         samples,
         lanes,
         mismatched_pixels: differ.len(),
@@ -160,23 +161,11 @@ pub fn compare(scene: &Scene, settings: Settings, samples: u32) -> Comparison {
     }
 }
 
-/// The picture without next event estimation: the reference has none, so it can only follow such paths.
-fn without_light_sampling(scene: &Scene, settings: Settings, samples: u32) -> Picture {
-    let methods = Methods { lights: LightChoice::Off, ..settings.methods };
-    let renderer = Renderer::new(scene, Settings { methods, ..settings });
+fn rendered(scene: &Scene, settings: Settings, samples: u32) -> Film {
+    let renderer = Renderer::new(scene, settings);
     let mut film = renderer.film();
     renderer.add_samples(&mut film, samples);
-    film.picture()
-}
-
-/// Times longer turns, in place of those before.
-fn time_again(simd: &mut TimedRenderer, scalar: &mut TimedRenderer) {
-    simd.clear_times();
-    scalar.clear_times();
-    for _ in Rounds::until(Instant::now() + ENOUGH * 2, 1, MOST_ROUNDS) {
-        simd.turn(usize::MAX, TURN);
-        scalar.turn(usize::MAX, TURN);
-    }
+    film
 }
 
 /// Indices of the pixels that differ in any bit.

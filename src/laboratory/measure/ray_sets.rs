@@ -9,7 +9,7 @@
 
 use crate::camera::{Pinhole, Tile};
 use crate::kernel::surface::{sphere_offset, sphere_surface, triangle_normal, triangle_offset};
-use crate::math::{Hit, MISS, Ray, Vec3};
+use crate::math::{MISS, Ray, Vec3};
 use crate::sampling::dimension::{DIRECTION, bounce};
 use crate::sampling::random::{path_key, uniform};
 use crate::sampling::warp::sample_cosine_hemisphere;
@@ -75,28 +75,26 @@ pub(crate) fn pixels(size: [u32; 2]) -> Vec<[u32; 2]> {
 }
 
 impl RaySet {
-    fn with_capacity(kind: Kind, rays: usize) -> Self {
-        let column = || Vec::with_capacity(rays);
-        let columns = || [column(), column(), column()];
-        Self { kind, origin: columns(), direction: columns(), t_max: column() }
-    }
-
-    fn push(&mut self, ray: Ray<f32>, t_max: f32) {
-        let Ray { origin, direction } = ray;
-        self.origin.iter_mut().zip([origin.x, origin.y, origin.z]).for_each(|(column, x)| column.push(x));
-        let components = [direction.x, direction.y, direction.z];
-        self.direction.iter_mut().zip(components).for_each(|(column, x)| column.push(x));
-        self.t_max.push(t_max);
+    /// Of rays, each with its t_max.
+    fn of(kind: Kind, rays: impl Iterator<Item = (Ray<f32>, f32)>) -> Self {
+        let columns = || [const { Vec::new() }; 3];
+        let mut set = Self { kind, origin: columns(), direction: columns(), t_max: Vec::new() };
+        for (Ray { origin, direction }, t_max) in rays {
+            for (columns, vector) in [(&mut set.origin, origin), (&mut set.direction, direction)] {
+                columns.iter_mut().zip(vector.get(0).to_array()).for_each(|(column, x)| column.push(x));
+            }
+            set.t_max.push(t_max);
+        }
+        set
     }
 
     /// The rays through the centres of these pixels.
     pub fn primary(camera: &Pinhole, pixels: &[[u32; 2]]) -> Self {
-        let mut set = Self::with_capacity(Kind::Primary, pixels.len());
-        for pixel in pixels {
+        let ray = |pixel: &[u32; 2]| {
             let [x, y] = pixel.map(|x| x as f32 + 0.5);
-            set.push(camera.rays(x, y), f32::INFINITY);
-        }
-        set
+            (camera.rays(x, y), f32::INFINITY)
+        };
+        Self::of(Kind::Primary, pixels.iter().map(ray))
     }
 
     /// One ray of this kind from every hit of the primary rays through `pixels`, in their order. `width`:
@@ -116,18 +114,17 @@ impl RaySet {
             Kind::Shadow => ((SHADOW_T_MAX * (upper - lower).length()) as f32, 0),
             _ => (f32::INFINITY, 1),
         };
-        let mut set = Self::with_capacity(kind, answers.count());
-        for (at, &[x, y]) in pixels.iter().enumerate() {
+        let ray = |(at, &[x, y]): (usize, &[u32; 2])| {
             let hit = answers.get(at);
-            if hit.primitive != MISS {
+            (hit.primitive != MISS).then(|| {
                 let (origin, normal) = secondary_origin(scene, &rays.rays().packet::<f32>(at), &hit);
                 let key = path_key(seed, y * width + x, 0);
                 let random = |number: u32| uniform::<f32>(key, bounce(event) + DIRECTION + number);
                 let direction = sample_cosine_hemisphere(normal, random(0), random(1));
-                set.push(Ray { origin, direction }, t_max);
-            }
-        }
-        set
+                (Ray { origin, direction }, t_max)
+            })
+        };
+        Self::of(kind, pixels.iter().enumerate().filter_map(ray))
     }
 
     /// Number of rays.
@@ -145,7 +142,7 @@ impl RaySet {
 }
 
 /// Origin of a secondary ray at a hit, and the unit normal on the side from which the first ray arrives.
-pub(super) fn secondary_origin(scene: &Scene, ray: &Ray<f32>, hit: &Hit<f32>) -> (Vec3<f32>, Vec3<f32>) {
+pub(super) fn secondary_origin(scene: &Scene, ray: &Ray<f32>, hit: &Answer) -> (Vec3<f32>, Vec3<f32>) {
     let number = hit.primitive as usize;
     let (point, outward, offset) = match scene.spheres.get(number) {
         Some(sphere) => {
@@ -163,6 +160,31 @@ pub(super) fn secondary_origin(scene: &Scene, ray: &Ray<f32>, hit: &Hit<f32>) ->
     };
     let normal = outward.flip_sign(-ray.direction.dot(outward));
     (normal.mul_add(offset, point), normal)
+}
+
+/// One ray's hit, as in the columns of [`Answers`].
+#[derive(Clone, Debug, Serialize)]
+pub struct Answer {
+    /// In units of the direction's length; t_max for a miss.
+    pub t: f32,
+    /// Number of the primitive hit; `u32::MAX` for a miss.
+    pub primitive: u32,
+    /// Barycentric weight of a triangle's second vertex.
+    pub u: f32,
+    /// Barycentric weight of a triangle's third vertex.
+    pub v: f32,
+}
+
+impl Answer {
+    /// Whether both are a hit; where the nearest one counts, whether all bits are equal.
+    pub(super) fn agrees(&self, other: &Self, kind: Kind) -> bool {
+        let bits = |Self { t, primitive, u, v }: &Self| (*primitive, [t, u, v].map(|x| x.to_bits()));
+        if kind.any_hit() {
+            (self.primitive == MISS) == (other.primitive == MISS)
+        } else {
+            bits(self) == bits(other)
+        }
+    }
 }
 
 /// The hit of each ray of a set, as columns.
@@ -189,8 +211,8 @@ impl Answers {
         Hits { t: &mut self.t, primitive: &mut self.primitive, u: &mut self.u, v: &mut self.v }
     }
     /// The hit of ray `at`.
-    pub(crate) fn get(&self, at: usize) -> Hit<f32> {
-        Hit { t: self.t[at], primitive: self.primitive[at], u: self.u[at], v: self.v[at] }
+    pub(crate) fn get(&self, at: usize) -> Answer {
+        Answer { t: self.t[at], primitive: self.primitive[at], u: self.u[at], v: self.v[at] }
     }
     /// Number of hits.
     pub fn count(&self) -> usize {
@@ -219,27 +241,6 @@ mod tests {
             pixels.sort_by_key(|&[x, y]| (y, x));
             let rows = (0..size[1]).flat_map(|y| (0..size[0]).map(move |x| [x, y]));
             assert!(pixels.into_iter().eq(rows), "{size:?}");
-        }
-    }
-
-    #[test]
-    fn pixels_of_whole_tiles_and_blocks_stand_together() {
-        let pixels = pixels([40, 50]);
-        let span = |pixels: &[[u32; 2]], axis: usize| {
-            let values = || pixels.iter().map(|pixel| pixel[axis]);
-            (values().min().unwrap(), values().max().unwrap())
-        };
-        for tile in pixels[..2 * 3 * 256].chunks(256) {
-            for axis in 0..2 {
-                let (low, high) = span(tile, axis);
-                assert_eq!((low % 16, high), (0, low + 15));
-            }
-            for (packet, rows) in [(8, 2), (16, 4)] {
-                for packet in tile.chunks(packet) {
-                    let ((left, right), (top, bottom)) = (span(packet, 0), span(packet, 1));
-                    assert_eq!((left % 4, right, top % rows, bottom), (0, left + 3, 0, top + rows - 1));
-                }
-            }
         }
     }
 }

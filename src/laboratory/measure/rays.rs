@@ -6,12 +6,11 @@
 //! pass's hits are compared with those of the scalar traversal.
 
 use super::quantiles::{Quantiles, Rounds};
-use super::ray_sets::{Answers, Kind, Prepared, RaySet, pixels};
-use super::stats::RayStats;
+use super::ray_sets::{Answer, Answers, Kind, Prepared, RaySet, pixels};
+use super::stats::{RayStats, TestStats};
 use super::trace::{PreparedScene, TraceMethod, TracePool};
 use crate::bvh::Trees;
 use crate::camera::Pinhole;
-use crate::math::MISS;
 use crate::scene::{Camera, Scene};
 use crate::traverse::batch::Traversal;
 use crate::traverse::hierarchy::Hierarchy;
@@ -82,7 +81,7 @@ pub fn prepare(
 ) -> Vec<Prepared> {
     let prepared = |set: RaySet| {
         let mut nearest = Answers::none(&set);
-        pool.run(|| pool.trace::<false>(BASELINE, prepared_scene, &set, &mut nearest));
+        pool.run(|| pool.trace(BASELINE, prepared_scene, &set, &mut nearest, false));
         Prepared { set, nearest }
     };
     let pixels = pixels(size);
@@ -131,19 +130,6 @@ pub struct Disagreement {
     pub found: Answer,
 }
 
-/// One ray's hit, as in the columns of [`Answers`].
-#[derive(Clone, Debug, Serialize)]
-pub struct Answer {
-    /// In units of the direction's length; t_max for a miss.
-    pub t: f32,
-    /// Number of the primitive hit; `u32::MAX` for a miss.
-    pub primitive: u32,
-    /// Barycentric weight of a triangle's second vertex.
-    pub u: f32,
-    /// Barycentric weight of a triangle's third vertex.
-    pub v: f32,
-}
-
 /// Whether a method is timed for a kind of rays: packets need coherent rays.
 fn applies(method: TraceMethod, kind: Kind) -> bool {
     method != TraceMethod::Tree(Traversal::Packet) || kind == Kind::Primary
@@ -174,39 +160,19 @@ impl Run<'_> {
         let seconds = pool.run(|| {
             pool.clear(set, answers);
             let start = Instant::now();
-            if set.kind.any_hit() {
-                pool.trace::<true>(self.method, prepared_scene, set, answers);
-            } else {
-                pool.trace::<false>(self.method, prepared_scene, set, answers);
-            }
+            pool.trace(self.method, prepared_scene, set, answers, set.kind.any_hit());
             start.elapsed().as_secs_f64()
         });
         self.hits = answers.count();
-        let mut wrong = (0..set.len()).filter(|&at| !agree(set.kind, nearest, answers, at)).peekable();
-        if let (None, Some(&ray)) = (&self.first, wrong.peek()) {
-            let [expected, found] = [nearest, answers].map(|answers| answer(answers, ray));
-            self.first = Some(Disagreement { ray, expected, found });
-        }
-        self.disagreements = self.disagreements.max(wrong.count());
+        let disagreement = |ray| {
+            let [expected, found] = [nearest, answers].map(|answers| answers.get(ray));
+            (!expected.agrees(&found, set.kind)).then_some(Disagreement { ray, expected, found })
+        };
+        let wrong: Vec<Disagreement> = (0..set.len()).filter_map(disagreement).collect();
+        self.disagreements = self.disagreements.max(wrong.len());
+        self.first = self.first.take().or(wrong.into_iter().next());
         seconds
     }
-}
-
-fn agree(kind: Kind, expected: &Answers, found: &Answers, at: usize) -> bool {
-    let hit = |answers: &Answers| answers.primitive[at] != MISS;
-    if kind.any_hit() {
-        return hit(expected) == hit(found);
-    }
-    let bits = |answers: &Answers| {
-        let Answers { t, primitive, u, v } = answers;
-        [t[at].to_bits(), primitive[at], u[at].to_bits(), v[at].to_bits()]
-    };
-    bits(expected) == bits(found)
-}
-
-fn answer(answers: &Answers, at: usize) -> Answer {
-    let Answers { t, primitive, u, v } = answers;
-    Answer { t: t[at], primitive: primitive[at], u: u[at], v: v[at] }
 }
 
 /// Times these methods with one kind of rays, each on each pool, in alternating passes: `passes` of them, or
@@ -247,11 +213,17 @@ pub fn measure(
     runs.into_iter().map(|run| measurement(set, run)).collect()
 }
 
-/// Counts the tests of these methods for one kind of rays, which each traces once on one thread, untimed.
-/// Methods that do not apply to the kind are left out.
+/// Counts the tests of these methods for one kind of rays, which each traces once on one thread, untimed: the
+/// counts do not depend on the number of threads. Methods that do not apply to the kind are left out.
 pub fn count(prepared_scene: &PreparedScene, rays: &Prepared, methods: &[TraceMethod]) -> Vec<RayStats> {
-    let methods = methods.iter().filter(|&&method| applies(method, rays.set.kind));
-    methods.map(|&method| RayStats::count(prepared_scene, method, &rays.set)).collect()
+    let Prepared { set, .. } = rays;
+    let methods = methods.iter().filter(|&&method| applies(method, set.kind));
+    let count = |&method: &TraceMethod| {
+        let rays = set.len() as u64;
+        let tests = TestStats::of(&prepared_scene.count(method, set), rays);
+        RayStats { kind: set.kind, traversal: method.name(), rays, tests }
+    };
+    methods.map(count).collect()
 }
 
 fn measurement(set: &RaySet, run: Run) -> Measurement {
@@ -277,6 +249,7 @@ fn measurement(set: &RaySet, run: Run) -> Measurement {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::math::MISS;
     use crate::measure::ray_sets::secondary_origin;
     use octray_formats::scene::load;
 
@@ -334,28 +307,6 @@ mod tests {
             assert!(shadow.set.t_max.iter().all(|&one| one == t_max));
             assert!(!all_hit || shadow.nearest.t.iter().all(|&t| t <= t_max));
             assert_ne!(shadow.set.direction, diffuse.set.direction);
-        }
-    }
-
-    #[test]
-    fn directions_follow_the_cosine() {
-        let scene = load("builtin:terrain:2").unwrap();
-        let sets = prepared(&scene, [200, 200], 1);
-        for secondary in &sets[1..] {
-            // The whole terrain is two triangles: the mean cosine about their normals is 2/3, with a variance
-            // of 1/18.
-            let hits = (0..sets[0].set.len()).filter(|&at| sets[0].nearest.primitive[at] != MISS);
-            let cosines: Vec<f64> = hits
-                .enumerate()
-                .map(|(at, from)| {
-                    let ray = sets[0].set.rays().packet::<f32>(from);
-                    let (_, normal) = secondary_origin(&scene, &ray, &sets[0].nearest.get(from));
-                    f64::from(normal.get(0).dot(vector(&secondary.set.direction, at)))
-                })
-                .collect();
-            let mean = cosines.iter().sum::<f64>() / cosines.len() as f64;
-            let error = (1.0 / 18.0 / cosines.len() as f64).sqrt();
-            assert!(cosines.len() > 3_000 && (mean - 2.0 / 3.0).abs() < 4.0 * error, "{mean} ± {error}");
         }
     }
 

@@ -2,8 +2,7 @@
 //!
 //! For: [`FrameStats`] of rendering, [`RayStats`] of rays in prepared arrays.
 
-use super::ray_sets::{Kind, RaySet};
-use super::trace::{PreparedScene, TraceMethod};
+use super::ray_sets::Kind;
 use crate::integrate::stats::{RayKind, Segment, Stage, Stats};
 use crate::traverse::counter::{Counts, Tests};
 use serde::Serialize;
@@ -72,7 +71,7 @@ pub struct BounceStats {
 pub struct RayStats {
     /// Of the rays.
     pub kind: Kind,
-    /// [`TraceMethod::name`].
+    /// [`super::trace::TraceMethod::name`].
     pub traversal: &'static str,
     /// Rays of the set.
     pub rays: u64,
@@ -110,7 +109,7 @@ fn ratio(part: f64, whole: f64) -> f64 {
 }
 
 impl TestStats {
-    fn of(counts: &Counts, rays: u64) -> Self {
+    pub(crate) fn of(counts: &Counts, rays: u64) -> Self {
         let per_ray = |Tests { tests, steps }| {
             let [tests_per_ray, steps_per_ray] = [tests, steps].map(|count| ratio(count as f64, rays as f64));
             PerRay { tests, steps, tests_per_ray, steps_per_ray }
@@ -151,15 +150,5 @@ impl FrameStats {
             kinds: RayKind::ALL.into_iter().zip(&stats.counts).map(kind).collect(),
             bounces: stats.segments.iter().enumerate().map(bounce).collect(),
         }
-    }
-}
-
-impl RayStats {
-    /// Traces the rays once more, on one thread, and counts. The counts do not depend on the number of
-    /// threads.
-    pub(crate) fn count(prepared_scene: &PreparedScene, method: TraceMethod, set: &RaySet) -> Self {
-        let rays = set.len() as u64;
-        let tests = TestStats::of(&prepared_scene.count(method, set), rays);
-        Self { kind: set.kind, traversal: method.name(), rays, tests }
     }
 }

@@ -28,11 +28,20 @@ pub(crate) struct TimedRenderer {
 impl TimedRenderer {
     /// Warms the renderer up; the film is empty afterwards.
     pub fn new(renderer: Renderer) -> Self {
-        let (mut film, start) = (renderer.film(), Instant::now());
-        while film.samples() < WARM_UP && start.elapsed() < WARM_UP_TIME {
-            renderer.add_samples(&mut film, 1);
+        let mut timed = Self { film: renderer.film(), renderer, seconds: Vec::new(), turns: Vec::new() };
+        timed.restart();
+        timed
+    }
+
+    /// Warms the renderer up again; film and times are empty afterwards.
+    pub fn restart(&mut self) {
+        let start = Instant::now();
+        self.film.clear();
+        while self.film.samples() < WARM_UP && start.elapsed() < WARM_UP_TIME {
+            self.renderer.add_samples(&mut self.film, 1);
         }
-        Self { film: renderer.film(), renderer, seconds: Vec::new(), turns: Vec::new() }
+        self.film.clear();
+        self.clear_times();
     }
 
     /// Times frames for `time`: at least one and at most `frames`, none for 0.

@@ -71,18 +71,22 @@ impl PreparedScene {
         Self { hierarchy, list: List::new(scene, Methods::default()) }
     }
 
-    /// Updates the hits of all rays: the closest hit; with `ANY`, any hit.
-    fn trace<const ANY: bool>(
+    /// Updates the hits of all rays: the closest hit, or any hit.
+    fn trace(
         &self,
         method: TraceMethod,
         tracer: &mut Tracer,
         rays: &Rays,
         hits: &mut Hits,
+        any_hit: bool,
         counter: Option<&Counter>,
     ) {
         match method {
+            TraceMethod::Tree(traversal) if any_hit => {
+                tracer.trace::<true>(traversal, &self.hierarchy, rays, hits, counter);
+            }
             TraceMethod::Tree(traversal) => {
-                tracer.trace::<ANY>(traversal, &self.hierarchy, rays, hits, counter);
+                tracer.trace::<false>(traversal, &self.hierarchy, rays, hits, counter);
             }
             TraceMethod::Linear => {
                 let packets = rays.len() - rays.len() % NATIVE_WIDTH;
@@ -100,10 +104,7 @@ impl PreparedScene {
         for first in (0..set.len()).step_by(CHUNK) {
             let range = first..set.len().min(first + CHUNK);
             let (rays, hits) = (&set.rays().range(range.clone()), &mut hits.range(range));
-            match set.kind.any_hit() {
-                true => self.trace::<true>(method, &mut tracer, rays, hits, Some(&counter)),
-                false => self.trace::<false>(method, &mut tracer, rays, hits, Some(&counter)),
-            }
+            self.trace(method, &mut tracer, rays, hits, set.kind.any_hit(), Some(&counter));
         }
         counter.get()
     }
@@ -136,31 +137,33 @@ impl TracePool {
             hits.v.fill(0.0);
         });
     }
-    /// Finds the closest hits; with `ANY`, any hits.
-    pub fn trace<const ANY: bool>(
+    /// Finds the closest hits, or any hits.
+    pub fn trace(
         &self,
         method: TraceMethod,
         prepared_scene: &PreparedScene,
         set: &RaySet,
         answers: &mut Answers,
+        any_hit: bool,
     ) {
         self.each_chunk(set.len(), answers, |first, hits| {
-            self.trace_chunk::<ANY>(method, prepared_scene, set, first, hits);
+            self.trace_chunk(method, prepared_scene, set, first, hits, any_hit);
         });
     }
 
     /// `inline(never)`: `perf/stat.sh` selects this function by name.
     #[inline(never)]
-    fn trace_chunk<const ANY: bool>(
+    fn trace_chunk(
         &self,
         method: TraceMethod,
         prepared_scene: &PreparedScene,
         set: &RaySet,
         first: usize,
         hits: &mut Hits,
+        any_hit: bool,
     ) {
         let range = first..first + hits.t.len();
-        prepared_scene.trace::<ANY>(method, &mut self.0.local(), &set.rays().range(range), hits, None);
+        prepared_scene.trace(method, &mut self.0.local(), &set.rays().range(range), hits, any_hit, None);
     }
 
     /// All answers at once on one thread, in chunks on more; `work` takes the number of its first ray.
@@ -171,13 +174,9 @@ impl TracePool {
         debug_assert_eq!(rays, answers.t.len());
         // Whole tiles.
         let chunk = rays.div_ceil(UNITS * self.threads()).next_multiple_of(TILE).clamp(TILE, CHUNK);
-        let Answers { t, primitive, u, v } = answers;
-        let columns = (
-            t.par_chunks_mut(chunk),
-            primitive.par_chunks_mut(chunk),
-            u.par_chunks_mut(chunk),
-            v.par_chunks_mut(chunk),
-        );
+        let Hits { t, primitive, u, v } = answers.hits();
+        let [t, u, v] = [t, u, v].map(|column| column.par_chunks_mut(chunk));
+        let columns = (t, primitive.par_chunks_mut(chunk), u, v);
         columns.into_par_iter().enumerate().for_each(|(unit, (t, primitive, u, v))| {
             work(unit * chunk, &mut Hits { t, primitive, u, v });
         });

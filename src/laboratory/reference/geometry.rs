@@ -61,28 +61,29 @@ pub(super) struct Surface {
     pub scale: f64,
 }
 
+/// The smallest t > 0 at which a ray hits a sphere.
+///
+/// The discriminant comes from the distance between centre and line, and the root that would cancel from the
+/// product of the roots: Haines, Günther, Akenine-Möller, "Precision Improvements for Ray/Sphere
+/// Intersection", Ray Tracing Gems, 2019, ch. 7.
+pub fn hit_sphere(center: DVec3, radius: f64, origin: DVec3, direction: DVec3) -> Option<f64> {
+    let to_center = center - origin;
+    let a = direction.length_squared();
+    let b = to_center.dot(direction);
+    let perpendicular = to_center - direction * (b / a);
+    let discriminant = radius * radius - perpendicular.length_squared();
+    // A direction of length zero makes a NaN, which is no hit.
+    if discriminant.is_nan() || discriminant < 0.0 {
+        return None;
+    }
+    let q = b + (a * discriminant).sqrt().copysign(b);
+    let (t0, t1) = ((to_center.length_squared() - radius * radius) / q, q / a);
+    [t0.min(t1), t0.max(t1)].into_iter().find(|&t| t > 0.0)
+}
+
 impl Sphere {
-    /// The smallest t > 0.
-    ///
-    /// The discriminant comes from the distance between centre and line, and the root that would cancel from
-    /// the product of the roots: Haines, Günther, Akenine-Möller, "Precision Improvements for Ray/Sphere
-    /// Intersection", Ray Tracing Gems, 2019, ch. 7.
     pub(super) fn hit(&self, origin: DVec3, direction: DVec3) -> Option<f64> {
-        let to_center = self.center - origin;
-        let a = direction.length_squared();
-        let b = to_center.dot(direction);
-        let c = to_center.length_squared() - self.radius * self.radius;
-        let perpendicular = to_center - direction * (b / a);
-        let discriminant = self.radius * self.radius - perpendicular.length_squared();
-        // A direction of length zero makes a NaN, which is no hit.
-        if discriminant >= 0.0 {
-            let root = (a * discriminant).sqrt();
-            let q = if b < 0.0 { b - root } else { b + root };
-            let (t0, t1) = (c / q, q / a);
-            [t0.min(t1), t0.max(t1)].into_iter().find(|&t| t > 0.0)
-        } else {
-            None
-        }
+        hit_sphere(self.center, self.radius, origin, direction)
     }
 
     /// The point of the surface nearest to `point`.

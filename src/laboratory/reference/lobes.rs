@@ -196,8 +196,7 @@ fn transmitted(ior: f64, alpha: f64) -> f64 {
     terms.sum::<f64>() / (3.0 * f64::from(steps))
 }
 
-/// A GGX coat over a Lambert base: the equations at the head of `kernel/bsdf/plastic.rs`, divided by the pdf
-/// with which the estimator samples.
+/// A GGX coat over a Lambert base: the equations at the head of `kernel/bsdf/plastic.rs`.
 fn plastic(
     color: DVec3,
     coat: &Coat,
@@ -206,45 +205,17 @@ fn plastic(
     number: impl Fn(u32) -> f64,
 ) -> Option<(DVec3, DVec3, bool)> {
     let Coat { ior, alpha, transmitted } = *coat;
-    let reflected = |cos: f64| reflected(ior, cos);
     let transmittance = |cos: f64| transmittance(ior, alpha, cos);
     let base = color / ((DVec3::ONE - color) * ior * ior + color * transmitted);
     let out = to_local(-d, n);
     let entered = transmittance(out.z);
     let brightest = base.max_element() * transmitted * entered;
     let on_coat = (1.0 - entered) / (1.0 - entered + brightest);
-    let smooth = alpha < NARROWEST_ALPHA;
-    let towards = if number(LOBE) < on_coat {
-        let (towards, weight) = ggx(out, alpha, number(DIRECTION), number(DIRECTION + 1));
-        if smooth {
-            let facet = (towards + out).normalize().dot(out);
-            let weight = DVec3::splat(weight * reflected(facet) / on_coat);
-            return (towards.z > 0.0).then(|| (to_world(towards, n), weight, true));
-        }
-        towards
-    } else {
-        to_local((n + on_sphere(number)).normalize(), n)
-    };
-    if towards.z <= 0.0 {
-        return None;
-    }
-    let lambert = towards.z / PI;
-    let mut value = base * entered * transmittance(towards.z) * lambert;
-    let mut pdf = (1.0 - on_coat) * lambert;
-    if !smooth {
-        let half = (towards + out).normalize();
-        let [lambda_out, lambda_in] = [out, towards].map(|w| lambda(w, alpha));
-        let slope = half.z * half.z * (alpha * alpha - 1.0) + 1.0;
-        let distribution = alpha * alpha / (PI * slope * slope);
-        let visible = distribution / (4.0 * out.z * (1.0 + lambda_out));
-        value += visible * (1.0 + lambda_out) / (1.0 + lambda_out + lambda_in) * reflected(half.dot(out));
-        pdf += on_coat * visible;
-    }
-    Some((to_world(towards, n), value / pdf, false))
+    let fresnel = |cos: f64| DVec3::splat(reflected(ior, cos));
+    ggx_over_lambert(out, n, alpha, on_coat, fresnel, |cos| base * entered * transmittance(cos), number)
 }
 
-/// glTF's metallic-roughness model: the equations at the head of `kernel/bsdf/metal_rough.rs`, divided by the
-/// pdf with which the estimator samples.
+/// glTF's metallic-roughness model: the equations at the head of `kernel/bsdf/metal_rough.rs`.
 fn metal_rough(
     color: DVec3,
     (alpha, f0, metallic): (f64, f64, f64),
@@ -260,6 +231,22 @@ fn metal_rough(
     let into_base = color * (1.0 - metallic) * (1.0 - f0) * transmitted(out.z);
     let (brightest, of_base) = (fresnel(out.z).max_element(), into_base.max_element());
     let on_specular = brightest / (brightest + of_base).max(1e-300);
+    let base = |cos: f64| into_base * (transmitted(cos) / (1.0 - q / 21.0));
+    ggx_over_lambert(out, n, alpha, on_specular, fresnel, base, number)
+}
+
+/// A GGX lobe of the reflectance `fresnel` at the cosine of the microfacet, sampled with the probability
+/// `on_specular`, over a Lambert base of the reflectance `base` at the cosine of the sampled direction: the
+/// sum, divided by the pdf with which the estimator samples. `out` is in the frame of the normal.
+fn ggx_over_lambert(
+    out: DVec3,
+    n: DVec3,
+    alpha: f64,
+    on_specular: f64,
+    fresnel: impl Fn(f64) -> DVec3,
+    base: impl Fn(f64) -> DVec3,
+    number: impl Fn(u32) -> f64,
+) -> Option<(DVec3, DVec3, bool)> {
     let smooth = alpha < NARROWEST_ALPHA;
     let towards = if number(LOBE) < on_specular {
         let (towards, weight) = ggx(out, alpha, number(DIRECTION), number(DIRECTION + 1));
@@ -275,17 +262,16 @@ fn metal_rough(
     if towards.z <= 0.0 {
         return None;
     }
-    let half = (towards + out).normalize();
-    let facet = half.dot(out);
     let lambert = towards.z / PI;
-    let mut value = into_base * (transmitted(towards.z) / (1.0 - q / 21.0) * lambert);
+    let mut value = base(towards.z) * lambert;
     let mut pdf = (1.0 - on_specular) * lambert;
     if !smooth {
+        let half = (towards + out).normalize();
         let [lambda_out, lambda_in] = [out, towards].map(|w| lambda(w, alpha));
         let slope = half.z * half.z * (alpha * alpha - 1.0) + 1.0;
         let distribution = alpha * alpha / (PI * slope * slope);
         let visible = distribution / (4.0 * out.z * (1.0 + lambda_out));
-        value += fresnel(facet) * visible * (1.0 + lambda_out) / (1.0 + lambda_out + lambda_in);
+        value += fresnel(half.dot(out)) * visible * (1.0 + lambda_out) / (1.0 + lambda_out + lambda_in);
         pdf += on_specular * visible;
     }
     Some((to_world(towards, n), value / pdf, false))

@@ -23,7 +23,7 @@ mod scene;
 mod texture;
 mod verdict;
 
-pub use geometry::Hit;
+pub use geometry::{Hit, hit_sphere};
 pub use path::PathSettings;
 pub use scene::Reference;
 pub use verdict::Verdict;

@@ -159,9 +159,7 @@ impl Reference {
         }
         Verdict::Right
     }
-}
 
-impl Reference {
     /// Checks the barycentric weights of the second and third vertex in a hit of `primitive`: their point
     /// must lie on the triangle, and on the ray within its bound. Right for misses and spheres, which have no
     /// weights.

@@ -11,7 +11,7 @@ use crate::render::{PipelineChoice, Renderer, Settings};
 use crate::sampling::Sampler;
 use crate::scene::{Filter, Scene};
 use crate::traverse::batch::Traversal;
-use crate::traverse::{Methods, SphereChoice, TraversalChoice, TriangleChoice, list_cost};
+use crate::traverse::{SphereChoice, TraversalChoice, TriangleChoice, list_cost};
 use serde::Serialize;
 
 /// Settings under a name.
@@ -25,14 +25,18 @@ pub struct Configuration {
     pub(crate) levels_of_detail: bool,
     /// Whether sampling is adaptive.
     pub(crate) adaptive: bool,
-    /// Whether pictures must have the bits of the default.
-    pub(crate) same_bits: bool,
-    /// Whether its intersection methods are the robust ones. A picture's error hardly shows it, so a
-    /// configuration that is faster and not robust does not count as better.
-    pub(crate) robust: bool,
 }
 
 impl Configuration {
+    /// Whether pictures must have the bits of the default.
+    pub(crate) fn has_same_bits(&self) -> bool {
+        matches!(Group::of(self.name), None | Some(Group::Speed))
+    }
+    /// Whether its intersection methods are the robust ones. A picture's error hardly shows it, so a
+    /// configuration that is faster and not robust does not count as better.
+    pub(crate) fn is_robust(&self) -> bool {
+        self.settings.methods.keep_to_their_primitives()
+    }
     /// A renderer of the scene with these settings but this resolution and number of threads.
     pub(crate) fn renderer(&self, scene: &Scene, resolution: [u32; 2], threads: usize) -> Renderer {
         let settings = Settings { resolution, threads, ..self.settings };
@@ -118,80 +122,64 @@ impl Group {
     }
 }
 
-/// Largest cost of testing every primitive that is charted, in sphere tests as [`list_cost`]
-/// counts.
+/// Largest cost of testing every primitive that is charted, in sphere tests as [`list_cost`] counts.
 const MOST_LINEAR: usize = 4_000;
 
 /// The configurations that can differ on this scene, the default first. `settings` are those of the default.
 pub fn of_scene(scene: &Scene, settings: Settings) -> Vec<Configuration> {
-    let of = |name, settings: Settings, same_bits| {
-        let robust = settings.methods.keep_to_their_primitives();
-        Configuration { name, settings, levels_of_detail: false, adaptive: false, same_bits, robust }
-    };
-    let with = |name, same_bits, change: &dyn Fn(&mut Methods)| {
-        let mut methods = settings.methods;
-        change(&mut methods);
-        of(name, Settings { methods, ..settings }, same_bits)
-    };
-    let mut all = vec![of(DEFAULT, settings, true)];
-    let mut add = |applies: bool, one: Configuration| {
-        if applies {
-            all.push(one);
-        }
-    };
-    add(true, of("scalar", Settings { lanes: 1, ..settings }, true));
-    for lanes in WIDTHS.into_iter().rev().filter(|&lanes| lanes > 1) {
-        let name = if lanes == 8 { "8 lanes" } else { "16 lanes" };
-        add(lanes != settings.lanes, of(name, Settings { lanes, ..settings }, true));
-    }
-    let renderer = Renderer::new(scene, settings);
-    let general = Settings { pipeline: PipelineChoice::General, ..settings };
-    add(renderer.features() != Features::ALL, of("general pipeline", general, true));
-    add(true, with("independent pixels", false, &|methods| methods.sampler = Sampler::PaddedSobol));
-    add(true, with("random numbers", false, &|methods| methods.sampler = Sampler::Random));
-    for (name, lights) in [
-        ("lights off", LightChoice::Off),
-        ("lights on", LightChoice::On),
-        ("lights by power", LightChoice::Power),
-    ] {
-        let one = with(name, false, &|methods| methods.lights = lights);
-        add(differs(scene, &renderer, &one), one);
-    }
-    add(true, Configuration { adaptive: true, ..of("adaptive", settings, false) });
-    let trilinear = Configuration { levels_of_detail: true, ..of("trilinear", settings, false) };
-    let has_bilinear = scene.textures.iter().any(|texture| texture.filter == Filter::Bilinear);
-    add(has_bilinear && differs(scene, &renderer, &trilinear), trilinear);
-
-    let hierarchy = settings.methods.traversal_of(scene, settings.lanes).is_some();
-    let linear = list_cost(scene) <= MOST_LINEAR;
-    let through = |name, traversal| with(name, true, &|methods| methods.traversal = traversal);
-    add(hierarchy && linear, through("every primitive tested", TraversalChoice::Linear));
-    add(!hierarchy, through("hierarchy", TraversalChoice::Through(Traversal::Hybrid)));
-    for (name, traversal) in
-        [("streams", Traversal::Stream), ("packets", Traversal::Packet), ("single rays", Traversal::Single)]
-    {
-        add(hierarchy, through(name, TraversalChoice::Through(traversal)));
-    }
-
-    let methods_apply = linear && !hierarchy;
-    let sphere = |sphere| with("naive spheres", false, &|methods: &mut Methods| methods.sphere = sphere);
-    add(methods_apply && !scene.spheres.is_empty(), sphere(SphereChoice::Naive));
-    let triangle =
-        |triangle| with("Möller–Trumbore", false, &|methods: &mut Methods| methods.triangle = triangle);
-    add(methods_apply && !scene.triangles.is_empty(), triangle(TriangleChoice::MollerTrumbore));
-    all
-}
-
-/// Whether a configuration gives another picture than the default's renderer: without emitters, light
-/// sampling changes nothing; without a texture in view, no filter does.
-fn differs(scene: &Scene, renderer: &Renderer, one: &Configuration) -> bool {
-    let first = |renderer: &Renderer| {
+    let default = Configuration { name: DEFAULT, settings, levels_of_detail: false, adaptive: false };
+    let first_sample = |renderer: &Renderer| {
         let mut film = renderer.film();
         renderer.add_samples(&mut film, 1);
         film.picture()
     };
-    let Settings { resolution, threads, .. } = one.settings;
-    first(renderer) != first(&one.renderer(scene, resolution, threads))
+    let renderer = Renderer::new(scene, settings);
+    let default_picture = first_sample(&renderer);
+    let hierarchy = settings.methods.traversal_of(scene, settings.lanes).is_some();
+    let linear = list_cost(scene) <= MOST_LINEAR;
+
+    let mut all = vec![default.clone()];
+    let mut add = |name, applies: bool, change: &dyn Fn(&mut Configuration)| {
+        let mut one = Configuration { name, ..default.clone() };
+        change(&mut one);
+        // Without emitters, light sampling changes nothing; without a texture in view, no filter does.
+        let changes_nothing = Group::of(name) == Some(Group::Sampling)
+            && !one.adaptive
+            && first_sample(&one.renderer(scene, settings.resolution, settings.threads)) == default_picture;
+        if applies && !changes_nothing {
+            all.push(one);
+        }
+    };
+    add("scalar", true, &|one| one.settings.lanes = 1);
+    for (name, lanes) in [("16 lanes", 16), ("8 lanes", 8)] {
+        let applies = WIDTHS.contains(&lanes) && lanes != settings.lanes;
+        add(name, applies, &|one| one.settings.lanes = lanes);
+    }
+    let is_special = renderer.features() != Features::ALL;
+    add("general pipeline", is_special, &|one| one.settings.pipeline = PipelineChoice::General);
+    add("independent pixels", true, &|one| one.settings.methods.sampler = Sampler::PaddedSobol);
+    add("random numbers", true, &|one| one.settings.methods.sampler = Sampler::Random);
+    add("lights off", true, &|one| one.settings.methods.lights = LightChoice::Off);
+    add("lights on", true, &|one| one.settings.methods.lights = LightChoice::On);
+    add("lights by power", true, &|one| one.settings.methods.lights = LightChoice::Power);
+    add("adaptive", true, &|one| one.adaptive = true);
+    add("trilinear", true, &|one| one.levels_of_detail = true);
+
+    let mut through = |name, applies, traversal| {
+        add(name, applies, &|one| one.settings.methods.traversal = traversal);
+    };
+    through("every primitive tested", hierarchy && linear, TraversalChoice::Linear);
+    through("hierarchy", !hierarchy, TraversalChoice::Through(Traversal::Hybrid));
+    through("streams", hierarchy, TraversalChoice::Through(Traversal::Stream));
+    through("packets", hierarchy, TraversalChoice::Through(Traversal::Packet));
+    through("single rays", hierarchy, TraversalChoice::Through(Traversal::Single));
+
+    let [spheres, triangles] = [scene.spheres.is_empty(), scene.triangles.is_empty()]
+        .map(|is_empty| linear && !hierarchy && !is_empty);
+    add("naive spheres", spheres, &|one| one.settings.methods.sphere = SphereChoice::Naive);
+    let triangle = TriangleChoice::MollerTrumbore;
+    add("Möller–Trumbore", triangles, &|one| one.settings.methods.triangle = triangle);
+    all
 }
 
 #[cfg(test)]
@@ -199,49 +187,36 @@ mod tests {
     use super::*;
     use crate::lane::NATIVE_WIDTH;
 
-    fn names(scene: &str) -> Vec<&'static str> {
-        names_of(&octray_formats::scene::load(scene).unwrap())
-    }
-
-    fn names_of(scene: &Scene) -> Vec<&'static str> {
+    fn names(scene: &Scene) -> Vec<&'static str> {
         let settings = Settings { resolution: [16, 9], ..Settings::of(scene) };
         of_scene(scene, settings).iter().map(|one| one.name).collect()
     }
 
     #[test]
     fn configurations_are_those_that_a_scene_can_tell_apart() {
-        let three = names("builtin:three");
-        assert_eq!(three[..2], [DEFAULT, "scalar"]);
-        assert_eq!(three.contains(&"8 lanes"), NATIVE_WIDTH > 8, "where 8 lanes are not the default");
-        for absent in [
-            "lights off",
-            "lights on",
-            "lights by power",
-            "Möller–Trumbore",
-            "streams",
-            "every primitive tested",
-        ] {
-            assert!(!three.contains(&absent), "{absent}");
+        let load = |name: &str| octray_formats::scene::load(name).unwrap();
+        let mut smooth = load("builtin:thesis");
+        smooth.textures.iter_mut().for_each(|texture| texture.filter = Filter::Bilinear);
+        let no_emitters = ["lights off", "lights on", "lights by power"];
+        let scenes: [(Scene, &[&str], &[&str]); 5] = [
+            (load("builtin:three"), &["naive spheres", "hierarchy"], &["Möller–Trumbore", "streams"]),
+            (load("builtin:three"), &["scalar"], &no_emitters),
+            // Auto samples all emitters.
+            (load("builtin:cornell"), &["lights off", "Möller–Trumbore"], &["naive spheres", "lights on"]),
+            (load("builtin:terrain:2000"), &["streams"], &["every primitive tested"]),
+            (smooth, &["trilinear"], &[]),
+        ];
+        for (scene, present, absent) in &scenes {
+            let names = names(scene);
+            assert_eq!(names[..2], [DEFAULT, "scalar"]);
+            assert_eq!(names.contains(&"8 lanes"), NATIVE_WIDTH > 8, "where 8 lanes are not the default");
+            assert!(present.iter().all(|name| names.contains(name)), "{}: {names:?}", scene.name);
+            assert!(!absent.iter().any(|name| names.contains(name)), "{}: {names:?}", scene.name);
+            for name in names {
+                assert_eq!(Group::of(name).is_none(), name == DEFAULT, "{name} is in a drawing");
+            }
         }
-        assert!(three.contains(&"naive spheres") && three.contains(&"hierarchy"));
-        let cornell = names("builtin:cornell");
-        for present in ["lights off", "lights by power", "Möller–Trumbore"] {
-            assert!(cornell.contains(&present), "{present}");
-        }
-        assert!(
-            !cornell.contains(&"naive spheres") && !cornell.contains(&"lights on"),
-            "auto samples all emitters"
-        );
-        let terrain = names("builtin:terrain:2000");
-        assert!(terrain.contains(&"streams") && !terrain.contains(&"every primitive tested"), "{terrain:?}");
-        assert_eq!(terrain.contains(&"8 lanes"), NATIVE_WIDTH > 8, "where 8 lanes are not the default");
-        let mut thesis = octray_formats::scene::load("builtin:thesis").unwrap();
-        assert!(!names_of(&thesis).contains(&"trilinear"), "its textures are read at the nearest texel");
-        thesis.textures.iter_mut().for_each(|texture| texture.filter = Filter::Bilinear);
-        assert!(names_of(&thesis).contains(&"trilinear"));
-        let thesis = names_of(&thesis);
-        for name in three.iter().chain(&cornell).chain(&terrain).chain(&thesis) {
-            assert_eq!(Group::of(name).is_none(), *name == DEFAULT, "{name} is in a drawing");
-        }
+        let thesis = load("builtin:thesis");
+        assert!(!names(&thesis).contains(&"trilinear"), "its textures are read at the nearest texel");
     }
 }

@@ -9,10 +9,10 @@ use crate::film::Picture;
 use crate::measure::errors::Errors;
 use crate::measure::flip::Flip;
 use crate::measure::quantiles::{Quantiles, Rounds, Spread};
-use crate::render::Renderer;
+use crate::measure::timed::TimedRenderer;
 use crate::scene::Scene;
 use serde::Serialize;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 /// Seconds of accumulation after which the error is measured.
 pub(crate) const MOMENTS: [f64; 3] = [1.0 / 30.0, 0.2, 1.0];
@@ -65,12 +65,12 @@ pub(crate) fn measure(
 ) -> Vec<Frames> {
     let flip = Flip::of(&ground_truth.frame);
     let resolution = [ground_truth.frame.width, ground_truth.frame.height];
-    let of = |one: &Configuration| one.renderer(scene, resolution, threads);
-    let mut renderers: Vec<Renderer> = configurations.iter().map(of).collect();
+    let of = |one: &Configuration| TimedRenderer::new(one.renderer(scene, resolution, threads));
+    let mut renderers: Vec<TimedRenderer> = configurations.iter().map(of).collect();
     let mut taken: Vec<Vec<Accumulation>> = configurations.iter().map(|_| Vec::new()).collect();
     for round in Rounds::within(end, 1, MOST_SEEDS) {
         for (renderer, taken) in renderers.iter_mut().zip(&mut taken) {
-            renderer.set_seed(round as u32 + 1);
+            renderer.renderer.set_seed(round as u32 + 1);
             taken.push(accumulate(renderer));
         }
     }
@@ -78,26 +78,18 @@ pub(crate) fn measure(
     all.map(|(one, taken)| frames(one.name, threads, taken, ground_truth, &flip)).collect()
 }
 
-fn accumulate(renderer: &Renderer) -> Accumulation {
-    // Caches fill, threads wake up.
-    renderer.add_samples(&mut renderer.film(), 1);
-    let mut film = renderer.film();
-    let mut taken = Accumulation { pictures: Vec::new(), seconds: Vec::new() };
-    // Time of rendering alone: copying the pictures does not count.
-    let mut elapsed = 0.0;
+fn accumulate(timed: &mut TimedRenderer) -> Accumulation {
+    timed.restart();
+    let mut pictures = Vec::new();
     for moment in MOMENTS {
-        renderer.on_threads(|| {
-            while elapsed < moment {
-                let start = Instant::now();
-                renderer.add_samples(&mut film, 1);
-                let seconds = start.elapsed().as_secs_f64();
-                taken.seconds.push(seconds);
-                elapsed += seconds;
-            }
-        });
-        taken.pictures.push((film.picture(), film.samples()));
+        // Time of rendering alone: copying the pictures does not count.
+        let left = moment - timed.seconds.iter().sum::<f64>();
+        if left > 0.0 {
+            timed.turn(usize::MAX, Duration::from_secs_f64(left));
+        }
+        pictures.push((timed.film.picture(), timed.film.samples()));
     }
-    taken
+    Accumulation { pictures, seconds: std::mem::take(&mut timed.seconds) }
 }
 
 fn frames(
@@ -124,33 +116,5 @@ fn frames(
         seeds: taken.len(),
         fps: Spread::of(rates),
         moments: MOMENTS.iter().enumerate().map(moment).collect(),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::measure::chart::ground_truth::GroundTruthInfo;
-
-    #[test]
-    fn error_of_the_ground_truth_is_subtracted() {
-        let grey = |value| Picture { width: 3, height: 3, pixels: vec![[value; 3]; 9] };
-        let of = |frame_rmse| {
-            let info =
-                GroundTruthInfo { samples: 2, frame_rmse, small_rmse: 1.0, budget_s: 1.0, cached: false };
-            let ground_truth = GroundTruth::from_kept(grey(1.0), info);
-            let pictures = vec![(grey(7.0), 1), (grey(6.0), 2), (grey(4.0), 5)];
-            let taken = Accumulation { pictures, seconds: vec![0.5, 0.25, 0.125] };
-            frames("one", 1, &[taken], &ground_truth, &Flip::of(&ground_truth.frame))
-        };
-        let frames = of(3.0);
-        assert_eq!((frames.fps.median, frames.seeds), (4.0, 1));
-        assert_eq!(
-            frames.moments.iter().map(|moment| moment.samples.median).collect::<Vec<_>>(),
-            [1.0, 2.0, 5.0]
-        );
-        let rmse = |frames: &Frames, moment: usize| frames.moments[moment].rmse.map(|rmse| rmse.median);
-        assert!((rmse(&frames, 1).unwrap() - 4.0).abs() < 1e-6, "5 measured, 3 of the ground ground_truth");
-        assert_eq!(rmse(&of(3.5), 2), None, "3 measured, 3.5 of the ground ground_truth");
     }
 }

@@ -175,11 +175,7 @@ mod tests {
     use super::*;
 
     fn cornell(samples: u32) -> GroundTruth {
-        ground_truth("builtin:cornell", samples)
-    }
-
-    fn ground_truth(scene: &str, samples: u32) -> GroundTruth {
-        let scene = octray_formats::scene::load(scene).unwrap();
+        let scene = octray_formats::scene::load("builtin:cornell").unwrap();
         let settings = Settings { resolution: [48, 27], ..Settings::of(&scene) };
         GroundTruthRenderer::new(&scene, settings, 1).render(samples)
     }
@@ -197,20 +193,13 @@ mod tests {
         }
     }
 
-    /// The scene has no small group of pixels with most of the noise, such as the rim of an emitter: one
-    /// distance of two halves measures such a group badly.
     #[test]
-    fn own_error_falls_with_the_root_of_samples_as_that_of_independent_numbers() {
-        let [few, many] = [16, 1_600].map(|samples| ground_truth("builtin:three", samples).info);
-        for falls in [few.frame_rmse / many.frame_rmse, few.small_rmse / many.small_rmse] {
-            assert!((8.5..11.5).contains(&falls), "{falls}");
-        }
-    }
-
-    #[test]
-    fn independent_errors_add_up_in_their_squares() {
-        assert!((corrected(5.0, 3.0) - 4.0).abs() < 1e-12);
-        assert!(corrected(1.0, 1.1).is_nan());
+    fn own_error_is_subtracted_and_what_is_below_it_is_unknown() {
+        let info = GroundTruthInfo { frame_rmse: 3.0, ..cornell(16).info };
+        let kept = GroundTruth::from_kept(Picture { width: 3, height: 3, pixels: vec![[1.0; 3]; 9] }, info);
+        assert!((kept.corrected_rmse([5.0]).unwrap().median - 4.0).abs() < 1e-12);
+        assert_eq!(kept.corrected_rmse([5.0, 4.0]), None, "2.6 is below 3");
+        assert_eq!(kept.corrected_rmse([2.9]), None);
     }
 
     #[test]

@@ -113,7 +113,8 @@ impl Plan {
         let (frame, end) = (self.frame(scene), self.at(DISPLAY_SHARE));
         let display = display::measure(scene, frame, ground_truth, self.threads, end);
         step("motion");
-        let motion = motion::measure(scene, frame, self.threads, self.at(1.0));
+        let motion =
+            motion::measure(scene, frame, self.threads, self.at(1.0), motion::MOST_GROUND_TRUTH_SAMPLES);
         SceneChart {
             scene: scene.name.clone(),
             size: self.size,

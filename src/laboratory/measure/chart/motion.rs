@@ -33,7 +33,7 @@ const COMPARED: u32 = 4;
 /// The share of the time for frames; ground truths have the rest.
 const FRAMES_SHARE: f64 = 0.6;
 /// Most samples of a ground truth.
-const MOST_GROUND_TRUTH_SAMPLES: u32 = 1_024;
+pub(crate) const MOST_GROUND_TRUTH_SAMPLES: u32 = 1_024;
 
 /// How the camera moves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -108,11 +108,7 @@ struct PathFrames {
 }
 
 /// Renders all camera paths, and then ground truths in the remaining time. `settings` are those of frames.
-pub(crate) fn measure(scene: &Scene, settings: Settings, threads: usize, end: Instant) -> Vec<MotionResult> {
-    measure_with(scene, settings, threads, end, MOST_GROUND_TRUTH_SAMPLES)
-}
-
-fn measure_with(
+pub(crate) fn measure(
     scene: &Scene,
     settings: Settings,
     threads: usize,
@@ -270,7 +266,7 @@ mod tests {
             let scene = octray_formats::scene::load(&format!("builtin:{name}")).unwrap();
             let settings = Settings { resolution, ..Settings::of(&scene) };
             let end = Instant::now() + Duration::from_secs(3600);
-            let all = measure_with(&scene, settings, 1, end, most_ground_truth_samples);
+            let all = measure(&scene, settings, 1, end, most_ground_truth_samples);
             assert_eq!(all.len(), CameraPath::ALL.len() * FILTERS.len());
             for result in &all {
                 let least = if result.filter == FILTERS[0] { 1.0 } else { 2.0 };

@@ -13,7 +13,6 @@ use crate::measure::quantiles::{Quantiles, Spread};
 use crate::render::Renderer;
 use crate::scene::Scene;
 use serde::Serialize;
-use std::hash::{DefaultHasher, Hasher};
 use std::time::{Duration, Instant};
 
 /// Fewest seeds behind a median.
@@ -27,10 +26,10 @@ const FIRST_TARGET: f64 = 0.8;
 /// Samples before the first noise estimate, as in `render --target-error`.
 const LEAST: u32 = 16;
 /// Untimed rendering right before a timed part: other configurations ran since, so the caches and the branch
-/// predictor are theirs, and the worker sleeps. Where a sample takes longer than `LONG`, that no longer
-/// matters.
+/// predictor are theirs, and the worker sleeps. Where a sample takes longer than `LONG`, in seconds, that no
+/// longer matters.
 const WARM_UP: Duration = Duration::from_millis(1);
-const LONG: Duration = Duration::from_millis(20);
+const LONG: f64 = 0.02;
 /// A part shorter than this is timed again, up to so many times, for the median: an interrupt takes as long.
 const SHORT: Duration = Duration::from_millis(1);
 const MOST_REPEATS: usize = 9;
@@ -90,8 +89,8 @@ struct Level {
     seconds: Vec<f64>,
     errors: Vec<Errors>,
     flip: Vec<f64>,
-    /// Fingerprint of each seed's picture.
-    bits: Vec<u64>,
+    /// Of each seed's picture.
+    hashes: Vec<u64>,
 }
 
 /// A configuration while it is measured.
@@ -101,15 +100,11 @@ struct Run<'a> {
     /// One per seed, with its seconds.
     films: Vec<(Film, f64)>,
     levels: Vec<Level>,
-    /// Samples of a warm-up.
-    warm_up: u32,
     /// Number of target errors reached, if adaptive.
     targets: i32,
-    /// All time of this configuration, including that of computing errors.
+    /// Time of this level, and of all levels, including that of computing errors.
+    level_time: Duration,
     spent: Duration,
-    /// Time of rendering the current level, and of everything in the last one.
-    rendering: Duration,
-    last: Duration,
     done: bool,
 }
 
@@ -145,7 +140,9 @@ fn runs<'a>(
         }
         for run in active {
             run.end_level(ground_truth, &flip, most);
-            run.done |= run.spent + 2 * run.last > slice;
+            let last = std::mem::take(&mut run.level_time);
+            run.spent += last;
+            run.done |= run.spent + 2 * last > slice;
         }
     }
     runs
@@ -153,56 +150,49 @@ fn runs<'a>(
 
 impl<'a> Run<'a> {
     fn new(scene: &Scene, configuration: &'a Configuration, ground_truth: &GroundTruth, seeds: u32) -> Self {
-        let start = Instant::now();
         let resolution = [ground_truth.small.width, ground_truth.small.height];
         let renderer = configuration.renderer(scene, resolution, 1);
-        let mut film = renderer.film();
-        renderer.add_samples(&mut film, 1);
-        let (_, sample) = timed(|| renderer.add_samples(&mut film, 1));
-        let warm_up = match sample {
-            _ if sample > LONG => 0,
-            // A clock may be coarse.
-            _ => WARM_UP.div_duration_f64(sample.max(Duration::from_micros(1))).ceil() as u32,
-        };
         let films = (0..seeds).map(|_| (renderer.film(), 0.0)).collect();
-        let none = Duration::ZERO;
-        let (levels, spent) = (Vec::new(), start.elapsed());
+        let [level_time, spent] = [Duration::ZERO; 2];
         Self {
             configuration,
             renderer,
             films,
-            levels,
-            warm_up,
+            levels: Vec::new(),
             targets: 0,
+            level_time,
             spent,
-            rendering: none,
-            last: none,
             done: false,
         }
     }
 
     /// Doubles the samples of this seed, the first being 0; or halves the target error and starts again.
     fn render(&mut self, seed: u32, most: u32) {
-        let Self { configuration, renderer, films, warm_up, targets, .. } = self;
+        let Self { configuration, renderer, films, targets, .. } = self;
         let (film, seconds) = &mut films[seed as usize];
         let target = Target { error: FIRST_TARGET * 0.5f64.powi(*targets), least: LEAST.min(most), most };
         let start = Instant::now();
         renderer.set_seed(seed + 1);
         // On the worker from the warm-up on, so that no time is that of waking it.
         renderer.on_threads(|| {
-            if *warm_up > 0 {
-                renderer.add_samples(&mut renderer.film(), *warm_up);
+            let mut untimed = renderer.film();
+            while *seconds <= film.mean_samples() * LONG && start.elapsed() < WARM_UP {
+                renderer.add_samples(&mut untimed, 1);
             }
             if configuration.adaptive {
-                let time;
-                (*film, time) = timed(|| to_target(renderer, &target));
-                *seconds = time.as_secs_f64();
+                let start = Instant::now();
+                *film = to_target(renderer, &target);
+                *seconds = start.elapsed().as_secs_f64();
             } else {
                 let more = film.samples().max(1);
-                *seconds += median_time(film, |film| renderer.add_samples(film, more));
+                *seconds += median_time(film, |film| {
+                    let start = Instant::now();
+                    renderer.add_samples(film, more);
+                    start.elapsed().as_secs_f64()
+                });
             }
         });
-        self.rendering += start.elapsed();
+        self.level_time += start.elapsed();
     }
 
     /// Computes the errors of all seeds' pictures, outside the timed part.
@@ -214,7 +204,7 @@ impl<'a> Run<'a> {
             level.seconds.push(*seconds);
             level.errors.push(Errors::of(&picture, &ground_truth.small));
             level.flip.push(flip.against(&picture));
-            level.bits.push(fingerprint(&picture.pixels));
+            level.hashes.push(picture.hash());
         }
         self.done = level.samples * 2.0 > f64::from(most);
         self.targets += 1;
@@ -222,26 +212,13 @@ impl<'a> Run<'a> {
         if self.levels.last().is_none_or(|last| level.samples > last.samples) {
             self.levels.push(level);
         }
-        self.last = std::mem::take(&mut self.rendering) + start.elapsed();
-        self.spent += self.last;
+        self.level_time += start.elapsed();
     }
 }
 
-/// A result, and the time until it was there.
-fn timed<R>(run: impl FnOnce() -> R) -> (R, Duration) {
-    let start = Instant::now();
-    let result = run();
-    (result, start.elapsed())
-}
-
-/// Applies a change to the film once, and returns its time in seconds: the median of several changes of equal
-/// films where one is [`SHORT`].
-fn median_time(film: &mut Film, change: impl Fn(&mut Film)) -> f64 {
-    median_of_repeats(film, |film| timed(|| change(film)).1.as_secs_f64())
-}
-
-/// [`median_time`] of a change that returns its own time.
-fn median_of_repeats(film: &mut Film, mut change: impl FnMut(&mut Film) -> f64) -> f64 {
+/// Applies a change, which returns its time in seconds, to the film once; returns the median time of several
+/// changes of equal films where one is [`SHORT`].
+fn median_time(film: &mut Film, mut change: impl FnMut(&mut Film) -> f64) -> f64 {
     let before = film.clone();
     let mut times = vec![change(film)];
     while times.len() < MOST_REPEATS && times.iter().sum::<f64>() < SHORT.as_secs_f64() {
@@ -264,20 +241,13 @@ fn to_target(renderer: &Renderer, target: &Target) -> Film {
     film
 }
 
-/// A hash of the picture's bits.
-fn fingerprint(pixels: &[[f32; 3]]) -> u64 {
-    let mut hasher = DefaultHasher::new();
-    hasher.write(bytemuck::cast_slice(pixels));
-    hasher.finish()
-}
-
 /// The lines of all runs; the first run is the default.
 fn lines(runs: &[Run]) -> Vec<Line> {
     let curves: Vec<ErrorCurve> = runs.iter().map(Run::curve).collect();
     let default = &runs[0];
     let line = |(number, run): (usize, &Run)| {
         let others = curves.iter().enumerate();
-        let others = others.filter(|(other, _)| *other != number && runs[*other].configuration.robust);
+        let others = others.filter(|(other, _)| *other != number && runs[*other].configuration.is_robust());
         let others: Vec<(&str, &ErrorCurve)> =
             others.map(|(other, curve)| (runs[other].name(), curve)).collect();
         let curve = &curves[number];
@@ -295,14 +265,14 @@ fn lines(runs: &[Run]) -> Vec<Line> {
         };
         let unlike = || {
             let levels = run.levels.iter().zip(&default.levels);
-            levels.flat_map(|(a, b)| a.bits.iter().zip(&b.bits)).filter(|(a, b)| a != b).count()
+            levels.flat_map(|(a, b)| a.hashes.iter().zip(&b.hashes)).filter(|(a, b)| a != b).count()
         };
         Line {
             configuration: run.name(),
             group: Group::of(run.name()),
-            robust: run.configuration.robust,
+            robust: run.configuration.is_robust(),
             points: run.levels.iter().enumerate().map(point).collect(),
-            pictures_unlike_default: run.configuration.same_bits.then(unlike),
+            pictures_unlike_default: run.configuration.has_same_bits().then(unlike),
             time_to_equal_error: curve.time_to_last_error_over(&curves[0]),
             dominated_by: curve.dominated_by(&others),
         }
@@ -327,6 +297,7 @@ mod tests {
     use super::super::ground_truth::GroundTruthRenderer;
     use super::*;
     use crate::render::Settings;
+    use crate::traverse::SphereChoice;
 
     #[test]
     fn errors_fall_and_equal_configurations_have_equal_bits() {
@@ -377,7 +348,7 @@ mod tests {
             times += 1;
             if times == 1 { 500e-6 } else { 20e-6 }
         };
-        assert_eq!(median_of_repeats(&mut film, &mut changed), 20e-6);
+        assert_eq!(median_time(&mut film, &mut changed), 20e-6);
         assert_eq!(film.samples(), 3, "repeats leave the film as one change does");
         assert!(times > 2, "{times} times");
         let (mut times, long) = (0, SHORT.as_secs_f64());
@@ -385,7 +356,7 @@ mod tests {
             times += 1;
             long
         };
-        assert_eq!(median_of_repeats(&mut film, &mut take_long), long);
+        assert_eq!(median_time(&mut film, &mut take_long), long);
         assert_eq!(times, 1, "a long part is timed once");
     }
 
@@ -394,13 +365,10 @@ mod tests {
         let scene = octray_formats::scene::load("builtin:three").unwrap();
         let frame = Settings { resolution: [48, 27], ..Settings::of(&scene) };
         let ground_truth = GroundTruthRenderer::new(&scene, frame, 1).render(800);
-        let of = |name, robust| Configuration {
-            name,
-            settings: Settings { resolution: [16, 9], ..frame },
-            levels_of_detail: false,
-            adaptive: false,
-            same_bits: true,
-            robust,
+        let of = |name, robust| {
+            let mut settings = Settings { resolution: [16, 9], ..frame };
+            settings.methods.sphere = if robust { SphereChoice::Robust } else { SphereChoice::Naive };
+            Configuration { name, settings, levels_of_detail: false, adaptive: false }
         };
         let lines = |robust| {
             let both = [of("slow", true), of("fast", robust)];

@@ -73,33 +73,3 @@ pub fn columns(values: &[f32], width: usize, kernel: &Kernel) -> Vec<f32> {
     }
     filtered
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn filters_spread_a_point_by_their_weights_and_repeat_the_border() {
-        let kernel = Kernel::blur(1, |x| 2.0 - x.abs());
-        assert_eq!(kernel.0, [0.25, 0.5, 0.25]);
-        let point = [1.0, 0.0, 0.0, 0.0, 0.0, 0.0];
-        let [across] = rows(&point, 3, [&kernel]);
-        assert_eq!(across, [0.75, 0.25, 0.0, 0.0, 0.0, 0.0]);
-        assert_eq!(columns(&across, 3, &kernel), [0.5625, 0.1875, 0.0, 0.1875, 0.0625, 0.0]);
-    }
-
-    #[test]
-    fn difference_is_0_on_a_constant_and_1_at_a_step() {
-        let kernel = Kernel::difference(2, |x| -x);
-        let step = [3.0, 3.0, 3.0, 3.0, 4.0, 4.0, 4.0, 4.0];
-        let [edge] = rows(&step, 8, [&kernel]);
-        for (at, expected) in [0.0, 0.0, 2.0 / 3.0, 1.0, 1.0, 2.0 / 3.0, 0.0, 0.0].into_iter().enumerate() {
-            assert!((edge[at].abs() - expected).abs() < 1e-6, "{edge:?}");
-        }
-    }
-
-    #[test]
-    fn blur_omits_negligible_weights() {
-        assert_eq!(Kernel::blur(100, |x| (-x * x).exp()).0.len(), 9);
-    }
-}

@@ -163,20 +163,12 @@ impl Eye {
     }
 }
 
-/// Linear sRGB to CIE XYZ, divided by the white point so that white is (1, 1, 1). Columns are red, green and
-/// blue. Source: IEC 61966-2-1 (primaries), CIE 15 (D65).
+/// Linear sRGB to CIE XYZ, divided by the white point so that white is (1, 1, 1). Source: IEC 61966-2-1 (primaries), CIE 15 (D65).
 static WHITE_XYZ: LazyLock<DMat3> = LazyLock::new(|| {
-    let xyz = DMat3::from_cols_array(&[
-        0.412_386_56,
-        0.212_636_82,
-        0.019_330_62, //
-        0.357_591_49,
-        0.715_182_98,
-        0.119_197_16, //
-        0.180_450_49,
-        0.072_180_20,
-        0.950_372_59,
-    ]);
+    let red = DVec3::new(0.412_386_56, 0.212_636_82, 0.019_330_62);
+    let green = DVec3::new(0.357_591_49, 0.715_182_98, 0.119_197_16);
+    let blue = DVec3::new(0.180_450_49, 0.072_180_20, 0.950_372_59);
+    let xyz = DMat3::from_cols(red, green, blue);
     DMat3::from_diagonal((xyz * DVec3::ONE).recip()) * xyz
 });
 /// The conversion and its inverse, as f32.

@@ -1,15 +1,15 @@
 //! Cameras: fields of view near 0° and 180°, and cameras inside objects.
 
-use super::methods::Method;
 use super::rays::ray;
-use super::recipe::{Bound, EPSILON, FAILED, FailureCounts, Recipe, trials};
+use super::recipe::{Bound, EPSILON, FAILED, FailureCounts, Recipe, compare};
 use super::rng::Rng;
 use super::scenes::{empty, put_box, seen, sphere};
-use crate::buffers::store_triangles;
+use super::spheres::{self, Ball};
+use super::triangles;
 use crate::camera::Pinhole;
-use crate::kernel::ray_sphere::{Robust, SphereMethod};
-use crate::kernel::ray_triangle::{TriangleMethod, Woop};
-use crate::math::{MISS, Vec3};
+use crate::kernel::ray_sphere::Robust;
+use crate::kernel::ray_triangle::Woop;
+use crate::math::MISS;
 use crate::reference::{Reference, Verdict};
 use crate::render::PrimaryHit;
 use crate::scene::{Camera, Scene};
@@ -30,16 +30,11 @@ pub(super) fn recipes() -> Vec<Recipe> {
             error: Some("pixels off"),
             source: "Shirley, Ray Tracing in One Weekend §12; half the picture's height is tan(fov / 2), a pixel's 1 / 135 of twice that",
             cases: 50_000,
-            methods: trials(
+            methods: compare(
                 views,
-                &[
-                    Method::other("corner-in-the-world", in_the_world),
-                    Method::other("f32", in_single),
-                    Method::default("corner-in-f64", pinhole),
-                ],
+                &[("corner-in-the-world", in_the_world), ("f32", in_single), ("corner-in-f64", pinhole)],
             ),
             bound: |degrees| Bound::error(8.0 * EPSILON * pixels_per_unit(degrees)),
-            ..Recipe::COMMON
         },
         Recipe {
             name: "cameras-inside",
@@ -49,12 +44,9 @@ pub(super) fn recipes() -> Vec<Recipe> {
             failure: "a camera ray hits nothing, or a hit that the f64 reference rejects",
             source: "from inside a closed object, every ray hits it",
             cases: 20_000,
-            methods: trials(
+            methods: compare(
                 inside,
-                &[
-                    Method::other("least-t-1e-4", beyond_least_t),
-                    Method::default("renderer", |scene| seen(scene, Methods::default(), 8)),
-                ],
+                &[("least-t-1e-4", beyond_least_t), ("renderer", |scene| seen(scene, Methods::default(), 8))],
             ),
             ..Recipe::COMMON
         },
@@ -133,21 +125,18 @@ fn views(rng: &mut Rng, degrees: f64, counts: &mut FailureCounts, view: View) {
 
 /// The same rays with a constant least t of 1e-4, a common way to avoid self-intersection.
 fn beyond_least_t(scene: &Scene) -> Vec<PrimaryHit> {
-    let stored = store_triangles::<Woop>(scene);
     let nearest = |hit: PrimaryHit| {
         let ray = ray(hit.origin.into(), hit.direction.into());
-        let (on_sphere, on_triangle) = (Robust::prepare::<f32>(&ray), Woop::prepare::<f32>(&ray));
         let spheres = scene.spheres.iter().map(|sphere| {
-            let radius2 = sphere.radius * sphere.radius;
-            Robust::test(&on_sphere, Vec3::splat(sphere.center), radius2, f32::INFINITY)
+            let ball = Ball { center: sphere.center, radius: sphere.radius };
+            spheres::intersect::<Robust>(ball, &ray, f32::INFINITY)
         });
-        let triangles = stored.iter().map(|triangle| {
-            let found = Woop::test(&on_triangle, triangle, f32::INFINITY);
-            (found.mask, found.t)
+        let triangles = scene.triangles.iter().map(|triangle| {
+            triangles::intersect::<Woop>(triangle.vertices, &ray, f32::INFINITY).map(|[t, ..]| t)
         });
-        let found = spheres.chain(triangles).zip(0..).filter(|((hit, t), _)| *hit && *t > 1e-4);
-        let nearest = found.min_by(|((_, a), _), ((_, b), _)| a.total_cmp(b));
-        let ((_, t), primitive) = nearest.unwrap_or(((false, f32::INFINITY), MISS));
+        let hits = spheres.chain(triangles).zip(0..).filter_map(|(t, primitive)| Some((t?, primitive)));
+        let nearest = hits.filter(|(t, _)| *t > 1e-4).min_by(|(a, _), (b, _)| a.total_cmp(b));
+        let (t, primitive) = nearest.unwrap_or((f32::INFINITY, MISS));
         PrimaryHit { t, primitive, ..hit }
     };
     seen(scene, Methods::default(), 8).into_iter().map(nearest).collect()

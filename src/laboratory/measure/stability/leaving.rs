@@ -67,53 +67,43 @@ pub(super) fn recipes() -> Vec<Recipe> {
     ]
 }
 
-/// The origin of a ray that leaves a surface.
+/// How the origin of a ray that leaves a surface is computed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SpawnMethod {
     /// Recompute the point from the exact surface, instead of o + t d.
-    pub(crate) exact: bool,
-    pub(crate) offset: Offset,
+    exact: bool,
+    /// Offset along the normal: this share of the error bound of [`crate::kernel::surface`], and a constant
+    /// in scene units.
+    share: f32,
+    constant: f32,
     /// Hits up to this t are ignored.
-    pub(crate) t_min: f32,
-}
-
-/// Offset of the origin along the normal.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Offset {
-    /// This share of the error bound of [`crate::kernel::surface`].
-    Bound(f32),
-    /// Scene units.
-    Constant(f32),
+    pub(super) t_min: f32,
 }
 
 /// The renderer's own first.
-pub(super) const SPAWN_METHODS: [Method<SpawnMethod>; 6] = [
-    Method::default("exact point, error bound", SpawnMethod::share(1.0)),
-    Method::other("o + t d, error bound", SpawnMethod::with(false, Offset::Bound(1.0), 0.0)),
-    Method::other("exact point, 1e-4", SpawnMethod::with(true, Offset::Constant(1e-4), 0.0)),
-    Method::other("o + t d, t > 1e-4", SpawnMethod::with(false, Offset::Bound(0.0), 1e-4)),
-    Method::other("exact point, no offset", SpawnMethod::share(0.0)),
-    Method::other("o + t d, no offset", SpawnMethod::with(false, Offset::Bound(0.0), 0.0)),
-];
+pub(super) const SPAWN_METHODS: [Method<SpawnMethod>; 6] = {
+    let (bound, none) = (SpawnMethod::share(1.0), SpawnMethod::share(0.0));
+    [
+        Method::default("exact point, error bound", bound),
+        Method::other("o + t d, error bound", SpawnMethod { exact: false, ..bound }),
+        Method::other("exact point, 1e-4", SpawnMethod { constant: 1e-4, ..none }),
+        Method::other("o + t d, t > 1e-4", SpawnMethod { exact: false, t_min: 1e-4, ..none }),
+        Method::other("exact point, no offset", none),
+        Method::other("o + t d, no offset", SpawnMethod { exact: false, ..none }),
+    ]
+};
 
 impl SpawnMethod {
-    const fn with(exact: bool, offset: Offset, t_min: f32) -> Self {
-        Self { exact, offset, t_min }
-    }
     /// The renderer's, with this share of the offset.
     pub const fn share(share: f32) -> Self {
-        Self::with(true, Offset::Bound(share), 0.0)
+        Self { exact: true, share, constant: 0.0, t_min: 0.0 }
     }
     /// The origin of the leaving ray, on the side of the unit vector `n`; `bound` is the surface's error
     /// bound.
-    pub(crate) fn start(self, exact: Vec3, along: Vec3, n: Vec3, bound: f32) -> Vec3 {
+    pub(super) fn start(self, exact: Vec3, along: Vec3, n: Vec3, bound: f32) -> Vec3 {
         let point = if self.exact { exact } else { along };
-        let offset = match self.offset {
-            Offset::Bound(share) => bound * share,
-            Offset::Constant(offset) => offset,
-        };
         let [n, point] = [n, point].map(math::Vec3::<f32>::splat);
-        n.mul_add(offset, point).get(0)
+        n.mul_add(bound * self.share + self.constant, point).get(0)
     }
 }
 

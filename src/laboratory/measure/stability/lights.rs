@@ -1,7 +1,6 @@
 //! Light sampling: emitters that are small, near, around the lit point, or seen edge-on.
 
-use super::methods::Method;
-use super::recipe::{Bound, EPSILON, FAILED, FailureCounts, Recipe, trials};
+use super::recipe::{Bound, EPSILON, FAILED, FailureCounts, Recipe, compare};
 use super::rng::Rng;
 use crate::kernel::light::{self, FlatLight, LightSample};
 use crate::lane::functions;
@@ -12,6 +11,14 @@ use std::f32::consts::TAU;
 use std::f64::consts::PI;
 
 pub(super) fn recipes() -> Vec<Recipe> {
+    let flat_lights = || Recipe {
+        places: &[1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 0.1, 1.0, 10.0],
+        failure: "pdf is not positive and finite",
+        error: Some("|Δ pdf| / pdf"),
+        source: OOSTEROM,
+        cases: 50_000,
+        ..Recipe::COMMON
+    };
     vec![
         Recipe {
             name: "lamps-spheres",
@@ -22,17 +29,9 @@ pub(super) fn recipes() -> Vec<Recipe> {
             error: Some("|Δ pdf| / pdf"),
             source: SHIRLEY,
             cases: 50_000,
-            methods: trials(
-                sphere,
-                &[
-                    Method::other("cosine", cosine),
-                    Method::other("taylor", taylor),
-                    Method::default("sine", sine),
-                ],
-            ),
+            methods: compare(sphere, &[("cosine", cosine), ("taylor", taylor), ("sine", sine)]),
             // Close by, the cosine of the rim, √(1 − sin²), magnifies the rounding of sin².
             bound: |ratio| Bound::error(8.0 * EPSILON / (1.0 - ratio * ratio).sqrt()),
-            ..Recipe::COMMON
         },
         Recipe {
             name: "lamps-around",
@@ -42,13 +41,9 @@ pub(super) fn recipes() -> Vec<Recipe> {
             failure: "pdf is not 0, although the light is in every direction",
             source: SHIRLEY,
             cases: 50_000,
-            methods: trials(
+            methods: compare(
                 around,
-                &[
-                    Method::other("cosine", cosine),
-                    Method::other("cosine-clamped", cosine_clamped),
-                    Method::default("sine-and-inside", sine),
-                ],
+                &[("cosine", cosine), ("cosine-clamped", cosine_clamped), ("sine-and-inside", sine)],
             ),
             ..Recipe::COMMON
         },
@@ -56,65 +51,40 @@ pub(super) fn recipes() -> Vec<Recipe> {
             name: "lamps-triangle",
             title: "Sampling triangular lights that are small or far away",
             axis: "edge / distance",
-            places: &[1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 0.1, 1.0, 10.0],
-            failure: "pdf is not positive and finite",
-            error: Some("|Δ pdf| / pdf"),
-            source: OOSTEROM,
-            cases: 50_000,
-            methods: trials::<SampleFlat>(
+            methods: compare::<SampleFlat>(
                 |rng, x, counts, sample| flat(small(rng, x), false, rng, counts, sample),
-                &[
-                    Method::other("angles", angles),
-                    Method::other("determinant", determinant),
-                    Method::default("whole-or-area", whole_or_area),
-                ],
+                &[("angles", angles), ("determinant", determinant), ("whole-or-area", whole_or_area)],
             ),
             // Measured, not derived: 8 ε.
             bound: |_| Bound::error(16.0 * EPSILON),
-            ..Recipe::COMMON
+            ..flat_lights()
         },
         Recipe {
             name: "lamps-quad",
             title: "Sampling parallelograms that emit and are small or far away",
             axis: "edge / distance",
-            places: &[1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 0.1, 1.0, 10.0],
-            failure: "pdf is not positive and finite",
-            error: Some("|Δ pdf| / pdf"),
-            source: OOSTEROM,
-            cases: 50_000,
-            methods: trials::<SampleFlat>(
+            methods: compare::<SampleFlat>(
                 |rng, x, counts, sample| flat(small(rng, x), true, rng, counts, sample),
-                &[
-                    Method::other("determinants", determinants),
-                    Method::default("whole-or-area", whole_or_area),
-                ],
+                &[("determinants", determinants), ("whole-or-area", whole_or_area)],
             ),
             // Measured, not derived: half of it.
             bound: |_| Bound::error(32.0 * EPSILON),
-            ..Recipe::COMMON
+            ..flat_lights()
         },
         Recipe {
             name: "lamps-edge-on",
             title: "Sampling triangular lights seen nearly edge-on, about half as large as their distance",
             axis: "distance from the triangle's plane / distance",
             places: &[1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 0.1, 1.0],
-            failure: "pdf is not positive and finite",
-            error: Some("|Δ pdf| / pdf"),
-            source: OOSTEROM,
-            cases: 50_000,
-            methods: trials::<SampleFlat>(
+            methods: compare::<SampleFlat>(
                 |rng, x, counts, sample| flat(edge_on(rng, x), false, rng, counts, sample),
-                &[
-                    Method::other("angles", angles),
-                    Method::other("determinant", determinant),
-                    Method::default("whole-or-area", whole_or_area),
-                ],
+                &[("angles", angles), ("determinant", determinant), ("whole-or-area", whole_or_area)],
             ),
             // The distance of the plane is rounded by some ε; closer to it there is no promise.
             bound: |height| {
                 if height < 1e-5 { Bound::NONE } else { Bound::error(EPSILON * (16.0 + 8.0 / height)) }
             },
-            ..Recipe::COMMON
+            ..flat_lights()
         },
     ]
 }
@@ -139,14 +109,16 @@ fn cone(center: Vec3<f32>, sin: f32, cos: f32, v: f32) -> Vec3<f32> {
 
 /// The textbook method: from the cosine of the cone's angle.
 fn cosine(center: Vec3<f32>, radius: f32, u: f32, v: f32) -> DirectionPdf {
-    let rim = (1.0 - radius * radius / center.dot(center)).sqrt();
-    let cos = 1.0 - u * (1.0 - rim);
-    (cone(center, (1.0 - cos * cos).sqrt(), cos, v), 1.0 / (TAU * (1.0 - rim)))
+    within_rim(center, (1.0 - radius * radius / center.dot(center)).sqrt(), u, v)
 }
 
 /// `cosine` without NaN.
 fn cosine_clamped(center: Vec3<f32>, radius: f32, u: f32, v: f32) -> DirectionPdf {
-    let rim = (1.0 - radius * radius / center.dot(center)).max(0.0).sqrt();
+    within_rim(center, (1.0 - radius * radius / center.dot(center)).max(0.0).sqrt(), u, v)
+}
+
+/// In a cone whose rim has this cosine.
+fn within_rim(center: Vec3<f32>, rim: f32, u: f32, v: f32) -> DirectionPdf {
     let cos = 1.0 - u * (1.0 - rim);
     (cone(center, (1.0 - cos * cos).sqrt(), cos, v), 1.0 / (TAU * (1.0 - rim)))
 }

@@ -1,8 +1,7 @@
 //! Thousands of reflections: drift of length and direction, rays that leak out of a closed room.
 
-use super::methods::Method;
 use super::rays::{ray, to_f64};
-use super::recipe::{Bound, EPSILON, FailureCounts, Recipe, trials};
+use super::recipe::{Bound, EPSILON, FailureCounts, Recipe, compare};
 use super::rng::Rng;
 use super::scenes::{empty, put_box};
 use crate::integrate::RENORMALIZATION_INTERVAL;
@@ -21,18 +20,17 @@ pub(super) fn recipes() -> Vec<Recipe> {
         error: Some("|Δ direction| in radians, up to signs along the room's axes"),
         source: "kernel::ray_sphere, which requires unit length within 1e-5",
         cases: 48,
-        methods: trials(
+        methods: compare(
             room,
             &[
-                Method::other("point-along-ray", (along_ray, 1)),
-                Method::other("never-mended", (off_surface, u32::MAX)),
-                Method::other("mended-each-time", (off_surface, 1)),
-                Method::default("mended-each-eighth", (off_surface, RENORMALIZATION_INTERVAL)),
+                ("point-along-ray", (along_ray, 1)),
+                ("never-mended", (off_surface, u32::MAX)),
+                ("mended-each-time", (off_surface, 1)),
+                ("mended-each-eighth", (off_surface, RENORMALIZATION_INTERVAL)),
             ],
         ),
         // The rounding of a reflection, always with the same sign.
         bound: |reflections| Bound::error(10.0 * EPSILON * (1.0 + reflections)),
-        ..Recipe::COMMON
     }]
 }
 
@@ -58,7 +56,8 @@ fn off_surface(_: &Ray<f32>, hit: &TriangleHit<f32>, wall: &Wall, normal: Vec3<f
     normal.mul_add(wall.offset, (b - a).mul_add(hit.u, (c - a).mul_add(hit.v, a)))
 }
 
-/// A room up to three of its sizes from the origin. `mend`: reflections until a direction is normalised again.
+/// A room up to three of its sizes from the origin. `mend`: reflections until a direction is normalised
+/// again.
 fn room(rng: &mut Rng, reflections: f64, counts: &mut FailureCounts, (start, mend): (Start, u32)) {
     let size = rng.scale(0.1, 10.0);
     let center = rng.in_cube() * (3.0 * size);

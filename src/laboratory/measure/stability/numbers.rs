@@ -1,7 +1,6 @@
 //! Random numbers from bits, and sums of many numbers.
 
-use super::methods::Method;
-use super::recipe::{Bound, EPSILON, FAILED, FailureCounts, Recipe, trials};
+use super::recipe::{Bound, EPSILON, FAILED, FailureCounts, Recipe, compare};
 use super::rng::Rng;
 use crate::camera::Tile;
 use crate::film::TileSums;
@@ -18,12 +17,12 @@ pub(super) fn recipes() -> Vec<Recipe> {
             failure: "the number is 1",
             error: Some("|Δ| in 2⁻²⁴"),
             source: "rounding to nearest rounds the largest numbers up",
-            methods: trials(
+            methods: compare(
                 top,
                 &[
-                    Method::other("divided", |bits| bits as f32 / 4_294_967_296.0),
-                    Method::other("divided-in-f64", |bits| (f64::from(bits) / 4_294_967_296.0) as f32),
-                    Method::default("upper-24-bits", unit_interval::<f32>),
+                    ("divided", |bits| bits as f32 / 4_294_967_296.0),
+                    ("divided-in-f64", |bits| (f64::from(bits) / 4_294_967_296.0) as f32),
+                    ("upper-24-bits", unit_interval::<f32>),
                 ],
             ),
             // Truncated, not rounded: less than one step.
@@ -39,17 +38,8 @@ pub(super) fn recipes() -> Vec<Recipe> {
             error: Some("|Δ| / sum"),
             source: KAHAN,
             cases: 2,
-            methods: trials(
-                long,
-                &[
-                    Method::other("f32", plain),
-                    Method::other("kahan", kahan),
-                    Method::other("f64", double),
-                    Method::default("film", on_film),
-                ],
-            ),
+            methods: compare(long, &[("f32", plain), ("kahan", kahan), ("f64", double), ("film", on_film)]),
             bound: |_| Bound::error(2.0 * EPSILON),
-            ..Recipe::COMMON
         },
         Recipe {
             name: "sums-large",
@@ -60,17 +50,9 @@ pub(super) fn recipes() -> Vec<Recipe> {
             error: Some("|Δ| / sum"),
             source: KAHAN,
             cases: 200,
-            methods: trials(
-                large,
-                &[
-                    Method::other("f32", plain),
-                    Method::other("f64", double),
-                    Method::default("film", on_film),
-                ],
-            ),
+            methods: compare(large, &[("f32", plain), ("f64", double), ("film", on_film)]),
             // A sum above the largest f32, 3.4e38, is infinite. Scenes hold no number above 1e18.
             bound: |magnitude| if magnitude < 1e35 { Bound::error(2.0 * EPSILON) } else { Bound::NONE },
-            ..Recipe::COMMON
         },
         Recipe {
             name: "sums-poisoned",
@@ -81,16 +63,8 @@ pub(super) fn recipes() -> Vec<Recipe> {
             error: Some("|Δ| / mean of the others"),
             source: "x + NaN = NaN",
             cases: 2_000,
-            methods: trials(
-                poisoned,
-                &[
-                    Method::other("f32", plain),
-                    Method::other("f64", double),
-                    Method::default("film", on_film),
-                ],
-            ),
+            methods: compare(poisoned, &[("f32", plain), ("f64", double), ("film", on_film)]),
             bound: |_| Bound::error(2.0 * EPSILON),
-            ..Recipe::COMMON
         },
     ]
 }

@@ -16,28 +16,34 @@ pub const EPSILON: f64 = crate::math::EPSILON as f64;
 /// unsuitable.
 pub type Trial = Box<dyn Fn(&mut Rng, f64, &mut FailureCounts) + Send + Sync>;
 
-/// Inputs on which methods fail, along one axis.
+/// Inputs on which methods fail, along one axis. JSON has its texts.
+#[derive(Serialize)]
 pub struct Recipe {
     /// Short name, for the command line and for files: `spheres-far`.
+    #[serde(rename = "recipe")]
     pub name: &'static str,
     /// What is difficult, as the heading of a figure.
-    pub(crate) title: &'static str,
+    pub title: &'static str,
     /// What varies along the axis, with its unit.
-    pub(crate) axis: &'static str,
+    pub axis: &'static str,
     /// Places on the axis, ascending. It is logarithmic; 0 may come first.
+    #[serde(skip)]
     pub places: &'static [f64],
     /// Definition of a failure.
-    pub(crate) failure: &'static str,
+    pub failure: &'static str,
     /// Definition and unit of the error, where one is measured.
     pub error: Option<&'static str>,
     /// Source that describes the difficulty.
-    pub(crate) source: &'static str,
+    pub source: &'static str,
     /// Cases at each place, with an effort of 1.
+    #[serde(skip)]
     pub cases: usize,
     /// The methods that are tried, the default among them.
+    #[serde(skip)]
     pub methods: Vec<Method<Trial>>,
     /// Bound of the default method, by place.
-    pub(crate) bound: fn(f64) -> Bound,
+    #[serde(skip)]
+    pub bound: fn(f64) -> Bound,
 }
 
 impl Debug for Recipe {
@@ -57,6 +63,16 @@ pub(crate) fn trials<M: Copy + Send + Sync + 'static>(
         run: Box::new(move |rng, x, counts| case(rng, x, counts, run)),
     };
     methods.iter().map(trial).collect()
+}
+
+/// The same for methods by name, the last one the default.
+pub(crate) fn compare<M: Copy + Send + Sync + 'static>(
+    case: fn(&mut Rng, f64, &mut FailureCounts, M),
+    methods: &[(&'static str, M)],
+) -> Vec<Method<Trial>> {
+    let last = methods.len() - 1;
+    let method = |(at, &(name, run))| Method { name, default: at == last, run };
+    trials(case, &methods.iter().enumerate().map(method).collect::<Vec<_>>())
 }
 
 /// Largest share of failures and error of a method.
@@ -141,20 +157,11 @@ impl FailureCounts {
 pub(crate) const FAILED: f64 = f64::NAN;
 
 /// The result of a recipe.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Serialize)]
 pub struct Outcome {
-    /// Name of the recipe.
-    pub recipe: &'static str,
-    /// What is difficult, as the heading of a figure.
-    pub title: &'static str,
-    /// What varies along the axis, with its unit.
-    pub axis: &'static str,
-    /// Definition of a failure.
-    pub failure: &'static str,
-    /// Definition and unit of the error; `None` where only failures are counted.
-    pub error: Option<&'static str>,
-    /// Source that describes the difficulty.
-    pub source: &'static str,
+    /// Its texts are flattened into this object in JSON.
+    #[serde(flatten)]
+    pub recipe: &'static Recipe,
     /// Whether the default method keeps its bounds.
     pub holds: bool,
     /// One per method, in the order of the recipe.
@@ -176,13 +183,13 @@ pub struct Curve {
 /// `None` where no error is measured.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Point {
-    /// The place, in the unit of [`Outcome::axis`].
+    /// The place, in the unit of [`Recipe::axis`].
     pub x: f64,
     /// Cases, failed or not.
     pub tested: usize,
     /// Cases that failed.
     pub failures: usize,
-    /// Median error, in the unit of [`Outcome::error`].
+    /// Median error, in the unit of [`Recipe::error`].
     pub p50: Option<f64>,
     /// 90th percentile of the error.
     pub p90: Option<f64>,
@@ -230,14 +237,14 @@ impl Point {
 }
 
 /// The same as [`Recipe::run`] for several recipes, in their order.
-pub fn run(recipes: &[&Recipe], effort: Effort, done: &(dyn Fn() + Sync)) -> Vec<Outcome> {
+pub fn run(recipes: &[&'static Recipe], effort: Effort, done: &(dyn Fn() + Sync)) -> Vec<Outcome> {
     recipes.par_iter().map(|recipe| recipe.run(effort, done)).collect()
 }
 
 impl Recipe {
     /// What recipes have in common unless they say otherwise: the number of cases, no error, and a default
     /// method that never fails.
-    pub(crate) const COMMON: Self = Self {
+    pub const COMMON: Self = Self {
         name: "",
         title: "",
         axis: "",
@@ -257,7 +264,7 @@ impl Recipe {
 
     /// Every method at every place, in parallel on the threads of the caller's pool. Calls `done` after each
     /// of [`Recipe::points`].
-    pub fn run(&self, effort: Effort, done: &(dyn Fn() + Sync)) -> Outcome {
+    pub fn run(&'static self, effort: Effort, done: &(dyn Fn() + Sync)) -> Outcome {
         let point = |method: &Method<Trial>, x| {
             let point = self.at(method, x, effort);
             done();
@@ -270,12 +277,7 @@ impl Recipe {
         };
         let curves: Vec<Curve> = self.methods.par_iter().map(curve).collect();
         Outcome {
-            recipe: self.name,
-            title: self.title,
-            axis: self.axis,
-            failure: self.failure,
-            error: self.error,
-            source: self.source,
+            recipe: self,
             holds: curves.iter().flat_map(|curve| &curve.points).all(Point::holds),
             curves,
         }

@@ -1,7 +1,6 @@
 //! Scattered directions: opposite vectors that cancel, shading normals.
 
-use super::methods::Method;
-use super::recipe::{FailureCounts, Recipe, trials};
+use super::recipe::{FailureCounts, Recipe, compare};
 use super::rng::Rng;
 use crate::kernel::bsdf::diffuse;
 use crate::kernel::normals;
@@ -20,11 +19,11 @@ pub(super) fn recipes() -> Vec<Recipe> {
             failure: "NaN, or below the surface",
             source: "Shirley, Ray Tracing in One Weekend §9.4",
             cases: 50_000,
-            methods: trials(
+            methods: compare(
                 opposite,
                 &[
-                    Method::other("sum", |n, u, v| (warp::sample_uniform_sphere(u, v) + n).normalize()),
-                    Method::default("smaller-sphere", warp::sample_cosine_hemisphere::<f32>),
+                    ("sum", |n, u, v| (warp::sample_uniform_sphere(u, v) + n).normalize()),
+                    ("smaller-sphere", warp::sample_cosine_hemisphere::<f32>),
                 ],
             ),
             ..Recipe::COMMON
@@ -38,12 +37,12 @@ pub(super) fn recipes() -> Vec<Recipe> {
             error: Some("share of the light that is lost"),
             source: CHIANG,
             cases: 2_000,
-            methods: trials(
+            methods: compare(
                 diffuse_light,
                 &[
-                    Method::other("unchecked", |_, _, _| Some(1.0)),
-                    Method::other("absorbed", |w, _, ng| (w.dot(ng) > 0.0).then_some(1.0)),
-                    Method::default("absorbed-and-shadowed", |w, ns, ng| {
+                    ("unchecked", |_, _, _| Some(1.0)),
+                    ("absorbed", |w, _, ng| (w.dot(ng) > 0.0).then_some(1.0)),
+                    ("absorbed-and-shadowed", |w, ns, ng| {
                         (w.dot(ng) > 0.0).then(|| normals::shadow_terminator(w, ns, ng))
                     }),
                 ],
@@ -57,12 +56,9 @@ pub(super) fn recipes() -> Vec<Recipe> {
             places: &[1.0, 3.0, 10.0, 20.0, 40.0, 60.0, 80.0],
             failure: "reflected below the surface",
             source: "Keller et al., The Iray Light Transport Simulation and Rendering System, 2017, §A.3",
-            methods: trials(
+            methods: compare(
                 mirror,
-                &[
-                    Method::other("unbent", |_, ns, _| ns),
-                    Method::default("bent", normals::bend_for_reflection::<f32>),
-                ],
+                &[("unbent", |_, ns, _| ns), ("bent", normals::bend_for_reflection::<f32>)],
             ),
             ..Recipe::COMMON
         },

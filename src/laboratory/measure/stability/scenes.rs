@@ -1,12 +1,11 @@
 //! Whole scenes: very different sizes in one scene, and coplanar surfaces.
 
-use super::methods::Method;
 use super::rays::ray;
-use super::recipe::{Bound, FailureCounts, Recipe, trials};
+use super::recipe::{Bound, FailureCounts, Recipe, compare};
 use super::rng::Rng;
 use super::spheres::{Ball, reference_t};
-use crate::buffers::store_triangles;
-use crate::kernel::ray_triangle::{TriangleMethod, Woop};
+use super::triangles;
+use crate::kernel::ray_triangle::Woop;
 use crate::lane::WIDTHS;
 use crate::math::MISS;
 use crate::render::{PrimaryHit, Renderer, Settings};
@@ -17,6 +16,8 @@ use glam::{DQuat, DVec3, Vec3};
 use std::f64::consts::TAU;
 
 pub(super) fn recipes() -> Vec<Recipe> {
+    let naive =
+        Methods { sphere: SphereChoice::Naive, traversal: TraversalChoice::Linear, ..Methods::default() };
     vec![
         Recipe {
             name: "scenes-mixed",
@@ -26,20 +27,7 @@ pub(super) fn recipes() -> Vec<Recipe> {
             failure: "the small ball is not hit where it is in front by a tenth of its radius",
             source: "errors grow with the largest object and hide the smallest",
             cases: 50_000,
-            methods: trials(
-                mixed,
-                &[
-                    Method::other(
-                        "naive",
-                        Methods {
-                            sphere: SphereChoice::Naive,
-                            traversal: TraversalChoice::Linear,
-                            ..Methods::default()
-                        },
-                    ),
-                    Method::default("robust", Methods::default()),
-                ],
-            ),
+            methods: compare(mixed, &[("naive", naive), ("robust", Methods::default())]),
             // The huge ball's surface is off along the ray by some ε of its radius: no promise above 1e5.
             bound: |ratio| if ratio <= 1e5 { Bound::NO_FAILURE } else { Bound::NONE },
             ..Recipe::COMMON
@@ -52,10 +40,7 @@ pub(super) fn recipes() -> Vec<Recipe> {
             failure: "the hit is not the one of lowest index among coincident triangles",
             source: "for equal t, the first or the last triangle tested wins, unless a rule decides",
             cases: 20_000,
-            methods: trials(
-                coplanar,
-                &[Method::other("first-met", first_tested), Method::default("lower-index", renderer)],
-            ),
+            methods: compare(coplanar, &[("first-met", first_tested), ("lower-index", renderer)]),
             ..Recipe::COMMON
         },
     ]
@@ -162,14 +147,13 @@ fn coplanar(rng: &mut Rng, copies: f64, counts: &mut FailureCounts, find: Find) 
 fn first_tested(rng: &mut Rng, scene: &Scene, rays: &[PrimaryHit]) -> Vec<u32> {
     let mut order: Vec<usize> = (0..scene.triangles.len()).collect();
     shuffle(&mut order, rng);
-    let stored = store_triangles::<Woop>(scene);
     let answer = |hit: &PrimaryHit| {
-        let prepared = Woop::prepare::<f32>(&ray(hit.origin.into(), hit.direction.into()));
+        let ray = ray(hit.origin.into(), hit.direction.into());
         let (mut nearest, mut primitive) = (f32::INFINITY, MISS);
         for &index in &order {
-            let found = Woop::test(&prepared, &stored[index], f32::INFINITY);
-            if found.mask && found.t < nearest {
-                (nearest, primitive) = (found.t, index as u32);
+            let found = triangles::intersect::<Woop>(scene.triangles[index].vertices, &ray, f32::INFINITY);
+            if let Some([t, ..]) = found.filter(|&[t, ..]| t < nearest) {
+                (nearest, primitive) = (t, index as u32);
             }
         }
         primitive

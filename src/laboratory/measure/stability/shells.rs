@@ -73,23 +73,27 @@ pub fn leave_sphere(
     side: Side,
     method: SpawnMethod,
 ) {
-    let center = math::Vec3::<f32>::splat(ball.center);
     let radius = f64::from(ball.radius);
     let distance = radius * rng.scale(near, far);
     let away = if rng.index(3) == 0 { radius * 0.9 * rng.unit() } else { radius + distance };
     let from = (ball.center.as_dvec3() + rng.direction() * away).as_vec3();
     let arriving = towards(from, ball.center.as_dvec3() + rng.in_cube() * radius);
-    let Some(t) = intersect::<Robust>(ball, &arriving, f32::INFINITY) else { return };
-    let (exact, normal) = sphere_surface(arriving.at(t), center, 1.0 / ball.radius, true);
-    let exact = exact.get(0);
-    let n = if side == Side::Outside { normal } else { -normal }.get(0);
-    let bound = sphere_offset(ball.center, ball.radius);
-    let next = ray(method.start(exact, arriving.at(t).get(0), n, bound), leaving(rng, n));
+    let Some((start, n)) = spawn(ball, &arriving, side, method) else { return };
+    let next = ray(start, leaving(rng, n));
     let again = intersect::<Robust>(ball, &next, f32::INFINITY).filter(|&t| t > method.t_min);
     counts.record(match side {
         Side::Outside => again.is_some(),
         Side::Inside => !far_side(ball, &next, again),
     });
+}
+
+/// The origin of a ray that leaves a sphere where `arriving` hits it, and the unit normal on its side.
+fn spawn(ball: Ball, arriving: &Ray<f32>, side: Side, method: SpawnMethod) -> Option<(Vec3, Vec3)> {
+    let along = arriving.at(intersect::<Robust>(ball, arriving, f32::INFINITY)?);
+    let center = math::Vec3::splat(ball.center);
+    let (exact, normal) = sphere_surface(along, center, 1.0 / ball.radius, true);
+    let n = if side == Side::Outside { normal } else { -normal }.get(0);
+    Some((method.start(exact.get(0), along.get(0), n, sphere_offset(ball.center, ball.radius)), n))
 }
 
 /// Whether the hit lies beyond the middle of the ray's chord, computed from its actual origin.
@@ -127,11 +131,7 @@ pub fn leave_shell(
         (center.as_dvec3() + normal * from).as_vec3(),
         center.as_dvec3() + normal * f64::from(own.radius),
     );
-    let Some(t) = intersect::<Robust>(own, &arriving, f32::INFINITY) else { return counts.record(true) };
-    let splat = math::Vec3::<f32>::splat(center);
-    let (exact, normal) = sphere_surface(arriving.at(t), splat, 1.0 / own.radius, true);
-    let exact = exact.get(0);
-    let n = if side == Side::Outside { normal } else { -normal }.get(0);
+    let Some((start, n)) = spawn(own, &arriving, side, method) else { return counts.record(true) };
     let direction = loop {
         let direction = rng.direction().as_vec3();
         // Inwards, a ray with this cosine meets the inner shell while the gap is small.
@@ -139,7 +139,6 @@ pub fn leave_shell(
             break direction;
         }
     };
-    let start = method.start(exact, arriving.at(t).get(0), n, sphere_offset(center, own.radius));
     let next = ray(start, direction);
     let hit = |ball| {
         let t = intersect::<Robust>(ball, &next, f32::INFINITY).filter(|&t| t > method.t_min);

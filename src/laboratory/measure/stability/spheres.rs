@@ -9,6 +9,7 @@ use super::recipe::{Bound, EPSILON, FAILED, FailureCounts, Recipe, trials};
 use super::rng::Rng;
 use crate::kernel::ray_sphere::SphereMethod;
 use crate::math::{self, Ray};
+use crate::reference::hit_sphere;
 use glam::Vec3;
 use std::f64::consts::TAU;
 
@@ -26,7 +27,8 @@ pub(super) fn recipes() -> Vec<Recipe> {
             error: Some("|Δt| / radius"),
             cases: 400_000,
             methods: trials(far, &sphere_methods!(intersect)),
-            // Within about ε D / 16 of the silhouette, rounding decides: 0.2 ε D of the disc at which rays aim.
+            // Within about ε D / 16 of the silhouette, rounding decides: 0.2 ε D of the disc at which rays
+            // aim.
             bound: |d| Bound { failures: 0.25 * EPSILON * d, p99: Some(4.0 * EPSILON * (d + 1.0)) },
             ..common()
         },
@@ -109,20 +111,10 @@ pub fn intersect<S: SphereMethod>(ball: Ball, ray: &Ray<f32>, limit: f32) -> Opt
     hit.then_some(t)
 }
 
-/// The nearest t > 0 in f64, from the perpendicular distance: cancellation stays below the resolution of f32.
+/// The nearest t > 0 in f64, where cancellation stays below the resolution of f32.
 pub fn reference_t(ball: Ball, ray: &Ray<f32>) -> Option<f64> {
     let (origin, direction) = to_f64(ray);
-    let from_center = origin - ball.center.as_dvec3();
-    let radius2 = f64::from(ball.radius) * f64::from(ball.radius);
-    let a = direction.length_squared();
-    let b = -from_center.dot(direction);
-    let discriminant = radius2 - (from_center + direction * (b / a)).length_squared();
-    if discriminant < 0.0 || discriminant.is_nan() {
-        return None;
-    }
-    let q = b + (a * discriminant).sqrt().copysign(b);
-    let (t0, t1) = (q / a, (from_center.length_squared() - radius2) / q);
-    [t0.min(t1), t0.max(t1)].into_iter().find(|&t| t > 0.0)
+    hit_sphere(ball.center.as_dvec3(), f64::from(ball.radius), origin, direction)
 }
 
 /// The distance of the point at t from the sphere, and its bound for a good kernel, 40 ε (|o − c| + r): see

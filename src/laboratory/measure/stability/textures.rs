@@ -1,11 +1,10 @@
 //! Texture coordinates: poles and seam of a sphere, coordinates far from the texture's first repeat.
 
-use super::methods::Method;
 use super::rays::towards;
-use super::recipe::{Bound, EPSILON, FailureCounts, Recipe, trials};
+use super::recipe::{Bound, EPSILON, FailureCounts, Recipe, compare};
 use super::rng::Rng;
-use super::spheres::Ball;
-use crate::kernel::ray_sphere::{Robust, SphereMethod};
+use super::spheres::{Ball, intersect};
+use crate::kernel::ray_sphere::Robust;
 use crate::kernel::surface::{latitude_longitude, remove_shared_repeats, sphere_surface};
 use crate::kernel::texture::Grid;
 use crate::math::Vec3;
@@ -22,14 +21,12 @@ pub(super) fn recipes() -> Vec<Recipe> {
             failure: "latitude is NaN",
             error: Some("|Δ latitude| in radians"),
             source: "numerics of the arccosine, whose slope at 1 is infinite",
-            methods: trials(
+            methods: compare(
                 poles,
                 &[
-                    Method::other("acos", |point, ball| cos_latitude(point, ball).acos()),
-                    Method::other("acos-clamped", |point, ball| {
-                        cos_latitude(point, ball).clamp(-1.0, 1.0).acos()
-                    }),
-                    Method::default("arcsine", |point, ball| {
+                    ("acos", |point, ball| cos_latitude(point, ball).acos()),
+                    ("acos-clamped", |point, ball| cos_latitude(point, ball).clamp(-1.0, 1.0).acos()),
+                    ("arcsine", |point, ball| {
                         let center = Vec3::splat(ball.center);
                         let (_, normal) = sphere_surface(point, center, 1.0 / ball.radius, true);
                         latitude_longitude(normal).1 * std::f32::consts::PI
@@ -48,12 +45,12 @@ pub(super) fn recipes() -> Vec<Recipe> {
             failure: "column outside the texture, or not the point's",
             source: "−x + 1 rounds to 1 for x below ε / 2",
             cases: 20_000,
-            methods: trials(
+            methods: compare(
                 seam,
                 &[
-                    Method::other("plus-one", |u| whole(if u < 0.0 { u + 1.0 } else { u } * COLUMNS)),
-                    Method::other("minus-floor", |u| whole((u - u.floor()) * COLUMNS)),
-                    Method::default("below-one", |u| i64::from(nearest(u, COLUMNS))),
+                    ("plus-one", |u| whole(if u < 0.0 { u + 1.0 } else { u } * COLUMNS)),
+                    ("minus-floor", |u| whole((u - u.floor()) * COLUMNS)),
+                    ("below-one", |u| nearest(u, COLUMNS)),
                 ],
             ),
             ..Recipe::COMMON
@@ -66,15 +63,13 @@ pub(super) fn recipes() -> Vec<Recipe> {
             failure: "column outside the texture, or not the point's",
             source: "products and conversions beyond 24 or 31 bits",
             cases: 20_000,
-            methods: trials(
+            methods: compare(
                 far,
                 &[
                     // A cast to int; out of range it saturates, which is undefined in C.
-                    Method::other("integer", |u, columns| {
-                        i64::from((u * columns) as i32).rem_euclid(columns as i64)
-                    }),
-                    Method::other("remainder", |u, columns| whole((u * columns) % columns)),
-                    Method::default("fraction-first", |u, columns| i64::from(nearest(u, columns))),
+                    ("integer", |u, columns| i64::from((u * columns) as i32).rem_euclid(columns as i64)),
+                    ("remainder", |u, columns| whole((u * columns) % columns)),
+                    ("fraction-first", nearest),
                 ],
             ),
             ..Recipe::COMMON
@@ -88,18 +83,15 @@ pub(super) fn recipes() -> Vec<Recipe> {
             error: Some("|Δu| in repeats"),
             source: "rounding of a + (b − a) u + (c − a) v, relative to a",
             cases: 50_000,
-            methods: trials(
+            methods: compare(
                 tiled,
                 &[
-                    Method::other("as-written", |corners| corners),
-                    Method::default("repeats-taken-away", |corners| {
-                        remove_shared_repeats(corners.map(f64::from))
-                    }),
+                    ("as-written", |corners| corners),
+                    ("repeats-taken-away", |corners| remove_shared_repeats(corners.map(f64::from))),
                 ],
             ),
             // Corners are at most two repeats apart, or two steps of single precision.
             bound: |u| Bound::error(6.0 * EPSILON * (2.0_f64).max(4.0 * EPSILON * u)),
-            ..Recipe::COMMON
         },
     ]
 }
@@ -118,15 +110,7 @@ fn poles(rng: &mut Rng, most: f64, counts: &mut FailureCounts, latitude: fn(Vec3
     let (center, radius) = (ball.center.as_dvec3(), f64::from(ball.radius));
     let origin = (center + (normal * 2.0 + rng.direction()) * (2.0 * radius)).as_vec3();
     let ray = towards(origin, center + normal * radius);
-    let (hit, t) = Robust::test::<f32>(
-        &Robust::prepare(&ray),
-        Vec3::splat(ball.center),
-        ball.radius * ball.radius,
-        f32::INFINITY,
-    );
-    if !hit {
-        return;
-    }
+    let Some(t) = intersect::<Robust>(ball, &ray, f32::INFINITY) else { return };
     let point = ray.at(t);
     let n = point.get(0).as_dvec3() - center;
     let expected = n.x.hypot(n.z).atan2(n.y);
@@ -141,8 +125,8 @@ fn whole(x: f32) -> i64 {
 }
 
 /// The default's column.
-fn nearest(u: f32, columns: f32) -> u32 {
-    Grid { width: columns, height: 1.0, first: 0_u32 }.nearest(u, 0.0, false)
+fn nearest(u: f32, columns: f32) -> i64 {
+    i64::from(Grid { width: columns, height: 1.0, first: 0_u32 }.nearest(u, 0.0, false))
 }
 
 /// Whether this column of a repeating texture contains u, with a tolerance of a thousandth of a column.

@@ -26,17 +26,6 @@ pub struct Pose {
     pub bounces: u32,
 }
 
-/// How a pose differs from the previous one.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum PoseChange {
-    /// Same camera, resolution and bounces.
-    Same,
-    /// Another camera: history can be reprojected.
-    Moved,
-    /// Another resolution or number of bounces: history is invalid.
-    Other,
-}
-
 /// The film of the present pose, and the timing of frames.
 pub struct Accumulation {
     pub film: Film,
@@ -104,7 +93,7 @@ impl Accumulation {
 
     /// Sets the renderer's camera, resolution and bounces, and clears the film if they changed. A resting
     /// camera has the requested seed; a moving one has a different seed in every frame, derived from the
-    /// frame's number.
+    /// frame's number. Returns whether history is invalid: resolution or bounces changed.
     pub fn set_pose(
         &mut self,
         renderer: &mut Renderer,
@@ -112,7 +101,7 @@ impl Accumulation {
         pose: Pose,
         seed: u32,
         frame: u64,
-    ) -> PoseChange {
+    ) -> bool {
         let before = std::mem::replace(&mut self.pose, pose);
         if pose == before {
             if !self.progressive {
@@ -120,7 +109,7 @@ impl Accumulation {
                 self.film.clear();
                 renderer.set_seed(seed);
             }
-            return PoseChange::Same;
+            return false;
         }
         renderer.set_view(scene, &pose.camera, pose.resolution, pose.bounces);
         let other = pose.bounces != before.bounces || pose.resolution != before.resolution;
@@ -133,7 +122,7 @@ impl Accumulation {
             self.resolution.restart();
         }
         renderer.set_seed(if other { seed } else { seed.wrapping_add(1).wrapping_add(frame as u32) });
-        if other { PoseChange::Other } else { PoseChange::Moved }
+        other
     }
 
     /// Adds samples, at least one, until a frame is due at `rate` frames per second or the front end has
@@ -220,31 +209,23 @@ mod tests {
         let home = accumulation.pose;
         let away = Pose { camera: Camera { vertical_fov: 30.0, ..home.camera }, ..home };
         let mut go = |accumulation: &mut Accumulation, pose, frame| {
-            let change = accumulation.set_pose(&mut renderer, &scene, pose, 5, frame);
+            let other = accumulation.set_pose(&mut renderer, &scene, pose, 5, frame);
             renderer.add_samples(&mut accumulation.film, 2);
-            (change, renderer.settings().seed, accumulation.film.samples())
+            (other, renderer.settings().seed, accumulation.film.samples())
         };
-        assert_eq!(go(&mut accumulation, home, 0), (PoseChange::Same, 5, 2));
-        assert_eq!(go(&mut accumulation, away, 1), (PoseChange::Moved, 7, 2));
-        assert_eq!(go(&mut accumulation, home, 2), (PoseChange::Moved, 8, 2));
-        assert_eq!(
-            go(&mut accumulation, home, 3),
-            (PoseChange::Same, 5, 2),
-            "at rest: from the first sample on"
-        );
-        assert_eq!(go(&mut accumulation, home, 4), (PoseChange::Same, 5, 4));
+        assert_eq!(go(&mut accumulation, home, 0), (false, 5, 2));
+        assert_eq!(go(&mut accumulation, away, 1), (false, 7, 2));
+        assert_eq!(go(&mut accumulation, home, 2), (false, 8, 2));
+        assert_eq!(go(&mut accumulation, home, 3), (false, 5, 2), "at rest: from the first sample on");
+        assert_eq!(go(&mut accumulation, home, 4), (false, 5, 4));
         let (still, ..) = start();
         let mut film = still.film();
         still.add_samples(&mut film, 4);
         assert_eq!(accumulation.film.picture(), film.picture());
         let deep = Pose { bounces: home.bounces + 1, ..home };
-        assert_eq!(
-            go(&mut accumulation, deep, 5),
-            (PoseChange::Other, 5, 2),
-            "another picture begins at once"
-        );
+        assert_eq!(go(&mut accumulation, deep, 5), (true, 5, 2), "another picture begins at once");
         let small = Pose { resolution: [12, 8], ..deep };
-        assert_eq!(go(&mut accumulation, small, 6), (PoseChange::Other, 5, 2));
+        assert_eq!(go(&mut accumulation, small, 6), (true, 5, 2));
         assert_eq!(accumulation.film.resolution(), [12, 8]);
     }
 

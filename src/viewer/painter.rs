@@ -38,19 +38,31 @@ pub struct Painter {
     blur: Blur,
     fxaa: Fxaa,
     denoiser: Denoiser,
-    aovs: Aovs,
-    /// Whether `aovs` belong to the present camera.
-    aovs_valid: bool,
-    denoiser_aovs: DenoiserAovs,
-    denoiser_aovs_valid: bool,
-    costs: aovs::Map<Cost>,
-    costs_valid: bool,
+    aovs: PerCamera<Aovs>,
+    denoiser_aovs: PerCamera<DenoiserAovs>,
+    costs: PerCamera<aovs::Map<Cost>>,
     shapes: aovs::Map<PathShape>,
     distances: Vec<f32>,
     /// Drawn on first use.
     minimap: Option<Minimap>,
     /// Walking speed, once a frame of the scene was painted.
     speed: Option<f32>,
+}
+
+/// Rendered on demand, once per camera.
+#[derive(Default)]
+struct PerCamera<T> {
+    value: T,
+    valid: bool,
+}
+
+impl<T> PerCamera<T> {
+    fn get(&mut self, render_into: impl FnOnce(&mut T)) -> &T {
+        if !std::mem::replace(&mut self.valid, true) {
+            render_into(&mut self.value);
+        }
+        &self.value
+    }
 }
 
 impl Painter {
@@ -74,19 +86,17 @@ impl Painter {
         let known = *pose_shown && (self.reprojected || !controls.reprojection);
         self.reprojected = controls.reprojection;
         if !known {
-            (self.aovs_valid, self.denoiser_aovs_valid, self.costs_valid) = (false, false, false);
+            (self.aovs.valid, self.denoiser_aovs.valid, self.costs.valid) = (false, false, false);
         }
         frame.resize(film.resolution());
         film.picture_into(&mut self.mean);
         let first = controls.reprojection && !known;
-        if first || controls.denoiser || controls.mode != DisplayMode::Picture || self.speed.is_none() {
-            self.update_aovs(renderer);
-        }
         let samples = film.samples().max(1);
         if first {
             // Samples that stay in the film must not enter the history too.
             let own = if *progressive { 0 } else { samples };
-            self.history.reproject(&self.mean, own, &self.aovs, renderer.camera());
+            let aovs = self.aovs.get(|aovs| renderer.aovs_into(aovs));
+            self.history.reproject(&self.mean, own, aovs, renderer.camera());
         }
         if !controls.reprojection {
             // The history belongs to an earlier camera.
@@ -94,7 +104,10 @@ impl Painter {
         } else if known || *progressive {
             self.history.blend_static(&self.mean, samples);
         }
-        self.paint_mode(input, samples, &mut frame.pixels);
+        match controls.mode {
+            DisplayMode::Picture => self.paint_picture(input, samples, &mut frame.pixels),
+            mode => self.paint_mode(mode, input, samples, &mut frame.pixels),
+        }
         frame.inset.clear();
         if controls.minimap {
             let aspect = f64::from(frame.width) / f64::from(frame.height);
@@ -102,27 +115,20 @@ impl Painter {
             minimap.draw_into(&pose.camera, aspect, &mut frame.inset);
             frame.inset_side = minimap::SIDE;
         }
-        *self.speed.get_or_insert_with(|| walking_speed(&self.aovs))
-    }
-
-    /// Renders the AOVs, once per camera.
-    fn update_aovs(&mut self, renderer: &Renderer) {
-        if !std::mem::replace(&mut self.aovs_valid, true) {
-            renderer.aovs_into(&mut self.aovs);
-        }
+        let aovs = &mut self.aovs;
+        *self.speed.get_or_insert_with(|| walking_speed(aovs.get(|aovs| renderer.aovs_into(aovs))))
     }
 
     fn paint_picture(&mut self, input: &FrameInput, samples: u32, pixels: &mut [u32]) {
-        let controls = input.controls;
+        let FrameInput { renderer, controls, .. } = input;
         let (mut shown, mut behind) = (&self.mean, Samples::Same(samples));
         if controls.reprojection {
             (shown, behind) = (self.history.shown(), Samples::Each(self.history.counts()));
         }
         if controls.denoiser {
-            if !std::mem::replace(&mut self.denoiser_aovs_valid, true) {
-                input.renderer.denoiser_aovs_into(&self.aovs, &mut self.denoiser_aovs);
-            }
-            shown = self.denoiser.filter(shown, behind, &self.denoiser_aovs);
+            let aovs = self.aovs.get(|aovs| renderer.aovs_into(aovs));
+            let aovs = self.denoiser_aovs.get(|edges| renderer.denoiser_aovs_into(aovs, edges));
+            shown = self.denoiser.filter(shown, behind, aovs);
         }
         match controls.filter {
             Filter::None => {}
@@ -132,24 +138,25 @@ impl Painter {
         write(&controls.tone, shown, pixels);
     }
 
-    fn paint_mode(&mut self, input: &FrameInput, samples: u32, pixels: &mut [u32]) {
-        let FrameInput { renderer, controls: Controls { mode, .. }, .. } = input;
+    fn paint_mode(&mut self, mode: DisplayMode, input: &FrameInput, samples: u32, pixels: &mut [u32]) {
+        let renderer = input.renderer;
         let &Settings { max_bounces, lanes, .. } = renderer.settings();
+        let aovs = self.aovs.get(|aovs| renderer.aovs_into(aovs));
         if matches!(mode, DisplayMode::Bounces | DisplayMode::Lanes) {
             renderer.path_shapes_into(samples - 1, &mut self.shapes);
         }
         match mode {
-            DisplayMode::Picture => self.paint_picture(input, samples, pixels),
-            DisplayMode::Normals => fill_from_aovs(pixels, &self.aovs, display_mode::normal),
-            DisplayMode::Albedo => fill_from_aovs(pixels, &self.aovs, display_mode::albedo),
+            DisplayMode::Picture => {}
+            DisplayMode::Normals => fill_from_aovs(pixels, aovs, display_mode::normal),
+            DisplayMode::Albedo => fill_from_aovs(pixels, aovs, display_mode::albedo),
             DisplayMode::Depth => {
-                let range = display_mode::depth_range(&self.aovs, &mut self.distances);
-                fill_from_aovs(pixels, &self.aovs, |guide| display_mode::depth(guide, range));
+                let range = display_mode::depth_range(aovs, &mut self.distances);
+                fill_from_aovs(pixels, aovs, |guide| display_mode::depth(guide, range));
             }
-            DisplayMode::Barycentrics => fill_from_aovs(pixels, &self.aovs, display_mode::barycentrics),
+            DisplayMode::Barycentrics => fill_from_aovs(pixels, aovs, display_mode::barycentrics),
             DisplayMode::Lambert => {
                 let light = display_mode::light_behind(&input.accumulation.pose.camera);
-                fill_from_aovs(pixels, &self.aovs, |guide| display_mode::n_dot_l(guide, light));
+                fill_from_aovs(pixels, aovs, |guide| display_mode::n_dot_l(guide, light));
             }
             DisplayMode::Bounces => {
                 fill(pixels, &self.shapes.pixels, |shape| display_mode::bounces(shape, max_bounces));
@@ -158,10 +165,8 @@ impl Painter {
                 fill(pixels, &self.shapes.pixels, |shape| display_mode::lanes(shape, lanes));
             }
             DisplayMode::Cost => {
-                if !std::mem::replace(&mut self.costs_valid, true) {
-                    renderer.costs_into(&mut self.costs);
-                }
-                fill(pixels, &self.costs.pixels, display_mode::cost);
+                let costs = self.costs.get(|costs| renderer.costs_into(costs));
+                fill(pixels, &costs.pixels, display_mode::cost);
             }
             DisplayMode::Samples if input.controls.reprojection => {
                 fill(pixels, self.history.counts(), |&count| display_mode::samples(count));
@@ -281,7 +286,8 @@ mod tests {
         viewer.paint(64, false, true);
         viewer.go(38.5, 1);
         let shown = viewer.paint(1, false, false);
-        let Painter { history, denoiser, denoiser_aovs: aovs, .. } = &mut viewer.painter;
+        let Painter { history, denoiser, denoiser_aovs: PerCamera { value: aovs, .. }, .. } =
+            &mut viewer.painter;
         let mut words = vec![0; shown.len()];
         let each = denoiser.filter(history.shown(), Samples::Each(history.counts()), aovs);
         write(&Tone::default(), each, &mut words);

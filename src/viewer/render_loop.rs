@@ -7,7 +7,7 @@
 //! picture has the bits of `octray render` with the same number of samples. While it moves, each frame starts
 //! a new film with a seed of its own, and temporal reprojection supplies the missing samples.
 
-use super::accumulation::{Accumulation, Pose, PoseChange};
+use super::accumulation::{Accumulation, Pose};
 use super::file_watcher::{self, FileWatcher};
 use super::frame::{Exchange, Frame};
 use super::loader::Loader;
@@ -78,21 +78,21 @@ fn pixels([width, height]: [u32; 2]) -> u64 {
 }
 
 impl RenderLoop {
-    /// Creates the renderer of the first scene.
-    pub fn new(
+    /// Starts with a scene that is loaded; returns when the viewer quits.
+    pub fn run(
         options: Arc<Options>,
         state: State,
         scene: Arc<Loaded>,
         events: Receiver<(Event, Instant)>,
         exchange: Arc<Exchange>,
         wake: Wake,
-    ) -> (Self, Renderer) {
-        let renderer = Renderer::new(&scene, state.controls.settings(&scene, &options));
+    ) -> Summary {
+        let mut renderer = Renderer::new(&scene, state.controls.settings(&scene, &options));
         let notify = {
             let exchange = exchange.clone();
             move || exchange.notified.store(true, Release)
         };
-        let render_loop = Self {
+        let mut this = Self {
             loader: Loader::new(notify.clone()),
             file_watcher: FileWatcher::new(notify),
             accumulation: Accumulation::new(&renderer, &scene),
@@ -116,17 +116,12 @@ impl RenderLoop {
             exchange,
             wake,
         };
-        (render_loop, renderer)
-    }
-
-    /// Runs until the viewer quits.
-    pub fn run(mut self, mut renderer: Renderer) -> Summary {
-        self.exchange.ready.store(true, Release);
-        self.enter_scene();
-        while let Some(prepared) = renderer.hold(|renderer| self.render_frames(renderer)) {
-            renderer = self.install(prepared, renderer.settings());
+        this.exchange.ready.store(true, Release);
+        this.enter_scene();
+        while let Some(prepared) = renderer.hold(|renderer| this.render_frames(renderer)) {
+            renderer = this.install(prepared, renderer.settings());
         }
-        self.summary
+        this.summary
     }
 
     /// Switches to a prepared scene or renderer; `before` are the settings until now.
@@ -304,7 +299,7 @@ impl RenderLoop {
             bounces: self.state.controls.bounces,
         };
         let (seed, frame) = (self.options.seed, self.summary.frames);
-        if self.accumulation.set_pose(renderer, &self.scene, pose, seed, frame) == PoseChange::Other {
+        if self.accumulation.set_pose(renderer, &self.scene, pose, seed, frame) {
             self.painter.reset_history();
             self.rates.reset();
         }

@@ -38,9 +38,7 @@ impl Viewer {
             let size = options.size.unwrap_or(scene.resolution);
             shared.publish(&mut Frame::announcing(&scene.name, size));
             wake();
-            let (render_loop, renderer) =
-                RenderLoop::new(Arc::new(options), state, scene, incoming, shared, wake);
-            render_loop.run(renderer)
+            RenderLoop::run(Arc::new(options), state, scene, incoming, shared, wake)
         });
         Self { events, exchange, thread }
     }

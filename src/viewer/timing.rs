@@ -6,6 +6,7 @@
 //!
 //! For: [`RateMeter`], the present rates; [`Summary`], the sums of a run.
 
+use std::collections::VecDeque;
 use std::time::Duration;
 
 /// Number of frames behind the frame rates.
@@ -18,10 +19,8 @@ const MAX_SAMPLES: usize = 1024;
 /// Measures frame rates over the last frames, and sample rates by width.
 #[derive(Clone, Debug)]
 pub struct RateMeter {
-    /// Seconds from frame to frame: a ring buffer.
-    frames: [f32; FRAMES],
-    filled: usize,
-    next: usize,
+    /// Seconds from frame to frame, the newest last.
+    frames: VecDeque<f32>,
     /// Samples since the last rate, by width: SIMD, scalar.
     taken: [Batch; 2],
     /// The last sample rates, by width.
@@ -68,23 +67,18 @@ pub struct Rates {
 
 impl Default for RateMeter {
     fn default() -> Self {
-        Self {
-            frames: [0.0; FRAMES],
-            filled: 0,
-            next: 0,
-            taken: Default::default(),
-            sample_rates: [None; 2],
-            mrays: 0.0,
-        }
+        let frames = VecDeque::with_capacity(FRAMES);
+        Self { frames, taken: Default::default(), sample_rates: [None; 2], mrays: 0.0 }
     }
 }
 
 impl RateMeter {
     /// Records a frame, shown `after` the previous one.
     pub fn frame(&mut self, after: Duration) {
-        self.frames[self.next] = after.as_secs_f32();
-        self.next = (self.next + 1) % FRAMES;
-        self.filled = (self.filled + 1).min(FRAMES);
+        if self.frames.len() == FRAMES {
+            self.frames.pop_front();
+        }
+        self.frames.push_back(after.as_secs_f32());
     }
     /// Records a sample of the whole picture, taken with packets of `lanes`.
     pub fn sample(&mut self, lanes: usize, rays: u64, time: Duration) {
@@ -111,8 +105,7 @@ impl RateMeter {
         self.sample_rates = sample_rates;
     }
     pub fn rates(&self) -> Rates {
-        let mut frames = self.frames;
-        let frames = &mut frames[..self.filled];
+        let mut frames = Vec::from(self.frames.clone());
         frames.sort_unstable_by(f32::total_cmp);
         let rate = |share: f64| match frames.len() {
             0 => 0.0,

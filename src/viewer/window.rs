@@ -69,8 +69,7 @@ pub fn window(
     scene: Loaded,
 ) -> Result<(Summary, Presented), WindowError> {
     let events = event_loop().map_err(|_| no_display())?;
-    let context = softbuffer::Context::new(events.owned_display_handle())
-        .map_err(|error| WindowError::NoSurface(error.to_string().into()))?;
+    let context = softbuffer::Context::new(events.owned_display_handle()).map_err(no_surface)?;
     let proxy = events.create_proxy();
     let size = options.size.unwrap_or(scene.resolution);
     let wake = Arc::new(move || {
@@ -147,6 +146,10 @@ fn no_display() -> WindowError {
     })
 }
 
+fn no_surface(error: impl std::fmt::Display) -> WindowError {
+    WindowError::NoSurface(error.to_string().into())
+}
+
 type Surface = softbuffer::Surface<OwnedDisplayHandle, Rc<Window>>;
 
 struct App {
@@ -170,7 +173,6 @@ struct App {
 
 impl App {
     fn open(&mut self, events: &ActiveEventLoop) -> Result<Surface, WindowError> {
-        let refused = |error: String| WindowError::NoSurface(error.into());
         let monitor = events.primary_monitor().or_else(|| events.available_monitors().next());
         let [width, height] = self.size.map(f64::from);
         let mut scale = INITIAL_SCALE;
@@ -186,9 +188,9 @@ impl App {
         }
         let size = LogicalSize::new((width * scale).max(160.0), (height * scale).max(90.0));
         let attributes = Window::default_attributes().with_title("octray").with_inner_size(size);
-        let window = events.create_window(attributes).map_err(|error| refused(error.to_string()))?;
+        let window = events.create_window(attributes).map_err(no_surface)?;
         self.window_size = window.inner_size();
-        Surface::new(&self.context, Rc::new(window)).map_err(|error| refused(error.to_string()))
+        Surface::new(&self.context, Rc::new(window)).map_err(no_surface)
     }
 
     /// Draws the newest frame, or the last one again.
@@ -200,12 +202,11 @@ impl App {
             return Ok(());
         };
         let start = Instant::now();
-        let refused = |error: softbuffer::SoftBufferError| WindowError::NoSurface(error.to_string().into());
-        surface.resize(width, height).map_err(refused)?;
-        let mut buffer = surface.buffer_mut().map_err(refused)?;
+        surface.resize(width, height).map_err(no_surface)?;
+        let mut buffer = surface.buffer_mut().map_err(no_surface)?;
         let canvas = Canvas { pixels: &mut buffer, width: across as usize, height: down as usize };
         window_text::draw(&self.frame, canvas);
-        buffer.present().map_err(refused)?;
+        buffer.present().map_err(no_surface)?;
         if fresh {
             self.presented.frames += 1;
             self.presented.time += start.elapsed();

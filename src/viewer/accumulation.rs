@@ -194,44 +194,58 @@ mod tests {
     use octray_formats::scene::load;
     use std::sync::atomic::Ordering::Release;
 
-    fn start() -> (Renderer, Scene, Accumulation) {
-        let scene = load("builtin:three").unwrap();
-        let settings = Settings { resolution: [24, 16], seed: 5, ..Settings::of(&scene) };
-        let renderer = Renderer::new(&scene, settings);
-        let accumulation = Accumulation::new(&renderer, &scene);
-        (renderer, scene, accumulation)
+    struct Test {
+        scene: Scene,
+        renderer: Renderer,
+        accumulation: Accumulation,
+        exchange: Exchange,
+    }
+
+    impl Test {
+        fn new(resolution: [u32; 2]) -> Self {
+            let scene = load("builtin:three").unwrap();
+            let renderer = Renderer::new(&scene, Settings { resolution, seed: 5, ..Settings::of(&scene) });
+            let accumulation = Accumulation::new(&renderer, &scene);
+            Self { scene, renderer, accumulation, exchange: Exchange::default() }
+        }
+        /// Whether it is another picture, its seed, and its samples after two more.
+        fn go(&mut self, pose: Pose, frame: u64) -> (bool, u32, u32) {
+            let other = self.accumulation.set_pose(&mut self.renderer, &self.scene, pose, 5, frame);
+            self.renderer.add_samples(&mut self.accumulation.film, 2);
+            (other, self.renderer.settings().seed, self.accumulation.film.samples())
+        }
+        /// The samples of a pixel at most, when a frame is due.
+        fn accumulate(&mut self) -> u32 {
+            let measured = (&mut RateMeter::default(), &mut Summary::default());
+            self.accumulation.accumulate(&self.renderer, 1e9, &self.exchange, measured);
+            self.accumulation.film.most_samples()
+        }
     }
 
     /// A resting camera's picture has the bits of a still, whatever was rendered before it.
     #[test]
     fn a_camera_that_comes_to_rest_accumulates_the_samples_of_a_still() {
-        let (mut renderer, scene, mut accumulation) = start();
-        let home = accumulation.pose;
+        let mut test = Test::new([24, 16]);
+        let home = test.accumulation.pose;
         let away = Pose { camera: Camera { vertical_fov: 30.0, ..home.camera }, ..home };
-        let mut go = |accumulation: &mut Accumulation, pose, frame| {
-            let other = accumulation.set_pose(&mut renderer, &scene, pose, 5, frame);
-            renderer.add_samples(&mut accumulation.film, 2);
-            (other, renderer.settings().seed, accumulation.film.samples())
-        };
-        assert_eq!(go(&mut accumulation, home, 0), (false, 5, 2));
-        assert_eq!(go(&mut accumulation, away, 1), (false, 7, 2));
-        assert_eq!(go(&mut accumulation, home, 2), (false, 8, 2));
-        assert_eq!(go(&mut accumulation, home, 3), (false, 5, 2), "at rest: from the first sample on");
-        assert_eq!(go(&mut accumulation, home, 4), (false, 5, 4));
-        let (still, ..) = start();
+        assert_eq!(test.go(home, 0), (false, 5, 2));
+        assert_eq!(test.go(away, 1), (false, 7, 2));
+        assert_eq!(test.go(home, 2), (false, 8, 2));
+        assert_eq!(test.go(home, 3), (false, 5, 2), "at rest: from the first sample on");
+        assert_eq!(test.go(home, 4), (false, 5, 4));
+        let still = Test::new([24, 16]).renderer;
         let mut film = still.film();
         still.add_samples(&mut film, 4);
-        assert_eq!(accumulation.film.picture(), film.picture());
+        assert_eq!(test.accumulation.film.picture(), film.picture());
         let deep = Pose { bounces: home.bounces + 1, ..home };
-        assert_eq!(go(&mut accumulation, deep, 5), (true, 5, 2), "another picture begins at once");
-        let small = Pose { resolution: [12, 8], ..deep };
-        assert_eq!(go(&mut accumulation, small, 6), (true, 5, 2));
-        assert_eq!(accumulation.film.resolution(), [12, 8]);
+        assert_eq!(test.go(deep, 5), (true, 5, 2), "another picture begins at once");
+        assert_eq!(test.go(Pose { resolution: [12, 8], ..deep }, 6), (true, 5, 2));
+        assert_eq!(test.accumulation.film.resolution(), [12, 8]);
     }
 
     #[test]
     fn neither_a_delayed_frame_nor_a_settled_picture_changes_the_resolution() {
-        let (.., mut accumulation) = start();
+        let mut accumulation = Test::new([24, 16]).accumulation;
         let hold = |accumulation: &mut Accumulation, ms, times| {
             accumulation.sample_time = Duration::from_millis(ms);
             (0..times).for_each(|_| accumulation.adapt_resolution(Some(30)));
@@ -249,49 +263,25 @@ mod tests {
     }
 
     #[test]
-    fn a_closed_window_cancels_the_sample() {
-        let (renderer, _, mut accumulation) = start();
-        let (exchange, mut rates, mut summary) =
-            (Exchange::default(), RateMeter::default(), Summary::default());
-        exchange.notified.store(true, Release);
-        accumulation.accumulate(&renderer, 1e9, &exchange, (&mut rates, &mut summary));
-        assert_eq!(
-            accumulation.film.samples(),
-            1,
-            "the first sample of a picture is never cancelled by an event"
-        );
-        accumulation.film.clear();
-        exchange.closed.store(true, Release);
-        accumulation.accumulate(&renderer, 1.0, &exchange, (&mut rates, &mut summary));
-        assert_eq!(accumulation.film.most_samples(), 0);
-        accumulation.equalize_samples(&renderer);
-        assert_eq!(accumulation.film.samples(), 1, "a screenshot completes it");
+    fn events_cancel_all_samples_but_the_first_and_the_end_cancels_every_one() {
+        let mut test = Test::new([24, 16]);
+        test.exchange.notified.store(true, Release);
+        assert_eq!(test.accumulate(), 1, "the first sample of a picture");
+        assert_eq!(test.accumulate(), 1);
+        test.exchange.notified.store(false, Release);
+        assert_eq!(test.accumulate(), 2);
+        test.accumulation.film.clear();
+        test.exchange.closed.store(true, Release);
+        assert_eq!(test.accumulate(), 0);
+        test.accumulation.equalize_samples(&test.renderer);
+        assert_eq!(test.accumulation.film.samples(), 1, "a screenshot completes it");
     }
 
     #[test]
-    fn accumulation_stops_for_events_and_at_the_maximum_of_samples() {
-        let (renderer, _, mut accumulation) = start();
-        let (exchange, mut rates, mut summary) =
-            (Exchange::default(), RateMeter::default(), Summary::default());
-        let mut accumulate = |accumulation: &mut Accumulation, renderer: &Renderer, exchange: &Exchange| {
-            accumulation.accumulate(renderer, 1e9, exchange, (&mut rates, &mut summary));
-            accumulation.film.most_samples()
-        };
-        assert_eq!(accumulate(&mut accumulation, &renderer, &exchange), 1);
-        assert_eq!(accumulate(&mut accumulation, &renderer, &exchange), 2);
-        exchange.notified.store(true, Release);
-        assert_eq!(
-            accumulate(&mut accumulation, &renderer, &exchange),
-            2,
-            "an event cancels the next sample"
-        );
-        exchange.notified.store(false, Release);
+    fn accumulation_stops_at_the_maximum_of_samples() {
         // One pixel, so that it has all of its samples soon.
-        let scene = load("builtin:three").unwrap();
-        let renderer = Renderer::new(&scene, Settings { resolution: [1, 1], ..Settings::of(&scene) });
-        accumulation.reset(&renderer, &scene);
-        renderer.add_samples(&mut accumulation.film, MAX_SAMPLES - 1);
-        assert_eq!(accumulate(&mut accumulation, &renderer, &exchange), MAX_SAMPLES);
-        assert_eq!(accumulate(&mut accumulation, &renderer, &exchange), MAX_SAMPLES);
+        let mut test = Test::new([1, 1]);
+        test.renderer.add_samples(&mut test.accumulation.film, MAX_SAMPLES - 1);
+        assert_eq!([(); 2].map(|()| test.accumulate()), [MAX_SAMPLES; 2]);
     }
 }

@@ -8,41 +8,12 @@ use super::display_mode::DisplayMode;
 use Action::{Hold, Step, Switch, Zoom};
 use Entry::{Help, On};
 use Key::Char;
-use octray_engine::tone::Operator;
+use crossterm::event::ModifierKeyCode::{LeftControl, LeftShift};
 
-/// A key of a window or a terminal. Letters are lower case. Letters for walking follow the physical key where
-/// it is known.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum Key {
-    /// The character that the key types without Shift; the space bar is `' '`.
-    Char(char),
-    /// Arrow up.
-    Up,
-    /// Arrow down.
-    Down,
-    /// Arrow left.
-    Left,
-    /// Arrow right.
-    Right,
-    /// Either Shift key; terminals do not report it.
-    Shift,
-    /// Either Ctrl key; terminals do not report it.
-    Control,
-    /// The tabulator key.
-    Tab,
-    /// The Esc key.
-    Escape,
-    /// Page up.
-    PageUp,
-    /// Page down.
-    PageDown,
-    /// The Home key, Pos 1 on some keyboards.
-    Home,
-    /// Function key 1.
-    F1,
-    /// Function key 5.
-    F5,
-}
+/// A key of a window or a terminal. Letters are lower case; letters for walking follow the physical key where
+/// it is known. Both keys of a modifier are the left one; terminals do not report them.
+pub use crossterm::event::KeyCode as Key;
+use octray_engine::tone::Operator;
 
 /// What a key does.
 #[derive(Clone, Copy, Debug)]
@@ -80,7 +51,7 @@ const TABLE: &[Entry] = &[
     On(Char('d'), Hold(Motion::Right)),
     Help("Space, Shift, Z", "rise, sink"),
     On(Char(' '), Hold(Motion::Up)),
-    On(Key::Shift, Hold(Motion::Down)),
+    On(Key::Modifier(LeftShift), Hold(Motion::Down)),
     On(Char('z'), Hold(Motion::Down)),
     Help("arrows, mouse", "turn; a click captures the mouse, Esc releases it"),
     On(Key::Left, Hold(Motion::TurnLeft)),
@@ -88,7 +59,7 @@ const TABLE: &[Entry] = &[
     On(Key::Up, Hold(Motion::TurnUp)),
     On(Key::Down, Hold(Motion::TurnDown)),
     Help("Ctrl", "four times as fast while held"),
-    On(Key::Control, Hold(Motion::Fast)),
+    On(Key::Modifier(LeftControl), Hold(Motion::Fast)),
     Help("+ -, wheel", "narrower, wider field of view"),
     On(Char('+'), Zoom(1.0)),
     On(Char('='), Zoom(1.0)),
@@ -102,7 +73,7 @@ const TABLE: &[Entry] = &[
     On(Char(','), Action::PreviousScene),
     Help("R", "reload the scene's files (changes reload them too)"),
     On(Char('r'), Action::Reload),
-    On(Key::F5, Action::Reload),
+    On(Key::F(5), Action::Reload),
     Help("1 to 9, 0", "picture, normals, albedo, depth, barycentrics, n·l, bounces, cost, samples, lanes"),
     On(Char('1'), Switch(|set| set.mode = DisplayMode::Picture)),
     On(Char('2'), Switch(|set| set.mode = DisplayMode::Normals)),
@@ -150,9 +121,9 @@ const TABLE: &[Entry] = &[
     On(Char('i'), Switch(|set| set.overlay = !set.overlay)),
     Help("H", "this help"),
     On(Char('h'), Switch(|set| set.help = !set.help)),
-    On(Key::F1, Switch(|set| set.help = !set.help)),
+    On(Key::F(1), Switch(|set| set.help = !set.help)),
     Help("Esc", "release the mouse"),
-    On(Key::Escape, Action::ReleaseMouse),
+    On(Key::Esc, Action::ReleaseMouse),
 ];
 
 /// The action of a key.
@@ -204,7 +175,7 @@ mod tests {
     use super::*;
     use octray_engine::render::LaneChoice;
     use octray_engine::tone::Tone;
-    use std::collections::BTreeSet;
+    use std::collections::HashSet;
 
     /// The settings after these letters.
     fn after(letters: &str) -> Controls {
@@ -237,7 +208,7 @@ mod tests {
 
     #[test]
     fn every_key_does_one_thing() {
-        let mut seen = BTreeSet::new();
+        let mut seen = HashSet::new();
         for entry in TABLE {
             assert!(!matches!(entry, On(key, _) if !seen.insert(*key)), "{seen:?}");
         }
@@ -268,7 +239,7 @@ mod tests {
     fn every_display_mode_has_a_key_and_stands_in_the_help_in_its_order() {
         let digits = ["1", "2", "3", "4", "5", "6", "7", "8", "9", "0"];
         let names = digits.map(|digit| after(digit).mode.name_and_legend().0);
-        assert_eq!(BTreeSet::from(names).len(), names.len());
+        assert_eq!(HashSet::from(names).len(), names.len());
         assert!(help().any(|line| line.contains(&names.join(", "))), "{}", names.join(", "));
     }
 }

@@ -6,7 +6,7 @@ use super::controls::{Controls, MethodPreset};
 use super::display_mode::DisplayMode;
 use super::painter::FrameInput;
 use super::state::State;
-use super::timing::{RateMeter, Rates};
+use super::timing::RateMeter;
 use octray_engine::buffers::LightChoice;
 use octray_formats::wording::{counted, grouped};
 use std::fmt::Write;
@@ -42,7 +42,7 @@ impl Overlay {
             // The help is long and replaces the figures.
             if state.controls.overlay && !state.controls.help {
                 // Writing to a `String` cannot fail.
-                let _ = write(&mut self.text, input, state, &rates.rates(), busy);
+                let _ = write(&mut self.text, input, state, rates, busy);
             }
         }
         figures.clone_from(&self.text);
@@ -54,7 +54,7 @@ fn write(
     text: &mut String,
     input: &FrameInput,
     state: &State,
-    figures: &Rates,
+    rates: &RateMeter,
     busy: bool,
 ) -> std::fmt::Result {
     let FrameInput { renderer, scene, controls, accumulation } = *input;
@@ -70,7 +70,7 @@ fn write(
         write!(text, ", {warnings} (R reloads)")?;
     }
     writeln!(text, "{}", if busy { ", another is being prepared" } else { "" })?;
-    let Rates { fps, low, samples: [simd, scalar], mrays } = *figures;
+    let ([fps, low], [simd, scalar], mrays) = (rates.fps(), rates.samples, rates.mrays);
     let now = if settings.lanes == 1 { scalar } else { simd };
     match fps > 0.0 {
         true => write!(text, "screen {} fps, 1 % low {}", rate_of(fps), rate_of(low))?,
@@ -155,9 +155,11 @@ mod tests {
             accumulation: &accumulation,
             controls: &controls,
         };
-        let figures = Rates { fps: 60.0, low: 0.25, samples: [Some(4_000.0), Some(8.0)], mrays: 7.5 };
+        let mut rates = RateMeter::default();
+        (rates.samples, rates.mrays) = ([Some(4_000.0), Some(8.0)], 7.5);
+        [60.0, 60.0, 0.25].iter().for_each(|fps: &f64| rates.frame(Duration::from_secs_f64(1.0 / fps)));
         let mut text = String::new();
-        write(&mut text, &input, &state, &figures, true).unwrap();
+        write(&mut text, &input, &state, &rates, true).unwrap();
         for words in [
             "builtin:three (2 of 2), 1 warning (R reloads), another is being prepared\n",
             "screen 60 fps, 1 % low 0.25 · renderer 4,000 samples/s, 7.5 Mray/s\n",
@@ -167,7 +169,7 @@ mod tests {
             assert!(text.contains(words), "{words:?} in {text}");
         }
         text.clear();
-        write(&mut text, &input, &state, &Rates::default(), false).unwrap();
+        write(&mut text, &input, &state, &RateMeter::default(), false).unwrap();
         assert!(text.contains("R reloads)\nno frame rate yet\n8 lanes"), "{text}");
     }
 }

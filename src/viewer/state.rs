@@ -317,7 +317,7 @@ mod tests {
         test.handle(Event::Click, 0);
         test.handle(Event::Mouse([50.0, 0.0]), 0);
         assert_ne!(test.camera(), home);
-        test.press(Key::Escape);
+        test.press(Key::Esc);
         assert!(!test.state.mouse_captured);
         test.press(Key::Home);
         assert_eq!(test.camera(), home);

@@ -23,9 +23,10 @@ pub struct RateMeter {
     frames: VecDeque<f32>,
     /// Samples since the last rate, by width: SIMD, scalar.
     taken: [Batch; 2],
-    /// The last sample rates, by width.
-    sample_rates: [Option<f64>; 2],
-    mrays: f64,
+    /// Samples of the whole picture per second of rendering, by width: SIMD, scalar.
+    pub samples: [Option<f64>; 2],
+    /// Millions of rays per second.
+    pub mrays: f64,
 }
 
 /// Samples of the whole picture.
@@ -54,21 +55,10 @@ impl Batch {
     }
 }
 
-/// The present rates.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Rates {
-    /// Frames per second: the median, and the 1 % low.
-    pub fps: f64,
-    pub low: f64,
-    /// Samples of the whole picture per second of rendering: SIMD, scalar.
-    pub samples: [Option<f64>; 2],
-    pub mrays: f64,
-}
-
 impl Default for RateMeter {
     fn default() -> Self {
         let frames = VecDeque::with_capacity(FRAMES);
-        Self { frames, taken: Default::default(), sample_rates: [None; 2], mrays: 0.0 }
+        Self { frames, taken: Default::default(), samples: [None; 2], mrays: 0.0 }
     }
 }
 
@@ -89,7 +79,7 @@ impl RateMeter {
         batch.rays += rays;
         if batch.spent >= MIN_TIME || batch.times.len() == MAX_SAMPLES {
             let (rate, mrays) = batch.rates();
-            (self.sample_rates[width], self.mrays) = (Some(rate), mrays);
+            (self.samples[width], self.mrays) = (Some(rate), mrays);
             batch.times.clear();
             (batch.spent, batch.rays) = (Duration::ZERO, 0);
         }
@@ -100,18 +90,18 @@ impl RateMeter {
     }
     /// Discards the frame rates and keeps both widths' sample rates.
     pub fn switch_width(&mut self) {
-        let sample_rates = self.sample_rates;
+        let samples = self.samples;
         self.reset();
-        self.sample_rates = sample_rates;
+        self.samples = samples;
     }
-    pub fn rates(&self) -> Rates {
+    /// Frames per second: the median, and the 1 % low.
+    pub fn fps(&self) -> [f64; 2] {
         let mut frames = Vec::from(self.frames.clone());
         frames.sort_unstable_by(f32::total_cmp);
-        let rate = |share: f64| match frames.len() {
+        [0.5, 0.99].map(|share| match frames.len() {
             0 => 0.0,
             some => 1.0 / f64::from(frames[((some - 1) as f64 * share).round() as usize].max(1e-9)),
-        };
-        Rates { fps: rate(0.5), low: rate(0.99), samples: self.sample_rates, mrays: self.mrays }
+        })
     }
 }
 
@@ -163,16 +153,16 @@ mod tests {
     #[test]
     fn frames_have_a_median_and_a_low() {
         let mut rates = RateMeter::default();
-        assert_eq!(rates.rates(), Rates::default());
+        assert_eq!(rates.fps(), [0.0; 2]);
         for number in 0..100 {
             rates.frame(Duration::from_millis(if number % 50 == 7 { 100 } else { 20 }));
         }
-        let Rates { fps, low, .. } = rates.rates();
+        let [fps, low] = rates.fps();
         assert!((fps - 50.0).abs() < 1e-3 && (low - 10.0).abs() < 1e-3, "{fps} {low}");
         for _ in 0..FRAMES {
             rates.frame(Duration::from_millis(10));
         }
-        assert!((rates.rates().low - 100.0).abs() < 1e-3, "old frames are forgotten");
+        assert!((rates.fps()[1] - 100.0).abs() < 1e-3, "old frames are forgotten");
     }
 
     #[test]
@@ -182,23 +172,22 @@ mod tests {
             (0..count).for_each(|_| rates.sample(lanes, 20_000, Duration::from_millis(ms)));
         };
         take(8, 249, 1, &mut rates);
-        assert_eq!(rates.rates().samples, [None, None], "too short a time");
+        assert_eq!(rates.samples, [None, None], "too short a time");
         take(8, 1, 1, &mut rates);
-        assert!((rates.rates().mrays - 20.0).abs() < 1e-9);
+        assert!((rates.mrays - 20.0).abs() < 1e-9);
         rates.switch_width();
         take(1, 50, 5, &mut rates);
-        let Rates { samples, mrays, .. } = rates.rates();
-        assert_eq!(samples, [Some(1_000.0), Some(200.0)]);
-        assert!((mrays - 4.0).abs() < 1e-9);
+        assert_eq!(rates.samples, [Some(1_000.0), Some(200.0)]);
+        assert!((rates.mrays - 4.0).abs() < 1e-9);
         rates.reset();
-        assert_eq!(rates.rates(), Rates::default());
+        assert_eq!(rates.samples, [None; 2]);
     }
 
     #[test]
     fn fast_samples_have_a_rate_within_the_memory_of_the_start() {
         let mut rates = RateMeter::default();
         (0..2 * MAX_SAMPLES).for_each(|_| rates.sample(16, 1_000, Duration::from_micros(10)));
-        assert!(rates.rates().samples[0].is_some_and(|rate| (rate - 100_000.0).abs() < 1e-3));
+        assert!(rates.samples[0].is_some_and(|rate| (rate - 100_000.0).abs() < 1e-3));
         assert_eq!(rates.taken[0].times.capacity(), MAX_SAMPLES);
     }
 
@@ -208,6 +197,6 @@ mod tests {
         let mut rates = RateMeter::default();
         (0..99).for_each(|_| rates.sample(16, 1_000, Duration::from_millis(1)));
         rates.sample(16, 1_000, Duration::from_millis(400));
-        assert_eq!(rates.rates().samples, [Some(1_000.0), None]);
+        assert_eq!(rates.samples, [Some(1_000.0), None]);
     }
 }

@@ -12,6 +12,7 @@ use super::signals::ExitSignal;
 use super::state::Event;
 use super::timing::Summary;
 use super::window_text;
+use crossterm::event::ModifierKeyCode;
 use octray_formats::scene::Loaded;
 use std::num::NonZeroU32;
 use std::rc::Rc;
@@ -312,40 +313,37 @@ fn key_of(physical: PhysicalKey, logical: &winit::keyboard::Key) -> Option<Key> 
         winit::keyboard::Key::Character(text) => text.chars().flat_map(char::to_lowercase).next(),
         _ => None,
     };
-    let is = |wanted| letter == Some(wanted);
-    if let PhysicalKey::Code(code) = physical {
-        match code {
-            KeyCode::KeyW => return Some(Key::Char('w')),
-            KeyCode::KeyA => return Some(Key::Char('a')),
-            KeyCode::KeyS => return Some(Key::Char('s')),
-            KeyCode::KeyD => return Some(Key::Char('d')),
-            // The positions of A and W on French keyboards.
-            KeyCode::KeyQ if is('a') => return Some(Key::Char('q')),
-            KeyCode::KeyZ if is('w') => return Some(Key::Char('z')),
-            _ => {}
-        }
-    }
-    match logical {
-        winit::keyboard::Key::Character(_) => letter.map(Key::Char),
-        winit::keyboard::Key::Named(named) => match named {
-            NamedKey::Space => Some(Key::Char(' ')),
-            NamedKey::ArrowUp => Some(Key::Up),
-            NamedKey::ArrowDown => Some(Key::Down),
-            NamedKey::ArrowLeft => Some(Key::Left),
-            NamedKey::ArrowRight => Some(Key::Right),
-            NamedKey::Shift => Some(Key::Shift),
-            NamedKey::Control => Some(Key::Control),
-            NamedKey::Tab => Some(Key::Tab),
-            NamedKey::Escape => Some(Key::Escape),
-            NamedKey::PageUp => Some(Key::PageUp),
-            NamedKey::PageDown => Some(Key::PageDown),
-            NamedKey::Home => Some(Key::Home),
-            NamedKey::F1 => Some(Key::F1),
-            NamedKey::F5 => Some(Key::F5),
-            _ => None,
-        },
-        _ => None,
-    }
+    let letter = match (physical, letter) {
+        (PhysicalKey::Code(KeyCode::KeyW), _) => Some('w'),
+        (PhysicalKey::Code(KeyCode::KeyA), _) => Some('a'),
+        (PhysicalKey::Code(KeyCode::KeyS), _) => Some('s'),
+        (PhysicalKey::Code(KeyCode::KeyD), _) => Some('d'),
+        // The positions of A and W on French keyboards.
+        (PhysicalKey::Code(KeyCode::KeyQ), Some('a')) => Some('q'),
+        (PhysicalKey::Code(KeyCode::KeyZ), Some('w')) => Some('z'),
+        _ => letter,
+    };
+    let named = match logical {
+        winit::keyboard::Key::Named(named) if letter.is_none() => named,
+        _ => return letter.map(Key::Char),
+    };
+    Some(match named {
+        NamedKey::Space => Key::Char(' '),
+        NamedKey::ArrowUp => Key::Up,
+        NamedKey::ArrowDown => Key::Down,
+        NamedKey::ArrowLeft => Key::Left,
+        NamedKey::ArrowRight => Key::Right,
+        NamedKey::Shift => Key::Modifier(ModifierKeyCode::LeftShift),
+        NamedKey::Control => Key::Modifier(ModifierKeyCode::LeftControl),
+        NamedKey::Tab => Key::Tab,
+        NamedKey::Escape => Key::Esc,
+        NamedKey::PageUp => Key::PageUp,
+        NamedKey::PageDown => Key::PageDown,
+        NamedKey::Home => Key::Home,
+        NamedKey::F1 => Key::F(1),
+        NamedKey::F5 => Key::F(5),
+        _ => return None,
+    })
 }
 
 #[cfg(test)]
@@ -372,6 +370,6 @@ mod tests {
         assert_eq!(typed(KeyCode::KeyZ, "y"), letter('y'), "a German Y");
         assert_eq!(typed(KeyCode::Semicolon, "M"), letter('m'), "others follow the layout");
         let named = |named| key_of(PhysicalKey::Code(KeyCode::F5), &winit::keyboard::Key::Named(named));
-        assert_eq!([named(NamedKey::F5), named(NamedKey::F9)], [Some(Key::F5), None]);
+        assert_eq!([named(NamedKey::F5), named(NamedKey::F9)], [Some(Key::F(5)), None]);
     }
 }

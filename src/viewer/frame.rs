@@ -31,13 +31,6 @@ pub struct Frame {
 }
 
 impl Frame {
-    /// A frame without a picture, with the message that a scene is being prepared.
-    pub(crate) fn announcing(scene: &str, resolution: [u32; 2]) -> Self {
-        let mut frame =
-            Self { message: format!("preparing {scene}"), title: scene.to_string(), ..Self::default() };
-        frame.resize(resolution);
-        frame
-    }
     pub(crate) fn resize(&mut self, [width, height]: [u32; 2]) {
         (self.width, self.height) = (width, height);
         self.pixels.resize(width as usize * height as usize, 0);

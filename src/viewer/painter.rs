@@ -197,9 +197,9 @@ fn write(tone: &Tone, picture: &Picture, words: &mut [u32]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::accumulation::Pose;
     use octray_engine::render::LaneChoice;
     use octray_formats::scene::load;
+    use std::time::{Duration, Instant};
 
     /// A viewer without events: paints frames of a camera, a number of samples and a seed.
     struct TestViewer {
@@ -218,22 +218,19 @@ mod tests {
             let controls = Controls::new(scene.max_bounces, 1, LaneChoice::Eight, Tone::default());
             Self { scene, renderer, accumulation, controls, painter: Painter::default() }
         }
-        fn go(&mut self, field: f32, seed: u32) {
+        /// The camera moves to another field of view, or rests.
+        fn go(&mut self, field: f32) {
             let mut pose = self.accumulation.pose;
             pose.camera.vertical_fov = field;
-            let Pose { camera, resolution, bounces } = pose;
-            self.renderer.set_view(&self.scene, &camera, resolution, bounces);
-            self.renderer.set_seed(seed);
-            self.accumulation.pose = pose;
-            self.accumulation.film.clear();
+            self.accumulation.set_pose(&mut self.renderer, &self.scene, pose, 0, 0);
         }
         /// Takes more samples and paints.
-        fn paint(&mut self, samples: u32, pose_shown: bool, progressive: bool) -> Vec<u32> {
+        fn paint(&mut self, samples: u32) -> Vec<u32> {
             let Self { scene, renderer, accumulation, controls, painter } = self;
             renderer.add_samples(&mut accumulation.film, samples);
-            (accumulation.pose_shown, accumulation.progressive) = (pose_shown, progressive);
             let mut frame = Frame::default();
             painter.paint(&FrameInput { renderer, scene, accumulation, controls }, &mut frame);
+            accumulation.frame_shown(Instant::now(), Duration::ZERO);
             frame.pixels
         }
         /// The film's mean, without history.
@@ -248,16 +245,16 @@ mod tests {
     #[test]
     fn history_shows_while_the_camera_moves_and_vanishes_at_rest() {
         let mut viewer = TestViewer::new();
-        assert_eq!(viewer.paint(4, false, true), viewer.mean(), "no history yet");
+        assert_eq!(viewer.paint(4), viewer.mean(), "no history yet");
         assert_eq!(viewer.painter.history.counts()[0], 4.0);
-        assert_eq!(viewer.paint(4, true, true), viewer.mean(), "no sample counts twice");
+        assert_eq!(viewer.paint(4), viewer.mean(), "no sample counts twice");
         assert_eq!(viewer.painter.history.counts()[0], 8.0);
-        viewer.go(38.5, 1);
-        assert_ne!(viewer.paint(1, false, false), viewer.mean());
+        viewer.go(38.5);
+        assert_ne!(viewer.paint(1), viewer.mean());
         assert!(viewer.painter.history.counts().iter().any(|&count| count > 1.0));
-        viewer.go(38.5, 0);
-        assert_ne!(viewer.paint(1, true, true), viewer.mean());
-        assert_eq!(viewer.paint(63, true, true), viewer.mean());
+        viewer.go(38.5);
+        assert_ne!(viewer.paint(1), viewer.mean());
+        assert_eq!(viewer.paint(63), viewer.mean());
     }
 
     #[test]
@@ -270,11 +267,11 @@ mod tests {
                 viewer.controls.reprojection = false;
                 (viewer.controls.mode, viewer.controls.denoiser) = (mode, denoiser);
             }
-            let home = walked.paint(1, false, true);
-            walked.go(20.0, 1);
-            fresh.go(20.0, 1);
-            let there = walked.paint(1, false, false);
-            assert!(there != home && there == fresh.paint(1, false, false), "{mode:?}");
+            let home = walked.paint(1);
+            walked.go(20.0);
+            fresh.go(20.0);
+            let there = walked.paint(1);
+            assert!(there != home && there == fresh.paint(1), "{mode:?}");
         }
     }
 
@@ -283,9 +280,9 @@ mod tests {
     fn the_denoiser_gets_the_sample_counts_of_the_history() {
         let mut viewer = TestViewer::new();
         viewer.controls.denoiser = true;
-        viewer.paint(64, false, true);
-        viewer.go(38.5, 1);
-        let shown = viewer.paint(1, false, false);
+        viewer.paint(64);
+        viewer.go(38.5);
+        let shown = viewer.paint(1);
         let Painter { history, denoiser, denoiser_aovs: PerCamera { value: aovs, .. }, .. } =
             &mut viewer.painter;
         let mut words = vec![0; shown.len()];
@@ -299,20 +296,16 @@ mod tests {
     #[test]
     fn history_is_discarded_without_reprojection() {
         let mut viewer = TestViewer::new();
-        viewer.paint(4, false, true);
+        viewer.paint(4);
         viewer.controls.reprojection = false;
-        viewer.go(20.0, 1);
-        assert_eq!(viewer.paint(1, false, false), viewer.mean());
-        viewer.go(20.0, 0);
-        assert_eq!(viewer.paint(2, true, true), viewer.mean());
+        viewer.go(20.0);
+        assert_eq!(viewer.paint(1), viewer.mean());
+        viewer.go(20.0);
+        assert_eq!(viewer.paint(2), viewer.mean());
         viewer.controls.reprojection = true;
-        assert_eq!(
-            viewer.paint(1, true, true),
-            viewer.mean(),
-            "no ghost of the pose at which it was switched off"
-        );
-        assert_eq!(viewer.paint(1, true, true), viewer.mean());
-        viewer.go(20.5, 2);
-        assert_ne!(viewer.paint(1, false, false), viewer.mean(), "from here on it remembers reload");
+        assert_eq!(viewer.paint(1), viewer.mean(), "no ghost of the pose at which it was switched off");
+        assert_eq!(viewer.paint(1), viewer.mean());
+        viewer.go(20.5);
+        assert_ne!(viewer.paint(1), viewer.mean(), "from here on it remembers reload");
     }
 }

@@ -60,9 +60,7 @@ pub struct RenderLoop {
     /// A message for a while, and since when it is shown.
     message: Option<(String, Instant)>,
     /// Why the requested scene could not be loaded; shown until it is, except while a message is shown.
-    error: String,
-    /// The files that the failed load requested, missing or faulty.
-    error_files: Vec<PathBuf>,
+    error: Option<SceneError>,
     /// A time before the last scene was read.
     read: SystemTime,
     screenshot_requested: bool,
@@ -71,6 +69,11 @@ pub struct RenderLoop {
 /// What only a new renderer can change.
 fn fixed(settings: &Settings) -> (Methods, usize, usize) {
     (settings.methods, settings.threads, settings.lanes)
+}
+
+/// The files of a scene and of a failed load.
+fn files_of<'a>(scene: &'a Loaded, error: &'a Option<SceneError>) -> impl Iterator<Item = &'a Path> {
+    scene.files.iter().chain(error.iter().flat_map(|error| &error.files)).map(PathBuf::as_path)
 }
 
 fn pixels([width, height]: [u32; 2]) -> u64 {
@@ -105,8 +108,7 @@ impl RenderLoop {
             switch_requested: None,
             switch_unshown: None,
             message: None,
-            error: String::new(),
-            error_files: Vec::new(),
+            error: None,
             read: scene.read.unwrap_or_else(SystemTime::now),
             screenshot_requested: false,
             options,
@@ -139,8 +141,7 @@ impl RenderLoop {
             self.state.enter_scene(&scene);
             self.painter.change_scene(reload);
             self.scene = scene;
-            self.error.clear();
-            self.error_files.clear();
+            self.error = None;
             self.rates.reset();
             self.enter_scene();
         }
@@ -160,19 +161,19 @@ impl RenderLoop {
         self.watch_read_files();
     }
 
-    /// Watches the files of the scene that is shown, the requested scene file, and the files of a failed
-    /// load.
+    /// Watches the files of the scene that is shown, the requested scene file, and the files of a failed load:
+    /// a change of one of them triggers another attempt.
     fn watch_files(&mut self) {
         let wanted = self.state.playlist.current();
         let wanted = (!wanted.starts_with("builtin:")).then_some(Path::new(wanted));
-        let files = self.scene.files.iter().chain(&self.error_files).map(PathBuf::as_path);
+        let files = files_of(&self.scene, &self.error);
         self.file_watcher.watch(files.chain(wanted));
     }
 
     /// Watches the files of a load that has ended; repeats it if one of them changed or appeared meanwhile.
     fn watch_read_files(&mut self) {
         self.watch_files();
-        let files = self.scene.files.iter().chain(&self.error_files).map(PathBuf::as_path);
+        let files = files_of(&self.scene, &self.error);
         if file_watcher::is_newer(files, self.read) {
             self.load();
         }
@@ -197,9 +198,7 @@ impl RenderLoop {
             match self.loader.poll() {
                 Some(Ok(prepared)) => return Some(prepared),
                 Some(Err(error)) => {
-                    self.error = error.to_string();
-                    // A change of one of these files triggers another attempt.
-                    self.error_files = error.files;
+                    self.error = Some(error);
                     self.message = None;
                     self.switch_requested = None;
                     self.watch_read_files();
@@ -310,20 +309,18 @@ impl RenderLoop {
         let start = Instant::now();
         let busy = self.loader.is_busy();
         self.message.take_if(|(_, since)| start - *since > MESSAGE_TIME && !busy);
-        let input = FrameInput {
-            renderer,
-            scene: &self.scene,
-            accumulation: &self.accumulation,
-            controls: &self.state.controls,
-        };
-        let speed = self.painter.paint(&input, &mut self.frame);
-        self.state.speed = f64::from(speed);
-        self.frame.mouse_captured = self.state.mouse_captured;
-        self.frame.help = self.state.controls.help;
-        let text = self.message.as_ref().map_or(&self.error, |(text, _)| text);
-        self.frame.message.clone_from(text);
-        self.frame.title.clone_from(&self.scene.name);
-        self.overlay.write(&input, &self.state, &self.rates, busy, &mut self.frame.figures);
+        let Self { painter, scene, accumulation, state, frame, .. } = self;
+        let input = FrameInput { renderer, scene, accumulation, controls: &state.controls };
+        state.speed = f64::from(painter.paint(&input, frame));
+        frame.mouse_captured = state.mouse_captured;
+        frame.help = state.controls.help;
+        match (&self.message, &self.error) {
+            (Some((text, _)), _) => frame.message.clone_from(text),
+            (None, Some(error)) => frame.message = error.to_string(),
+            (None, None) => frame.message.clear(),
+        }
+        frame.title.clone_from(&scene.name);
+        self.overlay.write(&input, state, &self.rates, busy, &mut frame.figures);
         let now = Instant::now();
         let painting = now - start;
         let since = self.accumulation.frame_shown(now, painting);
@@ -346,13 +343,9 @@ impl RenderLoop {
     fn take_screenshot(&mut self, renderer: &Renderer) {
         // As `octray render` does: the same number of samples in every pixel.
         self.accumulation.equalize_samples(renderer);
-        let input = FrameInput {
-            renderer,
-            scene: &self.scene,
-            accumulation: &self.accumulation,
-            controls: &self.state.controls,
-        };
-        self.set_message(match screenshot::take(&self.options.screenshots, &input) {
+        let Self { scene, accumulation, state, options, .. } = &*self;
+        let input = FrameInput { renderer, scene, accumulation, controls: &state.controls };
+        self.set_message(match screenshot::take(&options.screenshots, &input) {
             Ok(place) => format!("saved {}.png, .exr and .json", place.display()),
             Err(error) => error.to_string(),
         });

@@ -35,8 +35,10 @@ impl Viewer {
         let exchange = Arc::new(Exchange::default());
         let (shared, scene) = (exchange.clone(), Arc::new(scene));
         let thread = std::thread::spawn(move || {
-            let size = options.size.unwrap_or(scene.resolution);
-            shared.publish(&mut Frame::announcing(&scene.name, size));
+            let mut frame = Frame { title: scene.name.clone(), ..Frame::default() };
+            frame.message = format!("preparing {}", scene.name);
+            frame.resize(options.size.unwrap_or(scene.resolution));
+            shared.publish(&mut frame);
             wake();
             RenderLoop::run(Arc::new(options), state, scene, incoming, shared, wake)
         });

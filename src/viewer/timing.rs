@@ -21,44 +21,19 @@ const MAX_SAMPLES: usize = 1024;
 pub struct RateMeter {
     /// Seconds from frame to frame, the newest last.
     frames: VecDeque<f32>,
-    /// Samples since the last rate, by width: SIMD, scalar.
-    taken: [Batch; 2],
+    /// Time of each sample since the last rate, and rays of all.
+    times: Vec<Duration>,
+    rays: u64,
     /// Samples of the whole picture per second of rendering, by width: SIMD, scalar.
     pub samples: [Option<f64>; 2],
     /// Millions of rays per second.
     pub mrays: f64,
 }
 
-/// Samples of the whole picture.
-#[derive(Clone, Debug)]
-struct Batch {
-    /// Time of each.
-    times: Vec<Duration>,
-    spent: Duration,
-    rays: u64,
-}
-
-impl Default for Batch {
-    fn default() -> Self {
-        Self { times: Vec::with_capacity(MAX_SAMPLES), spent: Duration::ZERO, rays: 0 }
-    }
-}
-
-impl Batch {
-    /// Samples per second by the median time, so that one that was interrupted does not count; and millions
-    /// of rays.
-    fn rates(&mut self) -> (f64, f64) {
-        let middle = self.times.len() / 2;
-        let (_, median, _) = self.times.select_nth_unstable(middle);
-        let rate = 1.0 / median.as_secs_f64().max(1e-9);
-        (rate, rate * self.rays as f64 / self.times.len() as f64 / 1e6)
-    }
-}
-
 impl Default for RateMeter {
     fn default() -> Self {
-        let frames = VecDeque::with_capacity(FRAMES);
-        Self { frames, taken: Default::default(), samples: [None; 2], mrays: 0.0 }
+        let (frames, times) = (VecDeque::with_capacity(FRAMES), Vec::with_capacity(MAX_SAMPLES));
+        Self { frames, times, rays: 0, samples: [None; 2], mrays: 0.0 }
     }
 }
 
@@ -70,18 +45,20 @@ impl RateMeter {
         }
         self.frames.push_back(after.as_secs_f32());
     }
-    /// Records a sample of the whole picture, taken with packets of `lanes`.
+    /// Records a sample of the whole picture, taken with packets of `lanes`: all with the same until
+    /// [`Self::switch_width`].
     pub fn sample(&mut self, lanes: usize, rays: u64, time: Duration) {
-        let width = usize::from(lanes == 1);
-        let batch = &mut self.taken[width];
-        batch.times.push(time);
-        batch.spent += time;
-        batch.rays += rays;
-        if batch.spent >= MIN_TIME || batch.times.len() == MAX_SAMPLES {
-            let (rate, mrays) = batch.rates();
-            (self.samples[width], self.mrays) = (Some(rate), mrays);
-            batch.times.clear();
-            (batch.spent, batch.rays) = (Duration::ZERO, 0);
+        self.times.push(time);
+        self.rays += rays;
+        let count = self.times.len();
+        if count == MAX_SAMPLES || self.times.iter().sum::<Duration>() >= MIN_TIME {
+            // By the median time, so that a sample that was interrupted does not count.
+            let (_, median, _) = self.times.select_nth_unstable(count / 2);
+            let rate = 1.0 / median.as_secs_f64().max(1e-9);
+            self.samples[usize::from(lanes == 1)] = Some(rate);
+            self.mrays = rate * self.rays as f64 / count as f64 / 1e6;
+            self.times.clear();
+            self.rays = 0;
         }
     }
     /// Discards everything: another scene or other settings.
@@ -188,7 +165,7 @@ mod tests {
         let mut rates = RateMeter::default();
         (0..2 * MAX_SAMPLES).for_each(|_| rates.sample(16, 1_000, Duration::from_micros(10)));
         assert!(rates.samples[0].is_some_and(|rate| (rate - 100_000.0).abs() < 1e-3));
-        assert_eq!(rates.taken[0].times.capacity(), MAX_SAMPLES);
+        assert_eq!(rates.times.capacity(), MAX_SAMPLES);
     }
 
     /// `bench` takes the median, so a sample that another program delayed must not lower the rate here.

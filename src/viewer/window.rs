@@ -173,7 +173,7 @@ struct App {
 }
 
 impl App {
-    fn open(&mut self, events: &ActiveEventLoop) -> Result<Surface, WindowError> {
+    fn open(&mut self, events: &ActiveEventLoop) -> Result<(), WindowError> {
         let monitor = events.primary_monitor().or_else(|| events.available_monitors().next());
         let [width, height] = self.size.map(f64::from);
         let mut scale = INITIAL_SCALE;
@@ -191,7 +191,15 @@ impl App {
         let attributes = Window::default_attributes().with_title("octray").with_inner_size(size);
         let window = events.create_window(attributes).map_err(no_surface)?;
         self.window_size = window.inner_size();
-        Surface::new(&self.context, Rc::new(window)).map_err(no_surface)
+        self.surface = Some(Surface::new(&self.context, Rc::new(window)).map_err(no_surface)?);
+        Ok(())
+    }
+
+    fn end_on_failure(&mut self, events: &ActiveEventLoop, result: Result<(), WindowError>) {
+        if let Err(failure) = result {
+            self.failure = Some(failure);
+            events.exit();
+        }
     }
 
     /// Draws the newest frame, or the last one again.
@@ -249,13 +257,8 @@ impl App {
 impl ApplicationHandler<FrameReady> for App {
     fn resumed(&mut self, events: &ActiveEventLoop) {
         if self.surface.is_none() {
-            match self.open(events) {
-                Ok(surface) => self.surface = Some(surface),
-                Err(failure) => {
-                    self.failure = Some(failure);
-                    events.exit();
-                }
-            }
+            let opened = self.open(events);
+            self.end_on_failure(events, opened);
         }
     }
 
@@ -277,10 +280,8 @@ impl ApplicationHandler<FrameReady> for App {
             WindowEvent::CloseRequested | WindowEvent::Destroyed => events.exit(),
             WindowEvent::Resized(size) => self.window_size = size,
             WindowEvent::RedrawRequested => {
-                if let Err(failure) = self.draw() {
-                    self.failure = Some(failure);
-                    events.exit();
-                }
+                let drawn = self.draw();
+                self.end_on_failure(events, drawn);
             }
             // Keys that were down when the window got the focus were meant for another window.
             WindowEvent::KeyboardInput { is_synthetic: true, .. } => {}

@@ -8,7 +8,7 @@
 //! a new film with a seed of its own, and temporal reprojection supplies the missing samples.
 
 use super::accumulation::{Accumulation, Pose};
-use super::file_watcher::{self, FileWatcher};
+use super::file_watcher::FileWatcher;
 use super::frame::{Exchange, Frame};
 use super::loader::Loader;
 use super::options::{Options, Wake};
@@ -71,11 +71,6 @@ fn fixed(settings: &Settings) -> (Methods, usize, usize) {
     (settings.methods, settings.threads, settings.lanes)
 }
 
-/// The files of a scene and of a failed load.
-fn files_of<'a>(scene: &'a Loaded, error: &'a Option<SceneError>) -> impl Iterator<Item = &'a Path> {
-    scene.files.iter().chain(error.iter().flat_map(|error| &error.files)).map(PathBuf::as_path)
-}
-
 fn pixels([width, height]: [u32; 2]) -> u64 {
     u64::from(width) * u64::from(height)
 }
@@ -91,13 +86,10 @@ impl RenderLoop {
         wake: Wake,
     ) -> Summary {
         let mut renderer = Renderer::new(&scene, state.controls.settings(&scene, &options));
-        let notify = {
-            let exchange = exchange.clone();
-            move || exchange.notified.store(true, Release)
-        };
+        let notified = exchange.clone();
         let mut this = Self {
-            loader: Loader::new(notify.clone()),
-            file_watcher: FileWatcher::new(notify),
+            loader: Loader::new(move || notified.notified.store(true, Release)),
+            file_watcher: FileWatcher::default(),
             accumulation: Accumulation::new(&renderer, &scene),
             painter: Painter::default(),
             overlay: Overlay::default(),
@@ -158,7 +150,7 @@ impl RenderLoop {
             text += &format!("\n(and {})", counted(more, "more warning", "more warnings"));
         }
         self.message = (!text.is_empty()).then(|| (text, Instant::now()));
-        self.watch_read_files();
+        self.watch_files();
     }
 
     /// Watches the files of the scene that is shown, the requested scene file, and the files of a failed load:
@@ -166,17 +158,8 @@ impl RenderLoop {
     fn watch_files(&mut self) {
         let wanted = self.state.playlist.current();
         let wanted = (!wanted.starts_with("builtin:")).then_some(Path::new(wanted));
-        let files = files_of(&self.scene, &self.error);
-        self.file_watcher.watch(files.chain(wanted));
-    }
-
-    /// Watches the files of a load that has ended; repeats it if one of them changed or appeared meanwhile.
-    fn watch_read_files(&mut self) {
-        self.watch_files();
-        let files = files_of(&self.scene, &self.error);
-        if file_watcher::is_newer(files, self.read) {
-            self.load();
-        }
+        let files = self.scene.files.iter().chain(self.error.iter().flat_map(|error| &error.files));
+        self.file_watcher.watch(files.map(PathBuf::as_path).chain(wanted), self.read);
     }
 
     /// Renders frames with one renderer until there is another; `None` if the viewer quits.
@@ -201,7 +184,7 @@ impl RenderLoop {
                     self.error = Some(error);
                     self.message = None;
                     self.switch_requested = None;
-                    self.watch_read_files();
+                    self.watch_files();
                     // A rebuild request that this load superseded must be sent again.
                     chosen = None;
                 }
@@ -262,9 +245,9 @@ impl RenderLoop {
         if !reload {
             self.set_message(format!("reading {name}"));
         }
+        self.read = SystemTime::now();
         // Before the scene is read, so that no change is missed.
         self.watch_files();
-        self.read = SystemTime::now();
         self.request(reload, move || scene::load_with_view(&name).map(Arc::new));
     }
 

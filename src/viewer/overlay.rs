@@ -144,7 +144,7 @@ mod tests {
         playlist.next();
         let controls =
             Controls { target: Some(30), ..Controls::new(4, 2, LaneChoice::Eight, Default::default()) };
-        let state = State::new(playlist, &scene, controls, None, Instant::now());
+        let state = State::new(playlist, &scene, controls, None);
         let settings = Settings { threads: 2, lanes: 8, ..Settings::of(&scene) };
         let renderer = Renderer::new(&scene, settings);
         let mut accumulation = Accumulation::new(&renderer, &scene);

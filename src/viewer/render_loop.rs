@@ -53,10 +53,8 @@ pub struct RenderLoop {
     summary: Summary,
     /// Time of the oldest event that no frame shows yet.
     oldest_unshown_event: Option<Instant>,
-    /// When the pending switch to another scene was requested.
+    /// When another scene was requested that no frame shows yet.
     switch_requested: Option<Instant>,
-    /// The same, once that scene has arrived, until a frame shows it.
-    switch_unshown: Option<Instant>,
     /// A message for a while, and since when it is shown.
     message: Option<(String, Instant)>,
     /// Why the requested scene could not be loaded; shown until it is, except while a message is shown.
@@ -69,10 +67,6 @@ pub struct RenderLoop {
 /// What only a new renderer can change.
 fn fixed(settings: &Settings) -> (Methods, usize, usize) {
     (settings.methods, settings.threads, settings.lanes)
-}
-
-fn pixels([width, height]: [u32; 2]) -> u64 {
-    u64::from(width) * u64::from(height)
 }
 
 impl RenderLoop {
@@ -98,7 +92,6 @@ impl RenderLoop {
             summary: Summary::default(),
             oldest_unshown_event: None,
             switch_requested: None,
-            switch_unshown: None,
             message: None,
             error: None,
             read: scene.read.unwrap_or_else(SystemTime::now),
@@ -129,7 +122,6 @@ impl RenderLoop {
             }
         } else {
             let reload = self.state.shows_current();
-            self.switch_unshown = self.switch_requested.take().filter(|_| !reload);
             self.state.enter_scene(&scene);
             self.painter.change_scene(reload);
             self.scene = scene;
@@ -220,7 +212,7 @@ impl RenderLoop {
                 Some(Effect::Quit) => return true,
                 Some(Effect::Screenshot) => self.screenshot_requested = true,
                 Some(Effect::Load) => {
-                    self.switch_requested = Some(at);
+                    self.switch_requested = (!self.state.shows_current()).then_some(at);
                     self.load();
                 }
                 None => {}
@@ -258,14 +250,15 @@ impl RenderLoop {
         load: impl FnOnce() -> Result<Arc<Loaded>, SceneError> + Send + 'static,
     ) {
         let (mut controls, options) = (self.state.controls, self.options.clone());
-        let held = pixels(controls.settings(&self.scene, &options).resolution);
+        let pixels = |settings: &Settings| settings.resolution.map(u64::from).iter().product::<u64>();
+        let held = pixels(&controls.settings(&self.scene, &options));
         let bounces = if reload { Some(controls.bounces) } else { options.bounces };
         self.loader.request(move || {
             let scene = load()?;
             controls.bounces = bounces.unwrap_or(scene.max_bounces);
             let settings = controls.settings(&scene, &options);
             // The present resolution already has its memory.
-            if pixels(settings.resolution) > held {
+            if pixels(&settings) > held {
                 (options.fits)(settings.resolution).map_err(|why| SceneError::of_use(why, &scene))?;
             }
             Ok((scene.clone(), Renderer::new(&scene, settings)))
@@ -311,8 +304,8 @@ impl RenderLoop {
         self.rates.frame(since);
         self.summary.painting += painting;
         self.summary.frame(since, self.oldest_unshown_event.take().map(|at| now - at));
-        if let Some(requested) = self.switch_unshown.take() {
-            self.summary.switched(now - requested);
+        if let Some(requested) = self.switch_requested.take_if(|_| self.state.shows_current()) {
+            self.summary.max_switch_time = self.summary.max_switch_time.max(Some(now - requested));
         }
         self.exchange.publish(&mut self.frame);
         (self.wake)();

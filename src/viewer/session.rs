@@ -30,7 +30,7 @@ impl Viewer {
         let mut controls = Controls::new(bounces, options.threads, options.lanes, options.tone);
         controls.target = options.target;
         controls.max_threads = options.max_threads;
-        let state = State::new(playlist, &scene, controls, options.bounces, Instant::now());
+        let state = State::new(playlist, &scene, controls, options.bounces);
         let (events, incoming) = channel();
         let exchange = Arc::new(Exchange::default());
         let (shared, scene) = (exchange.clone(), Arc::new(scene));

@@ -78,13 +78,7 @@ pub(crate) struct State {
 
 impl State {
     /// `bounces` overrides every scene's.
-    pub fn new(
-        playlist: Playlist,
-        scene: &Scene,
-        controls: Controls,
-        bounces: Option<u32>,
-        now: Instant,
-    ) -> Self {
+    pub fn new(playlist: Playlist, scene: &Scene, controls: Controls, bounces: Option<u32>) -> Self {
         Self {
             name: playlist.current().to_string(),
             playlist,
@@ -94,7 +88,7 @@ impl State {
             mouse_captured: false,
             rate: 60.0,
             held: BTreeSet::new(),
-            now,
+            now: Instant::now(),
             moved_for: Duration::ZERO,
             bounces,
             scene_bounces: bounces.unwrap_or(scene.max_bounces),
@@ -220,8 +214,7 @@ mod tests {
             let [three, thesis] = scenes();
             let playlist = Playlist::new(&[three.name.clone(), thesis.name]).unwrap();
             let controls = Controls::new(three.max_bounces, 2, LaneChoice::Eight, Tone::default());
-            let start = Instant::now();
-            Self { state: State::new(playlist, &three, controls, None, start), start }
+            Self { state: State::new(playlist, &three, controls, None), start: Instant::now() }
         }
         fn handle(&mut self, event: Event, ms: u64) -> Option<Effect> {
             self.state.handle(&event, self.start + Duration::from_millis(ms))

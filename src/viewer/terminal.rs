@@ -11,7 +11,7 @@ use super::keys::{self, Action, Key};
 use super::options::Options;
 use super::playlist::Playlist;
 use super::session::Viewer;
-use super::signals::ExitSignal;
+use super::signals::exit_flag;
 use super::state::Event;
 use super::timing::Summary;
 use crossterm::event::{
@@ -25,6 +25,7 @@ use octray_formats::scene::Loaded;
 use std::collections::HashMap;
 use std::io::{self, Write};
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 /// How long a key counts as held after a press without a reported release: slightly longer than the interval
@@ -40,11 +41,11 @@ const FRAME_RATE: f64 = 30.0;
 /// # Errors
 /// If the terminal cannot be read from or written to; it is restored first.
 pub fn terminal(options: Options, playlist: Playlist, scene: Loaded) -> io::Result<Summary> {
-    let exit_signal = ExitSignal::register()?;
+    let exit = exit_flag()?;
     let mut raw = RawTerminal::enter()?;
     let viewer = Viewer::start(options, playlist, scene, Arc::new(|| {}));
     viewer.send(Event::Rate(FRAME_RATE));
-    let shown = show(&viewer, &mut raw, &exit_signal);
+    let shown = show(&viewer, &mut raw, &exit);
     let summary = viewer.finish();
     drop(raw);
     shown.map(|()| summary)
@@ -109,11 +110,11 @@ fn restore(out: &mut impl Write, reports_release: bool) {
 }
 
 /// Shows frames and handles keys until the end.
-fn show(viewer: &Viewer, raw: &mut RawTerminal, exit_signal: &ExitSignal) -> io::Result<()> {
+fn show(viewer: &Viewer, raw: &mut RawTerminal, exit: &AtomicBool) -> io::Result<()> {
     let mut frame = Frame::default();
     let mut keys = KeyTracker { reports_release: raw.reports_release, down: HashMap::new() };
     let mut cells = CellBuffer::default();
-    while !exit_signal.received() && !viewer.is_finished() {
+    while !exit.load(Ordering::Relaxed) && !viewer.is_finished() {
         let mut patience = POLL_TIMEOUT;
         while event::poll(patience)? {
             if !keys.handle(event::read()?, viewer, &mut cells) {

@@ -8,7 +8,7 @@ use super::keys::Key;
 use super::options::Options;
 use super::playlist::Playlist;
 use super::session::Viewer;
-use super::signals::ExitSignal;
+use super::signals::exit_flag;
 use super::state::Event;
 use super::timing::Summary;
 use super::window_text;
@@ -17,6 +17,7 @@ use octray_formats::scene::Loaded;
 use std::num::NonZeroU32;
 use std::rc::Rc;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 use winit::application::ApplicationHandler;
 use winit::dpi::{LogicalSize, PhysicalSize};
@@ -80,7 +81,8 @@ pub fn window(
     let viewer = Viewer::start(options, playlist, scene, wake);
     let mut app = App {
         viewer,
-        exit_signal: ExitSignal::register().ok(),
+        // Without signal handlers nothing sets it.
+        exit: exit_flag().unwrap_or_default(),
         size,
         context,
         surface: None,
@@ -138,13 +140,12 @@ fn no_display() -> WindowError {
         let display = std::env::var(name).ok().filter(|display| !display.is_empty())?;
         Some(format!("{name}={display}"))
     });
-    let named: Vec<String> = named.collect();
-    WindowError::NoDisplay(match named.is_empty() {
-        false => {
-            format!("there is no display to open a window on: none can be reached at {}", named.join(" or "))
-        }
-        true => "there is no display to open a window on".to_string(),
-    })
+    let mut text = "there is no display to open a window on".to_string();
+    let named = named.collect::<Vec<_>>().join(" or ");
+    if !named.is_empty() {
+        text += &format!(": none can be reached at {named}");
+    }
+    WindowError::NoDisplay(text)
 }
 
 fn no_surface(error: impl std::fmt::Display) -> WindowError {
@@ -155,8 +156,7 @@ type Surface = softbuffer::Surface<OwnedDisplayHandle, Rc<Window>>;
 
 struct App {
     viewer: Viewer,
-    /// `None` if signal handlers cannot be installed.
-    exit_signal: Option<ExitSignal>,
+    exit: Arc<AtomicBool>,
     /// Resolution of the first picture.
     size: [u32; 2],
     context: softbuffer::Context<OwnedDisplayHandle>,
@@ -245,13 +245,6 @@ impl App {
         }
         window.set_cursor_visible(!self.mouse_captured);
     }
-
-    fn key(&self, event: &winit::event::KeyEvent) {
-        if let Some(key) = key_of(event.physical_key, &event.logical_key) {
-            let down = event.state == ElementState::Pressed;
-            self.viewer.send(Event::Key { key, down, repeat: event.repeat });
-        }
-    }
 }
 
 impl ApplicationHandler<FrameReady> for App {
@@ -263,7 +256,7 @@ impl ApplicationHandler<FrameReady> for App {
     }
 
     fn about_to_wait(&mut self, events: &ActiveEventLoop) {
-        if self.viewer.is_finished() || self.exit_signal.as_ref().is_some_and(ExitSignal::received) {
+        if self.viewer.is_finished() || self.exit.load(Ordering::Relaxed) {
             return events.exit();
         }
         events.set_control_flow(ControlFlow::WaitUntil(Instant::now() + POLL_INTERVAL));
@@ -285,7 +278,12 @@ impl ApplicationHandler<FrameReady> for App {
             }
             // Keys that were down when the window got the focus were meant for another window.
             WindowEvent::KeyboardInput { is_synthetic: true, .. } => {}
-            WindowEvent::KeyboardInput { event, .. } => self.key(&event),
+            WindowEvent::KeyboardInput { event, .. } => {
+                if let Some(key) = key_of(event.physical_key, &event.logical_key) {
+                    let down = event.state == ElementState::Pressed;
+                    self.viewer.send(Event::Key { key, down, repeat: event.repeat });
+                }
+            }
             WindowEvent::Focused(false) => self.viewer.send(Event::Unfocused),
             WindowEvent::MouseInput { state: ElementState::Pressed, button: MouseButton::Left, .. } => {
                 self.viewer.send(Event::Click);

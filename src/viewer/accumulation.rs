@@ -6,7 +6,7 @@ use super::dynamic_resolution::DynamicResolution;
 use super::frame::Exchange;
 use super::timing::{RateMeter, Summary};
 use octray_engine::film::Film;
-use octray_engine::render::{RenderObserver, Renderer};
+use octray_engine::render::{RenderObserver, Renderer, Settings};
 use octray_formats::scene::{Camera, Scene};
 use std::sync::atomic::Ordering::Acquire;
 use std::thread;
@@ -33,8 +33,12 @@ pub struct Accumulation {
     /// Whether a frame of this pose has been shown.
     pub pose_shown: bool,
     pub resolution: DynamicResolution,
+    pub rates: RateMeter,
+    pub summary: Summary,
     /// Whether the film holds the requested seed's samples from the first one on: a still in progress.
     pub progressive: bool,
+    /// The requested seed.
+    seed: u32,
     /// When the last frame was published, and when the next one is due.
     last_shown: Instant,
     due: Instant,
@@ -65,16 +69,16 @@ impl RenderObserver for SampleWatch<'_> {
 impl Accumulation {
     /// For a new renderer, with an empty film.
     pub fn new(renderer: &Renderer, scene: &Scene) -> Self {
-        let settings = renderer.settings();
-        let pose =
-            Pose { camera: scene.camera, resolution: settings.resolution, bounces: settings.max_bounces };
         let now = Instant::now();
         Self {
             film: renderer.film(),
-            pose,
+            pose: Self::home(renderer, scene),
             pose_shown: false,
             resolution: DynamicResolution::default(),
+            rates: RateMeter::default(),
+            summary: Summary::default(),
             progressive: true,
+            seed: renderer.settings().seed,
             last_shown: now,
             due: now,
             sample_time: Duration::ZERO,
@@ -83,31 +87,30 @@ impl Accumulation {
         }
     }
 
-    /// Starts over with another renderer; keeps the resolution scale and the frame timing.
+    /// Starts over with another renderer; keeps the resolution scale and the timing of frames.
     pub fn reset(&mut self, renderer: &Renderer, scene: &Scene) {
-        let Self { mut resolution, last_shown, due, sample_time, painting_time, .. } = *self;
-        resolution.restart();
-        *self =
-            Self { resolution, last_shown, due, sample_time, painting_time, ..Self::new(renderer, scene) };
+        self.film = renderer.film();
+        self.pose = Self::home(renderer, scene);
+        (self.pose_shown, self.progressive, self.pose_since) = (false, true, Instant::now());
+        self.resolution.restart();
+    }
+
+    /// The pose of a new renderer.
+    fn home(renderer: &Renderer, scene: &Scene) -> Pose {
+        let &Settings { resolution, max_bounces: bounces, .. } = renderer.settings();
+        Pose { camera: scene.camera, resolution, bounces }
     }
 
     /// Sets the renderer's camera, resolution and bounces, and clears the film if they changed. A resting
     /// camera has the requested seed; a moving one has a different seed in every frame, derived from the
     /// frame's number. Returns whether history is invalid: resolution or bounces changed.
-    pub fn set_pose(
-        &mut self,
-        renderer: &mut Renderer,
-        scene: &Scene,
-        pose: Pose,
-        seed: u32,
-        frame: u64,
-    ) -> bool {
+    pub fn set_pose(&mut self, renderer: &mut Renderer, scene: &Scene, pose: Pose) -> bool {
         let before = std::mem::replace(&mut self.pose, pose);
         if pose == before {
             if !self.progressive {
                 self.progressive = true;
                 self.film.clear();
-                renderer.set_seed(seed);
+                renderer.set_seed(self.seed);
             }
             return false;
         }
@@ -121,19 +124,18 @@ impl Accumulation {
             self.film = renderer.film();
             self.resolution.restart();
         }
-        renderer.set_seed(if other { seed } else { seed.wrapping_add(1).wrapping_add(frame as u32) });
+        if other {
+            self.rates.reset();
+            renderer.set_seed(self.seed);
+        } else {
+            renderer.set_seed(self.seed.wrapping_add(1).wrapping_add(self.summary.frames as u32));
+        }
         other
     }
 
     /// Adds samples, at least one, until a frame is due at `rate` frames per second or the front end has
     /// closed.
-    pub fn accumulate(
-        &mut self,
-        renderer: &Renderer,
-        rate: f64,
-        exchange: &Exchange,
-        (rates, summary): (&mut RateMeter, &mut Summary),
-    ) {
+    pub fn accumulate(&mut self, renderer: &Renderer, rate: f64, exchange: &Exchange) {
         // Counted from the previous due time: a late frame does not shorten the next one's share, and lost
         // frames are not made up for.
         let interval = Duration::from_secs_f64(1.0 / rate);
@@ -151,11 +153,11 @@ impl Accumulation {
             let time = start.elapsed();
             let pixels = f64::from(self.pose.resolution[0]) * f64::from(self.pose.resolution[1]);
             let samples = (self.film.pixel_samples() - before.0) as f64 / pixels;
-            summary.samples += samples;
-            summary.tracing += time;
+            self.summary.samples += samples;
+            self.summary.tracing += time;
             // Not one that was cancelled.
             if samples == 1.0 {
-                rates.sample(renderer.settings().lanes, self.film.rays() - before.1, time);
+                self.rates.sample(renderer.settings().lanes, self.film.rays() - before.1, time);
                 self.sample_time = time;
             }
             if exchange.closed.load(Acquire) || Instant::now() + self.sample_time / 2 >= due {
@@ -164,12 +166,15 @@ impl Accumulation {
         }
     }
 
-    /// Records that a frame was published and how long it took to paint; returns the time since the previous
-    /// frame.
-    pub fn frame_shown(&mut self, now: Instant, painting: Duration) -> Duration {
+    /// Records that a frame was painted from `start` on and published, with the time of the oldest event that
+    /// it shows.
+    pub fn frame_shown(&mut self, start: Instant, event: Option<Instant>) {
+        let now = Instant::now();
         let since = now - self.last_shown;
-        (self.last_shown, self.painting_time, self.pose_shown) = (now, painting, true);
-        since
+        (self.last_shown, self.painting_time, self.pose_shown) = (now, now - start, true);
+        self.rates.frame(since);
+        self.summary.painting += self.painting_time;
+        self.summary.frame(since, event.map(|at| now - at));
     }
 
     /// Lowers the resolution when frames take longer than the target allows, raises it when there is time.
@@ -190,7 +195,6 @@ impl Accumulation {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use octray_engine::render::Settings;
     use octray_formats::scene::load;
     use std::sync::atomic::Ordering::Release;
 
@@ -210,14 +214,14 @@ mod tests {
         }
         /// Whether it is another picture, its seed, and its samples after two more.
         fn go(&mut self, pose: Pose, frame: u64) -> (bool, u32, u32) {
-            let other = self.accumulation.set_pose(&mut self.renderer, &self.scene, pose, 5, frame);
+            self.accumulation.summary.frames = frame;
+            let other = self.accumulation.set_pose(&mut self.renderer, &self.scene, pose);
             self.renderer.add_samples(&mut self.accumulation.film, 2);
             (other, self.renderer.settings().seed, self.accumulation.film.samples())
         }
         /// The samples of a pixel at most, when a frame is due.
         fn accumulate(&mut self) -> u32 {
-            let measured = (&mut RateMeter::default(), &mut Summary::default());
-            self.accumulation.accumulate(&self.renderer, 1e9, &self.exchange, measured);
+            self.accumulation.accumulate(&self.renderer, 1e9, &self.exchange);
             self.accumulation.film.most_samples()
         }
     }

@@ -14,10 +14,8 @@ pub struct Frame {
     pub width: u32,
     /// In pixels.
     pub height: u32,
-    /// The minimap, for the upper right corner; empty without one.
+    /// The minimap, a square, for the upper right corner; empty without one.
     pub inset: Vec<u32>,
-    /// Width of the inset, which is square.
-    pub inset_side: u32,
     /// Figures, line by line; empty if switched off.
     pub figures: String,
     /// A temporary message or an error.

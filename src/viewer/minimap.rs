@@ -8,7 +8,7 @@ use glam::{DVec2, DVec3};
 use octray_formats::scene::{Camera, MaterialKind, Scene};
 
 /// Side of the minimap in pixels.
-pub const SIDE: u32 = 160;
+const SIDE: u32 = 160;
 /// Margin in pixels.
 const MARGIN: f64 = 10.0;
 const GROUND: u32 = 0x20_2428;
@@ -177,31 +177,41 @@ fn inside(corners: &[DVec2], radius: f64, at: DVec2) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use glam::Vec3;
+    use octray_formats::scene::{builtin_names, load};
+
+    /// Two balls of radius 1 at these places, before a camera that looks along -z; the first is black, the
+    /// second white.
+    fn balls(centers: [[f32; 3]; 2]) -> Scene {
+        let mut scene = load("builtin:three").unwrap();
+        let [position, look_at] = [10.0, 0.0].map(|z| Vec3::new(0.0, 1.0, z));
+        scene.camera = Camera { position, look_at, up: Vec3::Y, vertical_fov: 40.0 };
+        scene.triangles.clear();
+        scene.spheres.truncate(2);
+        for (number, (sphere, center)) in scene.spheres.iter_mut().zip(centers).enumerate() {
+            (sphere.center, sphere.radius, sphere.material) = (center.into(), 1.0, number as u32);
+            let material = &mut scene.materials[number];
+            (material.kind, material.color) = (MaterialKind::Diffuse, Vec3::splat(number as f32));
+        }
+        scene
+    }
+    fn color(pixels: &[u32], at: DVec2) -> u32 {
+        pixels[(at.y as u32 * SIDE + at.x as u32) as usize]
+    }
 
     #[test]
     fn what_stands_ahead_is_drawn_above_the_camera_and_what_stands_right_on_its_right() {
-        let mut scene = octray_formats::scene::load("builtin:three").unwrap();
-        scene.camera = Camera {
-            position: glam::Vec3::new(0.0, 1.0, 10.0),
-            look_at: glam::Vec3::new(0.0, 1.0, 0.0),
-            up: glam::Vec3::Y,
-            vertical_fov: 40.0,
-        };
-        scene.triangles.clear();
-        scene.spheres.truncate(2);
-        scene.spheres[0].center = glam::Vec3::new(0.0, 0.0, -10.0);
-        scene.spheres[1].center = glam::Vec3::new(8.0, 0.0, 0.0);
-        scene.spheres.iter_mut().for_each(|sphere| sphere.radius = 1.0);
+        let scene = balls([[0.0, 0.0, -10.0], [8.0, 0.0, 0.0]]);
         let minimap = Minimap::new(&scene);
         let [camera, forward, right] =
             [scene.camera.position, scene.spheres[0].center, scene.spheres[1].center]
                 .map(|point| minimap.place(point.as_dvec3()));
         assert!(forward.y < right.y && right.y < camera.y && right.x > forward.x);
-        let color = |at: DVec2| minimap.ground[(at.y as u32 * SIDE + at.x as u32) as usize];
-        assert!(color(forward) != GROUND && color(right) != GROUND && color(camera) == GROUND);
+        let colors = [forward, right, camera].map(|at| color(&minimap.ground, at));
+        assert!(colors[0] != GROUND && colors[1] != GROUND && colors[2] == GROUND);
         let mut pixels = Vec::new();
         minimap.draw_into(&scene.camera, 16.0 / 9.0, &mut pixels);
-        assert_eq!(pixels[(camera.y as u32 * SIDE + camera.x as u32) as usize], HERE);
+        assert_eq!(color(&pixels, camera), HERE);
         let yellow = pixels.iter().enumerate().filter(|&(_, &pixel)| pixel == HERE);
         assert!(yellow.clone().count() > 40);
         let above = yellow.filter(|(at, _)| ((*at as u32 / SIDE) as f64) < camera.y - 2.0).count();
@@ -210,33 +220,17 @@ mod tests {
 
     #[test]
     fn what_is_higher_lies_over_what_is_lower() {
-        let mut scene = octray_formats::scene::load("builtin:three").unwrap();
-        scene.camera.position = glam::Vec3::new(0.0, 1.0, 10.0);
-        scene.camera.look_at = glam::Vec3::new(0.0, 1.0, 0.0);
-        scene.triangles.clear();
-        scene.spheres.truncate(2);
-        let colors: Vec<u32> = [[2.0, 0.5], [0.5, 2.0]]
-            .into_iter()
-            .map(|heights| {
-                for (number, (sphere, y)) in scene.spheres.iter_mut().zip(heights).enumerate() {
-                    (sphere.center, sphere.radius) = (glam::Vec3::Y * y, 1.0);
-                    sphere.material = number as u32;
-                    let material = &mut scene.materials[number];
-                    (material.kind, material.color) =
-                        (MaterialKind::Diffuse, glam::Vec3::splat(number as f32));
-                }
-                let minimap = Minimap::new(&scene);
-                let at = minimap.place(DVec3::ZERO) + 2.0;
-                minimap.ground[(at.y as u32 * SIDE + at.x as u32) as usize]
-            })
-            .collect();
-        assert!(colors[0] < colors[1], "black lies over white, then white over black: {colors:x?}");
+        let [black, white] = [[2.0, 0.5], [0.5, 2.0]].map(|heights| {
+            let minimap = Minimap::new(&balls(heights.map(|y| [0.0, y, 0.0])));
+            color(&minimap.ground, minimap.place(DVec3::ZERO) + 2.0)
+        });
+        assert!(black < white, "{black:x} {white:x}");
     }
 
     #[test]
     fn every_built_in_scene_has_something_on_its_map() {
-        for name in octray_formats::scene::builtin_names() {
-            let scene = octray_formats::scene::load(&format!("builtin:{name}")).unwrap();
+        for name in builtin_names() {
+            let scene = load(&format!("builtin:{name}")).unwrap();
             let drawn = Minimap::new(&scene).ground.iter().filter(|&&pixel| pixel != GROUND).count();
             assert!(drawn > 50, "{name}: {drawn} pixels");
         }

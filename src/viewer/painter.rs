@@ -8,7 +8,7 @@ use super::accumulation::Accumulation;
 use super::controls::{Controls, Filter};
 use super::display_mode::{self, DisplayMode};
 use super::frame::Frame;
-use super::minimap::{self, Minimap};
+use super::minimap::Minimap;
 use octray_engine::display::{Blur, Denoiser, Fxaa, History, Samples, rows, walking_speed};
 use octray_engine::film::Picture;
 use octray_engine::integrate::aovs::{AovSample, Aovs};
@@ -113,7 +113,6 @@ impl Painter {
             let aspect = f64::from(frame.width) / f64::from(frame.height);
             let minimap = self.minimap.get_or_insert_with(|| Minimap::new(scene));
             minimap.draw_into(&pose.camera, aspect, &mut frame.inset);
-            frame.inset_side = minimap::SIDE;
         }
         let aovs = &mut self.aovs;
         *self.speed.get_or_insert_with(|| walking_speed(aovs.get(|aovs| renderer.aovs_into(aovs))))
@@ -199,7 +198,7 @@ mod tests {
     use super::*;
     use octray_engine::render::LaneChoice;
     use octray_formats::scene::load;
-    use std::time::{Duration, Instant};
+    use std::time::Instant;
 
     /// A viewer without events: paints frames of a camera, a number of samples and a seed.
     struct TestViewer {
@@ -222,7 +221,7 @@ mod tests {
         fn go(&mut self, field: f32) {
             let mut pose = self.accumulation.pose;
             pose.camera.vertical_fov = field;
-            self.accumulation.set_pose(&mut self.renderer, &self.scene, pose, 0, 0);
+            self.accumulation.set_pose(&mut self.renderer, &self.scene, pose);
         }
         /// Takes more samples and paints.
         fn paint(&mut self, samples: u32) -> Vec<u32> {
@@ -230,7 +229,7 @@ mod tests {
             renderer.add_samples(&mut accumulation.film, samples);
             let mut frame = Frame::default();
             painter.paint(&FrameInput { renderer, scene, accumulation, controls }, &mut frame);
-            accumulation.frame_shown(Instant::now(), Duration::ZERO);
+            accumulation.frame_shown(Instant::now(), None);
             frame.pixels
         }
         /// The film's mean, without history.

@@ -16,7 +16,7 @@ use super::overlay::Overlay;
 use super::painter::{FrameInput, Painter};
 use super::screenshot;
 use super::state::{Effect, Event, State};
-use super::timing::{RateMeter, Summary};
+use super::timing::Summary;
 use octray_engine::render::{Renderer, Settings};
 use octray_engine::traverse::Methods;
 use octray_formats::scene::{self, Loaded, SceneError};
@@ -49,8 +49,6 @@ pub struct RenderLoop {
     painter: Painter,
     overlay: Overlay,
     frame: Frame,
-    rates: RateMeter,
-    summary: Summary,
     /// Time of the oldest event that no frame shows yet.
     oldest_unshown_event: Option<Instant>,
     /// When another scene was requested that no frame shows yet.
@@ -88,8 +86,6 @@ impl RenderLoop {
             painter: Painter::default(),
             overlay: Overlay::default(),
             frame: Frame::default(),
-            rates: RateMeter::default(),
-            summary: Summary::default(),
             oldest_unshown_event: None,
             switch_requested: None,
             message: None,
@@ -108,7 +104,7 @@ impl RenderLoop {
         while let Some(prepared) = renderer.hold(|renderer| this.render_frames(renderer)) {
             renderer = this.install(prepared, renderer.settings());
         }
-        this.summary
+        this.accumulation.summary
     }
 
     /// Switches to a prepared scene or renderer; `before` are the settings until now.
@@ -117,8 +113,8 @@ impl RenderLoop {
             // Rates of both widths are shown side by side only if all other settings are the same.
             let now = renderer.settings();
             match fixed(&Settings { lanes: before.lanes, ..*now }) == fixed(before) {
-                true => self.rates.switch_width(),
-                false => self.rates.reset(),
+                true => self.accumulation.rates.switch_width(),
+                false => self.accumulation.rates.reset(),
             }
         } else {
             let reload = self.state.shows_current();
@@ -126,7 +122,7 @@ impl RenderLoop {
             self.painter.change_scene(reload);
             self.scene = scene;
             self.error = None;
-            self.rates.reset();
+            self.accumulation.rates.reset();
             self.enter_scene();
         }
         self.accumulation.reset(&renderer, &self.scene);
@@ -187,8 +183,7 @@ impl RenderLoop {
             }
             self.state.advance(Instant::now());
             self.update_pose(renderer);
-            let measured = (&mut self.rates, &mut self.summary);
-            self.accumulation.accumulate(renderer, self.state.rate, &self.exchange, measured);
+            self.accumulation.accumulate(renderer, self.state.rate, &self.exchange);
             if self.exchange.closed.load(Acquire) {
                 continue;
             }
@@ -196,7 +191,7 @@ impl RenderLoop {
             if std::mem::take(&mut self.screenshot_requested) {
                 self.take_screenshot(renderer);
             }
-            if self.options.frames.is_some_and(|frames| self.summary.frames >= frames) {
+            if self.options.frames.is_some_and(|frames| self.accumulation.summary.frames >= frames) {
                 return None;
             }
         }
@@ -273,10 +268,8 @@ impl RenderLoop {
             resolution: self.state.controls.resolution(own, self.accumulation.resolution.scale),
             bounces: self.state.controls.bounces,
         };
-        let (seed, frame) = (self.options.seed, self.summary.frames);
-        if self.accumulation.set_pose(renderer, &self.scene, pose, seed, frame) {
+        if self.accumulation.set_pose(renderer, &self.scene, pose) {
             self.painter.reset_history();
-            self.rates.reset();
         }
     }
 
@@ -296,16 +289,11 @@ impl RenderLoop {
             (None, None) => frame.message.clear(),
         }
         frame.title.clone_from(&scene.name);
-        self.overlay.write(&input, state, &self.rates, busy, &mut frame.figures);
-        let now = Instant::now();
-        let painting = now - start;
-        let since = self.accumulation.frame_shown(now, painting);
-        self.accumulation.adapt_resolution(self.state.controls.target);
-        self.rates.frame(since);
-        self.summary.painting += painting;
-        self.summary.frame(since, self.oldest_unshown_event.take().map(|at| now - at));
-        if let Some(requested) = self.switch_requested.take_if(|_| self.state.shows_current()) {
-            self.summary.max_switch_time = self.summary.max_switch_time.max(Some(now - requested));
+        self.overlay.write(&input, state, busy, &mut frame.figures);
+        accumulation.frame_shown(start, self.oldest_unshown_event.take());
+        accumulation.adapt_resolution(state.controls.target);
+        if let Some(requested) = self.switch_requested.take_if(|_| state.shows_current()) {
+            accumulation.summary.switched(requested.elapsed());
         }
         self.exchange.publish(&mut self.frame);
         (self.wake)();

@@ -117,6 +117,10 @@ impl Summary {
             self.latencies += 1;
         }
     }
+    /// Records a switch to another scene, shown `after` the request.
+    pub(crate) fn switched(&mut self, after: Duration) {
+        self.max_switch_time = self.max_switch_time.max(Some(after));
+    }
 }
 
 #[cfg(test)]

@@ -70,15 +70,16 @@ impl Accumulation {
     /// For a new renderer, with an empty film.
     pub fn new(renderer: &Renderer, scene: &Scene) -> Self {
         let now = Instant::now();
+        let &Settings { resolution, max_bounces: bounces, seed, .. } = renderer.settings();
         Self {
             film: renderer.film(),
-            pose: Self::home(renderer, scene),
+            pose: Pose { camera: scene.camera, resolution, bounces },
             pose_shown: false,
             resolution: DynamicResolution::default(),
             rates: RateMeter::default(),
             summary: Summary::default(),
             progressive: true,
-            seed: renderer.settings().seed,
+            seed,
             last_shown: now,
             due: now,
             sample_time: Duration::ZERO,
@@ -89,16 +90,10 @@ impl Accumulation {
 
     /// Starts over with another renderer; keeps the resolution scale and the timing of frames.
     pub fn reset(&mut self, renderer: &Renderer, scene: &Scene) {
-        self.film = renderer.film();
-        self.pose = Self::home(renderer, scene);
-        (self.pose_shown, self.progressive, self.pose_since) = (false, true, Instant::now());
+        let Self { film, pose, pose_since, .. } = Self::new(renderer, scene);
+        (self.film, self.pose, self.pose_since) = (film, pose, pose_since);
+        (self.pose_shown, self.progressive) = (false, true);
         self.resolution.restart();
-    }
-
-    /// The pose of a new renderer.
-    fn home(renderer: &Renderer, scene: &Scene) -> Pose {
-        let &Settings { resolution, max_bounces: bounces, .. } = renderer.settings();
-        Pose { camera: scene.camera, resolution, bounces }
     }
 
     /// Sets the renderer's camera, resolution and bounces, and clears the film if they changed. A resting

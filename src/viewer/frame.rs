@@ -2,8 +2,8 @@
 //!
 //! For: [`Frame`] and `Exchange`.
 
+use std::sync::Mutex;
 use std::sync::atomic::AtomicBool;
-use std::sync::{Mutex, MutexGuard};
 
 /// A frame to show: pixels, minimap, text.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -52,22 +52,18 @@ pub(crate) struct Exchange {
 impl Exchange {
     /// Publishes a frame; `frame` becomes an old one to paint over.
     pub fn publish(&self, frame: &mut Frame) {
-        let mut held = self.lock();
+        let mut held = self.frame.lock().expect("a swap does not panic");
         std::mem::swap(frame, &mut held.0);
         held.1 = true;
     }
     /// Swaps `frame` for a newer one; returns false and changes nothing if there is none.
     pub fn take(&self, frame: &mut Frame) -> bool {
-        let mut held = self.lock();
+        let mut held = self.frame.lock().expect("a swap does not panic");
         let fresh = std::mem::take(&mut held.1);
         if fresh {
             std::mem::swap(frame, &mut held.0);
         }
         fresh
-    }
-    fn lock(&self) -> MutexGuard<'_, (Frame, bool)> {
-        // A swap cannot panic halfway: a poisoned lock holds a valid frame.
-        self.frame.lock().unwrap_or_else(|poisoned| poisoned.into_inner())
     }
 }
 

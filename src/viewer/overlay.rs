@@ -26,9 +26,9 @@ impl Overlay {
     /// Writes a frame's figures.
     pub fn write(&mut self, input: &FrameInput, state: &State, busy: bool, figures: &mut String) {
         let now = Instant::now();
-        let fresh =
-            |&(controls, at): &(Controls, Instant)| controls == state.controls && now - at < UPDATE_INTERVAL;
-        if !self.written.as_ref().is_some_and(fresh) {
+        let stale =
+            |(controls, at): (Controls, Instant)| controls != state.controls || now - at >= UPDATE_INTERVAL;
+        if self.written.is_none_or(stale) {
             self.written = Some((state.controls, now));
             self.text.clear();
             // The help is long and replaces the figures.

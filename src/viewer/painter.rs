@@ -45,8 +45,6 @@ pub struct Painter {
     distances: Vec<f32>,
     /// Drawn on first use.
     minimap: Option<Minimap>,
-    /// Walking speed, once a frame of the scene was painted.
-    speed: Option<f32>,
 }
 
 /// Rendered on demand, once per camera.
@@ -66,20 +64,22 @@ impl<T> PerCamera<T> {
 }
 
 impl Painter {
-    /// Starts another scene. After a reload of the same scene the walking speed stays.
-    pub fn change_scene(&mut self, reload: bool) {
+    /// Starts another scene.
+    pub fn change_scene(&mut self) {
         self.minimap = None;
-        self.speed = self.speed.filter(|_| reload);
-        self.reset_history();
     }
     /// Discards the history for reprojection.
     pub fn reset_history(&mut self) {
         self.history.reset();
     }
 
-    /// Fills the frame's pixels and its minimap; returns the walking speed derived from the scene's first
-    /// frame, in scene units per second.
-    pub fn paint(&mut self, input: &FrameInput, frame: &mut Frame) -> f32 {
+    /// Walking speed derived from the frame that was painted last, in scene units per second.
+    pub fn walking_speed(&mut self, renderer: &Renderer) -> f64 {
+        walking_speed(self.aovs.get(|aovs| renderer.aovs_into(aovs))).into()
+    }
+
+    /// Fills the frame's pixels and its minimap.
+    pub fn paint(&mut self, input: &FrameInput, frame: &mut Frame) {
         let FrameInput { renderer, scene, accumulation, controls } = *input;
         let Accumulation { film, pose, pose_shown, progressive, .. } = accumulation;
         // Reprojection that is switched on at a resting camera starts as for a new pose.
@@ -114,8 +114,6 @@ impl Painter {
             let minimap = self.minimap.get_or_insert_with(|| Minimap::new(scene));
             minimap.draw_into(&pose.camera, aspect, &mut frame.inset);
         }
-        let aovs = &mut self.aovs;
-        *self.speed.get_or_insert_with(|| walking_speed(aovs.get(|aovs| renderer.aovs_into(aovs))))
     }
 
     fn paint_picture(&mut self, input: &FrameInput, samples: u32, pixels: &mut [u32]) {
@@ -267,6 +265,8 @@ mod tests {
                 (viewer.controls.mode, viewer.controls.denoiser) = (mode, denoiser);
             }
             let home = walked.paint(1);
+            // The seed of a moving camera comes from the number of frames.
+            fresh.accumulation.summary.frames = 1;
             walked.go(20.0);
             fresh.go(20.0);
             let there = walked.paint(1);

@@ -117,9 +117,8 @@ impl RenderLoop {
                 false => self.accumulation.rates.reset(),
             }
         } else {
-            let reload = self.state.shows_current();
             self.state.enter_scene(&scene);
-            self.painter.change_scene(reload);
+            self.painter.change_scene();
             self.scene = scene;
             self.error = None;
             self.accumulation.rates.reset();
@@ -164,7 +163,11 @@ impl RenderLoop {
             }
             if chosen != Some(self.state.controls) && !self.loader.is_busy() {
                 chosen = Some(self.state.controls);
-                self.request_rebuild(renderer);
+                let wanted = self.state.controls.settings(&self.scene, &self.options);
+                if fixed(&wanted) != fixed(renderer.settings()) {
+                    let scene = self.scene.clone();
+                    self.request(true, || Ok(scene));
+                }
             }
             match self.loader.poll() {
                 Some(Ok(prepared)) => return Some(prepared),
@@ -216,21 +219,12 @@ impl RenderLoop {
         false
     }
 
-    /// Requests another renderer if the controls no longer match this one.
-    fn request_rebuild(&mut self, renderer: &Renderer) {
-        let wanted = self.state.controls.settings(&self.scene, &self.options);
-        if fixed(&wanted) != fixed(renderer.settings()) {
-            let scene = self.scene.clone();
-            self.request(true, || Ok(scene));
-        }
-    }
-
     /// Requests the playlist's current scene; a reload if it is the one that is shown.
     fn load(&mut self) {
         let name = self.state.playlist.current().to_string();
         let reload = self.state.shows_current();
         if !reload {
-            self.set_message(format!("reading {name}"));
+            self.message = Some((format!("reading {name}"), Instant::now()));
         }
         self.read = SystemTime::now();
         // Before the scene is read, so that no change is missed.
@@ -280,7 +274,8 @@ impl RenderLoop {
         self.message.take_if(|(_, since)| start - *since > MESSAGE_TIME && !busy);
         let Self { painter, scene, accumulation, state, frame, .. } = self;
         let input = FrameInput { renderer, scene, accumulation, controls: &state.controls };
-        state.speed = f64::from(painter.paint(&input, frame));
+        painter.paint(&input, frame);
+        state.speed.get_or_insert_with(|| painter.walking_speed(renderer));
         frame.mouse_captured = state.mouse_captured;
         frame.help = state.controls.help;
         match (&self.message, &self.error) {
@@ -299,19 +294,15 @@ impl RenderLoop {
         (self.wake)();
     }
 
-    /// Shows a message for a while.
-    fn set_message(&mut self, text: String) {
-        self.message = Some((text, Instant::now()));
-    }
-
     fn take_screenshot(&mut self, renderer: &Renderer) {
         // As `octray render` does: the same number of samples in every pixel.
         self.accumulation.equalize_samples(renderer);
         let Self { scene, accumulation, state, options, .. } = &*self;
         let input = FrameInput { renderer, scene, accumulation, controls: &state.controls };
-        self.set_message(match screenshot::take(&options.screenshots, &input) {
+        let text = match screenshot::take(&options.screenshots, &input) {
             Ok(place) => format!("saved {}.png, .exr and .json", place.display()),
             Err(error) => error.to_string(),
-        });
+        };
+        self.message = Some((text, Instant::now()));
     }
 }

@@ -56,8 +56,8 @@ pub(crate) struct State {
     pub playlist: Playlist,
     pub camera_controller: CameraController,
     pub controls: Controls,
-    /// Walking speed in scene units per second; 0 until the first frame of a scene.
-    pub speed: f64,
+    /// Walking speed in scene units per second, once a frame of the scene was painted.
+    pub speed: Option<f64>,
     /// Whether the mouse is captured.
     pub mouse_captured: bool,
     /// Frames per second to show.
@@ -84,7 +84,7 @@ impl State {
             playlist,
             camera_controller: CameraController::new(scene.camera),
             controls,
-            speed: 0.0,
+            speed: None,
             mouse_captured: false,
             rate: 60.0,
             held: BTreeSet::new(),
@@ -114,7 +114,7 @@ impl State {
             let left = std::mem::replace(&mut self.camera_controller, camera);
             self.saved.insert(before, (left, std::mem::replace(&mut bounces, chosen)));
             // No motion until this scene's speed is known.
-            self.speed = 0.0;
+            self.speed = None;
         }
         self.controls.bounces = bounces.unwrap_or(own);
         // The file's camera may have changed.
@@ -132,7 +132,7 @@ impl State {
         let step = to.saturating_duration_since(self.now).min(MAX_STEP - self.moved_for);
         self.now = self.now.max(to);
         if !self.held.is_empty() {
-            self.camera_controller.advance(&self.held, step.as_secs_f64(), self.speed);
+            self.camera_controller.advance(&self.held, step.as_secs_f64(), self.speed.unwrap_or(0.0));
             self.moved_for += step;
         }
     }
@@ -176,12 +176,8 @@ impl State {
             Action::ReleaseMouse => self.mouse_captured = false,
             Action::Screenshot => return Some(Effect::Screenshot),
             Action::Reload => return Some(Effect::Load),
-            Action::NextScene => {
-                self.playlist.next();
-                return Some(Effect::Load);
-            }
-            Action::PreviousScene => {
-                self.playlist.previous();
+            Action::Scene(turn) => {
+                turn(&mut self.playlist);
                 return Some(Effect::Load);
             }
         }
@@ -195,7 +191,6 @@ mod tests {
     use crate::display_mode::DisplayMode;
     use octray_engine::render::LaneChoice;
     use octray_engine::tone::Tone;
-
     use octray_formats::scene::{Camera, load};
 
     /// A state in which time is given in milliseconds.
@@ -255,7 +250,7 @@ mod tests {
     fn a_key_moves_for_as_long_as_it_is_down_between_frames_and_late_in_a_long_one() {
         for (from, to, way) in [(100, 120, 0.2), (300, 400, 1.0)] {
             let mut test = Test::new();
-            test.state.speed = 10.0;
+            test.state.speed = Some(10.0);
             let before = test.camera().position;
             test.key(Key::Char('w'), true, from);
             test.key(Key::Char('w'), false, to);
@@ -278,7 +273,7 @@ mod tests {
     #[test]
     fn nothing_jumps_after_a_pause() {
         let mut test = Test::new();
-        test.state.speed = 1.0;
+        test.state.speed = Some(1.0);
         test.key(Key::Char('w'), true, 0);
         assert!(test.walked_until(60_000) < 0.26);
         // However many events arrive meanwhile.
@@ -374,7 +369,7 @@ mod tests {
     #[test]
     fn a_key_that_is_down_takes_no_step_into_another_scene_before_its_pace_is_known() {
         let (mut test, [_, thesis]) = (Test::new(), scenes());
-        test.state.speed = 1e6;
+        test.state.speed = Some(1e6);
         test.press(Key::Char('w'));
         test.enter(&thesis);
         assert_eq!(test.walked_until(100), 0.0);

@@ -67,9 +67,7 @@ impl RateMeter {
     }
     /// Discards the frame rates and keeps both widths' sample rates.
     pub fn switch_width(&mut self) {
-        let samples = self.samples;
-        self.reset();
-        self.samples = samples;
+        *self = Self { samples: self.samples, ..Self::default() };
     }
     /// Frames per second: the median, and the 1 % low.
     pub fn fps(&self) -> [f64; 2] {

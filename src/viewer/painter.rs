@@ -13,7 +13,7 @@ use octray_engine::display::{Blur, Denoiser, Fxaa, History, Samples, rows, walki
 use octray_engine::film::Picture;
 use octray_engine::integrate::aovs::{AovSample, Aovs};
 use octray_engine::integrate::edge_aovs::DenoiserAovs;
-use octray_engine::integrate::probe::PathShape;
+use octray_engine::integrate::meter::PathShape;
 use octray_engine::render::aovs::{self, Cost};
 use octray_engine::render::{Renderer, Settings};
 use octray_engine::tone::Tone;

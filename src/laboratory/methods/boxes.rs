@@ -1,5 +1,5 @@
-//! Rays against axis-aligned boxes: the engine's test, and those of other renderers. The shares of false misses are those of rays
-//! aimed at corners and edges, as `octray stability` measures them.
+//! Rays against axis-aligned boxes: the engine's test, and those of other renderers. The shares of false
+//! misses are those of rays aimed at corners and edges, as `octray stability` measures them.
 //!
 //! A zero component of the direction divides to infinity, and a plane through the origin then gives 0 · ∞ =
 //! NaN. Where planes are picked by the direction's sign, [`Lane::max`] and [`Lane::min`] leave NaN out of the

@@ -75,8 +75,8 @@ impl TriangleMethod for MollerTrumboreEpsilon {
     }
 }
 
-/// [`Woop`](crate::kernel::ray_triangle::Woop) with FMA in its edge functions, as a contracting compiler would
-/// make it.
+/// [`Woop`](crate::kernel::ray_triangle::Woop) with FMA in its edge functions, as a contracting compiler
+/// would make it.
 ///
 /// Error: leaks 0.5 % of the rays aimed at edges (none on a target without FMA).
 pub struct WoopContracted;

@@ -7,7 +7,7 @@
 use criterion::{BenchmarkId, Criterion, Throughput};
 use octray_engine::bvh::Trees;
 use octray_engine::math::MISS;
-use octray_engine::traverse::batch::Traversal;
+use octray_engine::traverse::Traversal;
 use octray_engine::traverse::hierarchy::Hierarchy;
 use octray_formats::scene;
 use octray_laboratory::measure::ray_sets::{Answers, Kind, Prepared};

@@ -2,9 +2,9 @@
 
 use octray_engine::bvh::Trees;
 use octray_engine::math::MISS;
-use octray_engine::traverse::batch::{Tracer, Traversal};
 use octray_engine::traverse::hierarchy::Hierarchy;
 use octray_engine::traverse::rays::{Hits, Rays};
+use octray_engine::traverse::{Tracer, Traversal};
 use octray_formats::scene::load;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {

@@ -77,7 +77,7 @@ mod tests {
     use super::*;
     use crate::render::PipelineChoice;
     use crate::tone::Operator;
-    use crate::traverse::batch::Traversal;
+    use crate::traverse::Traversal;
     use serde_json::json;
     use std::fmt::Debug;
 

@@ -6,12 +6,12 @@ use octray::bvh::Trees;
 use octray::lane::Lane;
 use octray::math::{MISS, Ray};
 use octray::scene::{MaterialKind, Scene};
-use octray::traverse::batch::{Tracer, Traversal};
 use octray::traverse::hierarchy::Hierarchy;
 use octray::traverse::rays::{Hits, Rays};
 use octray::traverse::stack::Stack;
 use octray::traverse::tile::{self, Packets};
 use octray::traverse::{Layout, List, Methods, PrimitiveList};
+use octray::traverse::{Tracer, Traversal};
 
 /// t, primitive, u and v of each ray, as bits.
 pub type Answers = Vec<[u32; 4]>;

@@ -9,7 +9,7 @@ use octray::integrate::pipeline_for;
 use octray::lane::WIDTHS;
 use octray::render::{PipelineChoice, RenderObserver, Renderer, Settings};
 use octray::scene::{Camera, Filter, Material, MaterialKind, Scene, Side, Sky, builtin_names, load};
-use octray::traverse::batch::Traversal;
+use octray::traverse::Traversal;
 use octray::traverse::{Methods, SphereChoice, TraversalChoice, TriangleChoice};
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 

@@ -8,7 +8,7 @@ use glam::{Vec3, Vec3Swizzles};
 use octray::bvh::Trees;
 use octray::math::MISS;
 use octray::scene::Scene;
-use octray::traverse::batch::Traversal;
+use octray::traverse::Traversal;
 use octray::traverse::hierarchy::Hierarchy;
 use octray::traverse::stream::BATCH;
 use octray::traverse::tile::TILE;

@@ -185,7 +185,7 @@ fn without_padding_hits_are_lost_at_corners() {
     }
     let mut hierarchy = Hierarchy::new(&scene, Trees::WideAndBinary);
     let found = |hierarchy: &Hierarchy| {
-        let answers = set.through::<false>(hierarchy, octray::traverse::batch::Traversal::Hybrid);
+        let answers = set.through::<false>(hierarchy, octray::traverse::Traversal::Hybrid);
         answers.iter().filter(|answer| answer[1] != MISS).count()
     };
     let padded = found(&hierarchy);

@@ -6,7 +6,7 @@
 
 use crate::common::{Rng, packet, ray};
 use glam::Vec3;
-use octray::kernel::ray_box::{Padding, Slabs, own_box};
+use octray::kernel::ray_box::{BoxRay, Padding, own_box};
 use octray::lane::{F32x8, F32x16, Lane, Mask};
 use octray::math::{self, Ray};
 use octray::measure::stability::boxes::{Cuboid, SCALES, aimed, meets, padding, passing, reference_interval};
@@ -17,7 +17,7 @@ fn corner<L: Lane>(v: Vec3) -> math::Vec3<L> {
 }
 
 fn computed(cuboid: Cuboid, extent: f32, ray: &Ray<f32>) -> (f32, f32) {
-    Slabs::new(ray, Padding::new(extent)).pass(corner(cuboid.lo), corner(cuboid.hi))
+    BoxRay::new(ray, Padding::new(extent)).pass(corner(cuboid.lo), corner(cuboid.hi))
 }
 
 #[test]
@@ -88,7 +88,7 @@ fn nested_boxes_have_nested_intervals_and_a_hit_in_one_is_in_all_around_it() {
             let outer = Cuboid::random(&mut rng, scale);
             let inner = within(&mut rng, outer);
             let ray = aimed(&mut rng, &inner, scale);
-            let slabs = Slabs::new(&ray, Padding::new(outer.extent()));
+            let slabs = BoxRay::new(&ray, Padding::new(outer.extent()));
             let of = |cuboid: Cuboid| slabs.pass(corner::<f32>(cuboid.lo), corner(cuboid.hi));
             let ((near, far), (near_inner, far_inner)) = (of(outer), of(inner));
             assert!(near <= near_inner && far_inner <= far, "{inner:?} in {outer:?}, {ray:?}");
@@ -127,13 +127,13 @@ fn packets_agree_with_single_rays_in_every_bit() {
                 math::Vec3::new(axis(0), axis(1), axis(2))
             };
             let corners = (column(|cuboid| cuboid.lo), column(|cuboid| cuboid.hi));
-            let slabs = Slabs::new(&packet::<L>(&rays), padding);
+            let slabs = BoxRay::new(&packet::<L>(&rays), padding);
             let (near, far) = slabs.pass(corners.0, corners.1);
             let (claimed, limit) = (scale as f32, 2.0 * scale as f32);
             let mask = L::Mask::splat(true);
             let (hit, t) = own_box(&slabs, corners, mask, L::splat(claimed), L::splat(limit));
             for lane in 0..L::WIDTH {
-                let single = Slabs::new(&rays[lane], padding);
+                let single = BoxRay::new(&rays[lane], padding);
                 let Cuboid { lo, hi } = cuboids[lane];
                 let (near_one, far_one) = single.pass(corner(lo), corner(hi));
                 assert!(same(near.get(lane), near_one) && same(far.get(lane), far_one), "{:?}", rays[lane]);
@@ -161,7 +161,7 @@ fn packets_agree_with_single_rays_in_every_bit() {
 fn empty_boxes_are_never_passed_and_rays_of_nan_pass_no_box() {
     let mut rng = Rng(75);
     let empty = Cuboid { lo: Vec3::INFINITY, hi: Vec3::NEG_INFINITY };
-    let passes = |slabs: &Slabs<f32>, Cuboid { lo, hi }: Cuboid| {
+    let passes = |slabs: &BoxRay<f32>, Cuboid { lo, hi }: Cuboid| {
         let (near, far) = slabs.pass(corner(lo), corner(hi));
         near <= far
     };
@@ -170,16 +170,16 @@ fn empty_boxes_are_never_passed_and_rays_of_nan_pass_no_box() {
         let around = Cuboid { lo: Vec3::splat(-200.0 * scale as f32), hi: Vec3::splat(200.0 * scale as f32) };
         let sound = aimed(&mut rng, &around, scale);
         for padding in [Padding::new(scale as f32), Padding::new(scale as f32).with_spheres()] {
-            let slabs = Slabs::new(&sound, padding);
+            let slabs = BoxRay::new(&sound, padding);
             assert!(passes(&slabs, around) && !passes(&slabs, empty), "{sound:?}");
             for number in 0..6 {
                 let (mut origin, mut direction) = (sound.origin.get(0), sound.direction.get(0));
                 let component = if number < 3 { &mut origin[number] } else { &mut direction[number - 3] };
                 *component = f32::NAN;
-                let slabs = Slabs::new(&ray(origin, direction), padding);
+                let slabs = BoxRay::new(&ray(origin, direction), padding);
                 assert!(!passes(&slabs, around) && !passes(&slabs, empty), "{origin} along {direction}");
             }
-            let nothing = Slabs::new(&ray(Vec3::NAN, Vec3::NAN), padding);
+            let nothing = BoxRay::new(&ray(Vec3::NAN, Vec3::NAN), padding);
             assert!(!passes(&nothing, around) && !passes(&nothing, empty));
         }
     }

@@ -8,7 +8,7 @@
 use crate::common::{Rng, ray};
 use glam::{DVec3, Vec3};
 use octray::bvh::Bounds;
-use octray::kernel::ray_box::{Padding, Slabs, sphere_padding};
+use octray::kernel::ray_box::{BoxRay, Padding, sphere_padding};
 use octray::kernel::ray_sphere::{Robust, SphereMethod};
 use octray::kernel::sphere_culling::{CulledSphere, SphereCulling};
 use octray::math::{self, EPSILON};
@@ -183,7 +183,7 @@ fn rays_pass_the_boxes_of_spheres_they_hit_and_enter_them_no_later() {
                 let bounds = Bounds::of_sphere(found.center, found.radius);
                 let extent = bounds.lo.abs().max(bounds.hi.abs()).max_element();
                 let padding = Padding::new(extent).with_spheres();
-                let slabs = Slabs::new(&ray(found.origin, found.direction), padding);
+                let slabs = BoxRay::new(&ray(found.origin, found.direction), padding);
                 let corner = |v: Vec3| math::Vec3::new(v.x, v.y, v.z);
                 let (near, far) = slabs.pass(corner(bounds.lo), corner(bounds.hi));
                 let what = || format!("{bounds:?} from {} along {}", found.origin, found.direction);

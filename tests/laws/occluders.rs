@@ -7,7 +7,7 @@ use octray::buffers::{LightChoice, Lights};
 use octray::lane::NATIVE_WIDTH;
 use octray::render::Settings;
 use octray::scene::{Camera, MaterialKind, Scene, Sky, Triangle, load};
-use octray::traverse::batch::Traversal;
+use octray::traverse::Traversal;
 use octray::traverse::{Methods, Occluders, TraversalChoice};
 
 const DIFFUSE: u32 = 0;

@@ -9,7 +9,7 @@ use octray::lane::WIDTHS;
 use octray::render::{PipelineChoice, Renderer, Settings};
 use octray::sampling::Sampler;
 use octray::scene::{Camera, Filter, Material, MaterialKind, Scene, Side, Sky, Sphere};
-use octray::traverse::batch::Traversal;
+use octray::traverse::Traversal;
 use octray::traverse::{Methods, TraversalChoice};
 use std::ops::Range;
 

@@ -7,7 +7,7 @@ use glam::Vec3;
 use octray::bvh::{LEAF, Trees};
 use octray::math::MISS;
 use octray::scene::{MaterialKind, Scene};
-use octray::traverse::batch::Traversal;
+use octray::traverse::Traversal;
 use octray::traverse::hierarchy::Hierarchy;
 
 /// Thin triangles behind each other, each across all rays.

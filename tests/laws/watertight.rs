@@ -12,7 +12,7 @@ use octray::math::MISS;
 use octray::measure::stability::meshes::bumpy_ball;
 use octray::scene::{MaterialKind, Scene};
 use octray::traverse::Layout;
-use octray::traverse::batch::Traversal;
+use octray::traverse::Traversal;
 use octray::traverse::hierarchy::Hierarchy;
 use octray::traverse::tile::TILE;
 use rayon::prelude::*;

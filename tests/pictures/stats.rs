@@ -12,11 +12,11 @@ use octray::math::MISS;
 use octray::measure::stats::FrameStats;
 use octray::render::{Renderer, Settings};
 use octray::scene::{MaterialKind, Scene, load};
-use octray::traverse::batch::{Tracer, Traversal};
 use octray::traverse::counter::{Counter, Counts, Tests};
 use octray::traverse::hierarchy::Hierarchy;
 use octray::traverse::rays::{Hits, Rays};
 use octray::traverse::{Methods, TraversalChoice};
+use octray::traverse::{Tracer, Traversal};
 
 /// Two triangles far from each other in the plane z = 0, around (−3, 0) and (3, 0).
 fn two_triangles() -> Scene {

@@ -7,7 +7,7 @@ use octray::math::MISS;
 use octray::render::aovs::Map;
 use octray::render::{Renderer, Settings};
 use octray::scene::{MaterialKind, Scene, load};
-use octray::traverse::batch::Traversal;
+use octray::traverse::Traversal;
 use octray::traverse::{Methods, TraversalChoice};
 
 const SIZE: [u32; 2] = [61, 35];

@@ -9,7 +9,7 @@ use super::queue::PathQueue;
 use super::queue::ShadowQueue;
 use super::radiance::Radiance;
 use crate::sampling::SampleTable;
-use crate::traverse::batch::Tracer;
+use crate::traverse::Tracer;
 use bytemuck::Zeroable;
 
 /// One thread's working memory. In use at a time are 25 KiB, which a first-level cache holds, 11 more for

@@ -46,4 +46,12 @@ impl<L: Lane> Hit<L> {
     pub fn found(&self) -> L::Mask {
         !self.primitive.equals(L::Bits::splat(MISS))
     }
+    /// Takes the hits of another in the lanes of `mask`.
+    #[inline(always)]
+    pub fn replace(&mut self, mask: L::Mask, other: &Self) {
+        self.t = L::select(mask, other.t, self.t);
+        self.primitive = L::Bits::select(mask, other.primitive, self.primitive);
+        self.u = L::select(mask, other.u, self.u);
+        self.v = L::select(mask, other.v, self.v);
+    }
 }

@@ -5,7 +5,7 @@
 //! that is furthest to the inside is tested, and each plane contains the direction of one axis, so a plane
 //! takes one FMA.
 //!
-//! Conservative: a ray that passes a padded box ([`crate::kernel::ray_box::Slabs`]) meets it within (|o| +
+//! Conservative: a ray that passes a padded box ([`crate::kernel::ray_box::BoxRay`]) meets it within (|o| +
 //! room) 2⁻²⁰, |o| the largest component and room as [`Padding::room`] gives it; the frustum leaves twice
 //! that, along both axes of a side.
 //!

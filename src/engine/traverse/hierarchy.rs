@@ -2,7 +2,7 @@
 //! traversals.
 
 use super::compact::{Layout, TriangleLeaves};
-use super::leaf::{TriangleLeaf, inclusive, intersect_one, keep_if_nearer, keep_lanes_if_nearer};
+use super::leaf::{TriangleLeaf, inclusive, intersect_one, keep_if_nearer};
 use super::prepared::SingleRay;
 use crate::bvh::{Bounds, Bvh, Child, LEAF, Leaf, Trees, WIDE, WideNode, slots};
 use crate::kernel::ray_box::Padding;
@@ -80,7 +80,7 @@ impl Hierarchy {
             self.intersect_spheres(leaf.index(), &ray.ray, hit);
         } else {
             self.with_triangles(leaf.index(), |leaf| {
-                leaf.accept(leaf.ahead(ray.woop.stored()), &ray.woop, &ray.slabs, hit);
+                leaf.accept(leaf.candidates(ray.woop.stored()), &ray.woop, &ray.box_ray, hit);
             });
         }
     }
@@ -105,7 +105,7 @@ impl Hierarchy {
             let triangles = &self.triangles;
             for (lane, &primitive) in self.bvh.triangle_leaves[leaf.index()].primitives().iter().enumerate() {
                 let corners = triangles.corners(leaf.index(), lane);
-                intersect_one(corners, primitive, &ray.woop, &ray.slabs, hit);
+                intersect_one(corners, primitive, &ray.woop, &ray.box_ray, hit);
             }
         }
     }
@@ -153,7 +153,7 @@ impl Hierarchy {
             let (center, radius2) = leaf.sphere::<L>(lane);
             let infinite = L::splat(f32::INFINITY);
             let (mask, t) = Robust::test::<L>(&prepared, center, radius2, infinite);
-            closer |= keep_lanes_if_nearer(mask, primitive, [t, L::zero(), L::zero()], hit);
+            closer |= keep_if_nearer(mask, primitive, [t, L::zero(), L::zero()], hit);
         }
         closer
     }

@@ -2,7 +2,7 @@
 
 use super::prepared::Packet;
 use crate::bvh::{LEAF, Leaf};
-use crate::kernel::ray_box::{Padding, Slabs, own_box};
+use crate::kernel::ray_box::{BoxRay, Padding, own_box};
 use crate::kernel::ray_triangle::{StoredWoopRay, TriangleBlock, TriangleHit, WoopRay};
 use crate::lane::{Bits, Lane, Mask, Native, set_bits};
 use crate::math::{Hit, Vec3};
@@ -39,22 +39,19 @@ fn extent_along<L: Lane>([a, b, c]: [L; 3]) -> [L; 2] {
     [a.min(b).min(c), a.max(b).max(c)]
 }
 
-/// [`keep_if_nearer`] in each lane; whether any lane kept it.
+/// Keeps hits that are nearer, or as near and of a lower number; whether any lane's was kept.
 #[inline(always)]
-pub(super) fn keep_lanes_if_nearer<L: Lane>(
+pub(super) fn keep_if_nearer<L: Lane>(
     mask: L::Mask,
     primitive: u32,
     [t, u, v]: [L; 3],
     hit: &mut Hit<L>,
 ) -> bool {
-    let number = L::Bits::splat(primitive);
-    let one = L::Bits::splat(1);
+    // MISS is the largest number: plus one it is 0, below every other, so that a hit at t_max itself is none.
+    let (number, one) = (L::Bits::splat(primitive), L::Bits::splat(1));
     let lower = number.wrapping_add(one).less(hit.primitive.wrapping_add(one));
     let nearer = mask & (t.lt(hit.t) | (t.eq(hit.t) & lower));
-    hit.t = L::select(nearer, t, hit.t);
-    hit.primitive = L::Bits::select(nearer, number, hit.primitive);
-    hit.u = L::select(nearer, u, hit.u);
-    hit.v = L::select(nearer, v, hit.v);
+    hit.replace(nearer, &Hit { t, primitive: number, u, v });
     nearer.any()
 }
 
@@ -73,16 +70,16 @@ impl TriangleLeaf {
     /// The triangles that a ray's line passes, not behind its origin, one bit each: all that the ray hits,
     /// and few others.
     #[inline(always)]
-    pub fn ahead(&self, woop: StoredWoopRay) -> u32 {
-        woop.ahead_of_block(&self.vertices).bitmask()
+    pub fn candidates(&self, woop: StoredWoopRay) -> u32 {
+        woop.candidates(&self.vertices).bitmask()
     }
 
     /// Keeps the nearest hit of a ray with the triangles whose bits are set: none or one, seldom two.
     #[inline(always)]
-    pub fn accept(&self, ahead: u32, woop: &WoopRay<f32>, slabs: &Slabs<f32>, hit: &mut Hit<f32>) {
-        for lane in set_bits(ahead) {
+    pub fn accept(&self, candidates: u32, woop: &WoopRay<f32>, box_ray: &BoxRay<f32>, hit: &mut Hit<f32>) {
+        for lane in set_bits(candidates) {
             let primitive = self.primitives.primitives[lane & (LEAF - 1)];
-            intersect_one(self.corners(lane), primitive, woop, slabs, hit);
+            intersect_one(self.corners(lane), primitive, woop, box_ray, hit);
         }
     }
 
@@ -94,10 +91,10 @@ impl TriangleLeaf {
     /// Those of the triangles in `lanes` that the line of any of a packet's rays passes, not behind its
     /// origin, one bit each; all of them where the rays have different z axes.
     #[inline(always)]
-    pub fn ahead_of_packet<L: Lane>(&self, lanes: u32, packet: &Packet<L>) -> u32 {
+    pub fn candidates_of_packet<L: Lane>(&self, lanes: u32, packet: &Packet<L>) -> u32 {
         let Some(axis) = packet.axis else { return lanes };
-        set_bits(lanes).fold(0, |ahead, lane| {
-            ahead | u32::from(packet.woop.is_lane_ahead(axis, &self.vertices, lane)) << lane
+        set_bits(lanes).fold(0, |candidates, lane| {
+            candidates | u32::from(packet.woop.is_lane_candidate(axis, &self.vertices, lane)) << lane
         })
     }
 
@@ -149,10 +146,10 @@ impl TriangleLeaf {
         packet: &mut Packet<L>,
         hit: &mut Hit<L>,
     ) -> bool {
-        let slabs = packet.slabs.get_or_insert_with(|| Slabs::new(&packet.ray, padding));
+        let box_ray = packet.box_ray.get_or_insert_with(|| BoxRay::new(&packet.ray, padding));
         let (bounds, infinite) = (box_of(self.corners_in_all_lanes(lane)), L::splat(f32::INFINITY));
-        let (mask, t) = own_box(slabs, bounds, found.mask, found.t, infinite);
-        keep_lanes_if_nearer(mask, self.primitives.primitives[lane & (LEAF - 1)], [t, found.u, found.v], hit)
+        let (mask, t) = own_box(box_ray, bounds, found.mask, found.t, infinite);
+        keep_if_nearer(mask, self.primitives.primitives[lane & (LEAF - 1)], [t, found.u, found.v], hit)
     }
 }
 
@@ -162,22 +159,12 @@ pub(super) fn intersect_one(
     corners: [[f32; 3]; 3],
     primitive: u32,
     woop: &WoopRay<f32>,
-    slabs: &Slabs<f32>,
+    box_ray: &BoxRay<f32>,
     hit: &mut Hit<f32>,
 ) {
     let corners = corners.map(|[x, y, z]| Vec3::new(x, y, z));
     if let Some(found) = woop.test_one(corners) {
-        let (mask, t) = own_box(slabs, box_of(corners), found.mask, found.t, inclusive(hit.t));
+        let (mask, t) = own_box(box_ray, box_of(corners), found.mask, found.t, inclusive(hit.t));
         keep_if_nearer(mask, primitive, [t, found.u, found.v], hit);
-    }
-}
-
-/// Keeps a hit that is nearer, or as near and of a lower number.
-#[inline(always)]
-pub(super) fn keep_if_nearer(mask: bool, primitive: u32, [t, u, v]: [f32; 3], hit: &mut Hit<f32>) {
-    // MISS is the largest number: plus one it is 0, below every other, so that a hit at t_max itself is none.
-    let lower = primitive.wrapping_add(1) < hit.primitive.wrapping_add(1);
-    if mask && (t < hit.t || (t == hit.t && lower)) {
-        *hit = Hit { t, primitive, u, v };
     }
 }

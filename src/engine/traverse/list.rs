@@ -11,7 +11,7 @@ use super::methods::{Methods, SphereChoice, TriangleChoice};
 use super::primitive_list::PrimitiveList;
 use super::rays::{Hits, Rays};
 use crate::buffers::store_triangles;
-use crate::kernel::ray_box::{Padding, Slabs, own_box};
+use crate::kernel::ray_box::{BoxRay, Padding, own_box};
 use crate::kernel::ray_sphere::{Naive, Robust, SphereMethod};
 use crate::kernel::ray_triangle::{MollerTrumbore, PairHit, TriangleHit, TriangleMethod, Woop};
 use crate::kernel::sphere_culling::{CulledSphere, SphereCulling};
@@ -297,12 +297,9 @@ fn keep_if_nearer<L: Lane>(
     found: TriangleHit<L>,
 ) {
     let (mask, t) = match corners {
-        // Slabs are computed here and not once a packet: few packets hit a triangle's plane inside its edges.
-        Some([lo, hi]) => own_box(&Slabs::new(ray, padding), (lo, hi), found.mask, found.t, hit.t),
+        // BoxRay are computed here and not once a packet: few packets hit a triangle's plane inside its edges.
+        Some([lo, hi]) => own_box(&BoxRay::new(ray, padding), (lo, hi), found.mask, found.t, hit.t),
         None => (found.mask & found.t.lt(hit.t), found.t),
     };
-    hit.t = L::select(mask, t, hit.t);
-    hit.primitive = L::Bits::select(mask, number, hit.primitive);
-    hit.u = L::select(mask, found.u, hit.u);
-    hit.v = L::select(mask, found.v, hit.v);
+    hit.replace(mask, &Hit { t, primitive: number, u: found.u, v: found.v });
 }

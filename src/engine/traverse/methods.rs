@@ -2,7 +2,7 @@
 //!
 //! For: [`Methods`] and the choices it holds.
 
-use super::batch::Traversal;
+use super::tree::Traversal;
 use crate::buffers::{Features, LightChoice};
 use crate::choice::{Choice, choices, serde_by_name};
 use crate::sampling::Sampler;

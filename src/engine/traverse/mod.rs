@@ -10,7 +10,7 @@
 //! | [`single`] | one ray on the wide tree, against all boxes of a node or primitives of a leaf at once |
 //! | [`tile`] | primary rays of a tile on the wide tree, each packet in a [`frustum`] |
 //! | [`stream`] | ray streams on the wide tree: batches of rays in any order |
-//! | [`batch`] | the choice between them |
+//! | `tree` | the choice between those of the hierarchy |
 //!
 //! [`Primitives`] asks them. They share [`hierarchy`] (nodes and leaves),
 //! `leaf` (how rays intersect triangles), `compact` (the leaves of large hierarchies), `prepared` (rays ready
@@ -20,7 +20,6 @@
 //! The law of every traversal: it gives the same hit, bit for bit, as testing every primitive in order,
 //! spheres first, then triangles, the nearest t winning and the lower index on a tie.
 
-pub mod batch;
 mod compact;
 pub mod counter;
 pub mod frustum;
@@ -38,6 +37,7 @@ pub mod single;
 pub mod stack;
 pub mod stream;
 pub mod tile;
+mod tree;
 
 pub use compact::Layout;
 pub use list::List;
@@ -47,3 +47,4 @@ pub use occluders::Occluders;
 pub use prepared::{Packet, SingleRay};
 pub use primitive_list::PrimitiveList;
 pub use primitives::Primitives;
+pub use tree::{Tracer, Traversal};

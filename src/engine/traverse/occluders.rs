@@ -4,10 +4,10 @@
 //! room's wall, comes between no two points of them; nor does one that holds all lights, nor a sphere with
 //! everything inside. In rooms with few other surfaces that leaves few tests.
 
-use super::batch::Traversal;
 use super::hierarchy::Hierarchy;
 use super::methods::{MAX_LIST_COST, list_cost};
 use super::primitive_list::PrimitiveList;
+use super::tree::Traversal;
 use crate::buffers::Lights;
 use crate::scene::{Primitive, Scene, Sphere, Triangle};
 use glam::{DVec3, Vec3};

@@ -1,6 +1,6 @@
 //! Rays ready for boxes and triangles: what is computed once a ray or packet.
 
-use crate::kernel::ray_box::{Padding, Slabs};
+use crate::kernel::ray_box::{BoxRay, Padding};
 use crate::kernel::ray_triangle::{TriangleMethod, Woop, WoopRay};
 use crate::lane::{Lane, Native};
 use crate::math::{Ray, Vec3};
@@ -11,7 +11,7 @@ pub struct SingleRay {
     /// The ray itself.
     pub ray: Ray<f32>,
     /// What box tests need of it.
-    pub slabs: Slabs<f32>,
+    pub box_ray: BoxRay<f32>,
     /// What triangle tests need of it.
     pub woop: WoopRay<f32>,
 }
@@ -20,7 +20,7 @@ impl SingleRay {
     /// Prepares a ray.
     #[inline(always)]
     pub fn new(ray: Ray<f32>, padding: Padding) -> Self {
-        Self { ray, slabs: Slabs::new(&ray, padding), woop: Woop::prepare(&ray) }
+        Self { ray, box_ray: BoxRay::new(&ray, padding), woop: Woop::prepare(&ray) }
     }
 }
 
@@ -32,7 +32,7 @@ pub struct Packet<L: Lane> {
     /// See [`WoopRay::common_axis`].
     pub(super) axis: Option<u32>,
     /// Computed for the first hit: many packets hit nothing.
-    pub(super) slabs: Option<Slabs<L>>,
+    pub(super) box_ray: Option<BoxRay<L>>,
 }
 
 impl<L: Lane> Packet<L> {
@@ -40,13 +40,13 @@ impl<L: Lane> Packet<L> {
     #[inline(always)]
     pub fn new(ray: Ray<L>) -> Self {
         let woop = Woop::prepare(&ray);
-        Self { ray, axis: woop.common_axis(), woop, slabs: None }
+        Self { ray, axis: woop.common_axis(), woop, box_ray: None }
     }
 }
 
-/// A ray's slabs broadcast to all lanes.
+/// A ray broadcast to all lanes.
 #[inline(always)]
-pub(super) fn splat_slabs(slabs: &Slabs<f32>) -> Slabs<Native> {
+pub(super) fn splat_box_ray(box_ray: &BoxRay<f32>) -> BoxRay<Native> {
     let all = |v: &Vec3<f32>| v.each_ref().broadcast();
-    Slabs { inverse: all(&slabs.inverse), near: all(&slabs.near), far: all(&slabs.far) }
+    BoxRay { inverse: all(&box_ray.inverse), near: all(&box_ray.near), far: all(&box_ray.far) }
 }

@@ -1,6 +1,5 @@
 //! The seam between rays and primitives: two questions over columns of rays, whatever answers them.
 
-use super::batch::{Tracer, Traversal};
 use super::counter::Counter;
 use super::hierarchy::Hierarchy;
 use super::list::List;
@@ -8,6 +7,7 @@ use super::methods::Methods;
 use super::occluders::Occluders;
 use super::primitive_list::PrimitiveList;
 use super::rays::{Hits, Rays};
+use super::tree::{Tracer, Traversal};
 use crate::buffers::Lights;
 use crate::lane::Lane;
 use crate::scene::Scene;

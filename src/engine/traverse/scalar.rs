@@ -6,7 +6,7 @@ use super::hierarchy::Hierarchy;
 use super::prepared::SingleRay;
 use super::stack::pop_within;
 use crate::bvh::{Child, MAX_DEPTH};
-use crate::kernel::ray_box::Slabs;
+use crate::kernel::ray_box::BoxRay;
 use crate::math::{Hit, MISS, Vec3};
 
 /// Improves `hit`, whose `t` comes in as the ray's t_max; with `ANY`, ends at the first hit found.
@@ -28,7 +28,7 @@ pub fn trace<const ANY: bool>(
     let enter = |node: usize, t_max: f32| -> f32 {
         let bounds = nodes[node].bounds();
         let corner = |v: glam::Vec3| Vec3::new(v.x, v.y, v.z);
-        entry(&ray.slabs, corner(bounds.lo), corner(bounds.hi), t_max)
+        entry(&ray.box_ray, corner(bounds.lo), corner(bounds.hi), t_max)
     };
     counter.boxes(1, 1);
     if enter(0, hit.t).is_nan() {
@@ -72,8 +72,8 @@ pub fn trace<const ANY: bool>(
 
 /// The distance at which the ray enters a box; NaN where it passes none of it before `t_max`.
 #[inline(always)]
-fn entry(slabs: &Slabs<f32>, lo: Vec3<f32>, hi: Vec3<f32>, t_max: f32) -> f32 {
-    let (near, far) = slabs.pass(lo, hi);
+fn entry(box_ray: &BoxRay<f32>, lo: Vec3<f32>, hi: Vec3<f32>, t_max: f32) -> f32 {
+    let (near, far) = box_ray.pass(lo, hi);
     let near = near.max(0.0);
     if near <= far && near <= t_max { near } else { f32::NAN }
 }

@@ -5,29 +5,29 @@
 
 use super::counter::CounterSink;
 use super::hierarchy::Hierarchy;
-use super::prepared::{SingleRay, splat_slabs};
+use super::prepared::{SingleRay, splat_box_ray};
 use super::stack::{Stack, pop_within};
 use crate::bvh::{Child, WIDE, WideNode};
-use crate::kernel::ray_box::Slabs;
+use crate::kernel::ray_box::BoxRay;
 use crate::lane::{Lane, Mask, Native, NativeMask};
 use crate::math::{Hit, MISS, Vec3};
 
-/// A ray's slabs in all lanes, and the rows of a node's planes in the order in which the ray meets them:
-/// chosen once a ray by the direction's signs, where [`Slabs::pass`] selects for each box.
+/// A ray in all lanes, and the rows of a node's planes in the order in which the ray meets them:
+/// chosen once a ray by the direction's signs, where [`BoxRay::pass`] selects for each box.
 #[derive(Clone, Copy)]
-struct NodeSlabs {
-    slabs: Slabs<Native>,
+struct NodeRay {
+    box_ray: BoxRay<Native>,
     first: [usize; 3],
     second: [usize; 3],
 }
 
-impl NodeSlabs {
+impl NodeRay {
     #[inline(always)]
     fn new(ray: &SingleRay) -> Self {
-        let Vec3 { x, y, z } = ray.slabs.inverse;
+        let Vec3 { x, y, z } = ray.box_ray.inverse;
         let backwards = [x, y, z].map(|inverse| usize::from(inverse < 0.0));
         Self {
-            slabs: splat_slabs(&ray.slabs),
+            box_ray: splat_box_ray(&ray.box_ray),
             first: std::array::from_fn(|axis| axis + 3 * backwards[axis]),
             second: std::array::from_fn(|axis| axis + 3 * (1 - backwards[axis])),
         }
@@ -40,7 +40,7 @@ impl NodeSlabs {
         let rows = |[x, y, z]: [usize; 3]| {
             Vec3::new(Native::load(&planes[x]), Native::load(&planes[y]), Native::load(&planes[z]))
         };
-        let (near, far) = self.slabs.interval(rows(self.first), rows(self.second));
+        let (near, far) = self.box_ray.interval(rows(self.first), rows(self.second));
         // min and max return their second operand where one is NaN: in this order a NaN is kept and passes no
         // box, not even an empty one.
         let entry = Native::zero().max(near);
@@ -57,7 +57,7 @@ pub fn trace<const ANY: bool>(
     hit: &mut Hit<f32>,
     counter: impl CounterSink,
 ) {
-    let slabs = NodeSlabs::new(ray);
+    let box_ray = NodeRay::new(ray);
     let mut len = 0;
     let mut next = Child(0);
     loop {
@@ -70,7 +70,7 @@ pub fn trace<const ANY: bool>(
         } else {
             let node = &hierarchy.bvh.wide[next.index()];
             counter.node(node, 1);
-            let (entry, passes) = slabs.pass(node, hit.t);
+            let (entry, passes) = box_ray.pass(node, hit.t);
             let passed = passes.count();
             if passed == 1 {
                 // The mask lets the compiler drop the bounds check.

@@ -12,7 +12,7 @@ use super::trace::{PreparedScene, TraceMethod, TracePool};
 use crate::bvh::Trees;
 use crate::camera::Pinhole;
 use crate::scene::{Camera, Scene};
-use crate::traverse::batch::Traversal;
+use crate::traverse::Traversal;
 use crate::traverse::hierarchy::Hierarchy;
 use serde::Serialize;
 use std::time::{Duration, Instant};

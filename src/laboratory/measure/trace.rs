@@ -7,12 +7,12 @@ use crate::lane::{NATIVE_WIDTH, Native};
 use crate::math::MISS;
 use crate::scene::Scene;
 use crate::threads::Threads;
-use crate::traverse::batch::{Tracer, Traversal};
 use crate::traverse::counter::{Counter, Counts};
 use crate::traverse::hierarchy::Hierarchy;
 use crate::traverse::rays::{Hits, Rays};
 use crate::traverse::tile::TILE;
 use crate::traverse::{List, Methods, TraversalChoice};
+use crate::traverse::{Tracer, Traversal};
 use rayon::prelude::*;
 
 /// Most rays of a thread's unit of work: a whole batch of a stream.

@@ -6,7 +6,7 @@
 //! interval, because they return their second argument where the first is NaN: the ray counts as between
 //! these planes, on either side of the face.
 
-use crate::kernel::ray_box::{Padding, Slabs};
+use crate::kernel::ray_box::{BoxRay, Padding};
 use crate::lane::Lane;
 use crate::math::{Ray, Vec3};
 
@@ -28,7 +28,7 @@ pub trait BoxMethod: Send + Sync + 'static {
     fn pass<L: Lane>(ray: &Self::Prepared<L>, lo: Vec3<L>, hi: Vec3<L>) -> (L, L);
 }
 
-/// [`Slabs`] as a [`BoxMethod`].
+/// [`BoxRay`] as a [`BoxMethod`].
 ///
 /// Error: no false miss; a ray that misses a box by less than two paddings may pass it
 /// (`tests/laws/kernel_box.rs`).
@@ -36,15 +36,15 @@ pub trait BoxMethod: Send + Sync + 'static {
 pub struct Padded;
 
 impl BoxMethod for Padded {
-    type Prepared<L: Lane> = Slabs<L>;
+    type Prepared<L: Lane> = BoxRay<L>;
 
     #[inline(always)]
-    fn prepare<L: Lane>(ray: &Ray<L>, padding: Padding) -> Slabs<L> {
-        Slabs::new(ray, padding)
+    fn prepare<L: Lane>(ray: &Ray<L>, padding: Padding) -> BoxRay<L> {
+        BoxRay::new(ray, padding)
     }
     #[inline(always)]
-    fn pass<L: Lane>(slabs: &Slabs<L>, lo: Vec3<L>, hi: Vec3<L>) -> (L, L) {
-        slabs.pass(lo, hi)
+    fn pass<L: Lane>(box_ray: &BoxRay<L>, lo: Vec3<L>, hi: Vec3<L>) -> (L, L) {
+        box_ray.pass(lo, hi)
     }
 }
 

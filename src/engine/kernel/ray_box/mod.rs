@@ -2,7 +2,7 @@
 //!
 //! The law of a hierarchy is that it loses no hit. Two rules together keep it:
 //!
-//! - A box is padded for the ray, by more than rounding can move a hit out of it ([`Slabs::new`],
+//! - A box is padded for the ray, by more than rounding can move a hit out of it ([`BoxRay::new`],
 //!   [`Padding`]).
 //! - A triangle is hit only where the ray also passes the triangle's own box, by the same formula, and its t
 //!   is clamped to the box's interval ([`own_box`]): on slivers the computed t may be far off. The formula is
@@ -12,8 +12,8 @@
 //! Source: the slab test of Kay, Kajiya, "Ray Tracing Complex Scenes", SIGGRAPH 1986, with one FMA per plane;
 //! padding instead of the widened interval of Ize, "Robust BVH Ray Traversal", JCGT 2(2), 2013.
 
+mod box_ray;
 mod padding;
-mod slabs;
 
+pub use box_ray::{BoxRay, own_box};
 pub use padding::{Padding, sphere_padding};
-pub use slabs::{Slabs, own_box};

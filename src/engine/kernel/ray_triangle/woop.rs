@@ -183,7 +183,7 @@ impl StoredWoopRay<'_> {
     /// Those of a block's triangles, one a lane, that the ray's line passes, not behind its origin: all that
     /// [`WoopRay::test_one`] hits, and few others.
     #[inline(always)]
-    pub fn ahead_of_block(&self, triangles: &TriangleBlock) -> NativeMask {
+    pub fn candidates(&self, triangles: &TriangleBlock) -> NativeMask {
         let [x, y, z] = ORDERS[(self.z_axis & 3) as usize];
         let row = |vertex: usize, axis: usize| Native::load(&triangles[vertex][axis]);
         let vertex = |vertex: usize| Vec3::new(row(vertex, x), row(vertex, y), row(vertex, z));
@@ -245,7 +245,7 @@ impl<L: Lane> WoopRay<L> {
     /// Whether the line of any of these rays passes the triangle, not behind the origin: wherever
     /// [`WoopRay::test_lane_along`] finds a hit, and seldom elsewhere.
     #[inline(always)]
-    pub fn is_lane_ahead(&self, axis: u32, triangles: &TriangleBlock, lane: usize) -> bool {
+    pub fn is_lane_candidate(&self, axis: u32, triangles: &TriangleBlock, lane: usize) -> bool {
         self.crossing_along(axis, triangles, lane).ahead.any()
     }
 

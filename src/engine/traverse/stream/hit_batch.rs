@@ -58,14 +58,14 @@ impl HitBatch {
     pub fn accept<const ANY: bool>(&mut self, prepared: &mut [PreparedRay; BATCH], hits: &mut Hits) {
         let filled = NativeMask::first(std::mem::take(&mut self.filled));
         let entries = NativeBits::load(&self.entries);
-        let (slabs, woop, limit) = PreparedRay::columns(prepared, rays_of(entries), axes_of(entries));
+        let (box_ray, woop, limit) = PreparedRay::columns(prepared, rays_of(entries), axes_of(entries));
         let corner =
             |[x, y, z]: &[Column<f32>; 3]| Vec3::new(Native::load(x), Native::load(y), Native::load(z));
         let [a, b, c] = &self.corners;
         let corners = [corner(a), corner(b), corner(c)];
         let Some(found) = woop.test_each(corners) else { return };
         let infinite = Native::splat(f32::INFINITY);
-        let (mask, t) = own_box(&slabs, box_of(corners), found.mask & filled, found.t, infinite);
+        let (mask, t) = own_box(&box_ray, box_of(corners), found.mask & filled, found.t, infinite);
         let column = |x: Native| {
             let mut column = [0.0; NATIVE_WIDTH];
             x.store(&mut column);

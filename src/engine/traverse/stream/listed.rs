@@ -73,9 +73,9 @@ impl<'a> ListedRay<'a> {
     }
     /// Its nearest hit after those triangles of a leaf whose bits are set.
     #[inline(always)]
-    pub fn accept(&self, leaf: &TriangleLeaf, ahead: u32, hits: &Hits) -> Hit<f32> {
+    pub fn accept(&self, leaf: &TriangleLeaf, candidates: u32, hits: &Hits) -> Hit<f32> {
         let mut hit = self.hit(hits);
-        leaf.accept(ahead, &self.woop(), &self.prepared.slabs(), &mut hit);
+        leaf.accept(candidates, &self.woop(), &self.prepared.box_ray(), &mut hit);
         hit
     }
 }

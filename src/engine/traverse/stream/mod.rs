@@ -54,12 +54,12 @@ pub struct Stream {
     masks: Vec<u16>,
     /// The places of the pairs whose mask of triangles is not zero.
     found: Vec<u16>,
-    /// The place of each pair: 0, 1, 2, …
-    places: Box<[u16; BATCH]>,
+    /// 0, 1, 2, …
+    iota: Box<[u16; BATCH]>,
     /// Room for the leaves of a node, expanded.
     leaves: Box<[TriangleLeaf; WIDE]>,
     /// Rays and triangles that wait to be accepted as hits; empty between loops.
-    ahead: Box<HitBatch>,
+    candidates: Box<HitBatch>,
 }
 
 impl Default for Stream {
@@ -79,9 +79,9 @@ impl Stream {
             slots: vec![0; 16 * BATCH],
             masks: vec![0; BATCH + CHUNK],
             found: vec![0; BATCH + CHUNK],
-            places: Box::new(std::array::from_fn(|place| place as u16)),
+            iota: Box::new(std::array::from_fn(|place| place as u16)),
             leaves: Box::new([TriangleLeaf::EMPTY; WIDE]),
-            ahead: Box::new(HitBatch::EMPTY),
+            candidates: Box::new(HitBatch::EMPTY),
         }
     }
 
@@ -257,8 +257,8 @@ impl<C: CounterSink> StreamTraversal<'_, '_, C> {
             let slot = usize::from(slot) & (WIDE - 1);
             update_hit::<ANY>(entry, prepared, hits, |listed, hits| {
                 counter.leaf(hierarchy, node.children()[slot], 1);
-                let ahead = leaves[slot].ahead(listed.stored_woop());
-                (ahead != 0).then(|| listed.accept(leaves[slot], ahead, hits))
+                let candidates = leaves[slot].candidates(listed.stored_woop());
+                (candidates != 0).then(|| listed.accept(leaves[slot], candidates, hits))
             });
         }
     }
@@ -276,7 +276,8 @@ impl<C: CounterSink> StreamTraversal<'_, '_, C> {
         count: usize,
     ) {
         let Self { stream, hierarchy, hits, counter, .. } = self;
-        let Stream { prepared, lists, slots: tags, masks, found, places, leaves, ahead, .. } = &mut **stream;
+        let Stream { prepared, lists, slots: tags, masks, found, iota, leaves, candidates, .. } =
+            &mut **stream;
         let leaves = hierarchy.triangle_leaves(node, reached, leaves);
         let slot_of = |slot: u8| usize::from(slot) & (WIDE - 1);
         let pairs = lists[start..start + count].chunks(BATCH).zip(tags.chunks(BATCH));
@@ -284,26 +285,26 @@ impl<C: CounterSink> StreamTraversal<'_, '_, C> {
             for ((mask, &entry), &slot) in masks.iter_mut().zip(entries).zip(slots) {
                 let (slot, listed) = (slot_of(slot), ListedRay::new(entry, prepared));
                 counter.leaf(hierarchy, node.children()[slot], 1);
-                *mask = leaves[slot].ahead(listed.stored_woop()) as u16;
+                *mask = leaves[slot].candidates(listed.stored_woop()) as u16;
             }
             masks[entries.len()..entries.len() + CHUNK].fill(0);
-            let chunks = places.as_chunks::<CHUNK>().0.iter().zip(masks.as_chunks::<CHUNK>().0);
+            let chunks = iota.as_chunks::<CHUNK>().0.iter().zip(masks.as_chunks::<CHUNK>().0);
             let mut top = 0;
-            for (places, masks) in chunks.take(entries.len().div_ceil(CHUNK)) {
+            for (iota, masks) in chunks.take(entries.len().div_ceil(CHUNK)) {
                 let to = found[top..].first_chunk_mut().expect("`found` has room for all pairs");
-                top += compress_where(places, masks, u16::MAX, to);
+                top += compress_where(iota, masks, u16::MAX, to);
             }
             for &place in &found[..top] {
                 let place = usize::from(place) & (BATCH - 1);
                 let leaf = leaves[slot_of(slots[place])];
                 for triangle in set_bits(u32::from(masks[place])) {
-                    if ahead.push(entries[place], leaf, triangle) {
-                        ahead.accept::<ANY>(prepared, hits);
+                    if candidates.push(entries[place], leaf, triangle) {
+                        candidates.accept::<ANY>(prepared, hits);
                     }
                 }
             }
-            if !ahead.is_empty() {
-                ahead.accept::<ANY>(prepared, hits);
+            if !candidates.is_empty() {
+                candidates.accept::<ANY>(prepared, hits);
             }
         }
     }

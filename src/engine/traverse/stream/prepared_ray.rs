@@ -1,6 +1,6 @@
 //! The prepared rays of a stream, and their octants.
 
-use crate::kernel::ray_box::{Padding, Slabs};
+use crate::kernel::ray_box::{BoxRay, Padding};
 use crate::kernel::ray_triangle::{StoredWoopRay, TriangleMethod, Woop, WoopRay};
 use crate::lane::{Bits, F32x8, Lane, Mask, Native, NativeBits, U32x8};
 use crate::math::{Hit, MISS, Ray, Vec3};
@@ -17,9 +17,9 @@ pub const ORDERS_BY_T: bool = cfg!(target_feature = "sse4a");
 #[derive(Clone, Copy, Pod, Zeroable)]
 #[repr(C, align(64))]
 pub struct PreparedRay {
-    /// As in [`Slabs`].
+    /// As in [`BoxRay`].
     pub inverse: [f32; 3],
-    /// [`Slabs::near`] and [`Slabs::far`]; with [`ORDERS_BY_T`] exchanged along axes on which the ray runs
+    /// [`BoxRay::near`] and [`BoxRay::far`]; with [`ORDERS_BY_T`] exchanged along axes on which the ray runs
     /// backwards, so that they belong to the lower and the upper planes of boxes.
     rest: [f32; 6],
     /// The distance of the nearest hit so far, at first the ray's t_max; −∞ once the ray is done.
@@ -34,7 +34,7 @@ impl PreparedRay {
     /// each axis along which a ray runs backwards.
     #[inline(always)]
     pub fn of_packet(ray: &Ray<F32x8>, padding: Padding, t: F32x8) -> ([Self; 8], U32x8, U32x8) {
-        let Slabs { inverse, near, far } = Slabs::new(ray, padding);
+        let BoxRay { inverse, near, far } = BoxRay::new(ray, padding);
         // Differs from a direction below 0 only for −0, whose inverse has the sign too.
         let octants = [inverse.x, inverse.y, inverse.z].map(|inverse| inverse.to_bits().shr(31));
         let octants = octants[0] | octants[1].shl(1) | octants[2].shl(2);
@@ -59,11 +59,11 @@ impl PreparedRay {
     }
 
     #[inline(always)]
-    pub fn slabs(&self) -> Slabs<f32> {
+    pub fn box_ray(&self) -> BoxRay<f32> {
         let rest = |axis: usize| in_other_order(self.inverse[axis], self.rest[axis], self.rest[3 + axis]);
         let (x, y, z) = (rest(0), rest(1), rest(2));
         let (near, far) = (Vec3::new(x.0, y.0, z.0), Vec3::new(x.1, y.1, z.1));
-        Slabs { inverse: vector(self.inverse), near, far }
+        BoxRay { inverse: vector(self.inverse), near, far }
     }
 
     /// Rays, one a lane, as boxes and triangles take them, and the distances of their nearest hits so far.
@@ -72,7 +72,7 @@ impl PreparedRay {
         prepared: &[Self],
         rays: NativeBits,
         axes: NativeBits,
-    ) -> (Slabs<Native>, WoopRay<Native>, Native) {
+    ) -> (BoxRay<Native>, WoopRay<Native>, Native) {
         // A prepared ray is two rows.
         let rows: &[[f32; 8]] = bytemuck::cast_slice(prepared);
         let row = rays.shl(1);
@@ -81,7 +81,7 @@ impl PreparedRay {
         let (x, y, z) = (in_other_order(a, d, g), in_other_order(b, e, h), in_other_order(c, f, i));
         let (near, far) = (Vec3::new(x.0, y.0, z.0), Vec3::new(x.1, y.1, z.1));
         let woop = WoopRay::from_parts(axes, Vec3::new(j, k, l), Vec3::new(m, n, o));
-        (Slabs { inverse: Vec3::new(a, b, c), near, far }, woop, t)
+        (BoxRay { inverse: Vec3::new(a, b, c), near, far }, woop, t)
     }
 
     /// Stores the hit of the ray with this index in its batch.
@@ -103,7 +103,7 @@ impl PreparedRay {
     }
 }
 
-/// The numbers of an axis in the order of [`Slabs`], near and far, from that of `rest`, or the other way
+/// The numbers of an axis in the order of [`BoxRay`], near and far, from that of `rest`, or the other way
 /// round.
 #[inline(always)]
 fn in_other_order<L: Lane>(inverse: L, first: L, second: L) -> (L, L) {

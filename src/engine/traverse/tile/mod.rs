@@ -150,9 +150,9 @@ impl<'a, L: Lane, C: CounterSink> PacketTraversal<'a, L, C> {
             self.counter.packet_triangles(self.hierarchy, leaf, L::WIDTH, meets);
             // All triangles first, without a branch for whether one is hit, which would often be predicted
             // wrong; those that are hit are tested again. (Only the latter where rays have different z axes.)
-            let ahead = triangles.ahead_of_packet(meets.bitmask(), &self.packet);
+            let candidates = triangles.candidates_of_packet(meets.bitmask(), &self.packet);
             let Self { hierarchy, packet, hit, .. } = self;
-            set_bits(ahead).fold(false, |closer, lane| {
+            set_bits(candidates).fold(false, |closer, lane| {
                 closer | triangles.accept_packet(lane, hierarchy.padding, packet, hit)
             })
         });

@@ -10,7 +10,7 @@ use crate::lane::WIDTHS;
 use crate::render::{PipelineChoice, Renderer, Settings};
 use crate::sampling::Sampler;
 use crate::scene::{Filter, Scene};
-use crate::traverse::batch::Traversal;
+use crate::traverse::Traversal;
 use crate::traverse::{SphereChoice, TraversalChoice, TriangleChoice, list_cost};
 use serde::Serialize;
 

@@ -130,7 +130,7 @@ pub fn meets(corners: (DVec3, DVec3), ray: &Ray<f32>) -> bool {
 }
 
 /// The padding that the default method gives a box, in scene units along each axis: see
-/// [`crate::kernel::ray_box::Slabs::new`].
+/// [`crate::kernel::ray_box::BoxRay::new`].
 pub fn padding(cuboid: &Cuboid, origin: Vec3) -> f64 {
     f64::from(origin.abs().max_element() + cuboid.extent()) * 0.5f64.powi(21)
 }

@@ -10,7 +10,7 @@ use crate::lane::WIDTHS;
 use crate::math::MISS;
 use crate::render::{PrimaryHit, Renderer, Settings};
 use crate::scene::{Camera, Material, MaterialKind, Scene, Side, Sky, Sphere, Triangle};
-use crate::traverse::batch::Traversal;
+use crate::traverse::Traversal;
 use crate::traverse::{Methods, SphereChoice, TraversalChoice};
 use glam::{DQuat, DVec3, Vec3};
 use std::f64::consts::TAU;

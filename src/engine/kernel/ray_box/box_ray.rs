@@ -7,7 +7,7 @@ use crate::math::{Ray, Vec3};
 /// A ray prepared for boxes: within a pair of planes t runs from `plane · inverse + near` to `plane ·
 /// inverse + far`.
 #[derive(Clone, Copy, Debug)]
-pub struct Slabs<L> {
+pub struct BoxRay<L> {
     /// 1 / direction, where each component of the direction has at least 2⁻⁶⁰ of its length: finite.
     pub inverse: Vec3<L>,
     /// −origin / direction − padding.
@@ -16,7 +16,7 @@ pub struct Slabs<L> {
     pub far: Vec3<L>,
 }
 
-impl<L: Lane> Slabs<L> {
+impl<L: Lane> BoxRay<L> {
     /// Prepares a ray. The padding is (|o| + room) 2⁻²¹ |1/d| along each axis, |o| along that axis and room
     /// of [`Padding::room`]: eight roundings of everything that the FMA adds up.
     ///
@@ -59,7 +59,7 @@ impl<L: Lane> Slabs<L> {
         (near, far)
     }
 
-    /// [`Slabs::interval`] of boxes given by their lower and upper corners.
+    /// [`BoxRay::interval`] of boxes given by their lower and upper corners.
     #[inline(always)]
     pub fn pass(&self, lo: Vec3<L>, hi: Vec3<L>) -> (L, L) {
         let (first, second) = in_order(self.inverse, lo, hi);
@@ -82,13 +82,13 @@ fn in_order<L: Lane>(inverse: Vec3<L>, lo: Vec3<L>, hi: Vec3<L>) -> (Vec3<L>, Ve
 /// before `limit`, and t clamped to the box's interval.
 #[inline(always)]
 pub fn own_box<L: Lane>(
-    slabs: &Slabs<L>,
+    box_ray: &BoxRay<L>,
     (lo, hi): (Vec3<L>, Vec3<L>),
     hit: L::Mask,
     t: L,
     limit: L,
 ) -> (L::Mask, L) {
-    let (near, far) = slabs.pass(lo, hi);
+    let (near, far) = box_ray.pass(lo, hi);
     let t = t.min(far).max(near);
     (hit & near.le(far) & L::zero().lt(t) & t.lt(limit), t)
 }

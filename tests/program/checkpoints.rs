@@ -185,7 +185,7 @@ fn checkpoint_of_something_else_is_refused_and_kept() {
     desk.octray(&free.split(' ').collect::<Vec<_>>()).assert().success();
 
     for (place, words) in [
-        (8, &["version 4 of the format", "reads version 3"][..]),
+        (8, &["version 2 of the format", "reads version 3"][..]),
         (40, &["damaged", "checksum"]),
         (kept.len() - 20, &["damaged", "checksum"]),
     ] {

@@ -104,7 +104,6 @@ fn both_widths_are_measured_side_by_side() {
     // With other equations nothing is the same.
     seat.press(Key::Char('x'));
     seat.press(Key::Char('x'));
-    seat.press(Key::Char('x'));
     seat.wait("a rate of one again", |frame| frame.figures.contains("L measures SIMD beside it"));
     seat.end();
 }

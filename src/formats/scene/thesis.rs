@@ -170,8 +170,8 @@ fn inverted(p: DVec3) -> Vec3 {
 
 struct Loader {
     builder: SceneBuilder,
-    /// Index of each material, by the bits of its properties.
-    known: HashMap<([u32; 8], Option<u32>), u32>,
+    /// Index of each material, by all that it is but its name.
+    known: HashMap<String, u32>,
     /// Paths of textures that already have a warning.
     missing: HashSet<String>,
 }
@@ -224,21 +224,20 @@ impl Loader {
             self.builder.warn(format!("{place}.color: {color:?} is outside 0 to 255 and was clamped."));
         }
         let color = DVec3::from(color.map(|channel| srgb_to_linear(channel.clamp(0.0, 255.0) / 255.0)));
-        let (kind, emission, color, roughness) = if emission > 0.0 {
-            (MaterialKind::Emitter, (color * f64::from(emission)).as_vec3(), Vec3::ONE, 0.0)
+        let (kind, emission, color) = if emission > 0.0 {
+            (MaterialKind::Emitter, (color * f64::from(emission)).as_vec3(), Vec3::ONE)
         } else if roughness == 0.0 {
-            (MaterialKind::Metal { roughness }, Vec3::ZERO, color.as_vec3(), roughness)
+            (MaterialKind::Metal { roughness }, Vec3::ZERO, color.as_vec3())
         } else {
-            let shorter = (f64::from(roughness) / REFLECTED_LENGTH) as f32;
-            (MaterialKind::Scatter { roughness: shorter }, Vec3::ZERO, color.as_vec3(), roughness)
+            let roughness = (f64::from(roughness) / REFLECTED_LENGTH) as f32;
+            (MaterialKind::Scatter { roughness }, Vec3::ZERO, color.as_vec3())
         };
-        let [e, c] = [emission, color].map(|v| v.to_array().map(f32::to_bits));
-        let is_emitter = u32::from(kind == MaterialKind::Emitter);
-        let key = ([e[0], e[1], e[2], c[0], c[1], c[2], roughness.to_bits(), is_emitter], texture);
+        let mut material = Material { texture, emission, ..Material::new("", kind, color) };
+        let key = format!("{material:?}");
         if let Some(&number) = self.known.get(&key) {
             return Ok(number);
         }
-        let material = Material { texture, emission, ..Material::new(place.to_string(), kind, color) };
+        material.name = place.to_string();
         let number = self.builder.add_material(material, TEXTURE_SIZE);
         self.known.insert(key, number);
         Ok(number)

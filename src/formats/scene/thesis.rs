@@ -25,7 +25,7 @@ use octray_engine::scene::{
 };
 use serde::Deserialize;
 use serde::de::IgnoredAny;
-use std::collections::{BTreeMap, HashMap, HashSet};
+use std::collections::{BTreeMap, HashMap};
 use std::path::{Path, PathBuf};
 
 /// The thesis's rough reflections add a vector of length `roughness` to a reflected direction of this length.
@@ -97,7 +97,7 @@ pub fn scene(source: &Source, files: &Files, name: String) -> Result<Scene, Scen
     let file: SceneFile = read(source)?;
     let root = source.root();
     let mut loader =
-        Loader { builder: SceneBuilder::new(files), known: HashMap::new(), missing: HashSet::new() };
+        Loader { builder: SceneBuilder::new(files), known: HashMap::new(), textures: HashMap::new() };
 
     let resolution = match file.res {
         Some(resolution) => whole_resolution(&root.key("res"), resolution)?,
@@ -172,8 +172,8 @@ struct Loader {
     builder: SceneBuilder,
     /// Index of each material, by all that it is but its name.
     known: HashMap<String, u32>,
-    /// Paths of textures that already have a warning.
-    missing: HashSet<String>,
+    /// Index of each texture by its path; `None` where it is missing.
+    textures: HashMap<String, Option<u32>>,
 }
 
 impl Loader {
@@ -245,11 +245,14 @@ impl Loader {
     /// The texture at a path, searched in every folder that the thesis's files may mean. A path that is not
     /// found is a warning.
     fn texture(&mut self, path: &str) -> Option<u32> {
-        if path.is_empty() || self.missing.contains(path) {
+        if path.is_empty() {
             return None;
         }
+        if let Some(&known) = self.textures.get(path) {
+            return known;
+        }
         let files = self.builder.files();
-        let found = candidates(files, path).into_iter().find(|path| files.exists(path));
+        let found = candidates(files, path).into_iter().find(|path| files.read(path).is_ok());
         let loaded = match found {
             Some(found) => self.builder.textures.load(&found, path, Filter::Nearest, TexelKind::Color),
             None => {
@@ -260,9 +263,10 @@ impl Loader {
         };
         if let Err(reason) = &loaded {
             self.builder.warn(format!("The texture `{path}` is left out: {reason}."));
-            self.missing.insert(path.to_string());
         }
-        loaded.ok()
+        let loaded = loaded.ok();
+        self.textures.insert(path.to_string(), loaded);
+        loaded
     }
 }
 

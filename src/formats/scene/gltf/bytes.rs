@@ -7,7 +7,6 @@ use super::super::files::{Files, has_extension};
 use super::super::json::{JsonPath, Source};
 use gltf_json::Root;
 use gltf_json::buffer::View;
-use std::borrow::Cow;
 use std::collections::{HashMap, HashSet};
 use std::ops::Deref;
 use std::path::{Path, PathBuf};
@@ -101,7 +100,7 @@ pub fn buffers(
                     let mend = "put the file beside the model, or export the model as .glb";
                     place.key("uri").error(format!("cannot read a buffer: {reason}"), mend)
                 })?;
-                Rc::clone(read.entry(uri).or_insert(content.into_owned().into()))
+                Rc::clone(read.entry(uri).or_insert(content.into()))
             }
             (None, Some(binary)) if index == 0 => binary.into(),
             (None, _) => return Err(broken(&place, "a buffer without `uri` and without a binary part")),
@@ -135,10 +134,10 @@ impl Document<'_> {
 }
 
 /// The content that a URI names: a data URI, or a file beside the model.
-pub fn from_uri(uri: &str, model: &Path, files: &Files) -> Result<Cow<'static, [u8]>, String> {
+pub fn from_uri(uri: &str, model: &Path, files: &Files) -> Result<Vec<u8>, String> {
     if is_data(uri) {
         let data = uri.split_once(";base64,").and_then(|(_, data)| base64(data.as_bytes()));
-        return data.map(Cow::Owned).ok_or_else(|| "a data URI is not base64".to_string());
+        return data.ok_or_else(|| "a data URI is not base64".to_string());
     }
     let path = path(uri, model);
     files.read(&path).map_err(|reason| format!("{}: {reason}", path.display()))

@@ -96,8 +96,7 @@ struct Surface<'a> {
 pub fn scene(source: &Source, files: &Files, name: String) -> Result<Scene, SceneError> {
     let file: SceneFile = read(source)?;
     let root = source.root();
-    let mut loader =
-        Loader { builder: SceneBuilder::new(files), known: HashMap::new(), textures: HashMap::new() };
+    let mut loader = Loader { builder: SceneBuilder::new(files), ..Loader::default() };
 
     let resolution = match file.res {
         Some(resolution) => whole_resolution(&root.key("res"), resolution)?,
@@ -168,6 +167,7 @@ fn inverted(p: DVec3) -> Vec3 {
     (DVec3::ZERO - p).as_vec3()
 }
 
+#[derive(Default)]
 struct Loader {
     builder: SceneBuilder,
     /// Index of each material, by all that it is but its name.

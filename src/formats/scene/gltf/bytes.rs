@@ -8,7 +8,6 @@ use super::super::json::{JsonPath, Source};
 use gltf_json::Root;
 use gltf_json::buffer::View;
 use std::collections::{HashMap, HashSet};
-use std::ops::Deref;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
@@ -59,25 +58,13 @@ pub fn split<'a>(content: &'a [u8], path: &Path) -> Result<(&'a str, Option<&'a 
     Ok((json.ok_or_else(|| fault("the file has no JSON chunk".into()))?, binary))
 }
 
-/// The content of a buffer. Buffers of the same file share it.
-pub struct Buffer {
-    content: Rc<[u8]>,
-    length: usize,
-}
-
-impl Deref for Buffer {
-    type Target = [u8];
-
-    fn deref(&self) -> &[u8] {
-        &self.content[..self.length]
-    }
-}
+/// The content of a buffer, at least as long as the buffer. Buffers of the same file share it.
+pub type Buffer = Rc<[u8]>;
 
 /// The bytes of all buffers, each file counted once.
 pub fn total(buffers: &[Buffer]) -> usize {
     let mut seen = HashSet::new();
-    let first = buffers.iter().filter(|buffer| seen.insert(Rc::as_ptr(&buffer.content)));
-    first.map(|buffer| buffer.content.len()).sum()
+    buffers.iter().filter(|buffer| seen.insert(Rc::as_ptr(buffer))).map(|buffer| buffer.len()).sum()
 }
 
 /// The content of every buffer.
@@ -90,7 +77,7 @@ pub fn buffers(
     let list = source.root();
     let list = list.key("buffers");
     let mut buffers = Vec::new();
-    let mut read: HashMap<&str, Rc<[u8]>> = HashMap::new();
+    let mut read: HashMap<&str, Buffer> = HashMap::new();
     for (index, buffer) in root.buffers.iter().enumerate() {
         let place = list.item(index);
         let content = match (buffer.uri.as_deref(), binary) {
@@ -110,7 +97,7 @@ pub fn buffers(
             let what = format!("the buffer has {} bytes, not {length}", content.len());
             return Err(broken(&place.key("byteLength"), what));
         }
-        buffers.push(Buffer { content, length: length as usize });
+        buffers.push(content);
     }
     Ok(buffers)
 }

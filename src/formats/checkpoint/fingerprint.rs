@@ -2,9 +2,10 @@
 //!
 //! For: [`Fingerprint`].
 
+use crc32fast::Hasher;
 use octray_engine::scene::{Scene, Sphere, Texels, Texture, Triangle};
 use serde::{Deserialize, Serialize};
-use std::fmt::{self, Debug, Write};
+use std::fmt::Debug;
 
 /// A CRC-32 of each part of a scene that changes its picture, in hexadecimal. Resolution and bounces are
 /// settings; names of files, warnings and the scene's own name change no picture.
@@ -46,10 +47,11 @@ impl Fingerprint {
             warnings: _,
             files: _,
         } = scene;
-        let mut vertices = Hasher::default();
-        vertices.words(uvs.iter().flatten().flat_map(|uv| uv.to_array()).map(f32::to_bits));
-        vertices.words([u32::MAX].into_iter());
-        vertices.words(normals.iter().flatten().flat_map(|normal| normal.to_array()).map(f32::to_bits));
+        let mut vertices = Hasher::new();
+        add_words(&mut vertices, uvs.iter().flatten().flat_map(|uv| uv.to_array()).map(f32::to_bits));
+        add_words(&mut vertices, [u32::MAX].into_iter());
+        let normals = normals.iter().flatten().flat_map(|normal| normal.to_array());
+        add_words(&mut vertices, normals.map(f32::to_bits));
         Self {
             camera: of_debug(camera),
             sky: of_debug(sky),
@@ -57,7 +59,7 @@ impl Fingerprint {
             textures: of_textures(textures),
             spheres: of_words(spheres.iter().flat_map(sphere_words)),
             triangles: of_words(triangles.iter().flat_map(triangle_words)),
-            vertices: vertices.end(),
+            vertices: mark(vertices),
         }
     }
 }
@@ -75,56 +77,47 @@ fn triangle_words(triangle: &Triangle) -> impl Iterator<Item = u32> {
 }
 
 fn of_textures(textures: &[Texture]) -> String {
-    let mut hasher = Hasher::default();
+    let mut hasher = Hasher::new();
     for Texture { name: _, width, height, filter, texels } in textures {
         let kind = std::mem::discriminant(texels);
-        let _ = write!(hasher, "{width} {height} {filter:?} {kind:?}");
+        hasher.update(format!("{width} {height} {filter:?} {kind:?}").as_bytes());
         match texels {
-            Texels::Srgb8(texels) | Texels::Unorm8(texels) => hasher.0.update(bytemuck::cast_slice(texels)),
-            Texels::Float32(texels) => hasher.words(texels.iter().flatten().map(|number| number.to_bits())),
+            Texels::Srgb8(texels) | Texels::Unorm8(texels) => hasher.update(bytemuck::cast_slice(texels)),
+            Texels::Float32(texels) => {
+                add_words(&mut hasher, texels.iter().flatten().map(|number| number.to_bits()));
+            }
         }
     }
-    hasher.end()
+    mark(hasher)
 }
 
 /// Of what `Debug` writes: every number with all its digits.
 fn of_debug(what: &impl Debug) -> String {
-    let mut hasher = Hasher::default();
-    let _ = write!(hasher, "{what:?}");
-    hasher.end()
+    let mut hasher = Hasher::new();
+    hasher.update(format!("{what:?}").as_bytes());
+    mark(hasher)
 }
 
 fn of_words(words: impl Iterator<Item = u32>) -> String {
-    let mut hasher = Hasher::default();
-    hasher.words(words);
-    hasher.end()
+    let mut hasher = Hasher::new();
+    add_words(&mut hasher, words);
+    mark(hasher)
 }
 
-#[derive(Default)]
-struct Hasher(crc32fast::Hasher);
-
-impl Hasher {
-    fn words(&mut self, mut words: impl Iterator<Item = u32>) {
-        let mut bytes = Vec::with_capacity(1 << 12);
-        loop {
-            bytes.clear();
-            bytes.extend(words.by_ref().take(1 << 10).flat_map(u32::to_le_bytes));
-            if bytes.is_empty() {
-                return;
-            }
-            self.0.update(&bytes);
+fn add_words(hasher: &mut Hasher, mut words: impl Iterator<Item = u32>) {
+    let mut bytes = Vec::with_capacity(1 << 12);
+    loop {
+        bytes.clear();
+        bytes.extend(words.by_ref().take(1 << 10).flat_map(u32::to_le_bytes));
+        if bytes.is_empty() {
+            return;
         }
-    }
-    fn end(self) -> String {
-        format!("{:08x}", self.0.finalize())
+        hasher.update(&bytes);
     }
 }
 
-impl Write for Hasher {
-    fn write_str(&mut self, text: &str) -> fmt::Result {
-        self.0.update(text.as_bytes());
-        Ok(())
-    }
+fn mark(hasher: Hasher) -> String {
+    format!("{:08x}", hasher.finalize())
 }
 
 #[cfg(test)]

@@ -97,19 +97,12 @@ impl SceneBuilder {
             }
             None => (material, attributes.uvs),
         };
-        if self.materials[material as usize].textures().next().is_some() {
-            let size = self.texture_sizes[material as usize];
-            self.uvs.resize(before, [Vec2::ZERO; 3]);
-            self.uvs.push(uvs.unwrap_or_else(|| planar_uvs(vertices, size)));
-        } else if !self.uvs.is_empty() {
-            self.uvs.push([Vec2::ZERO; 3]);
-        }
-        if let Some(normals) = attributes.normals.filter(|normals| is_smooth(vertices, *normals)) {
-            self.normals.resize(before, [Vec3::ZERO; 3]);
-            self.normals.push(normals);
-        } else if !self.normals.is_empty() {
-            self.normals.push([Vec3::ZERO; 3]);
-        }
+        let is_textured = self.materials[material as usize].textures().next().is_some();
+        let size = self.texture_sizes[material as usize];
+        let uvs = is_textured.then(|| uvs.unwrap_or_else(|| planar_uvs(vertices, size)));
+        let normals = attributes.normals.filter(|normals| is_smooth(vertices, *normals));
+        push_at(&mut self.uvs, before, uvs);
+        push_at(&mut self.normals, before, normals);
         self.triangles.push(Triangle { vertices, material });
         true
     }
@@ -147,14 +140,14 @@ impl SceneBuilder {
     /// Refuses more primitives or materials than a scene may have, before so many triangles are added.
     pub fn check_room(&self, triangles: usize) -> Result<(), SceneError> {
         let primitives = self.spheres.len() + self.triangles.len() + triangles;
-        if primitives > MAX_PRIMITIVES {
-            let what = format!("the scene holds {primitives} spheres and triangles");
-            return Err(SceneError::new(what).mend(format!("leave at most {MAX_PRIMITIVES}")));
-        }
-        let materials = self.materials.len();
-        if materials > MAX_MATERIALS {
-            let what = format!("the scene holds {materials} materials");
-            return Err(SceneError::new(what).mend(format!("leave at most {MAX_MATERIALS}")));
+        for (count, most, what) in [
+            (primitives, MAX_PRIMITIVES, "spheres and triangles"),
+            (self.materials.len(), MAX_MATERIALS, "materials"),
+        ] {
+            if count > most {
+                let error = SceneError::new(format!("the scene holds {count} {what}"));
+                return Err(error.mend(format!("leave at most {most}")));
+            }
         }
         Ok(())
     }
@@ -212,6 +205,14 @@ impl SceneBuilder {
             warnings: self.warnings,
             files: Vec::new(),
         })
+    }
+}
+
+/// Appends what a triangle has to a list that stays empty until the first one has it.
+fn push_at<T: Copy + Default>(list: &mut Vec<T>, triangle: usize, item: Option<T>) {
+    if item.is_some() || !list.is_empty() {
+        list.resize(triangle, T::default());
+        list.push(item.unwrap_or_default());
     }
 }
 

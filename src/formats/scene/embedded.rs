@@ -23,7 +23,7 @@ const FILES: [(&str, &[u8]); 2] = [
     ("textures/chess.png", include_bytes!("../scenes/textures/chess.png")),
 ];
 
-/// The names that may follow [`PREFIX`].
+/// The names that may follow `builtin:`.
 pub fn names() -> impl Iterator<Item = &'static str> {
     SCENES.iter().map(|&(name, _)| name)
 }

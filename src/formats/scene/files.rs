@@ -4,7 +4,6 @@
 
 use super::embedded;
 use super::error::SceneError;
-use std::borrow::Cow;
 use std::cell::RefCell;
 use std::collections::HashSet;
 use std::fs::{self, File};
@@ -26,22 +25,13 @@ const MAX_FILE: u64 = 1 << 34;
 /// The content of the file at a path.
 pub type Reading = dyn Fn(&Path) -> io::Result<Vec<u8>>;
 
-/// Where the content of files comes from.
-#[derive(Clone, Default)]
-enum Store {
-    Disk,
-    /// The files inside the program, named relative to `scenes/`.
-    #[default]
-    Program,
-    Given(Rc<Reading>),
-}
-
-/// The folder that a scene's relative paths start from, and the files that were requested while loading it.
-/// Copies record in the same list. By default the files inside the program.
-#[derive(Clone, Default)]
+/// The files that a scene may name, and those that were requested while loading it. Copies record in the same
+/// list. By default the files inside the program, named relative to `scenes/`.
+#[derive(Clone)]
 pub struct Files {
-    folder: PathBuf,
-    store: Store,
+    /// Where relative paths start; `None` inside the program.
+    folder: Option<PathBuf>,
+    reading: Rc<Reading>,
     requested: Rc<RefCell<Requested>>,
 }
 
@@ -54,107 +44,81 @@ struct Requested {
     seen: HashSet<PathBuf>,
 }
 
+impl Default for Files {
+    fn default() -> Self {
+        let reading = |path: &Path| Ok(embedded::file(path).ok_or(ErrorKind::NotFound)?.to_vec());
+        Self { folder: None, reading: Rc::new(reading), requested: Rc::default() }
+    }
+}
+
 impl Files {
     /// The files beside `file` on disk.
     pub fn beside(file: &Path) -> Self {
-        Self { folder: folder_of(file), store: Store::Disk, ..Self::default() }
+        Self::given(file, Rc::new(read_from_disk))
     }
     /// The files beside `file`, from a function.
     pub fn given(file: &Path, reading: Rc<Reading>) -> Self {
-        Self { folder: folder_of(file), store: Store::Given(reading), ..Self::default() }
+        Self { reading, ..Self::default() }.beside_other(file)
     }
     /// The files beside another file, from where these come from.
     pub fn beside_other(&self, file: &Path) -> Self {
-        Self { folder: folder_of(file), ..self.clone() }
+        let folder = file.parent().unwrap_or(Path::new(""));
+        Self { folder: Some(folder.to_path_buf()), ..self.clone() }
     }
     /// Where relative paths start, if outside the program.
     pub fn folder(&self) -> Option<&Path> {
-        match self.store {
-            Store::Program => None,
-            Store::Disk | Store::Given(_) => Some(&self.folder),
-        }
+        self.folder.as_deref()
     }
     /// The file that `path` names. A leading `./` is dropped for files inside the program.
     pub fn resolve(&self, path: &str) -> PathBuf {
-        match self.folder() {
+        match &self.folder {
             Some(folder) => folder.join(path),
             None => PathBuf::from(path.trim_start_matches("./")),
         }
     }
     /// The content of a resolved path, or the reason why there is none.
-    pub fn read(&self, path: &Path) -> Result<Cow<'static, [u8]>, String> {
-        match &self.store {
-            Store::Program => {
-                embedded::file(path).map(Cow::Borrowed).ok_or_else(|| "no such file".to_string())
-            }
-            Store::Disk => {
-                self.record(path);
-                read_from_disk(path).map(Cow::Owned)
-            }
-            Store::Given(reading) => {
-                self.record(path);
-                reading(path).map(Cow::Owned).map_err(reason)
-            }
+    pub fn read(&self, path: &Path) -> Result<Vec<u8>, String> {
+        let mut requested = self.requested.borrow_mut();
+        if self.folder.is_some() && requested.seen.insert(path.to_path_buf()) {
+            requested.list.push(path.to_path_buf());
         }
+        (self.reading)(path).map_err(|error| match error.kind() {
+            ErrorKind::NotFound => "no such file".to_string(),
+            ErrorKind::PermissionDenied => "no permission to read it".to_string(),
+            _ => error.to_string(),
+        })
     }
     /// The content of a file that the user named on the command line.
-    pub fn read_named(&self, path: &Path) -> Result<Cow<'static, [u8]>, SceneError> {
+    pub fn read_named(&self, path: &Path) -> Result<Vec<u8>, SceneError> {
         self.read(path).map_err(|reason| {
             SceneError::new(format!("cannot read the scene: {reason}"))
                 .in_file(path)
                 .mend(format!("give a file that exists and can be read: {FILES}"))
         })
     }
-    pub fn exists(&self, path: &Path) -> bool {
-        match &self.store {
-            Store::Disk => {
-                self.record(path);
-                path.is_file()
-            }
-            Store::Program | Store::Given(_) => self.read(path).is_ok(),
-        }
-    }
     /// The paths requested outside the program, existing or not, each once, in the order of requests.
     pub fn into_requested(self) -> Vec<PathBuf> {
         std::mem::take(&mut self.requested.borrow_mut().list)
     }
-    fn record(&self, path: &Path) {
-        let mut requested = self.requested.borrow_mut();
-        if requested.seen.insert(path.to_path_buf()) {
-            requested.list.push(path.to_path_buf());
-        }
-    }
-}
-
-fn folder_of(file: &Path) -> PathBuf {
-    file.parent().unwrap_or(Path::new("")).to_path_buf()
 }
 
 /// Anything but a regular file is refused: a pipe or a device may never end. Reads as much as the file has at
 /// the beginning, and allocates it at once or not at all.
-fn read_from_disk(path: &Path) -> Result<Vec<u8>, String> {
-    let metadata = fs::metadata(path).map_err(reason)?;
+fn read_from_disk(path: &Path) -> io::Result<Vec<u8>> {
+    let metadata = fs::metadata(path)?;
     if metadata.is_dir() {
-        return Err("it is a folder, not a file".to_string());
+        return Err(io::Error::other("it is a folder, not a file"));
     }
     if !metadata.is_file() {
-        return Err("it is not a regular file".to_string());
+        return Err(io::Error::other("it is not a regular file"));
     }
     let length = metadata.len();
     if length > MAX_FILE {
-        return Err(format!("it has {length} bytes, and at most {MAX_FILE} are read"));
+        return Err(io::Error::other(format!("it has {length} bytes, and at most {MAX_FILE} are read")));
     }
-    let file = File::open(path).map_err(reason)?;
+    let file = File::open(path)?;
     let mut content = Vec::new();
-    content.try_reserve_exact(length as usize).map_err(|error| error.to_string())?;
-    file.take(length).read_to_end(&mut content).map_err(reason)?;
+    content.try_reserve_exact(length as usize)?;
+    file.take(length).read_to_end(&mut content)?;
     Ok(content)
-}
-
-fn reason(error: io::Error) -> String {
-    match error.kind() {
-        ErrorKind::NotFound => "no such file".to_string(),
-        ErrorKind::PermissionDenied => "no permission to read it".to_string(),
-        _ => error.to_string(),
-    }
 }

@@ -31,17 +31,17 @@ pub fn material(
     let unstated = if file.roughness_map.is_some() || file.r#type == "metal-rough" { 1.0 } else { 0.0 };
     let stated_roughness = file.roughness.unwrap_or(unstated);
     let roughness = || place.key("roughness").fraction(stated_roughness);
-    let (at_ior, ior) = (place.key("ior"), file.ior.unwrap_or(1.5));
+    let ior = || ior(&place.key("ior"), &file.r#type, file.ior.unwrap_or(1.5));
     let kind = match file.r#type.as_str() {
         "diffuse" => MaterialKind::Diffuse,
         "metal" => MaterialKind::Metal { roughness: roughness()? },
-        "plastic" => MaterialKind::Plastic { roughness: roughness()?, ior: coat_ior(&at_ior, ior)? },
+        "plastic" => MaterialKind::Plastic { roughness: roughness()?, ior: ior()? },
         "metal-rough" => MaterialKind::MetalRough {
             roughness: roughness()?,
             metallic: place.key("metallic").fraction(file.metallic.unwrap_or(1.0))?,
-            ior: dielectric_ior(&at_ior, ior)?,
+            ior: ior()?,
         },
-        "glass" => MaterialKind::Glass { ior: glass_ior(&at_ior, ior)? },
+        "glass" => MaterialKind::Glass { ior: ior()? },
         "scatter" => {
             MaterialKind::Scatter { roughness: place.key("roughness").not_negative(stated_roughness)? }
         }
@@ -139,32 +139,27 @@ fn needs_texture(key: &str, is_there: bool, place: &JsonPath, why: &str) -> Resu
     Ok(())
 }
 
-fn glass_ior(place: &JsonPath, x: f64) -> Result<f32, SceneError> {
-    // Its reciprocal must be finite too.
-    if x < MIN_LENGTH {
-        let mend = "write a number above 0: water is 1.33, glass 1.5, diamond 2.4";
-        return Err(place.error(format!("an index of refraction of {x} is impossible"), mend));
-    }
-    place.number(x)
-}
-
-/// The index of refraction of metal-rough.
-fn dielectric_ior(place: &JsonPath, x: f64) -> Result<f32, SceneError> {
-    if x < 1.0 {
-        let mend = "write a number of 1 or more: most dielectrics are about 1.5";
-        return Err(place.error(format!("a surface cannot have an index of refraction of {x}"), mend));
-    }
-    place.number(x)
-}
-
-/// A coat's index of refraction. No coat has one above 3, where the model would gain energy
-/// (`kernel::bsdf::plastic`).
-fn coat_ior(place: &JsonPath, x: f64) -> Result<f32, SceneError> {
-    if !(1.0..=3.0).contains(&x) {
-        let mend = "write a number from 1 to 3: varnish and most plastics are about 1.5";
-        return Err(place.error(format!("a coat cannot have an index of refraction of {x}"), mend));
-    }
-    Ok(x as f32)
+/// The index of refraction of a material of this type. No coat has one above 3, where the model would gain
+/// energy (`kernel::bsdf::plastic`); the reciprocal of glass's must be finite.
+fn ior(place: &JsonPath, material_type: &str, x: f64) -> Result<f32, SceneError> {
+    let (range, what, mend) = match material_type {
+        "glass" => (
+            MIN_LENGTH..=f64::INFINITY,
+            format!("an index of refraction of {x} is impossible"),
+            "write a number above 0: water is 1.33, glass 1.5, diamond 2.4",
+        ),
+        "plastic" => (
+            1.0..=3.0,
+            format!("a coat cannot have an index of refraction of {x}"),
+            "write a number from 1 to 3: varnish and most plastics are about 1.5",
+        ),
+        _ => (
+            1.0..=f64::INFINITY,
+            format!("a surface cannot have an index of refraction of {x}"),
+            "write a number of 1 or more: most dielectrics are about 1.5",
+        ),
+    };
+    if range.contains(&x) { place.number(x) } else { Err(place.error(what, mend)) }
 }
 
 fn texture(

@@ -51,11 +51,9 @@ pub fn load(
     // Each once, however often the model names it.
     for library in libraries.iter().filter(|library| seen.insert(*library)) {
         // One statement may name several libraries, or one whose name holds spaces.
-        let whole = [library.as_str()];
-        let names = if builder.files().exists(&obj.with_file_name(library)) {
-            whole.to_vec()
-        } else {
-            library.split_whitespace().collect()
+        let names = match builder.files().read(&obj.with_file_name(library)) {
+            Ok(_) => vec![library.as_str()],
+            Err(_) => library.split_whitespace().collect(),
         };
         for name in names {
             let path = obj.with_file_name(name);
@@ -316,11 +314,14 @@ impl Entry {
         }
         let mut load = |image: Option<&String>, texel_kind| {
             let image = image?;
-            let slashed = image.replace('\\', "/");
-            let spelt = if builder.files().exists(&path.with_file_name(image)) { image } else { &slashed };
-            let (file, shown) = (path.with_file_name(spelt), Path::new(library).with_file_name(spelt));
-            let shown = shown.to_string_lossy();
-            let loaded = builder.textures.load(&file, &shown, Filter::Bilinear, texel_kind);
+            let mut load = |spelt: &str| {
+                let (file, shown) = (path.with_file_name(spelt), Path::new(library).with_file_name(spelt));
+                builder.textures.load(&file, &shown.to_string_lossy(), Filter::Bilinear, texel_kind)
+            };
+            let loaded = load(image).or_else(|reason| match image.contains('\\') {
+                true => load(&image.replace('\\', "/")),
+                false => Err(reason),
+            });
             if let Err(reason) = &loaded {
                 let name = &self.name;
                 builder.warn(format!("{place}: the texture `{image}` of `{name}` is left out: {reason}."));

@@ -33,7 +33,7 @@ impl Scalar {
             Kind::Real => f64::from_bits(bits),
         }
     }
-    /// The largest whole number of the type; 1 for real ones, which need no scale.
+    /// The largest whole number of at most 4 bytes; 1 for real ones, which need no scale.
     pub fn largest(self) -> f64 {
         match self.kind {
             Kind::Signed => ((1_u64 << (8 * self.bytes - 1)) - 1) as f64,

@@ -7,7 +7,6 @@ use crate::openexr;
 use image::{DynamicImage, ImageError, ImageFormat, ImageReader, Limits};
 use octray_engine::film::Picture;
 use octray_engine::scene::{Filter, TexelKind, Texels, Texture, srgb_to_linear};
-use std::borrow::Cow;
 use std::collections::HashMap;
 use std::fmt::Display;
 use std::io::Cursor;
@@ -50,7 +49,7 @@ impl Textures {
     /// the image and the change.
     pub fn load_from(
         &mut self,
-        content: impl FnOnce() -> Result<Cow<'static, [u8]>, String>,
+        content: impl FnOnce() -> Result<Vec<u8>, String>,
         change: impl FnOnce(Texels) -> Texels,
         path: &Path,
         name: &str,

@@ -25,7 +25,7 @@ use octray_engine::scene::{
 };
 use serde::Deserialize;
 use serde::de::IgnoredAny;
-use std::collections::{BTreeMap, HashMap, HashSet};
+use std::collections::{BTreeMap, HashMap};
 use std::path::{Path, PathBuf};
 
 /// The thesis's rough reflections add a vector of length `roughness` to a reflected direction of this length.
@@ -96,8 +96,7 @@ struct Surface<'a> {
 pub fn scene(source: &Source, files: &Files, name: String) -> Result<Scene, SceneError> {
     let file: SceneFile = read(source)?;
     let root = source.root();
-    let mut loader =
-        Loader { builder: SceneBuilder::new(files), known: HashMap::new(), missing: HashSet::new() };
+    let mut loader = Loader { builder: SceneBuilder::new(files), ..Loader::default() };
 
     let resolution = match file.res {
         Some(resolution) => whole_resolution(&root.key("res"), resolution)?,
@@ -168,12 +167,13 @@ fn inverted(p: DVec3) -> Vec3 {
     (DVec3::ZERO - p).as_vec3()
 }
 
+#[derive(Default)]
 struct Loader {
     builder: SceneBuilder,
-    /// Index of each material, by the bits of its properties.
-    known: HashMap<([u32; 8], Option<u32>), u32>,
-    /// Paths of textures that already have a warning.
-    missing: HashSet<String>,
+    /// Index of each material, by all that it is but its name.
+    known: HashMap<String, u32>,
+    /// Index of each texture by its path; `None` where it is missing.
+    textures: HashMap<String, Option<u32>>,
 }
 
 impl Loader {
@@ -224,21 +224,20 @@ impl Loader {
             self.builder.warn(format!("{place}.color: {color:?} is outside 0 to 255 and was clamped."));
         }
         let color = DVec3::from(color.map(|channel| srgb_to_linear(channel.clamp(0.0, 255.0) / 255.0)));
-        let (kind, emission, color, roughness) = if emission > 0.0 {
-            (MaterialKind::Emitter, (color * f64::from(emission)).as_vec3(), Vec3::ONE, 0.0)
+        let (kind, emission, color) = if emission > 0.0 {
+            (MaterialKind::Emitter, (color * f64::from(emission)).as_vec3(), Vec3::ONE)
         } else if roughness == 0.0 {
-            (MaterialKind::Metal { roughness }, Vec3::ZERO, color.as_vec3(), roughness)
+            (MaterialKind::Metal { roughness }, Vec3::ZERO, color.as_vec3())
         } else {
-            let shorter = (f64::from(roughness) / REFLECTED_LENGTH) as f32;
-            (MaterialKind::Scatter { roughness: shorter }, Vec3::ZERO, color.as_vec3(), roughness)
+            let roughness = (f64::from(roughness) / REFLECTED_LENGTH) as f32;
+            (MaterialKind::Scatter { roughness }, Vec3::ZERO, color.as_vec3())
         };
-        let [e, c] = [emission, color].map(|v| v.to_array().map(f32::to_bits));
-        let is_emitter = u32::from(kind == MaterialKind::Emitter);
-        let key = ([e[0], e[1], e[2], c[0], c[1], c[2], roughness.to_bits(), is_emitter], texture);
+        let mut material = Material { texture, emission, ..Material::new("", kind, color) };
+        let key = format!("{material:?}");
         if let Some(&number) = self.known.get(&key) {
             return Ok(number);
         }
-        let material = Material { texture, emission, ..Material::new(place.to_string(), kind, color) };
+        material.name = place.to_string();
         let number = self.builder.add_material(material, TEXTURE_SIZE);
         self.known.insert(key, number);
         Ok(number)
@@ -246,11 +245,14 @@ impl Loader {
     /// The texture at a path, searched in every folder that the thesis's files may mean. A path that is not
     /// found is a warning.
     fn texture(&mut self, path: &str) -> Option<u32> {
-        if path.is_empty() || self.missing.contains(path) {
+        if path.is_empty() {
             return None;
         }
+        if let Some(&known) = self.textures.get(path) {
+            return known;
+        }
         let files = self.builder.files();
-        let found = candidates(files, path).into_iter().find(|path| files.exists(path));
+        let found = candidates(files, path).into_iter().find(|path| files.read(path).is_ok());
         let loaded = match found {
             Some(found) => self.builder.textures.load(&found, path, Filter::Nearest, TexelKind::Color),
             None => {
@@ -261,9 +263,10 @@ impl Loader {
         };
         if let Err(reason) = &loaded {
             self.builder.warn(format!("The texture `{path}` is left out: {reason}."));
-            self.missing.insert(path.to_string());
         }
-        loaded.ok()
+        let loaded = loaded.ok();
+        self.textures.insert(path.to_string(), loaded);
+        loaded
     }
 }
 

@@ -32,13 +32,7 @@ pub fn scene(source: &Source, files: &Files, name: String) -> Result<Scene, Scen
     let resolution = root.key("resolution").resolution(file.resolution.unwrap_or(DEFAULT_RESOLUTION))?;
     let max_bounces = root.key("max_bounces").bounces(file.max_bounces.unwrap_or(DEFAULT_BOUNCES))?;
 
-    let mut loader = Loader {
-        builder: SceneBuilder::new(files),
-        materials: HashMap::new(),
-        uses: HashMap::new(),
-        models: HashMap::new(),
-        copies: 0,
-    };
+    let mut loader = Loader { builder: SceneBuilder::new(files), ..Loader::default() };
     for entry in &file.materials.0 {
         let place = root.key("materials");
         let number = material::material(&mut loader.builder, entry, &place.key(&entry.0))?;
@@ -93,6 +87,7 @@ pub fn camera(
     }
 }
 
+#[derive(Default)]
 struct Loader<'a> {
     builder: SceneBuilder,
     /// Index of each material by name.

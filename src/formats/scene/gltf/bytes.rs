@@ -7,9 +7,7 @@ use super::super::files::{Files, has_extension};
 use super::super::json::{JsonPath, Source};
 use gltf_json::Root;
 use gltf_json::buffer::View;
-use std::borrow::Cow;
 use std::collections::{HashMap, HashSet};
-use std::ops::Deref;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
@@ -60,25 +58,13 @@ pub fn split<'a>(content: &'a [u8], path: &Path) -> Result<(&'a str, Option<&'a 
     Ok((json.ok_or_else(|| fault("the file has no JSON chunk".into()))?, binary))
 }
 
-/// The content of a buffer. Buffers of the same file share it.
-pub struct Buffer {
-    content: Rc<[u8]>,
-    length: usize,
-}
-
-impl Deref for Buffer {
-    type Target = [u8];
-
-    fn deref(&self) -> &[u8] {
-        &self.content[..self.length]
-    }
-}
+/// The content of a buffer, at least as long as the buffer. Buffers of the same file share it.
+pub type Buffer = Rc<[u8]>;
 
 /// The bytes of all buffers, each file counted once.
 pub fn total(buffers: &[Buffer]) -> usize {
     let mut seen = HashSet::new();
-    let first = buffers.iter().filter(|buffer| seen.insert(Rc::as_ptr(&buffer.content)));
-    first.map(|buffer| buffer.content.len()).sum()
+    buffers.iter().filter(|buffer| seen.insert(Rc::as_ptr(buffer))).map(|buffer| buffer.len()).sum()
 }
 
 /// The content of every buffer.
@@ -91,7 +77,7 @@ pub fn buffers(
     let list = source.root();
     let list = list.key("buffers");
     let mut buffers = Vec::new();
-    let mut read: HashMap<&str, Rc<[u8]>> = HashMap::new();
+    let mut read: HashMap<&str, Buffer> = HashMap::new();
     for (index, buffer) in root.buffers.iter().enumerate() {
         let place = list.item(index);
         let content = match (buffer.uri.as_deref(), binary) {
@@ -101,7 +87,7 @@ pub fn buffers(
                     let mend = "put the file beside the model, or export the model as .glb";
                     place.key("uri").error(format!("cannot read a buffer: {reason}"), mend)
                 })?;
-                Rc::clone(read.entry(uri).or_insert(content.into_owned().into()))
+                Rc::clone(read.entry(uri).or_insert(content.into()))
             }
             (None, Some(binary)) if index == 0 => binary.into(),
             (None, _) => return Err(broken(&place, "a buffer without `uri` and without a binary part")),
@@ -111,7 +97,7 @@ pub fn buffers(
             let what = format!("the buffer has {} bytes, not {length}", content.len());
             return Err(broken(&place.key("byteLength"), what));
         }
-        buffers.push(Buffer { content, length: length as usize });
+        buffers.push(content);
     }
     Ok(buffers)
 }
@@ -135,10 +121,10 @@ impl Document<'_> {
 }
 
 /// The content that a URI names: a data URI, or a file beside the model.
-pub fn from_uri(uri: &str, model: &Path, files: &Files) -> Result<Cow<'static, [u8]>, String> {
+pub fn from_uri(uri: &str, model: &Path, files: &Files) -> Result<Vec<u8>, String> {
     if is_data(uri) {
         let data = uri.split_once(";base64,").and_then(|(_, data)| base64(data.as_bytes()));
-        return data.map(Cow::Owned).ok_or_else(|| "a data URI is not base64".to_string());
+        return data.ok_or_else(|| "a data URI is not base64".to_string());
     }
     let path = path(uri, model);
     files.read(&path).map_err(|reason| format!("{}: {reason}", path.display()))

@@ -14,7 +14,6 @@ use gltf_json::validation::Checked;
 use octray_engine::math::portable;
 use octray_engine::scene::{Filter, TexelKind, Texels};
 use serde_json::{Map, Value};
-use std::borrow::Cow;
 
 /// The transform of texture coordinates (`KHR_texture_transform`): scaled, rotated, offset.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -140,11 +139,11 @@ fn filter(document: &Document, texture: &Texture, notes: &mut Notes) -> Filter {
     }
 }
 
-fn content(document: &Document, image: &Image, files: &Files) -> Result<Cow<'static, [u8]>, String> {
+fn content(document: &Document, image: &Image, files: &Files) -> Result<Vec<u8>, String> {
     match (&image.uri, image.buffer_view) {
         (Some(uri), _) => bytes::from_uri(uri, document.source.file, files),
         (None, Some(view)) => {
-            let view = document.view(view.value()).map(|(_, bytes)| bytes.to_vec().into());
+            let view = document.view(view.value()).map(|(_, bytes)| bytes.to_vec());
             view.ok_or_else(|| "it reaches beyond its buffer".to_string())
         }
         (None, None) => Err("it has no data".to_string()),

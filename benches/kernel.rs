@@ -8,11 +8,12 @@
 
 use criterion::measurement::WallTime;
 use criterion::{BenchmarkGroup, Criterion, Throughput};
-use octray_engine::kernel::ray_sphere::{self, SphereMethod};
-use octray_engine::kernel::ray_triangle::{self, TriangleMethod};
+use octray_engine::kernel::ray_sphere::SphereMethod;
+use octray_engine::kernel::ray_triangle::TriangleMethod;
 use octray_engine::lane::{Bits, F32x8, Lane};
 use octray_engine::sampling::{SampleValues, Sampler};
 use octray_laboratory::measure::kernel_set::{self as set, Found, RAYS, TESTS};
+use octray_laboratory::methods;
 use std::hint::black_box;
 use std::time::Duration;
 
@@ -29,18 +30,18 @@ fn main() {
 
     let mut group = criterion.benchmark_group("ray_sphere");
     group.throughput(Throughput::Elements(TESTS as u64));
-    spheres::<ray_sphere::Robust>(&mut group, "robust", 832);
-    spheres::<ray_sphere::RobustAnyLength>(&mut group, "robust-any-length", 832);
-    spheres::<ray_sphere::Naive>(&mut group, "naive", 832);
+    spheres::<methods::Robust>(&mut group, "robust", 832);
+    spheres::<methods::RobustAnyLength>(&mut group, "robust-any-length", 832);
+    spheres::<methods::Naive>(&mut group, "naive", 832);
     group.finish();
 
     let mut group = criterion.benchmark_group("ray_triangle");
     group.throughput(Throughput::Elements(TESTS as u64));
-    triangles::<ray_triangle::Woop>(&mut group, "woop", 519);
-    triangles::<ray_triangle::WoopContracted>(&mut group, "woop-contracted", 519);
-    triangles::<ray_triangle::MollerTrumbore>(&mut group, "moller-trumbore", 519);
-    triangles::<ray_triangle::BaldwinWeber>(&mut group, "baldwin-weber", 519);
-    triangles::<ray_triangle::Plucker>(&mut group, "plucker", 519);
+    triangles::<methods::Woop>(&mut group, "woop", 519);
+    triangles::<methods::WoopContracted>(&mut group, "woop-contracted", 519);
+    triangles::<methods::MollerTrumbore>(&mut group, "moller-trumbore", 519);
+    triangles::<methods::BaldwinWeber>(&mut group, "baldwin-weber", 519);
+    triangles::<methods::Plucker>(&mut group, "plucker", 519);
     group.finish();
 
     let mut group = criterion.benchmark_group("sampler");

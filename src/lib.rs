@@ -21,7 +21,7 @@
 //! | [`octray_engine`] | from a scene to a film: see its front page for the architecture |
 //! | [`octray_formats`] | [`scene`] files, [`output`] files, [`mod@checkpoint`] files, [`wording`] |
 //! | `octray_viewer` | `viewer` (feature `viewer`) |
-//! | [`octray_laboratory`] | [`mod@reference`], [`measure`] |
+//! | [`octray_laboratory`] | [`mod@reference`], [`measure`], [`methods`] |
 //! | `octray` | [`machine`], [`report`], [`cli`] |
 //!
 //! # From a scene file to a picture file
@@ -57,11 +57,12 @@
 //! | [`render`], [`tone`], [`output`] | tiles on threads; tone mapping; picture files |
 //! | [`mod@checkpoint`] | the sums of a film as a file: to resume, and to join shards |
 //! | [`display`] | filters between film and window: antialiasing, denoising, temporal reprojection |
+//! | [`methods`] | intersection methods that are charted and never render |
 //! | [`measure`] | measurements: speed, SIMD against scalar, accuracy, stability |
 //! | [`machine`] | the machine and build of a figure |
 //! | [`report`] | figures as text, JSON, CSV, SVG and HTML |
 //! | `viewer` | the front ends: terminal (feature `viewer`), window (feature `window`) |
-//! | [`cli`] | raw arguments, validated options, commands |
+//! | [`cli`] | commands, their options and help |
 //!
 //! `tests/laws/architecture/mod.rs` checks this order.
 //!
@@ -88,7 +89,7 @@ pub use octray_engine::{
     threads, tone, traverse,
 };
 pub use octray_formats::{checkpoint, output, scene, wording};
-pub use octray_laboratory::{measure, reference};
+pub use octray_laboratory::{measure, methods, reference};
 #[cfg(feature = "viewer")]
 pub use octray_viewer as viewer;
 

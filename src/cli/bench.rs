@@ -2,7 +2,7 @@
 
 use super::error::{CliError, checked};
 use super::groups::lanes;
-use super::interrupt::LastNote;
+use super::interrupt;
 use super::memory;
 use super::numbers::{threads, whole};
 use super::picture::FrameOptions;
@@ -85,7 +85,7 @@ pub fn run(options: Options) -> Result<ExitCode, CliError> {
             false => format!("{}\n{done}.", ratios(report)),
         }
     };
-    let on_ctrl_c = LastNote::listen(last_note(&report));
+    interrupt::end_with(last_note(&report));
     for (index, spec) in scenes.iter().enumerate() {
         let scene = scenes::load_with_warnings(spec)?;
         let settings = options.frame.settings(&scene);
@@ -100,7 +100,7 @@ pub fn run(options: Options) -> Result<ExitCode, CliError> {
         let row = row(&results, &accuracy);
         report.results.extend(results);
         report.accuracy.push(accuracy);
-        on_ctrl_c.set(last_note(&report));
+        interrupt::set_last_note(last_note(&report));
         out.text(&row)?;
     }
     out.text(&(ratios(&report) + &meaning(&report)))?;

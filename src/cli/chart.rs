@@ -2,7 +2,7 @@
 
 use super::error::{CliError, checked};
 use super::ground_truth;
-use super::interrupt::LastNote;
+use super::interrupt;
 use super::numbers::{seconds, size, whole};
 use super::progress;
 use super::scenes;
@@ -12,10 +12,9 @@ use crate::measure::chart::ground_truth::SHRINK;
 use crate::measure::chart::pictures::{Line, SEEDS};
 use crate::measure::chart::{Plan, kernels};
 use crate::output;
-use crate::report::chart::{Chart, SCHEMA, drawings};
-use crate::report::chart_text::{text, warnings};
+use crate::report::chart::{Chart, SCHEMA, drawings, text, warnings};
 use crate::report::page::page;
-use crate::report::tables::tables;
+use crate::report::tables::{json, tables};
 use crate::scene::MAX_BOUNCES;
 use crate::wording::counted;
 use std::path::{Path, PathBuf};
@@ -99,7 +98,7 @@ pub fn run(options: Options) -> Result<ExitCode, CliError> {
     output::make_folder(&options.output)?;
     let bar = progress::countdown(start, budget);
     let nothing = format!("Ctrl-C: nothing was drawn in `{}`.", options.output.display());
-    let on_ctrl_c = LastNote::listen(&nothing);
+    interrupt::end_with(&nothing);
 
     bar.set_message("intersection methods");
     let kernels = kernels::measure(start + budget.mul_f64(KERNELS_SHARE).min(KERNELS_MOST));
@@ -113,6 +112,7 @@ pub fn run(options: Options) -> Result<ExitCode, CliError> {
         kernels,
         scenes: Vec::new(),
     };
+    let mut shapes = vec!["box"];
     for (number, name) in names.iter().enumerate() {
         let scene = first.take().map_or_else(|| scenes::load(name), Ok)?;
         scene.warnings.iter().for_each(|warning| bar.suspend(|| terminal::warn(warning)));
@@ -139,12 +139,16 @@ pub fn run(options: Options) -> Result<ExitCode, CliError> {
             }
         };
         let truths = counted(number + 1, "ground truth", "ground truths");
-        on_ctrl_c.set(format!("{nothing} It keeps {truths} for the next run."));
+        interrupt::set_last_note(format!("{nothing} It keeps {truths} for the next run."));
         let mut charted = plan.chart(&scene, &truth, &step);
         // The name on the command line: files in different folders may share a file name.
         charted.scene = name.clone();
         chart.scenes.push(charted);
+        let of_scene = [("sphere", !scene.spheres.is_empty()), ("triangle", !scene.triangles.is_empty())];
+        shapes.extend(of_scene.into_iter().filter_map(|(shape, has)| has.then_some(shape)));
     }
+    // Methods for shapes that no scene has tell nothing of these scenes.
+    chart.kernels.retain(|kernel| shapes.contains(&kernel.family));
     bar.set_message("drawing");
     chart.seconds = start.elapsed().as_secs_f64();
     write(&options.output, &chart)?;
@@ -159,13 +163,13 @@ pub fn run(options: Options) -> Result<ExitCode, CliError> {
 
 /// The page, its drawings and its tables.
 fn write(folder: &Path, chart: &Chart) -> Result<(), CliError> {
-    let save = |name: &str, text: String| output::save_text(&folder.join(name), &text);
+    let save = |name: &str, text: &str| output::save_text(&folder.join(name), text);
     for drawing in drawings(chart) {
-        save(&format!("{}.svg", drawing.name), drawing.svg)?;
+        save(&format!("{}.svg", drawing.name), &drawing.svg)?;
     }
-    for (name, text) in tables(chart) {
-        save(&name, text)?;
+    for (name, text) in tables(&json(chart)) {
+        save(&name, &text)?;
     }
     output::save_json(&folder.join("chart.json"), chart)?;
-    Ok(save("report.html", page(chart))?)
+    Ok(save("report.html", &page(chart))?)
 }

@@ -3,7 +3,7 @@
 //! For: [`CheckpointWriter`].
 
 use super::error::{CliError, describe, refuse};
-use super::interrupt::Interrupt;
+use super::interrupt;
 use super::terminal;
 use crate::checkpoint::{self, Checkpoint, CheckpointError, Header};
 use crate::film::Film;
@@ -21,26 +21,26 @@ const SAVINGS: u32 = 50;
 pub struct CheckpointWriter {
     file: PathBuf,
     header: Header,
+    /// The samples that each tile is to have at the end of the round in which the film was saved, by tile
+    /// number; empty for a new film.
+    pub goals: Vec<u32>,
     /// By the time that saving takes if `None`.
     interval: Option<Duration>,
     due: Instant,
     /// Pixel samples in the file.
     saved: u64,
-    interrupt: Interrupt,
     /// Was the user warned that saving fails?
     warned: bool,
 }
 
 impl CheckpointWriter {
-    /// Fills the film from the file, if it is there. Returns with it the goals of the round in which it was
-    /// saved, by tile number. `header` is what this run will write.
+    /// Fills the film from the file, if it is there. `header` is what this run will write.
     pub fn resume(
         file: &Path,
         header: Header,
         interval: Option<Duration>,
-        interrupt: &Interrupt,
         film: &mut Film,
-    ) -> Result<(Self, Vec<u32>), CliError> {
+    ) -> Result<Self, CliError> {
         let mut goals = Vec::new();
         if let Some(checkpoint) = Checkpoint::open(file)? {
             let differences = checkpoint.header.identity.differences(&header.identity);
@@ -55,9 +55,9 @@ impl CheckpointWriter {
             let instead = format!("{has}: give {most} or more, or another file");
             return Err(refuse("--samples", grouped(wanted), instead));
         }
-        let (file, interrupt, saved) = (file.to_owned(), interrupt.clone(), film.pixel_samples());
+        let (file, saved) = (file.to_owned(), film.pixel_samples());
         let due = Instant::now() + interval.unwrap_or(INTERVAL);
-        Ok((Self { file, header, interval, due, saved, interrupt, warned: false }, goals))
+        Ok(Self { file, header, goals, interval, due, saved, warned: false })
     }
 
     /// When the film is to be saved next.
@@ -74,9 +74,9 @@ impl CheckpointWriter {
     /// checkpoint stays: hours of rendering shall not end because a disk is full.
     pub fn save_or_warn(&mut self, film: &Film, goals: &[u32]) {
         let began = Instant::now();
-        self.interrupt.hold();
+        interrupt::hold();
         let saved = self.save(film, goals);
-        self.interrupt.release();
+        interrupt::release();
         let next = self.interval.unwrap_or_else(|| INTERVAL.max(SAVINGS * began.elapsed()));
         self.due = Instant::now() + next;
         if let Err(error) = &saved
@@ -98,7 +98,7 @@ impl CheckpointWriter {
     }
 
     fn save(&self, film: &Film, goals: &[u32]) -> Result<(), OutputError> {
-        checkpoint::save(&self.file, &self.header, film, goals, &|| self.interrupt.insisted())
+        checkpoint::save(&self.file, &self.header, film, goals, &interrupt::insisted)
     }
 }
 
@@ -118,7 +118,7 @@ mod tests {
         let header = Header {
             name: scene.name.clone(),
             identity: Identity::new(&scene, &settings, None, Shard { number: 1, of: 1 }),
-            display: Tone::default().into(),
+            display: Tone::default(),
             wanted: 8,
             complete: false,
             rays: 0,
@@ -126,9 +126,8 @@ mod tests {
         };
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("c.part");
-        let (interval, interrupt) = (Some(Duration::ZERO), Interrupt::default());
-        let resumed = CheckpointWriter::resume(&file, header, interval, &interrupt, &mut film);
-        let mut writer = resumed.unwrap().0;
+        let resumed = CheckpointWriter::resume(&file, header, Some(Duration::ZERO), &mut film);
+        let mut writer = resumed.unwrap();
         assert!(!writer.is_due(&film), "nothing is done");
         for _ in 0..2 {
             renderer.add_samples(&mut film, 1);

@@ -7,7 +7,7 @@ use crate::choice::Choice;
 use crate::lane::WIDTHS;
 use crate::render::LaneChoice;
 use crate::sampling::Sampler;
-use crate::traverse::{BoxChoice, SphereChoice, TraversalChoice, TriangleChoice};
+use crate::traverse::{Methods, SphereChoice, TraversalChoice, TriangleChoice};
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 
 /// The help of an argument that is a scene.
@@ -28,26 +28,14 @@ pub fn lanes() -> impl TypedValueParser<Value = LaneChoice> {
 }
 
 /// The methods of a rendering.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::Args)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::Args)]
 pub struct MethodArgs {
-    /// Use the robust intersection methods: woop, robust spheres, padded-fma boxes. They are the default;
-    /// with a view, this overrides the methods that the view names.
-    #[arg(long, conflicts_with = "fast")]
-    pub robust: bool,
-    /// Use the fastest intersection methods on the front that `octray chart` measures: baldwin-weber, which
-    /// leaks at edges, in scenes that test every triangle; the defaults, which are the fastest, in others.
-    #[arg(long)]
-    pub fast: bool,
     /// Ray-sphere intersection method [default: robust].
     #[arg(long, value_name = "METHOD", value_parser = choice::<SphereChoice>())]
     pub sphere: Option<SphereChoice>,
     /// Ray-triangle intersection method [default: woop].
     #[arg(long, value_name = "METHOD", value_parser = choice::<TriangleChoice>())]
     pub triangle: Option<TriangleChoice>,
-    /// Ray-box intersection method, for the boxes of a hierarchy and of single triangles [default:
-    /// padded-fma].
-    #[arg(long = "box", value_name = "METHOD", value_parser = choice::<BoxChoice>())]
-    pub boxes: Option<BoxChoice>,
     /// How rays find the primitives that they hit; it does not change the picture [default: needed].
     #[arg(long, value_name = "TRAVERSAL", value_parser = choice::<TraversalChoice>())]
     pub traversal: Option<TraversalChoice>,
@@ -58,6 +46,30 @@ pub struct MethodArgs {
     /// Source of random numbers. It changes the noise, not the expected picture [default: sobol].
     #[arg(long, value_name = "SAMPLER", value_parser = choice::<Sampler>())]
     pub sampler: Option<Sampler>,
+}
+
+impl MethodArgs {
+    /// These, and from `weaker` those that are missing here.
+    pub fn or(self, weaker: Self) -> Self {
+        Self {
+            sphere: self.sphere.or(weaker.sphere),
+            triangle: self.triangle.or(weaker.triangle),
+            traversal: self.traversal.or(weaker.traversal),
+            lights: self.lights.or(weaker.lights),
+            sampler: self.sampler.or(weaker.sampler),
+        }
+    }
+    /// The methods, the defaults where none is given.
+    pub fn methods(self) -> Methods {
+        let Self { sphere, triangle, traversal, lights, sampler } = self;
+        Methods {
+            sphere: sphere.unwrap_or_default(),
+            triangle: triangle.unwrap_or_default(),
+            traversal: traversal.unwrap_or_default(),
+            lights: lights.unwrap_or_default(),
+            sampler: sampler.unwrap_or_default(),
+        }
+    }
 }
 
 #[cfg(test)]
@@ -88,7 +100,6 @@ mod tests {
     fn every_choice_is_read_from_its_name_and_from_no_other() {
         check::<SphereChoice>();
         check::<TriangleChoice>();
-        check::<BoxChoice>();
         check::<Traversal>();
         check::<TraversalChoice>();
         check::<LightChoice>();

@@ -1,42 +1,36 @@
 //! Ctrl-C: the first requests an end, the second ends the program with nothing written. Before any part of a
 //! picture is done, the first ends the program too.
 //!
-//! For: [`Interrupt`], and [`LastNote`] for commands that cannot end early.
+//! For: [`listen`] and what follows it, of renderings; [`end_with`] of commands that cannot end early.
+//! Hang-up keeps its default, so that nohup works.
 
 use super::error::INTERRUPTED;
 use super::terminal;
 use std::io::IsTerminal;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::sync::mpsc::{Receiver, channel};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
-/// Whether the user has pressed Ctrl-C. Hang-up keeps its default, so that nohup works.
-#[derive(Clone, Default)]
-pub struct Interrupt {
-    requests: Arc<AtomicU32>,
-    begun: Arc<AtomicBool>,
-    holding: Arc<AtomicBool>,
+static REQUESTS: AtomicU32 = AtomicU32::new(0);
+static BEGUN: AtomicBool = AtomicBool::new(false);
+static HOLDING: AtomicBool = AtomicBool::new(false);
+static LAST_NOTE: Mutex<String> = Mutex::new(String::new());
+
+fn last_note() -> MutexGuard<'static, String> {
+    LAST_NOTE.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// What is left of a run that Ctrl-C ends, of a command that cannot end early.
-pub struct LastNote(Arc<Mutex<String>>);
+/// From now on Ctrl-C ends the program after a note that says what is left of the run. Where the handler
+/// cannot be installed, without.
+pub fn end_with(note: impl Into<String>) {
+    set_last_note(note);
+    ctrlc::set_handler(|| end_after(last_note().clone())).ok();
+}
 
-impl LastNote {
-    /// From now on Ctrl-C ends the program after this note. Where the handler cannot be installed, without.
-    pub fn listen(note: impl Into<String>) -> Self {
-        let note = Self(Arc::new(Mutex::new(note.into())));
-        let last = Self(note.0.clone());
-        ctrlc::set_handler(move || end_after(last.lock().clone())).ok();
-        note
-    }
-    /// Another note from now on.
-    pub fn set(&self, note: String) {
-        *self.lock() = note;
-    }
-    fn lock(&self) -> MutexGuard<'_, String> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner)
-    }
+/// Replaces the note of [`end_with`].
+pub fn set_last_note(note: impl Into<String>) {
+    *last_note() = note.into();
 }
 
 /// Says something below the progress line, if there is one. From a thread of its own: where nobody reads
@@ -58,63 +52,58 @@ fn end_after(line: String) -> ! {
     std::process::exit(INTERRUPTED.into())
 }
 
-impl Interrupt {
-    /// Installs the handler, in background jobs too, which start with the signal ignored. Where that fails,
-    /// Ctrl-C keeps its usual meaning.
-    pub fn listen() -> Self {
-        let interrupt = Self::default();
-        let handler = interrupt.clone();
-        let listening = ctrlc::set_handler(move || {
-            if !handler.begun.load(Ordering::SeqCst) {
-                end_after("Ctrl-C came before any part of the picture was done: nothing was written.".into());
-            }
-            if handler.requests.fetch_add(1, Ordering::SeqCst) == 0 {
-                let what = "parts under way are finished, then the picture is written; again ends without it";
-                note(format!("Ctrl-C: {what}."));
-            } else if !handler.holding.load(Ordering::SeqCst) {
-                std::process::exit(INTERRUPTED.into());
-            }
-        });
-        if let Err(error) = listening {
-            terminal::warn(&format!("Ctrl-C will end the program without a picture: {error}."));
+/// Installs the handler, in background jobs too, which start with the signal ignored. Where that fails,
+/// Ctrl-C keeps its usual meaning.
+pub fn listen() {
+    let listening = ctrlc::set_handler(|| {
+        if !BEGUN.load(Ordering::SeqCst) {
+            end_after("Ctrl-C came before any part of the picture was done: nothing was written.".into());
         }
-        interrupt
-    }
-
-    /// A new picture begins: until a part of it is done, the first Ctrl-C ends the program.
-    pub fn begin(&self) {
-        self.begun.store(false, Ordering::SeqCst);
-    }
-
-    /// From now on an early end keeps a picture; before, the first Ctrl-C ends the program.
-    pub fn set_begun(&self) {
-        // Called after every tile by all threads: a load leaves the cache line shared, a store would not.
-        if !self.begun.load(Ordering::Relaxed) {
-            self.begun.store(true, Ordering::SeqCst);
-        }
-    }
-
-    /// Has the user requested an end?
-    pub fn requested(&self) -> bool {
-        self.requests.load(Ordering::SeqCst) > 0
-    }
-
-    /// Has the user pressed Ctrl-C again, for an end at once without a picture?
-    pub fn insisted(&self) -> bool {
-        self.requests.load(Ordering::SeqCst) > 1
-    }
-
-    /// Ends [`Interrupt::hold`]. A second Ctrl-C since then ends the program now.
-    pub fn release(&self) {
-        self.holding.store(false, Ordering::SeqCst);
-        if self.insisted() {
+        if REQUESTS.fetch_add(1, Ordering::SeqCst) == 0 {
+            let what = "parts under way are finished, then the picture is written; again ends without it";
+            note(format!("Ctrl-C: {what}."));
+        } else if !HOLDING.load(Ordering::SeqCst) {
             std::process::exit(INTERRUPTED.into());
         }
+    });
+    if let Err(error) = listening {
+        terminal::warn(&format!("Ctrl-C will end the program without a picture: {error}."));
     }
+}
 
-    /// From now on a second Ctrl-C does not end the program at once: a file is being written, and a partial
-    /// file must be removed first. The writer polls [`Interrupt::insisted`].
-    pub fn hold(&self) {
-        self.holding.store(true, Ordering::SeqCst);
+/// A new picture begins: until a part of it is done, the first Ctrl-C ends the program.
+pub fn begin() {
+    BEGUN.store(false, Ordering::SeqCst);
+}
+
+/// From now on an early end keeps a picture; before, the first Ctrl-C ends the program.
+pub fn set_begun() {
+    // Called after every tile by all threads: a load leaves the cache line shared, a store would not.
+    if !BEGUN.load(Ordering::Relaxed) {
+        BEGUN.store(true, Ordering::SeqCst);
+    }
+}
+
+/// Has the user requested an end?
+pub fn requested() -> bool {
+    REQUESTS.load(Ordering::SeqCst) > 0
+}
+
+/// Has the user pressed Ctrl-C again, for an end at once without a picture?
+pub fn insisted() -> bool {
+    REQUESTS.load(Ordering::SeqCst) > 1
+}
+
+/// From now on a second Ctrl-C does not end the program at once: a file is being written, and a partial file
+/// must be removed first. The writer polls [`insisted`].
+pub fn hold() {
+    HOLDING.store(true, Ordering::SeqCst);
+}
+
+/// Ends [`hold`]. A second Ctrl-C since then ends the program now.
+pub fn release() {
+    HOLDING.store(false, Ordering::SeqCst);
+    if insisted() {
+        std::process::exit(INTERRUPTED.into());
     }
 }

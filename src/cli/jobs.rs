@@ -34,9 +34,8 @@ use std::time::Duration;
 /// samples, there is no bias.
 ///
 /// A view (a .json file of the format octray-view-1) names another scene and a camera. Its `render` holds
-/// defaults for options of this command, by their names; options on the command line override them. --fast
-/// and --robust override all its intersection methods, and --samples, --time-limit and --target-error its
-/// samples.
+/// defaults for options of this command, by their names; options on the command line override them, and
+/// --samples, --time-limit and --target-error its samples.
 ///
 /// --checkpoint makes a rendering restartable: after a crash, Ctrl-C or a time limit, the same command goes
 /// on, and its picture has the bits of a run that was never interrupted. More --samples go on from the same
@@ -220,23 +219,21 @@ fn place(path: &Path) -> PathBuf {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::buffers::LightChoice;
-    use crate::cli::limits::Limits;
     use crate::cli::picture::of_view;
-    use crate::render::{PipelineChoice, Settings};
-    use crate::sampling::Sampler;
-    use crate::scene::{Loaded, Rendering, View, load};
-    use crate::tone::{Operator, Tone};
-    use crate::traverse::batch::Traversal;
-    use crate::traverse::{BoxChoice, Methods, SphereChoice, TraversalChoice, TriangleChoice};
+    use crate::scene::{Loaded, View, load};
     use clap::Parser;
+    use serde_json::{Value, json};
 
     /// Settings, tone mapping and limits of a view with this `render` and of these options.
-    fn chosen(render: Rendering, options: &str) -> (Settings, Tone, Limits) {
+    fn chosen(render: &Value, options: &Value) -> impl PartialEq + std::fmt::Debug {
         let scene = load("builtin:cornell").unwrap();
+        let render = serde_json::from_value(render.clone()).unwrap();
         let view = View { render, ..View::of(&scene, None, Path::new("")) };
         let scene = Loaded { view: Some(view), ..scene.into() };
-        let words = ["render", "view.json", "-o", "a.png"].into_iter().chain(options.split_whitespace());
+        let text = |value: &Value| value.as_str().map_or(value.to_string(), str::to_owned);
+        let options = options.as_object().unwrap().iter();
+        let options = options.flat_map(|(option, value)| [format!("--{option}"), text(value)]);
+        let words = ["render", "view.json", "-o", "a.png"].map(String::from).into_iter().chain(options);
         let RenderOptions { picture, limits, .. } = RenderOptions::parse_from(words);
         let limits = limits.limits(of_view(&scene).samples).unwrap();
         (picture.settings(&scene), picture.tone(&scene), limits)
@@ -244,45 +241,16 @@ mod tests {
 
     #[test]
     fn views_mean_the_same_as_options_and_options_override_them() {
-        let render = Rendering {
-            samples: Some(37),
-            seed: Some(u32::MAX),
-            exposure: Some(-0.3),
-            tone: Some(Operator::Reinhard),
-            clamp: Some(10.1),
-            sphere: Some(SphereChoice::Naive),
-            triangle: Some(TriangleChoice::MollerTrumbore),
-            boxes: Some(BoxChoice::Fma),
-            traversal: Some(TraversalChoice::Through(Traversal::Single)),
-            lights: Some(LightChoice::On),
-            sampler: Some(Sampler::Random),
-            pipeline: Some(PipelineChoice::General),
-        };
-        let same = "--samples 37 --seed 4294967295 --exposure -0.3 --tone reinhard --clamp 10.1 --sphere naive \
-                    --triangle moller-trumbore --box fma --traversal single --lights on --sampler random --pipeline general";
-        let (by_view, none) = (chosen(render, ""), Rendering::default());
-        assert_eq!(by_view, chosen(none, same));
-        assert_ne!(by_view, chosen(none, ""));
-        let other = "--samples 1 --seed 2 --exposure 3 --tone aces --clamp 4 --sphere robust --triangle woop --box padded-fma \
-                     --traversal linear --lights off --sampler sobol --pipeline needed";
-        assert_eq!(chosen(render, other), chosen(none, other));
-    }
-
-    #[test]
-    fn fast_and_robust_override_the_views_methods_and_any_limit_its_samples() {
-        let render = Rendering {
-            samples: Some(37),
-            triangle: Some(TriangleChoice::MollerTrumbore),
-            lights: Some(LightChoice::Off),
-            ..Rendering::default()
-        };
-        let methods = |options| chosen(render, options).0.methods;
-        let plain = methods("");
-        assert_eq!(plain.triangle, TriangleChoice::MollerTrumbore);
-        assert_eq!(methods("--robust"), Methods { triangle: TriangleChoice::Woop, ..plain });
-        assert_eq!(methods("--fast"), Methods { triangle: TriangleChoice::BaldwinWeber, ..plain });
-        let samples = |options| chosen(render, options).2.samples;
-        assert_eq!([samples(""), samples("--samples 5")], [37, 5]);
-        assert!(samples("--target-error 0.1") > 37 && samples("--time-limit 1") > 37);
+        let some = json!({ "samples": 37, "seed": u32::MAX, "exposure": -0.3, "tone": "reinhard", "clamp": 10.1,
+            "sphere": "naive", "triangle": "moller-trumbore", "traversal": "single",
+            "lights": "on", "sampler": "random", "pipeline": "general" });
+        let other = json!({ "samples": 1, "seed": 2, "exposure": 3, "tone": "aces", "clamp": 4,
+            "sphere": "robust", "triangle": "woop", "traversal": "linear",
+            "lights": "off", "sampler": "sobol", "pipeline": "needed" });
+        let none = json!({});
+        let by_view = chosen(&some, &none);
+        assert_eq!(by_view, chosen(&none, &some));
+        assert_ne!(by_view, chosen(&none, &none));
+        assert_eq!(chosen(&some, &other), chosen(&none, &other));
     }
 }

@@ -13,7 +13,7 @@ use crate::machine::features;
 const WORTH_REBUILDING: [&str; 3] = ["avx2", "fma", "avx512f"];
 
 /// The difference between program and machine.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Verdict {
     /// Compiled for, but not on this machine: the program cannot run.
     pub missing: Vec<&'static str>,
@@ -28,7 +28,7 @@ pub fn verdict() -> Verdict {
 
 /// Compares instruction sets; `None` is a machine that cannot be queried.
 fn judge(compiled: &[&'static str], present: Option<&[&'static str]>) -> Verdict {
-    let Some(present) = present else { return Verdict { missing: vec![], unused: vec![] } };
+    let Some(present) = present else { return Verdict::default() };
     let without = |all: &[&'static str], some: &[&'static str]| {
         all.iter().copied().filter(|name| !some.contains(name)).collect::<Vec<_>>()
     };

@@ -75,7 +75,7 @@ pub fn run(options: Options) -> Result<ExitCode, CliError> {
         rays: film.rays(),
         discarded_samples: film.discarded(),
     };
-    let shown = Tone::from(header.display);
+    let shown = header.display;
     let tone = Tone {
         exposure: options.exposure.unwrap_or(shown.exposure),
         operator: options.tone.unwrap_or(shown.operator),

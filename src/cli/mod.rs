@@ -36,7 +36,6 @@ mod limits;
 mod machine_check;
 mod memory;
 mod merge;
-mod methods;
 mod numbers;
 mod picture;
 mod progress;

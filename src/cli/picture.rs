@@ -3,7 +3,6 @@
 //! For: [`PictureOptions`] of `render` and `view`, [`FrameOptions`] of `bench` and `compare`.
 
 use super::groups::{MethodArgs, choice, lanes};
-use super::methods::MethodOptions;
 use super::numbers::{clamp, exposure, seed, size, threads, whole};
 use crate::machine;
 use crate::render::{LaneChoice, PipelineChoice, Settings};
@@ -66,9 +65,8 @@ impl PictureOptions {
 
     /// The methods of this scene's picture.
     pub fn methods(&self, scene: &Loaded) -> Methods {
-        let Rendering { sphere, triangle, boxes, traversal, lights, sampler, .. } = of_view(scene);
-        let of_view = MethodOptions { fast: None, sphere, triangle, boxes, traversal, lights, sampler };
-        MethodOptions::from(self.methods).or(of_view).of(scene)
+        let Rendering { sphere, triangle, traversal, lights, sampler, .. } = of_view(scene);
+        self.methods.or(MethodArgs { sphere, triangle, traversal, lights, sampler }).methods()
     }
 
     /// The tone mapping of the displayed picture.
@@ -112,7 +110,7 @@ impl FrameOptions {
             resolution: self.size,
             max_bounces: self.bounces,
             seed: self.seed,
-            methods: MethodOptions::from(self.methods).of(scene),
+            methods: self.methods.methods(),
             pipeline: self.pipeline,
             ..Settings::of(scene)
         }

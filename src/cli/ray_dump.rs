@@ -1,34 +1,7 @@
-//! Rays, hits and triangles as files, so that other programs can trace the same rays.
+//! Rays, hits and triangles as files, so that other programs can trace the same rays: `perf/README.md`
+//! describes their format.
 //!
 //! For: [`write()`].
-//!
-//! # Format
-//! Plain binary, little-endian, without padding. `primary.rays`, `shadow.rays` and `diffuse.rays` hold
-//! columns, one after the other, each of `count` numbers:
-//!
-//! | what | type |
-//! |---|---|
-//! | magic number `OCTRAYS1` | 8 bytes |
-//! | count | u64 |
-//! | origin x, origin y, origin z | 3 columns of f32 |
-//! | direction x, y, z (of unit length within 2 ε) | 3 columns of f32 |
-//! | t_max: largest t of a hit; may be infinite | f32 |
-//! | octray's t; infinite for a miss | f32 |
-//! | octray's primitive; 0xffffffff for a miss | u32 |
-//! | octray's u and v: weights of a triangle's second and third vertex; 0 on spheres and for a miss | 2 columns of f32 |
-//!
-//! The hit is the nearest one with 0 < t < t_max, for shadow rays too.
-//!
-//! `triangles.bin` holds the triangles, in the order in which hits number them:
-//!
-//! | what | type |
-//! |---|---|
-//! | magic number `OCTRITR1` | 8 bytes |
-//! | count | u64 |
-//! | vertices a, b, c of each triangle, x, y, z of each vertex | 9 f32 a triangle |
-//!
-//! Spheres are in no file. Hits number them first, so in a scene with spheres triangle i is the primitive i +
-//! the number of spheres.
 
 use crate::math::MISS;
 use crate::measure::ray_sets::Prepared;

@@ -2,7 +2,7 @@
 
 use super::checkpoint::CheckpointWriter;
 use super::error::{CliError, INTERRUPTED, refuse};
-use super::interrupt::Interrupt;
+use super::interrupt;
 use super::jobs::{Job, RenderOptions, is_same, jobs, refuse_shard};
 use super::limits::Limits;
 use super::memory;
@@ -11,13 +11,13 @@ use super::progress::Progress;
 use super::samples_map;
 use super::scenes;
 use super::terminal::{self, Printer};
-use super::trace::{Traced, Watch, trace};
+use super::trace::{Traced, trace};
 use crate::adaptive::ErrorEstimate;
 use crate::camera::Tile;
 use crate::checkpoint::{self, Header, Identity, Shard};
 use crate::film::Film;
 use crate::measure::stats::FrameStats;
-use crate::output::{self, Format};
+use crate::output::{self, Format, OutputError};
 use crate::render::{Renderer, Settings};
 use crate::report::numbers::mrays_per_s;
 use crate::report::render::{End, EstimatedError, Report};
@@ -45,33 +45,31 @@ pub fn run(options: RenderOptions) -> Result<ExitCode, CliError> {
 
     let (settings, tone) = (options.picture.settings(&scene), options.picture.tone(&scene));
     memory::check_film(settings.resolution, limits.target.is_some())?;
-    check_shard(&jobs, &settings)?;
+    let tiles = Tile::cover(settings.resolution, settings.tile_size).count();
+    if let Some(shard) = jobs[0].shard.filter(|shard| shard.of as usize > tiles) {
+        let tiles = counted(tiles, "tile", "tiles");
+        return Err(refuse_shard(shard, format!("the picture has {tiles}: give at most as many parts")));
+    }
     let renderer = Renderer::new(&scene, settings);
-    let interrupt = Interrupt::listen();
-    let rendering = Rendering { options, limits, settings, tone, interrupt };
+    interrupt::listen();
+    let rendering = Rendering { options, limits, settings, tone };
     let mut prepared = Some((scene.scene, renderer));
     let last = jobs.len() - 1;
     for (index, (job, camera)) in jobs.into_iter().zip(cameras).enumerate() {
-        let (scene, renderer) = prepared.as_mut().expect("kept until the last job");
-        if job.frame.is_some() {
+        if let (Some((scene, renderer)), Some(_)) = (&mut prepared, job.frame) {
             scene.camera = camera;
             renderer.set_view(scene, &camera, settings.resolution, settings.max_bounces);
         }
-        rendering.interrupt.begin();
-        let done = rendering.trace(&job, scene, renderer)?;
-        if index == last {
-            // Frees memory for the encoder.
-            prepared = None;
-        }
-        let code = rendering.finish(&job, done)?;
+        interrupt::begin();
+        let code = rendering.run(&job, &mut prepared, index == last)?;
         if code != ExitCode::SUCCESS {
             return Ok(code);
         }
         // While the files of this frame were written.
-        if index < last && rendering.interrupt.requested() {
+        if index < last && interrupt::requested() {
             return Ok(ExitCode::from(INTERRUPTED));
         }
-        rendering.interrupt.release();
+        interrupt::release();
     }
     Ok(ExitCode::SUCCESS)
 }
@@ -103,88 +101,63 @@ fn cameras(options: &RenderOptions, jobs: &[Job], scene: &Loaded) -> Result<Vec<
     jobs.iter().filter_map(|job| job.frame).map(camera).collect()
 }
 
-/// Refuses shards without tiles.
-fn check_shard(jobs: &[Job], settings: &Settings) -> Result<(), CliError> {
-    let tiles = Tile::cover(settings.resolution, settings.tile_size).count();
-    let Some(shard) = jobs.iter().filter_map(|job| job.shard).find(|shard| shard.of as usize > tiles) else {
-        return Ok(());
-    };
-    let tiles = counted(tiles, "tile", "tiles");
-    Err(refuse_shard(shard, format!("the picture has {tiles}: give at most as many parts")))
-}
-
 /// What all jobs share.
 struct Rendering {
     options: RenderOptions,
     limits: Limits,
     settings: Settings,
     tone: Tone,
-    interrupt: Interrupt,
-}
-
-/// A film at its end, and what is told of it.
-struct Done {
-    film: Film,
-    /// For checkpoints and parts.
-    header: Option<Header>,
-    goals: Vec<u32>,
-    writer: Option<CheckpointWriter>,
-    report: Report,
-    progress: Progress,
 }
 
 impl Rendering {
-    /// Renders a film to its end.
-    fn trace(&self, job: &Job, scene: &Scene, renderer: &Renderer) -> Result<Done, CliError> {
-        let Self { options, limits, settings, interrupt, .. } = self;
+    /// Renders a film, writes its files, and tells of it. What is prepared is dropped after the `last` one.
+    fn run(
+        &self,
+        job: &Job,
+        prepared: &mut Option<(Scene, Renderer)>,
+        last: bool,
+    ) -> Result<ExitCode, CliError> {
+        let Self { options, limits, .. } = self;
+        let (scene, renderer) = prepared.as_ref().expect("kept until the last job");
         if options.stats {
             renderer.start_stats();
         }
         let mut film = if limits.target.is_some() { renderer.film_with_noise() } else { renderer.film() };
         film.keep_tiles(|number| job.shard.is_none_or(|shard| shard.has(number)));
-        let mut header = (job.shard.is_some() || job.checkpoint.is_some()).then(|| self.header(job, scene));
-        let (mut goals, mut writer) = (Vec::new(), None);
-        if let (Some(file), Some(header)) = (&job.checkpoint, &header) {
-            let (header, interval) = (header.clone(), options.checkpoint_interval);
-            let resumed = CheckpointWriter::resume(file, header, interval, interrupt, &mut film)?;
-            (writer, goals) = (Some(resumed.0), resumed.1);
-        }
+        let is_kept = job.shard.is_some() || job.checkpoint.is_some();
+        let header = is_kept.then(|| self.header(job, scene));
+        let mut writer = match (&job.checkpoint, header.clone()) {
+            (Some(file), Some(header)) => {
+                Some(CheckpointWriter::resume(file, header, options.checkpoint_interval, &mut film)?)
+            }
+            _ => None,
+        };
         if film.pixel_samples() > 0 {
-            interrupt.set_begun();
+            interrupt::set_begun();
         }
         let progress = Progress::new(film.pixels(), film.pixel_samples(), limits.time);
-        let watch = Watch { interrupt, progress: &progress };
-        let traced = trace(renderer, &mut film, limits, goals, writer.as_mut(), watch);
+        let traced = trace(renderer, &mut film, limits, writer.as_mut(), &progress);
         progress.writing(&job.output);
-        if let Some(header) = &mut header {
-            header.complete = matches!(traced.end, End::Samples | End::TargetError);
+        let report = self.report(job, &film, &traced, renderer);
+        if last {
+            // Frees memory for the encoder.
+            *prepared = None;
         }
-        let mut report = self.report(job, &film, &traced);
-        let frames = (report.mean_samples - traced.resumed_samples).round().max(1.0) as u32;
-        report.stats = options
-            .stats
-            .then(|| FrameStats::of(&renderer.take_stats(), settings.lanes, settings.threads, frames));
-        Ok(Done { film, header, goals: traced.goals, writer, report, progress })
-    }
-
-    /// Writes the files of a film, and its report.
-    fn finish(&self, job: &Job, done: Done) -> Result<ExitCode, CliError> {
-        let Done { film, header, goals, writer, report, progress } = done;
         let begun = film.pixels_begun() as f64 / film.pixels() as f64;
-        self.interrupt.hold();
-        let complete = header.as_ref().is_some_and(|header| header.complete);
-        let kept = writer.map_or(Ok(()), |mut writer| writer.finish(&film, &goals, complete));
+        interrupt::hold();
+        let complete = matches!(traced.end, End::Samples | End::TargetError);
+        let kept = writer.map_or(Ok(()), |mut writer| writer.finish(&film, &traced.goals, complete));
         let saved = match header.filter(|_| job.shard.is_some()) {
             None => self.save_picture(job, film),
             // Where both are one file, it is written.
             Some(_) if job.checkpoint.as_ref().is_some_and(|file| is_same(file, &job.output)) => Ok(()),
             Some(header) => {
-                let given_up = || self.interrupt.insisted();
-                checkpoint::save(&job.output, &header, &film, &goals, &given_up).map_err(CliError::from)
+                let header = Header { complete, ..header };
+                checkpoint::save(&job.output, &header, &film, &traced.goals, &interrupt::insisted)
             }
         };
         progress.bar.finish_and_clear();
-        if (saved.is_err() || kept.is_err()) && self.interrupt.insisted() {
+        if (saved.is_err() || kept.is_err()) && interrupt::insisted() {
             return Ok(ExitCode::from(INTERRUPTED));
         }
         saved?;
@@ -196,11 +169,15 @@ impl Rendering {
 
     /// What checkpoints say of this film.
     fn header(&self, job: &Job, scene: &Scene) -> Header {
-        let (target, shard) = (self.limits.target.as_ref(), job.shard.unwrap_or(Shard::WHOLE));
         Header {
             name: scene.name.clone(),
-            identity: Identity::new(scene, &self.settings, target, shard),
-            display: self.tone.into(),
+            identity: Identity::new(
+                scene,
+                &self.settings,
+                self.limits.target.as_ref(),
+                job.shard.unwrap_or(Shard::WHOLE),
+            ),
+            display: self.tone,
             wanted: self.limits.samples,
             complete: false,
             rays: 0,
@@ -208,15 +185,14 @@ impl Rendering {
         }
     }
 
-    fn save_picture(&self, job: &Job, film: Film) -> Result<(), CliError> {
-        let given_up = || self.interrupt.insisted();
+    fn save_picture(&self, job: &Job, film: Film) -> Result<(), OutputError> {
         if let Some(file) = &job.samples_map {
-            samples_map::save(file, &film, &given_up)?;
+            samples_map::save(file, &film)?;
         }
         let picture = film.picture();
         // Frees memory for the encoder.
         drop(film);
-        Ok(output::save_unless(&job.output, &picture, &self.tone, &given_up)?)
+        output::save_unless(&job.output, &picture, &self.tone, &interrupt::insisted)
     }
 
     fn tell(&self, report: &Report, begun: f64) -> Result<(), CliError> {
@@ -234,10 +210,12 @@ impl Rendering {
         out.report(report)
     }
 
-    fn report(&self, job: &Job, film: &Film, traced: &Traced) -> Report {
+    fn report(&self, job: &Job, film: &Film, traced: &Traced, renderer: &Renderer) -> Report {
         let Self { options, limits, settings, .. } = self;
         let [width, height] = settings.resolution;
         let target = &limits.target;
+        let frames = (film.mean_samples() - traced.resumed_samples).round().max(1.0) as u32;
+        let stats = || FrameStats::of(&renderer.take_stats(), settings.lanes, settings.threads, frames);
         let estimated = target.map(|_| {
             let ErrorEstimate { rms, largest } = ErrorEstimate::of(film);
             EstimatedError { rms, largest }
@@ -266,7 +244,7 @@ impl Rendering {
             mrays_per_s: mrays_per_s(traced.rays, traced.time),
             discarded_samples: film.discarded(),
             interrupted: traced.end == End::Interrupt,
-            stats: None,
+            stats: options.stats.then(stats),
         }
     }
 }

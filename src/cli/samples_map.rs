@@ -2,19 +2,19 @@
 //!
 //! For: [`save`].
 
-use super::error::CliError;
+use super::interrupt;
 use crate::film::{Film, Picture};
-use crate::output::{self, Format};
+use crate::output::{self, Format, OutputError};
 use crate::tone::{Tone, srgb_decode};
 use std::path::Path;
 
-/// Writes the map; fails and leaves no file once `given_up` returns true.
-pub fn save(file: &Path, film: &Film, given_up: &dyn Fn() -> bool) -> Result<(), CliError> {
+/// Writes the map; fails and leaves no file after a second Ctrl-C.
+pub fn save(file: &Path, film: &Film) -> Result<(), OutputError> {
     let mut counts = film.counts();
     if !Format::of(file)?.is_linear() {
         shade(&mut counts, film.most_samples());
     }
-    Ok(output::save_unless(file, &counts, &Tone::default(), given_up)?)
+    output::save_unless(file, &counts, &Tone::default(), &interrupt::insisted)
 }
 
 /// Replaces counts by shades: equal factors are equal steps to the eye, from black for 0 and 1 to white for

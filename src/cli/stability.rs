@@ -1,14 +1,13 @@
 //! `octray stability`: where methods fail, as a table, as JSON and as charts.
 
 use super::error::{CliError, checked};
-use super::interrupt::LastNote;
+use super::interrupt;
 use super::progress;
 use super::terminal::Printer;
 use crate::machine::Machine;
 use crate::measure::stability::{self, Effort, Recipe, recipes};
 use crate::output::{self, Existing};
-use crate::report::stability::drawings;
-use crate::report::stability_table::{Report, table, verdict};
+use crate::report::stability::{Report, drawings, table, verdict};
 use clap::builder::PossibleValuesParser;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -50,7 +49,7 @@ pub fn run(options: Options) -> Result<ExitCode, CliError> {
         output::make_folder(folder)?;
         output::check(&folder.join(JSON), Existing::Replace)?;
     }
-    LastNote::listen("Ctrl-C: figures come when all recipes are done; --only names a few.");
+    interrupt::end_with("Ctrl-C: figures come when all recipes are done; --only names a few.");
     let is_wanted =
         |recipe: &&Recipe| options.only.is_empty() || options.only.iter().any(|name| name == recipe.name);
     let recipes: Vec<&Recipe> = recipes().filter(is_wanted).collect();

@@ -3,7 +3,7 @@
 //! For: [`trace`].
 
 use super::checkpoint::CheckpointWriter;
-use super::interrupt::Interrupt;
+use super::interrupt;
 use super::limits::Limits;
 use super::progress::Progress;
 use crate::adaptive::{ErrorEstimate, Round};
@@ -20,13 +20,6 @@ const CHUNK: Duration = Duration::from_millis(100);
 /// samples. A chunk that takes longer stops between tiles.
 const GRACE: Duration = Duration::from_millis(300);
 
-/// Whom a tracing listens to, and whom it tells.
-#[derive(Clone, Copy)]
-pub struct Watch<'a> {
-    pub interrupt: &'a Interrupt,
-    pub progress: &'a Progress,
-}
-
 /// What a tracing took.
 pub struct Traced {
     pub time: Duration,
@@ -39,30 +32,28 @@ pub struct Traced {
     pub goals: Vec<u32>,
 }
 
-/// Adds samples in chunks until a limit is reached or the user interrupts. `resumed` are the goals of the
-/// round in which the film was saved; empty for a new film. Between chunks, `writer` saves the film when it
-/// is time.
+/// Adds samples in chunks until a limit is reached or the user interrupts. Between chunks, `writer` saves the
+/// film when it is time.
 pub fn trace(
     renderer: &Renderer,
     film: &mut Film,
     limits: &Limits,
-    resumed: Vec<u32>,
     mut writer: Option<&mut CheckpointWriter>,
-    watch: Watch,
+    progress: &Progress,
 ) -> Traced {
     let start = Instant::now();
     let (resumed_samples, resumed_rays) = (film.mean_samples(), film.rays());
     let deadline = limits.time.map(|time| start + time);
     let mut pace = Pace { chunk: 1, seconds_a_pixel: 0.0 };
-    let mut goals = resumed;
+    let mut goals = writer.as_mut().map(|writer| std::mem::take(&mut writer.goals)).unwrap_or_default();
     let end = loop {
         let Some(round) = next_round(film, limits, &goals) else {
             let met = limits.target.is_some_and(|target| target.met(&ErrorEstimate::of(film)));
             break if met { End::TargetError } else { End::Samples };
         };
-        watch.progress.bar.set_length(round.forecast);
+        progress.bar.set_length(round.forecast);
         let writer = writer.as_deref_mut();
-        let end = take_round(renderer, film, &round, &mut pace, deadline, writer, watch);
+        let end = take_round(renderer, film, &round, &mut pace, deadline, writer, progress);
         goals = round.goals;
         if let Some(end) = end {
             break end;
@@ -102,14 +93,14 @@ fn take_round(
     pace: &mut Pace,
     deadline: Option<Instant>,
     mut writer: Option<&mut CheckpointWriter>,
-    watch: Watch,
+    progress: &Progress,
 ) -> Option<End> {
     loop {
         let (missing, pixels) = round.missing(film);
         if missing == 0 {
             return None;
         }
-        if watch.interrupt.requested() {
+        if interrupt::requested() {
             return Some(End::Interrupt);
         }
         let mut chunk = pace.chunk.min(missing);
@@ -126,7 +117,7 @@ fn take_round(
         }
         let late = deadline.map(|deadline| if whole { deadline + GRACE } else { deadline });
         let before = film.pixel_samples();
-        let mut observer = Chunk { began, late, pause: None, progressed: AtomicBool::new(false), watch };
+        let mut observer = Chunk { began, late, pause: None, progressed: AtomicBool::new(false), progress };
         // A resumed film may be uneven: where all tiles have one goal, those ahead wait for the others.
         let even = round.goals.windows(2).all(|goals| goals[0] == goals[1]);
         let mut goals = round.goals.clone();
@@ -145,7 +136,7 @@ fn take_round(
             if let Some(writer) = writer.as_deref_mut()
                 && writer.is_due(film)
             {
-                watch.progress.bar.suspend(|| writer.save_or_warn(film, &round.goals));
+                progress.bar.suspend(|| writer.save_or_warn(film, &round.goals));
             }
             let done = film.tiles().iter().all(|sums| sums.samples >= goals[sums.tile.number]);
             if done || observer.is_stopped() {
@@ -165,13 +156,13 @@ struct Chunk<'a> {
     /// Time for a checkpoint, once there is something new to save.
     pause: Option<Instant>,
     progressed: AtomicBool,
-    watch: Watch<'a>,
+    progress: &'a Progress,
 }
 
 impl Chunk<'_> {
     /// By the user or the deadline, for good.
     fn is_stopped(&self) -> bool {
-        let interrupted = self.watch.interrupt.requested() && self.began.elapsed() >= GRACE;
+        let interrupted = interrupt::requested() && self.began.elapsed() >= GRACE;
         interrupted || self.late.is_some_and(|late| Instant::now() >= late)
     }
 }
@@ -182,11 +173,11 @@ impl RenderObserver for Chunk<'_> {
         self.is_stopped() || self.pause.is_some_and(is_due)
     }
     fn sample_done(&self, pixels: usize, rays: u64) {
-        self.watch.interrupt.set_begun();
+        interrupt::set_begun();
         if !self.progressed.load(Ordering::Relaxed) {
             self.progressed.store(true, Ordering::Relaxed);
         }
-        self.watch.progress.add(pixels, rays);
+        self.progress.add(pixels, rays);
     }
 }
 
@@ -222,8 +213,7 @@ mod tests {
         let mut film = renderer.film_with_noise();
         renderer.sample_tiles_to(&mut film, |tile, _| had(tile), &());
         let progress = Progress::new(film.pixels(), film.pixel_samples(), limits.time);
-        let watch = Watch { interrupt: &Interrupt::default(), progress: &progress };
-        let traced = trace(&renderer, &mut film, &limits, vec![], None, watch);
+        let traced = trace(&renderer, &mut film, &limits, None, &progress);
         (film, traced)
     }
 

@@ -10,6 +10,7 @@
 //!
 //! | module | what it holds |
 //! |---|---|
+//! | [`mod@methods`] | intersection methods that are charted beside the engine's own |
 //! | [`mod@reference`] | path tracing in f64, one ray and one primitive at a time; shares no equation with the engine |
 //! | [`measure::quantiles`] | medians, quantiles, spreads; rounds of a measurement |
 //! | `measure::errors`, [`measure::flip`] | image metrics: RMSE, relative MSE, FLIP |
@@ -39,4 +40,5 @@ use octray_engine::{
 };
 
 pub mod measure;
+pub mod methods;
 pub mod reference;

@@ -5,36 +5,42 @@
 //! The standard library's `is_x86_feature_detected!` cannot be used: for every feature that the program was
 //! compiled for, it is true without a query, which is the case to detect. CPUID is read instead.
 
-/// Target features: name, and whether the program was compiled for it.
-macro_rules! compiled_features {
-    ($($name:tt)*) => { [$(($name, cfg!(target_feature = $name))),*] };
+/// An instruction set that matters to the program.
+struct Feature {
+    name: &'static str,
+    /// Was the program compiled for it?
+    is_compiled: bool,
+    /// Does the machine have it, and does its operating system enable it?
+    is_present: bool,
+}
+
+/// A list of features: name, and whether the machine has it.
+macro_rules! features {
+    ($($name:tt: $is_present:expr,)*) => {
+        vec![$(Feature { name: $name, is_compiled: cfg!(target_feature = $name), is_present: $is_present }),*]
+    };
 }
 
 /// The instruction sets that the program was compiled for, among those that matter to it.
 pub fn compiled() -> Vec<&'static str> {
-    #[cfg(target_arch = "x86_64")]
-    let known = compiled_features!(
-        "sse3" "ssse3" "sse4.1" "sse4.2" "popcnt" "avx" "avx2" "fma" "f16c" "bmi1" "bmi2" "lzcnt" "movbe" "adx" "gfni"
-        "avx512f" "avx512bw" "avx512cd" "avx512dq" "avx512vl" "avx512vbmi" "avx512vbmi2" "avx512vnni" "avx512bitalg"
-        "avx512vpopcntdq" "avx512ifma"
-    );
-    #[cfg(not(target_arch = "x86_64"))]
-    let known = compiled_features!("neon" "sve" "sve2");
-    known.into_iter().filter(|(_, enabled)| *enabled).map(|(name, _)| name).collect()
+    known().iter().filter(|feature| feature.is_compiled).map(|feature| feature.name).collect()
 }
 
 /// Those of the same instruction sets that this machine has and its operating system enables; `None` on
 /// processors other than x86-64, where there is no query.
 pub fn present() -> Option<Vec<&'static str>> {
-    #[cfg(target_arch = "x86_64")]
-    return Some(x86_64::present());
-    #[cfg(not(target_arch = "x86_64"))]
-    None
+    let names = || known().iter().filter(|feature| feature.is_present).map(|feature| feature.name).collect();
+    cfg!(target_arch = "x86_64").then(names)
+}
+
+#[cfg(not(target_arch = "x86_64"))]
+fn known() -> Vec<Feature> {
+    features!("neon": false, "sve": false, "sve2": false,)
 }
 
 #[cfg(target_arch = "x86_64")]
-mod x86_64 {
-    use raw_cpuid::CpuId;
+fn known() -> Vec<Feature> {
+    use raw_cpuid::{CpuId, ExtendedFeatures, FeatureInfo};
 
     // The bytes of register state that the operating system saves per thread show which registers it enables:
     // 512 + 64 for SSE and the header, 256 more for the upper halves of AVX registers, and at least 2432 once
@@ -43,54 +49,42 @@ mod x86_64 {
     const AVX_STATE: u32 = 832;
     const AVX512_STATE: u32 = 2_432;
 
-    pub fn present() -> Vec<&'static str> {
-        let cpu = CpuId::new();
-        let mut found = Vec::new();
-        let mut add = |name, has| {
-            if has {
-                found.push(name);
-            }
-        };
-        let basic = cpu.get_feature_info();
-        let basic = basic.as_ref();
-        let switched_on = basic.is_some_and(|basic| basic.has_oxsave());
-        let state = cpu.get_extended_state_info().map_or(0, |state| state.xsave_area_size_enabled_features());
-        let avx = switched_on && state >= AVX_STATE;
-        let avx512 = switched_on && state >= AVX512_STATE;
-        if let Some(basic) = basic {
-            add("sse3", basic.has_sse3());
-            add("ssse3", basic.has_ssse3());
-            add("sse4.1", basic.has_sse41());
-            add("sse4.2", basic.has_sse42());
-            add("popcnt", basic.has_popcnt());
-            add("movbe", basic.has_movbe());
-            add("avx", avx && basic.has_avx());
-            add("fma", avx && basic.has_fma());
-            add("f16c", avx && basic.has_f16c());
-        }
-        if let Some(more) = cpu.get_extended_feature_info() {
-            add("avx2", avx && more.has_avx2());
-            add("bmi1", more.has_bmi1());
-            add("bmi2", more.has_bmi2());
-            add("adx", more.has_adx());
-            add("gfni", more.has_gfni());
-            add("avx512f", avx512 && more.has_avx512f());
-            add("avx512bw", avx512 && more.has_avx512bw());
-            add("avx512cd", avx512 && more.has_avx512cd());
-            add("avx512dq", avx512 && more.has_avx512dq());
-            add("avx512vl", avx512 && more.has_avx512vl());
-            add("avx512vbmi", avx512 && more.has_avx512vbmi());
-            add("avx512vbmi2", avx512 && more.has_avx512vbmi2());
-            add("avx512vnni", avx512 && more.has_avx512vnni());
-            add("avx512bitalg", avx512 && more.has_avx512bitalg());
-            add("avx512vpopcntdq", avx512 && more.has_avx512vpopcntdq());
-            add("avx512ifma", avx512 && more.has_avx512_ifma());
-        }
-        if let Some(extended) = cpu.get_extended_processor_and_feature_identifiers() {
-            add("lzcnt", extended.has_lzcnt());
-        }
-        found
-    }
+    let cpu = CpuId::new();
+    let (basic, more) = (cpu.get_feature_info(), cpu.get_extended_feature_info());
+    let basic = |has: fn(&FeatureInfo) -> bool| basic.as_ref().is_some_and(has);
+    let more = |has: fn(&ExtendedFeatures) -> bool| more.as_ref().is_some_and(has);
+    let state = cpu.get_extended_state_info().map_or(0, |state| state.xsave_area_size_enabled_features());
+    let avx = basic(FeatureInfo::has_oxsave) && state >= AVX_STATE;
+    let avx512 = avx && state >= AVX512_STATE;
+    let lzcnt = cpu.get_extended_processor_and_feature_identifiers().is_some_and(|more| more.has_lzcnt());
+    features!(
+        "sse3": basic(FeatureInfo::has_sse3),
+        "ssse3": basic(FeatureInfo::has_ssse3),
+        "sse4.1": basic(FeatureInfo::has_sse41),
+        "sse4.2": basic(FeatureInfo::has_sse42),
+        "popcnt": basic(FeatureInfo::has_popcnt),
+        "avx": avx && basic(FeatureInfo::has_avx),
+        "avx2": avx && more(ExtendedFeatures::has_avx2),
+        "fma": avx && basic(FeatureInfo::has_fma),
+        "f16c": avx && basic(FeatureInfo::has_f16c),
+        "bmi1": more(ExtendedFeatures::has_bmi1),
+        "bmi2": more(ExtendedFeatures::has_bmi2),
+        "lzcnt": lzcnt,
+        "movbe": basic(FeatureInfo::has_movbe),
+        "adx": more(ExtendedFeatures::has_adx),
+        "gfni": more(ExtendedFeatures::has_gfni),
+        "avx512f": avx512 && more(ExtendedFeatures::has_avx512f),
+        "avx512bw": avx512 && more(ExtendedFeatures::has_avx512bw),
+        "avx512cd": avx512 && more(ExtendedFeatures::has_avx512cd),
+        "avx512dq": avx512 && more(ExtendedFeatures::has_avx512dq),
+        "avx512vl": avx512 && more(ExtendedFeatures::has_avx512vl),
+        "avx512vbmi": avx512 && more(ExtendedFeatures::has_avx512vbmi),
+        "avx512vbmi2": avx512 && more(ExtendedFeatures::has_avx512vbmi2),
+        "avx512vnni": avx512 && more(ExtendedFeatures::has_avx512vnni),
+        "avx512bitalg": avx512 && more(ExtendedFeatures::has_avx512bitalg),
+        "avx512vpopcntdq": avx512 && more(ExtendedFeatures::has_avx512vpopcntdq),
+        "avx512ifma": avx512 && more(ExtendedFeatures::has_avx512_ifma),
+    )
 }
 
 #[cfg(test)]

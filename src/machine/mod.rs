@@ -65,30 +65,16 @@ fn mem_available(info: &str) -> Option<u64> {
 }
 
 fn cpu() -> String {
-    let info = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
-    model_name(&info).unwrap_or_else(|| std::env::consts::ARCH.to_string())
-}
-
-/// The first `model name` in the text of `/proc/cpuinfo`.
-fn model_name(info: &str) -> Option<String> {
-    info.lines()
-        .filter_map(|line| line.split_once(':'))
-        .find(|(key, value)| key.trim() == "model name" && !value.trim().is_empty())
-        .map(|(_, value)| value.split_whitespace().collect::<Vec<_>>().join(" "))
+    #[cfg(target_arch = "x86_64")]
+    if let Some(brand) = raw_cpuid::CpuId::new().get_processor_brand_string() {
+        return brand.as_str().split_whitespace().collect::<Vec<_>>().join(" ");
+    }
+    std::env::consts::ARCH.to_string()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn model_name_is_the_first_and_loses_its_padding() {
-        let info =
-            "processor\t: 0\nmodel\t\t: 85\nmodel name\t: Some CPU   @ 2.00GHz \n\nmodel name\t: Other\n";
-        assert_eq!(model_name(info).as_deref(), Some("Some CPU @ 2.00GHz"));
-        assert_eq!(model_name(""), None);
-        assert_eq!(model_name("model name\t:\nCPU implementer : 0x41\n"), None);
-    }
 
     #[test]
     fn mem_available_is_read_in_bytes() {

@@ -2,7 +2,6 @@
 //!
 //! For: [`Report`].
 
-use super::busy;
 use super::numbers::{figure, ratio};
 use super::stats::{self, engine};
 use super::text::{self, paragraph};
@@ -110,21 +109,16 @@ fn rate(fps: f64) -> String {
     if fps < 100_000.0 { figure(fps, 0) } else { figure(fps / 1_000.0, 0) + "k" }
 }
 
-/// A column of the table of ratios.
-struct RatioColumn {
-    name: &'static str,
-    meaning: &'static str,
-    of: fn(&Measurement) -> Option<Ratio>,
-}
-
-const RATIOS: [RatioColumn; 3] = [
-    RatioColumn { name: "speed-up", meaning: "SIMD over scalar", of: |result| result.speedup },
-    RatioColumn { name: "scaling", meaning: "all cores over one", of: |result| result.scaling },
-    RatioColumn {
-        name: "over general",
-        meaning: "over the pipeline with every feature, where the scene does not use that one",
-        of: |result| result.over_general,
-    },
+type RatioOf = fn(&Measurement) -> Option<Ratio>;
+/// The columns of the table of ratios: name, meaning, value.
+const RATIOS: [(&str, &str, RatioOf); 3] = [
+    ("speed-up", "SIMD over scalar", |result| result.speedup),
+    ("scaling", "all cores over one", |result| result.scaling),
+    (
+        "over general",
+        "over the pipeline with every feature, where the scene does not use that one",
+        |result| result.over_general,
+    ),
 ];
 
 /// The ratios of the scenes, below the table of rates; nothing where no ratio was measured.
@@ -134,7 +128,7 @@ pub fn ratios(report: &Report) -> String {
     };
     let mut rows = String::new();
     for of_scene in report.scenes() {
-        let ratios = RATIOS.map(|column| of_scene.iter().find_map(column.of));
+        let ratios = RATIOS.map(|(.., of)| of_scene.iter().find_map(of));
         if ratios.iter().any(Option::is_some) {
             let cell = |of: Option<Ratio>| of.map_or(NOTHING.into(), |of| ratio(of.median, of.spread));
             rows += &row(&of_scene[0].scene, ratios.map(cell));
@@ -143,9 +137,9 @@ pub fn ratios(report: &Report) -> String {
     if rows.is_empty() {
         return rows;
     }
-    let meanings = RATIOS.map(|column| format!("{} is {}", column.name, column.meaning)).join(", ");
+    let meanings = RATIOS.map(|(name, meaning, _)| format!("{name} is {meaning}")).join(", ");
     let meanings = format!("Ratios, medians of the rounds (10 to 90 % of them): {meanings}.");
-    format!("\n{}\n{}{rows}", paragraph(&meanings), row("scene", RATIOS.map(|column| column.name.into())))
+    format!("\n{}\n{}{rows}", paragraph(&meanings), row("scene", RATIOS.map(|(name, ..)| name.into())))
 }
 
 /// A warning that the machine is busy, by the 1 % low or by what other cores add; else that a scene has fewer
@@ -165,11 +159,13 @@ pub fn warning(results: &[Measurement]) -> Option<String> {
 /// Names the engine with the lowest 1 % low, where that is below `BUSY` of its median.
 fn busy(results: &[Measurement]) -> Option<String> {
     let timed = results.iter().filter(|result| result.frames >= FEWEST_FRAMES);
-    let share = |result: &Measurement| result.fps_low_1_percent / result.fps_median;
-    busy::warning(timed, share, BUSY, |Measurement { scene, lanes, threads, .. }, share| {
+    let shares = timed.map(|Measurement { scene, lanes, threads, fps_low_1_percent, fps_median, .. }| {
         let (engine, threads) = (engine(*lanes), counted(threads, "thread", "threads"));
-        format!("the 1 % low of {scene} ({engine}, {threads}) is {share} of its median")
-    })
+        let share = fps_low_1_percent / fps_median;
+        let percent = 100.0 * share;
+        (share, format!("the 1 % low of {scene} ({engine}, {threads}) is {percent:.0} % of its median"))
+    });
+    text::busy(shares, BUSY)
 }
 
 /// Names the scene that gains least from all cores, where that is less than [`LEAST_SCALING`] and there are
@@ -205,22 +201,20 @@ pub fn meaning(report: &Report) -> String {
     // Of each scene the first width alone: that of the default, or the one asked for.
     let firsts = report.scenes().map(|of_scene| &of_scene[0]);
     let ratios: Vec<f64> = firsts.filter_map(|first| Some(first.speedup?.median)).collect();
-    let speed = match (ratios.iter().copied().reduce(f64::min), ratios.iter().copied().reduce(f64::max)) {
-        (Some(least), Some(most)) if ratios.len() > 1 => {
-            format!("SIMD is {least:.1} to {most:.1} times as fast as scalar.")
-        }
-        (Some(ratio), _) => format!("SIMD is {ratio:.1} times as fast as scalar."),
-        _ => "One width was timed.".into(),
+    let least = ratios.iter().copied().fold(f64::INFINITY, f64::min);
+    let most = ratios.iter().copied().fold(0.0, f64::max);
+    let speed = match ratios.len() {
+        0 => "One width was timed.".into(),
+        1 => format!("SIMD is {least:.1} times as fast as scalar."),
+        _ => format!("SIMD is {least:.1} to {most:.1} times as fast as scalar."),
     };
-    let same = if pixels == 0 {
-        "The pictures of all widths are the same, bit by bit.".into()
-    } else {
-        counted(pixels, "PIXEL DIFFERS.", "PIXELS DIFFER.")
+    let same = match pixels {
+        0 => "The pictures of all widths are the same, bit by bit.".into(),
+        _ => counted(pixels, "PIXEL DIFFERS.", "PIXELS DIFFER."),
     };
-    let right = if hits == 0 {
-        "Every primary hit is right by the f64 reference.".into()
-    } else {
-        counted(hits, "PRIMARY HIT IS", "PRIMARY HITS ARE") + " WRONG by the f64 reference."
+    let right = match hits {
+        0 => "Every primary hit is right by the f64 reference.".into(),
+        _ => counted(hits, "PRIMARY HIT IS", "PRIMARY HITS ARE") + " WRONG by the f64 reference.",
     };
     format!("\n{speed}\n{same}\n{right}\n")
 }
@@ -274,32 +268,28 @@ mod tests {
         }
     }
 
-    /// Two engines of two scenes that have one name.
-    fn report() -> Report {
+    #[test]
+    fn ratios_stand_below_their_names_in_a_row_for_each_scene() {
+        // Two engines of two scenes that have one name.
         let engines = |speedup, scaling| {
             let first = Measurement { speedup, over_general: times(1.5), ..result("same", 99, 90.0) };
             [first, Measurement { scaling, threads: 4, ..result("same", 99, 90.0) }]
         };
-        Report {
+        let mut report = Report {
             results: [engines(times(7.0), times(2.0)), engines(times(6.0), None)].concat(),
             accuracy: vec![equal_pictures(), equal_pictures()],
             ..Report::of_this_machine()
-        }
-    }
-
-    #[test]
-    fn ratios_stand_below_their_names_in_a_row_for_each_scene() {
-        let rows = ratios(&report());
+        };
+        let rows = ratios(&report);
         let rows: Vec<Vec<&str>> =
             rows.lines().skip_while(|line| !line.starts_with("scene ")).map(words).collect();
         assert_eq!(rows[0], ["scene", "speed-up", "scaling", "over", "general"]);
         assert_eq!(rows[1], ["same", "7.00×", "(6.75–7.50)", "2.00×", "(1.75–2.50)", "1.50×", "(1.25–2.00)"]);
         assert_eq!(rows[2], ["same", "6.00×", "(5.75–6.50)", "–", "1.50×", "(1.25–2.00)"]);
         assert_eq!(rows.len(), 3);
-        let mut alone = report();
-        alone.results.iter_mut().for_each(|result| *result = self::result("same", 99, 90.0));
-        assert_eq!(ratios(&alone), "");
-        assert!(meaning(&report()).contains("SIMD is 6.0 to 7.0 times"));
+        assert!(meaning(&report).contains("SIMD is 6.0 to 7.0 times"));
+        report.results.iter_mut().for_each(|result| *result = self::result("same", 99, 90.0));
+        assert_eq!(ratios(&report), "");
     }
 
     fn words(line: &str) -> Vec<&str> {

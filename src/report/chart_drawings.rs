@@ -2,7 +2,7 @@
 //!
 //! For: [`of_scene`].
 
-use super::drawing::{Drawing, Ink, file_name};
+use super::drawing::{Drawing, file_name};
 use super::figure::{Figure, Line, Look, Panel};
 use super::numbers::{figure, times};
 use crate::measure::chart::configurations::{DEFAULT, GROUPS, Group};
@@ -13,43 +13,23 @@ use crate::measure::chart::{SceneChart, display, motion, pictures};
 use crate::measure::quantiles::Spread;
 use crate::wording::counted;
 
-/// The error measure of a drawing.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Measure {
-    Rmse,
-    Relmse,
-    Flip,
-}
-
-impl Measure {
-    fn label(self) -> &'static str {
-        match self {
-            Self::Rmse => "root mean square error (radiance)",
-            Self::Relmse => "relMSE without the worst 0.1 % of pixels",
-            Self::Flip => "mean FLIP of the displayed picture",
-        }
-    }
-    fn of(self, point: &Point) -> Spread {
-        match self {
-            Self::Rmse => point.rmse,
-            Self::Relmse => point.relmse_trimmed,
-            Self::Flip => point.flip,
-        }
-    }
-}
+/// An error measure.
+type ErrorOf = fn(&Point) -> Spread;
+/// The name of the axis of the usual one.
+const RMSE: &str = "root mean square error (radiance)";
 
 /// The drawings of a scene: pictures by RMSE, relMSE and FLIP; frames, display filters, motion.
 pub fn of_scene(scene: &SceneChart, seeds: u32) -> [Drawing; 6] {
-    let by = |measure| pictures(scene, seeds, measure);
+    let by = |y, error| pictures(scene, seeds, y, error);
+    let name = file_name(&scene.scene);
     let figures = [
-        ("pictures", by(Measure::Rmse)),
-        ("pictures-relmse", by(Measure::Relmse)),
-        ("pictures-flip", by(Measure::Flip)),
+        ("pictures", by(RMSE, |point| point.rmse)),
+        ("pictures-relmse", by("relMSE without the worst 0.1 % of pixels", |point| point.relmse_trimmed)),
+        ("pictures-flip", by("mean FLIP of the displayed picture", |point| point.flip)),
         ("frames", frames(scene)),
         ("display", display(scene)),
         ("motion", motion(scene)),
     ];
-    let name = file_name(&scene.scene);
     figures.map(|(of, figure)| Drawing { name: format!("{name}-{of}"), svg: figure.svg() })
 }
 
@@ -62,53 +42,51 @@ fn title(group: Group) -> &'static str {
     }
 }
 
-/// A configuration has the same colour in all drawings.
-fn ink(configuration: &str) -> Ink {
+/// The number of a configuration, so that it has the same colour in all drawings; 0 is the default's.
+fn number(configuration: &str) -> usize {
     let mut names = GROUPS.into_iter().flat_map(|(_, named)| named);
-    names.position(|(name, _)| *name == configuration).map_or(Ink::Main, Ink::Line)
+    names.position(|(name, _)| *name == configuration).map_or(0, |place| place + 1)
 }
 
 /// Error against time on a scene: a panel for each group of configurations.
-fn pictures(scene: &SceneChart, seeds: u32, measure: Measure) -> Figure {
+fn pictures(scene: &SceneChart, seeds: u32, y: &str, error: ErrorOf) -> Figure {
     let unit = scene.default_sample_s;
     let lines = &scene.pictures;
-    let front = front_points(lines, measure);
+    let front = front_points(lines, error);
     let of = |group: Option<Group>| {
         let on_front = |line: &pictures::Line| front.iter().any(|(on, _)| *on == line.configuration);
         let lines = lines.iter().filter(move |line| line.group == group);
-        lines.map(move |line| drawn(line, unit, measure, on_front(line)))
+        lines.map(move |line| drawn(line, unit, error, on_front(line)))
     };
     let points = falling(front.iter().map(|(_, [time, error])| [time / unit, *error]).collect());
     let name = "Pareto front".into();
-    let shared = Line { name, look: Look::Front, ink: Ink::Front, points, ..Line::default() };
+    let shared = Line { name, look: Look::Front, points, ..Line::default() };
     let panels = GROUPS.into_iter().filter(|(group, _)| of(Some(*group)).next().is_some());
     let panels = panels.map(|(group, _)| Panel {
         title: title(group).into(),
         lines: std::iter::once(shared.clone()).chain(of(None)).chain(of(Some(group))).collect(),
     });
     let [width, height] = scene.size;
-    let mut notes = vec![
+    let notes = vec![
         "Left is faster, lower is more accurate. Each point has twice the samples of the one before (adaptive: half the target error).".into(),
         "Pale: the Pareto front, which no robust configuration beats. Thick: the default. Thin: never on the front. Dashed: not robust.".into(),
+        "Numbers: the time to the RMSE of the last point, over the default's.".into(),
         format!("{width}×{height} on one thread, {seeds} seeds: medians, and 10 to 90 % of them."),
     ];
-    if measure == Measure::Rmse {
-        notes.insert(2, "Numbers: the time to the error of the last point, over the default's.".into());
-    }
     Figure {
         title: format!("{}: error against time", scene.scene),
         notes,
         x: format!("time, × one sample of the default ({} ms)", figure(1e3 * unit, 2)),
-        y: measure.label().into(),
+        y: y.into(),
         panels: panels.collect(),
     }
 }
 
 /// The line of a configuration, with times in multiples of `unit`.
-fn drawn(line: &pictures::Line, unit: f64, measure: Measure, on_front: bool) -> Line {
-    let at = |point: &Point| [point.seconds.median / unit, measure.of(point).median];
+fn drawn(line: &pictures::Line, unit: f64, error: ErrorOf, on_front: bool) -> Line {
+    let at = |point: &Point| [point.seconds.median / unit, error(point).median];
     let band = |point: &Point| {
-        let Spread { p10, p90, .. } = measure.of(point);
+        let Spread { p10, p90, .. } = error(point);
         [point.seconds.median / unit, p10, p90]
     };
     let look = match line {
@@ -119,12 +97,9 @@ fn drawn(line: &pictures::Line, unit: f64, measure: Measure, on_front: bool) -> 
     };
     Line {
         name: line.configuration.into(),
-        figure: match measure {
-            Measure::Rmse if look != Look::Default => times(line.time_to_equal_error),
-            _ => String::new(),
-        },
+        figure: if look == Look::Default { String::new() } else { times(line.time_to_equal_error) },
         look,
-        ink: ink(line.configuration),
+        number: number(line.configuration),
         points: line.points.iter().map(at).collect(),
         band: match look {
             Look::Default | Look::Plain => line.points.iter().map(band).collect(),
@@ -135,8 +110,8 @@ fn drawn(line: &pictures::Line, unit: f64, measure: Measure, on_front: bool) -> 
 
 /// The points, in seconds, of robust configurations that no other robust one passes below, each with its
 /// configuration.
-fn front_points(lines: &[pictures::Line], measure: Measure) -> Vec<(&'static str, [f64; 2])> {
-    let at = |point: &Point| [point.seconds.median, measure.of(point).median];
+fn front_points(lines: &[pictures::Line], error: ErrorOf) -> Vec<(&'static str, [f64; 2])> {
+    let at = |point: &Point| [point.seconds.median, error(point).median];
     let robust: Vec<(&pictures::Line, ErrorCurve)> = lines
         .iter()
         .filter(|line| line.robust)
@@ -174,7 +149,7 @@ fn frames(scene: &SceneChart) -> Figure {
             name: frames.configuration.into(),
             figure: format!("{} fps", figure(frames.fps.median, 0)),
             look: if frames.configuration == DEFAULT { Look::Default } else { Look::Plain },
-            ink: ink(frames.configuration),
+            number: number(frames.configuration),
             points: known.collect(),
             ..Line::default()
         }
@@ -182,8 +157,7 @@ fn frames(scene: &SceneChart) -> Figure {
     let (threads, seeds) = scene.frames.first().map_or((1, 0), |frames| (frames.threads, frames.seeds));
     let notes = vec![
         size_and(scene, threads, &counted(seeds, "seed", "seeds")),
-        "Numbers: frames of one sample per second. No point where the error is below the ground truth's."
-            .into(),
+        "Numbers: frames of one sample per second.".into(),
     ];
     of_frames(scene, "accumulation in a window", notes, "seconds of accumulation".into(), lines.collect())
 }
@@ -196,24 +170,20 @@ fn display(scene: &SceneChart) -> Figure {
         let point = |shown: &display::FilterResult| {
             Some([(shown.frame_ms.median + shown.filter_ms.median) / unit, shown.rmse?.median])
         };
-        let (look, ink) = match number {
-            0 => (Look::Default, Ink::Main),
-            _ => (Look::Plain, Ink::Line(number - 1)),
-        };
+        let look = if number == 0 { Look::Default } else { Look::Plain };
         Line {
             name: (*filter).into(),
             look,
-            ink,
+            number,
             points: shown.filter_map(point).collect(),
             ..Line::default()
         }
     };
     let (threads, seeds) = scene.display.first().map_or((1, 0), |shown| (shown.threads, shown.seeds));
-    let mut notes = vec![
+    let notes = vec![
         size_and(scene, threads, &counted(seeds, "seed", "seeds")),
         "From left to right: 1, 4 and 16 samples a pixel. The time includes the filter.".into(),
     ];
-    notes.extend(left_out(scene.display.iter().any(|shown| shown.rmse.is_none())));
     let x = format!("time, × rendering one sample ({} ms)", figure(unit, 2));
     let lines = display::FILTERS.iter().enumerate().map(line).collect();
     of_frames(scene, "a picture with display filters", notes, x, lines)
@@ -231,17 +201,16 @@ fn motion(scene: &SceneChart) -> Figure {
         Line {
             name: path.name().into(),
             figure: lower.map_or(String::new(), |lower| format!("÷{}", figure(lower, 1))),
-            ink: Ink::Line(number),
+            number,
             points: moving().filter_map(point).collect(),
             ..Line::default()
         }
     };
     let (frames, threads) = scene.motion.first().map_or((0, 1), |moving| (moving.frames, moving.threads));
-    let mut notes = vec![
+    let notes = vec![
         size_and(scene, threads, &counted(frames, "frame", "frames")),
         "From top to bottom: unfiltered, reprojected, reprojected and denoised. Numbers: how much reprojection lowers the error.".into(),
     ];
-    notes.extend(left_out(scene.motion.iter().any(|moving| moving.rmse.is_none())));
     let lines = CameraPath::ALL.into_iter().enumerate().map(line).collect();
     of_frames(scene, "one sample a frame, in motion", notes, "time of a frame, × rendering it".into(), lines)
 }
@@ -249,18 +218,9 @@ fn motion(scene: &SceneChart) -> Figure {
 /// RMSE in one plane.
 fn of_frames(scene: &SceneChart, what: &str, notes: Vec<String>, x: String, lines: Vec<Line>) -> Figure {
     let title = format!("{}: {what}", scene.scene);
-    Figure {
-        title,
-        notes,
-        x,
-        y: Measure::Rmse.label().into(),
-        panels: vec![Panel { lines, ..Panel::default() }],
-    }
-}
-
-/// Why points are missing, if some are.
-fn left_out(some: bool) -> Option<String> {
-    some.then(|| "Left out: points whose error cannot be told from that of the ground truth.".into())
+    let unknown = "Left out: points whose error cannot be told from that of the ground truth.";
+    let notes = notes.into_iter().chain([unknown.into()]).collect();
+    Figure { title, notes, x, y: RMSE.into(), panels: vec![Panel { lines, ..Panel::default() }] }
 }
 
 fn size_and(scene: &SceneChart, threads: usize, more: &str) -> String {
@@ -272,6 +232,7 @@ fn size_and(scene: &SceneChart, threads: usize, more: &str) -> String {
 mod tests {
     use super::*;
     use crate::measure::chart::ground_truth::GroundTruthInfo;
+    use crate::report::drawing::{line_class, marks};
 
     /// Seven doublings from a time and an error on; the error falls with the root of time.
     fn measured(configuration: &'static str, seconds: f64, error: f64) -> pictures::Line {
@@ -317,7 +278,7 @@ mod tests {
     }
 
     fn panels(scene: &SceneChart) -> Vec<Panel> {
-        super::pictures(scene, 8, Measure::Rmse).panels
+        super::pictures(scene, 8, RMSE, |point| point.rmse).panels
     }
 
     #[test]
@@ -335,24 +296,12 @@ mod tests {
             let drawn: Vec<&Line> =
                 panels.iter().flat_map(|panel| &panel.lines).filter(|line| line.name == name).collect();
             let [line] = drawn[..] else { panic!("{name}: {}", drawn.len()) };
-            looks.push(line.ink.marks(&[[0, 0]]).into_string());
+            looks.push(marks(&line_class(line.number), line.number, &[[0, 0]]).into_string());
         }
         let count = looks.len();
         looks.sort();
         looks.dedup();
         assert_eq!(looks.len(), count);
-    }
-
-    #[test]
-    fn times_are_multiples_of_the_defaults_sample_on_any_machine() {
-        let lines = |unit| vec![measured(DEFAULT, unit, 1.0), measured("scalar", 6.0 * unit, 1.0)];
-        for unit in [1e-4, 3.0] {
-            let panels = panels(&scene(lines(unit)));
-            let places: Vec<f64> = panels[0].lines.iter().map(|line| line.points[0][0]).collect();
-            for (place, wanted) in places.into_iter().zip([1.0, 1.0, 6.0]) {
-                assert!((place / wanted - 1.0).abs() < 1e-12, "{place}");
-            }
-        }
     }
 
     #[test]
@@ -364,7 +313,7 @@ mod tests {
             measured("scalar", 7.0, 1.0),
             measured("naive spheres", 0.1, 0.1),
         ];
-        let points = front_points(&lines, Measure::Rmse);
+        let points = front_points(&lines, |point| point.rmse);
         assert!(points.iter().all(|(name, _)| [DEFAULT, "random numbers"].contains(name)), "{points:?}");
         let front = falling(points.into_iter().map(|(_, point)| point).collect());
         assert_eq!(front[..3], [[0.25, 4.0], [0.5, 4.0 / 2f64.sqrt()], [1.0, 1.0]]);
@@ -374,14 +323,19 @@ mod tests {
 
     #[test]
     fn configurations_never_on_the_front_are_thin_and_methods_that_fail_dashed() {
-        let lines = vec![
-            measured(DEFAULT, 1.0, 1.0),
-            measured("scalar", 7.0, 1.0),
-            measured("naive spheres", 0.1, 1.0),
-        ];
-        let panels = panels(&scene(lines));
-        let looks: Vec<Look> = panels.iter().map(|panel| panel.lines[2].look).collect();
-        assert_eq!(looks, [Look::Behind, Look::Dashed]);
-        assert_eq!(panels[0].lines[2].figure, "7.0×");
+        // Times are multiples of the default's sample: the same on any machine.
+        for unit in [1e-4, 3.0] {
+            let lines = vec![
+                measured(DEFAULT, unit, 1.0),
+                measured("scalar", 7.0 * unit, 1.0),
+                measured("naive spheres", 0.1 * unit, 1.0),
+            ];
+            let panels = panels(&scene(lines));
+            let drawn: Vec<&Line> = panels.iter().map(|panel| &panel.lines[2]).collect();
+            assert_eq!([drawn[0].look, drawn[1].look], [Look::Behind, Look::Dashed]);
+            for (line, wanted) in drawn.into_iter().zip([7.0, 0.1]) {
+                assert!((line.points[0][0] / wanted - 1.0).abs() < 1e-12, "{}", line.name);
+            }
+        }
     }
 }

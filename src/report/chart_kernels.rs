@@ -5,7 +5,7 @@
 use super::dots::{Column, DotTable};
 use super::drawing::Drawing;
 use super::numbers::{figure, percent};
-use crate::measure::chart::kernels::{EFFORT, Kernel};
+use crate::measure::chart::kernels::{Case, EFFORT, Kernel};
 use crate::wording::grouped;
 
 /// A drawing for each family of methods.
@@ -29,37 +29,25 @@ fn of_family(family: &str, kernels: &[Kernel]) -> DotTable {
         let unit = format!("1× is {} ns", figure(default, 2));
         Column { name, unit, log: false, values: at(lanes).map(value).collect() }
     };
-    let first = at(widest).next();
-    let failures = |kernel: &Kernel| Some((100.0 * kernel.failures, percent(kernel.failures)));
-    let errors = |kernel: &Kernel| kernel.p99.map(|p99| (p99, scientific(p99)));
+    let log = |name: &str, value: &dyn Fn(&Kernel) -> Option<(f64, String)>| {
+        let (name, unit) = (name.into(), "log scale".into());
+        Column { name, unit, log: true, values: at(widest).map(value).collect() }
+    };
+    let Some(Kernel { failure_case, error_case, .. }) = at(widest).next() else { return DotTable::default() };
     let mut columns = vec![cost(widest)];
     columns.extend((widest > 1).then(|| cost(1)));
-    columns.push(Column {
-        name: "failures".into(),
-        unit: "log scale".into(),
-        log: true,
-        values: at(widest).map(failures).collect(),
-    });
-    let mut notes = Vec::new();
-    if let Some(Kernel { failure_case: case, error_case, .. }) = first {
+    columns.push(log("failures", &|kernel| Some((100.0 * kernel.failures, percent(kernel.failures)))));
+    let (recipe, place) = (failure_case.recipe, grouped(failure_case.place));
+    let mut notes = vec![format!(
+        "Cost: one ray against one primitive, over the default's. Failures: {} of stability recipe {recipe} at {place}.",
+        percent(EFFORT.0)
+    )];
+    if let Some(Case { recipe, place }) = error_case {
+        let place = grouped(place);
         notes.push(format!(
-            "Cost: one ray against one primitive, over the default's. Failures: {} of stability recipe {} at {}.",
-            percent(EFFORT.0),
-            case.recipe,
-            grouped(case.place)
+            "Error: of t where no method failed, 99th percentile; recipe {recipe} at {place}."
         ));
-        if let Some(case) = error_case {
-            let (recipe, place) = (case.recipe, grouped(case.place));
-            notes.push(format!(
-                "Error: of t where no method failed, 99th percentile; recipe {recipe} at {place}."
-            ));
-            columns.push(Column {
-                name: "error of t".into(),
-                unit: "log scale".into(),
-                log: true,
-                values: at(widest).map(errors).collect(),
-            });
-        }
+        columns.push(log("error of t", &|kernel| kernel.p99.map(|p99| (p99, scientific(p99)))));
     }
     let rows = at(widest).map(|kernel| (kernel.method.to_owned(), kernel.default)).collect();
     let title = format!("{family} tests: what each method costs, and where it fails");
@@ -74,7 +62,6 @@ fn scientific(value: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::measure::chart::kernels::Case;
 
     #[test]
     fn costs_are_ratios_to_the_default_at_the_same_width() {

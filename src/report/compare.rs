@@ -97,21 +97,17 @@ pub fn row(result: &Comparison) -> String {
     row
 }
 
-/// The table in words. `lossy` box tests lose hits, other ones in each traversal, so their pictures may
-/// differ.
-pub fn meaning(report: &Report, lossy: bool) -> String {
+/// The table in words.
+pub fn meaning(report: &Report) -> String {
     let differ = report.results.iter().any(|result| result.mismatched_pixels > 0);
     let wrong: usize = report.results.iter().map(|result| result.reference.mismatched_hits).sum();
     let right = match wrong {
         0 => "every compared primary hit is right".to_string(),
         _ => counted(wrong, "primary hit is", "primary hits are") + " WRONG by the f64 reference",
     };
-    let same = match (differ, lossy) {
-        (false, _) => "pictures of 1, 8 and 16 lanes are the same, bit by bit",
-        (true, true) => {
-            "SIMD and scalar differ, which is expected: unpadded boxes lose hits, each traversal other ones"
-        }
-        (true, false) => "SIMD and scalar DIFFER: a bug in octray, please report it with the scene",
+    let same = match differ {
+        false => "pictures of 1, 8 and 16 lanes are the same, bit by bit",
+        true => "SIMD and scalar DIFFER: a bug in octray, please report it with the scene",
     };
     format!("\n{same}; {right}.\n")
 }

@@ -3,7 +3,7 @@
 //!
 //! For: [`DotTable`].
 
-use super::drawing::{Ink, LETTER, LINE, MARGIN, WIDTH, stroke, svg, text};
+use super::drawing::{LETTER, LINE, MARGIN, WIDTH, marks, stroke, svg, text};
 use super::scale::Scale;
 
 /// A drawing.
@@ -35,11 +35,6 @@ const ASIDE: i32 = 20;
 /// Most ticks of an axis.
 const TICKS: usize = 3;
 
-/// The width of a bold text.
-fn width(text: &str) -> i32 {
-    LETTER * text.chars().count() as i32
-}
-
 impl DotTable {
     /// The drawing as the text of an SVG file.
     pub fn svg(&self) -> String {
@@ -48,7 +43,8 @@ impl DotTable {
             let first = top + 3 * LINE;
             let bottom = first + ROW * self.rows.len() as i32;
             let middle = |row: usize| first + ROW * row as i32 + ROW / 2;
-            let names = self.rows.iter().map(|(name, _)| width(name)).max().unwrap_or(0);
+            let names =
+                self.rows.iter().map(|(name, _)| LETTER * name.chars().count() as i32).max().unwrap_or(0);
             let begin = MARGIN + names + GAP;
             let wide = (WIDTH - MARGIN - begin + GAP) / self.columns.len().max(1) as i32 - GAP;
             for (row, (name, default)) in self.rows.iter().enumerate() {
@@ -63,9 +59,7 @@ impl DotTable {
                     .filter_map(|(row, value)| value.as_ref().map(|(value, text)| (row, *value, text)))
                     .collect();
                 let numbers: Vec<f64> = values.iter().map(|(_, value, _)| *value).collect();
-                // The texts stand to the right of the dots.
-                let room = values.iter().map(|(_, _, text)| width(text)).max().unwrap_or(0);
-                let ends = [left + ASIDE, left + wide - room - ASIDE];
+                let ends = [left + ASIDE, left + wide - ASIDE];
                 let scale = if column.log { Scale::log } else { Scale::from_zero }(&numbers, TICKS, ends);
                 for (at, label) in scale.ticks() {
                     parts.push(stroke("grid", 2, &[[at, first], [at, bottom]]));
@@ -74,8 +68,11 @@ impl DotTable {
                 parts.push(stroke("remark", 2, &[[left, bottom], [left + wide, bottom]]));
                 for (row, value, words) in values {
                     let (at, default) = ([scale.at(value), middle(row)], self.rows[row].1);
-                    parts.push(if default { Ink::Main } else { Ink::Line(7) }.marks(&[at]));
-                    parts.push(text([at[0] + ASIDE, at[1]], "start", class(default), words));
+                    parts.push(marks(if default { "main" } else { "remark" }, 0, &[at]));
+                    // Its text stands where there is more room.
+                    let (aside, anchor) =
+                        if at[0] < left + wide / 2 { (ASIDE, "start") } else { (-ASIDE, "end") };
+                    parts.push(text([at[0] + aside, at[1]], anchor, class(default), words));
                 }
             }
             bottom + 2 * LINE

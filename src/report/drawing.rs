@@ -30,11 +30,11 @@ pub(super) const LINE: i32 = 34;
 /// Sizes of letters.
 const TITLE: i32 = 34;
 const TEXT: i32 = 25;
-/// Letters of the wider common fonts, because the viewer of a drawing has the font: of bold text, of titles, of
-/// notes.
+/// The width of a bold letter of the wider common fonts: the viewer of a drawing has the font.
 pub(super) const LETTER: i32 = 17;
-const TITLE_LETTER: i32 = 23;
-const NOTE_LETTER: i32 = 15;
+/// Most letters of a line of the title and of notes, likewise.
+const TITLE_LETTERS: usize = 66;
+const NOTE_LETTERS: usize = 100;
 
 /// Classes, and their colours on light and on dark paper.
 const INKS: [(&str, [u32; 2]); 6] = [
@@ -69,37 +69,16 @@ const MARKS: [&str; 4] = [
     "m0 -10l10 10l-10 10l-10 -10z",
 ];
 
-/// The colour of a line or a dot.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Ink {
-    /// The default's.
-    #[default]
-    Main,
-    /// That of the Pareto front.
-    Front,
-    /// One of [`LINES`] and [`MARKS`], which together tell 20 lines apart.
-    Line(usize),
+/// The class of a numbered line's colour. Twenty differ by it or by their marks.
+pub(super) fn line_class(number: usize) -> String {
+    format!("line-{}", number % LINES.len())
 }
 
-impl Ink {
-    /// The class of elements of this colour.
-    pub fn class(self) -> String {
-        match self {
-            Self::Main => "main".into(),
-            Self::Front => "front".into(),
-            Self::Line(number) => format!("line-{}", number % LINES.len()),
-        }
-    }
-
-    /// A mark around each of these points.
-    pub fn marks(self, points: &[[i32; 2]]) -> Markup {
-        let shape = MARKS[match self {
-            Self::Line(number) => (number + 1) % MARKS.len(),
-            Self::Main | Self::Front => 0,
-        }];
-        let path: String = points.iter().map(|[x, y]| format!("M{x} {y}{shape}")).collect();
-        html! { path class={ (self.class()) " mark" } d=(path) {} }
-    }
+/// The mark of a number around each of these points.
+pub(super) fn marks(class: &str, number: usize, points: &[[i32; 2]]) -> Markup {
+    let shape = MARKS[number % MARKS.len()];
+    let path: String = points.iter().map(|[x, y]| format!("M{x} {y}{shape}")).collect();
+    html! { path class={ (class) " mark" } d=(path) {} }
 }
 
 /// Points as an attribute has them.
@@ -118,16 +97,16 @@ pub(super) fn text([x, y]: [i32; 2], anchor: &str, class: &str, words: &str) -> 
     html! { text x=(x) y=(y) dy="0.35em" text-anchor=(anchor) font-size=(size) class=(class) { (words) } }
 }
 
-/// The text of an SVG file with title and notes, a paragraph each. `draw` adds what stands below a height, and
-/// gives the end of its own.
+/// The text of an SVG file with title and notes, a paragraph each. `draw` adds what stands below a height,
+/// and gives the height at which that ends.
 pub(super) fn svg(title: &str, notes: &[String], draw: impl FnOnce(i32, &mut Vec<Markup>) -> i32) -> String {
     let mut y = MARGIN + TITLE / 2;
     let mut parts = Vec::new();
-    for words in wrap(title, ((WIDTH - 2 * MARGIN) / TITLE_LETTER) as usize) {
+    for words in wrap(title, TITLE_LETTERS) {
         parts.push(text([MARGIN, y], "start", "title words", &words));
         y += TITLE * 5 / 4;
     }
-    for words in notes.iter().flat_map(|note| wrap(note, ((WIDTH - 2 * MARGIN) / NOTE_LETTER) as usize)) {
+    for words in notes.iter().flat_map(|note| wrap(note, NOTE_LETTERS)) {
         parts.push(text([MARGIN, y], "start", "remark", &words));
         y += LINE;
     }
@@ -146,7 +125,7 @@ pub(super) fn svg(title: &str, notes: &[String], draw: impl FnOnce(i32, &mut Vec
 /// Classes of shapes and colours. The paper too changes on screens set to dark, so a drawing can be read on
 /// any page, whatever that page does.
 fn style() -> String {
-    let lines = LINES.iter().enumerate().map(|(number, colors)| (Ink::Line(number).class(), *colors));
+    let lines = LINES.iter().enumerate().map(|(number, colors)| (line_class(number), *colors));
     let inks: Vec<_> =
         INKS.map(|(class, colors)| (class.to_owned(), colors)).into_iter().chain(lines).collect();
     let colors = |dark: usize| -> String {
@@ -182,7 +161,7 @@ mod tests {
         for part in ["<title>a &lt; b</title>", ".main { color: #0072b2 }", "prefers-color-scheme"] {
             assert!(drawn.contains(part), "{part} in {drawn}");
         }
-        assert_eq!(drawn.matches("class=\"remark\"").count(), 3, "{drawn}");
+        assert_eq!(drawn.matches("class=\"remark\"").count(), 2, "{drawn}");
     }
 
     /// Relative luminance and contrast as WCAG 2 defines them.

@@ -2,13 +2,12 @@
 //!
 //! For: [`Figure`], [`Panel`], [`Line`].
 //!
-//! Planes stand one below the other with shared axes, each with its legend to the right, in the order in which
+//! Planes stand one below the other with shared axes. Each has its legend to the right, in the order in which
 //! its lines end.
 
-use super::drawing::{Ink, LETTER, LINE, MARGIN, WIDTH, path, stroke, svg, text};
+use super::drawing::{LINE, MARGIN, line_class, marks, path, stroke, svg, text};
 use super::scale::Scale;
 use maud::{Markup, html};
-use std::borrow::Cow;
 use std::cmp::Reverse;
 use textwrap::wrap;
 
@@ -53,21 +52,24 @@ pub struct Line {
     /// A figure after its name, such as a ratio; may be empty.
     pub figure: String,
     pub look: Look,
-    pub ink: Ink,
+    /// Its colour and its mark; those of the default and of the front have their own.
+    pub number: usize,
     pub points: Vec<[f64; 2]>,
     /// x, and the lower and upper end in y; none or one a point.
     pub band: Vec<[f64; 3]>,
 }
 
-/// Left and right edge of the planes, and their height.
+/// Left and right edge of the planes, and their height, which is that of the longest legend, too.
 const LEFT: i32 = 136;
 const RIGHT: i32 = 1_090;
-const HEIGHT: i32 = 440;
+const HEIGHT: i32 = 450;
 /// The sample of a line in the legend, and where its name begins.
 const SAMPLE: [i32; 2] = [RIGHT + 24, RIGHT + 70];
 const NAME: i32 = RIGHT + 84;
+/// Most letters of a line of the legend.
+const LABEL_LETTERS: usize = 24;
 /// Most ticks of an axis.
-const TICKS: usize = 8;
+const TICKS: usize = 7;
 
 impl Figure {
     /// The drawing as the text of an SVG file.
@@ -85,7 +87,7 @@ impl Figure {
             for panel in &self.panels {
                 y += if panel.title.is_empty() { LINE } else { 2 * LINE };
                 panel.draw(&x, &Scale::log(&numbers, TICKS, [y + HEIGHT, y]), y, parts);
-                y += HEIGHT.max(panel.legend_height()) + LINE;
+                y += HEIGHT + LINE;
             }
             parts.push(name([LEFT, y + LINE], &self.x));
             y + LINE * 3 / 2
@@ -119,15 +121,12 @@ impl Panel {
             let [left, right] = SAMPLE;
             parts.push(line.stroke(&[[left, row], [right, row]], &[[(left + right) / 2, row]]));
             let class = if line.look == Look::Default { "strong words" } else { "words" };
-            for words in line.label() {
+            let label = format!("{} {}", line.name, line.figure);
+            for words in wrap(label.trim_end(), LABEL_LETTERS) {
                 parts.push(text([NAME, row], "start", class, &words));
                 row += LINE;
             }
         }
-    }
-
-    fn legend_height(&self) -> i32 {
-        self.lines.iter().map(|line| LINE * line.label().len() as i32).sum()
     }
 }
 
@@ -143,12 +142,6 @@ impl Look {
 }
 
 impl Line {
-    /// The words of the legend, in lines that fit.
-    fn label(&self) -> Vec<String> {
-        let words = format!("{} {}", self.name, self.figure);
-        wrap(words.trim_end(), ((WIDTH - NAME) / LETTER) as usize).into_iter().map(Cow::into_owned).collect()
-    }
-
     fn drawn(&self, x: &Scale, y: &Scale) -> Markup {
         let points: Vec<[i32; 2]> =
             self.points.iter().map(|point| [x.at(point[0]), y.at(point[1])]).collect();
@@ -157,18 +150,26 @@ impl Line {
         let band: Vec<[i32; 2]> = below.chain(above).collect();
         html! {
             @if !band.is_empty() {
-                polygon class={ (self.ink.class()) " mark" } opacity="0.15" points=(path(&band)) {}
+                polygon class={ (self.class()) " mark" } opacity="0.15" points=(path(&band)) {}
             }
             (self.stroke(&points, &points))
         }
     }
 
+    fn class(&self) -> String {
+        match self.look {
+            Look::Default => "main".into(),
+            Look::Front => "front".into(),
+            _ => line_class(self.number),
+        }
+    }
+
     /// A polyline, and marks at some points.
     fn stroke(&self, points: &[[i32; 2]], marked: &[[i32; 2]]) -> Markup {
-        let (class, dashes) = (self.ink.class(), (self.look == Look::Dashed).then_some("12 8"));
+        let (class, dashes) = (self.class(), (self.look == Look::Dashed).then_some("12 8"));
         html! {
             polyline class={ (class) " stroke" } stroke-width=(self.look.thickness()) stroke-dasharray=[dashes] points=(path(points)) {}
-            @if self.look != Look::Front { (self.ink.marks(marked)) }
+            @if self.look != Look::Front { (marks(&class, self.number, marked)) }
         }
     }
 }
@@ -210,7 +211,7 @@ mod tests {
         let ends = [0.1, 1.0, 10.0];
         let lines = names.iter().zip(ends).map(|(name, end)| line(name, &[[1.0, 5.0], [2.0, end]])).collect();
         let drawn = Figure { panels: vec![Panel { lines, ..Panel::default() }], ..Figure::default() }.svg();
-        let places = [">high<", ">a name that is", "the legend<", ">low<"].map(|words| drawn.find(words));
+        let places = [">high<", ">a name that is", "legend<", ">low<"].map(|words| drawn.find(words));
         assert!(places.is_sorted() && places[0].is_some(), "{places:?}");
     }
 }

@@ -2,18 +2,16 @@
 //!
 //! For: [`Inspection`].
 
-use super::defaults::DefaultReport;
+use super::methods::{DefaultReport, HierarchyReport, TraversalReport};
 use super::numbers::bytes;
 use super::text::item;
-use super::traversal::{HierarchyReport, TraversalReport};
 use crate::buffers::{EnvironmentLight, Features, LightChoice, Lights};
-use crate::scene::{Filter, Loaded, Material, MaterialKind, Rendering, Scene, Sky, Texture, View};
+use crate::scene::{Filter, Loaded, Material, MaterialKind, Rendering, Scene, Sky, Texture, View, bounds};
 use crate::traverse::features_of;
 use crate::wording::{counted, grouped};
 use glam::Vec3;
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 use serde_json::{Map, Value};
-use std::fmt::Write;
 
 /// The JSON report.
 #[derive(Debug, Serialize)]
@@ -36,8 +34,9 @@ pub struct Inspection {
     triangles: usize,
     /// Triangles with vertex normals.
     smooth_triangles: usize,
-    /// Materials by type.
-    materials: Materials,
+    /// How many there are of each type, used or not; then emissive and textured ones of any type.
+    #[serde(serialize_with = "as_map")]
+    materials: Vec<(&'static str, usize)>,
     /// In the order of the scene.
     textures: Vec<TextureReport>,
     sky: SkyReport,
@@ -58,23 +57,6 @@ pub struct Inspection {
     hierarchy: Option<HierarchyReport>,
     /// What the loader warned of, a sentence each.
     warnings: Vec<String>,
-}
-
-/// Numbers of materials, used or not.
-#[derive(Debug, Default, Serialize)]
-struct Materials {
-    diffuse: usize,
-    metal: usize,
-    glass: usize,
-    scatter: usize,
-    plastic: usize,
-    #[serde(rename = "metal-rough")]
-    metal_rough: usize,
-    emitter: usize,
-    /// Emissive ones of any type.
-    emissive: usize,
-    /// Textured ones of any type.
-    textured: usize,
 }
 
 /// A texture, its size in texels.
@@ -151,7 +133,7 @@ impl Inspection {
                 .iter()
                 .filter(|normals| normals.iter().any(|n| *n != Vec3::ZERO))
                 .count(),
-            materials: Materials::of(&scene.materials),
+            materials: materials(&scene.materials),
             textures: scene.textures.iter().map(TextureReport::of).collect(),
             sky: SkyReport::of(scene),
             camera: CameraReport {
@@ -160,7 +142,10 @@ impl Inspection {
                 up: scene.camera.up.into(),
                 vertical_fov: scene.camera.vertical_fov,
             },
-            bounds: Bounds::of(scene),
+            bounds: bounds(&scene.spheres, &scene.triangles).map(|(lower, upper)| Bounds {
+                lower: lower.as_vec3().into(),
+                upper: upper.as_vec3().into(),
+            }),
             needs: Features::of(scene).with(features_of(scene)).with(lights.needs()).names(),
             lights: LightReport::of(scene, &lights),
             memory_bytes: memory(scene),
@@ -190,10 +175,16 @@ impl Inspection {
             ("bounces", format!("up to {}", self.max_bounces)),
             ("spheres", grouped(self.spheres)),
             ("triangles", format!("{}{smooth}", grouped(self.triangles))),
-            ("materials", self.materials.text()),
+            ("materials", materials_text(&self.materials)),
         ]);
         lines.extend(self.textures.iter().map(|texture| ("texture", texture.text())));
-        lines.extend([("sky", self.sky.text()), ("camera", self.camera.text())]);
+        let CameraReport { position, look_at, vertical_fov, .. } = self.camera;
+        let [position, look_at] = [position, look_at].map(vector);
+        lines.push(("sky", self.sky.text()));
+        lines.push((
+            "camera",
+            format!("at {position} towards {look_at}, vertical field of view {vertical_fov}°"),
+        ));
         let bounds = self
             .bounds
             .as_ref()
@@ -238,46 +229,45 @@ impl ViewReport {
     }
 }
 
-impl Materials {
-    fn of(materials: &[Material]) -> Self {
-        let mut count = Self::default();
-        for material in materials {
-            *match material.kind {
-                MaterialKind::Diffuse => &mut count.diffuse,
-                MaterialKind::Metal { .. } => &mut count.metal,
-                MaterialKind::Glass { .. } => &mut count.glass,
-                MaterialKind::Scatter { .. } => &mut count.scatter,
-                MaterialKind::Plastic { .. } => &mut count.plastic,
-                MaterialKind::MetalRough { .. } => &mut count.metal_rough,
-                MaterialKind::Emitter => &mut count.emitter,
-            } += 1;
-            count.emissive += usize::from(material.emission != Vec3::ZERO);
-            count.textured += usize::from(material.texture.is_some());
-        }
-        count
-    }
+/// The types of materials, and what those of any type may be.
+const TYPES: [&str; 7] = ["diffuse", "metal", "glass", "scatter", "plastic", "metal-rough", "emitter"];
+const TRAITS: [&str; 2] = ["emissive", "textured"];
 
-    fn text(&self) -> String {
-        let types = [
-            ("diffuse", self.diffuse),
-            ("metal", self.metal),
-            ("glass", self.glass),
-            ("scatter", self.scatter),
-            ("plastic", self.plastic),
-            ("metal-rough", self.metal_rough),
-            ("emitter", self.emitter),
-        ];
-        let total: usize = types.iter().map(|(_, count)| count).sum();
-        let present = types.iter().filter(|(_, count)| *count > 0);
-        let listed: Vec<String> = present.map(|(name, count)| format!("{count} {name}")).collect();
-        let mut text = if listed.is_empty() { "0".into() } else { format!("{total}: {}", listed.join(", ")) };
-        for (what, count) in [("emissive", self.emissive), ("textured", self.textured)] {
-            if count > 0 {
-                let _ = write!(text, "; {count} {what}");
-            }
-        }
-        text
+fn materials(all: &[Material]) -> Vec<(&'static str, usize)> {
+    let is = |material: &Material, name| match name {
+        "emissive" => material.emission != Vec3::ZERO,
+        "textured" => material.texture.is_some(),
+        name => name == type_of(material.kind),
+    };
+    let count = |name| (name, all.iter().filter(|material| is(material, name)).count());
+    TYPES.into_iter().chain(TRAITS).map(count).collect()
+}
+
+fn type_of(kind: MaterialKind) -> &'static str {
+    match kind {
+        MaterialKind::Diffuse => "diffuse",
+        MaterialKind::Metal { .. } => "metal",
+        MaterialKind::Glass { .. } => "glass",
+        MaterialKind::Scatter { .. } => "scatter",
+        MaterialKind::Plastic { .. } => "plastic",
+        MaterialKind::MetalRough { .. } => "metal-rough",
+        MaterialKind::Emitter => "emitter",
     }
+}
+
+fn as_map<S: Serializer>(counts: &[(&str, usize)], serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_map(counts.iter().copied())
+}
+
+fn materials_text(counts: &[(&str, usize)]) -> String {
+    let (types, traits) = counts.split_at(TYPES.len());
+    let listed = |counts: &[(&str, usize)]| -> Vec<String> {
+        let present = counts.iter().filter(|(_, count)| *count > 0);
+        present.map(|(name, count)| format!("{count} {name}")).collect()
+    };
+    let total: usize = types.iter().map(|(_, count)| count).sum();
+    let types = if total == 0 { "0".into() } else { format!("{total}: {}", listed(types).join(", ")) };
+    std::iter::once(types).chain(listed(traits)).collect::<Vec<_>>().join("; ")
 }
 
 impl TextureReport {
@@ -351,39 +341,13 @@ impl SkyReport {
             Self::Color { color } => vector(*color),
             Self::Gradient { bottom, top } => format!("{} below to {} above", vector(*bottom), vector(*top)),
             Self::Texture { texture, color, turn_degrees } => {
-                let turned = if *turn_degrees == 0.0 {
-                    String::new()
-                } else {
-                    format!(", turned by {turn_degrees}°")
+                let turned = match turn_degrees {
+                    0.0 => String::new(),
+                    _ => format!(", turned by {turn_degrees}°"),
                 };
                 format!("{texture}, times {}{turned}", vector(*color))
             }
         }
-    }
-}
-
-impl CameraReport {
-    fn text(&self) -> String {
-        format!(
-            "at {} towards {}, vertical field of view {}°",
-            vector(self.position),
-            vector(self.look_at),
-            self.vertical_fov
-        )
-    }
-}
-
-impl Bounds {
-    fn of(scene: &Scene) -> Option<Self> {
-        let corners = scene.triangles.iter().flat_map(|triangle| triangle.vertices);
-        let poles = scene.spheres.iter().flat_map(|sphere| {
-            [sphere.center - Vec3::splat(sphere.radius), sphere.center + Vec3::splat(sphere.radius)]
-        });
-        let around = |(lower, upper): (Vec3, Vec3), point: Vec3| (lower.min(point), upper.max(point));
-        let mut points = corners.chain(poles);
-        let first = points.next()?;
-        let (lower, upper) = points.fold((first, first), around);
-        Some(Self { lower: lower.into(), upper: upper.into() })
     }
 }
 

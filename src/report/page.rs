@@ -2,19 +2,19 @@
 //!
 //! For: [`page`].
 
-use super::chart::{self, Chart};
+use super::chart::{Chart, verdict};
 use super::chart_drawings::of_scene;
 use super::chart_kernels::intersection as of_kernels;
 use super::drawing::Drawing;
-use super::numbers::{percent, times};
 use super::stats::engine;
+use super::tables::{Row, json};
 use crate::measure::chart::SceneChart;
 use crate::measure::chart::configurations::{DEFAULT, GROUPS};
 use crate::measure::chart::display::FILTERS;
-use crate::measure::quantiles::Spread;
 use crate::measure::stability::methods::MEANINGS;
 use crate::wording::counted;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
+use serde_json::Value;
 
 /// For phones (one column; tables and figures scroll instead of shrinking), desktops, and print (no page
 /// break inside a figure).
@@ -36,7 +36,7 @@ small { color: #555 }
 ";
 
 /// The words of the page.
-const WORDS: [(&str, &str); 10] = [
+const WORDS: [(&str, &str); 14] = [
     ("ground truth", "a picture of so many samples that its own error is small"),
     (
         "RMSE",
@@ -58,13 +58,18 @@ const WORDS: [(&str, &str); 10] = [
          faster beyond the spread, with no larger error and no more failures",
     ),
     ("on the front", "no robust configuration has a smaller error in the same time, by the medians"),
-    ("p99", "the error that 99 % of the cases stay below"),
+    ("p99", "the error of t that 99 % of the cases stay below"),
+    ("failures", "the share of the cases that fail"),
+    ("fps", "frames of one sample per second"),
+    ("times lower", "how many times lower the error is than that of the unfiltered frame"),
+    ("–", "unknown: of errors, below that of the ground truth"),
     ("FXAA", "a filter that smooths the edges of a displayed picture (Lottes 2009)"),
 ];
 
 /// The page.
 pub fn page(chart: &Chart) -> String {
     let drawings: Vec<[Drawing; 6]> = chart.scenes.iter().map(|scene| of_scene(scene, chart.seeds)).collect();
+    let figures = figures(chart);
     let page = html! {
         (DOCTYPE)
         html lang="en" {
@@ -76,10 +81,12 @@ pub fn page(chart: &Chart) -> String {
             }
             body {
                 h1 { "Speed against accuracy" }
-                @for [rmse, ..] in &drawings { (figure(rmse)) }
+                @for [rmse, ..] in &drawings { (drawn(rmse)) }
                 (found(chart))
-                @for (scene, drawings) in chart.scenes.iter().zip(&drawings) { (of_one(scene, drawings)) }
-                (intersection(chart))
+                @for (number, (scene, drawings)) in chart.scenes.iter().zip(&drawings).enumerate() {
+                    (of_one(scene, &figures["scenes"][number], drawings))
+                }
+                (intersection(chart, &figures))
                 (source(chart))
                 (glossary(chart))
             }
@@ -128,13 +135,18 @@ fn list_of_dominated(all: Vec<String>) -> String {
 }
 
 /// The tables of a scene, and the drawings that the page does not begin with.
-fn of_one(scene: &SceneChart, [_, relmse, flip, frames, display, motion]: &[Drawing; 6]) -> Markup {
+fn of_one(
+    scene: &SceneChart,
+    figures: &Value,
+    [_, relmse, flip, frames, display, motion]: &[Drawing; 6],
+) -> Markup {
     let [width, height] = scene.frame_size;
+    let (by_configuration, by_filter) = (("configuration", DEFAULT), ("filter", FILTERS[0]));
     html! {
         h2 { (scene.scene) }
-        (pictures_table(scene))
-        (figure(relmse))
-        (figure(flip))
+        (table(figures, &["pictures"], "configuration verdict time_to_equal_error last/samples last/seconds last/rmse/median last/relmse/median last/relmse_trimmed/median last/flip/median", by_configuration))
+        (drawn(relmse))
+        (drawn(flip))
         p {
             small {
                 "Ground truth: " (counted(scene.truth.samples, "sample", "samples")) " per pixel at " (width) "×" (height)
@@ -143,12 +155,12 @@ fn of_one(scene: &SceneChart, [_, relmse, flip, frames, display, motion]: &[Draw
                 ". The errors above include it; the root mean squares below exclude it."
             }
         }
-        (figure(frames))
-        (frames_table(scene))
-        (figure(display))
-        (display_table(scene))
-        (figure(motion))
-        (motion_table(scene))
+        (drawn(frames))
+        (table(figures, &["frames", "moments"], "configuration fps after_s samples rmse flip", by_configuration))
+        (drawn(display))
+        (table(figures, &["display"], "filter samples rmse flip frame_ms filter_ms", by_filter))
+        (drawn(motion))
+        (table(figures, &["motion"], "path filter rmse times_lower frame_ms filter_ms", by_filter))
         p {
             small {
                 "The camera moves by a quarter of the distance to near surfaces per second, or turns by 30° per second, at 60 frames per second \
@@ -159,17 +171,33 @@ fn of_one(scene: &SceneChart, [_, relmse, flip, frames, display, motion]: &[Draw
     }
 }
 
-/// A table of these columns and rows, those of defaults in bold. The first column, and others whose names end
-/// with a colon, are text.
-fn table(columns: &[&str], rows: impl Iterator<Item = (bool, Vec<String>)>) -> Markup {
-    let class = |column: usize| columns.get(column).is_some_and(|name| name.ends_with(':')).then_some("text");
+/// The report, in which lines of pictures have their verdict and their last point, too.
+fn figures(chart: &Chart) -> Value {
+    let mut figures = json(chart);
+    for (number, scene) in chart.scenes.iter().enumerate() {
+        for (place, line) in scene.pictures.iter().enumerate() {
+            let of_line = &mut figures["scenes"][number]["pictures"][place];
+            of_line["verdict"] = verdict(line).into();
+            of_line["last"] = of_line["points"][line.points.len().saturating_sub(1)].clone();
+        }
+    }
+    figures
+}
+
+/// A table of these paths of an object's list, with the rows in bold that have a value.
+fn table(object: &Value, lists: &[&str], paths: &str, (key, default): (&str, &str)) -> Markup {
+    let name = |path: &str| {
+        let name = path.trim_end_matches("/median").trim_start_matches("last/").replace('_', " ");
+        name.replace("relmse", "relMSE").replace("rmse", "RMSE").replace("flip", "FLIP")
+    };
+    let class = |path: &str| (path == "verdict").then_some("text");
     html! {
         div class="wide" {
             table {
-                tr { @for (number, name) in columns.iter().enumerate() { th class=[class(number)] { (name.trim_end_matches(':')) } } }
-                @for (default, cells) in rows {
-                    tr class=[default.then_some("default")] {
-                        @for (number, cell) in cells.iter().enumerate() { td class=[class(number)] { (cell) } }
+                tr { @for path in paths.split(' ') { th class=[class(path)] { (name(path)) } } }
+                @for row in Row::all(object, lists) {
+                    tr class=[(cell(row.get(key)) == default).then_some("default")] {
+                        @for path in paths.split(' ') { td class=[class(path)] { (cell(row.get(path))) } }
                     }
                 }
             }
@@ -177,97 +205,35 @@ fn table(columns: &[&str], rows: impl Iterator<Item = (bool, Vec<String>)>) -> M
     }
 }
 
-fn pictures_table(scene: &SceneChart) -> Markup {
-    let rows = scene.pictures.iter().filter_map(|line| {
-        let point = line.points.last()?;
-        let errors = [point.rmse, point.relmse, point.relmse_trimmed, point.flip];
-        let mut cells = vec![
-            line.configuration.into(),
-            chart::verdict(line),
-            times(line.time_to_equal_error),
-            format!("{:.0}", point.samples),
-            spread(&point.seconds),
-        ];
-        cells.extend(errors.map(|error| number(error.median)));
-        Some((line.configuration == DEFAULT, cells))
-    });
-    table(
-        &[
-            "configuration",
-            "verdict:",
-            "time to equal error",
-            "samples",
-            "seconds",
-            "RMSE",
-            "relMSE",
-            "relMSE, trimmed",
-            "FLIP",
-        ],
-        rows,
-    )
+/// A number, a spread as its median and below it the 10 % and 90 % quantiles, or a word.
+fn cell(value: &Value) -> String {
+    match value {
+        Value::Null => "–".into(),
+        Value::String(word) => word.clone(),
+        Value::Bool(yes) => yes.to_string(),
+        Value::Number(x) => match x.as_f64().unwrap_or(f64::NAN) {
+            whole if whole.fract() == 0.0 => whole.to_string(),
+            x => number(x),
+        },
+        spread if spread["p10"] == spread["p90"] => cell(&spread["median"]),
+        spread => {
+            let [median, p10, p90] = ["median", "p10", "p90"].map(|part| cell(&spread[part]));
+            format!("{median}\n({p10}–{p90})")
+        }
+    }
 }
 
-fn frames_table(scene: &SceneChart) -> Markup {
-    let moments = scene.frames.iter().take(1).flat_map(|frames| &frames.moments);
-    let moments: Vec<String> = moments.map(|moment| format!("RMSE after {:.2} s", moment.after_s)).collect();
-    let mut columns = vec!["configuration", "frames per second"];
-    columns.extend(moments.iter().flat_map(|moment| [moment, "FLIP"]));
-    let rows = scene.frames.iter().map(|frames| {
-        let mut cells = vec![frames.configuration.into(), spread(&frames.fps)];
-        cells.extend(frames.moments.iter().flat_map(|moment| [rmse(&moment.rmse), spread(&moment.flip)]));
-        (frames.configuration == DEFAULT, cells)
-    });
-    table(&columns, rows)
-}
-
-fn display_table(scene: &SceneChart) -> Markup {
-    let rows = scene.display.iter().map(|shown| {
-        let times = [shown.flip, shown.frame_ms, shown.filter_ms].map(|of| spread(&of));
-        let mut cells = vec![shown.filter.to_owned(), shown.samples.to_string(), rmse(&shown.rmse)];
-        cells.extend(times);
-        (shown.filter == FILTERS[0], cells)
-    });
-    table(&["shown", "samples", "RMSE", "FLIP", "ms to render", "ms to filter"], rows)
-}
-
-fn motion_table(scene: &SceneChart) -> Markup {
-    let rows = scene.motion.iter().map(|moving| {
-        let cells = vec![
-            moving.path.name().into(),
-            moving.filter.into(),
-            moving.rmse.map_or("–".into(), number),
-            moving.times_lower.map_or("–".into(), times),
-            spread(&moving.frame_ms),
-            spread(&moving.filter_ms),
-        ];
-        (moving.filter == FILTERS[0], cells)
-    });
-    table(&["camera", "shown:", "RMSE", "lower by", "ms to render", "ms to filter"], rows)
-}
-
-fn intersection(chart: &Chart) -> Markup {
+fn intersection(chart: &Chart, figures: &Value) -> Markup {
     let dominated = chart.kernels.iter().filter_map(|kernel| {
         let by = kernel.dominated_by(&chart.kernels)?.method;
         Some(format!("{} {} ({}) by {by}", kernel.family, kernel.method, engine(kernel.lanes)))
-    });
-    let rows = chart.kernels.iter().map(|kernel| {
-        let [low, high] = kernel.ns_spread;
-        let cells = vec![
-            format!("{}: {}", kernel.family, kernel.method),
-            engine(kernel.lanes),
-            format!("{:.2}", kernel.ns),
-            format!("{low:.2}–{high:.2}"),
-            percent(kernel.failures),
-            kernel.p99.map_or("–".into(), number),
-        ];
-        (kernel.default, cells)
     });
     html! {
         h2 { "Intersection methods" }
         p { "The error of a picture hardly shows where intersection methods fail. The drawings below show it on difficult inputs; " code { "octray stability" } " has more of them." }
         p { (list_of_dominated(dominated.collect())) }
-        @for drawing in of_kernels(&chart.kernels) { (figure(&drawing)) }
-        (table(&["method", "width:", "ns per test", "10 to 90 %", "fails", "error of t, p99"], rows))
+        @for drawing in of_kernels(&chart.kernels) { (drawn(&drawing)) }
+        (table(figures, &["kernels"], "method family lanes ns failures p99", ("default", "true")))
     }
 }
 
@@ -313,7 +279,7 @@ fn explained(named: impl Iterator<Item = (&'static str, &'static str)>) -> Marku
     }
 }
 
-fn figure(drawing: &Drawing) -> Markup {
+fn drawn(drawing: &Drawing) -> Markup {
     html! { figure { (PreEscaped(&drawing.svg)) } }
 }
 
@@ -326,17 +292,4 @@ fn number(x: f64) -> String {
         }
         x => format!("{x:.1e}"),
     }
-}
-
-/// The median, and below it the 10 % and 90 % quantiles.
-fn spread(spread: &Spread) -> String {
-    if spread.p10 == spread.p90 {
-        return number(spread.median);
-    }
-    format!("{}\n({}–{})", number(spread.median), number(spread.p10), number(spread.p90))
-}
-
-/// Unknown where it is below that of the ground truth.
-fn rmse(known: &Option<Spread>) -> String {
-    known.as_ref().map_or("below the\nground truth's".into(), spread)
 }

@@ -2,16 +2,14 @@
 //!
 //! For: [`Report`].
 
-use super::busy;
 use super::numbers::{bytes, figure};
-use super::text::row as row_of;
+use super::text::{busy, row as row_of};
 use crate::bvh::check::Statistics;
 use crate::machine::Machine;
 use crate::measure::rays::{BuildTime, FEWEST_PASSES, Measurement};
 use crate::measure::stats::RayStats;
 use crate::wording::{counted, grouped};
 use serde::Serialize;
-use std::fmt::Write;
 
 /// Where a tenth of the passes is slower than this share of the median, other programs took the processor.
 const BUSY: f64 = 0.75;
@@ -56,53 +54,52 @@ pub struct Report {
     pub left_out: Vec<String>,
 }
 
+/// The widths of the table's columns.
+const WIDTHS: [isize; 9] = [-9, 11, 11, -12, 6, 8, 9, 19, 8];
+
 /// The machine, the scene and its hierarchy, and what stands above the rows.
 pub fn heading(report: &Report) -> String {
-    let mut text = format!("{}\n", report.machine);
-    let Report { scene, triangles, spheres, width, height, .. } = report;
-    let _ = writeln!(
-        text,
-        "{scene}: {}, {}; {width}×{height} primary rays",
-        counted(triangles, "triangle", "triangles"),
-        counted(spheres, "sphere", "spheres")
-    );
+    let Report { machine, scene, triangles, spheres, width, height, bvh_bytes, .. } = report;
     let built = |build: &BuildTime| {
         format!("{} ms on {}", figure(build.ms, 1), counted(build.threads, "thread", "threads"))
     };
     let built: Vec<String> = report.builds.iter().map(built).collect();
-    let primitives = (triangles + spheres).max(1);
-    let _ = writeln!(
-        text,
-        "hierarchy: built in {}; {}, {:.0} bytes a primitive",
-        built.join(", "),
-        bytes(report.bvh_bytes as u64),
-        report.bvh_bytes as f64 / primitives as f64
-    );
-    match (&report.tree, &report.fault) {
-        (Some(tree), _) => {
-            let Statistics { wide_nodes, node_fill, leaves, leaf_fill, wide_depth, .. } = tree;
-            let Statistics { node_visits, leaf_visits, cost, .. } = tree;
-            let _ = writeln!(
-                text,
-                "{} of {node_fill:.1} boxes, {} of {leaf_fill:.1} primitives, {}\n\
-                 a random line tests {node_visits:.1} nodes and {leaf_visits:.1} leaves, \
-                 which costs as much as {cost:.1} nodes",
-                counted(wide_nodes, "node", "nodes"),
-                counted(leaves, "leaf", "leaves"),
-                counted(wide_depth, "level", "levels")
-            );
-        }
-        (None, fault) => {
-            let _ = writeln!(text, "THE HIERARCHY IS INVALID: {}", fault.as_deref().unwrap_or_default());
-        }
-    }
+    let tree = match &report.tree {
+        Some(Statistics {
+            wide_nodes,
+            node_fill,
+            leaves,
+            leaf_fill,
+            wide_depth,
+            node_visits,
+            leaf_visits,
+            cost,
+            ..
+        }) => format!(
+            "{} of {node_fill:.1} boxes, {} of {leaf_fill:.1} primitives, {}\n\
+             a random line tests {node_visits:.1} nodes and {leaf_visits:.1} leaves, \
+             which costs as much as {cost:.1} nodes",
+            counted(wide_nodes, "node", "nodes"),
+            counted(leaves, "leaf", "leaves"),
+            counted(wide_depth, "level", "levels")
+        ),
+        None => format!("THE HIERARCHY IS INVALID: {}", report.fault.as_deref().unwrap_or_default()),
+    };
     let names =
         ["kind", "rays", "hits", "  traversal", "lanes", "threads", "Mray/s", "10 % to 90 %", "differ"];
-    text + "\n" + &row_of(&WIDTHS, names)
+    format!(
+        "{machine}\n\
+         {scene}: {}, {}; {width}×{height} primary rays\n\
+         hierarchy: built in {}; {}, {:.0} bytes a primitive\n\
+         {tree}\n\n{}",
+        counted(triangles, "triangle", "triangles"),
+        counted(spheres, "sphere", "spheres"),
+        built.join(", "),
+        bytes(*bvh_bytes as u64),
+        *bvh_bytes as f64 / (triangles + spheres).max(1) as f64,
+        row_of(&WIDTHS, names)
+    )
 }
-
-/// The widths of the table's columns.
-const WIDTHS: [isize; 9] = [-9, 11, 11, -12, 6, 8, 9, 19, 8];
 
 /// The row of a kind of rays, a traversal and a number of threads.
 pub fn row(result: &Measurement) -> String {
@@ -129,43 +126,41 @@ pub fn warning(results: &[Measurement]) -> Option<String> {
         .iter()
         .filter(|result| result.passes >= FEWEST_PASSES && seconds(result) >= SHORTEST_PASS)
         .filter(|result| result.mrays_per_s > 0.0);
-    let share = |result: &Measurement| result.mrays_per_s_spread[0] / result.mrays_per_s;
-    busy::warning(timed, share, BUSY, |Measurement { kind, traversal, threads, .. }, share| {
+    let shares = timed.map(|Measurement { kind, traversal, threads, mrays_per_s, mrays_per_s_spread, .. }| {
         let (kind, threads) = (kind.name(), counted(threads, "thread", "threads"));
-        format!(
-            "a tenth of the passes of {kind} rays, {traversal}, {threads}, have {share} of the median's speed or less"
-        )
-    })
+        let share = mrays_per_s_spread[0] / mrays_per_s;
+        let evidence = format!(
+            "a tenth of the passes of {kind} rays, {traversal}, {threads}, have {:.0} % of the median's speed or less",
+            100.0 * share
+        );
+        (share, evidence)
+    });
+    busy(shares, BUSY)
 }
 
 /// The table in words.
 pub fn meaning(report: &Report) -> String {
-    let mut text = String::from("\n");
-    for sentence in &report.left_out {
-        let _ = writeln!(text, "{sentence}");
-    }
-    for result in &report.results {
-        if let Some(first) = &result.first_disagreement {
-            let _ = writeln!(
-                text,
-                "{} OF {} {} RAYS DIFFER for {} on {}: first number {}, {:?} instead of {:?}",
-                grouped(result.disagreements),
-                grouped(result.rays),
-                result.kind.name(),
-                result.traversal,
-                counted(result.threads, "thread", "threads"),
-                grouped(first.ray),
-                first.found,
-                first.expected
-            );
-        }
-    }
+    let differ = report.results.iter().filter_map(|result| {
+        let first = result.first_disagreement.as_ref()?;
+        Some(format!(
+            "{} OF {} {} RAYS DIFFER for {} on {}: first number {}, {:?} instead of {:?}",
+            grouped(result.disagreements),
+            grouped(result.rays),
+            result.kind.name(),
+            result.traversal,
+            counted(result.threads, "thread", "threads"),
+            grouped(first.ray),
+            first.found,
+            first.expected
+        ))
+    });
+    let mut lines: Vec<String> = report.left_out.iter().cloned().chain(differ).collect();
     if report.results.is_empty() {
-        text.push_str("Nothing was measured.\n");
+        lines.push("Nothing was measured.".into());
     } else if report.results.iter().all(|result| result.disagreements == 0) {
-        text.push_str("Every traversal finds the hits of one scalar ray at a time, bit by bit.\n");
+        lines.push("Every traversal finds the hits of one scalar ray at a time, bit by bit.".into());
     }
-    text
+    format!("\n{}\n", lines.join("\n"))
 }
 
 #[cfg(test)]

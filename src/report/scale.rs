@@ -30,10 +30,10 @@ impl Scale {
         let margin = (0.04 * wide).max((LEAST_DECADES - wide) / 2.0) + 0.02;
         let (mut low, high) = (least - margin, most + margin);
         let mut ticks = decades(low, high, most_ticks);
-        let zero = low - 0.03 * (high - low) - 0.1;
+        let zero = low - 0.12 * (high - low) - 0.1;
         if numbers.iter().any(|x| *x <= 0.0) {
             ticks.push(0.0);
-            low = 2.0 * zero - low;
+            low = zero - 0.02 * (high - low);
         }
         Self { log: true, low, high, ticks, zero, ends }
     }
@@ -75,10 +75,10 @@ fn decimal(digit: u8, power: i32) -> f64 {
     format!("{digit}e{power}").parse().expect("a number")
 }
 
-/// At most so many ticks between two logarithms: all digits, 1, 2 and 5, or powers of ten.
+/// At most so many ticks between two logarithms, at the densest of these digits times powers of ten.
 fn decades(low: f64, high: f64, most: usize) -> Vec<f64> {
-    const DIGITS: [&[u8]; 3] = [&[1, 2, 3, 4, 5, 6, 8], &[1, 2, 5], &[1]];
-    let rules = DIGITS.map(|digits| (digits, 1)).into_iter().chain((2..).map(|every| (DIGITS[2], every)));
+    const DIGITS: [&[u8]; 4] = [&[1, 2, 3, 5], &[1, 2, 5], &[1, 3], &[1]];
+    let rules = DIGITS.map(|digits| (digits, 1)).into_iter().chain((2..).map(|every| (&[1][..], every)));
     let ticks = |(digits, every): (&[u8], i32)| -> Vec<f64> {
         let powers = (low.floor() as i32..=high.ceil() as i32).filter(|power| power.rem_euclid(every) == 0);
         let all = powers.flat_map(|power| digits.iter().map(move |&digit| decimal(digit, power)));
@@ -105,8 +105,8 @@ mod tests {
     #[test]
     fn ticks_are_round_inside_and_not_too_many() {
         let log = |least, most, count| labels(&Scale::log(&[least, most], count, [0, 100]));
-        assert_eq!(log(1.0, 10.0, 8), ["1", "2", "5", "10"]);
-        assert_eq!(log(0.3, 0.4, 8), ["0.2", "0.3", "0.4", "0.5", "0.6"]);
+        assert_eq!(log(1.0, 10.0, 4), ["1", "2", "5", "10"]);
+        assert_eq!(log(0.3, 0.4, 7), ["0.2", "0.3", "0.5"]);
         assert_eq!(log(1e-12, 1e4, 6), ["1e-12", "1e-9", "1e-6", "0.001", "1", "1000"]);
         let linear = |most| labels(&Scale::from_zero(&[most], 4, [0, 100]));
         assert_eq!(linear(1.14), ["0", "0.5", "1"]);

@@ -1,12 +1,94 @@
-//! The outcome of a stability recipe as drawings: failures along the axis, and errors.
+//! What `octray stability` reports: tables, JSON, and drawings of failures and errors along a recipe's axis.
 //!
-//! For: [`drawings`].
+//! For: [`Report`], [`table`], [`verdict`], [`drawings`].
 
-use super::drawing::{Drawing, Ink};
+use super::drawing::Drawing;
 use super::figure::{Figure, Line, Look, Panel};
 use super::numbers::percent;
-use crate::measure::stability::{Curve, Outcome, Point};
-use crate::wording::grouped;
+use super::text::row;
+use crate::machine::Machine;
+use crate::measure::stability::{Bound, Curve, Outcome, Point, Recipe};
+use crate::wording::{counted, grouped};
+use serde::Serialize;
+use std::fmt::Write;
+
+/// The JSON report.
+#[derive(Debug, Serialize)]
+pub struct Report {
+    /// Name and version of the report's form.
+    pub schema: &'static str,
+    /// What the program was built for: failures depend on fused multiply-add.
+    pub machine: Machine,
+    /// Were ten times as many cases tried?
+    pub thorough: bool,
+    /// Do the default methods keep their bounds in all recipes?
+    pub holds: bool,
+    /// In the order of the list.
+    pub recipes: Vec<Outcome>,
+}
+
+/// Width of the column of names, and of those of figures.
+const NAME: isize = -28;
+const FIGURE: usize = 8;
+
+/// A recipe: a row a method for its failures, and a second row for its error where that is measured.
+pub fn table(outcome: &Outcome) -> String {
+    let Outcome { recipe, curves, .. } = outcome;
+    let Recipe { name, title, axis, failure, error, .. } = recipe;
+    let mut text = format!("\n{name}: {title}\n  %: {failure}");
+    if let Some(error) = error {
+        let _ = write!(text, "; below it {error}, 99th percentile");
+    }
+    let _ = writeln!(text, "\n  by {axis}:");
+    let places = curves.first().map_or(&[][..], |curve| &curve.points);
+    let widths = [&[NAME][..], &vec![FIGURE as isize; places.len()]].concat();
+    let mut add = |name: String, figure: &dyn Fn(&Point) -> String, points: &[Point]| {
+        text += &row(&widths, std::iter::once(name).chain(points.iter().map(figure)));
+    };
+    add(String::new(), &|point| place(point.x), places);
+    for Curve { method, default, points } in curves {
+        let failures = |point: &Point| {
+            let share = percent(point.rate()).trim_end_matches(" %").to_string();
+            if point.promises_nothing() { format!("({share})") } else { share }
+        };
+        add(format!("  {method}{}", if *default { " *" } else { "" }), &failures, points);
+        if error.is_some() {
+            let error = |point: &Point| point.p99.map_or("-".into(), |p99| format!("{p99:.1e}"));
+            add(String::new(), &error, points);
+        }
+    }
+    for Point { x, failures, tested, p99, bound, .. } in outcome.faults() {
+        let Bound { failures: share, p99: most } = bound.unwrap_or(Bound::NONE);
+        let _ = writeln!(
+            text,
+            "  THE DEFAULT FAILS at {}: {} of {}, expected at most {}; error {p99:?}, at most {most:?}",
+            place(*x),
+            grouped(failures),
+            grouped(tested),
+            percent(share)
+        );
+    }
+    text
+}
+
+/// A place on an axis, in fewer characters than [`FIGURE`].
+fn place(x: f64) -> String {
+    let text = if x == 0.0 || (1e-3..1e5).contains(&x) { format!("{x}") } else { format!("{x:e}") };
+    if text.len() < FIGURE { text } else { format!("{x:.1e}") }
+}
+
+/// The tables in words.
+pub fn verdict(report: &Report) -> String {
+    let failed: Vec<&str> =
+        report.recipes.iter().filter(|outcome| !outcome.holds).map(|outcome| outcome.recipe.name).collect();
+    match failed[..] {
+        [] => format!(
+            "The default methods (*) keep their bounds in {}. In brackets: places where they have no bound.\n",
+            counted(report.recipes.len(), "recipe", "recipes")
+        ),
+        _ => format!("THE DEFAULT METHODS (*) DO NOT KEEP THEIR BOUNDS in {}.\n", failed.join(", ")),
+    }
+}
 
 /// The drawings of a recipe: failures, and errors where they are measured.
 pub fn drawings(outcome: &Outcome) -> Vec<Drawing> {
@@ -64,11 +146,8 @@ fn figure(
 ) -> Figure {
     let line = |(number, curve): (usize, &Curve)| {
         let (points, band) = of(curve);
-        let (mark, look, ink) = match curve.default {
-            true => (" (default)", Look::Default, Ink::Main),
-            false => ("", Look::Plain, Ink::Line(number)),
-        };
-        Line { name: format!("{}{mark}", curve.method), look, ink, points, band, ..Line::default() }
+        let (mark, look) = if curve.default { (" (default)", Look::Default) } else { ("", Look::Plain) };
+        Line { name: format!("{}{mark}", curve.method), look, number, points, band, ..Line::default() }
     };
     let lines = in_order(outcome).enumerate().map(line).collect();
     Figure {
@@ -83,43 +162,77 @@ fn figure(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::measure::stability::Recipe;
 
-    #[test]
-    fn drawings_show_every_method_and_mark_the_default() {
-        let point = |x, failures, p99| Point {
-            x,
-            tested: 1000,
+    /// Two methods at one place, where the default has so many failures.
+    fn recipe(error: Option<&'static str>) -> &'static Recipe {
+        Box::leak(Box::new(Recipe { name: "far", error, ..Recipe::COMMON }))
+    }
+
+    fn outcome(failures: usize) -> Outcome {
+        let point = |failures, p99| Point {
+            x: 4096.0,
+            tested: 2000,
             failures,
             p50: p99,
             p90: p99,
             p99,
             max: p99.map(|p99: f64| 2.0 * p99),
-            bound: None,
+            bound: Some(Bound::NO_FAILURE),
         };
-        let curve = |method, default| Curve {
-            method,
-            default,
-            points: vec![point(1.0, 0, Some(1e-6)), point(10.0, 5, None)],
-        };
-        let recipe = |error| &*Box::leak(Box::new(Recipe { name: "far", error, ..Recipe::COMMON }));
-        let outcome = Outcome {
+        let robust = point(failures, Some(1.5e-6));
+        let naive = Point { bound: None, ..point(10, None) };
+        Outcome {
             recipe: recipe(Some("|Δt|")),
-            holds: true,
-            curves: vec![curve("robust", true), curve("naive", false)],
+            holds: robust.holds(),
+            curves: vec![
+                Curve { method: "naive", default: false, points: vec![naive] },
+                Curve { method: "robust", default: true, points: vec![robust] },
+            ],
+        }
+    }
+
+    #[test]
+    fn table_marks_the_default_and_tells_its_faults() {
+        let good = table(&outcome(0));
+        let bad = table(&outcome(3));
+        let has = |row: &[&str]| good.lines().any(|line| line.split_whitespace().eq(row.iter().copied()));
+        assert!(has(&["4096"]) && has(&["robust", "*", "0"]) && has(&["1.5e-6"]), "{good}");
+        assert!(!good.contains("FAILS") && bad.contains("FAILS at 4096: 3 of 2,000"), "{bad}");
+    }
+
+    #[test]
+    fn verdict_names_the_recipes_in_which_a_default_fails() {
+        let report = |recipes: Vec<Outcome>| Report {
+            schema: "",
+            thorough: false,
+            machine: Machine::current(),
+            holds: recipes.iter().all(|outcome| outcome.holds),
+            recipes,
         };
-        let drawings = drawings(&outcome);
-        let names: Vec<&str> = drawings.iter().map(|drawing| &drawing.name[..]).collect();
-        assert_eq!(names, ["far", "far-error"]);
-        let figures = [super::failures(&outcome), super::errors(&outcome, "|Δt|")];
-        let [failures, errors] = [0, 1].map(|number| &figures[number].panels[0]);
-        assert_eq!(failures.lines[0].points, [[1.0, 0.0], [10.0, 0.5]]);
+        assert!(verdict(&report(vec![outcome(0)])).contains("keep their bounds in 1 recipe."));
+        assert!(verdict(&report(vec![outcome(0), outcome(1)])).contains("BOUNDS in far."));
+    }
+
+    #[test]
+    fn places_are_short() {
         assert_eq!(
-            failures.lines.iter().map(|line| line.look).collect::<Vec<_>>(),
-            [Look::Default, Look::Plain]
+            [0.0, 1e-6, 0.02, 4096.0, 1e5, 4294967296.0].map(place),
+            ["0", "1e-6", "0.02", "4096", "1e5", "4.3e9"]
         );
-        assert!(failures.lines[0].name.contains("default") && !failures.lines[1].name.contains("default"));
-        assert_eq!((&errors.lines[1].points[..], errors.lines[0].band.len()), (&[[1.0, 1e-6]][..], 1));
-        assert_eq!(super::drawings(&Outcome { recipe: recipe(None), ..outcome }).len(), 1);
+    }
+
+    #[test]
+    fn drawings_show_every_method_the_default_first() {
+        let outcome = outcome(0);
+        let names: Vec<String> = drawings(&outcome).into_iter().map(|drawing| drawing.name).collect();
+        assert_eq!(names, ["far", "far-error"]);
+        let [failures, errors] =
+            [failures(&outcome), errors(&outcome, "|Δt|")].map(|mut figure| figure.panels.remove(0).lines);
+        assert_eq!([&failures[0].points, &failures[1].points], [&[[4096.0, 0.0]], &[[4096.0, 0.5]]]);
+        assert_eq!((&failures[0].name[..], failures[0].look), ("robust (default)", Look::Default));
+        assert_eq!((&failures[1].name[..], failures[1].look), ("naive", Look::Plain));
+        assert_eq!((&errors[0].points, errors[1].points.len()), (&vec![[4096.0, 1.5e-6]], 0));
+        assert_eq!((errors[0].band.len(), errors[1].band.len()), (1, 0));
+        assert_eq!(drawings(&Outcome { recipe: recipe(None), ..outcome }).len(), 1);
     }
 }

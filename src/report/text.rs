@@ -1,6 +1,6 @@
-//! Text for terminals of ordinary width: paragraphs, and rows of tables.
+//! Text for terminals of ordinary width: paragraphs, rows of tables, the warning of a busy machine.
 //!
-//! For: [`paragraph`], [`item`], [`row`].
+//! For: [`paragraph`], [`item`], [`row`], [`busy`].
 
 use textwrap::{Options, WordSplitter};
 
@@ -23,8 +23,8 @@ pub fn item(name: &str, name_width: usize, text: &str) -> String {
     textwrap::fill(text, options().initial_indent(&first).subsequent_indent(&further)) + "\n"
 }
 
-/// A row of a table: cells in columns of these widths, negative where they stand on the left. A first cell that
-/// is too long has a line of its own above.
+/// A row of a table: cells in columns of these widths, negative where they stand on the left. A first cell
+/// that is too long has a line of its own above.
 pub fn row(widths: &[isize], cells: impl IntoIterator<Item = impl AsRef<str>>) -> String {
     let mut row = String::new();
     for (cell, &width) in cells.into_iter().zip(widths) {
@@ -35,6 +35,15 @@ pub fn row(widths: &[isize], cells: impl IntoIterator<Item = impl AsRef<str>>) -
         }
     }
     row + "\n"
+}
+
+/// The warning that other programs took the processor while something was timed: of the least share, the
+/// speed of slow parts over that of the median, its evidence, where the share is below `bound`.
+pub fn busy(shares: impl Iterator<Item = (f64, String)>, bound: f64) -> Option<String> {
+    let (_, evidence) = shares.min_by(|a, b| a.0.total_cmp(&b.0)).filter(|(share, _)| *share < bound)?;
+    Some(format!(
+        "the machine is busy: {evidence}; end other programs and measure again: ratios are wrong, too."
+    ))
 }
 
 #[cfg(test)]

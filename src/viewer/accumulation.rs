@@ -6,7 +6,7 @@ use super::dynamic_resolution::DynamicResolution;
 use super::frame::Exchange;
 use super::timing::{RateMeter, Summary};
 use octray_engine::film::Film;
-use octray_engine::render::{RenderObserver, Renderer};
+use octray_engine::render::{RenderObserver, Renderer, Settings};
 use octray_formats::scene::{Camera, Scene};
 use std::sync::atomic::Ordering::Acquire;
 use std::thread;
@@ -26,17 +26,6 @@ pub struct Pose {
     pub bounces: u32,
 }
 
-/// How a pose differs from the previous one.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum PoseChange {
-    /// Same camera, resolution and bounces.
-    Same,
-    /// Another camera: history can be reprojected.
-    Moved,
-    /// Another resolution or number of bounces: history is invalid.
-    Other,
-}
-
 /// The film of the present pose, and the timing of frames.
 pub struct Accumulation {
     pub film: Film,
@@ -44,8 +33,12 @@ pub struct Accumulation {
     /// Whether a frame of this pose has been shown.
     pub pose_shown: bool,
     pub resolution: DynamicResolution,
+    pub rates: RateMeter,
+    pub summary: Summary,
     /// Whether the film holds the requested seed's samples from the first one on: a still in progress.
     pub progressive: bool,
+    /// The requested seed.
+    seed: u32,
     /// When the last frame was published, and when the next one is due.
     last_shown: Instant,
     due: Instant,
@@ -76,16 +69,17 @@ impl RenderObserver for SampleWatch<'_> {
 impl Accumulation {
     /// For a new renderer, with an empty film.
     pub fn new(renderer: &Renderer, scene: &Scene) -> Self {
-        let settings = renderer.settings();
-        let pose =
-            Pose { camera: scene.camera, resolution: settings.resolution, bounces: settings.max_bounces };
         let now = Instant::now();
+        let &Settings { resolution, max_bounces: bounces, seed, .. } = renderer.settings();
         Self {
             film: renderer.film(),
-            pose,
+            pose: Pose { camera: scene.camera, resolution, bounces },
             pose_shown: false,
             resolution: DynamicResolution::default(),
+            rates: RateMeter::default(),
+            summary: Summary::default(),
             progressive: true,
+            seed,
             last_shown: now,
             due: now,
             sample_time: Duration::ZERO,
@@ -94,33 +88,26 @@ impl Accumulation {
         }
     }
 
-    /// Starts over with another renderer; keeps the resolution scale and the frame timing.
+    /// Starts over with another renderer; keeps the resolution scale and the timing of frames.
     pub fn reset(&mut self, renderer: &Renderer, scene: &Scene) {
-        let Self { mut resolution, last_shown, due, sample_time, painting_time, .. } = *self;
-        resolution.restart();
-        *self =
-            Self { resolution, last_shown, due, sample_time, painting_time, ..Self::new(renderer, scene) };
+        let Self { film, pose, pose_since, .. } = Self::new(renderer, scene);
+        (self.film, self.pose, self.pose_since) = (film, pose, pose_since);
+        (self.pose_shown, self.progressive) = (false, true);
+        self.resolution.restart();
     }
 
     /// Sets the renderer's camera, resolution and bounces, and clears the film if they changed. A resting
     /// camera has the requested seed; a moving one has a different seed in every frame, derived from the
-    /// frame's number.
-    pub fn set_pose(
-        &mut self,
-        renderer: &mut Renderer,
-        scene: &Scene,
-        pose: Pose,
-        seed: u32,
-        frame: u64,
-    ) -> PoseChange {
+    /// frame's number. Returns whether history is invalid: resolution or bounces changed.
+    pub fn set_pose(&mut self, renderer: &mut Renderer, scene: &Scene, pose: Pose) -> bool {
         let before = std::mem::replace(&mut self.pose, pose);
         if pose == before {
             if !self.progressive {
                 self.progressive = true;
                 self.film.clear();
-                renderer.set_seed(seed);
+                renderer.set_seed(self.seed);
             }
-            return PoseChange::Same;
+            return false;
         }
         renderer.set_view(scene, &pose.camera, pose.resolution, pose.bounces);
         let other = pose.bounces != before.bounces || pose.resolution != before.resolution;
@@ -132,19 +119,18 @@ impl Accumulation {
             self.film = renderer.film();
             self.resolution.restart();
         }
-        renderer.set_seed(if other { seed } else { seed.wrapping_add(1).wrapping_add(frame as u32) });
-        if other { PoseChange::Other } else { PoseChange::Moved }
+        if other {
+            self.rates.reset();
+            renderer.set_seed(self.seed);
+        } else {
+            renderer.set_seed(self.seed.wrapping_add(1).wrapping_add(self.summary.frames as u32));
+        }
+        other
     }
 
     /// Adds samples, at least one, until a frame is due at `rate` frames per second or the front end has
     /// closed.
-    pub fn accumulate(
-        &mut self,
-        renderer: &Renderer,
-        rate: f64,
-        exchange: &Exchange,
-        (rates, summary): (&mut RateMeter, &mut Summary),
-    ) {
+    pub fn accumulate(&mut self, renderer: &Renderer, rate: f64, exchange: &Exchange) {
         // Counted from the previous due time: a late frame does not shorten the next one's share, and lost
         // frames are not made up for.
         let interval = Duration::from_secs_f64(1.0 / rate);
@@ -162,11 +148,11 @@ impl Accumulation {
             let time = start.elapsed();
             let pixels = f64::from(self.pose.resolution[0]) * f64::from(self.pose.resolution[1]);
             let samples = (self.film.pixel_samples() - before.0) as f64 / pixels;
-            summary.samples += samples;
-            summary.tracing += time;
+            self.summary.samples += samples;
+            self.summary.tracing += time;
             // Not one that was cancelled.
             if samples == 1.0 {
-                rates.sample(renderer.settings().lanes, self.film.rays() - before.1, time);
+                self.rates.sample(renderer.settings().lanes, self.film.rays() - before.1, time);
                 self.sample_time = time;
             }
             if exchange.closed.load(Acquire) || Instant::now() + self.sample_time / 2 >= due {
@@ -175,12 +161,15 @@ impl Accumulation {
         }
     }
 
-    /// Records that a frame was published and how long it took to paint; returns the time since the previous
-    /// frame.
-    pub fn frame_shown(&mut self, now: Instant, painting: Duration) -> Duration {
+    /// Records that a frame was painted from `start` on and published, with the time of the oldest event that
+    /// it shows.
+    pub fn frame_shown(&mut self, start: Instant, event: Option<Instant>) {
+        let now = Instant::now();
         let since = now - self.last_shown;
-        (self.last_shown, self.painting_time, self.pose_shown) = (now, painting, true);
-        since
+        (self.last_shown, self.painting_time, self.pose_shown) = (now, now - start, true);
+        self.rates.frame(since);
+        self.summary.painting += self.painting_time;
+        self.summary.frame(since, event.map(|at| now - at));
     }
 
     /// Lowers the resolution when frames take longer than the target allows, raises it when there is time.
@@ -201,56 +190,61 @@ impl Accumulation {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use octray_engine::render::Settings;
     use octray_formats::scene::load;
     use std::sync::atomic::Ordering::Release;
 
-    fn start() -> (Renderer, Scene, Accumulation) {
-        let scene = load("builtin:three").unwrap();
-        let settings = Settings { resolution: [24, 16], seed: 5, ..Settings::of(&scene) };
-        let renderer = Renderer::new(&scene, settings);
-        let accumulation = Accumulation::new(&renderer, &scene);
-        (renderer, scene, accumulation)
+    struct Test {
+        scene: Scene,
+        renderer: Renderer,
+        accumulation: Accumulation,
+        exchange: Exchange,
+    }
+
+    impl Test {
+        fn new(resolution: [u32; 2]) -> Self {
+            let scene = load("builtin:three").unwrap();
+            let renderer = Renderer::new(&scene, Settings { resolution, seed: 5, ..Settings::of(&scene) });
+            let accumulation = Accumulation::new(&renderer, &scene);
+            Self { scene, renderer, accumulation, exchange: Exchange::default() }
+        }
+        /// Whether it is another picture, its seed, and its samples after two more.
+        fn go(&mut self, pose: Pose, frame: u64) -> (bool, u32, u32) {
+            self.accumulation.summary.frames = frame;
+            let other = self.accumulation.set_pose(&mut self.renderer, &self.scene, pose);
+            self.renderer.add_samples(&mut self.accumulation.film, 2);
+            (other, self.renderer.settings().seed, self.accumulation.film.samples())
+        }
+        /// The samples of a pixel at most, when a frame is due.
+        fn accumulate(&mut self) -> u32 {
+            self.accumulation.accumulate(&self.renderer, 1e9, &self.exchange);
+            self.accumulation.film.most_samples()
+        }
     }
 
     /// A resting camera's picture has the bits of a still, whatever was rendered before it.
     #[test]
     fn a_camera_that_comes_to_rest_accumulates_the_samples_of_a_still() {
-        let (mut renderer, scene, mut accumulation) = start();
-        let home = accumulation.pose;
+        let mut test = Test::new([24, 16]);
+        let home = test.accumulation.pose;
         let away = Pose { camera: Camera { vertical_fov: 30.0, ..home.camera }, ..home };
-        let mut go = |accumulation: &mut Accumulation, pose, frame| {
-            let change = accumulation.set_pose(&mut renderer, &scene, pose, 5, frame);
-            renderer.add_samples(&mut accumulation.film, 2);
-            (change, renderer.settings().seed, accumulation.film.samples())
-        };
-        assert_eq!(go(&mut accumulation, home, 0), (PoseChange::Same, 5, 2));
-        assert_eq!(go(&mut accumulation, away, 1), (PoseChange::Moved, 7, 2));
-        assert_eq!(go(&mut accumulation, home, 2), (PoseChange::Moved, 8, 2));
-        assert_eq!(
-            go(&mut accumulation, home, 3),
-            (PoseChange::Same, 5, 2),
-            "at rest: from the first sample on"
-        );
-        assert_eq!(go(&mut accumulation, home, 4), (PoseChange::Same, 5, 4));
-        let (still, ..) = start();
+        assert_eq!(test.go(home, 0), (false, 5, 2));
+        assert_eq!(test.go(away, 1), (false, 7, 2));
+        assert_eq!(test.go(home, 2), (false, 8, 2));
+        assert_eq!(test.go(home, 3), (false, 5, 2), "at rest: from the first sample on");
+        assert_eq!(test.go(home, 4), (false, 5, 4));
+        let still = Test::new([24, 16]).renderer;
         let mut film = still.film();
         still.add_samples(&mut film, 4);
-        assert_eq!(accumulation.film.picture(), film.picture());
+        assert_eq!(test.accumulation.film.picture(), film.picture());
         let deep = Pose { bounces: home.bounces + 1, ..home };
-        assert_eq!(
-            go(&mut accumulation, deep, 5),
-            (PoseChange::Other, 5, 2),
-            "another picture begins at once"
-        );
-        let small = Pose { resolution: [12, 8], ..deep };
-        assert_eq!(go(&mut accumulation, small, 6), (PoseChange::Other, 5, 2));
-        assert_eq!(accumulation.film.resolution(), [12, 8]);
+        assert_eq!(test.go(deep, 5), (true, 5, 2), "another picture begins at once");
+        assert_eq!(test.go(Pose { resolution: [12, 8], ..deep }, 6), (true, 5, 2));
+        assert_eq!(test.accumulation.film.resolution(), [12, 8]);
     }
 
     #[test]
     fn neither_a_delayed_frame_nor_a_settled_picture_changes_the_resolution() {
-        let (.., mut accumulation) = start();
+        let mut accumulation = Test::new([24, 16]).accumulation;
         let hold = |accumulation: &mut Accumulation, ms, times| {
             accumulation.sample_time = Duration::from_millis(ms);
             (0..times).for_each(|_| accumulation.adapt_resolution(Some(30)));
@@ -268,49 +262,25 @@ mod tests {
     }
 
     #[test]
-    fn a_closed_window_cancels_the_sample() {
-        let (renderer, _, mut accumulation) = start();
-        let (exchange, mut rates, mut summary) =
-            (Exchange::default(), RateMeter::default(), Summary::default());
-        exchange.notified.store(true, Release);
-        accumulation.accumulate(&renderer, 1e9, &exchange, (&mut rates, &mut summary));
-        assert_eq!(
-            accumulation.film.samples(),
-            1,
-            "the first sample of a picture is never cancelled by an event"
-        );
-        accumulation.film.clear();
-        exchange.closed.store(true, Release);
-        accumulation.accumulate(&renderer, 1.0, &exchange, (&mut rates, &mut summary));
-        assert_eq!(accumulation.film.most_samples(), 0);
-        accumulation.equalize_samples(&renderer);
-        assert_eq!(accumulation.film.samples(), 1, "a screenshot completes it");
+    fn events_cancel_all_samples_but_the_first_and_the_end_cancels_every_one() {
+        let mut test = Test::new([24, 16]);
+        test.exchange.notified.store(true, Release);
+        assert_eq!(test.accumulate(), 1, "the first sample of a picture");
+        assert_eq!(test.accumulate(), 1);
+        test.exchange.notified.store(false, Release);
+        assert_eq!(test.accumulate(), 2);
+        test.accumulation.film.clear();
+        test.exchange.closed.store(true, Release);
+        assert_eq!(test.accumulate(), 0);
+        test.accumulation.equalize_samples(&test.renderer);
+        assert_eq!(test.accumulation.film.samples(), 1, "a screenshot completes it");
     }
 
     #[test]
-    fn accumulation_stops_for_events_and_at_the_maximum_of_samples() {
-        let (renderer, _, mut accumulation) = start();
-        let (exchange, mut rates, mut summary) =
-            (Exchange::default(), RateMeter::default(), Summary::default());
-        let mut accumulate = |accumulation: &mut Accumulation, renderer: &Renderer, exchange: &Exchange| {
-            accumulation.accumulate(renderer, 1e9, exchange, (&mut rates, &mut summary));
-            accumulation.film.most_samples()
-        };
-        assert_eq!(accumulate(&mut accumulation, &renderer, &exchange), 1);
-        assert_eq!(accumulate(&mut accumulation, &renderer, &exchange), 2);
-        exchange.notified.store(true, Release);
-        assert_eq!(
-            accumulate(&mut accumulation, &renderer, &exchange),
-            2,
-            "an event cancels the next sample"
-        );
-        exchange.notified.store(false, Release);
+    fn accumulation_stops_at_the_maximum_of_samples() {
         // One pixel, so that it has all of its samples soon.
-        let scene = load("builtin:three").unwrap();
-        let renderer = Renderer::new(&scene, Settings { resolution: [1, 1], ..Settings::of(&scene) });
-        accumulation.reset(&renderer, &scene);
-        renderer.add_samples(&mut accumulation.film, MAX_SAMPLES - 1);
-        assert_eq!(accumulate(&mut accumulation, &renderer, &exchange), MAX_SAMPLES);
-        assert_eq!(accumulate(&mut accumulation, &renderer, &exchange), MAX_SAMPLES);
+        let mut test = Test::new([1, 1]);
+        test.renderer.add_samples(&mut test.accumulation.film, MAX_SAMPLES - 1);
+        assert_eq!([(); 2].map(|()| test.accumulate()), [MAX_SAMPLES; 2]);
     }
 }

@@ -28,9 +28,8 @@ impl Canvas<'_> {
 
     /// Draws the square minimap into the upper right corner, at most as large as `side`.
     pub fn draw_minimap(&mut self, frame: &Frame, side: usize, margin: usize) {
-        let own = frame.inset_side as usize;
-        let room = self.width.min(self.height).saturating_sub(margin);
-        let side = if frame.inset.is_empty() { 0 } else { side.min(own).min(room) };
+        let own = frame.inset.len().isqrt();
+        let side = side.min(own).min(self.width.min(self.height).saturating_sub(margin));
         let left = self.width.saturating_sub(margin + side);
         self.resample(&frame.inset, [own; 2], [left, margin, side, side]);
     }
@@ -132,7 +131,7 @@ mod tests {
 
     #[test]
     fn minimap_lies_in_the_upper_right_corner() {
-        let with = Frame { inset: vec![7; 4], inset_side: 2, ..frame() };
+        let with = Frame { inset: vec![7; 4], ..frame() };
         let pixels = shown(&with, 30, 20);
         let at = |x: usize, y: usize| pixels[y * 30 + x];
         assert_eq!((at(22, 6), at(23, 7)), (7, 7));

@@ -8,7 +8,7 @@ use octray_engine::choice::Choice;
 use octray_engine::render::{LaneChoice, Settings};
 use octray_engine::tone::Tone;
 use octray_engine::traverse::{Methods, SphereChoice, TraversalChoice, TriangleChoice};
-use octray_formats::scene::{Loaded, MAX_BOUNCES, MAX_SIDE, Scene};
+use octray_formats::scene::{Loaded, MAX_BOUNCES, MAX_SIDE};
 use std::iter;
 
 /// Image-space antialiasing.
@@ -40,18 +40,16 @@ pub enum MethodPreset {
     #[default]
     CommandLine,
     Robust,
-    Fast,
     Naive,
 }
 
 impl MethodPreset {
-    pub const ALL: [Self; 4] = [Self::CommandLine, Self::Robust, Self::Fast, Self::Naive];
+    pub const ALL: [Self; 3] = [Self::CommandLine, Self::Robust, Self::Naive];
 
     pub fn name(self) -> &'static str {
         match self {
             Self::CommandLine => "as requested",
             Self::Robust => "robust",
-            Self::Fast => "fast",
             Self::Naive => "naive",
         }
     }
@@ -150,11 +148,10 @@ impl Controls {
     }
 
     /// The methods for a scene, given those requested on the command line.
-    fn methods(&self, scene: &Scene, requested: Methods) -> Methods {
+    fn methods(&self, requested: Methods) -> Methods {
         let methods = match self.preset {
             MethodPreset::CommandLine => requested,
             MethodPreset::Robust => Methods::default(),
-            MethodPreset::Fast => Methods::fast(scene),
             MethodPreset::Naive => Methods {
                 sphere: SphereChoice::Naive,
                 triangle: TriangleChoice::MollerTrumbore,
@@ -172,7 +169,7 @@ impl Controls {
             resolution: self.resolution(options.size.unwrap_or(scene.resolution), 1.0),
             max_bounces: self.bounces,
             seed: options.seed,
-            methods: self.methods(scene, (options.methods)(scene)),
+            methods: self.methods((options.methods)(scene)),
             lanes: lanes.lanes(),
             threads: self.threads,
             pipeline: options.pipeline,
@@ -223,19 +220,18 @@ mod tests {
 
     #[test]
     fn presets_keep_traversal_lights_and_sampler() {
-        let scene = octray_formats::scene::load("builtin:cornell").unwrap();
         let (traversal, lights, sampler) = (TraversalChoice::Linear, LightChoice::Off, Sampler::Random);
         let requested = Methods { traversal, lights, sampler, ..Methods::default() };
         let mut controls = controls();
         for preset in MethodPreset::ALL {
             controls.preset = preset;
-            let of = controls.methods(&scene, requested);
+            let of = controls.methods(requested);
             assert_eq!((of.traversal, of.lights, of.sampler), (traversal, lights, sampler), "{preset:?}");
         }
-        assert_eq!(controls.methods(&scene, requested).sphere, SphereChoice::Naive);
+        assert_eq!(controls.methods(requested).sphere, SphereChoice::Naive);
         controls.next_traversal();
         controls.next_traversal();
         let chosen = TraversalChoice::all()[2];
-        assert_eq!(controls.methods(&scene, requested).traversal, chosen);
+        assert_eq!(controls.methods(requested).traversal, chosen);
     }
 }

@@ -4,7 +4,7 @@
 
 use glam::Vec3;
 use octray_engine::integrate::aovs::{AovSample, Aovs, Plane};
-use octray_engine::integrate::probe::PathShape;
+use octray_engine::integrate::meter::PathShape;
 use octray_engine::math::MISS;
 use octray_engine::render::aovs::Cost;
 use octray_formats::scene::Camera;

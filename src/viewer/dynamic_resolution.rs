@@ -64,39 +64,30 @@ impl DynamicResolution {
 mod tests {
     use super::*;
 
-    #[test]
-    fn resolution_drops_as_far_as_the_frame_rate_needs_and_no_further() {
-        let mut resolution = DynamicResolution::default();
-        // A machine that takes 100 ms for all pixels.
-        let mut settle = |target| {
-            for _ in 0..300 {
-                let time = Duration::from_secs_f64(0.1 * resolution.scale.powi(2));
-                resolution.adapt(target, time, false);
-            }
-            (resolution.scale, 0.1 * resolution.scale.powi(2))
-        };
-        let (coarse, takes) = settle(Some(30));
-        assert!(coarse < 1.0 && (0.5 / 30.0..1.05 / 30.0).contains(&takes), "{takes} s");
-        assert_eq!(settle(Some(30)).0, coarse, "at rest");
-        assert!(settle(Some(60)).0 < coarse);
-        assert_eq!(settle(Some(5)).0, 1.0);
-        assert!(settle(Some(1_000)).0 < coarse);
-        assert_eq!(settle(None).0, 1.0);
+    /// The scale, and its time as a share of the target's, after frames of a machine that takes so many
+    /// milliseconds for all pixels.
+    fn after(resolution: &mut DynamicResolution, frames: u32, ms: f64, target: u32) -> (f64, f64) {
+        let time = |scale: f64| Duration::from_secs_f64(ms * 1e-3 * scale.powi(2));
+        let mut last = Duration::ZERO;
+        for _ in 0..frames {
+            last = time(resolution.scale);
+            resolution.adapt(Some(target), last, false);
+        }
+        (resolution.scale, last.as_secs_f64() * f64::from(target))
     }
 
     #[test]
-    fn a_frame_rate_is_held_after_a_few_frames() {
+    fn resolution_drops_within_a_few_frames_as_far_as_the_frame_rate_needs_and_no_further() {
         let mut resolution = DynamicResolution::default();
-        let mut after = |frames, target| {
-            let mut time = Duration::ZERO;
-            for _ in 0..frames {
-                time = Duration::from_secs_f64(0.4 * resolution.scale.powi(2));
-                resolution.adapt(Some(target), time, false);
-            }
-            time.as_secs_f64() * f64::from(target)
-        };
-        let takes = [after(3, 30), after(3, 60), after(3, 20)];
-        assert!(takes.iter().all(|share| (0.6..1.05).contains(share)), "shares of the time: {takes:?}");
+        let mut settle = |target| after(&mut resolution, 3, 100.0, target);
+        let [coarse, again, coarser, finer] = [30, 30, 60, 20].map(&mut settle);
+        assert!([coarse, coarser, finer].iter().all(|(_, share)| (0.6..1.05).contains(share)));
+        assert!(coarse.0 < 1.0 && coarser.0 < coarse.0 && finer.0 > coarse.0);
+        assert_eq!(again.0, coarse.0, "at rest");
+        assert_eq!(settle(5).0, 1.0);
+        assert!(settle(1_000).0 < coarser.0);
+        resolution.adapt(None, Duration::ZERO, false);
+        assert_eq!(resolution.scale, 1.0);
     }
 
     #[test]
@@ -111,17 +102,11 @@ mod tests {
     #[test]
     fn frame_times_that_vary_a_little_keep_the_resolution() {
         let mut resolution = DynamicResolution::default();
-        let mut hold = |ms, times| {
-            for _ in 0..times {
-                let time = Duration::from_secs_f64(ms * 1e-3 * resolution.scale.powi(2));
-                resolution.adapt(Some(30), time, false);
-            }
-            resolution.scale
-        };
-        let coarse = hold(100.0, 10);
+        let mut hold = |frames, ms| after(&mut resolution, frames, ms, 30).0;
+        let coarse = hold(10, 100.0);
         for ms in [90.0, 105.0, 80.0, 100.0, 70.0] {
-            assert_eq!(hold(ms, 4), coarse, "{ms} ms for all pixels, where 100 were");
+            assert_eq!(hold(4, ms), coarse, "{ms} ms for all pixels, where 100 were");
         }
-        assert!(hold(50.0, 4) > coarse && hold(150.0, 4) < coarse);
+        assert!(hold(4, 50.0) > coarse && hold(4, 150.0) < coarse);
     }
 }

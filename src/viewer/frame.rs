@@ -2,8 +2,8 @@
 //!
 //! For: [`Frame`] and `Exchange`.
 
+use std::sync::Mutex;
 use std::sync::atomic::AtomicBool;
-use std::sync::{Mutex, MutexGuard};
 
 /// A frame to show: pixels, minimap, text.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -14,10 +14,8 @@ pub struct Frame {
     pub width: u32,
     /// In pixels.
     pub height: u32,
-    /// The minimap, for the upper right corner; empty without one.
+    /// The minimap, a square, for the upper right corner; empty without one.
     pub inset: Vec<u32>,
-    /// Width of the inset, which is square.
-    pub inset_side: u32,
     /// Figures, line by line; empty if switched off.
     pub figures: String,
     /// A temporary message or an error.
@@ -31,13 +29,6 @@ pub struct Frame {
 }
 
 impl Frame {
-    /// A frame without a picture, with the message that a scene is being prepared.
-    pub(crate) fn announcing(scene: &str, resolution: [u32; 2]) -> Self {
-        let mut frame =
-            Self { message: format!("preparing {scene}"), title: scene.to_string(), ..Self::default() };
-        frame.resize(resolution);
-        frame
-    }
     pub(crate) fn resize(&mut self, [width, height]: [u32; 2]) {
         (self.width, self.height) = (width, height);
         self.pixels.resize(width as usize * height as usize, 0);
@@ -61,22 +52,18 @@ pub(crate) struct Exchange {
 impl Exchange {
     /// Publishes a frame; `frame` becomes an old one to paint over.
     pub fn publish(&self, frame: &mut Frame) {
-        let mut held = self.lock();
+        let mut held = self.frame.lock().expect("a swap does not panic");
         std::mem::swap(frame, &mut held.0);
         held.1 = true;
     }
     /// Swaps `frame` for a newer one; returns false and changes nothing if there is none.
     pub fn take(&self, frame: &mut Frame) -> bool {
-        let mut held = self.lock();
+        let mut held = self.frame.lock().expect("a swap does not panic");
         let fresh = std::mem::take(&mut held.1);
         if fresh {
             std::mem::swap(frame, &mut held.0);
         }
         fresh
-    }
-    fn lock(&self) -> MutexGuard<'_, (Frame, bool)> {
-        // A swap cannot panic halfway: a poisoned lock holds a valid frame.
-        self.frame.lock().unwrap_or_else(|poisoned| poisoned.into_inner())
     }
 }
 

@@ -9,8 +9,9 @@
 //! | file | what it does |
 //! |---|---|
 //! | `window`, `terminal` | the front ends |
-//! | `session`, `options` | starts the render loop and connects a front end to it; what it starts with |
-//! | [`keys`] | key bindings: the table behind the state machine and the help |
+//! | `canvas`, `window_text`, `cell_buffer` | draw a frame: at another size; with its text, as pixels, as character cells |
+//! | `session`, `options`, `signals` | starts the render loop and connects a front end to it; what it starts with; what ends it |
+//! | [`keys`] | one table of keys, what they do, and the help |
 //! | [`state`] | the state machine: from events to camera, controls and effects |
 //! | `camera_controller` | the camera as keys and mouse move it |
 //! | `controls` | the settings that keys change |
@@ -23,9 +24,6 @@
 //! | `overlay`, `timing` | the text over the picture; frame rates, latencies |
 //! | `screenshot` | saves the film, and a view file that renders it again |
 //! | [`frame`] | frames handed from the render loop to a front end |
-//! | `canvas` | draws a frame and its minimap at another size |
-//! | `window_text`, `cell_buffer` | draw a frame with its text: as pixels, as character cells |
-//! | `signals` | Ctrl-C, `kill`, a closed terminal |
 
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]

@@ -3,11 +3,12 @@
 //! For: [`Minimap`].
 
 use super::camera_controller::CameraController;
+use super::display_mode::rgb;
 use glam::{DVec2, DVec3};
 use octray_formats::scene::{Camera, MaterialKind, Scene};
 
 /// Side of the minimap in pixels.
-pub const SIDE: u32 = 160;
+const SIDE: u32 = 160;
 /// Margin in pixels.
 const MARGIN: f64 = 10.0;
 const GROUND: u32 = 0x20_2428;
@@ -24,18 +25,45 @@ pub struct Minimap {
     scale: f64,
 }
 
-/// A primitive seen from above, with its greatest height.
+/// A primitive: a sphere's centre and radius, or a triangle's vertices.
 struct Shape {
-    corners: Vec<DVec2>,
+    corners: Vec<DVec3>,
     radius: f64,
-    height: f64,
-    color: u32,
+    material: u32,
+}
+
+fn shapes(scene: &Scene) -> Vec<Shape> {
+    let spheres = scene.spheres.iter().map(|sphere| Shape {
+        corners: vec![sphere.center.as_dvec3()],
+        radius: sphere.radius.into(),
+        material: sphere.material,
+    });
+    let triangles = scene.triangles.iter().map(|triangle| Shape {
+        corners: triangle.vertices.map(|vertex| vertex.as_dvec3()).into(),
+        radius: 0.0,
+        material: triangle.material,
+    });
+    spheres.chain(triangles).collect()
+}
+
+impl Shape {
+    /// Centre and radius of a ball around it.
+    fn ball(&self) -> (DVec3, f64) {
+        let center = self.corners.iter().sum::<DVec3>() / self.corners.len() as f64;
+        let reach = self.corners.iter().map(|corner| corner.distance(center)).fold(0.0, f64::max);
+        (center, self.radius + reach)
+    }
+    /// Its greatest height.
+    fn height(&self, up: DVec3) -> f64 {
+        self.corners.iter().map(|corner| corner.dot(up)).fold(f64::MIN, f64::max) + self.radius
+    }
 }
 
 impl Minimap {
     /// Draws the scene along its camera's up axis; the camera's line of sight points to the top.
     pub fn new(scene: &Scene) -> Self {
         let (forward, up) = CameraController::new(scene.camera).forward_and_up();
+        let camera = scene.camera.position.as_dvec3();
         let mut minimap = Self {
             ground: vec![GROUND; (SIDE * SIDE) as usize],
             right: forward.cross(up),
@@ -43,24 +71,30 @@ impl Minimap {
             center: DVec3::ZERO,
             scale: 1.0,
         };
-        minimap.frame(scene);
-        minimap.draw(scene, up);
+        let mut shapes = shapes(scene);
+        minimap.frame(&shapes, camera);
+        // The highest last. A sphere around the camera would hide the others.
+        shapes.retain(|shape| shape.radius == 0.0 || shape.corners[0].distance(camera) > shape.radius);
+        shapes.sort_by(|a, b| a.height(up).total_cmp(&b.height(up)));
+        for shape in shapes {
+            let material = &scene.materials[shape.material as usize];
+            let shown = match material.kind {
+                MaterialKind::Emitter => material.emission.min(glam::Vec3::ONE),
+                _ => material.color,
+            };
+            let color = rgb(shown.to_array().map(|x| 0.1 + 0.55 * x.powf(1.0 / 2.2)));
+            let corners: Vec<DVec2> = shape.corners.iter().map(|&corner| minimap.place(corner)).collect();
+            fill(&mut minimap.ground, &corners, shape.radius * minimap.scale, color);
+        }
         minimap
     }
 
     /// Sets centre and scale so that the camera and the primitives fit whose bounding radius is smaller than
     /// their distance from it. Larger ones (a floor, a planet-sized ball, a sky) are cut off, unless there
     /// are no others.
-    fn frame(&mut self, scene: &Scene) {
-        let camera = scene.camera.position.as_dvec3();
+    fn frame(&mut self, shapes: &[Shape], camera: DVec3) {
         let flat = |point: DVec3| DVec2::new(point.dot(self.right), point.dot(self.down));
-        let spheres = scene.spheres.iter().map(|sphere| (sphere.center.as_dvec3(), f64::from(sphere.radius)));
-        let triangles = scene.triangles.iter().map(|triangle| {
-            let [a, b, c] = triangle.vertices.map(|vertex| vertex.as_dvec3());
-            let center = (a + b + c) / 3.0;
-            (center, [a, b, c].map(|vertex| vertex.distance(center)).into_iter().fold(0.0, f64::max))
-        });
-        let balls: Vec<(DVec3, f64)> = spheres.chain(triangles).collect();
+        let balls: Vec<(DVec3, f64)> = shapes.iter().map(Shape::ball).collect();
         let around = |&&(center, radius): &&(DVec3, f64)| radius < center.distance(camera);
         let some = balls.iter().any(|ball| around(&ball));
         let (mut low, mut high) = (flat(camera), flat(camera));
@@ -77,42 +111,6 @@ impl Minimap {
     fn place(&self, point: DVec3) -> DVec2 {
         let from = point - self.center;
         DVec2::new(from.dot(self.right), from.dot(self.down)) * self.scale + f64::from(SIDE) / 2.0
-    }
-
-    /// Draws the primitives in order of height, the highest last.
-    fn draw(&mut self, scene: &Scene, up: DVec3) {
-        let camera = scene.camera.position.as_dvec3();
-        let color = |material: u32| {
-            let material = &scene.materials[material as usize];
-            let shown = match material.kind {
-                MaterialKind::Emitter => material.emission.min(glam::Vec3::ONE),
-                _ => material.color,
-            };
-            super::display_mode::rgb(shown.to_array().map(|x| 0.1 + 0.55 * x.powf(1.0 / 2.2)))
-        };
-        let mut shapes = Vec::with_capacity(scene.spheres.len() + scene.triangles.len());
-        for sphere in &scene.spheres {
-            let (center, radius) = (sphere.center.as_dvec3(), f64::from(sphere.radius));
-            if center.distance(camera) > radius {
-                shapes.push(Shape {
-                    corners: vec![self.place(center)],
-                    radius: radius * self.scale,
-                    height: center.dot(up) + radius,
-                    color: color(sphere.material),
-                });
-            }
-        }
-        for triangle in &scene.triangles {
-            let vertices = triangle.vertices.map(|vertex| vertex.as_dvec3());
-            shapes.push(Shape {
-                corners: vertices.iter().map(|&vertex| self.place(vertex)).collect(),
-                radius: 0.0,
-                height: vertices.iter().map(|vertex| vertex.dot(up)).fold(f64::MIN, f64::max),
-                color: color(triangle.material),
-            });
-        }
-        shapes.sort_by(|a, b| a.height.total_cmp(&b.height));
-        shapes.iter().for_each(|shape| fill(&mut self.ground, shape));
     }
 
     /// The minimap with the camera and its field of view, in a frame's pixel format.
@@ -147,23 +145,22 @@ fn dot(pixels: &mut [u32], at: DVec2, color: u32) {
 }
 
 /// Fills a disc or a triangle; one smaller than a pixel fills that pixel.
-fn fill(pixels: &mut [u32], shape: &Shape) {
-    let Shape { corners, radius, color, .. } = shape;
-    let low = corners.iter().copied().reduce(DVec2::min).unwrap_or_default() - *radius;
-    let high = corners.iter().copied().reduce(DVec2::max).unwrap_or_default() + *radius;
+fn fill(pixels: &mut [u32], corners: &[DVec2], radius: f64, color: u32) {
+    let low = corners.iter().copied().reduce(DVec2::min).unwrap_or_default() - radius;
+    let high = corners.iter().copied().reduce(DVec2::max).unwrap_or_default() + radius;
     let range =
         |low: f64, high: f64| (low.max(0.0) as u32)..(high.min(f64::from(SIDE) - 1.0).max(-1.0) + 1.0) as u32;
     for y in range(low.y, high.y) {
         for x in range(low.x, high.x) {
             let at = DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5);
-            if inside(corners, *radius, at) {
+            if inside(corners, radius, at) {
                 // A rim, so that balls are visible on a floor of their own colour.
-                let rim = *radius > 3.0 && corners[0].distance(at) > *radius - 1.2;
-                pixels[(y * SIDE + x) as usize] = if rim { GROUND } else { *color };
+                let rim = radius > 3.0 && corners[0].distance(at) > radius - 1.2;
+                pixels[(y * SIDE + x) as usize] = if rim { GROUND } else { color };
             }
         }
     }
-    corners.iter().for_each(|&corner| dot(pixels, corner, *color));
+    corners.iter().for_each(|&corner| dot(pixels, corner, color));
 }
 
 fn inside(corners: &[DVec2], radius: f64, at: DVec2) -> bool {
@@ -180,31 +177,41 @@ fn inside(corners: &[DVec2], radius: f64, at: DVec2) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use glam::Vec3;
+    use octray_formats::scene::{builtin_names, load};
+
+    /// Two balls of radius 1 at these places, before a camera that looks along -z; the first is black, the
+    /// second white.
+    fn balls(centers: [[f32; 3]; 2]) -> Scene {
+        let mut scene = load("builtin:three").unwrap();
+        let [position, look_at] = [10.0, 0.0].map(|z| Vec3::new(0.0, 1.0, z));
+        scene.camera = Camera { position, look_at, up: Vec3::Y, vertical_fov: 40.0 };
+        scene.triangles.clear();
+        scene.spheres.truncate(2);
+        for (number, (sphere, center)) in scene.spheres.iter_mut().zip(centers).enumerate() {
+            (sphere.center, sphere.radius, sphere.material) = (center.into(), 1.0, number as u32);
+            let material = &mut scene.materials[number];
+            (material.kind, material.color) = (MaterialKind::Diffuse, Vec3::splat(number as f32));
+        }
+        scene
+    }
+    fn color(pixels: &[u32], at: DVec2) -> u32 {
+        pixels[(at.y as u32 * SIDE + at.x as u32) as usize]
+    }
 
     #[test]
     fn what_stands_ahead_is_drawn_above_the_camera_and_what_stands_right_on_its_right() {
-        let mut scene = octray_formats::scene::load("builtin:three").unwrap();
-        scene.camera = Camera {
-            position: glam::Vec3::new(0.0, 1.0, 10.0),
-            look_at: glam::Vec3::new(0.0, 1.0, 0.0),
-            up: glam::Vec3::Y,
-            vertical_fov: 40.0,
-        };
-        scene.triangles.clear();
-        scene.spheres.truncate(2);
-        scene.spheres[0].center = glam::Vec3::new(0.0, 0.0, -10.0);
-        scene.spheres[1].center = glam::Vec3::new(8.0, 0.0, 0.0);
-        scene.spheres.iter_mut().for_each(|sphere| sphere.radius = 1.0);
+        let scene = balls([[0.0, 0.0, -10.0], [8.0, 0.0, 0.0]]);
         let minimap = Minimap::new(&scene);
         let [camera, forward, right] =
             [scene.camera.position, scene.spheres[0].center, scene.spheres[1].center]
                 .map(|point| minimap.place(point.as_dvec3()));
         assert!(forward.y < right.y && right.y < camera.y && right.x > forward.x);
-        let color = |at: DVec2| minimap.ground[(at.y as u32 * SIDE + at.x as u32) as usize];
-        assert!(color(forward) != GROUND && color(right) != GROUND && color(camera) == GROUND);
+        let colors = [forward, right, camera].map(|at| color(&minimap.ground, at));
+        assert!(colors[0] != GROUND && colors[1] != GROUND && colors[2] == GROUND);
         let mut pixels = Vec::new();
         minimap.draw_into(&scene.camera, 16.0 / 9.0, &mut pixels);
-        assert_eq!(pixels[(camera.y as u32 * SIDE + camera.x as u32) as usize], HERE);
+        assert_eq!(color(&pixels, camera), HERE);
         let yellow = pixels.iter().enumerate().filter(|&(_, &pixel)| pixel == HERE);
         assert!(yellow.clone().count() > 40);
         let above = yellow.filter(|(at, _)| ((*at as u32 / SIDE) as f64) < camera.y - 2.0).count();
@@ -213,33 +220,17 @@ mod tests {
 
     #[test]
     fn what_is_higher_lies_over_what_is_lower() {
-        let mut scene = octray_formats::scene::load("builtin:three").unwrap();
-        scene.camera.position = glam::Vec3::new(0.0, 1.0, 10.0);
-        scene.camera.look_at = glam::Vec3::new(0.0, 1.0, 0.0);
-        scene.triangles.clear();
-        scene.spheres.truncate(2);
-        let colors: Vec<u32> = [[2.0, 0.5], [0.5, 2.0]]
-            .into_iter()
-            .map(|heights| {
-                for (number, (sphere, y)) in scene.spheres.iter_mut().zip(heights).enumerate() {
-                    (sphere.center, sphere.radius) = (glam::Vec3::Y * y, 1.0);
-                    sphere.material = number as u32;
-                    let material = &mut scene.materials[number];
-                    (material.kind, material.color) =
-                        (MaterialKind::Diffuse, glam::Vec3::splat(number as f32));
-                }
-                let minimap = Minimap::new(&scene);
-                let at = minimap.place(DVec3::ZERO) + 2.0;
-                minimap.ground[(at.y as u32 * SIDE + at.x as u32) as usize]
-            })
-            .collect();
-        assert!(colors[0] < colors[1], "black lies over white, then white over black: {colors:x?}");
+        let [black, white] = [[2.0, 0.5], [0.5, 2.0]].map(|heights| {
+            let minimap = Minimap::new(&balls(heights.map(|y| [0.0, y, 0.0])));
+            color(&minimap.ground, minimap.place(DVec3::ZERO) + 2.0)
+        });
+        assert!(black < white, "{black:x} {white:x}");
     }
 
     #[test]
     fn every_built_in_scene_has_something_on_its_map() {
-        for name in octray_formats::scene::builtin_names() {
-            let scene = octray_formats::scene::load(&format!("builtin:{name}")).unwrap();
+        for name in builtin_names() {
+            let scene = load(&format!("builtin:{name}")).unwrap();
             let drawn = Minimap::new(&scene).ground.iter().filter(|&&pixel| pixel != GROUND).count();
             assert!(drawn > 50, "{name}: {drawn} pixels");
         }

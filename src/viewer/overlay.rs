@@ -6,7 +6,6 @@ use super::controls::{Controls, MethodPreset};
 use super::display_mode::DisplayMode;
 use super::painter::FrameInput;
 use super::state::State;
-use super::timing::{RateMeter, Rates};
 use octray_engine::buffers::LightChoice;
 use octray_formats::wording::{counted, grouped};
 use std::fmt::Write;
@@ -25,24 +24,17 @@ pub struct Overlay {
 
 impl Overlay {
     /// Writes a frame's figures.
-    pub fn write(
-        &mut self,
-        input: &FrameInput,
-        state: &State,
-        rates: &RateMeter,
-        busy: bool,
-        figures: &mut String,
-    ) {
+    pub fn write(&mut self, input: &FrameInput, state: &State, busy: bool, figures: &mut String) {
         let now = Instant::now();
-        let fresh =
-            |&(controls, at): &(Controls, Instant)| controls == state.controls && now - at < UPDATE_INTERVAL;
-        if !self.written.as_ref().is_some_and(fresh) {
+        let stale =
+            |(controls, at): (Controls, Instant)| controls != state.controls || now - at >= UPDATE_INTERVAL;
+        if self.written.is_none_or(stale) {
             self.written = Some((state.controls, now));
             self.text.clear();
             // The help is long and replaces the figures.
             if state.controls.overlay && !state.controls.help {
                 // Writing to a `String` cannot fail.
-                let _ = write(&mut self.text, input, state, &rates.rates(), busy);
+                let _ = write(&mut self.text, input, state, busy);
             }
         }
         figures.clone_from(&self.text);
@@ -50,15 +42,9 @@ impl Overlay {
 }
 
 /// Appends the figures, line by line.
-fn write(
-    text: &mut String,
-    input: &FrameInput,
-    state: &State,
-    figures: &Rates,
-    busy: bool,
-) -> std::fmt::Result {
+fn write(text: &mut String, input: &FrameInput, state: &State, busy: bool) -> std::fmt::Result {
     let FrameInput { renderer, scene, controls, accumulation } = *input;
-    let settings = renderer.settings();
+    let (settings, rates) = (renderer.settings(), &accumulation.rates);
     let [scenes, place] = state.playlist.place();
     let [width, height] = settings.resolution;
     write!(text, "{}", scene.name)?;
@@ -70,7 +56,7 @@ fn write(
         write!(text, ", {warnings} (R reloads)")?;
     }
     writeln!(text, "{}", if busy { ", another is being prepared" } else { "" })?;
-    let Rates { fps, low, samples: [simd, scalar], mrays } = *figures;
+    let ([fps, low], [simd, scalar], mrays) = (rates.fps(), rates.samples, rates.mrays);
     let now = if settings.lanes == 1 { scalar } else { simd };
     match fps > 0.0 {
         true => write!(text, "screen {} fps, 1 % low {}", rate_of(fps), rate_of(low))?,
@@ -144,20 +130,23 @@ mod tests {
         playlist.next();
         let controls =
             Controls { target: Some(30), ..Controls::new(4, 2, LaneChoice::Eight, Default::default()) };
-        let state = State::new(playlist, &scene, controls, None, Instant::now());
+        let state = State::new(playlist, &scene, controls, None);
         let settings = Settings { threads: 2, lanes: 8, ..Settings::of(&scene) };
         let renderer = Renderer::new(&scene, settings);
         let mut accumulation = Accumulation::new(&renderer, &scene);
         renderer.add_samples(&mut accumulation.film, 1);
-        let input = FrameInput {
-            renderer: &renderer,
-            scene: &scene,
-            accumulation: &accumulation,
-            controls: &controls,
+        let figures = |accumulation: &Accumulation, busy| {
+            let (scene, renderer, mut text) = (&scene, &renderer, String::new());
+            let input = FrameInput { renderer, scene, accumulation, controls: &controls };
+            write(&mut text, &input, &state, busy).unwrap();
+            text
         };
-        let figures = Rates { fps: 60.0, low: 0.25, samples: [Some(4_000.0), Some(8.0)], mrays: 7.5 };
-        let mut text = String::new();
-        write(&mut text, &input, &state, &figures, true).unwrap();
+        let text = figures(&accumulation, false);
+        assert!(text.contains("R reloads)\nno frame rate yet\n8 lanes"), "{text}");
+        let rates = &mut accumulation.rates;
+        (rates.samples, rates.mrays) = ([Some(4_000.0), Some(8.0)], 7.5);
+        [60.0, 60.0, 0.25].iter().for_each(|fps: &f64| rates.frame(Duration::from_secs_f64(1.0 / fps)));
+        let text = figures(&accumulation, true);
         for words in [
             "builtin:three (2 of 2), 1 warning (R reloads), another is being prepared\n",
             "screen 60 fps, 1 % low 0.25 · renderer 4,000 samples/s, 7.5 Mray/s\n",
@@ -166,8 +155,5 @@ mod tests {
         ] {
             assert!(text.contains(words), "{words:?} in {text}");
         }
-        text.clear();
-        write(&mut text, &input, &state, &Rates::default(), false).unwrap();
-        assert!(text.contains("R reloads)\nno frame rate yet\n8 lanes"), "{text}");
     }
 }

@@ -8,12 +8,12 @@ use super::accumulation::Accumulation;
 use super::controls::{Controls, Filter};
 use super::display_mode::{self, DisplayMode};
 use super::frame::Frame;
-use super::minimap::{self, Minimap};
+use super::minimap::Minimap;
 use octray_engine::display::{Blur, Denoiser, Fxaa, History, Samples, rows, walking_speed};
 use octray_engine::film::Picture;
 use octray_engine::integrate::aovs::{AovSample, Aovs};
 use octray_engine::integrate::edge_aovs::DenoiserAovs;
-use octray_engine::integrate::probe::PathShape;
+use octray_engine::integrate::meter::PathShape;
 use octray_engine::render::aovs::{self, Cost};
 use octray_engine::render::{Renderer, Settings};
 use octray_engine::tone::Tone;
@@ -38,55 +38,65 @@ pub struct Painter {
     blur: Blur,
     fxaa: Fxaa,
     denoiser: Denoiser,
-    aovs: Aovs,
-    /// Whether `aovs` belong to the present camera.
-    aovs_valid: bool,
-    denoiser_aovs: DenoiserAovs,
-    denoiser_aovs_valid: bool,
-    costs: aovs::Map<Cost>,
-    costs_valid: bool,
+    aovs: PerCamera<Aovs>,
+    denoiser_aovs: PerCamera<DenoiserAovs>,
+    costs: PerCamera<aovs::Map<Cost>>,
     shapes: aovs::Map<PathShape>,
     distances: Vec<f32>,
     /// Drawn on first use.
     minimap: Option<Minimap>,
-    /// Walking speed, once a frame of the scene was painted.
-    speed: Option<f32>,
+}
+
+/// Rendered on demand, once per camera.
+#[derive(Default)]
+struct PerCamera<T> {
+    value: T,
+    valid: bool,
+}
+
+impl<T> PerCamera<T> {
+    fn get(&mut self, render_into: impl FnOnce(&mut T)) -> &T {
+        if !std::mem::replace(&mut self.valid, true) {
+            render_into(&mut self.value);
+        }
+        &self.value
+    }
 }
 
 impl Painter {
-    /// Starts another scene. After a reload of the same scene the walking speed stays.
-    pub fn change_scene(&mut self, reload: bool) {
+    /// Starts another scene.
+    pub fn change_scene(&mut self) {
         self.minimap = None;
-        self.speed = self.speed.filter(|_| reload);
-        self.reset_history();
     }
     /// Discards the history for reprojection.
     pub fn reset_history(&mut self) {
         self.history.reset();
     }
 
-    /// Fills the frame's pixels and its minimap; returns the walking speed derived from the scene's first
-    /// frame, in scene units per second.
-    pub fn paint(&mut self, input: &FrameInput, frame: &mut Frame) -> f32 {
+    /// Walking speed derived from the frame that was painted last, in scene units per second.
+    pub fn walking_speed(&mut self, renderer: &Renderer) -> f64 {
+        walking_speed(self.aovs.get(|aovs| renderer.aovs_into(aovs))).into()
+    }
+
+    /// Fills the frame's pixels and its minimap.
+    pub fn paint(&mut self, input: &FrameInput, frame: &mut Frame) {
         let FrameInput { renderer, scene, accumulation, controls } = *input;
         let Accumulation { film, pose, pose_shown, progressive, .. } = accumulation;
         // Reprojection that is switched on at a resting camera starts as for a new pose.
         let known = *pose_shown && (self.reprojected || !controls.reprojection);
         self.reprojected = controls.reprojection;
         if !known {
-            (self.aovs_valid, self.denoiser_aovs_valid, self.costs_valid) = (false, false, false);
+            (self.aovs.valid, self.denoiser_aovs.valid, self.costs.valid) = (false, false, false);
         }
         frame.resize(film.resolution());
         film.picture_into(&mut self.mean);
         let first = controls.reprojection && !known;
-        if first || controls.denoiser || controls.mode != DisplayMode::Picture || self.speed.is_none() {
-            self.update_aovs(renderer);
-        }
         let samples = film.samples().max(1);
         if first {
             // Samples that stay in the film must not enter the history too.
             let own = if *progressive { 0 } else { samples };
-            self.history.reproject(&self.mean, own, &self.aovs, renderer.camera());
+            let aovs = self.aovs.get(|aovs| renderer.aovs_into(aovs));
+            self.history.reproject(&self.mean, own, aovs, renderer.camera());
         }
         if !controls.reprojection {
             // The history belongs to an earlier camera.
@@ -94,35 +104,28 @@ impl Painter {
         } else if known || *progressive {
             self.history.blend_static(&self.mean, samples);
         }
-        self.paint_mode(input, samples, &mut frame.pixels);
+        match controls.mode {
+            DisplayMode::Picture => self.paint_picture(input, samples, &mut frame.pixels),
+            mode => self.paint_mode(mode, input, samples, &mut frame.pixels),
+        }
         frame.inset.clear();
         if controls.minimap {
             let aspect = f64::from(frame.width) / f64::from(frame.height);
             let minimap = self.minimap.get_or_insert_with(|| Minimap::new(scene));
             minimap.draw_into(&pose.camera, aspect, &mut frame.inset);
-            frame.inset_side = minimap::SIDE;
-        }
-        *self.speed.get_or_insert_with(|| walking_speed(&self.aovs))
-    }
-
-    /// Renders the AOVs, once per camera.
-    fn update_aovs(&mut self, renderer: &Renderer) {
-        if !std::mem::replace(&mut self.aovs_valid, true) {
-            renderer.aovs_into(&mut self.aovs);
         }
     }
 
     fn paint_picture(&mut self, input: &FrameInput, samples: u32, pixels: &mut [u32]) {
-        let controls = input.controls;
+        let FrameInput { renderer, controls, .. } = input;
         let (mut shown, mut behind) = (&self.mean, Samples::Same(samples));
         if controls.reprojection {
             (shown, behind) = (self.history.shown(), Samples::Each(self.history.counts()));
         }
         if controls.denoiser {
-            if !std::mem::replace(&mut self.denoiser_aovs_valid, true) {
-                input.renderer.denoiser_aovs_into(&self.aovs, &mut self.denoiser_aovs);
-            }
-            shown = self.denoiser.filter(shown, behind, &self.denoiser_aovs);
+            let aovs = self.aovs.get(|aovs| renderer.aovs_into(aovs));
+            let aovs = self.denoiser_aovs.get(|edges| renderer.denoiser_aovs_into(aovs, edges));
+            shown = self.denoiser.filter(shown, behind, aovs);
         }
         match controls.filter {
             Filter::None => {}
@@ -132,24 +135,25 @@ impl Painter {
         write(&controls.tone, shown, pixels);
     }
 
-    fn paint_mode(&mut self, input: &FrameInput, samples: u32, pixels: &mut [u32]) {
-        let FrameInput { renderer, controls: Controls { mode, .. }, .. } = input;
+    fn paint_mode(&mut self, mode: DisplayMode, input: &FrameInput, samples: u32, pixels: &mut [u32]) {
+        let renderer = input.renderer;
         let &Settings { max_bounces, lanes, .. } = renderer.settings();
+        let aovs = self.aovs.get(|aovs| renderer.aovs_into(aovs));
         if matches!(mode, DisplayMode::Bounces | DisplayMode::Lanes) {
             renderer.path_shapes_into(samples - 1, &mut self.shapes);
         }
         match mode {
-            DisplayMode::Picture => self.paint_picture(input, samples, pixels),
-            DisplayMode::Normals => fill_from_aovs(pixels, &self.aovs, display_mode::normal),
-            DisplayMode::Albedo => fill_from_aovs(pixels, &self.aovs, display_mode::albedo),
+            DisplayMode::Picture => {}
+            DisplayMode::Normals => fill_from_aovs(pixels, aovs, display_mode::normal),
+            DisplayMode::Albedo => fill_from_aovs(pixels, aovs, display_mode::albedo),
             DisplayMode::Depth => {
-                let range = display_mode::depth_range(&self.aovs, &mut self.distances);
-                fill_from_aovs(pixels, &self.aovs, |guide| display_mode::depth(guide, range));
+                let range = display_mode::depth_range(aovs, &mut self.distances);
+                fill_from_aovs(pixels, aovs, |guide| display_mode::depth(guide, range));
             }
-            DisplayMode::Barycentrics => fill_from_aovs(pixels, &self.aovs, display_mode::barycentrics),
+            DisplayMode::Barycentrics => fill_from_aovs(pixels, aovs, display_mode::barycentrics),
             DisplayMode::Lambert => {
                 let light = display_mode::light_behind(&input.accumulation.pose.camera);
-                fill_from_aovs(pixels, &self.aovs, |guide| display_mode::n_dot_l(guide, light));
+                fill_from_aovs(pixels, aovs, |guide| display_mode::n_dot_l(guide, light));
             }
             DisplayMode::Bounces => {
                 fill(pixels, &self.shapes.pixels, |shape| display_mode::bounces(shape, max_bounces));
@@ -158,10 +162,8 @@ impl Painter {
                 fill(pixels, &self.shapes.pixels, |shape| display_mode::lanes(shape, lanes));
             }
             DisplayMode::Cost => {
-                if !std::mem::replace(&mut self.costs_valid, true) {
-                    renderer.costs_into(&mut self.costs);
-                }
-                fill(pixels, &self.costs.pixels, display_mode::cost);
+                let costs = self.costs.get(|costs| renderer.costs_into(costs));
+                fill(pixels, &costs.pixels, display_mode::cost);
             }
             DisplayMode::Samples if input.controls.reprojection => {
                 fill(pixels, self.history.counts(), |&count| display_mode::samples(count));
@@ -192,9 +194,9 @@ fn write(tone: &Tone, picture: &Picture, words: &mut [u32]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::accumulation::Pose;
     use octray_engine::render::LaneChoice;
     use octray_formats::scene::load;
+    use std::time::Instant;
 
     /// A viewer without events: paints frames of a camera, a number of samples and a seed.
     struct TestViewer {
@@ -213,22 +215,19 @@ mod tests {
             let controls = Controls::new(scene.max_bounces, 1, LaneChoice::Eight, Tone::default());
             Self { scene, renderer, accumulation, controls, painter: Painter::default() }
         }
-        fn go(&mut self, field: f32, seed: u32) {
+        /// The camera moves to another field of view, or rests.
+        fn go(&mut self, field: f32) {
             let mut pose = self.accumulation.pose;
             pose.camera.vertical_fov = field;
-            let Pose { camera, resolution, bounces } = pose;
-            self.renderer.set_view(&self.scene, &camera, resolution, bounces);
-            self.renderer.set_seed(seed);
-            self.accumulation.pose = pose;
-            self.accumulation.film.clear();
+            self.accumulation.set_pose(&mut self.renderer, &self.scene, pose);
         }
         /// Takes more samples and paints.
-        fn paint(&mut self, samples: u32, pose_shown: bool, progressive: bool) -> Vec<u32> {
+        fn paint(&mut self, samples: u32) -> Vec<u32> {
             let Self { scene, renderer, accumulation, controls, painter } = self;
             renderer.add_samples(&mut accumulation.film, samples);
-            (accumulation.pose_shown, accumulation.progressive) = (pose_shown, progressive);
             let mut frame = Frame::default();
             painter.paint(&FrameInput { renderer, scene, accumulation, controls }, &mut frame);
+            accumulation.frame_shown(Instant::now(), None);
             frame.pixels
         }
         /// The film's mean, without history.
@@ -243,16 +242,16 @@ mod tests {
     #[test]
     fn history_shows_while_the_camera_moves_and_vanishes_at_rest() {
         let mut viewer = TestViewer::new();
-        assert_eq!(viewer.paint(4, false, true), viewer.mean(), "no history yet");
+        assert_eq!(viewer.paint(4), viewer.mean(), "no history yet");
         assert_eq!(viewer.painter.history.counts()[0], 4.0);
-        assert_eq!(viewer.paint(4, true, true), viewer.mean(), "no sample counts twice");
+        assert_eq!(viewer.paint(4), viewer.mean(), "no sample counts twice");
         assert_eq!(viewer.painter.history.counts()[0], 8.0);
-        viewer.go(38.5, 1);
-        assert_ne!(viewer.paint(1, false, false), viewer.mean());
+        viewer.go(38.5);
+        assert_ne!(viewer.paint(1), viewer.mean());
         assert!(viewer.painter.history.counts().iter().any(|&count| count > 1.0));
-        viewer.go(38.5, 0);
-        assert_ne!(viewer.paint(1, true, true), viewer.mean());
-        assert_eq!(viewer.paint(63, true, true), viewer.mean());
+        viewer.go(38.5);
+        assert_ne!(viewer.paint(1), viewer.mean());
+        assert_eq!(viewer.paint(63), viewer.mean());
     }
 
     #[test]
@@ -265,11 +264,13 @@ mod tests {
                 viewer.controls.reprojection = false;
                 (viewer.controls.mode, viewer.controls.denoiser) = (mode, denoiser);
             }
-            let home = walked.paint(1, false, true);
-            walked.go(20.0, 1);
-            fresh.go(20.0, 1);
-            let there = walked.paint(1, false, false);
-            assert!(there != home && there == fresh.paint(1, false, false), "{mode:?}");
+            let home = walked.paint(1);
+            // The seed of a moving camera comes from the number of frames.
+            fresh.accumulation.summary.frames = 1;
+            walked.go(20.0);
+            fresh.go(20.0);
+            let there = walked.paint(1);
+            assert!(there != home && there == fresh.paint(1), "{mode:?}");
         }
     }
 
@@ -278,10 +279,11 @@ mod tests {
     fn the_denoiser_gets_the_sample_counts_of_the_history() {
         let mut viewer = TestViewer::new();
         viewer.controls.denoiser = true;
-        viewer.paint(64, false, true);
-        viewer.go(38.5, 1);
-        let shown = viewer.paint(1, false, false);
-        let Painter { history, denoiser, denoiser_aovs: aovs, .. } = &mut viewer.painter;
+        viewer.paint(64);
+        viewer.go(38.5);
+        let shown = viewer.paint(1);
+        let Painter { history, denoiser, denoiser_aovs: PerCamera { value: aovs, .. }, .. } =
+            &mut viewer.painter;
         let mut words = vec![0; shown.len()];
         let each = denoiser.filter(history.shown(), Samples::Each(history.counts()), aovs);
         write(&Tone::default(), each, &mut words);
@@ -293,20 +295,16 @@ mod tests {
     #[test]
     fn history_is_discarded_without_reprojection() {
         let mut viewer = TestViewer::new();
-        viewer.paint(4, false, true);
+        viewer.paint(4);
         viewer.controls.reprojection = false;
-        viewer.go(20.0, 1);
-        assert_eq!(viewer.paint(1, false, false), viewer.mean());
-        viewer.go(20.0, 0);
-        assert_eq!(viewer.paint(2, true, true), viewer.mean());
+        viewer.go(20.0);
+        assert_eq!(viewer.paint(1), viewer.mean());
+        viewer.go(20.0);
+        assert_eq!(viewer.paint(2), viewer.mean());
         viewer.controls.reprojection = true;
-        assert_eq!(
-            viewer.paint(1, true, true),
-            viewer.mean(),
-            "no ghost of the pose at which it was switched off"
-        );
-        assert_eq!(viewer.paint(1, true, true), viewer.mean());
-        viewer.go(20.5, 2);
-        assert_ne!(viewer.paint(1, false, false), viewer.mean(), "from here on it remembers reload");
+        assert_eq!(viewer.paint(1), viewer.mean(), "no ghost of the pose at which it was switched off");
+        assert_eq!(viewer.paint(1), viewer.mean());
+        viewer.go(20.5);
+        assert_ne!(viewer.paint(1), viewer.mean(), "from here on it remembers reload");
     }
 }

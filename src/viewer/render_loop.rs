@@ -7,8 +7,8 @@
 //! picture has the bits of `octray render` with the same number of samples. While it moves, each frame starts
 //! a new film with a seed of its own, and temporal reprojection supplies the missing samples.
 
-use super::accumulation::{Accumulation, Pose, PoseChange};
-use super::file_watcher::{self, FileWatcher};
+use super::accumulation::{Accumulation, Pose};
+use super::file_watcher::FileWatcher;
 use super::frame::{Exchange, Frame};
 use super::loader::Loader;
 use super::options::{Options, Wake};
@@ -16,7 +16,7 @@ use super::overlay::Overlay;
 use super::painter::{FrameInput, Painter};
 use super::screenshot;
 use super::state::{Effect, Event, State};
-use super::timing::{RateMeter, Summary};
+use super::timing::Summary;
 use octray_engine::render::{Renderer, Settings};
 use octray_engine::traverse::Methods;
 use octray_formats::scene::{self, Loaded, SceneError};
@@ -49,20 +49,14 @@ pub struct RenderLoop {
     painter: Painter,
     overlay: Overlay,
     frame: Frame,
-    rates: RateMeter,
-    summary: Summary,
     /// Time of the oldest event that no frame shows yet.
     oldest_unshown_event: Option<Instant>,
-    /// When the pending switch to another scene was requested.
+    /// When another scene was requested that no frame shows yet.
     switch_requested: Option<Instant>,
-    /// The same, once that scene has arrived, until a frame shows it.
-    switch_unshown: Option<Instant>,
     /// A message for a while, and since when it is shown.
     message: Option<(String, Instant)>,
     /// Why the requested scene could not be loaded; shown until it is, except while a message is shown.
-    error: String,
-    /// The files that the failed load requested, missing or faulty.
-    error_files: Vec<PathBuf>,
+    error: Option<SceneError>,
     /// A time before the last scene was read.
     read: SystemTime,
     screenshot_requested: bool,
@@ -73,40 +67,29 @@ fn fixed(settings: &Settings) -> (Methods, usize, usize) {
     (settings.methods, settings.threads, settings.lanes)
 }
 
-fn pixels([width, height]: [u32; 2]) -> u64 {
-    u64::from(width) * u64::from(height)
-}
-
 impl RenderLoop {
-    /// Creates the renderer of the first scene.
-    pub fn new(
+    /// Starts with a scene that is loaded; returns when the viewer quits.
+    pub fn run(
         options: Arc<Options>,
         state: State,
         scene: Arc<Loaded>,
         events: Receiver<(Event, Instant)>,
         exchange: Arc<Exchange>,
         wake: Wake,
-    ) -> (Self, Renderer) {
-        let renderer = Renderer::new(&scene, state.controls.settings(&scene, &options));
-        let notify = {
-            let exchange = exchange.clone();
-            move || exchange.notified.store(true, Release)
-        };
-        let render_loop = Self {
-            loader: Loader::new(notify.clone()),
-            file_watcher: FileWatcher::new(notify),
+    ) -> Summary {
+        let mut renderer = Renderer::new(&scene, state.controls.settings(&scene, &options));
+        let notified = exchange.clone();
+        let mut this = Self {
+            loader: Loader::new(move || notified.notified.store(true, Release)),
+            file_watcher: FileWatcher::default(),
             accumulation: Accumulation::new(&renderer, &scene),
             painter: Painter::default(),
             overlay: Overlay::default(),
             frame: Frame::default(),
-            rates: RateMeter::default(),
-            summary: Summary::default(),
             oldest_unshown_event: None,
             switch_requested: None,
-            switch_unshown: None,
             message: None,
-            error: String::new(),
-            error_files: Vec::new(),
+            error: None,
             read: scene.read.unwrap_or_else(SystemTime::now),
             screenshot_requested: false,
             options,
@@ -116,17 +99,12 @@ impl RenderLoop {
             exchange,
             wake,
         };
-        (render_loop, renderer)
-    }
-
-    /// Runs until the viewer quits.
-    pub fn run(mut self, mut renderer: Renderer) -> Summary {
-        self.exchange.ready.store(true, Release);
-        self.enter_scene();
-        while let Some(prepared) = renderer.hold(|renderer| self.render_frames(renderer)) {
-            renderer = self.install(prepared, renderer.settings());
+        this.exchange.ready.store(true, Release);
+        this.enter_scene();
+        while let Some(prepared) = renderer.hold(|renderer| this.render_frames(renderer)) {
+            renderer = this.install(prepared, renderer.settings());
         }
-        self.summary
+        this.accumulation.summary
     }
 
     /// Switches to a prepared scene or renderer; `before` are the settings until now.
@@ -135,18 +113,15 @@ impl RenderLoop {
             // Rates of both widths are shown side by side only if all other settings are the same.
             let now = renderer.settings();
             match fixed(&Settings { lanes: before.lanes, ..*now }) == fixed(before) {
-                true => self.rates.switch_width(),
-                false => self.rates.reset(),
+                true => self.accumulation.rates.switch_width(),
+                false => self.accumulation.rates.reset(),
             }
         } else {
-            let reload = self.state.shows_current();
-            self.switch_unshown = self.switch_requested.take().filter(|_| !reload);
             self.state.enter_scene(&scene);
-            self.painter.change_scene(reload);
+            self.painter.change_scene();
             self.scene = scene;
-            self.error.clear();
-            self.error_files.clear();
-            self.rates.reset();
+            self.error = None;
+            self.accumulation.rates.reset();
             self.enter_scene();
         }
         self.accumulation.reset(&renderer, &self.scene);
@@ -162,25 +137,16 @@ impl RenderLoop {
             text += &format!("\n(and {})", counted(more, "more warning", "more warnings"));
         }
         self.message = (!text.is_empty()).then(|| (text, Instant::now()));
-        self.watch_read_files();
+        self.watch_files();
     }
 
-    /// Watches the files of the scene that is shown, the requested scene file, and the files of a failed
-    /// load.
+    /// Watches the files of the scene that is shown, the requested scene file, and the files of a failed load:
+    /// a change of one of them triggers another attempt.
     fn watch_files(&mut self) {
         let wanted = self.state.playlist.current();
         let wanted = (!wanted.starts_with("builtin:")).then_some(Path::new(wanted));
-        let files = self.scene.files.iter().chain(&self.error_files).map(PathBuf::as_path);
-        self.file_watcher.watch(files.chain(wanted));
-    }
-
-    /// Watches the files of a load that has ended; repeats it if one of them changed or appeared meanwhile.
-    fn watch_read_files(&mut self) {
-        self.watch_files();
-        let files = self.scene.files.iter().chain(&self.error_files).map(PathBuf::as_path);
-        if file_watcher::is_newer(files, self.read) {
-            self.load();
-        }
+        let files = self.scene.files.iter().chain(self.error.iter().flat_map(|error| &error.files));
+        self.file_watcher.watch(files.map(PathBuf::as_path).chain(wanted), self.read);
     }
 
     /// Renders frames with one renderer until there is another; `None` if the viewer quits.
@@ -197,17 +163,19 @@ impl RenderLoop {
             }
             if chosen != Some(self.state.controls) && !self.loader.is_busy() {
                 chosen = Some(self.state.controls);
-                self.request_rebuild(renderer);
+                let wanted = self.state.controls.settings(&self.scene, &self.options);
+                if fixed(&wanted) != fixed(renderer.settings()) {
+                    let scene = self.scene.clone();
+                    self.request(true, || Ok(scene));
+                }
             }
             match self.loader.poll() {
                 Some(Ok(prepared)) => return Some(prepared),
                 Some(Err(error)) => {
-                    self.error = error.to_string();
-                    // A change of one of these files triggers another attempt.
-                    self.error_files = error.files;
+                    self.error = Some(error);
                     self.message = None;
                     self.switch_requested = None;
-                    self.watch_read_files();
+                    self.watch_files();
                     // A rebuild request that this load superseded must be sent again.
                     chosen = None;
                 }
@@ -218,8 +186,7 @@ impl RenderLoop {
             }
             self.state.advance(Instant::now());
             self.update_pose(renderer);
-            let measured = (&mut self.rates, &mut self.summary);
-            self.accumulation.accumulate(renderer, self.state.rate, &self.exchange, measured);
+            self.accumulation.accumulate(renderer, self.state.rate, &self.exchange);
             if self.exchange.closed.load(Acquire) {
                 continue;
             }
@@ -227,7 +194,7 @@ impl RenderLoop {
             if std::mem::take(&mut self.screenshot_requested) {
                 self.take_screenshot(renderer);
             }
-            if self.options.frames.is_some_and(|frames| self.summary.frames >= frames) {
+            if self.options.frames.is_some_and(|frames| self.accumulation.summary.frames >= frames) {
                 return None;
             }
         }
@@ -243,7 +210,7 @@ impl RenderLoop {
                 Some(Effect::Quit) => return true,
                 Some(Effect::Screenshot) => self.screenshot_requested = true,
                 Some(Effect::Load) => {
-                    self.switch_requested = Some(at);
+                    self.switch_requested = (!self.state.shows_current()).then_some(at);
                     self.load();
                 }
                 None => {}
@@ -252,25 +219,16 @@ impl RenderLoop {
         false
     }
 
-    /// Requests another renderer if the controls no longer match this one.
-    fn request_rebuild(&mut self, renderer: &Renderer) {
-        let wanted = self.state.controls.settings(&self.scene, &self.options);
-        if fixed(&wanted) != fixed(renderer.settings()) {
-            let scene = self.scene.clone();
-            self.request(true, || Ok(scene));
-        }
-    }
-
     /// Requests the playlist's current scene; a reload if it is the one that is shown.
     fn load(&mut self) {
         let name = self.state.playlist.current().to_string();
         let reload = self.state.shows_current();
         if !reload {
-            self.set_message(format!("reading {name}"));
+            self.message = Some((format!("reading {name}"), Instant::now()));
         }
+        self.read = SystemTime::now();
         // Before the scene is read, so that no change is missed.
         self.watch_files();
-        self.read = SystemTime::now();
         self.request(reload, move || scene::load_with_view(&name).map(Arc::new));
     }
 
@@ -281,14 +239,15 @@ impl RenderLoop {
         load: impl FnOnce() -> Result<Arc<Loaded>, SceneError> + Send + 'static,
     ) {
         let (mut controls, options) = (self.state.controls, self.options.clone());
-        let held = pixels(controls.settings(&self.scene, &options).resolution);
+        let pixels = |settings: &Settings| settings.resolution.map(u64::from).iter().product::<u64>();
+        let held = pixels(&controls.settings(&self.scene, &options));
         let bounces = if reload { Some(controls.bounces) } else { options.bounces };
         self.loader.request(move || {
             let scene = load()?;
             controls.bounces = bounces.unwrap_or(scene.max_bounces);
             let settings = controls.settings(&scene, &options);
             // The present resolution already has its memory.
-            if pixels(settings.resolution) > held {
+            if pixels(&settings) > held {
                 (options.fits)(settings.resolution).map_err(|why| SceneError::of_use(why, &scene))?;
             }
             Ok((scene.clone(), Renderer::new(&scene, settings)))
@@ -303,10 +262,8 @@ impl RenderLoop {
             resolution: self.state.controls.resolution(own, self.accumulation.resolution.scale),
             bounces: self.state.controls.bounces,
         };
-        let (seed, frame) = (self.options.seed, self.summary.frames);
-        if self.accumulation.set_pose(renderer, &self.scene, pose, seed, frame) == PoseChange::Other {
+        if self.accumulation.set_pose(renderer, &self.scene, pose) {
             self.painter.reset_history();
-            self.rates.reset();
         }
     }
 
@@ -315,51 +272,37 @@ impl RenderLoop {
         let start = Instant::now();
         let busy = self.loader.is_busy();
         self.message.take_if(|(_, since)| start - *since > MESSAGE_TIME && !busy);
-        let input = FrameInput {
-            renderer,
-            scene: &self.scene,
-            accumulation: &self.accumulation,
-            controls: &self.state.controls,
-        };
-        let speed = self.painter.paint(&input, &mut self.frame);
-        self.state.speed = f64::from(speed);
-        self.frame.mouse_captured = self.state.mouse_captured;
-        self.frame.help = self.state.controls.help;
-        let text = self.message.as_ref().map_or(&self.error, |(text, _)| text);
-        self.frame.message.clone_from(text);
-        self.frame.title.clone_from(&self.scene.name);
-        self.overlay.write(&input, &self.state, &self.rates, busy, &mut self.frame.figures);
-        let now = Instant::now();
-        let painting = now - start;
-        let since = self.accumulation.frame_shown(now, painting);
-        self.accumulation.adapt_resolution(self.state.controls.target);
-        self.rates.frame(since);
-        self.summary.painting += painting;
-        self.summary.frame(since, self.oldest_unshown_event.take().map(|at| now - at));
-        if let Some(requested) = self.switch_unshown.take() {
-            self.summary.switched(now - requested);
+        let Self { painter, scene, accumulation, state, frame, .. } = self;
+        let input = FrameInput { renderer, scene, accumulation, controls: &state.controls };
+        painter.paint(&input, frame);
+        state.speed.get_or_insert_with(|| painter.walking_speed(renderer));
+        frame.mouse_captured = state.mouse_captured;
+        frame.help = state.controls.help;
+        match (&self.message, &self.error) {
+            (Some((text, _)), _) => frame.message.clone_from(text),
+            (None, Some(error)) => frame.message = error.to_string(),
+            (None, None) => frame.message.clear(),
+        }
+        frame.title.clone_from(&scene.name);
+        self.overlay.write(&input, state, busy, &mut frame.figures);
+        accumulation.frame_shown(start, self.oldest_unshown_event.take());
+        accumulation.adapt_resolution(state.controls.target);
+        if let Some(requested) = self.switch_requested.take_if(|_| state.shows_current()) {
+            accumulation.summary.switched(requested.elapsed());
         }
         self.exchange.publish(&mut self.frame);
         (self.wake)();
     }
 
-    /// Shows a message for a while.
-    fn set_message(&mut self, text: String) {
-        self.message = Some((text, Instant::now()));
-    }
-
     fn take_screenshot(&mut self, renderer: &Renderer) {
         // As `octray render` does: the same number of samples in every pixel.
         self.accumulation.equalize_samples(renderer);
-        let input = FrameInput {
-            renderer,
-            scene: &self.scene,
-            accumulation: &self.accumulation,
-            controls: &self.state.controls,
-        };
-        self.set_message(match screenshot::take(&self.options.screenshots, &input) {
+        let Self { scene, accumulation, state, options, .. } = &*self;
+        let input = FrameInput { renderer, scene, accumulation, controls: &state.controls };
+        let text = match screenshot::take(&options.screenshots, &input) {
             Ok(place) => format!("saved {}.png, .exr and .json", place.display()),
             Err(error) => error.to_string(),
-        });
+        };
+        self.message = Some((text, Instant::now()));
     }
 }

@@ -38,7 +38,6 @@ fn view(folder: &Path, input: &FrameInput) -> View {
             clamp: Some(settings.clamp).filter(|clamp| clamp.is_finite()),
             sphere: Some(methods.sphere),
             triangle: Some(methods.triangle),
-            boxes: Some(methods.boxes),
             traversal: Some(methods.traversal),
             lights: Some(methods.lights),
             sampler: Some(methods.sampler),

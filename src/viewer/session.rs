@@ -30,17 +30,17 @@ impl Viewer {
         let mut controls = Controls::new(bounces, options.threads, options.lanes, options.tone);
         controls.target = options.target;
         controls.max_threads = options.max_threads;
-        let state = State::new(playlist, &scene, controls, options.bounces, Instant::now());
+        let state = State::new(playlist, &scene, controls, options.bounces);
         let (events, incoming) = channel();
         let exchange = Arc::new(Exchange::default());
         let (shared, scene) = (exchange.clone(), Arc::new(scene));
         let thread = std::thread::spawn(move || {
-            let size = options.size.unwrap_or(scene.resolution);
-            shared.publish(&mut Frame::announcing(&scene.name, size));
+            let mut frame = Frame { title: scene.name.clone(), ..Frame::default() };
+            frame.message = format!("preparing {}", scene.name);
+            frame.resize(options.size.unwrap_or(scene.resolution));
+            shared.publish(&mut frame);
             wake();
-            let (render_loop, renderer) =
-                RenderLoop::new(Arc::new(options), state, scene, incoming, shared, wake);
-            render_loop.run(renderer)
+            RenderLoop::run(Arc::new(options), state, scene, incoming, shared, wake)
         });
         Self { events, exchange, thread }
     }

@@ -56,8 +56,8 @@ pub(crate) struct State {
     pub playlist: Playlist,
     pub camera_controller: CameraController,
     pub controls: Controls,
-    /// Walking speed in scene units per second; 0 until the first frame of a scene.
-    pub speed: f64,
+    /// Walking speed in scene units per second, once a frame of the scene was painted.
+    pub speed: Option<f64>,
     /// Whether the mouse is captured.
     pub mouse_captured: bool,
     /// Frames per second to show.
@@ -72,37 +72,23 @@ pub(crate) struct State {
     scene_bounces: u32,
     /// The playlist name of the scene that is shown.
     pub name: String,
-    /// Scenes that were left, by playlist name.
-    saved: BTreeMap<String, SavedScene>,
-}
-
-/// Camera and bounces of a scene that was left.
-#[derive(Clone, Debug)]
-struct SavedScene {
-    camera_controller: CameraController,
-    /// `Some` if they differ from the scene's.
-    bounces: Option<u32>,
+    /// Camera and chosen bounces of scenes that were left, by playlist name.
+    saved: BTreeMap<String, (CameraController, Option<u32>)>,
 }
 
 impl State {
     /// `bounces` overrides every scene's.
-    pub fn new(
-        playlist: Playlist,
-        scene: &Scene,
-        controls: Controls,
-        bounces: Option<u32>,
-        now: Instant,
-    ) -> Self {
+    pub fn new(playlist: Playlist, scene: &Scene, controls: Controls, bounces: Option<u32>) -> Self {
         Self {
             name: playlist.current().to_string(),
             playlist,
             camera_controller: CameraController::new(scene.camera),
             controls,
-            speed: 0.0,
+            speed: None,
             mouse_captured: false,
             rate: 60.0,
             held: BTreeSet::new(),
-            now,
+            now: Instant::now(),
             moved_for: Duration::ZERO,
             bounces,
             scene_bounces: bounces.unwrap_or(scene.max_bounces),
@@ -123,13 +109,12 @@ impl State {
         let mut bounces = Some(self.controls.bounces).filter(|chosen| *chosen != own_before);
         if !self.shows_current() {
             let before = std::mem::replace(&mut self.name, self.playlist.current().to_string());
-            let left = SavedScene { camera_controller: self.camera_controller.clone(), bounces };
-            self.saved.insert(before, left);
-            let fresh = SavedScene { camera_controller: CameraController::new(scene.camera), bounces: None };
-            SavedScene { camera_controller: self.camera_controller, bounces } =
-                self.saved.remove(&self.name).unwrap_or(fresh);
+            let (camera, chosen) =
+                self.saved.remove(&self.name).unwrap_or_else(|| (CameraController::new(scene.camera), None));
+            let left = std::mem::replace(&mut self.camera_controller, camera);
+            self.saved.insert(before, (left, std::mem::replace(&mut bounces, chosen)));
             // No motion until this scene's speed is known.
-            self.speed = 0.0;
+            self.speed = None;
         }
         self.controls.bounces = bounces.unwrap_or(own);
         // The file's camera may have changed.
@@ -147,7 +132,7 @@ impl State {
         let step = to.saturating_duration_since(self.now).min(MAX_STEP - self.moved_for);
         self.now = self.now.max(to);
         if !self.held.is_empty() {
-            self.camera_controller.advance(&self.held, step.as_secs_f64(), self.speed);
+            self.camera_controller.advance(&self.held, step.as_secs_f64(), self.speed.unwrap_or(0.0));
             self.moved_for += step;
         }
     }
@@ -191,12 +176,8 @@ impl State {
             Action::ReleaseMouse => self.mouse_captured = false,
             Action::Screenshot => return Some(Effect::Screenshot),
             Action::Reload => return Some(Effect::Load),
-            Action::NextScene => {
-                self.playlist.next();
-                return Some(Effect::Load);
-            }
-            Action::PreviousScene => {
-                self.playlist.previous();
+            Action::Scene(turn) => {
+                turn(&mut self.playlist);
                 return Some(Effect::Load);
             }
         }
@@ -210,198 +191,187 @@ mod tests {
     use crate::display_mode::DisplayMode;
     use octray_engine::render::LaneChoice;
     use octray_engine::tone::Tone;
+    use octray_formats::scene::{Camera, load};
 
-    fn start() -> (State, Instant) {
-        let scene = octray_formats::scene::load("builtin:three").unwrap();
-        let names = ["builtin:three".to_string(), "builtin:thesis".to_string()];
-        let now = Instant::now();
-        let controls = Controls::new(scene.max_bounces, 2, LaneChoice::Eight, Tone::default());
-        (State::new(Playlist::new(&names).unwrap(), &scene, controls, None, now), now)
+    /// A state in which time is given in milliseconds.
+    struct Test {
+        state: State,
+        start: Instant,
     }
-    fn key(key: Key, down: bool) -> Event {
-        Event::Key { key, down, repeat: false }
+
+    fn scenes() -> [Scene; 2] {
+        let [three, thesis] = ["builtin:three", "builtin:thesis"].map(|name| load(name).unwrap());
+        [three, Scene { max_bounces: 7, ..thesis }]
     }
-    fn ms(time: u64) -> Duration {
-        Duration::from_millis(time)
+
+    impl Test {
+        fn new() -> Self {
+            let [three, thesis] = scenes();
+            let playlist = Playlist::new(&[three.name.clone(), thesis.name]).unwrap();
+            let controls = Controls::new(three.max_bounces, 2, LaneChoice::Eight, Tone::default());
+            Self { state: State::new(playlist, &three, controls, None), start: Instant::now() }
+        }
+        fn handle(&mut self, event: Event, ms: u64) -> Option<Effect> {
+            self.state.handle(&event, self.start + Duration::from_millis(ms))
+        }
+        fn key(&mut self, key: Key, down: bool, ms: u64) {
+            self.handle(Event::Key { key, down, repeat: false }, ms);
+        }
+        fn press(&mut self, key: Key) -> Option<Effect> {
+            self.handle(Event::Key { key, down: true, repeat: false }, 0)
+        }
+        fn repeat(&mut self, key: Key) -> Option<Effect> {
+            self.handle(Event::Key { key, down: true, repeat: true }, 0)
+        }
+        fn advance(&mut self, ms: u64) {
+            self.state.advance(self.start + Duration::from_millis(ms));
+        }
+        /// How far the camera goes from frame to frame, here one that ends at this time.
+        fn walked_until(&mut self, ms: u64) -> f32 {
+            let from = self.camera().position;
+            self.advance(ms);
+            self.camera().position.distance(from)
+        }
+        fn camera(&self) -> Camera {
+            *self.state.camera_controller.camera()
+        }
+        /// Camera and bounces in the next scene of the list.
+        fn enter(&mut self, scene: &Scene) -> (Camera, u32) {
+            self.state.playlist.next();
+            self.reload(scene)
+        }
+        fn reload(&mut self, scene: &Scene) -> (Camera, u32) {
+            self.state.enter_scene(scene);
+            (self.camera(), self.state.controls.bounces)
+        }
     }
 
     #[test]
-    fn a_key_moves_for_as_long_as_it_is_down_between_frames_too() {
-        let (mut state, now) = start();
-        state.speed = 10.0;
-        let from = state.camera_controller.camera().position;
-        state.handle(&key(Key::Char('w'), true), now + ms(100));
-        assert!(!state.held.is_empty());
-        state.handle(&key(Key::Char('w'), false), now + ms(120));
-        assert!(state.held.is_empty());
-        state.advance(now + ms(500));
-        let walked = state.camera_controller.camera().position.distance(from);
-        assert!((walked - 0.2).abs() < 1e-4, "20 ms at 10 units a second: {walked}");
+    fn a_key_moves_for_as_long_as_it_is_down_between_frames_and_late_in_a_long_one() {
+        for (from, to, way) in [(100, 120, 0.2), (300, 400, 1.0)] {
+            let mut test = Test::new();
+            test.state.speed = Some(10.0);
+            let before = test.camera().position;
+            test.key(Key::Char('w'), true, from);
+            test.key(Key::Char('w'), false, to);
+            assert!(test.state.held.is_empty());
+            test.advance(500);
+            let walked = test.camera().position.distance(before);
+            assert!((walked - way).abs() < 1e-4, "{from} to {to} ms at 10 units a second: {walked}");
+        }
     }
 
     #[test]
     fn a_display_without_a_rate_changes_nothing() {
-        let (mut state, now) = start();
+        let mut test = Test::new();
         for (reported, rate) in [(0.0, 60.0), (f64::NAN, 60.0), (144.0, 144.0), (-1.0, 144.0), (0.2, 144.0)] {
-            state.handle(&Event::Rate(reported), now);
-            assert_eq!(state.rate, rate, "{reported}");
+            test.handle(Event::Rate(reported), 0);
+            assert_eq!(test.state.rate, rate, "{reported}");
         }
     }
 
     #[test]
     fn nothing_jumps_after_a_pause() {
-        let (mut state, now) = start();
-        state.speed = 1.0;
-        let from = state.camera_controller.camera().position;
-        state.handle(&key(Key::Char('w'), true), now);
-        state.advance(now + ms(60_000));
-        assert!(state.camera_controller.camera().position.distance(from) < 0.26);
+        let mut test = Test::new();
+        test.state.speed = Some(1.0);
+        test.key(Key::Char('w'), true, 0);
+        assert!(test.walked_until(60_000) < 0.26);
         // However many events arrive meanwhile.
-        let from = state.camera_controller.camera().position;
+        let from = test.camera().position;
         for second in 61..70 {
-            state.handle(&Event::Mouse([0.0; 2]), now + ms(second * 1_000));
+            test.handle(Event::Mouse([0.0; 2]), second * 1_000);
         }
-        state.advance(now + ms(70_000));
-        let walked = state.camera_controller.camera().position.distance(from);
+        test.advance(70_000);
+        let walked = test.camera().position.distance(from);
         assert!((0.2..0.26).contains(&walked), "{walked}");
-        state.advance(now + ms(70_100));
-        assert!(
-            state.camera_controller.camera().position.distance(from) > walked + 0.09,
-            "each frame goes on"
-        );
-    }
-
-    #[test]
-    fn a_key_that_comes_late_in_a_long_frame_moves_too() {
-        let (mut state, now) = start();
-        state.speed = 10.0;
-        let from = state.camera_controller.camera().position;
-        state.handle(&key(Key::Char('w'), true), now + ms(300));
-        state.handle(&key(Key::Char('w'), false), now + ms(400));
-        state.advance(now + ms(500));
-        let walked = state.camera_controller.camera().position.distance(from);
-        assert!((walked - 1.0).abs() < 1e-4, "100 ms at 10 units a second: {walked}");
+        assert!(test.walked_until(70_100) > 0.09, "each frame goes on");
     }
 
     #[test]
     fn keys_are_released_when_the_focus_is_lost() {
-        let (mut state, now) = start();
-        state.handle(&Event::Click, now);
-        state.handle(&key(Key::Up, true), now);
-        state.handle(&Event::Unfocused, now);
-        assert!(state.held.is_empty() && !state.mouse_captured);
+        let mut test = Test::new();
+        test.handle(Event::Click, 0);
+        test.press(Key::Up);
+        test.handle(Event::Unfocused, 0);
+        assert!(test.state.held.is_empty() && !test.state.mouse_captured);
     }
 
     #[test]
     fn the_mouse_turns_only_while_caught_and_escape_lets_it_go() {
-        let (mut state, now) = start();
-        let home = *state.camera_controller.camera();
-        state.handle(&Event::Mouse([50.0, 0.0]), now);
-        assert_eq!(*state.camera_controller.camera(), home);
-        state.handle(&Event::Click, now);
-        state.handle(&Event::Mouse([50.0, 0.0]), now);
-        assert_ne!(*state.camera_controller.camera(), home);
-        state.handle(&key(Key::Escape, true), now);
-        assert!(!state.mouse_captured);
-        state.handle(&key(Key::Home, true), now);
-        assert_eq!(*state.camera_controller.camera(), home);
+        let mut test = Test::new();
+        let home = test.camera();
+        test.handle(Event::Mouse([50.0, 0.0]), 0);
+        assert_eq!(test.camera(), home);
+        test.handle(Event::Click, 0);
+        test.handle(Event::Mouse([50.0, 0.0]), 0);
+        assert_ne!(test.camera(), home);
+        test.press(Key::Esc);
+        assert!(!test.state.mouse_captured);
+        test.press(Key::Home);
+        assert_eq!(test.camera(), home);
     }
 
     #[test]
-    fn commands_become_effects_once_a_press() {
-        let (mut state, now) = start();
-        assert_eq!(state.handle(&key(Key::PageDown, true), now), Some(Effect::Load));
-        assert_eq!(state.playlist.current(), "builtin:thesis");
-        assert_eq!(state.handle(&key(Key::PageDown, false), now), None);
-        let repeated = Event::Key { key: Key::PageDown, down: true, repeat: true };
-        assert_eq!(state.handle(&repeated, now), None, "held keys do not repeat it");
-        assert_eq!(state.handle(&key(Key::Char(','), true), now), Some(Effect::Load));
-        assert_eq!(state.playlist.current(), "builtin:three");
-        assert_eq!(state.handle(&key(Key::Tab, true), now), Some(Effect::Screenshot));
-        assert_eq!(state.handle(&key(Key::Char('r'), true), now), Some(Effect::Load));
-        assert_eq!(state.handle(&Event::Quit, now), Some(Effect::Quit));
-        assert_eq!(state.handle(&Event::Dropped("new.obj".into()), now), Some(Effect::Load));
-        assert_eq!(state.playlist.current(), "new.obj");
-        state.handle(&key(Key::Char('2'), true), now);
-        assert_eq!(state.controls.mode, DisplayMode::Normals);
-        let (field, exposure) = (state.camera_controller.camera().vertical_fov, state.controls.tone.exposure);
-        let held = |key| Event::Key { key, down: true, repeat: true };
-        state.handle(&held(Key::Char('+')), now);
-        state.handle(&held(Key::Char('e')), now);
-        assert!(
-            state.camera_controller.camera().vertical_fov < field && state.controls.tone.exposure > exposure
-        );
-        state.handle(&Event::Wheel(-1.0), now);
-        assert!((state.camera_controller.camera().vertical_fov - field).abs() < 1e-4);
+    fn keys_have_effects_once_a_press() {
+        let mut test = Test::new();
+        assert_eq!(test.press(Key::PageDown), Some(Effect::Load));
+        assert_eq!(test.state.playlist.current(), "builtin:thesis");
+        let up = Event::Key { key: Key::PageDown, down: false, repeat: false };
+        assert_eq!(test.handle(up, 0), None);
+        assert_eq!(test.repeat(Key::PageDown), None, "held keys do not repeat it");
+        assert_eq!(test.press(Key::Char(',')), Some(Effect::Load));
+        assert_eq!(test.state.playlist.current(), "builtin:three");
+        assert_eq!(test.press(Key::Tab), Some(Effect::Screenshot));
+        assert_eq!(test.press(Key::Char('r')), Some(Effect::Load));
+        assert_eq!(test.handle(Event::Quit, 0), Some(Effect::Quit));
+        assert_eq!(test.handle(Event::Dropped("new.obj".into()), 0), Some(Effect::Load));
+        assert_eq!(test.state.playlist.current(), "new.obj");
+        test.press(Key::Char('2'));
+        assert_eq!(test.state.controls.mode, DisplayMode::Normals);
+        let (field, exposure) = (test.camera().vertical_fov, test.state.controls.tone.exposure);
+        test.repeat(Key::Char('+'));
+        test.repeat(Key::Char('e'));
+        assert!(test.camera().vertical_fov < field && test.state.controls.tone.exposure > exposure);
+        test.handle(Event::Wheel(-1.0), 0);
+        assert!((test.camera().vertical_fov - field).abs() < 1e-4);
     }
 
     #[test]
     fn another_scene_has_its_own_camera_and_bounces_and_is_found_again_as_it_was_left() {
-        let (mut state, now) = start();
-        let three = octray_formats::scene::load("builtin:three").unwrap();
-        let mut thesis = octray_formats::scene::load("builtin:thesis").unwrap();
-        thesis.max_bounces = 7;
-        state.playlist.next();
-        state.enter_scene(&thesis);
-        assert_eq!((*state.camera_controller.camera(), state.controls.bounces), (thesis.camera, 7));
-        state.handle(&Event::Wheel(1.0), now);
-        state.controls.bounces = 3;
-        let moved = *state.camera_controller.camera();
-        state.enter_scene(&thesis);
-        assert_eq!((*state.camera_controller.camera(), state.controls.bounces), (moved, 3), "read again");
-        state.playlist.next();
-        state.enter_scene(&three);
-        assert_eq!(
-            (*state.camera_controller.camera(), state.controls.bounces),
-            (three.camera, three.max_bounces)
-        );
-        state.playlist.next();
+        let (mut test, [three, mut thesis]) = (Test::new(), scenes());
+        assert_eq!(test.enter(&thesis), (thesis.camera, 7));
+        test.handle(Event::Wheel(1.0), 0);
+        test.state.controls.bounces = 3;
+        let moved = test.camera();
+        assert_eq!(test.reload(&thesis), (moved, 3), "read again");
+        assert_eq!(test.enter(&three), (three.camera, three.max_bounces));
         thesis.camera.vertical_fov = 50.0;
-        state.enter_scene(&thesis);
-        assert_eq!((*state.camera_controller.camera(), state.controls.bounces), (moved, 3), "as it was left");
-        state.handle(&key(Key::Home, true), now);
-        assert_eq!(*state.camera_controller.camera(), thesis.camera, "home is where the file has it now");
+        assert_eq!(test.enter(&thesis), (moved, 3), "as it was left");
+        test.press(Key::Home);
+        assert_eq!(test.camera(), thesis.camera, "home is where the file has it now");
     }
 
     #[test]
     fn bounces_are_as_the_file_has_them_until_others_are_chosen() {
-        let (mut state, now) = start();
-        let mut three = octray_formats::scene::load("builtin:three").unwrap();
-        let thesis = octray_formats::scene::load("builtin:thesis").unwrap();
-        let mut enter_scene = |state: &mut State, bounces| {
-            three.max_bounces = bounces;
-            state.enter_scene(&three);
-            state.controls.bounces
-        };
-        assert_eq!(enter_scene(&mut state, 9), 9, "changed in its file");
-        state.playlist.next();
-        state.enter_scene(&thesis);
-        state.playlist.next();
-        assert_eq!(enter_scene(&mut state, 8), 8, "changed while another one was shown");
-        state.handle(&key(Key::Char(']'), true), now);
-        assert_eq!(enter_scene(&mut state, 5), 9, "chosen");
+        let (mut test, [mut three, thesis]) = (Test::new(), scenes());
+        three.max_bounces = 9;
+        assert_eq!(test.reload(&three).1, 9, "changed in its file");
+        test.enter(&thesis);
+        three.max_bounces = 8;
+        assert_eq!(test.enter(&three).1, 8, "changed while another one was shown");
+        test.press(Key::Char(']'));
+        three.max_bounces = 5;
+        assert_eq!(test.reload(&three).1, 9, "chosen");
+        test.state.bounces = Some(2);
+        assert_eq!(test.enter(&thesis).1, 2, "those of the command line are for every scene");
     }
 
     #[test]
     fn a_key_that_is_down_takes_no_step_into_another_scene_before_its_pace_is_known() {
-        let (mut state, now) = start();
-        state.speed = 1e6;
-        state.handle(&key(Key::Char('w'), true), now);
-        state.playlist.next();
-        let thesis = octray_formats::scene::load("builtin:thesis").unwrap();
-        state.enter_scene(&thesis);
-        state.advance(now + ms(100));
-        assert_eq!(state.camera_controller.camera().position, thesis.camera.position);
-    }
-
-    #[test]
-    fn bounces_of_the_command_line_are_for_every_scene() {
-        let (mut state, _) = start();
-        state.bounces = Some(2);
-        let mut thesis = octray_formats::scene::load("builtin:thesis").unwrap();
-        thesis.max_bounces = 7;
-        state.playlist.next();
-        state.enter_scene(&thesis);
-        assert_eq!(state.controls.bounces, 2);
+        let (mut test, [_, thesis]) = (Test::new(), scenes());
+        test.state.speed = Some(1e6);
+        test.press(Key::Char('w'));
+        test.enter(&thesis);
+        assert_eq!(test.walked_until(100), 0.0);
     }
 }

@@ -11,20 +11,21 @@ use super::keys::{self, Action, Key};
 use super::options::Options;
 use super::playlist::Playlist;
 use super::session::Viewer;
-use super::signals::ExitSignal;
+use super::signals::exit_flag;
 use super::state::Event;
 use super::timing::Summary;
 use crossterm::event::{
     self, DisableBracketedPaste, DisableFocusChange, DisableMouseCapture, EnableBracketedPaste,
-    EnableFocusChange, EnableMouseCapture, KeyCode, KeyEventKind, KeyModifiers, KeyboardEnhancementFlags,
+    EnableFocusChange, EnableMouseCapture, KeyEventKind, KeyModifiers, KeyboardEnhancementFlags,
     MouseEventKind, PopKeyboardEnhancementFlags, PushKeyboardEnhancementFlags,
 };
 use crossterm::style::ResetColor;
 use crossterm::{cursor, execute, terminal as screen};
 use octray_formats::scene::Loaded;
-use std::collections::BTreeMap;
+use std::collections::HashMap;
 use std::io::{self, Write};
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 /// How long a key counts as held after a press without a reported release: slightly longer than the interval
@@ -40,11 +41,11 @@ const FRAME_RATE: f64 = 30.0;
 /// # Errors
 /// If the terminal cannot be read from or written to; it is restored first.
 pub fn terminal(options: Options, playlist: Playlist, scene: Loaded) -> io::Result<Summary> {
-    let exit_signal = ExitSignal::register()?;
+    let exit = exit_flag()?;
     let mut raw = RawTerminal::enter()?;
     let viewer = Viewer::start(options, playlist, scene, Arc::new(|| {}));
     viewer.send(Event::Rate(FRAME_RATE));
-    let shown = show(&viewer, &mut raw, &exit_signal);
+    let shown = show(&viewer, &mut raw, &exit);
     let summary = viewer.finish();
     drop(raw);
     shown.map(|()| summary)
@@ -109,20 +110,17 @@ fn restore(out: &mut impl Write, reports_release: bool) {
 }
 
 /// Shows frames and handles keys until the end.
-fn show(viewer: &Viewer, raw: &mut RawTerminal, exit_signal: &ExitSignal) -> io::Result<()> {
+fn show(viewer: &Viewer, raw: &mut RawTerminal, exit: &AtomicBool) -> io::Result<()> {
     let mut frame = Frame::default();
-    let mut keys = KeyTracker { reports_release: raw.reports_release, down: BTreeMap::new() };
+    let mut keys = KeyTracker { reports_release: raw.reports_release, down: HashMap::new() };
     let mut cells = CellBuffer::default();
-    while !exit_signal.received() && !viewer.is_finished() {
-        if event::poll(POLL_TIMEOUT)? {
-            loop {
-                if !keys.handle(event::read()?, viewer, &mut cells) {
-                    return Ok(());
-                }
-                if !event::poll(Duration::ZERO)? {
-                    break;
-                }
+    while !exit.load(Ordering::Relaxed) && !viewer.is_finished() {
+        let mut patience = POLL_TIMEOUT;
+        while event::poll(patience)? {
+            if !keys.handle(event::read()?, viewer, &mut cells) {
+                return Ok(());
             }
+            patience = Duration::ZERO;
         }
         keys.release_stale(viewer);
         if viewer.take(&mut frame) {
@@ -138,7 +136,7 @@ fn show(viewer: &Viewer, raw: &mut RawTerminal, exit_signal: &ExitSignal) -> io:
 struct KeyTracker {
     reports_release: bool,
     /// Time of each held key's last press; used only without reported releases.
-    down: BTreeMap<Key, Instant>,
+    down: HashMap<Key, Instant>,
 }
 
 impl KeyTracker {
@@ -147,13 +145,16 @@ impl KeyTracker {
         match event {
             event::Event::Key(event) => {
                 let control = event.modifiers.contains(KeyModifiers::CONTROL);
-                if control && matches!(event.code, KeyCode::Char('c' | 'q' | 'C' | 'Q')) {
+                if control && matches!(event.code, Key::Char('c' | 'q' | 'C' | 'Q')) {
                     return false;
                 }
-                let Some(key) = key_of(event.code) else { return true };
-                let held = matches!(keys::action_of(key), Some(Action::Hold(_)));
+                let key = match event.code {
+                    Key::Char(letter) => Key::Char(letter.to_lowercase().next().unwrap_or(letter)),
+                    code => code,
+                };
+                let Some(action) = keys::action_of(key) else { return true };
                 let down = event.kind != KeyEventKind::Release;
-                if held && !self.reports_release {
+                if matches!(action, Action::Hold(_)) && !self.reports_release {
                     self.down.insert(key, Instant::now());
                 }
                 let repeat = event.kind == KeyEventKind::Repeat;
@@ -186,22 +187,4 @@ impl KeyTracker {
             down
         });
     }
-}
-
-fn key_of(code: KeyCode) -> Option<Key> {
-    Some(match code {
-        KeyCode::Char(letter) => Key::Char(letter.to_lowercase().next().unwrap_or(letter)),
-        KeyCode::Up => Key::Up,
-        KeyCode::Down => Key::Down,
-        KeyCode::Left => Key::Left,
-        KeyCode::Right => Key::Right,
-        KeyCode::Tab => Key::Tab,
-        KeyCode::Esc => Key::Escape,
-        KeyCode::PageUp => Key::PageUp,
-        KeyCode::PageDown => Key::PageDown,
-        KeyCode::Home => Key::Home,
-        KeyCode::F(1) => Key::F1,
-        KeyCode::F(5) => Key::F5,
-        _ => return None,
-    })
 }

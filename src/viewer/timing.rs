@@ -6,6 +6,7 @@
 //!
 //! For: [`RateMeter`], the present rates; [`Summary`], the sums of a run.
 
+use std::collections::VecDeque;
 use std::time::Duration;
 
 /// Number of frames behind the frame rates.
@@ -18,86 +19,46 @@ const MAX_SAMPLES: usize = 1024;
 /// Measures frame rates over the last frames, and sample rates by width.
 #[derive(Clone, Debug)]
 pub struct RateMeter {
-    /// Seconds from frame to frame: a ring buffer.
-    frames: [f32; FRAMES],
-    filled: usize,
-    next: usize,
-    /// Samples since the last rate, by width: SIMD, scalar.
-    taken: [Batch; 2],
-    /// The last sample rates, by width.
-    sample_rates: [Option<f64>; 2],
-    mrays: f64,
-}
-
-/// Samples of the whole picture.
-#[derive(Clone, Debug)]
-struct Batch {
-    /// Time of each.
+    /// Seconds from frame to frame, the newest last.
+    frames: VecDeque<f32>,
+    /// Time of each sample since the last rate, and rays of all.
     times: Vec<Duration>,
-    spent: Duration,
     rays: u64,
-}
-
-impl Default for Batch {
-    fn default() -> Self {
-        Self { times: Vec::with_capacity(MAX_SAMPLES), spent: Duration::ZERO, rays: 0 }
-    }
-}
-
-impl Batch {
-    /// Samples per second by the median time, so that one that was interrupted does not count; and millions
-    /// of rays.
-    fn rates(&mut self) -> (f64, f64) {
-        let middle = self.times.len() / 2;
-        let (_, median, _) = self.times.select_nth_unstable(middle);
-        let rate = 1.0 / median.as_secs_f64().max(1e-9);
-        (rate, rate * self.rays as f64 / self.times.len() as f64 / 1e6)
-    }
-}
-
-/// The present rates.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Rates {
-    /// Frames per second: the median, and the 1 % low.
-    pub fps: f64,
-    pub low: f64,
-    /// Samples of the whole picture per second of rendering: SIMD, scalar.
+    /// Samples of the whole picture per second of rendering, by width: SIMD, scalar.
     pub samples: [Option<f64>; 2],
+    /// Millions of rays per second.
     pub mrays: f64,
 }
 
 impl Default for RateMeter {
     fn default() -> Self {
-        Self {
-            frames: [0.0; FRAMES],
-            filled: 0,
-            next: 0,
-            taken: Default::default(),
-            sample_rates: [None; 2],
-            mrays: 0.0,
-        }
+        let (frames, times) = (VecDeque::with_capacity(FRAMES), Vec::with_capacity(MAX_SAMPLES));
+        Self { frames, times, rays: 0, samples: [None; 2], mrays: 0.0 }
     }
 }
 
 impl RateMeter {
     /// Records a frame, shown `after` the previous one.
     pub fn frame(&mut self, after: Duration) {
-        self.frames[self.next] = after.as_secs_f32();
-        self.next = (self.next + 1) % FRAMES;
-        self.filled = (self.filled + 1).min(FRAMES);
+        if self.frames.len() == FRAMES {
+            self.frames.pop_front();
+        }
+        self.frames.push_back(after.as_secs_f32());
     }
-    /// Records a sample of the whole picture, taken with packets of `lanes`.
+    /// Records a sample of the whole picture, taken with packets of `lanes`: all with the same until
+    /// [`Self::switch_width`].
     pub fn sample(&mut self, lanes: usize, rays: u64, time: Duration) {
-        let width = usize::from(lanes == 1);
-        let batch = &mut self.taken[width];
-        batch.times.push(time);
-        batch.spent += time;
-        batch.rays += rays;
-        if batch.spent >= MIN_TIME || batch.times.len() == MAX_SAMPLES {
-            let (rate, mrays) = batch.rates();
-            (self.sample_rates[width], self.mrays) = (Some(rate), mrays);
-            batch.times.clear();
-            (batch.spent, batch.rays) = (Duration::ZERO, 0);
+        self.times.push(time);
+        self.rays += rays;
+        let count = self.times.len();
+        if count == MAX_SAMPLES || self.times.iter().sum::<Duration>() >= MIN_TIME {
+            // By the median time, so that a sample that was interrupted does not count.
+            let (_, median, _) = self.times.select_nth_unstable(count / 2);
+            let rate = 1.0 / median.as_secs_f64().max(1e-9);
+            self.samples[usize::from(lanes == 1)] = Some(rate);
+            self.mrays = rate * self.rays as f64 / count as f64 / 1e6;
+            self.times.clear();
+            self.rays = 0;
         }
     }
     /// Discards everything: another scene or other settings.
@@ -106,19 +67,16 @@ impl RateMeter {
     }
     /// Discards the frame rates and keeps both widths' sample rates.
     pub fn switch_width(&mut self) {
-        let sample_rates = self.sample_rates;
-        self.reset();
-        self.sample_rates = sample_rates;
+        *self = Self { samples: self.samples, ..Self::default() };
     }
-    pub fn rates(&self) -> Rates {
-        let mut frames = self.frames;
-        let frames = &mut frames[..self.filled];
+    /// Frames per second: the median, and the 1 % low.
+    pub fn fps(&self) -> [f64; 2] {
+        let mut frames = Vec::from(self.frames.clone());
         frames.sort_unstable_by(f32::total_cmp);
-        let rate = |share: f64| match frames.len() {
+        [0.5, 0.99].map(|share| match frames.len() {
             0 => 0.0,
             some => 1.0 / f64::from(frames[((some - 1) as f64 * share).round() as usize].max(1e-9)),
-        };
-        Rates { fps: rate(0.5), low: rate(0.99), samples: self.sample_rates, mrays: self.mrays }
+        })
     }
 }
 
@@ -170,16 +128,16 @@ mod tests {
     #[test]
     fn frames_have_a_median_and_a_low() {
         let mut rates = RateMeter::default();
-        assert_eq!(rates.rates(), Rates::default());
+        assert_eq!(rates.fps(), [0.0; 2]);
         for number in 0..100 {
             rates.frame(Duration::from_millis(if number % 50 == 7 { 100 } else { 20 }));
         }
-        let Rates { fps, low, .. } = rates.rates();
+        let [fps, low] = rates.fps();
         assert!((fps - 50.0).abs() < 1e-3 && (low - 10.0).abs() < 1e-3, "{fps} {low}");
         for _ in 0..FRAMES {
             rates.frame(Duration::from_millis(10));
         }
-        assert!((rates.rates().low - 100.0).abs() < 1e-3, "old frames are forgotten");
+        assert!((rates.fps()[1] - 100.0).abs() < 1e-3, "old frames are forgotten");
     }
 
     #[test]
@@ -189,24 +147,23 @@ mod tests {
             (0..count).for_each(|_| rates.sample(lanes, 20_000, Duration::from_millis(ms)));
         };
         take(8, 249, 1, &mut rates);
-        assert_eq!(rates.rates().samples, [None, None], "too short a time");
+        assert_eq!(rates.samples, [None, None], "too short a time");
         take(8, 1, 1, &mut rates);
-        assert!((rates.rates().mrays - 20.0).abs() < 1e-9);
+        assert!((rates.mrays - 20.0).abs() < 1e-9);
         rates.switch_width();
         take(1, 50, 5, &mut rates);
-        let Rates { samples, mrays, .. } = rates.rates();
-        assert_eq!(samples, [Some(1_000.0), Some(200.0)]);
-        assert!((mrays - 4.0).abs() < 1e-9);
+        assert_eq!(rates.samples, [Some(1_000.0), Some(200.0)]);
+        assert!((rates.mrays - 4.0).abs() < 1e-9);
         rates.reset();
-        assert_eq!(rates.rates(), Rates::default());
+        assert_eq!(rates.samples, [None; 2]);
     }
 
     #[test]
     fn fast_samples_have_a_rate_within_the_memory_of_the_start() {
         let mut rates = RateMeter::default();
         (0..2 * MAX_SAMPLES).for_each(|_| rates.sample(16, 1_000, Duration::from_micros(10)));
-        assert!(rates.rates().samples[0].is_some_and(|rate| (rate - 100_000.0).abs() < 1e-3));
-        assert_eq!(rates.taken[0].times.capacity(), MAX_SAMPLES);
+        assert!(rates.samples[0].is_some_and(|rate| (rate - 100_000.0).abs() < 1e-3));
+        assert_eq!(rates.times.capacity(), MAX_SAMPLES);
     }
 
     /// `bench` takes the median, so a sample that another program delayed must not lower the rate here.
@@ -215,6 +172,6 @@ mod tests {
         let mut rates = RateMeter::default();
         (0..99).for_each(|_| rates.sample(16, 1_000, Duration::from_millis(1)));
         rates.sample(16, 1_000, Duration::from_millis(400));
-        assert_eq!(rates.rates().samples, [Some(1_000.0), None]);
+        assert_eq!(rates.samples, [Some(1_000.0), None]);
     }
 }

@@ -8,14 +8,16 @@ use super::keys::Key;
 use super::options::Options;
 use super::playlist::Playlist;
 use super::session::Viewer;
-use super::signals::ExitSignal;
+use super::signals::exit_flag;
 use super::state::Event;
 use super::timing::Summary;
 use super::window_text;
+use crossterm::event::ModifierKeyCode;
 use octray_formats::scene::Loaded;
 use std::num::NonZeroU32;
 use std::rc::Rc;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 use winit::application::ApplicationHandler;
 use winit::dpi::{LogicalSize, PhysicalSize};
@@ -69,8 +71,7 @@ pub fn window(
     scene: Loaded,
 ) -> Result<(Summary, Presented), WindowError> {
     let events = event_loop().map_err(|_| no_display())?;
-    let context = softbuffer::Context::new(events.owned_display_handle())
-        .map_err(|error| WindowError::NoSurface(error.to_string().into()))?;
+    let context = softbuffer::Context::new(events.owned_display_handle()).map_err(no_surface)?;
     let proxy = events.create_proxy();
     let size = options.size.unwrap_or(scene.resolution);
     let wake = Arc::new(move || {
@@ -80,7 +81,8 @@ pub fn window(
     let viewer = Viewer::start(options, playlist, scene, wake);
     let mut app = App {
         viewer,
-        exit_signal: ExitSignal::register().ok(),
+        // Without signal handlers nothing sets it.
+        exit: exit_flag().unwrap_or_default(),
         size,
         context,
         surface: None,
@@ -138,21 +140,23 @@ fn no_display() -> WindowError {
         let display = std::env::var(name).ok().filter(|display| !display.is_empty())?;
         Some(format!("{name}={display}"))
     });
-    let named: Vec<String> = named.collect();
-    WindowError::NoDisplay(match named.is_empty() {
-        false => {
-            format!("there is no display to open a window on: none can be reached at {}", named.join(" or "))
-        }
-        true => "there is no display to open a window on".to_string(),
-    })
+    let mut text = "there is no display to open a window on".to_string();
+    let named = named.collect::<Vec<_>>().join(" or ");
+    if !named.is_empty() {
+        text += &format!(": none can be reached at {named}");
+    }
+    WindowError::NoDisplay(text)
+}
+
+fn no_surface(error: impl std::fmt::Display) -> WindowError {
+    WindowError::NoSurface(error.to_string().into())
 }
 
 type Surface = softbuffer::Surface<OwnedDisplayHandle, Rc<Window>>;
 
 struct App {
     viewer: Viewer,
-    /// `None` if signal handlers cannot be installed.
-    exit_signal: Option<ExitSignal>,
+    exit: Arc<AtomicBool>,
     /// Resolution of the first picture.
     size: [u32; 2],
     context: softbuffer::Context<OwnedDisplayHandle>,
@@ -169,8 +173,7 @@ struct App {
 }
 
 impl App {
-    fn open(&mut self, events: &ActiveEventLoop) -> Result<Surface, WindowError> {
-        let refused = |error: String| WindowError::NoSurface(error.into());
+    fn open(&mut self, events: &ActiveEventLoop) -> Result<(), WindowError> {
         let monitor = events.primary_monitor().or_else(|| events.available_monitors().next());
         let [width, height] = self.size.map(f64::from);
         let mut scale = INITIAL_SCALE;
@@ -186,9 +189,17 @@ impl App {
         }
         let size = LogicalSize::new((width * scale).max(160.0), (height * scale).max(90.0));
         let attributes = Window::default_attributes().with_title("octray").with_inner_size(size);
-        let window = events.create_window(attributes).map_err(|error| refused(error.to_string()))?;
+        let window = events.create_window(attributes).map_err(no_surface)?;
         self.window_size = window.inner_size();
-        Surface::new(&self.context, Rc::new(window)).map_err(|error| refused(error.to_string()))
+        self.surface = Some(Surface::new(&self.context, Rc::new(window)).map_err(no_surface)?);
+        Ok(())
+    }
+
+    fn end_on_failure(&mut self, events: &ActiveEventLoop, result: Result<(), WindowError>) {
+        if let Err(failure) = result {
+            self.failure = Some(failure);
+            events.exit();
+        }
     }
 
     /// Draws the newest frame, or the last one again.
@@ -200,12 +211,11 @@ impl App {
             return Ok(());
         };
         let start = Instant::now();
-        let refused = |error: softbuffer::SoftBufferError| WindowError::NoSurface(error.to_string().into());
-        surface.resize(width, height).map_err(refused)?;
-        let mut buffer = surface.buffer_mut().map_err(refused)?;
+        surface.resize(width, height).map_err(no_surface)?;
+        let mut buffer = surface.buffer_mut().map_err(no_surface)?;
         let canvas = Canvas { pixels: &mut buffer, width: across as usize, height: down as usize };
         window_text::draw(&self.frame, canvas);
-        buffer.present().map_err(refused)?;
+        buffer.present().map_err(no_surface)?;
         if fresh {
             self.presented.frames += 1;
             self.presented.time += start.elapsed();
@@ -235,30 +245,18 @@ impl App {
         }
         window.set_cursor_visible(!self.mouse_captured);
     }
-
-    fn key(&self, event: &winit::event::KeyEvent) {
-        if let Some(key) = key_of(event.physical_key, &event.logical_key) {
-            let down = event.state == ElementState::Pressed;
-            self.viewer.send(Event::Key { key, down, repeat: event.repeat });
-        }
-    }
 }
 
 impl ApplicationHandler<FrameReady> for App {
     fn resumed(&mut self, events: &ActiveEventLoop) {
         if self.surface.is_none() {
-            match self.open(events) {
-                Ok(surface) => self.surface = Some(surface),
-                Err(failure) => {
-                    self.failure = Some(failure);
-                    events.exit();
-                }
-            }
+            let opened = self.open(events);
+            self.end_on_failure(events, opened);
         }
     }
 
     fn about_to_wait(&mut self, events: &ActiveEventLoop) {
-        if self.viewer.is_finished() || self.exit_signal.as_ref().is_some_and(ExitSignal::received) {
+        if self.viewer.is_finished() || self.exit.load(Ordering::Relaxed) {
             return events.exit();
         }
         events.set_control_flow(ControlFlow::WaitUntil(Instant::now() + POLL_INTERVAL));
@@ -275,14 +273,17 @@ impl ApplicationHandler<FrameReady> for App {
             WindowEvent::CloseRequested | WindowEvent::Destroyed => events.exit(),
             WindowEvent::Resized(size) => self.window_size = size,
             WindowEvent::RedrawRequested => {
-                if let Err(failure) = self.draw() {
-                    self.failure = Some(failure);
-                    events.exit();
-                }
+                let drawn = self.draw();
+                self.end_on_failure(events, drawn);
             }
             // Keys that were down when the window got the focus were meant for another window.
             WindowEvent::KeyboardInput { is_synthetic: true, .. } => {}
-            WindowEvent::KeyboardInput { event, .. } => self.key(&event),
+            WindowEvent::KeyboardInput { event, .. } => {
+                if let Some(key) = key_of(event.physical_key, &event.logical_key) {
+                    let down = event.state == ElementState::Pressed;
+                    self.viewer.send(Event::Key { key, down, repeat: event.repeat });
+                }
+            }
             WindowEvent::Focused(false) => self.viewer.send(Event::Unfocused),
             WindowEvent::MouseInput { state: ElementState::Pressed, button: MouseButton::Left, .. } => {
                 self.viewer.send(Event::Click);
@@ -311,40 +312,37 @@ fn key_of(physical: PhysicalKey, logical: &winit::keyboard::Key) -> Option<Key> 
         winit::keyboard::Key::Character(text) => text.chars().flat_map(char::to_lowercase).next(),
         _ => None,
     };
-    let is = |wanted| letter == Some(wanted);
-    if let PhysicalKey::Code(code) = physical {
-        match code {
-            KeyCode::KeyW => return Some(Key::Char('w')),
-            KeyCode::KeyA => return Some(Key::Char('a')),
-            KeyCode::KeyS => return Some(Key::Char('s')),
-            KeyCode::KeyD => return Some(Key::Char('d')),
-            // The positions of A and W on French keyboards.
-            KeyCode::KeyQ if is('a') => return Some(Key::Char('q')),
-            KeyCode::KeyZ if is('w') => return Some(Key::Char('z')),
-            _ => {}
-        }
-    }
-    match logical {
-        winit::keyboard::Key::Character(_) => letter.map(Key::Char),
-        winit::keyboard::Key::Named(named) => match named {
-            NamedKey::Space => Some(Key::Char(' ')),
-            NamedKey::ArrowUp => Some(Key::Up),
-            NamedKey::ArrowDown => Some(Key::Down),
-            NamedKey::ArrowLeft => Some(Key::Left),
-            NamedKey::ArrowRight => Some(Key::Right),
-            NamedKey::Shift => Some(Key::Shift),
-            NamedKey::Control => Some(Key::Control),
-            NamedKey::Tab => Some(Key::Tab),
-            NamedKey::Escape => Some(Key::Escape),
-            NamedKey::PageUp => Some(Key::PageUp),
-            NamedKey::PageDown => Some(Key::PageDown),
-            NamedKey::Home => Some(Key::Home),
-            NamedKey::F1 => Some(Key::F1),
-            NamedKey::F5 => Some(Key::F5),
-            _ => None,
-        },
-        _ => None,
-    }
+    let letter = match (physical, letter) {
+        (PhysicalKey::Code(KeyCode::KeyW), _) => Some('w'),
+        (PhysicalKey::Code(KeyCode::KeyA), _) => Some('a'),
+        (PhysicalKey::Code(KeyCode::KeyS), _) => Some('s'),
+        (PhysicalKey::Code(KeyCode::KeyD), _) => Some('d'),
+        // The positions of A and W on French keyboards.
+        (PhysicalKey::Code(KeyCode::KeyQ), Some('a')) => Some('q'),
+        (PhysicalKey::Code(KeyCode::KeyZ), Some('w')) => Some('z'),
+        _ => letter,
+    };
+    let named = match logical {
+        winit::keyboard::Key::Named(named) if letter.is_none() => named,
+        _ => return letter.map(Key::Char),
+    };
+    Some(match named {
+        NamedKey::Space => Key::Char(' '),
+        NamedKey::ArrowUp => Key::Up,
+        NamedKey::ArrowDown => Key::Down,
+        NamedKey::ArrowLeft => Key::Left,
+        NamedKey::ArrowRight => Key::Right,
+        NamedKey::Shift => Key::Modifier(ModifierKeyCode::LeftShift),
+        NamedKey::Control => Key::Modifier(ModifierKeyCode::LeftControl),
+        NamedKey::Tab => Key::Tab,
+        NamedKey::Escape => Key::Esc,
+        NamedKey::PageUp => Key::PageUp,
+        NamedKey::PageDown => Key::PageDown,
+        NamedKey::Home => Key::Home,
+        NamedKey::F1 => Key::F(1),
+        NamedKey::F5 => Key::F(5),
+        _ => return None,
+    })
 }
 
 #[cfg(test)]
@@ -371,6 +369,6 @@ mod tests {
         assert_eq!(typed(KeyCode::KeyZ, "y"), letter('y'), "a German Y");
         assert_eq!(typed(KeyCode::Semicolon, "M"), letter('m'), "others follow the layout");
         let named = |named| key_of(PhysicalKey::Code(KeyCode::F5), &winit::keyboard::Key::Named(named));
-        assert_eq!([named(NamedKey::F5), named(NamedKey::F9)], [Some(Key::F5), None]);
+        assert_eq!([named(NamedKey::F5), named(NamedKey::F9)], [Some(Key::F(5)), None]);
     }
 }

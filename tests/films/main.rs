@@ -35,7 +35,6 @@ fn hash(film: &str, lanes: usize) -> String {
     let scene = scene(spec);
     let methods = match variant {
         "default" => Methods::default(),
-        "fast" => Methods::fast(&scene),
         "random" => Methods { sampler: Sampler::Random, lights: LightChoice::Off, ..Methods::default() },
         unknown => panic!("{unknown} names no methods"),
     };

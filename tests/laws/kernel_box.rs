@@ -6,12 +6,11 @@
 
 use crate::common::{Rng, packet, ray};
 use glam::Vec3;
-use octray::kernel::ray_box::{
-    BoxMethod, BySign, BySignWidened, Contracted, IeeeMinMax, Padded, Padding, Slabs, X86MinMax, own_box,
-};
+use octray::kernel::ray_box::{Padding, Slabs, own_box};
 use octray::lane::{F32x8, F32x16, Lane, Mask};
 use octray::math::{self, Ray};
 use octray::measure::stability::boxes::{Cuboid, SCALES, aimed, meets, padding, passing, reference_interval};
+use octray::methods::{BoxMethod, BySign, BySignWidened, Contracted, IeeeMinMax, Padded, X86MinMax};
 
 fn corner<L: Lane>(v: Vec3) -> math::Vec3<L> {
     math::Vec3::splat(v)

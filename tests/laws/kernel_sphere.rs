@@ -4,10 +4,11 @@
 
 use crate::common::{Rng, packet, ray};
 use glam::{DVec3, Vec3};
-use octray::kernel::ray_sphere::{Naive, Robust, RobustAnyLength, SphereMethod};
+use octray::kernel::ray_sphere::SphereMethod;
 use octray::lane::{F32x8, F32x16, Lane, Mask};
 use octray::math::{self, Ray};
 use octray::measure::stability::spheres::{Ball, UNIT, aimed, intersect, off, passing, reference_t};
+use octray::methods::{Naive, Robust, RobustAnyLength};
 
 #[test]
 fn any_length_is_scaled_exactly_by_powers_of_two() {

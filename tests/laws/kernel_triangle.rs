@@ -4,13 +4,11 @@
 
 use crate::common::{Rng, packet, ray};
 use glam::{DVec3, Vec3, Vec3Swizzles};
-use octray::kernel::ray_triangle::{
-    BaldwinWeber, MollerTrumbore, MollerTrumboreEpsilon, PairHit, Plucker, TriangleHit, TriangleMethod, Woop,
-    WoopContracted,
-};
+use octray::kernel::ray_triangle::{PairHit, TriangleHit, TriangleMethod};
 use octray::lane::{F32x8, F32x16, Lane, Mask};
 use octray::math::Ray;
 use octray::measure::stability::triangles::{intersect, reference_tuv, well_shaped};
+use octray::methods::{BaldwinWeber, MollerTrumbore, MollerTrumboreEpsilon, Plucker, Woop, WoopContracted};
 
 /// Calls a function with each method as its type parameter.
 macro_rules! for_every_method {

@@ -80,7 +80,6 @@ fn assert_law_of_all(scene: &Scene, rays: &[Ray<f32>]) -> Vec<Vec<Answer>> {
         vec![
             assert_law::<S, ray_triangle::Woop>(scene, methods(Choice::Woop), rays),
             assert_law::<S, ray_triangle::MollerTrumbore>(scene, methods(Choice::MollerTrumbore), rays),
-            assert_law::<S, ray_triangle::BaldwinWeber>(scene, methods(Choice::BaldwinWeber), rays),
         ]
     }
     [
@@ -226,7 +225,7 @@ fn hits_count_before_the_end_of_a_ray() {
     for (spheres, triangles) in [(20, 20), (5, 0), (0, 20)] {
         let scene = mixed(&mut rng, spheres, triangles);
         let set = Set::of(&rays(&mut rng, 400));
-        for triangle in [TriangleChoice::Woop, TriangleChoice::MollerTrumbore, TriangleChoice::BaldwinWeber] {
+        for triangle in [TriangleChoice::Woop, TriangleChoice::MollerTrumbore] {
             let ended = [
                 check::<f32>(&scene, &set, triangle),
                 check::<F32x8>(&scene, &set, triangle),

@@ -15,7 +15,6 @@ use octray::traverse::{List, Methods, PrimitiveList, SphereChoice, TraversalChoi
 const LINEAR: Methods = Methods {
     sphere: SphereChoice::Robust,
     triangle: octray::traverse::TriangleChoice::Woop,
-    boxes: octray::traverse::BoxChoice::PaddedFma,
     traversal: TraversalChoice::Linear,
     lights: octray::buffers::LightChoice::Auto,
     sampler: octray::sampling::Sampler::Sobol,

@@ -71,7 +71,8 @@ fn chart_writes_a_page_drawings_tables_and_json_that_agree() {
                 empty.remove(column);
             });
         }
-        assert_eq!(empty, BTreeSet::new(), "{name}: every column has cells");
+        // Errors below that of the ground truth are unknown.
+        assert!(empty.iter().all(|column| column.starts_with("rmse")), "{name} has no cells in {empty:?}");
     }
     let page = read("report.html");
     for name in [

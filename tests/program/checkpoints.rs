@@ -172,7 +172,7 @@ fn checkpoint_of_something_else_is_refused_and_kept() {
         ("--samples 4 --bounces 3", &["max bounces: 4, and here 3"]),
         ("--samples 4 --sampler random", &["sampler: sobol, and here random"]),
         ("--samples 4 --clamp 0.5", &["clamp: none, and here 0.5"]),
-        ("--samples 4 --box fma", &["box: padded-fma, and here fma"]),
+        ("--samples 4 --sphere naive", &["sphere: robust, and here naive"]),
         ("--target-error 0.1", &["target: none, and here [0.1,16,16384]"]),
     ] {
         refused(more, words);
@@ -185,7 +185,7 @@ fn checkpoint_of_something_else_is_refused_and_kept() {
     desk.octray(&free.split(' ').collect::<Vec<_>>()).assert().success();
 
     for (place, words) in [
-        (8, &["version 3 of the format", "reads version 2"][..]),
+        (8, &["version 4 of the format", "reads version 3"][..]),
         (40, &["damaged", "checksum"]),
         (kept.len() - 20, &["damaged", "checksum"]),
     ] {

@@ -47,7 +47,7 @@ fn wrong_usage_is_refused() {
         (&["render", "scene.json", "-o", "a.png", "--tone", "sepia"], "reinhard"),
         (&["render", "scene.json", "-o", "a.png", "--sphere", "exact"], "robust"),
         (&["render", "scene.json", "-o", "a.png", "--triangle", "exact"], "moller-trumbore"),
-        (&["bench", "--triangle", "exact"], "baldwin-weber"),
+        (&["bench", "--triangle", "exact"], "moller-trumbore"),
         (&["bench", "--pipeline", "special"], "general"),
         (&["compare", "--lanes", "8"], "--lanes"),
         (&["stability", "--only", "spheres-fa"], "spheres-far"),

@@ -8,9 +8,9 @@ use std::fs;
 
 const CAMERA: &str = r#""camera": { "position": [0.7, 0.1, 5.3], "look_at": [0.1, 0.2, 0.3], "up": [0.1, 1, 0], "vertical_fov": 33.3 }"#;
 const OPTIONS: &str = "--samples 3 --seed 4000000000 --exposure -0.7 --tone reinhard --clamp 0.61 --sphere naive \
-    --triangle moller-trumbore --box fma --traversal linear --lights off --sampler random --pipeline general";
+    --triangle moller-trumbore --traversal linear --lights off --sampler random --pipeline general";
 const RENDER: &str = r#""render": { "samples": 3, "seed": 4000000000, "exposure": -0.7, "tone": "reinhard", "clamp": 0.61,
-    "sphere": "naive", "triangle": "moller-trumbore", "box": "fma", "traversal": "linear", "lights": "off",
+    "sphere": "naive", "triangle": "moller-trumbore", "traversal": "linear", "lights": "off",
     "sampler": "random", "pipeline": "general" }"#;
 
 fn view(scene: &str, more: &str) -> String {
@@ -78,7 +78,7 @@ fn options_win_over_the_view() {
     let most = report("--target-error 0.9 --time-limit 60");
     assert!(most["samples"].as_u64().unwrap() >= 16, "{most}");
     // All of it overruled is the scene itself.
-    let all = "--samples 64 --seed 0 --exposure 0 --tone clamp --clamp 1e30 --robust --traversal needed --lights auto \
+    let all = "--samples 64 --seed 0 --exposure 0 --tone clamp --clamp 1e30 --sphere robust --triangle woop --traversal needed --lights auto \
                --sampler sobol --pipeline needed";
     let overruled = rendered(&desk, "view.json", all, "a.png");
     assert!(overruled == rendered(&desk, "builtin:cornell", "--size 13x9", "b.png"));
@@ -91,11 +91,7 @@ fn what_a_view_asks_for_and_does_not_exist_is_refused_by_every_command() {
         ("\"tone\": \"sepia\"", ["`tone` cannot be `sepia`", "render.tone,", "clamp, reinhard, aces"]),
         ("\"tone\": \"Aces\"", ["`Aces`", "render.tone,", "clamp, reinhard, aces"]),
         ("\"sphere\": \"exact\"", ["`sphere`", "render.sphere,", "robust, naive"]),
-        (
-            "\"triangle\": \"exact\"",
-            ["`triangle`", "render.triangle,", "woop, moller-trumbore, baldwin-weber"],
-        ),
-        ("\"box\": \"padded\"", ["`box`", "render.box,", "padded-fma, fma"]),
+        ("\"triangle\": \"exact\"", ["`triangle`", "render.triangle,", "woop, moller-trumbore"]),
         ("\"traversal\": \"fast\"", ["`traversal`", "render.traversal,", "needed, linear, scalar"]),
         ("\"lights\": \"dim\"", ["`lights`", "render.lights,", "auto, on, power, off"]),
         ("\"sampler\": \"halton\"", ["`sampler`", "render.sampler,", "sobol, random"]),

@@ -10,7 +10,7 @@ use octray::scene::{
     Camera, CameraPath, Keyframe, Loaded, Rendering, Scene, SceneError, View, load, load_with_view,
 };
 use octray::tone::Operator;
-use octray::traverse::{BoxChoice, SphereChoice, TraversalChoice, TriangleChoice};
+use octray::traverse::{SphereChoice, TraversalChoice, TriangleChoice};
 use std::fs;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
@@ -121,7 +121,6 @@ fn written_views_read_back_in_every_bit() {
         clamp: Some(f32::MIN_POSITIVE),
         sphere: Some(SphereChoice::Robust),
         triangle: Some(TriangleChoice::Woop),
-        boxes: Some(BoxChoice::PaddedFma),
         traversal: Some(TraversalChoice::Needed),
         lights: Some(LightChoice::Auto),
         sampler: Some(Sampler::Random),
@@ -354,5 +353,5 @@ fn scenes_that_cannot_be_read_know_what_was_looked_for() {
     write(folder, "m/m.obj", "mtllib m.mtl\nv 0 0 0\nf 1 2 3\n");
     assert_eq!(files("gone.json"), ["gone.json"]);
     assert_eq!(files("view.json"), ["view.json", "m/gone.json"]);
-    assert_eq!(files("of_model.json"), ["m/m.obj", "of_model.json"]);
+    assert_eq!(files("of_model.json"), ["of_model.json", "m/m.obj"]);
 }

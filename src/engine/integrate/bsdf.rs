@@ -2,7 +2,7 @@
 //!
 //! For: [`scatter`], which samples it, [`evaluate`], its value and pdf, and [`has_sampled_lobe`].
 
-use super::features::{has, is_general};
+use super::context::{has, is_general};
 use super::material::MaterialSample;
 use super::queue::Path;
 use super::surface::Surface;

@@ -10,9 +10,9 @@
 
 use super::aovs::{ALL, Aovs, Plane, Seen};
 use super::bsdf::follow_delta;
-use super::cone::scattered_cone;
 use super::context::TraceContext;
 use super::intersect::closest_of_queue;
+use super::material::scattered_cone;
 use super::queue::Path;
 use super::scratch::Scratch;
 use super::stats::RayKind;

@@ -7,7 +7,7 @@
 //! Combining Sampling Techniques for Monte Carlo Rendering", SIGGRAPH 1995, §3.
 
 use super::context::TraceContext;
-use super::features::{abilities, has};
+use super::context::{abilities, has};
 use super::material::MaterialSample;
 use super::queue::Path;
 use super::surface::Surface;

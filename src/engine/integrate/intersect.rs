@@ -3,8 +3,8 @@
 //! For: [`intersect`], [`closest_of_queue`], which only finds hits.
 
 use super::context::TraceContext;
+use super::context::{ends_missed, has};
 use super::emission::missed_radiance;
-use super::features::{ends_missed, has};
 use super::scratch::Scratch;
 use super::stats::RayKind;
 use crate::buffers::Features;

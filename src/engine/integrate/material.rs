@@ -1,14 +1,17 @@
-//! Evaluated materials: parameters, textures, shading normals.
+//! Evaluated materials: parameters, textures, shading normals, and how wide paths leave them.
 //!
-//! For: [`MaterialSample`]; [`texel_indices`].
+//! For: [`MaterialSample`]; [`texel_indices`], [`scattered_cone`].
 
 use super::context::TraceContext;
-use super::features::{abilities, has, is_general, reads_texels_first};
+use super::context::{abilities, has, is_general, reads_texels_first};
+use super::queue::Path;
 use super::surface::Surface;
 use crate::buffers::{Features, MaterialCode};
+use crate::kernel::bsdf::ggx;
 use crate::kernel::bsdf::metal_rough::MetalRough;
 use crate::kernel::bsdf::plastic::Plastic;
 use crate::kernel::normals;
+use crate::kernel::ray_cone::Cone;
 use crate::kernel::texture::{TexturePoint, srgb_to_linear};
 use crate::lane::{Bits, Lane, Mask};
 use crate::math::Vec3;
@@ -282,4 +285,25 @@ fn texel<L: Lane, const N: u32>(
 #[inline(always)]
 fn texture_index<B: Bits>(code: B) -> B {
     code.wrapping_add(B::splat(u32::MAX))
+}
+
+/// The cones of paths as they leave a surface; those of `is_delta` have a delta lobe. Of a coated or
+/// metallic-roughness surface both lobes count as the narrower one, the specular lobe.
+#[inline(always)]
+pub fn scattered_cone<L: Lane>(
+    path: &Path<L>,
+    surface: &Surface<L>,
+    material: &MaterialSample<L>,
+    is_delta: L::Mask,
+) -> Cone<L> {
+    let is = |kind: u32| material.kind.equals(L::Bits::splat(kind));
+    let (zero, one) = (L::zero(), L::one());
+    // Where the specular lobe is a delta lobe, what is none comes from the diffuse base.
+    let is_base =
+        is(MaterialCode::DIFFUSE) | (!is(MaterialCode::SCATTER) & ggx::is_narrow(material.roughness_or_ior));
+    let lobe = L::select(is_base, one, material.roughness_or_ior.min(one));
+    let lobe = L::select(is_delta, zero, lobe);
+    // Refraction at a sphere bends otherwise.
+    let curvature = L::select(is(MaterialCode::GLASS), zero, surface.curvature.flip_sign(surface.facing));
+    path.cone.scattered(surface.cone_width, surface.facing, curvature, lobe)
 }

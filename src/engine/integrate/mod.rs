@@ -29,29 +29,22 @@
 
 pub mod aovs;
 mod bsdf;
-mod columns;
-mod cone;
 mod context;
 pub mod cost;
 pub mod edge_aovs;
 mod emission;
-mod features;
 mod generate;
 mod intersect;
 mod material;
-mod meter;
+pub mod meter;
 mod pipeline;
-pub mod probe;
 pub mod queue;
 mod radiance;
 mod scratch;
 mod shade;
-mod shadow_queue;
 mod shadow_rays;
 pub mod stats;
 mod surface;
-mod texel_reads;
-mod tile_pixels;
 
 pub use context::TraceContext;
 pub use generate::generate;

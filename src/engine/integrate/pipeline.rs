@@ -2,11 +2,11 @@
 //!
 //! For: [`trace_tiles`] and [`pipeline_for`].
 
-use super::columns::MAX_EARLIER;
 use super::context::TraceContext;
-use super::features::has;
+use super::context::has;
 use super::generate::generate;
 use super::intersect::{Intersected, intersect};
+use super::queue::MAX_EARLIER;
 use super::radiance::MAX_TILES;
 use super::scratch::Scratch;
 use super::shade::{Shaded, shade, shade_last};

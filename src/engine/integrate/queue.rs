@@ -1,15 +1,55 @@
-//! The path queue: paths in structure-of-arrays form.
+//! The queues of paths and of shadow rays, in structure-of-arrays form.
 //!
-//! For: [`PathQueue`] and [`Path`], one packet of it.
+//! For: [`PathQueue`] and [`Path`], one packet of it; [`ShadowQueue`]; the columns that they are made of.
 
-use super::columns::{Column, IntColumn, Vec3Columns, compress};
 use crate::camera::MAX_PIXELS;
 use crate::kernel::ray_cone::Cone;
-use crate::lane::{Bits, Lane};
+use crate::lane::{Bits, F32x16, Lane};
 use crate::math::{Hit, MISS, Ray, Vec3};
 use crate::traverse::rays::{Hits, Rays};
 use bytemuck::Zeroable;
 use std::ops::Range;
+
+/// Paths of earlier tiles that wait, at most, when a tile begins.
+pub(super) const MAX_EARLIER: usize = 2 * MAX_PIXELS;
+/// Those, a tile's, and the widest packet more, so that the last packet may be stored whole. Columns are
+/// three quarters of a page and a cache line apart, so that the same part of all columns is spread evenly
+/// over the sets of the cache.
+const LENGTH: usize = MAX_EARLIER + MAX_PIXELS + F32x16::WIDTH;
+
+pub(super) type Column = [f32; LENGTH];
+pub(super) type IntColumn = [u32; LENGTH];
+
+/// Three columns: a vector or a colour per path.
+#[derive(Clone, Copy, Zeroable)]
+#[repr(C, align(64))]
+pub(super) struct Vec3Columns {
+    pub(super) x: Column,
+    pub(super) y: Column,
+    pub(super) z: Column,
+}
+
+impl Vec3Columns {
+    #[inline(always)]
+    pub(super) fn load<L: Lane>(&self, at: usize) -> Vec3<L> {
+        Vec3::new(L::load(&self.x[at..]), L::load(&self.y[at..]), L::load(&self.z[at..]))
+    }
+    pub(super) fn from(&self, first: usize) -> [&[f32]; 3] {
+        [&self.x, &self.y, &self.z].map(|column| &column[first..])
+    }
+    #[inline(always)]
+    pub(super) fn store<L: Lane>(&mut self, at: usize, v: Vec3<L>) {
+        v.x.store(&mut self.x[at..]);
+        v.y.store(&mut self.y[at..]);
+        v.z.store(&mut self.z[at..]);
+    }
+}
+
+/// The lanes of `mask`, moved to the front.
+#[inline(always)]
+pub(super) fn compress<L: Lane>(v: Vec3<L>, mask: L::Mask) -> Vec3<L> {
+    Vec3::new(v.x.compress(mask), v.y.compress(mask), v.z.compress(mask))
+}
 
 /// A tile's paths behind those of earlier tiles that wait, and the hits of their last segments.
 #[derive(Clone, Copy, Zeroable)]
@@ -218,5 +258,49 @@ impl<L: Lane> Path<L> {
             key: self.key.compress(mask),
             slot: self.slot.compress(mask),
         }
+    }
+}
+
+/// Shadow rays, and the radiance that each unoccluded one adds to its pixel.
+#[derive(Clone, Copy, Zeroable)]
+#[repr(C)]
+pub struct ShadowQueue {
+    origin: Vec3Columns,
+    direction: Vec3Columns,
+    /// Hits from here on do not occlude.
+    t_max: Column,
+    radiance: Vec3Columns,
+    slot: IntColumn,
+}
+
+impl ShadowQueue {
+    /// The first `count` rays; their hits overwrite those in the path queue, which shading has
+    /// read, or which waiting paths do not have yet.
+    #[inline(always)]
+    pub fn queries<'a>(&'a self, queue: &'a mut PathQueue, count: usize) -> (Rays<'a>, Hits<'a>) {
+        let rays = Rays::first(count, self.origin.from(0), self.direction.from(0));
+        (rays, queue.other_hits(&self.t_max[..count]))
+    }
+    /// The pixels of the packet at `at`, and the radiance that its rays carry.
+    #[inline(always)]
+    pub fn contribution<L: Lane>(&self, at: usize) -> (L::Bits, Vec3<L>) {
+        (L::Bits::load(&self.slot[at..]), self.radiance.load(at))
+    }
+    /// Stores the lanes of `mask` from `at` on.
+    #[inline(always)]
+    pub fn store<L: Lane>(
+        &mut self,
+        at: usize,
+        mask: L::Mask,
+        ray: &Ray<L>,
+        t_max: L,
+        radiance: Vec3<L>,
+        slot: L::Bits,
+    ) {
+        self.origin.store(at, compress(ray.origin, mask));
+        self.direction.store(at, compress(ray.direction, mask));
+        t_max.compress(mask).store(&mut self.t_max[at..]);
+        self.radiance.store(at, compress(radiance, mask));
+        slot.compress(mask).store(&mut self.slot[at..]);
     }
 }

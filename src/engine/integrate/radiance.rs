@@ -2,7 +2,7 @@
 //!
 //! For: [`Radiance`].
 
-use super::columns::{IntColumn, Vec3Columns, compress};
+use super::queue::{IntColumn, Vec3Columns, compress};
 use crate::camera::MAX_PIXELS;
 use crate::lane::{Bits, Lane, Mask};
 use crate::math::Vec3;

@@ -4,17 +4,17 @@
 //! For: [`shade`] and [`shade_last`].
 
 use super::bsdf::{ScatteredPath, scatter};
-use super::cone::scattered_cone;
 use super::context::TraceContext;
+use super::context::{ends_missed, has, reads_texels_first};
 use super::emission::{missed_radiance, surface_radiance};
-use super::features::{ends_missed, has, reads_texels_first};
 use super::intersect::Intersected;
-use super::material::MaterialSample;
+use super::material::scattered_cone;
+use super::material::{MaterialSample, texel_indices};
+use super::queue::IntColumn;
 use super::queue::{Path, PathQueue};
 use super::scratch::Scratch;
 use super::shadow_rays::sample_direct_light;
 use super::surface::Surface;
-use super::texel_reads::texels_of_hits;
 use crate::buffers::Features;
 use crate::lane::{Bits, Lane, Mask};
 use crate::math::{Hit, Vec3};
@@ -211,4 +211,22 @@ impl<const FIRST: bool> RadianceAccumulator<FIRST> {
     fn finish(self, scratch: &mut Scratch) {
         scratch.radiance.add(self.contributions);
     }
+}
+
+/// Reads the texels of the hits of a range of a queue. `FIRST`: of primary rays.
+#[inline(always)]
+pub fn texels_of_hits<L: Lane, const N: u32, const FIRST: bool>(
+    context: &TraceContext,
+    queue: &PathQueue,
+    paths: Range<usize>,
+    texels: &mut IntColumn,
+) {
+    for at in paths.clone().step_by(L::WIDTH) {
+        let path = context.path::<L, N, FIRST>(queue, at);
+        let hit: Hit<L> = queue.hit(at);
+        let found = hit.found() & L::Mask::first(paths.end - at);
+        let surface = Surface::of::<N>(context, &path, &hit, found);
+        texel_indices::<L, N>(context, &surface, found).store(&mut texels[at..]);
+    }
+    context.buffers.textures.read_texels(&mut texels[paths]);
 }

@@ -4,11 +4,11 @@
 //! [`trace_shadow_rays`], the stage that adds the radiance of the unoccluded ones.
 
 use super::bsdf::{ScatteredPath, evaluate, has_sampled_lobe};
-use super::cone::scattered_cone;
 use super::context::TraceContext;
+use super::context::has;
 use super::emission::{environment_radiance, mis_weight};
-use super::features::has;
 use super::material::MaterialSample;
+use super::material::scattered_cone;
 use super::queue::Path;
 use super::scratch::Scratch;
 use super::stats::{RayKind, Stage};

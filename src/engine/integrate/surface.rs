@@ -3,7 +3,7 @@
 //! For: [`Surface`], looked up from the buffers for a packet of hits.
 
 use super::context::TraceContext;
-use super::features::has;
+use super::context::has;
 use super::queue::Path;
 use crate::buffers::Features;
 use crate::kernel::light::{self, FlatLight};

@@ -1,4 +1,4 @@
-//! Rays against spheres, by several methods side by side.
+//! Rays against spheres, by the default method and the textbook's.
 
 use crate::lane::{Lane, Mask};
 use crate::math::{Ray, Vec3};
@@ -91,29 +91,25 @@ impl SphereMethod for Robust {
 
     #[inline(always)]
     fn equation<L: Lane>(ray: &Ray<L>, center: Vec3<L>, radius2: L) -> (L::Mask, QuadraticEquation<L>) {
-        by_perpendicular(ray, center, radius2, |x| x)
+        let from_center = ray.origin - center;
+        let c = from_center.dot(from_center) - radius2;
+        let b = -from_center.dot(ray.direction);
+        let perpendicular = ray.direction.mul_add(b, from_center);
+        let discriminant = radius2 - perpendicular.dot(perpendicular);
+        (may_hit(b, c, !discriminant.to_bits()), QuadraticEquation { b, c, discriminant })
     }
     #[inline(always)]
-    fn root<L: Lane>(_ray: &Ray<L>, equation: &QuadraticEquation<L>) -> L {
-        root_without_cancellation(equation, |x| x, |x| x)
+    fn root<L: Lane>(_: &Ray<L>, &QuadraticEquation { b, c, discriminant }: &QuadraticEquation<L>) -> L {
+        // The roots are c/q and q. Neither cancels, because q is a sum of two numbers of the sign of b. From
+        // outside the nearer one is c/q; from inside the one in front is q where the centre lies ahead, c/q
+        // where it lies behind.
+        let q = b + discriminant.sqrt().flip_sign(b);
+        // The comparison is with q and not b, which at the centre is a zero of either sign. The minimum keeps
+        // the nearer root from exceeding the other on the surface, where both are close to zero and c is
+        // rounding error.
+        let ahead_from_inside = c.le(L::zero()) & L::zero().lt(q);
+        L::select(ahead_from_inside, q, (c / q).min(q.abs()))
     }
-}
-
-/// The robust equation, with division by the squared length of the direction as a parameter.
-#[inline(always)]
-fn by_perpendicular<L: Lane>(
-    ray: &Ray<L>,
-    center: Vec3<L>,
-    radius2: L,
-    divide: impl Fn(L) -> L,
-) -> (L::Mask, QuadraticEquation<L>) {
-    let from_center = ray.origin - center;
-    let c = from_center.dot(from_center) - radius2;
-    let b = -from_center.dot(ray.direction);
-    let perpendicular = ray.direction.mul_add(divide(b), from_center);
-    let discriminant = radius2 - perpendicular.dot(perpendicular);
-    let may_hit = may_hit(b, c, !discriminant.to_bits());
-    (may_hit, QuadraticEquation { b, c, discriminant })
 }
 
 /// The lanes whose lines meet the sphere, where the sign bit of `meets` is set, but those of rays that start
@@ -125,30 +121,6 @@ fn by_perpendicular<L: Lane>(
 pub(super) fn may_hit<L: Lane>(b: L, c: L, meets: L::Bits) -> L::Mask {
     L::from_bits(meets & (!b.to_bits() | c.to_bits())).is_sign_negative()
 }
-
-/// The nearest root in front, with multiplication and division by the squared length of the direction as
-/// parameters.
-#[inline(always)]
-fn root_without_cancellation<L: Lane>(
-    &QuadraticEquation { b, c, discriminant }: &QuadraticEquation<L>,
-    multiply: impl Fn(L) -> L,
-    divide: impl Fn(L) -> L,
-) -> L {
-    // The roots are c/q and q. Neither cancels, because q is a sum of two numbers of the sign of b. From
-    // outside the nearer one is c/q; from inside the one in front is q where the centre lies ahead, c/q where
-    // it lies behind.
-    let q = b + multiply(discriminant).sqrt().flip_sign(b);
-    let far = divide(q);
-    // The comparison is with q and not b, which at the centre is a zero of either sign. The minimum keeps the
-    // nearer root from exceeding the other on the surface, where both are close to zero and c is rounding
-    // error.
-    let ahead_from_inside = c.le(L::zero()) & L::zero().lt(q);
-    L::select(ahead_from_inside, far, (c / q).min(far.abs()))
-}
-
-/// [`Robust`] for directions of any length between 1e-15 and 1e15, at the cost of one division per ray and
-/// three products per test.
-pub struct RobustAnyLength;
 
 /// A ray and the reciprocal of its direction's squared length.
 #[derive(Clone, Copy)]
@@ -163,29 +135,6 @@ impl<L: Lane> Scaled<L> {
     fn new(ray: &Ray<L>) -> Self {
         let a = ray.direction.dot(ray.direction);
         Self { ray: *ray, a, inverse_a: L::one() / a }
-    }
-}
-
-impl SphereMethod for RobustAnyLength {
-    type Prepared<L: Lane> = Scaled<L>;
-    const MAY_CULL: bool = false;
-
-    #[inline(always)]
-    fn prepare<L: Lane>(ray: &Ray<L>) -> Scaled<L> {
-        Scaled::new(ray)
-    }
-
-    #[inline(always)]
-    fn equation<L: Lane>(
-        Scaled { ray, inverse_a, .. }: &Scaled<L>,
-        center: Vec3<L>,
-        radius2: L,
-    ) -> (L::Mask, QuadraticEquation<L>) {
-        by_perpendicular(ray, center, radius2, |x| x * *inverse_a)
-    }
-    #[inline(always)]
-    fn root<L: Lane>(Scaled { a, inverse_a, .. }: &Scaled<L>, equation: &QuadraticEquation<L>) -> L {
-        root_without_cancellation(equation, |x| *a * x, |x| x * *inverse_a)
     }
 }
 

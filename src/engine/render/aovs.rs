@@ -6,7 +6,7 @@ use super::Renderer;
 use crate::camera::Tile;
 use crate::integrate::aovs::{self, Aovs};
 use crate::integrate::edge_aovs::{self, DenoiserAovs};
-use crate::integrate::probe::PathShape;
+use crate::integrate::meter::PathShape;
 use crate::integrate::{Scratch, cost};
 use rayon::prelude::*;
 use std::sync::Mutex;

@@ -65,7 +65,7 @@ impl List {
             spheres: scene.spheres.iter().map(sphere).collect(),
             triangles: match methods.triangle {
                 TriangleChoice::Woop => Triangles::Woop(store_triangles::<Woop>(scene)),
-                TriangleChoice::MollerTrumbore | TriangleChoice::BaldwinWeber => {
+                TriangleChoice::MollerTrumbore => {
                     Triangles::MollerTrumbore(store_triangles::<MollerTrumbore>(scene))
                 }
             },

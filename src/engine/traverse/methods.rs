@@ -5,13 +5,11 @@
 use super::batch::Traversal;
 use crate::buffers::{Features, LightChoice};
 use crate::choice::{Choice, choices, serde_by_name};
-use crate::lane::{F32x8, Lane};
 use crate::sampling::Sampler;
 use crate::scene::Scene;
 
 choices! {
-    /// The ray–sphere intersection method. [`crate::kernel::ray_sphere`] has more, which only the charts of
-    /// `octray chart` show.
+    /// The ray–sphere intersection method: the default, and the textbook's for contrast.
     pub enum SphereChoice {
         #[default]
         Robust = "robust",
@@ -21,26 +19,11 @@ choices! {
 }
 
 choices! {
-    /// The ray–triangle intersection method: the default, the fastest of the measured front, and the classic
-    /// for contrast. [`crate::kernel::ray_triangle`] has more, which only the charts of `octray chart` show.
+    /// The ray–triangle intersection method: the default, and the classic for contrast.
     pub enum TriangleChoice {
         #[default]
         Woop = "woop", "Watertight: no ray slips through between neighbouring triangles.";
         MollerTrumbore = "moller-trumbore", "The classic: leaks at edges and vertices.";
-        BaldwinWeber = "baldwin-weber",
-            "Stores an affine map for each triangle: fast, leaks at edges and vertices.";
-    }
-}
-
-choices! {
-    /// The ray–box intersection method; see [`crate::kernel::ray_box`]. A hierarchy uses no others: each is
-    /// slower than the default, or as fast and wrong, as `octray chart` shows.
-    pub enum BoxChoice {
-        #[default]
-        PaddedFma = "padded-fma",
-            "One fused multiply-add a plane, padded by the rounding error bound: loses no hit.";
-        /// No faster, because padding is added once a ray. Different traversals lose different hits.
-        Fma = "fma", "The same without padding: no faster, and loses hits at corners and edges.";
     }
 }
 
@@ -69,8 +52,6 @@ pub struct Methods {
     pub sphere: SphereChoice,
     /// How rays meet triangles.
     pub triangle: TriangleChoice,
-    /// How rays meet boxes.
-    pub boxes: BoxChoice,
     /// How rays find primitives.
     pub traversal: TraversalChoice,
     /// Which lights are sampled.
@@ -144,24 +125,6 @@ impl Choice for TraversalChoice {
 serde_by_name!(TraversalChoice);
 
 impl Methods {
-    /// The fastest point of the measured front (`octray chart`): an intersection method that leaks at edges
-    /// and vertices, in scenes where it is faster. In a hierarchy, and in scenes of spheres alone, nothing is
-    /// faster than the defaults.
-    pub fn fast(scene: &Scene) -> Self {
-        let default = Self::default();
-        match default.traversal_of(scene, F32x8::WIDTH) {
-            Some(_) => default,
-            None => Self { triangle: TriangleChoice::BaldwinWeber, ..default },
-        }
-    }
-    /// Do the box tests lose no hit? Then every traversal gives the same bits.
-    pub fn lose_no_hit(&self) -> bool {
-        self.boxes == BoxChoice::PaddedFma
-    }
-    /// Are all intersection methods the robust ones?
-    pub fn are_robust(&self) -> bool {
-        self.keep_to_their_primitives() && self.lose_no_hit()
-    }
     /// The traversal of a scene's hierarchy at a width of 1, or of 8 and more; `None` where every primitive
     /// is tested.
     pub fn traversal_of(&self, scene: &Scene, lanes: usize) -> Option<Traversal> {

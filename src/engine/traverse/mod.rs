@@ -41,8 +41,8 @@ pub mod tile;
 
 pub use compact::Layout;
 pub use list::List;
-pub use methods::{BoxChoice, Methods, SphereChoice, TraversalChoice, TriangleChoice};
 pub use methods::{MAX_LIST_COST, TRIANGLE_COST, features_of, list_cost};
+pub use methods::{Methods, SphereChoice, TraversalChoice, TriangleChoice};
 pub use occluders::Occluders;
 pub use prepared::{Packet, SingleRay};
 pub use primitive_list::PrimitiveList;

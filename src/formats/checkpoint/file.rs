@@ -8,13 +8,14 @@ use crate::output::{CancellableWriter, Existing, OutputError, write_atomically};
 use octray_engine::camera::{MAX_PIXELS, Tile};
 use octray_engine::film::Film;
 use octray_engine::scene::MAX_SIDE;
+use octray_engine::tone::Tone;
 use serde::{Deserialize, Serialize};
 use std::fs::File;
 use std::io::{self, BufReader, ErrorKind, Read, Write};
 use std::path::{Path, PathBuf};
 
 const MAGIC: [u8; 8] = *b"\x89octray\n";
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 /// Longest header in bytes: some fifty times what one takes.
 const MAX_HEADER: u32 = 1 << 16;
 
@@ -27,7 +28,8 @@ pub struct Header {
     /// What must be the same to go on.
     pub identity: Identity,
     /// How the picture is shown.
-    pub display: Display,
+    #[serde(with = "Display")]
+    pub display: Tone,
     /// Samples per pixel that the run was to take; with adaptive sampling the most.
     pub wanted: u32,
     /// Was the run's limit of samples or its target error reached?
@@ -55,11 +57,11 @@ pub fn save(
 pub(super) fn write(out: impl Write, header: &Header, film: &Film, goals: &[u32]) -> io::Result<()> {
     let header = Header { rays: film.rays(), tiles: film.tiles().len() as u32, ..header.clone() };
     let text = serde_json::to_vec(&header)?;
-    let mut out = Summed { inner: out, sum: crc32fast::Hasher::new() };
-    out.write_all(&MAGIC)?;
-    out.write_all(&VERSION.to_le_bytes())?;
-    out.write_all(&(text.len() as u32).to_le_bytes())?;
-    out.write_all(&text)?;
+    let mut out = Writer { inner: out, sum: crc32fast::Hasher::new() };
+    out.write(&MAGIC)?;
+    out.write(&VERSION.to_le_bytes())?;
+    out.write(&(text.len() as u32).to_le_bytes())?;
+    out.write(&text)?;
     out.write_sum()?;
     let mut words = Vec::new();
     for sums in film.tiles() {
@@ -69,7 +71,7 @@ pub(super) fn write(out: impl Write, header: &Header, film: &Film, goals: &[u32]
         words.extend([number as u32, sums.samples, goal, u32::from(sums.has_discarded())]);
         sums.words_into(&mut words);
         words.iter_mut().for_each(|word| *word = word.to_le());
-        out.write_all(bytemuck::cast_slice(&words))?;
+        out.write(bytemuck::cast_slice(&words))?;
     }
     out.write_sum()
 }
@@ -92,29 +94,26 @@ fn open_regular(path: &Path) -> io::Result<Option<(File, u64)>> {
 
 /// A checkpoint whose header was read, and whose tiles were not yet.
 pub struct Checkpoint<R> {
-    /// Where it was read from, for messages.
-    pub path: PathBuf,
     /// What stands before the sums.
     pub header: Header,
-    reader: Summed<R>,
+    reader: Reader<R>,
 }
 
 impl Checkpoint<BufReader<File>> {
     /// Opens a file; `None` if there is none.
     pub fn open(path: &Path) -> Result<Option<Self>, CheckpointError> {
-        let failed = |source| CheckpointError::Read { path: path.to_owned(), source };
         match open_regular(path) {
             Ok(Some((file, length))) => {
                 let checkpoint = Self::read(BufReader::with_capacity(1 << 16, file), path)?;
                 // Before a film is allocated.
                 if length < least_bytes(&checkpoint.header) {
-                    return Err(damaged(path, "it ends too early"));
+                    return Err(checkpoint.reader.damaged("it ends too early"));
                 }
                 Ok(Some(checkpoint))
             }
             Ok(None) => Err(CheckpointError::NotACheckpoint { path: path.to_owned() }),
             Err(error) if error.kind() == ErrorKind::NotFound => Ok(None),
-            Err(error) => Err(failed(error)),
+            Err(source) => Err(CheckpointError::Read { path: path.to_owned(), source }),
         }
     }
 }
@@ -122,30 +121,32 @@ impl Checkpoint<BufReader<File>> {
 impl<R: Read> Checkpoint<R> {
     /// Reads the header.
     pub fn read(reader: R, path: &Path) -> Result<Self, CheckpointError> {
-        let path = path.to_owned();
-        let mut reader = Summed { inner: reader, sum: crc32fast::Hasher::new() };
+        let mut reader = Reader { path: path.to_owned(), inner: reader, sum: crc32fast::Hasher::new() };
         let mut magic = [0; MAGIC.len()];
-        match reader.read_exact(&mut magic) {
+        match reader.fill(&mut magic) {
             Ok(()) if magic == MAGIC => {}
-            Err(error) if error.kind() != ErrorKind::UnexpectedEof => {
-                return Err(CheckpointError::Read { path, source: error });
-            }
-            _ => return Err(CheckpointError::NotACheckpoint { path }),
+            Err(error @ CheckpointError::Read { .. }) => return Err(error),
+            _ => return Err(CheckpointError::NotACheckpoint { path: reader.path }),
         }
-        let [found, length] = read_words(&mut reader).map_err(|error| ended(&path, error))?;
+        let [found, length] = reader.words()?;
         if found != VERSION {
-            return Err(CheckpointError::Version { path, found, reads: VERSION });
+            return Err(CheckpointError::Version { path: reader.path, found, reads: VERSION });
         }
         if length > MAX_HEADER {
-            return Err(damaged(&path, "its header is too long"));
+            return Err(reader.damaged("its header is too long"));
         }
         let mut text = vec![0; length as usize];
-        reader.read_exact(&mut text).map_err(|error| ended(&path, error))?;
-        check_sum(&mut reader, &path)?;
+        reader.fill(&mut text)?;
+        reader.check_sum()?;
         let header: Header = serde_json::from_slice(&text)
-            .map_err(|error| damaged(&path, format!("its header cannot be read ({error})")))?;
-        check(&header).map_err(|what| damaged(&path, what))?;
-        Ok(Self { path, header, reader })
+            .map_err(|error| reader.damaged(format!("its header cannot be read ({error})")))?;
+        check(&header).map_err(|what| reader.damaged(what))?;
+        Ok(Self { header, reader })
+    }
+
+    /// Where it was read from, for messages.
+    pub fn path(&self) -> &Path {
+        &self.reader.path
     }
 
     /// Reads the tiles into a film that has all of them, of the header's resolution, tile size and target.
@@ -155,44 +156,40 @@ impl<R: Read> Checkpoint<R> {
     ///
     /// # Panics
     /// If the film is of another resolution.
-    pub fn fill(mut self, film: &mut Film) -> Result<Vec<u32>, CheckpointError> {
-        assert_eq!(film.resolution(), self.header.identity.settings.resolution);
-        let Header { tiles: count, identity: Identity { shard, .. }, .. } = self.header;
+    pub fn fill(self, film: &mut Film) -> Result<Vec<u32>, CheckpointError> {
+        let Self { header, mut reader } = self;
+        let (Identity { settings, shard, .. }, count) = (header.identity, header.tiles);
+        assert_eq!(film.resolution(), settings.resolution);
         let expected = film.tiles().iter().filter(|sums| shard.has(sums.tile.number)).count();
         if expected != count as usize {
-            return Err(damaged(&self.path, format!("it has {count} tiles instead of {expected}")));
+            return Err(reader.damaged(format!("it has {count} tiles instead of {expected}")));
         }
         let mut goals = Vec::new();
         let mut tiles = film.tiles_mut().iter_mut();
         for _ in 0..count {
-            let [number, samples, goal, discarded] = self.words()?;
+            let [number, samples, goal, discarded] = reader.words()?;
             let sums = tiles.find(|sums| sums.tile.number == number as usize);
             let Some(sums) = sums.filter(|sums| shard.has(sums.tile.number)) else {
-                return Err(damaged(&self.path, format!("tile {number} is not where it should be")));
+                return Err(reader.damaged(format!("tile {number} is not where it should be")));
             };
             // Goals of a round are within the target's limit, and rendering goes on until they are reached.
-            let most = self.header.identity.settings.target.map_or(u32::MAX, |(.., most)| most);
+            let most = settings.target.map_or(u32::MAX, |(.., most)| most);
             if discarded > 1 || goal > most.max(samples) {
-                return Err(damaged(&self.path, format!("tile {number} cannot be read")));
+                return Err(reader.damaged(format!("tile {number} cannot be read")));
             }
             let mut words = vec![0; sums.words(discarded == 1)];
-            let bytes = bytemuck::cast_slice_mut(&mut words);
-            self.reader.read_exact(bytes).map_err(|error| ended(&self.path, error))?;
+            reader.fill(bytemuck::cast_slice_mut(&mut words))?;
             words.iter_mut().for_each(|word| *word = u32::from_le(*word));
             sums.restore(samples, discarded == 1, &words);
             goals.resize(sums.tile.number, 0);
             goals.push(goal);
         }
-        check_sum(&mut self.reader, &self.path)?;
-        if self.reader.read(&mut [0]).map_err(|error| ended(&self.path, error))? > 0 {
-            return Err(damaged(&self.path, "something follows its end"));
+        reader.check_sum()?;
+        if reader.fill(&mut [0]).is_ok() {
+            return Err(reader.damaged("something follows its end"));
         }
-        film.add_rays(self.header.rays);
+        film.add_rays(header.rays);
         Ok(goals)
-    }
-
-    fn words<const N: usize>(&mut self) -> Result<[u32; N], CheckpointError> {
-        read_words(&mut self.reader).map_err(|error| ended(&self.path, error))
     }
 }
 
@@ -218,61 +215,57 @@ fn check(header: &Header) -> Result<(), String> {
     Ok(())
 }
 
-fn read_words<const N: usize>(reader: &mut impl Read) -> io::Result<[u32; N]> {
-    let mut words = [0; N];
-    reader.read_exact(bytemuck::cast_slice_mut(&mut words))?;
-    Ok(words.map(u32::from_le))
-}
-
-/// Reads the checksum of everything before.
-fn check_sum(reader: &mut Summed<impl Read>, path: &Path) -> Result<(), CheckpointError> {
-    let sum = reader.sum.clone().finalize();
-    match read_words(reader).map_err(|error| ended(path, error))? {
-        [found] if found == sum => Ok(()),
-        _ => Err(damaged(path, "its checksum is wrong")),
-    }
-}
-
-fn damaged(path: &Path, what: impl Into<String>) -> CheckpointError {
-    CheckpointError::Damaged { path: path.to_owned(), what: what.into() }
-}
-
-fn ended(path: &Path, source: io::Error) -> CheckpointError {
-    match source.kind() {
-        ErrorKind::UnexpectedEof => damaged(path, "it ends too early"),
-        _ => CheckpointError::Read { path: path.to_owned(), source },
-    }
-}
-
-/// Sums up all bytes that pass.
-struct Summed<T> {
-    inner: T,
+/// Reads a file, and sums up all bytes that pass.
+struct Reader<R> {
+    path: PathBuf,
+    inner: R,
     sum: crc32fast::Hasher,
 }
 
-impl<W: Write> Summed<W> {
+impl<R> Reader<R> {
+    fn damaged(&self, what: impl Into<String>) -> CheckpointError {
+        CheckpointError::Damaged { path: self.path.clone(), what: what.into() }
+    }
+}
+
+impl<R: Read> Reader<R> {
+    fn fill(&mut self, bytes: &mut [u8]) -> Result<(), CheckpointError> {
+        self.inner.read_exact(bytes).map_err(|source| match source.kind() {
+            ErrorKind::UnexpectedEof => self.damaged("it ends too early"),
+            _ => CheckpointError::Read { path: self.path.clone(), source },
+        })?;
+        self.sum.update(bytes);
+        Ok(())
+    }
+    fn words<const N: usize>(&mut self) -> Result<[u32; N], CheckpointError> {
+        let mut words = [0; N];
+        self.fill(bytemuck::cast_slice_mut(&mut words))?;
+        Ok(words.map(u32::from_le))
+    }
+    /// Reads the checksum of everything before.
+    fn check_sum(&mut self) -> Result<(), CheckpointError> {
+        let sum = self.sum.clone().finalize();
+        match self.words()? {
+            [found] if found == sum => Ok(()),
+            _ => Err(self.damaged("its checksum is wrong")),
+        }
+    }
+}
+
+/// Writes a file, and sums up all bytes that pass.
+struct Writer<W> {
+    inner: W,
+    sum: crc32fast::Hasher,
+}
+
+impl<W: Write> Writer<W> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<()> {
+        self.sum.update(bytes);
+        self.inner.write_all(bytes)
+    }
     /// Writes the checksum of everything before.
     fn write_sum(&mut self) -> io::Result<()> {
         let sum = self.sum.clone().finalize();
-        self.write_all(&sum.to_le_bytes())
-    }
-}
-
-impl<W: Write> Write for Summed<W> {
-    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        let written = self.inner.write(bytes)?;
-        self.sum.update(&bytes[..written]);
-        Ok(written)
-    }
-    fn flush(&mut self) -> io::Result<()> {
-        self.inner.flush()
-    }
-}
-
-impl<R: Read> Read for Summed<R> {
-    fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
-        let read = self.inner.read(bytes)?;
-        self.sum.update(&bytes[..read]);
-        Ok(read)
+        self.write(&sum.to_le_bytes())
     }
 }

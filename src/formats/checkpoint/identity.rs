@@ -10,7 +10,7 @@ use octray_engine::render::Settings;
 use octray_engine::sampling::Sampler;
 use octray_engine::scene::Scene;
 use octray_engine::tone::{Operator, Tone};
-use octray_engine::traverse::{BoxChoice, Methods, SphereChoice, TraversalChoice, TriangleChoice};
+use octray_engine::traverse::{Methods, SphereChoice, TriangleChoice};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
@@ -34,32 +34,14 @@ impl Shard {
     }
 }
 
-/// How a build rounds `a · b + c`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Rounding {
-    /// Once: fused multiply-add.
-    Fused,
-    /// Twice.
-    Separate,
-}
-
 /// The program that renders.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Program {
     /// Its version: another one may have other methods.
     pub version: String,
-    /// How films of this build are rounded.
-    pub rounding: Rounding,
-}
-
-impl Program {
-    /// This build.
-    pub fn current() -> Self {
-        let rounding = if FUSED { Rounding::Fused } else { Rounding::Separate };
-        Self { version: env!("CARGO_PKG_VERSION").into(), rounding }
-    }
+    /// How films of this build round `a · b + c`: once, by a `fused` multiply-add, or `separate`, twice.
+    pub rounding: String,
 }
 
 /// Every setting that changes a bit of a film.
@@ -80,17 +62,10 @@ pub struct Recorded {
     pub sphere: SphereChoice,
     /// The triangle test.
     pub triangle: TriangleChoice,
-    /// The box test.
-    #[serde(rename = "box")]
-    pub boxes: BoxChoice,
     /// Which lights are sampled.
     pub lights: LightChoice,
     /// Where samples come from.
     pub sampler: Sampler,
-    /// Null if box tests lose no hit, because then every traversal and width gives the same bits.
-    pub traversal: Option<TraversalChoice>,
-    /// Lanes of a packet; null as the traversal.
-    pub lanes: Option<u32>,
     /// Error, fewest and most samples of adaptive sampling; null without.
     pub target: Option<(f64, u32, u32)>,
 }
@@ -104,14 +79,13 @@ impl Recorded {
             max_bounces,
             seed,
             methods,
-            lanes,
+            lanes: _,
             threads: _,
             tile_size,
             pipeline: _,
             clamp,
         } = *settings;
-        let Methods { sphere, triangle, boxes, traversal, lights, sampler } = methods;
-        let lossy = !methods.lose_no_hit();
+        let Methods { sphere, triangle, traversal: _, lights, sampler } = methods;
         Self {
             resolution,
             tile_size,
@@ -120,11 +94,8 @@ impl Recorded {
             clamp: Some(clamp).filter(|clamp| clamp.is_finite()),
             sphere,
             triangle,
-            boxes,
             lights,
             sampler,
-            traversal: lossy.then_some(traversal),
-            lanes: lossy.then_some(lanes as u32),
             target: target.map(|&Target { error, least, most }| (error, least, most)),
         }
     }
@@ -148,7 +119,10 @@ impl Identity {
     /// What a run of this build with these settings would write.
     pub fn new(scene: &Scene, settings: &Settings, target: Option<&Target>, shard: Shard) -> Self {
         Self {
-            program: Program::current(),
+            program: Program {
+                version: env!("CARGO_PKG_VERSION").into(),
+                rounding: if FUSED { "fused" } else { "separate" }.into(),
+            },
             scene: Fingerprint::of(scene),
             settings: Recorded::of(settings, target),
             shard,
@@ -197,24 +171,12 @@ fn shown(value: &Value) -> String {
     }
 }
 
-/// How a picture file is made of the film: no bit of the film depends on it.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Display {
+/// How a picture file is made of the film, as a header writes it: no bit of the film depends on it.
+#[derive(Serialize, Deserialize)]
+#[serde(remote = "Tone", deny_unknown_fields)]
+pub(super) struct Display {
     /// Stops of a factor of two.
-    pub exposure: f32,
-    /// Tone mapping.
-    pub tone: Operator,
-}
-
-impl From<Tone> for Display {
-    fn from(Tone { exposure, operator }: Tone) -> Self {
-        Self { exposure, tone: operator }
-    }
-}
-
-impl From<Display> for Tone {
-    fn from(Display { exposure, tone }: Display) -> Self {
-        Self { exposure, operator: tone }
-    }
+    exposure: f32,
+    #[serde(rename = "tone")]
+    operator: Operator,
 }

@@ -41,7 +41,7 @@ impl<R: Read> Parts<R> {
         faults.extend(missing(&parts));
         faults.extend(parts.iter().filter(|part| !part.header.complete).map(|part| {
             let wanted = counted(part.header.wanted, "sample", "samples");
-            format!("`{}` is not complete: its run ended before it had {wanted}", part.path.display())
+            format!("`{}` is not complete: its run ended before it had {wanted}", part.path().display())
         }));
         if faults.is_empty() { Ok(Self(parts)) } else { Err(CheckpointError::Parts { faults, mend: MEND }) }
     }
@@ -65,7 +65,7 @@ impl<R: Read> Parts<R> {
     }
 }
 
-fn mixed<R>(part: &Checkpoint<R>, first: &Checkpoint<R>) -> Vec<String> {
+fn mixed<R: Read>(part: &Checkpoint<R>, first: &Checkpoint<R>) -> Vec<String> {
     let (theirs, ours) = (&part.header, &first.header);
     let here = Identity { shard: ours.identity.shard, ..theirs.identity.clone() };
     let mut found = here.differences(&ours.identity);
@@ -78,14 +78,14 @@ fn mixed<R>(part: &Checkpoint<R>, first: &Checkpoint<R>) -> Vec<String> {
     if theirs.display != ours.display {
         found.push("exposure or tone: not the same".into());
     }
-    let [part, first] = [&part.path, &first.path].map(|path| path.display());
+    let [part, first] = [part, first].map(|part| part.path().display());
     found.into_iter().map(|what| format!("`{part}` is not of the picture of `{first}`: {what}")).collect()
 }
 
-fn doubled<R>(part: &Checkpoint<R>, before: &[Checkpoint<R>]) -> Option<String> {
+fn doubled<R: Read>(part: &Checkpoint<R>, before: &[Checkpoint<R>]) -> Option<String> {
     let shard = part.header.identity.shard;
     let same = before.iter().find(|other| other.header.identity.shard == shard)?;
-    let [path, other] = [&part.path, &same.path].map(|path| path.display());
+    let [path, other] = [part, same].map(|part| part.path().display());
     Some(format!("shard {} is there twice: `{other}` and `{path}`", shard.number))
 }
 

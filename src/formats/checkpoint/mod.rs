@@ -48,4 +48,4 @@ mod tests;
 pub use error::CheckpointError;
 pub use file::{Checkpoint, Header, is_checkpoint, save};
 pub use fingerprint::Fingerprint;
-pub use identity::{Display, Identity, Program, Recorded, Rounding, Shard};
+pub use identity::{Identity, Program, Recorded, Shard};

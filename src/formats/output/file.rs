@@ -10,7 +10,7 @@
 use super::error::OutputError;
 use serde::Serialize;
 use std::fs::{self, File};
-use std::io::{self, BufWriter, Seek, SeekFrom, Write};
+use std::io::{self, BufWriter, ErrorKind, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
 
@@ -54,7 +54,7 @@ pub fn write_atomically(
     };
     match persisted {
         Ok(_) => Ok(()),
-        Err(error) if error.error.kind() == io::ErrorKind::AlreadyExists => {
+        Err(error) if error.error.kind() == ErrorKind::AlreadyExists => {
             Err(OutputError::Exists { path: path.to_owned() })
         }
         Err(error) => Err(failed(error.error)),
@@ -139,36 +139,31 @@ struct Destination {
 
 impl Destination {
     fn of(path: &Path, existing: Existing) -> Result<Self, OutputError> {
-        let path_owned = || path.to_owned();
+        let path = path.to_owned();
         if path.file_name().is_none() || path.as_os_str().as_encoded_bytes().ends_with(b"/") {
-            return Err(OutputError::IsFolder { path: path_owned() });
+            return Err(OutputError::IsFolder { path });
         }
-        let file = if path.is_symlink() { follow(path) } else { path_owned() };
+        let file = if path.is_symlink() { follow(&path) } else { path.clone() };
         let folder = match file.parent() {
             Some(parent) if !parent.as_os_str().is_empty() => parent.to_owned(),
             _ => PathBuf::from("."),
         };
-        match fs::metadata(&folder) {
+        match fs::metadata(&folder).map_err(|error| (error.kind(), error)) {
             Ok(found) if found.is_dir() => {}
-            Ok(_) => return Err(OutputError::NotAFolder { folder, path: path_owned() }),
-            Err(error) if error.kind() == io::ErrorKind::NotFound => {
-                return Err(OutputError::MissingFolder { folder, path: path_owned() });
+            Ok(_) | Err((ErrorKind::NotADirectory, _)) => {
+                return Err(OutputError::NotAFolder { folder, path });
             }
-            Err(error) if error.kind() == io::ErrorKind::NotADirectory => {
-                return Err(OutputError::NotAFolder { folder, path: path_owned() });
-            }
-            Err(source) => return Err(OutputError::Unreachable { path: path_owned(), source }),
+            Err((ErrorKind::NotFound, _)) => return Err(OutputError::MissingFolder { folder, path }),
+            Err((_, source)) => return Err(OutputError::Unreachable { path, source }),
         }
         let permissions = match fs::metadata(&file) {
-            Ok(found) if found.is_dir() => return Err(OutputError::IsFolder { path: path_owned() }),
-            Ok(found) if !found.is_file() => return Err(OutputError::NotAFile { path: path_owned() }),
-            Ok(_) if existing == Existing::Keep => return Err(OutputError::Exists { path: path_owned() }),
-            Ok(found) if found.permissions().readonly() => {
-                return Err(OutputError::ReadOnly { path: path_owned() });
-            }
+            Ok(found) if found.is_dir() => return Err(OutputError::IsFolder { path }),
+            Ok(found) if !found.is_file() => return Err(OutputError::NotAFile { path }),
+            Ok(_) if existing == Existing::Keep => return Err(OutputError::Exists { path }),
+            Ok(found) if found.permissions().readonly() => return Err(OutputError::ReadOnly { path }),
             Ok(found) => Some(found.permissions()),
-            Err(error) if error.kind() == io::ErrorKind::NotFound => None,
-            Err(source) => return Err(OutputError::Unreachable { path: path_owned(), source }),
+            Err(error) if error.kind() == ErrorKind::NotFound => None,
+            Err(source) => return Err(OutputError::Unreachable { path, source }),
         };
         Ok(Self { file, folder, permissions })
     }
@@ -182,22 +177,18 @@ impl Destination {
         // owner alone.
         #[cfg(unix)]
         builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+        // The error without the temporary file's name, which means nothing to the user.
         builder.tempfile_in(&self.folder).map_err(|error| OutputError::FolderNotWritable {
             folder: self.folder.clone(),
-            source: without_path(error),
+            source: error.kind().into(),
         })
     }
-}
-
-/// The error without the temporary file's name, which means nothing to the user.
-fn without_path(error: io::Error) -> io::Error {
-    error.kind().into()
 }
 
 /// The target of a symbolic link; one step of it if the target does not exist yet.
 fn follow(link: &Path) -> PathBuf {
     fs::canonicalize(link).unwrap_or_else(|_| match fs::read_link(link) {
-        Ok(target) => link.parent().unwrap_or(Path::new("")).join(target),
+        Ok(target) => link.with_file_name(target),
         Err(_) => link.to_owned(),
     })
 }

@@ -130,26 +130,6 @@ mod tests {
     use super::*;
 
     #[test]
-    fn format_is_read_from_the_extension() {
-        for (name, format) in [
-            ("a.png", Format::Png),
-            ("a.b.PNG", Format::Png),
-            ("x/a.jpg", Format::Jpeg),
-            ("a.jpeg", Format::Jpeg),
-            ("a.Exr", Format::Exr),
-            ("a.hdr", Format::Hdr),
-        ] {
-            assert_eq!(Format::of(Path::new(name)).unwrap(), format, "{name}");
-        }
-        for name in ["a", "png", ".png", "a.", "a.gif", "a.png.tmp", "x.png/a"] {
-            let message = Format::of(Path::new(name)).unwrap_err().to_string();
-            for extension in [".png", ".jpg", ".exr", ".hdr"] {
-                assert!(message.contains(extension), "{name}: {message}");
-            }
-        }
-    }
-
-    #[test]
     fn round_to_rgbe_keeps_within_half_a_step_and_is_idempotent() {
         let mut x = 1.0e-38_f32;
         while x < f32::MAX / 1.1 {

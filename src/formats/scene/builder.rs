@@ -5,10 +5,13 @@
 
 use super::check::has_area;
 use super::error::SceneError;
+use super::files::Files;
+use super::notes::Notes;
 use super::texture::Textures;
 use super::vertex_colors::VertexColors;
 use glam::{DVec2, DVec3, Vec2, Vec3};
 use octray_engine::scene::{Camera, Material, MaterialKind, Scene, Sky, Sphere, Triangle, bounds, framing};
+use std::path::Path;
 
 /// Default resolution: the size at which speed is measured.
 pub const DEFAULT_RESOLUTION: [u32; 2] = [240, 135];
@@ -47,11 +50,22 @@ pub struct SceneBuilder {
     uvs: Vec<[Vec2; 3]>,
     normals: Vec<[Vec3; 3]>,
     colors: VertexColors,
+    /// What is left out of the file that is being read.
+    pub notes: Notes,
     warnings: Vec<String>,
     more_warnings: usize,
 }
 
 impl SceneBuilder {
+    /// A builder of a scene that names these files.
+    pub fn new(files: &Files) -> Self {
+        let mut builder = Self::default();
+        builder.textures.files = files.clone();
+        builder
+    }
+    pub fn files(&self) -> &Files {
+        &self.textures.files
+    }
     pub fn add_material(&mut self, material: Material, texture_size: f64) -> u32 {
         self.materials.push(material);
         self.texture_sizes.push(texture_size);
@@ -99,8 +113,8 @@ impl SceneBuilder {
         self.triangles.push(Triangle { vertices, material });
         true
     }
-    /// The variant of a material whose triangles have vertex colours; `None` where textures or emission already
-    /// take the texture's place.
+    /// The variant of a material whose triangles have vertex colours; `None` where textures or emission
+    /// already take the texture's place.
     pub fn colored(&mut self, material: u32) -> Option<u32> {
         if let Some(&known) = self.colors.materials.get(&material) {
             return Some(known);
@@ -118,6 +132,12 @@ impl SceneBuilder {
         match self.warnings.len() < MAX_WARNINGS {
             true => self.warnings.push(warning.into()),
             false => self.more_warnings += 1,
+        }
+    }
+    /// Warns of the notes about a file, whose name `separator` parts from their places.
+    pub fn warn_of_notes(&mut self, path: &Path, separator: &str) {
+        for warning in std::mem::take(&mut self.notes).into_warnings(path, separator) {
+            self.warn(warning);
         }
     }
     /// The number of triangles so far.

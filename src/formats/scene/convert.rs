@@ -18,7 +18,6 @@ use octray_engine::film::Picture;
 use octray_engine::scene::{Filter, Material, MaterialKind, Scene, Sky, Texels, Texture};
 use serde_json::{Map, Value, json};
 use std::collections::HashMap;
-use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 /// A scene file, and the pictures beside it.
@@ -38,7 +37,7 @@ pub fn convert_model(model: &Path, scene: &Path) -> Result<Converted, SceneError
     let files = Files::beside(model);
     let content = files.read_named(model)?;
     let shown = model::scene(&content, model, &files, String::new())?;
-    let (models, folder) = (folder_of(model), folder_of(scene));
+    let [models, folder] = [model, scene].map(|path| path.parent().unwrap_or(Path::new("")));
     let mut pictures = Vec::new();
     let mut paths = Vec::new();
     for texture in &shown.textures {
@@ -58,10 +57,6 @@ pub fn convert_model(model: &Path, scene: &Path) -> Result<Converted, SceneError
         }
     }
     Ok(Converted { text: text(&shown, &paths), pictures, warnings: shown.warnings })
-}
-
-fn folder_of(path: &Path) -> &Path {
-    path.parent().unwrap_or(Path::new(""))
 }
 
 /// A texture as the content of an image file that reads back as the same texels, and the extension.
@@ -87,9 +82,8 @@ fn encoded(texture: &Texture) -> Result<(&'static str, Vec<u8>), String> {
 
 fn text(scene: &Scene, paths: &[String]) -> String {
     let names = unique_names(&scene.materials);
-    let mut text = String::from("{\n");
-    let mut entry =
-        |key: &str, value: String| writeln!(text, "  {}: {value},", json!(key)).expect("text grows");
+    let mut lines = Vec::new();
+    let mut entry = |key: &str, value: String| lines.push(format!("  {}: {value}", json!(key)));
     entry("format", json!(FORMAT).to_string());
     entry("camera", camera(&scene.camera));
     entry("resolution", json!(scene.resolution).to_string());
@@ -108,28 +102,29 @@ fn text(scene: &Scene, paths: &[String]) -> String {
             format!("    {}: {}", json!(name), material_text(scene, material, paths))
         });
     entry("materials", format!("{{\n{}\n  }}", materials.collect::<Vec<_>>().join(",\n")));
-    text.push_str("  \"triangles\": [\n");
-    for (i, triangle) in scene.triangles.iter().enumerate() {
-        let [a, b, c] = triangle.vertices.map(vec3);
-        write!(text, "    {{ \"vertices\": [{a}, {b}, {c}]").expect("text grows");
-        let material = &scene.materials[triangle.material as usize];
-        if let Some(texture) = vertex_colors_of(scene, material) {
-            let [a, b, c] = vertex_colors::read_back(texture, scene.uvs[i]).map(|color| vec3(color.into()));
-            write!(text, ", \"colors\": [{a}, {b}, {c}]").expect("text grows");
-        } else if material.textures().next().is_some() {
-            let [a, b, c] = scene.uvs[i].map(vec2);
-            write!(text, ", \"uvs\": [{a}, {b}, {c}]").expect("text grows");
-        }
-        if let Some(normals) = scene.normals.get(i).filter(|normals| normals[0] != Vec3::ZERO) {
-            let [a, b, c] = normals.map(vec3);
-            write!(text, ", \"normals\": [{a}, {b}, {c}]").expect("text grows");
-        }
-        let comma = if i + 1 < scene.triangles.len() { "," } else { "" };
-        let material = json!(names[triangle.material as usize]);
-        writeln!(text, ", \"material\": {material} }}{comma}").expect("text grows");
+    let mut text = format!("{{\n{},\n  \"triangles\": [", lines.join(",\n"));
+    for number in 0..scene.triangles.len() {
+        text += if number == 0 { "\n" } else { ",\n" };
+        text += &triangle_text(scene, number, &names);
     }
-    text.push_str("  ]\n}\n");
-    text
+    text + "\n  ]\n}\n"
+}
+
+fn triangle_text(scene: &Scene, number: usize, names: &[String]) -> String {
+    let triangle = &scene.triangles[number];
+    let material = &scene.materials[triangle.material as usize];
+    let three = |key: &str, [a, b, c]: [String; 3]| format!("\"{key}\": [{a}, {b}, {c}], ");
+    let mut text = three("vertices", triangle.vertices.map(vec3));
+    if let Some(texture) = vertex_colors_of(scene, material) {
+        let colors = vertex_colors::read_back(texture, scene.uvs[number]);
+        text += &three("colors", colors.map(|color| vec3(color.into())));
+    } else if material.textures().next().is_some() {
+        text += &three("uvs", scene.uvs[number].map(vec2));
+    }
+    if let Some(normals) = scene.normals.get(number).filter(|normals| normals[0] != Vec3::ZERO) {
+        text += &three("normals", normals.map(vec3));
+    }
+    format!("    {{ {text}\"material\": {} }}", json!(names[triangle.material as usize]))
 }
 
 /// The materials' names, duplicates numbered: the format refuses a name that occurs twice.
@@ -159,28 +154,21 @@ fn vertex_colors_of<'a>(scene: &'a Scene, material: &Material) -> Option<&'a Tex
 }
 
 fn material_text(scene: &Scene, material: &Material, paths: &[String]) -> String {
-    let mut keys = Map::new();
-    let mut set = |key: &str, value: Value| keys.insert(key.to_string(), value);
-    let (kind, key) = match material.kind {
-        MaterialKind::Diffuse => ("diffuse", None),
-        MaterialKind::Metal { roughness } => ("metal", Some(("roughness", roughness))),
-        MaterialKind::Scatter { roughness } => ("scatter", Some(("roughness", roughness))),
-        MaterialKind::Glass { ior } => ("glass", Some(("ior", ior))),
-        MaterialKind::Plastic { roughness, .. } => ("plastic", Some(("roughness", roughness))),
-        MaterialKind::MetalRough { roughness, .. } => ("metal-rough", Some(("roughness", roughness))),
-        MaterialKind::Emitter => ("emitter", None),
+    let (kind, numbers) = match material.kind {
+        MaterialKind::Diffuse => ("diffuse", vec![]),
+        MaterialKind::Metal { roughness } => ("metal", vec![("roughness", roughness)]),
+        MaterialKind::Scatter { roughness } => ("scatter", vec![("roughness", roughness)]),
+        MaterialKind::Glass { ior } => ("glass", vec![("ior", ior)]),
+        MaterialKind::Plastic { roughness, ior } => ("plastic", vec![("roughness", roughness), ("ior", ior)]),
+        MaterialKind::MetalRough { roughness, metallic, ior } => {
+            ("metal-rough", vec![("roughness", roughness), ("metallic", metallic), ("ior", ior)])
+        }
+        MaterialKind::Emitter => ("emitter", vec![]),
     };
+    let numbers = numbers.into_iter().map(|(key, x)| (key.to_string(), json!(f64::from(x))));
+    let mut keys: Map<String, Value> = numbers.collect();
+    let mut set = |key: &str, value: Value| keys.insert(key.to_string(), value);
     set("type", json!(kind));
-    if let Some((key, value)) = key {
-        set(key, json!(f64::from(value)));
-    }
-    if let MaterialKind::Plastic { ior, .. } = material.kind {
-        set("ior", json!(f64::from(ior)));
-    }
-    if let MaterialKind::MetalRough { metallic, ior, .. } = material.kind {
-        set("metallic", json!(f64::from(metallic)));
-        set("ior", json!(f64::from(ior)));
-    }
     if material.kind != MaterialKind::Emitter {
         set("color", channels(material.color));
     }
@@ -195,12 +183,10 @@ fn material_text(scene: &Scene, material: &Material, paths: &[String]) -> String
     ];
     let is_colored = vertex_colors_of(scene, material).is_some();
     for (key, index) in textures.into_iter().filter(|_| !is_colored) {
-        if let Some(index) = index.map(|index| index as usize) {
-            let texture = &scene.textures[index];
-            set(key, json!(paths[index]));
-            if texture.filter == Filter::Nearest {
-                set("filter", json!("nearest"));
-            }
+        let Some(index) = index.map(|index| index as usize) else { continue };
+        set(key, json!(paths[index]));
+        if scene.textures[index].filter == Filter::Nearest {
+            set("filter", json!("nearest"));
         }
     }
     Value::Object(keys).to_string()

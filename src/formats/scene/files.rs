@@ -27,15 +27,18 @@ const MAX_FILE: u64 = 1 << 34;
 pub type Reading = dyn Fn(&Path) -> io::Result<Vec<u8>>;
 
 /// Where the content of files comes from.
-#[derive(Clone)]
+#[derive(Clone, Default)]
 enum Store {
     Disk,
     /// The files inside the program, named relative to `scenes/`.
+    #[default]
     Program,
     Given(Rc<Reading>),
 }
 
 /// The folder that a scene's relative paths start from, and the files that were requested while loading it.
+/// Copies record in the same list. By default the files inside the program.
+#[derive(Clone, Default)]
 pub struct Files {
     folder: PathBuf,
     store: Store,
@@ -52,24 +55,17 @@ struct Requested {
 }
 
 impl Files {
-    fn new(folder: PathBuf, store: Store) -> Self {
-        Self { folder, store, requested: Rc::default() }
-    }
     /// The files beside `file` on disk.
     pub fn beside(file: &Path) -> Self {
-        Self::new(folder_of(file), Store::Disk)
+        Self { folder: folder_of(file), store: Store::Disk, ..Self::default() }
     }
     /// The files beside `file`, from a function.
     pub fn given(file: &Path, reading: Rc<Reading>) -> Self {
-        Self::new(folder_of(file), Store::Given(reading))
+        Self { folder: folder_of(file), store: Store::Given(reading), ..Self::default() }
     }
-    /// The files beside another file, from where these come from. Requests are recorded with those of these.
+    /// The files beside another file, from where these come from.
     pub fn beside_other(&self, file: &Path) -> Self {
-        Self { folder: folder_of(file), store: self.store.clone(), requested: Rc::clone(&self.requested) }
-    }
-    /// The files inside the program.
-    pub fn embedded() -> Self {
-        Self::new(PathBuf::new(), Store::Program)
+        Self { folder: folder_of(file), ..self.clone() }
     }
     /// Where relative paths start, if outside the program.
     pub fn folder(&self) -> Option<&Path> {

@@ -202,7 +202,7 @@ fn built_in(name: &str) -> Result<Scene, SceneError> {
         let mend = format!("{guess}the names are {}", names.join(", "));
         SceneError::new(format!("there is no scene `{spec}`")).mend(mend)
     })?;
-    match from_json(Source { file: Path::new(&spec), text }, &Files::embedded(), spec.clone())? {
+    match from_json(Source { file: Path::new(&spec), text }, &Files::default(), spec.clone())? {
         Content::Scene(scene) => Ok(scene),
         Content::View(..) => unreachable!("no built-in scene is a view"),
     }

@@ -4,7 +4,6 @@
 
 use super::builder::SceneBuilder;
 use super::error::SceneError;
-use super::files::Files;
 use super::json::JsonPath;
 use super::native::{FilterFile, MaterialFile, SkyFile};
 use super::spelling::did_you_mean;
@@ -23,7 +22,6 @@ const SCATTERING: &[&str] = &["diffuse", "metal", "plastic", "metal-rough", "gla
 
 /// Adds one material to the builder and returns its index.
 pub fn material(
-    files: &Files,
     builder: &mut SceneBuilder,
     (name, file): &(String, MaterialFile),
     place: &JsonPath,
@@ -60,7 +58,7 @@ pub fn material(
         None => Vec3::ZERO,
     };
     let mut load = |key: &'static str, path: &Option<String>, texel_kind| {
-        let load = |path| texture(files, builder, &place.key(key), path, file.filter, texel_kind);
+        let load = |path| texture(builder, &place.key(key), path, file.filter, texel_kind);
         path.as_deref().map(load).transpose()
     };
     let material = Material {
@@ -170,7 +168,6 @@ fn coat_ior(place: &JsonPath, x: f64) -> Result<f32, SceneError> {
 }
 
 fn texture(
-    files: &Files,
     builder: &mut SceneBuilder,
     place: &JsonPath,
     path: &str,
@@ -182,8 +179,8 @@ fn texture(
         Some(FilterFile::Bilinear) | None => Filter::Bilinear,
         Some(FilterFile::Trilinear) => Filter::Trilinear,
     };
-    let full = files.resolve(path);
-    builder.textures.load(files, &full, path, filter, texel_kind).map_err(|reason| {
+    let full = builder.files().resolve(path);
+    builder.textures.load(&full, path, filter, texel_kind).map_err(|reason| {
         let mend = format!(
             "the file searched for is {}: give the path of an image (png, jpg, bmp, tga, hdr, exr) relative to the scene \
              file",
@@ -194,12 +191,7 @@ fn texture(
 }
 
 /// The sky that a file describes.
-pub fn sky(
-    files: &Files,
-    builder: &mut SceneBuilder,
-    file: &SkyFile,
-    place: &JsonPath,
-) -> Result<Sky, SceneError> {
+pub fn sky(builder: &mut SceneBuilder, file: &SkyFile, place: &JsonPath) -> Result<Sky, SceneError> {
     if file.texture.is_none() {
         needs_texture("filter", file.filter.is_some(), place, "")?;
         let why = ": a sky without one is the same from all sides";
@@ -220,7 +212,7 @@ pub fn sky(
         SkyFile { color, texture: Some(path), filter, turn_degrees, .. } => Ok(Sky::Texture {
             turn: place.key("turn_degrees").turns(*turn_degrees)?,
             color: place.key("color").radiance(color.unwrap_or([1.0; 3]))?,
-            texture: texture(files, builder, &place.key("texture"), path, *filter, TexelKind::Color)?,
+            texture: texture(builder, &place.key("texture"), path, *filter, TexelKind::Color)?,
         }),
         SkyFile { color: Some(color), .. } => Ok(Sky::Color(place.key("color").radiance(*color)?)),
         _ => {

@@ -43,8 +43,8 @@ pub struct Face {
 }
 
 impl Mesh {
-    /// Adds the mesh's triangles to the builder, with `material` or else with its `own` materials and colours.
-    /// Polygons become fans around their first corner.
+    /// Adds the mesh's triangles to the builder, with `material` or else with its `own` materials and
+    /// colours. Polygons become fans around their first corner.
     pub fn add(
         &self,
         path: &Path,

@@ -14,6 +14,7 @@
 //! | `obj`, `mtl`, `statements` | Wavefront OBJ and MTL, and the lines that both are made of |
 //! | `gltf` | glTF 2.0, as text (.gltf) and binary (.glb) |
 //! | `ply` | PLY, as text and in both binary orders |
+//! | `scalar` | numbers in binary files |
 //! | `notes` | what is left out of a file, each kind once |
 //! | `mesh` | a mesh of polygons, its scale, rotation and translation; why a model cannot be used |
 //! | `procedural` | generated meshes of any size |
@@ -49,6 +50,7 @@ mod notes;
 mod obj;
 mod ply;
 mod procedural;
+mod scalar;
 mod spelling;
 mod statements;
 mod texture;

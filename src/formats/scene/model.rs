@@ -44,14 +44,13 @@ impl Model {
     pub fn add(
         &self,
         path: &Path,
-        files: &Files,
         builder: &mut SceneBuilder,
         material: Option<u32>,
         placement: &Placement,
     ) -> Result<(), Unusable> {
         let (mesh, own) = match (self, material) {
-            (Self::Gltf(gltf), _) => return gltf.add(path, files, builder, material, placement),
-            (Self::Obj(obj), None) => (&obj.mesh, obj.add_materials(path, files, builder)?),
+            (Self::Gltf(gltf), _) => return gltf.add(path, builder, material, placement),
+            (Self::Obj(obj), None) => (&obj.mesh, obj.add_materials(path, builder)?),
             (Self::Ply(mesh), None) if !mesh.colors.is_empty() => {
                 let white = Material::new("vertex colours", MaterialKind::Diffuse, Vec3::ONE);
                 (mesh, vec![Some(builder.add_material(white, 1.0))])
@@ -69,9 +68,9 @@ const SKY: Sky = Sky::Gradient { bottom: Vec3::splat(0.05), top: Vec3::ONE };
 /// A model as a scene, under a plain sky: seen by its own camera, or framed automatically.
 pub fn scene(bytes: &[u8], path: &Path, files: &Files, name: String) -> Result<Scene, SceneError> {
     let fault = |what: String, mend: &str| SceneError::new(what).in_file(path).mend(mend);
-    let mut builder = SceneBuilder::default();
+    let mut builder = SceneBuilder::new(files);
     let model = read(bytes, path, files)?;
-    model.add(path, files, &mut builder, None, &Placement::IDENTITY).map_err(|unusable| match unusable {
+    model.add(path, &mut builder, None, &Placement::IDENTITY).map_err(|unusable| match unusable {
         Unusable::Broken(error) => error,
         Unusable::NoArea => fault(
             "the mesh has nothing to see".to_string(),

@@ -32,7 +32,6 @@
 
 use super::builder::SceneBuilder;
 use super::error::SceneError;
-use super::files::Files;
 use super::notes::Notes;
 use super::statements::{Statement, statements};
 use glam::{DVec3, Vec3};
@@ -45,30 +44,27 @@ use std::path::Path;
 pub fn load(
     libraries: &[String],
     obj: &Path,
-    files: &Files,
     builder: &mut SceneBuilder,
 ) -> Result<HashMap<String, u32>, SceneError> {
-    let folder = obj.parent().unwrap_or(Path::new(""));
     let mut numbers = HashMap::new();
     let mut seen = HashSet::new();
     // Each once, however often the model names it.
     for library in libraries.iter().filter(|library| seen.insert(*library)) {
         // One statement may name several libraries, or one whose name holds spaces.
         let whole = [library.as_str()];
-        let names = if files.exists(&folder.join(library)) {
+        let names = if builder.files().exists(&obj.with_file_name(library)) {
             whole.to_vec()
         } else {
             library.split_whitespace().collect()
         };
         for name in names {
-            let path = folder.join(name);
-            match files.read(&path) {
+            let path = obj.with_file_name(name);
+            match builder.files().read(&path) {
                 Ok(text) => {
-                    let mut notes = Notes::new(":");
-                    let entries = parse(&text, &path, &mut notes)?;
-                    notes.warn(&path, builder);
+                    let entries = parse(&text, &path, &mut builder.notes)?;
+                    builder.warn_of_notes(&path, ":");
                     for entry in entries {
-                        let number = entry.add(name, &path, files, builder);
+                        let number = entry.add(name, &path, builder);
                         numbers.insert(entry.name, number);
                     }
                 }
@@ -298,7 +294,7 @@ impl Entry {
 
     /// Adds the material to the builder. `library` is the MTL's name in the OBJ file, `path` the file that
     /// was found.
-    fn add(&self, library: &str, path: &Path, files: &Files, builder: &mut SceneBuilder) -> u32 {
+    fn add(&self, library: &str, path: &Path, builder: &mut SceneBuilder) -> u32 {
         let [diffuse, specular, filter] = ["Kd", "Ks", "Tf"].map(|keyword| self.colors.get(keyword).copied());
         let [color_map, roughness_map, norm, map_kn] =
             ["map_Kd", "map_Pr", "norm", "map_Kn"].map(|keyword| self.maps.get(keyword));
@@ -320,12 +316,11 @@ impl Entry {
         }
         let mut load = |image: Option<&String>, texel_kind| {
             let image = image?;
-            let folder = path.parent().unwrap_or(Path::new(""));
             let slashed = image.replace('\\', "/");
-            let spelt = if files.exists(&folder.join(image)) { image } else { &slashed };
-            let shown = Path::new(library).parent().unwrap_or(Path::new("")).join(spelt);
-            let (file, shown) = (folder.join(spelt), shown.to_string_lossy());
-            let loaded = builder.textures.load(files, &file, &shown, Filter::Bilinear, texel_kind);
+            let spelt = if builder.files().exists(&path.with_file_name(image)) { image } else { &slashed };
+            let (file, shown) = (path.with_file_name(spelt), Path::new(library).with_file_name(spelt));
+            let shown = shown.to_string_lossy();
+            let loaded = builder.textures.load(&file, &shown, Filter::Bilinear, texel_kind);
             if let Err(reason) = &loaded {
                 let name = &self.name;
                 builder.warn(format!("{place}: the texture `{image}` of `{name}` is left out: {reason}."));

@@ -6,7 +6,6 @@ use serde::de::{Error, MapAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 use std::collections::HashSet;
 use std::fmt;
-use std::marker::PhantomData;
 
 /// The value of `format` that this program reads.
 pub const FORMAT: &str = "octray-1";
@@ -24,7 +23,7 @@ pub struct SceneFile {
     /// Missing: black if something in the scene emits, plain white otherwise.
     pub sky: Option<SkyFile>,
     #[serde(default)]
-    pub materials: Named<MaterialFile>,
+    pub materials: Materials,
     #[serde(default)]
     pub spheres: Vec<SphereFile>,
     #[serde(default)]
@@ -146,35 +145,29 @@ pub struct MeshFile {
     pub scale: Option<f64>,
 }
 
-/// An object whose keys are user-chosen names: kept in file order, duplicates refused.
-pub struct Named<T>(pub Vec<(String, T)>);
+/// Materials by their names, in file order; a name that occurs twice is refused.
+#[derive(Default)]
+pub struct Materials(pub Vec<(String, MaterialFile)>);
 
-impl<T> Default for Named<T> {
-    fn default() -> Self {
-        Self(Vec::new())
-    }
-}
-
-impl<'de, T: Deserialize<'de>> Deserialize<'de> for Named<T> {
+impl<'de> Deserialize<'de> for Materials {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct Entries<T>(PhantomData<T>);
-        impl<'de, T: Deserialize<'de>> Visitor<'de> for Entries<T> {
-            type Value = Named<T>;
+        struct Entries;
+        impl<'de> Visitor<'de> for Entries {
+            type Value = Materials;
             fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
                 f.write_str("an object of names")
             }
-            fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Self::Value, A::Error> {
-                let mut entries: Vec<(String, T)> = Vec::new();
-                let mut seen = HashSet::new();
-                while let Some((name, value)) = map.next_entry::<String, T>()? {
+            fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Materials, A::Error> {
+                let (mut entries, mut seen) = (Vec::new(), HashSet::new());
+                while let Some((name, material)) = map.next_entry::<String, MaterialFile>()? {
                     if !seen.insert(name.clone()) {
                         return Err(A::Error::custom(format!("the name `{name}` occurs twice")));
                     }
-                    entries.push((name, value));
+                    entries.push((name, material));
                 }
-                Ok(Named(entries))
+                Ok(Materials(entries))
             }
         }
-        deserializer.deserialize_map(Entries(PhantomData))
+        deserializer.deserialize_map(Entries)
     }
 }

@@ -2,7 +2,6 @@
 //!
 //! For: [`Notes`].
 
-use super::builder::SceneBuilder;
 use std::fmt::Display;
 use std::path::Path;
 
@@ -10,18 +9,14 @@ use std::path::Path;
 const MOST: usize = 100;
 
 /// What is left out of a file.
+#[derive(Default)]
 pub struct Notes {
-    /// Between the file's name and the place.
-    separator: &'static str,
     /// What it is, the first place and the number of places.
     kinds: Vec<(String, String, usize)>,
     others: usize,
 }
 
 impl Notes {
-    pub fn new(separator: &'static str) -> Self {
-        Self { separator, kinds: Vec::new(), others: 0 }
-    }
     pub fn add(&mut self, place: &impl Display, what: impl Into<String>) {
         let what = what.into();
         match self.kinds.iter().position(|(known, ..)| *known == what) {
@@ -30,14 +25,15 @@ impl Notes {
             None => self.others += 1,
         }
     }
-    pub fn warn(self, path: &Path, builder: &mut SceneBuilder) {
-        let (path, separator) = (path.display(), self.separator);
-        for (what, place, count) in self.kinds {
+    /// `separator` stands between the file's name and the place.
+    pub fn into_warnings(self, path: &Path, separator: &str) -> impl Iterator<Item = String> {
+        let path = path.display();
+        let others =
+            (self.others > 0).then(|| format!("{path}: {} more of other kinds are left out.", self.others));
+        let kinds = self.kinds.into_iter().map(move |(what, place, count)| {
             let more = if count > 1 { format!(" ({} more like it)", count - 1) } else { String::new() };
-            builder.warn(format!("{path}{separator}{place}: {what}{more}."));
-        }
-        if self.others > 0 {
-            builder.warn(format!("{path}: {} more of other kinds are left out.", self.others));
-        }
+            format!("{path}{separator}{place}: {what}{more}.")
+        });
+        kinds.chain(others)
     }
 }

@@ -7,7 +7,6 @@
 
 use super::builder::SceneBuilder;
 use super::error::SceneError;
-use super::files::Files;
 use super::mesh::{Corner, Face, Mesh, NONE};
 use super::mtl;
 use super::statements::{Statement, statements};
@@ -73,10 +72,9 @@ impl Obj {
     pub fn add_materials(
         &self,
         path: &Path,
-        files: &Files,
         builder: &mut SceneBuilder,
     ) -> Result<Vec<Option<u32>>, SceneError> {
-        let defined = mtl::load(&self.libraries, path, files, builder)?;
+        let defined = mtl::load(&self.libraries, path, builder)?;
         let own = self.materials.iter().map(|name| {
             let number = defined.get(name).copied();
             if number.is_none() {

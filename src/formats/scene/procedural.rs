@@ -17,16 +17,18 @@ use std::f64::consts::TAU;
 const FEWEST: usize = 2;
 const MOST: usize = 4_000_000;
 
-/// The names that take a number, as they follow `builtin:`, and what adds about that many pairs of triangles.
-const SHAPES: [(&str, fn(&mut SceneBuilder, usize) -> (Camera, Sky)); 2] =
-    [("terrain", terrain), ("knot", knot)];
+/// Adds about so many pairs of triangles.
+type Add = fn(&mut SceneBuilder, usize) -> (Camera, Sky);
 
+const SHAPES: [(&str, Add); 2] = [("terrain", terrain), ("knot", knot)];
+
+/// The names that take a number, as they follow `builtin:`.
 pub fn words() -> impl Iterator<Item = &'static str> {
     SHAPES.iter().map(|&(word, _)| word)
 }
 
-/// The scene of the shape that a name asks for: `None` if the name is not a shape's, an error if its number is
-/// missing or out of range.
+/// The scene of the shape that a name asks for: `None` if the name is not a shape's, an error if its number
+/// is missing or out of range.
 pub fn scene(name: &str) -> Result<Option<Scene>, SceneError> {
     let (word, count) = name.split_once(':').unwrap_or((name, ""));
     let Some(&(word, add)) = SHAPES.iter().find(|(known, _)| *known == word) else { return Ok(None) };
@@ -251,20 +253,5 @@ mod tests {
             // The coarsest tessellation has steps so long that it winds the other way.
             assert!(count == 18 || volume > 0.0, "knot:{count} is inside out: {volume}");
         }
-    }
-
-    #[test]
-    fn counts_that_make_no_sense_are_refused_with_the_range() {
-        for (names, what) in [
-            (&["terrain", "knot:", "terrain:-2", "terrain:+2", "knot:1e3", "knot: 9"][..], "does not say"),
-            (&["knot:1", "knot:0", "terrain:4000001"], "out of range"),
-            (&["knot:99999999999", "terrain:99999999999999999999999"], "out of range"),
-        ] {
-            for name in names {
-                let error = scene(name).unwrap_err().to_string();
-                assert!(error.contains(what) && error.contains("from 2 to 4,000,000"), "{name}: {error}");
-            }
-        }
-        assert!(scene("three").unwrap().is_none() && scene("knots:5").unwrap().is_none());
     }
 }

@@ -7,6 +7,7 @@ use crate::openexr;
 use image::{DynamicImage, ImageError, ImageFormat, ImageReader, Limits};
 use octray_engine::film::Picture;
 use octray_engine::scene::{Filter, TexelKind, Texels, Texture, srgb_to_linear};
+use std::borrow::Cow;
 use std::collections::HashMap;
 use std::fmt::Display;
 use std::io::Cursor;
@@ -25,6 +26,8 @@ const LEAST_BYTES: usize = 1 << 10;
 /// The textures of one scene; each file is loaded once for each filter and kind of texels.
 #[derive(Default)]
 pub struct Textures {
+    /// Where they come from.
+    pub files: Files,
     pub list: Vec<Texture>,
     bytes: usize,
     known: HashMap<(PathBuf, Filter, TexelKind), u32>,
@@ -35,7 +38,20 @@ impl Textures {
     /// the user.
     pub fn load(
         &mut self,
-        files: &Files,
+        path: &Path,
+        name: &str,
+        filter: Filter,
+        texel_kind: TexelKind,
+    ) -> Result<u32, String> {
+        let files = self.files.clone();
+        self.load_from(|| files.read(path), |texels| texels, path, name, filter, texel_kind)
+    }
+    /// The same from an image file's content, of which `change` makes the texels that are kept. `path` names
+    /// the image and the change.
+    pub fn load_from(
+        &mut self,
+        content: impl FnOnce() -> Result<Cow<'static, [u8]>, String>,
+        change: impl FnOnce(Texels) -> Texels,
         path: &Path,
         name: &str,
         filter: Filter,
@@ -45,26 +61,8 @@ impl Textures {
         if let Some(&known) = self.known.get(&key) {
             return Ok(known);
         }
-        let (width, height, texels) = decode(&files.read(path)?, path, texel_kind)?;
-        self.add(key, Texture { name: name.to_string(), width, height, filter, texels })
-    }
-    /// The same from an image file's content, of which `change` makes the texels that are kept. `path` names
-    /// the image and the change.
-    pub fn load_embedded(
-        &mut self,
-        bytes: impl FnOnce() -> Result<Vec<u8>, String>,
-        path: &Path,
-        filter: Filter,
-        texel_kind: TexelKind,
-        change: impl FnOnce(Texels) -> Texels,
-    ) -> Result<u32, String> {
-        let key = (path.to_path_buf(), filter, texel_kind);
-        if let Some(&known) = self.known.get(&key) {
-            return Ok(known);
-        }
-        let (width, height, texels) = decode(&bytes()?, path, texel_kind)?;
-        let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        self.add(key, Texture { name, width, height, filter, texels: change(texels) })
+        let (width, height, texels) = decode(&content()?, path, texel_kind)?;
+        self.add(key, Texture { name: name.to_string(), width, height, filter, texels: change(texels) })
     }
     fn add(&mut self, key: (PathBuf, Filter, TexelKind), texture: Texture) -> Result<u32, String> {
         self.bytes += texture.bytes().max(LEAST_BYTES);

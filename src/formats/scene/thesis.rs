@@ -96,8 +96,8 @@ struct Surface<'a> {
 pub fn scene(source: &Source, files: &Files, name: String) -> Result<Scene, SceneError> {
     let file: SceneFile = read(source)?;
     let root = source.root();
-    let builder = SceneBuilder::default();
-    let mut loader = Loader { files, builder, known: HashMap::new(), missing: HashSet::new() };
+    let mut loader =
+        Loader { builder: SceneBuilder::new(files), known: HashMap::new(), missing: HashSet::new() };
 
     let resolution = match file.res {
         Some(resolution) => whole_resolution(&root.key("res"), resolution)?,
@@ -168,8 +168,7 @@ fn inverted(p: DVec3) -> Vec3 {
     (DVec3::ZERO - p).as_vec3()
 }
 
-struct Loader<'a> {
-    files: &'a Files,
+struct Loader {
     builder: SceneBuilder,
     /// Index of each material, by the bits of its properties.
     known: HashMap<([u32; 8], Option<u32>), u32>,
@@ -177,7 +176,7 @@ struct Loader<'a> {
     missing: HashSet<String>,
 }
 
-impl Loader<'_> {
+impl Loader {
     fn add_sphere(&mut self, file: &SphereFile, place: &JsonPath) -> Result<(), SceneError> {
         let &SphereFile { center, radius, color, emission, roughness, ref texture, .. } = file;
         place.key("center").vec3(center)?;
@@ -250,11 +249,10 @@ impl Loader<'_> {
         if path.is_empty() || self.missing.contains(path) {
             return None;
         }
-        let found = candidates(self.files, path).into_iter().find(|path| self.files.exists(path));
+        let files = self.builder.files();
+        let found = candidates(files, path).into_iter().find(|path| files.exists(path));
         let loaded = match found {
-            Some(found) => {
-                self.builder.textures.load(self.files, &found, path, Filter::Nearest, TexelKind::Color)
-            }
+            Some(found) => self.builder.textures.load(&found, path, Filter::Nearest, TexelKind::Color),
             None => {
                 let reason =
                     "no such file beside the scene, in the folders above it or in the working folder";

@@ -33,8 +33,7 @@ pub fn scene(source: &Source, files: &Files, name: String) -> Result<Scene, Scen
     let max_bounces = root.key("max_bounces").bounces(file.max_bounces.unwrap_or(DEFAULT_BOUNCES))?;
 
     let mut loader = Loader {
-        files,
-        builder: SceneBuilder::default(),
+        builder: SceneBuilder::new(files),
         materials: HashMap::new(),
         uses: HashMap::new(),
         models: HashMap::new(),
@@ -42,7 +41,7 @@ pub fn scene(source: &Source, files: &Files, name: String) -> Result<Scene, Scen
     };
     for entry in &file.materials.0 {
         let place = root.key("materials");
-        let number = material::material(files, &mut loader.builder, entry, &place.key(&entry.0))?;
+        let number = material::material(&mut loader.builder, entry, &place.key(&entry.0))?;
         loader.materials.insert(&entry.0, number);
     }
     for (i, sphere) in file.spheres.iter().enumerate() {
@@ -64,7 +63,7 @@ pub fn scene(source: &Source, files: &Files, name: String) -> Result<Scene, Scen
     }
 
     let sky = match &file.sky {
-        Some(sky) => material::sky(files, &mut builder, sky, &root.key("sky"))?,
+        Some(sky) => material::sky(&mut builder, sky, &root.key("sky"))?,
         None if builder.emits() => Sky::Color(Vec3::ZERO),
         None => Sky::Color(Vec3::ONE),
     };
@@ -95,7 +94,6 @@ pub fn camera(
 }
 
 struct Loader<'a> {
-    files: &'a Files,
     builder: SceneBuilder,
     /// Index of each material by name.
     materials: HashMap<&'a str, u32>,
@@ -190,13 +188,13 @@ impl<'a> Loader<'a> {
                 return Err(place.key("obj").error("a mesh with `model` and `obj`", mend));
             }
         };
-        let path = self.files.resolve(name);
+        let path = self.builder.files().resolve(name);
         let known = self.models.get(name.as_str()).cloned();
         let is_copy = known.is_some();
         let model = match known {
             Some(model) => model,
             None => {
-                let bytes = self.files.read(&path).map_err(|reason| {
+                let bytes = self.builder.files().read(&path).map_err(|reason| {
                     let mend = format!(
                         "the file searched for is {}: give the path of an .obj, .gltf, .glb or .ply file relative \
                          to the scene file",
@@ -204,11 +202,11 @@ impl<'a> Loader<'a> {
                     );
                     place.key(key).error(format!("cannot read the mesh `{name}`: {reason}"), mend)
                 })?;
-                Rc::new(model::read(&bytes, &path, self.files)?)
+                Rc::new(model::read(&bytes, &path, self.builder.files())?)
             }
         };
         let before = self.builder.triangles();
-        let added = model.add(&path, self.files, &mut self.builder, material, &placement);
+        let added = model.add(&path, &mut self.builder, material, &placement);
         let uses = self.uses[name.as_str()];
         if uses > 1 && !is_copy {
             self.models.insert(name, model);

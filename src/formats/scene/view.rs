@@ -14,7 +14,7 @@ use octray_engine::render::PipelineChoice;
 use octray_engine::sampling::Sampler;
 use octray_engine::scene::{Camera, Scene};
 use octray_engine::tone::Operator;
-use octray_engine::traverse::{BoxChoice, SphereChoice, TraversalChoice, TriangleChoice};
+use octray_engine::traverse::{SphereChoice, TraversalChoice, TriangleChoice};
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 use std::fs;
@@ -81,9 +81,6 @@ pub struct Rendering {
     /// How rays meet triangles.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub triangle: Option<TriangleChoice>,
-    /// How rays meet boxes.
-    #[serde(rename = "box", skip_serializing_if = "Option::is_none")]
-    pub boxes: Option<BoxChoice>,
     /// How rays find primitives.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub traversal: Option<TraversalChoice>,

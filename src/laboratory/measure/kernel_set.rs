@@ -6,11 +6,12 @@
 //! Every lane's result is used. No ray passes within 1e-6 of an edge or a silhouette, so rounding decides
 //! nothing: hits equal those of double precision.
 
-use crate::kernel::ray_box::{BoxMethod, Padding};
+use crate::kernel::ray_box::Padding;
 use crate::kernel::ray_sphere::SphereMethod;
 use crate::kernel::ray_triangle::TriangleMethod;
 use crate::lane::{F32x8, Lane, Mask};
 use crate::math::{Ray, Vec3};
+use crate::methods::BoxMethod;
 use glam::Vec3 as Point;
 
 /// Rays: 64 packets of eight.

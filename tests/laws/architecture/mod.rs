@@ -62,7 +62,7 @@ const ORDER: [&[&str]; PACKAGES.len()] = [
         "terminal",
         "window",
     ],
-    &["reference", "measure"],
+    &["methods", "reference", "measure"],
     &["machine", "report", "cli"],
 ];
 

@@ -1,4 +1,4 @@
-//! Rays against axis-aligned boxes, by several methods side by side; the renderer uses [`Slabs`].
+//! Rays against axis-aligned boxes.
 //!
 //! The law of a hierarchy is that it loses no hit. Two rules together keep it:
 //!
@@ -12,12 +12,8 @@
 //! Source: the slab test of Kay, Kajiya, "Ray Tracing Complex Scenes", SIGGRAPH 1986, with one FMA per plane;
 //! padding instead of the widened interval of Ize, "Robust BVH Ray Traversal", JCGT 2(2), 2013.
 
-mod charted;
-mod method;
 mod padding;
 mod slabs;
 
-pub use charted::{BySign, BySignWidened, Contracted, IeeeMinMax, X86MinMax};
-pub use method::BoxMethod;
 pub use padding::{Padding, sphere_padding};
-pub use slabs::{Padded, Slabs, own_box};
+pub use slabs::{Slabs, own_box};

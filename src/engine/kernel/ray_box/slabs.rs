@@ -1,6 +1,5 @@
-//! The default method: one FMA per plane, and padding that covers its rounding.
+//! The slab test: one FMA per plane, and padding that covers its rounding.
 
-use super::method::{BoxMethod, in_order};
 use super::padding::Padding;
 use crate::lane::Lane;
 use crate::math::{Ray, Vec3};
@@ -68,24 +67,15 @@ impl<L: Lane> Slabs<L> {
     }
 }
 
-/// [`Slabs`] as a [`BoxMethod`].
-///
-/// Error: no false miss; a ray that misses a box by less than two paddings may pass it
-/// (`tests/laws/kernel_box.rs`).
-/// Source: see [`super`].
-pub struct Padded;
-
-impl BoxMethod for Padded {
-    type Prepared<L: Lane> = Slabs<L>;
-
-    #[inline(always)]
-    fn prepare<L: Lane>(ray: &Ray<L>, padding: Padding) -> Slabs<L> {
-        Slabs::new(ray, padding)
-    }
-    #[inline(always)]
-    fn pass<L: Lane>(slabs: &Slabs<L>, lo: Vec3<L>, hi: Vec3<L>) -> (L, L) {
-        slabs.pass(lo, hi)
-    }
+/// The planes of a box in the order in which a ray meets them, by the sign of 1 / direction.
+#[inline(always)]
+fn in_order<L: Lane>(inverse: Vec3<L>, lo: Vec3<L>, hi: Vec3<L>) -> (Vec3<L>, Vec3<L>) {
+    let backwards = |inverse: L| inverse.lt(L::zero());
+    let [x, y, z] = [inverse.x, inverse.y, inverse.z].map(backwards);
+    let pick = |a: Vec3<L>, b: Vec3<L>| {
+        Vec3::new(L::select(x, b.x, a.x), L::select(y, b.y, a.y), L::select(z, b.z, a.z))
+    };
+    (pick(lo, hi), pick(hi, lo))
 }
 
 /// Restricts a triangle hit to the triangle's own box: of the lanes that hit at `t`, those that pass the box

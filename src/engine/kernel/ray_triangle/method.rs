@@ -18,8 +18,9 @@ pub struct TriangleHit<L: Lane> {
 }
 
 impl<L: Lane> TriangleHit<L> {
+    /// No hit.
     #[inline(always)]
-    pub(super) fn none(limit: L) -> Self {
+    pub fn none(limit: L) -> Self {
         Self { mask: L::Mask::splat(false), t: limit, u: L::zero(), v: L::zero() }
     }
 }

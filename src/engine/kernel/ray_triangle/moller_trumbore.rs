@@ -33,55 +33,28 @@ impl TriangleMethod for MollerTrumbore {
     }
     #[inline(always)]
     fn test<L: Lane>(ray: &Ray<L>, triangle: &Edges, limit: L) -> TriangleHit<L> {
-        cramer(ray, triangle, limit, |_| L::Mask::splat(true))
+        triangle.test(ray, limit, |_| L::Mask::splat(true))
     }
 }
 
-/// [`MollerTrumbore`] with an epsilon: determinants between −1e-6 and 1e-6 count as parallel. For charts.
-///
-/// Error: as [`MollerTrumbore`]; it also misses all triangles with edges below some 1e-3, because the
-/// determinant is an area and not an angle.
-/// Source: the listing in the same paper.
-pub struct MollerTrumboreEpsilon;
-
-impl TriangleMethod for MollerTrumboreEpsilon {
-    type Stored = Edges;
-    type Prepared<L: Lane> = Ray<L>;
-
-    fn store(vertices: [glam::Vec3; 3]) -> Edges {
-        MollerTrumbore::store(vertices)
-    }
+impl Edges {
+    /// The test of triangles whose determinant `accepts`.
     #[inline(always)]
-    fn prepare<L: Lane>(ray: &Ray<L>) -> Ray<L> {
-        *ray
+    pub fn test<L: Lane>(&self, ray: &Ray<L>, limit: L, accepts: impl Fn(L) -> L::Mask) -> TriangleHit<L> {
+        let (ab, ac) = (Vec3::splat(self.ab), Vec3::splat(self.ac));
+        let p = ray.direction.cross(ac);
+        let determinant = ab.dot(p);
+        let inverse = L::one() / determinant;
+        let from_a = ray.origin - Vec3::splat(self.a);
+        let u = from_a.dot(p) * inverse;
+        let inside = accepts(determinant) & L::zero().le(u) & u.le(L::one());
+        if !inside.any() {
+            return TriangleHit::none(limit);
+        }
+        let q = from_a.cross(ab);
+        let v = ray.direction.dot(q) * inverse;
+        let t = ac.dot(q) * inverse;
+        let mask = inside & L::zero().le(v) & (u + v).le(L::one()) & L::zero().lt(t) & t.lt(limit);
+        TriangleHit { mask, t, u, v }
     }
-    #[inline(always)]
-    fn test<L: Lane>(ray: &Ray<L>, triangle: &Edges, limit: L) -> TriangleHit<L> {
-        cramer(ray, triangle, limit, |determinant| L::splat(1e-6).le(determinant.abs()))
-    }
-}
-
-/// The test of triangles whose determinant `accepts`.
-#[inline(always)]
-fn cramer<L: Lane>(
-    ray: &Ray<L>,
-    triangle: &Edges,
-    limit: L,
-    accepts: impl Fn(L) -> L::Mask,
-) -> TriangleHit<L> {
-    let (ab, ac) = (Vec3::splat(triangle.ab), Vec3::splat(triangle.ac));
-    let p = ray.direction.cross(ac);
-    let determinant = ab.dot(p);
-    let inverse = L::one() / determinant;
-    let from_a = ray.origin - Vec3::splat(triangle.a);
-    let u = from_a.dot(p) * inverse;
-    let inside = accepts(determinant) & L::zero().le(u) & u.le(L::one());
-    if !inside.any() {
-        return TriangleHit::none(limit);
-    }
-    let q = from_a.cross(ab);
-    let v = ray.direction.dot(q) * inverse;
-    let t = ac.dot(q) * inverse;
-    let mask = inside & L::zero().le(v) & (u + v).le(L::one()) & L::zero().lt(t) & t.lt(limit);
-    TriangleHit { mask, t, u, v }
 }

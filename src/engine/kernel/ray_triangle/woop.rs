@@ -1,4 +1,4 @@
-//! Woop's watertight method, and the same with contracted edge functions.
+//! Woop's watertight method.
 
 use super::method::{PairHit, TriangleHit, TriangleMethod};
 use crate::kernel::surface::triangle_bounds;
@@ -24,11 +24,6 @@ use crate::math::{Ray, Vec3};
 /// t 1e-4 on slivers of aspect 10⁴. Confirmed by `tests/pictures/stability.rs`.
 /// Source: Woop, Benthin, Wald, "Watertight Ray/Triangle Intersection", JCGT 2(1), 2013.
 pub struct Woop;
-
-/// [`Woop`] with FMA in its edge functions, as a contracting compiler would make it. For charts.
-///
-/// Error: leaks 0.5 % of the rays aimed at edges (none on a target without FMA).
-pub struct WoopContracted;
 
 /// Each vertex as x y z x y in a row of eight, so that the components from any axis on are in cyclic order
 /// and fit one register. The last three numbers of the first and second row are the lower and upper corner of
@@ -96,30 +91,15 @@ impl<L: Lane> WoopRay<L> {
     }
 }
 
-/// Woop's test of rays, given by origin and shear, against triangles, all in the rays' order of axes.
-/// `edge` computes the edge function p.x q.y − p.y q.x. Returns `None` only if no lane hits; the mask of a
-/// result may be empty too.
+/// Woop's test of rays, given by origin and shear, against triangles, all in the rays' order of axes, before
+/// the division.
 #[inline(always)]
-fn woop<L: Lane>(
-    (origin, shear): (Vec3<L>, Vec3<L>),
-    vertices: [Vec3<L>; 3],
-    edge: impl Fn((L, L), (L, L)) -> L,
-) -> Option<TriangleHit<L>> {
-    crossing((origin, shear), vertices, edge).hit(shear)
-}
-
-/// The same before the division.
-#[inline(always)]
-fn crossing<L: Lane>(
-    (origin, shear): (Vec3<L>, Vec3<L>),
-    [a, b, c]: [Vec3<L>; 3],
-    edge: impl Fn((L, L), (L, L)) -> L,
-) -> Crossing<L> {
+fn crossing<L: Lane>((origin, shear): (Vec3<L>, Vec3<L>), [a, b, c]: [Vec3<L>; 3]) -> Crossing<L> {
     // Not the vertices relative to the origin: only what is subtracted can be read from memory by the
     // subtraction itself. Edge functions are the same.
     let (a, b, c) = (origin - a, origin - b, origin - c);
     let (pa, pb, pc) = (sheared(shear, a), sheared(shear, b), sheared(shear, c));
-    let edges = [edge(pc, pb), edge(pa, pc), edge(pb, pa)];
+    let edges = [edge_function(pc, pb), edge_function(pa, pc), edge_function(pb, pa)];
     Crossing::new(shear, inside(edges), [a.z, b.z, c.z], edges)
 }
 
@@ -178,16 +158,9 @@ impl<L: Lane> Crossing<L> {
     }
 }
 
-/// The hits before `limit`.
+/// p.x q.y − p.y q.x as two rounded products: no mul_add here, see [`Woop`].
 #[inline(always)]
-fn within<L: Lane>(found: Option<TriangleHit<L>>, limit: L) -> TriangleHit<L> {
-    let found = found.unwrap_or_else(|| TriangleHit::none(L::splat(f32::INFINITY)));
-    TriangleHit { mask: found.mask & found.t.lt(limit), ..found }
-}
-
-/// The edge function as two rounded products: no mul_add here, see [`Woop`].
-#[inline(always)]
-fn exact_edge<L: Lane>(p: (L, L), q: (L, L)) -> L {
+fn edge_function<L: Lane>(p: (L, L), q: (L, L)) -> L {
     p.0 * q.1 - p.1 * q.0
 }
 
@@ -215,7 +188,7 @@ impl StoredWoopRay<'_> {
         let row = |vertex: usize, axis: usize| Native::load(&triangles[vertex][axis]);
         let vertex = |vertex: usize| Vec3::new(row(vertex, x), row(vertex, y), row(vertex, z));
         let vertices = [vertex(0), vertex(1), vertex(2)];
-        crossing((self.origin.broadcast(), self.shear.broadcast()), vertices, exact_edge).ahead
+        crossing((self.origin.broadcast(), self.shear.broadcast()), vertices).ahead
     }
 }
 
@@ -234,7 +207,7 @@ impl WoopRay<f32> {
             let v = [v.x, v.y, v.z];
             Vec3::new(v[order[0]], v[order[1]], v[order[2]])
         };
-        woop((self.origin, self.shear), vertices.map(vertex), exact_edge)
+        crossing((self.origin, self.shear), vertices.map(vertex)).hit(self.shear)
     }
 }
 
@@ -255,7 +228,7 @@ impl<L: Lane> WoopRay<L> {
             let pick = |of_x: L, of_y: L, of_z: L| L::select(x, of_x, L::select(y, of_y, of_z));
             Vec3::new(pick(v.y, v.z, v.x), pick(v.z, v.x, v.y), pick(v.x, v.y, v.z))
         };
-        woop((self.origin, self.shear), [vertex(a), vertex(b), vertex(c)], exact_edge)
+        crossing((self.origin, self.shear), [vertex(a), vertex(b), vertex(c)]).hit(self.shear)
     }
 
     /// A packet whose rays all have the z axis `axis` against one triangle of a block.
@@ -284,7 +257,7 @@ impl<L: Lane> WoopRay<L> {
             Vec3::new(L::splat(rows[x][lane]), L::splat(rows[y][lane]), L::splat(rows[z][lane]))
         };
         let [a, b, c] = triangles;
-        crossing((self.origin, self.shear), [vertex(a), vertex(b), vertex(c)], exact_edge)
+        crossing((self.origin, self.shear), [vertex(a), vertex(b), vertex(c)])
     }
 }
 
@@ -332,7 +305,9 @@ impl TriangleMethod for Woop {
     }
     #[inline(always)]
     fn test<L: Lane>(ray: &WoopRay<L>, triangle: &WoopTriangle, limit: L) -> TriangleHit<L> {
-        within(woop((ray.origin, ray.shear), ray.vertices(triangle), exact_edge), limit)
+        let found = crossing((ray.origin, ray.shear), ray.vertices(triangle)).hit(ray.shear);
+        let found = found.unwrap_or_else(|| TriangleHit::none(L::splat(f32::INFINITY)));
+        TriangleHit { mask: found.mask & found.t.lt(limit), ..found }
     }
     /// The vertices that a, b, c and a, c, d share are transformed once, and each lane goes on with the
     /// triangle that its line passes.
@@ -342,9 +317,9 @@ impl TriangleMethod for Woop {
         let (a, b, c, d) = (ray.origin - a, ray.origin - b, ray.origin - c, ray.origin - d);
         let shear = |v| sheared(ray.shear, v);
         let (pa, pb, pc, pd) = (shear(a), shear(b), shear(c), shear(d));
-        let first = [exact_edge(pc, pb), exact_edge(pa, pc), exact_edge(pb, pa)];
+        let first = [edge_function(pc, pb), edge_function(pa, pc), edge_function(pb, pa)];
         // The last one is that of the first triangle with its sign changed, but for the sign of zeros.
-        let second = [exact_edge(pd, pc), exact_edge(pa, pd), exact_edge(pc, pa)];
+        let second = [edge_function(pd, pc), edge_function(pa, pd), edge_function(pc, pa)];
         let (in_first, in_second) = (inside(first), inside(second));
         if (in_first & in_second).any() {
             return None;
@@ -355,25 +330,5 @@ impl TriangleMethod for Woop {
         let found = Crossing::new(ray.shear, in_first | in_second, z, edges).hit(ray.shear);
         let hit = found.unwrap_or_else(|| TriangleHit::none(L::splat(f32::INFINITY)));
         Some(PairHit { hit, is_second: in_second })
-    }
-}
-
-impl TriangleMethod for WoopContracted {
-    type Stored = WoopTriangle;
-    type Prepared<L: Lane> = WoopRay<L>;
-
-    fn store(vertices: [glam::Vec3; 3]) -> WoopTriangle {
-        Woop::store(vertices)
-    }
-    #[inline(always)]
-    fn prepare<L: Lane>(ray: &Ray<L>) -> WoopRay<L> {
-        WoopRay::new(ray)
-    }
-    #[inline(always)]
-    fn test<L: Lane>(ray: &WoopRay<L>, triangle: &WoopTriangle, limit: L) -> TriangleHit<L> {
-        within(
-            woop((ray.origin, ray.shear), ray.vertices(triangle), |p, q| p.1.neg_mul_add(q.0, p.0 * q.1)),
-            limit,
-        )
     }
 }

@@ -3,9 +3,9 @@
 //! For: [`Accessors`], [`Numbers`].
 
 use super::super::error::SceneError;
-use super::super::json::{JsonPath, Source};
-use super::bytes::{self, Buffer, broken};
-use gltf_json::Root;
+use super::super::json::JsonPath;
+use super::super::scalar::{Kind, Scalar};
+use super::bytes::{self, Document, broken};
 use gltf_json::accessor::sparse::Sparse;
 use gltf_json::accessor::{Accessor, ComponentType, Type};
 use gltf_json::validation::Checked;
@@ -29,9 +29,7 @@ impl Numbers {
 
 /// A file's accessors, each read once.
 pub struct Accessors<'a> {
-    source: &'a Source<'a>,
-    root: &'a Root,
-    buffers: &'a [Buffer],
+    pub document: &'a Document<'a>,
     read: HashMap<usize, Rc<Numbers>>,
     /// Numbers that may still be read: more than a file with any use needs, so that accessors that overlap,
     /// or that have no data, cannot take more memory than the file's size accounts for.
@@ -45,12 +43,8 @@ const TOO_MANY: Fault = "the accessor has more elements than the file has bytes 
 const UNKNOWN_TYPE: Fault = "the accessor has an unknown type";
 
 impl<'a> Accessors<'a> {
-    pub fn new(source: &'a Source<'a>, root: &'a Root, buffers: &'a [Buffer]) -> Self {
-        let left = 1024 + 8 * bytes::total(buffers);
-        Self { source, root, buffers, read: HashMap::new(), left }
-    }
-    pub fn root(&self) -> &'a Root {
-        self.root
+    pub fn new(document: &'a Document<'a>) -> Self {
+        Self { document, read: HashMap::new(), left: 1024 + 8 * bytes::total(document.buffers) }
     }
 
     /// The values of a vertex attribute, which has one of these numbers of components.
@@ -86,12 +80,12 @@ impl<'a> Accessors<'a> {
         if let Some(known) = self.read.get(&index) {
             return Ok(Rc::clone(known));
         }
-        let Some(accessor) = self.root.accessors.get(index) else {
+        let Some(accessor) = self.document.root.accessors.get(index) else {
             return Err(broken(place, format!("there is no accessor {index}")));
         };
         let numbers = self
             .decode(accessor)
-            .map_err(|fault| broken(&self.source.root().key("accessors").item(index), fault))?;
+            .map_err(|fault| broken(&self.document.source.root().key("accessors").item(index), fault))?;
         let numbers = Rc::new(numbers);
         self.read.insert(index, Rc::clone(&numbers));
         Ok(numbers)
@@ -119,7 +113,7 @@ impl<'a> Accessors<'a> {
         };
         let count = usize::try_from(accessor.count.0).map_err(|_| TOO_MANY)?;
         let length = self.take(count, components)?;
-        let layout = Layout { component: component.0, components, normalized: accessor.normalized };
+        let layout = Layout::new(component.0, components, accessor.normalized);
         let mut values = match accessor.buffer_view {
             Some(view) => {
                 self.elements(view.value(), accessor.byte_offset.unwrap_or_default().0, count, layout)?
@@ -131,7 +125,7 @@ impl<'a> Accessors<'a> {
             let count = usize::try_from(count.0).map_err(|_| TOO_MANY)?;
             self.take(count, components + 1)?;
             let Checked::Valid(component) = indices.component_type else { return Err(UNKNOWN_TYPE) };
-            let of_indices = Layout { component: component.0, components: 1, normalized: false };
+            let of_indices = Layout::new(component.0, 1, false);
             let indices =
                 self.elements(indices.buffer_view.value(), indices.byte_offset.0, count, of_indices)?;
             let replaced =
@@ -146,8 +140,7 @@ impl<'a> Accessors<'a> {
 
     /// Elements of a buffer view, from a byte of it on.
     fn elements(&self, view: usize, offset: u64, count: usize, layout: Layout) -> Result<Vec<f64>, Fault> {
-        let view = self.root.buffer_views.get(view).ok_or(OUTSIDE)?;
-        let bytes = bytes::view(view, self.buffers).ok_or(OUTSIDE)?;
+        let (view, bytes) = self.document.view(view).ok_or(OUTSIDE)?;
         let offset = usize::try_from(offset).map_err(|_| OUTSIDE)?;
         let bytes = bytes.get(offset..).ok_or(OUTSIDE)?;
         let size = layout.size();
@@ -171,30 +164,30 @@ impl<'a> Accessors<'a> {
 /// How an element is stored.
 #[derive(Clone, Copy)]
 struct Layout {
-    component: ComponentType,
+    scalar: Scalar,
     components: usize,
     normalized: bool,
 }
 
 impl Layout {
+    fn new(component: ComponentType, components: usize, normalized: bool) -> Self {
+        let kind = match component {
+            ComponentType::I8 | ComponentType::I16 => Kind::Signed,
+            ComponentType::U8 | ComponentType::U16 | ComponentType::U32 => Kind::Unsigned,
+            ComponentType::F32 => Kind::Real,
+        };
+        Self { scalar: Scalar { kind, bytes: component.size() }, components, normalized }
+    }
     /// Bytes of an element.
     fn size(self) -> usize {
-        self.components * self.component.size()
+        self.components * self.scalar.bytes
     }
     /// Appends the components of an element.
     fn read(self, bytes: &[u8], values: &mut Vec<f64>) {
-        for bytes in bytes.chunks_exact(self.component.size()) {
-            let two = || [bytes[0], bytes[1]];
-            let four = || [bytes[0], bytes[1], bytes[2], bytes[3]];
-            let (value, largest) = match self.component {
-                ComponentType::I8 => (f64::from(bytes[0] as i8), 127.0),
-                ComponentType::U8 => (f64::from(bytes[0]), 255.0),
-                ComponentType::I16 => (f64::from(i16::from_le_bytes(two())), 32_767.0),
-                ComponentType::U16 => (f64::from(u16::from_le_bytes(two())), 65_535.0),
-                ComponentType::U32 => (f64::from(u32::from_le_bytes(four())), 4_294_967_295.0),
-                ComponentType::F32 => (f64::from(f32::from_le_bytes(four())), 1.0),
-            };
-            values.push(if self.normalized { (value / largest).max(-1.0) } else { value });
+        let components = bytes.chunks_exact(self.scalar.bytes).map(|bytes| self.scalar.read(bytes));
+        match self.normalized {
+            true => values.extend(components.map(|value| (value / self.scalar.largest()).max(-1.0))),
+            false => values.extend(components),
         }
     }
 }

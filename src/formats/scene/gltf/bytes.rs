@@ -1,12 +1,13 @@
 //! The bytes of a glTF file: its JSON and binary parts, its buffers, data URIs.
 //!
-//! For: [`split`], [`Buffer`], [`buffers`], [`view`], [`from_uri`], and the error [`broken`].
+//! For: [`split`], [`buffers`], [`Document`], [`from_uri`], and the error [`broken`].
 
 use super::super::error::SceneError;
 use super::super::files::{Files, has_extension};
 use super::super::json::{JsonPath, Source};
 use gltf_json::Root;
 use gltf_json::buffer::View;
+use std::borrow::Cow;
 use std::collections::{HashMap, HashSet};
 use std::ops::Deref;
 use std::path::{Path, PathBuf};
@@ -100,7 +101,7 @@ pub fn buffers(
                     let mend = "put the file beside the model, or export the model as .glb";
                     place.key("uri").error(format!("cannot read a buffer: {reason}"), mend)
                 })?;
-                Rc::clone(read.entry(uri).or_insert(content.into()))
+                Rc::clone(read.entry(uri).or_insert(content.into_owned().into()))
             }
             (None, Some(binary)) if index == 0 => binary.into(),
             (None, _) => return Err(broken(&place, "a buffer without `uri` and without a binary part")),
@@ -115,28 +116,37 @@ pub fn buffers(
     Ok(buffers)
 }
 
-/// The bytes of a buffer view; `None` where it reaches beyond its buffer.
-pub fn view<'a>(view: &View, buffers: &'a [Buffer]) -> Option<&'a [u8]> {
-    let buffer = buffers.get(view.buffer.value())?;
-    let start = usize::try_from(view.byte_offset.unwrap_or_default().0).ok()?;
-    let length = usize::try_from(view.byte_length.0).ok()?;
-    buffer.get(start..)?.get(..length)
+/// A file's JSON and its buffers.
+pub struct Document<'a> {
+    pub source: Source<'a>,
+    pub root: &'a Root,
+    pub buffers: &'a [Buffer],
+}
+
+impl Document<'_> {
+    /// A buffer view and its bytes; `None` where it reaches beyond its buffer, or where there is none.
+    pub fn view(&self, index: usize) -> Option<(&View, &[u8])> {
+        let view = self.root.buffer_views.get(index)?;
+        let buffer = self.buffers.get(view.buffer.value())?;
+        let start = usize::try_from(view.byte_offset.unwrap_or_default().0).ok()?;
+        let length = usize::try_from(view.byte_length.0).ok()?;
+        Some((view, buffer.get(start..)?.get(..length)?))
+    }
 }
 
 /// The content that a URI names: a data URI, or a file beside the model.
-pub fn from_uri(uri: &str, model: &Path, files: &Files) -> Result<Vec<u8>, String> {
+pub fn from_uri(uri: &str, model: &Path, files: &Files) -> Result<Cow<'static, [u8]>, String> {
     if is_data(uri) {
         let data = uri.split_once(";base64,").and_then(|(_, data)| base64(data.as_bytes()));
-        return data.ok_or_else(|| "a data URI is not base64".to_string());
+        return data.map(Cow::Owned).ok_or_else(|| "a data URI is not base64".to_string());
     }
     let path = path(uri, model);
-    let content = files.read(&path).map_err(|reason| format!("{}: {reason}", path.display()))?;
-    Ok(content.into_owned())
+    files.read(&path).map_err(|reason| format!("{}: {reason}", path.display()))
 }
 
 /// The file that a URI names.
 pub fn path(uri: &str, model: &Path) -> PathBuf {
-    model.parent().unwrap_or(Path::new("")).join(decoded(uri))
+    model.with_file_name(decoded(uri))
 }
 
 /// Whether a URI is content and not a name.

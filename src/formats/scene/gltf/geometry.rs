@@ -10,9 +10,8 @@ use super::super::mesh::{Placement, Tally, Unusable};
 use super::super::notes::Notes;
 use super::accessor::{Accessors, Numbers};
 use super::bytes::broken;
-use super::material;
+use super::material::{self, Added};
 use super::nodes::COMPRESSIONS;
-use super::texture::UvMap;
 use glam::{DMat3, DMat4, DVec3, Vec2, Vec3};
 use gltf_json::mesh::{Mode, Primitive, Semantic};
 use gltf_json::validation::Checked;
@@ -30,19 +29,15 @@ pub struct Geometry {
 
 impl Geometry {
     /// Notes which of the vertices' attributes the material cannot use, and which it lacks.
-    pub fn note_unused(
-        &self,
-        material: u32,
-        place: &JsonPath,
-        builder: &mut SceneBuilder,
-        notes: &mut Notes,
-    ) {
+    pub fn note_unused(&self, material: u32, place: &JsonPath, builder: &mut SceneBuilder) {
         let is_textured = builder.materials[material as usize].textures().next().is_some();
         if is_textured && self.uvs.is_none() {
-            notes.add(place, "a textured mesh without its texture coordinates has one texel's colour");
+            builder
+                .notes
+                .add(place, "a textured mesh without its texture coordinates has one texel's colour");
         }
         if self.colors.is_some() && builder.colored(material).is_none() {
-            notes.add(place, "vertex colours are left out, as the material has textures");
+            builder.notes.add(place, "vertex colours are left out, as the material has textures");
         }
     }
     /// The number of corners.
@@ -95,7 +90,7 @@ pub fn read(
         }
     };
     let attributes = place.key("attributes");
-    let set = material::uv_set(primitive, accessors.root());
+    let set = material::uv_set(primitive, accessors.document.root);
     let mut read = |semantic: Semantic, key: &'static str, components: &[usize]| {
         let index = primitive.attributes.get(&Checked::Valid(semantic));
         index.map(|index| accessors.vertices(index.value(), components, &attributes.key(key))).transpose()
@@ -151,7 +146,7 @@ impl Transform {
     pub fn add(
         &self,
         geometry: &Geometry,
-        (material, uv_map): (u32, UvMap),
+        material: Added,
         builder: &mut SceneBuilder,
         tally: &mut Tally,
     ) -> Result<(), Unusable> {
@@ -176,10 +171,11 @@ impl Transform {
                     color.clamp(Vec3::ZERO, Vec3::ONE)
                 })
             });
-            let uvs = geometry.uvs.as_ref().map(|uvs| corners.map(|corner| uv_map.apply(uvs.at(corner))));
+            let uvs =
+                geometry.uvs.as_ref().map(|uvs| corners.map(|corner| material.uv_map.apply(uvs.at(corner))));
             let uvs = uvs.filter(|uvs| uvs.iter().all(|uv| uv.is_finite() && fits(uv.length().into())));
             let attributes = Attributes { uvs: uvs.or(Some([Vec2::ZERO; 3])), normals, colors };
-            tally.add(points, material, attributes, builder)?;
+            tally.add(points, material.number, attributes, builder)?;
         }
         Ok(())
     }

@@ -16,8 +16,8 @@ use super::super::builder::SceneBuilder;
 use super::super::error::SceneError;
 use super::super::json::JsonPath;
 use super::super::notes::Notes;
-use super::bytes::broken;
-use super::texture::{Images, Reference, UvMap};
+use super::bytes::{Document, broken};
+use super::texture::{self, Reference, UvMap};
 use glam::Vec3;
 use gltf_json::Root;
 use gltf_json::material::{AlphaMode, Material as MaterialFile};
@@ -63,34 +63,41 @@ pub fn uv_set(primitive: &Primitive, root: &Root) -> u32 {
 
 /// A file's materials, each added to the builder once.
 pub struct Materials<'a> {
-    images: Images<'a>,
+    document: &'a Document<'a>,
     /// By the index in the file; `None` is the default material.
-    added: HashMap<Option<usize>, (u32, UvMap)>,
+    added: HashMap<Option<usize>, Added>,
+}
+
+/// A material in the builder.
+#[derive(Clone, Copy)]
+pub struct Added {
+    pub number: u32,
+    /// The transform of texture coordinates on its triangles.
+    pub uv_map: UvMap,
 }
 
 impl<'a> Materials<'a> {
-    pub fn new(images: Images<'a>) -> Self {
-        Self { images, added: HashMap::new() }
+    pub fn new(document: &'a Document<'a>) -> Self {
+        Self { document, added: HashMap::new() }
     }
 
-    /// The material of a primitive, and the transform of its texture coordinates.
+    /// The material of a primitive.
     pub fn of(
         &mut self,
         primitive: &Primitive,
         place: &JsonPath,
         builder: &mut SceneBuilder,
-        notes: &mut Notes,
-    ) -> Result<(u32, UvMap), SceneError> {
+    ) -> Result<Added, SceneError> {
         let index = primitive.material.map(|index| index.value());
         if let Some(&known) = self.added.get(&index) {
             return Ok(known);
         }
-        let added = match index.map(|index| (index, self.images.root.materials.get(index))) {
+        let added = match index.map(|index| (index, self.document.root.materials.get(index))) {
             None => {
                 let material = plain(&MaterialFile::default(), "default".into());
-                (builder.add_material(material, 1.0), UvMap::default())
+                Added { number: builder.add_material(material, 1.0), uv_map: UvMap::default() }
             }
-            Some((index, Some(file))) => self.add(index, file, builder, notes),
+            Some((index, Some(file))) => self.add(index, file, builder),
             Some((index, None)) => {
                 return Err(broken(&place.key("material"), format!("there is no material {index}")));
             }
@@ -99,17 +106,11 @@ impl<'a> Materials<'a> {
         Ok(added)
     }
 
-    fn add(
-        &self,
-        index: usize,
-        file: &MaterialFile,
-        builder: &mut SceneBuilder,
-        notes: &mut Notes,
-    ) -> (u32, UvMap) {
-        let list = self.images.source.root();
+    fn add(&self, index: usize, file: &MaterialFile, builder: &mut SceneBuilder) -> Added {
+        let list = self.document.source.root();
         let list = list.key("materials");
         let place = list.item(index);
-        note_ignored(file, &place, notes);
+        note_ignored(file, &place, &mut builder.notes);
         let name = file.name.clone().unwrap_or_else(|| format!("material {index}"));
         let mut material = plain(file, name);
         let references = references(file);
@@ -120,10 +121,10 @@ impl<'a> Materials<'a> {
             let place = place.key(key);
             if (reference.set, reference.map) != (first.set, first.map) {
                 let what = "a texture is left out: its coordinates are not those of the material's first one";
-                notes.add(&place, what);
+                builder.notes.add(&place, what);
                 return None;
             }
-            self.images.load(reference.texture, kind, slopes, &place, builder, notes)
+            texture::load(self.document, reference.texture, kind, slopes, &place, builder)
         };
         // Glass is shown without its texture.
         let is_glass = matches!(material.kind, MaterialKind::Glass { .. });
@@ -139,7 +140,8 @@ impl<'a> Materials<'a> {
                 material.emission_map = load("emissiveTexture", emission, TexelKind::Color, None);
             }
         }
-        (builder.add_material(material, 1.0), first.map(|first| first.map).unwrap_or_default())
+        let uv_map = first.map(|first| first.map).unwrap_or_default();
+        Added { number: builder.add_material(material, 1.0), uv_map }
     }
 }
 

@@ -31,17 +31,17 @@ use super::error::SceneError;
 use super::files::Files;
 use super::json::Source;
 use super::mesh::{Placement, Tally, Unusable};
-use super::notes::Notes;
 use accessor::Accessors;
+use bytes::Document;
 use geometry::{Geometry, Transform};
 use glam::DVec4;
 use gltf_json::Root;
-use material::Materials;
+use material::{Added, Materials};
 use octray_engine::scene::Camera;
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::path::Path;
-use texture::{Images, UvMap};
+use texture::UvMap;
 
 /// A glTF file, read. Its geometry is checked by [`Gltf::add`].
 pub struct Gltf {
@@ -79,36 +79,35 @@ impl Gltf {
     pub fn add(
         &self,
         path: &Path,
-        files: &Files,
         builder: &mut SceneBuilder,
         material: Option<u32>,
         placement: &Placement,
     ) -> Result<(), Unusable> {
-        let source = &Source { file: path, text: &self.text };
-        let (place, root, buffers) = (source.root(), &self.root, &self.buffers);
-        let mut notes = Notes::new(": ");
-        nodes::note_ignored(&place, root, &mut notes);
-        let mut accessors = Accessors::new(source, root, buffers);
-        let mut materials = Materials::new(Images { source, root, buffers, files });
-        let mut meshes: HashMap<usize, Vec<((u32, UvMap), Geometry)>> = HashMap::new();
+        let source = Source { file: path, text: &self.text };
+        let document = Document { source, root: &self.root, buffers: &self.buffers };
+        let place = document.source.root();
+        nodes::note_ignored(&place, &self.root, &mut builder.notes);
+        let mut accessors = Accessors::new(&document);
+        let mut materials = Materials::new(&document);
+        let mut meshes: HashMap<usize, Vec<(Added, Geometry)>> = HashMap::new();
         let mut triangles = 0;
         for &(mesh, _) in &self.nodes.meshes {
             let parts = match meshes.entry(mesh) {
                 Entry::Occupied(known) => known.into_mut(),
                 Entry::Vacant(new) => {
                     let mut parts = Vec::new();
-                    for (index, primitive) in root.meshes[mesh].primitives.iter().enumerate() {
+                    for (index, primitive) in self.root.meshes[mesh].primitives.iter().enumerate() {
                         let list = place.key("meshes");
                         let of_mesh = list.item(mesh);
                         let primitives = of_mesh.key("primitives");
                         let place = primitives.item(index);
-                        let read = geometry::read(&mut accessors, primitive, &place, &mut notes)?;
+                        let read = geometry::read(&mut accessors, primitive, &place, &mut builder.notes)?;
                         let Some(geometry) = read else { continue };
                         let own = match material {
-                            Some(material) => (material, UvMap::default()),
+                            Some(number) => Added { number, uv_map: UvMap::default() },
                             None => {
-                                let own = materials.of(primitive, &place, builder, &mut notes)?;
-                                geometry.note_unused(own.0, &place, builder, &mut notes);
+                                let own = materials.of(primitive, &place, builder)?;
+                                geometry.note_unused(own.number, &place, builder);
                                 own
                             }
                         };
@@ -124,7 +123,7 @@ impl Gltf {
                 return Err(place.key("nodes").error(what, mend).into());
             }
         }
-        notes.warn(path, builder);
+        builder.warn_of_notes(path, ": ");
         builder.check_room(triangles).map_err(|error| error.in_file(path))?;
         let mut tally = Tally::default();
         for (mesh, transform) in &self.nodes.meshes {

@@ -1,20 +1,20 @@
 //! Textures of glTF materials: images, filters, and the transform of texture coordinates.
 //!
-//! For: [`Reference`], [`UvMap`], [`Images`].
+//! For: [`Reference`], [`UvMap`], [`load`].
 
 use super::super::builder::SceneBuilder;
 use super::super::files::Files;
-use super::super::json::{JsonPath, Source};
+use super::super::json::JsonPath;
 use super::super::notes::Notes;
-use super::bytes;
+use super::bytes::{self, Document};
 use glam::{DVec3, Vec2};
-use gltf_json::Root;
 use gltf_json::image::Image;
 use gltf_json::texture::{Info, MagFilter, Texture, WrappingMode};
 use gltf_json::validation::Checked;
 use octray_engine::math::portable;
 use octray_engine::scene::{Filter, TexelKind, Texels};
 use serde_json::{Map, Value};
+use std::borrow::Cow;
 
 /// The transform of texture coordinates (`KHR_texture_transform`): scaled, rotated, offset.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -77,87 +77,77 @@ impl Reference {
     }
 }
 
-/// Where textures come from.
-pub struct Images<'a> {
-    pub source: &'a Source<'a>,
-    pub root: &'a Root,
-    pub buffers: &'a [bytes::Buffer],
-    pub files: &'a Files,
+/// Loads a texture; `None`, with a note, where it cannot be used. A model's shape is visible without it. The
+/// slopes of a normal map are multiplied by `slopes`.
+pub fn load(
+    document: &Document,
+    texture: usize,
+    kind: TexelKind,
+    slopes: Option<f32>,
+    place: &JsonPath,
+    builder: &mut SceneBuilder,
+) -> Option<u32> {
+    let Some(file) = document.root.textures.get(texture) else {
+        builder.notes.add(place, format!("there is no texture {texture}"));
+        return None;
+    };
+    let root = document.source.root();
+    let filter = filter(document, file, &mut builder.notes);
+    let index = file.source.value();
+    let Some(image) = document.root.images.get(index) else {
+        let what = "a texture without a PNG or JPEG image is left out";
+        builder.notes.add(&root.key("textures").item(texture), what);
+        return None;
+    };
+    let model = document.source.file;
+    let textures = &mut builder.textures;
+    let files = textures.files.clone();
+    let loaded = match &image.uri {
+        Some(uri) if slopes.is_none() && !bytes::is_data(uri) => {
+            textures.load(&bytes::path(uri, model), &bytes::decoded(uri), filter, kind)
+        }
+        _ => {
+            let name = model.file_name().unwrap_or_default().to_string_lossy();
+            let scaled = slopes.map_or(String::new(), |scale| format!(", slopes times {scale}"));
+            let name = format!("{name} image {index}{scaled}");
+            let change = |texels| match slopes {
+                Some(scale) => scale_slopes(&texels, scale),
+                None => texels,
+            };
+            let path = model.with_file_name(&name);
+            textures.load_from(|| content(document, image, &files), change, &path, &name, filter, kind)
+        }
+    };
+    if let Err(reason) = &loaded {
+        builder.notes.add(&root.key("images").item(index), format!("the image is left out: {reason}"));
+    }
+    loaded.ok()
 }
 
-impl Images<'_> {
-    /// Loads a texture; `None`, with a note, where it cannot be used. A model's shape is visible without it. The
-    /// slopes of a normal map are multiplied by `slopes`.
-    pub fn load(
-        &self,
-        texture: usize,
-        kind: TexelKind,
-        slopes: Option<f32>,
-        place: &JsonPath,
-        builder: &mut SceneBuilder,
-        notes: &mut Notes,
-    ) -> Option<u32> {
-        let Some(file) = self.root.textures.get(texture) else {
-            notes.add(place, format!("there is no texture {texture}"));
-            return None;
-        };
-        let root = self.source.root();
-        let filter = self.filter(file, notes);
-        let index = file.source.value();
-        let Some(image) = self.root.images.get(index) else {
-            let what = "a texture without a PNG or JPEG image is left out";
-            notes.add(&root.key("textures").item(texture), what);
-            return None;
-        };
-        let model = self.source.file;
-        let loaded = match &image.uri {
-            Some(uri) if slopes.is_none() && !bytes::is_data(uri) => {
-                let path = bytes::path(uri, model);
-                builder.textures.load(self.files, &path, &bytes::decoded(uri), filter, kind)
-            }
-            _ => {
-                let name = model.file_name().unwrap_or_default().to_string_lossy();
-                let scaled = slopes.map_or(String::new(), |scale| format!(", slopes times {scale}"));
-                let path = model.with_file_name(format!("{name} image {index}{scaled}"));
-                let change = |texels| match slopes {
-                    Some(scale) => scale_slopes(&texels, scale),
-                    None => texels,
-                };
-                builder.textures.load_embedded(|| self.content(image), &path, filter, kind, change)
-            }
-        };
-        if let Err(reason) = &loaded {
-            notes.add(&root.key("images").item(index), format!("the image is left out: {reason}"));
-        }
-        loaded.ok()
+/// Notes what of the texture's sampler is left out.
+fn filter(document: &Document, texture: &Texture, notes: &mut Notes) -> Filter {
+    let index = texture.sampler.map(|index| index.value());
+    let sampler = index.and_then(|index| Some((index, document.root.samplers.get(index)?)));
+    let Some((index, sampler)) = sampler else { return Filter::Bilinear };
+    let repeats = Checked::Valid(WrappingMode::Repeat);
+    if sampler.wrap_s != repeats || sampler.wrap_t != repeats {
+        let what = "textures repeat here: clamping and mirroring are not read";
+        notes.add(&document.source.root().key("samplers").item(index), what);
     }
-
-    /// Notes what of the texture's sampler is left out.
-    fn filter(&self, texture: &Texture, notes: &mut Notes) -> Filter {
-        let index = texture.sampler.map(|index| index.value());
-        let sampler = index.and_then(|index| Some((index, self.root.samplers.get(index)?)));
-        let Some((index, sampler)) = sampler else { return Filter::Bilinear };
-        let repeats = Checked::Valid(WrappingMode::Repeat);
-        if sampler.wrap_s != repeats || sampler.wrap_t != repeats {
-            let what = "textures repeat here: clamping and mirroring are not read";
-            notes.add(&self.source.root().key("samplers").item(index), what);
-        }
-        match sampler.mag_filter {
-            Some(Checked::Valid(MagFilter::Nearest)) => Filter::Nearest,
-            _ => Filter::Bilinear,
-        }
+    match sampler.mag_filter {
+        Some(Checked::Valid(MagFilter::Nearest)) => Filter::Nearest,
+        _ => Filter::Bilinear,
     }
+}
 
-    fn content(&self, image: &Image) -> Result<Vec<u8>, String> {
-        match (&image.uri, image.buffer_view) {
-            (Some(uri), _) => bytes::from_uri(uri, self.source.file, self.files),
-            (None, Some(view)) => {
-                let view = self.root.buffer_views.get(view.value());
-                let bytes = view.and_then(|view| bytes::view(view, self.buffers));
-                bytes.map(<[u8]>::to_vec).ok_or_else(|| "it reaches beyond its buffer".to_string())
-            }
-            (None, None) => Err("it has no data".to_string()),
+fn content(document: &Document, image: &Image, files: &Files) -> Result<Cow<'static, [u8]>, String> {
+    match (&image.uri, image.buffer_view) {
+        (Some(uri), _) => bytes::from_uri(uri, document.source.file, files),
+        (None, Some(view)) => {
+            let view = document.view(view.value()).map(|(_, bytes)| bytes.to_vec().into());
+            view.ok_or_else(|| "it reaches beyond its buffer".to_string())
         }
+        (None, None) => Err("it has no data".to_string()),
     }
 }
 

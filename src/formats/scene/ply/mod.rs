@@ -17,6 +17,7 @@ mod reader;
 use super::check::{WITHIN_BOUNDS, fits};
 use super::error::SceneError;
 use super::mesh::{Corner, Face, Mesh};
+use super::scalar::{Kind, Scalar};
 use glam::{DVec3, Vec2, Vec3};
 use octray_engine::scene::srgb_to_linear;
 use reader::{Element, Property, Reader};
@@ -88,9 +89,12 @@ fn read_vertices(mesh: &mut Mesh, reader: &mut Reader, element: &Element) -> Res
 
 /// A channel of a colour, linear and in [0, 1].
 fn channel(property: &Property, value: f64) -> f32 {
-    let white = property.scalar.white();
-    let x = (value / white).clamp(0.0, 1.0);
-    if white > 1.0 { srgb_to_linear(x) as f32 } else { x as f32 }
+    let scalar = property.scalar;
+    if scalar.kind == Kind::Real {
+        return value.clamp(0.0, 1.0) as f32;
+    }
+    let white = Scalar { kind: Kind::Unsigned, ..scalar }.largest();
+    srgb_to_linear((value / white).clamp(0.0, 1.0)) as f32
 }
 
 /// Reads the faces of a file with this number of vertices, which may come after them; skips other elements.

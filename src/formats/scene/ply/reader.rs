@@ -3,6 +3,7 @@
 //! For: [`Reader`], [`Element`].
 
 use super::super::error::SceneError;
+use super::super::scalar::{Kind, Scalar};
 use std::path::Path;
 
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -12,49 +13,19 @@ enum Encoding {
     Big,
 }
 
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub enum Scalar {
-    I8,
-    U8,
-    I16,
-    U16,
-    I32,
-    U32,
-    F32,
-    F64,
-}
-
-impl Scalar {
-    fn of(name: &str) -> Option<Self> {
-        Some(match name {
-            "char" | "int8" => Self::I8,
-            "uchar" | "uint8" => Self::U8,
-            "short" | "int16" => Self::I16,
-            "ushort" | "uint16" => Self::U16,
-            "int" | "int32" => Self::I32,
-            "uint" | "uint32" => Self::U32,
-            "float" | "float32" => Self::F32,
-            "double" | "float64" => Self::F64,
-            _ => return None,
-        })
-    }
-    fn bytes(self) -> usize {
-        match self {
-            Self::I8 | Self::U8 => 1,
-            Self::I16 | Self::U16 => 2,
-            Self::I32 | Self::U32 | Self::F32 => 4,
-            Self::F64 => 8,
-        }
-    }
-    /// The number that means the colour 1.
-    pub fn white(self) -> f64 {
-        match self {
-            Self::I8 | Self::U8 => 255.0,
-            Self::I16 | Self::U16 => 65_535.0,
-            Self::I32 | Self::U32 => 4_294_967_295.0,
-            Self::F32 | Self::F64 => 1.0,
-        }
-    }
+fn scalar(name: &str) -> Option<Scalar> {
+    let (kind, bytes) = match name {
+        "char" | "int8" => (Kind::Signed, 1),
+        "uchar" | "uint8" => (Kind::Unsigned, 1),
+        "short" | "int16" => (Kind::Signed, 2),
+        "ushort" | "uint16" => (Kind::Unsigned, 2),
+        "int" | "int32" => (Kind::Signed, 4),
+        "uint" | "uint32" => (Kind::Unsigned, 4),
+        "float" | "float32" => (Kind::Real, 4),
+        "double" | "float64" => (Kind::Real, 8),
+        _ => return None,
+    };
+    Some(Scalar { kind, bytes })
 }
 
 pub struct Property {
@@ -127,24 +98,15 @@ impl<'a> Reader<'a> {
                 self.fault(format!("`{word}` is not a number"), "write a number")
             });
         }
-        let mut raw = [0; 8];
-        let size = scalar.bytes();
-        raw[..size].copy_from_slice(self.rest().get(..size).ok_or_else(|| self.ends_early())?);
-        if self.encoding == Encoding::Big {
-            raw[..size].reverse();
+        let bytes = self.rest().get(..scalar.bytes).ok_or_else(|| self.ends_early())?;
+        self.at += bytes.len();
+        if self.encoding == Encoding::Little {
+            return Ok(scalar.read(bytes));
         }
-        self.at += size;
-        let [a, b, c, d, ..] = raw;
-        Ok(match scalar {
-            Scalar::I8 => f64::from(a as i8),
-            Scalar::U8 => f64::from(a),
-            Scalar::I16 => f64::from(i16::from_le_bytes([a, b])),
-            Scalar::U16 => f64::from(u16::from_le_bytes([a, b])),
-            Scalar::I32 => f64::from(i32::from_le_bytes([a, b, c, d])),
-            Scalar::U32 => f64::from(u32::from_le_bytes([a, b, c, d])),
-            Scalar::F32 => f64::from(f32::from_le_bytes([a, b, c, d])),
-            Scalar::F64 => f64::from_le_bytes(raw),
-        })
+        let mut turned = [0; 8];
+        turned[..bytes.len()].copy_from_slice(bytes);
+        turned[..bytes.len()].reverse();
+        Ok(scalar.read(&turned[..bytes.len()]))
     }
 
     /// Everything up to `end_header`.
@@ -169,21 +131,19 @@ impl<'a> Reader<'a> {
                     elements.push(Element { name: name.to_string(), count, properties: Vec::new() });
                 }
                 ["property", ref property @ ..] => {
-                    let (scalar, list, name) = match *property {
-                        ["list", length, scalar, name] => (scalar, Some(length), name),
-                        [scalar, name] => (scalar, None, name),
+                    let (of, list, name) = match *property {
+                        ["list", length, of, name] => (of, Some(length), name),
+                        [of, name] => (of, None, name),
                         _ => return Err(self.fault("this is not a property", MEND)),
                     };
-                    let [scalar, length] = [Some(scalar), list].map(|name| name.map(Scalar::of));
-                    let (Some(Some(scalar)), None | Some(Some(_))) = (scalar, length) else {
-                        return Err(self.fault("the type of the property is unknown", MEND));
-                    };
+                    let unknown = || self.fault("the type of the property is unknown", MEND);
+                    let known = |name: &str| scalar(name).ok_or_else(unknown);
                     let element =
                         elements.last_mut().ok_or_else(|| self.fault("a property of no element", MEND))?;
                     element.properties.push(Property {
                         name: name.to_string(),
-                        scalar,
-                        list: length.flatten(),
+                        scalar: known(of)?,
+                        list: list.map(known).transpose()?,
                     });
                 }
                 ["end_header"] => break,
@@ -202,7 +162,7 @@ impl<'a> Reader<'a> {
         let least = element.properties.iter().map(|property| match self.encoding {
             // A digit and a space.
             Encoding::Ascii => 2,
-            Encoding::Little | Encoding::Big => property.list.unwrap_or(property.scalar).bytes(),
+            Encoding::Little | Encoding::Big => property.list.unwrap_or(property.scalar).bytes,
         });
         let least: usize = least.sum();
         let needed = least.checked_mul(element.count);

@@ -11,7 +11,7 @@ use crate::render::{PipelineChoice, Renderer, Settings};
 use crate::sampling::Sampler;
 use crate::scene::{Filter, Scene};
 use crate::traverse::batch::Traversal;
-use crate::traverse::{BoxChoice, SphereChoice, TraversalChoice, TriangleChoice, list_cost};
+use crate::traverse::{SphereChoice, TraversalChoice, TriangleChoice, list_cost};
 use serde::Serialize;
 
 /// Settings under a name.
@@ -35,7 +35,7 @@ impl Configuration {
     /// Whether its intersection methods are the robust ones. A picture's error hardly shows it, so a
     /// configuration that is faster and not robust does not count as better.
     pub(crate) fn is_robust(&self) -> bool {
-        self.settings.methods.are_robust()
+        self.settings.methods.keep_to_their_primitives()
     }
     /// A renderer of the scene with these settings but this resolution and number of threads.
     pub(crate) fn renderer(&self, scene: &Scene, resolution: [u32; 2], threads: usize) -> Renderer {
@@ -108,10 +108,8 @@ pub const GROUPS: [(Group, &[(&str, &str)]); 3] = [
     (
         Group::NotRobust,
         &[
-            ("boxes without padding", "loses hits at corners and edges of boxes: --box fma"),
             ("naive spheres", "loses digits on small, distant and huge spheres: --sphere naive"),
             ("Möller–Trumbore", "leaks at edges and vertices of triangles: --triangle moller-trumbore"),
-            ("Baldwin–Weber", "leaks at edges and vertices of triangles: --triangle baldwin-weber"),
         ],
     ),
 ];
@@ -178,13 +176,9 @@ pub fn of_scene(scene: &Scene, settings: Settings) -> Vec<Configuration> {
 
     let [spheres, triangles] = [scene.spheres.is_empty(), scene.triangles.is_empty()]
         .map(|is_empty| linear && !hierarchy && !is_empty);
-    add("boxes without padding", hierarchy, &|one| one.settings.methods.boxes = BoxChoice::Fma);
     add("naive spheres", spheres, &|one| one.settings.methods.sphere = SphereChoice::Naive);
-    for (name, triangle) in
-        [("Möller–Trumbore", TriangleChoice::MollerTrumbore), ("Baldwin–Weber", TriangleChoice::BaldwinWeber)]
-    {
-        add(name, triangles, &|one| one.settings.methods.triangle = triangle);
-    }
+    let triangle = TriangleChoice::MollerTrumbore;
+    add("Möller–Trumbore", triangles, &|one| one.settings.methods.triangle = triangle);
     all
 }
 
@@ -208,7 +202,7 @@ mod tests {
             (load("builtin:three"), &["naive spheres", "hierarchy"], &["Möller–Trumbore", "streams"]),
             (load("builtin:three"), &["scalar"], &no_emitters),
             // Auto samples all emitters.
-            (load("builtin:cornell"), &["lights off", "Baldwin–Weber"], &["naive spheres", "lights on"]),
+            (load("builtin:cornell"), &["lights off", "Möller–Trumbore"], &["naive spheres", "lights on"]),
             (load("builtin:terrain:2000"), &["streams"], &["every primitive tested"]),
             (smooth, &["trilinear"], &[]),
         ];

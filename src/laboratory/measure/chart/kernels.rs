@@ -2,7 +2,6 @@
 //!
 //! For: [`measure`].
 
-use crate::kernel::ray_box::BoxMethod;
 use crate::kernel::ray_sphere::SphereMethod;
 use crate::kernel::ray_triangle::TriangleMethod;
 use crate::lane::{Lane, NATIVE_WIDTH, Native};
@@ -10,6 +9,7 @@ use crate::measure::kernel_set::{self as set, Found};
 use crate::measure::quantiles::{Quantiles, Rounds};
 use crate::measure::stability::methods::{Method, box_methods, sphere_methods, triangle_methods};
 use crate::measure::stability::{Effort, recipe};
+use crate::methods::BoxMethod;
 use serde::Serialize;
 use std::hint::black_box;
 use std::time::{Duration, Instant};

@@ -7,8 +7,9 @@ use super::methods::box_methods;
 use super::rays::{ray, to_f64, towards};
 use super::recipe::{Bound, FAILED, FailureCounts, Recipe, trials};
 use super::rng::Rng;
-use crate::kernel::ray_box::{BoxMethod, Padding};
+use crate::kernel::ray_box::Padding;
 use crate::math::{self, Ray};
+use crate::methods::BoxMethod;
 use glam::{DVec3, Vec3};
 
 const IZE: &str = "Ize, Robust BVH Ray Traversal, JCGT 2(2), 2013";

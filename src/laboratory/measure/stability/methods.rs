@@ -49,7 +49,7 @@ pub const MEANINGS: [(&str, &str); 15] = [
 /// [`SphereMethod`](crate::kernel::ray_sphere::SphereMethod).
 macro_rules! sphere_methods {
     ($run:ident) => {
-        $crate::measure::stability::methods::list!($run ray_sphere;
+        $crate::measure::stability::methods::list!($run;
             default "robust" Robust, other "robust-any-length" RobustAnyLength, other "naive" Naive)
     };
 }
@@ -57,25 +57,25 @@ macro_rules! sphere_methods {
 /// The same for every [`TriangleMethod`](crate::kernel::ray_triangle::TriangleMethod).
 macro_rules! triangle_methods {
     ($run:ident) => {
-        $crate::measure::stability::methods::list!($run ray_triangle;
+        $crate::measure::stability::methods::list!($run;
             default "woop" Woop, other "woop-contracted" WoopContracted, other "moller-trumbore" MollerTrumbore,
             other "moller-trumbore-epsilon" MollerTrumboreEpsilon, other "baldwin-weber" BaldwinWeber, other "plucker" Plucker)
     };
 }
 
-/// The same for every [`BoxMethod`](crate::kernel::ray_box::BoxMethod).
+/// The same for every [`BoxMethod`](crate::methods::BoxMethod).
 macro_rules! box_methods {
     ($run:ident) => {
-        $crate::measure::stability::methods::list!($run ray_box;
+        $crate::measure::stability::methods::list!($run;
             default "padded-fma" Padded, other "by-sign" BySign, other "by-sign-2-ulp" BySignWidened, other "fma" Contracted,
             other "x86-min-max" X86MinMax, other "ieee-min-max" IeeeMinMax)
     };
 }
 
-/// Rows of `default|other "name" Type`, with types of a module of `kernel`.
+/// Rows of `default|other "name" Type`.
 macro_rules! list {
-    ($run:ident $family:ident; $($role:ident $name:literal $method:ident),+) => {
-        [$($crate::measure::stability::methods::Method::$role($name, $run::<$crate::kernel::$family::$method>)),+]
+    ($run:ident; $($role:ident $name:literal $method:ident),+) => {
+        [$($crate::measure::stability::methods::Method::$role($name, $run::<$crate::methods::$method>)),+]
     };
 }
 
@@ -84,9 +84,9 @@ pub(crate) use {box_methods, list, sphere_methods, triangle_methods};
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::kernel::ray_box::BoxMethod;
     use crate::kernel::ray_sphere::SphereMethod;
     use crate::kernel::ray_triangle::TriangleMethod;
+    use crate::methods::BoxMethod;
 
     fn sphere<S: SphereMethod>() {}
     fn triangle<T: TriangleMethod>() {}

@@ -1,15 +1,18 @@
-//! The traversal that a scene gets and why, and its hierarchy: a part of what `octray inspect` reports.
+//! The methods that a scene gets, and why: its traversal, its hierarchy, its defaults. A part of what `octray
+//! inspect` reports.
 //!
-//! For: [`TraversalReport`], [`HierarchyReport`].
+//! For: [`TraversalReport`], [`HierarchyReport`], [`DefaultReport`].
 
 use super::numbers::{bytes, figure};
+use crate::buffers::Features;
 use crate::bvh::check::{Statistics, check_scene};
 use crate::lane::{F32x8, Lane};
 use crate::machine;
 use crate::measure::rays::{self, BuildTime};
 use crate::measure::trace::TraceMethod;
+use crate::render::LaneChoice;
 use crate::scene::Scene;
-use crate::traverse::{MAX_LIST_COST, Methods, TRIANGLE_COST, list_cost};
+use crate::traverse::{MAX_LIST_COST, Methods, TRIANGLE_COST, features_of, list_cost};
 use crate::wording::{counted, grouped};
 use serde::Serialize;
 
@@ -112,5 +115,68 @@ impl HierarchyReport {
             figure(ms, 1),
             counted(threads, "thread", "threads"),
         )
+    }
+}
+
+/// A default, and the reason for it: the figures come from `octray stability` and `octray chart`.
+#[derive(Debug, Serialize)]
+pub struct DefaultReport {
+    /// As the command line has it, without hyphens.
+    option: &'static str,
+    default: &'static str,
+    why: &'static str,
+}
+
+impl DefaultReport {
+    /// Those that make a difference to this scene.
+    pub fn all(scene: &Scene) -> Vec<Self> {
+        let (spheres, triangles) = (!scene.spheres.is_empty(), !scene.triangles.is_empty());
+        let hierarchy = features_of(scene).contains(Features::HIERARCHY);
+        let (lanes, why_lanes) = match LaneChoice::Auto.lanes() {
+            16 if hierarchy => (
+                "16",
+                "fills AVX-512's vectors: 1.0 to 1.06 times as fast as 8 (traversals of a hierarchy have widths of their own)",
+            ),
+            16 => (
+                "16",
+                "fills AVX-512's vectors: 1.1 to 1.6 times as fast as 8 where every primitive is tested",
+            ),
+            _ => ("8", "this build has vectors of 8; with AVX-512, 16 is the faster one"),
+        };
+        let all = [
+            (
+                spheres,
+                "sphere",
+                "robust",
+                "at 1,000 radii it is wrong on less than one ray in 100,000, naive on one in 28, for hardly more time",
+            ),
+            (
+                triangles,
+                "triangle",
+                "woop",
+                "no ray slips through an edge or a vertex; of rays aimed at edges, moller-trumbore loses one in six",
+            ),
+            (true, "lanes", lanes, why_lanes),
+            (
+                true,
+                "sampler",
+                "sobol",
+                "Sobol points cost a few per cent more than independent numbers and leave less noise",
+            ),
+            (
+                true,
+                "pipeline",
+                "needed",
+                "it is compiled for the smallest set of features that holds the scene's; the picture stays the same",
+            ),
+        ];
+        let matters = all.into_iter().filter(|(matters, ..)| *matters);
+        matters.map(|(_, option, default, why)| Self { option, default, why }).collect()
+    }
+
+    /// The option, its default, and why.
+    pub fn text(&self) -> String {
+        let Self { option, default, why } = self;
+        format!("--{option} {default}: {why}")
     }
 }

@@ -1,6 +1,6 @@
 //! Baldwin and Weber's method: an affine map per triangle.
 
-use super::method::{TriangleHit, TriangleMethod};
+use crate::kernel::ray_triangle::{TriangleHit, TriangleMethod};
 use crate::lane::{Lane, Mask};
 use crate::math::{Ray, Vec3};
 

@@ -1,6 +1,6 @@
 //! Plücker coordinates: signed volumes of the edges.
 
-use super::method::{TriangleHit, TriangleMethod};
+use crate::kernel::ray_triangle::{TriangleHit, TriangleMethod};
 use crate::lane::{Lane, Mask};
 use crate::math::{Ray, Vec3};
 

@@ -93,31 +93,6 @@ const MOST_STATS_FRAMES: f64 = 1_000.0;
 /// Measuring with few frames ends after this many times the measuring time.
 const PATIENCE: u32 = 10;
 
-/// An engine while it is timed.
-struct Run {
-    engine: Engine,
-    timed: TimedRenderer,
-    /// The same engine with the general pipeline, if the scene's own is another.
-    general: Option<TimedRenderer>,
-}
-
-impl Run {
-    fn new(scene: &Scene, settings: Settings, engine: Engine, against_general: bool) -> Self {
-        let Engine { lanes, threads } = engine;
-        let of = |pipeline| Renderer::new(scene, Settings { lanes, threads, pipeline, ..settings });
-        let renderer = of(settings.pipeline);
-        let against_general = against_general && renderer.features() != Features::ALL;
-        let general = against_general.then(|| TimedRenderer::new(of(PipelineChoice::General)));
-        Self { engine, timed: TimedRenderer::new(renderer), general }
-    }
-    fn turn(&mut self, frames: usize) {
-        self.timed.turn(frames, TURN);
-        if let Some(general) = &mut self.general {
-            general.turn(frames, TURN);
-        }
-    }
-}
-
 /// Times the engines on a scene in alternating rounds, after a warm-up. `settings` holds for all but lanes
 /// and threads. With `stats`, each engine then renders further frames that are not timed.
 pub fn bench(
@@ -127,41 +102,49 @@ pub fn bench(
     effort: Effort,
     stats: bool,
 ) -> Vec<Measurement> {
-    let engines = engines.iter().enumerate();
-    let mut runs: Vec<Run> =
-        engines.map(|(number, &engine)| Run::new(scene, settings, engine, number == 0)).collect();
+    let of = |&Engine { lanes, threads }: &Engine, pipeline| {
+        TimedRenderer::new(Renderer::new(scene, Settings { lanes, threads, pipeline, ..settings }))
+    };
+    let mut runs: Vec<TimedRenderer> = engines.iter().map(|engine| of(engine, settings.pipeline)).collect();
+    // The first engine once more with the general pipeline, if the scene's own is another.
+    let is_special = runs.first().is_some_and(|first| first.renderer.features() != Features::ALL);
+    let mut general = is_special.then(|| of(&engines[0], PipelineChoice::General));
     let start = Instant::now();
-    let enough = |run: &Run| match effort {
-        Effort::Frames(frames) => run.timed.seconds.len() >= frames as usize,
+    let enough = |run: &TimedRenderer| match effort {
+        Effort::Frames(frames) => run.seconds.len() >= frames as usize,
         Effort::Time(time) => {
-            let (frames, passed) = (run.timed.seconds.len(), start.elapsed());
+            let (frames, passed) = (run.seconds.len(), start.elapsed());
             (frames >= FEWEST_FRAMES && passed >= time)
                 || (frames >= FEWEST_SLOW_FRAMES && passed >= time * PATIENCE)
         }
     };
     while !runs.iter().all(&enough) {
-        for run in &mut runs {
+        for run in runs.iter_mut().chain(&mut general) {
             let left = match effort {
                 Effort::Frames(frames) => {
-                    let (frames, done) = (frames as usize, run.timed.seconds.len());
+                    let (frames, done) = (frames as usize, run.seconds.len());
                     frames.saturating_sub(done).min((frames / FEWEST_TURNS).max(1))
                 }
                 Effort::Time(_) => usize::MAX,
             };
-            run.turn(left);
+            run.turn(left, TURN);
         }
     }
     // The same frames for all engines, so that they trace the same rays.
-    let median = |run: &Run| Quantiles::of(run.timed.seconds.clone()).median();
+    let median = |run: &TimedRenderer| Quantiles::of(run.seconds.clone()).median();
     let slowest = runs.iter().map(median).fold(0.0, f64::max);
     let frames = (STATS_TIME.as_secs_f64() / slowest).clamp(1.0, MOST_STATS_FRAMES) as u32;
-    let stats = |run: &Run| stats.then(|| frame_stats(run, frames));
-    runs.iter().map(|run| measurement(scene, run, &runs, stats(run))).collect()
+    // Taken by the first run.
+    let mut general = general.as_ref();
+    let of_run = |run| {
+        let stats = stats.then(|| frame_stats(run, frames));
+        measurement(scene, run, &runs, general.take(), stats)
+    };
+    runs.iter().map(of_run).collect()
 }
 
 /// Statistics of the picture's first `frames` frames, rendered anew.
-fn frame_stats(run: &Run, frames: u32) -> FrameStats {
-    let Run { engine: Engine { lanes, threads }, timed: TimedRenderer { renderer, .. }, .. } = run;
+fn frame_stats(TimedRenderer { renderer, .. }: &TimedRenderer, frames: u32) -> FrameStats {
     let mut film = renderer.film();
     renderer.start_stats();
     renderer.on_threads(|| {
@@ -169,39 +152,48 @@ fn frame_stats(run: &Run, frames: u32) -> FrameStats {
             renderer.add_samples(&mut film, 1);
         }
     });
-    FrameStats::of(&renderer.take_stats(), *lanes, *threads, film.samples())
+    let Settings { lanes, threads, .. } = *renderer.settings();
+    FrameStats::of(&renderer.take_stats(), lanes, threads, film.samples())
 }
 
-fn measurement(scene: &Scene, run: &Run, runs: &[Run], stats: Option<FrameStats>) -> Measurement {
-    let Run { engine, timed: TimedRenderer { renderer, film, seconds, .. }, general } = run;
+fn measurement(
+    scene: &Scene,
+    run: &TimedRenderer,
+    runs: &[TimedRenderer],
+    general: Option<&TimedRenderer>,
+    stats: Option<FrameStats>,
+) -> Measurement {
+    let TimedRenderer { renderer, film, seconds, .. } = run;
     let times = Quantiles::of(seconds.clone());
     let settings = renderer.settings();
+    let Settings { lanes, threads, .. } = *settings;
     let rays_per_frame = film.rays() as f64 / f64::from(film.samples());
-    let ratio_to = |other: &Run| Ratio::of(&run.timed, &other.timed);
-    let scalar = Engine { lanes: 1, ..*engine };
-    let first = runs.iter().find(|other| other.engine.lanes == engine.lanes);
+    let over = |wanted: &dyn Fn(&Settings) -> bool| {
+        let other = runs.iter().find(|other| wanted(other.renderer.settings()));
+        other.and_then(|other| Ratio::of(run, other))
+    };
     Measurement {
         scene: scene.name.clone(),
         width: settings.resolution[0],
         height: settings.resolution[1],
         max_bounces: settings.max_bounces,
-        engine: if engine.lanes == 1 { "scalar" } else { "simd" },
-        lanes: engine.lanes,
-        threads: engine.threads,
+        engine: if lanes == 1 { "scalar" } else { "simd" },
+        lanes,
+        threads,
         frames: times.count(),
         fps_median: 1.0 / times.median(),
         fps_low_1_percent: 1.0 / times.at(0.99),
         fps_spread: [1.0 / times.at(0.9), 1.0 / times.at(0.1)],
         mrays_per_s: rays_per_frame / times.median() / 1e6,
         rays_per_frame,
-        speedup: runs.iter().find(|other| *engine != scalar && other.engine == scalar).and_then(ratio_to),
-        scaling: first.filter(|first| first.engine.threads < engine.threads).and_then(ratio_to),
+        speedup: over(&|other| lanes != 1 && (other.lanes, other.threads) == (1, threads)),
+        scaling: over(&|other| other.lanes == lanes && other.threads < threads),
         needs: renderer.needs().names(),
         pipeline: match settings.pipeline {
             PipelineChoice::Needed => "needed",
             PipelineChoice::General => "general",
         },
-        over_general: general.as_ref().and_then(|general| Ratio::of(&run.timed, general)),
+        over_general: general.and_then(|general| Ratio::of(run, general)),
         stats,
     }
 }
@@ -213,12 +205,11 @@ mod tests {
     #[test]
     fn measurement_gives_the_median_the_1_percent_low_and_the_spread_of_its_frames() {
         let scene = octray_formats::scene::load("builtin:three").unwrap();
-        let settings = Settings { resolution: [8, 8], ..Settings::of(&scene) };
+        let settings = Settings { resolution: [8, 8], lanes: 8, ..Settings::of(&scene) };
         let mut timed = TimedRenderer::new(Renderer::new(&scene, settings));
         timed.turn(1, TURN);
         timed.seconds = (1..=100).map(f64::from).collect();
-        let run = Run { engine: Engine { lanes: 8, threads: 1 }, timed, general: None };
-        let found = measurement(&scene, &run, &[], None);
+        let found = measurement(&scene, &timed, &[], None, None);
         assert_eq!((found.frames, found.engine), (100, "simd"));
         assert_eq!((found.fps_median, found.fps_low_1_percent), (1.0 / 50.5, 1.0 / 99.0));
         assert_eq!(found.fps_spread, [1.0 / 90.0, 1.0 / 10.0]);

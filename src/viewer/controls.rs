@@ -33,29 +33,17 @@ impl Filter {
     }
 }
 
-/// Sets of intersection methods that a key cycles through.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum MethodPreset {
-    /// The methods requested on the command line.
-    #[default]
-    CommandLine,
-    Robust,
-    Fast,
-    Naive,
-}
-
-impl MethodPreset {
-    pub const ALL: [Self; 4] = [Self::CommandLine, Self::Robust, Self::Fast, Self::Naive];
-
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::CommandLine => "as requested",
-            Self::Robust => "robust",
-            Self::Fast => "fast",
-            Self::Naive => "naive",
-        }
-    }
-}
+/// The name of a set of intersection methods, and the set for a scene.
+type Preset = (&'static str, fn(&Scene) -> Methods);
+/// What a key cycles through.
+pub const PRESETS: [Preset; 3] = [
+    ("robust", |_| Methods::default()),
+    ("fast", Methods::fast),
+    ("naive", |_| {
+        let (sphere, triangle) = (SphereChoice::Naive, TriangleChoice::MollerTrumbore);
+        Methods { sphere, triangle, ..Methods::default() }
+    }),
+];
 
 /// Bounds of [`Controls::scale`].
 const SCALES: [i32; 2] = [-8, 6];
@@ -80,7 +68,8 @@ pub struct Controls {
     pub lanes: LaneChoice,
     /// Scalar for now, whatever `lanes` says.
     pub scalar: bool,
-    pub preset: MethodPreset,
+    /// One of [`PRESETS`]; the methods requested on the command line if `None`.
+    pub preset: Option<usize>,
     /// Overrides the command line's traversal.
     pub traversal: Option<TraversalChoice>,
     pub tone: Tone,
@@ -105,7 +94,7 @@ impl Controls {
             max_threads: threads,
             lanes: if scalar { LaneChoice::Auto } else { lanes },
             scalar,
-            preset: MethodPreset::default(),
+            preset: None,
             traversal: None,
             tone,
             mode: DisplayMode::default(),
@@ -151,16 +140,7 @@ impl Controls {
 
     /// The methods for a scene, given those requested on the command line.
     fn methods(&self, scene: &Scene, requested: Methods) -> Methods {
-        let methods = match self.preset {
-            MethodPreset::CommandLine => requested,
-            MethodPreset::Robust => Methods::default(),
-            MethodPreset::Fast => Methods::fast(scene),
-            MethodPreset::Naive => Methods {
-                sphere: SphereChoice::Naive,
-                triangle: TriangleChoice::MollerTrumbore,
-                ..Methods::default()
-            },
-        };
+        let methods = self.preset.map_or(requested, |preset| PRESETS[preset].1(scene));
         let Methods { lights, sampler, .. } = requested;
         Methods { traversal: self.traversal.unwrap_or(requested.traversal), lights, sampler, ..methods }
     }
@@ -227,7 +207,7 @@ mod tests {
         let (traversal, lights, sampler) = (TraversalChoice::Linear, LightChoice::Off, Sampler::Random);
         let requested = Methods { traversal, lights, sampler, ..Methods::default() };
         let mut controls = controls();
-        for preset in MethodPreset::ALL {
+        for preset in [None, Some(0), Some(1), Some(2)] {
             controls.preset = preset;
             let of = controls.methods(&scene, requested);
             assert_eq!((of.traversal, of.lights, of.sampler), (traversal, lights, sampler), "{preset:?}");

@@ -16,8 +16,8 @@ const MIN_RESOLUTION_SCALE: f64 = 0.05;
 pub struct DynamicResolution {
     /// Scale of the resolution's sides that holds the target frame rate; at most 1.
     pub scale: f64,
-    /// Time of the fastest frame since the last decision. At least two decide: one alone may have been delayed
-    /// by something else.
+    /// Time of the fastest frame since the last decision. At least two decide: one alone may have been
+    /// delayed by something else.
     fastest: Option<Duration>,
     /// Whether the frame time was within the target's bounds at the last decision.
     target_met: bool,

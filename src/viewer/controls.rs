@@ -33,27 +33,11 @@ impl Filter {
     }
 }
 
-/// Sets of intersection methods that a key cycles through.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum MethodPreset {
-    /// The methods requested on the command line.
-    #[default]
-    CommandLine,
-    Robust,
-    Naive,
-}
-
-impl MethodPreset {
-    pub const ALL: [Self; 3] = [Self::CommandLine, Self::Robust, Self::Naive];
-
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::CommandLine => "as requested",
-            Self::Robust => "robust",
-            Self::Naive => "naive",
-        }
-    }
-}
+/// Sets of intersection methods that a key cycles through, after those of the command line.
+pub const PRESETS: [(&str, SphereChoice, TriangleChoice); 2] = [
+    ("robust", SphereChoice::Robust, TriangleChoice::Woop),
+    ("naive", SphereChoice::Naive, TriangleChoice::MollerTrumbore),
+];
 
 /// Bounds of [`Controls::scale`].
 const SCALES: [i32; 2] = [-8, 6];
@@ -78,7 +62,8 @@ pub struct Controls {
     pub lanes: LaneChoice,
     /// Scalar for now, whatever `lanes` says.
     pub scalar: bool,
-    pub preset: MethodPreset,
+    /// One of [`PRESETS`]; the methods requested on the command line if `None`.
+    pub preset: Option<usize>,
     /// Overrides the command line's traversal.
     pub traversal: Option<TraversalChoice>,
     pub tone: Tone,
@@ -103,7 +88,7 @@ impl Controls {
             max_threads: threads,
             lanes: if scalar { LaneChoice::Auto } else { lanes },
             scalar,
-            preset: MethodPreset::default(),
+            preset: None,
             traversal: None,
             tone,
             mode: DisplayMode::default(),
@@ -149,15 +134,10 @@ impl Controls {
 
     /// The methods for a scene, given those requested on the command line.
     fn methods(&self, requested: Methods) -> Methods {
-        let methods = match self.preset {
-            MethodPreset::CommandLine => requested,
-            MethodPreset::Robust => Methods::default(),
-            MethodPreset::Naive => Methods {
-                sphere: SphereChoice::Naive,
-                triangle: TriangleChoice::MollerTrumbore,
-                ..Methods::default()
-            },
-        };
+        let methods = self.preset.map_or(requested, |preset| {
+            let (_, sphere, triangle) = PRESETS[preset];
+            Methods { sphere, triangle, ..Methods::default() }
+        });
         let Methods { lights, sampler, .. } = requested;
         Methods { traversal: self.traversal.unwrap_or(requested.traversal), lights, sampler, ..methods }
     }
@@ -223,7 +203,7 @@ mod tests {
         let (traversal, lights, sampler) = (TraversalChoice::Linear, LightChoice::Off, Sampler::Random);
         let requested = Methods { traversal, lights, sampler, ..Methods::default() };
         let mut controls = controls();
-        for preset in MethodPreset::ALL {
+        for preset in [None, Some(0), Some(1)] {
             controls.preset = preset;
             let of = controls.methods(requested);
             assert_eq!((of.traversal, of.lights, of.sampler), (traversal, lights, sampler), "{preset:?}");

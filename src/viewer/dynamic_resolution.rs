@@ -10,25 +10,22 @@ const TARGET_SHARE: f64 = 0.95;
 const MIN_SHARE: f64 = 0.6;
 /// Lowest resolution scale.
 const MIN_RESOLUTION_SCALE: f64 = 0.05;
-/// Number of frames whose fastest decides: one frame alone may have been delayed by something else.
-const DECIDING_FRAMES: u32 = 2;
-/// Count and fastest time of no frames.
-const NO_FRAMES: (u32, Duration) = (0, Duration::MAX);
 
 /// Chooses the scale of the resolution from the time of frames.
 #[derive(Clone, Copy, Debug)]
 pub struct DynamicResolution {
     /// Scale of the resolution's sides that holds the target frame rate; at most 1.
     pub scale: f64,
-    /// Count and fastest time of the frames since the last decision.
-    fastest: (u32, Duration),
+    /// Time of the fastest frame since the last decision. At least two decide: one alone may have been
+    /// delayed by something else.
+    fastest: Option<Duration>,
     /// Whether the frame time was within the target's bounds at the last decision.
     target_met: bool,
 }
 
 impl Default for DynamicResolution {
     fn default() -> Self {
-        Self { scale: 1.0, fastest: NO_FRAMES, target_met: false }
+        Self { scale: 1.0, fastest: None, target_met: false }
     }
 }
 
@@ -45,12 +42,13 @@ impl DynamicResolution {
             self.scale = 1.0;
             return;
         };
-        self.fastest = (self.fastest.0 + 1, self.fastest.1.min(needed));
-        if self.fastest.0 < DECIDING_FRAMES || (self.target_met && settled) {
+        let fastest = self.fastest.map_or(needed, |before| before.min(needed));
+        let is_first = self.fastest.replace(fastest).is_none();
+        if is_first || (self.target_met && settled) {
             return;
         }
-        let (needed, wanted) = (self.fastest.1.as_secs_f64(), 1.0 / f64::from(target));
-        self.fastest = NO_FRAMES;
+        self.fastest = None;
+        let (needed, wanted) = (fastest.as_secs_f64(), 1.0 / f64::from(target));
         self.target_met = (wanted * MIN_SHARE..wanted * 1.05).contains(&needed);
         if !self.target_met {
             // Frame time is proportional to the number of pixels, the square of the scale.
@@ -93,9 +91,9 @@ mod tests {
     #[test]
     fn resolution_of_a_slow_picture_drops_at_a_resting_camera_too() {
         let mut resolution = DynamicResolution::default();
-        (0..DECIDING_FRAMES).for_each(|_| resolution.adapt(Some(30), Duration::from_secs(2), true));
+        (0..2).for_each(|_| resolution.adapt(Some(30), Duration::from_secs(2), true));
         assert!(resolution.scale < 0.2, "{}", resolution.scale);
-        (0..DECIDING_FRAMES).for_each(|_| resolution.adapt(Some(30), Duration::from_secs(200), true));
+        (0..2).for_each(|_| resolution.adapt(Some(30), Duration::from_secs(200), true));
         assert_eq!(resolution.scale, MIN_RESOLUTION_SCALE, "no coarser, however slow");
     }
 

@@ -3,7 +3,7 @@
 //! For: [`Key`], `Action`, `action_of`, [`help`].
 
 use super::camera_controller::Motion;
-use super::controls::{Controls, Filter, MethodPreset, cycle};
+use super::controls::{Controls, Filter, cycle};
 use super::display_mode::DisplayMode;
 use super::playlist::Playlist;
 use Action::{Hold, Scene, Step, Switch, Zoom};
@@ -105,7 +105,7 @@ const TABLE: &[Entry] = &[
     Help("L", "SIMD or scalar"),
     On(Char('l'), Switch(|set| set.scalar = !set.scalar)),
     Help("X", "intersection methods: as requested, robust, naive"),
-    On(Char('x'), Switch(|set| cycle(&mut set.preset, &MethodPreset::ALL))),
+    On(Char('x'), Switch(|set| cycle(&mut set.preset, &[None, Some(0), Some(1)]))),
     Help("V", "traversal: needed, linear, scalar, single, packet, stream, hybrid"),
     On(Char('v'), Switch(Controls::next_traversal)),
     Help("E Q", "brighter, darker"),

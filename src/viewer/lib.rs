@@ -10,7 +10,7 @@
 //! |---|---|
 //! | `window`, `terminal` | the front ends |
 //! | `canvas`, `window_text`, `cell_buffer` | draw a frame: at another size; with its text, as pixels, as character cells |
-//! | `session`, `options`, `signals` | starts the render loop and connects a front end to it; what it starts with; what ends it |
+//! | `session`, `options` | starts the render loop and connects a front end to it; what it starts with |
 //! | [`keys`] | one table of keys, what they do, and the help |
 //! | [`state`] | the state machine: from events to camera, controls and effects |
 //! | `camera_controller` | the camera as keys and mouse move it |
@@ -47,7 +47,6 @@ pub mod playlist;
 mod render_loop;
 mod screenshot;
 mod session;
-mod signals;
 pub mod state;
 mod terminal;
 mod timing;

@@ -2,7 +2,9 @@
 //!
 //! For: [`Loader`].
 
+use super::frame::Exchange;
 use std::sync::Arc;
+use std::sync::atomic::Ordering::Release;
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use std::thread;
 
@@ -14,13 +16,13 @@ pub struct Loader<T> {
     running: Option<Receiver<T>>,
     /// Runs after it.
     next: Option<Job<T>>,
-    /// Called after each job.
-    notify: Arc<dyn Fn() + Send + Sync>,
+    /// Notified after each job.
+    exchange: Arc<Exchange>,
 }
 
 impl<T: Send + 'static> Loader<T> {
-    pub fn new(notify: impl Fn() + Send + Sync + 'static) -> Self {
-        Self { running: None, next: None, notify: Arc::new(notify) }
+    pub fn new(exchange: Arc<Exchange>) -> Self {
+        Self { running: None, next: None, exchange }
     }
     pub fn request(&mut self, job: impl FnOnce() -> T + Send + 'static) {
         self.next = Some(Box::new(job));
@@ -46,11 +48,11 @@ impl<T: Send + 'static> Loader<T> {
     fn start_next(&mut self) {
         self.running = self.next.take().map(|job| {
             let (sender, result) = channel();
-            let notify = self.notify.clone();
+            let exchange = self.exchange.clone();
             thread::spawn(move || {
                 // Fails only if the viewer has ended.
                 let _ = sender.send(job());
-                notify();
+                exchange.notified.store(true, Release);
             });
             result
         });
@@ -60,17 +62,15 @@ impl<T: Send + 'static> Loader<T> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::sync::atomic::Ordering::Acquire;
 
     #[test]
     fn only_the_last_request_has_a_result() {
-        let (sender, notified) = channel();
-        let mut loader = Loader::new(move || sender.send(()).unwrap());
-        for number in 1..=3 {
-            loader.request(move || number);
-        }
+        let exchange = Arc::new(Exchange::default());
+        let mut loader = Loader::new(exchange.clone());
+        (1..=3).for_each(|number| loader.request(move || number));
         let mut results = Vec::new();
         while loader.is_busy() {
-            notified.recv().unwrap();
             results.extend(loader.poll());
         }
         assert_eq!(results, [3]);
@@ -79,5 +79,8 @@ mod tests {
             results.extend(loader.poll());
         }
         assert_eq!(results, [3]);
+        while !exchange.notified.load(Acquire) {
+            thread::yield_now();
+        }
     }
 }

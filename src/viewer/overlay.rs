@@ -2,7 +2,7 @@
 //!
 //! For: [`Overlay`].
 
-use super::controls::{Controls, MethodPreset};
+use super::controls::{Controls, PRESETS};
 use super::display_mode::DisplayMode;
 use super::painter::FrameInput;
 use super::state::State;
@@ -90,8 +90,8 @@ fn write(text: &mut String, input: &FrameInput, state: &State, busy: bool) -> st
     let traversal =
         methods.traversal_of(scene, settings.lanes).map_or("linear", |traversal| traversal.name());
     write!(text, "\nspheres {sphere}, triangles {triangle}, {traversal}")?;
-    if controls.preset != MethodPreset::CommandLine {
-        write!(text, " ({})", controls.preset.name())?;
+    if let Some(preset) = controls.preset {
+        write!(text, " ({})", PRESETS[preset].0)?;
     }
     if methods.lights == LightChoice::Off {
         write!(text, ", no light sampling")?;

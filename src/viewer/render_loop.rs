@@ -78,9 +78,8 @@ impl RenderLoop {
         wake: Wake,
     ) -> Summary {
         let mut renderer = Renderer::new(&scene, state.controls.settings(&scene, &options));
-        let notified = exchange.clone();
         let mut this = Self {
-            loader: Loader::new(move || notified.notified.store(true, Release)),
+            loader: Loader::new(exchange.clone()),
             file_watcher: FileWatcher::default(),
             accumulation: Accumulation::new(&renderer, &scene),
             painter: Painter::default(),
@@ -140,8 +139,8 @@ impl RenderLoop {
         self.watch_files();
     }
 
-    /// Watches the files of the scene that is shown, the requested scene file, and the files of a failed load:
-    /// a change of one of them triggers another attempt.
+    /// Watches the files of the scene that is shown, the requested scene file, and the files of a failed
+    /// load: a change of one of them triggers another attempt.
     fn watch_files(&mut self) {
         let wanted = self.state.playlist.current();
         let wanted = (!wanted.starts_with("builtin:")).then_some(Path::new(wanted));

@@ -1,6 +1,6 @@
 //! A running viewer: starts the render loop in a thread of its own and connects a front end to it.
 //!
-//! For: [`Viewer`].
+//! For: [`Viewer`], `exit_flag`.
 
 use super::controls::Controls;
 use super::frame::{Exchange, Frame};
@@ -10,7 +10,11 @@ use super::render_loop::RenderLoop;
 use super::state::{Event, State};
 use super::timing::Summary;
 use octray_formats::scene::Loaded;
+#[cfg(unix)]
+use signal_hook::{consts, flag};
+use std::io;
 use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 use std::sync::atomic::Ordering::{Acquire, Release};
 use std::sync::mpsc::{Sender, channel};
 use std::thread::JoinHandle;
@@ -70,4 +74,16 @@ impl Viewer {
         }
         self.thread.join().expect("the render loop does not panic")
     }
+}
+
+/// A flag that is set when SIGINT, SIGTERM or SIGHUP arrives, so that the program can end in order: it
+/// restores the terminal and prints its figures. On systems other than Unix the signals end the program at
+/// once.
+pub fn exit_flag() -> io::Result<Arc<AtomicBool>> {
+    let exit = Arc::default();
+    #[cfg(unix)]
+    for signal in [consts::SIGTERM, consts::SIGHUP, consts::SIGINT] {
+        flag::register(signal, Arc::clone(&exit))?;
+    }
+    Ok(exit)
 }

@@ -71,7 +71,7 @@ pub(crate) struct State {
     /// The scene's bounces, or the command line's.
     scene_bounces: u32,
     /// The playlist name of the scene that is shown.
-    pub name: String,
+    name: String,
     /// Camera and chosen bounces of scenes that were left, by playlist name.
     saved: BTreeMap<String, (CameraController, Option<u32>)>,
 }

@@ -10,8 +10,7 @@ use super::frame::Frame;
 use super::keys::{self, Action, Key};
 use super::options::Options;
 use super::playlist::Playlist;
-use super::session::Viewer;
-use super::signals::exit_flag;
+use super::session::{Viewer, exit_flag};
 use super::state::Event;
 use super::timing::Summary;
 use crossterm::event::{
@@ -56,14 +55,16 @@ struct RawTerminal {
     out: io::BufWriter<io::Stdout>,
     /// Whether the terminal reports key releases.
     reports_release: bool,
+    /// Time of each held key's last press; used only without reported releases.
+    down: HashMap<Key, Instant>,
 }
 
 impl RawTerminal {
     fn enter() -> io::Result<Self> {
         screen::enable_raw_mode()?;
         // From here on drop and the panic hook restore the terminal.
-        let mut raw =
-            Self { out: io::BufWriter::with_capacity(1 << 18, io::stdout()), reports_release: false };
+        let out = io::BufWriter::with_capacity(1 << 18, io::stdout());
+        let mut raw = Self { out, reports_release: false, down: HashMap::new() };
         let before = std::panic::take_hook();
         std::panic::set_hook(Box::new(move |panic| {
             restore(&mut io::stdout(), true);
@@ -83,63 +84,7 @@ impl RawTerminal {
         }
         Ok(raw)
     }
-}
 
-impl Drop for RawTerminal {
-    fn drop(&mut self) {
-        let reports_release = self.reports_release;
-        restore(&mut self.out, reports_release);
-    }
-}
-
-/// Restores the terminal. Errors are ignored: nothing can be done about them.
-fn restore(out: &mut impl Write, reports_release: bool) {
-    if reports_release {
-        let _ = execute!(out, PopKeyboardEnhancementFlags);
-    }
-    let _ = execute!(
-        out,
-        DisableFocusChange,
-        DisableBracketedPaste,
-        DisableMouseCapture,
-        ResetColor,
-        cursor::Show,
-        screen::LeaveAlternateScreen
-    );
-    let _ = screen::disable_raw_mode();
-}
-
-/// Shows frames and handles keys until the end.
-fn show(viewer: &Viewer, raw: &mut RawTerminal, exit: &AtomicBool) -> io::Result<()> {
-    let mut frame = Frame::default();
-    let mut keys = KeyTracker { reports_release: raw.reports_release, down: HashMap::new() };
-    let mut cells = CellBuffer::default();
-    while !exit.load(Ordering::Relaxed) && !viewer.is_finished() {
-        let mut patience = POLL_TIMEOUT;
-        while event::poll(patience)? {
-            if !keys.handle(event::read()?, viewer, &mut cells) {
-                return Ok(());
-            }
-            patience = Duration::ZERO;
-        }
-        keys.release_stale(viewer);
-        if viewer.take(&mut frame) {
-            let (columns, rows) = screen::size()?;
-            cells.draw(&mut raw.out, &frame, [columns, rows])?;
-            raw.out.flush()?;
-        }
-    }
-    Ok(())
-}
-
-/// The keys that are down, as far as the terminal reports them.
-struct KeyTracker {
-    reports_release: bool,
-    /// Time of each held key's last press; used only without reported releases.
-    down: HashMap<Key, Instant>,
-}
-
-impl KeyTracker {
     /// Handles an event of the terminal; returns false on quit.
     fn handle(&mut self, event: event::Event, viewer: &Viewer, cells: &mut CellBuffer) -> bool {
         match event {
@@ -187,4 +132,50 @@ impl KeyTracker {
             down
         });
     }
+}
+
+impl Drop for RawTerminal {
+    fn drop(&mut self) {
+        let reports_release = self.reports_release;
+        restore(&mut self.out, reports_release);
+    }
+}
+
+/// Restores the terminal. Errors are ignored: nothing can be done about them.
+fn restore(out: &mut impl Write, reports_release: bool) {
+    if reports_release {
+        let _ = execute!(out, PopKeyboardEnhancementFlags);
+    }
+    let _ = execute!(
+        out,
+        DisableFocusChange,
+        DisableBracketedPaste,
+        DisableMouseCapture,
+        ResetColor,
+        cursor::Show,
+        screen::LeaveAlternateScreen
+    );
+    let _ = screen::disable_raw_mode();
+}
+
+/// Shows frames and handles keys until the end.
+fn show(viewer: &Viewer, raw: &mut RawTerminal, exit: &AtomicBool) -> io::Result<()> {
+    let mut frame = Frame::default();
+    let mut cells = CellBuffer::default();
+    while !exit.load(Ordering::Relaxed) && !viewer.is_finished() {
+        let mut patience = POLL_TIMEOUT;
+        while event::poll(patience)? {
+            if !raw.handle(event::read()?, viewer, &mut cells) {
+                return Ok(());
+            }
+            patience = Duration::ZERO;
+        }
+        raw.release_stale(viewer);
+        if viewer.take(&mut frame) {
+            let (columns, rows) = screen::size()?;
+            cells.draw(&mut raw.out, &frame, [columns, rows])?;
+            raw.out.flush()?;
+        }
+    }
+    Ok(())
 }

@@ -7,8 +7,7 @@ use super::frame::Frame;
 use super::keys::Key;
 use super::options::Options;
 use super::playlist::Playlist;
-use super::session::Viewer;
-use super::signals::exit_flag;
+use super::session::{Viewer, exit_flag};
 use super::state::Event;
 use super::timing::Summary;
 use super::window_text;
@@ -21,7 +20,6 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 use winit::application::ApplicationHandler;
 use winit::dpi::{LogicalSize, PhysicalSize};
-use winit::error::EventLoopError;
 use winit::event::{DeviceEvent, DeviceId, ElementState, MouseButton, MouseScrollDelta, WindowEvent};
 use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop, OwnedDisplayHandle};
 use winit::keyboard::{KeyCode, NamedKey, PhysicalKey};
@@ -70,7 +68,12 @@ pub fn window(
     playlist: Playlist,
     scene: Loaded,
 ) -> Result<(Summary, Presented), WindowError> {
-    let events = event_loop().map_err(|_| no_display())?;
+    let mut builder = EventLoop::with_user_event();
+    #[cfg(target_os = "linux")]
+    if !wayland::is_available() {
+        winit::platform::x11::EventLoopBuilderExtX11::with_x11(&mut builder);
+    }
+    let events = builder.build().map_err(|_| no_display())?;
     let context = softbuffer::Context::new(events.owned_display_handle()).map_err(no_surface)?;
     let proxy = events.create_proxy();
     let size = options.size.unwrap_or(scene.resolution);
@@ -100,16 +103,6 @@ pub fn window(
         Some(failure) => Err(failure),
         None => Ok((summary, presented)),
     }
-}
-
-/// Prefers Wayland if a compositor answers, else X.
-fn event_loop() -> Result<EventLoop<FrameReady>, EventLoopError> {
-    let mut builder = EventLoop::with_user_event();
-    #[cfg(target_os = "linux")]
-    if !wayland::is_available() {
-        winit::platform::x11::EventLoopBuilderExtX11::with_x11(&mut builder);
-    }
-    builder.build()
 }
 
 /// Whether a Wayland compositor answers: the environment may name one that has ended or belongs to another
@@ -195,13 +188,6 @@ impl App {
         Ok(())
     }
 
-    fn end_on_failure(&mut self, events: &ActiveEventLoop, result: Result<(), WindowError>) {
-        if let Err(failure) = result {
-            self.failure = Some(failure);
-            events.exit();
-        }
-    }
-
     /// Draws the newest frame, or the last one again.
     fn draw(&mut self) -> Result<(), WindowError> {
         let Some(surface) = &mut self.surface else { return Ok(()) };
@@ -224,39 +210,34 @@ impl App {
                 surface.window().set_title(&format!("octray · {}", self.title));
             }
         }
-        self.update_mouse_capture();
+        let captured = self.frame.mouse_captured;
+        if captured != std::mem::replace(&mut self.mouse_captured, captured) {
+            capture_mouse(surface.window(), captured);
+        }
         Ok(())
     }
+}
 
-    /// Captures or releases the mouse, as the frame says.
-    fn update_mouse_capture(&mut self) {
-        let Some(surface) = &self.surface else { return };
-        if self.frame.mouse_captured == self.mouse_captured {
-            return;
-        }
-        self.mouse_captured = self.frame.mouse_captured;
-        let window = surface.window();
-        let mode = if self.mouse_captured { CursorGrabMode::Locked } else { CursorGrabMode::None };
-        let grabbed = window.set_cursor_grab(mode);
-        if self.mouse_captured && grabbed.is_err() {
-            // Systems that cannot lock the pointer confine it to the window. Without either, it still turns
-            // the camera.
-            let _ = window.set_cursor_grab(CursorGrabMode::Confined);
-        }
-        window.set_cursor_visible(!self.mouse_captured);
+/// Captures the mouse, or releases it.
+fn capture_mouse(window: &Window, captured: bool) {
+    let mode = if captured { CursorGrabMode::Locked } else { CursorGrabMode::None };
+    if window.set_cursor_grab(mode).is_err() && captured {
+        // Systems that cannot lock the pointer confine it to the window. Without either, it still turns the
+        // camera.
+        let _ = window.set_cursor_grab(CursorGrabMode::Confined);
     }
+    window.set_cursor_visible(!captured);
 }
 
 impl ApplicationHandler<FrameReady> for App {
     fn resumed(&mut self, events: &ActiveEventLoop) {
         if self.surface.is_none() {
-            let opened = self.open(events);
-            self.end_on_failure(events, opened);
+            self.failure = self.open(events).err();
         }
     }
 
     fn about_to_wait(&mut self, events: &ActiveEventLoop) {
-        if self.viewer.is_finished() || self.exit.load(Ordering::Relaxed) {
+        if self.failure.is_some() || self.viewer.is_finished() || self.exit.load(Ordering::Relaxed) {
             return events.exit();
         }
         events.set_control_flow(ControlFlow::WaitUntil(Instant::now() + POLL_INTERVAL));
@@ -272,10 +253,7 @@ impl ApplicationHandler<FrameReady> for App {
         match event {
             WindowEvent::CloseRequested | WindowEvent::Destroyed => events.exit(),
             WindowEvent::Resized(size) => self.window_size = size,
-            WindowEvent::RedrawRequested => {
-                let drawn = self.draw();
-                self.end_on_failure(events, drawn);
-            }
+            WindowEvent::RedrawRequested => self.failure = self.draw().err(),
             // Keys that were down when the window got the focus were meant for another window.
             WindowEvent::KeyboardInput { is_synthetic: true, .. } => {}
             WindowEvent::KeyboardInput { event, .. } => {

@@ -42,7 +42,6 @@ const ORDER: [&[&str]; PACKAGES.len()] = [
         "frame",
         "loader",
         "playlist",
-        "signals",
         "timing",
         "options",
         "camera_controller",

@@ -45,6 +45,7 @@ mod shade;
 mod shadow_rays;
 pub mod stats;
 mod surface;
+mod tile_pixels;
 
 pub use context::TraceContext;
 pub use generate::generate;

@@ -2,12 +2,12 @@
 //!
 //! For: [`Scratch`].
 
-use super::generate::TilePixels;
 use super::meter::Observer;
 use super::queue::IntColumn;
 use super::queue::PathQueue;
 use super::queue::ShadowQueue;
 use super::radiance::Radiance;
+use super::tile_pixels::TilePixels;
 use crate::sampling::SampleTable;
 use crate::traverse::Tracer;
 use bytemuck::Zeroable;

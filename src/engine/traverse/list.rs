@@ -297,7 +297,7 @@ fn keep_if_nearer<L: Lane>(
     found: TriangleHit<L>,
 ) {
     let (mask, t) = match corners {
-        // BoxRay are computed here and not once a packet: few packets hit a triangle's plane inside its edges.
+        // Computed here and not once a packet: few packets hit a triangle's plane inside its edges.
         Some([lo, hi]) => own_box(&BoxRay::new(ray, padding), (lo, hi), found.mask, found.t, hit.t),
         None => (found.mask & found.t.lt(hit.t), found.t),
     };

@@ -163,7 +163,8 @@ impl Eye {
     }
 }
 
-/// Linear sRGB to CIE XYZ, divided by the white point so that white is (1, 1, 1). Source: IEC 61966-2-1 (primaries), CIE 15 (D65).
+/// Linear sRGB to CIE XYZ, divided by the white point so that white is (1, 1, 1). Source: IEC 61966-2-1
+/// (primaries), CIE 15 (D65).
 static WHITE_XYZ: LazyLock<DMat3> = LazyLock::new(|| {
     let red = DVec3::new(0.412_386_56, 0.212_636_82, 0.019_330_62);
     let green = DVec3::new(0.357_591_49, 0.715_182_98, 0.119_197_16);

@@ -71,34 +71,27 @@ const BOXES: Family =
 
 /// All rays against all primitives, once.
 type Work = Box<dyn Fn() -> Found>;
+/// The work of one method at a width.
+type WorkOf = fn(usize) -> Work;
 
-fn simd_spheres<S: SphereMethod>() -> Work {
-    sphere_tests::<Native, S>()
-}
-fn scalar_spheres<S: SphereMethod>() -> Work {
-    sphere_tests::<f32, S>()
+fn spheres<S: SphereMethod>(lanes: usize) -> Work {
+    if lanes == 1 { sphere_tests::<f32, S>() } else { sphere_tests::<Native, S>() }
 }
 fn sphere_tests<L: Lane, S: SphereMethod>() -> Work {
     let (rays, spheres) = (set::rays::<L>(), set::spheres());
     Box::new(move || set::all_spheres::<L, S>(black_box(&rays), black_box(&spheres)))
 }
 
-fn simd_triangles<T: TriangleMethod>() -> Work {
-    triangle_tests::<Native, T>()
-}
-fn scalar_triangles<T: TriangleMethod>() -> Work {
-    triangle_tests::<f32, T>()
+fn triangles<T: TriangleMethod>(lanes: usize) -> Work {
+    if lanes == 1 { triangle_tests::<f32, T>() } else { triangle_tests::<Native, T>() }
 }
 fn triangle_tests<L: Lane, T: TriangleMethod>() -> Work {
     let (rays, triangles) = (set::rays::<L>(), set::triangles::<T>());
     Box::new(move || set::all_triangles::<L, T>(black_box(&rays), black_box(&triangles)))
 }
 
-fn simd_boxes<B: BoxMethod>() -> Work {
-    box_tests::<Native, B>()
-}
-fn scalar_boxes<B: BoxMethod>() -> Work {
-    box_tests::<f32, B>()
+fn boxes<B: BoxMethod>(lanes: usize) -> Work {
+    if lanes == 1 { box_tests::<f32, B>() } else { box_tests::<Native, B>() }
 }
 fn box_tests<L: Lane, B: BoxMethod>() -> Work {
     let (rays, boxes) = (set::rays::<L>(), set::boxes());
@@ -125,18 +118,21 @@ pub const EFFORT: Effort = Effort(0.25);
 /// until `end`, at least three each.
 pub fn measure(end: Instant) -> Vec<Kernel> {
     let mut all = Vec::new();
-    let mut add = |family, lanes, methods: &[Method<fn() -> Work>]| {
-        all.extend(methods.iter().map(|method| {
-            let (method, default, work) = (method.name, method.default, (method.run)());
-            TimedKernel { family, method, default, lanes, work, turns: Vec::new() }
-        }));
+    let mut add = |family, methods: &[Method<WorkOf>]| {
+        for lanes in [NATIVE_WIDTH, 1] {
+            all.extend(methods.iter().map(|&Method { name: method, default, run }| TimedKernel {
+                family,
+                method,
+                default,
+                lanes,
+                work: run(lanes),
+                turns: Vec::new(),
+            }));
+        }
     };
-    add(&SPHERES, NATIVE_WIDTH, &sphere_methods!(simd_spheres));
-    add(&SPHERES, 1, &sphere_methods!(scalar_spheres));
-    add(&TRIANGLES, NATIVE_WIDTH, &triangle_methods!(simd_triangles));
-    add(&TRIANGLES, 1, &triangle_methods!(scalar_triangles));
-    add(&BOXES, NATIVE_WIDTH, &box_methods!(simd_boxes));
-    add(&BOXES, 1, &box_methods!(scalar_boxes));
+    add(&SPHERES, &sphere_methods!(spheres));
+    add(&TRIANGLES, &triangle_methods!(triangles));
+    add(&BOXES, &box_methods!(boxes));
     let errors: Vec<_> = all.iter().map(errors).collect();
     for _ in Rounds::until(end, 3, usize::MAX) {
         all.iter_mut().for_each(TimedKernel::turn);

@@ -100,11 +100,12 @@ impl Set {
             self.origin.each_ref().map(|column| padded(column)),
             self.direction.each_ref().map(|column| padded(column)),
         );
-        let (mut t, mut primitive) = (padded(&self.t_max), vec![MISS; count]);
+        // Whatever was there before is overwritten.
+        let (t_max, mut t, mut primitive) = (padded(&self.t_max), vec![0.0; count], vec![7; count]);
         let [mut u, mut v] = [(); 2].map(|()| vec![0.0; count]);
         let (origin, direction) =
             (origin.each_ref().map(Vec::as_slice), direction.each_ref().map(Vec::as_slice));
-        let rays = Rays::first(self.len(), origin, direction);
+        let rays = Rays::new(origin, direction).first(self.len()).until(&t_max);
         let mut hits = Hits { t: &mut t, primitive: &mut primitive, u: &mut u, v: &mut v };
         list.trace::<L>(&rays, &mut hits, listed, None);
         let bits = |i: usize| [t[i].to_bits(), primitive[i], u[i].to_bits(), v[i].to_bits()];

@@ -66,6 +66,10 @@ impl Pinhole {
         )
     }
 
+    /// Where all primary rays begin.
+    pub fn position(&self) -> glam::Vec3 {
+        self.position
+    }
     /// The origin of all primary rays.
     #[inline(always)]
     pub fn origin<L: Lane>(&self) -> Vec3<L> {

@@ -15,7 +15,7 @@ use super::surface::Surface;
 use crate::buffers::{Features, MaterialCode};
 use crate::camera::MAX_PIXELS;
 use crate::lane::{Bits, F32x8, Lane, Mask, Mask8};
-use crate::math::{Hit, MISS, Vec3};
+use crate::math::{Hit, MISS, Ray, Vec3};
 
 /// Lanes of the pass. AOVs are the same at any width.
 type L = F32x8;
@@ -152,7 +152,8 @@ pub(crate) fn render_row(context: &TraceContext, y: u32, row: &mut [f32], scratc
 /// The planes of the packet at `at`.
 fn aovs(context: &TraceContext, scratch: &Scratch, at: usize, count: usize) -> [L; PLANES] {
     let cone = context.primary_cone::<L, ALL>();
-    let path = Path::primary(scratch.queue.ray::<L>(at), B::splat(0), B::splat(0), cone);
+    let ray = Ray { origin: context.camera.origin(), direction: scratch.queue.primary::<L>(at).0 };
+    let path = Path::primary(ray, B::splat(0), B::splat(0), cone);
     Seen::of(context, &path, &scratch.queue.hit(at), <L as Lane>::Mask::first(count - at)).planes(context)
 }
 

@@ -41,7 +41,7 @@ pub(crate) fn render_row(
         for (at, cost) in pixels.iter_mut().enumerate() {
             let (counter, x) = (Counter::default(), part * MAX_PIXELS + at);
             let visible = context.visible.get(first + x / tile_size[0] as usize);
-            let (rays, mut hits) = scratch.queue.queries(at..at + 1);
+            let (rays, mut hits) = scratch.queue.queries(at..at + 1, Some(context.camera.position()));
             context.primitives.count_single(&rays, &mut hits, visible, &mut scratch.tracer, &counter);
             *cost = counter.get().into();
         }

@@ -61,7 +61,7 @@ fn camera_rays<L: Lane>(context: &TraceContext, sample: u32, paths: Range<usize>
         let key = sampler.key(seed, pixel, sample);
         let (jitter_x, jitter_y) = numbers.at_pixels(key, places).get_2d(dimension::PIXEL);
         let ray = camera.rays(x + jitter_x, y + jitter_y);
-        queue.store_primary(at, &ray, key);
+        queue.store_primary(at, ray.direction, key);
     }
 }
 
@@ -72,6 +72,6 @@ pub(super) fn pixel_centers(context: &TraceContext, [x, y]: [u32; 2], count: usi
     for at in (0..count).step_by(L::WIDTH) {
         let x = L::from_int(lane_indices::<L>()) + L::splat((x as usize + at) as f32 + 0.5);
         let ray = context.camera.rays(x, y);
-        scratch.queue.store_primary(at, &ray, <L as Lane>::Bits::splat(0));
+        scratch.queue.store_primary(at, ray.direction, <L as Lane>::Bits::splat(0));
     }
 }

@@ -91,6 +91,7 @@ pub fn closest_of_queue<L: Lane>(
     kind: RayKind,
 ) {
     let Scratch { queue, tracer, observer, .. } = scratch;
-    let (rays, mut hits) = queue.queries(paths);
+    let origin = (kind == RayKind::Primary).then(|| context.camera.position());
+    let (rays, mut hits) = queue.queries(paths, origin);
     context.primitives.closest::<L>(&rays, &mut hits, visible, tracer, observer.counter(kind));
 }

@@ -5,7 +5,7 @@
 use crate::camera::MAX_PIXELS;
 use crate::kernel::ray_cone::Cone;
 use crate::lane::{Bits, F32x16, Lane};
-use crate::math::{Hit, MISS, Ray, Vec3};
+use crate::math::{Hit, Ray, Vec3};
 use crate::traverse::rays::{Hits, Rays};
 use bytemuck::Zeroable;
 use std::ops::Range;
@@ -111,23 +111,28 @@ impl PathQueue {
     pub fn begin_tile(&mut self, number: usize, first: usize) {
         self.to_slot = ((number * MAX_PIXELS) as u32).wrapping_sub(first as u32);
     }
-    /// Some rays, and their hits, of which nothing is known yet.
+    /// Some rays, all from `origin` if that is given, and where their hits are written.
     #[inline(always)]
-    pub fn queries(&mut self, range: Range<usize>) -> (Rays<'_>, Hits<'_>) {
-        self.t[range.clone()].fill(f32::INFINITY);
-        self.primitive[range.clone()].fill(MISS);
-        let PathQueue { origin, direction, t, primitive, u, v, .. } = self;
+    pub fn queries(&mut self, range: Range<usize>, origin: Option<glam::Vec3>) -> (Rays<'_>, Hits<'_>) {
         let first = range.start;
-        let rays = Rays::first(range.len(), origin.from(first), direction.from(first));
-        (rays, hits(t, primitive, u, v, first))
+        let direction = self.direction.from(first);
+        let rays = match origin {
+            Some(origin) => Rays::from_one(origin, direction),
+            None => Rays::new(self.origin.from(first), direction),
+        };
+        let hits = Hits {
+            t: &mut self.t[first..],
+            primitive: &mut self.primitive[first..],
+            u: &mut self.u[first..],
+            v: &mut self.v[first..],
+        };
+        (rays.first(range.len()), hits)
     }
-    /// The hits of `count` rays of another queue with these t_max, which overwrite the paths' own.
+    /// Where the hits of another queue's rays are written: over the paths' own.
     #[inline(always)]
-    pub fn other_hits(&mut self, t_max: &[f32]) -> Hits<'_> {
-        let count = t_max.len();
-        self.t[..count].copy_from_slice(t_max);
-        self.primitive[..count].fill(MISS);
-        hits(&mut self.t, &mut self.primitive, &mut self.u, &mut self.v, 0)
+    pub fn other_hits(&mut self) -> Hits<'_> {
+        let Self { t, primitive, u, v, .. } = self;
+        Hits { t, primitive, u, v }
     }
     /// The slots of all paths.
     pub fn slots(&self) -> &IntColumn {
@@ -159,17 +164,16 @@ impl PathQueue {
     pub fn primary_slot(&self, at: usize) -> u32 {
         self.to_slot.wrapping_add(at as u32)
     }
-    /// Direction and key of paths at their first segment, where throughput is the same for all, and slots
-    /// follow from the index in the queue.
+    /// Direction and key of paths at their first segment, where origin and throughput are the same for all,
+    /// and slots follow from the index in the queue.
     #[inline(always)]
     pub fn primary<L: Lane>(&self, at: usize) -> (Vec3<L>, L::Bits) {
         (self.direction.load(at), L::Bits::load(&self.key[at..]))
     }
     /// Stores camera rays at full throughput.
     #[inline(always)]
-    pub fn store_primary<L: Lane>(&mut self, at: usize, ray: &Ray<L>, key: L::Bits) {
-        self.origin.store(at, ray.origin);
-        self.direction.store(at, ray.direction);
+    pub fn store_primary<L: Lane>(&mut self, at: usize, direction: Vec3<L>, key: L::Bits) {
+        self.direction.store(at, direction);
         key.store(&mut self.key[at..]);
     }
     /// Stores paths.
@@ -222,18 +226,6 @@ impl PathQueue {
     }
 }
 
-/// Columns of hits from `first` on.
-#[inline(always)]
-fn hits<'a>(
-    t: &'a mut Column,
-    primitive: &'a mut IntColumn,
-    u: &'a mut Column,
-    v: &'a mut Column,
-    first: usize,
-) -> Hits<'a> {
-    Hits { t: &mut t[first..], primitive: &mut primitive[first..], u: &mut u[first..], v: &mut v[first..] }
-}
-
 impl<L: Lane> Path<L> {
     /// A path as it leaves the camera.
     #[inline(always)]
@@ -278,8 +270,8 @@ impl ShadowQueue {
     /// read, or which waiting paths do not have yet.
     #[inline(always)]
     pub fn queries<'a>(&'a self, queue: &'a mut PathQueue, count: usize) -> (Rays<'a>, Hits<'a>) {
-        let rays = Rays::first(count, self.origin.from(0), self.direction.from(0));
-        (rays, queue.other_hits(&self.t_max[..count]))
+        let rays = Rays::new(self.origin.from(0), self.direction.from(0)).first(count);
+        (rays.until(&self.t_max), queue.other_hits())
     }
     /// The pixels of the packet at `at`, and the radiance that its rays carry.
     #[inline(always)]

@@ -20,9 +20,9 @@ const LENGTH: usize = MAX_TILES * MAX_PIXELS + 272;
 #[derive(Clone, Copy, Zeroable)]
 #[repr(C, align(64))]
 pub struct Radiance {
-    sums: [[f32; LENGTH]; 3],
     contributions: Vec3Columns,
     slots: IntColumn,
+    sums: [[f32; LENGTH]; 3],
 }
 
 impl Radiance {

@@ -61,18 +61,13 @@ impl FrustumAxis {
     pub fn slopes<const N: usize>(&self, rays: &Rays, slopes: &mut Slopes<N>) -> Option<[[F32x8; 2]; 2]> {
         let mut fits = Mask8::splat(true);
         let mut span = [[F32x8::splat(f32::INFINITY), F32x8::splat(f32::NEG_INFINITY)]; 2];
-        // One loop over all columns: their cache lines are fetched together.
-        let [x, y, z] = rays.origin.map(|column| column.as_chunks::<8>().0);
+        if !rays.begin_at(self.origin) {
+            return None;
+        }
         let [main, a, b] = self.axes.map(|axis| rays.direction[axis].as_chunks::<8>().0);
-        let origins = x.iter().zip(y).zip(z);
         let directions = main.iter().zip(a).zip(b);
         let [to_a, to_b] = slopes;
-        for ((((x, y), z), ((main, a), b)), (to_a, to_b)) in
-            origins.zip(directions).zip(to_a.iter_mut().zip(to_b))
-        {
-            for (column, origin) in [x, y, z].into_iter().zip(self.origin) {
-                fits = fits & F32x8::load(column).eq(F32x8::splat(origin));
-            }
+        for (((main, a), b), (to_a, to_b)) in directions.zip(to_a.iter_mut().zip(to_b)) {
             let main = F32x8::load(main) * F32x8::splat(self.forward);
             let inverse = F32x8::one() / main;
             for (i, (others, to)) in [(a, to_a), (b, to_b)].into_iter().enumerate() {

@@ -16,7 +16,7 @@ use crate::kernel::ray_sphere::{Naive, Robust, SphereMethod};
 use crate::kernel::ray_triangle::{MollerTrumbore, PairHit, TriangleHit, TriangleMethod, Woop};
 use crate::kernel::sphere_culling::{CulledSphere, SphereCulling};
 use crate::lane::{Bits, Lane, Mask};
-use crate::math::{Hit, Ray, Vec3};
+use crate::math::{Hit, MISS, Ray, Vec3};
 use crate::scene::Scene;
 
 /// From this many spheres on, those that no ray of a packet may hit are culled first. Culling costs about
@@ -33,17 +33,17 @@ const CHUNK: usize = 64;
 pub struct List {
     sphere: SphereChoice,
     spheres: Vec<Sphere>,
+    culled_spheres: Vec<CulledSphere>,
     triangles: Triangles,
     padding: Padding,
 }
 
-/// A sphere, for the test and for culling before it.
+/// A sphere as tests read it.
 #[derive(Clone, Copy)]
-#[repr(align(32))]
+#[repr(align(16))]
 struct Sphere {
     center: glam::Vec3,
     radius2: f32,
-    culled: CulledSphere,
 }
 
 /// The triangles as the chosen method stores them.
@@ -55,14 +55,12 @@ enum Triangles {
 impl List {
     /// Stores a scene's primitives for the intersection methods chosen.
     pub fn new(scene: &Scene, methods: Methods) -> Self {
-        let sphere = |sphere: &crate::scene::Sphere| Sphere {
-            center: sphere.center,
-            radius2: sphere.radius * sphere.radius,
-            culled: CulledSphere::new(sphere.center, sphere.radius),
-        };
+        let spheres = scene.spheres.iter().map(|sphere| (sphere.center, sphere.radius));
+        let stored = spheres.clone().map(|(center, radius)| Sphere { center, radius2: radius * radius });
         Self {
             sphere: methods.sphere,
-            spheres: scene.spheres.iter().map(sphere).collect(),
+            spheres: stored.collect(),
+            culled_spheres: spheres.map(|(center, radius)| CulledSphere::new(center, radius)).collect(),
             triangles: match methods.triangle {
                 TriangleChoice::Woop => Triangles::Woop(store_triangles::<Woop>(scene)),
                 TriangleChoice::MollerTrumbore => {
@@ -85,8 +83,8 @@ impl List {
         [self.spheres.len(), triangles]
     }
 
-    /// Improves the hits of all rays by testing every primitive, or those that are `listed`: then they hold
-    /// all that the rays can hit. A `counter` counts the tests.
+    /// Finds the nearest hit of each ray by testing every primitive, or those that are `listed`: then they
+    /// hold all that the rays can hit. A `counter` counts the tests.
     pub fn trace<L: Lane>(
         &self,
         rays: &Rays,
@@ -94,17 +92,24 @@ impl List {
         listed: Option<&PrimitiveList>,
         counter: Option<&Counter>,
     ) {
+        let [spheres, triangles] = self.tests(listed);
         if let Some(counter) = counter {
-            counter.list(self.tests(listed), rays.len().div_ceil(L::WIDTH), rays.len());
+            counter.list([spheres, triangles], rays.len().div_ceil(L::WIDTH), rays.len());
         }
-        match self.sphere {
-            SphereChoice::Robust => self.trace_spheres::<L, Robust>(rays, hits, listed),
-            SphereChoice::Naive => self.trace_spheres::<L, Naive>(rays, hits, listed),
+        // Without any candidate, the loop over none of the spheres stores the misses.
+        if spheres > 0 || triangles == 0 {
+            match self.sphere {
+                SphereChoice::Robust => self.trace_spheres::<L, Robust>(rays, hits, listed),
+                SphereChoice::Naive => self.trace_spheres::<L, Naive>(rays, hits, listed),
+            }
         }
-        match &self.triangles {
-            Triangles::Woop(stored) => self.trace_triangles::<L, Woop>(stored, rays, hits, listed),
-            Triangles::MollerTrumbore(stored) => {
-                self.trace_triangles::<L, MollerTrumbore>(stored, rays, hits, listed);
+        if triangles > 0 {
+            let hits = (spheres > 0, hits);
+            match &self.triangles {
+                Triangles::Woop(stored) => self.trace_triangles::<L, Woop>(stored, rays, hits, listed),
+                Triangles::MollerTrumbore(stored) => {
+                    self.trace_triangles::<L, MollerTrumbore>(stored, rays, hits, listed);
+                }
             }
         }
     }
@@ -115,12 +120,10 @@ impl List {
         hits: &mut Hits,
         listed: Option<&PrimitiveList>,
     ) {
-        let all = &*self.spheres;
         match listed {
-            None => trace_spheres::<L, S>(all, (0u32..).zip(all), all.len(), rays, hits),
+            None => self.trace_numbered_spheres::<L, S>(self.spheres.len(), |at| at, rays, hits),
             Some(PrimitiveList { spheres, .. }) => {
-                let listed = spheres.iter().map(|&number| (number, &all[number as usize]));
-                trace_spheres::<L, S>(all, listed, spheres.len(), rays, hits);
+                self.trace_numbered_spheres::<L, S>(spheres.len(), |at| spheres[at] as usize, rays, hits);
             }
         }
     }
@@ -129,59 +132,56 @@ impl List {
         &self,
         all: &[T::Stored],
         rays: &Rays,
-        hits: &mut Hits,
+        hits: (bool, &mut Hits),
         listed: Option<&PrimitiveList>,
     ) {
         let first = self.spheres.len() as u32;
         match listed {
-            None if all.is_empty() => (),
             None => trace_triangles::<L, T>((first..).zip(all), self.padding, rays, hits),
-            Some(PrimitiveList { triangles, .. }) if triangles.is_empty() => (),
             Some(PrimitiveList { triangles, .. }) => {
                 let listed = triangles.iter().map(|&index| (first + index, &all[index as usize]));
                 trace_triangles::<L, T>(listed, self.padding, rays, hits);
             }
         }
     }
-}
 
-/// Finds the nearest of the spheres that each ray hits. A later sphere replaces a hit only if it is strictly
-/// nearer, so the lower number wins ties.
-///
-/// Shapes: packets of `WIDTH` rays; one sphere at a time is broadcast to all lanes.
-#[inline(never)]
-fn trace_spheres<'a, L: Lane, S: SphereMethod>(
-    all: &[Sphere],
-    spheres: impl Iterator<Item = (u32, &'a Sphere)> + Clone,
-    count: usize,
-    rays: &Rays,
-    hits: &mut Hits,
-) {
-    if count == 0 {
-        return;
-    }
-    let are_culled = S::MAY_CULL && count >= min_culled_spheres(L::WIDTH);
-    for at in (0..rays.len()).step_by(L::WIDTH) {
-        let ray = rays.packet::<L>(at);
-        let (t, primitive) = hits.nearest(at);
-        let mut tests = SphereTests::<L, S> { ray: S::prepare(&ray), t, primitive };
-        if are_culled {
-            let culling = SphereCulling::new(&ray);
-            for chunk in (0..count).step_by(CHUNK) {
-                let (mut near, mut found) = ([0; CHUNK], 0);
-                for (number, sphere) in spheres.clone().skip(chunk).take(CHUNK) {
-                    // Always written, and counted only if it is near: no branch.
-                    near[found % CHUNK] = number;
-                    found += usize::from(culling.may_hit(&sphere.culled).any());
+    /// Finds the nearest of `count` spheres that each ray hits; `number` gives their numbers, ascending. A
+    /// later sphere replaces a hit only if it is strictly nearer, so the lower number wins ties.
+    ///
+    /// Shapes: packets of `WIDTH` rays; one sphere at a time is broadcast to all lanes.
+    #[inline(never)]
+    fn trace_numbered_spheres<L: Lane, S: SphereMethod>(
+        &self,
+        count: usize,
+        number: impl Fn(usize) -> usize,
+        rays: &Rays,
+        hits: &mut Hits,
+    ) {
+        let are_culled = S::MAY_CULL && count >= min_culled_spheres(L::WIDTH);
+        for at in (0..rays.len()).step_by(L::WIDTH) {
+            let ray = rays.packet::<L>(at);
+            let (t, primitive) = (rays.t_max(at), L::Bits::splat(MISS));
+            let mut tests = SphereTests::<L, S> { ray: S::prepare(&ray), t, primitive };
+            if are_culled {
+                let culling = SphereCulling::new(&ray);
+                for first in (0..count).step_by(CHUNK) {
+                    let (mut near, mut found) = ([0; CHUNK], 0);
+                    for number in (first..count.min(first + CHUNK)).map(&number) {
+                        // Always written, and counted only if it is near: no branch.
+                        near[found % CHUNK] = number;
+                        found += usize::from(culling.may_hit(&self.culled_spheres[number]).any());
+                    }
+                    for &number in &near[..found.min(CHUNK)] {
+                        tests.test(number as u32, &self.spheres[number]);
+                    }
                 }
-                for &number in &near[..found.min(CHUNK)] {
-                    tests.test(number, &all[number as usize]);
+            } else {
+                for number in (0..count).map(&number) {
+                    tests.test(number as u32, &self.spheres[number]);
                 }
             }
-        } else {
-            spheres.clone().for_each(|(number, sphere)| tests.test(number, sphere));
+            hits.store_nearest(at, tests.t, tests.primitive);
         }
-        hits.store_nearest(at, tests.t, tests.primitive);
     }
 }
 
@@ -208,8 +208,8 @@ impl<L: Lane, S: SphereMethod> SphereTests<L, S> {
     }
 }
 
-/// Finds the nearest of the triangles that each ray hits, or keeps what it has hit before where no triangle
-/// is strictly nearer. An iterator and no closure gives the triangles: a test is so much code that a closure
+/// Finds the nearest of the triangles that each ray hits; `after_spheres`, keeps what it has hit before where
+/// no triangle is strictly nearer. An iterator and no closure gives the triangles: a test is so much code that a closure
 /// with it would not be inlined into the loop (4 % more instructions in boxes).
 ///
 /// Shapes: packets of `WIDTH` rays; one triangle, or two that share an edge, at a time is broadcast to all
@@ -219,10 +219,13 @@ fn trace_triangles<'a, L: Lane, T: TriangleMethod>(
     triangles: impl Iterator<Item = (u32, &'a T::Stored)> + Clone,
     padding: Padding,
     rays: &Rays,
-    hits: &mut Hits,
+    (after_spheres, hits): (bool, &mut Hits),
 ) {
     for at in (0..rays.len()).step_by(L::WIDTH) {
-        let (t, primitive) = hits.nearest(at);
+        let (t, primitive) = match after_spheres {
+            true => hits.nearest(at),
+            false => (rays.t_max(at), L::Bits::splat(MISS)),
+        };
         let (ray, mut hit) = (rays.packet::<L>(at), Hit { t, primitive, u: L::zero(), v: L::zero() });
         let prepared = T::prepare(&ray);
         let mut triangles = triangles.clone().peekable();

@@ -47,7 +47,7 @@ impl Primitives {
         matches!(self.all, Structure::List(_))
     }
 
-    /// Improves the hits of all rays to the nearest. `listed` holds all primitives that the rays can hit, if
+    /// Finds the nearest hit of each ray. `listed` holds all primitives that the rays can hit, if
     /// that is known.
     #[inline(always)]
     pub fn closest<L: Lane>(
@@ -61,6 +61,7 @@ impl Primitives {
         match &self.all {
             Structure::List(list) => list.trace::<L>(rays, hits, listed, counter),
             Structure::Tree(tree, traversal) => {
+                hits.reset(rays);
                 tracer.trace::<false>(*traversal, tree, rays, hits, counter);
             }
         }
@@ -82,6 +83,7 @@ impl Primitives {
             }
             Structure::Tree(all, traversal) => {
                 let occluders = self.occluders.as_ref().and_then(|occluders| occluders.hierarchy.as_ref());
+                hits.reset(rays);
                 tracer.trace::<true>(*traversal, occluders.unwrap_or(all), rays, hits, counter);
             }
         }
@@ -100,6 +102,7 @@ impl Primitives {
             Structure::List(list) => list.trace::<f32>(rays, hits, listed, Some(counter)),
             Structure::Tree(tree, traversal) => {
                 let single = if *traversal == Traversal::Scalar { *traversal } else { Traversal::Single };
+                hits.reset(rays);
                 tracer.trace::<false>(single, tree, rays, hits, Some(counter));
             }
         }

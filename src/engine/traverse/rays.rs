@@ -3,22 +3,29 @@
 use super::prepared::SingleRay;
 use crate::kernel::ray_box::Padding;
 use crate::lane::{Bits, Lane};
-use crate::math::{Hit, Ray, Vec3};
+use crate::math::{Hit, MISS, Ray, Vec3};
 use std::ops::Range;
 
 /// Rays as columns.
 #[derive(Clone, Copy)]
 pub struct Rays<'a> {
-    /// x, y and z of where they begin.
-    pub origin: [&'a [f32]; 3],
+    origin: Origin<'a>,
     /// x, y and z of their directions, of unit length.
     pub direction: [&'a [f32]; 3],
+    /// Hits from here on do not count; without it, all do. A ray with NaN, 0 or less hits nothing.
+    t_max: Option<&'a [f32]>,
     count: usize,
 }
 
-/// Hits as columns. Before a traversal `t` holds each ray's t_max (a ray with NaN, 0 or less hits nothing)
-/// and `primitive` [`crate::math::MISS`]; or both hold an earlier hit. Barycentric weights are unspecified
-/// but on triangles.
+/// Where rays begin: columns of x, y and z, or one point.
+#[derive(Clone, Copy)]
+enum Origin<'a> {
+    Each([&'a [f32]; 3]),
+    Common(glam::Vec3),
+}
+
+/// Hits as columns: t and [`crate::math::MISS`] where nothing is hit, t being the ray's t_max. Barycentric
+/// weights are unspecified but on triangles.
 pub struct Hits<'a> {
     /// Distances.
     pub t: &'a mut [f32],
@@ -38,12 +45,20 @@ fn load<L: Lane>([x, y, z]: &[&[f32]; 3], at: usize) -> Vec3<L> {
 impl<'a> Rays<'a> {
     /// As many rays as the columns are long.
     pub fn new(origin: [&'a [f32]; 3], direction: [&'a [f32]; 3]) -> Self {
-        Self { origin, direction, count: origin[0].len() }
+        Self { origin: Origin::Each(origin), direction, t_max: None, count: direction[0].len() }
+    }
+    /// The same from one origin.
+    pub fn from_one(origin: glam::Vec3, direction: [&'a [f32]; 3]) -> Self {
+        Self { origin: Origin::Common(origin), direction, t_max: None, count: direction[0].len() }
     }
     /// The first `count` rays of longer columns. A [`super::List`] reads and writes whole packets: there the
     /// columns of rays and hits go on to the end of the last one.
-    pub fn first(count: usize, origin: [&'a [f32]; 3], direction: [&'a [f32]; 3]) -> Self {
-        Self { origin, direction, count }
+    pub fn first(self, count: usize) -> Self {
+        Self { count, ..self }
+    }
+    /// The same rays, ending at these t_max.
+    pub fn until(self, t_max: &'a [f32]) -> Self {
+        Self { t_max: Some(t_max), ..self }
     }
     /// The number of rays.
     pub fn len(&self) -> usize {
@@ -56,7 +71,25 @@ impl<'a> Rays<'a> {
     /// `WIDTH` rays from `at` on.
     #[inline(always)]
     pub fn packet<L: Lane>(&self, at: usize) -> Ray<L> {
-        Ray { origin: load(&self.origin, at), direction: load(&self.direction, at) }
+        let origin = match &self.origin {
+            Origin::Each(columns) => load(columns, at),
+            Origin::Common(point) => Vec3::splat(*point),
+        };
+        Ray { origin, direction: load(&self.direction, at) }
+    }
+    /// The t_max of `WIDTH` rays from `at` on.
+    #[inline(always)]
+    pub(super) fn t_max<L: Lane>(&self, at: usize) -> L {
+        self.t_max.map_or(L::splat(f32::INFINITY), |t_max| L::load(&t_max[at..]))
+    }
+    /// Whether all rays begin at this point.
+    pub(super) fn begin_at(&self, point: [f32; 3]) -> bool {
+        match &self.origin {
+            Origin::Common(origin) => origin.to_array() == point,
+            Origin::Each(columns) => {
+                columns.iter().zip(point).all(|(column, x)| column[..self.count].iter().all(|&o| o == x))
+            }
+        }
     }
     /// One ray, prepared.
     #[inline(always)]
@@ -65,14 +98,26 @@ impl<'a> Rays<'a> {
     }
     /// Some of the rays.
     pub fn range(&self, range: Range<usize>) -> Rays<'a> {
-        Rays::new(
-            self.origin.map(|column| &column[range.clone()]),
-            self.direction.map(|column| &column[range.clone()]),
-        )
+        let columns = |columns: [&'a [f32]; 3]| columns.map(|column| &column[range.clone()]);
+        let origin = match self.origin {
+            Origin::Each(origin) => Origin::Each(columns(origin)),
+            common => common,
+        };
+        let t_max = self.t_max.map(|column| &column[range.clone()]);
+        Self { origin, direction: columns(self.direction), t_max, count: range.len() }
     }
 }
 
 impl Hits<'_> {
+    /// Nothing, before the end of each ray.
+    pub(super) fn reset(&mut self, rays: &Rays) {
+        let t = &mut self.t[..rays.count];
+        match rays.t_max {
+            Some(t_max) => t.copy_from_slice(&t_max[..rays.count]),
+            None => t.fill(f32::INFINITY),
+        }
+        self.primitive[..rays.count].fill(MISS);
+    }
     /// One hit.
     #[inline(always)]
     pub fn get(&self, at: usize) -> Hit<f32> {

@@ -137,7 +137,8 @@ impl RaySet {
     }
     /// The view that traversals read.
     pub(crate) fn rays(&self) -> Rays<'_> {
-        Rays::new(self.origin.each_ref().map(Vec::as_slice), self.direction.each_ref().map(Vec::as_slice))
+        let (origin, direction) = (self.origin.each_ref(), self.direction.each_ref());
+        Rays::new(origin.map(Vec::as_slice), direction.map(Vec::as_slice)).until(&self.t_max)
     }
 }
 

@@ -132,12 +132,15 @@ impl Stream {
         }
         if whole < rays.len() {
             // An incomplete last packet is filled with its first ray.
-            let lane =
-                |column: &[f32]| F32x8::from_fn(|lane| *column[whole..].get(lane).unwrap_or(&column[whole]));
-            let vector =
-                |columns: [&[f32]; 3]| Vec3::new(lane(columns[0]), lane(columns[1]), lane(columns[2]));
-            let ray = Ray { origin: vector(rays.origin), direction: vector(rays.direction) };
-            self.prepare(whole, &ray, padding, lane(hits.t));
+            let rest = rays.len() - whole;
+            let at = |lane: usize| whole + if lane < rest { lane } else { 0 };
+            let vector = |of: &dyn Fn(Ray<f32>) -> Vec3<f32>| {
+                let component =
+                    |axis: fn(Vec3<f32>) -> f32| F32x8::from_fn(|lane| axis(of(rays.packet(at(lane)))));
+                Vec3::new(component(|v| v.x), component(|v| v.y), component(|v| v.z))
+            };
+            let ray = Ray { origin: vector(&|ray| ray.origin), direction: vector(&|ray| ray.direction) };
+            self.prepare(whole, &ray, padding, F32x8::from_fn(|lane| hits.t[at(lane)]));
         }
     }
 

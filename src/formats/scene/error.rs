@@ -5,9 +5,12 @@
 use octray_engine::scene::Scene;
 use std::path::PathBuf;
 
+/// Most faults of a file that are told at once.
+pub const MAX_FAULTS: usize = 10;
+
 /// Why a scene was refused.
 #[derive(Debug, thiserror::Error)]
-#[error("{what}{}{}", place(.file, .at), remedy(.mend))]
+#[error("{what}{}{}{}", place(.file, .at), remedy(.mend), further(.others))]
 pub struct SceneError {
     /// What is wrong, as a clause without a full stop.
     pub what: String,
@@ -17,6 +20,10 @@ pub struct SceneError {
     pub at: Option<String>,
     /// How to mend it.
     pub mend: Option<String>,
+    /// The other faults of the file, in its order: at most [`MAX_FAULTS`] in all.
+    pub others: Vec<SceneError>,
+    /// Where in the text the fault lies.
+    offset: usize,
     /// Every file requested until then, existing or not: once one of them changes, loading may succeed.
     pub files: Vec<PathBuf>,
 }
@@ -34,10 +41,28 @@ fn remedy(mend: &Option<String>) -> String {
     mend.as_ref().map(|mend| format!("\n  {mend}")).unwrap_or_default()
 }
 
+fn further(others: &[SceneError]) -> String {
+    others.iter().map(|error| format!("\nalso: {error}")).collect()
+}
+
 impl SceneError {
     /// An error without a file and a remedy.
     pub(super) fn new(what: impl Into<String>) -> Self {
-        Self { what: what.into(), file: None, at: None, mend: None, files: Vec::new() }
+        let (files, others) = (Vec::new(), Vec::new());
+        Self { what: what.into(), file: None, at: None, mend: None, others, offset: 0, files }
+    }
+    /// The faults of a file as one error; `None` without faults.
+    pub(super) fn of_all(faults: Vec<Self>) -> Option<Self> {
+        let mut all = Vec::new();
+        for mut fault in faults {
+            let others = std::mem::take(&mut fault.others);
+            all.push(fault);
+            all.extend(others);
+        }
+        all.sort_by_key(|fault| fault.offset);
+        all.truncate(MAX_FAULTS);
+        let mut all = all.into_iter();
+        all.next().map(|first| Self { others: all.collect(), ..first })
     }
     /// A valid scene cannot be used, and why.
     pub fn of_use(why: String, scene: &Scene) -> Self {
@@ -53,6 +78,13 @@ impl SceneError {
     }
     pub(super) fn at(self, at: impl Into<String>) -> Self {
         Self { at: Some(at.into()), ..self }
+    }
+    /// The JSON path alone.
+    pub(super) fn place(&self) -> &str {
+        self.at.as_deref().unwrap_or_default().split(", line ").next().unwrap_or_default()
+    }
+    pub(super) fn at_offset(self, offset: usize) -> Self {
+        Self { offset, ..self }
     }
     /// Appends requested files.
     pub(super) fn after(mut self, files: Vec<PathBuf>) -> Self {

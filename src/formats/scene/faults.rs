@@ -66,7 +66,7 @@ impl Fault {
         match steps.split_first() {
             Some((Step::Key(key), rest)) => self.at(&place.key(key), rest),
             Some((Step::Item(index), rest)) => self.at(&place.item(*index), rest),
-            None => place.error(&self.what, &self.mend),
+            None => place.error(&self.what, self.mend.as_str()),
         }
     }
 }

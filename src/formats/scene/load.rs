@@ -173,7 +173,7 @@ fn viewed(place: &JsonPath, files: &Files, spec: &str) -> Result<Scene, SceneErr
                         view, or `builtin:NAME`";
     if let Some(name) = spec.strip_prefix(PREFIX) {
         return built_in(name)
-            .map_err(|error| place.error(error.what, error.mend.unwrap_or_else(|| MEND.to_string())));
+            .map_err(|error| place.error(error.what, error.mend.unwrap_or_else(|| MEND.into())));
     }
     let path = files.resolve(spec);
     if !may_be_scene(&path) {

@@ -111,8 +111,8 @@ struct Rendering {
 }
 
 impl Rendering {
-    /// Renders a film, writes its files, and tells of it: of the `first` one, what is odd. What is prepared is
-    /// dropped after the `last` one.
+    /// Renders a film, writes its files, and tells of it: of the `first` one, what is odd. What is prepared
+    /// is dropped after the `last` one.
     fn run(
         &self,
         job: &Job,

@@ -158,8 +158,8 @@ struct Loss {
 }
 
 impl Loss {
-    /// Compares the same paths with as many bounces and with `more`. What is brighter than `most`, unless that
-    /// is 0, counts as that: one path decides nothing.
+    /// Compares the same paths with as many bounces and with `more`. What is brighter than `most`, unless
+    /// that is 0, counts as that: one path decides nothing.
     fn measure(renderer: &mut Renderer, most: f32, more: u32) -> Self {
         let settings = *renderer.settings();
         let step = (Tile::cover(settings.resolution, settings.tile_size).count() / PROBED_TILES).max(1);
@@ -189,8 +189,9 @@ impl Loss {
         }
     }
 
-    /// Half of all light, as in a white room, or most of it somewhere, as in nested glass. Measured: up to 0.002
-    /// of the blocks in the built-in scenes with 4 bounces, 0.026 in the book's scene of a hollow glass ball.
+    /// Half of all light, as in a white room, or most of it somewhere, as in nested glass. Measured: up to
+    /// 0.002 of the blocks in the built-in scenes with 4 bounces, 0.026 in the book's scene with a hollow
+    /// glass ball.
     fn is_large(&self) -> bool {
         self.total >= 0.5 || self.blocks >= 0.015
     }

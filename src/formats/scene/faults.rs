@@ -20,8 +20,8 @@ enum Step {
     Item(usize),
 }
 
-/// Parses the text as `T`, and finds the faults of its keys and types. Each is mended in a copy, which is read
-/// again: what is unknown or of a wrong type is left out, what is missing is taken from [`example`].
+/// Parses the text as `T`, and finds the faults of its keys and types. Each is mended in a copy, which is
+/// read again: what is unknown or of a wrong type is left out, what is missing is taken from [`example`].
 pub fn read_all<T: DeserializeOwned>(source: &Source) -> Result<(T, Vec<SceneError>), SceneError> {
     let first = match read(source) {
         Ok(found) => return Ok((found, Vec::new())),
@@ -71,8 +71,8 @@ impl Fault {
     }
 }
 
-/// Mends the fault at `place`, of which serde says `message`, in `root`. Returns it, or `Some(None)` if it only
-/// follows from what was left out before; `None` if it cannot be mended.
+/// Mends the fault at `place`, of which serde says `message`, in `root`. Returns it, or `Some(None)` if it
+/// only follows from what was left out before; `None` if it cannot be mended.
 fn mend(
     root: &mut Value,
     mut place: Vec<Step>,

@@ -20,8 +20,8 @@ use octray_engine::scene::{Camera, Scene, Side, Sky, Sphere};
 use std::collections::HashMap;
 use std::rc::Rc;
 
-/// The accepted form of a native scene text, or its faults: all those of keys and types, and the first of each
-/// of its parts otherwise.
+/// The accepted form of a native scene text, or its faults: all those of keys and types, and the first of
+/// each of its parts otherwise.
 pub fn scene(source: &Source, files: &Files, name: String) -> Result<Scene, SceneError> {
     let (file, faults): (SceneFile, _) = read_all(source)?;
     let root = source.root();

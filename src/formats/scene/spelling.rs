@@ -37,8 +37,8 @@ fn abbreviated<'a>(name: &str, known: &[&'a str]) -> Option<&'a str> {
 }
 
 /// What keys and types of materials are called in *Ray Tracing in One Weekend*, Mitsuba, pbrt, Blender and
-/// glTF, in small letters without signs between them. The first of our names that is known where the word stands is
-/// meant.
+/// glTF, in small letters without signs between them. The first of our names that is known where the word
+/// stands is meant.
 const SYNONYMS: [(&[&str], &[&str]); 22] = [
     (
         &["position", "location", "translation", "translate", "origin", "from"],

@@ -26,18 +26,33 @@ pub fn assert_fits(table: &str) {
     }
 }
 
+pub fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap_or_else(|| panic!("{value} is not a number"))
+}
+
+/// The elements of an array of a report.
+pub fn list(value: &Value) -> &[Value] {
+    value.as_array().unwrap_or_else(|| panic!("{value} is not an array"))
+}
+
 /// A folder with a scene and a model in it, in which the program runs.
 pub struct Desk(pub TempDir);
 
 impl Desk {
     pub fn new() -> Self {
-        let folder = TempDir::new().unwrap();
-        fs::write(folder.path().join("scene.json"), SCENE).unwrap();
-        fs::write(folder.path().join("model.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
-        Self(folder)
+        let desk = Self(TempDir::new().unwrap());
+        desk.write("scene.json", SCENE);
+        desk.write("model.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+        desk
     }
 
-    pub fn octray(&self, arguments: &[&str]) -> Command {
+    /// The program with the words of a line as its arguments.
+    pub fn octray(&self, line: &str) -> Command {
+        self.octray_with(&line.split_whitespace().collect::<Vec<_>>())
+    }
+
+    /// The program with arguments that may be empty or hold spaces.
+    fn octray_with(&self, arguments: &[&str]) -> Command {
         let mut command = Command::from_std(octray());
         command.args(arguments).current_dir(self.0.path());
         command
@@ -48,30 +63,37 @@ impl Desk {
     }
 
     pub fn names(&self) -> Vec<String> {
-        let mut names: Vec<String> = fs::read_dir(self.0.path())
-            .unwrap()
-            .map(|entry| entry.unwrap().file_name().into_string().unwrap())
-            .collect();
+        self.names_in("")
+    }
+
+    pub fn names_in(&self, folder: &str) -> Vec<String> {
+        let entries = fs::read_dir(self.path(folder)).unwrap();
+        let mut names: Vec<_> =
+            entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
         names.sort();
         names
     }
 
     /// The arguments are refused: exit code 2, nothing on standard output, an error that says all of `words`,
-    /// no file.
-    pub fn refuses(&self, arguments: &[&str], words: &[&str]) {
+    /// no file. Returns what it says.
+    pub fn refuses(&self, line: &str, words: &[&str]) -> String {
+        self.refuses_with(&line.split_whitespace().collect::<Vec<_>>(), words)
+    }
+
+    /// The same of arguments that may be empty or hold spaces.
+    pub fn refuses_with(&self, arguments: &[&str], words: &[&str]) -> String {
         let before = self.names();
-        let refused = self.octray(arguments).assert().code(2).stdout("");
+        let refused = self.octray_with(arguments).assert().code(2).stdout("");
         let said = String::from_utf8_lossy(&refused.get_output().stderr).into_owned();
         // Warnings about the build may stand before it.
-        let error = said
-            .lines()
-            .find(|line| !line.starts_with("warning: ") && !line.starts_with("  "))
-            .unwrap_or_default();
+        let of_warning = |line: &&str| line.starts_with("warning: ") || line.starts_with("  ");
+        let error = said.lines().find(|line| !of_warning(line)).unwrap_or_default();
         assert!(error.starts_with("error: ") && !said.contains("panicked"), "octray {arguments:?}: {said}");
         for word in words {
             assert!(said.contains(word), "octray {arguments:?} does not say {word:?}: {said}");
         }
         assert_eq!(self.names(), before, "octray {arguments:?} left a file");
+        said
     }
 
     /// Writes a file, and the folders it lies in.
@@ -80,15 +102,34 @@ impl Desk {
         fs::write(self.path(name), text).unwrap();
     }
 
-    /// The program succeeds: its report in JSON.
-    pub fn json(&self, arguments: &[&str]) -> Value {
-        let output = self.octray(arguments).assert().success().get_output().stdout.clone();
-        serde_json::from_slice(&output).unwrap_or_else(|error| panic!("octray {arguments:?}: {error}"))
+    pub fn text(&self, name: &str) -> String {
+        fs::read_to_string(self.path(name)).unwrap()
+    }
+
+    pub fn bytes(&self, name: &str) -> Vec<u8> {
+        fs::read(self.path(name)).unwrap()
+    }
+
+    /// The program succeeds: what it prints.
+    pub fn run(&self, line: &str) -> String {
+        String::from_utf8(self.octray(line).assert().success().get_output().stdout.clone()).unwrap()
+    }
+
+    /// The program succeeds with `--json`: its report.
+    pub fn json(&self, line: &str) -> Value {
+        let printed = self.run(&format!("{line} --json"));
+        serde_json::from_str(&printed).unwrap_or_else(|error| panic!("octray {line}: {error}"))
     }
 
     /// The program succeeds: what it says on standard error.
-    pub fn warnings(&self, arguments: &[&str]) -> String {
-        String::from_utf8(self.octray(arguments).assert().success().get_output().stderr.clone()).unwrap()
+    pub fn warnings(&self, line: &str) -> String {
+        String::from_utf8(self.octray(line).assert().success().get_output().stderr.clone()).unwrap()
+    }
+
+    /// The program renders a picture: its file.
+    pub fn rendered(&self, line: &str, output: &str) -> Vec<u8> {
+        self.run(&format!("render {line} -o {output}"));
+        self.bytes(output)
     }
 
     /// The pixels of a picture file.
@@ -113,8 +154,7 @@ impl Desk {
 
     /// Renders a scene to a few pixels, which are not all black.
     pub fn render_small(&self, scene: &str) -> Vec<[f32; 3]> {
-        let arguments = ["-o", "small.exr", "--samples", "2", "--size", "24x14", "--json"];
-        let report = self.json(&[&["render", scene][..], &arguments].concat());
+        let report = self.json(&format!("render {scene} -o small.exr --samples 2 --size 24x14"));
         assert!(report["rays"].as_u64().unwrap() >= 24 * 14 * 2, "{scene}: {report}");
         assert_eq!(report["discarded_samples"], 0, "{scene}");
         let pixels = self.pixels("small.exr");

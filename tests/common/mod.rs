@@ -1,20 +1,28 @@
-//! What the law tests share: random numbers, scenes filled in by hand, and a closed mesh.
-#![allow(dead_code)] // Every test file takes its own part.
+//! What the law tests share: the names that nearly all of them use, random numbers, scenes filled in by hand.
+#![allow(dead_code, unused_imports)] // Every test file takes its own part.
 
 pub mod rays;
 pub mod statistics;
 
-use glam::Vec3;
-use octray::film::Picture;
-use octray::render::{Renderer, Settings};
-use octray::scene::{
-    Camera, Filter, Material, MaterialKind, Scene, Side, Sky, Sphere, Texels, Texture, Triangle,
+pub use glam::{DVec3, Vec2, Vec3};
+pub use octray::buffers::{Features, LightChoice, Lights};
+pub use octray::bvh::Trees;
+pub use octray::film::{Film, Picture};
+pub use octray::kernel::{ray_sphere::SphereMethod, ray_triangle::TriangleMethod};
+pub use octray::lane::{Bits, F32x8, F32x16, Lane, Mask, NATIVE_WIDTH, WIDTHS};
+pub use octray::math::{self, MISS, Ray};
+pub use octray::reference::{PathSettings, Reference};
+pub use octray::render::{PipelineChoice, Renderer, Settings};
+pub use octray::sampling::Sampler;
+pub use octray::scene::{
+    Camera, Filter, Material, MaterialKind, Scene, Side, Sky, Sphere, Texels, Texture, Triangle, load,
 };
+pub use octray::tone::Tone;
+pub use octray::traverse::{List, Methods, SphereChoice, TraversalChoice, TriangleChoice};
+pub use octray::traverse::{batch::Traversal, hierarchy::Hierarchy};
 
 // The numbers and rays of `octray stability`.
-#[allow(unused_imports)]
 pub use octray::measure::stability::Rng;
-#[allow(unused_imports)]
 pub use octray::measure::stability::rays::{packet, ray};
 
 /// Nothing under a white sky, seen from (0, 0, 5) along −z.

@@ -2,11 +2,9 @@
 //! no deeper than promised, and the same bits for any number of threads; on random scenes, on real meshes,
 //! and where builders fail.
 
-use crate::common::{Rng, empty, sphere, triangle};
-use glam::{DVec3, Vec3};
+use crate::common::*;
 use octray::bvh::check::{Statistics, check};
-use octray::bvh::{Bounds, Bvh, Child, LEAF, MAX_DEPTH, MAX_STACK, Trees, WIDE, WideNode};
-use octray::scene::Scene;
+use octray::bvh::{Bounds, Bvh, Child, LEAF, MAX_DEPTH, MAX_STACK, WIDE, WideNode};
 use std::path::Path;
 
 /// Builds over boxes, of which the first `spheres` count as spheres, and checks.

@@ -2,13 +2,8 @@
 //! are; the number that chose is as well spread over the chosen light as over all of them; nothing is
 //! overlooked on the way there, by any equations.
 
-use crate::common::{Rng, empty, floor, lamp, material, mean, sphere, triangle};
-use glam::Vec3;
-use octray::buffers::{EnvironmentLight, Features, LightChoice, Lights};
-use octray::film::Picture;
-use octray::render::{PipelineChoice, Renderer, Settings};
-use octray::scene::{Filter, Material, MaterialKind, Scene, Sky, Texels, Texture};
-use octray::traverse::{Methods, SphereChoice, TriangleChoice};
+use crate::common::*;
+use octray::buffers::EnvironmentLight;
 
 /// Round lamps in a row, each at its own number, of these radiances.
 fn lamps(radiances: &[f32]) -> Scene {

@@ -1,16 +1,10 @@
 //! The law of one picture: its bits depend on the scene, resolution, bounces, seed and methods, and on
 //! nothing else: not on lanes, threads, tiles, or in how many calls the samples are taken.
 
-use crate::common::{Rng, empty, material, noise, sphere, triangle};
-use glam::{Vec2, Vec3};
-use octray::buffers::Features;
-use octray::film::Film;
+use crate::common::*;
 use octray::integrate::pipeline_for;
-use octray::lane::WIDTHS;
-use octray::render::{PipelineChoice, RenderObserver, Renderer, Settings};
-use octray::scene::{Camera, Filter, Material, MaterialKind, Scene, Side, Sky, builtin_names, load};
-use octray::traverse::batch::Traversal;
-use octray::traverse::{Methods, SphereChoice, TraversalChoice, TriangleChoice};
+use octray::render::RenderObserver;
+use octray::scene::builtin_names;
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 
 fn colored(rng: &mut Rng, kind: MaterialKind) -> Material {

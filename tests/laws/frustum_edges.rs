@@ -2,11 +2,7 @@
 //! rounding decides between a hit and none, and only the frustum's padding keeps the traversals' law.
 
 use crate::common::rays::Set;
-use crate::common::{Rng, empty, material, sphere, triangle};
-use glam::{DVec3, Vec3};
-use octray::bvh::Trees;
-use octray::scene::{MaterialKind, Scene};
-use octray::traverse::hierarchy::Hierarchy;
+use crate::common::*;
 use octray::traverse::tile::TILE;
 
 /// Steps of a tile's rays across: 16 by 16, from −1 to 1.

@@ -3,13 +3,8 @@
 //! away. The other traversals are held to it as well.
 
 use crate::common::rays::{Set, mixture};
-use crate::common::{Rng, sphere, triangle};
-use glam::{Vec3, Vec3Swizzles};
-use octray::bvh::Trees;
-use octray::math::MISS;
-use octray::scene::Scene;
-use octray::traverse::batch::Traversal;
-use octray::traverse::hierarchy::Hierarchy;
+use crate::common::*;
+use glam::Vec3Swizzles;
 use octray::traverse::stream::BATCH;
 use octray::traverse::tile::TILE;
 

@@ -1,13 +1,9 @@
 //! Every way through the hierarchy finds what testing every primitive finds, bit for bit.
 
 use crate::common::rays::{Set, mixture};
-use crate::common::{Rng, sphere};
-use glam::Vec3;
-use octray::bvh::Trees;
-use octray::math::MISS;
+use crate::common::*;
 use octray::measure::ray_sets::{Answers, RaySet};
 use octray::measure::trace::{PreparedScene, TraceMethod, TracePool};
-use octray::traverse::hierarchy::Hierarchy;
 
 /// Directions that divide by zero, or nearly.
 fn awkward(rng: &mut Rng) -> Vec3 {

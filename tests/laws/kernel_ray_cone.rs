@@ -1,8 +1,7 @@
 //! Laws: ray cones and levels of detail are those of f64, and the same bits at every width.
 
-use crate::common::Rng;
+use crate::common::*;
 use octray::kernel::ray_cone::{Cone, footprint, level_of_detail, sphere_density};
-use octray::lane::{F32x8, F32x16, Lane};
 use octray::math::Vec3;
 use std::f64::consts::PI;
 

@@ -2,11 +2,7 @@
 //! directions that are none. How often methods fail, from far away and elsewhere, is the matter of
 //! `tests/pictures/stability.rs`.
 
-use crate::common::{Rng, packet, ray};
-use glam::{DVec3, Vec3};
-use octray::kernel::ray_sphere::SphereMethod;
-use octray::lane::{F32x8, F32x16, Lane, Mask};
-use octray::math::{self, Ray};
+use crate::common::*;
 use octray::measure::stability::spheres::{Ball, UNIT, aimed, intersect, off, passing, reference_t};
 use octray::methods::{Naive, Robust, RobustAnyLength};
 

@@ -5,13 +5,12 @@
 //! middle and along the silhouette, radii from 1e-18 to 1e6, directions of unit length and as far off it as
 //! the domain allows.
 
-use crate::common::{Rng, ray};
-use glam::{DVec3, Vec3};
+use crate::common::*;
 use octray::bvh::Bounds;
 use octray::kernel::ray_box::{Padding, Slabs, sphere_padding};
-use octray::kernel::ray_sphere::{Robust, SphereMethod};
+use octray::kernel::ray_sphere::Robust;
 use octray::kernel::sphere_culling::{CulledSphere, SphereCulling};
-use octray::math::{self, EPSILON};
+use octray::math::EPSILON;
 
 const LENGTHS: [f64; 4] = [0.0, 1e-5, -1e-5, 1e-7];
 /// Distances from the centre, in radii.

@@ -2,11 +2,9 @@
 //! directions that are none, rays in the plane. Where methods leak is the matter of
 //! `tests/pictures/stability.rs`, traversals are held to it by `tests/laws/watertight.rs`.
 
-use crate::common::{Rng, packet, ray};
-use glam::{DVec3, Vec3, Vec3Swizzles};
-use octray::kernel::ray_triangle::{PairHit, TriangleHit, TriangleMethod};
-use octray::lane::{F32x8, F32x16, Lane, Mask};
-use octray::math::Ray;
+use crate::common::*;
+use glam::Vec3Swizzles;
+use octray::kernel::ray_triangle::{PairHit, TriangleHit};
 use octray::measure::stability::triangles::{intersect, reference_tuv, well_shaped};
 use octray::methods::{BaldwinWeber, MollerTrumbore, MollerTrumboreEpsilon, Plucker, Woop, WoopContracted};
 

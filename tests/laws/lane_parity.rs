@@ -6,11 +6,11 @@
 //! in one without FMA and AVX: `RUSTFLAGS="-C target-cpu=x86-64" cargo test --target-dir target/plain --test
 //! lane_parity`.
 
-use crate::common::Rng;
+use crate::common::*;
 use octray::kernel::{bsdf, surface, texture};
-use octray::lane::{Bits, F32x8, F32x16, Lane, Mask, functions, lane_indices, set_bits};
+use octray::lane::{functions, lane_indices, set_bits};
 use octray::math::Vec3;
-use octray::sampling::{PixelCoordinates, SampleValues, Sampler, random, warp};
+use octray::sampling::{PixelCoordinates, SampleValues, random, warp};
 use std::f32::consts::PI;
 
 /// What an operation may read: three floats, three integers, a truth value.

@@ -5,16 +5,13 @@
 //! The rays are those of `octray stability`, here from near and far at once, and with a share of the offset.
 //! Seeds are fixed; re-hits must be 0.
 
-use crate::common::{Rng, empty, material, sphere, triangle};
-use glam::Vec3;
+use crate::common::*;
 use octray::buffers::Buffers;
 use octray::kernel::surface::{sphere_offset, sphere_surface, triangle_normal, triangle_offset};
-use octray::math;
 use octray::measure::stability::FailureCounts;
 use octray::measure::stability::leaving::{self, SpawnMethod, leave_triangle};
 use octray::measure::stability::shells::{Side, leave_shell, leave_sphere};
 use octray::measure::stability::spheres::Ball;
-use octray::scene::{MaterialKind, Scene};
 
 /// How far rays travel before they leave, in sizes of what they leave.
 const TRAVELLED: [f64; 2] = [1e-2, 1e3];

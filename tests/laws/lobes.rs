@@ -5,12 +5,10 @@
 //! in f64. Seeds are fixed; deviations are allowed for at the level of the whole family of tests (1e-4,
 //! Bonferroni).
 
-use crate::common::Rng;
-use glam::{DVec3, Vec3};
+use crate::common::*;
 use octray::kernel::bsdf::metal_rough::MetalRough;
 use octray::kernel::bsdf::plastic::{Plastic, mean_transmittance};
 use octray::kernel::bsdf::{BsdfEval, BsdfSample, LobeEval, diffuse, ggx, scatter};
-use octray::math;
 use std::f64::consts::{PI, TAU};
 
 #[derive(Clone, Copy, Debug)]

@@ -1,13 +1,12 @@
 //! Law: directions keep the unit length that intersection asks for, however long the path.
 
-use crate::common::{Rng, empty, material, sphere, triangle};
-use glam::{Quat, Vec3};
-use octray::buffers::{Buffers, Features, Lights};
+use crate::common::*;
+use glam::Quat;
+use octray::buffers::Buffers;
 use octray::camera::{Pinhole, Tile};
 use octray::integrate::{Scratch, TraceContext, pipeline_for};
-use octray::math;
-use octray::scene::{Camera, MAX_BOUNCES, MaterialKind, Scene};
-use octray::traverse::{Methods, Primitives};
+use octray::scene::MAX_BOUNCES;
+use octray::traverse::Primitives;
 
 /// What the robust sphere test asks of a direction, and what the estimator promises.
 const DOMAIN: f64 = 1e-5;

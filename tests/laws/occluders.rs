@@ -1,14 +1,9 @@
 //! Law: the primitives that shadow rays leave out lie between no surface and no light, judged in f64; and
 //! pictures are the same through a hierarchy.
 
-use crate::common::{Rng, empty, lamp, material, render, sphere, triangle};
-use glam::{DMat3, DVec3, Vec3};
-use octray::buffers::{LightChoice, Lights};
-use octray::lane::NATIVE_WIDTH;
-use octray::render::Settings;
-use octray::scene::{Camera, MaterialKind, Scene, Sky, Triangle, load};
-use octray::traverse::batch::Traversal;
-use octray::traverse::{Methods, Occluders, TraversalChoice};
+use crate::common::*;
+use glam::DMat3;
+use octray::traverse::Occluders;
 
 const DIFFUSE: u32 = 0;
 const LAMP: u32 = 1;

@@ -1,13 +1,7 @@
 //! The law of pipelines: one that is compiled for a few features gives the bits of the one that has them all,
 //! for every single feature beside a plain scene, so that no feature hides behind another.
 
-use crate::common::{Rng, empty, material, noise, smooth_ball, sphere, triangle};
-use glam::{Vec2, Vec3};
-use octray::buffers::LightChoice;
-use octray::film::Picture;
-use octray::render::{PipelineChoice, Settings};
-use octray::scene::{Camera, Filter, Material, MaterialKind, Scene, Sky};
-use octray::traverse::Methods;
+use crate::common::*;
 
 const KINDS: [MaterialKind; 10] = [
     MaterialKind::Diffuse,

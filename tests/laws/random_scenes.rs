@@ -2,15 +2,7 @@
 //! numbers of 0 or more. Random scenes of everything: sizes from 1e-6 to 1e6, far from the origin, slivers,
 //! cameras on surfaces and in spheres, textures of one texel, lights of any strength.
 
-use crate::common::{Rng, empty, noise, sphere, triangle};
-use glam::{DVec3, Vec2, Vec3};
-use octray::buffers::LightChoice;
-use octray::lane::WIDTHS;
-use octray::render::{PipelineChoice, Renderer, Settings};
-use octray::sampling::Sampler;
-use octray::scene::{Camera, Filter, Material, MaterialKind, Scene, Side, Sky, Sphere};
-use octray::traverse::batch::Traversal;
-use octray::traverse::{Methods, TraversalChoice};
+use crate::common::*;
 use std::ops::Range;
 
 /// One of the list.

@@ -5,8 +5,8 @@
 //! the allowed deviation is that of the whole family at a level of 1e-4 (Bonferroni): seldom enough to be a
 //! fault if seen.
 
-use crate::common::Rng;
 use crate::common::statistics::{allowed, chi_squared_deviation, correlation, joint};
+use crate::common::*;
 use octray::math::Vec3;
 use octray::sampling::{dimension, random, warp};
 

@@ -5,12 +5,10 @@
 //! Seeds are fixed; tolerances are standard errors, as in `tests/laws/sampling_laws.rs`. Bits at width 1 and
 //! 8 are compared by `tests/laws/lane_parity.rs`.
 
-use crate::common::Rng;
 use crate::common::statistics::{allowed, chi_squared_deviation, correlation, joint};
-use octray::lane::{Bits, F32x8, F32x16, Lane, lane_indices};
-use octray::sampling::{
-    PacketValues, PixelCoordinates, SampleValues, Sampler, blue_noise, dimension, random,
-};
+use crate::common::*;
+use octray::lane::lane_indices;
+use octray::sampling::{PacketValues, PixelCoordinates, SampleValues, blue_noise, dimension, random};
 use std::f64::consts::{FRAC_PI_4, TAU};
 
 type Point = [f64; 2];

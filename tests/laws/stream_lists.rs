@@ -2,13 +2,8 @@
 //! that all of them pass.
 
 use crate::common::rays::Set;
-use crate::common::{Rng, empty, material, sphere, triangle};
-use glam::Vec3;
-use octray::bvh::{LEAF, Trees};
-use octray::math::MISS;
-use octray::scene::{MaterialKind, Scene};
-use octray::traverse::batch::Traversal;
-use octray::traverse::hierarchy::Hierarchy;
+use crate::common::*;
+use octray::bvh::LEAF;
 
 /// Thin triangles behind each other, each across all rays.
 fn triangles() -> Scene {

@@ -5,14 +5,9 @@
 //! The oracle is a loop of its own that calls the kernels at width 1. Seeds are fixed.
 
 use crate::common::rays::Set;
-use crate::common::{Rng, empty, material, ray, sphere, triangle};
-use glam::Vec3;
-use octray::kernel::ray_sphere::{self, SphereMethod};
-use octray::kernel::ray_triangle::{self, TriangleMethod};
-use octray::lane::{F32x8, F32x16, Lane};
-use octray::math::{self, MISS, Ray};
-use octray::scene::{MaterialKind, Scene};
-use octray::traverse::{List, Methods, SphereChoice, TraversalChoice, TriangleChoice};
+use crate::common::*;
+use octray::kernel::ray_sphere::{self};
+use octray::kernel::ray_triangle::{self};
 
 /// A hit's bits: t, primitive, u, v.
 type Answer = [u32; 4];

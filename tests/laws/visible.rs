@@ -1,15 +1,10 @@
 //! Law: leaving out what a tile cannot see changes no hit (conservative culling).
 
 use crate::common::rays::Set;
-use crate::common::{Rng, empty, material, sphere};
-use glam::Vec3;
+use crate::common::*;
 use octray::camera::Pinhole;
-use octray::lane::F32x8;
-use octray::math::Ray;
-use octray::render::{Renderer, Settings};
 use octray::sampling::random::mix_bits;
-use octray::scene::{Camera, MaterialKind, Scene, Triangle};
-use octray::traverse::{List, Methods, PrimitiveList, SphereChoice, TraversalChoice};
+use octray::traverse::PrimitiveList;
 
 /// Tiles cull where every primitive is tested.
 const LINEAR: Methods = Methods {

@@ -5,15 +5,9 @@
 //! A million rays: `cargo test -p octray-tests --test laws watertight -- --ignored --nocapture`.
 
 use crate::common::rays::Set;
-use crate::common::{Rng, empty, material, triangle};
-use glam::{DVec3, Vec3};
-use octray::bvh::Trees;
-use octray::math::MISS;
+use crate::common::*;
 use octray::measure::stability::meshes::bumpy_ball;
-use octray::scene::{MaterialKind, Scene};
 use octray::traverse::Layout;
-use octray::traverse::batch::Traversal;
-use octray::traverse::hierarchy::Hierarchy;
 use octray::traverse::tile::TILE;
 use rayon::prelude::*;
 use std::collections::HashMap;

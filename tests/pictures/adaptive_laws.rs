@@ -1,12 +1,9 @@
 //! Laws of stopping early: decisions are the same whoever computes them, pixels are those of a plain
 //! rendering with as many samples, and the error that is promised is the one that is there.
 
-use crate::common::{empty, material, sphere};
-use glam::Vec3;
+use crate::common::*;
 use octray::adaptive::{BLACK_SAMPLES, ErrorEstimate, MAX_BLOCK_ERROR, MAX_SAMPLE_RATIO, Round, Target};
-use octray::film::{Film, Picture, noise::luminance};
-use octray::render::{Renderer, Settings};
-use octray::scene::{Camera, Material, MaterialKind, Scene, Sky, load};
+use octray::film::noise::luminance;
 
 /// Sky above a few balls on a chessboard: easy and hard parts.
 fn settings(scene: &Scene) -> Settings {

@@ -1,14 +1,9 @@
 //! Laws of what stands between a film and a window: blur, smoothed edges, noise removed, the pace of walking.
 
-use crate::common::{Rng, empty, floor, lamp, material, sphere};
-use glam::Vec3;
+use crate::common::*;
 use octray::display::{Blur, Denoiser, Fxaa, Samples, walking_speed};
-use octray::film::Picture;
 use octray::integrate::aovs::Aovs;
 use octray::integrate::edge_aovs::DenoiserAovs;
-use octray::render::{Renderer, Settings};
-use octray::scene::{Filter, MaterialKind, Scene};
-use octray::tone::Tone;
 
 fn picture([width, height]: [u32; 2], pixel: impl FnMut((u32, u32)) -> [f32; 3]) -> Picture {
     let places = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));

@@ -4,14 +4,7 @@
 //! runs against each other, over the picture and in parts of it.
 
 use crate::common::statistics::allowed;
-use crate::common::{Rng, material, noise, smooth_ball, sphere, triangle};
-use glam::Vec3;
-use octray::buffers::LightChoice;
-use octray::film::Picture;
-use octray::render::Settings;
-use octray::sampling::Sampler;
-use octray::scene::{Filter, Material, MaterialKind, Scene, Sky};
-use octray::traverse::Methods;
+use crate::common::*;
 
 const KINDS: [MaterialKind; 9] = [
     MaterialKind::Diffuse,

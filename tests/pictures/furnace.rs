@@ -5,15 +5,8 @@
 //! with the same random numbers, so pictures are compared in pairs of pixels: the difference has far less
 //! noise than either picture.
 
-use crate::common::{Rng, empty, material, noise, sphere, triangle};
-use glam::{Vec2, Vec3};
-use octray::buffers::Features;
-use octray::film::Picture;
+use crate::common::*;
 use octray::integrate::pipeline_for;
-use octray::lane::WIDTHS;
-use octray::reference::{PathSettings, Reference};
-use octray::render::Settings;
-use octray::scene::{Camera, Filter, Material, MaterialKind, Scene, Sky, Sphere};
 
 /// Two balls over a floor, all of one material: paths go back and forth between them.
 fn room(kind: MaterialKind) -> Scene {

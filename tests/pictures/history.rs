@@ -1,15 +1,10 @@
 //! Laws of temporal reprojection: where points were seen before, what counts, what is forgotten, and that a
 //! camera that stands ends at its film.
 
-use crate::common::{Rng, empty, material, sphere};
-use glam::Vec3;
+use crate::common::*;
 use octray::camera::Pinhole;
 use octray::display::{History, walking_speed};
-use octray::film::Picture;
 use octray::integrate::aovs::{Aovs, Plane};
-use octray::lane::{F32x8, Lane, Mask};
-use octray::render::{Renderer, Settings};
-use octray::scene::{Camera, Material, MaterialKind, Scene, Sky, Triangle};
 
 const SIZE: [u32; 2] = [64, 40];
 

@@ -1,11 +1,7 @@
 //! Law: the estimator's picture is the judge's, path by path, whatever the material; rounding may send a few
 //! paths elsewhere.
 
-use crate::common::{Rng, empty, material, smooth_ball, sphere, triangle};
-use glam::{Vec2, Vec3};
-use octray::reference::{PathSettings, Reference};
-use octray::render::{Renderer, Settings};
-use octray::scene::{Camera, Filter, Material, MaterialKind, Scene, Side, Sky, Texels, Texture};
+use crate::common::*;
 
 /// Two balls, one in front of the other, on a floor; the balls of one kind.
 fn balls(kind: MaterialKind) -> Scene {

@@ -1,13 +1,7 @@
 //! Laws: levels of detail show what the reference sees, path by path; they make far textures less noisy, and
 //! change nothing near by.
 
-use crate::common::{Rng, empty, material, mean, noise, render, sphere, triangle};
-use glam::{Vec2, Vec3};
-use octray::buffers::LightChoice;
-use octray::film::Picture;
-use octray::render::Settings;
-use octray::scene::{Camera, Filter, Material, MaterialKind, Scene, Sky, Texels, Texture};
-use octray::traverse::Methods;
+use crate::common::*;
 
 /// Black and white fields.
 fn board(filter: Filter) -> Texture {

@@ -1,13 +1,7 @@
 //! The law of smooth normals: they bend what a surface does, and let no light through it, nor a ray.
 
-use crate::common::{Rng, empty, material, smooth_ball, sphere};
-use glam::Vec3;
-use octray::buffers::{Features, LightChoice};
+use crate::common::*;
 use octray::kernel::normals;
-use octray::math;
-use octray::render::Settings;
-use octray::scene::{Material, MaterialKind, Scene, Sky};
-use octray::traverse::Methods;
 
 const KINDS: [(MaterialKind, f64); 7] = [
     (MaterialKind::Diffuse, 0.0),

@@ -1,22 +1,14 @@
 //! What `--stats` counts is what happens: counts by hand, sums that agree, and nothing else changed by
 //! counting.
 
-use crate::common::{empty, material, sphere, triangle};
-use glam::Vec3;
+use crate::common::*;
 use octray::bvh::check::check_scene;
-use octray::bvh::{Bvh, LEAF, Trees, slots};
-use octray::film::Picture;
+use octray::bvh::{Bvh, LEAF, slots};
 use octray::integrate::stats::{RayKind, Segment, Stage, Stats};
-use octray::lane::WIDTHS;
-use octray::math::MISS;
 use octray::measure::stats::FrameStats;
-use octray::render::{Renderer, Settings};
-use octray::scene::{MaterialKind, Scene, load};
-use octray::traverse::batch::{Tracer, Traversal};
+use octray::traverse::batch::Tracer;
 use octray::traverse::counter::{Counter, Counts, Tests};
-use octray::traverse::hierarchy::Hierarchy;
 use octray::traverse::rays::{Hits, Rays};
-use octray::traverse::{Methods, TraversalChoice};
 
 /// Two triangles far from each other in the plane z = 0, around (−3, 0) and (3, 0).
 fn two_triangles() -> Scene {

@@ -1,14 +1,9 @@
 //! What the survey tells of pixels: guides against primary rays and the scene itself, costs against the
 //! tallies of whole frames, shapes of paths against the counts of rays.
 
+use crate::common::*;
 use octray::integrate::aovs::Aovs;
-use octray::lane::WIDTHS;
-use octray::math::MISS;
 use octray::render::aovs::Map;
-use octray::render::{Renderer, Settings};
-use octray::scene::{MaterialKind, Scene, load};
-use octray::traverse::batch::Traversal;
-use octray::traverse::{Methods, TraversalChoice};
 
 const SIZE: [u32; 2] = [61, 35];
 

@@ -4,14 +4,7 @@
 //!
 //! And whole repeats of a picture on triangles are nothing.
 
-use crate::common::{empty, material, sphere, triangle};
-use glam::{Vec2, Vec3};
-use octray::lane::WIDTHS;
-use octray::reference::{PathSettings, Reference};
-use octray::render::{Renderer, Settings};
-use octray::scene::{
-    Camera, Filter, Material, MaterialKind, Scene, Side, Sky, Sphere, Texels, Texture, load,
-};
+use crate::common::*;
 
 const COLUMNS: u32 = 64;
 

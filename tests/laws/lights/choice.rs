@@ -2,12 +2,8 @@
 //! few or very many.
 
 use super::many_lamps;
-use crate::common::{Rng, lamp, sphere};
-use glam::Vec3;
-use octray::buffers::{LightChoice, Lights};
+use crate::common::*;
 use octray::kernel::surface::{sphere_offset, triangle_offset};
-use octray::math;
-use octray::scene::load;
 use std::collections::HashMap;
 
 #[test]

@@ -2,11 +2,9 @@
 //! they have less noise.
 
 use super::{many_lamps, render, square};
-use crate::common::{floor, lamp, mean, sphere};
-use glam::Vec3;
-use octray::buffers::{EnvironmentLight, LightChoice};
+use crate::common::*;
+use octray::buffers::EnvironmentLight;
 use octray::kernel::surface::latitude_longitude;
-use octray::scene::{Filter, Scene, Sky, Texels, Texture, load};
 use std::f64::consts::PI;
 
 /// Standard errors between the means of two ways of rendering, from independent runs of each, and the ratio

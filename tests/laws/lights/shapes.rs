@@ -1,12 +1,8 @@
 //! Sampling of spheres, triangles, and quads: irradiance, densities, normals, and equal bits at every width.
 
 use super::{double, polygon_irradiance, render, square, vector};
-use crate::common::{Rng, floor, lamp, mean, sphere, triangle};
-use glam::{DVec3, Vec3};
-use octray::buffers::LightChoice;
+use crate::common::*;
 use octray::kernel::light::{FlatLight, LightSample, flat_pdf, sample_flat, sample_sphere, sphere_pdf};
-use octray::lane::{F32x8, F32x16, Lane};
-use octray::math;
 use std::f64::consts::PI;
 
 /// What a Lambertian point would receive from an emitter of radiance 1: the mean of direction / density,

@@ -1,10 +1,8 @@
 //! The closest hit, against closed forms.
 
 use super::scenes::{ball, empty, wall};
-use crate::common::{Rng, sphere, triangle};
-use glam::{DVec3, Vec3};
-use octray::reference::Reference;
-use octray::scene::{MaterialKind::Diffuse, Scene};
+use crate::common::*;
+use octray::scene::MaterialKind::Diffuse;
 
 #[test]
 fn closest_gives_the_near_root_of_a_sphere_head_on() {

@@ -1,11 +1,8 @@
 //! Whole paths: furnaces, closed forms, and integrals by quadrature.
 
 use super::scenes::{ball, empty, lamp, one_pixel, wall};
-use crate::common::{sphere, triangle};
-use glam::{DVec3, Vec3};
-use octray::reference::{PathSettings, Reference};
-use octray::sampling::{PixelCoordinates, SampleValues, Sampler, dimension, warp};
-use octray::scene::{Camera, Material, MaterialKind, Scene, Sky};
+use crate::common::*;
+use octray::sampling::{PixelCoordinates, SampleValues, dimension, warp};
 use std::f64::consts::PI;
 
 /// Mean of the red channel and its standard error over the one pixel's first `samples` paths.

@@ -1,9 +1,7 @@
 //! Small scenes that one ray is enough for.
 
-use crate::common::{self, material, sphere, triangle};
-use glam::{Vec2, Vec3};
-use octray::reference::PathSettings;
-use octray::scene::{Camera, Filter, Material, MaterialKind, Scene, Texels, Texture};
+use crate::common::*;
+use crate::common::{self};
 
 /// Nothing under a white sky, seen from (0, 0, 5) along −z through so narrow a lens that all rays are one.
 pub fn empty() -> Scene {

@@ -1,10 +1,7 @@
 //! How pictures lie on the sky, on spheres and on triangles, seen through whole paths.
 
 use super::scenes::{empty, lamp, numbered, one_pixel, wall};
-use crate::common::sphere;
-use glam::{Vec2, Vec3};
-use octray::reference::Reference;
-use octray::scene::{Camera, Filter, Material, MaterialKind, Scene, Side, Sky, Sphere};
+use crate::common::*;
 
 /// What the scene shows to an eye at `position` that looks at `look_at`.
 fn seen(scene: Scene, position: Vec3, look_at: Vec3) -> [f64; 3] {

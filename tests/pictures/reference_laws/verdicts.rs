@@ -2,10 +2,8 @@
 //! sabotaged.
 
 use super::scenes::empty;
-use crate::common::{Rng, sphere, triangle};
-use glam::Vec3;
-use octray::reference::{Reference, Verdict};
-use octray::scene::{Scene, Sphere, Triangle};
+use crate::common::*;
+use octray::reference::Verdict;
 
 const MISS: u32 = u32::MAX;
 

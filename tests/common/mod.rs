@@ -44,6 +44,16 @@ pub fn empty() -> Scene {
     }
 }
 
+/// Nothing but a white diffuse material.
+pub fn diffuse() -> Scene {
+    Scene { materials: vec![material(MaterialKind::Diffuse)], ..empty() }
+}
+
+/// Upright.
+pub fn camera(position: Vec3, look_at: Vec3, vertical_fov: f32) -> Camera {
+    Camera { position, look_at, up: Vec3::Y, vertical_fov }
+}
+
 pub fn material(kind: MaterialKind) -> Material {
     Material::new("m", kind, Vec3::ONE)
 }
@@ -56,33 +66,53 @@ pub fn triangle(vertices: [Vec3; 3], material: u32) -> Triangle {
     Triangle { vertices, material }
 }
 
+pub fn emitter(emission: Vec3) -> Material {
+    Material { emission, ..material(MaterialKind::Emitter) }
+}
+
 /// Shines in all colours alike.
 pub fn lamp(radiance: f32) -> Material {
-    Material { emission: Vec3::splat(radiance), ..material(MaterialKind::Emitter) }
+    emitter(Vec3::splat(radiance))
+}
+
+/// The corners of a triangle on the ground at a height, around the y axis, so far in front and to the sides.
+pub fn ground(size: f32, y: f32) -> [Vec3; 3] {
+    [Vec3::new(-size, y, -size), Vec3::new(0.0, y, 2.0 * size), Vec3::new(size, y, -size)]
 }
 
 /// A floor that fills the picture, seen from straight above at `height`, near `foot`, and dark otherwise.
 pub fn floor(foot: Vec3, height: f32) -> Scene {
-    let [a, b, c] = [Vec3::new(-1.0, 0.0, -1.0), Vec3::new(0.0, 0.0, 2.0), Vec3::new(1.0, 0.0, -1.0)];
-    let corners = [a, b, c].map(|corner| foot + corner * 100.0 * height);
     Scene {
         camera: Camera { position: foot + Vec3::Y * height, look_at: foot, up: Vec3::Z, vertical_fov: 0.5 },
         resolution: [8, 8],
         max_bounces: 1,
         sky: Sky::Color(Vec3::ZERO),
-        materials: vec![material(MaterialKind::Diffuse)],
-        triangles: vec![triangle(corners, 0)],
-        ..empty()
+        triangles: vec![triangle(ground(100.0 * height, 0.0).map(|corner| foot + corner), 0)],
+        ..diffuse()
     }
 }
 
-/// The picture of so many samples, all of them finite.
-pub fn render(scene: &Scene, settings: Settings, samples: u32) -> Picture {
+/// A film of so many samples, all of them finite.
+pub fn film(scene: &Scene, settings: Settings, samples: u32) -> Film {
     let renderer = Renderer::new(scene, settings);
     let mut film = renderer.film();
     renderer.add_samples(&mut film, samples);
     assert_eq!(film.discarded(), 0);
-    film.picture()
+    film
+}
+
+/// Its picture.
+pub fn render(scene: &Scene, settings: Settings, samples: u32) -> Picture {
+    film(scene, settings, samples).picture()
+}
+
+pub fn bits(picture: &Picture) -> Vec<[u32; 3]> {
+    picture.pixels.iter().map(|pixel| pixel.map(f32::to_bits)).collect()
+}
+
+/// Columns and rows, row by row.
+pub fn places([width, height]: [u32; 2]) -> impl Iterator<Item = (u32, u32)> + Clone {
+    (0..height).flat_map(move |y| (0..width).map(move |x| (x, y)))
 }
 
 /// Of all pixels and channels.

@@ -7,7 +7,7 @@ use octray::buffers::EnvironmentLight;
 
 /// Round lamps in a row, each at its own number, of these radiances.
 fn lamps(radiances: &[f32]) -> Scene {
-    let mut scene = Scene { materials: vec![material(MaterialKind::Diffuse)], ..empty() };
+    let mut scene = diffuse();
     for (number, &radiance) in radiances.iter().enumerate() {
         scene.materials.push(lamp(radiance));
         scene.spheres.push(sphere(Vec3::X * number as f32, 0.1, number as u32 + 1));

@@ -15,16 +15,8 @@ fn colored(rng: &mut Rng, kind: MaterialKind) -> Material {
 /// Spheres and triangles in front of the camera, wearing the materials by turns.
 fn furnished(rng: &mut Rng, materials: Vec<Material>, spheres: usize, triangles: usize, uvs: bool) -> Scene {
     let count = materials.len();
-    let mut scene = Scene {
-        camera: Camera {
-            position: Vec3::new(0.3, 0.8, 6.0),
-            look_at: Vec3::ZERO,
-            up: Vec3::Y,
-            vertical_fov: 45.0,
-        },
-        materials,
-        ..empty()
-    };
+    let mut scene =
+        Scene { camera: camera(Vec3::new(0.3, 0.8, 6.0), Vec3::ZERO, 45.0), materials, ..empty() };
     for i in 0..spheres {
         let center = (rng.in_cube() * 2.0).as_vec3();
         let ball = sphere(center, rng.scale(0.3, 0.9) as f32, (i % count) as u32);
@@ -59,8 +51,7 @@ fn everything() -> Scene {
 /// not look for.
 fn lamp_and_sign() -> Scene {
     let mut rng = Rng(88);
-    let shining =
-        |emission: f32| Material { emission: Vec3::splat(emission), ..material(MaterialKind::Emitter) };
+    let shining = |emission: f32| lamp(emission);
     let materials =
         vec![shining(9.0), Material { texture: Some(0), ..shining(2.0) }, material(MaterialKind::Diffuse)];
     let mut scene = furnished(&mut rng, materials, 3, 5, true);
@@ -75,7 +66,7 @@ fn ball_in_a_dome() -> Scene {
     let shining =
         Material { texture: Some(0), emission: Vec3::splat(2.0), ..material(MaterialKind::Emitter) };
     Scene {
-        camera: Camera { position: Vec3::Z * 6.0, look_at: Vec3::ZERO, up: Vec3::Y, vertical_fov: 45.0 },
+        camera: camera(Vec3::Z * 6.0, Vec3::ZERO, 45.0),
         materials: vec![material(MaterialKind::Diffuse), shining],
         spheres: vec![sphere(Vec3::ZERO, 5.0, 0), sphere(Vec3::ZERO, 50.0, 1)],
         textures: vec![noise(&mut Rng(31), 8, 8, Filter::Nearest)],

@@ -38,7 +38,7 @@ fn at_the_sides(rng: &mut Rng, view: View, spheres: bool) -> usize {
         let [x, y] = steps(i);
         set.push(origin, along(slope + spread * x, spread * y - slope).normalize().as_vec3(), f32::INFINITY);
     }
-    let mut scene = Scene { materials: vec![material(MaterialKind::Diffuse)], ..empty() };
+    let mut scene = diffuse();
     let direction = |i: usize| DVec3::from_array(set.direction.each_ref().map(|column| f64::from(column[i])));
     for i in (0..TILE).filter(|&i| steps(i).iter().any(|step| step.abs() == 1.0)) {
         let d = direction(i);
@@ -126,7 +126,7 @@ fn edge_on(rng: &mut Rng, case: Beside) -> usize {
     for i in 0..TILE {
         set.push(origin, along(i).normalize().as_vec3(), f32::INFINITY);
     }
-    let mut scene = Scene { materials: vec![material(MaterialKind::Diffuse)], ..empty() };
+    let mut scene = diffuse();
     let corner = -middle * extent;
     let far = [corner, corner + DVec3::X, corner * 0.9 + DVec3::ONE].map(|v| v.as_vec3());
     scene.triangles.push(triangle(far, 0));
@@ -231,7 +231,7 @@ fn frustum_keeps_the_first_of_copies_seen_from_afar() {
         let spread = if round % 2 == 0 { 0.0 } else { 0.3 / away };
         let view = Along::axis(round % 6);
         let set = view.tile(&mut rng, away, spread);
-        let mut scene = Scene { materials: vec![material(MaterialKind::Diffuse)], ..empty() };
+        let mut scene = diffuse();
         for depth in [-0.5, 0.0, 0.5].map(|depth| depth + 0.2 * rng.unit()) {
             let vertices = view.triangle([0.0, 0.01, 0.02].map(|behind| depth + behind), 3.0, 0.0);
             scene.triangles.extend([(); 30].map(|()| triangle(vertices, 0)));
@@ -251,7 +251,7 @@ fn frustum_keeps_the_first_of_many_triangles_in_a_plane() {
     for round in 0..24 {
         let view = Along::axis(round % 6);
         let set = view.tile(&mut rng, 5.0, 0.02);
-        let mut scene = Scene { materials: vec![material(MaterialKind::Diffuse)], ..empty() };
+        let mut scene = diffuse();
         for _ in 0..64 {
             let turn = rng.scale(0.1, 6.0);
             let size = rng.scale(2.0, 4.0);

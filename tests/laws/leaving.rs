@@ -23,12 +23,7 @@ fn buffers_hold_the_offsets_and_normals_that_are_tested_here() {
     for _ in 0..100 {
         let ball = sphere(rng.in_cube().as_vec3(), rng.scale(1e-3, 1e3) as f32, 0);
         let vertices = [(); 3].map(|()| rng.in_cube().as_vec3());
-        let scene = Scene {
-            materials: vec![material(MaterialKind::Diffuse)],
-            spheres: vec![ball],
-            triangles: vec![triangle(vertices, 0)],
-            ..empty()
-        };
+        let scene = Scene { spheres: vec![ball], triangles: vec![triangle(vertices, 0)], ..diffuse() };
         let buffers = Buffers::new(&scene);
         let [x, y, z, inverse_radius, offset, ..] = buffers.sphere_rows.fetch::<f32>(0, true);
         assert_eq!((Vec3::new(x, y, z), inverse_radius), (ball.center, 1.0 / ball.radius));

@@ -22,12 +22,7 @@ fn room(kind: MaterialKind) -> Scene {
     let faces = [[0, 1, 3, 2], [4, 5, 7, 6], [0, 1, 5, 4], [2, 3, 7, 6], [0, 2, 6, 4], [1, 3, 7, 5]];
     let triangles = faces.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]);
     Scene {
-        camera: Camera {
-            position: Vec3::new(0.1, 0.2, -0.1),
-            look_at: Vec3::new(0.5, 0.1, 0.7),
-            up: Vec3::Y,
-            vertical_fov: 60.0,
-        },
+        camera: camera(Vec3::new(0.1, 0.2, -0.1), Vec3::new(0.5, 0.1, 0.7), 60.0),
         materials: vec![material(MaterialKind::Metal { roughness: 0.0 }), material(kind)],
         spheres: vec![sphere(Vec3::new(0.2, -0.5, 0.4), 0.3, 1)],
         triangles: triangles.map(|corners| triangle(corners.map(corner), 0)).collect(),

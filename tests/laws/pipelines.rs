@@ -64,7 +64,7 @@ fn with(kind: MaterialKind, extra: Extra) -> Scene {
         sky: Sky::Color(Vec3::new(0.5, 0.6, 0.7)),
         ..empty()
     };
-    let lamp = Material { emission: Vec3::new(5.0, 4.0, 3.0), ..material(MaterialKind::Emitter) };
+    let lamp = emitter(Vec3::new(5.0, 4.0, 3.0));
     match extra {
         Extra::None => {}
         Extra::Triangles => scene.triangles.push(triangle(floor, 0)),

@@ -7,7 +7,7 @@ use octray::bvh::LEAF;
 
 /// Thin triangles behind each other, each across all rays.
 fn triangles() -> Scene {
-    let mut scene = Scene { materials: vec![material(MaterialKind::Diffuse)], ..empty() };
+    let mut scene = diffuse();
     for layer in 0..4500 {
         let z = layer as f32 * 2e-4;
         let corners = [Vec3::new(-90.0, -90.0, z), Vec3::new(90.0, -90.0, z), Vec3::new(0.0, 90.0, z)];
@@ -18,7 +18,7 @@ fn triangles() -> Scene {
 
 /// Spheres behind each other, each across all rays.
 fn spheres() -> Scene {
-    let mut scene = Scene { materials: vec![material(MaterialKind::Diffuse)], ..empty() };
+    let mut scene = diffuse();
     let layers = (0..700).map(|layer| sphere(Vec3::Z * (20.0 + layer as f32 * 2e-3), 20.0, 0));
     scene.spheres.extend(layers);
     scene

@@ -93,7 +93,7 @@ fn mixed(rng: &mut Rng, spheres: usize, triangles: usize) -> Scene {
         triangle([(); 3].map(|()| (center + rng.in_cube()).as_vec3()), 0)
     });
     let triangles = corners.collect();
-    Scene { materials: vec![material(MaterialKind::Diffuse)], spheres, triangles, ..empty() }
+    Scene { spheres, triangles, ..diffuse() }
 }
 
 /// Unit directions from in and around the cube, towards it.

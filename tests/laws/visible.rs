@@ -31,10 +31,9 @@ fn scene(seed: u32, camera: Camera) -> Scene {
     };
     Scene {
         camera,
-        materials: vec![material(MaterialKind::Diffuse)],
         spheres: (0..60).map(ball).collect(),
         triangles: (0..60).map(triangle).collect(),
-        ..empty()
+        ..diffuse()
     }
 }
 
@@ -174,13 +173,8 @@ fn visible_keeps_what_edge_rays_of_a_wide_view_hit() {
 /// primitive: a tile that sees only what is there would lose them.
 #[test]
 fn visible_is_not_used_where_equations_stray_from_their_primitives() {
-    let camera = Camera { position: Vec3::Z * 2e4, look_at: Vec3::ZERO, up: Vec3::Y, vertical_fov: 0.1 };
-    let scene = Scene {
-        camera,
-        materials: vec![material(MaterialKind::Diffuse)],
-        spheres: vec![sphere(Vec3::new(0.2, 0.1, 0.0), 1.0, 0)],
-        ..empty()
-    };
+    let camera = camera(Vec3::Z * 2e4, Vec3::ZERO, 0.1);
+    let scene = Scene { camera, spheres: vec![sphere(Vec3::new(0.2, 0.1, 0.0), 1.0, 0)], ..diffuse() };
     let hits = |sphere, tile_size| {
         let methods = Methods { sphere, ..Methods::default() };
         let settings = Settings { resolution: [32, 32], methods, tile_size, ..Settings::of(&scene) };
@@ -199,7 +193,7 @@ fn visible_is_not_used_where_equations_stray_from_their_primitives() {
 
 #[test]
 fn visible_keeps_what_the_camera_stands_in_and_drops_what_is_behind() {
-    let camera = Camera { position: Vec3::ZERO, look_at: Vec3::NEG_Z, up: Vec3::Y, vertical_fov: 40.0 };
+    let camera = camera(Vec3::ZERO, Vec3::NEG_Z, 40.0);
     let mut scene = scene(1, camera);
     let ball = |z: f32, radius: f32| sphere(Vec3::Z * z, radius, 0);
     scene.spheres = vec![ball(0.0, 100.0), ball(5.0, 1.0), ball(-5.0, 1.0), ball(5.0, 6.0)];

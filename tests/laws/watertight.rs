@@ -96,7 +96,7 @@ fn meshes() -> Vec<Mesh> {
 impl Mesh {
     fn scene(&self) -> Scene {
         let triangles = self.triangles.iter().chain(&self.outside).map(|&corners| triangle(corners, 0));
-        Scene { materials: vec![material(MaterialKind::Diffuse)], triangles: triangles.collect(), ..empty() }
+        Scene { triangles: triangles.collect(), ..diffuse() }
     }
 
     /// A point inside, near this triangle where the mesh is no star.

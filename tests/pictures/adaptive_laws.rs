@@ -161,9 +161,9 @@ fn black_blocks_end_but_look_for_light_first() {
 
 /// A bright speck, far smaller than a pixel, under a calm sky.
 fn speck() -> Scene {
-    let lamp = Material { emission: Vec3::splat(3_000.0), ..material(MaterialKind::Emitter) };
+    let lamp = lamp(3_000.0);
     Scene {
-        camera: Camera { position: Vec3::Z * 5.0, look_at: Vec3::ZERO, up: Vec3::Y, vertical_fov: 40.0 },
+        camera: camera(Vec3::Z * 5.0, Vec3::ZERO, 40.0),
         materials: vec![lamp],
         spheres: vec![sphere(Vec3::ZERO, 0.005, 0)],
         ..empty()

@@ -45,7 +45,7 @@ fn balls(kind: MaterialKind) -> [Scene; 4] {
 /// Under a dim sky, between a round lamp and one of a triangle that is half below the ball's horizon, over a
 /// floor that throws light back.
 fn lit(mut scene: Scene) -> Scene {
-    let lamp = |radiance: Vec3| Material { emission: radiance, ..material(MaterialKind::Emitter) };
+    let lamp = |radiance: Vec3| emitter(radiance);
     let first = scene.materials.len() as u32;
     scene.materials.extend([
         lamp(Vec3::new(9.0, 6.0, 3.0)),

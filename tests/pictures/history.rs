@@ -51,10 +51,9 @@ fn scene() -> Scene {
     let wall = [Vec3::new(-60.0, -20.0, -4.0), Vec3::new(60.0, -20.0, -4.0), Vec3::new(0.0, 4.0, -4.0)];
     Scene {
         sky: Sky::Gradient { bottom: Vec3::ONE, top: Vec3::new(0.2, 0.4, 1.0) },
-        materials: vec![material(MaterialKind::Diffuse)],
         spheres: vec![sphere(Vec3::ZERO, 1.0, 0)],
         triangles: vec![Triangle { vertices: wall, material: 0 }],
-        ..empty()
+        ..diffuse()
     }
 }
 
@@ -118,7 +117,7 @@ fn history_follows_points_and_not_pixels() {
     let mut window = Window::new(scene());
     let paint = |window: &Window| {
         let (guides, camera) = (&window.guides, window.renderer.camera());
-        let pixels = (0..SIZE[1]).flat_map(|y| (0..SIZE[0]).map(move |x| (x, y))).map(|(x, y)| {
+        let pixels = places(SIZE).map(|(x, y)| {
             let ray = camera.rays(x as f32 + 0.5, y as f32 + 0.5);
             let guide = guides.pixel(x, y);
             let (ball, sky) = (guide.object == 0, guide.distance.is_infinite());
@@ -183,7 +182,7 @@ fn history_ends_at_other_objects_normals_and_planes() {
 /// along.
 #[test]
 fn nothing_of_a_lamp_stays_in_the_sky_behind_it() {
-    let lamp = Material { emission: Vec3::splat(40.0), ..material(MaterialKind::Emitter) };
+    let lamp = lamp(40.0);
     let mut history = History::new();
     let mut window = Window::new(Scene {
         sky: Sky::Color(Vec3::splat(0.25)),

@@ -7,12 +7,7 @@ use crate::common::*;
 fn balls(kind: MaterialKind) -> Scene {
     let floor = [Vec3::new(-30.0, -1.0, 30.0), Vec3::new(30.0, -1.0, 30.0), Vec3::new(0.0, -1.0, -60.0)];
     Scene {
-        camera: Camera {
-            position: Vec3::new(0.5, 1.0, 6.0),
-            look_at: Vec3::ZERO,
-            up: Vec3::Y,
-            vertical_fov: 40.0,
-        },
+        camera: camera(Vec3::new(0.5, 1.0, 6.0), Vec3::ZERO, 40.0),
         sky: Sky::Gradient { bottom: Vec3::new(0.1, 0.3, 0.2), top: Vec3::new(1.0, 0.8, 0.6) },
         max_bounces: 6,
         materials: vec![

@@ -14,12 +14,7 @@ fn board(filter: Filter) -> Texture {
 fn plain(filter: Filter, height: f32) -> Scene {
     let corners = [Vec3::new(-1e3, 0.0, 1e3), Vec3::new(1e3, 0.0, 1e3), Vec3::new(0.0, 0.0, -1e3)];
     Scene {
-        camera: Camera {
-            position: Vec3::Y * height,
-            look_at: Vec3::new(0.0, 0.0, -4.0 * height),
-            up: Vec3::Y,
-            vertical_fov: 40.0,
-        },
+        camera: camera(Vec3::Y * height, Vec3::new(0.0, 0.0, -4.0 * height), 40.0),
         sky: Sky::Color(Vec3::ZERO),
         materials: vec![Material {
             texture: Some(0),

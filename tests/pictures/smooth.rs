@@ -53,7 +53,7 @@ fn nothing_leaves_below_the_surface() {
     for (kind, _) in KINDS.into_iter().filter(|(kind, _)| !matches!(kind, MaterialKind::Glass { .. })) {
         let dark = furnace(kind);
         let mut lit = dark.clone();
-        lit.materials.push(Material { emission: Vec3::splat(1e6), ..material(MaterialKind::Emitter) });
+        lit.materials.push(lamp(1e6));
         lit.spheres.push(sphere(Vec3::ZERO, 0.7, 1));
         let [dark, lit] = [dark, lit].map(|scene| {
             let methods = Methods { lights: LightChoice::Off, ..Methods::default() };
@@ -71,7 +71,7 @@ fn terminator_of_a_smooth_ball_is_that_of_a_sphere() {
     let lit = |scene: Scene| {
         let mut scene = Scene { sky: Sky::Color(Vec3::ZERO), ..scene };
         scene.materials[0].color = Vec3::ONE;
-        scene.materials.push(Material { emission: Vec3::splat(2000.0), ..material(MaterialKind::Emitter) });
+        scene.materials.push(lamp(2000.0));
         scene.spheres.push(sphere(Vec3::new(30.0, 8.0, 2.0), 1.0, 1));
         scene
     };

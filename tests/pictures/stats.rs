@@ -14,11 +14,7 @@ use octray::traverse::rays::{Hits, Rays};
 fn two_triangles() -> Scene {
     let around =
         |x: f32| [Vec3::new(x - 1.0, -1.0, 0.0), Vec3::new(x + 1.0, -1.0, 0.0), Vec3::new(x, 1.0, 0.0)];
-    Scene {
-        materials: vec![material(MaterialKind::Diffuse)],
-        triangles: [-3.0, 3.0].map(|x| triangle(around(x), 0)).to_vec(),
-        ..empty()
-    }
+    Scene { triangles: [-3.0, 3.0].map(|x| triangle(around(x), 0)).to_vec(), ..diffuse() }
 }
 
 /// What is counted for rays that start at (x, 0, 5) and run almost along −z, and how many of them hit
@@ -59,8 +55,7 @@ fn counted_in_tile(squares: usize, traversal: Traversal) -> Tests {
         [triangle([a, b, c], 0), triangle([a, c, d], 0)]
     };
     let squares = (0..squares).flat_map(|y| (0..squares).flat_map(move |x| square(x, y)));
-    let scene =
-        Scene { materials: vec![material(MaterialKind::Diffuse)], triangles: squares.collect(), ..empty() };
+    let scene = Scene { triangles: squares.collect(), ..diffuse() };
     let hierarchy = Hierarchy::new(&scene, Trees::Wide);
     // Blocks of 4×4 rays, as in tiles of primary rays.
     let (mut x, mut y) = (Vec::new(), Vec::new());
@@ -114,7 +109,7 @@ fn tests_of_two_triangles_are_those_counted_by_hand() {
 
 /// Small triangles where the rays of [`counted`] go at z = 0 and below.
 fn small_ones(across: usize, layers: usize) -> Scene {
-    let mut scene = Scene { materials: vec![material(MaterialKind::Diffuse)], ..empty() };
+    let mut scene = diffuse();
     for (i, layer) in (0..across).flat_map(|i| (0..layers).map(move |layer| (i, layer))) {
         let (x, z) = (1.3 * i as f32 / across as f32, -0.01 * layer as f32);
         let corner = |x: f32, y: f32| Vec3::new(x, y, z);
@@ -153,7 +148,7 @@ fn packets_leave_out_what_is_behind_a_wall() {
 fn tests_of_a_leaf_are_its_primitives_and_no_empty_lane() {
     // Three spheres so near each other that nothing divides them.
     let spheres: Vec<_> = [0.0, 0.01, 0.02].map(|x| sphere(Vec3::new(x, 0.0, 0.0), 1.0, 0)).into();
-    let scene = Scene { materials: vec![material(MaterialKind::Diffuse)], spheres, ..empty() };
+    let scene = Scene { spheres, ..diffuse() };
     let boxes = |traversal, starts: &[f32]| counted::<false>(&scene, traversal, starts).0;
     let none = tests(0, 0);
     for traversal in [Traversal::Single, Traversal::Stream] {
@@ -169,7 +164,7 @@ fn tests_of_a_leaf_are_its_primitives_and_no_empty_lane() {
 /// Big triangles across the way of the rays of [`counted`], or big spheres around their start. Every ray hits
 /// all of them and starts in all their boxes: nothing but an end at the first hit spares a test.
 fn all_in_the_way(count: usize, triangles: bool) -> Scene {
-    let mut scene = Scene { materials: vec![material(MaterialKind::Diffuse)], ..empty() };
+    let mut scene = diffuse();
     for i in 0..count {
         let share = i as f32 / count as f32;
         if triangles {

@@ -113,7 +113,7 @@ fn materials_show_in_guides() {
         let mut scene = load("builtin:three").unwrap();
         scene.materials.iter_mut().for_each(|material| material.kind = kind);
         let guides = guides_of(&Renderer::new(&scene, settings(&scene)));
-        let pixels = (0..SIZE[1]).flat_map(|y| (0..SIZE[0]).map(move |x| (x, y)));
+        let pixels = places(SIZE);
         for guide in pixels.map(|(x, y)| guides.pixel(x, y)).filter(|guide| guide.object != MISS) {
             assert_eq!(guide.lobe, lobe, "{kind:?}");
         }
@@ -181,7 +181,7 @@ fn pixels_of_one_tile_cost_the_same_where_there_is_no_hierarchy() {
     renderer.costs_into(&mut costs);
     let at = |x: u32, y: u32| costs.pixels[(y * SIZE[0] + x) as usize];
     let [across, down] = Settings::TILE_SIZE;
-    for (x, y) in (0..SIZE[1]).flat_map(|y| (0..SIZE[0]).map(move |x| (x, y))) {
+    for (x, y) in places(SIZE) {
         assert_eq!(at(x, y), at(x - x % across, y - y % down), "{x} {y}");
     }
     assert!(costs.pixels.iter().any(|cost| *cost != at(0, 0)), "tiles differ");

@@ -69,7 +69,7 @@ fn reads_right(scene: &Scene, eye_distance: f32) -> bool {
     let answers = [0.3, 1.7, 2.9, 4.4, 5.8].map(|angle: f32| {
         let away = Vec3::new(angle.cos(), 0.0, angle.sin());
         let position = away * eye_distance;
-        let camera = Camera { position, look_at: position - away, up: Vec3::Y, vertical_fov: 0.3 };
+        let camera = camera(position, position - away, 0.3);
         let row = row(&Scene { camera, ..scene.clone() });
         // From one pixel to the next by less than half the picture, over the seam too.
         let steps = row.windows(2).map(|pair| {

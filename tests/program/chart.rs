@@ -1,12 +1,13 @@
 //! `octray chart`: its files, its JSON, its truth kept for the next run.
 
 use crate::desk::{Desk, SCENE, list, number};
+use crate::report_page;
 use serde_json::{Value, json};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// A frame of 48×27, and pictures of 16×9. Half a second is what the truth and the least of all else take
 /// here.
-const SMALL: &str = "chart scene.json -o new/charts --budget 0.5 --size 48x27";
+pub const SMALL: &str = "chart scene.json -o new/charts --budget 0.5 --size 48x27";
 
 #[test]
 fn chart_writes_a_page_drawings_tables_and_json_that_agree() {
@@ -36,6 +37,8 @@ fn chart_writes_a_page_drawings_tables_and_json_that_agree() {
     }
 
     let read = |name: &str| desk.text(&format!("new/charts/{name}"));
+    let page = read("report.html");
+    report_page::assert_stands_alone(&page, &report, desk.path("scene.json").to_str().unwrap());
     let kept: Value = serde_json::from_str(&read("chart.json")).unwrap();
     assert_eq!(kept, report, "the file and what is printed");
     let table = read("pictures.csv");
@@ -67,7 +70,6 @@ fn chart_writes_a_page_drawings_tables_and_json_that_agree() {
         }
         assert_eq!(empty, BTreeSet::new(), "{name}: every column has cells");
     }
-    let page = read("report.html");
     for name in [
         "scene-json-pictures",
         "scene-json-pictures-flip",

@@ -3,7 +3,7 @@
 use crate::openexr;
 use crate::program::octray;
 use assert_cmd::Command;
-use serde_json::Value;
+use serde_json::{Value, json};
 use std::fs;
 use std::path::PathBuf;
 use tempfile::TempDir;
@@ -150,6 +150,22 @@ impl Desk {
         );
         let paper = image::RgbImage::from_fn(2, 2, |x, y| image::Rgb([255, 100 * x as u8, 100 * y as u8]));
         paper.save(self.path("models/paper.png")).unwrap();
+    }
+
+    /// A white room that shines, and so many balls in it: every path has as many bounces as it may.
+    pub fn put_endless_paths(&self, balls: usize) {
+        let ball = |i: usize| {
+            let [x, y, z] = [i % 16, i / 16 % 16, i / 256].map(|step| 0.1 * step as f64 - 0.7);
+            json!({ "center": [x, y, z], "radius": 0.01, "material": "white" })
+        };
+        let room = json!({ "center": [0, 0, 0], "radius": 4, "material": "white" });
+        let scene = json!({
+            "format": "octray-1",
+            "camera": { "position": [0, 0, 3], "look_at": [0, 0, 0], "up": [0, 1, 0], "vertical_fov": 40 },
+            "materials": { "white": { "type": "diffuse", "color": [1, 1, 1], "emission": [1, 1, 1] } },
+            "spheres": (0..balls).map(ball).chain([room]).collect::<Vec<_>>(),
+        });
+        self.write("endless.json", &scene.to_string());
     }
 
     /// Renders a scene to a few pixels, which are not all black.

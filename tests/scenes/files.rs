@@ -338,11 +338,16 @@ fn builtin_scenes_equal_their_files_in_the_project() {
         let inside = load(&format!("builtin:{name}")).unwrap();
         let path = folder.join(format!("{name}.json"));
         let outside = load(path.to_str().unwrap()).unwrap_or_else(|error| panic!("{error}"));
-        assert_eq!(inside.spheres, outside.spheres);
-        assert_eq!(inside.triangles, outside.triangles);
-        assert_eq!(inside.textures, outside.textures);
-        assert_eq!(inside.materials, outside.materials);
+        let rest = |scene: &Scene| (scene.camera, scene.resolution, scene.max_bounces, scene.sky);
+        assert_eq!(rest(&inside), rest(&outside), "{name}");
+        assert_eq!((inside.spheres, inside.triangles), (outside.spheres, outside.triangles), "{name}");
+        assert_eq!((inside.uvs, inside.normals), (outside.uvs, outside.normals), "{name}");
+        assert_eq!((inside.textures, inside.materials), (outside.textures, outside.materials), "{name}");
+        assert_eq!(inside.warnings, outside.warnings, "{name}");
     }
+    let files = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    let scenes = files.filter(|path| path.extension().is_some_and(|end| end == "json"));
+    assert_eq!(scenes.count(), builtin_names().count(), "every file is a scene inside the program");
 }
 
 #[test]

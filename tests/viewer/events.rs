@@ -142,7 +142,7 @@ fn a_file_that_changes_while_it_is_read_for_the_first_time_is_read_again() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("scene.json");
     fs::write(&file, scene("model")).unwrap();
-    fs::write(folder.path().join("model.obj"), model(400_000)).unwrap();
+    fs::write(folder.path().join("model.obj"), model(150_000)).unwrap();
     let options = options([16, 9], 1, folder.path());
     let mut seat = Seat::start(options, &["builtin:three", file.to_str().unwrap()]);
     seat.wait("a frame", |_| true);

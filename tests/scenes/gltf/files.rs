@@ -215,7 +215,7 @@ fn changed_bytes_never_cause_a_panic() {
     let content = glb(&json, &binary);
     let folder = TempDir::new().unwrap();
     let mut rng = Rng(11);
-    for (round, extension) in (0..1200).zip(["glb", "glb", "glb", "gltf"].iter().cycle()) {
+    for (round, extension) in (0..500).zip(["glb", "glb", "glb", "gltf"].iter().cycle()) {
         let path = folder.path().join(format!("m.{extension}"));
         let mut changed = if *extension == "glb" { content.clone() } else { json.to_string().into_bytes() };
         for _ in 0..1 + round % 3 {

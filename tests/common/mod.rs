@@ -44,6 +44,10 @@ pub fn empty() -> Scene {
     }
 }
 
+pub fn has_area([a, b, c]: [Vec3; 3]) -> bool {
+    (b - a).cross(c - a).length() > 0.0
+}
+
 /// Nothing but a white diffuse material.
 pub fn diffuse() -> Scene {
     Scene { materials: vec![material(MaterialKind::Diffuse)], ..empty() }
@@ -53,6 +57,20 @@ pub fn diffuse() -> Scene {
 pub fn camera(position: Vec3, look_at: Vec3, vertical_fov: f32) -> Camera {
     Camera { position, look_at, up: Vec3::Y, vertical_fov }
 }
+
+/// Every kind of material that scatters, rough and smooth.
+pub const KINDS: [MaterialKind; 10] = [
+    MaterialKind::Diffuse,
+    MaterialKind::Metal { roughness: 0.0 },
+    MaterialKind::Metal { roughness: 0.5 },
+    MaterialKind::Glass { ior: 1.5 },
+    MaterialKind::Glass { ior: 0.7 },
+    MaterialKind::Scatter { roughness: 0.8 },
+    MaterialKind::Plastic { roughness: 0.0, ior: 1.5 },
+    MaterialKind::Plastic { roughness: 0.4, ior: 1.8 },
+    MaterialKind::MetalRough { roughness: 0.0, metallic: 0.3, ior: 1.5 },
+    MaterialKind::MetalRough { roughness: 0.6, metallic: 0.5, ior: 1.3 },
+];
 
 pub fn material(kind: MaterialKind) -> Material {
     Material::new("m", kind, Vec3::ONE)
@@ -104,6 +122,12 @@ pub fn film(scene: &Scene, settings: Settings, samples: u32) -> Film {
 /// Its picture.
 pub fn render(scene: &Scene, settings: Settings, samples: u32) -> Picture {
     film(scene, settings, samples).picture()
+}
+
+/// What the judge is told to render the same.
+pub fn path_settings(settings: Settings) -> PathSettings {
+    let Settings { resolution, max_bounces, seed, methods, .. } = settings;
+    PathSettings { resolution, max_bounces, seed, sampler: methods.sampler }
 }
 
 pub fn bits(picture: &Picture) -> Vec<[u32; 3]> {

@@ -35,31 +35,24 @@ fn every_traversal_equals_testing_every_primitive() {
         let mut set = Set::default();
         let corners: Vec<Vec3> = scene.triangles.iter().flat_map(|triangle| triangle.vertices).collect();
         for i in 0..6000 {
-            let number = |rng: &mut Rng| (8.0 * rng.unit() - 4.0) as f32;
-            let mut origin = Vec3::new(number(&mut rng), number(&mut rng), number(&mut rng)) * 1.5 + offset;
+            let mut origin = rng.in_cube().as_vec3() * 6.0 + offset;
             // At a corner, towards a corner, in the plane of a box's face.
             let corner = corners.get((rng.unit() * corners.len() as f64) as usize).copied();
-            if let Some(corner) = corner {
-                match i % 8 {
-                    0 => origin = corner,
-                    1 => origin.x = corner.x,
-                    _ => {}
-                }
+            match (i % 8, corner) {
+                (0, Some(corner)) => origin = corner,
+                (1, Some(corner)) => origin.x = corner.x,
+                _ => {}
             }
-            let direction = match i % 3 {
-                0 => awkward(&mut rng),
-                1 => corner.map_or(rng.direction().as_vec3(), |corner| {
-                    (corner - origin).try_normalize().unwrap_or(Vec3::X)
-                }),
+            let direction = match (i % 3, corner) {
+                (0, _) => awkward(&mut rng),
+                (1, Some(corner)) => (corner - origin).normalize_or(Vec3::X),
                 _ => rng.direction().as_vec3(),
             };
             let t_max = if i % 5 == 0 { (4.0 * rng.unit()) as f32 } else { f32::INFINITY };
             set.push(origin, direction, t_max);
         }
-        hits += set.check(
-            &scene,
-            &format!("{triangles} triangles, {spheres} spheres, {scales} decades at {offset}"),
-        );
+        let what = format!("{triangles} triangles, {spheres} spheres, {scales} decades at {offset}");
+        hits += set.check(&scene, &what);
     }
     assert!(hits > 3_000, "only {hits} rays hit anything");
 }
@@ -147,12 +140,8 @@ fn ways_that_are_measured_agree_and_a_hit_at_the_reach_is_none() {
     let nearest = traced(&set, TraceMethod::Linear);
     assert!(nearest.count() > 200, "{}", nearest.count());
     // The hit itself, the number behind it, somewhere, and NaN, which spoils no other ray of a packet.
-    set.t_max = nearest
-        .t
-        .iter()
-        .enumerate()
-        .map(|(i, &t)| [t, t.next_up(), 8.0 * rng.unit() as f32, f32::NAN][i % 4])
-        .collect();
+    let mut end = |(i, &t): (usize, &f32)| [t, t.next_up(), 8.0 * rng.unit() as f32, f32::NAN][i % 4];
+    set.t_max = nearest.t.iter().enumerate().map(&mut end).collect();
     let expected = traced(&set, TraceMethod::Linear);
     for (at, (&t_max, &t)) in set.t_max.iter().zip(&nearest.t).enumerate() {
         assert_eq!(expected.primitive[at] != MISS, t < t_max, "ray {at}: {t} within {t_max}");
@@ -177,11 +166,11 @@ fn without_padding_hits_are_lost_at_corners() {
     for _ in 0..20_000 {
         let target = corners[rng.index(corners.len())];
         let origin = target + rng.in_cube().as_vec3() * 8.0;
-        set.push(origin, (target - origin).try_normalize().unwrap_or(Vec3::X), f32::INFINITY);
+        set.push(origin, (target - origin).normalize_or(Vec3::X), f32::INFINITY);
     }
     let mut hierarchy = Hierarchy::new(&scene, Trees::WideAndBinary);
     let found = |hierarchy: &Hierarchy| {
-        let answers = set.through::<false>(hierarchy, octray::traverse::batch::Traversal::Hybrid);
+        let answers = set.through::<false>(hierarchy, Traversal::Hybrid);
         answers.iter().filter(|answer| answer[1] != MISS).count()
     };
     let padded = found(&hierarchy);

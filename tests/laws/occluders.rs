@@ -25,12 +25,12 @@ fn room(rng: &mut Rng) -> Scene {
     let corner = rng.in_cube() * rng.scale(0.1, 10.0);
     let [x, y, z] = [axes.x_axis, axes.y_axis * rng.scale(0.5, 2.0), axes.z_axis];
     let mut scene = dark();
+    let zero = DVec3::ZERO;
     for (from, edges) in
-        [(corner, [x, y]), (corner, [y, z]), (corner, [z, x]), (corner + z, [x, y]), (corner + x, [y, z])]
+        [(zero, [x, y]), (zero, [y, z]), (zero, [z, x]), (z, [x, y]), (x, [y, z]), (y, [z, x])]
     {
-        scene.triangles.extend(quad(from, edges, DIFFUSE));
+        scene.triangles.extend(quad(corner + from, edges, DIFFUSE));
     }
-    scene.triangles.extend(quad(corner + y, [z, x], DIFFUSE));
     let height = [1.0, 0.999, 0.7][rng.index(3)];
     scene.triangles.extend(quad(corner + x * 0.4 + z * 0.4 + y * height, [x * 0.2, z * 0.2], LAMP));
     for _ in 0..rng.index(3) {
@@ -52,9 +52,8 @@ fn point(rng: &mut Rng, scene: &Scene, number: usize) -> DVec3 {
         Some(ball) => ball.center.as_dvec3() + rng.direction() * f64::from(ball.radius),
         None => {
             let [a, b, c] = scene.triangles[number - scene.spheres.len()].vertices.map(|v| v.as_dvec3());
-            let (u, v) = (rng.unit(), rng.unit());
-            let (u, v) = if u + v > 1.0 { (1.0 - u, 1.0 - v) } else { (u, v) };
-            a + (b - a) * u + (c - a) * v
+            let [u, v, w] = rng.barycentrics();
+            a * u + b * v + c * w
         }
     }
 }
@@ -204,7 +203,7 @@ fn every_traversal_leaves_out_the_same() {
     for scene in rooms.chain([cornell, below]) {
         let film = |traversal, lanes| {
             let methods = Methods { traversal, lights: LightChoice::On, ..Methods::default() };
-            let settings = Settings { resolution: [96, 64], lanes, methods, ..Settings::of(&scene) };
+            let settings = Settings { resolution: [48, 32], lanes, methods, ..Settings::of(&scene) };
             render(&scene, settings, 8).pixels
         };
         let linear = film(TraversalChoice::Linear, 8);

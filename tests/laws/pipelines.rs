@@ -3,19 +3,6 @@
 
 use crate::common::*;
 
-const KINDS: [MaterialKind; 10] = [
-    MaterialKind::Diffuse,
-    MaterialKind::Metal { roughness: 0.0 },
-    MaterialKind::Metal { roughness: 0.4 },
-    MaterialKind::Glass { ior: 1.5 },
-    MaterialKind::Scatter { roughness: 0.5 },
-    MaterialKind::Plastic { roughness: 0.0, ior: 1.5 },
-    MaterialKind::Plastic { roughness: 0.5, ior: 1.6 },
-    MaterialKind::MetalRough { roughness: 0.0, metallic: 0.5, ior: 1.5 },
-    MaterialKind::MetalRough { roughness: 0.5, metallic: 0.3, ior: 1.5 },
-    MaterialKind::Emitter,
-];
-
 /// What a scene has besides one thing of one material, one at a time.
 #[derive(Clone, Copy, Debug)]
 enum Extra {
@@ -56,7 +43,7 @@ const EXTRAS: [Extra; 17] = [
 
 fn with(kind: MaterialKind, extra: Extra) -> Scene {
     let mut rng = Rng(91);
-    let floor = [Vec3::new(-9.0, -1.0, -9.0), Vec3::new(0.0, -1.0, 18.0), Vec3::new(9.0, -1.0, -9.0)];
+    let floor = ground(9.0, -1.0);
     let mut scene = Scene {
         camera: Camera { position: Vec3::new(0.3, 0.4, 4.0), ..empty().camera },
         materials: vec![Material { color: Vec3::new(0.9, 0.8, 0.7), ..material(kind) }],
@@ -115,22 +102,17 @@ fn with(kind: MaterialKind, extra: Extra) -> Scene {
     scene
 }
 
-fn render(scene: &Scene, settings: Settings) -> Picture {
-    crate::common::render(scene, settings, 2)
-}
-
 #[test]
 fn every_feature_alone_gives_the_bits_of_all_features_together() {
-    for kind in KINDS {
-        for extra in EXTRAS {
-            for lights in [LightChoice::On, LightChoice::Off] {
-                let scene = with(kind, extra);
-                let methods = Methods { lights, ..Methods::default() };
-                let needed =
-                    Settings { methods, resolution: [24, 16], max_bounces: 3, ..Settings::of(&scene) };
-                let general = Settings { pipeline: PipelineChoice::General, ..needed };
-                assert!(render(&scene, needed) == render(&scene, general), "{kind:?}, {extra:?}, {lights:?}");
-            }
+    let lights = [LightChoice::On, LightChoice::Off];
+    for kind in KINDS.into_iter().chain([MaterialKind::Emitter]) {
+        for (extra, lights) in EXTRAS.into_iter().flat_map(|extra| lights.map(|lights| (extra, lights))) {
+            let scene = with(kind, extra);
+            let methods = Methods { lights, ..Methods::default() };
+            let needed = Settings { methods, resolution: [24, 16], max_bounces: 3, ..Settings::of(&scene) };
+            let general = Settings { pipeline: PipelineChoice::General, ..needed };
+            let [needed, general] = [needed, general].map(|settings| render(&scene, settings, 2));
+            assert!(needed == general, "{kind:?}, {extra:?}, {lights:?}");
         }
     }
 }

@@ -6,15 +6,6 @@ use octray::camera::Pinhole;
 use octray::sampling::random::mix_bits;
 use octray::traverse::PrimitiveList;
 
-/// Tiles cull where every primitive is tested.
-const LINEAR: Methods = Methods {
-    sphere: SphereChoice::Robust,
-    triangle: octray::traverse::TriangleChoice::Woop,
-    traversal: TraversalChoice::Linear,
-    lights: octray::buffers::LightChoice::Auto,
-    sampler: octray::sampling::Sampler::Sobol,
-};
-
 const RESOLUTION: [u32; 2] = [64, 48];
 const TILE: u32 = 8;
 
@@ -58,7 +49,7 @@ fn visible_gives_the_hits_of_testing_everything_bit_for_bit() {
         let camera =
             Camera { position, look_at: position + towards, up: Vec3::new(0.1, 1.0, 0.2), vertical_fov };
         let scene = scene(seed, camera);
-        let list = List::new(&scene, LINEAR);
+        let list = List::new(&scene, Methods::default());
         let camera = Pinhole::new(&scene.camera, RESOLUTION);
         for (y, x) in
             (0..RESOLUTION[1]).step_by(8).flat_map(|y| (0..RESOLUTION[0]).step_by(8).map(move |x| (y, x)))
@@ -116,16 +107,15 @@ fn edges_are_kept(view: Camera, resolution: [u32; 2], corner: [u32; 2]) -> [usiz
         for pair in edge.windows(4) {
             let [a, b] = [point(&pair[0]), point(&pair[3])];
             let outwards = (a + b - 2.0 * point(&middle)).normalize();
-            let triangle = Triangle { vertices: [a, b, a + outwards], material: 0 };
             if (b - a).cross(outwards).length() > 0.0 {
-                beside.triangles.push(triangle);
+                beside.triangles.push(triangle([a, b, a + outwards], 0));
             }
         }
     }
     let rays = Set::of(&edges.into_iter().flatten().collect::<Vec<Ray<f32>>>());
     [specks, beside].map(|scene| {
         let visible = PrimitiveList::of(&scene, &camera.view_frustum(corner, [TILE, TILE]));
-        let list = List::new(&scene, LINEAR);
+        let list = List::new(&scene, Methods::default());
         let trace = |visible: Option<&PrimitiveList>| rays.nearest::<f32>(&list, visible);
         let everything = trace(None);
         assert_eq!(trace(Some(&visible)), everything, "{view:?}, tile at {corner:?}");

@@ -5,12 +5,12 @@
 //! with the same random numbers, so pictures are compared in pairs of pixels: the difference has far less
 //! noise than either picture.
 
+use crate::common::statistics::mean_and_error;
 use crate::common::*;
 use octray::integrate::pipeline_for;
 
 /// Two balls over a floor, all of one material: paths go back and forth between them.
 fn room(kind: MaterialKind) -> Scene {
-    let floor = [Vec3::new(-30.0, -1.5, -30.0), Vec3::new(0.0, -1.5, 40.0), Vec3::new(30.0, -1.5, -30.0)];
     // A single sheet of glass leads into glass without end, so there is no floor of it.
     let is_glass = matches!(kind, MaterialKind::Glass { .. });
     Scene {
@@ -18,13 +18,17 @@ fn room(kind: MaterialKind) -> Scene {
         resolution: [48, 32],
         materials: vec![material(kind)],
         spheres: vec![sphere(Vec3::new(-0.9, 0.0, 0.0), 1.0, 0), sphere(Vec3::new(1.1, -0.2, 0.4), 0.9, 0)],
-        triangles: if is_glass { vec![] } else { vec![triangle(floor, 0)] },
+        triangles: if is_glass { vec![] } else { vec![triangle(ground(30.0, -1.5), 0)] },
         ..empty()
     }
 }
 
+fn settings(scene: &Scene, max_bounces: u32, lanes: usize) -> Settings {
+    Settings { max_bounces, lanes, seed: 9, ..Settings::of(scene) }
+}
+
 fn render(scene: &Scene, max_bounces: u32, samples: u32, lanes: usize) -> Picture {
-    crate::common::render(scene, Settings { max_bounces, lanes, seed: 9, ..Settings::of(scene) }, samples)
+    crate::common::render(scene, settings(scene, max_bounces, lanes), samples)
 }
 
 fn channels(picture: &Picture) -> impl Iterator<Item = f32> {
@@ -65,37 +69,32 @@ fn absorbing_materials_never_exceed_white() {
         for kind in [MaterialKind::Metal { roughness }, MaterialKind::Scatter { roughness: 2.0 * roughness }]
         {
             let picture = render(&room(kind), UNBOUNDED, SAMPLES, 8);
-            let (mut sum, mut count) = (0.0, 0.0);
-            for x in channels(&picture) {
-                // Each weight is at most 1 up to its own rounding.
-                assert!((0.0..=1.0 + 1e-5).contains(&x), "{kind:?}: {x}");
-                sum += f64::from(x);
-                count += 1.0;
-            }
-            assert!((0.3..1.0).contains(&(sum / count)), "{kind:?} keeps {:.3} of the light", sum / count);
+            // Each weight is at most 1 up to its own rounding.
+            let most = channels(&picture).fold(0.0, f32::max);
+            assert!(channels(&picture).all(|x| (0.0..=1.0 + 1e-5).contains(&x)), "{kind:?}: {most}");
+            let kept = mean(&picture);
+            assert!((0.3..1.0).contains(&kept), "{kind:?} keeps {kept:.3} of the light");
         }
     }
 }
 
 #[test]
 fn emission_adds_to_what_is_scattered() {
-    let shining = |kind| Material { emission: Vec3::new(0.5, 0.25, 2.0), ..material(kind) };
-    let scene = |kind, sky| Scene {
-        materials: vec![shining(kind)],
-        spheres: vec![sphere(Vec3::ZERO, 3.0, 0)],
-        sky: Sky::Color(sky),
-        ..empty()
-    };
     // The ball is convex: a path shines once, goes to the sky, and adds 1. It fills the middle of the
     // picture.
-    let middle = |picture: Picture| picture.pixels[8 * 24 + 12];
-    assert_eq!(middle(render(&scene(MaterialKind::Diffuse, Vec3::ONE), 4, SAMPLES, 8)), [1.5, 1.25, 3.0]);
-    assert_eq!(middle(render(&scene(MaterialKind::Diffuse, Vec3::ONE), 0, SAMPLES, 8)), [0.5, 0.25, 2.0]);
-    assert_eq!(middle(render(&scene(MaterialKind::Emitter, Vec3::ONE), 4, SAMPLES, 8)), [0.5, 0.25, 2.0]);
-    assert_eq!(
-        middle(render(&scene(MaterialKind::Metal { roughness: 0.0 }, Vec3::ZERO), 4, SAMPLES, 8)),
-        [0.5, 0.25, 2.0]
-    );
+    let middle = |kind, sky, bounces| {
+        let scene = Scene {
+            materials: vec![Material { emission: Vec3::new(0.5, 0.25, 2.0), ..material(kind) }],
+            spheres: vec![sphere(Vec3::ZERO, 3.0, 0)],
+            sky: Sky::Color(sky),
+            ..empty()
+        };
+        render(&scene, bounces, SAMPLES, 8).pixels[8 * 24 + 12]
+    };
+    assert_eq!(middle(MaterialKind::Diffuse, Vec3::ONE, 4), [1.5, 1.25, 3.0]);
+    assert_eq!(middle(MaterialKind::Diffuse, Vec3::ONE, 0), [0.5, 0.25, 2.0]);
+    assert_eq!(middle(MaterialKind::Emitter, Vec3::ONE, 4), [0.5, 0.25, 2.0]);
+    assert_eq!(middle(MaterialKind::Metal { roughness: 0.0 }, Vec3::ZERO, 4), [0.5, 0.25, 2.0]);
 }
 
 /// What a picture and the judge's differ by, over all pixels and channels.
@@ -113,26 +112,20 @@ struct Difference {
 fn difference(scene: &Scene, max_bounces: u32, samples: u32) -> Difference {
     let picture = render(scene, max_bounces, samples, 8);
     let judge = Reference::new(scene);
-    let settings =
-        PathSettings { resolution: scene.resolution, max_bounces, seed: 9, sampler: Default::default() };
+    let settings = path_settings(settings(scene, max_bounces, 8));
     let (mut differences, mut truths) = (Vec::new(), Vec::new());
-    for (index, pixel) in picture.pixels.iter().enumerate() {
-        let (x, y) = (index as u32 % picture.width, index as u32 / picture.width);
+    for (pixel, (x, y)) in picture.pixels.iter().zip(places(scene.resolution)) {
         let truth = judge.pixel(settings, x, y, samples);
         // One number a pixel: its channels are not independent.
         let luminance = |pixel: [f64; 3]| pixel.iter().sum::<f64>() / 3.0;
         differences.push(luminance(pixel.map(f64::from)) - luminance(truth));
         truths.push(luminance(truth));
     }
-    let n = differences.len() as f64;
-    let moments = |values: &[f64]| {
-        let mean = values.iter().sum::<f64>() / n;
-        (mean, (values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (n - 1.0) / n).sqrt())
-    };
-    let (mean, standard_error) = moments(&differences);
+    let (mean, standard_error) = mean_and_error(&differences);
     let strayed =
         differences.iter().zip(&truths).filter(|(d, truth)| d.abs() > 0.01 * truth.max(0.01)).count();
-    Difference { mean, standard_error, noise: moments(&truths).1, strayed: strayed as f64 / n }
+    let strayed = strayed as f64 / differences.len() as f64;
+    Difference { mean, standard_error, noise: mean_and_error(&truths).1, strayed }
 }
 
 /// The means agree within five standard errors of the paired difference, and 1e-6 for the rounding of paths

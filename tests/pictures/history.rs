@@ -60,14 +60,11 @@ fn scene() -> Scene {
 #[test]
 fn project_inverts_rays() {
     let mut rng = Rng::of("history", [1, 0]);
-    let mut number = |range: f64| ((2.0 * rng.unit() - 1.0) * range) as f32;
     for _ in 0..2_000 {
-        let camera = Camera {
-            position: Vec3::new(number(50.0), number(50.0), number(50.0)),
-            look_at: Vec3::new(number(50.0), number(50.0), number(50.0)),
-            up: Vec3::new(0.1, 1.0, -0.2),
-            vertical_fov: 70.0 + number(60.0),
-        };
+        let [position, look_at] = [(); 2].map(|()| rng.in_cube().as_vec3() * 50.0);
+        let mut number = |range: f64| (rng.signed() * range) as f32;
+        let (up, vertical_fov) = (Vec3::new(0.1, 1.0, -0.2), 70.0 + number(60.0));
+        let camera = Camera { position, look_at, up, vertical_fov };
         let pinhole = Pinhole::new(&camera, [4_096, 2_160]);
         let x = F32x8::from_fn(|_| 2_048.0 + number(2_048.0));
         let y = F32x8::from_fn(|_| 1_080.0 + number(1_080.0));
@@ -132,10 +129,8 @@ fn history_follows_points_and_not_pixels() {
         let fresh = paint(&window);
         let shown = window.advance(&mut history, &fresh, 1);
         for (at, (shown, fresh)) in shown.pixels.iter().zip(&fresh.pixels).enumerate() {
-            assert!(
-                (shown[2] - fresh[2]).abs() < 1e-4,
-                "nothing of the ball on the wall, nor of the wall on the ball"
-            );
+            let mixed = (shown[2] - fresh[2]).abs();
+            assert!(mixed < 1e-4, "nothing of the ball on the wall, nor of the wall on the ball: {mixed}");
             let guide = window.guides.pixel(at as u32 % SIZE[0], at as u32 / SIZE[0]);
             if guide.object != 0 {
                 let off = (shown[0] - fresh[0]).abs().max((shown[1] - fresh[1]).abs());
@@ -182,11 +177,10 @@ fn history_ends_at_other_objects_normals_and_planes() {
 /// along.
 #[test]
 fn nothing_of_a_lamp_stays_in_the_sky_behind_it() {
-    let lamp = lamp(40.0);
     let mut history = History::new();
     let mut window = Window::new(Scene {
         sky: Sky::Color(Vec3::splat(0.25)),
-        materials: vec![lamp],
+        materials: vec![lamp(40.0)],
         spheres: vec![sphere(Vec3::ZERO, 1.0, 0)],
         ..empty()
     });
@@ -201,7 +195,7 @@ fn nothing_of_a_lamp_stays_in_the_sky_behind_it() {
         let fresh = window.frame(4);
         let shown = window.advance(&mut history, &fresh, 4);
         let [width, height] = SIZE.map(|side| side as i32);
-        for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
+        for (x, y) in places(SIZE).map(|(x, y)| (x as i32, y as i32)) {
             let pixel = |x: i32, y: i32| (x.clamp(0, width - 1) + y.clamp(0, height - 1) * width) as usize;
             let around = (-1..=1).flat_map(|down| (-1..=1).map(move |right| pixel(x + right, y + down)));
             // Nothing but sky anywhere near.

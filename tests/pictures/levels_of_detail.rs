@@ -69,17 +69,7 @@ fn texels_wider_than_pixels_are_bilinear_in_every_bit() {
 /// In mirrors, in glass and behind rough surfaces; on spheres, triangles and the sky.
 #[test]
 fn picture_is_the_references_with_levels_of_detail() {
-    let kinds = [
-        MaterialKind::Diffuse,
-        MaterialKind::Metal { roughness: 0.0 },
-        MaterialKind::Metal { roughness: 0.5 },
-        MaterialKind::Glass { ior: 1.5 },
-        MaterialKind::Scatter { roughness: 0.8 },
-        MaterialKind::Plastic { roughness: 0.0, ior: 1.5 },
-        MaterialKind::Plastic { roughness: 0.5, ior: 1.5 },
-        MaterialKind::MetalRough { roughness: 0.4, metallic: 0.5, ior: 1.5 },
-    ];
-    for kind in kinds {
+    for kind in KINDS {
         let mut rng = Rng(17);
         let bytes = (0..60 * 45).map(|_| [(rng.bits() >> 24) as u8, 90, 210, 0]).collect();
         let grain =
@@ -89,9 +79,9 @@ fn picture_is_the_references_with_levels_of_detail() {
             Material { texture: Some(0), ..material(MaterialKind::Diffuse) },
             Material { texture: Some(1), roughness_map: Some(3), ..material(kind) },
         ];
-        scene.textures.push(noise(&mut rng, 61, 33, Filter::Trilinear));
-        scene.textures.push(noise(&mut rng, 64, 32, Filter::Trilinear));
-        scene.textures.push(grain);
+        let of_noise =
+            [[61, 33], [64, 32]].map(|[width, height]| noise(&mut rng, width, height, Filter::Trilinear));
+        scene.textures.extend(of_noise.into_iter().chain([grain]));
         scene.spheres =
             vec![sphere(Vec3::new(-1.2, 1.0, -6.0), 1.0, 1), sphere(Vec3::new(1.2, 1.0, -7.0), 1.0, 1)];
         scene.sky = Sky::Texture { texture: 2, color: Vec3::ONE, turn: 0.2 };

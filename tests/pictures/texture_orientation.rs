@@ -42,19 +42,12 @@ fn sky() -> Scene {
 fn row(scene: &Scene) -> Vec<f32> {
     let settings = Settings { resolution: [31, 1], max_bounces: 0, ..Settings::of(scene) };
     let [scalar, packets @ ..] = WIDTHS.map(|lanes| {
-        let renderer = Renderer::new(scene, Settings { lanes, ..settings });
-        let mut film = renderer.film();
-        renderer.add_samples(&mut film, 1);
-        film.picture().pixels.iter().map(|pixel| pixel[0]).collect::<Vec<_>>()
+        let pixels = render(scene, Settings { lanes, ..settings }, 1).pixels;
+        pixels.iter().map(|pixel| pixel[0]).collect::<Vec<_>>()
     });
     assert!(packets.iter().all(|row| *row == scalar));
     let judge = Reference::new(scene);
-    let path = PathSettings {
-        resolution: [31, 1],
-        max_bounces: 0,
-        seed: settings.seed,
-        sampler: Default::default(),
-    };
+    let path = path_settings(settings);
     let judged: Vec<f32> = (0..31).map(|x| judge.pixel(path, x, 0, 1)[0] as f32).collect();
     // A point near the edge of a column may round into its neighbour.
     let apart = scalar.iter().zip(&judged).map(|(a, b)| (a - b).rem_euclid(COLUMNS as f32));
@@ -100,9 +93,8 @@ fn scene_files_name_the_side_and_mean_outside_where_they_do_not() {
     let folder = tempfile::TempDir::new().unwrap();
     let side = |keys: &str| {
         let path = folder.path().join("scene.json");
-        let text = format!(
-            r#"{{ "format": "octray-1", "spheres": [ {{ "center": [0,0,0], "radius": 1 {keys} }} ] }}"#
-        );
+        let ball = format!(r#"{{ "center": [0,0,0], "radius": 1 {keys} }}"#);
+        let text = format!(r#"{{ "format": "octray-1", "spheres": [ {ball} ] }}"#);
         std::fs::write(&path, text).unwrap();
         load(path.to_str().unwrap()).map(|scene| scene.spheres[0].texture_side)
     };
@@ -132,10 +124,7 @@ fn whole_repeats_of_a_triangles_picture_change_no_bit() {
         let mut scene = Scene { triangles: vec![triangle(corners, 0)], ..ball(Side::Outside) };
         scene.spheres.clear();
         scene.uvs = vec![uvs.map(|uv| uv + by)];
-        let renderer = Renderer::new(&scene, Settings::of(&scene));
-        let mut film = renderer.film();
-        renderer.add_samples(&mut film, 2);
-        film.picture()
+        render(&scene, Settings::of(&scene), 2)
     };
     let near = shifted(Vec2::ZERO);
     assert!(near.pixels.iter().any(|pixel| pixel[0] != near.pixels[0][0]), "the picture shows");

@@ -92,7 +92,7 @@ fn chart_writes_a_page_drawings_tables_and_json_that_agree() {
 /// reach.
 fn overlapping(svg: &str) -> Vec<String> {
     let attribute = |tag: &str, name: &str| -> Option<String> {
-        let (_, rest) = tag.split_once(&format!(" {name}=\""))?;
+        let (_, rest) = tag.split_once(&format!(r#" {name}=""#))?;
         Some(rest.split_once('"')?.0.to_owned())
     };
     let view = attribute(svg, "viewBox").unwrap();

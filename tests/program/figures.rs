@@ -181,7 +181,7 @@ fn compare_reports_in_json_and_says_for_people_that_the_pictures_agree() {
 #[test]
 fn bench_and_compare_refuse_a_bad_scene_before_they_measure_a_good_one() {
     let desk = Desk::new();
-    desk.write("bad.json", &SCENE.replace("\"radius\": 1", "\"radius\": -1"));
+    desk.write("bad.json", &SCENE.replace(r#""radius": 1"#, r#""radius": -1"#));
     for (bad, word) in [
         ("nowhere.json", "no such file"),
         ("bad.json", "spheres[0].radius"),

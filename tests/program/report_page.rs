@@ -70,7 +70,7 @@ pub fn assert_stands_alone(page: &str, report: &Value, scene: &str) {
         assert!(page.contains(&format!("<td>{word}</td>")), "{word} is explained");
     }
     let commit = report["machine"]["commit"].as_str().unwrap();
-    assert!(page.contains(commit) && page.contains("name=\"viewport\""));
+    assert!(page.contains(commit) && page.contains(r#"name="viewport""#));
 }
 
 #[test]

@@ -56,11 +56,11 @@ fn scene_warnings_reach_standard_error() {
 fn faults_in_a_scene_are_refused_with_file_and_json_path() {
     let desk = Desk::new();
     for (right, wrong, place) in [
-        ("\"radius\": 1", "\"radius\": -1", "spheres[0].radius"),
-        ("\"color\": [0.8,", "\"color\": [1.8,", "materials.clay.color[0]"),
-        ("\"material\": \"clay\"", "\"material\": \"day\"", "spheres[0].material"),
-        ("\"max_bounces\"", "\"max_bounce\"", "line 5"),
-        ("\"vertical_fov\": 40", "\"vertical_fov\": \"wide\"", "camera.vertical_fov"),
+        (r#""radius": 1"#, r#""radius": -1"#, "spheres[0].radius"),
+        (r#""color": [0.8,"#, r#""color": [1.8,"#, "materials.clay.color[0]"),
+        (r#""material": "clay""#, r#""material": "day""#, "spheres[0].material"),
+        (r#""max_bounces""#, r#""max_bounce""#, "line 5"),
+        (r#""vertical_fov": 40"#, r#""vertical_fov": "wide""#, "camera.vertical_fov"),
     ] {
         assert!(SCENE.contains(right), "{right}");
         desk.write("bad.json", &SCENE.replace(right, wrong));

@@ -18,7 +18,7 @@ fn view(scene: &str, more: &str) -> String {
 
 /// The desk's scene, seen by [`CAMERA`].
 fn moved_scene() -> String {
-    let start = SCENE.find("\"camera\"").unwrap();
+    let start = SCENE.find(r#""camera""#).unwrap();
     let line = SCENE[start..].find(",\n").unwrap();
     SCENE.replace(&SCENE[start..start + line], CAMERA)
 }
@@ -30,7 +30,7 @@ fn view_renders_the_picture_of_the_same_options_by_hand() {
         "sphere": [ { "center": [0,0,0], "radius": 30, "color": [200, 99, 9], "roughness": 2000 } ] }"#;
     desk.write("thesis.json", thesis);
     for scene in ["scene.json", "thesis.json", "model.obj", "builtin:cornell"] {
-        let rest = format!("\"resolution\": [13, 9], \"max_bounces\": 2, {RENDER}");
+        let rest = format!(r#""resolution": [13, 9], "max_bounces": 2, {RENDER}"#);
         desk.write("view.json", &view(scene, &rest));
         let by_hand = format!("{scene} {OPTIONS} --size 13x9 --bounces 2");
         let plain = desk.rendered(&format!("{scene} --size 13x9"), "plain.png");
@@ -51,7 +51,7 @@ fn view_renders_the_picture_of_the_same_options_by_hand() {
 #[test]
 fn options_win_over_the_view() {
     let desk = Desk::new();
-    desk.write("view.json", &view("builtin:cornell", &format!("\"resolution\": [13, 9], {RENDER}")));
+    desk.write("view.json", &view("builtin:cornell", &format!(r#""resolution": [13, 9], {RENDER}"#)));
     let report = |options: &str| desk.json(&format!("render view.json -o a.png {options}"));
     let figures =
         |report: &Value| ["samples", "seed", "width", "max_bounces"].map(|key| report[key].as_u64().unwrap());
@@ -100,11 +100,11 @@ fn what_a_view_asks_for_and_does_not_exist_is_refused_by_every_command() {
         desk.refuses(command, &["`clamp` cannot be -0.5", "view.json: ", "line 4, column "]);
     }
     // Some editors begin a file with a mark, which is no part of the text.
-    let marked = view("scene.json", "\"render\": { \"seed\": 1, \"tone\": \"sepia\" }");
+    let marked = view("scene.json", r#""render": { "seed": 1, "tone": "sepia" }"#);
     desk.write("view.json", &format!("\u{feff}{marked}"));
     desk.refuses("render view.json -o a.png", &["`sepia`", "line 4, column "]);
     // An option given by hand mends no file.
-    desk.write("view.json", &view("scene.json", "\"render\": { \"tone\": \"sepia\" }"));
+    desk.write("view.json", &view("scene.json", r#""render": { "tone": "sepia" }"#));
     desk.refuses("render view.json -o a.png --tone aces", &["sepia"]);
 }
 

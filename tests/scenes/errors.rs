@@ -5,7 +5,7 @@ use std::fs;
 use std::path::Path;
 use tempfile::TempDir;
 
-fn refuse(folder: &Path, text: impl AsRef<[u8]>) -> SceneError {
+fn error_of(folder: &Path, text: impl AsRef<[u8]>) -> SceneError {
     let path = folder.join("scene.json");
     fs::write(&path, text).unwrap();
     let error = load(path.to_str().unwrap()).expect_err("the scene must be refused");
@@ -15,9 +15,9 @@ fn refuse(folder: &Path, text: impl AsRef<[u8]>) -> SceneError {
 
 /// Asserts that a scene text is refused with these words in what is wrong, where, and how to mend it.
 #[track_caller]
-fn assert_refused(text: impl AsRef<[u8]>, what: &str, at: &str, mend: &str) {
+fn refused(text: impl AsRef<[u8]>, what: &str, at: &str, mend: &str) {
     let folder = TempDir::new().unwrap();
-    let error = refuse(folder.path(), text);
+    let error = error_of(folder.path(), text);
     assert!(error.what.contains(what), "what: {error}");
     assert!(error.at.clone().unwrap_or_default().starts_with(at), "at: {error}");
     assert!(error.mend.clone().unwrap_or_default().contains(mend), "mend: {error}");
@@ -32,102 +32,77 @@ fn with(line: &str) -> String {
 
 /// A scene with this one sphere, which starts in column 16 of line 1.
 fn sphere(sphere: &str) -> String {
-    format!("{{ \"spheres\": [ {sphere} ], \"format\": \"octray-1\" }}")
+    format!(r#"{{ "spheres": [ {sphere} ], "format": "octray-1" }}"#)
 }
 
 fn material(keys: &str) -> String {
-    with(&format!("\"materials\": {{ \"m\": {{ {keys} }} }}"))
+    with(&format!(r#""materials": {{ "m": {{ {keys} }} }}"#))
 }
 
 #[test]
 fn broken_json_names_line_and_column() {
-    assert_refused("", "broken JSON", "line 1, column 1", "write a JSON object");
-    assert_refused("{\n  \"max_bounces\": 3\n\n", "broken JSON", "line 2, column 19", "close the brackets");
-    assert_refused(
-        "{ \"format\": \"octray-1\",\n \"spheres\": [",
-        "broken JSON",
-        "spheres",
-        "close the brackets",
-    );
-    assert_refused(
-        "{ \"format\": \"octray-1\", }",
-        "trailing comma",
-        "line 1, column 25",
-        "remove the comma",
-    );
-    assert_refused("{ \"format\"\n \"octray-1\" }", "broken JSON", "line 2, column 2", "mend the JSON");
-    assert_refused(with("\"max_bounces\": 3 // few"), "broken JSON", "line 3", "comma");
-    assert_refused("{} {}", "trailing characters", "line 1, column 4", "remove what follows");
+    refused("", "broken JSON", "line 1, column 1", "write a JSON object");
+    refused("{\n  \"max_bounces\": 3\n\n", "broken JSON", "line 2, column 19", "close the brackets");
+    refused("{ \"format\": \"octray-1\",\n \"spheres\": [", "broken JSON", "spheres", "close the brackets");
+    refused(r#"{ "format": "octray-1", }"#, "trailing comma", "line 1, column 25", "remove the comma");
+    refused("{ \"format\"\n \"octray-1\" }", "broken JSON", "line 2, column 2", "mend the JSON");
+    refused(with(r#""max_bounces": 3 // few"#), "broken JSON", "line 3", "comma");
+    refused("{} {}", "trailing characters", "line 1, column 4", "remove what follows");
     let four = r#"{"format": "octray-1", "camera": {"position": [0, 1, 5, 0]}}"#;
-    assert_refused(four, "too many entries in this list", "camera.position", "remove those from here on");
-    assert_refused("[1, 2]", "not a scene", "", "octray-1");
-    assert_refused("\"scene\"", "string", "line 1", "write an object");
+    refused(four, "too many entries in this list", "camera.position", "remove those from here on");
+    refused("[1, 2]", "not a scene", "", "octray-1");
+    refused(r#""scene""#, "string", "line 1", "write an object");
 }
 
 #[test]
 fn text_that_is_not_utf8_names_its_line() {
-    assert_refused(b"{\n \"format\": \"octray-1\xff\" }", "not UTF-8", "line 2", "UTF-8");
+    refused(b"{\n \"format\": \"octray-1\xff\" }", "not UTF-8", "line 2", "UTF-8");
 }
 
 #[test]
 fn unknown_keys_are_refused_with_the_nearest_known_one() {
-    assert_refused(
-        with("\"skye\": {}"),
-        "unknown key `skye`",
-        "skye, line 3, column 8",
-        "did you mean `sky`?",
-    );
-    let text = sphere("{ \"center\": [0,0,0], \"radius\": 1, \"colour\": 3 }");
-    assert_refused(
+    refused(with(r#""skye": {}"#), "unknown key `skye`", "skye, line 3, column 8", "did you mean `sky`?");
+    let text = sphere(r#"{ "center": [0,0,0], "radius": 1, "colour": 3 }"#);
+    refused(
         text,
         "unknown key `colour`",
         "spheres[0]",
         "center, radius, material, turn_degrees, picture_from",
     );
-    assert_refused(material("\"type\": \"diffuse\", \"colour\": 1"), "`colour`", "materials.m", "`color`");
-    assert_refused(with("\"camera\": { \"fov\": 40 }"), "`fov`", "camera", "vertical_fov");
+    refused(material(r#""type": "diffuse", "colour": 1"#), "`colour`", "materials.m", "`color`");
+    refused(with(r#""camera": { "fov": 40 }"#), "`fov`", "camera", "vertical_fov");
 }
 
 #[test]
 fn missing_and_doubled_keys_are_named() {
-    assert_refused(
-        sphere("{ \"center\": [0,0,0] }"),
-        "`radius` is missing",
-        "spheres[0], line 1",
-        "add `radius`",
-    );
-    assert_refused(material("\"color\": [1,1,1]"), "`type` is missing", "materials.m", "add `type`");
-    assert_refused(with("\"sky\": null, \"sky\": null"), "a second `sky`", "", "remove or rename");
-    let twice = with("\"materials\": { \"a\": { \"type\": \"metal\" }, \"a\": { \"type\": \"metal\" } }");
-    assert_refused(twice, "the name `a` occurs twice", "materials", "rename");
+    refused(sphere(r#"{ "center": [0,0,0] }"#), "`radius` is missing", "spheres[0], line 1", "add `radius`");
+    refused(material(r#""color": [1,1,1]"#), "`type` is missing", "materials.m", "add `type`");
+    refused(with(r#""sky": null, "sky": null"#), "a second `sky`", "", "remove or rename");
+    let twice = with(r#""materials": { "a": { "type": "metal" }, "a": { "type": "metal" } }"#);
+    refused(twice, "the name `a` occurs twice", "materials", "rename");
 }
 
 #[test]
 fn wrong_types_are_named_with_what_is_expected() {
-    let text = sphere("{ \"center\": [0,\"0\",0], \"radius\": 1 }");
-    assert_refused(text, "string \"0\"", "spheres[0].center[1], line 1, column 33", "write a number");
-    assert_refused(
-        sphere("{ \"center\": [0,0], \"radius\": 1 }"),
-        "length 2",
-        "spheres[0].center",
-        "length 3",
-    );
-    assert_refused(with("\"resolution\": [240.5, 135]"), "240.5", "resolution[0], line 3", "whole number");
-    assert_refused(with("\"max_bounces\": -1"), "-1", "max_bounces, line 3", "whole number");
-    assert_refused(with("\"sky\": 3"), "integer `3`", "sky, line 3", "write an object with `color`");
-    assert_refused(with("\"format2\": 1, \"sky\": 3"), "unknown key", "format2", "the keys known here");
+    let text = sphere(r#"{ "center": [0,"0",0], "radius": 1 }"#);
+    refused(text, r#"string "0""#, "spheres[0].center[1], line 1, column 33", "write a number");
+    refused(sphere(r#"{ "center": [0,0], "radius": 1 }"#), "length 2", "spheres[0].center", "length 3");
+    refused(with(r#""resolution": [240.5, 135]"#), "240.5", "resolution[0], line 3", "whole number");
+    refused(with(r#""max_bounces": -1"#), "-1", "max_bounces, line 3", "whole number");
+    refused(with(r#""sky": 3"#), "integer `3`", "sky, line 3", "write an object with `color`");
+    refused(with(r#""format2": 1, "sky": 3"#), "unknown key", "format2", "the keys known here");
 }
 
 #[test]
 fn format_of_another_version_is_refused() {
-    let text = "{ \"format\": \"octray-2\", \"spheres\": [] }";
-    assert_refused(text, "`octray-2`", "format, line 1, column 13", "\"format\": \"octray-1\"");
+    let text = r#"{ "format": "octray-2", "spheres": [] }"#;
+    refused(text, "`octray-2`", "format, line 1, column 13", r#""format": "octray-1""#);
 }
 
 #[test]
 fn json_that_is_no_scene_says_what_both_formats_need() {
     let folder = TempDir::new().unwrap();
-    let error = refuse(folder.path(), "{ \"sky\": [1, 1, 1], \"name\": \"x\" }");
+    let error = error_of(folder.path(), r#"{ "sky": [1, 1, 1], "name": "x" }"#);
     let mend = error.mend.unwrap();
     assert!(mend.contains("octray-1") && mend.contains("`sphere`, `triangle` or `res`"), "{mend}");
 }
@@ -135,27 +110,22 @@ fn json_that_is_no_scene_says_what_both_formats_need() {
 #[test]
 fn numbers_that_are_not_finite_are_refused() {
     for bad in ["NaN", "1e400", "-1e400", "Infinity", "-Infinity"] {
-        let text = sphere(&format!("{{ \"center\": [0,{bad},0], \"radius\": 1 }}"));
-        assert_refused(text, "finite number", "spheres[0].center[1], line 1", "JSON has no NaN");
+        let text = sphere(&format!(r#"{{ "center": [0,{bad},0], "radius": 1 }}"#));
+        refused(text, "finite number", "spheres[0].center[1], line 1", "JSON has no NaN");
     }
     for bad in ["1e39", "-1.1e18"] {
-        let text = sphere(&format!("{{ \"center\": [0,0,{bad}], \"radius\": 1 }}"));
-        assert_refused(text, "too large", "spheres[0].center[2], line 1, column 33", "-1e18 to 1e18");
+        let text = sphere(&format!(r#"{{ "center": [0,0,{bad}], "radius": 1 }}"#));
+        refused(text, "too large", "spheres[0].center[2], line 1, column 33", "-1e18 to 1e18");
     }
 }
 
 #[test]
 fn radii_that_are_not_above_zero_are_refused() {
     for (bad, what) in [("0", "the radius is 0"), ("-1", "the radius is -1"), ("1e-50", "too small")] {
-        let text = sphere(&format!("{{ \"center\": [0,0,0], \"radius\": {bad} }}"));
-        assert_refused(text, what, "spheres[0].radius, line 1, column 47", "at least 1e-18");
+        let text = sphere(&format!(r#"{{ "center": [0,0,0], "radius": {bad} }}"#));
+        refused(text, what, "spheres[0].radius, line 1, column 47", "at least 1e-18");
     }
-    assert_refused(
-        sphere("{ \"center\": [0,0,0], \"radius\": 1e19 }"),
-        "too large",
-        "spheres[0].radius",
-        "1e18",
-    );
+    refused(sphere(r#"{ "center": [0,0,0], "radius": 1e19 }"#), "too large", "spheres[0].radius", "1e18");
 }
 
 #[test]
@@ -164,22 +134,12 @@ fn triangles_without_area_are_refused() {
         format!("{{ \"format\": \"octray-1\",\n \"triangles\": [ {{ \"vertices\": {vertices} }} ] }}")
     };
     let at = "triangles[0].vertices, line 2, column 31";
-    assert_refused(
-        triangle("[[0,0,0],[1,0,0],[1,0,0]]"),
-        "vertices are the same",
-        at,
-        "move its vertices apart",
-    );
+    refused(triangle("[[0,0,0],[1,0,0],[1,0,0]]"), "vertices are the same", at, "move its vertices apart");
     // Different in double precision, the same in single.
-    assert_refused(triangle("[[0,0,0],[1,0,0],[1.000000001,0,0]]"), "the same in single", at, "remove");
-    assert_refused(triangle("[[0,0,0],[1,1,1],[2,2,2]]"), "on one line", at, "remove the triangle");
-    assert_refused(triangle("[[0,0,0],[1e-20,0,0],[0,1e-20,0]]"), "zero area", at, "move");
-    assert_refused(
-        triangle("[[0,0,0],[1,0,0],[0,1e30,0]]"),
-        "too large",
-        "triangles[0].vertices[2][1]",
-        "1e18",
-    );
+    refused(triangle("[[0,0,0],[1,0,0],[1.000000001,0,0]]"), "the same in single", at, "remove");
+    refused(triangle("[[0,0,0],[1,1,1],[2,2,2]]"), "on one line", at, "remove the triangle");
+    refused(triangle("[[0,0,0],[1e-20,0,0],[0,1e-20,0]]"), "zero area", at, "move");
+    refused(triangle("[[0,0,0],[1,0,0],[0,1e30,0]]"), "too large", "triangles[0].vertices[2][1]", "1e18");
 }
 
 #[test]
@@ -191,51 +151,46 @@ fn unknown_material_names_suggest_the_nearest() {
         )
     };
     let at = "spheres[0].material, line 2, column 60";
-    assert_refused(text("\"chrome\": { \"type\": \"metal\" }"), "`crome`", at, "did you mean `chrome`?");
-    assert_refused(text("\"velvet\": { \"type\": \"metal\" }"), "`crome`", at, "use one of velvet");
-    assert_refused(text(""), "`crome`", at, "the scene has no `materials`");
+    refused(text(r#""chrome": { "type": "metal" }"#), "`crome`", at, "did you mean `chrome`?");
+    refused(text(r#""velvet": { "type": "metal" }"#), "`crome`", at, "use one of velvet");
+    refused(text(""), "`crome`", at, "the scene has no `materials`");
     let triangle = "{ \"format\": \"octray-1\", \"triangles\": [ { \"vertices\": [[0,0,0],[1,0,0],[0,1,0]], \
                     \"material\": \"x\" } ] }";
-    assert_refused(triangle, "`x`", "triangles[0].material", "no `materials`");
+    refused(triangle, "`x`", "triangles[0].material", "no `materials`");
 }
 
 #[test]
 fn colours_outside_their_range_are_refused() {
-    let text = material("\"type\": \"diffuse\", \"color\": [1, 1.5, 0]");
-    assert_refused(text, "1.5 is outside 0 to 1", "materials.m.color[1], line 3", "use `emission`");
-    let text = material("\"type\": \"metal\", \"color\": [-0.1, 0, 0]");
-    assert_refused(text, "-0.1", "materials.m.color[0]", "from 0 to 1");
-    let text = material("\"type\": \"diffuse\", \"emission\": [1, 1, -2]");
-    assert_refused(text, "-2 is negative", "materials.m.emission[2]", "0 or more");
-    assert_refused(with("\"sky\": { \"color\": [0, -1, 0] }"), "-1 is negative", "sky.color[1]", "0 or more");
-    let text = with("\"sky\": { \"gradient\": { \"bottom\": [0,0,0], \"top\": [0,0,1e300] } }");
-    assert_refused(text, "too large", "sky.gradient.top[2]", "1e18");
+    let text = material(r#""type": "diffuse", "color": [1, 1.5, 0]"#);
+    refused(text, "1.5 is outside 0 to 1", "materials.m.color[1], line 3", "use `emission`");
+    let text = material(r#""type": "metal", "color": [-0.1, 0, 0]"#);
+    refused(text, "-0.1", "materials.m.color[0]", "from 0 to 1");
+    let text = material(r#""type": "diffuse", "emission": [1, 1, -2]"#);
+    refused(text, "-2 is negative", "materials.m.emission[2]", "0 or more");
+    refused(with(r#""sky": { "color": [0, -1, 0] }"#), "-1 is negative", "sky.color[1]", "0 or more");
+    let text = with(r#""sky": { "gradient": { "bottom": [0,0,0], "top": [0,0,1e300] } }"#);
+    refused(text, "too large", "sky.gradient.top[2]", "1e18");
 }
 
 #[test]
 fn material_types_that_do_not_exist_are_refused() {
-    assert_refused(material("\"type\": \"metl\""), "`metl`", "materials.m.type", "did you mean `metal`?");
-    assert_refused(
-        material("\"type\": \"velvet\""),
-        "`velvet`",
-        "materials.m.type",
-        "diffuse, metal, plastic",
-    );
+    refused(material(r#""type": "metl""#), "`metl`", "materials.m.type", "did you mean `metal`?");
+    refused(material(r#""type": "velvet""#), "`velvet`", "materials.m.type", "diffuse, metal, plastic");
 }
 
 #[test]
 fn coats_and_maps_that_make_no_sense_are_refused() {
     for ior in ["0.9", "3.5", "-1"] {
-        let text = material(&format!("\"type\": \"plastic\", \"ior\": {ior}"));
-        assert_refused(text, ior, "materials.m.ior, line 3", "from 1 to 3");
+        let text = material(&format!(r#""type": "plastic", "ior": {ior}"#));
+        refused(text, ior, "materials.m.ior, line 3", "from 1 to 3");
     }
-    let text = material("\"type\": \"plastic\", \"roughness\": 1.5");
-    assert_refused(text, "1.5 is outside", "materials.m.roughness", "from 0 to 1");
-    let text = material("\"type\": \"metal\", \"roughness\": 0, \"roughness_map\": \"r.png\"");
-    assert_refused(text, "cannot change a `roughness` of 0", "materials.m.roughness_map", "above 0");
+    let text = material(r#""type": "plastic", "roughness": 1.5"#);
+    refused(text, "1.5 is outside", "materials.m.roughness", "from 0 to 1");
+    let text = material(r#""type": "metal", "roughness": 0, "roughness_map": "r.png""#);
+    refused(text, "cannot change a `roughness` of 0", "materials.m.roughness_map", "above 0");
     for key in ["roughness_map", "normal_map"] {
-        let text = material(&format!("\"type\": \"metal\", \"{key}\": \"gone.png\""));
-        assert_refused(text, "gone.png", &format!("materials.m.{key}"), "relative to the scene file");
+        let text = material(&format!(r#""type": "metal", "{key}": "gone.png""#));
+        refused(text, "gone.png", &format!("materials.m.{key}"), "relative to the scene file");
     }
 }
 
@@ -243,41 +198,37 @@ fn coats_and_maps_that_make_no_sense_are_refused() {
 fn normals_without_a_direction_are_refused() {
     let text = "{ \"format\": \"octray-1\", \"triangles\": [ { \"vertices\": [[0,0,0],[1,0,0],[0,1,0]], \
                 \"normals\": [[0,0,1],[0,0,0],[0,0,1]] } ] }";
-    assert_refused(text, "length zero", "triangles[0].normals[1]", "away from the surface");
+    refused(text, "length zero", "triangles[0].normals[1]", "away from the surface");
 }
 
 #[test]
 fn keys_of_another_material_type_are_refused() {
     let cases = [
-        ("\"type\": \"diffuse\", \"ior\": 1.5", "ior", "glass"),
-        ("\"type\": \"diffuse\", \"roughness\": 0.5", "roughness", "`metal-rough` or `scatter`"),
-        (
-            "\"type\": \"diffuse\", \"roughness_map\": \"r.png\"",
-            "roughness_map",
-            "`metal-rough` or `scatter`",
-        ),
-        ("\"type\": \"emitter\", \"normal_map\": \"n.png\"", "normal_map", "scatters nothing"),
-        ("\"type\": \"metal\", \"metallic\": 0.5", "metallic", "make the type `metal-rough`"),
-        ("\"type\": \"emitter\", \"emission_map\": \"e.png\"", "emission_map", "`texture`"),
-        ("\"type\": \"glass\", \"roughness\": 0.5", "roughness", "`metal-rough` or `scatter`"),
-        ("\"type\": \"emitter\", \"color\": [1,1,1]", "color", "`emission`"),
-        ("\"type\": \"diffuse\", \"filter\": \"nearest\"", "filter", "add a `texture`"),
-        ("\"type\": \"diffuse\", \"texture_size\": 2", "texture_size", "add a `texture`"),
+        (r#""type": "diffuse", "ior": 1.5"#, "ior", "glass"),
+        (r#""type": "diffuse", "roughness": 0.5"#, "roughness", "`metal-rough` or `scatter`"),
+        (r#""type": "diffuse", "roughness_map": "r.png""#, "roughness_map", "`metal-rough` or `scatter`"),
+        (r#""type": "emitter", "normal_map": "n.png""#, "normal_map", "scatters nothing"),
+        (r#""type": "metal", "metallic": 0.5"#, "metallic", "make the type `metal-rough`"),
+        (r#""type": "emitter", "emission_map": "e.png""#, "emission_map", "`texture`"),
+        (r#""type": "glass", "roughness": 0.5"#, "roughness", "`metal-rough` or `scatter`"),
+        (r#""type": "emitter", "color": [1,1,1]"#, "color", "`emission`"),
+        (r#""type": "diffuse", "filter": "nearest""#, "filter", "add a `texture`"),
+        (r#""type": "diffuse", "texture_size": 2"#, "texture_size", "add a `texture`"),
     ];
     for (keys, key, mend) in cases {
-        assert_refused(material(keys), &format!("`{key}`"), &format!("materials.m.{key}, line 3"), mend);
+        refused(material(keys), &format!("`{key}`"), &format!("materials.m.{key}, line 3"), mend);
     }
 }
 
 #[test]
 fn roughness_ior_and_texture_size_out_of_range_are_refused() {
-    let text = material("\"type\": \"metal\", \"roughness\": 1.1");
-    assert_refused(text, "1.1 is outside 0 to 1", "materials.m.roughness", "from 0 to 1");
-    let text = material("\"type\": \"scatter\", \"roughness\": -1");
-    assert_refused(text, "-1 is negative", "materials.m.roughness", "0 or more");
+    let text = material(r#""type": "metal", "roughness": 1.1"#);
+    refused(text, "1.1 is outside 0 to 1", "materials.m.roughness", "from 0 to 1");
+    let text = material(r#""type": "scatter", "roughness": -1"#);
+    refused(text, "-1 is negative", "materials.m.roughness", "0 or more");
     for bad in ["0", "-1.5"] {
-        let text = material(&format!("\"type\": \"glass\", \"ior\": {bad}"));
-        assert_refused(text, "index of refraction", "materials.m.ior", "glass 1.5");
+        let text = material(&format!(r#""type": "glass", "ior": {bad}"#));
+        refused(text, "index of refraction", "materials.m.ior", "glass 1.5");
     }
 }
 
@@ -305,13 +256,13 @@ fn textures_that_cannot_be_used_are_refused() {
         ("nan.exr", "column 1, row 0 holds NaN"),
     ];
     for (name, what) in cases {
-        let text = material(&format!("\"type\": \"diffuse\", \"texture\": \"{name}\""));
-        let error = refuse(folder.path(), text);
+        let text = material(&format!(r#""type": "diffuse", "texture": "{name}""#));
+        let error = error_of(folder.path(), text);
         assert!(error.what.contains(name) && error.what.contains(what), "{error}");
         assert!(error.at.as_ref().unwrap().starts_with("materials.m.texture, line 3"), "{error}");
         // The remedy says where the file was looked for.
         assert!(error.mend.as_ref().unwrap().contains(folder.path().join(name).to_str().unwrap()), "{error}");
-        let error = refuse(folder.path(), with(&format!("\"sky\": {{ \"texture\": \"{name}\" }}")));
+        let error = error_of(folder.path(), with(&format!(r#""sky": {{ "texture": "{name}" }}"#)));
         assert!(
             error.what.contains(what) && error.at.as_ref().unwrap().starts_with("sky.texture"),
             "{error}"
@@ -321,20 +272,15 @@ fn textures_that_cannot_be_used_are_refused() {
 
 #[test]
 fn skies_with_conflicting_keys_are_refused() {
-    let gradient = "\"gradient\": { \"bottom\": [0,0,0], \"top\": [1,1,1] }";
-    for other in ["\"color\": [1,1,1]", "\"texture\": \"x.hdr\""] {
-        let text = with(&format!("\"sky\": {{ {gradient}, {other} }}"));
-        assert_refused(text, "`gradient`", "sky, line 3, column 10", "keep `gradient` alone");
+    let gradient = r#""gradient": { "bottom": [0,0,0], "top": [1,1,1] }"#;
+    for other in [r#""color": [1,1,1]"#, r#""texture": "x.hdr""#] {
+        let text = with(&format!(r#""sky": {{ {gradient}, {other} }}"#));
+        refused(text, "`gradient`", "sky, line 3, column 10", "keep `gradient` alone");
     }
-    assert_refused(with("\"sky\": {}"), "empty", "sky, line 3", "remove `sky`");
-    assert_refused(
-        with("\"sky\": { \"color\": [1,1,1], \"filter\": \"nearest\" }"),
-        "`filter`",
-        "sky.filter",
-        "texture",
-    );
-    assert_refused(
-        with("\"sky\": { \"filter\": \"cubic\" }"),
+    refused(with(r#""sky": {}"#), "empty", "sky, line 3", "remove `sky`");
+    refused(with(r#""sky": { "color": [1,1,1], "filter": "nearest" }"#), "`filter`", "sky.filter", "texture");
+    refused(
+        with(r#""sky": { "filter": "cubic" }"#),
         "`cubic`",
         "sky.filter",
         "one of nearest, bilinear, trilinear",
@@ -344,32 +290,32 @@ fn skies_with_conflicting_keys_are_refused() {
 #[test]
 fn empty_scenes_are_refused() {
     let folder = TempDir::new().unwrap();
-    let error = refuse(folder.path(), "{ \"format\": \"octray-1\", \"spheres\": [] }");
+    let error = error_of(folder.path(), r#"{ "format": "octray-1", "spheres": [] }"#);
     assert!(error.what.contains("nothing to see") && error.mend.unwrap().contains("`spheres`"));
 }
 
 #[test]
 fn resolution_and_bounces_out_of_range_are_refused() {
-    assert_refused(with("\"resolution\": [0, 135]"), "0 pixels wide", "resolution[0], line 3", "1 to 16384");
-    assert_refused(with("\"resolution\": [240, 16385]"), "16385 pixels high", "resolution[1]", "1 to 16384");
-    assert_refused(with("\"max_bounces\": 1025"), "1025", "max_bounces, line 3, column 18", "0 to 1024");
+    refused(with(r#""resolution": [0, 135]"#), "0 pixels wide", "resolution[0], line 3", "1 to 16384");
+    refused(with(r#""resolution": [240, 16385]"#), "16385 pixels high", "resolution[1]", "1 to 16384");
+    refused(with(r#""max_bounces": 1025"#), "1025", "max_bounces, line 3, column 18", "0 to 1024");
 }
 
 #[test]
 fn cameras_that_cannot_see_are_refused() {
-    let camera = |keys: &str| with(&format!("\"camera\": {{ {keys} }}"));
-    let text = camera("\"position\": [1,2,3], \"look_at\": [1,2,3]");
-    assert_refused(text, "its own position", "camera.look_at, line 3", "so that the two differ");
+    let camera = |keys: &str| with(&format!(r#""camera": {{ {keys} }}"#));
+    let text = camera(r#""position": [1,2,3], "look_at": [1,2,3]"#);
+    refused(text, "its own position", "camera.look_at, line 3", "so that the two differ");
     // Different in double precision only.
-    let text = camera("\"position\": [1,2,3], \"look_at\": [1,2,3.00000001]");
-    assert_refused(text, "its own position", "camera.look_at", "single precision");
-    let text = camera("\"position\": [0,5,0], \"look_at\": [0,0,0]");
-    assert_refused(text, "parallel", "camera.up", "give an `up`");
-    let text = camera("\"position\": [0,5,0], \"look_at\": [0,0,1], \"up\": [0,0,0]");
-    assert_refused(text, "zero", "camera.up, line 3", "give an `up`");
+    let text = camera(r#""position": [1,2,3], "look_at": [1,2,3.00000001]"#);
+    refused(text, "its own position", "camera.look_at", "single precision");
+    let text = camera(r#""position": [0,5,0], "look_at": [0,0,0]"#);
+    refused(text, "parallel", "camera.up", "give an `up`");
+    let text = camera(r#""position": [0,5,0], "look_at": [0,0,1], "up": [0,0,0]"#);
+    refused(text, "zero", "camera.up, line 3", "give an `up`");
     for bad in ["0", "180", "-40"] {
-        let text = camera(&format!("\"vertical_fov\": {bad}"));
-        assert_refused(text, "field of view", "camera.vertical_fov, line 3, column 31", "below 180");
+        let text = camera(&format!(r#""vertical_fov": {bad}"#));
+        refused(text, "field of view", "camera.vertical_fov, line 3, column 31", "below 180");
     }
 }
 
@@ -378,16 +324,16 @@ fn meshes_that_cannot_be_used_are_refused() {
     let folder = TempDir::new().unwrap();
     fs::write(folder.path().join("one.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
     fs::create_dir(folder.path().join("folder.obj")).unwrap();
-    let mesh = |keys: &str| with(&format!("\"meshes\": [ {{ {keys} }} ]"));
+    let mesh = |keys: &str| with(&format!(r#""meshes": [ {{ {keys} }} ]"#));
     let cases = [
-        ("\"obj\": \"missing.obj\"", "no such file", "meshes[0].obj, line 3", "relative to the scene file"),
-        ("\"obj\": \"folder.obj\"", "folder", "meshes[0].obj", "relative to the scene file"),
-        ("\"obj\": \"one.obj\", \"scale\": 0", "scaled by 0", "meshes[0].scale", "above 0"),
-        ("\"obj\": \"one.obj\", \"scale\": -1", "scaled by -1", "meshes[0].scale", "cannot be mirrored"),
-        ("\"obj\": \"one.obj\", \"material\": \"x\"", "`x`", "meshes[0].material", "no `materials`"),
-        ("\"obj\": \"one.obj\", \"translate\": [0,0,1e30]", "too large", "meshes[0].translate[2]", "1e18"),
+        (r#""obj": "missing.obj""#, "no such file", "meshes[0].obj, line 3", "relative to the scene file"),
+        (r#""obj": "folder.obj""#, "folder", "meshes[0].obj", "relative to the scene file"),
+        (r#""obj": "one.obj", "scale": 0"#, "scaled by 0", "meshes[0].scale", "above 0"),
+        (r#""obj": "one.obj", "scale": -1"#, "scaled by -1", "meshes[0].scale", "cannot be mirrored"),
+        (r#""obj": "one.obj", "material": "x""#, "`x`", "meshes[0].material", "no `materials`"),
+        (r#""obj": "one.obj", "translate": [0,0,1e30]"#, "too large", "meshes[0].translate[2]", "1e18"),
         (
-            "\"obj\": \"one.obj\", \"translate\": [1e18,0,0], \"scale\": 1e18",
+            r#""obj": "one.obj", "translate": [1e18,0,0], "scale": 1e18"#,
             "too far",
             "meshes[0], line 3",
             "smaller",
@@ -395,12 +341,12 @@ fn meshes_that_cannot_be_used_are_refused() {
     ];
     fs::write(folder.path().join("flat.obj"), "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n").unwrap();
     let collapsed = [
-        ("\"obj\": \"one.obj\", \"scale\": 1e-30", "`one.obj`", "meshes[0], line 3", "larger `scale`"),
-        ("\"obj\": \"one.obj\", \"translate\": [1e17,0,0]", "zero area", "meshes[0]", "smaller `translate`"),
-        ("\"obj\": \"flat.obj\"", "zero area", "meshes[0]", "export the model again"),
+        (r#""obj": "one.obj", "scale": 1e-30"#, "`one.obj`", "meshes[0], line 3", "larger `scale`"),
+        (r#""obj": "one.obj", "translate": [1e17,0,0]"#, "zero area", "meshes[0]", "smaller `translate`"),
+        (r#""obj": "flat.obj""#, "zero area", "meshes[0]", "export the model again"),
     ];
     for (keys, what, at, mend) in cases.into_iter().chain(collapsed) {
-        let error = refuse(folder.path(), mesh(keys));
+        let error = error_of(folder.path(), mesh(keys));
         assert!(error.what.contains(what), "{error}");
         assert!(error.at.as_ref().unwrap().starts_with(at), "{error}");
         assert!(error.mend.as_ref().unwrap().contains(mend), "{error}");
@@ -466,7 +412,7 @@ fn unknown_builtin_lists_the_names() {
 #[test]
 fn message_reads_what_where_and_remedy_in_three_lines() {
     let folder = TempDir::new().unwrap();
-    let error = refuse(folder.path(), sphere("{ \"center\": [0,0,0], \"radius\": 0 }"));
+    let error = error_of(folder.path(), sphere(r#"{ "center": [0,0,0], "radius": 0 }"#));
     let path = folder.path().join("scene.json");
     let expected = format!(
         "the radius is 0\n  at {}: spheres[0].radius, line 1, column 47\n  a radius is at least 1e-18",

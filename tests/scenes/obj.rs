@@ -2,13 +2,23 @@
 
 use crate::folder::{save_picture, write};
 use glam::{Vec2, Vec3};
-use octray::scene::{MaterialKind, Scene, Sky, Texels, convert_model, load};
+use octray::scene::{Material, MaterialKind, Scene, SceneError, Sky, Texels, convert_model, load};
 use std::path::Path;
 use tempfile::TempDir;
 
 fn load_obj(text: impl AsRef<[u8]>) -> Scene {
     let folder = TempDir::new().unwrap();
     load(&write(folder.path(), "m.obj", text)).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// The model of one triangle that uses a library's material `a`.
+fn load_with_mtl(folder: &TempDir, library: &str) -> Result<Scene, SceneError> {
+    write(folder.path(), "m.mtl", library);
+    load(&write(folder.path(), "m.obj", format!("mtllib m.mtl\nusemtl a\n{ONE}")))
+}
+
+fn one_material(scene: &Scene) -> &Material {
+    &scene.materials[scene.triangles[0].material as usize]
 }
 
 const ONE: &str = "v 0 0 0\nv 2 0 0\nv 0 2 0\nf 1 2 3\n";
@@ -29,8 +39,10 @@ fn obj_alone_is_framed_under_a_plain_sky() {
     let position = center + 1.2 * 61.0_f32.sqrt() / 3.5_f32.sqrt() * Vec3::new(1.0, 0.5, 1.5);
     assert_eq!((scene.camera.look_at, scene.camera.vertical_fov), (center, 40.0));
     assert!(scene.camera.position.distance(position) < 1e-5, "{}", scene.camera.position);
-    let material = &scene.materials[scene.triangles[0].material as usize];
-    assert_eq!((material.kind, material.color), (MaterialKind::Diffuse, Vec3::splat(0.8)));
+    assert_eq!(
+        (one_material(&scene).kind, one_material(&scene).color),
+        (MaterialKind::Diffuse, Vec3::splat(0.8))
+    );
 }
 
 #[test]
@@ -106,10 +118,10 @@ fn groups_and_materials_of_the_mtl_reach_their_triangles() {
 /// cut off.
 fn with_material(statements: &str) -> (MaterialKind, Vec3, Vec<String>) {
     let folder = TempDir::new().unwrap();
-    let mtl = write(folder.path(), "m.mtl", format!("newmtl a\n{statements}"));
-    let scene = load(&write(folder.path(), "m.obj", format!("mtllib m.mtl\nusemtl a\n{ONE}"))).unwrap();
-    let material = &scene.materials[scene.triangles[0].material as usize];
+    let scene = load_with_mtl(&folder, &format!("newmtl a\n{statements}")).unwrap();
+    let material = one_material(&scene);
     assert!(material.texture.is_none());
+    let mtl = folder.path().join("m.mtl").to_str().unwrap().to_string();
     let cut =
         |warning: &String| warning.strip_prefix(&mtl).expect("warnings start with the file").to_string();
     (material.kind, material.color, scene.warnings.iter().map(cut).collect())
@@ -140,16 +152,13 @@ fn what_clearly_means_glass_is_glass() {
 
 #[test]
 fn what_clearly_means_metal_or_plastic_is_that() {
+    let metal = |roughness| MaterialKind::Metal { roughness };
     let plastic = |roughness, ior| MaterialKind::Plastic { roughness, ior };
     let kd = Vec3::new(0.5, 0.25, 1.0);
     for (statements, kind, color) in [
-        (
-            "illum 3\nKs 0.9 0.8 0.7\nPr 0.25",
-            MaterialKind::Metal { roughness: 0.25 },
-            Vec3::new(0.9, 0.8, 0.7),
-        ),
-        ("Pm 1\nPr 0.3\nKs 1 1 1\nPc 0\nPcr 0.03\naniso 0", MaterialKind::Metal { roughness: 0.3 }, kd),
-        ("Pm 0.5", MaterialKind::Metal { roughness: 0.5 }, kd),
+        ("illum 3\nKs 0.9 0.8 0.7\nPr 0.25", metal(0.25), Vec3::new(0.9, 0.8, 0.7)),
+        ("Pm 1\nPr 0.3\nKs 1 1 1\nPc 0\nPcr 0.03\naniso 0", metal(0.3), kd),
+        ("Pm 0.5", metal(0.5), kd),
         ("Pm 0.4\nPr 0.3", plastic(0.3, 1.5), kd),
         ("Pr 2\nNi 1.8", plastic(1.0, 1.8), kd),
         // √(2 / 32) is a quarter, whose root is a half.
@@ -171,9 +180,9 @@ fn what_clearly_means_metal_or_plastic_is_that() {
 fn maps_of_the_mtl_are_read_as_numbers() {
     let folder = TempDir::new().unwrap();
     image::RgbImage::from_pixel(2, 1, image::Rgb([51, 128, 255])).save(folder.path().join("n.png")).unwrap();
-    write(folder.path(), "m.mtl", "newmtl a\nmap_Kd n.png\nmap_Pr n.png\nnorm -bm 1 n.png\n");
-    let scene = load(&write(folder.path(), "m.obj", format!("mtllib m.mtl\nusemtl a\n{ONE}"))).unwrap();
-    let material = &scene.materials[scene.triangles[0].material as usize];
+    let library = "newmtl a\nmap_Kd n.png\nmap_Pr n.png\nnorm -bm 1 n.png\n";
+    let scene = load_with_mtl(&folder, library).unwrap();
+    let material = one_material(&scene);
     assert_eq!(material.kind, MaterialKind::Plastic { roughness: 1.0, ior: 1.5 });
     // One file, two meanings.
     assert_eq!((material.texture, material.roughness_map, material.normal_map), (Some(0), Some(1), Some(1)));
@@ -212,8 +221,7 @@ fn options_of_maps_come_before_names_that_may_hold_spaces() {
     for options in ["", "-s 1 1 1 ", "-o 0 0 -clamp off ", "-blendu on -mm 0 1 -bm 1.0 "] {
         let folder = TempDir::new().unwrap();
         image::RgbImage::new(1, 1).save(folder.path().join("a b.png")).unwrap();
-        write(folder.path(), "m.mtl", format!("newmtl a\nmap_Kd {options}a b.png\n"));
-        let scene = load(&write(folder.path(), "m.obj", format!("mtllib m.mtl\nusemtl a\n{ONE}"))).unwrap();
+        let scene = load_with_mtl(&folder, &format!("newmtl a\nmap_Kd {options}a b.png\n")).unwrap();
         assert_eq!((scene.textures[0].name.as_str(), scene.warnings.len()), ("a b.png", 0), "{options}");
     }
 }
@@ -242,8 +250,7 @@ fn missing_mtl_and_missing_picture_are_warnings() {
     let scene = load_obj(format!("mtllib gone.mtl\n{ONE}"));
     assert!(scene.warnings[0].contains("gone.mtl"), "{:?}", scene.warnings);
     let folder = TempDir::new().unwrap();
-    write(folder.path(), "m.mtl", "newmtl a\nmap_Kd gone.png\n");
-    let scene = load(&write(folder.path(), "m.obj", format!("mtllib m.mtl\nusemtl a\n{ONE}"))).unwrap();
+    let scene = load_with_mtl(&folder, "newmtl a\nmap_Kd gone.png\n").unwrap();
     assert!(scene.warnings[0].contains("gone.png") && scene.textures.is_empty(), "{:?}", scene.warnings);
 }
 
@@ -277,12 +284,7 @@ fn faults_in_obj_and_mtl_name_file_line_and_remedy() {
         ("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n", "vertex 4, but the file has 3", "line 4", "from 1 to 3"),
         ("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 0\n", "index 0", "line 4", "count from 1"),
         ("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 -4\n", "index -4", "line 4", "back from -1"),
-        (
-            "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1/1 2/1 3/1\n",
-            "texture coordinate 1",
-            "line 4",
-            "leave its index out",
-        ),
+        ("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1/1 2/1 3/1\n", "texture coordinate 1", "line 4", "leave its index"),
         ("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1//9999999999 2 3\n", "9999999999", "line 4", "count from 1"),
         ("v 0 0 0\nv 1 0 0\nf 1 2\n", "at least three corners", "line 3", "three vertices"),
         ("v 0 0 0\nf 1 2 a\n", "`a`", "line 2", "v/vt/vn"),
@@ -301,10 +303,9 @@ fn faults_in_obj_and_mtl_name_file_line_and_remedy() {
         assert_eq!(error.file.as_deref(), Some(Path::new(&path)));
     }
     let folder = TempDir::new().unwrap();
-    let mtl = write(folder.path(), "m.mtl", "newmtl a\nKd 1 1\n");
-    let error = load(&write(folder.path(), "m.obj", format!("mtllib m.mtl\n{ONE}"))).unwrap_err();
-    assert_eq!((error.file.as_deref(), error.at.as_deref()), (Some(Path::new(&mtl)), Some("line 2")));
-    assert!(error.what.contains("needs 3 numbers"), "{error}");
+    let error = load_with_mtl(&folder, "newmtl a\nKd 1 1\n").unwrap_err();
+    assert_eq!((error.file, error.at.as_deref()), (Some(folder.path().join("m.mtl")), Some("line 2")));
+    assert!(error.what.contains("needs 3 numbers"), "{}", error.what);
 }
 
 /// The triangles of a scene file with one mesh entry; `one.obj`, `m.mtl` and whatever else stands in the
@@ -321,19 +322,19 @@ fn load_mesh(folder: &TempDir, mesh: &str) -> Scene {
 fn mesh_is_scaled_then_turned_about_x_y_z_then_moved() {
     let folder = TempDir::new().unwrap();
     write(folder.path(), "one.obj", "v 1 0 0\nv 0 1 0\nv 0 0 1\nvn 0 1 0\nf 1//1 2//1 3//1\n");
-    let of = |keys: &str| load_mesh(&folder, &format!("{{ \"obj\": \"one.obj\", {keys} }}"));
+    let of = |keys: &str| load_mesh(&folder, &format!(r#"{{ "obj": "one.obj", {keys} }}"#));
     let vertices = |keys: &str| of(keys).triangles[0].vertices;
     // About x by 90 degrees: y goes to z, z to -y. About y: z to x, x to -z. About z: x to y, y to -x.
-    assert_eq!(vertices("\"rotate_degrees\": [90, 0, 0]"), [Vec3::X, Vec3::Z, -Vec3::Y]);
-    assert_eq!(vertices("\"rotate_degrees\": [0, 90, 0]"), [-Vec3::Z, Vec3::Y, Vec3::X]);
-    assert_eq!(vertices("\"rotate_degrees\": [0, 0, 90]"), [Vec3::Y, -Vec3::X, Vec3::Z]);
+    assert_eq!(vertices(r#""rotate_degrees": [90, 0, 0]"#), [Vec3::X, Vec3::Z, -Vec3::Y]);
+    assert_eq!(vertices(r#""rotate_degrees": [0, 90, 0]"#), [-Vec3::Z, Vec3::Y, Vec3::X]);
+    assert_eq!(vertices(r#""rotate_degrees": [0, 0, 90]"#), [Vec3::Y, -Vec3::X, Vec3::Z]);
     // x first: (y to z), then y: (z to x). The other order would leave y where z takes it: at z.
-    assert_eq!(vertices("\"rotate_degrees\": [90, 90, 0]"), [-Vec3::Z, Vec3::X, -Vec3::Y]);
+    assert_eq!(vertices(r#""rotate_degrees": [90, 90, 0]"#), [-Vec3::Z, Vec3::X, -Vec3::Y]);
     assert_eq!(
-        vertices("\"scale\": 3, \"rotate_degrees\": [0, 0, -90], \"translate\": [10, 0, 0]"),
+        vertices(r#""scale": 3, "rotate_degrees": [0, 0, -90], "translate": [10, 0, 0]"#),
         [Vec3::new(10.0, -3.0, 0.0), Vec3::new(13.0, 0.0, 0.0), Vec3::new(10.0, 0.0, 3.0)]
     );
-    assert_eq!(of("\"scale\": 3, \"rotate_degrees\": [90, 0, 0]").normals, [[Vec3::Z; 3]]);
+    assert_eq!(of(r#""scale": 3, "rotate_degrees": [90, 0, 0]"#).normals, [[Vec3::Z; 3]]);
 }
 
 #[test]
@@ -341,10 +342,7 @@ fn mesh_material_overrides_the_models_own() {
     let folder = TempDir::new().unwrap();
     write(folder.path(), "m.mtl", "newmtl blue\nKd 0 0 1\n");
     write(folder.path(), "one.obj", format!("mtllib m.mtl\nusemtl blue\n{ONE}"));
-    let color = |mesh: &str| {
-        let scene = load_mesh(&folder, mesh);
-        scene.materials[scene.triangles[0].material as usize].color
-    };
+    let color = |mesh: &str| one_material(&load_mesh(&folder, mesh)).color;
     assert_eq!(color(r#"{ "obj": "one.obj", "material": "red" }"#), Vec3::X);
     assert_eq!(color(r#"{ "obj": "one.obj" }"#), Vec3::Z);
 }
@@ -353,22 +351,17 @@ fn mesh_material_overrides_the_models_own() {
 fn faults_inside_a_mesh_name_the_mesh_file() {
     let folder = TempDir::new().unwrap();
     let mesh = write(folder.path(), "bad.obj", "v 0 0 0\nv 1 0 x\n");
-    let path =
-        write(folder.path(), "s.json", r#"{ "format": "octray-1", "meshes": [ { "obj": "bad.obj" } ] }"#);
-    let error = load(&path).unwrap_err();
+    let scene = r#"{ "format": "octray-1", "meshes": [ { "obj": "bad.obj" } ] }"#;
+    let error = load(&write(folder.path(), "s.json", scene)).unwrap_err();
     assert_eq!((error.file.as_deref(), error.at.as_deref()), (Some(Path::new(&mesh)), Some("line 2")));
 }
 
 /// Everything but the names of textures, which depend on the folder.
 fn assert_same_scene(a: &Scene, b: &Scene) {
-    assert_eq!(
-        (a.camera, a.resolution, a.max_bounces, a.sky),
-        (b.camera, b.resolution, b.max_bounces, b.sky)
-    );
-    assert_eq!(a.triangles, b.triangles);
-    assert_eq!(a.materials, b.materials);
-    assert_eq!(a.uvs, b.uvs);
-    assert_eq!(a.textures.len(), b.textures.len());
+    let short =
+        |scene: &Scene| (scene.camera, scene.resolution, scene.max_bounces, scene.sky, scene.textures.len());
+    assert_eq!(short(a), short(b));
+    assert_eq!((&a.triangles, &a.materials, &a.uvs), (&b.triangles, &b.materials, &b.uvs));
 }
 
 #[test]

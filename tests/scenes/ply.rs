@@ -124,53 +124,30 @@ fn files_that_lie_are_refused() {
     let face = "property list uchar int vertex_indices\n";
     let (ascii, little) = ("format ascii 1.0\n", "format binary_little_endian 1.0\n");
     let three = "0 0 0 1 0 0 0 1 0 ";
+    let vertices = |count: u64, more: &str, body: &str| {
+        file(&format!("{ascii}element vertex {count}\n{xyz}{more}"), body)
+    };
+    let faces = |body: &str| vertices(3, &format!("element face 1\n{face}"), body);
     let cases = [
-        (
-            file(
-                &format!("{ascii}element vertex 3\n{xyz}element face 1\n{face}"),
-                &format!("{three}3 0 1 3"),
-            ),
-            "face 0 uses vertex 3",
-        ),
-        (
-            file(
-                &format!("{ascii}element vertex 3\n{xyz}element face 1\n{face}"),
-                "0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n",
-            ),
-            "m.ply: line 13, byte 179",
-        ),
-        (
-            file(&format!("{ascii}element vertex 3\n{xyz}element face 1\n{face}"), &format!("{three}3 0 1")),
-            "ends too early",
-        ),
-        (
-            file(
-                &format!("{ascii}element vertex 3\n{xyz}element face 1\n{face}"),
-                &format!("{three}3 0 1 -1"),
-            ),
-            "-1 is not a vertex",
-        ),
-        (file(&format!("{ascii}element vertex 3\n{xyz}"), three), "no faces"),
-        (file(&format!("{ascii}element vertex 3\n{xyz}"), "0 0 zero 1 0 0 0 1 0"), "`zero` is not a number"),
-        (file(&format!("{ascii}element vertex 3\n{xyz}"), "0 0 1e30 1 0 0 0 1 0"), "scene can hold"),
+        (faces(&format!("{three}3 0 1 3")), "face 0 uses vertex 3"),
+        (faces("0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n"), "m.ply: line 13, byte 179"),
+        (faces(&format!("{three}3 0 1")), "ends too early"),
+        (faces(&format!("{three}3 0 1 -1")), "-1 is not a vertex"),
+        (vertices(3, "", three), "no faces"),
+        (vertices(3, "", "0 0 zero 1 0 0 0 1 0"), "`zero` is not a number"),
+        (vertices(3, "", "0 0 1e30 1 0 0 0 1 0"), "scene can hold"),
+        (vertices(9_999_999_999, "", "000"), "more than the file holds"),
         (
             file(&format!("{little}element vertex 99999999999999999\n{xyz}"), "000"),
             "more than the file holds",
         ),
-        (file(&format!("{ascii}element vertex 9999999999\n{xyz}"), "000"), "more than the file holds"),
         (file(&format!("{little}element face 1\n{face}"), "\u{7f}00"), "ends too early"),
         (file(&format!("{ascii}element vertex 3\nproperty float x\n"), "0 0 0"), "without x, y and z"),
         (file(&format!("{ascii}element vertex 3\nproperty real x\n"), ""), "type of the property"),
         (file(&format!("{ascii}property float x\n"), ""), "property of no element"),
         (file("element vertex 3\n", ""), "no `format`"),
-        (
-            file(&format!("{ascii}element vertex 1\n{xyz}element vertex 1\n{xyz}"), "0 0 0 0 0 0"),
-            "a second list of vertices",
-        ),
-        (
-            file(&format!("{ascii}element vertex 1\n{xyz}property list uchar int a\n"), "0 0 0 0"),
-            "vertices with lists are not read",
-        ),
+        (vertices(1, &format!("element vertex 1\n{xyz}"), "0 0 0 0 0 0"), "a second list of vertices"),
+        (vertices(1, "property list uchar int a\n", "0 0 0 0"), "vertices with lists are not read"),
         (file("format ascii 1.0\nelement vertex -3\n", ""), "not a count"),
         (read_bytes(b"plx\n"), "not a PLY file"),
         (read_bytes(b"ply\nformat ascii 1.0\n"), "ends too early"),
@@ -255,17 +232,8 @@ fn numbers_of_every_type_and_lists_of_other_names_have_their_place() {
         numbers.extend([('s', x), ('i', y), ('b', -3.0), ('u', 65_535.0), ('u', 257.0), ('f', 2.0)]);
     }
     // Three coordinates are no corners, and 9 is no vertex.
-    numbers.extend([
-        ('c', 3.0),
-        ('f', 0.0),
-        ('f', 1.0),
-        ('f', 2.0),
-        ('c', 9.0),
-        ('u', 3.0),
-        ('i', 0.0),
-        ('i', 1.0),
-        ('i', 2.0),
-    ]);
+    numbers.extend([('c', 3.0), ('f', 0.0), ('f', 1.0), ('f', 2.0)]);
+    numbers.extend([('c', 9.0), ('u', 3.0), ('i', 0.0), ('i', 1.0), ('i', 2.0)]);
     for content in encoded(header, &numbers) {
         let scene = read_bytes(&content).unwrap();
         let wanted =

@@ -244,68 +244,33 @@ fn colours_out_of_range_are_brought_inside_with_a_warning() {
 
 #[test]
 fn faults_name_path_line_and_remedy() {
+    let with = |key: &str, thing: &str| format!(r#"{{ "{key}": [ {{ {thing} }} ] }}"#);
+    let (sphere, triangle) = (|thing: &str| with("sphere", thing), |thing: &str| with("triangle", thing));
+    let also = |keys: &str| format!(r#"{{ {keys}, "sphere": [ {{ "center": [0,0,0], "radius": 1 }} ] }}"#);
+    let rough = r#""center": [0,0,0], "radius": 1, "roughness": -1"#;
+    let far = r#""center": [1e18,0,0], "s0": [1e18,0,0], "s1": [0,1,0]"#;
     let cases = [
         (
-            r#"{ "sphere": [ { "center": [0,0,0], "radius": 0 } ] }"#,
+            sphere(r#""center": [0,0,0], "radius": 0"#),
             "the radius is 0",
             "sphere[0].radius, line 1",
             "at least",
         ),
-        (
-            r#"{ "sphere": [ { "center": [0,1e30,0], "radius": 1 } ] }"#,
-            "too large",
-            "sphere[0].center[1]",
-            "1e18",
-        ),
-        (r#"{ "sphere": [ { "radius": 1 } ] }"#, "`center` is missing", "sphere[0]", "add `center`"),
-        (
-            r#"{ "sphere": [ { "center": "x", "radius": 1 } ] }"#,
-            "string",
-            "sphere[0].center, line 1",
-            "array",
-        ),
-        (
-            r#"{ "triangle": [ { "center": [0,0,0], "s0": [1,0,0] } ] }"#,
-            "`s1` is missing",
-            "triangle[0]",
-            "add `s1`",
-        ),
-        (
-            r#"{ "triangle": [ { "center": [1e18,0,0], "s0": [1e18,0,0], "s1": [0,1,0] } ] }"#,
-            "too far",
-            "triangle[0]",
-            "1e18",
-        ),
-        (
-            r#"{ "res": [0, 135], "sphere": [ { "center": [0,0,0], "radius": 1 } ] }"#,
-            "0 pixels",
-            "res[0], line 1",
-            "1 to",
-        ),
-        (
-            r#"{ "res": [2.5, 135], "sphere": [] }"#,
-            "whole number",
-            "res[0], line 1, column 11",
-            "whole number",
-        ),
-        (
-            r#"{ "sphere": [ { "center": [0,0,0], "radius": 1, "roughness": -1 } ] }"#,
-            "negative",
-            "sphere[0].roughness",
-            "mirror",
-        ),
-        (r#"{ "sphere": [ { "center": [0,0,NaN], "radius": 1 } ] }"#, "finite", "sphere[0].center[2]", "NaN"),
-        (
-            r#"{ "sky": [0,-1,0], "sphere": [ { "center": [0,0,0], "radius": 1 } ] }"#,
-            "-1",
-            "sky[1]",
-            "0 to 1",
-        ),
-        (r#"{ "res": [240, 135] }"#, "nothing to see", "", "`sphere`"),
+        (sphere(r#""center": [0,1e30,0], "radius": 1"#), "too large", "sphere[0].center[1]", "1e18"),
+        (sphere(r#""radius": 1"#), "`center` is missing", "sphere[0]", "add `center`"),
+        (sphere(r#""center": "x", "radius": 1"#), "string", "sphere[0].center, line 1", "array"),
+        (sphere(rough), "negative", "sphere[0].roughness", "mirror"),
+        (sphere(r#""center": [0,0,NaN], "radius": 1"#), "finite", "sphere[0].center[2]", "NaN"),
+        (triangle(r#""center": [0,0,0], "s0": [1,0,0]"#), "`s1` is missing", "triangle[0]", "add `s1`"),
+        (triangle(far), "too far", "triangle[0]", "1e18"),
+        (also(r#""res": [0, 135]"#), "0 pixels", "res[0], line 1", "1 to"),
+        (also(r#""res": [2.5, 135]"#), "whole number", "res[0], line 1, column 11", "whole number"),
+        (also(r#""sky": [0,-1,0]"#), "-1", "sky[1]", "0 to 1"),
+        (r#"{ "res": [240, 135] }"#.into(), "nothing to see", "", "`sphere`"),
     ];
     for (text, what, at, mend) in cases {
         let folder = TempDir::new().unwrap();
-        let error = load(&write(folder.path(), "s.json", text)).expect_err(text);
+        let error = load(&write(folder.path(), "s.json", &text)).expect_err(&text);
         assert!(error.what.contains(what), "{text}: {error}");
         assert!(error.at.clone().unwrap_or_default().starts_with(at), "{text}: {error}");
         assert!(error.mend.as_ref().unwrap().contains(mend), "{text}: {error}");

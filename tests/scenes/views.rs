@@ -177,7 +177,7 @@ fn numbers_of_a_view_are_rounded_once_as_on_the_command_line() {
     // Just below the middle of two neighbours in f32; the nearest f64 is the middle itself, from which a
     // second rounding would go up.
     let digits = "1.00000017881393432617187499";
-    let more = format!(", \"render\": {{ \"exposure\": {digits}, \"clamp\": {digits} }}");
+    let more = format!(r#", "render": {{ "exposure": {digits}, "clamp": {digits} }}"#);
     let render = load_with_view(&write(folder.path(), "v.json", view("builtin:three", &more)))
         .unwrap()
         .view
@@ -213,7 +213,7 @@ fn views_of_a_scene_name_it_from_any_folder() {
 
 /// Asserts that a view is refused with these words in what is wrong, where, and how to mend it.
 #[track_caller]
-fn assert_refused(text: &str, what: &str, at: &str, mend: &str) {
+fn refused(text: &str, what: &str, at: &str, mend: &str) {
     let folder = TempDir::new().unwrap();
     scenes(folder.path());
     write(folder.path(), "shot.json", view("native.json", ""));
@@ -229,60 +229,45 @@ fn assert_refused(text: &str, what: &str, at: &str, mend: &str) {
 #[test]
 fn faults_in_a_view_name_their_place_and_a_remedy() {
     let of = |more: &str| view("native.json", &format!(",\n  {more}"));
-    assert_refused(r#"{ "format": "octray-view-1" }"#, "`scene` is missing", "", "add `scene`");
-    assert_refused(
-        r#"{ "format": "octray-view-2" }"#,
-        "`octray-view-2` is unknown",
-        "format",
-        "octray-view-1",
-    );
-    assert_refused(&of(r#""sky": {}"#), "unknown key `sky`", "sky, line 4", "the keys known here are");
-    assert_refused(&of(r#""cammera": {}"#), "unknown key", "cammera, line 4", "did you mean `camera`?");
+    refused(r#"{ "format": "octray-view-1" }"#, "`scene` is missing", "", "add `scene`");
+    refused(r#"{ "format": "octray-view-2" }"#, "`octray-view-2` is unknown", "format", "octray-view-1");
+    refused(&of(r#""sky": {}"#), "unknown key `sky`", "sky, line 4", "the keys known here are");
+    refused(&of(r#""cammera": {}"#), "unknown key", "cammera, line 4", "did you mean `camera`?");
     let fov = r#""camera": { "fov": 9 }"#;
-    assert_refused(&of(fov), "unknown key `fov`", "camera.fov, line 4", "vertical_fov");
+    refused(&of(fov), "unknown key `fov`", "camera.fov, line 4", "vertical_fov");
     let sample = r#""render": { "sample": 9 }"#;
-    assert_refused(&of(sample), "`sample`", "render.sample, line 4, column 22", "did you mean `samples`?");
-    assert_refused(&of(r#""render": { "tone": 3 }"#), "3", "render.tone, line 4", "write a string here");
-    assert_refused(&of(r#""render": { "seed": -1 }"#), "-1", "render.seed, line 4", "whole number");
-    assert_refused(&of(r#""render": { "exposure": 1e99 }"#), "finite", "render.exposure, line 4", "number");
+    refused(&of(sample), "`sample`", "render.sample, line 4, column 22", "did you mean `samples`?");
+    refused(&of(r#""render": { "tone": 3 }"#), "3", "render.tone, line 4", "write a string here");
+    refused(&of(r#""render": { "seed": -1 }"#), "-1", "render.seed, line 4", "whole number");
+    refused(&of(r#""render": { "exposure": 1e99 }"#), "finite", "render.exposure, line 4", "number");
     let size = r#""resolution": [0, 9]"#;
-    assert_refused(&of(size), "0 pixels wide", "resolution[0], line 4, column 18", "from 1 to 16384");
+    refused(&of(size), "0 pixels wide", "resolution[0], line 4, column 18", "from 1 to 16384");
     let bounces = r#""max_bounces": 1025"#;
-    assert_refused(&of(bounces), "1025 bounces", "max_bounces, line 4, column 18", "from 0 to 1024");
+    refused(&of(bounces), "1025 bounces", "max_bounces, line 4, column 18", "from 0 to 1024");
     let fov = r#""camera": { "vertical_fov": 180 }"#;
-    assert_refused(&of(fov), "180°", "camera.vertical_fov, line 4, column 31", "below 180");
+    refused(&of(fov), "180°", "camera.vertical_fov, line 4, column 31", "below 180");
     // What makes the camera impossible may be half the scene's own.
     let up = r#""camera": { "up": [0.5, 0, -9] }"#;
-    assert_refused(&of(up), "parallel", "camera.up, line 4, column 21", "");
+    refused(&of(up), "parallel", "camera.up, line 4, column 21", "");
     let at = r#""camera": { "position": [0.5, 1, 0] }"#;
-    assert_refused(&of(at), "looks at its own position", "camera.look_at", "move `look_at`");
+    refused(&of(at), "looks at its own position", "camera.look_at", "move `look_at`");
 }
 
 #[test]
 fn scenes_that_a_view_cannot_show_are_refused_at_their_name() {
     let place = "scene, line 3, column 12";
-    assert_refused(
-        &view("gone.json", ""),
-        "cannot read the scene `gone.json`",
-        place,
-        "gone.json: give the path",
-    );
-    assert_refused(&view("shot.json", ""), "`shot.json` is a view itself", place, "that it is a view of");
-    assert_refused(&view("view.json", ""), "`view.json` is a view itself", place, "that it is a view of");
-    assert_refused(
+    refused(&view("gone.json", ""), "cannot read the scene `gone.json`", place, "gone.json: give the path");
+    refused(&view("shot.json", ""), "`shot.json` is a view itself", place, "that it is a view of");
+    refused(&view("view.json", ""), "`view.json` is a view itself", place, "that it is a view of");
+    refused(
         &view("notes.txt", ""),
         "`notes.txt` is not the name of a scene",
         place,
         "a model (.obj, .gltf, .glb, .ply)",
     );
-    assert_refused(&view("", ""), "`` is not the name of a scene", place, "builtin:NAME");
-    assert_refused(
-        &view("builtin:thre", ""),
-        "no scene `builtin:thre`",
-        place,
-        "did you mean `builtin:three`?",
-    );
-    assert_refused(&view("builtin:knot", ""), "how many triangles", place, "builtin:knot:N");
+    refused(&view("", ""), "`` is not the name of a scene", place, "builtin:NAME");
+    refused(&view("builtin:thre", ""), "no scene `builtin:thre`", place, "did you mean `builtin:three`?");
+    refused(&view("builtin:knot", ""), "how many triangles", place, "builtin:knot:N");
 }
 
 #[test]
@@ -319,7 +304,7 @@ fn scenes_know_the_files_that_they_were_read_from_and_those_that_are_missing() {
     let ball =
         |path: &str| format!(r#"{{ "center": [0,0,0], "radius": 1, "roughness": 1, "texture": "{path}" }}"#);
     let balls = [ball("p/a.png"), ball("p/gone.png"), ball("p/a.png")].join(", ");
-    write(folder, "s/thesis.json", format!("{{ \"sphere\": [ {balls} ] }}"));
+    write(folder, "s/thesis.json", format!(r#"{{ "sphere": [ {balls} ] }}"#));
     write(folder, "view.json", view("m/m.obj", ""));
     write(folder, "three.json", view("builtin:three", ""));
 

@@ -2,6 +2,7 @@
 //! they have less noise.
 
 use super::{many_lamps, render, square};
+use crate::common::statistics::mean_and_error;
 use crate::common::*;
 use octray::buffers::EnvironmentLight;
 use octray::kernel::surface::latitude_longitude;
@@ -13,13 +14,11 @@ fn compare(scene: &Scene, ways: [LightChoice; 2], samples: [u32; 2], runs: u32) 
     let of = |way: usize| {
         let seeds = (1..=runs).map(|run| run + 1000 * way as u32);
         let means: Vec<f64> = seeds.map(|seed| mean(&render(scene, ways[way], samples[way], seed))).collect();
-        let average = means.iter().sum::<f64>() / f64::from(runs);
-        let variance = means.iter().map(|m| (m - average).powi(2)).sum::<f64>() / f64::from(runs - 1);
-        (average, variance / f64::from(runs))
+        mean_and_error(&means)
     };
     let ((a, of_a), (b, of_b)) = (of(0), of(1));
-    println!("{}: {a} ± {} against {b} ± {}", scene.name, of_a.sqrt(), of_b.sqrt());
-    ((a - b) / (of_a + of_b).sqrt(), of_b / of_a)
+    println!("{}: {a} ± {of_a} against {b} ± {of_b}", scene.name);
+    ((a - b) / of_a.hypot(of_b), (of_b / of_a).powi(2))
 }
 
 /// Holds frames with and without light sampling, of different seeds, against each other.

@@ -1,6 +1,7 @@
 //! Whole paths: furnaces, closed forms, and integrals by quadrature.
 
-use super::scenes::{ball, empty, lamp, one_pixel, wall};
+use super::scenes::{ball, empty, one_pixel, wall};
+use crate::common::statistics::mean_and_error;
 use crate::common::*;
 use octray::sampling::{PixelCoordinates, SampleValues, dimension, warp};
 use std::f64::consts::PI;
@@ -8,10 +9,7 @@ use std::f64::consts::PI;
 /// Mean of the red channel and its standard error over the one pixel's first `samples` paths.
 fn mean(judge: &Reference, max_bounces: u32, samples: u32) -> (f64, f64) {
     let values: Vec<f64> = (0..samples).map(|s| judge.path(one_pixel(max_bounces), 0, 0, s)[0]).collect();
-    let n = f64::from(samples);
-    let mean = values.iter().sum::<f64>() / n;
-    let variance = values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (n - 1.0);
-    (mean, (variance / n).sqrt())
+    mean_and_error(&values)
 }
 
 /// The integral of f over the hemisphere around +z, by the midpoint rule in cos θ and φ.
@@ -78,7 +76,7 @@ fn path_ends_after_its_last_event() {
     assert_eq!(Reference::new(&scene(MaterialKind::Diffuse)).path(one_pixel(0), 0, 0, 0), [0.0; 3]);
     assert_eq!(Reference::new(&scene(MaterialKind::Diffuse)).path(one_pixel(1), 0, 0, 0), [1.0; 3]);
     assert_eq!(Reference::new(&empty()).path(one_pixel(0), 0, 0, 0), [1.0; 3]);
-    let lit = Scene { materials: vec![lamp(Vec3::new(2.0, 3.0, 4.0))], ..ball(MaterialKind::Emitter) };
+    let lit = Scene { materials: vec![emitter(Vec3::new(2.0, 3.0, 4.0))], ..ball(MaterialKind::Emitter) };
     for max_bounces in [0, 9] {
         assert_eq!(Reference::new(&lit).path(one_pixel(max_bounces), 0, 0, 0), [2.0, 3.0, 4.0]);
     }
@@ -147,7 +145,7 @@ fn glass_ball_lets_its_centred_ray_straight_through() {
         behind.material = 1;
         let judge = Reference::new(&Scene {
             sky: Sky::Color(Vec3::ZERO),
-            materials: vec![scene.materials[0].clone(), lamp(Vec3::ONE)],
+            materials: vec![scene.materials[0].clone(), emitter(Vec3::ONE)],
             spheres: vec![scene.spheres[0], behind],
             ..scene
         });
@@ -249,10 +247,8 @@ fn path_follows_the_directions_of_the_estimator() {
 fn mirrors_and_colours_multiply_along_a_path() {
     // Two facing mirrors under a white sky: in at 45°, off one, off the other, away.
     let mut scene = empty();
-    let mirror = Material {
-        color: Vec3::new(0.5, 0.25, 1.0),
-        ..crate::common::material(MaterialKind::Metal { roughness: 0.0 })
-    };
+    let mirror =
+        Material { color: Vec3::new(0.5, 0.25, 1.0), ..material(MaterialKind::Metal { roughness: 0.0 }) };
     scene.materials = vec![mirror];
     let wall = |z: f32| [Vec3::new(-9.0, -3.0, z), Vec3::new(9.0, -3.0, z), Vec3::new(0.0, 2.5, z)];
     scene.triangles = vec![triangle(wall(0.0), 0), triangle(wall(2.0), 0)];

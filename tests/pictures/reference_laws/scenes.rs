@@ -1,7 +1,6 @@
 //! Small scenes that one ray is enough for.
 
-use crate::common::*;
-use crate::common::{self};
+use crate::common::{self, *};
 
 /// Nothing under a white sky, seen from (0, 0, 5) along −z through so narrow a lens that all rays are one.
 pub fn empty() -> Scene {
@@ -11,10 +10,6 @@ pub fn empty() -> Scene {
 
 pub fn one_pixel(max_bounces: u32) -> PathSettings {
     PathSettings { resolution: [1, 1], max_bounces, seed: 7, sampler: Default::default() }
-}
-
-pub fn lamp(radiance: Vec3) -> Material {
-    Material { color: Vec3::ZERO, emission: radiance, ..material(MaterialKind::Emitter) }
 }
 
 /// A unit sphere at the origin.

@@ -1,6 +1,6 @@
 //! How pictures lie on the sky, on spheres and on triangles, seen through whole paths.
 
-use super::scenes::{empty, lamp, numbered, one_pixel, wall};
+use super::scenes::{empty, numbered, one_pixel, wall};
 use crate::common::*;
 
 /// What the scene shows to an eye at `position` that looks at `look_at`.
@@ -20,15 +20,18 @@ fn sky(filter: Filter, direction: Vec3) -> [f64; 3] {
     seen(scene, Vec3::ZERO, direction)
 }
 
-/// A ball seen from outside.
-fn globe(filter: Filter, texture_turn: f32, texture_side: Side, from: Vec3) -> [f64; 3] {
-    let scene = Scene {
-        materials: vec![Material { texture: Some(0), ..lamp(Vec3::ONE) }],
+fn textured_ball(filter: Filter, texture_turn: f32, texture_side: Side) -> Scene {
+    Scene {
+        materials: vec![Material { texture: Some(0), ..lamp(1.0) }],
         textures: vec![numbered(8, 4, filter)],
         spheres: vec![Sphere { texture_turn, texture_side, ..sphere(Vec3::ZERO, 1.0, 0) }],
         ..empty()
-    };
-    seen(scene, from * 5.0, Vec3::ZERO)
+    }
+}
+
+/// A ball seen from outside.
+fn globe(filter: Filter, turn: f32, side: Side, from: Vec3) -> [f64; 3] {
+    seen(textured_ball(filter, turn, side), from * 5.0, Vec3::ZERO)
 }
 
 #[track_caller]
@@ -93,13 +96,8 @@ fn pictures_from_outside_are_those_from_inside_mirrored() {
 
 #[test]
 fn a_texture_stays_put_when_seen_from_inside() {
-    let scene = Scene {
-        materials: vec![Material { texture: Some(0), ..lamp(Vec3::ONE) }],
-        textures: vec![numbered(8, 4, Filter::Nearest)],
-        spheres: vec![Sphere { texture_side: Side::Inside, ..sphere(Vec3::ZERO, 1.0, 0) }],
-        ..empty()
-    };
-    assert_eq!(seen(scene, Vec3::ZERO, at(0.3) + Vec3::Y * 0.01)[..2], [2.0, 1.0]);
+    let ball = textured_ball(Filter::Nearest, 0.0, Side::Inside);
+    assert_eq!(seen(ball, Vec3::ZERO, at(0.3) + Vec3::Y * 0.01)[..2], [2.0, 1.0]);
 }
 
 /// uv = (x, y) / 9 over the wall, the picture's upper edge at v = 1, repeated in both directions.
@@ -107,7 +105,7 @@ fn a_texture_stays_put_when_seen_from_inside() {
 fn triangles_wrap_both_ways_and_count_rows_from_the_top() {
     let show = |filter, x: f32, y: f32| {
         let mut scene = wall(MaterialKind::Emitter);
-        scene.materials[0] = Material { texture: Some(0), ..lamp(Vec3::ONE) };
+        scene.materials[0] = Material { texture: Some(0), ..lamp(1.0) };
         scene.textures = vec![numbered(4, 4, filter)];
         scene.uvs = vec![scene.triangles[0].vertices.map(|p| Vec2::new(p.x, p.y) / 9.0)];
         let point = Vec3::new(x, y, 0.0) * 9.0;

@@ -104,7 +104,7 @@ fn vertex_colours_multiply_and_survive_conversion() {
     let converted = convert_model(&path, &target).unwrap();
     assert!(
         converted.pictures.is_empty()
-            && converted.text.contains("\"colors\": [[1, 0, 0], [0, 1, 0], [0, 0, 1]]")
+            && converted.text.contains(r#""colors": [[1, 0, 0], [0, 1, 0], [0, 0, 1]]"#)
     );
     fs::write(&target, converted.text).unwrap();
     let again = load(target.to_str().unwrap()).unwrap();
@@ -185,7 +185,7 @@ fn vertex_colours_may_be_three_floats_and_end_at_one() {
     let json = model(|json| coloured(json, 136));
     let Loaded { folder, path, .. } = read_with(&json, &[square(), colours.clone()].concat()).unwrap();
     let text = convert_model(&path, &folder.path().join("s.json")).unwrap().text;
-    assert!(text.contains("\"colors\": [[1, 0.5, 0], [1, 0.5, 0], [1, 0.5, 0]]"), "{text}");
+    assert!(text.contains(r#""colors": [[1, 0.5, 0], [1, 0.5, 0], [1, 0.5, 0]]"#), "{text}");
     let (mut json, binary) = pictured(|json| {
         json["materials"][0]["pbrMetallicRoughness"] = json!({ "baseColorTexture": { "index": 0 } });
     });

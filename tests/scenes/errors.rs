@@ -1,23 +1,21 @@
 //! Every way to get a scene wrong is answered with what is wrong, where, and how to mend it.
 
+use crate::folder::Folder;
 use octray::scene::{SceneError, load};
 use std::fs;
 use std::path::Path;
-use tempfile::TempDir;
 
-fn error_of(folder: &Path, text: impl AsRef<[u8]>) -> SceneError {
-    let path = folder.join("scene.json");
-    fs::write(&path, text).unwrap();
-    let error = load(path.to_str().unwrap()).expect_err("the scene must be refused");
-    assert_eq!(error.file.as_deref(), Some(path.as_path()), "{error}");
+fn error_of(folder: &Folder, text: impl AsRef<[u8]>) -> SceneError {
+    let error = folder.load("scene.json", text).expect_err("the scene must be refused");
+    assert_eq!(error.file, Some(folder.path("scene.json")), "{error}");
     error
 }
 
 /// Asserts that a scene text is refused with these words in what is wrong, where, and how to mend it.
 #[track_caller]
 fn refused(text: impl AsRef<[u8]>, what: &str, at: &str, mend: &str) {
-    let folder = TempDir::new().unwrap();
-    let error = error_of(folder.path(), text);
+    let folder = Folder::new();
+    let error = error_of(&folder, text);
     assert!(error.what.contains(what), "what: {error}");
     assert!(error.at.clone().unwrap_or_default().starts_with(at), "at: {error}");
     assert!(error.mend.clone().unwrap_or_default().contains(mend), "mend: {error}");
@@ -101,8 +99,8 @@ fn format_of_another_version_is_refused() {
 
 #[test]
 fn json_that_is_no_scene_says_what_both_formats_need() {
-    let folder = TempDir::new().unwrap();
-    let error = error_of(folder.path(), r#"{ "sky": [1, 1, 1], "name": "x" }"#);
+    let folder = Folder::new();
+    let error = error_of(&folder, r#"{ "sky": [1, 1, 1], "name": "x" }"#);
     let mend = error.mend.unwrap();
     assert!(mend.contains("octray-1") && mend.contains("`sphere`, `triangle` or `res`"), "{mend}");
 }
@@ -234,19 +232,19 @@ fn roughness_ior_and_texture_size_out_of_range_are_refused() {
 
 #[test]
 fn textures_that_cannot_be_used_are_refused() {
-    let folder = TempDir::new().unwrap();
-    fs::write(folder.path().join("text.png"), "not a picture").unwrap();
-    fs::create_dir(folder.path().join("folder.png")).unwrap();
+    let folder = Folder::new();
+    folder.write("text.png", "not a picture");
+    fs::create_dir(folder.path("folder.png")).unwrap();
     let mut png = Vec::new();
     image::RgbImage::new(8, 8)
         .write_to(&mut std::io::Cursor::new(&mut png), image::ImageFormat::Png)
         .unwrap();
-    fs::write(folder.path().join("cut.png"), &png[..png.len() / 2]).unwrap();
+    folder.write("cut.png", &png[..png.len() / 2]);
     let mut dark = [[0.0; 3]; 4];
     dark[1][1] = -1.0;
-    crate::openexr::write(&folder.path().join("negative.exr"), 2, &dark);
+    crate::openexr::write(&folder.path("negative.exr"), 2, &dark);
     dark[1][1] = f32::NAN;
-    crate::openexr::write(&folder.path().join("nan.exr"), 2, &dark);
+    crate::openexr::write(&folder.path("nan.exr"), 2, &dark);
     let cases = [
         ("missing.png", "no such file"),
         ("text.png", "broken"),
@@ -257,12 +255,12 @@ fn textures_that_cannot_be_used_are_refused() {
     ];
     for (name, what) in cases {
         let text = material(&format!(r#""type": "diffuse", "texture": "{name}""#));
-        let error = error_of(folder.path(), text);
+        let error = error_of(&folder, text);
         assert!(error.what.contains(name) && error.what.contains(what), "{error}");
         assert!(error.at.as_ref().unwrap().starts_with("materials.m.texture, line 3"), "{error}");
         // The remedy says where the file was looked for.
-        assert!(error.mend.as_ref().unwrap().contains(folder.path().join(name).to_str().unwrap()), "{error}");
-        let error = error_of(folder.path(), with(&format!(r#""sky": {{ "texture": "{name}" }}"#)));
+        assert!(error.mend.as_ref().unwrap().contains(folder.path(name).to_str().unwrap()), "{error}");
+        let error = error_of(&folder, with(&format!(r#""sky": {{ "texture": "{name}" }}"#)));
         assert!(
             error.what.contains(what) && error.at.as_ref().unwrap().starts_with("sky.texture"),
             "{error}"
@@ -289,8 +287,8 @@ fn skies_with_conflicting_keys_are_refused() {
 
 #[test]
 fn empty_scenes_are_refused() {
-    let folder = TempDir::new().unwrap();
-    let error = error_of(folder.path(), r#"{ "format": "octray-1", "spheres": [] }"#);
+    let folder = Folder::new();
+    let error = error_of(&folder, r#"{ "format": "octray-1", "spheres": [] }"#);
     assert!(error.what.contains("nothing to see") && error.mend.unwrap().contains("`spheres`"));
 }
 
@@ -321,9 +319,9 @@ fn cameras_that_cannot_see_are_refused() {
 
 #[test]
 fn meshes_that_cannot_be_used_are_refused() {
-    let folder = TempDir::new().unwrap();
-    fs::write(folder.path().join("one.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
-    fs::create_dir(folder.path().join("folder.obj")).unwrap();
+    let folder = Folder::new();
+    folder.write("one.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    fs::create_dir(folder.path("folder.obj")).unwrap();
     let mesh = |keys: &str| with(&format!(r#""meshes": [ {{ {keys} }} ]"#));
     let cases = [
         (r#""obj": "missing.obj""#, "no such file", "meshes[0].obj, line 3", "relative to the scene file"),
@@ -339,14 +337,14 @@ fn meshes_that_cannot_be_used_are_refused() {
             "smaller",
         ),
     ];
-    fs::write(folder.path().join("flat.obj"), "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n").unwrap();
+    folder.write("flat.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n");
     let collapsed = [
         (r#""obj": "one.obj", "scale": 1e-30"#, "`one.obj`", "meshes[0], line 3", "larger `scale`"),
         (r#""obj": "one.obj", "translate": [1e17,0,0]"#, "zero area", "meshes[0]", "smaller `translate`"),
         (r#""obj": "flat.obj""#, "zero area", "meshes[0]", "export the model again"),
     ];
     for (keys, what, at, mend) in cases.into_iter().chain(collapsed) {
-        let error = error_of(folder.path(), mesh(keys));
+        let error = error_of(&folder, mesh(keys));
         assert!(error.what.contains(what), "{error}");
         assert!(error.at.as_ref().unwrap().starts_with(at), "{error}");
         assert!(error.mend.as_ref().unwrap().contains(mend), "{error}");
@@ -355,10 +353,10 @@ fn meshes_that_cannot_be_used_are_refused() {
 
 #[test]
 fn names_that_are_no_scenes_are_refused() {
-    let folder = TempDir::new().unwrap();
-    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_string();
-    fs::create_dir(folder.path().join("folder.json")).unwrap();
-    fs::write(folder.path().join("scene.txt"), "{}").unwrap();
+    let folder = Folder::new();
+    let path = |name: &str| folder.path(name).to_str().unwrap().to_string();
+    fs::create_dir(folder.path("folder.json")).unwrap();
+    folder.write("scene.txt", "{}");
     let cases = [
         (path("missing.json"), "no such file", "(.json), a model (.obj, .gltf, .glb, .ply)"),
         (path("missing.obj"), "no such file", "(.json), a model (.obj, .gltf, .glb, .ply)"),
@@ -385,8 +383,8 @@ fn names_that_are_no_scenes_are_refused() {
 #[cfg(unix)]
 #[test]
 fn devices_and_pipes_are_refused_instead_of_read_forever() {
-    let folder = TempDir::new().unwrap();
-    let link = folder.path().join("zero.json");
+    let folder = Folder::new();
+    let link = folder.path("zero.json");
     std::os::unix::fs::symlink("/dev/zero", &link).unwrap();
     let error = load(link.to_str().unwrap()).unwrap_err();
     assert!(error.what.contains("not a regular file"), "{error}");
@@ -411,9 +409,9 @@ fn unknown_builtin_lists_the_names() {
 
 #[test]
 fn message_reads_what_where_and_remedy_in_three_lines() {
-    let folder = TempDir::new().unwrap();
-    let error = error_of(folder.path(), sphere(r#"{ "center": [0,0,0], "radius": 0 }"#));
-    let path = folder.path().join("scene.json");
+    let folder = Folder::new();
+    let error = error_of(&folder, sphere(r#"{ "center": [0,0,0], "radius": 0 }"#));
+    let path = folder.path("scene.json");
     let expected = format!(
         "the radius is 0\n  at {}: spheres[0].radius, line 1, column 47\n  a radius is at least 1e-18",
         path.display()

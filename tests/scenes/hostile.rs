@@ -1,6 +1,7 @@
 //! Files that ask for more than they hold: refused before anything of that size is allocated. Long files are
 //! read in time that grows with their length.
 
+use crate::folder::Folder;
 use octray::film::Picture;
 use octray::scene::{Scene, SceneError, load, load_from};
 use std::cell::Cell;
@@ -8,7 +9,6 @@ use std::fs::File;
 use std::io::{Cursor, ErrorKind};
 use std::path::Path;
 use std::rc::Rc;
-use tempfile::TempDir;
 
 /// Loads the first of these files; it may name the others.
 fn read(files: &[(&'static str, &[u8])]) -> Result<Scene, SceneError> {
@@ -171,8 +171,8 @@ fn exr_images_larger_than_their_file_accounts_for_are_refused() {
 
 #[test]
 fn files_larger_than_any_scene_are_refused() {
-    let folder = TempDir::new().unwrap();
-    let path = folder.path().join("m.ply");
+    let folder = Folder::new();
+    let path = folder.path("m.ply");
     // Sparse: it takes no space.
     File::create(&path).unwrap().set_len((1 << 34) + 1).unwrap();
     let error = load(path.to_str().unwrap()).unwrap_err();
@@ -184,8 +184,8 @@ fn files_larger_than_any_scene_are_refused() {
 #[test]
 fn pipes_are_no_checkpoints_and_are_not_waited_for() {
     use octray_formats::checkpoint::{Checkpoint, CheckpointError, is_checkpoint};
-    let folder = TempDir::new().unwrap();
-    let path = folder.path().join("pipe");
+    let folder = Folder::new();
+    let path = folder.path("pipe");
     assert!(std::process::Command::new("mkfifo").arg(&path).status().unwrap().success());
     assert!(!is_checkpoint(&path));
     assert!(matches!(Checkpoint::open(&path), Err(CheckpointError::NotACheckpoint { .. })));

@@ -1,20 +1,19 @@
 //! OBJ and MTL: what they mean as scenes and as meshes in scenes, and the way back to a scene file.
 
-use crate::folder::{save_picture, write};
+use crate::folder::Folder;
 use glam::{Vec2, Vec3};
 use octray::scene::{Material, MaterialKind, Scene, SceneError, Sky, Texels, convert_model, load};
 use std::path::Path;
-use tempfile::TempDir;
 
 fn load_obj(text: impl AsRef<[u8]>) -> Scene {
-    let folder = TempDir::new().unwrap();
-    load(&write(folder.path(), "m.obj", text)).unwrap_or_else(|error| panic!("{error}"))
+    let folder = Folder::new();
+    folder.load("m.obj", text).unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// The model of one triangle that uses a library's material `a`.
-fn load_with_mtl(folder: &TempDir, library: &str) -> Result<Scene, SceneError> {
-    write(folder.path(), "m.mtl", library);
-    load(&write(folder.path(), "m.obj", format!("mtllib m.mtl\nusemtl a\n{ONE}")))
+fn load_with_mtl(folder: &Folder, library: &str) -> Result<Scene, SceneError> {
+    folder.write("m.mtl", library);
+    folder.load("m.obj", format!("mtllib m.mtl\nusemtl a\n{ONE}"))
 }
 
 fn one_material(scene: &Scene) -> &Material {
@@ -81,17 +80,14 @@ fn normals_of_flat_triangles_are_left_out_on_either_side() {
 
 #[test]
 fn groups_and_materials_of_the_mtl_reach_their_triangles() {
-    let folder = TempDir::new().unwrap();
-    save_picture(folder.path(), "mtl/wall.png");
-    write(
-        folder.path(),
+    let folder = Folder::new();
+    folder.save_picture("mtl/wall.png");
+    folder.write(
         "mtl/room.mtl",
         "newmtl wall\nKd 0.5 0.25 1\nmap_Kd -s 1 1 1 wall.png\nKs 1 1 1\nillum 2\n\nnewmtl lamp\nKd 0 0 0\n\
          Ke 4 3 2\nnewmtl mirror\nKd 0 0 0\nKs 0.9 0.8 0.7\nillum 3\nnewmtl bright\nKd 2 1 0.5\n",
     );
-    let path = write(
-        folder.path(),
-        "m.obj",
+    let path = folder.write("m.obj",
         "mtllib mtl/room.mtl\nv 0 0 0\nv 2 0 0\nv 0 2 0\nvt 0 0\nvt 1 0\nvt 0 1\no first\nf 1 2 3\nusemtl wall\n\
          f 1/1 2/2 3/3\nf 1 2 3\ng second\nusemtl lamp\nf 1/1 2/2 3/3\nusemtl mirror\nf 1 2 3\nusemtl bright\nf 1 2 3\n\
          usemtl nowhere\nf 1 2 3\nf 1 2 3\n",
@@ -117,11 +113,11 @@ fn groups_and_materials_of_the_mtl_reach_their_triangles() {
 /// The one material that a triangle wears which uses an MTL of one material, and the warnings with their path
 /// cut off.
 fn with_material(statements: &str) -> (MaterialKind, Vec3, Vec<String>) {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     let scene = load_with_mtl(&folder, &format!("newmtl a\n{statements}")).unwrap();
     let material = one_material(&scene);
     assert!(material.texture.is_none());
-    let mtl = folder.path().join("m.mtl").to_str().unwrap().to_string();
+    let mtl = folder.path("m.mtl").to_str().unwrap().to_string();
     let cut =
         |warning: &String| warning.strip_prefix(&mtl).expect("warnings start with the file").to_string();
     (material.kind, material.color, scene.warnings.iter().map(cut).collect())
@@ -178,8 +174,8 @@ fn what_clearly_means_metal_or_plastic_is_that() {
 
 #[test]
 fn maps_of_the_mtl_are_read_as_numbers() {
-    let folder = TempDir::new().unwrap();
-    image::RgbImage::from_pixel(2, 1, image::Rgb([51, 128, 255])).save(folder.path().join("n.png")).unwrap();
+    let folder = Folder::new();
+    image::RgbImage::from_pixel(2, 1, image::Rgb([51, 128, 255])).save(folder.path("n.png")).unwrap();
     let library = "newmtl a\nmap_Kd n.png\nmap_Pr n.png\nnorm -bm 1 n.png\n";
     let scene = load_with_mtl(&folder, library).unwrap();
     let material = one_material(&scene);
@@ -219,8 +215,8 @@ fn what_is_left_out_of_a_material_is_a_warning_with_its_line() {
 #[test]
 fn options_of_maps_come_before_names_that_may_hold_spaces() {
     for options in ["", "-s 1 1 1 ", "-o 0 0 -clamp off ", "-blendu on -mm 0 1 -bm 1.0 "] {
-        let folder = TempDir::new().unwrap();
-        image::RgbImage::new(1, 1).save(folder.path().join("a b.png")).unwrap();
+        let folder = Folder::new();
+        image::RgbImage::new(1, 1).save(folder.path("a b.png")).unwrap();
         let scene = load_with_mtl(&folder, &format!("newmtl a\nmap_Kd {options}a b.png\n")).unwrap();
         assert_eq!((scene.textures[0].name.as_str(), scene.warnings.len()), ("a b.png", 0), "{options}");
     }
@@ -249,7 +245,7 @@ fn tall_models_are_framed_whole_and_others_as_ever() {
 fn missing_mtl_and_missing_picture_are_warnings() {
     let scene = load_obj(format!("mtllib gone.mtl\n{ONE}"));
     assert!(scene.warnings[0].contains("gone.mtl"), "{:?}", scene.warnings);
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     let scene = load_with_mtl(&folder, "newmtl a\nmap_Kd gone.png\n").unwrap();
     assert!(scene.warnings[0].contains("gone.png") && scene.textures.is_empty(), "{:?}", scene.warnings);
 }
@@ -294,34 +290,34 @@ fn faults_in_obj_and_mtl_name_file_line_and_remedy() {
         ("v 0 0 0\nf 1 1 1\n", "nothing to see", "", "zero area"),
     ];
     for (text, what, at, mend) in cases {
-        let folder = TempDir::new().unwrap();
-        let path = write(folder.path(), "m.obj", text);
+        let folder = Folder::new();
+        let path = folder.write("m.obj", text);
         let error = load(&path).expect_err(text);
         assert!(error.what.contains(what), "{text:?}: {error}");
         assert_eq!(error.at.clone().unwrap_or_default(), at, "{text:?}: {error}");
         assert!(error.mend.as_ref().unwrap().contains(mend), "{text:?}: {error}");
         assert_eq!(error.file.as_deref(), Some(Path::new(&path)));
     }
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     let error = load_with_mtl(&folder, "newmtl a\nKd 1 1\n").unwrap_err();
-    assert_eq!((error.file, error.at.as_deref()), (Some(folder.path().join("m.mtl")), Some("line 2")));
+    assert_eq!((error.file, error.at.as_deref()), (Some(folder.path("m.mtl")), Some("line 2")));
     assert!(error.what.contains("needs 3 numbers"), "{}", error.what);
 }
 
 /// The triangles of a scene file with one mesh entry; `one.obj`, `m.mtl` and whatever else stands in the
 /// folder.
-fn load_mesh(folder: &TempDir, mesh: &str) -> Scene {
+fn load_mesh(folder: &Folder, mesh: &str) -> Scene {
     let text = format!(
         r#"{{ "format": "octray-1", "materials": {{ "red": {{ "type": "diffuse", "color": [1,0,0] }} }},
             "meshes": [ {mesh} ] }}"#
     );
-    load(&write(folder.path(), "scene.json", text)).unwrap_or_else(|error| panic!("{error}"))
+    folder.load("scene.json", text).unwrap_or_else(|error| panic!("{error}"))
 }
 
 #[test]
 fn mesh_is_scaled_then_turned_about_x_y_z_then_moved() {
-    let folder = TempDir::new().unwrap();
-    write(folder.path(), "one.obj", "v 1 0 0\nv 0 1 0\nv 0 0 1\nvn 0 1 0\nf 1//1 2//1 3//1\n");
+    let folder = Folder::new();
+    folder.write("one.obj", "v 1 0 0\nv 0 1 0\nv 0 0 1\nvn 0 1 0\nf 1//1 2//1 3//1\n");
     let of = |keys: &str| load_mesh(&folder, &format!(r#"{{ "obj": "one.obj", {keys} }}"#));
     let vertices = |keys: &str| of(keys).triangles[0].vertices;
     // About x by 90 degrees: y goes to z, z to -y. About y: z to x, x to -z. About z: x to y, y to -x.
@@ -339,9 +335,9 @@ fn mesh_is_scaled_then_turned_about_x_y_z_then_moved() {
 
 #[test]
 fn mesh_material_overrides_the_models_own() {
-    let folder = TempDir::new().unwrap();
-    write(folder.path(), "m.mtl", "newmtl blue\nKd 0 0 1\n");
-    write(folder.path(), "one.obj", format!("mtllib m.mtl\nusemtl blue\n{ONE}"));
+    let folder = Folder::new();
+    folder.write("m.mtl", "newmtl blue\nKd 0 0 1\n");
+    folder.write("one.obj", format!("mtllib m.mtl\nusemtl blue\n{ONE}"));
     let color = |mesh: &str| one_material(&load_mesh(&folder, mesh)).color;
     assert_eq!(color(r#"{ "obj": "one.obj", "material": "red" }"#), Vec3::X);
     assert_eq!(color(r#"{ "obj": "one.obj" }"#), Vec3::Z);
@@ -349,10 +345,10 @@ fn mesh_material_overrides_the_models_own() {
 
 #[test]
 fn faults_inside_a_mesh_name_the_mesh_file() {
-    let folder = TempDir::new().unwrap();
-    let mesh = write(folder.path(), "bad.obj", "v 0 0 0\nv 1 0 x\n");
+    let folder = Folder::new();
+    let mesh = folder.write("bad.obj", "v 0 0 0\nv 1 0 x\n");
     let scene = r#"{ "format": "octray-1", "meshes": [ { "obj": "bad.obj" } ] }"#;
-    let error = load(&write(folder.path(), "s.json", scene)).unwrap_err();
+    let error = folder.load("s.json", scene).unwrap_err();
     assert_eq!((error.file.as_deref(), error.at.as_deref()), (Some(Path::new(&mesh)), Some("line 2")));
 }
 
@@ -366,40 +362,38 @@ fn assert_same_scene(a: &Scene, b: &Scene) {
 
 #[test]
 fn converted_model_loads_as_the_same_scene() {
-    let folder = TempDir::new().unwrap();
-    save_picture(folder.path(), "models/p.png");
+    let folder = Folder::new();
+    folder.save_picture("models/p.png");
     let awkward =
         "v 0.1 1e-30 -3.4028e10\nv 16.32150076329708 28.073750436306 -24.97914992272854\nv 1e17 0.3 7e-9\n";
-    write(
-        folder.path(),
-        "models/m.mtl",
+    folder.write("models/m.mtl",
         "newmtl a \"quoted\"\nKd 0.1 0.7 0.3\nmap_Kd p.png\nnewmtl lamp\nKe 0.1 100 3e9\nnewmtl mirror\nillum 3\n",
     );
     let text = format!(
         "mtllib m.mtl\n{awkward}vt 0.1 0.9\nvt 1e-7 3\nvt -0.3 0.2\nusemtl a \"quoted\"\nf 1/1 2/2 3/3\nf 3 2 1\n\
          usemtl lamp\nf 1 2 3\nusemtl mirror\nf 1 3 2\nusemtl unknown\nf 1 2 3\n"
     );
-    let model = write(folder.path(), "models/m.obj", text);
+    let model = folder.write("models/m.obj", text);
     let direct = load(&model).unwrap();
 
     let convert = |scene: &Path| convert_model(Path::new(&model), scene).unwrap().text;
-    let beside = folder.path().join("models/scene.json");
-    let beside = write(folder.path(), "models/scene.json", convert(&beside));
+    let beside = folder.path("models/scene.json");
+    let beside = folder.write("models/scene.json", convert(&beside));
     let converted = load(&beside).unwrap();
     assert_same_scene(&direct, &converted);
     assert_eq!(converted.textures[0].name, "p.png");
 
-    let elsewhere = folder.path().join("scenes/deep/scene.json");
-    let converted = load(&write(folder.path(), "scenes/deep/scene.json", convert(&elsewhere))).unwrap();
+    let elsewhere = folder.path("scenes/deep/scene.json");
+    let converted = folder.load("scenes/deep/scene.json", convert(&elsewhere)).unwrap();
     assert_same_scene(&direct, &converted);
     assert_eq!(converted.textures[0].name, "../../models/p.png");
 }
 
 #[test]
 fn conversion_of_a_broken_model_is_refused() {
-    let folder = TempDir::new().unwrap();
-    let refused = |model: &Path| convert_model(model, &folder.path().join("s.json")).err().unwrap();
-    let error = refused(Path::new(&write(folder.path(), "m.obj", "v 0 0 0\nf 1 2 3\n")));
+    let folder = Folder::new();
+    let refused = |model: &Path| convert_model(model, &folder.path("s.json")).err().unwrap();
+    let error = refused(Path::new(&folder.write("m.obj", "v 0 0 0\nf 1 2 3\n")));
     assert_eq!(error.at.as_deref(), Some("line 2"));
-    assert!(refused(&folder.path().join("gone.obj")).what.contains("no such file"));
+    assert!(refused(&folder.path("gone.obj")).what.contains("no such file"));
 }

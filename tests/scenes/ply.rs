@@ -1,15 +1,15 @@
 //! PLY models: the three encodings, and files that lie.
 
+use crate::folder::Folder;
 use glam::{Vec2, Vec3};
 use octray::measure::stability::Rng;
 use octray::render::{Renderer, Settings};
 use octray::scene::{Scene, Texels, load, srgb_to_linear};
 use std::fs;
-use tempfile::TempDir;
 
 fn read_bytes(content: &[u8]) -> Result<Scene, String> {
-    let folder = TempDir::new().unwrap();
-    let path = folder.path().join("m.ply");
+    let folder = Folder::new();
+    let path = folder.path("m.ply");
     fs::write(&path, content).unwrap();
     load(path.to_str().unwrap()).map_err(|error| error.to_string())
 }
@@ -176,8 +176,8 @@ fn changed_bytes_never_cause_a_panic() {
         numbers.extend([('c', 3.0), ('i', 0.0), ('i', 1.0), ('i', 2.0)]);
     }
     let mut rng = Rng(12);
-    let folder = TempDir::new().unwrap();
-    let path = folder.path().join("m.ply");
+    let folder = Folder::new();
+    let path = folder.path("m.ply");
     for content in encoded(header, &numbers) {
         for round in 0..250 {
             let mut changed = content.clone();
@@ -196,16 +196,16 @@ fn changed_bytes_never_cause_a_panic() {
 
 #[test]
 fn placed_models_turn_their_normals_and_keep_their_coordinates() {
-    let folder = TempDir::new().unwrap();
-    image::RgbImage::new(1, 1).save(folder.path().join("p.png")).unwrap();
+    let folder = Folder::new();
+    image::RgbImage::new(1, 1).save(folder.path("p.png")).unwrap();
     let text = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
                 property float nx\nproperty float ny\nproperty float nz\nproperty float s\nproperty float t\n\
                 property float red\nproperty float green\nproperty float blue\n\
                 element face 1\nproperty list uchar int vertex_indices\nend_header\n\
                 0 0 0  1.2 0 1.6  0.25 0.125  1 0 0\n1 0 0  0 1.2 1.6  0.5 0.125  0 1 0\n\
                 0 1 0  0 -1.2 1.6  0.25 0.75  0 0 1\n3 0 1 2\n";
-    fs::write(folder.path().join("m.ply"), text).unwrap();
-    let path = folder.path().join("s.json");
+    folder.write("m.ply", text);
+    let path = folder.path("s.json");
     let scene = r#"{ "format": "octray-1", "materials": { "p": { "type": "diffuse", "texture": "p.png" } }, "meshes": [
         { "model": "m.ply", "material": "p", "scale": 2, "rotate_degrees": [0, 0, 90], "translate": [0, 0, 1] } ] }"#;
     fs::write(&path, scene).unwrap();

@@ -1,15 +1,11 @@
 //! The thesis's own scene format: its values in our axes and our units.
 
-use crate::folder::write;
+use crate::folder::Folder;
 use glam::{Vec2, Vec3};
-use octray::scene::{Filter, MaterialKind, Scene, Side, Sky, load};
-use std::fs;
-use std::path::Path;
-use tempfile::TempDir;
+use octray::scene::{Filter, MaterialKind, Scene, Side, Sky};
 
 fn load_text(text: &str) -> Scene {
-    let folder = TempDir::new().unwrap();
-    load(&write(folder.path(), "s.json", text)).unwrap_or_else(|error| panic!("{error}"))
+    Folder::new().load("s.json", text).unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// The file of the format's description, as it stands.
@@ -122,24 +118,17 @@ fn surfaces_follow_emission_then_roughness() {
     assert_eq!((scene.spheres[3].material, scene.materials.len()), (scene.spheres[1].material, 3));
 }
 
-/// A picture whose every pixel differs, where the format's texture paths may lead.
-fn save_picture(folder: &Path, name: &str) {
-    let path = folder.join(name);
-    fs::create_dir_all(path.parent().unwrap()).unwrap();
-    image::RgbImage::from_fn(4, 4, |x, y| image::Rgb([60 * x as u8, 60 * y as u8, 0])).save(path).unwrap();
-}
-
 #[test]
 fn textures_are_found_beside_the_scene_and_above_it_with_either_slash() {
-    let folder = TempDir::new().unwrap();
-    save_picture(folder.path(), "project/bin/texture/wall.png");
-    save_picture(folder.path(), "project/scenes/deep/near.png");
+    let folder = Folder::new();
+    folder.save_picture("project/bin/texture/wall.png");
+    folder.save_picture("project/scenes/deep/near.png");
     let texture = |path: &str| {
         let text = format!(
             r#"{{ "sky": [1,1,1], "sphere": [ {{ "center": [0,0,0], "radius": 1, "texture": "{}" }} ] }}"#,
             path.replace('\\', "\\\\")
         );
-        load(&write(folder.path(), "project/scenes/deep/s.json", &text)).unwrap()
+        folder.load("project/scenes/deep/s.json", &text).unwrap()
     };
     for path in
         ["near.png", "./near.png", "./bin/texture/wall.png", "bin/texture/wall.png", "bin\\texture\\wall.png"]
@@ -184,12 +173,12 @@ fn ball_textures_lie_as_in_their_program() {
 
 #[test]
 fn triangle_textures_lie_as_in_their_program() {
-    let folder = TempDir::new().unwrap();
-    save_picture(folder.path(), "p.png");
+    let folder = Folder::new();
+    folder.save_picture("p.png");
     let text = r#"{ "triangle": [
         { "center": [7,8,9], "s0": [300,0,0], "s1": [0,0,200], "roughness": 1, "texture": "p.png" },
         { "center": [7,8,9], "s0": [0,50,0], "s1": [0,0,25], "roughness": 1, "texture": "p.png" } ] }"#;
-    let scene = load(&write(folder.path(), "s.json", text)).unwrap();
+    let scene = folder.load("s.json", text).unwrap();
     // First: n = x cross z = (0,-1,0); tangent (0, -n.z, n.y) = (0,0,-1); bitangent n x tangent = (1,0,0).
     // At s0: u 0, row 3. At s1: u -2, row 0. Stored: v = 1 - row.
     assert_eq!(scene.uvs[0], [Vec2::new(0.0, 1.0), Vec2::new(0.0, -2.0), Vec2::new(-2.0, 1.0)]);
@@ -269,8 +258,8 @@ fn faults_name_path_line_and_remedy() {
         (r#"{ "res": [240, 135] }"#.into(), "nothing to see", "", "`sphere`"),
     ];
     for (text, what, at, mend) in cases {
-        let folder = TempDir::new().unwrap();
-        let error = load(&write(folder.path(), "s.json", &text)).expect_err(&text);
+        let folder = Folder::new();
+        let error = folder.load("s.json", &text).expect_err(&text);
         assert!(error.what.contains(what), "{text}: {error}");
         assert!(error.at.clone().unwrap_or_default().starts_with(at), "{text}: {error}");
         assert!(error.mend.as_ref().unwrap().contains(mend), "{text}: {error}");

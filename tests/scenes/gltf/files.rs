@@ -1,13 +1,13 @@
 //! glTF files: binary and text, buffers and pictures beside them, damage, conversion.
 
 use super::{Loaded, glb, model, pictured, png, read, read_with, refused, square};
+use crate::folder::Folder;
 use glam::Vec3;
 use octray::measure::stability::Rng;
 use octray::scene::{Filter, MaterialKind, convert_model, load};
 use serde_json::{Value, json};
 use std::fs;
 use std::path::Path;
-use tempfile::TempDir;
 
 #[test]
 fn conversion_writes_pictures_that_are_inside_the_model() {
@@ -18,13 +18,13 @@ fn conversion_writes_pictures_that_are_inside_the_model() {
         });
     });
     let Loaded { scene, folder, path } = read_with(&json, &binary).unwrap();
-    let target = folder.path().join("deep/s.json");
+    let target = folder.path("deep/s.json");
     let converted = convert_model(&path, &target).unwrap();
-    fs::create_dir(folder.path().join("deep")).unwrap();
+    fs::create_dir(folder.path("deep")).unwrap();
     let names: Vec<_> = converted.pictures.iter().map(|(name, _)| name.to_str().unwrap()).collect();
     assert_eq!(names, ["s-1.png", "s-2.exr"]);
     for (name, content) in &converted.pictures {
-        fs::write(folder.path().join("deep").join(name), content).unwrap();
+        fs::write(folder.path("deep").join(name), content).unwrap();
     }
     fs::write(&target, converted.text).unwrap();
     let again = load(target.to_str().unwrap()).unwrap();
@@ -130,9 +130,9 @@ fn broken_files_are_refused_with_place_and_remedy() {
 
 #[test]
 fn bytes_of_another_format_are_not_called_broken_json() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     let error = |name: &str, content: &[u8]| {
-        let path = folder.path().join(name);
+        let path = folder.path(name);
         fs::write(&path, content).unwrap();
         load(path.to_str().unwrap()).unwrap_err().to_string()
     };
@@ -165,7 +165,7 @@ fn copies_of_a_mesh_are_counted_before_they_are_made() {
 
 #[test]
 fn a_text_file_names_buffers_and_pictures_beside_it() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     let json = model(|json| {
         json["buffers"][0]["uri"] = json!("a%20b.bin");
         json["images"] = json!([{ "uri": "p.png" }, { "uri": "gone.png" }]);
@@ -173,12 +173,12 @@ fn a_text_file_names_buffers_and_pictures_beside_it() {
         json["materials"][0]["pbrMetallicRoughness"] = json!({ "baseColorTexture": { "index": 0 } });
         json["materials"][0]["normalTexture"] = json!({ "index": 1 });
     });
-    let path = folder.path().join("m.gltf");
+    let path = folder.path("m.gltf");
     fs::write(&path, json.to_string()).unwrap();
     let error = load(path.to_str().unwrap()).unwrap_err();
     assert!(error.to_string().contains("buffers[0].uri") && error.to_string().contains("a b.bin"), "{error}");
-    fs::write(folder.path().join("a b.bin"), square()).unwrap();
-    fs::write(folder.path().join("p.png"), png()).unwrap();
+    folder.write("a b.bin", square());
+    folder.write("p.png", png());
     let scene = load(path.to_str().unwrap()).unwrap();
     assert_eq!(scene.textures[0].name, "p.png");
     assert!(
@@ -192,7 +192,7 @@ fn a_text_file_names_buffers_and_pictures_beside_it() {
     let of = |mesh: Value| {
         let text =
             json!({ "format": "octray-1", "materials": { "red": { "type": "diffuse" } }, "meshes": [mesh] });
-        let path = folder.path().join("s.json");
+        let path = folder.path("s.json");
         fs::write(&path, text.to_string()).unwrap();
         load(path.to_str().unwrap())
     };
@@ -213,10 +213,10 @@ fn changed_bytes_never_cause_a_panic() {
         json["materials"][0]["pbrMetallicRoughness"] = json!({ "baseColorTexture": { "index": 1 } });
     });
     let content = glb(&json, &binary);
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     let mut rng = Rng(11);
     for (round, extension) in (0..500).zip(["glb", "glb", "glb", "gltf"].iter().cycle()) {
-        let path = folder.path().join(format!("m.{extension}"));
+        let path = folder.path(&format!("m.{extension}"));
         let mut changed = if *extension == "glb" { content.clone() } else { json.to_string().into_bytes() };
         for _ in 0..1 + round % 3 {
             let at = rng.bits() as usize % changed.len();
@@ -238,8 +238,8 @@ fn changed_bytes_never_cause_a_panic() {
 
 #[test]
 fn data_uris_byte_order_marks_and_unknown_chunks_are_read() {
-    let folder = TempDir::new().unwrap();
-    let path = folder.path().join("m.gltf");
+    let folder = Folder::new();
+    let path = folder.path("m.gltf");
     for head in ["data:application/octet-stream;base64", "data:;base64"] {
         let json = json!({
             "asset": { "version": "2.0" }, "nodes": [{ "mesh": 0 }],
@@ -255,7 +255,7 @@ fn data_uris_byte_order_marks_and_unknown_chunks_are_read() {
     let mut bytes = glb(&model(|_| {}), &square());
     let at = 20 + u32::from_le_bytes(bytes[12..16].try_into().unwrap()) as usize;
     bytes.splice(at..at, *b"\x04\0\0\0XTRAabcd");
-    let path = folder.path().join("m.glb");
+    let path = folder.path("m.glb");
     fs::write(&path, bytes).unwrap();
     assert_eq!(load(path.to_str().unwrap()).unwrap().triangles.len(), 2);
 }

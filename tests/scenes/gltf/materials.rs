@@ -100,7 +100,7 @@ fn vertex_colours_multiply_and_survive_conversion() {
         let material = Material { name: String::new(), ..scene.materials[material as usize].clone() };
         (scene.textures.clone(), scene.uvs.clone(), material)
     };
-    let target = folder.path().join("s.json");
+    let target = folder.path("s.json");
     let converted = convert_model(&path, &target).unwrap();
     assert!(
         converted.pictures.is_empty()
@@ -184,7 +184,7 @@ fn vertex_colours_may_be_three_floats_and_end_at_one() {
     let colours = floats(&[[2.0, 0.5, 0.0]; 4].concat());
     let json = model(|json| coloured(json, 136));
     let Loaded { folder, path, .. } = read_with(&json, &[square(), colours.clone()].concat()).unwrap();
-    let text = convert_model(&path, &folder.path().join("s.json")).unwrap().text;
+    let text = convert_model(&path, &folder.path("s.json")).unwrap().text;
     assert!(text.contains(r#""colors": [[1, 0.5, 0], [1, 0.5, 0], [1, 0.5, 0]]"#), "{text}");
     let (mut json, binary) = pictured(|json| {
         json["materials"][0]["pbrMetallicRoughness"] = json!({ "baseColorTexture": { "index": 0 } });

@@ -4,11 +4,11 @@ mod files;
 mod geometry;
 mod materials;
 
+use crate::folder::Folder;
 use octray::scene::{Material, Scene, load};
 use serde_json::{Value, json};
 use std::fs;
 use std::path::PathBuf;
-use tempfile::TempDir;
 
 /// A binary file of a JSON text and a binary part.
 fn glb(json: &Value, binary: &[u8]) -> Vec<u8> {
@@ -59,13 +59,13 @@ fn model(change: impl FnOnce(&mut Value)) -> Value {
 
 struct Loaded {
     scene: Scene,
-    folder: TempDir,
+    folder: Folder,
     path: PathBuf,
 }
 
 fn read_with(json: &Value, binary: &[u8]) -> Result<Loaded, String> {
-    let folder = TempDir::new().unwrap();
-    let path = folder.path().join("m.glb");
+    let folder = Folder::new();
+    let path = folder.path("m.glb");
     fs::write(&path, glb(json, binary)).unwrap();
     let scene = load(path.to_str().unwrap()).map_err(|error| error.to_string())?;
     Ok(Loaded { scene, folder, path })
@@ -111,7 +111,7 @@ fn pictured(change: impl FnOnce(&mut Value)) -> (Value, Vec<u8>) {
 /// The square's mesh on a node, in a scene that places the model.
 fn placed(json: &Value, binary: &[u8], placement: Value) -> Scene {
     let Loaded { folder, .. } = read_with(json, binary).unwrap();
-    let path = folder.path().join("s.json");
+    let path = folder.path("s.json");
     let mut mesh = json!({ "model": "m.glb" });
     mesh.as_object_mut().unwrap().extend(placement.as_object().unwrap().clone());
     fs::write(&path, json!({ "format": "octray-1", "meshes": [mesh] }).to_string()).unwrap();

@@ -7,7 +7,7 @@
 //! lane_parity`.
 
 use crate::common::*;
-use octray::kernel::{bsdf, surface, texture};
+use octray::kernel::{bsdf, light, ray_cone, surface, texture};
 use octray::lane::{functions, lane_indices, set_bits};
 use octray::math::Vec3;
 use octray::sampling::{PixelCoordinates, SampleValues, random, warp};
@@ -329,6 +329,27 @@ same_at_every_width! {
         values.extend(vector(normal));
         let (u, v) = surface::latitude_longitude(n);
         values.extend([Float(u), Float(v)]);
+        values
+    };
+    ray_cones_are_the_same_at_every_width: |o| {
+        let cone = ray_cone::Cone { width: o.x, spread: o.y };
+        let n = Vec3::new(o.z, o.x, o.y).normalize();
+        [
+            Float(ray_cone::level_of_detail(o.x, o.y, L::from_int(o.k))),
+            Float(ray_cone::footprint(cone.width_at(o.z), o.y, o.x)), Float(ray_cone::sphere_density(n, o.z)),
+            Float(cone.scattered(o.z, o.y, o.x, random::uniform::<L>(o.i, 0)).spread),
+        ]
+    };
+    light_samples_are_the_same_at_every_width: |o| {
+        let [a, ab] = [Vec3::new(o.x, o.y, o.z), Vec3::new(o.y, -o.z, o.x)];
+        let (u, v) = (random::uniform::<L>(o.i, 0), random::uniform::<L>(o.j, 1));
+        let flat = light::FlatLight { a, ab, ac: ab.cross(a), is_quad: o.mask };
+        let mut values = Vec::new();
+        for sample in [light::sample_flat(&flat, u, v), light::sample_sphere(a, o.x.abs() * u, u, v)] {
+            let is_seen = L::zero().lt(sample.pdf);
+            values.extend([Float(sample.pdf), Truth(is_seen)]);
+            values.extend(vector(Vec3::select(is_seen, sample.wi, a)));
+        }
         values
     };
     texels_are_the_same_at_every_width: |o| {

@@ -89,25 +89,3 @@ fn picture_is_the_references_with_levels_of_detail() {
         crate::judged::assert_is_the_judges(&format!("levels, {kind:?}"), &scene);
     }
 }
-
-/// A small sun is as bright where light sampling finds it as where scattering does: both see the same level.
-#[test]
-fn sky_gives_the_same_light_sampled_or_met_by_chance() {
-    let mut texels = vec![[0.1, 0.2, 0.3, 0.0]; 64 * 32];
-    texels[6 * 64 + 20] = [900.0, 700.0, 500.0, 0.0];
-    let sun = Texture { width: 64, texels: Texels::Float32(texels), ..board(Filter::Trilinear) };
-    let scene = Scene {
-        sky: Sky::Texture { texture: 0, color: Vec3::ONE, turn: 0.0 },
-        materials: vec![material(MaterialKind::Diffuse), material(MaterialKind::Metal { roughness: 0.6 })],
-        textures: vec![sun],
-        spheres: vec![sphere(Vec3::X, 1.0, 0), sphere(-Vec3::X, 1.0, 1)],
-        ..empty()
-    };
-    let light = |lights| {
-        let methods = Methods { lights, ..Methods::default() };
-        let settings = Settings { resolution: [24, 16], methods, ..Settings::of(&scene) };
-        mean(&render(&scene, settings, 512))
-    };
-    let [sampled, met] = [LightChoice::On, LightChoice::Off].map(light);
-    assert!((sampled / met - 1.0).abs() < 0.03, "{sampled} sampled, {met} by chance");
-}

@@ -38,7 +38,7 @@ fn material(keys: &str) -> String {
 }
 
 #[test]
-fn broken_json_names_line_and_column() {
+fn texts_that_are_no_scene_are_refused_with_line_and_column() {
     refused("", "broken JSON", "line 1, column 1", "write a JSON object");
     refused("{\n  \"max_bounces\": 3\n\n", "broken JSON", "line 2, column 19", "close the brackets");
     refused("{ \"format\": \"octray-1\",\n \"spheres\": [", "broken JSON", "spheres", "close the brackets");
@@ -50,15 +50,17 @@ fn broken_json_names_line_and_column() {
     refused(four, "too many entries in this list", "camera.position", "remove those from here on");
     refused("[1, 2]", "not a scene", "", "octray-1");
     refused(r#""scene""#, "string", "line 1", "write an object");
-}
-
-#[test]
-fn text_that_is_not_utf8_names_its_line() {
     refused(b"{\n \"format\": \"octray-1\xff\" }", "not UTF-8", "line 2", "UTF-8");
+    let text = r#"{ "format": "octray-2", "spheres": [] }"#;
+    refused(text, "`octray-2`", "format, line 1, column 13", r#""format": "octray-1""#);
+    let neither = r#"{ "sky": [1, 1, 1], "name": "x" }"#;
+    refused(neither, "", "", "octray-1");
+    refused(neither, "", "", "`sphere`, `triangle` or `res`");
+    refused(r#"{ "format": "octray-1", "spheres": [] }"#, "nothing to see", "", "`spheres`");
 }
 
 #[test]
-fn unknown_keys_are_refused_with_the_nearest_known_one() {
+fn keys_that_are_unknown_missing_doubled_or_of_another_type_are_named() {
     refused(with(r#""skye": {}"#), "unknown key `skye`", "skye, line 3, column 8", "did you mean `sky`?");
     let text = sphere(r#"{ "center": [0,0,0], "radius": 1, "colour": 3 }"#);
     refused(
@@ -69,19 +71,11 @@ fn unknown_keys_are_refused_with_the_nearest_known_one() {
     );
     refused(material(r#""type": "diffuse", "colour": 1"#), "`colour`", "materials.m", "`color`");
     refused(with(r#""camera": { "fov": 40 }"#), "`fov`", "camera", "vertical_fov");
-}
-
-#[test]
-fn missing_and_doubled_keys_are_named() {
     refused(sphere(r#"{ "center": [0,0,0] }"#), "`radius` is missing", "spheres[0], line 1", "add `radius`");
     refused(material(r#""color": [1,1,1]"#), "`type` is missing", "materials.m", "add `type`");
     refused(with(r#""sky": null, "sky": null"#), "a second `sky`", "", "remove or rename");
     let twice = with(r#""materials": { "a": { "type": "metal" }, "a": { "type": "metal" } }"#);
     refused(twice, "the name `a` occurs twice", "materials", "rename");
-}
-
-#[test]
-fn wrong_types_are_named_with_what_is_expected() {
     let text = sphere(r#"{ "center": [0,"0",0], "radius": 1 }"#);
     refused(text, r#"string "0""#, "spheres[0].center[1], line 1, column 33", "write a number");
     refused(sphere(r#"{ "center": [0,0], "radius": 1 }"#), "length 2", "spheres[0].center", "length 3");
@@ -92,21 +86,7 @@ fn wrong_types_are_named_with_what_is_expected() {
 }
 
 #[test]
-fn format_of_another_version_is_refused() {
-    let text = r#"{ "format": "octray-2", "spheres": [] }"#;
-    refused(text, "`octray-2`", "format, line 1, column 13", r#""format": "octray-1""#);
-}
-
-#[test]
-fn json_that_is_no_scene_says_what_both_formats_need() {
-    let folder = Folder::new();
-    let error = error_of(&folder, r#"{ "sky": [1, 1, 1], "name": "x" }"#);
-    let mend = error.mend.unwrap();
-    assert!(mend.contains("octray-1") && mend.contains("`sphere`, `triangle` or `res`"), "{mend}");
-}
-
-#[test]
-fn numbers_that_are_not_finite_are_refused() {
+fn numbers_radii_triangles_and_normals_that_cannot_be_are_refused() {
     for bad in ["NaN", "1e400", "-1e400", "Infinity", "-Infinity"] {
         let text = sphere(&format!(r#"{{ "center": [0,{bad},0], "radius": 1 }}"#));
         refused(text, "finite number", "spheres[0].center[1], line 1", "JSON has no NaN");
@@ -115,19 +95,11 @@ fn numbers_that_are_not_finite_are_refused() {
         let text = sphere(&format!(r#"{{ "center": [0,0,{bad}], "radius": 1 }}"#));
         refused(text, "too large", "spheres[0].center[2], line 1, column 33", "-1e18 to 1e18");
     }
-}
-
-#[test]
-fn radii_that_are_not_above_zero_are_refused() {
     for (bad, what) in [("0", "the radius is 0"), ("-1", "the radius is -1"), ("1e-50", "too small")] {
         let text = sphere(&format!(r#"{{ "center": [0,0,0], "radius": {bad} }}"#));
         refused(text, what, "spheres[0].radius, line 1, column 47", "at least 1e-18");
     }
     refused(sphere(r#"{ "center": [0,0,0], "radius": 1e19 }"#), "too large", "spheres[0].radius", "1e18");
-}
-
-#[test]
-fn triangles_without_area_are_refused() {
     let triangle = |vertices: &str| {
         format!("{{ \"format\": \"octray-1\",\n \"triangles\": [ {{ \"vertices\": {vertices} }} ] }}")
     };
@@ -138,10 +110,13 @@ fn triangles_without_area_are_refused() {
     refused(triangle("[[0,0,0],[1,1,1],[2,2,2]]"), "on one line", at, "remove the triangle");
     refused(triangle("[[0,0,0],[1e-20,0,0],[0,1e-20,0]]"), "zero area", at, "move");
     refused(triangle("[[0,0,0],[1,0,0],[0,1e30,0]]"), "too large", "triangles[0].vertices[2][1]", "1e18");
+    let text = "{ \"format\": \"octray-1\", \"triangles\": [ { \"vertices\": [[0,0,0],[1,0,0],[0,1,0]], \
+                \"normals\": [[0,0,1],[0,0,0],[0,0,1]] } ] }";
+    refused(text, "length zero", "triangles[0].normals[1]", "away from the surface");
 }
 
 #[test]
-fn unknown_material_names_suggest_the_nearest() {
+fn materials_that_make_no_sense_are_refused() {
     let text = |materials: &str| {
         format!(
             "{{ \"format\": \"octray-1\", \"materials\": {{ {materials} }},\n\"spheres\": [ {{ \"center\": [0,0,0], \
@@ -155,10 +130,6 @@ fn unknown_material_names_suggest_the_nearest() {
     let triangle = "{ \"format\": \"octray-1\", \"triangles\": [ { \"vertices\": [[0,0,0],[1,0,0],[0,1,0]], \
                     \"material\": \"x\" } ] }";
     refused(triangle, "`x`", "triangles[0].material", "no `materials`");
-}
-
-#[test]
-fn colours_outside_their_range_are_refused() {
     let text = material(r#""type": "diffuse", "color": [1, 1.5, 0]"#);
     refused(text, "1.5 is outside 0 to 1", "materials.m.color[1], line 3", "use `emission`");
     let text = material(r#""type": "metal", "color": [-0.1, 0, 0]"#);
@@ -168,16 +139,8 @@ fn colours_outside_their_range_are_refused() {
     refused(with(r#""sky": { "color": [0, -1, 0] }"#), "-1 is negative", "sky.color[1]", "0 or more");
     let text = with(r#""sky": { "gradient": { "bottom": [0,0,0], "top": [0,0,1e300] } }"#);
     refused(text, "too large", "sky.gradient.top[2]", "1e18");
-}
-
-#[test]
-fn material_types_that_do_not_exist_are_refused() {
     refused(material(r#""type": "metl""#), "`metl`", "materials.m.type", "did you mean `metal`?");
     refused(material(r#""type": "velvet""#), "`velvet`", "materials.m.type", "diffuse, metal, plastic");
-}
-
-#[test]
-fn coats_and_maps_that_make_no_sense_are_refused() {
     for ior in ["0.9", "3.5", "-1"] {
         let text = material(&format!(r#""type": "plastic", "ior": {ior}"#));
         refused(text, ior, "materials.m.ior, line 3", "from 1 to 3");
@@ -190,17 +153,6 @@ fn coats_and_maps_that_make_no_sense_are_refused() {
         let text = material(&format!(r#""type": "metal", "{key}": "gone.png""#));
         refused(text, "gone.png", &format!("materials.m.{key}"), "relative to the scene file");
     }
-}
-
-#[test]
-fn normals_without_a_direction_are_refused() {
-    let text = "{ \"format\": \"octray-1\", \"triangles\": [ { \"vertices\": [[0,0,0],[1,0,0],[0,1,0]], \
-                \"normals\": [[0,0,1],[0,0,0],[0,0,1]] } ] }";
-    refused(text, "length zero", "triangles[0].normals[1]", "away from the surface");
-}
-
-#[test]
-fn keys_of_another_material_type_are_refused() {
     let cases = [
         (r#""type": "diffuse", "ior": 1.5"#, "ior", "glass"),
         (r#""type": "diffuse", "roughness": 0.5"#, "roughness", "`metal-rough` or `scatter`"),
@@ -216,10 +168,6 @@ fn keys_of_another_material_type_are_refused() {
     for (keys, key, mend) in cases {
         refused(material(keys), &format!("`{key}`"), &format!("materials.m.{key}, line 3"), mend);
     }
-}
-
-#[test]
-fn roughness_ior_and_texture_size_out_of_range_are_refused() {
     let text = material(r#""type": "metal", "roughness": 1.1"#);
     refused(text, "1.1 is outside 0 to 1", "materials.m.roughness", "from 0 to 1");
     let text = material(r#""type": "scatter", "roughness": -1"#);
@@ -269,7 +217,7 @@ fn textures_that_cannot_be_used_are_refused() {
 }
 
 #[test]
-fn skies_with_conflicting_keys_are_refused() {
+fn skies_sizes_and_cameras_that_make_no_sense_are_refused() {
     let gradient = r#""gradient": { "bottom": [0,0,0], "top": [1,1,1] }"#;
     for other in [r#""color": [1,1,1]"#, r#""texture": "x.hdr""#] {
         let text = with(&format!(r#""sky": {{ {gradient}, {other} }}"#));
@@ -283,24 +231,9 @@ fn skies_with_conflicting_keys_are_refused() {
         "sky.filter",
         "one of nearest, bilinear, trilinear",
     );
-}
-
-#[test]
-fn empty_scenes_are_refused() {
-    let folder = Folder::new();
-    let error = error_of(&folder, r#"{ "format": "octray-1", "spheres": [] }"#);
-    assert!(error.what.contains("nothing to see") && error.mend.unwrap().contains("`spheres`"));
-}
-
-#[test]
-fn resolution_and_bounces_out_of_range_are_refused() {
     refused(with(r#""resolution": [0, 135]"#), "0 pixels wide", "resolution[0], line 3", "1 to 16384");
     refused(with(r#""resolution": [240, 16385]"#), "16385 pixels high", "resolution[1]", "1 to 16384");
     refused(with(r#""max_bounces": 1025"#), "1025", "max_bounces, line 3, column 18", "0 to 1024");
-}
-
-#[test]
-fn cameras_that_cannot_see_are_refused() {
     let camera = |keys: &str| with(&format!(r#""camera": {{ {keys} }}"#));
     let text = camera(r#""position": [1,2,3], "look_at": [1,2,3]"#);
     refused(text, "its own position", "camera.look_at, line 3", "so that the two differ");

@@ -203,46 +203,6 @@ fn a_direction_has_the_density_it_was_drawn_with() {
 }
 
 #[test]
-fn aims_are_the_same_at_every_width() {
-    fn check<L: Lane>() {
-        let mut rng = Rng(5);
-        for _ in 0..1_000 {
-            let all: [([DVec3; 3], f32, f32, f32); 16] = std::array::from_fn(|_| {
-                (corners(&mut rng), rng.scale(1e-3, 1e3) as f32, rng.unit() as f32, rng.unit() as f32)
-            });
-            let wide = |of: &dyn Fn(usize) -> DVec3| {
-                let at = |axis: usize| L::from_fn(|lane| of(lane).as_vec3()[axis]);
-                math::Vec3::new(at(0), at(1), at(2))
-            };
-            let [a, ab, ac] = [
-                wide(&|lane| all[lane].0[0]),
-                wide(&|lane| all[lane].0[1] - all[lane].0[0]),
-                wide(&|lane| all[lane].0[2] - all[lane].0[0]),
-            ];
-            let radius = L::from_fn(|lane| all[lane].1);
-            let (u, v) = (L::from_fn(|lane| all[lane].2), L::from_fn(|lane| all[lane].3));
-            // Every third lane a triangle.
-            let kind = L::from_fn(|lane| (lane % 3) as f32);
-            let flats = sample_flat(&FlatLight { a, ab, ac, is_quad: L::zero().lt(kind) }, u, v);
-            let spheres = sample_sphere(a, radius, u, v);
-            for (lane, &(corners, radius, u, v)) in all.iter().enumerate().take(L::WIDTH) {
-                let one = sample_flat(&flat(corners, lane % 3 > 0), u, v);
-                let bits = |v: Vec3| v.to_array().map(f32::to_bits);
-                assert_eq!(bits(flats.wi.get(lane)), bits(one.wi.get(0)));
-                assert_eq!(flats.pdf.get(lane).to_bits(), one.pdf.to_bits());
-                let one = sample_sphere(vector(corners[0]), radius, u, v);
-                if one.pdf > 0.0 {
-                    assert_eq!(bits(spheres.wi.get(lane)), bits(one.wi.get(0)));
-                    assert_eq!(spheres.pdf.get(lane).to_bits(), one.pdf.to_bits());
-                }
-            }
-        }
-    }
-    check::<F32x8>();
-    check::<F32x16>();
-}
-
-#[test]
 fn a_triangle_lights_the_floor_as_the_closed_form_says_at_every_scale() {
     // A lamp in its own way, or a density that is not what was drawn, would show.
     for scale in [1e-3, 1.0, 1e3] {

@@ -1,6 +1,6 @@
 //! glTF files: binary and text, buffers and pictures beside them, damage, conversion.
 
-use super::{Loaded, glb, model, pictured, png, read, read_with, refused, square};
+use super::{Loaded, glb, model, pictured, png, put, read, read_with, refused, square};
 use crate::folder::Folder;
 use glam::Vec3;
 use octray::measure::stability::Rng;
@@ -37,95 +37,75 @@ fn conversion_writes_pictures_that_are_inside_the_model() {
 
 #[test]
 fn what_is_left_out_is_said_with_its_place() {
-    let warned = |change: &dyn Fn(&mut Value), place: &str, what: &str| {
-        let warnings = read(&model(|json| change(json))).warnings;
-        let found = warnings
-            .iter()
-            .any(|warning| warning.contains(&format!("m.glb: {place}: ")) && warning.contains(what));
+    let warned = |json: &Value, place: &str, what: &str| {
+        let warnings = read(json).warnings;
+        let place = format!("m.glb: {place}: ");
+        let found = warnings.iter().any(|warning| warning.contains(&place) && warning.contains(what));
         assert!(found, "{place}, {what}: {warnings:#?}");
     };
-    warned(
-        &|json| json["animations"] = json!([{ "channels": [], "samplers": [] }]),
-        "animations[0]",
-        "not played",
-    );
-    warned(
-        &|json| {
-            json["skins"] = json!([{ "joints": [0] }]);
-            json["nodes"][0]["skin"] = json!(0);
-        },
-        "nodes[0].skin",
-        "without bones",
-    );
     let light = json!({ "KHR_lights_punctual": { "light": 0 } });
-    warned(
-        &|json| json["nodes"][0]["extensions"] = light.clone(),
-        "nodes[0].extensions",
-        "KHR_lights_punctual",
-    );
     let draco = json!({ "KHR_draco_mesh_compression": { "bufferView": 0, "attributes": {} } });
-    let primitive = "meshes[0].primitives[0]";
-    warned(&|json| json["meshes"][0]["primitives"][0]["extensions"] = draco.clone(), primitive, "draco");
-    warned(&|json| json["meshes"][0]["primitives"][0]["targets"] = json!([{}]), primitive, "morph");
-    let lines = |json: &mut Value| {
+    let sheen = json!({ "KHR_materials_sheen": {} });
+    let gone = json!({ "baseColorTexture": { "index": 3 } });
+    let animation = json!([{ "channels": [], "samplers": [] }]);
+    for (path, value, place, what) in [
+        ("animations", animation, "animations[0]", "not played"),
+        ("nodes/0/extensions", light, "nodes[0].extensions", "KHR_lights_punctual"),
+        ("meshes/0/primitives/0/extensions", draco, "meshes[0].primitives[0]", "draco"),
+        ("meshes/0/primitives/0/targets", json!([{}]), "meshes[0].primitives[0]", "morph"),
+        ("materials/0/alphaMode", json!("BLEND"), "materials[0].alphaMode", "opaque"),
+        ("materials/0/extensions", sheen, "materials[0].extensions", "KHR_materials_sheen"),
+        ("materials/0/pbrMetallicRoughness", gone, "materials[0].pbrMetallicRoughness", "no texture 3"),
+    ] {
+        warned(&model(|json| put(json, path, value)), place, what);
+    }
+    let skinned = model(|json| {
+        put(json, "skins", json!([{ "joints": [0] }]));
+        put(json, "nodes/0/skin", json!(0));
+    });
+    warned(&skinned, "nodes[0].skin", "without bones");
+    let lines = model(|json| {
         let mut lines = json["meshes"][0]["primitives"][0].clone();
         lines["mode"] = json!(1);
         json["meshes"][0]["primitives"].as_array_mut().unwrap().push(lines);
-    };
+    });
     warned(&lines, "meshes[0].primitives[1]", "points and lines");
-    let set =
-        |key: &'static str, value: Value| move |json: &mut Value| json["materials"][0][key] = value.clone();
-    warned(&set("alphaMode", json!("BLEND")), "materials[0].alphaMode", "opaque");
-    warned(
-        &set("extensions", json!({ "KHR_materials_sheen": {} })),
-        "materials[0].extensions",
-        "KHR_materials_sheen",
-    );
-    let gone = json!({ "baseColorTexture": { "index": 3 } });
-    warned(&set("pbrMetallicRoughness", gone), "materials[0].pbrMetallicRoughness", "no texture 3");
 }
 
 #[test]
 fn broken_files_are_refused_with_place_and_remedy() {
-    let refuse = |change: &dyn Fn(&mut Value), what: &str| {
-        let error = refused(&model(|json| change(json)));
-        assert!(error.contains(what) && error.contains("m.glb"), "{what}: {error}");
-    };
-    let accessor = |index: usize, key: &'static str, value: Value| {
-        move |json: &mut Value| json["accessors"][index][key] = value.clone()
-    };
-    refuse(&accessor(0, "count", json!(5)), "accessors[0], line 1, column");
-    refuse(&accessor(0, "count", json!(u64::MAX)), "more elements than the file has bytes for");
-    refuse(&accessor(0, "byteOffset", json!(u64::MAX)), "reaches beyond its buffer");
-    refuse(&accessor(0, "bufferView", json!(9)), "reaches beyond its buffer");
-    refuse(&accessor(0, "componentType", json!(1)), "unknown type");
-    refuse(&accessor(0, "type", json!("VEC2")), "2 components, not 3");
-    refuse(&accessor(1, "count", json!(2)), "2 values for 4 vertices");
-    refuse(&accessor(3, "byteOffset", json!(1)), "reaches beyond its buffer");
-    refuse(&|json| json["accessors"][0]["count"] = json!(2), "uses vertex 2 of 2");
     let huge = json!({ "componentType": 5126, "count": 1_u64 << 40, "type": "VEC3", "sparse": {
         "count": 0, "indices": { "bufferView": 0, "componentType": 5125 }, "values": { "bufferView": 0 } } });
-    refuse(&|json| json["accessors"][0] = huge.clone(), "more elements than");
-    refuse(&|json| json["bufferViews"][0]["byteLength"] = json!(1_u64 << 60), "reaches beyond its buffer");
-    refuse(&|json| json["bufferViews"][0]["byteStride"] = json!(1), "reaches beyond its buffer");
-    refuse(&|json| json["buffers"][0]["byteLength"] = json!(1_u64 << 60), "the buffer has 136 bytes");
-    refuse(
-        &|json| json["nodes"][0]["children"] = json!([0]),
-        "node 0 is the child of two nodes, or of itself",
-    );
-    refuse(&|json| json["nodes"][0]["mesh"] = json!(7), "no mesh 7");
-    refuse(&|json| json["scenes"][0]["nodes"] = json!([4]), "no node 4");
-    refuse(&|json| json["nodes"][0]["camera"] = json!(0), "no camera 0");
-    refuse(&|json| json["meshes"][0]["primitives"][0]["material"] = json!(6), "no material 6");
-    refuse(&|json| json["meshes"][0]["primitives"][0]["indices"] = json!(60), "no accessor 60");
-    refuse(&|json| json["asset"]["version"] = json!("1.0"), "glTF 1.0 is not read");
-    refuse(&|json| json["extensionsRequired"] = json!(["KHR_draco_mesh_compression"]), "compressed");
-    refuse(&|json| json["nodes"][0]["scale"] = json!([0, 0, 0]), "nothing to see");
-    refuse(&|json| json["nodes"][0]["translation"] = json!([1e30, 0, 0]), "too far");
-    refuse(
-        &|json| json["meshes"] = json!([{ "primitives": [{ "attributes": {}, "mode": 4.5 }] }]),
-        "line 1, column",
-    );
+    let odd_mode = json!([{ "primitives": [{ "attributes": {}, "mode": 4.5 }] }]);
+    for (path, value, what) in [
+        ("accessors/0/count", json!(5), "accessors[0], line 1, column"),
+        ("accessors/0/count", json!(u64::MAX), "more elements than the file has bytes for"),
+        ("accessors/0/count", json!(2), "uses vertex 2 of 2"),
+        ("accessors/0/byteOffset", json!(u64::MAX), "reaches beyond its buffer"),
+        ("accessors/0/bufferView", json!(9), "reaches beyond its buffer"),
+        ("accessors/0/componentType", json!(1), "unknown type"),
+        ("accessors/0/type", json!("VEC2"), "2 components, not 3"),
+        ("accessors/0", huge, "more elements than"),
+        ("accessors/1/count", json!(2), "2 values for 4 vertices"),
+        ("accessors/3/byteOffset", json!(1), "reaches beyond its buffer"),
+        ("bufferViews/0/byteLength", json!(1_u64 << 60), "reaches beyond its buffer"),
+        ("bufferViews/0/byteStride", json!(1), "reaches beyond its buffer"),
+        ("buffers/0/byteLength", json!(1_u64 << 60), "the buffer has 136 bytes"),
+        ("nodes/0/children", json!([0]), "node 0 is the child of two nodes, or of itself"),
+        ("nodes/0/mesh", json!(7), "no mesh 7"),
+        ("nodes/0/camera", json!(0), "no camera 0"),
+        ("nodes/0/scale", json!([0, 0, 0]), "nothing to see"),
+        ("nodes/0/translation", json!([1e30, 0, 0]), "too far"),
+        ("scenes/0/nodes", json!([4]), "no node 4"),
+        ("meshes/0/primitives/0/material", json!(6), "no material 6"),
+        ("meshes/0/primitives/0/indices", json!(60), "no accessor 60"),
+        ("meshes", odd_mode, "line 1, column"),
+        ("asset/version", json!("1.0"), "glTF 1.0 is not read"),
+        ("extensionsRequired", json!(["KHR_draco_mesh_compression"]), "compressed"),
+    ] {
+        let error = refused(&model(|json| put(json, path, value)));
+        assert!(error.contains(what) && error.contains("m.glb"), "{path}, {what}: {error}");
+    }
 }
 
 #[test]

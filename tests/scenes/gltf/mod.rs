@@ -57,6 +57,17 @@ fn model(change: impl FnOnce(&mut Value)) -> Value {
     json
 }
 
+/// Puts a value where a path of keys and numbers leads.
+fn put(json: &mut Value, path: &str, value: Value) {
+    fn step<'a>(at: &'a mut Value, key: &str) -> &'a mut Value {
+        match key.parse::<usize>() {
+            Ok(number) => &mut at[number],
+            Err(_) => &mut at[key],
+        }
+    }
+    *path.split('/').fold(json, step) = value;
+}
+
 struct Loaded {
     scene: Scene,
     folder: Folder,

@@ -129,7 +129,6 @@ fn frustum_keeps_what_its_outermost_rays_hit() {
             }
         }
     }
-    println!("{hits} hits");
     assert!(hits > 10_000, "{hits}");
 }
 
@@ -201,7 +200,6 @@ fn frustum_keeps_what_rounding_hits_beside_it() {
             hits += edge_on(&mut rng, case);
         }
     }
-    println!("{hits} hits");
     assert!(hits > 200, "{hits}");
 }
 

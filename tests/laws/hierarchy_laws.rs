@@ -176,6 +176,5 @@ fn without_padding_hits_are_lost_at_corners() {
     let padded = found(&hierarchy);
     hierarchy.padding = hierarchy.padding.without_padding();
     let unpadded = found(&hierarchy);
-    println!("{padded} hits with padding, {unpadded} without");
     assert!(padded > 5_000 && unpadded < padded - padded / 50, "{unpadded} of {padded}");
 }

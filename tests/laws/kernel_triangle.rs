@@ -62,10 +62,6 @@ fn all_methods_agree_with_f64_away_from_edges() {
             agrees::<BaldwinWeber>(center, distance, bound),
             agrees::<Plucker>(center, distance, bound),
         ];
-        println!(
-            "{center}, {distance}: {:.1?} ε of the largest length",
-            all.map(|(worst, _)| worst / EPSILON)
-        );
         for (worst, hits) in all {
             assert!(worst <= bound && hits > 2000, "{center}, {distance}: {all:?}, bound {bound:e}");
         }

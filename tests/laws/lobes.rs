@@ -214,7 +214,6 @@ fn samples_are_distributed_as_their_density_says() {
                 continue;
             }
             let deviation = deviation_of(chi2, freedom);
-            println!("{lobe:?} at {degrees}°: {integral:.5}, χ² {chi2:.0} of {freedom}, {deviation:.1}");
             assert!(deviation < allowed(family), "{lobe:?} at {degrees}°: {deviation:.1} standard errors");
         }
     }
@@ -254,7 +253,6 @@ fn densities_hold_one_where_nothing_is_absorbed() {
 fn weight_is_value_over_density() {
     let mut rng = Rng(71);
     for lobe in lobes() {
-        let mut worst = 0.0_f32;
         for _ in 0..20_000 {
             let (d, n) = arriving(89.0 * rng.unit());
             let (d, n) = (d.as_vec3(), n.as_vec3());
@@ -273,9 +271,7 @@ fn weight_is_value_over_density() {
             // frame.
             let allowed = 5e-4 + 1e-6 / drawn.direction.dot(n).max(1e-9);
             assert!(off < allowed, "{lobe:?}: weight · pdf is off by {off:e} of the value of {allowed:e}");
-            worst = worst.max(off);
         }
-        println!("{lobe:?}: {worst:e}");
     }
 }
 
@@ -327,7 +323,6 @@ fn white_furnace_loses_what_is_stated_and_gains_nothing() {
     // weights is the grid's noise.
     let returns = |lobe: Lobe, least: f64, most: f64| {
         let found = ANGLES.map(|degrees| albedo(lobe, degrees));
-        println!("{lobe:?}: {found:.3?}");
         assert!(found.iter().all(|&x| (least - 0.01..most).contains(&x)), "{lobe:?}: {found:?}");
     };
     for (alpha, least) in

@@ -113,10 +113,8 @@ fn what_shadow_rays_leave_out_occludes_no_light() {
             for number in 0..count {
                 let separates = separates(&scene, number, from, to);
                 occluded += usize::from(separates);
-                assert!(
-                    !separates || listed.contains(&number),
-                    "seed {seed}: {number} between {surface} at {from} and {light} at {to}"
-                );
+                let ends = [(surface, from), (light, to)];
+                assert!(!separates || listed.contains(&number), "seed {seed}: {number} between {ends:?}");
             }
         }
     }

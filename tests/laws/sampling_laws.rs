@@ -198,22 +198,20 @@ fn cosine_hemisphere_never_points_below_the_surface() {
     let below_one = 1.0_f32.next_down();
     let ends = [0.0, f32::MIN_POSITIVE, 1.0 / 16_777_216.0, 0.25, 0.5, 0.75, below_one];
     let mut rng = Rng(43);
-    let check = |n: Vec3<f32>, u: f32, v: f32, least: &mut f64| {
+    let check = |n: Vec3<f32>, u: f32, v: f32| {
         let d = warp::sample_cosine_hemisphere(n, u, v);
         let cos = d.get(0).as_dvec3().dot(n.get(0).as_dvec3());
         assert!(cos > 0.0 && d.dot(n) > 0.0, "n {n:?}, u {u}, v {v}: cosine {cos:e}");
-        *least = least.min(cos);
     };
-    let mut least = 1.0;
     for _ in 0..DRAWS {
         let n = unit(&mut rng);
-        check(n, random::uniform(rng.bits(), 0), random::uniform(rng.bits(), 0), &mut least);
+        check(n, random::uniform(rng.bits(), 0), random::uniform(rng.bits(), 0));
     }
     for axis in [[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, -0.0]] {
         let [x, y, z] = axis;
         for (u, v) in ends.into_iter().flat_map(|u| ends.map(|v| (u, v))) {
-            check(Vec3::new(x, y, z), u, v, &mut least);
-            check(-Vec3::new(x, y, z), u, v, &mut least);
+            check(Vec3::new(x, y, z), u, v);
+            check(-Vec3::new(x, y, z), u, v);
         }
     }
     // The worst draws: the point on the sphere is opposite to the normal, or all but.
@@ -222,9 +220,8 @@ fn cosine_hemisphere_never_points_below_the_surface() {
         let opposite = -warp::sample_uniform_sphere(u, v);
         let nudge = (rng.in_cube() * rng.scale(1e-8, 1e-2)).as_vec3();
         let n = (opposite.get(0) + nudge).normalize();
-        check(Vec3::splat(n), u, v, &mut least);
+        check(Vec3::splat(n), u, v);
     }
-    println!("least cosine: {least:e}");
 }
 
 #[test]
@@ -262,8 +259,7 @@ fn unit_sphere_is_uniform_and_of_unit_length() {
 
 #[test]
 fn basis_is_orthonormal_and_right_handed_for_every_normal() {
-    let mut worst = 0.0_f64;
-    let mut check = |n: Vec3<f32>| {
+    let check = |n: Vec3<f32>| {
         let (tangent, bitangent) = warp::orthonormal_basis(n);
         let [t, b, n64] = [tangent, bitangent, n].map(|v| v.get(0).as_dvec3());
         let products = [t.dot(b), t.dot(n64), b.dot(n64)];
@@ -271,7 +267,6 @@ fn basis_is_orthonormal_and_right_handed_for_every_normal() {
             [&products[..], &[t.length() - 1.0, b.length() - 1.0, (t.cross(b) - n64).length()]].concat();
         let error = errors.iter().fold(0.0_f64, |worst, error| worst.max(error.abs()));
         assert!(error < 1e-6, "n {n:?}: {errors:?}");
-        worst = worst.max(error);
     };
     for z in [1.0, -1.0] {
         for zero in [[0.0, 0.0], [-0.0, 0.0], [0.0, -0.0], [-0.0, -0.0]] {
@@ -292,5 +287,4 @@ fn basis_is_orthonormal_and_right_handed_for_every_normal() {
         let polar = glam::DVec3::new(tilt * rng.signed(), tilt * rng.signed(), [1.0, -1.0][rng.index(2)]);
         check(Vec3::splat(polar.normalize().as_vec3()));
     }
-    println!("largest error: {:.1} ε", worst * f64::from(1 << 24));
 }

@@ -282,7 +282,6 @@ fn integrals_are_as_good_as_a_true_owen_scrambling_makes_them() {
             let bias = sobol[0] / (sobol[1] / f64::from(PIXELS)).sqrt();
             let (gain, loss) = (random[1] / sobol[1], sobol[1] / textbook[1]);
             let what = format!("{name}, {count} samples");
-            println!("{what}: variance {gain:.1} times below random, {loss:.3} of the textbook's");
             assert!(bias.abs() < allowed(12), "{what}: biased by {bias:.1} standard errors");
             assert!(gain > least, "{what}: variance only {gain:.1} times below random");
             // Of two mean squares of normal errors: standard error √(2/4000 + 2/2000) = 0.039.
@@ -412,7 +411,6 @@ fn pairs_of_a_block_of_pixels_meet_as_independent_orders_do() {
                     spread(axes, &[d, e].map(points))
                 };
                 let mean = (0..SEEDS).map(of_seed).sum::<f64>() / f64::from(SEEDS);
-                println!("dimensions {d} and {e}, axes {axes}: {mean:.2}");
                 assert!((0.5..1.1).contains(&mean), "dimensions {d} and {e}, axes {axes}: {mean:.2}");
             }
         }
@@ -438,7 +436,6 @@ fn errors_of_neighbours_cancel_before_the_first_bounce() {
                 of_blocks += (errors.iter().sum::<f64>() / 16.0).powi(2);
             }
             let gain = of_pixels / 16.0 / of_blocks;
-            println!("{name}, {samples} samples: {gain:.1}");
             assert!(gain > least, "{name}, {samples} samples: variance {gain:.1} times below independent");
         }
     }

@@ -139,7 +139,6 @@ fn visible_keeps_what_edge_rays_of_a_narrow_view_hit() {
     for fov in [1e-2, 1e-3, 1e-4] {
         let hits = views(fov).map(|view| edges_are_kept(view, RESOLUTION, [24, 16]));
         let [spheres, triangles] = hits.fold([0, 0], |[a, b], [c, d]| [a + c, b + d]);
-        println!("{fov} degrees: {spheres} spheres, {triangles} triangles hit by 2,080 rays");
         assert!(spheres > 100 && triangles > 100, "{fov}: only {spheres} and {triangles} hits");
     }
 }
@@ -154,7 +153,6 @@ fn visible_keeps_what_edge_rays_of_a_wide_view_hit() {
         let tiles = [middle, beside, [middle[0], beside[1]]];
         let hits = views(fov).flat_map(|view| tiles.map(|tile| edges_are_kept(view, resolution, tile)));
         let [spheres, triangles] = hits.fold([0, 0], |[a, b], [c, d]| [a + c, b + d]);
-        println!("{fov} degrees: {spheres} spheres, {triangles} triangles hit by 6,240 rays");
         assert!(spheres > 300 && triangles > 300, "{fov}: only {spheres} and {triangles} hits");
     }
 }

@@ -199,7 +199,6 @@ fn check_darkening(name: &str, error: f64, seeds: u32) {
         mean(&film.picture()) / unbiased - 1.0
     };
     let (bias, spread) = mean_and_error(&(0..seeds).map(of_seed).collect::<Vec<_>>());
-    println!("{name}: {bias} ± {spread}");
     assert!(spread < error / 300.0, "{name}: {spread} is too uncertain to tell");
     assert!(bias.abs() < error / 100.0, "{name}: {bias} ± {spread}");
 }

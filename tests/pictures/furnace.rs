@@ -58,7 +58,6 @@ fn white_furnace_of_glass_is_white_within_rounding() {
     for ior in [1.5, 1.05, 2.4, 0.7] {
         let picture = render(&room(MaterialKind::Glass { ior }), UNBOUNDED, SAMPLES, 8);
         let worst = channels(&picture).fold(0.0_f32, |worst, x| worst.max((x - 1.0).abs()));
-        println!("ior {ior}: {worst:e}");
         assert!(worst <= 1e-5, "ior {ior}: {worst:e}");
     }
 }
@@ -135,7 +134,6 @@ fn difference(scene: &Scene, max_bounces: u32, samples: u32) -> Difference {
 #[track_caller]
 fn assert_agrees(name: &str, scene: &Scene, max_bounces: u32, strayed: f64) {
     let found = difference(scene, max_bounces, SAMPLES);
-    println!("{name}: {found:?}");
     assert!(found.mean.abs() <= 5.0 * found.standard_error + 1e-6, "{name}: {found:?}");
     assert!(found.strayed <= strayed, "{name}: {found:?}");
     assert!(found.standard_error <= 0.2 * found.noise + 1e-7, "{name}: {found:?}");

@@ -3,8 +3,8 @@
 
 use crate::common::*;
 use octray::camera::Pinhole;
-use octray::display::{History, walking_speed};
-use octray::integrate::aovs::{Aovs, Plane};
+use octray::display::History;
+use octray::integrate::aovs::Aovs;
 
 const SIZE: [u32; 2] = [64, 40];
 
@@ -282,30 +282,4 @@ fn history_starts_anew_in_another_resolution_and_gives_the_same_bits_on_any_thre
     let alone = shown(1);
     assert!(alone.0.pixels.as_flattened().iter().all(|&x| x < 4.0), "nothing of the other size");
     assert_eq!(shown(3), alone);
-}
-
-#[test]
-fn motion_has_a_fraction_of_the_noise() {
-    // The figure that `octray chart` measures on every scene, on one and on a short way.
-    let mut window = Window::new(scene());
-    window.look(window.scene.camera);
-    let speed = walking_speed(&window.guides);
-    assert!(window.guides.row(Plane::Distance, 0)[0].is_infinite(), "the sky is in the picture");
-    let mut history = History::new();
-    let (mut plain, mut kept) = (0.0, 0.0);
-    for frame in 0..24 {
-        window.look(moved(window.scene.camera, Vec3::X * speed / 60.0 * frame as f32));
-        let fresh = window.frame(1);
-        let shown = window.advance(&mut history, &fresh, 1).clone();
-        if frame % 6 == 5 && frame > 12 {
-            let truth = window.frame(512);
-            let square = |picture: &Picture| {
-                let pairs = picture.pixels.as_flattened().iter().zip(truth.pixels.as_flattened());
-                pairs.map(|(a, b)| f64::from(a - b).powi(2)).sum::<f64>()
-            };
-            plain += square(&fresh);
-            kept += square(&shown);
-        }
-    }
-    assert!(4.0 * kept < plain, "the error is {} of what it was", (kept / plain).sqrt());
 }

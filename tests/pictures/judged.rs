@@ -32,7 +32,6 @@ pub fn assert_is_the_judges(name: &str, scene: &Scene) {
         (0..3).any(|c| (f64::from(pixel[c]) - truth[c]).abs() > 1e-3)
     });
     let off = off.count();
-    println!("{name}: {off} of 1,536 pixels are off");
     assert!(off <= 15, "{name}: {off} of 1,536 pixels are off by more than a thousandth");
 }
 

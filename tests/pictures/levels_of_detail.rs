@@ -47,7 +47,6 @@ fn far_checkerboard_has_less_error_in_one_sample_than_bilinear() {
     let error = |scene: &Scene, samples| rmse(&render(scene, settings(scene, 1), samples), &truth);
     for (samples, most) in [(1, 0.75), (4, 0.6)] {
         let errors = [error(&bilinear, samples), error(&trilinear, samples)];
-        println!("{samples} samples: {errors:?}, {:.2}", errors[1] / errors[0]);
         assert!(errors[1] < most * errors[0], "{samples} samples: {errors:?}");
     }
     // Light is neither lost nor added.

@@ -40,7 +40,6 @@ fn white_furnace_of_a_smooth_ball_loses_what_is_stated() {
     for (kind, most) in KINDS {
         let [smooth, flat] = [furnace(kind), Scene { normals: Vec::new(), ..furnace(kind) }];
         let [smooth, flat] = [smooth, flat].map(|scene| covered(&scene, &picture(&scene, 200)));
-        println!("{kind:?}: {:.4} of the light, {:.4} with flat normals", smooth, flat);
         // What flat triangles lose belongs to the lobe.
         assert!(smooth <= 1.003, "{kind:?} makes light: {smooth}");
         assert!(flat - smooth <= most + 2e-3, "{kind:?} loses {:.4}", flat - smooth);
@@ -92,7 +91,6 @@ fn terminator_of_a_smooth_ball_is_that_of_a_sphere() {
     let off: Vec<f32> =
         pixels.map(|(x, y)| (ball[y * 60 + x][1] / round[y * 60 + x][1] - 1.0).abs()).collect();
     let most = off.iter().copied().fold(0.0, f32::max);
-    println!("at most {most:.3} off in {} pixels", off.len());
     assert!(off.len() > 100);
     // With rays from the triangles themselves: 0.45.
     assert!(most < 0.1, "{most}");
@@ -125,7 +123,6 @@ fn bulge_leads_to_the_sphere_and_never_inside() {
 fn bent_normals_mirror_above_the_surface_and_face_the_ray() {
     let lane = |v: Vec3| math::Vec3::<f32>::splat(v);
     let mut rng = Rng(91);
-    let mut worst = 0.0_f32;
     for _ in 0..200_000 {
         let own = rng.direction().as_vec3();
         let mut d = rng.direction().as_vec3();
@@ -141,7 +138,6 @@ fn bent_normals_mirror_above_the_surface_and_face_the_ray() {
         let sine = (-d.dot(own)).max(1e-6);
         let off = 2e-6;
         let least = (0.5 * sine).min(0.01) - off;
-        worst = worst.max(least + off - mirrored.dot(own));
         assert!(mirrored.dot(own) >= least, "{d}, {normal}, {own}: {bent}, {}", mirrored.dot(own));
         assert!(bent.dot(d) <= off, "{d}, {normal}, {own}: {bent}");
         // One that need not be bent stays as it is.
@@ -151,7 +147,6 @@ fn bent_normals_mirror_above_the_surface_and_face_the_ray() {
         let g = normals::shadow_terminator(lane(towards), lane(bent), lane(own));
         assert!((0.0..=1.0).contains(&g) && (towards.dot(own) > 0.0 || g == 0.0), "{g}");
     }
-    println!("at most {worst:e} too low");
 }
 
 #[test]

@@ -312,10 +312,7 @@ fn rays_by_kind_are_all_rays_and_packets_hold_them() {
             // Each of 12 tiles, in each of 3 samples, leaves at most one packet unfilled.
             let unfilled = 12 * 3 * (lanes as u64 - 1);
             for Segment { rays, packets } in &stats.segments {
-                assert!(
-                    *rays <= packets * lanes as u64 && packets * lanes as u64 <= rays + unfilled,
-                    "{name}"
-                );
+                assert!((*rays..=rays + unfilled).contains(&(packets * lanes as u64)), "{name}");
             }
             let report = FrameStats::of(&stats, lanes, 2, 3);
             assert_eq!((report.rays, report.kinds[0].rays), (rays, stats.rays(RayKind::Primary)));
@@ -345,10 +342,8 @@ fn testing_everything_tests_every_primitive() {
         let stats = rendered(&scene, settings(&scene, TraversalChoice::Linear, lanes, 1), true).2;
         let packets: u64 = stats.segments[1..].iter().map(|segment| segment.packets).sum();
         let of = |each: u64| tests(stats.rays(RayKind::Bounce) * each, packets * each);
-        assert_eq!(
-            stats.counts[1],
-            Counts { boxes: tests(0, 0), triangles: of(triangles), spheres: of(spheres) }
-        );
+        let expected = Counts { boxes: tests(0, 0), triangles: of(triangles), spheres: of(spheres) };
+        assert_eq!(stats.counts[1], expected);
         // Primary rays meet only what their tile can see.
         let primary = [stats.counts[0].spheres, stats.counts[0].triangles].map(|tests| tests.tests);
         let rays = stats.rays(RayKind::Primary);

@@ -18,7 +18,7 @@ const SHARD: &str = "builtin:cornell --size 64x48 --samples 160 --shard 2/2";
 
 fn spawn(desk: &Desk, arguments: &str) -> Child {
     let mut command = octray();
-    command.arg("render").args(arguments.split(' ')).current_dir(desk.0.path());
+    command.arg("render").args(arguments.split(' ')).current_dir(desk.path(""));
     command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap()
 }
 
@@ -187,7 +187,7 @@ fn full_disk_costs_neither_the_picture_nor_the_earlier_checkpoint() {
     let limit = 512 * 48;
     assert!(expected.len() < limit && limit < kept.len(), "{} and {}", expected.len(), kept.len());
     let script = format!("trap '' XFSZ; ulimit -f 48; exec '{PROGRAM}' {with}");
-    let ended = away_from_home("sh").args(["-c", &script]).current_dir(desk.0.path()).output().unwrap();
+    let ended = away_from_home("sh").args(["-c", &script]).current_dir(desk.path("")).output().unwrap();
     let said = String::from_utf8(ended.stderr).unwrap();
     assert_eq!(ended.status.code(), Some(2), "{said}");
     for words in ["warning: no checkpoint was saved", "error: writing `c.part` failed", "disk has room"] {

@@ -1,12 +1,11 @@
 //! A folder to work in, and the program that runs there.
 
+use crate::folder::Folder;
 use crate::openexr;
 use crate::program::octray;
 use assert_cmd::Command;
 use serde_json::{Value, json};
-use std::fs;
-use std::path::PathBuf;
-use tempfile::TempDir;
+use std::ops::Deref;
 
 /// The scene of every desk: one sphere, eight pixels in width and height.
 pub const SCENE: &str = r#"{
@@ -36,11 +35,19 @@ pub fn list(value: &Value) -> &[Value] {
 }
 
 /// A folder with a scene and a model in it, in which the program runs.
-pub struct Desk(pub TempDir);
+pub struct Desk(Folder);
+
+/// What is done with any folder.
+impl Deref for Desk {
+    type Target = Folder;
+    fn deref(&self) -> &Folder {
+        &self.0
+    }
+}
 
 impl Desk {
     pub fn new() -> Self {
-        let desk = Self(TempDir::new().unwrap());
+        let desk = Self(Folder::new());
         desk.write("scene.json", SCENE);
         desk.write("model.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
         desk
@@ -54,24 +61,8 @@ impl Desk {
     /// The program with arguments that may be empty or hold spaces.
     fn octray_with(&self, arguments: &[&str]) -> Command {
         let mut command = Command::from_std(octray());
-        command.args(arguments).current_dir(self.0.path());
+        command.args(arguments).current_dir(self.path(""));
         command
-    }
-
-    pub fn path(&self, name: &str) -> PathBuf {
-        self.0.path().join(name)
-    }
-
-    pub fn names(&self) -> Vec<String> {
-        self.names_in("")
-    }
-
-    pub fn names_in(&self, folder: &str) -> Vec<String> {
-        let entries = fs::read_dir(self.path(folder)).unwrap();
-        let mut names: Vec<_> =
-            entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
-        names.sort();
-        names
     }
 
     /// The arguments are refused: exit code 2, nothing on standard output, an error that says all of `words`,
@@ -94,20 +85,6 @@ impl Desk {
         }
         assert_eq!(self.names(), before, "octray {arguments:?} left a file");
         said
-    }
-
-    /// Writes a file, and the folders it lies in.
-    pub fn write(&self, name: &str, text: &str) {
-        fs::create_dir_all(self.path(name).parent().unwrap()).unwrap();
-        fs::write(self.path(name), text).unwrap();
-    }
-
-    pub fn text(&self, name: &str) -> String {
-        fs::read_to_string(self.path(name)).unwrap()
-    }
-
-    pub fn bytes(&self, name: &str) -> Vec<u8> {
-        fs::read(self.path(name)).unwrap()
     }
 
     /// The program succeeds: what it prints.

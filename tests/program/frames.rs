@@ -24,10 +24,8 @@ fn frames_follow_the_keyframes_in_any_shard() {
     let pixels = |name: &str| desk.bytes(name);
     // A keyframe is a view of its own, with what it leaves out from the view.
     put_view(&desk, "key.json", r#", "camera": { "position": [3, 1, 4], "vertical_fov": 30 }"#);
-    assert!(
-        desk.rendered("key.json", "key.exr") == pixels("a-012.exr")
-            && pixels("key.exr") != pixels("a-013.exr")
-    );
+    let key = desk.rendered("key.json", "key.exr");
+    assert!(key == pixels("a-012.exr") && key != pixels("a-013.exr"));
     // Without --frames, the view's own camera.
     let own = desk.rendered("path.json", "own.exr");
     assert!(own == desk.rendered("scene.json --samples 2 --size 40x40", "scene.exr"));

@@ -44,7 +44,7 @@ impl Heard {
 impl Running {
     pub fn start(desk: &Desk, line: &str) -> Self {
         let mut command = octray();
-        command.args(line.split(' ')).current_dir(desk.0.path());
+        command.args(line.split(' ')).current_dir(desk.path(""));
         let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
         let printed = Heard::from(child.stdout.take().unwrap());
         let said = Heard::from(child.stderr.take().unwrap());
@@ -161,10 +161,8 @@ fn ctrl_c_ends_a_sample_that_takes_minutes_and_keeps_its_tiles() {
 fn ctrl_c_is_named_as_the_end() {
     let desk = Desk::new();
     let printed = interrupted(&desk, "builtin:three --samples 10000000 --size 64x36");
-    assert!(
-        printed.contains(" of 10,000,000 samples") && printed.ends_with("ended by Ctrl-C\n"),
-        "{printed}"
-    );
+    assert!(printed.contains(" of 10,000,000 samples"), "{printed}");
+    assert!(printed.ends_with("ended by Ctrl-C\n"), "{printed}");
 }
 
 /// So many balls, each of which every ray is tested against, that the first tile takes minutes.

@@ -8,7 +8,7 @@ use std::process::{Command, Stdio};
 
 fn command(desk: &Desk, line: &str) -> Command {
     let mut command = octray();
-    command.args(line.split_whitespace()).current_dir(desk.0.path());
+    command.args(line.split_whitespace()).current_dir(desk.path(""));
     command
 }
 

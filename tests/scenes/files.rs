@@ -58,22 +58,13 @@ fn native_example_of_the_design_keeps_every_value() {
     assert_eq!((scene.resolution, scene.max_bounces), ([320, 180], 7));
     assert_eq!(scene.sky, Sky::Color(Vec3::new(0.5, 0.7, 1.0)));
     let kinds: Vec<MaterialKind> = scene.materials.iter().map(|material| material.kind).collect();
-    assert_eq!(
-        kinds,
-        [
-            MaterialKind::Diffuse,
-            MaterialKind::Metal { roughness: 0.1 },
-            MaterialKind::Glass { ior: 1.33 },
-            MaterialKind::Scatter { roughness: 2.5 },
-            MaterialKind::Diffuse,
-        ]
-    );
+    let [metal, glass] = [MaterialKind::Metal { roughness: 0.1 }, MaterialKind::Glass { ior: 1.33 }];
+    let scatter = MaterialKind::Scatter { roughness: 2.5 };
+    assert_eq!(kinds, [MaterialKind::Diffuse, metal, glass, scatter, MaterialKind::Diffuse]);
     assert_eq!(scene.materials[2].color, Vec3::ONE);
     assert_eq!(scene.materials[4].emission, Vec3::new(15.0, 14.0, 13.0));
-    assert_eq!(
-        (scene.spheres[0].radius, scene.spheres[0].material, scene.spheres[0].texture_turn),
-        (2.0, 3, 0.25)
-    );
+    let ball = scene.spheres[0];
+    assert_eq!((ball.radius, ball.material, ball.texture_turn), (2.0, 3, 0.25));
     assert_eq!(scene.triangles[0].vertices, [Vec3::ZERO, Vec3::X, Vec3::Y]);
     assert_eq!(scene.uvs, [[Vec2::ZERO, Vec2::X, Vec2::new(0.0, 0.5)]]);
     let texture = &scene.textures[scene.materials[0].texture.unwrap() as usize];

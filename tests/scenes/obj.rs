@@ -29,19 +29,15 @@ fn obj_alone_is_framed_under_a_plain_sky() {
     assert_eq!((scene.resolution, scene.max_bounces), ([240, 135], 4));
     // Brighter above than below, and grey: form shows, colours stay.
     let Sky::Gradient { bottom, top } = scene.sky else { panic!("{:?}", scene.sky) };
-    assert!(
-        top == Vec3::ONE && bottom == Vec3::splat(bottom.x) && (0.01..0.2).contains(&bottom.x),
-        "{bottom}"
-    );
+    assert_eq!((top, bottom), (Vec3::ONE, Vec3::splat(bottom.x)));
+    assert!((0.01..0.2).contains(&bottom.x), "{bottom}");
     // Bounds from (-1,-1,-1) to (3,5,2): centre (1, 2, 0.5), diagonal sqrt(16 + 36 + 9).
     let center = Vec3::new(1.0, 2.0, 0.5);
     let position = center + 1.2 * 61.0_f32.sqrt() / 3.5_f32.sqrt() * Vec3::new(1.0, 0.5, 1.5);
     assert_eq!((scene.camera.look_at, scene.camera.vertical_fov), (center, 40.0));
     assert!(scene.camera.position.distance(position) < 1e-5, "{}", scene.camera.position);
-    assert_eq!(
-        (one_material(&scene).kind, one_material(&scene).color),
-        (MaterialKind::Diffuse, Vec3::splat(0.8))
-    );
+    let material = one_material(&scene);
+    assert_eq!((material.kind, material.color), (MaterialKind::Diffuse, Vec3::splat(0.8)));
 }
 
 #[test]
@@ -326,10 +322,8 @@ fn mesh_is_scaled_then_turned_about_x_y_z_then_moved() {
     assert_eq!(vertices(r#""rotate_degrees": [0, 0, 90]"#), [Vec3::Y, -Vec3::X, Vec3::Z]);
     // x first: (y to z), then y: (z to x). The other order would leave y where z takes it: at z.
     assert_eq!(vertices(r#""rotate_degrees": [90, 90, 0]"#), [-Vec3::Z, Vec3::X, -Vec3::Y]);
-    assert_eq!(
-        vertices(r#""scale": 3, "rotate_degrees": [0, 0, -90], "translate": [10, 0, 0]"#),
-        [Vec3::new(10.0, -3.0, 0.0), Vec3::new(13.0, 0.0, 0.0), Vec3::new(10.0, 0.0, 3.0)]
-    );
+    let all = vertices(r#""scale": 3, "rotate_degrees": [0, 0, -90], "translate": [10, 0, 0]"#);
+    assert_eq!(all, [[10.0, -3.0, 0.0], [13.0, 0.0, 0.0], [10.0, 0.0, 3.0]].map(Vec3::from));
     assert_eq!(of(r#""scale": 3, "rotate_degrees": [90, 0, 0]"#).normals, [[Vec3::Z; 3]]);
 }
 

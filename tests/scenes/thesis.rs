@@ -204,11 +204,8 @@ fn triangles_without_area_are_dropped_with_one_warning() {
         "sky": [1,1,1] }"#,
     );
     assert_eq!((scene.triangles.len(), scene.warnings.len()), (1, 1));
-    assert!(
-        scene.warnings[0].contains("triangle[1]") && scene.warnings[0].starts_with('2'),
-        "{:?}",
-        scene.warnings
-    );
+    let warning = &scene.warnings[0];
+    assert!(warning.contains("triangle[1]") && warning.starts_with('2'), "{warning}");
 }
 
 #[test]

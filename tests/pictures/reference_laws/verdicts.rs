@@ -6,19 +6,12 @@ use crate::common::rays::Set;
 use crate::common::*;
 use octray::reference::Verdict;
 
-/// Random numbers in single precision.
-trait Rng32 {
-    fn direction32(&mut self) -> Vec3;
-    fn scale32(&mut self, low: f64, high: f64) -> f32;
+fn direction(rng: &mut Rng) -> Vec3 {
+    rng.direction().as_vec3()
 }
 
-impl Rng32 for Rng {
-    fn direction32(&mut self) -> Vec3 {
-        self.direction().as_vec3()
-    }
-    fn scale32(&mut self, low: f64, high: f64) -> f32 {
-        self.scale(low, high) as f32
-    }
+fn scale(rng: &mut Rng, low: f64, high: f64) -> f32 {
+    rng.scale(low, high) as f32
 }
 
 /// What the engine's equations find nearest, in a direction of unit length.
@@ -47,20 +40,20 @@ fn aim(rng: &mut Rng, origin: Vec3, target: Vec3) -> Vec3 {
 /// One sphere, a ray aimed within 1.2 radii of its centre: every distance and size, eyes inside, outside and
 /// lifted off the surface; and a ray in three straight at the outline.
 fn sphere_recipe(rng: &mut Rng) -> (Scene, Vec3, Vec3) {
-    let radius = rng.scale32(1e-6, 1e6);
-    let center = rng.direction32() * rng.scale32(1e-3, 1e3);
-    let normal = rng.direction32();
+    let radius = scale(rng, 1e-6, 1e6);
+    let center = direction(rng) * scale(rng, 1e-3, 1e3);
+    let normal = direction(rng);
     let height = match (rng.unit() * 4.0) as u32 {
-        0 => 1.0 + rng.scale32(1e-5, 1e5),
+        0 => 1.0 + scale(rng, 1e-5, 1e5),
         1 => rng.unit() as f32,
         2 => 1.0 + 2e-6,
         _ => 1.0 - 2e-6,
     };
     let origin = center + normal * radius * height;
-    let aside = rng.direction32().cross(normal).normalize();
-    let offset = if rng.unit() < 0.33 { rng.scale32(0.9999, 1.0001) } else { 1.2 * rng.unit().sqrt() as f32 };
+    let aside = direction(rng).cross(normal).normalize();
+    let offset = if rng.unit() < 0.33 { scale(rng, 0.9999, 1.0001) } else { 1.2 * rng.unit().sqrt() as f32 };
     let target =
-        if height > 1.0001 { center + aside * radius * offset } else { origin + rng.direction32() * radius };
+        if height > 1.0001 { center + aside * radius * offset } else { origin + direction(rng) * radius };
     let d = aim(rng, origin, target);
     (Scene { spheres: vec![sphere(center, radius, 0)], ..empty() }, origin, d)
 }
@@ -68,20 +61,20 @@ fn sphere_recipe(rng: &mut Rng) -> (Scene, Vec3, Vec3) {
 /// One triangle, from round to sliver, at every size and distance; a ray in three at an edge, one in three
 /// edge-on.
 fn triangle_recipe(rng: &mut Rng) -> (Scene, Vec3, Vec3) {
-    let (size, distance) = (rng.scale32(1e-3, 1e3), rng.scale32(1e-2, 1e4));
-    let corner = rng.direction32() * rng.scale32(1e-2, 1e2);
-    let edge = rng.direction32() * size;
-    let height = rng.direction32().cross(edge).normalize() * size * rng.scale32(1e-4, 1.0);
+    let (size, distance) = (scale(rng, 1e-3, 1e3), scale(rng, 1e-2, 1e4));
+    let corner = direction(rng) * scale(rng, 1e-2, 1e2);
+    let edge = direction(rng) * size;
+    let height = direction(rng).cross(edge).normalize() * size * scale(rng, 1e-4, 1.0);
     let vertices = [corner, corner + edge, corner + edge * rng.unit() as f32 + height];
     let (kind, u, v) = (rng.unit(), rng.unit() as f32, rng.unit() as f32);
     let (u, v) = if u + v > 1.0 { (1.0 - u, 1.0 - v) } else { (u, v) };
-    let v = if kind < 0.33 { rng.scale32(1e-9, 1e-5) } else { v };
+    let v = if kind < 0.33 { scale(rng, 1e-9, 1e-5) } else { v };
     let target = vertices[0] + (vertices[1] - vertices[0]) * u + (vertices[2] - vertices[0]) * v;
     let away = if kind > 0.67 {
         (edge.normalize() * rng.signed() as f32 + height.normalize() * rng.signed() as f32).normalize()
-            + rng.direction32() * rng.scale32(1e-8, 1e-2)
+            + direction(rng) * scale(rng, 1e-8, 1e-2)
     } else {
-        rng.direction32()
+        direction(rng)
     };
     let origin = target + away.normalize() * size * distance;
     let d = aim(rng, origin, target);
@@ -134,7 +127,6 @@ fn weights_of_a_good_kernel_are_right_and_wrong_ones_are_flagged() {
             *count += u32::from(verdict(weights) != Verdict::Right);
         }
     }
-    println!("{judged} hits, flagged {flagged:?}");
     assert!(judged > 40_000, "{judged}");
     let least = [0.8, 0.8, 0.6, 0.2];
     for (count, least) in flagged.into_iter().zip(least) {
@@ -151,8 +143,8 @@ fn rounding_of_a_naive_kernel_is_flagged() {
     for (distance, least) in [(100.0, 0.5), (4096.0, 0.9)] {
         let (mut flagged_naive, mut flagged_robust) = (0, 0);
         for _ in 0..20_000 {
-            let eye = rng.direction32() * distance;
-            let target = rng.direction32().cross(eye).normalize() * 1.2 * rng.unit().sqrt() as f32;
+            let eye = direction(&mut rng) * distance;
+            let target = direction(&mut rng).cross(eye).normalize() * 1.2 * rng.unit().sqrt() as f32;
             let d = (target - eye).normalize();
             let wrong = |roots| judge(&scene, eye, d, answer(&scene, roots, eye, d)) != Verdict::Right;
             flagged_naive += u32::from(wrong(SphereChoice::Naive));
@@ -160,7 +152,6 @@ fn rounding_of_a_naive_kernel_is_flagged() {
         }
         // A third of the rays miss by far, which nobody gets wrong at 100.
         let share = f64::from(flagged_naive) / 20_000.0;
-        println!("distance {distance}: {share} of the naive answers flagged");
         assert!(share > least * 0.3, "distance {distance}: {share}");
         assert_eq!(flagged_robust, 0);
     }
@@ -172,14 +163,18 @@ fn every_sabotage_is_flagged() {
     let mut rng = Rng(9);
     let mut scene = empty();
     for _ in 0..30 {
-        scene.spheres.push(sphere(rng.direction32() * rng.scale32(0.5, 4.0), rng.scale32(0.1, 0.5), 0));
-        let center = rng.direction32() * rng.scale32(0.5, 4.0);
-        scene.triangles.push(triangle([0, 1, 2].map(|_| center + rng.direction32() * 0.5), 0));
+        scene.spheres.push(sphere(
+            direction(&mut rng) * scale(&mut rng, 0.5, 4.0),
+            scale(&mut rng, 0.1, 0.5),
+            0,
+        ));
+        let center = direction(&mut rng) * scale(&mut rng, 0.5, 4.0);
+        scene.triangles.push(triangle([0, 1, 2].map(|_| center + direction(&mut rng) * 0.5), 0));
     }
     let reference = Reference::new(&scene);
     let (mut judged, mut shifted, mut behind) = (0, [0; 2], 0);
     for _ in 0..20_000 {
-        let (origin, target) = (rng.direction32() * 6.0, rng.direction32() * 3.0 * rng.unit() as f32);
+        let (origin, target) = (direction(&mut rng) * 6.0, direction(&mut rng) * 3.0 * rng.unit() as f32);
         let d = aim(&mut rng, origin, target);
         let (t, primitive) = answer(&scene, SphereChoice::Robust, origin, d);
         let verdict = |t, primitive| reference.check_primary(origin.to_array(), d.to_array(), t, primitive);

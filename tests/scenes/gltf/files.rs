@@ -161,11 +161,8 @@ fn a_text_file_names_buffers_and_pictures_beside_it() {
     folder.write("p.png", png());
     let scene = load(path.to_str().unwrap()).unwrap();
     assert_eq!(scene.textures[0].name, "p.png");
-    assert!(
-        scene.warnings[0].contains("images[1]: the image is left out: no such file"),
-        "{:?}",
-        scene.warnings
-    );
+    let warning = &scene.warnings[0];
+    assert!(warning.contains("images[1]: the image is left out: no such file"), "{warning}");
     let names: Vec<_> = scene.files.iter().map(|file| file.file_name().unwrap().to_str().unwrap()).collect();
     assert_eq!(names, ["m.gltf", "a b.bin", "p.png", "gone.png"], "the viewer watches them");
     // In a scene, placed, with its own or another material.

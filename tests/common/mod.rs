@@ -4,7 +4,7 @@
 pub mod rays;
 pub mod statistics;
 
-pub use glam::{DVec3, Vec2, Vec3};
+pub use glam::{DVec3, Vec2, Vec3, dvec3, vec2, vec3};
 pub use octray::buffers::{Features, LightChoice, Lights};
 pub use octray::bvh::Trees;
 pub use octray::film::{Film, Picture};
@@ -14,6 +14,7 @@ pub use octray::math::{self, MISS, Ray};
 pub use octray::reference::{PathSettings, Reference};
 pub use octray::render::{PipelineChoice, Renderer, Settings};
 pub use octray::sampling::Sampler;
+pub use octray::scene::MaterialKind::{Diffuse, Emitter, Glass, Metal, MetalRough, Plastic, Scatter};
 pub use octray::scene::{
     Camera, Filter, Material, MaterialKind, Scene, Side, Sky, Sphere, Texels, Texture, Triangle, load,
 };
@@ -50,7 +51,7 @@ pub fn has_area([a, b, c]: [Vec3; 3]) -> bool {
 
 /// Nothing but a white diffuse material.
 pub fn diffuse() -> Scene {
-    Scene { materials: vec![material(MaterialKind::Diffuse)], ..empty() }
+    Scene { materials: vec![material(Diffuse)], ..empty() }
 }
 
 /// Upright.
@@ -60,16 +61,16 @@ pub fn camera(position: Vec3, look_at: Vec3, vertical_fov: f32) -> Camera {
 
 /// Every kind of material that scatters, rough and smooth.
 pub const KINDS: [MaterialKind; 10] = [
-    MaterialKind::Diffuse,
-    MaterialKind::Metal { roughness: 0.0 },
-    MaterialKind::Metal { roughness: 0.5 },
-    MaterialKind::Glass { ior: 1.5 },
-    MaterialKind::Glass { ior: 0.7 },
-    MaterialKind::Scatter { roughness: 0.8 },
-    MaterialKind::Plastic { roughness: 0.0, ior: 1.5 },
-    MaterialKind::Plastic { roughness: 0.4, ior: 1.8 },
-    MaterialKind::MetalRough { roughness: 0.0, metallic: 0.3, ior: 1.5 },
-    MaterialKind::MetalRough { roughness: 0.6, metallic: 0.5, ior: 1.3 },
+    Diffuse,
+    Metal { roughness: 0.0 },
+    Metal { roughness: 0.5 },
+    Glass { ior: 1.5 },
+    Glass { ior: 0.7 },
+    Scatter { roughness: 0.8 },
+    Plastic { roughness: 0.0, ior: 1.5 },
+    Plastic { roughness: 0.4, ior: 1.8 },
+    MetalRough { roughness: 0.0, metallic: 0.3, ior: 1.5 },
+    MetalRough { roughness: 0.6, metallic: 0.5, ior: 1.3 },
 ];
 
 pub fn material(kind: MaterialKind) -> Material {
@@ -85,7 +86,7 @@ pub fn triangle(vertices: [Vec3; 3], material: u32) -> Triangle {
 }
 
 pub fn emitter(emission: Vec3) -> Material {
-    Material { emission, ..material(MaterialKind::Emitter) }
+    Material { emission, ..material(Emitter) }
 }
 
 /// Shines in all colours alike.
@@ -95,7 +96,7 @@ pub fn lamp(radiance: f32) -> Material {
 
 /// The corners of a triangle on the ground at a height, around the y axis, so far in front and to the sides.
 pub fn ground(size: f32, y: f32) -> [Vec3; 3] {
-    [Vec3::new(-size, y, -size), Vec3::new(0.0, y, 2.0 * size), Vec3::new(size, y, -size)]
+    [vec3(-size, y, -size), vec3(0.0, y, 2.0 * size), vec3(size, y, -size)]
 }
 
 /// A floor that fills the picture, seen from straight above at `height`, near `foot`, and dark otherwise.
@@ -164,13 +165,13 @@ pub fn smooth_ball(kind: MaterialKind) -> Scene {
     let golden = 0.5 * (1.0 + 5.0_f32.sqrt());
     let mut corners = Vec::new();
     for (a, b) in [(1.0, golden), (1.0, -golden), (-1.0, golden), (-1.0, -golden)] {
-        corners.extend([Vec3::new(0.0, a, b), Vec3::new(a, b, 0.0), Vec3::new(b, 0.0, a)]);
+        corners.extend([vec3(0.0, a, b), vec3(a, b, 0.0), vec3(b, 0.0, a)]);
     }
     let near = |a: Vec3, b: Vec3| (a.distance(b) - 2.0).abs() < 1e-3;
     let mut scene = Scene {
-        camera: Camera { position: Vec3::new(0.4, 0.6, 3.6), ..empty().camera },
-        sky: Sky::Gradient { bottom: Vec3::new(0.1, 0.3, 0.2), top: Vec3::new(1.0, 0.8, 0.6) },
-        materials: vec![Material { color: Vec3::new(0.9, 0.8, 0.7), ..material(kind) }],
+        camera: Camera { position: vec3(0.4, 0.6, 3.6), ..empty().camera },
+        sky: Sky::Gradient { bottom: vec3(0.1, 0.3, 0.2), top: vec3(1.0, 0.8, 0.6) },
+        materials: vec![Material { color: vec3(0.9, 0.8, 0.7), ..material(kind) }],
         ..empty()
     };
     for (i, &a) in corners.iter().enumerate() {

@@ -157,9 +157,9 @@ impl Set {
 
 /// Triangles and spheres over `scales` powers of ten around a centre, slivers among them.
 pub fn mixture(rng: &mut Rng, triangles: usize, spheres: usize, scales: f64, offset: f32) -> Scene {
-    let mut scene = Scene { materials: vec![material(MaterialKind::Diffuse)], ..empty() };
+    let mut scene = Scene { materials: vec![material(Diffuse)], ..empty() };
     let mut number = |range: f64| ((2.0 * rng.unit() - 1.0) * range) as f32;
-    let mut point = |range: f32| Vec3::new(number(1.0), number(1.0), number(1.0)) * range;
+    let mut point = |range: f32| vec3(number(1.0), number(1.0), number(1.0)) * range;
     for i in 0..triangles + spheres {
         let size = 10f32.powf(-(scales as f32) * (i % 7) as f32 / 6.0);
         let center = point(4.0) + offset;

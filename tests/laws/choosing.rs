@@ -121,7 +121,7 @@ fn tables_hold_as_many_lights_as_they_promise() {
         scene.camera.vertical_fov = 60.0;
         for number in 0..count {
             scene.materials.push(lamp(1.0 + number as f32));
-            let at = Vec3::new(0.2 * number as f32 - 1.0, 0.5, 0.1);
+            let at = vec3(0.2 * number as f32 - 1.0, 0.5, 0.1);
             let corners = [Vec3::ZERO, Vec3::X, Vec3::Z].map(|corner| at + 0.1 * corner);
             scene.triangles.push(triangle(corners, number + 1));
         }
@@ -138,12 +138,12 @@ fn under_a_lamp(foot: Vec3, scale: f32, round: bool) -> (Scene, f64) {
     let mut scene = floor(foot, 2.0 * scale);
     scene.materials.push(lamp(50.0));
     if round {
-        scene.spheres = vec![sphere(foot + Vec3::new(0.6, 0.8, 0.0) * scale, 0.1 * scale, 1)];
+        scene.spheres = vec![sphere(foot + vec3(0.6, 0.8, 0.0) * scale, 0.1 * scale, 1)];
         // Radiance 50, sin² = 0.01, cos = 0.8, of π / π.
         return (scene, 0.4);
     }
     let half = 0.05;
-    let corner = |x: f32, z: f32| foot + (Vec3::new(0.6, 0.8, 0.0) + Vec3::new(x, 0.0, z) * half) * scale;
+    let corner = |x: f32, z: f32| foot + (vec3(0.6, 0.8, 0.0) + vec3(x, 0.0, z) * half) * scale;
     let [a, b, c, d] = [corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)];
     scene.triangles.extend([triangle([a, b, c], 1), triangle([a, c, d], 1)]);
     // Radiance 50 · area · cos² / π; the lamp's size takes less than a hundredth.
@@ -169,7 +169,7 @@ fn lamps_are_found_by_every_choice_of_equations() {
 #[test]
 fn lamps_light_and_are_shaded_at_every_scale() {
     for scale in [1e-10, 1e-8, 1e-5, 1.0, 1e5, 1e9] {
-        let feet = [Vec3::ZERO, Vec3::new(30.0, -20.0, 50.0) * scale];
+        let feet = [Vec3::ZERO, vec3(30.0, -20.0, 50.0) * scale];
         for (foot, round) in feet.into_iter().flat_map(|foot| [(foot, true), (foot, false)]) {
             let (open, truth) = under_a_lamp(foot, scale, round);
             let got = mean(&render(&open, Settings::of(&open), 64));
@@ -177,10 +177,10 @@ fn lamps_light_and_are_shaded_at_every_scale() {
             assert!((got / truth - 1.0).abs() < most, "{scale:e}, {foot}, round: {round}: {got} of {truth}");
             // A black sheet so close to the lamp that a ray which ends a thousandth too early overlooks it.
             let mut shaded = open;
-            shaded.materials.push(Material { color: Vec3::ZERO, ..material(MaterialKind::Diffuse) });
+            shaded.materials.push(Material { color: Vec3::ZERO, ..material(Diffuse) });
             let height = if round { 0.7 } else { 0.8 } - 4e-4;
             let corners = [[-0.2, -3.0], [-0.2, 3.0], [3.0, 0.0]];
-            let corners = corners.map(|[x, z]| foot + Vec3::new(0.2 + x, height, z) * scale);
+            let corners = corners.map(|[x, z]| foot + vec3(0.2 + x, height, z) * scale);
             shaded.triangles.push(triangle(corners, 2));
             let got = mean(&render(&shaded, Settings::of(&shaded), 64));
             assert_eq!(got, 0.0, "{scale:e}, {foot}, round: {round}: light through the sheet");
@@ -200,7 +200,7 @@ fn put_even_sky(scene: &mut Scene) {
 #[test]
 fn a_sky_beside_a_lamp_gives_what_both_closed_forms_say() {
     let (mut scene, lamp) = under_a_lamp(Vec3::ZERO, 1.0, true);
-    let corners = [Vec3::new(-0.3, 0.0, -0.3), Vec3::new(0.0, 0.0, 0.5), Vec3::new(0.3, 0.0, -0.3)];
+    let corners = [vec3(-0.3, 0.0, -0.3), vec3(0.0, 0.0, 0.5), vec3(0.3, 0.0, -0.3)];
     scene.triangles[0] = triangle(corners, 0);
     put_even_sky(&mut scene);
     let lights = Lights::new(&scene, LightChoice::On);

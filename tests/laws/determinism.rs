@@ -8,15 +8,14 @@ use octray::scene::builtin_names;
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 
 fn colored(rng: &mut Rng, kind: MaterialKind) -> Material {
-    let color = Vec3::new(rng.unit() as f32, rng.unit() as f32, rng.unit() as f32) * 0.5 + 0.5;
+    let color = vec3(rng.unit() as f32, rng.unit() as f32, rng.unit() as f32) * 0.5 + 0.5;
     Material { color, ..material(kind) }
 }
 
 /// Spheres and triangles in front of the camera, wearing the materials by turns.
 fn furnished(rng: &mut Rng, materials: Vec<Material>, spheres: usize, triangles: usize, uvs: bool) -> Scene {
     let count = materials.len();
-    let mut scene =
-        Scene { camera: camera(Vec3::new(0.3, 0.8, 6.0), Vec3::ZERO, 45.0), materials, ..empty() };
+    let mut scene = Scene { camera: camera(vec3(0.3, 0.8, 6.0), Vec3::ZERO, 45.0), materials, ..empty() };
     for i in 0..spheres {
         let center = (rng.in_cube() * 2.0).as_vec3();
         let ball = sphere(center, rng.scale(0.3, 0.9) as f32, (i % count) as u32);
@@ -28,14 +27,14 @@ fn furnished(rng: &mut Rng, materials: Vec<Material>, spheres: usize, triangles:
         let vertices = [(); 3].map(|()| (center + rng.in_cube() * 1.5).as_vec3());
         scene.triangles.push(triangle(vertices, ((i + 1) % count) as u32));
         if uvs {
-            scene.uvs.push([(); 3].map(|()| Vec2::new(3.0 * rng.signed() as f32, 3.0 * rng.signed() as f32)));
+            scene.uvs.push([(); 3].map(|()| vec2(3.0 * rng.signed() as f32, 3.0 * rng.signed() as f32)));
         }
     }
     // A floor, so that paths bounce.
     if triangles > 0 {
         scene.triangles.push(triangle(ground(20.0, -2.0), 0));
         if uvs {
-            scene.uvs.push([Vec2::ZERO, Vec2::new(20.0, 0.0), Vec2::new(0.0, 20.0)]);
+            scene.uvs.push([Vec2::ZERO, vec2(20.0, 0.0), vec2(0.0, 20.0)]);
         }
     }
     scene
@@ -51,7 +50,7 @@ fn everything() -> Scene {
 fn lamp_and_sign() -> Scene {
     let mut rng = Rng(88);
     let sign = Material { texture: Some(0), ..lamp(2.0) };
-    let materials = vec![lamp(9.0), sign, material(MaterialKind::Diffuse)];
+    let materials = vec![lamp(9.0), sign, material(Diffuse)];
     let mut scene = furnished(&mut rng, materials, 3, 5, true);
     scene.textures = vec![noise(&mut rng, 8, 8, Filter::Nearest)];
     scene.spheres.iter_mut().skip(1).for_each(|sphere| sphere.material = 2);
@@ -63,7 +62,7 @@ fn lamp_and_sign() -> Scene {
 fn ball_in_a_dome() -> Scene {
     Scene {
         camera: camera(Vec3::Z * 6.0, Vec3::ZERO, 45.0),
-        materials: vec![material(MaterialKind::Diffuse), Material { texture: Some(0), ..lamp(2.0) }],
+        materials: vec![material(Diffuse), Material { texture: Some(0), ..lamp(2.0) }],
         spheres: vec![sphere(Vec3::ZERO, 5.0, 0), sphere(Vec3::ZERO, 50.0, 1)],
         textures: vec![noise(&mut Rng(31), 8, 8, Filter::Nearest)],
         ..empty()
@@ -78,27 +77,27 @@ fn crowd() -> Scene {
 fn everything_of(triangles: usize) -> Scene {
     let mut rng = Rng(51);
     let kinds = [
-        MaterialKind::Diffuse,
-        MaterialKind::Metal { roughness: 0.0 },
-        MaterialKind::Metal { roughness: 0.4 },
-        MaterialKind::Glass { ior: 1.5 },
-        MaterialKind::Scatter { roughness: 0.7 },
-        MaterialKind::Diffuse,
-        MaterialKind::Diffuse,
-        MaterialKind::Emitter,
-        MaterialKind::Glass { ior: 0.8 },
-        MaterialKind::Metal { roughness: 1.0 },
-        MaterialKind::Plastic { roughness: 0.0, ior: 1.5 },
-        MaterialKind::Plastic { roughness: 0.5, ior: 1.7 },
-        MaterialKind::MetalRough { roughness: 0.6, metallic: 0.4, ior: 1.5 },
-        MaterialKind::MetalRough { roughness: 0.0, metallic: 0.0, ior: 1.5 },
+        Diffuse,
+        Metal { roughness: 0.0 },
+        Metal { roughness: 0.4 },
+        Glass { ior: 1.5 },
+        Scatter { roughness: 0.7 },
+        Diffuse,
+        Diffuse,
+        Emitter,
+        Glass { ior: 0.8 },
+        Metal { roughness: 1.0 },
+        Plastic { roughness: 0.0, ior: 1.5 },
+        Plastic { roughness: 0.5, ior: 1.7 },
+        MetalRough { roughness: 0.6, metallic: 0.4, ior: 1.5 },
+        MetalRough { roughness: 0.0, metallic: 0.0, ior: 1.5 },
     ];
     let mut materials = kinds.map(|kind| colored(&mut rng, kind)).to_vec();
     materials[0].texture = Some(0);
     materials[4].texture = Some(1);
     materials[5].texture = Some(1);
-    materials[6].emission = Vec3::new(0.2, 0.1, 0.4);
-    materials[7].emission = Vec3::new(3.0, 2.0, 1.0);
+    materials[6].emission = vec3(0.2, 0.1, 0.4);
+    materials[7].emission = vec3(3.0, 2.0, 1.0);
     materials[7].texture = Some(0);
     materials[2].roughness_map = Some(2);
     materials[4].roughness_map = Some(1);
@@ -108,7 +107,7 @@ fn everything_of(triangles: usize) -> Scene {
     materials[11].roughness_map = Some(0);
     materials[12].roughness_map = Some(1);
     materials[12].normal_map = Some(1);
-    materials[13].emission = Vec3::new(0.3, 0.2, 0.1);
+    materials[13].emission = vec3(0.3, 0.2, 0.1);
     materials[13].emission_map = Some(2);
     let mut scene = furnished(&mut rng, materials, 20, triangles, true);
     // Every other triangle is smooth.
@@ -120,17 +119,17 @@ fn everything_of(triangles: usize) -> Scene {
         noise(&mut rng, 4, 7, Filter::Bilinear),
         noise(&mut rng, 16, 8, Filter::Trilinear),
     ];
-    scene.sky = Sky::Texture { texture: 2, color: Vec3::new(1.0, 0.9, 0.8), turn: 0.4 };
+    scene.sky = Sky::Texture { texture: 2, color: vec3(1.0, 0.9, 0.8), turn: 0.4 };
     scene
 }
 
 /// What the pipeline for matt and mirroring spheres draws.
 fn matt_and_mirror() -> Scene {
     let mut rng = Rng(52);
-    let kinds = [MaterialKind::Diffuse, MaterialKind::Metal { roughness: 0.0 }, MaterialKind::Diffuse];
+    let kinds = [Diffuse, Metal { roughness: 0.0 }, Diffuse];
     let materials = kinds.map(|kind| colored(&mut rng, kind)).to_vec();
     Scene {
-        sky: Sky::Gradient { bottom: Vec3::ONE, top: Vec3::new(0.5, 0.7, 1.0) },
+        sky: Sky::Gradient { bottom: Vec3::ONE, top: vec3(0.5, 0.7, 1.0) },
         ..furnished(&mut rng, materials, 7, 0, false)
     }
 }
@@ -138,25 +137,21 @@ fn matt_and_mirror() -> Scene {
 /// A handful of spheres and triangles with nearest textures: the thesis's kind of scene.
 fn few_textured() -> Scene {
     let mut rng = Rng(53);
-    let [scatter, metal] = [MaterialKind::Scatter { roughness: 1.5 }, MaterialKind::Metal { roughness: 0.0 }];
-    let kinds = [MaterialKind::Diffuse, scatter, MaterialKind::Emitter, metal];
+    let [scatter, metal] = [Scatter { roughness: 1.5 }, Metal { roughness: 0.0 }];
+    let kinds = [Diffuse, scatter, Emitter, metal];
     let mut materials = kinds.map(|kind| colored(&mut rng, kind)).to_vec();
     materials[0].texture = Some(0);
     materials[2].emission = Vec3::splat(2.0);
     let textures = vec![noise(&mut rng, 6, 6, Filter::Nearest)];
-    Scene {
-        textures,
-        sky: Sky::Color(Vec3::new(0.4, 0.5, 0.6)),
-        ..furnished(&mut rng, materials, 6, 2, true)
-    }
+    Scene { textures, sky: Sky::Color(vec3(0.4, 0.5, 0.6)), ..furnished(&mut rng, materials, 6, 2, true) }
 }
 
 /// Triangles alone, without texture coordinates, under a sky that is read at the nearest texel.
 fn triangles_alone() -> Scene {
     let mut rng = Rng(54);
-    let kinds = [MaterialKind::Diffuse, MaterialKind::Glass { ior: 1.3 }];
+    let kinds = [Diffuse, Glass { ior: 1.3 }];
     let mut materials = kinds.map(|kind| colored(&mut rng, kind)).to_vec();
-    materials[1].emission = Vec3::new(0.0, 0.3, 0.0);
+    materials[1].emission = vec3(0.0, 0.3, 0.0);
     let textures = vec![noise(&mut rng, 9, 5, Filter::Nearest)];
     let sky = Sky::Texture { texture: 0, color: Vec3::ONE, turn: 0.0 };
     Scene { textures, sky, ..furnished(&mut rng, materials, 0, 25, false) }
@@ -165,9 +160,9 @@ fn triangles_alone() -> Scene {
 /// A tilted mirror, seen so much from the side that rounding points some reflections below it, and behind it
 /// a red light that shows what starts below the mirror.
 fn grazed_mirror() -> Scene {
-    let materials = vec![material(MaterialKind::Metal { roughness: 0.0 }), emitter(Vec3::X * 5.0)];
-    let along = Vec3::new(0.6, 0.3, -0.7).normalize();
-    let across = along.cross(Vec3::new(0.2, 0.9, 0.1)).normalize();
+    let materials = vec![material(Metal { roughness: 0.0 }), emitter(Vec3::X * 5.0)];
+    let along = vec3(0.6, 0.3, -0.7).normalize();
+    let across = along.cross(vec3(0.2, 0.9, 0.1)).normalize();
     let above = across.cross(along);
     let point =
         |forwards: f32, sideways: f32, height: f32| along * forwards + across * sideways + above * height;
@@ -275,8 +270,7 @@ fn check_ways(scene: &Scene, wanted: impl Fn(usize, usize, usize) -> bool) {
 #[test]
 fn picture_is_the_same_for_all_lanes_with_every_number_of_spheres() {
     for count in 1..=20 {
-        let materials =
-            vec![material(MaterialKind::Diffuse), material(MaterialKind::Metal { roughness: 0.0 })];
+        let materials = vec![material(Diffuse), material(Metal { roughness: 0.0 })];
         let scene = furnished(&mut Rng(60 + count as u64), materials, count, 0, false);
         for choice in SphereChoice::ALL {
             let mut scalar = base(&scene, [48, 32], 4);

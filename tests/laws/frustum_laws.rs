@@ -94,7 +94,7 @@ fn frustum_of_infinite_bounds_meets_no_box_that_is_not_there() {
     let scene = mixture(&mut rng, 2, 0, 0.0, 0.0);
     let mut set = Set::default();
     for (x, y) in [(0, 0), (1, 1), (1, -1), (-1, 1), (-1, -1), (1, 0), (0, 1), (0, 0)] {
-        set.push(Vec3::Z * -1e38, Vec3::new(100.0 * x as f32, 100.0 * y as f32, 1.0), f32::INFINITY);
+        set.push(Vec3::Z * -1e38, vec3(100.0 * x as f32, 100.0 * y as f32, 1.0), f32::INFINITY);
     }
     assert!(set.goes_in_a_frustum(&hierarchy(&scene)));
     set.check(&scene, "from far away");
@@ -287,7 +287,7 @@ fn tiny_and_far_spheres_among_triangles_change_nothing() {
                 scene.spheres.push(sphere(towards * 1e6, [1e-18, 1.0, 3e5][i % 3], 0));
             }
         }
-        let corner = Vec3::new(2e-3, 1e-3, 0.0);
+        let corner = vec3(2e-3, 1e-3, 0.0);
         scene.triangles.push(triangle([Vec3::ZERO, corner, corner.yzx()], 0));
         for axis in 0..6 {
             for spread in [0.9, 0.01] {

@@ -10,7 +10,7 @@ fn awkward(rng: &mut Rng) -> Vec3 {
     let tiny = [0.0, -0.0, 1e-17, -1e-17, 1e-40, -1e-40, 1.0, -1.0, 0.3];
     let mut pick = || tiny[(rng.unit() * tiny.len() as f64) as usize];
     loop {
-        let d = Vec3::new(pick(), pick(), pick());
+        let d = vec3(pick(), pick(), pick());
         if d.length() > 0.1 {
             return d.normalize();
         }
@@ -76,7 +76,7 @@ fn batches_of_one_octant_and_of_several_find_the_same() {
                 10 => rng.direction().as_vec3().abs(),
                 octant => {
                     let sign = |axis: usize| if octant >> axis & 1 == 1 { -1.0 } else { 1.0 };
-                    rng.direction().as_vec3().abs() * Vec3::new(sign(0), sign(1), sign(2))
+                    rng.direction().as_vec3().abs() * vec3(sign(0), sign(1), sign(2))
                 }
             };
             // From outside and from among them; what leaves its octant, at something.
@@ -98,13 +98,13 @@ fn batches_of_one_octant_and_of_several_find_the_same() {
 #[test]
 fn rays_that_are_none_miss_and_a_hit_at_the_reach_is_none() {
     let mut scene = mixture(&mut Rng(14), 40, 1, 0.0, 0.0);
-    scene.spheres.push(sphere(Vec3::new(10.0, 0.0, 0.0), 1e-18, 0));
+    scene.spheres.push(sphere(vec3(10.0, 0.0, 0.0), 1e-18, 0));
     let mut set = Set::default();
     let (nan, infinity) = (f32::NAN, f32::INFINITY);
-    for direction in [Vec3::NAN, Vec3::ZERO, Vec3::new(0.0, 0.0, nan), Vec3::new(nan, 1.0, 0.0)] {
+    for direction in [Vec3::NAN, Vec3::ZERO, vec3(0.0, 0.0, nan), vec3(nan, 1.0, 0.0)] {
         set.push(Vec3::ONE, direction, infinity);
     }
-    for origin in [Vec3::NAN, Vec3::INFINITY, Vec3::new(-20.0, 0.0, 0.0), Vec3::new(0.0, -20.0, 0.0)] {
+    for origin in [Vec3::NAN, Vec3::INFINITY, vec3(-20.0, 0.0, 0.0), vec3(0.0, -20.0, 0.0)] {
         set.push(origin, Vec3::X, infinity);
         set.push(origin, Vec3::Y, infinity);
         set.push(origin, Vec3::Z, infinity);

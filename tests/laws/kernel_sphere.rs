@@ -130,8 +130,8 @@ fn tangent_rays_are_undecided_only_within_the_rounding() {
 #[test]
 fn zero_and_nan_directions_miss() {
     fn check<S: SphereMethod>(zero_from_inside: bool) {
-        let outside = [Vec3::Z * 5.0, Vec3::new(1.0, -2.0, 0.5)];
-        let inside = [Vec3::ZERO, Vec3::X * 0.999, Vec3::new(0.1, 0.2, 0.3)];
+        let outside = [Vec3::Z * 5.0, vec3(1.0, -2.0, 0.5)];
+        let inside = [Vec3::ZERO, Vec3::X * 0.999, vec3(0.1, 0.2, 0.3)];
         let misses = |origin: Vec3, direction: Vec3| {
             for limit in [1.0, f32::INFINITY] {
                 let t = intersect::<S>(UNIT, &ray(origin, direction), limit);
@@ -140,7 +140,7 @@ fn zero_and_nan_directions_miss() {
         };
         for origin in outside.into_iter().chain(inside) {
             misses(origin, Vec3::NAN);
-            misses(origin, Vec3::new(f32::NAN, 0.0, -1.0));
+            misses(origin, vec3(f32::NAN, 0.0, -1.0));
         }
         for origin in outside.into_iter().chain(inside.into_iter().filter(|_| zero_from_inside)) {
             misses(origin, Vec3::ZERO);

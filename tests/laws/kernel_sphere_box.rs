@@ -156,15 +156,15 @@ fn spheres_that_are_missed_are_culled() {
 /// number.
 #[test]
 fn spheres_beyond_the_range_of_squares_are_not_culled() {
-    let far = Vec3::new(3e18, 0.0, 0.0);
+    let far = vec3(3e18, 0.0, 0.0);
     let backwards = ray(far, Vec3::X);
     for (ray, center) in [
         (backwards, Vec3::ZERO),
         (ray(Vec3::ZERO, -Vec3::X), far),
         (ray(Vec3::ZERO, Vec3::NAN), Vec3::ONE),
         (ray(Vec3::NAN, Vec3::X), Vec3::ONE),
-        (ray(Vec3::splat(3e38), Vec3::new(0.6, -0.8, 0.0)), Vec3::new(-1e14, 1e14, 1e14)),
-        (ray(Vec3::new(2e14, -2e14, 3.0), Vec3::new(0.6, 0.8, 0.0)), Vec3::new(3e38, -3e38, 3e38)),
+        (ray(Vec3::splat(3e38), vec3(0.6, -0.8, 0.0)), vec3(-1e14, 1e14, 1e14)),
+        (ray(vec3(2e14, -2e14, 3.0), vec3(0.6, 0.8, 0.0)), vec3(3e38, -3e38, 3e38)),
         (ray(Vec3::splat(3e38), Vec3::X), Vec3::splat(-3e38)),
     ] {
         assert!(SphereCulling::<f32>::new(&ray).may_hit(&CulledSphere::new(center, 1.0)), "{ray:?} {center}");

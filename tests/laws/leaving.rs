@@ -26,7 +26,7 @@ fn buffers_hold_the_offsets_and_normals_that_are_tested_here() {
         let scene = Scene { spheres: vec![ball], triangles: vec![triangle(vertices, 0)], ..diffuse() };
         let buffers = Buffers::new(&scene);
         let [x, y, z, inverse_radius, offset, ..] = buffers.sphere_rows.fetch::<f32>(0, true);
-        assert_eq!((Vec3::new(x, y, z), inverse_radius), (ball.center, 1.0 / ball.radius));
+        assert_eq!((vec3(x, y, z), inverse_radius), (ball.center, 1.0 / ball.radius));
         assert_eq!(offset, sphere_offset(ball.center, ball.radius));
         let [ax, ay, az, abx, aby, abz, offset, _] = buffers.triangle_rows.fetch::<f32>(0, true);
         let [acx, acy, acz, nx, ny, nz, ..] = buffers.triangle_rows.fetch::<f32>(1, true);
@@ -146,7 +146,7 @@ fn lost_between_shells(center: Vec3, gap: f64) -> [usize; 2] {
 /// The opposite fault: an offset that is too large would start beyond the other shell.
 #[test]
 fn close_shells_are_not_lost_while_the_gap_is_twice_the_offset() {
-    for center in [Vec3::ZERO, Vec3::new(1.0, -2.0, 3.0), Vec3::new(40.0, 0.0, 9.0)] {
+    for center in [Vec3::ZERO, vec3(1.0, -2.0, 3.0), vec3(40.0, 0.0, 9.0)] {
         let offset = f64::from(sphere_offset(center, 1.0));
         for gap in [1e-2, 1e-3, 1e-4, 1e-5, 1e-6] {
             let lost = lost_between_shells(center, gap);
@@ -208,5 +208,5 @@ fn points_are_on_their_spheres_and_normals_have_unit_length() {
     }
     assert!(roots > 10_000 && others > 10_000);
     let (point, normal) = sphere_surface(math::Vec3::<f32>::zero(), math::Vec3::zero(), 0.5, true);
-    assert_eq!((point.get(0), normal.get(0)), (Vec3::new(0.0, 2.0, 0.0), Vec3::Y));
+    assert_eq!((point.get(0), normal.get(0)), (vec3(0.0, 2.0, 0.0), Vec3::Y));
 }

@@ -128,7 +128,7 @@ fn lobes() -> Vec<Lobe> {
     let mut lobes = vec![Lobe::Diffuse];
     lobes.extend([2e-4, 0.01, 0.09, 0.36, 1.0].map(|alpha| Lobe::Ggx { alpha }));
     lobes.extend([0.02, 0.3, 0.9, 1.0, 1.1, 2.5, 1e3].map(|roughness| Lobe::Scatter { roughness }));
-    let color = Vec3::new(0.8, 0.3, 0.1);
+    let color = vec3(0.8, 0.3, 0.1);
     lobes.extend([0.0, 0.01, 0.2, 1.0].map(|alpha| plastic(alpha, 1.5, color)));
     lobes.extend([plastic(0.3, 2.6, WHITE), plastic(0.2, 1.5, Vec3::ZERO)]);
     let metals = [(0.0, 0.0), (0.01, 0.0), (0.2, 0.5), (0.5, 1.0)];
@@ -141,8 +141,8 @@ const ANGLES: [f64; 5] = [0.0, 31.0, 60.0, 80.0, 88.0];
 
 /// An arriving direction, and a normal that no axis favours.
 fn arriving(degrees: f64) -> (DVec3, DVec3) {
-    let n = DVec3::new(0.36, -0.48, 0.8).normalize();
-    let t = DVec3::new(0.7, 0.5, 0.1).cross(n).normalize();
+    let n = dvec3(0.36, -0.48, 0.8).normalize();
+    let t = dvec3(0.7, 0.5, 0.1).cross(n).normalize();
     let (sin, cos) = degrees.to_radians().sin_cos();
     (-(n * cos + t * sin), n)
 }
@@ -354,7 +354,7 @@ fn nothing_is_nan_at_the_edges_of_the_domain() {
     }
     let ends = [0.0, 1e-7, 0.25, 0.5, 0.75, 1.0 - 6e-8];
     for lobe in lobes {
-        for n in [Vec3::Z, -Vec3::Z, Vec3::Y, Vec3::new(0.6, 0.0, 0.8)] {
+        for n in [Vec3::Z, -Vec3::Z, Vec3::Y, vec3(0.6, 0.0, 0.8)] {
             let t = n.any_orthonormal_vector();
             // 1e-7 below the horizon too: rounding puts rays there.
             for cos in [1.0, 1e-3, 1e-6, 1e-10, 0.0, -1e-7] {

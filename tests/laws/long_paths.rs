@@ -17,14 +17,14 @@ fn length(v: Vec3) -> f64 {
 
 /// A camera in a closed, tilted room, and no light lost.
 fn room(kind: MaterialKind) -> Scene {
-    let tilt = Quat::from_axis_angle(Vec3::new(0.3, 0.8, 0.5).normalize(), 0.7);
-    let corner = |i: usize| tilt * Vec3::new(sign(i & 1), sign(i & 2), sign(i & 4));
+    let tilt = Quat::from_axis_angle(vec3(0.3, 0.8, 0.5).normalize(), 0.7);
+    let corner = |i: usize| tilt * vec3(sign(i & 1), sign(i & 2), sign(i & 4));
     let faces = [[0, 1, 3, 2], [4, 5, 7, 6], [0, 1, 5, 4], [2, 3, 7, 6], [0, 2, 6, 4], [1, 3, 7, 5]];
     let triangles = faces.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]);
     Scene {
-        camera: camera(Vec3::new(0.1, 0.2, -0.1), Vec3::new(0.5, 0.1, 0.7), 60.0),
-        materials: vec![material(MaterialKind::Metal { roughness: 0.0 }), material(kind)],
-        spheres: vec![sphere(Vec3::new(0.2, -0.5, 0.4), 0.3, 1)],
+        camera: camera(vec3(0.1, 0.2, -0.1), vec3(0.5, 0.1, 0.7), 60.0),
+        materials: vec![material(Metal { roughness: 0.0 }), material(kind)],
+        spheres: vec![sphere(vec3(0.2, -0.5, 0.4), 0.3, 1)],
         triangles: triangles.map(|corners| triangle(corners.map(corner), 0)).collect(),
         ..empty()
     }
@@ -58,7 +58,7 @@ fn departure(scene: &Scene, max_bounces: u32, lanes: usize) -> f64 {
 
 #[test]
 fn directions_keep_unit_length_over_the_longest_paths() {
-    for kind in [MaterialKind::Metal { roughness: 0.0 }, MaterialKind::Glass { ior: 1.5 }] {
+    for kind in [Metal { roughness: 0.0 }, Glass { ior: 1.5 }] {
         for (max_bounces, lanes) in [(7, 8), (40, 1), (1000, 8), (MAX_BOUNCES, 1)] {
             let departure = departure(&room(kind), max_bounces, lanes);
             assert!(departure < DOMAIN, "{kind:?}: {departure:e} after {max_bounces} bounces");

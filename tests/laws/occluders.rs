@@ -9,7 +9,7 @@ const DIFFUSE: u32 = 0;
 const LAMP: u32 = 1;
 
 fn dark() -> Scene {
-    let materials = vec![material(MaterialKind::Diffuse), lamp(1.0)];
+    let materials = vec![material(Diffuse), lamp(1.0)];
     Scene { sky: Sky::Color(Vec3::ZERO), materials, ..empty() }
 }
 
@@ -148,7 +148,7 @@ fn walls_lamps_and_surrounding_spheres_occlude_nothing() {
         change(&mut scene);
         listed(&scene)
     };
-    let ball = |y: f32, radius, material| sphere(Vec3::new(0.5, y, 0.5), radius, material);
+    let ball = |y: f32, radius, material| sphere(vec3(0.5, y, 0.5), radius, material);
     let pushed = |ball| with(&|scene| scene.spheres.push(ball));
     assert_eq!(pushed(ball(0.5, 0.1, DIFFUSE)), Some([vec![0], vec![]]), "a ball between");
     assert_eq!(pushed(ball(0.5, 5.0, DIFFUSE)), Some([vec![], vec![0, 1]]), "a ball around, shadowed below");
@@ -181,16 +181,15 @@ fn every_traversal_leaves_out_the_same() {
         let mut scene = room(&mut Rng::of("occluders", [seed, 1]));
         let at = scene.triangles[0].vertices[0];
         let middle = (at + scene.triangles[11].vertices[2]) * 0.5;
-        scene.camera =
-            Camera { position: middle, look_at: at, up: Vec3::new(0.1, 1.0, 0.2), vertical_fov: 60.0 };
+        scene.camera = Camera { position: middle, look_at: at, up: vec3(0.1, 1.0, 0.2), vertical_fov: 60.0 };
         scene
     });
     // A surface behind a floor, and so close that it counts as on it, is lit through the floor.
     let mut below = dark();
     for (corner, side, material) in [
-        (DVec3::new(-1000.0, 0.0, -1000.0), 2000.0, DIFFUSE),
-        (DVec3::new(-0.01, -1e-4, -0.01), 0.02, DIFFUSE),
-        (DVec3::new(-1.0, 1.0, -1.0), 2.0, LAMP),
+        (dvec3(-1000.0, 0.0, -1000.0), 2000.0, DIFFUSE),
+        (dvec3(-0.01, -1e-4, -0.01), 0.02, DIFFUSE),
+        (dvec3(-1.0, 1.0, -1.0), 2.0, LAMP),
     ] {
         below.triangles.extend(quad(corner, [DVec3::X * side, DVec3::Z * side], material));
     }

@@ -45,22 +45,22 @@ fn with(kind: MaterialKind, extra: Extra) -> Scene {
     let mut rng = Rng(91);
     let floor = ground(9.0, -1.0);
     let mut scene = Scene {
-        camera: Camera { position: Vec3::new(0.3, 0.4, 4.0), ..empty().camera },
-        materials: vec![Material { color: Vec3::new(0.9, 0.8, 0.7), ..material(kind) }],
-        spheres: vec![sphere(Vec3::ZERO, 0.9, 0), sphere(Vec3::new(1.2, 0.3, 0.4), 0.5, 0)],
-        sky: Sky::Color(Vec3::new(0.5, 0.6, 0.7)),
+        camera: Camera { position: vec3(0.3, 0.4, 4.0), ..empty().camera },
+        materials: vec![Material { color: vec3(0.9, 0.8, 0.7), ..material(kind) }],
+        spheres: vec![sphere(Vec3::ZERO, 0.9, 0), sphere(vec3(1.2, 0.3, 0.4), 0.5, 0)],
+        sky: Sky::Color(vec3(0.5, 0.6, 0.7)),
         ..empty()
     };
-    let lamp = emitter(Vec3::new(5.0, 4.0, 3.0));
+    let lamp = emitter(vec3(5.0, 4.0, 3.0));
     match extra {
         Extra::None => {}
         Extra::Triangles => scene.triangles.push(triangle(floor, 0)),
         Extra::Smooth => scene = Scene { sky: scene.sky, ..smooth_ball(kind) },
-        Extra::Shine => scene.materials[0].emission = Vec3::new(0.1, 0.2, 0.3),
+        Extra::Shine => scene.materials[0].emission = vec3(0.1, 0.2, 0.3),
         Extra::Glow => {
             scene.textures = vec![noise(&mut rng, 5, 7, Filter::Bilinear)];
             scene.materials[0].emission = Vec3::ONE;
-            scene.materials[0].emission_map = (kind != MaterialKind::Emitter).then_some(0);
+            scene.materials[0].emission_map = (kind != Emitter).then_some(0);
         }
         Extra::Picture(filter) => {
             scene.textures = vec![noise(&mut rng, 5, 7, filter)];
@@ -76,20 +76,20 @@ fn with(kind: MaterialKind, extra: Extra) -> Scene {
             scene.textures = vec![noise(&mut rng, 5, 7, Filter::Nearest)];
             scene.materials[0].normal_map = Some(0);
         }
-        Extra::Gradient => scene.sky = Sky::Gradient { bottom: Vec3::ONE, top: Vec3::new(0.5, 0.7, 1.0) },
+        Extra::Gradient => scene.sky = Sky::Gradient { bottom: Vec3::ONE, top: vec3(0.5, 0.7, 1.0) },
         Extra::SkyPicture(filter) => {
             scene.textures = vec![noise(&mut rng, 5, 7, filter)];
             scene.sky = Sky::Texture { texture: 0, color: Vec3::ONE, turn: 0.3 };
         }
         Extra::RoundLamp => {
             scene.materials.push(lamp);
-            scene.spheres.push(sphere(Vec3::new(-1.0, 1.5, 0.5), 0.2, 1));
+            scene.spheres.push(sphere(vec3(-1.0, 1.5, 0.5), 0.2, 1));
         }
         Extra::Lamps => {
             scene.materials.push(lamp);
             scene.triangles.push(triangle(floor, 0));
             for number in 0..6 {
-                let at = Vec3::new(0.5 * number as f32 - 1.5, 1.5, 0.5);
+                let at = vec3(0.5 * number as f32 - 1.5, 1.5, 0.5);
                 scene.triangles.push(triangle([at, at + 0.3 * Vec3::X, at + 0.3 * Vec3::Z], 1));
             }
         }
@@ -105,7 +105,7 @@ fn with(kind: MaterialKind, extra: Extra) -> Scene {
 #[test]
 fn every_feature_alone_gives_the_bits_of_all_features_together() {
     let lights = [LightChoice::On, LightChoice::Off];
-    for kind in KINDS.into_iter().chain([MaterialKind::Emitter]) {
+    for kind in KINDS.into_iter().chain([Emitter]) {
         for (extra, lights) in EXTRAS.into_iter().flat_map(|extra| lights.map(|lights| (extra, lights))) {
             let scene = with(kind, extra);
             let methods = Methods { lights, ..Methods::default() };

@@ -177,7 +177,7 @@ fn traversal_equals_every_primitive_one_by_one_along_axes_and_with_zeros_of_both
 fn traversal_equals_every_primitive_one_by_one_for_directions_of_no_length() {
     let mut rng = Rng(34);
     let scene = mixed(&mut rng, 10, 10);
-    let directions = [Vec3::NAN, Vec3::ZERO, Vec3::INFINITY, Vec3::new(0.0, f32::NAN, 1.0), Vec3::X];
+    let directions = [Vec3::NAN, Vec3::ZERO, Vec3::INFINITY, vec3(0.0, f32::NAN, 1.0), Vec3::X];
     let rays: Vec<_> = (0..400).map(|i| ray((rng.in_cube() * 4.0).as_vec3(), directions[i % 5])).collect();
     assert_law_of_all(&scene, &rays);
 }

@@ -12,7 +12,7 @@ const TILE: u32 = 8;
 /// A scene of spheres and triangles of all sizes all around the camera, some of which it stands in.
 fn scene(seed: u32, camera: Camera) -> Scene {
     let number = |i: u32| f32::from_bits(mix_bits(seed ^ mix_bits(i)) >> 9 | 0x3f80_0000) - 1.0;
-    let point = |i: u32| Vec3::new(number(i), number(i + 1), number(i + 2)) * 40.0 - 20.0;
+    let point = |i: u32| vec3(number(i), number(i + 1), number(i + 2)) * 40.0 - 20.0;
     let size = |i: u32| 10f32.powf(number(i) * 4.0 - 3.0);
     let ball = |i: u32| sphere(point(8 * i), size(8 * i + 3), 0);
     let triangle = |i: u32| {
@@ -37,17 +37,13 @@ fn primary_rays(camera: &Pinhole, [x, y]: [u32; 2]) -> Set {
 
 #[test]
 fn visible_gives_the_hits_of_testing_everything_bit_for_bit() {
-    let cameras = [
-        (Vec3::ZERO, Vec3::Z, 40.0),
-        (Vec3::new(3.0, -2.0, 5.0), Vec3::X, 1.0),
-        (Vec3::ONE, -Vec3::ONE, 150.0),
-    ];
+    let cameras =
+        [(Vec3::ZERO, Vec3::Z, 40.0), (vec3(3.0, -2.0, 5.0), Vec3::X, 1.0), (Vec3::ONE, -Vec3::ONE, 150.0)];
     let (mut skipped, mut found, mut empty_lists) = (0, 0, 0);
     for (seed, (position, towards, vertical_fov)) in
         (1..=12).flat_map(|seed| cameras.map(|camera| (seed, camera)))
     {
-        let camera =
-            Camera { position, look_at: position + towards, up: Vec3::new(0.1, 1.0, 0.2), vertical_fov };
+        let camera = Camera { position, look_at: position + towards, up: vec3(0.1, 1.0, 0.2), vertical_fov };
         let scene = scene(seed, camera);
         let list = List::new(&scene, Methods::default());
         let camera = Pinhole::new(&scene.camera, RESOLUTION);
@@ -99,7 +95,7 @@ fn edges_are_kept(view: Camera, resolution: [u32; 2], corner: [u32; 2]) -> [usiz
     let edges = edge_rays(&camera, corner);
     let point = |ray: &Ray<f32>| ray.at(AWAY).get(0);
     let middle = camera.rays(corner[0] as f32 + TILE as f32 / 2.0, corner[1] as f32 + TILE as f32 / 2.0);
-    let materials = vec![material(MaterialKind::Diffuse)];
+    let materials = vec![material(Diffuse)];
     let mut specks = Scene { camera: view, materials, ..empty() };
     let mut beside = specks.clone();
     for edge in &edges {
@@ -162,7 +158,7 @@ fn visible_keeps_what_edge_rays_of_a_wide_view_hit() {
 #[test]
 fn visible_is_not_used_where_equations_stray_from_their_primitives() {
     let camera = camera(Vec3::Z * 2e4, Vec3::ZERO, 0.1);
-    let scene = Scene { camera, spheres: vec![sphere(Vec3::new(0.2, 0.1, 0.0), 1.0, 0)], ..diffuse() };
+    let scene = Scene { camera, spheres: vec![sphere(vec3(0.2, 0.1, 0.0), 1.0, 0)], ..diffuse() };
     let hits = |sphere, tile_size| {
         let methods = Methods { sphere, ..Methods::default() };
         let settings = Settings { resolution: [32, 32], methods, tile_size, ..Settings::of(&scene) };

@@ -150,7 +150,7 @@ fn balls() -> Scene {
     Scene {
         resolution: [61, 43],
         camera: Camera { vertical_fov: 50.0, ..wall.camera },
-        spheres: vec![sphere(Vec3::new(-0.8, 0.5, 0.0), 0.8, 0), sphere(Vec3::new(1.0, 0.8, 0.4), 0.5, 0)],
+        spheres: vec![sphere(vec3(-0.8, 0.5, 0.0), 0.8, 0), sphere(vec3(1.0, 0.8, 0.4), 0.5, 0)],
         ..wall
     }
 }
@@ -177,12 +177,12 @@ fn denoiser_keeps_hard_edges_of_objects_and_removes_noise_on_them() {
 /// border and of its tip.
 fn two_sides(left: [f32; 2], right: [f32; 2], materials: [u32; 2]) -> Scene {
     let side = |[border, tip]: [f32; 2], x: f32, material| {
-        let at = |y, z| Vec3::new(0.01, y, z);
-        triangle([at(-90.0, border), at(90.0, border), Vec3::new(x, 0.0, tip)], material)
+        let at = |y, z| vec3(0.01, y, z);
+        triangle([at(-90.0, border), at(90.0, border), vec3(x, 0.0, tip)], material)
     };
     Scene {
         resolution: [40, 24],
-        materials: vec![material(MaterialKind::Diffuse); 2],
+        materials: vec![material(Diffuse); 2],
         triangles: vec![side(left, -90.0, materials[0]), side(right, 90.0, materials[1])],
         ..empty()
     }
@@ -244,7 +244,7 @@ fn denoiser_leaves_many_samples_and_lamps_as_they_are() {
 /// noise would stay: all of it at the mirror's roughness of 0.
 #[test]
 fn denoiser_filters_what_mirrors_and_glass_show() {
-    for kind in [MaterialKind::Metal { roughness: 0.0 }, MaterialKind::Glass { ior: 1.5 }] {
+    for kind in [Metal { roughness: 0.0 }, Glass { ior: 1.5 }] {
         let mut scene = balls();
         scene.max_bounces = 6;
         scene.materials.push(material(kind));
@@ -304,7 +304,7 @@ fn denoiser_composes_pixels_at_edges_of_what_lies_on_both_sides() {
 #[test]
 fn denoiser_smooths_metal_as_far_as_it_is_rough() {
     let left = |roughness| {
-        let metal = material(MaterialKind::Metal { roughness });
+        let metal = material(Metal { roughness });
         let scene = two_sides([-10.0; 2], [-10.0; 2], [0; 2]);
         let guides = guides(&Scene { resolution: [40, 400], materials: vec![metal], ..scene });
         let mut rng = Rng::of("display", [11, 0]);
@@ -320,7 +320,7 @@ fn denoiser_keeps_pictures_on_surfaces_sharp() {
     // Light of one brightness on balls of many colours, which the guides tell.
     let mut scene = balls();
     scene.textures.push(crate::common::noise(&mut Rng::of("display", [4, 0]), 12, 6, Filter::Nearest));
-    scene.materials.push(Material { texture: Some(0), ..material(MaterialKind::Diffuse) });
+    scene.materials.push(Material { texture: Some(0), ..material(Diffuse) });
     scene.spheres.iter_mut().for_each(|ball| ball.material = 1);
     let guides = guides(&scene);
     let mut rng = Rng::of("display", [3, 0]);
@@ -362,7 +362,7 @@ fn denoiser_is_the_same_mirrored() {
 /// A slanted plane is filtered along rows as along columns.
 #[test]
 fn denoiser_is_the_same_with_rows_for_columns() {
-    let at = [Vec3::new(-90.0, -200.0, -60.0), Vec3::new(6.0, 0.0, 4.0), Vec3::new(-90.0, 200.0, -60.0)];
+    let at = [vec3(-90.0, -200.0, -60.0), vec3(6.0, 0.0, 4.0), vec3(-90.0, 200.0, -60.0)];
     let seen = |turn: fn(Vec3) -> Vec3| {
         guides(&Scene { resolution: [32, 32], triangles: vec![triangle(at.map(turn), 0)], ..diffuse() })
     };
@@ -371,7 +371,7 @@ fn denoiser_is_the_same_with_rows_for_columns() {
     let turned = |of: &Picture| picture([32, 32], |(x, y)| of.pixels[(x * 32 + y) as usize]);
     let shown = turned(&denoised(&noisy, 1, &seen(|at| at)));
     // The picture's rows go down.
-    let guides = seen(|at| Vec3::new(-at.y, -at.x, at.z));
+    let guides = seen(|at| vec3(-at.y, -at.x, at.z));
     assert!(difference(&shown, &denoised(&turned(&noisy), 1, &guides)) < 1e-3);
     assert!(noise(&shown, 0.5) < noise(&noisy, 0.5) / 10.0, "a slanted plane is no edge");
 }

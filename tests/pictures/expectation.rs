@@ -7,15 +7,15 @@ use crate::common::statistics::{allowed, mean_and_error};
 use crate::common::*;
 
 const KINDS: [MaterialKind; 9] = [
-    MaterialKind::Diffuse,
-    MaterialKind::Metal { roughness: 0.2 },
-    MaterialKind::Metal { roughness: 0.7 },
-    MaterialKind::Plastic { roughness: 0.0, ior: 1.5 },
-    MaterialKind::Plastic { roughness: 0.5, ior: 1.5 },
-    MaterialKind::MetalRough { roughness: 0.5, metallic: 0.5, ior: 1.5 },
-    MaterialKind::Scatter { roughness: 0.4 },
-    MaterialKind::Scatter { roughness: 2.0 },
-    MaterialKind::Glass { ior: 1.5 },
+    Diffuse,
+    Metal { roughness: 0.2 },
+    Metal { roughness: 0.7 },
+    Plastic { roughness: 0.0, ior: 1.5 },
+    Plastic { roughness: 0.5, ior: 1.5 },
+    MetalRough { roughness: 0.5, metallic: 0.5, ior: 1.5 },
+    Scatter { roughness: 0.4 },
+    Scatter { roughness: 2.0 },
+    Glass { ior: 1.5 },
 ];
 
 /// What is lit: a ball, as a sphere or as triangles with smooth normals.
@@ -34,7 +34,7 @@ fn balls(kind: MaterialKind) -> [Scene; 4] {
             vec![noise(&mut rng, 8, 6, Filter::Bilinear), noise(&mut rng, 7, 5, Filter::Nearest)];
         scene.materials[0].roughness_map = kind.has_roughness().then_some(0);
         scene.materials[0].normal_map = Some(1);
-        let at = |v: Vec3| glam::Vec2::new(0.5 + 0.4 * v.x, 0.5 + 0.3 * v.y + 0.1 * v.z);
+        let at = |v: Vec3| vec2(0.5 + 0.4 * v.x, 0.5 + 0.3 * v.y + 0.1 * v.z);
         scene.uvs = scene.triangles.iter().map(|triangle| triangle.vertices.map(at)).collect();
         scene
     };
@@ -47,12 +47,12 @@ fn balls(kind: MaterialKind) -> [Scene; 4] {
 fn lit(mut scene: Scene) -> Scene {
     let first = scene.materials.len() as u32;
     scene.materials.extend([
-        emitter(Vec3::new(9.0, 6.0, 3.0)),
-        emitter(Vec3::new(2.0, 4.0, 8.0)),
-        Material { color: Vec3::splat(0.5), ..material(MaterialKind::Diffuse) },
+        emitter(vec3(9.0, 6.0, 3.0)),
+        emitter(vec3(2.0, 4.0, 8.0)),
+        Material { color: Vec3::splat(0.5), ..material(Diffuse) },
     ]);
-    scene.spheres.push(sphere(Vec3::new(-1.5, 1.6, 1.2), 0.4, first));
-    let corners = [Vec3::new(1.6, -0.6, 0.9), Vec3::new(1.5, 1.1, 1.6), Vec3::new(1.9, 0.4, -0.5)];
+    scene.spheres.push(sphere(vec3(-1.5, 1.6, 1.2), 0.4, first));
+    let corners = [vec3(1.6, -0.6, 0.9), vec3(1.5, 1.1, 1.6), vec3(1.9, 0.4, -0.5)];
     for (corners, material) in [(corners, first + 1), (ground(9.0, -1.4), first + 2)] {
         scene.triangles.push(triangle(corners, material));
         if !scene.normals.is_empty() {

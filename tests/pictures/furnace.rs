@@ -12,12 +12,12 @@ use octray::integrate::pipeline_for;
 /// Two balls over a floor, all of one material: paths go back and forth between them.
 fn room(kind: MaterialKind) -> Scene {
     // A single sheet of glass leads into glass without end, so there is no floor of it.
-    let is_glass = matches!(kind, MaterialKind::Glass { .. });
+    let is_glass = matches!(kind, Glass { .. });
     Scene {
-        camera: Camera { position: Vec3::new(0.0, 0.5, 5.0), ..empty().camera },
+        camera: Camera { position: vec3(0.0, 0.5, 5.0), ..empty().camera },
         resolution: [48, 32],
         materials: vec![material(kind)],
-        spheres: vec![sphere(Vec3::new(-0.9, 0.0, 0.0), 1.0, 0), sphere(Vec3::new(1.1, -0.2, 0.4), 0.9, 0)],
+        spheres: vec![sphere(vec3(-0.9, 0.0, 0.0), 1.0, 0), sphere(vec3(1.1, -0.2, 0.4), 0.9, 0)],
         triangles: if is_glass { vec![] } else { vec![triangle(ground(30.0, -1.5), 0)] },
         ..empty()
     }
@@ -43,7 +43,7 @@ const SAMPLES: u32 = 32;
 fn white_furnace_is_exactly_white_where_every_weight_is_one() {
     // Throughput is a product of ones, the sky is 1, and a sum of n ones divided by n is 1: no rounding
     // anywhere. A path that is lost (absorbed below the surface, caught in it, cut off) would show as 31/32.
-    for kind in [MaterialKind::Diffuse, MaterialKind::Metal { roughness: 0.0 }] {
+    for kind in [Diffuse, Metal { roughness: 0.0 }] {
         for lanes in WIDTHS {
             let picture = render(&room(kind), UNBOUNDED, SAMPLES, lanes);
             assert!(channels(&picture).all(|x| x == 1.0), "{kind:?}");
@@ -56,7 +56,7 @@ fn white_furnace_of_glass_is_white_within_rounding() {
     // Entering weighs η², leaving 1/η², each rounded twice: 6 ε a passage, and few paths pass more than a
     // dozen times.
     for ior in [1.5, 1.05, 2.4, 0.7] {
-        let picture = render(&room(MaterialKind::Glass { ior }), UNBOUNDED, SAMPLES, 8);
+        let picture = render(&room(Glass { ior }), UNBOUNDED, SAMPLES, 8);
         let worst = channels(&picture).fold(0.0_f32, |worst, x| worst.max((x - 1.0).abs()));
         assert!(worst <= 1e-5, "ior {ior}: {worst:e}");
     }
@@ -65,8 +65,7 @@ fn white_furnace_of_glass_is_white_within_rounding() {
 #[test]
 fn absorbing_materials_never_exceed_white() {
     for roughness in [0.1, 0.3, 0.6, 1.0] {
-        for kind in [MaterialKind::Metal { roughness }, MaterialKind::Scatter { roughness: 2.0 * roughness }]
-        {
+        for kind in [Metal { roughness }, Scatter { roughness: 2.0 * roughness }] {
             let picture = render(&room(kind), UNBOUNDED, SAMPLES, 8);
             // Each weight is at most 1 up to its own rounding.
             let most = channels(&picture).fold(0.0, f32::max);
@@ -83,17 +82,17 @@ fn emission_adds_to_what_is_scattered() {
     // picture.
     let middle = |kind, sky, bounces| {
         let scene = Scene {
-            materials: vec![Material { emission: Vec3::new(0.5, 0.25, 2.0), ..material(kind) }],
+            materials: vec![Material { emission: vec3(0.5, 0.25, 2.0), ..material(kind) }],
             spheres: vec![sphere(Vec3::ZERO, 3.0, 0)],
             sky: Sky::Color(sky),
             ..empty()
         };
         render(&scene, bounces, SAMPLES, 8).pixels[8 * 24 + 12]
     };
-    assert_eq!(middle(MaterialKind::Diffuse, Vec3::ONE, 4), [1.5, 1.25, 3.0]);
-    assert_eq!(middle(MaterialKind::Diffuse, Vec3::ONE, 0), [0.5, 0.25, 2.0]);
-    assert_eq!(middle(MaterialKind::Emitter, Vec3::ONE, 4), [0.5, 0.25, 2.0]);
-    assert_eq!(middle(MaterialKind::Metal { roughness: 0.0 }, Vec3::ZERO, 4), [0.5, 0.25, 2.0]);
+    assert_eq!(middle(Diffuse, Vec3::ONE, 4), [1.5, 1.25, 3.0]);
+    assert_eq!(middle(Diffuse, Vec3::ONE, 0), [0.5, 0.25, 2.0]);
+    assert_eq!(middle(Emitter, Vec3::ONE, 4), [0.5, 0.25, 2.0]);
+    assert_eq!(middle(Metal { roughness: 0.0 }, Vec3::ZERO, 4), [0.5, 0.25, 2.0]);
 }
 
 /// What a picture and the judge's differ by, over all pixels and channels.
@@ -141,13 +140,13 @@ fn assert_agrees(name: &str, scene: &Scene, max_bounces: u32, strayed: f64) {
 
 #[test]
 fn packets_and_judge_agree_on_the_energy_of_every_material() {
-    let more = [0.2, 1.0].map(|roughness| MaterialKind::Metal { roughness });
-    let lobes = [0.4, 2.5].map(|roughness| MaterialKind::Scatter { roughness });
+    let more = [0.2, 1.0].map(|roughness| Metal { roughness });
+    let lobes = [0.4, 2.5].map(|roughness| Scatter { roughness });
     for kind in KINDS.into_iter().chain(more).chain(lobes) {
         let mut scene = room(kind);
-        scene.materials[0].color = Vec3::new(0.9, 0.7, 0.5);
-        scene.materials[0].emission = Vec3::new(0.0, 0.1, 0.0);
-        scene.sky = Sky::Gradient { bottom: Vec3::new(0.2, 0.3, 0.1), top: Vec3::new(2.0, 1.0, 3.0) };
+        scene.materials[0].color = vec3(0.9, 0.7, 0.5);
+        scene.materials[0].emission = vec3(0.0, 0.1, 0.0);
+        scene.sky = Sky::Gradient { bottom: vec3(0.2, 0.3, 0.1), top: vec3(2.0, 1.0, 3.0) };
         assert_agrees(&format!("{kind:?}"), &scene, 6, 0.02);
     }
 }
@@ -155,7 +154,7 @@ fn packets_and_judge_agree_on_the_energy_of_every_material() {
 #[test]
 fn packets_and_judge_agree_on_the_furnace_of_ggx() {
     for roughness in [0.1, 0.3, 0.6, 1.0] {
-        assert_agrees(&format!("GGX {roughness}"), &room(MaterialKind::Metal { roughness }), 50, 0.02);
+        assert_agrees(&format!("GGX {roughness}"), &room(Metal { roughness }), 50, 0.02);
     }
 }
 
@@ -166,27 +165,24 @@ fn packets_and_judge_agree_on_pictures_on_spheres_triangles_and_sky() {
         let mut rng = Rng(61);
         let textures = vec![noise(&mut rng, 7, 5, filter), noise(&mut rng, 4, 6, filter)];
         let shown = |kind, texture| Material { texture: Some(texture), ..material(kind) };
-        let lamp = Material { emission: Vec3::new(1.0, 2.0, 0.5), ..shown(MaterialKind::Emitter, 1) };
-        let wall = [Vec3::new(-6.0, -5.0, -2.0), Vec3::new(6.0, -4.0, -1.0), Vec3::new(1.0, 6.0, -3.0)];
+        let lamp = Material { emission: vec3(1.0, 2.0, 0.5), ..shown(Emitter, 1) };
+        let wall = [vec3(-6.0, -5.0, -2.0), vec3(6.0, -4.0, -1.0), vec3(1.0, 6.0, -3.0)];
         let ball = |x: f32, turn: f32, material: u32| Sphere {
             texture_turn: turn,
-            ..sphere(Vec3::new(x, 0.2 * x, 0.0), 0.6, material)
+            ..sphere(vec3(x, 0.2 * x, 0.0), 0.6, material)
         };
         let scene = Scene {
             materials: vec![
-                shown(MaterialKind::Diffuse, 0),
+                shown(Diffuse, 0),
                 lamp,
                 // A path without red still carries light.
-                Material {
-                    color: Vec3::new(0.0, 0.8, 0.6),
-                    ..shown(MaterialKind::Metal { roughness: 0.0 }, 1)
-                },
+                Material { color: vec3(0.0, 0.8, 0.6), ..shown(Metal { roughness: 0.0 }, 1) },
             ],
             textures,
             spheres: vec![ball(-1.3, 0.15, 0), ball(0.0, 0.4, 1), ball(1.3, 0.7, 2)],
             triangles: vec![triangle(wall, 0)],
-            uvs: vec![[Vec2::new(0.1, 0.2), Vec2::new(2.3, 0.4), Vec2::new(0.7, 1.9)]],
-            sky: Sky::Texture { texture: 0, color: Vec3::new(1.0, 0.5, 2.0), turn: 0.7 },
+            uvs: vec![[vec2(0.1, 0.2), vec2(2.3, 0.4), vec2(0.7, 1.9)]],
+            sky: Sky::Texture { texture: 0, color: vec3(1.0, 0.5, 2.0), turn: 0.7 },
             ..empty()
         };
         assert_agrees(&format!("{filter:?}"), &scene, 4, 0.02);
@@ -204,18 +200,18 @@ fn packets_and_judge_agree_at_every_count_near_the_size_of_a_table() {
         for i in 0..count {
             // Each shade is its own, and each triangle fills more of the picture than may stray.
             let color = Vec3::splat(0.1 + 0.07 * i as f32);
-            scene.materials.push(Material { color, ..material(MaterialKind::Diffuse) });
-            let center = Vec3::new((i % 4) as f32 - 1.5, (i / 4) as f32 - 1.0, 0.0);
+            scene.materials.push(Material { color, ..material(Diffuse) });
+            let center = vec3((i % 4) as f32 - 1.5, (i / 4) as f32 - 1.0, 0.0);
             scene.spheres.push(sphere(center - Vec3::Z, 0.4, i));
             let vertices = [0.0, 1.0, 2.0].map(|third: f32| {
                 let (sin, cos) = (third * std::f32::consts::TAU / 3.0).sin_cos();
-                center + 0.5 * Vec3::new(sin, cos, 0.3 * rng.signed() as f32)
+                center + 0.5 * vec3(sin, cos, 0.3 * rng.signed() as f32)
             });
             scene.triangles.push(triangle(vertices, i));
         }
         let triangles = Scene { spheres: Vec::new(), ..scene.clone() };
         let spheres = Scene { triangles: Vec::new(), ..scene.clone() };
-        let gradient = Sky::Gradient { bottom: Vec3::new(0.2, 0.3, 0.1), top: Vec3::new(2.0, 1.0, 3.0) };
+        let gradient = Sky::Gradient { bottom: vec3(0.2, 0.3, 0.1), top: vec3(2.0, 1.0, 3.0) };
         for (name, scene, most) in [("both", scene, 4), ("triangles", triangles, 4), ("spheres", spheres, 8)]
         {
             for sky in [Sky::Color(Vec3::ONE), gradient] {

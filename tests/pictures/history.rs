@@ -48,9 +48,9 @@ fn flat(value: f32) -> Picture {
 
 /// A ball before a wall, and the sky above it.
 fn scene() -> Scene {
-    let wall = [Vec3::new(-60.0, -20.0, -4.0), Vec3::new(60.0, -20.0, -4.0), Vec3::new(0.0, 4.0, -4.0)];
+    let wall = [vec3(-60.0, -20.0, -4.0), vec3(60.0, -20.0, -4.0), vec3(0.0, 4.0, -4.0)];
     Scene {
-        sky: Sky::Gradient { bottom: Vec3::ONE, top: Vec3::new(0.2, 0.4, 1.0) },
+        sky: Sky::Gradient { bottom: Vec3::ONE, top: vec3(0.2, 0.4, 1.0) },
         spheres: vec![sphere(Vec3::ZERO, 1.0, 0)],
         triangles: vec![Triangle { vertices: wall, material: 0 }],
         ..diffuse()
@@ -63,7 +63,7 @@ fn project_inverts_rays() {
     for _ in 0..2_000 {
         let [position, look_at] = [(); 2].map(|()| rng.in_cube().as_vec3() * 50.0);
         let mut number = |range: f64| (rng.signed() * range) as f32;
-        let (up, vertical_fov) = (Vec3::new(0.1, 1.0, -0.2), 70.0 + number(60.0));
+        let (up, vertical_fov) = (vec3(0.1, 1.0, -0.2), 70.0 + number(60.0));
         let camera = Camera { position, look_at, up, vertical_fov };
         let pinhole = Pinhole::new(&camera, [4_096, 2_160]);
         let x = F32x8::from_fn(|_| 2_048.0 + number(2_048.0));
@@ -125,7 +125,7 @@ fn history_follows_points_and_not_pixels() {
     };
     let (mut history, mut sum) = (History::new(), 0.0);
     for frame in 0..20 {
-        window.look(moved(window.scene.camera, Vec3::new(0.03, 0.01, -0.04) * frame as f32));
+        window.look(moved(window.scene.camera, vec3(0.03, 0.01, -0.04) * frame as f32));
         let fresh = paint(&window);
         let shown = window.advance(&mut history, &fresh, 1);
         for (at, (shown, fresh)) in shown.pixels.iter().zip(&fresh.pixels).enumerate() {
@@ -157,7 +157,7 @@ fn history_ends_at_other_objects_normals_and_planes() {
     window.advance(&mut history, &flat(1.0), 8);
     // The ball is a step nearer and larger: its silhouette, its distances, its normals are others; the wall's
     // are not.
-    window.scene.spheres[0] = sphere(Vec3::new(0.4, 0.0, 0.7), 1.1, 0);
+    window.scene.spheres[0] = sphere(vec3(0.4, 0.0, 0.7), 1.1, 0);
     let scene = window.scene.clone();
     window = Window::new(scene);
     window.look(camera);
@@ -212,7 +212,7 @@ fn nothing_of_a_lamp_stays_in_the_sky_behind_it() {
 fn history_forgets_sooner_on_mirrors() {
     let count = |roughness| {
         let mut scene = scene();
-        scene.materials.push(material(MaterialKind::Metal { roughness }));
+        scene.materials.push(material(Metal { roughness }));
         scene.spheres[0].material = 1;
         let mut window = Window::new(scene);
         window.look(window.scene.camera);

@@ -6,14 +6,14 @@ use crate::common::*;
 /// Two balls, one in front of the other, on a floor; the balls of one kind.
 fn balls(kind: MaterialKind) -> Scene {
     Scene {
-        camera: camera(Vec3::new(0.5, 1.0, 6.0), Vec3::ZERO, 40.0),
-        sky: Sky::Gradient { bottom: Vec3::new(0.1, 0.3, 0.2), top: Vec3::new(1.0, 0.8, 0.6) },
+        camera: camera(vec3(0.5, 1.0, 6.0), Vec3::ZERO, 40.0),
+        sky: Sky::Gradient { bottom: vec3(0.1, 0.3, 0.2), top: vec3(1.0, 0.8, 0.6) },
         max_bounces: 6,
         materials: vec![
-            Material { color: Vec3::new(0.9, 0.8, 0.7), ..material(kind) },
-            Material { color: Vec3::new(0.3, 0.5, 0.8), ..material(MaterialKind::Diffuse) },
+            Material { color: vec3(0.9, 0.8, 0.7), ..material(kind) },
+            Material { color: vec3(0.3, 0.5, 0.8), ..material(Diffuse) },
         ],
-        spheres: vec![sphere(Vec3::ZERO, 1.0, 0), sphere(Vec3::new(-1.3, 0.2, -1.5), 1.2, 0)],
+        spheres: vec![sphere(Vec3::ZERO, 1.0, 0), sphere(vec3(-1.3, 0.2, -1.5), 1.2, 0)],
         triangles: vec![triangle(ground(30.0, -1.0), 1)],
         ..empty()
     }
@@ -67,7 +67,7 @@ fn picture_is_the_judges_with_maps_of_normals_and_roughness() {
             let mut scene = Scene { textures: textures.clone(), ..scene };
             scene.materials[0].normal_map = Some(0);
             scene.materials[0].roughness_map = Some(1);
-            scene.materials[0].emission = Vec3::new(0.5, 0.2, 0.1);
+            scene.materials[0].emission = vec3(0.5, 0.2, 0.1);
             scene.materials[0].emission_map = Some(0);
             scene
         };
@@ -76,14 +76,14 @@ fn picture_is_the_judges_with_maps_of_normals_and_roughness() {
         round.spheres[1].texture_side = Side::Inside;
         // The floor too.
         round.materials[1].normal_map = Some(0);
-        round.uvs = vec![[Vec2::ZERO, Vec2::new(30.0, 3.0), Vec2::new(-4.0, 40.0)]];
+        round.uvs = vec![[Vec2::ZERO, vec2(30.0, 3.0), vec2(-4.0, 40.0)]];
         assert_is_the_judges(&format!("relief on balls, {kind:?}"), &round);
         let mut faceted = worn(smooth_ball(kind));
         // Mirrored coordinates on every other triangle, none on some.
         faceted.uvs = (0..faceted.triangles.len())
             .map(|i| match i % 7 {
                 0 => [Vec2::ONE; 3],
-                i => [Vec2::ZERO, Vec2::new(1.3, 0.2), Vec2::new(0.1, if i % 2 == 0 { 0.9 } else { -0.9 })],
+                i => [Vec2::ZERO, vec2(1.3, 0.2), vec2(0.1, if i % 2 == 0 { 0.9 } else { -0.9 })],
             })
             .collect();
         assert_is_the_judges(&format!("relief on triangles, {kind:?}"), &faceted);

@@ -12,18 +12,14 @@ fn board(filter: Filter) -> Texture {
 
 /// A plane of fields of one unit up to the horizon, seen from `height`, that emits what its texture shows.
 fn plain(filter: Filter, height: f32) -> Scene {
-    let corners = [Vec3::new(-1e3, 0.0, 1e3), Vec3::new(1e3, 0.0, 1e3), Vec3::new(0.0, 0.0, -1e3)];
+    let corners = [vec3(-1e3, 0.0, 1e3), vec3(1e3, 0.0, 1e3), vec3(0.0, 0.0, -1e3)];
     Scene {
-        camera: camera(Vec3::Y * height, Vec3::new(0.0, 0.0, -4.0 * height), 40.0),
+        camera: camera(Vec3::Y * height, vec3(0.0, 0.0, -4.0 * height), 40.0),
         sky: Sky::Color(Vec3::ZERO),
-        materials: vec![Material {
-            texture: Some(0),
-            emission: Vec3::ONE,
-            ..material(MaterialKind::Emitter)
-        }],
+        materials: vec![Material { texture: Some(0), emission: Vec3::ONE, ..material(Emitter) }],
         textures: vec![board(filter)],
         triangles: vec![triangle(corners, 0)],
-        uvs: vec![corners.map(|corner| Vec2::new(corner.x, -corner.z) / 8.0)],
+        uvs: vec![corners.map(|corner| vec2(corner.x, -corner.z) / 8.0)],
         ..empty()
     }
 }
@@ -75,14 +71,13 @@ fn picture_is_the_references_with_levels_of_detail() {
             Texture { width: 60, height: 45, texels: Texels::Unorm8(bytes), ..board(Filter::Trilinear) };
         let mut scene = plain(Filter::Trilinear, 2.0);
         scene.materials = vec![
-            Material { texture: Some(0), ..material(MaterialKind::Diffuse) },
+            Material { texture: Some(0), ..material(Diffuse) },
             Material { texture: Some(1), roughness_map: Some(3), ..material(kind) },
         ];
         let of_noise =
             [[61, 33], [64, 32]].map(|[width, height]| noise(&mut rng, width, height, Filter::Trilinear));
         scene.textures.extend(of_noise.into_iter().chain([grain]));
-        scene.spheres =
-            vec![sphere(Vec3::new(-1.2, 1.0, -6.0), 1.0, 1), sphere(Vec3::new(1.2, 1.0, -7.0), 1.0, 1)];
+        scene.spheres = vec![sphere(vec3(-1.2, 1.0, -6.0), 1.0, 1), sphere(vec3(1.2, 1.0, -7.0), 1.0, 1)];
         scene.sky = Sky::Texture { texture: 2, color: Vec3::ONE, turn: 0.2 };
         scene.max_bounces = 4;
         crate::judged::assert_is_the_judges(&format!("levels, {kind:?}"), &scene);

@@ -4,13 +4,13 @@ use crate::common::*;
 use octray::kernel::normals;
 
 const KINDS: [(MaterialKind, f64); 7] = [
-    (MaterialKind::Diffuse, 0.0),
-    (MaterialKind::Metal { roughness: 0.0 }, 0.0),
-    (MaterialKind::Metal { roughness: 0.3 }, 0.0),
-    (MaterialKind::Plastic { roughness: 0.0, ior: 1.5 }, 0.0),
-    (MaterialKind::Plastic { roughness: 0.5, ior: 1.5 }, 0.0),
-    (MaterialKind::MetalRough { roughness: 0.5, metallic: 0.5, ior: 1.5 }, 0.09),
-    (MaterialKind::Glass { ior: 1.5 }, 0.002),
+    (Diffuse, 0.0),
+    (Metal { roughness: 0.0 }, 0.0),
+    (Metal { roughness: 0.3 }, 0.0),
+    (Plastic { roughness: 0.0, ior: 1.5 }, 0.0),
+    (Plastic { roughness: 0.5, ior: 1.5 }, 0.0),
+    (MetalRough { roughness: 0.5, metallic: 0.5, ior: 1.5 }, 0.09),
+    (Glass { ior: 1.5 }, 0.002),
 ];
 
 fn furnace(kind: MaterialKind) -> Scene {
@@ -49,7 +49,7 @@ fn white_furnace_of_a_smooth_ball_loses_what_is_stated() {
 /// A light inside a closed body is not seen outside: no ray that leaves the body starts inside.
 #[test]
 fn nothing_leaves_below_the_surface() {
-    for (kind, _) in KINDS.into_iter().filter(|(kind, _)| !matches!(kind, MaterialKind::Glass { .. })) {
+    for (kind, _) in KINDS.into_iter().filter(|(kind, _)| !matches!(kind, Glass { .. })) {
         let dark = furnace(kind);
         let mut lit = dark.clone();
         lit.materials.push(lamp(1e6));
@@ -71,10 +71,10 @@ fn terminator_of_a_smooth_ball_is_that_of_a_sphere() {
         let mut scene = Scene { sky: Sky::Color(Vec3::ZERO), ..scene };
         scene.materials[0].color = Vec3::ONE;
         scene.materials.push(lamp(2000.0));
-        scene.spheres.push(sphere(Vec3::new(30.0, 8.0, 2.0), 1.0, 1));
+        scene.spheres.push(sphere(vec3(30.0, 8.0, 2.0), 1.0, 1));
         scene
     };
-    let ball = smooth_ball(MaterialKind::Diffuse);
+    let ball = smooth_ball(Diffuse);
     let round = Scene {
         triangles: Vec::new(),
         normals: Vec::new(),
@@ -98,7 +98,7 @@ fn terminator_of_a_smooth_ball_is_that_of_a_sphere() {
 
 #[test]
 fn bulge_leads_to_the_sphere_and_never_inside() {
-    let scene = smooth_ball(MaterialKind::Diffuse);
+    let scene = smooth_ball(Diffuse);
     let lane = |v: Vec3| math::Vec3::<f32>::splat(v);
     let mut rng = Rng(92);
     for (triangle, normals) in scene.triangles.iter().zip(&scene.normals) {
@@ -151,7 +151,7 @@ fn bent_normals_mirror_above_the_surface_and_face_the_ray() {
 
 #[test]
 fn flat_meshes_need_no_smooth_normals() {
-    let smooth = smooth_ball(MaterialKind::Diffuse);
+    let smooth = smooth_ball(Diffuse);
     assert!(Features::of(&smooth).contains(Features::SMOOTH_NORMALS));
     let flat = Scene { normals: vec![[Vec3::ZERO; 3]; 80], ..smooth.clone() };
     assert!(!Features::of(&flat).meets(Features::SHADING_NORMALS));

@@ -12,8 +12,7 @@ use octray::traverse::rays::{Hits, Rays};
 
 /// Two triangles far from each other in the plane z = 0, around (−3, 0) and (3, 0).
 fn two_triangles() -> Scene {
-    let around =
-        |x: f32| [Vec3::new(x - 1.0, -1.0, 0.0), Vec3::new(x + 1.0, -1.0, 0.0), Vec3::new(x, 1.0, 0.0)];
+    let around = |x: f32| [vec3(x - 1.0, -1.0, 0.0), vec3(x + 1.0, -1.0, 0.0), vec3(x, 1.0, 0.0)];
     Scene { triangles: [-3.0, 3.0].map(|x| triangle(around(x), 0)).to_vec(), ..diffuse() }
 }
 
@@ -48,7 +47,7 @@ fn tests(tests: u64, steps: u64) -> Tests {
 fn counted_in_tile(squares: usize, traversal: Traversal) -> Tests {
     let corner = |x: usize, y: usize| {
         let [x, y] = [x, y].map(|step| 2.0 * step as f32 / squares as f32 - 1.0);
-        Vec3::new(x, y, 0.0)
+        vec3(x, y, 0.0)
     };
     let square = |x: usize, y: usize| {
         let [a, b, c, d] = [corner(x, y), corner(x + 1, y), corner(x + 1, y + 1), corner(x, y + 1)];
@@ -112,7 +111,7 @@ fn small_ones(across: usize, layers: usize) -> Scene {
     let mut scene = diffuse();
     for (i, layer) in (0..across).flat_map(|i| (0..layers).map(move |layer| (i, layer))) {
         let (x, z) = (1.3 * i as f32 / across as f32, -0.01 * layer as f32);
-        let corner = |x: f32, y: f32| Vec3::new(x, y, z);
+        let corner = |x: f32, y: f32| vec3(x, y, z);
         let size = 0.5 / across as f32;
         scene.triangles.push(triangle([corner(x, -size), corner(x + size, -size), corner(x, size)], 0));
     }
@@ -138,7 +137,7 @@ fn packets_leave_out_what_is_behind_a_wall() {
     let mut scene = small_ones(40, 10);
     let triangles = |scene: &Scene| counted::<false>(scene, Traversal::Packet, &starts).0.triangles.tests;
     let open = triangles(&scene);
-    let wall = [Vec3::new(-9.0, -9.0, 4.0), Vec3::new(9.0, -9.0, 4.0), Vec3::new(0.0, 9.0, 4.0)];
+    let wall = [vec3(-9.0, -9.0, 4.0), vec3(9.0, -9.0, 4.0), vec3(0.0, 9.0, 4.0)];
     scene.triangles.push(triangle(wall, 0));
     let behind = triangles(&scene);
     assert!(0 < behind && behind * 4 < open, "{behind} tests of triangles behind a wall, {open} without");
@@ -147,7 +146,7 @@ fn packets_leave_out_what_is_behind_a_wall() {
 #[test]
 fn tests_of_a_leaf_are_its_primitives_and_no_empty_lane() {
     // Three spheres so near each other that nothing divides them.
-    let spheres: Vec<_> = [0.0, 0.01, 0.02].map(|x| sphere(Vec3::new(x, 0.0, 0.0), 1.0, 0)).into();
+    let spheres: Vec<_> = [0.0, 0.01, 0.02].map(|x| sphere(vec3(x, 0.0, 0.0), 1.0, 0)).into();
     let scene = Scene { spheres, ..diffuse() };
     let boxes = |traversal, starts: &[f32]| counted::<false>(&scene, traversal, starts).0;
     let none = tests(0, 0);
@@ -172,11 +171,11 @@ fn all_in_the_way(count: usize, triangles: bool) -> Scene {
             let (z, turn) = (4.9 - 0.8 * share, 2.4 * i as f32);
             let corner = |third: f32| {
                 let angle = turn + third * std::f32::consts::TAU / 3.0;
-                Vec3::new(10.0 * angle.cos(), 10.0 * angle.sin(), z + 3.0 * (angle - 2.0 * turn).cos())
+                vec3(10.0 * angle.cos(), 10.0 * angle.sin(), z + 3.0 * (angle - 2.0 * turn).cos())
             };
             scene.triangles.push(triangle([0.0, 1.0, 2.0].map(corner), 0));
         } else {
-            let center = Vec3::new(0.3 * (7.0 * share).sin(), 0.3 * (9.0 * share).cos(), 5.0);
+            let center = vec3(0.3 * (7.0 * share).sin(), 0.3 * (9.0 * share).cos(), 5.0);
             scene.spheres.push(sphere(center, 1.0 + share, 0));
         }
     }

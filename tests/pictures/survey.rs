@@ -82,17 +82,17 @@ fn materials_show_in_guides() {
     for (&object, guide) in seen.iter().filter(|&(&object, _)| object != MISS) {
         let material = &scene.materials[scene.spheres[object as usize].material as usize];
         assert_eq!(guide.albedo, material.color.to_array(), "{}", material.name);
-        let mirror = material.kind == MaterialKind::Metal { roughness: 0.0 };
+        let mirror = material.kind == Metal { roughness: 0.0 };
         assert_eq!(guide.lobe == 0.0, mirror, "{}", material.name);
         assert_eq!(guide.weights, [0.0; 2]);
     }
     assert_eq!(seen.len(), 4, "three spheres and the sky");
     for (kind, lobe) in [
-        (MaterialKind::Diffuse, 1.0),
-        (MaterialKind::Metal { roughness: 0.5 }, 0.25),
-        (MaterialKind::Metal { roughness: 0.0 }, 0.0),
-        (MaterialKind::Glass { ior: 1.5 }, 0.0),
-        (MaterialKind::Scatter { roughness: 3.0 }, 1.0),
+        (Diffuse, 1.0),
+        (Metal { roughness: 0.5 }, 0.25),
+        (Metal { roughness: 0.0 }, 0.0),
+        (Glass { ior: 1.5 }, 0.0),
+        (Scatter { roughness: 3.0 }, 1.0),
     ] {
         let mut scene = load("builtin:three").unwrap();
         scene.materials.iter_mut().for_each(|material| material.kind = kind);

@@ -18,11 +18,7 @@ fn columns() -> Texture {
 fn ball(texture_side: Side) -> Scene {
     Scene {
         sky: Sky::Color(Vec3::ZERO),
-        materials: vec![Material {
-            texture: Some(0),
-            emission: Vec3::ONE,
-            ..material(MaterialKind::Emitter)
-        }],
+        materials: vec![Material { texture: Some(0), emission: Vec3::ONE, ..material(Emitter) }],
         textures: vec![columns()],
         spheres: vec![Sphere { texture_side, texture_turn: 0.1, ..sphere(Vec3::ZERO, 1.0, 0) }],
         ..empty()
@@ -60,7 +56,7 @@ fn row(scene: &Scene) -> Vec<f32> {
 /// Does the text run to the right, whatever the side one looks from? Asserts that it runs one way.
 fn reads_right(scene: &Scene, eye_distance: f32) -> bool {
     let answers = [0.3, 1.7, 2.9, 4.4, 5.8].map(|angle: f32| {
-        let away = Vec3::new(angle.cos(), 0.0, angle.sin());
+        let away = vec3(angle.cos(), 0.0, angle.sin());
         let position = away * eye_distance;
         let camera = camera(position, position - away, 0.3);
         let row = row(&Scene { camera, ..scene.clone() });
@@ -117,9 +113,9 @@ fn builtin_skies_on_spheres_read_right_from_inside() {
 
 #[test]
 fn whole_repeats_of_a_triangles_picture_change_no_bit() {
-    let corners = [Vec3::new(-4.0, -4.0, 0.0), Vec3::new(4.0, -4.0, 0.0), Vec3::new(0.0, 5.0, 0.0)];
+    let corners = [vec3(-4.0, -4.0, 0.0), vec3(4.0, -4.0, 0.0), vec3(0.0, 5.0, 0.0)];
     // A step of single precision near 10⁶ is a sixteenth.
-    let uvs = [Vec2::new(0.0, 0.25), Vec2::new(0.75, 0.0), Vec2::new(0.5, 0.9375)];
+    let uvs = [vec2(0.0, 0.25), vec2(0.75, 0.0), vec2(0.5, 0.9375)];
     let shifted = |by: Vec2| {
         let mut scene = Scene { triangles: vec![triangle(corners, 0)], ..ball(Side::Outside) };
         scene.spheres.clear();
@@ -128,7 +124,7 @@ fn whole_repeats_of_a_triangles_picture_change_no_bit() {
     };
     let near = shifted(Vec2::ZERO);
     assert!(near.pixels.iter().any(|pixel| pixel[0] != near.pixels[0][0]), "the picture shows");
-    for by in [Vec2::new(1.0, -7.0), Vec2::new(-1e6, 1e6)] {
+    for by in [vec2(1.0, -7.0), vec2(-1e6, 1e6)] {
         assert!(shifted(by) == near, "{by}");
     }
 }

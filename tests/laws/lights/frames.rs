@@ -94,11 +94,11 @@ fn sampling_of_a_sky_changes_no_expectation_and_takes_its_noise_away() {
     // Where cells are even, much; where light falls off within them, less. Other seeds gave 3.2 to 11 for the
     // second: a ratio of variances of 24 runs each, with heavy tails. What is met by chance is blurred by
     // levels of detail, and as free of noise.
-    let rough = MaterialKind::Metal { roughness: 0.6 };
+    let rough = Metal { roughness: 0.6 };
     for (kind, filter, least) in [
-        (MaterialKind::Diffuse, Filter::Nearest, 500.0),
-        (MaterialKind::Diffuse, Filter::Bilinear, 2.0),
-        (MaterialKind::Diffuse, Filter::Trilinear, 0.0),
+        (Diffuse, Filter::Nearest, 500.0),
+        (Diffuse, Filter::Bilinear, 2.0),
+        (Diffuse, Filter::Trilinear, 0.0),
         (rough, Filter::Trilinear, 0.0),
     ] {
         let scene = Scene { materials: vec![material(kind)], ..under_the_sun(filter) };
@@ -114,8 +114,7 @@ fn a_small_light_is_ten_times_less_noisy_where_it_is_sampled() {
     let mut scene = floor(Vec3::ZERO, 2.0);
     scene.camera.vertical_fov = 40.0;
     scene.resolution = [32, 18];
-    scene.spheres =
-        vec![sphere(Vec3::new(0.5, 1.5, 0.2), 0.05, 1), sphere(Vec3::new(0.1, 0.3, 0.1), 0.25, 0)];
+    scene.spheres = vec![sphere(vec3(0.5, 1.5, 0.2), 0.05, 1), sphere(vec3(0.1, 0.3, 0.1), 0.25, 0)];
     scene.materials.push(lamp(200.0));
     scene.max_bounces = 4;
     let truth = render(&scene, LightChoice::Auto, 16_384, 99);

@@ -206,11 +206,11 @@ fn a_direction_has_the_density_it_was_drawn_with() {
 fn a_triangle_lights_the_floor_as_the_closed_form_says_at_every_scale() {
     // A lamp in its own way, or a density that is not what was drawn, would show.
     for scale in [1e-3, 1.0, 1e3] {
-        for away in [Vec3::ZERO, Vec3::new(30.0, -20.0, 50.0)] {
+        for away in [Vec3::ZERO, vec3(30.0, -20.0, 50.0)] {
             let foot = away * scale;
             let mut scene = floor(foot, 2.0 * scale);
             scene.materials.push(lamp(50.0));
-            let corners = [Vec3::new(0.5, 0.7, 0.0), Vec3::new(0.7, 0.8, 0.1), Vec3::new(0.6, 0.9, -0.2)];
+            let corners = [vec3(0.5, 0.7, 0.0), vec3(0.7, 0.8, 0.1), vec3(0.6, 0.9, -0.2)];
             scene.triangles.push(triangle(corners.map(|corner| foot + corner * scale), 1));
             let truth = 50.0 / PI * polygon_irradiance(&corners.map(|corner| corner.as_dvec3())).y.abs();
             let got = mean(&render(&scene, LightChoice::Auto, 64, 1));

@@ -19,7 +19,7 @@ pub fn ball(kind: MaterialKind) -> Scene {
 
 /// A triangle in the plane z = 0, large enough to fill the view.
 pub fn wall(kind: MaterialKind) -> Scene {
-    let vertices = [Vec3::new(-9.0, -9.0, 0.0), Vec3::new(9.0, -9.0, 0.0), Vec3::new(0.0, 18.0, 0.0)];
+    let vertices = [vec3(-9.0, -9.0, 0.0), vec3(9.0, -9.0, 0.0), vec3(0.0, 18.0, 0.0)];
     Scene {
         materials: vec![material(kind)],
         triangles: vec![triangle(vertices, 0)],

@@ -13,7 +13,7 @@ fn seen(scene: Scene, position: Vec3, look_at: Vec3) -> [f64; 3] {
 
 fn sky(filter: Filter, direction: Vec3) -> [f64; 3] {
     let scene = Scene {
-        sky: Sky::Texture { texture: 0, color: Vec3::new(1.0, 1.0, 0.5), turn: 0.0 },
+        sky: Sky::Texture { texture: 0, color: vec3(1.0, 1.0, 0.5), turn: 0.0 },
         textures: vec![numbered(8, 4, filter)],
         ..empty()
     };
@@ -43,7 +43,7 @@ fn assert_near(found: [f64; 3], expected: [f64; 3]) {
 /// Horizontal direction at u turns from +x towards +z.
 fn at(u: f32) -> Vec3 {
     let angle = u * std::f32::consts::TAU;
-    Vec3::new(angle.cos(), 0.0, angle.sin())
+    vec3(angle.cos(), 0.0, angle.sin())
 }
 
 #[test]
@@ -66,7 +66,7 @@ fn bilinear_wraps_columns_and_stops_at_the_poles() {
         assert_near(show(at(2.5 / 8.0)), [2.0, 1.5, blue]);
         assert_near(show(at(0.0)), [3.5, 1.5, blue]);
         assert_near(show(at(7.75 / 8.0)), [7.0 * 0.75, 1.5, blue]);
-        let steep = Vec3::new(1e-4, 1.0, 1e-4);
+        let steep = vec3(1e-4, 1.0, 1e-4);
         assert_near([0.0, show(steep)[1], 0.0], [0.0; 3]);
         assert_near([0.0, show(-steep)[1], 0.0], [0.0, 3.0, 0.0]);
         assert!(show(Vec3::Y).iter().chain(&show(-Vec3::Y)).all(|channel| channel.is_finite()));
@@ -104,11 +104,11 @@ fn a_texture_stays_put_when_seen_from_inside() {
 #[test]
 fn triangles_wrap_both_ways_and_count_rows_from_the_top() {
     let show = |filter, x: f32, y: f32| {
-        let mut scene = wall(MaterialKind::Emitter);
+        let mut scene = wall(Emitter);
         scene.materials[0] = Material { texture: Some(0), ..lamp(1.0) };
         scene.textures = vec![numbered(4, 4, filter)];
-        scene.uvs = vec![scene.triangles[0].vertices.map(|p| Vec2::new(p.x, p.y) / 9.0)];
-        let point = Vec3::new(x, y, 0.0) * 9.0;
+        scene.uvs = vec![scene.triangles[0].vertices.map(|p| vec2(p.x, p.y) / 9.0)];
+        let point = vec3(x, y, 0.0) * 9.0;
         seen(scene, point + Vec3::Z, point)
     };
     assert_eq!(show(Filter::Nearest, 0.3, 0.9), [1.0, 0.0, 1.0]);

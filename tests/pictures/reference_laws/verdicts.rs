@@ -238,8 +238,7 @@ fn far_root_of_a_sphere_seen_from_outside_is_flagged() {
 /// Of two surfaces one rounding apart either may be named; of two a hundred apart only the nearer.
 #[test]
 fn nearly_equal_distances_may_be_swapped_and_others_not() {
-    let at =
-        |z: f32| triangle([Vec3::new(-1.0, -1.0, z), Vec3::new(1.0, -1.0, z), Vec3::new(0.0, 2.0, z)], 0);
+    let at = |z: f32| triangle([vec3(-1.0, -1.0, z), vec3(1.0, -1.0, z), vec3(0.0, 2.0, z)], 0);
     let gap = |gap: f32| Scene { triangles: vec![at(0.0), at(-gap)], ..empty() };
     assert_eq!(judge(&gap(5e-7), Vec3::Z * 5.0, -Vec3::Z, (5.0, 1)), Verdict::Right);
     let swapped = judge(&gap(1e-4), Vec3::Z * 5.0, -Vec3::Z, (5.0001, 1));

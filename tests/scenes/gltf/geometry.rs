@@ -1,6 +1,6 @@
 //! Triangles and cameras of glTF models: nodes, accessors, modes.
 
-use super::{floats, model, placed, read, read_with, refused, square};
+use super::{append, floats, model, placed, read, read_with, refused, square};
 use glam::Vec3;
 use serde_json::json;
 
@@ -59,6 +59,7 @@ fn strips_fans_and_missing_indices_make_the_triangles_of_the_standard() {
 
 #[test]
 fn numbers_may_be_quantised_and_sparse() {
+    let mut binary = square();
     let json = model(|json| {
         // Bytes of 127 are 1 if normalised.
         json["accessors"][0] = json!({
@@ -69,14 +70,10 @@ fn numbers_may_be_quantised_and_sparse() {
                 "values": { "bufferView": 3, "byteOffset": 2 }
             }
         });
-        let views = json["bufferViews"].as_array_mut().unwrap();
-        views.push(json!({ "buffer": 0, "byteOffset": 136, "byteLength": 16, "byteStride": 4 }));
-        views.push(json!({ "buffer": 0, "byteOffset": 152, "byteLength": 6 }));
-        json["buffers"][0]["byteLength"] = json!(158);
+        let bytes = [0, 0, 0, 99, 127, 0, 0, 99, 127, 127, 0, 99, 0, 127, 0, 99];
+        append(json, &mut binary, &bytes, json!({ "byteStride": 4 }));
+        append(json, &mut binary, &[2, 0, 127, 127, (-127_i8) as u8, 0], json!({}));
     });
-    let mut binary = square();
-    binary.extend([0, 0, 0, 99, 127, 0, 0, 99, 127, 127, 0, 99, 0, 127, 0, 99]);
-    binary.extend([2, 0, 127, 127, (-127_i8) as u8, 0]);
     let scene = read_with(&json, &binary).unwrap().scene;
     assert_eq!(scene.triangles[0].vertices, [Vec3::ZERO, Vec3::X, Vec3::new(1.0, 1.0, -1.0)]);
     assert_eq!(scene.triangles[1].vertices[2], Vec3::Y);
@@ -130,15 +127,14 @@ fn numbers_of_every_type_are_normalised_by_their_largest() {
         let corners =
             [[&zero, &zero, &least], [&most, &zero, &zero], [&most, &most, &zero], [&zero, &most, &zero]];
         let bytes: Vec<u8> = corners.into_iter().flatten().flatten().copied().collect();
+        let mut binary = square();
         let json = model(|json| {
             json["accessors"][0] = json!({
                 "bufferView": 2, "componentType": kind, "count": 4, "type": "VEC3", "normalized": true
             });
-            let view = json!({ "buffer": 0, "byteOffset": 136, "byteLength": bytes.len() });
-            json["bufferViews"].as_array_mut().unwrap().push(view);
-            json["buffers"][0]["byteLength"] = json!(136 + bytes.len());
+            append(json, &mut binary, &bytes, json!({}));
         });
-        let scene = read_with(&json, &[square(), bytes].concat()).unwrap().scene;
+        let scene = read_with(&json, &binary).unwrap().scene;
         let wanted = [Vec3::new(0.0, 0.0, lowest), Vec3::X, Vec3::new(1.0, 1.0, 0.0)];
         assert_eq!(scene.triangles[0].vertices, wanted, "{kind}");
     }
@@ -146,19 +142,16 @@ fn numbers_of_every_type_are_normalised_by_their_largest() {
 
 #[test]
 fn sparse_numbers_without_a_view_replace_zeros_from_their_offsets() {
+    let mut binary = square();
     let json = model(|json| {
         json["accessors"][0] = json!({ "componentType": 5126, "count": 4, "type": "VEC3", "sparse": {
             "count": 3,
             "indices": { "bufferView": 2, "byteOffset": 3, "componentType": 5121 },
             "values": { "bufferView": 2, "byteOffset": 8 }
         } });
-        let view = json!({ "buffer": 0, "byteOffset": 136, "byteLength": 44 });
-        json["bufferViews"].as_array_mut().unwrap().push(view);
-        json["buffers"][0]["byteLength"] = json!(180);
+        let corners = floats(&[1.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 1.0, 0.0]);
+        append(json, &mut binary, &[vec![0, 0, 0, 1, 2, 3, 0, 0], corners].concat(), json!({}));
     });
-    let mut binary = square();
-    binary.extend([0, 0, 0, 1, 2, 3, 0, 0]);
-    binary.extend(floats(&[1.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 1.0, 0.0]));
     let scene = read_with(&json, &binary).unwrap().scene;
     assert_eq!(scene.triangles[0].vertices, [Vec3::ZERO, Vec3::X, Vec3::new(1.0, 1.0, 0.0)]);
     assert_eq!(scene.triangles[1].vertices[2], Vec3::Y);

@@ -1,6 +1,6 @@
 //! Materials, textures and vertex colours of glTF models.
 
-use super::{Loaded, floats, material, model, pictured, read_with, square};
+use super::{Loaded, floats, material, model, pictured, push, put_colours, read_with, square};
 use glam::{DVec3, Vec2, Vec3};
 use octray::scene::{Filter, Material, MaterialKind, Scene, Texels, convert_model, load};
 use serde_json::{Value, json};
@@ -81,19 +81,12 @@ fn textures_have_their_places_and_coordinates() {
 
 #[test]
 fn vertex_colours_multiply_and_survive_conversion() {
-    let json = model(|json| {
-        json["meshes"][0]["primitives"][0]["attributes"]["COLOR_0"] = json!(4);
-        let accessor =
-            json!({ "bufferView": 2, "componentType": 5121, "normalized": true, "count": 4, "type": "VEC4" });
-        json["accessors"].as_array_mut().unwrap().push(accessor);
-        json["bufferViews"]
-            .as_array_mut()
-            .unwrap()
-            .push(json!({ "buffer": 0, "byteOffset": 136, "byteLength": 16 }));
-        json["buffers"][0]["byteLength"] = json!(152);
-    });
     let mut binary = square();
-    binary.extend([255, 0, 0, 255, 0, 255, 0, 255, 0, 0, 255, 255, 255, 255, 255, 255]);
+    let json = model(|json| {
+        let bytes = [255, 0, 0, 255, 0, 255, 0, 255, 0, 0, 255, 255, 255, 255, 255, 255];
+        let accessor = json!({ "componentType": 5121, "normalized": true, "type": "VEC4" });
+        put_colours(json, &mut binary, &bytes, accessor);
+    });
     let Loaded { scene, folder, path } = read_with(&json, &binary).unwrap();
     let shown = |scene: &Scene| {
         let material = scene.triangles[0].material;
@@ -139,7 +132,7 @@ fn textures_use_the_set_of_coordinates_of_the_first_of_them() {
             json["meshes"][0]["primitives"][0]["attributes"]["TEXCOORD_1"] = json!(4);
             // The last two numbers of the normals: (0, 1).
             let accessor = json!({ "bufferView": 0, "byteOffset": 16, "componentType": 5126, "count": 4, "type": "VEC2" });
-            json["accessors"].as_array_mut().unwrap().push(accessor);
+            push(json, "accessors", accessor);
         });
         let scene = read_with(&json, &binary).unwrap().scene;
         assert_eq!(scene.uvs[0], [Vec2::ZERO; 3], "{json}");
@@ -165,25 +158,18 @@ fn textures_use_the_set_of_coordinates_of_the_first_of_them() {
 
 #[test]
 fn vertex_colours_may_be_three_floats_and_end_at_one() {
-    let coloured = |json: &mut Value, length: usize| {
-        json["meshes"][0]["primitives"][0]["attributes"]["COLOR_0"] = json!(4);
-        let view = json["bufferViews"].as_array().unwrap().len();
-        let accessor = json!({ "bufferView": view, "componentType": 5126, "count": 4, "type": "VEC3" });
-        json["accessors"].as_array_mut().unwrap().push(accessor);
-        let view = json!({ "buffer": 0, "byteOffset": length, "byteLength": 48 });
-        json["bufferViews"].as_array_mut().unwrap().push(view);
-        json["buffers"][0]["byteLength"] = json!(length + 48);
+    let coloured = |mut json: Value, mut binary: Vec<u8>| {
+        let colours = floats(&[[2.0, 0.5, 0.0]; 4].concat());
+        put_colours(&mut json, &mut binary, &colours, json!({ "componentType": 5126, "type": "VEC3" }));
+        read_with(&json, &binary).unwrap()
     };
-    let colours = floats(&[[2.0, 0.5, 0.0]; 4].concat());
-    let json = model(|json| coloured(json, 136));
-    let Loaded { folder, path, .. } = read_with(&json, &[square(), colours.clone()].concat()).unwrap();
+    let Loaded { folder, path, .. } = coloured(model(|_| {}), square());
     let text = convert_model(&path, &folder.path("s.json")).unwrap().text;
     assert!(text.contains(r#""colors": [[1, 0.5, 0], [1, 0.5, 0], [1, 0.5, 0]]"#), "{text}");
-    let (mut json, binary) = pictured(|json| {
+    let (json, binary) = pictured(|json| {
         json["materials"][0]["pbrMetallicRoughness"] = json!({ "baseColorTexture": { "index": 0 } });
     });
-    coloured(&mut json, binary.len());
-    let scene = read_with(&json, &[binary, colours].concat()).unwrap().scene;
+    let scene = coloured(json, binary).scene;
     assert!(scene.warnings[0].contains("vertex colours are left out"), "{:?}", scene.warnings);
 }
 

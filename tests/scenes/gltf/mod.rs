@@ -68,6 +68,29 @@ fn put(json: &mut Value, path: &str, value: Value) {
     *path.split('/').fold(json, step) = value;
 }
 
+fn push(json: &mut Value, path: &str, value: Value) -> usize {
+    let list = json[path].as_array_mut().unwrap();
+    list.push(value);
+    list.len() - 1
+}
+
+/// The square and more bytes: with a view of these that has more keys, whose number comes first.
+fn append(json: &mut Value, binary: &mut Vec<u8>, bytes: &[u8], keys: Value) -> usize {
+    let mut view = json!({ "buffer": 0, "byteOffset": binary.len(), "byteLength": bytes.len() });
+    view.as_object_mut().unwrap().extend(keys.as_object().unwrap().clone());
+    binary.extend(bytes);
+    json["buffers"][0]["byteLength"] = json!(binary.len());
+    push(json, "bufferViews", view)
+}
+
+/// Gives the square's vertices colours.
+fn put_colours(json: &mut Value, binary: &mut Vec<u8>, bytes: &[u8], mut accessor: Value) {
+    accessor["bufferView"] = json!(append(json, binary, bytes, json!({})));
+    accessor["count"] = json!(4);
+    let number = push(json, "accessors", accessor);
+    put(json, "meshes/0/primitives/0/attributes/COLOR_0", json!(number));
+}
+
 struct Loaded {
     scene: Scene,
     folder: Folder,
@@ -105,12 +128,9 @@ fn png() -> Vec<u8> {
 
 /// The square, with the picture in the file.
 fn pictured(change: impl FnOnce(&mut Value)) -> (Value, Vec<u8>) {
-    let (mut binary, picture) = (square(), png());
-    binary.extend(&picture);
+    let mut binary = square();
     let json = model(|json| {
-        let view = json!({ "buffer": 0, "byteOffset": 136, "byteLength": picture.len() });
-        json["bufferViews"].as_array_mut().unwrap().push(view);
-        json["buffers"][0]["byteLength"] = json!(binary.len());
+        append(json, &mut binary, &png(), json!({}));
         json["images"] = json!([{ "bufferView": 2, "mimeType": "image/png" }]);
         json["samplers"] = json!([{ "magFilter": 9728 }]);
         json["textures"] = json!([{ "source": 0 }, { "source": 0, "sampler": 0 }]);

@@ -39,18 +39,14 @@ fn one_number_chooses_each_of_a_few_lights_by_its_chance_and_a_point_all_over_it
             let lights = Lights::new(&lamps(&radiances), LightChoice::On);
             assert_eq!(lights.len(), count);
             let mut seen = vec![Seen::default(); count];
-            let never = || -> F32x8 { unreachable!("one number is enough") };
+            let never = || -> f32 { unreachable!("one number is enough") };
             // Every number there is.
-            for number in (0..NUMBERS).step_by(8) {
-                let u = F32x8::from_fn(|lane| (number + lane as u32) as f32 / NUMBERS as f32);
-                let (light, rest) = lights.choose::<F32x8>(u, never, never, count <= Lights::FEW);
-                for lane in 0..8 {
-                    let (at, rest) = (&mut seen[light.at.x.get(lane) as usize], rest.get(lane));
-                    assert!((0.0..1.0).contains(&rest), "{count} lights: {rest} left of {u:?}");
-                    let rest = f64::from(rest);
-                    *at =
-                        Seen { count: at.count + 1.0, sum: at.sum + rest, squares: at.squares + rest * rest };
-                }
+            for number in 0..NUMBERS {
+                let u = number as f32 / NUMBERS as f32;
+                let (light, rest) = lights.choose::<f32>(u, never, never, count <= Lights::FEW);
+                assert!((0.0..1.0).contains(&rest), "{count} lights: {rest} left of {u}");
+                let (at, rest) = (&mut seen[light.at.x as usize], f64::from(rest));
+                *at = Seen { count: at.count + 1.0, sum: at.sum + rest, squares: at.squares + rest * rest };
             }
             for (number, Seen { count: drawn, sum, squares }) in seen.into_iter().enumerate() {
                 let what = format!("light {number} of {count}, radiance {:e}", radiances[number]);

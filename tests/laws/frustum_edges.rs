@@ -46,7 +46,7 @@ impl Along {
         set
     }
     /// A tile of rays from so far before the world's origin.
-    fn from_afar(&self, rng: &mut Rng, away: f64, spread: f64) -> Set {
+    fn tile_from_afar(&self, rng: &mut Rng, away: f64, spread: f64) -> Set {
         self.tile(rng.direction() * 0.1 - self.towards * away, [0.0; 2], [spread; 2])
     }
     /// Away from the tile's middle, across the view, at one of its outermost rays.
@@ -207,7 +207,7 @@ fn frustum_keeps_what_rounding_hits_beside_it() {
 /// hardly anywhere themselves: the first copy counts, and the frustum must not leave it out because another
 /// one has been hit.
 #[test]
-fn frustum_keeps_the_first_of_copies_seen_from_afar() {
+fn frustum_keeps_the_first_of_copies_seen_tile_from_afar() {
     let mut rng = Rng(93);
     let mut hits = 0;
     const ROUNDS: usize = 108;
@@ -216,7 +216,7 @@ fn frustum_keeps_the_first_of_copies_seen_from_afar() {
         // Every other tile is narrower than its directions can tell.
         let spread = if round % 2 == 0 { 0.0 } else { 0.3 / away };
         let view = Along::axis(round % 6);
-        let set = view.from_afar(&mut rng, away, spread);
+        let set = view.tile_from_afar(&mut rng, away, spread);
         let mut scene = diffuse();
         for depth in [-0.5, 0.0, 0.5].map(|depth| depth + 0.2 * rng.unit()) {
             let vertices = view.triangle([0.0, 0.01, 0.02].map(|behind| depth + behind), 3.0, 0.0);
@@ -235,7 +235,7 @@ fn frustum_keeps_the_first_of_many_triangles_in_a_plane() {
     let mut hits = 0;
     for round in 0..24 {
         let view = Along::axis(round % 6);
-        let set = view.from_afar(&mut rng, 5.0, 0.02);
+        let set = view.tile_from_afar(&mut rng, 5.0, 0.02);
         let mut scene = diffuse();
         for _ in 0..64 {
             let turn = rng.scale(0.1, 6.0);

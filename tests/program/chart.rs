@@ -140,7 +140,7 @@ fn chart_tells_what_it_found_and_keeps_its_truth_for_the_next_run_of_the_same_sc
     for figure in ["samples", "frame_rmse", "small_rmse"] {
         assert_eq!(truth(&first)[figure], truth(&second)[figure], "{figure}");
     }
-    desk.write("scene.json", &SCENE.replace("[0.5, 0.7, 1.0]", "[0.5, 0.7, 1.5]"));
+    desk.write("scene.json", SCENE.replace("[0.5, 0.7, 1.0]", "[0.5, 0.7, 1.5]"));
     assert_eq!(truth(&desk.json(SMALL))["cached"], false, "another scene of the same name");
 }
 

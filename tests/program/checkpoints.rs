@@ -136,7 +136,7 @@ fn checkpoint_of_something_else_is_refused_and_kept() {
     let with = |more: &str| format!("render {more} -o a.exr --checkpoint c.part");
     desk.run(&with("scene.json --samples 3"));
     let kept = desk.bytes("c.part");
-    desk.write("other.json", &SCENE.replace("0.8, 0.5, 0.3", "0.8, 0.5, 0.4"));
+    desk.write("other.json", SCENE.replace("0.8, 0.5, 0.3", "0.8, 0.5, 0.4"));
     for (more, words) in [
         ("builtin:three --size 8x8 --samples 4", "spheres of the scene: not the same"),
         ("other.json --samples 4", "materials of the scene: not the same"),

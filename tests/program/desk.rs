@@ -142,7 +142,7 @@ impl Desk {
             "materials": { "white": { "type": "diffuse", "color": [1, 1, 1], "emission": [1, 1, 1] } },
             "spheres": (0..balls).map(ball).chain([room]).collect::<Vec<_>>(),
         });
-        self.write("endless.json", &scene.to_string());
+        self.write("endless.json", scene.to_string());
     }
 
     /// Renders a scene to a few pixels, which are not all black.

@@ -181,7 +181,7 @@ fn compare_reports_in_json_and_says_for_people_that_the_pictures_agree() {
 #[test]
 fn bench_and_compare_refuse_a_bad_scene_before_they_measure_a_good_one() {
     let desk = Desk::new();
-    desk.write("bad.json", &SCENE.replace(r#""radius": 1"#, r#""radius": -1"#));
+    desk.write("bad.json", SCENE.replace(r#""radius": 1"#, r#""radius": -1"#));
     for (bad, word) in [
         ("nowhere.json", "no such file"),
         ("bad.json", "spheres[0].radius"),
@@ -205,7 +205,7 @@ fn bench_and_compare_exit_with_1_when_a_check_failed() {
     )
     .unwrap();
     let sky = r#"{ "texture": "sun.hdr", "color": [1e18, 1e18, 1e18] }"#;
-    desk.write("overflow.json", &SCENE.replace(r#"{ "color": [0.5, 0.7, 1.0] }"#, sky));
+    desk.write("overflow.json", SCENE.replace(r#"{ "color": [0.5, 0.7, 1.0] }"#, sky));
     // The good scene comes last: it must not make up for the other.
     for command in ["compare --samples 1", "bench --frames 1"] {
         desk.octray(&format!("{command} overflow.json scene.json --size 8x8")).assert().code(1);

@@ -9,7 +9,7 @@ const KEYFRAMES: &str = r#"[ { "frame": 10, "camera": { "position": [0, 0, 5] } 
 
 fn put_view(desk: &Desk, name: &str, more: &str) {
     let base = r#""format": "octray-view-1", "scene": "scene.json", "resolution": [40, 40]"#;
-    desk.write(name, &format!(r#"{{ {base}, "render": {{ "samples": 2 }}{more} }}"#));
+    desk.write(name, format!(r#"{{ {base}, "render": {{ "samples": 2 }}{more} }}"#));
 }
 
 #[test]

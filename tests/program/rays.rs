@@ -206,7 +206,7 @@ fn what_rays_cannot_use_is_refused() {
     }
     // Too small for where it stands: every camera's position is rounded to what it looks at.
     let speck = r#""center": [1000000, 0, 1000000], "radius": 0.001"#;
-    desk.write("speck.json", &SCENE.replace(r#""center": [0, 0, 0], "radius": 1"#, speck));
+    desk.write("speck.json", SCENE.replace(r#""center": [0, 0, 0], "radius": 1"#, speck));
     desk.refuses("rays speck.json", &["no camera can stand beside it"]);
 }
 

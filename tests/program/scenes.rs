@@ -39,7 +39,7 @@ const GRADIENT: &str = r#"{
 #[test]
 fn scene_warnings_reach_standard_error() {
     let desk = Desk::new();
-    desk.write("dark.json", &SCENE.replace("[0.5, 0.7, 1.0]", "[0, 0, 0]"));
+    desk.write("dark.json", SCENE.replace("[0.5, 0.7, 1.0]", "[0, 0, 0]"));
     for command in [
         "render dark.json -o a.png --samples 1",
         "bench dark.json --frames 1 --size 8x8 --threads 1",
@@ -63,7 +63,7 @@ fn faults_in_a_scene_are_refused_with_file_and_json_path() {
         (r#""vertical_fov": 40"#, r#""vertical_fov": "wide""#, "camera.vertical_fov"),
     ] {
         assert!(SCENE.contains(right), "{right}");
-        desk.write("bad.json", &SCENE.replace(right, wrong));
+        desk.write("bad.json", SCENE.replace(right, wrong));
         desk.refuses("inspect bad.json", &["bad.json", place]);
     }
     // The last of them.
@@ -111,7 +111,7 @@ fn inspect_reports_textures_gradient_and_needs() {
     );
     says("gradient.json", &["triangles, diffuse, textures, sky-gradient\n"]);
     // A level more, of one texel.
-    desk.write("levels.json", &GRADIENT.replace("nearest", "trilinear"));
+    desk.write("levels.json", GRADIENT.replace("nearest", "trilinear"));
     says(
         "levels.json",
         &["models/paper.png: 2×2, trilinear, 20 B", "bilinear, sky-gradient, levels-of-detail\n"],
@@ -132,8 +132,8 @@ fn inspect_shows_which_way_rays_go_and_why() {
         let ball = |x: usize| json!({ "center": [3 * x, 0, 0], "radius": 1 });
         json!({ "format": "octray-1", "spheres": (0..count).map(ball).collect::<Vec<_>>() }).to_string()
     };
-    desk.write("few.json", &balls(240));
-    desk.write("many.json", &balls(241));
+    desk.write("few.json", balls(240));
+    desk.write("many.json", balls(241));
     for (scene, cost, way) in [
         ("scene.json", 1, "linear"),
         ("model.obj", 6, "linear"),

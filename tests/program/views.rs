@@ -31,7 +31,7 @@ fn view_renders_the_picture_of_the_same_options_by_hand() {
     desk.write("thesis.json", thesis);
     for scene in ["scene.json", "thesis.json", "model.obj", "builtin:cornell"] {
         let rest = format!(r#""resolution": [13, 9], "max_bounces": 2, {RENDER}"#);
-        desk.write("view.json", &view(scene, &rest));
+        desk.write("view.json", view(scene, &rest));
         let by_hand = format!("{scene} {OPTIONS} --size 13x9 --bounces 2");
         let plain = desk.rendered(&format!("{scene} --size 13x9"), "plain.png");
         for file in ["a.png", "a.exr"] {
@@ -41,8 +41,8 @@ fn view_renders_the_picture_of_the_same_options_by_hand() {
         }
     }
     // No option places a camera: the scene's own file does.
-    desk.write("moved.json", &moved_scene());
-    desk.write("shots/view.json", &view("../scene.json", CAMERA));
+    desk.write("moved.json", moved_scene());
+    desk.write("shots/view.json", view("../scene.json", CAMERA));
     let [moved, of_view, plain] = ["moved.json", "shots/view.json", "scene.json"]
         .map(|scene| desk.rendered(&format!("{scene} --samples 2 --size 24x16"), "a.exr"));
     assert!(moved == of_view && moved != plain);
@@ -51,7 +51,7 @@ fn view_renders_the_picture_of_the_same_options_by_hand() {
 #[test]
 fn options_win_over_the_view() {
     let desk = Desk::new();
-    desk.write("view.json", &view("builtin:cornell", &format!(r#""resolution": [13, 9], {RENDER}"#)));
+    desk.write("view.json", view("builtin:cornell", &format!(r#""resolution": [13, 9], {RENDER}"#)));
     let report = |options: &str| desk.json(&format!("render view.json -o a.png {options}"));
     let figures =
         |report: &Value| ["samples", "seed", "width", "max_bounces"].map(|key| report[key].as_u64().unwrap());
@@ -86,7 +86,7 @@ fn what_a_view_asks_for_and_does_not_exist_is_refused_by_every_command() {
         (r#""exposure": 65"#, ["`exposure` cannot be 65", "render.exposure,", "from -64 to 64"]),
         (r#""clamp": -0.5"#, ["`clamp` cannot be -0.5", "render.clamp,", "above 0"]),
     ] {
-        desk.write("view.json", &view("scene.json", &format!(r#""render": {{ "seed": 1, {said} }}"#)));
+        desk.write("view.json", view("scene.json", &format!(r#""render": {{ "seed": 1, {said} }}"#)));
         let words = [&words[..], &["view.json: ", "line 4, column "]].concat();
         desk.refuses("inspect view.json", &words);
     }
@@ -101,17 +101,17 @@ fn what_a_view_asks_for_and_does_not_exist_is_refused_by_every_command() {
     }
     // Some editors begin a file with a mark, which is no part of the text.
     let marked = view("scene.json", r#""render": { "seed": 1, "tone": "sepia" }"#);
-    desk.write("view.json", &format!("\u{feff}{marked}"));
+    desk.write("view.json", format!("\u{feff}{marked}"));
     desk.refuses("render view.json -o a.png", &["`sepia`", "line 4, column "]);
     // An option given by hand mends no file.
-    desk.write("view.json", &view("scene.json", r#""render": { "tone": "sepia" }"#));
+    desk.write("view.json", view("scene.json", r#""render": { "tone": "sepia" }"#));
     desk.refuses("render view.json -o a.png --tone aces", &["sepia"]);
 }
 
 #[test]
 fn inspect_says_that_a_scene_is_a_view_of_another() {
     let desk = Desk::new();
-    desk.write("shots/view.json", &view("../scene.json", &format!("{CAMERA}, {RENDER}")));
+    desk.write("shots/view.json", view("../scene.json", &format!("{CAMERA}, {RENDER}")));
     let report = desk.json("inspect shots/view.json");
     assert_eq!(report["view"]["of"], "../scene.json");
     assert_eq!(report["view"]["render"]["tone"], "reinhard");
@@ -130,7 +130,7 @@ fn inspect_says_that_a_scene_is_a_view_of_another() {
 fn a_views_tone_is_no_mistake_where_a_format_has_none() {
     let desk = Desk::new();
     let render = r#""render": { "samples": 1, "exposure": 2, "tone": "aces" }"#;
-    desk.write("view.json", &view("scene.json", render));
+    desk.write("view.json", view("scene.json", render));
     assert!(!desk.warnings("render view.json -o a.exr").contains("no effect"));
     assert!(desk.warnings("render view.json -o a.exr --tone aces").contains("no effect on a.exr"));
 }
@@ -138,8 +138,8 @@ fn a_views_tone_is_no_mistake_where_a_format_has_none() {
 #[test]
 fn other_commands_take_a_views_camera_and_none_of_its_options() {
     let desk = Desk::new();
-    desk.write("moved.json", &moved_scene());
-    desk.write("view.json", &view("scene.json", &format!("{CAMERA}, {RENDER}")));
+    desk.write("moved.json", moved_scene());
+    desk.write("view.json", view("scene.json", &format!("{CAMERA}, {RENDER}")));
     let rays = |scene: &str| {
         let report = desk.json(&format!("bench {scene} --frames 1 --size 64x64"));
         report["results"][0]["rays_per_frame"].clone()

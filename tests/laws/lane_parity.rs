@@ -1,10 +1,10 @@
 //! The law of the lane module: every operation, and everything written over lanes, gives the same bits at
-//! width 1 and at width 8.
+//! width 1, 8 and 16.
 //!
 //! Any NaN equals any NaN (which one comes out is not promised); everything else is compared bit for bit,
 //! lane by lane, on all pairs of special values and on random bit patterns. Holds in every build; to run it
 //! in one without FMA and AVX: `RUSTFLAGS="-C target-cpu=x86-64" cargo test --target-dir target/plain --test
-//! lane_parity`.
+//! laws lane_parity`.
 
 use crate::common::*;
 use octray::kernel::{bsdf, light, ray_cone, surface, texture};

@@ -1,7 +1,7 @@
 //! The native scene format: what its keys mean and what stands in for those left out.
 
 use crate::folder::Folder;
-use glam::{Vec2, Vec3};
+use glam::{Vec2, Vec3, vec2, vec3};
 use octray::scene::{Filter, MaterialKind, Scene, Sky, Texels, builtin_names, load, load_with_view};
 use std::fs;
 use std::path::Path;
@@ -52,21 +52,21 @@ fn native_example_of_the_design_keeps_every_value() {
         "triangles": [ { "vertices": [[0,0,0],[1,0,0],[0,1,0]], "uvs": [[0,0],[1,0],[0,0.5]], "material": "clay" } ]"#,
     );
     assert_eq!(scene.name, "scene.json");
-    assert_eq!(scene.camera.position, Vec3::new(0.0, 1.0, 5.0));
-    assert_eq!(scene.camera.look_at, Vec3::new(0.0, 1.0, 0.0));
+    assert_eq!(scene.camera.position, vec3(0.0, 1.0, 5.0));
+    assert_eq!(scene.camera.look_at, vec3(0.0, 1.0, 0.0));
     assert_eq!(scene.camera.vertical_fov, 40.0);
     assert_eq!((scene.resolution, scene.max_bounces), ([320, 180], 7));
-    assert_eq!(scene.sky, Sky::Color(Vec3::new(0.5, 0.7, 1.0)));
+    assert_eq!(scene.sky, Sky::Color(vec3(0.5, 0.7, 1.0)));
     let kinds: Vec<MaterialKind> = scene.materials.iter().map(|material| material.kind).collect();
     let [metal, glass] = [MaterialKind::Metal { roughness: 0.1 }, MaterialKind::Glass { ior: 1.33 }];
     let scatter = MaterialKind::Scatter { roughness: 2.5 };
     assert_eq!(kinds, [MaterialKind::Diffuse, metal, glass, scatter, MaterialKind::Diffuse]);
     assert_eq!(scene.materials[2].color, Vec3::ONE);
-    assert_eq!(scene.materials[4].emission, Vec3::new(15.0, 14.0, 13.0));
+    assert_eq!(scene.materials[4].emission, vec3(15.0, 14.0, 13.0));
     let ball = scene.spheres[0];
     assert_eq!((ball.radius, ball.material, ball.texture_turn), (2.0, 3, 0.25));
     assert_eq!(scene.triangles[0].vertices, [Vec3::ZERO, Vec3::X, Vec3::Y]);
-    assert_eq!(scene.uvs, [[Vec2::ZERO, Vec2::X, Vec2::new(0.0, 0.5)]]);
+    assert_eq!(scene.uvs, [[Vec2::ZERO, Vec2::X, vec2(0.0, 0.5)]]);
     let texture = &scene.textures[scene.materials[0].texture.unwrap() as usize];
     assert_eq!((texture.width, texture.height, texture.filter), (2, 1, Filter::Nearest));
     // IEC 61966-2-1: ((128/255 + 0.055) / 1.055)^2.4 = 0.2158605.
@@ -101,8 +101,8 @@ fn native_defaults_fill_a_scene_of_one_sphere() {
     // Bounds 4 wide each way: diagonal 4 sqrt 3; the camera stands 1.2 of it away along (1, 0.5, 1.5) / sqrt
     // 3.5.
     let step = 1.2 * 4.0 * 3.0_f32.sqrt() / 3.5_f32.sqrt();
-    let expected = Vec3::new(1.0, 2.0, 3.0) + step * Vec3::new(1.0, 0.5, 1.5);
-    assert_eq!(scene.camera.look_at, Vec3::new(1.0, 2.0, 3.0));
+    let expected = vec3(1.0, 2.0, 3.0) + step * vec3(1.0, 0.5, 1.5);
+    assert_eq!(scene.camera.look_at, vec3(1.0, 2.0, 3.0));
     assert!(scene.camera.position.distance(expected) < 1e-5, "{}", scene.camera.position);
     assert_eq!((scene.camera.up, scene.camera.vertical_fov), (Vec3::Y, 40.0));
 }
@@ -145,7 +145,7 @@ fn sky_reads_gradient_and_texture() {
     crate::openexr::write(&folder.path("sky.exr"), 1, &[[2.0, 0.5, 0.25]]);
     let with = |sky: &str| load_in(&folder, &format!(r#""sky": {sky}, {BALL}"#));
     let gradient = with(r#"{ "gradient": { "bottom": [1,1,1], "top": [0.5,0.7,1] } }"#);
-    assert_eq!(gradient.sky, Sky::Gradient { bottom: Vec3::ONE, top: Vec3::new(0.5, 0.7, 1.0) });
+    assert_eq!(gradient.sky, Sky::Gradient { bottom: Vec3::ONE, top: vec3(0.5, 0.7, 1.0) });
     let textured = with(r#"{ "texture": "sky.exr", "color": [3,3,3] }"#);
     assert_eq!(textured.sky, Sky::Texture { texture: 0, color: Vec3::splat(3.0), turn: 0.0 });
     // An EXR holds linear light: the numbers pass as they are.
@@ -192,9 +192,9 @@ fn planar_mapping_lies_in_the_plane_with_its_upper_edge_up() {
           { "vertices": [[0,0,0],[0,4,0],[0,0,6]], "material": "m" } ]"#,
     );
     // The first textured one lies flat: u = x/2, v = -z/2, less whole repeats so that the least is in [0, 1).
-    assert_eq!(scene.uvs[1], [Vec2::new(0.5, 2.5), Vec2::new(0.5, 0.5), Vec2::new(3.5, 2.5)]);
+    assert_eq!(scene.uvs[1], [vec2(0.5, 2.5), vec2(0.5, 0.5), vec2(3.5, 2.5)]);
     // The second stands and is seen from +x: u = -z/2, v = y/2.
-    assert_eq!(scene.uvs[2], [Vec2::new(3.0, 0.0), Vec2::new(3.0, 2.0), Vec2::new(0.0, 0.0)]);
+    assert_eq!(scene.uvs[2], [vec2(3.0, 0.0), vec2(3.0, 2.0), vec2(0.0, 0.0)]);
     assert_eq!(scene.uvs[0], [Vec2::ZERO; 3]);
 }
 
@@ -236,7 +236,7 @@ fn numbers_up_to_the_bound_are_accepted() {
         r#""spheres": [{ "center": [1e18, -99999999999, 1e-40], "radius": 1e-18 },
         { "center": [0,0,0], "radius": 1e18 }], "camera": { "position": [0,0,1] }"#,
     );
-    assert_eq!(scene.spheres[0].center, Vec3::new(1e18, -99_999_999_999.0, 1e-40));
+    assert_eq!(scene.spheres[0].center, vec3(1e18, -99_999_999_999.0, 1e-40));
     assert_eq!(scene.spheres[0].radius, 1e-18);
 }
 
@@ -301,7 +301,7 @@ fn builtin_three_rests_on_a_floor_sphere_with_its_top_at_zero() {
     for ball in &scene.spheres[1..] {
         assert_eq!((ball.center.y - ball.radius, ball.radius), (0.0, 1.0));
     }
-    assert_eq!(scene.sky, Sky::Gradient { bottom: Vec3::ONE, top: Vec3::new(0.5, 0.7, 1.0) });
+    assert_eq!(scene.sky, Sky::Gradient { bottom: Vec3::ONE, top: vec3(0.5, 0.7, 1.0) });
 }
 
 /// A change while a scene is read must be newer than this time.

@@ -1,7 +1,7 @@
 //! OBJ and MTL: what they mean as scenes and as meshes in scenes, and the way back to a scene file.
 
 use crate::folder::Folder;
-use glam::{Vec2, Vec3};
+use glam::{Vec2, Vec3, vec3};
 use octray::scene::{Material, MaterialKind, Scene, SceneError, Sky, Texels, convert_model, load};
 use std::path::Path;
 
@@ -32,8 +32,8 @@ fn obj_alone_is_framed_under_a_plain_sky() {
     assert_eq!((top, bottom), (Vec3::ONE, Vec3::splat(bottom.x)));
     assert!((0.01..0.2).contains(&bottom.x), "{bottom}");
     // Bounds from (-1,-1,-1) to (3,5,2): centre (1, 2, 0.5), diagonal sqrt(16 + 36 + 9).
-    let center = Vec3::new(1.0, 2.0, 0.5);
-    let position = center + 1.2 * 61.0_f32.sqrt() / 3.5_f32.sqrt() * Vec3::new(1.0, 0.5, 1.5);
+    let center = vec3(1.0, 2.0, 0.5);
+    let position = center + 1.2 * 61.0_f32.sqrt() / 3.5_f32.sqrt() * vec3(1.0, 0.5, 1.5);
     assert_eq!((scene.camera.look_at, scene.camera.vertical_fov), (center, 40.0));
     assert!(scene.camera.position.distance(position) < 1e-5, "{}", scene.camera.position);
     let material = one_material(&scene);
@@ -43,8 +43,7 @@ fn obj_alone_is_framed_under_a_plain_sky() {
 #[test]
 fn polygons_become_fans_around_their_first_corner() {
     let scene = load_obj("v 0 0 0\nv 2 0 0\nv 3 1 0\nv 2 2 0\nv 0 2 0\nf 1 2 3 4 5\n");
-    let [a, b, c, d, e] =
-        [[0., 0.], [2., 0.], [3., 1.], [2., 2.], [0., 2.]].map(|[x, y]| Vec3::new(x, y, 0.0));
+    let [a, b, c, d, e] = [[0., 0.], [2., 0.], [3., 1.], [2., 2.], [0., 2.]].map(|[x, y]| vec3(x, y, 0.0));
     let triangles: Vec<[Vec3; 3]> = scene.triangles.iter().map(|triangle| triangle.vertices).collect();
     assert_eq!(triangles, [[a, b, c], [a, c, d], [a, d, e]]);
 }
@@ -62,7 +61,7 @@ fn statements_in_the_wild_are_read_or_passed_over() {
         \tv  0\t2 0\r\nvt 0.5\r\nvn 0 1 1\r\nl 1 2\r\np 1\r\nf 1//1 2//1 \\\r\n 3//1\r\n\r\n";
     let scene = load_obj(text);
     assert_eq!(scene.triangles[0].vertices, [Vec3::ZERO, 2.0 * Vec3::X, 2.0 * Vec3::Y]);
-    assert_eq!(scene.normals, [[Vec3::new(0.0, 1.0, 1.0).normalize(); 3]]);
+    assert_eq!(scene.normals, [[vec3(0.0, 1.0, 1.0).normalize(); 3]]);
 }
 
 #[test]
@@ -92,11 +91,11 @@ fn groups_and_materials_of_the_mtl_reach_their_triangles() {
     let of = |i: usize| &scene.materials[scene.triangles[i].material as usize];
     let names: Vec<&str> = (0..8).map(|i| of(i).name.as_str()).collect();
     assert_eq!(names, ["default", "wall", "wall", "lamp", "mirror", "bright", "default", "default"]);
-    assert_eq!((of(1).kind, of(1).color), (MaterialKind::Diffuse, Vec3::new(0.5, 0.25, 1.0)));
+    assert_eq!((of(1).kind, of(1).color), (MaterialKind::Diffuse, vec3(0.5, 0.25, 1.0)));
     assert_eq!(scene.textures[of(1).texture.unwrap() as usize].name, "mtl/wall.png");
-    assert_eq!((of(3).emission, of(3).color), (Vec3::new(4.0, 3.0, 2.0), Vec3::ZERO));
-    assert_eq!((of(4).kind, of(4).color), (MaterialKind::Metal { roughness: 0.0 }, Vec3::new(0.9, 0.8, 0.7)));
-    assert_eq!(of(5).color, Vec3::new(1.0, 1.0, 0.5));
+    assert_eq!((of(3).emission, of(3).color), (vec3(4.0, 3.0, 2.0), Vec3::ZERO));
+    assert_eq!((of(4).kind, of(4).color), (MaterialKind::Metal { roughness: 0.0 }, vec3(0.9, 0.8, 0.7)));
+    assert_eq!(of(5).color, vec3(1.0, 1.0, 0.5));
     // Given coordinates stay, missing ones are planar (seen from +z: u = x, v = y), untextured triangles have
     // zeros.
     assert_eq!(scene.uvs[1], [Vec2::ZERO, Vec2::X, Vec2::Y]);
@@ -138,7 +137,7 @@ fn what_clearly_means_glass_is_glass() {
         assert!(warnings.is_empty(), "{statements}: {warnings:?}");
     }
     let (_, color, _) = with_material("illum 7\nTf 0.5 0.75 2\n");
-    assert_eq!(color, Vec3::new(0.5, 0.75, 1.0));
+    assert_eq!(color, vec3(0.5, 0.75, 1.0));
     assert_eq!(with_material("illum 7\nTf 0 0 0\n").1, Vec3::ONE, "black glass is no glass");
 }
 
@@ -146,9 +145,9 @@ fn what_clearly_means_glass_is_glass() {
 fn what_clearly_means_metal_or_plastic_is_that() {
     let metal = |roughness| MaterialKind::Metal { roughness };
     let plastic = |roughness, ior| MaterialKind::Plastic { roughness, ior };
-    let kd = Vec3::new(0.5, 0.25, 1.0);
+    let kd = vec3(0.5, 0.25, 1.0);
     for (statements, kind, color) in [
-        ("illum 3\nKs 0.9 0.8 0.7\nPr 0.25", metal(0.25), Vec3::new(0.9, 0.8, 0.7)),
+        ("illum 3\nKs 0.9 0.8 0.7\nPr 0.25", metal(0.25), vec3(0.9, 0.8, 0.7)),
         ("Pm 1\nPr 0.3\nKs 1 1 1\nPc 0\nPcr 0.03\naniso 0", metal(0.3), kd),
         ("Pm 0.5", metal(0.5), kd),
         ("Pm 0.4\nPr 0.3", plastic(0.3, 1.5), kd),
@@ -259,7 +258,7 @@ fn partial_normals_and_coordinates_count_as_none() {
     let scene = load_obj(
         "v 0 0 0\nv 2 0 0\nv 0 2 0\nvn 0 3 3\nvn 0 0 0\nf 1//1 2//1 3//1\nf 1//1 2 3//1\nf 1//2 2//1 3//1\n",
     );
-    let tilted = Vec3::new(0.0, 1.0, 1.0).normalize();
+    let tilted = vec3(0.0, 1.0, 1.0).normalize();
     assert_eq!(scene.normals, [[tilted; 3], [Vec3::ZERO; 3], [Vec3::ZERO; 3]]);
 }
 

@@ -1,7 +1,7 @@
 //! PLY models: the three encodings, and files that lie.
 
 use crate::folder::Folder;
-use glam::{Vec2, Vec3};
+use glam::{Vec2, Vec3, vec3};
 use octray::measure::stability::Rng;
 use octray::render::{Renderer, Settings};
 use octray::scene::{Scene, Texels, load, srgb_to_linear};
@@ -69,7 +69,7 @@ fn all_encodings_give_the_same_polygons_normals_and_colours() {
         assert_eq!(scene.triangles.len(), 4, "a fan of three, and one");
         let second = [[0.0, 0.0, 0.0], [1.5, 1.0, 0.0], [0.5, 2.0, 0.0]].map(Vec3::from);
         assert_eq!(scene.triangles[1].vertices, second);
-        assert!(scene.normals[0][0].abs_diff_eq(Vec3::new(0.6, 0.0, 0.8), 1e-6));
+        assert!(scene.normals[0][0].abs_diff_eq(vec3(0.6, 0.0, 0.8), 1e-6));
         // The colours at the corners: the texels around them.
         let texture = &scene.textures[0];
         let at = |uv: Vec2| {
@@ -79,7 +79,7 @@ fn all_encodings_give_the_same_polygons_normals_and_colours() {
             Vec3::from_slice(&texels[(y * texture.width + x) as usize])
         };
         let grey = srgb_to_linear(128.0 / 255.0) as f32;
-        assert_eq!(scene.uvs[0].map(at), [Vec3::Z, Vec3::new(1.0, 0.0, 1.0), Vec3::new(grey, 0.0, 1.0)]);
+        assert_eq!(scene.uvs[0].map(at), [Vec3::Z, vec3(1.0, 0.0, 1.0), vec3(grey, 0.0, 1.0)]);
     }
 }
 
@@ -94,8 +94,8 @@ fn colours_are_linear_between_vertices() {
     let mut scene = read_bytes(&encoded(header, &numbers)[1]).unwrap();
     // Seen from straight above under a white sky, each colour is that of its point.
     scene.camera = octray::scene::Camera {
-        position: Vec3::new(0.5, 0.5, 10.0),
-        look_at: Vec3::new(0.5, 0.5, 0.0),
+        position: vec3(0.5, 0.5, 10.0),
+        look_at: vec3(0.5, 0.5, 0.0),
         up: Vec3::Y,
         vertical_fov: (0.05_f32).atan().to_degrees() * 2.0,
     };
@@ -110,7 +110,7 @@ fn colours_are_linear_between_vertices() {
         let at = |p: usize| (p as f32 + 0.5) / 20.0;
         let (u, v) = (at(x), 1.0 - at(y));
         let found = Vec3::from(picture.pixels[y * 20 + x]);
-        let wanted = Vec3::new(1.0 - u - v, u, v);
+        let wanted = vec3(1.0 - u - v, u, v);
         assert!(found.abs_diff_eq(wanted, 0.02), "({u}, {v}): {found}, not {wanted}");
     }
 }

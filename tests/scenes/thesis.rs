@@ -1,7 +1,7 @@
 //! The thesis's own scene format: its values in our axes and our units.
 
 use crate::folder::Folder;
-use glam::{Vec2, Vec3};
+use glam::{Vec3, vec2, vec3};
 use octray::scene::{Filter, MaterialKind, Scene, Side, Sky};
 
 fn load_text(text: &str) -> Scene {
@@ -26,8 +26,8 @@ fn linear(x: f64) -> f32 {
 fn example_of_the_description_loads_with_one_warning() {
     let scene = load_text(EXAMPLE);
     assert_eq!((scene.resolution, scene.max_bounces), ([240, 135], 4));
-    assert_eq!(scene.sky, Sky::Color(Vec3::new(linear(0.2), linear(0.3), linear(0.4))));
-    assert_eq!(scene.spheres[0].center, Vec3::new(0.0, -5.0, 0.0));
+    assert_eq!(scene.sky, Sky::Color(vec3(linear(0.2), linear(0.3), linear(0.4))));
+    assert_eq!(scene.spheres[0].center, vec3(0.0, -5.0, 0.0));
     assert_eq!((scene.spheres[0].radius, scene.spheres[0].texture_turn), (8.0, 0.5));
     assert_eq!(scene.spheres[0].texture_side, Side::Inside);
     let of = |number: u32| &scene.materials[number as usize];
@@ -46,14 +46,14 @@ fn example_of_the_description_loads_with_one_warning() {
 fn camera_keeps_the_old_view() {
     let scene = load_text(r#"{ "res": [400, 100], "sphere": [ { "center": [0,0,0], "radius": 1 } ] }"#);
     let camera = scene.camera;
-    assert_eq!(camera.position, Vec3::new(-2.0, 2.5, 365.63));
+    assert_eq!(camera.position, vec3(-2.0, 2.5, 365.63));
     let forward = (camera.look_at - camera.position).normalize();
     let right = forward.cross(camera.up);
     // Theirs: yaw -4.7, nearly along +z; x grows to the left, y downwards. Inverted: nearly along -z, right
     // +x, up +y.
     let (sin, cos) = (-4.7_f64).sin_cos();
-    assert!((forward.as_dvec3() + glam::DVec3::new(cos, 0.0, sin)).length() < 1e-6, "{forward}");
-    assert!((right.as_dvec3() - glam::DVec3::new(sin, 0.0, -cos)).length() < 1e-6, "{right}");
+    assert!((forward.as_dvec3() + glam::dvec3(cos, 0.0, sin)).length() < 1e-6, "{forward}");
+    assert!((right.as_dvec3() - glam::dvec3(sin, 0.0, -cos)).length() < 1e-6, "{right}");
     assert_eq!(camera.up, Vec3::Y);
     // Focal length 200 w / 68: half the width over it is 34/200 at any width; the height follows the aspect,
     // 1/4.
@@ -78,8 +78,8 @@ fn camera_has_the_yaw_of_the_thesis() {
     let origin = column(camera, Vec3::ZERO);
     assert!((origin + 9.77).abs() < 0.02, "a little left of the middle: {origin}");
     // The middle of the picture passes x = -2.5 at z = 0, to a decimal.
-    assert!(column(camera, Vec3::new(-2.53, -2.5, 0.0)).abs() < 0.01);
-    let (left, right) = (Vec3::new(-2.45, -2.5, 0.0), Vec3::new(-2.55, -2.5, 0.0));
+    assert!(column(camera, vec3(-2.53, -2.5, 0.0)).abs() < 0.01);
+    let (left, right) = (vec3(-2.45, -2.5, 0.0), vec3(-2.55, -2.5, 0.0));
     assert!(column(camera, left) < 0.0 && column(camera, right) > 0.0);
 }
 
@@ -88,7 +88,7 @@ fn camera_has_the_yaw_of_the_thesis() {
 fn ball_up_and_left_of_their_camera_stays_up_and_left() {
     let scene = load_text(r#"{ "sphere": [ { "center": [12, -12.5, 0], "radius": 1 } ] }"#);
     let toward = scene.spheres[0].center - scene.camera.position;
-    assert_eq!(toward, Vec3::new(-10.0, 10.0, -365.63));
+    assert_eq!(toward, vec3(-10.0, 10.0, -365.63));
 }
 
 #[test]
@@ -109,7 +109,7 @@ fn surfaces_follow_emission_then_roughness() {
         { "center": [9,0,0], "radius": 1, "color": [128,255,0], "emission": 0, "roughness": 5000 } ] }"#,
     );
     let of = |i: usize| &scene.materials[scene.spheres[i].material as usize];
-    let color = Vec3::new(linear(128.0 / 255.0), 1.0, 0.0);
+    let color = vec3(linear(128.0 / 255.0), 1.0, 0.0);
     assert_eq!(of(0).kind, MaterialKind::Emitter);
     assert!((of(0).emission - 2.5 * color).length() < 1e-6, "{}", of(0).emission);
     assert_eq!((of(1).kind, of(1).color), (MaterialKind::Scatter { roughness: 2.5 }, color));
@@ -181,9 +181,9 @@ fn triangle_textures_lie_as_in_their_program() {
     let scene = folder.load("s.json", text).unwrap();
     // First: n = x cross z = (0,-1,0); tangent (0, -n.z, n.y) = (0,0,-1); bitangent n x tangent = (1,0,0).
     // At s0: u 0, row 3. At s1: u -2, row 0. Stored: v = 1 - row.
-    assert_eq!(scene.uvs[0], [Vec2::new(0.0, 1.0), Vec2::new(0.0, -2.0), Vec2::new(-2.0, 1.0)]);
+    assert_eq!(scene.uvs[0], [vec2(0.0, 1.0), vec2(0.0, -2.0), vec2(-2.0, 1.0)]);
     // Second: n = y cross z = (1,0,0); tangent (n.z, 0, -n.x) = (0,0,-1); bitangent (0,1,0).
-    assert_eq!(scene.uvs[1], [Vec2::new(0.0, 1.0), Vec2::new(0.0, 0.5), Vec2::new(-0.25, 1.0)]);
+    assert_eq!(scene.uvs[1], [vec2(0.0, 1.0), vec2(0.0, 0.5), vec2(-0.25, 1.0)]);
 }
 
 #[test]
@@ -224,7 +224,7 @@ fn colours_out_of_range_are_brought_inside_with_a_warning() {
     let scene = load_text(
         r#"{ "sky": [1,1,1], "sphere": [ { "center": [0,0,0], "radius": 1, "color": [300, -5, 255], "roughness": 9 } ] }"#,
     );
-    assert_eq!(scene.materials[0].color, Vec3::new(1.0, 0.0, 1.0));
+    assert_eq!(scene.materials[0].color, vec3(1.0, 0.0, 1.0));
     assert!(scene.warnings[0].contains("sphere[0].color"), "{:?}", scene.warnings);
 }
 

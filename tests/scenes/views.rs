@@ -2,7 +2,7 @@
 //! from.
 
 use crate::folder::Folder;
-use glam::Vec3;
+use glam::{Vec3, vec3};
 use octray::buffers::LightChoice;
 use octray::render::PipelineChoice;
 use octray::sampling::Sampler;
@@ -71,9 +71,9 @@ fn view_changes_what_it_says_of_every_format_and_nothing_else() {
         let load_with = |more| folder.load("deep/view.json", view(&from_below(base), more)).unwrap();
         let scene = load_with(more);
         let camera = Camera {
-            position: Vec3::new(3.3, 40.0, -5.0),
-            look_at: Vec3::new(0.1, 0.2, 0.3),
-            up: Vec3::new(0.0, 0.0, -2.0),
+            position: vec3(3.3, 40.0, -5.0),
+            look_at: vec3(0.1, 0.2, 0.3),
+            up: vec3(0.0, 0.0, -2.0),
             vertical_fov: 12.7,
         };
         let expected = Scene { camera, resolution: [31, 17], max_bounces: 1023, ..own.scene.clone() };
@@ -128,7 +128,7 @@ fn written_views_read_back_in_every_bit() {
         }
     };
     let mut point = || Vec3::from_array(std::array::from_fn(|_| next()));
-    let zeros = [Vec3::splat(-0.0), Vec3::new(-0.0, 0.0, 1.0), Vec3::new(0.0, 1.0, -0.0)];
+    let zeros = [Vec3::splat(-0.0), vec3(-0.0, 0.0, 1.0), vec3(0.0, 1.0, -0.0)];
     let mut read = 0;
     for turn in 0..2_000 {
         let [position, look_at, up] = if turn == 0 { zeros } else { std::array::from_fn(|_| point()) };

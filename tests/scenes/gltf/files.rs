@@ -2,7 +2,7 @@
 
 use super::{Loaded, glb, model, pictured, png, put, read, read_with, refused, square};
 use crate::folder::Folder;
-use glam::Vec3;
+use glam::{Vec3, vec3};
 use octray::measure::stability::Rng;
 use octray::scene::{Filter, MaterialKind, convert_model, load};
 use serde_json::{Value, json};
@@ -174,7 +174,7 @@ fn a_text_file_names_buffers_and_pictures_beside_it() {
         load(path.to_str().unwrap())
     };
     let placed = of(json!({ "model": "m.gltf", "scale": 2, "translate": [0, 0, 1] })).unwrap();
-    assert_eq!(placed.triangles[0].vertices[2], Vec3::new(2.0, 2.0, 1.0));
+    assert_eq!(placed.triangles[0].vertices[2], vec3(2.0, 2.0, 1.0));
     assert!(matches!(placed.materials[1].kind, MaterialKind::MetalRough { .. }));
     let red = of(json!({ "obj": "m.gltf", "material": "red" })).unwrap();
     assert_eq!((red.triangles[0].material, red.materials.len()), (0, 1));

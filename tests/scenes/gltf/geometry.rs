@@ -1,7 +1,7 @@
 //! Triangles and cameras of glTF models: nodes, accessors, modes.
 
 use super::{append, floats, model, placed, read, read_with, refused, square};
-use glam::Vec3;
+use glam::{Vec3, vec3};
 use serde_json::json;
 
 #[test]
@@ -75,7 +75,7 @@ fn numbers_may_be_quantised_and_sparse() {
         append(json, &mut binary, &[2, 0, 127, 127, (-127_i8) as u8, 0], json!({}));
     });
     let scene = read_with(&json, &binary).unwrap().scene;
-    assert_eq!(scene.triangles[0].vertices, [Vec3::ZERO, Vec3::X, Vec3::new(1.0, 1.0, -1.0)]);
+    assert_eq!(scene.triangles[0].vertices, [Vec3::ZERO, Vec3::X, vec3(1.0, 1.0, -1.0)]);
     assert_eq!(scene.triangles[1].vertices[2], Vec3::Y);
 }
 
@@ -88,7 +88,7 @@ fn cameras_look_along_minus_z_of_their_node() {
         json["scenes"][0]["nodes"] = json!([0, 1]);
     }));
     let camera = scene.camera;
-    assert_eq!((camera.position, camera.up), (Vec3::new(0.0, 0.0, 7.0), Vec3::NEG_Y));
+    assert_eq!((camera.position, camera.up), (vec3(0.0, 0.0, 7.0), Vec3::NEG_Y));
     assert_eq!((camera.look_at - camera.position).normalize(), Vec3::NEG_Z);
     assert!((camera.vertical_fov - 28.65).abs() < 0.01);
 }
@@ -104,13 +104,13 @@ fn normals_stay_upright_where_nodes_stretch() {
         model(|json| json["nodes"][0] = json!({ "mesh": 0, "translation": [1, 0, 0], "scale": [2, 1, 1] }));
     let scene = placed(&json, &binary, json!({ "rotate_degrees": [0, 0, 90], "translate": [5, 0, 0] }));
     // Twice as long in x, then turned from x to y.
-    let wanted = normals.map(|[x, y, z]: [f32; 3]| Vec3::new(-y, x / 2.0, z).normalize());
+    let wanted = normals.map(|[x, y, z]: [f32; 3]| vec3(-y, x / 2.0, z).normalize());
     for (triangle, corners) in [[0, 1, 2], [0, 2, 3]].into_iter().enumerate() {
         for (found, corner) in scene.normals[triangle].iter().zip(corners) {
             assert!(found.abs_diff_eq(wanted[corner], 1e-6), "{corner}: {found}, not {}", wanted[corner]);
         }
     }
-    assert_eq!(scene.triangles[0].vertices[..2], [Vec3::new(5.0, 1.0, 0.0), Vec3::new(5.0, 3.0, 0.0)]);
+    assert_eq!(scene.triangles[0].vertices[..2], [vec3(5.0, 1.0, 0.0), vec3(5.0, 3.0, 0.0)]);
 }
 
 #[test]
@@ -135,7 +135,7 @@ fn numbers_of_every_type_are_normalised_by_their_largest() {
             append(json, &mut binary, &bytes, json!({}));
         });
         let scene = read_with(&json, &binary).unwrap().scene;
-        let wanted = [Vec3::new(0.0, 0.0, lowest), Vec3::X, Vec3::new(1.0, 1.0, 0.0)];
+        let wanted = [vec3(0.0, 0.0, lowest), Vec3::X, vec3(1.0, 1.0, 0.0)];
         assert_eq!(scene.triangles[0].vertices, wanted, "{kind}");
     }
 }
@@ -153,7 +153,7 @@ fn sparse_numbers_without_a_view_replace_zeros_from_their_offsets() {
         append(json, &mut binary, &[vec![0, 0, 0, 1, 2, 3, 0, 0], corners].concat(), json!({}));
     });
     let scene = read_with(&json, &binary).unwrap().scene;
-    assert_eq!(scene.triangles[0].vertices, [Vec3::ZERO, Vec3::X, Vec3::new(1.0, 1.0, 0.0)]);
+    assert_eq!(scene.triangles[0].vertices, [Vec3::ZERO, Vec3::X, vec3(1.0, 1.0, 0.0)]);
     assert_eq!(scene.triangles[1].vertices[2], Vec3::Y);
 }
 
@@ -178,7 +178,7 @@ fn scenes_matrices_and_cameras_are_the_ones_that_are_named() {
     let scene = read(&model(|json| {
         json["nodes"][0]["matrix"] = json!([0, 1, 0, 0, -1, 0, 0, 0, 0, 0, 1, 0, 5, 0, 0, 1]);
     }));
-    assert_eq!(scene.triangles[0].vertices[..2], [Vec3::new(5.0, 0.0, 0.0), Vec3::new(5.0, 1.0, 0.0)]);
+    assert_eq!(scene.triangles[0].vertices[..2], [vec3(5.0, 0.0, 0.0), vec3(5.0, 1.0, 0.0)]);
     let scene = read(&model(|json| {
         json["nodes"] = json!([{ "mesh": 0 }, { "mesh": 0, "translation": [0, 0, 3] }]);
         json["scenes"] = json!([{ "nodes": [0] }, { "nodes": [1] }]);

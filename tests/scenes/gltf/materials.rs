@@ -1,7 +1,7 @@
 //! Materials, textures and vertex colours of glTF models.
 
 use super::{Loaded, floats, material, model, pictured, push, put_colours, read_with, square};
-use glam::{DVec3, Vec2, Vec3};
+use glam::{DVec3, Vec2, Vec3, vec2, vec3};
 use octray::scene::{Filter, Material, MaterialKind, Scene, Texels, convert_model, load};
 use serde_json::{Value, json};
 use std::fs;
@@ -18,7 +18,7 @@ fn materials_are_those_of_the_standard() {
             "KHR_materials_ior": { "ior": 1.8 }, "KHR_materials_emissive_strength": { "emissiveStrength": 4 }
         });
     });
-    assert_eq!((rich.color, rich.emission), (Vec3::new(0.1, 0.2, 0.3), Vec3::new(4.0, 2.0, 0.0)));
+    assert_eq!((rich.color, rich.emission), (vec3(0.1, 0.2, 0.3), vec3(4.0, 2.0, 0.0)));
     assert_eq!(rich.kind, MaterialKind::MetalRough { roughness: 0.5, metallic: 0.25, ior: 1.8 });
     let (glass, _) = material(|json| {
         json["pbrMetallicRoughness"] =
@@ -27,12 +27,12 @@ fn materials_are_those_of_the_standard() {
             "KHR_materials_transmission": { "transmissionFactor": 1 }, "KHR_materials_ior": { "ior": 1.33 }
         });
     });
-    assert_eq!((glass.kind, glass.color), (MaterialKind::Glass { ior: 1.33 }, Vec3::new(0.5, 1.0, 1.0)));
+    assert_eq!((glass.kind, glass.color), (MaterialKind::Glass { ior: 1.33 }, vec3(0.5, 1.0, 1.0)));
     let (unlit, _) = material(|json| {
         json["pbrMetallicRoughness"] = json!({ "baseColorFactor": [0.1, 0.2, 0.3, 1] });
         json["extensions"] = json!({ "KHR_materials_unlit": {} });
     });
-    assert_eq!((unlit.kind, unlit.emission), (MaterialKind::Emitter, Vec3::new(0.1, 0.2, 0.3)));
+    assert_eq!((unlit.kind, unlit.emission), (MaterialKind::Emitter, vec3(0.1, 0.2, 0.3)));
 }
 
 #[test]
@@ -72,7 +72,7 @@ fn textures_have_their_places_and_coordinates() {
     let wanted = 0.5 * DVec3::new(0.5, -0.5, -1.0).normalize() + 0.5;
     assert!(Vec3::from_slice(&texels[0]).abs_diff_eq(wanted.as_vec3(), 1e-6), "{texels:?}");
     // The upper left corner of the picture is (0, 0) in the file: (0.5, 0.25) after the transform.
-    assert_eq!(scene.uvs[1][2], Vec2::new(0.5, 0.75));
+    assert_eq!(scene.uvs[1][2], vec2(0.5, 0.75));
     assert_eq!(scene.uvs[0], [[0.5, -3.25], [2.5, -3.25], [2.5, 0.75]].map(Vec2::from));
     assert_eq!(scaled.emission_map, None);
     let warning = &scene.warnings[0];
@@ -120,7 +120,7 @@ fn texture_coordinates_turn_counter_clockwise_and_stay_at_their_vertices() {
     });
     let scene = read_with(&json, &binary).unwrap().scene;
     for (triangle, uvs) in scene.triangles.iter().zip(&scene.uvs) {
-        assert_eq!(*uvs, triangle.vertices.map(|v| Vec2::new(-v.x, v.y)));
+        assert_eq!(*uvs, triangle.vertices.map(|v| vec2(-v.x, v.y)));
     }
 }
 

@@ -207,7 +207,7 @@ fn frustum_keeps_what_rounding_hits_beside_it() {
 /// hardly anywhere themselves: the first copy counts, and the frustum must not leave it out because another
 /// one has been hit.
 #[test]
-fn frustum_keeps_the_first_of_copies_seen_tile_from_afar() {
+fn frustum_keeps_the_first_of_copies_seen_from_afar() {
     let mut rng = Rng(93);
     let mut hits = 0;
     const ROUNDS: usize = 108;

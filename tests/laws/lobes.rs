@@ -149,7 +149,7 @@ fn arriving(degrees: f64) -> (DVec3, DVec3) {
 
 const BINS: usize = 20;
 /// Points of quadrature along a side of a bin.
-const POINTS: usize = 10;
+const POINTS: usize = 14;
 const SAMPLES: usize = 100_000;
 
 #[test]
